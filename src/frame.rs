@@ -1,0 +1,85 @@
+//! A rendered frame: planes of values, one a channel, row 0 on top.
+
+/// Triangle or piece id where nothing is hit.
+pub const NO_ID: u32 = u32::MAX;
+
+/// A channel of the contract's section 4.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Channel {
+    R,
+    G,
+    B,
+    A,
+    Z,
+    T,
+    TriangleId,
+    PieceId,
+    BaryU,
+    BaryV,
+}
+
+impl Channel {
+    pub const ALL: [Channel; 10] = [
+        Channel::R,
+        Channel::G,
+        Channel::B,
+        Channel::A,
+        Channel::Z,
+        Channel::T,
+        Channel::TriangleId,
+        Channel::PieceId,
+        Channel::BaryU,
+        Channel::BaryV,
+    ];
+
+    /// The name in an EXR file and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Channel::R => "R",
+            Channel::G => "G",
+            Channel::B => "B",
+            Channel::A => "A",
+            Channel::Z => "Z",
+            Channel::T => "t",
+            Channel::TriangleId => "triangle.id",
+            Channel::PieceId => "piece.id",
+            Channel::BaryU => "bary.u",
+            Channel::BaryV => "bary.v",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Channel> {
+        Channel::ALL.into_iter().find(|c| c.name() == name)
+    }
+}
+
+/// One channel's values, `width * height`, row by row from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Plane {
+    F32(Vec<f32>),
+    U32(Vec<u32>),
+}
+
+/// The channels of one image; each channel at most once, in the order of [`Channel::ALL`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    pub width: u32,
+    pub height: u32,
+    pub planes: Vec<(Channel, Plane)>,
+}
+
+impl Frame {
+    pub fn f32(&self, channel: Channel) -> Option<&[f32]> {
+        self.planes.iter().find_map(|(c, p)| match p {
+            Plane::F32(v) if *c == channel => Some(v.as_slice()),
+            _ => None,
+        })
+    }
+
+    pub fn u32(&self, channel: Channel) -> Option<&[u32]> {
+        self.planes.iter().find_map(|(c, p)| match p {
+            Plane::U32(v) if *c == channel => Some(v.as_slice()),
+            _ => None,
+        })
+    }
+}

@@ -1,0 +1,4 @@
+pub mod camera;
+pub mod error;
+pub mod frame;
+pub mod scene;
