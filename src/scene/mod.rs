@@ -1,1 +1,96 @@
+//! Scenes: the file a user writes, and the triangles, lights and camera it stands for.
+
+pub mod clusters;
+pub mod file;
+pub mod generate;
+pub mod gltf;
 pub mod mesh;
+pub mod obj;
+pub mod place;
+
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+use file::{CameraSpec, MeshSource, MeshSpec, SceneFile};
+use glam::DVec3;
+use mesh::Mesh;
+use rayon::prelude::*;
+use std::path::Path;
+
+/// Everything that a frame needs, loaded.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// All meshes placed in the world, one after the other.
+    pub mesh: Mesh,
+    /// Unit directions in which light travels; none: one headlight along each pixel's own ray.
+    pub lights: Vec<DVec3>,
+    /// Linear RGB.
+    pub background: [f32; 3],
+    /// The image's size in pixels, unless the camera brings its own.
+    pub size: Option<(u32, u32)>,
+    pub camera: CameraSpec,
+    pub output: file::OutputSpec,
+}
+
+impl Scene {
+    /// Loads a scene file with every mesh that it names; `overrides` are `key=value` pairs.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Scene> {
+        Scene::from_file(file::load(path, overrides)?)
+    }
+
+    pub fn from_file(file: SceneFile) -> Result<Scene> {
+        let meshes = file.meshes.iter().map(load_mesh).collect::<Result<Vec<Mesh>>>()?;
+        let mesh = place::merge(meshes)?;
+        if let Some(v) = mesh.positions.par_iter().find_any(|p| !p.is_finite()) {
+            return Err(Error::input(format!("mesh: a vertex lies at {v} after its transform; use finite numbers")));
+        }
+        let size = match (file.image.width, file.image.height) {
+            (Some(w), Some(h)) => Some((w, h)),
+            (None, None) => None,
+            _ => return Err(Error::input("image: give both width and height")),
+        };
+        let light = |l: &file::LightSpec| {
+            l.direction.try_normalize().ok_or_else(|| Error::input("light: direction is zero; give a direction"))
+        };
+        Ok(Scene {
+            mesh,
+            lights: file.lights.iter().map(light).collect::<Result<_>>()?,
+            background: file.image.background,
+            size,
+            camera: file.camera,
+            output: file.output,
+        })
+    }
+
+    /// The scene's camera for an image of its size.
+    pub fn camera(&self) -> Result<Camera> {
+        Camera::new(&self.camera, self.size)
+    }
+
+    /// The corners of the box around all vertices; `None` without any.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let one = |p: &DVec3| (*p, *p);
+        self.mesh.positions.par_iter().map(one).reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+}
+
+fn load_mesh(spec: &MeshSpec) -> Result<Mesh> {
+    let mut mesh = match &spec.source {
+        MeshSource::Builtin(builtin) => generate::generate(builtin)?,
+        MeshSource::File(path) => {
+            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+            match extension.as_str() {
+                "obj" => obj::load(path)?,
+                "gltf" | "glb" => gltf::load(path)?,
+                _ => {
+                    let name = path.display();
+                    return Err(Error::input(format!("{name}: unknown kind of mesh file; use .obj, .gltf or .glb")));
+                }
+            }
+        }
+    };
+    for material in &mut mesh.materials {
+        material.two_sided = spec.two_sided;
+        material.diffuse = spec.color.unwrap_or(material.diffuse);
+    }
+    Ok(place::place(mesh, spec.scale, spec.rotate, spec.translate))
+}

@@ -1,0 +1,57 @@
+//! `pinhole` and `orthographic`: the two cameras every renderer has, as one-piece bundles.
+
+use super::bundle::Bundle;
+use crate::error::{Error, Result};
+use glam::DVec3;
+
+/// A view frame: forward, right and image-up unit vectors.
+struct View {
+    forward: DVec3,
+    right: DVec3,
+    up: DVec3,
+}
+
+/// Sine of the smallest angle between `up` and the view direction that still fixes the picture's
+/// upright: below it the f64 rounding of `f x up` (2^-52) turns the picture by more than 2^-20 rad.
+const UP_SINE_MIN: f64 = 1.0 / (1u64 << 32) as f64;
+
+fn view(eye: DVec3, target: DVec3, up: DVec3) -> Result<View> {
+    let forward = (target - eye)
+        .try_normalize()
+        .ok_or_else(|| Error::input("camera: eye and target are the same point; move one of them"))?;
+    let up = up.try_normalize().ok_or_else(|| Error::input("camera: up is zero; give a direction"))?;
+    let right = forward.cross(up);
+    if right.length() < UP_SINE_MIN {
+        return Err(Error::input("camera: up is parallel to the view direction; give another up"));
+    }
+    let right = right.normalize();
+    Ok(View { forward, right, up: right.cross(forward) })
+}
+
+/// `P = eye`, `D = f + (2a-1) k (W/H) r + (1-2b) k u` with `k = tan(vfov/2)`; centred on the image's middle.
+pub fn pinhole(eye: DVec3, target: DVec3, up: DVec3, vfov_deg: f64, height: u32) -> Result<Bundle> {
+    if !(vfov_deg > 0.0 && vfov_deg < 180.0) {
+        return Err(Error::input(format!("camera.vfov = {vfov_deg}: must lie between 0 and 180 degrees")));
+    }
+    let v = view(eye, target, up)?;
+    let step = 2.0 * (vfov_deg.to_radians() / 2.0).tan() / height as f64;
+    Ok(Bundle {
+        p: [eye, DVec3::ZERO, DVec3::ZERO],
+        d: [v.forward, step * v.right, -step * v.up],
+        h: [1.0, 0.0, 0.0],
+    })
+}
+
+/// `P = eye + (2a-1)(height/2)(W/H) r + (1-2b)(height/2) u`, `D = f`; centred on the image's middle.
+pub fn orthographic(eye: DVec3, target: DVec3, up: DVec3, height_world: f64, height: u32) -> Result<Bundle> {
+    if !(height_world > 0.0 && height_world.is_finite()) {
+        return Err(Error::input(format!("camera.height = {height_world}: must be a positive length")));
+    }
+    let v = view(eye, target, up)?;
+    let step = height_world / height as f64;
+    Ok(Bundle {
+        p: [eye, step * v.right, -step * v.up],
+        d: [v.forward, DVec3::ZERO, DVec3::ZERO],
+        h: [1.0, 0.0, 0.0],
+    })
+}

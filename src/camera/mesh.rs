@@ -1,0 +1,101 @@
+//! The `mesh` camera: image triangles whose corners carry rays (Hou et al. 2006; Popescu's CGLC segments).
+
+use super::bundle::Bundle;
+use super::pieces::{Piece, Pieces, side};
+use crate::error::{Error, Result};
+use crate::scene::file::MeshCameraSpec;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// Compiles every image triangle to one piece.
+///
+/// With `L_i` the barycentric coordinates of the image place, `p = sum w_i L_i near_i`, `h = sum w_i L_i` and
+/// `d = sum w_i L_i (far_i - near_i)`, or with `normalize` `d = sum w_i L_i unit(far_i - near_i)`.
+pub fn compile(spec: &MeshCameraSpec, width: u32, height: u32, notes: &mut Vec<String>) -> Result<Pieces> {
+    if spec.triangles.is_empty() {
+        return Err(Error::input("camera.triangles: the camera has no pieces; give at least one triangle"));
+    }
+    let size = DVec2::new(width as f64, height as f64);
+    let pieces: Vec<Piece> = spec
+        .triangles
+        .par_iter()
+        .enumerate()
+        .map(|(k, t)| piece(spec, k, t, size))
+        .collect::<Result<_>>()?;
+    if let Some((j, k)) = first_overlap(&pieces) {
+        return Err(Error::input(format!("camera.triangles: {j} and {k} overlap in the image; pieces must not")));
+    }
+    let dead: Vec<usize> = (0..pieces.len()).filter(|&k| pieces[k].bundle.d == [DVec3::ZERO; 3]).collect();
+    match dead.len() {
+        0 => {}
+        n if n == pieces.len() => {
+            return Err(Error::input("camera.vertices: near and far are equal everywhere, so no ray has a direction"));
+        }
+        n => notes.push(format!("{n} pieces have no ray direction (near = far), the first is {}: background", dead[0])),
+    }
+    Ok(Pieces::new(pieces, width, height))
+}
+
+fn piece(spec: &MeshCameraSpec, index: usize, triangle: &[u32; 3], size: DVec2) -> Result<Piece> {
+    let v = triangle.map(|i| &spec.vertices[i as usize]);
+    let corners = v.map(|v| DVec2::from(v.image) * size);
+    let area2 = side(corners[0], corners[1], corners[2]);
+    if area2 == 0.0 {
+        return Err(Error::input(format!("camera.triangles: {index} has no area in the image; remove it")));
+    }
+    let mut direction = v.map(|v| v.far - v.near);
+    if spec.normalize {
+        direction = direction.map(|d| d.normalize_or_zero());
+    }
+    let w = v.map(|v| v.w);
+    // dL_i/dx = (y_j - y_k) / 2A, dL_i/dy = (x_k - x_j) / 2A for the corners i, j, k in order
+    let gradient = [0, 1, 2].map(|i| {
+        let e = corners[(i + 2) % 3] - corners[(i + 1) % 3];
+        DVec2::new(-e.y, e.x) / area2
+    });
+    // the L_i sum to 1, so their gradients sum to 0: differences from corner 0 lose nothing
+    let affine = |q: [DVec3; 3]| {
+        let (a, b) = (q[1] - q[0], q[2] - q[0]);
+        let slope = |g1: f64, g2: f64| g1 * a + g2 * b;
+        [q[0] + (a + b) / 3.0, slope(gradient[1].x, gradient[2].x), slope(gradient[1].y, gradient[2].y)]
+    };
+    let weighted = |q: [DVec3; 3]| affine([w[0] * q[0], w[1] * q[1], w[2] * q[2]]);
+    let h = affine(w.map(|w| DVec3::new(w, 0.0, 0.0))).map(|v| v.x);
+    let bundle = Bundle { p: weighted(v.map(|v| v.near)), d: weighted(direction), h };
+    Ok(Piece { bundle, centre_px: (corners[0] + corners[1] + corners[2]) / 3.0, corners_px: Some(corners) })
+}
+
+/// The first pair of pieces whose interiors overlap, by a grid of about one cell a piece.
+fn first_overlap(pieces: &[Piece]) -> Option<(usize, usize)> {
+    let corners: Vec<[DVec2; 3]> = pieces.iter().filter_map(|p| p.corners_px).collect();
+    let boxes: Vec<(DVec2, DVec2)> =
+        corners.iter().map(|[a, b, c]| (a.min(*b).min(*c), a.max(*b).max(*c))).collect();
+    let lo = boxes.iter().fold(DVec2::INFINITY, |m, b| m.min(b.0));
+    let hi = boxes.iter().fold(DVec2::NEG_INFINITY, |m, b| m.max(b.1));
+    let n = ((pieces.len() as f64).sqrt().ceil() as usize).max(1);
+    let cell = (hi - lo).max(DVec2::splat(f64::MIN_POSITIVE)) / n as f64;
+    let column = |x: f64| (((x - lo.x) / cell.x) as usize).min(n - 1);
+    let row = |y: f64| (((y - lo.y) / cell.y) as usize).min(n - 1);
+    let mut cells = vec![Vec::new(); n * n];
+    for (k, (lo, hi)) in boxes.iter().enumerate() {
+        for y in row(lo.y)..=row(hi.y) {
+            for x in column(lo.x)..=column(hi.x) {
+                cells[y * n + x].push(k);
+            }
+        }
+    }
+    let in_cell = |list: &Vec<usize>| {
+        let pairs = list.iter().enumerate().flat_map(|(i, &j)| list[i + 1..].iter().map(move |&k| (j, k)));
+        pairs.filter(|&(j, k)| overlap(&corners[j], &corners[k])).min()
+    };
+    cells.par_iter().filter_map(in_cell).min()
+}
+
+/// The triangles' interiors overlap: no edge of either has the other wholly on its outer side.
+fn overlap(s: &[DVec2; 3], t: &[DVec2; 3]) -> bool {
+    let separates = |s: &[DVec2; 3], t: &[DVec2; 3]| {
+        let o = side(s[0], s[1], s[2]);
+        (0..3).any(|k| t.iter().all(|q| side(s[k], s[(k + 1) % 3], *q) * o <= 0.0))
+    };
+    !separates(s, t) && !separates(t, s)
+}

@@ -1,0 +1,208 @@
+//! An image cut into pieces, each an affine homogeneous bundle of rays, and which piece owns a pixel.
+//!
+//! Borders are decided in f64 with one canonical order of every edge's end points, so two pieces that share
+//! an edge see the same number: a pixel exactly on a border lies in both, and the lowest-numbered piece owns it.
+
+use super::bundle::Bundle;
+use crate::TILE;
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// One piece: rays, and the image triangle they hold for.
+#[derive(Debug, Clone)]
+pub struct Piece {
+    /// Centred on `centre_px`.
+    pub bundle: Bundle,
+    /// Image place in pixels, x right and y down, (0, 0) the top left corner of the image.
+    pub centre_px: DVec2,
+    /// The piece's image triangle in pixels; `None`: the whole image.
+    pub corners_px: Option<[DVec2; 3]>,
+}
+
+/// Pieces over an image, with a list of the pieces near each tile of [`TILE`] x [`TILE`] pixels.
+#[derive(Debug, Clone)]
+pub struct Pieces {
+    pub pieces: Vec<Piece>,
+    tiles_x: u32,
+    /// `tile_pieces[tile_start[k]..tile_start[k + 1]]` are the pieces near tile k, ascending.
+    tile_start: Vec<u32>,
+    tile_pieces: Vec<u32>,
+    /// Where in a pixel its ray is taken, px from the pixel's top left corner.
+    sample: DVec2,
+}
+
+/// Rounding bound of [`side`], in units of the sum of its absolute products: two differences, two products
+/// and one subtraction (5 u), and the rounding of the corners themselves to pixels (2 u): 8 u with u = 2^-53.
+const SIDE_ROUNDING: f64 = 8.0 / (1u64 << 53) as f64;
+
+/// How far beyond a tile a piece may lie and still be listed with it: the safe radius and a sample offset of half a pixel.
+const TILE_REACH_PX: f64 = super::SAFE_RADIUS_PX + 0.5;
+
+/// Twice the signed area of (a, b, q), 0 within rounding; the same bits up to sign for (b, a, q).
+pub(super) fn side(a: DVec2, b: DVec2, q: DVec2) -> f64 {
+    let flip = (a.x, a.y) > (b.x, b.y);
+    let (a, b) = if flip { (b, a) } else { (a, b) };
+    let (e, m) = (b - a, q - a);
+    let value = e.x * m.y - e.y * m.x;
+    let reach = DVec2::new(m.x.abs() + a.x.abs() + q.x.abs(), m.y.abs() + a.y.abs() + q.y.abs());
+    if value.abs() <= SIDE_ROUNDING * (e.x.abs() * reach.y + e.y.abs() * reach.x) {
+        return 0.0;
+    }
+    if flip { -value } else { value }
+}
+
+impl Piece {
+    /// The piece holds the image place `q` (px), its border included.
+    fn holds(&self, q: DVec2) -> bool {
+        let Some([a, b, c]) = self.corners_px else { return true };
+        let o = side(a, b, c);
+        side(a, b, q) * o >= 0.0 && side(b, c, q) * o >= 0.0 && side(c, a, q) * o >= 0.0
+    }
+
+    /// The piece may come within the box of half-sizes `half` about `centre` (px): never false when it does.
+    fn reaches(&self, centre: DVec2, half: DVec2) -> bool {
+        let Some([a, b, c]) = self.corners_px else { return true };
+        let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
+        if (lo - half).cmpgt(centre).any() || (hi + half).cmplt(centre).any() {
+            return false;
+        }
+        let o = side(a, b, c).signum();
+        [(a, b), (b, c), (c, a)].iter().all(|&(s, t)| {
+            let e = t - s;
+            o * side(s, t, centre) + e.x.abs() * half.y + e.y.abs() * half.x >= 0.0
+        })
+    }
+}
+
+impl Pieces {
+    /// One piece over the whole image; `bundle` is centred on the image's middle.
+    pub fn whole(bundle: Bundle, width: u32, height: u32) -> Pieces {
+        let centre_px = DVec2::new(width as f64, height as f64) / 2.0;
+        Pieces::new(vec![Piece { bundle, centre_px, corners_px: None }], width, height)
+    }
+
+    pub fn new(pieces: Vec<Piece>, width: u32, height: u32) -> Pieces {
+        let (tiles_x, tiles_y) = (width.div_ceil(TILE), height.div_ceil(TILE));
+        let (tile_start, tile_pieces) = pieces_near_tiles(&pieces, tiles_x, tiles_y);
+        Pieces { pieces, tiles_x, tile_start, tile_pieces, sample: DVec2::splat(0.5) }
+    }
+
+    pub(super) fn with_sample(&self, x: f64, y: f64) -> Pieces {
+        Pieces { sample: DVec2::new(x, y), ..self.clone() }
+    }
+
+    /// The pieces that may own pixels of the tile, ascending.
+    pub fn of_tile(&self, tile_x: u32, tile_y: u32) -> &[u32] {
+        let k = (tile_y * self.tiles_x + tile_x) as usize;
+        &self.tile_pieces[self.tile_start[k] as usize..self.tile_start[k + 1] as usize]
+    }
+
+    /// The image place (px) of the ray of pixel `(i, j)`.
+    pub fn place(&self, i: u32, j: u32) -> DVec2 {
+        DVec2::new(i as f64, j as f64) + self.sample
+    }
+
+    pub fn owner(&self, i: u32, j: u32) -> Option<u32> {
+        let q = self.place(i, j);
+        self.of_tile(i / TILE, j / TILE).iter().copied().find(|&k| self.pieces[k as usize].holds(q))
+    }
+
+    /// Piece `k`'s bundle, centred on the sample of pixel `(i, j)`.
+    pub fn bundle_at(&self, k: u32, i: u32, j: u32) -> Bundle {
+        self.bundle_at_place(k, self.place(i, j))
+    }
+
+    /// Piece `k`'s bundle, centred on an image place in pixels.
+    pub fn bundle_at_place(&self, k: u32, place_px: DVec2) -> Bundle {
+        let piece = &self.pieces[k as usize];
+        let offset = place_px - piece.centre_px;
+        piece.bundle.recentred(offset.x, offset.y)
+    }
+
+    /// See [`super::Camera::near`].
+    pub(super) fn near(&self, i: u32, j: u32, radius_px: f64) -> (Vec<Bundle>, bool) {
+        let q = self.place(i, j);
+        let owner = self.owner(i, j);
+        let half = DVec2::splat(radius_px);
+        let mut bundles: Vec<Bundle> = owner.iter().map(|&k| self.bundle_at(k, i, j)).collect();
+        let mut covered = 0.0;
+        for &k in self.of_tile(i / TILE, j / TILE) {
+            let piece = &self.pieces[k as usize];
+            if piece.reaches(q, half) {
+                covered += clipped_area(piece, q, half);
+                if owner != Some(k) {
+                    bundles.push(self.bundle_at(k, i, j));
+                }
+            }
+        }
+        let area = 4.0 * radius_px * radius_px;
+        (bundles, covered < area * (1.0 - AREA_ROUNDING))
+    }
+}
+
+/// Relative rounding of the summed areas of [`clipped_area`] at image places up to 2^16 px: a place rounds to 2^-37 px
+/// there, which is 2^-33 of the box's side of 1/8 px; some ten such terms a polygon.
+const AREA_ROUNDING: f64 = 1.0 / (1u64 << 28) as f64;
+
+/// The area (px^2) of the piece inside the box about `centre`.
+fn clipped_area(piece: &Piece, centre: DVec2, half: DVec2) -> f64 {
+    let Some(corners) = piece.corners_px else { return 4.0 * half.x * half.y };
+    let mut polygon: Vec<DVec2> = corners.iter().map(|c| *c - centre).collect();
+    for axis in [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y] {
+        let limit = axis.abs().dot(half);
+        let depth = |q: DVec2| limit - axis.dot(q);
+        let mut kept = Vec::with_capacity(polygon.len() + 1);
+        for (k, &b) in polygon.iter().enumerate() {
+            let a = polygon[(k + polygon.len() - 1) % polygon.len()];
+            let (da, db) = (depth(a), depth(b));
+            if (da >= 0.0) != (db >= 0.0) {
+                kept.push(a + (b - a) * (da / (da - db)));
+            }
+            if db >= 0.0 {
+                kept.push(b);
+            }
+        }
+        polygon = kept;
+    }
+    let twice: f64 = (0..polygon.len()).map(|k| polygon[k].perp_dot(polygon[(k + 1) % polygon.len()])).sum();
+    twice.abs() / 2.0
+}
+
+/// For every tile, row by row, the pieces that may come within [`TILE_REACH_PX`] of it, as offsets and a list.
+fn pieces_near_tiles(pieces: &[Piece], tiles_x: u32, tiles_y: u32) -> (Vec<u32>, Vec<u32>) {
+    let count = (tiles_x * tiles_y) as usize;
+    if let [Piece { corners_px: None, .. }] = pieces {
+        return ((0..=count as u32).collect(), vec![0; count]);
+    }
+    let mut pairs: Vec<(u32, u32)> = pieces
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(|(k, piece)| {
+            tiles_near(piece, tiles_x, tiles_y).map(move |(x, y)| (y * tiles_x + x, k as u32))
+        })
+        .collect();
+    pairs.par_sort_unstable();
+    let mut start = vec![0u32; count + 1];
+    for &(tile, _) in &pairs {
+        start[tile as usize + 1] += 1;
+    }
+    for k in 0..count {
+        start[k + 1] += start[k];
+    }
+    (start, pairs.into_iter().map(|(_, piece)| piece).collect())
+}
+
+/// Columns and rows of the tiles within [`TILE_REACH_PX`] of the piece.
+fn tiles_near(piece: &Piece, tiles_x: u32, tiles_y: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
+    let side_px = TILE as f64;
+    let half = DVec2::splat(side_px / 2.0 + TILE_REACH_PX);
+    let [a, b, c] = piece.corners_px.unwrap_or([DVec2::ZERO; 3]);
+    let (lo, hi) = (a.min(b).min(c) - TILE_REACH_PX, a.max(b).max(c) + TILE_REACH_PX);
+    let range = move |lo: f64, hi: f64, n: u32| {
+        let first = (lo / side_px).floor().clamp(0.0, n as f64) as u32;
+        first..((hi / side_px).floor() + 1.0).clamp(first as f64, n as f64) as u32
+    };
+    let (xs, ys) = (range(lo.x, hi.x, tiles_x), range(lo.y, hi.y, tiles_y));
+    ys.flat_map(move |y| xs.clone().map(move |x| (x, y)))
+        .filter(move |&(x, y)| piece.reaches(DVec2::new(x as f64 + 0.5, y as f64 + 0.5) * side_px, half))
+}

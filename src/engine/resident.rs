@@ -1,0 +1,261 @@
+//! What lies on the device between frames: the scene's chunks, the bands' tables, and the lists between the stages.
+
+use super::Capacities;
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+use crate::frame::Channel;
+use crate::gpu::Gpu;
+use crate::gpu::buffers::Buffers;
+use crate::gpu::rows::{self, COUNTERS, NONE, split3};
+use crate::plan::{Band, Plan, Wanted};
+use crate::scene::Scene;
+use crate::scene::clusters::{Chunk, Clustered, cluster};
+use wgpu::BufferUsages;
+
+pub struct Resident {
+    pub chunks: Vec<ChunkOnDevice>,
+    /// Tables of each band.
+    pub bands: Vec<Buffers>,
+    /// Lists, visibility and planes, shared by all bands.
+    pub shared: Buffers,
+    pub capacities: Capacities,
+    /// Into how many batches the clusters of each chunk are cut.
+    pub batches: u32,
+    /// A row for every (band, chunk, batch), in the order of [`Resident::jobs`].
+    params: Vec<Buffers>,
+    vertex_reach: f32,
+    /// Triangles without area.
+    pub without_area: usize,
+}
+
+pub struct ChunkOnDevice {
+    pub buffers: Buffers,
+    pub id_first: u32,
+    pub id_count: u32,
+    pub clusters: u32,
+}
+
+/// One pass of the clusters of a batch over a band.
+pub struct Job<'a> {
+    pub index: usize,
+    pub chunk: &'a ChunkOnDevice,
+    pub params: &'a Buffers,
+    pub clusters: u32,
+}
+
+/// Bytes of an item of every list: two words.
+const ITEM_BYTES: u64 = 8;
+
+impl Resident {
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        camera: &Camera,
+        plan: &Plan,
+        wanted: &Wanted,
+        capacities: Option<Capacities>,
+    ) -> Result<Resident> {
+        let mut resident = Resident {
+            chunks: Vec::new(),
+            bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
+            shared: Buffers::default(),
+            capacities: Capacities { queue: 0, work: 0, pairs: 0 },
+            batches: 1,
+            params: Vec::new(),
+            vertex_reach: 0.0,
+            without_area: 0,
+        };
+        resident.upload_scene(gpu, cluster(&scene.mesh, plan.anchor, gpu.binding_limit()))?;
+        resident.upload_look(gpu, scene, plan)?;
+        resident.create_frame(gpu, camera, plan, wanted)?;
+        resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, plan));
+        resident.create_lists(gpu, camera, plan)?;
+        Ok(resident)
+    }
+
+    /// Puts the triangles on the device, anew where they were there before.
+    pub fn upload_scene(&mut self, gpu: &Gpu, clustered: Clustered) -> Result<()> {
+        self.vertex_reach = clustered.vertex_reach;
+        self.without_area = clustered.without_area;
+        self.chunks = clustered.chunks.iter().map(|c| chunk_on_device(gpu, c)).collect::<Result<_>>()?;
+        Ok(())
+    }
+
+    /// Lights, materials and normals.
+    fn upload_look(&mut self, gpu: &Gpu, scene: &Scene, plan: &Plan) -> Result<()> {
+        let plane = |c: Channel| plan.planes.iter().position(|p| *p == c).map_or(NONE, |k| k as u32);
+        let shading = rows::Shading {
+            planes: Channel::ALL.map(plane),
+            light_count: scene.lights.len() as u32,
+            has_normals: !scene.mesh.normals.is_empty() as u32,
+            background: scene.background,
+            ambient: AMBIENT,
+        };
+        let lights: Vec<[f32; 4]> = scene.lights.iter().map(|l| l.as_vec3().extend(0.0).to_array()).collect();
+        let materials: Vec<[f32; 4]> =
+            scene.mesh.materials.iter().map(|m| [m.diffuse[0], m.diffuse[1], m.diffuse[2], 1.0]).collect();
+        let normals: Vec<[f32; 3]> = scene.mesh.normals.iter().map(|n| n.to_array()).collect();
+        self.shared.upload_uniform(gpu, "shading", &shading)?;
+        self.shared.upload(gpu, "lights", &lights)?;
+        self.shared.upload(gpu, "materials", &materials)?;
+        self.shared.upload(gpu, "normals", &normals)
+    }
+
+    /// Visibility (8 bytes a pixel of the largest band), planes (4 bytes a pixel and channel), sRGB (4 bytes a pixel).
+    fn create_frame(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, wanted: &Wanted) -> Result<()> {
+        let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0) as u64;
+        let pixels = rows * camera.width as u64;
+        let plain = BufferUsages::empty();
+        self.shared.create(gpu, "visibility", 8 * pixels, plain)?;
+        self.shared.create(gpu, "planes", 4 * pixels * plan.planes.len() as u64, plain)?;
+        if wanted.srgb8 {
+            self.shared.create(gpu, "srgb8", 4 * pixels, plain)?;
+        }
+        self.shared.create(gpu, "counters", 4 * COUNTERS as u64, plain)?;
+        self.shared.create(gpu, "indirect", 12, BufferUsages::INDIRECT)
+    }
+
+    /// A start from the scene's size: most clusters meet a few nodes, most triangles a few tiles.
+    fn first_guess(&self, scene: &Scene, plan: &Plan) -> Capacities {
+        let clusters: u64 = self.chunks.iter().map(|c| c.clusters as u64).sum();
+        let cells = plan.bands.iter().map(|b| b.tiles.cells.len()).max().unwrap_or(0) as u64;
+        Capacities {
+            queue: 4 * clusters + 1024,
+            work: 4 * clusters + 1024,
+            pairs: 2 * scene.mesh.triangles.len() as u64 + 4 * cells + 1024,
+        }
+    }
+
+    /// The lists between the stages at their present capacities, and the parameters that name these.
+    fn create_lists(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
+        let most = gpu.binding_limit() / ITEM_BYTES;
+        let c = &mut self.capacities;
+        (c.queue, c.work, c.pairs) = (c.queue.min(most), c.work.min(most), c.pairs.min(most));
+        let lists = [("queue_even", c.queue), ("queue_odd", c.queue), ("work", c.work), ("pairs", c.pairs)];
+        for (name, items) in lists {
+            self.shared.create(gpu, name, items * ITEM_BYTES, BufferUsages::empty())?;
+        }
+        self.write_params(gpu, camera, plan)
+    }
+
+    pub fn write_params(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
+        self.params.clear();
+        for band in &plan.bands {
+            for chunk in &self.chunks {
+                for batch in 0..self.batches {
+                    let row = self.params_row(camera, plan, band, chunk, batch);
+                    let mut buffers = Buffers::default();
+                    buffers.upload_uniform(gpu, "params", &row)?;
+                    self.params.push(buffers);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn params_row(&self, camera: &Camera, plan: &Plan, band: &Band, chunk: &ChunkOnDevice, batch: u32) -> rows::Params {
+        let (cluster_first, cluster_count) = self.batch(chunk, batch);
+        let level = |f: fn(&crate::plan::nodes::Level) -> u32| {
+            let mut words = [0; 8];
+            words.iter_mut().zip(&band.nodes.levels).for_each(|(w, l)| *w = f(l));
+            words
+        };
+        rows::Params {
+            width: camera.width,
+            height: band.rows,
+            tiles_x: band.tiles.tiles_x,
+            tiles_y: band.tiles.tiles_y,
+            levels: band.nodes.levels.len() as u32,
+            cluster_first,
+            cluster_count,
+            id_bits: plan.id_bits,
+            queue_capacity: self.capacities.queue as u32,
+            work_capacity: self.capacities.work as u32,
+            pair_capacity: self.capacities.pairs as u32,
+            piece_count: band.tiles.pieces.len() as u32,
+            id_first: chunk.id_first,
+            id_count: chunk.id_count,
+            band_row: band.row,
+            vertex_reach: self.vertex_reach,
+            t_min: split3(camera.t_range[0]),
+            t_max: split3(camera.t_range[1]),
+            level_start: level(|l| l.start),
+            level_width: level(|l| l.width),
+            level_height: level(|l| l.height),
+        }
+    }
+
+    /// First cluster and count of one batch.
+    fn batch(&self, chunk: &ChunkOnDevice, batch: u32) -> (u32, u32) {
+        let at = |k: u32| (chunk.clusters as u64 * k as u64 / self.batches as u64) as u32;
+        (at(batch), at(batch + 1) - at(batch))
+    }
+
+    /// Every batch of every chunk over band `band`.
+    pub fn jobs(&self, band: usize) -> impl Iterator<Item = Job<'_>> {
+        let per_band = self.chunks.len() * self.batches as usize;
+        (0..per_band).map(move |k| {
+            let chunk = &self.chunks[k / self.batches as usize];
+            let index = band * per_band + k;
+            let clusters = self.batch(chunk, k as u32 % self.batches).1;
+            Job { index, chunk, params: &self.params[index], clusters }
+        })
+    }
+
+    pub fn job_count(&self) -> usize {
+        self.params.len()
+    }
+
+    /// Makes room for what the counters demanded: larger lists, or more batches where a list is as large as a binding.
+    pub fn grow(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, need: Capacities) -> Result<()> {
+        let most = gpu.binding_limit() / ITEM_BYTES;
+        if need.queue.max(need.work).max(need.pairs) > most {
+            let largest = self.chunks.iter().map(|c| c.clusters).max().unwrap_or(0);
+            if self.batches >= largest {
+                let Capacities { queue, work, pairs } = need;
+                let lists = format!("cull {queue}, bin {work}, raster {pairs} items needed, {most} fit a binding");
+                return Err(Error::work(format!("lists between the stages overflow: {lists}; make the image smaller")));
+            }
+            self.batches = (self.batches * 2).min(largest);
+        }
+        // a quarter more than was counted: what an overflowing list dropped could not be counted further on
+        let grown = |have: u64, need: u64| if need > have { need + need / 4 } else { have };
+        let c = &mut self.capacities;
+        (c.queue, c.work, c.pairs) = (grown(c.queue, need.queue), grown(c.work, need.work), grown(c.pairs, need.pairs));
+        self.create_lists(gpu, camera, plan)
+    }
+
+    pub fn bytes(&self) -> u64 {
+        let chunks: u64 = self.chunks.iter().map(|c| c.buffers.bytes()).sum();
+        let rest: u64 = self.bands.iter().chain(&self.params).chain([&self.shared]).map(Buffers::bytes).sum();
+        chunks + rest
+    }
+}
+
+/// Share of the light that comes from everywhere.
+pub const AMBIENT: f32 = 0.1;
+
+fn chunk_on_device(gpu: &Gpu, chunk: &Chunk) -> Result<ChunkOnDevice> {
+    let mut buffers = Buffers::default();
+    buffers.upload(gpu, "vertices_hi", &chunk.vertices_hi)?;
+    buffers.upload(gpu, "vertices_lo", &chunk.vertices_lo)?;
+    buffers.upload(gpu, "triangles", &chunk.triangles)?;
+    buffers.upload(gpu, "surfaces", &chunk.surfaces)?;
+    buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
+    buffers.upload(gpu, "clusters", &chunk.clusters)?;
+    let clusters = chunk.clusters.len() as u32;
+    Ok(ChunkOnDevice { buffers, id_first: chunk.id_first, id_count: chunk.id_count, clusters })
+}
+
+fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {
+    let mut buffers = Buffers::default();
+    buffers.upload(gpu, "nodes", &band.nodes.nodes)?;
+    buffers.upload(gpu, "tile_start", &band.tiles.start)?;
+    buffers.upload(gpu, "cells", &band.tiles.cells)?;
+    buffers.upload(gpu, "pieces", &band.tiles.pieces)?;
+    if let Some(field) = &band.field {
+        buffers.upload(gpu, "field_hi", &field.hi)?;
+        buffers.upload(gpu, "field_lo", &field.lo)?;
+    }
+    Ok(buffers)
+}

@@ -1,0 +1,165 @@
+//! Buffers by name, pipelines by kernel, and the bind groups that join the two.
+
+use super::device::{Gpu, one_line};
+use super::kernels::{Access, Kernel};
+use crate::error::{Error, Result};
+use std::collections::BTreeMap;
+
+/// Buffers of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
+#[derive(Default)]
+pub struct Buffers(BTreeMap<&'static str, wgpu::Buffer>);
+
+/// What every buffer may be used for: kernels see it, the host writes, clears and copies it.
+const USAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
+    .union(wgpu::BufferUsages::COPY_SRC)
+    .union(wgpu::BufferUsages::COPY_DST);
+
+/// The smallest buffer, so that empty lists bind too: one row of the largest struct.
+const SMALLEST: u64 = 256;
+
+impl Buffers {
+    /// A buffer of at least `bytes`, its contents undefined to the kernels.
+    pub fn create(&mut self, gpu: &Gpu, name: &'static str, bytes: u64, more: wgpu::BufferUsages) -> Result<()> {
+        let size = bytes.max(SMALLEST).next_multiple_of(4);
+        let limit = if more.contains(wgpu::BufferUsages::UNIFORM) { gpu.limits.max_buffer_size } else { gpu.binding_limit() };
+        if size > limit {
+            return Err(Error::work(format!("buffer {name}: {size} bytes needed, the adapter binds {limit} at most")));
+        }
+        let usage = USAGE | more;
+        let descriptor = wgpu::BufferDescriptor { label: Some(name), size, usage, mapped_at_creation: false };
+        self.0.insert(name, gpu.device.create_buffer(&descriptor));
+        Ok(())
+    }
+
+    /// A storage buffer that holds `rows`.
+    pub fn upload<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, name: &'static str, rows: &[T]) -> Result<()> {
+        let bytes: &[u8] = bytemuck::cast_slice(rows);
+        self.create(gpu, name, bytes.len() as u64, wgpu::BufferUsages::empty())?;
+        gpu.queue.write_buffer(&self.0[name], 0, bytes);
+        Ok(())
+    }
+
+    /// A uniform buffer that holds `row`.
+    pub fn upload_uniform<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, name: &'static str, row: &T) -> Result<()> {
+        let bytes = bytemuck::bytes_of(row);
+        self.create(gpu, name, bytes.len() as u64, wgpu::BufferUsages::UNIFORM)?;
+        gpu.queue.write_buffer(&self.0[name], 0, bytes);
+        Ok(())
+    }
+
+    pub fn get(&self, name: &str) -> Option<&wgpu::Buffer> {
+        self.0.get(name)
+    }
+
+    /// Bytes of device memory held.
+    pub fn bytes(&self) -> u64 {
+        self.0.values().map(wgpu::Buffer::size).sum()
+    }
+}
+
+/// One kernel, compiled.
+pub struct Pipeline {
+    kernel: Kernel,
+    layout: wgpu::BindGroupLayout,
+    pub pipeline: wgpu::ComputePipeline,
+}
+
+impl Pipeline {
+    pub fn new(device: &wgpu::Device, kernel: Kernel) -> Pipeline {
+        let entries: Vec<wgpu::BindGroupLayoutEntry> =
+            kernel.bindings.iter().enumerate().map(|(k, b)| layout_entry(k as u32, b.access)).collect();
+        let label = Some(kernel.name);
+        let layout = device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label,
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label,
+            source: wgpu::ShaderSource::Wgsl(kernel.source.as_str().into()),
+        });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label,
+            layout: Some(&pipeline_layout),
+            module: &module,
+            entry_point: Some(kernel.name),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: &kernel.constants, ..Default::default() },
+            cache: None,
+        });
+        Pipeline { kernel, layout, pipeline }
+    }
+
+    /// Binds every buffer by its name, from the first of `scopes` that has it.
+    pub fn bind(&self, gpu: &Gpu, scopes: &[&Buffers]) -> Result<wgpu::BindGroup> {
+        self.bind_renamed(gpu, scopes, &[])
+    }
+
+    /// As [`Pipeline::bind`]; a name on the left of `renamed` is looked up as the one on its right.
+    pub fn bind_renamed(&self, gpu: &Gpu, scopes: &[&Buffers], renamed: &[(&str, &str)]) -> Result<wgpu::BindGroup> {
+        let mut entries = Vec::with_capacity(self.kernel.bindings.len());
+        for (k, b) in self.kernel.bindings.iter().enumerate() {
+            let name = renamed.iter().find(|r| r.0 == b.name).map_or(b.name, |r| r.1);
+            let buffer = scopes
+                .iter()
+                .find_map(|s| s.get(name))
+                .ok_or_else(|| Error::work(format!("kernel {}: no buffer {name}", self.kernel.name)))?;
+            entries.push(wgpu::BindGroupEntry { binding: k as u32, resource: buffer.as_entire_binding() });
+        }
+        Ok(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(self.kernel.name),
+            layout: &self.layout,
+            entries: &entries,
+        }))
+    }
+}
+
+fn layout_entry(binding: u32, access: Access) -> wgpu::BindGroupLayoutEntry {
+    let ty = match access {
+        Access::Uniform => wgpu::BufferBindingType::Uniform,
+        Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
+        Access::Write => wgpu::BufferBindingType::Storage { read_only: false },
+    };
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+        count: None,
+    }
+}
+
+/// A buffer's bytes that the host can read once the copies into it are done.
+pub fn readback(gpu: &Gpu, bytes: u64) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("readback"),
+        size: bytes.max(SMALLEST),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    })
+}
+
+/// Waits until everything submitted is done.
+pub fn wait(gpu: &Gpu) -> Result<()> {
+    gpu.device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .map_err(|e| Error::work(format!("adapter {}: {}", gpu.info.name, one_line(e))))?;
+    gpu.failure()
+}
+
+/// The words of a readback buffer, after waiting.
+pub fn read_words(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
+    let (send, receive) = std::sync::mpsc::channel();
+    buffer.map_async(wgpu::MapMode::Read, .., move |r| {
+        // the receiver waits below
+        let _ = send.send(r);
+    });
+    wait(gpu)?;
+    let failed = |e: String| Error::work(format!("adapter {}: cannot read back: {e}", gpu.info.name));
+    receive.recv().map_err(|e| failed(one_line(e)))?.map_err(|e| failed(one_line(e)))?;
+    let view = buffer.get_mapped_range(..).map_err(|e| failed(one_line(e)))?;
+    let words = bytemuck::pod_collect_to_vec::<u8, u32>(&view);
+    drop(view);
+    buffer.unmap();
+    Ok(words)
+}

@@ -1,0 +1,159 @@
+//! The adapter: which one, what it can do, and what that selects.
+
+use crate::error::{Error, Result};
+use serde::Serialize;
+use std::sync::{Arc, Mutex};
+
+/// What a person may ask of the adapter.
+#[derive(Debug, Clone, Default)]
+pub struct GpuOptions {
+    /// Part of the wanted adapter's name, any case.
+    pub adapter: Option<String>,
+    /// Do without 64-bit atomics even where there are some.
+    pub no_int64: bool,
+}
+
+/// An open device and what its adapter offers.
+pub struct Gpu {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    pub info: wgpu::AdapterInfo,
+    pub limits: wgpu::Limits,
+    pub has: Abilities,
+    /// The first error that the device reported outside a call.
+    failed: Arc<Mutex<Option<String>>>,
+}
+
+/// What an adapter offers of the things that choose a code path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Abilities {
+    /// f64 and 64-bit integers: rechecks, depths and shading in f64.
+    pub f64: bool,
+    /// 64-bit atomic minimum and maximum: one dispatch for the depth test instead of two.
+    pub atomics64: bool,
+    /// Times of single stages.
+    pub timestamps: bool,
+}
+
+impl Abilities {
+    pub fn of(features: wgpu::Features) -> Abilities {
+        let int64 = features.contains(wgpu::Features::SHADER_INT64);
+        Abilities {
+            f64: int64 && features.contains(wgpu::Features::SHADER_F64),
+            atomics64: int64 && features.contains(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX),
+            timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+        }
+    }
+
+    /// The features that these abilities need.
+    pub fn features(self) -> wgpu::Features {
+        let mut features = wgpu::Features::empty();
+        features.set(wgpu::Features::SHADER_INT64, self.f64 || self.atomics64);
+        features.set(wgpu::Features::SHADER_F64, self.f64);
+        features.set(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX, self.atomics64);
+        features.set(wgpu::Features::TIMESTAMP_QUERY, self.timestamps);
+        features
+    }
+}
+
+/// The adapters of this machine, the fastest kind first.
+pub fn adapters() -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::VULKAN,
+        // `args` bounds every indirect dispatch itself: no second check
+        flags: wgpu::InstanceFlags::empty(),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
+    adapters.sort_by_key(|a| match a.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    });
+    adapters
+}
+
+/// What to do about a machine without any adapter.
+pub const NO_ADAPTER: &str =
+    "no Vulkan adapter found; install a driver (on Debian or Ubuntu the software one: apt-get install mesa-vulkan-drivers)";
+
+impl Gpu {
+    /// Opens the adapter asked for, or the first; `Ok(None)` where the machine has none at all.
+    pub fn open(options: &GpuOptions) -> Result<Option<Gpu>> {
+        let adapters = adapters();
+        let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
+        let wanted = options.adapter.as_deref().map(str::to_lowercase);
+        let adapter = match &wanted {
+            None => adapters.into_iter().next(),
+            Some(w) => {
+                let found = adapters.into_iter().find(|a| a.get_info().name.to_lowercase().contains(w));
+                if found.is_none() {
+                    let names = if names.is_empty() { "none".into() } else { names.join(", ") };
+                    return Err(Error::input(format!("--adapter {w}: no such adapter; there is: {names}")));
+                }
+                found
+            }
+        };
+        adapter.map(|a| Gpu::from_adapter(&a, options)).transpose()
+    }
+
+    fn from_adapter(adapter: &wgpu::Adapter, options: &GpuOptions) -> Result<Gpu> {
+        let info = adapter.get_info();
+        let limits = adapter.limits();
+        let mut has = Abilities::of(adapter.features());
+        has.atomics64 &= !options.no_int64;
+        if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
+            let n = limits.max_storage_buffers_per_shader_stage;
+            let name = &info.name;
+            return Err(Error::work(format!(
+                "adapter {name}: {n} storage buffers a kernel, {STORAGE_BUFFERS} needed; use --engine reference"
+            )));
+        }
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("anamorph"),
+            required_features: has.features(),
+            required_limits: limits.clone(),
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|e| Error::work(format!("adapter {}: cannot open it: {}", info.name, one_line(e))))?;
+        let failed = Arc::new(Mutex::new(None));
+        let note = |failed: &Arc<Mutex<Option<String>>>| {
+            let failed = failed.clone();
+            move |text: String| {
+                failed.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(text);
+            }
+        };
+        let (uncaptured, lost) = (note(&failed), note(&failed));
+        device.on_uncaptured_error(Arc::new(move |e| uncaptured(one_line(e))));
+        device.set_device_lost_callback(move |reason, text| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                lost(format!("device lost: {}", one_line(text)));
+            }
+        });
+        Ok(Gpu { device, queue, info, limits, has, failed })
+    }
+
+    /// The first error that the device reported, if any.
+    pub fn failure(&self) -> Result<()> {
+        match self.failed.lock().unwrap_or_else(|e| e.into_inner()).clone() {
+            Some(text) => Err(Error::work(format!("adapter {}: {text}", self.info.name))),
+            None => Ok(()),
+        }
+    }
+
+    /// The largest buffer that one kernel can see whole, bytes.
+    pub fn binding_limit(&self) -> u64 {
+        self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
+    }
+}
+
+/// Storage buffers of the kernel that binds most: `shade`.
+pub const STORAGE_BUFFERS: u32 = 13;
+
+/// An error's text on one line.
+pub fn one_line(e: impl std::fmt::Display) -> String {
+    e.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,213 @@
+//! The one table of kernels: from which snippets each is joined, and which buffers it binds.
+//!
+//! A kernel's module is its bindings, generated from this table, and the plain concatenation of its snippets. Variants
+//! swap a snippet that defines the same functions, or set an `override` constant.
+
+use std::fmt::Write;
+
+/// Which variants of the kernels a scene and an adapter need.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Variant {
+    /// Rechecks, depths and shading in f64; without it in f32.
+    pub f64: bool,
+    /// One 64-bit atomic a fragment; without it two dispatches of 32-bit ones.
+    pub atomics64: bool,
+    /// The camera is a ray field, not pieces.
+    pub field: bool,
+    /// Count tested and kept fragments.
+    pub counting: bool,
+}
+
+/// How a kernel binds a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    Uniform,
+    Read,
+    Write,
+}
+
+/// One buffer of a kernel: its name is the buffer's name everywhere.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Binding {
+    pub name: &'static str,
+    pub access: Access,
+    wgsl_type: &'static str,
+}
+
+/// One compute kernel, ready to compile.
+#[derive(Debug, Clone)]
+pub struct Kernel {
+    /// The stage's name, the entry point's and the file's.
+    pub name: &'static str,
+    pub bindings: Vec<Binding>,
+    pub source: String,
+    pub constants: Vec<(&'static str, f64)>,
+}
+
+macro_rules! snippet {
+    ($path:literal) => {
+        include_str!(concat!("../../wgsl/", $path))
+    };
+}
+
+const PARAMS: &str = snippet!("shared/params.wgsl");
+const INDEX: &str = snippet!("shared/index.wgsl");
+const VERTEX: &str = snippet!("shared/vertex.wgsl");
+const TRIANGLE: &str = snippet!("shared/triangle.wgsl");
+const BUNDLE: &str = snippet!("shared/bundle.wgsl");
+const SHADING: &str = snippet!("shared/shading.wgsl");
+const KEY: &str = snippet!("shared/key.wgsl");
+
+impl Variant {
+    fn real(self) -> &'static str {
+        if self.f64 { snippet!("shared/real_f64.wgsl") } else { snippet!("shared/real_f32.wgsl") }
+    }
+
+    fn merge(self) -> &'static str {
+        if self.atomics64 { snippet!("shared/merge_u64.wgsl") } else { snippet!("shared/merge_u32.wgsl") }
+    }
+
+    fn camera(self) -> &'static str {
+        if self.field { snippet!("camera/field.wgsl") } else { snippet!("camera/pieces.wgsl") }
+    }
+
+    /// The buffers that hold the camera's rays.
+    fn rays(self) -> Vec<Binding> {
+        if self.field {
+            vec![read("field_hi", "array<f32>"), read("field_lo", "array<f32>")]
+        } else {
+            vec![read("pieces", "array<Piece>"), read("tile_start", "array<u32>"), read("cells", "array<Cell>")]
+        }
+    }
+}
+
+fn uniform(name: &'static str, wgsl_type: &'static str) -> Binding {
+    Binding { name, access: Access::Uniform, wgsl_type }
+}
+
+fn read(name: &'static str, wgsl_type: &'static str) -> Binding {
+    Binding { name, access: Access::Read, wgsl_type }
+}
+
+fn write(name: &'static str, wgsl_type: &'static str) -> Binding {
+    Binding { name, access: Access::Write, wgsl_type }
+}
+
+fn kernel(name: &'static str, bindings: Vec<Binding>, snippets: &[&str]) -> Kernel {
+    let mut source = String::new();
+    for (k, b) in bindings.iter().enumerate() {
+        let space = match b.access {
+            Access::Uniform => "uniform",
+            Access::Read => "storage, read",
+            Access::Write => "storage, read_write",
+        };
+        // writing to a String cannot fail
+        let _ = writeln!(source, "@group(0) @binding({k}) var<{space}> {}: {};", b.name, b.wgsl_type);
+    }
+    snippets.iter().for_each(|s| source.push_str(s));
+    Kernel { name, bindings, source, constants: Vec::new() }
+}
+
+fn params() -> Binding {
+    uniform("params", "Params")
+}
+
+fn step() -> Binding {
+    uniform("step", "Step")
+}
+
+fn counters() -> Binding {
+    write("counters", "array<atomic<u32>>")
+}
+
+/// Lays out the next indirect dispatch.
+pub fn args() -> Kernel {
+    let bindings = vec![params(), step(), counters(), write("indirect", "array<u32>")];
+    kernel("args", bindings, &[PARAMS, snippet!("args.wgsl")])
+}
+
+pub fn cull() -> Kernel {
+    let bindings = vec![
+        params(),
+        step(),
+        read("clusters", "array<Cluster>"),
+        read("nodes", "array<Node>"),
+        read("queue_in", "array<vec2<u32>>"),
+        write("queue_out", "array<vec2<u32>>"),
+        write("work", "array<vec2<u32>>"),
+        counters(),
+    ];
+    kernel("cull", bindings, &[PARAMS, INDEX, snippet!("shared/meets.wgsl"), snippet!("cull.wgsl")])
+}
+
+pub fn bin(variant: Variant) -> Kernel {
+    let bindings = vec![
+        params(),
+        read("clusters", "array<Cluster>"),
+        read("nodes", "array<Node>"),
+        read("work", "array<vec2<u32>>"),
+        read("triangles", "array<vec4<u32>>"),
+        read("vertices_hi", "array<f32>"),
+        read("tile_start", "array<u32>"),
+        write("pairs", "array<vec2<u32>>"),
+        counters(),
+    ];
+    let mut kernel = kernel("bin", bindings, &[PARAMS, INDEX, VERTEX, snippet!("bin.wgsl")]);
+    kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
+    kernel
+}
+
+pub fn raster(variant: Variant) -> Kernel {
+    let visibility = if variant.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" };
+    let mut bindings = vec![
+        params(),
+        step(),
+        read("pairs", "array<vec2<u32>>"),
+        read("triangles", "array<vec4<u32>>"),
+        read("vertices_hi", "array<f32>"),
+        read("vertices_lo", "array<f32>"),
+        write("visibility", visibility),
+        counters(),
+    ];
+    bindings.extend(variant.rays());
+    if variant.field {
+        bindings.push(read("cells", "array<Cell>"));
+    }
+    let snippets = [PARAMS, INDEX, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    let own = [variant.merge(), variant.camera(), snippet!("raster.wgsl")];
+    let mut kernel = kernel("raster", bindings, &[&snippets[..], &own[..]].concat());
+    kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
+    kernel
+}
+
+pub fn shade(variant: Variant) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        uniform("shading", "Shading"),
+        read("triangles", "array<vec4<u32>>"),
+        read("vertices_hi", "array<f32>"),
+        read("vertices_lo", "array<f32>"),
+        read("slot_of_id", "array<u32>"),
+        read("surfaces", "array<vec4<u32>>"),
+        read("normals", "array<f32>"),
+        read("materials", "array<vec4<f32>>"),
+        read("lights", "array<vec4<f32>>"),
+        read("visibility", "array<u32>"),
+        write("planes", "array<u32>"),
+    ];
+    bindings.extend(variant.rays());
+    let snippets = [PARAMS, INDEX, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    let own = [variant.camera(), SHADING, snippet!("shade.wgsl")];
+    kernel("shade", bindings, &[&snippets[..], &own[..]].concat())
+}
+
+pub fn write_srgb() -> Kernel {
+    let bindings =
+        vec![params(), uniform("shading", "Shading"), read("planes", "array<u32>"), write("srgb8", "array<u32>")];
+    kernel("write", bindings, &[PARAMS, INDEX, SHADING, snippet!("write.wgsl")])
+}
+
+/// All kernels of a variant, in the order of the pipeline.
+pub fn all(variant: Variant) -> Vec<Kernel> {
+    vec![args(), cull(), bin(variant), raster(variant), shade(variant), write_srgb()]
+}

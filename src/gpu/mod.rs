@@ -1,0 +1,9 @@
+//! Everything that touches a GPU and knows nothing of cameras: the adapter, the kernels' sources and bindings, the
+//! rows they read, and buffers.
+
+pub mod buffers;
+pub mod device;
+pub mod kernels;
+pub mod rows;
+
+pub use device::{Gpu, GpuOptions};

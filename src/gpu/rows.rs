@@ -1,0 +1,162 @@
+//! The rows that the host writes and the kernels read: `wgsl/shared/params.wgsl` in Rust.
+//!
+//! `tests/wgsl_layout.rs` holds names, offsets, sizes and constants of both sides equal.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Threads a workgroup, everywhere.
+pub const GROUP: u32 = 64;
+/// Children a side of a node.
+pub const BRANCH: u32 = 4;
+/// Triangles a cluster at most.
+pub const CLUSTER: u32 = 64;
+/// No index.
+pub const NONE: u32 = u32::MAX;
+
+/// Indices into the counters.
+pub const COUNT_WORK: u32 = 8;
+pub const COUNT_PAIRS: u32 = 9;
+pub const COUNT_RECHECKED: u32 = 10;
+pub const COUNT_PAIRS_TESTED: u32 = 11;
+pub const COUNT_FRAGMENTS_TESTED: u32 = 12;
+pub const COUNT_FRAGMENTS_KEPT: u32 = 13;
+pub const COUNTERS: u32 = 16;
+
+/// Bits of a triangle row's last word: id below, file order above, one-sidedness on top.
+pub const ID_BITS_MAX: u32 = 28;
+pub const ORDER_SHIFT: u32 = 28;
+pub const ONE_SIDED: u32 = 1 << 31;
+
+/// One band of the image and one batch of clusters of one chunk.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct Params {
+    pub width: u32,
+    pub height: u32,
+    pub tiles_x: u32,
+    pub tiles_y: u32,
+    pub levels: u32,
+    pub cluster_first: u32,
+    pub cluster_count: u32,
+    pub id_bits: u32,
+    pub queue_capacity: u32,
+    pub work_capacity: u32,
+    pub pair_capacity: u32,
+    pub piece_count: u32,
+    pub id_first: u32,
+    pub id_count: u32,
+    pub band_row: u32,
+    pub vertex_reach: f32,
+    pub t_min: [f32; 4],
+    pub t_max: [f32; 4],
+    pub level_start: [u32; 8],
+    pub level_width: [u32; 8],
+    pub level_height: [u32; 8],
+}
+
+/// Which dispatch of a kernel this is.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct Step {
+    pub value: u32,
+}
+
+/// Up to [`CLUSTER`] triangles near each other, and their box about the anchor.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Cluster {
+    pub centre: [f32; 3],
+    pub first: u32,
+    pub half: [f32; 3],
+    pub count: u32,
+}
+
+/// The rays of one square of the image, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Node {
+    pub p: [f32; 3],
+    pub r_p: f32,
+    pub px: [f32; 3],
+    pub r_d: f32,
+    pub py: [f32; 3],
+    pub rays: u32,
+    pub d: [f32; 3],
+    pub pad0: f32,
+    pub dx: [f32; 3],
+    pub pad1: f32,
+    pub dy: [f32; 3],
+    pub pad2: f32,
+}
+
+/// The pixels of one tile that one piece owns, and the piece's bundle at the tile's middle.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Cell {
+    pub p: [f32; 3],
+    pub h: f32,
+    pub d: [f32; 3],
+    pub piece: u32,
+    pub tile: u32,
+    pub mask_lo: u32,
+    pub mask_hi: u32,
+    pub pad: u32,
+}
+
+/// A piece's bundle about `origin` (band pixels), each value a sum hi + lo.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Piece {
+    pub p_hi: [f32; 3],
+    pub h_hi: f32,
+    pub px_hi: [f32; 3],
+    pub hx_hi: f32,
+    pub py_hi: [f32; 3],
+    pub hy_hi: f32,
+    pub d_hi: [f32; 3],
+    pub origin_x: f32,
+    pub dx_hi: [f32; 3],
+    pub origin_y: f32,
+    pub dy_hi: [f32; 3],
+    pub number: u32,
+    pub p_lo: [f32; 3],
+    pub h_lo: f32,
+    pub px_lo: [f32; 3],
+    pub hx_lo: f32,
+    pub py_lo: [f32; 3],
+    pub hy_lo: f32,
+    pub d_lo: [f32; 3],
+    pub pad1: f32,
+    pub dx_lo: [f32; 3],
+    pub pad2: f32,
+    pub dy_lo: [f32; 3],
+    pub pad3: f32,
+}
+
+/// What `shade` writes and how it lights it: planes in the order of [`crate::frame::Channel::ALL`].
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Shading {
+    pub planes: [u32; 10],
+    pub light_count: u32,
+    pub has_normals: u32,
+    pub background: [f32; 3],
+    pub ambient: f32,
+}
+
+/// `value` as the sum of two f32 with an error of 2^-48 |value| at most.
+pub fn split2(value: f64) -> [f32; 2] {
+    let hi = value as f32;
+    [hi, (value - hi as f64) as f32]
+}
+
+/// `value` as the exact sum of three f32 (within f32's exponents); infinities as the largest finite f32.
+pub fn split3(value: f64) -> [f32; 4] {
+    if value.abs() >= f32::MAX as f64 {
+        return [f32::MAX.copysign(value as f32), 0.0, 0.0, 0.0];
+    }
+    let hi = value as f32;
+    let rest = value - hi as f64;
+    let mid = rest as f32;
+    [hi, mid, (rest - mid as f64) as f32, 0.0]
+}

@@ -1,0 +1,13 @@
+//! Files the program writes and the images it reads back: PNG, EXR, NumPy arrays, text.
+
+mod exr;
+mod npy;
+mod png;
+mod vectors;
+mod whole;
+
+pub use exr::{read_exr, write_exr};
+pub use npy::write_npy_f64;
+pub use png::{srgb8, write_png};
+pub use vectors::read_vectors;
+pub use whole::{check_writable, write_text};

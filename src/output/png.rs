@@ -1,0 +1,92 @@
+//! 8-bit sRGB PNG files.
+
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+
+use super::whole::write_whole;
+use crate::error::{Error, Result};
+
+/// Writes `srgb8`, three (RGB) or four (RGBA) bytes a pixel, row 0 on top.
+///
+/// # Errors
+/// [`Error::Work`] where the bytes do not fit the size or `path` cannot be written.
+pub fn write_png(path: &Path, width: u32, height: u32, srgb8: &[u8]) -> Result<()> {
+    let pixels = u64::from(width) * u64::from(height);
+    let color = match srgb8.len() as u64 {
+        _ if pixels == 0 => None,
+        bytes if bytes == 3 * pixels => Some(ExtendedColorType::Rgb8),
+        bytes if bytes == 4 * pixels => Some(ExtendedColorType::Rgba8),
+        _ => None,
+    };
+    let Some(color) = color else {
+        let bytes = srgb8.len();
+        return Err(Error::work(format!("{}: {bytes} bytes are not {width} x {height} pixels", path.display())));
+    };
+    write_whole(path, |file| {
+        let mut writer = BufWriter::new(file);
+        PngEncoder::new(&mut writer).write_image(srgb8, width, height, color).map_err(|e| match e {
+            image::ImageError::IoError(e) => e,
+            other => io::Error::other(other),
+        })?;
+        writer.flush()
+    })
+}
+
+/// The 8-bit sRGB value nearest to a linear one; NaN and negative values give 0, above 1 gives 255.
+/// (IEC 61966-2-1, its piecewise curve.)
+pub fn srgb8(linear: f32) -> u8 {
+    let linear = f64::from(linear);
+    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    // `as` saturates and takes NaN to 0.
+    (encoded * 255.0).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn srgb_ends_and_middle() {
+        for (linear, expected) in [
+            (0.0, 0),
+            (1.0, 255),
+            (0.5, 188),
+            (0.214_041_14, 128),
+            (0.003_130_8, 10),
+            (-1.0, 0),
+            (2.0, 255),
+            (f32::NAN, 0),
+            (f32::INFINITY, 255),
+            (f32::NEG_INFINITY, 0),
+        ] {
+            assert_eq!(srgb8(linear), expected, "{linear}");
+        }
+    }
+
+    #[test]
+    fn srgb_inverts_the_decoding_of_every_byte() {
+        for byte in 0..=255u8 {
+            let encoded = f64::from(byte) / 255.0;
+            let linear = if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) };
+            assert_eq!(srgb8(linear as f32), byte);
+        }
+    }
+
+    #[test]
+    fn png_reads_back_as_written() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        for channels in [3, 4] {
+            let bytes: Vec<u8> = (0..5 * 7 * channels).map(|i| (i * 37 % 256) as u8).collect();
+            write_png(&path, 5, 7, &bytes).unwrap();
+            let back = image::open(&path).unwrap();
+            assert_eq!((back.width(), back.height()), (5, 7));
+            assert_eq!(back.as_bytes(), bytes);
+        }
+        assert!(matches!(write_png(&path, 5, 7, &[0; 5]), Err(Error::Work(_))));
+        assert!(matches!(write_png(&path, 0, 0, &[]), Err(Error::Work(_))));
+    }
+}

@@ -1,0 +1,150 @@
+//! A tree of squares over a band's tiles, four by four children a node, each with bounds on its rays.
+
+use super::tiles::Sample;
+use crate::gpu::rows::{self, BRANCH};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// All levels of nodes, tiles first.
+#[derive(Debug, Clone, Default)]
+pub struct Nodes {
+    pub nodes: Vec<rows::Node>,
+    /// Of each level: index of its first node, nodes a row, rows.
+    pub levels: Vec<Level>,
+    /// No node has more than f32's rounding between its rays and their affine fit.
+    pub exact: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Level {
+    pub start: u32,
+    pub width: u32,
+    pub height: u32,
+}
+
+/// An affine fit of rays over a square, (x, y) in [-1, 1]^2, and how far the rays may lie from it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Fit {
+    p: [DVec3; 3],
+    d: [DVec3; 3],
+    r_p: f64,
+    r_d: f64,
+    rays: bool,
+}
+
+/// What f32 rounding of a node's row and of what kernels compute from it may add to its radii, relative to the sizes
+/// summed: four roundings of 2^-24.
+const NODE_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
+/// Residuals below this share of the rays' size are rounding of the fit itself: 64 samples of some 2^-50 each.
+const FIT_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
+
+impl Nodes {
+    /// From the rays of each tile, row by row. At least two levels; the top one at most 2 x 2 nodes.
+    pub fn new(samples: &[Vec<Sample>], tiles_x: u32, tiles_y: u32) -> Nodes {
+        let mut fits: Vec<Fit> = samples.par_iter().map(|s| Fit::of(s)).collect();
+        let mut exact = true;
+        let mut nodes = Nodes::default();
+        let (mut width, mut height) = (tiles_x, tiles_y);
+        loop {
+            exact &= fits.iter().all(Fit::is_exact);
+            nodes.levels.push(Level { start: nodes.nodes.len() as u32, width, height });
+            nodes.nodes.extend(fits.iter().map(Fit::row));
+            if nodes.levels.len() >= 2 && width <= TOP && height <= TOP {
+                break;
+            }
+            let (w, h) = (width.div_ceil(BRANCH), height.div_ceil(BRANCH));
+            fits = (0..w * h).into_par_iter().map(|k| parent(&fits, (width, height), k % w, k / w)).collect();
+            (width, height) = (w, h);
+        }
+        nodes.exact = exact;
+        nodes
+    }
+}
+
+/// Nodes a side at most on the top level.
+const TOP: u32 = 2;
+
+/// A node from its children: their rays are those at the corners of their own fits, give or take their radii.
+fn parent(children: &[Fit], (width, height): (u32, u32), x: u32, y: u32) -> Fit {
+    let mut samples = Vec::new();
+    let (mut r_p, mut r_d) = (0.0f64, 0.0f64);
+    for j in 0..BRANCH.min(height - y * BRANCH) {
+        for i in 0..BRANCH.min(width - x * BRANCH) {
+            let child = &children[((y * BRANCH + j) * width + x * BRANCH + i) as usize];
+            if !child.rays {
+                continue;
+            }
+            (r_p, r_d) = (r_p.max(child.r_p), r_d.max(child.r_d));
+            let half = 1.0 / BRANCH as f64;
+            let middle = (2.0 * DVec2::new(i as f64, j as f64) + 1.0) * half - 1.0;
+            for corner in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from) {
+                let at = |c: &[DVec3; 3]| c[0] + corner.x * c[1] + corner.y * c[2];
+                samples.push(Sample { place: middle + half * corner, p: at(&child.p), d: at(&child.d) });
+            }
+        }
+    }
+    let fit = Fit::of(&samples);
+    Fit { r_p: fit.r_p + r_p, r_d: fit.r_d + r_d, ..fit }
+}
+
+impl Fit {
+    /// Least squares; the radii are the largest distances that remain.
+    fn of(samples: &[Sample]) -> Fit {
+        if samples.is_empty() {
+            return Fit::default();
+        }
+        let n = samples.len() as f64;
+        let middle = samples.iter().map(|s| s.place).sum::<DVec2>() / n;
+        let mean = |f: fn(&Sample) -> DVec3| samples.iter().map(f).sum::<DVec3>() / n;
+        let (mean_p, mean_d) = (mean(|s| s.p), mean(|s| s.d));
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        let mut right = [DVec3::ZERO; 4];
+        for s in samples {
+            let q = s.place - middle;
+            (xx, xy, yy) = (xx + q.x * q.x, xy + q.x * q.y, yy + q.y * q.y);
+            for (sum, v) in right.iter_mut().zip([q.x * (s.p - mean_p), q.y * (s.p - mean_p), q.x * (s.d - mean_d), q.y * (s.d - mean_d)]) {
+                *sum += v;
+            }
+        }
+        let det = xx * yy - xy * xy;
+        // samples on a line fix no plane: the mean alone, and honest radii
+        let inverse = if det > FIT_ROUNDING * (xx + yy).powi(2) { [yy / det, -xy / det, xx / det] } else { [0.0; 3] };
+        let slopes = |a: DVec3, b: DVec3| (inverse[0] * a + inverse[1] * b, inverse[1] * a + inverse[2] * b);
+        let ((px, py), (dx, dy)) = (slopes(right[0], right[1]), slopes(right[2], right[3]));
+        let p = [mean_p - middle.x * px - middle.y * py, px, py];
+        let d = [mean_d - middle.x * dx - middle.y * dy, dx, dy];
+        let far = |c: &[DVec3; 3], v: DVec3, q: DVec2| (c[0] + q.x * c[1] + q.y * c[2] - v).length();
+        let r_p = samples.iter().map(|s| far(&p, s.p, s.place)).fold(0.0, f64::max);
+        let r_d = samples.iter().map(|s| far(&d, s.d, s.place)).fold(0.0, f64::max);
+        Fit { p, d, r_p, r_d, rays: true }
+    }
+
+    fn sizes(&self) -> (f64, f64) {
+        let size = |c: &[DVec3; 3]| c.iter().map(|v| v.length()).sum::<f64>();
+        (size(&self.p), size(&self.d))
+    }
+
+    fn is_exact(&self) -> bool {
+        let (p, d) = self.sizes();
+        self.r_p <= FIT_ROUNDING * p && self.r_d <= FIT_ROUNDING * d
+    }
+
+    fn row(&self) -> rows::Node {
+        let (size_p, size_d) = self.sizes();
+        let v = |v: DVec3| v.as_vec3().to_array();
+        rows::Node {
+            p: v(self.p[0]),
+            r_p: (self.r_p + NODE_SLACK * size_p) as f32,
+            px: v(self.p[1]),
+            r_d: (self.r_d + NODE_SLACK * size_d) as f32,
+            py: v(self.p[2]),
+            rays: self.rays as u32,
+            d: v(self.d[0]),
+            pad0: 0.0,
+            dx: v(self.d[1]),
+            pad1: 0.0,
+            dy: v(self.d[2]),
+            pad2: 0.0,
+        }
+    }
+}

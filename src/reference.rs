@@ -1,0 +1,120 @@
+//! The truth that everything else is held against: every pixel's ray against every triangle, in f64, by the
+//! definitions of the contract alone. It knows pixels, bundles and triangles, and nothing of tiles, pieces'
+//! tricks or kernels.
+//!
+//! * `intersect`: one ray and one triangle; signs are those of exact arithmetic (`exact`).
+//! * `bvh`, `beam`: which triangles a ray, or all rays of a small box about it, can meet.
+//! * `margin`, `verdict`: whether the answer changes within 1/16 px of the centre, and what it may be.
+//! * `cover`: proof that triangles which join without gaps leave no miss.
+
+mod beam;
+mod bvh;
+mod cover;
+mod exact;
+mod intersect;
+mod margin;
+mod verdict;
+
+#[cfg(test)]
+mod tests;
+
+pub use margin::{GAP, MARGIN_PX};
+pub use verdict::Verdict;
+
+use crate::camera::bundle::Bundle;
+use crate::scene::mesh::Mesh;
+use beam::Beam;
+use bvh::{Bvh, Item};
+use intersect::{Corners, T_ROUNDING};
+use rayon::prelude::*;
+
+/// Where a ray first meets the mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The ray parameter, within 1e-9 of itself.
+    pub t: f64,
+    /// The triangle's id: its index in the mesh.
+    pub triangle: u32,
+    /// Weights of the triangle's second and third vertex.
+    pub bary: [f64; 2],
+}
+
+/// A mesh made ready to be asked.
+#[derive(Debug)]
+pub struct Reference<'a> {
+    mesh: &'a Mesh,
+    bvh: Bvh,
+}
+
+impl<'a> Reference<'a> {
+    /// Indexes the mesh: finite positions, indices in range. Triangles with two corners in one place are
+    /// left out, being never hit.
+    pub fn build(mesh: &'a Mesh) -> Reference<'a> {
+        let item = |(id, triangle): (usize, &[u32; 3])| {
+            let corners = Corners::new(triangle.map(|k| mesh.positions[k as usize]));
+            let (lo, hi) = corners.bounds();
+            (!corners.is_degenerate()).then_some(Item { lo, hi, id: id as u32 })
+        };
+        let items = mesh.triangles.par_iter().enumerate().filter_map(item).collect();
+        Reference { mesh, bvh: Bvh::build(items) }
+    }
+
+    /// The visible hit of the bundle's central ray: the smallest `t` in `t_range` (ends inclusive), the
+    /// lowest id among equals. `None` as well where there is no ray: not finite, `d = 0` or `h = 0`.
+    pub fn hit(&self, bundle: &Bundle, t_range: [f64; 2]) -> Option<Hit> {
+        let bundle = upright(bundle)?;
+        let beam = Beam::over(&bundle, 0.0)?;
+        let mut best: Option<Hit> = None;
+        self.bvh.walk(&beam, widened(t_range), |id| {
+            if let Some(hit) = self.hit_of(&bundle, id, t_range) {
+                best = nearer(best, hit);
+            }
+            best.map_or(f64::INFINITY, |b| past(b.t))
+        });
+        best
+    }
+
+    /// The central ray against one triangle, as far as it is visible and in range.
+    fn hit_of(&self, bundle: &Bundle, id: u32, t_range: [f64; 2]) -> Option<Hit> {
+        let m = intersect::meet(bundle, &self.corners(id))?;
+        let seen = m.sign < 0 || self.two_sided(id);
+        let in_range = t_range[0] <= m.t && m.t <= t_range[1];
+        (seen && in_range).then_some(Hit { t: m.t, triangle: id, bary: m.bary })
+    }
+
+    fn corners(&self, id: u32) -> Corners {
+        Corners::new(self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]))
+    }
+
+    /// A triangle without a material shows both faces.
+    fn two_sided(&self, id: u32) -> bool {
+        let material = self.mesh.material_of.get(id as usize).and_then(|&m| self.mesh.materials.get(m as usize));
+        material.is_none_or(|m| m.two_sided)
+    }
+}
+
+/// The nearer hit; the lower id among equals.
+fn nearer(best: Option<Hit>, hit: Hit) -> Option<Hit> {
+    match best {
+        Some(b) if (b.t, b.triangle) <= (hit.t, hit.triangle) => best,
+        _ => Some(hit),
+    }
+}
+
+/// The bundle with `h > 0` at its centre (the same rays), if it has a finite ray there.
+fn upright(b: &Bundle) -> Option<Bundle> {
+    let turn = b.h[0].signum();
+    let b = Bundle { p: b.p.map(|v| v * turn), d: b.d.map(|v| v * turn), h: b.h.map(|v| v * turn) };
+    let finite = b.p.iter().chain(&b.d).all(|v| v.is_finite()) && b.h.iter().all(|v| v.is_finite());
+    (finite && b.h[0] > 0.0 && b.d[0] != glam::DVec3::ZERO).then_some(b)
+}
+
+/// The largest exact `t` whose computed value may be as small as `t`, with room.
+fn past(t: f64) -> f64 {
+    t + 2.0 * T_ROUNDING * t.abs()
+}
+
+/// A range that holds every exact `t` whose computed value is in the given one.
+fn widened([t0, t1]: [f64; 2]) -> [f64; 2] {
+    [-past(-t0), past(t1)]
+}

@@ -1,0 +1,127 @@
+//! Whether a pixel's answer holds within 1/16 px of its centre, and what else it may be.
+
+use super::beam::Beam;
+use super::intersect::Corners;
+use super::margin::{Depth, MARGIN_PX, Sides, beyond, clears};
+use super::{Hit, Reference, cover, nearer, upright, widened};
+use crate::camera::bundle::Bundle;
+
+/// The answer for one pixel and how far it is from changing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// The visible hit at the centre.
+    pub hit: Option<Hit>,
+    /// The answer is proven the same for every ray of every bundle within [`MARGIN_PX`] of the centre, with
+    /// no other surface within a relative gap of [`GAP`](super::GAP) in `t`.
+    pub safe: bool,
+    /// Ascending ids of all triangles that may be the visible one somewhere in the box, ties included.
+    pub candidates: Vec<u32>,
+    /// Somewhere in the box nothing may be hit.
+    pub may_miss: bool,
+}
+
+/// A triangle that may be visible somewhere in the box.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    id: u32,
+    corners: Corners,
+    depth: Depth,
+    /// Visible, unless hidden, and in range all over the box.
+    covers: bool,
+}
+
+impl Reference<'_> {
+    /// Judges a pixel. `bundles[0]` owns it, each bundle centred on the pixel; the others are of pieces that
+    /// come within [`MARGIN_PX`] of the centre too. No bundle at all is a safe miss.
+    pub fn verdict(&self, bundles: &[Bundle], t_range: [f64; 2]) -> Verdict {
+        let mut all = bundles.iter().map(|b| self.verdict_of(b, t_range));
+        let Some(mut verdict) = all.next() else {
+            return Verdict { hit: None, safe: true, candidates: Vec::new(), may_miss: true };
+        };
+        for other in all {
+            verdict.safe &= other.safe && verdict.candidates == other.candidates;
+            verdict.may_miss |= other.may_miss;
+            verdict.candidates.extend(other.candidates);
+            verdict.candidates.sort_unstable();
+            verdict.candidates.dedup();
+        }
+        verdict
+    }
+
+    fn verdict_of(&self, bundle: &Bundle, t_range: [f64; 2]) -> Verdict {
+        let boxed = upright(bundle).and_then(|b| Beam::over(&b, MARGIN_PX).map(|beam| (b, beam)));
+        let Some((bundle, beam)) = boxed else {
+            // The rays break off within the box.
+            let hit = self.hit(bundle, t_range);
+            let candidates = hit.iter().map(|h| h.triangle).collect();
+            return Verdict { hit, safe: false, candidates, may_miss: true };
+        };
+        let candidates = self.candidates(&bundle, &beam, t_range);
+        let hit = candidates.iter().filter_map(|c| self.hit_of(&bundle, c.id, t_range)).fold(None, nearer);
+        let covered = candidates.iter().any(|c| c.covers);
+        let ids: Vec<u32> = candidates.iter().map(|c| c.id).collect();
+        let may_miss = !covered && (ids.is_empty() || !cover::is_proven(self, &bundle, t_range));
+        let safe = ids.is_empty() || (ids.len() == 1 && covered);
+        Verdict { hit, safe, candidates: ids, may_miss }
+    }
+
+    /// All triangles that may be visible somewhere in the box, ascending by id.
+    fn candidates(&self, bundle: &Bundle, beam: &Beam, t_range: [f64; 2]) -> Vec<Candidate> {
+        let mut found: Vec<Candidate> = Vec::new();
+        let mut front: Option<Candidate> = None;
+        self.bvh.walk(beam, widened(t_range), |id| {
+            if let Some(c) = self.candidate(bundle, beam, id, t_range) {
+                found.push(c);
+                let key = |c: &Candidate| (c.depth.span[1], c.id);
+                if c.covers && front.is_none_or(|f| key(&c) < key(&f)) {
+                    front = Some(c);
+                }
+            }
+            front.map_or(f64::INFINITY, |f| beyond(f.depth.span[1]))
+        });
+        if let Some(f) = front {
+            found.retain(|c| {
+                let hidden = clears(f.depth.span[1], c.depth.span[0])
+                    || f.depth.hides(&c.depth, f.corners.parity * c.corners.parity);
+                c.id == f.id || !hidden
+            });
+        }
+        self.drop_hidden_twins(&mut found);
+        found
+    }
+
+    fn candidate(&self, bundle: &Bundle, beam: &Beam, id: u32, t_range: [f64; 2]) -> Option<Candidate> {
+        let corners = self.corners(id);
+        let sides = Sides::over_box(bundle, &corners);
+        if !sides.may_hit() {
+            return None;
+        }
+        let depth = Depth::over_box(bundle, beam, &corners);
+        let may_be = |sign: i8| sides.may_be(sign) && depth.facing != -sign;
+        let may_be_seen = may_be(-1) || (may_be(1) && self.two_sided(id));
+        let [near, far] = depth.span;
+        let covers = sides.covers() && near >= t_range[0] && far <= t_range[1];
+        let in_reach = far >= t_range[0] && near <= t_range[1];
+        (may_be_seen && in_reach).then_some(Candidate { id, corners, depth, covers })
+    }
+
+    /// Of triangles over the same three positions, drops each that a lower one hides wherever it is visible
+    /// itself. Leaves the rest ascending by id.
+    fn drop_hidden_twins(&self, found: &mut Vec<Candidate>) {
+        let place = |c: &Candidate| c.corners.v.map(|v| v.to_array().map(|x| (x + 0.0).to_bits()));
+        found.sort_by_cached_key(|c| (place(c), c.id));
+        let mut kept: Vec<Candidate> = Vec::with_capacity(found.len());
+        for c in found.iter() {
+            let hidden = kept
+                .iter()
+                .rev()
+                .take_while(|k| k.corners.v == c.corners.v)
+                .any(|k| self.two_sided(k.id) || (!self.two_sided(c.id) && k.corners.parity == c.corners.parity));
+            if !hidden {
+                kept.push(*c);
+            }
+        }
+        kept.sort_unstable_by_key(|c| c.id);
+        *found = kept;
+    }
+}

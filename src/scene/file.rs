@@ -1,0 +1,156 @@
+//! The scene file: TOML or JSON text into typed values, with errors that name the place.
+
+mod camera;
+mod mesh;
+mod mesh_camera;
+mod node;
+mod overrides;
+mod parse;
+mod reader;
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+pub use camera::{CameraKind, CameraSpec};
+pub use mesh::{MeshSource, MeshSpec};
+pub use mesh_camera::{CameraVertex, MeshCameraSpec};
+
+use crate::error::{Error, Result};
+use reader::{Field, Source};
+
+/// A scene as written: values checked one by one, files not yet opened (but for a mesh camera's own).
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneFile {
+    pub image: ImageSpec,
+    /// In file order, which triangle ids follow.
+    pub meshes: Vec<MeshSpec>,
+    /// Empty: one headlight along each pixel's own ray.
+    pub lights: Vec<LightSpec>,
+    pub camera: CameraSpec,
+    pub output: OutputSpec,
+    /// Folder of the scene file, which relative paths start from.
+    pub dir: PathBuf,
+}
+
+/// `[image]`. A missing side comes from the command line or from the camera's ray map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImageSpec {
+    /// Pixels, 1 to [`MAX_SIDE`].
+    pub width: Option<u32>,
+    /// Pixels, 1 to [`MAX_SIDE`].
+    pub height: Option<u32>,
+    /// Linear RGB in [0, 1].
+    pub background: [f32; 3],
+}
+
+/// A light from infinitely far away.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LightSpec {
+    /// The way the light travels; finite, not zero, any length.
+    pub direction: DVec3,
+}
+
+/// `[output]`: files to write, already relative to the working directory.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct OutputSpec {
+    pub color: Option<PathBuf>,
+    pub exr: Option<PathBuf>,
+}
+
+/// Largest width or height of an image, pixels.
+pub const MAX_SIDE: u64 = 65_536;
+/// Most pixels of an image.
+pub const MAX_PIXELS: u64 = 1 << 30;
+
+/// Reads a scene file (.toml or .json). `overrides` are `key=value` texts with dotted keys
+/// (`camera.vfov=40`, `mesh.0.scale=2`), applied in order before anything is checked.
+///
+/// # Errors
+/// [`Error::Input`], one line, with the file, the line and the key, and what to write instead.
+pub fn load(path: &Path, overrides: &[String]) -> Result<SceneFile> {
+    let format = parse::Format::of(path)?;
+    let cannot = |why: &dyn std::fmt::Display| Error::input(format!("{}: cannot be read: {why}", path.display()));
+    let bytes = std::fs::read(path).map_err(|e| cannot(&format_args!("{e}; check the path")))?;
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
+        cannot(&format_args!("line {line} is not UTF-8 text; save it as UTF-8"))
+    })?;
+    read_scene(&text, format, path, overrides)
+}
+
+/// Refuses an image without pixels or beyond the format's limits, naming the limit.
+///
+/// # Errors
+/// [`Error::Input`]; the caller adds where the size came from.
+pub fn check_size(width: u64, height: u64) -> Result<()> {
+    let size = format!("the image size {width} x {height}");
+    if width == 0 || height == 0 {
+        return Err(Error::input(format!("{size} has no pixels; both sides must be at least 1")));
+    }
+    if width > MAX_SIDE || height > MAX_SIDE {
+        return Err(Error::input(format!("{size} is over the limit of {MAX_SIDE} pixels a side; make it smaller")));
+    }
+    if width * height > MAX_PIXELS {
+        return Err(Error::input(format!("{size} is over the limit of {MAX_PIXELS} pixels in all; make it smaller")));
+    }
+    Ok(())
+}
+
+fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[String]) -> Result<SceneFile> {
+    let mut root = parse::parse(text, format, path)?;
+    overrides::apply(&mut root, overrides)?;
+    let dir = path.parent().unwrap_or(Path::new(""));
+    let source = Source { path, dir };
+    let table = Field::root(&source, &root).table()?;
+    table.allow(&["image", "mesh", "light", "camera", "output"])?;
+    let image = ImageSpec { width: None, height: None, background: [0.0; 3] };
+    let Some(camera) = table.get("camera") else {
+        return Err(table.error("there is no camera; add a [camera] table with its kind"));
+    };
+    Ok(SceneFile {
+        image: table.or("image", image, read_image)?,
+        meshes: table.or("mesh", Vec::new(), |f| {
+            f.items("meshes, each a table [[mesh]]")?.map(|m| mesh::read_mesh(&m)).collect()
+        })?,
+        lights: table.or("light", Vec::new(), |f| {
+            f.items("lights, each a table [[light]]")?.map(|l| read_light(&l)).collect()
+        })?,
+        camera: camera::read_camera(&camera)?,
+        output: table.or("output", OutputSpec::default(), read_output)?,
+        dir: if dir.as_os_str().is_empty() { PathBuf::from(".") } else { dir.into() },
+    })
+}
+
+fn read_image(field: &Field) -> Result<ImageSpec> {
+    let table = field.table()?;
+    table.allow(&["width", "height", "background"])?;
+    let side = |key| table.optional(key, |f| f.integer(1, MAX_SIDE));
+    let (width, height) = (side("width")?, side("height")?);
+    if let (Some(width), Some(height)) = (width, height) {
+        check_size(width, height).map_err(|e| table.error(e))?;
+    }
+    // Both sides are at most MAX_SIDE, far under 2^32.
+    let narrow = |side: Option<u64>| side.map(|pixels| pixels as u32);
+    let background = table.or("background", [0.0; 3], Field::color)?;
+    Ok(ImageSpec { width: narrow(width), height: narrow(height), background })
+}
+
+fn read_light(field: &Field) -> Result<LightSpec> {
+    let table = field.table()?;
+    table.allow(&["direction"])?;
+    let key = table.need("direction", "[-1, -2, -1]")?;
+    let direction = key.vec3()?;
+    if direction == DVec3::ZERO {
+        return Err(key.error("the direction is zero; give the way the light travels"));
+    }
+    Ok(LightSpec { direction })
+}
+
+fn read_output(field: &Field) -> Result<OutputSpec> {
+    let table = field.table()?;
+    table.allow(&["color", "exr"])?;
+    Ok(OutputSpec { color: table.optional("color", Field::path)?, exr: table.optional("exr", Field::path)? })
+}

@@ -1,0 +1,153 @@
+//! Built-in meshes, each a function of its parameters alone, with an exact number of triangles.
+
+mod boxes;
+mod city;
+mod icosphere;
+mod plane;
+mod random;
+mod soup;
+mod teapot;
+mod terrain;
+#[cfg(test)]
+mod testing;
+
+use crate::error::{Error, Result};
+use crate::scene::mesh::Mesh;
+
+pub use boxes::cube;
+pub use city::city;
+pub use icosphere::icosphere;
+pub use plane::plane;
+pub use soup::soup;
+pub use teapot::teapot;
+pub use terrain::terrain;
+
+/// Most triangles a mesh may have.
+const MAX_TRIANGLES: u64 = 1 << 28;
+/// 20 * 4^11 triangles are the most under 2^28.
+const MAX_ICOSPHERE_LEVEL: u32 = 11;
+/// 64 * 2048^2 = 2^28 triangles.
+const MAX_TEAPOT_LEVEL: u32 = 2048;
+/// 2 * 11585^2 triangles are the most under 2^28.
+const MAX_CELLS: u32 = 11585;
+/// Blocks of a city a side: their plan takes some hundred bytes each.
+const MAX_BLOCKS: u32 = 1024;
+
+/// A built-in mesh and its parameters. All stand with +y up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Builtin {
+    /// [`teapot`]: 64 level^2 triangles.
+    Teapot { level: u32 },
+    /// [`icosphere`]: 20 * 4^level triangles.
+    Icosphere { level: u32 },
+    /// [`cube`]: 12 triangles.
+    Box,
+    /// [`plane`]: 2 divisions^2 triangles.
+    Plane { size: f64, divisions: u32 },
+    /// [`city`]: `triangles` triangles; the number of blocks a side follows from it where none is given.
+    City { seed: u64, blocks: Option<u32>, triangles: u64 },
+    /// [`terrain`]: 2 size^2 triangles.
+    Terrain { seed: u64, size: u32 },
+    /// [`soup`]: `triangles` triangles.
+    Soup { seed: u64, triangles: u64 },
+}
+
+/// Makes a built-in mesh.
+///
+/// # Errors
+/// [`Error::Input`] naming the key whose value gives no triangles, more than 2^28, or (`city`) fewer than the
+/// plainest city has.
+pub fn generate(builtin: &Builtin) -> Result<Mesh> {
+    match *builtin {
+        Builtin::Teapot { level } => {
+            check_range("level", level.into(), 1, MAX_TEAPOT_LEVEL.into())?;
+            Ok(teapot(level))
+        }
+        Builtin::Icosphere { level } => {
+            check_range("level", level.into(), 0, MAX_ICOSPHERE_LEVEL.into())?;
+            Ok(icosphere(level))
+        }
+        Builtin::Box => Ok(cube()),
+        Builtin::Plane { size, divisions } => {
+            if !(size > 0.0 && size.is_finite()) {
+                return Err(Error::input(format!("size = {size}: use a finite length above 0")));
+            }
+            check_range("divisions", divisions.into(), 1, MAX_CELLS.into())?;
+            Ok(plane(size, divisions))
+        }
+        Builtin::City { seed, blocks, triangles } => {
+            check_range("triangles", triangles, 1, MAX_TRIANGLES)?;
+            if let Some(blocks) = blocks {
+                check_range("blocks", blocks.into(), 1, MAX_BLOCKS.into())?;
+            }
+            city(seed, blocks, triangles)
+        }
+        Builtin::Terrain { seed, size } => {
+            check_range("size", size.into(), 1, MAX_CELLS.into())?;
+            Ok(terrain(seed, size))
+        }
+        Builtin::Soup { seed, triangles } => {
+            check_range("triangles", triangles, 1, MAX_TRIANGLES)?;
+            Ok(soup(seed, triangles))
+        }
+    }
+}
+
+fn check_range(key: &str, value: u64, least: u64, most: u64) -> Result<()> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::input(format!("{key} = {value}: use {least} to {most}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_out_of_range_name_their_key() {
+        for (builtin, expected) in [
+            (Builtin::Teapot { level: 0 }, "level = 0: use 1 to 2048"),
+            (Builtin::Icosphere { level: 12 }, "level = 12: use 0 to 11"),
+            (Builtin::Plane { size: 0.0, divisions: 1 }, "size = 0: "),
+            (Builtin::Plane { size: f64::NAN, divisions: 1 }, "size = NaN: "),
+            (Builtin::Plane { size: 1.0, divisions: 0 }, "divisions = 0: "),
+            (Builtin::City { seed: 0, blocks: Some(0), triangles: 10_000 }, "blocks = 0: "),
+            (Builtin::City { seed: 0, blocks: Some(16), triangles: 100 }, "triangles = 100: "),
+            (Builtin::City { seed: 0, blocks: None, triangles: 1 }, "triangles = 1: "),
+            (Builtin::City { seed: 0, blocks: None, triangles: 1 << 29 }, "triangles = 536870912: "),
+            (Builtin::Terrain { seed: 0, size: 11586 }, "size = 11586: use 1 to 11585"),
+            (Builtin::Soup { seed: 0, triangles: 0 }, "triangles = 0: "),
+        ] {
+            let message = generate(&builtin).unwrap_err().to_string();
+            assert!(message.starts_with(expected), "{message}");
+        }
+    }
+
+    #[test]
+    fn limits_are_the_last_values_under_2_to_the_28() {
+        let over = |triangles: u64| triangles > MAX_TRIANGLES;
+        assert!(!over(64 * u64::from(MAX_TEAPOT_LEVEL).pow(2)) && over(64 * u64::from(MAX_TEAPOT_LEVEL + 1).pow(2)));
+        assert!(!over(2 * u64::from(MAX_CELLS).pow(2)) && over(2 * u64::from(MAX_CELLS + 1).pow(2)));
+        assert!(!over(20 << (2 * MAX_ICOSPHERE_LEVEL)) && over(20 << (2 * (MAX_ICOSPHERE_LEVEL + 1))));
+    }
+
+    #[test]
+    fn every_builtin_has_its_count_and_repeats() {
+        for (builtin, triangles) in [
+            (Builtin::Teapot { level: 3 }, 576),
+            (Builtin::Icosphere { level: 2 }, 320),
+            (Builtin::Box, 12),
+            (Builtin::Plane { size: 4.0, divisions: 3 }, 18),
+            (Builtin::City { seed: 1, blocks: None, triangles: 15_001 }, 15_001),
+            (Builtin::City { seed: 1, blocks: Some(8), triangles: 35_000 }, 35_000),
+            (Builtin::Terrain { seed: 1, size: 17 }, 578),
+            (Builtin::Soup { seed: 1, triangles: 77 }, 77),
+        ] {
+            let mesh = generate(&builtin).unwrap();
+            testing::assert_sound(&mesh);
+            assert_eq!(mesh.triangles.len(), triangles, "{builtin:?}");
+            assert_eq!(mesh, generate(&builtin).unwrap());
+        }
+    }
+}

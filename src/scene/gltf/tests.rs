@@ -1,0 +1,276 @@
+use std::path::PathBuf;
+
+use glam::Vec3;
+use proptest::prelude::*;
+
+use super::*;
+
+/// The bytes of a quad's four positions (f32), six u16 indices and a strip's four u8 indices: 64 bytes.
+fn quad_bytes() -> Vec<u8> {
+    let mut bytes: Vec<u8> =
+        [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    bytes.extend([0u16, 1, 2, 2, 1, 3].iter().flat_map(|i| i.to_le_bytes()));
+    bytes.extend([0, 1, 2, 3]);
+    bytes
+}
+
+/// A document over [`quad_bytes`] in `quad.bin`: accessor 0 the positions, 1 the triangles', 2 the strip's indices.
+fn quad_json() -> serde_json::Value {
+    serde_json::json!({
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
+            {"bufferView": 2, "componentType": 5121, "count": 4, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 48, "byteLength": 12},
+            {"buffer": 0, "byteOffset": 60, "byteLength": 4},
+        ],
+        "buffers": [{"uri": "quad.bin", "byteLength": 64}],
+    })
+}
+
+/// Loads the quad's document after `edit`.
+fn load_quad(edit: impl FnOnce(&mut serde_json::Value)) -> Result<Mesh> {
+    let folder = tempfile::tempdir().unwrap();
+    let mut json = quad_json();
+    edit(&mut json);
+    std::fs::write(folder.path().join("quad.bin"), quad_bytes()).unwrap();
+    let path = folder.path().join("quad.gltf");
+    std::fs::write(&path, serde_json::to_vec(&json).unwrap()).unwrap();
+    load(&path)
+}
+
+fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
+    let mut bytes = b"glTF\x02\0\0\0".to_vec();
+    bytes.extend(((12 + 8 + json.len() + 8 + binary.len()) as u32).to_le_bytes());
+    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", binary)] {
+        bytes.extend((chunk.len() as u32).to_le_bytes());
+        bytes.extend(kind);
+        bytes.extend(chunk);
+    }
+    bytes
+}
+
+fn quad_glb() -> Vec<u8> {
+    let mut json = quad_json();
+    json["buffers"][0].as_object_mut().unwrap().remove("uri");
+    let mut text = serde_json::to_vec(&json).unwrap();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    glb(&text, &quad_bytes())
+}
+
+#[test]
+fn external_inline_and_binary_buffers_are_the_same() {
+    let external = load_quad(|_| {}).unwrap();
+    assert_eq!(external.triangles, [[0, 1, 2], [2, 1, 3]]);
+    assert_eq!(external.positions[3], DVec3::new(1.0, 1.0, 0.0));
+    assert_eq!((&external.material_of[..], &external.materials[..]), (&[0, 0][..], &[Material::default()][..]));
+    let uri = "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAA\
+               AAABAAIAAgABAAMAAAECAw==";
+    assert_eq!(load_quad(|json| json["buffers"][0]["uri"] = uri.into()).unwrap(), external);
+    assert_eq!(parse(&quad_glb(), Path::new("")).unwrap(), external);
+}
+
+#[test]
+fn strips_and_fans_wind_as_specified() {
+    let primitive = |mode: u32, indices: bool| {
+        load_quad(|json| {
+            let primitive = &mut json["meshes"][0]["primitives"][0];
+            primitive["mode"] = mode.into();
+            primitive["indices"] = 2.into();
+            if !indices {
+                primitive.as_object_mut().unwrap().remove("indices");
+            }
+        })
+    };
+    for indices in [false, true] {
+        assert_eq!(primitive(5, indices).unwrap().triangles, [[0, 1, 2], [1, 3, 2]]);
+        assert_eq!(primitive(6, indices).unwrap().triangles, [[1, 2, 0], [2, 3, 0]]);
+        assert!(primitive(4, indices).unwrap_err().to_string().contains("4 corners are not whole triangles"));
+        assert!(primitive(1, indices).unwrap_err().to_string().contains("has no triangles"));
+    }
+}
+
+#[test]
+fn nodes_place_instances_depth_first() {
+    let mesh = load_quad(|json| {
+        json["scenes"][0]["nodes"] = serde_json::json!([1, 0]);
+        json["nodes"] = serde_json::json!([
+            {"mesh": 0, "matrix": [-2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1]},
+            {"mesh": 0, "translation": [0.1, 0, 0], "children": [3, 2]},
+            {"mesh": 0, "scale": [1, 3, 1]},
+            {"mesh": 0, "rotation": [0, 0, 2, 2]},
+        ]);
+    })
+    .unwrap();
+    assert_eq!(mesh.triangles.len(), 8);
+    assert_eq!(mesh.triangles[6], [12, 13, 14]);
+    let corner = |node: usize| mesh.positions[node * 4 + 3];
+    let shift = f64::from(0.1f32);
+    assert_eq!(corner(0), DVec3::new(1.0 + shift, 1.0, 0.0));
+    // A rounding or two of f64 in the rotation.
+    assert!(corner(1).distance(DVec3::new(-1.0 + shift, 1.0, 0.0)) < 4.0 * f64::EPSILON);
+    assert_eq!(corner(2), DVec3::new(1.0 + shift, 3.0, 0.0));
+    assert_eq!(corner(3), DVec3::new(-2.0, 1.0, 5.0));
+}
+
+#[test]
+fn sparse_and_quantised_values_are_read() {
+    let sparse = load_quad(|json| {
+        json["accessors"][0]["sparse"] = serde_json::json!({
+            "count": 2,
+            "indices": {"bufferView": 2, "componentType": 5121, "byteOffset": 1},
+            "values": {"bufferView": 0, "byteOffset": 24},
+        });
+    })
+    .unwrap();
+    assert_eq!(sparse.positions[1..3], [DVec3::Y, DVec3::new(1.0, 1.0, 0.0)]);
+    let quantised = load_quad(|json| {
+        json["extensionsRequired"] = serde_json::json!(["KHR_mesh_quantization", "KHR_materials_unlit"]);
+        json["extensionsUsed"] = json["extensionsRequired"].clone();
+        json["accessors"][0] = serde_json::json!(
+            {"bufferView": 1, "componentType": 5121, "count": 4, "type": "VEC3", "normalized": true});
+        json["accessors"][1]["count"] = 3.into();
+    })
+    .unwrap();
+    assert_eq!(quantised.positions[0], DVec3::new(0.0, 0.0, 1.0 / 255.0));
+}
+
+#[test]
+fn normals_and_colours_are_placed() {
+    let mesh = load_quad(|json| {
+        json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 0.into();
+        json["meshes"][0]["primitives"][0]["material"] = 1.into();
+        json["materials"] = serde_json::json!([{}, {"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 1]}}]);
+        json["nodes"][0]["scale"] = serde_json::json!([2, 1, 1]);
+    })
+    .unwrap();
+    // The quad's positions serve as normals: the first has no direction.
+    assert_eq!(mesh.corner_normals, [[NO_NORMAL, 0, 1], [1, 0, 2]]);
+    assert_eq!(mesh.normals[..2], [Vec3::X, Vec3::Y]);
+    assert!((mesh.normals[2] - Vec3::new(1.0, 2.0, 0.0).normalize()).length() <= f32::EPSILON);
+    assert_eq!(mesh.materials[mesh.material_of[0] as usize].diffuse, [0.5, 0.25, 1.0]);
+}
+
+#[test]
+fn wrong_documents_say_where() {
+    type Edit = fn(&mut serde_json::Value);
+    let cases: [(Edit, &str); 18] = [
+        (|j| j["accessors"][0]["count"] = 5.into(), "accessor 0: exceeds buffer view 0 of 48 bytes"),
+        (|j| j["accessors"][0]["byteOffset"] = u64::MAX.into(), "accessor 0: exceeds buffer view 0"),
+        (|j| j["accessors"][1]["count"] = u64::MAX.into(), "more than 2^28"),
+        (|j| j["accessors"][0]["count"] = 3.into(), "accessor 1: index 3 of 3 vertices"),
+        (|j| j["accessors"][1]["componentType"] = 5126.into(), "accessor 1: must hold unsigned integers"),
+        (|j| j["accessors"][0]["type"] = "VEC2".into(), "accessor 0: must hold vectors of 3"),
+        (|j| j["bufferViews"][0]["byteLength"] = 480.into(), "buffer view 0 exceeds its buffer of 64 bytes"),
+        (|j| j["bufferViews"][0]["byteStride"] = 4.into(), "stride 4 of buffer view 0"),
+        (|j| j["buffers"][0]["byteLength"] = 65.into(), "buffer 0: has 64 of its 65 bytes"),
+        (|j| j["buffers"][0]["uri"] = "no.bin".into(), "no.bin cannot be read"),
+        (|j| j["buffers"][0]["uri"] = "https://a.b/c.bin".into(), "buffer 0: lies elsewhere"),
+        (|j| j["meshes"][0]["primitives"][0]["indices"] = 9.into(), "indices: index out of range"),
+        (|j| j["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 3.into(), "primitive 0: accessor 3 of 3"),
+        (|j| j["nodes"][0]["children"] = serde_json::json!([0]), "node 0 is reached twice"),
+        (|j| j["extensionsRequired"] = serde_json::json!(["KHR_draco_mesh_compression"]), "KHR_draco_mesh_compression"),
+        (|j| j["asset"]["version"] = "1.0".into(), "glTF version \"1.0\""),
+        (|j| j["nodes"][0]["rotation"] = serde_json::json!([0, 0, 0, 0]), "not finite"),
+        (
+            |j| j["accessors"][0] = serde_json::json!({"componentType": 5126, "count": 4, "type": "VEC3"}),
+            "bufferView: missing",
+        ),
+    ];
+    for (edit, expected) in cases {
+        let message = load_quad(edit).unwrap_err().to_string();
+        assert!(message.contains("quad.gltf: ") && message.contains(expected), "{expected}: {message}");
+        assert!(!message.contains('\n'), "{message}");
+    }
+    for bytes in [&b""[..], b"glTF", b"glTF\x02\0\0\0\xff\0\0\0", b"{}", b"[1]", b"\xff\xfe"] {
+        assert!(matches!(parse(bytes, Path::new("")), Err(Error::Input(_))));
+    }
+    assert!(load(Path::new("no/such.glb")).unwrap_err().to_string().starts_with("no/such.glb: cannot be read"));
+}
+
+#[test]
+fn long_chains_of_nodes_do_not_overflow_the_stack() {
+    const NODES: usize = 100_000;
+    let mesh = load_quad(|json| {
+        let chain = (1..NODES).map(|next| serde_json::json!({"children": [next]}));
+        json["nodes"] = chain.chain([serde_json::json!({"mesh": 0})]).collect();
+    });
+    assert_eq!(mesh.unwrap().triangles.len(), 2);
+}
+
+#[test]
+fn a_file_without_scenes_shows_its_root_nodes() {
+    let mesh = load_quad(|json| {
+        json.as_object_mut().unwrap().retain(|key, _| !key.starts_with("scene"));
+        json["nodes"] = serde_json::json!([{"mesh": 0}, {"children": [0]}, {"mesh": 0}]);
+    });
+    assert_eq!(mesh.unwrap().triangles.len(), 4);
+}
+
+/// The path of a development model, if the collection is there.
+fn model(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models").join(name);
+    if !path.exists() {
+        println!("skipped {name}: the collection of models is not here");
+        return None;
+    }
+    Some(path)
+}
+
+#[test]
+fn models_have_the_counts_and_bounds_of_their_list() {
+    for (name, triangles, low, high) in [
+        ("gltf/BoxTextured.glb", 12, [-0.5, -0.5, -0.5], [0.5, 0.5, 0.5]),
+        ("gltf/CesiumMilkTruck.glb", 3624, [-2.431, 0.00145, -1.396], [2.438, 2.584, 1.396]),
+        ("gltf/Duck.glb", 4212, [-0.693, 0.09929, -0.6133], [0.9618, 1.64, 0.5393]),
+        ("kenney-city/building-garage.glb", 196, [-0.5, 0.0, -0.5], [0.5, 0.55, 0.5]),
+        ("kaykit-city/gltf/building_H.gltf", 1885, [-1.003, 0.0, -1.0], [1.003, 3.05, 1.0]),
+    ] {
+        let Some(path) = model(name) else { continue };
+        let mesh = load(&path).unwrap();
+        assert_eq!(mesh.triangles.len(), triangles, "{name}");
+        assert_eq!((mesh.corner_normals.len(), mesh.material_of.len()), (triangles, triangles));
+        assert!(mesh.normals.iter().all(|n| n.is_normalized()));
+        let used = || mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize]);
+        let (min, max) = (used().reduce(DVec3::min).unwrap(), used().reduce(DVec3::max).unwrap());
+        // The list gives four digits (the truck's lowest point is measured here: its wheels are turned).
+        const ROUNDED: f64 = 1e-3;
+        assert!((min - DVec3::from(low)).abs().max_element() < ROUNDED, "{name}: {min}");
+        assert!((max - DVec3::from(high)).abs().max_element() < ROUNDED, "{name}: {max}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn damaged_files_do_not_panic(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4),
+        cut in any::<prop::sample::Index>(),
+        is_cut: bool,
+    ) {
+        let mut bytes = quad_glb();
+        for (place, value) in changes {
+            let place = place.index(bytes.len());
+            bytes[place] = value;
+        }
+        bytes.truncate(if is_cut { cut.index(bytes.len()) } else { bytes.len() });
+        let _ = parse(&bytes, Path::new(""));
+    }
+
+    #[test]
+    fn damaged_numbers_do_not_panic(place in 0usize..40, value: u64) {
+        let text = serde_json::to_string(&quad_json()).unwrap();
+        let numbers: Vec<&str> = text.matches(|c: char| c.is_ascii_digit()).collect();
+        let place = place % numbers.len();
+        let at = text.match_indices(|c: char| c.is_ascii_digit()).nth(place).unwrap().0;
+        let changed = format!("{}{value}{}", &text[..at], &text[at + 1..]);
+        let _ = parse(&glb(changed.replace("\"uri\":\"quad.bin\",", "").as_bytes(), &quad_bytes()), Path::new(""));
+    }
+}

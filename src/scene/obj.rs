@@ -1,0 +1,174 @@
+//! Wavefront OBJ: exact f64 positions, triangle ids in file order, parsed in parallel.
+//!
+//! The text is cut at line ends into chunks. A first pass counts each chunk's lines, positions, texture
+//! coordinates and normals; with their running sums a second pass knows every line's number and every
+//! relative index's base, so the result does not depend on where the cuts lie.
+
+mod chunk;
+mod lex;
+mod mtl;
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::scene::mesh::{Material, Mesh, NO_NORMAL};
+use chunk::{Chunk, Counts, Reader};
+
+/// Most triangles a mesh may have.
+const MAX_TRIANGLES: usize = 1 << 28;
+
+/// Bytes a chunk has at least (but for the last one): small enough to balance cores, large enough that the cost
+/// of a chunk does not show. Results do not depend on it.
+const CHUNK_BYTES: usize = 1 << 20;
+
+/// Reads an OBJ file and the MTL files it names.
+///
+/// Faces are fan-triangulated from their first vertex; zero-area triangles stay, so that ids are file order.
+/// `Kd` is linear RGB. Faces whose material is unknown, or whose `.mtl` file is missing, get
+/// [`Material::default`]. Lines, points, curves, groups, smoothing and texture coordinates are skipped.
+///
+/// # Errors
+/// [`Error::Input`] naming file and line: see [`parse`]; the file cannot be read; an MTL file is malformed.
+pub fn load(path: &Path) -> Result<Mesh> {
+    let name = path.display().to_string();
+    let text = std::fs::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    parse(&text, &name, |library| mtl::load(folder, library))
+}
+
+/// Parses OBJ text. `name` stands for the file in messages; `load_mtl` is asked once per `mtllib` line, in file
+/// order, with the rest of that line, and answers `None` where there is no such file.
+///
+/// # Errors
+/// [`Error::Input`], always the one of the lowest line: an empty text, no OBJ statements, no faces; a coordinate
+/// that is missing, not a number or not finite; an index that is 0 or out of range; a face of fewer than 3
+/// vertices; more than 2^28 triangles. Errors of `load_mtl` are passed on.
+pub fn parse(text: &[u8], name: &str, load_mtl: impl FnMut(&str) -> Result<Option<Vec<Material>>>) -> Result<Mesh> {
+    parse_in_chunks(text, name, CHUNK_BYTES, load_mtl)
+}
+
+fn parse_in_chunks(
+    text: &[u8],
+    name: &str,
+    chunk_bytes: usize,
+    load_mtl: impl FnMut(&str) -> Result<Option<Vec<Material>>>,
+) -> Result<Mesh> {
+    let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
+    if text.is_empty() {
+        return Err(Error::input(format!("{name}: is empty; an OBJ file with faces is needed")));
+    }
+    if text.contains(&0) {
+        return Err(Error::input(format!("{name}: is binary, not OBJ text; use an OBJ, glTF or GLB file")));
+    }
+    if !text.contains(&b'\n') && text.contains(&b'\r') {
+        let lines = text.iter().map(|&b| if b == b'\r' { b'\n' } else { b }).collect::<Vec<_>>();
+        return parse_in_chunks(&lines, name, chunk_bytes, load_mtl);
+    }
+
+    // Count, then parse every chunk knowing what lies before it.
+    let pieces = lex::split_at_line_ends(text, chunk_bytes);
+    let counts: Vec<Counts> = pieces.par_iter().map(|piece| Counts::of(piece)).collect();
+    let mut before = Vec::with_capacity(counts.len());
+    let mut total = Counts::default();
+    for count in &counts {
+        before.push(total);
+        total = total.plus(count);
+    }
+    if total.positions.max(total.normals) >= u32::MAX as usize {
+        return Err(Error::input(format!("{name}: more than 2^32 - 2 vertices; split the file")));
+    }
+    let chunks: Vec<Result<Chunk>> = pieces
+        .par_iter()
+        .zip(&counts)
+        .zip(&before)
+        .map(|((piece, own), before)| Reader::new(name, *before, total).read(piece, own))
+        .collect();
+    let chunks = chunks.into_iter().collect::<Result<Vec<_>>>()?;
+
+    let triangles: usize = chunks.iter().map(|c| c.triangles.len()).sum();
+    if triangles > MAX_TRIANGLES {
+        return Err(Error::input(format!("{name}: {triangles} triangles, at most 2^28 are possible; split the file")));
+    }
+    if total.positions == 0 && triangles == 0 {
+        return Err(Error::input(format!("{name}: has no OBJ statements (v, f); is it an OBJ file?")));
+    }
+    if triangles == 0 {
+        return Err(Error::input(format!("{name}: has no faces (f lines); export it as a mesh with faces")));
+    }
+    assemble(chunks, total, triangles, load_mtl)
+}
+
+/// Joins the chunks in order.
+fn assemble(
+    chunks: Vec<Chunk>,
+    total: Counts,
+    triangles: usize,
+    mut load_mtl: impl FnMut(&str) -> Result<Option<Vec<Material>>>,
+) -> Result<Mesh> {
+    let mut mesh = Mesh {
+        positions: Vec::with_capacity(total.positions),
+        triangles: Vec::with_capacity(triangles),
+        material_of: Vec::with_capacity(triangles),
+        ..Mesh::default()
+    };
+    for library in chunks.iter().flat_map(|c| &c.libraries) {
+        mesh.materials.extend(load_mtl(library)?.unwrap_or_default());
+    }
+    assign_materials(&chunks, &mut mesh.materials, &mut mesh.material_of);
+    let with_normals = chunks.iter().any(|c| !c.corner_normals.is_empty());
+    for chunk in chunks {
+        mesh.positions.extend_from_slice(&chunk.positions);
+        if with_normals {
+            let first = mesh.triangles.len() + chunk.triangles.len();
+            mesh.normals.extend_from_slice(&chunk.normals);
+            mesh.corner_normals.extend_from_slice(&chunk.corner_normals);
+            mesh.corner_normals.resize(first, [NO_NORMAL; 3]);
+        }
+        mesh.triangles.extend_from_slice(&chunk.triangles);
+    }
+    drop_unusable_normals(&mut mesh);
+    Ok(mesh)
+}
+
+/// Appends one material index a triangle; the state of `usemtl` runs on from chunk to chunk. Of materials of
+/// one name the last counts. The default material is appended to `materials` if a triangle needs it.
+fn assign_materials(chunks: &[Chunk], materials: &mut Vec<Material>, material_of: &mut Vec<u32>) {
+    let index_of: HashMap<String, u32> = materials.iter().zip(0..).map(|(m, i)| (m.name.clone(), i)).collect();
+    let fallback = materials.len() as u32;
+    let mut current = fallback;
+    for chunk in chunks {
+        let start = material_of.len();
+        for (first_triangle, material) in &chunk.uses {
+            material_of.resize(start + first_triangle, current);
+            current = index_of.get(material).copied().unwrap_or(fallback);
+        }
+        material_of.resize(start + chunk.triangles.len(), current);
+    }
+    if material_of.contains(&fallback) {
+        materials.push(Material::default());
+    }
+}
+
+/// Points the corners of normals without a direction (which the reader left as zero) to [`NO_NORMAL`], and
+/// empties both lists when no corner has a normal.
+fn drop_unusable_normals(mesh: &mut Mesh) {
+    if mesh.normals.contains(&Vec3::ZERO) {
+        for corner in mesh.corner_normals.iter_mut().flatten() {
+            if *corner != NO_NORMAL && mesh.normals[*corner as usize] == Vec3::ZERO {
+                *corner = NO_NORMAL;
+            }
+        }
+        // No corner refers to these any more; every normal of a mesh has unit length.
+        mesh.normals.iter_mut().filter(|n| **n == Vec3::ZERO).for_each(|n| *n = Vec3::Y);
+    }
+    if mesh.corner_normals.iter().flatten().all(|&n| n == NO_NORMAL) {
+        mesh.normals = Vec::new();
+        mesh.corner_normals = Vec::new();
+    }
+}

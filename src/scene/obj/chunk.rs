@@ -1,0 +1,191 @@
+//! One chunk of an OBJ text: what it holds, in numbers and parsed.
+
+use glam::{DVec3, Vec3};
+
+use super::lex::{Lines, Words, parse_f64, parse_i64, quoted};
+use crate::error::{Error, Result};
+use crate::scene::mesh::NO_NORMAL;
+
+/// How many lines and vertex statements a stretch of text has.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Counts {
+    pub lines: usize,
+    pub positions: usize,
+    pub texcoords: usize,
+    pub normals: usize,
+}
+
+impl Counts {
+    pub(super) fn of(text: &[u8]) -> Counts {
+        let mut counts = Counts::default();
+        let mut lines = Lines::new(text);
+        for (_, line) in lines.by_ref() {
+            match line.trim_ascii_start() {
+                [b'v', blank, ..] if blank.is_ascii_whitespace() => counts.positions += 1,
+                [b'v', b't', ..] => counts.texcoords += usize::from(keyword(&line) == b"vt"),
+                [b'v', b'n', ..] => counts.normals += usize::from(keyword(&line) == b"vn"),
+                _ => {}
+            }
+        }
+        counts.lines = lines.read_so_far();
+        counts
+    }
+
+    pub(super) fn plus(&self, other: &Counts) -> Counts {
+        Counts {
+            lines: self.lines + other.lines,
+            positions: self.positions + other.positions,
+            texcoords: self.texcoords + other.texcoords,
+            normals: self.normals + other.normals,
+        }
+    }
+}
+
+fn keyword(line: &[u8]) -> &[u8] {
+    Words::new(line).next().unwrap_or_default()
+}
+
+/// A parsed chunk: its vertices, and its triangles with indices into the whole file's vertices.
+#[derive(Debug, Default)]
+pub(super) struct Chunk {
+    pub positions: Vec<DVec3>,
+    /// Unit length, or zero where the file's normal has no direction.
+    pub normals: Vec<Vec3>,
+    pub triangles: Vec<[u32; 3]>,
+    /// As far as the last triangle that has a normal; the rest have none.
+    pub corner_normals: Vec<[u32; 3]>,
+    /// `usemtl` lines: the first triangle of the chunk each is for, and the name.
+    pub uses: Vec<(usize, String)>,
+    /// The rest of each `mtllib` line.
+    pub libraries: Vec<String>,
+}
+
+/// One corner of a face: its position, and its normal or [`NO_NORMAL`].
+type Corner = (u32, u32);
+
+/// Parses one chunk.
+pub(super) struct Reader<'a> {
+    name: &'a str,
+    before: Counts,
+    total: Counts,
+    seen_texcoords: usize,
+    corners: Vec<Corner>,
+    chunk: Chunk,
+}
+
+impl<'a> Reader<'a> {
+    /// `before`: what lies in the chunks before this one; `total`: in the whole file.
+    pub(super) fn new(name: &'a str, before: Counts, total: Counts) -> Self {
+        Reader { name, before, total, seen_texcoords: 0, corners: Vec::new(), chunk: Chunk::default() }
+    }
+
+    /// # Errors
+    /// That of the chunk's first line with an error, as `file:line: what`.
+    pub(super) fn read(mut self, text: &[u8], own: &Counts) -> Result<Chunk> {
+        self.chunk.positions.reserve_exact(own.positions);
+        self.chunk.normals.reserve_exact(own.normals);
+        for (number, line) in Lines::new(text) {
+            if let Err(message) = self.read_line(&line) {
+                let line_in_file = self.before.lines + number + 1;
+                return Err(Error::input(format!("{}:{line_in_file}: {message}", self.name)));
+            }
+        }
+        Ok(self.chunk)
+    }
+
+    fn read_line(&mut self, line: &[u8]) -> std::result::Result<(), String> {
+        let mut words = Words::new(line);
+        match words.next().unwrap_or_default() {
+            b"v" => {
+                let position = read_vector(words)?;
+                if !position.is_finite() {
+                    return Err("vertex coordinate is not finite; use finite numbers".into());
+                }
+                self.chunk.positions.push(position);
+            }
+            b"vn" => self.chunk.normals.push(unit(read_vector(words)?)),
+            b"vt" => self.seen_texcoords += 1,
+            b"f" | b"fo" => self.read_face(words)?,
+            b"usemtl" => self.chunk.uses.push((self.chunk.triangles.len(), words.name())),
+            b"mtllib" => self.chunk.libraries.push(words.name()),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn read_face(&mut self, words: Words) -> std::result::Result<(), String> {
+        let mut corners = std::mem::take(&mut self.corners);
+        corners.clear();
+        for word in words {
+            corners.push(self.read_corner(word)?);
+        }
+        if corners.len() < 3 {
+            let count = corners.len();
+            return Err(format!("face has {count} of at least 3 vertices; complete it or use l or p lines"));
+        }
+        let (p0, n0) = corners[0];
+        for pair in corners.windows(2).skip(1) {
+            let [(p1, n1), (p2, n2)] = [pair[0], pair[1]];
+            self.chunk.triangles.push([p0, p1, p2]);
+            if n0 & n1 & n2 != NO_NORMAL {
+                self.chunk.corner_normals.resize(self.chunk.triangles.len() - 1, [NO_NORMAL; 3]);
+                self.chunk.corner_normals.push([n0, n1, n2]);
+            }
+        }
+        self.corners = corners;
+        Ok(())
+    }
+
+    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    fn read_corner(&self, word: &[u8]) -> std::result::Result<Corner, String> {
+        let mut parts = word.splitn(3, |&b| b == b'/');
+        let index = |part: Option<&[u8]>, what: &str, seen: usize, total: usize| match part {
+            None | Some([]) => Ok(None),
+            Some(part) => resolve(part, what, seen, total).map(Some),
+        };
+        let seen = self.before.positions + self.chunk.positions.len();
+        let position = resolve(parts.next().unwrap_or_default(), "vertex", seen, self.total.positions)?;
+        let seen = self.before.texcoords + self.seen_texcoords;
+        index(parts.next(), "texture coordinate", seen, self.total.texcoords)?;
+        let seen = self.before.normals + self.chunk.normals.len();
+        let normal = index(parts.next(), "normal", seen, self.total.normals)?;
+        Ok((position, normal.unwrap_or(NO_NORMAL)))
+    }
+}
+
+/// The index from 0 that an OBJ index means: from 1 on, or, negative, back from the `seen` vertices so far.
+fn resolve(word: &[u8], what: &str, seen: usize, total: usize) -> std::result::Result<u32, String> {
+    let Some(index) = parse_i64(word) else {
+        return Err(format!("face's {what} index {} is not an integer", quoted(word)));
+    };
+    if index == 0 {
+        return Err(format!("face's {what} index is 0; indices start at 1"));
+    }
+    // Both counts fit an i64: they are numbers of lines in memory.
+    let (from_zero, limit) = if index > 0 { (index - 1, total as i64) } else { (seen as i64 + index, seen as i64) };
+    if !(0..limit).contains(&from_zero) {
+        let (count, sign, so_far) = if index > 0 { (total, "", "") } else { (seen, "-", " up to here") };
+        return Err(match count {
+            0 => format!("face's {what} index {index}, but there are none{so_far}"),
+            _ => format!("face's {what} index {index} out of range; {sign}1 to {sign}{count} exist{so_far}"),
+        });
+    }
+    u32::try_from(from_zero).map_err(|_| format!("face's {what} index {index} is too large"))
+}
+
+/// The first three words as numbers; more of them (a weight, a colour) are skipped.
+fn read_vector(mut words: Words) -> std::result::Result<DVec3, String> {
+    let mut xyz = [0.0; 3];
+    for (at, value) in xyz.iter_mut().enumerate() {
+        let word = words.next().ok_or_else(|| format!("has {at} of 3 coordinates; give x y z"))?;
+        *value = parse_f64(word).ok_or_else(|| format!("coordinate {} is not a number", quoted(word)))?;
+    }
+    Ok(DVec3::from(xyz))
+}
+
+/// The direction of `v`; zero where it has none.
+fn unit(v: DVec3) -> Vec3 {
+    // Scaled first: squares of large or small components leave the range.
+    let scaled = v / v.abs().max_element();
+    if v.is_finite() && scaled.is_finite() { scaled.normalize().as_vec3() } else { Vec3::ZERO }
+}

@@ -1,0 +1,311 @@
+use std::io::Cursor;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use glam::DVec3;
+use proptest::prelude::*;
+
+use super::*;
+
+fn parse_text(text: &str) -> Result<Mesh> {
+    parse(text.as_bytes(), "cow.obj", |_| Ok(None))
+}
+
+fn message_of(text: &str) -> String {
+    match parse_text(text) {
+        Err(Error::Input(message)) => message,
+        other => panic!("{text}: {other:?}"),
+    }
+}
+
+const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+#[test]
+fn every_face_form_gives_the_same_triangles() {
+    let shared = format!("{QUAD}vt 0 0\nvn 0 0 2\n");
+    for face in [
+        "f 1 2 3 4",
+        "f 1/1 2/1 3/1 4/1",
+        "f 1//1 2//1 3//1 4//1",
+        "f 1/1/1 2/1/1 3/1/1 4/1/1",
+        "f -4 -3 -2 -1",
+        "f -4/-1/-1 -3/-1/-1 -2/-1/-1 -1/-1/-1 # c",
+        "f 1 2 \\\n 3 4",
+        "fo 1 2 3 4",
+        "l 1 2\np 1\nf 1 2 3 4",
+        "s off\ng a b\no c\ncurv 1 2\nf 1 2 3 4\r\n\r\n",
+    ] {
+        let mesh = parse_text(&format!("{shared}{face}")).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]], "{face}");
+        assert_eq!(mesh.material_of, [0, 0]);
+        assert_eq!(mesh.materials, [Material::default()]);
+        let has_normals = face.contains("/1/1") || face.contains("//") || face.contains("/-1/");
+        assert_eq!(mesh.corner_normals.len(), if has_normals { 2 } else { 0 }, "{face}");
+        assert_eq!(mesh.normals, if has_normals { vec![Vec3::Z] } else { vec![] });
+    }
+}
+
+#[test]
+fn corners_without_a_usable_normal_have_none() {
+    let text = format!("{QUAD}vn 0 0 0\nvn 3e200 0 0\nvn nan 0 0\nf 1 2 3\nf 1//2 2 3//1\nf 1//3 2//3 3//3\nf 1 2 3");
+    let mesh = parse_text(&text).unwrap();
+    let none = [NO_NORMAL; 3];
+    assert_eq!(mesh.corner_normals, [none, [1, NO_NORMAL, NO_NORMAL], none, none]);
+    assert!(mesh.normals.iter().all(|n| n.is_normalized()));
+    assert_eq!(mesh.normals[1], Vec3::X);
+    let mesh = parse_text(&format!("{QUAD}vn 0 0 0\nf 1//1 2//1 3//1")).unwrap();
+    assert!(mesh.normals.is_empty() && mesh.corner_normals.is_empty());
+}
+
+#[test]
+fn relative_indices_count_from_where_they_stand() {
+    let text = format!("{QUAD}f -4 -3 -2\nv 5 5 5\nf -1 -2 -3\nv 6 6 6\nf 1 2 6");
+    assert_eq!(parse_text(&text).unwrap().triangles, [[0, 1, 2], [4, 3, 2], [0, 1, 5]]);
+}
+
+#[test]
+fn colours_weights_and_zero_area_are_kept_or_skipped() {
+    let mesh = parse_text("v 0 0 0 1\nv 1 0 0 0.5 0.5 0.5\nv\t2 0 0 1 1 1 1\nf 1 2 3\nf 1 1 2").unwrap();
+    assert_eq!(mesh.positions, [DVec3::ZERO, DVec3::X, DVec3::X * 2.0]);
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 0, 1]]);
+}
+
+#[test]
+fn line_ends_and_byte_order_marks_do_not_matter() {
+    let text = format!("{QUAD}f 1 2 3 4\n");
+    let expected = parse_text(&text).unwrap();
+    for other in [text.replace('\n', "\r\n"), text.replace('\n', "\r"), format!("\u{FEFF}{text}")] {
+        assert_eq!(parse_text(&other).unwrap(), expected);
+    }
+}
+
+#[test]
+fn wrong_text_names_file_line_and_remedy() {
+    for (line, expected) in [
+        ("v 1 2", "cow.obj:5: has 2 of 3 coordinates"),
+        ("v 1 2 # 3", "cow.obj:5: has 2 of 3 coordinates"),
+        ("v 1 x 2", "cow.obj:5: coordinate \"x\" is not a number"),
+        ("v 1 nan 2", "cow.obj:5: vertex coordinate is not finite"),
+        ("v 1 1e999 2", "cow.obj:5: vertex coordinate is not finite"),
+        ("vn 1 2", "cow.obj:5: has 2 of 3 coordinates"),
+        ("f 1 2", "cow.obj:5: face has 2 of at least 3 vertices"),
+        ("f", "cow.obj:5: face has 0 of at least 3 vertices"),
+        ("f 0 1 2", "cow.obj:5: face's vertex index is 0; indices start at 1"),
+        ("f 1 2 5", "cow.obj:5: face's vertex index 5 out of range; 1 to 4 exist"),
+        ("f 1 2 -5", "cow.obj:5: face's vertex index -5 out of range; -1 to -4 exist up to here"),
+        ("f 1//1 2 3", "cow.obj:5: face's normal index 1, but there are none"),
+        ("f 1/0 2 3", "cow.obj:5: face's texture coordinate index is 0"),
+        ("f 1.5 2 3", "cow.obj:5: face's vertex index \"1.5\" is not an integer"),
+        ("f 1 2 \\\n99", "cow.obj:5: face's vertex index 99 out of range"),
+        ("g \\\n\nf a b c", "cow.obj:7: face's vertex index \"a\" is not"),
+    ] {
+        let message = message_of(&format!("{QUAD}{line}\nf 1 2 3\n"));
+        assert!(message.starts_with(expected), "{line}: {message}");
+        assert!(!message.contains('\n') && message.len() < 100, "{message}");
+    }
+    assert!(message_of("").starts_with("cow.obj: is empty"));
+    assert!(message_of("# nothing\n\n").starts_with("cow.obj: has no OBJ statements"));
+    assert!(message_of("\u{1}\u{2}\u{7f}garbage").starts_with("cow.obj: has no OBJ statements"));
+    assert!(message_of("v 0 0 0\0").starts_with("cow.obj: is binary"));
+    assert!(message_of(QUAD).starts_with("cow.obj: has no faces"));
+    let missing = load(Path::new("no/such.obj")).unwrap_err().to_string();
+    assert!(missing.starts_with("no/such.obj: cannot be read"), "{missing}");
+}
+
+#[test]
+fn the_first_wrong_line_is_named_whatever_the_chunks() {
+    let text = format!("{QUAD}f 1 2 3\nf 1 2 9\nf 1 2\nv 1\n");
+    for bytes in 1..text.len() {
+        let message = parse_in_chunks(text.as_bytes(), "a", bytes, |_| Ok(None)).unwrap_err().to_string();
+        assert!(message.starts_with("a:6: "), "{message}");
+    }
+}
+
+const GROUPED: &str = "\
+# two groups, a material set before any object, an unknown one
+mtllib city.mtl
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0 0 1.5
+usemtl roof
+o house
+f 1 2 3 4
+g a
+usemtl wall
+f 1 2 5
+f 2 3 5
+o shed
+f 3 4 5
+usemtl roof
+f 4 1 5
+";
+const GROUPED_MTL: &[u8] = b"newmtl wall\nKd 0.5 0.25 0.125\nnewmtl roof\nKd 1 0 0\n";
+
+#[test]
+fn materials_run_across_groups_and_chunks() {
+    for bytes in [1, 7, 20, 64, 1 << 20] {
+        let mesh = parse_in_chunks(GROUPED.as_bytes(), "a", bytes, |library| {
+            assert_eq!(library, "city.mtl");
+            mtl::parse(GROUPED_MTL, library).map(Some)
+        })
+        .unwrap();
+        assert_eq!(mesh.material_of, [1, 1, 0, 0, 0, 1]);
+        assert_eq!(mesh.materials.len(), 2);
+        let unknown = parse_in_chunks(GROUPED.as_bytes(), "a", bytes, |_| Ok(None)).unwrap();
+        assert_eq!(unknown.materials, [Material::default()]);
+    }
+}
+
+#[test]
+fn some_unknown_materials_are_the_default_one() {
+    let text = format!("f 1 2 3\n{QUAD}mtllib a.mtl\nusemtl wall\nf 1 2 3\nusemtl other\nf 1 2 4\nusemtl\nf 1 2 4");
+    let mesh = parse(text.as_bytes(), "a", |_| mtl::parse(GROUPED_MTL, "a.mtl").map(Some)).unwrap();
+    assert_eq!(mesh.material_of, [2, 0, 2, 2]);
+    assert_eq!(mesh.materials[2], Material::default());
+}
+
+#[test]
+fn material_files_lie_beside_the_obj() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("my walls.mtl", "newmtl a\nKd 1 0 0\n");
+    write("b.mtl", "newmtl b\nKd 0 1 0\n");
+    write("bad.mtl", "newmtl b\nKd 0\n\nKd 0 y 0\n");
+    write("good.obj", &format!("mtllib my walls.mtl\nmtllib b.mtl none.mtl\n{QUAD}usemtl b\nf 1 2 3"));
+    write("bad.obj", &format!("mtllib bad.mtl\n{QUAD}f 1 2 3"));
+    let mesh = load(&folder.path().join("good.obj")).unwrap();
+    assert_eq!((mesh.materials.len(), &mesh.material_of[..]), (2, &[1][..]));
+    let message = load(&folder.path().join("bad.obj")).unwrap_err().to_string();
+    assert!(message.contains("bad.mtl:4: Kd value \"y\""), "{message}");
+}
+
+/// Compares with tobj, which splits by group and reads f32: triangle by triangle.
+fn assert_agrees_with_tobj(text: &[u8], mtl: &[u8]) {
+    let mesh = parse(text, "a", |_| mtl::parse(mtl, "a.mtl").map(Some)).unwrap();
+    let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
+    let (models, materials) =
+        tobj::load_obj_buf(&mut Cursor::new(text), &options, |_| tobj::load_mtl_buf(&mut Cursor::new(mtl))).unwrap();
+    let materials = materials.unwrap();
+    assert_eq!(models.iter().map(|m| m.mesh.indices.len() / 3).sum::<usize>(), mesh.triangles.len());
+    let mut triangle = 0;
+    for model in models.iter().map(|m| &m.mesh) {
+        for corners in model.indices.chunks(3) {
+            for (corner, &theirs) in corners.iter().enumerate() {
+                let ours = mesh.positions[mesh.triangles[triangle][corner] as usize].as_vec3().to_array();
+                assert_eq!(ours, model.positions[theirs as usize * 3..][..3], "triangle {triangle}");
+            }
+            if let Some(id) = model.material_id {
+                assert_eq!(mesh.material_of[triangle] as usize, id);
+                assert_eq!(Some(mesh.materials[id].diffuse), materials[id].diffuse);
+            }
+            triangle += 1;
+        }
+    }
+}
+
+#[test]
+fn tobj_reads_the_same() {
+    assert_agrees_with_tobj(GROUPED.as_bytes(), GROUPED_MTL);
+    let plain =
+        format!("mtllib a.mtl\n{QUAD}vt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1 4/1/1\nf -1 -2 -3\nf 1//1 3//1 4//1");
+    assert_agrees_with_tobj(plain.as_bytes(), GROUPED_MTL);
+}
+
+/// The path of a development model, if the collection is there.
+fn model(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models").join(name);
+    if !path.exists() {
+        println!("skipped {name}: the collection of models is not here");
+        return None;
+    }
+    Some(path)
+}
+
+#[test]
+fn models_have_the_counts_of_their_list() {
+    for (name, triangles, positions, materials) in [
+        ("cow.obj", 5804, 2903, 1),
+        ("beast.obj", 64618, 32311, 1),
+        ("denhaag/denhaag.obj", 41187, 22997, 4),
+        ("delft/delft.obj", 36271, 18262, 7),
+        ("spot/cow.obj", 5856, 2930, 1),
+        ("stadium/stadium.obj", 11978, 6190, 3),
+        ("kaykit-city/building_F.obj", 1389, 1161, 1),
+        ("suzanne.obj", 968, 507, 1),
+    ] {
+        let Some(path) = model(name) else { continue };
+        let mesh = load(&path).unwrap();
+        let found = (mesh.triangles.len(), mesh.positions.len(), mesh.materials.len());
+        assert_eq!(found, (triangles, positions, materials), "{name}");
+        assert_eq!(mesh.material_of.len(), triangles);
+        assert!(mesh.normals.iter().all(|n| n.is_normalized()));
+        let text = std::fs::read(&path).unwrap();
+        let folder = path.parent().unwrap();
+        let chunked = parse_in_chunks(&text, "a", 1000, |library| mtl::load(folder, library)).unwrap();
+        assert_eq!(mesh, chunked, "{name}");
+    }
+}
+
+/// Prints the speed on a large text; run with `--release -- --ignored --nocapture`.
+#[test]
+#[ignore = "a measurement, not a check"]
+fn speed() {
+    let Some(path) = model("beast.obj") else { return };
+    let text = std::fs::read(&path).unwrap();
+    let many = text.repeat(60);
+    for (name, text) in [("beast.obj", &text), ("60 times beast.obj", &many)] {
+        let best = (0..7)
+            .map(|_| {
+                let start = Instant::now();
+                assert!(parse(text, "a", |_| Ok(None)).is_ok());
+                start.elapsed().as_secs_f64()
+            })
+            .fold(f64::INFINITY, f64::min);
+        println!("{name}: {} bytes, {:.0} MB/s", text.len(), text.len() as f64 / best / 1e6);
+    }
+}
+
+proptest! {
+    #[test]
+    fn written_meshes_are_read_bit_for_bit(
+        positions in prop::collection::vec(prop::array::uniform3(prop::num::f64::NORMAL | prop::num::f64::ZERO), 3..40),
+        faces in prop::collection::vec(prop::array::uniform3(0usize..1000), 1..40),
+        chunk_bytes in 1usize..500,
+        exponents: bool,
+    ) {
+        let mut text = String::new();
+        for p in &positions {
+            text += &if exponents {
+                format!("v {:e} {:e} {:e}\n", p[0], p[1], p[2])
+            } else {
+                format!("v {} {} {}\n", p[0], p[1], p[2])
+            };
+        }
+        let faces: Vec<[u32; 3]> = faces.iter().map(|f| f.map(|i| (i % positions.len()) as u32)).collect();
+        for f in &faces {
+            text += &format!("f {} {} {}\n", f[0] + 1, i64::from(f[1]) - positions.len() as i64, f[2] + 1);
+        }
+        let mesh = parse_in_chunks(text.as_bytes(), "a", chunk_bytes, |_| Ok(None)).unwrap();
+        let bits = |p: [f64; 3]| p.map(f64::to_bits);
+        let found: Vec<_> = mesh.positions.iter().map(|p| bits(p.to_array())).collect();
+        prop_assert_eq!(found, positions.iter().copied().map(bits).collect::<Vec<_>>());
+        prop_assert_eq!(mesh.triangles, faces);
+    }
+
+    #[test]
+    fn no_bytes_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), chunk_bytes in 1usize..40) {
+        let _ = parse_in_chunks(&bytes, "a", chunk_bytes, |_| Ok(None));
+        let _ = mtl::parse(&bytes, "a");
+    }
+
+    #[test]
+    fn no_statements_panic(
+        text in "((v|vn|vt|f|fo|l|usemtl|mtllib|#)? ?(-?[0-9]{1,2}/?[ /]?){0,4}\\\\?\r?\n?){0,30}",
+        chunk_bytes in 1usize..60,
+    ) {
+        let one = parse(text.as_bytes(), "a", |_| Ok(None));
+        prop_assert_eq!(parse_in_chunks(text.as_bytes(), "a", chunk_bytes, |_| Ok(None)), one);
+    }
+}

@@ -1,0 +1,77 @@
+//! The stages of a frame, one file each: what it binds and how it is dispatched.
+//!
+//! `cull -> bin -> raster -> shade -> write`, each the host's side of the kernel of that name.
+
+pub mod bin;
+pub mod cull;
+pub mod raster;
+pub mod shade;
+pub mod write;
+
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::gpu::buffers::{Buffers, Pipeline};
+use crate::gpu::kernels::{self, Variant};
+use crate::gpu::rows::{GROUP, Step};
+
+/// Names of the step buffers, by value.
+const STEPS: [&str; 16] = [
+    "step0", "step1", "step2", "step3", "step4", "step5", "step6", "step7", "step8", "step9", "step10", "step11",
+    "step12", "step13", "step14", "step15",
+];
+
+/// The kernels of a variant, compiled, and the step buffers that number their dispatches.
+pub struct Stages {
+    args: Pipeline,
+    cull: Pipeline,
+    bin: Pipeline,
+    raster: Pipeline,
+    shade: Pipeline,
+    write: Pipeline,
+    steps: Buffers,
+    pub variant: Variant,
+}
+
+/// Buffers that a dispatch binds, the innermost scope first.
+pub type Scopes<'a> = &'a [&'a Buffers];
+
+impl Stages {
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Stages> {
+        let compile = |kernel| Pipeline::new(&gpu.device, kernel);
+        let mut steps = Buffers::default();
+        for (value, name) in STEPS.iter().enumerate() {
+            steps.upload_uniform(gpu, name, &Step { value: value as u32 })?;
+        }
+        Ok(Stages {
+            args: compile(kernels::args()),
+            cull: compile(kernels::cull()),
+            bin: compile(kernels::bin(variant)),
+            raster: compile(kernels::raster(variant)),
+            shade: compile(kernels::shade(variant)),
+            write: compile(kernels::write_srgb()),
+            steps,
+            variant,
+        })
+    }
+
+    /// Turns the count with index `counter` into the arguments of the next indirect dispatch.
+    fn lay_out(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, counter: u32) -> Result<()> {
+        let scopes = with(scopes, &self.steps);
+        let group = self.args.bind_renamed(gpu, &scopes, &[("step", STEPS[counter as usize])])?;
+        pass.set_pipeline(&self.args.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(1, 1, 1);
+        Ok(())
+    }
+}
+
+fn with<'a>(scopes: Scopes<'a>, more: &'a Buffers) -> Vec<&'a Buffers> {
+    scopes.iter().copied().chain([more]).collect()
+}
+
+/// Workgroups for `items` threads, in two dimensions where one does not suffice.
+fn dispatch_items(gpu: &Gpu, pass: &mut wgpu::ComputePass, items: u32) {
+    let groups = items.div_ceil(GROUP);
+    let rows = groups.div_ceil(gpu.limits.max_compute_workgroups_per_dimension).max(1);
+    pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
+}

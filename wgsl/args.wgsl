@@ -1,0 +1,26 @@
+// args: one thread in all. Reads the count that a stage left in `counters` and the capacity behind it; writes the
+// indirect arguments of the next dispatch, in two dimensions and never over the list's end.
+
+const GROUPS_A_SIDE: u32 = 65535u;
+
+@compute @workgroup_size(1)
+fn args() {
+    // find the count and how many items a workgroup takes
+    var count = atomicLoad(&counters[step.value]);
+    var items = GROUP;
+    if step.value == COUNT_WORK {
+        count = min(count, params.work_capacity);
+        items = 1u;
+    } else if step.value == COUNT_PAIRS {
+        count = min(count, params.pair_capacity);
+    } else {
+        count = min(count, params.queue_capacity);
+    }
+    // lay the groups out in rows
+    let groups = (count + items - 1u) / items;
+    let rows = (groups + GROUPS_A_SIDE - 1u) / GROUPS_A_SIDE;
+    let columns = select((groups + rows - 1u) / max(rows, 1u), 0u, rows == 0u);
+    indirect[0] = columns;
+    indirect[1] = rows;
+    indirect[2] = 1u;
+}

@@ -1,0 +1,103 @@
+// Rays of a ray field: a ray a pixel, six numbers P and D, in a table one column and one row larger than the band so
+// that every pixel has a right and a lower neighbour. D = 0: no ray.
+
+const UNIT: f32 = 1.0 / 16777216.0;
+
+fn field_at(x: u32, y: u32) -> u32 {
+    return 6u * (y * (params.width + 1u) + x);
+}
+
+fn field_origin(at: u32) -> vec3<f32> {
+    return vec3<f32>(field_hi[at], field_hi[at + 1u], field_hi[at + 2u]);
+}
+
+fn field_direction(at: u32) -> vec3<f32> {
+    return vec3<f32>(field_hi[at + 3u], field_hi[at + 4u], field_hi[at + 5u]);
+}
+
+fn field_origin_real(at: u32) -> real3 {
+    return real3(field_origin(at)) + real3(vec3<f32>(field_lo[at], field_lo[at + 1u], field_lo[at + 2u]));
+}
+
+fn field_direction_real(at: u32) -> real3 {
+    return real3(field_direction(at)) + real3(vec3<f32>(field_lo[at + 3u], field_lo[at + 4u], field_lo[at + 5u]));
+}
+
+// Coverage of the cell's pixels: two words of proven pixels, then two of pixels whose signs are not proven.
+fn coverage(cell: Cell, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec4<u32> {
+    var covered = vec2<u32>(0u);
+    var doubtful = vec2<u32>(0u);
+    let tile_x = (cell.tile % params.tiles_x) * TILE;
+    let tile_y = (cell.tile / params.tiles_x) * TILE;
+    for (var bit = 0u; bit < TILE * TILE; bit++) {
+        let word = bit >> 5u;
+        let mask = 1u << (bit & 31u);
+        if (select(cell.mask_lo, cell.mask_hi, word == 1u) & mask) == 0u {
+            continue;
+        }
+        let at = field_at(tile_x + bit % TILE, tile_y + bit / TILE);
+        let p = field_origin(at);
+        let d = field_direction(at);
+        // m: stored v and p and a difference, 3 units of what was subtracted; d: 1 unit; cross product: 3 units;
+        // e: 4 units of reach and 1 of |e|; dot product: 3 units
+        let m0 = v0 - p;
+        let m1 = v1 - p;
+        let g0 = cross(d, m0);
+        let g1 = cross(d, m1);
+        let lost = 4.0 * (params.vertex_reach + length(p));
+        let round0 = UNIT * length(d) * (6.0 * length(m0) + lost);
+        let round1 = UNIT * length(d) * (6.0 * length(m1) + lost);
+        let b01 = field_bound(v1 - v0, g0, round0);
+        let b20 = field_bound(v0 - v2, g0, round0);
+        let b12 = field_bound(v2 - v1, g1, round1);
+        let a = dot(v1 - v0, g0);
+        let b = dot(v0 - v2, g0);
+        let c = dot(v2 - v1, g1);
+        let all_in = (a > b01 && b > b20 && c > b12) || (a < -b01 && b < -b20 && c < -b12);
+        let some_up = a > b01 || b > b20 || c > b12;
+        let some_down = a < -b01 || b < -b20 || c < -b12;
+        covered[word] |= select(0u, mask, all_in);
+        doubtful[word] |= select(mask, 0u, all_in || (some_up && some_down));
+    }
+    return vec4<u32>(covered, doubtful);
+}
+
+fn field_bound(e: vec3<f32>, g: vec3<f32>, rounding: f32) -> f32 {
+    return length(e) * rounding + UNIT * (4.0 * params.vertex_reach + 5.0 * length(e)) * length(g);
+}
+
+// The bundle of a cell: a field has one a pixel.
+fn cell_bundle(cell: Cell) -> Bundle {
+    let z = real3(0.0);
+    return Bundle(z, z, z, z, z, z, real(1.0), real(0.0), real(0.0));
+}
+
+fn pixel_bundle(whole: Bundle, cell: Cell, x: u32, y: u32) -> Bundle {
+    return ray_bundle((cell.tile % params.tiles_x) * TILE + x, (cell.tile / params.tiles_x) * TILE + y);
+}
+
+// The bundle of a pixel of the band: its ray, and slopes to the right and lower neighbours that have a ray.
+fn ray_bundle(x: u32, y: u32) -> Bundle {
+    var b = cell_bundle_at(field_at(x, y));
+    let right = cell_bundle_at(field_at(x + 1u, y));
+    let below = cell_bundle_at(field_at(x, y + 1u));
+    if size3(right.d) > 0.0 {
+        b.px = right.p - b.p;
+        b.dx = right.d - b.d;
+    }
+    if size3(below.d) > 0.0 {
+        b.py = below.p - b.p;
+        b.dy = below.d - b.d;
+    }
+    return b;
+}
+
+fn cell_bundle_at(at: u32) -> Bundle {
+    let z = real3(0.0);
+    return Bundle(field_origin_real(at), z, z, field_direction_real(at), z, z, real(1.0), real(0.0), real(0.0));
+}
+
+// A field has one piece.
+fn piece_number(x: u32, y: u32) -> u32 {
+    return 0u;
+}

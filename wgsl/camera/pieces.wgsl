@@ -1,0 +1,154 @@
+// Rays of a camera made of pieces: conics over a tile, the bundle of a cell in recheck arithmetic.
+
+// Rounding of one f32 operation, relative.
+const UNIT: f32 = 1.0 / 16777216.0;
+// Half of a tile from its middle to the outermost pixel centre, px.
+const TILE_REACH: f32 = 3.5;
+
+// d x m for one vertex as a quadratic over the tile in px, m = v h - p; and bounds on its size and on its rounding.
+struct Moment {
+    c: vec3<f32>,
+    x: vec3<f32>,
+    y: vec3<f32>,
+    xx: vec3<f32>,
+    xy: vec3<f32>,
+    yy: vec3<f32>,
+    size: f32,
+    rounding: f32,
+}
+
+fn moment(cell: Cell, piece: Piece, v: vec3<f32>) -> Moment {
+    let m = v * cell.h - cell.p;
+    let mx = v * piece.hx_hi - piece.px_hi;
+    let my = v * piece.hy_hi - piece.py_hi;
+    var q: Moment;
+    q.c = cross(cell.d, m);
+    q.x = cross(piece.dx_hi, m) + cross(cell.d, mx);
+    q.y = cross(piece.dy_hi, m) + cross(cell.d, my);
+    q.xx = cross(piece.dx_hi, mx);
+    q.xy = cross(piece.dx_hi, my) + cross(piece.dy_hi, mx);
+    q.yy = cross(piece.dy_hi, my);
+    q.size = length(q.c) + TILE_REACH * (length(q.x) + length(q.y))
+        + TILE_REACH * TILE_REACH * (length(q.xx) + length(q.xy) + length(q.yy));
+    // m: stored v, h and p, a product and a difference, 4 units of what was subtracted; d: 1 unit as stored; the
+    // cross product and the sums of up to two of them: 8 units of |d| |m|
+    let reach_d = length(cell.d) + TILE_REACH * (length(piece.dx_hi) + length(piece.dy_hi));
+    let reach_m = length(m) + TILE_REACH * (length(mx) + length(my));
+    let reach_h = abs(cell.h) + TILE_REACH * (abs(piece.hx_hi) + abs(piece.hy_hi));
+    let reach_p = length(cell.p) + TILE_REACH * (length(piece.px_hi) + length(piece.py_hi));
+    q.rounding = UNIT * reach_d * (10.0 * reach_m + 4.0 * (params.vertex_reach * reach_h + reach_p));
+    return q;
+}
+
+// One edge over the tile: E(x, y), and the bound below which its sign is not proven.
+struct Conic {
+    c: f32,
+    x: f32,
+    y: f32,
+    xx: f32,
+    xy: f32,
+    yy: f32,
+    bound: f32,
+}
+
+// e: two stored vertices and a difference, 4 units of reach and 1 of |e|; dot product and evaluation: 12 units.
+fn conic(e: vec3<f32>, q: Moment) -> Conic {
+    let size_e = length(e);
+    let bound = size_e * q.rounding + UNIT * (4.0 * params.vertex_reach + 13.0 * size_e) * q.size;
+    return Conic(dot(e, q.c), dot(e, q.x), dot(e, q.y), dot(e, q.xx), dot(e, q.xy), dot(e, q.yy), bound);
+}
+
+// One row of pixels of a conic: E(x) = c + x (b + x a).
+fn conic_row(k: Conic, y: f32) -> vec3<f32> {
+    return vec3<f32>(k.c + y * (k.y + y * k.yy), k.x + y * k.xy, k.xx);
+}
+
+fn row_at(r: vec3<f32>, x: f32) -> f32 {
+    return r.x + x * (r.y + x * r.z);
+}
+
+// Coverage of the cell's pixels: two words of proven pixels, then two of pixels whose signs are not proven.
+fn coverage(cell: Cell, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec4<u32> {
+    let piece = pieces[cell.piece];
+    let q0 = moment(cell, piece, v0);
+    let q1 = moment(cell, piece, v1);
+    let e01 = conic(v1 - v0, q0);
+    let e20 = conic(v0 - v2, q0);
+    let e12 = conic(v2 - v1, q1);
+    var covered = vec2<u32>(0u);
+    var doubtful = vec2<u32>(0u);
+    for (var j = 0u; j < TILE; j++) {
+        let y = f32(j) - TILE_REACH;
+        let r01 = conic_row(e01, y);
+        let r20 = conic_row(e20, y);
+        let r12 = conic_row(e12, y);
+        var in_bits = 0u;
+        var doubt_bits = 0u;
+        for (var i = 0u; i < TILE; i++) {
+            let x = f32(i) - TILE_REACH;
+            let a = row_at(r01, x);
+            let b = row_at(r20, x);
+            let c = row_at(r12, x);
+            let all_in = (a > e01.bound && b > e20.bound && c > e12.bound)
+                || (a < -e01.bound && b < -e20.bound && c < -e12.bound);
+            let some_up = a > e01.bound || b > e20.bound || c > e12.bound;
+            let some_down = a < -e01.bound || b < -e20.bound || c < -e12.bound;
+            in_bits |= select(0u, 1u << i, all_in);
+            doubt_bits |= select(1u << i, 0u, all_in || (some_up && some_down));
+        }
+        let shift = 8u * (j & 3u);
+        if j < 4u {
+            covered.x |= in_bits << shift;
+            doubtful.x |= doubt_bits << shift;
+        } else {
+            covered.y |= in_bits << shift;
+            doubtful.y |= doubt_bits << shift;
+        }
+    }
+    return vec4<u32>(covered, doubtful);
+}
+
+// The bundle about the middle of the cell's tile.
+fn cell_bundle(cell: Cell) -> Bundle {
+    let q = pieces[cell.piece];
+    let x = real(f32((cell.tile % params.tiles_x) * TILE) + TILE_REACH - q.origin_x);
+    let y = real(f32((cell.tile / params.tiles_x) * TILE) + TILE_REACH - q.origin_y);
+    return bundle_at(piece_bundle(q), x, y);
+}
+
+// The bundle of one pixel of a cell whose bundle is `whole`; (x, y) from the tile's middle.
+fn pixel_bundle(whole: Bundle, cell: Cell, x: u32, y: u32) -> Bundle {
+    return bundle_at(whole, real(f32(x) - TILE_REACH), real(f32(y) - TILE_REACH));
+}
+
+fn piece_bundle(q: Piece) -> Bundle {
+    return Bundle(
+        real3(q.p_hi) + real3(q.p_lo), real3(q.px_hi) + real3(q.px_lo), real3(q.py_hi) + real3(q.py_lo),
+        real3(q.d_hi) + real3(q.d_lo), real3(q.dx_hi) + real3(q.dx_lo), real3(q.dy_hi) + real3(q.dy_lo),
+        real(q.h_hi) + real(q.h_lo), real(q.hx_hi) + real(q.hx_lo), real(q.hy_hi) + real(q.hy_lo),
+    );
+}
+
+// The bundle of a pixel of the band, whose piece is looked up.
+fn ray_bundle(x: u32, y: u32) -> Bundle {
+    let q = pieces[pixel_piece(x, y)];
+    return bundle_at(piece_bundle(q), real(f32(x) - q.origin_x), real(f32(y) - q.origin_y));
+}
+
+// The piece that owns a pixel of the band; NONE: none does.
+fn pixel_piece(x: u32, y: u32) -> u32 {
+    let tile = (y / TILE) * params.tiles_x + x / TILE;
+    let bit = (y % TILE) * TILE + x % TILE;
+    for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
+        let mask = select(cells[k].mask_lo, cells[k].mask_hi, bit >= 32u);
+        if (mask & (1u << (bit & 31u))) != 0u {
+            return cells[k].piece;
+        }
+    }
+    return NONE;
+}
+
+// That piece's number in the camera.
+fn piece_number(x: u32, y: u32) -> u32 {
+    return pieces[pixel_piece(x, y)].number;
+}

@@ -1,0 +1,38 @@
+// Work items from workgroups that the host or `args` laid out in two dimensions.
+
+fn item_index(group: vec3<u32>, groups: vec3<u32>, lane: u32) -> u32 {
+    return (group.y * groups.x + group.x) * GROUP + lane;
+}
+
+fn group_index(group: vec3<u32>, groups: vec3<u32>) -> u32 {
+    return group.y * groups.x + group.x;
+}
+
+// A node's address: level, column and row in one word.
+fn node_pack(level: u32, x: u32, y: u32) -> u32 {
+    return (level << 28u) | (y << 14u) | x;
+}
+
+fn node_level(node: u32) -> u32 {
+    return node >> 28u;
+}
+
+fn node_x(node: u32) -> u32 {
+    return node & 0x3fffu;
+}
+
+fn node_y(node: u32) -> u32 {
+    return (node >> 14u) & 0x3fffu;
+}
+
+fn level_width(level: u32) -> u32 {
+    return params.level_width[level >> 2u][level & 3u];
+}
+
+fn level_height(level: u32) -> u32 {
+    return params.level_height[level >> 2u][level & 3u];
+}
+
+fn node_index(level: u32, x: u32, y: u32) -> u32 {
+    return params.level_start[level >> 2u][level & 3u] + y * level_width(level) + x;
+}

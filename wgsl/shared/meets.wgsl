@@ -1,0 +1,68 @@
+// Does any ray of a node meet a box? Never false when one does.
+
+// Relative slack on t for the rounding of two additions and a division, 2^-24 each.
+const T_SLACK: f32 = 1e-6;
+
+// The part of [range.x, range.y] (t >= 0) where a t with q + t d within +-(r0 + t r1) in every component may lie;
+// empty when .x > .y.
+fn slab(q: vec3<f32>, d: vec3<f32>, r0: vec3<f32>, r1: vec3<f32>, range: vec2<f32>) -> vec2<f32> {
+    var lo = range.x;
+    var hi = range.y;
+    for (var k = 0u; k < 3u; k++) {
+        for (var s = 0u; s < 2u; s++) {
+            // t a <= b
+            let flip = select(1.0, -1.0, s == 1u);
+            let a = flip * d[k] - r1[k];
+            let b = r0[k] - flip * q[k];
+            if a > 0.0 {
+                hi = min(hi, b / a * select(1.0 - T_SLACK, 1.0 + T_SLACK, b > 0.0));
+            } else if a < 0.0 {
+                lo = max(lo, b / a * select(1.0 + T_SLACK, 1.0 - T_SLACK, b < 0.0));
+            } else if b < 0.0 {
+                hi = -1.0;
+            }
+        }
+    }
+    return vec2<f32>(lo, hi);
+}
+
+// Half-size of the bundle about its middle ray at t, component by component; convex in t.
+fn spread(node: Node, s: f32, t: f32) -> vec3<f32> {
+    return abs(node.px + s * t * node.dx) + abs(node.py + s * t * node.dy) + vec3<f32>(node.r_p + t * node.r_d);
+}
+
+// Beyond this t the product of two scene-sized numbers may overflow f32: no refinement there.
+const T_REFINE: f32 = 1e15;
+
+// The half of the rays with t of the sign s; range is that of s t.
+fn half_meets(node: Node, s: f32, range: vec2<f32>, centre: vec3<f32>, half: vec3<f32>) -> bool {
+    let q = node.p - centre;
+    let d = s * node.d;
+    // origins and directions bounded apart
+    let r0 = half + abs(node.px) + abs(node.py) + vec3<f32>(node.r_p);
+    let r1 = abs(node.dx) + abs(node.dy) + vec3<f32>(node.r_d);
+    let coarse = slab(q, d, r0, r1, range);
+    if coarse.x > coarse.y {
+        return false;
+    }
+    if coarse.y > T_REFINE {
+        return true;
+    }
+    // together: where the spread is largest in that range
+    let r = half + max(spread(node, s, coarse.x), spread(node, s, coarse.y));
+    let fine = slab(q, d, r, vec3<f32>(0.0), coarse);
+    return fine.x <= fine.y;
+}
+
+fn node_meets(index: u32, centre: vec3<f32>, half: vec3<f32>) -> bool {
+    let node = nodes[index];
+    if node.rays == 0u {
+        return false;
+    }
+    let lo = params.t_min.x;
+    let hi = params.t_max.x;
+    if hi >= 0.0 && half_meets(node, 1.0, vec2<f32>(max(lo, 0.0), hi), centre, half) {
+        return true;
+    }
+    return lo < 0.0 && half_meets(node, -1.0, vec2<f32>(max(-hi, 0.0), -lo), centre, half);
+}

@@ -1,0 +1,111 @@
+// Rows that the host writes and kernels read; src/gpu/rows.rs holds the same structs, and a test holds the two equal.
+
+const GROUP: u32 = 64u;        // threads a workgroup, everywhere
+const TILE: u32 = 8u;          // px a side of a tile
+const BRANCH: u32 = 4u;        // children a side of a node
+const CLUSTER: u32 = 64u;      // triangles a cluster at most
+const NONE: u32 = 0xffffffffu;
+
+// Indices into `counters`. Queues of the cull steps come first.
+const COUNT_WORK: u32 = 8u;
+const COUNT_PAIRS: u32 = 9u;
+const COUNT_RECHECKED: u32 = 10u;
+const COUNT_PAIRS_TESTED: u32 = 11u;
+const COUNT_FRAGMENTS_TESTED: u32 = 12u;
+const COUNT_FRAGMENTS_KEPT: u32 = 13u;
+const COUNTERS: u32 = 16u;
+
+// One band of the image and one batch of clusters.
+struct Params {
+    width: u32,             // px of the band
+    height: u32,
+    tiles_x: u32,
+    tiles_y: u32,
+    levels: u32,            // levels of nodes; level 0 are the tiles
+    cluster_first: u32,     // of the batch
+    cluster_count: u32,
+    id_bits: u32,           // low bits of a visibility key that hold the triangle id
+    queue_capacity: u32,    // items
+    work_capacity: u32,
+    pair_capacity: u32,
+    piece_count: u32,
+    id_first: u32,          // of the chunk of triangles that is bound
+    id_count: u32,
+    band_row: u32,          // image row of the band's first row
+    vertex_reach: f32,      // largest distance of a vertex from the anchor
+    t_min: vec4<f32>,       // ends of t_range, each the exact sum of three
+    t_max: vec4<f32>,
+    level_start: array<vec4<u32>, 2>,   // of level k: index of its first node
+    level_width: array<vec4<u32>, 2>,   // nodes a row
+    level_height: array<vec4<u32>, 2>,  // rows
+}
+
+// Which dispatch of a kernel this is.
+struct Step {
+    value: u32,
+}
+
+// Up to CLUSTER triangles near each other, and their box.
+struct Cluster {
+    centre: vec3<f32>,
+    first: u32,             // slot of the first triangle
+    half: vec3<f32>,
+    count: u32,
+}
+
+// The rays of one square of the image: for (x, y) in [-1, 1]^2 over the square, P = p + x px + y py up to a
+// distance r_p, D = d + x dx + y dy up to r_d.
+struct Node {
+    p: vec3<f32>,
+    r_p: f32,
+    px: vec3<f32>,
+    r_d: f32,
+    py: vec3<f32>,
+    rays: u32,              // 0: no ray in the square
+    d: vec3<f32>,
+    pad0: f32,
+    dx: vec3<f32>,
+    pad1: f32,
+    dy: vec3<f32>,
+    pad2: f32,
+}
+
+// The pixels of one tile that one piece owns, and the piece's bundle at the tile's middle.
+struct Cell {
+    p: vec3<f32>,
+    h: f32,
+    d: vec3<f32>,
+    piece: u32,
+    tile: u32,
+    mask_lo: u32,           // bit 8 y + x: the piece owns pixel (x, y) of the tile; rows 0 to 3
+    mask_hi: u32,           // rows 4 to 7
+    pad: u32,
+}
+
+// A piece's bundle about `origin` (band pixels): each value is the exact-as-stored sum hi + lo.
+struct Piece {
+    p_hi: vec3<f32>,
+    h_hi: f32,
+    px_hi: vec3<f32>,
+    hx_hi: f32,
+    py_hi: vec3<f32>,
+    hy_hi: f32,
+    d_hi: vec3<f32>,
+    origin_x: f32,
+    dx_hi: vec3<f32>,
+    origin_y: f32,
+    dy_hi: vec3<f32>,
+    number: u32,            // in the camera
+    p_lo: vec3<f32>,
+    h_lo: f32,
+    px_lo: vec3<f32>,
+    hx_lo: f32,
+    py_lo: vec3<f32>,
+    hy_lo: f32,
+    d_lo: vec3<f32>,
+    pad1: f32,
+    dx_lo: vec3<f32>,
+    pad2: f32,
+    dy_lo: vec3<f32>,
+    pad3: f32,
+}

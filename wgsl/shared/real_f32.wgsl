@@ -1,0 +1,15 @@
+// The arithmetic of rechecks, depths and shading: f32, where the adapter has no f64.
+alias real = f32;
+alias real3 = vec3<f32>;
+
+// Rounding of one operation, relative: 2^-24.
+const REAL_UNIT: real = 5.9604645e-8;
+
+// The bits of a number such that larger numbers have larger bits, high word second; +0 and -0 alike.
+fn ordered_bits(t: real) -> vec2<u32> {
+    var w = bitcast<u32>(t);
+    if w == 0x80000000u {
+        w = 0u;
+    }
+    return vec2<u32>(0u, select(w | 0x80000000u, ~w, (w & 0x80000000u) != 0u));
+}

@@ -1,0 +1,38 @@
+// A triangle's row: three vertices in the order of their positions, so that every edge is the same from both sides;
+// the last word holds what that order hides.
+
+const ID_MASK: u32 = 0x0fffffffu;
+const ONE_SIDED: u32 = 0x80000000u;
+
+fn triangle_id(row: vec4<u32>) -> u32 {
+    return row.w & ID_MASK;
+}
+
+// Which of the six orders the file has: see corner_order.
+fn triangle_order(row: vec4<u32>) -> u32 {
+    return (row.w >> 28u) & 7u;
+}
+
+// For each corner in file order, where it stands in the row.
+fn corner_order(order: u32) -> vec3<u32> {
+    switch order {
+        case 0u: { return vec3<u32>(0u, 1u, 2u); }
+        case 1u: { return vec3<u32>(1u, 2u, 0u); }
+        case 2u: { return vec3<u32>(2u, 0u, 1u); }
+        case 3u: { return vec3<u32>(0u, 2u, 1u); }
+        case 4u: { return vec3<u32>(2u, 1u, 0u); }
+        default: { return vec3<u32>(1u, 0u, 2u); }
+    }
+}
+
+// The row's order runs against the file's.
+fn triangle_reversed(row: vec4<u32>) -> bool {
+    return triangle_order(row) >= 3u;
+}
+
+// A vertex relative to the anchor, as stored.
+fn vertex_real(index: u32) -> real3 {
+    let hi = vertex(index);
+    let lo = vec3<f32>(vertices_lo[3u * index], vertices_lo[3u * index + 1u], vertices_lo[3u * index + 2u]);
+    return real3(hi) + real3(lo);
+}
