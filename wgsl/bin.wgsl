@@ -145,7 +145,7 @@ const ROOM_MIN: f32 = 0.25;
 const SLACK_MAX: f32 = 0.5;
 
 // Tiles up to which a pair each is cheaper than three conics.
-const FEW_TILES: u32 = 2u;
+const FEW_TILES: u32 = 4u;
 
 @compute @workgroup_size(64)
 fn bin(

@@ -3,6 +3,7 @@
 //! A kernel's module is its bindings, generated from this table, and the plain concatenation of its snippets. Variants
 //! swap a snippet that defines the same functions, or set an `override` constant.
 
+use crate::frame::Channel;
 use std::fmt::Write;
 
 /// Which variants of the kernels a scene and an adapter need.
@@ -182,7 +183,7 @@ pub fn raster(variant: Variant) -> Kernel {
     kernel
 }
 
-pub fn shade(variant: Variant) -> Kernel {
+pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     let mut bindings = vec![
         params(),
         uniform("shading", "Shading"),
@@ -200,16 +201,36 @@ pub fn shade(variant: Variant) -> Kernel {
     bindings.extend(variant.rays());
     let snippets = [PARAMS, INDEX, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     let own = [BITS, variant.camera(), SHADING, snippet!("shade.wgsl")];
-    kernel("shade", bindings, &[&snippets[..], &own[..]].concat())
+    let mut kernel = kernel("shade", bindings, &[&snippets[..], &own[..]].concat());
+    kernel.constants = plane_constants(planes);
+    kernel
 }
 
-pub fn write_srgb() -> Kernel {
-    let bindings =
-        vec![params(), uniform("shading", "Shading"), read("planes", "array<u32>"), write("srgb8", "array<u32>")];
-    kernel("write", bindings, &[PARAMS, INDEX, SHADING, snippet!("write.wgsl")])
+/// Which plane each channel that was asked for is written to.
+fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
+    let constant = |channel: &Channel| match channel {
+        Channel::R => "PLANE_R",
+        Channel::G => "PLANE_G",
+        Channel::B => "PLANE_B",
+        Channel::A => "PLANE_A",
+        Channel::Z => "PLANE_Z",
+        Channel::T => "PLANE_T",
+        Channel::TriangleId => "PLANE_TRIANGLE",
+        Channel::PieceId => "PLANE_PIECE",
+        Channel::BaryU => "PLANE_U",
+        Channel::BaryV => "PLANE_V",
+    };
+    planes.iter().enumerate().map(|(k, c)| (constant(c), k as f64)).collect()
 }
 
-/// All kernels of a variant, in the order of the pipeline.
-pub fn all(variant: Variant) -> Vec<Kernel> {
-    vec![args(), cull(), bin(variant), raster(variant), shade(variant), write_srgb()]
+pub fn write_srgb(planes: &[Channel]) -> Kernel {
+    let bindings = vec![params(), read("planes", "array<u32>"), write("srgb8", "array<u32>")];
+    let mut kernel = kernel("write", bindings, &[PARAMS, INDEX, SHADING, snippet!("write.wgsl")]);
+    kernel.constants = plane_constants(planes);
+    kernel
+}
+
+/// All kernels of a variant that writes `planes`, in the order of the pipeline.
+pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
+    vec![args(), cull(), bin(variant), raster(variant), shade(variant, planes), write_srgb(planes)]
 }

@@ -109,6 +109,12 @@ fn cell_bundle_at(at: u32) -> Bundle {
     return Bundle(field_origin_real(at), z, z, field_direction_real(at), z, z, real(1.0), real(0.0), real(0.0));
 }
 
+// The ray of a pixel.
+fn pixel_ray(x: u32, y: u32) -> Ray {
+    let at = field_at(x, y);
+    return Ray(field_origin(at), field_direction(at));
+}
+
 // A field has one piece.
 fn piece_number(x: u32, y: u32) -> u32 {
     return 0u;

@@ -148,17 +148,34 @@ fn ray_bundle(x: u32, y: u32) -> Bundle {
     return bundle_at(piece_bundle(q), real(f32(x) - q.origin_x), real(f32(y) - q.origin_y));
 }
 
-// The piece that owns a pixel of the band; NONE: none does.
-fn pixel_piece(x: u32, y: u32) -> u32 {
+// The ray of a pixel that a piece owns, from its cell.
+fn pixel_ray(x: u32, y: u32) -> Ray {
+    let cell = cells[pixel_cell(x, y)];
+    let fx = f32(x % TILE) - TILE_REACH;
+    let fy = f32(y % TILE) - TILE_REACH;
+    let px = pieces[cell.piece].px_hi;
+    let py = pieces[cell.piece].py_hi;
+    let dx = pieces[cell.piece].dx_hi;
+    let dy = pieces[cell.piece].dy_hi;
+    let h = cell.h + fx * pieces[cell.piece].hx_hi + fy * pieces[cell.piece].hy_hi;
+    return Ray((cell.p + fx * px + fy * py) / h, (cell.d + fx * dx + fy * dy) / h);
+}
+
+// The cell of a pixel of the band; NONE: no piece owns it.
+fn pixel_cell(x: u32, y: u32) -> u32 {
     let tile = (y / TILE) * params.tiles_x + x / TILE;
     let bit = (y % TILE) * TILE + x % TILE;
     for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
         let mask = select(cells[k].mask_lo, cells[k].mask_hi, bit >= 32u);
         if (mask & (1u << (bit & 31u))) != 0u {
-            return cells[k].piece;
+            return k;
         }
     }
     return NONE;
+}
+
+fn pixel_piece(x: u32, y: u32) -> u32 {
+    return cells[pixel_cell(x, y)].piece;
 }
 
 // That piece's number in the camera.
