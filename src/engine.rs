@@ -2,6 +2,7 @@
 
 mod frames;
 mod resident;
+pub mod tables;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};

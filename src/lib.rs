@@ -27,7 +27,7 @@
 //! anything; signs that a rounding bound does not prove are taken again in f64.
 //!
 //! Three layers keep it true: [`reference`] (one f64 ray a pixel, no pieces' tricks), the twins of the stages in
-//! f64 (`twin`), and the kernels in `wgsl/`.
+//! f64 ([`twin`]), and the kernels in `wgsl/`.
 
 pub mod camera;
 pub mod compare;
@@ -40,6 +40,7 @@ pub mod plan;
 pub mod reference;
 pub mod scene;
 pub mod stage;
+pub mod twin;
 
 pub use error::{Error, Result};
 

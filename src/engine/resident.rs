@@ -1,15 +1,15 @@
 //! What lies on the device between frames: the scene's chunks, the bands' tables, and the lists between the stages.
 
 use super::Capacities;
+use super::tables::{Look, Span, params};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
-use crate::gpu::rows::{self, COUNTERS, split3};
+use crate::gpu::rows::COUNTERS;
 use crate::plan::{Band, Plan, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::{Chunk, Clustered, cluster};
-use crate::stage::AMBIENT;
 use wgpu::BufferUsages;
 
 pub struct Resident {
@@ -83,18 +83,7 @@ impl Resident {
 
     /// Lights, materials and normals.
     fn upload_look(&mut self, gpu: &Gpu, scene: &Scene) -> Result<()> {
-        let shading = rows::Shading {
-            light_count: scene.lights.len() as u32,
-            has_normals: !scene.mesh.normals.is_empty() as u32,
-            background: scene.background,
-            ambient: AMBIENT,
-            pad0: 0,
-            pad1: 0,
-        };
-        let lights: Vec<[f32; 4]> = scene.lights.iter().map(|l| l.as_vec3().extend(0.0).to_array()).collect();
-        let materials: Vec<[f32; 4]> =
-            scene.mesh.materials.iter().map(|m| [m.diffuse[0], m.diffuse[1], m.diffuse[2], 1.0]).collect();
-        let normals: Vec<[f32; 3]> = scene.mesh.normals.iter().map(|n| n.to_array()).collect();
+        let Look { shading, lights, materials, normals } = Look::new(scene);
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         self.shared.upload(gpu, "lights", &lights)?;
         self.shared.upload(gpu, "materials", &materials)?;
@@ -143,7 +132,10 @@ impl Resident {
         for band in &plan.bands {
             for chunk in &self.chunks {
                 for batch in 0..self.batches {
-                    let row = self.params_row(camera, plan, band, chunk, batch);
+                    let ids = Span { first: chunk.id_first, count: chunk.id_count };
+                    let (first, count) = self.batch(chunk, batch);
+                    let clusters = Span { first, count };
+                    let row = params(camera, plan, band, ids, clusters, self.vertex_reach, self.capacities);
                     let mut buffers = Buffers::default();
                     buffers.upload_uniform(gpu, "params", &row)?;
                     self.params.push(buffers);
@@ -151,38 +143,6 @@ impl Resident {
             }
         }
         Ok(())
-    }
-
-    fn params_row(&self, camera: &Camera, plan: &Plan, band: &Band, chunk: &ChunkOnDevice, batch: u32) -> rows::Params {
-        let (cluster_first, cluster_count) = self.batch(chunk, batch);
-        let level = |f: fn(&crate::plan::nodes::Level) -> u32| {
-            let mut words = [0; 8];
-            words.iter_mut().zip(&band.nodes.levels).for_each(|(w, l)| *w = f(l));
-            words
-        };
-        rows::Params {
-            width: camera.width,
-            height: band.rows,
-            tiles_x: band.tiles.tiles_x,
-            tiles_y: band.tiles.tiles_y,
-            levels: band.nodes.levels.len() as u32,
-            cluster_first,
-            cluster_count,
-            id_bits: plan.id_bits,
-            queue_capacity: self.capacities.queue as u32,
-            work_capacity: self.capacities.work as u32,
-            pair_capacity: self.capacities.pairs as u32,
-            piece_count: band.tiles.pieces.len() as u32,
-            id_first: chunk.id_first,
-            id_count: chunk.id_count,
-            band_row: band.row,
-            vertex_reach: self.vertex_reach,
-            t_min: split3(camera.t_range[0]),
-            t_max: split3(camera.t_range[1]),
-            level_start: level(|l| l.start),
-            level_width: level(|l| l.width),
-            level_height: level(|l| l.height),
-        }
     }
 
     /// First cluster and count of one batch.

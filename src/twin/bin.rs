@@ -1,0 +1,163 @@
+//! bin in f64: which triangles cover a pixel of which cells, found by testing every pixel.
+
+use super::cull::Address;
+use super::edge::side_over;
+use super::raster::{Corners, coverage};
+use super::rays::{PixelRays, owned};
+use super::{Input, Real};
+use crate::TILE;
+use crate::gpu::rows::{BRANCH, Cell};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// A pair as the lists hold it: a triangle's slot, a cell, and the box of the tile's pixels to look at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pair {
+    pub slot: u32,
+    pub cell: u32,
+    /// First column and row.
+    pub from: [u32; 2],
+    /// Last column and row.
+    pub to: [u32; 2],
+}
+
+impl Pair {
+    /// 28 bits of slot and 24 of cell, then four numbers of 3 bits: columns from and to, rows from and to.
+    pub fn pack(&self) -> [u32; 2] {
+        let box_bits = self.from[0] | self.to[0] << 3 | self.from[1] << 6 | self.to[1] << 9;
+        [self.slot | (box_bits & 15) << 28, self.cell | (box_bits >> 4) << 24]
+    }
+
+    pub fn unpack([lo, hi]: [u32; 2]) -> Pair {
+        let box_bits = lo >> 28 | hi >> 24 << 4;
+        let number = |place: u32| box_bits >> place & 7;
+        Pair {
+            slot: lo & 0x0fff_ffff,
+            cell: hi & 0x00ff_ffff,
+            from: [number(0), number(6)],
+            to: [number(3), number(9)],
+        }
+    }
+
+    /// The pixels of the box, bit 8 y + x.
+    pub fn pixels(&self) -> u64 {
+        let inside = |bit: &u32| {
+            let (x, y) = (bit % TILE, bit / TILE);
+            (self.from[0]..=self.to[0]).contains(&x) && (self.from[1]..=self.to[1]).contains(&y)
+        };
+        (0..64).filter(inside).fold(0, |mask, bit| mask | 1 << bit)
+    }
+}
+
+/// A triangle and a cell of which it covers pixels, at whatever t.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Binned {
+    pub slot: u32,
+    pub cell: u32,
+    /// Pixels that it covers beyond doubt.
+    pub certain: u64,
+    /// And those whose rays pass an edge within rounding.
+    pub possible: u64,
+}
+
+impl Binned {
+    /// The pair whose box just holds the possible pixels.
+    pub fn pair(&self) -> Pair {
+        let bits = || (0..64u32).filter(|b| self.possible >> b & 1 == 1);
+        let ends = |f: fn(u32) -> u32| (bits().map(f).min().unwrap_or(0), bits().map(f).max().unwrap_or(0));
+        let ((x0, x1), (y0, y1)) = (ends(|b| b % TILE), ends(|b| b / TILE));
+        Pair { slot: self.slot, cell: self.cell, from: [x0, y0], to: [x1, y1] }
+    }
+}
+
+/// The columns and rows of tiles below a node, ends excluded.
+pub fn tiles_below(input: &Input, node: Address) -> [std::ops::Range<u32>; 2] {
+    let side = BRANCH.pow(node.level);
+    let range = |k: u32, count: u32| k * side..((k + 1) * side).min(count);
+    [range(node.x, input.params.tiles_x), range(node.y, input.params.tiles_y)]
+}
+
+/// Every triangle of every item's cluster against every pixel below its node, but for tiles that lie beside it whole.
+pub fn bin(input: &Input, work: &[[u32; 2]], real: Real) -> Vec<Binned> {
+    work.par_iter().flat_map_iter(|&[cluster, node]| bin_item(input, cluster, Address::unpack(node), real)).collect()
+}
+
+fn bin_item(input: &Input, cluster: u32, node: Address, real: Real) -> Vec<Binned> {
+    let cluster = &input.clusters[cluster as usize];
+    let slots = cluster.first..cluster.first + cluster.count;
+    let corners: Vec<_> = slots.map(|slot| (slot, input.corners(slot))).collect();
+    let [columns, rows] = tiles_below(input, node);
+    let mut found = Vec::new();
+    for tile in rows.flat_map(|y| columns.clone().map(move |x| y * input.params.tiles_x + x)) {
+        for cell in input.tile_start[tile as usize]..input.tile_start[tile as usize + 1] {
+            let row = &input.cells[cell as usize];
+            let pixels = owned(row);
+            let rays: Vec<_> =
+                (0..64).filter(|b| pixels >> b & 1 == 1).map(|bit| (bit, input.cell_rays(row, bit))).collect();
+            for (slot, corners) in &corners {
+                if beside(input, row, corners, real) {
+                    continue;
+                }
+                let (certain, possible) = covered(input, &rays, corners, real);
+                if possible != 0 {
+                    found.push(Binned { slot: *slot, cell, certain, possible });
+                }
+            }
+        }
+    }
+    found
+}
+
+/// The pixels, each with its rays, that a triangle covers beyond doubt and that it may cover.
+pub fn covered(input: &Input, rays: &[(u32, PixelRays)], corners: &Corners, real: Real) -> (u64, u64) {
+    let (mut certain, mut possible) = (0, 0);
+    for (bit, rays) in rays {
+        let covered = coverage(input, rays, corners, real);
+        certain |= u64::from(covered.inside && !covered.doubtful) << bit;
+        possible |= u64::from(covered.inside || covered.doubtful) << bit;
+    }
+    (certain, possible)
+}
+
+/// Half of a tile, px: all its pixels' centres lie nearer to its middle pixel's corner.
+const TILE_HALF: f64 = TILE as f64 / 2.0;
+
+/// Two edges have all of a cell's tile on different sides: no pixel of it need be tested. Never so in a ray field,
+/// whose rays follow no rule.
+pub fn beside(input: &Input, cell: &Cell, corners: &Corners, real: Real) -> bool {
+    if input.field.is_some() {
+        return false;
+    }
+    let middle = input.cell_rays(cell, (TILE / 2) * TILE + TILE / 2).bundle;
+    let reach = f64::from(input.params.vertex_reach);
+    let [v0, v1, v2] = corners.v;
+    let side = |from: DVec3, to: DVec3| side_over(&middle, from, to - from, reach, real, TILE_HALF);
+    let sides = [side(v0, v1), side(v1, v2), -side(v0, v2)];
+    sides.contains(&1) && sides.contains(&-1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_survives_packing() {
+        for k in 0..4096u32 {
+            let pair = Pair {
+                slot: k.wrapping_mul(0x9e37_79b9) >> 4,
+                cell: k.wrapping_mul(0x85eb_ca6b) >> 8,
+                from: [k & 7, k >> 3 & 7],
+                to: [k >> 6 & 7, k >> 9],
+            };
+            assert_eq!(Pair::unpack(pair.pack()), pair);
+        }
+    }
+
+    #[test]
+    fn a_pair_s_box_just_holds_its_pixels() {
+        let binned = Binned { slot: 0, cell: 0, certain: 0, possible: 1 << 10 | 1 << 29 };
+        let pair = binned.pair();
+        assert_eq!((pair.from, pair.to), ([2, 1], [5, 3]));
+        assert_eq!(pair.pixels(), 0b0011_1100 * 0x0101_0100);
+    }
+}

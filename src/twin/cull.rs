@@ -1,0 +1,189 @@
+//! cull in f64: which clusters may be seen in which squares of the image.
+
+use super::Input;
+use crate::gpu::rows::{BRANCH, Cluster, Node, RAYS_AFFINE, RAYS_NONE};
+use glam::DVec3;
+
+/// How a node's bundle is bounded: all boxes and radii grow by `slack` times the sizes of what they are made of, and
+/// beyond `refine_to` in t only origins and directions apart are bounded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bound {
+    pub slack: f64,
+    pub refine_to: f64,
+}
+
+impl Bound {
+    /// The rows' own bound.
+    pub const PLAIN: Bound = Bound { slack: 0.0, refine_to: f64::INFINITY };
+    /// What a kernel must keep: everything but what its rounding may lose. The rows' radii hold 2^-22 of the same
+    /// sizes for that (plan and clusters), and an f32 kernel sums at most four terms, 2^-24 each.
+    pub const NEEDED: Bound = Bound { slack: -1.0 / (1u64 << 22) as f64, refine_to: f64::INFINITY };
+    /// What a kernel may keep: 1e-6 of slack on t, taken twice, and its rounding; and no refinement beyond the t whose
+    /// product with a scene-sized number may overflow f32.
+    pub const ALLOWED: Bound = Bound { slack: 1.0 / (1u64 << 18) as f64, refine_to: 0.99e15 };
+}
+
+/// Children met by which a cluster is handed on undivided, where one affine bundle bounds the node's tiles too.
+pub const HAND_ON: usize = 4;
+
+/// A node's address, as items of the lists name it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Address {
+    pub level: u32,
+    pub x: u32,
+    pub y: u32,
+}
+
+impl Address {
+    pub fn pack(self) -> u32 {
+        self.level << 28 | self.y << 14 | self.x
+    }
+
+    pub fn unpack(word: u32) -> Address {
+        Address { level: word >> 28, x: word & 0x3fff, y: word >> 14 & 0x3fff }
+    }
+
+    pub fn parent(self) -> Address {
+        Address { level: self.level + 1, x: self.x / BRANCH, y: self.y / BRANCH }
+    }
+}
+
+/// The items that cull hands to bin, and those between its steps.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Culled {
+    /// (cluster, node) words.
+    pub work: Vec<[u32; 2]>,
+    /// Queue k holds what step k reads; the first is not written: all clusters, at a node above the top level.
+    pub queues: Vec<Vec<[u32; 2]>>,
+}
+
+/// Descends from the top of the tree with every cluster of the batch.
+pub fn cull(input: &Input, bound: Bound) -> Culled {
+    let p = &input.params;
+    let top = Address { level: p.levels, x: 0, y: 0 }.pack();
+    let all = (p.cluster_first..p.cluster_first + p.cluster_count).map(|c| [c, top]).collect();
+    let mut culled = Culled { work: Vec::new(), queues: vec![all] };
+    for _ in 0..p.levels - 1 {
+        let mut next = Vec::new();
+        // the queue that the step before has left
+        for &[cluster, node] in &culled.queues[culled.queues.len() - 1] {
+            let node = Address::unpack(node);
+            let met: Vec<Address> =
+                input.children(node).filter(|&child| node_meets(input, child, cluster, bound)).collect();
+            if hands_on(input, node, met.len()) {
+                culled.work.push([cluster, node.pack()]);
+                continue;
+            }
+            let list = if node.level == 2 { &mut culled.work } else { &mut next };
+            list.extend(met.iter().map(|child| [cluster, child.pack()]));
+        }
+        culled.queues.push(next);
+    }
+    // the last step writes work alone
+    culled.queues.pop();
+    culled
+}
+
+/// A node that is left undivided when so many of its children are met.
+pub fn hands_on(input: &Input, node: Address, met: usize) -> bool {
+    node.level < input.params.levels && met > HAND_ON && input.node(node).rays == RAYS_AFFINE
+}
+
+impl Input<'_> {
+    pub fn node(&self, at: Address) -> &Node {
+        let level = at.level as usize;
+        &self.nodes[(self.params.level_start[level] + at.y * self.params.level_width[level] + at.x) as usize]
+    }
+
+    /// The nodes one level down, row by row.
+    pub fn children(&self, at: Address) -> impl Iterator<Item = Address> + use<> {
+        let level = at.level - 1;
+        let end = |from: u32, count: u32| (from + BRANCH).min(count);
+        let (x0, y0) = (at.x * BRANCH, at.y * BRANCH);
+        let x1 = end(x0, self.params.level_width[level as usize]);
+        let y1 = end(y0, self.params.level_height[level as usize]);
+        (y0..y1).flat_map(move |y| (x0..x1).map(move |x| Address { level, x, y }))
+    }
+}
+
+/// May any ray of the node meet the cluster's box at a t in range?
+pub fn node_meets(input: &Input, at: Address, cluster: u32, bound: Bound) -> bool {
+    let node = input.node(at);
+    if node.rays == RAYS_NONE {
+        return false;
+    }
+    let beam = Beam::new(node, &input.clusters[cluster as usize], bound.slack);
+    let [t_min, t_max] = input.t_range();
+    let forward = t_max >= 0.0 && beam.meets([t_min.max(0.0), t_max], bound);
+    let backward = t_min < 0.0 && beam.turned().meets([(-t_max).max(0.0), -t_min], bound);
+    forward || backward
+}
+
+fn v(a: [f32; 3]) -> DVec3 {
+    DVec3::from(a.map(f64::from))
+}
+
+/// The rays of a node relative to the middle of a box: `P = p + x px + y py`, `D = d + x dx + y dy` for x, y in
+/// [-1, 1], and half-sizes that all the rest adds up to.
+struct Beam {
+    p: [DVec3; 3],
+    d: [DVec3; 3],
+    /// Of the box and of what origins may be off.
+    half: DVec3,
+    /// Of what directions may be off, a unit of t.
+    half_a_t: DVec3,
+}
+
+impl Beam {
+    fn new(node: &Node, cluster: &Cluster, slack: f64) -> Beam {
+        let (centre, half) = (v(cluster.centre), v(cluster.half));
+        let (p, d) = ([node.p, node.px, node.py].map(v), [node.d, node.dx, node.dy].map(v));
+        let sizes = |c: &[DVec3; 3], r: f32| c.iter().map(|v| v.abs()).sum::<DVec3>() + f64::from(r);
+        let (size_p, size_d) = (sizes(&p, node.r_p) + centre.abs() + half, sizes(&d, node.r_d));
+        Beam {
+            p: [p[0] - centre, p[1], p[2]],
+            d,
+            half: half + f64::from(node.r_p) + slack * size_p,
+            half_a_t: DVec3::splat(f64::from(node.r_d)) + slack * size_d,
+        }
+    }
+
+    /// The same rays, run through the other way.
+    fn turned(&self) -> Beam {
+        Beam { d: self.d.map(|d| -d), ..*self }
+    }
+
+    /// Some t in the range (t >= 0) may lie in the box: first with origins and directions apart, then with both
+    /// together where the bundle is widest in what was left. That width is convex in t, so largest at an end.
+    fn meets(&self, range: [f64; 2], bound: Bound) -> bool {
+        let still = self.half + self.p[1].abs() + self.p[2].abs();
+        let widening = self.half_a_t + self.d[1].abs() + self.d[2].abs();
+        let coarse = self.within(still, widening, range);
+        if coarse[0] > coarse[1] || coarse[1] > bound.refine_to {
+            return coarse[0] <= coarse[1];
+        }
+        let width = |t: f64| {
+            (self.p[1] + t * self.d[1]).abs() + (self.p[2] + t * self.d[2]).abs() + self.half + t * self.half_a_t
+        };
+        let fine = self.within(width(coarse[0]).max(width(coarse[1])), DVec3::ZERO, coarse);
+        fine[0] <= fine[1]
+    }
+
+    /// The part of a range in which `|p + t d| <= still + t widening` in every component; empty: from > to.
+    fn within(&self, still: DVec3, widening: DVec3, [mut from, mut to]: [f64; 2]) -> [f64; 2] {
+        for axis in 0..3 {
+            for sign in [1.0, -1.0] {
+                // t (sign d - widening) <= still - sign p
+                let (slope, room) = (sign * self.d[0][axis] - widening[axis], still[axis] - sign * self.p[0][axis]);
+                if slope > 0.0 {
+                    to = to.min(room / slope);
+                } else if slope < 0.0 {
+                    from = from.max(room / slope);
+                } else if room < 0.0 {
+                    return [1.0, 0.0];
+                }
+            }
+        }
+        [from, to]
+    }
+}

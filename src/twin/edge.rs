@@ -1,0 +1,93 @@
+//! On which side of a scene edge a pixel's ray passes: the rule by which all kernels' doubts are settled.
+
+use super::Real;
+use crate::camera::Bundle;
+use glam::DVec3;
+
+/// A side, and whether another correct evaluation of the same rule may find the other one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Side {
+    /// 1 or -1.
+    pub sign: i32,
+    pub doubtful: bool,
+}
+
+/// Terms (a, b) of `E = e . (d x m)` at each step of the rule, `d_a x m_b` with 0 the value, 1 the slope along x and 2
+/// that along y: the value, then its derivatives by x, y, xx, xy, yy.
+const STEPS: [&[(usize, usize)]; 6] =
+    [&[(0, 0)], &[(1, 0), (0, 1)], &[(2, 0), (0, 2)], &[(1, 1)], &[(1, 2), (2, 1)], &[(2, 2)]];
+
+/// Rounding of the stored vertices and bundles and of the rule's own evaluation, in units of |e| |d| |m|: a cross
+/// product of rounded factors and a dot product.
+const EDGE_UNITS: f64 = 16.0;
+/// Rounding of an edge as the difference of two stored vertices, in units of the vertices' reach.
+const REACH_UNITS: f64 = 4.0;
+/// An f64 evaluation is off by 16 |e| |d| |m| 2^-53, a 32nd of the bound; two of them by a 16th.
+const EVALUATION_SHARE: f64 = 1.0 / 16.0;
+
+fn size(v: DVec3) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}
+
+/// An edge from `v` along `e` against a bundle, `m = v h - p`.
+struct Edge<'a> {
+    b: &'a Bundle,
+    e: DVec3,
+    m: [DVec3; 3],
+    size_m: [f64; 3],
+    size_d: [f64; 3],
+    size_e: f64,
+    reach_e: f64,
+}
+
+impl Edge<'_> {
+    fn new(b: &Bundle, v: DVec3, e: DVec3, reach: f64, real: Real) -> Edge<'_> {
+        let unit = real.unit();
+        let m = [0, 1, 2].map(|k| v * b.h[k] - b.p[k]);
+        let mut size_m = [0, 1, 2].map(|k| size(m[k]) + reach * b.h[k].abs());
+        size_m[0] += size(b.p[0]);
+        let size_e = EDGE_UNITS * unit * (size(e) + reach * unit);
+        Edge { b, e, m, size_m, size_d: b.d.map(size), size_e, reach_e: REACH_UNITS * unit * reach }
+    }
+
+    /// One coefficient of `E` and what rounding may hide of it.
+    fn step(&self, terms: &[(usize, usize)]) -> (f64, f64) {
+        let g = terms.iter().map(|&(k, l)| self.b.d[k].cross(self.m[l])).sum::<DVec3>();
+        let sizes = terms.iter().map(|&(k, l)| self.size_d[k] * self.size_m[l]).sum::<f64>();
+        (self.e.dot(g), self.size_e * sizes + self.reach_e * size(g))
+    }
+}
+
+/// The side of the bundle's middle ray with respect to the edge from `v` along `e`: the sign of the first of value and
+/// derivatives that is not 0 within its rounding, and 1 where all are.
+pub fn side(b: &Bundle, v: DVec3, e: DVec3, reach: f64, real: Real) -> Side {
+    let edge = Edge::new(b, v, e, reach, real);
+    let mut doubtful = false;
+    for terms in STEPS {
+        let (value, bound) = edge.step(terms);
+        doubtful |= match real {
+            Real::F64 => (value.abs() - bound).abs() < EVALUATION_SHARE * bound,
+            // the kernel's f32 value is off by the bound itself
+            Real::F32 => value.abs() < 2.0 * bound,
+        };
+        if value.abs() > bound {
+            return Side { sign: value.signum() as i32, doubtful };
+        }
+    }
+    Side { sign: 1, doubtful }
+}
+
+/// The side on which all rays within `r` px of the bundle's middle pass beyond any doubt of [`side`]; 0: not proven.
+pub fn side_over(b: &Bundle, v: DVec3, e: DVec3, reach: f64, real: Real, r: f64) -> i32 {
+    let edge = Edge::new(b, v, e, reach, real);
+    let (value, bound) = edge.step(STEPS[0]);
+    let mut room = DOUBT_BOUNDS * bound;
+    for (terms, scale) in STEPS.iter().zip([0.0, r, r, r * r, r * r, r * r]) {
+        let (value, bound) = edge.step(terms);
+        room += scale * (value.abs() + DOUBT_BOUNDS * bound);
+    }
+    if value.abs() > room { value.signum() as i32 } else { 0 }
+}
+
+/// [`side`] doubts values up to twice its bound; as much again for the sizes' own growth over the square.
+const DOUBT_BOUNDS: f64 = 4.0;

@@ -1,0 +1,169 @@
+//! The stages of a frame again, in f64 on the host: `cull -> bin -> raster -> shade -> write`, one file each.
+//!
+//! A twin reads the very bytes that its kernel reads ([`Input`]) and makes the same lists and words, so that a frame can
+//! be followed stage by stage, and any stage be run from another's true output. It says what the stage should do, not
+//! how the kernel does it: bin tests every pixel, shade bounds what f32 may lose. Twins are as slow as they look.
+
+pub mod bin;
+pub mod cull;
+pub mod edge;
+pub mod key;
+pub mod raster;
+pub mod rays;
+pub mod shade;
+pub mod write;
+
+pub use key::Real;
+
+use crate::camera::Camera;
+use crate::engine::Capacities;
+use crate::engine::tables::{Look, Span, params};
+use crate::frame::{Channel, Frame, Plane};
+use crate::gpu::device::Abilities;
+use crate::gpu::rows::{Cell, Cluster, Node, ONE_SIDED, Params, Piece};
+use crate::plan::{self, FieldTable, Plan, Wanted};
+use crate::scene::Scene;
+use crate::scene::clusters::{Clustered, cluster};
+use glam::DVec3;
+use raster::{Corners, Visibility};
+
+/// Everything that the kernels of one job read.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    pub params: Params,
+    pub clusters: &'a [Cluster],
+    pub nodes: &'a [Node],
+    pub tile_start: &'a [u32],
+    pub cells: &'a [Cell],
+    pub pieces: &'a [Piece],
+    pub field: Option<&'a FieldTable>,
+    pub triangles: &'a [[u32; 4]],
+    pub vertices_hi: &'a [f32],
+    pub vertices_lo: &'a [f32],
+    pub slot_of_id: &'a [u32],
+    pub surfaces: &'a [[u32; 4]],
+    pub look: &'a Look,
+}
+
+impl Input<'_> {
+    /// A vertex relative to the anchor, as stored.
+    fn vertex(&self, index: u32) -> DVec3 {
+        let number = |k: usize| f64::from(self.vertices_hi[k]) + f64::from(self.vertices_lo[k]);
+        let at = 3 * index as usize;
+        DVec3::new(number(at), number(at + 1), number(at + 2))
+    }
+
+    pub fn corners(&self, slot: u32) -> Corners {
+        let [a, b, c, last] = self.triangles[slot as usize];
+        Corners {
+            v: [a, b, c].map(|k| self.vertex(k)),
+            id: last & 0x0fff_ffff,
+            reversed: last >> 28 & 7 >= 3,
+            one_sided: last & ONE_SIDED != 0,
+        }
+    }
+
+    /// The ends of t, inclusive.
+    pub fn t_range(&self) -> [f64; 2] {
+        [self.params.t_min, self.params.t_max].map(|t| t.iter().map(|&part| f64::from(part)).sum())
+    }
+}
+
+/// What the host makes ready for a frame, as [`crate::engine::Engine`] does.
+pub struct Tables {
+    pub plan: Plan,
+    pub clustered: Clustered,
+    pub look: Look,
+}
+
+/// Lists that never run over.
+pub const ROOMY: Capacities =
+    Capacities { queue: u32::MAX as u64, work: u32::MAX as u64, pairs: u32::MAX as u64 };
+
+impl Tables {
+    /// Bands and chunks are cut so that no table exceeds `binding_limit` bytes.
+    pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: Abilities, binding_limit: u64) -> Tables {
+        let anchor = plan::anchor(camera, scene.bounds());
+        let triangles = scene.mesh.triangles.len();
+        let has_normals = !scene.mesh.normals.is_empty();
+        Tables {
+            plan: Plan::new(camera, triangles, has_normals, anchor, wanted, has, binding_limit),
+            clustered: cluster(&scene.mesh, anchor, binding_limit),
+            look: Look::new(scene),
+        }
+    }
+
+    /// All clusters of a chunk over a band.
+    pub fn input(&self, camera: &Camera, band: usize, chunk: usize, capacities: Capacities) -> Input<'_> {
+        let (band, chunk) = (&self.plan.bands[band], &self.clustered.chunks[chunk]);
+        let ids = Span { first: chunk.id_first, count: chunk.id_count };
+        let clusters = Span { first: 0, count: chunk.clusters.len() as u32 };
+        Input {
+            params: params(camera, &self.plan, band, ids, clusters, self.clustered.vertex_reach, capacities),
+            clusters: &chunk.clusters,
+            nodes: &band.nodes.nodes,
+            tile_start: &band.tiles.start,
+            cells: &band.tiles.cells,
+            pieces: &band.tiles.pieces,
+            field: band.field.as_ref(),
+            triangles: &chunk.triangles,
+            vertices_hi: &chunk.vertices_hi,
+            vertices_lo: &chunk.vertices_lo,
+            slot_of_id: &chunk.slot_of_id,
+            surfaces: &chunk.surfaces,
+            look: &self.look,
+        }
+    }
+}
+
+/// A frame by the twins alone: the planned channels, and RGBA in 8-bit sRGB where that was asked for.
+pub fn render(scene: &Scene, camera: &Camera, wanted: &Wanted, binding_limit: u64) -> (Frame, Option<Vec<u32>>) {
+    let has = Abilities { f64: true, atomics64: true, timestamps: false };
+    let tables = Tables::new(scene, camera, wanted, has, binding_limit);
+    let channels = &tables.plan.planes;
+    let mut planes: Vec<Vec<u32>> = vec![Vec::new(); channels.len()];
+    for band in 0..tables.plan.bands.len() {
+        let pixels = render_band(&tables, camera, band);
+        for (plane, &channel) in planes.iter_mut().zip(channels) {
+            // every pixel is a miss of the first chunk or a hit of one
+            plane.extend(pixels.iter().map(|p| shade::word(p, channel, scene.background).unwrap_or(0)));
+        }
+    }
+    let plane = |channel: Channel| channels.iter().position(|c| *c == channel).map(|k| &planes[k]);
+    let srgb8 = match [Channel::R, Channel::G, Channel::B].map(plane) {
+        [Some(r), Some(g), Some(b)] if wanted.srgb8 => {
+            let colour = |k: usize| [r[k], g[k], b[k]].map(f32::from_bits);
+            Some((0..r.len()).map(|k| write::write(colour(k))).collect())
+        }
+        _ => None,
+    };
+    let values = |channel: Channel, words: Vec<u32>| match channel {
+        Channel::TriangleId | Channel::PieceId => Plane::U32(words),
+        _ => Plane::F32(words.into_iter().map(f32::from_bits).collect()),
+    };
+    let planes = channels.iter().zip(planes).map(|(&c, words)| (c, values(c, words))).collect();
+    (Frame { width: camera.width, height: camera.height, planes }, srgb8)
+}
+
+/// The pixels of a band, under all chunks.
+fn render_band(tables: &Tables, camera: &Camera, band: usize) -> Vec<shade::Pixel> {
+    let count = (tables.plan.bands[band].rows * camera.width) as usize;
+    let mut visibility = Visibility::new(count);
+    let chunks = 0..tables.clustered.chunks.len();
+    for chunk in chunks.clone() {
+        let input = tables.input(camera, band, chunk, ROOMY);
+        let work = cull::cull(&input, cull::Bound::PLAIN).work;
+        let pairs: Vec<[u32; 2]> = bin::bin(&input, &work, Real::F64).iter().map(|b| b.pair().pack()).collect();
+        raster::raster(&input, &pairs, Real::F64, &mut visibility);
+    }
+    let mut pixels = vec![shade::Pixel::Untouched; count];
+    for chunk in chunks {
+        let input = tables.input(camera, band, chunk, ROOMY);
+        for (pixel, shaded) in pixels.iter_mut().zip(shade::shade(&input, &visibility, Real::F64)) {
+            if !matches!(shaded, shade::Pixel::Untouched) {
+                *pixel = shaded;
+            }
+        }
+    }
+    pixels
+}

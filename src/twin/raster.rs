@@ -1,0 +1,176 @@
+//! raster in f64: each pixel of each pair against the triangle's edges; the nearest hit wins.
+
+use super::edge::{Side, side};
+use super::rays::{PixelRays, owned};
+use super::{Input, Real, bin};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// A triangle as its row tells: corners in the order of their positions, relative to the anchor.
+#[derive(Debug, Clone, Copy)]
+pub struct Corners {
+    pub v: [DVec3; 3],
+    pub id: u32,
+    /// The file's order runs the other way round.
+    pub reversed: bool,
+    pub one_sided: bool,
+}
+
+/// What a pixel's ray finds of one triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tested {
+    pub hit: Option<Fragment>,
+    /// Another correct evaluation may find a hit where this one finds none, or none where it does.
+    pub doubtful: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fragment {
+    pub t: f64,
+    /// How far another correct evaluation's t may be from this one.
+    pub t_error: f64,
+    pub id: u32,
+}
+
+/// Whether the pixel lies inside the triangle's three edges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Coverage {
+    pub inside: bool,
+    pub doubtful: bool,
+}
+
+const NOTHING: Tested = Tested { hit: None, doubtful: false };
+
+/// The sides of the three edges, taken from the smaller end to the larger, hold the ray between them.
+pub fn coverage(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
+    let [v0, v1, v2] = c.v;
+    let reach = f64::from(input.params.vertex_reach);
+    let of = |from: DVec3, to: DVec3| side(&rays.bundle, from, to - from, reach, real);
+    let turned = |s: Side| Side { sign: -s.sign, ..s };
+    let first = of(v0, v1);
+    let second = of(v1, v2);
+    let apart = |a: Side, b: Side| a.sign != b.sign && !a.doubtful && !b.doubtful;
+    if apart(first, second) {
+        return Coverage { inside: false, doubtful: false };
+    }
+    let third = turned(of(v0, v2));
+    if apart(first, third) || apart(second, third) {
+        return Coverage { inside: false, doubtful: false };
+    }
+    let inside = first.sign == second.sign && first.sign == third.sign;
+    Coverage { inside, doubtful: first.doubtful || second.doubtful || third.doubtful }
+}
+
+/// How far `N . (v h - p)` and `N . d` of another correct evaluation may be off, in units of its arithmetic.
+pub struct Lost {
+    pub above: f64,
+    pub below: f64,
+}
+
+/// Units that a product of normal and vector may lose: cross product 3, dot product 3, edges 2.
+const PRODUCT_UNITS: f64 = 8.0;
+/// Units that a vertex less an origin may lose: a product, a difference, and the origin's own sums.
+const OFFSET_UNITS: f64 = 3.0;
+/// Units of reach that an edge loses where its two vertices are read as f32.
+const STORED_UNITS: f64 = 2.0;
+
+/// The normal's size is that of its factors.
+pub fn lost(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Lost {
+    let [v0, v1, v2] = c.v;
+    let (e1, e2) = ((v1 - v0).length(), (v2 - v0).length());
+    let reach = f64::from(input.params.vertex_reach);
+    let stored = if real == Real::F32 { STORED_UNITS * reach * (e1 + e2) } else { 0.0 };
+    let normal = PRODUCT_UNITS * e1 * e2 + stored;
+    let offset = (v0 * rays.bundle.h[0] - rays.bundle.p[0]).length();
+    let lost_offset = OFFSET_UNITS * e1 * e2 * (reach * rays.size_h + rays.size_p);
+    Lost {
+        above: real.rounding() * (normal * offset + lost_offset),
+        below: real.rounding() * (normal * rays.bundle.d[0].length() + OFFSET_UNITS * e1 * e2 * rays.size_d),
+    }
+}
+
+/// A ray against a triangle: inside, seen from a visible face, t in range.
+pub fn test(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested {
+    let covered = coverage(input, rays, c, real);
+    if !covered.inside && !covered.doubtful {
+        return NOTHING;
+    }
+    let [v0, v1, v2] = c.v;
+    let b = &rays.bundle;
+    let normal = (v1 - v0).cross(v2 - v0);
+    let across = normal.dot(b.d[0]);
+    let t = normal.dot(v0 * b.h[0] - b.p[0]) / across;
+    let lost = lost(input, rays, c, real);
+    let edge_on = across.abs() <= lost.below;
+    let t_error = if edge_on { f64::INFINITY } else { (lost.above + t.abs() * lost.below) / (across.abs() - lost.below) };
+
+    let facing_away = (across > 0.0) != c.reversed;
+    let hidden = c.one_sided && facing_away;
+    if across == 0.0 || (hidden && !edge_on) {
+        return Tested { hit: None, doubtful: edge_on };
+    }
+    let [t_min, t_max] = input.t_range();
+    let in_range = t >= t_min && t <= t_max;
+    let at_end = (t - t_min).abs() <= t_error || (t - t_max).abs() <= t_error;
+    if !in_range && !at_end {
+        return NOTHING;
+    }
+    let doubtful = covered.doubtful || at_end || (c.one_sided && edge_on);
+    let hit = (covered.inside && in_range && !hidden).then_some(Fragment { t, t_error, id: c.id });
+    Tested { hit, doubtful }
+}
+
+/// The visibility buffer of a band: a complemented key a pixel, low word first; 0: no hit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Visibility {
+    pub words: Vec<[u32; 2]>,
+    /// Pixels where another correct evaluation of some pair may decide otherwise.
+    pub doubtful: Vec<bool>,
+    /// Owned pixels inside the pairs' boxes, and hits among them.
+    pub tested: u64,
+    pub kept: u64,
+}
+
+impl Visibility {
+    pub fn new(pixels: usize) -> Visibility {
+        Visibility { words: vec![[0; 2]; pixels], doubtful: vec![false; pixels], tested: 0, kept: 0 }
+    }
+
+    pub fn key(&self, pixel: usize) -> Option<u64> {
+        let [lo, hi] = self.words[pixel];
+        let word = u64::from(hi) << 32 | u64::from(lo);
+        (word != 0).then_some(!word)
+    }
+}
+
+/// Merges the hits of all pairs.
+pub fn raster(input: &Input, pairs: &[[u32; 2]], real: Real, visibility: &mut Visibility) {
+    let tested: Vec<(usize, Tested)> = pairs.par_iter().flat_map_iter(|&pair| test_pair(input, pair, real)).collect();
+    visibility.tested += tested.len() as u64;
+    for (pixel, tested) in tested {
+        visibility.doubtful[pixel] |= tested.doubtful;
+        if let Some(hit) = tested.hit {
+            visibility.kept += 1;
+            let word = !real.key(hit.t, hit.id, input.params.id_bits);
+            let [lo, hi] = visibility.words[pixel];
+            let best = word.max(u64::from(hi) << 32 | u64::from(lo));
+            visibility.words[pixel] = [best as u32, (best >> 32) as u32];
+        }
+    }
+}
+
+/// The owned pixels of a pair's box, by their place in the band.
+fn test_pair(input: &Input, pair: [u32; 2], real: Real) -> Vec<(usize, Tested)> {
+    let pair = bin::Pair::unpack(pair);
+    let cell = input.cells[pair.cell as usize];
+    let corners = input.corners(pair.slot);
+    let pixels = owned(&cell) & pair.pixels();
+    let in_box = (0..64u32).filter(|bit| pixels >> bit & 1 == 1);
+    in_box
+        .map(|bit| {
+            let (x, y) = input.pixel_of(cell.tile, bit);
+            let tested = test(input, &input.cell_rays(&cell, bit), &corners, real);
+            ((y * input.params.width + x) as usize, tested)
+        })
+        .collect()
+}

@@ -1,0 +1,107 @@
+//! The engine on this machine's adapter, and judgement of its frames by the reference.
+
+use anamorph::camera::{Camera, Rays};
+use anamorph::compare::{Comparison, compare};
+use anamorph::engine::{Engine, Rendered, RunOptions};
+use anamorph::frame::{Channel, Frame, NO_ID, Plane};
+use anamorph::gpu::device::NO_ADAPTER;
+use anamorph::gpu::{Gpu, GpuOptions};
+use anamorph::plan::Wanted;
+use anamorph::reference::image::{Judgement, judge};
+use anamorph::scene::Scene;
+use std::sync::{Mutex, MutexGuard, OnceLock};
+
+/// What an engine does without, that this machine's adapter may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Without {
+    Nothing,
+    Int64Atomics,
+    F64,
+}
+
+type Slot = OnceLock<Option<Mutex<Engine>>>;
+
+/// An engine for each kind of kernels, so that none is compiled twice.
+static ENGINES: [Slot; 6] = [const { OnceLock::new() }; 6];
+
+/// An engine whose kernels suit the camera; `None`, with the reason printed, where the machine has no adapter.
+pub fn engine(camera: &Camera, without: Without) -> Option<MutexGuard<'static, Engine>> {
+    let field = matches!(camera.rays, Rays::Field(_));
+    let less = |gpu: &mut Gpu| {
+        gpu.has.f64 &= without != Without::F64;
+        gpu.has.atomics64 &= without != Without::Int64Atomics;
+    };
+    let slot = ENGINES[2 * without as usize + usize::from(field)].get_or_init(|| engine_on(less).map(Mutex::new));
+    slot.as_ref().map(|e| e.lock().unwrap_or_else(|e| e.into_inner()))
+}
+
+/// An engine of its own on an adapter that is made to look smaller; `None`, with the reason printed, without one.
+pub fn engine_on(less: impl FnOnce(&mut Gpu)) -> Option<Engine> {
+    let Some(mut gpu) = Gpu::open(&GpuOptions::default()).unwrap() else {
+        println!("skipped: {NO_ADAPTER}");
+        return None;
+    };
+    less(&mut gpu);
+    Some(Engine::new(gpu))
+}
+
+/// All channels.
+pub fn wanted() -> Wanted {
+    Wanted { channels: Channel::ALL.to_vec(), srgb8: true, counting: false }
+}
+
+pub fn render_with(scene: &Scene, camera: &Camera, without: Without, run: &RunOptions) -> Option<Rendered> {
+    let mut engine = engine(camera, without)?;
+    Some(engine.render(scene, camera, &wanted(), run).unwrap())
+}
+
+/// All channels of the scene by the engine; `None` without an adapter.
+pub fn render(scene: &Scene, camera: &Camera) -> Option<Frame> {
+    render_with(scene, camera, Without::Nothing, &RunOptions::default()).map(|r| r.frame)
+}
+
+/// The triangle ids of a frame.
+pub fn ids(frame: &Frame) -> &[u32] {
+    frame.u32(Channel::TriangleId).unwrap()
+}
+
+/// Pixels of the frame that hit something.
+pub fn hits(frame: &Frame) -> usize {
+    ids(frame).iter().filter(|&&id| id != NO_ID).count()
+}
+
+/// Every plane as words, so that frames compare by their bytes.
+pub fn words(frame: &Frame) -> Vec<u32> {
+    let word = |p: &Plane| match p {
+        Plane::F32(v) => v.iter().map(|x| x.to_bits()).collect::<Vec<_>>(),
+        Plane::U32(v) => v.clone(),
+    };
+    frame.planes.iter().flat_map(|(_, p)| word(p)).collect()
+}
+
+/// Largest relative error of t at the 99.9th of a hundred pixels: t is worked out in f64 from positions stored to
+/// 2^-48 and written as f32 (2^-24); the rest is room for surfaces seen edge-on, where t is ill-conditioned.
+const T_ERROR: f64 = 1e-5;
+
+/// Asserts that the frame is right by margin: every safe pixel has the reference's triangle, every other one a near
+/// candidate's.
+pub fn assert_right(name: &str, scene: &Scene, camera: &Camera, frame: &Frame) -> (Judgement, Comparison) {
+    let judged = judge(scene, camera, frame);
+    let seen = compare(frame, &judged.truth, Some(&judged.safe), Some(&judged.scales)).unwrap();
+    println!("{name}: {seen}");
+    assert_eq!((seen.wrong_safe, judged.not_near), (Some(0), 0), "{name}: {seen}");
+    if let Some(t) = &seen.t_relative {
+        assert!(t.p999.0 <= T_ERROR, "{name}: {seen}");
+    }
+    let (pieces, truth) = (frame.u32(Channel::PieceId).unwrap(), judged.truth.u32(Channel::PieceId).unwrap());
+    let same = (0..pieces.len()).filter(|&k| pieces[k] != NO_ID && truth[k] != NO_ID).all(|k| pieces[k] == truth[k]);
+    assert!(same, "{name}: a pixel names another piece than its own");
+    (judged, seen)
+}
+
+/// Renders and asserts as [`assert_right`]; nothing without an adapter.
+pub fn check(name: &str, scene: &Scene, camera: &Camera) -> Option<(Frame, Judgement, Comparison)> {
+    let frame = render(scene, camera)?;
+    let (judged, seen) = assert_right(name, scene, camera, &frame);
+    Some((frame, judged, seen))
+}

@@ -1,0 +1,233 @@
+//! cull: the kernel against its twin, from the same bytes.
+
+mod common;
+#[path = "common/stages.rs"]
+mod stages;
+
+use anamorph::engine::Capacities;
+use anamorph::gpu::rows::{COUNT_WORK, COUNTERS, RAYS_AFFINE};
+use anamorph::twin::cull::{Address, Bound, Culled, HAND_ON, cull, hands_on, node_meets};
+use anamorph::twin::{Input, ROOMY, Real, bin};
+use common::ALL_T;
+use stages::{
+    Bench, Case, POISON, assert_poisoned, cases, counters, list, many_clusters, random_case, read, read_list, run,
+    seeds, upload,
+};
+use std::collections::HashMap;
+
+/// What the kernel left: its work items and its counters.
+struct Kept {
+    work: Vec<[u32; 2]>,
+    counters: Vec<u32>,
+}
+
+fn run_kernel(bench: &mut Bench, case: &Case, input: &Input) -> Kept {
+    let (gpu, stages) = bench.stages(case.variant(Real::F32, false), &[]);
+    let mut buffers = upload(gpu, input);
+    let (queue, work) = (input.params.queue_capacity as usize, input.params.work_capacity as usize);
+    for name in ["queue_even", "queue_odd"] {
+        list(gpu, &mut buffers, name, &[], queue);
+    }
+    list(gpu, &mut buffers, "work", &[], work);
+    let levels = input.params.levels;
+    let zeros: Vec<(u32, u32)> = (1..levels).chain([COUNT_WORK]).map(|k| (k, 0)).collect();
+    counters(gpu, &mut buffers, &zeros);
+    run(gpu, |pass| stages.cull(gpu, pass, &[&buffers], input.params.cluster_count, levels));
+
+    // nothing but the lists' own items and the counters of its steps may have changed
+    let counters = read(gpu, &buffers, "counters");
+    let owned = |k: u32| (1..levels - 1).contains(&k) || k == COUNT_WORK;
+    for k in (0..COUNTERS).filter(|&k| !owned(k) && k != levels - 1) {
+        assert_eq!(counters[k as usize], POISON, "{}: counter {k}", case.name);
+    }
+    for (name, parity) in [("queue_even", 0), ("queue_odd", 1)] {
+        let steps = (1..levels - 1).filter(|k| k % 2 == parity);
+        let written = steps.map(|k| counters[k as usize].min(input.params.queue_capacity)).max().unwrap_or(0);
+        assert_poisoned(&read(gpu, &buffers, name), 2 * written as usize, &format!("{}, {name}", case.name));
+    }
+    let items = read_list(gpu, &buffers, "work");
+    let count = (counters[COUNT_WORK as usize] as usize).min(work);
+    assert_poisoned(items.as_flattened(), 2 * count, &format!("{}, work", case.name));
+    Kept { work: items[..count].to_vec(), counters }
+}
+
+/// The item of `at` or of a node above it.
+fn item_above(items: &HashMap<[u32; 2], usize>, cluster: u32, mut at: Address, levels: u32) -> Option<Address> {
+    while at.level < levels {
+        if items.contains_key(&[cluster, at.pack()]) {
+            return Some(at);
+        }
+        at = at.parent();
+    }
+    None
+}
+
+/// What is wrong with a list of work items: items that must be there and are not, items twice or below others, items
+/// that no bound allows, nodes handed on undivided, or not, against the rule.
+fn differences(input: &Input, kernel: &[[u32; 2]], needed: &Culled) -> Vec<String> {
+    let mut wrong = Vec::new();
+    let levels = input.params.levels;
+    let mut items: HashMap<[u32; 2], usize> = HashMap::new();
+    kernel.iter().for_each(|item| *items.entry(*item).or_default() += 1);
+    for (&[cluster, node], &count) in &items {
+        let at = Address::unpack(node);
+        let size = |k: u32, l: &[u32; 8]| k < l[at.level as usize];
+        let exists = (1..levels).contains(&at.level)
+            && size(at.x, &input.params.level_width)
+            && size(at.y, &input.params.level_height)
+            && (cluster as usize) < input.clusters.len();
+        if !exists {
+            wrong.push(format!("cluster {cluster}, {at:?}: no such item"));
+            continue;
+        }
+        if count > 1 || item_above(&items, cluster, at.parent(), levels).is_some() {
+            wrong.push(format!("cluster {cluster}, {at:?}: more than once"));
+        }
+        let mut above = at;
+        while above.level < levels {
+            if !node_meets(input, above, cluster, Bound::ALLOWED) {
+                wrong.push(format!("cluster {cluster}, {at:?}: no ray of {above:?} comes near it"));
+            }
+            above = above.parent();
+        }
+        let met = input.children(at).filter(|&c| node_meets(input, c, cluster, Bound::ALLOWED)).count();
+        if at.level > 1 && !hands_on(input, at, met) {
+            wrong.push(format!("cluster {cluster}, {at:?}: handed on with {met} children met"));
+        }
+        let mut above = at.parent();
+        while above.level < levels {
+            let met = input.children(above).filter(|&c| node_meets(input, c, cluster, Bound::NEEDED)).count();
+            if hands_on(input, above, met) {
+                wrong.push(format!("cluster {cluster}, {above:?}: not handed on with {met} children met"));
+            }
+            above = above.parent();
+        }
+    }
+    for &[cluster, node] in &needed.work {
+        let mut lowest = vec![Address::unpack(node)];
+        // what the twin hands on undivided the kernel may have descended, if it met fewer children
+        while lowest.iter().any(|a| a.level > 1) {
+            lowest = lowest.iter().flat_map(|&a| if a.level > 1 { input.children(a).collect() } else { vec![a] }).collect();
+        }
+        for at in lowest {
+            let must = node_meets(input, at, cluster, Bound::NEEDED);
+            if must && item_above(&items, cluster, at, levels).is_none() {
+                wrong.push(format!("cluster {cluster}, {at:?}: missing"));
+            }
+        }
+    }
+    wrong
+}
+
+/// Level-1 nodes in which a triangle of a cluster truly covers a pixel, whatever the bounds say; at any t, so only for
+/// cameras that look both ways.
+fn truly_met(input: &Input) -> Vec<[u32; 2]> {
+    let p = &input.params;
+    let nodes = (0..p.level_height[1]).flat_map(|y| (0..p.level_width[1]).map(move |x| Address { level: 1, x, y }));
+    let all: Vec<[u32; 2]> =
+        nodes.flat_map(|n| (0..input.clusters.len() as u32).map(move |c| [c, n.pack()])).collect();
+    let covers = |item: &[u32; 2]| bin::bin(input, &[*item], Real::F64).iter().any(|b| b.certain != 0);
+    all.into_iter().filter(covers).collect()
+}
+
+#[test]
+fn the_kernel_keeps_what_it_must_and_nothing_that_no_bound_allows() {
+    let Some(mut bench) = Bench::open() else { return };
+    let (mut multi_level, mut handed_on) = (0, 0);
+    for case in cases().into_iter().chain([many_clusters()]).chain(seeds().map(random_case)) {
+        let tables = case.tables();
+        let roomy = Capacities { queue: 4096, work: 16384, ..ROOMY };
+        for input in case.inputs(&tables, roomy) {
+            let kernel = run_kernel(&mut bench, &case, &input);
+            let needed = cull(&input, Bound::NEEDED);
+            let wrong = differences(&input, &kernel.work, &needed);
+            assert!(wrong.is_empty(), "{}: {} differences, the first: {}", case.name, wrong.len(), wrong[0]);
+            let plain = cull(&input, Bound::PLAIN);
+            println!("{}: {} items, twin {}", case.name, kernel.work.len(), plain.work.len());
+            multi_level += u32::from(input.params.levels > 2);
+            handed_on += kernel.work.iter().filter(|w| Address::unpack(w[1]).level > 1).count();
+            if input.nodes.iter().any(|n| n.rays == RAYS_AFFINE) {
+                assert!(plain.queues.len() as u32 == input.params.levels - 1, "{}", case.name);
+            }
+        }
+    }
+    assert!(multi_level > 0 && handed_on > 0, "the cases must descend ({multi_level}) and hand on ({handed_on})");
+}
+
+#[test]
+fn every_cluster_that_is_truly_seen_in_a_node_is_kept() {
+    let Some(mut bench) = Bench::open() else { return };
+    let both_ways = |c: &Case| c.camera.t_range == ALL_T;
+    for case in cases().into_iter().chain(seeds().map(random_case)).filter(both_ways) {
+        let tables = case.tables();
+        for input in case.inputs(&tables, Capacities { queue: 4096, work: 16384, ..ROOMY }) {
+            let kernel = run_kernel(&mut bench, &case, &input);
+            let items: HashMap<[u32; 2], usize> = kernel.work.iter().map(|w| (*w, 1)).collect();
+            let seen = truly_met(&input);
+            for [cluster, node] in seen {
+                let at = Address::unpack(node);
+                assert!(item_above(&items, cluster, at, input.params.levels).is_some(), "{}: {cluster}, {at:?}", case.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn counters_keep_counting_past_the_end_of_full_lists() {
+    let Some(mut bench) = Bench::open() else { return };
+    let case = cases().into_iter().find(|c| c.name == "large").expect("a large case");
+    let tables = case.tables();
+    let input = case.inputs(&tables, Capacities { queue: 4096, work: 16384, ..ROOMY })[0];
+    let whole = run_kernel(&mut bench, &case, &input);
+    let input = case.inputs(&tables, Capacities { queue: 4096, work: 10, ..ROOMY })[0];
+    let cut = run_kernel(&mut bench, &case, &input);
+    assert!(whole.work.len() > 10 && cut.work.len() == 10);
+    assert_eq!(cut.counters, whole.counters);
+    assert!(cut.work.iter().all(|item| whole.work.contains(item)));
+    // a queue that runs over loses items, but never writes behind its end (run_kernel asserts that)
+    let input = case.inputs(&tables, Capacities { queue: 3, work: 16384, ..ROOMY })[0];
+    let short = run_kernel(&mut bench, &case, &input);
+    assert!(short.counters[1] == whole.counters[1] && short.work.len() < whole.work.len());
+}
+
+#[test]
+fn the_comparison_sees_planted_errors() {
+    let case = cases().into_iter().find(|c| c.name == "large").expect("a large case");
+    let tables = case.tables();
+    let input = case.inputs(&tables, ROOMY)[0];
+    let needed = cull(&input, Bound::NEEDED);
+    let right = cull(&input, Bound::PLAIN).work;
+    assert_eq!(differences(&input, &right, &needed), Vec::<String>::new());
+    let found = |change: &dyn Fn(&mut Vec<[u32; 2]>), words: &str| {
+        let mut work = right.clone();
+        change(&mut work);
+        let wrong = differences(&input, &work, &needed);
+        assert!(wrong.iter().any(|w| w.contains(words)), "{words}: {wrong:?}");
+    };
+    let level = |w: &[u32; 2]| Address::unpack(w[1]).level;
+    let strictly = |w: &&[u32; 2]| node_meets(&input, Address::unpack(w[1]), w[0], Bound::NEEDED);
+    let first = right.iter().filter(strictly).position(|w| level(w) == 1);
+    let first = *right.iter().filter(strictly).nth(first.unwrap()).unwrap();
+    found(&|work| work.retain(|w| *w != first), "missing");
+    found(&|work| work.push(first), "more than once");
+    found(&|work| work.push([first[0], Address { level: 1, x: 4000, y: 0 }.pack()]), "no such item");
+    found(&|work| work.push([first[0], Address::unpack(first[1]).parent().pack()]), "more than once");
+    let all = (0..input.clusters.len() as u32).flat_map(|c| {
+        let p = &input.params;
+        (0..p.level_height[1]).flat_map(move |y| {
+            (0..p.level_width[1]).map(move |x| (c, Address { level: 1, x, y }))
+        })
+    });
+    let far = all.clone().find(|&(c, at)| !node_meets(&input, at, c, Bound::ALLOWED)).unwrap();
+    found(&|work| work.push([far.0, far.1.pack()]), "no ray of");
+    let handed = *right.iter().find(|w| level(w) > 1).unwrap();
+    found(
+        &|work| {
+            work.retain(|w| *w != handed);
+            let children = input.children(Address::unpack(handed[1]));
+            work.extend(children.filter(|&c| node_meets(&input, c, handed[0], Bound::PLAIN)).map(|c| [handed[0], c.pack()]));
+        },
+        "not handed on",
+    );
+    assert!(right.iter().filter(|w| level(w) > 1).count() > 0 && HAND_ON < 16);
+}

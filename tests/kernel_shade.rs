@@ -1,0 +1,224 @@
+//! shade: the kernel against its twin, from the same bytes.
+
+mod common;
+#[path = "common/stages.rs"]
+mod stages;
+
+use anamorph::frame::Channel;
+use anamorph::twin::bin::bin;
+use anamorph::twin::cull::{Bound, cull};
+use anamorph::twin::raster::{Visibility, raster};
+use anamorph::twin::shade::{Pixel, shade, word};
+use anamorph::twin::{Input, Real};
+use stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, random_case, read, run, seeds, upload};
+
+/// Colour agrees this well in f32 where nothing is ill-conditioned: some 80 roundings of 2^-24. The twin's own bound is
+/// wider where a triangle is small beside its distance from the anchor.
+const COLOUR_TYPICAL: f64 = 1e-5;
+/// Weights agree to this where they come from f64.
+const WEIGHT_TYPICAL: f64 = 1e-6;
+/// Z in units of 2^-23 where directions do not cancel: t, |D| and their product, 2 to 3 roundings each.
+const Z_TYPICAL_ULP: f64 = 4.0;
+/// Share of hits whose face or normal towards the viewer is not certain, so that colour is not compared.
+const EDGE_ON_MAX: f64 = 0.01;
+/// Share of compared colours that may exceed [`COLOUR_TYPICAL`].
+const ILL_CONDITIONED_MAX: f64 = 0.05;
+
+fn run_kernel(
+    bench: &mut Bench,
+    case: &Case,
+    real: Real,
+    input: &Input,
+    visibility: &Visibility,
+    planes: &[Channel],
+) -> Vec<u32> {
+    let (gpu, stages) = bench.stages(case.variant(real, false), planes);
+    let mut buffers = upload(gpu, input);
+    buffers.upload(gpu, "visibility", &visibility.words).unwrap();
+    let words = visibility.words.len() * planes.len();
+    buffers.upload(gpu, "planes", &vec![POISON; words + SPARE]).unwrap();
+    run(gpu, |pass| stages.shade(gpu, pass, &[&buffers], visibility.words.len() as u32));
+    let out = read(gpu, &buffers, "planes");
+    assert_poisoned(&out, words, &format!("{}, planes", case.name));
+    out[..words].to_vec()
+}
+
+/// How planes stand against the twin's pixels.
+#[derive(Debug, Default)]
+struct Compared {
+    wrong: Vec<String>,
+    hits: usize,
+    edge_on: usize,
+    ill_conditioned: usize,
+    /// Largest errors: t relative, Z in units of 2^-23, weights and colours as they are.
+    t: f64,
+    z_ulp: f64,
+    weight: f64,
+    colour: f64,
+    /// Largest shares of what t, Z, weights and colours may be off.
+    shares: [f64; 4],
+}
+
+fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], background: [f32; 3]) -> Compared {
+    let mut seen = Compared::default();
+    for (k, pixel) in pixels.iter().enumerate() {
+        if let Pixel::Hit(s) = pixel {
+            seen.hits += 1;
+            seen.edge_on += usize::from(s.error.colour.is_infinite());
+        }
+        let mut ill = false;
+        for (plane, &channel) in planes.iter().enumerate() {
+            let got = words[plane * pixels.len() + k];
+            let want = word(pixel, channel, background).unwrap_or(POISON);
+            let value = f64::from(f32::from_bits(got));
+            let (exact, most) = match (pixel, channel) {
+                (Pixel::Hit(s), Channel::T) => (s.t, s.error.t),
+                (Pixel::Hit(s), Channel::Z) => (s.z, s.error.z),
+                (Pixel::Hit(s), Channel::BaryU) => (s.weights[1], s.error.weight),
+                (Pixel::Hit(s), Channel::BaryV) => (s.weights[2], s.error.weight),
+                (Pixel::Hit(s), Channel::R) => (s.colour[0], s.error.colour),
+                (Pixel::Hit(s), Channel::G) => (s.colour[1], s.error.colour),
+                (Pixel::Hit(s), Channel::B) => (s.colour[2], s.error.colour),
+                // ids, coverage, background and pixels of other chunks: the very word
+                _ => {
+                    if got != want {
+                        seen.wrong.push(format!("pixel {k}, {channel:?}: {got:x} for {want:x}"));
+                    }
+                    continue;
+                }
+            };
+            let off = (value - exact).abs();
+            // not a number is never right
+            if off.is_nan() || off > most {
+                seen.wrong.push(format!("pixel {k}, {channel:?}: {value} for {exact}, off {off:e}, may {most:e}"));
+            }
+            if most.is_infinite() {
+                continue;
+            }
+            let kind = match channel {
+                Channel::T => 0,
+                Channel::Z => 1,
+                Channel::BaryU | Channel::BaryV => 2,
+                _ => 3,
+            };
+            seen.shares[kind] = seen.shares[kind].max(off / most);
+            match channel {
+                Channel::T => seen.t = seen.t.max(off / exact.abs()),
+                Channel::Z => seen.z_ulp = seen.z_ulp.max(off / exact.abs() / f64::from(f32::EPSILON)),
+                Channel::BaryU | Channel::BaryV => seen.weight = seen.weight.max(off),
+                _ => {
+                    seen.colour = seen.colour.max(off);
+                    ill |= off > COLOUR_TYPICAL;
+                }
+            }
+        }
+        seen.ill_conditioned += usize::from(ill);
+    }
+    seen
+}
+
+/// The visibility buffer of a band, all chunks drawn, in each arithmetic.
+fn visibility_of(band: &[Input], reals: &[Real]) -> Vec<Visibility> {
+    let pairs_of = |chunk: &Input| -> Vec<[u32; 2]> {
+        let work = cull(chunk, Bound::PLAIN).work;
+        bin(chunk, &work, Real::F32).iter().map(|b| b.pair().pack()).collect()
+    };
+    let pairs: Vec<Vec<[u32; 2]>> = band.iter().map(pairs_of).collect();
+    let drawn = |&real: &Real| {
+        let mut visibility = Visibility::new((band[0].params.width * band[0].params.height) as usize);
+        band.iter().zip(&pairs).for_each(|(chunk, pairs)| raster(chunk, pairs, real, &mut visibility));
+        visibility
+    };
+    reals.iter().map(drawn).collect()
+}
+
+#[test]
+fn the_kernel_shades_what_its_twin_shades() {
+    let Some(mut bench) = Bench::open() else { return };
+    let reals: Vec<Real> = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0).collect();
+    for case in cases().into_iter().chain(seeds().map(random_case)) {
+        let tables = case.tables();
+        let mut hits = 0;
+        for band in case.bands(&tables) {
+            for (visibility, &real) in visibility_of(&band, &reals).iter().zip(&reals) {
+                for input in &band {
+                    hits += check(&mut bench, &case, input, visibility, real);
+                }
+            }
+        }
+        assert!(hits > 0 || case.name.starts_with("seed"), "{}: nothing is seen", case.name);
+    }
+}
+
+/// Holds the kernel's planes against the twin's; the number of pixels that are hits of the chunk.
+fn check(bench: &mut Bench, case: &Case, input: &Input, visibility: &Visibility, real: Real) -> usize {
+    let name = format!("{}, row {}, ids from {}, {real:?}", case.name, input.params.band_row, input.params.id_first);
+    let words = run_kernel(bench, case, real, input, visibility, &Channel::ALL);
+    let pixels = shade(input, visibility, real);
+    let seen = compare(&words, &pixels, &Channel::ALL, case.scene.background);
+    println!(
+        "{name}: {} hits, t {:.1e}, Z {:.1} ulp, weights {:.1e}, colour {:.1e}, edge-on {}, ill-conditioned {}, of bounds {:.2?}",
+        seen.hits, seen.t, seen.z_ulp, seen.weight, seen.colour, seen.edge_on, seen.ill_conditioned, seen.shares
+    );
+    assert!(seen.wrong.is_empty(), "{name}: {} words differ, the first: {}", seen.wrong.len(), seen.wrong[0]);
+    let share = |count: usize| count as f64 / seen.hits.max(1) as f64;
+    assert!(share(seen.edge_on) <= EDGE_ON_MAX, "{name}: {} edge-on", seen.edge_on);
+    assert!(share(seen.ill_conditioned) <= ILL_CONDITIONED_MAX, "{name}: {}", seen.ill_conditioned);
+    assert!(real == Real::F32 || seen.weight <= WEIGHT_TYPICAL, "{name}: weights {}", seen.weight);
+    assert!(seen.z_ulp <= Z_TYPICAL_ULP, "{name}: Z {} ulp", seen.z_ulp);
+    seen.hits
+}
+
+#[test]
+fn only_the_channels_asked_for_are_written() {
+    let Some(mut bench) = Bench::open() else { return };
+    let case = cases().into_iter().find(|c| c.name == "pieces").expect("a case of that name");
+    let (real, _) = bench.variants()[0];
+    let tables = case.tables();
+    let band = case.bands(&tables).swap_remove(0);
+    let visibility = visibility_of(&band, &[real]).swap_remove(0);
+    let pixels = shade(&band[0], &visibility, real);
+    for planes in [vec![Channel::Z], vec![Channel::G, Channel::TriangleId], vec![Channel::PieceId, Channel::BaryV]] {
+        let words = run_kernel(&mut bench, &case, real, &band[0], &visibility, &planes);
+        let seen = compare(&words, &pixels, &planes, case.scene.background);
+        assert!(seen.wrong.is_empty() && seen.hits > 0, "{planes:?}: {:?}", seen.wrong.first());
+    }
+}
+
+#[test]
+fn the_comparison_sees_planted_errors() {
+    let case = cases().into_iter().find(|c| c.name == "pieces").expect("a case of that name");
+    let tables = case.tables();
+    let band = case.bands(&tables).swap_remove(0);
+    let visibility = visibility_of(&band, &[Real::F64]).swap_remove(0);
+    let pixels = shade(&band[0], &visibility, Real::F64);
+    let background = case.scene.background;
+    let planes = Channel::ALL;
+    let right: Vec<u32> = planes
+        .iter()
+        .flat_map(|&c| pixels.iter().map(move |p| word(p, c, background).unwrap_or(POISON)))
+        .collect();
+    assert_eq!(compare(&right, &pixels, &planes, background).wrong, Vec::<String>::new());
+    let sure = |p: &Pixel| matches!(p, Pixel::Hit(s) if s.error.colour < 1e-3);
+    let hit = pixels.iter().position(sure).unwrap();
+    let miss = pixels.iter().position(|p| matches!(p, Pixel::Miss)).unwrap();
+    for (plane, channel) in planes.iter().enumerate() {
+        for pixel in [hit, miss] {
+            let at = plane * pixels.len() + pixel;
+            let off = match channel {
+                Channel::TriangleId | Channel::PieceId => right[at] ^ 1,
+                _ => (f32::from_bits(right[at]) * 1.01 + 1e-2).to_bits(),
+            };
+            for wrong in [off, f32::NAN.to_bits(), POISON] {
+                // an infinite depth stays so under the factor
+                if wrong == right[at] {
+                    continue;
+                }
+                let mut words = right.clone();
+                words[at] = wrong;
+                let seen = compare(&words, &pixels, &planes, background);
+                assert_eq!(seen.wrong.len(), 1, "{channel:?}, pixel {pixel} as {wrong:x}");
+            }
+        }
+    }
+}
