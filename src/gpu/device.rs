@@ -99,7 +99,8 @@ impl Gpu {
         adapter.map(|a| Gpu::from_adapter(&a, options)).transpose()
     }
 
-    fn from_adapter(adapter: &wgpu::Adapter, options: &GpuOptions) -> Result<Gpu> {
+    /// Opens an adapter.
+    pub fn from_adapter(adapter: &wgpu::Adapter, options: &GpuOptions) -> Result<Gpu> {
         let info = adapter.get_info();
         let limits = adapter.limits();
         let mut has = Abilities::of(adapter.features());

@@ -1,0 +1,92 @@
+//! The engine on this machine's adapter, and judgement of its frames by the reference.
+
+use anamorph::camera::{Camera, Rays};
+use anamorph::compare::{Comparison, compare};
+use anamorph::engine::{Engine, Rendered, RunOptions};
+use anamorph::frame::{Channel, Frame, NO_ID, Plane};
+use anamorph::gpu::device::NO_ADAPTER;
+use anamorph::gpu::{Gpu, GpuOptions};
+use anamorph::plan::Wanted;
+use anamorph::reference::image::{Judgement, judge};
+use anamorph::scene::Scene;
+use std::sync::{Mutex, MutexGuard, OnceLock};
+
+type Slot = OnceLock<Option<Mutex<Engine>>>;
+
+/// An engine for each kind of kernels, so that none is compiled twice.
+static ENGINES: [Slot; 4] = [const { OnceLock::new() }; 4];
+
+/// An engine whose kernels suit the camera; `None`, with the reason printed, where the machine has no adapter.
+pub fn engine(camera: &Camera, no_int64: bool) -> Option<MutexGuard<'static, Engine>> {
+    let field = matches!(camera.rays, Rays::Field(_));
+    let open = || {
+        let gpu = Gpu::open(&GpuOptions { adapter: None, no_int64 }).unwrap();
+        if gpu.is_none() {
+            println!("skipped: {NO_ADAPTER}");
+        }
+        gpu.map(|gpu| Mutex::new(Engine::new(gpu)))
+    };
+    let slot = ENGINES[2 * usize::from(no_int64) + usize::from(field)].get_or_init(open);
+    slot.as_ref().map(|e| e.lock().unwrap_or_else(|e| e.into_inner()))
+}
+
+/// All channels.
+pub fn wanted() -> Wanted {
+    Wanted { channels: Channel::ALL.to_vec(), srgb8: true, counting: false }
+}
+
+pub fn render_with(scene: &Scene, camera: &Camera, no_int64: bool, run: &RunOptions) -> Option<Rendered> {
+    let mut engine = engine(camera, no_int64)?;
+    Some(engine.render(scene, camera, &wanted(), run).unwrap())
+}
+
+/// All channels of the scene by the engine; `None` without an adapter.
+pub fn render(scene: &Scene, camera: &Camera) -> Option<Frame> {
+    render_with(scene, camera, false, &RunOptions::default()).map(|r| r.frame)
+}
+
+/// The triangle ids of a frame.
+pub fn ids(frame: &Frame) -> &[u32] {
+    frame.u32(Channel::TriangleId).unwrap()
+}
+
+/// Pixels of the frame that hit something.
+pub fn hits(frame: &Frame) -> usize {
+    ids(frame).iter().filter(|&&id| id != NO_ID).count()
+}
+
+/// Every plane as words, so that frames compare by their bytes.
+pub fn words(frame: &Frame) -> Vec<u32> {
+    let word = |p: &Plane| match p {
+        Plane::F32(v) => v.iter().map(|x| x.to_bits()).collect::<Vec<_>>(),
+        Plane::U32(v) => v.clone(),
+    };
+    frame.planes.iter().flat_map(|(_, p)| word(p)).collect()
+}
+
+/// Largest relative error of t at the 99.9th of a hundred pixels: t is worked out in f64 from positions stored to
+/// 2^-48 and written as f32 (2^-24); the rest is room for surfaces seen edge-on, where t is ill-conditioned.
+const T_ERROR: f64 = 1e-5;
+
+/// Asserts that the frame is right by margin: every safe pixel has the reference's triangle, every other one a near
+/// candidate's.
+pub fn assert_right(name: &str, scene: &Scene, camera: &Camera, frame: &Frame) -> (Judgement, Comparison) {
+    let judged = judge(scene, camera, frame);
+    let seen = compare(frame, &judged.truth, Some(&judged.safe), Some(&judged.scales)).unwrap();
+    println!("{name}: {seen}");
+    assert_eq!((seen.wrong_safe, judged.not_near), (Some(0), 0), "{name}: {seen}");
+    if let Some(t) = &seen.t_relative {
+        assert!(t.p999.0 <= T_ERROR, "{name}: {seen}");
+    }
+    let (pieces, truth) = (frame.u32(Channel::PieceId).unwrap(), judged.truth.u32(Channel::PieceId).unwrap());
+    let same = (0..pieces.len()).filter(|&k| pieces[k] != NO_ID && truth[k] != NO_ID).all(|k| pieces[k] == truth[k]);
+    assert!(same, "{name}: a pixel names another piece than its own");
+    (judged, seen)
+}
+
+/// Renders and asserts as [`assert_right`]; nothing without an adapter.
+pub fn check(name: &str, scene: &Scene, camera: &Camera) -> Option<(Frame, Judgement, Comparison)> {
+    let frame = render(scene, camera)?;
+    let (judged, seen) = assert_right(name, scene, camera, &frame);
+    Some((frame, judged, seen))
+}
