@@ -81,8 +81,8 @@ impl Engine {
         let limit = self.gpu.binding_limit();
         let triangles = scene.mesh.triangles.len();
         let plan = Plan::new(camera, triangles, has_normals, anchor, wanted, self.gpu.has, limit);
-        if self.stages.as_ref().is_none_or(|s| s.variant != plan.variant) {
-            self.stages = Some(Stages::new(&self.gpu, plan.variant)?);
+        if self.stages.as_ref().is_none_or(|s| s.variant != plan.variant || s.planes != plan.planes) {
+            self.stages = Some(Stages::new(&self.gpu, plan.variant, &plan.planes)?);
         }
         let Some(stages) = &self.stages else { return Err(Error::work("no kernels")) };
         let resident = Resident::new(&self.gpu, scene, camera, &plan, wanted, run.capacities)?;

@@ -2,10 +2,16 @@
 // Reads the visibility buffer, the triangle that won and the pixel's ray; writes the planes that were asked for.
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 
-fn store(plane: u32, pixel: u32, word: u32) {
+fn store(plane: u32, at: Place, word: u32) {
     if plane != NONE {
-        planes[plane * params.width * params.height + pixel] = word;
+        planes[plane * at.count + at.pixel] = word;
     }
+}
+
+// A pixel, and how many a plane has.
+struct Place {
+    pixel: u32,
+    count: u32,
 }
 
 @compute @workgroup_size(64)
@@ -16,13 +22,14 @@ fn shade(
 ) {
     // take a pixel
     let pixel = item_index(group, groups, lane);
-    if pixel >= params.width * params.height {
+    let at = Place(pixel, params.width * params.height);
+    if pixel >= at.count {
         return;
     }
     let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
     if all(won == vec2<u32>(0u)) {
         if params.id_first == 0u {
-            store_miss(pixel);
+            store_miss(at);
         }
         return;
     }
@@ -31,81 +38,82 @@ fn shade(
         return;
     }
 
-    // find the hit again
+    // what the key does not say: the ray and the triangle
     let x = pixel % params.width;
     let y = pixel / params.width;
-    let b = ray_bundle(x, y);
     let slot = slot_of_id[id - params.id_first];
     let triangle = triangles[slot];
+    let ray = pixel_ray(x, y);
+    let t = key_t(~won);
+    store(PLANE_A, at, bitcast<u32>(1.0));
+    store(PLANE_T, at, bitcast<u32>(t));
+    store(PLANE_Z, at, bitcast<u32>(t * length(ray.d)));
+    store(PLANE_TRIANGLE, at, id);
+    if PLANE_PIECE != NONE {
+        store(PLANE_PIECE, at, piece_number(x, y));
+    }
+    if PLANE_U != NONE || PLANE_V != NONE {
+        let weights = weights_real(ray_bundle(x, y), triangle);
+        store(PLANE_U, at, bitcast<u32>(weights.y));
+        store(PLANE_V, at, bitcast<u32>(weights.z));
+    }
+    if PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
+        let colour = light(slot, triangle, ray);
+        store(PLANE_R, at, bitcast<u32>(colour.x));
+        store(PLANE_G, at, bitcast<u32>(colour.y));
+        store(PLANE_B, at, bitcast<u32>(colour.z));
+    }
+}
+
+// Weights of the file's corners in recheck arithmetic: E12, E20 and E01 over their sum, which is N . d.
+fn weights_real(b: Bundle, triangle: vec4<u32>) -> vec3<f32> {
     let v0 = vertex_real(triangle.x);
     let v1 = vertex_real(triangle.y);
     let v2 = vertex_real(triangle.z);
-    let normal = cross(v1 - v0, v2 - v0);
-    let across = dot(normal, b.d);
-    let t = dot(normal, v0 * b.h - b.p) / across;
-
-    // weights of the row's vertices: E12, E20 and E01 over their sum, which is N . d
     let g0 = cross(b.d, v0 * b.h - b.p);
-    let g1 = cross(b.d, v1 * b.h - b.p);
-    let w0 = dot(v2 - v1, g1);
-    let w1 = dot(v0 - v2, g0);
-    let w2 = dot(v1 - v0, g0);
-    let sum = w0 + w1 + w2;
-    let row_weights = vec3<f32>(vec3<real>(w0, w1, w2) / sum);
+    let w = real3(dot(v2 - v1, cross(b.d, v1 * b.h - b.p)), dot(v0 - v2, g0), dot(v1 - v0, g0));
+    return in_file_order(vec3<f32>(w / (w.x + w.y + w.z)), triangle);
+}
+
+// A row's weights as the file orders its corners.
+fn in_file_order(w: vec3<f32>, triangle: vec4<u32>) -> vec3<f32> {
     let order = corner_order(triangle_order(triangle));
-    let weights = clamp(vec3<f32>(row_weights[order.x], row_weights[order.y], row_weights[order.z]), vec3<f32>(0.0), vec3<f32>(1.0));
-
-    // write what was asked for
-    store(shading.plane_a, pixel, bitcast<u32>(1.0));
-    store(shading.plane_t, pixel, bitcast<u32>(f32(t)));
-    store(shading.plane_z, pixel, bitcast<u32>(f32(t * (sqrt(dot(b.d, b.d)) / b.h))));
-    store(shading.plane_triangle, pixel, id);
-    store(shading.plane_piece, pixel, piece_number(x, y));
-    store(shading.plane_u, pixel, bitcast<u32>(weights.y));
-    store(shading.plane_v, pixel, bitcast<u32>(weights.z));
-    if shading.plane_r != NONE || shading.plane_g != NONE || shading.plane_b != NONE {
-        let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
-        let flat_normal = normalize(vec3<f32>(unit_real(normal) * facing));
-        let colour = light(slot, weights, flat_normal, vec3<f32>(unit_real(b.d)));
-        store(shading.plane_r, pixel, bitcast<u32>(colour.x));
-        store(shading.plane_g, pixel, bitcast<u32>(colour.y));
-        store(shading.plane_b, pixel, bitcast<u32>(colour.z));
-    }
+    return clamp(vec3<f32>(w[order.x], w[order.y], w[order.z]), vec3<f32>(0.0), vec3<f32>(1.0));
 }
 
-fn unit_real(v: real3) -> real3 {
-    return v / sqrt(dot(v, v));
-}
-
-fn store_miss(pixel: u32) {
+fn store_miss(at: Place) {
     let infinity = 0x7f800000u;
-    store(shading.plane_r, pixel, bitcast<u32>(shading.background.x));
-    store(shading.plane_g, pixel, bitcast<u32>(shading.background.y));
-    store(shading.plane_b, pixel, bitcast<u32>(shading.background.z));
-    store(shading.plane_a, pixel, 0u);
-    store(shading.plane_z, pixel, infinity);
-    store(shading.plane_t, pixel, infinity);
-    store(shading.plane_triangle, pixel, NONE);
-    store(shading.plane_piece, pixel, NONE);
-    store(shading.plane_u, pixel, 0u);
-    store(shading.plane_v, pixel, 0u);
+    store(PLANE_R, at, bitcast<u32>(shading.background.x));
+    store(PLANE_G, at, bitcast<u32>(shading.background.y));
+    store(PLANE_B, at, bitcast<u32>(shading.background.z));
+    store(PLANE_A, at, 0u);
+    store(PLANE_Z, at, infinity);
+    store(PLANE_T, at, infinity);
+    store(PLANE_TRIANGLE, at, NONE);
+    store(PLANE_PIECE, at, NONE);
+    store(PLANE_U, at, 0u);
+    store(PLANE_V, at, 0u);
 }
 
 // Lambert from every light and a small ambient term; the normal is the file's where it has them, turned to the viewer.
-fn light(slot: u32, weights: vec3<f32>, flat_normal: vec3<f32>, view: vec3<f32>) -> vec3<f32> {
+fn light(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
+    let v0 = vertex(triangle.x);
+    let v1 = vertex(triangle.y);
+    let v2 = vertex(triangle.z);
+    let view = normalize(ray.d);
     let surface = surfaces[slot];
-    var n = flat_normal;
+    var n = normalize(cross(v1 - v0, v2 - v0));
+    n *= select(1.0, -1.0, dot(n, view) > 0.0);
     if shading.has_normals != 0u && surface.x != NONE && surface.y != NONE && surface.z != NONE {
+        let g0 = cross(ray.d, v0 - ray.p);
+        let w = vec3<f32>(dot(v2 - v1, cross(ray.d, v1 - ray.p)), dot(v0 - v2, g0), dot(v1 - v0, g0));
+        let weights = in_file_order(w / (w.x + w.y + w.z), triangle);
         let smooth_normal = weights.x * stored_normal(surface.x) + weights.y * stored_normal(surface.y)
             + weights.z * stored_normal(surface.z);
         if dot(smooth_normal, smooth_normal) > 0.0 {
-            n = normalize(smooth_normal);
+            let turned = normalize(smooth_normal);
+            n = turned * select(1.0, -1.0, dot(turned, n) < 0.0);
         }
-    }
-    // the side that is seen is the flat side's
-    let seen = flat_normal * select(1.0, -1.0, dot(flat_normal, view) > 0.0);
-    if dot(n, seen) < 0.0 {
-        n = -n;
     }
     let diffuse = materials[surface.w].xyz;
     var received = shading.ambient;

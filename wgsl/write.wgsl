@@ -20,8 +20,8 @@ fn write(
         return;
     }
     // encode it
-    let r = bitcast<f32>(planes[shading.plane_r * count + pixel]);
-    let g = bitcast<f32>(planes[shading.plane_g * count + pixel]);
-    let b = bitcast<f32>(planes[shading.plane_b * count + pixel]);
+    let r = bitcast<f32>(planes[PLANE_R * count + pixel]);
+    let g = bitcast<f32>(planes[PLANE_G * count + pixel]);
+    let b = bitcast<f32>(planes[PLANE_B * count + pixel]);
     srgb8[pixel] = srgb(r) | (srgb(g) << 8u) | (srgb(b) << 16u) | 0xff000000u;
 }

@@ -3,10 +3,9 @@
 use super::Capacities;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::frame::Channel;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
-use crate::gpu::rows::{self, COUNTERS, NONE, split3};
+use crate::gpu::rows::{self, COUNTERS, split3};
 use crate::plan::{Band, Plan, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::{Chunk, Clustered, cluster};
@@ -67,7 +66,7 @@ impl Resident {
             without_area: 0,
         };
         resident.upload_scene(gpu, cluster(&scene.mesh, plan.anchor, gpu.binding_limit()))?;
-        resident.upload_look(gpu, scene, plan)?;
+        resident.upload_look(gpu, scene)?;
         resident.create_frame(gpu, camera, plan, wanted)?;
         resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, plan));
         resident.create_lists(gpu, camera, plan)?;
@@ -83,14 +82,14 @@ impl Resident {
     }
 
     /// Lights, materials and normals.
-    fn upload_look(&mut self, gpu: &Gpu, scene: &Scene, plan: &Plan) -> Result<()> {
-        let plane = |c: Channel| plan.planes.iter().position(|p| *p == c).map_or(NONE, |k| k as u32);
+    fn upload_look(&mut self, gpu: &Gpu, scene: &Scene) -> Result<()> {
         let shading = rows::Shading {
-            planes: Channel::ALL.map(plane),
             light_count: scene.lights.len() as u32,
             has_normals: !scene.mesh.normals.is_empty() as u32,
             background: scene.background,
             ambient: AMBIENT,
+            pad0: 0,
+            pad1: 0,
         };
         let lights: Vec<[f32; 4]> = scene.lights.iter().map(|l| l.as_vec3().extend(0.0).to_array()).collect();
         let materials: Vec<[f32; 4]> =

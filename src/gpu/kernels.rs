@@ -3,6 +3,7 @@
 //! A kernel's module is its bindings, generated from this table, and the plain concatenation of its snippets. Variants
 //! swap a snippet that defines the same functions, or set an `override` constant.
 
+use crate::frame::Channel;
 use std::fmt::Write;
 
 /// Which variants of the kernels a scene and an adapter need.
@@ -56,6 +57,8 @@ const VERTEX: &str = snippet!("shared/vertex.wgsl");
 const TRIANGLE: &str = snippet!("shared/triangle.wgsl");
 const BUNDLE: &str = snippet!("shared/bundle.wgsl");
 const SHADING: &str = snippet!("shared/shading.wgsl");
+const PAIR: &str = snippet!("shared/pair.wgsl");
+const BITS: &str = snippet!("shared/bits.wgsl");
 const KEY: &str = snippet!("shared/key.wgsl");
 
 impl Variant {
@@ -152,7 +155,7 @@ pub fn bin(variant: Variant) -> Kernel {
         write("pairs", "array<vec2<u32>>"),
         counters(),
     ];
-    let mut kernel = kernel("bin", bindings, &[PARAMS, INDEX, VERTEX, snippet!("bin.wgsl")]);
+    let mut kernel = kernel("bin", bindings, &[PARAMS, INDEX, VERTEX, PAIR, snippet!("bin.wgsl")]);
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
 }
@@ -174,13 +177,13 @@ pub fn raster(variant: Variant) -> Kernel {
         bindings.push(read("cells", "array<Cell>"));
     }
     let snippets = [PARAMS, INDEX, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [variant.merge(), variant.camera(), snippet!("raster.wgsl")];
+    let own = [PAIR, BITS, variant.merge(), variant.camera(), snippet!("raster.wgsl")];
     let mut kernel = kernel("raster", bindings, &[&snippets[..], &own[..]].concat());
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
 }
 
-pub fn shade(variant: Variant) -> Kernel {
+pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     let mut bindings = vec![
         params(),
         uniform("shading", "Shading"),
@@ -197,17 +200,37 @@ pub fn shade(variant: Variant) -> Kernel {
     ];
     bindings.extend(variant.rays());
     let snippets = [PARAMS, INDEX, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [variant.camera(), SHADING, snippet!("shade.wgsl")];
-    kernel("shade", bindings, &[&snippets[..], &own[..]].concat())
+    let own = [BITS, variant.camera(), SHADING, snippet!("shade.wgsl")];
+    let mut kernel = kernel("shade", bindings, &[&snippets[..], &own[..]].concat());
+    kernel.constants = plane_constants(planes);
+    kernel
 }
 
-pub fn write_srgb() -> Kernel {
-    let bindings =
-        vec![params(), uniform("shading", "Shading"), read("planes", "array<u32>"), write("srgb8", "array<u32>")];
-    kernel("write", bindings, &[PARAMS, INDEX, SHADING, snippet!("write.wgsl")])
+/// Which plane each channel that was asked for is written to.
+fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
+    let constant = |channel: &Channel| match channel {
+        Channel::R => "PLANE_R",
+        Channel::G => "PLANE_G",
+        Channel::B => "PLANE_B",
+        Channel::A => "PLANE_A",
+        Channel::Z => "PLANE_Z",
+        Channel::T => "PLANE_T",
+        Channel::TriangleId => "PLANE_TRIANGLE",
+        Channel::PieceId => "PLANE_PIECE",
+        Channel::BaryU => "PLANE_U",
+        Channel::BaryV => "PLANE_V",
+    };
+    planes.iter().enumerate().map(|(k, c)| (constant(c), k as f64)).collect()
 }
 
-/// All kernels of a variant, in the order of the pipeline.
-pub fn all(variant: Variant) -> Vec<Kernel> {
-    vec![args(), cull(), bin(variant), raster(variant), shade(variant), write_srgb()]
+pub fn write_srgb(planes: &[Channel]) -> Kernel {
+    let bindings = vec![params(), read("planes", "array<u32>"), write("srgb8", "array<u32>")];
+    let mut kernel = kernel("write", bindings, &[PARAMS, INDEX, SHADING, snippet!("write.wgsl")]);
+    kernel.constants = plane_constants(planes);
+    kernel
+}
+
+/// All kernels of a variant that writes `planes`, in the order of the pipeline.
+pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
+    vec![args(), cull(), bin(variant), raster(variant), shade(variant, planes), write_srgb(planes)]
 }

@@ -13,6 +13,11 @@ pub const CLUSTER: u32 = 64;
 /// No index.
 pub const NONE: u32 = u32::MAX;
 
+/// What a node's rays are: none; several pieces, or not affine; one affine bundle.
+pub const RAYS_NONE: u32 = 0;
+pub const RAYS_LOOSE: u32 = 1;
+pub const RAYS_AFFINE: u32 = 2;
+
 /// Indices into the counters.
 pub const COUNT_WORK: u32 = 8;
 pub const COUNT_PAIRS: u32 = 9;
@@ -133,15 +138,16 @@ pub struct Piece {
     pub pad3: f32,
 }
 
-/// What `shade` writes and how it lights it: planes in the order of [`crate::frame::Channel::ALL`].
+/// How `shade` lights.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Shading {
-    pub planes: [u32; 10],
-    pub light_count: u32,
-    pub has_normals: u32,
     pub background: [f32; 3],
     pub ambient: f32,
+    pub light_count: u32,
+    pub has_normals: u32,
+    pub pad0: u32,
+    pub pad1: u32,
 }
 
 /// `value` as the sum of two f32 with an error of 2^-48 |value| at most.

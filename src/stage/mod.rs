@@ -9,6 +9,7 @@ pub mod shade;
 pub mod write;
 
 use crate::error::Result;
+use crate::frame::Channel;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
 use crate::gpu::kernels::{self, Variant};
@@ -33,13 +34,15 @@ pub struct Stages {
     write: Pipeline,
     steps: Buffers,
     pub variant: Variant,
+    /// The channels that `shade` writes.
+    pub planes: Vec<Channel>,
 }
 
 /// Buffers that a dispatch binds, the innermost scope first.
 pub type Scopes<'a> = &'a [&'a Buffers];
 
 impl Stages {
-    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Stages> {
+    pub fn new(gpu: &Gpu, variant: Variant, planes: &[Channel]) -> Result<Stages> {
         let compile = |kernel| Pipeline::new(&gpu.device, kernel);
         let mut steps = Buffers::default();
         for (value, name) in STEPS.iter().enumerate() {
@@ -50,10 +53,11 @@ impl Stages {
             cull: compile(kernels::cull()),
             bin: compile(kernels::bin(variant)),
             raster: compile(kernels::raster(variant)),
-            shade: compile(kernels::shade(variant)),
-            write: compile(kernels::write_srgb()),
+            shade: compile(kernels::shade(variant, planes)),
+            write: compile(kernels::write_srgb(planes)),
             steps,
             variant,
+            planes: planes.to_vec(),
         })
     }
 

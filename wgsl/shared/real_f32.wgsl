@@ -13,3 +13,8 @@ fn ordered_bits(t: real) -> vec2<u32> {
     }
     return vec2<u32>(0u, select(w | 0x80000000u, ~w, (w & 0x80000000u) != 0u));
 }
+
+// The number of which these are the ordered bits.
+fn from_ordered_bits(bits: vec2<u32>) -> f32 {
+    return bitcast<f32>(select(~bits.y, bits.y & 0x7fffffffu, (bits.y & 0x80000000u) != 0u));
+}

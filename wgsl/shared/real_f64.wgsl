@@ -17,3 +17,9 @@ fn ordered_bits(t: real) -> vec2<u32> {
     }
     return vec2<u32>(w.x, w.y | 0x80000000u);
 }
+
+// The number of which these are the ordered bits, as f32.
+fn from_ordered_bits(bits: vec2<u32>) -> f32 {
+    let w = select(~bits, vec2<u32>(bits.x, bits.y & 0x7fffffffu), (bits.y & 0x80000000u) != 0u);
+    return f32(bitcast<f64>((u64(w.y) << 32u) | u64(w.x)));
+}

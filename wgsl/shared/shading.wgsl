@@ -1,18 +1,21 @@
-// What to write and how to light it.
+// What to light with; and the plane of each channel, NONE where it was not asked for.
+
+override PLANE_R: u32 = 0xffffffffu;
+override PLANE_G: u32 = 0xffffffffu;
+override PLANE_B: u32 = 0xffffffffu;
+override PLANE_A: u32 = 0xffffffffu;
+override PLANE_Z: u32 = 0xffffffffu;
+override PLANE_T: u32 = 0xffffffffu;
+override PLANE_TRIANGLE: u32 = 0xffffffffu;
+override PLANE_PIECE: u32 = 0xffffffffu;
+override PLANE_U: u32 = 0xffffffffu;
+override PLANE_V: u32 = 0xffffffffu;
+
 struct Shading {
-    // plane of each channel, NONE where it was not asked for
-    plane_r: u32,
-    plane_g: u32,
-    plane_b: u32,
-    plane_a: u32,
-    plane_z: u32,
-    plane_t: u32,
-    plane_triangle: u32,
-    plane_piece: u32,
-    plane_u: u32,
-    plane_v: u32,
-    light_count: u32,       // 0: one headlight along each pixel's ray
-    has_normals: u32,
     background: vec3<f32>,
     ambient: f32,
+    light_count: u32,       // 0: one headlight along each pixel's ray
+    has_normals: u32,
+    pad0: u32,
+    pad1: u32,
 }
