@@ -1,6 +1,7 @@
 //! Every pipeline and bind-group layout of every variant, built on a device without a driver that has the limits of a
 //! small adapter and no feature that the variant does not ask for.
 
+use anamorph::frame::Channel;
 use anamorph::gpu::device::{Abilities, STORAGE_BUFFERS};
 use anamorph::gpu::kernels::Variant;
 use anamorph::gpu::{Gpu, GpuOptions};
@@ -73,7 +74,7 @@ fn every_pipeline_builds_with_the_features_of_its_variant_alone() {
         let gpu = open(features, limits(), &GpuOptions::default()).unwrap();
         for (field, counting) in [(false, false), (false, true), (true, false), (true, true)] {
             let variant = Variant { f64, atomics64, field, counting };
-            Stages::new(&gpu, variant).unwrap();
+            Stages::new(&gpu, variant, &Channel::ALL).unwrap();
             gpu.failure().unwrap_or_else(|e| panic!("{features:?} {variant:?}: {e}"));
         }
     }
@@ -83,7 +84,7 @@ fn every_pipeline_builds_with_the_features_of_its_variant_alone() {
 fn a_variant_that_the_device_cannot_run_is_reported() {
     for (f64, atomics64) in [(true, false), (false, true)] {
         let gpu = open(Features::empty(), limits(), &GpuOptions::default()).unwrap();
-        let built = Stages::new(&gpu, Variant { f64, atomics64, field: false, counting: false });
+        let built = Stages::new(&gpu, Variant { f64, atomics64, field: false, counting: false }, &Channel::ALL);
         assert!(built.is_err() || gpu.failure().is_err());
     }
 }
@@ -103,7 +104,7 @@ fn the_limit_on_storage_buffers_is_what_the_largest_kernel_binds() {
         let storage = |k: &anamorph::gpu::kernels::Kernel| {
             k.bindings.iter().filter(|b| b.access != anamorph::gpu::kernels::Access::Uniform).count()
         };
-        anamorph::gpu::kernels::all(variant).iter().map(storage).max().unwrap()
+        anamorph::gpu::kernels::all(variant, &Channel::ALL).iter().map(storage).max().unwrap()
     });
     assert_eq!(most.iter().max(), Some(&(STORAGE_BUFFERS as usize)));
 }

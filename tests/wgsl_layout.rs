@@ -2,6 +2,7 @@
 //! `shading.wgsl` against its twin in `src/gpu/rows.rs`, field by field, and every constant against its own.
 
 use anamorph::frame::Channel;
+use anamorph::gpu::kernels::{self, Variant};
 use anamorph::gpu::rows;
 use anamorph::scene::clusters::CORNER_ORDERS;
 use naga::{Expression, Literal, Module, ScalarKind, Statement, SwitchValue, TypeInner};
@@ -9,7 +10,6 @@ use std::collections::BTreeMap;
 
 const PARAMS: &str = include_str!("../wgsl/shared/params.wgsl");
 const SHADING: &str = include_str!("../wgsl/shared/shading.wgsl");
-const TRIANGLE: &str = include_str!("../wgsl/shared/triangle.wgsl");
 const ROWS: &str = include_str!("../src/gpu/rows.rs");
 
 /// One field as bytes: name, offset, size, kind of its numbers.
@@ -20,6 +20,9 @@ struct Field {
     size: usize,
     kind: ScalarKind,
 }
+
+/// The variant that needs nothing.
+const PLAIN: Variant = Variant { f64: false, atomics64: false, field: false, counting: false };
 
 /// Structs by name: size and fields in order.
 type Layouts = BTreeMap<String, (usize, Vec<Field>)>;
@@ -58,7 +61,7 @@ macro_rules! layout {
 }
 
 fn host() -> Layouts {
-    let mut layouts = Layouts::from([
+    Layouts::from([
         layout!(Params {
             width, height, tiles_x, tiles_y, levels, cluster_first, cluster_count, id_bits, queue_capacity,
             work_capacity, pair_capacity, piece_count, id_first, id_count, band_row, vertex_reach, t_min, t_max,
@@ -72,18 +75,8 @@ fn host() -> Layouts {
             p_hi, h_hi, px_hi, hx_hi, py_hi, hy_hi, d_hi, origin_x, dx_hi, origin_y, dy_hi, number,
             p_lo, h_lo, px_lo, hx_lo, py_lo, hy_lo, d_lo, pad1, dx_lo, pad2, dy_lo, pad3,
         }),
-        layout!(Shading { planes, light_count, has_normals, background, ambient }),
-    ]);
-    // WGSL has no arrays of words that are not 16 bytes apart in uniforms: one field a channel there
-    let shading = &mut layouts.get_mut("Shading").unwrap().1;
-    let planes = shading.remove(0);
-    let plane = |(k, c): (usize, &Channel)| {
-        let name = c.name().to_lowercase();
-        let name = name.trim_end_matches(".id").trim_start_matches("bary.");
-        Field { name: format!("plane_{name}"), offset: planes.offset + 4 * k, size: 4, kind: planes.kind }
-    };
-    shading.splice(0..0, Channel::ALL.iter().enumerate().map(plane));
-    layouts
+        layout!(Shading { background, ambient, light_count, has_normals, pad0, pad1 }),
+    ])
 }
 
 fn parse(source: &str) -> Module {
@@ -136,7 +129,7 @@ macro_rules! constants {
 
 fn host_constants() -> Constants {
     let mut constants = constants![
-        GROUP, BRANCH, CLUSTER, NONE, COUNT_WORK, COUNT_PAIRS, COUNT_RECHECKED, COUNT_PAIRS_TESTED,
+        GROUP, BRANCH, CLUSTER, NONE, RAYS_NONE, RAYS_LOOSE, RAYS_AFFINE, COUNT_WORK, COUNT_PAIRS, COUNT_RECHECKED, COUNT_PAIRS_TESTED,
         COUNT_FRAGMENTS_TESTED, COUNT_FRAGMENTS_KEPT, COUNTERS,
     ];
     constants.insert("TILE".into(), anamorph::TILE);
@@ -171,13 +164,44 @@ fn every_constant_has_the_same_value_on_both_sides() {
     assert_eq!(forgotten, [""; 0], "constants of rows.rs that params.wgsl does not have");
 }
 
+/// Override constants of `shading.wgsl`: name and default.
+fn overrides() -> Vec<(String, u32)> {
+    let module = parse(SHADING);
+    let value = |e| match module.global_expressions[e] {
+        Expression::Literal(Literal::U32(v)) => v,
+        ref other => panic!("not a literal of u32: {other:?}"),
+    };
+    module.overrides.iter().map(|(_, o)| (o.name.clone().unwrap(), value(o.init.unwrap()))).collect()
+}
+
+#[test]
+fn every_channel_has_an_override_that_defaults_to_no_plane() {
+    for (k, (name, default)) in overrides().into_iter().enumerate() {
+        let channel = Channel::ALL[k];
+        let word = channel.name().trim_end_matches(".id").trim_start_matches("bary.").to_uppercase();
+        assert_eq!((name.as_str(), default), (format!("PLANE_{word}").as_str(), rows::NONE));
+        for kernel in [kernels::shade(PLAIN, &[channel]), kernels::write_srgb(&[channel])] {
+            assert_eq!(kernel.constants, [(name.as_str(), 0.0)]);
+        }
+    }
+    assert_eq!(overrides().len(), Channel::ALL.len());
+    let places: Vec<f64> = kernels::shade(PLAIN, &Channel::ALL).constants.iter().map(|c| c.1).collect();
+    assert_eq!(places, (0..Channel::ALL.len()).map(|k| k as f64).collect::<Vec<_>>());
+}
+
 #[test]
 fn the_last_word_of_a_triangle_row_is_cut_alike() {
-    let kernels = wgsl_constants(TRIANGLE);
-    assert_eq!(kernels["ID_MASK"], (1 << rows::ID_BITS_MAX) - 1);
-    assert_eq!(kernels["ONE_SIDED"], rows::ONE_SIDED);
+    let raster = kernels::raster(PLAIN).source;
+    let module = parse(&raster);
+    let constant = |name: &str| {
+        let (_, c) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
+        module.global_expressions[c.init].clone()
+    };
+    let is = |name: &str, value: u32| matches!(constant(name), Expression::Literal(Literal::U32(v)) if v == value);
+    assert!(is("ID_MASK", (1 << rows::ID_BITS_MAX) - 1));
+    assert!(is("ONE_SIDED", rows::ONE_SIDED));
     assert_eq!(rows::ORDER_SHIFT, rows::ID_BITS_MAX);
-    assert!(TRIANGLE.contains(&format!("(row.w >> {}u) & 7u", rows::ORDER_SHIFT)));
+    assert!(raster.contains(&format!("(row.w >> {}u) & 7u", rows::ORDER_SHIFT)));
     assert!(rows::ONE_SIDED >> rows::ORDER_SHIFT > 7, "the order's three bits end below the side's");
 }
 
@@ -210,8 +234,10 @@ fn corner_orders(source: &str) -> Vec<[usize; 3]> {
 
 #[test]
 fn the_six_corner_orders_are_the_same_table() {
-    assert_eq!(corner_orders(TRIANGLE), CORNER_ORDERS);
-    let planted = TRIANGLE.replace("vec3<u32>(2u, 0u, 1u)", "vec3<u32>(0u, 2u, 1u)");
+    let source = kernels::raster(PLAIN).source;
+    let shade = kernels::shade(PLAIN, &Channel::ALL).source;
+    assert_eq!((corner_orders(&source), corner_orders(&shade)), (CORNER_ORDERS.to_vec(), CORNER_ORDERS.to_vec()));
+    let planted = source.replace("vec3<u32>(2u, 0u, 1u)", "vec3<u32>(0u, 2u, 1u)");
     assert_ne!(corner_orders(&planted), CORNER_ORDERS);
 }
 

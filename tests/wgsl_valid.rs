@@ -1,6 +1,7 @@
 //! Every kernel of every variant is valid WGSL with the least capabilities that the variant may use, becomes SPIR-V,
 //! and keeps f64 to the operations that every driver translates right.
 
+use anamorph::frame::Channel;
 use anamorph::gpu::kernels::{self, Kernel, Variant};
 use anamorph::gpu::rows::GROUP;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -36,7 +37,7 @@ fn validate(module: &Module, caps: Capabilities) -> Result<ModuleInfo, String> {
 
 fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
     for variant in variants() {
-        kernels::all(variant).iter().for_each(|k| check(k, variant));
+        kernels::all(variant, &Channel::ALL).iter().for_each(|k| check(k, variant));
     }
 }
 
