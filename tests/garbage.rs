@@ -51,7 +51,7 @@ fn triangles_without_area() {
 #[test]
 fn needles() {
     for width in [1e-3, 1e-6, 1e-9, 1e-12] {
-        check_among(&format!("needles of {width}"), |rng| {
+        check_among(&format!("needles of {width:e}"), |rng| {
             let (a, e) = (1.2 * rng.vector(), rng.vector());
             [a, a + e, a + 0.5 * e + width * rng.vector()]
         });
@@ -61,7 +61,7 @@ fn needles() {
 #[test]
 fn small_and_denormal_triangles() {
     for size in [1e-6, 1e-12, 1e-20, 1e-40, 1e-300, 1e-310] {
-        check_among(&format!("size {size}"), |rng| {
+        check_among(&format!("size {size:e}"), |rng| {
             let at = if rng.below(2) == 0 { DVec3::ZERO } else { 1.2 * rng.vector() };
             [(); 3].map(|()| at + size * rng.vector())
         });
@@ -71,7 +71,7 @@ fn small_and_denormal_triangles() {
 #[test]
 fn huge_triangles() {
     for size in [1e3, 1e6] {
-        check_among(&format!("size {size}"), |rng| [(); 3].map(|()| size * rng.vector()));
+        check_among(&format!("size {size:e}"), |rng| [(); 3].map(|()| size * rng.vector()));
     }
 }
 

@@ -13,7 +13,8 @@ use anamorph::scene::Scene;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::gpu::{render_with, wanted, words};
 use common::rng::Rng;
-use common::{FORWARD, camera, scene, soup};
+use common::{FORWARD, camera, mesh, scene, soup};
+use glam::DVec3;
 
 const SIZE: (u32, u32) = (101, 77);
 
@@ -76,9 +77,14 @@ fn error_of(scene: &Scene, camera: &Camera, wanted: &Wanted) -> Option<Error> {
 
 #[test]
 fn pairs_of_one_cluster_that_no_list_can_hold_are_an_error_with_stage_need_and_capacity() {
-    // one cluster of 64 triangles before some 200 cells a band: 13,000 pairs, and a list holds 8,192
-    let scene = scene(soup(&mut Rng(2), 64, 60.0));
-    let camera = camera(mesh_camera(1, 60, 40, MeshLook::default()), SIZE, FORWARD);
+    // one cluster of 64 triangles before some 200 cells a band: over 10,000 pairs, and a list holds 8,192
+    let wall = |k: u32| {
+        let z = k as f64 / 64.0;
+        [DVec3::new(-200.0, -100.0, z), DVec3::new(200.0, -100.0, z), DVec3::new(0.0, 300.0, z)]
+    };
+    let triangles = (0..64).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    let scene = scene(mesh((0..64).flat_map(wall).collect(), triangles));
+    let camera = camera(mesh_camera(1, 40, 12, MeshLook::default()), SIZE, FORWARD);
     let Some(error) = error_of(&scene, &camera, &wanted()) else { return };
     let text = error.to_string();
     assert!(text.contains("raster") && text.contains(&(SMALL_BINDING / 8).to_string()), "{text}");
