@@ -49,9 +49,7 @@ fn pinhole() {
         let u = r.cross(f);
         let k = (vfov.to_radians() / 2.0).tan();
         let aspect = SIZE.0 as f64 / SIZE.1 as f64;
-        assert_rays("pinhole", &camera, |a, b| {
-            (eye, f + (2.0 * a - 1.0) * k * aspect * r + (1.0 - 2.0 * b) * k * u)
-        });
+        assert_rays("pinhole", &camera, |a, b| (eye, f + (2.0 * a - 1.0) * k * aspect * r + (1.0 - 2.0 * b) * k * u));
     }
 }
 
@@ -76,10 +74,9 @@ fn orthographic() {
 #[test]
 fn what_is_up_and_to_the_right_is_up_and_to_the_right_in_the_picture() {
     let (eye, target, up) = (DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y);
-    for kind in [
-        CameraKind::Pinhole { eye, target, up, vfov: 60.0 },
-        CameraKind::Orthographic { eye, target, up, height: 4.0 },
-    ] {
+    for kind in
+        [CameraKind::Pinhole { eye, target, up, vfov: 60.0 }, CameraKind::Orthographic { eye, target, up, height: 4.0 }]
+    {
         let camera = camera(kind, SIZE, FORWARD);
         let at = |i: u32, j: u32| {
             let r = camera.ray(i, j).unwrap();
@@ -160,7 +157,8 @@ fn pieces_interpolate_by_weights() {
             let l = barycentric(DVec2::new(a, b), v.map(|v| DVec2::from(v.image)));
             assert!(l.iter().all(|l| *l >= -1e-12), "{i},{j} is not in piece {piece}");
             let sum: f64 = (0..3).map(|k| v[k].w * l[k]).sum();
-            let weighted = |f: &dyn Fn(&CameraVertex) -> DVec3| (0..3).map(|k| v[k].w * l[k] / sum * f(&v[k])).sum::<DVec3>();
+            let weighted =
+                |f: &dyn Fn(&CameraVertex) -> DVec3| (0..3).map(|k| v[k].w * l[k] / sum * f(&v[k])).sum::<DVec3>();
             let p = weighted(&|v| v.near);
             let d = if look.normalize { weighted(&|v| (v.far - v.near).normalize()) } else { weighted(&|v| v.far) - p };
             let ray = bundle.ray(0.0, 0.0);

@@ -61,7 +61,10 @@ fn a_right_frame_is_found_right() {
     for camera in &cameras {
         let right = image(&scene, camera, &Channel::ALL);
         let (seen, not_near) = verdict(&scene, camera, &right, |_| ());
-        assert_eq!((seen.wrong_triangle, seen.wrong_safe, seen.wrong_hit_miss, not_near), (Some(0), Some(0), Some(0), 0));
+        assert_eq!(
+            (seen.wrong_triangle, seen.wrong_safe, seen.wrong_hit_miss, not_near),
+            (Some(0), Some(0), Some(0), 0)
+        );
         assert_eq!((seen.t_relative.unwrap().max.0, seen.identical), (0.0, Some(true)));
         let share = seen.unsafe_share.unwrap();
         assert!(share > 0.0 && share < 0.5, "{share}: neither kind of pixel is missing");
@@ -104,7 +107,8 @@ fn an_unsafe_pixel_may_name_a_candidate_and_nothing_else() {
     let camera = &cameras[0];
     let right = image(&scene, camera, &Channel::ALL);
     let judged = judge(&scene, camera, &right);
-    let unsafe_hits = (0..judged.safe.len()).filter(|&k| !judged.safe[k] && right.u32(Channel::TriangleId).unwrap()[k] != NO_ID);
+    let unsafe_hits =
+        (0..judged.safe.len()).filter(|&k| !judged.safe[k] && right.u32(Channel::TriangleId).unwrap()[k] != NO_ID);
     let (mut borders, mut tried) = (0, 0);
     for at in unsafe_hits.step_by(7).take(20) {
         let (seen, not_near) = verdict(&scene, camera, &right, |f| u32s(f, Channel::TriangleId)[at] = 1 << 20);
@@ -138,7 +142,10 @@ fn one_wrong_t_is_the_largest_error() {
             let expected = 0.001 * t as f64 / (t as f64).max(extent / direction);
             let found = seen.t_relative.unwrap();
             // f32 rounds the planted error, a thousandth, to 2^-24 of t: 6e-5 of it
-            assert!((found.max.0 / expected - 1.0).abs() < 1e-3 && found.median.0 == 0.0, "{seen} instead of {expected}");
+            assert!(
+                (found.max.0 / expected - 1.0).abs() < 1e-3 && found.median.0 == 0.0,
+                "{seen} instead of {expected}"
+            );
             assert_eq!((seen.wrong_triangle, not_near), (Some(0), 0));
             let (seen, _) = verdict(&scene, camera, &right, |f| f32s(f, Channel::T)[at] = f32::NAN);
             assert_eq!(seen.t_relative.unwrap().max.0, f64::INFINITY);
@@ -156,7 +163,10 @@ fn one_wrong_colour_weight_and_depth_are_seen() {
         let seen = spoilt(channel, 0.25);
         // one of three times as many values as pixels is off by a quarter, or by what the clamp leaves of it
         let floor = -10.0 * (0.0625 / (3.0 * (SIZE.0 * SIZE.1) as f64)).log10();
-        assert!(seen.identical == Some(false) && seen.psnr.unwrap() >= floor - 0.01 && seen.psnr.unwrap() < 80.0, "{seen}");
+        assert!(
+            seen.identical == Some(false) && seen.psnr.unwrap() >= floor - 0.01 && seen.psnr.unwrap() < 80.0,
+            "{seen}"
+        );
     }
     assert!((spoilt(Channel::BaryU, 0.125).bary_max.unwrap().0 - 0.125).abs() < 1e-6);
     assert!(spoilt(Channel::Z, 0.1).z_relative.unwrap().max.0 > 1e-3);

@@ -143,7 +143,12 @@ fn assert_covered(name: &str, bundle: &Bundle, v: &Three, weights: [f64; 3], at:
     let e = [edge(&b, v[1], v[2]), edge(&b, v[2], v[0]), edge(&b, v[0], v[1])];
     assert!(e.iter().all(|e| e.signum() == facing.signum()), "{name}: E {e:?}, N.D {facing} at {at:?}");
     for k in 0..3 {
-        assert!((e[k] / facing - weights[k]).abs() < WEIGHT_ERROR, "{name}: weight {k} is {}, not {}", e[k] / facing, weights[k]);
+        assert!(
+            (e[k] / facing - weights[k]).abs() < WEIGHT_ERROR,
+            "{name}: weight {k} is {}, not {}",
+            e[k] / facing,
+            weights[k]
+        );
     }
     let t = n.dot(v[0] - r.origin) / facing;
     let scale = at.t.abs().max(1.0);
@@ -229,7 +234,10 @@ fn the_three_edge_functions_sum_to_n_d() {
 #[test]
 fn a_planted_error_is_seen() {
     let mut rng = Rng(1);
-    let (near, far) = ([3.0 * rng.vector(), 3.0 * rng.vector(), 3.0 * rng.vector()], [3.0 * rng.vector(), 3.0 * rng.vector(), 3.0 * rng.vector()]);
+    let (near, far) = (
+        [3.0 * rng.vector(), 3.0 * rng.vector(), 3.0 * rng.vector()],
+        [3.0 * rng.vector(), 3.0 * rng.vector(), 3.0 * rng.vector()],
+    );
     let bundle = glc::bundle(&near, &far, SIZE.0, SIZE.1).unwrap();
     let (v, weights) = triangle(&mut rng);
     let x = (0..3).map(|k| weights[k] * v[k]).sum();

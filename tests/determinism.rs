@@ -115,7 +115,10 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
         assert!(words(&parts.frame) == words(&whole.frame) && parts.srgb8 == whole.srgb8, "{name}");
         let lists = (plan.bands.len() * chunks) as u64;
         let in_one_batch = lists * SMALL_BINDING / 8;
-        println!("{name}: {} pairs over {lists} lists, {in_one_batch} at most in one batch each", parts.counts.pairs_kept);
+        println!(
+            "{name}: {} pairs over {lists} lists, {in_one_batch} at most in one batch each",
+            parts.counts.pairs_kept
+        );
         assert!(parts.counts.pairs_kept > in_one_batch / 4, "{name}: the lists are too short to need batches");
     }
 }

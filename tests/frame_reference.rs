@@ -213,7 +213,9 @@ fn far_from_the_origin() {
         let mut scene = ball_in_cloud();
         scene.mesh = moved(scene.mesh, by);
         let kind = pinhole(by + DVec3::new(0.5, 0.8, 3.0), by, 50.0);
-        let Some((frame, ..)) = check(&format!("offset {offset}"), &scene, &camera(kind, SIZE, FORWARD)) else { return };
+        let Some((frame, ..)) = check(&format!("offset {offset}"), &scene, &camera(kind, SIZE, FORWARD)) else {
+            return;
+        };
         assert!(hits(&frame) > 1000);
     }
 }
@@ -234,7 +236,8 @@ fn load(name: &str) -> Option<Mesh> {
 
 #[test]
 fn models_of_other_people() {
-    let names = ["cow.obj", "suzanne.obj", "teapot.obj", "denhaag/denhaag.obj", "gltf/Duck.glb", "gltf/CesiumMilkTruck.glb"];
+    let names =
+        ["cow.obj", "suzanne.obj", "teapot.obj", "denhaag/denhaag.obj", "gltf/Duck.glb", "gltf/CesiumMilkTruck.glb"];
     for name in names {
         let Some(mesh) = load(name) else { continue };
         let scene = scene(mesh);

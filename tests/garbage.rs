@@ -27,7 +27,9 @@ fn check_among(name: &str, garbage: impl Fn(&mut Rng) -> [DVec3; 3]) {
     let mut lot = || loose((0..40).map(|_| garbage(&mut rng)).collect());
     let scene = scene(merge(vec![lot(), generate::icosphere(2), lot()]).unwrap());
     for (kind_name, kind) in glc_of_each_class().into_iter().step_by(2) {
-        let Some((frame, ..)) = check(&format!("{name} by {kind_name}"), &scene, &camera(kind, SIZE, ALL_T)) else { return };
+        let Some((frame, ..)) = check(&format!("{name} by {kind_name}"), &scene, &camera(kind, SIZE, ALL_T)) else {
+            return;
+        };
         let ball = ids(&frame).iter().filter(|id| (40..360).contains(*id)).count();
         println!("{name} by {kind_name}: {ball} pixels of the ball, {} hits", hits(&frame));
     }

@@ -15,12 +15,8 @@ fn limits() -> wgpu::Limits {
 
 /// A device on an adapter that has these features and limits and nothing else.
 fn open(features: Features, limits: wgpu::Limits, options: &GpuOptions) -> anamorph::Result<Gpu> {
-    let noop = wgpu::NoopBackendOptions {
-        enable: true,
-        features: Some(features),
-        limits: Some(limits),
-        ..Default::default()
-    };
+    let noop =
+        wgpu::NoopBackendOptions { enable: true, features: Some(features), limits: Some(limits), ..Default::default() };
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends: wgpu::Backends::NOOP,
         backend_options: wgpu::BackendOptions { noop, ..Default::default() },

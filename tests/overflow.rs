@@ -49,11 +49,20 @@ fn lists_of_one_item_grow_to_the_identical_image() {
                 // a frame that shows three levels of nodes has two queues, and each fills the next
                 let most = if start.pairs == 1 && start.work == 1 { 8 } else { 4 };
                 let queued = start.queue > 1 || grown.grown > 0 || name == "mesh";
-                assert!(grown.grown <= most && (start.queue == 1 || grown.grown > 0) && queued, "{name} {start:?}: {}", grown.grown);
+                assert!(
+                    grown.grown <= most && (start.queue == 1 || grown.grown > 0) && queued,
+                    "{name} {start:?}: {}",
+                    grown.grown
+                );
                 assert!(words(&grown.frame) == words(&roomy.frame) && grown.srgb8 == roomy.srgb8, "{name} {start:?}");
                 assert_eq!(grown.counts, roomy.counts, "{name} {start:?}");
             }
-            assert_eq!(render_with(&scene, &camera, no_int64, &RunOptions { capacities: Some(large), ..Default::default() }).unwrap().grown, 0);
+            assert_eq!(
+                render_with(&scene, &camera, no_int64, &RunOptions { capacities: Some(large), ..Default::default() })
+                    .unwrap()
+                    .grown,
+                0
+            );
         }
     }
 }

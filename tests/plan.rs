@@ -105,13 +105,15 @@ fn a_piece_row_gives_the_rays_of_its_pixels() {
         let anchor = plan::anchor(&camera, None);
         let plan = Plan::new(&camera, 1, false, anchor, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
         for band in &plan.bands {
-            for (i, j) in (0..band.rows).step_by(5).flat_map(|y| (0..SIZE.0).step_by(7).map(move |x| (x, band.row + y))) {
+            for (i, j) in (0..band.rows).step_by(5).flat_map(|y| (0..SIZE.0).step_by(7).map(move |x| (x, band.row + y)))
+            {
                 let Some((number, bundle)) = camera.pixel(i, j) else { continue };
                 let row = band.tiles.pieces.iter().find(|p| p.number == number).unwrap();
                 let (x, y) = (i as f64 - row.origin_x as f64, (j - band.row) as f64 - row.origin_y as f64);
                 let v = |hi: [f32; 3], lo: [f32; 3]| Vec3::from(hi).as_dvec3() + Vec3::from(lo).as_dvec3();
                 let at = |c: [DVec3; 3]| c[0] + x * c[1] + y * c[2];
-                let h = row.h_hi as f64 + row.h_lo as f64
+                let h = row.h_hi as f64
+                    + row.h_lo as f64
                     + x * (row.hx_hi as f64 + row.hx_lo as f64)
                     + y * (row.hy_hi as f64 + row.hy_lo as f64);
                 let p = at([v(row.p_hi, row.p_lo), v(row.px_hi, row.px_lo), v(row.py_hi, row.py_lo)]) / h + anchor;
@@ -119,7 +121,10 @@ fn a_piece_row_gives_the_rays_of_its_pixels() {
                 let ray = bundle.ray(0.0, 0.0);
                 // pairs of f32 hold 2^-48 of values up to 100 (relative to the anchor), pixel offsets are up to 101
                 let bound = 1e-10 + f64::EPSILON * 8.0 * anchor.length();
-                assert!((p - ray.origin).length() <= bound && (d - ray.direction).length() <= bound, "{name} at {i},{j}");
+                assert!(
+                    (p - ray.origin).length() <= bound && (d - ray.direction).length() <= bound,
+                    "{name} at {i},{j}"
+                );
             }
         }
     }
@@ -223,7 +228,9 @@ fn nodes_of_one_affine_bundle_bound_it_tightly() {
 fn the_key_has_room_for_every_id() {
     let (_, kind) = glc_of_each_class().swap_remove(0);
     let camera = camera(kind, (16, 16), FORWARD);
-    for (triangles, bits) in [(0, 1), (1, 1), (2, 1), (3, 2), (4, 2), (5, 3), (1 << 20, 20), ((1 << 20) + 1, 21), (1 << 28, 28)] {
+    for (triangles, bits) in
+        [(0, 1), (1, 1), (2, 1), (3, 2), (4, 2), (5, 3), (1 << 20, 20), ((1 << 20) + 1, 21), (1 << 28, 28)]
+    {
         let plan = Plan::new(&camera, triangles, false, DVec3::ZERO, &wanted(&Channel::ALL), HAS_ALL, LAVAPIPE_BINDING);
         assert_eq!(plan.id_bits, bits, "{triangles} triangles");
         assert!(triangles as u64 <= 1 << bits && bits <= rows::ID_BITS_MAX);

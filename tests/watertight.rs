@@ -21,7 +21,8 @@ const SIZE: (u32, u32) = (96, 72);
 fn assert_hit_once(name: &str, mesh: &Mesh, camera: &Camera, seed: u64, inside: impl Fn(u32, u32) -> bool) -> bool {
     let mut rng = Rng(seed);
     let n = mesh.triangles.len();
-    let pixels = || (0..camera.height).flat_map(|j| (0..camera.width).map(move |i| (i, j))).filter(|&(i, j)| inside(i, j));
+    let pixels =
+        || (0..camera.height).flat_map(|j| (0..camera.width).map(move |i| (i, j))).filter(|&(i, j)| inside(i, j));
     let hits = |order: &[usize]| {
         let frame = render(&scene(picked(mesh, order)), camera)?;
         let hit = |(i, j): (u32, u32)| ids(&frame)[(j * camera.width + i) as usize] != NO_ID;
@@ -115,7 +116,8 @@ const ALIGNED: u32 = 64;
 fn exact_cameras() -> Vec<(&'static str, Camera)> {
     let side = ALIGNED as f64;
     let v = DVec3::new;
-    let orthographic = CameraKind::Orthographic { eye: v(0.0, 0.0, 8.0), target: DVec3::ZERO, up: DVec3::Y, height: side };
+    let orthographic =
+        CameraKind::Orthographic { eye: v(0.0, 0.0, 8.0), target: DVec3::ZERO, up: DVec3::Y, height: side };
     let glc = |near, far| CameraKind::Glc { near, far };
     // every ray through the origin: a pinhole whose angles need no tangent
     let central = glc([DVec3::ZERO; 3], [v(-32.0, 32.0, -1.0), v(32.0, 32.0, -1.0), v(-32.0, -32.0, -1.0)]);
@@ -127,7 +129,8 @@ fn exact_cameras() -> Vec<(&'static str, Camera)> {
         [v(0.0, 0.0, 0.0), v(64.0, 0.0, 0.0), v(0.0, 64.0, 0.0)],
         [v(0.0, 0.0, -1.0), v(64.0, 8.0, -1.0), v(-8.0, 64.0, -1.0)],
     );
-    let list = [("orthographic", orthographic), ("pinhole", central), ("cross-slit", cross_slit), ("bilinear", bilinear)];
+    let list =
+        [("orthographic", orthographic), ("pinhole", central), ("cross-slit", cross_slit), ("bilinear", bilinear)];
     list.into_iter().map(|(name, kind)| (name, camera(kind, (ALIGNED, ALIGNED), FORWARD))).collect()
 }
 
@@ -152,7 +155,11 @@ fn pixel_grid(camera: &Camera, rng: &mut Rng, step: i32, depth: f64) -> Mesh {
     for (i, j) in (0..n - 1).flat_map(|j| (0..n - 1).map(move |i| (i as u32, j as u32))) {
         let k = j * n as u32 + i;
         let below = k + n as u32;
-        let cut = if rng.below(2) == 0 { [[k, k + 1, below], [below + 1, k + 1, below]] } else { [[k, k + 1, below + 1], [k, below + 1, below]] };
+        let cut = if rng.below(2) == 0 {
+            [[k, k + 1, below], [below + 1, k + 1, below]]
+        } else {
+            [[k, k + 1, below + 1], [k, below + 1, below]]
+        };
         triangles.extend(cut.map(|[a, b, c]| [[a, b, c], [b, c, a], [c, b, a]][rng.below(3)]));
     }
     mesh(positions, triangles)

@@ -65,7 +65,9 @@ fn no_capability_is_allowed_that_the_kernel_does_without() {
 fn every_kernel_has_one_entry_point_of_its_name_and_the_common_workgroup() {
     each_kernel(|kernel, _| {
         let module = parse(&kernel.source).unwrap();
-        let [entry] = &module.entry_points[..] else { panic!("{}: {} entries", kernel.name, module.entry_points.len()) };
+        let [entry] = &module.entry_points[..] else {
+            panic!("{}: {} entries", kernel.name, module.entry_points.len())
+        };
         let side = if kernel.name == "args" { 1 } else { GROUP };
         assert_eq!((entry.name.as_str(), entry.stage), (kernel.name, ShaderStage::Compute));
         assert_eq!(entry.workgroup_size, [side, 1, 1], "{}", kernel.name);
