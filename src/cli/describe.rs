@@ -1,6 +1,6 @@
 //! What a camera compiled to, for a person and for the header of an EXR.
 
-use crate::camera::glc::classify;
+use crate::camera::glc::{Class, classify};
 use crate::camera::{Bundle, Camera, Rays};
 use crate::scene::file::{CameraKind, CameraSpec, CameraVertex, MeshCameraSpec};
 use glam::{DVec2, DVec3};
@@ -76,7 +76,8 @@ fn count_classes(pieces: &[[CameraVertex; 3]]) -> Vec<ClassCount> {
             (WEIGHTED, Vec::new())
         } else {
             let (class, slits) = classify(&corners.map(|c| c.near), &corners.map(|c| c.far));
-            (class.name(), slits)
+            // a root of -0 is 0
+            (class.name(), slits.into_iter().map(|t| t + 0.0).collect())
         };
         match classes.iter_mut().find(|c| c.class == class) {
             Some(count) => {
@@ -157,6 +158,7 @@ impl fmt::Display for Description {
             let slits: Vec<String> = count.slits.iter().map(f64::to_string).collect();
             let slits = match slits.len() {
                 0 => String::new(),
+                1 if count.class == Class::Pinhole.name() => format!(", rays meet at t = {}", slits[0]),
                 1 => format!(", slit at t = {}", slits[0]),
                 _ => format!(", slits at t = {}", slits.join(" and ")),
             };
