@@ -6,11 +6,13 @@
 //! * `bvh`, `beam`: which triangles a ray, or all rays of a small box about it, can meet.
 //! * `margin`, `verdict`: whether the answer changes within 1/16 px of the centre, and what it may be.
 //! * `cover`: proof that triangles which join without gaps leave no miss.
+//! * `image`: whole frames, and judgement of other frames.
 
 mod beam;
 mod bvh;
 mod cover;
 mod exact;
+pub mod image;
 mod intersect;
 mod margin;
 mod verdict;

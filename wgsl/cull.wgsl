@@ -1,6 +1,6 @@
 // cull: one thread per (cluster, node) item of the step's queue; in step 0 per cluster, at a node above the top level.
 // Reads clusters and nodes; writes the children that the cluster may meet to the next queue, or to `work`: at level 1,
-// or where the cluster meets so many children that going on with single triangles is cheaper.
+// or where the cluster meets so many children of one affine bundle that going on with single triangles is cheaper.
 // `queue_out` and `work` may overflow: counters keep counting.
 
 // Children met by which a cluster is handed on undivided: descending costs every triangle of the cluster a set-up a
@@ -50,8 +50,8 @@ fn cull(
         return;
     }
 
-    // hand the cluster on undivided
-    if level < params.levels && count > HAND_ON {
+    // hand the cluster on undivided, where the node's one bundle bounds its tiles too
+    if level < params.levels && count > HAND_ON && nodes[node_index(level, x / BRANCH, y / BRANCH)].rays == RAYS_AFFINE {
         let at = atomicAdd(&counters[COUNT_WORK], 1u);
         if at < params.work_capacity {
             work[at] = vec2<u32>(cluster, node);

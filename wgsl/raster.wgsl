@@ -15,14 +15,15 @@ fn raster(
     if index >= min(atomicLoad(&counters[COUNT_PAIRS]), params.pair_capacity) {
         return;
     }
-    let cell = cells[pairs[index].y];
-    let triangle = triangles[pairs[index].x];
+    let pair = pairs[index];
+    let cell = cells[pair_cell(pair)];
+    let triangle = triangles[pair_slot(pair)];
 
     // test its pixels against the three edges
-    let found = coverage(cell, vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
-    let owned = vec2<u32>(cell.mask_lo, cell.mask_hi);
-    var covered = found.xy & owned;
-    var doubtful = found.zw & owned;
+    let owned = vec2<u32>(cell.mask_lo, cell.mask_hi) & box_mask(pair_from(pair), pair_to(pair));
+    let found = coverage(cell, owned, pair_from(pair), pair_to(pair), vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
+    var covered = found.xy;
+    var doubtful = found.zw;
     if COUNTING && step.value == 0u {
         atomicAdd(&counters[COUNT_FRAGMENTS_TESTED], countOneBits(owned.x) + countOneBits(owned.y));
     }
@@ -83,24 +84,4 @@ fn raster(
     if COUNTING && step.value == 0u {
         atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], kept);
     }
-}
-
-fn first_bit(mask: vec2<u32>) -> u32 {
-    if mask.x != 0u {
-        return firstTrailingBit(mask.x);
-    }
-    return select(32u + firstTrailingBit(mask.y), NONE, mask.y == 0u);
-}
-
-fn bit_mask(bit: u32) -> vec2<u32> {
-    let one = 1u << (bit & 31u);
-    return select(vec2<u32>(one, 0u), vec2<u32>(0u, one), bit >= 32u);
-}
-
-fn with_bit(mask: vec2<u32>, bit: u32) -> vec2<u32> {
-    return mask | bit_mask(bit);
-}
-
-fn without_bit(mask: vec2<u32>, bit: u32) -> vec2<u32> {
-    return mask & ~bit_mask(bit);
 }

@@ -10,6 +10,7 @@ use crate::gpu::rows::{self, COUNTERS, NONE, split3};
 use crate::plan::{Band, Plan, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::{Chunk, Clustered, cluster};
+use crate::stage::AMBIENT;
 use wgpu::BufferUsages;
 
 pub struct Resident {
@@ -231,9 +232,6 @@ impl Resident {
         chunks + rest
     }
 }
-
-/// Share of the light that comes from everywhere.
-pub const AMBIENT: f32 = 0.1;
 
 fn chunk_on_device(gpu: &Gpu, chunk: &Chunk) -> Result<ChunkOnDevice> {
     let mut buffers = Buffers::default();

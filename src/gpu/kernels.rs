@@ -56,6 +56,8 @@ const VERTEX: &str = snippet!("shared/vertex.wgsl");
 const TRIANGLE: &str = snippet!("shared/triangle.wgsl");
 const BUNDLE: &str = snippet!("shared/bundle.wgsl");
 const SHADING: &str = snippet!("shared/shading.wgsl");
+const PAIR: &str = snippet!("shared/pair.wgsl");
+const BITS: &str = snippet!("shared/bits.wgsl");
 const KEY: &str = snippet!("shared/key.wgsl");
 
 impl Variant {
@@ -152,7 +154,7 @@ pub fn bin(variant: Variant) -> Kernel {
         write("pairs", "array<vec2<u32>>"),
         counters(),
     ];
-    let mut kernel = kernel("bin", bindings, &[PARAMS, INDEX, VERTEX, snippet!("bin.wgsl")]);
+    let mut kernel = kernel("bin", bindings, &[PARAMS, INDEX, VERTEX, PAIR, snippet!("bin.wgsl")]);
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
 }
@@ -174,7 +176,7 @@ pub fn raster(variant: Variant) -> Kernel {
         bindings.push(read("cells", "array<Cell>"));
     }
     let snippets = [PARAMS, INDEX, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [variant.merge(), variant.camera(), snippet!("raster.wgsl")];
+    let own = [PAIR, BITS, variant.merge(), variant.camera(), snippet!("raster.wgsl")];
     let mut kernel = kernel("raster", bindings, &[&snippets[..], &own[..]].concat());
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
@@ -197,7 +199,7 @@ pub fn shade(variant: Variant) -> Kernel {
     ];
     bindings.extend(variant.rays());
     let snippets = [PARAMS, INDEX, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [variant.camera(), SHADING, snippet!("shade.wgsl")];
+    let own = [BITS, variant.camera(), SHADING, snippet!("shade.wgsl")];
     kernel("shade", bindings, &[&snippets[..], &own[..]].concat())
 }
 

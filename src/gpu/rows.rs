@@ -13,6 +13,11 @@ pub const CLUSTER: u32 = 64;
 /// No index.
 pub const NONE: u32 = u32::MAX;
 
+/// What a node's rays are: none; several pieces, or not affine; one affine bundle.
+pub const RAYS_NONE: u32 = 0;
+pub const RAYS_LOOSE: u32 = 1;
+pub const RAYS_AFFINE: u32 = 2;
+
 /// Indices into the counters.
 pub const COUNT_WORK: u32 = 8;
 pub const COUNT_PAIRS: u32 = 9;

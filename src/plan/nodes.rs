@@ -1,7 +1,7 @@
 //! A tree of squares over a band's tiles, four by four children a node, each with bounds on its rays.
 
 use super::tiles::Sample;
-use crate::gpu::rows::{self, BRANCH};
+use crate::gpu::rows::{self, BRANCH, RAYS_AFFINE, RAYS_LOOSE, RAYS_NONE};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -11,7 +11,7 @@ pub struct Nodes {
     pub nodes: Vec<rows::Node>,
     /// Of each level: index of its first node, nodes a row, rows.
     pub levels: Vec<Level>,
-    /// No node has more than f32's rounding between its rays and their affine fit.
+    /// Every node's rays are one affine bundle.
     pub exact: bool,
 }
 
@@ -29,7 +29,7 @@ struct Fit {
     d: [DVec3; 3],
     r_p: f64,
     r_d: f64,
-    rays: bool,
+    rays: u32,
 }
 
 /// What f32 rounding of a node's row and of what kernels compute from it may add to its radii, relative to the sizes
@@ -46,7 +46,7 @@ impl Nodes {
         let mut nodes = Nodes::default();
         let (mut width, mut height) = (tiles_x, tiles_y);
         loop {
-            exact &= fits.iter().all(Fit::is_exact);
+            exact &= fits.iter().all(|f| f.rays != RAYS_LOOSE);
             nodes.levels.push(Level { start: nodes.nodes.len() as u32, width, height });
             nodes.nodes.extend(fits.iter().map(Fit::row));
             if nodes.levels.len() >= 2 && width <= TOP && height <= TOP {
@@ -68,12 +68,14 @@ const TOP: u32 = 2;
 fn parent(children: &[Fit], (width, height): (u32, u32), x: u32, y: u32) -> Fit {
     let mut samples = Vec::new();
     let (mut r_p, mut r_d) = (0.0f64, 0.0f64);
+    let mut affine = true;
     for j in 0..BRANCH.min(height - y * BRANCH) {
         for i in 0..BRANCH.min(width - x * BRANCH) {
             let child = &children[((y * BRANCH + j) * width + x * BRANCH + i) as usize];
-            if !child.rays {
+            if child.rays == RAYS_NONE {
                 continue;
             }
+            affine &= child.rays == RAYS_AFFINE;
             (r_p, r_d) = (r_p.max(child.r_p), r_d.max(child.r_d));
             let half = 1.0 / BRANCH as f64;
             let middle = (2.0 * DVec2::new(i as f64, j as f64) + 1.0) * half - 1.0;
@@ -84,7 +86,8 @@ fn parent(children: &[Fit], (width, height): (u32, u32), x: u32, y: u32) -> Fit 
         }
     }
     let fit = Fit::of(&samples);
-    Fit { r_p: fit.r_p + r_p, r_d: fit.r_d + r_d, ..fit }
+    let rays = if affine { fit.rays } else { fit.rays.min(RAYS_LOOSE) };
+    Fit { r_p: fit.r_p + r_p, r_d: fit.r_d + r_d, rays, ..fit }
 }
 
 impl Fit {
@@ -116,17 +119,17 @@ impl Fit {
         let far = |c: &[DVec3; 3], v: DVec3, q: DVec2| (c[0] + q.x * c[1] + q.y * c[2] - v).length();
         let r_p = samples.iter().map(|s| far(&p, s.p, s.place)).fold(0.0, f64::max);
         let r_d = samples.iter().map(|s| far(&d, s.d, s.place)).fold(0.0, f64::max);
-        Fit { p, d, r_p, r_d, rays: true }
+        let mut fit = Fit { p, d, r_p, r_d, rays: RAYS_LOOSE };
+        let (size_p, size_d) = fit.sizes();
+        if r_p <= FIT_ROUNDING * size_p && r_d <= FIT_ROUNDING * size_d {
+            fit.rays = RAYS_AFFINE;
+        }
+        fit
     }
 
     fn sizes(&self) -> (f64, f64) {
         let size = |c: &[DVec3; 3]| c.iter().map(|v| v.length()).sum::<f64>();
         (size(&self.p), size(&self.d))
-    }
-
-    fn is_exact(&self) -> bool {
-        let (p, d) = self.sizes();
-        self.r_p <= FIT_ROUNDING * p && self.r_d <= FIT_ROUNDING * d
     }
 
     fn row(&self) -> rows::Node {
@@ -138,7 +141,7 @@ impl Fit {
             px: v(self.p[1]),
             r_d: (self.r_d + NODE_SLACK * size_d) as f32,
             py: v(self.p[2]),
-            rays: self.rays as u32,
+            rays: self.rays,
             d: v(self.d[0]),
             pad0: 0.0,
             dx: v(self.d[1]),

@@ -14,6 +14,9 @@ use crate::gpu::buffers::{Buffers, Pipeline};
 use crate::gpu::kernels::{self, Variant};
 use crate::gpu::rows::{GROUP, Step};
 
+/// Share of the light that comes from everywhere, in every shader.
+pub const AMBIENT: f32 = 0.1;
+
 /// Names of the step buffers, by value.
 const STEPS: [&str; 16] = [
     "step0", "step1", "step2", "step3", "step4", "step5", "step6", "step7", "step8", "step9", "step10", "step11",

@@ -23,18 +23,27 @@ fn field_direction_real(at: u32) -> real3 {
     return real3(field_direction(at)) + real3(vec3<f32>(field_lo[at + 3u], field_lo[at + 4u], field_lo[at + 5u]));
 }
 
-// Coverage of the cell's pixels: two words of proven pixels, then two of pixels whose signs are not proven.
-fn coverage(cell: Cell, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec4<u32> {
+// Coverage of the owned pixels of the cell: two words of proven pixels, then two of pixels whose signs are not proven.
+fn coverage(
+    cell: Cell,
+    owned: vec2<u32>,
+    from_px: vec2<u32>,
+    to_px: vec2<u32>,
+    v0: vec3<f32>,
+    v1: vec3<f32>,
+    v2: vec3<f32>,
+) -> vec4<u32> {
     var covered = vec2<u32>(0u);
     var doubtful = vec2<u32>(0u);
     let tile_x = (cell.tile % params.tiles_x) * TILE;
     let tile_y = (cell.tile / params.tiles_x) * TILE;
-    for (var bit = 0u; bit < TILE * TILE; bit++) {
-        let word = bit >> 5u;
-        let mask = 1u << (bit & 31u);
-        if (select(cell.mask_lo, cell.mask_hi, word == 1u) & mask) == 0u {
-            continue;
+    var left = owned;
+    loop {
+        let bit = first_bit(left);
+        if bit == NONE {
+            break;
         }
+        left = without_bit(left, bit);
         let at = field_at(tile_x + bit % TILE, tile_y + bit / TILE);
         let p = field_origin(at);
         let d = field_direction(at);
@@ -56,8 +65,11 @@ fn coverage(cell: Cell, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec4<u32
         let all_in = (a > b01 && b > b20 && c > b12) || (a < -b01 && b < -b20 && c < -b12);
         let some_up = a > b01 || b > b20 || c > b12;
         let some_down = a < -b01 || b < -b20 || c < -b12;
-        covered[word] |= select(0u, mask, all_in);
-        doubtful[word] |= select(mask, 0u, all_in || (some_up && some_down));
+        if all_in {
+            covered = with_bit(covered, bit);
+        } else if !(some_up && some_down) {
+            doubtful = with_bit(doubtful, bit);
+        }
     }
     return vec4<u32>(covered, doubtful);
 }

@@ -5,6 +5,11 @@ const UNIT: f32 = 1.0 / 16777216.0;
 // Half of a tile from its middle to the outermost pixel centre, px.
 const TILE_REACH: f32 = 3.5;
 
+// Sum of the absolute components: at least the length, and cheaper.
+fn size(v: vec3<f32>) -> f32 {
+    return abs(v.x) + abs(v.y) + abs(v.z);
+}
+
 // d x m for one vertex as a quadratic over the tile in px, m = v h - p; and bounds on its size and on its rounding.
 struct Moment {
     c: vec3<f32>,
@@ -28,14 +33,14 @@ fn moment(cell: Cell, piece: Piece, v: vec3<f32>) -> Moment {
     q.xx = cross(piece.dx_hi, mx);
     q.xy = cross(piece.dx_hi, my) + cross(piece.dy_hi, mx);
     q.yy = cross(piece.dy_hi, my);
-    q.size = length(q.c) + TILE_REACH * (length(q.x) + length(q.y))
-        + TILE_REACH * TILE_REACH * (length(q.xx) + length(q.xy) + length(q.yy));
+    q.size = size(q.c) + TILE_REACH * (size(q.x) + size(q.y))
+        + TILE_REACH * TILE_REACH * (size(q.xx) + size(q.xy) + size(q.yy));
     // m: stored v, h and p, a product and a difference, 4 units of what was subtracted; d: 1 unit as stored; the
     // cross product and the sums of up to two of them: 8 units of |d| |m|
-    let reach_d = length(cell.d) + TILE_REACH * (length(piece.dx_hi) + length(piece.dy_hi));
-    let reach_m = length(m) + TILE_REACH * (length(mx) + length(my));
+    let reach_d = size(cell.d) + TILE_REACH * (size(piece.dx_hi) + size(piece.dy_hi));
+    let reach_m = size(m) + TILE_REACH * (size(mx) + size(my));
     let reach_h = abs(cell.h) + TILE_REACH * (abs(piece.hx_hi) + abs(piece.hy_hi));
-    let reach_p = length(cell.p) + TILE_REACH * (length(piece.px_hi) + length(piece.py_hi));
+    let reach_p = size(cell.p) + TILE_REACH * (size(piece.px_hi) + size(piece.py_hi));
     q.rounding = UNIT * reach_d * (10.0 * reach_m + 4.0 * (params.vertex_reach * reach_h + reach_p));
     return q;
 }
@@ -53,7 +58,7 @@ struct Conic {
 
 // e: two stored vertices and a difference, 4 units of reach and 1 of |e|; dot product and evaluation: 12 units.
 fn conic(e: vec3<f32>, q: Moment) -> Conic {
-    let size_e = length(e);
+    let size_e = size(e);
     let bound = size_e * q.rounding + UNIT * (4.0 * params.vertex_reach + 13.0 * size_e) * q.size;
     return Conic(dot(e, q.c), dot(e, q.x), dot(e, q.y), dot(e, q.xx), dot(e, q.xy), dot(e, q.yy), bound);
 }
@@ -67,8 +72,16 @@ fn row_at(r: vec3<f32>, x: f32) -> f32 {
     return r.x + x * (r.y + x * r.z);
 }
 
-// Coverage of the cell's pixels: two words of proven pixels, then two of pixels whose signs are not proven.
-fn coverage(cell: Cell, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec4<u32> {
+// Coverage of the owned pixels in a box of the cell: two words of proven pixels, then two of pixels whose signs are not proven.
+fn coverage(
+    cell: Cell,
+    owned: vec2<u32>,
+    from_px: vec2<u32>,
+    to_px: vec2<u32>,
+    v0: vec3<f32>,
+    v1: vec3<f32>,
+    v2: vec3<f32>,
+) -> vec4<u32> {
     let piece = pieces[cell.piece];
     let q0 = moment(cell, piece, v0);
     let q1 = moment(cell, piece, v1);
@@ -77,14 +90,14 @@ fn coverage(cell: Cell, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec4<u32
     let e12 = conic(v2 - v1, q1);
     var covered = vec2<u32>(0u);
     var doubtful = vec2<u32>(0u);
-    for (var j = 0u; j < TILE; j++) {
+    for (var j = from_px.y; j <= to_px.y; j++) {
         let y = f32(j) - TILE_REACH;
         let r01 = conic_row(e01, y);
         let r20 = conic_row(e20, y);
         let r12 = conic_row(e12, y);
         var in_bits = 0u;
         var doubt_bits = 0u;
-        for (var i = 0u; i < TILE; i++) {
+        for (var i = from_px.x; i <= to_px.x; i++) {
             let x = f32(i) - TILE_REACH;
             let a = row_at(r01, x);
             let b = row_at(r20, x);
@@ -105,7 +118,7 @@ fn coverage(cell: Cell, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec4<u32
             doubtful.y |= doubt_bits << shift;
         }
     }
-    return vec4<u32>(covered, doubtful);
+    return vec4<u32>(covered & owned, doubtful & owned);
 }
 
 // The bundle about the middle of the cell's tile.

@@ -56,7 +56,7 @@ fn half_meets(node: Node, s: f32, range: vec2<f32>, centre: vec3<f32>, half: vec
 
 fn node_meets(index: u32, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let node = nodes[index];
-    if node.rays == 0u {
+    if node.rays == RAYS_NONE {
         return false;
     }
     let lo = params.t_min.x;

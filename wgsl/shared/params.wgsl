@@ -53,6 +53,10 @@ struct Cluster {
     count: u32,
 }
 
+const RAYS_NONE: u32 = 0u;     // no ray in the square
+const RAYS_LOOSE: u32 = 1u;    // several pieces, or rays that are not affine
+const RAYS_AFFINE: u32 = 2u;   // one affine bundle
+
 // The rays of one square of the image: for (x, y) in [-1, 1]^2 over the square, P = p + x px + y py up to a
 // distance r_p, D = d + x dx + y dy up to r_d.
 struct Node {
@@ -61,7 +65,7 @@ struct Node {
     px: vec3<f32>,
     r_d: f32,
     py: vec3<f32>,
-    rays: u32,              // 0: no ray in the square
+    rays: u32,              // one of the RAYS constants
     d: vec3<f32>,
     pad0: f32,
     dx: vec3<f32>,
