@@ -36,7 +36,9 @@ pub fn run(args: &CompareArgs) -> Result<()> {
 fn with_scene(args: &CompareArgs, path: &Path, a: &Frame, b: &Frame) -> Result<Judged> {
     if a.u32(Channel::TriangleId).is_none() {
         let a = args.a.display();
-        return Err(Error::input(format!("{a}: no channel triangle.id, which --scene is about; render it with that channel")));
+        return Err(Error::input(format!(
+            "{a}: no channel triangle.id, which --scene is about; render it with that channel"
+        )));
     }
     let (scene, camera) = load(path, &[], Some((a.width, a.height)))?;
     let judgement = image::judge(&scene, &camera, a);

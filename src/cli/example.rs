@@ -17,8 +17,9 @@ pub fn run(args: &ExampleArgs) -> Result<()> {
         Error::input(format!("no example {name:?}; known: {}", known.join(", ")))
     })?;
     // the folder's parts that are missing are made: it is asked for by name, and holds nothing else's files
-    std::fs::create_dir_all(&args.out)
-        .map_err(|e| Error::work(format!("{}: the folder cannot be made: {e}; choose another --out", args.out.display())))?;
+    std::fs::create_dir_all(&args.out).map_err(|e| {
+        Error::work(format!("{}: the folder cannot be made: {e}; choose another --out", args.out.display()))
+    })?;
     let parts = example.parts();
     for (file, part) in &parts {
         may_write(&args.out.join(file), part)?;

@@ -35,7 +35,9 @@ impl Files {
             report: args.report.clone(),
         };
         if files.all().count() == 0 && !args.check {
-            return Err(Error::input("nothing to write; add -o OUT.png, --exr OUT.exr or an [output] table to the scene"));
+            return Err(Error::input(
+                "nothing to write; add -o OUT.png, --exr OUT.exr or an [output] table to the scene",
+            ));
         }
         named_as(files.color.as_deref(), "png", "colour is written as PNG; name it .png, or use --exr")?;
         named_as(files.exr.as_deref(), "exr", "this output is written as EXR; name it .exr, or use -o for a PNG")?;

@@ -25,8 +25,7 @@ pub fn render(
     }
     let is_mean = |c: &Channel| MEANS.contains(c);
     let is_colour = |c: &Channel| wanted.srgb8 && *c != Channel::A;
-    let means: Vec<Channel> =
-        MEANS.into_iter().filter(|c| wanted.channels.contains(c) || is_colour(c)).collect();
+    let means: Vec<Channel> = MEANS.into_iter().filter(|c| wanted.channels.contains(c) || is_colour(c)).collect();
     let mut all = Sum::default();
     if !means.is_empty() {
         let each = Wanted { channels: means, srgb8: false, counting: wanted.counting };
