@@ -81,7 +81,9 @@ fn say_panics_on_one_line() {
         if SAID.swap(true, Ordering::SeqCst) {
             return;
         }
-        let what = panic.payload_as_str().unwrap_or("no message");
+        let payload = panic.payload();
+        let text = payload.downcast_ref::<&str>().copied();
+        let what = text.or(payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message");
         let place = panic.location().map(|l| format!(" at {}:{}", l.file(), l.line())).unwrap_or_default();
         complain(&Error::work(format!("internal error: {what}{place}; please report it")));
     }));
