@@ -12,6 +12,7 @@ mod hash;
 mod info;
 mod kinds;
 mod memory;
+mod outputs;
 mod progress;
 mod render;
 

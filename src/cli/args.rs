@@ -39,13 +39,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "OUT.exr")]
     pub exr: Option<PathBuf>,
     /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
     pub size: Option<(u32, u32)>,
     /// What renders: compute (GPU) or reference (CPU, f64)
     #[arg(long, value_name = "NAME", value_parser = engine)]
     pub engine: Option<EngineName>,
     /// Rays a pixel, averaged in colour and coverage; other channels stay those of the pixel's centre
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 1)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=64))]
     pub samples: u32,
     /// Change a value of the scene, as in camera.vfov=40; may be given more than once
     #[arg(long, value_name = "KEY=VALUE")]
@@ -60,7 +61,8 @@ pub struct RenderArgs {
     #[arg(long)]
     pub check: bool,
     /// Time N frames after a warm-up frame
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub repeat: Option<u32>,
     /// Every vertex is new in each timed frame
     #[arg(long, requires = "repeat")]
@@ -72,7 +74,7 @@ pub struct RenderArgs {
     #[arg(long)]
     pub no_int64: bool,
     /// Print one pixel's ray, hit, candidates and margins instead
-    #[arg(long, value_name = "X,Y", value_parser = pixel, conflicts_with_all = [
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = pixel, conflicts_with_all = [
         "output", "exr", "engine", "samples", "channels", "report", "check", "repeat", "adapter", "no_int64",
     ])]
     pub pixel: Option<(u32, u32)>,
@@ -105,7 +107,7 @@ pub struct CameraArgs {
     #[arg(required_unless_present = "help")]
     pub scene: Option<PathBuf>,
     /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
     pub size: Option<(u32, u32)>,
     /// Change a value of the scene, as in camera.vfov=40; may be given more than once
     #[arg(long, value_name = "KEY=VALUE")]

@@ -3,10 +3,10 @@
 use super::args::{CameraArgs, Cli};
 use super::describe::Description;
 use super::render::load;
-use super::{export, kinds, memory, print};
+use super::{export, kinds, memory, outputs, print};
 use crate::error::{Error, Result};
-use crate::output::check_writable;
 use clap::CommandFactory;
+use std::path::PathBuf;
 
 /// Channels whose memory one pixel's six f64 take: 4 copies of 4 bytes each.
 const RAY_CHANNELS: usize = 3;
@@ -17,14 +17,14 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     }
     let Some(path) = &args.scene else { return Err(Error::input("no scene given; see anamorph camera --help")) };
     let (scene, camera) = load(path, &args.set, args.size)?;
-    for file in args.export.iter().chain(&args.rays) {
-        check_writable(file)?;
+    outputs::check(path, args.export.iter().chain(&args.rays).map(PathBuf::as_path))?;
+    if args.rays.is_some() {
+        memory::check(camera.width, camera.height, RAY_CHANNELS)?;
     }
     if let Some(file) = &args.export {
         export::write_pieces(file, &scene.camera, &camera)?;
     }
     if let Some(file) = &args.rays {
-        memory::check(camera.width, camera.height, RAY_CHANNELS)?;
         export::write_rays(file, &camera)?;
     }
     print(&Description::of(&scene.camera, &camera).to_string())

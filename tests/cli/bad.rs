@@ -51,6 +51,7 @@ fn wrong_command_lines() {
         (vec!["compare", "a.exr", "b.exr"], "a.exr: cannot be read"),
         (vec!["camera"], "SCENE"),
         (vec!["camera", "--help", "perspective"], "known: pinhole"),
+        (vec!["camera", "scene.toml", "--rays", "r.npy", "--export", "r.npy"], "named twice"),
         (vec!["example"], "NAME"),
         (vec!["example", "nothing"], "known: demo"),
         (vec!["example", "demo", "--list"], "cannot be used with"),

@@ -235,3 +235,24 @@ fn texts_are_printed() {
     let pixel = place.works(&["render", "scene.toml", "--pixel", "32,24"]);
     assert!(pixel.contains("hit: triangle") && pixel.contains("safe: "), "{pixel}");
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn without_an_adapter_the_cpu_renders() {
+    let place = Place::new();
+    let run = |args: &[&str]| {
+        let mut command = place.command(args);
+        let none = command.env("VK_ICD_FILENAMES", "/nonexistent").env("VK_DRIVER_FILES", "/nonexistent");
+        let output = none.output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (output.status.code(), text(output.stdout), text(output.stderr))
+    };
+    let (code, out, err) = run(&["render", "scene.toml", "-o", "a.png", "--report", "r.json"]);
+    assert_eq!((code, err.lines().count()), (Some(0), 1), "{err}");
+    assert!(err.contains("no Vulkan adapter found") && out.ends_with("| cpu\n"), "{err}{out}");
+    assert_eq!(json_file(&place, "r.json")["engine"], "reference");
+    let (code, out, err) = run(&["info"]);
+    assert!(code == Some(0) && err.is_empty() && out.contains("--engine reference"), "{out}{err}");
+    let (code, _, err) = run(&["render", "scene.toml", "-o", "a.png", "--adapter", "llvm"]);
+    assert!(code == Some(2) && err.contains("there is: none"), "{err}");
+}

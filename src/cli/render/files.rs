@@ -4,9 +4,10 @@ use crate::camera::Camera;
 use crate::cli::args::RenderArgs;
 use crate::cli::describe::Description;
 use crate::cli::hash::scene_hash;
+use crate::cli::outputs;
 use crate::engine::Rendered;
 use crate::error::{Error, Result};
-use crate::output::{check_writable, write_exr, write_png, write_text};
+use crate::output::{write_exr, write_png, write_text};
 use crate::report::Report;
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -41,17 +42,7 @@ impl Files {
         }
         named_as(files.color.as_deref(), "png", "colour is written as PNG; name it .png, or use --exr")?;
         named_as(files.exr.as_deref(), "exr", "this output is written as EXR; name it .exr, or use -o for a PNG")?;
-        let mut taken: Vec<&Path> = vec![&args.scene];
-        for path in files.all() {
-            // devices may take more than one
-            let is_own = !path.exists() || path.is_file();
-            if is_own && taken.iter().any(|t| same(t, path)) {
-                let name = path.display();
-                return Err(Error::input(format!("{name}: named twice; give each output a name of its own")));
-            }
-            taken.push(path);
-            check_writable(path)?;
-        }
+        outputs::check(&args.scene, files.all())?;
         Ok(files)
     }
 
@@ -85,16 +76,6 @@ fn named_as(path: Option<&Path>, extension: &str, remedy: &str) -> Result<()> {
         return Err(Error::input(format!("{}: {remedy}", path.display())));
     }
     Ok(())
-}
-
-/// Both paths are one file, as far as their names and links tell.
-fn same(a: &Path, b: &Path) -> bool {
-    let whole = |p: &Path| {
-        let folder = p.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let in_folder = |f: PathBuf| Some(f.join(p.file_name()?));
-        p.canonicalize().ok().or_else(|| folder.canonicalize().ok().and_then(in_folder))
-    };
-    a == b || whole(a).is_some_and(|a| whole(b) == Some(a))
 }
 
 /// What an EXR's header says about its channels and where they come from.
