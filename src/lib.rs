@@ -30,14 +30,17 @@
 //! f64 (`twin`), and the kernels in `wgsl/`.
 
 pub mod camera;
+pub mod cli;
 pub mod compare;
 pub mod engine;
 pub mod error;
+pub mod example;
 pub mod frame;
 pub mod gpu;
 pub mod output;
 pub mod plan;
 pub mod reference;
+pub mod report;
 pub mod scene;
 pub mod stage;
 
