@@ -77,7 +77,7 @@ fn small() -> Option<Engine> {
 }
 
 fn error_of(scene: &Scene, camera: &Camera, wanted: &Wanted) -> Option<Error> {
-    let error = small()?.render(scene, camera, wanted, &RunOptions::default()).err().expect("an error");
+    let error = small()?.render(scene, camera, wanted, &RunOptions::default()).expect_err("an error");
     println!("{error}");
     assert_eq!(error.exit_code(), 1);
     assert!(!error.to_string().contains('\n'));
