@@ -254,7 +254,7 @@ fn the_last_word_of_a_triangle_row_is_cut_alike() {
     assert!(is("ONE_SIDED", rows::ONE_SIDED));
     assert_eq!(rows::ORDER_SHIFT, rows::ID_BITS_MAX);
     assert!(raster.contains(&format!("(row.w >> {}u) & 7u", rows::ORDER_SHIFT)));
-    assert!(rows::ONE_SIDED >> rows::ORDER_SHIFT > 7, "the order's three bits end below the side's");
+    const { assert!(rows::ONE_SIDED >> rows::ORDER_SHIFT > 7, "the order's three bits end below the side's") };
 }
 
 /// The vectors that `corner_order` of `source` returns, by case; the default last.
