@@ -76,8 +76,7 @@ pub fn adapters() -> Vec<wgpu::Adapter> {
 }
 
 /// What to do about a machine without any adapter.
-pub const NO_ADAPTER: &str =
-    "no Vulkan adapter found; install a driver (on Debian or Ubuntu the software one: apt-get install mesa-vulkan-drivers)";
+pub const NO_ADAPTER: &str = "no Vulkan adapter found; install a driver (on Debian or Ubuntu the software one: apt-get install mesa-vulkan-drivers)";
 
 impl Gpu {
     /// Opens the adapter asked for, or the first; `Ok(None)` where the machine has none at all.

@@ -88,6 +88,26 @@ fn pixel_bundle(whole: Bundle, cell: Cell, x: u32, y: u32) -> Bundle {
     return ray_bundle((cell.tile % params.tiles_x) * TILE + x, (cell.tile / params.tiles_x) * TILE + y);
 }
 
+// What N . (v - P) and N . D need: their ratio is t.
+struct CellDepth {
+    normal: real3,
+    v: real3,
+}
+
+struct PixelDepth {
+    along: real,
+    across: real,
+}
+
+fn cell_depth(whole: Bundle, normal: real3, v: real3) -> CellDepth {
+    return CellDepth(normal, v);
+}
+
+fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> PixelDepth {
+    let at = field_at((cell.tile % params.tiles_x) * TILE + x, (cell.tile / params.tiles_x) * TILE + y);
+    return PixelDepth(dot(q.normal, q.v - field_origin_real(at)), dot(q.normal, field_direction_real(at)));
+}
+
 // The bundle of a pixel of the band: its ray, and slopes to the right and lower neighbours that have a ray.
 fn ray_bundle(x: u32, y: u32) -> Bundle {
     var b = cell_bundle_at(field_at(x, y));

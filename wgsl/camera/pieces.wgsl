@@ -134,6 +134,34 @@ fn pixel_bundle(whole: Bundle, cell: Cell, x: u32, y: u32) -> Bundle {
     return bundle_at(whole, real(f32(x) - TILE_REACH), real(f32(y) - TILE_REACH));
 }
 
+// N . (v h - p) and N . d over a tile: their ratio is t.
+struct CellDepth {
+    along: real3,           // value at the tile's middle, slopes in x and y
+    across: real3,
+}
+
+struct PixelDepth {
+    along: real,
+    across: real,
+}
+
+fn cell_depth(whole: Bundle, normal: real3, v: real3) -> CellDepth {
+    return CellDepth(
+        real3(
+            dot(normal, v * whole.h - whole.p),
+            dot(normal, v * whole.hx - whole.px),
+            dot(normal, v * whole.hy - whole.py),
+        ),
+        real3(dot(normal, whole.d), dot(normal, whole.dx), dot(normal, whole.dy)),
+    );
+}
+
+fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> PixelDepth {
+    let fx = real(f32(x) - TILE_REACH);
+    let fy = real(f32(y) - TILE_REACH);
+    return PixelDepth(q.along.x + fx * q.along.y + fy * q.along.z, q.across.x + fx * q.across.y + fy * q.across.z);
+}
+
 fn piece_bundle(q: Piece) -> Bundle {
     return Bundle(
         real3(q.p_hi) + real3(q.p_lo), real3(q.px_hi) + real3(q.px_lo), real3(q.py_hi) + real3(q.py_lo),
