@@ -4,14 +4,13 @@
 mod common;
 
 use anamorph::camera::Camera;
-use anamorph::engine::{Engine, RunOptions};
+use anamorph::engine::RunOptions;
 use anamorph::frame::Channel;
-use anamorph::gpu::{Gpu, GpuOptions};
-use anamorph::plan::{self, Plan};
+use anamorph::plan::{self, Plan, Wanted};
 use anamorph::scene::Scene;
 use anamorph::scene::{generate, place};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
-use common::gpu::{ids, render, render_with, wanted, words};
+use common::gpu::{Without, engine, engine_on, ids, render, render_with, wanted, words};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, picked, scene, soup};
 
@@ -34,7 +33,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
 fn ten_runs_give_the_same_bytes() {
     let scene = crowd();
     for (name, camera) in cameras() {
-        let run = || render_with(&scene, &camera, false, &RunOptions::default());
+        let run = || render_with(&scene, &camera, Without::Nothing, &RunOptions::default());
         let Some(first) = run() else { return };
         for k in 1..10 {
             let again = run().unwrap();
@@ -51,7 +50,7 @@ fn repeated_frames_leave_the_first_as_it_was() {
         let Some(first) = render(&scene, &camera) else { return };
         for moving in [false, true] {
             let run = RunOptions { repeat: 3, moving, ..Default::default() };
-            let again = render_with(&scene, &camera, false, &run).unwrap();
+            let again = render_with(&scene, &camera, Without::Nothing, &run).unwrap();
             assert_eq!(again.frame_ms.len(), 3);
             assert!(words(&again.frame) == words(&first), "{name}, moving {moving}");
         }
@@ -87,10 +86,35 @@ fn the_order_of_triangles_changes_their_ids_alone() {
 fn two_32_bit_dispatches_give_the_bytes_of_one_of_64_bits() {
     let scene = crowd();
     for (name, camera) in cameras() {
-        let Some(wide) = render_with(&scene, &camera, false, &RunOptions::default()) else { return };
-        let narrow = render_with(&scene, &camera, true, &RunOptions::default()).unwrap();
+        let Some(wide) = render_with(&scene, &camera, Without::Nothing, &RunOptions::default()) else { return };
+        let narrow = render_with(&scene, &camera, Without::Int64Atomics, &RunOptions::default()).unwrap();
         assert!(words(&wide.frame) == words(&narrow.frame) && wide.srgb8 == narrow.srgb8, "{name}");
-        assert_eq!((wide.counts, narrow.counts), (wide.counts, wide.counts), "{name}");
+        assert_eq!(wide.counts, narrow.counts, "{name}");
+    }
+}
+
+#[test]
+fn counting_and_fewer_channels_change_no_value() {
+    let scene = crowd();
+    for (name, camera) in cameras() {
+        let Some(all) = render_with(&scene, &camera, Without::Nothing, &RunOptions::default()) else { return };
+        let render = |wanted: &Wanted| {
+            let mut engine = engine(&camera, Without::Nothing)?;
+            engine.render(&scene, &camera, wanted, &RunOptions::default()).ok()
+        };
+        let counted = render(&Wanted { counting: true, ..wanted() }).unwrap();
+        assert!(words(&counted.frame) == words(&all.frame) && counted.srgb8 == all.srgb8, "{name}");
+        let (some, none) = (counted.counts, all.counts);
+        assert!(some.fragments_kept > 0 && some.fragments_tested > some.fragments_kept, "{name}: {some:?}");
+        assert!(some.pairs_tested > 0 && (some.pairs_kept, some.rechecked) == (none.pairs_kept, none.rechecked));
+        for channels in [vec![Channel::T], vec![Channel::BaryV, Channel::R], vec![]] {
+            let few = render(&Wanted { channels: channels.clone(), srgb8: true, counting: false }).unwrap();
+            assert!(few.srgb8 == all.srgb8 && few.frame.planes.len() == channels.len(), "{name} {channels:?}");
+            for c in channels {
+                let bits = |f: &[f32]| f.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+                assert_eq!(few.frame.f32(c).map(bits), all.frame.f32(c).map(bits), "{name} {c:?}");
+            }
+        }
     }
 }
 
@@ -104,14 +128,16 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
     let mut cameras = cameras();
     cameras.push(("pieces", camera(mesh_camera(2, 5, 4, MeshLook::default()), SIZE, FORWARD)));
     for (name, camera) in cameras {
-        let Some(whole) = render_with(&scene, &camera, false, &RunOptions::default()) else { return };
-        let mut gpu = Gpu::open(&GpuOptions::default()).unwrap().unwrap();
-        gpu.limits.max_storage_buffer_binding_size = SMALL_BINDING;
+        let Some(whole) = render_with(&scene, &camera, Without::Nothing, &RunOptions::default()) else { return };
+        let Some(mut small) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = SMALL_BINDING) else {
+            return;
+        };
         let anchor = plan::anchor(&camera, scene.bounds());
-        let plan = Plan::new(&camera, scene.mesh.triangles.len(), false, anchor, &wanted(), gpu.has, SMALL_BINDING);
+        let plan =
+            Plan::new(&camera, scene.mesh.triangles.len(), false, anchor, &wanted(), small.gpu.has, SMALL_BINDING);
         let chunks = anamorph::scene::clusters::cluster(&scene.mesh, anchor, SMALL_BINDING).chunks.len();
         assert!(plan.bands.len() > 5 && chunks > 1, "{name}");
-        let parts = Engine::new(gpu).render(&scene, &camera, &wanted(), &RunOptions::default()).unwrap();
+        let parts = small.render(&scene, &camera, &wanted(), &RunOptions::default()).unwrap();
         assert!(words(&parts.frame) == words(&whole.frame) && parts.srgb8 == whole.srgb8, "{name}");
         let lists = (plan.bands.len() * chunks) as u64;
         let in_one_batch = lists * SMALL_BINDING / 8;

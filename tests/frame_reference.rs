@@ -10,7 +10,7 @@ use anamorph::scene::generate;
 use anamorph::scene::mesh::{Material, Mesh};
 use anamorph::scene::{Scene, gltf, obj, place};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
-use common::gpu::{assert_right, check, hits, ids, render, render_with};
+use common::gpu::{Without, assert_right, check, hits, ids, render, render_with};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, mesh, moved, scene};
 use glam::DVec3;
@@ -163,7 +163,7 @@ fn negative_t_comes_first_and_ends_belong_to_the_range() {
         ([3.0_f64.next_up(), f64::INFINITY], false),
     ] {
         let camera = camera(kind(), (16, 16), t_range);
-        let Some(rendered) = render_with(&wall, &camera, false, &Default::default()) else { return };
+        let Some(rendered) = render_with(&wall, &camera, Without::Nothing, &Default::default()) else { return };
         // without f64 the ends are as exact as f32
         if !rendered.left_out.iter().any(|l| l.what == "f64 rechecks") {
             assert_eq!(hits(&rendered.frame), if seen { 256 } else { 0 }, "{t_range:?}");
@@ -203,6 +203,20 @@ fn smooth_normals_and_lights_shade_as_the_reference_does() {
         assert!(seen.psnr.unwrap() >= SHADING_DB, "{seen}");
         // barycentrics are rounded to f32 once, but for triangles seen edge-on
         assert!(seen.bary_max.unwrap().0 <= 1e-4, "{seen}");
+    }
+}
+
+#[test]
+fn without_f64_the_safe_pixels_are_still_right() {
+    let scene = ball_in_cloud();
+    let mut cameras: Vec<_> =
+        glc_of_each_class().into_iter().map(|(name, kind)| (name, camera(kind, SIZE, FORWARD))).collect();
+    cameras.push(("mesh", camera(mesh_camera(1, 9, 7, MeshLook::default()), SIZE, FORWARD)));
+    cameras.push(("ray map", raymap(SIZE.0, SIZE.1, FORWARD)));
+    for (name, camera) in cameras {
+        let Some(rendered) = render_with(&scene, &camera, Without::F64, &Default::default()) else { return };
+        assert!(rendered.left_out.iter().any(|l| l.what == "f64 rechecks"));
+        assert_right(&format!("{name} without f64"), &scene, &camera, &rendered.frame);
     }
 }
 

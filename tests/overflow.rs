@@ -7,11 +7,10 @@ use anamorph::camera::Camera;
 use anamorph::engine::{Capacities, Engine, RunOptions};
 use anamorph::error::Error;
 use anamorph::frame::Channel;
-use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::plan::Wanted;
 use anamorph::scene::Scene;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
-use common::gpu::{render_with, wanted, words};
+use common::gpu::{Without, engine_on, render_with, wanted, words};
 use common::rng::Rng;
 use common::{FORWARD, camera, mesh, scene, soup};
 use glam::DVec3;
@@ -35,8 +34,8 @@ fn cameras() -> Vec<(&'static str, Camera)> {
 fn lists_of_one_item_grow_to_the_identical_image() {
     let scene = crowd();
     for (name, camera) in cameras() {
-        for no_int64 in [false, true] {
-            let Some(roomy) = render_with(&scene, &camera, no_int64, &RunOptions::default()) else { return };
+        for without in [Without::Nothing, Without::Int64Atomics, Without::F64] {
+            let Some(roomy) = render_with(&scene, &camera, without, &RunOptions::default()) else { return };
             let large = Capacities { queue: 1 << 20, work: 1 << 20, pairs: 1 << 20 };
             for start in [
                 Capacities { queue: 1, work: 1, pairs: 1 },
@@ -45,7 +44,7 @@ fn lists_of_one_item_grow_to_the_identical_image() {
                 Capacities { pairs: 1, ..large },
             ] {
                 let run = RunOptions { capacities: Some(start), ..Default::default() };
-                let grown = render_with(&scene, &camera, no_int64, &run).unwrap();
+                let grown = render_with(&scene, &camera, without, &run).unwrap();
                 // a frame that shows three levels of nodes has two queues, and each fills the next
                 let most = if start.pairs == 1 && start.work == 1 { 8 } else { 4 };
                 let queued = start.queue > 1 || grown.grown > 0 || name == "mesh";
@@ -58,7 +57,7 @@ fn lists_of_one_item_grow_to_the_identical_image() {
                 assert_eq!(grown.counts, roomy.counts, "{name} {start:?}");
             }
             assert_eq!(
-                render_with(&scene, &camera, no_int64, &RunOptions { capacities: Some(large), ..Default::default() })
+                render_with(&scene, &camera, without, &RunOptions { capacities: Some(large), ..Default::default() })
                     .unwrap()
                     .grown,
                 0
@@ -71,9 +70,7 @@ fn lists_of_one_item_grow_to_the_identical_image() {
 const SMALL_BINDING: u64 = 1 << 16;
 
 fn small() -> Option<Engine> {
-    let mut gpu = Gpu::open(&GpuOptions::default()).unwrap()?;
-    gpu.limits.max_storage_buffer_binding_size = SMALL_BINDING;
-    Some(Engine::new(gpu))
+    engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = SMALL_BINDING)
 }
 
 fn error_of(scene: &Scene, camera: &Camera, wanted: &Wanted) -> Option<Error> {

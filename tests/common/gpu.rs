@@ -11,23 +11,38 @@ use anamorph::reference::image::{Judgement, judge};
 use anamorph::scene::Scene;
 use std::sync::{Mutex, MutexGuard, OnceLock};
 
+/// What an engine does without, that this machine's adapter may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Without {
+    Nothing,
+    Int64Atomics,
+    F64,
+}
+
 type Slot = OnceLock<Option<Mutex<Engine>>>;
 
 /// An engine for each kind of kernels, so that none is compiled twice.
-static ENGINES: [Slot; 4] = [const { OnceLock::new() }; 4];
+static ENGINES: [Slot; 6] = [const { OnceLock::new() }; 6];
 
 /// An engine whose kernels suit the camera; `None`, with the reason printed, where the machine has no adapter.
-pub fn engine(camera: &Camera, no_int64: bool) -> Option<MutexGuard<'static, Engine>> {
+pub fn engine(camera: &Camera, without: Without) -> Option<MutexGuard<'static, Engine>> {
     let field = matches!(camera.rays, Rays::Field(_));
-    let open = || {
-        let gpu = Gpu::open(&GpuOptions { adapter: None, no_int64 }).unwrap();
-        if gpu.is_none() {
-            println!("skipped: {NO_ADAPTER}");
-        }
-        gpu.map(|gpu| Mutex::new(Engine::new(gpu)))
+    let less = |gpu: &mut Gpu| {
+        gpu.has.f64 &= without != Without::F64;
+        gpu.has.atomics64 &= without != Without::Int64Atomics;
     };
-    let slot = ENGINES[2 * usize::from(no_int64) + usize::from(field)].get_or_init(open);
+    let slot = ENGINES[2 * without as usize + usize::from(field)].get_or_init(|| engine_on(less).map(Mutex::new));
     slot.as_ref().map(|e| e.lock().unwrap_or_else(|e| e.into_inner()))
+}
+
+/// An engine of its own on an adapter that is made to look smaller; `None`, with the reason printed, without one.
+pub fn engine_on(less: impl FnOnce(&mut Gpu)) -> Option<Engine> {
+    let Some(mut gpu) = Gpu::open(&GpuOptions::default()).unwrap() else {
+        println!("skipped: {NO_ADAPTER}");
+        return None;
+    };
+    less(&mut gpu);
+    Some(Engine::new(gpu))
 }
 
 /// All channels.
@@ -35,14 +50,14 @@ pub fn wanted() -> Wanted {
     Wanted { channels: Channel::ALL.to_vec(), srgb8: true, counting: false }
 }
 
-pub fn render_with(scene: &Scene, camera: &Camera, no_int64: bool, run: &RunOptions) -> Option<Rendered> {
-    let mut engine = engine(camera, no_int64)?;
+pub fn render_with(scene: &Scene, camera: &Camera, without: Without, run: &RunOptions) -> Option<Rendered> {
+    let mut engine = engine(camera, without)?;
     Some(engine.render(scene, camera, &wanted(), run).unwrap())
 }
 
 /// All channels of the scene by the engine; `None` without an adapter.
 pub fn render(scene: &Scene, camera: &Camera) -> Option<Frame> {
-    render_with(scene, camera, false, &RunOptions::default()).map(|r| r.frame)
+    render_with(scene, camera, Without::Nothing, &RunOptions::default()).map(|r| r.frame)
 }
 
 /// The triangle ids of a frame.
