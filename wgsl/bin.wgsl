@@ -160,9 +160,6 @@ fn bin(
     }
     let cluster = clusters[work[index].x];
     let address = work[index].y;
-    if COUNTING && lane == 0u {
-        atomicAdd(&counters[COUNT_PAIRS_TESTED], cluster.count);
-    }
     if lane >= cluster.count {
         return;
     }
@@ -182,6 +179,7 @@ fn bin(
     let lo = vec2<u32>(clamp(first, vec2<f32>(0.0), vec2<f32>(f32(side))));
     let end = vec2<u32>(clamp(last + 1.0, vec2<f32>(0.0), vec2<f32>(f32(side))));
     if lo.x >= end.x || lo.y >= end.y {
+        count_tested(1u);
         return;
     }
 
@@ -196,9 +194,14 @@ fn bin(
         over_node = conics(node, v0, v1, v2);
     }
     let s = f32(TILE) / f32(side);
+    var tested = 0u;
     for (var y = tile_lo.y; y < tile_end.y; y++) {
         for (var x = tile_lo.x; x < tile_end.x; x++) {
             let centre = (2.0 * vec2<f32>(f32(x), f32(y)) + 1.0) * s - 1.0;
+            if COUNTING {
+                let tile = (corner.y + y) * params.tiles_x + corner.x + x;
+                tested += tile_start[tile + 1u] - tile_start[tile];
+            }
             var may = all_tiles || may_cover(over_node, centre.x, centre.y, s * CENTRES);
             if may && loose {
                 // rays that the node bounds only loosely: ask the tile's own bounds
@@ -211,6 +214,14 @@ fn bin(
                 emit(slot, (corner.y + y) * params.tiles_x + corner.x + x, from_px, to_px);
             }
         }
+    }
+    count_tested(max(tested, 1u));
+}
+
+// (triangle, cell) pairs looked at: the cells of the tiles in its box, or one for a whole node.
+fn count_tested(pairs_tested: u32) {
+    if COUNTING {
+        atomicAdd(&counters[COUNT_PAIRS_TESTED], pairs_tested);
     }
 }
 
