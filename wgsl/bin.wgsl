@@ -118,15 +118,19 @@ fn extent(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
     let t = vec3<f32>(dot(wt, m0), dot(wt, m1), dot(wt, m2)) - t0;
     let bend_t = abs(dot(wt, node.dx)) + abs(dot(wt, node.dy));
     let size_m = max(length(m0), max(length(m1), length(m2)));
-    let lost_m = node.r_p + BOUND_SLACK * (size_m + params.vertex_reach + length(node.p));
+    let size_a = length(node.px) + length(node.py) + abs(t0) * (length(node.dx) + length(node.dy));
     let size_wt = length(wt);
+    // rounding: what was subtracted to form the m and A, B; and the inverse's, which its condition magnifies
+    let condition = length(a) * length(b) * length(node.d) / abs(det);
+    let lost_m = node.r_p
+        + BOUND_SLACK * (size_m * (1.0 + condition) + size_a + params.vertex_reach + length(node.p));
     let lost_t = size_wt * (lost_m + abs(t0) * node.r_d);
     let room = 1.0 - bend_t - size_wt * node.r_d;
     let reach_t = (max(abs(t.x), max(abs(t.y), abs(t.z))) + lost_t) / room;
 
     // how far x and y go from the vertices' own
     let bend = vec2<f32>(abs(dot(wx, node.dx)) + abs(dot(wx, node.dy)), abs(dot(wy, node.dx)) + abs(dot(wy, node.dy)));
-    let lost = lost_m + (abs(t0) + reach_t) * node.r_d + BOUND_SLACK * size_m;
+    let lost = lost_m + (abs(t0) + reach_t) * node.r_d;
     let slack = reach_t * bend + vec2<f32>(length(wx), length(wy)) * lost;
     let x = vec3<f32>(dot(wx, m0), dot(wx, m1), dot(wx, m2));
     let y = vec3<f32>(dot(wy, m0), dot(wy, m1), dot(wy, m2));
