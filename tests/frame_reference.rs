@@ -13,7 +13,7 @@ use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap}
 use common::gpu::{Without, assert_right, check, hits, ids, render, render_with};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, mesh, moved, scene};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::path::PathBuf;
 
 /// Not a multiple of the tile size.
@@ -171,6 +171,29 @@ fn negative_t_comes_first_and_ends_belong_to_the_range() {
     }
 }
 
+#[test]
+fn with_f64_no_pixel_is_wrong_however_near_an_edge() {
+    // 20,480 triangles of about a pixel, turned so that no edge passes a centre exactly: a sign that f32 alone decided
+    // wrongly would show
+    let mut ball = generate::icosphere(5);
+    let turn = DMat3::from_euler(glam::EulerRot::XYZ, 0.31, 0.47, 0.93);
+    ball.positions.iter_mut().for_each(|p| *p = turn * *p);
+    for offset in [0.0, 1e6] {
+        let by = offset * DVec3::new(1.0, -0.7, 0.3);
+        let scene = scene(moved(ball.clone(), by));
+        for (name, kind) in glc_of_each_class() {
+            let CameraKind::Glc { near, far } = kind else { unreachable!() };
+            let kind = CameraKind::Glc { near: near.map(|p| by + p), far: far.map(|p| by + p) };
+            let camera = camera(kind, (200, 150), FORWARD);
+            let Some(rendered) = render_with(&scene, &camera, Without::Nothing, &Default::default()) else { return };
+            let (_, seen) = assert_right(&format!("{name} at {offset}"), &scene, &camera, &rendered.frame);
+            let exact = !rendered.left_out.iter().any(|l| l.what == "f64 rechecks");
+            assert!(!exact || seen.wrong_triangle == Some(0), "{name} at {offset}: {seen}");
+            assert!(!exact || rendered.counts.rechecked > 0, "{name} at {offset}: nothing was near an edge");
+        }
+    }
+}
+
 /// The frame with the colour of `truth` wherever their ids differ: what is left to compare is the shading.
 fn with_colour_of_other_ids(frame: &Frame, truth: &Frame) -> Frame {
     let mut frame = frame.clone();
@@ -232,6 +255,18 @@ fn far_from_the_origin() {
         };
         assert!(hits(&frame) > 1000);
     }
+}
+
+#[test]
+fn a_ball_seen_from_10_000_times_its_size_is_shaded_right() {
+    // colour is worked out in f32 about the anchor, which lies on the ball: P is off by 2^-24 of the distance, and the
+    // weights of a normal by that over a triangle's size
+    let scene = scene(generate::icosphere(3));
+    let eye = 1e4 * DVec3::new(0.6, 0.0, 0.8);
+    let camera = camera(pinhole(eye, DVec3::ZERO, (3.0_f64 / 1e4).to_degrees()), SIZE, FORWARD);
+    let Some((frame, judged, _)) = check("far ball", &scene, &camera) else { return };
+    let seen = compare(&with_colour_of_other_ids(&frame, &judged.truth), &judged.truth, None, None).unwrap();
+    assert!(seen.psnr.unwrap() >= SHADING_DB, "{seen}");
 }
 
 /// Third-party models beside the checkout, where somebody put them.
