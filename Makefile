@@ -7,11 +7,11 @@ RUST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 ICDS := /usr/share/vulkan/icd.d/*.json /usr/local/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json
 DRIVER := mesa-vulkan-drivers libvulkan1
 
-# Build, write an example scene, render it.
-demo: rust
+# Build, write an example scene, render it; like test, installs a software Vulkan driver first where there is none.
+demo: rust driver
 	@cargo build --release --locked
 	@$(BUILD)/release/anamorph example demo --out out >/dev/null
-	@$(BUILD)/release/anamorph render out/demo.toml -o out/demo.png
+	@$(BUILD)/release/anamorph render out/demo.toml --samples 4 -o out/demo.png
 	@echo "the picture is out/demo.png, its scene out/demo.toml"
 
 # All tests; installs a software Vulkan driver first where there is none and apt-get may.
@@ -37,4 +37,4 @@ driver:
 		as=; [ "$$(id -u)" = 0 ] || as="sudo -n"; \
 		command -v apt-get >/dev/null && $$as true 2>/dev/null && \
 		$$as apt-get update -qq && $$as env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $(DRIVER) >/dev/null; \
-	} || echo "no Vulkan driver: tests that need one are skipped; install one (Debian, Ubuntu: apt-get install $(DRIVER))"
+	} || echo "no Vulkan driver: pictures come from the CPU engine and tests that need a driver are skipped; install one (Debian, Ubuntu: apt-get install $(DRIVER))"
