@@ -19,22 +19,3 @@ test: rust driver
 	cargo test --locked
 
 # What a change must pass.
-check: rust
-	cargo fmt --check
-	cargo clippy --locked --all-targets -- -D warnings
-	@$(MAKE) --no-print-directory test
-
-rust:
-	@command -v cargo >/dev/null && command -v rustc >/dev/null || \
-		{ echo "no Rust found; install rustc $(RUST) or newer from https://rustup.rs"; exit 1; }
-	@have=$$(rustc --version | cut -d' ' -f2 | cut -d- -f1); \
-	oldest=$$(printf '%s\n' "$$have" $(RUST) | sort -V | head -n1); \
-	[ "$$oldest" = $(RUST) ] || [ "$$have" = $(RUST).0 ] || \
-		{ echo "rustc $$have is too old; install $(RUST) or newer: rustup update"; exit 1; }
-
-driver:
-	@[ -n "$$VK_DRIVER_FILES$$VK_ICD_FILENAMES" ] || ls $(ICDS) 2>/dev/null | grep -q . || { \
-		as=; [ "$$(id -u)" = 0 ] || as="sudo -n"; \
-		command -v apt-get >/dev/null && $$as true 2>/dev/null && \
-		$$as apt-get update -qq && $$as env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $(DRIVER) >/dev/null; \
-	} || echo "no Vulkan driver: pictures come from the CPU engine and tests that need a driver are skipped; install one (Debian, Ubuntu: apt-get install $(DRIVER))"
