@@ -7,11 +7,11 @@ RUST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 ICDS := /usr/share/vulkan/icd.d/*.json /usr/local/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json
 DRIVER := mesa-vulkan-drivers libvulkan1
 
-# Build, write an example scene, render it.
-demo: rust
+# Build, write an example scene, render it; like test, installs a software Vulkan driver first where there is none.
+demo: rust driver
 	@cargo build --release --locked
 	@$(BUILD)/release/anamorph example demo --out out >/dev/null
-	@$(BUILD)/release/anamorph render out/demo.toml -o out/demo.png
+	@$(BUILD)/release/anamorph render out/demo.toml --samples 4 -o out/demo.png
 	@echo "the picture is out/demo.png, its scene out/demo.toml"
 
 # All tests; installs a software Vulkan driver first where there is none and apt-get may.
@@ -19,22 +19,3 @@ test: rust driver
 	cargo test --locked
 
 # What a change must pass.
-check: rust
-	cargo fmt --check
-	cargo clippy --locked --all-targets -- -D warnings
-	@$(MAKE) --no-print-directory test
-
-rust:
-	@command -v cargo >/dev/null && command -v rustc >/dev/null || \
-		{ echo "no Rust found; install rustc $(RUST) or newer from https://rustup.rs"; exit 1; }
-	@have=$$(rustc --version | cut -d' ' -f2 | cut -d- -f1); \
-	oldest=$$(printf '%s\n' "$$have" $(RUST) | sort -V | head -n1); \
-	[ "$$oldest" = $(RUST) ] || [ "$$have" = $(RUST).0 ] || \
-		{ echo "rustc $$have is too old; install $(RUST) or newer: rustup update"; exit 1; }
-
-driver:
-	@[ -n "$$VK_DRIVER_FILES$$VK_ICD_FILENAMES" ] || ls $(ICDS) 2>/dev/null | grep -q . || { \
-		as=; [ "$$(id -u)" = 0 ] || as="sudo -n"; \
-		command -v apt-get >/dev/null && $$as true 2>/dev/null && \
-		$$as apt-get update -qq && $$as env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $(DRIVER) >/dev/null; \
-	} || echo "no Vulkan driver: tests that need one are skipped; install one (Debian, Ubuntu: apt-get install $(DRIVER))"

@@ -77,9 +77,8 @@ impl Frames<'_> {
             let submitted = self.submit(false)?;
             wait(self.gpu)?;
             let ms = started.elapsed().as_secs_f64() * 1e3;
-            if run.moving
-                && let Some(need) = self.overflow(&submitted)?
-            {
+            let over = if run.moving { self.overflow(&submitted)? } else { None };
+            if let Some(need) = over {
                 self.resident.grow(self.gpu, self.camera, self.plan, need)?;
                 grown += 1;
                 continue;
