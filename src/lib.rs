@@ -28,21 +28,58 @@
 //!
 //! Three layers keep it true: [`reference`] (one f64 ray a pixel, no pieces' tricks), the twins of the stages in
 //! f64 ([`twin`]), and the kernels in `wgsl/`.
+//!
+//! A frame, on the GPU where there is one:
+//!
+//! ```
+//! use anamorph::{engine::Engine, frame::Channel, gpu::Gpu, plan::Wanted, reference, scene::Scene};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("scene.toml");
+//! # std::fs::write(&path, r#"
+//! #   image = { width = 40, height = 30 }
+//! #   mesh = [{ builtin = "icosphere", level = 2 }]
+//! #   camera = { kind = "pinhole", eye = [0, 0, 4], target = [0, 0, 0], vfov = 40 }
+//! # "#)?;
+//! let scene = Scene::load(&path, &["camera.vfov=30".into()])?;
+//! let camera = scene.camera()?;
+//! let channels = vec![Channel::T, Channel::TriangleId];
+//! let frame = match Gpu::open(&Default::default())? {
+//!     Some(gpu) => {
+//!         let wanted = Wanted { channels, srgb8: false, counting: false };
+//!         Engine::new(gpu).render(&scene, &camera, &wanted, &Default::default())?.frame
+//!     }
+//!     None => reference::image::image(&scene, &camera, &channels),
+//! };
+//! let middle = frame.f32(Channel::T).ok_or("asked for")?[15 * 40 + 20];
+//! assert!((middle - 3.0).abs() < 0.1, "the ball of radius 1 begins at z = 1");
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod camera;
+pub mod cli;
 pub mod compare;
 pub mod engine;
 pub mod error;
+pub mod example;
 pub mod frame;
 pub mod gpu;
 pub mod output;
 pub mod plan;
 pub mod reference;
+pub mod report;
 pub mod scene;
 pub mod stage;
 pub mod twin;
 
 pub use error::{Error, Result};
+
+/// The README's example, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
 
 /// Pixels a side of a tile.
 pub const TILE: u32 = 8;

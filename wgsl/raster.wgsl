@@ -56,6 +56,7 @@ fn raster(
 
     // merge the depth of the covered ones: t = N . (v0 h - p) / (N . d)
     let normal = cross(v1 - v0, v2 - v0);
+    let depth = cell_depth(whole, normal, v0);
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
     let one_sided = (triangle.w & ONE_SIDED) != 0u;
     let t_min = real(params.t_min.x) + real(params.t_min.y) + real(params.t_min.z);
@@ -69,12 +70,11 @@ fn raster(
             break;
         }
         covered = without_bit(covered, bit);
-        let b = pixel_bundle(whole, cell, bit % TILE, bit / TILE);
-        let across = dot(normal, b.d);
-        if across == 0.0 || (one_sided && across * facing > 0.0) {
+        let at = pixel_depth(depth, cell, bit % TILE, bit / TILE);
+        if at.across == 0.0 || (one_sided && at.across * facing > 0.0) {
             continue;
         }
-        let t = dot(normal, v0 * b.h - b.p) / across;
+        let t = at.along / at.across;
         if t >= t_min && t <= t_max {
             let pixel = (corner_y + bit / TILE) * params.width + corner_x + bit % TILE;
             merge(pixel, ~visibility_key(t, triangle_id(triangle)));

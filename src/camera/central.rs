@@ -35,11 +35,7 @@ pub fn pinhole(eye: DVec3, target: DVec3, up: DVec3, vfov_deg: f64, height: u32)
     }
     let v = view(eye, target, up)?;
     let step = 2.0 * (vfov_deg.to_radians() / 2.0).tan() / height as f64;
-    Ok(Bundle {
-        p: [eye, DVec3::ZERO, DVec3::ZERO],
-        d: [v.forward, step * v.right, -step * v.up],
-        h: [1.0, 0.0, 0.0],
-    })
+    Ok(Bundle { p: [eye, DVec3::ZERO, DVec3::ZERO], d: [v.forward, step * v.right, -step * v.up], h: [1.0, 0.0, 0.0] })
 }
 
 /// `P = eye + (2a-1)(height/2)(W/H) r + (1-2b)(height/2) u`, `D = f`; centred on the image's middle.
@@ -49,9 +45,5 @@ pub fn orthographic(eye: DVec3, target: DVec3, up: DVec3, height_world: f64, hei
     }
     let v = view(eye, target, up)?;
     let step = height_world / height as f64;
-    Ok(Bundle {
-        p: [eye, step * v.right, -step * v.up],
-        d: [v.forward, DVec3::ZERO, DVec3::ZERO],
-        h: [1.0, 0.0, 0.0],
-    })
+    Ok(Bundle { p: [eye, step * v.right, -step * v.up], d: [v.forward, DVec3::ZERO, DVec3::ZERO], h: [1.0, 0.0, 0.0] })
 }

@@ -108,7 +108,9 @@ impl Field {
             };
             let sum = [(0, 0, (1. - fx) * (1. - fy)), (1, 0, fx * (1. - fy)), (0, 1, (1. - fx) * fy), (1, 1, fx * fy)]
                 .iter()
-                .try_fold((DVec3::ZERO, DVec3::ZERO), |s, &(ox, oy, w)| corner(ox, oy, w).map(|c| (s.0 + c.0, s.1 + c.1)));
+                .try_fold((DVec3::ZERO, DVec3::ZERO), |s, &(ox, oy, w)| {
+                    corner(ox, oy, w).map(|c| (s.0 + c.0, s.1 + c.1))
+                });
             sum.filter(|(_, d)| *d != DVec3::ZERO)
         };
         let rays = (0..self.height).flat_map(|j| (0..self.width).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();

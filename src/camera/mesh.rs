@@ -16,12 +16,8 @@ pub fn compile(spec: &MeshCameraSpec, width: u32, height: u32, notes: &mut Vec<S
         return Err(Error::input("camera.triangles: the camera has no pieces; give at least one triangle"));
     }
     let size = DVec2::new(width as f64, height as f64);
-    let pieces: Vec<Piece> = spec
-        .triangles
-        .par_iter()
-        .enumerate()
-        .map(|(k, t)| piece(spec, k, t, size))
-        .collect::<Result<_>>()?;
+    let pieces: Vec<Piece> =
+        spec.triangles.par_iter().enumerate().map(|(k, t)| piece(spec, k, t, size)).collect::<Result<_>>()?;
     if let Some((j, k)) = first_overlap(&pieces) {
         return Err(Error::input(format!("camera.triangles: {j} and {k} overlap in the image; pieces must not")));
     }
@@ -68,8 +64,7 @@ fn piece(spec: &MeshCameraSpec, index: usize, triangle: &[u32; 3], size: DVec2) 
 /// The first pair of pieces whose interiors overlap, by a grid of about one cell a piece.
 fn first_overlap(pieces: &[Piece]) -> Option<(usize, usize)> {
     let corners: Vec<[DVec2; 3]> = pieces.iter().filter_map(|p| p.corners_px).collect();
-    let boxes: Vec<(DVec2, DVec2)> =
-        corners.iter().map(|[a, b, c]| (a.min(*b).min(*c), a.max(*b).max(*c))).collect();
+    let boxes: Vec<(DVec2, DVec2)> = corners.iter().map(|[a, b, c]| (a.min(*b).min(*c), a.max(*b).max(*c))).collect();
     let lo = boxes.iter().fold(DVec2::INFINITY, |m, b| m.min(b.0));
     let hi = boxes.iter().fold(DVec2::NEG_INFINITY, |m, b| m.max(b.1));
     let n = ((pieces.len() as f64).sqrt().ceil() as usize).max(1);

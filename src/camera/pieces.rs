@@ -177,9 +177,7 @@ fn pieces_near_tiles(pieces: &[Piece], tiles_x: u32, tiles_y: u32) -> (Vec<u32>,
     let mut pairs: Vec<(u32, u32)> = pieces
         .par_iter()
         .enumerate()
-        .flat_map_iter(|(k, piece)| {
-            tiles_near(piece, tiles_x, tiles_y).map(move |(x, y)| (y * tiles_x + x, k as u32))
-        })
+        .flat_map_iter(|(k, piece)| tiles_near(piece, tiles_x, tiles_y).map(move |(x, y)| (y * tiles_x + x, k as u32)))
         .collect();
     pairs.par_sort_unstable();
     let mut start = vec![0u32; count + 1];

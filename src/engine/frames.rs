@@ -7,7 +7,8 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, read_words, readback, wait};
 use crate::gpu::rows::{
-    COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_WORK, COUNTERS,
+    COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_WORK,
+    COUNTERS,
 };
 use crate::plan::{LeftOut, Plan, Wanted};
 use crate::scene::Scene;
@@ -69,13 +70,15 @@ impl Frames<'_> {
             let moved = run.moving.then(|| moved(self.scene, k + 1));
             let started = Instant::now();
             if let Some(moved) = &moved {
-                self.resident.upload_scene(self.gpu, cluster(&moved.mesh, self.plan.anchor, self.gpu.binding_limit()))?;
+                self.resident
+                    .upload_scene(self.gpu, cluster(&moved.mesh, self.plan.anchor, self.gpu.binding_limit()))?;
                 self.resident.write_params(self.gpu, self.camera, self.plan)?;
             }
             let submitted = self.submit(false)?;
             wait(self.gpu)?;
             let ms = started.elapsed().as_secs_f64() * 1e3;
-            if run.moving && let Some(need) = self.overflow(&submitted)? {
+            let over = if run.moving { self.overflow(&submitted)? } else { None };
+            if let Some(need) = over {
                 self.resident.grow(self.gpu, self.camera, self.plan, need)?;
                 grown += 1;
                 continue;
@@ -225,7 +228,8 @@ impl Frames<'_> {
     /// What the lists should hold, where a counter ran over its capacity.
     fn overflow(&self, submitted: &Submitted) -> Result<Option<Capacities>> {
         let words = read_words(self.gpu, &submitted.status)?;
-        let most = |counter: u32| words.chunks(COUNTERS as usize).map(|s| s[counter as usize]).max().unwrap_or(0) as u64;
+        let most =
+            |counter: u32| words.chunks(COUNTERS as usize).map(|s| s[counter as usize]).max().unwrap_or(0) as u64;
         let need = Capacities {
             queue: (0..COUNT_WORK).map(most).max().unwrap_or(0),
             work: most(COUNT_WORK),

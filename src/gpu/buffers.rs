@@ -10,9 +10,8 @@ use std::collections::BTreeMap;
 pub struct Buffers(BTreeMap<&'static str, wgpu::Buffer>);
 
 /// What every buffer may be used for: kernels see it, the host writes, clears and copies it.
-const USAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
-    .union(wgpu::BufferUsages::COPY_SRC)
-    .union(wgpu::BufferUsages::COPY_DST);
+const USAGE: wgpu::BufferUsages =
+    wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_SRC).union(wgpu::BufferUsages::COPY_DST);
 
 /// The smallest buffer, so that empty lists bind too: one row of the largest struct.
 const SMALLEST: u64 = 256;
@@ -21,7 +20,8 @@ impl Buffers {
     /// A buffer of at least `bytes`, its contents undefined to the kernels.
     pub fn create(&mut self, gpu: &Gpu, name: &'static str, bytes: u64, more: wgpu::BufferUsages) -> Result<()> {
         let size = bytes.max(SMALLEST).next_multiple_of(4);
-        let limit = if more.contains(wgpu::BufferUsages::UNIFORM) { gpu.limits.max_buffer_size } else { gpu.binding_limit() };
+        let limit =
+            if more.contains(wgpu::BufferUsages::UNIFORM) { gpu.limits.max_buffer_size } else { gpu.binding_limit() };
         if size > limit {
             return Err(Error::work(format!("buffer {name}: {size} bytes needed, the adapter binds {limit} at most")));
         }
@@ -69,8 +69,7 @@ impl Pipeline {
         let entries: Vec<wgpu::BindGroupLayoutEntry> =
             kernel.bindings.iter().enumerate().map(|(k, b)| layout_entry(k as u32, b.access)).collect();
         let label = Some(kernel.name);
-        let layout = device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label,
             bind_group_layouts: &[Some(&layout)],
@@ -85,7 +84,10 @@ impl Pipeline {
             layout: Some(&pipeline_layout),
             module: &module,
             entry_point: Some(kernel.name),
-            compilation_options: wgpu::PipelineCompilationOptions { constants: &kernel.constants, ..Default::default() },
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &kernel.constants,
+                ..Default::default()
+            },
             cache: None,
         });
         Pipeline { kernel, layout, pipeline }

@@ -76,8 +76,7 @@ pub fn adapters() -> Vec<wgpu::Adapter> {
 }
 
 /// What to do about a machine without any adapter.
-pub const NO_ADAPTER: &str =
-    "no Vulkan adapter found; install a driver (on Debian or Ubuntu the software one: apt-get install mesa-vulkan-drivers)";
+pub const NO_ADAPTER: &str = "no Vulkan adapter found; install a driver (on Debian or Ubuntu the software one: apt-get install mesa-vulkan-drivers)";
 
 impl Gpu {
     /// Opens the adapter asked for, or the first; `Ok(None)` where the machine has none at all.
@@ -99,7 +98,8 @@ impl Gpu {
         adapter.map(|a| Gpu::from_adapter(&a, options)).transpose()
     }
 
-    fn from_adapter(adapter: &wgpu::Adapter, options: &GpuOptions) -> Result<Gpu> {
+    /// Opens an adapter.
+    pub fn from_adapter(adapter: &wgpu::Adapter, options: &GpuOptions) -> Result<Gpu> {
         let info = adapter.get_info();
         let limits = adapter.limits();
         let mut has = Abilities::of(adapter.features());

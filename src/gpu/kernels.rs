@@ -57,6 +57,8 @@ const VERTEX: &str = snippet!("shared/vertex.wgsl");
 const TRIANGLE: &str = snippet!("shared/triangle.wgsl");
 const BUNDLE: &str = snippet!("shared/bundle.wgsl");
 const SHADING: &str = snippet!("shared/shading.wgsl");
+const CONICS: &str = snippet!("shared/node_conics.wgsl");
+const EXTENT: &str = snippet!("shared/extent.wgsl");
 const PAIR: &str = snippet!("shared/pair.wgsl");
 const BITS: &str = snippet!("shared/bits.wgsl");
 const KEY: &str = snippet!("shared/key.wgsl");
@@ -72,6 +74,10 @@ impl Variant {
 
     fn camera(self) -> &'static str {
         if self.field { snippet!("camera/field.wgsl") } else { snippet!("camera/pieces.wgsl") }
+    }
+
+    fn coverage(self) -> &'static str {
+        if self.field { snippet!("camera/field_coverage.wgsl") } else { snippet!("camera/pieces_coverage.wgsl") }
     }
 
     /// The buffers that hold the camera's rays.
@@ -155,7 +161,7 @@ pub fn bin(variant: Variant) -> Kernel {
         write("pairs", "array<vec2<u32>>"),
         counters(),
     ];
-    let mut kernel = kernel("bin", bindings, &[PARAMS, INDEX, VERTEX, PAIR, snippet!("bin.wgsl")]);
+    let mut kernel = kernel("bin", bindings, &[PARAMS, INDEX, VERTEX, PAIR, CONICS, EXTENT, snippet!("bin.wgsl")]);
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
 }
@@ -177,7 +183,7 @@ pub fn raster(variant: Variant) -> Kernel {
         bindings.push(read("cells", "array<Cell>"));
     }
     let snippets = [PARAMS, INDEX, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [PAIR, BITS, variant.merge(), variant.camera(), snippet!("raster.wgsl")];
+    let own = [PAIR, BITS, variant.merge(), variant.camera(), variant.coverage(), snippet!("raster.wgsl")];
     let mut kernel = kernel("raster", bindings, &[&snippets[..], &own[..]].concat());
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
@@ -200,7 +206,7 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     ];
     bindings.extend(variant.rays());
     let snippets = [PARAMS, INDEX, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [BITS, variant.camera(), SHADING, snippet!("shade.wgsl")];
+    let own = [variant.camera(), SHADING, snippet!("shade.wgsl")];
     let mut kernel = kernel("shade", bindings, &[&snippets[..], &own[..]].concat());
     kernel.constants = plane_constants(planes);
     kernel

@@ -112,7 +112,8 @@ fn bands(camera: &Camera, anchor: DVec3, pixel_bytes: u64, binding_limit: u64) -
     let mut bands = Vec::new();
     while let Some((row, rows)) = todo.pop() {
         let band = Band::new(camera, anchor, row, rows);
-        let fits = band.tiles.cells.len() * size_of::<rows::Cell>() <= binding_limit as usize
+        let fits = band.tiles.cells.len() <= CELLS_MAX
+            && band.tiles.cells.len() * size_of::<rows::Cell>() <= binding_limit as usize
             && band.tiles.pieces.len() * size_of::<rows::Piece>() <= binding_limit as usize;
         if fits || rows <= crate::TILE {
             bands.push(band);
@@ -124,6 +125,9 @@ fn bands(camera: &Camera, anchor: DVec3, pixel_bytes: u64, binding_limit: u64) -
     }
     bands
 }
+
+/// Cells that a pair can name: 24 bits.
+const CELLS_MAX: usize = 1 << 24;
 
 impl Band {
     fn new(camera: &Camera, anchor: DVec3, row: u32, rows: u32) -> Band {

@@ -105,7 +105,12 @@ impl Fit {
         for s in samples {
             let q = s.place - middle;
             (xx, xy, yy) = (xx + q.x * q.x, xy + q.x * q.y, yy + q.y * q.y);
-            for (sum, v) in right.iter_mut().zip([q.x * (s.p - mean_p), q.y * (s.p - mean_p), q.x * (s.d - mean_d), q.y * (s.d - mean_d)]) {
+            for (sum, v) in right.iter_mut().zip([
+                q.x * (s.p - mean_p),
+                q.y * (s.p - mean_p),
+                q.x * (s.d - mean_d),
+                q.y * (s.d - mean_d),
+            ]) {
                 *sum += v;
             }
         }

@@ -70,10 +70,9 @@ fn owned(camera: &Camera, row_end: u32, (tx, ty): (u32, u32)) -> Owned {
             if mask == 0 { Vec::new() } else { vec![(0, mask)] }
         }
         Rays::Pieces(p) => {
-            if let [k] = p.of_tile(tx, ty)
-                && p.pieces[*k as usize].corners_px.is_none()
-            {
-                return vec![(*k, pixels.map(bit).fold(0, |m, b| m | b))];
+            if p.pieces[0].corners_px.is_none() {
+                // one piece over the whole image
+                return vec![(0, pixels.map(bit).fold(0, |m, b| m | b))];
             }
             let mut cells: Owned = Vec::new();
             for (x, y) in pixels {

@@ -129,9 +129,8 @@ fn centre(item: &Item) -> DVec3 {
 fn split(items: &mut [Item], depth: u32) -> usize {
     let (lo, hi) = bounds(items.iter().map(|i| (centre(i), centre(i))));
     let binning = Binning { lo, scale: (hi - lo).map(|e| if e > 0.0 { BINS as f64 / e } else { 0.0 }) };
-    if depth < MAX_SAH_DEPTH
-        && let Some((axis, bin)) = best_plane(items, &binning)
-    {
+    let plane = if depth < MAX_SAH_DEPTH { best_plane(items, &binning) } else { None };
+    if let Some((axis, bin)) = plane {
         let middle = partition(items, |i| binning.bin(i)[axis] <= bin);
         if middle > 0 && middle < items.len() {
             return middle;

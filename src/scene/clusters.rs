@@ -90,8 +90,7 @@ fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, whole: bool) -> 
 
 impl Chunk {
     fn store_vertices<'a>(&mut self, positions: impl IndexedParallelIterator<Item = &'a DVec3>, anchor: DVec3) {
-        let pairs: Vec<[[f32; 2]; 3]> =
-            positions.map(|p| (*p - anchor).to_array().map(split2)).collect();
+        let pairs: Vec<[[f32; 2]; 3]> = positions.map(|p| (*p - anchor).to_array().map(split2)).collect();
         self.vertices_hi = pairs.iter().flat_map(|p| p.map(|v| v[0])).collect();
         self.vertices_lo = pairs.iter().flat_map(|p| p.map(|v| v[1])).collect();
     }
@@ -100,10 +99,12 @@ impl Chunk {
 /// The triangles that have an area, along a Morton curve through their centroids.
 fn morton_order(mesh: &Mesh, ids: std::ops::Range<u32>) -> Vec<u32> {
     let corners = |id: u32| mesh.triangles[id as usize].map(|v| mesh.positions[v as usize]);
-    let bounds = ids.clone().into_par_iter().map(|id| corners(id).iter().sum::<DVec3>()).map(|c| (c, c)).reduce(
-        || (DVec3::INFINITY, DVec3::NEG_INFINITY),
-        |a, b| (a.0.min(b.0), a.1.max(b.1)),
-    );
+    let bounds = ids
+        .clone()
+        .into_par_iter()
+        .map(|id| corners(id).iter().sum::<DVec3>())
+        .map(|c| (c, c))
+        .reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     let scale = ((1u64 << 21) as f64 - 1.0) / (bounds.1 - bounds.0).max_element().max(f64::MIN_POSITIVE);
     let mut keyed: Vec<(u64, u32)> = ids
         .into_par_iter()

@@ -9,7 +9,14 @@ const QUEUES: [&str; 2] = ["queue_even", "queue_odd"];
 
 impl Stages {
     /// Encodes the descent of `clusters` clusters through `levels` levels of nodes.
-    pub fn cull(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, clusters: u32, levels: u32) -> Result<()> {
+    pub fn cull(
+        &self,
+        gpu: &Gpu,
+        pass: &mut wgpu::ComputePass,
+        scopes: Scopes,
+        clusters: u32,
+        levels: u32,
+    ) -> Result<()> {
         let all = with(scopes, &self.steps);
         let indirect = all.iter().find_map(|s| s.get("indirect"));
         for step in 0..levels - 1 {

@@ -18,13 +18,16 @@ impl Bound {
     /// What a kernel must keep: everything but what its rounding may lose. The rows' radii hold 2^-22 of the same
     /// sizes for that (plan and clusters), and an f32 kernel sums at most four terms, 2^-24 each.
     pub const NEEDED: Bound = Bound { slack: -1.0 / (1u64 << 22) as f64, refine_to: f64::INFINITY };
-    /// What a kernel may keep: 1e-6 of slack on t, taken twice, and its rounding; and no refinement beyond the t whose
+    /// What a kernel may keep: 1e-6 of slack on t, taken three times, and its rounding; and no refinement beyond the t whose
     /// product with a scene-sized number may overflow f32.
     pub const ALLOWED: Bound = Bound { slack: 1.0 / (1u64 << 18) as f64, refine_to: 0.99e15 };
 }
 
 /// Children met by which a cluster is handed on undivided, where one affine bundle bounds the node's tiles too.
 pub const HAND_ON: usize = 4;
+
+/// How often a range of t is narrowed by the width of the bundle over it.
+const REFINEMENTS: u32 = 2;
 
 /// A node's address, as items of the lists name it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -154,7 +157,8 @@ impl Beam {
     }
 
     /// Some t in the range (t >= 0) may lie in the box: first with origins and directions apart, then with both
-    /// together where the bundle is widest in what was left. That width is convex in t, so largest at an end.
+    /// together where the bundle is widest in what was left, and again in what that leaves. The width is convex in t, so
+    /// largest at an end.
     fn meets(&self, range: [f64; 2], bound: Bound) -> bool {
         let still = self.half + self.p[1].abs() + self.p[2].abs();
         let widening = self.half_a_t + self.d[1].abs() + self.d[2].abs();
@@ -165,8 +169,12 @@ impl Beam {
         let width = |t: f64| {
             (self.p[1] + t * self.d[1]).abs() + (self.p[2] + t * self.d[2]).abs() + self.half + t * self.half_a_t
         };
-        let fine = self.within(width(coarse[0]).max(width(coarse[1])), DVec3::ZERO, coarse);
-        fine[0] <= fine[1]
+        let refine = |[from, to]: [f64; 2]| match from <= to {
+            true => self.within(width(from).max(width(to)), DVec3::ZERO, [from, to]),
+            false => [from, to],
+        };
+        let left = (0..REFINEMENTS).fold(coarse, |range, _| refine(range));
+        left[0] <= left[1]
     }
 
     /// The part of a range in which `|p + t d| <= still + t widening` in every component; empty: from > to.

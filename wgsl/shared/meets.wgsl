@@ -34,6 +34,9 @@ fn spread(node: Node, s: f32, t: f32) -> vec3<f32> {
 // Beyond this t the product of two scene-sized numbers may overflow f32: no refinement there.
 const T_REFINE: f32 = 1e15;
 
+// Each narrows the range of t; after two hardly anything more is culled.
+const REFINEMENTS: u32 = 2u;
+
 // The half of the rays with t of the sign s; range is that of s t.
 fn half_meets(node: Node, s: f32, range: vec2<f32>, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let q = node.p - centre;
@@ -48,10 +51,13 @@ fn half_meets(node: Node, s: f32, range: vec2<f32>, centre: vec3<f32>, half: vec
     if coarse.y > T_REFINE {
         return true;
     }
-    // together: where the spread is largest in that range
-    let r = half + max(spread(node, s, coarse.x), spread(node, s, coarse.y));
-    let fine = slab(q, d, r, vec3<f32>(0.0), coarse);
-    return fine.x <= fine.y;
+    // together: where the spread is largest in that range; once more in the range that this leaves
+    var range_left = coarse;
+    for (var k = 0u; k < REFINEMENTS && range_left.x <= range_left.y; k++) {
+        let r = half + max(spread(node, s, range_left.x), spread(node, s, range_left.y));
+        range_left = slab(q, d, r, vec3<f32>(0.0), range_left);
+    }
+    return range_left.x <= range_left.y;
 }
 
 fn node_meets(index: u32, centre: vec3<f32>, half: vec3<f32>) -> bool {

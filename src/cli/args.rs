@@ -1,0 +1,197 @@
+//! Commands and flags, each value checked as far as it can be without the scene.
+
+use crate::frame::Channel;
+use crate::scene::file::check_size;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Renders triangles through cameras whose rays do not meet in a point.
+#[derive(Debug, Parser)]
+#[command(name = "anamorph", version, disable_help_subcommand = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render one scene
+    Render(Box<RenderArgs>),
+    /// Measure the error of one EXR against another
+    Compare(CompareArgs),
+    /// Show what a scene's camera compiles to; `--help KIND`: the keys of a kind of camera
+    #[command(disable_help_flag = true)]
+    Camera(CameraArgs),
+    /// Show the adapters of this machine and the code paths they select
+    Info(InfoArgs),
+    /// Write a ready scene
+    Example(ExampleArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// Scene file, .toml or .json
+    pub scene: PathBuf,
+    /// Colour, 8-bit sRGB
+    #[arg(short, long, value_name = "OUT.png")]
+    pub output: Option<PathBuf>,
+    /// All asked-for channels, 32-bit
+    #[arg(long, value_name = "OUT.exr")]
+    pub exr: Option<PathBuf>,
+    /// Size of the image in pixels
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// What renders: compute (GPU) or reference (CPU, f64)
+    #[arg(long, value_name = "NAME", value_parser = engine)]
+    pub engine: Option<EngineName>,
+    /// Rays a pixel, averaged in colour and coverage; other channels stay those of the pixel's centre
+    #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 1)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub samples: u32,
+    /// Change a value of the scene, as in camera.vfov=40; may be given more than once
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Channels to compute and write, as in R,G,B,Z [default with --exr: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = channel)]
+    pub channels: Option<Vec<Channel>>,
+    /// Times and counts as JSON
+    #[arg(long, value_name = "R.json")]
+    pub report: Option<PathBuf>,
+    /// Measure the error against the f64 reference
+    #[arg(long)]
+    pub check: bool,
+    /// Time N frames after a warm-up frame
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub repeat: Option<u32>,
+    /// Every vertex is new in each timed frame
+    #[arg(long, requires = "repeat")]
+    pub moving: bool,
+    /// Adapter to use: a part of its name
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Do without 64-bit atomics
+    #[arg(long)]
+    pub no_int64: bool,
+    /// Print one pixel's ray, hit, candidates and margins instead
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = pixel, conflicts_with_all = [
+        "output", "exr", "engine", "samples", "channels", "report", "check", "repeat", "adapter", "no_int64",
+    ])]
+    pub pixel: Option<(u32, u32)>,
+}
+
+/// The engines of this version.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EngineName {
+    Compute,
+    Reference,
+}
+
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// The image to judge
+    pub a: PathBuf,
+    /// The image that it is held against
+    pub b: PathBuf,
+    /// Scene of both: tells which pixels are safe
+    #[arg(long, value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CameraArgs {
+    /// Scene file, .toml or .json
+    #[arg(required_unless_present = "help")]
+    pub scene: Option<PathBuf>,
+    /// Size of the image in pixels
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// Change a value of the scene, as in camera.vfov=40; may be given more than once
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Write the camera's pieces as the file of a mesh camera
+    #[arg(long, value_name = "FILE.json")]
+    pub export: Option<PathBuf>,
+    /// Write each pixel's P and D: an array of H x W x 6
+    #[arg(long, value_name = "RAYS.npy")]
+    pub rays: Option<PathBuf>,
+    /// Print help; with a kind of camera, its keys
+    #[arg(short, long, value_name = "KIND", num_args = 0..=1)]
+    pub help: Option<Option<String>>,
+}
+
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ExampleArgs {
+    /// Name of the example
+    #[arg(required_unless_present = "list")]
+    pub name: Option<String>,
+    /// Folder to write it to
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
+    /// Print all names
+    #[arg(long, conflicts_with_all = ["name", "out"])]
+    pub list: bool,
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    let (width, height): (u64, u64) = sides.ok_or("write it as WIDTHxHEIGHT, for example 800x600")?;
+    check_size(width, height).map_err(|e| e.to_string())?;
+    // both sides are far under 2^32 by the check above
+    Ok((width as u32, height as u32))
+}
+
+fn pixel(text: &str) -> Result<(u32, u32), String> {
+    let place = text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
+    place.ok_or_else(|| "write it as COLUMN,ROW, for example 400,300; row 0 is on top".into())
+}
+
+fn channel(name: &str) -> Result<Channel, String> {
+    let known = || Channel::ALL.map(Channel::name).join(", ");
+    Channel::from_name(name.trim()).ok_or_else(|| format!("no such channel; known: {}", known()))
+}
+
+fn engine(name: &str) -> Result<EngineName, String> {
+    const KNOWN: &str = "use compute or reference";
+    match name {
+        "compute" => Ok(EngineName::Compute),
+        "reference" => Ok(EngineName::Reference),
+        "raytrace" => Err(format!("the baseline engines are not in this version; {KNOWN}")),
+        _ if name.starts_with("raster") => Err(format!("the baseline engines are not in this version; {KNOWN}")),
+        _ => Err(format!("no such engine; {KNOWN}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_flags_fit_together() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn values_are_read_or_refused() {
+        assert_eq!(size("800x600"), Ok((800, 600)));
+        for wrong in ["800", "x", "0x5", "5x0", "-1x5", "70000x1", "65536x65536", "99999999999999999999x1"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(pixel("3, 4"), Ok((3, 4)));
+        assert!(pixel("3").is_err() && pixel("-1,2").is_err());
+        assert_eq!(channel("triangle.id"), Ok(Channel::TriangleId));
+        assert!(channel("q").is_err_and(|e| e.contains("bary.v")));
+        assert!(engine("raster-warp").is_err_and(|e| e.contains("not in this version")));
+    }
+}

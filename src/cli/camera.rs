@@ -1,0 +1,43 @@
+//! `anamorph camera`: what a scene's camera compiled to, and the keys of each kind.
+
+use super::args::{CameraArgs, Cli};
+use super::describe::Description;
+use super::render::load;
+use super::{export, kinds, memory, outputs, print};
+use crate::error::{Error, Result};
+use clap::CommandFactory;
+use std::path::PathBuf;
+
+/// Channels whose memory one pixel's six f64 take: 4 copies of 4 bytes each.
+const RAY_CHANNELS: usize = 3;
+
+pub fn run(args: &CameraArgs) -> Result<()> {
+    if let Some(kind) = &args.help {
+        return help(kind.as_deref());
+    }
+    let Some(path) = &args.scene else { return Err(Error::input("no scene given; see anamorph camera --help")) };
+    let (scene, camera) = load(path, &args.set, args.size)?;
+    outputs::check(path, args.export.iter().chain(&args.rays).map(PathBuf::as_path))?;
+    if args.rays.is_some() {
+        memory::check(camera.width, camera.height, RAY_CHANNELS)?;
+    }
+    if let Some(file) = &args.export {
+        export::write_pieces(file, &scene.camera, &camera)?;
+    }
+    if let Some(file) = &args.rays {
+        export::write_rays(file, &camera)?;
+    }
+    print(&Description::of(&scene.camera, &camera).to_string())
+}
+
+/// The keys of one kind, or the command's own help.
+fn help(kind: Option<&str>) -> Result<()> {
+    if let Some(kind) = kind {
+        return print(kinds::keys(kind)?);
+    }
+    let mut command = Cli::command();
+    command.build();
+    let Some(command) = command.find_subcommand_mut("camera") else { return Err(Error::work("no such command")) };
+    let text = command.render_help();
+    print(&format!("{text}\nKinds of camera: {}\n", kinds::names().join(", ")))
+}

@@ -1,0 +1,50 @@
+//! `anamorph example`: ready scenes, written where a person can change them.
+
+use super::args::ExampleArgs;
+use super::print;
+use crate::error::{Error, Result};
+use crate::example::{EXAMPLES, Example, Part};
+use crate::output::{check_writable, write_npy_f64, write_text};
+use std::path::Path;
+
+pub fn run(args: &ExampleArgs) -> Result<()> {
+    let Some(name) = args.name.as_deref().filter(|_| !args.list) else {
+        let line = |e: &Example| format!("{:<14}{}\n", e.name, e.shows);
+        return print(&EXAMPLES.iter().map(line).collect::<String>());
+    };
+    let example = EXAMPLES.iter().find(|e| e.name == name).ok_or_else(|| {
+        let known: Vec<_> = EXAMPLES.iter().map(|e| e.name).collect();
+        Error::input(format!("no example {name:?}; known: {}", known.join(", ")))
+    })?;
+    // the folder's parts that are missing are made: it is asked for by name, and holds nothing else's files
+    std::fs::create_dir_all(&args.out).map_err(|e| {
+        Error::work(format!("{}: the folder cannot be made: {e}; choose another --out", args.out.display()))
+    })?;
+    let parts = example.parts();
+    for (file, part) in &parts {
+        may_write(&args.out.join(file), part)?;
+    }
+    for (file, part) in &parts {
+        match part {
+            Part::Text(text) => write_text(&args.out.join(file), text)?,
+            Part::Vectors { width, height, numbers } => {
+                write_npy_f64(&args.out.join(file), &[*height, *width, 3], numbers)?;
+            }
+        }
+    }
+    let scene = args.out.join(example.scene_name());
+    print(&format!("{}\n", scene.display()))
+}
+
+/// Refuses to write over a text that somebody changed.
+fn may_write(path: &Path, part: &Part) -> Result<()> {
+    check_writable(path)?;
+    let there = std::fs::read(path).ok();
+    match (part, there) {
+        (Part::Text(text), Some(there)) if there != text.as_bytes() => {
+            let name = path.display();
+            Err(Error::work(format!("{name}: there is another text already; remove it or choose another --out")))
+        }
+        _ => Ok(()),
+    }
+}

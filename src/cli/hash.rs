@@ -1,0 +1,69 @@
+//! A hash of everything that decides a frame, for the header of its EXR.
+
+use crate::camera::{Camera, Rays};
+use crate::scene::Scene;
+use glam::DVec3;
+
+/// FNV-1a over 64-bit words instead of bytes.
+struct Fnv(u64);
+
+impl Fnv {
+    fn word(&mut self, word: u64) {
+        self.0 = (self.0 ^ word).wrapping_mul(0x0000_0100_0000_01b3);
+    }
+
+    fn number(&mut self, number: f64) {
+        self.word(number.to_bits());
+    }
+
+    fn vector(&mut self, v: DVec3) {
+        v.to_array().into_iter().for_each(|x| self.number(x));
+    }
+}
+
+/// The same for the same triangles, normals, materials, lights, background, image size and rays, however the scene
+/// file spells them; also across machines.
+pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
+    let mut h = Fnv(0xcbf2_9ce4_8422_2325);
+    let mesh = &scene.mesh;
+    for count in [mesh.positions.len(), mesh.triangles.len(), mesh.normals.len(), mesh.materials.len()] {
+        h.word(count as u64);
+    }
+    mesh.positions.iter().for_each(|p| h.vector(*p));
+    mesh.triangles.iter().chain(&mesh.corner_normals).flatten().for_each(|i| h.word(u64::from(*i)));
+    mesh.normals.iter().for_each(|n| h.vector(n.as_dvec3()));
+    mesh.material_of.iter().for_each(|m| h.word(u64::from(*m)));
+    for material in &mesh.materials {
+        material.diffuse.iter().for_each(|c| h.number(f64::from(*c)));
+        h.word(u64::from(material.two_sided));
+    }
+    h.word(scene.lights.len() as u64);
+    scene.lights.iter().for_each(|l| h.vector(*l));
+    scene.background.iter().for_each(|c| h.number(f64::from(*c)));
+    h.word(u64::from(camera.width) << 32 | u64::from(camera.height));
+    camera.t_range.iter().for_each(|t| h.number(*t));
+    rays(&mut h, camera);
+    h.0
+}
+
+fn rays(h: &mut Fnv, camera: &Camera) {
+    match &camera.rays {
+        Rays::Pieces(pieces) => {
+            for piece in &pieces.pieces {
+                piece.bundle.p.iter().chain(&piece.bundle.d).for_each(|v| h.vector(*v));
+                piece.bundle.h.iter().for_each(|x| h.number(*x));
+                for corner in piece.corners_px.iter().flatten() {
+                    h.number(corner.x);
+                    h.number(corner.y);
+                }
+            }
+        }
+        Rays::Field(field) => {
+            for (i, j) in (0..field.height).flat_map(|j| (0..field.width).map(move |i| (i, j))) {
+                let (p, d) = field.ray(i, j).unwrap_or_default();
+                h.vector(p);
+                h.vector(d);
+            }
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Whether an image fits this machine's memory: found out before the work, not by falling over in it.
+
+use crate::error::{Error, Result};
+use std::path::Path;
+
+/// Bytes a pixel that do not depend on the channels: visibility, picture, tables of tiles and pieces.
+const FIXED_BYTES: u64 = 32;
+/// Copies of a channel's four bytes alive at once: on the device, in a read-back buffer, joined, and being encoded.
+const COPIES: u64 = 4;
+
+/// Refuses an image of `width x height` pixels with `channels` planes that is larger than the free memory.
+///
+/// # Errors
+/// [`Error::Work`] that names the limit.
+pub fn check(width: u32, height: u32, channels: usize) -> Result<()> {
+    match free() {
+        Some(free) => fits(width, height, channels, free),
+        None => Ok(()),
+    }
+}
+
+fn fits(width: u32, height: u32, channels: usize, free: u64) -> Result<()> {
+    let pixels = u64::from(width) * u64::from(height);
+    let need = pixels * (FIXED_BYTES + 4 * COPIES * channels as u64);
+    if need <= free {
+        return Ok(());
+    }
+    let gib = |bytes: u64| bytes as f64 / f64::from(1u32 << 30);
+    let (need, free) = (gib(need), gib(free));
+    Err(Error::work(format!(
+        "an image of {width} x {height} with {channels} channels takes about {need:.1} GiB of memory and {free:.1} GiB \
+         are free; make it smaller or ask for fewer --channels"
+    )))
+}
+
+/// Free memory in bytes, the process group's own limit included; `None` where the system does not say.
+fn free() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
+    let machine = 1024 * line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?;
+    let number = |name: &str| {
+        let text = std::fs::read_to_string(Path::new("/sys/fs/cgroup").join(name)).ok()?;
+        text.trim().parse::<u64>().ok()
+    };
+    let group = number("memory.max").zip(number("memory.current")).map(|(most, now)| most.saturating_sub(now));
+    Some(group.map_or(machine, |g| g.min(machine)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_image_larger_than_the_memory_is_refused_with_the_limit() {
+        let free = 4 << 30;
+        assert!(fits(800, 600, 10, free).is_ok());
+        let error = fits(65_536, 16_384, 10, free).unwrap_err();
+        assert!(error.exit_code() == 1 && error.to_string().contains("4.0 GiB are free"), "{error}");
+    }
+}

@@ -1,0 +1,127 @@
+//! `anamorph render`: scene, camera, outputs, engine, frame, files, summary, in this order.
+
+mod backend;
+mod files;
+mod judged;
+mod samples;
+
+use super::args::{EngineName, RenderArgs};
+use super::progress::Progress;
+use super::{memory, print};
+use crate::camera::Camera;
+use crate::engine::RunOptions;
+use crate::error::{Error, Result};
+use crate::frame::Channel;
+use crate::plan::Wanted;
+use crate::reference;
+use crate::report::{FrameMs, Report};
+use crate::scene::{Scene, file};
+use backend::Backend;
+use files::Files;
+use std::path::Path;
+use std::time::Instant;
+
+pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
+    check_combination(args)?;
+    let progress = Progress::start("reading the scene");
+    let (scene, camera) = load(&args.scene, &args.set, args.size)?;
+    if let Some((x, y)) = args.pixel {
+        return explain_pixel(&scene, &camera, x, y);
+    }
+    let files = Files::new(args, &scene)?;
+    let wanted = wanted(args, &files);
+    memory::check(camera.width, camera.height, wanted.channels.len() + 3)?;
+
+    progress.now("opening the adapter");
+    let mut backend = Backend::open(args)?;
+    backend.check_size(&camera, &wanted)?;
+
+    progress.now("rendering");
+    let run = RunOptions { repeat: args.repeat.unwrap_or(0), moving: args.moving, capacities: None };
+    let mut rendered = samples::render(&mut backend, &scene, &camera, &wanted, args.samples, &run)?;
+    let extra = judged::render(args, &mut backend, &scene, &camera)?;
+    if args.check {
+        progress.now("checking against the reference");
+    }
+    let error = match &extra {
+        Some(extra) if args.check => Some(judged::judge(&scene, &camera, &rendered, extra, args.samples)?),
+        _ => None,
+    };
+
+    progress.now("writing");
+    files.write(&scene, &camera, &rendered)?;
+    let device = backend.device();
+    let frame_ms = FrameMs::of(&rendered.frame_ms);
+    if let Some(path) = &files.report {
+        if extra.is_some() {
+            rendered.left_out.retain(|l| l.what != "fragment counters");
+        }
+        let counts = extra.filter(|_| device.engine == "compute").map(|e| e.counts);
+        let mut report = Report::new(device.clone(), &scene, &camera, &rendered, counts);
+        report.samples = args.samples;
+        report.error = error.clone();
+        report.total_ms = started.elapsed().as_secs_f64() * 1e3;
+        files::write_report(path, &report)?;
+    }
+    drop(progress);
+    let check = error.map(|e| format!(" | check: {}, {} not near", e.comparison, e.not_near)).unwrap_or_default();
+    let (names, counted) = (files.names(), counted(&scene, &camera));
+    let (width, height, ms, adapter) = (camera.width, camera.height, milliseconds(frame_ms.median), device.adapter);
+    print(&format!("{names}{width}x{height} | {counted} | frame {ms} | {adapter}{check}\n"))
+}
+
+/// Flags that make no sense together, beyond what the parser knows.
+fn check_combination(args: &RenderArgs) -> Result<()> {
+    if args.engine != Some(EngineName::Reference) {
+        return Ok(());
+    }
+    let flags = [(args.adapter.is_some(), "--adapter"), (args.no_int64, "--no-int64"), (args.moving, "--moving")];
+    match flags.iter().find(|f| f.0) {
+        Some((_, flag)) => Err(Error::input(format!("{flag} is for --engine compute; the reference runs on the CPU"))),
+        None => Ok(()),
+    }
+}
+
+/// The scene and its camera for an image of `size`, or of the scene's own size.
+pub(super) fn load(path: &Path, set: &[String], size: Option<(u32, u32)>) -> Result<(Scene, Camera)> {
+    let file = file::load(path, set)?;
+    let at = |e: Error| e.at(path.display());
+    let scene = Scene::from_file(file).map_err(at)?;
+    let camera = Camera::new(&scene.camera, size.or(scene.size)).map_err(at)?;
+    Ok((scene, camera))
+}
+
+fn explain_pixel(scene: &Scene, camera: &Camera, x: u32, y: u32) -> Result<()> {
+    let (width, height) = (camera.width, camera.height);
+    if x >= width || y >= height {
+        let last = format!("columns go from 0 to {} and rows from 0 to {}", width - 1, height - 1);
+        return Err(Error::input(format!("--pixel {x},{y} is outside the image of {width}x{height}; {last}")));
+    }
+    let text = reference::image::explain(scene, camera, x, y);
+    print(&format!("{}\n", text.trim_end()))
+}
+
+/// What the outputs need: the picture unless only channels are asked for.
+fn wanted(args: &RenderArgs, files: &Files) -> Wanted {
+    let mut channels = match &args.channels {
+        Some(list) => list.clone(),
+        None if files.exr.is_some() => Channel::ALL.to_vec(),
+        None => Vec::new(),
+    };
+    channels.sort_unstable();
+    channels.dedup();
+    Wanted { srgb8: files.color.is_some() || channels.is_empty(), channels, counting: false }
+}
+
+fn counted(scene: &Scene, camera: &Camera) -> String {
+    let of = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let triangles = of(scene.mesh.triangles.len(), "triangle");
+    match camera.piece_count() {
+        0 => format!("{triangles}, a ray a pixel"),
+        n => format!("{triangles}, {}", of(n, "piece")),
+    }
+}
+
+fn milliseconds(ms: f64) -> String {
+    if ms < 1000.0 { format!("{ms:.1} ms") } else { format!("{:.2} s", ms / 1e3) }
+}

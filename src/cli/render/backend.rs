@@ -1,0 +1,118 @@
+//! What renders: the compute engine on an adapter, or the reference on the CPU.
+
+use crate::camera::Camera;
+use crate::cli::args::{EngineName, RenderArgs};
+use crate::engine::{Counts, Engine, Rendered, RunOptions};
+use crate::error::{Error, Result};
+use crate::frame::{Channel, Frame};
+use crate::gpu::Gpu;
+use crate::gpu::device::{GpuOptions, NO_ADAPTER};
+use crate::output::srgb8;
+use crate::plan::Wanted;
+use crate::reference;
+use crate::report::Device;
+use crate::scene::Scene;
+use std::io::Write;
+use std::time::Instant;
+
+pub enum Backend {
+    Compute(Box<Engine>),
+    Reference,
+}
+
+/// Bytes that the widest table of a band has a pixel: a ray of a ray map, hi or lo.
+const FIELD_BYTES: u64 = 24;
+
+impl Backend {
+    /// The engine asked for; without any adapter the reference, and a line on stderr that says so.
+    pub fn open(args: &RenderArgs) -> Result<Backend> {
+        if args.engine == Some(EngineName::Reference) {
+            return Ok(Backend::Reference);
+        }
+        let options = GpuOptions { adapter: args.adapter.clone(), no_int64: args.no_int64 };
+        if let Some(gpu) = Gpu::open(&options)? {
+            return Ok(Backend::Compute(Box::new(Engine::new(gpu))));
+        }
+        if args.moving {
+            return Err(Error::work(format!("--moving needs an adapter: {NO_ADAPTER}")));
+        }
+        // a closed stderr is no reason not to render
+        let _ = writeln!(std::io::stderr(), "{NO_ADAPTER}; rendering on the CPU as --engine reference does");
+        Ok(Backend::Reference)
+    }
+
+    /// Refuses an image whose smallest band does not fit the adapter.
+    pub fn check_size(&self, camera: &Camera, wanted: &Wanted) -> Result<()> {
+        let Backend::Compute(engine) = self else { return Ok(()) };
+        let limit = engine.gpu.binding_limit();
+        let pixel = (4 * (wanted.channels.len() as u64 + 3)).max(FIELD_BYTES);
+        // one tile's rows and one more, one column more
+        let row = u64::from(crate::TILE + 1) * pixel;
+        let widest = (limit / row).saturating_sub(1);
+        if u64::from(camera.width) <= widest {
+            return Ok(());
+        }
+        let (width, name) = (camera.width, &engine.gpu.info.name);
+        Err(Error::input(format!(
+            "the image is {width} pixels wide; adapter {name} binds at most {limit} bytes of storage \
+             (max_storage_buffer_binding_size), which holds {widest}; make it narrower or use --engine reference"
+        )))
+    }
+
+    pub fn device(&self) -> Device {
+        match self {
+            Backend::Compute(engine) => {
+                let info = &engine.gpu.info;
+                let driver = format!("{} {}", info.driver, info.driver_info).trim().to_owned();
+                Device { adapter: info.name.clone(), driver, engine: "compute" }
+            }
+            Backend::Reference => Device { adapter: "cpu".into(), driver: String::new(), engine: "reference" },
+        }
+    }
+
+    pub fn render(&mut self, scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Result<Rendered> {
+        match self {
+            Backend::Compute(engine) => engine.render(scene, camera, wanted, run),
+            Backend::Reference => Ok(by_reference(scene, camera, wanted, run)),
+        }
+    }
+}
+
+/// A frame as the engine gives it, by the reference.
+fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Rendered {
+    let mut channels = wanted.channels.clone();
+    if wanted.srgb8 {
+        channels.extend([Channel::R, Channel::G, Channel::B]);
+    }
+    channels.sort_unstable();
+    channels.dedup();
+    let timed = || {
+        let started = Instant::now();
+        let frame = reference::image::image(scene, camera, &channels);
+        (frame, started.elapsed().as_secs_f64() * 1e3)
+    };
+    let (mut frame, first_ms) = timed();
+    let frame_ms = match run.repeat {
+        0 => vec![first_ms],
+        n => (0..n).map(|_| timed().1).collect(),
+    };
+    let srgb8 = if wanted.srgb8 { picture(&frame) } else { None };
+    frame.planes.retain(|(c, _)| wanted.channels.contains(c));
+    Rendered {
+        frame,
+        srgb8,
+        frame_ms,
+        stages: Vec::new(),
+        counts: Counts::default(),
+        bytes: 0,
+        left_out: Vec::new(),
+        grown: 0,
+    }
+}
+
+/// The frame's colour as opaque 8-bit sRGB, four bytes a pixel; `None` without colour.
+pub fn picture(frame: &Frame) -> Option<Vec<u8>> {
+    let (r, g, b) = (frame.f32(Channel::R)?, frame.f32(Channel::G)?, frame.f32(Channel::B)?);
+    let pixels = r.iter().zip(g).zip(b);
+    Some(pixels.flat_map(|((r, g), b)| [srgb8(*r), srgb8(*g), srgb8(*b), u8::MAX]).collect())
+}

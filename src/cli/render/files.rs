@@ -1,0 +1,98 @@
+//! The files of a render: which, whether they can be written, and what goes into them.
+
+use crate::camera::Camera;
+use crate::cli::args::RenderArgs;
+use crate::cli::describe::Description;
+use crate::cli::hash::scene_hash;
+use crate::cli::outputs;
+use crate::engine::Rendered;
+use crate::error::{Error, Result};
+use crate::output::{write_exr, write_png, write_text};
+use crate::report::Report;
+use crate::scene::Scene;
+use std::path::{Path, PathBuf};
+
+/// Where each output goes.
+#[derive(Debug)]
+pub struct Files {
+    pub color: Option<PathBuf>,
+    pub exr: Option<PathBuf>,
+    pub report: Option<PathBuf>,
+}
+
+/// Extensions of other kinds of images, which a PNG or an EXR must not be called.
+const IMAGES: [&str; 10] = ["png", "exr", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "webp", "hdr"];
+
+impl Files {
+    /// The command line's files, and the scene's where it names none; each one found to be writable.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where nothing would come of the render, or where two files are one; [`Error::Work`]
+    /// where a file cannot be written.
+    pub fn new(args: &RenderArgs, scene: &Scene) -> Result<Files> {
+        let files = Files {
+            color: args.output.clone().or_else(|| scene.output.color.clone()),
+            exr: args.exr.clone().or_else(|| scene.output.exr.clone()),
+            report: args.report.clone(),
+        };
+        if files.all().count() == 0 && !args.check {
+            return Err(Error::input(
+                "nothing to write; add -o OUT.png, --exr OUT.exr or an [output] table to the scene",
+            ));
+        }
+        named_as(files.color.as_deref(), "png", "colour is written as PNG; name it .png, or use --exr")?;
+        named_as(files.exr.as_deref(), "exr", "this output is written as EXR; name it .exr, or use -o for a PNG")?;
+        outputs::check(&args.scene, files.all())?;
+        Ok(files)
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Path> {
+        [&self.color, &self.exr, &self.report].into_iter().flatten().map(PathBuf::as_path)
+    }
+
+    /// The images' names and a space, for the summary.
+    pub fn names(&self) -> String {
+        let names: Vec<_> = [&self.color, &self.exr].into_iter().flatten().map(|p| p.display().to_string()).collect();
+        if names.is_empty() { String::new() } else { format!("{} ", names.join(", ")) }
+    }
+
+    /// Writes the images.
+    pub fn write(&self, scene: &Scene, camera: &Camera, rendered: &Rendered) -> Result<()> {
+        if let (Some(path), Some(rgba)) = (&self.color, &rendered.srgb8) {
+            let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+            write_png(path, camera.width, camera.height, &rgb)?;
+        }
+        if let Some(path) = &self.exr {
+            write_exr(path, &rendered.frame, &attributes(scene, camera)?)?;
+        }
+        Ok(())
+    }
+}
+
+fn named_as(path: Option<&Path>, extension: &str, remedy: &str) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let found = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if found != extension && IMAGES.contains(&found.as_str()) {
+        return Err(Error::input(format!("{}: {remedy}", path.display())));
+    }
+    Ok(())
+}
+
+/// What an EXR's header says about its channels and where they come from.
+fn attributes(scene: &Scene, camera: &Camera) -> Result<Vec<(String, String)>> {
+    let description = Description::of(&scene.camera, camera);
+    let described = serde_json::to_string(&description).map_err(|e| Error::work(format!("camera as JSON: {e}")))?;
+    let texts = [
+        ("anamorph.Z", "distance from P to the hit along the ray, world units; +inf where nothing is hit".to_owned()),
+        ("anamorph.t", "ray parameter of the hit, X = P + t D; +inf where nothing is hit".into()),
+        ("anamorph.camera", described),
+        ("anamorph.scene_hash", format!("{:016x}", scene_hash(scene, camera))),
+        ("anamorph.version", env!("CARGO_PKG_VERSION").into()),
+    ];
+    Ok(texts.into_iter().map(|(name, text)| (name.into(), text)).collect())
+}
+
+pub fn write_report(path: &Path, report: &Report) -> Result<()> {
+    let text = serde_json::to_string_pretty(report).map_err(|e| Error::work(format!("report as JSON: {e}")))?;
+    write_text(path, &(text + "\n"))
+}

@@ -1,0 +1,40 @@
+//! The frame beside the timed ones: for the report's counters, which slow a frame down, and for `--check`.
+
+use super::backend::Backend;
+use crate::camera::Camera;
+use crate::cli::args::RenderArgs;
+use crate::compare::compare;
+use crate::engine::{Rendered, RunOptions};
+use crate::error::Result;
+use crate::frame::Channel;
+use crate::plan::Wanted;
+use crate::reference::image;
+use crate::report::Judged;
+use crate::scene::Scene;
+
+/// One more frame where a report or a check needs it: counted, and with all channels for a check.
+pub fn render(args: &RenderArgs, backend: &mut Backend, scene: &Scene, camera: &Camera) -> Result<Option<Rendered>> {
+    let counting = args.report.is_some() && matches!(backend, Backend::Compute(_));
+    if !counting && !args.check {
+        return Ok(None);
+    }
+    let channels = if args.check { Channel::ALL.to_vec() } else { vec![Channel::TriangleId] };
+    let wanted = Wanted { channels, srgb8: false, counting };
+    backend.render(scene, camera, &wanted, &RunOptions::default()).map(Some)
+}
+
+/// The error against the reference. Each channel that was asked for is judged as it was rendered (averaged ones
+/// apart: the reference has one ray a pixel), the others as in `extra`.
+pub fn judge(scene: &Scene, camera: &Camera, asked: &Rendered, extra: &Rendered, samples: u32) -> Result<Judged> {
+    let mut frame = extra.frame.clone();
+    let averaged = |c: Channel| samples > 1 && matches!(c, Channel::R | Channel::G | Channel::B | Channel::A);
+    for (channel, plane) in &mut frame.planes {
+        let as_rendered = asked.frame.planes.iter().find(|(c, _)| c == channel && !averaged(*c));
+        if let Some((_, rendered)) = as_rendered {
+            plane.clone_from(rendered);
+        }
+    }
+    let truth = image::judge(scene, camera, &frame);
+    let comparison = compare(&frame, &truth.truth, Some(&truth.safe), Some(&truth.scales))?;
+    Ok(Judged { comparison, not_near: truth.not_near })
+}

@@ -1,0 +1,112 @@
+//! The files that examples' cameras read.
+
+use super::Part;
+use glam::DVec3;
+use serde::Serialize;
+
+/// A mesh camera's `file`.
+#[derive(Default, Serialize)]
+struct Pieces {
+    vertices: Vec<Vertex>,
+    triangles: Vec<[usize; 3]>,
+}
+
+#[derive(Serialize)]
+struct Vertex {
+    image: [f64; 2],
+    near: [f64; 3],
+    far: [f64; 3],
+}
+
+/// A grid of `columns x rows` cells over the image, two triangles each, with the rays (near, far) that `ray` gives
+/// for (a, b).
+fn grid(columns: usize, rows: usize, ray: impl Fn(f64, f64) -> (DVec3, DVec3)) -> Part {
+    let mut pieces = Pieces::default();
+    for j in 0..=rows {
+        for i in 0..=columns {
+            let (a, b) = (i as f64 / columns as f64, j as f64 / rows as f64);
+            let (near, far) = ray(a, b);
+            pieces.vertices.push(Vertex { image: [a, b], near: short(near), far: short(far) });
+        }
+    }
+    for j in 0..rows {
+        for i in 0..columns {
+            let k = j * (columns + 1) + i;
+            let below = k + columns + 1;
+            pieces.triangles.extend([[k, k + 1, below], [below, k + 1, below + 1]]);
+        }
+    }
+    // numbers and lists alone: nothing that JSON refuses
+    Part::Text(serde_json::to_string(&pieces).unwrap_or_default() + "\n")
+}
+
+/// Six digits behind the point, so that a person can read the file; the same on every machine, whatever the last
+/// bits of its sines are.
+fn short(v: DVec3) -> [f64; 3] {
+    (v * 1e6).round().to_array().map(|x| x / 1e6)
+}
+
+/// `mesh.json`: an eye above a city, with the picture's middle enlarged.
+pub fn lens() -> Vec<(&'static str, Part)> {
+    const EYE: DVec3 = DVec3::new(34.0, 40.0, 62.0);
+    const TARGET: DVec3 = DVec3::new(0.0, 3.0, 0.0);
+    const HALF_HEIGHT: f64 = 0.34;
+    const ASPECT: f64 = 4.0 / 3.0;
+    // the lens in half heights of the picture, and how much smaller angles are in its middle
+    const RADIUS: f64 = 0.9;
+    const DEPTH: f64 = 0.6;
+    let forward = (TARGET - EYE).normalize();
+    let right = forward.cross(DVec3::Y).normalize();
+    let up = right.cross(forward);
+    let ray = |a: f64, b: f64| {
+        let (x, y) = (ASPECT * (2.0 * a - 1.0), 1.0 - 2.0 * b);
+        let inside = (1.0 - (x * x + y * y) / (RADIUS * RADIUS)).max(0.0);
+        let scale = HALF_HEIGHT * (1.0 - DEPTH * inside * inside);
+        let direction = forward + scale * (x * right + y * up);
+        (EYE, EYE + (TARGET - EYE).length() * direction)
+    };
+    vec![("mesh.json", grid(15, 15, ray))]
+}
+
+/// `panorama.json`: an eye that goes round the y axis and looks at it.
+pub fn ring() -> Vec<(&'static str, Part)> {
+    const DISTANCE: f64 = 9.0;
+    const HEIGHT: f64 = 4.5;
+    const SWEEP_DEG: f64 = 270.0;
+    const LOWEST: f64 = -1.4;
+    const HIGHEST: f64 = 3.6;
+    let ray = |a: f64, b: f64| {
+        // to the right in the picture is to the right of the eye
+        let (sin, cos) = (SWEEP_DEG * (a - 0.5)).to_radians().sin_cos();
+        let near = DVec3::new(DISTANCE * sin, HEIGHT, DISTANCE * cos);
+        (near, DVec3::new(0.0, HIGHEST + b * (LOWEST - HIGHEST), 0.0))
+    };
+    vec![("panorama.json", grid(48, 1, ray))]
+}
+
+/// `fisheye-origins.npy` and `fisheye-directions.npy`: the angle from straight up grows with the distance from the
+/// picture's middle; NaN outside the circle.
+pub fn fisheye() -> Vec<(&'static str, Part)> {
+    const SIDE: u64 = 600;
+    const FIELD_DEG: f64 = 190.0;
+    const EYE: DVec3 = DVec3::new(0.3, 1.6, 0.2);
+    const NORTH: DVec3 = DVec3::NEG_Z;
+    const WEST: DVec3 = DVec3::NEG_X;
+    let place = |k: u64| 2.0 * (k as f64 + 0.5) / SIDE as f64 - 1.0;
+    let direction = |i: u64, j: u64| {
+        // lying on the back, head to the north: west is on the right
+        let (x, y) = (place(i), -place(j));
+        let radius = f64::hypot(x, y);
+        if radius > 1.0 {
+            return DVec3::NAN;
+        }
+        let (sin, cos) = (radius * FIELD_DEG.to_radians() / 2.0).sin_cos();
+        cos * DVec3::Y + sin / radius * (x * WEST + y * NORTH)
+    };
+    let pixels = || (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
+    let file = |numbers: Vec<f64>| Part::Vectors { width: SIDE, height: SIDE, numbers };
+    vec![
+        ("fisheye-origins.npy", file(pixels().flat_map(|_| EYE.to_array()).collect())),
+        ("fisheye-directions.npy", file(pixels().flat_map(|(i, j)| direction(i, j).to_array()).collect())),
+    ]
+}

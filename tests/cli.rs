@@ -1,0 +1,7 @@
+//! The program as a user runs it: good runs leave whole files, bad ones one line on stderr and nothing else.
+
+mod cli {
+    pub mod bad;
+    pub mod good;
+    pub mod program;
+}

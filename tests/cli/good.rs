@@ -1,0 +1,258 @@
+//! Renders, comparisons, cameras and examples that work.
+
+use super::program::{Place, SCENE};
+use anamorph::frame::{Channel, Frame};
+use anamorph::output::read_exr;
+use serde_json::Value;
+
+fn frame(place: &Place, name: &str) -> Frame {
+    read_exr(&place.path().join(name)).unwrap()
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+fn json_file(place: &Place, name: &str) -> Value {
+    json(&std::fs::read_to_string(place.path().join(name)).unwrap())
+}
+
+/// Renders the demo small with all outputs, and looks into each of them.
+fn renders_with(place: &Place, engine: &str) {
+    place.works(&["example", "demo"]);
+    let line = place.works(
+        &[
+            &["render", "demo.toml", "--engine", engine, "--size", "64x48"][..],
+            &["--exr", "all.exr", "--report", "r.json", "--check", "--repeat", "3"],
+        ]
+        .concat(),
+    );
+    assert!(
+        line.starts_with("demo.png, all.exr 64x48 | 48000 triangles, 1 piece | frame ") || line.contains("demo.png")
+    );
+    assert_eq!(line.lines().count(), 1, "{line}");
+    let picture = image::open(place.path().join("demo.png")).unwrap();
+    assert_eq!((picture.width(), picture.height(), picture.color()), (64, 48, image::ColorType::Rgb8));
+    let all = frame(place, "all.exr");
+    assert_eq!(all.planes.iter().map(|p| p.0).collect::<Vec<_>>(), Channel::ALL);
+    assert!(all.f32(Channel::A).unwrap().contains(&1.0) && all.f32(Channel::Z).unwrap().contains(&f32::INFINITY));
+
+    let report = json_file(place, "r.json");
+    for key in [
+        "adapter",
+        "driver",
+        "engine",
+        "width",
+        "height",
+        "triangles",
+        "pieces",
+        "frame_ms",
+        "total_ms",
+        "stages",
+        "pairs_tested",
+        "pairs_kept",
+        "fragments_tested",
+        "fragments_kept",
+        "rechecked",
+        "bytes",
+        "left_out",
+        "grown",
+        "error",
+    ] {
+        assert!(report.get(key).is_some(), "{key} is missing");
+    }
+    assert_eq!((&report["engine"], &report["width"], &report["height"]), (&engine.into(), &64.into(), &48.into()));
+    assert_eq!((&report["triangles"], &report["pieces"]), (&48000.into(), &1.into()));
+    let ms = |key: &str| report["frame_ms"][key].as_f64().unwrap();
+    assert!(
+        report["frame_ms"]["runs"] == 3 && 0.0 < ms("min") && ms("min") <= ms("median") && ms("median") <= ms("max")
+    );
+    assert!(report["total_ms"].as_f64().unwrap() > 3.0 * ms("min"));
+    assert_eq!((&report["error"]["wrong_safe"], &report["error"]["not_near"]), (&0.into(), &0.into()));
+    let count = |key: &str| report[key].as_u64();
+    if engine == "compute" {
+        assert!(count("pairs_kept") > Some(0) && count("fragments_kept") > Some(0) && count("bytes") > Some(0));
+        assert!(report["left_out"].as_array().unwrap().iter().all(|l| l["what"] != "fragment counters"));
+    } else {
+        assert!(report["pairs_kept"].is_null() && report["bytes"].is_null() && report["adapter"] == "cpu");
+    }
+}
+
+#[test]
+fn the_reference_renders() {
+    renders_with(&Place::new(), "reference");
+}
+
+#[test]
+fn the_compute_engine_renders_what_the_reference_does() {
+    let place = Place::new();
+    if !place.has_adapter() {
+        return;
+    }
+    renders_with(&place, "compute");
+    let reference = ["render", "demo.toml", "--engine", "reference", "--size", "64x48", "--exr", "truth.exr"];
+    place.works(&reference);
+    let compared = json(&place.works(&["compare", "all.exr", "truth.exr", "--scene", "demo.toml", "--json"]));
+    assert_eq!((&compared["wrong_safe"], &compared["not_near"]), (&0.into(), &0.into()));
+    assert_eq!(compared["pixels"], 64 * 48);
+    let moving = ["render", "demo.toml", "--size", "64x48", "--repeat", "2", "--moving", "--no-int64"];
+    place.works(&moving);
+}
+
+#[test]
+fn only_channels_that_are_asked_for_are_written() {
+    let place = Place::new();
+    place.write("scene.toml", SCENE.to_owned() + "[output]\ncolor = \"a.png\"\nexr = \"a.exr\"\n");
+    let by_reference = ["render", "scene.toml", "--engine", "reference", "--channels", "Z,R,Z"];
+    place.works(&by_reference);
+    assert_eq!(place.names(), ["a.exr", "a.png", "scene.toml"]);
+    let channels = |name| frame(&place, name).planes.iter().map(|p| p.0).collect::<Vec<_>>();
+    assert_eq!(channels("a.exr"), [Channel::R, Channel::Z]);
+    // flags win over [output]
+    place.works(&[&by_reference[..], &["--exr", "b.exr", "-o", "b.png"]].concat());
+    assert_eq!(place.names(), ["a.exr", "a.png", "b.exr", "b.png", "scene.toml"]);
+    if place.has_adapter() {
+        place.works(&["render", "scene.toml", "--channels", "triangle.id", "--exr", "c.exr"]);
+        assert_eq!(channels("c.exr"), [Channel::TriangleId]);
+        assert_eq!(frame(&place, "c.exr").planes[0].1, frame_of_ids(&place));
+    }
+}
+
+/// The ids of the reference's frame of `scene.toml`.
+fn frame_of_ids(place: &Place) -> anamorph::frame::Plane {
+    let args = ["render", "scene.toml", "--engine", "reference", "--channels", "triangle.id", "--exr", "ids.exr"];
+    place.works(&args);
+    frame(place, "ids.exr").planes.remove(0).1
+}
+
+#[test]
+fn frames_compare() {
+    let place = Place::new();
+    let render = |name: &str, set: &str| {
+        place.works(&["render", "scene.toml", "--engine", "reference", "--exr", name, "--set", set]);
+    };
+    render("a.exr", "camera.vfov=40");
+    render("b.exr", "camera.vfov=41");
+    let same = place.works(&["compare", "a.exr", "a.exr", "--scene", "scene.toml"]);
+    assert!(same.contains("0 with the wrong triangle") && same.contains("colour identical"), "{same}");
+    assert_eq!(json(&place.works(&["compare", "a.exr", "a.exr", "--json"]))["identical"], true);
+    let different = place.works(&["compare", "a.exr", "b.exr"]);
+    assert!(different.contains("PSNR") && !different.contains("identical"), "{different}");
+    assert!(json(&place.works(&["compare", "a.exr", "b.exr", "--json"]))["wrong_triangle"].as_u64() > Some(0));
+}
+
+#[test]
+fn more_samples_smooth_edges_and_leave_ids() {
+    let place = Place::new();
+    let render = |name: &str, samples: &str| {
+        place.works(&["render", "scene.toml", "--engine", "reference", "--exr", name, "--samples", samples]);
+        frame(&place, name)
+    };
+    let (one, four) = (render("1.exr", "1"), render("4.exr", "4"));
+    for channel in [Channel::Z, Channel::T, Channel::BaryU] {
+        assert_eq!(one.f32(channel), four.f32(channel));
+    }
+    assert_eq!(one.u32(Channel::TriangleId), four.u32(Channel::TriangleId));
+    let partly = |f: &Frame| f.f32(Channel::A).unwrap().iter().filter(|a| **a > 0.0 && **a < 1.0).count();
+    assert!(partly(&one) == 0 && partly(&four) > 10);
+    assert!(four.f32(Channel::A).unwrap().iter().all(|a| (a * 4.0).fract() == 0.0));
+}
+
+#[test]
+fn same_scene_same_bytes() {
+    let place = Place::new();
+    let render = |name: &str| place.works(&["render", "scene.toml", "--engine", "reference", "--exr", name]);
+    render("a.exr");
+    render("b.exr");
+    let bytes = |name: &str| std::fs::read(place.path().join(name)).unwrap();
+    assert_eq!(bytes("a.exr"), bytes("b.exr"));
+    let header = String::from_utf8_lossy(&bytes("a.exr")[..2000]).into_owned();
+    for text in ["distance from P to the hit along the ray", "anamorph.scene_hash", "\"kind\":\"pinhole\""] {
+        assert!(header.contains(text), "{text}");
+    }
+}
+
+#[test]
+fn an_exported_camera_has_the_same_rays() {
+    let place = Place::new();
+    for example in ["pinhole", "bilinear", "panorama"] {
+        place.works(&["example", example]);
+        let scene = format!("{example}.toml");
+        let told = place.works(&["camera", &scene, "--size", "32x24", "--export", "p.json", "--rays", "r.npy"]);
+        assert!(told.contains("pieces") && told.contains("class"), "{told}");
+        let bytes = std::fs::read(place.path().join("r.npy")).unwrap().len();
+        assert_eq!(bytes % 64, 0);
+        assert!(bytes > 32 * 24 * 6 * 8 && bytes < 32 * 24 * 6 * 8 + 256);
+        let text = std::fs::read_to_string(place.path().join(&scene)).unwrap();
+        let again =
+            text.split("[camera]").next().unwrap().to_owned() + "[camera]\nkind = \"mesh\"\nfile = \"p.json\"\n";
+        place.write("again.toml", again);
+        for (scene, exr) in [(scene.as_str(), "a.exr"), ("again.toml", "b.exr")] {
+            let args = ["render", scene, "--engine", "reference", "--size", "32x24", "--exr", exr, "-o", "o.png"];
+            place.works(&args);
+        }
+        let compared = json(&place.works(&["compare", "b.exr", "a.exr", "--scene", &scene, "--json"]));
+        assert_eq!(compared["wrong_safe"], 0, "{example}");
+    }
+    place.works(&["example", "fisheye"]);
+    assert!(place.works(&["camera", "fisheye.toml"]).contains("a ray of its own"));
+    let before = place.names();
+    let ran = place.run(&["camera", "fisheye.toml", "--export", "q.json"]);
+    assert!(ran.code == 2 && ran.err.contains("use --rays"), "{}", ran.err);
+    assert_eq!(place.names(), before);
+}
+
+#[test]
+fn classes_and_slits_are_named() {
+    let place = Place::new();
+    for (example, says) in [
+        ("pinhole", "class    pinhole, rays meet at t = 0"),
+        ("orthographic", "class    orthographic"),
+        ("pushbroom", "class    pushbroom, slit at"),
+        ("cross-slit", "class    cross-slit, slits at"),
+        ("pencil", "class    pencil, slit at"),
+        ("bilinear", "class    bilinear"),
+        ("mesh", "450 of pinhole"),
+        ("panorama", "96 of "),
+    ] {
+        place.works(&["example", example]);
+        let told = place.works(&["camera", &format!("{example}.toml")]);
+        assert!(told.contains(says), "{example}: {told}");
+    }
+}
+
+#[test]
+fn texts_are_printed() {
+    let place = Place::new();
+    assert!(place.works(&["--help"]).contains("render"));
+    assert!(place.works(&["--version"]).starts_with("anamorph "));
+    assert!(place.works(&["render", "--help"]).contains("--samples"));
+    assert!(place.works(&["camera", "--help"]).contains("Kinds of camera: pinhole"));
+    assert!(place.works(&["camera", "--help", "mesh"]).contains("normalize"));
+    assert!(place.works(&["info"]).starts_with("anamorph "));
+    let list = place.works(&["example", "--list"]);
+    assert_eq!(list.lines().count(), 10, "{list}");
+    let pixel = place.works(&["render", "scene.toml", "--pixel", "32,24"]);
+    assert!(pixel.contains("hit: triangle") && pixel.contains("safe: "), "{pixel}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn without_an_adapter_the_cpu_renders() {
+    let place = Place::new();
+    let run = |args: &[&str]| {
+        let mut command = place.command(args);
+        let none = command.env("VK_ICD_FILENAMES", "/nonexistent").env("VK_DRIVER_FILES", "/nonexistent");
+        let output = none.output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (output.status.code(), text(output.stdout), text(output.stderr))
+    };
+    let (code, out, err) = run(&["render", "scene.toml", "-o", "a.png", "--report", "r.json"]);
+    assert_eq!((code, err.lines().count()), (Some(0), 1), "{err}");
+    assert!(err.contains("no Vulkan adapter found") && out.ends_with("| cpu\n"), "{err}{out}");
+    assert_eq!(json_file(&place, "r.json")["engine"], "reference");
+    let (code, out, err) = run(&["info"]);
+    assert!(code == Some(0) && err.is_empty() && out.contains("--engine reference"), "{out}{err}");
+    let (code, _, err) = run(&["render", "scene.toml", "-o", "a.png", "--adapter", "llvm"]);
+    assert!(code == Some(2) && err.contains("there is: none"), "{err}");
+}

@@ -1,0 +1,106 @@
+//! Every pipeline and bind-group layout of every variant, built on a device without a driver that has the limits of a
+//! small adapter and no feature that the variant does not ask for.
+
+use anamorph::frame::Channel;
+use anamorph::gpu::device::{Abilities, STORAGE_BUFFERS};
+use anamorph::gpu::kernels::Variant;
+use anamorph::gpu::{Gpu, GpuOptions};
+use anamorph::stage::Stages;
+use wgpu::Features;
+
+/// wgpu's defaults (128 MiB bindings, 65,535 workgroups a side) and as many storage buffers as the kernels bind.
+fn limits() -> wgpu::Limits {
+    wgpu::Limits { max_storage_buffers_per_shader_stage: STORAGE_BUFFERS, ..wgpu::Limits::defaults() }
+}
+
+/// A device on an adapter that has these features and limits and nothing else.
+fn open(features: Features, limits: wgpu::Limits, options: &GpuOptions) -> anamorph::Result<Gpu> {
+    let noop =
+        wgpu::NoopBackendOptions { enable: true, features: Some(features), limits: Some(limits), ..Default::default() };
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::NOOP,
+        backend_options: wgpu::BackendOptions { noop, ..Default::default() },
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::NOOP));
+    Gpu::from_adapter(adapters.first().expect("the noop adapter"), options)
+}
+
+const F64: Features = Features::SHADER_F64.union(Features::SHADER_INT64);
+const ATOMICS: Features = Features::SHADER_INT64_ATOMIC_MIN_MAX.union(Features::SHADER_INT64);
+
+/// The sets of features that choose between the variants, the useless halves of them included.
+fn feature_sets() -> [(Features, bool, bool); 8] {
+    [
+        (Features::empty(), false, false),
+        (Features::SHADER_F64, false, false),
+        (Features::SHADER_INT64, false, false),
+        (Features::SHADER_INT64_ATOMIC_MIN_MAX, false, false),
+        (F64, true, false),
+        (ATOMICS, false, true),
+        (F64.union(ATOMICS), true, true),
+        (F64.union(ATOMICS).union(Features::TIMESTAMP_QUERY), true, true),
+    ]
+}
+
+#[test]
+fn abilities_follow_from_features_and_ask_for_no_more() {
+    for (features, f64, atomics64) in feature_sets() {
+        let has = Abilities::of(features);
+        assert_eq!((has.f64, has.atomics64), (f64, atomics64), "{features:?}");
+        assert!(features.contains(has.features()), "{features:?}: asks for {:?}", has.features());
+        let gpu = open(features, limits(), &GpuOptions::default()).unwrap();
+        assert_eq!(gpu.device.features(), has.features());
+    }
+    let all = open(Features::all(), limits(), &GpuOptions::default()).unwrap();
+    assert!(!all.device.features().contains(Features::SHADER_INT64_ATOMIC_ALL_OPS));
+}
+
+#[test]
+fn no_int64_leaves_the_64_bit_atomics_closed() {
+    let options = GpuOptions { no_int64: true, ..Default::default() };
+    let gpu = open(F64.union(ATOMICS), limits(), &options).unwrap();
+    assert_eq!(gpu.device.features(), F64);
+    assert!(gpu.has.f64 && !gpu.has.atomics64);
+}
+
+#[test]
+fn every_pipeline_builds_with_the_features_of_its_variant_alone() {
+    for (features, f64, atomics64) in feature_sets() {
+        let gpu = open(features, limits(), &GpuOptions::default()).unwrap();
+        for (field, counting) in [(false, false), (false, true), (true, false), (true, true)] {
+            let variant = Variant { f64, atomics64, field, counting };
+            Stages::new(&gpu, variant, &Channel::ALL).unwrap();
+            gpu.failure().unwrap_or_else(|e| panic!("{features:?} {variant:?}: {e}"));
+        }
+    }
+}
+
+#[test]
+fn a_variant_that_the_device_cannot_run_is_reported() {
+    for (f64, atomics64) in [(true, false), (false, true)] {
+        let gpu = open(Features::empty(), limits(), &GpuOptions::default()).unwrap();
+        let built = Stages::new(&gpu, Variant { f64, atomics64, field: false, counting: false }, &Channel::ALL);
+        assert!(built.is_err() || gpu.failure().is_err());
+    }
+}
+
+#[test]
+fn one_storage_buffer_fewer_is_an_error_that_names_it() {
+    let few = wgpu::Limits { max_storage_buffers_per_shader_stage: STORAGE_BUFFERS - 1, ..limits() };
+    let error = open(Features::empty(), few, &GpuOptions::default()).err().expect("an error").to_string();
+    assert!(error.contains(&format!("{} storage buffers", STORAGE_BUFFERS - 1)), "{error}");
+    assert!(!error.contains('\n'));
+}
+
+#[test]
+fn the_limit_on_storage_buffers_is_what_the_largest_kernel_binds() {
+    let most = [false, true].map(|field| {
+        let variant = Variant { f64: true, atomics64: true, field, counting: true };
+        let storage = |k: &anamorph::gpu::kernels::Kernel| {
+            k.bindings.iter().filter(|b| b.access != anamorph::gpu::kernels::Access::Uniform).count()
+        };
+        anamorph::gpu::kernels::all(variant, &Channel::ALL).iter().map(storage).max().unwrap()
+    });
+    assert_eq!(most.iter().max(), Some(&(STORAGE_BUFFERS as usize)));
+}

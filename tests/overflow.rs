@@ -1,0 +1,109 @@
+//! Lists that run over grow until they hold everything, and what cannot be held is an error that says so. Nothing to do
+//! without an adapter.
+
+mod common;
+
+use anamorph::camera::Camera;
+use anamorph::engine::{Capacities, Engine, RunOptions};
+use anamorph::error::Error;
+use anamorph::frame::Channel;
+use anamorph::plan::Wanted;
+use anamorph::scene::Scene;
+use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::gpu::{Without, engine_on, render_with, wanted, words};
+use common::rng::Rng;
+use common::{FORWARD, camera, mesh, scene, soup};
+use glam::DVec3;
+
+const SIZE: (u32, u32) = (101, 77);
+
+fn crowd() -> Scene {
+    scene(soup(&mut Rng(9), 1000, 0.8))
+}
+
+fn cameras() -> Vec<(&'static str, Camera)> {
+    let (name, kind) = glc_of_each_class().swap_remove(6);
+    vec![
+        (name, camera(kind, SIZE, FORWARD)),
+        ("mesh", camera(mesh_camera(1, 16, 16, MeshLook::default()), SIZE, FORWARD)),
+        ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
+    ]
+}
+
+#[test]
+fn lists_of_one_item_grow_to_the_identical_image() {
+    let scene = crowd();
+    for (name, camera) in cameras() {
+        for without in [Without::Nothing, Without::Int64Atomics, Without::F64] {
+            let Some(roomy) = render_with(&scene, &camera, without, &RunOptions::default()) else { return };
+            let large = Capacities { queue: 1 << 20, work: 1 << 20, pairs: 1 << 20 };
+            for start in [
+                Capacities { queue: 1, work: 1, pairs: 1 },
+                Capacities { queue: 1, ..large },
+                Capacities { work: 1, ..large },
+                Capacities { pairs: 1, ..large },
+            ] {
+                let run = RunOptions { capacities: Some(start), ..Default::default() };
+                let grown = render_with(&scene, &camera, without, &run).unwrap();
+                // a frame that shows three levels of nodes has two queues, and each fills the next
+                let most = if start.pairs == 1 && start.work == 1 { 8 } else { 4 };
+                let queued = start.queue > 1 || grown.grown > 0 || name == "mesh";
+                assert!(
+                    grown.grown <= most && (start.queue == 1 || grown.grown > 0) && queued,
+                    "{name} {start:?}: {}",
+                    grown.grown
+                );
+                assert!(words(&grown.frame) == words(&roomy.frame) && grown.srgb8 == roomy.srgb8, "{name} {start:?}");
+                assert_eq!(grown.counts, roomy.counts, "{name} {start:?}");
+            }
+            assert_eq!(
+                render_with(&scene, &camera, without, &RunOptions { capacities: Some(large), ..Default::default() })
+                    .unwrap()
+                    .grown,
+                0
+            );
+        }
+    }
+}
+
+/// Bytes of a binding on a very small adapter.
+const SMALL_BINDING: u64 = 1 << 16;
+
+fn small() -> Option<Engine> {
+    engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = SMALL_BINDING)
+}
+
+fn error_of(scene: &Scene, camera: &Camera, wanted: &Wanted) -> Option<Error> {
+    let error = small()?.render(scene, camera, wanted, &RunOptions::default()).expect_err("an error");
+    println!("{error}");
+    assert_eq!(error.exit_code(), 1);
+    assert!(!error.to_string().contains('\n'));
+    Some(error)
+}
+
+#[test]
+fn pairs_of_one_cluster_that_no_list_can_hold_are_an_error_with_stage_need_and_capacity() {
+    // one cluster of 64 triangles before some 200 cells a band: over 10,000 pairs, and a list holds 8,192
+    let wall = |k: u32| {
+        let z = k as f64 / 64.0;
+        [DVec3::new(-200.0, -100.0, z), DVec3::new(200.0, -100.0, z), DVec3::new(0.0, 300.0, z)]
+    };
+    let triangles = (0..64).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    let scene = scene(mesh((0..64).flat_map(wall).collect(), triangles));
+    let camera = camera(mesh_camera(1, 40, 12, MeshLook::default()), SIZE, FORWARD);
+    let Some(error) = error_of(&scene, &camera, &wanted()) else { return };
+    let text = error.to_string();
+    assert!(text.contains("raster") && text.contains(&(SMALL_BINDING / 8).to_string()), "{text}");
+}
+
+#[test]
+fn an_image_too_wide_for_a_binding_is_an_error_that_names_the_limit() {
+    let scene = crowd();
+    let (_, kind) = glc_of_each_class().swap_remove(0);
+    let camera = camera(kind, (1000, 8), FORWARD);
+    let Some(error) = error_of(&scene, &camera, &wanted()) else { return };
+    assert!(error.to_string().contains(&SMALL_BINDING.to_string()), "{error}");
+    // fewer channels fit
+    let few = Wanted { channels: vec![Channel::TriangleId], srgb8: false, counting: false };
+    small().unwrap().render(&scene, &camera, &few, &RunOptions::default()).unwrap();
+}

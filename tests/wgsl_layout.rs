@@ -1,0 +1,333 @@
+//! The rows that the host writes are the rows that the kernels read: every struct of `wgsl/shared/params.wgsl` and
+//! `shading.wgsl` against its twin in `src/gpu/rows.rs`, field by field, and every constant against its own.
+
+use anamorph::frame::Channel;
+use anamorph::gpu::kernels::{self, Variant};
+use anamorph::gpu::rows;
+use anamorph::scene::clusters::CORNER_ORDERS;
+use naga::{Expression, Literal, Module, ScalarKind, Statement, SwitchValue, TypeInner};
+use std::collections::BTreeMap;
+
+const PARAMS: &str = include_str!("../wgsl/shared/params.wgsl");
+const SHADING: &str = include_str!("../wgsl/shared/shading.wgsl");
+const ROWS: &str = include_str!("../src/gpu/rows.rs");
+
+/// One field as bytes: name, offset, size, kind of its numbers.
+#[derive(Debug, Clone, PartialEq)]
+struct Field {
+    name: String,
+    offset: usize,
+    size: usize,
+    kind: ScalarKind,
+}
+
+/// The variant that needs nothing.
+const PLAIN: Variant = Variant { f64: false, atomics64: false, field: false, counting: false };
+
+/// Structs by name: size and fields in order.
+type Layouts = BTreeMap<String, (usize, Vec<Field>)>;
+
+/// The numbers of a field's type.
+trait Words {
+    const KIND: ScalarKind;
+}
+
+impl Words for u32 {
+    const KIND: ScalarKind = ScalarKind::Uint;
+}
+
+impl Words for f32 {
+    const KIND: ScalarKind = ScalarKind::Float;
+}
+
+impl<T: Words, const N: usize> Words for [T; N] {
+    const KIND: ScalarKind = T::KIND;
+}
+
+fn field<S, T: Words>(name: &str, offset: usize, _: fn(&S) -> &T) -> Field {
+    Field { name: name.into(), offset, size: size_of::<T>(), kind: T::KIND }
+}
+
+/// The layout of a row of `rows`; a field that is left out does not compile.
+macro_rules! layout {
+    ($name:ident { $($field:ident),* $(,)? }) => {{
+        let every_field = |row: rows::$name| {
+            let rows::$name { $($field: _),* } = row;
+        };
+        let _ = every_field;
+        let fields = vec![$(field(stringify!($field), std::mem::offset_of!(rows::$name, $field), |r: &rows::$name| &r.$field)),*];
+        (stringify!($name).to_string(), (size_of::<rows::$name>(), fields))
+    }};
+}
+
+fn host() -> Layouts {
+    Layouts::from([
+        layout!(Params {
+            width,
+            height,
+            tiles_x,
+            tiles_y,
+            levels,
+            cluster_first,
+            cluster_count,
+            id_bits,
+            queue_capacity,
+            work_capacity,
+            pair_capacity,
+            piece_count,
+            id_first,
+            id_count,
+            band_row,
+            vertex_reach,
+            t_min,
+            t_max,
+            level_start,
+            level_width,
+            level_height,
+        }),
+        layout!(Step { value }),
+        layout!(Cluster { centre, first, half, count }),
+        layout!(Node { p, r_p, px, r_d, py, rays, d, pad0, dx, pad1, dy, pad2 }),
+        layout!(Cell { p, h, d, piece, tile, mask_lo, mask_hi, pad }),
+        layout!(Piece {
+            p_hi,
+            h_hi,
+            px_hi,
+            hx_hi,
+            py_hi,
+            hy_hi,
+            d_hi,
+            origin_x,
+            dx_hi,
+            origin_y,
+            dy_hi,
+            number,
+            p_lo,
+            h_lo,
+            px_lo,
+            hx_lo,
+            py_lo,
+            hy_lo,
+            d_lo,
+            pad1,
+            dx_lo,
+            pad2,
+            dy_lo,
+            pad3,
+        }),
+        layout!(Shading { background, ambient, light_count, has_normals, pad0, pad1 }),
+    ])
+}
+
+fn parse(source: &str) -> Module {
+    naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)))
+}
+
+fn wgsl(source: &str) -> Layouts {
+    let module = parse(source);
+    let kind = |inner: &TypeInner| {
+        let mut inner = inner;
+        while let TypeInner::Array { base, .. } = inner {
+            inner = &module.types[*base].inner;
+        }
+        inner.scalar_kind().expect("rows hold numbers only")
+    };
+    let mut layouts = Layouts::new();
+    for (_, ty) in module.types.iter() {
+        let TypeInner::Struct { members, span } = &ty.inner else { continue };
+        let fields = members.iter().map(|m| {
+            let inner = &module.types[m.ty].inner;
+            let size = inner.size(module.to_ctx()) as usize;
+            Field { name: m.name.clone().unwrap(), offset: m.offset as usize, size, kind: kind(inner) }
+        });
+        layouts.insert(ty.name.clone().unwrap(), (*span as usize, fields.collect()));
+    }
+    layouts
+}
+
+/// Whole-number constants by name.
+type Constants = BTreeMap<String, u32>;
+
+fn wgsl_constants(source: &str) -> Constants {
+    let module = parse(source);
+    let value = |e| match module.global_expressions[e] {
+        Expression::Literal(Literal::U32(v)) => v,
+        ref other => panic!("not a literal of u32: {other:?}"),
+    };
+    module.constants.iter().map(|(_, c)| (c.name.clone().unwrap(), value(c.init))).collect()
+}
+
+/// The names of the u32 constants that a Rust source makes public.
+fn rust_constants(source: &str) -> Vec<&str> {
+    let rest = source.lines().filter_map(|l| l.strip_prefix("pub const "));
+    rest.filter_map(|l| l.split_once(": u32")).map(|(name, _)| name).collect()
+}
+
+macro_rules! constants {
+    ($($name:ident),* $(,)?) => { Constants::from([$((stringify!($name).to_string(), rows::$name)),*]) };
+}
+
+fn host_constants() -> Constants {
+    let mut constants = constants![
+        GROUP,
+        BRANCH,
+        CLUSTER,
+        NONE,
+        RAYS_NONE,
+        RAYS_LOOSE,
+        RAYS_AFFINE,
+        COUNT_WORK,
+        COUNT_PAIRS,
+        COUNT_RECHECKED,
+        COUNT_PAIRS_TESTED,
+        COUNT_FRAGMENTS_TESTED,
+        COUNT_FRAGMENTS_KEPT,
+        COUNTERS,
+    ];
+    constants.insert("TILE".into(), anamorph::TILE);
+    constants
+}
+
+/// Constants of `rows` that the kernels hold in another file than `params.wgsl`, or in another form.
+const HELD_ELSEWHERE: [&str; 3] = ["ID_BITS_MAX", "ORDER_SHIFT", "ONE_SIDED"];
+
+/// What two maps do not agree on, one line each, missing keys on either side included.
+fn differences<V: PartialEq + std::fmt::Debug>(a: &BTreeMap<String, V>, b: &BTreeMap<String, V>) -> Vec<String> {
+    let keys: std::collections::BTreeSet<&String> = a.keys().chain(b.keys()).collect();
+    let differ = keys.into_iter().filter(|&k| a.get(k) != b.get(k));
+    differ.map(|k| format!("{k}: {:?} against {:?}", a.get(k), b.get(k))).collect()
+}
+
+#[test]
+fn every_struct_is_the_same_bytes_on_both_sides() {
+    let mut kernels = wgsl(PARAMS);
+    kernels.extend(wgsl(SHADING));
+    assert_eq!(differences(&host(), &kernels), [""; 0]);
+}
+
+#[test]
+fn every_constant_has_the_same_value_on_both_sides() {
+    assert_eq!(differences(&host_constants(), &wgsl_constants(PARAMS)), [""; 0]);
+    let known = host_constants();
+    let forgotten: Vec<&str> = rust_constants(ROWS)
+        .into_iter()
+        .filter(|name| !known.contains_key(*name) && !HELD_ELSEWHERE.contains(name))
+        .collect();
+    assert_eq!(forgotten, [""; 0], "constants of rows.rs that params.wgsl does not have");
+}
+
+/// Override constants of `shading.wgsl`: name and default.
+fn overrides() -> Vec<(String, u32)> {
+    let module = parse(SHADING);
+    let value = |e| match module.global_expressions[e] {
+        Expression::Literal(Literal::U32(v)) => v,
+        ref other => panic!("not a literal of u32: {other:?}"),
+    };
+    module.overrides.iter().map(|(_, o)| (o.name.clone().unwrap(), value(o.init.unwrap()))).collect()
+}
+
+#[test]
+fn every_channel_has_an_override_that_defaults_to_no_plane() {
+    for (k, (name, default)) in overrides().into_iter().enumerate() {
+        let channel = Channel::ALL[k];
+        let word = channel.name().trim_end_matches(".id").trim_start_matches("bary.").to_uppercase();
+        assert_eq!((name.as_str(), default), (format!("PLANE_{word}").as_str(), rows::NONE));
+        for kernel in [kernels::shade(PLAIN, &[channel]), kernels::write_srgb(&[channel])] {
+            assert_eq!(kernel.constants, [(name.as_str(), 0.0)]);
+        }
+    }
+    assert_eq!(overrides().len(), Channel::ALL.len());
+    let places: Vec<f64> = kernels::shade(PLAIN, &Channel::ALL).constants.iter().map(|c| c.1).collect();
+    assert_eq!(places, (0..Channel::ALL.len()).map(|k| k as f64).collect::<Vec<_>>());
+}
+
+#[test]
+fn the_last_word_of_a_triangle_row_is_cut_alike() {
+    let raster = kernels::raster(PLAIN).source;
+    let module = parse(&raster);
+    let constant = |name: &str| {
+        let (_, c) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
+        module.global_expressions[c.init].clone()
+    };
+    let is = |name: &str, value: u32| matches!(constant(name), Expression::Literal(Literal::U32(v)) if v == value);
+    assert!(is("ID_MASK", (1 << rows::ID_BITS_MAX) - 1));
+    assert!(is("ONE_SIDED", rows::ONE_SIDED));
+    assert_eq!(rows::ORDER_SHIFT, rows::ID_BITS_MAX);
+    assert!(raster.contains(&format!("(row.w >> {}u) & 7u", rows::ORDER_SHIFT)));
+    const { assert!(rows::ONE_SIDED >> rows::ORDER_SHIFT > 7, "the order's three bits end below the side's") };
+}
+
+/// The vectors that `corner_order` of `source` returns, by case; the default last.
+fn corner_orders(source: &str) -> Vec<[usize; 3]> {
+    let module = parse(source);
+    let (_, function) = module.functions.iter().find(|(_, f)| f.name.as_deref() == Some("corner_order")).unwrap();
+    let number = |e| match function.expressions[e] {
+        Expression::Literal(Literal::U32(v)) => v as usize,
+        ref other => panic!("not a literal: {other:?}"),
+    };
+    let cases = function.body.iter().find_map(|s| match s {
+        Statement::Switch { cases, .. } => Some(cases),
+        _ => None,
+    });
+    let cases = cases.unwrap().iter().enumerate().map(|(k, case)| {
+        let expected = if k < 5 { SwitchValue::U32(k as u32) } else { SwitchValue::Default };
+        assert_eq!(case.value, expected);
+        let value = case.body.iter().find_map(|s| match s {
+            Statement::Return { value } => *value,
+            _ => None,
+        });
+        match &function.expressions[value.unwrap()] {
+            Expression::Compose { components, .. } => [0, 1, 2].map(|c| number(components[c])),
+            other => panic!("not a vector: {other:?}"),
+        }
+    });
+    cases.collect()
+}
+
+#[test]
+fn the_six_corner_orders_are_the_same_table() {
+    let source = kernels::raster(PLAIN).source;
+    let shade = kernels::shade(PLAIN, &Channel::ALL).source;
+    assert_eq!((corner_orders(&source), corner_orders(&shade)), (CORNER_ORDERS.to_vec(), CORNER_ORDERS.to_vec()));
+    let planted = source.replace("vec3<u32>(2u, 0u, 1u)", "vec3<u32>(0u, 2u, 1u)");
+    assert_ne!(corner_orders(&planted), CORNER_ORDERS);
+}
+
+/// A change to one side that must be reported, by the struct that it touches.
+const PLANTED: [(&str, &str, &str); 7] = [
+    ("Params", "    tiles_x: u32,\n    tiles_y: u32,", "    tiles_y: u32,\n    tiles_x: u32,"),
+    ("Params", "vertex_reach: f32", "vertex_reach: u32"),
+    ("Cluster", "    half: vec3<f32>,\n    count: u32,", "    half: vec3<f32>,"),
+    ("Cluster", "centre: vec3<f32>", "middle: vec3<f32>"),
+    ("Cell", "    pad: u32,", "    pad: u32,\n    more: u32,"),
+    ("Node", "struct Node {", "struct Node {\n    first: u32,"),
+    ("Extra", "struct Step {", "struct Extra { a: u32 }\nstruct Step {"),
+];
+
+#[test]
+fn a_planted_difference_in_a_struct_is_seen() {
+    let mut host = host();
+    host.remove("Shading");
+    assert_eq!(differences(&host, &wgsl(PARAMS)), [""; 0]);
+    for (name, from, to) in PLANTED {
+        assert!(PARAMS.contains(from), "{from:?} is no longer there to be changed");
+        let seen = differences(&host, &wgsl(&PARAMS.replacen(from, to, 1)));
+        assert_eq!(seen.len(), 1, "{to:?}: {seen:?}");
+        assert!(seen[0].starts_with(&format!("{name}: ")), "{to:?}: {seen:?}");
+    }
+    let gone = host.remove("Step");
+    assert!(gone.is_some() && differences(&host, &wgsl(PARAMS)) != [""; 0], "a struct that the host lacks");
+}
+
+#[test]
+fn a_planted_difference_in_a_constant_is_seen() {
+    for (from, to) in [
+        ("COUNT_PAIRS: u32 = 9u", "COUNT_PAIRS: u32 = 8u"),
+        ("const CLUSTER: u32 = 64u;", ""),
+        ("const NONE", "const MORE: u32 = 1u;\nconst NONE"),
+    ] {
+        assert!(PARAMS.contains(from), "{from:?} is no longer there to be changed");
+        assert_eq!(differences(&host_constants(), &wgsl_constants(&PARAMS.replacen(from, to, 1))).len(), 1, "{to:?}");
+    }
+    assert_eq!(rust_constants("pub const A: u32 = 1;\nconst B: u32 = 2;\npub const C: u64 = 3;"), ["A"]);
+}

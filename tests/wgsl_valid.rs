@@ -1,0 +1,165 @@
+//! Every kernel of every variant is valid WGSL with the least capabilities that the variant may use, becomes SPIR-V,
+//! and keeps f64 to the operations that every driver translates right.
+
+use anamorph::frame::Channel;
+use anamorph::gpu::kernels::{self, Kernel, Variant};
+use anamorph::gpu::rows::GROUP;
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{Expression, Function, MathFunction, Module, ScalarKind, ShaderStage, TypeInner};
+
+/// All combinations of a variant's switches.
+fn variants() -> impl Iterator<Item = Variant> {
+    (0..16).map(|bits| Variant {
+        f64: bits & 1 != 0,
+        atomics64: bits & 2 != 0,
+        field: bits & 4 != 0,
+        counting: bits & 8 != 0,
+    })
+}
+
+/// What a kernel of `variant` may use beyond plain WGSL: `raster` and `shade` alone have variants of arithmetic, and
+/// `raster` alone merges.
+fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
+    let mut caps = Capabilities::empty();
+    caps.set(Capabilities::FLOAT64, variant.f64 && ["raster", "shade"].contains(&kernel.name));
+    caps.set(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX, variant.atomics64 && kernel.name == "raster");
+    caps.set(Capabilities::SHADER_INT64, !caps.is_empty());
+    caps
+}
+
+fn parse(source: &str) -> Result<Module, String> {
+    naga::front::wgsl::parse_str(source).map_err(|e| e.emit_to_string(source))
+}
+
+fn validate(module: &Module, caps: Capabilities) -> Result<ModuleInfo, String> {
+    Validator::new(ValidationFlags::all(), caps).validate(module).map_err(|e| format!("{:?}", e.into_inner()))
+}
+
+fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
+    for variant in variants() {
+        kernels::all(variant, &Channel::ALL).iter().for_each(|k| check(k, variant));
+    }
+}
+
+#[test]
+fn every_kernel_validates_with_the_capabilities_of_its_variant_alone() {
+    each_kernel(|kernel, variant| {
+        let module = parse(&kernel.source).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
+        let caps = allowed(kernel, variant);
+        validate(&module, caps).unwrap_or_else(|e| panic!("{} {variant:?} with {caps:?}: {e}", kernel.name));
+    });
+}
+
+#[test]
+fn no_capability_is_allowed_that_the_kernel_does_without() {
+    each_kernel(|kernel, variant| {
+        let module = parse(&kernel.source).unwrap();
+        for cap in allowed(kernel, variant).iter() {
+            let less = allowed(kernel, variant).difference(cap);
+            assert!(validate(&module, less).is_err(), "{} {variant:?} does not need {cap:?}", kernel.name);
+        }
+    });
+}
+
+#[test]
+fn every_kernel_has_one_entry_point_of_its_name_and_the_common_workgroup() {
+    each_kernel(|kernel, _| {
+        let module = parse(&kernel.source).unwrap();
+        let [entry] = &module.entry_points[..] else {
+            panic!("{}: {} entries", kernel.name, module.entry_points.len())
+        };
+        let side = if kernel.name == "args" { 1 } else { GROUP };
+        assert_eq!((entry.name.as_str(), entry.stage), (kernel.name, ShaderStage::Compute));
+        assert_eq!(entry.workgroup_size, [side, 1, 1], "{}", kernel.name);
+    });
+}
+
+#[test]
+fn every_binding_of_the_table_is_a_global_in_its_place() {
+    each_kernel(|kernel, _| {
+        let module = parse(&kernel.source).unwrap();
+        let mut globals: Vec<(u32, String)> = module
+            .global_variables
+            .iter()
+            .filter_map(|(_, g)| g.binding.map(|b| (b.binding, g.name.clone().unwrap_or_default())))
+            .collect();
+        globals.sort();
+        let table: Vec<(u32, String)> = (0..).zip(kernel.bindings.iter().map(|b| b.name.to_string())).collect();
+        assert_eq!(globals, table, "{}", kernel.name);
+    });
+}
+
+#[test]
+fn every_kernel_becomes_spirv() {
+    each_kernel(|kernel, variant| {
+        let module = parse(&kernel.source).unwrap();
+        let info = validate(&module, allowed(kernel, variant)).unwrap();
+        let mut constants = naga::back::PipelineConstants::default();
+        constants.extend(kernel.constants.iter().map(|&(name, value)| (name.to_string(), value)));
+        let entry = Some((ShaderStage::Compute, kernel.name));
+        let (module, info) = naga::back::pipeline_constants::process_overrides(&module, &info, entry, &constants)
+            .unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
+        let words = naga::back::spv::write_vec(&module, &info, &naga::back::spv::Options::default(), None)
+            .unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
+        assert_eq!(words.first(), Some(&0x0723_0203), "the magic number of SPIR-V");
+    });
+}
+
+/// f64 functions that SPIR-V has for 64 bits; its sin, exp and the like take 32 bits at most, and naga does not say so.
+const F64_FUNCTIONS: [MathFunction; 6] = [
+    MathFunction::Abs,
+    MathFunction::Min,
+    MathFunction::Max,
+    MathFunction::Sqrt,
+    MathFunction::Dot,
+    MathFunction::Cross,
+];
+
+/// Every function over f64 in the module that is not one of [`F64_FUNCTIONS`].
+fn forbidden_f64(module: &Module, info: &ModuleInfo) -> Vec<MathFunction> {
+    let mut found = Vec::new();
+    let mut scan = |function: &Function, info: &naga::valid::FunctionInfo| {
+        let is_f64 = |handle: naga::Handle<Expression>| {
+            let scalar = match info[handle].ty.inner_with(&module.types) {
+                TypeInner::Scalar(s) | TypeInner::Vector { scalar: s, .. } | TypeInner::Matrix { scalar: s, .. } => *s,
+                _ => return false,
+            };
+            scalar.kind == ScalarKind::Float && scalar.width == 8
+        };
+        for (handle, expression) in function.expressions.iter() {
+            let Expression::Math { fun, arg, arg1, arg2, arg3 } = *expression else { continue };
+            let wide = [Some(handle), Some(arg), arg1, arg2, arg3].into_iter().flatten().any(is_f64);
+            if wide && !F64_FUNCTIONS.contains(&fun) {
+                found.push(fun);
+            }
+        }
+    };
+    for (handle, function) in module.functions.iter() {
+        scan(function, &info[handle]);
+    }
+    for (index, entry) in module.entry_points.iter().enumerate() {
+        scan(&entry.function, info.get_entry_point(index));
+    }
+    found
+}
+
+#[test]
+fn f64_is_left_to_plain_arithmetic() {
+    let mut wide = 0;
+    each_kernel(|kernel, variant| {
+        let module = parse(&kernel.source).unwrap();
+        let info = validate(&module, allowed(kernel, variant)).unwrap();
+        assert_eq!(forbidden_f64(&module, &info), [], "{} {variant:?}", kernel.name);
+        wide += u32::from(allowed(kernel, variant).contains(Capabilities::FLOAT64));
+    });
+    assert_eq!(wide, 16, "raster and shade of eight variants each");
+}
+
+#[test]
+fn the_scan_sees_a_planted_sine_in_functions_and_entry_points() {
+    let planted = "fn deep(x: f64) -> f64 { return sin(x) + abs(x); }
+        @compute @workgroup_size(1) fn main() { var v = vec3<f64>(deep(1.0lf)); v = normalize(exp(v)); let w = sin(1.0f); }";
+    let module = parse(planted).unwrap();
+    let info = validate(&module, Capabilities::FLOAT64).unwrap();
+    assert_eq!(forbidden_f64(&module, &info), [MathFunction::Sin, MathFunction::Exp, MathFunction::Normalize]);
+}
