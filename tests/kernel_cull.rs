@@ -107,7 +107,8 @@ fn differences(input: &Input, kernel: &[[u32; 2]], needed: &Culled) -> Vec<Strin
         let mut lowest = vec![Address::unpack(node)];
         // what the twin hands on undivided the kernel may have descended, if it met fewer children
         while lowest.iter().any(|a| a.level > 1) {
-            lowest = lowest.iter().flat_map(|&a| if a.level > 1 { input.children(a).collect() } else { vec![a] }).collect();
+            lowest =
+                lowest.iter().flat_map(|&a| if a.level > 1 { input.children(a).collect() } else { vec![a] }).collect();
         }
         for at in lowest {
             let must = node_meets(input, at, cluster, Bound::NEEDED);
@@ -124,8 +125,7 @@ fn differences(input: &Input, kernel: &[[u32; 2]], needed: &Culled) -> Vec<Strin
 fn truly_met(input: &Input) -> Vec<[u32; 2]> {
     let p = &input.params;
     let nodes = (0..p.level_height[1]).flat_map(|y| (0..p.level_width[1]).map(move |x| Address { level: 1, x, y }));
-    let all: Vec<[u32; 2]> =
-        nodes.flat_map(|n| (0..input.clusters.len() as u32).map(move |c| [c, n.pack()])).collect();
+    let all: Vec<[u32; 2]> = nodes.flat_map(|n| (0..input.clusters.len() as u32).map(move |c| [c, n.pack()])).collect();
     let covers = |item: &[u32; 2]| bin::bin(input, &[*item], Real::F64).iter().any(|b| b.certain != 0);
     all.into_iter().filter(covers).collect()
 }
@@ -166,7 +166,11 @@ fn every_cluster_that_is_truly_seen_in_a_node_is_kept() {
             let seen = truly_met(&input);
             for [cluster, node] in seen {
                 let at = Address::unpack(node);
-                assert!(item_above(&items, cluster, at, input.params.levels).is_some(), "{}: {cluster}, {at:?}", case.name);
+                assert!(
+                    item_above(&items, cluster, at, input.params.levels).is_some(),
+                    "{}: {cluster}, {at:?}",
+                    case.name
+                );
             }
         }
     }
@@ -214,9 +218,7 @@ fn the_comparison_sees_planted_errors() {
     found(&|work| work.push([first[0], Address::unpack(first[1]).parent().pack()]), "more than once");
     let all = (0..input.clusters.len() as u32).flat_map(|c| {
         let p = &input.params;
-        (0..p.level_height[1]).flat_map(move |y| {
-            (0..p.level_width[1]).map(move |x| (c, Address { level: 1, x, y }))
-        })
+        (0..p.level_height[1]).flat_map(move |y| (0..p.level_width[1]).map(move |x| (c, Address { level: 1, x, y })))
     });
     let far = all.clone().find(|&(c, at)| !node_meets(&input, at, c, Bound::ALLOWED)).unwrap();
     found(&|work| work.push([far.0, far.1.pack()]), "no ray of");
@@ -225,7 +227,9 @@ fn the_comparison_sees_planted_errors() {
         &|work| {
             work.retain(|w| *w != handed);
             let children = input.children(Address::unpack(handed[1]));
-            work.extend(children.filter(|&c| node_meets(&input, c, handed[0], Bound::PLAIN)).map(|c| [handed[0], c.pack()]));
+            work.extend(
+                children.filter(|&c| node_meets(&input, c, handed[0], Bound::PLAIN)).map(|c| [handed[0], c.pack()]),
+            );
         },
         "not handed on",
     );

@@ -15,7 +15,9 @@ use anamorph::twin::key::key_id;
 use anamorph::twin::raster::{Tested, Visibility, raster, test};
 use anamorph::twin::{Input, Real};
 use common::rng::Rng;
-use stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, counters, list, random_case, read, run, seeds, upload};
+use stages::{
+    Bench, Case, POISON, SPARE, assert_poisoned, cases, counters, list, random_case, read, run, seeds, upload,
+};
 
 /// Share of pixels that may be excused because the twin's own bound leaves them undecided.
 /// Measured: 0.0006 in f32, 0.018 where every ninth pixel's ray meets a vertex; none in f64.
@@ -201,7 +203,11 @@ fn check(case: &Case, jobs: &[Job], (real, atomics64): (Real, bool), kernel: &Dr
     let pixels = kernel.words.len().max(1000) as f64;
     assert!(seen.excused as f64 <= most * pixels, "{name}: {} excused", seen.excused);
     let ordinary = !case.name.starts_with("seed");
-    assert!(real == Real::F32 || !ordinary || seen.t_relative <= T_RELATIVE_F64, "{name}: t off by {}", seen.t_relative);
+    assert!(
+        real == Real::F32 || !ordinary || seen.t_relative <= T_RELATIVE_F64,
+        "{name}: t off by {}",
+        seen.t_relative
+    );
     assert_eq!(u64::from(kernel.tested), twin.tested, "{name}: fragments tested");
     if doubtful == 0 {
         assert_eq!(u64::from(kernel.kept), twin.kept, "{name}: fragments kept");

@@ -194,10 +194,8 @@ fn the_comparison_sees_planted_errors() {
     let pixels = shade(&band[0], &visibility, Real::F64);
     let background = case.scene.background;
     let planes = Channel::ALL;
-    let right: Vec<u32> = planes
-        .iter()
-        .flat_map(|&c| pixels.iter().map(move |p| word(p, c, background).unwrap_or(POISON)))
-        .collect();
+    let right: Vec<u32> =
+        planes.iter().flat_map(|&c| pixels.iter().map(move |p| word(p, c, background).unwrap_or(POISON))).collect();
     assert_eq!(compare(&right, &pixels, &planes, background).wrong, Vec::<String>::new());
     let sure = |p: &Pixel| matches!(p, Pixel::Hit(s) if s.error.colour < 1e-3);
     let hit = pixels.iter().position(sure).unwrap();

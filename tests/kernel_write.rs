@@ -68,7 +68,9 @@ fn the_kernel_writes_what_its_twin_writes() {
     let case = cases().into_iter().find(|c| c.name == "bands and chunks").expect("a case of that name");
     let mut rng = Rng(5);
     // colour among other planes, and alone
-    for planes in [&Channel::ALL[..], &[Channel::R, Channel::G, Channel::B], &[Channel::R, Channel::G, Channel::B, Channel::Z]] {
+    for planes in
+        [&Channel::ALL[..], &[Channel::R, Channel::G, Channel::B], &[Channel::R, Channel::G, Channel::B, Channel::Z]]
+    {
         let tables = case.tables();
         for input in case.inputs(&tables, ROOMY) {
             let pixels = (input.params.width * input.params.height) as usize;

@@ -62,7 +62,9 @@ fn every_class_of_glc() {
 
 #[test]
 fn meshes_of_pieces() {
-    for (normalize, weights, torn) in [(false, false, false), (false, true, false), (true, true, false), (true, true, true)] {
+    for (normalize, weights, torn) in
+        [(false, false, false), (false, true, false), (true, true, false), (true, true, true)]
+    {
         let look = MeshLook { normalize, weights, torn };
         let mut scene = scene(icosphere(2));
         scene.lights = vec![DVec3::new(-1.0, -2.0, -1.0).normalize()];

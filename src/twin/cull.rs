@@ -169,9 +169,9 @@ impl Beam {
         let width = |t: f64| {
             (self.p[1] + t * self.d[1]).abs() + (self.p[2] + t * self.d[2]).abs() + self.half + t * self.half_a_t
         };
-        let refine = |[from, to]: [f64; 2]| match from <= to {
-            true => self.within(width(from).max(width(to)), DVec3::ZERO, [from, to]),
-            false => [from, to],
+        let refine = |[from, to]: [f64; 2]| {
+            // an empty range stays so
+            if from > to { [from, to] } else { self.within(width(from).max(width(to)), DVec3::ZERO, [from, to]) }
         };
         let left = (0..REFINEMENTS).fold(coarse, |range, _| refine(range));
         left[0] <= left[1]

@@ -102,7 +102,8 @@ pub fn test(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested 
     let t = normal.dot(v0 * b.h[0] - b.p[0]) / across;
     let lost = lost(input, rays, c, real);
     let edge_on = across.abs() <= lost.below;
-    let t_error = if edge_on { f64::INFINITY } else { (lost.above + t.abs() * lost.below) / (across.abs() - lost.below) };
+    let t_error =
+        if edge_on { f64::INFINITY } else { (lost.above + t.abs() * lost.below) / (across.abs() - lost.below) };
 
     let facing_away = (across > 0.0) != c.reversed;
     let hidden = c.one_sided && facing_away;

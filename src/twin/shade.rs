@@ -68,7 +68,10 @@ const SUM_UNITS: f64 = 5.0;
 /// All pixels of the band as the chunk of `input` sees them.
 pub fn shade(input: &Input, visibility: &Visibility, real: Real) -> Vec<Pixel> {
     let p = &input.params;
-    (0..p.width * p.height).into_par_iter().map(|pixel| shade_pixel(input, visibility.key(pixel as usize), pixel, real)).collect()
+    (0..p.width * p.height)
+        .into_par_iter()
+        .map(|pixel| shade_pixel(input, visibility.key(pixel as usize), pixel, real))
+        .collect()
 }
 
 fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel {

@@ -77,7 +77,8 @@ impl Case {
 
 /// The mesh moved and scaled into the ball of radius 1 about the origin.
 pub fn fitted(mut mesh: Mesh) -> Mesh {
-    let (lo, hi) = mesh.positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |b, p| (b.0.min(*p), b.1.max(*p)));
+    let (lo, hi) =
+        mesh.positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |b, p| (b.0.min(*p), b.1.max(*p)));
     let (middle, scale) = ((lo + hi) / 2.0, 2.0 / (hi - lo).length());
     mesh.positions.iter_mut().for_each(|p| *p = scale * (*p - middle));
     mesh
@@ -223,7 +224,11 @@ pub fn random_case(seed: u64) -> Case {
     let middle = if matches!(camera.rays, Rays::Field(_)) { DVec3::ZERO } else { offset };
     let (count, largest) = (1 + rng.below(300), (-6.0 * rng.unit()).exp2() * 4.0);
     let mesh = common::moved(common::soup(&mut rng, count, largest), middle);
-    Case::new(&format!("seed {seed}, {} of {}x{}, t {range:?}", camera.kind, size.0, size.1), part_one_sided(mesh), camera)
+    Case::new(
+        &format!("seed {seed}, {} of {}x{}, t {range:?}", camera.kind, size.0, size.1),
+        part_one_sided(mesh),
+        camera,
+    )
 }
 
 /// More clusters than the other cases have together, over a large image.
