@@ -222,7 +222,8 @@ fn fans(camera: &Camera, rng: &mut Rng, off: f64) -> Mesh {
 #[test]
 fn the_pixel_at_the_corner_of_a_fan_belongs_to_one_triangle() {
     for (name, camera) in exact_cameras() {
-        for (seed, off) in (0..).zip([0.0, 0.0, 0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4]) {
+        // on the centre, and off by so little that no sign is proven
+        for (seed, off) in (0..).zip([0.0, 0.0, 0.0, 0.0, 1e-15, 1e-14, 1e-13]) {
             let fans = fans(&camera, &mut Rng(seed), off);
             let apex = |i: u32, j: u32| i % 8 == 4 && j % 8 == 4;
             if !assert_hit_once(&format!("fans off by {off:e} px by {name}"), &fans, &camera, seed, apex) {
