@@ -45,8 +45,8 @@ fn raster(
         doubtful = without_bit(doubtful, bit);
         rechecked++;
         let b = pixel_bundle(whole, cell, bit % TILE, bit / TILE);
-        let s01 = edge_side(b, v0, v1 - v0);
-        if s01 == -edge_side(b, v0, v2 - v0) && s01 == edge_side(b, v1, v2 - v1) {
+        let s01 = edge_side(b, v0, v1);
+        if s01 == -edge_side(b, v0, v2) && s01 == edge_side(b, v1, v2) {
             covered = with_bit(covered, bit);
         }
     }

@@ -45,6 +45,11 @@ pub fn engine_on(less: impl FnOnce(&mut Gpu)) -> Option<Engine> {
     Some(Engine::new(gpu))
 }
 
+/// Whether the engine for `camera` has f64; false without an adapter.
+pub fn has_f64(camera: &Camera, without: Without) -> bool {
+    engine(camera, without).is_some_and(|e| e.gpu.has.f64)
+}
+
 /// All channels.
 pub fn wanted() -> Wanted {
     Wanted { channels: Channel::ALL.to_vec(), srgb8: true, counting: false }

@@ -34,13 +34,22 @@ fn sign_beyond(value: real, bound: real) -> i32 {
     return select(0, 1, value > bound) - select(0, 1, value < -bound);
 }
 
-// The side of the ray at the bundle's centre with respect to the edge from v along e:
-// the sign of E = e . (d x m), m = v h - p. Where E is 0 within its rounding, the first of its derivatives by x, y,
+// The vertex with m = v h - p and g = d x m counts as on the ray: see AT_RAY.
+fn is_at(b: Bundle, g: real3, m: real3) -> bool {
+    let sizes = size3(m) + real(params.vertex_reach) * abs(b.h) + size3(b.p);
+    return size3(g) <= AT_RAY * 16.0 * REAL_UNIT * size3(b.d) * sizes;
+}
+
+// The side of the ray at the bundle's centre with respect to the edge from v to w:
+// the sign of E = e . (d x m), e = w - v, m = v h - p. Where E is 0 within its rounding, the first of its derivatives by x, y,
 // xx, xy, yy that is not, and then 1: one infinitesimal shift of the pixel, the same for all triangles.
 // Bounds: a cross product of rounded factors, then a dot product, 16 units of |e| |d| |m| in all, where |m| stands for
 // the sizes that were subtracted; e carries the rounding of two stored vertices, 4 units of reach.
-fn edge_side(b: Bundle, v: real3, e: real3) -> i32 {
+// A vertex so near the ray that an edge at it may not be proven counts as on the ray, for all its edges alike: else the
+// proven ones and the others could contradict each other there.
+fn edge_side(b: Bundle, v: real3, w: real3) -> i32 {
     let reach = real(params.vertex_reach);
+    let e = w - v;
     let m = v * b.h - b.p;
     let mx = v * b.hx - b.px;
     let my = v * b.hy - b.py;
@@ -54,8 +63,11 @@ fn edge_side(b: Bundle, v: real3, e: real3) -> i32 {
     let nmy = size3(my) + reach * abs(b.hy);
 
     let g = cross(b.d, m);
-    var side = sign_beyond(dot(e, g), size_e * nd * nm + reach_e * size3(g));
-    if side != 0 { return side; }
+    var side = 0;
+    if !(is_at(b, g, m) || is_at(b, cross(b.d, w * b.h - b.p), w * b.h - b.p)) {
+        side = sign_beyond(dot(e, g), size_e * nd * nm + reach_e * size3(g));
+        if side != 0 { return side; }
+    }
     let gx = cross(b.dx, m) + cross(b.d, mx);
     side = sign_beyond(dot(e, gx), size_e * (ndx * nm + nd * nmx) + reach_e * size3(gx));
     if side != 0 { return side; }

@@ -5,6 +5,9 @@ alias real3 = vec3<f32>;
 // Rounding of one operation, relative: 2^-24.
 const REAL_UNIT: real = 5.9604645e-8;
 
+// No vertex counts as on the ray that is not: the signs that coverage proved by itself say otherwise.
+const AT_RAY: real = 0.0;
+
 // The bits of a number such that larger numbers have larger bits, high word second; +0 and -0 alike.
 fn ordered_bits(t: real) -> vec2<u32> {
     var w = bitcast<u32>(t);

@@ -5,6 +5,10 @@ alias real3 = vec3<f64>;
 // Rounding of a stored pair hi + lo of f32, relative: 2^-48.
 const REAL_UNIT: real = 3.5527136788005009e-15;
 
+// Within this many times the bound on its distance from the ray a vertex counts as on it: of two edges at it that are
+// further from parallel than some six times the inverse, at most one is unproven beyond.
+const AT_RAY: real = 1024.0;
+
 // The bits of a number such that larger numbers have larger bits, high word second; +0 and -0 alike.
 fn ordered_bits(t: real) -> vec2<u32> {
     let bits = bitcast<u64>(t);
