@@ -215,6 +215,16 @@ fn check(case: &Case, jobs: &[Job], (real, atomics64): (Real, bool), kernel: &Dr
 }
 
 #[test]
+fn the_twin_s_rule_has_the_kernel_s_constant() {
+    let case = cases().swap_remove(0);
+    for real in [Real::F64, Real::F32] {
+        let source = anamorph::gpu::kernels::raster(case.variant(real, false)).source;
+        let line = format!("const AT_RAY: real = {:?};", real.at_ray());
+        assert!(source.contains(&line), "{real:?}: no {line}");
+    }
+}
+
+#[test]
 fn the_comparison_sees_planted_errors() {
     let case = cases().into_iter().find(|c| c.name == "weighted pieces").expect("a case of that name");
     let tables = case.tables();

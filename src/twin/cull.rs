@@ -27,7 +27,7 @@ impl Bound {
 pub const HAND_ON: usize = 4;
 
 /// How often a range of t is narrowed by the width of the bundle over it.
-const REFINEMENTS: u32 = 2;
+pub const REFINEMENTS: u32 = 2;
 
 /// A node's address, as items of the lists name it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

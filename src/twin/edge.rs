@@ -24,46 +24,72 @@ const EDGE_UNITS: f64 = 16.0;
 const REACH_UNITS: f64 = 4.0;
 /// An f64 evaluation is off by 16 |e| |d| |m| 2^-53, a 32nd of the bound; two of them by a 16th.
 const EVALUATION_SHARE: f64 = 1.0 / 16.0;
+/// The bound on a vertex's distance is wider than its evaluation is off by a thousandfold more.
+const MEETING_SHARE: f64 = EVALUATION_SHARE / 1024.0;
 
 fn size(v: DVec3) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
 }
 
-/// An edge from `v` along `e` against a bundle, `m = v h - p`.
+/// A vertex `v` seen from a bundle: `m = v h - p`, and the sizes that were subtracted to get it.
+struct Seen {
+    m: [DVec3; 3],
+    size_m: [f64; 3],
+}
+
+impl Seen {
+    fn new(b: &Bundle, v: DVec3, reach: f64) -> Seen {
+        let m = [0, 1, 2].map(|k| v * b.h[k] - b.p[k]);
+        let mut size_m = [0, 1, 2].map(|k| size(m[k]) + reach * b.h[k].abs());
+        size_m[0] += size(b.p[0]);
+        Seen { m, size_m }
+    }
+
+    /// How far the middle ray passes, and how near it must to count as meeting the vertex.
+    fn off_ray(&self, b: &Bundle, real: Real) -> (f64, f64) {
+        let off = size(b.d[0].cross(self.m[0]));
+        (off, real.at_ray() * EDGE_UNITS * real.unit() * size(b.d[0]) * self.size_m[0])
+    }
+}
+
+/// An edge against a bundle.
 struct Edge<'a> {
     b: &'a Bundle,
     e: DVec3,
-    m: [DVec3; 3],
-    size_m: [f64; 3],
+    /// Where the edge starts.
+    v: Seen,
     size_d: [f64; 3],
     size_e: f64,
     reach_e: f64,
 }
 
 impl Edge<'_> {
-    fn new(b: &Bundle, v: DVec3, e: DVec3, reach: f64, real: Real) -> Edge<'_> {
-        let unit = real.unit();
-        let m = [0, 1, 2].map(|k| v * b.h[k] - b.p[k]);
-        let mut size_m = [0, 1, 2].map(|k| size(m[k]) + reach * b.h[k].abs());
-        size_m[0] += size(b.p[0]);
+    fn new(b: &Bundle, v: DVec3, w: DVec3, reach: f64, real: Real) -> Edge<'_> {
+        let (e, unit) = (w - v, real.unit());
         let size_e = EDGE_UNITS * unit * (size(e) + reach * unit);
-        Edge { b, e, m, size_m, size_d: b.d.map(size), size_e, reach_e: REACH_UNITS * unit * reach }
+        Edge { b, e, v: Seen::new(b, v, reach), size_d: b.d.map(size), size_e, reach_e: REACH_UNITS * unit * reach }
     }
 
     /// One coefficient of `E` and what rounding may hide of it.
     fn step(&self, terms: &[(usize, usize)]) -> (f64, f64) {
-        let g = terms.iter().map(|&(k, l)| self.b.d[k].cross(self.m[l])).sum::<DVec3>();
-        let sizes = terms.iter().map(|&(k, l)| self.size_d[k] * self.size_m[l]).sum::<f64>();
+        let g = terms.iter().map(|&(k, l)| self.b.d[k].cross(self.v.m[l])).sum::<DVec3>();
+        let sizes = terms.iter().map(|&(k, l)| self.size_d[k] * self.v.size_m[l]).sum::<f64>();
         (self.e.dot(g), self.size_e * sizes + self.reach_e * size(g))
     }
 }
 
-/// The side of the bundle's middle ray with respect to the edge from `v` along `e`: the sign of the first of value and
-/// derivatives that is not 0 within its rounding, and 1 where all are.
-pub fn side(b: &Bundle, v: DVec3, e: DVec3, reach: f64, real: Real) -> Side {
-    let edge = Edge::new(b, v, e, reach, real);
+/// The side of the bundle's middle ray with respect to the edge from `v` to `w`: the sign of the first of value and
+/// derivatives that is not 0 within its rounding, and 1 where all are. The value counts as 0 where the ray meets `v` or
+/// `w` within rounding, for all edges at that vertex alike.
+pub fn side(b: &Bundle, v: DVec3, w: DVec3, reach: f64, real: Real) -> Side {
+    let edge = Edge::new(b, v, w, reach, real);
     let mut doubtful = false;
-    for terms in STEPS {
+    let mut met = false;
+    for (off, bound) in [edge.v.off_ray(b, real), Seen::new(b, w, reach).off_ray(b, real)] {
+        met |= off <= bound;
+        doubtful |= (off - bound).abs() < MEETING_SHARE * bound;
+    }
+    for terms in STEPS.iter().skip(usize::from(met)) {
         let (value, bound) = edge.step(terms);
         doubtful |= match real {
             Real::F64 => (value.abs() - bound).abs() < EVALUATION_SHARE * bound,
@@ -78,16 +104,18 @@ pub fn side(b: &Bundle, v: DVec3, e: DVec3, reach: f64, real: Real) -> Side {
 }
 
 /// The side on which all rays within `r` px of the bundle's middle pass beyond any doubt of [`side`]; 0: not proven.
-pub fn side_over(b: &Bundle, v: DVec3, e: DVec3, reach: f64, real: Real, r: f64) -> i32 {
-    let edge = Edge::new(b, v, e, reach, real);
+pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, reach: f64, real: Real, r: f64) -> i32 {
+    let edge = Edge::new(b, v, w, reach, real);
+    let doubts = DOUBT_BOUNDS * (1.0 + real.at_ray());
     let (value, bound) = edge.step(STEPS[0]);
-    let mut room = DOUBT_BOUNDS * bound;
+    let mut room = doubts * bound;
     for (terms, scale) in STEPS.iter().zip([0.0, r, r, r * r, r * r, r * r]) {
         let (value, bound) = edge.step(terms);
-        room += scale * (value.abs() + DOUBT_BOUNDS * bound);
+        room += scale * (value.abs() + doubts * bound);
     }
     if value.abs() > room { value.signum() as i32 } else { 0 }
 }
 
-/// [`side`] doubts values up to twice its bound; as much again for the sizes' own growth over the square.
+/// [`side`] doubts values up to twice its bound; as much again for the sizes' own growth over the square, and for the
+/// far end of the edge, whose distance is up to twice the reach more.
 const DOUBT_BOUNDS: f64 = 4.0;

@@ -24,6 +24,15 @@ impl Real {
         }
     }
 
+    /// Within this many times the bound on its distance from the ray a vertex counts as on it; none does in f32, whose
+    /// coverage proves signs by itself.
+    pub fn at_ray(self) -> f64 {
+        match self {
+            Real::F64 => 1024.0,
+            Real::F32 => 0.0,
+        }
+    }
+
     /// Ordered bits of t above, id below. In f64 the id takes the place of t's lowest bits; an f32 has a word of its
     /// own.
     pub fn key(self, t: f64, id: u32, id_bits: u32) -> u64 {

@@ -45,7 +45,7 @@ const NOTHING: Tested = Tested { hit: None, doubtful: false };
 pub fn coverage(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
     let [v0, v1, v2] = c.v;
     let reach = f64::from(input.params.vertex_reach);
-    let of = |from: DVec3, to: DVec3| side(&rays.bundle, from, to - from, reach, real);
+    let of = |from: DVec3, to: DVec3| side(&rays.bundle, from, to, reach, real);
     let turned = |s: Side| Side { sign: -s.sign, ..s };
     let first = of(v0, v1);
     let second = of(v1, v2);
