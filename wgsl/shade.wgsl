@@ -65,7 +65,7 @@ fn shade(
     }
 }
 
-// Weights of the file's corners in recheck arithmetic: E12, E20 and E01 over their sum, which is N . d.
+// Weights of the file's corners in recheck arithmetic: E12, E20 and E01 over their sum, which is h N . d.
 fn weights_real(b: Bundle, triangle: vec4<u32>) -> vec3<f32> {
     let v0 = vertex_real(triangle.x);
     let v1 = vertex_real(triangle.y);

@@ -1,7 +1,6 @@
 //! The whole reference: hits against brute force, watertight fans and shells, the contract's special cases.
 
 mod make;
-mod timing;
 mod verdicts;
 
 use super::intersect::{Corners, meet};

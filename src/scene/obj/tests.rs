@@ -1,6 +1,5 @@
 use std::io::Cursor;
 use std::path::PathBuf;
-use std::time::Instant;
 
 use glam::DVec3;
 use proptest::prelude::*;
@@ -245,25 +244,6 @@ fn models_have_the_counts_of_their_list() {
         let folder = path.parent().unwrap();
         let chunked = parse_in_chunks(&text, "a", 1000, |library| mtl::load(folder, library)).unwrap();
         assert_eq!(mesh, chunked, "{name}");
-    }
-}
-
-/// Prints the speed on a large text; run with `--release -- --ignored --nocapture`.
-#[test]
-#[ignore = "a measurement, not a check"]
-fn speed() {
-    let Some(path) = model("beast.obj") else { return };
-    let text = std::fs::read(&path).unwrap();
-    let many = text.repeat(60);
-    for (name, text) in [("beast.obj", &text), ("60 times beast.obj", &many)] {
-        let best = (0..7)
-            .map(|_| {
-                let start = Instant::now();
-                assert!(parse(text, "a", |_| Ok(None)).is_ok());
-                start.elapsed().as_secs_f64()
-            })
-            .fold(f64::INFINITY, f64::min);
-        println!("{name}: {} bytes, {:.0} MB/s", text.len(), text.len() as f64 / best / 1e6);
     }
 }
 
