@@ -74,7 +74,7 @@ fn host() -> Layouts {
             queue_capacity,
             work_capacity,
             pair_capacity,
-            piece_count,
+            pad0,
             id_first,
             id_count,
             band_row,

@@ -49,9 +49,9 @@ const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 impl Frames<'_> {
     pub fn run(mut self, run: &RunOptions) -> Result<Rendered> {
         let mut grown = 0;
-        let started = Instant::now();
-        // the first frame, again until its lists hold everything
+        // the first frame, again until its lists hold everything; its time is that of the last try
         let (first, mut frame_ms) = loop {
+            let started = Instant::now();
             let submitted = self.submit(true)?;
             wait(self.gpu)?;
             match self.overflow(&submitted)? {

@@ -73,7 +73,7 @@ pub fn params(
         queue_capacity: capacities.queue as u32,
         work_capacity: capacities.work as u32,
         pair_capacity: capacities.pairs as u32,
-        piece_count: band.tiles.pieces.len() as u32,
+        pad0: 0,
         id_first: ids.first,
         id_count: ids.count,
         band_row: band.row,

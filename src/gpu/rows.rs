@@ -47,7 +47,7 @@ pub struct Params {
     pub queue_capacity: u32,
     pub work_capacity: u32,
     pub pair_capacity: u32,
-    pub piece_count: u32,
+    pub pad0: u32,
     pub id_first: u32,
     pub id_count: u32,
     pub band_row: u32,

@@ -1,4 +1,4 @@
-//! NumPy's .npy arrays: https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html.
+//! NumPy's .npy arrays: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};

@@ -28,7 +28,7 @@ struct Params {
     queue_capacity: u32,    // items
     work_capacity: u32,
     pair_capacity: u32,
-    piece_count: u32,
+    pad0: u32,
     id_first: u32,          // of the chunk of triangles that is bound
     id_count: u32,
     band_row: u32,          // image row of the band's first row
