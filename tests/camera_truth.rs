@@ -151,7 +151,7 @@ fn pieces_interpolate_by_weights() {
         let CameraKind::Mesh(spec) = kind.clone() else { unreachable!() };
         let camera = camera(kind, SIZE, FORWARD);
         for (i, j) in pixels() {
-            let (piece, bundle) = camera.pixel(i, j).unwrap();
+            let (piece, bundle) = camera.pixel(0, i, j).unwrap();
             let v = spec.triangles[piece as usize].map(|k| spec.vertices[k as usize]);
             let (a, b) = place(i, j);
             let l = barycentric(DVec2::new(a, b), v.map(|v| DVec2::from(v.image)));
@@ -204,7 +204,7 @@ fn pixels_exactly_on_a_border_belong_to_the_lowest_numbered_piece() {
             for (first, second, upper_first) in [(upper, lower, true), (lower, upper, false)] {
                 let camera = camera(halves(first, second), (side, side), FORWARD);
                 for (i, j) in (0..side).flat_map(|j| (0..side).map(move |i| (i, j))) {
-                    let owner = camera.pixel(i, j).unwrap().0;
+                    let owner = camera.pixel(0, i, j).unwrap().0;
                     let expected = if i == j { 0 } else { u32::from((i > j) != upper_first) };
                     assert_eq!(owner, expected, "{i},{j} of {side}");
                 }

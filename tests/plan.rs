@@ -41,8 +41,7 @@ fn random_field(rng: &mut Rng) -> Camera {
     let p: Vec<DVec3> = (0..n).map(|_| 5.0 * rng.vector()).collect();
     let d: Vec<DVec3> = (0..n).map(|_| if rng.below(9) == 0 { DVec3::ZERO } else { rng.vector() }).collect();
     let field = Field::new(SIZE.0, SIZE.1, &p, &d).unwrap();
-    let (kind, t_range, notes) = ("raymap", FORWARD, Vec::new());
-    Camera { kind, width: SIZE.0, height: SIZE.1, t_range, rays: Rays::Field(field), notes }
+    Camera::of("raymap", SIZE, FORWARD, Rays::Field(field))
 }
 
 fn cameras() -> Vec<(String, Camera)> {
@@ -85,7 +84,7 @@ fn cells_cut_the_image_as_the_camera_does() {
                 let pixels = (0..band.rows).flat_map(|y| (0..SIZE.0).map(move |x| (x, band.row + y)));
                 let mut owned = 0;
                 for (i, j) in pixels {
-                    let owner = camera.pixel(i, j).map(|(piece, _)| piece);
+                    let owner = camera.pixel(0, i, j).map(|(piece, _)| piece);
                     assert_eq!(claims(band, i, j), owner.into_iter().collect::<Vec<_>>(), "{name} at {i},{j}");
                     owned += owner.is_some() as u32;
                 }
@@ -101,13 +100,13 @@ fn cells_cut_the_image_as_the_camera_does() {
 #[test]
 fn a_piece_row_gives_the_rays_of_its_pixels() {
     for (name, camera) in cameras() {
-        let Rays::Pieces(_) = &camera.rays else { continue };
+        let Rays::Pieces(_) = &camera.layers[0] else { continue };
         let anchor = plan::anchor(&camera, None);
         let plan = Plan::new(&camera, 1, false, anchor, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
         for band in &plan.bands {
             for (i, j) in (0..band.rows).step_by(5).flat_map(|y| (0..SIZE.0).step_by(7).map(move |x| (x, band.row + y)))
             {
-                let Some((number, bundle)) = camera.pixel(i, j) else { continue };
+                let Some((number, bundle)) = camera.pixel(0, i, j) else { continue };
                 let row = band.tiles.pieces.iter().find(|p| p.number == number).unwrap();
                 let (x, y) = (i as f64 - row.origin_x as f64, (j - band.row) as f64 - row.origin_y as f64);
                 let v = |hi: [f32; 3], lo: [f32; 3]| Vec3::from(hi).as_dvec3() + Vec3::from(lo).as_dvec3();

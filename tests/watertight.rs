@@ -150,7 +150,7 @@ fn exact_cameras() -> Vec<(&'static str, Camera)> {
 
 /// The point of the ray of pixel place (i, j), beyond the image too, at `t`: exact for small dyadic t.
 fn on_ray(camera: &Camera, i: i32, j: i32, t: f64) -> DVec3 {
-    let (_, b) = camera.pixel(0, 0).unwrap();
+    let (_, b) = camera.pixel(0, 0, 0).unwrap();
     let ray = b.ray(i as f64, j as f64);
     ray.origin + t * ray.direction
 }
@@ -201,7 +201,7 @@ fn fans(camera: &Camera, rng: &mut Rng, off: f64) -> Mesh {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for (i, j) in (4..ALIGNED as i32).step_by(8).flat_map(|j| (4..ALIGNED as i32).step_by(8).map(move |i| (i, j))) {
         let apex = positions.len() as u32;
-        let (_, b) = camera.pixel(0, 0).unwrap();
+        let (_, b) = camera.pixel(0, 0, 0).unwrap();
         let ray = b.ray(i as f64 + off * rng.signed(), j as f64 + off * rng.signed());
         positions.push(ray.origin + 4.0 * ray.direction);
         let n = 4 + rng.below(8) as u32;

@@ -1,10 +1,20 @@
-//! Ray fields: a ray stored for every pixel (`raymap`).
+//! Ray fields: a ray for every pixel, read from a file (`raymap`) or given by a formula ([`RayMap`]).
 
-use super::bundle::Bundle;
+use super::SAFE_RADIUS_PX;
+use super::bundle::{Bundle, Ray};
 use crate::error::{Error, Result};
 use crate::output::read_vectors;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::fmt::Debug;
 use std::path::Path;
+use std::sync::Arc;
+
+/// A ray for every place of the image, by a formula.
+pub trait RayMap: Debug + Send + Sync {
+    /// The ray at image coordinates (a, b); `None`: no ray there.
+    fn ray(&self, a: f64, b: f64) -> Option<Ray>;
+}
 
 /// Rays row by row from the top left; `None` where the pixel has no ray.
 #[derive(Debug, Clone)]
@@ -12,6 +22,15 @@ pub struct Field {
     pub width: u32,
     pub height: u32,
     rays: Vec<Option<(DVec3, DVec3)>>,
+    /// The formula behind the rays, where there is one.
+    map: Option<Sampled>,
+}
+
+/// A formula, and where in a pixel its ray is taken, px from the pixel's top left corner.
+#[derive(Debug, Clone)]
+struct Sampled {
+    map: Arc<dyn RayMap>,
+    sample: DVec2,
 }
 
 impl Field {
@@ -25,7 +44,29 @@ impl Field {
         if rays.iter().all(Option::is_none) {
             return Err(Error::input("camera: no pixel of the ray map holds a finite ray with a direction"));
         }
-        Ok(Field { width, height, rays })
+        Ok(Field { width, height, rays, map: None })
+    }
+
+    /// The rays of a formula at the centres of `width x height` pixels.
+    pub fn of_map(width: u32, height: u32, map: Arc<dyn RayMap>) -> Result<Field> {
+        let field = Field::sampled(width, height, Sampled { map, sample: DVec2::splat(0.5) });
+        if field.rays.iter().all(Option::is_none) {
+            return Err(Error::input("camera: no pixel has a ray; make the image or its angles larger"));
+        }
+        Ok(field)
+    }
+
+    fn sampled(width: u32, height: u32, map: Sampled) -> Field {
+        let size = DVec2::new(width as f64, height as f64);
+        let pixels = (0..width as usize * height as usize).into_par_iter();
+        let place = |k: usize| DVec2::new((k % width as usize) as f64, (k / width as usize) as f64);
+        let rays = pixels.map(|k| map.ray(place(k) + map.sample, size)).collect();
+        Field { width, height, rays, map: Some(map) }
+    }
+
+    /// The formula behind the rays, where there is one.
+    pub fn map(&self) -> Option<&Arc<dyn RayMap>> {
+        self.map.as_ref().map(|m| &m.map)
     }
 
     /// Reads origins and directions from .npy or EXR files of one size.
@@ -87,14 +128,37 @@ impl Field {
         self.bundle_towards(i, j, 1, 1)
     }
 
-    /// The bundles on the four sides of the pixel's centre: bilinear interpolation has a slope for each.
+    /// The bundles on the four sides of the pixel's centre: bilinear interpolation has a slope for each; a formula the
+    /// secants to a place [`SAFE_RADIUS_PX`] away.
     pub fn quadrants(&self, i: u32, j: u32) -> Vec<Bundle> {
+        if let Some(map) = &self.map {
+            let sides = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(DVec2::from);
+            return sides.iter().filter_map(|&side| self.secants(map, i, j, side * SAFE_RADIUS_PX)).collect();
+        }
         [(1, 1), (-1, 1), (1, -1), (-1, -1)].iter().filter_map(|&(x, y)| self.bundle_towards(i, j, x, y)).collect()
     }
 
-    /// The field sampled `(dx, dy)` pixels from each pixel centre, bilinearly, clamped at the borders; no ray
+    /// The ray of the pixel with the formula's slopes towards `step` px away in x and in y; no slope to where there is no ray.
+    fn secants(&self, map: &Sampled, i: u32, j: u32, step: DVec2) -> Option<Bundle> {
+        let (p, d) = self.ray(i, j)?;
+        let at = DVec2::new(i as f64, j as f64) + map.sample;
+        let size = DVec2::new(self.width as f64, self.height as f64);
+        let slope = |by: DVec2, step: f64| match map.ray(at + by, size) {
+            Some((q, e)) => ((q - p) / step, (e - d) / step),
+            None => (DVec3::ZERO, DVec3::ZERO),
+        };
+        let (px, dx) = slope(DVec2::new(step.x, 0.0), step.x);
+        let (py, dy) = slope(DVec2::new(0.0, step.y), step.y);
+        Some(Bundle { p: [p, px, py], d: [d, dx, dy], h: [1.0, 0.0, 0.0] })
+    }
+
+    /// The field sampled `(dx, dy)` pixels from each pixel centre: by its formula, or bilinearly, clamped at the borders; no ray
     /// where any of the rays between which it lies is missing.
     pub(super) fn with_sample_offset(&self, dx: f64, dy: f64) -> Field {
+        if let Some(map) = &self.map {
+            let sample = DVec2::new(0.5 + dx, 0.5 + dy);
+            return Field::sampled(self.width, self.height, Sampled { sample, ..map.clone() });
+        }
         let at = |i: u32, j: u32| {
             let x = (i as f64 + dx).clamp(0.0, self.width as f64 - 1.0);
             let y = (j as f64 + dy).clamp(0.0, self.height as f64 - 1.0);
@@ -114,6 +178,14 @@ impl Field {
             sum.filter(|(_, d)| *d != DVec3::ZERO)
         };
         let rays = (0..self.height).flat_map(|j| (0..self.width).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();
-        Field { width: self.width, height: self.height, rays }
+        Field { width: self.width, height: self.height, rays, map: None }
+    }
+}
+
+impl Sampled {
+    /// Origin and direction at a place in pixels; `None` as well where the ray is not finite or has no direction.
+    fn ray(&self, at_px: DVec2, size: DVec2) -> Option<(DVec3, DVec3)> {
+        let Ray { origin: p, direction: d } = self.map.ray(at_px.x / size.x, at_px.y / size.y)?;
+        (p.is_finite() && d.is_finite() && d != DVec3::ZERO).then_some((p, d))
     }
 }

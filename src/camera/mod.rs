@@ -1,26 +1,38 @@
-//! Cameras: what a scene file asks for, compiled to bundles of rays.
+//! Cameras: what a scene file asks for, compiled to rays and curves.
 //!
-//! A camera is an image cut into pieces, each an affine homogeneous [`Bundle`] of rays ([`pieces`]), or a ray field
-//! read pixel by pixel ([`field`]). Everything after this module knows only these two.
+//! A camera's image is cut into pieces, each an affine homogeneous [`Bundle`] of rays ([`pieces`]); or it is a field
+//! with a ray ([`field`]) or a Bezier curve ([`curve`]) for each pixel. A chain stacks several of these as layers: its
+//! rays go on from one layer to the next. Everything after this module knows only these.
+//!
+//! [`kinds`] lists what a scene file may name; each named kind is a [`recipe::Recipe`] that builds such layers.
 
 pub mod bundle;
 pub mod central;
+pub mod curve;
+pub mod cut;
 pub mod field;
 pub mod glc;
+pub mod kinds;
 pub mod mesh;
+pub mod named;
 pub mod pieces;
+pub mod recipe;
 
 use crate::error::{Error, Result};
 use crate::scene::file::{CameraKind, CameraSpec};
+use crate::scene::mesh::Mesh;
 pub use bundle::{Bundle, Ray};
-pub use field::Field;
+pub use curve::{Curve, CurveMap, Curves};
+pub use field::{Field, RayMap};
 pub use pieces::{Piece, Pieces};
+use recipe::{Built, Setting};
 
-/// The rays of a camera.
+/// The rays of a layer.
 #[derive(Debug, Clone)]
 pub enum Rays {
     Pieces(Pieces),
     Field(Field),
+    Curves(Curves),
 }
 
 /// A camera compiled for an image of `width x height` pixels.
@@ -29,9 +41,10 @@ pub struct Camera {
     pub kind: &'static str,
     pub width: u32,
     pub height: u32,
-    /// Hits count for t in this closed range.
+    /// Hits count for t in this closed range, in every layer.
     pub t_range: [f64; 2],
-    pub rays: Rays,
+    /// One; or the layers of a chain, first to last, with t in [0, 1] each: a pixel's hit in the lowest layer wins.
+    pub layers: Vec<Rays>,
     /// What was left out of a partly degenerate camera, for a person to read.
     pub notes: Vec<String>,
 }
@@ -39,75 +52,133 @@ pub struct Camera {
 /// How far from a pixel's centre an answer must hold for the pixel to be safe (contract, section 5), px.
 pub const SAFE_RADIUS_PX: f64 = 1.0 / 16.0;
 
+/// Layers of a chain at most: a visibility key has 4 bits for them.
+pub const LAYERS_MAX: usize = 16;
+
 impl Camera {
-    /// Compiles `spec` for an image of `size`; a ray map brings its own size, which `size` may only repeat.
+    /// Compiles `spec` for an image of `size` and no scene; see [`Camera::in_scene`].
     pub fn new(spec: &CameraSpec, size: Option<(u32, u32)>) -> Result<Camera> {
-        if let CameraKind::Raymap { origins, directions } = &spec.kind {
-            let field = Field::load(origins, directions)?;
-            if size.is_some_and(|s| s != (field.width, field.height)) {
-                let (w, h) = (field.width, field.height);
-                return Err(Error::input(format!("image: the ray map is {w}x{h}; leave the size out or make it that")));
-            }
-            let (width, height) = (field.width, field.height);
-            let (rays, notes) = (Rays::Field(field), Vec::new());
-            return Ok(Camera { kind: "raymap", width, height, t_range: spec.t_range, rays, notes });
-        }
-        let (width, height) =
-            size.ok_or_else(|| Error::input("image: no size; give width and height in [image] or --size"))?;
-        let (w, h) = (width, height);
-        let mut notes = Vec::new();
-        let whole = |bundle| Pieces::whole(bundle, w, h);
-        let (kind, pieces) = match &spec.kind {
-            CameraKind::Pinhole { eye, target, up, vfov } => {
-                ("pinhole", whole(central::pinhole(*eye, *target, *up, *vfov, h)?))
-            }
-            CameraKind::Orthographic { eye, target, up, height } => {
-                ("orthographic", whole(central::orthographic(*eye, *target, *up, *height, h)?))
-            }
-            CameraKind::Glc { near, far } => ("glc", whole(glc::bundle(near, far, w, h)?)),
-            CameraKind::Mesh(mesh) => ("mesh", mesh::compile(mesh, w, h, &mut notes)?),
-            CameraKind::Raymap { .. } => unreachable!("handled above"),
+        Camera::in_scene(spec, size, &Mesh::default())
+    }
+
+    /// Compiles `spec` for an image of `size` in the scene of `mesh`, which cameras that track a target look at. A ray
+    /// map brings its own size, which `size` may only repeat.
+    pub fn in_scene(spec: &CameraSpec, size: Option<(u32, u32)>, mesh: &Mesh) -> Result<Camera> {
+        let setting = Setting { size, mesh, t_range: spec.t_range };
+        let (kind, built) = match &spec.kind {
+            CameraKind::Named(named) => (named.name, named.recipe.build(&setting)?),
+            plain => build_plain(plain, &setting)?,
         };
-        Ok(Camera { kind, width, height, t_range: spec.t_range, rays: Rays::Pieces(pieces), notes })
+        let Built { size: (width, height), layers, unit_t, notes } = built;
+        if layers.is_empty() || layers.len() > LAYERS_MAX {
+            let n = layers.len();
+            return Err(Error::input(format!("camera: {n} layers; a chain has 1 to {LAYERS_MAX}")));
+        }
+        let t_range = if unit_t { [0.0, 1.0] } else { spec.t_range };
+        Ok(Camera { kind, width, height, t_range, layers, notes })
+    }
+
+    /// A camera of one layer.
+    pub fn of(kind: &'static str, (width, height): (u32, u32), t_range: [f64; 2], rays: Rays) -> Camera {
+        Camera { kind, width, height, t_range, layers: vec![rays], notes: Vec::new() }
     }
 
     /// The same camera with every pixel's sample moved by `(dx, dy)` pixels from the pixel centre.
     pub fn with_sample_offset(&self, dx: f64, dy: f64) -> Camera {
-        let mut camera = self.clone();
-        camera.rays = match &self.rays {
+        let moved = |rays: &Rays| match rays {
             Rays::Pieces(p) => Rays::Pieces(p.with_sample(0.5 + dx, 0.5 + dy)),
             Rays::Field(f) => Rays::Field(f.with_sample_offset(dx, dy)),
+            Rays::Curves(c) => Rays::Curves(c.with_sample_offset(dx, dy)),
         };
-        camera
+        Camera { layers: self.layers.iter().map(moved).collect(), ..self.clone() }
     }
 
-    /// How many pieces the image is cut into; 0 for a ray field.
+    /// How many pieces the image is cut into, in all layers; 0 for a ray field.
     pub fn piece_count(&self) -> usize {
-        match &self.rays {
-            Rays::Pieces(p) => p.pieces.len(),
+        self.first_piece(self.layers.len()) as usize
+    }
+
+    /// Number of the first piece of a layer: those of the lower layers come before it.
+    pub fn first_piece(&self, layer: usize) -> u32 {
+        let count = |rays: &Rays| match rays {
+            Rays::Pieces(p) => p.pieces.len() as u32,
             Rays::Field(_) => 0,
+            Rays::Curves(c) => c.map.piece_count() as u32,
+        };
+        self.layers[..layer].iter().map(count).sum()
+    }
+
+    /// Some layer has curved rays.
+    pub fn is_curved(&self) -> bool {
+        self.layers.iter().any(|l| matches!(l, Rays::Curves(_)))
+    }
+
+    /// The piece of a layer that owns pixel `(i, j)`, numbered through all layers, and its bundle centred there; `None`:
+    /// no ray, or a curved one.
+    pub fn pixel(&self, layer: usize, i: u32, j: u32) -> Option<(u32, Bundle)> {
+        let (piece, bundle) = match &self.layers[layer] {
+            Rays::Pieces(p) => p.owner(i, j).map(|k| (k, p.bundle_at(k, i, j)))?,
+            Rays::Field(f) => f.bundle(i, j).map(|b| (0, b))?,
+            Rays::Curves(_) => return None,
+        };
+        Some((self.first_piece(layer) + piece, bundle))
+    }
+
+    /// The ray of pixel `(i, j)` in a layer as a curve over t in [0, 1], and its piece numbered through all layers.
+    pub fn curve(&self, layer: usize, i: u32, j: u32) -> Option<(u32, Curve)> {
+        match &self.layers[layer] {
+            Rays::Curves(c) => c.near(i, j, (0.0, 0.0)).map(|(k, curve)| (self.first_piece(layer) + k, curve)),
+            _ => self.pixel(layer, i, j).map(|(k, b)| (k, Curve::of_ray(&b.ray(0.0, 0.0)))),
         }
     }
 
-    /// The piece that owns pixel `(i, j)` and its bundle centred there; `None`: no ray.
-    pub fn pixel(&self, i: u32, j: u32) -> Option<(u32, Bundle)> {
-        match &self.rays {
-            Rays::Pieces(p) => p.owner(i, j).map(|k| (k, p.bundle_at(k, i, j))),
-            Rays::Field(f) => f.bundle(i, j).map(|b| (0, b)),
-        }
-    }
-
-    /// The bundles of all pieces that come within [`SAFE_RADIUS_PX`] of the centre of pixel `(i, j)`, the owner's
-    /// first; and whether some place that near lies outside every piece. Empty where the pixel has no ray.
-    pub fn near(&self, i: u32, j: u32) -> (Vec<Bundle>, bool) {
-        match &self.rays {
+    /// The bundles of all pieces of a layer of straight rays that come within [`SAFE_RADIUS_PX`] of the centre of pixel
+    /// `(i, j)`, the owner's first; and whether some place that near lies outside every piece. Empty where the pixel has no
+    /// ray.
+    pub fn near(&self, layer: usize, i: u32, j: u32) -> (Vec<Bundle>, bool) {
+        match &self.layers[layer] {
             Rays::Pieces(p) => p.near(i, j, SAFE_RADIUS_PX),
             Rays::Field(f) => (f.quadrants(i, j), false),
+            Rays::Curves(_) => (Vec::new(), true),
         }
     }
 
-    /// The ray of pixel `(i, j)`.
+    /// The first segment of pixel `(i, j)`: its ray, or the chord of its curve.
     pub fn ray(&self, i: u32, j: u32) -> Option<Ray> {
-        self.pixel(i, j).map(|(_, b)| b.ray(0.0, 0.0))
+        (0..self.layers.len()).find_map(|layer| match &self.layers[layer] {
+            Rays::Curves(_) => self.curve(layer, i, j).map(|(_, c)| {
+                let p = c.points();
+                Ray { origin: p[0], direction: p[c.degree()] - p[0] }
+            }),
+            _ => self.pixel(layer, i, j).map(|(_, b)| b.ray(0.0, 0.0)),
+        })
     }
+}
+
+/// The cameras that the scene file reads itself.
+fn build_plain(kind: &CameraKind, setting: &Setting) -> Result<(&'static str, Built)> {
+    if let CameraKind::Raymap { origins, directions } = kind {
+        let field = Field::load(origins, directions)?;
+        let size = (field.width, field.height);
+        if setting.size.is_some_and(|s| s != size) {
+            let (w, h) = size;
+            return Err(Error::input(format!("image: the ray map is {w}x{h}; leave the size out or make it that")));
+        }
+        return Ok(("raymap", Built::new(size, Rays::Field(field))));
+    }
+    let (w, h) = setting.size()?;
+    let mut notes = Vec::new();
+    let whole = |bundle| Pieces::whole(bundle, w, h);
+    let (kind, pieces) = match kind {
+        CameraKind::Pinhole { eye, target, up, vfov } => {
+            ("pinhole", whole(central::pinhole(*eye, *target, *up, *vfov, h)?))
+        }
+        CameraKind::Orthographic { eye, target, up, height } => {
+            ("orthographic", whole(central::orthographic(*eye, *target, *up, *height, h)?))
+        }
+        CameraKind::Glc { near, far } => ("glc", whole(glc::bundle(near, far, w, h)?)),
+        CameraKind::Mesh(mesh) => ("mesh", mesh::compile(mesh, w, h, &mut notes)?),
+        CameraKind::Raymap { .. } | CameraKind::Named(_) => unreachable!("handled above and by the caller"),
+    };
+    Ok((kind, Built { notes, ..Built::new((w, h), Rays::Pieces(pieces)) }))
 }

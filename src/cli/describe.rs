@@ -51,9 +51,9 @@ const WEIGHTED: &str = "weighted (its corners' w differ)";
 impl Description {
     pub fn of(spec: &CameraSpec, camera: &Camera) -> Description {
         let corners = corner_rays(spec, camera);
-        let bundle = match &camera.rays {
-            Rays::Pieces(p) => p.pieces.first().filter(|piece| piece.corners_px.is_none()).map(|piece| &piece.bundle),
-            Rays::Field(_) => None,
+        let bundle = match camera.layers.as_slice() {
+            [Rays::Pieces(p)] => p.pieces.first().filter(|piece| piece.corners_px.is_none()).map(|piece| &piece.bundle),
+            _ => None,
         };
         let rows = |v: &[DVec3; 3]| v.map(|v| v.to_array());
         Description {
@@ -94,7 +94,7 @@ fn count_classes(pieces: &[[CameraVertex; 3]]) -> Vec<ClassCount> {
 
 /// The rays at three corners of every piece, from the numbers as written where the scene has them.
 fn corner_rays(spec: &CameraSpec, camera: &Camera) -> Vec<[CameraVertex; 3]> {
-    match (&spec.kind, &camera.rays) {
+    match (&spec.kind, &camera.layers[0]) {
         (CameraKind::Mesh(mesh), _) => {
             let vertices = plain_vertices(mesh);
             mesh.triangles.iter().map(|t| t.map(|i| vertices[i as usize])).collect()
@@ -113,7 +113,7 @@ fn corner_rays(spec: &CameraSpec, camera: &Camera) -> Vec<[CameraVertex; 3]> {
                 })
                 .collect()
         }
-        (_, Rays::Field(_)) => Vec::new(),
+        (_, Rays::Field(_) | Rays::Curves(_)) => Vec::new(),
     }
 }
 

@@ -36,7 +36,7 @@ fn is_one(w: &f64) -> bool {
 /// # Errors
 /// [`Error::Input`] for a ray map, which has no pieces.
 pub fn write_pieces(path: &Path, spec: &CameraSpec, camera: &Camera) -> Result<()> {
-    let Rays::Pieces(pieces) = &camera.rays else {
+    let [Rays::Pieces(pieces)] = camera.layers.as_slice() else {
         return Err(Error::input("--export: a ray map has no pieces; use --rays RAYS.npy"));
     };
     let (vertices, triangles) = match (&spec.kind, pieces.pieces.as_slice()) {

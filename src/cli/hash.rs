@@ -47,7 +47,7 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
 }
 
 fn rays(h: &mut Fnv, camera: &Camera) {
-    match &camera.rays {
+    camera.layers.iter().for_each(|layer| match layer {
         Rays::Pieces(pieces) => {
             for piece in &pieces.pieces {
                 piece.bundle.p.iter().chain(&piece.bundle.d).for_each(|v| h.vector(*v));
@@ -65,5 +65,10 @@ fn rays(h: &mut Fnv, camera: &Camera) {
                 h.vector(d);
             }
         }
-    }
+        Rays::Curves(curves) => {
+            for (i, j) in (0..curves.height).flat_map(|j| (0..curves.width).map(move |i| (i, j))) {
+                curves.near(i, j, (0.0, 0.0)).iter().flat_map(|(_, c)| c.points().to_vec()).for_each(|p| h.vector(p));
+            }
+        }
+    });
 }

@@ -85,7 +85,7 @@ impl Plan {
         has: Abilities,
         binding_limit: u64,
     ) -> Plan {
-        let field = matches!(camera.rays, Rays::Field(_));
+        let field = matches!(camera.layers[0], Rays::Field(_));
         let variant = Variant { f64: has.f64, atomics64: has.atomics64, field, counting: wanted.counting };
         let mut planes = wanted.channels.clone();
         if wanted.srgb8 {
@@ -133,9 +133,9 @@ impl Band {
     fn new(camera: &Camera, anchor: DVec3, row: u32, rows: u32) -> Band {
         let (tiles, samples) = tiles::Tiles::new(camera, anchor, row, rows);
         let nodes = nodes::Nodes::new(&samples, tiles.tiles_x, tiles.tiles_y);
-        let field = match &camera.rays {
+        let field = match &camera.layers[0] {
             Rays::Field(f) => Some(tiles::field_table(f, anchor, row, rows)),
-            Rays::Pieces(_) => None,
+            Rays::Pieces(_) | Rays::Curves(_) => None,
         };
         Band { row, rows, tiles, nodes, field }
     }
@@ -151,7 +151,7 @@ fn left_out(
 ) -> Vec<LeftOut> {
     let mut list = Vec::new();
     let mut say = |what: &str, why: String| list.push(LeftOut { what: what.into(), why });
-    if matches!(camera.rays, Rays::Pieces(_)) {
+    if matches!(camera.layers[0], Rays::Pieces(_)) {
         say("per-pixel ray table", "every ray follows from its piece".into());
     } else {
         say("edge conics", "the camera is a ray field".into());

@@ -63,12 +63,13 @@ fn owned(camera: &Camera, row_end: u32, (tx, ty): (u32, u32)) -> Owned {
     let (columns, rows) = ((camera.width - tx * TILE).min(TILE), (row_end - ty * TILE).min(TILE));
     let pixels = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
     let bit = |(x, y): (u32, u32)| 1u64 << (y * TILE + x);
-    match &camera.rays {
+    match &camera.layers[0] {
         Rays::Field(f) => {
             let has_ray = |&(x, y): &(u32, u32)| f.ray(tx * TILE + x, ty * TILE + y).is_some();
             let mask = pixels.filter(has_ray).map(bit).fold(0, |m, b| m | b);
             if mask == 0 { Vec::new() } else { vec![(0, mask)] }
         }
+        Rays::Curves(_) => Vec::new(),
         Rays::Pieces(p) => {
             if p.pieces[0].corners_px.is_none() {
                 // one piece over the whole image
@@ -103,11 +104,12 @@ fn samples(camera: &Camera, anchor: DVec3, tile: (u32, u32), owned: &Owned) -> V
     let mut list = Vec::new();
     for &(piece, mask) in owned {
         let pixels = (0..64u32).filter(|b| mask >> b & 1 == 1).map(|b| (b % TILE, b / TILE));
-        match &camera.rays {
+        match &camera.layers[0] {
             Rays::Field(f) => list.extend(pixels.filter_map(|(x, y)| {
                 let (p, d) = f.ray(tile.0 * TILE + x, tile.1 * TILE + y)?;
                 Some(Sample { place: place_in_tile(x, y), p: p - anchor, d })
             })),
+            Rays::Curves(_) => {}
             Rays::Pieces(pieces) => {
                 let b = rebased(&pieces.bundle_at_place(piece, middle(pieces, tile)), anchor);
                 let at = |x: f64, y: f64| {
@@ -149,7 +151,7 @@ fn cell_row(
         mask_hi: (mask >> 32) as u32,
         pad: 0,
     };
-    if let Rays::Pieces(p) = &camera.rays {
+    if let Rays::Pieces(p) = &camera.layers[0] {
         let b = rebased(&p.bundle_at_place(piece, middle(p, tile)), anchor);
         (cell.p, cell.h, cell.d) = (b.p[0].as_vec3().to_array(), b.h[0] as f32, b.d[0].as_vec3().to_array());
     }
@@ -159,7 +161,7 @@ fn cell_row(
 /// A piece's row about the first pixel of `tile`.
 fn piece_row(camera: &Camera, anchor: DVec3, piece: u32, tile: (u32, u32), band_row: u32) -> rows::Piece {
     let mut row: rows::Piece = bytemuck::Zeroable::zeroed();
-    let Rays::Pieces(pieces) = &camera.rays else { return row };
+    let Rays::Pieces(pieces) = &camera.layers[0] else { return row };
     let b = rebased(&pieces.bundle_at(piece, tile.0 * TILE, tile.1 * TILE), anchor);
     let v = |v: DVec3| {
         let s = v.to_array().map(split2);

@@ -35,7 +35,7 @@ struct Pixel {
 pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
     let reference = Reference::build(&scene.mesh);
     let pixels = each_pixel(camera, |i, j| {
-        let ray = camera.pixel(i, j);
+        let ray = camera.pixel(0, i, j);
         pixel(scene, ray.and_then(|(piece, b)| Some((b, reference.hit(&b, camera.t_range)?, piece))))
     });
     frame(camera, &pixels, channels)
@@ -89,8 +89,8 @@ pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> String {
 
 /// What pixel `(i, j)` shows and how sure that is, with the piece that owns it and its bundle.
 fn verdict(reference: &Reference, camera: &Camera, i: u32, j: u32) -> (Verdict, Option<(u32, Bundle)>) {
-    let owner = camera.pixel(i, j);
-    let (bundles, outside) = camera.near(i, j);
+    let owner = camera.pixel(0, i, j);
+    let (bundles, outside) = camera.near(0, i, j);
     let mut verdict = reference.verdict(&bundles, camera.t_range);
     if owner.is_none() {
         verdict.hit = None;

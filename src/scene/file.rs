@@ -6,7 +6,7 @@ mod mesh_camera;
 mod node;
 mod overrides;
 mod parse;
-mod reader;
+pub mod reader;
 #[cfg(test)]
 mod tests;
 
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-pub use camera::{CameraKind, CameraSpec};
+pub use camera::{CameraKind, CameraSpec, Named};
 pub use mesh::{MeshSource, MeshSpec};
 pub use mesh_camera::{CameraVertex, MeshCameraSpec};
 

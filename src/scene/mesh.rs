@@ -1,6 +1,7 @@
 //! Triangles as every loader and generator returns them, in f64.
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 /// Marks a corner without a normal in [`Mesh::corner_normals`].
 pub const NO_NORMAL: u32 = u32::MAX;
@@ -21,6 +22,14 @@ pub struct Mesh {
     pub materials: Vec<Material>,
     /// One index into `materials` a triangle.
     pub material_of: Vec<u32>,
+}
+
+impl Mesh {
+    /// The corners of the box around all vertices; `None` without any.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let one = |p: &DVec3| (*p, *p);
+        self.positions.par_iter().map(one).reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
 }
 
 /// What a triangle looks like.

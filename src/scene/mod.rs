@@ -63,13 +63,12 @@ impl Scene {
 
     /// The scene's camera for an image of its size.
     pub fn camera(&self) -> Result<Camera> {
-        Camera::new(&self.camera, self.size)
+        Camera::in_scene(&self.camera, self.size, &self.mesh)
     }
 
     /// The corners of the box around all vertices; `None` without any.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        let one = |p: &DVec3| (*p, *p);
-        self.mesh.positions.par_iter().map(one).reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        self.mesh.bounds()
     }
 }
 

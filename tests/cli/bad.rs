@@ -103,7 +103,7 @@ fn wrong_scenes() {
         (pinhole("eye = [0, 0, inf]\ntarget = [0, 0, 0]\nvfov = 40"), "eye"),
         (pinhole("eye = [0, 0, 5]\ntarget = [0, 0, 0]\nvfov = 40\nt_range = [2, 1]"), "t_range"),
         (camera("kind = \"pinhol\""), "pinhole"),
-        (camera("kind = \"cross_slit\""), "not available in this version"),
+        (camera("kind = \"reflection\""), "not available in this version"),
         (camera("kind = \"orthographic\"\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nheight = -1"), "height"),
         (camera("kind = \"glc\"\nnear = [[0,0,0],[1,0,0],[0,1,0]]\nfar = [[0,0,0],[1,0,0],[0,1,0]]"), "near and far"),
         (piece(corners, "[]"), "no pieces"),

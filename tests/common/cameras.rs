@@ -102,5 +102,5 @@ pub fn raymap(width: u32, height: u32, t_range: [f64; 2]) -> Camera {
         directions.push(if blind { DVec3::splat(f64::NAN) } else { (0.8 * q + bend).extend(-4.0) });
     }
     let field = Field::new(width, height, &origins, &directions).unwrap();
-    Camera { kind: "raymap", width, height, t_range, rays: Rays::Field(field), notes: Vec::new() }
+    Camera::of("raymap", (width, height), t_range, Rays::Field(field))
 }

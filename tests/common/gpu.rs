@@ -26,7 +26,7 @@ static ENGINES: [Slot; 6] = [const { OnceLock::new() }; 6];
 
 /// An engine whose kernels suit the camera; `None`, with the reason printed, where the machine has no adapter.
 pub fn engine(camera: &Camera, without: Without) -> Option<MutexGuard<'static, Engine>> {
-    let field = matches!(camera.rays, Rays::Field(_));
+    let field = matches!(camera.layers[0], Rays::Field(_));
     let less = |gpu: &mut Gpu| {
         gpu.has.f64 &= without != Without::F64;
         gpu.has.atomics64 &= without != Without::Int64Atomics;

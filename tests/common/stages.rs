@@ -70,7 +70,7 @@ impl Case {
     }
 
     pub fn variant(&self, real: Real, atomics64: bool) -> Variant {
-        let field = matches!(self.camera.rays, Rays::Field(_));
+        let field = matches!(self.camera.layers[0], Rays::Field(_));
         Variant { f64: real == Real::F64, atomics64, field, counting: true }
     }
 }
@@ -221,7 +221,7 @@ pub fn random_case(seed: u64) -> Case {
         3 => common::camera(cameras::pinhole(eye, offset, 20.0 + 120.0 * rng.unit()), size, range),
         _ => cameras::raymap(size.0, size.1, range),
     };
-    let middle = if matches!(camera.rays, Rays::Field(_)) { DVec3::ZERO } else { offset };
+    let middle = if matches!(camera.layers[0], Rays::Field(_)) { DVec3::ZERO } else { offset };
     let (count, largest) = (1 + rng.below(300), (-6.0 * rng.unit()).exp2() * 4.0);
     let mesh = common::moved(common::soup(&mut rng, count, largest), middle);
     Case::new(

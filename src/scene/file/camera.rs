@@ -2,12 +2,15 @@
 //! mean together (eye = target, overlapping pieces) is the camera's to check when it is built.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::mesh_camera::{MeshCameraSpec, read_mesh_camera};
 use super::node::{nearest, quote};
 use super::reader::{Field, Table};
+use crate::camera::kinds::NAMED;
+use crate::camera::recipe::Recipe;
 use crate::error::Result;
 
 /// The camera as written; section 2 of the contract has each kind's mapping.
@@ -45,35 +48,34 @@ pub enum CameraKind {
         origins: PathBuf,
         directions: PathBuf,
     },
+    /// Any other kind: see [`crate::camera::kinds`].
+    Named(Named),
 }
 
-const KINDS: [&str; 5] = ["pinhole", "orthographic", "glc", "mesh", "raymap"];
+/// A camera of a kind that the camera module reads and builds by itself.
+#[derive(Debug, Clone)]
+pub struct Named {
+    pub name: &'static str,
+    pub recipe: Arc<dyn Recipe>,
+}
+
+impl PartialEq for Named {
+    /// Recipes hold what was read, and print all of it.
+    fn eq(&self, other: &Named) -> bool {
+        self.name == other.name && format!("{:?}", self.recipe) == format!("{:?}", other.recipe)
+    }
+}
+
+/// The kinds that are read here.
+const PLAIN: [&str; 5] = ["pinhole", "orthographic", "glc", "mesh", "raymap"];
 
 /// Kinds that the contract names and this version does not build.
-const LATER_KINDS: [&str; 17] = [
-    "projector",
-    "chain",
-    "cross_slit",
-    "pushbroom",
-    "pencil",
-    "cylinder",
-    "sphere",
-    "fisheye",
-    "panorama",
-    "hinge",
-    "camera_texture",
-    "occlusion",
-    "reflection",
-    "refraction",
-    "bottom_up",
-    "top_down",
-    "track",
-];
+const LATER: [&str; 2] = ["reflection", "refraction"];
 
 pub(super) fn read_camera(field: &Field) -> Result<CameraSpec> {
     let table = field.table()?;
     let Some(kind) = table.get("kind") else {
-        return Err(table.error(format_args!("kind is missing; add kind = one of {}", KINDS.join(", "))));
+        return Err(table.error(format_args!("kind is missing; add kind = one of {}", names().join(", "))));
     };
     let kind = match kind.text()? {
         "pinhole" => read_pinhole(&table)?,
@@ -81,17 +83,27 @@ pub(super) fn read_camera(field: &Field) -> Result<CameraSpec> {
         "glc" => read_glc(&table)?,
         "mesh" => read_mesh_kind(&table)?,
         "raymap" => read_raymap(&table)?,
-        other => return Err(unknown_kind(&kind, other)),
+        other => {
+            let named = NAMED.iter().find(|k| k.name == other).ok_or_else(|| unknown_kind(&kind, other))?;
+            CameraKind::Named(Named { name: named.name, recipe: (named.read)(&table)? })
+        }
     };
     Ok(CameraSpec { kind, t_range: table.or("t_range", [0.0, f64::INFINITY], read_t_range)? })
 }
 
+/// The names of all kinds.
+fn names() -> Vec<&'static str> {
+    PLAIN.into_iter().chain(NAMED.iter().map(|k| k.name)).collect()
+}
+
 fn unknown_kind(field: &Field, kind: &str) -> crate::error::Error {
-    let known = KINDS.join(", ");
-    if LATER_KINDS.contains(&kind) {
+    let names = names();
+    if LATER.contains(&kind) {
+        let known = names.join(", ");
         return field.error(format_args!("kind {kind:?} is not available in this version; use one of {known}"));
     }
-    let near = nearest(kind, &KINDS).unwrap_or_default();
+    let near = nearest(kind, &names).unwrap_or_default();
+    let known = names.join(", ");
     field.error(format_args!("unknown camera kind {}; nearest known: {near:?} (known: {known})", quote(kind)))
 }
 

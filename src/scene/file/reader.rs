@@ -8,7 +8,7 @@ use super::node::{Entry, Node, Place, Value, nearest, quote};
 use crate::error::{Error, Result};
 
 /// The file that is being read.
-pub(super) struct Source<'a> {
+pub struct Source<'a> {
     /// As errors name it.
     pub path: &'a Path,
     /// Folder that relative paths start from.
@@ -17,7 +17,7 @@ pub(super) struct Source<'a> {
 
 /// One value and the dotted key that leads to it (`mesh.0.scale`).
 #[derive(Clone)]
-pub(super) struct Field<'a> {
+pub struct Field<'a> {
     source: &'a Source<'a>,
     key: String,
     place: Place,
@@ -25,13 +25,13 @@ pub(super) struct Field<'a> {
 }
 
 /// A table whose keys are all known.
-pub(super) struct Table<'a> {
+pub struct Table<'a> {
     field: Field<'a>,
     entries: &'a [Entry],
 }
 
 impl<'a> Field<'a> {
-    pub fn root(source: &'a Source<'a>, node: &'a Node) -> Self {
+    pub(super) fn root(source: &'a Source<'a>, node: &'a Node) -> Self {
         Field { source, key: String::new(), place: node.place, node }
     }
 

@@ -1,0 +1,137 @@
+//! Curved projectors: Bezier curves of degree 1 to 3, one a pixel (Brosz et al. 2007, section 3).
+
+use super::bundle::Ray;
+use glam::{DVec2, DVec3};
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// `X(t) = sum of Bernstein(i, m)(t) * points[i]`, t in [0, 1], world units; m = `degree` is 1, 2 or 3.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Curve {
+    points: [DVec3; 4],
+    degree: usize,
+}
+
+impl Curve {
+    /// A curve through 2, 3 or 4 control points.
+    pub fn new(points: &[DVec3]) -> Curve {
+        debug_assert!((2..=4).contains(&points.len()));
+        let mut stored = [DVec3::ZERO; 4];
+        stored[..points.len()].copy_from_slice(points);
+        Curve { points: stored, degree: points.len() - 1 }
+    }
+
+    /// The straight curve of a ray's t in [0, 1].
+    pub fn of_ray(ray: &Ray) -> Curve {
+        Curve::new(&[ray.origin, ray.origin + ray.direction])
+    }
+
+    pub fn points(&self) -> &[DVec3] {
+        &self.points[..=self.degree]
+    }
+
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// `X(t)`, by de Casteljau's construction.
+    pub fn at(&self, t: f64) -> DVec3 {
+        let mut p = self.points;
+        for n in (1..=self.degree).rev() {
+            for k in 0..n {
+                p[k] = p[k].lerp(p[k + 1], t);
+            }
+        }
+        p[0]
+    }
+
+    /// `X'(t)`, the way of the curve: what a highlight sees it come from (Brosz et al. 2007, section 4.3).
+    pub fn tangent(&self, t: f64) -> DVec3 {
+        let mut p = self.points;
+        for k in 0..self.degree {
+            p[k] = self.degree as f64 * (p[k + 1] - p[k]);
+        }
+        for n in (1..self.degree).rev() {
+            for k in 0..n {
+                p[k] = p[k].lerp(p[k + 1], t);
+            }
+        }
+        p[0]
+    }
+
+    /// The same curve as one of the higher degree `m`.
+    pub fn elevated(&self, m: usize) -> Curve {
+        let mut curve = *self;
+        while curve.degree < m {
+            let (n, old) = ((curve.degree + 1) as f64, curve.points);
+            for (k, point) in curve.points.iter_mut().enumerate().take(curve.degree + 2) {
+                let before = if k == 0 { DVec3::ZERO } else { old[k - 1] };
+                *point = (k as f64 / n) * before + (1.0 - k as f64 / n) * old[k];
+            }
+            curve.degree += 1;
+        }
+        curve
+    }
+}
+
+/// A curve for every place of the image.
+pub trait CurveMap: Debug + Send + Sync {
+    /// Of every curve.
+    fn degree(&self) -> usize;
+    /// The curve at image coordinates (a, b), and the number of the piece that it belongs to; `None`: no curve.
+    fn curve(&self, a: f64, b: f64) -> Option<(u32, Curve)>;
+    /// How many pieces there are; 0 where the image is not cut into pieces.
+    fn piece_count(&self) -> usize {
+        0
+    }
+}
+
+/// A map of curves over an image of pixels.
+#[derive(Debug, Clone)]
+pub struct Curves {
+    pub width: u32,
+    pub height: u32,
+    pub map: Arc<dyn CurveMap>,
+    /// Where in a pixel its curve is taken, px from the pixel's top left corner.
+    sample: DVec2,
+}
+
+impl Curves {
+    pub fn new(width: u32, height: u32, map: Arc<dyn CurveMap>) -> Curves {
+        Curves { width, height, map, sample: DVec2::splat(0.5) }
+    }
+
+    pub(super) fn with_sample_offset(&self, dx: f64, dy: f64) -> Curves {
+        Curves { sample: DVec2::new(0.5 + dx, 0.5 + dy), ..self.clone() }
+    }
+
+    /// The curve `(x, y)` pixels right of and below the sample of pixel `(i, j)`, and its piece.
+    pub fn near(&self, i: u32, j: u32, (x, y): (f64, f64)) -> Option<(u32, Curve)> {
+        let at = DVec2::new(i as f64 + x, j as f64 + y) + self.sample;
+        let found = self.map.curve(at.x / self.width as f64, at.y / self.height as f64)?;
+        found.1.points().iter().all(|p| p.is_finite()).then_some(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_starts_and_ends_at_its_outer_points_along_its_outer_legs() {
+        let p = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 2.0, 0.0), DVec3::new(3.0, 2.0, 1.0)];
+        for m in 1..=3 {
+            let c = Curve::new(&p[..=m]);
+            assert_eq!((c.at(0.0), c.at(1.0)), (p[0], p[m]));
+            assert_eq!((c.tangent(0.0), c.tangent(1.0)), (m as f64 * (p[1] - p[0]), m as f64 * (p[m] - p[m - 1])));
+            for k in 0..=8 {
+                let t = k as f64 / 8.0;
+                let higher = c.elevated(3);
+                assert!(higher.degree() == 3 && (higher.at(t) - c.at(t)).length() < 1e-15);
+                assert!((higher.tangent(t) - c.tangent(t)).length() < 1e-14);
+            }
+        }
+        let middle = Curve::new(&p[..3]).at(0.5);
+        assert_eq!(middle, 0.25 * p[0] + 0.5 * p[1] + 0.25 * p[2]);
+    }
+}

@@ -1,0 +1,15 @@
+//! The table of cameras: every kind that a scene file may name.
+
+use super::recipe::Kind;
+
+/// The kinds that the scene file reads itself, and their keys.
+pub const PLAIN: &[(&str, &str)] = &[
+    ("pinhole", include_str!("help/pinhole.txt")),
+    ("orthographic", include_str!("help/orthographic.txt")),
+    ("glc", include_str!("help/glc.txt")),
+    ("mesh", include_str!("help/mesh.txt")),
+    ("raymap", include_str!("help/raymap.txt")),
+];
+
+/// All others, each read and built in a file of its own.
+pub const NAMED: &[Kind] = &[];

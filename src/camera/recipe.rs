@@ -1,0 +1,67 @@
+//! What a scene file may ask for by name, and how that becomes rays: one row a kind of camera.
+
+use super::Rays;
+use crate::error::{Error, Result};
+use crate::scene::file::reader::Table;
+use crate::scene::mesh::Mesh;
+use glam::DVec3;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// One kind of camera.
+pub struct Kind {
+    /// The `kind` of a scene file.
+    pub name: &'static str,
+    /// Its keys, their units and its formula, for a person.
+    pub help: &'static str,
+    /// Reads its table; every key is checked to be known.
+    pub read: fn(&Table) -> Result<Arc<dyn Recipe>>,
+}
+
+/// A camera as asked for, its values checked one by one. What they mean together is checked by [`Recipe::build`].
+pub trait Recipe: Debug + Send + Sync {
+    fn build(&self, setting: &Setting) -> Result<Built>;
+}
+
+/// What a recipe may look at.
+#[derive(Debug, Clone, Copy)]
+pub struct Setting<'a> {
+    /// The image's size in pixels, where one was given.
+    pub size: Option<(u32, u32)>,
+    /// The scene's triangles, world units.
+    pub mesh: &'a Mesh,
+    /// The ends of t as the scene file gives them.
+    pub t_range: [f64; 2],
+}
+
+impl Setting<'_> {
+    /// The image's size, which all but ray maps need.
+    pub fn size(&self) -> Result<(u32, u32)> {
+        self.size.ok_or_else(|| Error::input("image: no size; give width and height in [image] or --size"))
+    }
+
+    /// The corners of the box around all vertices; `None` without any.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        self.mesh.bounds()
+    }
+}
+
+/// The rays of a camera.
+#[derive(Debug, Clone)]
+pub struct Built {
+    /// Pixels.
+    pub size: (u32, u32),
+    /// One, or the layers of a chain, first to last.
+    pub layers: Vec<Rays>,
+    /// t is in [0, 1] whatever the scene file says: chains and projectors.
+    pub unit_t: bool,
+    /// What a person should know of the camera: what was left out of it, what it stands for.
+    pub notes: Vec<String>,
+}
+
+impl Built {
+    /// A camera of one layer.
+    pub fn new(size: (u32, u32), rays: Rays) -> Built {
+        Built { size, layers: vec![rays], unit_t: false, notes: Vec::new() }
+    }
+}
