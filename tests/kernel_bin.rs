@@ -161,7 +161,7 @@ fn the_twin_leaves_out_no_tile_that_a_triangle_may_cover() {
         for input in case.inputs(&tables, ROOMY) {
             for cell in input.cells {
                 let pixels = (0..64).filter(|b| owned(cell) >> b & 1 == 1);
-                let rays: Vec<_> = pixels.map(|bit| (bit, input.cell_rays(cell, bit))).collect();
+                let rays: Vec<_> = pixels.map(|bit| (bit, input.cell_cast(cell, bit))).collect();
                 for slot in 0..input.triangles.len() as u32 {
                     let corners = input.corners(slot);
                     for real in [Real::F64, Real::F32] {

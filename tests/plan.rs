@@ -73,7 +73,8 @@ fn claims(band: &Band, i: u32, j: u32) -> Vec<u32> {
     let cells = &band.tiles.cells[band.tiles.start[tile] as usize..band.tiles.start[tile + 1] as usize];
     assert!(cells.iter().all(|c| c.tile as usize == tile));
     let owns = |c: &&rows::Cell| (c.mask_lo as u64 | (c.mask_hi as u64) << 32) >> bit & 1 == 1;
-    cells.iter().filter(owns).map(|c| band.tiles.pieces[c.piece as usize].number).collect()
+    let number = |c: &rows::Cell| band.tiles.pieces.get(c.piece as usize).map_or(c.piece, |p| p.number);
+    cells.iter().filter(owns).map(number).collect()
 }
 
 #[test]
@@ -140,7 +141,7 @@ fn bands_cover_the_image_and_their_tables_fit_the_bindings() {
                 assert_eq!((band.row, band.row % TILE), (row, 0), "{name}");
                 row += band.rows;
                 let pixels = band.rows as u64 * SIZE.0 as u64;
-                let table = band.field.as_ref().map_or(0, |f| f.hi.len().max(f.lo.len()) as u64 * 4);
+                let table = band.rays.as_ref().map_or(0, |f| f.hi.len().max(f.lo.len()) as u64 * 4);
                 let largest = (8 * pixels)
                     .max(4 * pixels * plan.planes.len() as u64)
                     .max(table)

@@ -2,7 +2,7 @@
 //! `shading.wgsl` against its twin in `src/gpu/rows.rs`, field by field, and every constant against its own.
 
 use anamorph::frame::Channel;
-use anamorph::gpu::kernels::{self, Variant};
+use anamorph::gpu::kernels::{self, RaysKind, Variant};
 use anamorph::gpu::rows;
 use anamorph::scene::clusters::CORNER_ORDERS;
 use naga::{Expression, Literal, Module, ScalarKind, Statement, SwitchValue, TypeInner};
@@ -22,7 +22,8 @@ struct Field {
 }
 
 /// The variant that needs nothing.
-const PLAIN: Variant = Variant { f64: false, atomics64: false, field: false, counting: false };
+const PLAIN: Variant =
+    Variant { f64: false, atomics64: false, rays: RaysKind::Pieces, sheeted: false, counting: false };
 
 /// Structs by name: size and fields in order.
 type Layouts = BTreeMap<String, (usize, Vec<Field>)>;
@@ -74,11 +75,15 @@ fn host() -> Layouts {
             queue_capacity,
             work_capacity,
             pair_capacity,
-            pad0,
+            sheet_rows,
             id_first,
             id_count,
             band_row,
             vertex_reach,
+            spans,
+            pad0,
+            pad1,
+            pad2,
             t_min,
             t_max,
             level_start,
@@ -295,7 +300,7 @@ fn the_six_corner_orders_are_the_same_table() {
 
 /// A change to one side that must be reported, by the struct that it touches.
 const PLANTED: [(&str, &str, &str); 7] = [
-    ("Params", "    tiles_x: u32,\n    tiles_y: u32,", "    tiles_y: u32,\n    tiles_x: u32,"),
+    ("Params", "    queue_capacity: u32,    // items\n    work_capacity: u32,", "    work_capacity: u32,\n    queue_capacity: u32,"),
     ("Params", "vertex_reach: f32", "vertex_reach: u32"),
     ("Cluster", "    half: vec3<f32>,\n    count: u32,", "    half: vec3<f32>,"),
     ("Cluster", "centre: vec3<f32>", "middle: vec3<f32>"),

@@ -15,6 +15,7 @@ use anamorph::gpu::kernels::Variant;
 use anamorph::gpu::rows::COUNTERS;
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::plan::Wanted;
+use anamorph::plan::sheets::{self, Sheets};
 use anamorph::scene::Scene;
 use anamorph::scene::clusters::cluster;
 use anamorph::scene::file::CameraKind;
@@ -70,8 +71,9 @@ impl Case {
     }
 
     pub fn variant(&self, real: Real, atomics64: bool) -> Variant {
-        let field = matches!(self.camera.layers[0], Rays::Field(_));
-        Variant { f64: real == Real::F64, atomics64, field, counting: true }
+        let sheets = Sheets::of(&self.camera);
+        let (rays, sheeted) = (sheets::kind(&self.camera), sheets.count() > 1);
+        Variant { f64: real == Real::F64, atomics64, rays, sheeted, counting: true }
     }
 }
 
@@ -281,9 +283,9 @@ pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
     b.upload(gpu, "tile_start", input.tile_start).unwrap();
     b.upload(gpu, "cells", input.cells).unwrap();
     b.upload(gpu, "pieces", input.pieces).unwrap();
-    if let Some(field) = input.field {
-        b.upload(gpu, "field_hi", &field.hi).unwrap();
-        b.upload(gpu, "field_lo", &field.lo).unwrap();
+    if let Some(rays) = input.rays {
+        b.upload(gpu, "rays_hi", &rays.hi).unwrap();
+        b.upload(gpu, "rays_lo", &rays.lo).unwrap();
     }
     b.upload(gpu, "triangles", input.triangles).unwrap();
     b.upload(gpu, "vertices_hi", input.vertices_hi).unwrap();
