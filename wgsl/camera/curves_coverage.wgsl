@@ -230,7 +230,7 @@ fn meeting_at(q: CellDepth, c: Curve, t: real, lost: real, bound: real) -> Meeti
         return Meeting(t, false);
     }
     // a root is off by the polynomial's rounding over its slope; a double one by the square root of it
-    let off = min(bound / max(abs(across), bound), sqrt(REAL_UNIT));
+    let off = min(bound / max(abs(across), bound), REAL_UNIT_ROOT);
     let room = size3(q.normal) * (lost + off * size3(way));
     var inside = true;
     for (var k = 0u; k < 3u; k++) {
