@@ -88,7 +88,11 @@ fn every_pipeline_builds_with_the_features_of_its_variant_alone() {
 fn a_variant_that_the_device_cannot_run_is_reported() {
     for (f64, atomics64) in [(true, false), (false, true)] {
         let gpu = open(Features::empty(), limits(), &GpuOptions::default()).unwrap();
-        let built = Stages::new(&gpu, Variant { f64, atomics64, rays: RaysKind::Pieces, sheeted: false, counting: false }, &Channel::ALL);
+        let built = Stages::new(
+            &gpu,
+            Variant { f64, atomics64, rays: RaysKind::Pieces, sheeted: false, counting: false },
+            &Channel::ALL,
+        );
         assert!(built.is_err() || gpu.failure().is_err());
     }
 }

@@ -262,7 +262,7 @@ fn what_is_left_out_is_said() {
     let glc = camera(kind, SIZE, FORWARD);
     let all = Wanted { srgb8: true, counting: true, ..wanted(&Channel::ALL) };
     let least = whats(&glc, true, &all, HAS_ALL, LAVAPIPE_BINDING);
-    assert_eq!(least, ["per-pixel ray table", "ray residuals", "bands", "second depth dispatch"]);
+    assert_eq!(least, ["per-pixel ray table", "curves", "sheets", "ray residuals", "bands", "second depth dispatch"]);
     assert!(!whats(&glc, true, &all, HAS_ALL, 1 << 16).contains(&"bands".into()));
     let few = whats(&glc, false, &wanted(&[Channel::T]), HAS_NONE, LAVAPIPE_BINDING);
     for what in ["channels", "smooth normals", "write", "fragment counters", "f64 rechecks"] {
@@ -274,6 +274,10 @@ fn what_is_left_out_is_said() {
     assert!(!field.contains(&"ray residuals".into()));
     let pieces = camera(mesh_camera(1, 4, 4, MeshLook::default()), SIZE, FORWARD);
     assert!(!whats(&pieces, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"ray residuals".into()));
+    let chain = whats(&layered::chain(1, 2, (2, 2), MeshLook::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
+    assert!(!chain.contains(&"sheets".into()) && chain.contains(&"curves".into()));
+    let curves = whats(&layered::wavy(2, 0.5, false, SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
+    assert!(!curves.contains(&"sheets".into()) && !curves.contains(&"curves".into()));
 }
 
 #[test]

@@ -157,7 +157,7 @@ fn f64_is_left_to_plain_arithmetic() {
         assert_eq!(forbidden_f64(&module, &info), [], "{} {variant:?}", kernel.name);
         wide += u32::from(allowed(kernel, variant).contains(Capabilities::FLOAT64));
     });
-    assert_eq!(wide, 16, "raster and shade of eight variants each");
+    assert_eq!(wide, 80, "raster and shade of forty variants each");
 }
 
 #[test]

@@ -72,6 +72,7 @@ const BUNDLE: &str = snippet!("shared/bundle.wgsl");
 const SHADING: &str = snippet!("shared/shading.wgsl");
 const CONICS: &str = snippet!("shared/node_conics.wgsl");
 const EXTENT: &str = snippet!("shared/extent.wgsl");
+const MEETS: &str = snippet!("shared/meets.wgsl");
 const PAIR: &str = snippet!("shared/pair.wgsl");
 const BITS: &str = snippet!("shared/bits.wgsl");
 const MEETING: &str = snippet!("shared/meeting.wgsl");
@@ -118,7 +119,9 @@ impl Variant {
     fn rays(self) -> Vec<Binding> {
         match self.rays {
             RaysKind::Pieces => vec![read("pieces", "array<Piece>")],
-            RaysKind::Field | RaysKind::Curves { .. } => vec![read("rays_hi", "array<f32>"), read("rays_lo", "array<f32>")],
+            RaysKind::Field | RaysKind::Curves { .. } => {
+                vec![read("rays_hi", "array<f32>"), read("rays_lo", "array<f32>")]
+            }
         }
     }
 
@@ -188,7 +191,7 @@ pub fn cull() -> Kernel {
         write("work", "array<vec2<u32>>"),
         counters(),
     ];
-    kernel("cull", bindings, &[PARAMS, INDEX, snippet!("shared/meets.wgsl"), snippet!("cull.wgsl")])
+    kernel("cull", bindings, &[PARAMS, INDEX, MEETS, snippet!("cull.wgsl")])
 }
 
 pub fn bin(variant: Variant) -> Kernel {
@@ -203,7 +206,9 @@ pub fn bin(variant: Variant) -> Kernel {
         write("pairs", "array<vec2<u32>>"),
         counters(),
     ];
-    let mut kernel = kernel("bin", bindings, &[PARAMS, INDEX, VERTEX, PAIR, CONICS, EXTENT, snippet!("bin.wgsl")]);
+    let mut kernel =
+        kernel("bin", bindings, &[PARAMS, INDEX, SHEETS, VERTEX, PAIR, CONICS, EXTENT, MEETS, snippet!("bin.wgsl")]);
+    kernel.constants.push(("SHEETED", variant.sheeted as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
 }

@@ -149,8 +149,7 @@ impl Band {
             RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
             _ => None,
         };
-        let (tiles, samples) =
-            tiles::Cutting { camera, sheets, curves: curves.as_ref(), anchor, row, rows }.cut();
+        let (tiles, samples) = tiles::Cutting { camera, sheets, curves: curves.as_ref(), anchor, row, rows }.cut();
         let nodes = nodes::Nodes::new(&samples, tiles.tiles_x, tiles.tiles_y);
         let rays = match (&curves, camera.layers.as_slice()) {
             (Some(table), _) => Some(table.rays(anchor)),

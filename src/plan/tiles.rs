@@ -72,8 +72,7 @@ impl Cutting<'_> {
             (y < self.rows.div_ceil(TILE)).then(|| Place { layer, span, x: k % tiles_x, y: self.row / TILE + y })
         };
         let places: Vec<Option<Place>> = (0..tiles_x * tiles_y).map(place).collect();
-        let owned: Vec<Owned> =
-            places.par_iter().map(|place| place.map_or_else(Vec::new, |p| self.owned(p))).collect();
+        let owned: Vec<Owned> = places.par_iter().map(|place| place.map_or_else(Vec::new, |p| self.owned(p))).collect();
         let of = |(place, owned): (&Option<Place>, &Owned)| place.map_or_else(Vec::new, |p| self.samples(p, owned));
         let samples = places.par_iter().zip(&owned).map(of).collect();
         let mut tiles = Tiles { tiles_x, tiles_y, sheet_rows, start: vec![0], ..Default::default() };
@@ -98,8 +97,7 @@ impl Cutting<'_> {
     /// Which pixels of a tile each piece owns, by ascending piece.
     fn owned(&self, at: Place) -> Owned {
         let (left, top) = (at.x * TILE, at.y * TILE);
-        let (columns, rows) =
-            ((self.camera.width - left).min(TILE), (self.row + self.rows - top).min(TILE));
+        let (columns, rows) = ((self.camera.width - left).min(TILE), (self.row + self.rows - top).min(TILE));
         let pixels = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
         let bit = |(x, y): (u32, u32)| 1u64 << (y * TILE + x);
         let layer = &self.camera.layers[at.layer];

@@ -2,7 +2,7 @@
 
 use super::cull::Address;
 use super::edge::side_over;
-use super::raster::{Corners, coverage};
+use super::raster::{Corners, test};
 use super::rays::{Cast, owned};
 use super::{Input, Real};
 use crate::TILE;
@@ -49,7 +49,7 @@ impl Pair {
     }
 }
 
-/// A triangle and a cell of which it covers pixels, at whatever t.
+/// A triangle and a cell of which it covers pixels, at a t in range and with a face that shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Binned {
     pub slot: u32,
@@ -112,9 +112,9 @@ fn bin_item(input: &Input, cluster: u32, node: Address, real: Real) -> Vec<Binne
 pub fn covered(input: &Input, casts: &[(u32, Cast)], corners: &Corners, real: Real) -> (u64, u64) {
     let (mut certain, mut possible) = (0, 0);
     for (bit, cast) in casts {
-        let covered = coverage(input, cast, corners, real);
-        certain |= u64::from(covered.inside && !covered.doubtful) << bit;
-        possible |= u64::from(covered.inside || covered.doubtful) << bit;
+        let tested = test(input, cast, corners, real);
+        certain |= u64::from(tested.hit.is_some() && !tested.doubtful) << bit;
+        possible |= u64::from(tested.hit.is_some() || tested.doubtful) << bit;
     }
     (certain, possible)
 }

@@ -36,7 +36,8 @@ impl Poly {
         if self.b.iter().all(|&b| b > bound) || self.b.iter().all(|&b| b < -bound) {
             return;
         }
-        if depth == DEPTH_MAX {
+        let within = self.b.iter().all(|b| b.abs() <= bound);
+        if within || depth == DEPTH_MAX {
             let (first, last) = (self.b[0], self.b[self.b.len() - 1]);
             let crosses = (first > bound && last < -bound) || (first < -bound && last > bound);
             found.push((0.5 * (self.span[0] + self.span[1]), crosses));
@@ -117,11 +118,4 @@ pub fn test(input: &Input, c: &PixelCurve, corners: &Corners, real: Real) -> Tes
     let met = meetings(input, c, corners, real);
     let hit = met.iter().find(|m| m.inside && !m.hidden).map(|m| m.fragment);
     Tested { hit, doubtful: met.iter().any(|m| m.doubtful) }
-}
-
-/// Whether the curve meets the triangle, and whether that is in doubt.
-pub fn coverage(input: &Input, c: &PixelCurve, corners: &Corners, real: Real) -> (bool, bool) {
-    let met = meetings(input, c, corners, real);
-    let sure = met.iter().any(|m| m.inside && !m.doubtful);
-    (met.iter().any(|m| m.inside), !sure && met.iter().any(|m| m.doubtful))
 }

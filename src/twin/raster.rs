@@ -41,17 +41,6 @@ pub struct Coverage {
 
 const NOTHING: Tested = Tested { hit: None, doubtful: false };
 
-/// Whether the pixel's ray or curve meets the triangle's inside, at whatever t and face.
-pub fn coverage(input: &Input, cast: &Cast, c: &Corners, real: Real) -> Coverage {
-    match cast {
-        Cast::Ray(rays) => ray_coverage(input, rays, c, real),
-        Cast::Curve(of_pixel) => {
-            let (inside, doubtful) = curve::coverage(input, of_pixel, c, real);
-            Coverage { inside, doubtful }
-        }
-    }
-}
-
 /// The sides of the three edges, taken from the smaller end to the larger, hold the ray between them.
 fn ray_coverage(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
     let [v0, v1, v2] = c.v;
@@ -180,7 +169,8 @@ impl Visibility {
 /// Merges the hits of all pairs.
 pub fn raster(input: &Input, pairs: &[[u32; 2]], real: Real, visibility: &mut Visibility) {
     let keys = input.keys(real);
-    let tested: Vec<(usize, u32, Tested)> = pairs.par_iter().flat_map_iter(|&pair| test_pair(input, pair, real)).collect();
+    let tested: Vec<(usize, u32, Tested)> =
+        pairs.par_iter().flat_map_iter(|&pair| test_pair(input, pair, real)).collect();
     visibility.tested += tested.len() as u64;
     for (pixel, layer, tested) in tested {
         visibility.doubtful[pixel] |= tested.doubtful;

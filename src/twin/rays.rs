@@ -3,8 +3,8 @@
 use super::Input;
 use crate::TILE;
 use crate::camera::{Bundle, Curve};
-use crate::gpu::rows::{Cell, Piece};
 use crate::gpu::kernels::RaysKind;
+use crate::gpu::rows::{Cell, Piece};
 use crate::plan::curves::RayTable;
 use glam::DVec3;
 

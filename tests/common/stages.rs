@@ -4,6 +4,7 @@
 #![allow(dead_code)]
 
 use super::common::cameras::{self, MeshLook};
+use super::common::layered;
 use super::common::rng::Rng;
 use super::common::{self, ALL_T, FORWARD};
 use anamorph::camera::{Camera, Rays};
@@ -162,6 +163,21 @@ pub fn cases() -> Vec<Case> {
         let camera = common::camera(cameras::mesh_camera(5, 4, 3, look), (100, 90), FORWARD);
         list.push(Case::new(name, part_one_sided(icosphere(2)), camera));
     }
+    let plain = MeshLook::default();
+    let weighted = MeshLook { weights: true, ..plain };
+    let chain = layered::chain(3, 3, (4, 3), plain, (100, 90));
+    list.push(Case::new("chain", part_one_sided(icosphere(2)), chain));
+    let chain = layered::chain(4, 2, (2, 2), weighted, (61, 83));
+    list.push(Case::new("weighted chain", part_one_sided(soup(23, 200, 0.5)), chain));
+    let chain = layered::chain(5, 16, (1, 1), plain, (40, 33));
+    list.push(Case::new("chain of 16", with_twins(part_one_sided(soup(24, 120, 0.7)), 60), chain));
+    for (degree, bend) in [(1, 0.0), (2, 0.5), (3, 0.3), (3, 2.5)] {
+        let name = format!("curves of degree {degree}, bent by {bend}");
+        let camera = layered::wavy(degree, bend, degree == 2, (84, 61));
+        list.push(Case::new(&name, part_one_sided(soup(30 + degree as u64, 150, 0.5)), camera));
+    }
+    let mixed = layered::straight_then_curved((70, 50));
+    list.push(Case::new("straight, then curved", part_one_sided(icosphere(2)), mixed));
     list.push(Case::new("ray field", part_one_sided(icosphere(2)), cameras::raymap(90, 70, FORWARD)));
     list.push(Case::new("ray field, both ways", soup(21, 120, 0.5), cameras::raymap(50, 41, [-1.0, 0.6])));
     let inside = |range| common::camera(glc("bilinear"), (64, 48), range);

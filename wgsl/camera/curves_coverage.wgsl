@@ -174,7 +174,7 @@ fn critical_points(b: real4, lo: real, hi: real) -> array<real, 2> {
     let d1 = b.z - b.y;
     if DEGREE == 2u {
         let t = select(lo, d0 / (d0 - d1), d0 != d1);
-        return array<real, 2>(clamp(t, lo, hi), hi);
+        return array<real, 2>(min(max(t, lo), hi), hi);
     }
     // d0 + 2 t (d1 - d0) + t^2 (d0 - 2 d1 + d2) = 0
     let a = d0 - 2.0 * d1 + (b.w - b.z);
@@ -185,8 +185,8 @@ fn critical_points(b: real4, lo: real, hi: real) -> array<real, 2> {
     }
     let root = sqrt(discriminant);
     let w = -(h + select(root, -root, h < 0.0));
-    let first = select(lo, clamp(w / a, lo, hi), a != 0.0);
-    let second = select(lo, clamp(d0 / w, lo, hi), w != 0.0);
+    let first = select(lo, min(max(w / a, lo), hi), a != 0.0);
+    let second = select(lo, min(max(d0 / w, lo), hi), w != 0.0);
     return array<real, 2>(min(first, second), max(first, second));
 }
 

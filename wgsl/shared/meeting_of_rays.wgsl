@@ -12,7 +12,7 @@ fn ray_meeting(along: real, across: real, rounding: real, hidden: real) -> Meeti
     let t = along / across;
     if SHEETED {
         let room = rounding / abs(across);
-        return Meeting(clamp(t, t_min, t_max), t >= t_min - room && t <= t_max + room);
+        return Meeting(min(max(t, t_min), t_max), t >= t_min - room && t <= t_max + room);
     }
     return Meeting(t, t >= t_min && t <= t_max);
 }
