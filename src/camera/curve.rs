@@ -75,6 +75,18 @@ impl Curve {
         span
     }
 
+    /// The parts before and after `t`, each over [0, 1]; together the same curve (de Casteljau).
+    pub fn split(&self, t: f64) -> [Curve; 2] {
+        let (mut before, mut after) = (*self, *self);
+        for n in (1..=self.degree).rev() {
+            for k in 0..n {
+                after.points[k] = after.points[k].lerp(after.points[k + 1], t);
+            }
+            before.points[self.degree + 1 - n] = after.points[0];
+        }
+        [before, after]
+    }
+
     /// The same curve as one of the higher degree `m`.
     pub fn elevated(&self, m: usize) -> Curve {
         let mut curve = *self;

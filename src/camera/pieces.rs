@@ -103,8 +103,12 @@ impl Pieces {
     }
 
     pub fn owner(&self, i: u32, j: u32) -> Option<u32> {
-        let q = self.place(i, j);
-        self.of_tile(i / TILE, j / TILE).iter().copied().find(|&k| self.pieces[k as usize].holds(q))
+        self.owner_of_place(i, j, self.place(i, j))
+    }
+
+    /// The piece that owns an image place (px) up to [`super::SAFE_RADIUS_PX`] from the sample of pixel `(i, j)`.
+    pub fn owner_of_place(&self, i: u32, j: u32, place_px: DVec2) -> Option<u32> {
+        self.of_tile(i / TILE, j / TILE).iter().copied().find(|&k| self.pieces[k as usize].holds(place_px))
     }
 
     /// Piece `k`'s bundle, centred on the sample of pixel `(i, j)`.

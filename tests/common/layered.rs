@@ -96,3 +96,22 @@ pub fn straight_then_curved(size: (u32, u32)) -> Camera {
     camera.layers.push(Rays::Curves(Curves::new(size.0, size.1, Arc::new(After))));
     camera
 }
+
+/// The rays of a camera of one layer as curves of a higher degree.
+#[derive(Debug, Clone)]
+pub struct Elevated {
+    pub of: Camera,
+    pub degree: usize,
+}
+
+impl CurveMap for Elevated {
+    fn degree(&self) -> usize {
+        self.degree
+    }
+
+    fn curve(&self, a: f64, b: f64) -> Option<(u32, Curve)> {
+        let pixel = |x: f64, n: u32| (x * f64::from(n)) as u32;
+        let (k, curve) = self.of.curve(0, pixel(a, self.of.width), pixel(b, self.of.height))?;
+        Some((k, curve.elevated(self.degree)))
+    }
+}
