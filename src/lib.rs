@@ -58,6 +58,7 @@
 //! # }
 //! ```
 
+pub mod bernstein;
 pub mod camera;
 pub mod cli;
 pub mod compare;

@@ -3,7 +3,7 @@
 //! tricks or kernels.
 //!
 //! * `intersect`: one ray and one triangle; signs are those of exact arithmetic (`exact`).
-//! * `curve`, `bernstein`, `length`: one curve and one triangle, every root; arc lengths.
+//! * `curve`, `length`: one curve and one triangle, every root ([`crate::bernstein`]); arc lengths.
 //! * `bvh`, `beam`: which triangles a ray, a curve, or all rays of a small box about one can meet.
 //! * `path`: a pixel's segments through all layers, and what they first meet.
 //! * `margin`, `verdict`: whether the answer changes within 1/16 px of the centre, and what it may be.
@@ -12,7 +12,6 @@
 //! * `image`, `light`, `explain`: whole frames, judgement of other frames, one pixel in words.
 
 mod beam;
-mod bernstein;
 mod bvh;
 mod cover;
 mod curve;

@@ -135,8 +135,12 @@ impl Curves {
 
     /// The curve `(x, y)` pixels right of and below the sample of pixel `(i, j)`, and its piece.
     pub fn near(&self, i: u32, j: u32, (x, y): (f64, f64)) -> Option<(u32, Curve)> {
-        let at = DVec2::new(i as f64 + x, j as f64 + y) + self.sample;
-        let found = self.map.curve(at.x / self.width as f64, at.y / self.height as f64)?;
+        self.at_place(DVec2::new(i as f64 + x, j as f64 + y) + self.sample)
+    }
+
+    /// The curve at an image place (px), and its piece.
+    pub fn at_place(&self, place_px: DVec2) -> Option<(u32, Curve)> {
+        let found = self.map.curve(place_px.x / self.width as f64, place_px.y / self.height as f64)?;
         found.1.points().iter().all(|p| p.is_finite()).then_some(found)
     }
 }

@@ -53,14 +53,14 @@ pub(super) fn side(a: DVec2, b: DVec2, q: DVec2) -> f64 {
 
 impl Piece {
     /// The piece holds the image place `q` (px), its border included.
-    fn holds(&self, q: DVec2) -> bool {
+    pub(super) fn holds(&self, q: DVec2) -> bool {
         let Some([a, b, c]) = self.corners_px else { return true };
         let o = side(a, b, c);
         side(a, b, q) * o >= 0.0 && side(b, c, q) * o >= 0.0 && side(c, a, q) * o >= 0.0
     }
 
     /// The piece may come within the box of half-sizes `half` about `centre` (px): never false when it does.
-    fn reaches(&self, centre: DVec2, half: DVec2) -> bool {
+    pub(super) fn reaches(&self, centre: DVec2, half: DVec2) -> bool {
         let Some([a, b, c]) = self.corners_px else { return true };
         let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
         if (lo - half).cmpgt(centre).any() || (hi + half).cmplt(centre).any() {

@@ -1,17 +1,17 @@
 //! One curve against one triangle: every place where it passes or touches the triangle.
 //!
 //! With `N` the triangle's normal, `f(t) = N . (X(t) - v_0)` is a polynomial of the curve's degree, so at most 3; all its
-//! roots in [0, 1] are found ([`super::bernstein`]), and at each the weights of the three vertices say whether the
+//! roots in [0, 1] are found ([`crate::bernstein`]), and at each the weights of the three vertices say whether the
 //! place is inside. Both are decided with a bound on their rounding, and a place that may be on an edge as far as the
 //! bound tells counts as inside: where triangles join, a curve that truly passes one of them is never lost between
 //! them. It may be found in both; their `t` then tie within rounding, and the lower id is as right as the other.
 //!
 //! A curve within the triangle's plane never meets it, as a ray does not.
 
-use super::bernstein::{Bernstein, Root, VALUE_ROUNDING};
 use super::bvh::Probe;
 use super::intersect::{Corners, Meeting, OPPOSITE, TERM_ROUNDING, cross_size};
 use super::margin::GAP;
+use crate::bernstein::{Bernstein, Root, VALUE_ROUNDING};
 use crate::camera::curve::Curve;
 use glam::DVec3;
 

@@ -1,6 +1,6 @@
 //! Arc lengths of curves.
 
-use super::bernstein::Bernstein;
+use crate::bernstein::Bernstein;
 use crate::camera::curve::Curve;
 use glam::DVec3;
 
