@@ -1,5 +1,6 @@
 //! The table of cameras: every kind that a scene file may name.
 
+use super::projector;
 use super::recipe::Kind;
 
 /// The kinds that the scene file reads itself, and their keys.
@@ -12,4 +13,6 @@ pub const PLAIN: &[(&str, &str)] = &[
 ];
 
 /// All others, each read and built in a file of its own.
-pub const NAMED: &[Kind] = &[];
+pub const NAMED: &[Kind] = &[
+    Kind { name: "projector", help: include_str!("help/projector.txt"), read: projector::read },
+];
