@@ -95,10 +95,13 @@ fn round_surfaces() {
     assert_surface("{ kind = 'cylinder', center = [1, -1, 2], axis = [0, 3, 4], radius = 2, height = 1 }", |u, v| {
         c + 2.0 * ((TAU * u).cos() * e1 + (TAU * u).sin() * DVec3::X) + (v - 0.5) * w
     });
-    assert_surface("{ kind = 'sphere', center = [1, -1, 2], radius = 2, lon = [-180, 180], lat = [90, -90] }", |u, v| {
-        let (l, p) = (TAU * (u - 0.5), PI * (0.5 - v));
-        c + 2.0 * DVec3::new(p.cos() * l.sin(), p.sin(), p.cos() * l.cos())
-    });
+    assert_surface(
+        "{ kind = 'sphere', center = [1, -1, 2], radius = 2, lon = [-180, 180], lat = [90, -90] }",
+        |u, v| {
+            let (l, p) = (TAU * (u - 0.5), PI * (0.5 - v));
+            c + 2.0 * DVec3::new(p.cos() * l.sin(), p.sin(), p.cos() * l.cos())
+        },
+    );
     // n = -z, e1 = y, e2 = n x e1 = x
     assert_surface("{ kind = 'disc', center = [1, -1, 2], normal = [0, 0, -3], radius = 2 }", |u, v| {
         c + 2.0 * v * DVec3::new((TAU * u).sin(), (TAU * u).cos(), 0.0)
@@ -170,12 +173,9 @@ fn patches_end_in_their_corners() {
         let camera = load(&projector(&[&surface, FAR], &corners_at_pixels()));
         let at = |i: u32, j: u32| camera.curve(0, i, j).unwrap().1.points()[0];
         let (x, y) = (SIZE.0 - 1, SIZE.1 - 1);
-        for (found, expected) in [
-            (at(0, 0), points[0][0]),
-            (at(x, 0), points[0][3]),
-            (at(0, y), points[4][0]),
-            (at(x, y), points[4][3]),
-        ] {
+        for (found, expected) in
+            [(at(0, 0), points[0][0]), (at(x, 0), points[0][3]), (at(0, y), points[4][0]), (at(x, y), points[4][3])]
+        {
             // (u, v) is off by some roundings, which the slopes of up to 15 a unit enlarge
             assert!((found - expected).length() < 100.0 * ROUNDING, "{surface}: {found}, not {expected}");
         }
@@ -187,9 +187,8 @@ fn b_splines() {
     let (points, text) = grid(4, 6);
     // knots with a double one inside, an extent from 2 to 5, and some that are not clamped
     let (ku, kv) = (vec![0.5, 1.0, 2.0, 3.0, 3.0, 4.5, 5.0, 5.0, 6.0], vec![0.0, 0.0, 1.0, 2.0, 2.0, 2.5]);
-    let surface = format!(
-        "{{ kind = 'bspline', degree = [2, 1], points = {text}, knots_u = {ku:?}, knots_v = {kv:?} }}"
-    );
+    let surface =
+        format!("{{ kind = 'bspline', degree = [2, 1], points = {text}, knots_u = {ku:?}, knots_v = {kv:?} }}");
     assert_surface(&surface, |u, v| {
         let (s, t) = (2.0 * (1.0 - u) + 5.0 * u, 2.0 * v);
         let weight = |i: usize, j: usize| b_spline(i, 2, &ku, s) * b_spline(j, 1, &kv, t);
@@ -314,7 +313,9 @@ fn straight_projectors_between_planes_are_a_glc() {
     };
     let glc = |near, far| camera(CameraKind::Glc { near, far }, SIZE, FORWARD);
     let same = |found: &Camera, expected: &Camera| {
-        assert!(matches!(&found.layers[..], [Rays::Pieces(p)] if p.pieces.len() == 1 && p.pieces[0].corners_px.is_none()));
+        assert!(
+            matches!(&found.layers[..], [Rays::Pieces(p)] if p.pieces.len() == 1 && p.pieces[0].corners_px.is_none())
+        );
         assert_eq!((found.t_range, found.piece_count()), ([0.0, 1.0], 1));
         for (i, j) in pixels() {
             let (found, expected) = (found.ray(i, j).unwrap(), expected.ray(i, j).unwrap());
@@ -346,8 +347,11 @@ fn straight_projectors_between_planes_are_a_glc() {
 fn nested_cylinders_stand_upright_with_a_negative_height() {
     // from 180 to -180 about +y: the middle of the image looks along th = 0, +z, and u runs from -x to +x as seen from inside
     let ring = |radius: f64| {
-        format!("{{ kind = 'cylinder', center = [0, 0, 0], axis = [0, 1, 0], radius = {radius:?}, height = {:?}, \
-                 from = 180, to = -180 }}", -2.0 * radius)
+        format!(
+            "{{ kind = 'cylinder', center = [0, 0, 0], axis = [0, 1, 0], radius = {radius:?}, height = {:?}, \
+                 from = 180, to = -180 }}",
+            -2.0 * radius
+        )
     };
     let camera = load(&projector(&[&ring(0.5), &ring(4.0)], ""));
     let direction = |i: u32, j: u32| camera.ray(i, j).unwrap().direction;
@@ -356,7 +360,10 @@ fn nested_cylinders_stand_upright_with_a_negative_height() {
     // looking along +z with y up, the right hand is at -x
     assert!(right.x < 0.0 && right.z.abs() < 0.2 * -right.x);
     assert!(direction(0, 0).y > 0.0 && direction(0, SIZE.1 - 1).y < 0.0);
-    let turned = load(&projector(&[&ring(0.5).replace("height = -", "height = "), &ring(4.0).replace("height = -", "height = ")], ""));
+    let turned = load(&projector(
+        &[&ring(0.5).replace("height = -", "height = "), &ring(4.0).replace("height = -", "height = ")],
+        "",
+    ));
     assert!(turned.ray(0, 0).unwrap().direction.y < 0.0);
 }
 
@@ -379,7 +386,10 @@ fn a_hemisphere_under_a_polar_map_is_an_angular_fisheye() {
             let angle = d.y.clamp(-1.0, 1.0).acos();
             // near the pole the arc cosine's slope enlarges the rounding by up to 20
             assert!((angle - q.length().powf(power) * PI / 2.0).abs() < 20.0 * ROUNDING);
-            assert!(close(ray.origin - DVec3::new(1., 2., 3.), 0.25 * d) && (ray.direction.length() - 7.75).abs() < 10.0 * ROUNDING);
+            assert!(
+                close(ray.origin - DVec3::new(1., 2., 3.), 0.25 * d)
+                    && (ray.direction.length() - 7.75).abs() < 10.0 * ROUNDING
+            );
             // u = 0, to the right in the picture, is at longitude 90: +x; a quarter turn on, upwards, is at 180: -z
             assert!((d.x * q.y + d.z * q.x).abs() < ROUNDING && d.x * q.x - d.z * q.y >= 0.0);
         }
@@ -417,7 +427,10 @@ fn curves_go_from_the_first_surface_to_the_last_along_the_others() {
 fn planes_evenly_between_two_make_the_straight_projector() {
     let plane = |z: f64, half: f64| {
         let side = 2.0 * half;
-        format!("{{ kind = 'plane', origin = [{:?}, {half:?}, {z:?}], u = [{side:?}, 0, 0], v = [0, {:?}, 0] }}", -half, -side)
+        format!(
+            "{{ kind = 'plane', origin = [{:?}, {half:?}, {z:?}], u = [{side:?}, 0, 0], v = [0, {:?}, 0] }}",
+            -half, -side
+        )
     };
     let straight = load(&projector(&[&plane(4.0, 1.0), &plane(-2.0, 4.0)], ""));
     for m in [2usize, 3] {
@@ -551,7 +564,11 @@ fn wrong_projectors_say_what_is_wrong() {
     one("{ kind = 'torus' }", "camera.surfaces.0.kind", "unknown kind \"torus\"");
     one("{ at = [0, 0, 0] }", "camera.surfaces.0", "kind is missing");
     one("{ kind = 'plane', origin = [0, 0, 0], u = [1, 0, 0] }", "camera.surfaces.0", "v is missing");
-    one("{ kind = 'plane', origin = [0, 0, 0], u = [1, 0, 0], w = [1, 0, 0] }", "camera.surfaces.0", "unknown key \"w\"");
+    one(
+        "{ kind = 'plane', origin = [0, 0, 0], u = [1, 0, 0], w = [1, 0, 0] }",
+        "camera.surfaces.0",
+        "unknown key \"w\"",
+    );
     one("{ kind = 'bilinear', corners = [[0, 0, 0]] }", "camera.surfaces.0.corners", "four points");
     one("{ kind = 'cylinder', center = [0, 0, 0], axis = [0, 0, 0], radius = 1, height = 1 }", "0.axis", "is zero");
     one("{ kind = 'cylinder', center = [0, 0, 0], axis = [0, 1, 0], radius = -1, height = 1 }", "0.radius", "below 0");
@@ -570,7 +587,8 @@ fn wrong_projectors_say_what_is_wrong() {
     one(&spline("degree = [3, 2], knots_u = [0, 0, 0, 0, 1, 1, 1, 0.5]"), "0.knots_u", "knot 7 is below");
     one(&spline("degree = [1, 2], knots_u = [0, 1, 1, 1, 2, 3]"), "0.knots_u", "more than 2 times");
     one(&spline("degree = 2, knots_v = [0, 1, 2, 2, 3, 4]"), "0.knots_v", "no extent");
-    let nurbs = |weights: &str| format!("{{ kind = 'nurbs', degree = 1, points = {}, weights = {weights} }}", grid(2, 2).1);
+    let nurbs =
+        |weights: &str| format!("{{ kind = 'nurbs', degree = 1, points = {}, weights = {weights} }}", grid(2, 2).1);
     one(&nurbs("[[1, 1], [1, 0]]"), "0.weights.1.1", "0 is not above 0");
     one(&nurbs("[[1, 1, 1], [1, 1, 1]]"), "0.weights", "one weight for each control point");
     one(&square(["[0, 1, 4]"], [0.0; 4]), "0.triangles", "vertex 4 does not exist");

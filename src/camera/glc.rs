@@ -11,9 +11,8 @@ use serde::Serialize;
 /// The bundle of a GLC over the whole image, centred on the image's middle.
 pub fn bundle(near: &[DVec3; 3], far: &[DVec3; 3], width: u32, height: u32) -> Result<Bundle> {
     let affine = |n: &[DVec3; 3]| [n[0], n[1] - n[0], n[2] - n[0]];
-    of_planes(&affine(near), &affine(far), width, height).ok_or_else(|| {
-        Error::input("camera: near and far are the same three points, so no ray has a direction")
-    })
+    of_planes(&affine(near), &affine(far), width, height)
+        .ok_or_else(|| Error::input("camera: near and far are the same three points, so no ray has a direction"))
 }
 
 /// The bundle between two planes `q[0] + a q[1] + b q[2]`; `None` where they are the same.

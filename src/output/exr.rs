@@ -130,8 +130,8 @@ pub(super) fn read_planes<const N: usize>(
     let (width, height, mut layer) = read_layer(path).map_err(refuse)?;
     let mut plane = |channel: Channel| {
         let name = channel.name();
-        let samples = take_channel(&mut layer, name)
-            .ok_or_else(|| refuse(format!("there is no channel {name}; {holds}")))?;
+        let samples =
+            take_channel(&mut layer, name).ok_or_else(|| refuse(format!("there is no channel {name}; {holds}")))?;
         match plane_from(channel, samples, width as usize * height as usize).map_err(refuse)? {
             Plane::F32(values) => Ok(values),
             Plane::U32(_) => Err(refuse(format!("channel {name} holds whole numbers, not floats"))),

@@ -86,7 +86,8 @@ impl Volume {
             let stride = count.max(1);
             let product = u32::try_from(f.triangles.len()).ok().and_then(|n| n.checked_mul(stride));
             // the highest number stands for no piece
-            count = product.filter(|n| *n < u32::MAX).ok_or("too many pieces: each of one surface with each of another")?;
+            count =
+                product.filter(|n| *n < u32::MAX).ok_or("too many pieces: each of one surface with each of another")?;
             strides.push(stride);
         }
         Ok(Volume { surfaces, reparam, strides, piece_count: count })
@@ -207,5 +208,7 @@ fn as_facets(surface: &Surface) -> Option<&Facets> {
 }
 
 fn nowhere() -> Error {
-    Error::input("camera.surfaces: no pixel has a projector: the surfaces are the same or have no points there; move one")
+    Error::input(
+        "camera.surfaces: no pixel has a projector: the surfaces are the same or have no points there; move one",
+    )
 }

@@ -18,6 +18,8 @@ pub enum Surface {
     Disc(Disc),
     Patch(Patch),
     Pieces(Facets),
+    /// Not of scene files.
+    Pulled(Pulled),
 }
 
 /// `origin + u U + v V`. A point is a plane without extent.
@@ -35,6 +37,28 @@ impl Plane {
 
     pub fn at(&self, uv: DVec2) -> DVec3 {
         self.origin + uv.x * self.u + uv.y * self.v
+    }
+}
+
+/// A plane whose places are drawn towards a pole by `pull`, and those nearer than that to the pole itself: the radial
+/// distortion of an occlusion camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pulled {
+    pub plane: Plane,
+    /// (u, v).
+    pub pole: DVec2,
+    /// In units of v.
+    pub pull: f64,
+    /// How many units of v there are in one of u.
+    pub aspect: f64,
+}
+
+impl Pulled {
+    pub fn at(&self, uv: DVec2) -> DVec3 {
+        let away = uv - self.pole;
+        let distance = (away * DVec2::new(self.aspect, 1.0)).length();
+        let left = if distance > self.pull { 1.0 - self.pull / distance } else { 0.0 };
+        self.plane.at(self.pole + left * away)
     }
 }
 
@@ -74,6 +98,7 @@ impl Surface {
             Surface::Disc(s) => s.at(uv),
             Surface::Patch(s) => s.at(uv)?,
             Surface::Pieces(s) => return s.at(uv),
+            Surface::Pulled(s) => s.at(uv),
         };
         Some((0, point))
     }
