@@ -2,10 +2,16 @@
 
 pub mod cross_slit;
 pub mod hinge;
+pub mod irregular_perspective;
 pub mod mcop;
+pub mod occlusion;
+pub mod ortho_to_perspective;
 pub mod panorama;
 pub mod pencil;
 mod pose;
 pub mod pushbroom;
+mod stand;
+pub mod street;
 pub mod surround;
+pub mod twist;
 mod values;
