@@ -6,6 +6,7 @@
 pub mod cameras;
 pub mod gpu;
 pub mod rng;
+pub mod written;
 
 use anamorph::camera::Camera;
 use anamorph::scene::Scene;
