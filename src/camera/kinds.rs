@@ -1,6 +1,7 @@
 //! The table of cameras: every kind that a scene file may name.
 
 use super::named::{cross_slit, hinge, mcop, panorama, pencil, pushbroom, surround};
+use super::named::{cylinder, fisheye, sphere};
 use super::named::{irregular_perspective, occlusion, ortho_to_perspective, street, twist};
 use super::projector;
 use super::recipe::Kind;
@@ -43,4 +44,7 @@ pub const NAMED: &[Kind] = &[
     },
     Kind { name: "occlusion", help: include_str!("help/occlusion.txt"), read: occlusion::read },
     Kind { name: "street", help: include_str!("help/street.txt"), read: street::read },
+    Kind { name: "fisheye", help: include_str!("help/fisheye.txt"), read: fisheye::read },
+    Kind { name: "sphere", help: include_str!("help/sphere.txt"), read: sphere::read },
+    Kind { name: "cylinder", help: include_str!("help/cylinder.txt"), read: cylinder::read },
 ];
