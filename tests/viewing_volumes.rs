@@ -2,12 +2,10 @@
 
 mod common;
 
-use anamorph::Result;
 use anamorph::camera::glc::Class;
 use anamorph::camera::{Camera, Curve, Rays, glc};
 use anamorph::scene::file::CameraKind;
-use common::cameras::read_camera;
-use common::{FORWARD, camera};
+use common::{FORWARD, camera, written};
 use glam::{DVec2, DVec3};
 
 const SIZE: (u32, u32) = (40, 30);
@@ -23,12 +21,8 @@ fn tan20() -> f64 {
     20f64.to_radians().tan()
 }
 
-fn try_load(text: &str) -> Result<Camera> {
-    read_camera(tempfile::tempdir().unwrap().path(), SIZE, text)
-}
-
-fn load(camera: &str) -> Camera {
-    try_load(camera).unwrap_or_else(|e| panic!("{camera}: {e}"))
+fn load(text: &str) -> Camera {
+    written::camera(text, SIZE)
 }
 
 fn pixels() -> impl Iterator<Item = (u32, u32)> {
@@ -345,7 +339,7 @@ fn wrong_volumes_say_what_is_wrong() {
         ("kind = 'street'\nviews = [{ at = 0.5, width = 0 }]", "camera.views.0", "width 0"),
         ("kind = 'street'\nviews = [{ at = 0.5, angle = 120, turn = 30 }]", "camera.views.0", "within 90 degrees"),
     ] {
-        let error = try_load(camera).map(|c| c.kind).unwrap_err();
+        let error = written::try_camera(camera, SIZE).map(|c| c.kind).unwrap_err();
         let text = error.to_string();
         assert!(error.exit_code() == 2 && text.contains(key) && text.contains(why) && !text.contains('\n'), "{text}");
     }

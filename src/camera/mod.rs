@@ -16,6 +16,7 @@ pub mod kinds;
 pub mod mesh;
 pub mod named;
 pub mod pieces;
+pub mod project;
 pub mod projector;
 pub mod recipe;
 

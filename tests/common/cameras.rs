@@ -1,20 +1,9 @@
 //! Cameras that see the ball of radius 1 about the origin.
 
 use super::rng::Rng;
-use anamorph::Result;
 use anamorph::camera::{Camera, Field, Rays};
-use anamorph::scene::Scene;
 use anamorph::scene::file::{CameraKind, CameraVertex, MeshCameraSpec};
 use glam::{DMat2, DVec2, DVec3};
-use std::path::Path;
-
-/// The camera of a scene file in `dir`, where `camera` is its table's lines.
-pub fn read_camera(dir: &Path, (width, height): (u32, u32), camera: &str) -> Result<Camera> {
-    let path = dir.join("scene.toml");
-    let text = format!("[image]\nwidth = {width}\nheight = {height}\n[camera]\n{camera}\n");
-    std::fs::write(&path, text).unwrap();
-    Scene::load(&path, &[])?.camera()
-}
 
 /// Near and far points of a GLC with the maps `a` and `b` from the image, [-1/2, 1/2]^2 with y up, to the planes
 /// z = 2 and z = -2.

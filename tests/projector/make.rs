@@ -1,6 +1,6 @@
 //! Projectors from scene files, and formulas that several tests share.
 
-use crate::common::cameras::read_camera;
+use crate::common::written::camera_in;
 use anamorph::Result;
 use anamorph::camera::Camera;
 use glam::DVec3;
@@ -13,7 +13,7 @@ pub const SIZE: (u32, u32) = (24, 18);
 pub const ROUNDING: f64 = 1e-13;
 
 pub fn try_load(dir: &Path, text: &str) -> Result<Camera> {
-    read_camera(dir, SIZE, text)
+    camera_in(dir, text, Some(SIZE))
 }
 
 pub fn load(camera: &str) -> Camera {
