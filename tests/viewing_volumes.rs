@@ -333,7 +333,7 @@ fn wrong_volumes_say_what_is_wrong() {
         ("kind = 'occlusion'\ndistortion = [0, -1]", "camera.distortion", "below 0"),
         ("kind = 'street'\nto = [-2, 0, 4]", "camera", "same point"),
         ("kind = 'street'\nup = [1, 0, 0]", "camera", "along the walk"),
-        ("kind = 'street'\nfacade = 0", "camera.facade", "not above 0"),
+        ("kind = 'street'\nfacade = 0", "camera.facade", "above 0"),
         ("kind = 'street'\nfar = 2", "camera", "beyond facade"),
         ("kind = 'street'\nviews = [{ width = 0.2 }]", "camera.views.0", "at is missing"),
         ("kind = 'street'\nviews = [{ at = 0.5, width = 0 }]", "camera.views.0", "width 0"),
