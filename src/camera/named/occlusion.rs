@@ -6,8 +6,8 @@
 //! far d stays d_f. A place nearer to the pole than d goes to the pole itself, not past it: rays stay in order.
 //!
 //! `join = "linear"`: the bent ray itself, a chain of the segments eye - near - far - end. `join = "bezier"`: the curve of
-//! degree 3 over these four points, which starts along the first and ends along the last segment. (The paper's volume ends at
-//! far.)
+//! degree 3 over these four points, which starts along the first and ends along the last segment. It bends from the
+//! eye on, so it sees less behind the silhouette for the same distortion. (The paper's volume ends at far.)
 
 use super::stand::{Stand, allow, aspect, upright};
 use crate::camera::cut::Cut;
