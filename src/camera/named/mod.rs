@@ -18,4 +18,4 @@ pub mod street;
 mod strips;
 pub mod surround;
 pub mod twist;
-mod values;
+pub(super) mod values;

@@ -6,7 +6,8 @@
 //! far d stays d_f. A place nearer to the pole than d goes to the pole itself, not past it: rays stay in order.
 //!
 //! `join = "linear"`: the bent ray itself, a chain of the segments eye - near - far - end. `join = "bezier"`: the curve of
-//! degree 2 over the first three of these points, which ends at far.
+//! degree 3 over these four points, which starts along the first and ends along the last segment. It bends from the
+//! eye on, so it sees less behind the silhouette for the same distortion. (The paper's volume ends at far.)
 
 use super::stand::{Stand, allow, aspect, upright};
 use crate::camera::cut::Cut;
@@ -22,7 +23,7 @@ use std::sync::Arc;
 struct Occlusion {
     stand: Stand,
     half_height: f64,
-    /// Depth of the last segments' ends.
+    /// Depth where the rays end.
     end: f64,
     /// (a, b).
     pole: DVec2,
@@ -44,9 +45,6 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     })?;
     let end = table.or("end", 2.0 * stand.far, |field| {
         let end = field.number()?;
-        if bezier {
-            return Err(field.error("curves end at far; leave it out where join = \"bezier\""));
-        }
         if end > stand.far { Ok(end) } else { Err(field.error(format_args!("{end} must be beyond far {}", stand.far))) }
     })?;
     let pole: [f64; 2] = table.or("pole", [0.5, 0.5], |field| field.numbers("an image place, as [a, b]"))?;
@@ -72,7 +70,7 @@ impl Recipe for Occlusion {
         let eye = Surface::from(Plane::point(self.stand.eye));
         let stops = [eye, at(near, d_near), at(far, d_far), at(self.end, d_far)];
         if self.bezier {
-            return Volume::over(stops[..3].to_vec())?.build(setting, Cut::Exact);
+            return Volume::over(stops.to_vec())?.build(setting, Cut::Exact);
         }
         let segment = |two: &[Surface]| Volume::over(two.to_vec())?.build(setting, Cut::Exact);
         let segments: Vec<Built> = stops.windows(2).map(segment).collect::<Result<_>>()?;

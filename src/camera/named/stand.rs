@@ -1,5 +1,6 @@
 //! Where a viewer stands, and planes across the view at some depth: what the viewing volumes of Brosz et al. are built of.
 
+use super::values::half_tangent;
 use crate::camera::central::{View, view};
 use crate::camera::projector::surface::Plane;
 use crate::error::Result;
@@ -43,12 +44,7 @@ impl Stand {
 
     /// The tangent of half of the table's `vfov`, 40 degrees where it is not given.
     pub fn half_height(table: &Table) -> Result<f64> {
-        let Some(field) = table.get("vfov") else { return Ok(20f64.to_radians().tan()) };
-        let vfov = field.number()?;
-        if !(vfov > 0.0 && vfov < 180.0) {
-            return Err(field.error(format_args!("{vfov} must lie between 0 and 180 degrees")));
-        }
-        Ok((vfov.to_radians() / 2.0).tan())
+        table.or("vfov", 20f64.to_radians().tan(), half_tangent)
     }
 
     /// The point `q.x` to the right of and `q.y` above the view's axis at a depth.

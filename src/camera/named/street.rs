@@ -9,6 +9,7 @@
 //! the projectors cross, hidden by the facades. The far surface is a cubic B-spline along the street, so the moves are those
 //! of its control points.
 
+use super::values::{half_tangent, length};
 use crate::camera::cut::Cut;
 use crate::camera::projector::Volume;
 use crate::camera::projector::patch::Patch;
@@ -65,16 +66,12 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         return Err(table.error("up is zero or along the walk; give another up"));
     }
     let forward = across.normalize();
-    let positive = |field: &Field| {
-        let distance = field.number()?;
-        if distance > 0.0 { Ok(distance) } else { Err(field.error(format_args!("{distance} is not above 0"))) }
-    };
-    let facade = table.or("facade", 3.0, positive)?;
-    let far = table.or("far", 3.0 * facade, positive)?;
+    let facade = table.or("facade", 3.0, length)?;
+    let far = table.or("far", 3.0 * facade, length)?;
     if far <= facade {
         return Err(table.error(format_args!("far {far} must be beyond facade {facade}")));
     }
-    let half_height = table.optional("vfov", |_| super::stand::Stand::half_height(table))?;
+    let half_height = table.optional("vfov", half_tangent)?;
     let views = match table.get("views") {
         Some(field) => field.items("a list of views")?.map(|view| read_view(&view)).collect::<Result<_>>()?,
         None => Vec::new(),

@@ -1,6 +1,6 @@
 //! From image coordinates to surface coordinates: the projector's `reparam` (Brosz et al. 2007, section 3.4).
 
-use super::surface::read_kind;
+use super::surface::{Reader, read_kind};
 use crate::error::Result;
 use crate::output::read_pairs;
 use crate::scene::file::reader::{Field, Table};
@@ -52,7 +52,7 @@ impl fmt::Debug for Places {
     }
 }
 
-const KINDS: &[(&str, fn(&Table) -> Result<Reparam>)] = &[
+const KINDS: &[Reader<Reparam>] = &[
     ("affine", read_affine),
     ("polar", |table| table.allow(&["kind"]).map(|()| Reparam::Polar { power: 1.0 })),
     ("lens", read_lens),

@@ -1,5 +1,6 @@
 //! Round control surfaces: cylinder, sphere, disc. The formulas are those of the `projector` camera's description.
 
+use crate::camera::named::values::direction;
 use crate::error::Result;
 use crate::scene::file::reader::{Field, Table};
 use glam::{DVec2, DVec3};
@@ -47,7 +48,7 @@ impl Cylinder {
     pub(super) fn read(table: &Table) -> Result<Cylinder> {
         table.allow(&["kind", "center", "axis", "radius", "height", "from", "to"])?;
         let center = table.need("center", "[0, 0, 0]")?.vec3()?;
-        let axis = read_direction(&table.need("axis", "[0, 1, 0]")?)?;
+        let axis = direction(&table.need("axis", "[0, 1, 0]")?)?;
         let start = if axis.z.abs() > AXIS_ALONG_Z { DVec3::X } else { DVec3::Z };
         let e1 = start.reject_from_normalized(axis).normalize();
         let degrees = |field: &Field| Ok(field.number()?.to_radians());
@@ -93,8 +94,8 @@ impl Disc {
     pub(super) fn read(table: &Table) -> Result<Disc> {
         table.allow(&["kind", "center", "normal", "radius", "up"])?;
         let center = table.need("center", "[0, 0, 0]")?.vec3()?;
-        let normal = read_direction(&table.need("normal", "[0, 0, 1]")?)?;
-        let up = table.or("up", DVec3::Y, read_direction)?;
+        let normal = direction(&table.need("normal", "[0, 0, 1]")?)?;
+        let up = table.or("up", DVec3::Y, direction)?;
         let e1 = up.reject_from_normalized(normal);
         if e1.length() < super::super::central::UP_SINE_MIN {
             return Err(table.error("up is parallel to normal; give another up"));
@@ -107,11 +108,6 @@ impl Disc {
         let (sin, cos) = (TAU * uv.x).sin_cos();
         self.center + uv.y * self.radius * (cos * self.e1 + sin * self.e2)
     }
-}
-
-/// A unit vector.
-fn read_direction(field: &Field) -> Result<DVec3> {
-    field.vec3()?.try_normalize().ok_or_else(|| field.error("is zero; give a direction"))
 }
 
 /// A length of 0 or more.

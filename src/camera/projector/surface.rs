@@ -69,7 +69,7 @@ impl From<Plane> for Surface {
 }
 
 /// The names of all kinds, and their readers.
-const KINDS: &[(&str, fn(&Table) -> Result<Surface>)] = &[
+const KINDS: &[Reader<Surface>] = &[
     ("plane", read_plane),
     ("bilinear", read_bilinear),
     ("point", read_point),
@@ -116,8 +116,11 @@ impl Surface {
     }
 }
 
+/// A kind's name, and what reads its table.
+pub(super) type Reader<T> = (&'static str, fn(&Table) -> Result<T>);
+
 /// Reads a table by its `kind`, one of `kinds`.
-pub(super) fn read_kind<T>(table: &Table, example: &str, kinds: &[(&str, fn(&Table) -> Result<T>)]) -> Result<T> {
+pub(super) fn read_kind<T>(table: &Table, example: &str, kinds: &[Reader<T>]) -> Result<T> {
     let kind = table.need("kind", &format!("{example:?}"))?;
     let name = kind.text()?;
     let Some((_, read)) = kinds.iter().find(|k| k.0 == name) else {
