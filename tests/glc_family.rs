@@ -202,6 +202,34 @@ fn a_panorama_goes_round_and_all_rays_meet_its_axis() {
 }
 
 #[test]
+fn a_ring_of_pieces_is_of_cross_slit_cameras_that_share_the_axis_and_their_borders() {
+    let keys = "kind = \"panorama\"\nradius = 5\nelevation = 1\nheight = 4\n";
+    for (look, slits) in [("inward", [0.0, 1.0]), ("outward", [-1.0, 0.0])] {
+        let ring = camera(&format!("{keys}look = {look:?}\npieces = 16"));
+        assert_eq!(ring.piece_count(), 32);
+        for piece in 0..32 {
+            assert_class(&ring, piece, Class::CrossSlit, &slits);
+        }
+        // 5 px a piece: the rays at a border are the same from both sides, round the back too
+        let at = |k: usize, x: f64, y: f64| {
+            let found = pieces(&ring).bundle_at_place(k as u32, glam::DVec2::new(x, y)).ray(0.0, 0.0);
+            (found.origin, found.direction)
+        };
+        for k in 0..16 {
+            let next = (k + 1) % 16;
+            for y in [0.0, 21.0, 60.0] {
+                let (one, other) = (at(2 * k + 1, 5.0 * (k + 1) as f64, y), at(2 * next, 5.0 * next as f64, y));
+                assert!((one.0 - other.0).length() < ROUNDING && (one.1 - other.1).length() < ROUNDING, "{k} {y}");
+            }
+        }
+        let exact = camera(&format!("{keys}look = {look:?}"));
+        // in a piece's middle the chord is inside the circle, by 1 - cos(360 / 32)
+        let (a, b) = (ring.ray(2, 30).unwrap(), exact.ray(2, 30).unwrap());
+        assert!((a.origin - b.origin).length() < 5.0 * (1.0 - 11.25f64.to_radians().cos()) + ROUNDING);
+    }
+}
+
+#[test]
 fn hinged_cameras_share_their_column_and_their_upright_slit() {
     let keys = "kind = \"hinge\"\neye = [0, 1, 10]\ntarget = [0, 1, 0]\nvfov = 40\ncolumn = 0.6\npath = 12\nangle = ";
     let k = 20f64.to_radians().tan();
