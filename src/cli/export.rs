@@ -1,6 +1,6 @@
 //! A compiled camera as files: the pieces of a mesh camera, or every pixel's ray.
 
-use super::describe::{plain_vertices, vertex_at};
+use super::describe::{corner_rays, plain_vertices, vertex_at};
 use crate::camera::{Camera, Rays};
 use crate::error::{Error, Result};
 use crate::output::{write_npy_f64, write_text};
@@ -41,13 +41,18 @@ pub fn write_pieces(path: &Path, spec: &CameraSpec, camera: &Camera) -> Result<(
     };
     let (vertices, triangles) = match (&spec.kind, pieces.pieces.as_slice()) {
         (CameraKind::Mesh(mesh), _) => (plain_vertices(mesh), mesh.triangles.clone()),
-        (_, [piece]) => {
+        (_, [piece]) if piece.corners_px.is_none() => {
             let size = DVec2::new(camera.width.into(), camera.height.into());
             let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-            let vertices = corners.map(|ab| vertex_at(&piece.bundle, piece.centre_px, size, ab)).to_vec();
+            let vertices = corners.map(|ab| vertex_at(piece, DVec2::from(ab) * size, size)).to_vec();
             (vertices, vec![[0, 1, 2], [2, 1, 3]])
         }
-        _ => return Err(Error::work(format!("--export: no way to write a camera of kind {}", camera.kind))),
+        _ => {
+            // a million pieces at most, so three times as many vertices have numbers
+            let vertices = corner_rays(spec, camera).concat();
+            let triangles = (0..vertices.len() as u32 / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+            (vertices, triangles)
+        }
     };
     let record = |v: CameraVertex| VertexRecord { image: v.image, near: v.near.into(), far: v.far.into(), w: v.w };
     let file = PiecesFile { vertices: vertices.into_iter().map(record).collect(), triangles };
