@@ -59,6 +59,22 @@ impl Curve {
         p[0]
     }
 
+    /// The part over t in [`from`, `to`] as a curve of its own, by blossoms.
+    pub fn span(&self, [from, to]: [f64; 2]) -> Curve {
+        let mut span = *self;
+        for (k, point) in span.points.iter_mut().enumerate().take(self.degree + 1) {
+            let mut p = self.points;
+            for n in (1..=self.degree).rev() {
+                let t = if n <= k { to } else { from };
+                for j in 0..n {
+                    p[j] = p[j].lerp(p[j + 1], t);
+                }
+            }
+            *point = p[0];
+        }
+        span
+    }
+
     /// The parts before and after `t`, each over [0, 1]; together the same curve (de Casteljau).
     pub fn split(&self, t: f64) -> [Curve; 2] {
         let (mut before, mut after) = (*self, *self);
@@ -142,6 +158,8 @@ mod tests {
             assert_eq!((c.tangent(0.0), c.tangent(1.0)), (m as f64 * (p[1] - p[0]), m as f64 * (p[m] - p[m - 1])));
             for k in 0..=8 {
                 let t = k as f64 / 8.0;
+                let part = c.span([0.25, 0.75]);
+                assert!((part.at(t) - c.at(0.25 + 0.5 * t)).length() < 1e-15);
                 let higher = c.elevated(3);
                 assert!(higher.degree() == 3 && (higher.at(t) - c.at(t)).length() < 1e-15);
                 assert!((higher.tangent(t) - c.tangent(t)).length() < 1e-14);

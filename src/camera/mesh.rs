@@ -1,6 +1,6 @@
 //! The `mesh` camera: image triangles whose corners carry rays (Hou et al. 2006; Popescu's CGLC segments).
 
-use super::bundle::Bundle;
+use super::bundle::{Bundle, Ray};
 use super::pieces::{Piece, Pieces, side};
 use crate::error::{Error, Result};
 use crate::scene::file::MeshCameraSpec;
@@ -18,7 +18,8 @@ pub fn compile(spec: &MeshCameraSpec, width: u32, height: u32, notes: &mut Vec<S
     let size = DVec2::new(width as f64, height as f64);
     let pieces: Vec<Piece> =
         spec.triangles.par_iter().enumerate().map(|(k, t)| piece(spec, k, t, size)).collect::<Result<_>>()?;
-    if let Some((j, k)) = first_overlap(&pieces) {
+    let corners: Vec<[DVec2; 3]> = pieces.iter().filter_map(|p| p.corners_px).collect();
+    if let Some((j, k)) = first_overlap(&corners) {
         return Err(Error::input(format!("camera.triangles: {j} and {k} overlap in the image; pieces must not")));
     }
     let dead: Vec<usize> = (0..pieces.len()).filter(|&k| pieces[k].bundle.d == [DVec3::ZERO; 3]).collect();
@@ -44,30 +45,42 @@ fn piece(spec: &MeshCameraSpec, index: usize, triangle: &[u32; 3], size: DVec2) 
         direction = direction.map(|d| d.normalize_or_zero());
     }
     let w = v.map(|v| v.w);
-    // dL_i/dx = (y_j - y_k) / 2A, dL_i/dy = (x_k - x_j) / 2A for the corners i, j, k in order
-    let gradient = [0, 1, 2].map(|i| {
-        let e = corners[(i + 2) % 3] - corners[(i + 1) % 3];
-        DVec2::new(-e.y, e.x) / area2
-    });
-    // the L_i sum to 1, so their gradients sum to 0: differences from corner 0 lose nothing
-    let affine = |q: [DVec3; 3]| {
-        let (a, b) = (q[1] - q[0], q[2] - q[0]);
-        let slope = |g1: f64, g2: f64| g1 * a + g2 * b;
-        [q[0] + (a + b) / 3.0, slope(gradient[1].x, gradient[2].x), slope(gradient[1].y, gradient[2].y)]
-    };
+    let affine = |q: [DVec3; 3]| interpolated(&corners, q);
     let weighted = |q: [DVec3; 3]| affine([w[0] * q[0], w[1] * q[1], w[2] * q[2]]);
     let h = affine(w.map(|w| DVec3::new(w, 0.0, 0.0))).map(|v| v.x);
     let bundle = Bundle { p: weighted(v.map(|v| v.near)), d: weighted(direction), h };
     Ok(Piece { bundle, centre_px: (corners[0] + corners[1] + corners[2]) / 3.0, corners_px: Some(corners) })
 }
 
-/// The first pair of pieces whose interiors overlap, by a grid of about one cell a piece.
-fn first_overlap(pieces: &[Piece]) -> Option<(usize, usize)> {
-    let corners: Vec<[DVec2; 3]> = pieces.iter().filter_map(|p| p.corners_px).collect();
+/// The piece over an image triangle (px) of some area whose corners have the rays `rays`: P and D are affine between.
+pub(super) fn triangle(corners: [DVec2; 3], rays: [Ray; 3]) -> Piece {
+    let p = interpolated(&corners, rays.map(|r| r.origin));
+    let d = interpolated(&corners, rays.map(|r| r.direction));
+    let centre_px = (corners[0] + corners[1] + corners[2]) / 3.0;
+    Piece { bundle: Bundle { p, d, h: [1.0, 0.0, 0.0] }, centre_px, corners_px: Some(corners) }
+}
+
+/// The affine function of the image place (px) with the values `q` at the corners of a triangle of some area: its
+/// value at their mean, and its derivatives along x and y.
+pub(super) fn interpolated(corners: &[DVec2; 3], q: [DVec3; 3]) -> [DVec3; 3] {
+    let area2 = side(corners[0], corners[1], corners[2]);
+    // dL_i/dx = (y_j - y_k) / 2A, dL_i/dy = (x_k - x_j) / 2A for the corners i, j, k in order
+    let gradient = [0, 1, 2].map(|i| {
+        let e = corners[(i + 2) % 3] - corners[(i + 1) % 3];
+        DVec2::new(-e.y, e.x) / area2
+    });
+    // the L_i sum to 1, so their gradients sum to 0: differences from corner 0 lose nothing
+    let (a, b) = (q[1] - q[0], q[2] - q[0]);
+    let slope = |g1: f64, g2: f64| g1 * a + g2 * b;
+    [q[0] + (a + b) / 3.0, slope(gradient[1].x, gradient[2].x), slope(gradient[1].y, gradient[2].y)]
+}
+
+/// The first pair of triangles whose interiors overlap, by a grid of about one cell a triangle.
+pub(super) fn first_overlap(corners: &[[DVec2; 3]]) -> Option<(usize, usize)> {
     let boxes: Vec<(DVec2, DVec2)> = corners.iter().map(|[a, b, c]| (a.min(*b).min(*c), a.max(*b).max(*c))).collect();
     let lo = boxes.iter().fold(DVec2::INFINITY, |m, b| m.min(b.0));
     let hi = boxes.iter().fold(DVec2::NEG_INFINITY, |m, b| m.max(b.1));
-    let n = ((pieces.len() as f64).sqrt().ceil() as usize).max(1);
+    let n = ((corners.len() as f64).sqrt().ceil() as usize).max(1);
     let cell = (hi - lo).max(DVec2::splat(f64::MIN_POSITIVE)) / n as f64;
     let column = |x: f64| (((x - lo.x) / cell.x) as usize).min(n - 1);
     let row = |y: f64| (((y - lo.y) / cell.y) as usize).min(n - 1);

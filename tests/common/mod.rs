@@ -5,7 +5,9 @@
 
 pub mod cameras;
 pub mod gpu;
+pub mod layered;
 pub mod rng;
+pub mod written;
 
 use anamorph::camera::Camera;
 use anamorph::scene::Scene;
