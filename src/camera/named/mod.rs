@@ -11,7 +11,6 @@ pub mod ortho_to_perspective;
 pub mod panorama;
 pub mod pencil;
 mod pose;
-mod pose;
 pub mod pushbroom;
 pub mod sphere;
 mod stand;
