@@ -22,6 +22,8 @@ pub enum Command {
     /// Show what a scene's camera compiles to; `--help KIND`: the keys of a kind of camera
     #[command(disable_help_flag = true)]
     Camera(CameraArgs),
+    /// Find every image of 3-D points
+    Project(ProjectArgs),
     /// Show the adapters of this machine and the code paths they select
     Info(InfoArgs),
     /// Write a ready scene
@@ -121,6 +123,24 @@ pub struct CameraArgs {
     /// Print help; with a kind of camera, its keys
     #[arg(short, long, value_name = "KIND", num_args = 0..=1)]
     pub help: Option<Option<String>>,
+}
+
+#[derive(Debug, Args)]
+pub struct ProjectArgs {
+    /// Scene file, .toml or .json
+    pub scene: PathBuf,
+    /// Points: .npy of N x 3, or .csv, .txt, .xyz with three numbers a line
+    #[arg(long, value_name = "FILE")]
+    pub points: PathBuf,
+    /// Write the lines there instead of to the screen
+    #[arg(short, long, value_name = "OUT.jsonl")]
+    pub output: Option<PathBuf>,
+    /// Size of the image in pixels
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// Change a value of the scene, as in camera.vfov=40; may be given more than once
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
 }
 
 #[derive(Debug, Args)]

@@ -236,6 +236,34 @@ fn texts_are_printed() {
     assert!(pixel.contains("hit: triangle") && pixel.contains("safe: "), "{pixel}");
 }
 
+#[test]
+fn points_are_projected() {
+    let place = Place::new();
+    // the eye is at (0, 0.5, 4) and looks at the origin: that is the middle of 64 x 48; then behind it; then the eye
+    place.write("p.csv", "x,y,z\n0,0,0\n0,1,8\n0,0.5,4\n");
+    let lines =
+        |text: &str| -> Vec<serde_json::Value> { text.lines().map(|l| serde_json::from_str(l).unwrap()).collect() };
+    let out = lines(&place.works(&["project", "scene.toml", "--points", "p.csv"]));
+    assert_eq!(out.len(), 3);
+    let image = &out[0]["images"][0];
+    assert_eq!(
+        (&out[0]["point"], out[0]["images"].as_array().unwrap().len()),
+        (&serde_json::json!([0.0, 0.0, 0.0]), 1)
+    );
+    let near = |key: &str, value: f64| (image[key].as_f64().unwrap() - value).abs() < 1e-9;
+    assert!(near("x", 32.0) && near("y", 24.0) && near("a", 0.5) && near("b", 0.5), "{image}");
+    assert!(near("t", 16.25_f64.sqrt()) && image["piece"] == 0 && image["layer"] == 0, "{image}");
+    assert!(out[0]["degenerate"].is_null() && out[1]["degenerate"].is_null());
+    assert_eq!(out[1]["images"], serde_json::json!([]));
+    assert_eq!(out[2]["degenerate"], "eye");
+    // another size, into a file
+    let told = place.works(&["project", "scene.toml", "--points", "p.csv", "--size", "128x96", "-o", "out.jsonl"]);
+    assert_eq!(told, "");
+    let out = lines(&std::fs::read_to_string(place.path().join("out.jsonl")).unwrap());
+    assert_eq!(out.len(), 3);
+    assert!((out[0]["images"][0]["x"].as_f64().unwrap() - 64.0).abs() < 1e-9);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn without_an_adapter_the_cpu_renders() {
