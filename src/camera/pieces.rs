@@ -103,8 +103,19 @@ impl Pieces {
     }
 
     pub fn owner(&self, i: u32, j: u32) -> Option<u32> {
-        let q = self.place(i, j);
-        self.of_tile(i / TILE, j / TILE).iter().copied().find(|&k| self.pieces[k as usize].holds(q))
+        self.owner_near(self.place(i, j), (i / TILE, j / TILE))
+    }
+
+    /// The piece that owns an image place in pixels, up to half a pixel beyond the image's borders.
+    pub fn owner_at(&self, place_px: DVec2) -> Option<u32> {
+        let tiles_y = (self.tile_start.len() as u32 - 1) / self.tiles_x;
+        let tile = (place_px / TILE as f64).floor().max(DVec2::ZERO);
+        // the casts saturate
+        self.owner_near(place_px, ((tile.x as u32).min(self.tiles_x - 1), (tile.y as u32).min(tiles_y - 1)))
+    }
+
+    fn owner_near(&self, place_px: DVec2, (tile_x, tile_y): (u32, u32)) -> Option<u32> {
+        self.of_tile(tile_x, tile_y).iter().copied().find(|&k| self.pieces[k as usize].holds(place_px))
     }
 
     /// Piece `k`'s bundle, centred on the sample of pixel `(i, j)`.

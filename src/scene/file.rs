@@ -16,7 +16,7 @@ use glam::DVec3;
 
 pub use camera::{CameraKind, CameraSpec, Named};
 pub use mesh::{MeshSource, MeshSpec};
-pub use mesh_camera::{CameraVertex, MeshCameraSpec};
+pub use mesh_camera::{CameraVertex, MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera};
 
 use crate::error::{Error, Result};
 use reader::{Field, Source};
