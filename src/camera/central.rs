@@ -5,17 +5,26 @@ use crate::error::{Error, Result};
 use glam::DVec3;
 
 /// A view frame: forward, right and image-up unit vectors.
-struct View {
-    forward: DVec3,
-    right: DVec3,
-    up: DVec3,
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View {
+    pub forward: DVec3,
+    pub right: DVec3,
+    pub up: DVec3,
+}
+
+impl View {
+    /// The vector with these components to the right, up and forward.
+    pub fn vector(&self, right: f64, up: f64, forward: f64) -> DVec3 {
+        right * self.right + up * self.up + forward * self.forward
+    }
 }
 
 /// Sine of the smallest angle between `up` and the view direction that still fixes the picture's
 /// upright: below it the f64 rounding of `f x up` (2^-52) turns the picture by more than 2^-20 rad.
-const UP_SINE_MIN: f64 = 1.0 / (1u64 << 32) as f64;
+pub(super) const UP_SINE_MIN: f64 = 1.0 / (1u64 << 32) as f64;
 
-fn view(eye: DVec3, target: DVec3, up: DVec3) -> Result<View> {
+/// The frame of a viewer at `eye` who looks at `target`.
+pub(super) fn view(eye: DVec3, target: DVec3, up: DVec3) -> Result<View> {
     let forward = (target - eye)
         .try_normalize()
         .ok_or_else(|| Error::input("camera: eye and target are the same point; move one of them"))?;

@@ -1,5 +1,6 @@
 //! The table of cameras: every kind that a scene file may name.
 
+use super::named::{cross_slit, hinge, mcop, panorama, pencil, pushbroom, surround};
 use super::recipe::Kind;
 use super::{chain, graph};
 
@@ -14,6 +15,14 @@ pub const PLAIN: &[(&str, &str)] = &[
 
 /// All others, each read and built in a file of its own.
 pub const NAMED: &[Kind] = &[
+    Kind { name: "cross_slit", help: include_str!("help/cross_slit.txt"), read: cross_slit::read },
+    Kind { name: "pushbroom", help: include_str!("help/pushbroom.txt"), read: pushbroom::read },
+    Kind { name: "pencil", help: include_str!("help/pencil.txt"), read: pencil::read },
+    Kind { name: "twisted", help: include_str!("help/twisted.txt"), read: pencil::read_twisted },
+    Kind { name: "panorama", help: include_str!("help/panorama.txt"), read: panorama::read },
+    Kind { name: "hinge", help: include_str!("help/hinge.txt"), read: hinge::read },
+    Kind { name: "surround", help: include_str!("help/surround.txt"), read: surround::read },
+    Kind { name: "mcop", help: include_str!("help/mcop.txt"), read: mcop::read },
     Kind { name: "chain", help: include_str!("help/chain.txt"), read: chain::read },
     Kind { name: "bottom_up", help: include_str!("help/bottom_up.txt"), read: graph::bottom_up::read },
     Kind { name: "graph_camera", help: include_str!("help/graph_camera.txt"), read: graph::bottom_up::read_torn },

@@ -1,6 +1,6 @@
 //! The `mesh` camera: image triangles whose corners carry rays (Hou et al. 2006; Popescu's CGLC segments).
 
-use super::bundle::Bundle;
+use super::bundle::{Bundle, Ray};
 use super::pieces::{Piece, Pieces, side};
 use crate::error::{Error, Result};
 use crate::scene::file::MeshCameraSpec;
@@ -44,21 +44,34 @@ fn piece(spec: &MeshCameraSpec, index: usize, triangle: &[u32; 3], size: DVec2) 
         direction = direction.map(|d| d.normalize_or_zero());
     }
     let w = v.map(|v| v.w);
+    let affine = |q: [DVec3; 3]| interpolated(&corners, q);
+    let weighted = |q: [DVec3; 3]| affine([w[0] * q[0], w[1] * q[1], w[2] * q[2]]);
+    let h = affine(w.map(|w| DVec3::new(w, 0.0, 0.0))).map(|v| v.x);
+    let bundle = Bundle { p: weighted(v.map(|v| v.near)), d: weighted(direction), h };
+    Ok(Piece { bundle, centre_px: (corners[0] + corners[1] + corners[2]) / 3.0, corners_px: Some(corners) })
+}
+
+/// The piece over an image triangle (px) of some area whose corners have the rays `rays`: P and D are affine between.
+pub(super) fn triangle(corners: [DVec2; 3], rays: [Ray; 3]) -> Piece {
+    let p = interpolated(&corners, rays.map(|r| r.origin));
+    let d = interpolated(&corners, rays.map(|r| r.direction));
+    let centre_px = (corners[0] + corners[1] + corners[2]) / 3.0;
+    Piece { bundle: Bundle { p, d, h: [1.0, 0.0, 0.0] }, centre_px, corners_px: Some(corners) }
+}
+
+/// The affine function of the image place (px) with the values `q` at the corners of a triangle of some area: its
+/// value at their mean, and its derivatives along x and y.
+pub(super) fn interpolated(corners: &[DVec2; 3], q: [DVec3; 3]) -> [DVec3; 3] {
+    let area2 = side(corners[0], corners[1], corners[2]);
     // dL_i/dx = (y_j - y_k) / 2A, dL_i/dy = (x_k - x_j) / 2A for the corners i, j, k in order
     let gradient = [0, 1, 2].map(|i| {
         let e = corners[(i + 2) % 3] - corners[(i + 1) % 3];
         DVec2::new(-e.y, e.x) / area2
     });
     // the L_i sum to 1, so their gradients sum to 0: differences from corner 0 lose nothing
-    let affine = |q: [DVec3; 3]| {
-        let (a, b) = (q[1] - q[0], q[2] - q[0]);
-        let slope = |g1: f64, g2: f64| g1 * a + g2 * b;
-        [q[0] + (a + b) / 3.0, slope(gradient[1].x, gradient[2].x), slope(gradient[1].y, gradient[2].y)]
-    };
-    let weighted = |q: [DVec3; 3]| affine([w[0] * q[0], w[1] * q[1], w[2] * q[2]]);
-    let h = affine(w.map(|w| DVec3::new(w, 0.0, 0.0))).map(|v| v.x);
-    let bundle = Bundle { p: weighted(v.map(|v| v.near)), d: weighted(direction), h };
-    Ok(Piece { bundle, centre_px: (corners[0] + corners[1] + corners[2]) / 3.0, corners_px: Some(corners) })
+    let (a, b) = (q[1] - q[0], q[2] - q[0]);
+    let slope = |g1: f64, g2: f64| g1 * a + g2 * b;
+    [q[0] + (a + b) / 3.0, slope(gradient[1].x, gradient[2].x), slope(gradient[1].y, gradient[2].y)]
 }
 
 /// The first pair of pieces whose interiors overlap, by a grid of about one cell a piece.

@@ -18,6 +18,7 @@ pub mod kinds;
 pub mod mesh;
 pub mod named;
 pub mod pieces;
+pub mod project;
 pub mod recipe;
 
 use crate::error::{Error, Result};

@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+pub(crate) use camera::read_pose;
 pub use camera::{CameraKind, CameraSpec, Named};
 pub use mesh::{MeshSource, MeshSpec};
 pub use mesh_camera::{CameraVertex, MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera};

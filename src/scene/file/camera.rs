@@ -119,7 +119,8 @@ fn read_orthographic(table: &Table) -> Result<CameraKind> {
     Ok(CameraKind::Orthographic { eye, target, up, height: table.need("height", "10")?.number()? })
 }
 
-fn read_pose(table: &Table) -> Result<(DVec3, DVec3, DVec3)> {
+/// The keys `eye`, `target` and `up`.
+pub(crate) fn read_pose(table: &Table) -> Result<(DVec3, DVec3, DVec3)> {
     let eye = table.need("eye", "[0, 0, 5]")?.vec3()?;
     let target = table.need("target", "[0, 0, 0]")?.vec3()?;
     Ok((eye, target, table.or("up", DVec3::Y, Field::vec3)?))
