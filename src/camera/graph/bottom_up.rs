@@ -152,11 +152,10 @@ impl BottomUp {
         let way = views[1].eye() - views[0].eye();
         let up = self.views[0].up;
         let vfov = self.views[0].vfov.max(self.views[1].vfov);
-        let along = views[0].forward() + views[1].forward();
-        let across = along - along.project_onto_normalized(way.normalize_or(DVec3::X));
-        // views that look in opposite directions: ahead is what has the left view on its left
-        let forward = if along.length() > OPPOSITE { across } else { up.cross(way) };
-        let forward = forward.normalize_or(views[0].forward());
+        // ahead is also what has the left view on its left: all that is left where the views look in opposite directions
+        let along = views[0].forward() + views[1].forward() + up.cross(way).normalize_or_zero();
+        let across = along - along.project_onto_normalized(way.normalize_or(views[0].steps()[0].normalize()));
+        let forward = across.normalize_or(views[0].forward());
         let px_per_unit = (centres[1] - centres[0]).length();
         let step = views[0].steps()[0].length().max(views[1].steps()[0].length());
         let back = if way == DVec3::ZERO { 1.0 } else { way.length() / (px_per_unit * step) };
@@ -246,9 +245,6 @@ fn check_folds(setting: &Setting, graph: &Graph) -> Result<()> {
         ))),
     }
 }
-
-/// Length of the sum of two unit vectors below which they count as opposite: a bisector of less than 2^-20 is rounding.
-const OPPOSITE: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// The most that rays turn over one strip between the views: the chord of 15 degrees lies 1 % inside its circle.
 const STRIP_ANGLE: f64 = std::f64::consts::PI / 12.0;

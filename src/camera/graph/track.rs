@@ -87,7 +87,7 @@ const BAND_MIN_PX: f64 = 8.0;
 /// against its end, rays do not cross.
 const BAND: f64 = 1.5;
 /// Lines of the net in each direction where targets share a part of the image.
-const SHARED_LINES: usize = 36;
+const SHARED_LINES: usize = 24;
 /// Lines of the net that are closer than this (px) are one; a target's core is as much smaller.
 const LINE_GAP_PX: f64 = 1.0 / 64.0;
 /// How often a way that others spoil is widened, and by how much.
