@@ -5,6 +5,7 @@ use super::named::{cylinder, fisheye, sphere};
 use super::named::{irregular_perspective, occlusion, ortho_to_perspective, street, twist};
 use super::projector;
 use super::recipe::Kind;
+use super::{chain, graph};
 
 /// The kinds that the scene file reads itself, and their keys.
 pub const PLAIN: &[(&str, &str)] = &[
@@ -47,4 +48,9 @@ pub const NAMED: &[Kind] = &[
     Kind { name: "fisheye", help: include_str!("help/fisheye.txt"), read: fisheye::read },
     Kind { name: "sphere", help: include_str!("help/sphere.txt"), read: sphere::read },
     Kind { name: "cylinder", help: include_str!("help/cylinder.txt"), read: cylinder::read },
+    Kind { name: "chain", help: include_str!("help/chain.txt"), read: chain::read },
+    Kind { name: "bottom_up", help: include_str!("help/bottom_up.txt"), read: graph::bottom_up::read },
+    Kind { name: "graph_camera", help: include_str!("help/graph_camera.txt"), read: graph::bottom_up::read_torn },
+    Kind { name: "top_down", help: include_str!("help/top_down.txt"), read: graph::top_down::read },
+    Kind { name: "track", help: include_str!("help/track.txt"), read: graph::track::read },
 ];

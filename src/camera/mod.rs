@@ -8,10 +8,12 @@
 
 pub mod bundle;
 pub mod central;
+pub mod chain;
 pub mod curve;
 pub mod cut;
 pub mod field;
 pub mod glc;
+pub mod graph;
 pub mod kinds;
 pub mod mesh;
 pub mod named;

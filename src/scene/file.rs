@@ -17,7 +17,7 @@ use glam::DVec3;
 pub(crate) use camera::read_pose;
 pub use camera::{CameraKind, CameraSpec, Named};
 pub use mesh::{MeshSource, MeshSpec};
-pub use mesh_camera::{CameraVertex, MeshCameraSpec, read_triangles};
+pub use mesh_camera::{CameraVertex, MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera, read_triangles};
 
 use crate::error::{Error, Result};
 use reader::{Field, Source};

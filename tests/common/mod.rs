@@ -4,6 +4,8 @@
 #![allow(dead_code)]
 
 pub mod cameras;
+pub mod continuity;
+pub mod file;
 pub mod gpu;
 pub mod layered;
 pub mod rng;
