@@ -1,21 +1,42 @@
 //! How finely a ray field is cut into bilinear pieces: `pieces = "exact"`, a number, or `"auto"` with an error in pixels.
+//!
+//! A piece is an image triangle whose corners have the map's own rays; P and D are affine between them, so pieces that share an
+//! edge share its rays. What the notes call the bound is [`bound`]'s: the largest distance in the image, in pixels, between a
+//! place of the piece and where the exact camera sees a point of that place's ray, over the range of t that the scene takes.
+
+pub mod bend;
+mod bound;
+mod grid;
+mod refine;
 
 use super::Rays;
 use super::field::{Field, RayMap};
+use super::mesh::triangle;
+use super::pieces::Pieces;
 use super::recipe::{Built, Setting};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::file::reader::Table;
+use bound::{Judge, Verdict};
+use grid::Cells;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The keys that a kind whose rays may be cut allows besides its own.
 pub const KEYS: [&str; 2] = ["pieces", "error"];
+
+/// Pieces at most: each takes some 250 bytes.
+pub const PIECES_MAX: u32 = 1_000_000;
+
+/// The error of `"auto"` where none is given, px.
+const ERROR_PX: f64 = 0.25;
 
 /// What to do with a ray field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cut {
     /// Every pixel has the formula's own ray.
     Exact,
-    /// About this many pieces.
+    /// This many strips, two image triangles each, where the rays bend along one axis of the image alone; else about this many
+    /// triangles in equal cells, as square as they come.
     Count(u32),
     /// As many pieces as the error, in pixels, needs.
     Auto { error_px: f64 },
@@ -24,16 +45,92 @@ pub enum Cut {
 impl Cut {
     /// Reads [`KEYS`]; exact where they are absent.
     pub fn read(table: &Table) -> Result<Cut> {
-        let Some(pieces) = table.get("pieces") else { return Ok(Cut::Exact) };
-        match pieces.text() {
-            Ok("exact") => Ok(Cut::Exact),
-            _ => Err(pieces.error("only pieces = \"exact\" is available in this version")),
+        let error_px = table.optional("error", |field| match field.number()? {
+            error if error > 0.0 => Ok(error),
+            error => Err(field.error(format_args!("{error} is no error in pixels; give one above 0, as 0.25"))),
+        })?;
+        let cut = match table.get("pieces") {
+            None => Cut::Exact,
+            Some(field) => match field.text() {
+                Ok("exact") => Cut::Exact,
+                Ok("auto") => Cut::Auto { error_px: error_px.unwrap_or(ERROR_PX) },
+                Ok(_) => return Err(field.error("is \"exact\", \"auto\" or a number of pieces")),
+                // the range is under 2^32
+                Err(_) => Cut::Count(field.integer(1, PIECES_MAX.into())? as u32),
+            },
+        };
+        match table.get("error") {
+            Some(field) if !matches!(cut, Cut::Auto { .. }) => {
+                Err(field.error("goes with pieces = \"auto\"; leave it out"))
+            }
+            _ => Ok(cut),
         }
     }
 
     /// The rays of a formula over the setting's image, cut as asked.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where no pixel, or no corner of a piece, has a ray.
     pub fn build(self, map: Arc<dyn RayMap>, setting: &Setting) -> Result<Built> {
         let size = setting.size()?;
-        Ok(Built::new(size, Rays::Field(Field::of_map(size.0, size.1, map)?)))
+        if self == Cut::Exact {
+            return Ok(Built::new(size, Rays::Field(Field::of_map(size.0, size.1, map)?)));
+        }
+        let judge = Judge::new(map.as_ref(), setting, size);
+        let cells = match self {
+            Cut::Auto { error_px } => refine::refine(&judge, error_px),
+            Cut::Count(n) => judged(&judge, grid::of_count(&judge, n)),
+            Cut::Exact => unreachable!("built above"),
+        };
+        let pieces: Vec<_> = cells.with_rays().map(|(corners, rays, _)| triangle(corners, rays)).collect();
+        if pieces.is_empty() {
+            return Err(Error::input(
+                "camera.pieces: no piece has a ray at each of its corners; use more, or \"exact\"",
+            ));
+        }
+        let notes = notes(&cells, self);
+        Ok(Built { notes, ..Built::new(size, Rays::Pieces(Pieces::new(pieces, size.0, size.1))) })
     }
+}
+
+/// The cells with what is known of each.
+fn judged(judge: &Judge, mut cells: Cells) -> Cells {
+    let verdicts = cells.triangles.par_iter().map(|t| cells.judge(judge, t)).collect();
+    cells.verdicts = verdicts;
+    cells
+}
+
+/// What a person should know of the pieces.
+fn notes(cells: &Cells, cut: Cut) -> Vec<String> {
+    let verdicts: Vec<Verdict> = cells.with_rays().map(|(_, _, verdict)| verdict).collect();
+    let count = |what: fn(&Verdict) -> bool| verdicts.iter().filter(|v| what(v)).count();
+    let known = verdicts.iter().filter(|v| v.error_px.is_finite());
+    let bound = known.fold(0f64, |m, v| m.max(v.error_px));
+    // rounded up
+    let shown = if bound < 0.01 { format!("{:.2e}", 1.005 * bound) } else { format!("{}", (1e3 * bound).ceil() / 1e3) };
+    let mut notes = vec![format!("{} pieces, image error at most {shown} px", verdicts.len())];
+    if let Cut::Auto { error_px } = cut {
+        if bound > error_px {
+            notes.push(format!(
+                "the error asked for, {error_px} px, is not met: {PIECES_MAX} pieces are the most there are"
+            ));
+        }
+    }
+    for (n, text) in [
+        (
+            count(|v| v.error_px.is_infinite() && !v.rim),
+            "pieces have no bound: the rays jump there, or bend too much over a piece",
+        ),
+        (count(|v| v.rim), "pieces lie at the rim of the rays and have no bound"),
+        (
+            count(|v| v.fold),
+            "pieces have a focus or fold in range; near it, where a pixel's width is under 1/16 of the ray's largest, the bound does not hold",
+        ),
+        (cells.triangles.len() - verdicts.len(), "pieces were left out: a corner has no ray"),
+    ] {
+        if n > 0 {
+            notes.push(format!("{n} {text}"));
+        }
+    }
+    notes
 }

@@ -2,6 +2,7 @@
 
 use super::SAFE_RADIUS_PX;
 use super::bundle::{Bundle, Ray};
+use super::cut::bend::Bend;
 use crate::error::{Error, Result};
 use crate::output::read_vectors;
 use glam::{DVec2, DVec3};
@@ -14,6 +15,12 @@ use std::sync::Arc;
 pub trait RayMap: Debug + Send + Sync {
     /// The ray at image coordinates (a, b); `None`: no ray there.
     fn ray(&self, a: f64, b: f64) -> Option<Ray>;
+
+    /// Bounds on how the rays bend over the rectangle from `lo` to `hi` of image coordinates, for weights of P and D; `None`
+    /// where a ray is missing. What is not overridden is sampled, and not proven.
+    fn bend(&self, lo: DVec2, hi: DVec2, weights: &[(f64, f64)]) -> Option<Bend> {
+        Bend::sampled(|a, b| self.ray(a, b), lo, hi, weights)
+    }
 }
 
 /// Rays row by row from the top left; `None` where the pixel has no ray.

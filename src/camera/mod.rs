@@ -19,6 +19,7 @@ pub mod mesh;
 pub mod named;
 pub mod pieces;
 pub mod project;
+pub mod projector;
 pub mod recipe;
 
 use crate::error::{Error, Result};

@@ -1,7 +1,7 @@
 //! What a camera compiled to, for a person and for the header of an EXR.
 
 use crate::camera::glc::{Class, classify};
-use crate::camera::{Bundle, Camera, Rays};
+use crate::camera::{Camera, Piece, Rays};
 use crate::scene::file::{CameraKind, CameraSpec, CameraVertex, MeshCameraSpec};
 use glam::{DVec2, DVec3};
 use serde::{Serialize, Serializer};
@@ -16,6 +16,9 @@ pub struct Description {
     pub t_range: [Bound; 2],
     /// 0 for a ray map.
     pub pieces: usize,
+    /// The degree of the curves that the rays are, where they are not straight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub degree: Option<usize>,
     /// The classes of the pieces' general linear cameras, the most frequent first.
     pub classes: Vec<ClassCount>,
     /// The rays, where the whole image is one piece.
@@ -62,10 +65,18 @@ impl Description {
             height: camera.height,
             t_range: camera.t_range.map(Bound),
             pieces: camera.piece_count(),
+            degree: camera.layers.iter().filter_map(degree).max(),
             classes: count_classes(&corners),
             bundle: bundle.map(|b| BundleRecord { p: rows(&b.p), d: rows(&b.d) }),
             notes: camera.notes.clone(),
         }
+    }
+}
+
+fn degree(layer: &Rays) -> Option<usize> {
+    match layer {
+        Rays::Curves(curves) => Some(curves.map.degree()),
+        _ => None,
     }
 }
 
@@ -93,7 +104,7 @@ fn count_classes(pieces: &[[CameraVertex; 3]]) -> Vec<ClassCount> {
 }
 
 /// The rays at three corners of every piece, from the numbers as written where the scene has them.
-fn corner_rays(spec: &CameraSpec, camera: &Camera) -> Vec<[CameraVertex; 3]> {
+pub fn corner_rays(spec: &CameraSpec, camera: &Camera) -> Vec<[CameraVertex; 3]> {
     match (&spec.kind, &camera.layers[0]) {
         (CameraKind::Mesh(mesh), _) => {
             let vertices = plain_vertices(mesh);
@@ -106,12 +117,7 @@ fn corner_rays(spec: &CameraSpec, camera: &Camera) -> Vec<[CameraVertex; 3]> {
         }
         (_, Rays::Pieces(p)) => {
             let size = DVec2::new(camera.width.into(), camera.height.into());
-            let whole = p.pieces.iter().filter(|piece| piece.corners_px.is_none());
-            whole
-                .map(|piece| {
-                    [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|ab| vertex_at(&piece.bundle, piece.centre_px, size, ab))
-                })
-                .collect()
+            p.pieces.iter().map(|piece| piece_corners(piece, size)).collect()
         }
         (_, Rays::Field(_) | Rays::Curves(_)) => Vec::new(),
     }
@@ -126,11 +132,19 @@ pub fn plain_vertices(mesh: &MeshCameraSpec) -> Vec<CameraVertex> {
     mesh.vertices.iter().map(plain).collect()
 }
 
-/// The ray at image coordinates `ab`, of a bundle with h = 1 centred on `centre_px`.
-pub fn vertex_at(bundle: &Bundle, centre_px: DVec2, size: DVec2, ab: [f64; 2]) -> CameraVertex {
-    let offset = DVec2::from(ab) * size - centre_px;
-    let ray = bundle.ray(offset.x, offset.y);
-    CameraVertex { image: ab, near: ray.origin, far: ray.origin + ray.direction, w: 1.0 }
+/// The rays at a piece's corners, or at three corners of the image where it is the whole.
+fn piece_corners(piece: &Piece, size: DVec2) -> [CameraVertex; 3] {
+    let whole = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|ab| DVec2::from(ab) * size);
+    piece.corners_px.unwrap_or(whole).map(|at_px| vertex_at(piece, at_px, size))
+}
+
+/// A piece's ray at an image place in px.
+pub fn vertex_at(piece: &Piece, at_px: DVec2, size: DVec2) -> CameraVertex {
+    let offset = at_px - piece.centre_px;
+    let ray = piece.bundle.ray(offset.x, offset.y);
+    let [h, hx, hy] = piece.bundle.h;
+    let w = h + hx * offset.x + hy * offset.y;
+    CameraVertex { image: (at_px / size).to_array(), near: ray.origin, far: ray.origin + ray.direction, w }
 }
 
 impl fmt::Display for Bound {
@@ -150,9 +164,11 @@ impl fmt::Display for Description {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         writeln!(f, "kind     {}", self.kind)?;
         writeln!(f, "image    {} x {}", self.width, self.height)?;
-        match self.pieces {
-            0 => writeln!(f, "pieces   none: a ray of its own for each pixel")?,
-            n => writeln!(f, "pieces   {n}")?,
+        match (self.pieces, self.degree) {
+            (0, None) => writeln!(f, "pieces   none: a ray of its own for each pixel")?,
+            (0, Some(m)) => writeln!(f, "pieces   none: a curve of degree {m} for each pixel")?,
+            (n, None) => writeln!(f, "pieces   {n}")?,
+            (n, Some(m)) => writeln!(f, "pieces   {n}, of curves of degree {m}")?,
         }
         for count in &self.classes {
             let slits: Vec<String> = count.slits.iter().map(f64::to_string).collect();

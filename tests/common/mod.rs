@@ -9,6 +9,7 @@ pub mod file;
 pub mod gpu;
 pub mod layered;
 pub mod rng;
+pub mod written;
 
 use anamorph::camera::Camera;
 use anamorph::scene::Scene;

@@ -129,8 +129,7 @@ fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
     let b = real4(dot(q.normal, c.c0 - q.v[0]), dot(q.normal, c.c1 - q.v[0]), dot(q.normal, c.c2 - q.v[0]), dot(q.normal, c.c3 - q.v[0]));
     let sizes = real(params.vertex_reach) + max(max(size3(c.c0), size3(c.c1)), max(size3(c.c2), size3(c.c3)));
     // stored numbers, differences and two products: 16 units of what is summed up
-    let lost = 16.0 * REAL_UNIT * sizes;
-    let bound = size3(q.normal) * lost;
+    let bound = 16.0 * REAL_UNIT * size3(q.normal) * sizes;
     let span = vec2<f32>(span_of(cell.tile));
     let spans = real(f32(params.spans));
     let end = real(span.y) / spans;
@@ -141,13 +140,13 @@ fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
         let to_t = select(turns[min(k, 1u)], end, k + 1u == DEGREE);
         let to_value = polynomial(b, to_t);
         if abs(from_value) <= bound {
-            let at = meeting_at(q, c, from_t, lost, bound);
+            let at = meeting_at(q, c, from_t, sizes, bound);
             if at.visible {
                 return at;
             }
         }
         if (from_value < 0.0 && to_value > 0.0) || (from_value > 0.0 && to_value < 0.0) {
-            let at = meeting_at(q, c, root_between(b, from_t, to_t, from_value < 0.0), lost, bound);
+            let at = meeting_at(q, c, root_between(b, from_t, to_t, from_value < 0.0), sizes, bound);
             if at.visible {
                 return at;
             }
@@ -156,7 +155,7 @@ fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
         from_value = to_value;
     }
     if abs(from_value) <= bound {
-        return meeting_at(q, c, end, lost, bound);
+        return meeting_at(q, c, end, sizes, bound);
     }
     return Meeting(0.0, false);
 }
@@ -220,9 +219,12 @@ fn root_between(b: real4, from_t: real, to_t: real, rises: bool) -> real {
     return t;
 }
 
+// Second derivatives of a cubic are at most 6 times the second differences of its control points, 4 sizes each.
+const BEND: real = 24.0;
+
 // The curve's point at a root, inside the triangle within rounding: of two triangles at an edge the one or the other is met,
-// or both at one t, but never none.
-fn meeting_at(q: CellDepth, c: Curve, t: real, lost: real, bound: real) -> Meeting {
+// or both at one t, but never none. Sides are those of the tangent there: along it a root may be off at no cost.
+fn meeting_at(q: CellDepth, c: Curve, t: real, sizes: real, bound: real) -> Meeting {
     let at = curve_point(c, t);
     let way = curve_tangent(c, t);
     let across = dot(q.normal, way);
@@ -231,11 +233,12 @@ fn meeting_at(q: CellDepth, c: Curve, t: real, lost: real, bound: real) -> Meeti
     }
     // a root is off by the polynomial's rounding over its slope; a double one by the square root of it
     let off = min(bound / max(abs(across), bound), REAL_UNIT_ROOT);
-    let room = size3(q.normal) * (lost + off * size3(way));
+    let room = size3(way) * sizes * (16.0 * REAL_UNIT + BEND * off * off);
+    let facing = select(real(1.0), real(-1.0), across < 0.0);
     var inside = true;
     for (var k = 0u; k < 3u; k++) {
         let e = q.v[(k + 1u) % 3u] - q.v[k];
-        inside = inside && dot(cross(e, at - q.v[k]), q.normal) >= -size3(e) * room;
+        inside = inside && facing * dot(e, cross(way, q.v[k] - at)) >= -size3(e) * room;
     }
     return Meeting(t, inside);
 }

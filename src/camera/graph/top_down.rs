@@ -9,8 +9,10 @@ use super::path::Occluders;
 use super::rails::{self, Depths};
 use super::roots::{self, Layout, Root};
 use super::view::{POSE_KEYS, Pose, View, beyond};
+use crate::camera::named::values::length;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::error::{Error, Result};
+use crate::scene::file::read_pose;
 use crate::scene::file::reader::{Field, Table};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -52,12 +54,10 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let root = match (layout, table.get("vfov")) {
         (Layout::Plain, _) => Pose::read(table)?,
         (_, Some(vfov)) => return Err(vfov.error("a cube's faces are 90 degrees high; leave vfov out")),
-        _ => Pose {
-            eye: table.need("eye", "[0, 2, 0]")?.vec3()?,
-            target: table.need("target", "[0, 2, -1]")?.vec3()?,
-            up: table.or("up", DVec3::Y, Field::vec3)?,
-            vfov: 90.0,
-        },
+        _ => {
+            let (eye, target, up) = read_pose(table)?;
+            Pose { eye, target, up, vfov: 90.0 }
+        }
     };
     let foreground = table.or("foreground", false, Field::boolean)?;
     for key in ["cut", "longitudinal", "join"] {
@@ -72,18 +72,13 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         root,
         layout,
         regions,
-        band: table.or("band", 0.1, |f| positive(f))?,
+        band: table.or("band", 0.1, length)?,
         near,
         far: table.optional("far", |f| least(f, near))?,
-        cut: table.optional("cut", |f| positive(f))?,
+        cut: table.optional("cut", length)?,
         foreground,
         joints: Joints::read(table)?,
     }))
-}
-
-fn positive(field: &Field) -> Result<f64> {
-    let number = field.number()?;
-    if number > 0.0 { Ok(number) } else { Err(field.error(format_args!("{number} must be more than 0"))) }
 }
 
 fn read_region(field: &Field) -> Result<Region> {

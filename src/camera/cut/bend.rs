@@ -1,0 +1,78 @@
+//! How much the rays of a map bend over a rectangle of the image.
+
+use crate::camera::bundle::Ray;
+use glam::{DVec2, DVec3};
+
+/// Bounds over a rectangle of the image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bend {
+    /// Unit direction of the ray in the rectangle's middle.
+    pub forward: DVec3,
+    /// At least the sine of the angle between `forward` and any ray of the rectangle.
+    pub turn: f64,
+    /// For each weight `(p, d)`: with F = p P + d D and a rectangle of w x h, at least `|F_aa| w^2`, `|F_ab| w h` and
+    /// `|F_bb| h^2` anywhere in it, of the second derivatives only the part across any ray of the rectangle.
+    pub across: Vec<[f64; 3]>,
+}
+
+/// Intervals a side of the lattice that [`Bend::sampled`] looks at.
+const STEPS: usize = 4;
+
+/// By how much the largest second difference of the lattice is taken. A second difference is a mean of the derivative over
+/// two intervals, and the lattice's cover the rectangle; so this holds where the derivative is nowhere more than twice its largest
+/// mean over a half of the rectangle: an assumption on the map, true of smooth maps over small enough rectangles.
+const SAFETY: f64 = 2.0;
+
+type Lattice = [[Ray; STEPS + 1]; STEPS + 1];
+
+impl Bend {
+    /// Bounds by second differences on a lattice of 5 x 5 places; `None` where one of them has no ray. Not proven: see [`SAFETY`],
+    /// and `turn` is the largest over the lattice.
+    pub fn sampled(
+        ray: impl Fn(f64, f64) -> Option<Ray>,
+        lo: DVec2,
+        hi: DVec2,
+        weights: &[(f64, f64)],
+    ) -> Option<Bend> {
+        let mut rays: Lattice = [[Ray { origin: DVec3::ZERO, direction: DVec3::ZERO }; STEPS + 1]; STEPS + 1];
+        for (j, row) in rays.iter_mut().enumerate() {
+            for (i, slot) in row.iter_mut().enumerate() {
+                let q = lo + (hi - lo) * DVec2::new(i as f64, j as f64) / STEPS as f64;
+                *slot = usable(ray(q.x, q.y))?;
+            }
+        }
+        let forward = rays[STEPS / 2][STEPS / 2].direction.normalize();
+        let unit = rays.iter().flatten().map(|r| r.direction.normalize());
+        // beyond a right angle the sine falls again
+        let sine = |d: DVec3| if d.dot(forward) > 0.0 { d.cross(forward).length() } else { 1.0 };
+        let turn = unit.fold(0f64, |m, d| m.max(sine(d)));
+        let across = weights.iter().map(|w| largest_differences(&rays, *w, forward, turn)).collect();
+        Some(Bend { forward, turn, across })
+    }
+}
+
+/// A ray with finite numbers and a direction.
+pub fn usable(ray: Option<Ray>) -> Option<Ray> {
+    ray.filter(|r| r.origin.is_finite() && r.direction.is_finite() && r.direction != DVec3::ZERO)
+}
+
+fn largest_differences(rays: &Lattice, (p, d): (f64, f64), forward: DVec3, turn: f64) -> [f64; 3] {
+    let f = |i: usize, j: usize| p * rays[j][i].origin + d * rays[j][i].direction;
+    let size = |v: DVec3| (v - v.dot(forward) * forward).length() + turn * v.length();
+    let mut most = [0f64; 3];
+    for j in 0..=STEPS {
+        for i in 0..=STEPS {
+            if (1..STEPS).contains(&i) {
+                most[0] = most[0].max(size(f(i - 1, j) - 2.0 * f(i, j) + f(i + 1, j)));
+            }
+            if (1..STEPS).contains(&j) {
+                most[2] = most[2].max(size(f(i, j - 1) - 2.0 * f(i, j) + f(i, j + 1)));
+            }
+            if i < STEPS && j < STEPS {
+                most[1] = most[1].max(size(f(i + 1, j + 1) - f(i + 1, j) - f(i, j + 1) + f(i, j)));
+            }
+        }
+    }
+    // differences over 1/STEPS of the extents
+    most.map(|m| SAFETY * (STEPS * STEPS) as f64 * m)
+}

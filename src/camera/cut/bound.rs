@@ -1,0 +1,221 @@
+//! A bound on the image error of a piece.
+//!
+//! At weights `(p, d)` of the ray's point `X = p P + d D` (p = 1 and d = t; or p = 0 and d = 1 at infinity) the piece's point and the
+//! exact camera's at the same image place differ, across the ray, by at most `e = (|X_aa| w^2 + 2 |X_ab| w h + |X_bb| h^2) / 8` with
+//! w x h the box of the triangle: by Taylor's formula at the place, `sum L_i |v_i - q|^2 / 2` in each axis, and the variance of a
+//! distribution on an interval of length w is at most w^2 / 4. A shift of e moves the image by at most e / s, s the smallest
+//! singular value of the exact camera's `dX / d(px)` across the ray: its footprint. It is taken in the 4 x 4 cells of a lattice over
+//! the box, from differences, which are derivatives somewhere on the cell's sides: elsewhere in the cell they differ by at most a
+//! quarter of `|X_aa| w + |X_ab| h` and the like, and as the ray turns by an angle, the part across it by sin(angle) |dX|.
+//!
+//! Between two weights X is affine, so e is at most the larger of the two, and s at least half of s1 + s2 - |dX2 - dX1|.
+//!
+//! Proven so far as [`Bend`](super::bend::Bend)'s bounds are, which are sampled by default. Besides, three things are assumed: that s is
+//! about the same where the shifted image lies, under a pixel away; that in a cell rays turn by at most half of what they turn from
+//! the box's middle; and that the scene's ball bounds t on the piece as it does on the rays at its corners and middle.
+
+use crate::camera::bundle::Ray;
+use crate::camera::field::RayMap;
+use crate::camera::recipe::Setting;
+use glam::{DVec2, DVec3};
+
+/// Knows the exact camera and where the scene is.
+pub struct Judge<'a> {
+    pub map: &'a dyn RayMap,
+    /// Of the image, px.
+    pub size: DVec2,
+    t_range: [f64; 2],
+    /// A ball around the scene.
+    scene: Option<(DVec3, f64)>,
+}
+
+/// What is known of a piece.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Verdict {
+    /// The bound, px; infinite where there is none.
+    pub error_px: f64,
+    /// A focus or fold is in range: near it there is no bound.
+    pub fold: bool,
+    /// Places of the piece's box have no ray, so nothing is known.
+    pub rim: bool,
+}
+
+/// Intervals of t.
+const INTERVALS: usize = 16;
+
+/// A footprint under this share of the largest on its ray is near a focus or fold.
+const FOLD_SHARE: f64 = 1.0 / 16.0;
+
+/// Errors under this, px, are none: the rounding of differences of numbers some 1e6 times a pixel's size is below it.
+const NO_ERROR_PX: f64 = 1e-9;
+
+/// Intervals a side of the lattice on which slopes are taken.
+const STEPS: usize = 4;
+
+/// How P and D change per px to the right and down, across the ray.
+struct Slope {
+    p: [DVec3; 2],
+    d: [DVec3; 2],
+}
+
+/// What is known at a weight.
+struct At {
+    /// dX / d(px) across the ray, and its smallest singular value, in each cell of the lattice.
+    columns: Vec<[DVec3; 2]>,
+    footprints: Vec<f64>,
+    /// The bound e, world units.
+    error: f64,
+    /// How far a footprint inside a cell may be under the cell's.
+    doubt: f64,
+}
+
+impl Slope {
+    fn columns(&self, p: f64, d: f64) -> [DVec3; 2] {
+        [0, 1].map(|k| p * self.p[k] + d * self.d[k])
+    }
+}
+
+impl<'a> Judge<'a> {
+    pub fn new(map: &'a dyn RayMap, setting: &Setting, (w, h): (u32, u32)) -> Judge<'a> {
+        let scene = setting.bounds().map(|(lo, hi)| ((lo + hi) / 2.0, (hi - lo).length() / 2.0));
+        Judge { map, size: DVec2::new(w.into(), h.into()), t_range: setting.t_range, scene }
+    }
+
+    /// The exact ray of an image place in px.
+    pub fn ray(&self, at_px: DVec2) -> Option<Ray> {
+        let q = at_px / self.size;
+        super::bend::usable(self.map.ray(q.x, q.y))
+    }
+
+    /// The verdict on a piece, its box looked at in `parts` across and down.
+    pub fn judge(&self, corners: &[DVec2; 3], rays: &[Ray; 3], parts: (u32, u32)) -> Verdict {
+        let none = Verdict { error_px: 0.0, fold: false, rim: false };
+        let rim = Verdict { error_px: f64::INFINITY, rim: true, ..none };
+        let Some(middle) = self.ray((corners[0] + corners[1] + corners[2]) / 3.0) else { return rim };
+        let Some(weights) = self.weights(&[rays[0], rays[1], rays[2], middle]) else { return none };
+        let (lo, hi) = (corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2]));
+        let part = (hi - lo) / DVec2::new(parts.0.into(), parts.1.into());
+        let mut verdict = none;
+        for (i, j) in (0..parts.1).flat_map(|j| (0..parts.0).map(move |i| (f64::from(i), f64::from(j)))) {
+            let from = lo + part * DVec2::new(i, j);
+            let Some((error_px, fold)) = self.part(from, part, hi - lo, &weights) else { return rim };
+            verdict = Verdict { error_px: verdict.error_px.max(error_px), fold: verdict.fold || fold, ..verdict };
+        }
+        verdict
+    }
+
+    /// The bound, px, over a part of a piece's box of size `whole`, and whether there is a focus or fold; `None` where a ray is
+    /// missing.
+    fn part(&self, from: DVec2, part: DVec2, whole: DVec2, weights: &[(f64, f64)]) -> Option<(f64, bool)> {
+        let bend = self.map.bend(from / self.size, (from + part) / self.size, weights)?;
+        let slopes = self.slopes(from, part)?;
+        let more = whole / part;
+        let mut at: Vec<At> = Vec::with_capacity(weights.len());
+        for (&(p, d), &[aa, ab, bb]) in weights.iter().zip(&bend.across) {
+            let error = (aa * more.x * more.x + 2.0 * ab * more.x * more.y + bb * more.y * more.y) / 8.0;
+            let within = ((aa + ab) / part.x + (ab + bb) / part.y) / STEPS as f64;
+            let columns = slopes.iter().map(|s| s.columns(p, d)).collect::<Vec<_>>();
+            let turned = bend.turn / 2.0 * columns.iter().fold(0f64, |m, c| m.max(length(c)));
+            at.push(At {
+                footprints: columns.iter().map(|c| smallest(*c)).collect(),
+                columns,
+                error,
+                doubt: within + turned,
+            });
+        }
+        Some(worst(&at))
+    }
+
+    /// The rays' slopes in each cell of a lattice over a box.
+    fn slopes(&self, from: DVec2, size: DVec2) -> Option<Vec<Slope>> {
+        let step = size / STEPS as f64;
+        let place = |k: usize| from + step * DVec2::new((k % (STEPS + 1)) as f64, (k / (STEPS + 1)) as f64);
+        let rays: Vec<Ray> = (0..(STEPS + 1) * (STEPS + 1)).map(|k| self.ray(place(k))).collect::<Option<_>>()?;
+        let slope = |k: usize| {
+            let (here, right, below) = (&rays[k], &rays[k + 1], &rays[k + STEPS + 1]);
+            let forward = here.direction.normalize();
+            let across = |v: DVec3| v - v.dot(forward) * forward;
+            Slope {
+                p: [across(right.origin - here.origin) / step.x, across(below.origin - here.origin) / step.y],
+                d: [
+                    across(right.direction - here.direction) / step.x,
+                    across(below.direction - here.direction) / step.y,
+                ],
+            }
+        };
+        Some((0..STEPS).flat_map(|j| (0..STEPS).map(move |i| j * (STEPS + 1) + i)).map(slope).collect())
+    }
+
+    /// Weights of P and D at the ends of intervals of t in the range and the scene; `None` where that is empty. Rays from one
+    /// point have the same image error at every t.
+    fn weights(&self, rays: &[Ray]) -> Option<Vec<(f64, f64)>> {
+        let [mut first, mut last] = self.t_range;
+        if let Some((centre, radius)) = self.scene {
+            let span = |r: &Ray| {
+                let (length, t) =
+                    (r.direction.length(), r.direction.dot(centre - r.origin) / r.direction.length_squared());
+                (t - radius / length, t + radius / length)
+            };
+            let ends =
+                rays.iter().map(span).fold((f64::INFINITY, f64::NEG_INFINITY), |m, s| (m.0.min(s.0), m.1.max(s.1)));
+            (first, last) = (first.max(ends.0), last.min(ends.1));
+        }
+        if first > last {
+            return None;
+        }
+        if rays.iter().all(|r| r.origin == rays[0].origin) {
+            return Some(vec![(0.0, 1.0)]);
+        }
+        // an end at infinity is the direction alone
+        let end = |t: f64| if t.is_finite() { (1.0, t) } else { (0.0, t.signum()) };
+        let (from, to) = (end(first), end(last));
+        let joined = if from.0 == 0.0 && to.0 == 0.0 { vec![from, (1.0, 0.0), to] } else { vec![from, to] };
+        let between = |a: (f64, f64), b: (f64, f64)| {
+            (0..INTERVALS).map(move |k| {
+                let s = k as f64 / INTERVALS as f64;
+                ((1.0 - s) * a.0 + s * b.0, (1.0 - s) * a.1 + s * b.1)
+            })
+        };
+        let mut weights: Vec<_> = joined.windows(2).flat_map(|w| between(w[0], w[1])).collect();
+        weights.push(to);
+        Some(weights)
+    }
+}
+
+/// The largest error in px over the weights, those near a focus or fold left out; and whether there are such with an error.
+fn worst(at: &[At]) -> (f64, bool) {
+    let largest = at.iter().flat_map(|a| &a.footprints).fold(0f64, |m, s| m.max(*s));
+    let (mut error_px, mut fold) = (0f64, false);
+    let intervals = at.windows(2).map(|w| (&w[0], &w[1]));
+    for (a, b) in intervals.chain((at.len() == 1).then(|| (&at[0], &at[0]))) {
+        let error = a.error.max(b.error);
+        if error <= NO_ERROR_PX * largest {
+            continue;
+        }
+        let least = |k: usize| {
+            let step = length(&[0, 1].map(|c| a.columns[k][c] - b.columns[k][c]));
+            (a.footprints[k] + b.footprints[k] - step) / 2.0
+        };
+        let footprint = (0..a.columns.len()).map(least).fold(f64::INFINITY, f64::min);
+        if footprint < FOLD_SHARE * largest || footprint <= 0.0 {
+            fold = true;
+            continue;
+        }
+        let sure = footprint - a.doubt.max(b.doubt);
+        error_px = error_px.max(if sure > 0.0 { error / sure } else { f64::INFINITY });
+    }
+    (error_px, fold)
+}
+
+/// An upper bound on the larger singular value of two columns.
+fn length(columns: &[DVec3; 2]) -> f64 {
+    columns[0].length().hypot(columns[1].length())
+}
+
+/// The smaller singular value of two columns.
+fn smallest([x, y]: [DVec3; 2]) -> f64 {
+    let (xx, xy, yy) = (x.length_squared(), x.dot(y), y.length_squared());
+    let larger = (xx + yy) / 2.0 + ((xx - yy) / 2.0).hypot(xy);
+    // their product is the area that the columns span: no difference of near numbers
+    if larger > 0.0 { x.cross(y).length() / larger.sqrt() } else { 0.0 }
+}

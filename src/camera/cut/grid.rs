@@ -1,0 +1,141 @@
+//! Image triangles in equal cells or strips, with the exact rays at their corners.
+
+use super::bend::usable;
+use super::bound::{Judge, Verdict};
+use crate::camera::bundle::Ray;
+use glam::{DVec2, DVec3};
+
+/// A mesh of image triangles.
+pub struct Cells {
+    /// Image places, px.
+    pub places: Vec<DVec2>,
+    /// The exact ray of each place.
+    pub rays: Vec<Option<Ray>>,
+    /// Three places each.
+    pub triangles: Vec<[u32; 3]>,
+    /// One a triangle, or none yet.
+    pub verdicts: Vec<Verdict>,
+    /// In how many parts, across and down, a triangle's box is looked at.
+    pub parts: (u32, u32),
+}
+
+/// How the rays bend over the whole image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bends {
+    /// Along a alone: P and D are affine in b, with one slope for all a.
+    Across,
+    /// Along b alone.
+    Down,
+    Both,
+}
+
+/// Parts in which a strip is looked at along its length.
+const STRIP_PARTS: u32 = 16;
+
+/// Places a side of the lattice that tells how the image bends, and how large a second difference may be against the
+/// rays' own differences to be rounding.
+const LATTICE: usize = 17;
+const STRAIGHT: f64 = 1e-9;
+
+impl Cells {
+    fn new(parts: (u32, u32)) -> Cells {
+        Cells { places: Vec::new(), rays: Vec::new(), triangles: Vec::new(), verdicts: Vec::new(), parts }
+    }
+
+    /// Triangles with a ray at each corner: places, rays, verdict.
+    pub fn with_rays(&self) -> impl Iterator<Item = ([DVec2; 3], [Ray; 3], Verdict)> + '_ {
+        self.triangles.iter().zip(&self.verdicts).filter_map(|(t, verdict)| {
+            let [a, b, c] = t.map(|i| self.rays[i as usize]);
+            Some((t.map(|i| self.places[i as usize]), [a?, b?, c?], *verdict))
+        })
+    }
+
+    /// The verdict on a triangle; at the rim where a corner has no ray.
+    pub fn judge(&self, judge: &Judge, t: &[u32; 3]) -> Verdict {
+        let [a, b, c] = t.map(|i| self.rays[i as usize]);
+        let (Some(a), Some(b), Some(c)) = (a, b, c) else {
+            return Verdict { error_px: f64::INFINITY, fold: false, rim: true };
+        };
+        judge.judge(&t.map(|i| self.places[i as usize]), &[a, b, c], self.parts)
+    }
+
+    /// A new place with its ray.
+    pub fn add(&mut self, judge: &Judge, at_px: DVec2) -> u32 {
+        self.places.push(at_px);
+        self.rays.push(judge.ray(at_px));
+        self.places.len() as u32 - 1
+    }
+
+    /// Columns and rows between the given image places, each cell cut along its diagonal from bottom left to top right; the
+    /// corner off the diagonal comes first.
+    pub fn between(judge: &Judge, xs: &[f64], ys: &[f64], parts: (u32, u32)) -> Cells {
+        let mut cells = Cells::new(parts);
+        for y in ys {
+            for x in xs {
+                cells.add(judge, DVec2::new(*x, *y));
+            }
+        }
+        let n = xs.len() as u32;
+        for k in (0..ys.len() as u32 - 1).flat_map(|j| (0..n - 1).map(move |i| j * n + i)) {
+            cells.triangles.extend([[k, k + n, k + 1], [k + n + 1, k + 1, k + n]]);
+        }
+        cells
+    }
+}
+
+/// `n` equal strips, or about `n` triangles.
+pub fn of_count(judge: &Judge, n: u32) -> Cells {
+    let n = f64::from(n);
+    match bends(judge) {
+        Bends::Across => Cells::between(judge, &even(judge.size.x, n), &even(judge.size.y, 1.0), (1, STRIP_PARTS)),
+        Bends::Down => Cells::between(judge, &even(judge.size.x, 1.0), &even(judge.size.y, n), (STRIP_PARTS, 1)),
+        Bends::Both => {
+            let cells = (n / 2.0).max(1.0);
+            let columns = (cells * judge.size.x / judge.size.y).sqrt().round().clamp(1.0, cells.floor());
+            let rows = (cells / columns).round().max(1.0);
+            Cells::between(judge, &even(judge.size.x, columns), &even(judge.size.y, rows), (1, 1))
+        }
+    }
+}
+
+/// Strips between the given places along the axis that bends.
+pub fn strips(judge: &Judge, bends: Bends, borders: &[f64]) -> Cells {
+    match bends {
+        Bends::Down => Cells::between(judge, &even(judge.size.x, 1.0), borders, (STRIP_PARTS, 1)),
+        _ => Cells::between(judge, borders, &even(judge.size.y, 1.0), (1, STRIP_PARTS)),
+    }
+}
+
+/// The borders of `n` equal parts of a length.
+pub fn even(length: f64, n: f64) -> Vec<f64> {
+    (0..=n as u32).map(|k| f64::from(k) / n * length).collect()
+}
+
+/// How the rays bend, by second differences on a lattice. What it misses costs pieces or tightness, nothing else: each
+/// piece is judged by itself.
+pub fn bends(judge: &Judge) -> Bends {
+    let at = |k: usize| k as f64 / (LATTICE - 1) as f64;
+    let mut rays = Vec::with_capacity(LATTICE * LATTICE);
+    for (i, j) in (0..LATTICE).flat_map(|j| (0..LATTICE).map(move |i| (i, j))) {
+        let Some(ray) = usable(judge.map.ray(at(i), at(j))) else { return Bends::Both };
+        rays.push(ray);
+    }
+    let most = |of: fn(&Ray) -> DVec3| {
+        let f = |i: usize, j: usize| of(&rays[j * LATTICE + i]);
+        let largest = |list: &mut dyn Iterator<Item = DVec3>| list.fold(0f64, |m, v| m.max(v.length()));
+        let inner = || (0..LATTICE).flat_map(|j| (1..LATTICE - 1).map(move |i| (i, j)));
+        let cells = || (1..LATTICE).flat_map(|j| (1..LATTICE).map(move |i| (i, j)));
+        let range = largest(&mut rays.iter().map(|r| of(r) - of(&rays[0])));
+        let size = range.max(f64::MIN_POSITIVE);
+        let aa = largest(&mut inner().map(|(i, j)| f(i - 1, j) - 2.0 * f(i, j) + f(i + 1, j)));
+        let bb = largest(&mut inner().map(|(j, i)| f(i, j - 1) - 2.0 * f(i, j) + f(i, j + 1)));
+        let ab = largest(&mut cells().map(|(i, j)| f(i, j) - f(i - 1, j) - f(i, j - 1) + f(i - 1, j - 1)));
+        [aa, ab, bb].map(|v| v > STRAIGHT * size)
+    };
+    let (p, d) = (most(|r| r.origin), most(|r| r.direction));
+    match [0, 1, 2].map(|k| p[k] || d[k]) {
+        [_, false, false] => Bends::Across,
+        [false, false, true] => Bends::Down,
+        _ => Bends::Both,
+    }
+}

@@ -1,0 +1,177 @@
+//! As many pieces as an error needs.
+//!
+//! Where the rays bend along one axis alone, strips are halved. Otherwise right-angled image triangles are bisected through their
+//! newest corner (Mitchell 1989): a triangle is cut from its first corner to the middle of the opposite edge, and the triangle
+//! beyond that edge is cut with it, after itself being cut until it has that edge to cut. So every edge has the same end points
+//! from both sides: no corner lies on another triangle's edge, and the rays are continuous across every border.
+
+use super::PIECES_MAX;
+use super::bound::{Judge, Verdict};
+use super::grid::{Bends, Cells, bends, even, strips};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Pieces this wide and high, px, are cut no further: what is still wrong there is a jump, or the rim of the rays.
+const PIECE_MIN_PX: f64 = 0.25;
+
+/// Cells along the image's shorter side to begin with.
+const CELLS: f64 = 4.0;
+
+pub fn refine(judge: &Judge, error_px: f64) -> Cells {
+    match bends(judge) {
+        Bends::Both => refine_triangles(judge, error_px),
+        one => refine_strips(judge, error_px, one),
+    }
+}
+
+/// A verdict that asks for smaller pieces.
+fn asks(verdict: &Verdict, error_px: f64) -> bool {
+    verdict.rim || verdict.error_px > error_px
+}
+
+fn refine_strips(judge: &Judge, error_px: f64, axis: Bends) -> Cells {
+    let length = if axis == Bends::Down { judge.size.y } else { judge.size.x };
+    let mut borders = even(length, 1.0);
+    loop {
+        let mut cells = strips(judge, axis, &borders);
+        cells.verdicts = cells.triangles.par_iter().map(|t| cells.judge(judge, t)).collect();
+        let wide = |k: usize| borders[k + 1] - borders[k] > PIECE_MIN_PX;
+        let cut = |k: usize| wide(k) && cells.verdicts[2 * k..2 * k + 2].iter().any(|v| asks(v, error_px));
+        let halved: Vec<usize> = (0..borders.len() - 1).filter(|&k| cut(k)).collect();
+        if halved.is_empty() || cells.triangles.len() + 2 * halved.len() > PIECES_MAX as usize {
+            return cells;
+        }
+        borders.extend(halved.iter().map(|&k| (borders[k] + borders[k + 1]) / 2.0).collect::<Vec<_>>());
+        borders.sort_by(f64::total_cmp);
+    }
+}
+
+fn refine_triangles(judge: &Judge, error_px: f64) -> Cells {
+    let side = judge.size.min_element() / CELLS;
+    let cells = (judge.size / side).round();
+    let grid = Cells::between(judge, &even(judge.size.x, cells.x), &even(judge.size.y, cells.y), (1, 1));
+    let mut mesh = Mesh::new(grid);
+    loop {
+        let new = std::mem::take(&mut mesh.new);
+        let verdicts: Vec<Verdict> = new.par_iter().map(|&t| mesh.verdict(judge, t)).collect();
+        for (&t, verdict) in new.iter().zip(verdicts) {
+            mesh.cells.verdicts[t as usize] = verdict;
+        }
+        let over: Vec<u32> =
+            new.into_iter().filter(|&t| asks(&mesh.cells.verdicts[t as usize], error_px) && mesh.is_large(t)).collect();
+        for t in over {
+            if mesh.cells.triangles.len() + 2 > PIECES_MAX as usize {
+                break;
+            }
+            // it may have been cut with a neighbour already
+            if !mesh.is_new[t as usize] {
+                mesh.cut(judge, t);
+            }
+        }
+        // numbers in order, each once
+        mesh.new = (0..mesh.is_new.len() as u32).filter(|&t| mesh.is_new[t as usize]).collect();
+        mesh.is_new.iter_mut().for_each(|n| *n = false);
+        if mesh.new.is_empty() {
+            return mesh.cells;
+        }
+    }
+}
+
+/// Triangles and who is beyond each edge.
+struct Mesh {
+    cells: Cells,
+    /// The triangles at an edge, its places ascending.
+    beyond: HashMap<(u32, u32), [Option<u32>; 2]>,
+    /// Triangles without a verdict.
+    new: Vec<u32>,
+    is_new: Vec<bool>,
+}
+
+fn edge(a: u32, b: u32) -> (u32, u32) {
+    (a.min(b), a.max(b))
+}
+
+fn edges([a, b, c]: [u32; 3]) -> [(u32, u32); 3] {
+    [edge(a, b), edge(b, c), edge(c, a)]
+}
+
+impl Mesh {
+    fn new(mut cells: Cells) -> Mesh {
+        let n = cells.triangles.len();
+        cells.verdicts = vec![Verdict { error_px: 0.0, fold: false, rim: false }; n];
+        let new: Vec<u32> = (0..n as u32).collect();
+        let mut mesh = Mesh { cells, beyond: HashMap::new(), new: new.clone(), is_new: vec![false; n] };
+        new.into_iter().for_each(|t| mesh.join(t));
+        mesh
+    }
+
+    fn join(&mut self, t: u32) {
+        for e in edges(self.cells.triangles[t as usize]) {
+            let sides = self.beyond.entry(e).or_default();
+            // an edge has two sides, of which one was left
+            if let Some(free) = sides.iter_mut().find(|s| s.is_none()) {
+                *free = Some(t);
+            }
+        }
+    }
+
+    fn leave(&mut self, t: u32) {
+        for e in edges(self.cells.triangles[t as usize]) {
+            if let Some(sides) = self.beyond.get_mut(&e) {
+                sides.iter_mut().filter(|s| **s == Some(t)).for_each(|s| *s = None);
+                if *sides == [None, None] {
+                    self.beyond.remove(&e);
+                }
+            }
+        }
+    }
+
+    /// The verdict on a triangle. One without any ray is done.
+    fn verdict(&self, judge: &Judge, t: u32) -> Verdict {
+        let triangle = &self.cells.triangles[t as usize];
+        let verdict = self.cells.judge(judge, triangle);
+        let blind = triangle.iter().all(|&i| self.cells.rays[i as usize].is_none());
+        Verdict { rim: verdict.rim && !blind, error_px: if blind { 0.0 } else { verdict.error_px }, ..verdict }
+    }
+
+    fn is_large(&self, t: u32) -> bool {
+        let [a, b, c] = self.cells.triangles[t as usize].map(|i| self.cells.places[i as usize]);
+        (a.max(b).max(c) - a.min(b).min(c)).max_element() > PIECE_MIN_PX
+    }
+
+    /// The triangle beyond the edge that `t` is cut at.
+    fn partner(&self, t: u32) -> Option<u32> {
+        let [_, b, c] = self.cells.triangles[t as usize];
+        self.beyond.get(&edge(b, c))?.iter().flatten().copied().find(|&n| n != t)
+    }
+
+    /// Cuts the triangle, and the one beyond the cut edge.
+    fn cut(&mut self, judge: &Judge, t: u32) {
+        let [_, b, c] = self.cells.triangles[t as usize];
+        // a partner that is cut elsewhere is larger; one of its halves then has this edge to cut
+        if let Some(n) = self.partner(t) {
+            let [_, nb, nc] = self.cells.triangles[n as usize];
+            if edge(nb, nc) != edge(b, c) {
+                self.cut(judge, n);
+            }
+        }
+        let partner = self.partner(t);
+        let middle = (self.cells.places[b as usize] + self.cells.places[c as usize]) / 2.0;
+        let m = self.cells.add(judge, middle);
+        self.halve(t, m);
+        partner.into_iter().for_each(|n| self.halve(n, m));
+    }
+
+    fn halve(&mut self, t: u32, m: u32) {
+        let [a, b, c] = self.cells.triangles[t as usize];
+        self.leave(t);
+        self.cells.triangles[t as usize] = [m, a, b];
+        let other = self.cells.triangles.len() as u32;
+        self.cells.triangles.push([m, c, a]);
+        self.cells.verdicts.push(self.cells.verdicts[t as usize]);
+        self.is_new.push(true);
+        self.is_new[t as usize] = true;
+        self.join(t);
+        self.join(other);
+    }
+}
