@@ -14,6 +14,7 @@ mod kinds;
 mod memory;
 mod outputs;
 mod progress;
+mod project;
 mod render;
 
 use crate::error::{Error, Result};
@@ -53,6 +54,7 @@ fn run(started: Instant) -> Result<()> {
         Command::Render(args) => render::run(args, started),
         Command::Compare(args) => compare::run(args),
         Command::Camera(args) => camera::run(args),
+        Command::Project(args) => project::run(args),
         Command::Info(args) => info::run(args),
         Command::Example(args) => example::run(args),
     }

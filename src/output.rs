@@ -3,11 +3,13 @@
 mod exr;
 mod npy;
 mod png;
+mod points;
 mod vectors;
 mod whole;
 
 pub use exr::{read_exr, write_exr};
 pub use npy::write_npy_f64;
 pub use png::{srgb8, write_png};
-pub use vectors::read_vectors;
+pub use points::read_points;
+pub use vectors::{read_pairs, read_vectors};
 pub use whole::{check_writable, write_text};

@@ -1,7 +1,11 @@
 //! The table of cameras: every kind that a scene file may name.
 
 use super::named::{cross_slit, hinge, mcop, panorama, pencil, pushbroom, surround};
+use super::named::{cylinder, fisheye, sphere};
+use super::named::{irregular_perspective, occlusion, ortho_to_perspective, street, twist};
+use super::projector;
 use super::recipe::Kind;
+use super::{chain, graph};
 
 /// The kinds that the scene file reads itself, and their keys.
 pub const PLAIN: &[(&str, &str)] = &[
@@ -22,4 +26,31 @@ pub const NAMED: &[Kind] = &[
     Kind { name: "hinge", help: include_str!("help/hinge.txt"), read: hinge::read },
     Kind { name: "surround", help: include_str!("help/surround.txt"), read: surround::read },
     Kind { name: "mcop", help: include_str!("help/mcop.txt"), read: mcop::read },
+    Kind { name: "projector", help: include_str!("help/projector.txt"), read: projector::read },
+    Kind {
+        name: "irregular_perspective",
+        help: include_str!("help/irregular_perspective.txt"),
+        read: irregular_perspective::read,
+    },
+    Kind { name: "twist", help: include_str!("help/twist.txt"), read: twist::read },
+    Kind {
+        name: "curved_convergence",
+        help: include_str!("help/curved_convergence.txt"),
+        read: twist::read_curved_convergence,
+    },
+    Kind {
+        name: "ortho_to_perspective",
+        help: include_str!("help/ortho_to_perspective.txt"),
+        read: ortho_to_perspective::read,
+    },
+    Kind { name: "occlusion", help: include_str!("help/occlusion.txt"), read: occlusion::read },
+    Kind { name: "street", help: include_str!("help/street.txt"), read: street::read },
+    Kind { name: "fisheye", help: include_str!("help/fisheye.txt"), read: fisheye::read },
+    Kind { name: "sphere", help: include_str!("help/sphere.txt"), read: sphere::read },
+    Kind { name: "cylinder", help: include_str!("help/cylinder.txt"), read: cylinder::read },
+    Kind { name: "chain", help: include_str!("help/chain.txt"), read: chain::read },
+    Kind { name: "bottom_up", help: include_str!("help/bottom_up.txt"), read: graph::bottom_up::read },
+    Kind { name: "graph_camera", help: include_str!("help/graph_camera.txt"), read: graph::bottom_up::read_torn },
+    Kind { name: "top_down", help: include_str!("help/top_down.txt"), read: graph::top_down::read },
+    Kind { name: "track", help: include_str!("help/track.txt"), read: graph::track::read },
 ];

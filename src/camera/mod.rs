@@ -8,14 +8,18 @@
 
 pub mod bundle;
 pub mod central;
+pub mod chain;
 pub mod curve;
 pub mod cut;
 pub mod field;
 pub mod glc;
+pub mod graph;
 pub mod kinds;
 pub mod mesh;
 pub mod named;
 pub mod pieces;
+pub mod project;
+pub mod projector;
 pub mod recipe;
 
 use crate::error::{Error, Result};

@@ -22,6 +22,8 @@ pub enum Command {
     /// Show what a scene's camera compiles to; `--help KIND`: the keys of a kind of camera
     #[command(disable_help_flag = true)]
     Camera(CameraArgs),
+    /// Find every image of 3-D points
+    Project(ProjectArgs),
     /// Show the adapters of this machine and the code paths they select
     Info(InfoArgs),
     /// Write a ready scene
@@ -115,12 +117,30 @@ pub struct CameraArgs {
     /// Write the camera's pieces as the file of a mesh camera
     #[arg(long, value_name = "FILE.json")]
     pub export: Option<PathBuf>,
-    /// Write each pixel's P and D: an array of H x W x 6
+    /// Write each pixel's P and D: an array of H x W x 6; a curve's or projector's control points: H x W x (m+1) x 3
     #[arg(long, value_name = "RAYS.npy")]
     pub rays: Option<PathBuf>,
     /// Print help; with a kind of camera, its keys
     #[arg(short, long, value_name = "KIND", num_args = 0..=1)]
     pub help: Option<Option<String>>,
+}
+
+#[derive(Debug, Args)]
+pub struct ProjectArgs {
+    /// Scene file, .toml or .json
+    pub scene: PathBuf,
+    /// Points: .npy of N x 3, or .csv, .txt, .xyz with three numbers a line
+    #[arg(long, value_name = "FILE")]
+    pub points: PathBuf,
+    /// Write the lines there instead of to the screen
+    #[arg(short, long, value_name = "OUT.jsonl")]
+    pub output: Option<PathBuf>,
+    /// Size of the image in pixels
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// Change a value of the scene, as in camera.vfov=40; may be given more than once
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
 }
 
 #[derive(Debug, Args)]

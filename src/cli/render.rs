@@ -87,7 +87,7 @@ pub(super) fn load(path: &Path, set: &[String], size: Option<(u32, u32)>) -> Res
     let file = file::load(path, set)?;
     let at = |e: Error| e.at(path.display());
     let scene = Scene::from_file(file).map_err(at)?;
-    let camera = Camera::new(&scene.camera, size.or(scene.size)).map_err(at)?;
+    let camera = Camera::in_scene(&scene.camera, size.or(scene.size), &scene.mesh).map_err(at)?;
     Ok((scene, camera))
 }
 

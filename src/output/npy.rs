@@ -37,25 +37,50 @@ struct Header {
     big_endian: bool,
 }
 
-/// Reads an f32 or f64 array in C order, shape H x W x 3, as (width, height, 3 W H numbers).
+/// Reads an f32 or f64 array in C order, shape H x W x `each`, as (width, height, `each` W H numbers).
 ///
 /// # Errors
 /// What is wrong, without the file's name.
-pub(super) fn read_npy_triples(file: File) -> std::result::Result<(u32, u32, Vec<f64>), String> {
+pub(super) fn read_npy_vectors(file: File, each: u64) -> std::result::Result<(u32, u32, Vec<f64>), String> {
     let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
     let mut reader = BufReader::with_capacity(1 << 16, file);
     let (header, header_bytes) = read_header(&mut reader)?;
-    let [height, width, 3] = header.shape[..] else {
-        return Err(format!("the array's shape is {:?}; it must be height x width x 3", header.shape));
+    let (height, width) = match header.shape[..] {
+        [height, width, n] if n == each => (height, width),
+        _ => return Err(format!("the array's shape is {:?}; it must be height x width x {each}", header.shape)),
     };
     check_size(width, height).map_err(|e| e.to_string())?;
-    let pixels = width * height;
-    let bytes = pixels * 3 * header.size as u64;
-    if bytes_in_file < header_bytes + bytes {
+    let numbers = read_rows(&mut reader, &header, [width * height, each], bytes_in_file.saturating_sub(header_bytes))?;
+    // Both sides are far under 2^32 by the check above.
+    Ok((width as u32, height as u32, numbers))
+}
+
+/// Reads an f32 or f64 array in C order, shape N x 3.
+///
+/// # Errors
+/// What is wrong, without the file's name.
+pub(super) fn read_npy_points(file: File) -> std::result::Result<Vec<f64>, String> {
+    let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
+    let mut reader = BufReader::with_capacity(1 << 16, file);
+    let (header, header_bytes) = read_header(&mut reader)?;
+    let [rows, 3] = header.shape[..] else {
+        return Err(format!("the array's shape is {:?}; it must be N x 3", header.shape));
+    };
+    read_rows(&mut reader, &header, [rows, 3], bytes_in_file.saturating_sub(header_bytes))
+}
+
+/// Reads `rows` rows of `each` numbers, after finding that the `left` bytes hold them.
+fn read_rows(
+    reader: &mut impl Read,
+    header: &Header,
+    [rows, each]: [u64; 2],
+    left: u64,
+) -> std::result::Result<Vec<f64>, String> {
+    let bytes = rows.saturating_mul(each * header.size as u64);
+    if left < bytes {
         return Err(format!("the file ends early: {bytes} bytes of numbers are promised; write it again"));
     }
-    // Both sides are far under 2^32 by the check above.
-    Ok((width as u32, height as u32, read_numbers(&mut reader, &header, pixels as usize * 3)?))
+    read_numbers(reader, header, (rows * each) as usize)
 }
 
 /// Reads `count` numbers; that many are known to be in the file.

@@ -236,6 +236,34 @@ fn texts_are_printed() {
     assert!(pixel.contains("hit: triangle") && pixel.contains("safe: "), "{pixel}");
 }
 
+#[test]
+fn points_are_projected() {
+    let place = Place::new();
+    // the eye is at (0, 0.5, 4) and looks at the origin: that is the middle of 64 x 48; then behind it; then the eye
+    place.write("p.csv", "x,y,z\n0,0,0\n0,1,8\n0,0.5,4\n");
+    let lines =
+        |text: &str| -> Vec<serde_json::Value> { text.lines().map(|l| serde_json::from_str(l).unwrap()).collect() };
+    let out = lines(&place.works(&["project", "scene.toml", "--points", "p.csv"]));
+    assert_eq!(out.len(), 3);
+    let image = &out[0]["images"][0];
+    assert_eq!(
+        (&out[0]["point"], out[0]["images"].as_array().unwrap().len()),
+        (&serde_json::json!([0.0, 0.0, 0.0]), 1)
+    );
+    let near = |key: &str, value: f64| (image[key].as_f64().unwrap() - value).abs() < 1e-9;
+    assert!(near("x", 32.0) && near("y", 24.0) && near("a", 0.5) && near("b", 0.5), "{image}");
+    assert!(near("t", 16.25_f64.sqrt()) && image["piece"] == 0 && image["layer"] == 0, "{image}");
+    assert!(out[0]["degenerate"].is_null() && out[1]["degenerate"].is_null());
+    assert_eq!(out[1]["images"], serde_json::json!([]));
+    assert_eq!(out[2]["degenerate"], "eye");
+    // another size, into a file
+    let told = place.works(&["project", "scene.toml", "--points", "p.csv", "--size", "128x96", "-o", "out.jsonl"]);
+    assert_eq!(told, "");
+    let out = lines(&std::fs::read_to_string(place.path().join("out.jsonl")).unwrap());
+    assert_eq!(out.len(), 3);
+    assert!((out[0]["images"][0]["x"].as_f64().unwrap() - 64.0).abs() < 1e-9);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn without_an_adapter_the_cpu_renders() {
@@ -255,4 +283,33 @@ fn without_an_adapter_the_cpu_renders() {
     assert!(code == Some(0) && err.is_empty() && out.contains("--engine reference"), "{out}{err}");
     let (code, _, err) = run(&["render", "scene.toml", "-o", "a.png", "--adapter", "llvm"]);
     assert!(code == Some(2) && err.contains("there is: none"), "{err}");
+}
+
+#[test]
+fn projectors_are_written_as_control_points() {
+    let place = Place::new();
+    let scene = "[image]\nwidth = 4\nheight = 2\n[camera]\nkind = \"projector\"\n";
+    let plane = |z: i32| format!("{{ kind = \"plane\", origin = [0, 0, {z}], u = [8, 0, 0], v = [0, 4, 0] }}");
+    for (m, shape) in [(1, "(2, 4, 2, 3"), (2, "(2, 4, 3, 3"), (3, "(2, 4, 4, 3")] {
+        let surfaces: Vec<String> = (0..=m).map(|k| plane(-k * k)).collect();
+        place.write("p.toml", format!("{scene}surfaces = [{}]\n", surfaces.join(", ")));
+        let told = place.works(&["camera", "p.toml", "--rays", "r.npy"]);
+        assert_eq!(told.contains(&format!("a curve of degree {m}")), m > 1, "{told}");
+        let bytes = std::fs::read(place.path().join("r.npy")).unwrap();
+        assert!(String::from_utf8_lossy(&bytes[..128]).contains(shape));
+        let numbers: Vec<f64> = bytes[bytes.len() - 2 * 4 * 3 * 8 * (m as usize + 1)..]
+            .chunks(8)
+            .map(|b| f64::from_le_bytes(b.try_into().unwrap()))
+            .collect();
+        let expected = |(i, j): (u32, u32)| {
+            (0..=m).flat_map(move |k| [2.0 * i as f64 + 1.0, 2.0 * j as f64 + 1.0, f64::from(-k * k)])
+        };
+        let pixels = (0..2).flat_map(|j| (0..4).map(move |i| (i, j)));
+        assert_eq!(numbers, pixels.flat_map(expected).collect::<Vec<_>>());
+    }
+    // a chain: three segments of P and D
+    place.write("o.toml", "[image]\nwidth = 4\nheight = 2\n[camera]\nkind = \"occlusion\"\n");
+    place.works(&["camera", "o.toml", "--rays", "r.npy"]);
+    let bytes = std::fs::read(place.path().join("r.npy")).unwrap();
+    assert!(String::from_utf8_lossy(&bytes[..128]).contains("(2, 4, 3, 6"));
 }

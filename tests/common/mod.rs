@@ -4,8 +4,12 @@
 #![allow(dead_code)]
 
 pub mod cameras;
+pub mod continuity;
+pub mod file;
 pub mod gpu;
+pub mod layered;
 pub mod rng;
+pub mod written;
 
 use anamorph::camera::Camera;
 use anamorph::scene::Scene;

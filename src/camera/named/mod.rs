@@ -1,11 +1,21 @@
 //! Named cameras: a few keys each, built to pieces, ray fields or curves. One file a family.
 
 pub mod cross_slit;
+pub mod cylinder;
+pub mod fisheye;
 pub mod hinge;
+pub mod irregular_perspective;
 pub mod mcop;
+pub mod occlusion;
+pub mod ortho_to_perspective;
 pub mod panorama;
 pub mod pencil;
 mod pose;
 pub mod pushbroom;
+pub mod sphere;
+mod stand;
+pub mod street;
+mod strips;
 pub mod surround;
-mod values;
+pub mod twist;
+pub(super) mod values;

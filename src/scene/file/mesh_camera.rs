@@ -54,8 +54,11 @@ fn default_w() -> f64 {
     1.0
 }
 
+/// The keys of a table of pieces.
+pub const MESH_CAMERA_KEYS: [&str; 4] = ["vertices", "triangles", "file", "normalize"];
+
 /// Reads the pieces of a camera table whose keys are already known to be right.
-pub(super) fn read_mesh_camera(table: &Table) -> Result<MeshCameraSpec> {
+pub fn read_mesh_camera(table: &Table) -> Result<MeshCameraSpec> {
     let normalize = table.or("normalize", false, Field::boolean)?;
     let inline = table.has("vertices") || table.has("triangles");
     let (vertices, triangles) = match table.get("file") {
@@ -88,7 +91,8 @@ fn read_vertex(field: &Field) -> Result<CameraVertex> {
     })
 }
 
-fn read_triangles(table: &Table) -> Result<Vec<[u32; 3]>> {
+/// The table's `triangles`: three indices each, not yet known to be in range.
+pub fn read_triangles(table: &Table) -> Result<Vec<[u32; 3]>> {
     let field = table.need("triangles", "[[0, 1, 2]]")?;
     field.items("a list of triangles")?.map(|triangle| read_triangle(&triangle)).collect()
 }

@@ -1,0 +1,84 @@
+//! The `chain` camera: mesh cameras over one image, whose rays are run through one after the other (Popescu et al.,
+//! section 3.1: segments, depth-indexed from the root to the leaves).
+
+use super::recipe::{Built, Recipe, Setting};
+use super::{LAYERS_MAX, Pieces, Rays, mesh};
+use crate::error::{Error, Result};
+use crate::scene::file::reader::{Field, Table};
+use crate::scene::file::{MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+#[derive(Debug)]
+struct Chain {
+    layers: Vec<MeshCameraSpec>,
+}
+
+/// Reads `layers`, a list of tables with the keys of a `mesh` camera.
+pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
+    table.allow(&["kind", "layers"])?;
+    let field = table.need("layers", "[{ file = \"near.json\" }, { file = \"far.json\" }]")?;
+    let layers: Vec<_> = field.items("a list of layers")?.map(|layer| read_layer(&layer)).collect::<Result<_>>()?;
+    if layers.is_empty() || layers.len() > LAYERS_MAX {
+        return Err(field.error(format_args!("{} layers; a chain has 1 to {LAYERS_MAX}", layers.len())));
+    }
+    Ok(Arc::new(Chain { layers }))
+}
+
+fn read_layer(field: &Field) -> Result<MeshCameraSpec> {
+    let table = field.table()?;
+    table.allow(&MESH_CAMERA_KEYS)?;
+    read_mesh_camera(&table)
+}
+
+impl Recipe for Chain {
+    fn build(&self, setting: &Setting) -> Result<Built> {
+        let (width, height) = setting.size()?;
+        let mut notes = Vec::new();
+        let mut layers: Vec<Pieces> = Vec::new();
+        for (k, spec) in self.layers.iter().enumerate() {
+            let mut of_layer = Vec::new();
+            // the pieces say "camera.KEY: ...", of the table that they are read from
+            let pieces = mesh::compile(spec, width, height, &mut of_layer).map_err(|e| {
+                let message = e.to_string();
+                Error::input(format!("camera.layers.{k}{}", message.strip_prefix("camera").unwrap_or(&message)))
+            })?;
+            notes.extend(of_layer.into_iter().map(|note| format!("layer {k}: {note}")));
+            layers.push(pieces);
+        }
+        for (k, pair) in layers.windows(2).enumerate() {
+            notes.extend(gap_note(k, &pair[0], &pair[1], (width, height)));
+        }
+        let layers = layers.into_iter().map(Rays::Pieces).collect();
+        Ok(Built { size: (width, height), layers, unit_t: true, notes })
+    }
+}
+
+/// Relative rounding of a ray's end: some ten products and sums of 2^-53 each, with room for corners far outside the
+/// image, whose weights are larger than 1.
+const END_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// What to say where the rays of a layer do not start where those of the one before end.
+fn gap_note(k: usize, front: &Pieces, back: &Pieces, (width, height): (u32, u32)) -> Option<String> {
+    let pixels = (0..width as usize * height as usize).into_par_iter();
+    let at = |n: usize| ((n % width as usize) as u32, (n / width as usize) as u32);
+    let (gap, n) = pixels
+        .filter_map(|n| Some((gap(front, back, at(n))?, n)))
+        .reduce_with(|a, b| if (b.0, a.1) > (a.0, b.1) { b } else { a })?;
+    let (i, j) = at(n);
+    let next = k + 1;
+    (gap > 0.0)
+        .then(|| format!("layer {next} does not start where layer {k} ends: up to {gap:.6} apart, at pixel {i},{j}"))
+}
+
+/// How far the pixel's ray jumps between two layers, world units; 0 within rounding.
+fn gap(front: &Pieces, back: &Pieces, (i, j): (u32, u32)) -> Option<f64> {
+    let ray = |layer: &Pieces| layer.owner(i, j).map(|k| layer.bundle_at(k, i, j).ray(0.0, 0.0));
+    let (a, b) = (ray(front)?, ray(back)?);
+    let end = a.origin + a.direction;
+    let size = |v: DVec3| v.abs().max_element();
+    let gap = (b.origin - end).length();
+    let rounding = END_ROUNDING * (size(a.origin) + size(a.direction) + size(b.origin));
+    Some(if gap > rounding { gap } else { 0.0 })
+}

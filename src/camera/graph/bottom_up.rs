@@ -1,0 +1,297 @@
+//! `bottom_up`: two given pinhole views side by side, the scene between them bridged by a segment whose rays turn from
+//! the one to the other (Popescu et al., section 3.3, Fig. 4 and 7); and `graph_camera`, the same without bridges.
+
+use super::joints::Joints;
+use super::rails::{self, Depths};
+use super::view::{POSE_KEYS, Pose, View, beyond};
+use super::volume::Volume;
+use super::{Graph, Net};
+use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::error::{Error, Result};
+use crate::scene::file::reader::{Field, Table};
+use glam::{DVec2, DVec3};
+use std::sync::Arc;
+
+#[derive(Debug)]
+struct BottomUp {
+    views: [Pose; 2],
+    /// Shares of the image's width: left view, what is between, right view.
+    weights: [f64; 3],
+    near: f64,
+    far: Option<f64>,
+    /// Strips that what is between is cut into; `None`: by the angle between the views.
+    lateral: Option<u64>,
+    root: Option<Pose>,
+    cut: Option<f64>,
+    foreground: bool,
+    joints: Joints,
+    /// The parts are not joined: a graph camera of 2009.
+    torn: bool,
+}
+
+const SHARED: [&str; 8] = ["kind", "views", "weights", "near", "far", "root", "morph", "cut"];
+
+/// Reads the keys of help/bottom_up.txt.
+pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
+    table.allow(&[&SHARED[..], &Joints::KEYS, &["lateral", "foreground"]].concat())?;
+    let foreground = table.or("foreground", false, Field::boolean)?;
+    for key in ["cut", "longitudinal", "join"] {
+        if let (Some(field), false) = (table.get(key), foreground) {
+            return Err(field.error(format_args!("{key} is of the segments before the views; add foreground = true")));
+        }
+    }
+    let lateral = table.optional("lateral", |f| f.integer(1, 1000))?;
+    Ok(Arc::new(BottomUp { lateral, foreground, ..read_shared(table, Joints::read(table)?)? }))
+}
+
+/// Reads the keys of help/graph_camera.txt.
+pub fn read_torn(table: &Table) -> Result<Arc<dyn Recipe>> {
+    table.allow(&SHARED[..SHARED.len() - 1])?;
+    let shared = read_shared(table, Joints::read(table)?)?;
+    Ok(Arc::new(BottomUp { torn: true, ..shared }))
+}
+
+fn read_shared(table: &Table, joints: Joints) -> Result<BottomUp> {
+    let views = table.need("views", "[{ eye = [-5, 3, 9], target = [-5, 0, 0], vfov = 40 }, { ... }]")?;
+    let [left, right] =
+        views.array::<2>("two views, left and right, as [{ eye, target, vfov }, { eye, target, vfov }]")?;
+    let weights = table.or("weights", [2.0, 1.0, 2.0], read_weights)?;
+    let near = table.or("near", 0.0, |f| least(f, 0.0))?;
+    let far = table.optional("far", |f| least(f, near))?;
+    Ok(BottomUp {
+        views: [read_pose(&left)?, read_pose(&right)?],
+        weights,
+        near,
+        far,
+        lateral: None,
+        root: table.optional("root", read_pose)?,
+        cut: table.optional("cut", |f| least(f, 0.0))?.filter(|cut| *cut > 0.0),
+        foreground: false,
+        joints,
+        torn: false,
+    })
+}
+
+fn read_pose(field: &Field) -> Result<Pose> {
+    let table = field.table()?;
+    table.allow(&POSE_KEYS)?;
+    Pose::read(&table)
+}
+
+fn read_weights(field: &Field) -> Result<[f64; 3]> {
+    let weights: [f64; 3] = field.numbers("three shares, as [left view, between, right view]")?;
+    let usable = weights.iter().all(|w| *w > 0.0);
+    if usable { Ok(weights) } else { Err(field.error("every share must be above 0")) }
+}
+
+/// A number over `least`, or `least` itself where that is 0.
+pub(super) fn least(field: &Field, least: f64) -> Result<f64> {
+    let number = field.number()?;
+    if number > least || (number == 0.0 && least == 0.0) {
+        return Ok(number);
+    }
+    Err(field.error(format_args!("{number} must be more than {least}")))
+}
+
+/// The parts of the image: where each begins, px, and the views that land there.
+struct Layout {
+    /// Of the left view's end and the right view's start.
+    between_px: [f64; 2],
+    views: [View; 2],
+    root: View,
+    far: f64,
+}
+
+impl Recipe for BottomUp {
+    fn build(&self, setting: &Setting) -> Result<Built> {
+        let size = setting.size()?;
+        let layout = self.layout(setting, size)?;
+        self.check_apart(setting, &layout, size)?;
+        let (net, leaf) = if self.torn { self.torn_leaves(&layout, size) } else { self.leaves(&layout, size) };
+        let root = |_| layout.root;
+        let depths = self.foreground.then(|| self.depths(&net, &layout, &leaf[0]));
+        let plain = rails::plain(&net, root, layout.far, depths);
+        let graph = rails::with_leaves(&plain, leaf, depths);
+        if !self.torn {
+            check_folds(setting, &graph)?;
+        }
+        let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;
+        if self.torn {
+            built.notes.push("the views are not joined: the picture breaks where they meet what is between".into());
+        }
+        Ok(built)
+    }
+}
+
+impl BottomUp {
+    fn layout(&self, setting: &Setting, (width, height): (u32, u32)) -> Result<Layout> {
+        let sum: f64 = self.weights.iter().sum();
+        let (w, h) = (width as f64, height as f64);
+        let [left, right] = [self.weights[0], self.weights[2]].map(|share| (w * share / sum).round());
+        let between_px = [left, w - right];
+        if left < 1.0 || right < 1.0 || between_px[1] - between_px[0] < 1.0 {
+            return Err(Error::input(format!(
+                "camera.weights: in an image {width} pixels wide some part has less than one; make its share larger"
+            )));
+        }
+        let centres = [left / 2.0, w - right / 2.0].map(|x| DVec2::new(x, h / 2.0));
+        let view = |k: usize| {
+            View::new(&self.views[k], height, centres[k]).map_err(|e| Error::input(in_view(k, &e.to_string())))
+        };
+        let views = [view(0)?, view(1)?];
+        let pose = self.root.unwrap_or_else(|| self.default_root(&views, &centres));
+        let root = View::new(&pose, height, rails::middle((width, height)))?;
+        let eyes = [views[0].eye(), views[1].eye(), root.eye()];
+        let reach = self.views.iter().map(|v| (v.target - v.eye).length()).fold(1000.0 * self.near, f64::max);
+        let far = self.far.unwrap_or_else(|| beyond(setting.mesh, &eyes, 1000.0 * reach).max(2.0 * self.near));
+        Ok(Layout { between_px, views, root, far })
+    }
+
+    /// A view from before both: it sees the views' eyes where their middles land, and looks along both.
+    fn default_root(&self, views: &[View; 2], centres: &[DVec2; 2]) -> Pose {
+        let way = views[1].eye() - views[0].eye();
+        let up = self.views[0].up;
+        let vfov = self.views[0].vfov.max(self.views[1].vfov);
+        // ahead is also what has the left view on its left: all that is left where the views look in opposite directions
+        let along = views[0].forward() + views[1].forward() + up.cross(way).normalize_or_zero();
+        let across = along - along.project_onto_normalized(way.normalize_or(views[0].steps()[0].normalize()));
+        let forward = across.normalize_or(views[0].forward());
+        let px_per_unit = (centres[1] - centres[0]).length();
+        let step = views[0].steps()[0].length().max(views[1].steps()[0].length());
+        let back = if way == DVec3::ZERO { 1.0 } else { way.length() / (px_per_unit * step) };
+        let middle = (views[0].eye() + views[1].eye()) / 2.0;
+        Pose { eye: middle - back * forward, target: middle, up, vfov }
+    }
+
+    /// Cut planes of the root: halfway to the views' near faces where no cut is given.
+    fn depths(&self, net: &Net, layout: &Layout, near: &[DVec3]) -> Depths {
+        let nearest = near.iter().map(|n| layout.root.depth(*n).abs()).fold(f64::INFINITY, f64::min);
+        let cut = self.cut.unwrap_or(if nearest > 0.0 { nearest / 2.0 } else { layout.far / 1000.0 });
+        let way = rails::mean_way(net, |_| layout.root, cut, near);
+        let near = cut + if way > 0.0 { way } else { cut };
+        [cut, near, layout.far.max(2.0 * near)]
+    }
+
+    /// Two vertices, at the image's top and bottom, for the borders of both views and of the strips between, with
+    /// near and far points.
+    fn leaves(&self, layout: &Layout, size: (u32, u32)) -> (Net, [Vec<DVec3>; 2]) {
+        let [x1, x2] = layout.between_px;
+        let (w, h) = (size.0 as f64, size.1 as f64);
+        let [left, right] = layout.views;
+        let border = |y: f64| [left.ray(DVec2::new(x1, y)).direction, right.ray(DVec2::new(x2, y)).direction];
+        let angle = border(h / 2.0)[0].angle_between(border(h / 2.0)[1]);
+        let strips = self.lateral.unwrap_or(((angle / STRIP_ANGLE).ceil() as u64).max(1));
+        let mut leaves = Leaves::new(self.near, layout.far);
+        leaves.column(0.0, h, |y| left.ray(DVec2::new(0.0, y)).into());
+        for k in 0..=strips {
+            let s = k as f64 / strips as f64;
+            leaves.column(x1 + s * (x2 - x1), h, |y| {
+                let [d1, d2] = border(y);
+                let d = if k == 0 {
+                    d1
+                } else if k == strips {
+                    d2
+                } else {
+                    d1.slerp(d2, s)
+                };
+                (left.eye().lerp(right.eye(), s), d)
+            });
+        }
+        leaves.column(w, h, |y| right.ray(DVec2::new(w, y)).into());
+        leaves.joined()
+    }
+
+    /// The parts on their own: the root's view in between.
+    fn torn_leaves(&self, layout: &Layout, size: (u32, u32)) -> (Net, [Vec<DVec3>; 2]) {
+        let [x1, x2] = layout.between_px;
+        let (w, h) = (size.0 as f64, size.1 as f64);
+        let mut leaves = Leaves::new(self.near, layout.far);
+        for (view, from, to) in [(layout.views[0], 0.0, x1), (layout.root, x1, x2), (layout.views[1], x2, w)] {
+            for x in [from, to] {
+                leaves.column(x, h, |y| view.ray(DVec2::new(x, y)).into());
+            }
+        }
+        let (mut net, ends) = leaves.joined();
+        // every second strip joins two parts
+        net.triangles = net.triangles.chunks(2).step_by(2).flatten().copied().collect();
+        (net, ends)
+    }
+
+    /// Both views must not see one part of the scene.
+    fn check_apart(&self, setting: &Setting, layout: &Layout, size: (u32, u32)) -> Result<()> {
+        let ([x1, x2], (w, h)) = (layout.between_px, (size.0 as f64, size.1 as f64));
+        let volume = |k: usize, from: f64, to: f64| {
+            Volume::of_view(&layout.views[k], DVec2::new(from, 0.0), DVec2::new(to, h), [self.near, layout.far])
+        };
+        let left = volume(0, 0.0, x1);
+        let left = setting.bounds().map_or(left.clone(), |(lo, hi)| left.and(&Volume::of_box(lo, hi)));
+        match left.meets(&volume(1, x2, w)) {
+            Some(at) if !self.torn => Err(Error::input(format!(
+                "camera.views: the two views intersect, as at {}; turn or move them apart, or give a nearer far",
+                place(at)
+            ))),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Rays that cross within the scene show a part of it mirrored and again: segments that intersect.
+fn check_folds(setting: &Setting, graph: &Graph) -> Result<()> {
+    match graph.folds(setting.bounds()) {
+        (0, _) => Ok(()),
+        (folded, all) => Err(Error::input(format!(
+            "camera.views: rays between the views cross within the scene ({folded} of {all} pieces); give the left view \
+             first, turn the views apart, or give a nearer far"
+        ))),
+    }
+}
+
+/// The most that rays turn over one strip between the views: the chord of 15 degrees lies 1 % inside its circle.
+const STRIP_ANGLE: f64 = std::f64::consts::PI / 12.0;
+
+/// Rays at columns of the image, from left to right.
+struct Leaves {
+    net: Net,
+    depths: [f64; 2],
+    ends: [Vec<DVec3>; 2],
+}
+
+impl From<super::super::Ray> for (DVec3, DVec3) {
+    fn from(ray: super::super::Ray) -> (DVec3, DVec3) {
+        (ray.origin, ray.direction)
+    }
+}
+
+impl Leaves {
+    fn new(near: f64, far: f64) -> Leaves {
+        Leaves { net: Net::default(), depths: [near, far], ends: [Vec::new(), Vec::new()] }
+    }
+
+    /// Adds the rays, (eye, direction of depth 1), at the top and the bottom of a column.
+    fn column(&mut self, x: f64, height: f64, ray: impl Fn(f64) -> (DVec3, DVec3)) {
+        for y in [0.0, height] {
+            let (eye, d) = ray(y);
+            self.net.places_px.push(DVec2::new(x, y));
+            self.ends[0].push(eye + self.depths[0] * d);
+            self.ends[1].push(eye + self.depths[1] * d);
+        }
+    }
+
+    /// Two triangles between each column and the next.
+    fn joined(mut self) -> (Net, [Vec<DVec3>; 2]) {
+        let columns = self.net.places_px.len() as u32 / 2;
+        let quad = |k: u32| [[2 * k, 2 * k + 2, 2 * k + 1], [2 * k + 1, 2 * k + 2, 2 * k + 3]];
+        self.net.triangles = (0..columns - 1).flat_map(quad).collect();
+        (self.net, self.ends)
+    }
+}
+
+/// An error of a view, naming it.
+fn in_view(k: usize, message: &str) -> String {
+    format!("camera.views.{k}{}", message.strip_prefix("camera").unwrap_or(message))
+}
+
+/// A point for a person to read.
+pub(super) fn place(at: DVec3) -> String {
+    format!("({:.3}, {:.3}, {:.3})", at.x, at.y, at.z)
+}

@@ -1,0 +1,145 @@
+//! From a graph to layers: connecting legs straight, cut lengthwise, or curved.
+
+use super::super::curve::{Curve, CurveMap, Curves};
+use super::super::recipe::Built;
+use super::super::{LAYERS_MAX, Pieces, Rays, mesh};
+use super::{Graph, Leg, Net};
+use crate::error::{Error, Result};
+use crate::scene::file::reader::{Field, Table};
+use crate::scene::file::{CameraVertex, MeshCameraSpec};
+use glam::{DVec2, DVec3};
+use std::sync::Arc;
+
+/// How rays pass from one view to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bend {
+    /// So many straight parts of the curve below: 1 is the paper's connecting segment.
+    Cuts(usize),
+    /// A cubic Bezier curve that leaves and enters along the views' own rays (section 4.3, after Cui et al. 2010).
+    Curved,
+}
+
+/// The keys that all constructors share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Joints {
+    pub bend: Bend,
+    /// 1: the camera as built; 0: the plain view.
+    pub morph: f64,
+}
+
+impl Joints {
+    pub const KEYS: [&str; 3] = ["longitudinal", "join", "morph"];
+
+    pub fn read(table: &Table) -> Result<Joints> {
+        let cuts = table.optional("longitudinal", |f| f.integer(1, LAYERS_MAX as u64))?;
+        let curved = table.or("join", false, |field| match field.text()? {
+            "straight" => Ok(false),
+            "bezier" => Ok(true),
+            _ => Err(field.error("use join = \"straight\" or \"bezier\"")),
+        })?;
+        if curved && cuts.is_some_and(|n| n > 1) {
+            return Err(table.error("longitudinal cuts straight segments; leave it out with join = \"bezier\""));
+        }
+        let bend = if curved { Bend::Curved } else { Bend::Cuts(cuts.unwrap_or(1) as usize) };
+        Ok(Joints { bend, morph: table.or("morph", 1.0, unit_number)? })
+    }
+}
+
+/// A number in [0, 1].
+pub(super) fn unit_number(field: &Field) -> Result<f64> {
+    let number = field.number()?;
+    let inside = (0.0..=1.0).contains(&number);
+    if inside { Ok(number) } else { Err(field.error(format_args!("{number} lies outside [0, 1]"))) }
+}
+
+impl Graph {
+    /// The layers of the graph, its connecting legs bent as asked.
+    pub fn build(&self, bend: Bend, size: (u32, u32)) -> Result<Built> {
+        let legs: Vec<Leg> = self.legs.iter().flat_map(|leg| leg.bent(bend)).collect();
+        if legs.len() > LAYERS_MAX {
+            let n = legs.len();
+            return Err(Error::input(format!(
+                "camera: its rays have {n} segments, and {LAYERS_MAX} is the most; use a smaller longitudinal, or fewer targets \
+                 that are hidden at once"
+            )));
+        }
+        let mut notes = Vec::new();
+        let layers = legs.iter().map(|leg| self.net.rays(leg, size, &mut notes)).collect::<Result<_>>()?;
+        Ok(Built { size, layers, unit_t: true, notes })
+    }
+}
+
+impl Leg {
+    /// The leg as it is rendered: connecting ones by `bend`.
+    pub fn bent(&self, bend: Bend) -> Vec<Leg> {
+        match (self, bend) {
+            (Leg::Connecting(points), Bend::Cuts(n)) => {
+                let cut = |k: usize| match k {
+                    0 => points[0].clone(),
+                    k if k == n => points[3].clone(),
+                    k => (0..points[0].len()).map(|v| curve(points, v).at(k as f64 / n as f64)).collect(),
+                };
+                let cuts: Vec<Vec<DVec3>> = (0..=n).map(cut).collect();
+                cuts.windows(2).map(|pair| Leg::Straight([pair[0].clone(), pair[1].clone()])).collect()
+            }
+            _ => vec![self.clone()],
+        }
+    }
+}
+
+fn curve(points: &[Vec<DVec3>; 4], vertex: usize) -> Curve {
+    Curve::new(&[0, 1, 2, 3].map(|k| points[k][vertex]))
+}
+
+impl Net {
+    fn rays(&self, leg: &Leg, size: (u32, u32), notes: &mut Vec<String>) -> Result<Rays> {
+        Ok(match leg {
+            Leg::Straight([from, to]) => Rays::Pieces(self.pieces(from, to, size, notes)?),
+            Leg::Connecting([a, b, c, d]) => {
+                let legs = [self.pieces(a, b, size, notes)?, self.pieces(c, d, size, &mut Vec::new())?];
+                Rays::Curves(Curves::new(size.0, size.1, Arc::new(CurvedLeg { legs, size })))
+            }
+        })
+    }
+
+    fn pieces(&self, from: &[DVec3], to: &[DVec3], size: (u32, u32), notes: &mut Vec<String>) -> Result<Pieces> {
+        let unit = DVec2::new(size.0 as f64, size.1 as f64);
+        let vertex = |k: usize| {
+            let image = (self.places_px[k] / unit).to_array();
+            CameraVertex { image, near: from[k], far: to[k], w: 1.0 }
+        };
+        let vertices = (0..self.places_px.len()).map(vertex).collect();
+        let spec = MeshCameraSpec { vertices, triangles: self.triangles.clone(), normalize: false };
+        mesh::compile(&spec, size.0, size.1, notes)
+    }
+}
+
+/// Cubic curves, their Bezier points interpolated over image triangles.
+#[derive(Debug)]
+struct CurvedLeg {
+    /// From the first point to the second, and from the third to the fourth.
+    legs: [Pieces; 2],
+    /// Of the image, pixels.
+    size: (u32, u32),
+}
+
+impl CurveMap for CurvedLeg {
+    fn degree(&self) -> usize {
+        3
+    }
+
+    fn curve(&self, a: f64, b: f64) -> Option<(u32, Curve)> {
+        let place = DVec2::new(a * self.size.0 as f64, b * self.size.1 as f64);
+        // a place on or beyond a border is looked up with the pixel beside it
+        let pixel = |at: f64, size: u32| (at as u32).min(size - 1);
+        let (i, j) = (pixel(place.x, self.size.0), pixel(place.y, self.size.1));
+        let piece = self.legs[0].owner_of_place(i, j, place)?;
+        let [first, last] = [0, 1].map(|k| self.legs[k].bundle_at_place(piece, place).ray(0.0, 0.0));
+        let points = [first.origin, first.origin + first.direction, last.origin, last.origin + last.direction];
+        Some((piece, Curve::new(&points)))
+    }
+
+    fn piece_count(&self) -> usize {
+        self.legs[0].pieces.len()
+    }
+}

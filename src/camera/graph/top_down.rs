@@ -1,0 +1,340 @@
+//! `top_down`: a root view, some regions of which are seen from viewpoints of their own (Popescu et al., section 3.3,
+//! Fig. 1 and 6). The root is a pinhole, or the six faces of a cube around its eye (section 4.3).
+
+use super::Net;
+use super::bottom_up::{least, place};
+use super::joints::Joints;
+use super::outline::{self, Outline};
+use super::path::Occluders;
+use super::rails::{self, Depths};
+use super::view::{POSE_KEYS, Pose, View, beyond};
+use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::error::{Error, Result};
+use crate::scene::file::reader::{Field, Table};
+use glam::{DVec2, DVec3};
+use std::sync::Arc;
+
+#[derive(Debug)]
+struct TopDown {
+    root: Pose,
+    layout: Layout,
+    regions: Vec<Region>,
+    /// Width of the transitions, in parts of the root view's height.
+    band: f64,
+    near: f64,
+    far: Option<f64>,
+    cut: Option<f64>,
+    foreground: bool,
+    joints: Joints,
+}
+
+/// How the root lies in the image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Layout {
+    Plain,
+    /// Cube faces: up over the second of left, front, right, back; down under it.
+    Cross,
+    /// Cube faces: left, front, right, back, up, down.
+    Strip,
+}
+
+#[derive(Debug)]
+struct Region {
+    /// Image coordinates (a, b).
+    outline: Outline,
+    eye: DVec3,
+    target: Option<DVec3>,
+    up: Option<DVec3>,
+    vfov: Option<f64>,
+}
+
+/// Reads the keys of help/top_down.txt.
+pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
+    let own = ["kind", "layout", "regions", "band", "near", "far", "foreground", "cut"];
+    table.allow(&[&own[..], &POSE_KEYS, &Joints::KEYS].concat())?;
+    let layout = table.or("layout", Layout::Plain, |field| match field.text()? {
+        "plain" => Ok(Layout::Plain),
+        "cross" => Ok(Layout::Cross),
+        "strip" => Ok(Layout::Strip),
+        _ => Err(field.error("use layout = \"plain\", \"cross\" or \"strip\"")),
+    })?;
+    let root = match (layout, table.get("vfov")) {
+        (Layout::Plain, _) => Pose::read(table)?,
+        (_, Some(vfov)) => return Err(vfov.error("a cube's faces are 90 degrees high; leave vfov out")),
+        _ => Pose {
+            eye: table.need("eye", "[0, 2, 0]")?.vec3()?,
+            target: table.need("target", "[0, 2, -1]")?.vec3()?,
+            up: table.or("up", DVec3::Y, Field::vec3)?,
+            vfov: 90.0,
+        },
+    };
+    let foreground = table.or("foreground", false, Field::boolean)?;
+    for key in ["cut", "longitudinal", "join"] {
+        if let (Some(field), false) = (table.get(key), foreground) {
+            return Err(field.error(format_args!("{key} is of the segments before the regions; add foreground = true")));
+        }
+    }
+    let regions = table.need("regions", "[{ rect = [0.1, 0.2, 0.4, 0.6], eye = [0, 9, 0] }]")?;
+    let regions = regions.items("a list of regions")?.map(|region| read_region(&region)).collect::<Result<_>>()?;
+    let near = table.or("near", 0.0, |f| least(f, 0.0))?;
+    Ok(Arc::new(TopDown {
+        root,
+        layout,
+        regions,
+        band: table.or("band", 0.1, |f| positive(f))?,
+        near,
+        far: table.optional("far", |f| least(f, near))?,
+        cut: table.optional("cut", |f| positive(f))?,
+        foreground,
+        joints: Joints::read(table)?,
+    }))
+}
+
+fn positive(field: &Field) -> Result<f64> {
+    let number = field.number()?;
+    if number > 0.0 { Ok(number) } else { Err(field.error(format_args!("{number} must be more than 0"))) }
+}
+
+fn read_region(field: &Field) -> Result<Region> {
+    let table = field.table()?;
+    table.allow(&["rect", "polygon", "eye", "target", "up", "vfov"])?;
+    let outline = match (table.get("rect"), table.get("polygon")) {
+        (Some(rect), None) => {
+            let [a0, b0, a1, b1] = rect.numbers("four numbers, as [a0, b0, a1, b1]")?;
+            if !(a0 < a1 && b0 < b1) {
+                return Err(rect.error("the first corner must be left of and above the second"));
+            }
+            outline::rectangle(DVec2::new(a0, b0), DVec2::new(a1, b1))
+        }
+        (None, Some(polygon)) => {
+            let corner = |f: Field| f.numbers("two numbers, as [a, b]").map(DVec2::from_array);
+            let corners: Vec<_> = polygon.items("a list of corners")?.map(corner).collect::<Result<_>>()?;
+            if corners.len() < 3 || outline::is_tangled(&corners) {
+                return Err(polygon.error("give three or more corners in order, no side crossing another"));
+            }
+            corners
+        }
+        _ => return Err(table.error("a region has either rect = [a0, b0, a1, b1] or polygon = [[a, b], ...]")),
+    };
+    Ok(Region {
+        outline,
+        eye: table.need("eye", "[0, 9, 0]")?.vec3()?,
+        target: table.optional("target", Field::vec3)?,
+        up: table.optional("up", Field::vec3)?,
+        vfov: table.optional("vfov", Field::number)?,
+    })
+}
+
+/// A view of the root, and the part of the image that it fills.
+struct Root {
+    view: View,
+    pose: Pose,
+    /// Pixels that its vfov spans.
+    height: u32,
+    middle_px: DVec2,
+    /// All of the picture, or a face of a cube; pixels.
+    outline: Outline,
+}
+
+/// A region where it lands.
+struct Patch {
+    view: View,
+    root: usize,
+    inner: Outline,
+    outer: Outline,
+}
+
+impl Recipe for TopDown {
+    fn build(&self, setting: &Setting) -> Result<Built> {
+        let size = setting.size()?;
+        let mut roots = self.roots(size)?;
+        let patches = self.patches(setting, &mut roots, size)?;
+        let mut mesh = NetOfRoots::default();
+        for (k, root) in roots.iter().enumerate() {
+            mesh.add(k, &root.outline, &patches);
+        }
+        let root = |k: usize| roots[mesh.root_of[k]].view;
+        let eyes: Vec<DVec3> = roots.iter().map(|r| r.view.eye()).chain(patches.iter().map(|p| p.view.eye())).collect();
+        let reach = (self.root.target - self.root.eye).length().max(1000.0 * self.near);
+        let far = self.far.unwrap_or_else(|| beyond(setting.mesh, &eyes, 1000.0 * reach).max(2.0 * self.near));
+        let depths = self.foreground.then(|| self.depths(&mesh, &patches, &roots, far));
+        let far = depths.map_or(far, |d| d[2]);
+        let plain = rails::plain(&mesh.net, root, far, depths);
+        let leaf_depth = depths.map_or(0.0, |d| d[1]);
+        let leaf = |plain_depth: f64, own_depth: f64| {
+            let point = |(k, q): (usize, &DVec2)| match mesh.patch_of[k] {
+                Some(patch) => patches[patch].view.point(*q, own_depth),
+                None => root(k).point(*q, plain_depth),
+            };
+            mesh.net.places_px.iter().enumerate().map(point).collect::<Vec<_>>()
+        };
+        let graph = rails::with_leaves(&plain, [leaf(leaf_depth, self.near), leaf(far, far)], depths);
+        let folds = graph.folds(setting.bounds());
+        let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;
+        built.notes.extend(fold_note(folds));
+        Ok(built)
+    }
+}
+
+/// What to say where rays cross.
+pub(super) fn fold_note((folded, all): (usize, usize)) -> Option<String> {
+    (folded > 0).then(|| format!("rays cross in {folded} of {all} pieces: there some things show twice or mirrored"))
+}
+
+impl TopDown {
+    fn roots(&self, (width, height): (u32, u32)) -> Result<Vec<Root>> {
+        let middle = rails::middle((width, height));
+        if self.layout == Layout::Plain {
+            let view = View::new(&self.root, height, middle)?;
+            return Ok(vec![Root { view, pose: self.root, height, middle_px: middle, outline: Outline::new() }]);
+        }
+        let (columns, rows) = if self.layout == Layout::Cross { (4, 3) } else { (6, 1) };
+        let side = (width / columns).min(height / rows);
+        if side == 0 {
+            return Err(Error::input(format!(
+                "image: {width}x{height} has no room for {columns} by {rows} faces; make it larger"
+            )));
+        }
+        let start = DVec2::new(((width - columns * side) / 2) as f64, ((height - rows * side) / 2) as f64);
+        let front = View::new(&self.root, side, middle)?;
+        let [right, down] = front.steps().map(DVec3::normalize);
+        let (f, r, u) = (front.forward(), right, -down);
+        let around = [(-r, u), (f, u), (r, u), (-f, u), (u, -f), (-u, f)];
+        let cell = |k: usize| match (self.layout, k) {
+            (Layout::Cross, 0..4) => (k, 1),
+            (Layout::Cross, 4) => (1, 0),
+            (Layout::Cross, _) => (1, 2),
+            _ => (k, 0),
+        };
+        let face = |(k, (forward, up)): (usize, (DVec3, DVec3))| {
+            let (column, row) = cell(k);
+            let lo = start + DVec2::new(column as f64, row as f64) * side as f64;
+            let hi = lo + side as f64;
+            let pose = Pose { target: self.root.eye + forward, up, ..self.root };
+            let middle_px = (lo + hi) / 2.0;
+            let view = View::new(&pose, side, middle_px)?;
+            Ok(Root { view, pose, height: side, middle_px, outline: outline::rectangle(lo, hi) })
+        };
+        around.into_iter().enumerate().map(face).collect()
+    }
+
+    /// The regions where they land; a plain root's outline is drawn around the image and all of them.
+    fn patches(&self, setting: &Setting, roots: &mut [Root], (width, height): (u32, u32)) -> Result<Vec<Patch>> {
+        let size = DVec2::new(width as f64, height as f64);
+        let occluders = self.regions.iter().any(|r| r.target.is_none()).then(|| Occluders::of(setting.mesh));
+        let mut patches: Vec<Patch> = Vec::new();
+        for (k, region) in self.regions.iter().enumerate() {
+            let error = |message: String| Error::input(format!("camera.regions.{k}: {message}"));
+            let inner: Outline = region.outline.iter().map(|q| *q * size).collect();
+            let (lo, hi) = outline::bounds(&inner);
+            let middle = (lo + hi) / 2.0;
+            let at = match self.layout {
+                Layout::Plain => Some(0),
+                _ => roots.iter().position(|r| outline::holds(&r.outline, middle)),
+            };
+            let at = at.ok_or_else(|| error("its middle lies in no face of the cube; move it".into()))?;
+            let root = &roots[at];
+            let outer = outline::widened(&inner, self.band * root.height as f64)
+                .filter(|o| !outline::is_tangled(o))
+                .ok_or_else(|| {
+                    error("its outline is too sharp or narrow for the band around it; make band smaller".into())
+                })?;
+            if let Some(other) = patches.iter().position(|p| outline::overlap(&p.outer, &outer)) {
+                return Err(error(format!(
+                    "overlaps region {other}, bands included; move them apart or make band smaller"
+                )));
+            }
+            let (face_lo, face_hi) = outline::bounds(&root.outline);
+            if self.layout != Layout::Plain && !outer.iter().all(|q| q.cmpge(face_lo).all() && q.cmple(face_hi).all()) {
+                return Err(error("leaves its face of the cube, its band included; make it or band smaller".into()));
+            }
+            let target = region.target.unwrap_or_else(|| {
+                let ray = root.view.ray(middle);
+                let seen = occluders.as_ref().and_then(|o| o.first(ray.origin, ray.direction, f64::INFINITY));
+                ray.origin + seen.unwrap_or((root.pose.target - root.pose.eye).length()) * ray.direction
+            });
+            let pose = Pose {
+                eye: region.eye,
+                target,
+                up: region.up.unwrap_or(root.pose.up),
+                vfov: region.vfov.unwrap_or(root.pose.vfov),
+            };
+            // a whole number of pixels from the plain view's middle, so that their grids are one
+            let centre = root.middle_px + (middle - root.middle_px).round();
+            let view = View::new(&pose, root.height, centre).map_err(|e| {
+                let message = e.to_string();
+                let rest = message.strip_prefix("camera").unwrap_or(&message);
+                Error::input(format!("camera.regions.{k}{rest} (the region looks at {})", place(target)))
+            })?;
+            patches.push(Patch { view, root: at, inner, outer });
+        }
+        if self.layout == Layout::Plain {
+            let all = patches.iter().flat_map(|p| &p.outer).copied().chain([DVec2::ZERO, size]);
+            let (lo, hi) = outline::bounds(&all.collect::<Vec<_>>());
+            roots[0].outline = outline::rectangle(lo - 1.0, hi + 1.0);
+        }
+        Ok(patches)
+    }
+
+    /// The cut plane is halfway to the nearest near face of a region.
+    fn depths(&self, mesh: &NetOfRoots, patches: &[Patch], roots: &[Root], far: f64) -> Depths {
+        let corners = || mesh.patch_of.iter().enumerate().filter_map(|(k, p)| p.map(|p| (k, p)));
+        let near = |(k, p): (usize, usize)| patches[p].view.point(mesh.net.places_px[k], self.near);
+        let depth = |(k, p): (usize, usize)| roots[mesh.root_of[k]].view.depth(near((k, p)));
+        let nearest = corners().map(depth).filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
+        let cut = self.cut.unwrap_or(if nearest.is_finite() { nearest / 2.0 } else { far / 1000.0 });
+        let way = |(k, p): (usize, usize)| {
+            (near((k, p)) - roots[mesh.root_of[k]].view.point(mesh.net.places_px[k], cut)).length()
+        };
+        let (sum, count) = corners().map(way).fold((0.0, 0), |(s, n), w| (s + w, n + 1));
+        let near = cut + if sum > 0.0 { sum / count as f64 } else { cut };
+        [cut, near, far.max(2.0 * near)]
+    }
+}
+
+/// A net over roots and regions.
+#[derive(Default)]
+struct NetOfRoots {
+    net: Net,
+    /// The root of every vertex, and the region whose own view it is seen by.
+    root_of: Vec<usize>,
+    patch_of: Vec<Option<usize>>,
+}
+
+impl NetOfRoots {
+    /// Adds a root: what is around its regions, the bands around them, and the regions.
+    fn add(&mut self, root: usize, outline: &[DVec2], patches: &[Patch]) {
+        let own: Vec<usize> = (0..patches.len()).filter(|&k| patches[k].root == root).collect();
+        let holes: Vec<Outline> = own.iter().map(|&k| patches[k].outer.clone()).collect();
+        let mut outer_first = self.push(root, None, outline) + outline.len() as u32;
+        let first = outer_first - outline.len() as u32;
+        for hole in &holes {
+            self.push(root, None, hole);
+        }
+        self.triangles(first, outline::triangulate(outline, &holes));
+        for &k in &own {
+            let n = patches[k].inner.len() as u32;
+            let inner_first = self.push(root, Some(k), &patches[k].inner);
+            self.triangles(inner_first, outline::triangulate(&patches[k].inner, &[]));
+            for s in 0..n {
+                let next = (s + 1) % n;
+                let [a, b] = [inner_first + s, inner_first + next];
+                let [c, d] = [outer_first + s, outer_first + next];
+                self.net.triangles.extend([[a, b, c], [b, d, c]]);
+            }
+            outer_first += n;
+        }
+    }
+
+    fn push(&mut self, root: usize, patch: Option<usize>, places: &[DVec2]) -> u32 {
+        let first = self.net.places_px.len() as u32;
+        self.net.places_px.extend(places);
+        self.root_of.resize(self.net.places_px.len(), root);
+        self.patch_of.resize(self.net.places_px.len(), patch);
+        first
+    }
+
+    fn triangles(&mut self, first: u32, triangles: Vec<[u32; 3]>) {
+        self.net.triangles.extend(triangles.into_iter().map(|t| t.map(|k| first + k)));
+    }
+}

@@ -1,0 +1,372 @@
+//! `track`: a pinhole view whose rays run around what hides the targets in the scene (Popescu et al., section 3.3,
+//! Fig. 8): each target is seen where it would be without occluders.
+//!
+//! All legs of the rays lie between planes parallel to the image. About a hidden target's place, rays are moved aside on
+//! the way to what hides it, pass it, and are back on their plain lines at the target's front, so that target and all
+//! behind it are where the plain view has them. Around that the shift falls to nothing, over a band wide enough for
+//! rays not to cross. The paper renders a camera a target and blends, vertex by vertex, where they project to: that is
+//! no map from pixels to rays. Here the shifts are blended instead, at the vertices of one net over the image; within a
+//! target's own place its shift alone counts. Targets that nothing hides hold their places without a shift.
+
+use super::joints::Joints;
+use super::path::{CURVE_PARTS, Occluders, Sight, Way};
+use super::top_down::fold_note;
+use super::view::{POSE_KEYS, Pose, View, beyond};
+use super::{Bend, Graph, Leg, Net, rails};
+use crate::camera::Rays;
+use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::error::{Error, Result};
+use crate::scene::file::reader::{Field, Table};
+use glam::{DVec2, DVec3};
+use std::sync::Arc;
+
+#[derive(Debug)]
+struct Track {
+    pose: Pose,
+    targets: Vec<Target>,
+    /// Right and up, of the ways that rays may be moved; empty: any of eight.
+    bend: Vec<(f64, f64)>,
+    far: Option<f64>,
+    joints: Joints,
+}
+
+/// A ball to be seen.
+#[derive(Debug, Clone, Copy)]
+struct Target {
+    at: DVec3,
+    radius: f64,
+}
+
+/// Reads the keys of help/track.txt.
+pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
+    table.allow(&[&["kind", "targets", "bend", "far"], &POSE_KEYS[..], &Joints::KEYS].concat())?;
+    let targets = table.need("targets", "[{ at = [0, 1, 0], radius = 1 }]")?;
+    let bend = table.or("bend", Vec::new(), |field| match field.text()? {
+        "auto" => Ok(Vec::new()),
+        "up" => Ok(vec![(0.0, 1.0)]),
+        "down" => Ok(vec![(0.0, -1.0)]),
+        "left" => Ok(vec![(-1.0, 0.0)]),
+        "right" => Ok(vec![(1.0, 0.0)]),
+        _ => Err(field.error("use bend = \"auto\", \"up\", \"down\", \"left\" or \"right\"")),
+    })?;
+    Ok(Arc::new(Track {
+        pose: Pose::read(table)?,
+        targets: targets.items("a list of targets")?.map(|t| read_target(&t)).collect::<Result<_>>()?,
+        bend,
+        far: table.optional("far", |f| super::bottom_up::least(f, 0.0))?,
+        joints: Joints::read(table)?,
+    }))
+}
+
+fn read_target(field: &Field) -> Result<Target> {
+    let table = field.table()?;
+    table.allow(&["at", "radius"])?;
+    let radius = table.or("radius", 0.0, |f| super::bottom_up::least(f, 0.0))?;
+    Ok(Target { at: table.need("at", "[0, 1, 0]")?.vec3()?, radius })
+}
+
+/// A target in the picture.
+#[derive(Debug, Clone)]
+struct Seen {
+    /// In the list of targets.
+    index: usize,
+    target: Target,
+    place_px: DVec2,
+    sight: Sight,
+    /// How far its own rays reach from its place, along x and y.
+    core_px: f64,
+    /// How its rays run; `None`: straight.
+    way: Option<Way>,
+}
+
+/// Pixels beyond a target's outline that its rays hold for: those that a picture's filter may look at.
+const MARGIN_PX: f64 = 2.0;
+/// The least width of the band over which rays return to the plain view, px.
+const BAND_MIN_PX: f64 = 8.0;
+/// The band's width, in parts of the largest shift in the picture: over 1.125, the steepest `share / depth` of a way
+/// against its end, rays do not cross.
+const BAND: f64 = 1.5;
+/// Lines of the net in each direction where targets share a part of the image.
+const SHARED_LINES: usize = 24;
+/// Lines of the net that are closer than this (px) are one; a target's core is as much smaller.
+const LINE_GAP_PX: f64 = 1.0 / 64.0;
+/// How often a way that others spoil is widened, and by how much.
+const WIDENINGS: usize = 12;
+const WIDENING: f64 = 1.25;
+/// Points on a target's outline that must be seen, and on one half as large.
+const OUTLINE: usize = 8;
+
+impl Recipe for Track {
+    fn build(&self, setting: &Setting) -> Result<Built> {
+        let size = setting.size()?;
+        let view = View::new(&self.pose, size.1, rails::middle(size))?;
+        let occluders = Occluders::of(setting.mesh);
+        let mut notes = Vec::new();
+        let mut seen = self.seen(&view, size, &mut notes)?;
+        self.find_ways(setting, &view, &occluders, &mut seen)?;
+        if seen.iter().all(|s| s.way.is_none()) {
+            let plain = Built::new(size, Rays::Pieces(view.whole(size)));
+            notes.push("nothing hides a target: the plain view".into());
+            return Ok(Built { notes, ..plain });
+        }
+        let deepest = seen.iter().map(|s| s.sight.front).fold(0.0, f64::max);
+        let far = self.far.unwrap_or_else(|| beyond(setting.mesh, &[view.eye()], deepest)).max(2.0 * deepest);
+        let (graph, plain) = self.free(&view, &occluders, seen, (size, far), &mut notes)?;
+        let folds = graph.folds(setting.bounds());
+        let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;
+        built.notes.extend(notes.into_iter().chain(fold_note(folds)));
+        Ok(built)
+    }
+}
+
+impl Track {
+    /// The targets that are in the picture.
+    fn seen(&self, view: &View, size: (u32, u32), notes: &mut Vec<String>) -> Result<Vec<Seen>> {
+        let [right, down] = view.steps().map(DVec3::normalize);
+        let end = DVec2::new(size.0 as f64, size.1 as f64);
+        let mut seen = Vec::new();
+        for (index, target) in self.targets.iter().enumerate() {
+            let front = view.depth(target.at) - target.radius;
+            let place = view.place(target.at).filter(|_| front > 0.0);
+            let place_px = place.ok_or_else(|| {
+                let key = format!("camera.targets.{index}");
+                Error::input(format!("{key}: the target lies behind or around the eye; move it or the view"))
+            })?;
+            if place_px.cmplt(DVec2::ZERO).any() || place_px.cmpgt(end).any() {
+                notes.push(format!("target {index} is outside the picture"));
+                continue;
+            }
+            let ring = |radius: f64| {
+                let angle = |k: usize| std::f64::consts::TAU * k as f64 / OUTLINE as f64;
+                (0..OUTLINE).map(move |k| target.at + radius * (angle(k).cos() * right + angle(k).sin() * down))
+            };
+            let points = ring(target.radius).chain(ring(target.radius / 2.0));
+            let places = points.filter(|_| target.radius > 0.0).filter_map(|p| view.place(p));
+            let places_px: Vec<DVec2> = std::iter::once(place_px).chain(places).collect();
+            let reach = |q: &DVec2| (*q - place_px).abs().max_element();
+            let core_px = places_px.iter().map(reach).fold(0.0, f64::max) + MARGIN_PX;
+            let sight = Sight { places_px, front };
+            seen.push(Seen { index, target: *target, place_px, sight, core_px, way: None });
+        }
+        Ok(seen)
+    }
+
+    /// Gives every hidden target its way: all in one direction if one serves all, so that neighbours bend alike.
+    fn find_ways(&self, setting: &Setting, view: &View, occluders: &Occluders, seen: &mut [Seen]) -> Result<()> {
+        let [right, down] = view.steps().map(DVec3::normalize);
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let all =
+            [(0., 1.), (-1., 0.), (1., 0.), (-half, half), (half, half), (0., -1.), (-half, -half), (half, -half)];
+        let chosen = if self.bend.is_empty() { &all[..] } else { &self.bend };
+        let directions: Vec<DVec3> = chosen.iter().map(|(x, y)| *x * right - *y * down).collect();
+        let largest = setting.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length());
+        let mut found: Vec<(usize, Vec<Option<Way>>)> = Vec::new();
+        for (k, s) in seen.iter().enumerate() {
+            if self.is_hidden(view, occluders, s) {
+                let ways = s.sight.ways(view, occluders, &directions, (self.joints.bend, largest));
+                if ways.iter().all(Option::is_none) {
+                    return Err(no_path(s.index, largest));
+                }
+                found.push((k, ways));
+            }
+        }
+        let common = |d: usize| found.iter().map(|(_, ways)| ways[d].map(|w| w.slope())).sum::<Option<f64>>();
+        let costs = (0..directions.len()).filter_map(|d| Some((d, common(d)?)));
+        let best = costs.reduce(|a, b| if b.1 < a.1 { b } else { a }).map(|(d, _)| d);
+        for (k, ways) in found {
+            let flattest = ways.iter().flatten().copied().reduce(|a, b| if b.slope() < a.slope() { b } else { a });
+            seen[k].way = best.map_or(flattest, |d| ways[d]);
+        }
+        Ok(())
+    }
+
+    /// Something is before one of the target's places, or before its middle.
+    fn is_hidden(&self, view: &View, occluders: &Occluders, s: &Seen) -> bool {
+        let straight = [view.eye(), s.target.at];
+        s.sight.hidden(view, occluders).is_some() || !reaches(view, occluders, &straight, &s.target)
+    }
+
+    /// The graph in which every target is seen, and the plain one.
+    fn free(
+        &self,
+        view: &View,
+        occluders: &Occluders,
+        mut seen: Vec<Seen>,
+        (size, far): ((u32, u32), f64),
+        notes: &mut Vec<String>,
+    ) -> Result<(Graph, Graph)> {
+        for _ in 0..WIDENINGS {
+            let [graph, plain] = graphs(view, &seen, size, far);
+            let free = |s: &Seen| {
+                let line = graph.line(s.place_px, self.joints.bend);
+                line.is_some_and(|line| reaches(view, occluders, &line, &s.target))
+            };
+            let before = |s: &Seen, o: &Seen| {
+                let apart = (s.place_px - o.place_px).abs().max_element();
+                o.index != s.index && o.target.at != s.target.at && apart <= o.core_px && o.sight.front < s.sight.front
+            };
+            let hidden: Vec<usize> = (0..seen.len()).filter(|&k| !free(&seen[k])).collect();
+            let behind: Vec<usize> =
+                hidden.iter().copied().filter(|&k| seen.iter().any(|o| before(&seen[k], o))).collect();
+            if hidden.len() == behind.len() {
+                let note = |k: usize| format!("target {} is behind another in the picture, which shows", seen[k].index);
+                notes.extend(behind.into_iter().map(note));
+                return Ok((graph, plain));
+            }
+            let spoilt: Vec<usize> = hidden.into_iter().filter(|k| !behind.contains(k)).collect();
+            for k in spoilt {
+                if let Some(way) = &mut seen[k].way {
+                    way.shift *= WIDENING;
+                }
+            }
+        }
+        let [graph, _] = graphs(view, &seen, size, far);
+        let bent = |s: &&Seen| {
+            let line = graph.line(s.place_px, self.joints.bend);
+            !line.is_some_and(|line| reaches(view, occluders, &line, &s.target))
+        };
+        let index = seen.iter().find(bent).map_or(0, |s| s.index);
+        Err(Error::input(format!(
+            "camera.targets.{index}: no access path beside those of the targets next to it in the picture; move one of them"
+        )))
+    }
+}
+
+fn no_path(index: usize, largest: f64) -> Error {
+    Error::input(format!(
+        "camera.targets.{index}: no access path: every way around what hides it is barred, up to {largest:.3} aside; move the \
+         target, make its radius smaller, or give another bend"
+    ))
+}
+
+/// How far before its middle a target without a radius may be hit, as a part of its distance: its own surface.
+const OWN: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// The line meets nothing before the target's middle but what is inside the target's ball.
+fn reaches(view: &View, occluders: &Occluders, line: &[DVec3], target: &Target) -> bool {
+    let end = view.depth(target.at);
+    let mut cut: Vec<DVec3> = line.iter().copied().take_while(|p| view.depth(*p) < end).collect();
+    cut.push(target.at);
+    let own = target.radius + OWN * (target.at - view.eye()).length();
+    occluders.first_on(&cut).is_none_or(|hit| (hit - target.at).length() <= own)
+}
+
+/// The camera's rays and the plain view's, over one net.
+fn graphs(view: &View, seen: &[Seen], size: (u32, u32), far: f64) -> [Graph; 2] {
+    let net = net(view, seen, size);
+    let shares: Vec<Vec<f64>> = net.places_px.iter().map(|q| shares(view, seen, *q)).collect();
+    let ways: Vec<(usize, Way)> = seen.iter().enumerate().filter_map(|(k, s)| s.way.map(|w| (k, w))).collect();
+    let mut depths: Vec<f64> = ways.iter().flat_map(|(_, w)| [w.out, w.back, w.end]).chain([0.0, far]).collect();
+    depths.sort_by(f64::total_cmp);
+    depths.dedup();
+    let leg = |pair: &[f64], shifted: bool| {
+        let (from, to) = (pair[0], pair[1]);
+        let of_ways: Vec<[f64; 4]> = ways.iter().map(|(_, w)| w.shares(from, to)).collect();
+        let points = |i: usize| {
+            let depth = from + (to - from) * i as f64 / 3.0;
+            let shift = |v: usize| {
+                let parts = ways.iter().zip(&of_ways).map(|((k, w), s)| shares[v][*k] * s[i] * w.shift);
+                if shifted { parts.sum() } else { DVec3::ZERO }
+            };
+            (0..shares.len()).map(|v| view.point(net.places_px[v], depth) + shift(v)).collect::<Vec<_>>()
+        };
+        if ways.iter().any(|(_, w)| w.is_sloped(to)) {
+            Leg::Connecting([points(0), points(1), points(2), points(3)])
+        } else {
+            Leg::Straight([points(0), points(3)])
+        }
+    };
+    [true, false].map(|shifted| Graph { net: net.clone(), legs: depths.windows(2).map(|p| leg(p, shifted)).collect() })
+}
+
+impl Seen {
+    /// How far its shift reaches from its place, px.
+    fn reach_px(&self, view: &View) -> f64 {
+        let shift_px = self.way.map_or(0.0, |w| w.slope() / view.steps()[0].length());
+        self.core_px + (BAND * shift_px).max(BAND_MIN_PX)
+    }
+
+    /// Distance from its place as the larger of x and y.
+    fn distance_px(&self, place_px: DVec2) -> f64 {
+        (place_px - self.place_px).abs().max_element()
+    }
+}
+
+/// The part of each target's shift that the rays at an image place have: 1 in the target's own core, falling to 0 over
+/// its band; where bands meet, by how near the place is to each core.
+fn shares(view: &View, seen: &[Seen], place_px: DVec2) -> Vec<f64> {
+    let in_core = |s: &&(usize, f64)| s.1 <= seen[s.0].core_px + LINE_GAP_PX;
+    let distances: Vec<(usize, f64)> = seen.iter().map(|s| s.distance_px(place_px)).enumerate().collect();
+    let nearer = |a: &&(usize, f64), b: &&(usize, f64)| {
+        a.1.total_cmp(&b.1).then(seen[a.0].sight.front.total_cmp(&seen[b.0].sight.front))
+    };
+    if let Some((own, _)) = distances.iter().filter(in_core).min_by(nearer) {
+        return (0..seen.len()).map(|k| if k == *own { 1.0 } else { 0.0 }).collect();
+    }
+    let falls = |&(k, d): &(usize, f64)| {
+        let (core, reach) = (seen[k].core_px, seen[k].reach_px(view));
+        ((reach - d) / (reach - core)).clamp(0.0, 1.0)
+    };
+    let parts: Vec<f64> = distances.iter().map(falls).collect();
+    let most = parts.iter().copied().fold(0.0, f64::max);
+    let weights: Vec<f64> = parts.iter().map(|u| u / (1.0 - u)).collect();
+    let sum: f64 = weights.iter().sum();
+    if sum > 0.0 { weights.iter().map(|w| most * w / sum).collect() } else { weights }
+}
+
+/// Two triangles for every cell between the lines along the targets' cores and bands, and the image's borders.
+fn net(view: &View, seen: &[Seen], size: (u32, u32)) -> Net {
+    let lines = |axis: usize, size: u32| {
+        let (first, last) = (-1.0, size as f64 + 1.0);
+        let ends =
+            |s: &Seen| [-s.reach_px(view), -s.core_px, s.core_px, s.reach_px(view)].map(|d| s.place_px[axis] + d);
+        let mut lines: Vec<f64> = seen.iter().flat_map(ends).collect();
+        if share_a_part(view, seen) {
+            let lo = lines.iter().copied().fold(f64::INFINITY, f64::min).max(first);
+            let hi = lines.iter().copied().fold(f64::NEG_INFINITY, f64::max).min(last);
+            lines.extend((0..=SHARED_LINES).map(|k| lo + (hi - lo) * k as f64 / SHARED_LINES as f64));
+            // a cell of each target's own about its place, however near another is
+            lines.extend(seen.iter().flat_map(|s| [s.place_px[axis] - 0.5, s.place_px[axis] + 0.5]));
+        }
+        lines.retain(|x| *x > first + LINE_GAP_PX && *x < last - LINE_GAP_PX);
+        lines.extend([first, last]);
+        lines.sort_by(f64::total_cmp);
+        lines.dedup_by(|b, a| *b - *a < LINE_GAP_PX);
+        lines
+    };
+    let (xs, ys) = (lines(0, size.0), lines(1, size.1));
+    let columns = xs.len() as u32;
+    let places_px = ys.iter().flat_map(|y| xs.iter().map(|x| DVec2::new(*x, *y))).collect();
+    let cell = |k: u32| [[k, k + 1, k + columns], [k + columns, k + 1, k + columns + 1]];
+    let rows = 0..ys.len() as u32 - 1;
+    Net { places_px, triangles: rows.flat_map(|j| (0..columns - 1).flat_map(move |i| cell(j * columns + i))).collect() }
+}
+
+/// The rays of two targets share a part of the image, and one of them is moved.
+fn share_a_part(view: &View, seen: &[Seen]) -> bool {
+    let meet = |a: &Seen, b: &Seen| a.distance_px(b.place_px) < a.reach_px(view) + b.reach_px(view);
+    (0..seen.len())
+        .any(|i| (0..i).any(|j| (seen[i].way.is_some() || seen[j].way.is_some()) && meet(&seen[i], &seen[j])))
+}
+
+impl Graph {
+    /// The points that the ray at an image place runs through, curves as some straight parts.
+    fn line(&self, place_px: DVec2, bend: Bend) -> Option<Vec<DVec3>> {
+        let corners = |t: &[u32; 3]| t.map(|k| self.net.places_px[k as usize]);
+        let weights = |t: &[u32; 3]| {
+            let [a, b, c] = corners(t);
+            let area = |a: DVec2, b: DVec2, c: DVec2| (b - a).perp_dot(c - a);
+            let whole = area(a, b, c);
+            [area(place_px, b, c) / whole, area(a, place_px, c) / whole, area(a, b, place_px) / whole]
+        };
+        let least = |t: &[u32; 3]| weights(t).into_iter().fold(f64::INFINITY, f64::min);
+        let triangle = self.net.triangles.iter().max_by(|a, b| least(a).total_cmp(&least(b)))?;
+        let w = weights(triangle);
+        let at = |points: &[DVec3]| (0..3).map(|k| w[k] * points[triangle[k] as usize]).sum::<DVec3>();
+        let parts = if bend == Bend::Curved { Bend::Cuts(CURVE_PARTS) } else { bend };
+        let legs: Vec<Leg> = self.legs.iter().flat_map(|leg| leg.bent(parts)).collect();
+        let starts = legs.iter().map(|leg| at(&leg.points()[0]));
+        let end = legs.last().and_then(|leg| leg.points().last()).map(|points| at(points));
+        Some(starts.chain(end).collect())
+    }
+}
