@@ -6,6 +6,7 @@
 pub mod cameras;
 pub mod gpu;
 pub mod layered;
+pub mod projection;
 pub mod rng;
 pub mod written;
 
