@@ -9,5 +9,5 @@ mod whole;
 pub use exr::{read_exr, write_exr};
 pub use npy::write_npy_f64;
 pub use png::{srgb8, write_png};
-pub use vectors::read_vectors;
+pub use vectors::{read_pairs, read_vectors};
 pub use whole::{check_writable, write_text};

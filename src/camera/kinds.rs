@@ -1,6 +1,6 @@
 //! The table of cameras: every kind that a scene file may name.
 
-use super::named::{cylinder, fisheye, sphere};
+use super::named::{camera_texture, cylinder, display, fisheye, lightfield, ods, opencv, panini, sphere};
 use super::recipe::Kind;
 
 /// The kinds that the scene file reads itself, and their keys.
@@ -17,4 +17,10 @@ pub const NAMED: &[Kind] = &[
     Kind { name: "fisheye", help: include_str!("help/fisheye.txt"), read: fisheye::read },
     Kind { name: "sphere", help: include_str!("help/sphere.txt"), read: sphere::read },
     Kind { name: "cylinder", help: include_str!("help/cylinder.txt"), read: cylinder::read },
+    Kind { name: "opencv", help: include_str!("help/opencv.txt"), read: opencv::read },
+    Kind { name: "ods", help: include_str!("help/ods.txt"), read: ods::read },
+    Kind { name: "camera_texture", help: include_str!("help/camera_texture.txt"), read: camera_texture::read },
+    Kind { name: "panini", help: include_str!("help/panini.txt"), read: panini::read },
+    Kind { name: "display", help: include_str!("help/display.txt"), read: display::read },
+    Kind { name: "lightfield", help: include_str!("help/lightfield.txt"), read: lightfield::read },
 ];

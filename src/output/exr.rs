@@ -120,20 +120,25 @@ pub fn read_exr(path: &Path) -> Result<Frame> {
     Ok(Frame { width, height, planes })
 }
 
-/// Reads the channels R, G and B: width, height and the three planes.
-pub(super) fn read_rgb(path: &Path) -> Result<(u32, u32, [Vec<f32>; 3])> {
+/// Reads the first `N` of the channels R, G and B: width, height and the planes.
+pub(super) fn read_rgb<const N: usize>(path: &Path) -> Result<(u32, u32, [Vec<f32>; N])> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
     let (width, height, mut layer) = read_layer(path).map_err(refuse)?;
+    let held = [("R", "x"), ("R G", "x y"), ("R G B", "x y z")][N - 1];
     let mut plane = |channel: Channel| {
         let name = channel.name();
         let samples = take_channel(&mut layer, name)
-            .ok_or_else(|| refuse(format!("there is no channel {name}; R G B must hold x y z")))?;
+            .ok_or_else(|| refuse(format!("there is no channel {name}; {} must hold {}", held.0, held.1)))?;
         match plane_from(channel, samples, width as usize * height as usize).map_err(refuse)? {
             Plane::F32(values) => Ok(values),
             Plane::U32(_) => Err(refuse(format!("channel {name} holds whole numbers, not floats"))),
         }
     };
-    Ok((width, height, [plane(Channel::R)?, plane(Channel::G)?, plane(Channel::B)?]))
+    let mut planes = std::array::from_fn(|_| Vec::new());
+    for (values, channel) in planes.iter_mut().zip([Channel::R, Channel::G, Channel::B]) {
+        *values = plane(channel)?;
+    }
+    Ok((width, height, planes))
 }
 
 /// Most bytes a damaged header may make of one byte of file: deflate reaches 1032, and a run-length

@@ -37,25 +37,30 @@ struct Header {
     big_endian: bool,
 }
 
-/// Reads an f32 or f64 array in C order, shape H x W x 3, as (width, height, 3 W H numbers).
+/// Reads an f32 or f64 array in C order, shape H x W x `parts`, as (width, height, W H parts numbers).
 ///
 /// # Errors
 /// What is wrong, without the file's name.
-pub(super) fn read_npy_triples(file: File) -> std::result::Result<(u32, u32, Vec<f64>), String> {
+pub(super) fn read_npy_image(file: File, parts: u64) -> std::result::Result<(u32, u32, Vec<f64>), String> {
     let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
     let mut reader = BufReader::with_capacity(1 << 16, file);
     let (header, header_bytes) = read_header(&mut reader)?;
-    let [height, width, 3] = header.shape[..] else {
-        return Err(format!("the array's shape is {:?}; it must be height x width x 3", header.shape));
-    };
+    let [height, width, depth] = header.shape[..] else { return Err(wrong_shape(&header.shape, parts)) };
+    if depth != parts {
+        return Err(wrong_shape(&header.shape, parts));
+    }
     check_size(width, height).map_err(|e| e.to_string())?;
     let pixels = width * height;
-    let bytes = pixels * 3 * header.size as u64;
+    let bytes = pixels * parts * header.size as u64;
     if bytes_in_file < header_bytes + bytes {
         return Err(format!("the file ends early: {bytes} bytes of numbers are promised; write it again"));
     }
     // Both sides are far under 2^32 by the check above.
-    Ok((width as u32, height as u32, read_numbers(&mut reader, &header, pixels as usize * 3)?))
+    Ok((width as u32, height as u32, read_numbers(&mut reader, &header, (pixels * parts) as usize)?))
+}
+
+fn wrong_shape(shape: &[u64], parts: u64) -> String {
+    format!("the array's shape is {shape:?}; it must be height x width x {parts}")
 }
 
 /// Reads `count` numbers; that many are known to be in the file.

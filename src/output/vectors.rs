@@ -1,12 +1,12 @@
-//! One 3-vector a pixel from a .npy or an EXR file, as a ray map's origins and directions are.
+//! A vector a pixel from a .npy or an EXR file: a ray map's origins and directions, a table of offsets.
 
 use std::fs::File;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::exr::read_rgb;
-use super::npy::read_npy_triples;
+use super::npy::read_npy_image;
 use crate::error::{Error, Result};
 
 /// Reads width, height and one vector a pixel, row by row from the top: .npy of f32 or f64 in C order
@@ -15,22 +15,33 @@ use crate::error::{Error, Result};
 /// # Errors
 /// [`Error::Input`] naming the file: not there, another format, shape or type, or cut short.
 pub fn read_vectors(path: &Path) -> Result<(u32, u32, Vec<DVec3>)> {
+    let (width, height, vectors) = read_image::<3>(path)?;
+    Ok((width, height, vectors.into_iter().map(DVec3::from_array).collect()))
+}
+
+/// As [`read_vectors`], of two numbers a pixel: .npy of shape height x width x 2, or EXR with R G = x y.
+pub fn read_pairs(path: &Path) -> Result<(u32, u32, Vec<DVec2>)> {
+    let (width, height, vectors) = read_image::<2>(path)?;
+    Ok((width, height, vectors.into_iter().map(DVec2::from_array).collect()))
+}
+
+fn read_image<const N: usize>(path: &Path) -> Result<(u32, u32, Vec<[f64; N]>)> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
         Some("npy") => read_npy(path).map_err(|why| Error::input(format!("{}: {why}", path.display()))),
         Some("exr") => {
-            let (width, height, [x, y, z]) = read_rgb(path)?;
-            let vectors = x.iter().zip(&y).zip(&z).map(|((x, y), z)| DVec3::new((*x).into(), (*y).into(), (*z).into()));
-            Ok((width, height, vectors.collect()))
+            let (width, height, planes) = read_rgb::<N>(path)?;
+            let vector = |k: usize| std::array::from_fn(|n| f64::from(planes[n][k]));
+            Ok((width, height, (0..planes[0].len()).map(vector).collect()))
         }
         _ => Err(Error::input(format!("{}: vectors are read from .npy or .exr files only", path.display()))),
     }
 }
 
-fn read_npy(path: &Path) -> std::result::Result<(u32, u32, Vec<DVec3>), String> {
+fn read_npy<const N: usize>(path: &Path) -> std::result::Result<(u32, u32, Vec<[f64; N]>), String> {
     let file = File::open(path).map_err(|e| format!("cannot be read: {e}; check the path"))?;
-    let (width, height, numbers) = read_npy_triples(file)?;
-    Ok((width, height, numbers.chunks_exact(3).map(DVec3::from_slice).collect()))
+    let (width, height, numbers) = read_npy_image(file, N as u64)?;
+    Ok((width, height, numbers.chunks_exact(N).map(|c| std::array::from_fn(|n| c[n])).collect()))
 }
 
 #[cfg(test)]
