@@ -1,13 +1,15 @@
-//! Files the program writes and the images it reads back: PNG, EXR, NumPy arrays, text.
+//! Files the program writes and the images it reads back: PNG, EXR, NumPy arrays, points, text.
 
 mod exr;
 mod npy;
+mod ply;
 mod png;
 mod vectors;
 mod whole;
 
 pub use exr::{read_exr, write_exr};
-pub use npy::write_npy_f64;
+pub use npy::{read_npy_rows, write_npy_f64};
+pub use ply::write_ply;
 pub use png::{srgb8, write_png};
 pub use vectors::{read_pairs, read_vectors};
 pub use whole::{check_writable, write_text};

@@ -1,6 +1,6 @@
 //! The table of cameras: every kind that a scene file may name.
 
-use super::named::{camera_texture, cylinder, display, fisheye, lightfield, ods, opencv, panini, sphere};
+use super::named::{camera_texture, cylinder, display, fisheye, lidar, lightfield, ods, opencv, panini, sphere};
 use super::recipe::Kind;
 
 /// The kinds that the scene file reads itself, and their keys.
@@ -23,4 +23,5 @@ pub const NAMED: &[Kind] = &[
     Kind { name: "panini", help: include_str!("help/panini.txt"), read: panini::read },
     Kind { name: "display", help: include_str!("help/display.txt"), read: display::read },
     Kind { name: "lightfield", help: include_str!("help/lightfield.txt"), read: lightfield::read },
+    Kind { name: "lidar", help: include_str!("help/lidar.txt"), read: lidar::read },
 ];

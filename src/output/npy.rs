@@ -42,25 +42,50 @@ struct Header {
 /// # Errors
 /// What is wrong, without the file's name.
 pub(super) fn read_npy_image(file: File, parts: u64) -> std::result::Result<(u32, u32, Vec<f64>), String> {
+    let (shape, numbers) = read_array(file, |shape| match *shape {
+        [height, width, depth] if depth == parts => {
+            check_size(width, height).map_err(|e| e.to_string())?;
+            Ok(width * height * parts)
+        }
+        _ => Err(format!("the array's shape is {shape:?}; it must be height x width x {parts}")),
+    })?;
+    // Both sides are far under 2^32 by the check above.
+    Ok((shape[1] as u32, shape[0] as u32, numbers))
+}
+
+/// Most rows of [`read_npy_rows`]: their numbers' bytes cannot overflow.
+const MAX_ROWS: u64 = 1 << 32;
+
+/// Reads an f32 or f64 array in C order, shape n x `N`, row by row.
+///
+/// # Errors
+/// [`Error::Input`] naming the file: not there, another shape or type, or cut short.
+pub fn read_npy_rows<const N: usize>(path: &Path) -> Result<Vec<[f64; N]>> {
+    let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
+    let file = File::open(path).map_err(|e| refuse(format!("cannot be read: {e}; check the path")))?;
+    let count = |shape: &[u64]| match *shape {
+        [rows, columns] if columns == N as u64 && rows <= MAX_ROWS => Ok(rows * columns),
+        _ => Err(format!("the array's shape is {shape:?}; it must be n x {N}")),
+    };
+    let (_, numbers) = read_array(file, count).map_err(refuse)?;
+    Ok(numbers.chunks_exact(N).map(|row| std::array::from_fn(|k| row[k])).collect())
+}
+
+/// The shape of an array and its numbers, as many as `count` makes of the shape.
+fn read_array(
+    file: File,
+    count: impl FnOnce(&[u64]) -> std::result::Result<u64, String>,
+) -> std::result::Result<(Vec<u64>, Vec<f64>), String> {
     let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
     let mut reader = BufReader::with_capacity(1 << 16, file);
     let (header, header_bytes) = read_header(&mut reader)?;
-    let [height, width, depth] = header.shape[..] else { return Err(wrong_shape(&header.shape, parts)) };
-    if depth != parts {
-        return Err(wrong_shape(&header.shape, parts));
-    }
-    check_size(width, height).map_err(|e| e.to_string())?;
-    let pixels = width * height;
-    let bytes = pixels * parts * header.size as u64;
+    let count = count(&header.shape)?;
+    let bytes = count * header.size as u64;
     if bytes_in_file < header_bytes + bytes {
         return Err(format!("the file ends early: {bytes} bytes of numbers are promised; write it again"));
     }
-    // Both sides are far under 2^32 by the check above.
-    Ok((width as u32, height as u32, read_numbers(&mut reader, &header, (pixels * parts) as usize)?))
-}
-
-fn wrong_shape(shape: &[u64], parts: u64) -> String {
-    format!("the array's shape is {shape:?}; it must be height x width x {parts}")
+    let numbers = read_numbers(&mut reader, &header, count as usize)?;
+    Ok((header.shape, numbers))
 }
 
 /// Reads `count` numbers; that many are known to be in the file.

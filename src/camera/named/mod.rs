@@ -4,6 +4,7 @@ pub mod camera_texture;
 pub mod cylinder;
 pub mod display;
 pub mod fisheye;
+pub mod lidar;
 pub mod lightfield;
 pub mod ods;
 pub mod opencv;
