@@ -26,7 +26,7 @@
 //! quadratic in the image place when P and D are affine. Coverage is three sign tests a pixel, without projecting
 //! anything; signs that a rounding bound does not prove are taken again in f64.
 //!
-//! Three layers keep it true: [`mod@reference`] (one f64 ray a pixel, no pieces' tricks), the twins of the stages in
+//! Three layers keep it true: [`mod@reference`] (one f64 ray or curve a pixel, no pieces' tricks), the twins of the stages in
 //! f64 ([`twin`]), and the kernels in `wgsl/`.
 //!
 //! A frame, on the GPU where there is one:
@@ -58,6 +58,7 @@
 //! # }
 //! ```
 
+pub mod bernstein;
 pub mod camera;
 pub mod cli;
 pub mod compare;

@@ -1,26 +1,37 @@
-//! The truth that everything else is held against: every pixel's ray against every triangle, in f64, by the
+//! The truth that everything else is held against: every pixel's rays and curves against every triangle, in f64, by the
 //! definitions of the contract alone. It knows pixels, bundles and triangles, and nothing of tiles, pieces'
 //! tricks or kernels.
 //!
 //! * `intersect`: one ray and one triangle; signs are those of exact arithmetic (`exact`).
-//! * `bvh`, `beam`: which triangles a ray, or all rays of a small box about it, can meet.
+//! * `curve`, `length`: one curve and one triangle, every root ([`crate::bernstein`]); arc lengths.
+//! * `bvh`, `beam`: which triangles a ray, a curve, or all rays of a small box about one can meet.
+//! * `path`: a pixel's segments through all layers, and what they first meet.
 //! * `margin`, `verdict`: whether the answer changes within 1/16 px of the centre, and what it may be.
 //! * `cover`: proof that triangles which join without gaps leave no miss.
-//! * `image`: whole frames, and judgement of other frames.
+//! * `finding`: the same for whole paths: chains by the verdicts of their layers, curves by samples.
+//! * `image`, `light`, `explain`: whole frames, judgement of other frames, one pixel in words.
 
 mod beam;
 mod bvh;
 mod cover;
+mod curve;
 mod exact;
+mod explain;
+mod finding;
 pub mod image;
 mod intersect;
+mod length;
+mod light;
 mod margin;
+mod path;
 mod verdict;
 
 #[cfg(test)]
 mod tests;
 
+pub use finding::Finding;
 pub use margin::{GAP, MARGIN_PX};
+pub use path::{Path, Seen, Segment};
 pub use verdict::Verdict;
 
 use crate::camera::bundle::Bundle;
@@ -64,16 +75,27 @@ impl<'a> Reference<'a> {
     /// The visible hit of the bundle's central ray: the smallest `t` in `t_range` (ends inclusive), the
     /// lowest id among equals. `None` as well where there is no ray: not finite, `d = 0` or `h = 0`.
     pub fn hit(&self, bundle: &Bundle, t_range: [f64; 2]) -> Option<Hit> {
-        let bundle = upright(bundle)?;
-        let beam = Beam::over(&bundle, 0.0)?;
         let mut best: Option<Hit> = None;
-        self.bvh.walk(&beam, widened(t_range), |id| {
-            if let Some(hit) = self.hit_of(&bundle, id, t_range) {
-                best = nearer(best, hit);
-            }
+        self.each_hit_of_ray(bundle, t_range, |hit| {
+            best = nearer(best, hit);
             best.map_or(f64::INFINITY, |b| past(b.t))
         });
         best
+    }
+
+    /// Every visible hit of the bundle's central ray in `t_range`, near ones first as a rule. `visit` returns the
+    /// largest `t` that still matters.
+    fn each_hit_of_ray(&self, bundle: &Bundle, t_range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {
+        let Some((bundle, beam)) = upright(bundle).and_then(|b| Beam::over(&b, 0.0).map(|beam| (b, beam))) else {
+            return;
+        };
+        let mut limit = f64::INFINITY;
+        self.bvh.walk(&beam, widened(t_range), |id| {
+            if let Some(hit) = self.hit_of(&bundle, id, t_range) {
+                limit = limit.min(visit(hit));
+            }
+            limit
+        });
     }
 
     /// The central ray against one triangle, as far as it is visible and in range.

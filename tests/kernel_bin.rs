@@ -16,10 +16,11 @@ use stages::{
 use std::collections::{HashMap, HashSet};
 
 /// Pairs that the kernel may list for each that truly covers a pixel. Measured over the cases below: 1.07 for large
-/// triangles over many tiles, 1.3 to 2.6 for small ones under one bundle or a ray field, 3.3 and 5.7 where most tiles
-/// hold several pieces, so that a loose bound must do.
+/// triangles over many tiles, 1.6 to 3.1 for small ones under one bundle or a ray field, 2.3 to 6.5 where most tiles hold
+/// several pieces, in chains and through curves, so that a loose bound must do.
 const EXCESS_MAX: f64 = 7.0;
-/// Where neighbouring pieces do not even continue each other. Measured: 24.2.
+/// Where neighbouring pieces do not even continue each other, or curves swing by more than the scene is wide. Measured:
+/// 28.6 and 13.9.
 const EXCESS_TORN_MAX: f64 = 30.0;
 
 struct Listed {
@@ -132,7 +133,8 @@ fn the_kernel_lists_every_pair_that_covers_a_pixel() {
         if case.name.starts_with("seed") {
             continue;
         }
-        let most = if case.name.starts_with("torn") { EXCESS_TORN_MAX } else { EXCESS_MAX };
+        let wild = case.name.starts_with("torn") || case.name.ends_with("bent by 2.5");
+        let most = if wild { EXCESS_TORN_MAX } else { EXCESS_MAX };
         assert!(excess <= most, "{}: {excess} pairs for each that is needed", case.name);
     }
 }
@@ -161,7 +163,7 @@ fn the_twin_leaves_out_no_tile_that_a_triangle_may_cover() {
         for input in case.inputs(&tables, ROOMY) {
             for cell in input.cells {
                 let pixels = (0..64).filter(|b| owned(cell) >> b & 1 == 1);
-                let rays: Vec<_> = pixels.map(|bit| (bit, input.cell_rays(cell, bit))).collect();
+                let rays: Vec<_> = pixels.map(|bit| (bit, input.cell_cast(cell, bit))).collect();
                 for slot in 0..input.triangles.len() as u32 {
                     let corners = input.corners(slot);
                     for real in [Real::F64, Real::F32] {

@@ -11,8 +11,8 @@ use anamorph::gpu::rows::{
 };
 use anamorph::twin::bin::{Pair, bin};
 use anamorph::twin::cull::{Bound, cull};
-use anamorph::twin::key::key_id;
 use anamorph::twin::raster::{Tested, Visibility, raster, test};
+use anamorph::twin::rays::Cast;
 use anamorph::twin::{Input, Real};
 use common::rng::Rng;
 use stages::{
@@ -84,7 +84,7 @@ struct Compared {
 
 fn compare(jobs: &[Job], real: Real, kernel: &[[u32; 2]], twin: &Visibility) -> Compared {
     let mut seen = Compared::default();
-    let id_bits = jobs[0].0.params.id_bits;
+    let keys = jobs[0].0.keys(real);
     for (pixel, words) in kernel.iter().enumerate() {
         let word = u64::from(words[1]) << 32 | u64::from(words[0]);
         let kernel = (word != 0).then_some(!word);
@@ -92,16 +92,17 @@ fn compare(jobs: &[Job], real: Real, kernel: &[[u32; 2]], twin: &Visibility) -> 
         match (kernel, twin_key) {
             (None, None) => {}
             (Some(a), Some(b)) => {
-                let (t, twin_t) = (real.key_t(a, id_bits), real.key_t(b, id_bits));
-                let [own, other] = [b, a].map(|key| hit(jobs, pixel, key_id(key, id_bits), real));
+                let (t, twin_t) = (keys.t(a), keys.t(b));
+                let [own, other] = [b, a].map(|key| hit(jobs, pixel, (keys.layer(key), keys.id(key)), real));
                 let error = |h: &Tested| h.hit.map_or(0.0, |h| h.t_error);
-                let may = error(&own) + error(&other) + 2.0 * real.key_step(id_bits) * twin_t.abs();
+                let may = error(&own) + error(&other) + 2.0 * keys.step() * twin_t.abs();
                 let off = (t - twin_t).abs();
-                if key_id(a, id_bits) == key_id(b, id_bits) {
+                let one = (keys.layer(a), keys.id(a)) == (keys.layer(b), keys.id(b));
+                if one {
                     seen.t_relative = seen.t_relative.max(off / twin_t.abs());
                     seen.t_share = seen.t_share.max(off / may);
                 }
-                let same = key_id(a, id_bits) == key_id(b, id_bits) && off <= may;
+                let same = one && off <= may;
                 if !same {
                     // another hit no farther than the ts are known, or one that rounding may find
                     let close = other.hit.is_some() && off <= may;
@@ -124,19 +125,22 @@ impl Compared {
     }
 }
 
-/// The twin's test of one triangle at one pixel.
-fn hit(jobs: &[Job], pixel: usize, id: u32, real: Real) -> Tested {
+/// The twin's test of one triangle at one pixel of a layer.
+fn hit(jobs: &[Job], pixel: usize, (layer, id): (u32, u32), real: Real) -> Tested {
     let nothing = Tested { hit: None, doubtful: false };
     let here = |p: &Params| id.wrapping_sub(p.id_first) < p.id_count;
     let Some((input, _)) = jobs.iter().find(|j| here(&j.0.params)) else { return nothing };
     let slot = input.slot_of_id.get(id.wrapping_sub(input.params.id_first) as usize);
     let (x, y) = (pixel as u32 % input.params.width, pixel as u32 / input.params.width);
-    let (Some(&slot), Some(cell)) = (slot, input.pixel_cell(x, y)) else { return nothing };
+    let (Some(&slot), Some(cell)) = (slot, input.pixel_cell(layer, x, y)) else { return nothing };
     if slot as usize >= input.triangles.len() {
         return nothing;
     }
-    let rays = input.cell_rays(&input.cells[cell as usize], (y % TILE) * TILE + x % TILE);
-    test(input, &rays, &input.corners(slot), real)
+    let mut cast = input.cell_cast(&input.cells[cell as usize], (y % TILE) * TILE + x % TILE);
+    if let Cast::Curve(curve) = &mut cast {
+        curve.span = [0.0, 1.0];
+    }
+    test(input, &cast, &input.corners(slot), real)
 }
 
 /// The twin's pairs, every second with the whole tile to look at; and as many again that mostly cover nothing. In any order.

@@ -3,14 +3,15 @@
 mod common;
 
 use anamorph::TILE;
-use anamorph::camera::{Camera, Field, Rays};
+use anamorph::camera::{Camera, Field, Ray, Rays};
 use anamorph::frame::Channel;
 use anamorph::gpu::device::Abilities;
 use anamorph::gpu::rows::{self, BRANCH};
-use anamorph::plan::nodes::Level;
+use anamorph::plan::sheets::Sheets;
 use anamorph::plan::{self, Band, Plan, Wanted};
 use anamorph::scene::file::CameraKind;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::layered;
 use common::rng::Rng;
 use common::{FORWARD, camera};
 use glam::{DVec2, DVec3, Vec3};
@@ -73,7 +74,8 @@ fn claims(band: &Band, i: u32, j: u32) -> Vec<u32> {
     let cells = &band.tiles.cells[band.tiles.start[tile] as usize..band.tiles.start[tile + 1] as usize];
     assert!(cells.iter().all(|c| c.tile as usize == tile));
     let owns = |c: &&rows::Cell| (c.mask_lo as u64 | (c.mask_hi as u64) << 32) >> bit & 1 == 1;
-    cells.iter().filter(owns).map(|c| band.tiles.pieces[c.piece as usize].number).collect()
+    let number = |c: &rows::Cell| band.tiles.pieces.get(c.piece as usize).map_or(c.piece, |p| p.number);
+    cells.iter().filter(owns).map(number).collect()
 }
 
 #[test]
@@ -140,7 +142,7 @@ fn bands_cover_the_image_and_their_tables_fit_the_bindings() {
                 assert_eq!((band.row, band.row % TILE), (row, 0), "{name}");
                 row += band.rows;
                 let pixels = band.rows as u64 * SIZE.0 as u64;
-                let table = band.field.as_ref().map_or(0, |f| f.hi.len().max(f.lo.len()) as u64 * 4);
+                let table = band.rays.as_ref().map_or(0, |f| f.hi.len().max(f.lo.len()) as u64 * 4);
                 let largest = (8 * pixels)
                     .max(4 * pixels * plan.planes.len() as u64)
                     .max(table)
@@ -165,15 +167,19 @@ fn a_limit_too_small_for_a_row_of_tiles_gives_bands_of_one_row() {
 }
 
 /// Asserts that every node bounds the rays of the pixels below it, and that a node without rays has none.
-fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, band: &Band) {
-    let Level { width, height, .. } = band.nodes.levels[0];
-    assert_eq!((width, height), (SIZE.0.div_ceil(TILE), band.rows.div_ceil(TILE)));
+fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, sheets: Sheets, band: &Band) {
+    let sheet_rows = band.tiles.sheet_rows;
+    let all_rows = sheet_rows * sheets.count();
+    assert_eq!(sheet_rows, sheets.tile_rows(band.rows));
     for (depth, level) in band.nodes.levels.iter().enumerate() {
         let side = TILE * BRANCH.pow(depth as u32);
-        assert_eq!((level.width, level.height), (SIZE.0.div_ceil(side), band.rows.div_ceil(side)), "{name}");
+        let expected = (SIZE.0.div_ceil(side), (all_rows * TILE).div_ceil(side));
+        assert_eq!((level.width, level.height), expected, "{name}");
         let mut seen = vec![false; (level.width * level.height) as usize];
-        for (i, y) in (0..band.rows).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
-            let Some(ray) = camera.ray(i, band.row + y) else { continue };
+        let pixels = (0..band.rows).flat_map(|y| (0..SIZE.0).map(move |x| (x, y)));
+        for (sheet, (i, row)) in pixels.flat_map(|p| (0..sheets.count()).map(move |s| (s, p))) {
+            let Some((ray, bend)) = sheet_ray(camera, sheets, sheet, i, band.row + row) else { continue };
+            let y = sheet * sheet_rows * TILE + row;
             let k = y / side * level.width + i / side;
             seen[k as usize] = true;
             let node = &band.nodes.nodes[(level.start + k) as usize];
@@ -185,8 +191,8 @@ fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, band: &Band) {
             };
             let off_p = (at([node.p, node.px, node.py]) - (ray.origin - anchor)).length();
             let off_d = (at([node.d, node.dx, node.dy]) - ray.direction).length();
-            let held = node.rays != 0 && off_p <= node.r_p as f64 && off_d <= node.r_d as f64;
-            assert!(held, "{name}, level {depth}, pixel {i},{}: {off_p} {off_d} beyond {node:?}", band.row + y);
+            let held = node.rays != 0 && off_p + bend <= node.r_p as f64 && off_d <= node.r_d as f64;
+            assert!(held, "{name}, level {depth}, sheet {sheet}, pixel {i},{row}: {off_p} {off_d} beyond {node:?}");
         }
         for (k, seen) in seen.iter().enumerate() {
             let node = &band.nodes.nodes[level.start as usize + k];
@@ -195,13 +201,40 @@ fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, band: &Band) {
     }
 }
 
+/// The ray of a pixel over its sheet's span of t, and how far the true one leaves it at the same part of the span.
+fn sheet_ray(camera: &Camera, sheets: Sheets, sheet: u32, i: u32, j: u32) -> Option<(Ray, f64)> {
+    let (layer, [from, to]) = sheets.of_sheet(sheet);
+    if !camera.is_curved() {
+        return camera.pixel(layer, i, j).map(|(_, b)| (b.ray(0.0, 0.0), 0.0));
+    }
+    let (_, curve) = camera.curve(layer, i, j)?;
+    let ray = Ray { origin: curve.at(from), direction: curve.at(to) - curve.at(from) };
+    let off = |k: u32| {
+        let s = f64::from(k) / 16.0;
+        (curve.at(from + s * (to - from)) - (ray.origin + s * ray.direction)).length()
+    };
+    Some((ray, (0..=16).map(off).fold(0.0, f64::max)))
+}
+
+/// Chains and curved cameras.
+fn layered_cameras() -> Vec<(String, Camera)> {
+    let chain = |layers, look| layered::chain(8, layers, (5, 4), look, SIZE);
+    vec![
+        ("chain".into(), chain(3, MeshLook::default())),
+        ("torn chain".into(), chain(2, MeshLook { torn: true, weights: true, ..MeshLook::default() })),
+        ("parabolas".into(), layered::wavy(2, 0.5, true, SIZE)),
+        ("cubics".into(), layered::wavy(3, 1.5, false, SIZE)),
+        ("straight, then curved".into(), layered::straight_then_curved(SIZE)),
+    ]
+}
+
 #[test]
 fn nodes_bound_every_ray_of_their_squares() {
-    for (name, camera) in cameras() {
+    for (name, camera) in cameras().into_iter().chain(layered_cameras()) {
         for anchor in [plan::anchor(&camera, None), DVec3::new(3.0, -200.0, 0.1)] {
             for limit in [LAVAPIPE_BINDING, 1 << 17] {
                 let plan = Plan::new(&camera, 1, false, anchor, &wanted(&Channel::ALL), HAS_ALL, limit);
-                plan.bands.iter().for_each(|b| assert_bounded(&name, &camera, anchor, b));
+                plan.bands.iter().for_each(|b| assert_bounded(&name, &camera, anchor, plan.sheets, b));
             }
         }
     }
@@ -261,7 +294,7 @@ fn what_is_left_out_is_said() {
     let glc = camera(kind, SIZE, FORWARD);
     let all = Wanted { srgb8: true, counting: true, ..wanted(&Channel::ALL) };
     let least = whats(&glc, true, &all, HAS_ALL, LAVAPIPE_BINDING);
-    assert_eq!(least, ["per-pixel ray table", "ray residuals", "bands", "second depth dispatch"]);
+    assert_eq!(least, ["per-pixel ray table", "curves", "sheets", "ray residuals", "bands", "second depth dispatch"]);
     assert!(!whats(&glc, true, &all, HAS_ALL, 1 << 16).contains(&"bands".into()));
     let few = whats(&glc, false, &wanted(&[Channel::T]), HAS_NONE, LAVAPIPE_BINDING);
     for what in ["channels", "smooth normals", "write", "fragment counters", "f64 rechecks"] {
@@ -273,6 +306,10 @@ fn what_is_left_out_is_said() {
     assert!(!field.contains(&"ray residuals".into()));
     let pieces = camera(mesh_camera(1, 4, 4, MeshLook::default()), SIZE, FORWARD);
     assert!(!whats(&pieces, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"ray residuals".into()));
+    let chain = whats(&layered::chain(1, 2, (2, 2), MeshLook::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
+    assert!(!chain.contains(&"sheets".into()) && chain.contains(&"curves".into()));
+    let curves = whats(&layered::wavy(2, 0.5, false, SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
+    assert!(!curves.contains(&"sheets".into()) && !curves.contains(&"curves".into()));
 }
 
 #[test]

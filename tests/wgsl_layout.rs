@@ -2,7 +2,7 @@
 //! `shading.wgsl` against its twin in `src/gpu/rows.rs`, field by field, and every constant against its own.
 
 use anamorph::frame::Channel;
-use anamorph::gpu::kernels::{self, Variant};
+use anamorph::gpu::kernels::{self, RaysKind, Variant};
 use anamorph::gpu::rows;
 use anamorph::scene::clusters::CORNER_ORDERS;
 use naga::{Expression, Literal, Module, ScalarKind, Statement, SwitchValue, TypeInner};
@@ -22,7 +22,8 @@ struct Field {
 }
 
 /// The variant that needs nothing.
-const PLAIN: Variant = Variant { f64: false, atomics64: false, field: false, counting: false };
+const PLAIN: Variant =
+    Variant { f64: false, atomics64: false, rays: RaysKind::Pieces, sheeted: false, counting: false };
 
 /// Structs by name: size and fields in order.
 type Layouts = BTreeMap<String, (usize, Vec<Field>)>;
@@ -74,11 +75,15 @@ fn host() -> Layouts {
             queue_capacity,
             work_capacity,
             pair_capacity,
-            pad0,
+            sheet_rows,
             id_first,
             id_count,
             band_row,
             vertex_reach,
+            spans,
+            pad0,
+            pad1,
+            pad2,
             t_min,
             t_max,
             level_start,
@@ -226,6 +231,10 @@ fn overrides() -> Vec<(String, u32)> {
     module.overrides.iter().map(|(_, o)| (o.name.clone().unwrap(), value(o.init.unwrap()))).collect()
 }
 
+fn plane_constants(kernel: &kernels::Kernel) -> Vec<(&'static str, f64)> {
+    kernel.constants.iter().copied().filter(|c| c.0.starts_with("PLANE_")).collect()
+}
+
 #[test]
 fn every_channel_has_an_override_that_defaults_to_no_plane() {
     for (k, (name, default)) in overrides().into_iter().enumerate() {
@@ -233,11 +242,12 @@ fn every_channel_has_an_override_that_defaults_to_no_plane() {
         let word = channel.name().trim_end_matches(".id").trim_start_matches("bary.").to_uppercase();
         assert_eq!((name.as_str(), default), (format!("PLANE_{word}").as_str(), rows::NONE));
         for kernel in [kernels::shade(PLAIN, &[channel]), kernels::write_srgb(&[channel])] {
-            assert_eq!(kernel.constants, [(name.as_str(), 0.0)]);
+            assert_eq!(plane_constants(&kernel), [(name.as_str(), 0.0)]);
         }
     }
     assert_eq!(overrides().len(), Channel::ALL.len());
-    let places: Vec<f64> = kernels::shade(PLAIN, &Channel::ALL).constants.iter().map(|c| c.1).collect();
+    let kernel = kernels::shade(PLAIN, &Channel::ALL);
+    let places: Vec<f64> = plane_constants(&kernel).iter().map(|c| c.1).collect();
     assert_eq!(places, (0..Channel::ALL.len()).map(|k| k as f64).collect::<Vec<_>>());
 }
 
@@ -295,7 +305,11 @@ fn the_six_corner_orders_are_the_same_table() {
 
 /// A change to one side that must be reported, by the struct that it touches.
 const PLANTED: [(&str, &str, &str); 7] = [
-    ("Params", "    tiles_x: u32,\n    tiles_y: u32,", "    tiles_y: u32,\n    tiles_x: u32,"),
+    (
+        "Params",
+        "    queue_capacity: u32,    // items\n    work_capacity: u32,",
+        "    work_capacity: u32,\n    queue_capacity: u32,",
+    ),
     ("Params", "vertex_reach: f32", "vertex_reach: u32"),
     ("Cluster", "    half: vec3<f32>,\n    count: u32,", "    half: vec3<f32>,"),
     ("Cluster", "centre: vec3<f32>", "middle: vec3<f32>"),

@@ -2,18 +2,23 @@
 //! and keeps f64 to the operations that every driver translates right.
 
 use anamorph::frame::Channel;
-use anamorph::gpu::kernels::{self, Kernel, Variant};
+use anamorph::gpu::kernels::{self, Kernel, RaysKind, Variant};
 use anamorph::gpu::rows::GROUP;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Expression, Function, MathFunction, Module, ScalarKind, ShaderStage, TypeInner};
 
 /// All combinations of a variant's switches.
 fn variants() -> impl Iterator<Item = Variant> {
-    (0..16).map(|bits| Variant {
-        f64: bits & 1 != 0,
-        atomics64: bits & 2 != 0,
-        field: bits & 4 != 0,
-        counting: bits & 8 != 0,
+    let curves = [1, 2, 3].map(|degree| RaysKind::Curves { degree });
+    let kinds = [RaysKind::Pieces, RaysKind::Field].into_iter().chain(curves);
+    kinds.flat_map(|rays| {
+        (0..16).map(move |bits| Variant {
+            f64: bits & 1 != 0,
+            atomics64: bits & 2 != 0,
+            rays,
+            sheeted: bits & 4 != 0,
+            counting: bits & 8 != 0,
+        })
     })
 }
 
@@ -152,7 +157,7 @@ fn f64_is_left_to_plain_arithmetic() {
         assert_eq!(forbidden_f64(&module, &info), [], "{} {variant:?}", kernel.name);
         wide += u32::from(allowed(kernel, variant).contains(Capabilities::FLOAT64));
     });
-    assert_eq!(wide, 16, "raster and shade of eight variants each");
+    assert_eq!(wide, 80, "raster and shade of forty variants each");
 }
 
 #[test]

@@ -29,16 +29,15 @@ fn bin(
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);
 
-    // bound the pixel centres it may cover: pixel k of the node's side has its centre at k + 1/2
+    // bound the pixel centres it may cover
     let level = node_level(address);
     let node = nodes[node_index(level, node_x(address), node_y(address))];
     let side = TILE << (2u * level);
     let where_seen = extent(node, v0, v1, v2);
-    let first = ceil((where_seen.lo + 1.0) * 0.5 * f32(side) - 0.5 - CENTRE_SLACK * f32(side));
-    let last = floor((where_seen.hi + 1.0) * 0.5 * f32(side) - 0.5 + CENTRE_SLACK * f32(side));
-    let lo = vec2<u32>(clamp(first, vec2<f32>(0.0), vec2<f32>(f32(side))));
-    let end = vec2<u32>(clamp(last + 1.0, vec2<f32>(0.0), vec2<f32>(f32(side))));
-    if lo.x >= end.x || lo.y >= end.y {
+    let within = pixels_within(where_seen, side);
+    let lo = within.xy;
+    let end = within.zw;
+    if is_empty(within) {
         count_tested(1u);
         return;
     }
@@ -47,7 +46,7 @@ fn bin(
     let corner = vec2<u32>(node_x(address), node_y(address)) << vec2<u32>(2u * level);
     let tile_lo = lo / TILE;
     let tile_end = min((end + TILE - 1u) / TILE, vec2<u32>(params.tiles_x, params.tiles_y) - corner);
-    let loose = node.rays != RAYS_AFFINE && !where_seen.tight;
+    let loose = node.rays != RAYS_AFFINE;
     let all_tiles = where_seen.tight && (tile_end.x - tile_lo.x) * (tile_end.y - tile_lo.y) <= FEW_TILES;
     var over_node: Conics;
     if !all_tiles {
@@ -62,17 +61,20 @@ fn bin(
                 let tile = (corner.y + y) * params.tiles_x + corner.x + x;
                 tested += tile_start[tile + 1u] - tile_start[tile];
             }
-            var may = all_tiles || may_cover(over_node, centre.x, centre.y, s * CENTRES);
-            if may && loose {
+            if !(all_tiles || may_cover(over_node, centre.x, centre.y, s * CENTRES)) {
+                continue;
+            }
+            let first = vec2<u32>(x, y) * TILE;
+            var in_tile = vec4<u32>(max(lo, first), min(end, first + TILE)) - first.xyxy;
+            if loose {
                 // rays that the node bounds only loosely: ask the tile's own bounds
-                may = tile_may_cover(corner.x + x, corner.y + y, v0, v1, v2);
+                let own = tile_pixels(corner.x + x, corner.y + y, v0, v1, v2);
+                in_tile = vec4<u32>(max(in_tile.xy, own.xy), min(in_tile.zw, own.zw));
+                if is_empty(in_tile) {
+                    continue;
+                }
             }
-            if may {
-                let tile = vec2<u32>(x, y);
-                let from_px = max(lo, tile * TILE) - tile * TILE;
-                let to_px = min(end, tile * TILE + TILE) - 1u - tile * TILE;
-                emit(slot, (corner.y + y) * params.tiles_x + corner.x + x, from_px, to_px);
-            }
+            emit(slot, (corner.y + y) * params.tiles_x + corner.x + x, in_tile.xy, in_tile.zw - 1u);
         }
     }
     count_tested(max(tested, 1u));
@@ -88,9 +90,39 @@ fn count_tested(pairs_tested: u32) {
 // Rounding of a place in node units on its way to pixels: 4 roundings of values up to 2.
 const CENTRE_SLACK: f32 = 1.0 / 2097152.0;
 
-fn tile_may_cover(x: u32, y: u32, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> bool {
+// The first columns and rows, and the ends, of the pixels in a square of `side` pixels that an extent holds: pixel k has
+// its centre at k + 1/2. None where it ends before the range of t or begins behind.
+fn pixels_within(seen: Extent, side: u32) -> vec4<u32> {
+    if seen.tight && (seen.t_hi < params.t_min.x || seen.t_lo > params.t_max.x) {
+        return vec4<u32>(0u);
+    }
+    let first = ceil((seen.lo + 1.0) * 0.5 * f32(side) - 0.5 - CENTRE_SLACK * f32(side));
+    let last = floor((seen.hi + 1.0) * 0.5 * f32(side) - 0.5 + CENTRE_SLACK * f32(side));
+    let most = vec4<f32>(f32(side));
+    return vec4<u32>(clamp(vec4<f32>(first, last + 1.0), vec4<f32>(0.0), most));
+}
+
+fn is_empty(pixels: vec4<u32>) -> bool {
+    return any(pixels.xy >= pixels.zw);
+}
+
+// The pixels of a tile that the triangle may cover by the tile's own bounds.
+fn tile_pixels(x: u32, y: u32, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec4<u32> {
     let tile = nodes[node_index(0u, x, y)];
-    return tile.rays != RAYS_NONE && may_cover(conics(tile, v0, v1, v2), 0.0, 0.0, CENTRES);
+    if tile.rays == RAYS_NONE || !may_cover(conics(tile, v0, v1, v2), 0.0, 0.0, CENTRES) {
+        return vec4<u32>(0u);
+    }
+    let seen = extent(tile, v0, v1, v2);
+    if SHEETED && !seen.tight {
+        // in a sheet t ends soon: the triangle may lie before its start or beyond its end
+        let lo = min(v0, min(v1, v2));
+        let hi = max(v0, max(v1, v2));
+        let rounding = vec3<f32>(BOUND_SLACK * params.vertex_reach);
+        if !node_meets(node_index(0u, x, y), 0.5 * (lo + hi), 0.5 * (hi - lo) + rounding) {
+            return vec4<u32>(0u);
+        }
+    }
+    return pixels_within(seen, TILE);
 }
 
 // Pairs the triangle with every cell of the tile, and with the box of pixels to look at.

@@ -43,17 +43,25 @@ fn shade(
     let y = pixel / params.width;
     let slot = slot_of_id[id - params.id_first];
     let triangle = triangles[slot];
-    let ray = pixel_ray(x, y);
+    let layer = key_layer(~won);
     let t = key_t(~won);
+    let ray = pixel_ray(layer, x, y, t);
     store(PLANE_A, at, bitcast<u32>(1.0));
-    store(PLANE_T, at, bitcast<u32>(t));
-    store(PLANE_Z, at, bitcast<u32>(t * length(ray.d)));
+    store(PLANE_T, at, bitcast<u32>(f32(layer) + t));
+    if PLANE_Z != NONE {
+        // all of the segments in lower layers, and a part of the last
+        var z = reached(ray, layer, x, y, t);
+        for (var k = 0u; SHEETED && k < layer; k++) {
+            z += segment_length(k, x, y);
+        }
+        store(PLANE_Z, at, bitcast<u32>(z));
+    }
     store(PLANE_TRIANGLE, at, id);
     if PLANE_PIECE != NONE {
-        store(PLANE_PIECE, at, piece_number(x, y));
+        store(PLANE_PIECE, at, piece_number(layer, x, y));
     }
     if PLANE_U != NONE || PLANE_V != NONE {
-        let weights = weights_real(ray_bundle(x, y), triangle);
+        let weights = weights_real(ray_bundle(layer, x, y, t), triangle);
         store(PLANE_U, at, bitcast<u32>(weights.y));
         store(PLANE_V, at, bitcast<u32>(weights.z));
     }

@@ -23,6 +23,14 @@ pub struct Bundle {
 }
 
 impl Bundle {
+    /// `P = p[0] + x p[1] + y p[2]`, `D` alike, over an image of `(width, height)` pixels: x = 2a - 1 to the right and
+    /// y = 1 - 2b upwards, so the borders are at -1 and 1; centred on the image's middle.
+    pub fn over_image(p: [DVec3; 3], d: [DVec3; 3], (width, height): (u32, u32)) -> Bundle {
+        let (x, y) = (2.0 / width as f64, -2.0 / height as f64);
+        let per_px = |q: [DVec3; 3]| [q[0], x * q[1], y * q[2]];
+        Bundle { p: per_px(p), d: per_px(d), h: [1.0, 0.0, 0.0] }
+    }
+
     /// The ray `(x, y)` pixels from the centre.
     pub fn ray(&self, x: f64, y: f64) -> Ray {
         let h = self.h[0] + x * self.h[1] + y * self.h[2];

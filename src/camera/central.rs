@@ -21,7 +21,7 @@ impl View {
 
 /// Sine of the smallest angle between `up` and the view direction that still fixes the picture's
 /// upright: below it the f64 rounding of `f x up` (2^-52) turns the picture by more than 2^-20 rad.
-const UP_SINE_MIN: f64 = 1.0 / (1u64 << 32) as f64;
+pub(super) const UP_SINE_MIN: f64 = 1.0 / (1u64 << 32) as f64;
 
 /// The frame of a viewer at `eye` who looks at `target`.
 pub(super) fn view(eye: DVec3, target: DVec3, up: DVec3) -> Result<View> {

@@ -59,6 +59,34 @@ impl Curve {
         p[0]
     }
 
+    /// The part over t in [`from`, `to`] as a curve of its own, by blossoms.
+    pub fn span(&self, [from, to]: [f64; 2]) -> Curve {
+        let mut span = *self;
+        for (k, point) in span.points.iter_mut().enumerate().take(self.degree + 1) {
+            let mut p = self.points;
+            for n in (1..=self.degree).rev() {
+                let t = if n <= k { to } else { from };
+                for j in 0..n {
+                    p[j] = p[j].lerp(p[j + 1], t);
+                }
+            }
+            *point = p[0];
+        }
+        span
+    }
+
+    /// The parts before and after `t`, each over [0, 1]; together the same curve (de Casteljau).
+    pub fn split(&self, t: f64) -> [Curve; 2] {
+        let (mut before, mut after) = (*self, *self);
+        for n in (1..=self.degree).rev() {
+            for k in 0..n {
+                after.points[k] = after.points[k].lerp(after.points[k + 1], t);
+            }
+            before.points[self.degree + 1 - n] = after.points[0];
+        }
+        [before, after]
+    }
+
     /// The same curve as one of the higher degree `m`.
     pub fn elevated(&self, m: usize) -> Curve {
         let mut curve = *self;
@@ -107,8 +135,12 @@ impl Curves {
 
     /// The curve `(x, y)` pixels right of and below the sample of pixel `(i, j)`, and its piece.
     pub fn near(&self, i: u32, j: u32, (x, y): (f64, f64)) -> Option<(u32, Curve)> {
-        let at = DVec2::new(i as f64 + x, j as f64 + y) + self.sample;
-        let found = self.map.curve(at.x / self.width as f64, at.y / self.height as f64)?;
+        self.at_place(DVec2::new(i as f64 + x, j as f64 + y) + self.sample)
+    }
+
+    /// The curve at an image place (px), and its piece.
+    pub fn at_place(&self, place_px: DVec2) -> Option<(u32, Curve)> {
+        let found = self.map.curve(place_px.x / self.width as f64, place_px.y / self.height as f64)?;
         found.1.points().iter().all(|p| p.is_finite()).then_some(found)
     }
 }
@@ -126,6 +158,8 @@ mod tests {
             assert_eq!((c.tangent(0.0), c.tangent(1.0)), (m as f64 * (p[1] - p[0]), m as f64 * (p[m] - p[m - 1])));
             for k in 0..=8 {
                 let t = k as f64 / 8.0;
+                let part = c.span([0.25, 0.75]);
+                assert!((part.at(t) - c.at(0.25 + 0.5 * t)).length() < 1e-15);
                 let higher = c.elevated(3);
                 assert!(higher.degree() == 3 && (higher.at(t) - c.at(t)).length() < 1e-15);
                 assert!((higher.tangent(t) - c.tangent(t)).length() < 1e-14);

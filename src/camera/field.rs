@@ -152,6 +152,33 @@ impl Field {
         Some(Bundle { p: [p, px, py], d: [d, dx, dy], h: [1.0, 0.0, 0.0] })
     }
 
+    /// The ray at an image place (px): by the formula, or bilinearly between pixel centres and clamped beyond them.
+    pub fn ray_at(&self, place_px: DVec2) -> Option<Ray> {
+        let ray = match &self.map {
+            Some(map) => map.ray(place_px, DVec2::new(self.width as f64, self.height as f64)),
+            None => self.bilinear(place_px.x - 0.5, place_px.y - 0.5),
+        };
+        ray.map(|(origin, direction)| Ray { origin, direction })
+    }
+
+    /// Origin and direction between the stored rays; `x` and `y` count pixel centres, clamped at the borders. No ray where any of
+    /// those between which it lies is missing.
+    fn bilinear(&self, x: f64, y: f64) -> Option<(DVec3, DVec3)> {
+        let (x, y) = (x.clamp(0.0, self.width as f64 - 1.0), y.clamp(0.0, self.height as f64 - 1.0));
+        let (x0, y0) = (x.floor(), y.floor());
+        let (fx, fy) = (x - x0, y - y0);
+        let corner = |ox: i64, oy: i64, w: f64| {
+            if w == 0.0 {
+                return Some((DVec3::ZERO, DVec3::ZERO));
+            }
+            self.get(x0 as i64 + ox, y0 as i64 + oy).map(|(p, d)| (w * p, w * d))
+        };
+        let sum = [(0, 0, (1. - fx) * (1. - fy)), (1, 0, fx * (1. - fy)), (0, 1, (1. - fx) * fy), (1, 1, fx * fy)]
+            .iter()
+            .try_fold((DVec3::ZERO, DVec3::ZERO), |s, &(ox, oy, w)| corner(ox, oy, w).map(|c| (s.0 + c.0, s.1 + c.1)));
+        sum.filter(|(_, d)| *d != DVec3::ZERO)
+    }
+
     /// The field sampled `(dx, dy)` pixels from each pixel centre: by its formula, or bilinearly, clamped at the borders; no ray
     /// where any of the rays between which it lies is missing.
     pub(super) fn with_sample_offset(&self, dx: f64, dy: f64) -> Field {
@@ -159,24 +186,7 @@ impl Field {
             let sample = DVec2::new(0.5 + dx, 0.5 + dy);
             return Field::sampled(self.width, self.height, Sampled { sample, ..map.clone() });
         }
-        let at = |i: u32, j: u32| {
-            let x = (i as f64 + dx).clamp(0.0, self.width as f64 - 1.0);
-            let y = (j as f64 + dy).clamp(0.0, self.height as f64 - 1.0);
-            let (x0, y0) = (x.floor(), y.floor());
-            let (fx, fy) = (x - x0, y - y0);
-            let corner = |ox: i64, oy: i64, w: f64| {
-                if w == 0.0 {
-                    return Some((DVec3::ZERO, DVec3::ZERO));
-                }
-                self.get(x0 as i64 + ox, y0 as i64 + oy).map(|(p, d)| (w * p, w * d))
-            };
-            let sum = [(0, 0, (1. - fx) * (1. - fy)), (1, 0, fx * (1. - fy)), (0, 1, (1. - fx) * fy), (1, 1, fx * fy)]
-                .iter()
-                .try_fold((DVec3::ZERO, DVec3::ZERO), |s, &(ox, oy, w)| {
-                    corner(ox, oy, w).map(|c| (s.0 + c.0, s.1 + c.1))
-                });
-            sum.filter(|(_, d)| *d != DVec3::ZERO)
-        };
+        let at = |i: u32, j: u32| self.bilinear(i as f64 + dx, j as f64 + dy);
         let rays = (0..self.height).flat_map(|j| (0..self.width).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();
         Field { width: self.width, height: self.height, rays, map: None }
     }

@@ -10,16 +10,17 @@ use serde::Serialize;
 
 /// The bundle of a GLC over the whole image, centred on the image's middle.
 pub fn bundle(near: &[DVec3; 3], far: &[DVec3; 3], width: u32, height: u32) -> Result<Bundle> {
+    let affine = |n: &[DVec3; 3]| [n[0], n[1] - n[0], n[2] - n[0]];
+    of_planes(&affine(near), &affine(far), width, height)
+        .ok_or_else(|| Error::input("camera: near and far are the same three points, so no ray has a direction"))
+}
+
+/// The bundle between two planes `q[0] + a q[1] + b q[2]`; `None` where they are the same.
+pub(super) fn of_planes(near: &[DVec3; 3], far: &[DVec3; 3], width: u32, height: u32) -> Option<Bundle> {
     let (w, h) = (width as f64, height as f64);
-    let affine = |n: &[DVec3; 3]| {
-        let (u, v) = (n[1] - n[0], n[2] - n[0]);
-        [n[0] + 0.5 * u + 0.5 * v, u / w, v / h]
-    };
+    let centred = |q: &[DVec3; 3]| [q[0] + 0.5 * q[1] + 0.5 * q[2], q[1] / w, q[2] / h];
     let dir = [far[0] - near[0], far[1] - near[1], far[2] - near[2]];
-    if dir.iter().all(|d| *d == DVec3::ZERO) {
-        return Err(Error::input("camera: near and far are the same three points, so no ray has a direction"));
-    }
-    Ok(Bundle { p: affine(near), d: affine(&dir), h: [1.0, 0.0, 0.0] })
+    (dir != [DVec3::ZERO; 3]).then(|| Bundle { p: centred(near), d: centred(&dir), h: [1.0, 0.0, 0.0] })
 }
 
 /// The class of a GLC by the roots of its characteristic equation `det((1-t) A + t B) = 0`, with `A`, `B`

@@ -1,6 +1,9 @@
 //! The table of cameras: every kind that a scene file may name.
 
 use super::named::{camera_texture, cylinder, display, fisheye, lidar, lightfield, ods, opencv, panini, sphere};
+use super::named::{cross_slit, hinge, mcop, panorama, pencil, pushbroom, surround};
+use super::named::{irregular_perspective, occlusion, ortho_to_perspective, street, twist};
+use super::projector;
 use super::recipe::Kind;
 
 /// The kinds that the scene file reads itself, and their keys.
@@ -14,6 +17,33 @@ pub const PLAIN: &[(&str, &str)] = &[
 
 /// All others, each read and built in a file of its own.
 pub const NAMED: &[Kind] = &[
+    Kind { name: "cross_slit", help: include_str!("help/cross_slit.txt"), read: cross_slit::read },
+    Kind { name: "pushbroom", help: include_str!("help/pushbroom.txt"), read: pushbroom::read },
+    Kind { name: "pencil", help: include_str!("help/pencil.txt"), read: pencil::read },
+    Kind { name: "twisted", help: include_str!("help/twisted.txt"), read: pencil::read_twisted },
+    Kind { name: "panorama", help: include_str!("help/panorama.txt"), read: panorama::read },
+    Kind { name: "hinge", help: include_str!("help/hinge.txt"), read: hinge::read },
+    Kind { name: "surround", help: include_str!("help/surround.txt"), read: surround::read },
+    Kind { name: "mcop", help: include_str!("help/mcop.txt"), read: mcop::read },
+    Kind { name: "projector", help: include_str!("help/projector.txt"), read: projector::read },
+    Kind {
+        name: "irregular_perspective",
+        help: include_str!("help/irregular_perspective.txt"),
+        read: irregular_perspective::read,
+    },
+    Kind { name: "twist", help: include_str!("help/twist.txt"), read: twist::read },
+    Kind {
+        name: "curved_convergence",
+        help: include_str!("help/curved_convergence.txt"),
+        read: twist::read_curved_convergence,
+    },
+    Kind {
+        name: "ortho_to_perspective",
+        help: include_str!("help/ortho_to_perspective.txt"),
+        read: ortho_to_perspective::read,
+    },
+    Kind { name: "occlusion", help: include_str!("help/occlusion.txt"), read: occlusion::read },
+    Kind { name: "street", help: include_str!("help/street.txt"), read: street::read },
     Kind { name: "fisheye", help: include_str!("help/fisheye.txt"), read: fisheye::read },
     Kind { name: "sphere", help: include_str!("help/sphere.txt"), read: sphere::read },
     Kind { name: "cylinder", help: include_str!("help/cylinder.txt"), read: cylinder::read },

@@ -1,6 +1,6 @@
 //! The `mesh` camera: image triangles whose corners carry rays (Hou et al. 2006; Popescu's CGLC segments).
 
-use super::bundle::Bundle;
+use super::bundle::{Bundle, Ray};
 use super::pieces::{Piece, Pieces, side};
 use crate::error::{Error, Result};
 use crate::scene::file::MeshCameraSpec;
@@ -18,7 +18,8 @@ pub fn compile(spec: &MeshCameraSpec, width: u32, height: u32, notes: &mut Vec<S
     let size = DVec2::new(width as f64, height as f64);
     let pieces: Vec<Piece> =
         spec.triangles.par_iter().enumerate().map(|(k, t)| piece(spec, k, t, size)).collect::<Result<_>>()?;
-    if let Some((j, k)) = first_overlap(&pieces) {
+    let corners: Vec<[DVec2; 3]> = pieces.iter().filter_map(|p| p.corners_px).collect();
+    if let Some((j, k)) = first_overlap(&corners) {
         return Err(Error::input(format!("camera.triangles: {j} and {k} overlap in the image; pieces must not")));
     }
     let dead: Vec<usize> = (0..pieces.len()).filter(|&k| pieces[k].bundle.d == [DVec3::ZERO; 3]).collect();
@@ -51,6 +52,14 @@ fn piece(spec: &MeshCameraSpec, index: usize, triangle: &[u32; 3], size: DVec2) 
     Ok(Piece { bundle, centre_px: (corners[0] + corners[1] + corners[2]) / 3.0, corners_px: Some(corners) })
 }
 
+/// The piece over an image triangle (px) of some area whose corners have the rays `rays`: P and D are affine between.
+pub(super) fn triangle(corners: [DVec2; 3], rays: [Ray; 3]) -> Piece {
+    let p = interpolated(&corners, rays.map(|r| r.origin));
+    let d = interpolated(&corners, rays.map(|r| r.direction));
+    let centre_px = (corners[0] + corners[1] + corners[2]) / 3.0;
+    Piece { bundle: Bundle { p, d, h: [1.0, 0.0, 0.0] }, centre_px, corners_px: Some(corners) }
+}
+
 /// The affine function of the image place (px) with the values `q` at the corners of a triangle of some area: its
 /// value at their mean, and its derivatives along x and y.
 pub(super) fn interpolated(corners: &[DVec2; 3], q: [DVec3; 3]) -> [DVec3; 3] {
@@ -66,13 +75,12 @@ pub(super) fn interpolated(corners: &[DVec2; 3], q: [DVec3; 3]) -> [DVec3; 3] {
     [q[0] + (a + b) / 3.0, slope(gradient[1].x, gradient[2].x), slope(gradient[1].y, gradient[2].y)]
 }
 
-/// The first pair of pieces whose interiors overlap, by a grid of about one cell a piece.
-fn first_overlap(pieces: &[Piece]) -> Option<(usize, usize)> {
-    let corners: Vec<[DVec2; 3]> = pieces.iter().filter_map(|p| p.corners_px).collect();
+/// The first pair of triangles whose interiors overlap, by a grid of about one cell a triangle.
+pub(super) fn first_overlap(corners: &[[DVec2; 3]]) -> Option<(usize, usize)> {
     let boxes: Vec<(DVec2, DVec2)> = corners.iter().map(|[a, b, c]| (a.min(*b).min(*c), a.max(*b).max(*c))).collect();
     let lo = boxes.iter().fold(DVec2::INFINITY, |m, b| m.min(b.0));
     let hi = boxes.iter().fold(DVec2::NEG_INFINITY, |m, b| m.max(b.1));
-    let n = ((pieces.len() as f64).sqrt().ceil() as usize).max(1);
+    let n = ((corners.len() as f64).sqrt().ceil() as usize).max(1);
     let cell = (hi - lo).max(DVec2::splat(f64::MIN_POSITIVE)) / n as f64;
     let column = |x: f64| (((x - lo.x) / cell.x) as usize).min(n - 1);
     let row = |y: f64| (((y - lo.y) / cell.y) as usize).min(n - 1);

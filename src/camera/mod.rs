@@ -16,6 +16,8 @@ pub mod kinds;
 pub mod mesh;
 pub mod named;
 pub mod pieces;
+pub mod project;
+pub mod projector;
 pub mod recipe;
 
 use crate::error::{Error, Result};

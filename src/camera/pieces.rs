@@ -53,14 +53,14 @@ pub(super) fn side(a: DVec2, b: DVec2, q: DVec2) -> f64 {
 
 impl Piece {
     /// The piece holds the image place `q` (px), its border included.
-    fn holds(&self, q: DVec2) -> bool {
+    pub(super) fn holds(&self, q: DVec2) -> bool {
         let Some([a, b, c]) = self.corners_px else { return true };
         let o = side(a, b, c);
         side(a, b, q) * o >= 0.0 && side(b, c, q) * o >= 0.0 && side(c, a, q) * o >= 0.0
     }
 
     /// The piece may come within the box of half-sizes `half` about `centre` (px): never false when it does.
-    fn reaches(&self, centre: DVec2, half: DVec2) -> bool {
+    pub(super) fn reaches(&self, centre: DVec2, half: DVec2) -> bool {
         let Some([a, b, c]) = self.corners_px else { return true };
         let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
         if (lo - half).cmpgt(centre).any() || (hi + half).cmplt(centre).any() {
@@ -103,8 +103,12 @@ impl Pieces {
     }
 
     pub fn owner(&self, i: u32, j: u32) -> Option<u32> {
-        let q = self.place(i, j);
-        self.of_tile(i / TILE, j / TILE).iter().copied().find(|&k| self.pieces[k as usize].holds(q))
+        self.owner_of_place(i, j, self.place(i, j))
+    }
+
+    /// The piece that owns an image place (px) up to [`super::SAFE_RADIUS_PX`] from the sample of pixel `(i, j)`.
+    pub fn owner_of_place(&self, i: u32, j: u32, place_px: DVec2) -> Option<u32> {
+        self.of_tile(i / TILE, j / TILE).iter().copied().find(|&k| self.pieces[k as usize].holds(place_px))
     }
 
     /// Piece `k`'s bundle, centred on the sample of pixel `(i, j)`.

@@ -118,7 +118,7 @@ pub struct CameraArgs {
     /// Write the camera's pieces as the file of a mesh camera
     #[arg(long, value_name = "FILE.json")]
     pub export: Option<PathBuf>,
-    /// Write each pixel's P and D: an array of H x W x 6
+    /// Write each pixel's P and D: an array of H x W x 6; a curve's or projector's control points: H x W x (m+1) x 3
     #[arg(long, value_name = "RAYS.npy")]
     pub rays: Option<PathBuf>,
     /// Print help; with a kind of camera, its keys

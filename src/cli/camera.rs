@@ -8,8 +8,8 @@ use crate::error::{Error, Result};
 use clap::CommandFactory;
 use std::path::PathBuf;
 
-/// Channels whose memory one pixel's six f64 take: 4 copies of 4 bytes each.
-const RAY_CHANNELS: usize = 3;
+/// A number of a pixel's rays, 8 bytes, takes the memory of half a channel: 4 copies of 4 bytes each.
+const NUMBERS_A_CHANNEL: usize = 2;
 
 pub fn run(args: &CameraArgs) -> Result<()> {
     if let Some(kind) = &args.help {
@@ -19,7 +19,8 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     let (scene, camera) = load(path, &args.set, args.size)?;
     outputs::check(path, args.export.iter().chain(&args.rays).map(PathBuf::as_path))?;
     if args.rays.is_some() {
-        memory::check(camera.width, camera.height, RAY_CHANNELS)?;
+        let numbers: usize = export::pixel_shape(&camera).iter().product();
+        memory::check(camera.width, camera.height, numbers.div_ceil(NUMBERS_A_CHANNEL))?;
     }
     if let Some(file) = &args.export {
         export::write_pieces(file, &scene.camera, &camera)?;

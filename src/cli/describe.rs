@@ -16,6 +16,9 @@ pub struct Description {
     pub t_range: [Bound; 2],
     /// 0 for a ray map.
     pub pieces: usize,
+    /// The degree of the curves that the rays are, where they are not straight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub degree: Option<usize>,
     /// The classes of the pieces' general linear cameras, the most frequent first.
     pub classes: Vec<ClassCount>,
     /// The rays, where the whole image is one piece.
@@ -62,10 +65,18 @@ impl Description {
             height: camera.height,
             t_range: camera.t_range.map(Bound),
             pieces: camera.piece_count(),
+            degree: camera.layers.iter().filter_map(degree).max(),
             classes: count_classes(&corners),
             bundle: bundle.map(|b| BundleRecord { p: rows(&b.p), d: rows(&b.d) }),
             notes: camera.notes.clone(),
         }
+    }
+}
+
+fn degree(layer: &Rays) -> Option<usize> {
+    match layer {
+        Rays::Curves(curves) => Some(curves.map.degree()),
+        _ => None,
     }
 }
 
@@ -150,9 +161,11 @@ impl fmt::Display for Description {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         writeln!(f, "kind     {}", self.kind)?;
         writeln!(f, "image    {} x {}", self.width, self.height)?;
-        match self.pieces {
-            0 => writeln!(f, "pieces   none: a ray of its own for each pixel")?,
-            n => writeln!(f, "pieces   {n}")?,
+        match (self.pieces, self.degree) {
+            (0, None) => writeln!(f, "pieces   none: a ray of its own for each pixel")?,
+            (0, Some(m)) => writeln!(f, "pieces   none: a curve of degree {m} for each pixel")?,
+            (n, None) => writeln!(f, "pieces   {n}")?,
+            (n, Some(m)) => writeln!(f, "pieces   {n}, of curves of degree {m}")?,
         }
         for count in &self.classes {
             let slits: Vec<String> = count.slits.iter().map(f64::to_string).collect();

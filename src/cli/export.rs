@@ -55,17 +55,47 @@ pub fn write_pieces(path: &Path, spec: &CameraSpec, camera: &Camera) -> Result<(
     write_text(path, &(text + "\n"))
 }
 
-/// Writes P and D of every pixel, H x W x 6; NaN where a pixel has no ray.
+/// The shape of what [`write_rays`] writes for a pixel: 6 numbers P, D; for curves and projectors m + 1 control points of
+/// 3 numbers, m the highest degree; for chains one of these for each layer.
+pub fn pixel_shape(camera: &Camera) -> Vec<usize> {
+    let degree = |layer: &Rays| match layer {
+        Rays::Curves(curves) => Some(curves.map.degree()),
+        _ => (camera.kind == "projector").then_some(1),
+    };
+    let layers = camera.layers.len();
+    let mut shape = if layers > 1 || camera.kind == "chain" { vec![layers] } else { Vec::new() };
+    match camera.layers.iter().filter_map(degree).max() {
+        Some(m) => shape.extend([m + 1, 3]),
+        None => shape.push(6),
+    }
+    shape
+}
+
+/// Writes every pixel's rays, H x W x [`pixel_shape`]; NaN where a pixel, or a layer of it, has none.
 pub fn write_rays(path: &Path, camera: &Camera) -> Result<()> {
+    let shape = pixel_shape(camera);
+    let (each, straight): (usize, bool) = (shape.iter().product(), shape.last() == Some(&6));
     let width = camera.width as usize;
-    let mut numbers = vec![f64::NAN; 6 * width * camera.height as usize];
-    numbers.par_chunks_mut(6 * width).enumerate().for_each(|(j, row)| {
-        for (i, six) in row.chunks_exact_mut(6).enumerate() {
-            if let Some(ray) = camera.ray(i as u32, j as u32) {
-                six[..3].copy_from_slice(&ray.origin.to_array());
-                six[3..].copy_from_slice(&ray.direction.to_array());
+    let mut numbers = vec![f64::NAN; each * width * camera.height as usize];
+    numbers.par_chunks_mut(each * width).enumerate().for_each(|(j, row)| {
+        for (i, pixel) in row.chunks_exact_mut(each).enumerate() {
+            for (layer, numbers) in pixel.chunks_exact_mut(each / camera.layers.len()).enumerate() {
+                put_ray(numbers, straight, camera, (layer, i as u32, j as u32));
             }
         }
     });
-    write_npy_f64(path, &[camera.height.into(), camera.width.into(), 6], &numbers)
+    let image = [camera.height.into(), camera.width.into()];
+    write_npy_f64(path, &[&image[..], &shape.iter().map(|n| *n as u64).collect::<Vec<_>>()].concat(), &numbers)
+}
+
+/// P and D of a straight ray, or the control points of a curve of the degree that there is room for.
+fn put_ray(numbers: &mut [f64], straight: bool, camera: &Camera, (layer, i, j): (usize, u32, u32)) {
+    let vectors = if straight {
+        camera.pixel(layer, i, j).map(|(_, bundle)| bundle.ray(0.0, 0.0)).map(|ray| vec![ray.origin, ray.direction])
+    } else {
+        camera.curve(layer, i, j).map(|(_, curve)| curve.elevated(numbers.len() / 3 - 1).points().to_vec())
+    };
+    for (three, vector) in numbers.chunks_exact_mut(3).zip(vectors.into_iter().flatten()) {
+        three.copy_from_slice(&vector.to_array());
+    }
 }

@@ -210,9 +210,9 @@ fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {
     buffers.upload(gpu, "tile_start", &band.tiles.start)?;
     buffers.upload(gpu, "cells", &band.tiles.cells)?;
     buffers.upload(gpu, "pieces", &band.tiles.pieces)?;
-    if let Some(field) = &band.field {
-        buffers.upload(gpu, "field_hi", &field.hi)?;
-        buffers.upload(gpu, "field_lo", &field.lo)?;
+    if let Some(rays) = &band.rays {
+        buffers.upload(gpu, "rays_hi", &rays.hi)?;
+        buffers.upload(gpu, "rays_lo", &rays.lo)?;
     }
     Ok(buffers)
 }

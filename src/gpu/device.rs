@@ -151,7 +151,7 @@ impl Gpu {
 }
 
 /// Storage buffers of the kernel that binds most: `shade`.
-pub const STORAGE_BUFFERS: u32 = 13;
+pub const STORAGE_BUFFERS: u32 = 14;
 
 /// An error's text on one line.
 pub fn one_line(e: impl std::fmt::Display) -> String {

@@ -6,6 +6,17 @@
 use crate::frame::Channel;
 use std::fmt::Write;
 
+/// How the kernels hold a camera's rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RaysKind {
+    /// Affine pieces.
+    Pieces,
+    /// A ray a pixel.
+    Field,
+    /// A Bezier curve a pixel and layer, all of this degree.
+    Curves { degree: u32 },
+}
+
 /// Which variants of the kernels a scene and an adapter need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
@@ -13,8 +24,9 @@ pub struct Variant {
     pub f64: bool,
     /// One 64-bit atomic a fragment; without it two dispatches of 32-bit ones.
     pub atomics64: bool,
-    /// The camera is a ray field, not pieces.
-    pub field: bool,
+    pub rays: RaysKind,
+    /// The tiles of several layers, or of several spans of t, are stacked below each other.
+    pub sheeted: bool,
     /// Count tested and kept fragments.
     pub counting: bool,
 }
@@ -53,14 +65,18 @@ macro_rules! snippet {
 
 const PARAMS: &str = snippet!("shared/params.wgsl");
 const INDEX: &str = snippet!("shared/index.wgsl");
+const SHEETS: &str = snippet!("shared/sheets.wgsl");
 const VERTEX: &str = snippet!("shared/vertex.wgsl");
 const TRIANGLE: &str = snippet!("shared/triangle.wgsl");
 const BUNDLE: &str = snippet!("shared/bundle.wgsl");
 const SHADING: &str = snippet!("shared/shading.wgsl");
 const CONICS: &str = snippet!("shared/node_conics.wgsl");
 const EXTENT: &str = snippet!("shared/extent.wgsl");
+const MEETS: &str = snippet!("shared/meets.wgsl");
 const PAIR: &str = snippet!("shared/pair.wgsl");
 const BITS: &str = snippet!("shared/bits.wgsl");
+const MEETING: &str = snippet!("shared/meeting.wgsl");
+const MEETING_OF_RAYS: &str = snippet!("shared/meeting_of_rays.wgsl");
 const KEY: &str = snippet!("shared/key.wgsl");
 
 impl Variant {
@@ -73,20 +89,49 @@ impl Variant {
     }
 
     fn camera(self) -> &'static str {
-        if self.field { snippet!("camera/field.wgsl") } else { snippet!("camera/pieces.wgsl") }
+        match self.rays {
+            RaysKind::Pieces => snippet!("camera/pieces.wgsl"),
+            RaysKind::Field => snippet!("camera/field.wgsl"),
+            RaysKind::Curves { .. } => snippet!("camera/curves.wgsl"),
+        }
     }
 
-    fn coverage(self) -> &'static str {
-        if self.field { snippet!("camera/field_coverage.wgsl") } else { snippet!("camera/pieces_coverage.wgsl") }
+    /// The camera's rays pixel by pixel, after they were found by tiles and cells.
+    fn pixel(self) -> &'static [&'static str] {
+        const CELLS: &str = snippet!("shared/cells.wgsl");
+        match self.rays {
+            RaysKind::Pieces => &[CELLS, snippet!("camera/pieces_pixel.wgsl")],
+            RaysKind::Field => &[snippet!("camera/field_pixel.wgsl")],
+            RaysKind::Curves { .. } => &[CELLS, snippet!("camera/curves_pixel.wgsl")],
+        }
+    }
+
+    fn coverage(self) -> &'static [&'static str] {
+        const STRAIGHT: &str = snippet!("camera/straight_coverage.wgsl");
+        match self.rays {
+            RaysKind::Pieces => &[STRAIGHT, MEETING_OF_RAYS, snippet!("camera/pieces_coverage.wgsl")],
+            RaysKind::Field => &[STRAIGHT, MEETING_OF_RAYS, snippet!("camera/field_coverage.wgsl")],
+            RaysKind::Curves { .. } => &[snippet!("camera/curves_coverage.wgsl")],
+        }
     }
 
     /// The buffers that hold the camera's rays.
     fn rays(self) -> Vec<Binding> {
-        if self.field {
-            vec![read("field_hi", "array<f32>"), read("field_lo", "array<f32>")]
-        } else {
-            vec![read("pieces", "array<Piece>"), read("tile_start", "array<u32>"), read("cells", "array<Cell>")]
+        match self.rays {
+            RaysKind::Pieces => vec![read("pieces", "array<Piece>")],
+            RaysKind::Field | RaysKind::Curves { .. } => {
+                vec![read("rays_hi", "array<f32>"), read("rays_lo", "array<f32>")]
+            }
         }
+    }
+
+    /// The constants of kernels that follow the camera's rays.
+    fn constants(self) -> Vec<(&'static str, f64)> {
+        let mut constants = vec![("SHEETED", self.sheeted as u32 as f64)];
+        if let RaysKind::Curves { degree } = self.rays {
+            constants.push(("DEGREE", degree as f64));
+        }
+        constants
     }
 }
 
@@ -146,7 +191,7 @@ pub fn cull() -> Kernel {
         write("work", "array<vec2<u32>>"),
         counters(),
     ];
-    kernel("cull", bindings, &[PARAMS, INDEX, snippet!("shared/meets.wgsl"), snippet!("cull.wgsl")])
+    kernel("cull", bindings, &[PARAMS, INDEX, MEETS, snippet!("cull.wgsl")])
 }
 
 pub fn bin(variant: Variant) -> Kernel {
@@ -161,7 +206,9 @@ pub fn bin(variant: Variant) -> Kernel {
         write("pairs", "array<vec2<u32>>"),
         counters(),
     ];
-    let mut kernel = kernel("bin", bindings, &[PARAMS, INDEX, VERTEX, PAIR, CONICS, EXTENT, snippet!("bin.wgsl")]);
+    let mut kernel =
+        kernel("bin", bindings, &[PARAMS, INDEX, SHEETS, VERTEX, PAIR, CONICS, EXTENT, MEETS, snippet!("bin.wgsl")]);
+    kernel.constants.push(("SHEETED", variant.sheeted as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
 }
@@ -179,12 +226,11 @@ pub fn raster(variant: Variant) -> Kernel {
         counters(),
     ];
     bindings.extend(variant.rays());
-    if variant.field {
-        bindings.push(read("cells", "array<Cell>"));
-    }
-    let snippets = [PARAMS, INDEX, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [PAIR, BITS, variant.merge(), variant.camera(), variant.coverage(), snippet!("raster.wgsl")];
-    let mut kernel = kernel("raster", bindings, &[&snippets[..], &own[..]].concat());
+    bindings.push(read("cells", "array<Cell>"));
+    let snippets = [PARAMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    let own = [PAIR, BITS, variant.merge(), MEETING, variant.camera(), snippet!("raster.wgsl")];
+    let mut kernel = kernel("raster", bindings, &[&snippets[..], &own[..], variant.coverage()].concat());
+    kernel.constants = variant.constants();
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
 }
@@ -205,10 +251,13 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
         write("planes", "array<u32>"),
     ];
     bindings.extend(variant.rays());
-    let snippets = [PARAMS, INDEX, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    if variant.rays != RaysKind::Field {
+        bindings.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
+    }
+    let snippets = [PARAMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     let own = [variant.camera(), SHADING, snippet!("shade.wgsl")];
-    let mut kernel = kernel("shade", bindings, &[&snippets[..], &own[..]].concat());
-    kernel.constants = plane_constants(planes);
+    let mut kernel = kernel("shade", bindings, &[&snippets[..], &own[..], variant.pixel()].concat());
+    kernel.constants = [variant.constants(), plane_constants(planes)].concat();
     kernel
 }
 

@@ -120,22 +120,25 @@ pub fn read_exr(path: &Path) -> Result<Frame> {
     Ok(Frame { width, height, planes })
 }
 
-/// Reads the first `N` of the channels R, G and B: width, height and the planes.
-pub(super) fn read_rgb<const N: usize>(path: &Path) -> Result<(u32, u32, [Vec<f32>; N])> {
+/// Reads float channels: width, height and a plane each. `holds` says what they are for, as "R G B must hold x y z".
+pub(super) fn read_planes<const N: usize>(
+    path: &Path,
+    channels: [Channel; N],
+    holds: &str,
+) -> Result<(u32, u32, [Vec<f32>; N])> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
     let (width, height, mut layer) = read_layer(path).map_err(refuse)?;
-    let held = [("R", "x"), ("R G", "x y"), ("R G B", "x y z")][N - 1];
     let mut plane = |channel: Channel| {
         let name = channel.name();
-        let samples = take_channel(&mut layer, name)
-            .ok_or_else(|| refuse(format!("there is no channel {name}; {} must hold {}", held.0, held.1)))?;
+        let samples =
+            take_channel(&mut layer, name).ok_or_else(|| refuse(format!("there is no channel {name}; {holds}")))?;
         match plane_from(channel, samples, width as usize * height as usize).map_err(refuse)? {
             Plane::F32(values) => Ok(values),
             Plane::U32(_) => Err(refuse(format!("channel {name} holds whole numbers, not floats"))),
         }
     };
-    let mut planes = std::array::from_fn(|_| Vec::new());
-    for (values, channel) in planes.iter_mut().zip([Channel::R, Channel::G, Channel::B]) {
+    let mut planes = [const { Vec::new() }; N];
+    for (values, channel) in planes.iter_mut().zip(channels) {
         *values = plane(channel)?;
     }
     Ok((width, height, planes))

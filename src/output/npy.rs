@@ -37,17 +37,17 @@ struct Header {
     big_endian: bool,
 }
 
-/// Reads an f32 or f64 array in C order, shape H x W x `parts`, as (width, height, W H parts numbers).
+/// Reads an f32 or f64 array in C order, shape H x W x `each`, as (width, height, `each` W H numbers).
 ///
 /// # Errors
 /// What is wrong, without the file's name.
-pub(super) fn read_npy_image(file: File, parts: u64) -> std::result::Result<(u32, u32, Vec<f64>), String> {
+pub(super) fn read_npy_vectors(file: File, each: u64) -> std::result::Result<(u32, u32, Vec<f64>), String> {
     let (shape, numbers) = read_array(file, |shape| match *shape {
-        [height, width, depth] if depth == parts => {
+        [height, width, depth] if depth == each => {
             check_size(width, height).map_err(|e| e.to_string())?;
-            Ok(width * height * parts)
+            Ok(width * height * each)
         }
-        _ => Err(format!("the array's shape is {shape:?}; it must be height x width x {parts}")),
+        _ => Err(format!("the array's shape is {shape:?}; it must be height x width x {each}")),
     })?;
     // Both sides are far under 2^32 by the check above.
     Ok((shape[1] as u32, shape[0] as u32, numbers))

@@ -1,13 +1,14 @@
-//! A vector a pixel from a .npy or an EXR file: a ray map's origins and directions, a table of offsets.
+//! One vector a pixel from a .npy or an EXR file: a ray map's origins and directions, a table of places.
 
 use std::fs::File;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::exr::read_rgb;
-use super::npy::read_npy_image;
+use super::exr::read_planes;
+use super::npy::read_npy_vectors;
 use crate::error::{Error, Result};
+use crate::frame::Channel;
 
 /// Reads width, height and one vector a pixel, row by row from the top: .npy of f32 or f64 in C order
 /// with shape height x width x 3, or EXR with R G B = x y z. Values may be NaN or infinite.
@@ -15,24 +16,25 @@ use crate::error::{Error, Result};
 /// # Errors
 /// [`Error::Input`] naming the file: not there, another format, shape or type, or cut short.
 pub fn read_vectors(path: &Path) -> Result<(u32, u32, Vec<DVec3>)> {
-    let (width, height, vectors) = read_image::<3>(path)?;
-    Ok((width, height, vectors.into_iter().map(DVec3::from_array).collect()))
+    let channels = [Channel::R, Channel::G, Channel::B];
+    let (width, height, numbers) = read(path, channels, "R G B must hold x y z")?;
+    Ok((width, height, numbers.into_iter().map(DVec3::from).collect()))
 }
 
-/// As [`read_vectors`], of two numbers a pixel: .npy of shape height x width x 2, or EXR with R G = x y.
+/// Reads width, height and two numbers a pixel: as [`read_vectors`], with shape height x width x 2, or EXR with R and G.
 pub fn read_pairs(path: &Path) -> Result<(u32, u32, Vec<DVec2>)> {
-    let (width, height, vectors) = read_image::<2>(path)?;
-    Ok((width, height, vectors.into_iter().map(DVec2::from_array).collect()))
+    let (width, height, numbers) = read(path, [Channel::R, Channel::G], "R and G must hold the two numbers")?;
+    Ok((width, height, numbers.into_iter().map(DVec2::from).collect()))
 }
 
-fn read_image<const N: usize>(path: &Path) -> Result<(u32, u32, Vec<[f64; N]>)> {
+fn read<const N: usize>(path: &Path, channels: [Channel; N], holds: &str) -> Result<(u32, u32, Vec<[f64; N]>)> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
         Some("npy") => read_npy(path).map_err(|why| Error::input(format!("{}: {why}", path.display()))),
         Some("exr") => {
-            let (width, height, planes) = read_rgb::<N>(path)?;
-            let vector = |k: usize| std::array::from_fn(|n| f64::from(planes[n][k]));
-            Ok((width, height, (0..planes[0].len()).map(vector).collect()))
+            let (width, height, planes) = read_planes(path, channels, holds)?;
+            let at = |k: usize| planes.each_ref().map(|plane| f64::from(plane[k]));
+            Ok((width, height, (0..planes[0].len()).map(at).collect()))
         }
         _ => Err(Error::input(format!("{}: vectors are read from .npy or .exr files only", path.display()))),
     }
@@ -40,8 +42,8 @@ fn read_image<const N: usize>(path: &Path) -> Result<(u32, u32, Vec<[f64; N]>)> 
 
 fn read_npy<const N: usize>(path: &Path) -> std::result::Result<(u32, u32, Vec<[f64; N]>), String> {
     let file = File::open(path).map_err(|e| format!("cannot be read: {e}; check the path"))?;
-    let (width, height, numbers) = read_npy_image(file, N as u64)?;
-    Ok((width, height, numbers.chunks_exact(N).map(|c| std::array::from_fn(|n| c[n])).collect()))
+    let (width, height, numbers) = read_npy_vectors(file, N as u64)?;
+    Ok((width, height, numbers.chunks_exact(N).map(|n| std::array::from_fn(|k| n[k])).collect()))
 }
 
 #[cfg(test)]
@@ -73,6 +75,7 @@ mod tests {
         write_exr(&path, &Frame { width: 2, height: 1, planes: planes.clone() }, &[]).unwrap();
         let expected = vec![DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.5, 2.5, 3.5)];
         assert_eq!(read_vectors(&path).unwrap(), (2, 1, expected));
+        assert_eq!(read_pairs(&path).unwrap(), (2, 1, vec![DVec2::new(1.0, 2.0), DVec2::new(1.5, 2.5)]));
         write_exr(&path, &Frame { width: 2, height: 1, planes: planes[..2].into() }, &[]).unwrap();
         let missing = read_vectors(&path).unwrap_err();
         assert!(missing.exit_code() == 2 && missing.to_string().contains("no channel B"), "{missing}");
@@ -89,6 +92,7 @@ mod tests {
         fails("cannot be read");
         write_npy_f64(&path, &[2, 2, 2], &[0.0; 8]).unwrap();
         fails("must be height x width x 3");
+        assert_eq!(read_pairs(&path).unwrap(), (2, 2, vec![DVec2::ZERO; 4]));
         write_npy_f64(&path, &[2, 6], &[0.0; 12]).unwrap();
         fails("must be height x width x 3");
         write_npy_f64(&path, &[0, 2, 3], &[]).unwrap();

@@ -1,18 +1,23 @@
 //! The plan: what a frame needs, worked out before the GPU is touched. Pure functions of camera, scene and limits.
 //!
 //! The image is cut into bands of whole tile rows that fit the adapter's bindings. Every band has its tiles ([`tiles`]:
-//! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square).
+//! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square). The
+//! tiles of a chain's layers, and of the spans of curved rays, lie stacked as [`sheets`].
 
+pub mod curves;
 pub mod nodes;
+pub mod sheets;
 pub mod tiles;
 
 use crate::camera::{Camera, Rays};
 use crate::frame::Channel;
 use crate::gpu::device::Abilities;
-use crate::gpu::kernels::Variant;
-use crate::gpu::rows;
+use crate::gpu::kernels::{RaysKind, Variant};
+use crate::gpu::rows::{self, BRANCH};
+use curves::{CurveTable, RayTable};
 use glam::DVec3;
 use serde::Serialize;
+use sheets::Sheets;
 
 /// Something that a frame does without.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -40,21 +45,15 @@ pub struct Band {
     pub rows: u32,
     pub tiles: tiles::Tiles,
     pub nodes: nodes::Nodes,
-    /// The camera's ray table for the band, where it is a ray field.
-    pub field: Option<FieldTable>,
-}
-
-/// Rays of a ray field relative to the anchor: six numbers a pixel, hi and lo, one column and row more than the band.
-#[derive(Debug, Clone, Default)]
-pub struct FieldTable {
-    pub hi: Vec<f32>,
-    pub lo: Vec<f32>,
+    /// What every pixel's ray or curve is, where the camera has no affine pieces.
+    pub rays: Option<RayTable>,
 }
 
 /// What one frame takes.
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub variant: Variant,
+    pub sheets: Sheets,
     pub bands: Vec<Band>,
     /// The channels that `shade` writes: those wanted, and colour where sRGB is.
     pub planes: Vec<Channel>,
@@ -85,33 +84,45 @@ impl Plan {
         has: Abilities,
         binding_limit: u64,
     ) -> Plan {
-        let field = matches!(camera.layers[0], Rays::Field(_));
-        let variant = Variant { f64: has.f64, atomics64: has.atomics64, field, counting: wanted.counting };
+        let sheets = Sheets::of(camera);
+        let variant = Variant {
+            f64: has.f64,
+            atomics64: has.atomics64,
+            rays: sheets::kind(camera),
+            sheeted: sheets.count() > 1,
+            counting: wanted.counting,
+        };
         let mut planes = wanted.channels.clone();
         if wanted.srgb8 {
             planes.extend([Channel::R, Channel::G, Channel::B]);
         }
         planes.sort_unstable();
         planes.dedup();
-        let pixel_bytes = (4 * planes.len() as u64).max(if field { 24 } else { 8 });
-        let bands = bands(camera, anchor, pixel_bytes, binding_limit);
+        let table_bytes = match variant.rays {
+            RaysKind::Pieces => 0,
+            RaysKind::Field => 24,
+            RaysKind::Curves { degree } => 12 * (degree as u64 + 1) * sheets.layers as u64,
+        };
+        let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes);
+        let bands = bands(camera, sheets, anchor, pixel_bytes, binding_limit);
         let id_bits = usize::BITS - triangles.saturating_sub(1).leading_zeros();
-        let left_out = left_out(camera, &bands, &planes, wanted, has_normals, has);
-        Plan { variant, bands, planes, id_bits: id_bits.max(1), anchor, left_out }
+        let left_out = left_out(camera, sheets, &bands, &planes, wanted, has_normals, has);
+        Plan { variant, sheets, bands, planes, id_bits: id_bits.max(1), anchor, left_out }
     }
 }
 
 /// Cuts the image into bands whose every buffer fits a binding.
-fn bands(camera: &Camera, anchor: DVec3, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
+fn bands(camera: &Camera, sheets: Sheets, anchor: DVec3, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
     let tile = crate::TILE as u64;
     let row_bytes = (camera.width as u64 + 1) * pixel_bytes;
     // one row more than the band: the ray table's
-    let rows = ((binding_limit / row_bytes).saturating_sub(1) / tile * tile).max(tile) as u32;
+    let fit = ((binding_limit / row_bytes).saturating_sub(1) / tile * tile).max(tile) as u32;
+    let rows = fit.min(TILE_ROWS_MAX / sheets.count() / BRANCH * BRANCH * crate::TILE);
     let mut todo: Vec<(u32, u32)> =
         (0..camera.height).step_by(rows as usize).map(|r| (r, rows.min(camera.height - r))).rev().collect();
     let mut bands = Vec::new();
     while let Some((row, rows)) = todo.pop() {
-        let band = Band::new(camera, anchor, row, rows);
+        let band = Band::new(camera, sheets, anchor, row, rows);
         let fits = band.tiles.cells.len() <= CELLS_MAX
             && band.tiles.cells.len() * size_of::<rows::Cell>() <= binding_limit as usize
             && band.tiles.pieces.len() * size_of::<rows::Piece>() <= binding_limit as usize;
@@ -126,23 +137,32 @@ fn bands(camera: &Camera, anchor: DVec3, pixel_bytes: u64, binding_limit: u64) -
     bands
 }
 
+/// Rows of tiles that a node's address can name: 14 bits.
+const TILE_ROWS_MAX: u32 = 1 << 14;
+
 /// Cells that a pair can name: 24 bits.
 const CELLS_MAX: usize = 1 << 24;
 
 impl Band {
-    fn new(camera: &Camera, anchor: DVec3, row: u32, rows: u32) -> Band {
-        let (tiles, samples) = tiles::Tiles::new(camera, anchor, row, rows);
-        let nodes = nodes::Nodes::new(&samples, tiles.tiles_x, tiles.tiles_y);
-        let field = match &camera.layers[0] {
-            Rays::Field(f) => Some(tiles::field_table(f, anchor, row, rows)),
-            Rays::Pieces(_) | Rays::Curves(_) => None,
+    fn new(camera: &Camera, sheets: Sheets, anchor: DVec3, row: u32, rows: u32) -> Band {
+        let curves = match sheets::kind(camera) {
+            RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
+            _ => None,
         };
-        Band { row, rows, tiles, nodes, field }
+        let (tiles, samples) = tiles::Cutting { camera, sheets, curves: curves.as_ref(), anchor, row, rows }.cut();
+        let nodes = nodes::Nodes::new(&samples, tiles.tiles_x, tiles.tiles_y);
+        let rays = match (&curves, camera.layers.as_slice()) {
+            (Some(table), _) => Some(table.rays(anchor)),
+            (None, [Rays::Field(field)]) => Some(RayTable::of_field(field, anchor, row, rows)),
+            _ => None,
+        };
+        Band { row, rows, tiles, nodes, rays }
     }
 }
 
 fn left_out(
     camera: &Camera,
+    sheets: Sheets,
     bands: &[Band],
     planes: &[Channel],
     wanted: &Wanted,
@@ -151,10 +171,16 @@ fn left_out(
 ) -> Vec<LeftOut> {
     let mut list = Vec::new();
     let mut say = |what: &str, why: String| list.push(LeftOut { what: what.into(), why });
-    if matches!(camera.layers[0], Rays::Pieces(_)) {
-        say("per-pixel ray table", "every ray follows from its piece".into());
-    } else {
-        say("edge conics", "the camera is a ray field".into());
+    match sheets::kind(camera) {
+        RaysKind::Pieces => say("per-pixel ray table", "every ray follows from its piece".into()),
+        RaysKind::Field => say("edge conics", "the camera is a ray field".into()),
+        RaysKind::Curves { .. } => say("edge conics", "the camera's rays are curved".into()),
+    }
+    if !camera.is_curved() {
+        say("curves", "every ray is straight".into());
+    }
+    if sheets.count() == 1 {
+        say("sheets", "the camera has one layer of straight rays".into());
     }
     if bands.iter().all(|b| b.nodes.exact) {
         say("ray residuals", "every node holds one affine piece".into());

@@ -81,7 +81,7 @@ fn parent(children: &[Fit], (width, height): (u32, u32), x: u32, y: u32) -> Fit 
             let middle = (2.0 * DVec2::new(i as f64, j as f64) + 1.0) * half - 1.0;
             for corner in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from) {
                 let at = |c: &[DVec3; 3]| c[0] + corner.x * c[1] + corner.y * c[2];
-                samples.push(Sample { place: middle + half * corner, p: at(&child.p), d: at(&child.d) });
+                samples.push(Sample { place: middle + half * corner, p: at(&child.p), d: at(&child.d), bend: 0.0 });
             }
         }
     }
@@ -91,7 +91,8 @@ fn parent(children: &[Fit], (width, height): (u32, u32), x: u32, y: u32) -> Fit 
 }
 
 impl Fit {
-    /// Least squares; the radii are the largest distances that remain.
+    /// Least squares; the radii are the largest distances that remain, a bend included: a point of a bent ray lies on the
+    /// straight one moved by at most that.
     fn of(samples: &[Sample]) -> Fit {
         if samples.is_empty() {
             return Fit::default();
@@ -122,7 +123,7 @@ impl Fit {
         let p = [mean_p - middle.x * px - middle.y * py, px, py];
         let d = [mean_d - middle.x * dx - middle.y * dy, dx, dy];
         let far = |c: &[DVec3; 3], v: DVec3, q: DVec2| (c[0] + q.x * c[1] + q.y * c[2] - v).length();
-        let r_p = samples.iter().map(|s| far(&p, s.p, s.place)).fold(0.0, f64::max);
+        let r_p = samples.iter().map(|s| far(&p, s.p, s.place) + s.bend).fold(0.0, f64::max);
         let r_d = samples.iter().map(|s| far(&d, s.d, s.place)).fold(0.0, f64::max);
         let mut fit = Fit { p, d, r_p, r_d, rays: RAYS_LOOSE };
         let (size_p, size_d) = fit.sizes();

@@ -1,5 +1,6 @@
 //! All rays of a bundle within a box about its centre, as an interval of origins and one of directions.
 
+use super::bvh::Probe;
 use crate::camera::bundle::Bundle;
 use glam::DVec3;
 
@@ -49,9 +50,11 @@ impl Beam {
         let turned = Interval3 { lo: direction.hi.map(|v| -v), hi: direction.lo.map(|v| -v) };
         Some(Beam { forward: Half::new(origin, direction), backward: Half::new(origin, turned) })
     }
+}
 
-    /// An interval that holds every `t` in `range` at which some ray of the beam is in the box `lo..hi`.
-    pub fn span(&self, lo: DVec3, hi: DVec3, range: [f64; 2]) -> Option<[f64; 2]> {
+impl Probe for Beam {
+    /// Some ray of the beam is in the box.
+    fn span(&self, lo: DVec3, hi: DVec3, range: [f64; 2]) -> Option<[f64; 2]> {
         let front = if range[1] >= 0.0 { self.forward.clip(lo, hi, [range[0].max(0.0), range[1]]) } else { None };
         if range[0] >= 0.0 {
             return front;

@@ -1,6 +1,5 @@
 //! A bounding volume hierarchy over triangles, in f64.
 
-use super::beam::Beam;
 use glam::DVec3;
 
 /// Triangles in a leaf, at most.
@@ -20,6 +19,12 @@ pub struct Bvh {
     nodes: Vec<Node>,
     /// Triangle ids; a leaf owns a run of them.
     order: Vec<u32>,
+}
+
+/// What may meet a box: rays or curves.
+pub trait Probe {
+    /// An interval that holds every `t` in `range` at which some of it is in the box `lo..hi`.
+    fn span(&self, lo: DVec3, hi: DVec3, range: [f64; 2]) -> Option<[f64; 2]>;
 }
 
 /// One triangle to be placed.
@@ -49,13 +54,13 @@ impl Bvh {
         Bvh { nodes, order: items.iter().map(|i| i.id).collect() }
     }
 
-    /// Visits every triangle whose box some ray of the beam meets at a `t` in `range`, near ones first as a
-    /// rule. `visit` returns the largest `t` that still matters.
-    pub fn walk(&self, beam: &Beam, range: [f64; 2], mut visit: impl FnMut(u32) -> f64) {
+    /// Visits every triangle whose box the probe meets at a `t` in `range`, near ones first as a rule. `visit` returns
+    /// the largest `t` that still matters.
+    pub fn walk(&self, probe: &impl Probe, range: [f64; 2], mut visit: impl FnMut(u32) -> f64) {
         let [t_min, mut t_max] = range;
         let enter = |k: usize, t_max: f64| {
             let node = self.nodes.get(k)?;
-            beam.span(node.lo, node.hi, [t_min, t_max]).map(|s| (k, s[0]))
+            probe.span(node.lo, node.hi, [t_min, t_max]).map(|s| (k, s[0]))
         };
         let mut stack = [(0_usize, 0.0_f64); STACK];
         let mut top = 0;

@@ -33,11 +33,12 @@ pub struct Corners {
     pub parity: i8,
 }
 
-/// Where a ray meets a triangle.
+/// Where a ray or a curve meets a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Meeting {
     pub t: f64,
-    /// The sign of the triangle's `E`s and of `N . D`, of its own winding: -1 where the front is seen.
+    /// The sign of the triangle's `E`s and of `N . D`, of its own winding: -1 where the front is seen, 0 where a curve
+    /// touches the triangle.
     pub sign: i8,
     /// Weights of the second and third vertex as given.
     pub bary: [f64; 2],
@@ -66,6 +67,11 @@ impl Corners {
     /// Two corners are in one place.
     pub fn is_degenerate(&self) -> bool {
         self.v[0] == self.v[1] || self.v[1] == self.v[2]
+    }
+
+    /// Place of sorted corner `k` in the triangle as given.
+    pub fn slot(&self, k: usize) -> usize {
+        self.slot[k].into()
     }
 
     pub fn bounds(&self) -> (DVec3, DVec3) {
@@ -157,8 +163,8 @@ pub fn meet(b: &Bundle, c: &Corners) -> Option<Meeting> {
     let t = depth(b, c)?;
     let sum = e[0] + e[1] + e[2];
     let mut weight = [0.0; 3];
-    for (k, slot) in c.slot.into_iter().enumerate() {
-        weight[slot as usize] = if sum == 0.0 { 1.0 / 3.0 } else { e[k] / sum };
+    for (k, e) in e.into_iter().enumerate() {
+        weight[c.slot(k)] = if sum == 0.0 { 1.0 / 3.0 } else { e / sum };
     }
     Some(Meeting { t, sign: sign * c.parity, bary: [weight[1], weight[2]] })
 }

@@ -1,6 +1,7 @@
 //! What may happen to one triangle anywhere in a small box about a pixel's centre: conservative bounds.
 
 use super::beam::Beam;
+use super::bvh::Probe;
 use super::intersect::{Corners, OPPOSITE, TERM_ROUNDING, cross_size, offset_size};
 use crate::camera::bundle::Bundle;
 use glam::DVec3;

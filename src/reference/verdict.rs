@@ -5,6 +5,7 @@ use super::intersect::Corners;
 use super::margin::{Depth, MARGIN_PX, Sides, beyond, clears};
 use super::{Hit, Reference, cover, nearer, upright, widened};
 use crate::camera::bundle::Bundle;
+use glam::DVec3;
 
 /// The answer for one pixel and how far it is from changing.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +50,10 @@ impl Reference<'_> {
     }
 
     fn verdict_of(&self, bundle: &Bundle, t_range: [f64; 2]) -> Verdict {
+        if bundle.d == [DVec3::ZERO; 3] {
+            // no ray anywhere near
+            return Verdict { hit: None, safe: true, candidates: Vec::new(), may_miss: true };
+        }
         let boxed = upright(bundle).and_then(|b| Beam::over(&b, MARGIN_PX).map(|beam| (b, beam)));
         let Some((bundle, beam)) = boxed else {
             // The rays break off within the box.

@@ -17,12 +17,12 @@ use glam::DVec3;
 pub(crate) use camera::read_pose;
 pub use camera::{CameraKind, CameraSpec, Named};
 pub use mesh::{MeshSource, MeshSpec};
-pub use mesh_camera::{CameraVertex, MeshCameraSpec};
+pub use mesh_camera::{CameraVertex, MeshCameraSpec, read_triangles};
 
 use crate::error::{Error, Result};
 use reader::{Field, Source};
 
-/// A scene as written: values checked one by one, files not yet opened (but for a mesh camera's own).
+/// A scene as written: values checked one by one, files not yet opened (but for a camera's own).
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneFile {
     pub image: ImageSpec,

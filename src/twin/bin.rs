@@ -2,8 +2,8 @@
 
 use super::cull::Address;
 use super::edge::side_over;
-use super::raster::{Corners, coverage};
-use super::rays::{PixelRays, owned};
+use super::raster::{Corners, test};
+use super::rays::{Cast, owned};
 use super::{Input, Real};
 use crate::TILE;
 use crate::gpu::rows::{BRANCH, Cell};
@@ -49,7 +49,7 @@ impl Pair {
     }
 }
 
-/// A triangle and a cell of which it covers pixels, at whatever t.
+/// A triangle and a cell of which it covers pixels, at a t in range and with a face that shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Binned {
     pub slot: u32,
@@ -93,7 +93,7 @@ fn bin_item(input: &Input, cluster: u32, node: Address, real: Real) -> Vec<Binne
             let row = &input.cells[cell as usize];
             let pixels = owned(row);
             let rays: Vec<_> =
-                (0..64).filter(|b| pixels >> b & 1 == 1).map(|bit| (bit, input.cell_rays(row, bit))).collect();
+                (0..64).filter(|b| pixels >> b & 1 == 1).map(|bit| (bit, input.cell_cast(row, bit))).collect();
             for (slot, corners) in &corners {
                 if beside(input, row, corners, real) {
                     continue;
@@ -109,12 +109,12 @@ fn bin_item(input: &Input, cluster: u32, node: Address, real: Real) -> Vec<Binne
 }
 
 /// The pixels, each with its rays, that a triangle covers beyond doubt and that it may cover.
-pub fn covered(input: &Input, rays: &[(u32, PixelRays)], corners: &Corners, real: Real) -> (u64, u64) {
+pub fn covered(input: &Input, casts: &[(u32, Cast)], corners: &Corners, real: Real) -> (u64, u64) {
     let (mut certain, mut possible) = (0, 0);
-    for (bit, rays) in rays {
-        let covered = coverage(input, rays, corners, real);
-        certain |= u64::from(covered.inside && !covered.doubtful) << bit;
-        possible |= u64::from(covered.inside || covered.doubtful) << bit;
+    for (bit, cast) in casts {
+        let tested = test(input, cast, corners, real);
+        certain |= u64::from(tested.hit.is_some() && !tested.doubtful) << bit;
+        possible |= u64::from(tested.hit.is_some() || tested.doubtful) << bit;
     }
     (certain, possible)
 }
@@ -122,13 +122,14 @@ pub fn covered(input: &Input, rays: &[(u32, PixelRays)], corners: &Corners, real
 /// Half of a tile, px: all its pixels' centres lie nearer to its middle pixel's corner.
 const TILE_HALF: f64 = TILE as f64 / 2.0;
 
-/// Two edges have all of a cell's tile on different sides: no pixel of it need be tested. Never so in a ray field,
-/// whose rays follow no rule.
+/// Two edges have all of a cell's tile on different sides: no pixel of it need be tested. Never so in a ray field
+/// or among curves, which follow no rule.
 pub fn beside(input: &Input, cell: &Cell, corners: &Corners, real: Real) -> bool {
-    if input.field.is_some() {
+    if input.rays.is_some() {
         return false;
     }
-    let middle = input.cell_rays(cell, (TILE / 2) * TILE + TILE / 2).bundle;
+    let Cast::Ray(rays) = input.cell_cast(cell, (TILE / 2) * TILE + TILE / 2) else { return false };
+    let middle = rays.bundle;
     let reach = f64::from(input.params.vertex_reach);
     let [v0, v1, v2] = corners.v;
     let side = |from: DVec3, to: DVec3| side_over(&middle, from, to, reach, real, TILE_HALF);

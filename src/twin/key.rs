@@ -32,42 +32,64 @@ impl Real {
             Real::F32 => 0.0,
         }
     }
+}
 
+/// How a frame's keys are laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct KeyForm {
+    pub real: Real,
+    /// Low bits that hold the triangle id.
+    pub id_bits: u32,
+    /// The layer stands in the top 4 bits.
+    pub sheeted: bool,
+}
+
+impl KeyForm {
     /// Ordered bits of t above, id below. In f64 the id takes the place of t's lowest bits; an f32 has a word of its
-    /// own.
-    pub fn key(self, t: f64, id: u32, id_bits: u32) -> u64 {
-        match self {
-            Real::F64 => ordered((t + 0.0).to_bits(), 63) & !id_mask(id_bits) | u64::from(id),
-            Real::F32 => ordered(u64::from((t as f32 + 0.0).to_bits()), 31) << 32 | u64::from(id),
+    /// own. With sheets t is in [0, 1], whose ordered bits begin with 10: the layer takes the place of these.
+    pub fn key(self, layer: u32, t: f64, id: u32) -> u64 {
+        let mut bits = match self.real {
+            Real::F64 => ordered((t + 0.0).to_bits(), 63),
+            Real::F32 => ordered(u64::from((t as f32 + 0.0).to_bits()), 31) << 32,
+        };
+        if self.sheeted {
+            bits = (bits << 2 >> 4) | u64::from(layer) << 60;
         }
+        bits & !self.id_mask() | u64::from(id)
+    }
+
+    pub fn layer(self, key: u64) -> u32 {
+        if self.sheeted { (key >> 60) as u32 } else { 0 }
     }
 
     /// The t of a key: the middle of those that the id cut off.
-    pub fn key_t(self, key: u64, id_bits: u32) -> f64 {
-        match self {
-            Real::F64 => {
-                let mask = id_mask(id_bits);
-                f64::from_bits(unordered(key & !mask | (mask ^ mask >> 1), 63))
-            }
-            Real::F32 => f64::from(f32::from_bits(unordered(key >> 32, 31) as u32)),
+    pub fn t(self, key: u64) -> f64 {
+        let mask = self.id_mask();
+        let mut bits = key & !mask | (mask ^ mask >> 1);
+        if self.sheeted {
+            bits = bits << 4 >> 2 | 1 << 63;
         }
+        match self.real {
+            Real::F64 => f64::from_bits(unordered(bits, 63)),
+            Real::F32 => f64::from(f32::from_bits(unordered(bits >> 32, 31) as u32)),
+        }
+    }
+
+    pub fn id(self, key: u64) -> u32 {
+        (key & self.id_mask()) as u32
     }
 
     /// Relative distance of two neighbouring ts that keys tell apart.
-    pub fn key_step(self, id_bits: u32) -> f64 {
-        match self {
-            Real::F64 => f64::EPSILON * (1u64 << id_bits) as f64,
+    pub fn step(self) -> f64 {
+        match self.real {
+            Real::F64 => f64::EPSILON * (1u64 << (self.id_bits + if self.sheeted { 2 } else { 0 })) as f64,
             Real::F32 => f64::from(f32::EPSILON),
         }
     }
-}
 
-pub fn key_id(key: u64, id_bits: u32) -> u32 {
-    (key & id_mask(id_bits)) as u32
-}
-
-fn id_mask(id_bits: u32) -> u64 {
-    (1 << id_bits) - 1
+    fn id_mask(self) -> u64 {
+        (1 << self.id_bits) - 1
+    }
 }
 
 /// Bits such that larger numbers have larger ones; `sign` is the place of the sign bit.
@@ -85,15 +107,36 @@ fn unordered(bits: u64, sign: u32) -> u64 {
 mod tests {
     use super::*;
 
+    fn form(real: Real, id_bits: u32) -> KeyForm {
+        KeyForm { real, id_bits, sheeted: false }
+    }
+
     #[test]
     fn keys_order_by_t_then_by_id() {
         let ts = [f64::NEG_INFINITY, -1e30, -2.0, -1.0, -1e-30, 0.0, 1e-30, 1.0, 2.0, f64::INFINITY];
         for real in [Real::F64, Real::F32] {
+            let form = form(real, 3);
             for pair in ts.windows(2) {
-                assert!(real.key(pair[0], 7, 3) < real.key(pair[1], 0, 3), "{pair:?}");
+                assert!(form.key(0, pair[0], 7) < form.key(0, pair[1], 0), "{pair:?}");
             }
-            assert!(real.key(1.0, 2, 3) < real.key(1.0, 3, 3));
-            assert_eq!(real.key(-0.0, 2, 3), real.key(0.0, 2, 3));
+            assert!(form.key(0, 1.0, 2) < form.key(0, 1.0, 3));
+            assert_eq!(form.key(0, -0.0, 2), form.key(0, 0.0, 2));
+        }
+    }
+
+    #[test]
+    fn keys_with_sheets_order_by_layer_first() {
+        for real in [Real::F64, Real::F32] {
+            let form = KeyForm { sheeted: true, ..form(real, 3) };
+            let hits = [(0, 0.0), (0, 1e-30), (0, 0.5), (0, 1.0), (1, 0.0), (1, 1.0), (15, 0.0), (15, 1.0)];
+            for pair in hits.windows(2) {
+                assert!(form.key(pair[0].0, pair[0].1, 7) < form.key(pair[1].0, pair[1].1, 0), "{pair:?}");
+            }
+            for (layer, t) in hits {
+                let key = form.key(layer, t, 5);
+                assert_eq!((form.layer(key), form.id(key)), (layer, 5));
+                assert!((form.t(key) - t).abs() <= form.step() * t.max(1e-30), "{layer} {t}");
+            }
         }
     }
 
@@ -102,9 +145,10 @@ mod tests {
         for real in [Real::F64, Real::F32] {
             for t in [-1234.567, -1.0, -0.3, 1e-20, 0.7, 1e9] {
                 for id_bits in [1, 10, 28] {
-                    let key = real.key(t, 1, id_bits);
-                    assert_eq!(key_id(key, id_bits), 1);
-                    assert!((real.key_t(key, id_bits) - t).abs() <= real.key_step(id_bits) * t.abs());
+                    let form = form(real, id_bits);
+                    let key = form.key(0, t, 1);
+                    assert_eq!((form.id(key), form.layer(key)), (1, 0));
+                    assert!((form.t(key) - t).abs() <= form.step() * t.abs());
                 }
             }
         }

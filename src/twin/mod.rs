@@ -6,6 +6,7 @@
 
 pub mod bin;
 pub mod cull;
+pub mod curve;
 pub mod edge;
 pub mod key;
 pub mod raster;
@@ -13,15 +14,17 @@ pub mod rays;
 pub mod shade;
 pub mod write;
 
-pub use key::Real;
+pub use key::{KeyForm, Real};
 
 use crate::camera::Camera;
 use crate::engine::Capacities;
 use crate::engine::tables::{Look, Span, params};
 use crate::frame::{Channel, Frame, Plane};
 use crate::gpu::device::Abilities;
+use crate::gpu::kernels::RaysKind;
 use crate::gpu::rows::{Cell, Cluster, Node, ONE_SIDED, Params, Piece};
-use crate::plan::{self, FieldTable, Plan, Wanted};
+use crate::plan::curves::RayTable;
+use crate::plan::{self, Plan, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::{Clustered, cluster};
 use glam::DVec3;
@@ -36,7 +39,10 @@ pub struct Input<'a> {
     pub tile_start: &'a [u32],
     pub cells: &'a [Cell],
     pub pieces: &'a [Piece],
-    pub field: Option<&'a FieldTable>,
+    pub kind: RaysKind,
+    pub rays: Option<&'a RayTable>,
+    /// Keys begin with a layer.
+    pub sheeted: bool,
     pub triangles: &'a [[u32; 4]],
     pub vertices_hi: &'a [f32],
     pub vertices_lo: &'a [f32],
@@ -61,6 +67,11 @@ impl Input<'_> {
             reversed: last >> 28 & 7 >= 3,
             one_sided: last & ONE_SIDED != 0,
         }
+    }
+
+    /// How the frame's keys are laid out.
+    pub fn keys(&self, real: Real) -> KeyForm {
+        KeyForm { real, id_bits: self.params.id_bits, sheeted: self.sheeted }
     }
 
     /// The ends of t, inclusive.
@@ -104,7 +115,9 @@ impl Tables {
             tile_start: &band.tiles.start,
             cells: &band.tiles.cells,
             pieces: &band.tiles.pieces,
-            field: band.field.as_ref(),
+            kind: self.plan.variant.rays,
+            rays: band.rays.as_ref(),
+            sheeted: self.plan.variant.sheeted,
             triangles: &chunk.triangles,
             vertices_hi: &chunk.vertices_hi,
             vertices_lo: &chunk.vertices_lo,

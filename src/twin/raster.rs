@@ -1,8 +1,8 @@
 //! raster in f64: each pixel of each pair against the triangle's edges; the nearest hit wins.
 
 use super::edge::{Side, side};
-use super::rays::{PixelRays, owned};
-use super::{Input, Real, bin};
+use super::rays::{Cast, PixelRays, owned};
+use super::{Input, Real, bin, curve};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -42,7 +42,7 @@ pub struct Coverage {
 const NOTHING: Tested = Tested { hit: None, doubtful: false };
 
 /// The sides of the three edges, taken from the smaller end to the larger, hold the ray between them.
-pub fn coverage(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
+fn ray_coverage(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
     let [v0, v1, v2] = c.v;
     let reach = f64::from(input.params.vertex_reach);
     let of = |from: DVec3, to: DVec3| side(&rays.bundle, from, to, reach, real);
@@ -89,9 +89,16 @@ pub fn lost(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Lost {
     }
 }
 
-/// A ray against a triangle: inside, seen from a visible face, t in range.
-pub fn test(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested {
-    let covered = coverage(input, rays, c, real);
+/// A ray or curve against a triangle: inside, seen from a visible face, t in range.
+pub fn test(input: &Input, cast: &Cast, c: &Corners, real: Real) -> Tested {
+    match cast {
+        Cast::Ray(rays) => test_ray(input, rays, c, real),
+        Cast::Curve(of_pixel) => curve::test(input, of_pixel, c, real),
+    }
+}
+
+fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested {
+    let covered = ray_coverage(input, rays, c, real);
     if !covered.inside && !covered.doubtful {
         return NOTHING;
     }
@@ -111,14 +118,29 @@ pub fn test(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested 
         return Tested { hit: None, doubtful: edge_on };
     }
     let [t_min, t_max] = input.t_range();
-    let in_range = t >= t_min && t <= t_max;
-    let at_end = (t - t_min).abs() <= t_error || (t - t_max).abs() <= t_error;
+    // an end of a chain's segment holds what lies beyond it within the rounding of stored numbers
+    let room = if input.sheeted { end_room(input, rays, c, real) / across.abs() } else { 0.0 };
+    let in_range = t >= t_min - room && t <= t_max + room;
+    let at_end = (t - t_min).abs() <= t_error + 2.0 * room || (t - t_max).abs() <= t_error + 2.0 * room;
+    let t = if input.sheeted { t.clamp(t_min, t_max) } else { t };
     if !in_range && !at_end {
         return NOTHING;
     }
     let doubtful = covered.doubtful || at_end || (c.one_sided && edge_on);
     let hit = (covered.inside && in_range && !hidden).then_some(Fragment { t, t_error, id: c.id });
     Tested { hit, doubtful }
+}
+
+/// Rounding of `N . (v h - p)` as stored, in units of what is summed up.
+const END_UNITS: f64 = 16.0;
+
+/// What a chain's segment allows at its ends, times `N . d`.
+fn end_room(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> f64 {
+    let [v0, v1, v2] = c.v;
+    let size = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
+    let b = &rays.bundle;
+    let sizes = f64::from(input.params.vertex_reach) * b.h[0].abs() + size(b.p[0]) + size(b.d[0]);
+    END_UNITS * real.unit() * size((v1 - v0).cross(v2 - v0)) * sizes
 }
 
 /// The visibility buffer of a band: a complemented key a pixel, low word first; 0: no hit.
@@ -146,13 +168,15 @@ impl Visibility {
 
 /// Merges the hits of all pairs.
 pub fn raster(input: &Input, pairs: &[[u32; 2]], real: Real, visibility: &mut Visibility) {
-    let tested: Vec<(usize, Tested)> = pairs.par_iter().flat_map_iter(|&pair| test_pair(input, pair, real)).collect();
+    let keys = input.keys(real);
+    let tested: Vec<(usize, u32, Tested)> =
+        pairs.par_iter().flat_map_iter(|&pair| test_pair(input, pair, real)).collect();
     visibility.tested += tested.len() as u64;
-    for (pixel, tested) in tested {
+    for (pixel, layer, tested) in tested {
         visibility.doubtful[pixel] |= tested.doubtful;
         if let Some(hit) = tested.hit {
             visibility.kept += 1;
-            let word = !real.key(hit.t, hit.id, input.params.id_bits);
+            let word = !keys.key(layer, hit.t, hit.id);
             let [lo, hi] = visibility.words[pixel];
             let best = word.max(u64::from(hi) << 32 | u64::from(lo));
             visibility.words[pixel] = [best as u32, (best >> 32) as u32];
@@ -160,8 +184,8 @@ pub fn raster(input: &Input, pairs: &[[u32; 2]], real: Real, visibility: &mut Vi
     }
 }
 
-/// The owned pixels of a pair's box, by their place in the band.
-fn test_pair(input: &Input, pair: [u32; 2], real: Real) -> Vec<(usize, Tested)> {
+/// The owned pixels of a pair's box, by their place in the band, and their layer.
+fn test_pair(input: &Input, pair: [u32; 2], real: Real) -> Vec<(usize, u32, Tested)> {
     let pair = bin::Pair::unpack(pair);
     let cell = input.cells[pair.cell as usize];
     let corners = input.corners(pair.slot);
@@ -170,8 +194,8 @@ fn test_pair(input: &Input, pair: [u32; 2], real: Real) -> Vec<(usize, Tested)> 
     in_box
         .map(|bit| {
             let (x, y) = input.pixel_of(cell.tile, bit);
-            let tested = test(input, &input.cell_rays(&cell, bit), &corners, real);
-            ((y * input.params.width + x) as usize, tested)
+            let tested = test(input, &input.cell_cast(&cell, bit), &corners, real);
+            ((y * input.params.width + x) as usize, input.layer_of(cell.tile), tested)
         })
         .collect()
 }

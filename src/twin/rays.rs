@@ -2,9 +2,10 @@
 
 use super::Input;
 use crate::TILE;
-use crate::camera::Bundle;
+use crate::camera::{Bundle, Curve};
+use crate::gpu::kernels::RaysKind;
 use crate::gpu::rows::{Cell, Piece};
-use crate::plan::FieldTable;
+use crate::plan::curves::RayTable;
 use glam::DVec3;
 
 /// A pixel's bundle about its centre, and the sizes of what was summed up to get it: their rounding is the bundle's.
@@ -23,25 +24,98 @@ impl PixelRays {
     }
 }
 
+/// A pixel's curve over a span of t, and the size of its numbers.
+#[derive(Debug, Clone, Copy)]
+pub struct PixelCurve {
+    pub curve: Curve,
+    pub span: [f64; 2],
+    pub size: f64,
+}
+
+/// What a cell has at a pixel.
+#[derive(Debug, Clone, Copy)]
+pub enum Cast {
+    Ray(PixelRays),
+    Curve(PixelCurve),
+}
+
+impl Cast {
+    /// The ray; of a curve the tangent at t, and where it stands still the way to its end.
+    pub fn ray(&self, t: f64) -> PixelRays {
+        match self {
+            Cast::Ray(rays) => *rays,
+            Cast::Curve(c) => {
+                let tangent = c.curve.tangent(t);
+                let chord = c.curve.at(1.0) - c.curve.at(0.0);
+                let d = if tangent == DVec3::ZERO { chord } else { tangent };
+                let z = DVec3::ZERO;
+                let bundle = Bundle { p: [c.curve.at(t), z, z], d: [d, z, z], h: [1.0, 0.0, 0.0] };
+                let legs = c.curve.points().windows(2).map(|w| (w[1] - w[0]).length()).sum::<f64>();
+                PixelRays { bundle, size_p: c.size, size_d: 2.0 * legs, size_h: 1.0 }
+            }
+        }
+    }
+}
+
 impl Input<'_> {
     /// Column and row in the band of a pixel of a tile.
     pub fn pixel_of(&self, tile: u32, bit: u32) -> (u32, u32) {
-        let (tx, ty) = (tile % self.params.tiles_x, tile / self.params.tiles_x);
+        let (tx, ty) = (tile % self.params.tiles_x, tile / self.params.tiles_x % self.params.sheet_rows);
         (tx * TILE + bit % TILE, ty * TILE + bit / TILE)
     }
 
-    /// The rays about the pixel `bit` of a cell.
-    pub fn cell_rays(&self, cell: &Cell, bit: u32) -> PixelRays {
+    /// The sheet of a tile.
+    fn sheet_of(&self, tile: u32) -> u32 {
+        tile / self.params.tiles_x / self.params.sheet_rows
+    }
+
+    pub fn layer_of(&self, tile: u32) -> u32 {
+        self.sheet_of(tile) / self.params.spans
+    }
+
+    /// What a cell has at its pixel `bit`.
+    pub fn cell_cast(&self, cell: &Cell, bit: u32) -> Cast {
         let (x, y) = self.pixel_of(cell.tile, bit);
-        match self.field {
-            Some(table) => field_rays(table, self.params.width, x, y),
-            None => piece_rays(&self.pieces[cell.piece as usize], x, y),
+        match (self.kind, self.rays) {
+            (RaysKind::Field, Some(table)) => Cast::Ray(field_rays(table, self.params.width, x, y)),
+            (RaysKind::Curves { degree }, Some(table)) => {
+                let span = self.sheet_of(cell.tile) % self.params.spans;
+                let at = |k: u32| f64::from(k) / f64::from(self.params.spans);
+                let span = [at(span), at(span + 1)];
+                Cast::Curve(PixelCurve { span, ..self.stored_curve(table, degree, self.layer_of(cell.tile), (x, y)) })
+            }
+            _ => Cast::Ray(piece_rays(&self.pieces[cell.piece as usize], x, y)),
         }
     }
 
-    /// The cell that owns a pixel of the band.
-    pub fn pixel_cell(&self, x: u32, y: u32) -> Option<u32> {
-        let tile = ((y / TILE) * self.params.tiles_x + x / TILE) as usize;
+    /// The curve of a pixel of the band in a layer, whole; one point where there is none.
+    fn stored_curve(&self, table: &RayTable, degree: u32, layer: u32, (x, y): (u32, u32)) -> PixelCurve {
+        let pixel = (layer * self.params.height + y) as usize * self.params.width as usize + x as usize;
+        let first = pixel * (degree as usize + 1);
+        let number = |k: usize| f64::from(table.hi[k]) + f64::from(table.lo[k]);
+        let point = |k: usize| DVec3::new(number(3 * k), number(3 * k + 1), number(3 * k + 2));
+        let points: Vec<DVec3> = (first..=first + degree as usize).map(point).collect();
+        let size = points.iter().map(|p| p.length()).fold(0.0, f64::max);
+        PixelCurve { curve: Curve::new(&points), span: [0.0, 1.0], size }
+    }
+
+    /// The length of a pixel's whole segment in a layer, 0 where it has none.
+    pub fn segment_length(&self, layer: u32, x: u32, y: u32) -> f64 {
+        match (self.kind, self.rays) {
+            (RaysKind::Curves { degree }, Some(table)) => {
+                length(&self.stored_curve(table, degree, layer, (x, y)).curve, 1.0)
+            }
+            _ => self.pixel_cell(layer, x, y).map_or(0.0, |cell| {
+                let cell = &self.cells[cell as usize];
+                self.cell_cast(cell, (y % TILE) * TILE + x % TILE).ray(0.0).direction().length()
+            }),
+        }
+    }
+
+    /// The cell that owns a pixel of the band in a layer's first sheet.
+    pub fn pixel_cell(&self, layer: u32, x: u32, y: u32) -> Option<u32> {
+        let row = y / TILE + layer * self.params.spans * self.params.sheet_rows;
+        let tile = (row * self.params.tiles_x + x / TILE) as usize;
         let bit = (y % TILE) * TILE + x % TILE;
         (self.tile_start[tile]..self.tile_start[tile + 1]).find(|&k| owned(&self.cells[k as usize]) >> bit & 1 == 1)
     }
@@ -71,18 +145,28 @@ fn piece_rays(piece: &Piece, x: u32, y: u32) -> PixelRays {
 }
 
 /// The ray that the table holds for a place; no direction: none.
-fn field_ray(table: &FieldTable, width: u32, x: u32, y: u32) -> (DVec3, DVec3) {
+fn field_ray(table: &RayTable, width: u32, x: u32, y: u32) -> (DVec3, DVec3) {
     let at = 6 * (y as usize * (width as usize + 1) + x as usize);
     let number = |k: usize| f64::from(table.hi[at + k]) + f64::from(table.lo[at + k]);
     (DVec3::new(number(0), number(1), number(2)), DVec3::new(number(3), number(4), number(5)))
 }
 
 /// The ray of a pixel, and its slopes towards the right and lower neighbours that have a ray.
-fn field_rays(table: &FieldTable, width: u32, x: u32, y: u32) -> PixelRays {
+fn field_rays(table: &RayTable, width: u32, x: u32, y: u32) -> PixelRays {
     let (p, d) = field_ray(table, width, x, y);
     let slope = |(q, e): (DVec3, DVec3)| if e == DVec3::ZERO { (e, e) } else { (q - p, e - d) };
     let (px, dx) = slope(field_ray(table, width, x + 1, y));
     let (py, dy) = slope(field_ray(table, width, x, y + 1));
     let bundle = Bundle { p: [p, px, py], d: [d, dx, dy], h: [1.0, 0.0, 0.0] };
     PixelRays { bundle, size_p: p.length(), size_d: d.length(), size_h: 1.0 }
+}
+
+/// Equal parts of t by which lengths are summed up: Simpson's rule, of fourth order.
+const LENGTH_PARTS: usize = 512;
+
+/// The length of a curve from 0 to t.
+pub fn length(curve: &Curve, t: f64) -> f64 {
+    let speed = |k: usize| curve.tangent(t * k as f64 / (2 * LENGTH_PARTS) as f64).length();
+    let inner = |first: usize| (first..2 * LENGTH_PARTS).step_by(2).map(speed).sum::<f64>();
+    t / (6 * LENGTH_PARTS) as f64 * (speed(0) + speed(2 * LENGTH_PARTS) + 4.0 * inner(1) + 2.0 * inner(2))
 }

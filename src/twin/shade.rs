@@ -1,8 +1,7 @@
 //! shade in f64: what each pixel's visible triangle looks like, and how far an f32 kernel may be from it.
 
-use super::key::key_id;
 use super::raster::{Corners, Visibility};
-use super::rays::PixelRays;
+use super::rays::{Cast, PixelRays, length};
 use super::{Input, Real};
 use crate::frame::{Channel, NO_ID};
 use crate::gpu::rows::NONE;
@@ -79,22 +78,31 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
     let Some(key) = key else {
         return if p.id_first == 0 { Pixel::Miss } else { Pixel::Untouched };
     };
-    let id = key_id(key, p.id_bits);
+    let keys = input.keys(real);
+    let (layer, t, id) = (keys.layer(key), keys.t(key), keys.id(key));
     let (x, y) = (pixel % p.width, pixel / p.width);
     let here = id.wrapping_sub(p.id_first) < p.id_count;
-    let (true, Some(cell)) = (here, input.pixel_cell(x, y)) else { return Pixel::Untouched };
+    let (true, Some(cell)) = (here, input.pixel_cell(layer, x, y)) else { return Pixel::Untouched };
     let cell = input.cells[cell as usize];
-    let rays = input.cell_rays(&cell, (y % crate::TILE) * crate::TILE + x % crate::TILE);
+    let cast = input.cell_cast(&cell, (y % crate::TILE) * crate::TILE + x % crate::TILE);
+    let rays = cast.ray(t);
     let slot = input.slot_of_id[(id - p.id_first) as usize];
     let hit = Surface { input, rays: &rays, corners: input.corners(slot), slot };
 
-    let t = real.key_t(key, p.id_bits);
     let direction = rays.direction();
-    let z = t * direction.length();
+    let reached = match &cast {
+        Cast::Ray(_) => t * direction.length(),
+        Cast::Curve(c) => length(&c.curve, t),
+    };
+    let z = reached + (0..layer).map(|k| input.segment_length(k, x, y)).sum::<f64>();
+    let t = f64::from(layer) + t;
     let direction_error = UNIT * DIRECTION_UNITS * hit.direction_size() / direction.length();
     let (weights, weight_error) = hit.weights(real);
     let (colour, colour_error) = hit.colour(direction_error);
-    let piece = if input.field.is_some() { 0 } else { input.pieces[cell.piece as usize].number };
+    let piece = match cast {
+        Cast::Ray(_) if input.rays.is_none() => input.pieces[cell.piece as usize].number,
+        _ => cell.piece,
+    };
     let error = Errors {
         t: T_UNITS * UNIT * t.abs(),
         z: z.abs() * (Z_UNITS * UNIT + direction_error),
@@ -120,7 +128,7 @@ impl Surface<'_> {
         let h = b.h[0].abs();
         let d = b.d[0].length() + half * (b.d[1].length() + b.d[2].length());
         let size_h = h + half * (b.h[1].abs() + b.h[2].abs());
-        if self.input.field.is_some() { b.d[0].length() } else { d / h * (size_h / h) }
+        if self.input.rays.is_some() { b.d[0].length() } else { d / h * (size_h / h) }
     }
 
     /// Weights of the row's corners: each opposite edge's value over their sum, which is `h N . d`; and the error of

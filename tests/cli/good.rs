@@ -256,3 +256,32 @@ fn without_an_adapter_the_cpu_renders() {
     let (code, _, err) = run(&["render", "scene.toml", "-o", "a.png", "--adapter", "llvm"]);
     assert!(code == Some(2) && err.contains("there is: none"), "{err}");
 }
+
+#[test]
+fn projectors_are_written_as_control_points() {
+    let place = Place::new();
+    let scene = "[image]\nwidth = 4\nheight = 2\n[camera]\nkind = \"projector\"\n";
+    let plane = |z: i32| format!("{{ kind = \"plane\", origin = [0, 0, {z}], u = [8, 0, 0], v = [0, 4, 0] }}");
+    for (m, shape) in [(1, "(2, 4, 2, 3)"), (2, "(2, 4, 3, 3)"), (3, "(2, 4, 4, 3)")] {
+        let surfaces: Vec<String> = (0..=m).map(|k| plane(-k * k)).collect();
+        place.write("p.toml", format!("{scene}surfaces = [{}]\n", surfaces.join(", ")));
+        let told = place.works(&["camera", "p.toml", "--rays", "r.npy"]);
+        assert_eq!(told.contains(&format!("a curve of degree {m}")), m > 1, "{told}");
+        let bytes = std::fs::read(place.path().join("r.npy")).unwrap();
+        assert!(String::from_utf8_lossy(&bytes[..128]).contains(shape));
+        let numbers: Vec<f64> = bytes[bytes.len() - 2 * 4 * 3 * 8 * (m as usize + 1)..]
+            .chunks(8)
+            .map(|b| f64::from_le_bytes(b.try_into().unwrap()))
+            .collect();
+        let expected = |(i, j): (u32, u32)| {
+            (0..=m).flat_map(move |k| [2.0 * i as f64 + 1.0, 2.0 * j as f64 + 1.0, f64::from(-k * k)])
+        };
+        let pixels = (0..2).flat_map(|j| (0..4).map(move |i| (i, j)));
+        assert_eq!(numbers, pixels.flat_map(expected).collect::<Vec<_>>());
+    }
+    // a chain: three segments of P and D
+    place.write("o.toml", "[image]\nwidth = 4\nheight = 2\n[camera]\nkind = \"occlusion\"\n");
+    place.works(&["camera", "o.toml", "--rays", "r.npy"]);
+    let bytes = std::fs::read(place.path().join("r.npy")).unwrap();
+    assert!(String::from_utf8_lossy(&bytes[..128]).contains("(2, 4, 3, 6)"));
+}

@@ -5,6 +5,7 @@
 
 pub mod cameras;
 pub mod gpu;
+pub mod layered;
 pub mod rng;
 pub mod written;
 

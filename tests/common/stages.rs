@@ -4,6 +4,7 @@
 #![allow(dead_code)]
 
 use super::common::cameras::{self, MeshLook};
+use super::common::layered;
 use super::common::rng::Rng;
 use super::common::{self, ALL_T, FORWARD};
 use anamorph::camera::{Camera, Rays};
@@ -15,6 +16,7 @@ use anamorph::gpu::kernels::Variant;
 use anamorph::gpu::rows::COUNTERS;
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::plan::Wanted;
+use anamorph::plan::sheets::{self, Sheets};
 use anamorph::scene::Scene;
 use anamorph::scene::clusters::cluster;
 use anamorph::scene::file::CameraKind;
@@ -70,8 +72,9 @@ impl Case {
     }
 
     pub fn variant(&self, real: Real, atomics64: bool) -> Variant {
-        let field = matches!(self.camera.layers[0], Rays::Field(_));
-        Variant { f64: real == Real::F64, atomics64, field, counting: true }
+        let sheets = Sheets::of(&self.camera);
+        let (rays, sheeted) = (sheets::kind(&self.camera), sheets.count() > 1);
+        Variant { f64: real == Real::F64, atomics64, rays, sheeted, counting: true }
     }
 }
 
@@ -160,6 +163,21 @@ pub fn cases() -> Vec<Case> {
         let camera = common::camera(cameras::mesh_camera(5, 4, 3, look), (100, 90), FORWARD);
         list.push(Case::new(name, part_one_sided(icosphere(2)), camera));
     }
+    let plain = MeshLook::default();
+    let weighted = MeshLook { weights: true, ..plain };
+    let chain = layered::chain(3, 3, (4, 3), plain, (100, 90));
+    list.push(Case::new("chain", part_one_sided(icosphere(2)), chain));
+    let chain = layered::chain(4, 2, (2, 2), weighted, (61, 83));
+    list.push(Case::new("weighted chain", part_one_sided(soup(23, 200, 0.5)), chain));
+    let chain = layered::chain(5, 16, (1, 1), plain, (40, 33));
+    list.push(Case::new("chain of 16", with_twins(part_one_sided(soup(24, 120, 0.7)), 60), chain));
+    for (degree, bend) in [(1, 0.0), (2, 0.5), (3, 0.3), (3, 2.5)] {
+        let name = format!("curves of degree {degree}, bent by {bend}");
+        let camera = layered::wavy(degree, bend, degree == 2, (84, 61));
+        list.push(Case::new(&name, part_one_sided(soup(30 + degree as u64, 150, 0.5)), camera));
+    }
+    let mixed = layered::straight_then_curved((70, 50));
+    list.push(Case::new("straight, then curved", part_one_sided(icosphere(2)), mixed));
     list.push(Case::new("ray field", part_one_sided(icosphere(2)), cameras::raymap(90, 70, FORWARD)));
     list.push(Case::new("ray field, both ways", soup(21, 120, 0.5), cameras::raymap(50, 41, [-1.0, 0.6])));
     let inside = |range| common::camera(glc("bilinear"), (64, 48), range);
@@ -281,9 +299,9 @@ pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
     b.upload(gpu, "tile_start", input.tile_start).unwrap();
     b.upload(gpu, "cells", input.cells).unwrap();
     b.upload(gpu, "pieces", input.pieces).unwrap();
-    if let Some(field) = input.field {
-        b.upload(gpu, "field_hi", &field.hi).unwrap();
-        b.upload(gpu, "field_lo", &field.lo).unwrap();
+    if let Some(rays) = input.rays {
+        b.upload(gpu, "rays_hi", &rays.hi).unwrap();
+        b.upload(gpu, "rays_lo", &rays.lo).unwrap();
     }
     b.upload(gpu, "triangles", input.triangles).unwrap();
     b.upload(gpu, "vertices_hi", input.vertices_hi).unwrap();

@@ -6,19 +6,19 @@ fn field_at(x: u32, y: u32) -> u32 {
 }
 
 fn field_origin(at: u32) -> vec3<f32> {
-    return vec3<f32>(field_hi[at], field_hi[at + 1u], field_hi[at + 2u]);
+    return vec3<f32>(rays_hi[at], rays_hi[at + 1u], rays_hi[at + 2u]);
 }
 
 fn field_direction(at: u32) -> vec3<f32> {
-    return vec3<f32>(field_hi[at + 3u], field_hi[at + 4u], field_hi[at + 5u]);
+    return vec3<f32>(rays_hi[at + 3u], rays_hi[at + 4u], rays_hi[at + 5u]);
 }
 
 fn field_origin_real(at: u32) -> real3 {
-    return real3(field_origin(at)) + real3(vec3<f32>(field_lo[at], field_lo[at + 1u], field_lo[at + 2u]));
+    return real3(field_origin(at)) + real3(vec3<f32>(rays_lo[at], rays_lo[at + 1u], rays_lo[at + 2u]));
 }
 
 fn field_direction_real(at: u32) -> real3 {
-    return real3(field_direction(at)) + real3(vec3<f32>(field_lo[at + 3u], field_lo[at + 4u], field_lo[at + 5u]));
+    return real3(field_direction(at)) + real3(vec3<f32>(rays_lo[at + 3u], rays_lo[at + 4u], rays_lo[at + 5u]));
 }
 
 // The bundle of a cell: a field has one a pixel.
@@ -28,11 +28,12 @@ fn cell_bundle(cell: Cell) -> Bundle {
 }
 
 fn pixel_bundle(whole: Bundle, cell: Cell, x: u32, y: u32) -> Bundle {
-    return ray_bundle((cell.tile % params.tiles_x) * TILE + x, (cell.tile / params.tiles_x) * TILE + y);
+    let corner = tile_corner(cell.tile);
+    return field_bundle(corner.x + x, corner.y + y);
 }
 
 // The bundle of a pixel of the band: its ray, and slopes to the right and lower neighbours that have a ray.
-fn ray_bundle(x: u32, y: u32) -> Bundle {
+fn field_bundle(x: u32, y: u32) -> Bundle {
     var b = cell_bundle_at(field_at(x, y));
     let right = cell_bundle_at(field_at(x + 1u, y));
     let below = cell_bundle_at(field_at(x, y + 1u));
@@ -50,15 +51,4 @@ fn ray_bundle(x: u32, y: u32) -> Bundle {
 fn cell_bundle_at(at: u32) -> Bundle {
     let z = real3(0.0);
     return Bundle(field_origin_real(at), z, z, field_direction_real(at), z, z, real(1.0), real(0.0), real(0.0));
-}
-
-// The ray of a pixel.
-fn pixel_ray(x: u32, y: u32) -> Ray {
-    let at = field_at(x, y);
-    return Ray(field_origin(at), field_direction(at));
-}
-
-// A field has one piece.
-fn piece_number(x: u32, y: u32) -> u32 {
-    return 0u;
 }

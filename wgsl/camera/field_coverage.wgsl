@@ -15,8 +15,7 @@ fn coverage(
 ) -> vec4<u32> {
     var covered = vec2<u32>(0u);
     var doubtful = vec2<u32>(0u);
-    let tile_x = (cell.tile % params.tiles_x) * TILE;
-    let tile_y = (cell.tile / params.tiles_x) * TILE;
+    let corner = tile_corner(cell.tile);
     var left = owned;
     loop {
         let bit = first_bit(left);
@@ -24,7 +23,7 @@ fn coverage(
             break;
         }
         left = without_bit(left, bit);
-        let at = field_at(tile_x + bit % TILE, tile_y + bit / TILE);
+        let at = field_at(corner.x + bit % TILE, corner.y + bit / TILE);
         let p = field_origin(at);
         let d = field_direction(at);
         // m: stored v and p and a difference, 3 units of what was subtracted; d: 1 unit; cross product: 3 units;
@@ -62,18 +61,16 @@ fn field_bound(e: vec3<f32>, g: vec3<f32>, rounding: f32) -> f32 {
 struct CellDepth {
     normal: real3,
     v: real3,
+    hidden: real,
 }
 
-struct PixelDepth {
-    along: real,
-    across: real,
+fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real) -> CellDepth {
+    return CellDepth(normal, v[0], hidden);
 }
 
-fn cell_depth(whole: Bundle, normal: real3, v: real3) -> CellDepth {
-    return CellDepth(normal, v);
-}
-
-fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> PixelDepth {
-    let at = field_at((cell.tile % params.tiles_x) * TILE + x, (cell.tile / params.tiles_x) * TILE + y);
-    return PixelDepth(dot(q.normal, q.v - field_origin_real(at)), dot(q.normal, field_direction_real(at)));
+fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
+    let corner = tile_corner(cell.tile);
+    let at = field_at(corner.x + x, corner.y + y);
+    let across = dot(q.normal, field_direction_real(at));
+    return ray_meeting(dot(q.normal, q.v - field_origin_real(at)), across, 0.0, q.hidden);
 }

@@ -123,26 +123,30 @@ fn coverage(
 struct CellDepth {
     along: real3,           // value at the tile's middle, slopes in x and y
     across: real3,
+    rounding: real,         // of `along`
+    hidden: real,
 }
 
-struct PixelDepth {
-    along: real,
-    across: real,
-}
-
-fn cell_depth(whole: Bundle, normal: real3, v: real3) -> CellDepth {
-    return CellDepth(
-        real3(
-            dot(normal, v * whole.h - whole.p),
-            dot(normal, v * whole.hx - whole.px),
-            dot(normal, v * whole.hy - whole.py),
-        ),
-        real3(dot(normal, whole.d), dot(normal, whole.dx), dot(normal, whole.dy)),
+fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real) -> CellDepth {
+    var q: CellDepth;
+    q.along = real3(
+        dot(normal, v[0] * whole.h - whole.p),
+        dot(normal, v[0] * whole.hx - whole.px),
+        dot(normal, v[0] * whole.hy - whole.py),
     );
+    q.across = real3(dot(normal, whole.d), dot(normal, whole.dx), dot(normal, whole.dy));
+    q.hidden = hidden;
+    if SHEETED {
+        // two stored vertices in N, another and p in the offset, d in the face where it ends: 16 units of what is summed up
+        let sizes = real(params.vertex_reach) * abs(whole.h) + size3(whole.p) + size3(whole.d);
+        q.rounding = 16.0 * REAL_UNIT * size3(normal) * sizes;
+    }
+    return q;
 }
 
-fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> PixelDepth {
+fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
     let fx = real(f32(x) - TILE_REACH);
     let fy = real(f32(y) - TILE_REACH);
-    return PixelDepth(q.along.x + fx * q.along.y + fy * q.along.z, q.across.x + fx * q.across.y + fy * q.across.z);
+    let along = q.along.x + fx * q.along.y + fy * q.along.z;
+    return ray_meeting(along, q.across.x + fx * q.across.y + fy * q.across.z, q.rounding, q.hidden);
 }

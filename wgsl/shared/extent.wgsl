@@ -1,7 +1,9 @@
-// Where in a node a triangle may be seen, in node units, and whether that is more than a guess.
+// Where in a node a triangle may be seen, in node units, at which t, and whether that is more than a guess.
 struct Extent {
     lo: vec2<f32>,
     hi: vec2<f32>,
+    t_lo: f32,
+    t_hi: f32,
     tight: bool,
 }
 
@@ -47,9 +49,10 @@ fn extent(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
     // NaN and infinities of a singular step fail these comparisons
     let sound = room > ROOM_MIN && slack.x < SLACK_MAX && slack.y < SLACK_MAX;
     if !sound {
-        return Extent(vec2<f32>(-1.0), vec2<f32>(1.0), false);
+        return Extent(vec2<f32>(-1.0), vec2<f32>(1.0), 0.0, 0.0, false);
     }
-    return Extent(max(lo, vec2<f32>(-1.0)), min(hi, vec2<f32>(1.0)), true);
+    let room_t = reach_t + BOUND_SLACK * abs(t0);
+    return Extent(max(lo, vec2<f32>(-1.0)), min(hi, vec2<f32>(1.0)), t0 - room_t, t0 + room_t, true);
 }
 
 // The step must contract, and its slack be worth having: less than half the node.

@@ -20,7 +20,7 @@ struct Params {
     width: u32,             // px of the band
     height: u32,
     tiles_x: u32,
-    tiles_y: u32,
+    tiles_y: u32,           // of all sheets
     levels: u32,            // levels of nodes; level 0 are the tiles
     cluster_first: u32,     // of the batch
     cluster_count: u32,
@@ -28,11 +28,15 @@ struct Params {
     queue_capacity: u32,    // items
     work_capacity: u32,
     pair_capacity: u32,
-    pad0: u32,
+    sheet_rows: u32,        // tile rows from one sheet to the next
     id_first: u32,          // of the chunk of triangles that is bound
     id_count: u32,
     band_row: u32,          // image row of the band's first row
     vertex_reach: f32,      // largest distance of a vertex from the anchor
+    spans: u32,             // sheets a layer
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
     t_min: vec4<f32>,       // ends of t_range, each the exact sum of three
     t_max: vec4<f32>,
     level_start: array<vec4<u32>, 2>,   // of level k: index of its first node

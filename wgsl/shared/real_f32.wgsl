@@ -1,9 +1,16 @@
 // The arithmetic of rechecks, depths and shading: f32, where the adapter has no f64.
 alias real = f32;
 alias real3 = vec3<f32>;
+alias real4 = vec4<f32>;
+
+// Its square root: how far a double root is off, 2^-12.
+const REAL_UNIT_ROOT: real = 2.44140625e-4;
 
 // Rounding of one operation, relative: 2^-24.
 const REAL_UNIT: real = 5.9604645e-8;
+
+// Rounding of one operation, relative: 2^-24.
+const REAL_ROUNDING: real = 5.9604645e-8;
 
 // No vertex counts as on the ray that is not: the signs that coverage proved by itself say otherwise.
 const AT_RAY: real = 0.0;

@@ -1,9 +1,16 @@
 // The arithmetic of rechecks, depths and shading: f64.
 alias real = f64;
 alias real3 = vec3<f64>;
+alias real4 = vec4<f64>;
 
 // Rounding of a stored pair hi + lo of f32, relative: 2^-48.
 const REAL_UNIT: real = 3.5527136788005009e-15;
+
+// Its square root: how far a double root is off, 2^-24.
+const REAL_UNIT_ROOT: real = 5.9604644775390625e-8;
+
+// Rounding of one operation, relative: 2^-53.
+const REAL_ROUNDING: real = 1.1102230246251565e-16;
 
 // Within this many times the bound on its distance from the ray a vertex counts as on it: of two edges at it that are
 // further from parallel than some six times the inverse, at most one is unproven beyond.

@@ -1,5 +1,7 @@
 //! The whole reference: hits against brute force, watertight fans and shells, the contract's special cases.
 
+mod chains;
+mod curves;
 mod make;
 mod verdicts;
 

@@ -88,7 +88,8 @@ fn read_vertex(field: &Field) -> Result<CameraVertex> {
     })
 }
 
-fn read_triangles(table: &Table) -> Result<Vec<[u32; 3]>> {
+/// The table's `triangles`: three indices each, not yet known to be in range.
+pub fn read_triangles(table: &Table) -> Result<Vec<[u32; 3]>> {
     let field = table.need("triangles", "[[0, 1, 2]]")?;
     field.items("a list of triangles")?.map(|triangle| read_triangle(&triangle)).collect()
 }

@@ -1,0 +1,229 @@
+//! Polynomials of degree up to 3 over [0, 1] in Bernstein form, and all their roots there.
+//!
+//! The interval is cut where the slope is 0; between the cuts the polynomial is monotone, so it has a root exactly where
+//! its ends differ in sign. Nothing is sampled and nothing can be stepped over: a root is lost, or two taken for one,
+//! only where the polynomial is 0 within the bound of its own rounding.
+
+/// `sum of Bernstein(i, degree)(t) * c[i]`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bernstein {
+    c: [f64; 4],
+    degree: usize,
+}
+
+/// Where a polynomial is 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Root {
+    pub t: f64,
+    /// 1: it rises through 0; -1: it falls; 0: it touches 0 without passing.
+    pub sign: i8,
+}
+
+/// Bound of the error of [`Bernstein::at`], against the largest coefficient: three levels of `a + t (b - a)`, each with
+/// three roundings of half an epsilon of numbers up to twice as large.
+pub const VALUE_ROUNDING: f64 = 9.0 * f64::EPSILON;
+
+/// Steps of the root finder at most: each second one halves the bracket, and [0, 1] has no more halves than f64 has
+/// exponents and bits.
+const STEPS: usize = 2 * (1074 + 53);
+
+impl Bernstein {
+    /// From 2, 3 or 4 coefficients.
+    pub fn new(c: &[f64]) -> Bernstein {
+        let mut all = [0.0; 4];
+        all[..c.len()].copy_from_slice(c);
+        Bernstein { c: all, degree: c.len() - 1 }
+    }
+
+    fn coefficients(&self) -> &[f64] {
+        &self.c[..=self.degree]
+    }
+
+    /// The largest magnitude of a coefficient: the polynomial is nowhere larger.
+    pub fn size(&self) -> f64 {
+        self.coefficients().iter().fold(0.0, |m, c| c.abs().max(m))
+    }
+
+    /// All coefficients are farther than `zero` on one side of 0, so the polynomial is too.
+    pub fn keeps_off(&self, zero: f64) -> bool {
+        let c = self.coefficients();
+        c.iter().all(|c| *c > zero) || c.iter().all(|c| *c < -zero)
+    }
+
+    /// The value, by de Casteljau's construction; exact at 0 and 1.
+    pub fn at(&self, t: f64) -> f64 {
+        let mut c = self.c;
+        for n in (1..=self.degree).rev() {
+            for k in 0..n {
+                c[k] = (1.0 - t) * c[k] + t * c[k + 1];
+            }
+        }
+        c[0]
+    }
+
+    pub fn derivative(&self) -> Bernstein {
+        let mut c = [0.0; 4];
+        for (k, slope) in c.iter_mut().enumerate().take(self.degree) {
+            *slope = self.degree as f64 * (self.c[k + 1] - self.c[k]);
+        }
+        Bernstein { c, degree: self.degree.saturating_sub(1) }
+    }
+
+    /// The roots in [0, 1], ascending, where values up to `zero` count as 0. None where it is 0 all over.
+    pub fn roots(&self, zero: f64) -> Vec<Root> {
+        if self.keeps_off(zero) || self.size() <= zero {
+            return Vec::new();
+        }
+        let cuts = self.cuts();
+        let value: Vec<f64> = cuts.iter().map(|&t| self.at(t)).collect();
+        let side: Vec<i8> = value.iter().map(|v| if v.abs() <= zero { 0 } else { v.signum() as i8 }).collect();
+        let mut roots = Vec::new();
+        let mut before = 0;
+        for k in 0..cuts.len() {
+            if side[k] == 0 {
+                // of neighbouring cuts at 0 the first stands for all
+                if k == 0 || side[k - 1] != 0 {
+                    let after = side[k..].iter().copied().find(|s| *s != 0).unwrap_or(0);
+                    // a side that is beyond the interval is taken for the other one
+                    let (from, to) =
+                        (if before == 0 { -after } else { before }, if after == 0 { -before } else { after });
+                    roots.push(Root { t: cuts[k], sign: if from == to { 0 } else { to } });
+                }
+                continue;
+            }
+            if k > 0 && side[k - 1] == -side[k] {
+                roots.push(Root { t: self.root_between(cuts[k - 1], cuts[k], f64::from(side[k])), sign: side[k] });
+            }
+            before = side[k];
+        }
+        roots
+    }
+
+    /// 0, 1 and between them the places where the slope is 0, ascending.
+    fn cuts(&self) -> Vec<f64> {
+        let mut cuts = vec![0.0];
+        cuts.extend(self.derivative().roots_to_degree_2().into_iter().flatten().filter(|t| 0.0 < *t && *t < 1.0));
+        cuts.push(1.0);
+        cuts.sort_unstable_by(f64::total_cmp);
+        cuts.dedup();
+        cuts
+    }
+
+    /// The real roots of a polynomial of degree 2 at most, anywhere; without the cancellation of the school formula.
+    fn roots_to_degree_2(&self) -> [Option<f64>; 2] {
+        let [c0, c1, c2, _] = self.c;
+        match self.degree {
+            2 => {
+                // c0 + 2 h t + a t^2
+                let (h, a) = (c1 - c0, c0 - 2.0 * c1 + c2);
+                let q = -(h + h.signum() * (h * h - a * c0).max(0.0).sqrt());
+                [Some(q / a), Some(c0 / q)].map(|t| t.filter(|t| t.is_finite()))
+            }
+            1 => [Some(c0 / (c0 - c1)).filter(|t| t.is_finite()), None],
+            _ => [None, None],
+        }
+    }
+
+    /// The root between `a` and `b`, where the value has the sign `rising` at `b` and the other at `a`: Newton's steps,
+    /// halving where one would leave the bracket or shrinks too slowly.
+    fn root_between(&self, mut a: f64, mut b: f64, rising: f64) -> f64 {
+        let slope = self.derivative();
+        let mut t = 0.5 * (a + b);
+        let (mut step, mut last) = (b - a, b - a);
+        for _ in 0..STEPS {
+            let value = rising * self.at(t);
+            if value == 0.0 {
+                break;
+            }
+            if value < 0.0 {
+                a = t;
+            } else {
+                b = t;
+            }
+            let newton = t - value / (rising * slope.at(t));
+            let fast = newton > a && newton < b && (newton - t).abs() < 0.5 * last;
+            let next = if fast { newton } else { 0.5 * (a + b) };
+            (last, step) = (step, (next - t).abs());
+            if next == t || next <= a || next >= b {
+                break;
+            }
+            t = next;
+        }
+        t
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bernstein coefficients of `(t - r0) (t - r1) (t - r2)`, by its blossom.
+    fn cubic(r: [f64; 3]) -> Bernstein {
+        let blossom = |u: [f64; 3]| {
+            let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+            orders.iter().map(|o| (u[0] - r[o[0]]) * (u[1] - r[o[1]]) * (u[2] - r[o[2]])).sum::<f64>() / 6.0
+        };
+        Bernstein::new(&[[0., 0., 0.], [0., 0., 1.], [0., 1., 1.], [1., 1., 1.]].map(blossom))
+    }
+
+    fn found(p: &Bernstein) -> Vec<(f64, i8)> {
+        p.roots(VALUE_ROUNDING * p.size()).iter().map(|r| (r.t, r.sign)).collect()
+    }
+
+    #[test]
+    fn all_roots_of_a_cubic_and_how_it_passes_them() {
+        let mut state = 3_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut three = 0;
+        for _ in 0..100_000 {
+            let mut r = [0, 1, 2].map(|_| 1.6 * next() - 0.3);
+            r.sort_unstable_by(f64::total_cmp);
+            // a root at 1e-6 from another or from an end may be told apart or not
+            let apart = r[1] - r[0] > 1e-6 && r[2] - r[1] > 1e-6;
+            if !apart || r.iter().any(|r| r.abs() < 1e-6 || (1.0 - r).abs() < 1e-6) {
+                continue;
+            }
+            let expected: Vec<(f64, i8)> =
+                r.into_iter().zip([1, -1, 1]).filter(|(r, _)| (0.0..=1.0).contains(r)).collect();
+            let roots = found(&cubic(r));
+            assert_eq!(roots.len(), expected.len(), "{r:?}: {roots:?}");
+            three += usize::from(roots.len() == 3);
+            for (found, expected) in roots.iter().zip(&expected) {
+                // coefficients round to 2^-52; the slope at a root is at least 1e-6 times the distance to the third
+                assert!((found.0 - expected.0).abs() < 1e-8 && found.1 == expected.1, "{r:?}: {roots:?}");
+            }
+        }
+        assert!(three > 1000);
+    }
+
+    #[test]
+    fn touching_roots_and_roots_at_the_ends() {
+        assert_eq!(found(&Bernstein::new(&[1.0, -1.0, 1.0])), [(0.5, 0)]);
+        assert_eq!(found(&Bernstein::new(&[-1.0, 1.0, -1.0])), [(0.5, 0)]);
+        assert_eq!(found(&Bernstein::new(&[0.0, 1.0])), [(0.0, 1)]);
+        assert_eq!(found(&Bernstein::new(&[1.0, 0.0])), [(1.0, -1)]);
+        assert_eq!(found(&Bernstein::new(&[0.0, 1.0, 0.0])), [(0.0, 1), (1.0, -1)]);
+        // t^2 and t^3: at the end alone they rise from 0.
+        assert_eq!(found(&Bernstein::new(&[0.0, 0.0, 1.0])), [(0.0, 1)]);
+        assert_eq!(found(&Bernstein::new(&[0.0, 0.0, 0.0, 1.0])), [(0.0, 1)]);
+        // a threefold root: (2 t - 1)^3
+        let [root] = found(&Bernstein::new(&[-1.0, 1.0, -1.0, 1.0]))[..] else { panic!("one root") };
+        assert!((root.0 - 0.5).abs() < 1e-5 && root.1 == 1, "{root:?}");
+        for none in [[1.0, 2.0, 3.0, 4.0], [1.0, -0.5, 1.0, 1.0], [0.0; 4]] {
+            assert!(found(&Bernstein::new(&none)).is_empty(), "{none:?}");
+        }
+    }
+
+    #[test]
+    fn roots_near_the_start_keep_their_leading_digits() {
+        for e in [1e-3, 1e-9, 1e-15] {
+            let p = Bernstein::new(&[-e, 1.0 - e, 1.5, 1.0]);
+            let roots = p.roots(1e-3 * e);
+            assert_eq!(roots.len(), 1);
+            assert!(p.at(roots[0].t).abs() < 1e-14 * e + 1e-16 * e, "{e}: {}", p.at(roots[0].t));
+        }
+    }
+}

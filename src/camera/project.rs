@@ -1,0 +1,156 @@
+//! Where a camera shows a 3-D point: all places of the image whose rays or curves pass through it.
+//!
+//! * [`pieces`]: in a piece the rays through a point are the roots of a cubic in t; all are found.
+//! * [`field`], [`curved`]: formulas and tables have no such equation. The image is searched in cells of a quarter pixel that
+//!   bounds of their rays cannot rule out, and Newton's method ([`newton`]) finds the exact place from each. Two images
+//!   closer together than such a cell may be found as one. The bounds of a formula are sampled (with a margin of as much
+//!   again as it is seen to bulge between samples): a formula that jumps inside a pixel may lose the image there. A table
+//!   is searched between its pixel centres, where it is bilinear.
+
+mod curved;
+mod field;
+mod newton;
+mod pieces;
+mod tree;
+
+use super::{Camera, Rays};
+use glam::{DVec2, DVec3};
+use serde::Serialize;
+
+/// One place where a point is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Image {
+    /// Pixels right of and below the image's top left corner.
+    pub x: f64,
+    pub y: f64,
+    /// Image coordinates: x over the width and y over the height.
+    pub a: f64,
+    pub b: f64,
+    /// In a chain the layer's number plus the t in it.
+    pub t: f64,
+    pub layer: usize,
+    /// Numbered through all layers; 0 in a ray field.
+    pub piece: u32,
+}
+
+/// Why a point has more images than can be listed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Degenerate {
+    /// The point is on a slit: a curve of the image shows it.
+    Slit,
+    /// The point is an eye: an area of the image shows it.
+    Eye,
+}
+
+/// All images of a point.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Images {
+    /// Single ones, by layer, piece and t.
+    pub images: Vec<Image>,
+    /// There are curves or areas of images beside them.
+    pub degenerate: Option<Degenerate>,
+}
+
+/// A camera made ready to project points.
+pub struct Projector<'a> {
+    camera: &'a Camera,
+    layers: Vec<Layer<'a>>,
+}
+
+enum Layer<'a> {
+    Pieces(pieces::Search<'a>),
+    Field(field::Search<'a>),
+    Curves(curved::Search<'a>),
+}
+
+/// An image in one layer: place (px), t of the layer, and the layer's own piece.
+#[derive(Debug, Clone, Copy)]
+struct Found {
+    place: DVec2,
+    t: f64,
+    piece: u32,
+}
+
+/// What a layer shows of a point.
+#[derive(Debug, Default)]
+struct Shown {
+    found: Vec<Found>,
+    degenerate: Option<Degenerate>,
+}
+
+/// Images of one layer closer than this, in px and in t relative to its size, are one. Newton's method stops far closer.
+const ONE_PLACE_PX: f64 = 1e-6;
+const ONE_T: f64 = 1e-6;
+
+/// How far a place may lie beyond a border, px, and a t beyond its range, relative: both come from some 100 roundings
+/// of numbers up to 2^16 (px) and 1 (t), and pieces that share a border must not both refuse it.
+const BORDER_PX: f64 = 1e-9;
+const T_SLACK: f64 = 1e-12;
+
+impl<'a> Projector<'a> {
+    /// Bounds of the camera's rays are taken here, once for all points.
+    pub fn new(camera: &'a Camera) -> Projector<'a> {
+        let layer = |rays: &'a Rays| match rays {
+            Rays::Pieces(p) => Layer::Pieces(pieces::Search::new(p, camera)),
+            Rays::Field(f) => Layer::Field(field::Search::new(f, camera.t_range)),
+            Rays::Curves(c) => Layer::Curves(curved::Search::new(c)),
+        };
+        Projector { camera, layers: camera.layers.iter().map(layer).collect() }
+    }
+
+    /// All images of `point`, world units.
+    pub fn project(&self, point: DVec3) -> Images {
+        let mut all = Images::default();
+        for (layer, search) in self.layers.iter().enumerate() {
+            let shown = match search {
+                Layer::Pieces(s) => s.images(point),
+                Layer::Field(s) => s.images(point),
+                Layer::Curves(s) => s.images(point),
+            };
+            all.degenerate = all.degenerate.max(shown.degenerate);
+            let mut found = merged(self.camera.t_range, shown.found);
+            found.sort_by(|a, b| a.piece.cmp(&b.piece).then(a.t.total_cmp(&b.t)));
+            let images: Vec<Image> = found.iter().map(|f| self.image(layer, f)).collect();
+            // at a shared face the lower layer has the point
+            let fresh = |image: &Image| !all.images.iter().any(|lower| is_handed_over(lower, image));
+            let fresh: Vec<Image> = images.into_iter().filter(fresh).collect();
+            all.images.extend(fresh);
+        }
+        all
+    }
+
+    fn image(&self, layer: usize, found: &Found) -> Image {
+        let (x, y) = (found.place.x, found.place.y);
+        Image {
+            x,
+            y,
+            a: x / f64::from(self.camera.width),
+            b: y / f64::from(self.camera.height),
+            t: layer as f64 + found.t,
+            layer,
+            piece: self.camera.first_piece(layer) + found.piece,
+        }
+    }
+}
+
+/// Both are the point where one layer's ray ends and the next one's starts.
+fn is_handed_over(lower: &Image, upper: &Image) -> bool {
+    let near = DVec2::new(lower.x - upper.x, lower.y - upper.y).length() <= ONE_PLACE_PX;
+    near && lower.layer + 1 == upper.layer && (lower.t - upper.t).abs() <= ONE_T
+}
+
+/// Those within the range of t, brought into it, each once: of several at one place the lowest piece's.
+fn merged([t0, t1]: [f64; 2], mut found: Vec<Found>) -> Vec<Found> {
+    found.sort_by_key(|f| f.piece);
+    let mut kept: Vec<Found> = Vec::with_capacity(found.len());
+    for f in found {
+        let slack = T_SLACK * f.t.abs().max(1.0);
+        let one =
+            |k: &Found| (k.place - f.place).length() <= ONE_PLACE_PX && (k.t - f.t).abs() <= ONE_T * f.t.abs().max(1.0);
+        if t0 - slack <= f.t && f.t <= t1 + slack && !kept.iter().any(one) {
+            kept.push(Found { t: f.t.clamp(t0, t1), ..f });
+        }
+    }
+    kept
+}

@@ -1,0 +1,208 @@
+//! One curve against one triangle: every place where it passes or touches the triangle.
+//!
+//! With `N` the triangle's normal, `f(t) = N . (X(t) - v_0)` is a polynomial of the curve's degree, so at most 3; all its
+//! roots in [0, 1] are found ([`crate::bernstein`]), and at each the weights of the three vertices say whether the
+//! place is inside. Both are decided with a bound on their rounding, and a place that may be on an edge as far as the
+//! bound tells counts as inside: where triangles join, a curve that truly passes one of them is never lost between
+//! them. It may be found in both; their `t` then tie within rounding, and the lower id is as right as the other.
+//!
+//! A curve within the triangle's plane never meets it, as a ray does not.
+
+use super::bvh::Probe;
+use super::intersect::{Corners, Meeting, OPPOSITE, TERM_ROUNDING, cross_size};
+use super::margin::GAP;
+use crate::bernstein::{Bernstein, Root, VALUE_ROUNDING};
+use crate::camera::curve::Curve;
+use glam::DVec3;
+
+/// How exactly a camera gives a control point, against the largest coordinate of all: a Bezier patch of degree 5 in
+/// each of two parameters is two nested sums of six terms, each term four roundings (three of its Bernstein factor and
+/// one of the product), and the sums of positive weights add five: 9 a level, half an epsilon each. Where two layers
+/// are meant to meet, their points differ by no more than twice this.
+pub const POINT_ROUNDING: f64 = 9.0 * f64::EPSILON;
+
+/// Every meeting of the curve with the triangle, ascending in t.
+pub fn meetings(curve: &Curve, c: &Corners) -> Vec<Meeting> {
+    let plane = Plane::of(curve, c);
+    let roots = plane.height.roots(plane.zero);
+    roots.into_iter().filter_map(|root| plane.meeting(curve, c, root)).collect()
+}
+
+/// The curve passes the triangle's plane so flat at `t` that the place is not sure to [`GAP`], or not at all.
+pub fn is_flat(curve: &Curve, c: &Corners, t: f64) -> bool {
+    let plane = Plane::of(curve, c);
+    2.0 * plane.blur(t) > GAP * t.max(GAP)
+}
+
+/// A triangle's plane as a curve sees it.
+struct Plane {
+    normal: DVec3,
+    /// The sum of the magnitudes of the terms of `normal`.
+    normal_size: DVec3,
+    /// `N . (X(t) - v_0)`, of the sorted corners.
+    height: Bernstein,
+    /// Heights up to this may be 0.
+    zero: f64,
+    /// Bound of the error of a place on the curve, world units.
+    place_error: f64,
+}
+
+impl Plane {
+    fn of(curve: &Curve, c: &Corners) -> Plane {
+        let (e1, e2) = (c.v[1] - c.v[0], c.v[2] - c.v[0]);
+        let normal = e1.cross(e2);
+        let normal_size = cross_size(e1.abs(), e2.abs());
+        let points = curve.points();
+        let mut heights = [0.0; 4];
+        let (mut size, mut coordinate) = (0.0_f64, 0.0_f64);
+        for (height, p) in heights.iter_mut().zip(points) {
+            *height = normal.dot(*p - c.v[0]);
+            size = size.max(normal_size.dot((*p - c.v[0]).abs()));
+            coordinate = coordinate.max(p.abs().max_element());
+        }
+        let place_error = POINT_ROUNDING * coordinate;
+        let height = Bernstein::new(&heights[..points.len()]);
+        let of_points = normal.abs().element_sum() * place_error;
+        let zero = TERM_ROUNDING * size + VALUE_ROUNDING * height.size() + of_points;
+        Plane { normal, normal_size, height, zero, place_error }
+    }
+
+    /// The meeting at a root of the plane, if it is inside the triangle.
+    fn meeting(&self, curve: &Curve, c: &Corners, root: Root) -> Option<Meeting> {
+        let at = curve.at(root.t);
+        // the curve's places are as exact as its points, evaluated with three levels of rounding
+        let coordinate = curve.points().iter().fold(0.0_f64, |m, p| m.max(p.abs().max_element()));
+        let blur = self.blur(root.t);
+        let way =
+            (curve.at((root.t + blur).min(1.0)) - at).length().max((curve.at((root.t - blur).max(0.0)) - at).length());
+        let reach = 2.0 * way + 3.0 * (self.place_error + VALUE_ROUNDING * coordinate);
+        let mut weight = [0.0; 3];
+        for (k, (i, j, turn)) in OPPOSITE.into_iter().enumerate() {
+            let (from, edge) = (c.v[i] - at, c.v[j] - c.v[i]);
+            let area = from.cross(edge).dot(self.normal) * f64::from(turn);
+            let slack = reach * edge.length() * self.normal.length()
+                + 2.0 * TERM_ROUNDING * cross_size(from.abs(), edge.abs()).dot(self.normal_size);
+            if area < -slack {
+                return None;
+            }
+            weight[c.slot(k)] = area.max(0.0);
+        }
+        let sum: f64 = weight.iter().sum();
+        let bary = if sum == 0.0 { [1.0 / 3.0; 2] } else { [weight[1] / sum, weight[2] / sum] };
+        Some(Meeting { t: root.t, sign: root.sign * c.parity, bary })
+    }
+
+    /// How far from `t` the height may still be 0 on one side or the other, within a factor of 2.
+    fn blur(&self, t: f64) -> f64 {
+        let proven = |t: f64| !(0.0..=1.0).contains(&t) || self.height.at(t).abs() > self.zero;
+        let mut blur = f64::EPSILON;
+        while blur < 1.0 && !(proven(t - blur) && proven(t + blur)) {
+            blur *= 2.0;
+        }
+        blur
+    }
+}
+
+/// Parts that a curve is cut into to be looked for in boxes: a power of 2.
+const PARTS: usize = 16;
+
+/// A curve as boxes around its parts.
+#[derive(Debug, Clone)]
+pub struct Sweep([(DVec3, DVec3); PARTS]);
+
+impl Sweep {
+    pub fn of(curve: &Curve) -> Sweep {
+        let mut parts = vec![*curve];
+        while parts.len() < PARTS {
+            parts = parts.iter().flat_map(|c| c.split(0.5)).collect();
+        }
+        // four levels of halves, each with up to three halved sums (one rounding of the sum); and the points' own
+        let coordinate = curve.points().iter().fold(0.0_f64, |m, p| m.max(p.abs().max_element()));
+        let slack = DVec3::splat((12.0 * f64::EPSILON + POINT_ROUNDING) * coordinate);
+        Sweep(std::array::from_fn(|k| {
+            let points = parts[k].points();
+            let (lo, hi) = points.iter().fold((points[0], points[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+            (lo - slack, hi + slack)
+        }))
+    }
+}
+
+impl Probe for Sweep {
+    /// From the first part whose box meets the given one to the last.
+    fn span(&self, lo: DVec3, hi: DVec3, range: [f64; 2]) -> Option<[f64; 2]> {
+        let part = 1.0 / PARTS as f64;
+        let start = |k: usize| k as f64 * part;
+        let meets = |k: &usize| {
+            let (a, b) = self.0[*k];
+            a.cmple(hi).all() && b.cmpge(lo).all() && start(*k) <= range[1] && start(*k + 1) >= range[0]
+        };
+        let first = (0..PARTS).find(meets)?;
+        let last = (first..PARTS).rev().find(meets)?;
+        Some([start(first), start(last + 1)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square_root_curve() -> Curve {
+        // X = (2 t - 1, (2 t - 1)^2, 0): a parabola
+        Curve::new(&[DVec3::new(-1.0, 1.0, 0.0), DVec3::new(0.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)])
+    }
+
+    fn level(y: f64) -> Corners {
+        Corners::new([DVec3::new(-3.0, y, -3.0), DVec3::new(3.0, y, -3.0), DVec3::new(0.0, y, 3.0)])
+    }
+
+    #[test]
+    fn a_parabola_meets_levels_where_it_should() {
+        for y in [0.01_f64, 0.25, 0.5, 0.81] {
+            let found = meetings(&square_root_curve(), &level(y));
+            let t = |x: f64| 0.5 * (x + 1.0);
+            assert_eq!(found.len(), 2, "{y}");
+            for (m, x) in found.iter().zip([-y.sqrt(), y.sqrt()]) {
+                // f's values round to 1e-15 and its slope is 2 |x| 2 >= 0.4
+                assert!((m.t - t(x)).abs() < 1e-14, "{} for {}", m.t, t(x));
+                let v = [DVec3::new(-3.0, y, -3.0), DVec3::new(3.0, y, -3.0), DVec3::new(0.0, y, 3.0)];
+                let on = v[0] * (1.0 - m.bary[0] - m.bary[1]) + v[1] * m.bary[0] + v[2] * m.bary[1];
+                assert!((on - DVec3::new(x, y, 0.0)).length() < 1e-13);
+            }
+            // N = (6, 0, 0) x (3, 0, 6) points down: falling the curve runs along N, rising against it
+            assert_eq!((found[0].sign, found[1].sign), (1, -1));
+        }
+        assert_eq!(meetings(&square_root_curve(), &level(1.0)).iter().map(|m| m.t).collect::<Vec<_>>(), [0.0, 1.0]);
+        assert!(meetings(&square_root_curve(), &level(1.01)).is_empty());
+        assert!(meetings(&square_root_curve(), &level(-0.01)).is_empty());
+    }
+
+    #[test]
+    fn a_touch_is_a_meeting_without_a_side() {
+        let found = meetings(&square_root_curve(), &level(0.0));
+        assert_eq!(found.iter().map(|m| (m.t, m.sign)).collect::<Vec<_>>(), [(0.5, 0)]);
+    }
+
+    #[test]
+    fn a_curve_in_the_plane_and_a_triangle_without_area_are_never_met() {
+        let upright =
+            Corners::new([DVec3::new(-3.0, -3.0, 0.0), DVec3::new(3.0, -3.0, 0.0), DVec3::new(0.0, 9.0, 0.0)]);
+        assert!(meetings(&square_root_curve(), &upright).is_empty());
+        let line = Corners::new([DVec3::new(-0.9, 0.1, -0.3), DVec3::new(0.1, 0.3, 0.1), DVec3::new(1.1, 0.5, 0.5)]);
+        assert!(meetings(&square_root_curve(), &line).is_empty());
+    }
+
+    #[test]
+    fn the_parts_of_a_sweep_hold_the_curve() {
+        let c = Curve::new(&[DVec3::ZERO, DVec3::X, DVec3::new(-5.0, 2.0, 1.0), DVec3::new(3.0, 2.0, -7.0)]);
+        let sweep = Sweep::of(&c);
+        for k in 0..=1000 {
+            let t = f64::from(k) / 1000.0;
+            let at = c.at(t);
+            let [a, b] = sweep.span(at, at, [0.0, 1.0]).unwrap();
+            assert!(a <= t && t <= b, "{t} in {a} {b}");
+            assert!(sweep.span(at, at, [t, t]).is_some());
+        }
+        let far = DVec3::splat(99.0);
+        assert!(sweep.span(far, far, [0.0, 1.0]).is_none());
+    }
+}

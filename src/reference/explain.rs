@@ -1,0 +1,55 @@
+//! One pixel in words.
+
+use super::path::{Path, Segment};
+use super::{Finding, Reference};
+use crate::camera::Camera;
+use crate::scene::Scene;
+use std::fmt::Write;
+
+/// Text for a person about one pixel: its ray or its segments layer by layer, the visible hit, and what else the answer
+/// may be.
+pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> String {
+    let path = Path::of_pixel(camera, i, j);
+    let finding = Reference::build(&scene.mesh).finding(camera, &path, (i, j));
+    let mut text = format!("pixel {i},{j}\n");
+    // writing to a String cannot fail
+    let _ = write_path(&mut text, &path).and_then(|()| write_finding(&mut text, camera, &path, &finding));
+    text
+}
+
+fn write_path(text: &mut String, path: &Path) -> std::fmt::Result {
+    for (layer, segment) in path.segments.iter().enumerate() {
+        if path.segments.len() > 1 {
+            writeln!(text, "layer: {layer}")?;
+        }
+        match segment {
+            None => writeln!(text, "ray: none")?,
+            Some((piece, Segment::Straight(b))) => {
+                let ray = b.ray(0.0, 0.0);
+                writeln!(text, "piece: {piece}\nP: {}\nD: {}", ray.origin, ray.direction)?;
+            }
+            Some((piece, Segment::Curved(curve))) => {
+                let points: Vec<String> = curve.points().iter().map(ToString::to_string).collect();
+                writeln!(text, "piece: {piece}\ncontrol points: {}", points.join(" "))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn write_finding(text: &mut String, camera: &Camera, path: &Path, finding: &Finding) -> std::fmt::Result {
+    match finding.seen {
+        None => writeln!(text, "hit: none")?,
+        Some(seen) => {
+            let (h, [u, v]) = (seen.hit, seen.hit.bary);
+            writeln!(text, "hit: triangle {}, t {}, bary {u} {v}", h.triangle, seen.t())?;
+            if path.segments.len() > 1 || camera.is_curved() {
+                writeln!(text, "at: layer {}, piece {}, Z {}", seen.layer, seen.piece, path.depth(&seen))?;
+            }
+        }
+    }
+    let miss = if finding.may_miss { " or none" } else { "" };
+    let how = if camera.is_curved() { " (sampled)" } else { "" };
+    writeln!(text, "within 1/16 px: triangles {:?}{miss}{how}", finding.candidates)?;
+    write!(text, "safe: {}", finding.safe)
+}

@@ -1,0 +1,130 @@
+//! What a pixel shows through all layers of its camera, and how sure that is.
+//!
+//! Straight layers: the verdict of each layer is proven for the whole box about the centre; a layer that may miss
+//! hands over to the next. With a curved layer the box is *sampled*, not bounded: at its centre, its corners, the
+//! middles of its edges and a ring inside. A feature that slips between the samples (thinner than they are apart) is
+//! not seen, so a pixel may be called safe that is not, and a candidate may be left out. That errs on the side of asking
+//! too much of others: it can raise a false alarm about a right frame, and never excuses a wrong pixel.
+
+use super::path::{Path, Seen};
+use super::{GAP, Hit, MARGIN_PX, Reference, Verdict};
+use crate::camera::Camera;
+
+/// The answer for one pixel and how far it is from changing; see [`Verdict`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// The visible hit at the centre.
+    pub seen: Option<Seen>,
+    /// The same triangle is seen, or none, all over the box, without ties.
+    pub safe: bool,
+    /// Ascending ids of all triangles that may be the visible one somewhere in the box, ties included.
+    pub candidates: Vec<u32>,
+    /// Somewhere in the box nothing may be hit.
+    pub may_miss: bool,
+}
+
+/// Places in the box of half-size 1 where curves are looked along; the first is the centre. The inner four are as far
+/// out as an image's f32 arithmetic may be off (2^-8 px at 2^16 px), so that what passes there passes a sample too.
+const PLACES: [(f64, f64); 13] = [
+    (0.0, 0.0),
+    (-1.0, -1.0),
+    (0.0, -1.0),
+    (1.0, -1.0),
+    (-1.0, 0.0),
+    (1.0, 0.0),
+    (-1.0, 1.0),
+    (0.0, 1.0),
+    (1.0, 1.0),
+    (-INNER, -INNER),
+    (INNER, -INNER),
+    (-INNER, INNER),
+    (INNER, INNER),
+];
+
+/// 2^-8 px of [`MARGIN_PX`].
+const INNER: f64 = 1.0 / 16.0;
+
+impl Reference<'_> {
+    /// Judges pixel `(i, j)`, whose path is `path`.
+    pub fn finding(&self, camera: &Camera, path: &Path, (i, j): (u32, u32)) -> Finding {
+        if camera.is_curved() { self.sampled(camera, path, (i, j)) } else { self.proven(camera, path, (i, j)) }
+    }
+
+    fn proven(&self, camera: &Camera, path: &Path, pixel: (u32, u32)) -> Finding {
+        let mut finding = Finding { seen: None, safe: true, candidates: Vec::new(), may_miss: true };
+        for layer in 0..camera.layers.len() {
+            let verdict = self.layer_verdict(camera, layer, path.range(layer), pixel);
+            if finding.seen.is_none() {
+                finding.seen = verdict.hit.and_then(|hit| {
+                    let piece = path.segments[layer].as_ref()?.0;
+                    Some(Seen { layer, piece, hit: Hit { t: path.within(hit.t), ..hit } })
+                });
+            }
+            finding.safe &= verdict.safe;
+            finding.candidates.extend(verdict.candidates);
+            if verdict.safe && verdict.hit.is_some() {
+                let behind = self.behind_the_face(camera, path, layer, pixel);
+                finding.safe &= behind.iter().all(|id| finding.candidates.contains(id));
+                finding.candidates.extend(behind);
+            }
+            if !verdict.may_miss {
+                finding.may_miss = false;
+                break;
+            }
+        }
+        finding.candidates.sort_unstable();
+        finding.candidates.dedup();
+        finding
+    }
+
+    /// What one layer shows, by [`Reference::verdict`] over all its pieces near the pixel.
+    fn layer_verdict(&self, camera: &Camera, layer: usize, range: [f64; 2], (i, j): (u32, u32)) -> Verdict {
+        let has_ray = camera.pixel(layer, i, j).is_some();
+        let (bundles, outside) = camera.near(layer, i, j);
+        let mut verdict = self.verdict(&bundles, range);
+        if !has_ray {
+            verdict.hit = None;
+        }
+        if !has_ray || outside {
+            verdict.safe = verdict.safe && verdict.candidates.is_empty();
+            verdict.may_miss = true;
+        }
+        verdict
+    }
+
+    /// Triangles at the start of the next layer that tie with a safe hit at the end of this one.
+    fn behind_the_face(&self, camera: &Camera, path: &Path, layer: usize, pixel: (u32, u32)) -> Vec<u32> {
+        if layer + 1 == camera.layers.len() {
+            return Vec::new();
+        }
+        // t is that of the whole path: both hits are within a tie of the face, at layer + 1
+        let near = GAP * (layer + 2) as f64;
+        let [t0, _] = path.range(layer);
+        let clear = self.layer_verdict(camera, layer, [t0, 1.0 - near], pixel);
+        if clear.safe && clear.hit.is_some() {
+            return Vec::new();
+        }
+        let [start, _] = path.range(layer + 1);
+        self.layer_verdict(camera, layer + 1, [start, near], pixel).candidates
+    }
+
+    fn sampled(&self, camera: &Camera, path: &Path, (i, j): (u32, u32)) -> Finding {
+        let centre = self.answer(path);
+        let mut finding = Finding {
+            seen: centre.seen,
+            safe: centre.ties.is_empty() && !centre.touches,
+            may_miss: centre.seen.is_none(),
+            candidates: centre.seen.iter().map(|s| s.hit.triangle).chain(centre.ties).collect(),
+        };
+        let what = |seen: Option<Seen>| seen.map(|s| (s.layer, s.hit.triangle));
+        for (x, y) in &PLACES[1..] {
+            let answer = self.answer(&Path::near(camera, i, j, (x * MARGIN_PX, y * MARGIN_PX)));
+            finding.safe &= answer.ties.is_empty() && !answer.touches && what(answer.seen) == what(centre.seen);
+            finding.may_miss |= answer.seen.is_none();
+            finding.candidates.extend(answer.seen.iter().map(|s| s.hit.triangle).chain(answer.ties));
+        }
+        finding.candidates.sort_unstable();
+        finding.candidates.dedup();
+        finding
+    }
+}

@@ -1,0 +1,34 @@
+//! How bright a hit is, by the definition.
+
+use super::Hit;
+use crate::scene::Scene;
+use crate::scene::mesh::NO_NORMAL;
+use glam::{DVec3, Vec3};
+
+/// Share of the light that comes from everywhere.
+const AMBIENT: f64 = crate::stage::AMBIENT as f64;
+
+/// Lambert from every light, or one headlight along the unit vector `view`, and a small ambient term.
+pub fn light(scene: &Scene, hit: &Hit, view: DVec3) -> [f32; 3] {
+    let mesh = &scene.mesh;
+    let id = hit.triangle as usize;
+    let v = mesh.triangles[id].map(|k| mesh.positions[k as usize]);
+    let flat = (v[1] - v[0]).cross(v[2] - v[0]).normalize_or_zero();
+    let seen = if flat.dot(view) > 0.0 { -flat } else { flat };
+    let weights = [1.0 - hit.bary[0] - hit.bary[1], hit.bary[0], hit.bary[1]];
+    let stored = mesh.corner_normals.get(id).filter(|c| !c.contains(&NO_NORMAL));
+    let smooth = stored.map(|c| {
+        let n: [Vec3; 3] = c.map(|k| mesh.normals[k as usize]);
+        (0..3).map(|k| weights[k] * n[k].as_dvec3()).sum::<DVec3>()
+    });
+    let mut n = smooth.and_then(DVec3::try_normalize).unwrap_or(seen);
+    if n.dot(seen) < 0.0 {
+        n = -n;
+    }
+    let lambert = |travel: DVec3| (-n.dot(travel)).max(0.0);
+    let direct: f64 =
+        if scene.lights.is_empty() { lambert(view) } else { scene.lights.iter().map(|l| lambert(*l)).sum() };
+    let received = AMBIENT + (1.0 - AMBIENT) * direct;
+    let diffuse = mesh.materials[mesh.material_of[id] as usize].diffuse;
+    diffuse.map(|c| (c as f64 * received) as f32)
+}

@@ -1,0 +1,272 @@
+//! What one place of the image looks along: its segments, layer by layer, and what they first meet.
+
+use super::curve::{POINT_ROUNDING, Sweep, meetings};
+use super::intersect::T_ROUNDING;
+use super::length::arc_length;
+use super::margin::{beyond, clears};
+use super::{Hit, Reference, nearer, past};
+use crate::camera::bundle::Bundle;
+use crate::camera::curve::Curve;
+use crate::camera::{Camera, Rays};
+use glam::{DVec2, DVec3};
+
+/// A ray or a curve of one layer.
+#[derive(Debug, Clone, Copy)]
+pub enum Segment {
+    /// The central ray of the bundle.
+    Straight(Bundle),
+    /// t in [0, 1].
+    Curved(Curve),
+}
+
+/// All segments of one place of the image.
+#[derive(Debug, Clone)]
+pub struct Path {
+    /// The layers' segments, first to last, each with its piece, numbered through all layers.
+    pub segments: Vec<Option<(u32, Segment)>>,
+    t_range: [f64; 2],
+}
+
+/// What a path first meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    pub layer: usize,
+    /// Numbered through all layers.
+    pub piece: u32,
+    /// t is that of the layer.
+    pub hit: Hit,
+}
+
+/// Where one layer hands over to the next, both t count up to this much beyond the shared face: neither the rounding
+/// of t (of a number near 1; near 0 it is far smaller) nor that of the face's own place lets a surface slip through.
+fn face_allowance(place_error: f64, direction: DVec3) -> f64 {
+    2.0 * T_ROUNDING + place_error / direction.length()
+}
+
+impl Seen {
+    /// The contract's t: that of the layer, and 1 for each layer before it.
+    pub fn t(&self) -> f64 {
+        self.layer as f64 + self.hit.t
+    }
+}
+
+impl Segment {
+    /// `X'(t)`.
+    pub fn direction(&self, t: f64) -> DVec3 {
+        match self {
+            Segment::Straight(b) => b.ray(0.0, 0.0).direction,
+            Segment::Curved(c) => c.tangent(t),
+        }
+    }
+
+    /// The way from t = 0 to `t`; of negative t on a ray, negative.
+    pub fn length(&self, t: f64) -> f64 {
+        match self {
+            Segment::Straight(b) => t * b.ray(0.0, 0.0).direction.length(),
+            Segment::Curved(c) => arc_length(c, t),
+        }
+    }
+
+    /// Unit vector of the way at `t`: where the curve stands still, of the way around it.
+    pub fn view(&self, t: f64) -> DVec3 {
+        let around = || match self {
+            Segment::Straight(_) => DVec3::ZERO,
+            Segment::Curved(c) => c.at((t + VIEW_STEP).min(1.0)) - c.at((t - VIEW_STEP).max(0.0)),
+        };
+        self.direction(t).try_normalize().unwrap_or_else(|| around().normalize_or_zero())
+    }
+}
+
+/// Half the stretch of t whose chord stands for the way of a curve that stands still: the root of f64's precision, so
+/// that neither the chord's rounding nor its bend shows.
+const VIEW_STEP: f64 = 1.0 / (1 << 26) as f64;
+
+impl Path {
+    /// A chain of these segments, each the one piece of its layer.
+    pub fn through(segments: &[Segment]) -> Path {
+        let segments = segments.iter().zip(0..).map(|(s, piece)| Some((piece, *s))).collect();
+        Path { segments, t_range: [0.0, 1.0] }
+    }
+
+    /// The path of the pixel's own sample.
+    pub fn of_pixel(camera: &Camera, i: u32, j: u32) -> Path {
+        Path::near(camera, i, j, (0.0, 0.0))
+    }
+
+    /// The path `(x, y)` pixels right of and below the pixel's sample, less than half a pixel away.
+    pub fn near(camera: &Camera, i: u32, j: u32, (x, y): (f64, f64)) -> Path {
+        let segment = |layer: usize| {
+            let (piece, segment) = match &camera.layers[layer] {
+                Rays::Pieces(p) => {
+                    let place = p.place(i, j) + DVec2::new(x, y);
+                    let piece = p.owner_of_place(i, j, place)?;
+                    (piece, Segment::Straight(p.bundle_at_place(piece, place)))
+                }
+                Rays::Field(f) => {
+                    // the four sides of the centre in the order of `quadrants`
+                    let side = usize::from(x < 0.0) + 2 * usize::from(y < 0.0);
+                    let bundle =
+                        if (x, y) == (0.0, 0.0) { f.bundle(i, j) } else { f.quadrants(i, j).get(side).copied() };
+                    (0, Segment::Straight(bundle?.recentred(x, y)))
+                }
+                Rays::Curves(c) => c.near(i, j, (x, y)).map(|(piece, curve)| (piece, Segment::Curved(curve)))?,
+            };
+            Some((camera.first_piece(layer) + piece, segment))
+        };
+        Path { segments: (0..camera.layers.len()).map(segment).collect(), t_range: camera.t_range }
+    }
+
+    /// The t that count in a layer of rays: the camera's, and a little more where the neighbouring layer's ray goes on
+    /// from the same place. A t beyond [0, 1] stands for the end that it is near ([`Path::within`]).
+    pub fn range(&self, layer: usize) -> [f64; 2] {
+        let [mut t0, mut t1] = self.t_range;
+        let Some(Segment::Straight(own)) = self.segment(layer) else { return self.t_range };
+        let direction = own.ray(0.0, 0.0).direction;
+        if let Some(error) = layer.checked_sub(1).and_then(|before| self.joint(before)) {
+            t0 -= face_allowance(error, direction);
+        }
+        if let Some(error) = self.joint(layer) {
+            t1 += face_allowance(error, direction);
+        }
+        [t0, t1]
+    }
+
+    /// `t` in the camera's own range.
+    pub fn within(&self, t: f64) -> f64 {
+        t.clamp(self.t_range[0], self.t_range[1])
+    }
+
+    fn segment(&self, layer: usize) -> Option<&Segment> {
+        self.segments.get(layer)?.as_ref().map(|s| &s.1)
+    }
+
+    /// How exactly the end of this layer's ray and the start of the next are one place; `None` where they are not.
+    fn joint(&self, layer: usize) -> Option<f64> {
+        let (Segment::Straight(a), Segment::Straight(b)) = (self.segment(layer)?, self.segment(layer + 1)?) else {
+            return None;
+        };
+        let (a, b) = (a.ray(0.0, 0.0), b.ray(0.0, 0.0));
+        let size = [a.origin, a.direction, b.origin, b.direction].iter().fold(0.0, |s, v| s + v.length());
+        let error = JOINT_ROUNDING * size;
+        ((a.origin + a.direction - b.origin).length() <= error).then_some(error)
+    }
+
+    /// The contract's Z: the lengths of the segments before, and the way to the hit on its own.
+    pub fn depth(&self, seen: &Seen) -> f64 {
+        let before: f64 = self.segments[..seen.layer].iter().flatten().map(|(_, s)| s.length(1.0)).sum();
+        before + self.of(seen).length(seen.hit.t)
+    }
+
+    /// |X'| where something was seen, else at the start of the first segment; 0 without one.
+    pub fn speed(&self, seen: Option<&Seen>) -> f64 {
+        let (segment, t) = match seen {
+            Some(seen) => (Some(self.of(seen)), seen.hit.t),
+            None => (self.segments.iter().flatten().next().map(|s| &s.1), 0.0),
+        };
+        segment.map_or(0.0, |s| s.direction(t).length())
+    }
+
+    /// The segment on which something was seen.
+    pub fn of(&self, seen: &Seen) -> &Segment {
+        self.segment(seen.layer).expect("what is seen is seen along a segment")
+    }
+}
+
+/// How exactly pieces give the two ends of a ray, against the sum of the magnitudes of the rays at a joint. A piece's
+/// corner values are summed over three corners with slopes of the image's barycentrics, and moved to the pixel: some
+/// 16 roundings of half an epsilon of terms up to four times the corners' size (centre, two slopes, each to a corner
+/// and back). [`POINT_ROUNDING`] is the bound for the points of a curve.
+const JOINT_ROUNDING: f64 = 16.0 * 4.0 * 0.5 * f64::EPSILON + POINT_ROUNDING;
+
+/// Everything that counts for an answer at one place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    pub seen: Option<Seen>,
+    /// Other triangles at a t so near that either may be first.
+    pub ties: Vec<u32>,
+    /// The curve touches the triangle that is seen, or passes it so flat that its t is not sure.
+    pub touches: bool,
+}
+
+impl Reference<'_> {
+    /// What a path first meets: the lowest layer with a visible hit, the smallest t there, the lowest id among equals.
+    pub fn first(&self, path: &Path) -> Option<Seen> {
+        (0..path.segments.len()).find_map(|layer| {
+            let (piece, segment) = path.segments[layer].as_ref()?;
+            let mut best = None;
+            self.each_hit(segment, path.range(layer), |hit| {
+                best = nearer(best, hit);
+                best.map_or(f64::INFINITY, |b| past(b.t))
+            });
+            best.map(|hit| Seen { layer, piece: *piece, hit: Hit { t: path.within(hit.t), ..hit } })
+        })
+    }
+
+    /// What a path first meets, and what else is so near that either may be first.
+    pub(super) fn answer(&self, path: &Path) -> Answer {
+        let mut answer = Answer { seen: None, ties: Vec::new(), touches: false };
+        for layer in 0..path.segments.len() {
+            let Some((piece, segment)) = &path.segments[layer] else { continue };
+            let [t0, t1] = path.range(layer);
+            let base = layer as f64;
+            let end = answer.seen.map_or(f64::INFINITY, |s| beyond(s.t()));
+            if end < base + t0 {
+                break;
+            }
+            let mut near: Vec<Hit> = Vec::new();
+            let mut limit = end - base;
+            self.each_hit(segment, [t0, t1.min(limit)], |hit| {
+                near.push(hit);
+                limit = limit.min(beyond(base + hit.t) - base);
+                limit
+            });
+            let first = near.iter().copied().fold(None, nearer);
+            if answer.seen.is_none() {
+                answer.seen = first.map(|hit| Seen { layer, piece: *piece, hit: Hit { t: path.within(hit.t), ..hit } });
+            }
+            let front = answer.seen.map_or(0.0, |s| s.t());
+            answer.ties.extend(near.iter().filter(|h| !clears(front, base + h.t)).map(|h| h.triangle));
+        }
+        if let Some(seen) = answer.seen {
+            answer.ties.retain(|id| !self.hides_twin(seen.hit.triangle, *id));
+            answer.touches = self.touches(path, &seen);
+        }
+        answer
+    }
+
+    /// Both triangles have the same three corners: the one that is seen is met wherever the other is.
+    fn hides_twin(&self, seen: u32, other: u32) -> bool {
+        self.corners(seen).v == self.corners(other).v
+    }
+
+    /// The curve meets the seen triangle's plane so flat there that the place is not sure to [`super::GAP`].
+    fn touches(&self, path: &Path, seen: &Seen) -> bool {
+        match path.of(seen) {
+            Segment::Straight(_) => false,
+            Segment::Curved(c) => super::curve::is_flat(c, &self.corners(seen.hit.triangle), seen.hit.t),
+        }
+    }
+
+    /// Every visible hit of a segment in range, near ones first as a rule. `visit` returns the largest t that still
+    /// matters.
+    fn each_hit(&self, segment: &Segment, range: [f64; 2], visit: impl FnMut(Hit) -> f64) {
+        match segment {
+            Segment::Straight(bundle) => self.each_hit_of_ray(bundle, range, visit),
+            Segment::Curved(curve) => self.each_hit_of_curve(curve, range, visit),
+        }
+    }
+
+    /// [`Reference::each_hit`] of a curve; each meeting of a triangle by itself.
+    fn each_hit_of_curve(&self, curve: &Curve, range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {
+        let mut limit = range[1];
+        self.bvh.walk(&Sweep::of(curve), range, |id| {
+            for m in meetings(curve, &self.corners(id)) {
+                let seen = m.sign < 0 || self.two_sided(id);
+                if seen && range[0] <= m.t && m.t <= range[1] {
+                    limit = limit.min(visit(Hit { t: m.t, triangle: id, bary: m.bary }));
+                }
+            }
+            limit
+        });
+    }
+}

@@ -1,0 +1,23 @@
+// Rays of a ray field, pixel by pixel: it has one layer and one piece.
+
+fn ray_bundle(layer: u32, x: u32, y: u32, t: f32) -> Bundle {
+    return field_bundle(x, y);
+}
+
+fn pixel_ray(layer: u32, x: u32, y: u32, t: f32) -> Ray {
+    let at = field_at(x, y);
+    return Ray(field_origin(at), field_direction(at));
+}
+
+fn piece_number(layer: u32, x: u32, y: u32) -> u32 {
+    return 0u;
+}
+
+// How far along its ray a hit lies.
+fn reached(ray: Ray, layer: u32, x: u32, y: u32, t: f32) -> f32 {
+    return t * length(ray.d);
+}
+
+fn segment_length(layer: u32, x: u32, y: u32) -> f32 {
+    return 0.0;
+}

@@ -1,0 +1,42 @@
+// Rays of a camera made of pieces, pixel by pixel; the piece is looked up.
+
+// The bundle of a pixel of the band in a layer.
+fn ray_bundle(layer: u32, x: u32, y: u32, t: f32) -> Bundle {
+    let q = pieces[cells[pixel_cell(layer, x, y)].piece];
+    return bundle_at(piece_bundle(q), real(f32(x) - q.origin_x), real(f32(y) - q.origin_y));
+}
+
+// The ray of a pixel that a piece owns, from its cell.
+fn pixel_ray(layer: u32, x: u32, y: u32, t: f32) -> Ray {
+    return cell_ray(cells[pixel_cell(layer, x, y)], x, y);
+}
+
+fn cell_ray(cell: Cell, x: u32, y: u32) -> Ray {
+    let fx = f32(x % TILE) - TILE_REACH;
+    let fy = f32(y % TILE) - TILE_REACH;
+    let px = pieces[cell.piece].px_hi;
+    let py = pieces[cell.piece].py_hi;
+    let dx = pieces[cell.piece].dx_hi;
+    let dy = pieces[cell.piece].dy_hi;
+    let h = cell.h + fx * pieces[cell.piece].hx_hi + fy * pieces[cell.piece].hy_hi;
+    return Ray((cell.p + fx * px + fy * py) / h, (cell.d + fx * dx + fy * dy) / h);
+}
+
+// The number in the camera of the piece that owns the pixel.
+fn piece_number(layer: u32, x: u32, y: u32) -> u32 {
+    return pieces[cells[pixel_cell(layer, x, y)].piece].number;
+}
+
+// How far along its ray a hit lies in its layer.
+fn reached(ray: Ray, layer: u32, x: u32, y: u32, t: f32) -> f32 {
+    return t * length(ray.d);
+}
+
+// The length of a pixel's segment in a layer, 0 where it has none.
+fn segment_length(layer: u32, x: u32, y: u32) -> f32 {
+    let cell = pixel_cell(layer, x, y);
+    if cell == NONE {
+        return 0.0;
+    }
+    return length(cell_ray(cells[cell], x, y).d);
+}

@@ -1,0 +1,6 @@
+// Where a ray, a segment of a chain or a curve meets a triangle.
+
+struct Meeting {
+    t: real,
+    visible: bool,          // inside, at a t in range and from a face that shows
+}

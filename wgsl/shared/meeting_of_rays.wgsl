@@ -1,0 +1,18 @@
+// Straight rays against a triangle's plane.
+
+// t = along / across of a ray; `across` of the sign of `hidden` is a face that does not show. In a chain a hit within
+// `rounding` (of `along`) beyond an end of its segment counts as on that end: the next segment starts there, up to
+// rounding, and what lies in the face between them must not fall through.
+fn ray_meeting(along: real, across: real, rounding: real, hidden: real) -> Meeting {
+    if across == 0.0 || across * hidden > 0.0 {
+        return Meeting(0.0, false);
+    }
+    let t_min = real(params.t_min.x) + real(params.t_min.y) + real(params.t_min.z);
+    let t_max = real(params.t_max.x) + real(params.t_max.y) + real(params.t_max.z);
+    let t = along / across;
+    if SHEETED {
+        let room = rounding / abs(across);
+        return Meeting(min(max(t, t_min), t_max), t >= t_min - room && t <= t_max + room);
+    }
+    return Meeting(t, t >= t_min && t <= t_max);
+}
