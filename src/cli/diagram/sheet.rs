@@ -81,7 +81,9 @@ impl Sheet {
             let border = [far.first(), far.last()].into_iter().flatten();
             let lines: Vec<_> = match border.clone().flatten().all(Option::is_some) {
                 true => border.collect(),
-                false => far.iter().step_by(STEP / 2).collect(),
+                false if self.outlines.is_empty() => far.iter().step_by(STEP / 2).collect(),
+                // pieces apart in the image may be anywhere
+                false => Vec::new(),
             };
             draw_unbroken(svg, "far", lines.into_iter());
         }

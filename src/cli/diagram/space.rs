@@ -44,9 +44,9 @@ fn legend(camera: &Camera, sheets: &[Sheet], left_out: usize) -> String {
     };
     let slits = match (sheets.iter().all(|s| s.slits.is_empty()), left_out) {
         (true, 0) => "",
-        (false, 0) => "; red: slits, or where rays meet",
+        (false, 0) => "; red: slits, eyes",
         (true, _) => "; slits far outside are left out",
-        (false, _) => "; red: slits, or where rays meet, but for some far outside",
+        (false, _) => "; red: slits, eyes, but for some far outside",
     };
     format!("camera: {rays} {what}, {range}; dashed: their far ends{slits}")
 }
