@@ -79,7 +79,7 @@ mod tests {
                 }
             }
             assert!(example.scene.starts_with("# "), "{}", example.name);
-            let scene = Scene::load(&dir.path().join(example.scene_name()), &[]).unwrap();
+            let scene = Scene::load(&dir.path().join(example.scene_name()), &[], 0.0).unwrap();
             assert!(scene.output.color.is_some());
             let camera = scene.camera().unwrap();
             assert!(camera.notes.is_empty());
