@@ -3,103 +3,17 @@
 
 mod common;
 
-use anamorph::camera::project::{Degenerate, Image, Images, Projector};
+use anamorph::camera::project::{Degenerate, Projector};
 use anamorph::camera::{Camera, Curve, CurveMap, Curves, Field, Ray, RayMap, Rays};
-use anamorph::reference::{Path, Reference};
 use anamorph::scene::file::CameraKind;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap, two_plane};
+use common::projection::{Counts, PLACE_PX, check, images_see_their_points, pixels_are_images_of_what_they_see};
 use common::rng::Rng;
-use common::{ALL_T, FORWARD, camera, soup};
+use common::{ALL_T, FORWARD, camera};
 use glam::{DMat2, DVec2, DVec3};
 use std::sync::Arc;
 
 const SIZE: (u32, u32) = (60, 44);
-
-/// What an image place may be off by, px (the promise of the property).
-const PLACE_PX: f64 = 1e-6;
-
-/// A ray may miss its point by a ten-millionth of a pixel's footprint, which is under 1/10 in all these cameras.
-const MISS: f64 = 1e-8;
-
-/// Where the camera looks from an image place at the image's t, by the image's own piece.
-fn point_seen(camera: &Camera, image: &Image) -> DVec3 {
-    let place = DVec2::new(image.x, image.y);
-    let t = image.t - image.layer as f64;
-    let along = |r: Ray| r.origin + t * r.direction;
-    match &camera.layers[image.layer] {
-        Rays::Pieces(p) => along(p.bundle_at_place(image.piece - camera.first_piece(image.layer), place).ray(0.0, 0.0)),
-        Rays::Field(f) => along(f.ray_at(place).unwrap()),
-        Rays::Curves(c) => c.at_place(place).unwrap().1.at(t),
-    }
-}
-
-/// How often each number of images occurred.
-type Counts = [usize; 8];
-
-/// Points of the cube of half-size 1/2: each image sees its point.
-fn images_see_their_points(name: &str, camera: &Camera, rng: &mut Rng, points: usize) -> Counts {
-    let projector = Projector::new(camera);
-    let mut counts = Counts::default();
-    for _ in 0..points {
-        let point = 0.5 * rng.vector();
-        let Images { images, degenerate } = projector.project(point);
-        assert_eq!(degenerate, None, "{name}: {point}");
-        for image in &images {
-            let off = (point_seen(camera, image) - point).length();
-            assert!(off < MISS, "{name}: {image:?} misses {point} by {off}");
-            assert!((0.0..=1.0).contains(&image.a) && (0.0..=1.0).contains(&image.b), "{name}: {image:?}");
-            let px = DVec2::new(image.a * f64::from(SIZE.0), image.b * f64::from(SIZE.1));
-            assert!(px.distance(DVec2::new(image.x, image.y)) < 1e-12);
-        }
-        counts[images.len()] += 1;
-    }
-    counts
-}
-
-/// Random triangles: what a pixel sees has an image at its centre, at the same t.
-fn pixels_are_images_of_what_they_see(name: &str, camera: &Camera, rng: &mut Rng, pixels: usize) -> usize {
-    let mesh = soup(rng, 60, 1.0);
-    let reference = Reference::build(&mesh);
-    let projector = Projector::new(camera);
-    let mut hits = 0;
-    for _ in 0..pixels {
-        let (i, j) = (rng.below(SIZE.0 as usize) as u32, rng.below(SIZE.1 as usize) as u32);
-        if !has_rays_about(camera, i, j) {
-            continue;
-        }
-        let path = Path::of_pixel(camera, i, j);
-        let Some(seen) = reference.first(&path) else { continue };
-        let place = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
-        let own = Image { x: place.x, y: place.y, a: 0.0, b: 0.0, t: seen.t(), layer: seen.layer, piece: seen.piece };
-        let point = point_seen(camera, &own);
-        let Images { images, .. } = projector.project(point);
-        let same = |i: &&Image| i.layer == seen.layer && i.piece == seen.piece && (i.t - seen.t()).abs() < PLACE_PX;
-        let off =
-            images.iter().filter(same).map(|i| DVec2::new(i.x, i.y).distance(place)).fold(f64::INFINITY, f64::min);
-        assert!(off < PLACE_PX, "{name}: pixel {i},{j} sees {point} at {}: {images:?}", seen.t());
-        hits += 1;
-    }
-    hits
-}
-
-/// A table of rays is an image between four of them only.
-fn has_rays_about(camera: &Camera, i: u32, j: u32) -> bool {
-    let [Rays::Field(f)] = camera.layers.as_slice() else { return true };
-    let has = |dx: i64, dy: i64| {
-        let (x, y) = (i64::from(i) + dx, i64::from(j) + dy);
-        let inside = (0..i64::from(SIZE.0)).contains(&x) && (0..i64::from(SIZE.1)).contains(&y);
-        inside && f.ray(x as u32, y as u32).is_some()
-    };
-    f.map().is_some() || [(-1, -1), (-1, 1), (1, -1), (1, 1)].iter().any(|&(x, y)| has(x, 0) && has(0, y) && has(x, y))
-}
-
-fn check(name: &str, camera: &Camera, seed: u64) -> Counts {
-    let mut rng = Rng(seed);
-    let counts = images_see_their_points(name, camera, &mut rng, 150);
-    let hits = pixels_are_images_of_what_they_see(name, camera, &mut rng, 300);
-    assert!(hits > 30, "{name}: only {hits} hits");
-    counts
-}
 
 #[test]
 fn linear_cameras_of_every_class() {

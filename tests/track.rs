@@ -77,9 +77,8 @@ fn assert_seen(scene: &Scene, camera: &Camera, at: DVec3, radius: f64) {
     let line: Vec<DVec3> = chain.iter().flat_map(|c| (0..=PARTS).map(|k| c.at(k as f64 / PARTS as f64))).collect();
     for pair in line.windows(2) {
         let way = pair[1] - pair[0];
-        let t = (way != DVec3::ZERO)
-            .then(|| ((at - pair[0]).dot(way) / way.length_squared()).clamp(0.0, 1.0))
-            .unwrap_or(0.0);
+        let length2 = way.length_squared();
+        let t = if length2 > 0.0 { ((at - pair[0]).dot(way) / length2).clamp(0.0, 1.0) } else { 0.0 };
         // the target's middle is on the line, at its own place: 0 px off
         let arrived = (pair[0] + t * way - at).length() <= POINT_ROUNDING * 100.0;
         let end = if arrived { at } else { pair[1] };

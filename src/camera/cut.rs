@@ -17,6 +17,7 @@ use super::recipe::{Built, Setting};
 use crate::error::{Error, Result};
 use crate::scene::file::reader::Table;
 use bound::{Judge, Verdict};
+use glam::DVec2;
 use grid::Cells;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -102,31 +103,31 @@ fn judged(judge: &Judge, mut cells: Cells) -> Cells {
 
 /// What a person should know of the pieces.
 fn notes(cells: &Cells, cut: Cut) -> Vec<String> {
-    let verdicts: Vec<Verdict> = cells.with_rays().map(|(_, _, verdict)| verdict).collect();
-    let count = |what: fn(&Verdict) -> bool| verdicts.iter().filter(|v| what(v)).count();
-    let known = verdicts.iter().filter(|v| v.error_px.is_finite());
-    let bound = known.fold(0f64, |m, v| m.max(v.error_px));
+    let error_px = if let Cut::Auto { error_px } = cut { error_px } else { f64::INFINITY };
+    // pieces that were cut as far as it goes and are still wrong
+    let is_jump = |corners: &[DVec2; 3], v: &Verdict| {
+        let extent = corners[0].max(corners[1]).max(corners[2]) - corners[0].min(corners[1]).min(corners[2]);
+        !v.rim && (v.error_px.is_infinite() || v.error_px > error_px && extent.min_element() <= refine::PIECE_MIN_PX)
+    };
+    let pieces: Vec<(bool, Verdict)> = cells.with_rays().map(|(q, _, v)| (is_jump(&q, &v), v)).collect();
+    let bound = pieces.iter().filter(|(jump, v)| !jump && !v.rim).fold(0f64, |m, (_, v)| m.max(v.error_px));
     // rounded up
     let shown = if bound < 0.01 { format!("{:.2e}", 1.005 * bound) } else { format!("{}", (1e3 * bound).ceil() / 1e3) };
-    let mut notes = vec![format!("{} pieces, image error at most {shown} px", verdicts.len())];
-    if let Cut::Auto { error_px } = cut {
-        if bound > error_px {
-            notes.push(format!(
-                "the error asked for, {error_px} px, is not met: {PIECES_MAX} pieces are the most there are"
-            ));
-        }
+    let mut notes = vec![format!("{} pieces, image error at most {shown} px", pieces.len())];
+    if bound > error_px {
+        notes.push(format!(
+            "the error asked for, {error_px} px, is not met: {PIECES_MAX} pieces are the most there are"
+        ));
     }
+    let count = |what: fn(&(bool, Verdict)) -> bool| pieces.iter().filter(|p| what(p)).count();
+    let jumps = "of them have no such bound: the rays jump there, or bend too much over a piece";
+    let folds = "of them have a focus or fold in range; near it, where a pixel is narrower than 1/16 of its ray's widest, the bound \
+                 does not hold";
     for (n, text) in [
-        (
-            count(|v| v.error_px.is_infinite() && !v.rim),
-            "pieces have no bound: the rays jump there, or bend too much over a piece",
-        ),
-        (count(|v| v.rim), "pieces lie at the rim of the rays and have no bound"),
-        (
-            count(|v| v.fold),
-            "pieces have a focus or fold in range; near it, where a pixel's width is under 1/16 of the ray's largest, the bound does not hold",
-        ),
-        (cells.triangles.len() - verdicts.len(), "pieces were left out: a corner has no ray"),
+        (count(|p| p.0), jumps),
+        (count(|p| p.1.rim), "of them lie at the rim of the rays and have no such bound"),
+        (count(|p| p.1.fold), folds),
+        (cells.triangles.len() - pieces.len(), "more were left out: a corner has no ray"),
     ] {
         if n > 0 {
             notes.push(format!("{n} {text}"));

@@ -1,8 +1,12 @@
 //! Tables of what a camera without affine pieces has at every pixel: a ray, or the control points of curves.
 
+use super::nodes::affine;
+use super::sheets::bend;
+use super::tiles::{Sample, Sampled, place_in_tile};
+use crate::TILE;
 use crate::camera::{Camera, Curve, Field};
 use crate::gpu::rows::split2;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// Numbers of a camera's rays relative to the anchor, each hi and lo. A field: six a pixel, P and D, one column and row
@@ -79,4 +83,64 @@ impl CurveTable {
         }
         table
     }
+}
+
+/// The curves of one tile: control points that are affine over it, up to a distance each.
+pub struct Net {
+    points: Vec<([DVec3; 3], f64)>,
+}
+
+/// The nets of all tiles, layer by layer, row by row; `None`: no curve there.
+pub fn nets(table: &CurveTable, tiles_x: u32) -> Vec<Option<Net>> {
+    let tiles_y = table.rows.div_ceil(TILE);
+    let layers = table.curves.len() / (table.width as usize * table.rows as usize);
+    let net = |k: u32| {
+        let (layer, y, x) = ((k / tiles_x / tiles_y) as usize, k / tiles_x % tiles_y, k % tiles_x);
+        let right = TILE.min(table.width - x * TILE);
+        let below = TILE.min(table.rows - y * TILE);
+        let pixels = (0..below).flat_map(|j| (0..right).map(move |i| (i, j)));
+        let at = |(i, j): (u32, u32)| {
+            Some((place_in_tile(i, j), table.get(layer, x * TILE + i, table.row + y * TILE + j)?.1))
+        };
+        let (places, curves): (Vec<DVec2>, Vec<Curve>) = pixels.filter_map(at).unzip();
+        let point = |m: usize| affine(&places, &curves.iter().map(|c| c.points()[m]).collect::<Vec<_>>());
+        (!places.is_empty()).then(|| Net { points: (0..=table.degree as usize).map(point).collect() })
+    };
+    (0..layers as u32 * tiles_y * tiles_x).into_par_iter().map(net).collect()
+}
+
+impl Net {
+    /// The rays by which a span of t is bounded: the chords at the tile's corners. The ends of a true chord are sums of
+    /// control points with Bernstein weights, so they lie as far from the affine ones' as these weights make it; and a
+    /// bend, the distance between two such sums, at most two whole distances more than the largest at a corner, being
+    /// convex over the tile.
+    pub fn over(&self, span: [f64; 2], anchor: DVec3) -> Sampled {
+        let weights = span.map(|t| bernstein(self.points.len() - 1, t));
+        let off = |k: usize| self.points[k].1;
+        let all = 0..self.points.len();
+        let r_p: f64 = all.clone().map(|k| weights[0][k] * off(k)).sum();
+        let r_d: f64 = all.clone().map(|k| (weights[1][k] - weights[0][k]).abs() * off(k)).sum();
+        let largest = all.map(off).fold(0.0, f64::max);
+        let mut bent = 0.0f64;
+        let corner = |place: DVec2| {
+            let points: Vec<DVec3> = self.points.iter().map(|(c, _)| c[0] + place.x * c[1] + place.y * c[2]).collect();
+            let curve = Curve::new(&points).span(span);
+            bent = bent.max(bend(&curve));
+            let (start, end) = (curve.points()[0], curve.points()[curve.degree()]);
+            Sample { place, p: start - anchor, d: end - start }
+        };
+        let samples = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from).map(corner).to_vec();
+        let bent = if self.points.len() > 2 { bent + 2.0 * largest } else { 0.0 };
+        Sampled { samples, r_p: r_p + bent, r_d }
+    }
+}
+
+/// Bernstein polynomials 0 to m at t, m up to 3.
+fn bernstein(m: usize, t: f64) -> Vec<f64> {
+    let mut b = vec![1.0];
+    for n in 1..=m {
+        let before = |k: usize| if k == 0 { 0.0 } else { t * b[k - 1] };
+        b = (0..=n).map(|k| before(k) + if k < n { (1.0 - t) * b[k] } else { 0.0 }).collect();
+    }
+    b
 }

@@ -1,6 +1,6 @@
 //! A tree of squares over a band's tiles, four by four children a node, each with bounds on its rays.
 
-use super::tiles::Sample;
+use super::tiles::{Sample, Sampled};
 use crate::gpu::rows::{self, BRANCH, RAYS_AFFINE, RAYS_LOOSE, RAYS_NONE};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -40,8 +40,8 @@ const FIT_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 
 impl Nodes {
     /// From the rays of each tile, row by row. At least two levels; the top one at most 2 x 2 nodes.
-    pub fn new(samples: &[Vec<Sample>], tiles_x: u32, tiles_y: u32) -> Nodes {
-        let mut fits: Vec<Fit> = samples.par_iter().map(|s| Fit::of(s)).collect();
+    pub fn new(samples: &[Sampled], tiles_x: u32, tiles_y: u32) -> Nodes {
+        let mut fits: Vec<Fit> = samples.par_iter().map(Fit::of).collect();
         let mut exact = true;
         let mut nodes = Nodes::default();
         let (mut width, mut height) = (tiles_x, tiles_y);
@@ -66,8 +66,7 @@ const TOP: u32 = 2;
 
 /// A node from its children: their rays are those at the corners of their own fits, give or take their radii.
 fn parent(children: &[Fit], (width, height): (u32, u32), x: u32, y: u32) -> Fit {
-    let mut samples = Vec::new();
-    let (mut r_p, mut r_d) = (0.0f64, 0.0f64);
+    let mut below = Sampled::default();
     let mut affine = true;
     for j in 0..BRANCH.min(height - y * BRANCH) {
         for i in 0..BRANCH.min(width - x * BRANCH) {
@@ -76,55 +75,54 @@ fn parent(children: &[Fit], (width, height): (u32, u32), x: u32, y: u32) -> Fit 
                 continue;
             }
             affine &= child.rays == RAYS_AFFINE;
-            (r_p, r_d) = (r_p.max(child.r_p), r_d.max(child.r_d));
+            (below.r_p, below.r_d) = (below.r_p.max(child.r_p), below.r_d.max(child.r_d));
             let half = 1.0 / BRANCH as f64;
             let middle = (2.0 * DVec2::new(i as f64, j as f64) + 1.0) * half - 1.0;
             for corner in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from) {
                 let at = |c: &[DVec3; 3]| c[0] + corner.x * c[1] + corner.y * c[2];
-                samples.push(Sample { place: middle + half * corner, p: at(&child.p), d: at(&child.d), bend: 0.0 });
+                below.samples.push(Sample { place: middle + half * corner, p: at(&child.p), d: at(&child.d) });
             }
         }
     }
-    let fit = Fit::of(&samples);
-    let rays = if affine { fit.rays } else { fit.rays.min(RAYS_LOOSE) };
-    Fit { r_p: fit.r_p + r_p, r_d: fit.r_d + r_d, rays, ..fit }
+    let fit = Fit::of(&below);
+    Fit { rays: if affine { fit.rays } else { fit.rays.min(RAYS_LOOSE) }, ..fit }
+}
+
+/// The affine function nearest to values at places, by least squares: value in the middle and slopes; and the largest
+/// distance that remains. At least one place.
+pub fn affine(places: &[DVec2], values: &[DVec3]) -> ([DVec3; 3], f64) {
+    let n = places.len() as f64;
+    let middle = places.iter().sum::<DVec2>() / n;
+    let mean = values.iter().sum::<DVec3>() / n;
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    let mut right = [DVec3::ZERO; 2];
+    for (place, value) in places.iter().zip(values) {
+        let q = *place - middle;
+        (xx, xy, yy) = (xx + q.x * q.x, xy + q.x * q.y, yy + q.y * q.y);
+        right[0] += q.x * (*value - mean);
+        right[1] += q.y * (*value - mean);
+    }
+    let det = xx * yy - xy * xy;
+    // places on a line fix no plane: the mean alone, and honest radii
+    let inverse = if det > FIT_ROUNDING * (xx + yy).powi(2) { [yy / det, -xy / det, xx / det] } else { [0.0; 3] };
+    let x = inverse[0] * right[0] + inverse[1] * right[1];
+    let y = inverse[1] * right[0] + inverse[2] * right[1];
+    let fit = [mean - middle.x * x - middle.y * y, x, y];
+    let far = |(q, v): (&DVec2, &DVec3)| (fit[0] + q.x * fit[1] + q.y * fit[2] - *v).length();
+    (fit, places.iter().zip(values).map(far).fold(0.0, f64::max))
 }
 
 impl Fit {
-    /// Least squares; the radii are the largest distances that remain, a bend included: a point of a bent ray lies on the
-    /// straight one moved by at most that.
-    fn of(samples: &[Sample]) -> Fit {
-        if samples.is_empty() {
+    /// The bundle nearest to the samples; its radii hold them and what lies that far from them.
+    fn of(sampled: &Sampled) -> Fit {
+        if sampled.samples.is_empty() {
             return Fit::default();
         }
-        let n = samples.len() as f64;
-        let middle = samples.iter().map(|s| s.place).sum::<DVec2>() / n;
-        let mean = |f: fn(&Sample) -> DVec3| samples.iter().map(f).sum::<DVec3>() / n;
-        let (mean_p, mean_d) = (mean(|s| s.p), mean(|s| s.d));
-        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-        let mut right = [DVec3::ZERO; 4];
-        for s in samples {
-            let q = s.place - middle;
-            (xx, xy, yy) = (xx + q.x * q.x, xy + q.x * q.y, yy + q.y * q.y);
-            for (sum, v) in right.iter_mut().zip([
-                q.x * (s.p - mean_p),
-                q.y * (s.p - mean_p),
-                q.x * (s.d - mean_d),
-                q.y * (s.d - mean_d),
-            ]) {
-                *sum += v;
-            }
-        }
-        let det = xx * yy - xy * xy;
-        // samples on a line fix no plane: the mean alone, and honest radii
-        let inverse = if det > FIT_ROUNDING * (xx + yy).powi(2) { [yy / det, -xy / det, xx / det] } else { [0.0; 3] };
-        let slopes = |a: DVec3, b: DVec3| (inverse[0] * a + inverse[1] * b, inverse[1] * a + inverse[2] * b);
-        let ((px, py), (dx, dy)) = (slopes(right[0], right[1]), slopes(right[2], right[3]));
-        let p = [mean_p - middle.x * px - middle.y * py, px, py];
-        let d = [mean_d - middle.x * dx - middle.y * dy, dx, dy];
-        let far = |c: &[DVec3; 3], v: DVec3, q: DVec2| (c[0] + q.x * c[1] + q.y * c[2] - v).length();
-        let r_p = samples.iter().map(|s| far(&p, s.p, s.place) + s.bend).fold(0.0, f64::max);
-        let r_d = samples.iter().map(|s| far(&d, s.d, s.place)).fold(0.0, f64::max);
+        let list = |f: fn(&Sample) -> DVec3| sampled.samples.iter().map(f).collect::<Vec<_>>();
+        let places: Vec<DVec2> = sampled.samples.iter().map(|s| s.place).collect();
+        let (p, off_p) = affine(&places, &list(|s| s.p));
+        let (d, off_d) = affine(&places, &list(|s| s.d));
+        let (r_p, r_d) = (off_p + sampled.r_p, off_d + sampled.r_d);
         let mut fit = Fit { p, d, r_p, r_d, rays: RAYS_LOOSE };
         let (size_p, size_d) = fit.sizes();
         if r_p <= FIT_ROUNDING * size_p && r_d <= FIT_ROUNDING * size_d {

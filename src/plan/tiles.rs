@@ -1,7 +1,7 @@
 //! Tiles of 8 x 8 pixels, cut into cells: the pixels of one tile that one piece owns. Each sheet has its own tiles.
 
-use super::curves::CurveTable;
-use super::sheets::{Sheets, bend};
+use super::curves::{CurveTable, nets};
+use super::sheets::Sheets;
 use crate::TILE;
 use crate::camera::{Bundle, Camera, Pieces, Rays};
 use crate::gpu::rows::{self, split2};
@@ -29,8 +29,16 @@ pub struct Sample {
     pub place: DVec2,
     pub p: DVec3,
     pub d: DVec3,
-    /// How far the true ray, a curve, may lie from this one at the same t.
-    pub bend: f64,
+}
+
+/// Rays by which a tile is bounded.
+#[derive(Debug, Clone, Default)]
+pub struct Sampled {
+    pub samples: Vec<Sample>,
+    /// How far the tile's rays may lie from what is affine between the samples: origins, and directions. A point of a
+    /// curve lies on a straight ray moved by at most its bend, which counts as the origins'.
+    pub r_p: f64,
+    pub r_d: f64,
 }
 
 /// Half of a tile from its middle to the outermost pixel centre, px.
@@ -62,7 +70,7 @@ struct Place {
 
 impl Cutting<'_> {
     /// The tiles; and the rays by which [`super::nodes`] bounds each.
-    pub fn cut(&self) -> (Tiles, Vec<Vec<Sample>>) {
+    pub fn cut(&self) -> (Tiles, Vec<Sampled>) {
         let tiles_x = self.camera.width.div_ceil(TILE);
         let sheet_rows = self.sheets.tile_rows(self.rows);
         let tiles_y = sheet_rows * self.sheets.count();
@@ -73,7 +81,15 @@ impl Cutting<'_> {
         };
         let places: Vec<Option<Place>> = (0..tiles_x * tiles_y).map(place).collect();
         let owned: Vec<Owned> = places.par_iter().map(|place| place.map_or_else(Vec::new, |p| self.owned(p))).collect();
-        let of = |(place, owned): (&Option<Place>, &Owned)| place.map_or_else(Vec::new, |p| self.samples(p, owned));
+        let nets = self.curves.map(|table| nets(table, tiles_x));
+        let of = |(place, owned): (&Option<Place>, &Owned)| match (place, &nets) {
+            (None, _) => Sampled::default(),
+            (Some(p), Some(nets)) => {
+                let tile = (p.layer as u32 * self.rows.div_ceil(TILE) + p.y - self.row / TILE) * tiles_x + p.x;
+                nets[tile as usize].as_ref().map_or_else(Sampled::default, |net| net.over(p.span, self.anchor))
+            }
+            (Some(p), None) => Sampled { samples: self.samples(*p, owned), ..Sampled::default() },
+        };
         let samples = places.par_iter().zip(&owned).map(of).collect();
         let mut tiles = Tiles { tiles_x, tiles_y, sheet_rows, start: vec![0], ..Default::default() };
         let mut local = std::collections::HashMap::new();
@@ -126,31 +142,24 @@ impl Cutting<'_> {
         cells
     }
 
-    /// Rays that bound all rays of a tile: the corners of an affine cell's pixels, or every pixel's ray.
+    /// Rays that bound all straight rays of a tile: the corners of an affine cell's pixels, or every pixel's ray.
     fn samples(&self, at: Place, owned: &Owned) -> Vec<Sample> {
         let mut list = Vec::new();
         for &(piece, mask) in owned {
             let pixels = (0..64u32).filter(|b| mask >> b & 1 == 1).map(|b| (b % TILE, b / TILE));
             let pixel = |(x, y): (u32, u32)| (at.x * TILE + x, at.y * TILE + y);
-            match (self.curves, &self.camera.layers[at.layer]) {
-                (Some(table), _) => list.extend(pixels.filter_map(|q| {
-                    let (i, j) = pixel(q);
-                    let curve = table.get(at.layer, i, j)?.1.span(at.span);
-                    let (start, end) = (curve.points()[0], curve.points()[curve.degree()]);
-                    let place = place_in_tile(q.0, q.1);
-                    Some(Sample { place, p: start - self.anchor, d: end - start, bend: bend(&curve) })
-                })),
-                (None, Rays::Field(f)) => list.extend(pixels.filter_map(|q| {
+            match &self.camera.layers[at.layer] {
+                Rays::Field(f) => list.extend(pixels.filter_map(|q| {
                     let (i, j) = pixel(q);
                     let (p, d) = f.ray(i, j)?;
-                    Some(Sample { place: place_in_tile(q.0, q.1), p: p - self.anchor, d, bend: 0.0 })
+                    Some(Sample { place: place_in_tile(q.0, q.1), p: p - self.anchor, d })
                 })),
-                (None, Rays::Pieces(pieces)) => {
+                Rays::Pieces(pieces) => {
                     let b = rebased(&pieces.bundle_at_place(piece, middle(pieces, at)), self.anchor);
                     let at = |x: f64, y: f64| {
                         let ray = b.ray(x, y);
                         let place = DVec2::new(x, y) / (TILE as f64 / 2.0);
-                        Sample { place, p: ray.origin, d: ray.direction, bend: 0.0 }
+                        Sample { place, p: ray.origin, d: ray.direction }
                     };
                     if owned.len() == 1 && b.h[1] == 0.0 && b.h[2] == 0.0 {
                         let r = TILE as f64 / 2.0;
@@ -159,7 +168,7 @@ impl Cutting<'_> {
                         list.extend(pixels.map(|(x, y)| at(x as f64 - TILE_REACH, y as f64 - TILE_REACH)));
                     }
                 }
-                (None, Rays::Curves(_)) => {}
+                Rays::Curves(_) => {}
             }
         }
         list
@@ -217,6 +226,6 @@ fn rebased(b: &Bundle, anchor: DVec3) -> Bundle {
     Bundle { p: [0, 1, 2].map(|k| b.p[k] - b.h[k] * anchor), ..*b }
 }
 
-fn place_in_tile(x: u32, y: u32) -> DVec2 {
+pub(super) fn place_in_tile(x: u32, y: u32) -> DVec2 {
     (DVec2::new(x as f64, y as f64) - TILE_REACH) / (TILE as f64 / 2.0)
 }

@@ -4,15 +4,15 @@
 //! exact camera's at the same image place differ, across the ray, by at most `e = (|X_aa| w^2 + 2 |X_ab| w h + |X_bb| h^2) / 8` with
 //! w x h the box of the triangle: by Taylor's formula at the place, `sum L_i |v_i - q|^2 / 2` in each axis, and the variance of a
 //! distribution on an interval of length w is at most w^2 / 4. A shift of e moves the image by at most e / s, s the smallest
-//! singular value of the exact camera's `dX / d(px)` across the ray: its footprint. It is taken in the 4 x 4 cells of a lattice over
-//! the box, from differences, which are derivatives somewhere on the cell's sides: elsewhere in the cell they differ by at most a
-//! quarter of `|X_aa| w + |X_ab| h` and the like, and as the ray turns by an angle, the part across it by sin(angle) |dX|.
+//! singular value of the exact camera's `dX / d(px)` across the ray: its footprint. It is taken as the smallest over the 4 x 4 cells of a
+//! lattice over the box, by differences, less the largest step between two cells that adjoin.
 //!
-//! Between two weights X is affine, so e is at most the larger of the two, and s at least half of s1 + s2 - |dX2 - dX1|.
+//! Between two weights X is affine: e is convex, so at most the larger of the two; and s is at least the least area that dX / d(px)
+//! spans, a quadratic function, over the largest of its larger singular values, a convex one.
 //!
 //! Proven so far as [`Bend`](super::bend::Bend)'s bounds are, which are sampled by default. Besides, three things are assumed: that s is
-//! about the same where the shifted image lies, under a pixel away; that in a cell rays turn by at most half of what they turn from
-//! the box's middle; and that the scene's ball bounds t on the piece as it does on the rays at its corners and middle.
+//! about the same where the shifted image lies, under a pixel away; that inside a cell of the lattice s is no further below
+//! the smallest than adjoining cells differ; and that the scene's ball bounds t on the piece as it does on the rays at its corners and middle.
 
 use crate::camera::bundle::Ray;
 use crate::camera::field::RayMap;
@@ -52,16 +52,16 @@ const NO_ERROR_PX: f64 = 1e-9;
 /// Intervals a side of the lattice on which slopes are taken.
 const STEPS: usize = 4;
 
-/// How P and D change per px to the right and down, across the ray.
+/// How P and D change per px to the right and down, in the plane across the ray.
 struct Slope {
-    p: [DVec3; 2],
-    d: [DVec3; 2],
+    p: [DVec2; 2],
+    d: [DVec2; 2],
 }
 
 /// What is known at a weight.
 struct At {
     /// dX / d(px) across the ray, and its smallest singular value, in each cell of the lattice.
-    columns: Vec<[DVec3; 2]>,
+    columns: Vec<[DVec2; 2]>,
     footprints: Vec<f64>,
     /// The bound e, world units.
     error: f64,
@@ -70,7 +70,7 @@ struct At {
 }
 
 impl Slope {
-    fn columns(&self, p: f64, d: f64) -> [DVec3; 2] {
+    fn columns(&self, p: f64, d: f64) -> [DVec2; 2] {
         [0, 1].map(|k| p * self.p[k] + d * self.d[k])
     }
 }
@@ -113,15 +113,9 @@ impl<'a> Judge<'a> {
         let mut at: Vec<At> = Vec::with_capacity(weights.len());
         for (&(p, d), &[aa, ab, bb]) in weights.iter().zip(&bend.across) {
             let error = (aa * more.x * more.x + 2.0 * ab * more.x * more.y + bb * more.y * more.y) / 8.0;
-            let within = ((aa + ab) / part.x + (ab + bb) / part.y) / STEPS as f64;
             let columns = slopes.iter().map(|s| s.columns(p, d)).collect::<Vec<_>>();
-            let turned = bend.turn / 2.0 * columns.iter().fold(0f64, |m, c| m.max(length(c)));
-            at.push(At {
-                footprints: columns.iter().map(|c| smallest(*c)).collect(),
-                columns,
-                error,
-                doubt: within + turned,
-            });
+            let footprints: Vec<f64> = columns.iter().map(smallest).collect();
+            at.push(At { doubt: largest_step(&footprints), footprints, columns, error });
         }
         Some(worst(&at))
     }
@@ -133,8 +127,8 @@ impl<'a> Judge<'a> {
         let rays: Vec<Ray> = (0..(STEPS + 1) * (STEPS + 1)).map(|k| self.ray(place(k))).collect::<Option<_>>()?;
         let slope = |k: usize| {
             let (here, right, below) = (&rays[k], &rays[k + 1], &rays[k + STEPS + 1]);
-            let forward = here.direction.normalize();
-            let across = |v: DVec3| v - v.dot(forward) * forward;
+            let (e1, e2) = here.direction.normalize().any_orthonormal_pair();
+            let across = |v: DVec3| DVec2::new(v.dot(e1), v.dot(e2));
             Slope {
                 p: [across(right.origin - here.origin) / step.x, across(below.origin - here.origin) / step.y],
                 d: [
@@ -184,38 +178,54 @@ impl<'a> Judge<'a> {
 
 /// The largest error in px over the weights, those near a focus or fold left out; and whether there are such with an error.
 fn worst(at: &[At]) -> (f64, bool) {
-    let largest = at.iter().flat_map(|a| &a.footprints).fold(0f64, |m, s| m.max(*s));
-    let (mut error_px, mut fold) = (0f64, false);
+    let widest = at.iter().flat_map(|a| &a.footprints).fold(0f64, |m, s| m.max(*s));
+    let (mut error_px, mut fold, mut bounded) = (0f64, false, false);
     let intervals = at.windows(2).map(|w| (&w[0], &w[1]));
     for (a, b) in intervals.chain((at.len() == 1).then(|| (&at[0], &at[0]))) {
         let error = a.error.max(b.error);
-        if error <= NO_ERROR_PX * largest {
+        if error <= NO_ERROR_PX * widest {
+            bounded = true;
             continue;
         }
-        let least = |k: usize| {
-            let step = length(&[0, 1].map(|c| a.columns[k][c] - b.columns[k][c]));
-            (a.footprints[k] + b.footprints[k] - step) / 2.0
-        };
+        let least = |k: usize| smallest_between(&a.columns[k], &b.columns[k]);
         let footprint = (0..a.columns.len()).map(least).fold(f64::INFINITY, f64::min);
-        if footprint < FOLD_SHARE * largest || footprint <= 0.0 {
+        if footprint < FOLD_SHARE * widest || footprint <= 0.0 {
             fold = true;
             continue;
         }
+        bounded = true;
         let sure = footprint - a.doubt.max(b.doubt);
         error_px = error_px.max(if sure > 0.0 { error / sure } else { f64::INFINITY });
     }
-    (error_px, fold)
+    // a bound that holds nowhere is none
+    (if bounded { error_px } else { f64::INFINITY }, fold)
 }
 
-/// An upper bound on the larger singular value of two columns.
-fn length(columns: &[DVec3; 2]) -> f64 {
-    columns[0].length().hypot(columns[1].length())
+/// The largest difference between cells of the lattice that adjoin.
+fn largest_step(footprints: &[f64]) -> f64 {
+    let right = (0..footprints.len()).filter(|k| k % STEPS + 1 < STEPS).map(|k| (k, k + 1));
+    let below = (0..footprints.len() - STEPS).map(|k| (k, k + STEPS));
+    right.chain(below).fold(0f64, |m, (k, l)| m.max((footprints[k] - footprints[l]).abs()))
 }
 
-/// The smaller singular value of two columns.
-fn smallest([x, y]: [DVec3; 2]) -> f64 {
-    let (xx, xy, yy) = (x.length_squared(), x.dot(y), y.length_squared());
-    let larger = (xx + yy) / 2.0 + ((xx - yy) / 2.0).hypot(xy);
-    // their product is the area that the columns span: no difference of near numbers
-    if larger > 0.0 { x.cross(y).length() / larger.sqrt() } else { 0.0 }
+/// The larger singular value of two columns.
+fn largest(columns: &[DVec2; 2]) -> f64 {
+    let (xx, xy, yy) = (columns[0].length_squared(), columns[0].dot(columns[1]), columns[1].length_squared());
+    ((xx + yy) / 2.0 + ((xx - yy) / 2.0).hypot(xy)).sqrt()
+}
+
+/// The smaller singular value of two columns: their product is the area that the columns span, which is no difference of near
+/// numbers.
+fn smallest(columns: &[DVec2; 2]) -> f64 {
+    smallest_between(columns, columns)
+}
+
+/// A lower bound on the smaller singular value of all columns on the way from `a` to `b`: the area is quadratic, so it lies
+/// between its Bernstein coefficients; the larger value is convex.
+fn smallest_between(a: &[DVec2; 2], b: &[DVec2; 2]) -> f64 {
+    let middle = (a[0].perp_dot(b[1]) + b[0].perp_dot(a[1])) / 2.0;
+    let areas = [a[0].perp_dot(a[1]), middle, b[0].perp_dot(b[1])];
+    let least = areas.iter().fold(f64::INFINITY, |m, v| m.min(v * areas[0].signum()));
+    let most = largest(a).max(largest(b));
+    if most > 0.0 { least.max(0.0) / most } else { 0.0 }
 }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Pieces this wide and high, px, are cut no further: what is still wrong there is a jump, or the rim of the rays.
-const PIECE_MIN_PX: f64 = 0.25;
+pub const PIECE_MIN_PX: f64 = 0.25;
 
 /// Cells along the image's shorter side to begin with.
 const CELLS: f64 = 4.0;

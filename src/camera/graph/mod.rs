@@ -10,16 +10,20 @@
 //! * `joints`: how a graph becomes layers: straight, cut lengthwise, curved; `morph`.
 //! * `outline`: triangles for image regions of any shape.
 //! * `volume`, `fold`: segments that intersect, and rays that cross.
+//! * `rails`, `roots`: legs from a root view into others, and cubes of views.
+//! * `path`, `blend`: ways around what hides a target, and many of them on one net.
 //! * [`bottom_up`], [`top_down`], [`track`]: the constructors.
 //!
 //! The piece of a pixel is found by its tile's own list, whose length does not grow with the graph.
 
+mod blend;
 pub mod bottom_up;
 mod fold;
 mod joints;
 mod outline;
 mod path;
 mod rails;
+mod roots;
 pub mod top_down;
 pub mod track;
 mod view;

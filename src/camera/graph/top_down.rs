@@ -7,9 +7,12 @@ use super::joints::Joints;
 use super::outline::{self, Outline};
 use super::path::Occluders;
 use super::rails::{self, Depths};
+use super::roots::{self, Layout, Root};
 use super::view::{POSE_KEYS, Pose, View, beyond};
+use crate::camera::named::values::length;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::error::{Error, Result};
+use crate::scene::file::read_pose;
 use crate::scene::file::reader::{Field, Table};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -26,16 +29,6 @@ struct TopDown {
     cut: Option<f64>,
     foreground: bool,
     joints: Joints,
-}
-
-/// How the root lies in the image.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Layout {
-    Plain,
-    /// Cube faces: up over the second of left, front, right, back; down under it.
-    Cross,
-    /// Cube faces: left, front, right, back, up, down.
-    Strip,
 }
 
 #[derive(Debug)]
@@ -61,12 +54,10 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let root = match (layout, table.get("vfov")) {
         (Layout::Plain, _) => Pose::read(table)?,
         (_, Some(vfov)) => return Err(vfov.error("a cube's faces are 90 degrees high; leave vfov out")),
-        _ => Pose {
-            eye: table.need("eye", "[0, 2, 0]")?.vec3()?,
-            target: table.need("target", "[0, 2, -1]")?.vec3()?,
-            up: table.or("up", DVec3::Y, Field::vec3)?,
-            vfov: 90.0,
-        },
+        _ => {
+            let (eye, target, up) = read_pose(table)?;
+            Pose { eye, target, up, vfov: 90.0 }
+        }
     };
     let foreground = table.or("foreground", false, Field::boolean)?;
     for key in ["cut", "longitudinal", "join"] {
@@ -81,18 +72,13 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         root,
         layout,
         regions,
-        band: table.or("band", 0.1, |f| positive(f))?,
+        band: table.or("band", 0.1, length)?,
         near,
         far: table.optional("far", |f| least(f, near))?,
-        cut: table.optional("cut", |f| positive(f))?,
+        cut: table.optional("cut", length)?,
         foreground,
         joints: Joints::read(table)?,
     }))
-}
-
-fn positive(field: &Field) -> Result<f64> {
-    let number = field.number()?;
-    if number > 0.0 { Ok(number) } else { Err(field.error(format_args!("{number} must be more than 0"))) }
 }
 
 fn read_region(field: &Field) -> Result<Region> {
@@ -125,17 +111,6 @@ fn read_region(field: &Field) -> Result<Region> {
     })
 }
 
-/// A view of the root, and the part of the image that it fills.
-struct Root {
-    view: View,
-    pose: Pose,
-    /// Pixels that its vfov spans.
-    height: u32,
-    middle_px: DVec2,
-    /// All of the picture, or a face of a cube; pixels.
-    outline: Outline,
-}
-
 /// A region where it lands.
 struct Patch {
     view: View,
@@ -147,7 +122,7 @@ struct Patch {
 impl Recipe for TopDown {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let size = setting.size()?;
-        let mut roots = self.roots(size)?;
+        let mut roots = roots::roots(&self.root, self.layout, size)?;
         let patches = self.patches(setting, &mut roots, size)?;
         let mut mesh = NetOfRoots::default();
         for (k, root) in roots.iter().enumerate() {
@@ -182,42 +157,6 @@ pub(super) fn fold_note((folded, all): (usize, usize)) -> Option<String> {
 }
 
 impl TopDown {
-    fn roots(&self, (width, height): (u32, u32)) -> Result<Vec<Root>> {
-        let middle = rails::middle((width, height));
-        if self.layout == Layout::Plain {
-            let view = View::new(&self.root, height, middle)?;
-            return Ok(vec![Root { view, pose: self.root, height, middle_px: middle, outline: Outline::new() }]);
-        }
-        let (columns, rows) = if self.layout == Layout::Cross { (4, 3) } else { (6, 1) };
-        let side = (width / columns).min(height / rows);
-        if side == 0 {
-            return Err(Error::input(format!(
-                "image: {width}x{height} has no room for {columns} by {rows} faces; make it larger"
-            )));
-        }
-        let start = DVec2::new(((width - columns * side) / 2) as f64, ((height - rows * side) / 2) as f64);
-        let front = View::new(&self.root, side, middle)?;
-        let [right, down] = front.steps().map(DVec3::normalize);
-        let (f, r, u) = (front.forward(), right, -down);
-        let around = [(-r, u), (f, u), (r, u), (-f, u), (u, -f), (-u, f)];
-        let cell = |k: usize| match (self.layout, k) {
-            (Layout::Cross, 0..4) => (k, 1),
-            (Layout::Cross, 4) => (1, 0),
-            (Layout::Cross, _) => (1, 2),
-            _ => (k, 0),
-        };
-        let face = |(k, (forward, up)): (usize, (DVec3, DVec3))| {
-            let (column, row) = cell(k);
-            let lo = start + DVec2::new(column as f64, row as f64) * side as f64;
-            let hi = lo + side as f64;
-            let pose = Pose { target: self.root.eye + forward, up, ..self.root };
-            let middle_px = (lo + hi) / 2.0;
-            let view = View::new(&pose, side, middle_px)?;
-            Ok(Root { view, pose, height: side, middle_px, outline: outline::rectangle(lo, hi) })
-        };
-        around.into_iter().enumerate().map(face).collect()
-    }
-
     /// The regions where they land; a plain root's outline is drawn around the image and all of them.
     fn patches(&self, setting: &Setting, roots: &mut [Root], (width, height): (u32, u32)) -> Result<Vec<Patch>> {
         let size = DVec2::new(width as f64, height as f64);

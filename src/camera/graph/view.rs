@@ -4,7 +4,8 @@ use super::super::bundle::{Bundle, Ray};
 use super::super::central;
 use super::super::pieces::{Piece, Pieces};
 use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::scene::file::read_pose;
+use crate::scene::file::reader::Table;
 use crate::scene::mesh::Mesh;
 use glam::{DVec2, DVec3};
 
@@ -22,12 +23,8 @@ pub const POSE_KEYS: [&str; 4] = ["eye", "target", "up", "vfov"];
 
 impl Pose {
     pub fn read(table: &Table) -> Result<Pose> {
-        Ok(Pose {
-            eye: table.need("eye", "[0, 0, 5]")?.vec3()?,
-            target: table.need("target", "[0, 0, 0]")?.vec3()?,
-            up: table.or("up", DVec3::Y, Field::vec3)?,
-            vfov: table.need("vfov", "40")?.number()?,
-        })
+        let (eye, target, up) = read_pose(table)?;
+        Ok(Pose { eye, target, up, vfov: table.need("vfov", "40")?.number()? })
     }
 }
 
