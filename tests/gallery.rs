@@ -8,8 +8,8 @@ use common::gpu::{check, hits};
 
 /// Pixels across; the height follows each scene's own shape.
 const WIDTH: u32 = 80;
-/// Of all pixels, those that show the scene: the emptiest picture is more than half sky.
-const LEAST_SHARE: f64 = 0.2;
+/// Of all pixels, those that show the scene at least; the emptiest picture (twist-curved) has 0.43.
+const LEAST_SHARE: f64 = 0.4;
 
 #[test]
 fn every_picture_of_the_gallery_is_right_and_not_empty() {
