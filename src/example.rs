@@ -132,7 +132,8 @@ mod tests {
             let scene = Scene::load(&path, &[]).unwrap();
             assert_eq!(scene.output.color, Some(dir.path().join(format!("{}.png", example.name))));
             let camera = scene.camera().unwrap();
-            assert!(camera.notes.is_empty(), "{}: {:?}", example.name, camera.notes);
+            // of the gallery's cameras some say how they are built
+            assert!(camera.notes.is_empty() || example.figure.is_some(), "{}: {:?}", example.name, camera.notes);
             assert!(camera.ray(camera.width / 2, camera.height / 2).is_some(), "{}", example.name);
         }
     }

@@ -133,8 +133,8 @@ pub fn barrel() -> Vec<(&'static str, Part)> {
     const AROUND: usize = 20;
     const UP: usize = 9;
     const RADIUS: f64 = 0.75;
-    const TOP: f64 = 2.0;
-    const BASE: f64 = -0.1;
+    const TOP: f64 = 2.2;
+    const BASE: f64 = -0.25;
     /// How far lid and base rise beyond the sides, in their middle.
     const CROWN: f64 = 0.2;
     let mut text = String::new();

@@ -58,7 +58,7 @@ pub enum Builtin {
     Cylinder { sides: u32 },
     /// [`stairs`]: 12 triangles a step.
     Stairs { steps: u32 },
-    /// [`cow`]: 27 * 20 * 4^level triangles.
+    /// [`cow`]: 28 * 20 * 4^level triangles.
     Cow { level: u32 },
     /// [`walker`]: 22 * 20 * 4^level triangles.
     Walker { level: u32 },
@@ -180,7 +180,7 @@ mod tests {
             (Builtin::Box, 12),
             (Builtin::Cylinder { sides: 32 }, 124),
             (Builtin::Stairs { steps: 9 }, 108),
-            (Builtin::Cow { level: 2 }, 8640),
+            (Builtin::Cow { level: 2 }, 8960),
             (Builtin::Walker { level: 2 }, 7040),
             (Builtin::Plane { size: 4.0, divisions: 3 }, 18),
             (Builtin::City { seed: 1, blocks: None, triangles: 15_001 }, 15_001),
