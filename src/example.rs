@@ -128,7 +128,7 @@ mod tests {
             let dir = tempfile::tempdir().unwrap();
             let path = example.write(dir.path()).unwrap();
             assert!(example.scene.starts_with("# "), "{}", example.name);
-            assert_eq!(example.scene.contains("After "), example.figure.is_some(), "{}", example.name);
+            assert_eq!(example.scene.contains("After"), example.figure.is_some(), "{}", example.name);
             let scene = Scene::load(&path, &[]).unwrap();
             assert_eq!(scene.output.color, Some(dir.path().join(format!("{}.png", example.name))));
             let camera = scene.camera().unwrap();
