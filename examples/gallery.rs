@@ -37,7 +37,7 @@ fn main() -> Result<()> {
 
 /// Writes the example's picture into the folder; returns it as large as a cell of the sheet allows.
 fn render(engine: &mut Engine, example: &Example, folder: &Path) -> Result<RgbImage> {
-    let scene = Scene::load(&example.write(folder)?, &[])?;
+    let scene = Scene::load(&example.write(folder)?, &[], 0.0)?;
     let camera = scene.camera()?;
     let wanted = Wanted { channels: Vec::new(), srgb8: true, counting: false };
     let rendered = engine.render(&scene, &camera, &wanted, &RunOptions::default())?;

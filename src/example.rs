@@ -129,7 +129,7 @@ mod tests {
             let path = example.write(dir.path()).unwrap();
             assert!(example.scene.starts_with("# "), "{}", example.name);
             assert_eq!(example.scene.contains("After"), example.figure.is_some(), "{}", example.name);
-            let scene = Scene::load(&path, &[]).unwrap();
+            let scene = Scene::load(&path, &[], 0.0).unwrap();
             assert_eq!(scene.output.color, Some(dir.path().join(format!("{}.png", example.name))));
             let camera = scene.camera().unwrap();
             // of the gallery's cameras some say how they are built

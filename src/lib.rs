@@ -42,7 +42,7 @@
 //! #   mesh = [{ builtin = "icosphere", level = 2 }]
 //! #   camera = { kind = "pinhole", eye = [0, 0, 4], target = [0, 0, 0], vfov = 40 }
 //! # "#)?;
-//! let scene = Scene::load(&path, &["camera.vfov=30".into()])?;
+//! let scene = Scene::load(&path, &["camera.vfov=30".into()], 0.0)?;
 //! let camera = scene.camera()?;
 //! let channels = vec![Channel::T, Channel::TriangleId];
 //! let frame = match Gpu::open(&Default::default())? {

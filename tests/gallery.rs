@@ -16,9 +16,9 @@ fn every_picture_of_the_gallery_is_right_and_not_empty() {
     let folder = tempfile::tempdir().unwrap();
     for example in gallery() {
         let path = example.write(folder.path()).unwrap();
-        let (width, height) = Scene::load(&path, &[]).unwrap().size.unwrap();
+        let (width, height) = Scene::load(&path, &[], 0.0).unwrap().size.unwrap();
         let small = [format!("image.width={WIDTH}"), format!("image.height={}", height * WIDTH / width)];
-        let scene = Scene::load(&path, &small).unwrap();
+        let scene = Scene::load(&path, &small, 0.0).unwrap();
         let camera = scene.camera().unwrap();
         let Some((frame, judged, _)) = check(example.name, &scene, &camera) else { return };
         let pixels = f64::from(camera.width * camera.height);
