@@ -257,7 +257,7 @@ fn texts_are_printed() {
     assert!(place.works(&["camera", "--help", "mesh"]).contains("normalize"));
     assert!(place.works(&["info"]).starts_with("anamorph "));
     let list = place.works(&["example", "--list"]);
-    assert_eq!(list.lines().count(), 10, "{list}");
+    assert_eq!(list.lines().count(), anamorph::example::EXAMPLES.len(), "{list}");
     let pixel = place.works(&["render", "scene.toml", "--pixel", "32,24"]);
     assert!(pixel.contains("hit: triangle") && pixel.contains("safe: "), "{pixel}");
 }
