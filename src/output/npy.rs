@@ -56,7 +56,7 @@ pub(super) fn read_npy_vectors(file: File, each: u64) -> std::result::Result<(u3
 /// Most rows of [`read_npy_rows`]: their numbers' bytes cannot overflow.
 const MAX_ROWS: u64 = 1 << 32;
 
-/// Reads an f32 or f64 array in C order, shape n x `N`, row by row.
+/// Reads an f32 or f64 array in C order, shape N x `N`, row by row.
 ///
 /// # Errors
 /// [`Error::Input`] naming the file: not there, another shape or type, or cut short.
@@ -70,7 +70,7 @@ pub fn read_npy_rows<const N: usize>(path: &Path) -> Result<Vec<[f64; N]>> {
 pub(super) fn rows_of<const N: usize>(file: File) -> std::result::Result<Vec<[f64; N]>, String> {
     let count = |shape: &[u64]| match *shape {
         [rows, columns] if columns == N as u64 && rows <= MAX_ROWS => Ok(rows * columns),
-        _ => Err(format!("the array's shape is {shape:?}; it must be n x {N}")),
+        _ => Err(format!("the array's shape is {shape:?}; it must be N x {N}")),
     };
     let (_, numbers) = read_array(file, count)?;
     Ok(numbers.chunks_exact(N).map(|row| std::array::from_fn(|k| row[k])).collect())
