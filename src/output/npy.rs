@@ -56,24 +56,24 @@ pub(super) fn read_npy_vectors(file: File, each: u64) -> std::result::Result<(u3
 /// Most rows of [`read_npy_rows`]: their numbers' bytes cannot overflow.
 const MAX_ROWS: u64 = 1 << 32;
 
-/// Reads an f32 or f64 array in C order, shape N x `N`, row by row.
+/// Reads an f32 or f64 array in C order, shape N x `C`, row by row.
 ///
 /// # Errors
 /// [`Error::Input`] naming the file: not there, another shape or type, or cut short.
-pub fn read_npy_rows<const N: usize>(path: &Path) -> Result<Vec<[f64; N]>> {
+pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
     let file = File::open(path).map_err(|e| format!("cannot be read: {e}; check the path"));
-    let rows = file.and_then(rows_of);
+    let rows = file.and_then(rows_of::<C>);
     rows.map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
 /// As [`read_npy_rows`], without the file's name.
-pub(super) fn rows_of<const N: usize>(file: File) -> std::result::Result<Vec<[f64; N]>, String> {
+pub(super) fn rows_of<const C: usize>(file: File) -> std::result::Result<Vec<[f64; C]>, String> {
     let count = |shape: &[u64]| match *shape {
-        [rows, columns] if columns == N as u64 && rows <= MAX_ROWS => Ok(rows * columns),
-        _ => Err(format!("the array's shape is {shape:?}; it must be N x {N}")),
+        [rows, columns] if columns == C as u64 && rows <= MAX_ROWS => Ok(rows * columns),
+        _ => Err(format!("the array's shape is {shape:?}; it must be N x {C}")),
     };
     let (_, numbers) = read_array(file, count)?;
-    Ok(numbers.chunks_exact(N).map(|row| std::array::from_fn(|k| row[k])).collect())
+    Ok(numbers.chunks_exact(C).map(|row| std::array::from_fn(|k| row[k])).collect())
 }
 
 /// The shape of an array and its numbers, as many as `count` makes of the shape.
