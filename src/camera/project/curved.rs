@@ -23,6 +23,8 @@ const SPANS: usize = 8;
 struct Boxes {
     spans: [[DVec3; 2]; SPANS],
     bulge: f64,
+    /// The largest distance between neighbouring curves.
+    step: f64,
 }
 
 /// Times that a cell of a pixel is halved, and that t is: a curve of 2^10 times its neighbours' distance takes ten more
@@ -49,12 +51,14 @@ impl<'a> Search<'a> {
 
     pub fn images(&self, point: DVec3) -> Shown {
         let mut shown = Shown::default();
-        let may = |b: &Boxes| b.spans.iter().any(|s| holds(s, b.bulge, point));
+        let may = |b: &Boxes| b.spans.iter().any(|s| holds(s, b.bulge + b.step, point));
         self.tree.walk(may, |x, y, boxes| {
             for (i, j) in cells(self.curves, x, y) {
                 let at = DVec2::new(i.into(), j.into());
                 let curves = corners(at, 1.0).map(|q| self.curves.at_place(q).map(|c| c.1));
-                let cell = Cell { at, side: 1.0, bulge: boxes.bulge, halvings: HALVINGS };
+                let middle = self.curves.at_place(at + 0.5).map(|c| c.1);
+                let bulge = bulge(&curves, &middle).unwrap_or(boxes.bulge);
+                let cell = Cell { at, side: 1.0, bulge, step: boxes.step, halvings: HALVINGS };
                 self.search(point, &cell, curves, [0.0, 1.0], T_HALVINGS, &mut shown);
             }
         });
@@ -72,13 +76,14 @@ impl<'a> Search<'a> {
         shown: &mut Shown,
     ) {
         let Some(around) = around(&curves) else { return };
-        let whole = curves.iter().all(Option::is_some);
-        if whole && !holds(&around, cell.bulge, point) {
+        // where a corner has no curve the others may stand for one a step away
+        let gap = if curves.iter().all(Option::is_some) { 0.0 } else { cell.step };
+        if !holds(&around, cell.bulge + gap, point) {
             return;
         }
         let long = curves.iter().flatten().fold(0.0_f64, |m, c| m.max(length(c)));
         let wide = spread(&curves);
-        if t_halvings > 0 && long > wide {
+        if t_halvings > 0 && long > wide.max(cell.bulge + gap) {
             let middle = 0.5 * (span[0] + span[1]);
             let halves = curves.map(|c| c.map(|c| c.split(0.5)));
             for (k, span) in [[span[0], middle], [middle, span[1]]].into_iter().enumerate() {
@@ -88,7 +93,8 @@ impl<'a> Search<'a> {
             let half = 0.5 * cell.side;
             for at in corners(cell.at, half) {
                 let curves = corners(at, half).map(|q| self.part(q, span));
-                let cell = Cell { at, side: half, bulge: cell.bulge / 4.0, halvings: cell.halvings - 1 };
+                let (bulge, step) = (cell.bulge / 4.0, cell.step / 2.0);
+                let cell = Cell { at, side: half, bulge, step, halvings: cell.halvings - 1 };
                 self.search(point, &cell, curves, span, t_halvings, shown);
             }
         } else {
@@ -126,6 +132,8 @@ struct Cell {
     at: DVec2,
     side: f64,
     bulge: f64,
+    /// How far a curve may be from the next corner's.
+    step: f64,
     halvings: u32,
 }
 
@@ -165,10 +173,20 @@ fn spread(curves: &[Option<Curve>; 4]) -> f64 {
     pairs.fold(0.0, f64::max)
 }
 
+/// How far curves between four may be from bilinear ones: twice as far as the one in the middle is.
+fn bulge(corners: &[Option<Curve>; 4], middle: &Option<Curve>) -> Option<f64> {
+    let [Some(a), Some(b), Some(c), Some(d)] = corners else { return None };
+    let off = |(k, m): (usize, &DVec3)| {
+        let mean = 0.25 * (a.points()[k] + b.points()[k] + c.points()[k] + d.points()[k]);
+        2.0 * (*m - mean).length()
+    };
+    Some(middle.as_ref()?.points().iter().enumerate().map(off).fold(0.0, f64::max))
+}
+
 /// The curves of a tile's pixels, sampled at their corners and middles.
 fn bound(curves: &Curves, x: u32, y: u32) -> Option<Boxes> {
     let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-    let mut boxes = Boxes { spans: [empty; SPANS], bulge: 0.0 };
+    let mut boxes = Boxes { spans: [empty; SPANS], bulge: 0.0, step: 0.0 };
     let mut any = false;
     for (i, j) in cells(curves, x, y) {
         let at = DVec2::new(i.into(), j.into());
@@ -178,12 +196,8 @@ fn bound(curves: &Curves, x: u32, y: u32) -> Option<Boxes> {
             boxes.hold(curve);
             any = true;
         }
-        if let ([Some(a), Some(b), Some(c), Some(d)], Some(m)) = (corners, middle) {
-            for (k, m) in m.points().iter().enumerate() {
-                let mean = 0.25 * (a.points()[k] + b.points()[k] + c.points()[k] + d.points()[k]);
-                boxes.bulge = boxes.bulge.max(2.0 * (*m - mean).length());
-            }
-        }
+        boxes.step = boxes.step.max(spread(&corners));
+        boxes.bulge = boxes.bulge.max(bulge(&corners, &middle).unwrap_or(0.0));
     }
     any.then_some(boxes)
 }
@@ -205,6 +219,6 @@ impl Bound for Boxes {
         for ([lo, hi], [a, b]) in self.spans.iter_mut().zip(&other.spans) {
             (*lo, *hi) = (lo.min(*a), hi.max(*b));
         }
-        Boxes { bulge: self.bulge.max(other.bulge), ..self }
+        Boxes { bulge: self.bulge.max(other.bulge), step: self.step.max(other.step), ..self }
     }
 }

@@ -41,8 +41,13 @@ const DAMPING: f64 = 1e-12;
 /// rounding, far under any pixel's footprint.
 const STILL: f64 = 1e-12;
 
-/// Solves `X(place, t) = x` from a guess. `None` where that leads nowhere.
-pub fn solve(volume: &impl Volume, x: DVec3, mut place: DVec2, mut t: f64) -> Option<Root> {
+/// A guess that leads farther away than this, px, is given up: guesses are taken from cells of a quarter pixel, and what is
+/// beyond is found from another one.
+const ASTRAY_PX: f64 = 2.0;
+
+/// Solves `X(place, t) = x` from a guess. `None` where that leads nowhere, or away.
+pub fn solve(volume: &impl Volume, x: DVec3, guess: DVec2, mut t: f64) -> Option<Root> {
+    let mut place = guess;
     for _ in 0..STEPS {
         let (at, along) = volume.at(place, t)?;
         let rest = x - at;
@@ -59,6 +64,9 @@ pub fn solve(volume: &impl Volume, x: DVec3, mut place: DVec2, mut t: f64) -> Op
         })?;
         let last = (moved.0 - place).length().max((moved.1 - t).abs() / t.abs().max(1.0));
         (place, t) = moved;
+        if place.distance(guess) > ASTRAY_PX {
+            return None;
+        }
         if last <= ARRIVED * ARRIVED || (last <= ARRIVED && has_arrived(volume, x, place, t, slopes)) {
             break;
         }
