@@ -1,14 +1,16 @@
-//! Files the program writes and the images it reads back: PNG, EXR, NumPy arrays, text.
+//! Files the program writes and the images it reads back: PNG, EXR, NumPy arrays, points, text.
 
 mod exr;
 mod npy;
+mod ply;
 mod png;
 mod points;
 mod vectors;
 mod whole;
 
 pub use exr::{read_exr, write_exr};
-pub use npy::write_npy_f64;
+pub use npy::{read_npy_rows, write_npy_f64};
+pub use ply::write_ply;
 pub use png::{srgb8, write_png};
 pub use points::read_points;
 pub use vectors::{read_pairs, read_vectors};

@@ -1,7 +1,7 @@
 //! The table of cameras: every kind that a scene file may name.
 
+use super::named::{camera_texture, cylinder, display, fisheye, lidar, lightfield, ods, opencv, panini, sphere};
 use super::named::{cross_slit, hinge, mcop, panorama, pencil, pushbroom, surround};
-use super::named::{cylinder, fisheye, sphere};
 use super::named::{irregular_perspective, occlusion, ortho_to_perspective, street, twist};
 use super::projector;
 use super::recipe::Kind;
@@ -53,4 +53,11 @@ pub const NAMED: &[Kind] = &[
     Kind { name: "graph_camera", help: include_str!("help/graph_camera.txt"), read: graph::bottom_up::read_torn },
     Kind { name: "top_down", help: include_str!("help/top_down.txt"), read: graph::top_down::read },
     Kind { name: "track", help: include_str!("help/track.txt"), read: graph::track::read },
+    Kind { name: "opencv", help: include_str!("help/opencv.txt"), read: opencv::read },
+    Kind { name: "ods", help: include_str!("help/ods.txt"), read: ods::read },
+    Kind { name: "camera_texture", help: include_str!("help/camera_texture.txt"), read: camera_texture::read },
+    Kind { name: "panini", help: include_str!("help/panini.txt"), read: panini::read },
+    Kind { name: "display", help: include_str!("help/display.txt"), read: display::read },
+    Kind { name: "lightfield", help: include_str!("help/lightfield.txt"), read: lightfield::read },
+    Kind { name: "lidar", help: include_str!("help/lidar.txt"), read: lidar::read },
 ];

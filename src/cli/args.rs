@@ -40,6 +40,9 @@ pub struct RenderArgs {
     /// All asked-for channels, 32-bit
     #[arg(long, value_name = "OUT.exr")]
     pub exr: Option<PathBuf>,
+    /// Hit points in f64: a PLY with the hits and their triangles, or an N x 3 .npy, a row a pixel, NaN where nothing is hit
+    #[arg(long, value_name = "OUT.ply|OUT.npy")]
+    pub points: Option<PathBuf>,
     /// Size of the image in pixels
     #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
     pub size: Option<(u32, u32)>,
@@ -77,7 +80,7 @@ pub struct RenderArgs {
     pub no_int64: bool,
     /// Print one pixel's ray, hit, candidates and margins instead
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = pixel, conflicts_with_all = [
-        "output", "exr", "engine", "samples", "channels", "report", "check", "repeat", "adapter", "no_int64",
+        "output", "exr", "points", "engine", "samples", "channels", "report", "check", "repeat", "adapter", "no_int64",
     ])]
     pub pixel: Option<(u32, u32)>,
 }

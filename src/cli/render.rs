@@ -3,6 +3,7 @@
 mod backend;
 mod files;
 mod judged;
+mod points;
 mod samples;
 
 use super::args::{EngineName, RenderArgs};
@@ -29,7 +30,9 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
         return explain_pixel(&scene, &camera, x, y);
     }
     let files = Files::new(args, &scene)?;
-    let wanted = wanted(args, &files);
+    let asked = asked(args, &files);
+    let wanted = wanted(&asked, &files);
+    points::check(&files, &camera)?;
     memory::check(camera.width, camera.height, wanted.channels.len() + 3)?;
 
     progress.now("opening the adapter");
@@ -49,7 +52,7 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     };
 
     progress.now("writing");
-    files.write(&scene, &camera, &rendered)?;
+    files.write(&scene, &camera, &rendered, &asked)?;
     let device = backend.device();
     let frame_ms = FrameMs::of(&rendered.frame_ms);
     if let Some(path) = &files.report {
@@ -101,13 +104,19 @@ fn explain_pixel(scene: &Scene, camera: &Camera, x: u32, y: u32) -> Result<()> {
     print(&format!("{}\n", text.trim_end()))
 }
 
-/// What the outputs need: the picture unless only channels are asked for.
-fn wanted(args: &RenderArgs, files: &Files) -> Wanted {
-    let mut channels = match &args.channels {
+/// The channels that are written.
+fn asked(args: &RenderArgs, files: &Files) -> Vec<Channel> {
+    match &args.channels {
         Some(list) => list.clone(),
         None if files.exr.is_some() => Channel::ALL.to_vec(),
         None => Vec::new(),
-    };
+    }
+}
+
+/// What the outputs need: the picture unless only channels are asked for; points come from triangles.
+fn wanted(asked: &[Channel], files: &Files) -> Wanted {
+    let ids = files.points.is_some().then_some(Channel::TriangleId);
+    let mut channels: Vec<Channel> = asked.iter().copied().chain(ids).collect();
     channels.sort_unstable();
     channels.dedup();
     Wanted { srgb8: files.color.is_some() || channels.is_empty(), channels, counting: false }

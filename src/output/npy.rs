@@ -42,45 +42,55 @@ struct Header {
 /// # Errors
 /// What is wrong, without the file's name.
 pub(super) fn read_npy_vectors(file: File, each: u64) -> std::result::Result<(u32, u32, Vec<f64>), String> {
-    let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
-    let mut reader = BufReader::with_capacity(1 << 16, file);
-    let (header, header_bytes) = read_header(&mut reader)?;
-    let (height, width) = match header.shape[..] {
-        [height, width, n] if n == each => (height, width),
-        _ => return Err(format!("the array's shape is {:?}; it must be height x width x {each}", header.shape)),
-    };
-    check_size(width, height).map_err(|e| e.to_string())?;
-    let numbers = read_rows(&mut reader, &header, [width * height, each], bytes_in_file.saturating_sub(header_bytes))?;
+    let (shape, numbers) = read_array(file, |shape| match *shape {
+        [height, width, depth] if depth == each => {
+            check_size(width, height).map_err(|e| e.to_string())?;
+            Ok(width * height * each)
+        }
+        _ => Err(format!("the array's shape is {shape:?}; it must be height x width x {each}")),
+    })?;
     // Both sides are far under 2^32 by the check above.
-    Ok((width as u32, height as u32, numbers))
+    Ok((shape[1] as u32, shape[0] as u32, numbers))
 }
 
-/// Reads an f32 or f64 array in C order, shape N x 3.
+/// Most rows of [`read_npy_rows`]: their numbers' bytes cannot overflow.
+const MAX_ROWS: u64 = 1 << 32;
+
+/// Reads an f32 or f64 array in C order, shape n x `N`, row by row.
 ///
 /// # Errors
-/// What is wrong, without the file's name.
-pub(super) fn read_npy_points(file: File) -> std::result::Result<Vec<f64>, String> {
+/// [`Error::Input`] naming the file: not there, another shape or type, or cut short.
+pub fn read_npy_rows<const N: usize>(path: &Path) -> Result<Vec<[f64; N]>> {
+    let file = File::open(path).map_err(|e| format!("cannot be read: {e}; check the path"));
+    let rows = file.and_then(rows_of);
+    rows.map_err(|why| Error::input(format!("{}: {why}", path.display())))
+}
+
+/// As [`read_npy_rows`], without the file's name.
+pub(super) fn rows_of<const N: usize>(file: File) -> std::result::Result<Vec<[f64; N]>, String> {
+    let count = |shape: &[u64]| match *shape {
+        [rows, columns] if columns == N as u64 && rows <= MAX_ROWS => Ok(rows * columns),
+        _ => Err(format!("the array's shape is {shape:?}; it must be n x {N}")),
+    };
+    let (_, numbers) = read_array(file, count)?;
+    Ok(numbers.chunks_exact(N).map(|row| std::array::from_fn(|k| row[k])).collect())
+}
+
+/// The shape of an array and its numbers, as many as `count` makes of the shape.
+fn read_array(
+    file: File,
+    count: impl FnOnce(&[u64]) -> std::result::Result<u64, String>,
+) -> std::result::Result<(Vec<u64>, Vec<f64>), String> {
     let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
     let mut reader = BufReader::with_capacity(1 << 16, file);
     let (header, header_bytes) = read_header(&mut reader)?;
-    let [rows, 3] = header.shape[..] else {
-        return Err(format!("the array's shape is {:?}; it must be N x 3", header.shape));
-    };
-    read_rows(&mut reader, &header, [rows, 3], bytes_in_file.saturating_sub(header_bytes))
-}
-
-/// Reads `rows` rows of `each` numbers, after finding that the `left` bytes hold them.
-fn read_rows(
-    reader: &mut impl Read,
-    header: &Header,
-    [rows, each]: [u64; 2],
-    left: u64,
-) -> std::result::Result<Vec<f64>, String> {
-    let bytes = rows.saturating_mul(each * header.size as u64);
-    if left < bytes {
+    let count = count(&header.shape)?;
+    let bytes = count * header.size as u64;
+    if bytes_in_file < header_bytes + bytes {
         return Err(format!("the file ends early: {bytes} bytes of numbers are promised; write it again"));
     }
-    read_numbers(reader, header, (rows * each) as usize)
+    let numbers = read_numbers(&mut reader, &header, count as usize)?;
+    Ok((header.shape, numbers))
 }
 
 /// Reads `count` numbers; that many are known to be in the file.

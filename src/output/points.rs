@@ -1,6 +1,6 @@
 //! Lists of 3-D points: .npy of shape N x 3, or text with a point a line.
 
-use super::npy::read_npy_points;
+use super::npy::rows_of;
 use crate::error::{Error, Result};
 use glam::DVec3;
 use std::fs::File;
@@ -29,8 +29,7 @@ fn open(path: &Path) -> std::result::Result<File, String> {
 }
 
 fn read_npy(path: &Path) -> std::result::Result<Vec<DVec3>, String> {
-    let numbers = read_npy_points(open(path)?)?;
-    let points: Vec<DVec3> = numbers.chunks_exact(3).map(DVec3::from_slice).collect();
+    let points: Vec<DVec3> = rows_of::<3>(open(path)?)?.into_iter().map(DVec3::from_array).collect();
     match points.iter().position(|p| !p.is_finite()) {
         Some(row) => Err(format!("row {row} is not finite; leave it out")),
         None => Ok(points),

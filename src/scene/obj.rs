@@ -13,7 +13,7 @@ mod tests;
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -37,7 +37,7 @@ const CHUNK_BYTES: usize = 1 << 20;
 /// [`Error::Input`] naming file and line: see [`parse`]; the file cannot be read; an MTL file is malformed.
 pub fn load(path: &Path) -> Result<Mesh> {
     let name = path.display().to_string();
-    let text = std::fs::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
+    let text = read(path, &name)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     parse(&text, &name, |library| mtl::load(folder, library))
 }
@@ -59,6 +59,42 @@ fn parse_in_chunks(
     chunk_bytes: usize,
     load_mtl: impl FnMut(&str) -> Result<Option<Vec<Material>>>,
 ) -> Result<Mesh> {
+    let (chunks, total) = read_chunks(text, name, chunk_bytes, false)?;
+    assemble(chunks, total, load_mtl)
+}
+
+/// The triangles of an OBJ file with their texture coordinates: a map from the (u, v) plane to space.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Textured {
+    pub positions: Vec<DVec3>,
+    pub texcoords: Vec<DVec2>,
+    /// Each corner's position and texture coordinate.
+    pub triangles: Vec<[(u32, u32); 3]>,
+}
+
+/// Reads the positions and texture coordinates of an OBJ file; materials and normals are skipped.
+///
+/// # Errors
+/// Those of [`load`], and a face without texture coordinates.
+pub fn load_textured(path: &Path) -> Result<Textured> {
+    let name = path.display().to_string();
+    let text = read(path, &name)?;
+    let mut mesh = Textured::default();
+    for chunk in read_chunks(&text, &name, CHUNK_BYTES, true)?.0 {
+        mesh.positions.extend(chunk.positions);
+        mesh.texcoords.extend(chunk.texcoords);
+        let corners = chunk.triangles.iter().zip(&chunk.corner_texcoords);
+        mesh.triangles.extend(corners.map(|(p, t)| std::array::from_fn(|k| (p[k], t[k]))));
+    }
+    Ok(mesh)
+}
+
+fn read(path: &Path, name: &str) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))
+}
+
+/// The parsed chunks, with one triangle among them at least, and what is in the whole file.
+fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, textured: bool) -> Result<(Vec<Chunk>, Counts)> {
     let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
     if text.is_empty() {
         return Err(Error::input(format!("{name}: is empty; an OBJ file with faces is needed")));
@@ -68,7 +104,7 @@ fn parse_in_chunks(
     }
     if !text.contains(&b'\n') && text.contains(&b'\r') {
         let lines = text.iter().map(|&b| if b == b'\r' { b'\n' } else { b }).collect::<Vec<_>>();
-        return parse_in_chunks(&lines, name, chunk_bytes, load_mtl);
+        return read_chunks(&lines, name, chunk_bytes, textured);
     }
 
     // Count, then parse every chunk knowing what lies before it.
@@ -87,7 +123,7 @@ fn parse_in_chunks(
         .par_iter()
         .zip(&counts)
         .zip(&before)
-        .map(|((piece, own), before)| Reader::new(name, *before, total).read(piece, own))
+        .map(|((piece, own), before)| Reader::new(name, *before, total).textured(textured).read(piece, own))
         .collect();
     let chunks = chunks.into_iter().collect::<Result<Vec<_>>>()?;
 
@@ -101,16 +137,16 @@ fn parse_in_chunks(
     if triangles == 0 {
         return Err(Error::input(format!("{name}: has no faces (f lines); export it as a mesh with faces")));
     }
-    assemble(chunks, total, triangles, load_mtl)
+    Ok((chunks, total))
 }
 
 /// Joins the chunks in order.
 fn assemble(
     chunks: Vec<Chunk>,
     total: Counts,
-    triangles: usize,
     mut load_mtl: impl FnMut(&str) -> Result<Option<Vec<Material>>>,
 ) -> Result<Mesh> {
+    let triangles: usize = chunks.iter().map(|c| c.triangles.len()).sum();
     let mut mesh = Mesh {
         positions: Vec::with_capacity(total.positions),
         triangles: Vec::with_capacity(triangles),

@@ -1,5 +1,6 @@
 //! The files of a render: which, whether they can be written, and what goes into them.
 
+use super::points;
 use crate::camera::Camera;
 use crate::cli::args::RenderArgs;
 use crate::cli::describe::Description;
@@ -7,6 +8,7 @@ use crate::cli::hash::scene_hash;
 use crate::cli::outputs;
 use crate::engine::Rendered;
 use crate::error::{Error, Result};
+use crate::frame::Channel;
 use crate::output::{write_exr, write_png, write_text};
 use crate::report::Report;
 use crate::scene::Scene;
@@ -17,6 +19,7 @@ use std::path::{Path, PathBuf};
 pub struct Files {
     pub color: Option<PathBuf>,
     pub exr: Option<PathBuf>,
+    pub points: Option<PathBuf>,
     pub report: Option<PathBuf>,
 }
 
@@ -33,11 +36,12 @@ impl Files {
         let files = Files {
             color: args.output.clone().or_else(|| scene.output.color.clone()),
             exr: args.exr.clone().or_else(|| scene.output.exr.clone()),
+            points: args.points.clone(),
             report: args.report.clone(),
         };
         if files.all().count() == 0 && !args.check {
             return Err(Error::input(
-                "nothing to write; add -o OUT.png, --exr OUT.exr or an [output] table to the scene",
+                "nothing to write; add -o OUT.png, --exr OUT.exr, --points OUT.ply or an [output] table to the scene",
             ));
         }
         named_as(files.color.as_deref(), "png", "colour is written as PNG; name it .png, or use --exr")?;
@@ -47,23 +51,29 @@ impl Files {
     }
 
     fn all(&self) -> impl Iterator<Item = &Path> {
-        [&self.color, &self.exr, &self.report].into_iter().flatten().map(PathBuf::as_path)
+        [&self.color, &self.exr, &self.points, &self.report].into_iter().flatten().map(PathBuf::as_path)
     }
 
-    /// The images' names and a space, for the summary.
+    /// The images' and points' names and a space, for the summary.
     pub fn names(&self) -> String {
-        let names: Vec<_> = [&self.color, &self.exr].into_iter().flatten().map(|p| p.display().to_string()).collect();
+        let names: Vec<_> =
+            [&self.color, &self.exr, &self.points].into_iter().flatten().map(|p| p.display().to_string()).collect();
         if names.is_empty() { String::new() } else { format!("{} ", names.join(", ")) }
     }
 
-    /// Writes the images.
-    pub fn write(&self, scene: &Scene, camera: &Camera, rendered: &Rendered) -> Result<()> {
+    /// Writes the images, of the channels in `asked`, and the points.
+    pub fn write(&self, scene: &Scene, camera: &Camera, rendered: &Rendered, asked: &[Channel]) -> Result<()> {
         if let (Some(path), Some(rgba)) = (&self.color, &rendered.srgb8) {
             let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
             write_png(path, camera.width, camera.height, &rgb)?;
         }
         if let Some(path) = &self.exr {
-            write_exr(path, &rendered.frame, &attributes(scene, camera)?)?;
+            let mut frame = rendered.frame.clone();
+            frame.planes.retain(|(channel, _)| asked.contains(channel));
+            write_exr(path, &frame, &attributes(scene, camera)?)?;
+        }
+        if let Some(path) = &self.points {
+            points::write(path, scene, camera, &rendered.frame)?;
         }
         Ok(())
     }

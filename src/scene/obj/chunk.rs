@@ -1,6 +1,6 @@
 //! One chunk of an OBJ text: what it holds, in numbers and parsed.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use super::lex::{Lines, Words, parse_f64, parse_i64, quoted};
 use crate::error::{Error, Result};
@@ -52,6 +52,9 @@ pub(super) struct Chunk {
     /// Unit length, or zero where the file's normal has no direction.
     pub normals: Vec<Vec3>,
     pub triangles: Vec<[u32; 3]>,
+    /// Texture coordinates, and each triangle's, where they are asked for.
+    pub texcoords: Vec<DVec2>,
+    pub corner_texcoords: Vec<[u32; 3]>,
     /// As far as the last triangle that has a normal; the rest have none.
     pub corner_normals: Vec<[u32; 3]>,
     /// `usemtl` lines: the first triangle of the chunk each is for, and the name.
@@ -60,8 +63,8 @@ pub(super) struct Chunk {
     pub libraries: Vec<String>,
 }
 
-/// One corner of a face: its position, and its normal or [`NO_NORMAL`].
-type Corner = (u32, u32);
+/// One corner of a face: its position, its normal or [`NO_NORMAL`], its texture coordinate.
+type Corner = (u32, u32, Option<u32>);
 
 /// Parses one chunk.
 pub(super) struct Reader<'a> {
@@ -69,6 +72,7 @@ pub(super) struct Reader<'a> {
     before: Counts,
     total: Counts,
     seen_texcoords: usize,
+    textured: bool,
     corners: Vec<Corner>,
     chunk: Chunk,
 }
@@ -76,7 +80,12 @@ pub(super) struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// `before`: what lies in the chunks before this one; `total`: in the whole file.
     pub(super) fn new(name: &'a str, before: Counts, total: Counts) -> Self {
-        Reader { name, before, total, seen_texcoords: 0, corners: Vec::new(), chunk: Chunk::default() }
+        Reader { name, before, total, seen_texcoords: 0, textured: false, corners: Vec::new(), chunk: Chunk::default() }
+    }
+
+    /// Keeps texture coordinates, which every face must have then.
+    pub(super) fn textured(self, textured: bool) -> Self {
+        Reader { textured, ..self }
     }
 
     /// # Errors
@@ -104,7 +113,12 @@ impl<'a> Reader<'a> {
                 self.chunk.positions.push(position);
             }
             b"vn" => self.chunk.normals.push(unit(read_vector(words)?)),
-            b"vt" => self.seen_texcoords += 1,
+            b"vt" => {
+                self.seen_texcoords += 1;
+                if self.textured {
+                    self.chunk.texcoords.push(read_texcoord(words)?);
+                }
+            }
             b"f" | b"fo" => self.read_face(words)?,
             b"usemtl" => self.chunk.uses.push((self.chunk.triangles.len(), words.name())),
             b"mtllib" => self.chunk.libraries.push(words.name()),
@@ -123,10 +137,16 @@ impl<'a> Reader<'a> {
             let count = corners.len();
             return Err(format!("face has {count} of at least 3 vertices; complete it or use l or p lines"));
         }
-        let (p0, n0) = corners[0];
+        let (p0, n0, t0) = corners[0];
         for pair in corners.windows(2).skip(1) {
-            let [(p1, n1), (p2, n2)] = [pair[0], pair[1]];
+            let [(p1, n1, t1), (p2, n2, t2)] = [pair[0], pair[1]];
             self.chunk.triangles.push([p0, p1, p2]);
+            if self.textured {
+                let (Some(t0), Some(t1), Some(t2)) = (t0, t1, t2) else {
+                    return Err("face without texture coordinates; write its vertices as v/vt".into());
+                };
+                self.chunk.corner_texcoords.push([t0, t1, t2]);
+            }
             if n0 & n1 & n2 != NO_NORMAL {
                 self.chunk.corner_normals.resize(self.chunk.triangles.len() - 1, [NO_NORMAL; 3]);
                 self.chunk.corner_normals.push([n0, n1, n2]);
@@ -146,10 +166,10 @@ impl<'a> Reader<'a> {
         let seen = self.before.positions + self.chunk.positions.len();
         let position = resolve(parts.next().unwrap_or_default(), "vertex", seen, self.total.positions)?;
         let seen = self.before.texcoords + self.seen_texcoords;
-        index(parts.next(), "texture coordinate", seen, self.total.texcoords)?;
+        let texcoord = index(parts.next(), "texture coordinate", seen, self.total.texcoords)?;
         let seen = self.before.normals + self.chunk.normals.len();
         let normal = index(parts.next(), "normal", seen, self.total.normals)?;
-        Ok((position, normal.unwrap_or(NO_NORMAL)))
+        Ok((position, normal.unwrap_or(NO_NORMAL), texcoord))
     }
 }
 
@@ -174,13 +194,23 @@ fn resolve(word: &[u8], what: &str, seen: usize, total: usize) -> std::result::R
 }
 
 /// The first three words as numbers; more of them (a weight, a colour) are skipped.
-fn read_vector(mut words: Words) -> std::result::Result<DVec3, String> {
-    let mut xyz = [0.0; 3];
-    for (at, value) in xyz.iter_mut().enumerate() {
-        let word = words.next().ok_or_else(|| format!("has {at} of 3 coordinates; give x y z"))?;
+fn read_vector(words: Words) -> std::result::Result<DVec3, String> {
+    Ok(DVec3::from(read_numbers::<3>(words, "x y z")?))
+}
+
+/// The first two words as finite numbers.
+fn read_texcoord(words: Words) -> std::result::Result<DVec2, String> {
+    let uv = DVec2::from(read_numbers::<2>(words, "u v")?);
+    if uv.is_finite() { Ok(uv) } else { Err("texture coordinate is not finite; use finite numbers".into()) }
+}
+
+fn read_numbers<const N: usize>(mut words: Words, names: &str) -> std::result::Result<[f64; N], String> {
+    let mut numbers = [0.0; N];
+    for (at, value) in numbers.iter_mut().enumerate() {
+        let word = words.next().ok_or_else(|| format!("has {at} of {N} coordinates; give {names}"))?;
         *value = parse_f64(word).ok_or_else(|| format!("coordinate {} is not a number", quoted(word)))?;
     }
-    Ok(DVec3::from(xyz))
+    Ok(numbers)
 }
 
 /// The direction of `v`; zero where it has none.

@@ -1,0 +1,76 @@
+//! The YAML file that OpenCV's `FileStorage` writes after a calibration.
+
+use crate::error::{Error, Result};
+use glam::DVec2;
+use serde::Deserialize;
+use std::path::Path;
+
+/// A calibrated camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Intrinsics {
+    /// Width and height of the calibrated image, px.
+    pub size: (u32, u32),
+    /// `fx`, `fy`, px.
+    pub focal: DVec2,
+    /// `cx`, `cy`, px; the centre of OpenCV's pixel (i, j) is at (i, j).
+    pub centre: DVec2,
+    /// As in the file: `k1, k2, p1, p2, ...`, or the fisheye's four.
+    pub coefficients: Vec<f64>,
+}
+
+/// The keys that are read; a calibration holds many more.
+#[derive(Deserialize)]
+struct Keys {
+    image_width: u64,
+    image_height: u64,
+    camera_matrix: Matrix,
+    distortion_coefficients: Matrix,
+}
+
+/// An `!!opencv-matrix`, row by row.
+#[derive(Deserialize)]
+struct Matrix {
+    rows: usize,
+    cols: usize,
+    data: Vec<f64>,
+}
+
+/// Reads `image_width`, `image_height`, `camera_matrix` and `distortion_coefficients`.
+///
+/// # Errors
+/// [`Error::Input`] naming the file: it cannot be read, is not such a file, or its matrices have another form.
+pub fn read(path: &Path) -> Result<Intrinsics> {
+    let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|e| refuse(format!("cannot be read: {e}; check the path")))?;
+    parse(&text).map_err(refuse)
+}
+
+fn parse(text: &str) -> std::result::Result<Intrinsics, String> {
+    // OpenCV's first line is no directive of YAML; a comment keeps the numbers of the lines
+    let text = text.replacen("%YAML:1.0", "# YAML 1.0", 1);
+    let keys: Keys = serde_norway::from_str(&text)
+        .map_err(|e| format!("not a calibration as OpenCV writes it: {}", e.to_string().replace('\n', " ")))?;
+    crate::scene::file::check_size(keys.image_width, keys.image_height).map_err(|e| e.to_string())?;
+    let Matrix { rows, cols, data } = keys.camera_matrix;
+    let [fx, skew, cx, zero, fy, cy, zero_x, zero_y, one] = data[..] else {
+        return Err(format!("camera_matrix: {} numbers in {rows} x {cols}; it must be 3 x 3", data.len()));
+    };
+    if (rows, cols) != (3, 3) || [skew, zero, zero_x, zero_y] != [0.0; 4] || one != 1.0 {
+        return Err("camera_matrix: must be [fx, 0, cx; 0, fy, cy; 0, 0, 1]".into());
+    }
+    if !(fx > 0.0 && fy > 0.0 && (fx * fy).is_finite() && cx.is_finite() && cy.is_finite()) {
+        return Err("camera_matrix: fx and fy must be over 0, and all numbers finite".into());
+    }
+    let Matrix { rows, cols, data } = keys.distortion_coefficients;
+    if rows.checked_mul(cols) != Some(data.len()) || data.iter().any(|k| !k.is_finite()) {
+        let count = data.len();
+        return Err(format!("distortion_coefficients: {count} numbers in {rows} x {cols}; each must be finite"));
+    }
+    Ok(Intrinsics {
+        // checked above to be far under 2^32
+        size: (keys.image_width as u32, keys.image_height as u32),
+        focal: DVec2::new(fx, fy),
+        centre: DVec2::new(cx, cy),
+        coefficients: data,
+    })
+}
