@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-pub use crate::TILE;
+use crate::TILE;
 
 /// What holds for all rays or curves of some part of the image.
 pub trait Bound: Clone + Send + Sync {
@@ -40,8 +40,8 @@ impl<B: Bound> Tree<B> {
         Tree { levels }
     }
 
-    /// Calls `visit` with the column, row and bound of each tile whose squares all pass `may`.
-    pub fn walk(&self, may: impl Fn(&B) -> bool, mut visit: impl FnMut(u32, u32, &B)) {
+    /// Calls `visit` with the column and row of each tile whose squares all pass `may`.
+    pub fn walk(&self, may: impl Fn(&B) -> bool, mut visit: impl FnMut(u32, u32)) {
         let mut open = vec![(self.levels.len() - 1, 0, 0)];
         while let Some((level, x, y)) = open.pop() {
             let Level { width, squares } = &self.levels[level];
@@ -50,7 +50,7 @@ impl<B: Bound> Tree<B> {
                 continue;
             }
             if level == 0 {
-                visit(x, y, bound);
+                visit(x, y);
                 continue;
             }
             let Level { width, squares } = &self.levels[level - 1];
@@ -63,4 +63,10 @@ impl<B: Bound> Tree<B> {
 fn children(x: u32, y: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
     let of = move |k: u32| (2 * x + k % 2, 2 * y + k / 2);
     (0..4).map(of).filter(move |&(x, y)| x < width && y < height)
+}
+
+/// The cells of a tile, of `size` in all: columns and rows.
+pub fn cells(x: u32, y: u32, size: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
+    let [columns, rows] = [(x, size[0]), (y, size[1])].map(|(k, end)| k * TILE..(k * TILE + TILE).min(end));
+    rows.flat_map(move |j| columns.clone().map(move |i| (i, j)))
 }
