@@ -52,7 +52,8 @@ pub struct Images {
     pub images: Vec<Image>,
     /// There are curves or areas of images beside them.
     pub degenerate: Option<Degenerate>,
-    /// The search was given up, and there may be more: so many rays pass close to the point.
+    /// The search was given up, and there may be more: so many rays pass close to the point, or they jump so often. Left out of
+    /// JSON where it is false.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub incomplete: bool,
 }
@@ -86,7 +87,7 @@ struct Shown {
     work: u32,
 }
 
-/// Work for one point in one layer at most: seconds. A point that is not close to an eye or a slit takes some thousand.
+/// Work for one point in one layer at most: seconds.
 const WORK: u32 = 1 << 18;
 
 /// What a search from a guess costs against a look at a box.

@@ -5,7 +5,7 @@
 
 use super::newton::{self, Volume};
 use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples};
-use super::tree::{Bound, Tree, cells};
+use super::tree::{Bound, TILE, Tree, cells};
 use super::{BORDER_PX, Degenerate, Found, NEWTON_WORK, Shown};
 use crate::camera::curve::{Curve, Curves};
 use glam::{DVec2, DVec3};
@@ -21,7 +21,11 @@ const SPANS: usize = 8;
 
 /// Boxes around all curves of a tile, span by span.
 #[derive(Debug, Clone)]
-struct Boxes([[DVec3; 2]; SPANS]);
+struct Boxes {
+    spans: [[DVec3; 2]; SPANS],
+    /// All of one tile, where it is smooth.
+    net: Option<Net>,
+}
 
 /// Times that a cell of a pixel is halved.
 const HALVINGS: u32 = 2;
@@ -29,11 +33,14 @@ const HALVINGS: u32 = 2;
 /// Times that t is: curves that are still longer than apart (2^-40 of their length) meet in the point.
 const T_HALVINGS: u32 = 40;
 
-/// Four curves between which all are bilinear within `room`, or one around which all of its neighbourhood are.
+/// Four curves between which all are bilinear within [`Net::room`], or one around which all of its neighbourhood are.
 #[derive(Debug, Clone)]
 struct Net {
     curves: Vec<Curve>,
-    room: f64,
+    /// The one in the middle of four: tells how far others are from bilinear ones.
+    middle: Option<Curve>,
+    /// Of the whole net: other than what the middle tells it does not shrink with t's span.
+    reach: f64,
 }
 
 /// A square of the image.
@@ -62,11 +69,18 @@ impl<'a> Search<'a> {
 
     pub fn images(&self, point: DVec3) -> Shown {
         let mut shown = Shown::default();
-        let may = |b: &Boxes| b.0.iter().any(|s| holds(s, 0.0, point));
-        self.tree.walk(may, |x, y| {
-            for (i, j) in cells(x, y, [self.curves.width, self.curves.height]) {
-                let cell = Cell { at: DVec2::new(i.into(), j.into()), side: 1.0, halvings: HALVINGS };
-                self.search(point, &cell, [0.0, 1.0], T_HALVINGS, None, &mut shown);
+        let may = |b: &Boxes| b.spans.iter().any(|s| holds(s, 0.0, point));
+        self.tree.walk(may, |x, y, boxes| {
+            let mut spans = vec![([0.0, 1.0], T_HALVINGS)];
+            if let Some(net) = &boxes.net {
+                spans.clear();
+                net.spans_near(point, ([0.0, 1.0], T_HALVINGS), &mut spans, &mut shown);
+            }
+            for (span, t_halvings) in spans {
+                for (i, j) in cells(x, y, [self.curves.width, self.curves.height]) {
+                    let cell = Cell { at: DVec2::new(i.into(), j.into()), side: 1.0, halvings: HALVINGS };
+                    self.search(point, &cell, span, t_halvings, None, &mut shown);
+                }
             }
         });
         shown
@@ -89,7 +103,7 @@ impl<'a> Search<'a> {
             let nets = nets(self.curves, cell.at, cell.side);
             if span == [0.0, 1.0] { nets } else { nets.iter().map(|n| n.over(span)).collect() }
         });
-        nets.retain(|n| holds(&n.around(), n.room, point));
+        nets.retain(|n| holds(&n.around(), n.room(), point));
         if nets.is_empty() {
             return;
         }
@@ -145,10 +159,9 @@ fn nets(curves: &Curves, at: DVec2, side: f64) -> Vec<Net> {
     let places = samples(at, side);
     let found = places.map(|q| curves.at_place(q).map(|c| c.1));
     if let [Some(a), Some(b), Some(c), Some(d), Some(m)] = found {
-        let net = Net { curves: vec![a, b, c, d], room: 0.0 };
-        let (bulge, spread) = (net.off(&m), net.spread());
-        if bulge <= SMOOTH * spread {
-            return vec![Net { room: bulge + MARGIN * spread, ..net }];
+        let net = Net { curves: vec![a, b, c, d], middle: Some(m), reach: 0.0 };
+        if net.off(&m) <= SMOOTH * net.spread() {
+            return vec![net];
         }
     }
     let slope = |(q, c): (DVec2, &Option<Curve>)| {
@@ -157,8 +170,8 @@ fn nets(curves: &Curves, at: DVec2, side: f64) -> Vec<Net> {
     };
     let steepest = places.into_iter().zip(&found).filter_map(slope).fold(0.0, f64::max);
     // with as much again for what bends
-    let room = 2.0 * side * steepest;
-    found.into_iter().flatten().map(|c| Net { curves: vec![c], room }).collect()
+    let reach = 2.0 * side * steepest;
+    found.into_iter().flatten().map(|c| Net { curves: vec![c], middle: None, reach }).collect()
 }
 
 impl Net {
@@ -178,7 +191,7 @@ impl Net {
     fn is_short(&self) -> bool {
         let length = |c: &Curve| c.points().windows(2).map(|p| (p[1] - p[0]).length()).sum::<f64>();
         let long = self.curves.iter().map(length).fold(0.0, f64::max);
-        long <= self.spread().max(self.room)
+        long <= self.spread().max(self.room())
     }
 
     /// How far curves between the four may be from bilinear ones: twice as far as the one in the middle is.
@@ -190,11 +203,47 @@ impl Net {
 
     /// The first or the second half of t.
     fn half(&self, k: usize) -> Net {
-        Net { curves: self.curves.iter().map(|c| c.split(0.5)[k]).collect(), room: self.room }
+        self.mapped(|c| c.split(0.5)[k])
+    }
+
+    /// Spans of t, halved until the net is short, over which it may run through the point, and the halvings left.
+    fn spans_near(
+        &self,
+        point: DVec3,
+        (span, t_halvings): ([f64; 2], u32),
+        spans: &mut Vec<([f64; 2], u32)>,
+        shown: &mut Shown,
+    ) {
+        if !shown.may_spend(1) || !holds(&self.around(), self.room(), point) {
+            return;
+        }
+        if self.is_short() {
+            spans.push((span, t_halvings));
+        } else if t_halvings == 0 {
+            shown.degenerate = shown.degenerate.max(Some(Degenerate::Eye));
+        } else {
+            let middle = 0.5 * (span[0] + span[1]);
+            for (k, span) in [[span[0], middle], [middle, span[1]]].into_iter().enumerate() {
+                self.half(k).spans_near(point, (span, t_halvings - 1), spans, shown);
+            }
+        }
     }
 
     fn over(&self, span: [f64; 2]) -> Net {
-        Net { curves: self.curves.iter().map(|c| c.span(span)).collect(), room: self.room }
+        self.mapped(|c| c.span(span))
+    }
+
+    fn mapped(&self, part: impl Fn(&Curve) -> Curve) -> Net {
+        Net {
+            curves: self.curves.iter().map(&part).collect(),
+            middle: self.middle.as_ref().map(&part),
+            reach: self.reach,
+        }
+    }
+
+    /// How far curves may be outside of what the net's control points hold.
+    fn room(&self) -> f64 {
+        self.reach + MARGIN * self.spread() + self.middle.map_or(0.0, |m| self.off(&m))
     }
 }
 
@@ -206,8 +255,34 @@ fn apart(a: &Curve, b: &Curve) -> f64 {
 /// The curves of a tile's pixels.
 fn bound(curves: &Curves, x: u32, y: u32) -> Option<Boxes> {
     let size = [curves.width, curves.height];
-    let all = cells(x, y, size).flat_map(|(i, j)| nets(curves, DVec2::new(i.into(), j.into()), 1.0));
-    all.map(|n| Boxes::of(&n)).reduce(|a, b| a.joined(&b))
+    let pixels: Vec<DVec2> = cells(x, y, size).map(|(i, j)| DVec2::new(i.into(), j.into())).collect();
+    let all: Vec<Vec<Net>> = pixels.iter().map(|at| nets(curves, *at, 1.0)).collect();
+    let boxes = all.iter().flatten().map(Boxes::of).reduce(|a, b| a.joined(&b))?;
+    let net = tile_net(curves, pixels[0], &pixels, &all);
+    Some(Boxes { net, ..boxes })
+}
+
+/// The curves at a tile's corners, with as much room as those of its pixels are off what is bilinear between them; `None` where
+/// some are not smooth.
+fn tile_net(curves: &Curves, at: DVec2, pixels: &[DVec2], all: &[Vec<Net>]) -> Option<Net> {
+    let side = f64::from(TILE);
+    let corner = |q: DVec2| Some(curves.at_place(q)?.1);
+    let [a, b, c, d, _] = samples(at, side);
+    let whole = Net { curves: vec![corner(a)?, corner(b)?, corner(c)?, corner(d)?], middle: None, reach: 0.0 };
+    let mut reach = 0.0_f64;
+    for (pixel, nets) in pixels.iter().zip(all) {
+        let [net @ Net { curves, middle: Some(_), .. }] = nets.as_slice() else { return None };
+        for (place, curve) in samples(*pixel, 1.0).iter().zip(curves) {
+            let q = (place - at) / side;
+            let shares = [(1.0 - q.x) * (1.0 - q.y), q.x * (1.0 - q.y), (1.0 - q.x) * q.y, q.x * q.y];
+            let off = |(k, p): (usize, &DVec3)| {
+                let bilinear = whole.curves.iter().zip(shares).map(|(c, share)| share * c.points()[k]).sum::<DVec3>();
+                (*p - bilinear).length()
+            };
+            reach = curve.points().iter().enumerate().map(off).fold(reach, |m, off| m.max(off + net.room()));
+        }
+    }
+    Some(Net { reach, ..whole })
 }
 
 impl Boxes {
@@ -215,17 +290,17 @@ impl Boxes {
         let spans = std::array::from_fn(|k| {
             let n = SPANS as f64;
             let [lo, hi] = net.over([k as f64 / n, (k + 1) as f64 / n]).around();
-            [lo - net.room, hi + net.room]
+            [lo - net.room(), hi + net.room()]
         });
-        Boxes(spans)
+        Boxes { spans, net: None }
     }
 }
 
 impl Bound for Boxes {
     fn joined(mut self, other: &Boxes) -> Boxes {
-        for ([lo, hi], [a, b]) in self.0.iter_mut().zip(&other.0) {
+        for ([lo, hi], [a, b]) in self.spans.iter_mut().zip(&other.spans) {
             (*lo, *hi) = (lo.min(*a), hi.max(*b));
         }
-        self
+        Boxes { net: None, ..self }
     }
 }

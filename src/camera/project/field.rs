@@ -44,6 +44,11 @@ const NOTHING: f64 = 1.0 / (1u64 << 40) as f64;
 
 impl Volume for Field {
     fn at(&self, place_px: DVec2, t: f64) -> Option<(DVec3, DVec3)> {
+        // a table stands still beyond its outer pixel centres, which says nothing about its slope there
+        let (lo, hi) = (DVec2::splat(0.5), DVec2::new(self.width.into(), self.height.into()) - 0.5);
+        if self.map().is_none() && (place_px.cmplt(lo - BORDER_PX).any() || place_px.cmpgt(hi + BORDER_PX).any()) {
+            return None;
+        }
         let ray = self.ray_at(place_px)?;
         Some((ray.origin + t * ray.direction, ray.direction))
     }
@@ -67,7 +72,7 @@ impl<'a> Search<'a> {
     pub fn images(&self, point: DVec3) -> Shown {
         let mut shown = Shown::default();
         let may = |rays: &Rays| rays.may_meet(point, self.forward);
-        self.tree.walk(may, |x, y| {
+        self.tree.walk(may, |x, y, _| {
             for (i, j) in cells(x, y, self.cells) {
                 self.search(point, self.start + DVec2::new(i.into(), j.into()), 1.0, HALVINGS, &mut shown);
             }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::TILE;
+pub use crate::TILE;
 
 /// What holds for all rays or curves of some part of the image.
 pub trait Bound: Clone + Send + Sync {
@@ -40,8 +40,8 @@ impl<B: Bound> Tree<B> {
         Tree { levels }
     }
 
-    /// Calls `visit` with the column and row of each tile whose squares all pass `may`.
-    pub fn walk(&self, may: impl Fn(&B) -> bool, mut visit: impl FnMut(u32, u32)) {
+    /// Calls `visit` with the column, row and bound of each tile whose squares all pass `may`.
+    pub fn walk(&self, may: impl Fn(&B) -> bool, mut visit: impl FnMut(u32, u32, &B)) {
         let mut open = vec![(self.levels.len() - 1, 0, 0)];
         while let Some((level, x, y)) = open.pop() {
             let Level { width, squares } = &self.levels[level];
@@ -50,7 +50,7 @@ impl<B: Bound> Tree<B> {
                 continue;
             }
             if level == 0 {
-                visit(x, y);
+                visit(x, y, bound);
                 continue;
             }
             let Level { width, squares } = &self.levels[level - 1];
