@@ -79,6 +79,23 @@ pub fn pixels_are_images_of_what_they_see(name: &str, camera: &Camera, rng: &mut
     hits
 }
 
+/// Random places of curved layers, at random t: each is an image of the point that it sees, whatever else sees it.
+pub fn places_are_images_of_their_points(name: &str, camera: &Camera, rng: &mut Rng, places: usize) {
+    let projector = Projector::new(camera);
+    for (layer, rays) in camera.layers.iter().enumerate() {
+        let Rays::Curves(curves) = rays else { continue };
+        for _ in 0..places {
+            let place = DVec2::new(f64::from(camera.width) * rng.unit(), f64::from(camera.height) * rng.unit());
+            let t = rng.unit();
+            let Some((_, curve)) = curves.at_place(place) else { continue };
+            let all = projector.project(curve.at(t));
+            let is_it = |i: &Image| i.layer == layer && DVec2::new(i.x, i.y).distance(place) < PLACE_PX;
+            let found = all.degenerate.is_some() || all.images.iter().any(is_it);
+            assert!(found, "{name}: layer {layer}, {place} at {t}: {all:?}");
+        }
+    }
+}
+
 /// A table of rays is an image between four of them only.
 fn has_rays_about(camera: &Camera, i: u32, j: u32) -> bool {
     let [Rays::Field(f)] = camera.layers.as_slice() else { return true };
@@ -90,11 +107,12 @@ fn has_rays_about(camera: &Camera, i: u32, j: u32) -> bool {
     f.map().is_some() || [(-1, -1), (-1, 1), (1, -1), (1, 1)].iter().any(|&(x, y)| has(x, 0) && has(0, y) && has(x, y))
 }
 
-/// Both properties, at random points and pixels. How many points had how many images.
+/// All properties, at random points, pixels and places. How many points had how many images.
 pub fn check(name: &str, camera: &Camera, seed: u64) -> Counts {
     let mut rng = Rng(seed);
     let counts = images_see_their_points(name, camera, &mut rng, 150);
     let hits = pixels_are_images_of_what_they_see(name, camera, &mut rng, 300);
     assert!(hits > 30, "{name}: only {hits} hits");
+    places_are_images_of_their_points(name, camera, &mut rng, 100);
     counts
 }
