@@ -1,6 +1,6 @@
-# What a person types: make demo, make test, make check.
+# What a person types: make demo, make gallery, make test, make check.
 
-.PHONY: demo test check rust driver
+.PHONY: demo gallery test check rust driver
 
 BUILD := $(or $(CARGO_TARGET_DIR),target)
 RUST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
@@ -13,6 +13,11 @@ demo: rust driver
 	@$(BUILD)/release/anamorph example demo --out out >/dev/null
 	@$(BUILD)/release/anamorph render out/demo.toml --samples 4 -o out/demo.png
 	@echo "the picture is out/demo.png, its scene out/demo.toml"
+
+# Render every scene that is after a figure of a paper, and one contact sheet of all.
+gallery: rust driver
+	@cargo run --release --locked --quiet --example gallery out
+	@echo "the contact sheet is out/gallery.png, the pictures and their scenes are in out/gallery"
 
 # All tests; installs a software Vulkan driver first where there is none and apt-get may.
 test: rust driver

@@ -6,6 +6,7 @@ mod args;
 mod camera;
 mod compare;
 mod describe;
+mod diagram;
 mod example;
 mod export;
 mod hash;

@@ -1,12 +1,19 @@
-//! Ready scenes on built-in geometry: one for each kind of camera, and the one of `make demo`.
+//! Ready scenes on built-in geometry: the one of `make demo`, one for each simple kind of camera, and one for each figure
+//! of the papers that shows a rendering: the gallery.
 
 mod make;
+
+use crate::error::Result;
+use crate::output::{write_npy_f64, write_text};
+use std::path::{Path, PathBuf};
 
 /// A scene, and the files that its camera reads.
 pub struct Example {
     pub name: &'static str,
     /// What it shows, in a line.
     pub shows: &'static str,
+    /// The figure that it is after; `None` outside the gallery.
+    pub figure: Option<&'static str>,
     /// The scene file, commented.
     scene: &'static str,
     /// Makes the camera's own files: name and content.
@@ -16,10 +23,9 @@ pub struct Example {
 /// The content of one file.
 pub enum Part {
     Text(String),
-    /// A .npy of height x width x 3.
-    Vectors {
-        width: u64,
-        height: u64,
+    /// A .npy of f64.
+    Numbers {
+        shape: [u64; 3],
         numbers: Vec<f64>,
     },
 }
@@ -34,56 +40,101 @@ impl Example {
         let own = (self.files)().into_iter().map(|(name, part)| (name.to_owned(), part));
         own.chain([(self.scene_name(), Part::Text(self.scene.to_owned()))]).collect()
     }
+
+    /// Writes every file into the folder, which is there; returns the scene's path.
+    ///
+    /// # Errors
+    /// [`crate::Error::Work`] where one cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<PathBuf> {
+        for (name, part) in self.parts() {
+            match part {
+                Part::Text(text) => write_text(&folder.join(name), &text)?,
+                Part::Numbers { shape, numbers } => write_npy_f64(&folder.join(name), &shape, &numbers)?,
+            }
+        }
+        Ok(folder.join(self.scene_name()))
+    }
 }
 
 /// The example `$name`, its scene beside this file.
 macro_rules! example {
-    ($name:literal, $shows:literal, $files:expr) => {
-        Example { name: $name, shows: $shows, scene: include_str!(concat!("example/", $name, ".toml")), files: $files }
+    ($name:literal, $figure:expr, $shows:literal, $files:expr) => {
+        Example {
+            name: $name,
+            shows: $shows,
+            figure: $figure,
+            scene: include_str!(concat!("example/", $name, ".toml")),
+            files: $files,
+        }
     };
-    ($name:literal, $shows:literal) => {
-        example!($name, $shows, Vec::new)
+    ($name:literal, $figure:expr, $shows:literal) => {
+        example!($name, $figure, $shows, Vec::new)
     };
 }
 
-/// All examples, the simplest camera first.
-pub const EXAMPLES: [Example; 10] = [
-    example!("demo", "a city in reverse perspective: a cross-slit camera with one slit behind it"),
-    example!("pinhole", "the teapot through an ordinary camera"),
-    example!("orthographic", "a city through parallel rays"),
-    example!("pushbroom", "a city from a moving line camera (a GLC)"),
-    example!("cross-slit", "a city through two slits (a GLC)"),
-    example!("pencil", "a sheared city: a line of eyes, one for each row (a GLC)"),
-    example!("bilinear", "a twisted city: no two rays meet (a GLC)"),
-    example!("mesh", "a lens over a city: 450 pieces in a file of their own", make::lens),
-    example!("panorama", "the teapot unrolled by 270 degrees: a mesh camera around it", make::ring),
-    example!("fisheye", "a city from a crossing, straight up: a ray map in two files", make::fisheye),
+/// All examples: the demo, the simplest cameras first, then the gallery.
+#[rustfmt::skip] // a table
+pub const EXAMPLES: [Example; 35] = [
+    example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
+    example!("pinhole", None, "the teapot through an ordinary camera"),
+    example!("orthographic", None, "a city through parallel rays"),
+    example!("pushbroom", None, "a city from a moving line camera (a GLC)"),
+    example!("cross-slit", None, "a city through two slits (a GLC)"),
+    example!("pencil", None, "a sheared city: a line of eyes, one for each row (a GLC)"),
+    example!("bilinear", None, "a twisted city: no two rays meet (a GLC)"),
+    example!("mesh", None, "a lens over a city: 450 pieces in a file of their own", make::lens),
+    example!("panorama", None, "the teapot unrolled by 270 degrees: a mesh camera around it", make::ring),
+    example!("fisheye", None, "a city from a crossing, straight up: a ray map in two files", make::fisheye),
+    example!("city-cross-slit", Some("Yu 1"), "a city of 15,000 triangles through two slits"),
+    example!("cow-panorama", Some("Yu 6"), "a cow from all around"),
+    example!("teapot-panorama", Some("Yu 7"), "a teapot from 270 degrees around"),
+    example!("hinge", Some("Yu 9"), "faux animation: a cow turns its head by a second camera"),
+    example!("columns", Some("Brosz 5"), "irregular perspective: columns that keep their shape"),
+    example!("cylinders", Some("Brosz 6"), "a cylindrical panorama between nested cylinders"),
+    example!("angular-fisheye", Some("Brosz 8"), "a city from above between two hemispheres"),
+    example!("lens", Some("Brosz 8"), "the same re-parametrised, as through a lens"),
+    example!("twist", Some("Brosz 7"), "a colonnade twisted along straight rays"),
+    example!("twist-curved", Some("Brosz 7"), "the same twist along curved rays"),
+    example!("curved", Some("Brosz 9"), "streets that converge along curves"),
+    example!("occlusion", Some("Brosz 10"), "an occlusion camera: what a ball hides shows around it"),
+    example!("street", Some("Brosz 11"), "the edge of a city, with perspective views down two streets"),
+    example!("ortho-to-perspective", Some("Brosz 12"), "a city, parallel in front and in perspective behind"),
+    example!("stairs", Some("Brosz 13"), "a house of stairs: floor and ceiling in one picture"),
+    example!("terrain-top-down", Some("Popescu 1"), "a terrain, two regions seen from viewpoints of their own"),
+    example!("terrain-bottom-up", Some("Popescu 2"), "two views of a terrain in one continuous picture"),
+    example!("tracked", Some("Popescu 3, 10"), "two balls in a city, tracked through what hides them"),
+    example!("tree", Some("Popescu 4, 7"), "the whole tree of cameras of two views, joined by curves"),
+    example!("morph", Some("Popescu 6"), "a camera of two regions half-way to its plain view"),
+    example!("opposite", Some("Popescu 9"), "two opposite views of a street, continuous"),
+    example!("graph-camera", Some("Popescu 9"), "the same two views by a graph camera, with its breaks"),
+    example!("city-cylinder", Some("Lorenz 1, 4"), "a city all around in 160 perspective strips"),
+    example!("deformation", Some("Lorenz 5, 6"), "a city deformed by a grid of offsets", make::offsets),
+    example!("surround", Some("Hou 12"), "a walker from all around by 400 cameras", make::barrel),
 ];
+
+/// The examples that are after a figure.
+pub fn gallery() -> impl Iterator<Item = &'static Example> {
+    EXAMPLES.iter().filter(|e| e.figure.is_some())
+}
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::{write_npy_f64, write_text};
     use crate::scene::Scene;
 
     #[test]
     fn every_example_loads_says_what_it_shows_and_comes_out_the_same() {
         for example in &EXAMPLES {
             let dir = tempfile::tempdir().unwrap();
-            for (name, part) in example.parts() {
-                match part {
-                    Part::Text(text) => write_text(&dir.path().join(name), &text).unwrap(),
-                    Part::Vectors { width, height, numbers } => {
-                        write_npy_f64(&dir.path().join(name), &[height, width, 3], &numbers).unwrap();
-                    }
-                }
-            }
+            let path = example.write(dir.path()).unwrap();
             assert!(example.scene.starts_with("# "), "{}", example.name);
-            let scene = Scene::load(&dir.path().join(example.scene_name()), &[]).unwrap();
-            assert!(scene.output.color.is_some());
+            assert_eq!(example.scene.contains("After"), example.figure.is_some(), "{}", example.name);
+            let scene = Scene::load(&path, &[], 0.0).unwrap();
+            assert_eq!(scene.output.color, Some(dir.path().join(format!("{}.png", example.name))));
             let camera = scene.camera().unwrap();
-            assert!(camera.notes.is_empty());
-            assert!(camera.ray(camera.width / 2, camera.height / 2).is_some());
+            // of the gallery's cameras some say how they are built
+            assert!(camera.notes.is_empty() || example.figure.is_some(), "{}: {:?}", example.name, camera.notes);
+            assert!(camera.ray(camera.width / 2, camera.height / 2).is_some(), "{}", example.name);
         }
     }
 }

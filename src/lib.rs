@@ -4,15 +4,16 @@
 //! ```text
 //! scene file --scene--> Scene: triangles in f64, lights, camera spec
 //!                         |
-//!            camera: an image cut into pieces, each an affine bundle of rays; or a ray a pixel
+//!            camera: layers, each an image cut into pieces with an affine bundle of rays; or a ray or curve a pixel
 //!                         |
-//!            plan: bands of the image, tiles, cells (piece x tile), a tree of nodes with bounds on their rays
+//!            plan: bands of the image, sheets (layers, spans of curves) of tiles, cells (piece x tile), a tree of
+//!                  nodes with bounds on their rays
 //!                         |                                                          host, f64
 //! ------------------------+-----------------------------------------------------------------
 //!                         |                                                          GPU, one submission
 //!            cull:   clusters of triangles x nodes          -> work items
 //!            bin:    triangles of a cluster x tiles         -> (triangle, cell) pairs
-//!            raster: pairs, pixel by pixel                  -> visibility buffer: (t, id) a pixel
+//!            raster: pairs, pixel by pixel                  -> visibility buffer: (layer, t, id) a pixel
 //!            shade:  visible triangle of each pixel         -> planes: colour, depth, ids
 //!            write:  colour                                 -> 8-bit sRGB
 //! ------------------------+-----------------------------------------------------------------
@@ -24,7 +25,8 @@
 //!
 //! The image of a triangle under a bilinear piece is bounded by three conics: `E_ij = ((v_i - P) x (v_j - v_i)) . D` is
 //! quadratic in the image place when P and D are affine. Coverage is three sign tests a pixel, without projecting
-//! anything; signs that a rounding bound does not prove are taken again in f64.
+//! anything; signs that a rounding bound does not prove are taken again in f64. A curved ray meets a triangle's plane at the
+//! roots of a polynomial of its own degree, none of which is missed.
 //!
 //! Three layers keep it true: [`mod@reference`] (one f64 ray or curve a pixel, no pieces' tricks), the twins of the stages in
 //! f64 ([`twin`]), and the kernels in `wgsl/`.
@@ -42,7 +44,7 @@
 //! #   mesh = [{ builtin = "icosphere", level = 2 }]
 //! #   camera = { kind = "pinhole", eye = [0, 0, 4], target = [0, 0, 0], vfov = 40 }
 //! # "#)?;
-//! let scene = Scene::load(&path, &["camera.vfov=30".into()])?;
+//! let scene = Scene::load(&path, &["camera.vfov=30".into()], 0.0)?;
 //! let camera = scene.camera()?;
 //! let channels = vec![Channel::T, Channel::TriangleId];
 //! let frame = match Gpu::open(&Default::default())? {

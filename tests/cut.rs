@@ -257,7 +257,7 @@ fn bad_keys_are_named() {
         let path = folder.path().join("scene.toml");
         let ring = "kind = \"panorama\"\nradius = 5\nheight = 2\n";
         std::fs::write(&path, format!("image = {{ width = 40, height = 30 }}\n[camera]\n{ring}{keys}\n")).unwrap();
-        Scene::load(&path, &[])?.camera()
+        Scene::load(&path, &[], 0.0)?.camera()
     };
     for (keys, says) in [
         ("pieces = 0", "camera.pieces: expected a whole number from 1 to 1000000"),

@@ -14,7 +14,7 @@ fn load(keys: &str) -> anamorph::Result<Camera> {
     let path = folder.path().join("scene.toml");
     let (w, h) = SIZE;
     std::fs::write(&path, format!("image = {{ width = {w}, height = {h} }}\n[camera]\n{keys}\n")).unwrap();
-    Scene::load(&path, &[])?.camera()
+    Scene::load(&path, &[], 0.0)?.camera()
 }
 
 fn camera(keys: &str) -> Camera {

@@ -74,7 +74,7 @@ fn bin(
                     continue;
                 }
             }
-            emit(slot, (corner.y + y) * params.tiles_x + corner.x + x, in_tile.xy, in_tile.zw - 1u);
+            emit(slot, (corner.y + y) * params.tiles_x + corner.x + x, in_tile, v0, v1, v2);
         }
     }
     count_tested(max(tested, 1u));
@@ -125,14 +125,23 @@ fn tile_pixels(x: u32, y: u32, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> v
     return pixels_within(seen, TILE);
 }
 
-// Pairs the triangle with every cell of the tile, and with the box of pixels to look at.
-fn emit(slot: u32, tile: u32, from_px: vec2<u32>, to_px: vec2<u32>) {
+// Pairs the triangle with the cells of the tile, and with the box of pixels to look at: with a lone cell as the tile's
+// bounds say, with each of several as its own do.
+fn emit(slot: u32, tile: u32, in_tile: vec4<u32>, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) {
     let first = tile_start[tile];
-    let count = tile_start[tile + 1u] - first;
-    let at = atomicAdd(&counters[COUNT_PAIRS], count);
-    for (var k = 0u; k < count; k++) {
-        if at + k < params.pair_capacity {
-            pairs[at + k] = pair_pack(slot, first + k, from_px, to_px);
+    let end = tile_start[tile + 1u];
+    for (var cell = first; cell < end; cell++) {
+        var in_cell = in_tile;
+        if end - first > 1u {
+            let own = cell_pixels(cell, v0, v1, v2);
+            in_cell = vec4<u32>(max(in_tile.xy, own.xy), min(in_tile.zw, own.zw));
+            if is_empty(in_cell) {
+                continue;
+            }
+        }
+        let at = atomicAdd(&counters[COUNT_PAIRS], 1u);
+        if at < params.pair_capacity {
+            pairs[at] = pair_pack(slot, cell, in_cell.xy, in_cell.zw - 1u);
         }
     }
 }

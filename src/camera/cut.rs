@@ -113,7 +113,9 @@ fn notes(cells: &Cells, cut: Cut) -> Vec<String> {
     let bound = pieces.iter().filter(|(jump, v)| !jump && !v.rim).fold(0f64, |m, (_, v)| m.max(v.error_px));
     // rounded up
     let shown = if bound < 0.01 { format!("{:.2e}", 1.005 * bound) } else { format!("{}", (1e3 * bound).ceil() / 1e3) };
-    let mut notes = vec![format!("{} pieces, image error at most {shown} px", pieces.len())];
+    let bounded = pieces.iter().any(|(jump, v)| !jump && !v.rim);
+    let error = if bounded { format!("image error at most {shown} px") } else { "no bound on the image error".into() };
+    let mut notes = vec![format!("{} pieces, {error}", pieces.len())];
     if bound > error_px {
         notes.push(format!(
             "the error asked for, {error_px} px, is not met: {PIECES_MAX} pieces are the most there are"

@@ -1,12 +1,12 @@
 //! Where a camera shows a 3-D point: all places of the image whose rays or curves pass through it.
 //!
 //! * [`pieces`]: in a piece the rays through a point are the roots of a cubic in t; all are found.
-//! * [`field`], [`curved`]: formulas and tables have no such equation. The image is searched in cells of a quarter pixel that
-//!   bounds of their rays cannot rule out, and Newton's method ([`newton`]) finds the exact place from each. Two images
-//!   closer together than such a cell may be found as one. The bounds of a formula are sampled (with a margin of as much
-//!   again as it is seen to bulge between samples): where it jumps or ends inside a pixel, slivers that no sample is in are
-//!   lost. A table is searched between its pixel centres, where it is bilinear. Near eyes and slits so much of the image
-//!   may see the point that the search is given up ([`Images::incomplete`]).
+//! * [`field`], [`curved`]: formulas and tables have no such equation. The image is searched in cells of a quarter
+//!   pixel that bounds of their rays cannot rule out, and Newton's method ([`newton`]) finds the exact place from each.
+//!   Two images closer together than such a cell may be found as one. The bounds of a formula are sampled (with a margin
+//!   of as much again as it is seen to bulge between samples): where it jumps or ends inside a pixel, slivers that no
+//!   sample is in are lost. A table is searched between its pixel centres, where it is bilinear. Near eyes and slits so
+//!   much of the image may see the point that the search is given up ([`Images::incomplete`]).
 
 mod curved;
 mod field;
@@ -52,8 +52,8 @@ pub struct Images {
     pub images: Vec<Image>,
     /// There are curves or areas of images beside them.
     pub degenerate: Option<Degenerate>,
-    /// The search was given up, and there may be more: so many rays pass close to the point, or they jump so often. Left out of
-    /// JSON where it is false.
+    /// The search was given up, and there may be more: so many rays pass close to the point, or they jump so often.
+    /// Left out of JSON where it is false.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub incomplete: bool,
 }
@@ -101,7 +101,8 @@ impl Shown {
     }
 }
 
-/// Images of one layer closer than this, in px and in t relative to its size, are one. Newton's method stops far closer.
+/// Images of one layer closer than this, in px and in t relative to its size, are one. Newton's method stops far
+/// closer.
 const ONE_PLACE_PX: f64 = 1e-6;
 const ONE_T: f64 = 1e-6;
 

@@ -30,6 +30,20 @@ pub enum Command {
     Example(ExampleArgs),
 }
 
+/// What a command may ask of a scene beyond its file.
+#[derive(Debug, Default, Args)]
+pub struct Change {
+    /// Size of the image in pixels
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// Change a value of the scene, as in camera.vfov=40; may be given more than once
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Frame at which values given as lists of { frame, value } keys are taken
+    #[arg(long, value_name = "F", allow_hyphen_values = true, default_value_t = 0.0, value_parser = frame)]
+    pub frame: f64,
+}
+
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     /// Scene file, .toml or .json
@@ -43,9 +57,8 @@ pub struct RenderArgs {
     /// Hit points in f64: a PLY with the hits and their triangles, or an N x 3 .npy, a row a pixel, NaN where nothing is hit
     #[arg(long, value_name = "OUT.ply|OUT.npy")]
     pub points: Option<PathBuf>,
-    /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
-    pub size: Option<(u32, u32)>,
+    #[command(flatten)]
+    pub change: Change,
     /// What renders: compute (GPU) or reference (CPU, f64)
     #[arg(long, value_name = "NAME", value_parser = engine)]
     pub engine: Option<EngineName>,
@@ -53,9 +66,6 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 1)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=64))]
     pub samples: u32,
-    /// Change a value of the scene, as in camera.vfov=40; may be given more than once
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
     /// Channels to compute and write, as in R,G,B,Z [default with --exr: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = channel)]
     pub channels: Option<Vec<Channel>>,
@@ -111,18 +121,17 @@ pub struct CameraArgs {
     /// Scene file, .toml or .json
     #[arg(required_unless_present = "help")]
     pub scene: Option<PathBuf>,
-    /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
-    pub size: Option<(u32, u32)>,
-    /// Change a value of the scene, as in camera.vfov=40; may be given more than once
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-    /// Write the camera's pieces as the file of a mesh camera
+    #[command(flatten)]
+    pub change: Change,
+    /// Write the camera's pieces as the file of a mesh camera; several layers as the layers of a chain
     #[arg(long, value_name = "FILE.json")]
     pub export: Option<PathBuf>,
     /// Write each pixel's P and D: an array of H x W x 6; a curve's or projector's control points: H x W x (m+1) x 3
     #[arg(long, value_name = "RAYS.npy")]
     pub rays: Option<PathBuf>,
+    /// Draw the camera's pieces, and its volume with sample rays around the scene
+    #[arg(long, value_name = "D.svg")]
+    pub diagram: Option<PathBuf>,
     /// Print help; with a kind of camera, its keys
     #[arg(short, long, value_name = "KIND", num_args = 0..=1)]
     pub help: Option<Option<String>>,
@@ -138,12 +147,8 @@ pub struct ProjectArgs {
     /// Write the lines there instead of to the screen
     #[arg(short, long, value_name = "OUT.jsonl")]
     pub output: Option<PathBuf>,
-    /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
-    pub size: Option<(u32, u32)>,
-    /// Change a value of the scene, as in camera.vfov=40; may be given more than once
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
+    #[command(flatten)]
+    pub change: Change,
 }
 
 #[derive(Debug, Args)]
@@ -172,6 +177,11 @@ fn size(text: &str) -> Result<(u32, u32), String> {
     check_size(width, height).map_err(|e| e.to_string())?;
     // both sides are far under 2^32 by the check above
     Ok((width as u32, height as u32))
+}
+
+fn frame(text: &str) -> Result<f64, String> {
+    let frame = text.parse().ok().filter(|f: &f64| f.is_finite());
+    frame.ok_or_else(|| "write a finite number, for example 12 or 12.5".into())
 }
 
 fn pixel(text: &str) -> Result<(u32, u32), String> {
@@ -211,6 +221,8 @@ mod tests {
         for wrong in ["800", "x", "0x5", "5x0", "-1x5", "70000x1", "65536x65536", "99999999999999999999x1"] {
             assert!(size(wrong).is_err(), "{wrong}");
         }
+        assert_eq!((frame("-3"), frame("0.5")), (Ok(-3.0), Ok(0.5)));
+        assert!(["inf", "nan", "one", ""].iter().all(|wrong| frame(wrong).is_err()));
         assert_eq!(pixel("3, 4"), Ok((3, 4)));
         assert!(pixel("3").is_err() && pixel("-1,2").is_err());
         assert_eq!(channel("triangle.id"), Ok(Channel::TriangleId));

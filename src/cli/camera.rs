@@ -3,7 +3,7 @@
 use super::args::{CameraArgs, Cli};
 use super::describe::Description;
 use super::render::load;
-use super::{export, kinds, memory, outputs, print};
+use super::{diagram, export, kinds, memory, outputs, print};
 use crate::error::{Error, Result};
 use clap::CommandFactory;
 use std::path::PathBuf;
@@ -16,8 +16,8 @@ pub fn run(args: &CameraArgs) -> Result<()> {
         return help(kind.as_deref());
     }
     let Some(path) = &args.scene else { return Err(Error::input("no scene given; see anamorph camera --help")) };
-    let (scene, camera) = load(path, &args.set, args.size)?;
-    outputs::check(path, args.export.iter().chain(&args.rays).map(PathBuf::as_path))?;
+    let (scene, camera) = load(path, &args.change)?;
+    outputs::check(path, args.export.iter().chain(&args.rays).chain(&args.diagram).map(PathBuf::as_path))?;
     if args.rays.is_some() {
         let numbers: usize = export::pixel_shape(&camera).iter().product();
         memory::check(camera.width, camera.height, numbers.div_ceil(NUMBERS_A_CHANNEL))?;
@@ -28,7 +28,10 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     if let Some(file) = &args.rays {
         export::write_rays(file, &camera)?;
     }
-    print(&Description::of(&scene.camera, &camera).to_string())
+    if let Some(file) = &args.diagram {
+        diagram::write(file, &scene.mesh, &camera)?;
+    }
+    print(&Description::of(&camera).to_string())
 }
 
 /// The keys of one kind, or the command's own help.

@@ -1,6 +1,6 @@
 //! `anamorph compare`: the error of one EXR against another.
 
-use super::args::CompareArgs;
+use super::args::{Change, CompareArgs};
 use super::print;
 use super::progress::Progress;
 use super::render::load;
@@ -40,7 +40,7 @@ fn with_scene(args: &CompareArgs, path: &Path, a: &Frame, b: &Frame) -> Result<J
             "{a}: no channel triangle.id, which --scene is about; render it with that channel"
         )));
     }
-    let (scene, camera) = load(path, &[], Some((a.width, a.height)))?;
+    let (scene, camera) = load(path, &Change { size: Some((a.width, a.height)), ..Change::default() })?;
     let judgement = image::judge(&scene, &camera, a);
     let comparison: Comparison = compare(a, b, Some(&judgement.safe), Some(&judgement.scales))?;
     Ok(Judged { comparison, not_near: judgement.not_near })

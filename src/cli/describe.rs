@@ -1,9 +1,8 @@
 //! What a camera compiled to, for a person and for the header of an EXR.
 
 use crate::camera::glc::{Class, classify};
-use crate::camera::{Camera, Piece, Rays};
-use crate::scene::file::{CameraKind, CameraSpec, CameraVertex, MeshCameraSpec};
-use glam::{DVec2, DVec3};
+use crate::camera::{Bundle, Camera, Rays};
+use glam::DVec3;
 use serde::{Serialize, Serializer};
 use std::fmt;
 
@@ -14,7 +13,18 @@ pub struct Description {
     pub width: u32,
     pub height: u32,
     pub t_range: [Bound; 2],
-    /// 0 for a ray map.
+    /// Of all layers; 0 where each pixel has a ray or curve of its own.
+    pub pieces: usize,
+    /// One, or those of a chain, first to last.
+    pub layers: Vec<Layer>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+}
+
+/// The rays of a layer in short.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Layer {
+    /// 0 where each pixel has a ray or curve of its own.
     pub pieces: usize,
     /// The degree of the curves that the rays are, where they are not straight.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -24,8 +34,6 @@ pub struct Description {
     /// The rays, where the whole image is one piece.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bundle: Option<BundleRecord>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub notes: Vec<String>,
 }
 
 /// An end of t; infinities are "inf" and "-inf" in JSON.
@@ -52,44 +60,43 @@ pub struct BundleRecord {
 const WEIGHTED: &str = "weighted (its corners' w differ)";
 
 impl Description {
-    pub fn of(spec: &CameraSpec, camera: &Camera) -> Description {
-        let corners = corner_rays(spec, camera);
-        let bundle = match camera.layers.as_slice() {
-            [Rays::Pieces(p)] => p.pieces.first().filter(|piece| piece.corners_px.is_none()).map(|piece| &piece.bundle),
-            _ => None,
-        };
-        let rows = |v: &[DVec3; 3]| v.map(|v| v.to_array());
+    pub fn of(camera: &Camera) -> Description {
         Description {
             kind: camera.kind,
             width: camera.width,
             height: camera.height,
             t_range: camera.t_range.map(Bound),
             pieces: camera.piece_count(),
-            degree: camera.layers.iter().filter_map(degree).max(),
-            classes: count_classes(&corners),
-            bundle: bundle.map(|b| BundleRecord { p: rows(&b.p), d: rows(&b.d) }),
+            layers: camera.layers.iter().map(Layer::of).collect(),
             notes: camera.notes.clone(),
         }
     }
 }
 
-fn degree(layer: &Rays) -> Option<usize> {
-    match layer {
-        Rays::Curves(curves) => Some(curves.map.degree()),
-        _ => None,
+impl Layer {
+    fn of(rays: &Rays) -> Layer {
+        let none = Layer { pieces: 0, degree: None, classes: Vec::new(), bundle: None };
+        match rays {
+            Rays::Pieces(pieces) => {
+                let whole = pieces.pieces.first().filter(|piece| piece.corners_px.is_none());
+                let rows = |v: &[DVec3; 3]| v.map(|v| v.to_array());
+                Layer {
+                    pieces: pieces.pieces.len(),
+                    classes: count_classes(pieces.pieces.iter().map(|piece| &piece.bundle)),
+                    bundle: whole.map(|w| BundleRecord { p: rows(&w.bundle.p), d: rows(&w.bundle.d) }),
+                    ..none
+                }
+            }
+            Rays::Field(_) => none,
+            Rays::Curves(c) => Layer { pieces: c.map.piece_count(), degree: Some(c.map.degree()), ..none },
+        }
     }
 }
 
-fn count_classes(pieces: &[[CameraVertex; 3]]) -> Vec<ClassCount> {
+fn count_classes<'a>(bundles: impl Iterator<Item = &'a Bundle>) -> Vec<ClassCount> {
     let mut classes: Vec<ClassCount> = Vec::new();
-    for corners in pieces {
-        let (class, slits) = if corners.iter().any(|c| c.w != corners[0].w) {
-            (WEIGHTED, Vec::new())
-        } else {
-            let (class, slits) = classify(&corners.map(|c| c.near), &corners.map(|c| c.far));
-            // a root of -0 is 0
-            (class.name(), slits.into_iter().map(|t| t + 0.0).collect())
-        };
+    for bundle in bundles {
+        let (class, slits) = piece_class(bundle);
         match classes.iter_mut().find(|c| c.class == class) {
             Some(count) => {
                 count.pieces += 1;
@@ -103,48 +110,21 @@ fn count_classes(pieces: &[[CameraVertex; 3]]) -> Vec<ClassCount> {
     classes
 }
 
-/// The rays at three corners of every piece, from the numbers as written where the scene has them.
-pub fn corner_rays(spec: &CameraSpec, camera: &Camera) -> Vec<[CameraVertex; 3]> {
-    match (&spec.kind, &camera.layers[0]) {
-        (CameraKind::Mesh(mesh), _) => {
-            let vertices = plain_vertices(mesh);
-            mesh.triangles.iter().map(|t| t.map(|i| vertices[i as usize])).collect()
-        }
-        (CameraKind::Glc { near, far }, _) => {
-            let image = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-            let vertex = |k: usize| CameraVertex { image: image[k], near: near[k], far: far[k], w: 1.0 };
-            vec![[0, 1, 2].map(vertex)]
-        }
-        (_, Rays::Pieces(p)) => {
-            let size = DVec2::new(camera.width.into(), camera.height.into());
-            p.pieces.iter().map(|piece| piece_corners(piece, size)).collect()
-        }
-        (_, Rays::Field(_) | Rays::Curves(_)) => Vec::new(),
+/// The class of a piece and its slits. Moving all near or all far points alike changes neither, so the derivatives over
+/// the image stand for the corners.
+pub fn piece_class(bundle: &Bundle) -> (&'static str, Vec<f64>) {
+    if bundle.h[1] != 0.0 || bundle.h[2] != 0.0 {
+        return (WEIGHTED, Vec::new());
     }
+    let Bundle { p, d, .. } = bundle;
+    let (class, slits) = classify(&[DVec3::ZERO, p[1], p[2]], &[DVec3::ZERO, p[1] + d[1], p[2] + d[2]]);
+    (class.name(), slits.into_iter().map(shortened).collect())
 }
 
-/// The vertices of a mesh camera so that plain interpolation gives its rays: unit directions become far points.
-pub fn plain_vertices(mesh: &MeshCameraSpec) -> Vec<CameraVertex> {
-    let plain = |v: &CameraVertex| match mesh.normalize {
-        true => CameraVertex { far: v.near + (v.far - v.near).normalize_or_zero(), ..*v },
-        false => *v,
-    };
-    mesh.vertices.iter().map(plain).collect()
-}
-
-/// The rays at a piece's corners, or at three corners of the image where it is the whole.
-fn piece_corners(piece: &Piece, size: DVec2) -> [CameraVertex; 3] {
-    let whole = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|ab| DVec2::from(ab) * size);
-    piece.corners_px.unwrap_or(whole).map(|at_px| vertex_at(piece, at_px, size))
-}
-
-/// A piece's ray at an image place in px.
-pub fn vertex_at(piece: &Piece, at_px: DVec2, size: DVec2) -> CameraVertex {
-    let offset = at_px - piece.centre_px;
-    let ray = piece.bundle.ray(offset.x, offset.y);
-    let [h, hx, hy] = piece.bundle.h;
-    let w = h + hx * offset.x + hy * offset.y;
-    CameraVertex { image: (at_px / size).to_array(), near: ray.origin, far: ray.origin + ray.direction, w }
+/// The digits of a slit's t that rounding leaves: classes are told apart to 11 digits.
+fn shortened(t: f64) -> f64 {
+    // a number as printed parses; a root of -0 is 0
+    format!("{t:.10e}").parse().unwrap_or(t) + 0.0
 }
 
 impl fmt::Display for Bound {
@@ -160,10 +140,25 @@ impl Serialize for Bound {
 }
 
 impl fmt::Display for Description {
-    /// Some lines, each a word and its value.
+    /// Some lines, each a word and its value; those of a chain's layers stand under its number.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         writeln!(f, "kind     {}", self.kind)?;
         writeln!(f, "image    {} x {}", self.width, self.height)?;
+        if let [layer] = self.layers.as_slice() {
+            write!(f, "{layer}")?;
+        } else {
+            writeln!(f, "layers   {}, of {} pieces in all", self.layers.len(), self.pieces)?;
+            for (k, layer) in self.layers.iter().enumerate() {
+                write!(f, "layer    {k}\n{layer}")?;
+            }
+        }
+        writeln!(f, "t_range  [{}, {}]", self.t_range[0], self.t_range[1])?;
+        self.notes.iter().try_for_each(|note| writeln!(f, "note     {note}"))
+    }
+}
+
+impl fmt::Display for Layer {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match (self.pieces, self.degree) {
             (0, None) => writeln!(f, "pieces   none: a ray of its own for each pixel")?,
             (0, Some(m)) => writeln!(f, "pieces   none: a curve of degree {m} for each pixel")?,
@@ -181,7 +176,6 @@ impl fmt::Display for Description {
             let pieces = if self.pieces == 1 { String::new() } else { format!("{} of ", count.pieces) };
             writeln!(f, "class    {pieces}{}{slits}", count.class)?;
         }
-        writeln!(f, "t_range  [{}, {}]", self.t_range[0], self.t_range[1])?;
-        self.notes.iter().try_for_each(|note| writeln!(f, "note     {note}"))
+        Ok(())
     }
 }

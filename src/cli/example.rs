@@ -4,12 +4,13 @@ use super::args::ExampleArgs;
 use super::print;
 use crate::error::{Error, Result};
 use crate::example::{EXAMPLES, Example, Part};
-use crate::output::{check_writable, write_npy_f64, write_text};
+use crate::output::check_writable;
 use std::path::Path;
 
 pub fn run(args: &ExampleArgs) -> Result<()> {
     let Some(name) = args.name.as_deref().filter(|_| !args.list) else {
-        let line = |e: &Example| format!("{:<14}{}\n", e.name, e.shows);
+        let after = |e: &Example| e.figure.map(|f| format!(" (after {f})")).unwrap_or_default();
+        let line = |e: &Example| format!("{:<22}{}{}\n", e.name, e.shows, after(e));
         return print(&EXAMPLES.iter().map(line).collect::<String>());
     };
     let example = EXAMPLES.iter().find(|e| e.name == name).ok_or_else(|| {
@@ -20,19 +21,10 @@ pub fn run(args: &ExampleArgs) -> Result<()> {
     std::fs::create_dir_all(&args.out).map_err(|e| {
         Error::work(format!("{}: the folder cannot be made: {e}; choose another --out", args.out.display()))
     })?;
-    let parts = example.parts();
-    for (file, part) in &parts {
+    for (file, part) in &example.parts() {
         may_write(&args.out.join(file), part)?;
     }
-    for (file, part) in &parts {
-        match part {
-            Part::Text(text) => write_text(&args.out.join(file), text)?,
-            Part::Vectors { width, height, numbers } => {
-                write_npy_f64(&args.out.join(file), &[*height, *width, 3], numbers)?;
-            }
-        }
-    }
-    let scene = args.out.join(example.scene_name());
+    let scene = example.write(&args.out)?;
     print(&format!("{}\n", scene.display()))
 }
 

@@ -1,14 +1,20 @@
 //! A compiled camera as files: the pieces of a mesh camera, or every pixel's ray.
 
-use super::describe::{corner_rays, plain_vertices, vertex_at};
-use crate::camera::{Camera, Rays};
+use crate::camera::{Bundle, Camera, Pieces, Rays, mesh};
 use crate::error::{Error, Result};
 use crate::output::{write_npy_f64, write_text};
-use crate::scene::file::{CameraKind, CameraSpec, CameraVertex};
+use crate::scene::file::{CameraKind, CameraSpec, CameraVertex, MeshCameraSpec};
 use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::HashMap;
 use std::path::Path;
+
+/// The `layers` of a chain, each with the keys of a mesh camera.
+#[derive(Serialize)]
+struct LayersFile {
+    layers: Vec<PiecesFile>,
+}
 
 /// The `file` of a mesh camera: these two keys and no other.
 #[derive(Serialize)]
@@ -30,34 +36,91 @@ fn is_one(w: &f64) -> bool {
     *w == 1.0
 }
 
-/// Writes the camera's pieces so that a mesh camera with this `file` has the same rays. A camera of one piece
-/// becomes two triangles that cover the image.
+/// Writes the camera's pieces so that a mesh camera with this `file`, or a chain with these `layers`, has the same rays to
+/// rounding, over the camera's own `t_range`. A piece that is the whole image becomes two triangles.
 ///
 /// # Errors
-/// [`Error::Input`] for a ray map, which has no pieces.
+/// [`Error::Input`] for ray fields and curves, which have no pieces, and for pieces that overlap.
 pub fn write_pieces(path: &Path, spec: &CameraSpec, camera: &Camera) -> Result<()> {
-    let [Rays::Pieces(pieces)] = camera.layers.as_slice() else {
-        return Err(Error::input("--export: a ray map has no pieces; use --rays RAYS.npy"));
+    let mut layers = match &spec.kind {
+        // as written, without the rounding of a way there and back
+        CameraKind::Mesh(mesh) => vec![PiecesFile::of(&plain(mesh))],
+        _ => camera.layers.iter().map(|layer| layer_file(camera, layer)).collect::<Result<_>>()?,
     };
-    let (vertices, triangles) = match (&spec.kind, pieces.pieces.as_slice()) {
-        (CameraKind::Mesh(mesh), _) => (plain_vertices(mesh), mesh.triangles.clone()),
-        (_, [piece]) if piece.corners_px.is_none() => {
-            let size = DVec2::new(camera.width.into(), camera.height.into());
-            let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-            let vertices = corners.map(|ab| vertex_at(piece, DVec2::from(ab) * size, size)).to_vec();
-            (vertices, vec![[0, 1, 2], [2, 1, 3]])
-        }
-        _ => {
-            // a million pieces at most, so three times as many vertices have numbers
-            let vertices = corner_rays(spec, camera).concat();
-            let triangles = (0..vertices.len() as u32 / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
-            (vertices, triangles)
-        }
+    let text = match layers.len() {
+        1 => serde_json::to_string_pretty(&layers.remove(0)),
+        _ => serde_json::to_string_pretty(&LayersFile { layers }),
     };
-    let record = |v: CameraVertex| VertexRecord { image: v.image, near: v.near.into(), far: v.far.into(), w: v.w };
-    let file = PiecesFile { vertices: vertices.into_iter().map(record).collect(), triangles };
-    let text = serde_json::to_string_pretty(&file).map_err(|e| Error::work(format!("camera as JSON: {e}")))?;
+    let text = text.map_err(|e| Error::work(format!("camera as JSON: {e}")))?;
     write_text(path, &(text + "\n"))
+}
+
+fn layer_file(camera: &Camera, layer: &Rays) -> Result<PiecesFile> {
+    let each = match layer {
+        Rays::Pieces(pieces) => {
+            let spec = as_mesh(pieces, camera);
+            let checked = mesh::compile(&spec, camera.width, camera.height, &mut Vec::new());
+            checked.map_err(|e| Error::input(format!("--export: no mesh camera has these pieces: {e}")))?;
+            return Ok(PiecesFile::of(&spec));
+        }
+        Rays::Field(_) => "ray",
+        Rays::Curves(_) => "curve",
+    };
+    let kind = camera.kind;
+    Err(Error::input(format!("--export: {kind} has no pieces but a {each} for each pixel; use --rays RAYS.npy")))
+}
+
+/// The mesh camera so that plain interpolation gives its rays: unit directions become far points.
+fn plain(mesh: &MeshCameraSpec) -> MeshCameraSpec {
+    let unit = |v: &CameraVertex| CameraVertex { far: v.near + (v.far - v.near).normalize_or_zero(), ..*v };
+    match mesh.normalize {
+        true => MeshCameraSpec { vertices: mesh.vertices.iter().map(unit).collect(), normalize: false, ..mesh.clone() },
+        false => mesh.clone(),
+    }
+}
+
+/// The mesh camera with the rays of these pieces at their corners; corners with the same bits are one vertex.
+fn as_mesh(pieces: &Pieces, camera: &Camera) -> MeshCameraSpec {
+    let size = DVec2::new(camera.width.into(), camera.height.into());
+    let image = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|ab| ab * size);
+    let mut spec = MeshCameraSpec::default();
+    let mut known = HashMap::new();
+    for piece in &pieces.pieces {
+        let triangles = match piece.corners_px {
+            Some(corners) => vec![corners],
+            None => vec![[image[0], image[1], image[2]], [image[2], image[1], image[3]]],
+        };
+        for corners in triangles {
+            let index = corners.map(|at_px| {
+                let vertex = vertex_at(&piece.bundle, at_px - piece.centre_px, at_px / size);
+                *known.entry(bits(&vertex)).or_insert_with(|| {
+                    spec.vertices.push(vertex);
+                    spec.vertices.len() as u32 - 1
+                })
+            });
+            spec.triangles.push(index);
+        }
+    }
+    spec
+}
+
+/// The ray and weight `offset_px` from the bundle's centre, which is at the image coordinates `ab`.
+fn vertex_at(bundle: &Bundle, offset_px: DVec2, ab: DVec2) -> CameraVertex {
+    let ray = bundle.ray(offset_px.x, offset_px.y);
+    let w = bundle.h[0] + offset_px.x * bundle.h[1] + offset_px.y * bundle.h[2];
+    CameraVertex { image: ab.to_array(), near: ray.origin, far: ray.origin + ray.direction, w }
+}
+
+fn bits(v: &CameraVertex) -> [u64; 9] {
+    let ([a, b], near, far) = (v.image, v.near, v.far);
+    [a, b, near.x, near.y, near.z, far.x, far.y, far.z, v.w].map(f64::to_bits)
+}
+
+impl PiecesFile {
+    fn of(mesh: &MeshCameraSpec) -> PiecesFile {
+        let record = |v: &CameraVertex| VertexRecord { image: v.image, near: v.near.into(), far: v.far.into(), w: v.w };
+        PiecesFile { vertices: mesh.vertices.iter().map(record).collect(), triangles: mesh.triangles.clone() }
+    }
 }
 
 /// The shape of what [`write_rays`] writes for a pixel: 6 numbers P, D; for curves and projectors m + 1 control points of

@@ -24,7 +24,7 @@ struct Line {
 
 pub fn run(args: &ProjectArgs) -> Result<()> {
     let points = read_points(&args.points)?;
-    let (_, camera) = load(&args.scene, &args.set, args.size)?;
+    let (_, camera) = load(&args.scene, &args.change)?;
     outputs::check(&args.scene, args.output.iter().map(PathBuf::as_path))?;
     let projector = Projector::new(&camera);
     let mut whole = String::new();

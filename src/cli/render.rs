@@ -6,7 +6,7 @@ mod judged;
 mod points;
 mod samples;
 
-use super::args::{EngineName, RenderArgs};
+use super::args::{Change, EngineName, RenderArgs};
 use super::progress::Progress;
 use super::{memory, print};
 use crate::camera::Camera;
@@ -25,7 +25,7 @@ use std::time::Instant;
 pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     check_combination(args)?;
     let progress = Progress::start("reading the scene");
-    let (scene, camera) = load(&args.scene, &args.set, args.size)?;
+    let (scene, camera) = load(&args.scene, &args.change)?;
     if let Some((x, y)) = args.pixel {
         return explain_pixel(&scene, &camera, x, y);
     }
@@ -85,12 +85,12 @@ fn check_combination(args: &RenderArgs) -> Result<()> {
     }
 }
 
-/// The scene and its camera for an image of `size`, or of the scene's own size.
-pub(super) fn load(path: &Path, set: &[String], size: Option<(u32, u32)>) -> Result<(Scene, Camera)> {
-    let file = file::load(path, set)?;
+/// The scene, changed, and its camera for an image of the size asked for, or of the scene's own.
+pub(super) fn load(path: &Path, change: &Change) -> Result<(Scene, Camera)> {
+    let file = file::load(path, &change.set, change.frame)?;
     let at = |e: Error| e.at(path.display());
     let scene = Scene::from_file(file).map_err(at)?;
-    let camera = Camera::in_scene(&scene.camera, size.or(scene.size), &scene.mesh).map_err(at)?;
+    let camera = Camera::in_scene(&scene.camera, change.size.or(scene.size), &scene.mesh).map_err(at)?;
     Ok((scene, camera))
 }
 

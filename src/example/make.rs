@@ -1,7 +1,7 @@
 //! The files that examples' cameras read.
 
 use super::Part;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::Serialize;
 
 /// A mesh camera's `file`.
@@ -104,9 +104,63 @@ pub fn fisheye() -> Vec<(&'static str, Part)> {
         cos * DVec3::Y + sin / radius * (x * WEST + y * NORTH)
     };
     let pixels = || (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
-    let file = |numbers: Vec<f64>| Part::Vectors { width: SIDE, height: SIDE, numbers };
+    let file = |numbers: Vec<f64>| Part::Numbers { shape: [SIDE, SIDE, 3], numbers };
     vec![
         ("fisheye-origins.npy", file(pixels().flat_map(|_| EYE.to_array()).collect())),
         ("fisheye-directions.npy", file(pixels().flat_map(|(i, j)| direction(i, j).to_array()).collect())),
     ]
+}
+
+/// `deformation.npy`: offsets that turn and enlarge the picture's middle, none at its border.
+pub fn offsets() -> Vec<(&'static str, Part)> {
+    const SIDE: u64 = 16;
+    const TURN: f64 = 0.6;
+    const GROWTH: f64 = 0.5;
+    let place = |k: u64| k as f64 / (SIDE - 1) as f64 - 0.5;
+    let offset = |i: u64, j: u64| {
+        let p = DVec2::new(place(i), place(j));
+        let inside = (1.0 - 4.0 * p.length_squared()).max(0.0).powi(2);
+        (1.0 + GROWTH * inside) * DVec2::from_angle(TURN * inside).rotate(p) - p
+    };
+    let places = (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
+    let numbers = places.flat_map(|(i, j)| offset(i, j).to_array()).collect();
+    vec![("deformation.npy", Part::Numbers { shape: [SIDE, SIDE, 2], numbers })]
+}
+
+/// `surround.obj`: 400 triangles around a walker: the sides of a rounded square box, two for each of 20 x 9 cells from
+/// the top left, then its lid and its base by turns. In an image of 20 x 10 cells the sides unfold in one piece.
+pub fn barrel() -> Vec<(&'static str, Part)> {
+    const AROUND: usize = 20;
+    const UP: usize = 9;
+    const RADIUS: f64 = 0.75;
+    const TOP: f64 = 2.2;
+    const BASE: f64 = -0.25;
+    /// How far lid and base rise beyond the sides, in their middle.
+    const CROWN: f64 = 0.2;
+    let mut text = String::new();
+    let mut vertex = |v: DVec3| {
+        let [x, y, z] = short(v);
+        text += &format!("v {x} {y} {z}\n");
+    };
+    for j in 0..=UP {
+        for i in 0..AROUND {
+            let (sin, cos) = (std::f64::consts::TAU * i as f64 / AROUND as f64).sin_cos();
+            let radius = RADIUS / (sin.powi(4) + cos.powi(4)).powf(0.25);
+            vertex(DVec3::new(radius * sin, TOP + (BASE - TOP) * j as f64 / UP as f64, radius * cos));
+        }
+    }
+    vertex(DVec3::Y * (TOP + CROWN));
+    vertex(DVec3::Y * (BASE - CROWN));
+    let at = |i: usize, j: usize| j * AROUND + i % AROUND + 1;
+    let (lid, base) = (AROUND * (UP + 1) + 1, AROUND * (UP + 1) + 2);
+    let mut face = |[a, b, c]: [usize; 3]| text += &format!("f {a} {b} {c}\n");
+    for (j, i) in (0..UP).flat_map(|j| (0..AROUND).map(move |i| (j, i))) {
+        face([at(i, j), at(i, j + 1), at(i + 1, j)]);
+        face([at(i + 1, j + 1), at(i + 1, j), at(i, j + 1)]);
+    }
+    for i in 0..AROUND {
+        face([lid, at(i, 0), at(i + 1, 0)]);
+        face([base, at(i + 1, UP), at(i, UP)]);
+    }
+    vec![("surround.obj", Part::Text(text))]
 }

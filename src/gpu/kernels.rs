@@ -96,6 +96,14 @@ impl Variant {
         }
     }
 
+    /// What bounds a cell by itself.
+    fn cell(self) -> &'static str {
+        match self.rays {
+            RaysKind::Pieces => snippet!("camera/pieces_cell.wgsl"),
+            RaysKind::Field | RaysKind::Curves { .. } => snippet!("camera/whole_cell.wgsl"),
+        }
+    }
+
     /// The camera's rays pixel by pixel, after they were found by tiles and cells.
     fn pixel(self) -> &'static [&'static str] {
         const CELLS: &str = snippet!("shared/cells.wgsl");
@@ -195,7 +203,7 @@ pub fn cull() -> Kernel {
 }
 
 pub fn bin(variant: Variant) -> Kernel {
-    let bindings = vec![
+    let mut bindings = vec![
         params(),
         read("clusters", "array<Cluster>"),
         read("nodes", "array<Node>"),
@@ -206,8 +214,14 @@ pub fn bin(variant: Variant) -> Kernel {
         write("pairs", "array<vec2<u32>>"),
         counters(),
     ];
-    let mut kernel =
-        kernel("bin", bindings, &[PARAMS, INDEX, SHEETS, VERTEX, PAIR, CONICS, EXTENT, MEETS, snippet!("bin.wgsl")]);
+    if variant.rays == RaysKind::Pieces {
+        bindings.extend([read("cells", "array<Cell>"), read("pieces", "array<Piece>")]);
+    }
+    let mut kernel = kernel(
+        "bin",
+        bindings,
+        &[PARAMS, INDEX, SHEETS, VERTEX, PAIR, CONICS, EXTENT, MEETS, variant.cell(), snippet!("bin.wgsl")],
+    );
     kernel.constants.push(("SHEETED", variant.sheeted as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel

@@ -1,6 +1,7 @@
 //! The scene file: TOML or JSON text into typed values, with errors that name the place.
 
 mod camera;
+mod keys;
 mod mesh;
 mod mesh_camera;
 mod node;
@@ -67,11 +68,13 @@ pub const MAX_SIDE: u64 = 65_536;
 pub const MAX_PIXELS: u64 = 1 << 30;
 
 /// Reads a scene file (.toml or .json). `overrides` are `key=value` texts with dotted keys
-/// (`camera.vfov=40`, `mesh.0.scale=2`), applied in order before anything is checked.
+/// (`camera.vfov=40`, `mesh.0.scale=2`), applied in order before anything is checked. Then any list whose items are all
+/// tables of `frame` and `value` becomes its value at `frame`: linear between two keys, constant before the first and
+/// after the last; a value is a number or a list of numbers.
 ///
 /// # Errors
 /// [`Error::Input`], one line, with the file, the line and the key, and what to write instead.
-pub fn load(path: &Path, overrides: &[String]) -> Result<SceneFile> {
+pub fn load(path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> {
     let format = parse::Format::of(path)?;
     let cannot = |why: &dyn std::fmt::Display| Error::input(format!("{}: cannot be read: {why}", path.display()));
     let bytes = std::fs::read(path).map_err(|e| cannot(&format_args!("{e}; check the path")))?;
@@ -79,7 +82,7 @@ pub fn load(path: &Path, overrides: &[String]) -> Result<SceneFile> {
         let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
         cannot(&format_args!("line {line} is not UTF-8 text; save it as UTF-8"))
     })?;
-    read_scene(&text, format, path, overrides)
+    read_scene(&text, format, path, overrides, frame)
 }
 
 /// Refuses an image without pixels or beyond the format's limits, naming the limit.
@@ -100,12 +103,13 @@ pub fn check_size(width: u64, height: u64) -> Result<()> {
     Ok(())
 }
 
-fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[String]) -> Result<SceneFile> {
+fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> {
     let mut root = parse::parse(text, format, path)?;
     overrides::apply(&mut root, overrides)?;
     let dir = path.parent().unwrap_or(Path::new(""));
     let source = Source { path, dir };
-    let table = Field::root(&source, &root).table()?;
+    keys::pick(&mut root, "", &source, frame)?;
+    let table = Field::new(&source, "", &root).table()?;
     table.allow(&["image", "mesh", "light", "camera", "output"])?;
     let image = ImageSpec { width: None, height: None, background: [0.0; 3] };
     let Some(camera) = table.get("camera") else {

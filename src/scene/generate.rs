@@ -2,10 +2,13 @@
 
 mod boxes;
 mod city;
+mod cylinder;
+mod figures;
 mod icosphere;
 mod plane;
 mod random;
 mod soup;
+mod stairs;
 mod teapot;
 mod terrain;
 #[cfg(test)]
@@ -16,9 +19,12 @@ use crate::scene::mesh::Mesh;
 
 pub use boxes::cube;
 pub use city::city;
+pub use cylinder::cylinder;
+pub use figures::{cow, walker};
 pub use icosphere::icosphere;
 pub use plane::plane;
 pub use soup::soup;
+pub use stairs::stairs;
 pub use teapot::teapot;
 pub use terrain::terrain;
 
@@ -26,6 +32,12 @@ pub use terrain::terrain;
 const MAX_TRIANGLES: u64 = 1 << 28;
 /// 20 * 4^11 triangles are the most under 2^28.
 const MAX_ICOSPHERE_LEVEL: u32 = 11;
+/// A figure's parts have 20 * 4^level triangles each: under 2^28 for up to 50 parts.
+const MAX_FIGURE_LEVEL: u32 = 9;
+/// 4 sides - 4 triangles are under 2^27.
+const MAX_SIDES: u32 = 1 << 25;
+/// 12 triangles each: under 2^28.
+const MAX_STEPS: u32 = 1 << 24;
 /// 64 * 2048^2 = 2^28 triangles.
 const MAX_TEAPOT_LEVEL: u32 = 2048;
 /// 2 * 11585^2 triangles are the most under 2^28.
@@ -42,6 +54,14 @@ pub enum Builtin {
     Icosphere { level: u32 },
     /// [`cube`]: 12 triangles.
     Box,
+    /// [`cylinder`]: 4 sides - 4 triangles.
+    Cylinder { sides: u32 },
+    /// [`stairs`]: 12 triangles a step.
+    Stairs { steps: u32 },
+    /// [`cow`]: 28 * 20 * 4^level triangles.
+    Cow { level: u32 },
+    /// [`walker`]: 22 * 20 * 4^level triangles.
+    Walker { level: u32 },
     /// [`plane`]: 2 divisions^2 triangles.
     Plane { size: f64, divisions: u32 },
     /// [`city`]: `triangles` triangles; the number of blocks a side follows from it where none is given.
@@ -68,6 +88,22 @@ pub fn generate(builtin: &Builtin) -> Result<Mesh> {
             Ok(icosphere(level))
         }
         Builtin::Box => Ok(cube()),
+        Builtin::Cylinder { sides } => {
+            check_range("sides", sides.into(), 3, MAX_SIDES.into())?;
+            Ok(cylinder(sides))
+        }
+        Builtin::Stairs { steps } => {
+            check_range("steps", steps.into(), 1, MAX_STEPS.into())?;
+            Ok(stairs(steps))
+        }
+        Builtin::Cow { level } => {
+            check_range("level", level.into(), 0, MAX_FIGURE_LEVEL.into())?;
+            Ok(cow(level))
+        }
+        Builtin::Walker { level } => {
+            check_range("level", level.into(), 0, MAX_FIGURE_LEVEL.into())?;
+            Ok(walker(level))
+        }
         Builtin::Plane { size, divisions } => {
             if !(size > 0.0 && size.is_finite()) {
                 return Err(Error::input(format!("size = {size}: use a finite length above 0")));
@@ -109,6 +145,10 @@ mod tests {
         for (builtin, expected) in [
             (Builtin::Teapot { level: 0 }, "level = 0: use 1 to 2048"),
             (Builtin::Icosphere { level: 12 }, "level = 12: use 0 to 11"),
+            (Builtin::Cow { level: 10 }, "level = 10: use 0 to 9"),
+            (Builtin::Walker { level: 10 }, "level = 10: use 0 to 9"),
+            (Builtin::Cylinder { sides: 2 }, "sides = 2: use 3 to 33554432"),
+            (Builtin::Stairs { steps: 0 }, "steps = 0: use 1 to 16777216"),
             (Builtin::Plane { size: 0.0, divisions: 1 }, "size = 0: "),
             (Builtin::Plane { size: f64::NAN, divisions: 1 }, "size = NaN: "),
             (Builtin::Plane { size: 1.0, divisions: 0 }, "divisions = 0: "),
@@ -138,6 +178,10 @@ mod tests {
             (Builtin::Teapot { level: 3 }, 576),
             (Builtin::Icosphere { level: 2 }, 320),
             (Builtin::Box, 12),
+            (Builtin::Cylinder { sides: 32 }, 124),
+            (Builtin::Stairs { steps: 9 }, 108),
+            (Builtin::Cow { level: 2 }, 8960),
+            (Builtin::Walker { level: 2 }, 7040),
             (Builtin::Plane { size: 4.0, divisions: 3 }, 18),
             (Builtin::City { seed: 1, blocks: None, triangles: 15_001 }, 15_001),
             (Builtin::City { seed: 1, blocks: Some(8), triangles: 35_000 }, 35_000),

@@ -32,9 +32,10 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Loads a scene file with every mesh that it names; `overrides` are `key=value` pairs.
-    pub fn load(path: &Path, overrides: &[String]) -> Result<Scene> {
-        Scene::from_file(file::load(path, overrides)?)
+    /// Loads a scene file with every mesh that it names; `overrides` are `key=value` pairs, and `frame` is where values given
+    /// as keyframes are taken. See [`file::load`].
+    pub fn load(path: &Path, overrides: &[String], frame: f64) -> Result<Scene> {
+        Scene::from_file(file::load(path, overrides, frame)?)
     }
 
     pub fn from_file(file: SceneFile) -> Result<Scene> {

@@ -9,7 +9,7 @@ pub fn load(text: &str) -> Result<Scene> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, text).unwrap();
-    Scene::load(&path, &[])
+    Scene::load(&path, &[], 0.0)
 }
 
 /// A scene of `meshes` ([[mesh]] tables) in an image of a size, with a camera of these keys.

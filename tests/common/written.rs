@@ -9,7 +9,7 @@ use std::path::Path;
 pub fn camera_in(folder: &Path, table: &str, size: Option<(u32, u32)>) -> Result<Camera> {
     let path = folder.join("written.toml");
     std::fs::write(&path, format!("[camera]\n{table}\n")).unwrap();
-    let scene = Scene::load(&path, &[])?;
+    let scene = Scene::load(&path, &[], 0.0)?;
     Camera::in_scene(&scene.camera, size.or(scene.size), &scene.mesh)
 }
 

@@ -111,14 +111,31 @@ pub fn even(length: f64, n: f64) -> Vec<f64> {
     (0..=n as u32).map(|k| f64::from(k) / n * length).collect()
 }
 
-/// How the rays bend, by second differences on a lattice. What it misses costs pieces or tightness, nothing else: each
-/// piece is judged by itself.
+/// How the rays bend. What the lattice misses costs pieces or tightness, nothing else: each piece is judged by itself.
 pub fn bends(judge: &Judge) -> Bends {
+    match differences(judge).map(|d| d.map(|v| v > STRAIGHT)) {
+        Some([_, false, false]) => Bends::Across,
+        Some([false, false, true]) => Bends::Down,
+        _ => Bends::Both,
+    }
+}
+
+/// Columns and rows of cells, about `side` squared in all, in which the rays bend alike both ways: the error of a cell grows
+/// with the square of its sides.
+pub fn balanced(judge: &Judge, side: f64) -> (f64, f64) {
+    let [aa, ab, bb] = differences(judge).unwrap_or([judge.size.x.powi(2), 0.0, judge.size.y.powi(2)]);
+    let stretch = ((aa + ab).max(STRAIGHT) / (bb + ab).max(STRAIGHT)).sqrt().sqrt();
+    let count = |n: f64| n.round().clamp(1.0, side * side);
+    (count(side * stretch), count(side / stretch))
+}
+
+/// The largest second differences of the rays on a lattice over the image - across, mixed and down - in parts of the rays'
+/// range; `None` where a place has no ray.
+fn differences(judge: &Judge) -> Option<[f64; 3]> {
     let at = |k: usize| k as f64 / (LATTICE - 1) as f64;
     let mut rays = Vec::with_capacity(LATTICE * LATTICE);
     for (i, j) in (0..LATTICE).flat_map(|j| (0..LATTICE).map(move |i| (i, j))) {
-        let Some(ray) = usable(judge.map.ray(at(i), at(j))) else { return Bends::Both };
-        rays.push(ray);
+        rays.push(usable(judge.map.ray(at(i), at(j)))?);
     }
     let most = |of: fn(&Ray) -> DVec3| {
         let f = |i: usize, j: usize| of(&rays[j * LATTICE + i]);
@@ -130,12 +147,8 @@ pub fn bends(judge: &Judge) -> Bends {
         let aa = largest(&mut inner().map(|(i, j)| f(i - 1, j) - 2.0 * f(i, j) + f(i + 1, j)));
         let bb = largest(&mut inner().map(|(j, i)| f(i, j - 1) - 2.0 * f(i, j) + f(i, j + 1)));
         let ab = largest(&mut cells().map(|(i, j)| f(i, j) - f(i - 1, j) - f(i, j - 1) + f(i - 1, j - 1)));
-        [aa, ab, bb].map(|v| v > STRAIGHT * size)
+        [aa, ab, bb].map(|v| v / size)
     };
     let (p, d) = (most(|r| r.origin), most(|r| r.direction));
-    match [0, 1, 2].map(|k| p[k] || d[k]) {
-        [_, false, false] => Bends::Across,
-        [false, false, true] => Bends::Down,
-        _ => Bends::Both,
-    }
+    Some([0, 1, 2].map(|k| p[k].max(d[k])))
 }

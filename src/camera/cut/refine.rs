@@ -7,14 +7,14 @@
 
 use super::PIECES_MAX;
 use super::bound::{Judge, Verdict};
-use super::grid::{Bends, Cells, bends, even, strips};
+use super::grid::{Bends, Cells, balanced, bends, even, strips};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Pieces this wide and high, px, are cut no further: what is still wrong there is a jump, or the rim of the rays.
 pub const PIECE_MIN_PX: f64 = 0.25;
 
-/// Cells along the image's shorter side to begin with.
+/// The square root of the number of cells to begin with.
 const CELLS: f64 = 4.0;
 
 pub fn refine(judge: &Judge, error_px: f64) -> Cells {
@@ -47,9 +47,8 @@ fn refine_strips(judge: &Judge, error_px: f64, axis: Bends) -> Cells {
 }
 
 fn refine_triangles(judge: &Judge, error_px: f64) -> Cells {
-    let side = judge.size.min_element() / CELLS;
-    let cells = (judge.size / side).round();
-    let grid = Cells::between(judge, &even(judge.size.x, cells.x), &even(judge.size.y, cells.y), (1, 1));
+    let (columns, rows) = balanced(judge, CELLS);
+    let grid = Cells::between(judge, &even(judge.size.x, columns), &even(judge.size.y, rows), (1, 1));
     let mut mesh = Mesh::new(grid);
     loop {
         let new = std::mem::take(&mut mesh.new);

@@ -1,7 +1,8 @@
 //! The curves of a layer through a point.
 //!
-//! A curve lies in the box of its control points. Such boxes over tiles of the image, for each of a few spans of t, rule
-//! most of the volume out; what is left is cut, in the image or in t, whichever is longer in space, until it is small.
+//! A curve lies in the box of its control points. Such boxes over tiles of the image, for each of a few spans of t,
+//! rule most of the volume out; what is left is cut, in the image or in t, whichever is longer in space, until it is
+//! small.
 
 use super::newton::{self, Volume};
 use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples};
@@ -262,8 +263,8 @@ fn bound(curves: &Curves, x: u32, y: u32) -> Option<Boxes> {
     Some(Boxes { net, ..boxes })
 }
 
-/// The curves at a tile's corners, with as much room as those of its pixels are off what is bilinear between them; `None` where
-/// some are not smooth.
+/// The curves at a tile's corners, with as much room as those of its pixels are off what is bilinear between them;
+/// `None` where some are not smooth.
 fn tile_net(curves: &Curves, at: DVec2, pixels: &[DVec2], all: &[Vec<Net>]) -> Option<Net> {
     let side = f64::from(TILE);
     let corner = |q: DVec2| Some(curves.at_place(q)?.1);

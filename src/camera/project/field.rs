@@ -1,8 +1,8 @@
 //! The rays of a field through a point.
 //!
-//! A ray meets X where `E = (X - P) x D` is 0. Bounds of P and D over tiles rule most of the image out; in a cell between
-//! four places P and D are taken as bilinear, so E is biquadratic, and where all its Bernstein coefficients of one component
-//! have one sign there is no root in the cell. What is left is cut down to quarters of a pixel.
+//! A ray meets X where `E = (X - P) x D` is 0. Bounds of P and D over tiles rule most of the image out; in a cell
+//! between four places P and D are taken as bilinear, so E is biquadratic, and where all its Bernstein coefficients of
+//! one component have one sign there is no root in the cell. What is left is cut down to quarters of a pixel.
 
 use super::newton::{self, Volume};
 use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples};
@@ -29,7 +29,8 @@ pub struct Rays {
     d: [DVec3; 2],
 }
 
-/// Four rays between which origins and directions are bilinear within the rooms, or one around which all of its neighbourhood are.
+/// Four rays between which origins and directions are bilinear within the rooms, or one around which all of its
+/// neighbourhood are.
 struct Net {
     rays: [Ray; 4],
     p_room: f64,

@@ -44,8 +44,8 @@ const DAMPING: f64 = 1e-12;
 /// rounding, far under any pixel's footprint.
 const STILL: f64 = 1e-12;
 
-/// A guess that leads farther away than this, px, is given up: guesses are taken from cells of a quarter pixel, and what is
-/// beyond is found from another one.
+/// A guess that leads farther away than this, px, is given up: guesses are taken from cells of a quarter pixel, and
+/// what is beyond is found from another one.
 const ASTRAY_PX: f64 = 2.0;
 
 /// Solves `X(place, t) = x` from a guess. `None` where that leads nowhere, or away.

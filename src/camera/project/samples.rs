@@ -8,8 +8,8 @@ const INSET: f64 = 1.0 / (1u64 << 20) as f64;
 /// What bounds take for the strip outside of the samples: four times as much as goes on linearly there.
 pub const MARGIN: f64 = 8.0 * INSET;
 
-/// The middle is off the mean of the corners by at most this much of their spread where rays are smooth; beside a jump it is off
-/// by a quarter or more of the jump, which then is most of the spread (and what is off counts twice).
+/// The middle is off the mean of the corners by at most this much of their spread where rays are smooth; beside a jump
+/// it is off by a quarter or more of the jump, which then is most of the spread (and what is off counts twice).
 pub const SMOOTH: f64 = 0.25;
 
 /// The step over which slopes are taken, px.
@@ -26,8 +26,8 @@ pub fn samples(at: DVec2, side: f64) -> [DVec2; 5] {
     [a, b, c, d, at + 0.5 * side]
 }
 
-/// How much a pixel to the right and one down change what is `off` from the place: of both sides the one that changes less, as the
-/// other may be behind a jump; nothing where there is no ray on either side.
+/// How much a pixel to the right and one down change what is `off` from the place: of both sides the one that changes
+/// less, as the other may be behind a jump; nothing where there is no ray on either side.
 pub fn least_slope(place: DVec2, off: impl Fn(DVec2) -> Option<f64>) -> f64 {
     let along = |axis: DVec2| {
         let sides = [axis, -axis].map(|step| off(place + STEP_PX * step));

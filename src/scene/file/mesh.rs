@@ -34,7 +34,8 @@ pub enum MeshSource {
 /// The keys that every mesh may have, whatever its source.
 const PLACING: [&str; 5] = ["translate", "rotate", "scale", "two_sided", "color"];
 
-const BUILTINS: [&str; 7] = ["teapot", "icosphere", "box", "plane", "city", "terrain", "soup"];
+const BUILTINS: [&str; 11] =
+    ["teapot", "icosphere", "box", "cylinder", "stairs", "cow", "walker", "plane", "city", "terrain", "soup"];
 
 pub(super) fn read_mesh(field: &Field) -> Result<MeshSpec> {
     let table = field.table()?;
@@ -59,7 +60,11 @@ fn read_source(table: &Table) -> Result<MeshSource> {
         (None, Some(builtin)) => Ok(MeshSource::Builtin(read_builtin(table, &builtin)?)),
         (None, None) => {
             // A misspelt `file` is found here, before its absence is.
-            allow(table, "file", &["builtin", "level", "size", "divisions", "seed", "blocks", "triangles"])?;
+            allow(
+                table,
+                "file",
+                &["builtin", "level", "sides", "steps", "size", "divisions", "seed", "blocks", "triangles"],
+            )?;
             Err(table.error("a mesh needs file = \"NAME.obj\" or builtin = \"city\""))
         }
     }
@@ -76,7 +81,9 @@ fn read_builtin(table: &Table, builtin: &Field) -> Result<Builtin> {
     let seed = || whole("seed", 1);
     let name = builtin.text()?;
     let own: &[&str] = match name {
-        "teapot" | "icosphere" => &["level"],
+        "teapot" | "icosphere" | "cow" | "walker" => &["level"],
+        "cylinder" => &["sides"],
+        "stairs" => &["steps"],
         "box" => &[],
         "plane" => &["size", "divisions"],
         "city" => &["seed", "blocks", "triangles"],
@@ -89,6 +96,10 @@ fn read_builtin(table: &Table, builtin: &Field) -> Result<Builtin> {
         "teapot" => Builtin::Teapot { level: small("level", 10)? },
         "icosphere" => Builtin::Icosphere { level: small("level", 4)? },
         "box" => Builtin::Box,
+        "cylinder" => Builtin::Cylinder { sides: small("sides", 32)? },
+        "stairs" => Builtin::Stairs { steps: small("steps", 10)? },
+        "cow" => Builtin::Cow { level: small("level", 2)? },
+        "walker" => Builtin::Walker { level: small("level", 2)? },
         "plane" => Builtin::Plane { size: table.or("size", 10.0, Field::number)?, divisions: small("divisions", 1)? },
         "city" => Builtin::City {
             seed: seed()?,

@@ -41,6 +41,11 @@ pub(super) struct Entry {
 const QUOTED_CHARS: usize = 40;
 
 impl Value {
+    /// A list or a table.
+    pub fn holds_more(&self) -> bool {
+        matches!(self, Value::List(_) | Value::Table(_))
+    }
+
     /// What a person would call this value, for "expected ..., found ...".
     pub fn describe(&self) -> String {
         match self {

@@ -31,8 +31,13 @@ pub struct Table<'a> {
 }
 
 impl<'a> Field<'a> {
-    pub(super) fn root(source: &'a Source<'a>, node: &'a Node) -> Self {
-        Field { source, key: String::new(), place: node.place, node }
+    /// `key` leads to `node`; it is empty for the whole file.
+    pub(super) fn new(source: &'a Source<'a>, key: &str, node: &'a Node) -> Self {
+        Field { source, key: key.into(), place: node.place, node }
+    }
+
+    pub(super) fn node(&self) -> &'a Node {
+        self.node
     }
 
     /// An error about this value: `scene.toml:12: camera.vfov: message`.

@@ -43,7 +43,7 @@ exr = "out.exr"
 
 fn read(text: &str, overrides: &[&str]) -> Result<SceneFile> {
     let overrides: Vec<String> = overrides.iter().map(|s| s.to_string()).collect();
-    read_scene(text, Format::Toml, Path::new("dir/scene.toml"), &overrides)
+    read_scene(text, Format::Toml, Path::new("dir/scene.toml"), &overrides, 0.0)
 }
 
 fn error(text: &str, overrides: &[&str]) -> String {
@@ -85,7 +85,7 @@ fn json_reads_as_toml_does() {
     let toml = "[camera]\nkind='orthographic'\neye=[0,0,1]\ntarget=[0,0,0]\nheight=2\nt_range=[-inf, 3]\n[[mesh]]\nbuiltin='box'";
     let json = r#"{"camera": {"kind": "orthographic", "eye": [0,0,1], "target": [0,0,0], "height": 2,
         "t_range": ["-inf", 3]}, "mesh": [{"builtin": "box"}]}"#;
-    let from_json = read_scene(json, Format::Json, Path::new("dir/scene.json"), &[]).unwrap();
+    let from_json = read_scene(json, Format::Json, Path::new("dir/scene.json"), &[], 0.0).unwrap();
     assert_eq!(read(toml, &[]).unwrap(), from_json);
 }
 
@@ -107,6 +107,10 @@ fn builtins_have_defaults_and_limits() {
         ("teapot", Builtin::Teapot { level: 10 }),
         ("icosphere", Builtin::Icosphere { level: 4 }),
         ("box", Builtin::Box),
+        ("cylinder", Builtin::Cylinder { sides: 32 }),
+        ("stairs", Builtin::Stairs { steps: 10 }),
+        ("cow", Builtin::Cow { level: 2 }),
+        ("walker", Builtin::Walker { level: 2 }),
         ("plane", Builtin::Plane { size: 10.0, divisions: 1 }),
         ("city", Builtin::City { seed: 1, blocks: None, triangles: 15_000 }),
         ("terrain", Builtin::Terrain { seed: 1, size: 256 }),
@@ -229,7 +233,7 @@ fn load_pieces(pieces: &str) -> Result<SceneFile> {
     std::fs::write(dir.path().join("pieces.json"), pieces).unwrap();
     let path = dir.path().join("scene.toml");
     std::fs::write(&path, "[camera]\nkind = 'mesh'\nfile = 'pieces.json'\n").unwrap();
-    load(&path, &["camera.normalize=true".into()])
+    load(&path, &["camera.normalize=true".into()], 0.0)
 }
 
 #[test]
@@ -238,7 +242,7 @@ fn mesh_camera_reads_alike_inline_and_from_a_file() {
     assert_eq!((from_file.vertices[1].w, from_file.vertices[2].w), (2.0, 1.0));
     assert_eq!((from_file.triangles[0], from_file.normalize), ([0, 1, 2], true));
     let inline = format!(r#"{{"camera": {{"kind": "mesh", "normalize": true, {}}}"#, &PIECES[1..]);
-    let scene = read_scene(&inline, Format::Json, Path::new("scene.json"), &[]).unwrap();
+    let scene = read_scene(&inline, Format::Json, Path::new("scene.json"), &[], 0.0).unwrap();
     assert_eq!(scene.camera.kind, CameraKind::Mesh(from_file));
 }
 
@@ -270,12 +274,12 @@ fn files_that_cannot_be_read_say_so() {
         if let Some(bytes) = bytes {
             std::fs::write(&path, bytes).unwrap();
         }
-        load(&path, &[]).unwrap_err().to_string()
+        load(&path, &[], 0.0).unwrap_err().to_string()
     };
     assert!(fails("none.toml", None).contains("none.toml: cannot be read: "));
     assert!(fails("spot.obj", Some(b"v 0 0 0")).contains("a scene is a .toml or .json file"));
     assert!(fails("bad.toml", Some(b"a = 1\nb = '\xff'")).contains("line 2 is not UTF-8"));
-    assert!(load(dir.path(), &[]).is_err());
+    assert!(load(dir.path(), &[], 0.0).is_err());
 }
 
 #[test]
@@ -292,7 +296,7 @@ proptest! {
     #[test]
     fn random_text_never_panics(text in any::<String>(), set in any::<String>()) {
         for format in [Format::Toml, Format::Json] {
-            let _ = read_scene(&text, format, Path::new("s"), &[]);
+            let _ = read_scene(&text, format, Path::new("s"), &[], 0.0);
         }
         if let Err(e) = read(FULL, &[&set]) {
             prop_assert!(!e.to_string().contains('\n'), "{}", e);
@@ -309,7 +313,7 @@ proptest! {
         let mut json = PIECES.to_string();
         json.replace_range((at % PIECES.len())..(at % PIECES.len() + cut).min(PIECES.len()), &put);
         let inline = format!(r#"{{"camera": {{"kind": "mesh", {}}}"#, json.get(1..).unwrap_or(""));
-        if let Err(e) = read_scene(&inline, Format::Json, Path::new("s.json"), &[]) {
+        if let Err(e) = read_scene(&inline, Format::Json, Path::new("s.json"), &[], 0.0) {
             prop_assert!(e.to_string().starts_with("s.json:") && !e.to_string().contains('\n'), "{}", e);
         }
     }

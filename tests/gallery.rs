@@ -1,0 +1,30 @@
+//! Every example of the gallery, small: the engine's picture is right, and shows something.
+
+mod common;
+
+use anamorph::example::gallery;
+use anamorph::scene::Scene;
+use common::gpu::{check, hits};
+
+/// Pixels across; the height follows each scene's own shape.
+const WIDTH: u32 = 80;
+/// Of all pixels, those that show the scene at least; the emptiest picture (twist-curved) has 0.43.
+const LEAST_SHARE: f64 = 0.4;
+
+#[test]
+fn every_picture_of_the_gallery_is_right_and_not_empty() {
+    let folder = tempfile::tempdir().unwrap();
+    for example in gallery() {
+        let path = example.write(folder.path()).unwrap();
+        let (width, height) = Scene::load(&path, &[], 0.0).unwrap().size.unwrap();
+        let small = [format!("image.width={WIDTH}"), format!("image.height={}", height * WIDTH / width)];
+        let scene = Scene::load(&path, &small, 0.0).unwrap();
+        let camera = scene.camera().unwrap();
+        let Some((frame, judged, _)) = check(example.name, &scene, &camera) else { return };
+        let pixels = f64::from(camera.width * camera.height);
+        let shown = hits(&frame) as f64 / pixels;
+        assert!(shown >= LEAST_SHARE, "{}: {shown} of the picture shows the scene", example.name);
+        let safe = judged.safe.iter().filter(|&&safe| safe).count() as f64 / pixels;
+        println!("{}: {:.3} of the pixels hit, {:.3} safe", example.name, shown, safe);
+    }
+}
