@@ -255,3 +255,64 @@ fn a_slit_along_which_t_changes() {
     assert_eq!(degenerate(&slanted, DVec3::new(0.5, 0.0, 1.25)), Some(Degenerate::Slit));
     assert_eq!(degenerate(&slanted, DVec3::new(0.5, 0.1, 1.25)), None);
 }
+
+/// Every curve runs through the origin at t = 1/2.
+#[derive(Debug)]
+struct Hourglass;
+
+impl CurveMap for Hourglass {
+    fn degree(&self) -> usize {
+        2
+    }
+
+    fn curve(&self, a: f64, b: f64) -> Option<(u32, Curve)> {
+        let q = DVec2::new(2.0 * a - 1.0, 1.0 - 2.0 * b);
+        // X(1/2) = (P0 + 2 P1 + P2) / 4
+        let (from, to) = (q.extend(2.0), (0.5 * q).extend(-2.0));
+        Some((0, Curve::new(&[from, -0.5 * (from + to), to])))
+    }
+}
+
+fn curved(map: impl CurveMap + 'static, (w, h): (u32, u32)) -> Camera {
+    Camera::of("projector", (w, h), [0.0, 1.0], Rays::Curves(Curves::new(w, h, Arc::new(map))))
+}
+
+#[test]
+fn a_point_that_all_curves_run_through_is_told_and_those_near_it_are_found() {
+    for size in [SIZE, (400, 300)] {
+        let camera = curved(Hourglass, size);
+        let projector = Projector::new(&camera);
+        let eye = projector.project(DVec3::ZERO);
+        assert_eq!((eye.degenerate, eye.images.len()), (Some(Degenerate::Eye), 0));
+        let curve = Hourglass.curve(0.6, 0.3).unwrap().1;
+        let place = DVec2::new(0.6 * f64::from(size.0), 0.3 * f64::from(size.1));
+        for t in [0.5 + 1e-5, 0.51, 0.7] {
+            let all = projector.project(curve.at(t));
+            let found = all.images.iter().any(|i| DVec2::new(i.x, i.y).distance(place) < PLACE_PX);
+            assert!(found && !all.incomplete, "{size:?} {t}: {all:?}");
+        }
+    }
+}
+
+/// Curves that have nothing to do with their neighbours.
+#[derive(Debug)]
+struct Noise;
+
+impl CurveMap for Noise {
+    fn degree(&self) -> usize {
+        3
+    }
+
+    fn curve(&self, a: f64, b: f64) -> Option<(u32, Curve)> {
+        let mut rng = Rng(a.to_bits() ^ b.to_bits().rotate_left(17));
+        Some((0, Curve::new(&[0; 4].map(|_| rng.vector()))))
+    }
+}
+
+#[test]
+fn no_search_goes_on_forever() {
+    let camera = curved(Noise, SIZE);
+    let all = Projector::new(&camera).project(DVec3::ZERO);
+    assert!(all.incomplete);
+    assert!(serde_json::to_string(&all).unwrap().ends_with("\"incomplete\":true}"));
+}

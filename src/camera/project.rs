@@ -1,16 +1,18 @@
 //! Where a camera shows a 3-D point: all places of the image whose rays or curves pass through it.
 //!
 //! * [`pieces`]: in a piece the rays through a point are the roots of a cubic in t; all are found.
-//! * [`field`], [`curved`]: formulas and tables have no such equation. The image is searched in cells of a quarter pixel that
-//!   bounds of their rays cannot rule out, and Newton's method ([`newton`]) finds the exact place from each. Two images
-//!   closer together than such a cell may be found as one. The bounds of a formula are sampled (with a margin of as much
-//!   again as it is seen to bulge between samples): a formula that jumps inside a pixel may lose the image there. A table
-//!   is searched between its pixel centres, where it is bilinear.
+//! * [`field`], [`curved`]: formulas and tables have no such equation. The image is searched in cells of a quarter
+//!   pixel that bounds of their rays cannot rule out, and Newton's method ([`newton`]) finds the exact place from each.
+//!   Two images closer together than such a cell may be found as one. The bounds of a formula are sampled (with a margin
+//!   of as much again as it is seen to bulge between samples): where it jumps or ends inside a pixel, slivers that no
+//!   sample is in are lost. A table is searched between its pixel centres, where it is bilinear. Near eyes and slits so
+//!   much of the image may see the point that the search is given up ([`Images::incomplete`]).
 
 mod curved;
 mod field;
 mod newton;
 mod pieces;
+mod samples;
 mod tree;
 
 use super::{Camera, Rays};
@@ -50,6 +52,10 @@ pub struct Images {
     pub images: Vec<Image>,
     /// There are curves or areas of images beside them.
     pub degenerate: Option<Degenerate>,
+    /// The search was given up, and there may be more: so many rays pass close to the point, or they jump so often.
+    /// Left out of JSON where it is false.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub incomplete: bool,
 }
 
 /// A camera made ready to project points.
@@ -77,9 +83,26 @@ struct Found {
 struct Shown {
     found: Vec<Found>,
     degenerate: Option<Degenerate>,
+    /// Boxes looked at, and searches from a guess, which count for [`NEWTON_WORK`] each.
+    work: u32,
 }
 
-/// Images of one layer closer than this, in px and in t relative to its size, are one. Newton's method stops far closer.
+/// Work for one point in one layer at most: seconds.
+const WORK: u32 = 1 << 18;
+
+/// What a search from a guess costs against a look at a box.
+const NEWTON_WORK: u32 = 4;
+
+impl Shown {
+    /// Counts work to be done; false where it is too much.
+    fn may_spend(&mut self, work: u32) -> bool {
+        self.work = self.work.saturating_add(work);
+        self.work <= WORK
+    }
+}
+
+/// Images of one layer closer than this, in px and in t relative to its size, are one. Newton's method stops far
+/// closer.
 const ONE_PLACE_PX: f64 = 1e-6;
 const ONE_T: f64 = 1e-6;
 
@@ -109,6 +132,7 @@ impl<'a> Projector<'a> {
                 Layer::Curves(s) => s.images(point),
             };
             all.degenerate = all.degenerate.max(shown.degenerate);
+            all.incomplete |= shown.work > WORK;
             let mut found = merged(self.camera.t_range, shown.found);
             found.sort_by(|a, b| a.piece.cmp(&b.piece).then(a.t.total_cmp(&b.t)));
             let images: Vec<Image> = found.iter().map(|f| self.image(layer, f)).collect();

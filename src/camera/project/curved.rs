@@ -1,11 +1,13 @@
 //! The curves of a layer through a point.
 //!
-//! A curve lies in the box of its control points. Such boxes over tiles of the image, for each of a few spans of t, rule
-//! most of the volume out; what is left is cut, in the image or in t, whichever is longer in space, until it is small.
+//! A curve lies in the box of its control points. Such boxes over tiles of the image, for each of a few spans of t,
+//! rule most of the volume out; what is left is cut, in the image or in t, whichever is longer in space, until it is
+//! small.
 
 use super::newton::{self, Volume};
-use super::tree::{Bound, TILE, Tree};
-use super::{BORDER_PX, Found, Shown};
+use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples};
+use super::tree::{Bound, TILE, Tree, cells};
+use super::{BORDER_PX, Degenerate, Found, NEWTON_WORK, Shown};
 use crate::camera::curve::{Curve, Curves};
 use glam::{DVec2, DVec3};
 
@@ -18,17 +20,36 @@ pub struct Search<'a> {
 /// Spans of t that a tile has boxes for: a power of 2.
 const SPANS: usize = 8;
 
-/// Boxes around all curves of a tile, span by span, and how far curves between four places may be from bilinear ones.
+/// Boxes around all curves of a tile, span by span.
 #[derive(Debug, Clone)]
 struct Boxes {
     spans: [[DVec3; 2]; SPANS],
-    bulge: f64,
+    /// All of one tile, where it is smooth.
+    net: Option<Net>,
 }
 
-/// Times that a cell of a pixel is halved, and that t is: a curve of 2^10 times its neighbours' distance takes ten more
-/// of t than of the image.
+/// Times that a cell of a pixel is halved.
 const HALVINGS: u32 = 2;
+
+/// Times that t is: curves that are still longer than apart (2^-40 of their length) meet in the point.
 const T_HALVINGS: u32 = 40;
+
+/// Four curves between which all are bilinear within [`Net::room`], or one around which all of its neighbourhood are.
+#[derive(Debug, Clone)]
+struct Net {
+    curves: Vec<Curve>,
+    /// The one in the middle of four: tells how far others are from bilinear ones.
+    middle: Option<Curve>,
+    /// Of the whole net: other than what the middle tells it does not shrink with t's span.
+    reach: f64,
+}
+
+/// A square of the image.
+struct Cell {
+    at: DVec2,
+    side: f64,
+    halvings: u32,
+}
 
 impl Volume for Curves {
     fn at(&self, place_px: DVec2, t: f64) -> Option<(DVec3, DVec3)> {
@@ -49,64 +70,72 @@ impl<'a> Search<'a> {
 
     pub fn images(&self, point: DVec3) -> Shown {
         let mut shown = Shown::default();
-        let may = |b: &Boxes| b.spans.iter().any(|s| holds(s, b.bulge, point));
+        let may = |b: &Boxes| b.spans.iter().any(|s| holds(s, 0.0, point));
         self.tree.walk(may, |x, y, boxes| {
-            for (i, j) in cells(self.curves, x, y) {
-                let at = DVec2::new(i.into(), j.into());
-                let curves = corners(at, 1.0).map(|q| self.curves.at_place(q).map(|c| c.1));
-                let cell = Cell { at, side: 1.0, bulge: boxes.bulge, halvings: HALVINGS };
-                self.search(point, &cell, curves, [0.0, 1.0], T_HALVINGS, &mut shown);
+            let mut spans = vec![([0.0, 1.0], T_HALVINGS)];
+            if let Some(net) = &boxes.net {
+                spans.clear();
+                net.spans_near(point, ([0.0, 1.0], T_HALVINGS), &mut spans, &mut shown);
+            }
+            for (span, t_halvings) in spans {
+                for (i, j) in cells(x, y, [self.curves.width, self.curves.height]) {
+                    let cell = Cell { at: DVec2::new(i.into(), j.into()), side: 1.0, halvings: HALVINGS };
+                    self.search(point, &cell, span, t_halvings, None, &mut shown);
+                }
             }
         });
         shown
     }
 
-    /// `curves` are those of the cell's corners over the `span` of t.
+    /// `known`: the nets of the cell over the `span` of t; `None`: they are taken here.
     fn search(
         &self,
         point: DVec3,
         cell: &Cell,
-        curves: [Option<Curve>; 4],
         span: [f64; 2],
         t_halvings: u32,
+        known: Option<Vec<Net>>,
         shown: &mut Shown,
     ) {
-        let Some(around) = around(&curves) else { return };
-        let whole = curves.iter().all(Option::is_some);
-        if whole && !holds(&around, cell.bulge, point) {
+        if !shown.may_spend(1) {
             return;
         }
-        let long = curves.iter().flatten().fold(0.0_f64, |m, c| m.max(length(c)));
-        let wide = spread(&curves);
-        if t_halvings > 0 && long > wide {
+        let mut nets = known.unwrap_or_else(|| {
+            let nets = nets(self.curves, cell.at, cell.side);
+            if span == [0.0, 1.0] { nets } else { nets.iter().map(|n| n.over(span)).collect() }
+        });
+        nets.retain(|n| holds(&n.around(), n.room(), point));
+        if nets.is_empty() {
+            return;
+        }
+        if !nets.iter().all(Net::is_short) {
+            if t_halvings == 0 {
+                shown.degenerate = shown.degenerate.max(Some(Degenerate::Eye));
+                return;
+            }
             let middle = 0.5 * (span[0] + span[1]);
-            let halves = curves.map(|c| c.map(|c| c.split(0.5)));
             for (k, span) in [[span[0], middle], [middle, span[1]]].into_iter().enumerate() {
-                self.search(point, cell, halves.map(|c| c.map(|c| c[k])), span, t_halvings - 1, shown);
+                let half = nets.iter().map(|n| n.half(k)).collect();
+                self.search(point, cell, span, t_halvings - 1, Some(half), shown);
             }
         } else if cell.halvings > 0 {
             let half = 0.5 * cell.side;
             for at in corners(cell.at, half) {
-                let curves = corners(at, half).map(|q| self.part(q, span));
-                let cell = Cell { at, side: half, bulge: cell.bulge / 4.0, halvings: cell.halvings - 1 };
-                self.search(point, &cell, curves, span, t_halvings, shown);
+                let cell = Cell { at, side: half, halvings: cell.halvings - 1 };
+                self.search(point, &cell, span, t_halvings, None, shown);
             }
         } else {
             self.solve(point, cell, span, shown);
         }
     }
 
-    /// The curve at a place over a span of t.
-    fn part(&self, place: DVec2, [t0, t1]: [f64; 2]) -> Option<Curve> {
-        let (_, curve) = self.curves.at_place(place)?;
-        let [before, _] = curve.split(t1);
-        Some(before.split(t0 / t1)[1])
-    }
-
     /// Newton's method from the cell's middle and its corners, in the middle of the span.
     fn solve(&self, point: DVec3, cell: &Cell, [t0, t1]: [f64; 2], shown: &mut Shown) {
         let end = DVec2::new(self.curves.width.into(), self.curves.height.into());
-        for from in corners(cell.at, cell.side).into_iter().chain([cell.at + 0.5 * cell.side]) {
+        for from in samples(cell.at, cell.side) {
+            if !shown.may_spend(NEWTON_WORK) {
+                return;
+            }
             let Some(root) = newton::solve(self.curves, point, from, 0.5 * (t0 + t1)) else { continue };
             let slack = DVec2::splat(BORDER_PX);
             if root.place.cmplt(-slack).any() || root.place.cmpgt(end + slack).any() {
@@ -121,82 +150,150 @@ impl<'a> Search<'a> {
     }
 }
 
-/// A square of the image.
-struct Cell {
-    at: DVec2,
-    side: f64,
-    bulge: f64,
-    halvings: u32,
-}
-
-fn corners(at: DVec2, side: f64) -> [DVec2; 4] {
-    [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|c| at + side * c)
-}
-
-/// Columns and rows of the pixels of a tile.
-fn cells(curves: &Curves, x: u32, y: u32) -> impl Iterator<Item = (u32, u32)> + use<> {
-    let [columns, rows] =
-        [(x * TILE, curves.width), (y * TILE, curves.height)].map(|(from, end)| from..(from + TILE).min(end));
-    rows.flat_map(move |j| columns.clone().map(move |i| (i, j)))
-}
-
-fn holds([lo, hi]: &[DVec3; 2], bulge: f64, point: DVec3) -> bool {
-    let room = bulge + 64.0 * f64::EPSILON * (point.abs().max_element() + lo.abs().max(hi.abs()).max_element());
+fn holds([lo, hi]: &[DVec3; 2], room: f64, point: DVec3) -> bool {
+    let room = room + 64.0 * f64::EPSILON * (point.abs().max_element() + lo.abs().max(hi.abs()).max_element());
     (*lo - room).cmple(point).all() && (*hi + room).cmpge(point).all()
 }
 
-/// The box around all control points.
-fn around(curves: &[Option<Curve>]) -> Option<[DVec3; 2]> {
-    let points = curves.iter().flatten().flat_map(|c| c.points());
-    points.fold(None, |b: Option<[DVec3; 2]>, p| Some(b.map_or([*p, *p], |[lo, hi]| [lo.min(*p), hi.max(*p)])))
-}
-
-/// The way along the control points.
-fn length(c: &Curve) -> f64 {
-    c.points().windows(2).map(|p| (p[1] - p[0]).length()).sum()
-}
-
-/// The largest distance between control points of one number.
-fn spread(curves: &[Option<Curve>; 4]) -> f64 {
-    let apart =
-        |a: &Curve, b: &Curve| a.points().iter().zip(b.points()).fold(0.0_f64, |m, (a, b)| m.max((*a - *b).length()));
-    let all: Vec<&Curve> = curves.iter().flatten().collect();
-    let pairs = all.iter().enumerate().flat_map(|(k, a)| all[..k].iter().map(move |b| apart(a, b)));
-    pairs.fold(0.0, f64::max)
-}
-
-/// The curves of a tile's pixels, sampled at their corners and middles.
-fn bound(curves: &Curves, x: u32, y: u32) -> Option<Boxes> {
-    let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-    let mut boxes = Boxes { spans: [empty; SPANS], bulge: 0.0 };
-    let mut any = false;
-    for (i, j) in cells(curves, x, y) {
-        let at = DVec2::new(i.into(), j.into());
-        let corners = corners(at, 1.0).map(|q| curves.at_place(q).map(|c| c.1));
-        let middle = curves.at_place(at + 0.5).map(|c| c.1);
-        for curve in corners.iter().chain([&middle]).flatten() {
-            boxes.hold(curve);
-            any = true;
+/// The curves of a square: one net where they are smooth; where they jump, fold or end, one for each sample.
+fn nets(curves: &Curves, at: DVec2, side: f64) -> Vec<Net> {
+    let places = samples(at, side);
+    let found = places.map(|q| curves.at_place(q).map(|c| c.1));
+    if let [Some(a), Some(b), Some(c), Some(d), Some(m)] = found {
+        let net = Net { curves: vec![a, b, c, d], middle: Some(m), reach: 0.0 };
+        if net.off(&m) <= SMOOTH * net.spread() {
+            return vec![net];
         }
-        if let ([Some(a), Some(b), Some(c), Some(d)], Some(m)) = (corners, middle) {
-            for (k, m) in m.points().iter().enumerate() {
-                let mean = 0.25 * (a.points()[k] + b.points()[k] + c.points()[k] + d.points()[k]);
-                boxes.bulge = boxes.bulge.max(2.0 * (*m - mean).length());
+    }
+    let slope = |(q, c): (DVec2, &Option<Curve>)| {
+        let c = c.as_ref()?;
+        Some(least_slope(q, |q| curves.at_place(q).map(|near| apart(&near.1, c))))
+    };
+    let steepest = places.into_iter().zip(&found).filter_map(slope).fold(0.0, f64::max);
+    // with as much again for what bends
+    let reach = 2.0 * side * steepest;
+    found.into_iter().flatten().map(|c| Net { curves: vec![c], middle: None, reach }).collect()
+}
+
+impl Net {
+    /// The box around all control points.
+    fn around(&self) -> [DVec3; 2] {
+        let points = self.curves.iter().flat_map(|c| c.points());
+        points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[lo, hi], p| [lo.min(*p), hi.max(*p)])
+    }
+
+    /// The largest distance between control points of one number.
+    fn spread(&self) -> f64 {
+        let pairs = self.curves.iter().enumerate().flat_map(|(k, a)| self.curves[..k].iter().map(move |b| apart(a, b)));
+        pairs.fold(0.0, f64::max)
+    }
+
+    /// The ways along the control points are not longer than the net is wide.
+    fn is_short(&self) -> bool {
+        let length = |c: &Curve| c.points().windows(2).map(|p| (p[1] - p[0]).length()).sum::<f64>();
+        let long = self.curves.iter().map(length).fold(0.0, f64::max);
+        long <= self.spread().max(self.room())
+    }
+
+    /// How far curves between the four may be from bilinear ones: twice as far as the one in the middle is.
+    fn off(&self, middle: &Curve) -> f64 {
+        let off =
+            |(k, m): (usize, &DVec3)| (*m - self.curves.iter().map(|c| c.points()[k]).sum::<DVec3>() / 4.0).length();
+        2.0 * middle.points().iter().enumerate().map(off).fold(0.0, f64::max)
+    }
+
+    /// The first or the second half of t.
+    fn half(&self, k: usize) -> Net {
+        self.mapped(|c| c.split(0.5)[k])
+    }
+
+    /// Spans of t, halved until the net is short, over which it may run through the point, and the halvings left.
+    fn spans_near(
+        &self,
+        point: DVec3,
+        (span, t_halvings): ([f64; 2], u32),
+        spans: &mut Vec<([f64; 2], u32)>,
+        shown: &mut Shown,
+    ) {
+        if !shown.may_spend(1) || !holds(&self.around(), self.room(), point) {
+            return;
+        }
+        if self.is_short() {
+            spans.push((span, t_halvings));
+        } else if t_halvings == 0 {
+            shown.degenerate = shown.degenerate.max(Some(Degenerate::Eye));
+        } else {
+            let middle = 0.5 * (span[0] + span[1]);
+            for (k, span) in [[span[0], middle], [middle, span[1]]].into_iter().enumerate() {
+                self.half(k).spans_near(point, (span, t_halvings - 1), spans, shown);
             }
         }
     }
-    any.then_some(boxes)
+
+    fn over(&self, span: [f64; 2]) -> Net {
+        self.mapped(|c| c.span(span))
+    }
+
+    fn mapped(&self, part: impl Fn(&Curve) -> Curve) -> Net {
+        Net {
+            curves: self.curves.iter().map(&part).collect(),
+            middle: self.middle.as_ref().map(&part),
+            reach: self.reach,
+        }
+    }
+
+    /// How far curves may be outside of what the net's control points hold.
+    fn room(&self) -> f64 {
+        self.reach + MARGIN * self.spread() + self.middle.map_or(0.0, |m| self.off(&m))
+    }
+}
+
+/// The largest distance between two curves' control points.
+fn apart(a: &Curve, b: &Curve) -> f64 {
+    a.points().iter().zip(b.points()).fold(0.0, |m, (a, b)| m.max((*a - *b).length()))
+}
+
+/// The curves of a tile's pixels.
+fn bound(curves: &Curves, x: u32, y: u32) -> Option<Boxes> {
+    let size = [curves.width, curves.height];
+    let pixels: Vec<DVec2> = cells(x, y, size).map(|(i, j)| DVec2::new(i.into(), j.into())).collect();
+    let all: Vec<Vec<Net>> = pixels.iter().map(|at| nets(curves, *at, 1.0)).collect();
+    let boxes = all.iter().flatten().map(Boxes::of).reduce(|a, b| a.joined(&b))?;
+    let net = tile_net(curves, pixels[0], &pixels, &all);
+    Some(Boxes { net, ..boxes })
+}
+
+/// The curves at a tile's corners, with as much room as those of its pixels are off what is bilinear between them;
+/// `None` where some are not smooth.
+fn tile_net(curves: &Curves, at: DVec2, pixels: &[DVec2], all: &[Vec<Net>]) -> Option<Net> {
+    let side = f64::from(TILE);
+    let corner = |q: DVec2| Some(curves.at_place(q)?.1);
+    let [a, b, c, d, _] = samples(at, side);
+    let whole = Net { curves: vec![corner(a)?, corner(b)?, corner(c)?, corner(d)?], middle: None, reach: 0.0 };
+    let mut reach = 0.0_f64;
+    for (pixel, nets) in pixels.iter().zip(all) {
+        let [net @ Net { curves, middle: Some(_), .. }] = nets.as_slice() else { return None };
+        for (place, curve) in samples(*pixel, 1.0).iter().zip(curves) {
+            let q = (place - at) / side;
+            let shares = [(1.0 - q.x) * (1.0 - q.y), q.x * (1.0 - q.y), (1.0 - q.x) * q.y, q.x * q.y];
+            let off = |(k, p): (usize, &DVec3)| {
+                let bilinear = whole.curves.iter().zip(shares).map(|(c, share)| share * c.points()[k]).sum::<DVec3>();
+                (*p - bilinear).length()
+            };
+            reach = curve.points().iter().enumerate().map(off).fold(reach, |m, off| m.max(off + net.room()));
+        }
+    }
+    Some(Net { reach, ..whole })
 }
 
 impl Boxes {
-    fn hold(&mut self, curve: &Curve) {
-        let mut parts = vec![*curve];
-        while parts.len() < SPANS {
-            parts = parts.iter().flat_map(|c| c.split(0.5)).collect();
-        }
-        for (span, part) in self.spans.iter_mut().zip(&parts) {
-            *span = part.points().iter().fold(*span, |[lo, hi], p| [lo.min(*p), hi.max(*p)]);
-        }
+    fn of(net: &Net) -> Boxes {
+        let spans = std::array::from_fn(|k| {
+            let n = SPANS as f64;
+            let [lo, hi] = net.over([k as f64 / n, (k + 1) as f64 / n]).around();
+            [lo - net.room(), hi + net.room()]
+        });
+        Boxes { spans, net: None }
     }
 }
 
@@ -205,6 +302,6 @@ impl Bound for Boxes {
         for ([lo, hi], [a, b]) in self.spans.iter_mut().zip(&other.spans) {
             (*lo, *hi) = (lo.min(*a), hi.max(*b));
         }
-        Boxes { bulge: self.bulge.max(other.bulge), ..self }
+        Boxes { net: None, ..self }
     }
 }

@@ -1,12 +1,13 @@
 //! The rays of a field through a point.
 //!
-//! A ray meets X where `E = (X - P) x D` is 0. Bounds of P and D over tiles rule most of the image out; in a cell between
-//! four places P and D are taken as bilinear, so E is biquadratic, and where all its Bernstein coefficients of one component
-//! have one sign there is no root in the cell. What is left is cut down to quarters of a pixel.
+//! A ray meets X where `E = (X - P) x D` is 0. Bounds of P and D over tiles rule most of the image out; in a cell
+//! between four places P and D are taken as bilinear, so E is biquadratic, and where all its Bernstein coefficients of
+//! one component have one sign there is no root in the cell. What is left is cut down to quarters of a pixel.
 
 use super::newton::{self, Volume};
-use super::tree::{Bound, TILE, Tree};
-use super::{BORDER_PX, Degenerate, Found, Shown};
+use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples};
+use super::tree::{Bound, Tree, cells};
+use super::{BORDER_PX, Degenerate, Found, NEWTON_WORK, Shown};
 use crate::camera::bundle::Ray;
 use crate::camera::field::Field;
 use glam::{DVec2, DVec3};
@@ -21,13 +22,19 @@ pub struct Search<'a> {
     forward: bool,
 }
 
-/// Bounds of origins and directions, and how far the rays between four places may be from bilinear ones.
+/// Bounds of origins and directions.
 #[derive(Debug, Clone)]
 pub struct Rays {
     p: [DVec3; 2],
     d: [DVec3; 2],
-    p_bulge: f64,
-    d_bulge: f64,
+}
+
+/// Four rays between which origins and directions are bilinear within the rooms, or one around which all of its
+/// neighbourhood are.
+struct Net {
+    rays: [Ray; 4],
+    p_room: f64,
+    d_room: f64,
 }
 
 /// Times that a cell of a pixel is halved.
@@ -38,6 +45,11 @@ const NOTHING: f64 = 1.0 / (1u64 << 40) as f64;
 
 impl Volume for Field {
     fn at(&self, place_px: DVec2, t: f64) -> Option<(DVec3, DVec3)> {
+        // a table stands still beyond its outer pixel centres, which says nothing about its slope there
+        let (lo, hi) = (DVec2::splat(0.5), DVec2::new(self.width.into(), self.height.into()) - 0.5);
+        if self.map().is_none() && (place_px.cmplt(lo - BORDER_PX).any() || place_px.cmpgt(hi + BORDER_PX).any()) {
+            return None;
+        }
         let ray = self.ray_at(place_px)?;
         Some((ray.origin + t * ray.direction, ray.direction))
     }
@@ -61,49 +73,42 @@ impl<'a> Search<'a> {
     pub fn images(&self, point: DVec3) -> Shown {
         let mut shown = Shown::default();
         let may = |rays: &Rays| rays.may_meet(point, self.forward);
-        self.tree.walk(may, |x, y, rays| {
-            let row = |j: u32| (x * TILE..(x * TILE + TILE).min(self.cells[0])).map(move |i| (i, j));
-            for (i, j) in (y * TILE..(y * TILE + TILE).min(self.cells[1])).flat_map(row) {
-                let at = self.start + DVec2::new(i.into(), j.into());
-                let corners = corners(at, 1.0).map(|q| self.field.ray_at(q));
-                let cell = Cell { at, side: 1.0, corners, p_bulge: rays.p_bulge, d_bulge: rays.d_bulge };
-                self.search(point, &cell, HALVINGS, &mut shown);
+        self.tree.walk(may, |x, y, _| {
+            for (i, j) in cells(x, y, self.cells) {
+                self.search(point, self.start + DVec2::new(i.into(), j.into()), 1.0, HALVINGS, &mut shown);
             }
         });
         shown
     }
 
-    fn search(&self, point: DVec3, cell: &Cell, halvings: u32, shown: &mut Shown) {
-        if cell.corners.iter().all(Option::is_none) && halvings < HALVINGS {
+    /// The square of the image at `at`, px.
+    fn search(&self, point: DVec3, at: DVec2, side: f64, halvings: u32, shown: &mut Shown) {
+        if !shown.may_spend(1) {
             return;
         }
-        if let [Some(a), Some(b), Some(c), Some(d)] = cell.corners {
-            let corners = [a, b, c, d];
-            if corners.iter().all(|r| is_nothing(point, r)) {
-                shown.degenerate = Some(Degenerate::Eye);
-                return;
-            }
-            if !may_meet(point, &corners, cell.p_bulge, cell.d_bulge) {
-                return;
-            }
+        let nets = nets(self.field, at, side);
+        if nets.iter().any(|n| n.rays.iter().all(|r| is_nothing(point, r))) {
+            shown.degenerate = Some(Degenerate::Eye);
+            return;
+        }
+        if !nets.iter().any(|n| n.may_meet(point)) {
+            return;
         }
         if halvings == 0 {
-            self.solve(point, cell, shown);
+            self.solve(point, at, side, shown);
             return;
         }
-        let half = 0.5 * cell.side;
-        for at in corners(cell.at, half) {
-            let corners = corners(at, half).map(|q| self.field.ray_at(q));
-            let (p_bulge, d_bulge) = (cell.p_bulge / 4.0, cell.d_bulge / 4.0);
-            self.search(point, &Cell { at, side: half, corners, p_bulge, d_bulge }, halvings - 1, shown);
-        }
+        let half = 0.5 * side;
+        corners(at, half).into_iter().for_each(|at| self.search(point, at, half, halvings - 1, shown));
     }
 
-    /// Newton's method from the cell's middle and its corners.
-    fn solve(&self, point: DVec3, cell: &Cell, shown: &mut Shown) {
-        let middle = cell.at + 0.5 * cell.side;
+    /// Newton's method from the square's middle and its corners.
+    fn solve(&self, point: DVec3, at: DVec2, side: f64, shown: &mut Shown) {
         let end = self.start + DVec2::new(self.cells[0].into(), self.cells[1].into());
-        for from in corners(cell.at, cell.side).into_iter().chain([middle]) {
+        for from in samples(at, side) {
+            if !shown.may_spend(NEWTON_WORK) {
+                return;
+            }
             let Some(ray) = self.field.ray_at(from) else { continue };
             let t = (point - ray.origin).dot(ray.direction) / ray.direction.length_squared();
             let Some(root) = newton::solve(self.field, point, from, t) else { continue };
@@ -119,75 +124,69 @@ impl<'a> Search<'a> {
     }
 }
 
-/// A square of the image.
-struct Cell {
-    at: DVec2,
-    side: f64,
-    /// Left and right above, left and right below.
-    corners: [Option<Ray>; 4],
-    p_bulge: f64,
-    d_bulge: f64,
-}
-
-fn corners(at: DVec2, side: f64) -> [DVec2; 4] {
-    [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|c| at + side * c)
-}
-
 fn is_nothing(point: DVec3, r: &Ray) -> bool {
     let size = (point.length() + r.origin.length()) * r.direction.length();
     (point - r.origin).cross(r.direction).length() <= NOTHING * size
 }
 
-/// What the rays of a tile's cells do, sampled at their corners and middles.
-fn bound(field: &Field, start: DVec2, cells: [u32; 2], x: u32, y: u32) -> Option<Rays> {
-    let mut rays = Rays {
-        p: [DVec3::INFINITY, DVec3::NEG_INFINITY],
-        d: [DVec3::INFINITY, DVec3::NEG_INFINITY],
-        p_bulge: 0.0,
-        d_bulge: 0.0,
-    };
-    let cells = [(x * TILE, cells[0]), (y * TILE, cells[1])].map(|(from, end)| from..(from + TILE).min(end));
-    for (i, j) in cells[1].clone().flat_map(|j| cells[0].clone().map(move |i| (i, j))) {
-        let at = start + DVec2::new(i.into(), j.into());
-        let corners = corners(at, 1.0).map(|q| field.ray_at(q));
-        let middle = field.ray_at(at + 0.5);
-        corners.iter().chain([&middle]).flatten().for_each(|r| rays.hold(r));
-        if field.map().is_none() {
-            continue;
-        }
-        if let ([Some(a), Some(b), Some(c), Some(d)], Some(m)) = (corners, middle) {
-            let bulge = |m: DVec3, sum: DVec3| 2.0 * (m - 0.25 * sum).length();
-            rays.p_bulge = rays.p_bulge.max(bulge(m.origin, a.origin + b.origin + c.origin + d.origin));
-            rays.d_bulge = rays.d_bulge.max(bulge(m.direction, a.direction + b.direction + c.direction + d.direction));
+/// The rays of a square: one net where they are smooth; where they jump, fold or end, one for each sample.
+fn nets(field: &Field, at: DVec2, side: f64) -> Vec<Net> {
+    let places = samples(at, side);
+    let found = places.map(|q| field.ray_at(q));
+    if let [Some(a), Some(b), Some(c), Some(d), Some(m)] = found {
+        let room = |of: fn(&Ray) -> DVec3| {
+            let all = [a, b, c, d].map(|r| of(&r));
+            let bulge = 2.0 * (of(&m) - all.iter().sum::<DVec3>() / 4.0).length();
+            let spread = (0..4).flat_map(|k| (0..k).map(move |l| (k, l)));
+            let spread = spread.map(|(k, l)| (all[k] - all[l]).length()).fold(0.0, f64::max);
+            let rounding = NOTHING * of(&m).length();
+            (bulge <= (SMOOTH * spread).max(rounding)).then_some(bulge + MARGIN * spread)
+        };
+        if let (Some(p_room), Some(d_room)) = (room(|r| r.origin), room(|r| r.direction)) {
+            return vec![Net { rays: [a, b, c, d], p_room, d_room }];
         }
     }
-    (rays.p[0].x <= rays.p[1].x).then_some(rays)
+    // as far as the steepest of the samples goes, with as much again for what bends
+    let room = |of: fn(&Ray) -> DVec3| {
+        let slope = |(q, r): (DVec2, &Option<Ray>)| {
+            let here = of(r.as_ref()?);
+            Some(least_slope(q, |q| field.ray_at(q).map(|near| (of(&near) - here).length())))
+        };
+        2.0 * side * places.into_iter().zip(&found).filter_map(slope).fold(0.0, f64::max)
+    };
+    let (p_room, d_room) = (room(|r| r.origin), room(|r| r.direction));
+    found.into_iter().flatten().map(|r| Net { rays: [r; 4], p_room, d_room }).collect()
+}
+
+/// What the rays of a tile's cells do.
+fn bound(field: &Field, start: DVec2, size: [u32; 2], x: u32, y: u32) -> Option<Rays> {
+    let all = cells(x, y, size).flat_map(|(i, j)| nets(field, start + DVec2::new(i.into(), j.into()), 1.0));
+    all.map(|n| Rays::of(&n)).reduce(|a, b| a.joined(&b))
 }
 
 impl Bound for Rays {
     fn joined(self, other: &Rays) -> Rays {
         let join = |a: [DVec3; 2], b: [DVec3; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-        Rays {
-            p: join(self.p, other.p),
-            d: join(self.d, other.d),
-            p_bulge: self.p_bulge.max(other.p_bulge),
-            d_bulge: self.d_bulge.max(other.d_bulge),
-        }
+        Rays { p: join(self.p, other.p), d: join(self.d, other.d) }
     }
 }
 
 impl Rays {
-    fn hold(&mut self, r: &Ray) {
-        self.p = [self.p[0].min(r.origin), self.p[1].max(r.origin)];
-        self.d = [self.d[0].min(r.direction), self.d[1].max(r.direction)];
+    fn of(net: &Net) -> Rays {
+        let around = |of: fn(&Ray) -> DVec3, room: f64| {
+            let all = net.rays.iter().map(of);
+            let [lo, hi] = all.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[lo, hi], v| [lo.min(v), hi.max(v)]);
+            [lo - room, hi + room]
+        };
+        Rays { p: around(|r| r.origin, net.p_room), d: around(|r| r.direction, net.d_room) }
     }
 
     /// Some ray within the bounds may pass through the point; only at t >= 0 where `forward`.
     fn may_meet(&self, x: DVec3, forward: bool) -> bool {
         let size = x.abs().max_element() + self.p[0].abs().max(self.p[1].abs()).max_element();
-        let room = 2.0 * self.p_bulge + NOTHING * size;
+        let room = NOTHING * size;
         let q = [x - self.p[1] - room, x - self.p[0] + room];
-        let room = 2.0 * self.d_bulge + NOTHING * self.d[0].abs().max(self.d[1].abs()).max_element();
+        let room = NOTHING * self.d[0].abs().max(self.d[1].abs()).max_element();
         let d = [self.d[0] - room, self.d[1] + room];
         let product = |i: usize, j: usize| {
             let all = [q[0][i] * d[0][j], q[0][i] * d[1][j], q[1][i] * d[0][j], q[1][i] * d[1][j]];
@@ -202,25 +201,28 @@ impl Rays {
     }
 }
 
-/// E may be 0 between four rays that are bilinear within the bulges.
-fn may_meet(x: DVec3, r: &[Ray; 4], p_bulge: f64, d_bulge: f64) -> bool {
-    let q = r.map(|r| x - r.origin);
-    let d = r.map(|r| r.direction);
-    let size = |v: &[DVec3; 4]| v.iter().fold(0.0_f64, |m, v| m.max(v.length()));
-    let terms = x.length() + r.iter().fold(0.0_f64, |m, r| m.max(r.origin.length()));
-    let room = p_bulge * (size(&d) + d_bulge) + size(&q) * d_bulge + NOTHING * terms * size(&d);
-    // Bernstein coefficients of a product of bilinear functions: of each pair of corners, divided by C(2,k) C(2,l)
-    let mut e = [[DVec3::ZERO; 3]; 3];
-    for (a, q) in q.iter().enumerate() {
-        for (b, d) in d.iter().enumerate() {
-            let (k, l) = (a % 2 + b % 2, a / 2 + b / 2);
-            let share = [1.0, 0.5, 1.0][k] * [1.0, 0.5, 1.0][l];
-            e[l][k] += share * q.cross(*d);
+impl Net {
+    /// E may be 0 between the rays.
+    fn may_meet(&self, x: DVec3) -> bool {
+        let Net { rays: r, p_room, d_room } = self;
+        let q = r.map(|r| x - r.origin);
+        let d = r.map(|r| r.direction);
+        let size = |v: &[DVec3; 4]| v.iter().fold(0.0_f64, |m, v| m.max(v.length()));
+        let terms = x.length() + r.iter().fold(0.0_f64, |m, r| m.max(r.origin.length()));
+        let room = p_room * (size(&d) + d_room) + size(&q) * d_room + NOTHING * terms * size(&d);
+        // Bernstein coefficients of a product of bilinear functions: of each pair of corners, divided by C(2,k) C(2,l)
+        let mut e = [[DVec3::ZERO; 3]; 3];
+        for (a, q) in q.iter().enumerate() {
+            for (b, d) in d.iter().enumerate() {
+                let (k, l) = (a % 2 + b % 2, a / 2 + b / 2);
+                let share = [1.0, 0.5, 1.0][k] * [1.0, 0.5, 1.0][l];
+                e[l][k] += share * q.cross(*d);
+            }
         }
+        (0..3).all(|c| {
+            let all = e.iter().flatten().map(|e| e[c]);
+            let (lo, hi) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
+            lo <= room && hi >= -room
+        })
     }
-    (0..3).all(|c| {
-        let all = e.iter().flatten().map(|e| e[c]);
-        let (lo, hi) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
-        lo <= room && hi >= -room
-    })
 }

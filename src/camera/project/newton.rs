@@ -25,6 +25,9 @@ const STEPS: usize = 60;
 /// Half the step over which slopes are taken, px: small against a pixel, large against the rounding of places.
 const SLOPE_PX: f64 = 1.0 / 1024.0;
 
+/// Slopes to both sides whose sizes differ by more than this factor are of two sides of a jump.
+const JUMP: f64 = 16.0;
+
 /// The last step of a search that has arrived, px and relative to t; double roots get no closer than the root of f64's
 /// precision.
 const ARRIVED: f64 = 1e-8;
@@ -41,8 +44,13 @@ const DAMPING: f64 = 1e-12;
 /// rounding, far under any pixel's footprint.
 const STILL: f64 = 1e-12;
 
-/// Solves `X(place, t) = x` from a guess. `None` where that leads nowhere.
-pub fn solve(volume: &impl Volume, x: DVec3, mut place: DVec2, mut t: f64) -> Option<Root> {
+/// A guess that leads farther away than this, px, is given up: guesses are taken from cells of a quarter pixel, and
+/// what is beyond is found from another one.
+const ASTRAY_PX: f64 = 2.0;
+
+/// Solves `X(place, t) = x` from a guess. `None` where that leads nowhere, or away.
+pub fn solve(volume: &impl Volume, x: DVec3, guess: DVec2, mut t: f64) -> Option<Root> {
+    let mut place = guess;
     for _ in 0..STEPS {
         let (at, along) = volume.at(place, t)?;
         let rest = x - at;
@@ -59,6 +67,9 @@ pub fn solve(volume: &impl Volume, x: DVec3, mut place: DVec2, mut t: f64) -> Op
         })?;
         let last = (moved.0 - place).length().max((moved.1 - t).abs() / t.abs().max(1.0));
         (place, t) = moved;
+        if place.distance(guess) > ASTRAY_PX {
+            return None;
+        }
         if last <= ARRIVED * ARRIVED || (last <= ARRIVED && has_arrived(volume, x, place, t, slopes)) {
             break;
         }
@@ -77,15 +88,16 @@ fn has_arrived(volume: &impl Volume, x: DVec3, place: DVec2, t: f64, slopes: [DV
     (x - at).length() <= RESIDUAL_ROUNDING * (volume.size(place, t) + x.length()) + RESIDUAL_PX * footprint
 }
 
-/// How X changes a pixel along `axis`: to both sides, to one where the other has no ray.
+/// How X changes a pixel along `axis`: to both sides; to one where the other has no ray or is behind a jump.
 fn slope(volume: &impl Volume, place: DVec2, t: f64, axis: DVec2) -> Option<DVec3> {
     let at = |s: f64| volume.at(place + s * axis, t).map(|(x, _)| x);
-    match (at(-SLOPE_PX), at(SLOPE_PX)) {
-        (Some(a), Some(b)) => Some((b - a) / (2.0 * SLOPE_PX)),
-        (None, Some(b)) => Some((b - at(0.0)?) / SLOPE_PX),
-        (Some(a), None) => Some((at(0.0)? - a) / SLOPE_PX),
-        (None, None) => None,
-    }
+    let here = at(0.0)?;
+    let before = at(-SLOPE_PX).map(|x| (here - x) / SLOPE_PX);
+    let after = at(SLOPE_PX).map(|x| (x - here) / SLOPE_PX);
+    let (Some(a), Some(b)) = (before, after) else { return before.or(after) };
+    let jumps = a.length().max(b.length()) > JUMP * a.length().min(b.length());
+    let lesser = if a.length() <= b.length() { a } else { b };
+    Some(if jumps { lesser } else { 0.5 * (a + b) })
 }
 
 /// The damped least squares step in (x, y, t) towards a rest of 0.

@@ -23,8 +23,8 @@ pub struct Search<'a> {
     t_range: [f64; 2],
 }
 
-/// Columns are parallel, or nothing, within this of the terms they are sums of: some 2^12 roundings. It is also how near
-/// to a slit, relative to the scene, a point counts as on it.
+/// Columns are parallel, or nothing, within this of the terms they are sums of: some 2^12 roundings. It is also how
+/// near to a slit, relative to the scene, a point counts as on it.
 const RANK_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Rounding of the determinant's coefficients against the product of the columns' terms: three differences, two

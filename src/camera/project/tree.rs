@@ -64,3 +64,9 @@ fn children(x: u32, y: u32, width: u32, height: u32) -> impl Iterator<Item = (u3
     let of = move |k: u32| (2 * x + k % 2, 2 * y + k / 2);
     (0..4).map(of).filter(move |&(x, y)| x < width && y < height)
 }
+
+/// The cells of a tile, of `size` in all: columns and rows.
+pub fn cells(x: u32, y: u32, size: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
+    let [columns, rows] = [(x, size[0]), (y, size[1])].map(|(k, end)| k * TILE..(k * TILE + TILE).min(end));
+    rows.flat_map(move |j| columns.clone().map(move |i| (i, j)))
+}
