@@ -119,7 +119,9 @@ impl Variant {
         match self.rays {
             RaysKind::Pieces => &[STRAIGHT, MEETING_OF_RAYS, snippet!("camera/pieces_coverage.wgsl")],
             RaysKind::Field => &[STRAIGHT, MEETING_OF_RAYS, snippet!("camera/field_coverage.wgsl")],
-            RaysKind::Curves { .. } => &[snippet!("camera/curves_coverage.wgsl")],
+            RaysKind::Curves { .. } => {
+                &[snippet!("camera/curves_coverage.wgsl"), snippet!("camera/curves_meeting.wgsl")]
+            }
         }
     }
 
