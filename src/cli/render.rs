@@ -126,6 +126,7 @@ fn counted(scene: &Scene, camera: &Camera) -> String {
     let of = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let triangles = of(scene.mesh.triangles.len(), "triangle");
     match camera.piece_count() {
+        0 if camera.is_curved() => format!("{triangles}, a curve a pixel"),
         0 => format!("{triangles}, a ray a pixel"),
         n => format!("{triangles}, {}", of(n, "piece")),
     }

@@ -25,10 +25,7 @@ const LOOK_PX: u32 = 16;
 impl Sheets {
     pub fn of(camera: &Camera) -> Sheets {
         let layers = camera.layers.len() as u32;
-        Sheets {
-            layers,
-            spans: if kind(camera) == RaysKind::Pieces || !camera.is_curved() { 1 } else { spans(camera) },
-        }
+        Sheets { layers, spans: if camera.is_curved() { spans(camera) } else { 1 } }
     }
 
     pub fn count(&self) -> u32 {
