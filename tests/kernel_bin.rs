@@ -6,7 +6,7 @@ mod stages;
 
 use anamorph::engine::Capacities;
 use anamorph::gpu::rows::{COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_WORK, COUNTERS};
-use anamorph::twin::bin::{Binned, Pair, beside, bin, covered, tiles_below};
+use anamorph::twin::bin::{Binned, Pair, beside, bin, cells_below, covered};
 use anamorph::twin::cull::{Address, Bound, cull};
 use anamorph::twin::rays::owned;
 use anamorph::twin::{Input, ROOMY, Real};
@@ -45,7 +45,8 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &Input, work: &[[u32; 2]]) 
     // a test for each triangle of an item at least, and for each pair; at most one for each cell below its node
     let triangles = |w: &[u32; 2]| input.clusters[w[0] as usize].count;
     let least = work.iter().map(triangles).sum::<u32>().max(counters[COUNT_PAIRS as usize]);
-    let most: u32 = work.iter().map(|w| triangles(w) * cells_below(input, w[1]).max(1)).sum();
+    let most: u32 =
+        work.iter().map(|w| triangles(w) * (cells_below(input, Address::unpack(w[1])).len() as u32).max(1)).sum();
     let tested = counters[COUNT_PAIRS_TESTED as usize];
     assert!((least..=most).contains(&tested), "{}: {tested} pairs tested, {least} to {most} possible", case.name);
     assert_eq!(counters[COUNT_WORK as usize], work.len() as u32, "{}", case.name);
@@ -58,29 +59,20 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &Input, work: &[[u32; 2]]) 
     Listed { pairs: items[..count].to_vec(), demand }
 }
 
-/// Cells of the tiles below a node.
-fn cells_below(input: &Input, node: u32) -> u32 {
-    let [columns, rows] = tiles_below(input, Address::unpack(node));
-    let tiles = rows.flat_map(|y| columns.clone().map(move |x| (y * input.params.tiles_x + x) as usize));
-    tiles.map(|tile| input.tile_start[tile + 1] - input.tile_start[tile]).sum()
-}
-
 /// What is wrong with a list of pairs: a covered pixel outside every box, a pair twice, or one that cannot be.
 fn differences(input: &Input, work: &[[u32; 2]], kernel: &[[u32; 2]], required: &[Binned]) -> Vec<String> {
     let mut wrong = Vec::new();
     let mut boxes: HashMap<(u32, u32), Pair> = HashMap::new();
     let mut below: HashSet<(u32, u32)> = HashSet::new();
     for &[cluster, node] in work {
-        let [columns, rows] = tiles_below(input, Address::unpack(node));
         let row = &input.clusters[cluster as usize];
-        for tile in rows.flat_map(|y| columns.clone().map(move |x| y * input.params.tiles_x + x)) {
-            below.extend((row.first..row.first + row.count).map(|slot| (slot, tile)));
+        for cell in cells_below(input, Address::unpack(node)) {
+            below.extend((row.first..row.first + row.count).map(|slot| (slot, cell)));
         }
     }
     for &words in kernel {
         let pair = Pair::unpack(words);
-        let tile = input.cells.get(pair.cell as usize).map(|c| c.tile);
-        if !tile.is_some_and(|tile| below.contains(&(pair.slot, tile))) {
+        if !below.contains(&(pair.slot, pair.cell)) {
             wrong.push(format!("{pair:?}: not below any work item"));
         }
         if pair.from[0] > pair.to[0] || pair.from[1] > pair.to[1] {

@@ -29,20 +29,20 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &Input) -> Kept {
         list(gpu, &mut buffers, name, &[], queue);
     }
     list(gpu, &mut buffers, "work", &[], work);
-    let levels = input.params.levels;
-    let zeros: Vec<(u32, u32)> = (1..levels).chain([COUNT_WORK]).map(|k| (k, 0)).collect();
+    let steps = input.cull_steps;
+    let zeros: Vec<(u32, u32)> = (1..=steps).chain([COUNT_WORK]).map(|k| (k, 0)).collect();
     counters(gpu, &mut buffers, &zeros);
-    run(gpu, |pass| stages.cull(gpu, pass, &[&buffers], input.params.cluster_count, levels));
+    run(gpu, |pass| stages.cull(gpu, pass, &[&buffers], input.params.cluster_count, steps));
 
     // nothing but the lists' own items and the counters of its steps may have changed
     let counters = read(gpu, &buffers, "counters");
-    let owned = |k: u32| (1..levels - 1).contains(&k) || k == COUNT_WORK;
-    for k in (0..COUNTERS).filter(|&k| !owned(k) && k != levels - 1) {
+    let owned = |k: u32| (1..steps).contains(&k) || k == COUNT_WORK;
+    for k in (0..COUNTERS).filter(|&k| !owned(k) && k != steps) {
         assert_eq!(counters[k as usize], POISON, "{}: counter {k}", case.name);
     }
     for (name, parity) in [("queue_even", 0), ("queue_odd", 1)] {
-        let steps = (1..levels - 1).filter(|k| k % 2 == parity);
-        let written = steps.map(|k| counters[k as usize].min(input.params.queue_capacity)).max().unwrap_or(0);
+        let queues = (1..steps).filter(|k| k % 2 == parity);
+        let written = queues.map(|k| counters[k as usize].min(input.params.queue_capacity)).max().unwrap_or(0);
         assert_poisoned(&read(gpu, &buffers, name), 2 * written as usize, &format!("{}, {name}", case.name));
     }
     let items = read_list(gpu, &buffers, "work");
@@ -51,15 +51,15 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &Input) -> Kept {
     Kept { work: items[..count].to_vec(), counters }
 }
 
+/// A node and those above it, lowest first.
+fn upwards(input: &Input, at: Address) -> Vec<Address> {
+    let inside = |at: &Address| at.cell().is_some() || at.level < input.params.levels;
+    std::iter::successors(Some(at), |at| Some(input.parent(*at))).take_while(inside).collect()
+}
+
 /// The item of `at` or of a node above it.
-fn item_above(items: &HashMap<[u32; 2], usize>, cluster: u32, mut at: Address, levels: u32) -> Option<Address> {
-    while at.level < levels {
-        if items.contains_key(&[cluster, at.pack()]) {
-            return Some(at);
-        }
-        at = at.parent();
-    }
-    None
+fn item_above(input: &Input, items: &HashMap<[u32; 2], usize>, cluster: u32, at: Address) -> Option<Address> {
+    upwards(input, at).into_iter().find(|at| items.contains_key(&[cluster, at.pack()]))
 }
 
 /// What is wrong with a list of work items: items that must be there and are not, items twice or below others, items
@@ -72,47 +72,40 @@ fn differences(input: &Input, kernel: &[[u32; 2]], needed: &Culled) -> Vec<Strin
     for (&[cluster, node], &count) in &items {
         let at = Address::unpack(node);
         let size = |k: u32, l: &[u32; 8]| k < l[at.level as usize];
-        let exists = (1..levels).contains(&at.level)
-            && size(at.x, &input.params.level_width)
-            && size(at.y, &input.params.level_height)
-            && (cluster as usize) < input.clusters.len();
+        let in_level = || size(at.x, &input.params.level_width) && size(at.y, &input.params.level_height);
+        let exists = match at.cell() {
+            Some(cell) => (cell as usize) < input.cells.len(),
+            None => at.level < levels && in_level(),
+        };
+        let exists = exists && (cluster as usize) < input.clusters.len();
         if !exists {
             wrong.push(format!("cluster {cluster}, {at:?}: no such item"));
             continue;
         }
-        if count > 1 || item_above(&items, cluster, at.parent(), levels).is_some() {
+        let path = upwards(input, at);
+        if count > 1 || path[1..].iter().any(|above| items.contains_key(&[cluster, above.pack()])) {
             wrong.push(format!("cluster {cluster}, {at:?}: more than once"));
         }
-        let mut above = at;
-        while above.level < levels {
-            if !node_meets(input, above, cluster, Bound::ALLOWED) {
-                wrong.push(format!("cluster {cluster}, {at:?}: no ray of {above:?} comes near it"));
-            }
-            above = above.parent();
+        for above in path.iter().filter(|&&above| !node_meets(input, above, cluster, Bound::ALLOWED)) {
+            wrong.push(format!("cluster {cluster}, {at:?}: no ray of {above:?} comes near it"));
         }
-        let met = input.children(at).filter(|&c| node_meets(input, c, cluster, Bound::ALLOWED)).count();
-        if at.level > 1 && !hands_on(input, at, met) {
-            wrong.push(format!("cluster {cluster}, {at:?}: handed on with {met} children met"));
+        let met = |at: Address, bound| {
+            input.children(at).into_iter().filter(|&child| node_meets(input, child, cluster, bound)).count()
+        };
+        if input.is_descended(at) && !hands_on(input, at, met(at, Bound::ALLOWED)) {
+            wrong.push(format!("cluster {cluster}, {at:?}: not descended"));
         }
-        let mut above = at.parent();
-        while above.level < levels {
-            let met = input.children(above).filter(|&c| node_meets(input, c, cluster, Bound::NEEDED)).count();
-            if hands_on(input, above, met) {
-                wrong.push(format!("cluster {cluster}, {above:?}: not handed on with {met} children met"));
+        for &above in &path[1..] {
+            if !input.is_descended(above) || hands_on(input, above, met(above, Bound::NEEDED)) {
+                wrong.push(format!("cluster {cluster}, {above:?}: not handed on"));
             }
-            above = above.parent();
         }
     }
     for &[cluster, node] in &needed.work {
-        let mut lowest = vec![Address::unpack(node)];
         // what the twin hands on undivided the kernel may have descended, if it met fewer children
-        while lowest.iter().any(|a| a.level > 1) {
-            lowest =
-                lowest.iter().flat_map(|&a| if a.level > 1 { input.children(a).collect() } else { vec![a] }).collect();
-        }
-        for at in lowest {
+        for at in lowest(input, Address::unpack(node)) {
             let must = node_meets(input, at, cluster, Bound::NEEDED);
-            if must && item_above(&items, cluster, at, levels).is_none() {
+            if must && item_above(input, &items, cluster, at).is_none() {
                 wrong.push(format!("cluster {cluster}, {at:?}: missing"));
             }
         }
@@ -120,11 +113,24 @@ fn differences(input: &Input, kernel: &[[u32; 2]], needed: &Culled) -> Vec<Strin
     wrong
 }
 
-/// Level-1 nodes in which a triangle of a cluster truly covers a pixel, whatever the bounds say; at any t, so only for
+/// The nodes of level 1.
+fn first_nodes(input: &Input) -> Vec<Address> {
+    let p = &input.params;
+    (0..p.level_height[1]).flat_map(|y| (0..p.level_width[1]).map(move |x| Address { level: 1, x, y })).collect()
+}
+
+/// The nodes below one, or itself, from which cull goes on no further.
+fn lowest(input: &Input, at: Address) -> Vec<Address> {
+    if !input.is_descended(at) {
+        return vec![at];
+    }
+    input.children(at).into_iter().flat_map(|child| lowest(input, child)).collect()
+}
+
+/// Lowest nodes in which a triangle of a cluster truly covers a pixel, whatever the bounds say; at any t, so only for
 /// cameras that look both ways.
 fn truly_met(input: &Input) -> Vec<[u32; 2]> {
-    let p = &input.params;
-    let nodes = (0..p.level_height[1]).flat_map(|y| (0..p.level_width[1]).map(move |x| Address { level: 1, x, y }));
+    let nodes = first_nodes(input).into_iter().flat_map(|node| lowest(input, node));
     let all: Vec<[u32; 2]> = nodes.flat_map(|n| (0..input.clusters.len() as u32).map(move |c| [c, n.pack()])).collect();
     let covers = |item: &[u32; 2]| bin::bin(input, &[*item], Real::F64).iter().any(|b| b.certain != 0);
     all.into_iter().filter(covers).collect()
@@ -133,7 +139,7 @@ fn truly_met(input: &Input) -> Vec<[u32; 2]> {
 #[test]
 fn the_kernel_keeps_what_it_must_and_nothing_that_no_bound_allows() {
     let Some(mut bench) = Bench::open() else { return };
-    let (mut multi_level, mut handed_on) = (0, 0);
+    let (mut multi_level, mut handed_on, mut cells) = (0, 0, 0);
     for case in cases().into_iter().chain([many_clusters()]).chain(seeds().map(random_case)) {
         let tables = case.tables();
         let roomy = Capacities { queue: 4096, work: 16384, ..ROOMY };
@@ -145,13 +151,18 @@ fn the_kernel_keeps_what_it_must_and_nothing_that_no_bound_allows() {
             let plain = cull(&input, Bound::PLAIN);
             println!("{}: {} items, twin {}", case.name, kernel.work.len(), plain.work.len());
             multi_level += u32::from(input.params.levels > 2);
-            handed_on += kernel.work.iter().filter(|w| Address::unpack(w[1]).level > 1).count();
+            let at = |w: &[u32; 2]| Address::unpack(w[1]);
+            handed_on += kernel.work.iter().filter(|w| at(w).cell().is_none() && at(w).level > 1).count();
+            cells += kernel.work.iter().filter(|w| at(w).cell().is_some()).count();
             if input.nodes.iter().any(|n| n.rays == RAYS_AFFINE) {
-                assert!(plain.queues.len() as u32 == input.params.levels - 1, "{}", case.name);
+                assert!(plain.queues.len() as u32 == input.cull_steps, "{}", case.name);
             }
         }
     }
-    assert!(multi_level > 0 && handed_on > 0, "the cases must descend ({multi_level}) and hand on ({handed_on})");
+    assert!(
+        multi_level > 0 && handed_on > 0 && cells > 0,
+        "the cases must descend ({multi_level}), hand on ({handed_on}) and come to cells ({cells})"
+    );
 }
 
 #[test]
@@ -166,11 +177,7 @@ fn every_cluster_that_is_truly_seen_in_a_node_is_kept() {
             let seen = truly_met(&input);
             for [cluster, node] in seen {
                 let at = Address::unpack(node);
-                assert!(
-                    item_above(&items, cluster, at, input.params.levels).is_some(),
-                    "{}: {cluster}, {at:?}",
-                    case.name
-                );
+                assert!(item_above(&input, &items, cluster, at).is_some(), "{}: {cluster}, {at:?}", case.name);
             }
         }
     }
@@ -223,18 +230,16 @@ fn the_comparison_sees_planted_errors() {
     found(&|work| work.retain(|w| *w != first), "missing");
     found(&|work| work.push(first), "more than once");
     found(&|work| work.push([first[0], Address { level: 1, x: 4000, y: 0 }.pack()]), "no such item");
-    found(&|work| work.push([first[0], Address::unpack(first[1]).parent().pack()]), "more than once");
-    let mut all = (0..input.clusters.len() as u32).flat_map(|c| {
-        let p = &input.params;
-        (0..p.level_height[1]).flat_map(move |y| (0..p.level_width[1]).map(move |x| (c, Address { level: 1, x, y })))
-    });
+    found(&|work| work.push([first[0], input.parent(Address::unpack(first[1])).pack()]), "more than once");
+    let nodes = first_nodes(&input);
+    let mut all = (0..input.clusters.len() as u32).flat_map(|c| nodes.iter().map(move |&at| (c, at)));
     let far = all.find(|&(c, at)| !node_meets(&input, at, c, Bound::ALLOWED)).unwrap();
     found(&|work| work.push([far.0, far.1.pack()]), "no ray of");
     let handed = *right.iter().find(|w| level(w) > 1).unwrap();
     found(
         &|work| {
             work.retain(|w| *w != handed);
-            let children = input.children(Address::unpack(handed[1]));
+            let children = input.children(Address::unpack(handed[1])).into_iter();
             work.extend(
                 children.filter(|&c| node_meets(&input, c, handed[0], Bound::PLAIN)).map(|c| [handed[0], c.pack()]),
             );

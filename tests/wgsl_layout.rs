@@ -181,6 +181,8 @@ fn host_constants() -> Constants {
         RAYS_NONE,
         RAYS_LOOSE,
         RAYS_AFFINE,
+        RAYS_TORN,
+        LEVEL_CELL,
         COUNT_WORK,
         COUNT_PAIRS,
         COUNT_RECHECKED,

@@ -1,6 +1,7 @@
 // bin: one workgroup per (cluster, node) item of `work`, one thread per triangle.
 // Reads triangles, vertices and nodes; writes (slot, cell) pairs of every tile under the node that the triangle may
-// cover, by bounds on its three edge conics. `pairs` may overflow: the counter keeps counting.
+// cover, by bounds on its three edge conics, or of the one cell that the item names. `pairs` may overflow: the counter
+// keeps counting.
 
 override COUNTING: bool = false;
 
@@ -29,8 +30,22 @@ fn bin(
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);
 
-    // bound the pixel centres it may cover
+    // rays that were torn above: a tile or a cell by its own bounds
     let level = node_level(address);
+    if level == LEVEL_CELL {
+        let cell = node_cell(address);
+        count_tested(select(0u, cluster.count, lane == 0u));
+        list(slot, cell, leaf_pixels(cells[cell].node, v0, v1, v2));
+        return;
+    }
+    if level == 0u {
+        let tile = node_y(address) * params.tiles_x + node_x(address);
+        count_tested(select(0u, cluster.count * (tile_start[tile + 1u] - tile_start[tile]), lane == 0u));
+        emit(slot, tile, leaf_pixels(tile, v0, v1, v2), v0, v1, v2);
+        return;
+    }
+
+    // bound the pixel centres it may cover
     let node = nodes[node_index(level, node_x(address), node_y(address))];
     let side = TILE << (2u * level);
     let where_seen = extent(node, v0, v1, v2);
@@ -68,11 +83,8 @@ fn bin(
             var in_tile = vec4<u32>(max(lo, first), min(end, first + TILE)) - first.xyxy;
             if loose {
                 // rays that the node bounds only loosely: ask the tile's own bounds
-                let own = tile_pixels(corner.x + x, corner.y + y, v0, v1, v2);
+                let own = leaf_pixels((corner.y + y) * params.tiles_x + corner.x + x, v0, v1, v2);
                 in_tile = vec4<u32>(max(in_tile.xy, own.xy), min(in_tile.zw, own.zw));
-                if is_empty(in_tile) {
-                    continue;
-                }
             }
             emit(slot, (corner.y + y) * params.tiles_x + corner.x + x, in_tile, v0, v1, v2);
         }
@@ -82,7 +94,7 @@ fn bin(
 
 // (triangle, cell) pairs looked at: the cells of the tiles in its box, or one for a whole node.
 fn count_tested(pairs_tested: u32) {
-    if COUNTING {
+    if COUNTING && pairs_tested > 0u {
         atomicAdd(&counters[COUNT_PAIRS_TESTED], pairs_tested);
     }
 }
@@ -106,42 +118,52 @@ fn is_empty(pixels: vec4<u32>) -> bool {
     return any(pixels.xy >= pixels.zw);
 }
 
-// The pixels of a tile that the triangle may cover by the tile's own bounds.
-fn tile_pixels(x: u32, y: u32, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec4<u32> {
-    let tile = nodes[node_index(0u, x, y)];
-    if tile.rays == RAYS_NONE || !may_cover(conics(tile, v0, v1, v2), 0.0, 0.0, CENTRES) {
+// The pixels of a tile that the triangle may cover by the bounds of a node of the tile, or of a cell in it.
+fn leaf_pixels(index: u32, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec4<u32> {
+    let leaf = nodes[index];
+    if leaf.rays == RAYS_NONE {
         return vec4<u32>(0u);
     }
-    let seen = extent(tile, v0, v1, v2);
+    let seen = extent(leaf, v0, v1, v2);
+    let within = pixels_within(seen, TILE);
+    if is_empty(within) || !may_cover(conics(leaf, v0, v1, v2), 0.0, 0.0, CENTRES) {
+        return vec4<u32>(0u);
+    }
     if SHEETED && !seen.tight {
         // in a sheet t ends soon: the triangle may lie before its start or beyond its end
         let lo = min(v0, min(v1, v2));
         let hi = max(v0, max(v1, v2));
         let rounding = vec3<f32>(BOUND_SLACK * params.vertex_reach);
-        if !node_meets(node_index(0u, x, y), 0.5 * (lo + hi), 0.5 * (hi - lo) + rounding) {
+        if !node_meets(index, 0.5 * (lo + hi), 0.5 * (hi - lo) + rounding) {
             return vec4<u32>(0u);
         }
     }
-    return pixels_within(seen, TILE);
+    return within;
 }
 
 // Pairs the triangle with the cells of the tile, and with the box of pixels to look at: with a lone cell as the tile's
 // bounds say, with each of several as its own do.
 fn emit(slot: u32, tile: u32, in_tile: vec4<u32>, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) {
-    let first = tile_start[tile];
-    let end = tile_start[tile + 1u];
-    for (var cell = first; cell < end; cell++) {
+    if is_empty(in_tile) {
+        return;
+    }
+    for (var cell = tile_start[tile]; cell < tile_start[tile + 1u]; cell++) {
         var in_cell = in_tile;
-        if end - first > 1u {
-            let own = cell_pixels(cell, v0, v1, v2);
+        if cells[cell].node != tile {
+            let own = leaf_pixels(cells[cell].node, v0, v1, v2);
             in_cell = vec4<u32>(max(in_tile.xy, own.xy), min(in_tile.zw, own.zw));
-            if is_empty(in_cell) {
-                continue;
-            }
         }
-        let at = atomicAdd(&counters[COUNT_PAIRS], 1u);
-        if at < params.pair_capacity {
-            pairs[at] = pair_pack(slot, cell, in_cell.xy, in_cell.zw - 1u);
-        }
+        list(slot, cell, in_cell);
+    }
+}
+
+// Lists a pair, if there is a pixel to look at.
+fn list(slot: u32, cell: u32, pixels: vec4<u32>) {
+    if is_empty(pixels) {
+        return;
+    }
+    let at = atomicAdd(&counters[COUNT_PAIRS], 1u);
+    if at < params.pair_capacity {
+        pairs[at] = pair_pack(slot, cell, pixels.xy, pixels.zw - 1u);
     }
 }

@@ -1,6 +1,7 @@
 // cull: one thread per (cluster, node) item of the step's queue; in step 0 per cluster, at a node above the top level.
 // Reads clusters and nodes; writes the children that the cluster may meet to the next queue, or to `work`: at level 1,
 // or where the cluster meets so many children of one affine bundle that going on with single triangles is cheaper.
+// Torn nodes of level 1 are queued once more: their tiles go to `work`, and of torn tiles the cells.
 // `queue_out` and `work` may overflow: counters keep counting.
 
 // Children met by which a cluster is handed on undivided: descending costs every triangle of the cluster a set-up a
@@ -38,44 +39,67 @@ fn cull(
     let columns = min(BRANCH, level_width(level - 1u) - x);
     let rows = min(BRANCH, level_height(level - 1u) - y);
     var kept = 0u;
+    var torn = 0u;
     for (var j = 0u; j < rows; j++) {
         for (var i = 0u; i < columns; i++) {
-            if node_meets(node_index(level - 1u, x + i, y + j), centre, half) {
-                kept |= 1u << (j * BRANCH + i);
+            let child = node_index(level - 1u, x + i, y + j);
+            if node_meets(child, centre, half) {
+                let bit = 1u << (j * BRANCH + i);
+                kept |= bit;
+                torn |= select(0u, bit, nodes[child].rays == RAYS_TORN);
             }
         }
     }
-    let count = countOneBits(kept);
-    if count == 0u {
+    if kept == 0u {
         return;
     }
 
     // hand the cluster on undivided, where the node's one bundle bounds its tiles too
-    if level < params.levels && count > HAND_ON && nodes[node_index(level, x / BRANCH, y / BRANCH)].rays == RAYS_AFFINE {
+    if level > 1u && level < params.levels && countOneBits(kept) > HAND_ON
+        && nodes[node_index(level, x / BRANCH, y / BRANCH)].rays == RAYS_AFFINE {
         let at = atomicAdd(&counters[COUNT_WORK], 1u);
-        if at < params.work_capacity {
-            work[at] = vec2<u32>(cluster, node);
-        }
+        put_to_work(at, vec2<u32>(cluster, node));
         return;
     }
 
-    // descend
-    let last = level == 2u;
-    var at = atomicAdd(&counters[select(step.value + 1u, COUNT_WORK, last)], count);
-    loop {
-        if kept == 0u {
-            break;
+    // descend where there is more to tell apart
+    let further = select(torn, kept, level > 2u);
+    let done = kept & ~further;
+    var at = atomicAdd(&counters[COUNT_WORK], countOneBits(done));
+    for (var left = done; left != 0u; left &= left - 1u) {
+        let bit = firstTrailingBit(left);
+        put_to_work(at, vec2<u32>(cluster, node_pack(level - 1u, x + bit % BRANCH, y + bit / BRANCH)));
+        at++;
+    }
+    if level == 1u {
+        for (var left = further; left != 0u; left &= left - 1u) {
+            let bit = firstTrailingBit(left);
+            descend_to_cells((y + bit / BRANCH) * params.tiles_x + x + bit % BRANCH, cluster);
         }
-        let bit = firstTrailingBit(kept);
-        kept &= kept - 1u;
-        let item = vec2<u32>(cluster, node_pack(level - 1u, x + bit % BRANCH, y + bit / BRANCH));
-        if last {
-            if at < params.work_capacity {
-                work[at] = item;
-            }
-        } else if at < params.queue_capacity {
-            queue_out[at] = item;
+        return;
+    }
+    at = atomicAdd(&counters[step.value + 1u], countOneBits(further));
+    for (var left = further; left != 0u; left &= left - 1u) {
+        let bit = firstTrailingBit(left);
+        if at < params.queue_capacity {
+            queue_out[at] = vec2<u32>(cluster, node_pack(level - 1u, x + bit % BRANCH, y + bit / BRANCH));
         }
         at++;
+    }
+}
+
+// The cells of a torn tile whose rays the cluster may meet.
+fn descend_to_cells(tile: u32, cluster: u32) {
+    let end = tile_start[tile + 1u];
+    for (var cell = tile_start[tile]; cell < end; cell++) {
+        if node_meets(cells[cell].node, clusters[cluster].centre, clusters[cluster].half) {
+            put_to_work(atomicAdd(&counters[COUNT_WORK], 1u), vec2<u32>(cluster, cell_pack(cell)));
+        }
+    }
+}
+
+fn put_to_work(at: u32, item: vec2<u32>) {
+    if at < params.work_capacity {
+        work[at] = item;
     }
 }

@@ -170,7 +170,7 @@ impl Frames<'_> {
         };
         let pixels = self.plan.bands[band].rows as u64 * self.camera.width as u64;
         clear(encoder, "visibility", Some(8 * pixels));
-        let levels = self.plan.bands[band].nodes.levels.len() as u32;
+        let steps = self.plan.bands[band].nodes.cull_steps();
         let alone = resident.jobs(band).filter(|j| j.clusters > 0).count() == 1;
         for step in 0..self.stages.raster_steps() {
             for job in resident.jobs(band).filter(|j| j.clusters > 0) {
@@ -179,7 +179,7 @@ impl Frames<'_> {
                 if step == 0 || !alone {
                     clear(encoder, "counters", None);
                     let mut pass = submitted.pass(encoder, "cull");
-                    self.stages.cull(gpu, &mut pass, &scopes, job.clusters, levels)?;
+                    self.stages.cull(gpu, &mut pass, &scopes, job.clusters, steps)?;
                     drop(pass);
                     let mut pass = submitted.pass(encoder, "bin");
                     self.stages.bin(gpu, &mut pass, &scopes)?;

@@ -96,14 +96,6 @@ impl Variant {
         }
     }
 
-    /// What bounds a cell by itself.
-    fn cell(self) -> &'static str {
-        match self.rays {
-            RaysKind::Pieces => snippet!("camera/pieces_cell.wgsl"),
-            RaysKind::Field | RaysKind::Curves { .. } => snippet!("camera/whole_cell.wgsl"),
-        }
-    }
-
     /// The camera's rays pixel by pixel, after they were found by tiles and cells.
     fn pixel(self) -> &'static [&'static str] {
         const CELLS: &str = snippet!("shared/cells.wgsl");
@@ -196,6 +188,8 @@ pub fn cull() -> Kernel {
         step(),
         read("clusters", "array<Cluster>"),
         read("nodes", "array<Node>"),
+        read("tile_start", "array<u32>"),
+        read("cells", "array<Cell>"),
         read("queue_in", "array<vec2<u32>>"),
         write("queue_out", "array<vec2<u32>>"),
         write("work", "array<vec2<u32>>"),
@@ -205,7 +199,7 @@ pub fn cull() -> Kernel {
 }
 
 pub fn bin(variant: Variant) -> Kernel {
-    let mut bindings = vec![
+    let bindings = vec![
         params(),
         read("clusters", "array<Cluster>"),
         read("nodes", "array<Node>"),
@@ -213,17 +207,12 @@ pub fn bin(variant: Variant) -> Kernel {
         read("triangles", "array<vec4<u32>>"),
         read("vertices_hi", "array<f32>"),
         read("tile_start", "array<u32>"),
+        read("cells", "array<Cell>"),
         write("pairs", "array<vec2<u32>>"),
         counters(),
     ];
-    if variant.rays == RaysKind::Pieces {
-        bindings.extend([read("cells", "array<Cell>"), read("pieces", "array<Piece>")]);
-    }
-    let mut kernel = kernel(
-        "bin",
-        bindings,
-        &[PARAMS, INDEX, SHEETS, VERTEX, PAIR, CONICS, EXTENT, MEETS, variant.cell(), snippet!("bin.wgsl")],
-    );
+    let snippets = [PARAMS, INDEX, SHEETS, VERTEX, PAIR, CONICS, EXTENT, MEETS, snippet!("bin.wgsl")];
+    let mut kernel = kernel("bin", bindings, &snippets);
     kernel.constants.push(("SHEETED", variant.sheeted as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel

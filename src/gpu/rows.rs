@@ -13,10 +13,15 @@ pub const CLUSTER: u32 = 64;
 /// No index.
 pub const NONE: u32 = u32::MAX;
 
-/// What a node's rays are: none; several pieces, or not affine; one affine bundle.
+/// What a node's rays are: none; several pieces, or not affine; one affine bundle; so far from affine that what lies
+/// below it bounds them much better.
 pub const RAYS_NONE: u32 = 0;
 pub const RAYS_LOOSE: u32 = 1;
 pub const RAYS_AFFINE: u32 = 2;
+pub const RAYS_TORN: u32 = 3;
+
+/// The level of a cell in the address of a node.
+pub const LEVEL_CELL: u32 = 15;
 
 /// Indices into the counters.
 pub const COUNT_WORK: u32 = 8;
@@ -98,7 +103,8 @@ pub struct Node {
     pub pad2: f32,
 }
 
-/// The pixels of one tile that one piece owns, and the piece's bundle at the tile's middle.
+/// The pixels of one tile that one piece owns, or a part of a torn tile of a field; the piece's bundle at the tile's
+/// middle, and the node that bounds its rays.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Cell {
@@ -109,7 +115,7 @@ pub struct Cell {
     pub tile: u32,
     pub mask_lo: u32,
     pub mask_hi: u32,
-    pub pad: u32,
+    pub node: u32,
 }
 
 /// A piece's bundle about `origin` (band pixels), each value a sum hi + lo.

@@ -7,6 +7,7 @@
 pub mod curves;
 pub mod nodes;
 pub mod sheets;
+pub mod tear;
 pub mod tiles;
 
 use crate::camera::{Camera, Rays};
@@ -125,6 +126,7 @@ fn bands(camera: &Camera, sheets: Sheets, anchor: DVec3, pixel_bytes: u64, bindi
         let band = Band::new(camera, sheets, anchor, row, rows);
         let fits = band.tiles.cells.len() <= CELLS_MAX
             && band.tiles.cells.len() * size_of::<rows::Cell>() <= binding_limit as usize
+            && band.nodes.nodes.len() * size_of::<rows::Node>() <= binding_limit as usize
             && band.tiles.pieces.len() * size_of::<rows::Piece>() <= binding_limit as usize;
         if fits || rows <= crate::TILE {
             bands.push(band);
@@ -149,8 +151,8 @@ impl Band {
             RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
             _ => None,
         };
-        let (tiles, samples) = tiles::Cutting { camera, sheets, curves: curves.as_ref(), anchor, row, rows }.cut();
-        let nodes = nodes::Nodes::new(&samples, tiles.tiles_x, tiles.tiles_y);
+        let (tiles, bounds) = tiles::Cutting { camera, sheets, curves: curves.as_ref(), anchor, row, rows }.cut();
+        let nodes = nodes::Nodes::new(&bounds.tiles, &bounds.cells, tiles.tiles_x, tiles.tiles_y);
         let rays = match (&curves, camera.layers.as_slice()) {
             (Some(table), _) => Some(table.rays(anchor)),
             (None, [Rays::Field(field)]) => Some(RayTable::of_field(field, anchor, row, rows)),
@@ -184,6 +186,9 @@ fn left_out(
     }
     if bands.iter().all(|b| b.nodes.exact) {
         say("ray residuals", "every node holds one affine piece".into());
+    }
+    if !bands.iter().any(|b| b.nodes.torn) {
+        say("cells apart in cull", "no rays are torn".into());
     }
     if bands.len() == 1 {
         say("bands", "the whole image fits the adapter's bindings".into());

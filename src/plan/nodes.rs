@@ -1,11 +1,12 @@
-//! A tree of squares over a band's tiles, four by four children a node, each with bounds on its rays.
+//! A tree of squares over a band's tiles, four by four children a node, each with bounds on its rays; below the tiles
+//! that hold several cells, these.
 
 use super::tiles::{Sample, Sampled};
-use crate::gpu::rows::{self, BRANCH, RAYS_AFFINE, RAYS_LOOSE, RAYS_NONE};
+use crate::gpu::rows::{self, BRANCH, RAYS_AFFINE, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// All levels of nodes, tiles first.
+/// All levels of nodes, tiles first; behind them those of cells.
 #[derive(Debug, Clone, Default)]
 pub struct Nodes {
     pub nodes: Vec<rows::Node>,
@@ -13,6 +14,8 @@ pub struct Nodes {
     pub levels: Vec<Level>,
     /// Every node's rays are one affine bundle.
     pub exact: bool,
+    /// Some node of level 1 is torn: cull descends to tiles and cells there.
+    pub torn: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,12 +27,12 @@ pub struct Level {
 
 /// An affine fit of rays over a square, (x, y) in [-1, 1]^2, and how far the rays may lie from it.
 #[derive(Debug, Clone, Copy, Default)]
-struct Fit {
+pub struct Fit {
     p: [DVec3; 3],
     d: [DVec3; 3],
     r_p: f64,
     r_d: f64,
-    rays: u32,
+    pub rays: u32,
 }
 
 /// What f32 rounding of a node's row and of what kernels compute from it may add to its radii, relative to the sizes
@@ -37,28 +40,54 @@ struct Fit {
 const NODE_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
 /// Residuals below this share of the rays' size are rounding of the fit itself: 64 samples of some 2^-50 each.
 const FIT_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
+/// Rays are torn that lie farther from their fit than this share of its slopes: twice that is a Newton step's slack in
+/// the node's units, and of half the node such a step says nothing any more.
+const TORN: f64 = 0.25;
+/// And farther than this share of their own size: next to no slope at all a hair would count.
+const TORN_SIZE: f64 = 1.0 / (1u64 << 12) as f64;
 
 impl Nodes {
-    /// From the rays of each tile, row by row. At least two levels; the top one at most 2 x 2 nodes.
-    pub fn new(samples: &[Sampled], tiles_x: u32, tiles_y: u32) -> Nodes {
-        let mut fits: Vec<Fit> = samples.par_iter().map(Fit::of).collect();
-        let mut exact = true;
-        let mut nodes = Nodes::default();
-        let (mut width, mut height) = (tiles_x, tiles_y);
-        loop {
-            exact &= fits.iter().all(|f| f.rays != RAYS_LOOSE);
-            nodes.levels.push(Level { start: nodes.nodes.len() as u32, width, height });
-            nodes.nodes.extend(fits.iter().map(Fit::row));
-            if nodes.levels.len() >= 2 && width <= TOP && height <= TOP {
-                break;
+    /// From the rays of each tile, row by row, and of cells that share theirs. At least two levels; the top one at most
+    /// 2 x 2 nodes.
+    pub fn new(tiles: &[Sampled], cells: &[Sampled], tiles_x: u32, tiles_y: u32) -> Nodes {
+        let mut fits: Vec<Fit> = tiles.par_iter().map(Fit::of).collect();
+        let mut nodes = Nodes { nodes: Vec::new(), levels: levels(tiles_x, tiles_y), exact: true, torn: false };
+        for (k, Level { width, height, .. }) in nodes.levels.iter().enumerate() {
+            if k > 0 {
+                let below = nodes.levels[k - 1];
+                let at = |n: u32| parent(&fits, (below.width, below.height), n % width, n / width);
+                fits = (0..width * height).into_par_iter().map(at).collect();
             }
-            let (w, h) = (width.div_ceil(BRANCH), height.div_ceil(BRANCH));
-            fits = (0..w * h).into_par_iter().map(|k| parent(&fits, (width, height), k % w, k / w)).collect();
-            (width, height) = (w, h);
+            nodes.exact &= fits.iter().all(|f| f.rays == RAYS_AFFINE || f.rays == RAYS_NONE);
+            nodes.torn |= k == 1 && fits.iter().any(|f| f.rays == RAYS_TORN);
+            nodes.nodes.extend(fits.iter().map(Fit::row));
         }
-        nodes.exact = exact;
+        nodes.nodes.par_extend(cells.par_iter().map(|cell| Fit::of(cell).row()));
         nodes
     }
+
+    /// Dispatches in which cull descends: a level each, down to level 1; one more from there where rays are torn.
+    pub fn cull_steps(&self) -> u32 {
+        self.levels.len() as u32 - 1 + u32::from(self.torn)
+    }
+}
+
+/// The levels over a grid of tiles.
+fn levels(tiles_x: u32, tiles_y: u32) -> Vec<Level> {
+    let mut list = vec![Level { start: 0, width: tiles_x, height: tiles_y }];
+    loop {
+        let Level { start, width, height } = list[list.len() - 1];
+        if list.len() >= 2 && width <= TOP && height <= TOP {
+            return list;
+        }
+        let (w, h) = (width.div_ceil(BRANCH), height.div_ceil(BRANCH));
+        list.push(Level { start: start + width * height, width: w, height: h });
+    }
+}
+
+/// How many nodes lie before the first cell's.
+pub fn above_cells(tiles_x: u32, tiles_y: u32) -> u32 {
+    levels(tiles_x, tiles_y).last().map_or(0, |top| top.start + top.width * top.height)
 }
 
 /// Nodes a side at most on the top level.
@@ -85,7 +114,7 @@ fn parent(children: &[Fit], (width, height): (u32, u32), x: u32, y: u32) -> Fit 
         }
     }
     let fit = Fit::of(&below);
-    Fit { rays: if affine { fit.rays } else { fit.rays.min(RAYS_LOOSE) }, ..fit }
+    Fit { rays: if fit.rays == RAYS_AFFINE && !affine { RAYS_LOOSE } else { fit.rays }, ..fit }
 }
 
 /// The affine function nearest to values at places, by least squares: value in the middle and slopes; and the largest
@@ -112,9 +141,14 @@ pub fn affine(places: &[DVec2], values: &[DVec3]) -> ([DVec3; 3], f64) {
     (fit, places.iter().zip(values).map(far).fold(0.0, f64::max))
 }
 
+/// Whether a radius about an affine fit of that size is that of torn rays.
+fn strays(r: f64, fit: &[DVec3; 3], size: f64) -> bool {
+    r > TORN * (fit[1].length() + fit[2].length()) && r > TORN_SIZE * size
+}
+
 impl Fit {
     /// The bundle nearest to the samples; its radii hold them and what lies that far from them.
-    fn of(sampled: &Sampled) -> Fit {
+    pub fn of(sampled: &Sampled) -> Fit {
         if sampled.samples.is_empty() {
             return Fit::default();
         }
@@ -127,8 +161,17 @@ impl Fit {
         let (size_p, size_d) = fit.sizes();
         if r_p <= FIT_ROUNDING * size_p && r_d <= FIT_ROUNDING * size_d {
             fit.rays = RAYS_AFFINE;
+        } else if strays(r_p, &p, size_p) || strays(r_d, &d, size_d) {
+            fit.rays = RAYS_TORN;
         }
         fit
+    }
+
+    /// How far rays may lie from the fit, against how large they are.
+    pub fn looseness(&self) -> f64 {
+        let (size_p, size_d) = self.sizes();
+        let share = |r: f64, size: f64| if r > 0.0 { r / size } else { 0.0 };
+        share(self.r_p, size_p) + share(self.r_d, size_d)
     }
 
     fn sizes(&self) -> (f64, f64) {

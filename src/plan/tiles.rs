@@ -1,7 +1,9 @@
 //! Tiles of 8 x 8 pixels, cut into cells: the pixels of one tile that one piece owns. Each sheet has its own tiles.
 
-use super::curves::{CurveTable, nets};
+use super::curves::{CurveTable, Net, nets};
+use super::nodes::above_cells;
 use super::sheets::Sheets;
+use super::tear::{Part, tear};
 use crate::TILE;
 use crate::camera::{Bundle, Camera, Pieces, Rays};
 use crate::gpu::rows::{self, split2};
@@ -44,8 +46,26 @@ pub struct Sampled {
 /// Half of a tile from its middle to the outermost pixel centre, px.
 const TILE_REACH: f64 = (TILE as f64 - 1.0) / 2.0;
 
-/// A cell before its bundle is stored: piece of its layer, pixels.
+/// Cells before their bundles are stored: piece of the layer, pixels.
 type Owned = Vec<(u32, u64)>;
+
+/// How a tile is shared.
+#[derive(Debug, Default)]
+struct Shares {
+    owned: Owned,
+    /// What bounds all of its rays, and, where straight rays are in several cells, each one's.
+    whole: Sampled,
+    each: Vec<Sampled>,
+}
+
+/// What [`super::nodes`] is made from.
+#[derive(Debug, Clone, Default)]
+pub struct Bounds {
+    /// Of each tile.
+    pub tiles: Vec<Sampled>,
+    /// Of each cell that shares its tile with others, in their order.
+    pub cells: Vec<Sampled>,
+}
 
 /// Rows `row .. row + rows` of an image to be cut.
 #[derive(Clone, Copy)]
@@ -69,8 +89,8 @@ struct Place {
 }
 
 impl Cutting<'_> {
-    /// The tiles; and the rays by which [`super::nodes`] bounds each.
-    pub fn cut(&self) -> (Tiles, Vec<Sampled>) {
+    /// The tiles; and the rays that bound each and its cells.
+    pub fn cut(&self) -> (Tiles, Bounds) {
         let tiles_x = self.camera.width.div_ceil(TILE);
         let sheet_rows = self.sheets.tile_rows(self.rows);
         let tiles_y = sheet_rows * self.sheets.count();
@@ -80,21 +100,25 @@ impl Cutting<'_> {
             (y < self.rows.div_ceil(TILE)).then(|| Place { layer, span, x: k % tiles_x, y: self.row / TILE + y })
         };
         let places: Vec<Option<Place>> = (0..tiles_x * tiles_y).map(place).collect();
-        let owned: Vec<Owned> = places.par_iter().map(|place| place.map_or_else(Vec::new, |p| self.owned(p))).collect();
         let nets = self.curves.map(|table| nets(table, tiles_x));
-        let of = |(place, owned): (&Option<Place>, &Owned)| match (place, &nets) {
-            (None, _) => Sampled::default(),
-            (Some(p), Some(nets)) => {
-                let tile = (p.layer as u32 * self.rows.div_ceil(TILE) + p.y - self.row / TILE) * tiles_x + p.x;
-                nets[tile as usize].as_ref().map_or_else(Sampled::default, |net| net.over(p.span, self.anchor))
-            }
-            (Some(p), None) => Sampled { samples: self.samples(*p, owned), ..Sampled::default() },
+        let cut = |place: &Option<Place>| {
+            let (Some(place), Some(nets)) = (place, &nets) else {
+                return place.map_or_else(Default::default, |p| self.straight(p));
+            };
+            let tile = (place.layer as u32 * self.rows.div_ceil(TILE) + place.y - self.row / TILE) * tiles_x + place.x;
+            let over = |net: &Net| net.over(place.span, self.anchor);
+            let whole = nets[tile as usize].as_ref().map_or_else(Sampled::default, over);
+            Shares { owned: self.owned(*place), whole, each: Vec::new() }
         };
-        let samples = places.par_iter().zip(&owned).map(of).collect();
+        let cut: Vec<Shares> = places.par_iter().map(cut).collect();
         let mut tiles = Tiles { tiles_x, tiles_y, sheet_rows, start: vec![0], ..Default::default() };
+        let mut bounds = Bounds::default();
         let mut local = std::collections::HashMap::new();
-        for (k, (place, cells)) in places.iter().zip(&owned).enumerate() {
-            for (place, &(piece, mask)) in place.iter().flat_map(|p| cells.iter().map(move |c| (p, c))) {
+        for ((k, place), Shares { owned, whole, each }) in (0u32..).zip(&places).zip(cut) {
+            bounds.tiles.push(whole);
+            let own_node = above_cells(tiles_x, tiles_y) + bounds.cells.len() as u32;
+            for ((at, place), &(piece, mask)) in (0u32..).zip(std::iter::repeat(place)).zip(&owned) {
+                let Some(place) = place else { continue };
                 let number = self.camera.first_piece(place.layer) + piece;
                 let row_of = match &self.camera.layers[place.layer] {
                     Rays::Pieces(pieces) if self.curves.is_none() => *local.entry(number).or_insert_with(|| {
@@ -103,11 +127,30 @@ impl Cutting<'_> {
                     }),
                     _ => number,
                 };
-                tiles.cells.push(self.cell_row((piece, row_of), *place, k as u32, mask));
+                let node = if each.is_empty() { k } else { own_node + at };
+                tiles.cells.push(rows::Cell { tile: k, node, ..self.cell_row((piece, row_of), *place, mask) });
             }
+            bounds.cells.extend(each);
             tiles.start.push(tiles.cells.len() as u32);
         }
-        (tiles, samples)
+        (tiles, bounds)
+    }
+
+    /// The cells of a tile of straight rays.
+    fn straight(&self, at: Place) -> Shares {
+        let owned = self.owned(at);
+        let sampled = |samples| Sampled { samples, ..Sampled::default() };
+        let whole = self.samples(at, &owned);
+        if let (Rays::Field(_), &[(piece, mask)]) = (&self.camera.layers[at.layer], owned.as_slice()) {
+            let parts = tear(Part { mask, samples: whole.clone() });
+            let owned: Owned = parts.iter().map(|part| (piece, part.mask)).collect();
+            let each =
+                if parts.len() > 1 { parts.into_iter().map(|p| sampled(p.samples)).collect() } else { Vec::new() };
+            return Shares { owned, whole: sampled(whole), each };
+        }
+        let share = |cell: &(u32, u64)| sampled(self.samples(at, &[*cell]));
+        let each = if owned.len() > 1 { owned.iter().map(share).collect() } else { Vec::new() };
+        Shares { owned, whole: sampled(whole), each }
     }
 
     /// Which pixels of a tile each piece owns, by ascending piece.
@@ -142,8 +185,8 @@ impl Cutting<'_> {
         cells
     }
 
-    /// Rays that bound all straight rays of a tile: the corners of an affine cell's pixels, or every pixel's ray.
-    fn samples(&self, at: Place, owned: &Owned) -> Vec<Sample> {
+    /// Rays that bound all straight rays of these cells: the corners of a lone affine one's tile, or every pixel's ray.
+    fn samples(&self, at: Place, owned: &[(u32, u64)]) -> Vec<Sample> {
         let mut list = Vec::new();
         for &(piece, mask) in owned {
             let pixels = (0..64u32).filter(|b| mask >> b & 1 == 1).map(|b| (b % TILE, b / TILE));
@@ -174,16 +217,17 @@ impl Cutting<'_> {
         list
     }
 
-    fn cell_row(&self, (piece, row_of): (u32, u32), at: Place, index: u32, mask: u64) -> rows::Cell {
+    /// A cell of a tile and a node yet to be named.
+    fn cell_row(&self, (piece, row_of): (u32, u32), at: Place, mask: u64) -> rows::Cell {
         let mut cell = rows::Cell {
             p: [0.0; 3],
             h: 1.0,
             d: [0.0; 3],
             piece: row_of,
-            tile: index,
+            tile: rows::NONE,
             mask_lo: mask as u32,
             mask_hi: (mask >> 32) as u32,
-            pad: 0,
+            node: rows::NONE,
         };
         if let (Rays::Pieces(p), None) = (&self.camera.layers[at.layer], self.curves) {
             let b = rebased(&p.bundle_at_place(piece, middle(p, at)), self.anchor);

@@ -1,4 +1,4 @@
-//! cull: clusters against the tree of nodes, one dispatch a level.
+//! cull: clusters against the tree of nodes, one dispatch a step down.
 
 use super::{STEPS, Scopes, Stages, dispatch_items, with};
 use crate::error::Result;
@@ -8,18 +8,18 @@ use crate::gpu::Gpu;
 const QUEUES: [&str; 2] = ["queue_even", "queue_odd"];
 
 impl Stages {
-    /// Encodes the descent of `clusters` clusters through `levels` levels of nodes.
+    /// Encodes the descent of `clusters` clusters in [`crate::plan::nodes::Nodes::cull_steps`].
     pub fn cull(
         &self,
         gpu: &Gpu,
         pass: &mut wgpu::ComputePass,
         scopes: Scopes,
         clusters: u32,
-        levels: u32,
+        steps: u32,
     ) -> Result<()> {
         let all = with(scopes, &self.steps);
         let indirect = all.iter().find_map(|s| s.get("indirect"));
-        for step in 0..levels - 1 {
+        for step in 0..steps {
             if step > 0 {
                 self.lay_out(gpu, pass, scopes, step)?;
             }

@@ -6,7 +6,7 @@ use super::raster::{Corners, test};
 use super::rays::{Cast, owned};
 use super::{Input, Real};
 use crate::TILE;
-use crate::gpu::rows::{BRANCH, Cell};
+use crate::gpu::rows::Cell;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -70,11 +70,12 @@ impl Binned {
     }
 }
 
-/// The columns and rows of tiles below a node, ends excluded.
-pub fn tiles_below(input: &Input, node: Address) -> [std::ops::Range<u32>; 2] {
-    let side = BRANCH.pow(node.level);
-    let range = |k: u32, count: u32| k * side..((k + 1) * side).min(count);
-    [range(node.x, input.params.tiles_x), range(node.y, input.params.tiles_y)]
+/// The cells below a node.
+pub fn cells_below(input: &Input, node: Address) -> Vec<u32> {
+    match node.cell() {
+        Some(cell) => vec![cell],
+        None => input.children(node).into_iter().flat_map(|child| cells_below(input, child)).collect(),
+    }
 }
 
 /// Every triangle of every item's cluster against every pixel below its node, but for tiles that lie beside it whole.
@@ -86,22 +87,19 @@ fn bin_item(input: &Input, cluster: u32, node: Address, real: Real) -> Vec<Binne
     let cluster = &input.clusters[cluster as usize];
     let slots = cluster.first..cluster.first + cluster.count;
     let corners: Vec<_> = slots.map(|slot| (slot, input.corners(slot))).collect();
-    let [columns, rows] = tiles_below(input, node);
     let mut found = Vec::new();
-    for tile in rows.flat_map(|y| columns.clone().map(move |x| y * input.params.tiles_x + x)) {
-        for cell in input.tile_start[tile as usize]..input.tile_start[tile as usize + 1] {
-            let row = &input.cells[cell as usize];
-            let pixels = owned(row);
-            let rays: Vec<_> =
-                (0..64).filter(|b| pixels >> b & 1 == 1).map(|bit| (bit, input.cell_cast(row, bit))).collect();
-            for (slot, corners) in &corners {
-                if beside(input, row, corners, real) {
-                    continue;
-                }
-                let (certain, possible) = covered(input, &rays, corners, real);
-                if possible != 0 {
-                    found.push(Binned { slot: *slot, cell, certain, possible });
-                }
+    for cell in cells_below(input, node) {
+        let row = &input.cells[cell as usize];
+        let pixels = owned(row);
+        let rays: Vec<_> =
+            (0..64).filter(|b| pixels >> b & 1 == 1).map(|bit| (bit, input.cell_cast(row, bit))).collect();
+        for (slot, corners) in &corners {
+            if beside(input, row, corners, real) {
+                continue;
+            }
+            let (certain, possible) = covered(input, &rays, corners, real);
+            if possible != 0 {
+                found.push(Binned { slot: *slot, cell, certain, possible });
             }
         }
     }

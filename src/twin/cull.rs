@@ -1,7 +1,7 @@
 //! cull in f64: which clusters may be seen in which squares of the image.
 
 use super::Input;
-use crate::gpu::rows::{BRANCH, Cluster, Node, RAYS_AFFINE, RAYS_NONE};
+use crate::gpu::rows::{BRANCH, Cluster, LEVEL_CELL, Node, RAYS_AFFINE, RAYS_NONE, RAYS_TORN};
 use glam::DVec3;
 
 /// How a node's bundle is bounded: all boxes and radii grow by `slack` times the sizes of what they are made of, and
@@ -29,7 +29,7 @@ pub const HAND_ON: usize = 4;
 /// How often a range of t is narrowed by the width of the bundle over it.
 pub const REFINEMENTS: u32 = 2;
 
-/// A node's address, as items of the lists name it.
+/// A node's address, as items of the lists name it; of a cell: [`LEVEL_CELL`], and its number's low 14 bits in `x`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Address {
     pub level: u32,
@@ -46,8 +46,13 @@ impl Address {
         Address { level: word >> 28, x: word & 0x3fff, y: word >> 14 & 0x3fff }
     }
 
-    pub fn parent(self) -> Address {
-        Address { level: self.level + 1, x: self.x / BRANCH, y: self.y / BRANCH }
+    pub fn of_cell(cell: u32) -> Address {
+        Address::unpack(LEVEL_CELL << 28 | cell)
+    }
+
+    /// The cell that it names.
+    pub fn cell(self) -> Option<u32> {
+        (self.level == LEVEL_CELL).then_some(self.y << 14 | self.x)
     }
 }
 
@@ -66,19 +71,28 @@ pub fn cull(input: &Input, bound: Bound) -> Culled {
     let top = Address { level: p.levels, x: 0, y: 0 }.pack();
     let all = (p.cluster_first..p.cluster_first + p.cluster_count).map(|c| [c, top]).collect();
     let mut culled = Culled { work: Vec::new(), queues: vec![all] };
-    for _ in 0..p.levels - 1 {
+    for _ in 0..input.cull_steps {
         let mut next = Vec::new();
         // the queue that the step before has left
         for &[cluster, node] in &culled.queues[culled.queues.len() - 1] {
             let node = Address::unpack(node);
             let met: Vec<Address> =
-                input.children(node).filter(|&child| node_meets(input, child, cluster, bound)).collect();
+                input.children(node).into_iter().filter(|&child| node_meets(input, child, cluster, bound)).collect();
             if hands_on(input, node, met.len()) {
                 culled.work.push([cluster, node.pack()]);
                 continue;
             }
-            let list = if node.level == 2 { &mut culled.work } else { &mut next };
-            list.extend(met.iter().map(|child| [cluster, child.pack()]));
+            for child in met {
+                if !input.is_descended(child) {
+                    culled.work.push([cluster, child.pack()]);
+                } else if child.level > 0 {
+                    next.push([cluster, child.pack()]);
+                } else {
+                    let cells =
+                        input.children(child).into_iter().filter(|&cell| node_meets(input, cell, cluster, bound));
+                    culled.work.extend(cells.map(|cell| [cluster, cell.pack()]));
+                }
+            }
         }
         culled.queues.push(next);
     }
@@ -89,23 +103,49 @@ pub fn cull(input: &Input, bound: Bound) -> Culled {
 
 /// A node that is left undivided when so many of its children are met.
 pub fn hands_on(input: &Input, node: Address, met: usize) -> bool {
-    node.level < input.params.levels && met > HAND_ON && input.node(node).rays == RAYS_AFFINE
+    let above_tiles = (2..input.params.levels).contains(&node.level);
+    above_tiles && met > HAND_ON && input.node(node).rays == RAYS_AFFINE
 }
 
 impl Input<'_> {
     pub fn node(&self, at: Address) -> &Node {
         let level = at.level as usize;
-        &self.nodes[(self.params.level_start[level] + at.y * self.params.level_width[level] + at.x) as usize]
+        let index = match at.cell() {
+            Some(cell) => self.cells[cell as usize].node,
+            None => self.params.level_start[level] + at.y * self.params.level_width[level] + at.x,
+        };
+        &self.nodes[index as usize]
     }
 
-    /// The nodes one level down, row by row.
-    pub fn children(&self, at: Address) -> impl Iterator<Item = Address> + use<> {
+    /// Whether cull goes on from a node that a cluster meets: from all above level 1, and there and below where rays are
+    /// torn.
+    pub fn is_descended(&self, at: Address) -> bool {
+        at.cell().is_none() && (at.level > 1 || self.node(at).rays == RAYS_TORN)
+    }
+
+    /// The nodes one level down, row by row; of a tile its cells.
+    pub fn children(&self, at: Address) -> Vec<Address> {
+        if at.level == 0 {
+            let tile = (at.y * self.params.tiles_x + at.x) as usize;
+            return (self.tile_start[tile]..self.tile_start[tile + 1]).map(Address::of_cell).collect();
+        }
         let level = at.level - 1;
         let end = |from: u32, count: u32| (from + BRANCH).min(count);
         let (x0, y0) = (at.x * BRANCH, at.y * BRANCH);
         let x1 = end(x0, self.params.level_width[level as usize]);
         let y1 = end(y0, self.params.level_height[level as usize]);
-        (y0..y1).flat_map(move |y| (x0..x1).map(move |x| Address { level, x, y }))
+        (y0..y1).flat_map(|y| (x0..x1).map(move |x| Address { level, x, y })).collect()
+    }
+
+    /// The node one level up; of a cell its tile.
+    pub fn parent(&self, at: Address) -> Address {
+        match at.cell() {
+            Some(cell) => {
+                let tile = self.cells[cell as usize].tile;
+                Address { level: 0, x: tile % self.params.tiles_x, y: tile / self.params.tiles_x }
+            }
+            None => Address { level: at.level + 1, x: at.x / BRANCH, y: at.y / BRANCH },
+        }
     }
 }
 

@@ -8,9 +8,17 @@ fn group_index(group: vec3<u32>, groups: vec3<u32>) -> u32 {
     return group.y * groups.x + group.x;
 }
 
-// A node's address: level, column and row in one word.
+// A node's address: level, column and row in one word; or LEVEL_CELL and a cell.
 fn node_pack(level: u32, x: u32, y: u32) -> u32 {
     return (level << 28u) | (y << 14u) | x;
+}
+
+fn cell_pack(cell: u32) -> u32 {
+    return (LEVEL_CELL << 28u) | cell;
+}
+
+fn node_cell(node: u32) -> u32 {
+    return node & 0x0fffffffu;
 }
 
 fn node_level(node: u32) -> u32 {

@@ -60,6 +60,9 @@ struct Cluster {
 const RAYS_NONE: u32 = 0u;     // no ray in the square
 const RAYS_LOOSE: u32 = 1u;    // several pieces, or rays that are not affine
 const RAYS_AFFINE: u32 = 2u;   // one affine bundle
+const RAYS_TORN: u32 = 3u;     // so far from affine that what lies below bounds them much better
+
+const LEVEL_CELL: u32 = 15u;   // of a cell in the address of a node
 
 // The rays of one square of the image: for (x, y) in [-1, 1]^2 over the square, P = p + x px + y py up to a
 // distance r_p, D = d + x dx + y dy up to r_d.
@@ -78,7 +81,7 @@ struct Node {
     pad2: f32,
 }
 
-// The pixels of one tile that one piece owns, and the piece's bundle at the tile's middle.
+// The pixels of one tile that one piece owns, or a part of a torn tile of a field; the piece's bundle at the tile's middle.
 struct Cell {
     p: vec3<f32>,
     h: f32,
@@ -87,7 +90,7 @@ struct Cell {
     tile: u32,
     mask_lo: u32,           // bit 8 y + x: the piece owns pixel (x, y) of the tile; rows 0 to 3
     mask_hi: u32,           // rows 4 to 7
-    pad: u32,
+    node: u32,              // that bounds its rays: its tile's where it has the tile alone
 }
 
 // A piece's bundle about `origin` (band pixels): each value is the exact-as-stored sum hi + lo.
