@@ -8,7 +8,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame, Plane};
 use crate::gpu::Gpu;
-use crate::plan::{self, LeftOut, Plan, Wanted};
+use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::stage::Stages;
 use resident::Resident;
@@ -77,11 +77,11 @@ impl Engine {
 
     /// Renders `scene` through `camera`.
     pub fn render(&mut self, scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Result<Rendered> {
-        let anchor = plan::anchor(camera, scene.bounds());
+        let around = Surroundings::of(camera, scene.bounds());
         let has_normals = !scene.mesh.normals.is_empty();
         let limit = self.gpu.binding_limit();
         let triangles = scene.mesh.triangles.len();
-        let plan = Plan::new(camera, triangles, has_normals, anchor, wanted, self.gpu.has, limit);
+        let plan = Plan::new(camera, triangles, has_normals, around, wanted, self.gpu.has, limit);
         if self.stages.as_ref().is_none_or(|s| s.variant != plan.variant || s.planes != plan.planes) {
             self.stages = Some(Stages::new(&self.gpu, plan.variant, &plan.planes)?);
         }

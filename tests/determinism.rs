@@ -132,9 +132,9 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
         let Some(mut small) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = SMALL_BINDING) else {
             return;
         };
-        let anchor = plan::anchor(&camera, scene.bounds());
+        let around = Surroundings::of(&camera, scene.bounds());
         let plan =
-            Plan::new(&camera, scene.mesh.triangles.len(), false, anchor, &wanted(), small.gpu.has, SMALL_BINDING);
+            Plan::new(&camera, scene.mesh.triangles.len(), false, around, &wanted(), small.gpu.has, SMALL_BINDING);
         let chunks = anamorph::scene::clusters::cluster(&scene.mesh, anchor, SMALL_BINDING).chunks.len();
         assert!(plan.bands.len() > 5 && chunks > 1, "{name}");
         let parts = small.render(&scene, &camera, &wanted(), &RunOptions::default()).unwrap();

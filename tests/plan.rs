@@ -8,7 +8,7 @@ use anamorph::frame::Channel;
 use anamorph::gpu::device::Abilities;
 use anamorph::gpu::rows::{self, BRANCH};
 use anamorph::plan::sheets::Sheets;
-use anamorph::plan::{self, Band, Plan, Wanted};
+use anamorph::plan::{Band, Plan, Surroundings, Wanted};
 use anamorph::scene::file::CameraKind;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::layered;
@@ -26,7 +26,7 @@ fn wanted(channels: &[Channel]) -> Wanted {
 }
 
 fn plan(camera: &Camera, binding_limit: u64) -> Plan {
-    Plan::new(camera, 1000, false, DVec3::ZERO, &wanted(&Channel::ALL), HAS_ALL, binding_limit)
+    Plan::new(camera, 1000, false, Surroundings::point(DVec3::ZERO), &wanted(&Channel::ALL), HAS_ALL, binding_limit)
 }
 
 /// A GLC of random near and far points.
@@ -103,8 +103,8 @@ fn cells_cut_the_image_as_the_camera_does() {
 fn a_piece_row_gives_the_rays_of_its_pixels() {
     for (name, camera) in cameras() {
         let Rays::Pieces(_) = &camera.layers[0] else { continue };
-        let anchor = plan::anchor(&camera, None);
-        let plan = Plan::new(&camera, 1, false, anchor, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
+        let around = Surroundings::of(&camera, None);
+        let plan = Plan::new(&camera, 1, false, around, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
         for band in &plan.bands {
             for (i, j) in (0..band.rows).step_by(5).flat_map(|y| (0..SIZE.0).step_by(7).map(move |x| (x, band.row + y)))
             {
@@ -231,9 +231,9 @@ fn layered_cameras() -> Vec<(String, Camera)> {
 #[test]
 fn nodes_bound_every_ray_of_their_squares() {
     for (name, camera) in cameras().into_iter().chain(layered_cameras()) {
-        for anchor in [plan::anchor(&camera, None), DVec3::new(3.0, -200.0, 0.1)] {
+        for around in [Surroundings::of(&camera, None), Surroundings::point(DVec3::new(3.0, -200.0, 0.1))] {
             for limit in [LAVAPIPE_BINDING, 1 << 17] {
-                let plan = Plan::new(&camera, 1, false, anchor, &wanted(&Channel::ALL), HAS_ALL, limit);
+                let plan = Plan::new(&camera, 1, false, around, &wanted(&Channel::ALL), HAS_ALL, limit);
                 plan.bands.iter().for_each(|b| assert_bounded(&name, &camera, anchor, plan.sheets, b));
             }
         }
@@ -263,7 +263,15 @@ fn the_key_has_room_for_every_id() {
     for (triangles, bits) in
         [(0, 1), (1, 1), (2, 1), (3, 2), (4, 2), (5, 3), (1 << 20, 20), ((1 << 20) + 1, 21), (1 << 28, 28)]
     {
-        let plan = Plan::new(&camera, triangles, false, DVec3::ZERO, &wanted(&Channel::ALL), HAS_ALL, LAVAPIPE_BINDING);
+        let plan = Plan::new(
+            &camera,
+            triangles,
+            false,
+            Surroundings::point(DVec3::ZERO),
+            &wanted(&Channel::ALL),
+            HAS_ALL,
+            LAVAPIPE_BINDING,
+        );
         assert_eq!(plan.id_bits, bits, "{triangles} triangles");
         assert!(triangles as u64 <= 1 << bits && bits <= rows::ID_BITS_MAX);
     }
@@ -275,7 +283,7 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
     let camera = camera(kind, (16, 16), FORWARD);
     let planes = |channels: &[Channel], srgb8: bool| {
         let wanted = Wanted { srgb8, ..wanted(channels) };
-        Plan::new(&camera, 9, false, DVec3::ZERO, &wanted, HAS_ALL, LAVAPIPE_BINDING).planes
+        Plan::new(&camera, 9, false, Surroundings::point(DVec3::ZERO), &wanted, HAS_ALL, LAVAPIPE_BINDING).planes
     };
     use Channel::{B, G, R, T, Z};
     assert_eq!(planes(&[T, Z, T], false), [Z, T]);
@@ -287,7 +295,7 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
 #[test]
 fn what_is_left_out_is_said() {
     let whats = |camera: &Camera, normals: bool, wanted: &Wanted, has: Abilities, limit: u64| {
-        let plan = Plan::new(camera, 9, normals, DVec3::ZERO, wanted, has, limit);
+        let plan = Plan::new(camera, 9, normals, Surroundings::point(DVec3::ZERO), wanted, has, limit);
         plan.left_out.into_iter().map(|l| l.what).collect::<Vec<_>>()
     };
     let (_, kind) = glc_of_each_class().swap_remove(3);
@@ -318,10 +326,10 @@ fn the_anchor_is_near_the_rays_and_in_the_scene() {
     for _ in 0..50 {
         let camera = camera(random_glc(&mut rng), SIZE, FORWARD);
         let start = camera.ray(SIZE.0 / 2, SIZE.1 / 2).unwrap().origin;
-        assert_eq!(plan::anchor(&camera, None), start);
+        assert_eq!(Surroundings::of(&camera, None).anchor, start);
         let (a, b) = (rng.vector(), rng.vector());
         let (lo, hi) = (a.min(b), a.max(b));
-        let anchor = plan::anchor(&camera, Some((lo, hi)));
+        let anchor = Surroundings::of(&camera, Some((lo, hi))).anchor;
         assert!(anchor.cmpge(lo).all() && anchor.cmple(hi).all());
         let clamp_moves = |k: usize| start[k] < lo[k] || start[k] > hi[k];
         assert!((0..3).all(|k| clamp_moves(k) || anchor[k] == start[k]));

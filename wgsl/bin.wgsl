@@ -30,71 +30,78 @@ fn bin(
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);
 
-    // rays that were torn above: a tile or a cell by its own bounds
+    // bound the pixel centres it may cover, of a node's square or of the tile of one cell
     let level = node_level(address);
-    if level == LEVEL_CELL {
-        let cell = node_cell(address);
-        count_tested(select(0u, cluster.count, lane == 0u));
-        list(slot, cell, leaf_pixels(cells[cell].node, v0, v1, v2));
-        return;
+    let lone = level == LEVEL_CELL;
+    var at = node_index(select(level, 0u, lone), node_x(address), node_y(address));
+    var corner = vec2<u32>(node_x(address), node_y(address)) << vec2<u32>(2u * level);
+    var side = TILE << (2u * level);
+    if lone {
+        let tile = cells[node_cell(address)].tile;
+        at = cells[node_cell(address)].node;
+        corner = vec2<u32>(tile % params.tiles_x, tile / params.tiles_x);
+        side = TILE;
     }
-    if level == 0u {
-        let tile = node_y(address) * params.tiles_x + node_x(address);
-        count_tested(select(0u, cluster.count * (tile_start[tile + 1u] - tile_start[tile]), lane == 0u));
-        emit(slot, tile, leaf_pixels(tile, v0, v1, v2), v0, v1, v2);
-        return;
-    }
-
-    // bound the pixel centres it may cover
-    let node = nodes[node_index(level, node_x(address), node_y(address))];
-    let side = TILE << (2u * level);
+    let node = nodes[at];
     let where_seen = extent(node, v0, v1, v2);
     let within = pixels_within(where_seen, side);
     let lo = within.xy;
     let end = within.zw;
-    if is_empty(within) {
+    let tile_lo = corner + lo / TILE;
+    let tile_end = min(corner + (end + TILE - 1u) / TILE, vec2<u32>(params.tiles_x, params.tiles_y));
+    if is_empty(within) || any(tile_lo >= tile_end) {
         count_tested(1u);
         return;
     }
 
-    // pair it with the tiles of that box: all of a few, of many those that its conics may cover
-    let corner = vec2<u32>(node_x(address), node_y(address)) << vec2<u32>(2u * level);
-    let tile_lo = lo / TILE;
-    let tile_end = min((end + TILE - 1u) / TILE, vec2<u32>(params.tiles_x, params.tiles_y) - corner);
+    // pair it with the cells of the tiles in that box: all of a few tiles, of many those that its conics may cover
     let loose = node.rays != RAYS_AFFINE;
-    let all_tiles = where_seen.tight && (tile_end.x - tile_lo.x) * (tile_end.y - tile_lo.y) <= FEW_TILES;
+    let tiles = tile_end - tile_lo;
+    let all_tiles = where_seen.tight && tiles.x * tiles.y <= FEW_TILES;
     var over_node: Conics;
     if !all_tiles {
         over_node = conics(node, v0, v1, v2);
     }
     let s = f32(TILE) / f32(side);
     var tested = 0u;
-    for (var y = tile_lo.y; y < tile_end.y; y++) {
-        for (var x = tile_lo.x; x < tile_end.x; x++) {
-            let centre = (2.0 * vec2<f32>(f32(x), f32(y)) + 1.0) * s - 1.0;
-            if COUNTING {
-                let tile = (corner.y + y) * params.tiles_x + corner.x + x;
-                tested += tile_start[tile + 1u] - tile_start[tile];
-            }
+    // one loop over all rows of tiles, whose cells follow each other; software adapters run what an `if` leaves out too
+    var row = select(tile_lo.y, tile_end.y, lone);
+    var cell = select(0u, node_cell(address), lone);
+    var cell_end = select(0u, cell + 1u, lone);
+    loop {
+        if cell >= cell_end {
+            cell = tile_start[row * params.tiles_x + tile_lo.x];
+            cell_end = tile_start[row * params.tiles_x + tile_end.x];
+            row++;
+        }
+        if cell < cell_end {
+            let tile = cells[cell].tile;
+            let first = (vec2<u32>(tile % params.tiles_x, tile / params.tiles_x) - corner) * TILE;
+            let centre = (2.0 * vec2<f32>(first / TILE) + 1.0) * s - 1.0;
+            var pixels = vec4<u32>(max(lo, first), min(end, first + TILE)) - first.xyxy;
             if !(all_tiles || may_cover(over_node, centre.x, centre.y, s * CENTRES)) {
-                continue;
+                pixels = vec4<u32>(0u);
             }
-            let first = vec2<u32>(x, y) * TILE;
-            var in_tile = vec4<u32>(max(lo, first), min(end, first + TILE)) - first.xyxy;
-            if loose {
-                // rays that the node bounds only loosely: ask the tile's own bounds
-                let own = leaf_pixels((corner.y + y) * params.tiles_x + corner.x + x, v0, v1, v2);
-                in_tile = vec4<u32>(max(in_tile.xy, own.xy), min(in_tile.zw, own.zw));
+            // rays that the node bounds only loosely: ask their own bounds
+            let own = cells[cell].node;
+            if !is_empty(pixels) && own != at && (loose || own != tile) {
+                let seen = leaf_pixels(own, v0, v1, v2);
+                pixels = vec4<u32>(max(pixels.xy, seen.xy), min(pixels.zw, seen.zw));
             }
-            emit(slot, (corner.y + y) * params.tiles_x + corner.x + x, in_tile, v0, v1, v2);
+            list(slot, cell, pixels);
+            tested++;
+            cell++;
+        }
+        if cell >= cell_end && row >= tile_end.y {
+            break;
         }
     }
     count_tested(max(tested, 1u));
 }
 
-// (triangle, cell) pairs looked at: the cells of the tiles in its box, or one for a whole node.
+// (triangle, cell) pairs looked at: the cells of the tiles in its box, or one where there is no box.
 fn count_tested(pairs_tested: u32) {
-    if COUNTING && pairs_tested > 0u {
+    if COUNTING {
         atomicAdd(&counters[COUNT_PAIRS_TESTED], pairs_tested);
     }
 }
@@ -139,22 +146,6 @@ fn leaf_pixels(index: u32, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec4<
         }
     }
     return within;
-}
-
-// Pairs the triangle with the cells of the tile, and with the box of pixels to look at: with a lone cell as the tile's
-// bounds say, with each of several as its own do.
-fn emit(slot: u32, tile: u32, in_tile: vec4<u32>, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) {
-    if is_empty(in_tile) {
-        return;
-    }
-    for (var cell = tile_start[tile]; cell < tile_start[tile + 1u]; cell++) {
-        var in_cell = in_tile;
-        if cells[cell].node != tile {
-            let own = leaf_pixels(cells[cell].node, v0, v1, v2);
-            in_cell = vec4<u32>(max(in_tile.xy, own.xy), min(in_tile.zw, own.zw));
-        }
-        list(slot, cell, in_cell);
-    }
 }
 
 // Lists a pair, if there is a pixel to look at.

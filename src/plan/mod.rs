@@ -64,13 +64,29 @@ pub struct Plan {
     pub left_out: Vec<LeftOut>,
 }
 
-/// A point near the camera's rays' start and the scene: the middle ray's origin, clamped into the scene's box.
-pub fn anchor(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> DVec3 {
-    let middle = (camera.width / 2, camera.height / 2);
-    let start = camera.ray(middle.0, middle.1).map_or(DVec3::ZERO, |r| r.origin);
-    match bounds {
-        Some((lo, hi)) => start.clamp(lo, hi),
-        None => start,
+/// Where a camera meets a scene, world units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surroundings {
+    /// What all positions are relative to: near the camera's rays' start and the scene.
+    pub anchor: DVec3,
+    /// Of the scene: how far bundles spread is compared as far along their rays.
+    pub middle: DVec3,
+}
+
+impl Surroundings {
+    /// The anchor is the middle ray's origin, clamped into the scene's box.
+    pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> Surroundings {
+        let middle = (camera.width / 2, camera.height / 2);
+        let start = camera.ray(middle.0, middle.1).map_or(DVec3::ZERO, |r| r.origin);
+        match bounds {
+            Some((lo, hi)) => Surroundings { anchor: start.clamp(lo, hi), middle: (lo + hi) / 2.0 },
+            None => Surroundings::point(start),
+        }
+    }
+
+    /// Of a scene that is one point.
+    pub fn point(at: DVec3) -> Surroundings {
+        Surroundings { anchor: at, middle: at }
     }
 }
 
@@ -80,7 +96,7 @@ impl Plan {
         camera: &Camera,
         triangles: usize,
         has_normals: bool,
-        anchor: DVec3,
+        around: Surroundings,
         wanted: &Wanted,
         has: Abilities,
         binding_limit: u64,
@@ -105,15 +121,15 @@ impl Plan {
             RaysKind::Curves { degree } => 12 * (degree as u64 + 1) * sheets.layers as u64,
         };
         let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes);
-        let bands = bands(camera, sheets, anchor, pixel_bytes, binding_limit);
+        let bands = bands(camera, sheets, around, pixel_bytes, binding_limit);
         let id_bits = usize::BITS - triangles.saturating_sub(1).leading_zeros();
         let left_out = left_out(camera, sheets, &bands, &planes, wanted, has_normals, has);
-        Plan { variant, sheets, bands, planes, id_bits: id_bits.max(1), anchor, left_out }
+        Plan { variant, sheets, bands, planes, id_bits: id_bits.max(1), anchor: around.anchor, left_out }
     }
 }
 
 /// Cuts the image into bands whose every buffer fits a binding.
-fn bands(camera: &Camera, sheets: Sheets, anchor: DVec3, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
+fn bands(camera: &Camera, sheets: Sheets, around: Surroundings, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
     let tile = crate::TILE as u64;
     let row_bytes = (camera.width as u64 + 1) * pixel_bytes;
     // one row more than the band: the ray table's
@@ -123,7 +139,7 @@ fn bands(camera: &Camera, sheets: Sheets, anchor: DVec3, pixel_bytes: u64, bindi
         (0..camera.height).step_by(rows as usize).map(|r| (r, rows.min(camera.height - r))).rev().collect();
     let mut bands = Vec::new();
     while let Some((row, rows)) = todo.pop() {
-        let band = Band::new(camera, sheets, anchor, row, rows);
+        let band = Band::new(camera, sheets, around, row, rows);
         let fits = band.tiles.cells.len() <= CELLS_MAX
             && band.tiles.cells.len() * size_of::<rows::Cell>() <= binding_limit as usize
             && band.nodes.nodes.len() * size_of::<rows::Node>() <= binding_limit as usize
@@ -146,13 +162,18 @@ const TILE_ROWS_MAX: u32 = 1 << 14;
 const CELLS_MAX: usize = 1 << 24;
 
 impl Band {
-    fn new(camera: &Camera, sheets: Sheets, anchor: DVec3, row: u32, rows: u32) -> Band {
+    fn new(camera: &Camera, sheets: Sheets, around: Surroundings, row: u32, rows: u32) -> Band {
+        let anchor = around.anchor;
         let curves = match sheets::kind(camera) {
             RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
             _ => None,
         };
-        let (tiles, bounds) = tiles::Cutting { camera, sheets, curves: curves.as_ref(), anchor, row, rows }.cut();
-        let nodes = nodes::Nodes::new(&bounds.tiles, &bounds.cells, tiles.tiles_x, tiles.tiles_y);
+        let (tiles, sampled) = tiles::Cutting { camera, sheets, curves: curves.as_ref(), anchor, row, rows }.cut();
+        let nodes = nodes::Nodes::new(
+            &sampled,
+            (tiles.tiles_x, tiles.tiles_y),
+            nodes::Depth { middle: around.middle - anchor, t_range: camera.t_range },
+        );
         let rays = match (&curves, camera.layers.as_slice()) {
             (Some(table), _) => Some(table.rays(anchor)),
             (None, [Rays::Field(field)]) => Some(RayTable::of_field(field, anchor, row, rows)),

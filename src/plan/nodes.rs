@@ -1,7 +1,7 @@
 //! A tree of squares over a band's tiles, four by four children a node, each with bounds on its rays; below the tiles
 //! that hold several cells, these.
 
-use super::tiles::{Sample, Sampled};
+use super::tiles::{Bounds, Sample, Sampled};
 use crate::gpu::rows::{self, BRANCH, RAYS_AFFINE, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -32,7 +32,35 @@ pub struct Fit {
     d: [DVec3; 3],
     r_p: f64,
     r_d: f64,
-    pub rays: u32,
+    rays: u32,
+    /// How wide the bundles are, on average, that cull may hand on in its stead; see [`Depth::width`].
+    below: f64,
+}
+
+/// Where bundles are compared.
+#[derive(Debug, Clone, Copy)]
+pub struct Depth {
+    /// Of the scene, relative to the anchor.
+    pub middle: DVec3,
+    pub t_range: [f64; 2],
+}
+
+impl Depth {
+    /// Half-size of a bundle as far along its middle ray as the scene's middle is.
+    fn width(&self, fit: &Fit) -> f64 {
+        let [t0, t1] = self.t_range;
+        let t = (self.middle - fit.p[0]).length() / fit.d[0].length();
+        let t = if t.is_finite() { t.min(t0.abs().max(t1.abs())) } else { 0.0 };
+        let half = |c: &[DVec3; 3], r: f64| c[1].length() + c[2].length() + r;
+        half(&fit.p, fit.r_p) + t * half(&fit.d, fit.r_d)
+    }
+
+    /// Marks a node as torn where what lies below it is bounded much better.
+    fn marked(&self, fit: Fit, below: f64) -> Fit {
+        let width = self.width(&fit);
+        let torn = fit.rays == RAYS_LOOSE && fit.strays() && below < TORN_WIDTH * width;
+        if torn { Fit { rays: RAYS_TORN, below, ..fit } } else { Fit { below: width, ..fit } }
+    }
 }
 
 /// What f32 rounding of a node's row and of what kernels compute from it may add to its radii, relative to the sizes
@@ -40,29 +68,36 @@ pub struct Fit {
 const NODE_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
 /// Residuals below this share of the rays' size are rounding of the fit itself: 64 samples of some 2^-50 each.
 const FIT_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
-/// Rays are torn that lie farther from their fit than this share of its slopes: twice that is a Newton step's slack in
+/// Rays stray that lie farther from their fit than this share of its slopes: twice that is a Newton step's slack in
 /// the node's units, and of half the node such a step says nothing any more.
 const TORN: f64 = 0.25;
 /// And farther than this share of their own size: next to no slope at all a hair would count.
 const TORN_SIZE: f64 = 1.0 / (1u64 << 12) as f64;
+/// It pays to hand on what is below a torn node where that is narrower than this share of the node: a quarter of the
+/// triangles then, each with a set-up of its own.
+const TORN_WIDTH: f64 = 0.5;
 
 impl Nodes {
-    /// From the rays of each tile, row by row, and of cells that share theirs. At least two levels; the top one at most
-    /// 2 x 2 nodes.
-    pub fn new(tiles: &[Sampled], cells: &[Sampled], tiles_x: u32, tiles_y: u32) -> Nodes {
-        let mut fits: Vec<Fit> = tiles.par_iter().map(Fit::of).collect();
+    /// From the rays of each tile, row by row, and of its cells where they are several. At least two levels; the top one
+    /// at most 2 x 2 nodes.
+    pub fn new(tiles: &[Bounds], (tiles_x, tiles_y): (u32, u32), depth: Depth) -> Nodes {
+        let cells: Vec<Vec<Fit>> = tiles.par_iter().map(|tile| tile.each.iter().map(Fit::of).collect()).collect();
+        let tile = |(tile, cells): (&Bounds, &Vec<Fit>)| {
+            depth.marked(Fit::of(&tile.whole), mean(cells.iter().map(|c| depth.width(c))))
+        };
+        let mut fits: Vec<Fit> = tiles.par_iter().zip(&cells).map(tile).collect();
         let mut nodes = Nodes { nodes: Vec::new(), levels: levels(tiles_x, tiles_y), exact: true, torn: false };
         for (k, Level { width, height, .. }) in nodes.levels.iter().enumerate() {
             if k > 0 {
                 let below = nodes.levels[k - 1];
-                let at = |n: u32| parent(&fits, (below.width, below.height), n % width, n / width);
+                let at = |n: u32| parent(&fits, (below.width, below.height), n % width, n / width, depth);
                 fits = (0..width * height).into_par_iter().map(at).collect();
             }
             nodes.exact &= fits.iter().all(|f| f.rays == RAYS_AFFINE || f.rays == RAYS_NONE);
             nodes.torn |= k == 1 && fits.iter().any(|f| f.rays == RAYS_TORN);
             nodes.nodes.extend(fits.iter().map(Fit::row));
         }
-        nodes.nodes.par_extend(cells.par_iter().map(|cell| Fit::of(cell).row()));
+        nodes.nodes.extend(cells.iter().flatten().map(Fit::row));
         nodes
     }
 
@@ -94,9 +129,10 @@ pub fn above_cells(tiles_x: u32, tiles_y: u32) -> u32 {
 const TOP: u32 = 2;
 
 /// A node from its children: their rays are those at the corners of their own fits, give or take their radii.
-fn parent(children: &[Fit], (width, height): (u32, u32), x: u32, y: u32) -> Fit {
+fn parent(children: &[Fit], (width, height): (u32, u32), x: u32, y: u32, depth: Depth) -> Fit {
     let mut below = Sampled::default();
     let mut affine = true;
+    let mut widths = Vec::new();
     for j in 0..BRANCH.min(height - y * BRANCH) {
         for i in 0..BRANCH.min(width - x * BRANCH) {
             let child = &children[((y * BRANCH + j) * width + x * BRANCH + i) as usize];
@@ -104,6 +140,7 @@ fn parent(children: &[Fit], (width, height): (u32, u32), x: u32, y: u32) -> Fit 
                 continue;
             }
             affine &= child.rays == RAYS_AFFINE;
+            widths.push(child.below);
             (below.r_p, below.r_d) = (below.r_p.max(child.r_p), below.r_d.max(child.r_d));
             let half = 1.0 / BRANCH as f64;
             let middle = (2.0 * DVec2::new(i as f64, j as f64) + 1.0) * half - 1.0;
@@ -114,7 +151,14 @@ fn parent(children: &[Fit], (width, height): (u32, u32), x: u32, y: u32) -> Fit 
         }
     }
     let fit = Fit::of(&below);
-    Fit { rays: if fit.rays == RAYS_AFFINE && !affine { RAYS_LOOSE } else { fit.rays }, ..fit }
+    let rays = if affine { fit.rays } else { fit.rays.min(RAYS_LOOSE) };
+    depth.marked(Fit { rays, ..fit }, mean(widths.into_iter()))
+}
+
+/// Infinite of nothing.
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let n = values.len() as f64;
+    if n > 0.0 { values.sum::<f64>() / n } else { f64::INFINITY }
 }
 
 /// The affine function nearest to values at places, by least squares: value in the middle and slopes; and the largest
@@ -141,11 +185,6 @@ pub fn affine(places: &[DVec2], values: &[DVec3]) -> ([DVec3; 3], f64) {
     (fit, places.iter().zip(values).map(far).fold(0.0, f64::max))
 }
 
-/// Whether a radius about an affine fit of that size is that of torn rays.
-fn strays(r: f64, fit: &[DVec3; 3], size: f64) -> bool {
-    r > TORN * (fit[1].length() + fit[2].length()) && r > TORN_SIZE * size
-}
-
 impl Fit {
     /// The bundle nearest to the samples; its radii hold them and what lies that far from them.
     pub fn of(sampled: &Sampled) -> Fit {
@@ -157,14 +196,21 @@ impl Fit {
         let (p, off_p) = affine(&places, &list(|s| s.p));
         let (d, off_d) = affine(&places, &list(|s| s.d));
         let (r_p, r_d) = (off_p + sampled.r_p, off_d + sampled.r_d);
-        let mut fit = Fit { p, d, r_p, r_d, rays: RAYS_LOOSE };
+        let mut fit = Fit { p, d, r_p, r_d, rays: RAYS_LOOSE, below: f64::INFINITY };
         let (size_p, size_d) = fit.sizes();
         if r_p <= FIT_ROUNDING * size_p && r_d <= FIT_ROUNDING * size_d {
             fit.rays = RAYS_AFFINE;
-        } else if strays(r_p, &p, size_p) || strays(r_d, &d, size_d) {
-            fit.rays = RAYS_TORN;
         }
         fit
+    }
+
+    /// Origins or directions lie so far from the fit that it says little.
+    pub fn strays(&self) -> bool {
+        let far = |r: f64, fit: &[DVec3; 3], size: f64| {
+            r > TORN * (fit[1].length() + fit[2].length()) && r > TORN_SIZE * size
+        };
+        let (size_p, size_d) = self.sizes();
+        far(self.r_p, &self.p, size_p) || far(self.r_d, &self.d, size_d)
     }
 
     /// How far rays may lie from the fit, against how large they are.

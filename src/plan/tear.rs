@@ -3,7 +3,6 @@
 use super::nodes::Fit;
 use super::tiles::{Sample, Sampled};
 use crate::TILE;
-use crate::gpu::rows::RAYS_TORN;
 
 /// Pixels of one cell, bit 8 y + x, and their rays.
 #[derive(Debug, Clone)]
@@ -39,7 +38,7 @@ impl Part {
 
 /// Cuts torn rays along the columns or rows that leave them most nearly affine on both sides, until none are torn.
 pub fn tear(whole: Part) -> Vec<Part> {
-    if whole.samples.len() <= PIXELS_MIN || whole.fit().rays != RAYS_TORN {
+    if whole.samples.len() <= PIXELS_MIN || !whole.fit().strays() {
         return vec![whole];
     }
     let looseness = |part: &Part| part.samples.len() as f64 * part.fit().looseness();

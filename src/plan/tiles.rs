@@ -49,22 +49,11 @@ const TILE_REACH: f64 = (TILE as f64 - 1.0) / 2.0;
 /// Cells before their bundles are stored: piece of the layer, pixels.
 type Owned = Vec<(u32, u64)>;
 
-/// How a tile is shared.
+/// What bounds all rays of a tile, and, where straight ones are in several cells, each cell's.
 #[derive(Debug, Default)]
-struct Shares {
-    owned: Owned,
-    /// What bounds all of its rays, and, where straight rays are in several cells, each one's.
-    whole: Sampled,
-    each: Vec<Sampled>,
-}
-
-/// What [`super::nodes`] is made from.
-#[derive(Debug, Clone, Default)]
 pub struct Bounds {
-    /// Of each tile.
-    pub tiles: Vec<Sampled>,
-    /// Of each cell that shares its tile with others, in their order.
-    pub cells: Vec<Sampled>,
+    pub whole: Sampled,
+    pub each: Vec<Sampled>,
 }
 
 /// Rows `row .. row + rows` of an image to be cut.
@@ -90,7 +79,7 @@ struct Place {
 
 impl Cutting<'_> {
     /// The tiles; and the rays that bound each and its cells.
-    pub fn cut(&self) -> (Tiles, Bounds) {
+    pub fn cut(&self) -> (Tiles, Vec<Bounds>) {
         let tiles_x = self.camera.width.div_ceil(TILE);
         let sheet_rows = self.sheets.tile_rows(self.rows);
         let tiles_y = sheet_rows * self.sheets.count();
@@ -108,17 +97,14 @@ impl Cutting<'_> {
             let tile = (place.layer as u32 * self.rows.div_ceil(TILE) + place.y - self.row / TILE) * tiles_x + place.x;
             let over = |net: &Net| net.over(place.span, self.anchor);
             let whole = nets[tile as usize].as_ref().map_or_else(Sampled::default, over);
-            Shares { owned: self.owned(*place), whole, each: Vec::new() }
+            (self.owned(*place), Bounds { whole, each: Vec::new() })
         };
-        let cut: Vec<Shares> = places.par_iter().map(cut).collect();
+        let (owned, bounds): (Vec<Owned>, Vec<Bounds>) = places.par_iter().map(cut).unzip();
         let mut tiles = Tiles { tiles_x, tiles_y, sheet_rows, start: vec![0], ..Default::default() };
-        let mut bounds = Bounds::default();
+        let mut node_of_cell = above_cells(tiles_x, tiles_y);
         let mut local = std::collections::HashMap::new();
-        for ((k, place), Shares { owned, whole, each }) in (0u32..).zip(&places).zip(cut) {
-            bounds.tiles.push(whole);
-            let own_node = above_cells(tiles_x, tiles_y) + bounds.cells.len() as u32;
-            for ((at, place), &(piece, mask)) in (0u32..).zip(std::iter::repeat(place)).zip(&owned) {
-                let Some(place) = place else { continue };
+        for (((k, place), owned), bounds) in (0u32..).zip(&places).zip(&owned).zip(&bounds) {
+            for (place, &(piece, mask)) in place.iter().flat_map(|p| owned.iter().map(move |c| (p, c))) {
                 let number = self.camera.first_piece(place.layer) + piece;
                 let row_of = match &self.camera.layers[place.layer] {
                     Rays::Pieces(pieces) if self.curves.is_none() => *local.entry(number).or_insert_with(|| {
@@ -127,30 +113,30 @@ impl Cutting<'_> {
                     }),
                     _ => number,
                 };
-                let node = if each.is_empty() { k } else { own_node + at };
+                let node = if bounds.each.is_empty() { k } else { node_of_cell };
+                node_of_cell += u32::from(node != k);
                 tiles.cells.push(rows::Cell { tile: k, node, ..self.cell_row((piece, row_of), *place, mask) });
             }
-            bounds.cells.extend(each);
             tiles.start.push(tiles.cells.len() as u32);
         }
         (tiles, bounds)
     }
 
-    /// The cells of a tile of straight rays.
-    fn straight(&self, at: Place) -> Shares {
+    /// The cells of a tile of straight rays, and what bounds them.
+    fn straight(&self, at: Place) -> (Owned, Bounds) {
         let owned = self.owned(at);
         let sampled = |samples| Sampled { samples, ..Sampled::default() };
-        let whole = self.samples(at, &owned);
+        let samples = self.samples(at, &owned);
         if let (Rays::Field(_), &[(piece, mask)]) = (&self.camera.layers[at.layer], owned.as_slice()) {
-            let parts = tear(Part { mask, samples: whole.clone() });
+            let parts = tear(Part { mask, samples: samples.clone() });
             let owned: Owned = parts.iter().map(|part| (piece, part.mask)).collect();
             let each =
                 if parts.len() > 1 { parts.into_iter().map(|p| sampled(p.samples)).collect() } else { Vec::new() };
-            return Shares { owned, whole: sampled(whole), each };
+            return (owned, Bounds { whole: sampled(samples), each });
         }
         let share = |cell: &(u32, u64)| sampled(self.samples(at, &[*cell]));
         let each = if owned.len() > 1 { owned.iter().map(share).collect() } else { Vec::new() };
-        Shares { owned, whole: sampled(whole), each }
+        (owned, Bounds { whole: sampled(samples), each })
     }
 
     /// Which pixels of a tile each piece owns, by ascending piece.

@@ -24,7 +24,7 @@ use crate::gpu::device::Abilities;
 use crate::gpu::kernels::RaysKind;
 use crate::gpu::rows::{Cell, Cluster, Node, ONE_SIDED, Params, Piece};
 use crate::plan::curves::RayTable;
-use crate::plan::{self, Plan, Wanted};
+use crate::plan::{Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::{Clustered, cluster};
 use glam::DVec3;
@@ -94,12 +94,12 @@ pub const ROOMY: Capacities = Capacities { queue: u32::MAX as u64, work: u32::MA
 impl Tables {
     /// Bands and chunks are cut so that no table exceeds `binding_limit` bytes.
     pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: Abilities, binding_limit: u64) -> Tables {
-        let anchor = plan::anchor(camera, scene.bounds());
+        let around = Surroundings::of(camera, scene.bounds());
         let triangles = scene.mesh.triangles.len();
         let has_normals = !scene.mesh.normals.is_empty();
         Tables {
-            plan: Plan::new(camera, triangles, has_normals, anchor, wanted, has, binding_limit),
-            clustered: cluster(&scene.mesh, anchor, binding_limit),
+            plan: Plan::new(camera, triangles, has_normals, around, wanted, has, binding_limit),
+            clustered: cluster(&scene.mesh, around.anchor, binding_limit),
             look: Look::new(scene),
         }
     }
