@@ -117,11 +117,11 @@ fn a_piece_row_gives_the_rays_of_its_pixels() {
                     + row.h_lo as f64
                     + x * (row.hx_hi as f64 + row.hx_lo as f64)
                     + y * (row.hy_hi as f64 + row.hy_lo as f64);
-                let p = at([v(row.p_hi, row.p_lo), v(row.px_hi, row.px_lo), v(row.py_hi, row.py_lo)]) / h + anchor;
+                let p = at([v(row.p_hi, row.p_lo), v(row.px_hi, row.px_lo), v(row.py_hi, row.py_lo)]) / h + plan.anchor;
                 let d = at([v(row.d_hi, row.d_lo), v(row.dx_hi, row.dx_lo), v(row.dy_hi, row.dy_lo)]) / h;
                 let ray = bundle.ray(0.0, 0.0);
                 // pairs of f32 hold 2^-48 of values up to 100 (relative to the anchor), pixel offsets are up to 101
-                let bound = 1e-10 + f64::EPSILON * 8.0 * anchor.length();
+                let bound = 1e-10 + f64::EPSILON * 8.0 * plan.anchor.length();
                 assert!(
                     (p - ray.origin).length() <= bound && (d - ray.direction).length() <= bound,
                     "{name} at {i},{j}"
@@ -183,22 +183,38 @@ fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, sheets: Sheets, ba
             let k = y / side * level.width + i / side;
             seen[k as usize] = true;
             let node = &band.nodes.nodes[(level.start + k) as usize];
-            let half = side as f64 / 2.0;
-            let q = (DVec2::new((i % side) as f64, (y % side) as f64) + 0.5) / half - 1.0;
-            let at = |c: [[f32; 3]; 3]| {
-                let c = c.map(|v| Vec3::from(v).as_dvec3());
-                c[0] + q.x * c[1] + q.y * c[2]
-            };
-            let off_p = (at([node.p, node.px, node.py]) - (ray.origin - anchor)).length();
-            let off_d = (at([node.d, node.dx, node.dy]) - ray.direction).length();
-            let held = node.rays != 0 && off_p + bend <= node.r_p as f64 && off_d <= node.r_d as f64;
-            assert!(held, "{name}, level {depth}, sheet {sheet}, pixel {i},{row}: {off_p} {off_d} beyond {node:?}");
+            let held = holds(node, (i % side, y % side), side, (ray.origin - anchor, ray.direction), bend);
+            assert!(held, "{name}, level {depth}, sheet {sheet}, pixel {i},{row}: beyond {node:?}");
+            if depth > 0 {
+                continue;
+            }
+            let bit = y % TILE * TILE + i % TILE;
+            let cells =
+                &band.tiles.cells[band.tiles.start[k as usize] as usize..band.tiles.start[k as usize + 1] as usize];
+            let owns = |c: &&rows::Cell| (u64::from(c.mask_hi) << 32 | u64::from(c.mask_lo)) >> bit & 1 == 1;
+            let cell = cells.iter().find(owns).unwrap();
+            let node = &band.nodes.nodes[cell.node as usize];
+            let held = holds(node, (i % TILE, y % TILE), TILE, (ray.origin - anchor, ray.direction), bend);
+            assert!(held, "{name}, sheet {sheet}, pixel {i},{row}: beyond its cell's {node:?}");
+            assert!(cells.len() > 1 || cell.node == k, "{name}: a lone cell has its tile's node");
         }
         for (k, seen) in seen.iter().enumerate() {
             let node = &band.nodes.nodes[level.start as usize + k];
             assert_eq!(node.rays != 0, *seen, "{name}, level {depth}, node {k}");
         }
     }
+}
+
+/// A node over `side` pixels a side bounds a ray (origin, direction) that bends so far, of its pixel (x, y).
+fn holds(node: &rows::Node, (x, y): (u32, u32), side: u32, ray: (DVec3, DVec3), bend: f64) -> bool {
+    let q = (DVec2::new(x as f64, y as f64) + 0.5) / (side as f64 / 2.0) - 1.0;
+    let at = |c: [[f32; 3]; 3]| {
+        let c = c.map(|v| Vec3::from(v).as_dvec3());
+        c[0] + q.x * c[1] + q.y * c[2]
+    };
+    let off_p = (at([node.p, node.px, node.py]) - ray.0).length();
+    let off_d = (at([node.d, node.dx, node.dy]) - ray.1).length();
+    node.rays != rows::RAYS_NONE && off_p + bend <= node.r_p as f64 && off_d <= node.r_d as f64
 }
 
 /// The ray of a pixel over its sheet's span of t, and how far the true one leaves it at the same part of the span.
@@ -234,7 +250,7 @@ fn nodes_bound_every_ray_of_their_squares() {
         for around in [Surroundings::of(&camera, None), Surroundings::point(DVec3::new(3.0, -200.0, 0.1))] {
             for limit in [LAVAPIPE_BINDING, 1 << 17] {
                 let plan = Plan::new(&camera, 1, false, around, &wanted(&Channel::ALL), HAS_ALL, limit);
-                plan.bands.iter().for_each(|b| assert_bounded(&name, &camera, anchor, plan.sheets, b));
+                plan.bands.iter().for_each(|b| assert_bounded(&name, &camera, plan.anchor, plan.sheets, b));
             }
         }
     }
@@ -302,7 +318,18 @@ fn what_is_left_out_is_said() {
     let glc = camera(kind, SIZE, FORWARD);
     let all = Wanted { srgb8: true, counting: true, ..wanted(&Channel::ALL) };
     let least = whats(&glc, true, &all, HAS_ALL, LAVAPIPE_BINDING);
-    assert_eq!(least, ["per-pixel ray table", "curves", "sheets", "ray residuals", "bands", "second depth dispatch"]);
+    assert_eq!(
+        least,
+        [
+            "per-pixel ray table",
+            "curves",
+            "sheets",
+            "ray residuals",
+            "cells apart in cull",
+            "bands",
+            "second depth dispatch"
+        ]
+    );
     assert!(!whats(&glc, true, &all, HAS_ALL, 1 << 16).contains(&"bands".into()));
     let few = whats(&glc, false, &wanted(&[Channel::T]), HAS_NONE, LAVAPIPE_BINDING);
     for what in ["channels", "smooth normals", "write", "fragment counters", "f64 rechecks"] {
@@ -312,6 +339,8 @@ fn what_is_left_out_is_said() {
     let field = whats(&raymap(SIZE.0, SIZE.1, FORWARD), true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert!(field.contains(&"edge conics".into()) && !field.contains(&"per-pixel ray table".into()));
     assert!(!field.contains(&"ray residuals".into()));
+    let torn = camera(mesh_camera(1, 16, 16, MeshLook { torn: true, ..MeshLook::default() }), SIZE, FORWARD);
+    assert!(!whats(&torn, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"cells apart in cull".into()));
     let pieces = camera(mesh_camera(1, 4, 4, MeshLook::default()), SIZE, FORWARD);
     assert!(!whats(&pieces, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"ray residuals".into()));
     let chain = whats(&layered::chain(1, 2, (2, 2), MeshLook::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);

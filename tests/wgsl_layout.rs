@@ -93,7 +93,7 @@ fn host() -> Layouts {
         layout!(Step { value }),
         layout!(Cluster { centre, first, half, count }),
         layout!(Node { p, r_p, px, r_d, py, rays, d, pad0, dx, pad1, dy, pad2 }),
-        layout!(Cell { p, h, d, piece, tile, mask_lo, mask_hi, pad }),
+        layout!(Cell { p, h, d, piece, tile, mask_lo, mask_hi, node }),
         layout!(Piece {
             p_hi,
             h_hi,

@@ -33,7 +33,7 @@ fn bin(
     // bound the pixel centres it may cover, of a node's square or of the tile of one cell
     let level = node_level(address);
     let lone = level == LEVEL_CELL;
-    var at = node_index(select(level, 0u, lone), node_x(address), node_y(address));
+    var at = 0u;
     var corner = vec2<u32>(node_x(address), node_y(address)) << vec2<u32>(2u * level);
     var side = TILE << (2u * level);
     if lone {
@@ -41,6 +41,8 @@ fn bin(
         at = cells[node_cell(address)].node;
         corner = vec2<u32>(tile % params.tiles_x, tile / params.tiles_x);
         side = TILE;
+    } else {
+        at = node_index(level, node_x(address), node_y(address));
     }
     let node = nodes[at];
     let where_seen = extent(node, v0, v1, v2);
@@ -55,7 +57,7 @@ fn bin(
     }
 
     // pair it with the cells of the tiles in that box: all of a few tiles, of many those that its conics may cover
-    let loose = node.rays != RAYS_AFFINE;
+    let loose = node.rays != RAYS_AFFINE || side == TILE;
     let tiles = tile_end - tile_lo;
     let all_tiles = where_seen.tight && tiles.x * tiles.y <= FEW_TILES;
     var over_node: Conics;
@@ -82,9 +84,9 @@ fn bin(
             if !(all_tiles || may_cover(over_node, centre.x, centre.y, s * CENTRES)) {
                 pixels = vec4<u32>(0u);
             }
-            // rays that the node bounds only loosely: ask their own bounds
+            // rays that the node bounds only loosely, or that were torn above: ask their own bounds
             let own = cells[cell].node;
-            if !is_empty(pixels) && own != at && (loose || own != tile) {
+            if !is_empty(pixels) && (loose || own != tile) {
                 let seen = leaf_pixels(own, v0, v1, v2);
                 pixels = vec4<u32>(max(pixels.xy, seen.xy), min(pixels.zw, seen.zw));
             }

@@ -64,7 +64,7 @@ impl Depth {
 }
 
 /// What f32 rounding of a node's row and of what kernels compute from it may add to its radii, relative to the sizes
-/// summed: four roundings of 2^-24.
+/// summed and the radii themselves: four roundings of 2^-24.
 const NODE_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
 /// Residuals below this share of the rays' size are rounding of the fit itself: 64 samples of some 2^-50 each.
 const FIT_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
@@ -230,9 +230,9 @@ impl Fit {
         let v = |v: DVec3| v.as_vec3().to_array();
         rows::Node {
             p: v(self.p[0]),
-            r_p: (self.r_p + NODE_SLACK * size_p) as f32,
+            r_p: (self.r_p + NODE_SLACK * (size_p + self.r_p)) as f32,
             px: v(self.p[1]),
-            r_d: (self.r_d + NODE_SLACK * size_d) as f32,
+            r_d: (self.r_d + NODE_SLACK * (size_d + self.r_d)) as f32,
             py: v(self.p[2]),
             rays: self.rays,
             d: v(self.d[0]),
