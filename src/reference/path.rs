@@ -1,5 +1,6 @@
 //! What one place of the image looks along: its segments, layer by layer, and what they first meet.
 
+use super::bvh::Probe;
 use super::curve::{POINT_ROUNDING, Sweep, meetings};
 use super::intersect::T_ROUNDING;
 use super::length::arc_length;
@@ -259,8 +260,14 @@ impl Reference<'_> {
     /// [`Reference::each_hit`] of a curve; each meeting of a triangle by itself.
     fn each_hit_of_curve(&self, curve: &Curve, range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {
         let mut limit = range[1];
-        self.bvh.walk(&Sweep::of(curve), range, |id| {
-            for m in meetings(curve, &self.corners(id)) {
+        let sweep = Sweep::of(curve);
+        self.bvh.walk(&sweep, range, |id| {
+            let corners = self.corners(id);
+            let (lo, hi) = corners.bounds();
+            if sweep.span(lo, hi, [range[0], limit]).is_none() {
+                return limit;
+            }
+            for m in meetings(curve, &corners) {
                 let seen = m.sign < 0 || self.two_sided(id);
                 if seen && range[0] <= m.t && m.t <= range[1] {
                     limit = limit.min(visit(Hit { t: m.t, triangle: id, bary: m.bary }));
