@@ -107,20 +107,25 @@ impl Plane {
 const PARTS: usize = 1 << HALVINGS;
 const HALVINGS: usize = 6;
 
-/// A curve as a tree of boxes: box 1 around all of it, those around the halves of box k's part in 2k and 2k + 1, the last
-/// [`PARTS`] around its smallest parts.
+/// Curves side by side as a tree of boxes: box 1 around all of them, those around the halves of box k's part in 2k and
+/// 2k + 1, the last [`PARTS`] around their smallest parts.
 #[derive(Debug, Clone)]
 pub struct Sweep([(DVec3, DVec3); 2 * PARTS]);
 
 impl Sweep {
-    pub fn of(curve: &Curve) -> Sweep {
+    /// `None` around none. The curves are of one degree.
+    pub fn around(curves: &[Curve]) -> Option<Sweep> {
+        let curve = curves.first()?;
         let mut parts = [*curve; 2 * PARTS];
         for k in 1..PARTS {
             [parts[2 * k], parts[2 * k + 1]] = parts[k].split(0.5);
         }
-        // each halving has up to three halved sums (one rounding of the sum); and the points' own
-        let coordinate = curve.points().iter().fold(0.0_f64, |m, p| m.max(p.abs().max_element()));
-        let slack = DVec3::splat((3.0 * HALVINGS as f64 * f64::EPSILON + POINT_ROUNDING) * coordinate);
+        // at every t another curve is no farther from the first than its points are: Bernstein weights add up to 1
+        let points = || curves.iter().flat_map(|c| c.points().iter().zip(curve.points()));
+        let apart = points().fold(DVec3::ZERO, |m, (p, of_first)| m.max((p - of_first).abs()));
+        // each halving has up to three halved sums (one rounding of the sum); and the points' own, and those of `apart`
+        let coordinate = points().fold(0.0_f64, |m, (p, _)| m.max(p.abs().max_element()));
+        let slack = apart + ((3.0 * HALVINGS as f64 + 2.0) * f64::EPSILON + POINT_ROUNDING) * coordinate;
         let mut boxes = [(DVec3::ZERO, DVec3::ZERO); 2 * PARTS];
         for k in (1..2 * PARTS).rev() {
             boxes[k] = if k < PARTS {
@@ -132,7 +137,7 @@ impl Sweep {
                 (lo - slack, hi + slack)
             };
         }
-        Sweep(boxes)
+        Some(Sweep(boxes))
     }
 
     /// Where the first of the smallest parts begins, of those under box `k`, that is in range and whose box meets the given
@@ -211,7 +216,7 @@ mod tests {
     #[test]
     fn the_parts_of_a_sweep_hold_the_curve() {
         let c = Curve::new(&[DVec3::ZERO, DVec3::X, DVec3::new(-5.0, 2.0, 1.0), DVec3::new(3.0, 2.0, -7.0)]);
-        let sweep = Sweep::of(&c);
+        let sweep = Sweep::around(&[c]).unwrap();
         for k in 0..=1000 {
             let t = f64::from(k) / 1000.0;
             let at = c.at(t);
