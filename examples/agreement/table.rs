@@ -17,9 +17,8 @@ impl Table {
     pub fn open(folder: &Path, meshes: Vec<String>, cameras: Vec<String>) -> Result<Table> {
         let path = folder.join("agreement.json");
         let lines = match std::fs::read_to_string(&path) {
-            Ok(text) => serde_json::from_str(&text).map_err(|e| {
-                Error::input(format!("{}: no table of this program: {e}; remove it", path.display()))
-            })?,
+            Ok(text) => serde_json::from_str(&text)
+                .map_err(|e| Error::input(format!("{}: no table of this program: {e}; remove it", path.display())))?,
             Err(_) => Vec::new(),
         };
         Ok(Table { folder: folder.to_owned(), lines, order: [meshes, cameras] })
@@ -66,7 +65,8 @@ extent / |D|). `frame` is the median of the timed frames: all channels and the p
 
 ";
 
-const COLUMNS: &str = "| camera | wrong | not near | piece | unsafe % | t p99 | t max | covered % | pieces | passes used | frame ms |
+const COLUMNS: &str =
+    "| camera | wrong | not near | piece | unsafe % | t p99 | t max | covered % | pieces | passes used | frame ms |
 |---|---:|---:|---:|---:|---:|---:|---:|---:|---|---:|
 ";
 
@@ -91,7 +91,8 @@ fn figures(camera: &str, f: &Figures) -> String {
         Some(errors) => of(errors).map_or("inf".to_owned(), |e| format!("{e:.0e}")),
         None => "-".to_owned(),
     };
-    let counts = [f.wrong_safe, f.not_near, f.wrong_piece].map(|n| if n == 0 { "0".into() } else { format!("**{n}**") });
+    let counts =
+        [f.wrong_safe, f.not_near, f.wrong_piece].map(|n| if n == 0 { "0".into() } else { format!("**{n}**") });
     format!(
         "| {camera} | {} | {:.3} | {} | {} | {:.1} | {} | {} | {:.1} |\n",
         counts.join(" | "),

@@ -130,7 +130,8 @@ impl Frames<'_> {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let jobs = resident.job_count().max(1);
         let status = readback(gpu, STATUS_BYTES * jobs as u64);
-        let mut submitted = Submitted { status, planes: Vec::new(), srgb8: Vec::new(), times: self.stage_times(), passes: 0 };
+        let mut submitted =
+            Submitted { status, planes: Vec::new(), srgb8: Vec::new(), times: self.stage_times(), passes: 0 };
         for (index, band) in self.plan.bands.iter().enumerate() {
             let pixels = band.rows * self.camera.width;
             self.encode_visibility(&mut encoder, &mut submitted, index)?;
