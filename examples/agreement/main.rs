@@ -24,8 +24,8 @@ use table::Table;
 struct Args {
     /// Where the table goes, and the scenes; a table that is there is gone on with
     folder: PathBuf,
-    /// The folder of the models
-    models: PathBuf,
+    /// The folder of the models; without it the city alone
+    models: Option<PathBuf>,
     /// Only these meshes
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<String>,
@@ -56,7 +56,7 @@ fn main() -> ExitCode {
 
 /// Whether all lines of this run are right.
 fn run(args: &Args) -> Result<bool> {
-    let (subjects, views) = (scenes::subjects(&args.models), scenes::views()?);
+    let (subjects, views) = (scenes::subjects(args.models.as_deref()), scenes::views()?);
     let meshes: Vec<String> = subjects.iter().map(|s| s.name.to_owned()).collect();
     let cameras: Vec<String> = views.iter().map(|v| v.name.clone()).collect();
     known(&args.meshes, &meshes)?;
@@ -76,10 +76,13 @@ fn run(args: &Args) -> Result<bool> {
             continue;
         }
         let is_asked = |v: &&View| args.cameras.is_empty() || args.cameras.contains(&v.name);
-        let views = views.iter().filter(is_asked).filter(|v| !args.without.contains(&v.name));
+        let asked = views.iter().filter(is_asked).filter(|v| !args.without.contains(&v.name));
         let is_left = |v: &&View| !args.resume || !table.line(subject.name, &v.name).is_some_and(Line::is_right);
-        let left: Vec<&View> = views.filter(is_left).collect();
+        let left: Vec<&View> = asked.filter(is_left).collect();
         right &= bench.hold(subject, &left, &mut table, args.pictures)?;
+        if args.pictures {
+            bench.write_sheet(subject, &views)?;
+        }
     }
     Ok(right)
 }
@@ -102,7 +105,6 @@ impl Bench {
     /// Holds a mesh against the reference through some cameras; whether all of it is right.
     fn hold(&mut self, subject: &Subject, views: &[&View], table: &mut Table, pictures: bool) -> Result<bool> {
         let mesh = subject.placed()?;
-        let mut small = Vec::new();
         let mut right = true;
         for view in views {
             let scene = view.scene(&self.folder, subject.name, &mesh)?;
@@ -111,7 +113,6 @@ impl Bench {
                     let [width, height] = figures.size;
                     if pictures {
                         write_png(&scene.with_extension("png"), width, height, &rgba)?;
-                        small.push((view.name.as_str(), sheet::small(width, height, &rgba)));
                     }
                     Outcome::Frame(Box::new(figures))
                 }
@@ -123,12 +124,17 @@ impl Bench {
             right &= line.is_right();
             table.put(line)?;
         }
-        if !small.is_empty() {
-            let sheet = sheet::sheet(&small, SHEET_COLUMNS);
-            let path = self.folder.with_file_name(format!("{}.png", subject.name));
-            write_png(&path, sheet.width(), sheet.height(), &sheet)?;
-        }
         Ok(right)
+    }
+
+    /// Writes the contact sheet of a mesh: all its pictures that are there.
+    fn write_sheet(&self, subject: &Subject, views: &[View]) -> Result<()> {
+        let picture = |view: &View| image::open(view.path(&self.folder, subject.name, "png")).ok();
+        let small = |of: image::DynamicImage| sheet::small(of.width(), of.height(), &of.into_rgba8());
+        let all: Vec<_> = views.iter().filter_map(|v| Some((v.name.as_str(), small(picture(v)?)))).collect();
+        let sheet = sheet::sheet(&all, SHEET_COLUMNS);
+        let path = self.folder.with_file_name(format!("{}.png", subject.name));
+        write_png(&path, sheet.width(), sheet.height(), &sheet)
     }
 }
 

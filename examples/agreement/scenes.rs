@@ -40,20 +40,21 @@ pub struct View {
     camera: Table,
 }
 
-/// The city, and every model.
-pub fn subjects(models: &Path) -> Vec<Subject> {
+/// The city, and every model of the folder.
+pub fn subjects(models: Option<&Path>) -> Vec<Subject> {
     let city = toml! {
         builtin = "city"
         seed = 3
         triangles = 35000
     };
-    let model = |(name, file): (&'static str, &str)| {
-        let path = std::path::absolute(models.join(file)).unwrap_or_else(|_| models.join(file));
+    let mut subjects = vec![Subject { name: "city", source: city, file: None }];
+    for (folder, (name, file)) in models.into_iter().flat_map(|folder| MODELS.map(|model| (folder, model))) {
+        // scene files lie elsewhere
+        let path = std::path::absolute(folder.join(file)).unwrap_or_else(|_| folder.join(file));
         let source = Table::from_iter([("file".to_owned(), Value::from(path.to_string_lossy().as_ref()))]);
-        Subject { name, source, file: Some(path) }
-    };
-    let city = Subject { name: "city", source: city, file: None };
-    [city].into_iter().chain(MODELS.map(model)).collect()
+        subjects.push(Subject { name, source, file: Some(path) });
+    }
+    subjects
 }
 
 /// Every camera of `cameras.toml`.
@@ -102,9 +103,14 @@ impl Subject {
 }
 
 impl View {
-    /// Writes FOLDER/MESH-CAMERA.toml.
+    /// FOLDER/MESH-CAMERA.EXTENSION.
+    pub fn path(&self, folder: &Path, subject: &str, extension: &str) -> PathBuf {
+        folder.join(format!("{subject}-{}.{extension}", self.name))
+    }
+
+    /// Writes the scene of a mesh through this camera into the folder; returns its path.
     pub fn scene(&self, folder: &Path, subject: &str, mesh: &Table) -> Result<PathBuf> {
-        write(&folder.join(format!("{subject}-{}.toml", self.name)), self.size, mesh, &self.camera)
+        write(&self.path(folder, subject, "toml"), self.size, mesh, &self.camera)
     }
 }
 
@@ -154,11 +160,13 @@ fn rippled((i, j): (u32, u32)) -> [DVec3; 2] {
     [eye + ripple, direction]
 }
 
-/// Shot k of a scanner whose two mirrors turn at rates without a common measure: petals about the view's middle.
+/// Shot k of a scanner of two mirrors that turn against each other, one a little faster: petals about the view's middle, one
+/// beside the other.
 fn rosette(k: u32) -> [DVec3; 2] {
-    /// Turns of the first mirror during the scan.
-    const TURNS: f64 = 600.0;
-    const RATIO: f64 = -1.618033988749895;
+    /// Turns of the first mirror during the scan: one in a row of the image.
+    const TURNS: f64 = SIZE[1] as f64;
+    /// Turns of the second one meanwhile.
+    const RATIO: f64 = -(TURNS + 1.0) / TURNS;
     /// Tangent of the half angle that is scanned.
     const REACH: f64 = 0.25;
     let (eye, [forward, right, up]) = pose();

@@ -227,4 +227,17 @@ mod tests {
         let far = DVec3::splat(99.0);
         assert!(sweep.span(far, far, [0.0, 1.0]).is_none());
     }
+
+    #[test]
+    fn a_sweep_around_several_curves_holds_them_all() {
+        let a = Curve::new(&[DVec3::ZERO, DVec3::X, DVec3::new(3.0, 2.0, -7.0)]);
+        let b = Curve::new(&[DVec3::new(0.1, 0.0, -0.2), DVec3::new(1.0, 0.3, 0.0), DVec3::new(3.0, 1.9, -7.0)]);
+        let sweep = Sweep::around(&[a, b]).unwrap();
+        let alone = Sweep::around(&[a]).unwrap();
+        let meets = |sweep: &Sweep, c: &Curve, t: f64| sweep.span(c.at(t), c.at(t), [t, t]).is_some();
+        let all: Vec<f64> = (0..=1000).map(|k| f64::from(k) / 1000.0).collect();
+        assert!(all.iter().all(|&t| meets(&sweep, &a, t) && meets(&sweep, &b, t)));
+        assert!(!all.iter().all(|&t| meets(&alone, &b, t)));
+        assert!(Sweep::around(&[]).is_none());
+    }
 }
