@@ -62,6 +62,8 @@ pub struct Rendered {
     pub left_out: Vec<LeftOut>,
     /// How many times the lists had to grow.
     pub grown: u32,
+    /// Compute passes of one frame.
+    pub passes: u32,
 }
 
 /// An open adapter with its compiled kernels.

@@ -5,12 +5,13 @@
 //! * `intersect`: one ray and one triangle; signs are those of exact arithmetic (`exact`).
 //! * `curve`, `length`: one curve and one triangle, every root ([`crate::bernstein`]); arc lengths.
 //! * `bvh`, `beam`: which triangles a ray, a curve, or all rays of a small box about one can meet.
-//! * `path`: a pixel's segments through all layers, and what they first meet.
+//! * `path`, `answer`: a pixel's segments through all layers, and what they first meet.
 //! * `margin`, `verdict`: whether the answer changes within 1/16 px of the centre, and what it may be.
 //! * `cover`: proof that triangles which join without gaps leave no miss.
 //! * `finding`: the same for whole paths: chains by the verdicts of their layers, curves by samples.
 //! * `image`, `light`, `explain`: whole frames, judgement of other frames, one pixel in words.
 
+mod answer;
 mod beam;
 mod bvh;
 mod cover;

@@ -33,6 +33,7 @@ struct Submitted {
     planes: Vec<wgpu::Buffer>,
     srgb8: Vec<wgpu::Buffer>,
     times: Option<StageTimes>,
+    passes: u32,
 }
 
 /// Timestamps at the start and end of every pass.
@@ -119,6 +120,7 @@ impl Frames<'_> {
             bytes: self.resident.bytes(),
             left_out,
             grown,
+            passes: first.passes,
         })
     }
 
@@ -128,7 +130,8 @@ impl Frames<'_> {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let jobs = resident.job_count().max(1);
         let status = readback(gpu, STATUS_BYTES * jobs as u64);
-        let mut submitted = Submitted { status, planes: Vec::new(), srgb8: Vec::new(), times: self.stage_times() };
+        let mut submitted =
+            Submitted { status, planes: Vec::new(), srgb8: Vec::new(), times: self.stage_times(), passes: 0 };
         for (index, band) in self.plan.bands.iter().enumerate() {
             let pixels = band.rows * self.camera.width;
             self.encode_visibility(&mut encoder, &mut submitted, index)?;
@@ -287,6 +290,7 @@ impl Frames<'_> {
 impl Submitted {
     /// A compute pass named after its stage, timed where the adapter can.
     fn pass<'e>(&mut self, encoder: &'e mut wgpu::CommandEncoder, name: &'static str) -> wgpu::ComputePass<'e> {
+        self.passes += 1;
         let timestamp_writes = self.times.as_mut().map(|t| {
             let k = 2 * t.names.len() as u32;
             t.names.push(name);

@@ -103,42 +103,64 @@ impl Plane {
     }
 }
 
-/// Parts that a curve is cut into to be looked for in boxes: a power of 2.
-const PARTS: usize = 16;
+/// Parts that a curve is cut into to be looked for in boxes, by [`HALVINGS`].
+const PARTS: usize = 1 << HALVINGS;
+const HALVINGS: usize = 6;
 
-/// A curve as boxes around its parts.
+/// Curves side by side as a tree of boxes: box 1 around all of them, those around the halves of box k's part in 2k and
+/// 2k + 1, the last [`PARTS`] around their smallest parts.
 #[derive(Debug, Clone)]
-pub struct Sweep([(DVec3, DVec3); PARTS]);
+pub struct Sweep([(DVec3, DVec3); 2 * PARTS]);
 
 impl Sweep {
-    pub fn of(curve: &Curve) -> Sweep {
-        let mut parts = vec![*curve];
-        while parts.len() < PARTS {
-            parts = parts.iter().flat_map(|c| c.split(0.5)).collect();
+    /// `None` around none. The curves are of one degree.
+    pub fn around(curves: &[Curve]) -> Option<Sweep> {
+        let curve = curves.first()?;
+        let mut parts = [*curve; 2 * PARTS];
+        for k in 1..PARTS {
+            [parts[2 * k], parts[2 * k + 1]] = parts[k].split(0.5);
         }
-        // four levels of halves, each with up to three halved sums (one rounding of the sum); and the points' own
-        let coordinate = curve.points().iter().fold(0.0_f64, |m, p| m.max(p.abs().max_element()));
-        let slack = DVec3::splat((12.0 * f64::EPSILON + POINT_ROUNDING) * coordinate);
-        Sweep(std::array::from_fn(|k| {
-            let points = parts[k].points();
-            let (lo, hi) = points.iter().fold((points[0], points[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-            (lo - slack, hi + slack)
-        }))
+        // at every t another curve is no farther from the first than its points are: Bernstein weights add up to 1
+        let points = || curves.iter().flat_map(|c| c.points().iter().zip(curve.points()));
+        let apart = points().fold(DVec3::ZERO, |m, (p, of_first)| m.max((p - of_first).abs()));
+        // each halving has up to three halved sums (one rounding of the sum); and the points' own, and those of `apart`
+        let coordinate = points().fold(0.0_f64, |m, (p, _)| m.max(p.abs().max_element()));
+        let slack = apart + ((3.0 * HALVINGS as f64 + 2.0) * f64::EPSILON + POINT_ROUNDING) * coordinate;
+        let mut boxes = [(DVec3::ZERO, DVec3::ZERO); 2 * PARTS];
+        for k in (1..2 * PARTS).rev() {
+            boxes[k] = if k < PARTS {
+                let [(lo, hi), (lo2, hi2)] = [boxes[2 * k], boxes[2 * k + 1]];
+                (lo.min(lo2), hi.max(hi2))
+            } else {
+                let points = parts[k].points();
+                let (lo, hi) = points.iter().fold((points[0], points[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+                (lo - slack, hi + slack)
+            };
+        }
+        Some(Sweep(boxes))
+    }
+
+    /// Where the first of the smallest parts begins, of those under box `k`, that is in range and whose box meets the given
+    /// one.
+    fn first(&self, k: usize, lo: DVec3, hi: DVec3, range: [f64; 2]) -> Option<f64> {
+        let count = 1 << k.ilog2();
+        let start = (k - count) as f64 / count as f64;
+        let (a, b) = self.0[k];
+        let meets = a.cmple(hi).all() && b.cmpge(lo).all();
+        if !meets || start > range[1] || start + 1.0 / (count as f64) < range[0] {
+            return None;
+        }
+        if k >= PARTS {
+            return Some(start);
+        }
+        self.first(2 * k, lo, hi, range).or_else(|| self.first(2 * k + 1, lo, hi, range))
     }
 }
 
 impl Probe for Sweep {
-    /// From the first part whose box meets the given one to the last.
+    /// From the first part whose box meets the given one.
     fn span(&self, lo: DVec3, hi: DVec3, range: [f64; 2]) -> Option<[f64; 2]> {
-        let part = 1.0 / PARTS as f64;
-        let start = |k: usize| k as f64 * part;
-        let meets = |k: &usize| {
-            let (a, b) = self.0[*k];
-            a.cmple(hi).all() && b.cmpge(lo).all() && start(*k) <= range[1] && start(*k + 1) >= range[0]
-        };
-        let first = (0..PARTS).find(meets)?;
-        let last = (first..PARTS).rev().find(meets)?;
-        Some([start(first), start(last + 1)])
+        self.first(1, lo, hi, range).map(|start| [start, 1.0])
     }
 }
 
@@ -194,7 +216,7 @@ mod tests {
     #[test]
     fn the_parts_of_a_sweep_hold_the_curve() {
         let c = Curve::new(&[DVec3::ZERO, DVec3::X, DVec3::new(-5.0, 2.0, 1.0), DVec3::new(3.0, 2.0, -7.0)]);
-        let sweep = Sweep::of(&c);
+        let sweep = Sweep::around(&[c]).unwrap();
         for k in 0..=1000 {
             let t = f64::from(k) / 1000.0;
             let at = c.at(t);
@@ -204,5 +226,18 @@ mod tests {
         }
         let far = DVec3::splat(99.0);
         assert!(sweep.span(far, far, [0.0, 1.0]).is_none());
+    }
+
+    #[test]
+    fn a_sweep_around_several_curves_holds_them_all() {
+        let a = Curve::new(&[DVec3::ZERO, DVec3::X, DVec3::new(3.0, 2.0, -7.0)]);
+        let b = Curve::new(&[DVec3::new(0.1, 0.0, -0.2), DVec3::new(1.0, 0.3, 0.0), DVec3::new(3.0, 1.9, -7.0)]);
+        let sweep = Sweep::around(&[a, b]).unwrap();
+        let alone = Sweep::around(&[a]).unwrap();
+        let meets = |sweep: &Sweep, c: &Curve, t: f64| sweep.span(c.at(t), c.at(t), [t, t]).is_some();
+        let all: Vec<f64> = (0..=1000).map(|k| f64::from(k) / 1000.0).collect();
+        assert!(all.iter().all(|&t| meets(&sweep, &a, t) && meets(&sweep, &b, t)));
+        assert!(!all.iter().all(|&t| meets(&alone, &b, t)));
+        assert!(Sweep::around(&[]).is_none());
     }
 }

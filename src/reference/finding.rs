@@ -109,7 +109,10 @@ impl Reference<'_> {
     }
 
     fn sampled(&self, camera: &Camera, path: &Path, (i, j): (u32, u32)) -> Finding {
-        let centre = self.answer(path);
+        let near = |(x, y): &(f64, f64)| Path::near(camera, i, j, (x * MARGIN_PX, y * MARGIN_PX));
+        let paths: Vec<Path> = [path.clone()].into_iter().chain(PLACES[1..].iter().map(near)).collect();
+        let mut answers = self.answers(&paths).into_iter();
+        let centre = answers.next().unwrap_or_default();
         let mut finding = Finding {
             seen: centre.seen,
             safe: centre.ties.is_empty() && !centre.touches,
@@ -117,8 +120,7 @@ impl Reference<'_> {
             candidates: centre.seen.iter().map(|s| s.hit.triangle).chain(centre.ties).collect(),
         };
         let what = |seen: Option<Seen>| seen.map(|s| (s.layer, s.hit.triangle));
-        for (x, y) in &PLACES[1..] {
-            let answer = self.answer(&Path::near(camera, i, j, (x * MARGIN_PX, y * MARGIN_PX)));
+        for answer in answers {
             finding.safe &= answer.ties.is_empty() && !answer.touches && what(answer.seen) == what(centre.seen);
             finding.may_miss |= answer.seen.is_none();
             finding.candidates.extend(answer.seen.iter().map(|s| s.hit.triangle).chain(answer.ties));

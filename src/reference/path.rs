@@ -1,10 +1,9 @@
-//! What one place of the image looks along: its segments, layer by layer, and what they first meet.
+//! What one place of the image looks along: its segments, layer by layer.
 
-use super::curve::{POINT_ROUNDING, Sweep, meetings};
+use super::Hit;
+use super::curve::POINT_ROUNDING;
 use super::intersect::T_ROUNDING;
 use super::length::arc_length;
-use super::margin::{beyond, clears};
-use super::{Hit, Reference, nearer, past};
 use crate::camera::bundle::Bundle;
 use crate::camera::curve::Curve;
 use crate::camera::{Camera, Rays};
@@ -136,7 +135,7 @@ impl Path {
         t.clamp(self.t_range[0], self.t_range[1])
     }
 
-    fn segment(&self, layer: usize) -> Option<&Segment> {
+    pub(super) fn segment(&self, layer: usize) -> Option<&Segment> {
         self.segments.get(layer)?.as_ref().map(|s| &s.1)
     }
 
@@ -177,96 +176,3 @@ impl Path {
 /// 16 roundings of half an epsilon of terms up to four times the corners' size (centre, two slopes, each to a corner
 /// and back). [`POINT_ROUNDING`] is the bound for the points of a curve.
 const JOINT_ROUNDING: f64 = 16.0 * 4.0 * 0.5 * f64::EPSILON + POINT_ROUNDING;
-
-/// Everything that counts for an answer at one place.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Answer {
-    pub seen: Option<Seen>,
-    /// Other triangles at a t so near that either may be first.
-    pub ties: Vec<u32>,
-    /// The curve touches the triangle that is seen, or passes it so flat that its t is not sure.
-    pub touches: bool,
-}
-
-impl Reference<'_> {
-    /// What a path first meets: the lowest layer with a visible hit, the smallest t there, the lowest id among equals.
-    pub fn first(&self, path: &Path) -> Option<Seen> {
-        (0..path.segments.len()).find_map(|layer| {
-            let (piece, segment) = path.segments[layer].as_ref()?;
-            let mut best = None;
-            self.each_hit(segment, path.range(layer), |hit| {
-                best = nearer(best, hit);
-                best.map_or(f64::INFINITY, |b| past(b.t))
-            });
-            best.map(|hit| Seen { layer, piece: *piece, hit: Hit { t: path.within(hit.t), ..hit } })
-        })
-    }
-
-    /// What a path first meets, and what else is so near that either may be first.
-    pub(super) fn answer(&self, path: &Path) -> Answer {
-        let mut answer = Answer { seen: None, ties: Vec::new(), touches: false };
-        for layer in 0..path.segments.len() {
-            let Some((piece, segment)) = &path.segments[layer] else { continue };
-            let [t0, t1] = path.range(layer);
-            let base = layer as f64;
-            let end = answer.seen.map_or(f64::INFINITY, |s| beyond(s.t()));
-            if end < base + t0 {
-                break;
-            }
-            let mut near: Vec<Hit> = Vec::new();
-            let mut limit = end - base;
-            self.each_hit(segment, [t0, t1.min(limit)], |hit| {
-                near.push(hit);
-                limit = limit.min(beyond(base + hit.t) - base);
-                limit
-            });
-            let first = near.iter().copied().fold(None, nearer);
-            if answer.seen.is_none() {
-                answer.seen = first.map(|hit| Seen { layer, piece: *piece, hit: Hit { t: path.within(hit.t), ..hit } });
-            }
-            let front = answer.seen.map_or(0.0, |s| s.t());
-            answer.ties.extend(near.iter().filter(|h| !clears(front, base + h.t)).map(|h| h.triangle));
-        }
-        if let Some(seen) = answer.seen {
-            answer.ties.retain(|id| !self.hides_twin(seen.hit.triangle, *id));
-            answer.touches = self.touches(path, &seen);
-        }
-        answer
-    }
-
-    /// Both triangles have the same three corners: the one that is seen is met wherever the other is.
-    fn hides_twin(&self, seen: u32, other: u32) -> bool {
-        self.corners(seen).v == self.corners(other).v
-    }
-
-    /// The curve meets the seen triangle's plane so flat there that the place is not sure to [`super::GAP`].
-    fn touches(&self, path: &Path, seen: &Seen) -> bool {
-        match path.of(seen) {
-            Segment::Straight(_) => false,
-            Segment::Curved(c) => super::curve::is_flat(c, &self.corners(seen.hit.triangle), seen.hit.t),
-        }
-    }
-
-    /// Every visible hit of a segment in range, near ones first as a rule. `visit` returns the largest t that still
-    /// matters.
-    fn each_hit(&self, segment: &Segment, range: [f64; 2], visit: impl FnMut(Hit) -> f64) {
-        match segment {
-            Segment::Straight(bundle) => self.each_hit_of_ray(bundle, range, visit),
-            Segment::Curved(curve) => self.each_hit_of_curve(curve, range, visit),
-        }
-    }
-
-    /// [`Reference::each_hit`] of a curve; each meeting of a triangle by itself.
-    fn each_hit_of_curve(&self, curve: &Curve, range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {
-        let mut limit = range[1];
-        self.bvh.walk(&Sweep::of(curve), range, |id| {
-            for m in meetings(curve, &self.corners(id)) {
-                let seen = m.sign < 0 || self.two_sided(id);
-                if seen && range[0] <= m.t && m.t <= range[1] {
-                    limit = limit.min(visit(Hit { t: m.t, triangle: id, bary: m.bary }));
-                }
-            }
-            limit
-        });
-    }
-}

@@ -1,0 +1,158 @@
+//! What paths first meet, and what else is so near that either may be first.
+
+use super::bvh::Probe;
+use super::curve::{Sweep, is_flat, meetings};
+use super::margin::{beyond, clears};
+use super::path::{Path, Seen, Segment};
+use super::{Hit, Reference, nearer, past};
+use crate::camera::curve::Curve;
+
+/// Everything that counts for an answer at one place.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Answer {
+    pub seen: Option<Seen>,
+    /// Other triangles at a t so near that either may be first.
+    pub ties: Vec<u32>,
+    /// The curve touches the triangle that is seen, or passes it so flat that its t is not sure.
+    pub touches: bool,
+}
+
+/// A path's way through one layer.
+struct Look<'a> {
+    path: &'a Path,
+    layer: usize,
+    piece: u32,
+    segment: &'a Segment,
+    range: [f64; 2],
+    /// The largest t that still matters.
+    limit: f64,
+    /// Visible hits in range, in no order.
+    near: Vec<Hit>,
+}
+
+impl Reference<'_> {
+    /// What a path first meets: the lowest layer with a visible hit, the smallest t there, the lowest id among equals.
+    pub fn first(&self, path: &Path) -> Option<Seen> {
+        (0..path.segments.len()).find_map(|layer| {
+            let (piece, segment) = path.segments[layer].as_ref()?;
+            let range = path.range(layer);
+            let mut best = None;
+            let mut visit = |hit| {
+                best = nearer(best, hit);
+                best.map_or(f64::INFINITY, |b| past(b.t))
+            };
+            match segment {
+                Segment::Straight(bundle) => self.each_hit_of_ray(bundle, range, visit),
+                Segment::Curved(curve) => self.each_hit_of_curves(&[*curve], &[range], |_, hit| visit(hit)),
+            }
+            best.map(|hit| Seen { layer, piece: *piece, hit: Hit { t: path.within(hit.t), ..hit } })
+        })
+    }
+
+    /// What each of some paths through neighbouring places first meets, and what else is so near that either may be first.
+    pub(super) fn answers(&self, paths: &[Path]) -> Vec<Answer> {
+        let mut answers = vec![Answer::default(); paths.len()];
+        let layers = paths.iter().map(|p| p.segments.len()).max().unwrap_or(0);
+        for layer in 0..layers {
+            let ways = paths.iter().zip(&mut answers);
+            let (mut looks, answers): (Vec<Look>, Vec<&mut Answer>) =
+                ways.filter_map(|(path, answer)| Some((Look::new(path, layer, answer)?, answer))).unzip();
+            self.look(&mut looks);
+            looks.iter().zip(answers).for_each(|(look, answer)| look.add_to(answer));
+        }
+        for (path, answer) in paths.iter().zip(&mut answers) {
+            let Some(seen) = answer.seen else { continue };
+            answer.ties.retain(|id| !self.hides_twin(seen.hit.triangle, *id));
+            answer.touches = self.touches(path, &seen);
+        }
+        answers
+    }
+
+    /// Finds what the segments meet.
+    fn look(&self, looks: &mut [Look]) {
+        let (mut curves, mut ranges, mut curved) = (Vec::new(), Vec::new(), Vec::new());
+        for look in looks {
+            match look.segment {
+                Segment::Straight(bundle) => self.each_hit_of_ray(bundle, look.range, |hit| look.take(hit)),
+                Segment::Curved(curve) => {
+                    curves.push(*curve);
+                    ranges.push(look.range);
+                    curved.push(look);
+                }
+            }
+        }
+        self.each_hit_of_curves(&curves, &ranges, |k, hit| curved[k].take(hit));
+    }
+
+    /// Both triangles have the same three corners: the one that is seen is met wherever the other is.
+    fn hides_twin(&self, seen: u32, other: u32) -> bool {
+        self.corners(seen).v == self.corners(other).v
+    }
+
+    /// The curve meets the seen triangle's plane so flat there that the place is not sure to [`super::GAP`].
+    fn touches(&self, path: &Path, seen: &Seen) -> bool {
+        match path.of(seen) {
+            Segment::Straight(_) => false,
+            Segment::Curved(c) => is_flat(c, &self.corners(seen.hit.triangle), seen.hit.t),
+        }
+    }
+
+    /// Every visible hit of curves of one degree, each in its range; each meeting of a triangle by itself. They are looked
+    /// for together, so they had better run side by side. `visit` takes a curve's number and returns the largest t that
+    /// still matters to it.
+    fn each_hit_of_curves(&self, curves: &[Curve], ranges: &[[f64; 2]], mut visit: impl FnMut(usize, Hit) -> f64) {
+        let Some(sweep) = Sweep::around(curves) else { return };
+        let start = ranges.iter().fold(f64::INFINITY, |m, r| m.min(r[0]));
+        let mut limits: Vec<f64> = ranges.iter().map(|r| r[1]).collect();
+        let last = |limits: &[f64]| limits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        self.bvh.walk(&sweep, [start, last(&limits)], |id| {
+            let corners = self.corners(id);
+            let (lo, hi) = corners.bounds();
+            if sweep.span(lo, hi, [start, last(&limits)]).is_none() {
+                return last(&limits);
+            }
+            for (k, (curve, range)) in curves.iter().zip(ranges).enumerate() {
+                for m in meetings(curve, &corners) {
+                    let seen = m.sign < 0 || self.two_sided(id);
+                    if seen && range[0] <= m.t && m.t <= range[1] {
+                        limits[k] = limits[k].min(visit(k, Hit { t: m.t, triangle: id, bary: m.bary }));
+                    }
+                }
+            }
+            last(&limits)
+        });
+    }
+}
+
+impl<'a> Look<'a> {
+    /// Along the path's segment in a layer, as far as it may change the answer of the layers before.
+    fn new(path: &'a Path, layer: usize, before: &Answer) -> Option<Look<'a>> {
+        let (piece, segment) = path.segments.get(layer)?.as_ref()?;
+        let [t0, t1] = path.range(layer);
+        let limit = before.seen.map_or(f64::INFINITY, |s| beyond(s.t())) - layer as f64;
+        let range = [t0, t1.min(limit)];
+        (limit >= t0).then_some(Look { path, layer, piece: *piece, segment, range, limit, near: Vec::new() })
+    }
+
+    /// The t of the whole path where that of the layer is 0.
+    fn base(&self) -> f64 {
+        self.layer as f64
+    }
+
+    /// Takes a hit; returns the largest t that still matters.
+    fn take(&mut self, hit: Hit) -> f64 {
+        self.near.push(hit);
+        self.limit = self.limit.min(beyond(self.base() + hit.t) - self.base());
+        self.limit
+    }
+
+    fn add_to(&self, answer: &mut Answer) {
+        if answer.seen.is_none() {
+            let (layer, piece) = (self.layer, self.piece);
+            let first = self.near.iter().copied().fold(None, nearer);
+            answer.seen = first.map(|hit| Seen { layer, piece, hit: Hit { t: self.path.within(hit.t), ..hit } });
+        }
+        let front = answer.seen.map_or(0.0, |s| s.t());
+        answer.ties.extend(self.near.iter().filter(|h| !clears(front, self.base() + h.t)).map(|h| h.triangle));
+    }
+}
