@@ -31,13 +31,13 @@ impl Beam {
         Beam { p: join(self.p, other.p), d: join(self.d, other.d) }
     }
 
-    /// About `anchor`, with room for the rounding of world coordinates.
+    /// About `anchor`, with room for the rounding of world coordinates and of a t about 0.
     pub fn rebased(self, anchor: DVec3) -> Beam {
         if self.p.iter().chain(&self.d).any(|v| !v.is_finite()) {
             return Beam::ALL;
         }
         let size = |b: &[DVec3; 2]| b[0].abs().max(b[1].abs()).max_element();
-        let p_room = ROOM * (size(&self.p) + anchor.abs().max_element());
+        let p_room = ROOM * (size(&self.p) + anchor.abs().max_element() + size(&self.d));
         let d_room = ROOM * size(&self.d);
         Beam {
             p: [self.p[0] - anchor - p_room, self.p[1] - anchor + p_room],

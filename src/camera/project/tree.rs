@@ -52,7 +52,8 @@ impl Tree {
         if !leaves.is_empty() {
             push(&mut nodes, &leaves, u64::BITS);
         }
-        let room = |t: f64| if t.is_finite() { ROOM * t.abs().max(1.0) } else { 0.0 };
+        // about 0 the beams have it
+        let room = |t: f64| if t.is_finite() { ROOM * t.abs() } else { 0.0 };
         let [t0, t1] = t_range;
         Tree { nodes, anchor, t_range: [t0 - room(t0), t1 + room(t1)] }
     }
