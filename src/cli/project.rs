@@ -49,7 +49,7 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
         }
         None => print(&lines),
     };
-    match gpu {
+    match &gpu {
         Some(gpu) => sifted(Sift::new(gpu, &projector)?, &projector, &points, put)?,
         None => {
             for chunk in points.chunks(CHUNK) {

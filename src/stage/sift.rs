@@ -17,8 +17,8 @@ use rayon::prelude::*;
 use wgpu::BufferUsages;
 
 /// The kernel, compiled, and the beams of each layer on the device.
-pub struct Sift {
-    gpu: Gpu,
+pub struct Sift<'g> {
+    gpu: &'g Gpu,
     pipeline: Pipeline,
     layers: Vec<Layer>,
 }
@@ -51,15 +51,15 @@ const SLOTS_MOST: u32 = 1024;
 /// Of so many points one may have more than its slots.
 const OVER: usize = 16;
 
-impl Sift {
+impl<'g> Sift<'g> {
     /// For the points of one camera; the device holds 64 bytes a node of its trees.
-    pub fn new(gpu: Gpu, projector: &Projector) -> Result<Sift> {
+    pub fn new(gpu: &'g Gpu, projector: &Projector) -> Result<Sift<'g>> {
         let pipeline = Pipeline::new(&gpu.device, kernels::sift());
         let most = (gpu.binding_limit() / BEAM_BYTES) as usize;
         let layer = |tree| {
             let beams = Beams::new(tree, most);
             let mut tables = Buffers::default();
-            tables.upload(&gpu, "beams", &beams.rows)?;
+            tables.upload(gpu, "beams", &beams.rows)?;
             Ok(Layer { beams, tables, slots: SLOTS })
         };
         let layers = projector.trees().map(layer).collect::<Result<_>>()?;
@@ -73,7 +73,7 @@ impl Sift {
 
     /// Sends a chunk of at most [`Sift::points_most`] points on its way.
     pub fn start(&self, points: &[DVec3]) -> Result<Started> {
-        let gpu = &self.gpu;
+        let gpu = self.gpu;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut started = Started { points: points.len(), layers: Vec::new() };
         for Layer { beams, tables, slots } in &self.layers {
@@ -115,7 +115,7 @@ impl Sift {
     pub fn finish(&mut self, started: Started) -> Result<Sifted> {
         let mut sifted = Sifted { layers: Vec::new() };
         for (layer, (slots, list)) in self.layers.iter_mut().zip(started.layers) {
-            let mut words = read_words(&self.gpu, &list)?;
+            let mut words = read_words(self.gpu, &list)?;
             words.truncate(started.points * (slots as usize + 1));
             layer.slots = slots_for(&words, slots);
             sifted.layers.push((slots, words));

@@ -74,19 +74,29 @@ impl<'a> Search<'a> {
         let mut shown = Shown::default();
         self.tree.walk(point, from, |leaf| {
             let (tile, whole) = (leaf / SPANS, (span(leaf % SPANS), T_HALVINGS - SPAN_HALVINGS));
-            let mut spans = vec![whole];
-            if let Some(net) = &self.nets[tile as usize] {
-                spans.clear();
-                net.over(whole.0).spans_near(point, whole, &mut spans, &mut shown);
-            }
+            let Some(net) = &self.nets[tile as usize] else {
+                let cells = pixels(self.curves, tile).map(|at| Cell { at, side: 1.0, halvings: HALVINGS });
+                cells.for_each(|cell| self.search(point, &cell, whole.0, whole.1, None, &mut shown));
+                return;
+            };
+            let mut spans = Vec::new();
+            net.over(whole.0).spans_near(point, whole, &mut spans, &mut shown);
+            let Some(first) = pixels(self.curves, tile).next() else { return };
             for (span, t_halvings) in spans {
-                for at in pixels(self.curves, tile) {
+                let mut near = Vec::new();
+                net.over(span).pixels_near(point, first, f64::from(TILE), &mut near);
+                for at in near.into_iter().filter(|at| at.cmplt(self.size()).all()) {
                     let cell = Cell { at, side: 1.0, halvings: HALVINGS };
                     self.search(point, &cell, span, t_halvings, None, &mut shown);
                 }
             }
         });
         shown
+    }
+
+    /// Of the image, px.
+    fn size(&self) -> DVec2 {
+        DVec2::new(self.curves.width.into(), self.curves.height.into())
     }
 
     /// `known`: the nets of the cell over the `span` of t; `None`: they are taken here.
@@ -133,7 +143,7 @@ impl<'a> Search<'a> {
 
     /// Newton's method from the cell's middle and its corners, in the middle of the span.
     fn solve(&self, point: DVec3, cell: &Cell, [t0, t1]: [f64; 2], shown: &mut Shown) {
-        let end = DVec2::new(self.curves.width.into(), self.curves.height.into());
+        let end = self.size();
         for from in samples(cell.at, cell.side) {
             if !shown.may_spend(NEWTON_WORK) {
                 return;
@@ -232,6 +242,40 @@ impl Net {
         }
     }
 
+    /// The corners of the pixels whose curves may run through the point, in the square that the net is of: quarter by
+    /// quarter, without a look at the curves themselves.
+    fn pixels_near(self, point: DVec3, at: DVec2, side: f64, near: &mut Vec<DVec2>) {
+        if !holds(&self.around(), self.room(), point) {
+            return;
+        }
+        if side <= 1.0 {
+            near.push(at);
+            return;
+        }
+        let half = 0.5 * side;
+        for (at, quarter) in corners(at, half).into_iter().zip(self.quarters()) {
+            quarter.pixels_near(point, at, half, near);
+        }
+    }
+
+    /// Left and right above, left and right below; each with the room of the whole.
+    fn quarters(&self) -> [Net; 4] {
+        let middle = |a: &Curve, b: &Curve| {
+            let mut points = [DVec3::ZERO; 4];
+            points.iter_mut().zip(a.points().iter().zip(b.points())).for_each(|(m, (a, b))| *m = a.midpoint(*b));
+            Curve::new(&points[..=a.degree()])
+        };
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.curves[k]);
+        let (ab, ac, bd, cd) = (middle(&a, &b), middle(&a, &c), middle(&b, &d), middle(&c, &d));
+        let m = middle(&ab, &cd);
+        let reach = self.room();
+        [[a, ab, ac, m], [ab, b, m, bd], [ac, m, c, cd], [m, bd, cd, d]].map(|curves| Net {
+            curves: curves.to_vec(),
+            middle: None,
+            reach,
+        })
+    }
+
     fn over(&self, span: [f64; 2]) -> Net {
         self.mapped(|c| c.span(span))
     }
@@ -292,12 +336,15 @@ fn bound(curves: &Curves, tile: u32) -> (Option<Net>, Vec<Leaf>) {
     let pixels: Vec<DVec2> = pixels(curves, tile).collect();
     let all: Vec<Vec<Net>> = pixels.iter().map(|at| nets(curves, *at, 1.0)).collect();
     let place = place_key(pixels[0], DVec2::new(curves.width.into(), curves.height.into()));
+    let net = tile_net(curves, pixels[0], &pixels, &all);
+    let bounds: Vec<&Net> = net.as_ref().map_or_else(|| all.iter().flatten().collect(), |net| vec![net]);
     let leaf = |k: u32| {
-        let beam = all.iter().flatten().map(|n| n.beam(span(k))).reduce(|a, b| a.joined(&b))?;
+        let beam = bounds.iter().map(|n| n.beam(span(k))).reduce(|a, b| a.joined(&b))?;
         // span by span: beams of one span are nearer to each other than those of one place
         Some(Leaf { key: u64::from(k) << (2 * KEY_BITS) | place, number: tile * SPANS + k, beam })
     };
-    (tile_net(curves, pixels[0], &pixels, &all), (0..SPANS).filter_map(leaf).collect())
+    let leaves = (0..SPANS).filter_map(leaf).collect();
+    (net, leaves)
 }
 
 /// The curves at a tile's corners, with as much room as those of its pixels are off what is bilinear between them;

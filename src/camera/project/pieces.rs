@@ -46,7 +46,11 @@ impl<'a> Search<'a> {
     /// At and below the nodes `from` of the tree.
     pub fn images(&self, point: DVec3, from: &[u32]) -> Shown {
         let mut shown = Shown::default();
-        self.tree.walk(point, from, |k| self.images_in(k, point, &mut shown));
+        self.tree.walk(point, from, |k| {
+            if may_see(&self.pieces.pieces[k as usize], point) {
+                self.images_in(k, point, &mut shown);
+            }
+        });
         shown
     }
 
@@ -158,6 +162,40 @@ fn beam_at(piece: &Piece, corner: DVec2) -> Beam {
     Beam::about(ray.origin, ray.direction, room(&b.p, ray.origin), room(&b.d, ray.direction))
 }
 
+/// Some ray of the piece may pass through `x`. With `m = x h - p` it does where the quadratic `m x d` is 0; it is not
+/// where all Bernstein coefficients over the triangle lie on one side of a plane through 0. Where the quadratic is
+/// almost linear the triangle of its corner values decides, so each plane is along one of that triangle's edges.
+fn may_see(piece: &Piece, x: DVec3) -> bool {
+    let Some(corners) = piece.corners_px else { return true };
+    let b = &piece.bundle;
+    let rays = corners.map(|corner| {
+        let q = corner - piece.centre_px;
+        let at = |v: &[DVec3; 3]| v[0] + q.x * v[1] + q.y * v[2];
+        (x * (b.h[0] + q.x * b.h[1] + q.y * b.h[2]) - at(&b.p), at(&b.d))
+    });
+    let [(m0, d0), (m1, d1), (m2, d2)] = rays;
+    let corner = [m0.cross(d0), m1.cross(d1), m2.cross(d2)];
+    let between = [m0.cross(d1) + m1.cross(d0), m1.cross(d2) + m2.cross(d1), m2.cross(d0) + m0.cross(d2)];
+    let coefficients = [corner[0], corner[1], corner[2], 0.5 * between[0], 0.5 * between[1], 0.5 * between[2]];
+    // what a place beyond the border adds, and the rounding of x h - p, both by largest components: a product of two
+    // has two terms of them
+    let large = |v: DVec3| v.abs().max_element();
+    let (m, d) = rays.iter().fold((0.0_f64, 0.0_f64), |(m, d), r| (m.max(large(r.0)), d.max(large(r.1))));
+    let slopes = [1, 2].map(|k| (large(x * b.h[k] - b.p[k]), large(b.d[k])));
+    let (slope_m, slope_d) = (slopes[0].0 + slopes[1].0, slopes[0].1 + slopes[1].1);
+    let beyond = BEYOND_PX * (m * slope_d + slope_m * d + BEYOND_PX * slope_m * slope_d);
+    let h = corners
+        .iter()
+        .fold(0.0_f64, |h, c| h.max((b.h[0] + (*c - piece.centre_px).dot(DVec2::new(b.h[1], b.h[2]))).abs()));
+    let room = 2.0 * (beyond + ROOM * (m + large(x) * h) * d);
+    [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, j)| {
+        let normal = (corner[j] - corner[i]).cross(d0);
+        let room = room * normal.abs().element_sum();
+        let side = coefficients.map(|e| normal.dot(e));
+        side.iter().any(|s| *s <= room) && side.iter().any(|s| *s >= -room)
+    })
+}
+
 /// The part of a convex polygon in the box `lo..hi` (Sutherland and Hodgman).
 fn clip(mut polygon: Vec<DVec2>, lo: DVec2, hi: DVec2) -> Vec<DVec2> {
     for (axis, limit) in [(DVec2::X, hi.x), (DVec2::NEG_X, -lo.x), (DVec2::Y, hi.y), (DVec2::NEG_Y, -lo.y)] {
@@ -197,3 +235,6 @@ impl Volume for InPiece<'_> {
 }
 
 const _: () = assert!(BORDER_PX < ONE_PLACE_PX, "images within rounding of a border are found as one");
+
+#[cfg(test)]
+mod tests;
