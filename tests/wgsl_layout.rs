@@ -325,7 +325,7 @@ const PLANTED: [(&str, &str, &str); 7] = [
 #[test]
 fn a_planted_difference_in_a_struct_is_seen() {
     let mut host = host();
-    ["Shading", "Chunk", "Beam"].map(|elsewhere| host.remove(elsewhere));
+    host.retain(|name, _| !["Shading", "Chunk", "Beam"].contains(&name.as_str()));
     assert_eq!(differences(&host, &wgsl(PARAMS)), [""; 0]);
     for (name, from, to) in PLANTED {
         assert!(PARAMS.contains(from), "{from:?} is no longer there to be changed");

@@ -1,6 +1,10 @@
 //! Where a camera shows a 3-D point: all places of the image whose rays or curves pass through it.
 //!
-//! * [`pieces`]: in a piece the rays through a point are the roots of a cubic in t; all are found.
+//! Beams, boxes around origins and directions, bound the rays of each part of the image, and a [`tree`] of them finds the
+//! parts that may see a point. The GPU may go down that tree instead (`sift`): what it lists is looked at here again, so
+//! that the images are the same.
+//!
+//! * [`pieces`]: in a piece the rays through a point are the roots of a cubic in t ([`columns`]); all are found.
 //! * [`field`], [`curved`]: formulas and tables have no such equation. The image is searched in cells of a quarter
 //!   pixel that bounds of their rays cannot rule out, and Newton's method ([`newton`]) finds the exact place from each.
 //!   Two images closer together than such a cell may be found as one. The bounds of a formula are sampled (with a margin
