@@ -31,6 +31,9 @@
 //! Three layers keep it true: [`mod@reference`] (one f64 ray or curve a pixel, no pieces' tricks), the twins of the stages in
 //! f64 ([`twin`]), and the kernels in `wgsl/`.
 //!
+//! Where a camera shows given points is another question ([`camera::project`]), answered in f64; for many points the
+//! kernel `sift` finds the parts of the image to look at.
+//!
 //! A frame, on the GPU where there is one:
 //!
 //! ```

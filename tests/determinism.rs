@@ -6,7 +6,7 @@ mod common;
 use anamorph::camera::Camera;
 use anamorph::engine::RunOptions;
 use anamorph::frame::Channel;
-use anamorph::plan::{self, Plan, Wanted};
+use anamorph::plan::{Plan, Surroundings, Wanted};
 use anamorph::scene::Scene;
 use anamorph::scene::{generate, place};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
@@ -135,7 +135,7 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
         let around = Surroundings::of(&camera, scene.bounds());
         let plan =
             Plan::new(&camera, scene.mesh.triangles.len(), false, around, &wanted(), small.gpu.has, SMALL_BINDING);
-        let chunks = anamorph::scene::clusters::cluster(&scene.mesh, anchor, SMALL_BINDING).chunks.len();
+        let chunks = anamorph::scene::clusters::cluster(&scene.mesh, around.anchor, SMALL_BINDING).chunks.len();
         assert!(plan.bands.len() > 5 && chunks > 1, "{name}");
         let parts = small.render(&scene, &camera, &wanted(), &RunOptions::default()).unwrap();
         assert!(words(&parts.frame) == words(&whole.frame) && parts.srgb8 == whole.srgb8, "{name}");

@@ -1,5 +1,5 @@
-//! The rows that the host writes are the rows that the kernels read: every struct of `wgsl/shared/params.wgsl` and
-//! `shading.wgsl` against its twin in `src/gpu/rows.rs`, field by field, and every constant against its own.
+//! The rows that the host writes are the rows that the kernels read: every struct of `wgsl/shared/params.wgsl`,
+//! `shading.wgsl` and `beams.wgsl` against its twin in `src/gpu/rows.rs`, field by field, and every constant against its own.
 
 use anamorph::frame::Channel;
 use anamorph::gpu::kernels::{self, RaysKind, Variant};
@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 
 const PARAMS: &str = include_str!("../wgsl/shared/params.wgsl");
 const SHADING: &str = include_str!("../wgsl/shared/shading.wgsl");
+const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
 const ROWS: &str = include_str!("../src/gpu/rows.rs");
 
 /// One field as bytes: name, offset, size, kind of its numbers.
@@ -120,6 +121,8 @@ fn host() -> Layouts {
             dy_lo,
             pad3,
         }),
+        layout!(Chunk { points, beams, slots, most, t_min, t_max, pad0, pad1 }),
+        layout!(Beam { p_lo, next, p_hi, node, d_lo, pad0, d_hi, pad1 }),
         layout!(Shading { background, ambient, light_count, has_normals, pad0, pad1 }),
     ])
 }
@@ -209,6 +212,7 @@ fn differences<V: PartialEq + std::fmt::Debug>(a: &BTreeMap<String, V>, b: &BTre
 fn every_struct_is_the_same_bytes_on_both_sides() {
     let mut kernels = wgsl(PARAMS);
     kernels.extend(wgsl(SHADING));
+    kernels.extend(wgsl(BEAMS));
     assert_eq!(differences(&host(), &kernels), [""; 0]);
 }
 
@@ -323,7 +327,7 @@ const PLANTED: [(&str, &str, &str); 7] = [
 #[test]
 fn a_planted_difference_in_a_struct_is_seen() {
     let mut host = host();
-    host.remove("Shading");
+    host.retain(|name, _| !["Shading", "Chunk", "Beam"].contains(&name.as_str()));
     assert_eq!(differences(&host, &wgsl(PARAMS)), [""; 0]);
     for (name, from, to) in PLANTED {
         assert!(PARAMS.contains(from), "{from:?} is no longer there to be changed");

@@ -1,6 +1,10 @@
 //! Where a camera shows a 3-D point: all places of the image whose rays or curves pass through it.
 //!
-//! * [`pieces`]: in a piece the rays through a point are the roots of a cubic in t; all are found.
+//! Beams, boxes around origins and directions, bound the rays of each part of the image, and a [`tree`] of them finds the
+//! parts that may see a point. The GPU may go down that tree instead (`sift`): what it lists is looked at here again, so
+//! that the images are the same.
+//!
+//! * [`pieces`]: in a piece the rays through a point are the roots of a cubic in t ([`columns`]); all are found.
 //! * [`field`], [`curved`]: formulas and tables have no such equation. The image is searched in cells of a quarter
 //!   pixel that bounds of their rays cannot rule out, and Newton's method ([`newton`]) finds the exact place from each.
 //!   Two images closer together than such a cell may be found as one. The bounds of a formula are sampled (with a margin
@@ -8,16 +12,19 @@
 //!   sample is in are lost. A table is searched between its pixel centres, where it is bilinear. Near eyes and slits so
 //!   much of the image may see the point that the search is given up ([`Images::incomplete`]).
 
+pub mod beam;
+mod columns;
 mod curved;
 mod field;
 mod newton;
 mod pieces;
 mod samples;
-mod tree;
+pub mod tree;
 
 use super::{Camera, Rays};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
+use tree::{Tree, WHOLE};
 
 /// One place where a point is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -122,14 +129,32 @@ impl<'a> Projector<'a> {
         Projector { camera, layers: camera.layers.iter().map(layer).collect() }
     }
 
-    /// All images of `point`, world units.
+    /// The beams of each layer's rays.
+    pub fn trees(&self) -> impl Iterator<Item = &Tree> {
+        self.layers.iter().map(|layer| match layer {
+            Layer::Pieces(s) => &s.tree,
+            Layer::Field(s) => &s.tree,
+            Layer::Curves(s) => &s.tree,
+        })
+    }
+
+    /// All images of `point`, world units; none of a point that is not finite.
     pub fn project(&self, point: DVec3) -> Images {
+        self.project_below(point, |_| WHOLE)
+    }
+
+    /// As [`Projector::project`], where `from` names nodes of each layer's tree, ascending, at or below which all leaves
+    /// are that may see the point.
+    pub fn project_below<'n>(&self, point: DVec3, from: impl Fn(usize) -> &'n [u32]) -> Images {
         let mut all = Images::default();
+        if !point.is_finite() {
+            return all;
+        }
         for (layer, search) in self.layers.iter().enumerate() {
             let shown = match search {
-                Layer::Pieces(s) => s.images(point),
-                Layer::Field(s) => s.images(point),
-                Layer::Curves(s) => s.images(point),
+                Layer::Pieces(s) => s.images(point, from(layer)),
+                Layer::Field(s) => s.images(point, from(layer)),
+                Layer::Curves(s) => s.images(point, from(layer)),
             };
             all.degenerate = all.degenerate.max(shown.degenerate);
             all.incomplete |= shown.work > WORK;

@@ -149,6 +149,13 @@ pub struct ProjectArgs {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub change: Change,
+    /// What sifts the image for each point: compute (GPU) or reference (CPU); the lines are the same [default: the GPU
+    /// for many points, where there is a hardware one]
+    #[arg(long, value_name = "NAME", value_parser = engine)]
+    pub engine: Option<EngineName>,
+    /// Adapter to use: a part of its name
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
 }
 
 #[derive(Debug, Args)]

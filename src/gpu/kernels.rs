@@ -64,6 +64,7 @@ macro_rules! snippet {
 }
 
 const PARAMS: &str = snippet!("shared/params.wgsl");
+const ITEMS: &str = snippet!("shared/items.wgsl");
 const INDEX: &str = snippet!("shared/index.wgsl");
 const SHEETS: &str = snippet!("shared/sheets.wgsl");
 const VERTEX: &str = snippet!("shared/vertex.wgsl");
@@ -195,7 +196,7 @@ pub fn cull() -> Kernel {
         write("work", "array<vec2<u32>>"),
         counters(),
     ];
-    kernel("cull", bindings, &[PARAMS, INDEX, MEETS, snippet!("cull.wgsl")])
+    kernel("cull", bindings, &[PARAMS, ITEMS, INDEX, MEETS, snippet!("cull.wgsl")])
 }
 
 pub fn bin(variant: Variant) -> Kernel {
@@ -211,7 +212,7 @@ pub fn bin(variant: Variant) -> Kernel {
         write("pairs", "array<vec2<u32>>"),
         counters(),
     ];
-    let snippets = [PARAMS, INDEX, SHEETS, VERTEX, PAIR, CONICS, EXTENT, MEETS, snippet!("bin.wgsl")];
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, PAIR, CONICS, EXTENT, MEETS, snippet!("bin.wgsl")];
     let mut kernel = kernel("bin", bindings, &snippets);
     kernel.constants.push(("SHEETED", variant.sheeted as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
@@ -232,7 +233,7 @@ pub fn raster(variant: Variant) -> Kernel {
     ];
     bindings.extend(variant.rays());
     bindings.push(read("cells", "array<Cell>"));
-    let snippets = [PARAMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     let own = [PAIR, BITS, variant.merge(), MEETING, variant.camera(), snippet!("raster.wgsl")];
     let mut kernel = kernel("raster", bindings, &[&snippets[..], &own[..], variant.coverage()].concat());
     kernel.constants = variant.constants();
@@ -259,7 +260,7 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     if variant.rays != RaysKind::Field {
         bindings.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
     }
-    let snippets = [PARAMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     let own = [variant.camera(), SHADING, snippet!("shade.wgsl")];
     let mut kernel = kernel("shade", bindings, &[&snippets[..], &own[..], variant.pixel()].concat());
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
@@ -285,12 +286,23 @@ fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
 
 pub fn write_srgb(planes: &[Channel]) -> Kernel {
     let bindings = vec![params(), read("planes", "array<u32>"), write("srgb8", "array<u32>")];
-    let mut kernel = kernel("write", bindings, &[PARAMS, INDEX, SHADING, snippet!("write.wgsl")]);
+    let mut kernel = kernel("write", bindings, &[PARAMS, ITEMS, SHADING, snippet!("write.wgsl")]);
     kernel.constants = plane_constants(planes);
     kernel
 }
 
-/// All kernels of a variant that writes `planes`, in the order of the pipeline.
+/// Points against the beams of a camera; no part of a frame.
+pub fn sift() -> Kernel {
+    let bindings = vec![
+        uniform("chunk", "Chunk"),
+        read("beams", "array<Beam>"),
+        read("points", "array<vec4<f32>>"),
+        write("found", "array<u32>"),
+    ];
+    kernel("sift", bindings, &[PARAMS, ITEMS, snippet!("shared/beams.wgsl"), snippet!("sift.wgsl")])
+}
+
+/// All kernels of a variant that writes `planes`, in the order of the pipeline, and those beside it.
 pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
-    vec![args(), cull(), bin(variant), raster(variant), shade(variant, planes), write_srgb(planes)]
+    vec![args(), cull(), bin(variant), raster(variant), shade(variant, planes), write_srgb(planes), sift()]
 }

@@ -1,4 +1,4 @@
-//! The rows that the host writes and the kernels read: `wgsl/shared/params.wgsl` in Rust.
+//! The rows that the host writes and the kernels read: `wgsl/shared/params.wgsl`, `shading.wgsl` and `beams.wgsl` in Rust.
 //!
 //! `tests/wgsl_layout.rs` holds names, offsets, sizes and constants of both sides equal.
 
@@ -157,6 +157,34 @@ pub struct Shading {
     pub light_count: u32,
     pub has_normals: u32,
     pub pad0: u32,
+    pub pad1: u32,
+}
+
+/// A chunk of points, and the tree of beams that they are held against.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Chunk {
+    pub points: u32,
+    pub beams: u32,
+    pub slots: u32,
+    pub most: u32,
+    pub t_min: f32,
+    pub t_max: f32,
+    pub pad0: u32,
+    pub pad1: u32,
+}
+
+/// Bounds of the rays of some part of an image, in preorder, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Beam {
+    pub p_lo: [f32; 3],
+    pub next: u32,
+    pub p_hi: [f32; 3],
+    pub node: u32,
+    pub d_lo: [f32; 3],
+    pub pad0: u32,
+    pub d_hi: [f32; 3],
     pub pad1: u32,
 }
 

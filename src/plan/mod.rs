@@ -2,8 +2,9 @@
 //!
 //! The image is cut into bands of whole tile rows that fit the adapter's bindings. Every band has its tiles ([`tiles`]:
 //! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square). The
-//! tiles of a chain's layers, and of the spans of curved rays, lie stacked as [`sheets`].
+//! tiles of a chain's layers, and of the spans of curved rays, lie stacked as [`sheets`]. To project points the image has another tree ([`beams`]).
 
+pub mod beams;
 pub mod curves;
 pub mod nodes;
 pub mod sheets;

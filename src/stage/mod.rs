@@ -1,11 +1,13 @@
 //! The stages of a frame, one file each: what it binds and how it is dispatched.
 //!
-//! `cull -> bin -> raster -> shade -> write`, each the host's side of the kernel of that name.
+//! `cull -> bin -> raster -> shade -> write`, each the host's side of the kernel of that name; beside them [`sift`], which
+//! finds the parts of an image that may see a point.
 
 pub mod bin;
 pub mod cull;
 pub mod raster;
 pub mod shade;
+pub mod sift;
 pub mod write;
 
 use crate::error::Result;

@@ -12,6 +12,7 @@ pub mod key;
 pub mod raster;
 pub mod rays;
 pub mod shade;
+pub mod sift;
 pub mod write;
 
 pub use key::{KeyForm, Real};

@@ -282,6 +282,10 @@ fn points_are_projected() {
     assert!(out[0]["degenerate"].is_null() && out[1]["degenerate"].is_null());
     assert_eq!(out[1]["images"], serde_json::json!([]));
     assert_eq!(out[2]["degenerate"], "eye");
+    // by either engine the same lines
+    let [by_cpu, by_gpu] = ["reference", "compute"]
+        .map(|engine| place.works(&["project", "scene.toml", "--points", "p.csv", "--engine", engine]));
+    assert!(by_cpu == by_gpu && lines(&by_cpu) == out, "{by_cpu}{by_gpu}");
     // another size, into a file
     let told = place.works(&["project", "scene.toml", "--points", "p.csv", "--size", "128x96", "-o", "out.jsonl"]);
     assert_eq!(told, "");
@@ -305,6 +309,10 @@ fn without_an_adapter_the_cpu_renders() {
     assert_eq!((code, err.lines().count()), (Some(0), 1), "{err}");
     assert!(err.contains("no Vulkan adapter found") && out.ends_with("| cpu\n"), "{err}{out}");
     assert_eq!(json_file(&place, "r.json")["engine"], "reference");
+    place.write("p.csv", "0,0,0\n");
+    let (code, out, err) = run(&["project", "scene.toml", "--points", "p.csv", "--engine", "compute"]);
+    assert_eq!((code, out.lines().count(), err.lines().count()), (Some(0), 1, 1), "{err}");
+    assert!(err.contains("no Vulkan adapter found") && err.contains("projecting on the CPU"), "{err}");
     let (code, out, err) = run(&["info"]);
     assert!(code == Some(0) && err.is_empty() && out.contains("--engine reference"), "{out}{err}");
     let (code, _, err) = run(&["render", "scene.toml", "-o", "a.png", "--adapter", "llvm"]);

@@ -1,11 +1,15 @@
-//! Projection against coverage: images see their points, and pixels are images of what they see.
+//! Projection against coverage: images see their points, and pixels are images of what they see; with the GPU's help
+//! the same.
 
 use super::rng::Rng;
 use super::soup;
 use anamorph::camera::project::{Image, Images, Projector};
 use anamorph::camera::{Camera, Ray, Rays};
+use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::reference::{Path, Reference};
+use anamorph::stage::sift::Sift;
 use glam::{DVec2, DVec3};
+use std::sync::OnceLock;
 
 /// What an image place may be off by, px (the promise of the property).
 pub const PLACE_PX: f64 = 1e-6;
@@ -107,6 +111,41 @@ fn has_rays_about(camera: &Camera, i: u32, j: u32) -> bool {
     f.map().is_some() || [(-1, -1), (-1, 1), (1, -1), (1, 1)].iter().any(|&(x, y)| has(x, 0) && has(0, y) && has(x, y))
 }
 
+/// This machine's adapter; `None`, with the reason printed, where there is none.
+pub fn gpu() -> Option<&'static Gpu> {
+    static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
+    let gpu = GPU.get_or_init(|| Gpu::open(&GpuOptions::default()).unwrap()).as_ref();
+    if gpu.is_none() {
+        println!("skipped: {}", anamorph::gpu::device::NO_ADAPTER);
+    }
+    gpu
+}
+
+/// The GPU's lists lead to the very lines of the CPU alone: at random points, near and far, and at what places see.
+pub fn sifted_lines_are_the_same(name: &str, camera: &Camera, rng: &mut Rng, points: usize) {
+    let Some(gpu) = gpu() else { return };
+    let projector = Projector::new(camera);
+    let seen = |rng: &mut Rng| {
+        let (i, j) = (rng.below(camera.width as usize) as u32, rng.below(camera.height as usize) as u32);
+        camera.ray(i, j).map_or(DVec3::ZERO, |r| r.origin + 4.0 * rng.signed() * r.direction)
+    };
+    let points: Vec<DVec3> = (0..points)
+        .map(|k| match k % 8 {
+            0..5 => 0.5 * rng.vector(),
+            5 => 1e3 * rng.vector(),
+            _ => seen(rng),
+        })
+        .collect();
+    let mut sift = Sift::new(gpu, &projector).unwrap();
+    let started = sift.start(&points).unwrap();
+    let sifted = sift.finish(started).unwrap();
+    for (k, point) in points.iter().enumerate() {
+        let lines = [projector.project(*point), projector.project_below(*point, |layer| sifted.nodes(layer, k))]
+            .map(|images| serde_json::to_string(&images).unwrap());
+        assert!(lines[0] == lines[1], "{name}: {point}: {} against {}", lines[0], lines[1]);
+    }
+}
+
 /// All properties, at random points, pixels and places. How many points had how many images.
 pub fn check(name: &str, camera: &Camera, seed: u64) -> Counts {
     let mut rng = Rng(seed);
@@ -114,5 +153,6 @@ pub fn check(name: &str, camera: &Camera, seed: u64) -> Counts {
     let hits = pixels_are_images_of_what_they_see(name, camera, &mut rng, 300);
     assert!(hits > 30, "{name}: only {hits} hits");
     places_are_images_of_their_points(name, camera, &mut rng, 100);
+    sifted_lines_are_the_same(name, camera, &mut rng, 100);
     counts
 }

@@ -1,13 +1,3 @@
-// Work items from workgroups that the host or `args` laid out in two dimensions.
-
-fn item_index(group: vec3<u32>, groups: vec3<u32>, lane: u32) -> u32 {
-    return (group.y * groups.x + group.x) * GROUP + lane;
-}
-
-fn group_index(group: vec3<u32>, groups: vec3<u32>) -> u32 {
-    return group.y * groups.x + group.x;
-}
-
 // A node's address: level, column and row in one word; or LEVEL_CELL and a cell.
 fn node_pack(level: u32, x: u32, y: u32) -> u32 {
     return (level << 28u) | (y << 14u) | x;

@@ -4,29 +4,27 @@
 //! rule most of the volume out; what is left is cut, in the image or in t, whichever is longer in space, until it is
 //! small.
 
+use super::beam::Beam;
 use super::newton::{self, Volume};
 use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples};
-use super::tree::{Bound, TILE, Tree, cells};
+use super::tree::{KEY_BITS, Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, NEWTON_WORK, Shown};
+use crate::TILE;
 use crate::camera::curve::{Curve, Curves};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, UVec2};
+use rayon::prelude::*;
 
-/// Curves, and bounds over their tiles.
+/// Curves, and beams along spans of them over tiles.
 pub struct Search<'a> {
     curves: &'a Curves,
-    tree: Tree<Boxes>,
+    /// Of each tile, row by row: between which curves all of its are, where it is smooth.
+    nets: Vec<Option<Net>>,
+    pub tree: Tree,
 }
 
-/// Spans of t that a tile has boxes for: a power of 2.
-const SPANS: usize = 8;
-
-/// Boxes around all curves of a tile, span by span.
-#[derive(Debug, Clone)]
-struct Boxes {
-    spans: [[DVec3; 2]; SPANS],
-    /// All of one tile, where it is smooth.
-    net: Option<Net>,
-}
+/// Spans of t that a tile's curves are cut into, each a leaf: a power of 2.
+const SPANS: u32 = 1 << SPAN_HALVINGS;
+const SPAN_HALVINGS: u32 = 3;
 
 /// Times that a cell of a pixel is halved.
 const HALVINGS: u32 = 2;
@@ -65,26 +63,40 @@ impl Volume for Curves {
 
 impl<'a> Search<'a> {
     pub fn new(curves: &'a Curves) -> Search<'a> {
-        Search { curves, tree: Tree::build(curves.width, curves.height, |x, y| bound(curves, x, y)) }
+        let tiles = tiles(curves);
+        let all = (0..tiles.x * tiles.y).into_par_iter().map(|tile| bound(curves, tile));
+        let (nets, leaves): (Vec<_>, Vec<_>) = all.unzip();
+        Search { curves, nets, tree: Tree::new(leaves.concat(), [0.0, 1.0]) }
     }
 
-    pub fn images(&self, point: DVec3) -> Shown {
+    /// At and below the nodes `from` of the tree.
+    pub fn images(&self, point: DVec3, from: &[u32]) -> Shown {
         let mut shown = Shown::default();
-        let may = |b: &Boxes| b.spans.iter().any(|s| holds(s, 0.0, point));
-        self.tree.walk(may, |x, y, boxes| {
-            let mut spans = vec![([0.0, 1.0], T_HALVINGS)];
-            if let Some(net) = &boxes.net {
-                spans.clear();
-                net.spans_near(point, ([0.0, 1.0], T_HALVINGS), &mut spans, &mut shown);
-            }
+        self.tree.walk(point, from, |leaf| {
+            let (tile, whole) = (leaf / SPANS, (span(leaf % SPANS), T_HALVINGS - SPAN_HALVINGS));
+            let Some(net) = &self.nets[tile as usize] else {
+                let cells = pixels(self.curves, tile).map(|at| Cell { at, side: 1.0, halvings: HALVINGS });
+                cells.for_each(|cell| self.search(point, &cell, whole.0, whole.1, None, &mut shown));
+                return;
+            };
+            let mut spans = Vec::new();
+            net.over(whole.0).spans_near(point, whole, &mut spans, &mut shown);
+            let Some(first) = pixels(self.curves, tile).next() else { return };
             for (span, t_halvings) in spans {
-                for (i, j) in cells(x, y, [self.curves.width, self.curves.height]) {
-                    let cell = Cell { at: DVec2::new(i.into(), j.into()), side: 1.0, halvings: HALVINGS };
+                let mut near = Vec::new();
+                net.over(span).pixels_near(point, first, f64::from(TILE), &mut near);
+                for at in near.into_iter().filter(|at| at.cmplt(self.size()).all()) {
+                    let cell = Cell { at, side: 1.0, halvings: HALVINGS };
                     self.search(point, &cell, span, t_halvings, None, &mut shown);
                 }
             }
         });
         shown
+    }
+
+    /// Of the image, px.
+    fn size(&self) -> DVec2 {
+        DVec2::new(self.curves.width.into(), self.curves.height.into())
     }
 
     /// `known`: the nets of the cell over the `span` of t; `None`: they are taken here.
@@ -131,7 +143,7 @@ impl<'a> Search<'a> {
 
     /// Newton's method from the cell's middle and its corners, in the middle of the span.
     fn solve(&self, point: DVec3, cell: &Cell, [t0, t1]: [f64; 2], shown: &mut Shown) {
-        let end = DVec2::new(self.curves.width.into(), self.curves.height.into());
+        let end = self.size();
         for from in samples(cell.at, cell.side) {
             if !shown.may_spend(NEWTON_WORK) {
                 return;
@@ -230,6 +242,40 @@ impl Net {
         }
     }
 
+    /// The corners of the pixels whose curves may run through the point, in the square that the net is of: quarter by
+    /// quarter, without a look at the curves themselves.
+    fn pixels_near(self, point: DVec3, at: DVec2, side: f64, near: &mut Vec<DVec2>) {
+        if !holds(&self.around(), self.room(), point) {
+            return;
+        }
+        if side <= 1.0 {
+            near.push(at);
+            return;
+        }
+        let half = 0.5 * side;
+        for (at, quarter) in corners(at, half).into_iter().zip(self.quarters()) {
+            quarter.pixels_near(point, at, half, near);
+        }
+    }
+
+    /// Left and right above, left and right below; each with the room of the whole.
+    fn quarters(&self) -> [Net; 4] {
+        let middle = |a: &Curve, b: &Curve| {
+            let mut points = [DVec3::ZERO; 4];
+            points.iter_mut().zip(a.points().iter().zip(b.points())).for_each(|(m, (a, b))| *m = a.midpoint(*b));
+            Curve::new(&points[..=a.degree()])
+        };
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.curves[k]);
+        let (ab, ac, bd, cd) = (middle(&a, &b), middle(&a, &c), middle(&b, &d), middle(&c, &d));
+        let m = middle(&ab, &cd);
+        let reach = self.room();
+        [[a, ab, ac, m], [ab, b, m, bd], [ac, m, c, cd], [m, bd, cd, d]].map(|curves| Net {
+            curves: curves.to_vec(),
+            middle: None,
+            reach,
+        })
+    }
+
     fn over(&self, span: [f64; 2]) -> Net {
         self.mapped(|c| c.span(span))
     }
@@ -240,6 +286,20 @@ impl Net {
             middle: self.middle.as_ref().map(&part),
             reach: self.reach,
         }
+    }
+
+    /// Along the chords of the curves' spans, by as much off them as the control points between their ends are.
+    fn beam(&self, span: [f64; 2]) -> Beam {
+        let of = |c: &Curve| {
+            let part = c.span(span);
+            let (p, m) = (part.points(), part.degree());
+            let chord = p[m] - p[0];
+            let beam = Beam::about(p[0], chord, self.room(), 0.0);
+            let off = |k: usize| p[k] - p[0] - k as f64 / m as f64 * chord;
+            let offs = (1..m).map(off).fold([DVec3::ZERO; 2], |[lo, hi], v| [lo.min(v), hi.max(v)]);
+            Beam { p: [beam.p[0] + offs[0], beam.p[1] + offs[1]], ..beam }
+        };
+        self.curves.iter().map(of).fold(Beam::NONE, |a, b| a.joined(&b))
     }
 
     /// How far curves may be outside of what the net's control points hold.
@@ -253,14 +313,38 @@ fn apart(a: &Curve, b: &Curve) -> f64 {
     a.points().iter().zip(b.points()).fold(0.0, |m, (a, b)| m.max((*a - *b).length()))
 }
 
-/// The curves of a tile's pixels.
-fn bound(curves: &Curves, x: u32, y: u32) -> Option<Boxes> {
-    let size = [curves.width, curves.height];
-    let pixels: Vec<DVec2> = cells(x, y, size).map(|(i, j)| DVec2::new(i.into(), j.into())).collect();
+/// The `k`-th of the [`SPANS`].
+fn span(k: u32) -> [f64; 2] {
+    [k, k + 1].map(|k| f64::from(k) / f64::from(SPANS))
+}
+
+/// Tiles a row, and rows.
+fn tiles(curves: &Curves) -> UVec2 {
+    UVec2::new(curves.width.div_ceil(TILE), curves.height.div_ceil(TILE))
+}
+
+/// The corners of a tile's pixels, px.
+fn pixels(curves: &Curves, tile: u32) -> impl Iterator<Item = DVec2> + use<> {
+    let columns = tiles(curves).x;
+    let [x, y] = [(tile % columns, curves.width), (tile / columns, curves.height)]
+        .map(|(k, end)| k * TILE..(k * TILE + TILE).min(end));
+    y.flat_map(move |j| x.clone().map(move |i| DVec2::new(i.into(), j.into())))
+}
+
+/// The curves of a tile's pixels: its net, and its leaves.
+fn bound(curves: &Curves, tile: u32) -> (Option<Net>, Vec<Leaf>) {
+    let pixels: Vec<DVec2> = pixels(curves, tile).collect();
     let all: Vec<Vec<Net>> = pixels.iter().map(|at| nets(curves, *at, 1.0)).collect();
-    let boxes = all.iter().flatten().map(Boxes::of).reduce(|a, b| a.joined(&b))?;
+    let place = place_key(pixels[0], DVec2::new(curves.width.into(), curves.height.into()));
     let net = tile_net(curves, pixels[0], &pixels, &all);
-    Some(Boxes { net, ..boxes })
+    let bounds: Vec<&Net> = net.as_ref().map_or_else(|| all.iter().flatten().collect(), |net| vec![net]);
+    let leaf = |k: u32| {
+        let beam = bounds.iter().map(|n| n.beam(span(k))).reduce(|a, b| a.joined(&b))?;
+        // span by span: beams of one span are nearer to each other than those of one place
+        Some(Leaf { key: u64::from(k) << (2 * KEY_BITS) | place, number: tile * SPANS + k, beam })
+    };
+    let leaves = (0..SPANS).filter_map(leaf).collect();
+    (net, leaves)
 }
 
 /// The curves at a tile's corners, with as much room as those of its pixels are off what is bilinear between them;
@@ -284,24 +368,4 @@ fn tile_net(curves: &Curves, at: DVec2, pixels: &[DVec2], all: &[Vec<Net>]) -> O
         }
     }
     Some(Net { reach, ..whole })
-}
-
-impl Boxes {
-    fn of(net: &Net) -> Boxes {
-        let spans = std::array::from_fn(|k| {
-            let n = SPANS as f64;
-            let [lo, hi] = net.over([k as f64 / n, (k + 1) as f64 / n]).around();
-            [lo - net.room(), hi + net.room()]
-        });
-        Boxes { spans, net: None }
-    }
-}
-
-impl Bound for Boxes {
-    fn joined(mut self, other: &Boxes) -> Boxes {
-        for ([lo, hi], [a, b]) in self.spans.iter_mut().zip(&other.spans) {
-            (*lo, *hi) = (lo.min(*a), hi.max(*b));
-        }
-        Boxes { net: None, ..self }
-    }
 }

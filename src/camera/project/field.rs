@@ -4,30 +4,29 @@
 //! between four places P and D are taken as bilinear, so E is biquadratic, and where all its Bernstein coefficients of
 //! one component have one sign there is no root in the cell. What is left is cut down to quarters of a pixel.
 
+use super::beam::Beam;
 use super::newton::{self, Volume};
 use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples};
-use super::tree::{Bound, Tree, cells};
+use super::tree::{Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, NEWTON_WORK, Shown};
 use crate::camera::bundle::Ray;
 use crate::camera::field::Field;
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
-/// A field, and bounds over its tiles.
+/// A field, and beams over squares of its cells.
 pub struct Search<'a> {
     field: &'a Field,
     /// The image place of the first cell's corner, px, and the cells that follow it.
     start: DVec2,
     cells: [u32; 2],
-    tree: Tree<Rays>,
-    forward: bool,
+    /// Cells a side of a leaf.
+    side: u32,
+    pub tree: Tree,
 }
 
-/// Bounds of origins and directions.
-#[derive(Debug, Clone)]
-pub struct Rays {
-    p: [DVec3; 2],
-    d: [DVec3; 2],
-}
+/// Leaves at most, but for rounding at the image's borders: 100 bytes each. A leaf has one cell in images up to that.
+const LEAVES: u32 = 1 << 18;
 
 /// Four rays between which origins and directions are bilinear within the rooms, or one around which all of its
 /// neighbourhood are.
@@ -66,19 +65,44 @@ impl<'a> Search<'a> {
             Some(_) => (DVec2::ZERO, [field.width, field.height]),
             None => (DVec2::splat(0.5), [field.width - 1, field.height - 1]),
         };
-        let tree = Tree::build(cells[0], cells[1], |x, y| bound(field, start, cells, x, y));
-        Search { field, start, cells, tree, forward: t_range[0] >= 0.0 }
+        let mut side = 1;
+        while cells[0].div_ceil(side) * cells[1].div_ceil(side) > LEAVES {
+            side *= 2;
+        }
+        let mut search = Search { field, start, cells, side, tree: Tree::new(Vec::new(), t_range) };
+        let columns = cells[0].div_ceil(side);
+        let leaves = (0..columns * cells[1].div_ceil(side)).into_par_iter().filter_map(|k| search.leaf(k));
+        search.tree = Tree::new(leaves.collect(), t_range);
+        search
     }
 
-    pub fn images(&self, point: DVec3) -> Shown {
+    /// At and below the nodes `from` of the tree.
+    pub fn images(&self, point: DVec3, from: &[u32]) -> Shown {
         let mut shown = Shown::default();
-        let may = |rays: &Rays| rays.may_meet(point, self.forward);
-        self.tree.walk(may, |x, y, _| {
-            for (i, j) in cells(x, y, self.cells) {
-                self.search(point, self.start + DVec2::new(i.into(), j.into()), 1.0, HALVINGS, &mut shown);
+        self.tree.walk(point, from, |k| {
+            for at in self.squares(k) {
+                self.search(point, at, 1.0, HALVINGS, &mut shown);
             }
         });
         shown
+    }
+
+    /// The corners of a leaf's cells, px.
+    fn squares(&self, leaf: u32) -> impl Iterator<Item = DVec2> + use<> {
+        let columns = self.cells[0].div_ceil(self.side);
+        let (side, cells, start) = (self.side, self.cells, self.start);
+        let [x, y] = [(leaf % columns, cells[0]), (leaf / columns, cells[1])]
+            .map(|(k, end)| k * side..(k * side + side).min(end));
+        y.flat_map(move |j| x.clone().map(move |i| start + DVec2::new(i.into(), j.into())))
+    }
+
+    /// What the rays of a leaf's cells do; `None` where there are none.
+    fn leaf(&self, number: u32) -> Option<Leaf> {
+        let beam = self.squares(number).flat_map(|at| nets(self.field, at, 1.0)).map(|n| n.beam());
+        let beam = beam.reduce(|a, b| a.joined(&b))?;
+        let size = DVec2::new(self.cells[0].into(), self.cells[1].into());
+        let key = place_key(self.squares(number).next()? - self.start, size);
+        Some(Leaf { key, number, beam })
     }
 
     /// The square of the image at `at`, px.
@@ -158,50 +182,12 @@ fn nets(field: &Field, at: DVec2, side: f64) -> Vec<Net> {
     found.into_iter().flatten().map(|r| Net { rays: [r; 4], p_room, d_room }).collect()
 }
 
-/// What the rays of a tile's cells do.
-fn bound(field: &Field, start: DVec2, size: [u32; 2], x: u32, y: u32) -> Option<Rays> {
-    let all = cells(x, y, size).flat_map(|(i, j)| nets(field, start + DVec2::new(i.into(), j.into()), 1.0));
-    all.map(|n| Rays::of(&n)).reduce(|a, b| a.joined(&b))
-}
-
-impl Bound for Rays {
-    fn joined(self, other: &Rays) -> Rays {
-        let join = |a: [DVec3; 2], b: [DVec3; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-        Rays { p: join(self.p, other.p), d: join(self.d, other.d) }
-    }
-}
-
-impl Rays {
-    fn of(net: &Net) -> Rays {
-        let around = |of: fn(&Ray) -> DVec3, room: f64| {
-            let all = net.rays.iter().map(of);
-            let [lo, hi] = all.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[lo, hi], v| [lo.min(v), hi.max(v)]);
-            [lo - room, hi + room]
-        };
-        Rays { p: around(|r| r.origin, net.p_room), d: around(|r| r.direction, net.d_room) }
-    }
-
-    /// Some ray within the bounds may pass through the point; only at t >= 0 where `forward`.
-    fn may_meet(&self, x: DVec3, forward: bool) -> bool {
-        let size = x.abs().max_element() + self.p[0].abs().max(self.p[1].abs()).max_element();
-        let room = NOTHING * size;
-        let q = [x - self.p[1] - room, x - self.p[0] + room];
-        let room = NOTHING * self.d[0].abs().max(self.d[1].abs()).max_element();
-        let d = [self.d[0] - room, self.d[1] + room];
-        let product = |i: usize, j: usize| {
-            let all = [q[0][i] * d[0][j], q[0][i] * d[1][j], q[1][i] * d[0][j], q[1][i] * d[1][j]];
-            all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(*v), hi.max(*v)))
-        };
-        let crosses_0 = |(i, j): (usize, usize)| {
-            let (a, b) = (product(i, j), product(j, i));
-            a.0 <= b.1 && b.0 <= a.1
-        };
-        let ahead = !forward || (0..3).map(|k| product(k, k).1).sum::<f64>() >= 0.0;
-        ahead && [(1, 2), (2, 0), (0, 1)].into_iter().all(crosses_0)
-    }
-}
-
 impl Net {
+    fn beam(&self) -> Beam {
+        let about = |r: &Ray| Beam::about(r.origin, r.direction, self.p_room, self.d_room);
+        self.rays.iter().map(about).fold(Beam::NONE, |a, b| a.joined(&b))
+    }
+
     /// E may be 0 between the rays.
     fn may_meet(&self, x: DVec3) -> bool {
         let Net { rays: r, p_room, d_room } = self;

@@ -1,52 +1,56 @@
 //! The rays of a piece through a point.
 //!
-//! With the bundle's `p + t d = X h`, all affine in the image place (x, y), a ray meets X where the columns
-//! `m_k(t) = p_k + t d_k - X h_k` have `m_0 + x m_1 + y m_2 = 0`. So `det M(t) = 0`, a cubic in t (Hou et al. 2006,
-//! appendix; Popescu et al. 2009, section 4.2; for parallel planes most of its coefficients vanish: Yu and McMillan
-//! 2004). Its roots are found without missing one, over t in [-T, T] and, by 1/t, beyond; a degree that drops is a root
-//! at infinity, which is none. Then (x, y) follows from the columns, and Newton's method makes both exact.
-//!
-//! On a slit or an eye M(t) has rank 1 or 0: a line of places, or all, see the point.
+//! A tree over the pieces finds those whose rays may pass the point; in each the roots of a cubic ([`Columns`]) give t
+//! and the place, and Newton's method makes both exact.
 
+use super::beam::{Beam, ROOM};
+use super::columns::Columns;
 use super::newton::{self, Volume};
+use super::tree::{Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, ONE_PLACE_PX, Shown, T_SLACK};
-use crate::bernstein::{Bernstein, VALUE_ROUNDING};
 use crate::camera::Camera;
-use crate::camera::bundle::Bundle;
 use crate::camera::pieces::{Piece, Pieces};
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 /// Pieces over an image of a known size.
 pub struct Search<'a> {
     pieces: &'a Pieces,
     size: DVec2,
     t_range: [f64; 2],
+    /// Its leaves are the pieces in the image.
+    pub tree: Tree,
 }
 
-/// Columns are parallel, or nothing, within this of the terms they are sums of: some 2^12 roundings. It is also how
-/// near to a slit, relative to the scene, a point counts as on it.
-const RANK_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
-
-/// Rounding of the determinant's coefficients against the product of the columns' terms: three differences, two
-/// products, up to eighteen sums, half an epsilon each.
-const DET_ROUNDING: f64 = 12.0 * f64::EPSILON;
+/// How far beyond its border a piece's rays are bounded, px: more than a place may be off ([`BORDER_PX`]), or a ray that
+/// Newton's method takes for one through the point (1e-7 of a pixel's footprint).
+const BEYOND_PX: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// Places of t that are tried on a slit whose t changes along it.
 const SLIT_SAMPLES: i32 = 256;
 
-/// Steps that bring a t to where the rank drops; each doubles the digits.
-const RANK_STEPS: usize = 6;
-
 impl<'a> Search<'a> {
     pub fn new(pieces: &'a Pieces, camera: &Camera) -> Search<'a> {
-        Search { pieces, size: DVec2::new(camera.width.into(), camera.height.into()), t_range: camera.t_range }
+        let size = DVec2::new(camera.width.into(), camera.height.into());
+        let leaf = |(k, piece): (usize, &Piece)| {
+            let around = seen(piece, size);
+            let middle = 0.5 * around.iter().fold(DVec2::INFINITY, |m, q| m.min(*q))
+                + 0.5 * around.iter().fold(DVec2::NEG_INFINITY, |m, q| m.max(*q));
+            let beam = around.iter().map(|q| beam_at(piece, *q)).reduce(|a, b| a.joined(&b))?;
+            Some(Leaf { key: place_key(middle, size), number: k as u32, beam })
+        };
+        let leaves = pieces.pieces.par_iter().enumerate().filter_map(leaf).collect();
+        Search { pieces, size, t_range: camera.t_range, tree: Tree::new(leaves, camera.t_range) }
     }
 
-    pub fn images(&self, point: DVec3) -> Shown {
+    /// At and below the nodes `from` of the tree.
+    pub fn images(&self, point: DVec3, from: &[u32]) -> Shown {
         let mut shown = Shown::default();
-        for k in 0..self.pieces.pieces.len() as u32 {
-            self.images_in(k, point, &mut shown);
-        }
+        self.tree.walk(point, from, |k| {
+            if may_see(&self.pieces.pieces[k as usize], point) {
+                self.images_in(k, point, &mut shown);
+            }
+        });
         shown
     }
 
@@ -127,15 +131,69 @@ impl<'a> Search<'a> {
 
     /// The line `a x + b y + c = 0` about the piece's centre passes through the piece within the image.
     fn crosses(&self, piece: &Piece, [a, b, c]: [f64; 3]) -> bool {
-        let [lo, hi] = [DVec2::ZERO, self.size];
-        let image = vec![lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)];
-        let inside = match piece.corners_px {
-            None => image,
-            Some(corners) => clip(corners.to_vec(), lo, hi),
-        };
+        let inside = seen(piece, self.size);
         let side = |q: &DVec2| a * (q.x - piece.centre_px.x) + b * (q.y - piece.centre_px.y) + c;
         inside.iter().any(|q| side(q) >= 0.0) && inside.iter().any(|q| side(q) <= 0.0)
     }
+}
+
+/// The corners of the part of a piece that an image of `size` shows, px.
+fn seen(piece: &Piece, size: DVec2) -> Vec<DVec2> {
+    match piece.corners_px {
+        None => vec![DVec2::ZERO, DVec2::new(size.x, 0.0), size, DVec2::new(0.0, size.y)],
+        Some(corners) => clip(corners.to_vec(), DVec2::ZERO, size),
+    }
+}
+
+/// The ray of a corner, with room for what is up to [`BEYOND_PX`] beyond it and for rounding. Rays of places between
+/// corners are between theirs: both P and D are p / h with h > 0.
+fn beam_at(piece: &Piece, corner: DVec2) -> Beam {
+    let (b, q) = (&piece.bundle, corner - piece.centre_px);
+    let ray = b.ray(q.x, q.y);
+    let h = b.h[0] + q.x * b.h[1] + q.y * b.h[2];
+    if h.is_nan() || h <= 0.0 {
+        return Beam::ALL;
+    }
+    let room = |v: &[DVec3; 3], at: DVec3| {
+        let slope = (v[1] - at * b.h[1]).length() + (v[2] - at * b.h[2]).length();
+        let terms = v[0].length() + q.x.abs() * v[1].length() + q.y.abs() * v[2].length();
+        (BEYOND_PX * slope + ROOM * terms) / h
+    };
+    Beam::about(ray.origin, ray.direction, room(&b.p, ray.origin), room(&b.d, ray.direction))
+}
+
+/// Some ray of the piece may pass through `x`. With `m = x h - p` it does where the quadratic `m x d` is 0; it is not
+/// where all Bernstein coefficients over the triangle lie on one side of a plane through 0. Where the quadratic is
+/// almost linear the triangle of its corner values decides, so each plane is along one of that triangle's edges.
+fn may_see(piece: &Piece, x: DVec3) -> bool {
+    let Some(corners) = piece.corners_px else { return true };
+    let b = &piece.bundle;
+    let rays = corners.map(|corner| {
+        let q = corner - piece.centre_px;
+        let at = |v: &[DVec3; 3]| v[0] + q.x * v[1] + q.y * v[2];
+        (x * (b.h[0] + q.x * b.h[1] + q.y * b.h[2]) - at(&b.p), at(&b.d))
+    });
+    let [(m0, d0), (m1, d1), (m2, d2)] = rays;
+    let corner = [m0.cross(d0), m1.cross(d1), m2.cross(d2)];
+    let between = [m0.cross(d1) + m1.cross(d0), m1.cross(d2) + m2.cross(d1), m2.cross(d0) + m0.cross(d2)];
+    let coefficients = [corner[0], corner[1], corner[2], 0.5 * between[0], 0.5 * between[1], 0.5 * between[2]];
+    // what a place beyond the border adds, and the rounding of x h - p, both by largest components: a product of two
+    // has two terms of them
+    let large = |v: DVec3| v.abs().max_element();
+    let (m, d) = rays.iter().fold((0.0_f64, 0.0_f64), |(m, d), r| (m.max(large(r.0)), d.max(large(r.1))));
+    let slopes = [1, 2].map(|k| (large(x * b.h[k] - b.p[k]), large(b.d[k])));
+    let (slope_m, slope_d) = (slopes[0].0 + slopes[1].0, slopes[0].1 + slopes[1].1);
+    let beyond = BEYOND_PX * (m * slope_d + slope_m * d + BEYOND_PX * slope_m * slope_d);
+    let h = corners
+        .iter()
+        .fold(0.0_f64, |h, c| h.max((b.h[0] + (*c - piece.centre_px).dot(DVec2::new(b.h[1], b.h[2]))).abs()));
+    let room = 2.0 * (beyond + ROOM * (m + large(x) * h) * d);
+    [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, j)| {
+        let normal = (corner[j] - corner[i]).cross(d0);
+        let room = room * normal.abs().element_sum();
+        let side = coefficients.map(|e| normal.dot(e));
+        side.iter().any(|s| *s <= room) && side.iter().any(|s| *s >= -room)
+    })
 }
 
 /// The part of a convex polygon in the box `lo..hi` (Sutherland and Hodgman).
@@ -176,119 +234,7 @@ impl Volume for InPiece<'_> {
     }
 }
 
-/// `M(t) = q + t d`, its second and third columns for places in units of `half_px`.
-struct Columns {
-    q: [DVec3; 3],
-    d: [DVec3; 3],
-    /// Magnitudes of the terms of each column of `q`.
-    terms: [f64; 3],
-    half_px: f64,
-    /// The t at which both parts of M are of like size.
-    unit: f64,
-}
-
-impl Columns {
-    /// `None` where the bundle has no rays.
-    fn of(b: &Bundle, x: DVec3, half_px: f64) -> Option<Columns> {
-        let scale = [1.0, half_px, half_px];
-        let q = [0, 1, 2].map(|k| scale[k] * (b.p[k] - x * b.h[k]));
-        let d = [0, 1, 2].map(|k| scale[k] * b.d[k]);
-        let terms = [0, 1, 2].map(|k| scale[k] * (b.p[k].length() + x.length() * b.h[k].abs()));
-        let size = |v: &[DVec3; 3]| v.iter().map(|v| v.length()).sum::<f64>();
-        if size(&d) == 0.0 {
-            return None;
-        }
-        let unit = size(&q).max(RANK_ROUNDING * terms.iter().sum::<f64>()) / size(&d);
-        Some(Columns { q, d, terms, half_px, unit: if unit > 0.0 { unit } else { 1.0 } })
-    }
-
-    fn at(&self, t: f64) -> [DVec3; 3] {
-        [0, 1, 2].map(|k| self.q[k] + t * self.d[k])
-    }
-
-    /// What counts as nothing at `t`.
-    fn nothing(&self, t: f64) -> f64 {
-        let terms: f64 = self.terms.iter().sum();
-        RANK_ROUNDING * (terms + t.abs() * self.d.iter().map(|d| d.length()).sum::<f64>())
-    }
-
-    /// The t at which all of M is 0: all rays meet in the point.
-    fn vanish(&self) -> Option<f64> {
-        let dot = |a: &[DVec3; 3], b: &[DVec3; 3]| (0..3).map(|k| a[k].dot(b[k])).sum::<f64>();
-        let t = -dot(&self.q, &self.d) / dot(&self.d, &self.d);
-        self.at(t).iter().all(|m| m.length() <= self.nothing(t)).then_some(t)
-    }
-
-    /// The real roots of det M, `None` where it is 0 for every t.
-    fn roots(&self) -> Option<Vec<f64>> {
-        let det = |a: DVec3, b: DVec3, c: DVec3| DMat3::from_cols(a, b, c).determinant();
-        let ([q0, q1, q2], [d0, d1, d2]) = (self.q, self.d.map(|d| self.unit * d));
-        let c = [
-            det(q0, q1, q2),
-            det(d0, q1, q2) + det(q0, d1, q2) + det(q0, q1, d2),
-            det(q0, d1, d2) + det(d0, q1, d2) + det(d0, d1, q2),
-            det(d0, d1, d2),
-        ];
-        let column = |k: usize| self.terms[k] + self.unit * self.d[k].length();
-        let zero = DET_ROUNDING * column(0) * column(1) * column(2);
-        if c.iter().all(|c| c.abs() <= zero) {
-            return None;
-        }
-        let near = roots_about_0(c, zero).into_iter().map(|u| self.unit * u);
-        let far = roots_about_0([c[3], c[2], c[1], c[0]], zero).into_iter().map(|u| self.unit / u);
-        Some(near.chain(far.filter(|t| t.is_finite())).collect())
-    }
-
-    /// The place about the piece's centre (px) whose ray is nearest to the point at `t`; `None` where all places are.
-    fn place(&self, t: f64) -> Option<DVec2> {
-        let [m0, m1, m2] = self.at(t);
-        let n = m1.cross(m2);
-        let place = self.half_px / n.length_squared() * DVec2::new(m2.cross(m0).dot(n), m0.cross(m1).dot(n));
-        place.is_finite().then_some(place)
-    }
-
-    /// Where near `t` the columns become parallel: that t, and the line `a x + b y + c = 0` (px) of places that see the
-    /// point.
-    fn line(&self, t: f64) -> Option<(f64, [f64; 3])> {
-        let t = self.parallel_near(t);
-        let m = self.at(t);
-        let longer = if m[1].length() >= m[2].length() { m[1] } else { m[2] };
-        let nothing = self.nothing(t);
-        let e = longer.normalize_or_zero();
-        let parallel = longer.length() > nothing && m.iter().all(|m| m.cross(e).length() <= nothing);
-        parallel.then(|| (t, [m[1].dot(e) / self.half_px, m[2].dot(e) / self.half_px, m[0].dot(e)]))
-    }
-
-    /// Least squares steps on the three cross products of the columns, which are quadratic in t.
-    fn parallel_near(&self, mut t: f64) -> f64 {
-        for _ in 0..RANK_STEPS {
-            let (m, d) = (self.at(t), self.d);
-            let (mut down, mut up) = (0.0, 0.0);
-            for (a, b) in [(0, 1), (0, 2), (1, 2)] {
-                let (value, slope) = (m[a].cross(m[b]), d[a].cross(m[b]) + m[a].cross(d[b]));
-                down += slope.dot(slope);
-                up += value.dot(slope);
-            }
-            let next = t - up / down;
-            if !next.is_finite() || (next - t).abs() > self.unit.max(t.abs()) {
-                return t;
-            }
-            t = next;
-        }
-        t
-    }
-}
-
-/// The roots of `c0 + c1 u + c2 u^2 + c3 u^3` in [-1, 1].
-fn roots_about_0(c: [f64; 4], zero: f64) -> Vec<f64> {
-    // the polynomial's blossom at the ends of the interval (Ramshaw)
-    let blossom = |u: [f64; 3]| {
-        let pairs = u[0] * u[1] + u[1] * u[2] + u[2] * u[0];
-        c[0] + c[1] * (u[0] + u[1] + u[2]) / 3.0 + c[2] * pairs / 3.0 + c[3] * u[0] * u[1] * u[2]
-    };
-    let (a, b) = (-1.0, 1.0);
-    let p = Bernstein::new(&[[a, a, a], [a, a, b], [a, b, b], [b, b, b]].map(blossom));
-    p.roots(4.0 * zero + VALUE_ROUNDING * p.size()).iter().map(|r| 2.0 * r.t - 1.0).collect()
-}
-
 const _: () = assert!(BORDER_PX < ONE_PLACE_PX, "images within rounding of a border are found as one");
+
+#[cfg(test)]
+mod tests;

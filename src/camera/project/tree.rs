@@ -1,72 +1,120 @@
-//! Bounds over an image's tiles, and over ever larger squares of them: finds the tiles that may see a point.
+//! Beams over ever larger parts of an image: finds the parts that may see a point.
+//!
+//! Nodes lie in preorder, each with the place of the next one beside or above it, so a walk is one loop without a stack:
+//! on to the next node, or past all that is below.
 
-use rayon::prelude::*;
+use super::beam::{Beam, ROOM};
+use glam::{DVec2, DVec3};
 
-pub use crate::TILE;
-
-/// What holds for all rays or curves of some part of the image.
-pub trait Bound: Clone + Send + Sync {
-    fn joined(self, other: &Self) -> Self;
+/// A part that is not divided.
+#[derive(Debug, Clone, Copy)]
+pub struct Leaf {
+    /// Leaves near each other have keys near each other, as [`place_key`] makes them: two bits a level.
+    pub key: u64,
+    /// By which the layer knows it.
+    pub number: u32,
+    /// World units.
+    pub beam: Beam,
 }
 
-/// Levels of squares, the tiles first, each level half as many a side; `None`: no rays there.
-pub struct Tree<B> {
-    levels: Vec<Level<B>>,
+#[derive(Debug, Clone, Copy)]
+pub struct Node {
+    pub beam: Beam,
+    /// The first node after those below this one.
+    pub next: u32,
+    /// The number of a leaf; [`INNER`]: there are nodes below.
+    pub leaf: u32,
 }
 
-struct Level<B> {
-    width: u32,
-    squares: Vec<Option<B>>,
+/// No leaf's number.
+pub const INNER: u32 = u32::MAX;
+
+/// All leaves of a layer, and squares of squares of them.
+pub struct Tree {
+    /// Beams are about the anchor.
+    pub nodes: Vec<Node>,
+    /// In the midst of the rays' origins, world units.
+    pub anchor: DVec3,
+    /// Of t, with room for rounding at the ends.
+    pub t_range: [f64; 2],
 }
 
-impl<B: Bound> Tree<B> {
-    /// Over `columns x rows` cells; `bound` is given a tile's column and row.
-    pub fn build(columns: u32, rows: u32, bound: impl Fn(u32, u32) -> Option<B> + Sync) -> Tree<B> {
-        let (mut width, mut height) = (columns.div_ceil(TILE), rows.div_ceil(TILE));
-        let each = |k: u32| bound(k % width, k / width);
-        let mut levels = vec![Level { width, squares: (0..width * height).into_par_iter().map(each).collect() }];
-        while width * height > 1 {
-            let below = &levels[levels.len() - 1];
-            let (w, h) = (width.div_ceil(2), height.div_ceil(2));
-            let join = |k: u32| {
-                let children = children(k % w, k / w, width, height);
-                let bounds = children.filter_map(|(x, y)| below.squares[(y * width + x) as usize].clone());
-                bounds.reduce(|a, b| a.joined(&b))
-            };
-            let squares = (0..w * h).map(join).collect();
-            (width, height) = (w, h);
-            levels.push(Level { width, squares });
+/// Where the walk of a whole tree starts.
+pub const WHOLE: &[u32] = &[0];
+
+impl Tree {
+    /// Over leaves in any order; rays count at t in `t_range`.
+    pub fn new(mut leaves: Vec<Leaf>, t_range: [f64; 2]) -> Tree {
+        let anchor = middle(&leaves);
+        leaves.iter_mut().for_each(|l| l.beam = l.beam.rebased(anchor));
+        leaves.sort_by_key(|l| l.key);
+        let mut nodes = Vec::with_capacity(leaves.len() + leaves.len() / 2);
+        if !leaves.is_empty() {
+            push(&mut nodes, &leaves, u64::BITS);
         }
-        Tree { levels }
+        // about 0 the beams have it
+        let room = |t: f64| if t.is_finite() { ROOM * t.abs() } else { 0.0 };
+        let [t0, t1] = t_range;
+        Tree { nodes, anchor, t_range: [t0 - room(t0), t1 + room(t1)] }
     }
 
-    /// Calls `visit` with the column, row and bound of each tile whose squares all pass `may`.
-    pub fn walk(&self, may: impl Fn(&B) -> bool, mut visit: impl FnMut(u32, u32, &B)) {
-        let mut open = vec![(self.levels.len() - 1, 0, 0)];
-        while let Some((level, x, y)) = open.pop() {
-            let Level { width, squares } = &self.levels[level];
-            let Some(bound) = squares.get((y * width + x) as usize).and_then(Option::as_ref) else { continue };
-            if !may(bound) {
-                continue;
+    /// Calls `visit` with the number of each leaf at and below the nodes `from`, ascending, that may see the point.
+    pub fn walk(&self, point: DVec3, from: &[u32], mut visit: impl FnMut(u32)) {
+        let x = point - self.anchor;
+        for &start in from {
+            let Some(end) = self.nodes.get(start as usize).map(|n| n.next) else { continue };
+            let mut k = start;
+            while k < end {
+                let node = &self.nodes[k as usize];
+                let met = node.beam.may_meet(x, self.t_range);
+                if met && node.leaf != INNER {
+                    visit(node.leaf);
+                }
+                k = if met { k + 1 } else { node.next };
             }
-            if level == 0 {
-                visit(x, y, bound);
-                continue;
-            }
-            let Level { width, squares } = &self.levels[level - 1];
-            open.extend(children(x, y, *width, squares.len() as u32 / width).map(|(x, y)| (level - 1, x, y)));
         }
     }
 }
 
-/// The up to four squares of the finer level, `width x height` of them, in the square at `(x, y)`.
-fn children(x: u32, y: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
-    let of = move |k: u32| (2 * x + k % 2, 2 * y + k / 2);
-    (0..4).map(of).filter(move |&(x, y)| x < width && y < height)
+/// The middle of the box around all finite origins.
+fn middle(leaves: &[Leaf]) -> DVec3 {
+    let all = leaves.iter().map(|l| l.beam.p).filter(|p| p[0].is_finite() && p[1].is_finite());
+    let around = all.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    around.map_or(DVec3::ZERO, |[lo, hi]| 0.5 * lo + 0.5 * hi)
 }
 
-/// The cells of a tile, of `size` in all: columns and rows.
-pub fn cells(x: u32, y: u32, size: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
-    let [columns, rows] = [(x, size[0]), (y, size[1])].map(|(k, end)| k * TILE..(k * TILE + TILE).min(end));
-    rows.flat_map(move |j| columns.clone().map(move |i| (i, j)))
+/// Appends the node over `leaves` (at least one) whose keys agree above the lowest `bits`, and all below it.
+fn push(nodes: &mut Vec<Node>, leaves: &[Leaf], bits: u32) -> Beam {
+    let at = nodes.len();
+    if let [leaf] = leaves {
+        nodes.push(Node { beam: leaf.beam, next: at as u32 + 1, leaf: leaf.number });
+        return leaf.beam;
+    }
+    let (first, last) = (leaves[0].key, leaves[leaves.len() - 1].key);
+    // the highest two bits in which keys differ part the leaves
+    let bits = bits.min(u64::BITS - (first ^ last).leading_zeros()).next_multiple_of(2);
+    nodes.push(Node { beam: Beam::NONE, next: 0, leaf: INNER });
+    let mut beam = Beam::NONE;
+    let mut rest = leaves;
+    while let Some(first) = rest.first() {
+        let same = |l: &Leaf| bits > 0 && l.key >> (bits - 2) == first.key >> (bits - 2);
+        // leaves of one key are told apart no more
+        let (part, after) = rest.split_at(rest.partition_point(same).max(1));
+        beam = beam.joined(&push(nodes, part, bits.saturating_sub(2)));
+        rest = after;
+    }
+    nodes[at].beam = beam;
+    nodes[at].next = nodes.len() as u32;
+    beam
 }
+
+/// The key of a place in an image of `size`, both in px: bits of its column and row by turns (Morton 1966).
+pub fn place_key(place: DVec2, size: DVec2) -> u64 {
+    let steps = f64::from(1u32 << KEY_BITS);
+    let along = |share: f64| (share * steps).clamp(0.0, steps - 1.0) as u64;
+    let (x, y) = (along(place.x / size.x.max(size.y)), along(place.y / size.x.max(size.y)));
+    (0..KEY_BITS).fold(0, |key, k| key | (x >> k & 1) << (2 * k) | (y >> k & 1) << (2 * k + 1))
+}
+
+/// Bits of a column or row in a key: an image has 2^16 a side at most.
+pub const KEY_BITS: u32 = 16;

@@ -1,0 +1,87 @@
+// sift: one thread per point, down the tree of beams.
+// Reads beams and points; writes to `found`, for each point: how many nodes may see it, then their numbers, ascending, as
+// far as there are slots. Lists overflow where the number is larger than `slots`; it is true up to `most`, and NONE for
+// points that are too far away for f32.
+
+// Rounding of the difference of a point and an end, relative to both, 2^-24 each of the point, of the difference and of
+// adding the slack: room for four.
+const POINT_SLACK: f32 = 2.4e-7;
+// Relative rounding of a quotient, 2.5 units in the last place, and of the product with this: room for eight units.
+const QUOTIENT_SLACK: f32 = 1e-6;
+
+fn least(v: vec3<f32>) -> f32 {
+    return min(v.x, min(v.y, v.z));
+}
+
+fn most(v: vec3<f32>) -> f32 {
+    return max(v.x, max(v.y, v.z));
+}
+
+// Some s t in `range`, 0 <= t, takes a ray with directions s D to the point: t d_lo <= above and t d_hi >= -below, where
+// `above` and `below` are the point's distances from the lower and the upper ends of the origins.
+fn half_meets(above: vec3<f32>, below: vec3<f32>, d_lo: vec3<f32>, d_hi: vec3<f32>, range: vec2<f32>) -> bool {
+    let zero = vec3<f32>(0.0);
+    if any((d_lo == zero) & (above < zero)) || any((d_hi == zero) & (below < zero)) {
+        return false;
+    }
+    let t_lo = above / d_lo;
+    let t_hi = -below / d_hi;
+    let far = vec3<f32>(range.y);
+    let near = vec3<f32>(range.x);
+    let hi = min(least(select(far, t_lo, d_lo > zero)), least(select(far, t_hi, d_hi < zero)));
+    let lo = max(most(select(near, t_lo, d_lo < zero)), most(select(near, t_hi, d_hi > zero)));
+    return max(lo, range.x) * (1.0 - QUOTIENT_SLACK) <= min(hi, range.y) * (1.0 + QUOTIENT_SLACK);
+}
+
+// Never false where a ray of the beam passes through the point at a t in range. `x.w` is the point's own slack.
+fn beam_meets(k: u32, x: vec4<f32>) -> bool {
+    let p_lo = beams[k].p_lo;
+    let p_hi = beams[k].p_hi;
+    let d_lo = beams[k].d_lo;
+    let d_hi = beams[k].d_hi;
+    let above = x.xyz - p_lo + (vec3<f32>(x.w) + POINT_SLACK * abs(p_lo));
+    let below = p_hi - x.xyz + (vec3<f32>(x.w) + POINT_SLACK * abs(p_hi));
+    let ahead = vec2<f32>(max(chunk.t_min, 0.0), chunk.t_max);
+    let behind = vec2<f32>(max(-chunk.t_max, 0.0), -chunk.t_min);
+    return (chunk.t_max >= 0.0 && half_meets(above, below, d_lo, d_hi, ahead))
+        || (chunk.t_min < 0.0 && half_meets(above, below, -d_hi, -d_lo, behind));
+}
+
+@compute @workgroup_size(64)
+fn sift(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    // take a point
+    let index = item_index(group, groups, lane);
+    if index >= chunk.points {
+        return;
+    }
+    let x = points[index];
+    let list = index * (chunk.slots + 1u);
+    if x.w < 0.0 {
+        found[list] = NONE;
+        return;
+    }
+
+    // on to the next row, or past all that is below
+    var count = 0u;
+    var k = 0u;
+    while k < chunk.beams && count <= chunk.most {
+        var next = beams[k].next;
+        if beam_meets(k, x) {
+            let node = beams[k].node;
+            if node == NONE {
+                next = k + 1u;
+            } else {
+                if count < chunk.slots {
+                    found[list + 1u + count] = node;
+                }
+                count++;
+            }
+        }
+        k = next;
+    }
+    found[list] = count;
+}
