@@ -66,36 +66,55 @@ fn bin(
     }
     let s = f32(TILE) / f32(side);
     var tested = 0u;
-    // one loop over all rows of tiles, whose cells follow each other; software adapters run what an `if` leaves out too
-    var row = select(tile_lo.y, tile_end.y, lone);
+    var tile = tile_lo;
+    // of a tile that several share, and what it may show of the triangle
     var cell = select(0u, node_cell(address), lone);
     var cell_end = select(0u, cell + 1u, lone);
+    var in_tile = within;
+    // one loop over tiles and over cells: software adapters run an inner one of each tile at least once
     loop {
-        if cell >= cell_end {
-            cell = tile_start[row * params.tiles_x + tile_lo.x];
-            cell_end = tile_start[row * params.tiles_x + tile_end.x];
-            row++;
-        }
-        if cell < cell_end {
-            let tile = cells[cell].tile;
-            let first = (vec2<u32>(tile % params.tiles_x, tile / params.tiles_x) - corner) * TILE;
-            let centre = (2.0 * vec2<f32>(first / TILE) + 1.0) * s - 1.0;
-            var pixels = vec4<u32>(max(lo, first), min(end, first + TILE)) - first.xyxy;
+        let by_cell = cell < cell_end;
+        let tile_index = tile.y * params.tiles_x + tile.x;
+        var leaf = tile_index;
+        var pixels = in_tile;
+        if by_cell {
+            leaf = cells[cell].node;
+        } else {
+            let first = (tile - corner) * TILE;
+            let centre = (2.0 * vec2<f32>(tile - corner) + 1.0) * s - 1.0;
+            pixels = vec4<u32>(max(lo, first), min(end, first + TILE)) - first.xyxy;
             if !(all_tiles || may_cover(over_node, centre.x, centre.y, s * CENTRES)) {
                 pixels = vec4<u32>(0u);
             }
-            // rays that the node bounds only loosely, or that were torn above: ask their own bounds
-            let own = cells[cell].node;
-            if !is_empty(pixels) && (loose || own != tile) {
-                let seen = leaf_pixels(own, v0, v1, v2);
-                pixels = vec4<u32>(max(pixels.xy, seen.xy), min(pixels.zw, seen.zw));
-            }
-            list(slot, cell, pixels);
-            tested++;
-            cell++;
         }
-        if cell >= cell_end && row >= tile_end.y {
-            break;
+        // rays that the node bounds only loosely, or that were torn above: ask their own bounds
+        if !is_empty(pixels) && (loose || leaf != tile_index) {
+            let seen = leaf_pixels(leaf, v0, v1, v2);
+            pixels = vec4<u32>(max(pixels.xy, seen.xy), min(pixels.zw, seen.zw));
+        }
+        if by_cell {
+            list(slot, cell, pixels);
+            cell++;
+        } else {
+            cell = tile_start[tile_index];
+            cell_end = tile_start[tile_index + 1u];
+            tested += cell_end - cell;
+            if cell_end - cell == 1u {
+                list(slot, cell, pixels);
+            }
+            if cell_end - cell == 1u || is_empty(pixels) {
+                cell = cell_end;
+            }
+            in_tile = pixels;
+        }
+        if cell == cell_end {
+            tile.x++;
+            if tile.x == tile_end.x {
+                tile = vec2<u32>(tile_lo.x, tile.y + 1u);
+            }
+            if tile.y == tile_end.y {
+                break;
+            }
         }
     }
     count_tested(max(tested, 1u));

@@ -1,6 +1,6 @@
 //! Tables of what a camera without affine pieces has at every pixel: a ray, or the control points of curves.
 
-use super::nodes::affine;
+use super::fit::affine;
 use super::sheets::bend;
 use super::tiles::{Sample, Sampled, place_in_tile};
 use crate::TILE;

@@ -1,11 +1,13 @@
 //! The plan: what a frame needs, worked out before the GPU is touched. Pure functions of camera, scene and limits.
 //!
 //! The image is cut into bands of whole tile rows that fit the adapter's bindings. Every band has its tiles ([`tiles`]:
-//! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square). The
-//! tiles of a chain's layers, and of the spans of curved rays, lie stacked as [`sheets`]. To project points the image has another tree ([`beams`]).
+//! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square, affine
+//! ones by [`fit`]). Where a field's rays jump inside a tile, it is cut up ([`tear`]). The tiles of a chain's layers, and of
+//! the spans of curved rays, lie stacked as [`sheets`]. To project points the image has another tree ([`beams`]).
 
 pub mod beams;
 pub mod curves;
+pub mod fit;
 pub mod nodes;
 pub mod sheets;
 pub mod tear;

@@ -1,6 +1,6 @@
 //! Where the rays of a field jump inside of a tile, they are bounded apart: the tile is cut into cells.
 
-use super::nodes::Fit;
+use super::fit::Fit;
 use super::tiles::{Sample, Sampled};
 use crate::TILE;
 

@@ -1,0 +1,112 @@
+//! Rays of a part of the image as one affine bundle, and how far they may lie from it.
+
+use super::tiles::{Sample, Sampled};
+use crate::gpu::rows::{self, RAYS_AFFINE, RAYS_LOOSE};
+use glam::{DVec2, DVec3};
+
+/// An affine fit of rays over a square, (x, y) in [-1, 1]^2, and how far the rays may lie from it.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Fit {
+    pub p: [DVec3; 3],
+    pub d: [DVec3; 3],
+    pub r_p: f64,
+    pub r_d: f64,
+    /// One of the RAYS constants.
+    pub rays: u32,
+}
+
+/// What f32 rounding of a node's row and of what kernels compute from it may add to its radii, relative to the sizes
+/// summed and the radii themselves: four roundings of 2^-24.
+const NODE_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
+/// Residuals below this share of the rays' size are rounding of the fit itself: 64 samples of some 2^-50 each.
+const FIT_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
+/// Rays stray that lie farther from their fit than this share of its slopes: twice that is a Newton step's slack in
+/// the node's units, and of half the node such a step says nothing any more.
+const STRAY: f64 = 0.25;
+/// And farther than this share of their own size: next to no slope at all a hair would count.
+const STRAY_SIZE: f64 = 1.0 / (1u64 << 12) as f64;
+
+/// The affine function nearest to values at places, by least squares: value in the middle and slopes; and the largest
+/// distance that remains. At least one place.
+pub fn affine(places: &[DVec2], values: &[DVec3]) -> ([DVec3; 3], f64) {
+    let n = places.len() as f64;
+    let middle = places.iter().sum::<DVec2>() / n;
+    let mean = values.iter().sum::<DVec3>() / n;
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    let mut right = [DVec3::ZERO; 2];
+    for (place, value) in places.iter().zip(values) {
+        let q = *place - middle;
+        (xx, xy, yy) = (xx + q.x * q.x, xy + q.x * q.y, yy + q.y * q.y);
+        right[0] += q.x * (*value - mean);
+        right[1] += q.y * (*value - mean);
+    }
+    let det = xx * yy - xy * xy;
+    // places on a line fix no plane: the mean alone, and honest radii
+    let inverse = if det > FIT_ROUNDING * (xx + yy).powi(2) { [yy / det, -xy / det, xx / det] } else { [0.0; 3] };
+    let x = inverse[0] * right[0] + inverse[1] * right[1];
+    let y = inverse[1] * right[0] + inverse[2] * right[1];
+    let fit = [mean - middle.x * x - middle.y * y, x, y];
+    let far = |(q, v): (&DVec2, &DVec3)| (fit[0] + q.x * fit[1] + q.y * fit[2] - *v).length();
+    (fit, places.iter().zip(values).map(far).fold(0.0, f64::max))
+}
+
+impl Fit {
+    /// The bundle nearest to the samples; its radii hold them and what lies that far from them.
+    pub fn of(sampled: &Sampled) -> Fit {
+        if sampled.samples.is_empty() {
+            return Fit::default();
+        }
+        let list = |f: fn(&Sample) -> DVec3| sampled.samples.iter().map(f).collect::<Vec<_>>();
+        let places: Vec<DVec2> = sampled.samples.iter().map(|s| s.place).collect();
+        let (p, off_p) = affine(&places, &list(|s| s.p));
+        let (d, off_d) = affine(&places, &list(|s| s.d));
+        let (r_p, r_d) = (off_p + sampled.r_p, off_d + sampled.r_d);
+        let mut fit = Fit { p, d, r_p, r_d, rays: RAYS_LOOSE };
+        let (size_p, size_d) = fit.sizes();
+        if r_p <= FIT_ROUNDING * size_p && r_d <= FIT_ROUNDING * size_d {
+            fit.rays = RAYS_AFFINE;
+        }
+        fit
+    }
+
+    /// Origins or directions lie so far from the fit that it says little.
+    pub fn strays(&self) -> bool {
+        let far = |r: f64, fit: &[DVec3; 3], size: f64| {
+            r > STRAY * (fit[1].length() + fit[2].length()) && r > STRAY_SIZE * size
+        };
+        let (size_p, size_d) = self.sizes();
+        far(self.r_p, &self.p, size_p) || far(self.r_d, &self.d, size_d)
+    }
+
+    /// How far rays may lie from the fit, against how large they are.
+    pub fn looseness(&self) -> f64 {
+        let (size_p, size_d) = self.sizes();
+        let share = |r: f64, size: f64| if r > 0.0 { r / size } else { 0.0 };
+        share(self.r_p, size_p) + share(self.r_d, size_d)
+    }
+
+    fn sizes(&self) -> (f64, f64) {
+        let size = |c: &[DVec3; 3]| c.iter().map(|v| v.length()).sum::<f64>();
+        (size(&self.p), size(&self.d))
+    }
+
+    /// As kernels read it.
+    pub fn row(&self) -> rows::Node {
+        let (size_p, size_d) = self.sizes();
+        let v = |v: DVec3| v.as_vec3().to_array();
+        rows::Node {
+            p: v(self.p[0]),
+            r_p: (self.r_p + NODE_SLACK * (size_p + self.r_p)) as f32,
+            px: v(self.p[1]),
+            r_d: (self.r_d + NODE_SLACK * (size_d + self.r_d)) as f32,
+            py: v(self.p[2]),
+            rays: self.rays,
+            d: v(self.d[0]),
+            pad0: 0.0,
+            dx: v(self.d[1]),
+            pad1: 0.0,
+            dy: v(self.d[2]),
+            pad2: 0.0,
+        }
+    }
+}
