@@ -19,7 +19,7 @@ const TIMED: u32 = 3;
 /// From this time of the first frame on one is enough, ms.
 const LONG_MS: f64 = 5000.0;
 /// Of all pixels, those that must show the mesh: a picture of nothing proves nothing.
-const LEAST_COVERAGE: f64 = 0.1;
+const LEAST_COVERAGE: f64 = 0.02;
 /// Largest error of t relative to max(|t|, extent / |D|) at the 99.9th of a hundred pixels: t is worked out in f64 from
 /// positions stored to 2^-48 and written as f32 (2^-24); the rest is room for surfaces seen edge-on, where t is ill-conditioned.
 const T_ERROR: f64 = 1e-5;
