@@ -20,7 +20,7 @@ const TIMED: u32 = 3;
 const LONG_MS: f64 = 5000.0;
 /// Of all pixels, those that must show the mesh: a picture of nothing proves nothing.
 const LEAST_COVERAGE: f64 = 0.02;
-/// Largest error of t relative to max(|t|, extent / |D|) at the 99.9th of a hundred pixels: t is worked out in f64 from
+/// Largest error of t relative to max(|t|, extent / |D|) of all but one pixel of a thousand: t is worked out in f64 from
 /// positions stored to 2^-48 and written as f32 (2^-24); the rest is room for surfaces seen edge-on, where t is ill-conditioned.
 const T_ERROR: f64 = 1e-5;
 
@@ -168,7 +168,7 @@ fn faults(figures: &Figures, compared: &Comparison) -> Vec<String> {
     say(figures.not_near > 0, format!("{} pixels name no near candidate", figures.not_near));
     say(figures.wrong_piece > 0, format!("{} pixels name another piece than their own", figures.wrong_piece));
     if let Some(t) = &compared.t_relative {
-        say(t.p999.0 > T_ERROR, format!("t is off by {} at the 99.9th of a hundred pixels", t.p999));
+        say(t.p999.0 > T_ERROR, format!("t is off by {} or more in one pixel of a thousand", t.p999));
     }
     let coverage = 100.0 * figures.coverage;
     say(figures.coverage < LEAST_COVERAGE, format!("only {coverage:.1} % of the picture show the mesh"));
@@ -197,13 +197,13 @@ impl Figures {
 
     /// Which of the engine's ways the frame took.
     pub fn passes_used(&self) -> String {
-        let of = |n: u32, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+        let of = |n: u32, one: &str, more: &str| format!("{n} {}", if n == 1 { one } else { more });
         let sheets = match (self.layers, self.spans) {
             (1, 1) => String::new(),
-            (layers, 1) => format!(", {}", of(layers, "layer")),
-            (layers, spans) => format!(", {} x {}", of(layers, "layer"), of(spans, "span")),
+            (layers, 1) => format!(", {}", of(layers, "layer", "layers")),
+            (layers, spans) => format!(", {} x {}", of(layers, "layer", "layers"), of(spans, "span", "spans")),
         };
         let recheck = if self.rechecked { ", f64" } else { "" };
-        format!("{}{sheets}, {}{recheck}", self.rays, of(self.passes, "pass").replace("passs", "passes"))
+        format!("{}{sheets}, {}{recheck}", self.rays, of(self.passes, "pass", "passes"))
     }
 }
