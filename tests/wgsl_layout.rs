@@ -319,7 +319,7 @@ const PLANTED: [(&str, &str, &str); 7] = [
     ("Params", "vertex_reach: f32", "vertex_reach: u32"),
     ("Cluster", "    half: vec3<f32>,\n    count: u32,", "    half: vec3<f32>,"),
     ("Cluster", "centre: vec3<f32>", "middle: vec3<f32>"),
-    ("Cell", "    pad: u32,", "    pad: u32,\n    more: u32,"),
+    ("Cell", "    piece: u32,", "    piece: u32,\n    more: u32,"),
     ("Node", "struct Node {", "struct Node {\n    first: u32,"),
     ("Extra", "struct Step {", "struct Extra { a: u32 }\nstruct Step {"),
 ];
