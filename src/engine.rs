@@ -3,11 +3,13 @@
 mod frames;
 mod resident;
 pub mod tables;
+mod turns;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::frame::{Channel, Frame, Plane};
+use crate::frame::{Frame, Plane};
 use crate::gpu::Gpu;
+use crate::gpu::kernels::Variant;
 use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::stage::Stages;
@@ -70,26 +72,37 @@ pub struct Rendered {
 pub struct Engine {
     pub gpu: Gpu,
     stages: Option<Stages>,
+    /// For rays that were turned.
+    turned: Option<Stages>,
 }
 
 impl Engine {
     pub fn new(gpu: Gpu) -> Engine {
-        Engine { gpu, stages: None }
+        Engine { gpu, stages: None, turned: None }
     }
 
     /// Renders `scene` through `camera`.
     pub fn render(&mut self, scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Result<Rendered> {
+        let scene = &*scene.with_optics(camera);
         let around = Surroundings::of(camera, scene.bounds());
         let has_normals = !scene.mesh.normals.is_empty();
         let limit = self.gpu.binding_limit();
         let triangles = scene.mesh.triangles.len();
         let plan = Plan::new(camera, triangles, has_normals, around, wanted, self.gpu.has, limit);
-        if self.stages.as_ref().is_none_or(|s| s.variant != plan.variant || s.planes != plan.planes) {
-            self.stages = Some(Stages::new(&self.gpu, plan.variant, &plan.planes)?);
+        let compile = |stages: &mut Option<Stages>, variant: Variant| {
+            if stages.as_ref().is_none_or(|s| s.variant != variant || s.planes != plan.planes) {
+                *stages = Some(Stages::new(&self.gpu, variant, &plan.planes)?);
+            }
+            Ok(())
+        };
+        compile(&mut self.stages, plan.variant)?;
+        if camera.optics.is_some() {
+            compile(&mut self.turned, plan.variant.after_turn())?;
         }
         let Some(stages) = &self.stages else { return Err(Error::work("no kernels")) };
+        let turned = self.turned.as_ref();
         let resident = Resident::new(&self.gpu, scene, camera, &plan, wanted, run.capacities)?;
-        frames::Frames { gpu: &self.gpu, stages, scene, camera, plan: &plan, wanted, resident }.run(run)
+        frames::Frames { gpu: &self.gpu, stages, turned, scene, camera, plan: &plan, wanted, resident }.run(run)
     }
 }
 
@@ -106,7 +119,7 @@ fn join(camera: &Camera, plan: &Plan, wanted: &Wanted, bands: &[Vec<u32>]) -> Fr
             words.extend_from_slice(&data[k * pixels..(k + 1) * pixels]);
         }
         let plane = match channel {
-            Channel::TriangleId | Channel::PieceId => Plane::U32(words),
+            c if c.is_id() => Plane::U32(words),
             _ => Plane::F32(words.into_iter().map(f32::from_bits).collect()),
         };
         planes.push((channel, plane));

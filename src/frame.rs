@@ -1,9 +1,11 @@
 //! A rendered frame: planes of values, one a channel, row 0 on top.
 
+use crate::camera::Camera;
+
 /// Triangle or piece id where nothing is hit.
 pub const NO_ID: u32 = u32::MAX;
 
-/// A channel of the contract's section 4.
+/// A channel of the contract's section 4, and the facet of a mirror or lens that a pixel sees first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Channel {
     R,
@@ -16,10 +18,11 @@ pub enum Channel {
     PieceId,
     BaryU,
     BaryV,
+    MirrorId,
 }
 
 impl Channel {
-    pub const ALL: [Channel; 10] = [
+    pub const ALL: [Channel; 11] = [
         Channel::R,
         Channel::G,
         Channel::B,
@@ -30,7 +33,13 @@ impl Channel {
         Channel::PieceId,
         Channel::BaryU,
         Channel::BaryV,
+        Channel::MirrorId,
     ];
+
+    /// The channels that say something about pictures of this camera.
+    pub fn of(camera: &Camera) -> Vec<Channel> {
+        Channel::ALL.into_iter().filter(|c| *c != Channel::MirrorId || camera.optics.is_some()).collect()
+    }
 
     /// The name in an EXR file and on the command line.
     pub fn name(self) -> &'static str {
@@ -45,7 +54,13 @@ impl Channel {
             Channel::PieceId => "piece.id",
             Channel::BaryU => "bary.u",
             Channel::BaryV => "bary.v",
+            Channel::MirrorId => "mirror.id",
         }
+    }
+
+    /// Its values are numbers of things, not quantities.
+    pub fn is_id(self) -> bool {
+        matches!(self, Channel::TriangleId | Channel::PieceId | Channel::MirrorId)
     }
 
     pub fn from_name(name: &str) -> Option<Channel> {

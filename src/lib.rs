@@ -72,6 +72,7 @@ pub mod error;
 pub mod example;
 pub mod frame;
 pub mod gpu;
+pub mod optics;
 pub mod output;
 pub mod plan;
 pub mod reference;

@@ -9,6 +9,7 @@
 //! * `margin`, `verdict`: whether the answer changes within 1/16 px of the centre, and what it may be.
 //! * `cover`: proof that triangles which join without gaps leave no miss.
 //! * `finding`: the same for whole paths: chains by the verdicts of their layers, curves by samples.
+//! * `turns`: rays that mirrors and lenses turn, followed one by one; judged by samples too.
 //! * `image`, `light`, `explain`: whole frames, judgement of other frames, one pixel in words.
 
 mod answer;
@@ -25,6 +26,7 @@ mod length;
 mod light;
 mod margin;
 mod path;
+mod turns;
 mod verdict;
 
 #[cfg(test)]
@@ -33,6 +35,7 @@ mod tests;
 pub use finding::Finding;
 pub use margin::{GAP, MARGIN_PX};
 pub use path::{Path, Seen, Segment};
+pub use turns::Outcome;
 pub use verdict::Verdict;
 
 use crate::camera::bundle::Bundle;

@@ -3,7 +3,7 @@
 
 use anamorph::frame::Channel;
 use anamorph::gpu::device::{Abilities, STORAGE_BUFFERS};
-use anamorph::gpu::kernels::{RaysKind, Variant};
+use anamorph::gpu::kernels::Variant;
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::stage::Stages;
 use wgpu::Features;
@@ -64,20 +64,11 @@ fn no_int64_leaves_the_64_bit_atomics_closed() {
     assert!(gpu.has.f64 && !gpu.has.atomics64);
 }
 
-/// All that a camera may ask of the kernels, with and without counting.
-fn ray_variants() -> impl Iterator<Item = (RaysKind, bool, bool)> {
-    let curves = [1, 2, 3].map(|degree| RaysKind::Curves { degree });
-    let kinds = [RaysKind::Pieces, RaysKind::Field].into_iter().chain(curves);
-    let all = kinds.flat_map(|rays| [false, true].map(|sheeted| (rays, sheeted)));
-    all.flat_map(|(rays, sheeted)| [false, true].map(|counting| (rays, sheeted, counting)))
-}
-
 #[test]
 fn every_pipeline_builds_with_the_features_of_its_variant_alone() {
     for (features, f64, atomics64) in feature_sets() {
         let gpu = open(features, limits(), &GpuOptions::default()).unwrap();
-        for (rays, sheeted, counting) in ray_variants() {
-            let variant = Variant { f64, atomics64, rays, sheeted, counting };
+        for variant in Variant::every(f64, atomics64) {
             Stages::new(&gpu, variant, &Channel::ALL).unwrap();
             gpu.failure().unwrap_or_else(|e| panic!("{features:?} {variant:?}: {e}"));
         }
@@ -88,11 +79,7 @@ fn every_pipeline_builds_with_the_features_of_its_variant_alone() {
 fn a_variant_that_the_device_cannot_run_is_reported() {
     for (f64, atomics64) in [(true, false), (false, true)] {
         let gpu = open(Features::empty(), limits(), &GpuOptions::default()).unwrap();
-        let built = Stages::new(
-            &gpu,
-            Variant { f64, atomics64, rays: RaysKind::Pieces, sheeted: false, counting: false },
-            &Channel::ALL,
-        );
+        let built = Stages::new(&gpu, Variant::every(f64, atomics64)[0], &Channel::ALL);
         assert!(built.is_err() || gpu.failure().is_err());
     }
 }
@@ -107,8 +94,7 @@ fn one_storage_buffer_fewer_is_an_error_that_names_it() {
 
 #[test]
 fn the_limit_on_storage_buffers_is_what_the_largest_kernel_binds() {
-    let most = ray_variants().map(|(rays, sheeted, counting)| {
-        let variant = Variant { f64: true, atomics64: true, rays, sheeted, counting };
+    let most = Variant::every(true, true).into_iter().map(|variant| {
         let storage = |k: &anamorph::gpu::kernels::Kernel| {
             k.bindings.iter().filter(|b| b.access != anamorph::gpu::kernels::Access::Uniform).count()
         };

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 const PARAMS: &str = include_str!("../wgsl/shared/params.wgsl");
 const SHADING: &str = include_str!("../wgsl/shared/shading.wgsl");
 const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
+const OPTICS: &str = include_str!("../wgsl/optics/rows.wgsl");
 const ROWS: &str = include_str!("../src/gpu/rows.rs");
 
 /// One field as bytes: name, offset, size, kind of its numbers.
@@ -23,8 +24,15 @@ struct Field {
 }
 
 /// The variant that needs nothing.
-const PLAIN: Variant =
-    Variant { f64: false, atomics64: false, rays: RaysKind::Pieces, sheeted: false, counting: false };
+const PLAIN: Variant = Variant {
+    f64: false,
+    atomics64: false,
+    rays: RaysKind::Pieces,
+    sheeted: false,
+    counting: false,
+    optics: None,
+    turned: false,
+};
 
 /// Structs by name: size and fields in order.
 type Layouts = BTreeMap<String, (usize, Vec<Field>)>;
@@ -93,7 +101,7 @@ fn host() -> Layouts {
         }),
         layout!(Step { value }),
         layout!(Cluster { centre, first, half, count }),
-        layout!(Node { p, r_p, px, r_d, py, rays, d, pad0, dx, pad1, dy, pad2 }),
+        layout!(Node { p, r_p, px, r_d, py, rays, d, width, dx, pad1, dy, pad2 }),
         layout!(Cell { p, h, d, piece, tile, mask_lo, mask_hi, node }),
         layout!(Piece {
             p_hi,
@@ -123,6 +131,46 @@ fn host() -> Layouts {
         }),
         layout!(Chunk { points, beams, slots, most, t_min, t_max, pad0, pad1 }),
         layout!(Beam { p_lo, next, p_hi, node, d_lo, pad0, d_hi, pad1 }),
+        layout!(Optic {
+            eye_hi,
+            first_id,
+            eye_lo,
+            count,
+            tint,
+            turns,
+            base,
+            ends,
+            middle,
+            law,
+            ior_hi,
+            ior_lo,
+            sees_itself,
+            piece_first,
+        }),
+        layout!(Way { light, length, first, last, pad0, pad1 }),
+        layout!(Corner { p_hi, pad0, p_lo, pad1, n_hi, pad2, n_lo, pad3 }),
+        layout!(Quadric {
+            centre_hi,
+            c_hi,
+            centre_lo,
+            c_lo,
+            diagonal_hi,
+            low_hi,
+            diagonal_lo,
+            low_lo,
+            beside_hi,
+            high_hi,
+            beside_lo,
+            high_lo,
+            b_hi,
+            rim2_hi,
+            b_lo,
+            rim2_lo,
+            axis_hi,
+            pad0,
+            axis_lo,
+            pad1,
+        }),
         layout!(Shading { background, ambient, light_count, has_normals, pad0, pad1 }),
     ])
 }
@@ -193,6 +241,8 @@ fn host_constants() -> Constants {
         COUNT_FRAGMENTS_TESTED,
         COUNT_FRAGMENTS_KEPT,
         COUNTERS,
+        LAW_NORMALS,
+        LAW_FLAT,
     ];
     constants.insert("TILE".into(), anamorph::TILE);
     constants
@@ -213,12 +263,14 @@ fn every_struct_is_the_same_bytes_on_both_sides() {
     let mut kernels = wgsl(PARAMS);
     kernels.extend(wgsl(SHADING));
     kernels.extend(wgsl(BEAMS));
+    kernels.extend(wgsl(OPTICS));
     assert_eq!(differences(&host(), &kernels), [""; 0]);
 }
 
 #[test]
 fn every_constant_has_the_same_value_on_both_sides() {
-    assert_eq!(differences(&host_constants(), &wgsl_constants(PARAMS)), [""; 0]);
+    let kernels = [wgsl_constants(PARAMS), wgsl_constants(OPTICS)].into_iter().flatten().collect();
+    assert_eq!(differences(&host_constants(), &kernels), [""; 0]);
     let known = host_constants();
     let forgotten: Vec<&str> = rust_constants(ROWS)
         .into_iter()
@@ -327,7 +379,7 @@ const PLANTED: [(&str, &str, &str); 7] = [
 #[test]
 fn a_planted_difference_in_a_struct_is_seen() {
     let mut host = host();
-    host.retain(|name, _| !["Shading", "Chunk", "Beam"].contains(&name.as_str()));
+    host.retain(|name, _| wgsl(PARAMS).contains_key(name));
     assert_eq!(differences(&host, &wgsl(PARAMS)), [""; 0]);
     for (name, from, to) in PLANTED {
         assert!(PARAMS.contains(from), "{from:?} is no longer there to be changed");
@@ -347,7 +399,9 @@ fn a_planted_difference_in_a_constant_is_seen() {
         ("const NONE", "const MORE: u32 = 1u;\nconst NONE"),
     ] {
         assert!(PARAMS.contains(from), "{from:?} is no longer there to be changed");
-        assert_eq!(differences(&host_constants(), &wgsl_constants(&PARAMS.replacen(from, to, 1))).len(), 1, "{to:?}");
+        let kernels = [wgsl_constants(&PARAMS.replacen(from, to, 1)), wgsl_constants(OPTICS)];
+        let kernels = kernels.into_iter().flatten().collect();
+        assert_eq!(differences(&host_constants(), &kernels).len(), 1, "{to:?}");
     }
     assert_eq!(rust_constants("pub const A: u32 = 1;\nconst B: u32 = 2;\npub const C: u64 = 3;"), ["A"]);
 }

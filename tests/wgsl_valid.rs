@@ -2,32 +2,22 @@
 //! and keeps f64 to the operations that every driver translates right.
 
 use anamorph::frame::Channel;
-use anamorph::gpu::kernels::{self, Kernel, RaysKind, Variant};
+use anamorph::gpu::kernels::{self, Kernel, Variant};
 use anamorph::gpu::rows::GROUP;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Expression, Function, MathFunction, Module, ScalarKind, ShaderStage, TypeInner};
 
-/// All combinations of a variant's switches.
+/// All variants on all kinds of adapters.
 fn variants() -> impl Iterator<Item = Variant> {
-    let curves = [1, 2, 3].map(|degree| RaysKind::Curves { degree });
-    let kinds = [RaysKind::Pieces, RaysKind::Field].into_iter().chain(curves);
-    kinds.flat_map(|rays| {
-        (0..16).map(move |bits| Variant {
-            f64: bits & 1 != 0,
-            atomics64: bits & 2 != 0,
-            rays,
-            sheeted: bits & 4 != 0,
-            counting: bits & 8 != 0,
-        })
-    })
+    [false, true].into_iter().flat_map(|f64| [false, true].map(|atomics64| Variant::every(f64, atomics64))).flatten()
 }
 
-/// What a kernel of `variant` may use beyond plain WGSL: `raster` and `shade` alone have variants of arithmetic, and
-/// `raster` alone merges.
+/// What a kernel of `variant` may use beyond plain WGSL: `raster`, `shade`, `meet` and `bounce` alone have variants of
+/// arithmetic, and `raster` and `meet` alone merge.
 fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
     let mut caps = Capabilities::empty();
-    caps.set(Capabilities::FLOAT64, variant.f64 && ["raster", "shade"].contains(&kernel.name));
-    caps.set(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX, variant.atomics64 && kernel.name == "raster");
+    caps.set(Capabilities::FLOAT64, variant.f64 && ["raster", "shade", "meet", "bounce"].contains(&kernel.name));
+    caps.set(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX, variant.atomics64 && ["raster", "meet"].contains(&kernel.name));
     caps.set(Capabilities::SHADER_INT64, !caps.is_empty());
     caps
 }

@@ -18,6 +18,10 @@ fn raster(
     let pair = pairs[index];
     let cell = cells[pair_cell(pair)];
     let triangle = triangles[pair_slot(pair)];
+    let id = triangle_id(triangle);
+    if is_apart(id) {
+        return;
+    }
 
     // find the pixels that it covers
     let owned = vec2<u32>(cell.mask_lo, cell.mask_hi) & box_mask(pair_from(pair), pair_to(pair));
@@ -49,9 +53,9 @@ fn raster(
         }
         covered = without_bit(covered, bit);
         let meeting = pixel_depth(depth, cell, bit % TILE, bit / TILE);
-        if meeting.visible {
-            let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
-            merge(pixel, ~visibility_key(layer, meeting.t, triangle_id(triangle)));
+        let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
+        if meeting.visible && !starts_on(pixel, id) {
+            merge(pixel, ~visibility_key(layer, meeting.t, id));
             kept++;
         }
     }

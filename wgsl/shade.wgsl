@@ -28,37 +28,50 @@ fn shade(
     }
     let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
     if all(won == vec2<u32>(0u)) {
-        if params.id_first == 0u {
+        if params.id_first == 0u && is_under_way(pixel % params.width, pixel / params.width) {
             store_miss(at);
         }
         return;
     }
     let id = key_id(~won);
+    if goes_on(id) {
+        return;
+    }
+    let x = pixel % params.width;
+    let y = pixel / params.width;
+    if ends_on_quadric(id) {
+        if params.id_first == 0u {
+            let t = key_t(~won);
+            store_place(at, id, t, way_length(pixel) + reached(pixel_ray(0u, x, y, t), 0u, x, y, t));
+            store(PLANE_A, at, bitcast<u32>(1.0));
+            store_no_weights(at);
+            store_piece(at, 0u);
+            store_light(at, colour_of(id, vec3<f32>(0.0)));
+        }
+        return;
+    }
     if id - params.id_first >= params.id_count {
         return;
     }
 
     // what the key does not say: the ray and the triangle
-    let x = pixel % params.width;
-    let y = pixel / params.width;
     let slot = slot_of_id[id - params.id_first];
     let triangle = triangles[slot];
     let layer = key_layer(~won);
     let t = key_t(~won);
     let ray = pixel_ray(layer, x, y, t);
-    store(PLANE_A, at, bitcast<u32>(1.0));
-    store(PLANE_T, at, bitcast<u32>(f32(layer) + t));
+    var z = 0.0;
     if PLANE_Z != NONE {
-        // all of the segments in lower layers, and a part of the last
-        var z = reached(ray, layer, x, y, t);
+        // all of the segments in lower layers, of the rays before, and a part of the last
+        z = way_length(pixel) + reached(ray, layer, x, y, t);
         for (var k = 0u; SHEETED && k < layer; k++) {
             z += segment_length(k, x, y);
         }
-        store(PLANE_Z, at, bitcast<u32>(z));
     }
-    store(PLANE_TRIANGLE, at, id);
-    if PLANE_PIECE != NONE {
-        store(PLANE_PIECE, at, piece_number(layer, x, y));
+    store(PLANE_A, at, bitcast<u32>(1.0));
+    store_place(at, id, f32(layer) + t, z);
+    if PLANE_PIECE != NONE || PLANE_MIRROR != NONE {
+        store_piece(at, piece_number(layer, x, y));
     }
     if PLANE_U != NONE || PLANE_V != NONE {
         let weights = weights_real(ray_bundle(layer, x, y, t), triangle);
@@ -66,11 +79,34 @@ fn shade(
         store(PLANE_V, at, bitcast<u32>(weights.z));
     }
     if PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
-        let colour = light(slot, triangle, ray);
-        store(PLANE_R, at, bitcast<u32>(colour.x));
-        store(PLANE_G, at, bitcast<u32>(colour.y));
-        store(PLANE_B, at, bitcast<u32>(colour.z));
+        store_light(at, colour_of(id, light(slot, triangle, ray)));
     }
+}
+
+// What lies at t of the last ray, z along the whole way.
+fn store_place(at: Place, id: u32, t: f32, z: f32) {
+    store(PLANE_T, at, bitcast<u32>(t));
+    store(PLANE_Z, at, bitcast<u32>(z));
+    store(PLANE_TRIANGLE, at, id);
+}
+
+fn store_no_weights(at: Place) {
+    store(PLANE_U, at, 0u);
+    store(PLANE_V, at, 0u);
+}
+
+// The piece of the camera's own ray, or the surface by which it was turned first.
+fn store_piece(at: Place, piece: u32) {
+    let surface = first_surface(at.pixel);
+    store(PLANE_PIECE, at, select(first_piece() + surface, piece, surface == NONE));
+    store(PLANE_MIRROR, at, surface);
+}
+
+fn store_light(at: Place, colour: vec3<f32>) {
+    let left = light_left(at.pixel) * colour;
+    store(PLANE_R, at, bitcast<u32>(left.x));
+    store(PLANE_G, at, bitcast<u32>(left.y));
+    store(PLANE_B, at, bitcast<u32>(left.z));
 }
 
 // Weights of the file's corners in recheck arithmetic: E12, E20 and E01 over their sum, which is h N . d.
@@ -91,16 +127,11 @@ fn in_file_order(w: vec3<f32>, triangle: vec4<u32>) -> vec3<f32> {
 
 fn store_miss(at: Place) {
     let infinity = 0x7f800000u;
-    store(PLANE_R, at, bitcast<u32>(shading.background.x));
-    store(PLANE_G, at, bitcast<u32>(shading.background.y));
-    store(PLANE_B, at, bitcast<u32>(shading.background.z));
-    store(PLANE_A, at, 0u);
-    store(PLANE_Z, at, infinity);
-    store(PLANE_T, at, infinity);
-    store(PLANE_TRIANGLE, at, NONE);
-    store(PLANE_PIECE, at, NONE);
-    store(PLANE_U, at, 0u);
-    store(PLANE_V, at, 0u);
+    store_place(at, NONE, bitcast<f32>(infinity), bitcast<f32>(infinity));
+    store(PLANE_A, at, select(bitcast<u32>(1.0), 0u, first_surface(at.pixel) == NONE));
+    store_no_weights(at);
+    store_piece(at, NONE);
+    store_light(at, shading.background);
 }
 
 // Lambert from every light and a small ambient term; the normal is the file's where it has them, turned to the viewer.

@@ -2,7 +2,7 @@
 
 use super::named::{camera_texture, cylinder, display, fisheye, lidar, lightfield, ods, opencv, panini, sphere};
 use super::named::{cross_slit, hinge, mcop, panorama, pencil, pushbroom, surround};
-use super::named::{irregular_perspective, occlusion, ortho_to_perspective, street, twist};
+use super::named::{irregular_perspective, occlusion, ortho_to_perspective, reflection, street, twist};
 use super::projector;
 use super::recipe::Kind;
 use super::{chain, graph};
@@ -59,5 +59,7 @@ pub const NAMED: &[Kind] = &[
     Kind { name: "panini", help: include_str!("help/panini.txt"), read: panini::read },
     Kind { name: "display", help: include_str!("help/display.txt"), read: display::read },
     Kind { name: "lightfield", help: include_str!("help/lightfield.txt"), read: lightfield::read },
+    Kind { name: "reflection", help: include_str!("help/reflection.txt"), read: reflection::read },
+    Kind { name: "refraction", help: include_str!("help/refraction.txt"), read: reflection::read_refraction },
     Kind { name: "lidar", help: include_str!("help/lidar.txt"), read: lidar::read },
 ];

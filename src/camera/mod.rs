@@ -23,6 +23,7 @@ pub mod projector;
 pub mod recipe;
 
 use crate::error::{Error, Result};
+use crate::optics::Optics;
 use crate::scene::file::{CameraKind, CameraSpec};
 use crate::scene::mesh::Mesh;
 pub use bundle::{Bundle, Ray};
@@ -30,6 +31,7 @@ pub use curve::{Curve, CurveMap, Curves};
 pub use field::{Field, RayMap};
 pub use pieces::{Piece, Pieces};
 use recipe::{Built, Setting};
+use std::sync::Arc;
 
 /// The rays of a layer.
 #[derive(Debug, Clone)]
@@ -49,6 +51,8 @@ pub struct Camera {
     pub t_range: [f64; 2],
     /// One; or the layers of a chain, first to last, with t in [0, 1] each: a pixel's hit in the lowest layer wins.
     pub layers: Vec<Rays>,
+    /// The mirror or lens that turns the rays of the one layer; these are of straight rays then.
+    pub optics: Option<Arc<Optics>>,
     /// What was left out of a partly degenerate camera, for a person to read.
     pub notes: Vec<String>,
 }
@@ -73,18 +77,18 @@ impl Camera {
             CameraKind::Named(named) => (named.name, named.recipe.build(&setting)?),
             plain => build_plain(plain, &setting)?,
         };
-        let Built { size: (width, height), layers, unit_t, notes } = built;
+        let Built { size: (width, height), layers, unit_t, optics, notes } = built;
         if layers.is_empty() || layers.len() > LAYERS_MAX {
             let n = layers.len();
             return Err(Error::input(format!("camera: {n} layers; a chain has 1 to {LAYERS_MAX}")));
         }
         let t_range = if unit_t { [0.0, 1.0] } else { spec.t_range };
-        Ok(Camera { kind, width, height, t_range, layers, notes })
+        Ok(Camera { kind, width, height, t_range, layers, optics, notes })
     }
 
     /// A camera of one layer.
     pub fn of(kind: &'static str, (width, height): (u32, u32), t_range: [f64; 2], rays: Rays) -> Camera {
-        Camera { kind, width, height, t_range, layers: vec![rays], notes: Vec::new() }
+        Camera { kind, width, height, t_range, layers: vec![rays], optics: None, notes: Vec::new() }
     }
 
     /// The same camera with every pixel's sample moved by `(dx, dy)` pixels from the pixel centre.
@@ -97,9 +101,9 @@ impl Camera {
         Camera { layers: self.layers.iter().map(moved).collect(), ..self.clone() }
     }
 
-    /// How many pieces the image is cut into, in all layers; 0 for a ray field.
+    /// How many pieces the image is cut into, in all layers, and facets of its optics; 0 for a ray field.
     pub fn piece_count(&self) -> usize {
-        self.first_piece(self.layers.len()) as usize
+        self.first_piece(self.layers.len()) as usize + self.optics.as_ref().map_or(0, |o| o.surface_count())
     }
 
     /// Number of the first piece of a layer: those of the lower layers come before it.

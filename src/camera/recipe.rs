@@ -2,6 +2,7 @@
 
 use super::Rays;
 use crate::error::{Error, Result};
+use crate::optics::Optics;
 use crate::scene::file::reader::Table;
 use crate::scene::mesh::Mesh;
 use glam::DVec3;
@@ -55,6 +56,8 @@ pub struct Built {
     pub layers: Vec<Rays>,
     /// t is in [0, 1] whatever the scene file says: chains and projectors.
     pub unit_t: bool,
+    /// The mirror or lens that the rays meet.
+    pub optics: Option<Arc<Optics>>,
     /// What a person should know of the camera: what was left out of it, what it stands for.
     pub notes: Vec<String>,
 }
@@ -62,6 +65,6 @@ pub struct Built {
 impl Built {
     /// A camera of one layer.
     pub fn new(size: (u32, u32), rays: Rays) -> Built {
-        Built { size, layers: vec![rays], unit_t: false, notes: Vec::new() }
+        Built { size, layers: vec![rays], unit_t: false, optics: None, notes: Vec::new() }
     }
 }

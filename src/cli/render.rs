@@ -30,7 +30,7 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
         return explain_pixel(&scene, &camera, x, y);
     }
     let files = Files::new(args, &scene)?;
-    let asked = asked(args, &files);
+    let asked = asked(args, &files, &camera);
     let wanted = wanted(&asked, &files);
     points::check(&files, &camera)?;
     memory::check(camera.width, camera.height, wanted.channels.len() + 3)?;
@@ -105,10 +105,10 @@ fn explain_pixel(scene: &Scene, camera: &Camera, x: u32, y: u32) -> Result<()> {
 }
 
 /// The channels that are written.
-fn asked(args: &RenderArgs, files: &Files) -> Vec<Channel> {
+fn asked(args: &RenderArgs, files: &Files, camera: &Camera) -> Vec<Channel> {
     match &args.channels {
         Some(list) => list.clone(),
-        None if files.exr.is_some() => Channel::ALL.to_vec(),
+        None if files.exr.is_some() => Channel::of(camera),
         None => Vec::new(),
     }
 }

@@ -13,9 +13,7 @@ const MISS: usize = 0;
 fn frame() -> Frame {
     let hit = |i: usize| i >= WIDTH as usize;
     let plane = |channel: Channel| match channel {
-        Channel::TriangleId | Channel::PieceId => {
-            Plane::U32((0..PIXELS).map(|i| if hit(i) { (i / 7) as u32 } else { NO_ID }).collect())
-        }
+        c if c.is_id() => Plane::U32((0..PIXELS).map(|i| if hit(i) { (i / 7) as u32 } else { NO_ID }).collect()),
         Channel::T | Channel::Z => {
             let length = if channel == Channel::Z { 2.0 } else { 1.0 };
             Plane::F32((0..PIXELS).map(|i| if hit(i) { length * (1 + i) as f32 } else { f32::INFINITY }).collect())

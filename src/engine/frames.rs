@@ -5,7 +5,7 @@ use super::{Capacities, Counts, Rendered, RunOptions, join};
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::gpu::buffers::{Buffers, read_words, readback, wait};
+use crate::gpu::buffers::{read_words, readback, wait};
 use crate::gpu::rows::{
     COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_WORK,
     COUNTERS,
@@ -20,6 +20,8 @@ use std::time::Instant;
 pub(super) struct Frames<'a> {
     pub gpu: &'a Gpu,
     pub stages: &'a Stages,
+    /// For rays that were turned.
+    pub turned: Option<&'a Stages>,
     pub scene: &'a Scene,
     pub camera: &'a Camera,
     pub plan: &'a Plan,
@@ -68,7 +70,8 @@ impl Frames<'_> {
         }
         let mut k = 0;
         while k < run.repeat {
-            let moved = run.moving.then(|| moved(self.scene, k + 1));
+            let fixed = self.camera.optics.as_ref().map_or(0, |o| o.vertex_count());
+            let moved = run.moving.then(|| moved(self.scene, fixed, k + 1));
             let started = Instant::now();
             if let Some(moved) = &moved {
                 self.resident
@@ -134,8 +137,16 @@ impl Frames<'_> {
             Submitted { status, planes: Vec::new(), srgb8: Vec::new(), times: self.stage_times(), passes: 0 };
         for (index, band) in self.plan.bands.iter().enumerate() {
             let pixels = band.rows * self.camera.width;
-            self.encode_visibility(&mut encoder, &mut submitted, index)?;
-            self.encode_image(&mut encoder, &mut submitted, index, pixels)?;
+            for turns in 0..=resident.depth() {
+                if turns > 0 {
+                    self.encode_turn(&mut encoder, &mut submitted, index, turns)?;
+                }
+                self.encode_visibility(&mut encoder, &mut submitted, index, turns)?;
+                self.encode_planes(&mut encoder, &mut submitted, index, turns)?;
+            }
+            if self.wanted.srgb8 {
+                self.encode_srgb(&mut encoder, &mut submitted, index)?;
+            }
             if read {
                 let copy = |encoder: &mut wgpu::CommandEncoder, name: &str, bytes: u64| {
                     let to = readback(gpu, bytes);
@@ -158,74 +169,111 @@ impl Frames<'_> {
         Ok(submitted)
     }
 
-    /// Fills the visibility buffer of a band: cull, bin and raster of every job.
+    /// The kernels for rays that were turned so many times.
+    fn stages_after(&self, turns: u32) -> &Stages {
+        self.turned.filter(|_| turns > 0).unwrap_or(self.stages)
+    }
+
+    fn pixels(&self, band: usize) -> u32 {
+        self.plan.bands[band].rows * self.camera.width
+    }
+
+    /// Turns the rays of a band that meet the optics, and bounds what comes of it.
+    fn encode_turn(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        submitted: &mut Submitted,
+        band: usize,
+        turns: u32,
+    ) -> Result<()> {
+        let (gpu, resident) = (self.gpu, &self.resident);
+        let (Some(target), Some(job)) = (&resident.turns, resident.jobs(band, turns - 1).next()) else { return Ok(()) };
+        let mut scopes = resident.scopes(&job, band, turns - 1);
+        scopes.push(target.target(turns));
+        let mut pass = submitted.pass(encoder, "bounce");
+        self.stages_after(turns - 1).bounce(gpu, &mut pass, &scopes, self.pixels(band))?;
+        drop(pass);
+        let Some(job) = resident.jobs(band, turns).next() else { return Ok(()) };
+        let mut pass = submitted.pass(encoder, "fit");
+        let scopes = resident.scopes(&job, band, turns);
+        self.stages_after(turns).fit(gpu, &mut pass, &scopes, &self.plan.bands[band].nodes.levels)
+    }
+
+    /// Fills the visibility buffer of a band with what its rays meet after so many turns: cull, bin and raster of every
+    /// job, and what is no triangle.
     fn encode_visibility(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         submitted: &mut Submitted,
         band: usize,
+        turns: u32,
     ) -> Result<()> {
-        let (gpu, resident) = (self.gpu, &self.resident);
+        let (gpu, resident, stages) = (self.gpu, &self.resident, self.stages_after(turns));
         let clear = |encoder: &mut wgpu::CommandEncoder, name: &str, bytes: Option<u64>| {
             if let Some(buffer) = resident.shared.get(name) {
                 encoder.clear_buffer(buffer, 0, bytes);
             }
         };
-        let pixels = self.plan.bands[band].rows as u64 * self.camera.width as u64;
-        clear(encoder, "visibility", Some(8 * pixels));
-        let steps = self.plan.bands[band].nodes.cull_steps();
-        let alone = resident.jobs(band).filter(|j| j.clusters > 0).count() == 1;
-        for step in 0..self.stages.raster_steps() {
-            for job in resident.jobs(band).filter(|j| j.clusters > 0) {
-                let scopes = [job.params, &job.chunk.buffers, &resident.bands[band], &resident.shared];
+        clear(encoder, "visibility", Some(8 * self.pixels(band) as u64));
+        // where turned rays are torn is not known beforehand
+        let nodes = &self.plan.bands[band].nodes;
+        let steps = if turns > 0 { nodes.levels.len() as u32 } else { nodes.cull_steps() };
+        let alone = resident.jobs(band, turns).filter(|j| j.clusters > 0).count() == 1;
+        for step in 0..stages.raster_steps() {
+            for job in resident.jobs(band, turns).filter(|j| j.clusters > 0) {
+                let scopes = resident.scopes(&job, band, turns);
                 // the pairs of a lone job are still there for the second step
                 if step == 0 || !alone {
                     clear(encoder, "counters", None);
                     let mut pass = submitted.pass(encoder, "cull");
-                    self.stages.cull(gpu, &mut pass, &scopes, job.clusters, steps)?;
+                    stages.cull(gpu, &mut pass, &scopes, job.clusters, steps)?;
                     drop(pass);
                     let mut pass = submitted.pass(encoder, "bin");
-                    self.stages.bin(gpu, &mut pass, &scopes)?;
+                    stages.bin(gpu, &mut pass, &scopes)?;
                 }
                 let mut pass = submitted.pass(encoder, "raster");
-                self.stages.raster(gpu, &mut pass, &scopes, step)?;
+                stages.raster(gpu, &mut pass, &scopes, step)?;
                 drop(pass);
                 if let (0, Some(counters)) = (step, resident.shared.get("counters")) {
                     let at = STATUS_BYTES * job.index as u64;
                     encoder.copy_buffer_to_buffer(counters, 0, &submitted.status, at, STATUS_BYTES);
                 }
             }
+            if let (true, Some(job)) = (stages.meets(), resident.jobs(band, turns).next()) {
+                let mut pass = submitted.pass(encoder, "meet");
+                stages.meet(gpu, &mut pass, &resident.scopes(&job, band, turns), self.pixels(band), step)?;
+            }
         }
         Ok(())
     }
 
-    /// Turns a band's visibility buffer into planes and sRGB.
-    fn encode_image(
+    /// Writes a band's planes where its rays end after so many turns.
+    fn encode_planes(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         submitted: &mut Submitted,
         band: usize,
-        pixels: u32,
+        turns: u32,
     ) -> Result<()> {
-        let (gpu, resident) = (self.gpu, &self.resident);
-        let mut last: Option<&Buffers> = None;
         let mut shaded = None;
-        for job in resident.jobs(band) {
+        for job in self.resident.jobs(band, turns) {
             // once a chunk: the batches of one chunk share its ids
             if shaded == Some(job.chunk.id_first) {
                 continue;
             }
             shaded = Some(job.chunk.id_first);
-            let scopes = [job.params, &job.chunk.buffers, &resident.bands[band], &resident.shared];
+            let scopes = self.resident.scopes(&job, band, turns);
             let mut pass = submitted.pass(encoder, "shade");
-            self.stages.shade(gpu, &mut pass, &scopes, pixels)?;
-            last = Some(job.params);
-        }
-        if let (true, Some(params)) = (self.wanted.srgb8, last) {
-            let mut pass = submitted.pass(encoder, "write");
-            self.stages.write(gpu, &mut pass, &[params, &resident.shared], pixels)?;
+            self.stages_after(turns).shade(self.gpu, &mut pass, &scopes, self.pixels(band))?;
         }
         Ok(())
+    }
+
+    /// Turns a band's colour planes into sRGB.
+    fn encode_srgb(&self, encoder: &mut wgpu::CommandEncoder, submitted: &mut Submitted, band: usize) -> Result<()> {
+        let Some(job) = self.resident.jobs(band, 0).next() else { return Ok(()) };
+        let mut pass = submitted.pass(encoder, "write");
+        self.stages.write(self.gpu, &mut pass, &[job.params, &self.resident.shared], self.pixels(band))
     }
 
     /// What the lists should hold, where a counter ran over its capacity.
@@ -256,7 +304,8 @@ impl Frames<'_> {
     }
 
     fn stage_times(&self) -> Option<StageTimes> {
-        let passes = 6 * (self.resident.job_count() as u32 + self.plan.bands.len() as u32);
+        let bands = self.plan.bands.len() as u32 * (self.resident.depth() + 1);
+        let passes = 6 * (self.resident.job_count() as u32 + bands);
         let count = 2 * passes;
         (self.gpu.has.timestamps && count <= QUERIES_MAX).then(|| StageTimes {
             queries: self.gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -333,12 +382,14 @@ fn medians(runs: Vec<Vec<(&'static str, f64)>>) -> Vec<(&'static str, f64)> {
     first.iter().map(|&(name, _)| (name, median(name))).collect()
 }
 
-/// The scene with every vertex turned about its middle by a little more each frame.
-fn moved(scene: &Scene, frame: u32) -> Scene {
+/// The scene with every vertex but the last `fixed`, which are a mirror's, turned about its middle by a little more each
+/// frame.
+fn moved(scene: &Scene, fixed: usize, frame: u32) -> Scene {
     let mut scene = scene.clone();
     let (lo, hi) = scene.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));
     let (middle, turn) = ((lo + hi) / 2.0, DMat3::from_rotation_y(frame as f64 * MOVING_STEP_RAD));
-    scene.mesh.positions.iter_mut().for_each(|p| *p = middle + turn * (*p - middle));
+    let moving = scene.mesh.positions.len() - fixed;
+    scene.mesh.positions[..moving].iter_mut().for_each(|p| *p = middle + turn * (*p - middle));
     scene
 }
 

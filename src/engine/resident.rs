@@ -1,7 +1,8 @@
 //! What lies on the device between frames: the scene's chunks, the bands' tables, and the lists between the stages.
 
 use super::Capacities;
-use super::tables::{Look, Span, params};
+use super::tables::{Look, Span, TURNED_T_RANGE, params};
+use super::turns::Turns;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
@@ -23,6 +24,10 @@ pub struct Resident {
     pub batches: u32,
     /// A row for every (band, chunk, batch), in the order of [`Resident::jobs`].
     params: Vec<Buffers>,
+    /// The same for rays that were turned.
+    turned_params: Vec<Buffers>,
+    /// What rays are turned by.
+    pub turns: Option<Turns>,
     vertex_reach: f32,
     /// Triangles without area.
     pub without_area: usize,
@@ -62,6 +67,8 @@ impl Resident {
             capacities: Capacities { queue: 0, work: 0, pairs: 0 },
             batches: 1,
             params: Vec::new(),
+            turned_params: Vec::new(),
+            turns: camera.optics.as_ref().map(|o| Turns::new(gpu, scene, camera, o, plan)).transpose()?,
             vertex_reach: 0.0,
             without_area: 0,
         };
@@ -129,16 +136,24 @@ impl Resident {
 
     pub fn write_params(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
         self.params.clear();
+        self.turned_params.clear();
         for band in &plan.bands {
             for chunk in &self.chunks {
                 for batch in 0..self.batches {
                     let ids = Span { first: chunk.id_first, count: chunk.id_count };
                     let (first, count) = self.batch(chunk, batch);
                     let clusters = Span { first, count };
-                    let row = params(camera, plan, band, ids, clusters, self.vertex_reach, self.capacities);
-                    let mut buffers = Buffers::default();
-                    buffers.upload_uniform(gpu, "params", &row)?;
-                    self.params.push(buffers);
+                    let row = |t_range: [f64; 2]| {
+                        let rays = (camera, t_range);
+                        let row = params(rays, plan, band, ids, clusters, self.vertex_reach, self.capacities);
+                        let mut buffers = Buffers::default();
+                        buffers.upload_uniform(gpu, "params", &row)?;
+                        Ok(buffers)
+                    };
+                    self.params.push(row(camera.t_range)?);
+                    if self.turns.is_some() {
+                        self.turned_params.push(row(TURNED_T_RANGE)?);
+                    }
                 }
             }
         }
@@ -151,19 +166,32 @@ impl Resident {
         (at(batch), at(batch + 1) - at(batch))
     }
 
-    /// Every batch of every chunk over band `band`.
-    pub fn jobs(&self, band: usize) -> impl Iterator<Item = Job<'_>> {
+    /// Every batch of every chunk over band `band`, for rays that were turned so many times.
+    pub fn jobs(&self, band: usize, turns: u32) -> impl Iterator<Item = Job<'_>> {
+        let all = if turns == 0 { &self.params } else { &self.turned_params };
         let per_band = self.chunks.len() * self.batches as usize;
         (0..per_band).map(move |k| {
             let chunk = &self.chunks[k / self.batches as usize];
             let index = band * per_band + k;
             let clusters = self.batch(chunk, k as u32 % self.batches).1;
-            Job { index, chunk, params: &self.params[index], clusters }
+            let passed = turns as usize * self.params.len();
+            Job { index: passed + index, chunk, params: &all[index], clusters }
         })
     }
 
     pub fn job_count(&self) -> usize {
-        self.params.len()
+        self.params.len() * (self.depth() as usize + 1)
+    }
+
+    /// How many times rays are turned.
+    pub fn depth(&self) -> u32 {
+        self.turns.as_ref().map_or(0, |t| t.depth)
+    }
+
+    /// Where kernels find the buffers of a job over a band, its rays turned so many times.
+    pub fn scopes<'a>(&'a self, job: &Job<'a>, band: usize, turns: u32) -> Vec<&'a Buffers> {
+        let own = self.turns.iter().flat_map(|t| t.scopes(turns, band));
+        [job.params].into_iter().chain(own).chain([&job.chunk.buffers, &self.bands[band], &self.shared]).collect()
     }
 
     /// Makes room for what the counters demanded: larger lists, or more batches where a list is as large as a binding.
@@ -187,8 +215,9 @@ impl Resident {
 
     pub fn bytes(&self) -> u64 {
         let chunks: u64 = self.chunks.iter().map(|c| c.buffers.bytes()).sum();
-        let rest: u64 = self.bands.iter().chain(&self.params).chain([&self.shared]).map(Buffers::bytes).sum();
-        chunks + rest
+        let params = self.params.iter().chain(&self.turned_params);
+        let rest: u64 = self.bands.iter().chain(params).chain([&self.shared]).map(Buffers::bytes).sum();
+        chunks + rest + self.turns.as_ref().map_or(0, Turns::bytes)
     }
 }
 

@@ -3,11 +3,13 @@
 
 use super::Capacities;
 use crate::camera::Camera;
-use crate::gpu::rows::{self, split3};
+use crate::gpu::rows::{self, LAW_FLAT, LAW_NORMALS, split2, split3};
+use crate::optics::{Facets, Law, Optics, Quadric, Surface, Turn};
 use crate::plan::nodes::Level;
 use crate::plan::{Band, Plan};
 use crate::scene::Scene;
 use crate::stage::AMBIENT;
+use glam::DVec3;
 
 /// Index of the first and count of the rest.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -46,9 +48,9 @@ impl Look {
     }
 }
 
-/// The parameters of a job: `clusters` of the chunk whose triangles are `ids`, over `band`.
+/// The parameters of a job: `clusters` of the chunk whose triangles are `ids`, over `band`, for rays with `t_range`.
 pub fn params(
-    camera: &Camera,
+    (camera, t_range): (&Camera, [f64; 2]),
     plan: &Plan,
     band: &Band,
     ids: Span,
@@ -82,10 +84,98 @@ pub fn params(
         pad0: 0,
         pad1: 0,
         pad2: 0,
-        t_min: split3(camera.t_range[0]),
-        t_max: split3(camera.t_range[1]),
+        t_min: split3(t_range[0]),
+        t_max: split3(t_range[1]),
         level_start: level(|l| l.start),
         level_width: level(|l| l.width),
         level_height: level(|l| l.height),
     }
+}
+
+/// t of rays that were turned.
+pub const TURNED_T_RANGE: [f64; 2] = [0.0, f64::INFINITY];
+
+/// The optics for the pass whose rays were turned so many times, in the scene with their facets.
+pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, turns: u32) -> rows::Optic {
+    let (law, eye) = match optics.surface {
+        Surface::Facets { law: Law::Flat { eye }, .. } => (LAW_FLAT, eye - plan.anchor),
+        _ => (LAW_NORMALS, DVec3::ZERO),
+    };
+    let [eye_hi, eye_lo] = split_vector(eye);
+    let [ior_hi, ior_lo] = match optics.turn {
+        Turn::Reflect => [0.0; 2],
+        Turn::Refract { ior } => split2(ior),
+    };
+    rows::Optic {
+        eye_hi,
+        first_id: optics.first_id(&scene.mesh),
+        eye_lo,
+        count: optics.surface_count() as u32,
+        tint: optics.tint,
+        turns,
+        base: optics.base,
+        ends: (turns == optics.depth) as u32,
+        middle: (plan.middle - plan.anchor).as_vec3().to_array(),
+        law,
+        ior_hi,
+        ior_lo,
+        sees_itself: optics.sees_itself() as u32,
+        piece_first: camera.first_piece(camera.layers.len()),
+    }
+}
+
+/// Three corners a facet.
+pub fn corners(facets: &Facets, anchor: DVec3) -> Vec<rows::Corner> {
+    let corner = |(p, n): (DVec3, DVec3)| {
+        let ([p_hi, p_lo], [n_hi, n_lo]) = (split_vector(p - anchor), split_vector(n));
+        rows::Corner { p_hi, pad0: 0.0, p_lo, pad1: 0.0, n_hi, pad2: 0.0, n_lo, pad3: 0.0 }
+    };
+    let facet = |k: usize| {
+        let facet = facets.facet(k);
+        [0, 1, 2].map(|c| corner((facet.corners[c], facet.normals[c])))
+    };
+    (0..facets.triangles.len()).flat_map(facet).collect()
+}
+
+pub fn quadrics(list: &[Quadric], anchor: DVec3) -> Vec<rows::Quadric> {
+    // without an end: the largest finite number
+    let number = |v: f64| split2(v.clamp(-f32::MAX as f64, f32::MAX as f64));
+    let row = |q: &Quadric| {
+        let a = q.a;
+        let [centre_hi, centre_lo] = split_vector(q.centre - anchor);
+        let [diagonal_hi, diagonal_lo] = split_vector(DVec3::new(a.x_axis.x, a.y_axis.y, a.z_axis.z));
+        let [beside_hi, beside_lo] = split_vector(DVec3::new(a.y_axis.z, a.x_axis.z, a.x_axis.y));
+        let ([b_hi, b_lo], [axis_hi, axis_lo]) = (split_vector(q.b), split_vector(q.axis));
+        let ([c_hi, c_lo], [rim2_hi, rim2_lo]) = (number(q.c), number(q.rim * q.rim));
+        let ([low_hi, low_lo], [high_hi, high_lo]) = (number(q.heights[0]), number(q.heights[1]));
+        rows::Quadric {
+            centre_hi,
+            c_hi,
+            centre_lo,
+            c_lo,
+            diagonal_hi,
+            low_hi,
+            diagonal_lo,
+            low_lo,
+            beside_hi,
+            high_hi,
+            beside_lo,
+            high_lo,
+            b_hi,
+            rim2_hi,
+            b_lo,
+            rim2_lo,
+            axis_hi,
+            pad0: 0.0,
+            axis_lo,
+            pad1: 0.0,
+        }
+    };
+    list.iter().map(row).collect()
+}
+
+/// Each component as a sum of two.
+fn split_vector(v: DVec3) -> [[f32; 3]; 2] {
+    let s = v.to_array().map(split2);
+    [s.map(|s| s[0]), s.map(|s| s[1])]
 }

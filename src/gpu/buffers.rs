@@ -47,6 +47,13 @@ impl Buffers {
         Ok(())
     }
 
+    /// The buffer that is `from` in `other`, under another name here too.
+    pub fn share(&mut self, name: &'static str, other: &Buffers, from: &str) {
+        if let Some(buffer) = other.get(from) {
+            self.0.insert(name, buffer.clone());
+        }
+    }
+
     pub fn get(&self, name: &str) -> Option<&wgpu::Buffer> {
         self.0.get(name)
     }

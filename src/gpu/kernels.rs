@@ -17,6 +17,13 @@ pub enum RaysKind {
     Curves { degree: u32 },
 }
 
+/// What the surface of a camera's optics is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OpticsKind {
+    Facets,
+    Quadrics,
+}
+
 /// Which variants of the kernels a scene and an adapter need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
@@ -29,6 +36,10 @@ pub struct Variant {
     pub sheeted: bool,
     /// Count tested and kept fragments.
     pub counting: bool,
+    /// A mirror or a lens turns rays.
+    pub optics: Option<OpticsKind>,
+    /// The rays are those that it turned, and start on it.
+    pub turned: bool,
 }
 
 /// How a kernel binds a buffer.
@@ -79,8 +90,29 @@ const BITS: &str = snippet!("shared/bits.wgsl");
 const MEETING: &str = snippet!("shared/meeting.wgsl");
 const MEETING_OF_RAYS: &str = snippet!("shared/meeting_of_rays.wgsl");
 const KEY: &str = snippet!("shared/key.wgsl");
+const OPTICS_ROWS: &str = snippet!("optics/rows.wgsl");
+const TURN: &str = snippet!("optics/turn.wgsl");
 
 impl Variant {
+    /// Every variant that some camera needs on an adapter with these abilities.
+    pub fn every(f64: bool, atomics64: bool) -> Vec<Variant> {
+        let mut list = Vec::new();
+        for counting in [false, true] {
+            let variant =
+                |rays, sheeted, optics| Variant { f64, atomics64, rays, sheeted, counting, optics, turned: false };
+            let curves = [1, 2, 3].map(|degree| RaysKind::Curves { degree });
+            for rays in [RaysKind::Pieces, RaysKind::Field].into_iter().chain(curves) {
+                list.extend([false, true].map(|sheeted| variant(rays, sheeted, None)));
+            }
+            for optics in [OpticsKind::Facets, OpticsKind::Quadrics] {
+                let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
+                list.extend(seen);
+                list.push(seen[0].after_turn());
+            }
+        }
+        list
+    }
+
     fn real(self) -> &'static str {
         if self.f64 { snippet!("shared/real_f64.wgsl") } else { snippet!("shared/real_f32.wgsl") }
     }
@@ -116,6 +148,42 @@ impl Variant {
                 &[snippet!("camera/curves_coverage.wgsl"), snippet!("camera/curves_meeting.wgsl")]
             }
         }
+    }
+
+    /// The rays of the pass after this one's.
+    pub fn after_turn(self) -> Variant {
+        Variant { rays: RaysKind::Field, sheeted: false, turned: true, ..self }
+    }
+
+    /// Which triangles rays do not meet because they start there.
+    fn start(self) -> &'static [&'static str] {
+        if self.turned { &[OPTICS_ROWS, snippet!("optics/start.wgsl")] } else { &[snippet!("shared/any_start.wgsl")] }
+    }
+
+    /// What a pixel shows, and what lies behind its ray.
+    fn seen(self) -> &'static [&'static str] {
+        if self.optics.is_some() {
+            &[OPTICS_ROWS, snippet!("optics/seen.wgsl")]
+        } else {
+            &[snippet!("shared/seen.wgsl")]
+        }
+    }
+
+    /// The surface of the optics.
+    fn surface(self) -> (Binding, &'static str) {
+        match self.optics {
+            Some(OpticsKind::Quadrics) => (read("quadrics", "array<Quadric>"), snippet!("optics/quadrics.wgsl")),
+            _ => (read("corners", "array<Corner>"), snippet!("optics/facets.wgsl")),
+        }
+    }
+
+    /// The buffers with which rays are found pixel by pixel.
+    fn pixel_rays(self) -> Vec<Binding> {
+        let mut list = self.rays();
+        if self.rays != RaysKind::Field {
+            list.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
+        }
+        list
     }
 
     /// The buffers that hold the camera's rays.
@@ -171,6 +239,14 @@ fn params() -> Binding {
 
 fn step() -> Binding {
     uniform("step", "Step")
+}
+
+fn optic() -> Binding {
+    uniform("optic", "Optic")
+}
+
+fn ways() -> Binding {
+    read("ways", "array<Way>")
 }
 
 fn counters() -> Binding {
@@ -233,9 +309,13 @@ pub fn raster(variant: Variant) -> Kernel {
     ];
     bindings.extend(variant.rays());
     bindings.push(read("cells", "array<Cell>"));
+    if variant.turned {
+        bindings.extend([optic(), ways()]);
+    }
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     let own = [PAIR, BITS, variant.merge(), MEETING, variant.camera(), snippet!("raster.wgsl")];
-    let mut kernel = kernel("raster", bindings, &[&snippets[..], &own[..], variant.coverage()].concat());
+    let all = [&snippets[..], &own[..], variant.coverage(), variant.start()].concat();
+    let mut kernel = kernel("raster", bindings, &all);
     kernel.constants = variant.constants();
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
@@ -256,14 +336,65 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
         read("visibility", "array<u32>"),
         write("planes", "array<u32>"),
     ];
-    bindings.extend(variant.rays());
-    if variant.rays != RaysKind::Field {
-        bindings.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
+    bindings.extend(variant.pixel_rays());
+    if variant.optics.is_some() {
+        bindings.extend([optic(), ways()]);
     }
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     let own = [variant.camera(), SHADING, snippet!("shade.wgsl")];
-    let mut kernel = kernel("shade", bindings, &[&snippets[..], &own[..], variant.pixel()].concat());
+    let all = [&snippets[..], &own[..], variant.pixel(), variant.seen()].concat();
+    let mut kernel = kernel("shade", bindings, &all);
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
+    if let Some(optics) = variant.optics {
+        kernel.constants.push(("QUADRICS", (optics == OpticsKind::Quadrics) as u32 as f64));
+    }
+    kernel
+}
+
+/// Quadrics into the visibility buffer; triangles get there by `raster`.
+pub fn meet(variant: Variant) -> Kernel {
+    let visibility = if variant.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" };
+    let (surface, snippet) = variant.surface();
+    let mut bindings = vec![params(), step(), optic(), ways(), surface, write("visibility", visibility)];
+    bindings.extend(variant.pixel_rays());
+    let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, variant.merge(), OPTICS_ROWS, TURN];
+    let own = [variant.camera(), snippet, snippet!("meet.wgsl")];
+    let mut kernel = kernel("meet", bindings, &[&snippets[..], &own[..], variant.pixel()].concat());
+    kernel.constants = variant.constants();
+    kernel
+}
+
+/// The rays that the optics' surface turns.
+pub fn bounce(variant: Variant) -> Kernel {
+    let (surface, snippet) = variant.surface();
+    let mut bindings = vec![
+        params(),
+        optic(),
+        read("visibility", "array<u32>"),
+        ways(),
+        surface,
+        write("turned_hi", "array<f32>"),
+        write("turned_lo", "array<f32>"),
+        write("turned_ways", "array<Way>"),
+    ];
+    bindings.extend(variant.pixel_rays());
+    let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN];
+    let own = [variant.camera(), snippet, snippet!("bounce.wgsl")];
+    let mut kernel = kernel("bounce", bindings, &[&snippets[..], &own[..], variant.pixel()].concat());
+    kernel.constants = variant.constants();
+    kernel
+}
+
+/// Bounds on the rays that were turned, node by node.
+pub fn fit(variant: Variant) -> Kernel {
+    let variant = variant.after_turn();
+    let mut bindings = vec![params(), step(), optic(), write("nodes", "array<Node>"), write("cells", "array<Cell>")];
+    bindings.extend(variant.rays());
+    // bounds are f32
+    let real = snippet!("shared/real_f32.wgsl");
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, BITS, real, BUNDLE, OPTICS_ROWS];
+    let mut kernel = kernel("fit", bindings, &[&snippets[..], &[variant.camera(), snippet!("fit.wgsl")]].concat());
+    kernel.constants = variant.constants();
     kernel
 }
 
@@ -280,6 +411,7 @@ fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
         Channel::PieceId => "PLANE_PIECE",
         Channel::BaryU => "PLANE_U",
         Channel::BaryV => "PLANE_V",
+        Channel::MirrorId => "PLANE_MIRROR",
     };
     planes.iter().enumerate().map(|(k, c)| (constant(c), k as f64)).collect()
 }
@@ -304,5 +436,11 @@ pub fn sift() -> Kernel {
 
 /// All kernels of a variant that writes `planes`, in the order of the pipeline, and those beside it.
 pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
-    vec![args(), cull(), bin(variant), raster(variant), shade(variant, planes), write_srgb(planes), sift()]
+    let mut all = vec![args(), cull(), bin(variant), raster(variant), shade(variant, planes)];
+    if let Some(optics) = variant.optics {
+        all.extend([bounce(variant), fit(variant)]);
+        all.extend((optics == OpticsKind::Quadrics).then(|| meet(variant)));
+    }
+    all.extend([write_srgb(planes), sift()]);
+    all
 }

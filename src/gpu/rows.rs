@@ -1,4 +1,5 @@
-//! The rows that the host writes and the kernels read: `wgsl/shared/params.wgsl`, `shading.wgsl` and `beams.wgsl` in Rust.
+//! The rows that the host writes and the kernels read: `wgsl/shared/params.wgsl`, `shading.wgsl` and `beams.wgsl`
+//! and `wgsl/optics/rows.wgsl` in Rust.
 //!
 //! `tests/wgsl_layout.rs` holds names, offsets, sizes and constants of both sides equal.
 
@@ -96,7 +97,7 @@ pub struct Node {
     pub py: [f32; 3],
     pub rays: u32,
     pub d: [f32; 3],
-    pub pad0: f32,
+    pub width: f32,
     pub dx: [f32; 3],
     pub pad1: f32,
     pub dy: [f32; 3],
@@ -158,6 +159,82 @@ pub struct Shading {
     pub has_normals: u32,
     pub pad0: u32,
     pub pad1: u32,
+}
+
+/// How facets turn rays.
+pub const LAW_NORMALS: u32 = 0;
+pub const LAW_FLAT: u32 = 1;
+
+/// A camera's optics, and after how many turns the rays of a pass are, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Optic {
+    pub eye_hi: [f32; 3],
+    pub first_id: u32,
+    pub eye_lo: [f32; 3],
+    pub count: u32,
+    pub tint: [f32; 3],
+    pub turns: u32,
+    pub base: [f32; 3],
+    pub ends: u32,
+    pub middle: [f32; 3],
+    pub law: u32,
+    pub ior_hi: f32,
+    pub ior_lo: f32,
+    pub sees_itself: u32,
+    pub piece_first: u32,
+}
+
+/// What lies behind a pixel's ray, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Way {
+    pub light: [f32; 3],
+    pub length: f32,
+    pub first: u32,
+    pub last: u32,
+    pub pad0: u32,
+    pub pad1: u32,
+}
+
+/// A facet's corner and its normal, each value a sum hi + lo.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Corner {
+    pub p_hi: [f32; 3],
+    pub pad0: f32,
+    pub p_lo: [f32; 3],
+    pub pad1: f32,
+    pub n_hi: [f32; 3],
+    pub pad2: f32,
+    pub n_lo: [f32; 3],
+    pub pad3: f32,
+}
+
+/// A quadric and the part of it that is there, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Quadric {
+    pub centre_hi: [f32; 3],
+    pub c_hi: f32,
+    pub centre_lo: [f32; 3],
+    pub c_lo: f32,
+    pub diagonal_hi: [f32; 3],
+    pub low_hi: f32,
+    pub diagonal_lo: [f32; 3],
+    pub low_lo: f32,
+    pub beside_hi: [f32; 3],
+    pub high_hi: f32,
+    pub beside_lo: [f32; 3],
+    pub high_lo: f32,
+    pub b_hi: [f32; 3],
+    pub rim2_hi: f32,
+    pub b_lo: [f32; 3],
+    pub rim2_lo: f32,
+    pub axis_hi: [f32; 3],
+    pub pad0: f32,
+    pub axis_lo: [f32; 3],
+    pub pad1: f32,
 }
 
 /// A chunk of points, and the tree of beams that they are held against.

@@ -183,7 +183,7 @@ fn plane_from(channel: Channel, samples: FlatSamples, pixels: usize) -> std::res
     if samples.len() != pixels {
         return Err(format!("channel {name} is subsampled; write it at full size"));
     }
-    let is_id = matches!(channel, Channel::TriangleId | Channel::PieceId);
+    let is_id = channel.is_id();
     match samples {
         FlatSamples::U32(values) if is_id => Ok(Plane::U32(values)),
         FlatSamples::F32(values) if !is_id => Ok(Plane::F32(values)),

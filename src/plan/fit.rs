@@ -102,7 +102,7 @@ impl Fit {
             py: v(self.p[2]),
             rays: self.rays,
             d: v(self.d[0]),
-            pad0: 0.0,
+            width: 0.0,
             dx: v(self.d[1]),
             pad1: 0.0,
             dy: v(self.d[2]),

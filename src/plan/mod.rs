@@ -16,8 +16,9 @@ pub mod tiles;
 use crate::camera::{Camera, Rays};
 use crate::frame::Channel;
 use crate::gpu::device::Abilities;
-use crate::gpu::kernels::{RaysKind, Variant};
+use crate::gpu::kernels::{OpticsKind, RaysKind, Variant};
 use crate::gpu::rows::{self, BRANCH};
+use crate::optics::Surface;
 use curves::{CurveTable, RayTable};
 use glam::DVec3;
 use serde::Serialize;
@@ -64,6 +65,8 @@ pub struct Plan {
     /// Bits of a visibility key that hold the triangle id.
     pub id_bits: u32,
     pub anchor: DVec3,
+    /// Of the scene, see [`Surroundings`].
+    pub middle: DVec3,
     pub left_out: Vec<LeftOut>,
 }
 
@@ -94,7 +97,7 @@ impl Surroundings {
 }
 
 impl Plan {
-    /// Plans frames of `camera` over a scene of `triangles` triangles.
+    /// Plans frames of `camera` over a scene of `triangles` triangles, those of the camera's optics among them.
     pub fn new(
         camera: &Camera,
         triangles: usize,
@@ -111,6 +114,11 @@ impl Plan {
             rays: sheets::kind(camera),
             sheeted: sheets.count() > 1,
             counting: wanted.counting,
+            optics: camera.optics.as_ref().map(|o| match o.surface {
+                Surface::Facets { .. } => OpticsKind::Facets,
+                Surface::Quadrics(_) => OpticsKind::Quadrics,
+            }),
+            turned: false,
         };
         let mut planes = wanted.channels.clone();
         if wanted.srgb8 {
@@ -119,15 +127,25 @@ impl Plan {
         planes.sort_unstable();
         planes.dedup();
         let table_bytes = match variant.rays {
-            RaysKind::Pieces => 0,
-            RaysKind::Field => 24,
+            RaysKind::Pieces if variant.optics.is_none() => 0,
+            RaysKind::Pieces | RaysKind::Field => 24,
             RaysKind::Curves { degree } => 12 * (degree as u64 + 1) * sheets.layers as u64,
         };
         let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes);
         let bands = bands(camera, sheets, around, pixel_bytes, binding_limit);
-        let id_bits = usize::BITS - triangles.saturating_sub(1).leading_zeros();
+        let quadrics = camera.optics.as_ref().map_or(0, |o| o.quadric_count());
+        let id_bits = usize::BITS - (triangles + quadrics).saturating_sub(1).leading_zeros();
         let left_out = left_out(camera, sheets, &bands, &planes, wanted, has_normals, has);
-        Plan { variant, sheets, bands, planes, id_bits: id_bits.max(1), anchor: around.anchor, left_out }
+        Plan {
+            variant,
+            sheets,
+            bands,
+            planes,
+            id_bits: id_bits.max(1),
+            anchor: around.anchor,
+            middle: around.middle,
+            left_out,
+        }
     }
 }
 
@@ -213,6 +231,9 @@ fn left_out(
     }
     if !bands.iter().any(|b| b.nodes.torn) {
         say("cells apart in cull", "no rays are torn".into());
+    }
+    if camera.optics.is_none() {
+        say("bounce and fit", "no mirror or lens turns rays".into());
     }
     if bands.len() == 1 {
         say("bands", "the whole image fits the adapter's bindings".into());

@@ -1,7 +1,7 @@
 //! What a pixel shows through all layers of its camera, and how sure that is.
 //!
 //! Straight layers: the verdict of each layer is proven for the whole box about the centre; a layer that may miss
-//! hands over to the next. With a curved layer the box is *sampled*, not bounded: at its centre, its corners, the
+//! hands over to the next. With a curved layer, and behind mirrors and lenses, the box is *sampled*, not bounded: at its centre, its corners, the
 //! middles of its edges and a ring inside. A feature that slips between the samples (thinner than they are apart) is
 //! not seen, so a pixel may be called safe that is not, and a candidate may be left out. That errs on the side of asking
 //! too much of others: it can raise a false alarm about a right frame, and never excuses a wrong pixel.
@@ -25,7 +25,7 @@ pub struct Finding {
 
 /// Places in the box of half-size 1 where curves are looked along; the first is the centre. The inner four are as far
 /// out as an image's f32 arithmetic may be off (2^-8 px at 2^16 px), so that what passes there passes a sample too.
-const PLACES: [(f64, f64); 13] = [
+pub(super) const PLACES: [(f64, f64); 13] = [
     (0.0, 0.0),
     (-1.0, -1.0),
     (0.0, -1.0),
@@ -45,9 +45,13 @@ const PLACES: [(f64, f64); 13] = [
 const INNER: f64 = 1.0 / 16.0;
 
 impl Reference<'_> {
-    /// Judges pixel `(i, j)`, whose path is `path`.
+    /// Judges pixel `(i, j)`, whose path is `path`; with optics, that of its first ray.
     pub fn finding(&self, camera: &Camera, path: &Path, (i, j): (u32, u32)) -> Finding {
-        if camera.is_curved() { self.sampled(camera, path, (i, j)) } else { self.proven(camera, path, (i, j)) }
+        match &camera.optics {
+            Some(optics) => self.finding_of_turns(camera, optics, (i, j)),
+            None if camera.is_curved() => self.sampled(camera, path, (i, j)),
+            None => self.proven(camera, path, (i, j)),
+        }
     }
 
     fn proven(&self, camera: &Camera, path: &Path, pixel: (u32, u32)) -> Finding {

@@ -2,7 +2,7 @@
 
 pub use super::explain::explain;
 use super::light::light;
-use super::{Finding, Path, Reference, Seen};
+use super::{Finding, Outcome, Path, Reference, Seen};
 use crate::camera::Camera;
 use crate::frame::{Channel, Frame, NO_ID, Plane};
 use crate::scene::Scene;
@@ -21,25 +21,32 @@ pub struct Judgement {
     pub not_near: u64,
 }
 
-/// One pixel's values, in the order of [`Channel::ALL`]; ids as numbers of their own.
+/// One pixel's values.
 struct Pixel {
     colour: [f32; 3],
     seen: Option<Seen>,
+    /// Numbered through the camera.
+    piece: u32,
+    /// The first facet or quadric of the optics.
+    mirror: u32,
+    t: f32,
     z: f32,
 }
 
 /// The asked-for channels of the reference's frame.
 pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
+    let scene = &*scene.with_optics(camera);
     let reference = Reference::build(&scene.mesh);
     let pixels = each_pixel(camera, |i, j| {
         let path = Path::of_pixel(camera, i, j);
-        pixel(scene, &path, reference.first(&path))
+        pixel(scene, camera, &reference.shown(camera, path))
     });
     frame(camera, &pixels, channels)
 }
 
 /// Holds `frame`'s triangle ids against the reference.
 pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
+    let scene = &*scene.with_optics(camera);
     let reference = Reference::build(&scene.mesh);
     let extent = scene.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length());
     let ids = frame_seen.u32(Channel::TriangleId);
@@ -48,8 +55,13 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
         let finding = reference.finding(camera, &path, (i, j));
         let at = j as usize * camera.width as usize + i as usize;
         let near = ids.is_none_or(|ids| names_near(&finding, ids[at]));
-        let speed = path.speed(finding.seen.as_ref());
-        (pixel(scene, &path, finding.seen), finding.safe, (extent / speed) as f32, near)
+        // a chain's verdict knows what is seen better than a second look
+        let shown = match camera.optics {
+            Some(_) => reference.shown(camera, path),
+            None => Outcome { seen: finding.seen, path, first: None },
+        };
+        let speed = shown.path.speed(shown.seen.as_ref());
+        (pixel(scene, camera, &shown), finding.safe, (extent / speed) as f32, near)
     });
     let pixels: Vec<&Pixel> = judged.iter().map(|j| &j.0).collect();
     Judgement {
@@ -71,10 +83,31 @@ fn each_pixel<T: Send>(camera: &Camera, f: impl Fn(u32, u32) -> T + Sync) -> Vec
     (0..w * camera.height as usize).into_par_iter().map(|k| f((k % w) as u32, (k / w) as u32)).collect()
 }
 
-fn pixel(scene: &Scene, path: &Path, seen: Option<Seen>) -> Pixel {
-    let Some(seen) = seen else { return Pixel { colour: scene.background, seen: None, z: f32::INFINITY } };
-    let view = path.of(&seen).view(seen.hit.t);
-    Pixel { colour: light(scene, &seen.hit, view), seen: Some(seen), z: path.depth(&seen) as f32 }
+fn pixel(scene: &Scene, camera: &Camera, shown: &Outcome) -> Pixel {
+    let behind = camera.first_piece(camera.layers.len());
+    let mirror = shown.first.unwrap_or(NO_ID);
+    let piece = |of_ray: u32| shown.first.map_or(of_ray, |first| behind + first);
+    let tint = |colour: [f32; 3]| match &camera.optics {
+        Some(optics) => {
+            let turns = shown.path.segments.len() as i32 - 1;
+            [0, 1, 2].map(|k| colour[k] * optics.tint[k].powi(turns))
+        }
+        None => colour,
+    };
+    let Some(seen) = shown.seen else {
+        let piece = if shown.first.is_some() { piece(NO_ID) } else { NO_ID };
+        let colour = tint(scene.background);
+        return Pixel { colour, seen: None, piece, mirror, t: f32::INFINITY, z: f32::INFINITY };
+    };
+    let ends_on = camera.optics.as_ref().filter(|o| seen.hit.triangle >= o.first_id(&scene.mesh));
+    let colour = match ends_on {
+        Some(optics) => optics.base,
+        None => light(scene, &seen.hit, shown.path.of(&seen).view(seen.hit.t)),
+    };
+    // of turned rays t is that of the last alone
+    let t = if camera.optics.is_some() { seen.hit.t } else { seen.t() };
+    let z = shown.path.depth(&seen) as f32;
+    Pixel { colour: tint(colour), seen: Some(seen), piece: piece(seen.piece), mirror, t: t as f32, z }
 }
 
 fn frame<P: std::borrow::Borrow<Pixel> + Sync>(camera: &Camera, pixels: &[P], channels: &[Channel]) -> Frame {
@@ -84,11 +117,12 @@ fn frame<P: std::borrow::Borrow<Pixel> + Sync>(camera: &Camera, pixels: &[P], ch
         Channel::R => f32s(|p| p.colour[0]),
         Channel::G => f32s(|p| p.colour[1]),
         Channel::B => f32s(|p| p.colour[2]),
-        Channel::A => f32s(|p| p.seen.is_some() as u32 as f32),
+        Channel::A => f32s(|p| (p.seen.is_some() || p.mirror != NO_ID) as u32 as f32),
         Channel::Z => f32s(|p| p.z),
-        Channel::T => f32s(|p| p.seen.map_or(f32::INFINITY, |s| s.t() as f32)),
+        Channel::T => f32s(|p| p.t),
         Channel::TriangleId => u32s(|p| p.seen.map_or(NO_ID, |s| s.hit.triangle)),
-        Channel::PieceId => u32s(|p| p.seen.map_or(NO_ID, |s| s.piece)),
+        Channel::PieceId => u32s(|p| p.piece),
+        Channel::MirrorId => u32s(|p| p.mirror),
         Channel::BaryU => f32s(|p| p.seen.map_or(0.0, |s| s.hit.bary[0] as f32)),
         Channel::BaryV => f32s(|p| p.seen.map_or(0.0, |s| s.hit.bary[1] as f32)),
     };

@@ -15,8 +15,9 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-pub(crate) use camera::read_pose;
 pub use camera::{CameraKind, CameraSpec, Named};
+pub(crate) use camera::{read_camera, read_pose};
+pub(crate) use mesh::read_mesh;
 pub use mesh::{MeshSource, MeshSpec};
 pub use mesh_camera::{CameraVertex, MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera, read_triangles};
 

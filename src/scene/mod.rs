@@ -10,10 +10,12 @@ pub mod place;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};
+use crate::optics::Surface;
 use file::{CameraSpec, MeshSource, MeshSpec, SceneFile};
 use glam::DVec3;
 use mesh::Mesh;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Everything that a frame needs, loaded.
@@ -67,13 +69,24 @@ impl Scene {
         Camera::in_scene(&self.camera, self.size, &self.mesh)
     }
 
+    /// The scene with the facets of the camera's optics as its last triangles; itself where there are none.
+    pub fn with_optics(&self, camera: &Camera) -> Cow<'_, Scene> {
+        let Some(Surface::Facets { facets, .. }) = camera.optics.as_ref().map(|o| &o.surface) else {
+            return Cow::Borrowed(self);
+        };
+        let base = camera.optics.as_ref().map_or([0.0; 3], |o| o.base);
+        let mut scene = self.clone();
+        place::append(&mut scene.mesh, facets.mesh(base));
+        Cow::Owned(scene)
+    }
+
     /// The corners of the box around all vertices; `None` without any.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.mesh.bounds()
     }
 }
 
-fn load_mesh(spec: &MeshSpec) -> Result<Mesh> {
+pub(crate) fn load_mesh(spec: &MeshSpec) -> Result<Mesh> {
     let mut mesh = match &spec.source {
         MeshSource::Builtin(builtin) => generate::generate(builtin)?,
         MeshSource::File(path) => {

@@ -98,14 +98,13 @@ pub fn merge(meshes: Vec<Mesh>) -> Result<Mesh> {
     if with_normals {
         all.corner_normals.resize(all.triangles.len(), [NO_NORMAL; 3]);
     }
-    for mesh in meshes {
-        append(&mut all, mesh, with_normals);
-    }
+    meshes.for_each(|mesh| append(&mut all, mesh));
     Ok(all)
 }
 
-/// Appends `mesh` to `all`. The caller made sure that all counts fit a u32.
-fn append(all: &mut Mesh, mesh: Mesh, with_normals: bool) {
+/// Appends `mesh` to `all`: with normals only where `all` has some. The caller made sure that all counts fit a u32.
+pub fn append(all: &mut Mesh, mesh: Mesh) {
+    let with_normals = !all.corner_normals.is_empty() || (all.triangles.is_empty() && !mesh.corner_normals.is_empty());
     let [position, normal, material] =
         [all.positions.len(), all.normals.len(), all.materials.len()].map(|count| count as u32);
     all.positions.extend_from_slice(&mesh.positions);

@@ -1,10 +1,14 @@
 //! The stages of a frame, one file each: what it binds and how it is dispatched.
 //!
-//! `cull -> bin -> raster -> shade -> write`, each the host's side of the kernel of that name; beside them [`sift`], which
-//! finds the parts of an image that may see a point.
+//! `cull -> bin -> raster -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
+//! rays, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again. Apart from these is [`sift`],
+//! which finds the parts of an image that may see a point.
 
 pub mod bin;
+pub mod bounce;
 pub mod cull;
+pub mod fit;
+pub mod meet;
 pub mod raster;
 pub mod shade;
 pub mod sift;
@@ -14,7 +18,7 @@ use crate::error::Result;
 use crate::frame::Channel;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
-use crate::gpu::kernels::{self, Variant};
+use crate::gpu::kernels::{self, OpticsKind, Variant};
 use crate::gpu::rows::{GROUP, Step};
 
 /// Share of the light that comes from everywhere, in every shader.
@@ -34,6 +38,9 @@ pub struct Stages {
     raster: Pipeline,
     shade: Pipeline,
     write: Pipeline,
+    bounce: Option<Pipeline>,
+    fit: Option<Pipeline>,
+    meet: Option<Pipeline>,
     steps: Buffers,
     pub variant: Variant,
     /// The channels that `shade` writes.
@@ -57,6 +64,9 @@ impl Stages {
             raster: compile(kernels::raster(variant)),
             shade: compile(kernels::shade(variant, planes)),
             write: compile(kernels::write_srgb(planes)),
+            bounce: variant.optics.map(|_| compile(kernels::bounce(variant))),
+            fit: variant.optics.map(|_| compile(kernels::fit(variant))),
+            meet: variant.optics.filter(|o| *o == OpticsKind::Quadrics).map(|_| compile(kernels::meet(variant))),
             steps,
             variant,
             planes: planes.to_vec(),

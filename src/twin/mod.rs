@@ -111,7 +111,15 @@ impl Tables {
         let ids = Span { first: chunk.id_first, count: chunk.id_count };
         let clusters = Span { first: 0, count: chunk.clusters.len() as u32 };
         Input {
-            params: params(camera, &self.plan, band, ids, clusters, self.clustered.vertex_reach, capacities),
+            params: params(
+                (camera, camera.t_range),
+                &self.plan,
+                band,
+                ids,
+                clusters,
+                self.clustered.vertex_reach,
+                capacities,
+            ),
             clusters: &chunk.clusters,
             nodes: &band.nodes.nodes,
             cull_steps: band.nodes.cull_steps(),
@@ -153,7 +161,7 @@ pub fn render(scene: &Scene, camera: &Camera, wanted: &Wanted, binding_limit: u6
         _ => None,
     };
     let values = |channel: Channel, words: Vec<u32>| match channel {
-        Channel::TriangleId | Channel::PieceId => Plane::U32(words),
+        c if c.is_id() => Plane::U32(words),
         _ => Plane::F32(words.into_iter().map(f32::from_bits).collect()),
     };
     let planes = channels.iter().zip(planes).map(|(&c, words)| (c, values(c, words))).collect();

@@ -231,7 +231,7 @@ pub fn word(pixel: &Pixel, channel: Channel, background: [f32; 3]) -> Option<u32
         (Pixel::Miss, Channel::G) => background[1].to_bits(),
         (Pixel::Miss, Channel::B) => background[2].to_bits(),
         (Pixel::Miss, Channel::Z | Channel::T) => infinity,
-        (Pixel::Miss, Channel::TriangleId | Channel::PieceId) => NO_ID,
+        (Pixel::Miss, Channel::TriangleId | Channel::PieceId) | (_, Channel::MirrorId) => NO_ID,
         (Pixel::Miss, Channel::A | Channel::BaryU | Channel::BaryV) => 0,
         (Pixel::Hit(s), Channel::R) => bits(s.colour[0]),
         (Pixel::Hit(s), Channel::G) => bits(s.colour[1]),

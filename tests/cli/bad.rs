@@ -117,7 +117,7 @@ fn wrong_scenes() {
         (pinhole("vfov = [{ frame = 0, value = 40 }, { frame = 1, value = [50] }]"), "all keys need as many numbers"),
         (pinhole("vfov = [{ frame = 0, value = \"wide\" }]"), "camera.vfov.0.value: expected a finite number"),
         (camera("kind = \"pinhol\""), "pinhole"),
-        (camera("kind = \"reflection\""), "not available in this version"),
+        (camera("kind = \"reflection\""), "mirror"),
         (camera("kind = \"orthographic\"\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nheight = -1"), "height"),
         (camera("kind = \"glc\"\nnear = [[0,0,0],[1,0,0],[0,1,0]]\nfar = [[0,0,0],[1,0,0],[0,1,0]]"), "near and far"),
         (piece(corners, "[]"), "no pieces"),

@@ -74,7 +74,7 @@ impl Case {
     pub fn variant(&self, real: Real, atomics64: bool) -> Variant {
         let sheets = Sheets::of(&self.camera);
         let (rays, sheeted) = (sheets::kind(&self.camera), sheets.count() > 1);
-        Variant { f64: real == Real::F64, atomics64, rays, sheeted, counting: true }
+        Variant { f64: real == Real::F64, atomics64, rays, sheeted, counting: true, optics: None, turned: false }
     }
 }
 

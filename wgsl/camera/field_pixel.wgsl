@@ -4,6 +4,10 @@ fn ray_bundle(layer: u32, x: u32, y: u32, t: f32) -> Bundle {
     return field_bundle(x, y);
 }
 
+fn has_ray(layer: u32, x: u32, y: u32) -> bool {
+    return any(field_direction(field_at(x, y)) != vec3<f32>(0.0));
+}
+
 fn pixel_ray(layer: u32, x: u32, y: u32, t: f32) -> Ray {
     let at = field_at(x, y);
     return Ray(field_origin(at), field_direction(at));

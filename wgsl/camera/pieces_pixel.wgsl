@@ -6,6 +6,10 @@ fn ray_bundle(layer: u32, x: u32, y: u32, t: f32) -> Bundle {
     return bundle_at(piece_bundle(q), real(f32(x) - q.origin_x), real(f32(y) - q.origin_y));
 }
 
+fn has_ray(layer: u32, x: u32, y: u32) -> bool {
+    return pixel_cell(layer, x, y) != NONE;
+}
+
 // The ray of a pixel that a piece owns, from its cell.
 fn pixel_ray(layer: u32, x: u32, y: u32, t: f32) -> Ray {
     return cell_ray(cells[pixel_cell(layer, x, y)], x, y);

@@ -74,7 +74,7 @@ struct Node {
     py: vec3<f32>,
     rays: u32,              // one of the RAYS constants
     d: vec3<f32>,
-    pad0: f32,
+    width: f32,             // for fit alone: how wide bundles are that cull hands on; 0 where the host wrote the node
     dx: vec3<f32>,
     pad1: f32,
     dy: vec3<f32>,

@@ -10,6 +10,7 @@ override PLANE_TRIANGLE: u32 = 0xffffffffu;
 override PLANE_PIECE: u32 = 0xffffffffu;
 override PLANE_U: u32 = 0xffffffffu;
 override PLANE_V: u32 = 0xffffffffu;
+override PLANE_MIRROR: u32 = 0xffffffffu;
 
 struct Shading {
     background: vec3<f32>,

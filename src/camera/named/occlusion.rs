@@ -78,6 +78,7 @@ impl Recipe for Occlusion {
             size,
             layers: segments.into_iter().flat_map(|s| s.layers).collect(),
             unit_t: true,
+            optics: None,
             notes: vec!["layers: from the eye to near, on to far, and on to end".into()],
         })
     }

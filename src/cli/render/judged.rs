@@ -18,7 +18,7 @@ pub fn render(args: &RenderArgs, backend: &mut Backend, scene: &Scene, camera: &
     if !counting && !args.check {
         return Ok(None);
     }
-    let channels = if args.check { Channel::ALL.to_vec() } else { vec![Channel::TriangleId] };
+    let channels = if args.check { Channel::of(camera) } else { vec![Channel::TriangleId] };
     let wanted = Wanted { channels, srgb8: false, counting };
     backend.render(scene, camera, &wanted, &RunOptions::default()).map(Some)
 }

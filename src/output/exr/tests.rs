@@ -19,7 +19,7 @@ fn sample(width: u32, height: u32) -> Frame {
     let odd = [f32::INFINITY, f32::NEG_INFINITY, f32::NAN, -0.0, 1e-40, f32::MAX];
     let count = width * height;
     let plane = |channel: Channel| match channel {
-        Channel::TriangleId | Channel::PieceId => {
+        c if c.is_id() => {
             Plane::U32((0..count).map(|i| if i % 3 == 0 { NO_ID } else { i.wrapping_mul(12_345_678) }).collect())
         }
         _ => Plane::F32((0..count).map(|i| odd.get(i as usize % 11).copied().unwrap_or(1.0 / i as f32)).collect()),

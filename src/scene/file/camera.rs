@@ -69,10 +69,7 @@ impl PartialEq for Named {
 /// The kinds that are read here.
 const PLAIN: [&str; 5] = ["pinhole", "orthographic", "glc", "mesh", "raymap"];
 
-/// Kinds that the contract names and this version does not build.
-const LATER: [&str; 2] = ["reflection", "refraction"];
-
-pub(super) fn read_camera(field: &Field) -> Result<CameraSpec> {
+pub(crate) fn read_camera(field: &Field) -> Result<CameraSpec> {
     let table = field.table()?;
     let Some(kind) = table.get("kind") else {
         return Err(table.error(format_args!("kind is missing; add kind = one of {}", names().join(", "))));
@@ -98,10 +95,6 @@ fn names() -> Vec<&'static str> {
 
 fn unknown_kind(field: &Field, kind: &str) -> crate::error::Error {
     let names = names();
-    if LATER.contains(&kind) {
-        let known = names.join(", ");
-        return field.error(format_args!("kind {kind:?} is not available in this version; use one of {known}"));
-    }
     let near = nearest(kind, &names).unwrap_or_default();
     let known = names.join(", ");
     field.error(format_args!("unknown camera kind {}; nearest known: {near:?} (known: {known})", quote(kind)))

@@ -37,7 +37,7 @@ const PLACING: [&str; 5] = ["translate", "rotate", "scale", "two_sided", "color"
 const BUILTINS: [&str; 11] =
     ["teapot", "icosphere", "box", "cylinder", "stairs", "cow", "walker", "plane", "city", "terrain", "soup"];
 
-pub(super) fn read_mesh(field: &Field) -> Result<MeshSpec> {
+pub(crate) fn read_mesh(field: &Field) -> Result<MeshSpec> {
     let table = field.table()?;
     let source = read_source(&table)?;
     Ok(MeshSpec {

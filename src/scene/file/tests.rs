@@ -200,9 +200,6 @@ fn camera_kinds_say_what_is_known() {
     assert!(camera_error("kind = 'pinhol'").starts_with(
         "dir/scene.toml:2: camera.kind: unknown camera kind \"pinhol\"; nearest known: \"pinhole\" (known: pinhole, "
     ));
-    for later in ["reflection", "refraction"] {
-        assert!(camera_error(&format!("kind = '{later}'")).contains("is not available in this version"));
-    }
     assert!(camera_error("vfov = 40").contains("kind is missing"));
     assert!(error("", &[]).contains("there is no camera"));
 }

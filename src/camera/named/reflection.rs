@@ -1,0 +1,169 @@
+//! `reflection` and `refraction`: a central camera that looks at a mirror, or at and through a lens.
+//!
+//! Hou, Wei, Shum and Guo 2006, sections 3.1 and 3.2; Yu, Yu and McMillan 2009, section 5.2.
+
+use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::{Camera, Rays};
+use crate::error::{Error, Result};
+use crate::optics::shape::Shape;
+use crate::optics::{Facets, Law, Optics, Surface, Turn};
+use crate::scene::file::reader::{Field, Table};
+use crate::scene::file::{CameraSpec, MeshSpec, read_camera, read_mesh};
+use crate::scene::load_mesh;
+use glam::DVec3;
+use std::sync::Arc;
+
+#[derive(Debug)]
+struct Optical {
+    eye: CameraSpec,
+    source: Source,
+    facets: Mode,
+    optics: Common,
+}
+
+/// What does not depend on the surface.
+#[derive(Debug)]
+struct Common {
+    turn: Turn,
+    depth: u32,
+    tint: [f32; 3],
+    base: [f32; 3],
+}
+
+/// Where the surface comes from.
+#[derive(Debug)]
+enum Source {
+    Shape(Shape, usize),
+    Mesh(MeshSpec),
+}
+
+/// The key `facets`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Mode {
+    Flat,
+    Normals,
+    Exact,
+}
+
+/// Turns of a ray at most.
+const DEPTH_MAX: u64 = 16;
+
+pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
+    table.allow(&["kind", "t_range", "eye", "mirror", "facets", "depth", "color", "base"])?;
+    let mirror = table.need("mirror", "{ shape = \"sphere\", radius = 1 }")?;
+    read_optical(table, &mirror, Turn::Reflect)
+}
+
+pub fn read_refraction(table: &Table) -> Result<Arc<dyn Recipe>> {
+    table.allow(&["kind", "t_range", "eye", "lens", "facets", "ior", "depth", "color", "base"])?;
+    let key = table.need("ior", "1.5")?;
+    let ior = key.number()?;
+    if ior <= 0.0 {
+        return Err(key.error(format_args!("{ior} is no index of refraction; give one above 0")));
+    }
+    let lens = table.need("lens", "{ shape = \"sphere\", radius = 1 }")?;
+    read_optical(table, &lens, Turn::Refract { ior })
+}
+
+fn read_optical(table: &Table, surface: &Field, turn: Turn) -> Result<Arc<dyn Recipe>> {
+    let eye = table.need("eye", "{ kind = \"pinhole\", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }")?;
+    if let Some(range) = eye.table()?.get("t_range") {
+        return Err(range.error("belongs beside the kind, not in the eye; move it there"));
+    }
+    let eye = read_camera(&eye)?;
+    let own = surface.table()?;
+    let source = match own.get("shape") {
+        Some(shape) => {
+            let (shape, count) = Shape::read(&own, &shape)?;
+            Source::Shape(shape, count)
+        }
+        None => Source::Mesh(read_mesh(surface)?),
+    };
+    let facets = match table.get("facets") {
+        Some(key) => read_mode(&key, &source)?,
+        None if source.is_exact() => Mode::Exact,
+        None => Mode::Normals,
+    };
+    let depth = table.or("depth", 1, |f| f.integer(1, DEPTH_MAX))? as u32;
+    if let (Mode::Flat, Some(key)) = (facets, table.get("depth").filter(|_| depth > 1)) {
+        let why = "flat facets turn the rays from the eye to their corners, once";
+        return Err(key.error(format_args!("{why}; use depth = 1 or facets = \"normals\"")));
+    }
+    let (tint, base) = (table.or("color", [1.0; 3], Field::color)?, table.or("base", [0.0; 3], Field::color)?);
+    Ok(Arc::new(Optical { eye, source, facets, optics: Common { turn, depth, tint, base } }))
+}
+
+fn read_mode(key: &Field, source: &Source) -> Result<Mode> {
+    match key.text()? {
+        "flat" => Ok(Mode::Flat),
+        "normals" => Ok(Mode::Normals),
+        "exact" if source.is_exact() => Ok(Mode::Exact),
+        "exact" => Err(key.error("this surface is no quadric; use \"normals\", or the shape sphere, quadric or lens")),
+        _ => Err(key.error("use \"flat\", \"normals\" or \"exact\"")),
+    }
+}
+
+impl Source {
+    fn is_exact(&self) -> bool {
+        matches!(self, Source::Shape(shape, _) if shape.quadrics().is_some())
+    }
+
+    fn facets(&self) -> Result<Facets> {
+        match self {
+            Source::Shape(shape, count) => Ok(shape.facets(*count)),
+            Source::Mesh(spec) => Facets::of_mesh(&load_mesh(spec)?),
+        }
+    }
+}
+
+impl Recipe for Optical {
+    fn build(&self, setting: &Setting) -> Result<Built> {
+        let eye = Camera::in_scene(&self.eye, setting.size, setting.mesh).map_err(|e| e.at("camera.eye"))?;
+        let one_layer = matches!(eye.layers.as_slice(), [Rays::Pieces(_) | Rays::Field(_)]) && eye.optics.is_none();
+        if !one_layer {
+            let kind = eye.kind;
+            return Err(Error::input(format!("camera.eye: {kind} has no one straight ray a pixel; use another kind")));
+        }
+        let (surface, note) = match (self.facets, &self.source) {
+            (Mode::Exact, Source::Shape(shape, _)) => {
+                let quadrics = shape.quadrics().unwrap_or_default();
+                let n = quadrics.len();
+                (Surface::Quadrics(quadrics), format!("the surface is met exactly: {n} quadric{}", plural(n)))
+            }
+            (mode, source) => {
+                let facets = source.facets().map_err(|e| e.at("camera"))?;
+                let law = if mode == Mode::Flat { Law::Flat { eye: centre(&eye)? } } else { Law::Normals };
+                let n = facets.triangles.len();
+                (Surface::Facets { facets, law }, format!("the surface is cut into {n} facet{}", plural(n)))
+            }
+        };
+        let Common { turn, depth, tint, base } = self.optics;
+        let optics = Optics { turn, surface, depth, tint, base };
+        let notes = [eye.notes, vec![note]].concat();
+        let size = (eye.width, eye.height);
+        Ok(Built { size, layers: eye.layers, unit_t: false, optics: Some(Arc::new(optics)), notes })
+    }
+}
+
+fn plural(n: usize) -> &'static str {
+    if n == 1 { "" } else { "s" }
+}
+
+/// Where all rays of a central camera start.
+fn centre(eye: &Camera) -> Result<DVec3> {
+    let each = |k: u32| eye.ray(k % eye.width, k / eye.width).map(|r| r.origin);
+    let mut starts = (0..eye.width * eye.height).filter_map(each);
+    let first = starts.next().ok_or_else(|| Error::input("camera.eye: no pixel has a ray; use another camera"))?;
+    // a homogeneous piece moves its one origin by rounding
+    let near = CENTRE_ROUNDING * (1.0 + first.abs().max_element());
+    if starts.all(|p| (p - first).abs().max_element() <= near) {
+        return Ok(first);
+    }
+    Err(Error::input(format!(
+        "camera.eye: the rays of {} do not start in one point, which flat facets need; use facets = \"normals\"",
+        eye.kind
+    )))
+}
+
+/// How far apart origins may be that are one point, against its size: sixteen roundings.
+const CENTRE_ROUNDING: f64 = 16.0 * f64::EPSILON;

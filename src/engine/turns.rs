@@ -1,0 +1,110 @@
+//! What lies on the device for rays that a mirror or a lens turns: the surface, and for every turn the rays behind it.
+
+use super::tables;
+use crate::camera::Camera;
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::gpu::buffers::Buffers;
+use crate::gpu::rows::{self, NONE};
+use crate::optics::{Optics, Surface};
+use crate::plan::nodes::above_cells;
+use crate::plan::{Band, Plan};
+use crate::scene::Scene;
+use wgpu::BufferUsages;
+
+/// The optics' buffers. Rays after an odd number of turns lie in the first of two tables, after an even one in the second.
+pub struct Turns {
+    pub depth: u32,
+    /// Of each pass, by how many turns lie behind its rays: the uniform `optic`.
+    passes: Vec<Buffers>,
+    /// `ways` of rays that were not turned: nothing behind them. 32 bytes a pixel of the largest band, written by the host.
+    untouched: Buffers,
+    /// `rays_hi` and `rays_lo`, 24 bytes each a pixel of the largest band with a column and a row more, and `ways`; written
+    /// by bounce, read by all others.
+    tables: Vec<Buffers>,
+    /// The same under the names by which bounce writes them.
+    targets: Vec<Buffers>,
+    /// Of each band: `nodes` and `cells`, one a tile, written by fit; `tile_start`, written by the host.
+    bands: Vec<Buffers>,
+    /// `corners`, 64 bytes each, or `quadrics`, 160 bytes each; written by the host.
+    surface: Buffers,
+}
+
+impl Turns {
+    pub fn new(gpu: &Gpu, scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan) -> Result<Turns> {
+        let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0) as usize;
+        let pixels = rows * camera.width as usize;
+        let mut surface = Buffers::default();
+        match &optics.surface {
+            Surface::Facets { facets, .. } => {
+                surface.upload(gpu, "corners", &tables::corners(facets, plan.anchor))?;
+            }
+            Surface::Quadrics(list) => surface.upload(gpu, "quadrics", &tables::quadrics(list, plan.anchor))?,
+        }
+        let mut untouched = Buffers::default();
+        let nothing = rows::Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, pad0: 0, pad1: 0 };
+        untouched.upload(gpu, "ways", &vec![nothing; pixels])?;
+        let pass = |turns: u32| {
+            let mut pass = Buffers::default();
+            pass.upload_uniform(gpu, "optic", &tables::optic(scene, camera, optics, plan, turns))?;
+            Ok(pass)
+        };
+        let table = |_| {
+            let bytes = 24 * (camera.width as u64 + 1) * (rows as u64 + 1);
+            let mut table = Buffers::default();
+            table.create(gpu, "rays_hi", bytes, BufferUsages::empty())?;
+            table.create(gpu, "rays_lo", bytes, BufferUsages::empty())?;
+            table.create(gpu, "ways", 32 * pixels as u64, BufferUsages::empty())?;
+            Ok(table)
+        };
+        let tables: Vec<Buffers> = (0..optics.depth.min(2)).map(table).collect::<Result<_>>()?;
+        let target = |table: &Buffers| {
+            let mut target = Buffers::default();
+            target.share("turned_hi", table, "rays_hi");
+            target.share("turned_lo", table, "rays_lo");
+            target.share("turned_ways", table, "ways");
+            target
+        };
+        Ok(Turns {
+            depth: optics.depth,
+            passes: (0..=optics.depth).map(pass).collect::<Result<_>>()?,
+            untouched,
+            targets: tables.iter().map(target).collect(),
+            tables,
+            bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
+            surface,
+        })
+    }
+
+    /// Where kernels find what a pass over a band has of its own, after so many turns.
+    pub fn scopes(&self, turns: u32, band: usize) -> Vec<&Buffers> {
+        let mut scopes = vec![&self.passes[turns as usize], &self.surface];
+        match turns {
+            0 => scopes.push(&self.untouched),
+            n => scopes.extend([&self.tables[(n as usize + 1) % 2], &self.bands[band]]),
+        }
+        scopes
+    }
+
+    /// Where bounce writes the rays after so many turns.
+    pub fn target(&self, turns: u32) -> &Buffers {
+        &self.targets[(turns as usize + 1) % 2]
+    }
+
+    pub fn bytes(&self) -> u64 {
+        let own = [&self.untouched, &self.surface];
+        self.passes.iter().chain(&self.tables).chain(&self.bands).chain(own).map(Buffers::bytes).sum()
+    }
+}
+
+/// One cell a tile, whose pixels fit names, and room for the nodes.
+fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {
+    let tiles = band.tiles.tiles_x * band.tiles.tiles_y;
+    let cell = |tile: u32| rows::Cell { tile, node: tile, ..bytemuck::Zeroable::zeroed() };
+    let nodes = above_cells(band.tiles.tiles_x, band.tiles.tiles_y) as u64;
+    let mut buffers = Buffers::default();
+    buffers.create(gpu, "nodes", nodes * size_of::<rows::Node>() as u64, BufferUsages::empty())?;
+    buffers.upload(gpu, "cells", &(0..tiles).map(cell).collect::<Vec<_>>())?;
+    buffers.upload(gpu, "tile_start", &(0..=tiles).collect::<Vec<_>>())?;
+    Ok(buffers)
+}

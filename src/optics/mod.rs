@@ -1,0 +1,107 @@
+//! Optics: surfaces that turn rays, which a camera looks at and through.
+//!
+//! A ray that first meets the surface goes on from there: reflected, or refracted by Snell's law; up to `depth` times.
+//! Everything else of the scene hides, and is seen, as without the surface. The surface is flat facets ([`Facets`]) with
+//! a law of how a facet turns rays ([`Law`]), or quadrics ([`Quadric`]) that are met exactly.
+//!
+//! Hou, Wei, Shum and Guo 2006, sections 2 and 3; Yu, Yu and McMillan 2009, section 5.2.
+
+pub mod facets;
+pub mod quadric;
+pub mod shape;
+
+use crate::scene::mesh::Mesh;
+pub use facets::{Facet, Facets};
+use glam::DVec3;
+pub use quadric::Quadric;
+
+/// A mirror or a lens in front of a camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Optics {
+    pub turn: Turn,
+    pub surface: Surface,
+    /// How many times a ray may be turned, at least 1. A ray that was turned once sees the scene alone where this is 1;
+    /// where it is more, it sees the surface again, and ends on it after the last turn.
+    pub depth: u32,
+    /// What is seen by way of the surface is multiplied by this at every turn, linear RGB.
+    pub tint: [f32; 3],
+    /// What the surface looks like where rays end on it, linear RGB.
+    pub base: [f32; 3],
+}
+
+/// What becomes of a ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Turn {
+    Reflect,
+    /// Snell's law; of a ray that meets the outside the index of refraction outside over that inside is 1 / ior, of one
+    /// that meets the inside ior. Total reflection where it leaves no direction.
+    Refract {
+        ior: f64,
+    },
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Surface {
+    Facets { facets: Facets, law: Law },
+    Quadrics(Vec<Quadric>),
+}
+
+/// How a facet turns rays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Law {
+    /// The rays from the eye to the facet's corners are turned about the corners' normals; between them the turned rays
+    /// are affine: each facet is one GLC (Yu et al., section 5.2). Directions are scaled to one height over the facet's
+    /// plane, which is their parametrization plane; where a corner's ray does not leave that plane by more than
+    /// [`FLAT_LEAST`] on the side of the others, to unit length instead (Hou et al., equation 1).
+    Flat { eye: DVec3 },
+    /// Every ray is turned about the corners' normals, interpolated over the facet (Hou et al., section 3.1).
+    Normals,
+}
+
+/// Sine of the angle with the facet's plane at which the corners' rays must leave to be scaled to one height.
+pub const FLAT_LEAST: f64 = 1.0 / 64.0;
+
+impl Optics {
+    /// Facets, or quadrics.
+    pub fn surface_count(&self) -> usize {
+        match &self.surface {
+            Surface::Facets { facets, .. } => facets.triangles.len(),
+            Surface::Quadrics(list) => list.len(),
+        }
+    }
+
+    /// Vertices of the facets.
+    pub fn vertex_count(&self) -> usize {
+        match &self.surface {
+            Surface::Facets { facets, .. } => facets.positions.len(),
+            Surface::Quadrics(_) => 0,
+        }
+    }
+
+    pub fn quadric_count(&self) -> usize {
+        match &self.surface {
+            Surface::Facets { .. } => 0,
+            Surface::Quadrics(list) => list.len(),
+        }
+    }
+
+    /// Id of the first facet or quadric: facets are the last triangles of `mesh`, quadrics come behind all of them.
+    pub fn first_id(&self, mesh: &Mesh) -> u32 {
+        (mesh.triangles.len() - (self.surface_count() - self.quadric_count())) as u32
+    }
+
+    /// Rays that were turned may meet the surface again.
+    pub fn sees_itself(&self) -> bool {
+        self.depth > 1
+    }
+
+    /// The corners of a box around the surface; infinite where a quadric is.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let around = |(a, b): (DVec3, DVec3), (lo, hi): (DVec3, DVec3)| (a.min(lo), b.max(hi));
+        let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        match &self.surface {
+            Surface::Facets { facets, .. } => facets.positions.iter().map(|p| (*p, *p)).fold(none, around),
+            Surface::Quadrics(list) => list.iter().map(Quadric::bounds).fold(none, around),
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Quadrics: surfaces of second degree that rays meet in closed form.
+
+use glam::{DMat3, DVec3};
+
+/// The points `X = centre + q` with `q . A q + 2 b . q + c = 0` that lie within a cylinder about the axis: no farther than
+/// `rim` from it, and between two heights along it. The gradient `2 (A q + b)` points out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quadric {
+    pub centre: DVec3,
+    /// Symmetric.
+    pub a: DMat3,
+    pub b: DVec3,
+    pub c: f64,
+    /// Unit.
+    pub axis: DVec3,
+    /// Infinite: the whole surface.
+    pub rim: f64,
+    pub heights: [f64; 2],
+}
+
+impl Quadric {
+    pub fn sphere(centre: DVec3, radius: f64) -> Quadric {
+        Quadric {
+            centre,
+            a: DMat3::IDENTITY * (1.0 / radius),
+            b: DVec3::ZERO,
+            c: -radius,
+            axis: DVec3::Y,
+            rim: f64::INFINITY,
+            heights: [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+
+    /// A surface of revolution as lens makers give it: at a distance r from the axis, at most `rim`, it lies
+    /// `curvature r^2 / (1 + sqrt(1 - (1 + conic) curvature^2 r^2))` along the unit `axis` from `vertex`. Its outside is
+    /// where the axis comes from, or with `turned` where it goes to. `None` where it does not reach the rim.
+    pub fn cap(vertex: DVec3, axis: DVec3, curvature: f64, conic: f64, rim: f64, turned: bool) -> Option<Quadric> {
+        let k = 1.0 + conic;
+        let sag = sag(curvature, conic, rim)?;
+        let out = if turned { -1.0 } else { 1.0 };
+        let along = DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
+        // c (r^2 + k z^2) = 2 z, with r^2 = |q|^2 - z^2
+        let a = (DMat3::IDENTITY + along * (k - 1.0)) * (out * curvature);
+        // of the two halves of an ellipsoid, or of a hyperboloid, the one at the vertex ends at z = 1 / (k c)
+        let room = CAP_ROOM * (sag.abs() + rim);
+        let heights = [sag.min(0.0) - room, sag.max(0.0) + room];
+        Some(Quadric { centre: vertex, a, b: -out * axis, c: 0.0, axis, rim, heights })
+    }
+
+    /// A cylinder's wall between two heights along the unit `axis` from `centre`.
+    pub fn wall(centre: DVec3, axis: DVec3, radius: f64, heights: [f64; 2]) -> Quadric {
+        let along = DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
+        let a = (DMat3::IDENTITY - along) * (1.0 / radius);
+        Quadric { centre, a, b: DVec3::ZERO, c: -radius, axis, rim: f64::INFINITY, heights }
+    }
+
+    /// The gradient at `place` on the surface, halved; points out.
+    pub fn normal(&self, place: DVec3) -> DVec3 {
+        self.a * (place - self.centre) + self.b
+    }
+
+    /// A point of the surface's plane or space counts: within the rim and the heights.
+    pub fn holds(&self, place: DVec3) -> bool {
+        let q = place - self.centre;
+        let z = q.dot(self.axis);
+        let r2 = (q - z * self.axis).length_squared();
+        z >= self.heights[0] && z <= self.heights[1] && r2 <= self.rim * self.rim
+    }
+
+    /// The corners of a box around the surface.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let reach = if self.rim.is_finite() {
+            self.rim + self.heights[0].abs().max(self.heights[1].abs())
+        } else {
+            // a sphere's radius, or a wall's
+            let height = self.heights[0].abs().max(self.heights[1].abs());
+            -self.c + if height.is_finite() { height } else { 0.0 }
+        };
+        (self.centre - reach, self.centre + reach)
+    }
+}
+
+/// How far beyond its rim's height a cap counts, relative to its size: rounding of the height. The other sheet of the
+/// surface, or its other half, lies farther but where the rim is that of the half itself.
+const CAP_ROOM: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// How far along its axis a cap lies at a distance `r` from it; `None` where it does not reach that far.
+pub fn sag(curvature: f64, conic: f64, r: f64) -> Option<f64> {
+    let root = 1.0 - (1.0 + conic) * (curvature * r).powi(2);
+    (root >= 0.0).then(|| curvature * r * r / (1.0 + root.sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn caps_are_the_lens_makers_formula_with_the_outside_where_they_say() {
+        let axis = DVec3::new(1.0, 2.0, -0.5).normalize();
+        let across = axis.any_orthonormal_vector();
+        let vertex = DVec3::new(0.3, -1.0, 2.0);
+        for (curvature, conic) in [(0.5, 0.0), (-0.5, 0.0), (0.8, -1.0), (0.7, -2.5), (0.3, 0.9), (0.0, 0.0)] {
+            for turned in [false, true] {
+                let cap = Quadric::cap(vertex, axis, curvature, conic, 1.2, turned).unwrap();
+                for r in [0.0, 0.4, 1.2] {
+                    let at = vertex + r * across + sag(curvature, conic, r).unwrap() * axis;
+                    let q = at - vertex;
+                    let value = q.dot(cap.a * q) + 2.0 * cap.b.dot(q) + cap.c;
+                    assert!(value.abs() < 1e-15, "{curvature} {conic}: {value}");
+                    assert!(r == 1.2 || cap.holds(at));
+                    let out = cap.normal(at).dot(axis) * if turned { 1.0 } else { -1.0 };
+                    assert!(out > 0.0, "{curvature} {conic} {turned}: {out}");
+                }
+            }
+        }
+        // an ellipsoid does not reach farther than its half axis
+        assert!(Quadric::cap(vertex, axis, 0.5, 0.0, 2.1, false).is_none());
+    }
+
+    #[test]
+    fn bounds_hold_the_surface() {
+        let ball = Quadric::sphere(DVec3::ONE, 2.0);
+        assert_eq!(ball.bounds(), (DVec3::splat(-1.0), DVec3::splat(3.0)));
+        assert!((ball.normal(DVec3::new(3.0, 1.0, 1.0)) - DVec3::X).length() < 1e-15);
+        let wall = Quadric::wall(DVec3::ZERO, DVec3::Y, 0.5, [0.0, 3.0]);
+        let (lo, hi) = wall.bounds();
+        assert!(lo.max_element() <= -0.5 && hi.min_element() >= 3.0);
+        assert!(wall.holds(DVec3::new(0.5, 2.0, 0.0)) && !wall.holds(DVec3::new(0.5, 3.5, 0.0)));
+    }
+}

@@ -1,0 +1,233 @@
+//! Rays that a mirror or a lens turns, followed one by one: recursive ray tracing, by the definitions of
+//! [`crate::optics`] alone.
+
+use super::finding::{Finding, PLACES};
+use super::margin::{MARGIN_PX, beyond, clears};
+use super::path::{Path, Seen, Segment};
+use super::{Hit, Reference, nearer};
+use crate::camera::Camera;
+use crate::camera::bundle::{Bundle, Ray};
+use crate::optics::{FLAT_LEAST, Facet, Law, Optics, Quadric, Surface, Turn};
+use glam::DVec3;
+
+/// What a pixel's path comes to.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// As the camera gives it; or its ray and then those that were turned, each but the last ending at t = 1.
+    pub path: Path,
+    pub seen: Option<Seen>,
+    /// The first surface that was met: facet or quadric.
+    pub first: Option<u32>,
+}
+
+/// Other ways that are followed from ties at most.
+const WAYS_MAX: usize = 16;
+
+impl Reference<'_> {
+    /// What a path shows: what it first meets, or, with optics, what its ray comes to.
+    pub fn shown(&self, camera: &Camera, path: Path) -> Outcome {
+        match &camera.optics {
+            Some(optics) => self.outcomes(optics, path).0,
+            None => Outcome { seen: self.first(&path), path, first: None },
+        }
+    }
+
+    /// The way of `path`, of one straight ray, through the optics, whose facets are the last triangles of the mesh; and the
+    /// ways that tie with it.
+    fn outcomes(&self, optics: &Optics, path: Path) -> (Outcome, Vec<Outcome>) {
+        let mut todo = vec![(Outcome { path, seen: None, first: None }, None)];
+        let mut done = Vec::new();
+        while let Some((way, last)) = todo.pop() {
+            let fork = self.go_on(optics, way, last);
+            if done.len() + todo.len() < WAYS_MAX {
+                // the first of all ways is the true one
+                todo.extend(fork.others);
+            }
+            match fork.main {
+                Way::Ended(outcome) => done.push(outcome),
+                Way::Turned(way, last) => todo.push((way, Some(last))),
+            }
+        }
+        let others = done.split_off(1);
+        (done.remove(0), others)
+    }
+
+    /// One ray further: what it meets first, and what else may be first.
+    fn go_on(&self, optics: &Optics, way: Outcome, last: Option<u32>) -> Fork {
+        let layer = way.path.segments.len() - 1;
+        let Some((piece, Segment::Straight(bundle))) = way.path.segments[layer] else {
+            return Fork { main: Way::Ended(way), others: Vec::new() };
+        };
+        let hits = self.hits(optics, &bundle, &way, last);
+        let Some(main) = hits.iter().copied().fold(None, nearer) else {
+            return Fork { main: Way::Ended(way), others: Vec::new() };
+        };
+        let step = |hit: &Hit| self.step(optics, &way, piece, &bundle, *hit);
+        let ties = hits.iter().filter(|h| h.triangle != main.triangle && !clears(main.t, h.t));
+        let others = ties
+            .map(|h| match step(h) {
+                Way::Turned(way, last) => (way, Some(last)),
+                // what ended has no ray left to follow
+                Way::Ended(way) => (way.ended(), None),
+            })
+            .collect();
+        Fork { main: step(&main), others }
+    }
+
+    /// Everything that the last ray of a way meets and that may be first.
+    fn hits(&self, optics: &Optics, bundle: &Bundle, way: &Outcome, last: Option<u32>) -> Vec<Hit> {
+        let turned = way.path.segments.len() > 1;
+        let range = if turned { [0.0, f64::INFINITY] } else { way.path.range(0) };
+        let (first, sees) = (optics.first_id(self.mesh), !turned || optics.sees_itself());
+        let mut hits = Vec::new();
+        let mut limit = f64::INFINITY;
+        self.each_hit_of_ray(bundle, range, |hit| {
+            if Some(hit.triangle) != last && (sees || hit.triangle < first) {
+                limit = limit.min(beyond(hit.t));
+                hits.push(hit);
+            }
+            limit
+        });
+        if let (Surface::Quadrics(list), true) = (&optics.surface, sees) {
+            let ray = bundle.ray(0.0, 0.0);
+            for (quadric, id) in list.iter().zip(first..) {
+                let meetings = meetings(quadric, &ray, last == Some(id));
+                let t = meetings.into_iter().filter(|t| range[0] <= *t && *t <= range[1]).reduce(f64::min);
+                hits.extend(t.map(|t| Hit { t, triangle: id, bary: [0.0; 2] }));
+            }
+        }
+        hits
+    }
+
+    /// What becomes of a way at a hit.
+    fn step(&self, optics: &Optics, way: &Outcome, piece: u32, bundle: &Bundle, hit: Hit) -> Way {
+        let layer = way.path.segments.len() - 1;
+        let mut way = way.clone();
+        let surface = hit.triangle.checked_sub(optics.first_id(self.mesh));
+        let Some(surface) = surface.filter(|_| layer < optics.depth as usize) else {
+            way.seen = Some(Seen { layer, piece, hit: Hit { t: way.path.within_layer(layer, hit.t), ..hit } });
+            return Way::Ended(way);
+        };
+        way.first = way.first.or(Some(surface));
+        let ray = bundle.ray(0.0, 0.0);
+        let (place, direction) = match &optics.surface {
+            Surface::Facets { facets, law } => {
+                turned_by_facet(optics.turn, *law, &facets.facet(surface as usize), &ray, &hit)
+            }
+            Surface::Quadrics(list) => {
+                let place = ray.origin + hit.t * ray.direction;
+                let normal = list[surface as usize].normal(place);
+                (place, turned(optics.turn, ray.direction, normal, normal))
+            }
+        };
+        let straight = |p: DVec3, d: DVec3| {
+            Segment::Straight(Bundle {
+                p: [p, DVec3::ZERO, DVec3::ZERO],
+                d: [d, DVec3::ZERO, DVec3::ZERO],
+                h: [1.0, 0.0, 0.0],
+            })
+        };
+        way.path.segments[layer] = Some((piece, straight(ray.origin, place - ray.origin)));
+        let goes_on = direction.is_finite() && direction != DVec3::ZERO;
+        way.path.segments.push(goes_on.then(|| (piece, straight(place, direction))));
+        Way::Turned(way, hit.triangle)
+    }
+
+    /// Judges a pixel behind optics by samples of the box, as [`Reference::finding`] does curves: the way of each must
+    /// have as many turns and the same end, without ties.
+    pub(super) fn finding_of_turns(&self, camera: &Camera, optics: &Optics, (i, j): (u32, u32)) -> Finding {
+        let near = |(x, y): &(f64, f64)| Path::near(camera, i, j, (x * MARGIN_PX, y * MARGIN_PX));
+        let mut all = PLACES.iter().map(near).map(|path| self.outcomes(optics, path));
+        let Some((centre, ties)) = all.next() else {
+            return Finding { seen: None, safe: true, candidates: Vec::new(), may_miss: true };
+        };
+        let what = |o: &Outcome| (o.path.segments.len(), o.seen.map(|s| s.hit.triangle));
+        let mut finding = Finding { seen: centre.seen, safe: true, candidates: Vec::new(), may_miss: false };
+        let mut add = |o: &Outcome| {
+            finding.safe &= what(o) == what(&centre);
+            match o.seen {
+                Some(seen) => finding.candidates.push(seen.hit.triangle),
+                None => finding.may_miss = true,
+            }
+        };
+        add(&centre);
+        ties.iter().for_each(&mut add);
+        for (outcome, ties) in all {
+            add(&outcome);
+            ties.iter().for_each(&mut add);
+        }
+        finding.candidates.sort_unstable();
+        finding.candidates.dedup();
+        finding
+    }
+}
+
+/// A way one ray further.
+enum Way {
+    Ended(Outcome),
+    /// With the surface that turned it.
+    Turned(Outcome, u32),
+}
+
+/// The true way and those that tie with it.
+struct Fork {
+    main: Way,
+    others: Vec<(Outcome, Option<u32>)>,
+}
+
+impl Outcome {
+    /// An outcome without a ray to follow.
+    fn ended(mut self) -> Outcome {
+        self.path.segments.push(None);
+        self
+    }
+}
+
+/// Where a ray meets a quadric within its bounds, any t; of a ray that starts on it, but there.
+fn meetings(quadric: &Quadric, ray: &Ray, starts_on_it: bool) -> Vec<f64> {
+    let (q, d) = (ray.origin - quadric.centre, ray.direction);
+    let (a, b) = (d.dot(quadric.a * d), d.dot(quadric.a * q + quadric.b));
+    let c = q.dot(quadric.a * q) + 2.0 * quadric.b.dot(q) + quadric.c;
+    let roots = if starts_on_it {
+        vec![-2.0 * b / a]
+    } else {
+        let root = (b * b - a * c).sqrt();
+        let far = if b < 0.0 { root - b } else { -root - b };
+        vec![far / a, c / far]
+    };
+    roots.into_iter().filter(|t| t.is_finite() && quadric.holds(ray.origin + *t * d)).collect()
+}
+
+/// Where a ray is turned, and where to.
+fn turned_by_facet(turn: Turn, law: Law, facet: &Facet, ray: &Ray, hit: &Hit) -> (DVec3, DVec3) {
+    let weights = [1.0 - hit.bary[0] - hit.bary[1], hit.bary[0], hit.bary[1]];
+    let mixed = |v: [DVec3; 3]| weights[0] * v[0] + weights[1] * v[1] + weights[2] * v[2];
+    let [a, b, c] = facet.corners;
+    let outside = (b - a).cross(c - a);
+    let direction = match law {
+        Law::Normals => turned(turn, ray.direction, mixed(facet.normals), outside),
+        Law::Flat { eye } => {
+            let at = |k: usize| turned(turn, facet.corners[k] - eye, facet.normals[k], outside);
+            let corners = [at(0), at(1), at(2)];
+            let heights = corners.map(|d| d.dot(outside.normalize()));
+            let leaves = |side: f64| heights.iter().all(|h| side * h >= FLAT_LEAST);
+            if leaves(1.0) || leaves(-1.0) {
+                mixed([0, 1, 2].map(|k| corners[k] / heights[k].abs()))
+            } else {
+                mixed(corners)
+            }
+        }
+    };
+    (mixed(facet.corners), direction)
+}
+
+/// The unit direction after a surface with a normal; which side is met, `outside` says.
+fn turned(turn: Turn, direction: DVec3, normal: DVec3, outside: DVec3) -> DVec3 {
+    let (d, n) = (direction.normalize(), normal.normalize());
+    let reflected = d - 2.0 * d.dot(n) * n;
+    let Turn::Refract { ior } = turn else { return reflected };
+    let eta = if d.dot(outside) < 0.0 { 1.0 / ior } else { ior };
+    let (cosine, against) = if d.dot(n) < 0.0 { (-d.dot(n), n) } else { (d.dot(n), -n) };
+    let square = 1.0 - eta * eta * (1.0 - cosine * cosine);
+    if square < 0.0 { reflected } else { eta * d + (eta * cosine - square.sqrt()) * against }
+}

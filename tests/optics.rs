@@ -1,0 +1,312 @@
+//! Mirrors and lenses: closed forms that the reference must give, and the engine's frames against the reference by
+//! margin. The frames have nothing to do without an adapter.
+
+mod common;
+
+use anamorph::camera::Camera;
+use anamorph::frame::{Channel, Frame, NO_ID};
+use anamorph::reference::image::image;
+use anamorph::reference::{Path, Reference, Segment};
+use anamorph::scene::Scene;
+use common::file::load;
+use common::gpu::{Without, assert_right, check, render_with};
+use glam::DVec3;
+
+/// A floor, a ball, a box and a teapot around the origin; the mirror goes into the middle.
+const THINGS: &str = r#"
+[[mesh]]
+builtin = "plane"
+size = 12
+divisions = 6
+translate = [0, -1.2, 0]
+[[mesh]]
+builtin = "icosphere"
+level = 2
+scale = 0.5
+translate = [-1.6, -0.3, 1.4]
+[[mesh]]
+builtin = "teapot"
+level = 3
+scale = 0.4
+translate = [1.6, -1.2, 1.2]
+[[mesh]]
+builtin = "box"
+scale = 0.5
+translate = [0.3, -0.9, 1.9]
+[[light]]
+direction = [-1, -2, -1.2]
+"#;
+
+const EYE: &str = r#"eye = { kind = "pinhole", eye = [0.3, 1.1, 6], target = [0, -0.1, 0], vfov = 42 }"#;
+
+fn scene(size: (u32, u32), things: &str, camera: &str) -> (Scene, Camera) {
+    let (w, h) = size;
+    let image = format!("image = {{ width = {w}, height = {h}, background = [0.2, 0.3, 0.4] }}");
+    let scene = load(&format!("{image}\n{things}\n[camera]\n{camera}\n")).unwrap();
+    let camera = scene.camera().unwrap();
+    (scene, camera)
+}
+
+/// The last ray of a pixel's way, and the length of the way before.
+fn last_ray(scene: &Scene, camera: &Camera, i: u32, j: u32) -> (DVec3, DVec3, f64) {
+    let scene = scene.with_optics(camera);
+    let reference = Reference::build(&scene.mesh);
+    let shown = reference.shown(camera, Path::of_pixel(camera, i, j));
+    let rays: Vec<_> = shown
+        .path
+        .segments
+        .iter()
+        .map(|s| match s {
+            Some((_, Segment::Straight(b))) => b.ray(0.0, 0.0),
+            _ => panic!("a straight ray"),
+        })
+        .collect();
+    let last = rays[rays.len() - 1];
+    let before = rays[..rays.len() - 1].iter().map(|r| r.direction.length()).sum();
+    (last.origin, last.direction, before)
+}
+
+/// How far a line passes from a point.
+fn distance(point: DVec3, (origin, direction): (DVec3, DVec3)) -> f64 {
+    (point - origin).cross(direction).length() / direction.length()
+}
+
+fn hit(frame: &Frame, k: usize) -> bool {
+    frame.u32(Channel::TriangleId).unwrap()[k] != NO_ID
+}
+
+#[test]
+fn a_ball_shows_what_is_behind_the_eye_at_the_length_of_the_way() {
+    // a wall at z = 7 behind an eye at z = 5; the middle pixel looks along the axis
+    let wall = "[[mesh]]\nbuiltin = \"plane\"\nsize = 40\nrotate = [90, 0, 0]\ntranslate = [0, 0, 7]";
+    let eye = r#"eye = { kind = "pinhole", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }"#;
+    let mirror = format!("kind = \"reflection\"\n{eye}\nmirror = {{ shape = \"sphere\", radius = 1.5 }}");
+    let (scene, camera) = scene((31, 21), wall, &mirror);
+    let frame = image(&scene, &camera, &Channel::ALL);
+    let middle = 10 * 31 + 15;
+    assert!(hit(&frame, middle));
+    assert!((frame.f32(Channel::Z).unwrap()[middle] - (3.5 + 5.5)).abs() < 1e-6);
+    assert!((frame.f32(Channel::T).unwrap()[middle] - 5.5).abs() < 1e-6);
+    assert_eq!(frame.u32(Channel::MirrorId).unwrap()[middle], 0);
+    assert_eq!(frame.u32(Channel::PieceId).unwrap()[middle], 1, "behind the one piece of the eye");
+}
+
+#[test]
+fn conics_gather_the_rays_of_one_focus_in_the_other() {
+    let no_scene = "";
+    // a paraboloid of focal length 1 / (2 curvature) gathers rays along its axis
+    let parallel = r#"eye = { kind = "orthographic", eye = [0, 0, 5], target = [0, 0, 0], height = 1.8 }"#;
+    let bowl = "mirror = { shape = \"quadric\", vertex = [0, 0, 0], axis = [0, 0, 1], curvature = 0.5, conic = -1, radius = 1.5 }";
+    let (s, camera) = scene((13, 9), no_scene, &format!("kind = \"reflection\"\n{parallel}\n{bowl}"));
+    for k in 0..13 * 9 {
+        let (origin, direction, _) = last_ray(&s, &camera, k % 13, k / 13);
+        let off = distance(DVec3::Z, (origin, direction));
+        assert!(off < 1e-14, "{off}");
+    }
+    // an ellipsoid with half axes 2 along z and sqrt(3): foci 1 from its middle, one in the eye
+    let (curvature, conic) = (2.0 / 3.0, 3.0 / 4.0 - 1.0);
+    let bowl = format!(
+        "mirror = {{ shape = \"quadric\", vertex = [0, 0, -2], axis = [0, 0, 1], curvature = {curvature}, conic = {conic}, radius = 1.7 }}"
+    );
+    let eye = r#"eye = { kind = "pinhole", eye = [0, 0, 1], target = [0, 0, 0], vfov = 30 }"#;
+    let (s, camera) = scene((13, 9), no_scene, &format!("kind = \"reflection\"\n{eye}\n{bowl}"));
+    for k in 0..13 * 9 {
+        let (origin, direction, before) = last_ray(&s, &camera, k % 13, k / 13);
+        let off = distance(-DVec3::Z, (origin, direction));
+        let way = before + (origin + DVec3::Z).length();
+        assert!(off < 1e-14 && (way - 4.0).abs() < 1e-14, "{off} {way}");
+    }
+}
+
+#[test]
+fn rays_refract_by_snells_law_and_leave_a_slab_as_they_came() {
+    let eye = r#"eye = { kind = "pinhole", eye = [0, 0, 4], target = [0.4, 0.2, 0], vfov = 50 }"#;
+    // one flat interface at z = 0
+    let flat = "lens = { shape = \"quadric\", axis = [0, 0, -1], curvature = 0, radius = 9 }\nior = 1.5";
+    let (s, camera) = scene((15, 11), "", &format!("kind = \"refraction\"\n{eye}\n{flat}"));
+    for k in 0..15 * 11 {
+        let before = camera.ray(k % 15, k / 15).unwrap().direction.normalize();
+        let (_, after, _) = last_ray(&s, &camera, k % 15, k / 15);
+        let sine = |d: DVec3| (d.x * d.x + d.y * d.y).sqrt();
+        assert!((sine(before) - 1.5 * sine(after)).abs() < 1e-15);
+        assert!(before.cross(after).z.abs() < 1e-15 && after.z < 0.0);
+    }
+    // a plane-parallel lens shifts rays and does not turn them
+    let slab = "lens = { shape = \"lens\", axis = [0, 0, -1], radius = 9, thickness = 0.5, curvatures = [0, 0] }\nior = 1.5\ndepth = 2";
+    let (s, camera) = scene((15, 11), "", &format!("kind = \"refraction\"\n{eye}\n{slab}"));
+    for k in 0..15 * 11 {
+        let before = camera.ray(k % 15, k / 15).unwrap().direction.normalize();
+        let (_, after, _) = last_ray(&s, &camera, k % 15, k / 15);
+        assert!((before - after).length() < 1e-15);
+    }
+}
+
+#[test]
+fn light_beyond_the_critical_angle_is_reflected() {
+    // from inside water, through a flat surface above: sine 1 / 1.33 is the edge of the window
+    let eye = r#"eye = { kind = "fisheye", eye = [0, -1, 0], target = [0, 0, 0], up = [0, 0, -1], fov = 170 }"#;
+    let water = "lens = { shape = \"quadric\", axis = [0, -1, 0], curvature = 0, radius = 500 }\nior = 1.33";
+    let (s, camera) = scene((41, 41), "", &format!("kind = \"refraction\"\n{eye}\n{water}"));
+    let (mut through, mut back) = (0, 0);
+    for k in 0..41 * 41 {
+        let Some(ray) = camera.ray(k % 41, k / 41) else { continue };
+        let d = ray.direction.normalize();
+        let (_, after, _) = last_ray(&s, &camera, k % 41, k / 41);
+        let sine = (1.0 - d.y * d.y).sqrt();
+        assert_eq!(after.y > 0.0, sine < 1.0 / 1.33, "{d} {after}");
+        if after.y > 0.0 { through += 1 } else { back += 1 }
+    }
+    assert!(through > 300 && back > 300, "{through} {back}");
+}
+
+#[test]
+fn a_thin_lens_has_the_focal_length_of_its_makers() {
+    // 1 / f = (n - 1) (c1 - c2 + (n - 1) d c1 c2 / n), from the principal plane
+    let (n, c, d) = (1.5, 0.2, 0.05);
+    let f = 1.0 / ((n - 1.0) * (2.0 * c - (n - 1.0) * d * c * c / n));
+    let eye = r#"eye = { kind = "orthographic", eye = [0, 0, 5], target = [0, 0, 0], height = 0.02 }"#;
+    let lens = format!(
+        "lens = {{ shape = \"lens\", axis = [0, 0, -1], radius = 0.3, thickness = {d}, curvatures = [{c}, -{c}] }}\nior = {n}\ndepth = 2"
+    );
+    let (s, camera) = scene((9, 9), "", &format!("kind = \"refraction\"\n{eye}\n{lens}"));
+    let back = -(d / 2.0) - f * (1.0 - (n - 1.0) * d * c / n);
+    for k in (0..81).filter(|k| *k != 40) {
+        let (origin, direction, _) = last_ray(&s, &camera, k % 9, k / 9);
+        let out = DVec3::new(origin.x, origin.y, 0.0);
+        let t = -out.length_squared() / direction.dot(out);
+        let at = origin.z + t * direction.z;
+        // spherical aberration at 0.014 from the axis: 3e-5 of f
+        assert!((at - back).abs() < 1e-3 * f, "{at} {back}");
+    }
+}
+
+#[test]
+fn two_facing_mirrors_repeat_as_often_as_asked() {
+    // an eye between two walls of mirrors sees itself nowhere, and the box of mirrors at every depth
+    let eye = r#"eye = { kind = "pinhole", eye = [0, 0, 0], target = [0.2, 0.1, -1], vfov = 40 }"#;
+    let ball = |depth: u32| {
+        format!(
+            "kind = \"reflection\"\n{eye}\nmirror = {{ builtin = \"icosphere\", level = 2, scale = 3 }}\ndepth = {depth}"
+        )
+    };
+    for depth in [1, 2, 5] {
+        let (s, camera) = scene((9, 7), "", &ball(depth));
+        let joined = s.with_optics(&camera);
+        let reference = Reference::build(&joined.mesh);
+        for k in 0..63 {
+            let shown = reference.shown(&camera, Path::of_pixel(&camera, k % 9, k / 9));
+            assert_eq!(shown.path.segments.len() as u32, depth + 1);
+            // inside a closed mirror a ray ends on it, where it sees it at all
+            assert_eq!(shown.seen.is_some(), depth > 1);
+        }
+    }
+}
+
+/// Every kind of surface and law, by engine and reference.
+#[test]
+fn frames_agree_with_the_reference() {
+    let sphere = "shape = \"sphere\", radius = 1, count = 300";
+    let torus = "shape = \"torus\", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.35, count = 800";
+    let bowl = "shape = \"quadric\", vertex = [0, -0.4, -0.5], axis = [0, 0.2, 1], curvature = 0.7, conic = -0.8, radius = 1.3, count = 400";
+    let lens = "shape = \"lens\", center = [0, 0, 2.5], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, curvatures = [0.5, -0.6], count = 500";
+    let wave = "shape = \"wave\", center = [0, -0.9, 1], size = 5, amplitude = 0.06, wavelength = 1.7, count = 600";
+    let pot = "builtin = \"teapot\", level = 4, scale = 0.7, translate = [0, -0.6, 0]";
+    let mirrors = [
+        (sphere, "exact", 1),
+        (sphere, "normals", 1),
+        (sphere, "flat", 1),
+        (torus, "normals", 3),
+        (torus, "flat", 1),
+        (bowl, "exact", 4),
+        (bowl, "flat", 1),
+        (lens, "exact", 1),
+        (wave, "normals", 2),
+        (pot, "normals", 2),
+        (pot, "flat", 1),
+    ];
+    for (mirror, facets, depth) in mirrors {
+        let text =
+            format!("kind = \"reflection\"\n{EYE}\nmirror = {{ {mirror} }}\nfacets = \"{facets}\"\ndepth = {depth}");
+        let (scene, camera) = scene((101, 77), THINGS, &text);
+        let name = format!("reflection, {facets}, depth {depth}, {mirror}");
+        let Some((frame, ..)) = check(&name, &scene, &camera) else { return };
+        assert_numbers(&name, &scene, &camera, &frame);
+    }
+    let lenses = [
+        (sphere, "exact", 1),
+        (sphere, "exact", 2),
+        (sphere, "normals", 4),
+        (sphere, "flat", 1),
+        (lens, "exact", 2),
+        (lens, "normals", 6),
+        (wave, "normals", 1),
+        (wave, "flat", 1),
+    ];
+    for (lens, facets, depth) in lenses {
+        let text = format!(
+            "kind = \"refraction\"\nior = 1.5\n{EYE}\nlens = {{ {lens} }}\nfacets = \"{facets}\"\ndepth = {depth}"
+        );
+        let (scene, camera) = scene((101, 77), THINGS, &text);
+        let name = format!("refraction, {facets}, depth {depth}, {lens}");
+        let Some((frame, ..)) = check(&name, &scene, &camera) else { return };
+        assert_numbers(&name, &scene, &camera, &frame);
+    }
+}
+
+/// The optics are seen where the reference sees them, and the way is as long. A pixel that is not safe may see another.
+fn assert_numbers(name: &str, scene: &Scene, camera: &Camera, frame: &Frame) {
+    let truth = image(scene, camera, &Channel::ALL);
+    let of = |f: &Frame| f.u32(Channel::MirrorId).unwrap().to_vec();
+    let (seen, known) = (of(frame), of(&truth));
+    let mirrored = known.iter().filter(|k| **k != NO_ID).count();
+    let differ = (0..seen.len()).filter(|k| seen[*k] != known[*k]).count();
+    assert!(mirrored > seen.len() / 20, "{name}: {mirrored} pixels see the optics");
+    assert!(differ <= seen.len() / 1000, "{name}: {differ} of {mirrored} pixels name another facet");
+    let (z, z_known) = (frame.f32(Channel::Z).unwrap(), truth.f32(Channel::Z).unwrap());
+    let covered = |f: &Frame| f.f32(Channel::A).unwrap().to_vec();
+    let (a, a_known) = (covered(frame), covered(&truth));
+    for k in (0..seen.len()).filter(|k| seen[*k] == known[*k]) {
+        assert_eq!(a[k], a_known[k], "{name}: pixel {k}");
+        let both = z[k].is_finite() && z_known[k].is_finite();
+        // a few f32 roundings of each of up to seven lengths
+        assert!(
+            !both || hit_differs(frame, &truth, k) || (z[k] - z_known[k]).abs() <= 1e-5 * z_known[k],
+            "{name}: pixel {k}"
+        );
+    }
+}
+
+fn hit_differs(a: &Frame, b: &Frame, k: usize) -> bool {
+    a.u32(Channel::TriangleId).unwrap()[k] != b.u32(Channel::TriangleId).unwrap()[k]
+}
+
+#[test]
+fn any_central_eye_and_an_eye_inside_the_glass() {
+    let glass = "lens = { shape = \"sphere\", radius = 1.3, count = 500 }\nior = 1.4";
+    let inside = r#"eye = { kind = "fisheye", eye = [0.2, 0.1, 0.3], target = [0, 0, 5], fov = 200 }"#;
+    let fisheye = r#"eye = { kind = "fisheye", eye = [0, 1, 4], target = [0, 0, 0], fov = 120 }"#;
+    for (eye, depth) in [(fisheye, 2), (inside, 3)] {
+        for facets in ["exact", "normals"] {
+            let text = format!("kind = \"refraction\"\n{eye}\n{glass}\nfacets = \"{facets}\"\ndepth = {depth}");
+            let (scene, camera) = scene((96, 64), THINGS, &text);
+            if check(&format!("{eye}, {facets}"), &scene, &camera).is_none() {
+                return;
+            }
+        }
+    }
+}
+
+#[test]
+fn adapters_without_64_bit_atomics_or_f64_see_the_same() {
+    for mirror in ["shape = \"sphere\"", "shape = \"torus\""] {
+        let own = if mirror.contains("torus") { "radius = 0.9, tube = 0.3" } else { "radius = 1" };
+        let text = format!("kind = \"reflection\"\n{EYE}\nmirror = {{ {mirror}, {own} }}\ndepth = 2");
+        let (scene, camera) = scene((101, 77), THINGS, &text);
+        let by = |without| render_with(&scene, &camera, without, &Default::default()).map(|r| r.frame);
+        let (Some(all), Some(less)) = (by(Without::Nothing), by(Without::Int64Atomics)) else { return };
+        assert!(all == less, "{mirror}: 32-bit atomics give other bytes");
+        let Some(single) = by(Without::F64) else { return };
+        // by f32 alone the turned rays are off by some 1e-6: nowhere near the 1/16 px of safe pixels here
+        assert_right(mirror, &scene, &camera, &single);
+    }
+}

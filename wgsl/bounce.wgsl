@@ -1,0 +1,49 @@
+// bounce: one thread per pixel of the band.
+// Reads the visibility buffer, the pixel's ray and way and the surface that it meets first; writes the ray that goes on
+// from there and its way, or no ray.
+
+fn store_number(at: u32, value: real) {
+    turned_hi[at] = f32(value);
+    turned_lo[at] = f32(value - real(f32(value)));
+}
+
+fn store_vector(at: u32, v: real3) {
+    store_number(at, v.x);
+    store_number(at + 1u, v.y);
+    store_number(at + 2u, v.z);
+}
+
+@compute @workgroup_size(64)
+fn bounce(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    // take a pixel
+    let pixel = item_index(group, groups, lane);
+    if pixel >= params.width * params.height {
+        return;
+    }
+    let x = pixel % params.width;
+    let y = pixel / params.width;
+    let at = 6u * (y * (params.width + 1u) + x);
+    let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
+    let id = key_id(~won);
+    if all(won == vec2<u32>(0u)) || id < optic.first_id {
+        store_vector(at, real3(real(0.0)));
+        store_vector(at + 3u, real3(real(0.0)));
+        return;
+    }
+
+    // turn its ray
+    let b = ray_bundle(0u, x, y, 0.0);
+    let p = b.p / b.h;
+    let way = ways[pixel];
+    let surface = id - optic.first_id;
+    let turned = turn_at(surface, p, b.d / b.h, way.last);
+    store_vector(at, turned.place);
+    store_vector(at + 3u, turned.d);
+    let first = select(way.first, surface, way.first == NONE);
+    let length = way.length + f32(norm(turned.place - p));
+    turned_ways[pixel] = Way(way.light * optic.tint, length, first, id, 0u, 0u);
+}

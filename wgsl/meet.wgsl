@@ -1,0 +1,39 @@
+// meet: one thread per pixel of the band.
+// Reads the pixel's ray and way; merges the visibility key of the nearest quadric that the ray meets, whose id is behind
+// those of all triangles.
+
+@compute @workgroup_size(64)
+fn meet(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    // take a pixel that has a ray
+    let pixel = item_index(group, groups, lane);
+    if pixel >= params.width * params.height {
+        return;
+    }
+    let x = pixel % params.width;
+    let y = pixel / params.width;
+    if !has_ray(0u, x, y) || (optic.turns > 0u && optic.sees_itself == 0u) {
+        return;
+    }
+
+    // find the nearest quadric
+    let b = ray_bundle(0u, x, y, 0.0);
+    let p = b.p / b.h;
+    let d = b.d / b.h;
+    var nearest = Root(real(0.0), false);
+    var id = NONE;
+    for (var k = 0u; k < optic.count; k++) {
+        let starts = ways[pixel].last == optic.first_id + k;
+        let root = first_root(quadrics[k], p, d, starts, t_min_real(), t_max_real());
+        if root.found && (!nearest.found || root.t < nearest.t) {
+            nearest = root;
+            id = optic.first_id + k;
+        }
+    }
+    if nearest.found {
+        merge(pixel, ~visibility_key(0u, nearest.t, id));
+    }
+}

@@ -1,0 +1,48 @@
+// Turns at flat facets.
+
+// Sine of the angle with the facet's plane at which its corners' rays must leave to be scaled to one height.
+const FLAT_LEAST: real = 0.015625;
+
+fn corner_place(k: u32) -> real3 {
+    return real3(corners[k].p_hi) + real3(corners[k].p_lo);
+}
+
+fn corner_normal(k: u32) -> real3 {
+    return real3(corners[k].n_hi) + real3(corners[k].n_lo);
+}
+
+// The turn of the ray p + t d, d of any length, at the facet that it meets.
+fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
+    let k = 3u * surface;
+    let v0 = corner_place(k);
+    let v1 = corner_place(k + 1u);
+    let v2 = corner_place(k + 2u);
+    let n0 = corner_normal(k);
+    let n1 = corner_normal(k + 1u);
+    let n2 = corner_normal(k + 2u);
+    let outside = cross(v1 - v0, v2 - v0);
+
+    // the weights of the place
+    let g0 = cross(d, v0 - p);
+    let e = real3(dot(v2 - v1, cross(d, v1 - p)), dot(v0 - v2, g0), dot(v1 - v0, g0));
+    let w = e / (e.x + e.y + e.z);
+    let place = w.x * v0 + w.y * v1 + w.z * v2;
+    if optic.law == LAW_NORMALS {
+        return Turned(place, bent(d / norm(d), w.x * n0 + w.y * n1 + w.z * n2, outside));
+    }
+
+    // the corners' own turns, scaled to one height over the facet where all leave it
+    let eye = real3(optic.eye_hi) + real3(optic.eye_lo);
+    let d0 = bent((v0 - eye) / norm(v0 - eye), n0, outside);
+    let d1 = bent((v1 - eye) / norm(v1 - eye), n1, outside);
+    let d2 = bent((v2 - eye) / norm(v2 - eye), n2, outside);
+    let up = outside / norm(outside);
+    let heights = real3(dot(d0, up), dot(d1, up), dot(d2, up));
+    let least = min(heights.x, min(heights.y, heights.z));
+    let most = max(heights.x, max(heights.y, heights.z));
+    var scale = real3(real(1.0));
+    if least >= FLAT_LEAST || most <= -FLAT_LEAST {
+        scale = real3(real(1.0)) / abs(heights);
+    }
+    return Turned(place, w.x * scale.x * d0 + w.y * scale.y * d1 + w.z * scale.z * d2);
+}

@@ -1,0 +1,74 @@
+// Turns at quadrics.
+
+fn quadric_times(q: Quadric, v: real3) -> real3 {
+    let a = real3(q.diagonal_hi) + real3(q.diagonal_lo);
+    let b = real3(q.beside_hi) + real3(q.beside_lo);
+    return real3(
+        a.x * v.x + b.z * v.y + b.y * v.z,
+        b.z * v.x + a.y * v.y + b.x * v.z,
+        b.y * v.x + b.x * v.y + a.z * v.z,
+    );
+}
+
+// Half of the gradient, v from the centre.
+fn quadric_normal(q: Quadric, v: real3) -> real3 {
+    return quadric_times(q, v) + real3(q.b_hi) + real3(q.b_lo);
+}
+
+// The place, from the centre, is on the part of the surface that is there.
+fn quadric_holds(q: Quadric, v: real3) -> bool {
+    let axis = real3(q.axis_hi) + real3(q.axis_lo);
+    let z = dot(v, axis);
+    let away = v - z * axis;
+    return z >= real(q.low_hi) + real(q.low_lo) && z <= real(q.high_hi) + real(q.high_lo)
+        && dot(away, away) <= real(q.rim2_hi) + real(q.rim2_lo);
+}
+
+struct Root {
+    t: real,
+    found: bool,
+}
+
+// Where the ray p + t d first meets the quadric, t in [t_min, t_max]; of a ray that starts on it, the other place.
+fn first_root(q: Quadric, p: real3, d: real3, starts: bool, t_min: real, t_max: real) -> Root {
+    let v = p - real3(q.centre_hi) - real3(q.centre_lo);
+    let ad = quadric_times(q, d);
+    let n = quadric_normal(q, v);
+    let a = dot(d, ad);
+    let b = dot(d, n);
+    let c = dot(v, n) + dot(v, real3(q.b_hi) + real3(q.b_lo)) + real(q.c_hi) + real(q.c_lo);
+    let square = b * b - a * c;
+    let root = sqrt(max(square, real(0.0)));
+    let far = select(-root - b, root - b, b < real(0.0));
+    // divisions by zero give no number in the range
+    var t = vec2<real>(far / a, c / far);
+    if starts {
+        t = vec2<real>(-(b + b) / a);
+    }
+    var found = Root(real(0.0), false);
+    for (var k = 0u; k < 2u; k++) {
+        let s = t[k];
+        let better = !found.found || s < found.t;
+        if (starts || square >= real(0.0)) && s >= t_min && s <= t_max && better && quadric_holds(q, v + s * d) {
+            found = Root(s, true);
+        }
+    }
+    return found;
+}
+
+fn t_min_real() -> real {
+    return real(params.t_min.x) + real(params.t_min.y) + real(params.t_min.z);
+}
+
+fn t_max_real() -> real {
+    return real(params.t_max.x) + real(params.t_max.y) + real(params.t_max.z);
+}
+
+// The turn of the ray p + t d at the quadric that it meets; `last` is the id of the surface that it starts on.
+fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
+    let q = quadrics[surface];
+    let root = first_root(q, p, d, last == optic.first_id + surface, t_min_real(), t_max_real());
+    let place = p + root.t * d;
+    let normal = quadric_normal(q, place - real3(q.centre_hi) - real3(q.centre_lo));
+    return Turned(place, bent(d / norm(d), normal, normal));
+}

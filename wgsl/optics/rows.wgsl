@@ -1,0 +1,69 @@
+// Rows of cameras with a mirror or a lens; src/gpu/rows.rs holds the same structs, and a test holds the two equal.
+
+const LAW_NORMALS: u32 = 0u;   // rays are turned about the corners' normals, interpolated
+const LAW_FLAT: u32 = 1u;      // the corners' turned rays are interpolated
+
+// The optics, and after how many turns the rays of a pass are.
+struct Optic {
+    eye_hi: vec3<f32>,      // what flat facets are seen from, relative to the anchor
+    first_id: u32,          // of the surfaces: facets are triangles, quadrics have ids behind all of these
+    eye_lo: vec3<f32>,
+    count: u32,             // surfaces
+    tint: vec3<f32>,        // what a turn leaves of the light
+    turns: u32,             // behind the rays of the pass
+    base: vec3<f32>,        // colour of the surface where rays end on it
+    ends: u32,              // 1: rays end on it, after the last turn
+    middle: vec3<f32>,      // of the scene: how wide bundles are is compared as far along their rays
+    law: u32,               // one of the LAW constants
+    ior_hi: f32,            // index of refraction inside; 0: rays are reflected
+    ior_lo: f32,
+    sees_itself: u32,       // 1: turned rays may meet the surface again
+    piece_first: u32,       // number of surface 0 among the camera's pieces
+}
+
+// What lies behind a pixel's ray.
+struct Way {
+    light: vec3<f32>,       // what is seen counts this much
+    length: f32,            // of all rays before
+    first: u32,             // surface that was met first; NONE before any
+    last: u32,              // id of the surface that the ray starts on; NONE
+    pad0: u32,
+    pad1: u32,
+}
+
+// A facet's corner, relative to the anchor, and its unit normal, each value a sum hi + lo.
+struct Corner {
+    p_hi: vec3<f32>,
+    pad0: f32,
+    p_lo: vec3<f32>,
+    pad1: f32,
+    n_hi: vec3<f32>,
+    pad2: f32,
+    n_lo: vec3<f32>,
+    pad3: f32,
+}
+
+// q A q + 2 b q + c = 0 for q from the centre, A by its diagonal and what is beside it (yz, xz, xy); within the square
+// of the rim from the axis, and from `low` to `high` along it. Each value a sum hi + lo.
+struct Quadric {
+    centre_hi: vec3<f32>,
+    c_hi: f32,
+    centre_lo: vec3<f32>,
+    c_lo: f32,
+    diagonal_hi: vec3<f32>,
+    low_hi: f32,
+    diagonal_lo: vec3<f32>,
+    low_lo: f32,
+    beside_hi: vec3<f32>,
+    high_hi: f32,
+    beside_lo: vec3<f32>,
+    high_lo: f32,
+    b_hi: vec3<f32>,
+    rim2_hi: f32,
+    b_lo: vec3<f32>,
+    rim2_lo: f32,
+    axis_hi: vec3<f32>,
+    pad0: f32,
+    axis_lo: vec3<f32>,
+    pad1: f32,
+}

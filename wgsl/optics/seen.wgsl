@@ -1,0 +1,35 @@
+// What a pixel shows where a mirror or a lens turns rays: what the last of them meets.
+
+fn is_under_way(x: u32, y: u32) -> bool {
+    return optic.turns == 0u || has_ray(0u, x, y);
+}
+
+fn goes_on(id: u32) -> bool {
+    return id >= optic.first_id && optic.ends == 0u;
+}
+
+fn ends_on_quadric(id: u32) -> bool {
+    return QUADRICS && id >= optic.first_id;
+}
+
+fn colour_of(id: u32, lit: vec3<f32>) -> vec3<f32> {
+    return select(lit, optic.base, id >= optic.first_id);
+}
+
+fn light_left(pixel: u32) -> vec3<f32> {
+    return ways[pixel].light;
+}
+
+fn way_length(pixel: u32) -> f32 {
+    return ways[pixel].length;
+}
+
+fn first_surface(pixel: u32) -> u32 {
+    return ways[pixel].first;
+}
+
+fn first_piece() -> u32 {
+    return optic.piece_first;
+}
+
+override QUADRICS: bool = false;

@@ -1,0 +1,37 @@
+// What a pixel shows where no ray is turned: what its own ray meets.
+
+// The pixel has a ray in this pass.
+fn is_under_way(x: u32, y: u32) -> bool {
+    return true;
+}
+
+// The ray goes on from this surface in the next pass.
+fn goes_on(id: u32) -> bool {
+    return false;
+}
+
+// The ray ends on a surface that is no triangle.
+fn ends_on_quadric(id: u32) -> bool {
+    return false;
+}
+
+fn colour_of(id: u32, lit: vec3<f32>) -> vec3<f32> {
+    return lit;
+}
+
+fn light_left(pixel: u32) -> vec3<f32> {
+    return vec3<f32>(1.0);
+}
+
+fn way_length(pixel: u32) -> f32 {
+    return 0.0;
+}
+
+// The surface of the optics that was met first.
+fn first_surface(pixel: u32) -> u32 {
+    return NONE;
+}
+
+fn first_piece() -> u32 {
+    return 0u;
+}
