@@ -1,6 +1,7 @@
 //! The compute engine: plan, upload, stages, status, grow, image.
 
 mod frames;
+pub mod passes;
 mod resident;
 pub mod tables;
 mod turns;

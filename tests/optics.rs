@@ -281,6 +281,67 @@ fn hit_differs(a: &Frame, b: &Frame, k: usize) -> bool {
 }
 
 #[test]
+fn fresnel_shares_the_light_and_loses_none() {
+    let eye = r#"eye = { kind = "pinhole", eye = [0, 0, 5], target = [0, 0, 0], vfov = 30 }"#;
+    let glass = |depth: u32| {
+        format!(
+            "kind = \"refraction\"\n{eye}\nlens = {{ shape = \"sphere\", radius = 1 }}\nior = 1.5\nfresnel = true\ndepth = {depth}\nbase = [0.2, 0.3, 0.4]"
+        )
+    };
+    // straight on a fifth squared comes back, of what goes in and of what goes out
+    let (s, camera) = scene((11, 11), "", &glass(2));
+    let reference = Reference::build(&s.mesh);
+    let optics = camera.optics.as_ref().unwrap();
+    let shares = reference.shares(optics, &Path::of_pixel(&camera, 5, 5));
+    let mut light: Vec<f64> = shares.iter().map(|o| o.light).collect();
+    light.sort_by(f64::total_cmp);
+    for (seen, known) in light.iter().zip([0.96 * 0.04, 0.04, 0.96 * 0.96]) {
+        assert!((seen - known).abs() < 1e-15, "{light:?}");
+    }
+    // where everything has one colour, so has the glass, whatever its shape and roughness
+    for depth in [1, 2, 4] {
+        for rough in ["", "roughness = 0.2\nrays = 3"] {
+            let (s, camera) = scene((31, 31), "", &format!("{}\n{rough}", glass(depth)));
+            let Some(frame) = render_with(&s, &camera, Without::Nothing, &Default::default()) else { return };
+            for (channel, known) in [(Channel::R, 0.2), (Channel::G, 0.3), (Channel::B, 0.4)] {
+                // up to 48 sums and products of shares, 2^-24 each
+                let near = |v: &f32| (v - known).abs() < 1e-5;
+                assert!(frame.frame.f32(channel).unwrap().iter().all(near), "depth {depth}, {rough}");
+            }
+        }
+    }
+}
+
+/// Colours that several rays a pixel make up, by engine and reference.
+#[test]
+fn colours_of_split_rays_agree_with_the_reference() {
+    let ball = "shape = \"sphere\", radius = 1";
+    let lens = "shape = \"lens\", center = [0, 0, 2.5], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, curvatures = [0.5, -0.6]";
+    let cases = [
+        format!("kind = \"refraction\"\nior = 1.5\nfresnel = true\ndepth = 3\nlens = {{ {ball} }}"),
+        format!(
+            "kind = \"refraction\"\nior = 1.3\nfresnel = true\ndepth = 4\nlens = {{ {lens} }}\nfacets = \"normals\""
+        ),
+        format!("kind = \"refraction\"\nior = 1.5\nfresnel = true\nlens = {{ {ball} }}\nfacets = \"flat\""),
+        format!("kind = \"reflection\"\nroughness = 0.1\nrays = 7\ncolor = [0.9, 0.8, 0.7]\nmirror = {{ {ball} }}"),
+        format!(
+            "kind = \"reflection\"\nroughness = 0.05\nrays = 4\ndepth = 2\nmirror = {{ {ball} }}\nfacets = \"normals\""
+        ),
+    ];
+    for text in cases {
+        let (scene, camera) = scene((81, 61), THINGS, &format!("{text}\n{EYE}"));
+        let Some((frame, judged, _)) = check(&text, &scene, &camera) else { return };
+        let mut off = 0;
+        for channel in [Channel::R, Channel::G, Channel::B] {
+            let (seen, known) = (frame.f32(channel).unwrap(), judged.truth.f32(channel).unwrap());
+            // some ten f32 roundings of a colour, and steep normals next to edges
+            off += seen.iter().zip(known).filter(|(a, b)| (*a - *b).abs() > 1e-4).count();
+        }
+        assert_eq!(off, 0, "{text}: {off} colours are off");
+    }
+}
+
+#[test]
 fn any_central_eye_and_an_eye_inside_the_glass() {
     let glass = "lens = { shape = \"sphere\", radius = 1.3, count = 500 }\nior = 1.4";
     let inside = r#"eye = { kind = "fisheye", eye = [0.2, 0.1, 0.3], target = [0, 0, 5], fov = 200 }"#;

@@ -1,6 +1,9 @@
 // bounce: one thread per pixel of the band.
 // Reads the visibility buffer, the pixel's ray and way and the surface that it meets first; writes the ray that goes on
-// from there and its way, or no ray.
+// from there and its way, or neither.
+
+// Squared length of a direction at most: corners' rays are scaled to 64 times unit length at most.
+const SIZE_MAX: f32 = 65536.0;
 
 fn store_number(at: u32, value: real) {
     turned_hi[at] = f32(value);
@@ -32,6 +35,7 @@ fn bounce(
     if all(won == vec2<u32>(0u)) || id < optic.first_id {
         store_vector(at, real3(real(0.0)));
         store_vector(at + 3u, real3(real(0.0)));
+        turned_ways[pixel] = Way(vec3<f32>(0.0), 0.0, NONE, NONE, 0u, 0u);
         return;
     }
 
@@ -40,10 +44,16 @@ fn bounce(
     let p = b.p / b.h;
     let way = ways[pixel];
     let surface = id - optic.first_id;
-    let turned = turn_at(surface, p, b.d / b.h, way.last);
+    var turned = turn_at(surface, p, b.d / b.h, way.last);
+    // corners' rays that cancel leave no direction, and no number where they cannot be scaled
+    let size = f32(dot(turned.d, turned.d));
+    if !(size > 0.0 && size < SIZE_MAX) {
+        turned.d = real3(real(0.0));
+    }
     store_vector(at, turned.place);
     store_vector(at + 3u, turned.d);
     let first = select(way.first, surface, way.first == NONE);
     let length = way.length + f32(norm(turned.place - p));
-    turned_ways[pixel] = Way(way.light * optic.tint, length, first, id, 0u, 0u);
+    let light = way.light * optic.tint * optic.scale * f32(turned.share);
+    turned_ways[pixel] = Way(light, length, first, id, 0u, 0u);
 }

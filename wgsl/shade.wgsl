@@ -3,8 +3,14 @@
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 
 fn store(plane: u32, at: Place, word: u32) {
-    if plane != NONE {
+    if plane != NONE && says_what_is_seen() {
         planes[plane * at.count + at.pixel] = word;
+    }
+}
+
+fn add(plane: u32, at: Place, light: f32) {
+    if plane != NONE {
+        planes[plane * at.count + at.pixel] = bitcast<u32>(light_before(plane, at) + light);
     }
 }
 
@@ -104,9 +110,9 @@ fn store_piece(at: Place, piece: u32) {
 
 fn store_light(at: Place, colour: vec3<f32>) {
     let left = light_left(at.pixel) * colour;
-    store(PLANE_R, at, bitcast<u32>(left.x));
-    store(PLANE_G, at, bitcast<u32>(left.y));
-    store(PLANE_B, at, bitcast<u32>(left.z));
+    add(PLANE_R, at, left.x);
+    add(PLANE_G, at, left.y);
+    add(PLANE_B, at, left.z);
 }
 
 // Weights of the file's corners in recheck arithmetic: E12, E20 and E01 over their sum, which is h N . d.

@@ -1,5 +1,6 @@
 //! Running frames: encode, submit, look at the status, grow and run again, read the image.
 
+use super::passes::Pass;
 use super::resident::Resident;
 use super::{Capacities, Counts, Rendered, RunOptions, join};
 use crate::camera::Camera;
@@ -137,12 +138,16 @@ impl Frames<'_> {
             Submitted { status, planes: Vec::new(), srgb8: Vec::new(), times: self.stage_times(), passes: 0 };
         for (index, band) in self.plan.bands.iter().enumerate() {
             let pixels = band.rows * self.camera.width;
-            for turns in 0..=resident.depth() {
-                if turns > 0 {
-                    self.encode_turn(&mut encoder, &mut submitted, index, turns)?;
+            if let (Some(_), Some(planes)) = (&resident.turns, resident.shared.get("planes")) {
+                // what passes share adds up
+                encoder.clear_buffer(planes, 0, None);
+            }
+            for (pass, Pass { turns, .. }) in resident.passes.iter().enumerate() {
+                if *turns > 0 {
+                    self.encode_turn(&mut encoder, &mut submitted, index, pass)?;
                 }
-                self.encode_visibility(&mut encoder, &mut submitted, index, turns)?;
-                self.encode_planes(&mut encoder, &mut submitted, index, turns)?;
+                self.encode_visibility(&mut encoder, &mut submitted, index, pass)?;
+                self.encode_planes(&mut encoder, &mut submitted, index, pass)?;
             }
             if self.wanted.srgb8 {
                 self.encode_srgb(&mut encoder, &mut submitted, index)?;
@@ -169,102 +174,107 @@ impl Frames<'_> {
         Ok(submitted)
     }
 
-    /// The kernels for rays that were turned so many times.
-    fn stages_after(&self, turns: u32) -> &Stages {
-        self.turned.filter(|_| turns > 0).unwrap_or(self.stages)
+    /// The kernels of a pass.
+    fn stages_of(&self, pass: usize) -> &Stages {
+        self.turned.filter(|_| self.resident.passes[pass].turns > 0).unwrap_or(self.stages)
     }
 
     fn pixels(&self, band: usize) -> u32 {
         self.plan.bands[band].rows * self.camera.width
     }
 
-    /// Turns the rays of a band that meet the optics, and bounds what comes of it.
+    /// Turns the rays of a band that meet the optics to those of a pass, and bounds what comes of it.
     fn encode_turn(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         submitted: &mut Submitted,
         band: usize,
-        turns: u32,
+        pass: usize,
     ) -> Result<()> {
         let (gpu, resident) = (self.gpu, &self.resident);
-        let (Some(target), Some(job)) = (&resident.turns, resident.jobs(band, turns - 1).next()) else { return Ok(()) };
-        let mut scopes = resident.scopes(&job, band, turns - 1);
-        scopes.push(target.target(turns));
-        let mut pass = submitted.pass(encoder, "bounce");
-        self.stages_after(turns - 1).bounce(gpu, &mut pass, &scopes, self.pixels(band))?;
-        drop(pass);
-        let Some(job) = resident.jobs(band, turns).next() else { return Ok(()) };
-        let mut pass = submitted.pass(encoder, "fit");
-        let scopes = resident.scopes(&job, band, turns);
-        self.stages_after(turns).fit(gpu, &mut pass, &scopes, &self.plan.bands[band].nodes.levels)
+        let turns = resident.passes[pass].turns;
+        let Some(before) = resident.passes[..pass].iter().rposition(|p| p.turns + 1 == turns) else { return Ok(()) };
+        let (Some(own), Some(job)) = (&resident.turns, resident.jobs(band, before).next()) else { return Ok(()) };
+        let scopes = [vec![own.pass(pass), own.target(turns)], resident.scopes(&job, band, before)].concat();
+        let mut encoded = submitted.pass(encoder, "bounce");
+        self.stages_of(before).bounce(gpu, &mut encoded, &scopes, self.pixels(band))?;
+        drop(encoded);
+        let Some(job) = resident.jobs(band, pass).next() else { return Ok(()) };
+        let mut encoded = submitted.pass(encoder, "fit");
+        let scopes = resident.scopes(&job, band, pass);
+        self.stages_of(pass).fit(gpu, &mut encoded, &scopes, &self.plan.bands[band].nodes.levels)
     }
 
-    /// Fills the visibility buffer of a band with what its rays meet after so many turns: cull, bin and raster of every
-    /// job, and what is no triangle.
+    /// Fills the visibility buffer of a band with what its rays of a pass meet: cull, bin and raster of every job, and what is
+    /// no triangle.
     fn encode_visibility(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         submitted: &mut Submitted,
         band: usize,
-        turns: u32,
+        pass: usize,
     ) -> Result<()> {
-        let (gpu, resident, stages) = (self.gpu, &self.resident, self.stages_after(turns));
-        let clear = |encoder: &mut wgpu::CommandEncoder, name: &str, bytes: Option<u64>| {
-            if let Some(buffer) = resident.shared.get(name) {
+        let (gpu, resident, stages) = (self.gpu, &self.resident, self.stages_of(pass));
+        let is_turned = resident.passes[pass].turns > 0;
+        let clear = |encoder: &mut wgpu::CommandEncoder, buffer: Option<&wgpu::Buffer>, bytes: Option<u64>| {
+            if let Some(buffer) = buffer {
                 encoder.clear_buffer(buffer, 0, bytes);
             }
         };
-        clear(encoder, "visibility", Some(8 * self.pixels(band) as u64));
+        if let Some(job) = resident.jobs(band, pass).next() {
+            let scopes = resident.scopes(&job, band, pass);
+            clear(encoder, scopes.iter().find_map(|s| s.get("visibility")), Some(8 * self.pixels(band) as u64));
+        }
         // where turned rays are torn is not known beforehand
         let nodes = &self.plan.bands[band].nodes;
-        let steps = if turns > 0 { nodes.levels.len() as u32 } else { nodes.cull_steps() };
-        let alone = resident.jobs(band, turns).filter(|j| j.clusters > 0).count() == 1;
+        let steps = if is_turned { nodes.levels.len() as u32 } else { nodes.cull_steps() };
+        let alone = resident.jobs(band, pass).filter(|j| j.clusters > 0).count() == 1;
         for step in 0..stages.raster_steps() {
-            for job in resident.jobs(band, turns).filter(|j| j.clusters > 0) {
-                let scopes = resident.scopes(&job, band, turns);
+            for job in resident.jobs(band, pass).filter(|j| j.clusters > 0) {
+                let scopes = resident.scopes(&job, band, pass);
                 // the pairs of a lone job are still there for the second step
                 if step == 0 || !alone {
-                    clear(encoder, "counters", None);
-                    let mut pass = submitted.pass(encoder, "cull");
-                    stages.cull(gpu, &mut pass, &scopes, job.clusters, steps)?;
-                    drop(pass);
-                    let mut pass = submitted.pass(encoder, "bin");
-                    stages.bin(gpu, &mut pass, &scopes)?;
+                    clear(encoder, resident.shared.get("counters"), None);
+                    let mut encoded = submitted.pass(encoder, "cull");
+                    stages.cull(gpu, &mut encoded, &scopes, job.clusters, steps)?;
+                    drop(encoded);
+                    let mut encoded = submitted.pass(encoder, "bin");
+                    stages.bin(gpu, &mut encoded, &scopes)?;
                 }
-                let mut pass = submitted.pass(encoder, "raster");
-                stages.raster(gpu, &mut pass, &scopes, step)?;
-                drop(pass);
+                let mut encoded = submitted.pass(encoder, "raster");
+                stages.raster(gpu, &mut encoded, &scopes, step)?;
+                drop(encoded);
                 if let (0, Some(counters)) = (step, resident.shared.get("counters")) {
                     let at = STATUS_BYTES * job.index as u64;
                     encoder.copy_buffer_to_buffer(counters, 0, &submitted.status, at, STATUS_BYTES);
                 }
             }
-            if let (true, Some(job)) = (stages.meets(), resident.jobs(band, turns).next()) {
-                let mut pass = submitted.pass(encoder, "meet");
-                stages.meet(gpu, &mut pass, &resident.scopes(&job, band, turns), self.pixels(band), step)?;
+            if let (true, Some(job)) = (stages.meets(), resident.jobs(band, pass).next()) {
+                let mut encoded = submitted.pass(encoder, "meet");
+                stages.meet(gpu, &mut encoded, &resident.scopes(&job, band, pass), self.pixels(band), step)?;
             }
         }
         Ok(())
     }
 
-    /// Writes a band's planes where its rays end after so many turns.
+    /// Writes a band's planes where its rays end in a pass.
     fn encode_planes(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         submitted: &mut Submitted,
         band: usize,
-        turns: u32,
+        pass: usize,
     ) -> Result<()> {
         let mut shaded = None;
-        for job in self.resident.jobs(band, turns) {
+        for job in self.resident.jobs(band, pass) {
             // once a chunk: the batches of one chunk share its ids
             if shaded == Some(job.chunk.id_first) {
                 continue;
             }
             shaded = Some(job.chunk.id_first);
-            let scopes = self.resident.scopes(&job, band, turns);
-            let mut pass = submitted.pass(encoder, "shade");
-            self.stages_after(turns).shade(self.gpu, &mut pass, &scopes, self.pixels(band))?;
+            let scopes = self.resident.scopes(&job, band, pass);
+            let mut encoded = submitted.pass(encoder, "shade");
+            self.stages_of(pass).shade(self.gpu, &mut encoded, &scopes, self.pixels(band))?;
         }
         Ok(())
     }
@@ -304,7 +314,7 @@ impl Frames<'_> {
     }
 
     fn stage_times(&self) -> Option<StageTimes> {
-        let bands = self.plan.bands.len() as u32 * (self.resident.depth() + 1);
+        let bands = (self.plan.bands.len() * self.resident.passes.len()) as u32;
         let passes = 6 * (self.resident.job_count() as u32 + bands);
         let count = 2 * passes;
         (self.gpu.has.timestamps && count <= QUERIES_MAX).then(|| StageTimes {

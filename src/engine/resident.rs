@@ -1,6 +1,7 @@
 //! What lies on the device between frames: the scene's chunks, the bands' tables, and the lists between the stages.
 
 use super::Capacities;
+use super::passes::{Pass, passes};
 use super::tables::{Look, Span, TURNED_T_RANGE, params};
 use super::turns::Turns;
 use crate::camera::Camera;
@@ -26,6 +27,8 @@ pub struct Resident {
     params: Vec<Buffers>,
     /// The same for rays that were turned.
     turned_params: Vec<Buffers>,
+    /// All passes of a frame.
+    pub passes: Vec<Pass>,
     /// What rays are turned by.
     pub turns: Option<Turns>,
     vertex_reach: f32,
@@ -60,6 +63,7 @@ impl Resident {
         wanted: &Wanted,
         capacities: Option<Capacities>,
     ) -> Result<Resident> {
+        let passes = passes(camera.optics.as_deref());
         let mut resident = Resident {
             chunks: Vec::new(),
             bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
@@ -68,7 +72,8 @@ impl Resident {
             batches: 1,
             params: Vec::new(),
             turned_params: Vec::new(),
-            turns: camera.optics.as_ref().map(|o| Turns::new(gpu, scene, camera, o, plan)).transpose()?,
+            turns: camera.optics.as_ref().map(|o| Turns::new(gpu, scene, camera, o, plan, &passes)).transpose()?,
+            passes,
             vertex_reach: 0.0,
             without_area: 0,
         };
@@ -166,31 +171,27 @@ impl Resident {
         (at(batch), at(batch + 1) - at(batch))
     }
 
-    /// Every batch of every chunk over band `band`, for rays that were turned so many times.
-    pub fn jobs(&self, band: usize, turns: u32) -> impl Iterator<Item = Job<'_>> {
-        let all = if turns == 0 { &self.params } else { &self.turned_params };
+    /// Every batch of every chunk over band `band`, in a pass by its number.
+    pub fn jobs(&self, band: usize, pass: usize) -> impl Iterator<Item = Job<'_>> {
+        let all = if self.passes[pass].turns == 0 { &self.params } else { &self.turned_params };
         let per_band = self.chunks.len() * self.batches as usize;
         (0..per_band).map(move |k| {
             let chunk = &self.chunks[k / self.batches as usize];
             let index = band * per_band + k;
             let clusters = self.batch(chunk, k as u32 % self.batches).1;
-            let passed = turns as usize * self.params.len();
+            let passed = pass * self.params.len();
             Job { index: passed + index, chunk, params: &all[index], clusters }
         })
     }
 
     pub fn job_count(&self) -> usize {
-        self.params.len() * (self.depth() as usize + 1)
+        self.params.len() * self.passes.len()
     }
 
-    /// How many times rays are turned.
-    pub fn depth(&self) -> u32 {
-        self.turns.as_ref().map_or(0, |t| t.depth)
-    }
-
-    /// Where kernels find the buffers of a job over a band, its rays turned so many times.
-    pub fn scopes<'a>(&'a self, job: &Job<'a>, band: usize, turns: u32) -> Vec<&'a Buffers> {
-        let own = self.turns.iter().flat_map(|t| t.scopes(turns, band));
+    /// Where kernels find the buffers of a job over a band in a pass.
+    pub fn scopes<'a>(&'a self, job: &Job<'a>, band: usize, pass: usize) -> Vec<&'a Buffers> {
+        let own =
+            self.turns.iter().flat_map(|t| [vec![t.pass(pass)], t.scopes(self.passes[pass].turns, band)].concat());
         [job.params].into_iter().chain(own).chain([&job.chunk.buffers, &self.bands[band], &self.shared]).collect()
     }
 

@@ -2,9 +2,10 @@
 //! of the scene.
 
 use super::Capacities;
+use super::passes::Pass;
 use crate::camera::Camera;
 use crate::gpu::rows::{self, LAW_FLAT, LAW_NORMALS, split2, split3};
-use crate::optics::{Facets, Law, Optics, Quadric, Surface, Turn};
+use crate::optics::{Branch, Facets, Law, Optics, Quadric, Surface, Turn};
 use crate::plan::nodes::Level;
 use crate::plan::{Band, Plan};
 use crate::scene::Scene;
@@ -95,8 +96,8 @@ pub fn params(
 /// t of rays that were turned.
 pub const TURNED_T_RANGE: [f64; 2] = [0.0, f64::INFINITY];
 
-/// The optics for the pass whose rays were turned so many times, in the scene with their facets.
-pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, turns: u32) -> rows::Optic {
+/// The optics for a pass, in the scene with their facets.
+pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass: &Pass) -> rows::Optic {
     let (law, eye) = match optics.surface {
         Surface::Facets { law: Law::Flat { eye }, .. } => (LAW_FLAT, eye - plan.anchor),
         _ => (LAW_NORMALS, DVec3::ZERO),
@@ -106,21 +107,30 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, turns
         Turn::Reflect => [0.0; 2],
         Turn::Refract { ior } => split2(ior),
     };
+    let [[tilt_x_hi, tilt_x_lo], [tilt_y_hi, tilt_y_lo]] = pass.tilt.to_array().map(split2);
     rows::Optic {
         eye_hi,
         first_id: optics.first_id(&scene.mesh),
         eye_lo,
         count: optics.surface_count() as u32,
         tint: optics.tint,
-        turns,
+        turns: pass.turns,
         base: optics.base,
-        ends: (turns == optics.depth) as u32,
+        ends: (pass.turns == optics.depth) as u32,
         middle: (plan.middle - plan.anchor).as_vec3().to_array(),
         law,
         ior_hi,
         ior_lo,
         sees_itself: optics.sees_itself() as u32,
         piece_first: camera.first_piece(camera.layers.len()),
+        tilt_x_hi,
+        tilt_x_lo,
+        tilt_y_hi,
+        tilt_y_lo,
+        fresnel: optics.fresnel as u32,
+        branch: (pass.branch == Branch::Reflected) as u32,
+        scale: pass.scale as f32,
+        colour_only: !pass.is_main as u32,
     }
 }
 

@@ -1,5 +1,6 @@
 //! What lies on the device for rays that a mirror or a lens turns: the surface, and for every turn the rays behind it.
 
+use super::passes::Pass;
 use super::tables;
 use crate::camera::Camera;
 use crate::error::Result;
@@ -12,15 +13,15 @@ use crate::plan::{Band, Plan};
 use crate::scene::Scene;
 use wgpu::BufferUsages;
 
-/// The optics' buffers. Rays after an odd number of turns lie in the first of two tables, after an even one in the second.
+/// The optics' buffers. The rays after k turns lie in table k - 1; where no ray is split, after an odd number of turns in the
+/// first of two, after an even one in the second.
 pub struct Turns {
-    pub depth: u32,
-    /// Of each pass, by how many turns lie behind its rays: the uniform `optic`.
+    /// Of each pass the uniform `optic`.
     passes: Vec<Buffers>,
     /// `ways` of rays that were not turned: nothing behind them. 32 bytes a pixel of the largest band, written by the host.
     untouched: Buffers,
     /// `rays_hi` and `rays_lo`, 24 bytes each a pixel of the largest band with a column and a row more, and `ways`; written
-    /// by bounce, read by all others.
+    /// by bounce, read by all others. Where rays are split, also `visibility`, 8 bytes a pixel, for the other branches.
     tables: Vec<Buffers>,
     /// The same under the names by which bounce writes them.
     targets: Vec<Buffers>,
@@ -31,7 +32,16 @@ pub struct Turns {
 }
 
 impl Turns {
-    pub fn new(gpu: &Gpu, scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan) -> Result<Turns> {
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        camera: &Camera,
+        optics: &Optics,
+        plan: &Plan,
+        passes: &[Pass],
+    ) -> Result<Turns> {
+        // the last pass of a number of turns is the only one
+        let is_split = passes.len() > optics.depth as usize + 1;
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0) as usize;
         let pixels = rows * camera.width as usize;
         let mut surface = Buffers::default();
@@ -44,10 +54,13 @@ impl Turns {
         let mut untouched = Buffers::default();
         let nothing = rows::Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, pad0: 0, pad1: 0 };
         untouched.upload(gpu, "ways", &vec![nothing; pixels])?;
-        let pass = |turns: u32| {
-            let mut pass = Buffers::default();
-            pass.upload_uniform(gpu, "optic", &tables::optic(scene, camera, optics, plan, turns))?;
-            Ok(pass)
+        if is_split {
+            untouched.create(gpu, "visibility", 8 * pixels as u64, BufferUsages::empty())?;
+        }
+        let pass = |pass: &Pass| {
+            let mut own = Buffers::default();
+            own.upload_uniform(gpu, "optic", &tables::optic(scene, camera, optics, plan, pass))?;
+            Ok(own)
         };
         let table = |_| {
             let bytes = 24 * (camera.width as u64 + 1) * (rows as u64 + 1);
@@ -55,9 +68,13 @@ impl Turns {
             table.create(gpu, "rays_hi", bytes, BufferUsages::empty())?;
             table.create(gpu, "rays_lo", bytes, BufferUsages::empty())?;
             table.create(gpu, "ways", 32 * pixels as u64, BufferUsages::empty())?;
+            if is_split {
+                table.create(gpu, "visibility", 8 * pixels as u64, BufferUsages::empty())?;
+            }
             Ok(table)
         };
-        let tables: Vec<Buffers> = (0..optics.depth.min(2)).map(table).collect::<Result<_>>()?;
+        let count = if is_split { optics.depth } else { optics.depth.min(2) };
+        let tables: Vec<Buffers> = (0..count).map(table).collect::<Result<_>>()?;
         let target = |table: &Buffers| {
             let mut target = Buffers::default();
             target.share("turned_hi", table, "rays_hi");
@@ -66,8 +83,7 @@ impl Turns {
             target
         };
         Ok(Turns {
-            depth: optics.depth,
-            passes: (0..=optics.depth).map(pass).collect::<Result<_>>()?,
+            passes: passes.iter().map(pass).collect::<Result<_>>()?,
             untouched,
             targets: tables.iter().map(target).collect(),
             tables,
@@ -76,19 +92,26 @@ impl Turns {
         })
     }
 
-    /// Where kernels find what a pass over a band has of its own, after so many turns.
+    /// Where kernels find what a band has of its own for rays after so many turns.
     pub fn scopes(&self, turns: u32, band: usize) -> Vec<&Buffers> {
-        let mut scopes = vec![&self.passes[turns as usize], &self.surface];
         match turns {
-            0 => scopes.push(&self.untouched),
-            n => scopes.extend([&self.tables[(n as usize + 1) % 2], &self.bands[band]]),
+            0 => vec![&self.surface, &self.untouched],
+            n => vec![&self.surface, &self.tables[self.table(n)], &self.bands[band]],
         }
-        scopes
+    }
+
+    /// The uniform of a pass, by its number.
+    pub fn pass(&self, number: usize) -> &Buffers {
+        &self.passes[number]
     }
 
     /// Where bounce writes the rays after so many turns.
     pub fn target(&self, turns: u32) -> &Buffers {
-        &self.targets[(turns as usize + 1) % 2]
+        &self.targets[self.table(turns)]
+    }
+
+    fn table(&self, turns: u32) -> usize {
+        (turns as usize - 1) % self.tables.len()
     }
 
     pub fn bytes(&self) -> u64 {

@@ -183,6 +183,14 @@ pub struct Optic {
     pub ior_lo: f32,
     pub sees_itself: u32,
     pub piece_first: u32,
+    pub tilt_x_hi: f32,
+    pub tilt_x_lo: f32,
+    pub tilt_y_hi: f32,
+    pub tilt_y_lo: f32,
+    pub fresnel: u32,
+    pub branch: u32,
+    pub scale: f32,
+    pub colour_only: u32,
 }
 
 /// What lies behind a pixel's ray, see the WGSL.

@@ -12,8 +12,9 @@ pub mod shape;
 
 use crate::scene::mesh::Mesh;
 pub use facets::{Facet, Facets};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 pub use quadric::Quadric;
+use std::f64::consts::PI;
 
 /// A mirror or a lens in front of a camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +24,12 @@ pub struct Optics {
     /// How many times a ray may be turned, at least 1. A ray that was turned once sees the scene alone where this is 1;
     /// where it is more, it sees the surface again, and ends on it after the last turn.
     pub depth: u32,
+    /// Where a ray is refracted, as much of its light as Fresnel's equations give it is reflected, and both are followed.
+    pub fresnel: bool,
+    /// Normals are tilted by up to this much, the tangent of the angle.
+    pub roughness: f64,
+    /// How many rays a pixel's is split into where it is first turned, each with a tilt of its own, for all its turns.
+    pub rays: u32,
     /// What is seen by way of the surface is multiplied by this at every turn, linear RGB.
     pub tint: [f32; 3],
     /// What the surface looks like where rays end on it, linear RGB.
@@ -58,6 +65,15 @@ pub enum Law {
     Normals,
 }
 
+/// The parts of a ray's light that are followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Branch {
+    /// Reflected by a mirror; refracted, or totally reflected, by a lens. It says what is seen.
+    Main,
+    /// Reflected where the rest is refracted.
+    Reflected,
+}
+
 /// Sine of the angle with the facet's plane at which the corners' rays must leave to be scaled to one height.
 pub const FLAT_LEAST: f64 = 1.0 / 64.0;
 
@@ -88,6 +104,23 @@ impl Optics {
     /// Id of the first facet or quadric: facets are the last triangles of `mesh`, quadrics come behind all of them.
     pub fn first_id(&self, mesh: &Mesh) -> u32 {
         (mesh.triangles.len() - (self.surface_count() - self.quadric_count())) as u32
+    }
+
+    /// What a ray is split into wherever it is turned.
+    pub fn branches(&self) -> &'static [Branch] {
+        if self.fresnel { &[Branch::Main, Branch::Reflected] } else { &[Branch::Main] }
+    }
+
+    /// The tilts of the normals, one a ray: in the frame of the tangent plane, evenly over a disc (Vogel's spiral). The first
+    /// ray says what is seen.
+    pub fn tilts(&self) -> Vec<DVec2> {
+        let n = f64::from(self.rays);
+        let turn = PI * (3.0 - 5f64.sqrt());
+        let tilt = |k: u32| {
+            let (s, c) = (f64::from(k) * turn).sin_cos();
+            self.roughness * ((f64::from(k) + 0.5) / n).sqrt() * DVec2::new(c, s)
+        };
+        if self.roughness == 0.0 { vec![DVec2::ZERO] } else { (0..self.rays).map(tilt).collect() }
     }
 
     /// Rays that were turned may meet the surface again.

@@ -39,7 +39,7 @@ pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
     let reference = Reference::build(&scene.mesh);
     let pixels = each_pixel(camera, |i, j| {
         let path = Path::of_pixel(camera, i, j);
-        pixel(scene, camera, &reference.shown(camera, path))
+        pixel(scene, camera, &reference, &reference.shown(camera, path), (i, j))
     });
     frame(camera, &pixels, channels)
 }
@@ -58,10 +58,10 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
         // a chain's verdict knows what is seen better than a second look
         let shown = match camera.optics {
             Some(_) => reference.shown(camera, path),
-            None => Outcome { seen: finding.seen, path, first: None },
+            None => Outcome { seen: finding.seen, path, first: None, light: 1.0 },
         };
         let speed = shown.path.speed(shown.seen.as_ref());
-        (pixel(scene, camera, &shown), finding.safe, (extent / speed) as f32, near)
+        (pixel(scene, camera, &reference, &shown, (i, j)), finding.safe, (extent / speed) as f32, near)
     });
     let pixels: Vec<&Pixel> = judged.iter().map(|j| &j.0).collect();
     Judgement {
@@ -83,31 +83,44 @@ fn each_pixel<T: Send>(camera: &Camera, f: impl Fn(u32, u32) -> T + Sync) -> Vec
     (0..w * camera.height as usize).into_par_iter().map(|k| f((k % w) as u32, (k / w) as u32)).collect()
 }
 
-fn pixel(scene: &Scene, camera: &Camera, shown: &Outcome) -> Pixel {
+fn pixel(scene: &Scene, camera: &Camera, reference: &Reference, shown: &Outcome, (i, j): (u32, u32)) -> Pixel {
     let behind = camera.first_piece(camera.layers.len());
     let mirror = shown.first.unwrap_or(NO_ID);
     let piece = |of_ray: u32| shown.first.map_or(of_ray, |first| behind + first);
-    let tint = |colour: [f32; 3]| match &camera.optics {
-        Some(optics) => {
-            let turns = shown.path.segments.len() as i32 - 1;
-            [0, 1, 2].map(|k| colour[k] * optics.tint[k].powi(turns))
+    let colour = match &camera.optics {
+        Some(optics) if shown.first.is_some() && (optics.fresnel || optics.rays > 1) => {
+            let path = Path::of_pixel(camera, i, j);
+            let add = |sum: [f64; 3], c: [f64; 3]| [0, 1, 2].map(|k| sum[k] + c[k]);
+            reference.shares(optics, &path).iter().map(|o| colour(scene, camera, o)).fold([0.0; 3], add)
         }
-        None => colour,
+        _ => colour(scene, camera, shown),
     };
+    let colour = colour.map(|c| c as f32);
     let Some(seen) = shown.seen else {
         let piece = if shown.first.is_some() { piece(NO_ID) } else { NO_ID };
-        let colour = tint(scene.background);
         return Pixel { colour, seen: None, piece, mirror, t: f32::INFINITY, z: f32::INFINITY };
-    };
-    let ends_on = camera.optics.as_ref().filter(|o| seen.hit.triangle >= o.first_id(&scene.mesh));
-    let colour = match ends_on {
-        Some(optics) => optics.base,
-        None => light(scene, &seen.hit, shown.path.of(&seen).view(seen.hit.t)),
     };
     // of turned rays t is that of the last alone
     let t = if camera.optics.is_some() { seen.hit.t } else { seen.t() };
     let z = shown.path.depth(&seen) as f32;
-    Pixel { colour: tint(colour), seen: Some(seen), piece: piece(seen.piece), mirror, t: t as f32, z }
+    Pixel { colour, seen: Some(seen), piece: piece(seen.piece), mirror, t: t as f32, z }
+}
+
+/// What an outcome adds to its pixel.
+fn colour(scene: &Scene, camera: &Camera, outcome: &Outcome) -> [f64; 3] {
+    let optics = camera.optics.as_ref();
+    let own = match outcome.seen {
+        None => scene.background,
+        Some(seen) => match optics.filter(|o| seen.hit.triangle >= o.first_id(&scene.mesh)) {
+            Some(optics) => optics.base,
+            None => light(scene, &seen.hit, outcome.path.of(&seen).view(seen.hit.t)),
+        },
+    };
+    let turns = outcome.path.segments.len() as i32 - 1;
+    [0, 1, 2].map(|k| {
+        let tint = optics.map_or(1.0, |o| f64::from(o.tint[k]).powi(turns));
+        outcome.light * tint * f64::from(own[k])
+    })
 }
 
 fn frame<P: std::borrow::Borrow<Pixel> + Sync>(camera: &Camera, pixels: &[P], channels: &[Channel]) -> Frame {

@@ -7,8 +7,8 @@ use super::path::{Path, Seen, Segment};
 use super::{Hit, Reference, nearer};
 use crate::camera::Camera;
 use crate::camera::bundle::{Bundle, Ray};
-use crate::optics::{FLAT_LEAST, Facet, Law, Optics, Quadric, Surface, Turn};
-use glam::DVec3;
+use crate::optics::{Branch, FLAT_LEAST, Facet, Law, Optics, Quadric, Surface, Turn};
+use glam::{DVec2, DVec3};
 
 /// What a pixel's path comes to.
 #[derive(Debug, Clone)]
@@ -18,6 +18,8 @@ pub struct Outcome {
     pub seen: Option<Seen>,
     /// The first surface that was met: facet or quadric.
     pub first: Option<u32>,
+    /// The share of the light that is left on this way, without the tint.
+    pub light: f64,
 }
 
 /// Other ways that are followed from ties at most.
@@ -28,14 +30,51 @@ impl Reference<'_> {
     pub fn shown(&self, camera: &Camera, path: Path) -> Outcome {
         match &camera.optics {
             Some(optics) => self.outcomes(optics, path).0,
-            None => Outcome { seen: self.first(&path), path, first: None },
+            None => Outcome { seen: self.first(&path), path, first: None, light: 1.0 },
         }
+    }
+
+    /// Everything that the light of a path is shared out to, tilts and branches; what it shows first of all.
+    pub fn shares(&self, optics: &Optics, path: &Path) -> Vec<Outcome> {
+        let tilts = optics.tilts();
+        let mut all = Vec::new();
+        for tilt in &tilts {
+            let start = Outcome { path: path.clone(), seen: None, first: None, light: 1.0 / tilts.len() as f64 };
+            let mut todo = vec![(start, None)];
+            while let Some((way, last)) = todo.pop() {
+                let layer = way.path.segments.len() - 1;
+                let next = way.path.segments[layer].and_then(|(piece, segment)| match segment {
+                    Segment::Straight(bundle) => Some((piece, bundle)),
+                    Segment::Curved(_) => None,
+                });
+                let hits = next.map(|(_, bundle)| self.hits(optics, &bundle, &way, last));
+                let first = hits.and_then(|hits| hits.into_iter().fold(None, nearer));
+                let (Some((piece, bundle)), Some(hit)) = (next, first) else {
+                    all.push(way);
+                    continue;
+                };
+                let branches = optics.branches().iter().rev();
+                let steps =
+                    branches.map(|b| self.step(optics, &way, piece, &bundle, hit, Spin { branch: *b, tilt: *tilt }));
+                for step in steps {
+                    match step {
+                        Way::Turned(way, last) => todo.push((way, Some(last))),
+                        Way::Ended(way) => {
+                            // it ends on all branches alike
+                            all.push(way);
+                            break;
+                        }
+                    }
+                }
+            }
+        }
+        all
     }
 
     /// The way of `path`, of one straight ray, through the optics, whose facets are the last triangles of the mesh; and the
     /// ways that tie with it.
     fn outcomes(&self, optics: &Optics, path: Path) -> (Outcome, Vec<Outcome>) {
-        let mut todo = vec![(Outcome { path, seen: None, first: None }, None)];
+        let mut todo = vec![(Outcome { path, seen: None, first: None, light: 1.0 }, None)];
         let mut done = Vec::new();
         while let Some((way, last)) = todo.pop() {
             let fork = self.go_on(optics, way, last);
@@ -62,7 +101,8 @@ impl Reference<'_> {
         let Some(main) = hits.iter().copied().fold(None, nearer) else {
             return Fork { main: Way::Ended(way), others: Vec::new() };
         };
-        let step = |hit: &Hit| self.step(optics, &way, piece, &bundle, *hit);
+        let spin = Spin { branch: Branch::Main, tilt: optics.tilts()[0] };
+        let step = |hit: &Hit| self.step(optics, &way, piece, &bundle, *hit, spin);
         let ties = hits.iter().filter(|h| h.triangle != main.triangle && !clears(main.t, h.t));
         let others = ties
             .map(|h| match step(h) {
@@ -100,7 +140,7 @@ impl Reference<'_> {
     }
 
     /// What becomes of a way at a hit.
-    fn step(&self, optics: &Optics, way: &Outcome, piece: u32, bundle: &Bundle, hit: Hit) -> Way {
+    fn step(&self, optics: &Optics, way: &Outcome, piece: u32, bundle: &Bundle, hit: Hit, spin: Spin) -> Way {
         let layer = way.path.segments.len() - 1;
         let mut way = way.clone();
         let surface = hit.triangle.checked_sub(optics.first_id(self.mesh));
@@ -110,14 +150,14 @@ impl Reference<'_> {
         };
         way.first = way.first.or(Some(surface));
         let ray = bundle.ray(0.0, 0.0);
-        let (place, direction) = match &optics.surface {
+        let (place, (direction, share)) = match &optics.surface {
             Surface::Facets { facets, law } => {
-                turned_by_facet(optics.turn, *law, &facets.facet(surface as usize), &ray, &hit)
+                turned_by_facet((optics, spin), *law, &facets.facet(surface as usize), &ray, &hit)
             }
             Surface::Quadrics(list) => {
                 let place = ray.origin + hit.t * ray.direction;
                 let normal = list[surface as usize].normal(place);
-                (place, turned(optics.turn, ray.direction, normal, normal))
+                (place, turned((optics, spin), ray.direction, normal, normal))
             }
         };
         let straight = |p: DVec3, d: DVec3| {
@@ -129,6 +169,7 @@ impl Reference<'_> {
         };
         way.path.segments[layer] = Some((piece, straight(ray.origin, place - ray.origin)));
         let goes_on = direction.is_finite() && direction != DVec3::ZERO;
+        way.light *= share;
         way.path.segments.push(goes_on.then(|| (piece, straight(place, direction))));
         Way::Turned(way, hit.triangle)
     }
@@ -198,36 +239,66 @@ fn meetings(quadric: &Quadric, ray: &Ray, starts_on_it: bool) -> Vec<f64> {
     roots.into_iter().filter(|t| t.is_finite() && quadric.holds(ray.origin + *t * d)).collect()
 }
 
-/// Where a ray is turned, and where to.
-fn turned_by_facet(turn: Turn, law: Law, facet: &Facet, ray: &Ray, hit: &Hit) -> (DVec3, DVec3) {
+/// How a ray is turned: which part of its light, and the tilt of normals.
+#[derive(Debug, Clone, Copy)]
+struct Spin {
+    branch: Branch,
+    tilt: DVec2,
+}
+
+/// Where a ray is turned; where to, and its share of the light.
+fn turned_by_facet(by: (&Optics, Spin), law: Law, facet: &Facet, ray: &Ray, hit: &Hit) -> (DVec3, (DVec3, f64)) {
     let weights = [1.0 - hit.bary[0] - hit.bary[1], hit.bary[0], hit.bary[1]];
     let mixed = |v: [DVec3; 3]| weights[0] * v[0] + weights[1] * v[1] + weights[2] * v[2];
     let [a, b, c] = facet.corners;
     let outside = (b - a).cross(c - a);
-    let direction = match law {
-        Law::Normals => turned(turn, ray.direction, mixed(facet.normals), outside),
+    let after = match law {
+        Law::Normals => turned(by, ray.direction, mixed(facet.normals), outside),
         Law::Flat { eye } => {
-            let at = |k: usize| turned(turn, facet.corners[k] - eye, facet.normals[k], outside);
-            let corners = [at(0), at(1), at(2)];
+            let at = |k: usize| turned(by, facet.corners[k] - eye, facet.normals[k], outside);
+            let ((a, share_a), (b, share_b), (c, share_c)) = (at(0), at(1), at(2));
+            let corners = [a, b, c];
             let heights = corners.map(|d| d.dot(outside.normalize()));
             let leaves = |side: f64| heights.iter().all(|h| side * h >= FLAT_LEAST);
-            if leaves(1.0) || leaves(-1.0) {
-                mixed([0, 1, 2].map(|k| corners[k] / heights[k].abs()))
-            } else {
-                mixed(corners)
-            }
+            let scaled = [0, 1, 2].map(|k| corners[k] / heights[k].abs());
+            let direction = if leaves(1.0) || leaves(-1.0) { mixed(scaled) } else { mixed(corners) };
+            (direction, weights[0] * share_a + weights[1] * share_b + weights[2] * share_c)
         }
     };
-    (mixed(facet.corners), direction)
+    (mixed(facet.corners), after)
 }
 
-/// The unit direction after a surface with a normal; which side is met, `outside` says.
-fn turned(turn: Turn, direction: DVec3, normal: DVec3, outside: DVec3) -> DVec3 {
-    let (d, n) = (direction.normalize(), normal.normalize());
+/// The unit direction after a surface with a normal, and its share of the light; which side is met, `outside` says. Zero where
+/// nothing goes that way.
+fn turned((optics, spin): (&Optics, Spin), direction: DVec3, normal: DVec3, outside: DVec3) -> (DVec3, f64) {
+    let d = direction.normalize();
+    let n = tilted(normal.normalize(), spin.tilt);
     let reflected = d - 2.0 * d.dot(n) * n;
-    let Turn::Refract { ior } = turn else { return reflected };
-    let eta = if d.dot(outside) < 0.0 { 1.0 / ior } else { ior };
+    let Turn::Refract { ior } = optics.turn else { return (reflected, 1.0) };
+    // indices on this side and on the other
+    let (n1, n2) = if d.dot(outside) < 0.0 { (1.0, ior) } else { (ior, 1.0) };
     let (cosine, against) = if d.dot(n) < 0.0 { (-d.dot(n), n) } else { (d.dot(n), -n) };
-    let square = 1.0 - eta * eta * (1.0 - cosine * cosine);
-    if square < 0.0 { reflected } else { eta * d + (eta * cosine - square.sqrt()) * against }
+    let square = 1.0 - (n1 / n2).powi(2) * (1.0 - cosine * cosine);
+    if square < 0.0 {
+        return if spin.branch == Branch::Main { (reflected, 1.0) } else { (DVec3::ZERO, 0.0) };
+    }
+    let inner = square.sqrt();
+    let refracted = n1 / n2 * d + (n1 / n2 * cosine - inner) * against;
+    let s = (n1 * cosine - n2 * inner) / (n1 * cosine + n2 * inner);
+    let p = (n2 * cosine - n1 * inner) / (n2 * cosine + n1 * inner);
+    let back = if optics.fresnel { (s * s + p * p) / 2.0 } else { 0.0 };
+    if spin.branch == Branch::Main { (refracted, 1.0 - back) } else { (reflected, back) }
+}
+
+/// A unit normal tilted in its tangent plane, whose axes are those of Duff et al. 2017.
+fn tilted(n: DVec3, tilt: DVec2) -> DVec3 {
+    if tilt == DVec2::ZERO {
+        return n;
+    }
+    let side = if n.z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (side + n.z);
+    let b = n.x * n.y * a;
+    let axes =
+        [DVec3::new(1.0 + side * n.x * n.x * a, side * b, -side * n.x), DVec3::new(b, side + n.y * n.y * a, -n.y)];
+    (n + tilt.x * axes[0] + tilt.y * axes[1]).normalize()
 }

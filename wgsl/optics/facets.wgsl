@@ -28,7 +28,8 @@ fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
     let w = e / (e.x + e.y + e.z);
     let place = w.x * v0 + w.y * v1 + w.z * v2;
     if optic.law == LAW_NORMALS {
-        return Turned(place, bent(d / norm(d), w.x * n0 + w.y * n1 + w.z * n2, outside));
+        let after = bent(d / norm(d), w.x * n0 + w.y * n1 + w.z * n2, outside);
+        return Turned(place, after.d, after.share);
     }
 
     // the corners' own turns, scaled to one height over the facet where all leave it
@@ -37,12 +38,13 @@ fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
     let d1 = bent((v1 - eye) / norm(v1 - eye), n1, outside);
     let d2 = bent((v2 - eye) / norm(v2 - eye), n2, outside);
     let up = outside / norm(outside);
-    let heights = real3(dot(d0, up), dot(d1, up), dot(d2, up));
+    let heights = real3(dot(d0.d, up), dot(d1.d, up), dot(d2.d, up));
     let least = min(heights.x, min(heights.y, heights.z));
     let most = max(heights.x, max(heights.y, heights.z));
     var scale = real3(real(1.0));
     if least >= FLAT_LEAST || most <= -FLAT_LEAST {
         scale = real3(real(1.0)) / abs(heights);
     }
-    return Turned(place, w.x * scale.x * d0 + w.y * scale.y * d1 + w.z * scale.z * d2);
+    let share = w.x * d0.share + w.y * d1.share + w.z * d2.share;
+    return Turned(place, w.x * scale.x * d0.d + w.y * scale.y * d1.d + w.z * scale.z * d2.d, share);
 }

@@ -70,5 +70,6 @@ fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
     let root = first_root(q, p, d, last == optic.first_id + surface, t_min_real(), t_max_real());
     let place = p + root.t * d;
     let normal = quadric_normal(q, place - real3(q.centre_hi) - real3(q.centre_lo));
-    return Turned(place, bent(d / norm(d), normal, normal));
+    let after = bent(d / norm(d), normal, normal);
+    return Turned(place, after.d, after.share);
 }

@@ -19,6 +19,14 @@ struct Optic {
     ior_lo: f32,
     sees_itself: u32,       // 1: turned rays may meet the surface again
     piece_first: u32,       // number of surface 0 among the camera's pieces
+    tilt_x_hi: f32,         // by which normals are tilted before the rays of the pass were turned
+    tilt_x_lo: f32,
+    tilt_y_hi: f32,
+    tilt_y_lo: f32,
+    fresnel: u32,           // 1: light is shared out between refraction and reflection
+    branch: u32,            // 0: refracted, or totally reflected; 1: the other part of the light
+    scale: f32,             // of the light, at the turn before the pass
+    colour_only: u32,       // 1: another pass says what is seen
 }
 
 // What lies behind a pixel's ray.
@@ -26,7 +34,7 @@ struct Way {
     light: vec3<f32>,       // what is seen counts this much
     length: f32,            // of all rays before
     first: u32,             // surface that was met first; NONE before any
-    last: u32,              // id of the surface that the ray starts on; NONE
+    last: u32,              // id of the surface that the ray starts on; NONE: the eye, or no turn
     pad0: u32,
     pad1: u32,
 }

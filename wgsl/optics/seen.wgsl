@@ -1,7 +1,7 @@
 // What a pixel shows where a mirror or a lens turns rays: what the last of them meets.
 
 fn is_under_way(x: u32, y: u32) -> bool {
-    return optic.turns == 0u || has_ray(0u, x, y);
+    return optic.turns == 0u || ways[y * params.width + x].last != NONE;
 }
 
 fn goes_on(id: u32) -> bool {
@@ -18,6 +18,15 @@ fn colour_of(id: u32, lit: vec3<f32>) -> vec3<f32> {
 
 fn light_left(pixel: u32) -> vec3<f32> {
     return ways[pixel].light;
+}
+
+// Passes that share a pixel's light add up; the planes start at 0.
+fn light_before(plane: u32, at: Place) -> f32 {
+    return bitcast<f32>(planes[plane * at.count + at.pixel]);
+}
+
+fn says_what_is_seen() -> bool {
+    return optic.colour_only == 0u;
 }
 
 fn way_length(pixel: u32) -> f32 {

@@ -23,6 +23,15 @@ fn light_left(pixel: u32) -> vec3<f32> {
     return vec3<f32>(1.0);
 }
 
+fn light_before(plane: u32, at: Place) -> f32 {
+    return 0.0;
+}
+
+// This pass writes the planes that are not colours.
+fn says_what_is_seen() -> bool {
+    return true;
+}
+
 fn way_length(pixel: u32) -> f32 {
     return 0.0;
 }

@@ -26,6 +26,9 @@ struct Optical {
 struct Common {
     turn: Turn,
     depth: u32,
+    fresnel: bool,
+    roughness: f64,
+    rays: u32,
     tint: [f32; 3],
     base: [f32; 3],
 }
@@ -45,17 +48,24 @@ enum Mode {
     Exact,
 }
 
-/// Turns of a ray at most.
+/// Turns of a ray at most; and where each splits it in two, which doubles the work.
 const DEPTH_MAX: u64 = 16;
+const FRESNEL_DEPTH_MAX: u64 = 8;
+
+/// Rays of a pixel on a rough surface, and at most.
+const RAYS: u64 = 16;
+const RAYS_MAX: u64 = 256;
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&["kind", "t_range", "eye", "mirror", "facets", "depth", "color", "base"])?;
+    table.allow(&["kind", "t_range", "eye", "mirror", "facets", "depth", "roughness", "rays", "color", "base"])?;
     let mirror = table.need("mirror", "{ shape = \"sphere\", radius = 1 }")?;
     read_optical(table, &mirror, Turn::Reflect)
 }
 
 pub fn read_refraction(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&["kind", "t_range", "eye", "lens", "facets", "ior", "depth", "color", "base"])?;
+    let own =
+        ["kind", "t_range", "eye", "lens", "facets", "ior", "depth", "fresnel", "roughness", "rays", "color", "base"];
+    table.allow(&own)?;
     let key = table.need("ior", "1.5")?;
     let ior = key.number()?;
     if ior <= 0.0 {
@@ -90,7 +100,22 @@ fn read_optical(table: &Table, surface: &Field, turn: Turn) -> Result<Arc<dyn Re
         return Err(key.error(format_args!("{why}; use depth = 1 or facets = \"normals\"")));
     }
     let (tint, base) = (table.or("color", [1.0; 3], Field::color)?, table.or("base", [0.0; 3], Field::color)?);
-    Ok(Arc::new(Optical { eye, source, facets, optics: Common { turn, depth, tint, base } }))
+    let fresnel = table.or("fresnel", false, Field::boolean)?;
+    if let (true, Some(key)) = (fresnel && u64::from(depth) > FRESNEL_DEPTH_MAX, table.get("depth")) {
+        return Err(key.error(format_args!(
+            "{depth} turns split a ray into {} with fresnel; use {FRESNEL_DEPTH_MAX} at most",
+            1u64 << depth
+        )));
+    }
+    let roughness = table.or("roughness", 0.0, |f| {
+        let value = f.number()?;
+        if value >= 0.0 { Ok(value) } else { Err(f.error(format_args!("{value} is below 0; use a tangent from 0"))) }
+    })?;
+    let rays = if roughness > 0.0 { table.or("rays", RAYS, |f| f.integer(1, RAYS_MAX))? as u32 } else { 1 };
+    if let (true, Some(key)) = (roughness == 0.0, table.get("rays")) {
+        return Err(key.error("several rays need a roughness above 0; add it or leave this out"));
+    }
+    Ok(Arc::new(Optical { eye, source, facets, optics: Common { turn, depth, fresnel, roughness, rays, tint, base } }))
 }
 
 fn read_mode(key: &Field, source: &Source) -> Result<Mode> {
@@ -137,8 +162,8 @@ impl Recipe for Optical {
                 (Surface::Facets { facets, law }, format!("the surface is cut into {n} facet{}", plural(n)))
             }
         };
-        let Common { turn, depth, tint, base } = self.optics;
-        let optics = Optics { turn, surface, depth, tint, base };
+        let Common { turn, depth, fresnel, roughness, rays, tint, base } = self.optics;
+        let optics = Optics { turn, surface, depth, fresnel, roughness, rays, tint, base };
         let notes = [eye.notes, vec![note]].concat();
         let size = (eye.width, eye.height);
         Ok(Built { size, layers: eye.layers, unit_t: false, optics: Some(Arc::new(optics)), notes })
