@@ -1,5 +1,6 @@
 //! The compute engine: plan, upload, stages, status, grow, image.
 
+mod atlas;
 mod frames;
 pub mod passes;
 mod resident;
@@ -84,6 +85,7 @@ impl Engine {
 
     /// Renders `scene` through `camera`.
     pub fn render(&mut self, scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Result<Rendered> {
+        let atlas = self.atlas(scene, camera, wanted, run)?;
         let scene = &*scene.with_optics(camera);
         let around = Surroundings::of(camera, scene.bounds());
         let has_normals = !scene.mesh.normals.is_empty();
@@ -97,13 +99,21 @@ impl Engine {
             Ok(())
         };
         compile(&mut self.stages, plan.variant)?;
-        if camera.optics.is_some() {
+        if plan.variant.turns_rays() {
             compile(&mut self.turned, plan.variant.after_turn())?;
         }
         let Some(stages) = &self.stages else { return Err(Error::work("no kernels")) };
         let turned = self.turned.as_ref();
-        let resident = Resident::new(&self.gpu, scene, camera, &plan, wanted, run.capacities)?;
-        frames::Frames { gpu: &self.gpu, stages, turned, scene, camera, plan: &plan, wanted, resident }.run(run)
+        let mut resident = Resident::new(&self.gpu, scene, camera, &plan, wanted, run.capacities)?;
+        if let Some(atlas) = &atlas {
+            atlas.upload(&self.gpu, &mut resident.shared)?;
+        }
+        let frames = frames::Frames { gpu: &self.gpu, stages, turned, scene, camera, plan: &plan, wanted, resident };
+        let rendered = frames.run(run)?;
+        Ok(match atlas {
+            Some(atlas) => atlas.joined(rendered),
+            None => rendered,
+        })
     }
 }
 

@@ -74,7 +74,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 35] = [
+pub const EXAMPLES: [Example; 40] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -85,9 +85,11 @@ pub const EXAMPLES: [Example; 35] = [
     example!("mesh", None, "a lens over a city: 450 pieces in a file of their own", make::lens),
     example!("panorama", None, "the teapot unrolled by 270 degrees: a mesh camera around it", make::ring),
     example!("fisheye", None, "a city from a crossing, straight up: a ray map in two files", make::fisheye),
+    example!("magnifier", None, "a cow through a magnifying glass: a lens of two faces and a rim"),
     example!("city-cross-slit", Some("Yu 1"), "a city of 15,000 triangles through two slits"),
     example!("cow-panorama", Some("Yu 6"), "a cow from all around"),
     example!("teapot-panorama", Some("Yu 7"), "a teapot from 270 degrees around"),
+    example!("mirror-ball", Some("Yu 8"), "a mirror ball of 960 facets, one GLC each"),
     example!("hinge", Some("Yu 9"), "faux animation: a cow turns its head by a second camera"),
     example!("columns", Some("Brosz 5"), "irregular perspective: columns that keep their shape"),
     example!("cylinders", Some("Brosz 6"), "a cylindrical panorama between nested cylinders"),
@@ -109,6 +111,9 @@ pub const EXAMPLES: [Example; 35] = [
     example!("graph-camera", Some("Popescu 9"), "the same two views by a graph camera, with its breaks"),
     example!("city-cylinder", Some("Lorenz 1, 4"), "a city all around in 160 perspective strips"),
     example!("deformation", Some("Lorenz 5, 6"), "a city deformed by a grid of offsets", make::offsets),
+    example!("mirror-ring", Some("Hou 1, 6"), "a mirror of mixed curvature that sees itself"),
+    example!("water", Some("Hou 9"), "objects under water: 12 facets that refract"),
+    example!("glass-ball", Some("Hou 8"), "a ball of glass: two refractions and Fresnel's reflections"),
     example!("surround", Some("Hou 12"), "a walker from all around by 400 cameras", make::barrel),
 ];
 

@@ -154,7 +154,12 @@ fn host() -> Layouts {
             branch,
             scale,
             colour_only,
+            from_hi,
+            is_environment,
+            from_lo,
+            pad0,
         }),
+        layout!(AtlasLayout { side, columns, width, texel_count }),
         layout!(Way { light, length, first, last, pad0, pad1 }),
         layout!(Corner { p_hi, pad0, p_lo, pad1, n_hi, pad2, n_lo, pad3 }),
         layout!(Quadric {

@@ -50,7 +50,7 @@ fn bounce(
     if !(size > 0.0 && size < SIZE_MAX) {
         turned.d = real3(real(0.0));
     }
-    store_vector(at, turned.place);
+    store_vector(at, select(turned.place, real3(optic.from_hi) + real3(optic.from_lo), optic.is_environment == 1u));
     store_vector(at + 3u, turned.d);
     let first = select(way.first, surface, way.first == NONE);
     let length = way.length + f32(norm(turned.place - p));

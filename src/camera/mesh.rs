@@ -53,7 +53,7 @@ fn piece(spec: &MeshCameraSpec, index: usize, triangle: &[u32; 3], size: DVec2) 
 }
 
 /// The piece over an image triangle (px) of some area whose corners have the rays `rays`: P and D are affine between.
-pub(super) fn triangle(corners: [DVec2; 3], rays: [Ray; 3]) -> Piece {
+pub(crate) fn triangle(corners: [DVec2; 3], rays: [Ray; 3]) -> Piece {
     let p = interpolated(&corners, rays.map(|r| r.origin));
     let d = interpolated(&corners, rays.map(|r| r.direction));
     let centre_px = (corners[0] + corners[1] + corners[2]) / 3.0;

@@ -149,6 +149,10 @@ impl Frames<'_> {
                 self.encode_visibility(&mut encoder, &mut submitted, index, pass)?;
                 self.encode_planes(&mut encoder, &mut submitted, index, pass)?;
             }
+            if let (true, Some(job)) = (self.stages.pastes(), resident.jobs(index, 0).next()) {
+                let mut encoded = submitted.pass(&mut encoder, "paste");
+                self.stages.paste(gpu, &mut encoded, &resident.scopes(&job, index, 0), self.pixels(index))?;
+            }
             if self.wanted.srgb8 {
                 self.encode_srgb(&mut encoder, &mut submitted, index)?;
             }

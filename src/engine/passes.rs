@@ -22,7 +22,7 @@ pub struct Pass {
 pub fn passes(optics: Option<&Optics>) -> Vec<Pass> {
     let eye = Pass { turns: 0, branch: Branch::Main, tilt: DVec2::ZERO, scale: 1.0, is_main: true };
     let mut list = vec![eye];
-    let Some(optics) = optics else { return list };
+    let Some(optics) = optics.filter(|o| o.atlas.is_none()) else { return list };
     let tilts = optics.tilts();
     for (k, tilt) in tilts.iter().enumerate() {
         let first = Pass { tilt: *tilt, scale: 1.0 / tilts.len() as f64, is_main: k == 0, ..eye };
@@ -58,6 +58,8 @@ mod tests {
             fresnel,
             roughness: if rays > 1 { 0.1 } else { 0.0 },
             rays,
+            environment: None,
+            atlas: None,
             tint: [1.0; 3],
             base: [0.0; 3],
         }

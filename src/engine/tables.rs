@@ -107,6 +107,7 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
         Turn::Reflect => [0.0; 2],
         Turn::Refract { ior } => split2(ior),
     };
+    let [from_hi, from_lo] = split_vector(optics.environment.map_or(DVec3::ZERO, |p| p - plan.anchor));
     let [[tilt_x_hi, tilt_x_lo], [tilt_y_hi, tilt_y_lo]] = pass.tilt.to_array().map(split2);
     rows::Optic {
         eye_hi,
@@ -116,7 +117,7 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
         tint: optics.tint,
         turns: pass.turns,
         base: optics.base,
-        ends: (pass.turns == optics.depth) as u32,
+        ends: (pass.turns == optics.depth && optics.atlas.is_none()) as u32,
         middle: (plan.middle - plan.anchor).as_vec3().to_array(),
         law,
         ior_hi,
@@ -131,6 +132,10 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
         branch: (pass.branch == Branch::Reflected) as u32,
         scale: pass.scale as f32,
         colour_only: !pass.is_main as u32,
+        from_hi,
+        is_environment: optics.environment.is_some() as u32,
+        from_lo,
+        pad0: 0,
     }
 }
 

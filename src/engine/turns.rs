@@ -40,8 +40,9 @@ impl Turns {
         plan: &Plan,
         passes: &[Pass],
     ) -> Result<Turns> {
-        // the last pass of a number of turns is the only one
-        let is_split = passes.len() > optics.depth as usize + 1;
+        let depth = passes.iter().map(|p| p.turns).max().unwrap_or(0);
+        // of each number of turns there is one pass
+        let is_split = passes.len() > depth as usize + 1;
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0) as usize;
         let pixels = rows * camera.width as usize;
         let mut surface = Buffers::default();
@@ -73,7 +74,7 @@ impl Turns {
             }
             Ok(table)
         };
-        let count = if is_split { optics.depth } else { optics.depth.min(2) };
+        let count = if is_split { depth } else { depth.min(2) };
         let tables: Vec<Buffers> = (0..count).map(table).collect::<Result<_>>()?;
         let target = |table: &Buffers| {
             let mut target = Buffers::default();

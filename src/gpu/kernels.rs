@@ -22,6 +22,8 @@ pub enum RaysKind {
 pub enum OpticsKind {
     Facets,
     Quadrics,
+    /// Facets that are looked up in an atlas.
+    Atlas,
 }
 
 /// Which variants of the kernels a scene and an adapter need.
@@ -104,10 +106,10 @@ impl Variant {
             for rays in [RaysKind::Pieces, RaysKind::Field].into_iter().chain(curves) {
                 list.extend([false, true].map(|sheeted| variant(rays, sheeted, None)));
             }
-            for optics in [OpticsKind::Facets, OpticsKind::Quadrics] {
+            for optics in [OpticsKind::Facets, OpticsKind::Quadrics, OpticsKind::Atlas] {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
                 list.extend(seen);
-                list.push(seen[0].after_turn());
+                list.extend(seen[0].turns_rays().then(|| seen[0].after_turn()));
             }
         }
         list
@@ -148,6 +150,11 @@ impl Variant {
                 &[snippet!("camera/curves_coverage.wgsl"), snippet!("camera/curves_meeting.wgsl")]
             }
         }
+    }
+
+    /// There are passes after the eye's.
+    pub fn turns_rays(self) -> bool {
+        matches!(self.optics, Some(OpticsKind::Facets | OpticsKind::Quadrics))
     }
 
     /// The rays of the pass after this one's.
@@ -385,6 +392,26 @@ pub fn bounce(variant: Variant) -> Kernel {
     kernel
 }
 
+/// What facets show, from their atlas.
+pub fn paste(variant: Variant, planes: &[Channel]) -> Kernel {
+    let (surface, snippet) = variant.surface();
+    let mut bindings = vec![
+        params(),
+        optic(),
+        uniform("atlas_layout", "AtlasLayout"),
+        read("visibility", "array<u32>"),
+        surface,
+        read("atlas", "array<u32>"),
+        write("planes", "array<u32>"),
+    ];
+    bindings.extend(variant.pixel_rays());
+    let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN, SHADING];
+    let own = [variant.camera(), snippet, snippet!("paste.wgsl")];
+    let mut kernel = kernel("paste", bindings, &[&snippets[..], &own[..], variant.pixel()].concat());
+    kernel.constants = [variant.constants(), plane_constants(planes)].concat();
+    kernel
+}
+
 /// Bounds on the rays that were turned, node by node.
 pub fn fit(variant: Variant) -> Kernel {
     let variant = variant.after_turn();
@@ -437,9 +464,13 @@ pub fn sift() -> Kernel {
 /// All kernels of a variant that writes `planes`, in the order of the pipeline, and those beside it.
 pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     let mut all = vec![args(), cull(), bin(variant), raster(variant), shade(variant, planes)];
-    if let Some(optics) = variant.optics {
+    if variant.turns_rays() {
         all.extend([bounce(variant), fit(variant)]);
-        all.extend((optics == OpticsKind::Quadrics).then(|| meet(variant)));
+    }
+    match variant.optics {
+        Some(OpticsKind::Quadrics) => all.push(meet(variant)),
+        Some(OpticsKind::Atlas) => all.push(paste(variant, planes)),
+        _ => {}
     }
     all.extend([write_srgb(planes), sift()]);
     all

@@ -191,6 +191,20 @@ pub struct Optic {
     pub branch: u32,
     pub scale: f32,
     pub colour_only: u32,
+    pub from_hi: [f32; 3],
+    pub is_environment: u32,
+    pub from_lo: [f32; 3],
+    pub pad0: u32,
+}
+
+/// Where facets lie in an atlas, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct AtlasLayout {
+    pub side: u32,
+    pub columns: u32,
+    pub width: u32,
+    pub texel_count: u32,
 }
 
 /// What lies behind a pixel's ray, see the WGSL.

@@ -6,9 +6,11 @@
 //!
 //! Hou, Wei, Shum and Guo 2006, sections 2 and 3; Yu, Yu and McMillan 2009, section 5.2.
 
+pub mod atlas;
 pub mod facets;
 pub mod quadric;
 pub mod shape;
+pub mod turn;
 
 use crate::scene::mesh::Mesh;
 pub use facets::{Facet, Facets};
@@ -30,6 +32,11 @@ pub struct Optics {
     pub roughness: f64,
     /// How many rays a pixel's is split into where it is first turned, each with a tilt of its own, for all its turns.
     pub rays: u32,
+    /// Turned rays go on from this point of the world, not from where they were turned: what an environment map that was
+    /// taken there shows, as finely as one likes (Blinn and Newell 1976). What is near is shown out of place.
+    pub environment: Option<DVec3>,
+    /// Facets are rendered to an atlas first, and looked up there: one turn, unsplit.
+    pub atlas: Option<Atlas>,
     /// What is seen by way of the surface is multiplied by this at every turn, linear RGB.
     pub tint: [f32; 3],
     /// What the surface looks like where rays end on it, linear RGB.
@@ -51,6 +58,16 @@ pub enum Turn {
 pub enum Surface {
     Facets { facets: Facets, law: Law },
     Quadrics(Vec<Quadric>),
+}
+
+/// The papers' own way: every facet's camera has a right-angled triangle of one size in a joint picture (Hou et al., section 2;
+/// the layout is that of `surround`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Atlas {
+    /// A side of the triangles.
+    pub texels: u32,
+    /// What the surface is seen from.
+    pub eye: DVec3,
 }
 
 /// How a facet turns rays.

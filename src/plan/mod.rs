@@ -115,6 +115,7 @@ impl Plan {
             sheeted: sheets.count() > 1,
             counting: wanted.counting,
             optics: camera.optics.as_ref().map(|o| match o.surface {
+                Surface::Facets { .. } if o.atlas.is_some() => OpticsKind::Atlas,
                 Surface::Facets { .. } => OpticsKind::Facets,
                 Surface::Quadrics(_) => OpticsKind::Quadrics,
             }),

@@ -1,7 +1,8 @@
 //! The stages of a frame, one file each: what it binds and how it is dispatched.
 //!
 //! `cull -> bin -> raster -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
-//! rays, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again. Apart from these is [`sift`],
+//! rays, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again, or [`paste`] from an atlas that was
+//! rendered before. Apart from these is [`sift`],
 //! which finds the parts of an image that may see a point.
 
 pub mod bin;
@@ -9,6 +10,7 @@ pub mod bounce;
 pub mod cull;
 pub mod fit;
 pub mod meet;
+pub mod paste;
 pub mod raster;
 pub mod shade;
 pub mod sift;
@@ -41,6 +43,7 @@ pub struct Stages {
     bounce: Option<Pipeline>,
     fit: Option<Pipeline>,
     meet: Option<Pipeline>,
+    paste: Option<Pipeline>,
     steps: Buffers,
     pub variant: Variant,
     /// The channels that `shade` writes.
@@ -64,9 +67,10 @@ impl Stages {
             raster: compile(kernels::raster(variant)),
             shade: compile(kernels::shade(variant, planes)),
             write: compile(kernels::write_srgb(planes)),
-            bounce: variant.optics.map(|_| compile(kernels::bounce(variant))),
-            fit: variant.optics.map(|_| compile(kernels::fit(variant))),
-            meet: variant.optics.filter(|o| *o == OpticsKind::Quadrics).map(|_| compile(kernels::meet(variant))),
+            bounce: variant.turns_rays().then(|| compile(kernels::bounce(variant))),
+            fit: variant.turns_rays().then(|| compile(kernels::fit(variant))),
+            meet: (variant.optics == Some(OpticsKind::Quadrics)).then(|| compile(kernels::meet(variant))),
+            paste: (variant.optics == Some(OpticsKind::Atlas)).then(|| compile(kernels::paste(variant, planes))),
             steps,
             variant,
             planes: planes.to_vec(),

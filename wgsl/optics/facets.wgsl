@@ -11,6 +11,22 @@ fn corner_normal(k: u32) -> real3 {
     return real3(corners[k].n_hi) + real3(corners[k].n_lo);
 }
 
+// The weights of the corners where the line p + t d meets the facet's plane.
+fn facet_weights(surface: u32, p: real3, d: real3) -> real3 {
+    let k = 3u * surface;
+    let v0 = corner_place(k);
+    let v1 = corner_place(k + 1u);
+    let v2 = corner_place(k + 2u);
+    let g0 = cross(d, v0 - p);
+    let e = real3(dot(v2 - v1, cross(d, v1 - p)), dot(v0 - v2, g0), dot(v1 - v0, g0));
+    return e / (e.x + e.y + e.z);
+}
+
+fn facet_place(surface: u32, w: real3) -> real3 {
+    let k = 3u * surface;
+    return w.x * corner_place(k) + w.y * corner_place(k + 1u) + w.z * corner_place(k + 2u);
+}
+
 // The turn of the ray p + t d, d of any length, at the facet that it meets.
 fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
     let k = 3u * surface;
@@ -22,11 +38,8 @@ fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
     let n2 = corner_normal(k + 2u);
     let outside = cross(v1 - v0, v2 - v0);
 
-    // the weights of the place
-    let g0 = cross(d, v0 - p);
-    let e = real3(dot(v2 - v1, cross(d, v1 - p)), dot(v0 - v2, g0), dot(v1 - v0, g0));
-    let w = e / (e.x + e.y + e.z);
-    let place = w.x * v0 + w.y * v1 + w.z * v2;
+    let w = facet_weights(surface, p, d);
+    let place = facet_place(surface, w);
     if optic.law == LAW_NORMALS {
         let after = bent(d / norm(d), w.x * n0 + w.y * n1 + w.z * n2, outside);
         return Turned(place, after.d, after.share);

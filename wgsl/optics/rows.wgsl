@@ -27,6 +27,18 @@ struct Optic {
     branch: u32,            // 0: refracted, or totally reflected; 1: the other part of the light
     scale: f32,             // of the light, at the turn before the pass
     colour_only: u32,       // 1: another pass says what is seen
+    from_hi: vec3<f32>,     // where turned rays go on from
+    is_environment: u32,    // 1: from there, as an environment map has it; 0: from where they were turned
+    from_lo: vec3<f32>,
+    pad0: u32,
+}
+
+// Where facets lie in an atlas: two a square cell.
+struct AtlasLayout {
+    side: u32,              // of a cell, texels
+    columns: u32,           // of cells
+    width: u32,             // texels
+    texel_count: u32,
 }
 
 // What lies behind a pixel's ray.

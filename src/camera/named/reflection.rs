@@ -6,7 +6,7 @@ use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Camera, Rays};
 use crate::error::{Error, Result};
 use crate::optics::shape::Shape;
-use crate::optics::{Facets, Law, Optics, Surface, Turn};
+use crate::optics::{Atlas, Facets, Law, Optics, Surface, Turn};
 use crate::scene::file::reader::{Field, Table};
 use crate::scene::file::{CameraSpec, MeshSpec, read_camera, read_mesh};
 use crate::scene::load_mesh;
@@ -29,6 +29,8 @@ struct Common {
     fresnel: bool,
     roughness: f64,
     rays: u32,
+    environment: Option<DVec3>,
+    atlas: Option<u32>,
     tint: [f32; 3],
     base: [f32; 3],
 }
@@ -48,24 +50,29 @@ enum Mode {
     Exact,
 }
 
+/// The keys of both kinds.
+const SHARED: [&str; 11] =
+    ["kind", "t_range", "eye", "facets", "depth", "roughness", "rays", "environment", "atlas", "color", "base"];
+
 /// Turns of a ray at most; and where each splits it in two, which doubles the work.
 const DEPTH_MAX: u64 = 16;
 const FRESNEL_DEPTH_MAX: u64 = 8;
+
+/// Texels a side of a facet's triangle in an atlas, at most.
+const ATLAS_MAX: u64 = 4096;
 
 /// Rays of a pixel on a rough surface, and at most.
 const RAYS: u64 = 16;
 const RAYS_MAX: u64 = 256;
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&["kind", "t_range", "eye", "mirror", "facets", "depth", "roughness", "rays", "color", "base"])?;
+    table.allow(&[&SHARED[..], &["mirror"]].concat())?;
     let mirror = table.need("mirror", "{ shape = \"sphere\", radius = 1 }")?;
     read_optical(table, &mirror, Turn::Reflect)
 }
 
 pub fn read_refraction(table: &Table) -> Result<Arc<dyn Recipe>> {
-    let own =
-        ["kind", "t_range", "eye", "lens", "facets", "ior", "depth", "fresnel", "roughness", "rays", "color", "base"];
-    table.allow(&own)?;
+    table.allow(&[&SHARED[..], &["lens", "ior", "fresnel"]].concat())?;
     let key = table.need("ior", "1.5")?;
     let ior = key.number()?;
     if ior <= 0.0 {
@@ -115,7 +122,18 @@ fn read_optical(table: &Table, surface: &Field, turn: Turn) -> Result<Arc<dyn Re
     if let (true, Some(key)) = (roughness == 0.0, table.get("rays")) {
         return Err(key.error("several rays need a roughness above 0; add it or leave this out"));
     }
-    Ok(Arc::new(Optical { eye, source, facets, optics: Common { turn, depth, fresnel, roughness, rays, tint, base } }))
+    let environment = table.optional("environment", Field::vec3)?;
+    if let (true, Some(key)) = (environment.is_some() && depth > 1, table.get("depth")) {
+        return Err(key.error("an environment map knows nothing of the mirror; use depth = 1 or leave environment out"));
+    }
+    let atlas = table.optional("atlas", |f| f.integer(2, ATLAS_MAX))?.map(|r| r as u32);
+    if let (true, Some(key)) = (depth > 1 || fresnel || rays > 1 || facets == Mode::Exact, table.get("atlas")) {
+        return Err(key.error(
+            "an atlas holds one ray of every facet's texel; use flat facets or normals, depth 1, no fresnel, no roughness",
+        ));
+    }
+    let optics = Common { turn, depth, fresnel, roughness, rays, environment, atlas, tint, base };
+    Ok(Arc::new(Optical { eye, source, facets, optics }))
 }
 
 fn read_mode(key: &Field, source: &Source) -> Result<Mode> {
@@ -162,8 +180,9 @@ impl Recipe for Optical {
                 (Surface::Facets { facets, law }, format!("the surface is cut into {n} facet{}", plural(n)))
             }
         };
-        let Common { turn, depth, fresnel, roughness, rays, tint, base } = self.optics;
-        let optics = Optics { turn, surface, depth, fresnel, roughness, rays, tint, base };
+        let Common { turn, depth, fresnel, roughness, rays, environment, atlas, tint, base } = self.optics;
+        let atlas = atlas.map(|texels| Ok::<_, Error>(Atlas { texels, eye: centre(&eye)? })).transpose()?;
+        let optics = Optics { turn, surface, depth, fresnel, roughness, rays, environment, atlas, tint, base };
         let notes = [eye.notes, vec![note]].concat();
         let size = (eye.width, eye.height);
         Ok(Built { size, layers: eye.layers, unit_t: false, optics: Some(Arc::new(optics)), notes })
@@ -185,7 +204,7 @@ fn centre(eye: &Camera) -> Result<DVec3> {
         return Ok(first);
     }
     Err(Error::input(format!(
-        "camera.eye: the rays of {} do not start in one point, which flat facets need; use facets = \"normals\"",
+        "camera.eye: the rays of {} do not start in one point, which flat facets and an atlas need; use facets = \"normals\"",
         eye.kind
     )))
 }
