@@ -1,11 +1,15 @@
-# What a person types: make demo, make gallery, make test, make check, make agreement.
+# What a person types: make demo, make gallery, make facets, make test, make check, make agreement.
 
-.PHONY: demo gallery agreement test check rust driver
+.PHONY: demo gallery facets agreement test check rust driver
 
 BUILD := $(or $(CARGO_TARGET_DIR),target)
 RUST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 ICDS := /usr/share/vulkan/icd.d/*.json /usr/local/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json
 DRIVER := mesa-vulkan-drivers libvulkan1
+COMPILER := g++
+# Installs packages, by sudo where that asks for no password.
+install = as=; [ "$$(id -u)" = 0 ] || as="sudo -n"; command -v apt-get >/dev/null && $$as true 2>/dev/null && \
+	$$as apt-get update -qq && $$as env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $(1) >/dev/null
 
 # Build, write an example scene, render it; like test, installs a software Vulkan driver first where there is none.
 demo: rust driver
@@ -19,6 +23,11 @@ gallery: rust driver
 	@cargo run --release --locked --quiet --example gallery out
 	@echo "the contact sheet is out/gallery.png, the pictures and their scenes are in out/gallery"
 
+# Measure how far mirrors of flat facets are from the mirror itself, and the time they take.
+facets: rust driver
+	@cargo run --release --locked --quiet --example facets out/facets
+	@echo "the table is out/facets/mirror_facets.csv"
+
 # Hold every camera against the reference on a city of 35,000 triangles and on the models in the folder MODELS: hours on a CPU.
 agreement: rust driver
 	@cargo run --release --locked --quiet --example agreement -- out/agreement $(MODELS)
@@ -28,3 +37,21 @@ test: rust driver
 	cargo test --locked
 
 # What a change must pass.
+check: rust
+	@.ci/run
+
+# Rust that is new enough, and the C++ compiler that one library is built with; this is installed where apt-get may.
+rust:
+	@command -v cargo >/dev/null && command -v rustc >/dev/null || \
+		{ echo "no Rust found; install rustc $(RUST) or newer from https://rustup.rs"; exit 1; }
+	@have=$$(rustc --version | cut -d' ' -f2 | cut -d- -f1); \
+	oldest=$$(printf '%s\n' "$$have" $(RUST) | sort -V | head -n1); \
+	[ "$$oldest" = $(RUST) ] || [ "$$have" = $(RUST).0 ] || \
+		{ echo "rustc $$have is too old; install $(RUST) or newer: rustup update"; exit 1; }
+	@command -v c++ >/dev/null || { $(call install,$(COMPILER)); } || \
+		{ echo "no C++ compiler found; install one (Debian, Ubuntu: apt-get install $(COMPILER))"; exit 1; }
+
+# A Vulkan driver; where there is none and apt-get may, Mesa's software one is installed.
+driver:
+	@[ -n "$$VK_DRIVER_FILES$$VK_ICD_FILENAMES" ] || ls $(ICDS) 2>/dev/null | grep -q . || { $(call install,$(DRIVER)); } || \
+		echo "no Vulkan driver: pictures come from the CPU engine and tests that need a driver are skipped; install one (Debian, Ubuntu: apt-get install $(DRIVER))"

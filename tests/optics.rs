@@ -341,6 +341,65 @@ fn colours_of_split_rays_agree_with_the_reference() {
     }
 }
 
+/// Pixels of those that see the mirror which name another triangle.
+fn wrong(frame: &Frame, truth: &Frame) -> f64 {
+    let ids = |f: &Frame, c| f.u32(c).unwrap().to_vec();
+    let (mirror, seen, known) =
+        (ids(truth, Channel::MirrorId), ids(frame, Channel::TriangleId), ids(truth, Channel::TriangleId));
+    let pixels: Vec<usize> = (0..mirror.len()).filter(|&k| mirror[k] != NO_ID).collect();
+    pixels.iter().filter(|&&k| seen[k] != known[k]).count() as f64 / pixels.len() as f64
+}
+
+#[test]
+fn what_is_approximate_comes_nearer_with_facets_and_texels() {
+    let ball = |keys: &str, count: u32| {
+        let text = format!(
+            "kind = \"reflection\"\n{EYE}\n{keys}\nmirror = {{ shape = \"sphere\", radius = 1.2, count = {count} }}"
+        );
+        let (scene, camera) = scene((141, 107), THINGS, &text);
+        render_with(&scene, &camera, Without::Nothing, &Default::default()).map(|r| r.frame)
+    };
+    let Some(truth) = ball("facets = \"exact\"", 4) else { return };
+    let off = |keys: &str, count: u32| wrong(&ball(keys, count).unwrap(), &truth);
+    for law in ["flat", "normals"] {
+        let keys = format!("facets = \"{law}\"");
+        let (coarse, fine, finest) = (off(&keys, 126), off(&keys, 1000), off(&keys, 16_000));
+        println!("{law}: {coarse} {fine} {finest}");
+        // the sagitta of a facet falls with their number, 8 and 16 times as many, and edges move with it; of few facets a
+        // quarter of the picture is wrong, and more than all of it cannot be
+        assert!(fine < coarse / 2.0 && finest < fine / 4.0, "{law}: {coarse} {fine} {finest}");
+    }
+    for law in ["flat", "normals"] {
+        let (direct, few, many) = (
+            off(&format!("facets = \"{law}\""), 1000),
+            off(&format!("facets = \"{law}\"\natlas = 4"), 1000),
+            off(&format!("facets = \"{law}\"\natlas = 32"), 1000),
+        );
+        println!("{law} in an atlas: {few} {many}, direct {direct}");
+        assert!(many < few && many < direct + (few - direct) / 3.0, "{law}: {few} {many}, direct {direct}");
+    }
+    // without parallax what stands near is out of place however fine the map
+    let map = off("environment = [0, 0, 0]", 4);
+    println!("environment map: {map}");
+    assert!(map > 5.0 * off("facets = \"normals\"", 1000), "{map}");
+}
+
+#[test]
+fn facets_are_as_many_as_an_error_or_a_count_asks_for() {
+    let count = |keys: &str| {
+        let (_, camera) = scene((141, 107), THINGS, &format!("kind = \"reflection\"\n{EYE}\n{keys}"));
+        let n = camera.optics.as_ref().unwrap().surface_count();
+        println!("{keys}: {n}, {:?}", camera.notes);
+        n
+    };
+    let ball = "mirror = { shape = \"sphere\", radius = 1.2 }\nfacets = \"normals\"";
+    let counts = [4.0, 1.0, 0.25].map(|px| count(&format!("{ball}\nfacets_error = {px}")));
+    // interpolated normals are off by the square of a facet's size, so by the inverse of their number
+    assert!(counts[0] < counts[1] && counts[1] < counts[2] && counts[2] < 64 * counts[0], "{counts:?}");
+    assert!(count("mirror = { builtin = \"teapot\", level = 10, count = 512 }") <= 512);
+    assert_eq!(count("mirror = { builtin = \"box\", count = 200 }"), 192);
+}
+
 #[test]
 fn any_central_eye_and_an_eye_inside_the_glass() {
     let glass = "lens = { shape = \"sphere\", radius = 1.3, count = 500 }\nior = 1.4";

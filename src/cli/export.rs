@@ -3,12 +3,13 @@
 use crate::camera::{Bundle, Camera, Pieces, Rays, mesh};
 use crate::error::{Error, Result};
 use crate::output::{write_npy_f64, write_text};
+use crate::reference::{Path, Reference, Segment};
 use crate::scene::file::{CameraKind, CameraSpec, CameraVertex, MeshCameraSpec};
 use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::Path as FilePath;
 
 /// The `layers` of a chain, each with the keys of a mesh camera.
 #[derive(Serialize)]
@@ -41,7 +42,13 @@ fn is_one(w: &f64) -> bool {
 ///
 /// # Errors
 /// [`Error::Input`] for ray fields and curves, which have no pieces, and for pieces that overlap.
-pub fn write_pieces(path: &Path, spec: &CameraSpec, camera: &Camera) -> Result<()> {
+pub fn write_pieces(path: &FilePath, spec: &CameraSpec, camera: &Camera) -> Result<()> {
+    if camera.optics.is_some() {
+        let kind = camera.kind;
+        return Err(Error::input(format!(
+            "--export: {kind} turns rays at a surface, which no mesh camera does; use --rays RAYS.npy"
+        )));
+    }
     let mut layers = match &spec.kind {
         // as written, without the rounding of a way there and back
         CameraKind::Mesh(mesh) => vec![PiecesFile::of(&plain(mesh))],
@@ -124,13 +131,13 @@ impl PiecesFile {
 }
 
 /// The shape of what [`write_rays`] writes for a pixel: 6 numbers P, D; for curves and projectors m + 1 control points of
-/// 3 numbers, m the highest degree; for chains one of these for each layer.
+/// 3 numbers, m the highest degree; for chains one of these for each layer; with optics one for each turn and one more.
 pub fn pixel_shape(camera: &Camera) -> Vec<usize> {
     let degree = |layer: &Rays| match layer {
         Rays::Curves(curves) => Some(curves.map.degree()),
         _ => (camera.kind == "projector").then_some(1),
     };
-    let layers = camera.layers.len();
+    let layers = segments(camera);
     let mut shape = if layers > 1 || camera.kind == "chain" { vec![layers] } else { Vec::new() };
     match camera.layers.iter().filter_map(degree).max() {
         Some(m) => shape.extend([m + 1, 3]),
@@ -139,14 +146,32 @@ pub fn pixel_shape(camera: &Camera) -> Vec<usize> {
     shape
 }
 
-/// Writes every pixel's rays, H x W x [`pixel_shape`]; NaN where a pixel, or a layer of it, has none.
-pub fn write_rays(path: &Path, camera: &Camera) -> Result<()> {
+/// Layers of a chain; rays between turns.
+fn segments(camera: &Camera) -> usize {
+    camera.optics.as_ref().map_or(camera.layers.len(), |o| o.depth as usize + 1)
+}
+
+/// Writes every pixel's rays, H x W x [`pixel_shape`]; NaN where a pixel, or a layer of it, has none. Rays that a mirror or a
+/// lens turns go from turn to turn for t in [0, 1], the last as far as it likes, without anything else in the way.
+pub fn write_rays(path: &FilePath, camera: &Camera) -> Result<()> {
     let shape = pixel_shape(camera);
     let (each, straight): (usize, bool) = (shape.iter().product(), shape.last() == Some(&6));
     let width = camera.width as usize;
     let mut numbers = vec![f64::NAN; each * width * camera.height as usize];
+    let alone = camera.optics.as_ref().and_then(|o| o.facets().map(|f| f.mesh(o.base))).unwrap_or_default();
+    let reference = Reference::build(&alone);
     numbers.par_chunks_mut(each * width).enumerate().for_each(|(j, row)| {
         for (i, pixel) in row.chunks_exact_mut(each).enumerate() {
+            if let Some(optics) = &camera.optics {
+                let way = reference.outcome(optics, Path::of_pixel(camera, i as u32, j as u32)).path;
+                for (numbers, segment) in pixel.chunks_exact_mut(6).zip(&way.segments) {
+                    if let Some((_, Segment::Straight(bundle))) = segment {
+                        let ray = bundle.ray(0.0, 0.0);
+                        numbers.copy_from_slice(&[ray.origin.to_array(), ray.direction.to_array()].concat());
+                    }
+                }
+                continue;
+            }
             for (layer, numbers) in pixel.chunks_exact_mut(each / camera.layers.len()).enumerate() {
                 put_ray(numbers, straight, camera, (layer, i as u32, j as u32));
             }

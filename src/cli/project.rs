@@ -38,6 +38,12 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
     }
     let points = read_points(&args.points)?;
     let (_, camera) = load(&args.scene, &args.change)?;
+    if camera.optics.is_some() {
+        let kind = camera.kind;
+        return Err(Error::input(format!(
+            "camera: {kind} turns rays, and points are not sought behind them; use another kind"
+        )));
+    }
     outputs::check(&args.scene, args.output.iter().map(PathBuf::as_path))?;
     let gpu = open(args, points.len())?;
     let projector = Projector::new(&camera);

@@ -8,7 +8,9 @@
 
 pub mod atlas;
 pub mod facets;
+pub mod fineness;
 pub mod quadric;
+pub mod resample;
 pub mod shape;
 pub mod turn;
 
@@ -95,6 +97,14 @@ pub enum Branch {
 pub const FLAT_LEAST: f64 = 1.0 / 64.0;
 
 impl Optics {
+    /// The facets, where the surface is made of them.
+    pub fn facets(&self) -> Option<&Facets> {
+        match &self.surface {
+            Surface::Facets { facets, .. } => Some(facets),
+            Surface::Quadrics(_) => None,
+        }
+    }
+
     /// Facets, or quadrics.
     pub fn surface_count(&self) -> usize {
         match &self.surface {

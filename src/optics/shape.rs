@@ -54,7 +54,7 @@ pub struct Cap {
 /// Triangles of a shape that is cut into facets where none are asked for: of the largest mirror in Yu et al., figure 8.
 const COUNT: u64 = 960;
 /// Facets of a shape at most: some 200 bytes each on the device.
-const COUNT_MAX: u64 = 600_000;
+pub const COUNT_MAX: u64 = 600_000;
 
 impl Cap {
     fn quadric(&self) -> Quadric {

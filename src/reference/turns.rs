@@ -30,9 +30,14 @@ impl Reference<'_> {
     /// What a path shows: what it first meets, or, with optics, what its ray comes to.
     pub fn shown(&self, camera: &Camera, path: Path) -> Outcome {
         match &camera.optics {
-            Some(optics) => self.outcomes(optics, path).0,
+            Some(optics) => self.outcome(optics, path),
             None => Outcome { seen: self.first(&path), path, first: None, light: 1.0 },
         }
+    }
+
+    /// The way of `path`, of one straight ray, through optics whose facets are the last triangles of the mesh.
+    pub fn outcome(&self, optics: &Optics, path: Path) -> Outcome {
+        self.outcomes(optics, path).0
     }
 
     /// Everything that the light of a path is shared out to, tilts and branches; what it shows first of all.

@@ -119,7 +119,7 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
     Ok(SceneFile {
         image: table.or("image", image, read_image)?,
         meshes: table.or("mesh", Vec::new(), |f| {
-            f.items("meshes, each a table [[mesh]]")?.map(|m| mesh::read_mesh(&m)).collect()
+            f.items("meshes, each a table [[mesh]]")?.map(|m| mesh::read_mesh(&m, &[])).collect()
         })?,
         lights: table.or("light", Vec::new(), |f| {
             f.items("lights, each a table [[light]]")?.map(|l| read_light(&l)).collect()

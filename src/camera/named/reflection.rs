@@ -2,10 +2,12 @@
 //!
 //! Hou, Wei, Shum and Guo 2006, sections 3.1 and 3.2; Yu, Yu and McMillan 2009, section 5.2.
 
+use super::values::length;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Camera, Rays};
 use crate::error::{Error, Result};
-use crate::optics::shape::Shape;
+use crate::optics::fineness::error_px;
+use crate::optics::shape::{COUNT_MAX, Shape};
 use crate::optics::{Atlas, Facets, Law, Optics, Surface, Turn};
 use crate::scene::file::reader::{Field, Table};
 use crate::scene::file::{CameraSpec, MeshSpec, read_camera, read_mesh};
@@ -18,6 +20,8 @@ struct Optical {
     eye: CameraSpec,
     source: Source,
     facets: Mode,
+    /// By how many pixels facets may be off; their number follows from it.
+    facets_error: Option<f64>,
     optics: Common,
 }
 
@@ -38,8 +42,10 @@ struct Common {
 /// Where the surface comes from.
 #[derive(Debug)]
 enum Source {
+    /// With how many facets.
     Shape(Shape, usize),
-    Mesh(MeshSpec),
+    /// With about how many, or as many as it has.
+    Mesh(MeshSpec, Option<usize>),
 }
 
 /// The key `facets`.
@@ -51,8 +57,23 @@ enum Mode {
 }
 
 /// The keys of both kinds.
-const SHARED: [&str; 11] =
-    ["kind", "t_range", "eye", "facets", "depth", "roughness", "rays", "environment", "atlas", "color", "base"];
+const SHARED: [&str; 12] = [
+    "kind",
+    "t_range",
+    "eye",
+    "facets",
+    "facets_error",
+    "depth",
+    "roughness",
+    "rays",
+    "environment",
+    "atlas",
+    "color",
+    "base",
+];
+
+/// Facets with which the search for their number begins.
+const COUNT_LEAST: usize = 32;
 
 /// Turns of a ray at most; and where each splits it in two, which doubles the work.
 const DEPTH_MAX: u64 = 16;
@@ -94,7 +115,10 @@ fn read_optical(table: &Table, surface: &Field, turn: Turn) -> Result<Arc<dyn Re
             let (shape, count) = Shape::read(&own, &shape)?;
             Source::Shape(shape, count)
         }
-        None => Source::Mesh(read_mesh(surface)?),
+        None => {
+            let count = own.optional("count", |f| f.integer(4, COUNT_MAX))?.map(|n| n as usize);
+            Source::Mesh(read_mesh(surface, &["count"])?, count)
+        }
     };
     let facets = match table.get("facets") {
         Some(key) => read_mode(&key, &source)?,
@@ -133,7 +157,11 @@ fn read_optical(table: &Table, surface: &Field, turn: Turn) -> Result<Arc<dyn Re
         ));
     }
     let optics = Common { turn, depth, fresnel, roughness, rays, environment, atlas, tint, base };
-    Ok(Arc::new(Optical { eye, source, facets, optics }))
+    let facets_error = table.optional("facets_error", length)?;
+    if let (true, Some(key)) = (facets == Mode::Exact, table.get("facets_error")) {
+        return Err(key.error("this surface is met exactly; leave it out, or use facets = \"normals\" or \"flat\""));
+    }
+    Ok(Arc::new(Optical { eye, source, facets, facets_error, optics }))
 }
 
 fn read_mode(key: &Field, source: &Source) -> Result<Mode> {
@@ -151,10 +179,14 @@ impl Source {
         matches!(self, Source::Shape(shape, _) if shape.quadrics().is_some())
     }
 
-    fn facets(&self) -> Result<Facets> {
+    /// The surface cut into facets, about `count` where that is given.
+    fn facets(&self, count: Option<usize>) -> Result<Facets> {
         match self {
-            Source::Shape(shape, count) => Ok(shape.facets(*count)),
-            Source::Mesh(spec) => Facets::of_mesh(&load_mesh(spec)?),
+            Source::Shape(shape, own) => Ok(shape.facets(count.unwrap_or(*own))),
+            Source::Mesh(spec, own) => {
+                let facets = Facets::of_mesh(&load_mesh(spec)?)?;
+                Ok(count.or(*own).map_or(facets.clone(), |n| facets.resampled(n)))
+            }
         }
     }
 }
@@ -167,25 +199,67 @@ impl Recipe for Optical {
             let kind = eye.kind;
             return Err(Error::input(format!("camera.eye: {kind} has no one straight ray a pixel; use another kind")));
         }
+        let central = || centre(&eye);
         let (surface, note) = match (self.facets, &self.source) {
             (Mode::Exact, Source::Shape(shape, _)) => {
                 let quadrics = shape.quadrics().unwrap_or_default();
                 let n = quadrics.len();
                 (Surface::Quadrics(quadrics), format!("the surface is met exactly: {n} quadric{}", plural(n)))
             }
-            (mode, source) => {
-                let facets = source.facets().map_err(|e| e.at("camera"))?;
-                let law = if mode == Mode::Flat { Law::Flat { eye: centre(&eye)? } } else { Law::Normals };
+            (mode, _) => {
+                let law = if mode == Mode::Flat { Law::Flat { eye: central()? } } else { Law::Normals };
+                let (facets, off) = self.cut(&eye, law, setting)?;
                 let n = facets.triangles.len();
-                (Surface::Facets { facets, law }, format!("the surface is cut into {n} facet{}", plural(n)))
+                let off = off.map(|px| format!(", off by {px:.3} px (95th percentile)")).unwrap_or_default();
+                (Surface::Facets { facets, law }, format!("the surface is cut into {n} facet{}{off}", plural(n)))
             }
         };
-        let Common { turn, depth, fresnel, roughness, rays, environment, atlas, tint, base } = self.optics;
-        let atlas = atlas.map(|texels| Ok::<_, Error>(Atlas { texels, eye: centre(&eye)? })).transpose()?;
-        let optics = Optics { turn, surface, depth, fresnel, roughness, rays, environment, atlas, tint, base };
+        let atlas = self.optics.atlas.map(|texels| Ok::<_, Error>(Atlas { texels, eye: central()? })).transpose()?;
+        let optics = self.optics.with(surface, atlas);
         let notes = [eye.notes, vec![note]].concat();
         let size = (eye.width, eye.height);
         Ok(Built { size, layers: eye.layers, unit_t: false, optics: Some(Arc::new(optics)), notes })
+    }
+}
+
+impl Optical {
+    /// The facets; and where their number follows from it, by how many pixels they are off.
+    fn cut(&self, eye: &Camera, law: Law, setting: &Setting) -> Result<(Facets, Option<f64>)> {
+        let at = |e: Error| e.at("camera");
+        let Some(most) = self.facets_error else { return Ok((self.source.facets(None).map_err(at)?, None)) };
+        let once = |surface| Optics { depth: 1, ..self.optics.with(surface, None) };
+        let quadrics = match &self.source {
+            Source::Shape(shape, _) => shape.quadrics(),
+            Source::Mesh(..) => None,
+        };
+        let truth = match (quadrics, &self.source) {
+            (Some(quadrics), _) => Surface::Quadrics(quadrics),
+            // a mesh is what it is; other shapes as fine as they come
+            (None, Source::Mesh(spec, _)) => {
+                Surface::Facets { facets: Facets::of_mesh(&load_mesh(spec)?).map_err(at)?, law: Law::Normals }
+            }
+            (None, source) => {
+                Surface::Facets { facets: source.facets(Some(COUNT_MAX as usize)).map_err(at)?, law: Law::Normals }
+            }
+        };
+        let truth = once(truth);
+        let middle = setting.bounds().map_or(DVec3::ZERO, |(lo, hi)| (lo + hi) / 2.0);
+        let mut count = COUNT_LEAST;
+        loop {
+            let facets = self.source.facets(Some(count)).map_err(at)?;
+            let off = error_px(eye, &truth, &once(Surface::Facets { facets: facets.clone(), law }), middle);
+            if off.is_none_or(|px| px <= most) || 2 * count > COUNT_MAX as usize {
+                return Ok((facets, off));
+            }
+            count *= 2;
+        }
+    }
+}
+
+impl Common {
+    fn with(&self, surface: Surface, atlas: Option<Atlas>) -> Optics {
+        let Common { turn, depth, fresnel, roughness, rays, environment, tint, base, .. } = *self;
+        Optics { turn, surface, depth, fresnel, roughness, rays, environment, atlas, tint, base }
     }
 }
 

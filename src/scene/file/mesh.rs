@@ -37,9 +37,10 @@ const PLACING: [&str; 5] = ["translate", "rotate", "scale", "two_sided", "color"
 const BUILTINS: [&str; 11] =
     ["teapot", "icosphere", "box", "cylinder", "stairs", "cow", "walker", "plane", "city", "terrain", "soup"];
 
-pub(crate) fn read_mesh(field: &Field) -> Result<MeshSpec> {
+/// `more` are keys that another reader takes.
+pub(crate) fn read_mesh(field: &Field, more: &[&str]) -> Result<MeshSpec> {
     let table = field.table()?;
-    let source = read_source(&table)?;
+    let source = read_source(&table, more)?;
     Ok(MeshSpec {
         source,
         translate: table.or("translate", DVec3::ZERO, Field::vec3)?,
@@ -50,14 +51,14 @@ pub(crate) fn read_mesh(field: &Field) -> Result<MeshSpec> {
     })
 }
 
-fn read_source(table: &Table) -> Result<MeshSource> {
+fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
     match (table.get("file"), table.get("builtin")) {
         (Some(_), Some(builtin)) => Err(builtin.error("a mesh has either a file or a builtin; remove one of the two")),
         (Some(file), None) => {
-            allow(table, "file", &[])?;
+            allow(table, "file", more)?;
             Ok(MeshSource::File(file.path()?))
         }
-        (None, Some(builtin)) => Ok(MeshSource::Builtin(read_builtin(table, &builtin)?)),
+        (None, Some(builtin)) => Ok(MeshSource::Builtin(read_builtin(table, &builtin, more)?)),
         (None, None) => {
             // A misspelt `file` is found here, before its absence is.
             allow(
@@ -74,7 +75,7 @@ fn allow(table: &Table, source: &str, own: &[&str]) -> Result<()> {
     table.allow(&[&[source], own, &PLACING].concat())
 }
 
-fn read_builtin(table: &Table, builtin: &Field) -> Result<Builtin> {
+fn read_builtin(table: &Table, builtin: &Field, more: &[&str]) -> Result<Builtin> {
     // Only what the types hold is checked here: how large a mesh may be is its generator's to say.
     let whole = |key, default| table.or(key, default, |f| f.integer(0, u64::MAX));
     let small = |key, default| table.or(key, default, read_u32);
@@ -91,7 +92,7 @@ fn read_builtin(table: &Table, builtin: &Field) -> Result<Builtin> {
         "soup" => &["seed", "triangles"],
         _ => return Err(unknown_builtin(builtin, name)),
     };
-    allow(table, "builtin", own)?;
+    allow(table, "builtin", &[own, more].concat())?;
     Ok(match name {
         "teapot" => Builtin::Teapot { level: small("level", 10)? },
         "icosphere" => Builtin::Icosphere { level: small("level", 4)? },
