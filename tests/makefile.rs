@@ -4,9 +4,8 @@
 fn targets(text: &str) -> (Vec<&str>, Vec<&str>) {
     let named = text.lines().filter_map(|l| l.strip_prefix(".PHONY:")).flat_map(str::split_whitespace).collect();
     let lines: Vec<&str> = text.lines().collect();
-    let has_recipe = |pair: &[&str]| pair[1].starts_with('\t').then(|| pair[0].split(':').next()).flatten();
-    let ruled = lines.windows(2).filter_map(|pair| has_recipe(pair)).filter(|name| !name.starts_with('\t')).collect();
-    (named, ruled)
+    let rules = lines.windows(2).filter(|pair| pair[1].starts_with('\t') && !pair[0].starts_with('\t'));
+    (named, rules.filter_map(|pair| pair[0].split(':').next()).collect())
 }
 
 #[test]
