@@ -203,7 +203,7 @@ fn the_comparison_sees_planted_errors() {
     assert_eq!(compare(&right, &pixels, &planes, background).wrong, Vec::<String>::new());
     let sure = |p: &Pixel| matches!(p, Pixel::Hit(s) if s.error.colour < 1e-3);
     let hit = pixels.iter().position(sure).unwrap();
-    let miss = pixels.iter().position(|p| matches!(p, Pixel::Miss)).unwrap();
+    let miss = pixels.iter().position(|p| matches!(p, Pixel::Miss(_))).unwrap();
     for (plane, channel) in planes.iter().enumerate() {
         for pixel in [hit, miss] {
             let at = plane * pixels.len() + pixel;

@@ -1,5 +1,6 @@
 //! shade in f64: what each pixel's visible triangle looks like, and how far an f32 kernel may be from it.
 
+use super::optics::Behind;
 use super::raster::{Corners, Visibility};
 use super::rays::{Cast, PixelRays, length};
 use super::{Input, Real};
@@ -12,9 +13,10 @@ use rayon::prelude::*;
 /// One pixel of a band under one chunk.
 #[derive(Debug, Clone, Copy)]
 pub enum Pixel {
-    /// The visible triangle lies in another chunk, or it is a miss and this is not the first chunk.
+    /// What is visible lies in another chunk, or it is a miss and this is not the first chunk; or the pixel's ray ended in
+    /// a pass before, or goes on in the next.
     Untouched,
-    Miss,
+    Miss(Behind),
     Hit(Shaded),
 }
 
@@ -23,6 +25,8 @@ pub enum Pixel {
 pub struct Shaded {
     pub triangle: u32,
     pub piece: u32,
+    /// The surface of the optics that was met first.
+    pub mirror: u32,
     pub t: f64,
     pub z: f64,
     /// Weights of the file's corners, clamped to [0, 1].
@@ -75,12 +79,19 @@ pub fn shade(input: &Input, visibility: &Visibility, real: Real) -> Vec<Pixel> {
 
 fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel {
     let p = &input.params;
+    let (x, y) = (pixel % p.width, pixel / p.width);
+    let behind = input.behind(pixel);
     let Some(key) = key else {
-        return if p.id_first == 0 { Pixel::Miss } else { Pixel::Untouched };
+        return if p.id_first == 0 && input.is_under_way(x, y) { Pixel::Miss(behind) } else { Pixel::Untouched };
     };
     let keys = input.keys(real);
     let (layer, t, id) = (keys.layer(key), keys.t(key), keys.id(key));
-    let (x, y) = (pixel % p.width, pixel / p.width);
+    if input.goes_on(id) {
+        return Pixel::Untouched;
+    }
+    if input.ends_on_quadric(id) {
+        return if p.id_first == 0 { end_on_quadric(input, &behind, (id, t), (x, y)) } else { Pixel::Untouched };
+    }
     let here = id.wrapping_sub(p.id_first) < p.id_count;
     let (true, Some(cell)) = (here, input.pixel_cell(layer, x, y)) else { return Pixel::Untouched };
     let cell = input.cells[cell as usize];
@@ -94,22 +105,49 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
         Cast::Ray(_) => t * direction.length(),
         Cast::Curve(c) => length(&c.curve, t),
     };
-    let z = reached + (0..layer).map(|k| input.segment_length(k, x, y)).sum::<f64>();
+    let before = f64::from(behind.length) + (0..layer).map(|k| input.segment_length(k, x, y)).sum::<f64>();
+    let z = before + reached;
     let t = f64::from(layer) + t;
     let direction_error = UNIT * DIRECTION_UNITS * hit.direction_size() / direction.length();
     let (weights, weight_error) = hit.weights(real);
-    let (colour, colour_error) = hit.colour(direction_error);
-    let piece = match cast {
+    let (colour, colour_error) = match input.base(id) {
+        Some(base) => (base.map(f64::from), 0.0),
+        None => hit.colour(direction_error),
+    };
+    let (colour, colour_error) = behind.left_of(colour, colour_error);
+    let own_piece = match cast {
         Cast::Ray(_) if input.rays.is_none() => input.pieces[cell.piece as usize].number,
         _ => cell.piece,
     };
+    let (mirror, piece) = behind.first.unwrap_or((NO_ID, own_piece));
     let error = Errors {
         t: T_UNITS * UNIT * t.abs(),
-        z: z.abs() * (Z_UNITS * UNIT + direction_error),
+        z: z.abs() * (Z_UNITS * UNIT + direction_error) + UNIT * before,
         weight: weight_error,
         colour: colour_error,
     };
-    Pixel::Hit(Shaded { triangle: id, piece, t, z, weights, colour, error })
+    Pixel::Hit(Shaded { triangle: id, piece, mirror, t, z, weights, colour, error })
+}
+
+/// A ray that ends on a surface without triangles.
+fn end_on_quadric(input: &Input, behind: &Behind, (id, t): (u32, f64), (x, y): (u32, u32)) -> Pixel {
+    let Some(ray) = input.near_ray(x, y, Real::F64) else { return Pixel::Untouched };
+    let (mirror, piece) = behind.first.unwrap_or((NO_ID, 0));
+    let z = f64::from(behind.length) + t * ray.d.value().length();
+    let (colour, colour_error) = behind.left_of(input.base(id).unwrap_or_default().map(f64::from), 0.0);
+    let error =
+        Errors { t: T_UNITS * UNIT * t.abs(), z: z * (Z_UNITS + 2.0) * UNIT, weight: 0.0, colour: colour_error };
+    Pixel::Hit(Shaded { triangle: id, piece, mirror, t, z, weights: [0.0; 3], colour, error })
+}
+
+impl Behind {
+    /// What is left of a colour, and of its error: one product more.
+    fn left_of(&self, colour: [f64; 3], error: f64) -> ([f64; 3], f64) {
+        let light = self.light.map(f64::from);
+        let left = [0, 1, 2].map(|k| light[k] * colour[k]);
+        let most = |v: [f64; 3]| v.into_iter().fold(0.0, f64::max);
+        (left, error * most(light) + UNIT * most(left))
+    }
 }
 
 /// A triangle at a pixel.
@@ -227,12 +265,16 @@ pub fn word(pixel: &Pixel, channel: Channel, background: [f32; 3]) -> Option<u32
     let bits = |v: f64| (v as f32).to_bits();
     Some(match (pixel, channel) {
         (Pixel::Untouched, _) => return None,
-        (Pixel::Miss, Channel::R) => background[0].to_bits(),
-        (Pixel::Miss, Channel::G) => background[1].to_bits(),
-        (Pixel::Miss, Channel::B) => background[2].to_bits(),
-        (Pixel::Miss, Channel::Z | Channel::T) => infinity,
-        (Pixel::Miss, Channel::TriangleId | Channel::PieceId) | (_, Channel::MirrorId) => NO_ID,
-        (Pixel::Miss, Channel::A | Channel::BaryU | Channel::BaryV) => 0,
+        (Pixel::Miss(m), Channel::R) => (m.light[0] * background[0]).to_bits(),
+        (Pixel::Miss(m), Channel::G) => (m.light[1] * background[1]).to_bits(),
+        (Pixel::Miss(m), Channel::B) => (m.light[2] * background[2]).to_bits(),
+        // what the optics show is no hole in the picture
+        (Pixel::Miss(m), Channel::A) => bits(if m.first.is_some() { 1.0 } else { 0.0 }),
+        (Pixel::Miss(_), Channel::Z | Channel::T) => infinity,
+        (Pixel::Miss(m), Channel::PieceId) => m.first.map_or(NO_ID, |f| f.1),
+        (Pixel::Miss(m), Channel::MirrorId) => m.first.map_or(NO_ID, |f| f.0),
+        (Pixel::Miss(_), Channel::TriangleId) => NO_ID,
+        (Pixel::Miss(_), Channel::BaryU | Channel::BaryV) => 0,
         (Pixel::Hit(s), Channel::R) => bits(s.colour[0]),
         (Pixel::Hit(s), Channel::G) => bits(s.colour[1]),
         (Pixel::Hit(s), Channel::B) => bits(s.colour[2]),
@@ -241,6 +283,7 @@ pub fn word(pixel: &Pixel, channel: Channel, background: [f32; 3]) -> Option<u32
         (Pixel::Hit(s), Channel::T) => bits(s.t),
         (Pixel::Hit(s), Channel::TriangleId) => s.triangle,
         (Pixel::Hit(s), Channel::PieceId) => s.piece,
+        (Pixel::Hit(s), Channel::MirrorId) => s.mirror,
         (Pixel::Hit(s), Channel::BaryU) => bits(s.weights[1]),
         (Pixel::Hit(s), Channel::BaryV) => bits(s.weights[2]),
     })
