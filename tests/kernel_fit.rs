@@ -352,9 +352,10 @@ fn the_comparison_sees_planted_errors() {
             change(&mut left);
             assert!(!compare(&input, levels, &left).wrong.is_empty(), "{what} is not seen");
         };
-        for k in [0, levels[1].start as usize, top] {
-            found("a small radius of origins", &|l| l.nodes[k].r_p *= 0.9);
-            found("a small radius of directions", &|l| l.nodes[k].r_d *= 0.9);
+        // a tile's radii just hold its rays; those above hold what may lie below
+        for (k, share) in [(0, 0.99), (levels[1].start as usize, 0.2), (top, 0.2)] {
+            found("a small radius of origins", &|l| l.nodes[k].r_p *= share);
+            found("a small radius of directions", &|l| l.nodes[k].r_d *= share);
             found("a large radius", &|l| l.nodes[k].r_p *= 1.3);
             found("a fit beside the rays", &|l| l.nodes[k].d[1] += 0.01);
             found("no rays", &|l| l.nodes[k].rays = RAYS_NONE);

@@ -77,14 +77,15 @@ fn compare(input: &Input, real: Real, kernel: &[[u32; 2]], twin: &Visibility) ->
     seen
 }
 
-/// The twin's buffer; and one to merge into, in which every third pixel shows something nearer, and one farther.
-fn buffers(input: &Input, real: Real) -> (Visibility, Visibility) {
+/// A buffer to merge into, in which every third pixel shows something nearer, and one farther; and what the twin makes of
+/// it. An empty one where words go one after the other: the first step of all that merge is before the second of any.
+fn buffers(input: &Input, real: Real, atomics64: bool) -> (Visibility, Visibility) {
     let pixels = (input.params.width * input.params.height) as usize;
     let keys = input.keys(real);
     let mut met = Visibility::new(pixels);
     meet(input, real, &mut met);
     let mut before = Visibility::new(pixels);
-    for pixel in (0..pixels).filter(|p| p % 3 > 0) {
+    for pixel in (0..pixels).filter(|p| atomics64 && p % 3 > 0) {
         if let Some(key) = met.key(pixel) {
             let factor = if pixel % 3 == 1 { 0.5 } else { 2.0 };
             before.merge(pixel, !keys.key(0, factor * keys.t(key), 0));
@@ -109,7 +110,7 @@ fn the_kernel_meets_what_its_twin_meets() {
         for &(real, atomics64) in &variants {
             tables.follow(&case.camera, 0, real, |inputs, _| {
                 let input = &inputs[0];
-                let (before, after) = buffers(input, real);
+                let (before, after) = buffers(input, real, atomics64);
                 let kernel = run_kernel(&mut bench, &case, (real, atomics64), input, &before.words);
                 let seen = compare(input, real, &kernel, &after);
                 let name = format!("{}, after {}, {real:?}, 64-bit atomics {atomics64}", case.name, turns(input));
@@ -120,7 +121,7 @@ fn the_kernel_meets_what_its_twin_meets() {
                 met += seen.met;
             });
         }
-        assert!(met > 500, "{}: {met} pixels meet something", case.name);
+        assert!(met > 300, "{}: {met} pixels meet something", case.name);
     }
 }
 
@@ -130,7 +131,7 @@ fn the_comparison_sees_planted_errors() {
     let tables = case.tables();
     tables.follow(&case.camera, 0, Real::F64, |inputs, _| {
         let input = &inputs[0];
-        let (_, after) = buffers(input, Real::F64);
+        let (_, after) = buffers(input, Real::F64, true);
         let right = after.words.clone();
         assert!(compare(input, Real::F64, &right, &after).wrong.is_empty());
         if turns(input) > 0 {

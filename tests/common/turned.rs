@@ -37,7 +37,7 @@ const FAR: &str = r#"{ kind = "pinhole", eye = [10000, 0.5, 4], target = [10000,
 
 const SPHERE: &str = r#"shape = "sphere", radius = 1.1, count = 300"#;
 const TORUS: &str = r#"shape = "torus", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.35, count = 400"#;
-const BOWL: &str = r#"shape = "quadric", vertex = [0, -0.4, -0.5], axis = [0, 0.2, 1], curvature = 0.7, conic = -0.8, radius = 1.3, count = 300"#;
+const BOWL: &str = r#"shape = "quadric", vertex = [0, -0.4, -0.5], axis = [0, 0.2, 1], curvature = 1.6, conic = -0.9, radius = 1.1, count = 300"#;
 const LENS: &str = r#"shape = "lens", center = [0, 0, 2.5], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, curvatures = [0.5, -0.6], count = 300"#;
 const WAVE: &str =
     r#"shape = "wave", center = [0, -0.9, 1], size = 5, amplitude = 0.06, wavelength = 1.7, count = 400"#;
@@ -59,7 +59,7 @@ pub fn case(name: &str, size: (u32, u32), camera: &str) -> Case {
 pub fn cases() -> Vec<Case> {
     let size = (61, 43);
     let mirror = |eye: &str, shape: &str, facets: &str, depth: u32| {
-        let keys = format!("mirror = {{ {shape} }}\nfacets = \"{facets}\"\ndepth = {depth}\ntint = [0.9, 0.8, 0.7]");
+        let keys = format!("mirror = {{ {shape} }}\nfacets = \"{facets}\"\ndepth = {depth}\ncolor = [0.9, 0.8, 0.7]");
         let name = format!("reflection, {facets}, {depth}, {shape}");
         case(&name, size, &format!("kind = \"reflection\"\neye = {eye}\n{keys}"))
     };
