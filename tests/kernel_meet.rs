@@ -8,6 +8,7 @@ mod turned;
 
 use anamorph::optics::Surface;
 use anamorph::twin::meet::{meet, meetings};
+use anamorph::twin::quadric::HEIGHT_UNITS;
 use anamorph::twin::raster::Visibility;
 use anamorph::twin::{Input, Real};
 use stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
@@ -123,6 +124,13 @@ fn the_kernel_meets_what_its_twin_meets() {
         }
         assert!(met > 300, "{}: {met} pixels meet something", case.name);
     }
+}
+
+#[test]
+fn the_twin_s_rule_has_the_kernel_s_constant() {
+    let case = of_quadrics().next().unwrap();
+    let source = anamorph::gpu::kernels::meet(case.variant(Real::F64, false)).source;
+    assert!(source.contains(&format!("const HEIGHT_UNITS: real = {HEIGHT_UNITS:?};")));
 }
 
 #[test]

@@ -150,6 +150,11 @@ impl Near3 {
         DVec3::from(self.0.map(|c| c.v))
     }
 
+    /// Sum of the absolute components.
+    pub fn size(self) -> f64 {
+        self.0.iter().map(|c| c.v.abs()).sum()
+    }
+
     /// The largest error of a component.
     pub fn error(self) -> f64 {
         self.0.iter().fold(0.0, |most, c| most.max(c.e))

@@ -13,6 +13,10 @@ pub struct Root {
     pub doubtful: bool,
 }
 
+/// Rounding of a place's height along the axis, in units of what is summed up to get the place: that much a cap counts
+/// beyond its heights.
+pub const HEIGHT_UNITS: f64 = 128.0;
+
 /// A quadric's row, its pairs summed up.
 struct Terms {
     centre: Near3,
@@ -52,11 +56,11 @@ impl Terms {
         self.times(v) + self.b
     }
 
-    /// The part of the surface at `v` from the centre is there.
-    fn holds(&self, v: Near3) -> Judged {
+    /// The part of the surface at `v` from the centre is there, its height known up to `lost`.
+    fn holds(&self, v: Near3, lost: Near) -> Judged {
         let z = v.dot(self.axis);
         let away = v - self.axis * z;
-        let within = self.heights[0].at_most(z).and(z.at_most(self.heights[1]));
+        let within = (self.heights[0] - lost).at_most(z).and(z.at_most(self.heights[1] + lost));
         within.and(away.dot(away).at_most(self.rim2))
     }
 }
@@ -80,7 +84,8 @@ pub fn first_root(q: &Quadric, ray: &NearRay, starts: bool, params: &Params, rea
     let (t_min, t_max) = (end(params.t_min), end(params.t_max));
     let judge = |t: Near| {
         let in_range = t_min.at_most(t).and(t.at_most(t_max));
-        (t, real_roots.and(in_range).and(terms.holds(v + ray.d * t)))
+        let lost = Near::exact(HEIGHT_UNITS * real.unit() * (v.size() + t.v.abs() * ray.d.size()), real);
+        (t, real_roots.and(in_range).and(terms.holds(v + ray.d * t, lost)))
     };
     first(list.into_iter().map(judge).filter(|(_, there)| !there.surely_not()).collect())
 }

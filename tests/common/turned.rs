@@ -35,7 +35,7 @@ const INSIDE: &str = r#"{ kind = "fisheye", eye = [0.2, 0.1, 0.3], target = [0, 
 const UNDER: &str = r#"{ kind = "fisheye", eye = [0, -1, 0], target = [0, 0, 0], up = [0, 0, -1], fov = 150 }"#;
 const FAR: &str = r#"{ kind = "pinhole", eye = [10000, 0.5, 4], target = [10000, 0, 0], vfov = 40 }"#;
 
-const SPHERE: &str = r#"shape = "sphere", radius = 1.1, count = 300"#;
+const SPHERE: &str = r#"shape = "sphere", radius = 1.05, count = 300"#;
 const TORUS: &str = r#"shape = "torus", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.35, count = 400"#;
 const BOWL: &str = r#"shape = "quadric", vertex = [0, -0.4, -0.5], axis = [0, 0.2, 1], curvature = 1.6, conic = -0.9, radius = 1.1, count = 300"#;
 const LENS: &str = r#"shape = "lens", center = [0, 0, 2.5], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, curvatures = [0.5, -0.6], count = 300"#;
