@@ -14,11 +14,12 @@ use stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use turned::{cases, turns, variant};
 
 /// Share of turned rays that may be lost because rounding decides between two ways to turn them: total reflection, the
-/// rim of a quadric, grazing facets.
-const LOST_MAX: f64 = 0.1;
-/// Bounds that nine of ten rays must not exceed, in units of scenes some 10 wide and of unit directions.
-const BOUND_TYPICAL_F64: f64 = 1e-3;
-const BOUND_TYPICAL_F32: f64 = 1e9;
+/// rim of a quadric, grazing facets. Measured: none.
+const LOST_MAX: f64 = 0.0;
+/// Bounds that nine of ten numbers must not exceed, relative to the largest coordinate. Measured: 3e-13 and 7e-5, of small
+/// facets and of a ball seen from six radii away.
+const BOUND_TYPICAL_F64: f64 = 1e-12;
+const BOUND_TYPICAL_F32: f64 = 2e-4;
 /// A stored pair's rounding, relative.
 const PAIR: f64 = 1.0 / (1u64 << 48) as f64;
 /// A stored pair's second number may be flushed to 0.
@@ -58,7 +59,7 @@ struct Compared {
     wrong: Vec<String>,
     turned: usize,
     lost: usize,
-    /// Largest share of its bound that a number is off by; ninth tenth of all bounds.
+    /// Largest share of its bound that a number is off by; ninth tenth of all bounds over the largest coordinate.
     share: f64,
     bound: f64,
 }
@@ -66,7 +67,7 @@ struct Compared {
 fn compare(input: &Input, left: &Left, twin: &[Option<Bounced>]) -> Compared {
     let (w, h) = (input.params.width as usize, input.params.height as usize);
     let mut seen = Compared::default();
-    let mut bounds = Vec::new();
+    let (mut bounds, mut size) = (Vec::new(), 1.0_f64);
     for (y, x) in (0..=h).flat_map(|y| (0..=w).map(move |x| (y, x))) {
         let at = 6 * (y * (w + 1) + x);
         let numbers = || (at..at + 6).map(|k| (left.hi[k], left.lo[k]));
@@ -107,11 +108,12 @@ fn compare(input: &Input, left: &Left, twin: &[Option<Bounced>]) -> Compared {
                 seen.wrong.push(format!("({x}, {y}), number {k}: {value} for {}, off {off:e}, may {may:e}", near.v));
             }
             seen.share = seen.share.max(off / may);
+            size = size.max(near.v.abs());
             bounds.push(may);
         }
     }
     bounds.sort_by(f64::total_cmp);
-    seen.bound = bounds.get(bounds.len() * 9 / 10).copied().unwrap_or(0.0);
+    seen.bound = bounds.get(bounds.len() * 9 / 10).copied().unwrap_or(0.0) / size;
     seen
 }
 

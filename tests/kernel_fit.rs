@@ -286,6 +286,20 @@ fn nasty() -> Vec<(&'static str, RayTable)> {
                 Some((scale * p, d))
             }),
         ),
+        (
+            "some of them no numbers",
+            table(&mut |i, j| {
+                let (p, d) = smooth(i, j);
+                let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][(i % 3) as usize] * DVec3::Y;
+                Some(if (i * 5 + j * 3) % 11 == 0 {
+                    (p + bad, d)
+                } else if (i + j) % 13 == 0 {
+                    (p, bad)
+                } else {
+                    (p, d)
+                })
+            }),
+        ),
         ("all alike", table(&mut |_, _| Some((DVec3::new(0.3, 0.1, 7.0), DVec3::new(0.6, 0.0, 0.8))))),
         ("none", table(&mut |_, _| None)),
     ]

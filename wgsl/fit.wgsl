@@ -26,6 +26,12 @@ const STRAY: f32 = 0.25;
 const STRAY_SIZE: f32 = 1.0 / 4096.0;
 const TORN_WIDTH: f32 = 0.5;
 
+// Neither infinite nor no number: what a surface without a normal makes of a ray meets nothing, and must not widen the
+// bounds of those beside it.
+fn is_finite(v: vec3<f32>) -> bool {
+    return all((bitcast<vec3<u32>>(v) & vec3<u32>(0x7f800000u)) != vec3<u32>(0x7f800000u));
+}
+
 fn sample_of(level: u32, x: u32, y: u32, k: u32) -> Sample {
     var s: Sample;
     if level == 0u {
@@ -36,7 +42,7 @@ fn sample_of(level: u32, x: u32, y: u32, k: u32) -> Sample {
             s.place = (vec2<f32>(in_tile) - 3.5) / 4.0;
             s.p = field_origin(at);
             s.d = field_direction(at);
-            s.exists = any(s.d != vec3<f32>(0.0));
+            s.exists = any(s.d != vec3<f32>(0.0)) && is_finite(s.p) && is_finite(s.d);
         }
         return s;
     }

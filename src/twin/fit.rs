@@ -47,7 +47,7 @@ pub fn fit(input: &Input) -> Fitted {
     }
 }
 
-/// The rays of the pixels below a node.
+/// The rays of the pixels below a node; those that are numbers.
 pub fn rays_below(input: &Input, at: Address) -> Vec<PixelRay> {
     let (Some(table), side) = (input.rays, side_px(at)) else { return Vec::new() };
     let (width, height) = (input.params.width, input.params.height);
@@ -57,7 +57,9 @@ pub fn rays_below(input: &Input, at: Address) -> Vec<PixelRay> {
         let first = 6 * (j as usize * (width as usize + 1) + i as usize);
         let number = |k: usize| f64::from(table.hi[first + k]) + f64::from(table.lo[first + k]);
         let v = |k: usize| DVec3::new(number(k), number(k + 1), number(k + 2));
-        (table.hi[first + 3..first + 6] != [0.0; 3]).then(|| PixelRay { pixel: (i, j), p: v(0), d: v(3) })
+        let all = &table.hi[first..first + 6];
+        let is_ray = all[3..] != [0.0; 3] && all.iter().all(|x| x.is_finite());
+        is_ray.then(|| PixelRay { pixel: (i, j), p: v(0), d: v(3) })
     };
     rows.flat_map(|j| columns.clone().map(move |i| (i, j))).filter_map(ray).collect()
 }
