@@ -32,7 +32,7 @@ const PINHOLE: &str = r#"{ kind = "pinhole", eye = [0.3, 1.1, 6], target = [0, -
 const FISHEYE: &str = r#"{ kind = "fisheye", eye = [0, 1, 4], target = [0, 0, 0], fov = 120 }"#;
 const INSIDE: &str = r#"{ kind = "fisheye", eye = [0.2, 0.1, 0.3], target = [0, 0, 5], fov = 200 }"#;
 /// Under water, looking up.
-const UNDER: &str = r#"{ kind = "fisheye", eye = [0, -1, 0], target = [0, 0, 0], up = [0, 0, -1], fov = 150 }"#;
+const UNDER: &str = r#"{ kind = "fisheye", eye = [0.13, -1, 0.07], target = [0.1, 0, 0], up = [0, 0, -1], fov = 150 }"#;
 const FAR: &str = r#"{ kind = "pinhole", eye = [10000, 0.5, 4], target = [10000, 0, 0], vfov = 40 }"#;
 
 const SPHERE: &str = r#"shape = "sphere", radius = 1.05, count = 300"#;
