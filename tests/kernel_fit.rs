@@ -1,20 +1,22 @@
 //! fit: the kernel's nodes must hold the rays that it read, be little wider than the host's, and be torn by its rule.
 
 mod common;
+#[path = "common/nasty.rs"]
+mod nasty;
 #[path = "common/stages.rs"]
 mod stages;
 #[path = "common/turned.rs"]
 mod turned;
 
-use anamorph::TILE;
-use anamorph::gpu::rows::{BRANCH, Cell, Node, RAYS_LOOSE, RAYS_NONE, RAYS_TORN, split2};
+use anamorph::gpu::rows::{BRANCH, Cell, Node, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
 use anamorph::plan::curves::RayTable;
-use anamorph::plan::nodes::Level;
+use anamorph::plan::fit::{STRAY, STRAY_SIZE};
+use anamorph::plan::nodes::{Level, TORN_WIDTH};
 use anamorph::twin::cull::Address;
 use anamorph::twin::fit::{fit, rays_below, reach};
 use anamorph::twin::{Input, Real};
-use common::rng::Rng;
 use glam::DVec3;
+use nasty::{SIZE, nasty};
 use stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use turned::{case, cases, turns};
 
@@ -154,7 +156,7 @@ fn torn(input: &Input, levels: &[Level], nodes: &[Node], margin: f64) -> Vec<Opt
     };
     let strays = |r: f32, c: [[f32; 3]; 3]| {
         let slopes = length(c[1]) + length(c[2]);
-        both(above(f64::from(r), 0.25 * slopes), above(f64::from(r), size(c) / 4096.0))
+        both(above(f64::from(r), STRAY * slopes), above(f64::from(r), STRAY_SIZE * size(c)))
     };
     let mut widths: Vec<Option<f64>> = vec![None; nodes.len()];
     let mut flags = vec![Some(false); nodes.len()];
@@ -185,7 +187,7 @@ fn torn(input: &Input, levels: &[Level], nodes: &[Node], margin: f64) -> Vec<Opt
             (Some(false), Some(false)) => Some(false),
             _ => None,
         };
-        flags[index] = both(loose, mean.and_then(|mean| above(0.5 * width, mean)));
+        flags[index] = both(loose, mean.and_then(|mean| above(TORN_WIDTH * width, mean)));
         widths[index] = match flags[index] {
             Some(true) => mean,
             Some(false) => Some(width),
@@ -219,92 +221,6 @@ fn nodes_hold_the_rays_that_optics_turn() {
     }
 }
 
-/// Over this many pixels the tables below are made: three levels of nodes, and tiles that the image cuts.
-const SIZE: (u32, u32) = (157, 75);
-
-/// A table of rays: of a pixel, its origin and its direction; 0 is none.
-fn table(ray: &mut dyn FnMut(u32, u32) -> Option<(DVec3, DVec3)>) -> RayTable {
-    let mut table = RayTable { hi: Vec::new(), lo: Vec::new() };
-    for (j, i) in (0..=SIZE.1).flat_map(|j| (0..=SIZE.0).map(move |i| (j, i))) {
-        let inside = i < SIZE.0 && j < SIZE.1;
-        let (p, d) = if inside { ray(i, j) } else { None }.unwrap_or_default();
-        for [hi, lo] in p.to_array().into_iter().chain(d.to_array()).map(split2) {
-            table.hi.push(hi);
-            table.lo.push(lo);
-        }
-    }
-    table
-}
-
-/// Smooth rays, as of a curved mirror.
-fn smooth(i: u32, j: u32) -> (DVec3, DVec3) {
-    let (x, y) = (f64::from(i) / 80.0 - 1.0, f64::from(j) / 80.0 - 0.5);
-    (DVec3::new(x, y, 0.1 * (3.0 * x).sin() * y), DVec3::new(0.7 * x, 0.4 * y + 0.1 * x * x, 1.0).normalize())
-}
-
-/// Rays that no mirror in a room has.
-fn nasty() -> Vec<(&'static str, RayTable)> {
-    let mut rng = Rng(4);
-    let at = |(p, d): (DVec3, DVec3), offset: f64| (p + offset * DVec3::new(1.0, -0.7, 0.3), d);
-    let in_tile = |i: u32, j: u32| (i % TILE, j % TILE);
-    // tile by tile: no pixel, one, a row, a column, a diagonal, two rows at one side, all but one
-    let some = |i: u32, j: u32| {
-        let (x, y) = in_tile(i, j);
-        match (i / TILE + 3 * (j / TILE)) % 7 {
-            0 => false,
-            1 => (x, y) == (5, 2),
-            2 => y == 3,
-            3 => x == 7,
-            4 => x == y,
-            5 => y < 2 && x > 3,
-            _ => (x, y) != (0, 0),
-        }
-    };
-    let jump = |i: u32, j: u32| {
-        let (x, y) = (f64::from(i) - 70.0, f64::from(j) - 40.0);
-        x * x + y * y < 900.0
-    };
-    vec![
-        ("smooth", table(&mut |i, j| Some(smooth(i, j)))),
-        ("smooth, far away", table(&mut |i, j| Some(at(smooth(i, j), 1e4)))),
-        ("few pixels", table(&mut |i, j| some(i, j).then(|| smooth(i, j)))),
-        ("few pixels, far away", table(&mut |i, j| some(i, j).then(|| at(smooth(i, j), 1e4)))),
-        (
-            "a silhouette",
-            table(&mut |i, j| {
-                let (p, d) = smooth(i, j);
-                Some(if jump(i, j) { (p + 5.0 * DVec3::Z, DVec3::new(d.z, d.x, -d.y)) } else { (p, d) })
-            }),
-        ),
-        ("a silhouette against nothing", table(&mut |i, j| jump(i, j).then(|| smooth(i, j)))),
-        ("noise", table(&mut |_, _| Some((3.0 * rng.vector(), rng.direction())))),
-        (
-            "sizes from 2^-20 to 2^20",
-            table(&mut |i, j| {
-                let scale = f64::from((i / TILE * 7 + j / TILE * 3) % 41).exp2() / f64::from(1 << 20);
-                let (p, d) = smooth(i, j);
-                Some((scale * p, d))
-            }),
-        ),
-        (
-            "some of them no numbers",
-            table(&mut |i, j| {
-                let (p, d) = smooth(i, j);
-                let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][(i % 3) as usize] * DVec3::Y;
-                Some(if (i * 5 + j * 3) % 11 == 0 {
-                    (p + bad, d)
-                } else if (i + j) % 13 == 0 {
-                    (p, bad)
-                } else {
-                    (p, d)
-                })
-            }),
-        ),
-        ("all alike", table(&mut |_, _| Some((DVec3::new(0.3, 0.1, 7.0), DVec3::new(0.6, 0.0, 0.8))))),
-        ("none", table(&mut |_, _| None)),
-    ]
-}
-
 /// A camera of that size, whose own rays are not looked at.
 fn any_case() -> Case {
     let eye = "eye = { kind = \"pinhole\", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }";
@@ -333,6 +249,18 @@ fn nodes_hold_nasty_rays() {
         }
     });
     assert!(torn > 10, "{torn} nodes torn");
+}
+
+#[test]
+fn the_kernel_has_the_host_s_constants() {
+    let source = anamorph::gpu::kernels::fit(any_case().variant(Real::F32, false)).source;
+    for line in [
+        format!("const STRAY: f32 = {STRAY:?};"),
+        format!("const STRAY_SIZE: f32 = 1.0 / {:?};", 1.0 / STRAY_SIZE),
+        format!("const TORN_WIDTH: f32 = {TORN_WIDTH:?};"),
+    ] {
+        assert!(source.contains(&line), "no {line}");
+    }
 }
 
 #[test]

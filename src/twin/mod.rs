@@ -20,6 +20,7 @@ pub mod raster;
 pub mod rays;
 pub mod shade;
 pub mod sift;
+pub mod surface;
 pub mod turn;
 pub mod write;
 
