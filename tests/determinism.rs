@@ -10,11 +10,23 @@ use anamorph::plan::{Plan, Surroundings, Wanted};
 use anamorph::scene::Scene;
 use anamorph::scene::{generate, place};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::file::camera_of;
 use common::gpu::{Without, engine, engine_on, ids, render, render_with, wanted, words};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, picked, scene, soup};
 
 const SIZE: (u32, u32) = (101, 77);
+
+/// Optics before a crowd: facets whose rays meet them again, and quadrics.
+const MIRROR: &str = r#"kind = "reflection"
+eye = { kind = "pinhole", eye = [0.2, 0.4, 4], target = [0, 0, 0], vfov = 40 }
+mirror = { shape = "torus", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.4, count = 300 }
+depth = 3"#;
+const LENS: &str = r#"kind = "refraction"
+eye = { kind = "pinhole", eye = [0.2, 0.4, 4], target = [0, 0, 0], vfov = 40 }
+lens = { shape = "lens", center = [0, 0, 1.5], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, curvatures = [0.5, -0.6] }
+ior = 1.5
+depth = 2"#;
 
 fn crowd() -> Scene {
     scene(place::merge(vec![generate::icosphere(3), soup(&mut Rng(1), 500, 0.5)]).unwrap())
@@ -26,6 +38,8 @@ fn cameras() -> Vec<(&'static str, Camera)> {
         (name, camera(kind, SIZE, ALL_T)),
         ("mesh", camera(mesh_camera(1, 9, 7, MeshLook { torn: true, ..Default::default() }), SIZE, FORWARD)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
+        ("mirror", camera_of("", SIZE, MIRROR).unwrap()),
+        ("lens", camera_of("", SIZE, LENS).unwrap()),
     ]
 }
 

@@ -3,7 +3,9 @@
 
 mod common;
 
+use anamorph::camera::Camera;
 use anamorph::frame::{Channel, NO_ID};
+use anamorph::optics::{Facets, Law, Optics, Surface, Turn};
 use anamorph::scene::generate;
 use anamorph::scene::mesh::Mesh;
 use anamorph::scene::place::merge;
@@ -162,5 +164,36 @@ fn of_thousands_of_coincident_triangles_the_lowest_id_is_seen() {
         let first_other = (0..5000).find(|&k| reversed(k) != reversed(0)).unwrap() as u32;
         assert!(ids(&frame).iter().all(|&id| [0, first_other, NO_ID].contains(&id)), "{name}");
         assert!(hits(&frame) > 100, "{name}");
+    }
+}
+
+/// A camera before a mirror or a lens of these facets.
+fn through(facets: Facets, law: Law, turn: Turn, eye: DVec3, depth: u32) -> Camera {
+    let mut camera = camera(pinhole(eye, DVec3::ZERO, 60.0), SIZE, FORWARD);
+    let surface = Surface::Facets { facets, law };
+    camera.optics = Some(Optics { turn, surface, depth, tint: [0.9; 3], base: [0.5; 3] }.into());
+    camera
+}
+
+/// Facets anywhere, with normals that are not theirs: up, down, along them.
+#[test]
+fn optics_of_any_triangles_with_any_normals() {
+    let mut rng = Rng(12);
+    let scene = scene(generate::icosphere(2));
+    for seed in 0..4 {
+        let mut mesh = soup(&mut Rng(seed), 60, [0.6, 0.2][seed as usize % 2]);
+        mesh.positions.iter_mut().for_each(|p| *p = 1.5 * *p + DVec3::new(0.0, 0.0, 1.5));
+        mesh.normals = (0..180).map(|_| rng.direction().as_vec3()).collect();
+        mesh.corner_normals = mesh.triangles.clone();
+        let facets = Facets::of_mesh(&mesh).unwrap();
+        let eye = DVec3::new(0.3, 0.2, 5.0);
+        for turn in [Turn::Reflect, Turn::Refract { ior: 1.4 }] {
+            for (law, depth) in [(Law::Normals, 3), (Law::Flat { eye }, 1)] {
+                let name = format!("{seed}, {turn:?}, {law:?}");
+                if check(&name, &scene, &through(facets.clone(), law, turn, eye, depth)).is_none() {
+                    return;
+                }
+            }
+        }
     }
 }

@@ -3,6 +3,8 @@
 mod common;
 #[path = "common/stages.rs"]
 mod stages;
+#[path = "common/turned.rs"]
+mod turned;
 
 use anamorph::TILE;
 use anamorph::gpu::buffers::Buffers;
@@ -41,7 +43,7 @@ type Job<'a> = (Input<'a>, Vec<[u32; 2]>);
 
 /// Draws the jobs of one band into one buffer, as the engine does: every job in each step.
 fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64): (Real, bool), jobs: &[Job]) -> Drawn {
-    let (gpu, stages) = bench.stages(case.variant(real, atomics64), &[]);
+    let (gpu, stages) = bench.stages(turned::variant(case, &jobs[0].0, real, atomics64), &[]);
     let owned = [COUNT_FRAGMENTS_TESTED, COUNT_FRAGMENTS_KEPT, COUNT_RECHECKED];
     let pixels = (jobs[0].0.params.width * jobs[0].0.params.height) as usize;
     let mut visibility = vec![[0u32; 2]; pixels];
@@ -184,6 +186,31 @@ fn the_kernel_draws_what_its_twin_draws() {
                     check(&case, &jobs, variant, &run_kernel(&mut bench, &case, variant, &jobs), &twin);
                 }
             }
+        }
+    }
+}
+
+/// They meet no facet where they start, and none at all where the optics do not see themselves.
+#[test]
+fn the_kernel_draws_what_turned_rays_meet() {
+    let Some(mut bench) = Bench::open() else { return };
+    let variants = bench.variants();
+    let mut rng = Rng(78);
+    for case in turned::cases() {
+        let tables = case.tables();
+        for band in 0..tables.plan.bands.len() {
+            tables.follow(&case.camera, band, Real::F64, |inputs, _| {
+                if turned::turns(&inputs[0]) == 0 {
+                    return;
+                }
+                let jobs = jobs_of(inputs.to_vec(), &mut rng);
+                for &(real, atomics64) in &variants {
+                    let mut twin = Visibility::new((jobs[0].0.params.width * jobs[0].0.params.height) as usize);
+                    jobs.iter().for_each(|(input, pairs)| raster(input, pairs, real, &mut twin));
+                    let drawn = run_kernel(&mut bench, &case, (real, atomics64), &jobs);
+                    check(&case, &jobs, (real, atomics64), &drawn, &twin);
+                }
+            });
         }
     }
 }

@@ -3,6 +3,8 @@
 mod common;
 #[path = "common/stages.rs"]
 mod stages;
+#[path = "common/turned.rs"]
+mod turned;
 
 use anamorph::frame::Channel;
 use anamorph::twin::bin::bin;
@@ -32,7 +34,7 @@ fn run_kernel(
     visibility: &Visibility,
     planes: &[Channel],
 ) -> Vec<u32> {
-    let (gpu, stages) = bench.stages(case.variant(real, false), planes);
+    let (gpu, stages) = bench.stages(turned::variant(case, input, real, false), planes);
     let mut buffers = upload(gpu, input);
     buffers.upload(gpu, "visibility", &visibility.words).unwrap();
     let words = visibility.words.len() * planes.len();
@@ -150,6 +152,22 @@ fn the_kernel_shades_what_its_twin_shades() {
     }
 }
 
+#[test]
+fn the_kernel_shades_what_optics_show() {
+    let Some(mut bench) = Bench::open() else { return };
+    let reals: Vec<Real> = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0).collect();
+    for case in turned::cases() {
+        let tables = case.tables();
+        for (band, &real) in (0..tables.plan.bands.len()).flat_map(|b| reals.iter().map(move |r| (b, r))) {
+            tables.follow(&case.camera, band, real, |inputs, visibility| {
+                for input in inputs {
+                    check(&mut bench, &case, input, visibility, real);
+                }
+            });
+        }
+    }
+}
+
 /// Holds the kernel's planes against the twin's; the number of pixels that are hits of the chunk.
 fn check(bench: &mut Bench, case: &Case, input: &Input, visibility: &Visibility, real: Real) -> usize {
     let name = format!("{}, row {}, ids from {}, {real:?}", case.name, input.params.band_row, input.params.id_first);
@@ -203,7 +221,7 @@ fn the_comparison_sees_planted_errors() {
     assert_eq!(compare(&right, &pixels, &planes, background).wrong, Vec::<String>::new());
     let sure = |p: &Pixel| matches!(p, Pixel::Hit(s) if s.error.colour < 1e-3);
     let hit = pixels.iter().position(sure).unwrap();
-    let miss = pixels.iter().position(|p| matches!(p, Pixel::Miss)).unwrap();
+    let miss = pixels.iter().position(|p| matches!(p, Pixel::Miss(_))).unwrap();
     for (plane, channel) in planes.iter().enumerate() {
         for pixel in [hit, miss] {
             let at = plane * pixels.len() + pixel;

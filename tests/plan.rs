@@ -11,6 +11,7 @@ use anamorph::plan::sheets::Sheets;
 use anamorph::plan::{Band, Plan, Surroundings, Wanted};
 use anamorph::scene::file::CameraKind;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::file::camera_of;
 use common::layered;
 use common::rng::Rng;
 use common::{FORWARD, camera};
@@ -326,10 +327,18 @@ fn what_is_left_out_is_said() {
             "sheets",
             "ray residuals",
             "cells apart in cull",
+            "bounce, fit and meet",
             "bands",
             "second depth dispatch"
         ]
     );
+    let eye = r#"eye = { kind = "pinhole", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }"#;
+    for (facets, left_out) in [("normals", vec!["meet"]), ("exact", vec![])] {
+        let keys = format!("mirror = {{ shape = \"sphere\", radius = 1 }}\nfacets = \"{facets}\"");
+        let mirror = camera_of("", SIZE, &format!("kind = \"reflection\"\n{eye}\n{keys}")).unwrap();
+        let whats = whats(&mirror, true, &all, HAS_ALL, LAVAPIPE_BINDING);
+        assert_eq!(whats.iter().filter(|w| w.contains("meet")).collect::<Vec<_>>(), left_out);
+    }
     assert!(!whats(&glc, true, &all, HAS_ALL, 1 << 16).contains(&"bands".into()));
     let few = whats(&glc, false, &wanted(&[Channel::T]), HAS_NONE, LAVAPIPE_BINDING);
     for what in ["channels", "smooth normals", "write", "fragment counters", "f64 rechecks"] {

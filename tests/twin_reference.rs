@@ -3,6 +3,8 @@
 mod common;
 #[path = "common/stages.rs"]
 mod stages;
+#[path = "common/turned.rs"]
+mod turned;
 
 use anamorph::camera::Camera;
 use anamorph::compare::compare;
@@ -96,6 +98,14 @@ fn vertices_on_rays() {
         let ids = frame.u32(Channel::TriangleId).unwrap();
         let inside = (1..36u32).flat_map(|j| (1..42u32).map(move |i| (j * 43 + i) as usize));
         assert!(inside.into_iter().all(|k| ids[k] != NO_ID), "{name}: a hole");
+    }
+}
+
+#[test]
+fn mirrors_and_lenses() {
+    // from far away nothing of the scene is seen
+    for case in turned::cases().into_iter().filter(|c| !c.name.contains("10000")) {
+        check(&case.name, &case.scene, &case.camera, case.band_limit);
     }
 }
 

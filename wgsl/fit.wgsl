@@ -13,8 +13,9 @@ struct Sample {
 // Samples of a node: pixels of a tile; corners of the fits of its children.
 const SAMPLES: u32 = 64u;
 
-// Rounding of what is summed up here and by the kernels that read the node, relative to the sizes: 2^-20. A stored ray 1
-// unit of 2^-24, its fit at a place 5, their difference 1, its length 3; a kernel's own use of the row 4.
+// Rounding of what is summed up here and by the kernels that read the node, relative to the sizes: 2^-20. In units of
+// 2^-24: a stored ray 1, or a child's fit at its corner 4, where it is up to twice as large as the node's; the node's fit
+// at a place 3; a kernel's own use of the row 4. Of the radius: a difference 1, its length 4, and a sum 1.
 const FIT_SLACK: f32 = 1.0 / 1048576.0;
 
 // Places are on a line where their spread's determinant is this share of its square.
@@ -26,6 +27,12 @@ const STRAY: f32 = 0.25;
 const STRAY_SIZE: f32 = 1.0 / 4096.0;
 const TORN_WIDTH: f32 = 0.5;
 
+// Neither infinite nor no number: what a surface without a normal makes of a ray meets nothing, and must not widen the
+// bounds of those beside it.
+fn is_finite(v: vec3<f32>) -> bool {
+    return all((bitcast<vec3<u32>>(v) & vec3<u32>(0x7f800000u)) != vec3<u32>(0x7f800000u));
+}
+
 fn sample_of(level: u32, x: u32, y: u32, k: u32) -> Sample {
     var s: Sample;
     if level == 0u {
@@ -36,7 +43,7 @@ fn sample_of(level: u32, x: u32, y: u32, k: u32) -> Sample {
             s.place = (vec2<f32>(in_tile) - 3.5) / 4.0;
             s.p = field_origin(at);
             s.d = field_direction(at);
-            s.exists = any(s.d != vec3<f32>(0.0));
+            s.exists = any(s.d != vec3<f32>(0.0)) && is_finite(s.p) && is_finite(s.d);
         }
         return s;
     }

@@ -22,9 +22,9 @@ const NODE_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
 const FIT_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 /// Rays stray that lie farther from their fit than this share of its slopes: twice that is a Newton step's slack in
 /// the node's units, and of half the node such a step says nothing any more.
-const STRAY: f64 = 0.25;
+pub const STRAY: f64 = 0.25;
 /// And farther than this share of their own size: next to no slope at all a hair would count.
-const STRAY_SIZE: f64 = 1.0 / (1u64 << 12) as f64;
+pub const STRAY_SIZE: f64 = 1.0 / (1u64 << 12) as f64;
 
 /// The affine function nearest to values at places, by least squares: value in the middle and slopes; and the largest
 /// distance that remains. At least one place.

@@ -3,7 +3,8 @@
 //! The image is cut into bands of whole tile rows that fit the adapter's bindings. Every band has its tiles ([`tiles`]:
 //! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square, affine
 //! ones by [`fit`]). Where a field's rays jump inside a tile, it is cut up ([`tear`]). The tiles of a chain's layers, and of
-//! the spans of curved rays, lie stacked as [`sheets`]. To project points the image has another tree ([`beams`]).
+//! the spans of curved rays, lie stacked as [`sheets`]. Of rays that a mirror or a lens turns the tree is made on the GPU,
+//! by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]).
 
 pub mod beams;
 pub mod curves;
@@ -233,8 +234,10 @@ fn left_out(
     if !bands.iter().any(|b| b.nodes.torn) {
         say("cells apart in cull", "no rays are torn".into());
     }
-    if camera.optics.is_none() {
-        say("bounce and fit", "no mirror or lens turns rays".into());
+    match camera.optics.as_ref().map(|o| o.quadric_count()) {
+        None => say("bounce, fit and meet", "no mirror or lens turns rays".into()),
+        Some(0) => say("meet", "the mirror or lens is made of triangles".into()),
+        Some(_) => {}
     }
     if bands.len() == 1 {
         say("bands", "the whole image fits the adapter's bindings".into());

@@ -63,7 +63,7 @@ impl Depth {
 
 /// It pays to hand on what is below a torn node where that is narrower than this share of the node: a quarter of the
 /// triangles then, each with a set-up of its own.
-const TORN_WIDTH: f64 = 0.5;
+pub const TORN_WIDTH: f64 = 0.5;
 
 impl Nodes {
     /// From the rays of each tile, row by row, and of its cells where they are several. At least two levels; the top one

@@ -1,34 +1,44 @@
-//! The stages of a frame again, in f64 on the host: `cull -> bin -> raster -> shade -> write`, one file each.
+//! The stages of a frame again, in f64 on the host: `cull -> bin -> raster -> shade -> write`, one file each; and where a
+//! mirror or a lens turns rays, `meet` beside raster, and after shade `bounce -> fit` and all of it again.
 //!
 //! A twin reads the very bytes that its kernel reads ([`Input`]) and makes the same lists and words, so that a frame can
 //! be followed stage by stage, and any stage be run from another's true output. It says what the stage should do, not
 //! how the kernel does it: bin tests every pixel, shade bounds what f32 may lose. Twins are as slow as they look.
 
 pub mod bin;
+pub mod bounce;
 pub mod cull;
 pub mod curve;
 pub mod edge;
+pub mod fit;
 pub mod key;
+pub mod meet;
+pub mod near;
+pub mod optics;
+pub mod quadric;
 pub mod raster;
 pub mod rays;
 pub mod shade;
 pub mod sift;
+pub mod surface;
+pub mod turn;
 pub mod write;
 
 pub use key::{KeyForm, Real};
 
 use crate::camera::Camera;
 use crate::engine::Capacities;
-use crate::engine::tables::{Look, Span, params};
+use crate::engine::tables::{Look, Span, TURNED_T_RANGE, params};
 use crate::frame::{Channel, Frame, Plane};
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::RaysKind;
-use crate::gpu::rows::{Cell, Cluster, Node, ONE_SIDED, Params, Piece};
+use crate::gpu::rows::{Cell, Cluster, Node, ONE_SIDED, Params, Piece, split3};
 use crate::plan::curves::RayTable;
 use crate::plan::{Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::{Clustered, cluster};
 use glam::DVec3;
+use optics::{Optics, OpticsInput, Turn};
 use raster::{Corners, Visibility};
 
 /// Everything that the kernels of one job read.
@@ -51,6 +61,7 @@ pub struct Input<'a> {
     pub slot_of_id: &'a [u32],
     pub surfaces: &'a [[u32; 4]],
     pub look: &'a Look,
+    pub optics: Option<OpticsInput<'a>>,
 }
 
 impl Input<'_> {
@@ -87,6 +98,7 @@ pub struct Tables {
     pub plan: Plan,
     pub clustered: Clustered,
     pub look: Look,
+    pub optics: Option<Optics>,
 }
 
 /// Lists that never run over.
@@ -95,17 +107,20 @@ pub const ROOMY: Capacities = Capacities { queue: u32::MAX as u64, work: u32::MA
 impl Tables {
     /// Bands and chunks are cut so that no table exceeds `binding_limit` bytes.
     pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: Abilities, binding_limit: u64) -> Tables {
+        let scene = &*scene.with_optics(camera);
         let around = Surroundings::of(camera, scene.bounds());
         let triangles = scene.mesh.triangles.len();
         let has_normals = !scene.mesh.normals.is_empty();
+        let plan = Plan::new(camera, triangles, has_normals, around, wanted, has, binding_limit);
         Tables {
-            plan: Plan::new(camera, triangles, has_normals, around, wanted, has, binding_limit),
+            optics: Optics::new(scene, camera, &plan),
+            plan,
             clustered: cluster(&scene.mesh, around.anchor, binding_limit),
             look: Look::new(scene),
         }
     }
 
-    /// All clusters of a chunk over a band.
+    /// All clusters of a chunk over a band, for the camera's own rays.
     pub fn input(&self, camera: &Camera, band: usize, chunk: usize, capacities: Capacities) -> Input<'_> {
         let (band, chunk) = (&self.plan.bands[band], &self.clustered.chunks[chunk]);
         let ids = Span { first: chunk.id_first, count: chunk.id_count };
@@ -135,8 +150,67 @@ impl Tables {
             slot_of_id: &chunk.slot_of_id,
             surfaces: &chunk.surfaces,
             look: &self.look,
+            optics: self.optics.as_ref().map(|o| o.input(None)),
         }
     }
+
+    /// The same for rays that were turned.
+    pub fn turned_input<'a>(&'a self, camera: &Camera, band: usize, chunk: usize, turn: &'a Turn) -> Input<'a> {
+        let mut input = self.input(camera, band, chunk, ROOMY);
+        let [t_min, t_max] = TURNED_T_RANGE.map(split3);
+        (input.params.t_min, input.params.t_max) = (t_min, t_max);
+        Input {
+            nodes: &turn.nodes,
+            // where turned rays are torn is not known beforehand
+            cull_steps: input.params.levels,
+            tile_start: &turn.tile_start,
+            cells: &turn.cells,
+            kind: RaysKind::Field,
+            rays: Some(&turn.rays),
+            optics: self.optics.as_ref().map(|o| o.input(Some(turn))),
+            ..input
+        }
+    }
+
+    /// Follows the rays of a band from pass to pass; `see` gets each pass under all chunks, and what is visible in it.
+    pub fn follow(&self, camera: &Camera, band: usize, real: Real, mut see: impl FnMut(&[Input], &Visibility)) {
+        let chunks = || 0..self.clustered.chunks.len();
+        let mut inputs: Vec<Input> = chunks().map(|c| self.input(camera, band, c, ROOMY)).collect();
+        let visibility = visible(&inputs, real);
+        see(&inputs, &visibility);
+        let depth = self.optics.as_ref().map_or(0, |o| o.depth);
+        let mut turn = (depth > 0).then(|| self.turned(camera, band, &inputs[0], &visibility, real));
+        while let Some(now) = turn.take() {
+            inputs = chunks().map(|c| self.turned_input(camera, band, c, &now)).collect();
+            let visibility = visible(&inputs, real);
+            see(&inputs, &visibility);
+            turn = (now.turns < depth).then(|| self.turned(camera, band, &inputs[0], &visibility, real));
+            inputs.clear();
+        }
+    }
+
+    /// The rays that a pass of a band turns, and bounds on them.
+    fn turned(&self, camera: &Camera, band: usize, input: &Input, visibility: &Visibility, real: Real) -> Turn {
+        let mut turn = Turn::new(input, visibility, real);
+        let fitted = fit::fit(&self.turned_input(camera, band, 0, &turn));
+        (turn.nodes, turn.cells) = (fitted.nodes.nodes, fitted.cells);
+        turn
+    }
+}
+
+/// What the rays of a pass meet first, under all chunks.
+pub fn visible(inputs: &[Input], real: Real) -> Visibility {
+    let pixels = inputs.first().map_or(0, |i| i.params.width * i.params.height);
+    let mut visibility = Visibility::new(pixels as usize);
+    for input in inputs {
+        let work = cull::cull(input, cull::Bound::PLAIN).work;
+        let pairs: Vec<[u32; 2]> = bin::bin(input, &work, real).iter().map(|b| b.pair().pack()).collect();
+        raster::raster(input, &pairs, real, &mut visibility);
+    }
+    if let Some(input) = inputs.first() {
+        meet::meet(input, real, &mut visibility);
+    }
+    visibility
 }
 
 /// A frame by the twins alone: the planned channels, and RGBA in 8-bit sRGB where that was asked for.
@@ -168,25 +242,18 @@ pub fn render(scene: &Scene, camera: &Camera, wanted: &Wanted, binding_limit: u6
     (Frame { width: camera.width, height: camera.height, planes }, srgb8)
 }
 
-/// The pixels of a band, under all chunks.
+/// The pixels of a band, after all turns and under all chunks.
 fn render_band(tables: &Tables, camera: &Camera, band: usize) -> Vec<shade::Pixel> {
     let count = (tables.plan.bands[band].rows * camera.width) as usize;
-    let mut visibility = Visibility::new(count);
-    let chunks = 0..tables.clustered.chunks.len();
-    for chunk in chunks.clone() {
-        let input = tables.input(camera, band, chunk, ROOMY);
-        let work = cull::cull(&input, cull::Bound::PLAIN).work;
-        let pairs: Vec<[u32; 2]> = bin::bin(&input, &work, Real::F64).iter().map(|b| b.pair().pack()).collect();
-        raster::raster(&input, &pairs, Real::F64, &mut visibility);
-    }
     let mut pixels = vec![shade::Pixel::Untouched; count];
-    for chunk in chunks {
-        let input = tables.input(camera, band, chunk, ROOMY);
-        for (pixel, shaded) in pixels.iter_mut().zip(shade::shade(&input, &visibility, Real::F64)) {
-            if !matches!(shaded, shade::Pixel::Untouched) {
-                *pixel = shaded;
+    tables.follow(camera, band, Real::F64, |inputs, visibility| {
+        for input in inputs {
+            for (pixel, shaded) in pixels.iter_mut().zip(shade::shade(input, visibility, Real::F64)) {
+                if !matches!(shaded, shade::Pixel::Untouched) {
+                    *pixel = shaded;
+                }
             }
         }
-    }
+    });
     pixels
 }

@@ -164,6 +164,13 @@ impl Visibility {
         let word = u64::from(hi) << 32 | u64::from(lo);
         (word != 0).then_some(!word)
     }
+
+    /// Keeps the larger of a pixel's word and this one.
+    pub fn merge(&mut self, pixel: usize, word: u64) {
+        let [lo, hi] = self.words[pixel];
+        let best = word.max(u64::from(hi) << 32 | u64::from(lo));
+        self.words[pixel] = [best as u32, (best >> 32) as u32];
+    }
 }
 
 /// Merges the hits of all pairs.
@@ -176,10 +183,7 @@ pub fn raster(input: &Input, pairs: &[[u32; 2]], real: Real, visibility: &mut Vi
         visibility.doubtful[pixel] |= tested.doubtful;
         if let Some(hit) = tested.hit {
             visibility.kept += 1;
-            let word = !keys.key(layer, hit.t, hit.id);
-            let [lo, hi] = visibility.words[pixel];
-            let best = word.max(u64::from(hi) << 32 | u64::from(lo));
-            visibility.words[pixel] = [best as u32, (best >> 32) as u32];
+            visibility.merge(pixel, !keys.key(layer, hit.t, hit.id));
         }
     }
 }
@@ -189,13 +193,18 @@ fn test_pair(input: &Input, pair: [u32; 2], real: Real) -> Vec<(usize, u32, Test
     let pair = bin::Pair::unpack(pair);
     let cell = input.cells[pair.cell as usize];
     let corners = input.corners(pair.slot);
-    let pixels = owned(&cell) & pair.pixels();
+    let apart = input.is_apart(corners.id);
+    let pixels = if apart { 0 } else { owned(&cell) & pair.pixels() };
     let in_box = (0..64u32).filter(|bit| pixels >> bit & 1 == 1);
     in_box
         .map(|bit| {
             let (x, y) = input.pixel_of(cell.tile, bit);
-            let tested = test(input, &input.cell_cast(&cell, bit), &corners, real);
-            ((y * input.params.width + x) as usize, input.layer_of(cell.tile), tested)
+            let pixel = (y * input.params.width + x) as usize;
+            let tested = match input.starts_on(pixel, corners.id) {
+                true => NOTHING,
+                false => test(input, &input.cell_cast(&cell, bit), &corners, real),
+            };
+            (pixel, input.layer_of(cell.tile), tested)
         })
         .collect()
 }

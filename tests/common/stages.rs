@@ -12,9 +12,10 @@ use anamorph::engine::Capacities;
 use anamorph::frame::Channel;
 use anamorph::gpu::buffers::{Buffers, read_words, readback, wait};
 use anamorph::gpu::device::{Abilities, NO_ADAPTER};
-use anamorph::gpu::kernels::Variant;
+use anamorph::gpu::kernels::{OpticsKind, Variant};
 use anamorph::gpu::rows::COUNTERS;
 use anamorph::gpu::{Gpu, GpuOptions};
+use anamorph::optics::Surface;
 use anamorph::plan::Wanted;
 use anamorph::plan::sheets::{self, Sheets};
 use anamorph::scene::Scene;
@@ -23,6 +24,7 @@ use anamorph::scene::file::CameraKind;
 use anamorph::scene::generate::{icosphere, plane, teapot};
 use anamorph::scene::mesh::{Material, Mesh};
 use anamorph::stage::Stages;
+use anamorph::twin::optics::SurfaceRows;
 use anamorph::twin::{Input, ROOMY, Real, Tables};
 use glam::{DMat2, DVec2, DVec3};
 
@@ -45,7 +47,7 @@ pub struct Case {
 const WHOLE: u64 = 1 << 27;
 
 impl Case {
-    fn new(name: &str, mesh: Mesh, camera: Camera) -> Case {
+    pub fn new(name: &str, mesh: Mesh, camera: Camera) -> Case {
         let scene = common::scene(mesh);
         Case { name: name.into(), scene, camera, band_limit: WHOLE, chunk_limit: WHOLE }
     }
@@ -55,7 +57,8 @@ impl Case {
         let wanted = Wanted { channels: Channel::ALL.to_vec(), srgb8: false, counting: false };
         let has = Abilities { f64: true, atomics64: true, timestamps: false };
         let mut tables = Tables::new(&self.scene, &self.camera, &wanted, has, self.band_limit);
-        tables.clustered = cluster(&self.scene.mesh, tables.plan.anchor, self.chunk_limit);
+        let mesh = &self.scene.with_optics(&self.camera).mesh;
+        tables.clustered = cluster(mesh, tables.plan.anchor, self.chunk_limit);
         tables
     }
 
@@ -74,7 +77,11 @@ impl Case {
     pub fn variant(&self, real: Real, atomics64: bool) -> Variant {
         let sheets = Sheets::of(&self.camera);
         let (rays, sheeted) = (sheets::kind(&self.camera), sheets.count() > 1);
-        Variant { f64: real == Real::F64, atomics64, rays, sheeted, counting: true, optics: None, turned: false }
+        let optics = self.camera.optics.as_ref().map(|o| match o.surface {
+            Surface::Facets { .. } => OpticsKind::Facets,
+            Surface::Quadrics(_) => OpticsKind::Quadrics,
+        });
+        Variant { f64: real == Real::F64, atomics64, rays, sheeted, counting: true, optics, turned: false }
     }
 }
 
@@ -312,6 +319,14 @@ pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
     b.upload(gpu, "materials", &input.look.materials).unwrap();
     b.upload(gpu, "lights", &input.look.lights).unwrap();
     b.create(gpu, "indirect", 12, wgpu::BufferUsages::INDIRECT).unwrap();
+    if let Some(optics) = &input.optics {
+        b.upload_uniform(gpu, "optic", &optics.optic).unwrap();
+        b.upload(gpu, "ways", optics.ways).unwrap();
+        match optics.surface {
+            SurfaceRows::Corners(rows) => b.upload(gpu, "corners", rows).unwrap(),
+            SurfaceRows::Quadrics(rows) => b.upload(gpu, "quadrics", rows).unwrap(),
+        }
+    }
     b
 }
 

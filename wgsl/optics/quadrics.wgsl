@@ -15,12 +15,16 @@ fn quadric_normal(q: Quadric, v: real3) -> real3 {
     return quadric_times(q, v) + real3(q.b_hi) + real3(q.b_lo);
 }
 
-// The place, from the centre, is on the part of the surface that is there.
-fn quadric_holds(q: Quadric, v: real3) -> bool {
+// Rounding of a place's height along the axis, in units of what is summed up to get the place: some 20 of its root t,
+// as many of the place and the height. A flat cap is all of one height and would have holes without.
+const HEIGHT_UNITS: real = 128.0;
+
+// The place, from the centre, is on the part of the surface that is there, its height known up to `lost`.
+fn quadric_holds(q: Quadric, v: real3, lost: real) -> bool {
     let axis = real3(q.axis_hi) + real3(q.axis_lo);
     let z = dot(v, axis);
     let away = v - z * axis;
-    return z >= real(q.low_hi) + real(q.low_lo) && z <= real(q.high_hi) + real(q.high_lo)
+    return z >= real(q.low_hi) + real(q.low_lo) - lost && z <= real(q.high_hi) + real(q.high_lo) + lost
         && dot(away, away) <= real(q.rim2_hi) + real(q.rim2_lo);
 }
 
@@ -49,7 +53,8 @@ fn first_root(q: Quadric, p: real3, d: real3, starts: bool, t_min: real, t_max: 
     for (var k = 0u; k < 2u; k++) {
         let s = t[k];
         let better = !found.found || s < found.t;
-        if (starts || square >= real(0.0)) && s >= t_min && s <= t_max && better && quadric_holds(q, v + s * d) {
+        let lost = HEIGHT_UNITS * REAL_UNIT * (size3(v) + abs(s) * size3(d));
+        if (starts || square >= real(0.0)) && s >= t_min && s <= t_max && better && quadric_holds(q, v + s * d, lost) {
             found = Root(s, true);
         }
     }

@@ -1,0 +1,36 @@
+//! meet in f64: the nearest quadric that a pixel's ray meets.
+
+use super::optics::SurfaceRows;
+use super::quadric::{Root, first_root};
+use super::raster::Visibility;
+use super::{Input, Real};
+use rayon::prelude::*;
+
+/// Merges what each pixel's ray meets; nothing but where the surface is made of quadrics.
+pub fn meet(input: &Input, real: Real, visibility: &mut Visibility) {
+    let keys = input.keys(real);
+    let pixels = input.params.width * input.params.height;
+    let met: Vec<_> = (0..pixels).into_par_iter().map(|pixel| meetings(input, pixel, real)).collect();
+    for (pixel, meetings) in met.iter().enumerate() {
+        visibility.doubtful[pixel] |= meetings.iter().any(|m| m.1.doubtful);
+        for (id, root) in meetings {
+            if let Some(t) = root.t {
+                visibility.merge(pixel, !keys.key(0, t.v, *id));
+            }
+        }
+    }
+}
+
+/// Every quadric that the pixel's ray meets, or may meet, by its id.
+pub fn meetings(input: &Input, pixel: u32, real: Real) -> Vec<(u32, Root)> {
+    let Some(optics) = &input.optics else { return Vec::new() };
+    let SurfaceRows::Quadrics(quadrics) = optics.surface else { return Vec::new() };
+    let (x, y) = (pixel % input.params.width, pixel / input.params.width);
+    let (true, Some(ray)) = (optics.is_seen(), input.near_ray(x, y, real)) else { return Vec::new() };
+    let root = |(id, quadric)| {
+        let starts = optics.ways[pixel as usize].last == id;
+        (id, first_root(quadric, &ray, starts, &input.params, real))
+    };
+    let roots = (optics.optic.first_id..).zip(quadrics).map(root);
+    roots.filter(|(_, root)| root.t.is_some() || root.doubtful).collect()
+}

@@ -1,0 +1,271 @@
+//! Numbers that know how far a kernel's may be from them: running error analysis (Higham, Accuracy and Stability of
+//! Numerical Algorithms, section 3.3). A formula written with them is the formula, and its bound.
+
+use super::Real;
+use glam::DVec3;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A value in f64, and how far another correct evaluation of the same formula may be from it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Near {
+    pub v: f64,
+    pub e: f64,
+    /// Rounding of one operation, relative: the kernel's and this one's own.
+    unit: f64,
+}
+
+/// Whether something holds, and whether another correct evaluation must agree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Judged {
+    pub yes: bool,
+    pub sure: bool,
+}
+
+impl Judged {
+    pub fn surely_not(self) -> bool {
+        self.sure && !self.yes
+    }
+
+    pub fn and(self, other: Judged) -> Judged {
+        let no = self.surely_not() || other.surely_not();
+        Judged { yes: self.yes && other.yes, sure: no || (self.sure && other.sure) }
+    }
+}
+
+/// Units of rounding of a quotient and of a root, as Vulkan allows f32: 2.5 ulp, and that on top of 2 ulp of an inverse
+/// root; an ulp is up to two units.
+const DIV_UNITS: f64 = 5.0;
+const SQRT_UNITS: f64 = 9.0;
+/// Smaller numbers than this may be flushed to 0.
+const TINY: f64 = f32::MIN_POSITIVE as f64;
+
+impl Near {
+    pub fn exact(v: f64, real: Real) -> Near {
+        Near { v, e: 0.0, unit: real.rounding() + Real::F64.rounding() }
+    }
+
+    /// A stored pair, summed up.
+    pub fn pair(hi: f32, lo: f32, real: Real) -> Near {
+        Near::exact(f64::from(hi), real) + Near::exact(f64::from(lo), real)
+    }
+
+    /// The same number with an error as large as any.
+    pub fn lost(self) -> Near {
+        Near { e: f64::INFINITY, ..self }
+    }
+
+    /// The result `v` of an operation that passes on the error `e` and rounds by so many units.
+    fn rounded(self, v: f64, e: f64, units: f64) -> Near {
+        let e = e + units * self.unit * (v.abs() + e);
+        // what comes of infinite errors and results is no bound
+        Near { v, e: if e.is_nan() { f64::INFINITY } else { e }, unit: self.unit }
+    }
+
+    fn is_zero(self) -> bool {
+        self.v == 0.0 && self.e == 0.0
+    }
+
+    pub fn abs(self) -> Near {
+        Near { v: self.v.abs(), ..self }
+    }
+
+    /// The root; 0 of what is negative.
+    pub fn sqrt(self) -> Near {
+        let root = self.v.max(0.0).sqrt();
+        let least = self.v - self.e;
+        // roots of numbers that far apart are no farther apart than its own root
+        let e = if least > 0.0 { self.e / (root + least.sqrt()) } else { self.e.sqrt() };
+        self.rounded(root, e, SQRT_UNITS)
+    }
+
+    /// `self <= other`; a number that is none is not.
+    pub fn at_most(self, other: Near) -> Judged {
+        let e = self.e + other.e;
+        Judged { yes: self.v <= other.v, sure: e == 0.0 || (self.v - other.v).abs() > e }
+    }
+
+    pub fn is_negative(self) -> Judged {
+        Judged { yes: self.v < 0.0, sure: self.e == 0.0 || self.v.abs() > self.e }
+    }
+}
+
+impl Add for Near {
+    type Output = Near;
+    fn add(self, o: Near) -> Near {
+        // nothing is rounded where nothing is added
+        let units = if self.is_zero() || o.is_zero() { 0.0 } else { 1.0 };
+        self.rounded(self.v + o.v, self.e + o.e, units)
+    }
+}
+
+impl Neg for Near {
+    type Output = Near;
+    fn neg(self) -> Near {
+        Near { v: -self.v, ..self }
+    }
+}
+
+impl Sub for Near {
+    type Output = Near;
+    fn sub(self, o: Near) -> Near {
+        self + -o
+    }
+}
+
+impl Mul for Near {
+    type Output = Near;
+    fn mul(self, o: Near) -> Near {
+        if self.is_zero() || o.is_zero() {
+            return Near { v: 0.0, e: 0.0, unit: self.unit };
+        }
+        let e = self.v.abs() * o.e + o.v.abs() * self.e + self.e * o.e;
+        self.rounded(self.v * o.v, e + TINY, 1.0)
+    }
+}
+
+impl Div for Near {
+    type Output = Near;
+    /// By 0 it is no number, or infinite, for sure.
+    fn div(self, o: Near) -> Near {
+        let q = self.v / o.v;
+        if o.is_zero() {
+            return Near { v: q, e: 0.0, unit: self.unit };
+        }
+        let least = o.v.abs() - o.e;
+        let e = if least > 0.0 { (self.e + q.abs() * o.e) / least } else { f64::INFINITY };
+        self.rounded(q, e + TINY, DIV_UNITS)
+    }
+}
+
+/// A vector of such numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Near3(pub [Near; 3]);
+
+impl Near3 {
+    pub fn pair(hi: [f32; 3], lo: [f32; 3], real: Real) -> Near3 {
+        Near3([0, 1, 2].map(|k| Near::pair(hi[k], lo[k], real)))
+    }
+
+    pub fn value(self) -> DVec3 {
+        DVec3::from(self.0.map(|c| c.v))
+    }
+
+    /// Sum of the absolute components.
+    pub fn size(self) -> f64 {
+        self.0.iter().map(|c| c.v.abs()).sum()
+    }
+
+    /// The largest error of a component.
+    pub fn error(self) -> f64 {
+        self.0.iter().fold(0.0, |most, c| most.max(c.e))
+    }
+
+    pub fn lost(self) -> Near3 {
+        Near3(self.0.map(Near::lost))
+    }
+
+    pub fn dot(self, o: Near3) -> Near {
+        let [x, y, z] = [0, 1, 2].map(|k| self.0[k] * o.0[k]);
+        x + y + z
+    }
+
+    pub fn cross(self, o: Near3) -> Near3 {
+        let part = |a: usize, b: usize| self.0[a] * o.0[b] - self.0[b] * o.0[a];
+        Near3([part(1, 2), part(2, 0), part(0, 1)])
+    }
+
+    pub fn norm(self) -> Near {
+        self.dot(self).sqrt()
+    }
+
+    pub fn unit(self) -> Near3 {
+        self / self.norm()
+    }
+
+    /// The sum of three vectors by weights whose own sum is 1 but for their rounding: only as far as the vectors differ do
+    /// the weights' errors count.
+    pub fn mixed(w: [Near; 3], of: [Near3; 3]) -> Near3 {
+        Near3([0, 1, 2].map(|k| {
+            let c = of.map(|v| v.0[k]);
+            let unit = w[0].unit;
+            let v = w[0].v * c[0].v + w[1].v * c[1].v + w[2].v * c[2].v;
+            let apart = |j: usize| w[j].e * (c[j].v - c[0].v).abs() + (w[j].v.abs() + w[j].e) * c[j].e;
+            // each weight's own quotient and their sum's; a product and two sums
+            let sizes: f64 = (0..3).map(|j| w[j].v.abs() * c[j].v.abs()).sum();
+            let e = apart(0) + apart(1) + apart(2) + unit * (DIV_UNITS + 6.0) * (sizes + c[0].v.abs());
+            Near { v, e: if e.is_nan() { f64::INFINITY } else { e + TINY }, unit }
+        }))
+    }
+}
+
+impl Add for Near3 {
+    type Output = Near3;
+    fn add(self, o: Near3) -> Near3 {
+        Near3([0, 1, 2].map(|k| self.0[k] + o.0[k]))
+    }
+}
+
+impl Neg for Near3 {
+    type Output = Near3;
+    fn neg(self) -> Near3 {
+        Near3(self.0.map(Near::neg))
+    }
+}
+
+impl Sub for Near3 {
+    type Output = Near3;
+    fn sub(self, o: Near3) -> Near3 {
+        self + -o
+    }
+}
+
+impl Mul<Near> for Near3 {
+    type Output = Near3;
+    fn mul(self, s: Near) -> Near3 {
+        Near3(self.0.map(|c| c * s))
+    }
+}
+
+impl Div<Near> for Near3 {
+    type Output = Near3;
+    fn div(self, s: Near) -> Near3 {
+        Near3(self.0.map(|c| c / s))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A formula with cancellation, a quotient and a root, in f32 and with its bound.
+    fn both(a: f32, b: f32, c: f32) -> (f64, Near) {
+        let single = ((a * b - c) / (a + c)).max(0.0).sqrt() + b;
+        let n = |v: f32| Near::exact(f64::from(v), Real::F32);
+        (f64::from(single), ((n(a) * n(b) - n(c)) / (n(a) + n(c))).sqrt() + n(b))
+    }
+
+    #[test]
+    fn f32_lies_within_the_bound_and_the_bound_near_it() {
+        let mut most = 0.0_f64;
+        for k in 1..2000u32 {
+            let number = |m: u32| (k.wrapping_mul(m) >> 8) as f32 / 16_777_216.0 + 1e-3;
+            let (a, b) = (number(0x9e37_79b1), number(0x85eb_ca77));
+            let (single, near) = both(a, b, a * b * (1.0 - 1e-4 * number(0xc2b2_ae3d)));
+            let off = (single - near.v).abs();
+            assert!(off <= near.e, "{k}: {single} for {near:?}");
+            most = most.max(off / near.e);
+        }
+        assert!(most > 0.02, "a bound that nothing comes near: {most}");
+    }
+
+    #[test]
+    fn what_rounding_may_turn_is_not_sure() {
+        let n = |v: f64| Near::exact(v, Real::F32);
+        assert!(n(1.0).at_most(n(1.0)) == Judged { yes: true, sure: true });
+        let third = n(1.0) / n(3.0);
+        assert!(!(third * n(3.0)).at_most(n(1.0)).sure);
+        assert!((third * n(3.0)).at_most(n(1.001)).sure);
+        assert!((n(0.0) / n(0.0)).at_most(n(1.0)).surely_not());
+        assert!(!(third - third).is_negative().sure);
+    }
+}

@@ -1,0 +1,158 @@
+//! What the kernels read of a camera's optics, pass by pass; and what a pixel shows where they turn rays.
+
+use super::bounce::{bounce, table};
+use super::raster::Visibility;
+use super::{Input, Real};
+use crate::camera::Camera;
+use crate::engine::tables;
+use crate::gpu::rows::{Cell, Corner, NONE, Node, Optic, Quadric, Way};
+use crate::optics::Surface;
+use crate::plan::Plan;
+use crate::plan::curves::RayTable;
+use crate::scene::Scene;
+
+/// The rows of the surface.
+#[derive(Debug, Clone, Copy)]
+pub enum SurfaceRows<'a> {
+    /// Three a facet.
+    Corners(&'a [Corner]),
+    Quadrics(&'a [Quadric]),
+}
+
+/// What kernels of one pass read beside the rest.
+#[derive(Debug, Clone, Copy)]
+pub struct OpticsInput<'a> {
+    pub optic: Optic,
+    /// One a pixel of the band.
+    pub ways: &'a [Way],
+    pub surface: SurfaceRows<'a>,
+}
+
+/// What lies behind a pixel's ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Behind {
+    /// What is seen counts this much.
+    pub light: [f32; 3],
+    /// Of all rays before.
+    pub length: f32,
+    /// The surface of the optics that was met first, and its number among the camera's pieces.
+    pub first: Option<(u32, u32)>,
+}
+
+impl OpticsInput<'_> {
+    /// Rays of this pass may meet the surface.
+    pub fn is_seen(&self) -> bool {
+        self.optic.turns == 0 || self.optic.sees_itself == 1
+    }
+
+    fn is_turned(&self) -> bool {
+        self.optic.turns > 0
+    }
+}
+
+impl Input<'_> {
+    /// No ray of this pass meets the triangle.
+    pub fn is_apart(&self, id: u32) -> bool {
+        self.optics.is_some_and(|o| id >= o.optic.first_id && !o.is_seen())
+    }
+
+    /// The pixel's ray starts on the triangle.
+    pub fn starts_on(&self, pixel: usize, id: u32) -> bool {
+        self.optics.is_some_and(|o| o.is_turned() && o.ways[pixel].last == id)
+    }
+
+    /// The pixel is shown by this pass, or by one to come, where its ray meets nothing.
+    pub fn is_under_way(&self, x: u32, y: u32) -> bool {
+        self.optics.is_none_or(|o| !o.is_turned() || self.near_ray(x, y, Real::F64).is_some())
+    }
+
+    /// The ray goes on from this surface in the next pass.
+    pub fn goes_on(&self, id: u32) -> bool {
+        self.optics.is_some_and(|o| id >= o.optic.first_id && o.optic.ends == 0)
+    }
+
+    /// What the surface looks like where rays end on it.
+    pub fn base(&self, id: u32) -> Option<[f32; 3]> {
+        self.optics.filter(|o| id >= o.optic.first_id).map(|o| o.optic.base)
+    }
+
+    /// The ray ends on a surface that is no triangle.
+    pub fn ends_on_quadric(&self, id: u32) -> bool {
+        self.base(id).is_some() && self.optics.is_some_and(|o| matches!(o.surface, SurfaceRows::Quadrics(_)))
+    }
+
+    pub fn behind(&self, pixel: u32) -> Behind {
+        let Some(optics) = &self.optics else { return Behind { light: [1.0; 3], length: 0.0, first: None } };
+        let way = &optics.ways[pixel as usize];
+        let first = (way.first != NONE).then(|| (way.first, optics.optic.piece_first + way.first));
+        Behind { light: way.light, length: way.length, first }
+    }
+}
+
+/// The optics' rows, as the engine makes them.
+pub struct Optics {
+    pub depth: u32,
+    /// By how many turns lie behind the rays.
+    passes: Vec<Optic>,
+    corners: Vec<Corner>,
+    quadrics: Vec<Quadric>,
+    /// Ways of rays that were not turned.
+    untouched: Vec<Way>,
+}
+
+/// Rays of a band after a turn or more.
+pub struct Turn {
+    pub turns: u32,
+    pub rays: RayTable,
+    pub ways: Vec<Way>,
+    pub nodes: Vec<Node>,
+    pub tile_start: Vec<u32>,
+    pub cells: Vec<Cell>,
+}
+
+impl Optics {
+    /// Of the camera's optics, where it has them; `scene` holds their facets.
+    pub fn new(scene: &Scene, camera: &Camera, plan: &Plan) -> Option<Optics> {
+        let optics = camera.optics.as_ref()?;
+        let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0);
+        let nothing = Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, pad0: 0, pad1: 0 };
+        let (corners, quadrics) = match &optics.surface {
+            Surface::Facets { facets, .. } => (tables::corners(facets, plan.anchor), Vec::new()),
+            Surface::Quadrics(list) => (Vec::new(), tables::quadrics(list, plan.anchor)),
+        };
+        Some(Optics {
+            depth: optics.depth,
+            passes: (0..=optics.depth).map(|turns| tables::optic(scene, camera, optics, plan, turns)).collect(),
+            corners,
+            quadrics,
+            untouched: vec![nothing; (rows * camera.width) as usize],
+        })
+    }
+
+    /// Before any turn, or after one.
+    pub fn input<'a>(&'a self, turn: Option<&'a Turn>) -> OpticsInput<'a> {
+        let surface = match self.quadrics.as_slice() {
+            [] => SurfaceRows::Corners(&self.corners),
+            list => SurfaceRows::Quadrics(list),
+        };
+        let (turns, ways) = turn.map_or((0, &self.untouched), |t| (t.turns, &t.ways));
+        OpticsInput { optic: self.passes[turns as usize], ways, surface }
+    }
+}
+
+impl Turn {
+    /// The rays of a band that a pass turns, not yet bounded; `input` is any chunk of the pass.
+    pub fn new(input: &Input, visibility: &Visibility, real: Real) -> Turn {
+        let bounced = bounce(input, visibility, real);
+        let tiles = input.params.tiles_x * input.params.tiles_y;
+        let nowhere: Way = bytemuck::Zeroable::zeroed();
+        Turn {
+            turns: input.optics.map_or(0, |o| o.optic.turns) + 1,
+            rays: table(input, &bounced),
+            ways: bounced.iter().map(|b| b.map_or(nowhere, |b| b.way)).collect(),
+            nodes: Vec::new(),
+            tile_start: (0..=tiles).collect(),
+            cells: Vec::new(),
+        }
+    }
+}

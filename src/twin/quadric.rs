@@ -1,0 +1,114 @@
+//! Where rays meet quadrics and how they are turned there, with bounds on what a kernel may find.
+
+use super::Real;
+use super::near::{Judged, Near, Near3};
+use super::turn::{NearRay, Turned, bent};
+use crate::gpu::rows::{Optic, Params, Quadric};
+
+/// Where a ray first meets a quadric.
+#[derive(Debug, Clone, Copy)]
+pub struct Root {
+    pub t: Option<Near>,
+    /// Another correct evaluation finds none, or finds one, where this one does not; or another root.
+    pub doubtful: bool,
+}
+
+/// Rounding of a place's height along the axis, in units of what is summed up to get the place: that much a cap counts
+/// beyond its heights.
+pub const HEIGHT_UNITS: f64 = 128.0;
+
+/// A quadric's row, its pairs summed up.
+struct Terms {
+    centre: Near3,
+    diagonal: Near3,
+    /// yz, xz, xy.
+    beside: Near3,
+    b: Near3,
+    c: Near,
+    axis: Near3,
+    heights: [Near; 2],
+    rim2: Near,
+}
+
+impl Terms {
+    fn new(q: &Quadric, real: Real) -> Terms {
+        let (v, s) = (|hi, lo| Near3::pair(hi, lo, real), |hi, lo| Near::pair(hi, lo, real));
+        Terms {
+            centre: v(q.centre_hi, q.centre_lo),
+            diagonal: v(q.diagonal_hi, q.diagonal_lo),
+            beside: v(q.beside_hi, q.beside_lo),
+            b: v(q.b_hi, q.b_lo),
+            c: s(q.c_hi, q.c_lo),
+            axis: v(q.axis_hi, q.axis_lo),
+            heights: [s(q.low_hi, q.low_lo), s(q.high_hi, q.high_lo)],
+            rim2: s(q.rim2_hi, q.rim2_lo),
+        }
+    }
+
+    /// A v.
+    fn times(&self, v: Near3) -> Near3 {
+        let ([xx, yy, zz], [yz, xz, xy]) = (self.diagonal.0, self.beside.0);
+        Near3([Near3([xx, xy, xz]), Near3([xy, yy, yz]), Near3([xz, yz, zz])].map(|row| row.dot(v)))
+    }
+
+    /// Half of the gradient, `v` from the centre.
+    fn normal(&self, v: Near3) -> Near3 {
+        self.times(v) + self.b
+    }
+
+    /// The part of the surface at `v` from the centre is there, its height known up to `lost`.
+    fn holds(&self, v: Near3, lost: Near) -> Judged {
+        let z = v.dot(self.axis);
+        let away = v - self.axis * z;
+        let within = (self.heights[0] - lost).at_most(z).and(z.at_most(self.heights[1] + lost));
+        within.and(away.dot(away).at_most(self.rim2))
+    }
+}
+
+/// Where the ray first meets the quadric at a t in range; of a ray that starts on it, the other place.
+pub fn first_root(q: &Quadric, ray: &NearRay, starts: bool, params: &Params, real: Real) -> Root {
+    let terms = Terms::new(q, real);
+    let zero = Near::exact(0.0, real);
+    let end = |t: [f32; 4]| t.iter().fold(zero, |sum, part| sum + Near::exact(f64::from(*part), real));
+    let v = ray.p - terms.centre;
+    let n = terms.normal(v);
+    let a = ray.d.dot(terms.times(ray.d));
+    let b = ray.d.dot(n);
+    let c = v.dot(n) + v.dot(terms.b) + terms.c;
+    let square = b * b - a * c;
+    let root = square.sqrt();
+    // of the two forms of a root the one in which nothing cancels
+    let far = if b.v < 0.0 { root - b } else { -root - b };
+    let list = if starts { vec![-(b + b) / a] } else { vec![far / a, c / far] };
+    let real_roots = if starts { Judged { yes: true, sure: true } } else { zero.at_most(square) };
+    let (t_min, t_max) = (end(params.t_min), end(params.t_max));
+    let judge = |t: Near| {
+        let in_range = t_min.at_most(t).and(t.at_most(t_max));
+        let lost = Near::exact(HEIGHT_UNITS * real.unit() * (v.size() + t.v.abs() * ray.d.size()), real);
+        (t, real_roots.and(in_range).and(terms.holds(v + ray.d * t, lost)))
+    };
+    first(list.into_iter().map(judge).filter(|(_, there)| !there.surely_not()).collect())
+}
+
+/// The first of the roots that are there.
+fn first(roots: Vec<(Near, Judged)>) -> Root {
+    let there = roots.iter().filter(|r| r.1.yes).map(|r| r.0);
+    let t = there.reduce(|a, b| if b.v < a.v { b } else { a });
+    // another one that is not surely behind it
+    let behind = |r: &Near, t: &Near| r.v - r.e > t.v + t.e;
+    let doubtful = match &t {
+        Some(t) => roots.iter().any(|(r, there)| if r == t { !there.sure } else { !behind(r, t) }),
+        None => !roots.is_empty(),
+    };
+    Root { t, doubtful }
+}
+
+/// The turn of a ray at the quadric that it meets.
+pub fn at_quadric(optic: &Optic, q: &Quadric, ray: &NearRay, starts: bool, params: &Params, real: Real) -> Turned {
+    let root = first_root(q, ray, starts, params, real);
+    let t = root.t.filter(|_| !root.doubtful).unwrap_or(Near::exact(0.0, real).lost());
+    let terms = Terms::new(q, real);
+    let place = ray.p + ray.d * t;
+    let normal = terms.normal(place - terms.centre);
+    Turned { place, d: bent(optic, ray.d.unit(), normal, normal, real) }
+}

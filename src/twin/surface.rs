@@ -1,0 +1,133 @@
+//! What a triangle looks like at a pixel, and how far an f32 kernel may be from it.
+
+use super::raster::Corners;
+use super::rays::PixelRays;
+use super::shade::UNIT;
+use super::{Input, Real};
+use crate::gpu::rows::NONE;
+use crate::scene::clusters::CORNER_ORDERS;
+use glam::DVec3;
+
+/// A unit vector from a given one: length 3, division 2.5 (as a Vulkan driver may).
+const NORMALIZE_UNITS: f64 = 6.0;
+/// A cross product of two differences: 1 each, 3 for products and sum.
+const NORMAL_UNITS: f64 = 6.0;
+/// A vertex rounded to f32, 1 unit of reach, at both ends of an edge.
+const STORED_UNITS: f64 = 2.0;
+/// A dot product and the few sums and products that make a colour.
+const LIGHT_UNITS: f64 = 8.0;
+/// An edge value `e . (d x m)`: edge 1, direction 1, cross product 3, dot product 3.
+const EDGE_UNITS: f64 = 8.0;
+/// A vertex less an origin: a product, a difference, and the origin's own sums.
+const OFFSET_UNITS: f64 = 3.0;
+/// A sum of three weighted normals.
+const SUM_UNITS: f64 = 5.0;
+
+/// A triangle at a pixel.
+pub struct Surface<'a> {
+    pub input: &'a Input<'a>,
+    pub rays: &'a PixelRays,
+    pub corners: Corners,
+    pub slot: u32,
+}
+
+impl Surface<'_> {
+    /// Sizes that an f32 kernel sums up to a direction: those of the cell's bundle over half a tile, over h.
+    pub fn direction_size(&self) -> f64 {
+        let b = &self.rays.bundle;
+        let half = f64::from(crate::TILE);
+        let h = b.h[0].abs();
+        let d = b.d[0].length() + half * (b.d[1].length() + b.d[2].length());
+        let size_h = h + half * (b.h[1].abs() + b.h[2].abs());
+        if self.input.rays.is_some() { b.d[0].length() } else { d / h * (size_h / h) }
+    }
+
+    /// Weights of the row's corners: each opposite edge's value over their sum, which is `h N . d`; and the error of
+    /// arithmetic with `rounding`, `stored` units of reach lost in each vertex.
+    fn row_weights(&self, rounding: f64, stored: f64) -> ([f64; 3], f64) {
+        let [v0, v1, v2] = self.corners.v;
+        let b = &self.rays.bundle;
+        let d = b.d[0];
+        let edge = |from: DVec3, e: DVec3| e.dot(d.cross(from * b.h[0] - b.p[0]));
+        let w = [edge(v1, v2 - v1), edge(v0, v0 - v2), edge(v0, v1 - v0)];
+        let sum = (v1 - v0).cross(v2 - v0).dot(d) * b.h[0];
+        let reach = f64::from(self.input.params.vertex_reach);
+        let size_e = (v1 - v0).length().max((v2 - v1).length()).max((v2 - v0).length());
+        let size_m = (v0 * b.h[0] - b.p[0]).length().max((v1 * b.h[0] - b.p[0]).length());
+        let lost_m = OFFSET_UNITS * (reach * self.rays.size_h + self.rays.size_p);
+        let lost = rounding * self.rays.size_d * (size_m * (EDGE_UNITS * size_e + stored * reach) + lost_m * size_e);
+        // a weight's own edge, and three in the sum
+        let error = 4.0 * lost / (sum.abs() - 3.0 * lost).max(0.0);
+        (w.map(|w| w / sum), error)
+    }
+
+    fn in_file_order(&self, w: [f64; 3]) -> [f64; 3] {
+        let order = (self.input.triangles[self.slot as usize][3] >> 28 & 7) as usize;
+        CORNER_ORDERS[order].map(|k| w[k].clamp(0.0, 1.0))
+    }
+
+    /// Weights of the file's corners, rounded to f32 at the end.
+    pub fn weights(&self, real: Real) -> ([f64; 3], f64) {
+        let stored = if real == Real::F32 { STORED_UNITS } else { 0.0 };
+        let (w, error) = self.row_weights(real.rounding(), stored);
+        (self.in_file_order(w), error + UNIT)
+    }
+
+    /// Lambert from every light, or one headlight along the ray, and a small ambient term.
+    pub fn colour(&self, direction_error: f64) -> ([f64; 3], f64) {
+        let look = self.input.look;
+        let view = self.rays.direction().normalize();
+        let view_error = direction_error + UNIT * NORMALIZE_UNITS;
+        let (n, n_error) = self.normal(view, view_error);
+        let lambert = |travel: DVec3| (-n.dot(travel)).max(0.0);
+        let ambient = f64::from(look.shading.ambient);
+        let lights = look.lights.iter().map(|l| DVec3::new(l[0].into(), l[1].into(), l[2].into()));
+        let (direct, lights_error) = if look.lights.is_empty() {
+            (lambert(view), n_error + view_error + LIGHT_UNITS * UNIT)
+        } else {
+            (lights.map(lambert).sum::<f64>(), look.lights.len() as f64 * (n_error + LIGHT_UNITS * UNIT))
+        };
+        let received = ambient + (1.0 - ambient) * direct;
+        let material = self.input.surfaces[self.slot as usize][3];
+        let diffuse = look.materials[material as usize];
+        let colour = [0, 1, 2].map(|k| f64::from(diffuse[k]) * received);
+        (colour, lights_error + LIGHT_UNITS * UNIT * received)
+    }
+
+    /// The normal turned to the viewer: the file's where it has them, else the triangle's.
+    fn normal(&self, view: DVec3, view_error: f64) -> (DVec3, f64) {
+        let [v0, v1, v2] = self.corners.v;
+        let (e1, e2) = (v1 - v0, v2 - v0);
+        let cross = e1.cross(e2);
+        let reach = f64::from(self.input.params.vertex_reach);
+        let stored = STORED_UNITS * reach * (e1.length() + e2.length());
+        let flat_error =
+            UNIT * ((stored + NORMAL_UNITS * e1.length() * e2.length()) / cross.length() + NORMALIZE_UNITS);
+        let towards = |n: DVec3, away: bool| if away { -n } else { n };
+        let flat = cross.normalize();
+        let edge_on = flat.dot(view).abs() <= flat_error + view_error;
+        let flat = towards(flat, flat.dot(view) > 0.0);
+        let flat_error = if edge_on { f64::INFINITY } else { flat_error };
+        let Some((smooth, smooth_error)) = self.smooth_normal() else { return (flat, flat_error) };
+        let unsure = smooth.dot(flat).abs() <= smooth_error + flat_error;
+        (towards(smooth, smooth.dot(flat) < 0.0), if unsure { f64::INFINITY } else { smooth_error })
+    }
+
+    /// The file's normals by their weights, which f32 kernels take from f32 edges.
+    fn smooth_normal(&self) -> Option<(DVec3, f64)> {
+        let look = self.input.look;
+        let surface = self.input.surfaces[self.slot as usize];
+        let corners = [surface[0], surface[1], surface[2]];
+        if look.shading.has_normals == 0 || corners.contains(&NONE) {
+            return None;
+        }
+        let (w, error) = self.row_weights(UNIT, STORED_UNITS);
+        let w = self.in_file_order(w);
+        let normals = corners.map(|k| DVec3::from(look.normals[k as usize].map(f64::from)));
+        let sum: DVec3 = (0..3).map(|k| w[k] * normals[k]).sum();
+        let smooth = sum.try_normalize()?;
+        // weights add up to 1, so their errors turn the sum only as far as the normals differ
+        let apart: f64 = normals.iter().map(|n| (*n - normals[0]).length()).sum();
+        Some((smooth, (error * apart + SUM_UNITS * UNIT) / sum.length() + NORMALIZE_UNITS * UNIT))
+    }
+}

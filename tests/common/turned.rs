@@ -1,0 +1,104 @@
+//! Cameras with a mirror or a lens: every surface and law, by eyes of pieces and of a field.
+
+// every test binary uses a part of it
+#![allow(dead_code)]
+
+use super::common::file::load;
+use super::stages::Case;
+use anamorph::gpu::kernels::Variant;
+use anamorph::twin::{Input, Real};
+
+/// A floor, a ball and a box around the origin; the optics go into the middle.
+const THINGS: &str = r#"
+[[mesh]]
+builtin = "plane"
+size = 12
+divisions = 5
+translate = [0, -1.2, 0]
+[[mesh]]
+builtin = "icosphere"
+level = 2
+scale = 0.5
+translate = [-1.6, -0.3, 1.4]
+[[mesh]]
+builtin = "box"
+scale = 0.5
+translate = [0.3, -0.9, 1.9]
+[[light]]
+direction = [-1, -2, -1.2]
+"#;
+
+const PINHOLE: &str = r#"{ kind = "pinhole", eye = [0.3, 1.1, 6], target = [0, -0.1, 0], vfov = 42 }"#;
+const FISHEYE: &str = r#"{ kind = "fisheye", eye = [0, 1, 4], target = [0, 0, 0], fov = 120 }"#;
+const INSIDE: &str = r#"{ kind = "fisheye", eye = [0.2, 0.1, 0.3], target = [0, 0, 5], fov = 200 }"#;
+/// Under water, looking up.
+const UNDER: &str = r#"{ kind = "fisheye", eye = [0.13, -1, 0.07], target = [0.1, 0, 0], up = [0, 0, -1], fov = 150 }"#;
+const FAR: &str = r#"{ kind = "pinhole", eye = [10000, 0.5, 4], target = [10000, 0, 0], vfov = 40 }"#;
+
+const SPHERE: &str = r#"shape = "sphere", radius = 1.05, count = 300"#;
+const TORUS: &str = r#"shape = "torus", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.35, count = 400"#;
+const BOWL: &str = r#"shape = "quadric", vertex = [0, -0.4, -0.5], axis = [0, 0.2, 1], curvature = 1.6, conic = -0.9, radius = 1.1, count = 300"#;
+const LENS: &str = r#"shape = "lens", center = [0, 0, 2.5], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, curvatures = [0.5, -0.6], count = 300"#;
+const WAVE: &str =
+    r#"shape = "wave", center = [0, -0.9, 1], size = 5, amplitude = 0.06, wavelength = 1.7, count = 400"#;
+const WATER: &str = r#"shape = "quadric", axis = [0, -1, 0], curvature = 0, radius = 60"#;
+const FAR_BALL: &str = r#"shape = "sphere", center = [10000, 0, 0], radius = 1"#;
+
+/// The scene and the camera of these keys.
+pub fn case(name: &str, size: (u32, u32), camera: &str) -> Case {
+    let (w, h) = size;
+    let image = format!("image = {{ width = {w}, height = {h}, background = [0.2, 0.3, 0.4] }}");
+    let scene = load(&format!("{image}\n{THINGS}\n[camera]\n{camera}\n")).unwrap();
+    let camera = scene.camera().unwrap();
+    let mut case = Case::new(name, scene.mesh.clone(), camera);
+    case.scene = scene;
+    case
+}
+
+/// Where facets are sought, mostly a glimpse of each way: size, eye, shape, facets, depth.
+pub fn cases() -> Vec<Case> {
+    let size = (61, 43);
+    let mirror = |eye: &str, shape: &str, facets: &str, depth: u32| {
+        let keys = format!("mirror = {{ {shape} }}\nfacets = \"{facets}\"\ndepth = {depth}\ncolor = [0.9, 0.8, 0.7]");
+        let name = format!("reflection, {facets}, {depth}, {shape}");
+        case(&name, size, &format!("kind = \"reflection\"\neye = {eye}\n{keys}"))
+    };
+    let lens = |eye: &str, shape: &str, facets: &str, depth: u32| {
+        let keys = format!("ior = 1.45\nlens = {{ {shape} }}\nfacets = \"{facets}\"\ndepth = {depth}");
+        let name = format!("refraction, {facets}, {depth}, {shape}");
+        case(&name, size, &format!("kind = \"refraction\"\neye = {eye}\n{keys}"))
+    };
+    let mut cut = mirror(PINHOLE, SPHERE, "normals", 2);
+    cut.name = "bands and chunks".into();
+    // some 16 rows of eleven channels a band, some 100 triangles a chunk
+    (cut.band_limit, cut.chunk_limit) = (62 * 44 * 20, 36 * 100);
+    vec![
+        mirror(PINHOLE, SPHERE, "normals", 2),
+        mirror(PINHOLE, TORUS, "flat", 1),
+        mirror(FISHEYE, TORUS, "normals", 3),
+        mirror(PINHOLE, SPHERE, "exact", 2),
+        mirror(PINHOLE, BOWL, "exact", 3),
+        mirror(FISHEYE, SPHERE, "exact", 1),
+        mirror(FAR, FAR_BALL, "exact", 1),
+        lens(PINHOLE, SPHERE, "flat", 1),
+        lens(PINHOLE, LENS, "normals", 4),
+        lens(PINHOLE, WAVE, "normals", 1),
+        lens(INSIDE, SPHERE, "normals", 2),
+        lens(PINHOLE, LENS, "exact", 3),
+        lens(PINHOLE, SPHERE, "exact", 2),
+        lens(INSIDE, SPHERE, "exact", 2),
+        lens(UNDER, WATER, "exact", 1),
+        cut,
+    ]
+}
+
+/// The kernels for the rays of an input.
+pub fn variant(case: &Case, input: &Input, real: Real, atomics64: bool) -> Variant {
+    let first = case.variant(real, atomics64);
+    if turns(input) > 0 { first.after_turn() } else { first }
+}
+
+/// How many turns lie behind the rays of an input.
+pub fn turns(input: &Input) -> u32 {
+    input.optics.map_or(0, |o| o.optic.turns)
+}

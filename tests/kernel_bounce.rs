@@ -1,0 +1,242 @@
+//! bounce: the kernel against its twin, from the same bytes.
+
+mod common;
+#[path = "common/stages.rs"]
+mod stages;
+#[path = "common/turned.rs"]
+mod turned;
+
+use anamorph::gpu::rows::{NONE, Way, split2};
+use anamorph::twin::bounce::{Bounced, bounce};
+use anamorph::twin::raster::Visibility;
+use anamorph::twin::{Input, Real};
+use stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
+use turned::{cases, turns, variant};
+
+/// Share of turned rays that may be lost because rounding decides between two ways to turn them: total reflection, the
+/// rim of a quadric, grazing facets. Measured: none.
+const LOST_MAX: f64 = 0.0;
+/// Bounds that nine of ten numbers must not exceed, relative to the largest coordinate. Measured: 3e-13 and 7e-5, of small
+/// facets and of a ball seen from six radii away.
+const BOUND_TYPICAL_F64: f64 = 1e-12;
+const BOUND_TYPICAL_F32: f64 = 2e-4;
+/// A stored pair's rounding, relative.
+const PAIR: f64 = 1.0 / (1u64 << 48) as f64;
+/// A stored pair's second number may be flushed to 0.
+const FLUSHED: f64 = f32::MIN_POSITIVE as f64;
+
+/// What the kernel left.
+#[derive(Clone)]
+struct Left {
+    hi: Vec<u32>,
+    lo: Vec<u32>,
+    ways: Vec<[u32; 8]>,
+}
+
+fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &Input, visibility: &Visibility) -> Left {
+    let (gpu, stages) = bench.stages(variant(case, input, real, false), &[]);
+    let (w, h) = (input.params.width as usize, input.params.height as usize);
+    let numbers = 6 * (w + 1) * (h + 1);
+    let mut buffers = upload(gpu, input);
+    buffers.upload(gpu, "visibility", &visibility.words).unwrap();
+    buffers.upload(gpu, "turned_hi", &vec![POISON; numbers + SPARE]).unwrap();
+    buffers.upload(gpu, "turned_lo", &vec![POISON; numbers + SPARE]).unwrap();
+    buffers.upload(gpu, "turned_ways", &vec![[POISON; 8]; w * h + SPARE]).unwrap();
+    run(gpu, |pass| stages.bounce(gpu, pass, &[&buffers], (w * h) as u32));
+    let words = |name: &str, from: usize| {
+        let words = read(gpu, &buffers, name);
+        assert_poisoned(&words, from, &format!("{}, {name}", case.name));
+        words[..from].to_vec()
+    };
+    let ways = words("turned_ways", 8 * w * h);
+    let way = |k: usize| [0, 1, 2, 3, 4, 5, 6, 7].map(|i| ways[8 * k + i]);
+    Left { hi: words("turned_hi", numbers), lo: words("turned_lo", numbers), ways: (0..w * h).map(way).collect() }
+}
+
+/// How turned rays stand against the twin's.
+#[derive(Debug, Default)]
+struct Compared {
+    wrong: Vec<String>,
+    turned: usize,
+    lost: usize,
+    /// Largest share of its bound that a number is off by; ninth tenth of all bounds over the largest coordinate.
+    share: f64,
+    bound: f64,
+}
+
+fn compare(input: &Input, left: &Left, twin: &[Option<Bounced>]) -> Compared {
+    let (w, h) = (input.params.width as usize, input.params.height as usize);
+    let mut seen = Compared::default();
+    let (mut bounds, mut size) = (Vec::new(), 1.0_f64);
+    for (y, x) in (0..=h).flat_map(|y| (0..=w).map(move |x| (y, x))) {
+        let at = 6 * (y * (w + 1) + x);
+        let numbers = || (at..at + 6).map(|k| (left.hi[k], left.lo[k]));
+        if x == w || y == h {
+            if numbers().any(|n| n != (POISON, POISON)) {
+                seen.wrong.push(format!("({x}, {y}) is beside the band and was written"));
+            }
+            continue;
+        }
+        let way = left.ways[y * w + x];
+        let Some(Bounced { turned, way: want, length_error }) = &twin[y * w + x] else {
+            // no ray; what stands in its way is nobody's
+            if numbers().any(|n| n != (0, 0)) || way != [POISON; 8] {
+                seen.wrong.push(format!("({x}, {y}): a ray from where nothing is met"));
+            }
+            continue;
+        };
+        seen.turned += 1;
+        let words: [u32; 8] = bytemuck::cast(*want);
+        let length = f64::from(f32::from_bits(way[3])) - f64::from(want.length);
+        let known = |w: [u32; 8]| [w[0], w[1], w[2], w[4], w[5], w[6], w[7]];
+        if known(way) != known(words) {
+            seen.wrong.push(format!("({x}, {y}): the way {way:x?} for {words:x?}"));
+        }
+        let exact: Vec<_> = turned.place.0.into_iter().chain(turned.d.0).collect();
+        if exact.iter().any(|n| n.e.is_infinite()) {
+            seen.lost += 1;
+            continue;
+        }
+        if length.is_nan() || length.abs() > *length_error {
+            seen.wrong.push(format!("({x}, {y}): the length off by {length:e}, may {length_error:e}"));
+        }
+        for (k, ((hi, lo), near)) in numbers().zip(exact).enumerate() {
+            let value = f64::from(f32::from_bits(hi)) + f64::from(f32::from_bits(lo));
+            let (off, may) = ((value - near.v).abs(), near.e + PAIR * near.v.abs() + FLUSHED);
+            // not a number is never right
+            if off.is_nan() || off > may {
+                seen.wrong.push(format!("({x}, {y}), number {k}: {value} for {}, off {off:e}, may {may:e}", near.v));
+            }
+            seen.share = seen.share.max(off / may);
+            size = size.max(near.v.abs());
+            bounds.push(may);
+        }
+    }
+    bounds.sort_by(f64::total_cmp);
+    seen.bound = bounds.get(bounds.len() * 9 / 10).copied().unwrap_or(0.0) / size;
+    seen
+}
+
+#[test]
+fn the_kernel_turns_rays_as_its_twin_does() {
+    let Some(mut bench) = Bench::open() else { return };
+    let reals: Vec<Real> = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0).collect();
+    for case in cases() {
+        let tables = case.tables();
+        let mut turned = 0;
+        for (band, &real) in (0..tables.plan.bands.len()).flat_map(|b| reals.iter().map(move |r| (b, r))) {
+            tables.follow(&case.camera, band, real, |inputs, visibility| {
+                let input = &inputs[0];
+                if input.optics.is_none_or(|o| o.optic.ends == 1) {
+                    return;
+                }
+                let name = format!("{}, band {band}, after {}, {real:?}", case.name, turns(input));
+                let left = run_kernel(&mut bench, &case, real, input, visibility);
+                let seen = compare(input, &left, &bounce(input, visibility, real));
+                let (lost, share, bound) = (seen.lost, seen.share, seen.bound);
+                println!("{name}: {} turned, {lost} lost, {share:.3} of bounds, mostly {bound:.1e}", seen.turned);
+                assert!(seen.wrong.is_empty(), "{name}: {} differ, the first: {}", seen.wrong.len(), seen.wrong[0]);
+                assert!(lost as f64 <= LOST_MAX * seen.turned as f64, "{name}: {lost} of {} lost", seen.turned);
+                let typical = if real == Real::F64 { BOUND_TYPICAL_F64 } else { BOUND_TYPICAL_F32 };
+                assert!(bound <= typical, "{name}: a bound of {bound:e}");
+                turned += seen.turned;
+            });
+        }
+        assert!(turned > 150, "{}: {turned} rays turned", case.name);
+    }
+}
+
+/// What the kernel would leave if it were the twin.
+fn left_by_twin(input: &Input, twin: &[Option<Bounced>]) -> Left {
+    let (w, h) = (input.params.width as usize, input.params.height as usize);
+    let numbers = 6 * (w + 1) * (h + 1);
+    let mut left = Left { hi: vec![POISON; numbers], lo: vec![POISON; numbers], ways: vec![[POISON; 8]; w * h] };
+    for (pixel, bounced) in twin.iter().enumerate() {
+        let at = 6 * (pixel / w * (w + 1) + pixel % w);
+        let values = bounced.map_or([0.0; 6], |b| {
+            let [p, d] = [b.turned.place, b.turned.d].map(|v| v.value());
+            [p.x, p.y, p.z, d.x, d.y, d.z]
+        });
+        for (k, [hi, lo]) in values.map(split2).into_iter().enumerate() {
+            (left.hi[at + k], left.lo[at + k]) = (hi.to_bits(), lo.to_bits());
+        }
+        if let Some(b) = bounced {
+            left.ways[pixel] = bytemuck::cast(b.way);
+        }
+    }
+    left
+}
+
+#[test]
+fn the_comparison_sees_planted_errors() {
+    for case in cases().into_iter().take(4) {
+        let tables = case.tables();
+        tables.follow(&case.camera, 0, Real::F64, |inputs, visibility| {
+            let input = &inputs[0];
+            if input.optics.is_none_or(|o| o.optic.ends == 1) {
+                return;
+            }
+            let twin = bounce(input, visibility, Real::F64);
+            let right = left_by_twin(input, &twin);
+            assert!(compare(input, &right, &twin).wrong.is_empty(), "{}", case.name);
+            let w = input.params.width as usize;
+            let Some(hit) = twin.iter().position(Option::is_some) else { return };
+            let miss = twin.iter().position(Option::is_none).unwrap();
+            let at = |pixel: usize| 6 * (pixel / w * (w + 1) + pixel % w);
+            let found = |what: &str, change: &dyn Fn(&mut Left)| {
+                let mut left = right.clone();
+                change(&mut left);
+                let wrong = compare(input, &left, &twin).wrong;
+                assert_eq!(wrong.len(), 1, "{}, {what}: {wrong:?}", case.name);
+            };
+            for k in 0..6 {
+                found("a last bit", &|l| l.hi[at(hit) + k] ^= 1);
+                found("no number", &|l| l.hi[at(hit) + k] = f32::NAN.to_bits());
+            }
+            let far = (0..6).max_by_key(|k| right.lo[at(hit) + k] & 0x7fff_ffff).unwrap();
+            found("no second number", &|l| l.lo[at(hit) + far] = 0);
+            found("a ray from nowhere", &|l| l.hi[at(miss) + 3] = 1.0_f32.to_bits());
+            found("a way from nowhere", &|l| l.ways[miss][0] = 0);
+            found("beside the band", &|l| l.hi[6 * w] = 0);
+            for k in [0, 1, 2, 4, 5] {
+                found("another way", &|l| l.ways[hit][k] ^= 1);
+            }
+            found("a longer way", &|l| {
+                l.ways[hit][3] = (f32::from_bits(l.ways[hit][3]) * (1.0 + 8.0 * f32::EPSILON)).to_bits();
+            });
+        });
+    }
+}
+
+#[test]
+fn the_kernel_has_the_rule_s_constant() {
+    let case = cases().into_iter().next().unwrap();
+    let source = anamorph::gpu::kernels::bounce(case.variant(Real::F64, false)).source;
+    assert!(source.contains(&format!("const FLAT_LEAST: real = {:?};", anamorph::optics::FLAT_LEAST)));
+}
+
+/// Turned by hand: a ray straight down on a mirror in the plane y = 0, and one that enters glass there at 45 degrees.
+#[test]
+fn the_twin_turns_rays_by_the_law() {
+    use anamorph::gpu::rows::{Corner, LAW_NORMALS, Optic};
+    use anamorph::twin::near::Near3;
+    use anamorph::twin::turn::{NearRay, at_facet};
+    let real = Real::F64;
+    let v = |v: [f32; 3]| Near3::pair(v, [0.0; 3], real);
+    let corner = |p_hi: [f32; 3]| Corner { p_hi, n_hi: [0.0, 1.0, 0.0], ..bytemuck::Zeroable::zeroed() };
+    let corners = [corner([0.0; 3]), corner([0.0, 0.0, 4.0]), corner([4.0, 0.0, 0.0])];
+    let mirror = Optic { law: LAW_NORMALS, ..bytemuck::Zeroable::zeroed() };
+    let down = at_facet(&mirror, &corners, &NearRay { p: v([1.0, 2.0, 1.5]), d: v([0.0, -3.0, 0.0]) }, real);
+    assert!((down.place.value() - glam::DVec3::new(1.0, 0.0, 1.5)).length() < 1e-15);
+    assert!((down.d.value() - glam::DVec3::Y).length() < 1e-15);
+    let glass = Optic { ior_hi: 1.5, ..mirror };
+    let slanted = at_facet(&glass, &corners, &NearRay { p: v([0.0, 1.0, 1.0]), d: v([1.0, -1.0, 0.0]) }, real);
+    let sine = 0.5_f64.sqrt() / 1.5;
+    assert!((slanted.d.value() - glam::DVec3::new(sine, -(1.0 - sine * sine).sqrt(), 0.0)).length() < 1e-15);
+    // from inside it does not come out at 45 degrees
+    let back = at_facet(&glass, &corners, &NearRay { p: v([0.0, -1.0, 1.0]), d: v([1.0, 1.0, 0.0]) }, real);
+    let half = 0.5_f64.sqrt();
+    assert!((back.d.value() - glam::DVec3::new(half, -half, 0.0)).length() < 1e-15);
+    assert_eq!(size_of::<Way>(), 32);
+    assert_eq!(NONE, u32::MAX);
+}
