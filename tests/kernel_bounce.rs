@@ -25,6 +25,9 @@ const PAIR: f64 = 1.0 / (1u64 << 48) as f64;
 /// A stored pair's second number may be flushed to 0.
 const FLUSHED: f64 = f32::MIN_POSITIVE as f64;
 
+/// The way of a pixel that is not turned.
+const NOWHERE: [u32; 8] = [0, 0, 0, 0, NONE, NONE, 0, 0];
+
 /// What the kernel left.
 #[derive(Clone)]
 struct Left {
@@ -38,6 +41,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &Input, visibil
     let (w, h) = (input.params.width as usize, input.params.height as usize);
     let numbers = 6 * (w + 1) * (h + 1);
     let mut buffers = upload(gpu, input);
+    buffers.upload_uniform(gpu, "optic", &input.optics.unwrap().next.unwrap()).unwrap();
     buffers.upload(gpu, "visibility", &visibility.words).unwrap();
     buffers.upload(gpu, "turned_hi", &vec![POISON; numbers + SPARE]).unwrap();
     buffers.upload(gpu, "turned_lo", &vec![POISON; numbers + SPARE]).unwrap();
@@ -79,8 +83,7 @@ fn compare(input: &Input, left: &Left, twin: &[Option<Bounced>]) -> Compared {
         }
         let way = left.ways[y * w + x];
         let Some(Bounced { turned, way: want, length_error }) = &twin[y * w + x] else {
-            // no ray; what stands in its way is nobody's
-            if numbers().any(|n| n != (0, 0)) || way != [POISON; 8] {
+            if numbers().any(|n| n != (0, 0)) || way != NOWHERE {
                 seen.wrong.push(format!("({x}, {y}): a ray from where nothing is met"));
             }
             continue;
@@ -150,7 +153,7 @@ fn the_kernel_turns_rays_as_its_twin_does() {
 fn left_by_twin(input: &Input, twin: &[Option<Bounced>]) -> Left {
     let (w, h) = (input.params.width as usize, input.params.height as usize);
     let numbers = 6 * (w + 1) * (h + 1);
-    let mut left = Left { hi: vec![POISON; numbers], lo: vec![POISON; numbers], ways: vec![[POISON; 8]; w * h] };
+    let mut left = Left { hi: vec![POISON; numbers], lo: vec![POISON; numbers], ways: vec![NOWHERE; w * h] };
     for (pixel, bounced) in twin.iter().enumerate() {
         let at = 6 * (pixel / w * (w + 1) + pixel % w);
         let values = bounced.map_or([0.0; 6], |b| {
@@ -196,7 +199,7 @@ fn the_comparison_sees_planted_errors() {
             let far = (0..6).max_by_key(|k| right.lo[at(hit) + k] & 0x7fff_ffff).unwrap();
             found("no second number", &|l| l.lo[at(hit) + far] = 0);
             found("a ray from nowhere", &|l| l.hi[at(miss) + 3] = 1.0_f32.to_bits());
-            found("a way from nowhere", &|l| l.ways[miss][0] = 0);
+            found("a way from nowhere", &|l| l.ways[miss][0] = 1);
             found("beside the band", &|l| l.hi[6 * w] = 0);
             for k in [0, 1, 2, 4, 5] {
                 found("another way", &|l| l.ways[hit][k] ^= 1);

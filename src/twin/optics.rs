@@ -4,6 +4,7 @@ use super::bounce::{bounce, table};
 use super::raster::Visibility;
 use super::{Input, Real};
 use crate::camera::Camera;
+use crate::engine::passes::passes;
 use crate::engine::tables;
 use crate::gpu::rows::{Cell, Corner, NONE, Node, Optic, Quadric, Way};
 use crate::optics::Surface;
@@ -23,6 +24,8 @@ pub enum SurfaceRows<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct OpticsInput<'a> {
     pub optic: Optic,
+    /// That of the pass behind it.
+    pub next: Option<Optic>,
     /// One a pixel of the band.
     pub ways: &'a [Way],
     pub surface: SurfaceRows<'a>,
@@ -63,7 +66,8 @@ impl Input<'_> {
 
     /// The pixel is shown by this pass, or by one to come, where its ray meets nothing.
     pub fn is_under_way(&self, x: u32, y: u32) -> bool {
-        self.optics.is_none_or(|o| !o.is_turned() || self.near_ray(x, y, Real::F64).is_some())
+        let pixel = (y * self.params.width + x) as usize;
+        self.optics.is_none_or(|o| !o.is_turned() || o.ways[pixel].last != NONE)
     }
 
     /// The ray goes on from this surface in the next pass.
@@ -89,7 +93,8 @@ impl Input<'_> {
     }
 }
 
-/// The optics' rows, as the engine makes them.
+/// The optics' rows, as the engine makes them. Of split rays the twin follows those that say what is seen, and with their
+/// share of the light alone; of an atlas it shows what that is a picture of.
 pub struct Optics {
     pub depth: u32,
     /// By how many turns lie behind the rays.
@@ -113,7 +118,7 @@ pub struct Turn {
 impl Optics {
     /// Of the camera's optics, where it has them; `scene` holds their facets.
     pub fn new(scene: &Scene, camera: &Camera, plan: &Plan) -> Option<Optics> {
-        let optics = camera.optics.as_ref()?;
+        let optics = &crate::optics::Optics { atlas: None, ..camera.optics.as_deref()?.clone() };
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0);
         let nothing = Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, pad0: 0, pad1: 0 };
         let (corners, quadrics) = match &optics.surface {
@@ -122,7 +127,11 @@ impl Optics {
         };
         Some(Optics {
             depth: optics.depth,
-            passes: (0..=optics.depth).map(|turns| tables::optic(scene, camera, optics, plan, turns)).collect(),
+            passes: passes(Some(optics))
+                .iter()
+                .filter(|p| p.is_main)
+                .map(|p| tables::optic(scene, camera, optics, plan, p))
+                .collect(),
             corners,
             quadrics,
             untouched: vec![nothing; (rows * camera.width) as usize],
@@ -136,7 +145,8 @@ impl Optics {
             list => SurfaceRows::Quadrics(list),
         };
         let (turns, ways) = turn.map_or((0, &self.untouched), |t| (t.turns, &t.ways));
-        OpticsInput { optic: self.passes[turns as usize], ways, surface }
+        let next = self.passes.get(turns as usize + 1).copied();
+        OpticsInput { optic: self.passes[turns as usize], next, ways, surface }
     }
 }
 
@@ -145,7 +155,7 @@ impl Turn {
     pub fn new(input: &Input, visibility: &Visibility, real: Real) -> Turn {
         let bounced = bounce(input, visibility, real);
         let tiles = input.params.tiles_x * input.params.tiles_y;
-        let nowhere: Way = bytemuck::Zeroable::zeroed();
+        let nowhere = Way { first: NONE, last: NONE, ..bytemuck::Zeroable::zeroed() };
         Turn {
             turns: input.optics.map_or(0, |o| o.optic.turns) + 1,
             rays: table(input, &bounced),

@@ -2,7 +2,7 @@
 
 use super::Real;
 use super::near::{Judged, Near, Near3};
-use super::turn::{NearRay, Turned, bent};
+use super::turn::{Bent, NearRay, Turned, bent};
 use crate::gpu::rows::{Optic, Params, Quadric};
 
 /// Where a ray first meets a quadric.
@@ -110,5 +110,6 @@ pub fn at_quadric(optic: &Optic, q: &Quadric, ray: &NearRay, starts: bool, param
     let terms = Terms::new(q, real);
     let place = ray.p + ray.d * t;
     let normal = terms.normal(place - terms.centre);
-    Turned { place, d: bent(optic, ray.d.unit(), normal, normal, real) }
+    let Bent { d, share } = bent(optic, ray.d.unit(), normal, normal, real);
+    Turned { place, d, share }
 }

@@ -14,11 +14,12 @@ pub struct NearRay {
     pub d: Near3,
 }
 
-/// Where a ray is turned, and where to.
+/// Where a ray is turned, where to, and with what share of its light.
 #[derive(Debug, Clone, Copy)]
 pub struct Turned {
     pub place: Near3,
     pub d: Near3,
+    pub share: Near,
 }
 
 impl Input<'_> {
@@ -44,15 +45,41 @@ impl Input<'_> {
     }
 }
 
+/// A direction after a turn, and its share of the light.
+#[derive(Debug, Clone, Copy)]
+pub struct Bent {
+    pub d: Near3,
+    pub share: Near,
+}
+
+/// A unit normal tilted in its tangent plane, in the frame of Duff et al. 2017.
+fn tilted(optic: &Optic, n: Near3, real: Real) -> Near3 {
+    let x = Near::pair(optic.tilt_x_hi, optic.tilt_x_lo, real);
+    let y = Near::pair(optic.tilt_y_hi, optic.tilt_y_lo, real);
+    if x.v == 0.0 && y.v == 0.0 {
+        return n;
+    }
+    let [nx, ny, nz] = n.0;
+    let below = nz.is_negative();
+    let side = Near::exact(if below.yes { -1.0 } else { 1.0 }, real);
+    let one = Near::exact(1.0, real);
+    let a = -one / (side + nz);
+    let b = nx * ny * a;
+    let e1 = Near3([one + side * nx * nx * a, side * b, -side * nx]);
+    let e2 = Near3([b, side + ny * ny * a, -ny]);
+    let v = (n + e1 * x + e2 * y).unit();
+    if below.sure { v } else { v.lost() }
+}
+
 /// The unit direction `d` after a surface with this normal, of any length; `outside` says which side is met: Snell's law,
 /// and total reflection where that has no answer. Lost where rounding decides which of them.
-pub fn bent(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Real) -> Near3 {
+pub fn bent(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Real) -> Bent {
     let one = Near::exact(1.0, real);
-    let n = normal.unit();
+    let n = tilted(optic, normal.unit(), real);
     let along = d.dot(n);
     let reflected = d - n * (along + along);
     if optic.ior_hi == 0.0 {
-        return reflected;
+        return Bent { d: reflected, share: one };
     }
     let ior = Near::pair(optic.ior_hi, optic.ior_lo, real);
     let enters = d.dot(outside).is_negative();
@@ -62,9 +89,25 @@ pub fn bent(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Real) 
     let cosine = along.abs();
     let square = one - eta * eta * (one - cosine * cosine);
     let total = square.is_negative();
-    let bent = if total.yes { reflected } else { d * eta + against * (eta * cosine - square.sqrt()) };
+    let is_main = optic.branch == 0;
+    let nothing = Near::exact(0.0, real);
+    let bent = if total.yes {
+        let (d, share) = if is_main { (reflected, one) } else { (Near3([nothing; 3]), nothing) };
+        Bent { d, share }
+    } else {
+        let inner = square.sqrt();
+        let refracted = d * eta + against * (eta * cosine - inner);
+        let across = (eta * cosine - inner) / (eta * cosine + inner);
+        let within = (cosine - eta * inner) / (cosine + eta * inner);
+        let back = (across * across + within * within) / (one + one);
+        match (optic.fresnel == 1, is_main) {
+            (false, _) => Bent { d: refracted, share: one },
+            (true, true) => Bent { d: refracted, share: one - back },
+            (true, false) => Bent { d: reflected, share: back },
+        }
+    };
     let sure = enters.sure && total.sure && (total.yes || faces.sure);
-    if sure { bent } else { bent.lost() }
+    if sure { bent } else { Bent { d: bent.d.lost(), share: bent.share.lost() } }
 }
 
 /// The turn of a ray at the facet of these corners, which it meets.
@@ -79,12 +122,15 @@ pub fn at_facet(optic: &Optic, corners: &[Corner], ray: &NearRay, real: Real) ->
     let w = e.map(|own| own / (e[0] + e[1] + e[2]));
     let place = Near3::mixed(w, v);
     if optic.law == LAW_NORMALS {
-        return Turned { place, d: bent(optic, ray.d.unit(), Near3::mixed(w, n), outside, real) };
+        let Bent { d, share } = bent(optic, ray.d.unit(), Near3::mixed(w, n), outside, real);
+        return Turned { place, d, share };
     }
 
     // flat: the corners' own turned rays, of one height over the facet, between them
     let eye = Near3::pair(optic.eye_hi, optic.eye_lo, real);
-    let d = [0, 1, 2].map(|k| bent(optic, (v[k] - eye).unit(), n[k], outside, real));
+    let bent = [0, 1, 2].map(|k| bent(optic, (v[k] - eye).unit(), n[k], outside, real));
+    let d = bent.map(|b| b.d);
+    let share = bent[0].share * w[0] + bent[1].share * w[1] + bent[2].share * w[2];
     let heights = d.map(|d| d.dot(outside.unit()));
     let least = Near::exact(FLAT_LEAST, real);
     let all = |leaves: &dyn Fn(Near) -> Judged| leaves(heights[0]).and(leaves(heights[1])).and(leaves(heights[2]));
@@ -92,5 +138,5 @@ pub fn at_facet(optic: &Optic, corners: &[Corner], ray: &NearRay, real: Real) ->
     let one = Near::exact(1.0, real);
     let scaled = if up.yes || down.yes { [0, 1, 2].map(|k| d[k] * (one / heights[k].abs())) } else { d };
     let mixed = Near3::mixed(w, scaled);
-    Turned { place, d: if up.sure && down.sure { mixed } else { mixed.lost() } }
+    Turned { place, d: if up.sure && down.sure { mixed } else { mixed.lost() }, share }
 }
