@@ -55,7 +55,8 @@ pub fn case(name: &str, size: (u32, u32), camera: &str) -> Case {
     case
 }
 
-/// Where facets are sought, mostly a glimpse of each way: size, eye, shape, facets, depth.
+/// Every law, kind of surface and eye; rays that meet the optics again; total reflection, a lens's wall, optics far from
+/// the scene; and one case in bands and chunks.
 pub fn cases() -> Vec<Case> {
     let size = (61, 43);
     let mirror = |eye: &str, shape: &str, facets: &str, depth: u32| {
