@@ -171,7 +171,7 @@ fn of_thousands_of_coincident_triangles_the_lowest_id_is_seen() {
 fn through(facets: Facets, law: Law, turn: Turn, eye: DVec3, depth: u32) -> Camera {
     let mut camera = camera(pinhole(eye, DVec3::ZERO, 60.0), SIZE, FORWARD);
     let surface = Surface::Facets { facets, law };
-    camera.optics = Some(Optics { turn, surface, depth, tint: [0.9; 3], base: [0.5; 3] }.into());
+    camera.optics = Some(Optics { tint: [0.9; 3], base: [0.5; 3], ..Optics::new(turn, surface, depth) }.into());
     camera
 }
 

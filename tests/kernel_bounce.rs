@@ -6,7 +6,7 @@ mod stages;
 #[path = "common/turned.rs"]
 mod turned;
 
-use anamorph::gpu::rows::split2;
+use anamorph::gpu::rows::{NONE, split2};
 use anamorph::twin::bounce::{Bounced, bounce};
 use anamorph::twin::raster::Visibility;
 use anamorph::twin::{Input, Real};

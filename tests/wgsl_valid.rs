@@ -12,11 +12,11 @@ fn variants() -> impl Iterator<Item = Variant> {
     [false, true].into_iter().flat_map(|f64| [false, true].map(|atomics64| Variant::every(f64, atomics64))).flatten()
 }
 
-/// What a kernel of `variant` may use beyond plain WGSL: `raster`, `shade`, `meet` and `bounce` alone have variants of
+/// What a kernel of `variant` may use beyond plain WGSL: `raster`, `shade`, `meet`, `bounce` and `paste` alone have variants of
 /// arithmetic, and `raster` and `meet` alone merge.
 fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
     let mut caps = Capabilities::empty();
-    caps.set(Capabilities::FLOAT64, variant.f64 && ["raster", "shade", "meet", "bounce"].contains(&kernel.name));
+    caps.set(Capabilities::FLOAT64, variant.f64 && ["raster", "shade", "meet", "bounce", "paste"].contains(&kernel.name));
     caps.set(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX, variant.atomics64 && ["raster", "meet"].contains(&kernel.name));
     caps.set(Capabilities::SHADER_INT64, !caps.is_empty());
     caps
@@ -147,8 +147,10 @@ fn f64_is_left_to_plain_arithmetic() {
         assert_eq!(forbidden_f64(&module, &info), [], "{} {variant:?}", kernel.name);
         wide += u32::from(allowed(kernel, variant).contains(Capabilities::FLOAT64));
     });
-    // of each kind of adapter with f64, with and without counting: ten cameras and six with optics, three of them quadrics
-    assert_eq!(wide, 4 * (2 * (10 + 6) + 6 + 3), "raster and shade of all, bounce with optics, meet with quadrics");
+    // of each kind of adapter with f64, with and without counting: ten cameras, six whose rays are turned, three of them at
+    // quadrics, and two with an atlas
+    let (raster_and_shade, bounce, meet, paste) = (2 * (10 + 6 + 2), 6, 3, 2);
+    assert_eq!(wide, 4 * (raster_and_shade + bounce + meet + paste));
 }
 
 #[test]

@@ -51,18 +51,9 @@ mod tests {
     use glam::DVec3;
 
     fn optics(depth: u32, fresnel: bool, rays: u32) -> Optics {
-        Optics {
-            turn: Turn::Refract { ior: 1.5 },
-            surface: Surface::Quadrics(vec![Quadric::sphere(DVec3::ZERO, 1.0)]),
-            depth,
-            fresnel,
-            roughness: if rays > 1 { 0.1 } else { 0.0 },
-            rays,
-            environment: None,
-            atlas: None,
-            tint: [1.0; 3],
-            base: [0.0; 3],
-        }
+        let ball = Surface::Quadrics(vec![Quadric::sphere(DVec3::ZERO, 1.0)]);
+        let roughness = if rays > 1 { 0.1 } else { 0.0 };
+        Optics { fresnel, roughness, rays, ..Optics::new(Turn::Refract { ior: 1.5 }, ball, depth) }
     }
 
     #[test]

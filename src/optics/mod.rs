@@ -97,6 +97,22 @@ pub enum Branch {
 pub const FLAT_LEAST: f64 = 1.0 / 64.0;
 
 impl Optics {
+    /// Smooth, colourless, black where rays end on it; of unsplit rays that go on from where they are turned.
+    pub fn new(turn: Turn, surface: Surface, depth: u32) -> Optics {
+        Optics {
+            turn,
+            surface,
+            depth,
+            fresnel: false,
+            roughness: 0.0,
+            rays: 1,
+            environment: None,
+            atlas: None,
+            tint: [1.0; 3],
+            base: [0.0; 3],
+        }
+    }
+
     /// The facets, where the surface is made of them.
     pub fn facets(&self) -> Option<&Facets> {
         match &self.surface {
