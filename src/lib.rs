@@ -65,6 +65,7 @@
 
 pub mod bernstein;
 pub mod camera;
+pub mod caustics;
 pub mod cli;
 pub mod compare;
 pub mod engine;

@@ -1,5 +1,6 @@
 //! Running frames: encode, submit, look at the status, grow and run again, read the image.
 
+use super::illumination::Illuminated;
 use super::resident::Resident;
 use super::{Capacities, Counts, Rendered, RunOptions, join};
 use crate::camera::Camera;
@@ -14,6 +15,7 @@ use crate::plan::{LeftOut, Plan, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::cluster;
 use crate::stage::Stages;
+use crate::stage::gather::Gather;
 use glam::{DMat3, DVec3};
 use std::time::Instant;
 
@@ -27,6 +29,8 @@ pub(super) struct Frames<'a> {
     pub plan: &'a Plan,
     pub wanted: &'a Wanted,
     pub resident: Resident,
+    /// The scene's caustics, where the frame shows them.
+    pub caustics: Option<(&'a Illuminated, &'a Gather)>,
 }
 
 /// One submitted frame: its counters by job, its image by band, its stage times.
@@ -120,10 +124,11 @@ impl Frames<'_> {
             frame_ms,
             stages: medians(stage_runs),
             counts: self.counts(&first)?,
-            bytes: self.resident.bytes(),
+            bytes: self.resident.bytes() + self.caustics.map_or(0, |(lit, _)| lit.buffers.bytes()),
             left_out,
             grown,
             passes: first.passes,
+            caustics: self.caustics.map(|(lit, _)| lit.account),
         })
     }
 
@@ -266,6 +271,12 @@ impl Frames<'_> {
             let mut pass = submitted.pass(encoder, "shade");
             self.stages_after(turns).shade(self.gpu, &mut pass, &scopes, self.pixels(band))?;
         }
+        if let (Some((lit, gather)), Some(job)) = (self.caustics, self.resident.jobs(band, turns).next()) {
+            let mut scopes = self.resident.scopes(&job, band, turns);
+            scopes.push(&lit.buffers);
+            let mut pass = submitted.pass(encoder, "gather");
+            gather.run(self.gpu, &mut pass, &scopes, self.pixels(band))?;
+        }
         Ok(())
     }
 
@@ -305,7 +316,7 @@ impl Frames<'_> {
 
     fn stage_times(&self) -> Option<StageTimes> {
         let bands = self.plan.bands.len() as u32 * (self.resident.depth() + 1);
-        let passes = 6 * (self.resident.job_count() as u32 + bands);
+        let passes = 7 * (self.resident.job_count() as u32 + bands);
         let count = 2 * passes;
         (self.gpu.has.timestamps && count <= QUERIES_MAX).then(|| StageTimes {
             queries: self.gpu.device.create_query_set(&wgpu::QuerySetDescriptor {

@@ -1,9 +1,11 @@
 //! Whole frames by the reference, and judgement of other frames by it.
 
+use super::caustics::{caustics, shown_by};
 pub use super::explain::explain;
 use super::light::light;
 use super::{Finding, Outcome, Path, Reference, Seen};
 use crate::camera::Camera;
+use crate::caustics::Illumination;
 use crate::frame::{Channel, Frame, NO_ID, Plane};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -35,17 +37,25 @@ struct Pixel {
 
 /// The asked-for channels of the reference's frame.
 pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
+    let has_colour = channels.iter().any(|c| matches!(c, Channel::R | Channel::G | Channel::B));
+    let lit = if has_colour { caustics(scene) } else { None };
+    image_lit(scene, camera, channels, lit.as_ref())
+}
+
+/// The same under caustics that are known already.
+pub fn image_lit(scene: &Scene, camera: &Camera, channels: &[Channel], lit: Option<&Illumination>) -> Frame {
     let scene = &*scene.with_optics(camera);
     let reference = Reference::build(&scene.mesh);
     let pixels = each_pixel(camera, |i, j| {
         let path = Path::of_pixel(camera, i, j);
-        pixel(scene, camera, &reference.shown(camera, path))
+        pixel(scene, camera, &reference.shown(camera, path), lit)
     });
     frame(camera, &pixels, channels)
 }
 
 /// Holds `frame`'s triangle ids against the reference.
 pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
+    let lit = caustics(scene);
     let scene = &*scene.with_optics(camera);
     let reference = Reference::build(&scene.mesh);
     let extent = scene.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length());
@@ -61,7 +71,7 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
             None => Outcome { seen: finding.seen, path, first: None },
         };
         let speed = shown.path.speed(shown.seen.as_ref());
-        (pixel(scene, camera, &shown), finding.safe, (extent / speed) as f32, near)
+        (pixel(scene, camera, &shown, lit.as_ref()), finding.safe, (extent / speed) as f32, near)
     });
     let pixels: Vec<&Pixel> = judged.iter().map(|j| &j.0).collect();
     Judgement {
@@ -83,7 +93,7 @@ fn each_pixel<T: Send>(camera: &Camera, f: impl Fn(u32, u32) -> T + Sync) -> Vec
     (0..w * camera.height as usize).into_par_iter().map(|k| f((k % w) as u32, (k / w) as u32)).collect()
 }
 
-fn pixel(scene: &Scene, camera: &Camera, shown: &Outcome) -> Pixel {
+fn pixel(scene: &Scene, camera: &Camera, shown: &Outcome, lit: Option<&Illumination>) -> Pixel {
     let behind = camera.first_piece(camera.layers.len());
     let mirror = shown.first.unwrap_or(NO_ID);
     let piece = |of_ray: u32| shown.first.map_or(of_ray, |first| behind + first);
@@ -102,7 +112,11 @@ fn pixel(scene: &Scene, camera: &Camera, shown: &Outcome) -> Pixel {
     let ends_on = camera.optics.as_ref().filter(|o| seen.hit.triangle >= o.first_id(&scene.mesh));
     let colour = match ends_on {
         Some(optics) => optics.base,
-        None => light(scene, &seen.hit, shown.path.of(&seen).view(seen.hit.t)),
+        None => {
+            let own = light(scene, &seen.hit, shown.path.of(&seen).view(seen.hit.t));
+            let more = lit.map_or([0.0; 3], |lit| shown_by(scene, camera, shown, lit));
+            [0, 1, 2].map(|k| own[k] + more[k])
+        }
     };
     // of turned rays t is that of the last alone
     let t = if camera.optics.is_some() { seen.hit.t } else { seen.t() };

@@ -1,13 +1,16 @@
 //! The stages of a frame, one file each: what it binds and how it is dispatched.
 //!
 //! `cull -> bin -> raster -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
-//! rays, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again. Apart from these is [`sift`],
-//! which finds the parts of an image that may see a point.
+//! rays, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again. Caustics are added up by
+//! [`deposit`] before the first frame and shown by [`gather`] after shade. Apart from these is [`sift`], which finds the
+//! parts of an image that may see a point.
 
 pub mod bin;
 pub mod bounce;
 pub mod cull;
+pub mod deposit;
 pub mod fit;
+pub mod gather;
 pub mod meet;
 pub mod raster;
 pub mod shade;
