@@ -148,20 +148,20 @@ fn deposit(
     if index >= casting.count {
         return;
     }
-    let cast = casts[index];
-    let receiver = receivers[cast.receiver];
+    let triangle = casts[index];
+    let receiver = receivers[triangle.receiver];
     let size = vec2<f32>(f32(receiver.columns), f32(receiver.rows));
-    let lo = min(min(cast.a, cast.b), cast.c);
-    let hi = max(max(cast.a, cast.b), cast.c);
+    let lo = min(min(triangle.a, triangle.b), triangle.c);
+    let hi = max(max(triangle.a, triangle.b), triangle.c);
     let base = floor(lo);
-    let s = shape_of(cast.a - base, cast.b - base, cast.c - base);
+    let s = shape_of(triangle.a - base, triangle.b - base, triangle.c - base);
     if s.is_line {
         atomicAdd(&sums[6u * (casting.texels + 1u)], 1u);
     }
 
     // give each texel its share
-    let flux = vec3<f32>(cast.flux);
-    var left = cast.flux;
+    let flux = vec3<f32>(triangle.flux);
+    var left = triangle.flux;
     var most = 0.0;
     var most_texel = casting.texels;
     let first = clamp(base, vec2<f32>(0.0), size);
