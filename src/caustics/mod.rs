@@ -12,6 +12,7 @@
 
 pub mod beams;
 pub mod landing;
+pub mod shares;
 
 use crate::camera::{Camera, Rays};
 use crate::error::{Error, Result};

@@ -7,6 +7,7 @@
 pub mod bin;
 pub mod cull;
 pub mod curve;
+pub mod deposit;
 pub mod edge;
 pub mod key;
 pub mod raster;
