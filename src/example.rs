@@ -74,7 +74,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 35] = [
+pub const EXAMPLES: [Example; 37] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -109,6 +109,8 @@ pub const EXAMPLES: [Example; 35] = [
     example!("graph-camera", Some("Popescu 9"), "the same two views by a graph camera, with its breaks"),
     example!("city-cylinder", Some("Lorenz 1, 4"), "a city all around in 160 perspective strips"),
     example!("deformation", Some("Lorenz 5, 6"), "a city deformed by a grid of offsets", make::offsets),
+    example!("caustic", Some("Hou 11"), "the light that a ring reflects onto the floor", make::band),
+    example!("caustic-ball", Some("Hou 11"), "the light that a ball of glass gathers on the floor"),
     example!("surround", Some("Hou 12"), "a walker from all around by 400 cameras", make::barrel),
 ];
 

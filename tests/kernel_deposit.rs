@@ -2,12 +2,13 @@
 
 mod common;
 
+use anamorph::caustics::shares::LINE_WIDTH;
 use anamorph::gpu::buffers::Buffers;
 use anamorph::gpu::device::NO_ADAPTER;
 use anamorph::gpu::rows::{Cast, Receiver};
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::stage::deposit::{Casts, Deposit};
-use anamorph::twin::deposit::{LINE_WIDTH, corners, deposit};
+use anamorph::twin::deposit::{corners, deposit};
 use common::rng::Rng;
 use glam::DVec2;
 

@@ -3,7 +3,7 @@
 // triangle is, and to what missed the flux beyond the map's border. Sums are whole units in two words each, so no order of
 // threads changes them; the host's unit is so large that high words do not run over.
 
-// A triangle narrower than this is a line, texels: rounding of 2^-22 of its length is a share of 2^-22 / 2^-8 there.
+// A triangle narrower than this is a line, texels; as caustics/shares.rs has it.
 const LINE_WIDTH: f32 = 1.0 / 256.0;
 // And one shorter than this a point.
 const POINT_SIZE: f32 = 1.0 / 1048576.0;

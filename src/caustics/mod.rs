@@ -86,7 +86,7 @@ pub struct Budget {
     pub absorbed: f64,
     /// Caustic triangles on receivers, flat ones among them.
     pub triangles: u64,
-    /// Those that are lines or points within rounding.
+    /// Those narrower than [`shares::LINE_WIDTH`]: lines and points.
     pub degenerate: u64,
 }
 

@@ -10,14 +10,18 @@ pub struct Shares {
     pub flat: bool,
 }
 
-/// The shares of a triangle on a map of `texels` columns and rows; narrower than `width` texels it is a line.
-pub fn shares(corners: &[DVec2; 3], texels: [u32; 2], width: f64) -> Shares {
+/// A triangle narrower than this across its longest side is a line, texels. Its light is then so far beside its place at most;
+/// f32, which has areas to 2^-22 of the length, has shares to 2^-14 here.
+pub const LINE_WIDTH: f64 = 1.0 / 256.0;
+
+/// The shares of a triangle on a map of `texels` columns and rows.
+pub fn shares(corners: &[DVec2; 3], texels: [u32; 2]) -> Shares {
     let [a, b, c] = *corners;
     let area = (b - a).perp_dot(c - a).abs() / 2.0;
     let longest = [(a, b, c), (b, c, a), (c, a, b)].into_iter().max_by(|x, y| length(x).total_cmp(&length(y)));
     let Some((from, to, third)) = longest else { return Shares { list: Vec::new(), flat: true } };
     let side = to - from;
-    if 2.0 * area <= width * side.length() {
+    if 2.0 * area <= LINE_WIDTH * side.length() {
         return Shares { list: along(from, side, third, texels), flat: true };
     }
     let mut list = Vec::new();
@@ -121,29 +125,29 @@ mod tests {
     fn shares_of_triangles_lines_and_points_are_known_areas_and_sum_up_to_one() {
         let p = DVec2::new;
         // half of the first texel and what lies right of it
-        let s = shares(&[p(0.0, 0.0), p(2.0, 0.0), p(0.0, 2.0)], [4, 4], 1e-9);
+        let s = shares(&[p(0.0, 0.0), p(2.0, 0.0), p(0.0, 2.0)], [4, 4]);
         let known = [(0, 0.5), (1, 0.25), (4, 0.25)];
         assert!(s.list.len() == 3 && s.list.iter().zip(known).all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() < 1e-15));
         // a border cuts off what is beyond
-        let s = shares(&[p(-1.0, 0.5), p(1.0, 0.5), p(0.0, 0.9)], [4, 4], 1e-9);
+        let s = shares(&[p(-1.0, 0.5), p(1.0, 0.5), p(0.0, 0.9)], [4, 4]);
         assert!((sum(&s) - 0.5).abs() < 1e-15 && !s.flat);
         // a line's density rises to the middle: of the part up to s there is 2 s^2
-        let s = shares(&[p(0.5, 1.5), p(4.5, 1.5), p(2.5, 1.5)], [6, 3], 1e-9);
+        let s = shares(&[p(0.5, 1.5), p(4.5, 1.5), p(2.5, 1.5)], [6, 3]);
         assert!(s.flat && (sum(&s) - 1.0).abs() < 1e-15);
         assert!((s.list[0].1 - 2.0 * 0.125f64.powi(2)).abs() < 1e-15, "{:?}", s.list);
-        let s = shares(&[p(3.25, 2.75); 3], [4, 4], 1e-9);
+        let s = shares(&[p(3.25, 2.75); 3], [4, 4]);
         assert_eq!((s.list, s.flat), (vec![(11, 1.0)], true));
-        let s = shares(&[p(4.0, 2.75); 3], [4, 4], 1e-9);
+        let s = shares(&[p(4.0, 2.75); 3], [4, 4]);
         assert!(s.list.is_empty());
     }
 
     #[test]
     fn a_thin_triangle_is_shared_as_the_line_that_it_nearly_is() {
-        let corners = [DVec2::new(0.3, 0.4), DVec2::new(7.1, 3.9), DVec2::new(2.9, 1.735)];
-        let [thin, line] = [1e-12, 1e-2].map(|width| shares(&corners, [8, 8], width));
+        let to = |y: f64| [DVec2::new(0.3, 0.4), DVec2::new(7.1, 3.9), DVec2::new(2.9, y)];
+        // the line is at 1.7382 there; 0.0028 and 0.0046 beside it
+        let [line, thin] = [1.735, 1.733].map(|y| shares(&to(y), [8, 8]));
         assert!(!thin.flat && line.flat);
-        // the third corner is 0.0034 beside the line of length 7.6: two borders, the density there 2 at most, and a border
-        // crossed 0.0034 sideways or twice that along the line
+        // two borders, the density 2 over a length of 7.6, and a border crossed 0.0046 sideways or twice that along the line
         for (texel, share) in &line.list {
             let other = thin.list.iter().find(|t| t.0 == *texel).map_or(0.0, |t| t.1);
             assert!((share - other).abs() < 0.01, "{texel}: {share} {other}");

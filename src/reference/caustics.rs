@@ -68,8 +68,7 @@ fn photon(caustics: &Caustics, first_id: u32, shown: &Outcome) -> Photon {
 
 /// Spreads the flux of a triangle over a map, and what lies outside over the missed.
 fn add(map: &mut Map, cast: &Cast, budget: &mut Budget) {
-    let texels = map.receiver.texels;
-    let shares = shares(&cast.corners, texels, FLAT * f64::from(texels[0] + texels[1]));
+    let shares = shares(&cast.corners, map.receiver.texels);
     let mut inside = 0.0;
     for (texel, share) in shares.list {
         inside += share;
@@ -78,9 +77,6 @@ fn add(map: &mut Map, cast: &Cast, budget: &mut Budget) {
     budget.missed += mean(cast.flux) * (1.0 - inside);
     budget.degenerate += u64::from(shares.flat);
 }
-
-/// A triangle narrower than this part of the map's sides is a line: a photon's place is right to some 1e-9 of them.
-const FLAT: f64 = 1e-9;
 
 /// What the receivers add to the colour of a hit: diffuse reflection of the light that falls there.
 pub fn reflected(scene: &Scene, lit: &Illumination, triangle: u32, bary: [f64; 2]) -> [f32; 3] {

@@ -4,9 +4,6 @@ use crate::caustics::shares::shares;
 use crate::gpu::rows::{Cast, Receiver};
 use glam::DVec2;
 
-/// As the kernel's `LINE_WIDTH`, texels.
-pub const LINE_WIDTH: f64 = 1.0 / 256.0;
-
 /// What one triangle brings, as parts of its flux.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Brought {
@@ -24,7 +21,7 @@ pub fn corners(cast: &Cast) -> [DVec2; 3] {
 
 pub fn deposit(cast: &Cast, receivers: &[Receiver]) -> Brought {
     let receiver = receivers[cast.receiver as usize];
-    let shares = shares(&corners(cast), [receiver.columns, receiver.rows], LINE_WIDTH);
+    let shares = shares(&corners(cast), [receiver.columns, receiver.rows]);
     let list: Vec<(usize, f64)> = shares.list.iter().map(|(k, s)| (receiver.first as usize + k, *s)).collect();
     let inside: f64 = list.iter().map(|l| l.1).sum();
     Brought { list, missed: 1.0 - inside, is_line: shares.flat }
