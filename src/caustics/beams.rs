@@ -77,11 +77,12 @@ impl Caustics {
     /// part of `missed` that lies beyond their borders.
     ///
     /// Photons of a beam that fare alike, equally often turned and on one receiver, stay together: three are a triangle, two
-    /// are their side with two thirds of the flux, one is a point with a third.
+    /// have two thirds of the flux, one a third, on triangles guessed from their neighbours.
     pub fn casts(&self, photons: &[Photon]) -> (Vec<Cast>, Budget) {
         let flux = self.beam_flux();
         let mut budget = Budget { flux: self.flux, ..Budget::default() };
         let mut casts = Vec::new();
+        let grid = Grid { photons, columns: self.light.width as usize };
         for (corners, flux) in self.beams().zip(flux) {
             let three = corners.map(|k| photons[k]);
             for photon in three {
@@ -95,11 +96,11 @@ impl Caustics {
                     Fate::Landed { .. } => {}
                 }
             }
-            for cast in grouped(&three, flux) {
+            for cast in grid.casts(corners, flux) {
                 match self.method {
                     Method::Flux => casts.push(cast),
                     Method::SolidAngle => {
-                        let ratio = self.solid_angle_ratio(&cast, corners, flux);
+                        let ratio = self.solid_angle_ratio(&cast);
                         match ratio {
                             Some(ratio) => casts.push(Cast { flux: cast.flux.map(|f| f * ratio), ..cast }),
                             None => budget.missed += mean(cast.flux),
@@ -149,56 +150,91 @@ impl Caustics {
         self.ray(0).direction == self.ray(self.light.width as usize * self.light.height as usize - 1).direction
     }
 
-    /// The light that Hou's ratio brings to a triangle over the flux of its beam: what the light would send to its middle
-    /// without the optics, times its area and the ratio of solid angles. `None` where it has no area seen from the light.
-    fn solid_angle_ratio(&self, cast: &Cast, corners: [usize; 3], flux: f64) -> Option<f64> {
+    /// The light that Hou's ratio brings to a triangle, over the flux of its beam: what the light would send to its middle
+    /// without the optics, times beam over triangle as seen from the light, times its area. The beam's own size cancels out.
+    /// `None` where the triangle is not seen from the light.
+    fn solid_angle_ratio(&self, cast: &Cast) -> Option<f64> {
         let receiver = &self.receivers[cast.receiver as usize];
         let points = cast.corners.map(|p| receiver.point(p));
         let cross = (points[1] - points[0]).cross(points[2] - points[0]);
-        let ray = self.ray(corners[0]);
-        let beam = self.size(corners);
-        // flux an area across the light there, over that an angle, or area, of the light's image; and the triangle's own
+        let ray = self.ray(0);
+        // flux an area there, of one an angle (or an area) of the light's image; and how large the triangle is seen
         let (sent, seen) = if self.is_sun() {
-            let across = cross.dot(ray.direction.normalize()).abs() / 2.0;
-            (across / (cross.length() / 2.0), across)
+            let cosine = cross.normalize_or_zero().dot(ray.direction.normalize()).abs();
+            (cosine, cosine * cross.length() / 2.0)
         } else {
             let out = (points[0] + points[1] + points[2]) / 3.0 - ray.origin;
             let cosine = cross.normalize_or_zero().dot(out.normalize_or_zero()).abs();
             (cosine / out.length_squared(), solid_angle(points.map(|p| p - ray.origin)))
         };
-        let density = flux / beam;
-        let ratio = density * sent * beam / seen * (cross.length() / 2.0) / flux;
+        let ratio = sent / seen * cross.length() / 2.0;
         (seen > 0.0 && ratio.is_finite()).then_some(ratio)
     }
 }
 
-/// The parts of a beam's light that stay together on a receiver.
-fn grouped(photons: &[Photon; 3], flux: f64) -> Vec<Cast> {
-    let landed = |p: &Photon| match p.fate {
+/// The way of a photon that landed, and where.
+fn landed(photon: &Photon) -> Option<((u32, u32), DVec2)> {
+    match photon.fate {
         Fate::Landed { receiver, turns, place } if place.is_finite() => Some(((receiver, turns), place)),
         _ => None,
-    };
-    let mut groups: Vec<((u32, u32), Vec<DVec2>, [f64; 3])> = Vec::new();
-    for photon in photons {
-        let Some((way, place)) = landed(photon) else { continue };
-        let third = photon.left.map(|l| l * flux / 3.0);
-        match groups.iter_mut().find(|g| g.0 == way) {
-            Some(group) => {
-                group.1.push(place);
-                group.2 = [0, 1, 2].map(|k| group.2[k] + third[k]);
-            }
-            None => groups.push((way, vec![place], third)),
-        }
     }
-    let cast = |((receiver, _), places, flux): ((u32, u32), Vec<DVec2>, [f64; 3])| {
-        let corners = match places[..] {
-            [a, b, c] => [a, b, c],
-            [a, b] => [a, b, (a + b) / 2.0],
-            _ => [places[0]; 3],
-        };
-        Cast { receiver, corners, flux }
-    };
-    groups.into_iter().map(cast).collect()
+}
+
+/// Photons by their place in the grid.
+struct Grid<'a> {
+    photons: &'a [Photon],
+    columns: usize,
+}
+
+impl Grid<'_> {
+    /// The parts of a beam's light that stay together on a receiver.
+    fn casts(&self, corners: [usize; 3], flux: f64) -> Vec<Cast> {
+        let ways = corners.map(|k| landed(&self.photons[k]));
+        let mut casts = Vec::new();
+        for (k, found) in ways.iter().enumerate() {
+            let Some((way, _)) = found else { continue };
+            let is_of = |k: usize| ways[k].is_some_and(|w| w.0 == *way);
+            if (0..k).any(is_of) {
+                continue;
+            }
+            let part = |mine: bool| (0..3).filter(|k| is_of(*k) == mine).map(|k| corners[k]).collect::<Vec<_>>();
+            let (own, others) = (part(true), part(false));
+            let third = |c: usize| own.iter().map(|k| self.photons[*k].left[c] * flux / 3.0).sum();
+            let triangle = self.triangle(*way, &own, &others);
+            casts.extend(triangle.map(|t| Cast { receiver: way.0, corners: t, flux: [third(0), third(1), third(2)] }));
+        }
+        casts
+    }
+
+    /// Over what the light of a beam's photons `own` is spread. Where `others` fare otherwise their places are guessed from
+    /// the photons opposite, and the triangle is made smaller as its light is less.
+    fn triangle(&self, way: (u32, u32), own: &[usize], others: &[usize]) -> Option<[DVec2; 3]> {
+        let place = |k: usize| landed(&self.photons[k]).map(|l| l.1);
+        let first = place(*own.first()?)?;
+        let guess = |other: usize| own.iter().find_map(|k| self.opposite(way, *k, other));
+        Some(match (own, others) {
+            (&[_, b, c], _) => [first, place(b)?, place(c)?],
+            (&[_, b], &[other]) => {
+                let (b, middle) = (place(b)?, (first + place(b)?) / 2.0);
+                [first, b, guess(other).map_or(middle, |c| middle.lerp(c, 2.0 / 3.0))]
+            }
+            (_, &[b, c]) => {
+                let towards = |corner: DVec2| first.lerp(corner, (1.0f64 / 3.0).sqrt());
+                guess(b).zip(guess(c)).map_or([first; 3], |(b, c)| [first, towards(b), towards(c)])
+            }
+            _ => [first; 3],
+        })
+    }
+
+    /// Where photon `missing` would land if the map were linear from the photon on the other side of `k`.
+    fn opposite(&self, way: (u32, u32), k: usize, missing: usize) -> Option<DVec2> {
+        let cell = |k: usize| ((k % self.columns) as i64, (k / self.columns) as i64);
+        let ((x, y), (mx, my)) = (cell(k), cell(missing));
+        let (x, y) = (usize::try_from(2 * x - mx).ok()?, usize::try_from(2 * y - my).ok()?);
+        let beyond = self.photons.get(y * self.columns + x).filter(|_| x < self.columns)?;
+        let (_, from) = landed(beyond).filter(|l| l.0 == way)?;
+        Some(2.0 * landed(&self.photons[k])?.1 - from)
+    }
 }
 
 /// Solid angle of the triangle that three directions of any length span, sr (Van Oosterom and Strackee 1983).
