@@ -145,7 +145,7 @@ fn a_flat_mirror_lights_by_inverse_square_and_cosine() {
 }
 
 #[test]
-fn the_ratio_of_solid_angles_is_near_where_light_is_smooth_and_loses_a_focus() {
+fn the_ratio_of_solid_angles_is_near_where_light_is_smooth() {
     let by = |method: &str, caustics: &str| {
         lit(&scene(FLOOR, &format!("map = [200, 200]\nmethod = \"{method}\"\n{caustics}")))
     };
@@ -156,7 +156,9 @@ fn the_ratio_of_solid_angles_is_near_where_light_is_smooth_and_loses_a_focus() {
         }
     }
     for ((name, flux), (_, ratio)) in by("flux", LENS).into_iter().zip(by("solid_angle", LENS)) {
-        assert!(ratio.budget.deposited <= flux.budget.deposited, "{name}: silhouettes are lines, which it drops");
+        // 13,840 triangles of at most 0.02 at 5 from the light
+        let (a, b) = (flux.budget.deposited, ratio.budget.deposited);
+        assert!((a - b).abs() <= 1e-4 * a, "{name}: {a} {b}");
     }
 }
 
