@@ -5,6 +5,7 @@ mod common;
 use anamorph::caustics::shares::LINE_WIDTH;
 use anamorph::gpu::buffers::Buffers;
 use anamorph::gpu::device::NO_ADAPTER;
+use anamorph::gpu::kernels;
 use anamorph::gpu::rows::{Cast, Receiver};
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::stage::deposit::{Casts, Deposit};
@@ -195,12 +196,18 @@ fn sums_carry_into_their_high_words_and_do_not_depend_on_the_order() {
     rows.extend((0..3000).map(|_| cast(0, [DVec2::new(3.5, 2.5); 3], [MOST, MOST - 1, 7])));
     let words = kernel.run(&casts(rows.clone()), &mut Buffers::default()).unwrap();
     let texel = 6 * (2 * SIZES[0][0] as usize + 3);
-    assert!(words[texel + 1] >= (3000u64 * u64::from(MOST) >> 32) as u32, "the high word of red");
+    assert!(words[texel + 1] >= ((3000 * u64::from(MOST)) >> 32) as u32, "the high word of red");
     for _ in 0..3 {
         let order = rng.shuffled(rows.len());
         let shuffled = casts(order.iter().map(|k| rows[*k]).collect());
         assert!(kernel.run(&shuffled, &mut Buffers::default()).unwrap() == words, "another order, other bytes");
     }
+}
+
+#[test]
+fn the_kernel_calls_lines_what_its_twin_does() {
+    let constant = format!("const LINE_WIDTH: f32 = 1.0 / {:.1};", 1.0 / LINE_WIDTH);
+    assert!(kernels::deposit().source.contains(&constant), "{constant}");
 }
 
 #[test]

@@ -347,3 +347,22 @@ fn projectors_are_written_as_control_points() {
     let bytes = std::fs::read(place.path().join("r.npy")).unwrap();
     assert!(String::from_utf8_lossy(&bytes[..128]).contains("(2, 4, 3, 6"));
 }
+
+#[test]
+fn the_report_says_where_the_light_of_caustics_went() {
+    let place = Place::new();
+    place.works(&["example", "caustic"]);
+    let common = ["render", "caustic.toml", "--size", "64x48", "--set", "caustics.map=[48, 32]", "--report", "r.json"];
+    for engine in ["compute", "reference"].into_iter().filter(|e| *e == "reference" || place.has_adapter()) {
+        place.works(&[&common[..], &["--engine", engine]].concat());
+        let caustics = json_file(&place, "r.json")["caustics"].clone();
+        let of = |key: &str| caustics[key].as_f64().unwrap();
+        let sum = of("deposited") + of("missed") + of("direct") + of("absorbed");
+        assert!((sum - 6.0).abs() < 1e-6 && of("flux") == 6.0 && of("deposited") > 1.0, "{engine}: {caustics}");
+        assert!(of("triangles") > of("degenerate") && of("ms") > 0.0, "{engine}: {caustics}");
+    }
+    place.refuses(&[&common[..], &["--repeat", "1", "--moving"]].concat(), 2, "--moving: the scene has caustics");
+    place.works(&["example", "pinhole"]);
+    place.works(&["render", "pinhole.toml", "--size", "64x48", "--report", "r.json", "--engine", "reference"]);
+    assert!(json_file(&place, "r.json").get("caustics").is_none());
+}
