@@ -9,6 +9,7 @@ pub mod cull;
 pub mod curve;
 pub mod deposit;
 pub mod edge;
+pub mod gather;
 pub mod key;
 pub mod raster;
 pub mod rays;
