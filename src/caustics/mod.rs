@@ -5,12 +5,13 @@
 //! caustic triangle, over which the flux is spread evenly. Maps of flux on the receivers are what comes of it; where a
 //! camera sees a receiver, the diffuse reflection of that light is added.
 //!
-//! [`beams`] makes the triangles of the photons, the kernel `deposit` adds up their flux, the kernel `gather` lights pixels;
+//! [`flux`] and [`beams`] make the triangles of the photons, the kernel `deposit` adds up their flux, the kernel `gather` lights pixels;
 //! [`crate::reference`] does all of it by itself.
 //!
 //! Hou, Wei, Shum and Guo 2006, section 3.3.
 
 pub mod beams;
+pub mod flux;
 pub mod landing;
 pub mod shares;
 
