@@ -283,7 +283,10 @@ fn pictures_show_what_falls_on_the_floor() {
     let mut render = |scene: &Scene| engine.render(scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
     let (with, without, truth) = (render(&lit), render(&dark), image(&lit, &camera, &channels));
     assert!(words(&with) == words(&render(&lit)), "two runs give the same bytes");
+    let maps = |e: &mut Engine| e.illuminate(&lit).unwrap().unwrap().clone();
+    let other = self::engine().map(|mut e| maps(&mut e)).unwrap();
     assert_eq!(with.planes.len(), channels.len(), "weights are not handed out where they are not asked for");
+    assert!(maps(&mut engine) == other, "two engines give the same maps");
     let mut shown = 0;
     for k in 0..80 * 60 {
         let of = |f: &anamorph::frame::Frame, c| f64::from(f.f32(c).unwrap()[k]);
