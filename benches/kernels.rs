@@ -63,6 +63,7 @@ fn main() -> anamorph::Result<()> {
             background: [0.0; 3],
             size: Some(size),
             camera: spec,
+            caustics: None,
             output: OutputSpec::default(),
         };
         let run = RunOptions { repeat, ..Default::default() };

@@ -2,19 +2,23 @@
 
 mod atlas;
 mod frames;
+mod illumination;
 pub mod passes;
 mod resident;
 pub mod tables;
 mod turns;
 
 use crate::camera::Camera;
+use crate::caustics::Account;
 use crate::error::{Error, Result};
-use crate::frame::{Frame, Plane};
+use crate::frame::{Channel, Frame, Plane};
 use crate::gpu::Gpu;
 use crate::gpu::kernels::Variant;
 use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::stage::Stages;
+use crate::stage::gather::Gather;
+use illumination::Illuminated;
 use resident::Resident;
 
 /// Items that the lists between the stages can hold.
@@ -68,6 +72,8 @@ pub struct Rendered {
     pub grown: u32,
     /// Compute passes of one frame.
     pub passes: u32,
+    /// Where the light of the scene's caustics went, where the frame shows them.
+    pub caustics: Option<Account>,
 }
 
 /// An open adapter with its compiled kernels.
@@ -76,22 +82,31 @@ pub struct Engine {
     stages: Option<Stages>,
     /// For rays that were turned.
     turned: Option<Stages>,
+    /// The caustics of the last scene that had some.
+    lit: Option<Illuminated>,
+    gather: Option<Gather>,
 }
 
 impl Engine {
     pub fn new(gpu: Gpu) -> Engine {
-        Engine { gpu, stages: None, turned: None }
+        Engine { gpu, stages: None, turned: None, lit: None, gather: None }
     }
 
     /// Renders `scene` through `camera`.
     pub fn render(&mut self, scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Result<Rendered> {
         let atlas = self.atlas(scene, camera, wanted, run)?;
+        let mut planned = wanted.clone();
+        let shows_caustics = scene.caustics.is_some() && wanted.has_colour();
+        if shows_caustics {
+            self.illuminated(scene)?;
+            planned.channels.extend([Channel::BaryU, Channel::BaryV]);
+        }
         let scene = &*scene.with_optics(camera);
         let around = Surroundings::of(camera, scene.bounds());
         let has_normals = !scene.mesh.normals.is_empty();
         let limit = self.gpu.binding_limit();
         let triangles = scene.mesh.triangles.len();
-        let plan = Plan::new(camera, triangles, has_normals, around, wanted, self.gpu.has, limit);
+        let plan = Plan::new(camera, triangles, has_normals, around, &planned, self.gpu.has, limit);
         let compile = |stages: &mut Option<Stages>, variant: Variant| {
             if stages.as_ref().is_none_or(|s| s.variant != variant || s.planes != plan.planes) {
                 *stages = Some(Stages::new(&self.gpu, variant, &plan.planes)?);
@@ -102,13 +117,18 @@ impl Engine {
         if plan.variant.turns_rays() {
             compile(&mut self.turned, plan.variant.after_turn())?;
         }
+        if shows_caustics && self.gather.as_ref().is_none_or(|g| !g.suits(plan.variant, &plan.planes)) {
+            self.gather = Some(Gather::new(&self.gpu, plan.variant, &plan.planes));
+        }
+        let caustics = self.lit.as_ref().zip(self.gather.as_ref()).filter(|_| shows_caustics);
         let Some(stages) = &self.stages else { return Err(Error::work("no kernels")) };
         let turned = self.turned.as_ref();
         let mut resident = Resident::new(&self.gpu, scene, camera, &plan, wanted, run.capacities)?;
         if let Some(atlas) = &atlas {
             atlas.upload(&self.gpu, &mut resident.shared)?;
         }
-        let frames = frames::Frames { gpu: &self.gpu, stages, turned, scene, camera, plan: &plan, wanted, resident };
+        let frames =
+            frames::Frames { gpu: &self.gpu, stages, turned, scene, camera, plan: &plan, wanted, resident, caustics };
         let rendered = frames.run(run)?;
         Ok(match atlas {
             Some(atlas) => atlas.joined(rendered),

@@ -74,7 +74,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 40] = [
+pub const EXAMPLES: [Example; 42] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -114,6 +114,8 @@ pub const EXAMPLES: [Example; 40] = [
     example!("mirror-ring", Some("Hou 1, 6"), "a mirror of mixed curvature that sees itself"),
     example!("water", Some("Hou 9"), "objects under water: 12 facets that refract"),
     example!("glass-ball", Some("Hou 8"), "a ball of glass: two refractions and Fresnel's reflections"),
+    example!("caustic", Some("Hou 11"), "the light that a ring reflects onto the floor", make::band),
+    example!("caustic-ball", Some("Hou 11"), "the light that a ball of glass gathers on the floor"),
     example!("surround", Some("Hou 12"), "a walker from all around by 400 cameras", make::barrel),
 ];
 

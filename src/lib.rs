@@ -31,6 +31,9 @@
 //! Three layers keep it true: [`mod@reference`] (one f64 ray or curve a pixel, no pieces' tricks), the twins of the stages in
 //! f64 ([`twin`]), and the kernels in `wgsl/`.
 //!
+//! Light that a mirror or a lens turns onto the scene ([`caustics`]) is followed before the first frame, by a frame of a camera
+//! at the light: `deposit` adds up what falls where, and after `shade` `gather` shows it.
+//!
 //! Where a camera shows given points is another question ([`camera::project`]), answered in f64; for many points the
 //! kernel `sift` finds the parts of the image to look at.
 //!
@@ -65,6 +68,7 @@
 
 pub mod bernstein;
 pub mod camera;
+pub mod caustics;
 pub mod cli;
 pub mod compare;
 pub mod engine;

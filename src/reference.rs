@@ -10,11 +10,13 @@
 //! * `cover`: proof that triangles which join without gaps leave no miss.
 //! * `finding`: the same for whole paths: chains by the verdicts of their layers, curves by samples.
 //! * `turns`: rays that mirrors and lenses turn, followed one by one; judged by samples too.
+//! * `caustics`: where a light's photons land, and what that adds to a hit.
 //! * `image`, `light`, `explain`: whole frames, judgement of other frames, one pixel in words.
 
 mod answer;
 mod beam;
 mod bvh;
+pub mod caustics;
 mod cover;
 mod curve;
 mod exact;

@@ -1,6 +1,7 @@
 //! The report of a render: what the contract's section 4 lists, as JSON.
 
 use crate::camera::Camera;
+use crate::caustics::Account;
 use crate::compare::Comparison;
 use crate::engine::{Counts, Rendered};
 use crate::plan::LeftOut;
@@ -71,6 +72,9 @@ pub struct Report {
     pub left_out: Vec<LeftOut>,
     /// How many times lists had to grow.
     pub grown: Option<u32>,
+    /// Where the light of the scene's caustics went.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub caustics: Option<Account>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<Judged>,
 }
@@ -110,6 +114,7 @@ impl Report {
             bytes: has_device.then_some(rendered.bytes),
             left_out: rendered.left_out.clone(),
             grown: has_device.then_some(rendered.grown),
+            caustics: rendered.caustics,
             error: None,
         }
     }

@@ -12,6 +12,7 @@ const PARAMS: &str = include_str!("../wgsl/shared/params.wgsl");
 const SHADING: &str = include_str!("../wgsl/shared/shading.wgsl");
 const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
 const OPTICS: &str = include_str!("../wgsl/optics/rows.wgsl");
+const CAUSTICS: &str = include_str!("../wgsl/caustics/rows.wgsl");
 const ROWS: &str = include_str!("../src/gpu/rows.rs");
 
 /// One field as bytes: name, offset, size, kind of its numbers.
@@ -184,6 +185,10 @@ fn host() -> Layouts {
             axis_lo,
             pad1,
         }),
+        layout!(Casting { count, texels, pad0, pad1 }),
+        layout!(Cast { a, b, c, receiver, pad0, flux, pad1 }),
+        layout!(Receiver { columns, rows, first, scale }),
+        layout!(Landing { a, ab, ac, receiver, pad0, diffuse, pad1 }),
         layout!(Shading { background, ambient, light_count, has_normals, pad0, pad1 }),
     ])
 }
@@ -277,6 +282,7 @@ fn every_struct_is_the_same_bytes_on_both_sides() {
     kernels.extend(wgsl(SHADING));
     kernels.extend(wgsl(BEAMS));
     kernels.extend(wgsl(OPTICS));
+    kernels.extend(wgsl(CAUSTICS));
     assert_eq!(differences(&host(), &kernels), [""; 0]);
 }
 

@@ -16,7 +16,10 @@ fn variants() -> impl Iterator<Item = Variant> {
 /// arithmetic, and `raster` and `meet` alone merge.
 fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
     let mut caps = Capabilities::empty();
-    caps.set(Capabilities::FLOAT64, variant.f64 && ["raster", "shade", "meet", "bounce", "paste"].contains(&kernel.name));
+    caps.set(
+        Capabilities::FLOAT64,
+        variant.f64 && ["raster", "shade", "meet", "bounce", "paste"].contains(&kernel.name),
+    );
     caps.set(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX, variant.atomics64 && ["raster", "meet"].contains(&kernel.name));
     caps.set(Capabilities::SHADER_INT64, !caps.is_empty());
     caps

@@ -1,6 +1,7 @@
 //! A hash of everything that decides a frame, for the header of its EXR.
 
 use crate::camera::{Camera, Rays};
+use crate::caustics::Caustics;
 use crate::scene::Scene;
 use glam::DVec3;
 
@@ -43,7 +44,21 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     h.word(u64::from(camera.width) << 32 | u64::from(camera.height));
     camera.t_range.iter().for_each(|t| h.number(*t));
     rays(&mut h, camera);
+    if let Some(caustics) = &scene.caustics {
+        light(&mut h, caustics);
+    }
     h.0
+}
+
+fn light(h: &mut Fnv, caustics: &Caustics) {
+    h.number(caustics.flux);
+    h.word(caustics.method as u64);
+    for receiver in &caustics.receivers {
+        [receiver.origin, receiver.u, receiver.v].into_iter().for_each(|v| h.vector(v));
+        receiver.texels.iter().for_each(|n| h.word(u64::from(*n)));
+    }
+    caustics.cells.iter().for_each(|n| h.word(u64::from(*n)));
+    rays(h, &caustics.light);
 }
 
 fn rays(h: &mut Fnv, camera: &Camera) {

@@ -29,6 +29,10 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     if let Some((x, y)) = args.pixel {
         return explain_pixel(&scene, &camera, x, y);
     }
+    if args.moving && scene.caustics.is_some() {
+        let what = "the scene has caustics, whose light is followed once for all frames";
+        return Err(Error::input(format!("--moving: {what}; use --repeat alone")));
+    }
     let files = Files::new(args, &scene)?;
     let asked = asked(args, &files, &camera);
     let wanted = wanted(&asked, &files);

@@ -1,5 +1,6 @@
 //! Running frames: encode, submit, look at the status, grow and run again, read the image.
 
+use super::illumination::Illuminated;
 use super::passes::Pass;
 use super::resident::Resident;
 use super::{Capacities, Counts, Rendered, RunOptions, join};
@@ -15,6 +16,7 @@ use crate::plan::{LeftOut, Plan, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::cluster;
 use crate::stage::Stages;
+use crate::stage::gather::Gather;
 use glam::{DMat3, DVec3};
 use std::time::Instant;
 
@@ -28,6 +30,8 @@ pub(super) struct Frames<'a> {
     pub plan: &'a Plan,
     pub wanted: &'a Wanted,
     pub resident: Resident,
+    /// The scene's caustics, where the frame shows them.
+    pub caustics: Option<(&'a Illuminated, &'a Gather)>,
 }
 
 /// One submitted frame: its counters by job, its image by band, its stage times.
@@ -121,10 +125,11 @@ impl Frames<'_> {
             frame_ms,
             stages: medians(stage_runs),
             counts: self.counts(&first)?,
-            bytes: self.resident.bytes(),
+            bytes: self.resident.bytes() + self.caustics.map_or(0, |(lit, _)| lit.buffers.bytes()),
             left_out,
             grown,
             passes: first.passes,
+            caustics: self.caustics.map(|(lit, _)| lit.account),
         })
     }
 
@@ -280,6 +285,14 @@ impl Frames<'_> {
             let mut encoded = submitted.pass(encoder, "shade");
             self.stages_of(pass).shade(self.gpu, &mut encoded, &scopes, self.pixels(band))?;
         }
+        // where on a receiver a hit lies is known of the rays that say what is seen
+        let caustics = self.caustics.filter(|_| self.resident.passes[pass].is_main);
+        if let (Some((lit, gather)), Some(job)) = (caustics, self.resident.jobs(band, pass).next()) {
+            let mut scopes = self.resident.scopes(&job, band, pass);
+            scopes.push(&lit.buffers);
+            let mut encoded = submitted.pass(encoder, "gather");
+            gather.run(self.gpu, &mut encoded, &scopes, self.pixels(band))?;
+        }
         Ok(())
     }
 
@@ -319,7 +332,7 @@ impl Frames<'_> {
 
     fn stage_times(&self) -> Option<StageTimes> {
         let bands = (self.plan.bands.len() * self.resident.passes.len()) as u32;
-        let passes = 6 * (self.resident.job_count() as u32 + bands);
+        let passes = 8 * (self.resident.job_count() as u32 + bands);
         let count = 2 * passes;
         (self.gpu.has.timestamps && count <= QUERIES_MAX).then(|| StageTimes {
             queries: self.gpu.device.create_query_set(&wgpu::QuerySetDescriptor {

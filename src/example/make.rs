@@ -164,3 +164,22 @@ pub fn barrel() -> Vec<(&'static str, Part)> {
     }
     vec![("surround.obj", Part::Text(text))]
 }
+
+/// `ring.obj`: 400 triangles around the y axis, a ring of radius 1 and height 0.55 on the ground.
+pub fn band() -> Vec<(&'static str, Part)> {
+    const AROUND: usize = 200;
+    const HEIGHT: f64 = 0.55;
+    let mut text = String::new();
+    for y in [0.0, HEIGHT] {
+        for i in 0..AROUND {
+            let (sin, cos) = (std::f64::consts::TAU * i as f64 / AROUND as f64).sin_cos();
+            let [x, y, z] = short(DVec3::new(sin, y, cos));
+            text += &format!("v {x} {y} {z}\n");
+        }
+    }
+    for i in 0..AROUND {
+        let (a, b) = (i + 1, (i + 1) % AROUND + 1);
+        text += &format!("f {a} {b} {}\nf {a} {} {}\n", b + AROUND, b + AROUND, a + AROUND);
+    }
+    vec![("ring.obj", Part::Text(text))]
+}

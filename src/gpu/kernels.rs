@@ -93,6 +93,7 @@ const MEETING: &str = snippet!("shared/meeting.wgsl");
 const MEETING_OF_RAYS: &str = snippet!("shared/meeting_of_rays.wgsl");
 const KEY: &str = snippet!("shared/key.wgsl");
 const OPTICS_ROWS: &str = snippet!("optics/rows.wgsl");
+const CAUSTICS: &str = snippet!("caustics/rows.wgsl");
 const TURN: &str = snippet!("optics/turn.wgsl");
 
 impl Variant {
@@ -461,6 +462,42 @@ pub fn sift() -> Kernel {
     kernel("sift", bindings, &[PARAMS, ITEMS, snippet!("shared/beams.wgsl"), snippet!("sift.wgsl")])
 }
 
+/// Caustic triangles onto the maps of receivers; no part of a frame.
+pub fn deposit() -> Kernel {
+    let bindings = vec![
+        uniform("casting", "Casting"),
+        read("casts", "array<Cast>"),
+        read("receivers", "array<Receiver>"),
+        write("sums", "array<atomic<u32>>"),
+    ];
+    kernel("deposit", bindings, &[PARAMS, ITEMS, CAUSTICS, snippet!("deposit.wgsl")])
+}
+
+/// Caustics into the colour planes, after `shade`.
+pub fn gather(variant: Variant, planes: &[Channel]) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        read("visibility", "array<u32>"),
+        read("landing_of", "array<u32>"),
+        read("landings", "array<Landing>"),
+        read("receivers", "array<Receiver>"),
+        read("sums", "array<u32>"),
+        write("planes", "array<u32>"),
+    ];
+    // of keys the ids alone are read
+    let real = snippet!("shared/real_f32.wgsl");
+    let snippets = [PARAMS, ITEMS, SHEETS, real, KEY, SHADING, CAUSTICS, snippet!("gather.wgsl")];
+    let seen: &[&str] = if variant.optics.is_some() {
+        bindings.extend([optic(), ways()]);
+        &[OPTICS_ROWS, snippet!("caustics/turned.wgsl")]
+    } else {
+        &[snippet!("caustics/plain.wgsl")]
+    };
+    let mut kernel = kernel("gather", bindings, &[&snippets[..], seen].concat());
+    kernel.constants = [vec![("SHEETED", variant.sheeted as u32 as f64)], plane_constants(planes)].concat();
+    kernel
+}
+
 /// All kernels of a variant that writes `planes`, in the order of the pipeline, and those beside it.
 pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     let mut all = vec![args(), cull(), bin(variant), raster(variant), shade(variant, planes)];
@@ -472,6 +509,6 @@ pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
         Some(OpticsKind::Atlas) => all.push(paste(variant, planes)),
         _ => {}
     }
-    all.extend([write_srgb(planes), sift()]);
+    all.extend([gather(variant, planes), write_srgb(planes), sift(), deposit()]);
     all
 }

@@ -1,5 +1,5 @@
 //! The rows that the host writes and the kernels read: `wgsl/shared/params.wgsl`, `shading.wgsl` and `beams.wgsl`
-//! and `wgsl/optics/rows.wgsl` in Rust.
+//! and `wgsl/optics/rows.wgsl` and `wgsl/caustics/rows.wgsl` in Rust.
 //!
 //! `tests/wgsl_layout.rs` holds names, offsets, sizes and constants of both sides equal.
 
@@ -284,6 +284,52 @@ pub struct Beam {
     pub d_lo: [f32; 3],
     pub pad0: u32,
     pub d_hi: [f32; 3],
+    pub pad1: u32,
+}
+
+/// A dispatch of deposit.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Casting {
+    pub count: u32,
+    pub texels: u32,
+    pub pad0: u32,
+    pub pad1: u32,
+}
+
+/// A caustic triangle on a receiver, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Cast {
+    pub a: [f32; 2],
+    pub b: [f32; 2],
+    pub c: [f32; 2],
+    pub receiver: u32,
+    pub pad0: u32,
+    pub flux: [u32; 3],
+    pub pad1: u32,
+}
+
+/// The map of a receiver, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Receiver {
+    pub columns: u32,
+    pub rows: u32,
+    pub first: u32,
+    pub scale: f32,
+}
+
+/// A triangle of the scene in a receiver's plane, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Landing {
+    pub a: [f32; 2],
+    pub ab: [f32; 2],
+    pub ac: [f32; 2],
+    pub receiver: u32,
+    pub pad0: u32,
+    pub diffuse: [f32; 3],
     pub pad1: u32,
 }
 

@@ -43,6 +43,13 @@ pub struct Wanted {
     pub counting: bool,
 }
 
+impl Wanted {
+    /// Some colour is asked for.
+    pub fn has_colour(&self) -> bool {
+        self.srgb8 || self.channels.iter().any(|c| matches!(c, Channel::R | Channel::G | Channel::B))
+    }
+}
+
 /// Rows of the image that are rendered together, and their tables.
 #[derive(Debug, Clone)]
 pub struct Band {

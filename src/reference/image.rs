@@ -1,9 +1,11 @@
 //! Whole frames by the reference, and judgement of other frames by it.
 
+use super::caustics::{caustics, shown_by};
 pub use super::explain::explain;
 use super::light::light;
 use super::{Finding, Outcome, Path, Reference, Seen};
 use crate::camera::Camera;
+use crate::caustics::Illumination;
 use crate::frame::{Channel, Frame, NO_ID, Plane};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -35,17 +37,25 @@ struct Pixel {
 
 /// The asked-for channels of the reference's frame.
 pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
+    let has_colour = channels.iter().any(|c| matches!(c, Channel::R | Channel::G | Channel::B));
+    let lit = if has_colour { caustics(scene) } else { None };
+    image_lit(scene, camera, channels, lit.as_ref())
+}
+
+/// The same under caustics that are known already.
+pub fn image_lit(scene: &Scene, camera: &Camera, channels: &[Channel], lit: Option<&Illumination>) -> Frame {
     let scene = &*scene.with_optics(camera);
     let reference = Reference::build(&scene.mesh);
     let pixels = each_pixel(camera, |i, j| {
         let path = Path::of_pixel(camera, i, j);
-        pixel(scene, camera, &reference, &reference.shown(camera, path), (i, j))
+        pixel(scene, camera, &reference, &reference.shown(camera, path), (i, j), lit)
     });
     frame(camera, &pixels, channels)
 }
 
 /// Holds `frame`'s triangle ids against the reference.
 pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
+    let lit = caustics(scene);
     let scene = &*scene.with_optics(camera);
     let reference = Reference::build(&scene.mesh);
     let extent = scene.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length());
@@ -61,7 +71,7 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
             None => Outcome { seen: finding.seen, path, first: None, light: 1.0 },
         };
         let speed = shown.path.speed(shown.seen.as_ref());
-        (pixel(scene, camera, &reference, &shown, (i, j)), finding.safe, (extent / speed) as f32, near)
+        (pixel(scene, camera, &reference, &shown, (i, j), lit.as_ref()), finding.safe, (extent / speed) as f32, near)
     });
     let pixels: Vec<&Pixel> = judged.iter().map(|j| &j.0).collect();
     Judgement {
@@ -83,7 +93,14 @@ fn each_pixel<T: Send>(camera: &Camera, f: impl Fn(u32, u32) -> T + Sync) -> Vec
     (0..w * camera.height as usize).into_par_iter().map(|k| f((k % w) as u32, (k / w) as u32)).collect()
 }
 
-fn pixel(scene: &Scene, camera: &Camera, reference: &Reference, shown: &Outcome, (i, j): (u32, u32)) -> Pixel {
+fn pixel(
+    scene: &Scene,
+    camera: &Camera,
+    reference: &Reference,
+    shown: &Outcome,
+    (i, j): (u32, u32),
+    lit: Option<&Illumination>,
+) -> Pixel {
     let behind = camera.first_piece(camera.layers.len());
     let mirror = shown.first.unwrap_or(NO_ID);
     let piece = |of_ray: u32| shown.first.map_or(of_ray, |first| behind + first);
@@ -95,7 +112,11 @@ fn pixel(scene: &Scene, camera: &Camera, reference: &Reference, shown: &Outcome,
         }
         _ => colour(scene, camera, shown),
     };
-    let colour = colour.map(|c| c as f32);
+    // of split rays those that say what is seen show caustics
+    let split = camera.optics.as_ref().filter(|_| shown.first.is_some()).map_or(1.0, |o| o.tilts().len() as f64);
+    let kept = light_left(camera, shown).map(|k| k / split);
+    let more = lit.filter(|_| shown.seen.is_some()).map_or([0.0; 3], |lit| shown_by(scene, camera, shown, lit));
+    let colour = [0, 1, 2].map(|k| (colour[k] + kept[k] * f64::from(more[k])) as f32);
     let Some(seen) = shown.seen else {
         let piece = if shown.first.is_some() { piece(NO_ID) } else { NO_ID };
         return Pixel { colour, seen: None, piece, mirror, t: f32::INFINITY, z: f32::INFINITY };
@@ -116,11 +137,15 @@ fn colour(scene: &Scene, camera: &Camera, outcome: &Outcome) -> [f64; 3] {
             None => light(scene, &seen.hit, outcome.path.of(&seen).view(seen.hit.t)),
         },
     };
+    let left = light_left(camera, outcome);
+    [0, 1, 2].map(|k| left[k] * f64::from(own[k]))
+}
+
+/// What all turns leave of the light.
+fn light_left(camera: &Camera, outcome: &Outcome) -> [f64; 3] {
     let turns = outcome.path.segments.len() as i32 - 1;
-    [0, 1, 2].map(|k| {
-        let tint = optics.map_or(1.0, |o| f64::from(o.tint[k]).powi(turns));
-        outcome.light * tint * f64::from(own[k])
-    })
+    let tint = |k: usize| camera.optics.as_ref().map_or(1.0, |o| f64::from(o.tint[k]).powi(turns));
+    [0, 1, 2].map(|k| outcome.light * tint(k))
 }
 
 fn frame<P: std::borrow::Borrow<Pixel> + Sync>(camera: &Camera, pixels: &[P], channels: &[Channel]) -> Frame {

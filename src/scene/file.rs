@@ -1,6 +1,7 @@
 //! The scene file: TOML or JSON text into typed values, with errors that name the place.
 
 mod camera;
+mod caustics;
 mod keys;
 mod mesh;
 mod mesh_camera;
@@ -17,6 +18,7 @@ use glam::DVec3;
 
 pub use camera::{CameraKind, CameraSpec, Named};
 pub(crate) use camera::{read_camera, read_pose};
+pub use caustics::CausticsSpec;
 pub(crate) use mesh::read_mesh;
 pub use mesh::{MeshSource, MeshSpec};
 pub use mesh_camera::{CameraVertex, MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera, read_triangles};
@@ -33,6 +35,7 @@ pub struct SceneFile {
     /// Empty: one headlight along each pixel's own ray.
     pub lights: Vec<LightSpec>,
     pub camera: CameraSpec,
+    pub caustics: Option<CausticsSpec>,
     pub output: OutputSpec,
     /// Folder of the scene file, which relative paths start from.
     pub dir: PathBuf,
@@ -111,7 +114,7 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
     let source = Source { path, dir };
     keys::pick(&mut root, "", &source, frame)?;
     let table = Field::new(&source, "", &root).table()?;
-    table.allow(&["image", "mesh", "light", "camera", "output"])?;
+    table.allow(&["image", "mesh", "light", "camera", "caustics", "output"])?;
     let image = ImageSpec { width: None, height: None, background: [0.0; 3] };
     let Some(camera) = table.get("camera") else {
         return Err(table.error("there is no camera; add a [camera] table with its kind"));
@@ -125,6 +128,7 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
             f.items("lights, each a table [[light]]")?.map(|l| read_light(&l)).collect()
         })?,
         camera: camera::read_camera(&camera)?,
+        caustics: table.optional("caustics", caustics::read_caustics)?,
         output: table.or("output", OutputSpec::default(), read_output)?,
         dir: if dir.as_os_str().is_empty() { PathBuf::from(".") } else { dir.into() },
     })

@@ -9,6 +9,7 @@ pub mod obj;
 pub mod place;
 
 use crate::camera::Camera;
+use crate::caustics::Caustics;
 use crate::error::{Error, Result};
 use crate::optics::Surface;
 use file::{CameraSpec, MeshSource, MeshSpec, SceneFile};
@@ -17,6 +18,7 @@ use mesh::Mesh;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Everything that a frame needs, loaded.
 #[derive(Debug, Clone)]
@@ -30,6 +32,8 @@ pub struct Scene {
     /// The image's size in pixels, unless the camera brings its own.
     pub size: Option<(u32, u32)>,
     pub camera: CameraSpec,
+    /// Light that comes by way of a mirror or a lens.
+    pub caustics: Option<Arc<Caustics>>,
     pub output: file::OutputSpec,
 }
 
@@ -54,12 +58,14 @@ impl Scene {
         let light = |l: &file::LightSpec| {
             l.direction.try_normalize().ok_or_else(|| Error::input("light: direction is zero; give a direction"))
         };
+        let caustics = file.caustics.as_ref().map(|c| Caustics::new(c, &mesh)).transpose()?;
         Ok(Scene {
             mesh,
             lights: file.lights.iter().map(light).collect::<Result<_>>()?,
             background: file.image.background,
             size,
             camera: file.camera,
+            caustics: caustics.map(Arc::new),
             output: file.output,
         })
     }

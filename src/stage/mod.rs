@@ -2,13 +2,15 @@
 //!
 //! `cull -> bin -> raster -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
 //! rays, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again, or [`paste`] from an atlas that was
-//! rendered before. Apart from these is [`sift`],
-//! which finds the parts of an image that may see a point.
+//! rendered before. Caustics are added up by [`deposit`] before the first frame and shown by [`gather`] after shade. Apart
+//! from these is [`sift`], which finds the parts of an image that may see a point.
 
 pub mod bin;
 pub mod bounce;
 pub mod cull;
+pub mod deposit;
 pub mod fit;
+pub mod gather;
 pub mod meet;
 pub mod paste;
 pub mod raster;

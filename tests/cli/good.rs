@@ -34,7 +34,8 @@ fn renders_with(place: &Place, engine: &str) {
     let picture = image::open(place.path().join("demo.png")).unwrap();
     assert_eq!((picture.width(), picture.height(), picture.color()), (64, 48, image::ColorType::Rgb8));
     let all = frame(place, "all.exr");
-    assert_eq!(all.planes.iter().map(|p| p.0).collect::<Vec<_>>(), Channel::ALL);
+    // no mirror, no mirror.id
+    assert_eq!(all.planes.iter().map(|p| p.0).collect::<Vec<_>>(), Channel::ALL[..10]);
     assert!(all.f32(Channel::A).unwrap().contains(&1.0) && all.f32(Channel::Z).unwrap().contains(&f32::INFINITY));
 
     let report = json_file(place, "r.json");
@@ -346,4 +347,23 @@ fn projectors_are_written_as_control_points() {
     place.works(&["camera", "o.toml", "--rays", "r.npy"]);
     let bytes = std::fs::read(place.path().join("r.npy")).unwrap();
     assert!(String::from_utf8_lossy(&bytes[..128]).contains("(2, 4, 3, 6"));
+}
+
+#[test]
+fn the_report_says_where_the_light_of_caustics_went() {
+    let place = Place::new();
+    place.works(&["example", "caustic"]);
+    let common = ["render", "caustic.toml", "--size", "64x48", "--set", "caustics.map=[48, 32]", "--report", "r.json"];
+    for engine in ["compute", "reference"].into_iter().filter(|e| *e == "reference" || place.has_adapter()) {
+        place.works(&[&common[..], &["--engine", engine]].concat());
+        let caustics = json_file(&place, "r.json")["caustics"].clone();
+        let of = |key: &str| caustics[key].as_f64().unwrap();
+        let sum = of("deposited") + of("missed") + of("direct") + of("absorbed");
+        assert!((sum - 6.0).abs() < 1e-6 && of("flux") == 6.0 && of("deposited") > 1.0, "{engine}: {caustics}");
+        assert!(of("triangles") > of("degenerate") && of("ms") > 0.0, "{engine}: {caustics}");
+    }
+    place.refuses(&[&common[..], &["--repeat", "1", "--moving"]].concat(), 2, "--moving: the scene has caustics");
+    place.works(&["example", "pinhole"]);
+    place.works(&["render", "pinhole.toml", "--size", "64x48", "--report", "r.json", "--engine", "reference"]);
+    assert!(json_file(&place, "r.json").get("caustics").is_none());
 }

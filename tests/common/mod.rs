@@ -30,6 +30,7 @@ pub fn scene(mesh: Mesh) -> Scene {
         background: [0.1, 0.2, 0.3],
         size: Some((64, 64)),
         camera: CameraSpec { kind, t_range: FORWARD },
+        caustics: None,
         output: OutputSpec::default(),
     }
 }

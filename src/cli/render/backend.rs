@@ -1,6 +1,7 @@
 //! What renders: the compute engine on an adapter, or the reference on the CPU.
 
 use crate::camera::Camera;
+use crate::caustics::Account;
 use crate::cli::args::{EngineName, RenderArgs};
 use crate::engine::{Counts, Engine, Rendered, RunOptions};
 use crate::error::{Error, Result};
@@ -86,9 +87,12 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
     }
     channels.sort_unstable();
     channels.dedup();
+    let started = Instant::now();
+    let lit = if wanted.has_colour() { reference::caustics::caustics(scene) } else { None };
+    let ms = started.elapsed().as_secs_f64() * 1e3;
     let timed = || {
         let started = Instant::now();
-        let frame = reference::image::image(scene, camera, &channels);
+        let frame = reference::image::image_lit(scene, camera, &channels, lit.as_ref());
         (frame, started.elapsed().as_secs_f64() * 1e3)
     };
     let (mut frame, first_ms) = timed();
@@ -108,6 +112,7 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
         left_out: Vec::new(),
         grown: 0,
         passes: 0,
+        caustics: lit.map(|lit| Account { budget: lit.budget, ms }),
     }
 }
 

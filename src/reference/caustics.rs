@@ -1,0 +1,101 @@
+//! Caustics by the reference: every photon's way followed by itself, and triangles cut along the texels' borders.
+
+use super::path::{Path, Segment};
+use super::{Outcome, Reference};
+use crate::camera::Camera;
+use crate::caustics::beams::{Cast, Fate, Photon};
+use crate::caustics::landing::is_in_plane;
+use crate::caustics::shares::shares;
+use crate::caustics::{Budget, Caustics, Illumination, Map, mean};
+use crate::scene::Scene;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The maps of the scene's receivers; `None` without caustics.
+pub fn caustics(scene: &Scene) -> Option<Illumination> {
+    let caustics = scene.caustics.as_deref()?;
+    let photons = photons(scene, caustics);
+    let (casts, mut budget) = caustics.casts(&photons);
+    let map = |r: &crate::caustics::Receiver| Map {
+        receiver: *r,
+        flux: vec![[0.0; 3]; r.texels[0] as usize * r.texels[1] as usize],
+    };
+    let mut maps: Vec<Map> = caustics.receivers.iter().map(map).collect();
+    for cast in &casts {
+        add(&mut maps[cast.receiver as usize], cast, &mut budget);
+    }
+    budget.deposited = maps.iter().map(|m| mean(m.total())).sum();
+    Some(Illumination { maps, budget })
+}
+
+/// The photons of the light, row by row.
+pub fn photons(scene: &Scene, caustics: &Caustics) -> Vec<Photon> {
+    let light = &caustics.light;
+    let joined = scene.with_optics(light);
+    let reference = Reference::build(&joined.mesh);
+    let first_id = caustics.optics.first_id(&joined.mesh);
+    let (columns, rows) = (light.width, light.height);
+    let photon = |k: u32| {
+        let shown = reference.shown(light, Path::of_pixel(light, k % columns, k / columns));
+        photon(caustics, first_id, &shown)
+    };
+    (0..columns * rows).into_par_iter().map(photon).collect()
+}
+
+fn photon(caustics: &Caustics, first_id: u32, shown: &Outcome) -> Photon {
+    if shown.first.is_none() {
+        return Photon { fate: Fate::Direct, left: [1.0; 3] };
+    }
+    let turns = shown.path.segments.len() as u32 - 1;
+    let left = caustics.optics.tint.map(|tint| f64::from(tint).powi(turns as i32));
+    let fate = match shown.seen {
+        None => Fate::Missed,
+        Some(seen) if seen.hit.triangle >= first_id => Fate::Absorbed,
+        Some(seen) => {
+            let p = match shown.path.of(&seen) {
+                Segment::Straight(b) => Some(b.ray(0.0, 0.0)).map(|r| r.origin + seen.hit.t * r.direction),
+                Segment::Curved(_) => None,
+            };
+            let receiver = p.and_then(|p| Some((caustics.receivers.iter().position(|r| is_in_plane(r, p))?, p)));
+            receiver.map_or(Fate::Missed, |(k, p)| {
+                let place = caustics.receivers[k].texels_of(p);
+                Fate::Landed { receiver: k as u32, turns, place }
+            })
+        }
+    };
+    Photon { fate, left }
+}
+
+/// Spreads the flux of a triangle over a map, and what lies outside over the missed.
+fn add(map: &mut Map, cast: &Cast, budget: &mut Budget) {
+    let shares = shares(&cast.corners, map.receiver.texels);
+    let mut inside = 0.0;
+    for (texel, share) in shares.list {
+        inside += share;
+        map.flux[texel].iter_mut().zip(cast.flux).for_each(|(sum, flux)| *sum += share * flux);
+    }
+    budget.missed += mean(cast.flux) * (1.0 - inside);
+    budget.degenerate += u64::from(shares.flat);
+}
+
+/// What the receivers add to the colour of a hit: diffuse reflection of the light that falls there.
+pub fn reflected(scene: &Scene, lit: &Illumination, triangle: u32, bary: [f64; 2]) -> [f32; 3] {
+    let corners = scene.mesh.triangles[triangle as usize].map(|k| scene.mesh.positions[k as usize]);
+    let Some(map) = lit.maps.iter().find(|m| corners.iter().all(|p| is_in_plane(&m.receiver, *p))) else {
+        return [0.0; 3];
+    };
+    let [a, b, c] = corners;
+    let p: DVec3 = a + bary[0] * (b - a) + bary[1] * (c - a);
+    let diffuse = scene.mesh.materials[scene.mesh.material_of[triangle as usize] as usize].diffuse;
+    let received = map.irradiance(map.receiver.texels_of(p)).unwrap_or_default();
+    [0, 1, 2].map(|k| (f64::from(diffuse[k]) * received[k] / std::f64::consts::PI) as f32)
+}
+
+/// A scene's camera shows caustics where it has some.
+pub fn shown_by(scene: &Scene, camera: &Camera, shown: &Outcome, lit: &Illumination) -> [f32; 3] {
+    let first = camera.optics.as_ref().map_or(u32::MAX, |o| o.first_id(&scene.mesh));
+    match shown.seen.filter(|s| s.hit.triangle < first) {
+        Some(seen) => reflected(scene, lit, seen.hit.triangle, seen.hit.bary),
+        None => [0.0; 3],
+    }
+}

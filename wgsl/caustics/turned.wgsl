@@ -1,0 +1,9 @@
+// What gather adds to where a mirror or a lens turns rays: nothing to a surface that the ray goes on from.
+
+fn ends_here(id: u32) -> bool {
+    return id < optic.first_id;
+}
+
+fn light_kept(pixel: u32) -> vec3<f32> {
+    return ways[pixel].light;
+}

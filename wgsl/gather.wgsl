@@ -1,0 +1,62 @@
+// gather: one thread per pixel of the band.
+// Reads the visibility buffer, where on a receiver the pixel's hit lies, and the flux of the four texels around it; adds
+// what a diffuse surface sends back of it to the colour planes.
+
+fn received(receiver: Receiver, x: u32, y: u32) -> vec3<f32> {
+    let at = 6u * (receiver.first + y * receiver.columns + x);
+    let low = vec3<f32>(vec3<u32>(sums[at], sums[at + 2u], sums[at + 4u]));
+    let high = vec3<f32>(vec3<u32>(sums[at + 1u], sums[at + 3u], sums[at + 5u]));
+    return receiver.scale * (high * 4294967296.0 + low);
+}
+
+fn add(plane: u32, at: u32, light: f32) {
+    if plane != NONE {
+        let k = plane * params.width * params.height + at;
+        planes[k] = bitcast<u32>(bitcast<f32>(planes[k]) + light);
+    }
+}
+
+fn weight(plane: u32, at: u32) -> f32 {
+    return bitcast<f32>(planes[plane * params.width * params.height + at]);
+}
+
+@compute @workgroup_size(64)
+fn gather(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    // take a pixel that shows a receiver in this pass
+    let pixel = item_index(group, groups, lane);
+    if pixel >= params.width * params.height {
+        return;
+    }
+    let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
+    let id = key_id(~won);
+    if all(won == vec2<u32>(0u)) || !ends_here(id) || id >= arrayLength(&landing_of) || landing_of[id] == NONE {
+        return;
+    }
+
+    // find its place on the map
+    let landing = landings[landing_of[id]];
+    let receiver = receivers[landing.receiver];
+    let size = vec2<f32>(f32(receiver.columns), f32(receiver.rows));
+    let at = landing.a + weight(PLANE_U, pixel) * landing.ab + weight(PLANE_V, pixel) * landing.ac;
+    if any(at < vec2<f32>(0.0)) || any(at > size) {
+        return;
+    }
+
+    // between the middles of texels light is bilinear, beyond the outermost constant
+    let place = clamp(at - 0.5, vec2<f32>(0.0), size - 1.0);
+    let x = u32(place.x);
+    let y = u32(place.y);
+    let x1 = min(x + 1u, receiver.columns - 1u);
+    let y1 = min(y + 1u, receiver.rows - 1u);
+    let s = fract(place);
+    let above = mix(received(receiver, x, y), received(receiver, x1, y), s.x);
+    let below = mix(received(receiver, x, y1), received(receiver, x1, y1), s.x);
+    let light = light_kept(pixel) * landing.diffuse * mix(above, below, s.y);
+    add(PLANE_R, pixel, light.x);
+    add(PLANE_G, pixel, light.y);
+    add(PLANE_B, pixel, light.z);
+}
