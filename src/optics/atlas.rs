@@ -36,7 +36,8 @@ impl Layout {
     pub fn corners(&self, facet: usize) -> [DVec2; 3] {
         let (cell, side) = (facet as u32 / 2, f64::from(self.side));
         let corner = UVec2::new(cell % self.columns, cell / self.columns).as_dvec2() * side;
-        let shape = if facet.is_multiple_of(2) { [(0., 0.), (0., 1.), (1., 0.)] } else { [(1., 1.), (1., 0.), (0., 1.)] };
+        let shape =
+            if facet.is_multiple_of(2) { [(0., 0.), (0., 1.), (1., 0.)] } else { [(1., 1.), (1., 0.), (0., 1.)] };
         shape.map(|(x, y)| corner + side * DVec2::new(x, y))
     }
 }
