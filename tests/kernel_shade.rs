@@ -38,11 +38,18 @@ fn run_kernel(
     let mut buffers = upload(gpu, input);
     buffers.upload(gpu, "visibility", &visibility.words).unwrap();
     let words = visibility.words.len() * planes.len();
-    buffers.upload(gpu, "planes", &vec![POISON; words + SPARE]).unwrap();
+    let start = planes.iter().flat_map(|&c| vec![before(c, input); visibility.words.len()]);
+    buffers.upload(gpu, "planes", &start.chain(vec![POISON; SPARE]).collect::<Vec<_>>()).unwrap();
     run(gpu, |pass| stages.shade(gpu, pass, &[&buffers], visibility.words.len() as u32));
     let out = read(gpu, &buffers, "planes");
     assert_poisoned(&out, words, &format!("{}, planes", case.name));
     out[..words].to_vec()
+}
+
+/// What a plane holds before: with optics light is added to colours, which start at 0.
+fn before(channel: Channel, input: &Input) -> u32 {
+    let is_colour = matches!(channel, Channel::R | Channel::G | Channel::B);
+    if is_colour && input.optics.is_some() { 0 } else { POISON }
 }
 
 /// How planes stand against the twin's pixels.
@@ -61,7 +68,7 @@ struct Compared {
     shares: [f64; 4],
 }
 
-fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], background: [f32; 3]) -> Compared {
+fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &Input, background: [f32; 3]) -> Compared {
     let mut seen = Compared::default();
     for (k, pixel) in pixels.iter().enumerate() {
         if let Pixel::Hit(s) = pixel {
@@ -71,7 +78,7 @@ fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], background: [f32
         let mut ill = false;
         for (plane, &channel) in planes.iter().enumerate() {
             let got = words[plane * pixels.len() + k];
-            let want = word(pixel, channel, background).unwrap_or(POISON);
+            let want = word(pixel, channel, background).unwrap_or(before(channel, input));
             let value = f64::from(f32::from_bits(got));
             let (exact, most) = match (pixel, channel) {
                 (Pixel::Hit(s), Channel::T) => (s.t, s.error.t),
@@ -173,7 +180,7 @@ fn check(bench: &mut Bench, case: &Case, input: &Input, visibility: &Visibility,
     let name = format!("{}, row {}, ids from {}, {real:?}", case.name, input.params.band_row, input.params.id_first);
     let words = run_kernel(bench, case, real, input, visibility, &Channel::ALL);
     let pixels = shade(input, visibility, real);
-    let seen = compare(&words, &pixels, &Channel::ALL, case.scene.background);
+    let seen = compare(&words, &pixels, &Channel::ALL, input, case.scene.background);
     println!(
         "{name}: {} hits, t {:.1e}, Z {:.1} ulp, weights {:.1e}, colour {:.1e}, edge-on {}, ill-conditioned {}, of bounds {:.2?}",
         seen.hits, seen.t, seen.z_ulp, seen.weight, seen.colour, seen.edge_on, seen.ill_conditioned, seen.shares
@@ -202,7 +209,7 @@ fn only_the_channels_asked_for_are_written() {
     let pixels = shade(&band[0], &visibility, real);
     for planes in [vec![Channel::Z], vec![Channel::G, Channel::TriangleId], vec![Channel::PieceId, Channel::BaryV]] {
         let words = run_kernel(&mut bench, &case, real, &band[0], &visibility, &planes);
-        let seen = compare(&words, &pixels, &planes, case.scene.background);
+        let seen = compare(&words, &pixels, &planes, &band[0], case.scene.background);
         assert!(seen.wrong.is_empty() && seen.hits > 0, "{planes:?}: {:?}", seen.wrong.first());
     }
 }
@@ -218,7 +225,7 @@ fn the_comparison_sees_planted_errors() {
     let planes = Channel::ALL;
     let right: Vec<u32> =
         planes.iter().flat_map(|&c| pixels.iter().map(move |p| word(p, c, background).unwrap_or(POISON))).collect();
-    assert_eq!(compare(&right, &pixels, &planes, background).wrong, Vec::<String>::new());
+    assert_eq!(compare(&right, &pixels, &planes, &band[0], background).wrong, Vec::<String>::new());
     let sure = |p: &Pixel| matches!(p, Pixel::Hit(s) if s.error.colour < 1e-3);
     let hit = pixels.iter().position(sure).unwrap();
     let miss = pixels.iter().position(|p| matches!(p, Pixel::Miss(_))).unwrap();
@@ -236,7 +243,7 @@ fn the_comparison_sees_planted_errors() {
                 }
                 let mut words = right.clone();
                 words[at] = wrong;
-                let seen = compare(&words, &pixels, &planes, background);
+                let seen = compare(&words, &pixels, &planes, &band[0], background);
                 assert_eq!(seen.wrong.len(), 1, "{channel:?}, pixel {pixel} as {wrong:x}");
             }
         }
