@@ -3,6 +3,7 @@
 //! 0: done; 1: the work failed; 2: the command line or an input file is wrong. An error is one line on stderr.
 
 mod args;
+mod bench;
 mod camera;
 mod compare;
 mod describe;
@@ -58,6 +59,7 @@ fn run(started: Instant) -> Result<()> {
         Command::Project(args) => project::run(args),
         Command::Info(args) => info::run(args),
         Command::Example(args) => example::run(args),
+        Command::Bench(args) => bench::run(args),
     }
 }
 

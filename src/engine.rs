@@ -1,6 +1,7 @@
 //! The compute engine: plan, upload, stages, status, grow, image.
 
 mod atlas;
+mod encode;
 mod frames;
 mod illumination;
 pub mod passes;
@@ -8,18 +9,27 @@ mod resident;
 pub mod tables;
 mod turns;
 
+use crate::baseline::{Choice, Setup};
 use crate::camera::Camera;
+use crate::camera::arranged::Arrangement;
 use crate::caustics::Account;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::frame::{Channel, Frame, Plane};
 use crate::gpu::Gpu;
+use crate::gpu::buffers::wait;
 use crate::gpu::kernels::Variant;
+use crate::gpu::recorder::Recorder;
 use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::stage::Stages;
 use crate::stage::gather::Gather;
+pub use frames::Frames;
+use frames::Timed;
 use illumination::Illuminated;
 use resident::Resident;
+use std::borrow::Cow;
+use std::sync::Arc;
+use std::time::Instant;
 
 /// Items that the lists between the stages can hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +49,8 @@ pub struct RunOptions {
     pub repeat: u32,
     /// Every vertex is new in each timed frame.
     pub moving: bool,
+    /// What finds what is seen instead of cull, bin and raster.
+    pub by: Option<Choice>,
     /// Where the lists start; `None`: from the scene's size. They grow as needed.
     pub capacities: Option<Capacities>,
 }
@@ -76,69 +88,127 @@ pub struct Rendered {
     pub caustics: Option<Account>,
 }
 
-/// An open adapter with its compiled kernels.
+/// An open adapter with the kernels that were compiled for it.
 pub struct Engine {
-    pub gpu: Gpu,
-    stages: Option<Stages>,
-    /// For rays that were turned.
-    turned: Option<Stages>,
+    pub gpu: Arc<Gpu>,
+    stages: Vec<Arc<Stages>>,
+    gathers: Vec<Arc<Gather>>,
     /// The caustics of the last scene that had some.
-    lit: Option<Illuminated>,
-    gather: Option<Gather>,
+    lit: Option<Arc<Illuminated>>,
 }
 
 impl Engine {
     pub fn new(gpu: Gpu) -> Engine {
-        Engine { gpu, stages: None, turned: None, lit: None, gather: None }
+        Engine { gpu: Arc::new(gpu), stages: Vec::new(), gathers: Vec::new(), lit: None }
     }
 
     /// Renders `scene` through `camera`.
     pub fn render(&mut self, scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Result<Rendered> {
-        let atlas = self.atlas(scene, camera, wanted, run)?;
+        let mut frames = self.prepare(scene, camera, wanted, run)?;
+        for _ in 0..run.repeat {
+            frames.frame()?;
+        }
+        frames.finish()
+    }
+
+    /// Puts everything on the device that frames of `scene` through `camera` need, and runs a first one. Of `run` all counts but
+    /// how often it is repeated.
+    pub fn prepare<'a>(
+        &mut self,
+        scene: &'a Scene,
+        camera: &'a Camera,
+        wanted: &Wanted,
+        run: &RunOptions,
+    ) -> Result<Frames<'a>> {
+        let middle = Surroundings::of(camera, scene.bounds()).middle;
+        let arrangement = Arrangement::of(camera, middle);
+        let arranged = arrangement.as_ref().map_or(Cow::Borrowed(camera), |a| Cow::Owned(a.camera(camera)));
+        let mut frames = Frames { arrangement, ..self.on_device(scene, arranged, wanted, run)? };
+        frames.warm_up()?;
+        Ok(frames)
+    }
+
+    /// A submission of one empty pass: what a frame takes that does nothing, ms.
+    pub fn empty_frame(&self) -> Result<f64> {
+        let started = Instant::now();
+        let mut recorder = Recorder::new(&self.gpu, 1);
+        drop(recorder.compute("empty"));
+        recorder.submit(&self.gpu)?;
+        wait(&self.gpu)?;
+        Ok(started.elapsed().as_secs_f64() * 1e3)
+    }
+
+    fn on_device<'a>(
+        &mut self,
+        scene: &'a Scene,
+        camera: Cow<'a, Camera>,
+        wanted: &Wanted,
+        run: &RunOptions,
+    ) -> Result<Frames<'a>> {
+        let mut painter = self.painter(scene, &camera, wanted, run)?;
         let mut planned = wanted.clone();
-        let shows_caustics = scene.caustics.is_some() && wanted.has_colour();
-        if shows_caustics {
-            self.illuminated(scene)?;
+        let lit = if wanted.has_colour() { self.illuminated(scene)? } else { None };
+        if lit.is_some() {
             planned.channels.extend([Channel::BaryU, Channel::BaryV]);
         }
-        let scene = &*scene.with_optics(camera);
-        let around = Surroundings::of(camera, scene.bounds());
+        let scene = scene.with_optics(&camera);
+        let around = Surroundings::of(&camera, scene.bounds());
         let has_normals = !scene.mesh.normals.is_empty();
         let limit = self.gpu.binding_limit();
         let triangles = scene.mesh.triangles.len();
-        let plan = Plan::new(camera, triangles, has_normals, around, &planned, self.gpu.has, limit);
-        let compile = |stages: &mut Option<Stages>, variant: Variant| {
-            if stages.as_ref().is_none_or(|s| s.variant != variant || s.planes != plan.planes) {
-                *stages = Some(Stages::new(&self.gpu, variant, &plan.planes)?);
-            }
-            Ok(())
-        };
-        compile(&mut self.stages, plan.variant)?;
-        if plan.variant.turns_rays() {
-            compile(&mut self.turned, plan.variant.after_turn())?;
+        let plan = Plan::new(&camera, triangles, has_normals, around, &planned, self.gpu.has, limit);
+        let stages = self.stages(plan.variant, &plan.planes)?;
+        let turned =
+            plan.variant.turns_rays().then(|| self.stages(plan.variant.after_turn(), &plan.planes)).transpose()?;
+        let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0);
+        let setup = Setup { camera: &camera, variant: plan.variant, rows, anchor: plan.anchor, knob: 0 };
+        let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup)).transpose()?;
+        let caustics = lit.map(|lit| (lit, self.gather(plan.variant, &plan.planes)));
+        let mut resident = Resident::new(&self.gpu, &scene, &camera, &plan, wanted, run.capacities)?;
+        if let Some(painter) = &mut painter {
+            painter.paints_into(&self.gpu, &mut resident.shared)?;
         }
-        if shows_caustics && self.gather.as_ref().is_none_or(|g| !g.suits(plan.variant, &plan.planes)) {
-            self.gather = Some(Gather::new(&self.gpu, plan.variant, &plan.planes));
-        }
-        let caustics = self.lit.as_ref().zip(self.gather.as_ref()).filter(|_| shows_caustics);
-        let Some(stages) = &self.stages else { return Err(Error::work("no kernels")) };
-        let turned = self.turned.as_ref();
-        let mut resident = Resident::new(&self.gpu, scene, camera, &plan, wanted, run.capacities)?;
-        if let Some(atlas) = &atlas {
-            atlas.upload(&self.gpu, &mut resident.shared)?;
-        }
-        let frames =
-            frames::Frames { gpu: &self.gpu, stages, turned, scene, camera, plan: &plan, wanted, resident, caustics };
-        let rendered = frames.run(run)?;
-        Ok(match atlas {
-            Some(atlas) => atlas.joined(rendered),
-            None => rendered,
+        Ok(Frames {
+            gpu: self.gpu.clone(),
+            stages,
+            turned,
+            scene,
+            camera,
+            plan,
+            wanted: wanted.clone(),
+            resident,
+            caustics,
+            arrangement: None,
+            painter,
+            rival,
+            kept: None,
+            moving: run.moving,
+            timed: Timed::default(),
         })
+    }
+
+    /// The kernels of a variant, compiled once.
+    fn stages(&mut self, variant: Variant, planes: &[Channel]) -> Result<Arc<Stages>> {
+        if let Some(stages) = self.stages.iter().find(|s| s.variant == variant && s.planes == planes) {
+            return Ok(stages.clone());
+        }
+        let stages = Arc::new(Stages::new(&self.gpu, variant, planes)?);
+        self.stages.push(stages.clone());
+        Ok(stages)
+    }
+
+    fn gather(&mut self, variant: Variant, planes: &[Channel]) -> Arc<Gather> {
+        if let Some(gather) = self.gathers.iter().find(|g| g.suits(variant, planes)) {
+            return gather.clone();
+        }
+        let gather = Arc::new(Gather::new(&self.gpu, variant, planes));
+        self.gathers.push(gather.clone());
+        gather
     }
 }
 
-/// Joins the planes of all bands to the wanted channels of one frame.
-fn join(camera: &Camera, plan: &Plan, wanted: &Wanted, bands: &[Vec<u32>]) -> Frame {
+/// Joins the planes of all bands to the wanted channels of one frame, their pixels in the camera's own order.
+fn join(camera: &Camera, plan: &Plan, wanted: &Wanted, arrangement: Option<&Arrangement>, bands: &[Vec<u32>]) -> Frame {
     let mut planes = Vec::new();
     for (k, &channel) in plan.planes.iter().enumerate() {
         if !wanted.channels.contains(&channel) {
@@ -149,6 +219,10 @@ fn join(camera: &Camera, plan: &Plan, wanted: &Wanted, bands: &[Vec<u32>]) -> Fr
             let pixels = band.rows as usize * camera.width as usize;
             words.extend_from_slice(&data[k * pixels..(k + 1) * pixels]);
         }
+        let words = match arrangement {
+            Some(a) => a.restored(&words),
+            None => words,
+        };
         let plane = match channel {
             c if c.is_id() => Plane::U32(words),
             _ => Plane::F32(words.into_iter().map(f32::from_bits).collect()),

@@ -66,6 +66,8 @@
 //! # }
 //! ```
 
+pub mod baseline;
+pub mod bench;
 pub mod bernstein;
 pub mod camera;
 pub mod caustics;

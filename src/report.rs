@@ -13,7 +13,8 @@ use serde::Serialize;
 pub struct Device {
     pub adapter: String,
     pub driver: String,
-    pub engine: &'static str,
+    /// compute, reference, or a rival and its number.
+    pub engine: String,
 }
 
 /// Wall times of one frame, from the first submission until its results are complete on the device, ms.

@@ -71,6 +71,11 @@ impl Field {
         Field { width, height, rays, map: Some(map) }
     }
 
+    /// A field whose pixel k has the ray of this one's pixel `source[k]`, numbered row by row.
+    pub(super) fn rearranged(&self, source: &[u32]) -> Field {
+        Field { rays: source.iter().map(|k| self.rays[*k as usize]).collect(), map: None, ..*self }
+    }
+
     /// The formula behind the rays, where there is one.
     pub fn map(&self) -> Option<&Arc<dyn RayMap>> {
         self.map.as_ref().map(|m| &m.map)

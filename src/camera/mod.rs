@@ -6,6 +6,7 @@
 //!
 //! [`kinds`] lists what a scene file may name; each named kind is a [`recipe::Recipe`] that builds such layers.
 
+pub mod arranged;
 pub mod bundle;
 pub mod central;
 pub mod chain;
@@ -29,6 +30,7 @@ use crate::scene::mesh::Mesh;
 pub use bundle::{Bundle, Ray};
 pub use curve::{Curve, CurveMap, Curves};
 pub use field::{Field, RayMap};
+use glam::DVec3;
 pub use pieces::{Piece, Pieces};
 use recipe::{Built, Setting};
 use std::sync::Arc;
@@ -151,6 +153,16 @@ impl Camera {
         }
     }
 
+    /// Where all rays start, if that is one point; `None` also where no pixel has a ray.
+    pub fn centre(&self) -> Option<DVec3> {
+        let each = |k: u32| self.ray(k % self.width, k / self.width).map(|r| r.origin);
+        let mut starts = (0..self.width * self.height).filter_map(each);
+        let first = starts.next()?;
+        // a homogeneous piece moves its one origin by rounding
+        let near = CENTRE_ROUNDING * (1.0 + first.abs().max_element());
+        starts.all(|p| (p - first).abs().max_element() <= near).then_some(first)
+    }
+
     /// The first segment of pixel `(i, j)`: its ray, or the chord of its curve.
     pub fn ray(&self, i: u32, j: u32) -> Option<Ray> {
         (0..self.layers.len()).find_map(|layer| match &self.layers[layer] {
@@ -162,6 +174,9 @@ impl Camera {
         })
     }
 }
+
+/// How far apart origins may be that are one point, against its size: sixteen roundings.
+const CENTRE_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The cameras that the scene file reads itself.
 fn build_plain(kind: &CameraKind, setting: &Setting) -> Result<(&'static str, Built)> {

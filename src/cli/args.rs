@@ -1,5 +1,6 @@
 //! Commands and flags, each value checked as far as it can be without the scene.
 
+use crate::baseline::Choice;
 use crate::frame::Channel;
 use crate::scene::file::check_size;
 use clap::{Args, Parser, Subcommand};
@@ -28,6 +29,8 @@ pub enum Command {
     Info(InfoArgs),
     /// Write a ready scene
     Example(ExampleArgs),
+    /// Measure error against run time, of this engine and of its rivals
+    Bench(BenchArgs),
 }
 
 /// What a command may ask of a scene beyond its file.
@@ -59,7 +62,7 @@ pub struct RenderArgs {
     pub points: Option<PathBuf>,
     #[command(flatten)]
     pub change: Change,
-    /// What renders: compute (GPU) or reference (CPU, f64)
+    /// What renders: compute (GPU), reference (CPU, f64), or a rival to measure against, as in raytrace (GPU)
     #[arg(long, value_name = "NAME", value_parser = engine)]
     pub engine: Option<EngineName>,
     /// Rays a pixel, averaged in colour and coverage; other channels stay those of the pixel's centre
@@ -95,11 +98,13 @@ pub struct RenderArgs {
     pub pixel: Option<(u32, u32)>,
 }
 
-/// The engines of this version.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What renders.
+#[derive(Debug, Clone, Copy)]
 pub enum EngineName {
     Compute,
     Reference,
+    /// The rest of the compute engine, with what each pixel sees found in another way.
+    Rival(Choice),
 }
 
 #[derive(Debug, Args)]
@@ -151,7 +156,7 @@ pub struct ProjectArgs {
     pub change: Change,
     /// What sifts the image for each point: compute (GPU) or reference (CPU); the lines are the same [default: the GPU
     /// for many points, where there is a hardware one]
-    #[arg(long, value_name = "NAME", value_parser = engine)]
+    #[arg(long, value_name = "NAME", value_parser = sifting_engine)]
     pub engine: Option<EngineName>,
     /// Adapter to use: a part of its name
     #[arg(long, value_name = "NAME")]
@@ -178,6 +183,24 @@ pub struct ExampleArgs {
     pub list: bool,
 }
 
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// papers, pareto, glc, stages or dynamic [default: all]
+    pub suite: Option<String>,
+    /// Small cases, under a minute each
+    #[arg(long)]
+    pub quick: bool,
+    /// Folder that a folder for each run, and index.html over all of them, go to
+    #[arg(long, value_name = "DIR", default_value = "bench_results")]
+    pub out: PathBuf,
+    /// Timed frames of each technique in each case [default: 9; 3 with --quick]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub runs: Option<u32>,
+    /// Adapter to use: a part of its name
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
 fn size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     let (width, height): (u64, u64) = sides.ok_or("write it as WIDTHxHEIGHT, for example 800x600")?;
@@ -202,14 +225,15 @@ fn channel(name: &str) -> Result<Channel, String> {
 }
 
 fn engine(name: &str) -> Result<EngineName, String> {
-    const KNOWN: &str = "use compute or reference";
     match name {
         "compute" => Ok(EngineName::Compute),
         "reference" => Ok(EngineName::Reference),
-        "raytrace" => Err(format!("the baseline engines are not in this version; {KNOWN}")),
-        _ if name.starts_with("raster") => Err(format!("the baseline engines are not in this version; {KNOWN}")),
-        _ => Err(format!("no such engine; {KNOWN}")),
+        _ => Choice::parse(name).map(EngineName::Rival),
     }
+}
+
+fn sifting_engine(name: &str) -> Result<EngineName, String> {
+    engine(name).ok().filter(|e| !matches!(e, EngineName::Rival(_))).ok_or_else(|| "use compute or reference".into())
 }
 
 #[cfg(test)]
@@ -234,6 +258,6 @@ mod tests {
         assert!(pixel("3").is_err() && pixel("-1,2").is_err());
         assert_eq!(channel("triangle.id"), Ok(Channel::TriangleId));
         assert!(channel("q").is_err_and(|e| e.contains("bary.v")));
-        assert!(engine("raster-warp").is_err_and(|e| e.contains("not in this version")));
+        assert!(engine("rastr").is_err_and(|e| e.contains("raytrace")) && engine("raytrace").is_ok());
     }
 }

@@ -68,9 +68,9 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
 
 /// The adapter to use, if any: the one asked for; unasked for many points one that is no software.
 fn open(args: &ProjectArgs, points: usize) -> Result<Option<Gpu>> {
-    let asked = args.adapter.is_some() || args.engine == Some(EngineName::Compute);
+    let asked = args.adapter.is_some() || matches!(args.engine, Some(EngineName::Compute));
     let hardware = || adapters().first().is_some_and(|a| a.get_info().device_type != wgpu::DeviceType::Cpu);
-    if args.engine == Some(EngineName::Reference) || (!asked && (points < MANY || !hardware())) {
+    if matches!(args.engine, Some(EngineName::Reference)) || (!asked && (points < MANY || !hardware())) {
         return Ok(None);
     }
     let gpu = Gpu::open(&GpuOptions { adapter: args.adapter.clone(), no_int64: false })?;

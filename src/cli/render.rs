@@ -44,7 +44,7 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     backend.check_size(&camera, &wanted)?;
 
     progress.now("rendering");
-    let run = RunOptions { repeat: args.repeat.unwrap_or(0), moving: args.moving, capacities: None };
+    let run = RunOptions { repeat: args.repeat.unwrap_or(0), moving: args.moving, ..Default::default() };
     let mut rendered = samples::render(&mut backend, &scene, &camera, &wanted, args.samples, &run)?;
     let extra = judged::render(args, &mut backend, &scene, &camera)?;
     if args.check {
@@ -79,7 +79,7 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
 
 /// Flags that make no sense together, beyond what the parser knows.
 fn check_combination(args: &RenderArgs) -> Result<()> {
-    if args.engine != Some(EngineName::Reference) {
+    if !matches!(args.engine, Some(EngineName::Reference)) {
         return Ok(());
     }
     let flags = [(args.adapter.is_some(), "--adapter"), (args.no_int64, "--no-int64"), (args.moving, "--moving")];

@@ -1,9 +1,9 @@
 //! The picture of all facets, rendered before the frame that shows them.
 
-use super::{Engine, Rendered, RunOptions};
+use super::{Engine, Frames, Rendered, RunOptions};
 use crate::camera::Camera;
 use crate::error::Result;
-use crate::frame::{Channel, Plane};
+use crate::frame::Channel;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::rows::AtlasLayout;
@@ -11,22 +11,25 @@ use crate::optics::atlas::{Layout, camera as atlas_camera};
 use crate::optics::{Atlas, Facets, Law, Optics, Surface};
 use crate::plan::Wanted;
 use crate::scene::Scene;
+use std::borrow::Cow;
+use wgpu::BufferUsages;
 
-/// An atlas and what it took.
-pub struct Painted {
-    rendered: Rendered,
+/// Frames that are an atlas.
+pub struct Painter<'a> {
+    pub frames: Box<Frames<'a>>,
     layout: Layout,
 }
 
 impl Engine {
-    /// The atlas of a camera that has one. Its planes are those of the frame, less the facets' own number, which is the last.
-    pub(super) fn atlas(
+    /// What makes the atlas of a camera that has one. Its planes are those of the frame, less the facets' own number, which is
+    /// the last.
+    pub(super) fn painter<'a>(
         &mut self,
-        scene: &Scene,
+        scene: &'a Scene,
         camera: &Camera,
         wanted: &Wanted,
         run: &RunOptions,
-    ) -> Result<Option<Painted>> {
+    ) -> Result<Option<Painter<'a>>> {
         let Some((optics, atlas, facets, law)) = camera.optics.as_deref().and_then(parts) else { return Ok(None) };
         let mut channels = wanted.channels.clone();
         if wanted.srgb8 {
@@ -36,9 +39,9 @@ impl Engine {
         channels.sort_unstable();
         channels.dedup();
         let wanted = Wanted { channels, srgb8: false, counting: wanted.counting };
-        let painter = atlas_camera(optics, atlas, facets, law)?;
-        let rendered = self.render(scene, &painter, &wanted, run)?;
-        Ok(Some(Painted { rendered, layout: Layout::new(facets.triangles.len(), atlas.texels) }))
+        let camera = atlas_camera(optics, atlas, facets, law)?;
+        let frames = Box::new(self.on_device(scene, Cow::Owned(camera), &wanted, run)?);
+        Ok(Some(Painter { frames, layout: Layout::new(facets.triangles.len(), atlas.texels) }))
     }
 }
 
@@ -49,23 +52,21 @@ fn parts(optics: &Optics) -> Option<(&Optics, &Atlas, &Facets, Law)> {
     }
 }
 
-impl Painted {
-    /// `atlas`: its planes, 4 bytes a texel and channel; read by paste.
-    pub fn upload(&self, gpu: &Gpu, buffers: &mut Buffers) -> Result<()> {
-        let words = |plane: &Plane| match plane {
-            Plane::F32(v) => v.iter().map(|v| v.to_bits()).collect::<Vec<u32>>(),
-            Plane::U32(v) => v.clone(),
-        };
-        let all: Vec<u32> = self.rendered.frame.planes.iter().flat_map(|(_, plane)| words(plane)).collect();
-        buffers.upload(gpu, "atlas", &all)?;
+impl Painter<'_> {
+    /// Lets its frames go to `atlas`, 4 bytes a texel and channel, which paste reads.
+    pub fn paints_into(&mut self, gpu: &Gpu, buffers: &mut Buffers) -> Result<()> {
         let (width, height) = self.layout.size();
         let Layout { side, columns, .. } = self.layout;
-        buffers.upload_uniform(gpu, "atlas_layout", &AtlasLayout { side, columns, width, texel_count: width * height })
+        let texel_count = width * height;
+        let bytes = 4 * u64::from(texel_count) * self.frames.plan.planes.len() as u64;
+        buffers.create(gpu, "atlas", bytes, BufferUsages::empty())?;
+        self.frames.kept = buffers.get("atlas").cloned();
+        buffers.upload_uniform(gpu, "atlas_layout", &AtlasLayout { side, columns, width, texel_count })
     }
 
-    /// The frame that shows the atlas, with what both took. Bringing the atlas from one to the other is not in it.
-    pub fn joined(self, frame: Rendered) -> Rendered {
-        let own = self.rendered;
+    /// The frame that shows the atlas, with what both took.
+    pub fn joined(self, frame: Rendered) -> Result<Rendered> {
+        let own = self.frames.finish()?;
         let mut stages = own.stages;
         for (name, ms) in frame.stages {
             match stages.iter_mut().find(|s| s.0 == name) {
@@ -74,8 +75,7 @@ impl Painted {
             }
         }
         let (a, b) = (own.counts, frame.counts);
-        Rendered {
-            frame_ms: own.frame_ms.iter().zip(&frame.frame_ms).map(|(a, b)| a + b).collect(),
+        Ok(Rendered {
             stages,
             counts: super::Counts {
                 pairs_tested: a.pairs_tested + b.pairs_tested,
@@ -84,10 +84,10 @@ impl Painted {
                 fragments_kept: a.fragments_kept + b.fragments_kept,
                 rechecked: a.rechecked + b.rechecked,
             },
-            bytes: own.bytes.max(frame.bytes),
+            bytes: own.bytes + frame.bytes,
             grown: own.grown + frame.grown,
             passes: own.passes + frame.passes,
             ..frame
-        }
+        })
     }
 }

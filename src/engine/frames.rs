@@ -1,13 +1,16 @@
-//! Running frames: encode, submit, look at the status, grow and run again, read the image.
+//! Frames of one scene through one camera: the first, again until its lists hold everything; timed ones; and what they came to.
 
+use super::atlas::Painter;
 use super::illumination::Illuminated;
-use super::passes::Pass;
 use super::resident::Resident;
-use super::{Capacities, Counts, Rendered, RunOptions, join};
+use super::{Capacities, Counts, Rendered, join};
+use crate::baseline::Rival;
 use crate::camera::Camera;
+use crate::camera::arranged::Arrangement;
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::gpu::buffers::{read_words, readback, wait};
+use crate::gpu::buffers::{read_words, wait};
+use crate::gpu::recorder::Recorded;
 use crate::gpu::rows::{
     COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_WORK,
     COUNTERS,
@@ -18,294 +21,180 @@ use crate::scene::clusters::cluster;
 use crate::stage::Stages;
 use crate::stage::gather::Gather;
 use glam::{DMat3, DVec3};
+use std::borrow::Cow;
+use std::sync::Arc;
 use std::time::Instant;
 
-pub(super) struct Frames<'a> {
-    pub gpu: &'a Gpu,
-    pub stages: &'a Stages,
+/// Everything that is on the device for frames of one scene; as many of them may be kept as it has memory for.
+pub struct Frames<'a> {
+    pub(super) gpu: Arc<Gpu>,
+    pub(super) stages: Arc<Stages>,
     /// For rays that were turned.
-    pub turned: Option<&'a Stages>,
-    pub scene: &'a Scene,
-    pub camera: &'a Camera,
-    pub plan: &'a Plan,
-    pub wanted: &'a Wanted,
-    pub resident: Resident,
+    pub(super) turned: Option<Arc<Stages>>,
+    pub(super) scene: Cow<'a, Scene>,
+    pub(super) camera: Cow<'a, Camera>,
+    pub(super) plan: Plan,
+    pub(super) wanted: Wanted,
+    pub(super) resident: Resident,
     /// The scene's caustics, where the frame shows them.
-    pub caustics: Option<(&'a Illuminated, &'a Gather)>,
+    pub(super) caustics: Option<(Arc<Illuminated>, Arc<Gather>)>,
+    /// The order of the camera's pixels, where it is not their own.
+    pub(super) arrangement: Option<Arrangement>,
+    /// Makes the atlas before each frame.
+    pub(super) painter: Option<Painter<'a>>,
+    /// Finds what is seen instead of cull, bin and raster.
+    pub(super) rival: Option<Box<dyn Rival>>,
+    /// Where the planes go too, 4 bytes a channel and pixel, as one image.
+    pub(super) kept: Option<wgpu::Buffer>,
+    /// Every vertex is new in each timed frame.
+    pub(super) moving: bool,
+    pub(super) timed: Timed,
 }
 
-/// One submitted frame: its counters by job, its image by band, its stage times.
-struct Submitted {
-    status: wgpu::Buffer,
-    planes: Vec<wgpu::Buffer>,
-    srgb8: Vec<wgpu::Buffer>,
-    times: Option<StageTimes>,
-    passes: u32,
+/// What frames took so far.
+#[derive(Default)]
+pub struct Timed {
+    /// The frame that is read in the end.
+    first: Option<Submitted>,
+    first_ms: f64,
+    frame_ms: Vec<f64>,
+    stages: Vec<Vec<(&'static str, f64)>>,
+    grown: u32,
+    /// Moved frames.
+    moved: u32,
 }
 
-/// Timestamps at the start and end of every pass.
-struct StageTimes {
-    queries: wgpu::QuerySet,
-    names: Vec<&'static str>,
-    resolved: wgpu::Buffer,
+/// One submitted frame: its counters by job, and its image by band where it is read.
+pub(super) struct Submitted {
+    pub status: wgpu::Buffer,
+    pub planes: Vec<wgpu::Buffer>,
+    pub srgb8: Vec<wgpu::Buffer>,
+    pub recorded: Recorded,
 }
-
-/// Timestamps that one query set may hold.
-const QUERIES_MAX: u32 = wgpu::QUERY_SET_MAX_QUERIES;
-const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 
 impl Frames<'_> {
-    pub fn run(mut self, run: &RunOptions) -> Result<Rendered> {
-        let mut grown = 0;
-        // the first frame, again until its lists hold everything; its time is that of the last try
-        let (first, mut frame_ms) = loop {
+    /// The first frame, again until its lists hold everything.
+    pub(super) fn warm_up(&mut self) -> Result<()> {
+        if let Some(painter) = &mut self.painter {
+            painter.frames.warm_up()?;
+        }
+        loop {
             let started = Instant::now();
             let submitted = self.submit(true)?;
-            wait(self.gpu)?;
-            match self.overflow(&submitted)? {
-                Some(need) => self.resident.grow(self.gpu, self.camera, self.plan, need)?,
-                None => break (submitted, vec![started.elapsed().as_secs_f64() * 1e3]),
+            wait(&self.gpu)?;
+            let painted_ms = self.painter.as_ref().map_or(0.0, |p| p.frames.timed.first_ms);
+            self.timed.first_ms = painted_ms + started.elapsed().as_secs_f64() * 1e3;
+            let fits = self.fits(&submitted)?;
+            self.timed.first = Some(submitted);
+            if fits {
+                return Ok(());
             }
-            grown += 1;
-        };
-        let mut stage_runs = vec![self.stage_ms(&first)?];
-        if run.repeat > 0 {
-            frame_ms.clear();
-            stage_runs.clear();
         }
-        let mut k = 0;
-        while k < run.repeat {
-            let fixed = self.camera.optics.as_ref().map_or(0, |o| o.vertex_count());
-            let moved = run.moving.then(|| moved(self.scene, fixed, k + 1));
-            let started = Instant::now();
-            if let Some(moved) = &moved {
-                self.resident
-                    .upload_scene(self.gpu, cluster(&moved.mesh, self.plan.anchor, self.gpu.binding_limit()))?;
-                self.resident.write_params(self.gpu, self.camera, self.plan)?;
-            }
-            let submitted = self.submit(false)?;
-            wait(self.gpu)?;
-            let ms = started.elapsed().as_secs_f64() * 1e3;
-            let over = if run.moving { self.overflow(&submitted)? } else { None };
-            if let Some(need) = over {
-                self.resident.grow(self.gpu, self.camera, self.plan, need)?;
-                grown += 1;
-                continue;
-            }
-            frame_ms.push(ms);
-            stage_runs.push(self.stage_ms(&submitted)?);
-            k += 1;
-        }
-        self.rendered(first, frame_ms, stage_runs, grown)
     }
 
-    fn rendered(
-        self,
-        first: Submitted,
-        frame_ms: Vec<f64>,
-        stage_runs: Vec<Vec<(&'static str, f64)>>,
-        grown: u32,
-    ) -> Result<Rendered> {
-        let bands = first.planes.iter().map(|b| read_words(self.gpu, b)).collect::<Result<Vec<_>>>()?;
-        let frame = join(self.camera, self.plan, self.wanted, &bands);
-        let mut srgb8 = Vec::new();
+    /// One more frame; its wall time, from the first upload until its results are complete on the device, ms.
+    pub fn frame(&mut self) -> Result<f64> {
+        loop {
+            let moved = [self.painter.as_mut().and_then(|p| p.frames.next_move()), self.next_move()];
+            let started = Instant::now();
+            let [painted, own] = moved;
+            let painted = self.painter.as_mut().map(|p| p.frames.draw(painted)).transpose()?;
+            let drawn = self.draw(own)?;
+            wait(&self.gpu)?;
+            let ms = started.elapsed().as_secs_f64() * 1e3;
+            // only what moves may come to need more
+            let mut fits = !self.moving || self.fits(&drawn)?;
+            if let (Some(painter), Some(painted)) = (&mut self.painter, &painted) {
+                fits &= !self.moving || painter.frames.fits(painted)?;
+                let stages = painted.recorded.stage_ms(&self.gpu)?;
+                painter.frames.timed.stages.push(stages);
+            }
+            if fits {
+                self.timed.frame_ms.push(ms);
+                self.timed.stages.push(drawn.recorded.stage_ms(&self.gpu)?);
+                return Ok(ms);
+            }
+        }
+    }
+
+    /// The next of the moving scenes.
+    fn next_move(&mut self) -> Option<Scene> {
+        let fixed = self.camera.optics.as_ref().map_or(0, |o| o.vertex_count());
+        self.moving.then(|| {
+            self.timed.moved += 1;
+            moved(&self.scene, fixed, self.timed.moved)
+        })
+    }
+
+    /// Submits a frame of a scene that has moved, or of that which is there.
+    fn draw(&mut self, moved: Option<Scene>) -> Result<Submitted> {
+        if let Some(moved) = moved {
+            let clustered = cluster(&moved.mesh, self.plan.anchor, self.gpu.binding_limit());
+            self.resident.upload_scene(&self.gpu, clustered)?;
+            self.resident.write_params(&self.gpu, &self.camera, &self.plan)?;
+            if let Some(rival) = &mut self.rival {
+                rival.upload(&self.gpu, &moved)?;
+            }
+        }
+        self.submit(false)
+    }
+
+    /// The first frame's image, and what all took.
+    pub fn finish(mut self) -> Result<Rendered> {
+        let painter = self.painter.take();
+        let Timed { first, first_ms, mut frame_ms, mut stages, grown, .. } = std::mem::take(&mut self.timed);
+        let first = match first {
+            Some(first) => first,
+            None => self.submit(true)?,
+        };
+        if frame_ms.is_empty() {
+            frame_ms.push(first_ms);
+            stages = vec![first.recorded.stage_ms(&self.gpu)?];
+        }
+        if let Some(rival) = &self.rival {
+            rival.check(&self.gpu)?;
+        }
+        let bands = first.planes.iter().map(|b| read_words(&self.gpu, b)).collect::<Result<Vec<_>>>()?;
+        let arrangement = self.arrangement.as_ref();
+        let frame = join(&self.camera, &self.plan, &self.wanted, arrangement, &bands);
+        let mut srgb8: Vec<[u8; 4]> = Vec::new();
         for (buffer, band) in first.srgb8.iter().zip(&self.plan.bands) {
-            let words = read_words(self.gpu, buffer)?;
+            let words = read_words(&self.gpu, buffer)?;
             let pixels = band.rows as usize * self.camera.width as usize;
             srgb8.extend_from_slice(bytemuck::cast_slice(&words[..pixels]));
         }
+        let srgb8 = match arrangement {
+            Some(a) => a.restored(&srgb8),
+            None => srgb8,
+        };
         let mut left_out = self.plan.left_out.clone();
         if self.resident.without_area > 0 {
             let what = format!("{} triangles", self.resident.without_area);
             left_out.push(LeftOut { what, why: "they have no area".into() });
         }
-        Ok(Rendered {
+        let own = Rendered {
             frame,
-            srgb8: self.wanted.srgb8.then_some(srgb8),
+            srgb8: self.wanted.srgb8.then_some(srgb8.into_flattened()),
             frame_ms,
-            stages: medians(stage_runs),
+            stages: medians(stages),
             counts: self.counts(&first)?,
-            bytes: self.resident.bytes() + self.caustics.map_or(0, |(lit, _)| lit.buffers.bytes()),
+            bytes: self.resident.bytes()
+                + self.rival.as_ref().map_or(0, |r| r.bytes())
+                + self.caustics.as_ref().map_or(0, |(lit, _)| lit.buffers.bytes()),
             left_out,
             grown,
-            passes: first.passes,
-            caustics: self.caustics.map(|(lit, _)| lit.account),
-        })
-    }
-
-    /// Encodes and submits one frame; with `read`, also the copies that bring its image to the host.
-    fn submit(&self, read: bool) -> Result<Submitted> {
-        let (gpu, resident) = (self.gpu, &self.resident);
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let jobs = resident.job_count().max(1);
-        let status = readback(gpu, STATUS_BYTES * jobs as u64);
-        let mut submitted =
-            Submitted { status, planes: Vec::new(), srgb8: Vec::new(), times: self.stage_times(), passes: 0 };
-        for (index, band) in self.plan.bands.iter().enumerate() {
-            let pixels = band.rows * self.camera.width;
-            if let (Some(_), Some(planes)) = (&resident.turns, resident.shared.get("planes")) {
-                // what passes share adds up
-                encoder.clear_buffer(planes, 0, None);
-            }
-            for (pass, Pass { turns, .. }) in resident.passes.iter().enumerate() {
-                if *turns > 0 {
-                    self.encode_turn(&mut encoder, &mut submitted, index, pass)?;
-                }
-                self.encode_visibility(&mut encoder, &mut submitted, index, pass)?;
-                self.encode_planes(&mut encoder, &mut submitted, index, pass)?;
-            }
-            if let (true, Some(job)) = (self.stages.pastes(), resident.jobs(index, 0).next()) {
-                let mut encoded = submitted.pass(&mut encoder, "paste");
-                self.stages.paste(gpu, &mut encoded, &resident.scopes(&job, index, 0), self.pixels(index))?;
-            }
-            if self.wanted.srgb8 {
-                self.encode_srgb(&mut encoder, &mut submitted, index)?;
-            }
-            if read {
-                let copy = |encoder: &mut wgpu::CommandEncoder, name: &str, bytes: u64| {
-                    let to = readback(gpu, bytes);
-                    if let Some(from) = resident.shared.get(name) {
-                        encoder.copy_buffer_to_buffer(from, 0, &to, 0, bytes);
-                    }
-                    to
-                };
-                submitted.planes.push(copy(&mut encoder, "planes", 4 * pixels as u64 * self.plan.planes.len() as u64));
-                if self.wanted.srgb8 {
-                    submitted.srgb8.push(copy(&mut encoder, "srgb8", 4 * pixels as u64));
-                }
-            }
-        }
-        if let Some(times) = &submitted.times {
-            times.resolve(gpu, &mut encoder);
-        }
-        gpu.queue.submit([encoder.finish()]);
-        gpu.failure()?;
-        Ok(submitted)
-    }
-
-    /// The kernels of a pass.
-    fn stages_of(&self, pass: usize) -> &Stages {
-        self.turned.filter(|_| self.resident.passes[pass].turns > 0).unwrap_or(self.stages)
-    }
-
-    fn pixels(&self, band: usize) -> u32 {
-        self.plan.bands[band].rows * self.camera.width
-    }
-
-    /// Turns the rays of a band that meet the optics to those of a pass, and bounds what comes of it.
-    fn encode_turn(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        submitted: &mut Submitted,
-        band: usize,
-        pass: usize,
-    ) -> Result<()> {
-        let (gpu, resident) = (self.gpu, &self.resident);
-        let turns = resident.passes[pass].turns;
-        let Some(before) = resident.passes[..pass].iter().rposition(|p| p.turns + 1 == turns) else { return Ok(()) };
-        let (Some(own), Some(job)) = (&resident.turns, resident.jobs(band, before).next()) else { return Ok(()) };
-        let scopes = [vec![own.pass(pass), own.target(turns)], resident.scopes(&job, band, before)].concat();
-        let mut encoded = submitted.pass(encoder, "bounce");
-        self.stages_of(before).bounce(gpu, &mut encoded, &scopes, self.pixels(band))?;
-        drop(encoded);
-        let Some(job) = resident.jobs(band, pass).next() else { return Ok(()) };
-        let mut encoded = submitted.pass(encoder, "fit");
-        let scopes = resident.scopes(&job, band, pass);
-        self.stages_of(pass).fit(gpu, &mut encoded, &scopes, &self.plan.bands[band].nodes.levels)
-    }
-
-    /// Fills the visibility buffer of a band with what its rays of a pass meet: cull, bin and raster of every job, and what is
-    /// no triangle.
-    fn encode_visibility(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        submitted: &mut Submitted,
-        band: usize,
-        pass: usize,
-    ) -> Result<()> {
-        let (gpu, resident, stages) = (self.gpu, &self.resident, self.stages_of(pass));
-        let is_turned = resident.passes[pass].turns > 0;
-        let clear = |encoder: &mut wgpu::CommandEncoder, buffer: Option<&wgpu::Buffer>, bytes: Option<u64>| {
-            if let Some(buffer) = buffer {
-                encoder.clear_buffer(buffer, 0, bytes);
-            }
+            passes: first.recorded.passes,
+            caustics: self.caustics.as_ref().map(|(lit, _)| lit.account),
         };
-        if let Some(job) = resident.jobs(band, pass).next() {
-            let scopes = resident.scopes(&job, band, pass);
-            clear(encoder, scopes.iter().find_map(|s| s.get("visibility")), Some(8 * self.pixels(band) as u64));
+        match painter {
+            Some(painter) => painter.joined(own),
+            None => Ok(own),
         }
-        // where turned rays are torn is not known beforehand
-        let nodes = &self.plan.bands[band].nodes;
-        let steps = if is_turned { nodes.levels.len() as u32 } else { nodes.cull_steps() };
-        let alone = resident.jobs(band, pass).filter(|j| j.clusters > 0).count() == 1;
-        for step in 0..stages.raster_steps() {
-            for job in resident.jobs(band, pass).filter(|j| j.clusters > 0) {
-                let scopes = resident.scopes(&job, band, pass);
-                // the pairs of a lone job are still there for the second step
-                if step == 0 || !alone {
-                    clear(encoder, resident.shared.get("counters"), None);
-                    let mut encoded = submitted.pass(encoder, "cull");
-                    stages.cull(gpu, &mut encoded, &scopes, job.clusters, steps)?;
-                    drop(encoded);
-                    let mut encoded = submitted.pass(encoder, "bin");
-                    stages.bin(gpu, &mut encoded, &scopes)?;
-                }
-                let mut encoded = submitted.pass(encoder, "raster");
-                stages.raster(gpu, &mut encoded, &scopes, step)?;
-                drop(encoded);
-                if let (0, Some(counters)) = (step, resident.shared.get("counters")) {
-                    let at = STATUS_BYTES * job.index as u64;
-                    encoder.copy_buffer_to_buffer(counters, 0, &submitted.status, at, STATUS_BYTES);
-                }
-            }
-            if let (true, Some(job)) = (stages.meets(), resident.jobs(band, pass).next()) {
-                let mut encoded = submitted.pass(encoder, "meet");
-                stages.meet(gpu, &mut encoded, &resident.scopes(&job, band, pass), self.pixels(band), step)?;
-            }
-        }
-        Ok(())
     }
 
-    /// Writes a band's planes where its rays end in a pass.
-    fn encode_planes(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        submitted: &mut Submitted,
-        band: usize,
-        pass: usize,
-    ) -> Result<()> {
-        let mut shaded = None;
-        for job in self.resident.jobs(band, pass) {
-            // once a chunk: the batches of one chunk share its ids
-            if shaded == Some(job.chunk.id_first) {
-                continue;
-            }
-            shaded = Some(job.chunk.id_first);
-            let scopes = self.resident.scopes(&job, band, pass);
-            let mut encoded = submitted.pass(encoder, "shade");
-            self.stages_of(pass).shade(self.gpu, &mut encoded, &scopes, self.pixels(band))?;
-        }
-        // where on a receiver a hit lies is known of the rays that say what is seen
-        let caustics = self.caustics.filter(|_| self.resident.passes[pass].is_main);
-        if let (Some((lit, gather)), Some(job)) = (caustics, self.resident.jobs(band, pass).next()) {
-            let mut scopes = self.resident.scopes(&job, band, pass);
-            scopes.push(&lit.buffers);
-            let mut encoded = submitted.pass(encoder, "gather");
-            gather.run(self.gpu, &mut encoded, &scopes, self.pixels(band))?;
-        }
-        Ok(())
-    }
-
-    /// Turns a band's colour planes into sRGB.
-    fn encode_srgb(&self, encoder: &mut wgpu::CommandEncoder, submitted: &mut Submitted, band: usize) -> Result<()> {
-        let Some(job) = self.resident.jobs(band, 0).next() else { return Ok(()) };
-        let mut pass = submitted.pass(encoder, "write");
-        self.stages.write(self.gpu, &mut pass, &[job.params, &self.resident.shared], self.pixels(band))
-    }
-
-    /// What the lists should hold, where a counter ran over its capacity.
-    fn overflow(&self, submitted: &Submitted) -> Result<Option<Capacities>> {
-        let words = read_words(self.gpu, &submitted.status)?;
+    /// Makes room for what the counters of a frame demanded; whether there was enough.
+    fn fits(&mut self, submitted: &Submitted) -> Result<bool> {
+        let words = read_words(&self.gpu, &submitted.status)?;
         let most =
             |counter: u32| words.chunks(COUNTERS as usize).map(|s| s[counter as usize]).max().unwrap_or(0) as u64;
         let need = Capacities {
@@ -314,12 +203,16 @@ impl Frames<'_> {
             pairs: most(COUNT_PAIRS),
         };
         let have = self.resident.capacities;
-        let over = need.queue > have.queue || need.work > have.work || need.pairs > have.pairs;
-        Ok(over.then_some(need))
+        if need.queue <= have.queue && need.work <= have.work && need.pairs <= have.pairs {
+            return Ok(true);
+        }
+        self.timed.grown += 1;
+        self.resident.grow(&self.gpu, &self.camera, &self.plan, need)?;
+        Ok(false)
     }
 
     fn counts(&self, submitted: &Submitted) -> Result<Counts> {
-        let words = read_words(self.gpu, &submitted.status)?;
+        let words = read_words(&self.gpu, &submitted.status)?;
         let sum = |counter: u32| words.chunks(COUNTERS as usize).map(|s| s[counter as usize] as u64).sum();
         Ok(Counts {
             pairs_tested: sum(COUNT_PAIRS_TESTED),
@@ -328,73 +221,6 @@ impl Frames<'_> {
             fragments_kept: sum(COUNT_FRAGMENTS_KEPT),
             rechecked: sum(COUNT_RECHECKED),
         })
-    }
-
-    fn stage_times(&self) -> Option<StageTimes> {
-        let bands = (self.plan.bands.len() * self.resident.passes.len()) as u32;
-        let passes = 8 * (self.resident.job_count() as u32 + bands);
-        let count = 2 * passes;
-        (self.gpu.has.timestamps && count <= QUERIES_MAX).then(|| StageTimes {
-            queries: self.gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some("stages"),
-                ty: wgpu::QueryType::Timestamp,
-                count,
-            }),
-            names: Vec::new(),
-            resolved: readback(self.gpu, 8 * count as u64),
-        })
-    }
-
-    /// The GPU time of every stage, summed over its passes.
-    fn stage_ms(&self, submitted: &Submitted) -> Result<Vec<(&'static str, f64)>> {
-        let Some(times) = &submitted.times else { return Ok(Vec::new()) };
-        let words = read_words(self.gpu, &times.resolved)?;
-        let stamp = |k: usize| words[2 * k] as u64 | (words[2 * k + 1] as u64) << 32;
-        let period_ms = self.gpu.queue.get_timestamp_period() as f64 / 1e6;
-        let mut sums: Vec<(&'static str, f64)> = Vec::new();
-        for (k, name) in times.names.iter().enumerate() {
-            let ms = stamp(2 * k + 1).saturating_sub(stamp(2 * k)) as f64 * period_ms;
-            match sums.iter_mut().find(|s| s.0 == *name) {
-                Some(sum) => sum.1 += ms,
-                None => sums.push((name, ms)),
-            }
-        }
-        Ok(sums)
-    }
-}
-
-impl Submitted {
-    /// A compute pass named after its stage, timed where the adapter can.
-    fn pass<'e>(&mut self, encoder: &'e mut wgpu::CommandEncoder, name: &'static str) -> wgpu::ComputePass<'e> {
-        self.passes += 1;
-        let timestamp_writes = self.times.as_mut().map(|t| {
-            let k = 2 * t.names.len() as u32;
-            t.names.push(name);
-            wgpu::ComputePassTimestampWrites {
-                query_set: &t.queries,
-                beginning_of_pass_write_index: Some(k),
-                end_of_pass_write_index: Some(k + 1),
-            }
-        });
-        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes })
-    }
-}
-
-impl StageTimes {
-    fn resolve(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
-        let count = 2 * self.names.len() as u32;
-        if count == 0 {
-            return;
-        }
-        let bytes = 8 * count as u64;
-        let resolved = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("timestamps"),
-            size: bytes,
-            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        encoder.resolve_query_set(&self.queries, 0..count, &resolved, 0);
-        encoder.copy_buffer_to_buffer(&resolved, 0, &self.resolved, 0, bytes);
     }
 }
 

@@ -35,16 +35,17 @@ impl Illuminated {
 impl Engine {
     /// The maps of the scene's receivers; `None` without caustics.
     pub fn illuminate(&mut self, scene: &Scene) -> Result<Option<&Illumination>> {
-        Ok(self.illuminated(scene)?.map(|lit| &lit.illumination))
+        let lit = self.illuminated(scene)?;
+        Ok(self.lit.as_deref().filter(|_| lit.is_some()).map(|lit| &lit.illumination))
     }
 
     /// The same with their buffers, kept until another scene comes.
-    pub(super) fn illuminated(&mut self, scene: &Scene) -> Result<Option<&Illuminated>> {
+    pub(super) fn illuminated(&mut self, scene: &Scene) -> Result<Option<Arc<Illuminated>>> {
         let Some(caustics) = scene.caustics.clone() else { return Ok(None) };
         if !self.lit.as_ref().is_some_and(|lit| lit.is_of(scene)) {
-            self.lit = Some(self.light(scene, caustics)?);
+            self.lit = Some(Arc::new(self.light(scene, caustics)?));
         }
-        Ok(self.lit.as_ref())
+        Ok(self.lit.clone())
     }
 
     fn light(&mut self, scene: &Scene, caustics: Arc<Caustics>) -> Result<Illuminated> {

@@ -41,6 +41,8 @@ pub struct ChunkOnDevice {
     pub id_first: u32,
     pub id_count: u32,
     pub clusters: u32,
+    /// Rows of `triangles`.
+    pub slots: u32,
 }
 
 /// One pass of the clusters of a batch over a band.
@@ -231,7 +233,8 @@ fn chunk_on_device(gpu: &Gpu, chunk: &Chunk) -> Result<ChunkOnDevice> {
     buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
     buffers.upload(gpu, "clusters", &chunk.clusters)?;
     let clusters = chunk.clusters.len() as u32;
-    Ok(ChunkOnDevice { buffers, id_first: chunk.id_first, id_count: chunk.id_count, clusters })
+    let slots = chunk.triangles.len() as u32;
+    Ok(ChunkOnDevice { buffers, id_first: chunk.id_first, id_count: chunk.id_count, clusters, slots })
 }
 
 fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {

@@ -1,7 +1,7 @@
 //! Buffers by name, pipelines by kernel, and the bind groups that join the two.
 
 use super::device::{Gpu, one_line};
-use super::kernels::{Access, Kernel};
+use super::kernels::{Access, Binding, Kernel};
 use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 
@@ -64,57 +64,39 @@ impl Buffers {
     }
 }
 
-/// One kernel, compiled.
-pub struct Pipeline {
+/// Joins the bindings of a kernel with buffers of their names.
+pub struct Binder {
     kernel: Kernel,
-    layout: wgpu::BindGroupLayout,
-    pub pipeline: wgpu::ComputePipeline,
+    pub layout: wgpu::BindGroupLayout,
 }
 
-impl Pipeline {
-    pub fn new(device: &wgpu::Device, kernel: Kernel) -> Pipeline {
+impl Binder {
+    pub fn new(device: &wgpu::Device, kernel: Kernel, stages: wgpu::ShaderStages) -> Binder {
         let entries: Vec<wgpu::BindGroupLayoutEntry> =
-            kernel.bindings.iter().enumerate().map(|(k, b)| layout_entry(k as u32, b.access)).collect();
+            kernel.bindings.iter().enumerate().map(|(k, b)| layout_entry(k as u32, b, stages)).collect();
         let label = Some(kernel.name);
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label,
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label,
-            source: wgpu::ShaderSource::Wgsl(kernel.source.as_str().into()),
-        });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label,
-            layout: Some(&pipeline_layout),
-            module: &module,
-            entry_point: Some(kernel.name),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &kernel.constants,
-                ..Default::default()
-            },
-            cache: None,
-        });
-        Pipeline { kernel, layout, pipeline }
+        Binder { kernel, layout }
     }
 
-    /// Binds every buffer by its name, from the first of `scopes` that has it.
-    pub fn bind(&self, gpu: &Gpu, scopes: &[&Buffers]) -> Result<wgpu::BindGroup> {
-        self.bind_renamed(gpu, scopes, &[])
-    }
-
-    /// As [`Pipeline::bind`]; a name on the left of `renamed` is looked up as the one on its right.
-    pub fn bind_renamed(&self, gpu: &Gpu, scopes: &[&Buffers], renamed: &[(&str, &str)]) -> Result<wgpu::BindGroup> {
+    /// Binds every buffer by its name, from the first of `scopes` that has it, and textures; a name on the left of `renamed` is
+    /// looked up as the one on its right.
+    pub fn bind(
+        &self,
+        gpu: &Gpu,
+        scopes: &[&Buffers],
+        renamed: &[(&str, &str)],
+        textures: &[(&str, &wgpu::TextureView)],
+    ) -> Result<wgpu::BindGroup> {
         let mut entries = Vec::with_capacity(self.kernel.bindings.len());
         for (k, b) in self.kernel.bindings.iter().enumerate() {
             let name = renamed.iter().find(|r| r.0 == b.name).map_or(b.name, |r| r.1);
-            let buffer = scopes
-                .iter()
-                .find_map(|s| s.get(name))
+            let texture = || textures.iter().find(|t| t.0 == name).map(|t| wgpu::BindingResource::TextureView(t.1));
+            let buffer = scopes.iter().find_map(|s| s.get(name)).map(wgpu::Buffer::as_entire_binding);
+            let resource = buffer
+                .or_else(texture)
                 .ok_or_else(|| Error::work(format!("kernel {}: no buffer {name}", self.kernel.name)))?;
-            entries.push(wgpu::BindGroupEntry { binding: k as u32, resource: buffer.as_entire_binding() });
+            entries.push(wgpu::BindGroupEntry { binding: k as u32, resource });
         }
         Ok(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(self.kernel.name),
@@ -124,18 +106,74 @@ impl Pipeline {
     }
 }
 
-fn layout_entry(binding: u32, access: Access) -> wgpu::BindGroupLayoutEntry {
-    let ty = match access {
-        Access::Uniform => wgpu::BufferBindingType::Uniform,
-        Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
-        Access::Write => wgpu::BufferBindingType::Storage { read_only: false },
-    };
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
-        count: None,
+/// One compute kernel, compiled.
+pub struct Pipeline {
+    binder: Binder,
+    pub pipeline: wgpu::ComputePipeline,
+}
+
+impl Pipeline {
+    pub fn new(device: &wgpu::Device, kernel: Kernel) -> Pipeline {
+        let label = Some(kernel.name);
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label,
+            source: wgpu::ShaderSource::Wgsl(kernel.source.as_str().into()),
+        });
+        let (name, constants) = (kernel.name, kernel.constants.clone());
+        let binder = Binder::new(device, kernel, wgpu::ShaderStages::COMPUTE);
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label,
+            bind_group_layouts: &[Some(&binder.layout)],
+            immediate_size: 0,
+        });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label,
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some(name),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+            cache: None,
+        });
+        Pipeline { binder, pipeline }
     }
+
+    /// Binds every buffer by its name, from the first of `scopes` that has it.
+    pub fn bind(&self, gpu: &Gpu, scopes: &[&Buffers]) -> Result<wgpu::BindGroup> {
+        self.bind_renamed(gpu, scopes, &[])
+    }
+
+    /// A name on the left of `renamed` is looked up as the one on its right.
+    pub fn bind_renamed(&self, gpu: &Gpu, scopes: &[&Buffers], renamed: &[(&str, &str)]) -> Result<wgpu::BindGroup> {
+        self.binder.bind(gpu, scopes, renamed, &[])
+    }
+
+    /// With a texture.
+    pub fn bind_texture(
+        &self,
+        gpu: &Gpu,
+        scopes: &[&Buffers],
+        texture: (&str, &wgpu::TextureView),
+    ) -> Result<wgpu::BindGroup> {
+        self.binder.bind(gpu, scopes, &[], &[texture])
+    }
+}
+
+fn layout_entry(binding: u32, of: &Binding, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayoutEntry {
+    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    let ty = match of.access {
+        Access::Uniform => buffer(wgpu::BufferBindingType::Uniform),
+        Access::Read => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+        Access::Write => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
+        Access::Texels => wgpu::BindingType::Texture {
+            sample_type: match of.wgsl_type {
+                "texture_2d<u32>" => wgpu::TextureSampleType::Uint,
+                _ => wgpu::TextureSampleType::Float { filterable: false },
+            },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+    };
+    wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
 }
 
 /// A buffer's bytes that the host can read once the copies into it are done.

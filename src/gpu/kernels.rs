@@ -50,6 +50,8 @@ pub enum Access {
     Uniform,
     Read,
     Write,
+    /// A texture, whose texels are read one by one.
+    Texels,
 }
 
 /// One buffer of a kernel: its name is the buffer's name everywhere.
@@ -57,7 +59,7 @@ pub enum Access {
 pub struct Binding {
     pub name: &'static str,
     pub access: Access,
-    wgsl_type: &'static str,
+    pub wgsl_type: &'static str,
 }
 
 /// One compute kernel, ready to compile.
@@ -76,13 +78,15 @@ macro_rules! snippet {
     };
 }
 
-const PARAMS: &str = snippet!("shared/params.wgsl");
-const ITEMS: &str = snippet!("shared/items.wgsl");
+pub(crate) const PARAMS: &str = snippet!("shared/params.wgsl");
+pub(crate) const ITEMS: &str = snippet!("shared/items.wgsl");
 const INDEX: &str = snippet!("shared/index.wgsl");
-const SHEETS: &str = snippet!("shared/sheets.wgsl");
-const VERTEX: &str = snippet!("shared/vertex.wgsl");
-const TRIANGLE: &str = snippet!("shared/triangle.wgsl");
-const BUNDLE: &str = snippet!("shared/bundle.wgsl");
+pub(crate) const SHEETS: &str = snippet!("shared/sheets.wgsl");
+pub(crate) const VERTEX: &str = snippet!("shared/vertex.wgsl");
+pub(crate) const TRIANGLE_ROW: &str = snippet!("shared/triangle.wgsl");
+const TRIANGLE: &str = concat!(snippet!("shared/triangle.wgsl"), snippet!("shared/vertex_real.wgsl"));
+pub(crate) const RAY: &str = snippet!("shared/ray.wgsl");
+const BUNDLE: &str = concat!(snippet!("shared/ray.wgsl"), snippet!("shared/bundle.wgsl"));
 const SHADING: &str = snippet!("shared/shading.wgsl");
 const CONICS: &str = snippet!("shared/node_conics.wgsl");
 const EXTENT: &str = snippet!("shared/extent.wgsl");
@@ -91,7 +95,7 @@ const PAIR: &str = snippet!("shared/pair.wgsl");
 const BITS: &str = snippet!("shared/bits.wgsl");
 const MEETING: &str = snippet!("shared/meeting.wgsl");
 const MEETING_OF_RAYS: &str = snippet!("shared/meeting_of_rays.wgsl");
-const KEY: &str = snippet!("shared/key.wgsl");
+pub(crate) const KEY: &str = snippet!("shared/key.wgsl");
 const OPTICS_ROWS: &str = snippet!("optics/rows.wgsl");
 const CAUSTICS: &str = snippet!("caustics/rows.wgsl");
 const TURN: &str = snippet!("optics/turn.wgsl");
@@ -116,7 +120,7 @@ impl Variant {
         list
     }
 
-    fn real(self) -> &'static str {
+    pub(crate) fn real(self) -> &'static str {
         if self.f64 { snippet!("shared/real_f64.wgsl") } else { snippet!("shared/real_f32.wgsl") }
     }
 
@@ -186,12 +190,17 @@ impl Variant {
     }
 
     /// The buffers with which rays are found pixel by pixel.
-    fn pixel_rays(self) -> Vec<Binding> {
+    pub(crate) fn pixel_rays(self) -> Vec<Binding> {
         let mut list = self.rays();
         if self.rays != RaysKind::Field {
             list.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
         }
         list
+    }
+
+    /// The snippets with which rays are found pixel by pixel.
+    pub(crate) fn pixel_snippets(self) -> Vec<&'static str> {
+        [&[self.real(), BUNDLE, self.camera()][..], self.pixel()].concat()
     }
 
     /// The buffers that hold the camera's rays.
@@ -205,7 +214,7 @@ impl Variant {
     }
 
     /// The constants of kernels that follow the camera's rays.
-    fn constants(self) -> Vec<(&'static str, f64)> {
+    pub(crate) fn constants(self) -> Vec<(&'static str, f64)> {
         let mut constants = vec![("SHEETED", self.sheeted as u32 as f64)];
         if let RaysKind::Curves { degree } = self.rays {
             constants.push(("DEGREE", degree as f64));
@@ -214,34 +223,40 @@ impl Variant {
     }
 }
 
-fn uniform(name: &'static str, wgsl_type: &'static str) -> Binding {
+pub(crate) fn uniform(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::Uniform, wgsl_type }
 }
 
-fn read(name: &'static str, wgsl_type: &'static str) -> Binding {
+pub(crate) fn read(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::Read, wgsl_type }
 }
 
-fn write(name: &'static str, wgsl_type: &'static str) -> Binding {
+pub(crate) fn write(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::Write, wgsl_type }
 }
 
-fn kernel(name: &'static str, bindings: Vec<Binding>, snippets: &[&str]) -> Kernel {
+/// Named and bound like buffers.
+pub(crate) fn texture(name: &'static str, wgsl_type: &'static str) -> Binding {
+    Binding { name, access: Access::Texels, wgsl_type }
+}
+
+pub(crate) fn kernel(name: &'static str, bindings: Vec<Binding>, snippets: &[&str]) -> Kernel {
     let mut source = String::new();
     for (k, b) in bindings.iter().enumerate() {
         let space = match b.access {
-            Access::Uniform => "uniform",
-            Access::Read => "storage, read",
-            Access::Write => "storage, read_write",
+            Access::Uniform => "<uniform>",
+            Access::Read => "<storage, read>",
+            Access::Write => "<storage, read_write>",
+            Access::Texels => "",
         };
         // writing to a String cannot fail
-        let _ = writeln!(source, "@group(0) @binding({k}) var<{space}> {}: {};", b.name, b.wgsl_type);
+        let _ = writeln!(source, "@group(0) @binding({k}) var{space} {}: {};", b.name, b.wgsl_type);
     }
     snippets.iter().for_each(|s| source.push_str(s));
     Kernel { name, bindings, source, constants: Vec::new() }
 }
 
-fn params() -> Binding {
+pub(crate) fn params() -> Binding {
     uniform("params", "Params")
 }
 

@@ -4,6 +4,7 @@
 pub mod buffers;
 pub mod device;
 pub mod kernels;
+pub mod recorder;
 pub mod rows;
 
 pub use device::{Gpu, GpuOptions};

@@ -95,7 +95,7 @@ fn with<'a>(scopes: Scopes<'a>, more: &'a Buffers) -> Vec<&'a Buffers> {
 }
 
 /// Workgroups for `items` threads, in two dimensions where one does not suffice.
-fn dispatch_items(gpu: &Gpu, pass: &mut wgpu::ComputePass, items: u32) {
+pub(crate) fn dispatch_items(gpu: &Gpu, pass: &mut wgpu::ComputePass, items: u32) {
     let groups = items.div_ceil(GROUP);
     let rows = groups.div_ceil(gpu.limits.max_compute_workgroups_per_dimension).max(1);
     pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);

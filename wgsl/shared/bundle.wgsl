@@ -1,9 +1,3 @@
-// A ray in f32, relative to the anchor.
-struct Ray {
-    p: vec3<f32>,
-    d: vec3<f32>,
-}
-
 // An affine homogeneous bundle about a point, in recheck arithmetic: P = p / h, D = d / h, and slopes per pixel.
 struct Bundle {
     p: real3,

@@ -269,19 +269,10 @@ fn plural(n: usize) -> &'static str {
 
 /// Where all rays of a central camera start.
 fn centre(eye: &Camera) -> Result<DVec3> {
-    let each = |k: u32| eye.ray(k % eye.width, k / eye.width).map(|r| r.origin);
-    let mut starts = (0..eye.width * eye.height).filter_map(each);
-    let first = starts.next().ok_or_else(|| Error::input("camera.eye: no pixel has a ray; use another camera"))?;
-    // a homogeneous piece moves its one origin by rounding
-    let near = CENTRE_ROUNDING * (1.0 + first.abs().max_element());
-    if starts.all(|p| (p - first).abs().max_element() <= near) {
-        return Ok(first);
-    }
-    Err(Error::input(format!(
-        "camera.eye: the rays of {} do not start in one point, which flat facets and an atlas need; use facets = \"normals\"",
-        eye.kind
-    )))
+    eye.centre().ok_or_else(|| {
+        Error::input(format!(
+            "camera.eye: the rays of {} do not start in one point, which flat facets and an atlas need; use facets = \"normals\"",
+            eye.kind
+        ))
+    })
 }
-
-/// How far apart origins may be that are one point, against its size: sixteen roundings.
-const CENTRE_ROUNDING: f64 = 16.0 * f64::EPSILON;

@@ -1,5 +1,6 @@
 //! What renders: the compute engine on an adapter, or the reference on the CPU.
 
+use crate::baseline::Choice;
 use crate::camera::Camera;
 use crate::caustics::Account;
 use crate::cli::args::{EngineName, RenderArgs};
@@ -17,7 +18,8 @@ use std::io::Write;
 use std::time::Instant;
 
 pub enum Backend {
-    Compute(Box<Engine>),
+    /// With what a rival is asked for.
+    Compute(Box<Engine>, Option<Choice>),
     Reference,
 }
 
@@ -27,12 +29,19 @@ const FIELD_BYTES: u64 = 24;
 impl Backend {
     /// The engine asked for; without any adapter the reference, and a line on stderr that says so.
     pub fn open(args: &RenderArgs) -> Result<Backend> {
-        if args.engine == Some(EngineName::Reference) {
+        if matches!(args.engine, Some(EngineName::Reference)) {
             return Ok(Backend::Reference);
         }
         let options = GpuOptions { adapter: args.adapter.clone(), no_int64: args.no_int64 };
         if let Some(gpu) = Gpu::open(&options)? {
-            return Ok(Backend::Compute(Box::new(Engine::new(gpu))));
+            let by = match args.engine {
+                Some(EngineName::Rival(choice)) => Some(choice),
+                _ => None,
+            };
+            return Ok(Backend::Compute(Box::new(Engine::new(gpu)), by));
+        }
+        if let Some(EngineName::Rival(choice)) = args.engine {
+            return Err(Error::work(format!("--engine {} needs an adapter: {NO_ADAPTER}", choice.label())));
         }
         if args.moving {
             return Err(Error::work(format!("--moving needs an adapter: {NO_ADAPTER}")));
@@ -44,7 +53,7 @@ impl Backend {
 
     /// Refuses an image whose smallest band does not fit the adapter.
     pub fn check_size(&self, camera: &Camera, wanted: &Wanted) -> Result<()> {
-        let Backend::Compute(engine) = self else { return Ok(()) };
+        let Backend::Compute(engine, _) = self else { return Ok(()) };
         let limit = engine.gpu.binding_limit();
         let pixel = (4 * (wanted.channels.len() as u64 + 3)).max(FIELD_BYTES);
         // one tile's rows and one more, one column more
@@ -62,18 +71,21 @@ impl Backend {
 
     pub fn device(&self) -> Device {
         match self {
-            Backend::Compute(engine) => {
+            Backend::Compute(engine, by) => {
                 let info = &engine.gpu.info;
                 let driver = format!("{} {}", info.driver, info.driver_info).trim().to_owned();
-                Device { adapter: info.name.clone(), driver, engine: "compute" }
+                let engine = by.map_or("compute".into(), |choice| choice.label());
+                Device { adapter: info.name.clone(), driver, engine }
             }
-            Backend::Reference => Device { adapter: "cpu".into(), driver: String::new(), engine: "reference" },
+            Backend::Reference => Device { adapter: "cpu".into(), driver: String::new(), engine: "reference".into() },
         }
     }
 
     pub fn render(&mut self, scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Result<Rendered> {
         match self {
-            Backend::Compute(engine) => engine.render(scene, camera, wanted, run),
+            Backend::Compute(engine, by) => {
+                engine.render(scene, camera, wanted, &RunOptions { by: *by, ..run.clone() })
+            }
             Backend::Reference => Ok(by_reference(scene, camera, wanted, run)),
         }
     }

@@ -14,7 +14,7 @@ use crate::scene::Scene;
 
 /// One more frame where a report or a check needs it: counted, and with all channels for a check.
 pub fn render(args: &RenderArgs, backend: &mut Backend, scene: &Scene, camera: &Camera) -> Result<Option<Rendered>> {
-    let counting = args.report.is_some() && matches!(backend, Backend::Compute(_));
+    let counting = args.report.is_some() && matches!(backend, Backend::Compute(..));
     if !counting && !args.check {
         return Ok(None);
     }

@@ -1,0 +1,123 @@
+//! The rivals' kernels and draws, in the manner of [`crate::gpu::kernels`].
+
+use crate::gpu::kernels::{
+    Binding, ITEMS, KEY, Kernel, PARAMS, RAY, RaysKind, SHEETS, TRIANGLE_ROW, VERTEX, Variant, kernel, params, read,
+    texture, uniform, write,
+};
+
+macro_rules! snippet {
+    ($path:literal) => {
+        include_str!(concat!("../../wgsl/baseline/", $path))
+    };
+}
+
+const RANGE: &str = snippet!("range.wgsl");
+const DRAWN: &str = snippet!("drawn.wgsl");
+const OUTLINE: &str = snippet!("outline.wgsl");
+const PROJECT: &str = snippet!("project.wgsl");
+const FACE: &str = snippet!("cube_face.wgsl");
+const CELLS: &str = snippet!("splat_cells.wgsl");
+const PERSPECTIVE: &str = snippet!("perspective_image.wgsl");
+
+/// A ray a pixel and segment, `brute` against every triangle.
+pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kernel {
+    let mut bindings = vec![params(), read("leaves", "array<LeafTriangle>")];
+    bindings.extend((!brute).then(|| read("bvh", "array<BvhNode>")));
+    bindings.push(write("visibility", "array<vec2<u32>>"));
+    bindings.extend(variant.pixel_rays());
+    let way = match variant.rays {
+        RaysKind::Curves { .. } => snippet!("curved_way.wgsl"),
+        _ => snippet!("straight_way.wgsl"),
+    };
+    let search = if brute { snippet!("brute.wgsl") } else { snippet!("bvh.wgsl") };
+    let own = [search, way, snippet!("trace.wgsl")];
+    let snippets = [&[PARAMS, ITEMS, SHEETS, KEY][..], &variant.pixel_snippets(), &own].concat();
+    let mut kernel = kernel("trace", bindings, &snippets);
+    kernel.constants = variant.constants();
+    kernel.constants.extend([("LAYERS", f64::from(layers)), ("SEGMENTS", f64::from(segments))]);
+    kernel
+}
+
+/// A picture that the rasterizer made, into the visibility buffer.
+pub fn take(variant: Variant) -> Kernel {
+    let bindings = vec![params(), texture("picture", "texture_2d<u32>"), write("visibility", "array<vec2<u32>>")];
+    let snippets = [PARAMS, ITEMS, SHEETS, KEY, TRIANGLE_ROW, variant.real(), snippet!("take.wgsl")];
+    let mut kernel = kernel("take", bindings, &snippets);
+    kernel.constants = vec![("SHEETED", f64::from(u8::from(variant.sheeted)))];
+    kernel
+}
+
+/// The triangles of a chunk.
+fn triangles() -> [Binding; 2] {
+    [read("triangles", "array<vec4<u32>>"), read("vertices_hi", "array<f32>")]
+}
+
+/// A draw of triangles through pieces.
+fn pieces_draw(name: &'static str, layers: u32, more: &[Binding], own: &[&str]) -> Kernel {
+    let rays = [read("pieces", "array<Piece>"), read("outlines", "array<Outline>")];
+    let bindings = [&[params()][..], &triangles(), &rays, more].concat();
+    let mut kernel =
+        kernel(name, bindings, &[&[PARAMS, VERTEX, TRIANGLE_ROW, RAY, RANGE, DRAWN, OUTLINE][..], own].concat());
+    kernel.constants = vec![("LAYERS", f64::from(layers))];
+    kernel
+}
+
+/// Vertices projected; each triangle cut in four so often.
+pub fn warp(layers: u32, levels: u32) -> Kernel {
+    let mut kernel = pieces_draw("warp", layers, &[], &[PROJECT, snippet!("warp.wgsl")]);
+    kernel.constants.push(("LEVELS", f64::from(levels)));
+    kernel
+}
+
+/// Triangles around images.
+pub fn bound(layers: u32) -> Kernel {
+    pieces_draw("bound", layers, &[], &[snippet!("bound.wgsl")])
+}
+
+/// Perspective pieces.
+pub fn perspective(layers: u32) -> Kernel {
+    let replicas = [read("replicas", "array<vec2<u32>>")];
+    pieces_draw("perspective", layers, &replicas, &[PERSPECTIVE, snippet!("perspective.wgsl")])
+}
+
+/// What perspective pieces each triangle is drawn in.
+pub fn replicate() -> Kernel {
+    let rays = [read("pieces", "array<Piece>"), read("outlines", "array<Outline>")];
+    let own = [write("replicas", "array<vec2<u32>>"), write("draw_args", "array<atomic<u32>>")];
+    let bindings = [&[params()][..], &triangles(), &rays, &own].concat();
+    kernel("replicate", bindings, &[PARAMS, ITEMS, VERTEX, RAY, OUTLINE, PERSPECTIVE, snippet!("replicate.wgsl")])
+}
+
+/// Triangles onto a cube around the eye.
+pub fn cube() -> Kernel {
+    let bindings = [&[params(), uniform("cube", "Cube")][..], &triangles()].concat();
+    kernel("cube", bindings, &[PARAMS, VERTEX, TRIANGLE_ROW, DRAWN, FACE, snippet!("cube.wgsl")])
+}
+
+/// The cube map to the camera's picture.
+pub fn unfold(variant: Variant) -> Kernel {
+    let mut bindings = vec![params(), uniform("cube", "Cube"), texture("picture", "texture_2d<u32>")];
+    bindings.push(write("visibility", "array<vec2<u32>>"));
+    bindings.extend(variant.pixel_rays());
+    let own = [TRIANGLE_ROW, RANGE, FACE, snippet!("unfold.wgsl")];
+    let snippets = [&[PARAMS, ITEMS, SHEETS, KEY][..], &variant.pixel_snippets(), &own].concat();
+    let mut kernel = kernel("unfold", bindings, &snippets);
+    kernel.constants = variant.constants();
+    kernel
+}
+
+/// Triangles into the texture S, `samples` texels a side each.
+pub fn splat_project(samples: u32) -> Kernel {
+    let more = [uniform("splat", "Splat")];
+    let mut kernel = pieces_draw("splat_project", 1, &more, &[CELLS, PROJECT, snippet!("splat_project.wgsl")]);
+    kernel.constants.push(("SAMPLES", f64::from(samples)));
+    kernel
+}
+
+/// S to where the camera shows it.
+pub fn splat_move(layers: u32, samples: u32) -> Kernel {
+    let more = [uniform("splat", "Splat"), texture("s", "texture_2d<f32>")];
+    let mut kernel = pieces_draw("splat_move", layers, &more, &[CELLS, snippet!("splat_move.wgsl")]);
+    kernel.constants.push(("SAMPLES", f64::from(samples)));
+    kernel
+}

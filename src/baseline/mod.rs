@@ -1,0 +1,254 @@
+//! The rivals: other ways to find what each pixel sees, each faithful to its paper, to be measured against.
+//!
+//! A rival takes the place of cull, bin and raster. It reads the same triangles, the same rays and the same parameters on
+//! the device as these do and fills the same visibility buffer, so that scene, camera, pixels and channels are the same in, and
+//! shading and reading back the same out: what differs is how what is seen is found, and how well.
+
+mod bvh;
+mod cubemap;
+mod draw;
+pub mod kernels;
+mod outline;
+mod replicated;
+mod splat;
+mod through_pieces;
+mod trace;
+
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::gpu::kernels::Variant;
+use crate::gpu::recorder::Recorder;
+use crate::scene::Scene;
+use crate::stage::Scopes;
+use glam::DVec3;
+
+/// A way to find what is seen, ready for one scene and camera.
+pub trait Rival {
+    /// Builds what it needs over the triangles of the scene, anew where they moved, beside those that are on the device anyway.
+    fn upload(&mut self, _gpu: &Gpu, _scene: &Scene) -> Result<()> {
+        Ok(())
+    }
+
+    /// Passes over a band, at most.
+    fn passes(&self, band: &Target) -> u32;
+
+    /// Fills the visibility buffer of a band, which is clear.
+    fn encode(&self, gpu: &Gpu, recorder: &mut Recorder, band: &Target) -> Result<()>;
+
+    /// Whether the last frame is whole.
+    fn check(&self, _gpu: &Gpu) -> Result<()> {
+        Ok(())
+    }
+
+    /// Device memory held beside what all hold, bytes.
+    fn bytes(&self) -> u64;
+}
+
+/// A band of the image, and where the buffers of its jobs are found.
+pub struct Target<'a> {
+    /// Rows of pixels.
+    pub rows: u32,
+    /// Rows of `pieces`.
+    pub pieces: u32,
+    pub chunks: Vec<ChunkScopes<'a>>,
+}
+
+/// The triangles of a chunk.
+pub struct ChunkScopes<'a> {
+    pub scopes: Vec<&'a crate::gpu::buffers::Buffers>,
+    /// Rows of `triangles`.
+    pub slots: u32,
+}
+
+/// What a rival is made for.
+pub struct Setup<'a> {
+    pub camera: &'a Camera,
+    /// How the device holds the camera's rays.
+    pub variant: Variant,
+    /// Rows of pixels of the largest band.
+    pub rows: u32,
+    /// What positions on the device are relative to.
+    pub anchor: DVec3,
+    /// The number that trades the rival's error for its time.
+    pub knob: u32,
+}
+
+impl Setup<'_> {
+    /// Layers that a pixel may see.
+    fn layers(&self) -> u32 {
+        self.camera.layers.len() as u32
+    }
+}
+
+/// A rival by name.
+pub struct Technique {
+    pub name: &'static str,
+    /// What it is and whose, in a line.
+    pub about: &'static str,
+    /// What its number is; `None`: it has none.
+    pub knob: Option<Knob>,
+    make: fn(&Gpu, &Setup) -> Result<Box<dyn Rival>>,
+}
+
+/// The number that trades a rival's error for its time.
+pub struct Knob {
+    pub name: &'static str,
+    pub default: u32,
+    pub least: u32,
+    pub most: u32,
+}
+
+impl std::fmt::Debug for Technique {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+/// A rival and its number.
+#[derive(Debug, Clone, Copy)]
+pub struct Choice {
+    pub technique: &'static Technique,
+    pub knob: u32,
+}
+
+/// All rivals.
+pub const TECHNIQUES: &[Technique] = &[
+    Technique {
+        name: "raytrace",
+        about: "a ray a pixel through a bounding volume hierarchy, built anew when triangles move",
+        knob: None,
+        make: trace::rebuilt,
+    },
+    Technique {
+        name: "raytrace-refit",
+        about: "the same, its hierarchy fitted to triangles that moved instead of built anew",
+        knob: None,
+        make: trace::refitted,
+    },
+    Technique { name: "raytrace-brute", about: "a ray a pixel against every triangle", knob: None, make: trace::brute },
+    Technique {
+        name: "raymarch-segments",
+        about: "curved projectors as so many straight segments, each traced (Brosz et al. 2007, section 4.3)",
+        knob: Some(Knob { name: "segments", default: 8, least: 1, most: 256 }),
+        make: trace::segments,
+    },
+    Technique {
+        name: "raster-warp",
+        about: "vertices projected exactly, straight edges between them (Brosz et al. 2007; Popescu et al., section 4.2)",
+        knob: Some(Knob { name: "levels of subdivision", default: 0, least: 0, most: 4 }),
+        make: through_pieces::warp,
+    },
+    Technique {
+        name: "raster-bound",
+        about: "a triangle around each image, the ray of each of its pixels against the plane (Hou et al. 2006, section 2)",
+        knob: None,
+        make: through_pieces::bound,
+    },
+    Technique {
+        name: "raster-bound-passes",
+        about: "the same, a pass for each camera",
+        knob: None,
+        make: through_pieces::bound_passes,
+    },
+    Technique {
+        name: "raster-splat",
+        about: "two passes by a texture of where the camera shows each triangle (Yu et al. 2009, section 3.3), of all GLCs at once",
+        knob: Some(SAMPLES),
+        make: splat::batched,
+    },
+    Technique {
+        name: "raster-splat-passes",
+        about: "the same, two passes for each GLC",
+        knob: Some(SAMPLES),
+        make: splat::each,
+    },
+    Technique {
+        name: "raster-pieces",
+        about: "a perspective matrix a piece, triangles replicated (Lorenz and Doellner 2009, section 2)",
+        knob: None,
+        make: replicated::replicated,
+    },
+    Technique {
+        name: "raster-cubemap",
+        about: "a picture of all six sides, and every pixel's nearest texel (Lorenz and Doellner 2009, section 1.1)",
+        knob: Some(Knob { name: "texels a side", default: 2048, least: 16, most: 8192 }),
+        make: cubemap::cubemap,
+    },
+];
+
+/// Texels that a triangle has a side.
+const SAMPLES: Knob = Knob { name: "texels a side", default: 10, least: 2, most: 256 };
+
+impl Choice {
+    /// `NAME` or `NAME:N`.
+    ///
+    /// # Errors
+    /// One line that names what is there, where the name or the number is not.
+    pub fn parse(text: &str) -> std::result::Result<Choice, String> {
+        let (name, number) = text.split_once(':').map_or((text, None), |(n, k)| (n, Some(k)));
+        let technique = TECHNIQUES.iter().find(|t| t.name == name).ok_or_else(|| {
+            let names: Vec<&str> = TECHNIQUES.iter().map(|t| t.name).collect();
+            format!("no such engine; use compute, reference, {}", names.join(", "))
+        })?;
+        let knob = match (&technique.knob, number) {
+            (Some(knob), Some(text)) => {
+                let Knob { name: what, least, most, .. } = knob;
+                text.parse()
+                    .ok()
+                    .filter(|n| (*least..=*most).contains(n))
+                    .ok_or_else(|| format!("write {name}:N with {least} to {most} {what}"))?
+            }
+            (Some(knob), None) => knob.default,
+            (None, Some(_)) => return Err(format!("{name} takes no number; leave it out")),
+            (None, None) => 0,
+        };
+        Ok(Choice { technique, knob })
+    }
+
+    /// `NAME` or `NAME:N`, as [`Choice::parse`] reads it.
+    pub fn label(&self) -> String {
+        match self.technique.knob {
+            Some(_) => format!("{}:{}", self.technique.name, self.knob),
+            None => self.technique.name.to_owned(),
+        }
+    }
+
+    /// The rival for a scene and a camera, with the scene's triangles.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where it cannot show them, with the reason.
+    pub fn make(&self, gpu: &Gpu, scene: &Scene, setup: Setup) -> Result<Box<dyn Rival>> {
+        let name = self.technique.name;
+        if setup.variant.turns_rays() {
+            return Err(Error::input(format!(
+                "{name} does not follow rays that are turned; give the camera an atlas, or use --engine compute"
+            )));
+        }
+        let mut rival = (self.technique.make)(gpu, &Setup { knob: self.knob, ..setup }).map_err(|e| e.at(name))?;
+        rival.upload(gpu, scene).map_err(|e| e.at(name))?;
+        Ok(rival)
+    }
+}
+
+/// The buffers that a kernel of a rival binds: a chunk's, and its own.
+fn with<'a>(scopes: Scopes<'a>, own: &[&'a crate::gpu::buffers::Buffers]) -> Vec<&'a crate::gpu::buffers::Buffers> {
+    [own, scopes].concat()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_are_read_as_they_are_written() {
+        for text in ["raytrace", "raytrace-brute", "raymarch-segments:8"] {
+            assert_eq!(Choice::parse(text).unwrap().label(), text);
+        }
+        assert_eq!(Choice::parse("raymarch-segments").unwrap().knob, 8);
+        let refusal = |text: &str| Choice::parse(text).unwrap_err();
+        assert!(refusal("raytrace:3").contains("takes no number"));
+        assert!(refusal("raymarch-segments:0").contains("1 to 256 segments"));
+        assert!(refusal("rastr").contains("raytrace-brute"));
+    }
+}

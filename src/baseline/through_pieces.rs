@@ -1,0 +1,73 @@
+//! Draws of every triangle through every piece: `raster-warp` and `raster-bound`.
+//!
+//! * warp: vertices are projected exactly, and what is between them straight (Brosz et al. 2007; Popescu et al., section 4.2).
+//!   Cutting triangles up beforehand brings the edges nearer to what they should be.
+//! * bound: a triangle around the image of each triangle, whose fragments intersect their own rays with its plane (Hou et al.
+//!   2006, section 2); all cameras in one instanced draw, or a pass for each as in the paper.
+
+use super::draw::{Draw, Easel};
+use super::outline::outlines;
+use super::{Rival, Setup, Target, kernels, with};
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::gpu::buffers::Buffers;
+use crate::gpu::recorder::Recorder;
+
+struct ThroughPieces {
+    draw: Draw,
+    easel: Easel,
+    own: Buffers,
+    /// Draws of a triangle.
+    parts: u32,
+    /// Of one band, where each piece has a pass of its own.
+    passes: Option<u32>,
+}
+
+/// The knob: how often each triangle is cut in four.
+pub fn warp(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
+    let draw = Draw::new(gpu, kernels::warp(setup.layers(), setup.knob));
+    Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1 << (2 * setup.knob), None)?))
+}
+
+pub fn bound(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
+    let draw = Draw::new(gpu, kernels::bound(setup.layers()));
+    Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1, None)?))
+}
+
+/// A pass for each camera.
+pub fn bound_passes(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
+    let draw = Draw::new(gpu, kernels::bound(setup.layers()));
+    let pieces = super::outline::pieces(setup)?.len() as u32;
+    Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1, Some(pieces))?))
+}
+
+impl ThroughPieces {
+    fn new(gpu: &Gpu, setup: &Setup, draw: Draw, parts: u32, passes: Option<u32>) -> Result<ThroughPieces> {
+        Ok(ThroughPieces { draw, easel: Easel::new(gpu, setup), own: outlines(gpu, setup)?, parts, passes })
+    }
+}
+
+impl Rival for ThroughPieces {
+    fn passes(&self, _band: &Target) -> u32 {
+        1 + self.passes.unwrap_or(1)
+    }
+
+    fn encode(&self, gpu: &Gpu, recorder: &mut Recorder, band: &Target) -> Result<()> {
+        let groups = band.chunks.iter().map(|c| self.draw.bind(gpu, &with(&c.scopes, &[&self.own])));
+        let groups = groups.collect::<Result<Vec<_>>>()?;
+        let each = if self.passes.is_some() { 1 } else { band.pieces };
+        for first in (0..band.pieces).step_by(each.max(1) as usize) {
+            let mut pass = self.easel.canvas.pass(recorder, "draw", first == 0);
+            pass.set_pipeline(&self.draw.pipeline);
+            for (group, chunk) in groups.iter().zip(&band.chunks) {
+                pass.set_bind_group(0, group, &[]);
+                pass.draw(0..3 * chunk.slots * self.parts, first..first + each);
+            }
+        }
+        self.easel.take(gpu, recorder, band)
+    }
+
+    fn bytes(&self) -> u64 {
+        self.easel.canvas.bytes() + self.own.bytes()
+    }
+}

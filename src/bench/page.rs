@@ -1,0 +1,78 @@
+//! All runs as one page that needs nothing else.
+
+use super::Run;
+use super::plot::Drawn;
+use super::table::{HEADS, about, cells};
+
+const STYLE: &str = "
+:root { color-scheme: light dark; }
+body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 62rem; padding: 0 1rem; }
+table { border-collapse: collapse; margin: .6rem 0 1.2rem; font-size: 13px; }
+td, th { border-bottom: 1px solid color-mix(in srgb, currentColor 25%, transparent); padding: .2rem .7rem .2rem 0; text-align: left; }
+svg { max-width: 100%; height: auto; }
+.note { opacity: .8; }
+nav a { margin-right: 1rem; }
+@media (prefers-color-scheme: dark) { svg { filter: invert(1) hue-rotate(180deg); } }
+";
+
+/// Light and dark as the reader's system is; no script.
+pub fn page(runs: &[(Run, Vec<Drawn>)]) -> String {
+    let mut text = format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
+         content=\"width=device-width\">\n<link rel=\"icon\" href=\"data:,\">\n<title>anamorph: error and run time</title>\n\
+         <style>{STYLE}</style>\n</head>\n<body>\n<h1>Error and run time</h1>\n<nav>"
+    );
+    for (k, (run, _)) in runs.iter().enumerate() {
+        let p = &run.provenance;
+        text += &format!("<a href=\"#run{k}\">{} {} {}</a> ", escaped(&p.date), escaped(&run.suite), escaped(&p.adapter));
+    }
+    text += "</nav>\n";
+    for (k, (run, plots)) in runs.iter().enumerate() {
+        text += &section(k, run, plots);
+    }
+    text + "</body>\n</html>\n"
+}
+
+fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
+    let p = &run.provenance;
+    let commit = p.commit.as_deref().unwrap_or("unknown");
+    let mut text = format!(
+        "<section id=\"run{k}\">\n<h2>{}{}</h2>\n<p><code>{}</code>, {}, version {} ({}), {} {}, {} cores.</p>\n<p class=\"note\">{}</p>\n",
+        escaped(&run.suite),
+        if p.quick { " (quick)" } else { "" },
+        escaped(&p.command),
+        escaped(&p.date),
+        escaped(&p.version),
+        escaped(commit),
+        escaped(&p.adapter),
+        escaped(&p.driver),
+        p.cores,
+        p.fairness()
+    );
+    let drawn_of = |case: &str| plots.iter().find(|(_, title, _)| title == case);
+    let cases: Vec<_> = run.rows.chunk_by(|a, b| a.case == b.case).collect();
+    // plots over several cases come first
+    for (_, title, svg) in plots.iter().filter(|(_, title, _)| !cases.iter().any(|c| c[0].case == *title)) {
+        text += &format!("<h3>{}</h3>\n{svg}\n", escaped(title));
+    }
+    for rows in cases {
+        text += &format!("<h3>{}</h3>\n<p class=\"note\">{}</p>\n", escaped(&rows[0].case), escaped(&about(&rows[0])));
+        text += "<table>\n<tr>";
+        HEADS.iter().for_each(|head| text += &format!("<th>{}</th>", escaped(head)));
+        text += "</tr>\n";
+        for row in rows {
+            text += "<tr>";
+            cells(row).iter().for_each(|cell| text += &format!("<td>{}</td>", escaped(cell)));
+            text += "</tr>\n";
+        }
+        text += "</table>\n";
+        if let Some((_, _, svg)) = drawn_of(&rows[0].case) {
+            text += svg;
+        }
+    }
+    text + "</section>\n"
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

@@ -1,0 +1,168 @@
+//! One measured row: what was shown, how, how long it took and how wrong it is.
+
+use super::case::{Arm, Case};
+use crate::camera::Camera;
+use crate::compare::Comparison;
+use crate::engine::Rendered;
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+
+/// A row of raw.csv and results.json.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    pub suite: String,
+    pub case: String,
+    /// `anamorph`, or a rival as `--engine` names it.
+    pub technique: String,
+    /// What a sweep varies, and its value.
+    pub knob: Option<(String, f64)>,
+    pub triangles: usize,
+    pub pieces: usize,
+    pub width: u32,
+    pub height: u32,
+    pub moving: bool,
+    pub times: Option<Times>,
+    /// Median time of an empty kernel, run in turn with the rest, ms.
+    pub control_ms: f64,
+    /// The time of this row over that of `anamorph` in the same case.
+    pub to_ours: Option<f64>,
+    /// Time on the device by stage, ms.
+    pub stages: Vec<(String, f64)>,
+    pub passes: u32,
+    pub bytes: u64,
+    pub error: Option<Error>,
+    /// Why there is no time.
+    pub refused: Option<String>,
+    pub paper: Option<Paper>,
+}
+
+/// Wall times of frames, ms.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Times {
+    pub median: f64,
+    pub quartiles: [f64; 2],
+    pub runs: usize,
+}
+
+/// Against the f64 reference.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Error {
+    /// Pixels with another triangle, of all.
+    pub wrong_share: f64,
+    pub wrong_hit_miss: u64,
+    /// Wrong pixels whose answer no shift by 1/16 px changes.
+    pub wrong_safe: u64,
+    /// 99.9 % of the errors of t are not larger, relative.
+    pub t_p999: Option<f64>,
+    /// `None`: identical colours.
+    pub psnr: Option<f64>,
+}
+
+/// What a paper prints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Paper {
+    pub paper: String,
+    pub figure: String,
+    /// Frames a second, where it prints them.
+    pub fps: Option<f64>,
+    pub hardware: String,
+    /// What stands in for what the paper shows.
+    pub stand_in: String,
+}
+
+/// Where the middle half of the times is wider than this share of the median, a row is not to be trusted.
+const SPREAD_MAX: f64 = 0.2;
+
+impl Row {
+    pub fn new(suite: &str, case: &Case, arm: &Arm) -> Row {
+        let own_knob = arm.knob.map(|(name, value)| (name.to_owned(), value));
+        let rivals_knob = arm.by.and_then(|c| c.technique.knob.as_ref().map(|k| (k.name.to_owned(), f64::from(c.knob))));
+        Row {
+            suite: suite.to_owned(),
+            case: case.name.clone(),
+            technique: arm.by.map_or("anamorph".to_owned(), |c| c.technique.name.to_owned()),
+            knob: own_knob.or(rivals_knob),
+            triangles: 0,
+            pieces: 0,
+            width: 0,
+            height: 0,
+            moving: case.moving,
+            times: None,
+            control_ms: 0.0,
+            to_ours: None,
+            stages: Vec::new(),
+            passes: 0,
+            bytes: 0,
+            error: None,
+            refused: None,
+            paper: case.paper.clone(),
+        }
+    }
+
+    pub fn is_ours(&self) -> bool {
+        self.technique == "anamorph"
+    }
+
+    pub fn describe(&mut self, scene: &Scene, camera: &Camera) {
+        self.triangles = scene.mesh.triangles.len();
+        self.pieces = match camera.optics.as_ref() {
+            Some(optics) => optics.surface_count(),
+            None => camera.first_piece(camera.layers.len()) as usize,
+        };
+        (self.width, self.height) = (camera.width, camera.height);
+    }
+
+    pub fn took(&mut self, rendered: &Rendered) {
+        self.stages = rendered.stages.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
+        self.passes = rendered.passes;
+        self.bytes = rendered.bytes;
+    }
+
+    /// Relates the time to `ours` ms.
+    pub fn relate(&mut self, ours: Option<f64>) {
+        self.to_ours = self.times.as_ref().zip(ours).map(|(t, ours)| t.median / ours);
+    }
+
+    /// What the technique is called, with its number.
+    pub fn label(&self) -> String {
+        match &self.knob {
+            Some((name, value)) => format!("{} ({value} {name})", self.technique),
+            None => self.technique.clone(),
+        }
+    }
+}
+
+impl Times {
+    pub fn of(times: &[f64]) -> Times {
+        let mut sorted = times.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        // nearest rank, the upper of two
+        let at = |share: f64| {
+            let last = sorted.len().saturating_sub(1);
+            sorted.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
+        };
+        Times { median: at(0.5), quartiles: [at(0.25), at(0.75)], runs: sorted.len() }
+    }
+
+    /// Half of the times lie within this share of the median.
+    pub fn spread(&self) -> f64 {
+        (self.quartiles[1] - self.quartiles[0]) / self.median
+    }
+
+    pub fn is_trusted(&self) -> bool {
+        self.spread() <= SPREAD_MAX
+    }
+}
+
+impl Error {
+    pub fn of(c: &Comparison) -> Error {
+        let share = |n: Option<u64>| n.unwrap_or(0) as f64 / c.pixels as f64;
+        Error {
+            wrong_share: share(c.wrong_triangle),
+            wrong_hit_miss: c.wrong_hit_miss.unwrap_or(0),
+            wrong_safe: c.wrong_safe.unwrap_or(0),
+            t_p999: c.t_relative.map(|t| t.p999.0).filter(|t| t.is_finite()),
+            psnr: c.psnr.filter(|p| p.is_finite()),
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! The suites: lists of cases.
+
+mod dynamic;
+mod glc;
+mod papers;
+mod pareto;
+mod stages;
+
+use super::case::{Case, Source};
+
+/// A list of cases by name.
+pub struct Suite {
+    pub name: &'static str,
+    /// What it answers, in a line.
+    pub asks: &'static str,
+    /// How a plot of each case has its axes.
+    pub plot: Plot,
+    cases: fn() -> Vec<Case>,
+    /// Small ones, for a look.
+    quick: fn() -> Vec<Case>,
+}
+
+/// What a suite's rows are drawn as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Plot {
+    /// Share of wrong pixels against the time, a front a technique.
+    Error,
+    /// The time against what is swept, both logarithmic, with fitted slopes.
+    Scaling,
+    /// Stacked times of stages.
+    Stages,
+}
+
+pub const SUITES: [Suite; 5] = [
+    Suite {
+        name: "papers",
+        asks: "what each paper measured, by this engine and by the paper's own way, on stand-ins of the same counts",
+        plot: Plot::Error,
+        cases: papers::cases,
+        quick: papers::quick,
+    },
+    Suite {
+        name: "pareto",
+        asks: "what less error costs each technique",
+        plot: Plot::Error,
+        cases: pareto::cases,
+        quick: pareto::quick,
+    },
+    Suite {
+        name: "glc",
+        asks: "how the time grows with pieces, triangles and pixels",
+        plot: Plot::Scaling,
+        cases: glc::cases,
+        quick: glc::quick,
+    },
+    Suite {
+        name: "stages",
+        asks: "where a frame's time goes",
+        plot: Plot::Stages,
+        cases: stages::cases,
+        quick: stages::quick,
+    },
+    Suite {
+        name: "dynamic",
+        asks: "what it costs that every vertex moves in each frame",
+        plot: Plot::Scaling,
+        cases: dynamic::cases,
+        quick: dynamic::quick,
+    },
+];
+
+impl Suite {
+    pub fn cases(&self, quick: bool) -> Vec<Case> {
+        if quick { (self.quick)().into_iter().map(|c| c.set(&QUICK_SIZE)).collect() } else { (self.cases)() }
+    }
+}
+
+/// The image of a quick case.
+const QUICK_SIZE: [&str; 2] = ["image.width=160", "image.height=120"];
+
+/// A scene of `src/bench/scenes`.
+macro_rules! scene {
+    ($name:literal) => {
+        $crate::bench::case::Source::Text(include_str!(concat!("../scenes/", $name, ".toml")).into())
+    };
+}
+use scene;
+
+fn cylinder_scene() -> Source {
+    scene!("cylinder")
+}

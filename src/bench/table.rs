@@ -1,0 +1,150 @@
+//! Rows as raw.csv and as summary.md.
+
+use super::Run;
+use super::plot::{Drawn, slopes};
+use super::row::Row;
+use crate::error::{Error, Result};
+
+const COLUMNS: [&str; 30] = [
+    "suite",
+    "case",
+    "technique",
+    "knob",
+    "value",
+    "triangles",
+    "pieces",
+    "width",
+    "height",
+    "moving",
+    "median_ms",
+    "quartile1_ms",
+    "quartile3_ms",
+    "runs",
+    "trusted",
+    "control_ms",
+    "to_ours",
+    "passes",
+    "bytes",
+    "wrong_share",
+    "wrong_hit_miss",
+    "wrong_safe",
+    "t_p999",
+    "psnr_db",
+    "stages_ms",
+    "refused",
+    "paper",
+    "figure",
+    "paper_fps",
+    "paper_hardware",
+];
+
+/// Every row, every value. Stages are name=ms, separated by semicolons.
+pub fn csv(rows: &[Row]) -> Result<String> {
+    let failed = |e: &dyn std::fmt::Display| Error::work(format!("raw.csv: {e}"));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(COLUMNS).map_err(|e| failed(&e))?;
+    for row in rows {
+        writer.write_record(record(row)).map_err(|e| failed(&e))?;
+    }
+    let bytes = writer.into_inner().map_err(|e| failed(&e))?;
+    String::from_utf8(bytes).map_err(|e| failed(&e))
+}
+
+fn record(row: &Row) -> [String; 30] {
+    fn or_empty<T: ToString>(value: Option<T>) -> String {
+        value.map_or(String::new(), |v| v.to_string())
+    }
+    let (knob, times, error, paper) = (row.knob.as_ref(), row.times.as_ref(), row.error.as_ref(), row.paper.as_ref());
+    let stages: Vec<String> = row.stages.iter().map(|(name, ms)| format!("{name}={ms:.4}")).collect();
+    [
+        row.suite.clone(),
+        row.case.clone(),
+        row.technique.clone(),
+        or_empty(knob.map(|k| &k.0)),
+        or_empty(knob.map(|k| k.1)),
+        row.triangles.to_string(),
+        row.pieces.to_string(),
+        row.width.to_string(),
+        row.height.to_string(),
+        row.moving.to_string(),
+        or_empty(times.map(|t| t.median)),
+        or_empty(times.map(|t| t.quartiles[0])),
+        or_empty(times.map(|t| t.quartiles[1])),
+        or_empty(times.map(|t| t.runs)),
+        or_empty(times.map(|t| t.is_trusted())),
+        row.control_ms.to_string(),
+        or_empty(row.to_ours),
+        row.passes.to_string(),
+        row.bytes.to_string(),
+        or_empty(error.map(|e| e.wrong_share)),
+        or_empty(error.map(|e| e.wrong_hit_miss)),
+        or_empty(error.map(|e| e.wrong_safe)),
+        or_empty(error.and_then(|e| e.t_p999)),
+        or_empty(error.and_then(|e| e.psnr)),
+        stages.join(";"),
+        or_empty(row.refused.as_ref()),
+        or_empty(paper.map(|p| &p.paper)),
+        or_empty(paper.map(|p| &p.figure)),
+        or_empty(paper.and_then(|p| p.fps)),
+        or_empty(paper.map(|p| &p.hardware)),
+    ]
+}
+
+/// The words of a row that people read.
+pub fn cells(row: &Row) -> [String; 7] {
+    let time = row.times.as_ref().map(|t| {
+        let doubt = if t.is_trusted() { "" } else { " (?)" };
+        format!("{:.2} [{:.2}, {:.2}]{doubt}", t.median, t.quartiles[0], t.quartiles[1])
+    });
+    let error = row.error.as_ref();
+    let psnr = |e: &super::row::Error| e.psnr.map_or("identical".to_owned(), |p| format!("{p:.1}"));
+    [
+        row.label(),
+        time.or_else(|| row.refused.clone()).unwrap_or_default(),
+        row.to_ours.map(|r| format!("{r:.2}")).unwrap_or_default(),
+        error.map(|e| format!("{:.4}", 100.0 * e.wrong_share)).unwrap_or_default(),
+        error.map(|e| e.wrong_safe.to_string()).unwrap_or_default(),
+        error.and_then(|e| e.t_p999).map(|t| format!("{t:.1e}")).unwrap_or_default(),
+        error.map(psnr).unwrap_or_default(),
+    ]
+}
+
+pub const HEADS: [&str; 7] =
+    ["technique", "ms a frame [quartiles]", "to ours", "wrong %", "wrong safe px", "t error p99.9", "PSNR dB"];
+
+pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
+    let p = &run.provenance;
+    let commit = p.commit.as_deref().unwrap_or("unknown");
+    let mut text = format!(
+        "# {}\n\n`{}`, {}, version {} ({commit}), {} {}, {} cores.\n\n{}\n\nTimes are medians of frames that ran in turn with \
+         those of all other techniques, from the first submission until the results are complete on the device. (?): half of \
+         them lie more than 20 % apart, so that the row is not to be trusted. Errors are against the f64 reference.\n",
+        run.suite, p.command, p.date, p.version, p.adapter, p.driver, p.cores, p.fairness()
+    );
+    for (title, knob, fits) in slopes(&run.rows) {
+        text += &format!("\n{title}: time grows as {knob} to the power of");
+        text += &fits.iter().map(|(t, slope)| format!(" {slope:.2} ({t})")).collect::<Vec<_>>().join(",");
+        text += ".\n";
+    }
+    for rows in run.rows.chunk_by(|a, b| a.case == b.case) {
+        text += &format!("\n## {}\n\n{}\n", rows[0].case, about(&rows[0]));
+        text += &format!("\n| {} |\n|{}\n", HEADS.join(" | "), "---|".repeat(HEADS.len()));
+        rows.iter().for_each(|row| text += &format!("| {} |\n", cells(row).join(" | ")));
+    }
+    for (name, title, _) in plots {
+        text += &format!("\n![{title}]({name})\n");
+    }
+    text
+}
+
+/// A case in a line.
+pub fn about(row: &Row) -> String {
+    let moving = if row.moving { ", every vertex new in each frame" } else { "" };
+    let mut text =
+        format!("{} triangles, {} x {} pixels{moving}; an empty kernel: {:.2} ms.", row.triangles, row.width, row.height, row.control_ms);
+    if let Some(p) = &row.paper {
+        let fps = p.fps.map_or("prints no time".to_owned(), |fps| format!("prints {fps} frames a second ({:.1} ms) on {}", 1e3 / fps, p.hardware));
+        text += &format!(" {}, figure {} {fps}. Here: {}.", p.paper, p.figure, p.stand_in);
+    }
+    text
+}

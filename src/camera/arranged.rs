@@ -1,0 +1,163 @@
+//! Pixels in another order: those whose rays are near each other side by side.
+//!
+//! A display of lenslets, or a list of a scanner's shots, has pixels beside each other that look all over the scene, so that no
+//! bound on the rays of a tile leaves anything out. Sorted by their rays they fill tiles that are as narrow as any camera's; the
+//! frame is put back in order where it is read.
+
+use super::{Camera, Field, Rays};
+use crate::TILE;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The camera's pixels in the order of their rays.
+pub struct Arrangement {
+    /// For each pixel of the arranged image the one of the camera's that it is.
+    source: Vec<u32>,
+}
+
+/// Tiles that are looked at to tell whether rays are scattered.
+const LOOKS: u32 = 64;
+
+/// Rays are scattered where those of a tile differ by this share of what those of the whole image do, on average. Of an image
+/// whose rays turn steadily it is some 8 pixels over its width.
+const SCATTERED: f64 = 0.25;
+
+/// Bits of a coordinate in the key that rays are sorted by: six fill a word.
+const KEY_BITS: u32 = 10;
+
+impl Arrangement {
+    /// Of a camera of one field of scattered rays, which look at a scene about `middle`; `None` of any other.
+    pub fn of(camera: &Camera, middle: DVec3) -> Option<Arrangement> {
+        let [Rays::Field(field)] = camera.layers.as_slice() else { return None };
+        is_scattered(field).then(|| Arrangement::new(field, middle))
+    }
+
+    fn new(field: &Field, middle: DVec3) -> Arrangement {
+        let count = field.width * field.height;
+        let ends = |k: u32| field.ray(k % field.width, k / field.width).map(|ray| ends(ray, middle));
+        let box_of = |k: u32| ends(k).map_or((DVec3::INFINITY, DVec3::NEG_INFINITY), |[a, b]| (a.min(b), a.max(b)));
+        let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+        let (lo, hi) = (0..count).into_par_iter().map(box_of).reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), join);
+        let unit = f64::from((1 << KEY_BITS) - 1) / (hi - lo).max_element().max(f64::MIN_POSITIVE);
+        // pixels without a ray go last
+        let key = |k: u32| ends(k).map_or(u64::MAX, |e| interleaved(e.map(|p| (p - lo) * unit)));
+        let mut sorted: Vec<(u64, u32)> = (0..count).into_par_iter().map(|k| (key(k), k)).collect();
+        sorted.par_sort_unstable();
+        let mut source = vec![0; count as usize];
+        for (place, (_, k)) in tile_by_tile(field.width, field.height).into_iter().zip(sorted) {
+            source[place as usize] = k;
+        }
+        Arrangement { source }
+    }
+
+    /// The camera with its pixels in this order.
+    pub fn camera(&self, camera: &Camera) -> Camera {
+        let arranged = |rays: &Rays| match rays {
+            Rays::Field(field) => Rays::Field(field.rearranged(&self.source)),
+            other => other.clone(),
+        };
+        Camera { layers: camera.layers.iter().map(arranged).collect(), ..camera.clone() }
+    }
+
+    /// Values of the arranged image's pixels in the camera's own order.
+    pub fn restored<T: Copy + Default>(&self, values: &[T]) -> Vec<T> {
+        let mut own = vec![T::default(); values.len()];
+        self.source.iter().zip(values).for_each(|(k, v)| own[*k as usize] = *v);
+        own
+    }
+}
+
+/// Where a ray starts, and where it is as far on as the scene's middle.
+fn ends((p, d): (DVec3, DVec3), middle: DVec3) -> [DVec3; 2] {
+    [p, p + (middle - p).length() * d.normalize()]
+}
+
+/// Directions differ within tiles nearly as much as between them.
+fn is_scattered(field: &Field) -> bool {
+    let (tiles_x, tiles_y) = (field.width / TILE, field.height / TILE);
+    let tiles = tiles_x * tiles_y;
+    if tiles < 4 {
+        return false;
+    }
+    let direction = |i: u32, j: u32| field.ray(i, j).map(|(_, d)| d.normalize());
+    let step = tiles.div_ceil(LOOKS);
+    let spread = |list: &[DVec3]| {
+        let mean = list.iter().sum::<DVec3>() / list.len().max(1) as f64;
+        list.iter().map(|d| (*d - mean).length()).sum::<f64>() / list.len().max(1) as f64
+    };
+    let (mut all, mut within, mut looked) = (Vec::new(), 0.0, 0.0);
+    for tile in (0..tiles).step_by(step as usize) {
+        let corner = (tile % tiles_x * TILE, tile / tiles_x * TILE);
+        let pixels = (0..TILE * TILE).filter_map(|k| direction(corner.0 + k % TILE, corner.1 + k / TILE));
+        let own: Vec<DVec3> = pixels.collect();
+        if !own.is_empty() {
+            within += spread(&own);
+            looked += 1.0;
+            all.extend(own);
+        }
+    }
+    looked > 0.0 && within / looked > SCATTERED * spread(&all)
+}
+
+/// The bits of six coordinates in turn, each in [0, 2^KEY_BITS).
+fn interleaved(points: [DVec3; 2]) -> u64 {
+    let mut key = 0;
+    for (k, x) in points.iter().flat_map(|p| p.to_array()).enumerate() {
+        for bit in 0..KEY_BITS {
+            key |= (x as u64 >> bit & 1) << (6 * bit as usize + k);
+        }
+    }
+    key
+}
+
+/// All pixels, tile by tile, and the tiles in squares of squares.
+fn tile_by_tile(width: u32, height: u32) -> Vec<u32> {
+    let tiles = (0..height.div_ceil(TILE)).flat_map(|y| (0..width.div_ceil(TILE)).map(move |x| (x, y)));
+    let bit = |v: u32, k: u32| u64::from(v >> k & 1);
+    let place =
+        |(x, y): &(u32, u32)| (0..u32::BITS / 2).fold(0, |m, k| m | bit(*x, k) << (2 * k) | bit(*y, k) << (2 * k + 1));
+    let mut tiles: Vec<(u32, u32)> = tiles.collect();
+    tiles.sort_by_key(place);
+    let pixels = |(x, y): (u32, u32)| {
+        let inside = move |(i, j): &(u32, u32)| *i < width && *j < height;
+        let all = (0..TILE * TILE).map(move |k| (x * TILE + k % TILE, y * TILE + k / TILE));
+        all.filter(inside).map(move |(i, j)| j * width + i)
+    };
+    tiles.into_iter().flat_map(pixels).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lenslets of `n` x `n` pixels, each with the same fan of directions.
+    fn lenslets(width: u32, height: u32, n: u32) -> Field {
+        let pixel = |k: u32| (k % width, k / width);
+        let origin = |(i, j): (u32, u32)| DVec3::new(f64::from(i / n), f64::from(j / n), 0.0);
+        let direction = |(i, j): (u32, u32)| DVec3::new(f64::from(i % n) / 8.0, f64::from(j % n) / 8.0, 1.0);
+        let all: Vec<(u32, u32)> = (0..width * height).map(pixel).collect();
+        let (p, d): (Vec<DVec3>, Vec<DVec3>) = all.into_iter().map(|q| (origin(q), direction(q))).unzip();
+        Field::new(width, height, &p, &d).unwrap()
+    }
+
+    #[test]
+    fn every_pixel_is_somewhere_and_comes_back() {
+        let field = lenslets(53, 37, 8);
+        let arrangement = Arrangement::new(&field, DVec3::new(3.0, 2.0, 9.0));
+        let mut seen = arrangement.source.clone();
+        let there: Vec<u32> = seen.clone();
+        seen.sort_unstable();
+        assert!(seen.iter().copied().eq(0..53 * 37));
+        assert!(arrangement.restored(&there).into_iter().eq(0..53 * 37));
+    }
+
+    #[test]
+    fn lenslets_are_scattered_until_they_are_arranged() {
+        let field = lenslets(128, 128, 8);
+        assert!(is_scattered(&field));
+        let arrangement = Arrangement::new(&field, DVec3::new(8.0, 8.0, 20.0));
+        assert!(!is_scattered(&field.rearranged(&arrangement.source)));
+        // one lens over all of the image: an ordinary camera
+        assert!(!is_scattered(&lenslets(128, 128, 128)));
+    }
+}

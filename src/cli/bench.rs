@@ -1,0 +1,37 @@
+//! `anamorph bench`: suites of measurements, and the page that shows all of them.
+
+use super::args::BenchArgs;
+use super::print;
+use crate::bench::suites::{SUITES, Suite};
+use crate::bench::{self, RUNS, RUNS_QUICK, write_index};
+use crate::engine::Engine;
+use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::gpu::device::{GpuOptions, NO_ADAPTER};
+
+pub fn run(args: &BenchArgs) -> Result<()> {
+    let asked: Vec<&Suite> =
+        SUITES.iter().filter(|s| args.suite.as_ref().is_none_or(|name| name == s.name)).collect();
+    if asked.is_empty() {
+        let names: Vec<&str> = SUITES.iter().map(|s| s.name).collect();
+        return Err(Error::input(format!("there is no suite of this name; use {}, or none for all", names.join(", "))));
+    }
+    std::fs::create_dir_all(&args.out).map_err(|e| Error::work(format!("{}: {e}", args.out.display())))?;
+    let options = GpuOptions { adapter: args.adapter.clone(), no_int64: false };
+    let mut engine = Engine::new(Gpu::open(&options)?.ok_or_else(|| Error::work(NO_ADAPTER))?);
+    let runs = args.runs.unwrap_or(if args.quick { RUNS_QUICK } else { RUNS });
+    for suite in asked {
+        print(&format!("{}: {}\n", suite.name, suite.asks))?;
+        let mut told = Ok(());
+        let folder = bench::run(&mut engine, suite, (args.quick, runs), &args.out, |row| {
+            let time = row.times.as_ref().map(|t| format!("{:>9.2} ms", t.median));
+            let wrong = row.error.as_ref().map(|e| format!(", {:.4} % wrong", 100.0 * e.wrong_share));
+            let time = time.or_else(|| row.refused.clone()).unwrap_or_default();
+            let line = format!("  {:<56} {:<40} {time}{}\n", row.case, row.label(), wrong.unwrap_or_default());
+            told = std::mem::replace(&mut told, Ok(())).and_then(|()| print(&line));
+        })?;
+        told?;
+        print(&format!("  -> {}\n", folder.display()))?;
+    }
+    print(&format!("{}\n", write_index(&args.out)?.display()))
+}

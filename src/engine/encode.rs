@@ -1,0 +1,197 @@
+//! A frame as one submission: for every band the passes of its rays, each cull, bin, raster and shade of all jobs.
+
+use super::frames::{Frames, Submitted};
+use super::passes::Pass;
+use crate::baseline::{ChunkScopes, Target};
+use crate::error::Result;
+use crate::gpu::buffers::readback;
+use crate::gpu::recorder::Recorder;
+use crate::gpu::rows::COUNTERS;
+use crate::plan::Band;
+use crate::stage::Stages;
+
+const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
+
+/// Compute passes of a job and of a pass over a band, at most.
+const PASSES_EACH: u32 = 8;
+
+impl Frames<'_> {
+    /// Encodes and submits one frame; with `read`, also the copies that bring its image to the host.
+    pub(super) fn submit(&self, read: bool) -> Result<Submitted> {
+        let (gpu, resident) = (&*self.gpu, &self.resident);
+        let passes = self.plan.bands.len() * resident.passes.len();
+        let by_rival = |band| self.rival.as_ref().map_or(0, |r| r.passes(&self.target(band)));
+        let rival: u32 = (0..self.plan.bands.len()).map(by_rival).sum();
+        let mut recorder = Recorder::new(gpu, PASSES_EACH * (resident.job_count() + passes) as u32 + rival);
+        let jobs = resident.job_count().max(1);
+        let status = readback(gpu, STATUS_BYTES * jobs as u64);
+        let (mut planes, mut srgb8) = (Vec::new(), Vec::new());
+        for (index, band) in self.plan.bands.iter().enumerate() {
+            let pixels = band.rows * self.camera.width;
+            if let (Some(_), Some(planes)) = (&resident.turns, resident.shared.get("planes")) {
+                // what passes share adds up
+                recorder.encoder.clear_buffer(planes, 0, None);
+            }
+            for (pass, Pass { turns, .. }) in resident.passes.iter().enumerate() {
+                if *turns > 0 {
+                    self.encode_turn(&mut recorder, index, pass)?;
+                }
+                self.encode_visibility(&mut recorder, &status, index, pass)?;
+                self.encode_planes(&mut recorder, index, pass)?;
+            }
+            if let (true, Some(job)) = (self.stages.pastes(), resident.jobs(index, 0).next()) {
+                let mut encoded = recorder.compute("paste");
+                self.stages.paste(gpu, &mut encoded, &resident.scopes(&job, index, 0), self.pixels(index))?;
+            }
+            if self.wanted.srgb8 {
+                self.encode_srgb(&mut recorder, index)?;
+            }
+            self.keep(&mut recorder, index);
+            if read {
+                let mut copy = |name: &str, bytes: u64| {
+                    let to = readback(gpu, bytes);
+                    if let Some(from) = resident.shared.get(name) {
+                        recorder.encoder.copy_buffer_to_buffer(from, 0, &to, 0, bytes);
+                    }
+                    to
+                };
+                planes.push(copy("planes", 4 * pixels as u64 * self.plan.planes.len() as u64));
+                if self.wanted.srgb8 {
+                    srgb8.push(copy("srgb8", 4 * pixels as u64));
+                }
+            }
+        }
+        Ok(Submitted { status, planes, srgb8, recorded: recorder.submit(gpu)? })
+    }
+
+    /// The kernels of a pass.
+    fn stages_of(&self, pass: usize) -> &Stages {
+        self.turned.as_ref().filter(|_| self.resident.passes[pass].turns > 0).unwrap_or(&self.stages)
+    }
+
+    fn pixels(&self, band: usize) -> u32 {
+        self.plan.bands[band].rows * self.camera.width
+    }
+
+    /// Turns the rays of a band that meet the optics to those of a pass, and bounds what comes of it.
+    fn encode_turn(&self, recorder: &mut Recorder, band: usize, pass: usize) -> Result<()> {
+        let (gpu, resident) = (&*self.gpu, &self.resident);
+        let turns = resident.passes[pass].turns;
+        let Some(before) = resident.passes[..pass].iter().rposition(|p| p.turns + 1 == turns) else { return Ok(()) };
+        let (Some(own), Some(job)) = (&resident.turns, resident.jobs(band, before).next()) else { return Ok(()) };
+        let scopes = [vec![own.pass(pass), own.target(turns)], resident.scopes(&job, band, before)].concat();
+        let mut encoded = recorder.compute("bounce");
+        self.stages_of(before).bounce(gpu, &mut encoded, &scopes, self.pixels(band))?;
+        drop(encoded);
+        let Some(job) = resident.jobs(band, pass).next() else { return Ok(()) };
+        let mut encoded = recorder.compute("fit");
+        let scopes = resident.scopes(&job, band, pass);
+        self.stages_of(pass).fit(gpu, &mut encoded, &scopes, &self.plan.bands[band].nodes.levels)
+    }
+
+    /// Fills the visibility buffer of a band with what its rays of a pass meet: cull, bin and raster of every job, and what is
+    /// no triangle.
+    fn encode_visibility(
+        &self,
+        recorder: &mut Recorder,
+        status: &wgpu::Buffer,
+        band: usize,
+        pass: usize,
+    ) -> Result<()> {
+        let (gpu, resident, stages) = (&*self.gpu, &self.resident, self.stages_of(pass));
+        let is_turned = resident.passes[pass].turns > 0;
+        if let Some(job) = resident.jobs(band, pass).next() {
+            let scopes = resident.scopes(&job, band, pass);
+            if let Some(visibility) = scopes.iter().find_map(|s| s.get("visibility")) {
+                recorder.encoder.clear_buffer(visibility, 0, Some(8 * self.pixels(band) as u64));
+            }
+        }
+        if let Some(rival) = &self.rival {
+            return rival.encode(gpu, recorder, &self.target(band));
+        }
+        // where turned rays are torn is not known beforehand
+        let nodes = &self.plan.bands[band].nodes;
+        let steps = if is_turned { nodes.levels.len() as u32 } else { nodes.cull_steps() };
+        let alone = resident.jobs(band, pass).filter(|j| j.clusters > 0).count() == 1;
+        for step in 0..stages.raster_steps() {
+            for job in resident.jobs(band, pass).filter(|j| j.clusters > 0) {
+                let scopes = resident.scopes(&job, band, pass);
+                // the pairs of a lone job are still there for the second step
+                if step == 0 || !alone {
+                    if let Some(counters) = resident.shared.get("counters") {
+                        recorder.encoder.clear_buffer(counters, 0, None);
+                    }
+                    let mut encoded = recorder.compute("cull");
+                    stages.cull(gpu, &mut encoded, &scopes, job.clusters, steps)?;
+                    drop(encoded);
+                    let mut encoded = recorder.compute("bin");
+                    stages.bin(gpu, &mut encoded, &scopes)?;
+                }
+                let mut encoded = recorder.compute("raster");
+                stages.raster(gpu, &mut encoded, &scopes, step)?;
+                drop(encoded);
+                if let (0, Some(counters)) = (step, resident.shared.get("counters")) {
+                    let at = STATUS_BYTES * job.index as u64;
+                    recorder.encoder.copy_buffer_to_buffer(counters, 0, status, at, STATUS_BYTES);
+                }
+            }
+            if let (true, Some(job)) = (stages.meets(), resident.jobs(band, pass).next()) {
+                let mut encoded = recorder.compute("meet");
+                stages.meet(gpu, &mut encoded, &resident.scopes(&job, band, pass), self.pixels(band), step)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A band as rivals see it.
+    fn target(&self, band: usize) -> Target<'_> {
+        let resident = &self.resident;
+        let first_batches = resident.jobs(band, 0).step_by(resident.batches as usize);
+        let chunks =
+            first_batches.map(|job| ChunkScopes { scopes: resident.scopes(&job, band, 0), slots: job.chunk.slots });
+        let Band { rows, tiles, .. } = &self.plan.bands[band];
+        Target { rows: *rows, pieces: tiles.pieces.len() as u32, chunks: chunks.collect() }
+    }
+
+    /// Writes a band's planes where its rays end in a pass.
+    fn encode_planes(&self, recorder: &mut Recorder, band: usize, pass: usize) -> Result<()> {
+        let mut shaded = None;
+        for job in self.resident.jobs(band, pass) {
+            // once a chunk: the batches of one chunk share its ids
+            if shaded == Some(job.chunk.id_first) {
+                continue;
+            }
+            shaded = Some(job.chunk.id_first);
+            let scopes = self.resident.scopes(&job, band, pass);
+            let mut encoded = recorder.compute("shade");
+            self.stages_of(pass).shade(&self.gpu, &mut encoded, &scopes, self.pixels(band))?;
+        }
+        // where on a receiver a hit lies is known of the rays that say what is seen
+        let caustics = self.caustics.as_ref().filter(|_| self.resident.passes[pass].is_main);
+        if let (Some((lit, gather)), Some(job)) = (caustics, self.resident.jobs(band, pass).next()) {
+            let mut scopes = self.resident.scopes(&job, band, pass);
+            scopes.push(&lit.buffers);
+            let mut encoded = recorder.compute("gather");
+            gather.run(&self.gpu, &mut encoded, &scopes, self.pixels(band))?;
+        }
+        Ok(())
+    }
+
+    /// Turns a band's colour planes into sRGB.
+    fn encode_srgb(&self, recorder: &mut Recorder, band: usize) -> Result<()> {
+        let Some(job) = self.resident.jobs(band, 0).next() else { return Ok(()) };
+        let mut pass = recorder.compute("write");
+        self.stages.write(&self.gpu, &mut pass, &[job.params, &self.resident.shared], self.pixels(band))
+    }
+
+    /// Copies a band's planes to where they are kept.
+    fn keep(&self, recorder: &mut Recorder, band: usize) {
+        let (Some(kept), Some(planes)) = (&self.kept, self.resident.shared.get("planes")) else { return };
+        let whole = 4 * u64::from(self.camera.width) * u64::from(self.camera.height);
+        let own = 4 * u64::from(self.pixels(band));
+        let row = 4 * u64::from(self.camera.width) * u64::from(self.plan.bands[band].row);
+        for k in 0..self.plan.planes.len() as u64 {
+            recorder.encoder.copy_buffer_to_buffer(planes, k * own, kept, k * whole + row, own);
+        }
+    }
+}

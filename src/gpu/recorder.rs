@@ -1,0 +1,141 @@
+//! The passes of one submission, each timed where the adapter can.
+
+use super::buffers::{read_words, readback};
+use super::device::Gpu;
+use crate::error::Result;
+
+/// Records passes, named after their stages.
+pub struct Recorder {
+    pub encoder: wgpu::CommandEncoder,
+    times: Option<Times>,
+    passes: u32,
+}
+
+/// What is left to read once a submission is done.
+pub struct Recorded {
+    times: Option<Times>,
+    pub passes: u32,
+}
+
+/// Timestamps at the start and end of every pass.
+struct Times {
+    queries: wgpu::QuerySet,
+    /// Of the passes that are recorded.
+    names: Vec<&'static str>,
+    /// How many fit.
+    room: u32,
+    resolved: wgpu::Buffer,
+}
+
+/// Timestamps that one query set may hold.
+const QUERIES_MAX: u32 = wgpu::QUERY_SET_MAX_QUERIES;
+
+/// Index of the first of a pass's two timestamps.
+fn first(pass: usize) -> u32 {
+    2 * pass as u32
+}
+
+impl Recorder {
+    /// Times all of at most `passes_max` passes, or none where they are too many.
+    pub fn new(gpu: &Gpu, passes_max: u32) -> Recorder {
+        let count = 2 * passes_max;
+        let times = (gpu.has.timestamps && (1..=QUERIES_MAX).contains(&count)).then(|| Times {
+            queries: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("stages"),
+                ty: wgpu::QueryType::Timestamp,
+                count,
+            }),
+            names: Vec::new(),
+            room: passes_max,
+            resolved: readback(gpu, 8 * u64::from(count)),
+        });
+        Recorder { encoder: gpu.device.create_command_encoder(&Default::default()), times, passes: 0 }
+    }
+
+    pub fn compute(&mut self, name: &'static str) -> wgpu::ComputePass<'_> {
+        let k = self.count(name);
+        let timestamp_writes = self.times.as_ref().zip(k).map(|(t, k)| wgpu::ComputePassTimestampWrites {
+            query_set: &t.queries,
+            beginning_of_pass_write_index: Some(k),
+            end_of_pass_write_index: Some(k + 1),
+        });
+        let label = Some(name);
+        self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes })
+    }
+
+    pub fn render(
+        &mut self,
+        name: &'static str,
+        colours: &[Option<wgpu::RenderPassColorAttachment>],
+        depth: Option<wgpu::RenderPassDepthStencilAttachment>,
+    ) -> wgpu::RenderPass<'_> {
+        let k = self.count(name);
+        let timestamp_writes = self.times.as_ref().zip(k).map(|(t, k)| wgpu::RenderPassTimestampWrites {
+            query_set: &t.queries,
+            beginning_of_pass_write_index: Some(k),
+            end_of_pass_write_index: Some(k + 1),
+        });
+        self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(name),
+            color_attachments: colours,
+            depth_stencil_attachment: depth,
+            timestamp_writes,
+            ..Default::default()
+        })
+    }
+
+    /// The first timestamp of the next pass.
+    fn count(&mut self, name: &'static str) -> Option<u32> {
+        self.passes += 1;
+        let times = self.times.as_mut().filter(|t| t.names.len() < t.room as usize)?;
+        times.names.push(name);
+        Some(first(times.names.len() - 1))
+    }
+
+    pub fn submit(mut self, gpu: &Gpu) -> Result<Recorded> {
+        if let Some(times) = &self.times {
+            times.resolve(gpu, &mut self.encoder);
+        }
+        gpu.queue.submit([self.encoder.finish()]);
+        gpu.failure()?;
+        Ok(Recorded { times: self.times, passes: self.passes })
+    }
+}
+
+impl Recorded {
+    /// The time on the device of every stage, ms, summed over its passes; empty without timestamps.
+    pub fn stage_ms(&self, gpu: &Gpu) -> Result<Vec<(&'static str, f64)>> {
+        let Some(times) = &self.times else { return Ok(Vec::new()) };
+        let words = read_words(gpu, &times.resolved)?;
+        let stamp = |k: u32| u64::from(words[2 * k as usize]) | u64::from(words[2 * k as usize + 1]) << 32;
+        let period_ms = f64::from(gpu.queue.get_timestamp_period()) / 1e6;
+        let mut sums: Vec<(&'static str, f64)> = Vec::new();
+        for (pass, name) in times.names.iter().enumerate() {
+            let k = first(pass);
+            let ms = stamp(k + 1).saturating_sub(stamp(k)) as f64 * period_ms;
+            match sums.iter_mut().find(|s| s.0 == *name) {
+                Some(sum) => sum.1 += ms,
+                None => sums.push((name, ms)),
+            }
+        }
+        Ok(sums)
+    }
+}
+
+impl Times {
+    fn resolve(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
+        let count = first(self.names.len());
+        if count == 0 {
+            return;
+        }
+        let bytes = 8 * u64::from(count);
+        let resolved = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("timestamps"),
+            size: bytes,
+            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        encoder.resolve_query_set(&self.queries, 0..count, &resolved, 0);
+        encoder.copy_buffer_to_buffer(&resolved, 0, &self.resolved, 0, bytes);
+    }
+}

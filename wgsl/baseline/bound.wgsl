@@ -1,0 +1,132 @@
+// bound: a triangle around the image of each, and the ray of each pixel of it against the triangle's plane (Hou et al. 2006,
+// sections 2.1 and 2.2). An instance is a piece, the camera triangle.
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat, either) slot: u32,
+    @location(1) @interpolate(flat, either) piece: u32,
+}
+
+// The camera plane in pixels from the piece's origin: X = p + x px + y py. At t = 0, or, where all rays start in one point, 1.
+struct Plane {
+    p: vec3<f32>,
+    px: vec3<f32>,
+    py: vec3<f32>,
+    normal: vec3<f32>,
+}
+
+fn camera_plane(q: Piece) -> Plane {
+    let start = cross(q.px_hi, q.py_hi);
+    let far = cross(q.px_hi + q.dx_hi, q.py_hi + q.dy_hi);
+    if dot(start, start) > POINT_SHARE * dot(far, far) {
+        return Plane(q.p_hi, q.px_hi, q.py_hi, start);
+    }
+    return Plane(q.p_hi + q.d_hi, q.px_hi + q.dx_hi, q.py_hi + q.dy_hi, far);
+}
+
+// Square of the share of a section that counts as a point: roundings of 2^-24 in sizes a thousand times as large.
+const POINT_SHARE: f32 = 1e-9;
+
+// Where the point, moved along d, is in the plane.
+fn projected(plane: Plane, point: vec3<f32>, d: vec3<f32>) -> vec2<f32> {
+    let m = point - plane.p;
+    let moved = m - d * (dot(plane.normal, m) / dot(plane.normal, d));
+    return in_plane(plane, moved);
+}
+
+// A vector in the plane, in pixels.
+fn in_plane(plane: Plane, v: vec3<f32>) -> vec2<f32> {
+    let size = dot(plane.normal, plane.normal);
+    return vec2<f32>(dot(cross(v, plane.py), plane.normal), dot(cross(plane.px, v), plane.normal)) / size;
+}
+
+// The direction of L_k as an outward normal of the edge across from corner k, in pixels: it is at a right angle to d_k in the
+// plane, on the side that points projected along d_k lie farthest to.
+fn edge_normal(plane: Plane, d: vec3<f32>) -> vec2<f32> {
+    let along = in_plane(plane, cross(plane.normal, d));
+    let out = vec2<f32>(along.y, -along.x);
+    let shift = in_plane(plane, d - plane.normal * (dot(d, plane.normal) / dot(plane.normal, plane.normal)));
+    return out * select(1.0, -1.0, dot(out, shift) > 0.0);
+}
+
+// Where two lines n . x = c meet.
+fn crossing(n: vec2<f32>, c: f32, m: vec2<f32>, e: f32) -> vec2<f32> {
+    return vec2<f32>(c * m.y - e * n.y, e * n.x - c * m.x) / winding(n, m);
+}
+
+@vertex
+fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece: u32) -> Corner {
+    let q = pieces[piece];
+    let row = triangles[index / 3u];
+    let v = array<vec3<f32>, 3>(vertex(row.x), vertex(row.y), vertex(row.z));
+    let plane = camera_plane(q);
+    let around = outline_corners(outlines[q.number]);
+    var corner: array<vec2<f32>, 3>;
+    var d: array<vec3<f32>, 3>;
+    for (var k = 0u; k < 3u; k++) {
+        corner[k] = around[k] - piece_origin(q);
+        d[k] = outline_ray(q, corner[k]).d;
+    }
+
+    // edges: at right angles to the rays; where these do not go apart, those of the camera triangle
+    var n: array<vec2<f32>, 3>;
+    for (var k = 0u; k < 3u; k++) {
+        n[k] = edge_normal(plane, d[k]);
+    }
+    let a = winding(normalize(n[0]), normalize(n[1]));
+    let b = winding(normalize(n[1]), normalize(n[2]));
+    let c = winding(normalize(n[2]), normalize(n[0]));
+    let apart = (a > APART && b > APART && c > APART) || (a < -APART && b < -APART && c < -APART);
+    if !apart {
+        for (var k = 0u; k < 3u; k++) {
+            let e = corner[(k + 2u) % 3u] - corner[(k + 1u) % 3u];
+            let out = vec2<f32>(e.y, -e.x);
+            n[k] = out * select(1.0, -1.0, dot(out, corner[k] - corner[(k + 1u) % 3u]) > 0.0);
+        }
+    }
+    // as far out as a projected corner lies
+    var reach: array<f32, 3>;
+    for (var k = 0u; k < 3u; k++) {
+        reach[k] = dot(n[k], projected(plane, v[0], d[k]));
+        for (var i = 0u; i < 3u; i++) {
+            for (var j = 0u; j < 3u; j++) {
+                if j == k || !apart {
+                    reach[k] = max(reach[k], dot(n[k], projected(plane, v[i], d[j])));
+                }
+            }
+        }
+        // half a pixel more, lest fragments are lost to rounding
+        reach[k] += 0.5 * length(n[k]);
+    }
+    let one = (index + 1u) % 3u;
+    let other = (index + 2u) % 3u;
+    let place = crossing(n[one], reach[one], n[other], reach[other]);
+    return Corner(vec4<f32>(clip_place(piece_origin(q) + place), 0.5, 1.0), index / 3u, piece);
+}
+
+// Sine of the angle between two edges at which they are told apart.
+const APART: f32 = 1e-3;
+
+@fragment
+fn bound_pixel(corner: Corner) -> Drawn {
+    let q = pieces[corner.piece];
+    let o = outlines[q.number];
+    let at = floor(corner.position.xy);
+    let ray = outline_ray(q, at - piece_origin(q));
+    let row = triangles[corner.slot];
+    let v0 = vertex(row.x);
+    let v1 = vertex(row.y);
+    let v2 = vertex(row.z);
+    let normal = file_normal(row, v0, v1, v2);
+    let m0 = v0 - ray.p;
+    let t = dot(normal, m0) / dot(normal, ray.d);
+    let g0 = cross(ray.d, m0);
+    let ab = dot(v1 - v0, g0);
+    let ca = dot(v0 - v2, g0);
+    let bc = dot(v2 - v1, cross(ray.d, v1 - ray.p));
+    let inside = (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
+    if !inside || !in_range(t) || !outline_holds(o, at) || is_hidden(row.w, normal, ray.d) {
+        discard;
+    }
+    return drawn(o.layer, row.w & ID_MASK, t);
+}

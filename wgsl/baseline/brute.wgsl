@@ -1,0 +1,9 @@
+// What a segment meets first, by testing every triangle.
+
+fn traced(segment: Segment) -> Found {
+    var found = nothing();
+    for (var k = 0u; k < arrayLength(&leaves); k++) {
+        found = nearer(segment, found, leaves[k]);
+    }
+    return found;
+}

@@ -1,0 +1,39 @@
+// Pieces, and their outlines in the image.
+
+// Corners in pixels of the image. A piece of the whole image has a triangle that holds all of it.
+struct Outline {
+    a: vec2<f32>,
+    b: vec2<f32>,
+    c: vec2<f32>,
+    is_whole: u32,
+    layer: u32,
+}
+
+// An outline in band pixels, centres at whole numbers.
+fn outline_corners(o: Outline) -> array<vec2<f32>, 3> {
+    let shift = vec2<f32>(0.5, f32(params.band_row) + 0.5);
+    return array<vec2<f32>, 3>(o.a - shift, o.b - shift, o.c - shift);
+}
+
+// The piece holds the place, in band pixels, centres at whole numbers.
+fn outline_holds(o: Outline, q: vec2<f32>) -> bool {
+    let corners = outline_corners(o);
+    let ab = winding(corners[1] - corners[0], q - corners[0]);
+    let bc = winding(corners[2] - corners[1], q - corners[1]);
+    let ca = winding(corners[0] - corners[2], q - corners[2]);
+    return o.is_whole != 0u || (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
+}
+
+fn winding(e: vec2<f32>, m: vec2<f32>) -> f32 {
+    return e.x * m.y - e.y * m.x;
+}
+
+// The ray of a piece at a place in pixels from its origin.
+fn outline_ray(q: Piece, at: vec2<f32>) -> Ray {
+    let h = q.h_hi + at.x * q.hx_hi + at.y * q.hy_hi;
+    return Ray((q.p_hi + at.x * q.px_hi + at.y * q.py_hi) / h, (q.d_hi + at.x * q.dx_hi + at.y * q.dy_hi) / h);
+}
+
+fn piece_origin(q: Piece) -> vec2<f32> {
+    return vec2<f32>(q.origin_x, q.origin_y);
+}

@@ -1,0 +1,24 @@
+// Cells of the texture S: squares of SAMPLES texels a side, row by row, of which the half above the diagonal is used.
+
+override SAMPLES: u32 = 10u;
+
+// src/baseline/splat.rs holds the same struct.
+struct Splat {
+    side: u32,              // of S, texels
+    first: u32,             // (piece, slot) pair of the first cell: slots of one piece after the other
+    slots: u32,
+    pad0: u32,
+}
+
+fn cell_texel(cell: u32) -> vec2<u32> {
+    let columns = splat.side / SAMPLES;
+    return vec2<u32>(cell % columns, cell / columns) * SAMPLES;
+}
+
+fn cell_slot(cell: u32) -> u32 {
+    return (splat.first + cell) % splat.slots;
+}
+
+fn cell_piece(cell: u32) -> u32 {
+    return (splat.first + cell) / splat.slots;
+}

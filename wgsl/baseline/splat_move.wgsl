@@ -1,0 +1,43 @@
+// splat_move: the second pass of Yu et al. 2009, section 3.3: every three neighbours of S are rendered as a triangle where the
+// camera shows them, so that no holes are left.
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(linear) t: f32,
+    @location(1) @interpolate(flat, either) cell: u32,
+}
+
+// A corner of one of the (SAMPLES - 1)^2 triangles between the texels of a cell: those of row j come after j (2 n - j) others.
+fn neighbour(part: u32, corner: u32) -> vec2<u32> {
+    let n = SAMPLES - 1u;
+    var j = 0u;
+    while (j + 1u) * (2u * n - j - 1u) <= part {
+        j++;
+    }
+    let k = part - j * (2u * n - j);
+    let up = array<vec2<u32>, 3>(vec2<u32>(0u, 0u), vec2<u32>(1u, 0u), vec2<u32>(0u, 1u));
+    let down = array<vec2<u32>, 3>(vec2<u32>(1u, 0u), vec2<u32>(1u, 1u), vec2<u32>(0u, 1u));
+    return vec2<u32>(k / 2u, j) + select(up[corner], down[corner], k % 2u == 1u);
+}
+
+@vertex
+fn splat_move_corner(@builtin(vertex_index) index: u32) -> Corner {
+    let parts = (SAMPLES - 1u) * (SAMPLES - 1u);
+    let cell = index / 3u / parts;
+    let sample = textureLoad(s, cell_texel(cell) + neighbour(index / 3u % parts, index % 3u), 0);
+    return Corner(vec4<f32>(clip_place(sample.xy), 0.5, 1.0), sample.z, cell);
+}
+
+@fragment
+fn splat_move_pixel(corner: Corner) -> Drawn {
+    let row = triangles[cell_slot(corner.cell)];
+    let q = pieces[cell_piece(corner.cell)];
+    let o = outlines[q.number];
+    let at = floor(corner.position.xy);
+    let ray = outline_ray(q, at - piece_origin(q));
+    let normal = file_normal(row, vertex(row.x), vertex(row.y), vertex(row.z));
+    if !in_range(corner.t) || !outline_holds(o, at) || is_hidden(row.w, normal, ray.d) {
+        discard;
+    }
+    return drawn(o.layer, row.w & ID_MASK, corner.t);
+}

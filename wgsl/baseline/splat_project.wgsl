@@ -1,0 +1,26 @@
+// splat_project: the first pass of Yu et al. 2009, section 3.3: every triangle fills a cell of the texture S, each texel with where
+// the camera shows it. A cell is for a triangle and a piece.
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat, either) cell: u32,
+}
+
+@vertex
+fn splat_project_corner(@builtin(vertex_index) index: u32) -> Corner {
+    let side = f32(splat.side);
+    let corner = vec2<f32>(f32((0x32u >> (index % 6u)) & 1u), f32((0x2cu >> (index % 6u)) & 1u));
+    let cell = index / 6u;
+    let place = (vec2<f32>(cell_texel(cell)) + corner * f32(SAMPLES)) / side;
+    return Corner(vec4<f32>(place.x * 2.0 - 1.0, 1.0 - place.y * 2.0, 0.5, 1.0), cell);
+}
+
+@fragment
+fn splat_project_pixel(corner: Corner) -> @location(0) vec4<f32> {
+    let at = vec2<f32>(vec2<u32>(corner.position.xy) - cell_texel(corner.cell)) / f32(SAMPLES - 1u);
+    let row = triangles[cell_slot(corner.cell)];
+    let v0 = vertex(row.x);
+    let q = pieces[cell_piece(corner.cell)];
+    let image = image_of(q, v0 + at.x * (vertex(row.y) - v0) + at.y * (vertex(row.z) - v0));
+    return vec4<f32>(piece_origin(q) + image.place, image.t, 0.0);
+}

@@ -1,0 +1,59 @@
+// warp: vertices where the camera shows them, edges straight between them (Brosz et al. 2007; Popescu et al., section 4.2).
+// Every triangle is first cut into 4^LEVELS. An instance is a piece.
+
+override LEVELS: u32 = 0u;
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(perspective) t: f32,
+    @location(1) @interpolate(flat, either) normal: vec3<f32>,
+    @location(2) @interpolate(flat, either) row_word: u32,
+    @location(3) @interpolate(flat, either) piece: u32,
+}
+
+// The weights of a corner of one of the 4^LEVELS parts of a triangle.
+fn part_weights(part: u32, corner: u32) -> vec3<f32> {
+    var a = vec3<f32>(1.0, 0.0, 0.0);
+    var b = vec3<f32>(0.0, 1.0, 0.0);
+    var c = vec3<f32>(0.0, 0.0, 1.0);
+    for (var k = 0u; k < LEVELS; k++) {
+        let ab = 0.5 * (a + b);
+        let bc = 0.5 * (b + c);
+        let ca = 0.5 * (c + a);
+        switch (part >> (2u * k)) & 3u {
+            case 0u: { b = ab; c = ca; }
+            case 1u: { a = ab; c = bc; }
+            case 2u: { a = ca; b = bc; }
+            default: { a = bc; b = ca; c = ab; }
+        }
+    }
+    return select(select(c, b, corner == 1u), a, corner == 0u);
+}
+
+@vertex
+fn warp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece: u32) -> Corner {
+    let parts = 1u << (2u * LEVELS);
+    let row = triangles[index / 3u / parts];
+    let v0 = vertex(row.x);
+    let v1 = vertex(row.y);
+    let v2 = vertex(row.z);
+    let w = part_weights(index / 3u % parts, index % 3u);
+    let q = pieces[piece];
+    let image = image_of(q, w.x * v0 + w.y * v1 + w.z * v2);
+    // what lies behind an eye is clipped off
+    let width = select(image.width, -image.width, image.t < 0.0);
+    let place = clip_place(piece_origin(q) + image.place);
+    return Corner(vec4<f32>(place, 0.5, 1.0) * width, image.t, file_normal(row, v0, v1, v2), row.w, piece);
+}
+
+@fragment
+fn warp_pixel(corner: Corner) -> Drawn {
+    let q = pieces[corner.piece];
+    let o = outlines[q.number];
+    let at = floor(corner.position.xy);
+    let ray = outline_ray(q, at - piece_origin(q));
+    if !in_range(corner.t) || !outline_holds(o, at) || is_hidden(corner.row_word, corner.normal, ray.d) {
+        discard;
+    }
+    return drawn(o.layer, corner.row_word & ID_MASK, corner.t);
+}
