@@ -161,7 +161,8 @@ impl Engine {
         let turned =
             plan.variant.turns_rays().then(|| self.stages(plan.variant.after_turn(), &plan.planes)).transpose()?;
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0);
-        let setup = Setup { camera: &camera, variant: plan.variant, rows, anchor: plan.anchor, knob: 0 };
+        let setup =
+            Setup { camera: &camera, variant: plan.variant, rows, middle: plan.middle, anchor: plan.anchor, knob: 0 };
         let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup)).transpose()?;
         let caustics = lit.map(|lit| (lit, self.gather(plan.variant, &plan.planes)));
         let mut resident = Resident::new(&self.gpu, &scene, &camera, &plan, wanted, run.capacities)?;

@@ -13,6 +13,7 @@ const SHADING: &str = include_str!("../wgsl/shared/shading.wgsl");
 const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
 const OPTICS: &str = include_str!("../wgsl/optics/rows.wgsl");
 const CAUSTICS: &str = include_str!("../wgsl/caustics/rows.wgsl");
+const RIVALS: &str = include_str!("../wgsl/baseline/rows.wgsl");
 const ROWS: &str = include_str!("../src/gpu/rows.rs");
 
 /// One field as bytes: name, offset, size, kind of its numbers.
@@ -61,14 +62,26 @@ fn field<S, T: Words>(name: &str, offset: usize, _: fn(&S) -> &T) -> Field {
 
 /// The layout of a row of `rows`; a field that is left out does not compile.
 macro_rules! layout {
-    ($name:ident { $($field:ident),* $(,)? }) => {{
-        let every_field = |row: rows::$name| {
-            let rows::$name { $($field: _),* } = row;
+    ($name:ident $body:tt) => { layout!(rows, $name $body) };
+    ($rows:ident, $name:ident { $($field:ident),* $(,)? }) => {{
+        let every_field = |row: $rows::$name| {
+            let $rows::$name { $($field: _),* } = row;
         };
         let _ = every_field;
-        let fields = vec![$(field(stringify!($field), std::mem::offset_of!(rows::$name, $field), |r: &rows::$name| &r.$field)),*];
-        (stringify!($name).to_string(), (size_of::<rows::$name>(), fields))
+        let fields = vec![$(field(stringify!($field), std::mem::offset_of!($rows::$name, $field), |r: &$rows::$name| &r.$field)),*];
+        (stringify!($name).to_string(), (size_of::<$rows::$name>(), fields))
     }};
+}
+
+fn rivals() -> Layouts {
+    use anamorph::baseline::rows as own;
+    Layouts::from([
+        layout!(own, BvhNode { lo, first, hi, count }),
+        layout!(own, LeafTriangle { v0, id, v1, one_sided, v2, pad0 }),
+        layout!(own, Outline { a, b, c, is_whole, layer }),
+        layout!(own, Cube { eye, side }),
+        layout!(own, Splat { side, first, slots, pad0 }),
+    ])
 }
 
 fn host() -> Layouts {
@@ -284,6 +297,7 @@ fn every_struct_is_the_same_bytes_on_both_sides() {
     kernels.extend(wgsl(OPTICS));
     kernels.extend(wgsl(CAUSTICS));
     assert_eq!(differences(&host(), &kernels), [""; 0]);
+    assert_eq!(differences(&rivals(), &wgsl(RIVALS)), [""; 0]);
 }
 
 #[test]

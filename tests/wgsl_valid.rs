@@ -1,6 +1,7 @@
 //! Every kernel of every variant is valid WGSL with the least capabilities that the variant may use, becomes SPIR-V,
 //! and keeps f64 to the operations that every driver translates right.
 
+use anamorph::baseline;
 use anamorph::frame::Channel;
 use anamorph::gpu::kernels::{self, Kernel, Variant};
 use anamorph::gpu::rows::GROUP;
@@ -12,14 +13,13 @@ fn variants() -> impl Iterator<Item = Variant> {
     [false, true].into_iter().flat_map(|f64| [false, true].map(|atomics64| Variant::every(f64, atomics64))).flatten()
 }
 
-/// What a kernel of `variant` may use beyond plain WGSL: `raster`, `shade`, `meet`, `bounce` and `paste` alone have variants of
-/// arithmetic, and `raster` and `meet` alone merge.
+/// Kernels that have variants of arithmetic; rivals' among them, which hand on keys of f64.
+const WIDE: [&str; 8] = ["raster", "shade", "meet", "bounce", "paste", "trace", "take", "unfold"];
+
+/// What a kernel of `variant` may use beyond plain WGSL: those of [`WIDE`] alone have variants of arithmetic, and `raster` and `meet` alone merge.
 fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
     let mut caps = Capabilities::empty();
-    caps.set(
-        Capabilities::FLOAT64,
-        variant.f64 && ["raster", "shade", "meet", "bounce", "paste"].contains(&kernel.name),
-    );
+    caps.set(Capabilities::FLOAT64, variant.f64 && WIDE.contains(&kernel.name));
     caps.set(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX, variant.atomics64 && ["raster", "meet"].contains(&kernel.name));
     caps.set(Capabilities::SHADER_INT64, !caps.is_empty());
     caps
@@ -36,6 +36,9 @@ fn validate(module: &Module, caps: Capabilities) -> Result<ModuleInfo, String> {
 fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
     for variant in variants() {
         kernels::all(variant, &Channel::ALL).iter().for_each(|k| check(k, variant));
+        if variant.optics.is_none() {
+            baseline::kernels::all(variant).iter().for_each(|k| check(k, variant));
+        }
     }
 }
 
@@ -85,6 +88,27 @@ fn every_binding_of_the_table_is_a_global_in_its_place() {
         let table: Vec<(u32, String)> = (0..).zip(kernel.bindings.iter().map(|b| b.name.to_string())).collect();
         assert_eq!(globals, table, "{}", kernel.name);
     });
+}
+
+#[test]
+fn every_draw_of_the_rivals_validates_becomes_spirv_and_binds_what_the_table_says() {
+    for kernel in [1, 3].into_iter().flat_map(baseline::kernels::draws) {
+        let module = parse(&kernel.source).unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
+        let info = validate(&module, Capabilities::empty()).unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
+        let mut entries: Vec<_> = module.entry_points.iter().map(|e| (e.name.clone(), e.stage)).collect();
+        entries.sort_by(|a, b| a.0.cmp(&b.0));
+        let stages = [("corner", ShaderStage::Vertex), ("pixel", ShaderStage::Fragment)];
+        assert!(entries.into_iter().eq(stages.map(|(name, stage)| (format!("{}_{name}", kernel.name), stage))));
+        for (binding, global) in module.global_variables.iter().filter_map(|(_, g)| g.binding.map(|b| (b, g))) {
+            assert_eq!(global.name.as_deref(), Some(kernel.bindings[binding.binding as usize].name));
+        }
+        let mut constants = naga::back::PipelineConstants::default();
+        constants.extend(kernel.constants.iter().map(|&(name, value)| (name.to_string(), value)));
+        let (module, info) = naga::back::pipeline_constants::process_overrides(&module, &info, None, &constants)
+            .unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
+        naga::back::spv::write_vec(&module, &info, &naga::back::spv::Options::default(), None)
+            .unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
+    }
 }
 
 #[test]
@@ -151,9 +175,10 @@ fn f64_is_left_to_plain_arithmetic() {
         wide += u32::from(allowed(kernel, variant).contains(Capabilities::FLOAT64));
     });
     // of each kind of adapter with f64, with and without counting: ten cameras, six whose rays are turned, three of them at
-    // quadrics, and two with an atlas
+    // quadrics, and two with an atlas; rivals trace in two ways
     let (raster_and_shade, bounce, meet, paste) = (2 * (10 + 6 + 2), 6, 3, 2);
-    assert_eq!(wide, 4 * (raster_and_shade + bounce + meet + paste));
+    let rivals = 10 * (2 + 1 + 1);
+    assert_eq!(wide, 4 * (raster_and_shade + bounce + meet + paste + rivals));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! A bounding volume hierarchy over triangles, for the kernel `trace`: built by a library for it, or fitted anew.
 
+use super::rows::{BvhNode, LeafTriangle};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use glam::DVec3;
@@ -9,30 +10,6 @@ use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use std::time::Duration;
-
-/// A node: a box around two children, which lie beside each other, or around triangles.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct BvhNode {
-    pub lo: [f32; 3],
-    /// The first child, or the first triangle.
-    pub first: u32,
-    pub hi: [f32; 3],
-    /// Triangles; 0: it has children.
-    pub count: u32,
-}
-
-/// A triangle of a leaf: corners relative to the anchor.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct LeafTriangle {
-    pub v0: [f32; 3],
-    pub id: u32,
-    pub v1: [f32; 3],
-    pub one_sided: u32,
-    pub v2: [f32; 3],
-    pub pad0: u32,
-}
 
 /// Nodes that wait in the kernel at most.
 const DEPTH_MAX: usize = 96;

@@ -2,21 +2,12 @@
 //! the nearest texel there (Lorenz and Doellner 2009, section 1.1: image-based). For cameras whose rays start in one point.
 
 use super::draw::{Canvas, Draw, run};
+use super::rows::Cube;
 use super::{Rival, Setup, Target, kernels, with};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
 use crate::gpu::recorder::Recorder;
-
-/// Where the cube is, and how fine.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct Cube {
-    /// Relative to the anchor.
-    pub eye: [f32; 3],
-    /// Texels a side.
-    pub side: u32,
-}
 
 struct CubeMap {
     draw: Draw,

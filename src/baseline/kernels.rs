@@ -4,6 +4,7 @@ use crate::gpu::kernels::{
     Binding, ITEMS, KEY, Kernel, PARAMS, RAY, RaysKind, SHEETS, TRIANGLE_ROW, VERTEX, Variant, kernel, params, read,
     texture, uniform, write,
 };
+use glam::DVec3;
 
 macro_rules! snippet {
     ($path:literal) => {
@@ -11,6 +12,7 @@ macro_rules! snippet {
     };
 }
 
+const ROWS: &str = snippet!("rows.wgsl");
 const RANGE: &str = snippet!("range.wgsl");
 const DRAWN: &str = snippet!("drawn.wgsl");
 const OUTLINE: &str = snippet!("outline.wgsl");
@@ -30,7 +32,7 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
         _ => snippet!("straight_way.wgsl"),
     };
     let search = if brute { snippet!("brute.wgsl") } else { snippet!("bvh.wgsl") };
-    let own = [search, way, snippet!("trace.wgsl")];
+    let own = [ROWS, search, way, snippet!("trace.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SHEETS, KEY][..], &variant.pixel_snippets(), &own].concat();
     let mut kernel = kernel("trace", bindings, &snippets);
     kernel.constants = variant.constants();
@@ -57,7 +59,7 @@ fn pieces_draw(name: &'static str, layers: u32, more: &[Binding], own: &[&str]) 
     let rays = [read("pieces", "array<Piece>"), read("outlines", "array<Outline>")];
     let bindings = [&[params()][..], &triangles(), &rays, more].concat();
     let mut kernel =
-        kernel(name, bindings, &[&[PARAMS, VERTEX, TRIANGLE_ROW, RAY, RANGE, DRAWN, OUTLINE][..], own].concat());
+        kernel(name, bindings, &[&[PARAMS, VERTEX, TRIANGLE_ROW, RAY, ROWS, RANGE, DRAWN, OUTLINE][..], own].concat());
     kernel.constants = vec![("LAYERS", f64::from(layers))];
     kernel
 }
@@ -69,9 +71,11 @@ pub fn warp(layers: u32, levels: u32) -> Kernel {
     kernel
 }
 
-/// Triangles around images.
-pub fn bound(layers: u32) -> Kernel {
-    pieces_draw("bound", layers, &[], &[snippet!("bound.wgsl")])
+/// Triangles around images, in the planes through the scene's middle.
+pub fn bound(layers: u32, middle: DVec3) -> Kernel {
+    let mut kernel = pieces_draw("bound", layers, &[], &[snippet!("bound.wgsl")]);
+    kernel.constants.extend([("MIDDLE_X", middle.x), ("MIDDLE_Y", middle.y), ("MIDDLE_Z", middle.z)]);
+    kernel
 }
 
 /// Perspective pieces.
@@ -85,13 +89,13 @@ pub fn replicate() -> Kernel {
     let rays = [read("pieces", "array<Piece>"), read("outlines", "array<Outline>")];
     let own = [write("replicas", "array<vec2<u32>>"), write("draw_args", "array<atomic<u32>>")];
     let bindings = [&[params()][..], &triangles(), &rays, &own].concat();
-    kernel("replicate", bindings, &[PARAMS, ITEMS, VERTEX, RAY, OUTLINE, PERSPECTIVE, snippet!("replicate.wgsl")])
+    kernel("replicate", bindings, &[PARAMS, ITEMS, VERTEX, RAY, ROWS, OUTLINE, PERSPECTIVE, snippet!("replicate.wgsl")])
 }
 
 /// Triangles onto a cube around the eye.
 pub fn cube() -> Kernel {
     let bindings = [&[params(), uniform("cube", "Cube")][..], &triangles()].concat();
-    kernel("cube", bindings, &[PARAMS, VERTEX, TRIANGLE_ROW, DRAWN, FACE, snippet!("cube.wgsl")])
+    kernel("cube", bindings, &[PARAMS, VERTEX, TRIANGLE_ROW, ROWS, DRAWN, FACE, snippet!("cube.wgsl")])
 }
 
 /// The cube map to the camera's picture.
@@ -99,7 +103,7 @@ pub fn unfold(variant: Variant) -> Kernel {
     let mut bindings = vec![params(), uniform("cube", "Cube"), texture("picture", "texture_2d<u32>")];
     bindings.push(write("visibility", "array<vec2<u32>>"));
     bindings.extend(variant.pixel_rays());
-    let own = [TRIANGLE_ROW, RANGE, FACE, snippet!("unfold.wgsl")];
+    let own = [TRIANGLE_ROW, ROWS, RANGE, FACE, snippet!("unfold.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SHEETS, KEY][..], &variant.pixel_snippets(), &own].concat();
     let mut kernel = kernel("unfold", bindings, &snippets);
     kernel.constants = variant.constants();
@@ -120,4 +124,20 @@ pub fn splat_move(layers: u32, samples: u32) -> Kernel {
     let mut kernel = pieces_draw("splat_move", layers, &more, &[CELLS, snippet!("splat_move.wgsl")]);
     kernel.constants.push(("SAMPLES", f64::from(samples)));
     kernel
+}
+
+/// The compute kernels for cameras of a variant.
+pub fn all(variant: Variant) -> Vec<Kernel> {
+    let layers = if variant.sheeted { 2 } else { 1 };
+    let mut all =
+        vec![trace(variant, layers, 4, false), trace(variant, layers, 1, true), take(variant), unfold(variant)];
+    all.push(replicate());
+    all
+}
+
+/// The draws, onto `layers` layers.
+pub fn draws(layers: u32) -> Vec<Kernel> {
+    let middle = DVec3::ZERO;
+    let onto_s = splat_project(10);
+    vec![warp(layers, 2), bound(layers, middle), perspective(layers), cube(), onto_s, splat_move(layers, 10)]
 }

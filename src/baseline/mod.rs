@@ -10,6 +10,7 @@ mod draw;
 pub mod kernels;
 mod outline;
 mod replicated;
+pub mod rows;
 mod splat;
 mod through_pieces;
 mod trace;
@@ -68,6 +69,8 @@ pub struct Setup<'a> {
     pub variant: Variant,
     /// Rows of pixels of the largest band.
     pub rows: u32,
+    /// Of the scene's box.
+    pub middle: DVec3,
     /// What positions on the device are relative to.
     pub anchor: DVec3,
     /// The number that trades the rival's error for its time.

@@ -1,23 +1,12 @@
 //! The pieces of a camera as draws see them: rows that are on the device anyway, and their outlines in the image.
 
 use super::Setup;
+use super::rows::Outline;
 use crate::camera::Rays;
 use crate::camera::pieces::Piece;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
-
-/// Corners of a piece in pixels of the image.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct Outline {
-    pub a: [f32; 2],
-    pub b: [f32; 2],
-    pub c: [f32; 2],
-    /// 1: the whole image; the corners are of a triangle that holds it.
-    pub is_whole: u32,
-    pub layer: u32,
-}
 
 /// All pieces of the camera, by their number, and their layers.
 ///

@@ -4,6 +4,7 @@
 
 use super::draw::{Draw, Easel, texture};
 use super::outline::outlines;
+use super::rows::Splat;
 use super::{ChunkScopes, Rival, Setup, Target, kernels, with};
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -11,19 +12,7 @@ use crate::gpu::buffers::Buffers;
 use crate::gpu::recorder::Recorder;
 use wgpu::TextureFormat;
 
-/// What a pair of passes is over.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct Cells {
-    /// Of S, texels.
-    pub side: u32,
-    /// (piece, slot) pair of the first cell: slots of one piece after the other.
-    pub first: u32,
-    pub slots: u32,
-    pub pad0: u32,
-}
-
-struct Splat {
+struct ByTexture {
     project: Draw,
     scatter: Draw,
     easel: Easel,
@@ -52,7 +41,7 @@ pub fn each(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
 
 fn splat(gpu: &Gpu, setup: &Setup, is_each: bool) -> Result<Box<dyn Rival>> {
     let samples = setup.knob;
-    Ok(Box::new(Splat {
+    Ok(Box::new(ByTexture {
         project: Draw::onto(gpu, kernels::splat_project(samples), S, None),
         scatter: Draw::new(gpu, kernels::splat_move(setup.layers(), samples)),
         easel: Easel::new(gpu, setup),
@@ -63,7 +52,7 @@ fn splat(gpu: &Gpu, setup: &Setup, is_each: bool) -> Result<Box<dyn Rival>> {
     }))
 }
 
-impl Splat {
+impl ByTexture {
     /// Cells of S.
     fn room(&self) -> u32 {
         (SIDE / self.samples).pow(2)
@@ -86,7 +75,7 @@ impl Splat {
         is_first: bool,
     ) -> Result<()> {
         let mut cells = Buffers::default();
-        cells.upload_uniform(gpu, "splat", &Cells { side: SIDE, first, slots: chunk.slots, pad0: 0 })?;
+        cells.upload_uniform(gpu, "splat", &Splat { side: SIDE, first, slots: chunk.slots, pad0: 0 })?;
         let scopes = with(&chunk.scopes, &[&self.own, &cells]);
         let group = self.project.bind(gpu, &scopes)?;
         let onto_s = wgpu::RenderPassColorAttachment {
@@ -109,7 +98,7 @@ impl Splat {
     }
 }
 
-impl Rival for Splat {
+impl Rival for ByTexture {
     fn passes(&self, band: &Target) -> u32 {
         1 + band.chunks.iter().map(|c| 2 * self.pairs(c.slots, band.pieces).len() as u32).sum::<u32>()
     }

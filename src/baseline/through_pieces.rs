@@ -30,13 +30,13 @@ pub fn warp(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
 }
 
 pub fn bound(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
-    let draw = Draw::new(gpu, kernels::bound(setup.layers()));
+    let draw = Draw::new(gpu, kernels::bound(setup.layers(), setup.middle - setup.anchor));
     Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1, None)?))
 }
 
 /// A pass for each camera.
 pub fn bound_passes(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
-    let draw = Draw::new(gpu, kernels::bound(setup.layers()));
+    let draw = Draw::new(gpu, kernels::bound(setup.layers(), setup.middle - setup.anchor));
     let pieces = super::outline::pieces(setup)?.len() as u32;
     Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1, Some(pieces))?))
 }

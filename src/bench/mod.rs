@@ -59,7 +59,8 @@ pub fn run(
 impl Run {
     fn folder_name(&self) -> String {
         let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-        let adapter: String = self.provenance.adapter.split(['(', ',']).next().unwrap_or("").trim().chars().map(plain).collect();
+        let adapter: String =
+            self.provenance.adapter.split(['(', ',']).next().unwrap_or("").trim().chars().map(plain).collect();
         let quick = if self.provenance.quick { "-quick" } else { "" };
         format!("{}-{adapter}-{}{quick}", self.provenance.date, self.suite)
     }

@@ -24,7 +24,8 @@ pub fn page(runs: &[(Run, Vec<Drawn>)]) -> String {
     );
     for (k, (run, _)) in runs.iter().enumerate() {
         let p = &run.provenance;
-        text += &format!("<a href=\"#run{k}\">{} {} {}</a> ", escaped(&p.date), escaped(&run.suite), escaped(&p.adapter));
+        text +=
+            &format!("<a href=\"#run{k}\">{} {} {}</a> ", escaped(&p.date), escaped(&run.suite), escaped(&p.adapter));
     }
     text += "</nav>\n";
     for (k, (run, plots)) in runs.iter().enumerate() {

@@ -42,8 +42,9 @@ pub fn plots(rows: &[Row], plot: Plot) -> Result<Vec<Drawn>> {
                     Some((row.times.as_ref()?.median, error.wrong_share.max(least)))
                 });
                 let title = &case[0].case;
-                (!series.is_empty())
-                    .then(|| Ok((file_name(title), title.clone(), chart(&series, ["ms a frame", "share of wrong pixels"])?)))
+                (!series.is_empty()).then(|| {
+                    Ok((file_name(title), title.clone(), chart(&series, ["ms a frame", "share of wrong pixels"])?))
+                })
             })
             .collect(),
         Plot::Scaling => knobs(rows)
@@ -168,7 +169,12 @@ fn chart(series: &[Series], [x_name, y_name]: [&str; 2]) -> Result<String> {
                 .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(3)));
             chart.draw_series(s.points.iter().map(|p| Circle::new(*p, 3, colour.filled()))).map_err(failed)?;
         }
-        chart.configure_series_labels().border_style(BLACK.mix(0.2)).background_style(WHITE.mix(0.7)).draw().map_err(failed)?;
+        chart
+            .configure_series_labels()
+            .border_style(BLACK.mix(0.2))
+            .background_style(WHITE.mix(0.7))
+            .draw()
+            .map_err(failed)?;
         root.present().map_err(failed)?;
     }
     Ok(svg)
@@ -178,7 +184,12 @@ fn chart(series: &[Series], [x_name, y_name]: [&str; 2]) -> Result<String> {
 fn bars(rows: &[Row]) -> Result<String> {
     let mut names: Vec<&str> = rows.iter().flat_map(|r| &r.stages).map(|s| s.0.as_str()).collect();
     let mut seen = Vec::new();
-    names.retain(|n| !seen.contains(n) && { seen.push(*n); true });
+    names.retain(|n| {
+        !seen.contains(n) && {
+            seen.push(*n);
+            true
+        }
+    });
     let total = |row: &Row| row.stages.iter().map(|s| s.1).sum::<f64>();
     let most = rows.iter().map(total).fold(1e-9, f64::max);
     let count = rows.len() as i32;
@@ -210,7 +221,8 @@ fn bars(rows: &[Row]) -> Result<String> {
                 let place = row.stages.iter().position(|s| s.0 == *name)?;
                 let from: f64 = row.stages[..place].iter().map(|s| s.1).sum();
                 let y = count - 1 - at as i32;
-                let corners = [(from, SegmentValue::Exact(y)), (from + row.stages[place].1, SegmentValue::Exact(y + 1))];
+                let corners =
+                    [(from, SegmentValue::Exact(y)), (from + row.stages[place].1, SegmentValue::Exact(y + 1))];
                 let mut bar = Rectangle::new(corners, colour.mix(0.8).filled());
                 bar.set_margin(3, 3, 0, 0);
                 Some(bar)
@@ -221,7 +233,12 @@ fn bars(rows: &[Row]) -> Result<String> {
                 .label(*name)
                 .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 14, y + 5)], colour.mix(0.8).filled()));
         }
-        chart.configure_series_labels().border_style(BLACK.mix(0.2)).background_style(WHITE.mix(0.7)).draw().map_err(failed)?;
+        chart
+            .configure_series_labels()
+            .border_style(BLACK.mix(0.2))
+            .background_style(WHITE.mix(0.7))
+            .draw()
+            .map_err(failed)?;
         root.present().map_err(failed)?;
     }
     Ok(svg)

@@ -76,7 +76,8 @@ const SPREAD_MAX: f64 = 0.2;
 impl Row {
     pub fn new(suite: &str, case: &Case, arm: &Arm) -> Row {
         let own_knob = arm.knob.map(|(name, value)| (name.to_owned(), value));
-        let rivals_knob = arm.by.and_then(|c| c.technique.knob.as_ref().map(|k| (k.name.to_owned(), f64::from(c.knob))));
+        let rivals_knob =
+            arm.by.and_then(|c| c.technique.knob.as_ref().map(|k| (k.name.to_owned(), f64::from(c.knob))));
         Row {
             suite: suite.to_owned(),
             case: case.name.clone(),

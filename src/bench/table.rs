@@ -119,7 +119,14 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
         "# {}\n\n`{}`, {}, version {} ({commit}), {} {}, {} cores.\n\n{}\n\nTimes are medians of frames that ran in turn with \
          those of all other techniques, from the first submission until the results are complete on the device. (?): half of \
          them lie more than 20 % apart, so that the row is not to be trusted. Errors are against the f64 reference.\n",
-        run.suite, p.command, p.date, p.version, p.adapter, p.driver, p.cores, p.fairness()
+        run.suite,
+        p.command,
+        p.date,
+        p.version,
+        p.adapter,
+        p.driver,
+        p.cores,
+        p.fairness()
     );
     for (title, knob, fits) in slopes(&run.rows) {
         text += &format!("\n{title}: time grows as {knob} to the power of");
@@ -140,10 +147,14 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
 /// A case in a line.
 pub fn about(row: &Row) -> String {
     let moving = if row.moving { ", every vertex new in each frame" } else { "" };
-    let mut text =
-        format!("{} triangles, {} x {} pixels{moving}; an empty kernel: {:.2} ms.", row.triangles, row.width, row.height, row.control_ms);
+    let mut text = format!(
+        "{} triangles, {} x {} pixels{moving}; an empty kernel: {:.2} ms.",
+        row.triangles, row.width, row.height, row.control_ms
+    );
     if let Some(p) = &row.paper {
-        let fps = p.fps.map_or("prints no time".to_owned(), |fps| format!("prints {fps} frames a second ({:.1} ms) on {}", 1e3 / fps, p.hardware));
+        let fps = p.fps.map_or("prints no time".to_owned(), |fps| {
+            format!("prints {fps} frames a second ({:.1} ms) on {}", 1e3 / fps, p.hardware)
+        });
         text += &format!(" {}, figure {} {fps}. Here: {}.", p.paper, p.figure, p.stand_in);
     }
     text

@@ -10,8 +10,7 @@ use crate::gpu::Gpu;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER};
 
 pub fn run(args: &BenchArgs) -> Result<()> {
-    let asked: Vec<&Suite> =
-        SUITES.iter().filter(|s| args.suite.as_ref().is_none_or(|name| name == s.name)).collect();
+    let asked: Vec<&Suite> = SUITES.iter().filter(|s| args.suite.as_ref().is_none_or(|name| name == s.name)).collect();
     if asked.is_empty() {
         let names: Vec<&str> = SUITES.iter().map(|s| s.name).collect();
         return Err(Error::input(format!("there is no suite of this name; use {}, or none for all", names.join(", "))));

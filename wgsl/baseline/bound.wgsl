@@ -7,7 +7,8 @@ struct Corner {
     @location(1) @interpolate(flat, either) piece: u32,
 }
 
-// The camera plane in pixels from the piece's origin: X = p + x px + y py. At t = 0, or, where all rays start in one point, 1.
+// The camera plane in pixels from the piece's origin, X = p + x px + y py: where the rays are at the t of the scene's middle. The
+// paper's is the mirror's facet; the nearer it is to the triangles, the tighter are their bounds.
 struct Plane {
     p: vec3<f32>,
     px: vec3<f32>,
@@ -15,17 +16,17 @@ struct Plane {
     normal: vec3<f32>,
 }
 
-fn camera_plane(q: Piece) -> Plane {
-    let start = cross(q.px_hi, q.py_hi);
-    let far = cross(q.px_hi + q.dx_hi, q.py_hi + q.dy_hi);
-    if dot(start, start) > POINT_SHARE * dot(far, far) {
-        return Plane(q.p_hi, q.px_hi, q.py_hi, start);
-    }
-    return Plane(q.p_hi + q.d_hi, q.px_hi + q.dx_hi, q.py_hi + q.dy_hi, far);
-}
+override MIDDLE_X: f32 = 0.0;
+override MIDDLE_Y: f32 = 0.0;
+override MIDDLE_Z: f32 = 0.0;
 
-// Square of the share of a section that counts as a point: roundings of 2^-24 in sizes a thousand times as large.
-const POINT_SHARE: f32 = 1e-9;
+fn camera_plane(q: Piece) -> Plane {
+    let ray = outline_ray(q, vec2<f32>(0.0));
+    let t = dot(vec3<f32>(MIDDLE_X, MIDDLE_Y, MIDDLE_Z) - ray.p, ray.d) / dot(ray.d, ray.d);
+    let px = q.px_hi + t * q.dx_hi;
+    let py = q.py_hi + t * q.dy_hi;
+    return Plane(q.p_hi + t * q.d_hi, px, py, cross(px, py));
+}
 
 // Where the point, moved along d, is in the plane.
 fn projected(plane: Plane, point: vec3<f32>, d: vec3<f32>) -> vec2<f32> {
@@ -84,16 +85,12 @@ fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piec
             n[k] = out * select(1.0, -1.0, dot(out, corner[k] - corner[(k + 1u) % 3u]) > 0.0);
         }
     }
-    // as far out as a projected corner lies
+    // as far out as a projected corner lies: of those before the plane that along the edge's own ray does not lie outmost
     var reach: array<f32, 3>;
     for (var k = 0u; k < 3u; k++) {
-        reach[k] = dot(n[k], projected(plane, v[0], d[k]));
-        for (var i = 0u; i < 3u; i++) {
-            for (var j = 0u; j < 3u; j++) {
-                if j == k || !apart {
-                    reach[k] = max(reach[k], dot(n[k], projected(plane, v[i], d[j])));
-                }
-            }
+        reach[k] = dot(n[k], projected(plane, v[0], d[0]));
+        for (var i = 0u; i < 9u; i++) {
+            reach[k] = max(reach[k], dot(n[k], projected(plane, v[i / 3u], d[i % 3u])));
         }
         // half a pixel more, lest fragments are lost to rounding
         reach[k] += 0.5 * length(n[k]);

@@ -1,13 +1,5 @@
 // What a segment meets first, by a bounding volume hierarchy.
 
-// src/baseline/bvh.rs holds the same struct.
-struct BvhNode {
-    lo: vec3<f32>,
-    first: u32,             // child, the other beside it; or triangle
-    hi: vec3<f32>,
-    count: u32,             // triangles; 0: it has children
-}
-
 // Nodes that wait at most; the host refuses hierarchies that are as deep.
 const STACK: u32 = 96u;
 

@@ -1,11 +1,5 @@
 // The faces of a cube map: +x, -x, +y, -y, +z, -z.
 
-// src/baseline/cubemap.rs holds the same struct.
-struct Cube {
-    eye: vec3<f32>,         // relative to the anchor
-    side: u32,              // texels
-}
-
 // A vector from the eye: two coordinates across the face, [-1, 1] of it where they are as large as the third, which is above 0
 // before the face.
 fn on_face(face: u32, m: vec3<f32>) -> vec3<f32> {

@@ -1,14 +1,5 @@
 // Pieces, and their outlines in the image.
 
-// Corners in pixels of the image. A piece of the whole image has a triangle that holds all of it.
-struct Outline {
-    a: vec2<f32>,
-    b: vec2<f32>,
-    c: vec2<f32>,
-    is_whole: u32,
-    layer: u32,
-}
-
 // An outline in band pixels, centres at whole numbers.
 fn outline_corners(o: Outline) -> array<vec2<f32>, 3> {
     let shift = vec2<f32>(0.5, f32(params.band_row) + 0.5);

@@ -2,14 +2,6 @@
 
 override SAMPLES: u32 = 10u;
 
-// src/baseline/splat.rs holds the same struct.
-struct Splat {
-    side: u32,              // of S, texels
-    first: u32,             // (piece, slot) pair of the first cell: slots of one piece after the other
-    slots: u32,
-    pad0: u32,
-}
-
 fn cell_texel(cell: u32) -> vec2<u32> {
     let columns = splat.side / SAMPLES;
     return vec2<u32>(cell % columns, cell / columns) * SAMPLES;

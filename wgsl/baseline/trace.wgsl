@@ -5,16 +5,6 @@
 override LAYERS: u32 = 1u;
 override SEGMENTS: u32 = 1u;      // of a layer
 
-// src/baseline/bvh.rs holds the same struct.
-struct LeafTriangle {
-    v0: vec3<f32>,
-    id: u32,
-    v1: vec3<f32>,
-    one_sided: u32,
-    v2: vec3<f32>,
-    pad0: u32,
-}
-
 // A part of a pixel's way: p + s d for s in [first, last].
 struct Segment {
     p: vec3<f32>,

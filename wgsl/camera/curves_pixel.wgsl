@@ -4,6 +4,10 @@ fn pixel_curve(layer: u32, x: u32, y: u32) -> Curve {
     return curve_stored(curve_place(layer, x, y));
 }
 
+fn has_ray(layer: u32, x: u32, y: u32) -> bool {
+    return pixel_cell(layer, x, y) != NONE;
+}
+
 // The point at t with the way of the curve there; where it stands still, the way to its end.
 fn ray_bundle(layer: u32, x: u32, y: u32, t: f32) -> Bundle {
     let c = pixel_curve(layer, x, y);

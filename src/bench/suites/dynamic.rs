@@ -5,8 +5,11 @@ use crate::bench::case::{Arm, Case, arms};
 fn city(count: u32) -> Case {
     let more = |arm: Arm| arm.knob("moving triangles", f64::from(count));
     let all = arms(&["raytrace", "raytrace-refit", "raster-warp:0", "raster-bound"]);
-    Case { moving: true, ..Case::of(format!("moving {count:>7}"), "city-cross-slit", all.into_iter().map(more).collect()) }
-        .set(&[&format!("mesh.0.triangles={count}"), "image.width=800", "image.height=600"])
+    Case {
+        moving: true,
+        ..Case::of(format!("moving {count:>7}"), "city-cross-slit", all.into_iter().map(more).collect())
+    }
+    .set(&[&format!("mesh.0.triangles={count}"), "image.width=800", "image.height=600"])
 }
 
 pub fn cases() -> Vec<Case> {

@@ -42,17 +42,34 @@ fn yu() -> Vec<Case> {
     let ring = ["raster-splat:10", "raster-splat-passes:10", "raster-bound", "raytrace"];
     let pieces = |n: u32, names: &[&str]| -> Vec<Arm> {
         let set = format!("camera.pieces={n}");
-        [Arm::ours()].into_iter().chain(arms(names).into_iter().map(|a| a.set(&[&set]).knob("pieces", f64::from(n)))).collect()
+        [Arm::ours()]
+            .into_iter()
+            .chain(arms(names).into_iter().map(|a| a.set(&[&set]).knob("pieces", f64::from(n))))
+            .collect()
     };
     let mut cases = vec![
-        Case::of("Yu 1", "city-cross-slit", arms(&glc)).paper(of("1", Some(70.0), "a generated city of 15,000 triangles")),
-        Case::new("Yu 5", scene!("primitives"), arms(&["raster-splat:5", "raster-splat:10", "raster-splat:20", "raytrace"]))
-            .paper(of("5 (b) to (d)", None, "a ball of 320 triangles, a cylinder of 40, a box of 12")),
+        Case::of("Yu 1", "city-cross-slit", arms(&glc)).paper(of(
+            "1",
+            Some(70.0),
+            "a generated city of 15,000 triangles",
+        )),
+        Case::new(
+            "Yu 5",
+            scene!("primitives"),
+            arms(&["raster-splat:5", "raster-splat:10", "raster-splat:20", "raytrace"]),
+        )
+        .paper(of("5 (b) to (d)", None, "a ball of 320 triangles, a cylinder of 40, a box of 12")),
         Case::of("Yu 6", "cow-panorama", pieces(32, &ring)).paper(of("6", Some(47.0), "a generated cow")),
-        Case::of("Yu 7", "teapot-panorama", pieces(32, &ring)).paper(of("7", Some(32.0), "the teapot; the number of GLCs is not given")),
-        Case::of("Yu 8", "mirror-ball", atlas_arms(960, 256, &[]))
-            .truth(&["camera.facets=\"exact\""])
-            .paper(of("8", Some(10.0), "1,100 triangles; 31 million texels are too many here, so without an atlas")),
+        Case::of("Yu 7", "teapot-panorama", pieces(32, &ring)).paper(of(
+            "7",
+            Some(32.0),
+            "the teapot; the number of GLCs is not given",
+        )),
+        Case::of("Yu 8", "mirror-ball", atlas_arms(960, 256, &[])).truth(&["camera.facets=\"exact\""]).paper(of(
+            "8",
+            Some(10.0),
+            "1,100 triangles; 31 million texels are too many here, so without an atlas",
+        )),
         Case::of("Yu 9", "hinge", arms(&glc)).paper(of("9", None, "a generated cow")),
     ];
     let ball = |name: String, count, texels, fps| {
@@ -60,8 +77,11 @@ fn yu() -> Vec<Case> {
             .truth(&["camera.facets=\"exact\""])
             .paper(of("10 (a)", Some(fps), "1,100 triangles"))
     };
-    let a = [(126, 128, 87.1), (126, 512, 43.1), (360, 128, 27.8), (360, 512, 16.7), (640, 128, 16.6), (640, 512, 10.4)];
-    cases.extend(a.map(|(n, texels, fps)| ball(format!("Yu 10 (a): {n} GLCs of {texels} texels a side"), n, texels, fps)));
+    let a =
+        [(126, 128, 87.1), (126, 512, 43.1), (360, 128, 27.8), (360, 512, 16.7), (640, 128, 16.6), (640, 512, 10.4)];
+    cases.extend(
+        a.map(|(n, texels, fps)| ball(format!("Yu 10 (a): {n} GLCs of {texels} texels a side"), n, texels, fps)),
+    );
     let b = [(550, 6, 28.4), (550, 10, 14.4), (1100, 6, 22.4), (1100, 10, 10.8), (2200, 6, 9.5), (2200, 10, 6.9)];
     cases.extend(b.map(|(n, k, fps)| {
         let by = [&*format!("raster-splat:{k}"), &*format!("raster-splat-passes:{k}")].map(str::to_owned);
@@ -90,15 +110,21 @@ fn hou() -> Vec<Case> {
         ring(26, 128, 51.0),
         ring(104, 64, 63.0),
         ring(416, 32, 5.0),
-        Case::of("Hou table 1: refraction", "water", water)
-            .paper(of("table 1, figure 9", Some(46.0), "252 triangles and 12 cameras")),
+        Case::of("Hou table 1: refraction", "water", water).paper(of(
+            "table 1, figure 9",
+            Some(46.0),
+            "252 triangles and 12 cameras",
+        )),
         Case::of("Hou table 1: caustics", "caustic", arms(&[])).paper(of(
             "table 1, figure 11",
             Some(35.0),
             "a ring of 400 triangles; its light is deposited once, before the frames, and not in their time",
         )),
-        Case::of("Hou table 1: visualization", "surround", arms(&bound))
-            .paper(of("table 1, figure 12", Some(46.0), "a generated walker of 6,841 triangles, 400 cameras")),
+        Case::of("Hou table 1: visualization", "surround", arms(&bound)).paper(of(
+            "table 1, figure 12",
+            Some(46.0),
+            "a generated walker of 6,841 triangles, 400 cameras",
+        )),
     ];
     let rows = [
         (800, 100, 20.1),
@@ -117,9 +143,11 @@ fn hou() -> Vec<Case> {
             Source::Text(include_str!("../scenes/teapot.toml").into()),
             atlas_arms(cameras, 64, &by),
         );
-        Case { moving: true, ..case }
-            .set(&[&format!("mesh.0.triangles={triangles}")])
-            .paper(of("7", Some(fps), "the built-in teapot as the mirror, a generated town that moves"))
+        Case { moving: true, ..case }.set(&[&format!("mesh.0.triangles={triangles}")]).paper(of(
+            "7",
+            Some(fps),
+            "the built-in teapot as the mirror, a generated town that moves",
+        ))
     }));
     cases
 }
@@ -134,14 +162,19 @@ fn popescu() -> Vec<Case> {
         Case::of("Popescu 1", "terrain-top-down", by()).paper(of("1, table 1", 28.0, smaller)),
         Case::of("Popescu 2", "terrain-bottom-up", by()).paper(of("2, table 1", 24.0, smaller)),
         Case::of("Popescu 3", "tracked", by()).paper(of("3, table 1", 19.0, city)),
-        Case::of("Popescu 9", "opposite", by()).paper(of("9, table 1", 13.0, "generated; 3,752,000 triangles in the paper")),
+        Case::of("Popescu 9", "opposite", by()).paper(of(
+            "9, table 1",
+            13.0,
+            "generated; 3,752,000 triangles in the paper",
+        )),
         Case::of("Popescu 9, the graph camera", "graph-camera", by()).paper(of("9", 13.0, "its rival in the paper")),
     ]
 }
 
 /// Lorenz and Doellner 2009.
 fn lorenz() -> Vec<Case> {
-    let of = |figure: &str, fps: f64, stand_in: &str| paper("Lorenz and Doellner 2009", figure, fps, GTS_8800, stand_in);
+    let of =
+        |figure: &str, fps: f64, stand_in: &str| paper("Lorenz and Doellner 2009", figure, fps, GTS_8800, stand_in);
     let strips = |arm: Arm| arm.set(&["camera.strips=160"]).knob("strips", 160.0);
     let city = "a generated city of 35,000 triangles";
     let size = ["image.width=1600", "image.height=1200"];
@@ -152,9 +185,11 @@ fn lorenz() -> Vec<Case> {
     vec![
         Case::new("Lorenz table 1: PPP", cylinder_scene(), ppp).set(&size).paper(of("table 1, figure 1", 84.7, city)),
         Case::new("Lorenz table 1: IB", cylinder_scene(), ib).set(&size).paper(of("table 1", 41.7, city)),
-        Case::of("Lorenz table 2", "deformation", warped)
-            .set(&size)
-            .paper(of("table 2", 8.4, "the same city; 16 x 16 cells for 128 x 128")),
+        Case::of("Lorenz table 2", "deformation", warped).set(&size).paper(of(
+            "table 2",
+            8.4,
+            "the same city; 16 x 16 cells for 128 x 128",
+        )),
     ]
 }
 

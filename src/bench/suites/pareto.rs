@@ -33,7 +33,8 @@ fn mirror(counts: &[u32], texels: &[u32]) -> Case {
     let environment = exact.clone().set(&["camera.environment=[0, 0, 0]"]).knob("environment map", 1.0);
     let normals = counts.iter().map(|n| law("normals", *n).knob("facets with normals", f64::from(*n)));
     let flat = counts.iter().map(|n| law("flat", *n).knob("flat facets", f64::from(*n)));
-    let atlas = |r: &u32| law("flat", 480).set(&[&format!("camera.atlas={r}")]).knob("texels of an atlas", f64::from(*r));
+    let atlas =
+        |r: &u32| law("flat", 480).set(&[&format!("camera.atlas={r}")]).knob("texels of an atlas", f64::from(*r));
     let splat = |r: &u32| Arm { by: Arm::rival("raster-splat:6").by, ..atlas(r) };
     let bound = |r: &u32| Arm { by: Arm::rival("raster-bound").by, ..atlas(r) };
     let atlases = texels.iter().flat_map(|r| [atlas(r), splat(r), bound(r)]);

@@ -1,0 +1,61 @@
+//! Rows of the rivals' kernels; `wgsl/baseline/rows.wgsl` holds the same structs, and a test holds the two equal.
+
+use bytemuck::{Pod, Zeroable};
+
+/// A node of a bounding volume hierarchy: a box around two children, which lie beside each other, or around triangles.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct BvhNode {
+    pub lo: [f32; 3],
+    /// The first child, or the first triangle.
+    pub first: u32,
+    pub hi: [f32; 3],
+    /// Triangles; 0: it has children.
+    pub count: u32,
+}
+
+/// A triangle of a leaf: corners relative to the anchor.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct LeafTriangle {
+    pub v0: [f32; 3],
+    pub id: u32,
+    pub v1: [f32; 3],
+    pub one_sided: u32,
+    pub v2: [f32; 3],
+    pub pad0: u32,
+}
+
+/// Corners of a piece in pixels of the image.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Outline {
+    pub a: [f32; 2],
+    pub b: [f32; 2],
+    pub c: [f32; 2],
+    /// 1: the whole image; the corners are of a triangle that holds it.
+    pub is_whole: u32,
+    pub layer: u32,
+}
+
+/// Where a cube map is taken, and how fine.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Cube {
+    /// Relative to the anchor.
+    pub eye: [f32; 3],
+    /// Texels of a face.
+    pub side: u32,
+}
+
+/// What a pair of passes by the texture S is over.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Splat {
+    /// Of S, texels.
+    pub side: u32,
+    /// (piece, slot) pair of the first cell: slots of one piece after the other.
+    pub first: u32,
+    pub slots: u32,
+    pub pad0: u32,
+}

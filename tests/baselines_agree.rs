@@ -1,0 +1,170 @@
+//! The rivals: exact ones against the reference by margin, the others by an error that falls with their number. Nothing to do
+//! without an adapter.
+
+mod common;
+
+use anamorph::baseline::{Choice, TECHNIQUES};
+use anamorph::engine::RunOptions;
+use anamorph::reference::image::judge;
+use anamorph::scene::Scene;
+use common::file::load;
+use common::gpu::{Without, engine, hits, wanted};
+
+/// A ball, a box that only its outside is visible of, a teapot and a floor; all within 3 of the origin.
+const THINGS: &str = r#"
+[[mesh]]
+builtin = "plane"
+size = 6
+divisions = 3
+translate = [0, -1, 0]
+[[mesh]]
+builtin = "icosphere"
+level = 2
+scale = 0.7
+translate = [-1.1, -0.2, 0.4]
+[[mesh]]
+builtin = "teapot"
+level = 3
+scale = 0.4
+translate = [0.9, -1, -0.6]
+[[mesh]]
+builtin = "box"
+two_sided = false
+scale = 0.4
+rotate = [10, 30, 0]
+translate = [0.3, -0.5, 1.2]
+"#;
+
+const SLITS: &str = r#"
+kind = "cross_slit"
+slits = [{ distance = 9, angle = 90 }, { distance = 5, angle = 0 }]
+eye = [0, 1.6, 5]
+target = [0, -0.2, 0]
+height = 2.6
+"#;
+
+const RING: &str = "kind = \"panorama\"\nradius = 4\nelevation = 1.2\nheight = 2.6\npieces = 6";
+
+/// Bilinear pieces, all of the scene in front of them.
+const PIECES: &str = "kind = \"fisheye\"\neye = [0, 1, 6]\ntarget = [0, -0.2, 0]\nfov = 60\nframe = \"full\"\npieces = 12";
+
+const STRIPS: &str = "kind = \"cylinder\"\neye = [0.1, 0.4, 2.2]\ntarget = [0, 0.2, 0]\ntan = [-1.2, 0.8]\nstrips = 24";
+
+const FISHEYE: &str = "kind = \"fisheye\"\neye = [0, 0.5, 3]\ntarget = [0, -0.2, 0]\nfov = 120";
+
+const CURVED: &str = "kind = \"twist\"\neye = [0, 1.2, 4]\nvfov = 40\ndegree = 3\nangle = 70";
+
+const CHAIN: &str = "kind = \"occlusion\"\neye = [0, 1.2, 5]\nvfov = 40\nnear = 4\nfar = 6\ndistortion = [0.05, 0.1]";
+
+fn scene(camera: &str) -> Scene {
+    load(&format!("image = {{ width = 96, height = 72 }}\n{THINGS}\n[camera]\n{camera}")).unwrap()
+}
+
+/// What a rival makes of the scene against the reference: pixels with another triangle, those of them that are safe, and those
+/// that name no near candidate; `None` without an adapter.
+fn wrong(camera: &str, by: &str) -> Option<(u64, u64, u64)> {
+    let scene = scene(camera);
+    let camera = scene.camera().unwrap();
+    let mut engine = engine(&camera, Without::Nothing)?;
+    let run = RunOptions { by: Some(Choice::parse(by).unwrap()), ..Default::default() };
+    let frame = engine.render(&scene, &camera, &wanted(), &run).unwrap().frame;
+    assert!(hits(&frame) > 1000, "{by}: {} hits", hits(&frame));
+    let judged = judge(&scene, &camera, &frame);
+    let seen = anamorph::compare::compare(&frame, &judged.truth, Some(&judged.safe), Some(&judged.scales)).unwrap();
+    println!("{by}: {seen}, {} not near", judged.not_near);
+    Some((seen.wrong_triangle.unwrap(), seen.wrong_safe.unwrap(), judged.not_near))
+}
+
+#[test]
+fn ray_tracing_is_right_at_every_safe_pixel() {
+    for camera in [SLITS, RING, FISHEYE, CHAIN] {
+        for by in ["raytrace", "raytrace-brute", "raytrace-refit"] {
+            let Some((_, safe, not_near)) = wrong(camera, by) else { return };
+            assert_eq!((safe, not_near), (0, 0), "{by}: {camera}");
+        }
+    }
+}
+
+#[test]
+fn bounding_triangles_are_exact_where_they_hold_their_images() {
+    for camera in [SLITS, PIECES, STRIPS] {
+        for by in ["raster-bound", "raster-bound-passes"] {
+            let Some((_, safe, not_near)) = wrong(camera, by) else { return };
+            assert_eq!((safe, not_near), (0, 0), "{by}: {camera}");
+        }
+    }
+}
+
+#[test]
+fn perspective_pieces_are_as_right_as_the_rasterizer_places_vertices() {
+    // a rasterizer snaps vertices to 1/256 px, far under the 1/16 px of a safe pixel
+    let Some((_, safe, not_near)) = wrong(STRIPS, "raster-pieces") else { return };
+    assert_eq!((safe, not_near), (0, 0));
+}
+
+#[test]
+fn the_error_of_what_approximates_falls_with_its_number() {
+    let falls = |camera: &str, name: &str, numbers: &[u32], share: f64| {
+        let errors: Option<Vec<u64>> = numbers.iter().map(|n| Some(wrong(camera, &format!("{name}:{n}"))?.0)).collect();
+        let Some(errors) = errors else { return };
+        let (first, last) = (errors[0] as f64, errors[errors.len() - 1] as f64);
+        assert!(first > 0.0 && last <= share * first, "{name}: {errors:?}");
+    };
+    // four times as many parts a side: straight edges are off by a sixteenth
+    falls(SLITS, "raster-warp", &[0, 2], 0.5);
+    falls(SLITS, "raster-splat", &[2, 9], 0.5);
+    falls(PIECES, "raster-splat-passes", &[2, 9], 0.5);
+    falls(FISHEYE, "raster-cubemap", &[32, 256], 0.25);
+    falls(CURVED, "raymarch-segments", &[1, 16], 0.1);
+}
+
+#[test]
+fn all_glcs_at_once_and_one_by_one_are_one_picture() {
+    for (one, all) in [("raster-splat-passes:5", "raster-splat:5"), ("raster-bound-passes", "raster-bound")] {
+        let (Some(one), Some(all)) = (wrong(PIECES, one), wrong(PIECES, all)) else { return };
+        assert_eq!(one, all);
+    }
+}
+
+#[test]
+fn what_a_rival_cannot_show_it_refuses_in_a_line() {
+    let refusal = |camera: &str, by: &str| {
+        let scene = scene(camera);
+        let camera = scene.camera().unwrap();
+        let run = RunOptions { by: Some(Choice::parse(by).unwrap()), ..Default::default() };
+        let error = engine(&camera, Without::Nothing)?.render(&scene, &camera, &wanted(), &run).unwrap_err();
+        assert_eq!(error.exit_code(), 2);
+        Some(error.to_string())
+    };
+    let says = |camera: &str, by: &str, what: &str| {
+        let Some(text) = refusal(camera, by) else { return };
+        assert!(
+            text.starts_with(by.split(':').next().unwrap()) && text.contains(what) && !text.contains('\n'),
+            "{text}"
+        );
+    };
+    says(CURVED, "raytrace", "raymarch-segments");
+    says(SLITS, "raymarch-segments", "straight");
+    says(SLITS, "raster-pieces", "perspective");
+    says(SLITS, "raster-cubemap:64", "one point");
+    for technique in TECHNIQUES.iter().filter(|t| t.name.starts_with("raster") && t.name != "raster-cubemap") {
+        says(FISHEYE, technique.name, "pieces");
+    }
+    let mirror = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [0, 1, 5], target = [0, 0, 0], vfov = 40 }\n\
+                  mirror = { shape = \"sphere\", radius = 0.5 }";
+    says(mirror, "raytrace", "atlas");
+}
+
+#[test]
+fn moving_triangles_are_followed() {
+    let scene = scene(SLITS);
+    let camera = scene.camera().unwrap();
+    let frame = |by: Option<Choice>| {
+        let run = RunOptions { by, moving: true, repeat: 2, ..Default::default() };
+        Some(engine(&camera, Without::Nothing)?.render(&scene, &camera, &wanted(), &run).unwrap())
+    };
+    for by in ["raytrace", "raytrace-refit", "raster-warp"] {
+        let Some(rendered) = frame(Some(Choice::parse(by).unwrap())) else { return };
+        assert_eq!(rendered.frame_ms.len(), 2, "{by}");
+    }
+}

@@ -1,0 +1,82 @@
+//! `anamorph bench` as a user runs it: a quick suite, its files, and the page in a browser. Nothing to do without an adapter.
+
+use anamorph::bench::Run;
+use anamorph::gpu::device::{NO_ADAPTER, adapters};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn bench(arguments: &[&str], out: &Path) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_anamorph"));
+    command.arg("bench").args(arguments).arg("--out").arg(out).output().unwrap()
+}
+
+fn text(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+#[test]
+fn a_quick_run_leaves_every_file_and_a_page_over_all_runs() {
+    if adapters().is_empty() {
+        println!("skipped: {NO_ADAPTER}");
+        return;
+    }
+    let out = tempfile::tempdir().unwrap();
+    let done = bench(&["stages", "--quick", "--runs", "1"], out.path());
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let said = String::from_utf8(done.stdout).unwrap();
+    let folder = said.lines().find_map(|l| l.trim().strip_prefix("-> ")).map(PathBuf::from).expect("the folder is named");
+    assert!(folder.file_name().unwrap().to_string_lossy().ends_with("-stages-quick"));
+
+    let run: Run = serde_json::from_str(&text(&folder.join("results.json"))).unwrap();
+    assert!(run.rows.len() >= 3 && run.rows.iter().all(|r| r.refused.is_none()), "{run:?}");
+    for row in &run.rows {
+        let (times, error) = (row.times.as_ref().unwrap(), row.error.as_ref().unwrap());
+        assert!(times.runs == 1 && times.median > 0.0 && row.control_ms > 0.0, "{row:?}");
+        assert_eq!(error.wrong_safe, 0, "{row:?}");
+        assert_eq!(row.to_ours, Some(1.0));
+    }
+    let mut csv = csv::Reader::from_path(folder.join("raw.csv")).unwrap();
+    let heads = csv.headers().unwrap().clone();
+    let median = heads.iter().position(|h| h == "median_ms").unwrap();
+    let medians: Vec<f64> = csv.records().map(|r| r.unwrap()[median].parse().unwrap()).collect();
+    assert!(medians.into_iter().eq(run.rows.iter().map(|r| r.times.as_ref().unwrap().median)));
+    let summary = text(&folder.join("summary.md"));
+    assert!(run.rows.iter().all(|r| summary.contains(&r.case)) && summary.contains(run.provenance.fairness()));
+    assert!(text(&folder.join("stages.svg")).starts_with("<svg"));
+
+    let page = text(&out.path().join("index.html"));
+    assert!(page.contains("<svg") && run.rows.iter().all(|r| page.contains(&r.case)));
+    assert!(!page.contains("http://") || page.matches("http://").count() == page.matches("http://www.w3.org/").count());
+    open_in_a_browser(&out.path().join("index.html"), &run.rows[0].case);
+}
+
+/// Opens the page without a window: it says what it has to, and nothing on the console.
+fn open_in_a_browser(page: &Path, says: &str) {
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    let asked = |name: &&&str| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success());
+    let Some(browser) = names.iter().find(asked) else {
+        println!("skipped: no browser; install chromium");
+        return;
+    };
+    let profile = tempfile::tempdir().unwrap();
+    let opened = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--dump-dom"])
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .arg(format!("file://{}", page.display()))
+        .output()
+        .unwrap();
+    let (dom, log) = (String::from_utf8_lossy(&opened.stdout), String::from_utf8_lossy(&opened.stderr));
+    assert!(opened.status.success() && dom.contains(says), "{log}");
+    let console: Vec<&str> = log.lines().filter(|l| l.contains("CONSOLE")).collect();
+    assert_eq!(console, [""; 0]);
+}
+
+#[test]
+fn a_suite_that_is_not_there_is_refused_before_anything_is_written() {
+    let out = tempfile::tempdir().unwrap();
+    let done = bench(&["parto"], out.path());
+    let error = String::from_utf8(done.stderr).unwrap();
+    assert_eq!(done.status.code(), Some(2));
+    assert!(error.lines().count() == 1 && error.contains("papers, pareto, glc, stages, dynamic"), "{error}");
+    assert_eq!(std::fs::read_dir(out.path()).unwrap().count(), 0);
+}

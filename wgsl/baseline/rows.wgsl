@@ -1,0 +1,42 @@
+// Rows of the rivals; src/baseline/rows.rs holds the same structs, and a test holds the two equal.
+
+// A box around two children, or around triangles.
+struct BvhNode {
+    lo: vec3<f32>,
+    first: u32,             // child, the other beside it; or triangle
+    hi: vec3<f32>,
+    count: u32,             // triangles; 0: it has children
+}
+
+// A triangle of a leaf, corners relative to the anchor.
+struct LeafTriangle {
+    v0: vec3<f32>,
+    id: u32,
+    v1: vec3<f32>,
+    one_sided: u32,
+    v2: vec3<f32>,
+    pad0: u32,
+}
+
+// Corners of a piece in pixels of the image. A piece of the whole image has a triangle that holds all of it.
+struct Outline {
+    a: vec2<f32>,
+    b: vec2<f32>,
+    c: vec2<f32>,
+    is_whole: u32,
+    layer: u32,
+}
+
+// Where a cube map is taken, and how fine.
+struct Cube {
+    eye: vec3<f32>,         // relative to the anchor
+    side: u32,              // texels of a face
+}
+
+// What a pair of passes by the texture S is over.
+struct Splat {
+    side: u32,              // of S, texels
+    first: u32,             // (piece, slot) pair of the first cell: slots of one piece after the other
+    slots: u32,
+    pad0: u32,
+}
