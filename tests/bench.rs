@@ -24,7 +24,8 @@ fn a_quick_run_leaves_every_file_and_a_page_over_all_runs() {
     let done = bench(&["stages", "--quick", "--runs", "1"], out.path());
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let said = String::from_utf8(done.stdout).unwrap();
-    let folder = said.lines().find_map(|l| l.trim().strip_prefix("-> ")).map(PathBuf::from).expect("the folder is named");
+    let folder =
+        said.lines().find_map(|l| l.trim().strip_prefix("-> ")).map(PathBuf::from).expect("the folder is named");
     assert!(folder.file_name().unwrap().to_string_lossy().ends_with("-stages-quick"));
 
     let run: Run = serde_json::from_str(&text(&folder.join("results.json"))).unwrap();

@@ -50,8 +50,6 @@ pub trait Rival {
 pub struct Target<'a> {
     /// Rows of pixels.
     pub rows: u32,
-    /// Rows of `pieces`.
-    pub pieces: u32,
     pub chunks: Vec<ChunkScopes<'a>>,
 }
 

@@ -1,38 +1,48 @@
-//! The pieces of a camera as draws see them: rows that are on the device anyway, and their outlines in the image.
+//! The pieces of a camera as draws see them.
 
 use super::Setup;
 use super::rows::Outline;
 use crate::camera::Rays;
-use crate::camera::pieces::Piece;
+use crate::camera::pieces::{Piece, Pieces};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
+use crate::gpu::rows;
+use crate::plan::tiles::row_of;
 
-/// All pieces of the camera, by their number, and their layers.
+/// All pieces of the camera, by their number, each with its layer and its own number there.
 ///
 /// # Errors
 /// [`Error::Input`] where a layer is no pieces.
-pub fn pieces<'a>(setup: &Setup<'a>) -> Result<Vec<(u32, &'a Piece)>> {
+pub fn pieces<'a>(setup: &Setup<'a>) -> Result<Vec<(u32, &'a Pieces, u32)>> {
     let mut all = Vec::new();
     for (layer, rays) in setup.camera.layers.iter().enumerate() {
         let Rays::Pieces(pieces) = rays else {
             let kind = setup.camera.kind;
             return Err(Error::input(format!("{kind} is no camera of pieces; give it pieces = N, or use raytrace")));
         };
-        all.extend(pieces.pieces.iter().map(|p| (layer as u32, p)));
+        all.extend((0..pieces.pieces.len() as u32).map(|k| (layer as u32, pieces, k)));
     }
     Ok(all)
 }
 
-/// `outlines`: a row for each piece.
-pub fn outlines(gpu: &Gpu, setup: &Setup) -> Result<Buffers> {
-    let (w, h) = (setup.camera.width as f32, setup.camera.height as f32);
-    let row = |(layer, piece): &(u32, &Piece)| {
-        let corners = piece.corners_px.map(|c| c.map(|q| q.as_vec2().to_array()));
-        let [a, b, c] = corners.unwrap_or([[0.0, 0.0], [2.0 * w, 0.0], [0.0, 2.0 * h]]);
+/// `pieces` and `outlines`: a row each for every piece, 192 and 32 bytes. Origins of rows are pixels of the image.
+pub fn upload(gpu: &Gpu, setup: &Setup) -> Result<Buffers> {
+    let all = pieces(setup)?;
+    let (w, h) = (setup.camera.width, setup.camera.height);
+    let outline = |(layer, pieces, k): &(u32, &Pieces, u32)| {
+        let corners = pieces.pieces[*k as usize].corners_px.map(|c| c.map(|q| q.as_vec2().to_array()));
+        let [a, b, c] = corners.unwrap_or([[0.0, 0.0], [2.0 * w as f32, 0.0], [0.0, 2.0 * h as f32]]);
         Outline { a, b, c, is_whole: u32::from(corners.is_none()), layer: *layer }
     };
+    let row = |(number, (_, pieces, k)): (usize, &(u32, &Pieces, u32))| -> rows::Piece {
+        let Piece { centre_px, .. } = &pieces.pieces[*k as usize];
+        // far from an eye or not, a row is about a pixel of its own
+        let (i, j) = ((centre_px.x.max(0.0) as u32).min(w - 1), (centre_px.y.max(0.0) as u32).min(h - 1));
+        row_of(&pieces.bundle_at(*k, i, j), setup.anchor, [i as f32, j as f32], number as u32)
+    };
     let mut buffers = Buffers::default();
-    buffers.upload(gpu, "outlines", &pieces(setup)?.iter().map(row).collect::<Vec<_>>())?;
+    buffers.upload(gpu, "outlines", &all.iter().map(outline).collect::<Vec<_>>())?;
+    buffers.upload(gpu, "pieces", &all.iter().enumerate().map(row).collect::<Vec<_>>())?;
     Ok(buffers)
 }

@@ -3,7 +3,7 @@
 //! what lies outside a piece fragments leave out, where they clip.
 
 use super::draw::{Draw, Easel};
-use super::outline::{outlines, pieces};
+use super::outline;
 use super::{Rival, Setup, Target, kernels, with};
 use crate::camera::bundle::Bundle;
 use crate::error::{Error, Result};
@@ -19,7 +19,7 @@ struct Replicated {
     draw: Draw,
     easel: Easel,
     pieces: u64,
-    /// `outlines`; `replicas`, 8 bytes a triangle and piece that may see it, and `draw_args`, 16 bytes, both written by replicate
+    /// The pieces' rows; `replicas`, 8 bytes a triangle and piece that may see it, and `draw_args`, 16 bytes, both written by replicate
     /// and read by the draw; `no_draw`, the arguments before.
     own: Buffers,
 }
@@ -28,14 +28,14 @@ struct Replicated {
 const REPLICA_BYTES: u64 = 8;
 
 pub fn replicated(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
-    let all = pieces(setup)?;
-    if !all.iter().all(|(_, p)| is_central(&p.bundle)) {
+    let all = outline::pieces(setup)?;
+    if !all.iter().all(|(_, p, k)| is_central(&p.pieces[*k as usize].bundle)) {
         let kind = setup.camera.kind;
         return Err(Error::input(format!(
             "the pieces of {kind} are not all perspective; use raster-bound or raytrace"
         )));
     }
-    let mut own = outlines(gpu, setup)?;
+    let mut own = outline::upload(gpu, setup)?;
     own.create(gpu, "draw_args", 16, BufferUsages::INDIRECT)?;
     own.upload(gpu, "no_draw", &[0u32, 1, 0, 0])?;
     Ok(Box::new(Replicated {

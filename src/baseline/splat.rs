@@ -3,7 +3,7 @@
 //! each GLC as in the paper, or for as many as fit S.
 
 use super::draw::{Draw, Easel, texture};
-use super::outline::outlines;
+use super::outline;
 use super::rows::Splat;
 use super::{ChunkScopes, Rival, Setup, Target, kernels, with};
 use crate::error::Result;
@@ -19,6 +19,7 @@ struct ByTexture {
     own: Buffers,
     s: wgpu::TextureView,
     samples: u32,
+    pieces: u32,
     /// A pair of passes holds one GLC at most.
     is_each: bool,
 }
@@ -45,7 +46,8 @@ fn splat(gpu: &Gpu, setup: &Setup, is_each: bool) -> Result<Box<dyn Rival>> {
         project: Draw::onto(gpu, kernels::splat_project(samples), S, None),
         scatter: Draw::new(gpu, kernels::splat_move(setup.layers(), samples)),
         easel: Easel::new(gpu, setup),
-        own: outlines(gpu, setup)?,
+        own: outline::upload(gpu, setup)?,
+        pieces: outline::pieces(setup)?.len() as u32,
         s: texture(gpu, (SIDE, SIDE), S),
         samples,
         is_each,
@@ -59,10 +61,11 @@ impl ByTexture {
     }
 
     /// Pairs of passes over the (piece, slot) pairs of a chunk: the first of each, and how many.
-    fn pairs(&self, slots: u32, pieces: u32) -> Vec<(u32, u32)> {
-        let span = if self.is_each { slots } else { slots * pieces };
+    fn pairs(&self, slots: u32) -> Vec<(u32, u32)> {
+        let all = slots.saturating_mul(self.pieces);
+        let span = if self.is_each { slots } else { all };
         let cut = |from: u32| (from..from + span).step_by(self.room() as usize).map(move |k| (k, from + span - k));
-        let starts = (0..slots * pieces).step_by(span.max(1) as usize);
+        let starts = (0..all).step_by(span.max(1) as usize);
         starts.flat_map(cut).map(|(first, left)| (first, left.min(self.room()))).collect()
     }
 
@@ -100,13 +103,13 @@ impl ByTexture {
 
 impl Rival for ByTexture {
     fn passes(&self, band: &Target) -> u32 {
-        1 + band.chunks.iter().map(|c| 2 * self.pairs(c.slots, band.pieces).len() as u32).sum::<u32>()
+        1 + band.chunks.iter().map(|c| 2 * self.pairs(c.slots).len() as u32).sum::<u32>()
     }
 
     fn encode(&self, gpu: &Gpu, recorder: &mut Recorder, band: &Target) -> Result<()> {
         let mut is_first = true;
         for chunk in &band.chunks {
-            for pair in self.pairs(chunk.slots, band.pieces) {
+            for pair in self.pairs(chunk.slots) {
                 self.encode_pair(gpu, recorder, chunk, pair, is_first)?;
                 is_first = false;
             }

@@ -6,7 +6,7 @@
 //!   2006, section 2); all cameras in one instanced draw, or a pass for each as in the paper.
 
 use super::draw::{Draw, Easel};
-use super::outline::outlines;
+use super::outline;
 use super::{Rival, Setup, Target, kernels, with};
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -19,44 +19,46 @@ struct ThroughPieces {
     own: Buffers,
     /// Draws of a triangle.
     parts: u32,
-    /// Of one band, where each piece has a pass of its own.
-    passes: Option<u32>,
+    pieces: u32,
+    /// Each piece has a pass of its own.
+    is_each: bool,
 }
 
 /// The knob: how often each triangle is cut in four.
 pub fn warp(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     let draw = Draw::new(gpu, kernels::warp(setup.layers(), setup.knob));
-    Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1 << (2 * setup.knob), None)?))
+    Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1 << (2 * setup.knob))?))
 }
 
 pub fn bound(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     let draw = Draw::new(gpu, kernels::bound(setup.layers(), setup.middle - setup.anchor));
-    Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1, None)?))
+    Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1)?))
 }
 
 /// A pass for each camera.
 pub fn bound_passes(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     let draw = Draw::new(gpu, kernels::bound(setup.layers(), setup.middle - setup.anchor));
-    let pieces = super::outline::pieces(setup)?.len() as u32;
-    Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1, Some(pieces))?))
+    Ok(Box::new(ThroughPieces { is_each: true, ..ThroughPieces::new(gpu, setup, draw, 1)? }))
 }
 
 impl ThroughPieces {
-    fn new(gpu: &Gpu, setup: &Setup, draw: Draw, parts: u32, passes: Option<u32>) -> Result<ThroughPieces> {
-        Ok(ThroughPieces { draw, easel: Easel::new(gpu, setup), own: outlines(gpu, setup)?, parts, passes })
+    fn new(gpu: &Gpu, setup: &Setup, draw: Draw, parts: u32) -> Result<ThroughPieces> {
+        let pieces = outline::pieces(setup)?.len() as u32;
+        let (easel, own) = (Easel::new(gpu, setup), outline::upload(gpu, setup)?);
+        Ok(ThroughPieces { draw, easel, own, parts, pieces, is_each: false })
     }
 }
 
 impl Rival for ThroughPieces {
     fn passes(&self, _band: &Target) -> u32 {
-        1 + self.passes.unwrap_or(1)
+        1 + if self.is_each { self.pieces } else { 1 }
     }
 
     fn encode(&self, gpu: &Gpu, recorder: &mut Recorder, band: &Target) -> Result<()> {
         let groups = band.chunks.iter().map(|c| self.draw.bind(gpu, &with(&c.scopes, &[&self.own])));
         let groups = groups.collect::<Result<Vec<_>>>()?;
-        let each = if self.passes.is_some() { 1 } else { band.pieces };
-        for first in (0..band.pieces).step_by(each.max(1) as usize) {
+        let each = if self.is_each { 1 } else { self.pieces };
+        for first in (0..self.pieces).step_by(each.max(1) as usize) {
             let mut pass = self.easel.canvas.pass(recorder, "draw", first == 0);
             pass.set_pipeline(&self.draw.pipeline);
             for (group, chunk) in groups.iter().zip(&band.chunks) {

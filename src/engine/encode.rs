@@ -7,7 +7,6 @@ use crate::error::Result;
 use crate::gpu::buffers::readback;
 use crate::gpu::recorder::Recorder;
 use crate::gpu::rows::COUNTERS;
-use crate::plan::Band;
 use crate::stage::Stages;
 
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
@@ -149,8 +148,7 @@ impl Frames<'_> {
         let first_batches = resident.jobs(band, 0).step_by(resident.batches as usize);
         let chunks =
             first_batches.map(|job| ChunkScopes { scopes: resident.scopes(&job, band, 0), slots: job.chunk.slots });
-        let Band { rows, tiles, .. } = &self.plan.bands[band];
-        Target { rows: *rows, pieces: tiles.pieces.len() as u32, chunks: chunks.collect() }
+        Target { rows: self.plan.bands[band].rows, chunks: chunks.collect() }
     }
 
     /// Writes a band's planes where its rays end in a pass.

@@ -224,26 +224,29 @@ impl Cutting<'_> {
 
     /// A piece's row about the first pixel of a tile.
     fn piece_row(&self, pieces: &Pieces, (piece, number): (u32, u32), at: Place) -> rows::Piece {
-        let mut row: rows::Piece = bytemuck::Zeroable::zeroed();
-        let b = rebased(&pieces.bundle_at(piece, at.x * TILE, at.y * TILE), self.anchor);
-        let v = |v: DVec3| {
-            let s = v.to_array().map(split2);
-            (s.map(|s| s[0]), s.map(|s| s[1]))
-        };
-        (row.p_hi, row.p_lo) = v(b.p[0]);
-        (row.px_hi, row.px_lo) = v(b.p[1]);
-        (row.py_hi, row.py_lo) = v(b.p[2]);
-        (row.d_hi, row.d_lo) = v(b.d[0]);
-        (row.dx_hi, row.dx_lo) = v(b.d[1]);
-        (row.dy_hi, row.dy_lo) = v(b.d[2]);
-        [row.h_hi, row.h_lo] = split2(b.h[0]);
-        [row.hx_hi, row.hx_lo] = split2(b.h[1]);
-        [row.hy_hi, row.hy_lo] = split2(b.h[2]);
-        row.origin_x = (at.x * TILE) as f32;
-        row.origin_y = (at.y * TILE - self.row) as f32;
-        row.number = number;
-        row
+        let (x, y) = (at.x * TILE, at.y * TILE);
+        row_of(&pieces.bundle_at(piece, x, y), self.anchor, [x as f32, (y - self.row) as f32], number)
     }
+}
+
+/// The row of a bundle that is centred on a pixel.
+pub fn row_of(bundle: &Bundle, anchor: DVec3, [origin_x, origin_y]: [f32; 2], number: u32) -> rows::Piece {
+    let mut row = rows::Piece { origin_x, origin_y, number, ..bytemuck::Zeroable::zeroed() };
+    let b = rebased(bundle, anchor);
+    let v = |v: DVec3| {
+        let s = v.to_array().map(split2);
+        (s.map(|s| s[0]), s.map(|s| s[1]))
+    };
+    (row.p_hi, row.p_lo) = v(b.p[0]);
+    (row.px_hi, row.px_lo) = v(b.p[1]);
+    (row.py_hi, row.py_lo) = v(b.p[2]);
+    (row.d_hi, row.d_lo) = v(b.d[0]);
+    (row.dx_hi, row.dx_lo) = v(b.d[1]);
+    (row.dy_hi, row.dy_lo) = v(b.d[2]);
+    [row.h_hi, row.h_lo] = split2(b.h[0]);
+    [row.hx_hi, row.hx_lo] = split2(b.h[1]);
+    [row.hy_hi, row.hy_lo] = split2(b.h[2]);
+    row
 }
 
 /// The middle of a tile: the mean of its pixels' sample places, image px.

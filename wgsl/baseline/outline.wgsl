@@ -25,6 +25,7 @@ fn outline_ray(q: Piece, at: vec2<f32>) -> Ray {
     return Ray((q.p_hi + at.x * q.px_hi + at.y * q.py_hi) / h, (q.d_hi + at.x * q.dx_hi + at.y * q.dy_hi) / h);
 }
 
+// In band pixels; the row has pixels of the image.
 fn piece_origin(q: Piece) -> vec2<f32> {
-    return vec2<f32>(q.origin_x, q.origin_y);
+    return vec2<f32>(q.origin_x, q.origin_y - f32(params.band_row));
 }
