@@ -74,7 +74,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 42] = [
+pub const EXAMPLES: [Example; 43] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -112,6 +112,7 @@ pub const EXAMPLES: [Example; 42] = [
     example!("city-cylinder", Some("Lorenz 1, 4"), "a city all around in 160 perspective strips"),
     example!("deformation", Some("Lorenz 5, 6"), "a city deformed by a grid of offsets", make::offsets),
     example!("mirror-ring", Some("Hou 1, 6"), "a mirror of mixed curvature that sees itself"),
+    example!("mirror-teapot", Some("Hou 7"), "a shiny teapot, of 100 cameras, among 400 triangles that move", make::flocks),
     example!("water", Some("Hou 9"), "objects under water: 12 facets that refract"),
     example!("glass-ball", Some("Hou 8"), "a ball of glass: two refractions and Fresnel's reflections"),
     example!("caustic", Some("Hou 11"), "the light that a ring reflects onto the floor", make::band),

@@ -36,9 +36,10 @@ impl Engine {
         channels.sort_unstable();
         channels.dedup();
         let wanted = Wanted { channels, srgb8: false, counting: wanted.counting };
-        let painter = atlas_camera(optics, atlas, facets, law)?;
+        let cameras = facets.copy();
+        let painter = atlas_camera(optics, atlas, cameras, law)?;
         let rendered = self.render(scene, &painter, &wanted, run)?;
-        Ok(Some(Painted { rendered, layout: Layout::new(facets.triangles.len(), atlas.texels) }))
+        Ok(Some(Painted { rendered, layout: Layout::new(cameras.triangles.len(), atlas.texels) }))
     }
 }
 

@@ -93,7 +93,7 @@ impl Shape {
                 );
             }
         };
-        table.allow(&[&["shape", "count"][..], own].concat())?;
+        table.allow(&[&["shape", "count", "cameras"][..], own].concat())?;
         let count = table.or("count", COUNT, |f| f.integer(4, COUNT_MAX))? as usize;
         let center = |key| table.or(key, DVec3::ZERO, Field::vec3);
         let axis = || table.or("axis", DVec3::Y, direction);

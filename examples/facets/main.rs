@@ -1,0 +1,33 @@
+//! `make facets`: how far facets, atlases and environment maps are from a mirror itself, against the time they take; and the
+//! papers' own tables of mirrors and lenses, each row with our frames of a scene like theirs.
+//!
+//! Writes into the folder that is its one argument: mirror_facets.csv, of ways to show a mirror ball; yu_figure_10.csv,
+//! hou_table_1.csv and hou_figure_7.csv, of the papers' rows.
+
+mod measure;
+mod papers;
+mod rows;
+mod ways;
+
+use anamorph::error::{Error, Result};
+use measure::Bench;
+use std::path::{Path, PathBuf};
+
+fn main() -> Result<()> {
+    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "out".into()));
+    std::fs::create_dir_all(&folder).map_err(|e| Error::work(format!("{}: {e}", folder.display())))?;
+    let mut bench = Bench::open(&folder)?;
+    println!("on {}", bench.adapter());
+    if bench.is_software() {
+        println!("a software adapter: its frames a second are no match for those of a GPU, of any year");
+    }
+    write(&folder.join("mirror_facets.csv"), ways::table(&mut bench)?)?;
+    for table in &papers::TABLES {
+        write(&folder.join(table.file), rows::table(&mut bench, table)?)?;
+    }
+    Ok(())
+}
+
+fn write(file: &Path, text: String) -> Result<()> {
+    std::fs::write(file, text).map_err(|e| Error::work(format!("{}: {e}", file.display())))
+}

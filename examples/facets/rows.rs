@@ -1,0 +1,133 @@
+//! The papers' rows, measured: one loop for all of them.
+
+use super::measure::{Bench, Difference, Look, Shown};
+use super::papers::{Row, Stand, Surface, TEXELS, Table};
+use super::ways::TEXELS_MAX;
+use anamorph::error::Result;
+use anamorph::frame::Frame;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+const COLUMNS: &str = "paper,figure,setting,triangles,cameras,texels,paper_fps,paper_hardware,\
+our_scene,our_triangles,our_cameras,our_texels,direct_fps,atlas_fps,direct_wrong_share,atlas_wrong_share,truth,our_adapter";
+
+/// A row of ours.
+#[derive(Default)]
+struct Ours {
+    scene: &'static str,
+    direct: Option<Shown>,
+    /// The same cameras in an atlas first, with so many texels a side.
+    atlas: Option<(u32, Shown)>,
+    /// The surface itself, and what that is.
+    truth: Option<(Frame, String)>,
+}
+
+/// The table with our figures beside the paper's; what we do not have is left empty.
+pub fn table(bench: &mut Bench, table: &Table) -> Result<String> {
+    println!("{}, {}", table.paper, table.file);
+    let mut csv = format!("{COLUMNS}\n");
+    for row in table.rows {
+        let ours = match row.scene {
+            Some(stand) => measured(bench, stand, row)?,
+            None => Ours::default(),
+        };
+        let adapter = bench.adapter().replace(',', ";");
+        // writing to a String cannot fail
+        let _ = writeln!(csv, "{},{}", theirs(table, row), ours.columns(&adapter));
+        println!("{}", ours.said(row));
+    }
+    Ok(csv)
+}
+
+fn theirs(table: &Table, row: &Row) -> String {
+    let setting = row.setting.replace(',', ";");
+    let texels = row.texels.map(|t| t.to_string()).unwrap_or_default();
+    let Row { figure, triangles, cameras, fps, .. } = row;
+    format!("{},{figure},{setting},{triangles},{cameras},{texels},{fps},{}", table.paper, table.hardware)
+}
+
+fn measured(bench: &mut Bench, stand: &'static Stand, row: &Row) -> Result<Ours> {
+    let path = bench.example(stand.example)?;
+    let look = Look::Colours { moving: stand.moving };
+    let base: Vec<String> = stand.keys.iter().chain(row.keys).map(|k| k.to_string()).collect();
+    let Some(surface) = &stand.optics else {
+        return Ok(Ours { scene: stand.example, direct: Some(bench.shown(&path, &base, look)?), ..Ours::default() });
+    };
+    let direct = [base.clone(), surface.cut(row.cameras)].concat();
+    let texels = row.texels.unwrap_or(TEXELS);
+    let fits = u64::from(row.cameras) * u64::from(texels).pow(2) / 2 <= TEXELS_MAX;
+    let atlas = [direct.clone(), vec![format!("camera.atlas={texels}")]].concat();
+    let atlas = if fits { Some((texels, bench.shown(&path, &atlas, look)?)) } else { None };
+    Ok(Ours {
+        scene: stand.example,
+        direct: Some(bench.shown(&path, &direct, look)?),
+        atlas,
+        truth: Some(truth(bench, &path, &base, surface)?),
+    })
+}
+
+/// The surface met exactly; or as many facets as stand for it.
+fn truth(bench: &mut Bench, path: &PathBuf, base: &[String], surface: &Surface) -> Result<(Frame, String)> {
+    let look = Look::Colours { moving: false };
+    let exact = [base, &["camera.facets=\"exact\"".into()]].concat();
+    if let Ok(shown) = bench.shown(path, &exact, look) {
+        return Ok((shown.frame, "exact".into()));
+    }
+    let finest = surface.finest.or(surface.seen).unwrap_or_default();
+    let keys = surface.finest.map(|n| format!("camera.{}.count={n}", surface.key));
+    let normals = [base, &["camera.facets=\"normals\"".into()], keys.as_slice()].concat();
+    Ok((bench.shown(path, &normals, look)?.frame, format!("{finest} facets")))
+}
+
+impl Surface {
+    /// Keys for so many cameras: the facets that are seen, or a copy of those.
+    fn cut(&self, cameras: u32) -> Vec<String> {
+        let key = self.key;
+        match self.seen {
+            None => vec![format!("camera.{key}.count={cameras}")],
+            Some(seen) => vec![format!("camera.{key}.count={seen}"), format!("camera.{key}.cameras={cameras}")],
+        }
+    }
+}
+
+impl Ours {
+    fn share(&self, shown: &Shown) -> Option<f64> {
+        self.truth.as_ref().map(|(truth, _)| Difference::of(&shown.frame, truth).share())
+    }
+
+    fn columns(&self, adapter: &str) -> String {
+        let Some(direct) = &self.direct else { return ",,,,,,,,,".into() };
+        let fps = |shown: &Shown| format!("{:.3}", 1e3 / shown.ms);
+        let share = |shown: &Shown| self.share(shown).map(|s| format!("{s:.4}")).unwrap_or_default();
+        let (texels, atlas_fps, atlas_share) = match &self.atlas {
+            Some((texels, shown)) => (texels.to_string(), fps(shown), share(shown)),
+            None => Default::default(),
+        };
+        let truth = self.truth.as_ref().map_or("", |t| &t.1);
+        let Shown { triangles, cameras, .. } = direct;
+        format!(
+            "{},{triangles},{cameras},{texels},{},{atlas_fps},{},{atlas_share},{truth},{adapter}",
+            self.scene,
+            fps(direct),
+            share(direct)
+        )
+    }
+
+    fn said(&self, row: &Row) -> String {
+        let of = format!(
+            "{:>5} triangles {:>4} cameras, {}: {} fps there",
+            row.triangles, row.cameras, row.setting, row.fps
+        );
+        let way = |shown: &Shown| {
+            let wrong = self.share(shown).map(|s| format!(", {:.1} % wrong", 100.0 * s)).unwrap_or_default();
+            format!("{:.2} fps{wrong}", 1e3 / shown.ms)
+        };
+        match (&self.direct, &self.atlas) {
+            (None, _) => format!("{of}; no switch for it here"),
+            (Some(direct), None) => format!("{of}; here {}", way(direct)),
+            (Some(direct), Some((texels, atlas))) => {
+                format!("{of}; here {}; by an atlas of {texels} texels {}", way(direct), way(atlas))
+            }
+        }
+    }
+}
