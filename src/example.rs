@@ -131,6 +131,23 @@ mod tests {
     use crate::scene::Scene;
 
     #[test]
+    fn the_teapot_of_cameras_has_the_papers_numbers() {
+        let dir = tempfile::tempdir().unwrap();
+        let example = EXAMPLES.iter().find(|e| e.name == "mirror-teapot").unwrap();
+        let path = example.write(dir.path()).unwrap();
+        let floor = 2;
+        for (flock, triangles) in [(300, 400), (700, 800), (1100, 1200), (1500, 1600)] {
+            let scene = Scene::load(&path, &[format!("mesh.0.file=flock-{flock}.obj")], 0.0).unwrap();
+            assert_eq!(scene.mesh.triangles.len(), triangles + floor);
+        }
+        for cameras in [100, 256, 512] {
+            let keys = [format!("camera.mirror.cameras={cameras}")];
+            let camera = Scene::load(&path, &keys, 0.0).unwrap().camera().unwrap();
+            assert_eq!(camera.optics.as_ref().unwrap().camera_count(), cameras);
+        }
+    }
+
+    #[test]
     fn every_example_loads_says_what_it_shows_and_comes_out_the_same() {
         for example in &EXAMPLES {
             let dir = tempfile::tempdir().unwrap();

@@ -203,11 +203,11 @@ pub fn flocks() -> Vec<(&'static str, Part)> {
 fn flock(count: usize) -> String {
     const COLOURS: usize = 4;
     /// Half a body, and how far wings reach, at their front.
-    const BODY: f64 = 0.09;
-    const WING: f64 = 0.2;
+    const BODY: f64 = 0.075;
+    const WING: f64 = 0.165;
     /// Nearest and farthest from the axis; lowest and highest.
-    const RADIUS: [f64; 2] = [2.3, 3.2];
-    const HEIGHT: [f64; 2] = [0.3, 2.9];
+    const RADIUS: [f64; 2] = [1.9, 2.65];
+    const HEIGHT: [f64; 2] = [0.25, 2.4];
     /// Golden ratios in one, two and three dimensions: places that are spread evenly however many there are.
     const SPREAD: [f64; 3] = [0.618_033_988_749_895, 0.754_877_666_246_693, 0.819_172_513_396_164];
     let mut text = String::from("mtllib flock.mtl\n");
