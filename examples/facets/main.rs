@@ -1,8 +1,8 @@
 //! `make facets`: how far facets, atlases and environment maps are from a mirror itself, against the time they take; and the
 //! papers' own tables of mirrors and lenses, each row with our frames of a scene like theirs.
 //!
-//! Writes into the folder that is its one argument: mirror_facets.csv, of ways to show a mirror ball; yu_figure_10.csv,
-//! hou_table_1.csv and hou_figure_7.csv, of the papers' rows.
+//! Writes into the folder that is its first argument: mirror_facets.csv, of ways to show a mirror ball; yu_figure_10.csv,
+//! hou_table_1.csv and hou_figure_7.csv, of the papers' rows. A second argument is a part of the name of the only table that is wanted.
 
 mod measure;
 mod papers;
@@ -21,8 +21,11 @@ fn main() -> Result<()> {
     if bench.is_software() {
         println!("a software adapter: its frames a second are no match for those of a GPU, of any year");
     }
-    write(&folder.join("mirror_facets.csv"), ways::table(&mut bench)?)?;
-    for table in &papers::TABLES {
+    let only = std::env::args().nth(2).unwrap_or_default();
+    if ways::FILE.contains(&only) {
+        write(&folder.join(ways::FILE), ways::table(&mut bench)?)?;
+    }
+    for table in papers::TABLES.iter().filter(|t| t.file.contains(&only)) {
         write(&folder.join(table.file), rows::table(&mut bench, table)?)?;
     }
     Ok(())

@@ -63,30 +63,39 @@ impl Bench {
     /// The picture of a scene with some keys set, and its median time.
     pub fn shown(&mut self, path: &Path, keys: &[String], look: Look) -> Result<Shown> {
         let scene = Scene::load(path, keys, 0.0)?;
-        let camera: Camera = scene.camera()?;
-        let all = Channel::of(&camera);
-        let few = [Channel::R, Channel::G, Channel::B, Channel::TriangleId, Channel::MirrorId];
-        let channels = all.into_iter().filter(|c| look == Look::All || few.contains(c)).collect();
-        let wanted = Wanted { channels, srgb8: false, counting: false };
-        let run = RunOptions { repeat: RUNS, ..Default::default() };
-        let still = self.engine.render(&scene, &camera, &wanted, &run)?;
-        let times = match look {
-            Look::Colours { moving: true } => {
-                self.engine.render(&scene, &camera, &wanted, &RunOptions { moving: true, ..run })?.frame_ms
-            }
-            _ => still.frame_ms,
+        let camera = scene.camera()?;
+        let wanted = look.wanted(&camera);
+        let (still, moving) = (
+            RunOptions { repeat: RUNS, ..Default::default() },
+            RunOptions { repeat: RUNS, moving: true, ..Default::default() },
+        );
+        let (shown, times) = if look == (Look::Colours { moving: true }) {
+            let shown = self.engine.render(&scene, &camera, &wanted, &RunOptions::default())?;
+            (shown, self.engine.render(&scene, &camera, &wanted, &moving)?.frame_ms)
+        } else {
+            let shown = self.engine.render(&scene, &camera, &wanted, &still)?;
+            let times = shown.frame_ms.clone();
+            (shown, times)
         };
-        let lit = match still.caustics {
+        let lit = match shown.caustics {
             Some(_) => self.caustics_ms(path, keys, &wanted)?,
             None => 0.0,
         };
         let optics = camera.optics.as_ref().map(|o| o.camera_count());
         Ok(Shown {
-            frame: still.frame,
+            frame: shown.frame,
             ms: median(times) + lit,
             triangles: scene.mesh.triangles.len(),
             cameras: optics.unwrap_or(camera.piece_count()),
         })
+    }
+
+    /// The picture alone.
+    pub fn frame(&mut self, path: &Path, keys: &[String]) -> Result<Frame> {
+        let scene = Scene::load(path, keys, 0.0)?;
+        let camera = scene.camera()?;
+        let wanted = Look::Colours { moving: false }.wanted(&camera);
+        Ok(self.engine.render(&scene, &camera, &wanted, &RunOptions::default())?.frame)
     }
 
     /// The median time of a scene's caustics. A scene that was loaded again has new ones.
@@ -98,6 +107,14 @@ impl Bench {
             times.extend(rendered.caustics.map(|c| c.ms));
         }
         Ok(median(times))
+    }
+}
+
+impl Look {
+    fn wanted(self, camera: &Camera) -> Wanted {
+        let few = [Channel::R, Channel::G, Channel::B, Channel::TriangleId, Channel::MirrorId];
+        let channels = Channel::of(camera).into_iter().filter(|c| self == Look::All || few.contains(c)).collect();
+        Wanted { channels, srgb8: false, counting: false }
     }
 }
 

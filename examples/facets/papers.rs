@@ -9,16 +9,15 @@ pub struct Table {
     pub rows: &'static [Row],
 }
 
-/// A row: the paper's setting and frames a second, and our scene.
+/// A row: the paper's frames a second, and our scene.
 pub struct Row {
     pub figure: &'static str,
-    /// What else the paper varies.
-    pub setting: &'static str,
+    /// What else the paper varies, which has no counterpart here, and the frames a second of each.
+    pub timed: &'static [(&'static str, f64)],
     pub triangles: u32,
     pub cameras: u32,
     /// A side of a camera's triangle in the atlas; `None` where the paper does not say, or it has none.
     pub texels: Option<u32>,
-    pub fps: f64,
     pub scene: Option<&'static Stand>,
     /// More keys of the scene: for the paper's number of triangles.
     pub keys: &'static [&'static str],
@@ -72,21 +71,20 @@ static CAUSTIC: Stand =
 static WALKER: Stand = Stand { example: "surround", optics: None, moving: false, keys: &[] };
 static TEAPOT: Stand = Stand {
     example: "mirror-teapot",
-    optics: Some(Surface { key: "mirror", seen: Some(6400), finest: None }),
+    optics: Some(Surface { key: "mirror", seen: Some(6320), finest: None }),
     moving: true,
     keys: &["camera.facets=\"normals\""],
 };
 
-const NONE: Row =
-    Row { figure: "", setting: "", triangles: 0, cameras: 0, texels: None, fps: 0.0, scene: None, keys: &[] };
+const NONE: Row = Row { figure: "", timed: &[], triangles: 0, cameras: 0, texels: None, scene: None, keys: &[] };
 
-const fn yu_a(cameras: u32, texels: u32, fps: f64) -> Row {
-    let texels = Some(texels);
-    Row { figure: "10a", setting: "tiles 6x6", triangles: 1100, cameras, texels, fps, scene: Some(&BALL), ..NONE }
-}
+type Timed = &'static [(&'static str, f64)];
+type Keys = &'static [&'static str];
 
-const fn yu_b(triangles: u32, setting: &'static str, fps: f64, keys: &'static [&'static str]) -> Row {
-    Row { figure: "10b", setting, triangles, cameras: 480, texels: Some(256), fps, scene: Some(&BALL), keys }
+/// Scene triangles are drawn with tiles of texels about them in the paper, so large.
+const fn yu(figure: &'static str, of: [u32; 3], timed: Timed, keys: Keys) -> Row {
+    let [triangles, cameras, texels] = of;
+    Row { figure, timed, triangles, cameras, texels: Some(texels), scene: Some(&BALL), keys }
 }
 
 /// 550 triangles: two balls, a column for the cow, a plainer floor.
@@ -100,24 +98,18 @@ const MORE: &[&str] = &[
     "mesh.4={ builtin = \"cylinder\", sides = 39, scale = [0.35, 0.7, 0.35], translate = [1.0, -1.2, 2.2] }",
 ];
 
-const fn hou_1(
-    setting: &'static str,
-    triangles: u32,
-    cameras: u32,
-    texels: u32,
-    fps: f64,
-    scene: &'static Stand,
-) -> Row {
-    Row { figure: "table 1", setting, triangles, cameras, texels: Some(texels), fps, scene: Some(scene), ..NONE }
+const fn hou_1(of: [u32; 3], timed: Timed, scene: &'static Stand) -> Row {
+    let [triangles, cameras, texels] = of;
+    Row { figure: "table 1", timed, triangles, cameras, texels: Some(texels), scene: Some(scene), ..NONE }
 }
 
-const fn hou_7(triangles: u32, cameras: u32, fps: f64, keys: &'static [&'static str]) -> Row {
-    Row { figure: "7", setting: "culled, moving", triangles, cameras, fps, scene: Some(&TEAPOT), keys, ..NONE }
+const fn hou_7([triangles, cameras]: [u32; 2], timed: Timed, keys: Keys) -> Row {
+    Row { figure: "7", timed, triangles, cameras, scene: Some(&TEAPOT), keys, ..NONE }
 }
 
 /// There is no switch here that leaves culling out.
-const fn hou_7_unculled(triangles: u32, cameras: u32, fps: f64) -> Row {
-    Row { figure: "7", setting: "not culled, moving", triangles, cameras, fps, ..NONE }
+const fn unculled([triangles, cameras]: [u32; 2], timed: Timed) -> Row {
+    Row { figure: "7", timed, triangles, cameras, ..NONE }
 }
 
 const TRIANGLES_400: &[&str] = &[];
@@ -131,18 +123,15 @@ pub static TABLES: [Table; 3] = [
         paper: "Yu et al. 2009",
         hardware: "Core2 Duo 2.13 GHz; GeForce 8800 GTX",
         rows: &[
-            yu_a(126, 128, 87.1),
-            yu_a(126, 512, 43.1),
-            yu_a(360, 128, 27.8),
-            yu_a(360, 512, 16.7),
-            yu_a(640, 128, 16.6),
-            yu_a(640, 512, 10.4),
-            yu_b(550, "tiles 6x6", 28.4, FEWER),
-            yu_b(550, "tiles 10x10", 14.4, FEWER),
-            yu_b(1100, "tiles 6x6", 22.4, &[]),
-            yu_b(1100, "tiles 10x10", 10.8, &[]),
-            yu_b(2200, "tiles 6x6", 9.5, MORE),
-            yu_b(2200, "tiles 10x10", 6.9, MORE),
+            yu("10a", [1100, 126, 128], &[("tiles 6x6", 87.1)], &[]),
+            yu("10a", [1100, 126, 512], &[("tiles 6x6", 43.1)], &[]),
+            yu("10a", [1100, 360, 128], &[("tiles 6x6", 27.8)], &[]),
+            yu("10a", [1100, 360, 512], &[("tiles 6x6", 16.7)], &[]),
+            yu("10a", [1100, 640, 128], &[("tiles 6x6", 16.6)], &[]),
+            yu("10a", [1100, 640, 512], &[("tiles 6x6", 10.4)], &[]),
+            yu("10b", [550, 480, 256], &[("tiles 6x6", 28.4), ("tiles 10x10", 14.4)], FEWER),
+            yu("10b", [1100, 480, 256], &[("tiles 6x6", 22.4), ("tiles 10x10", 10.8)], &[]),
+            yu("10b", [2200, 480, 256], &[("tiles 6x6", 9.5), ("tiles 10x10", 6.9)], MORE),
         ],
     },
     Table {
@@ -150,12 +139,12 @@ pub static TABLES: [Table; 3] = [
         paper: "Hou et al. 2006",
         hardware: "GeForce 7800 GT",
         rows: &[
-            hou_1("reflection", 108, 26, 128, 51.0, &RING),
-            hou_1("reflection", 108, 104, 64, 63.0, &RING),
-            hou_1("reflection", 108, 416, 32, 5.0, &RING),
-            hou_1("refraction", 252, 12, 128, 46.0, &WATER),
-            hou_1("caustics", 2, 400, 64, 35.0, &CAUSTIC),
-            hou_1("visualization", 6841, 400, 64, 46.0, &WALKER),
+            hou_1([108, 26, 128], &[("reflection", 51.0)], &RING),
+            hou_1([108, 104, 64], &[("reflection", 63.0)], &RING),
+            hou_1([108, 416, 32], &[("reflection", 5.0)], &RING),
+            hou_1([252, 12, 128], &[("refraction", 46.0)], &WATER),
+            hou_1([2, 400, 64], &[("caustics", 35.0)], &CAUSTIC),
+            hou_1([6841, 400, 64], &[("visualization", 46.0)], &WALKER),
         ],
     },
     Table {
@@ -163,22 +152,22 @@ pub static TABLES: [Table; 3] = [
         paper: "Hou et al. 2006",
         hardware: "GeForce 7800 GT",
         rows: &[
-            hou_7(800, 100, 20.1, TRIANGLES_800),
-            hou_7(1200, 100, 14.6, TRIANGLES_1200),
-            hou_7(1600, 100, 9.2, TRIANGLES_1600),
-            hou_7(400, 256, 6.0, TRIANGLES_400),
-            hou_7(800, 256, 2.1, TRIANGLES_800),
-            hou_7(1200, 256, 1.8, TRIANGLES_1200),
-            hou_7(400, 512, 2.5, TRIANGLES_400),
-            hou_7(800, 512, 1.0, TRIANGLES_800),
-            hou_7_unculled(800, 100, 4.5),
-            hou_7_unculled(1200, 100, 3.6),
-            hou_7_unculled(1600, 100, 2.1),
-            hou_7_unculled(400, 256, 1.5),
-            hou_7_unculled(800, 256, 0.5),
-            hou_7_unculled(1200, 256, 0.35),
-            hou_7_unculled(400, 512, 0.8),
-            hou_7_unculled(800, 512, 0.3),
+            hou_7([800, 100], &[("moving; culled", 20.1)], TRIANGLES_800),
+            hou_7([1200, 100], &[("moving; culled", 14.6)], TRIANGLES_1200),
+            hou_7([1600, 100], &[("moving; culled", 9.2)], TRIANGLES_1600),
+            hou_7([400, 256], &[("moving; culled", 6.0)], TRIANGLES_400),
+            hou_7([800, 256], &[("moving; culled", 2.1)], TRIANGLES_800),
+            hou_7([1200, 256], &[("moving; culled", 1.8)], TRIANGLES_1200),
+            hou_7([400, 512], &[("moving; culled", 2.5)], TRIANGLES_400),
+            hou_7([800, 512], &[("moving; culled", 1.0)], TRIANGLES_800),
+            unculled([800, 100], &[("moving; not culled", 4.5)]),
+            unculled([1200, 100], &[("moving; not culled", 3.6)]),
+            unculled([1600, 100], &[("moving; not culled", 2.1)]),
+            unculled([400, 256], &[("moving; not culled", 1.5)]),
+            unculled([800, 256], &[("moving; not culled", 0.5)]),
+            unculled([1200, 256], &[("moving; not culled", 0.35)]),
+            unculled([400, 512], &[("moving; not culled", 0.8)]),
+            unculled([800, 512], &[("moving; not culled", 0.3)]),
         ],
     },
 ];

@@ -6,7 +6,7 @@ use super::ways::TEXELS_MAX;
 use anamorph::error::Result;
 use anamorph::frame::Frame;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::Path;
 
 const COLUMNS: &str = "paper,figure,setting,triangles,cameras,texels,paper_fps,paper_hardware,\
 our_scene,our_triangles,our_cameras,our_texels,direct_fps,atlas_fps,direct_wrong_share,atlas_wrong_share,truth,our_adapter";
@@ -31,18 +31,24 @@ pub fn table(bench: &mut Bench, table: &Table) -> Result<String> {
             Some(stand) => measured(bench, stand, row)?,
             None => Ours::default(),
         };
-        let adapter = bench.adapter().replace(',', ";");
-        // writing to a String cannot fail
-        let _ = writeln!(csv, "{},{}", theirs(table, row), ours.columns(&adapter));
-        println!("{}", ours.said(row));
+        let columns = ours.columns(&bench.adapter().replace(',', ";"));
+        for (setting, fps) in row.timed {
+            // writing to a String cannot fail
+            let _ = writeln!(csv, "{},{columns}", theirs(table, row, setting, *fps));
+            println!(
+                "{:>5} triangles {:>4} cameras, {setting}: {fps} fps there; {}",
+                row.triangles,
+                row.cameras,
+                ours.said()
+            );
+        }
     }
     Ok(csv)
 }
 
-fn theirs(table: &Table, row: &Row) -> String {
-    let setting = row.setting.replace(',', ";");
+fn theirs(table: &Table, row: &Row, setting: &str, fps: f64) -> String {
     let texels = row.texels.map(|t| t.to_string()).unwrap_or_default();
-    let Row { figure, triangles, cameras, fps, .. } = row;
+    let Row { figure, triangles, cameras, .. } = row;
     format!("{},{figure},{setting},{triangles},{cameras},{texels},{fps},{}", table.paper, table.hardware)
 }
 
@@ -67,16 +73,19 @@ fn measured(bench: &mut Bench, stand: &'static Stand, row: &Row) -> Result<Ours>
 }
 
 /// The surface met exactly; or as many facets as stand for it.
-fn truth(bench: &mut Bench, path: &PathBuf, base: &[String], surface: &Surface) -> Result<(Frame, String)> {
-    let look = Look::Colours { moving: false };
+fn truth(bench: &mut Bench, path: &Path, base: &[String], surface: &Surface) -> Result<(Frame, String)> {
     let exact = [base, &["camera.facets=\"exact\"".into()]].concat();
-    if let Ok(shown) = bench.shown(path, &exact, look) {
-        return Ok((shown.frame, "exact".into()));
+    if let Ok(frame) = bench.frame(path, &exact) {
+        return Ok((frame, "exact".into()));
     }
-    let finest = surface.finest.or(surface.seen).unwrap_or_default();
-    let keys = surface.finest.map(|n| format!("camera.{}.count={n}", surface.key));
-    let normals = [base, &["camera.facets=\"normals\"".into()], keys.as_slice()].concat();
-    Ok((bench.shown(path, &normals, look)?.frame, format!("{finest} facets")))
+    let key = surface.key;
+    let (facets, cut) = match surface.finest {
+        Some(n) => (n, format!("camera.{key}.count={n}")),
+        // a copy as fine as itself is itself
+        None => surface.seen.map(|n| (n, format!("camera.{key}.cameras={n}"))).unwrap_or_default(),
+    };
+    let normals = [base, &["camera.facets=\"normals\"".into(), cut]].concat();
+    Ok((bench.frame(path, &normals)?, format!("{facets} facets")))
 }
 
 impl Surface {
@@ -113,20 +122,16 @@ impl Ours {
         )
     }
 
-    fn said(&self, row: &Row) -> String {
-        let of = format!(
-            "{:>5} triangles {:>4} cameras, {}: {} fps there",
-            row.triangles, row.cameras, row.setting, row.fps
-        );
+    fn said(&self) -> String {
         let way = |shown: &Shown| {
             let wrong = self.share(shown).map(|s| format!(", {:.1} % wrong", 100.0 * s)).unwrap_or_default();
             format!("{:.2} fps{wrong}", 1e3 / shown.ms)
         };
         match (&self.direct, &self.atlas) {
-            (None, _) => format!("{of}; no switch for it here"),
-            (Some(direct), None) => format!("{of}; here {}", way(direct)),
+            (None, _) => "no switch for it here".into(),
+            (Some(direct), None) => format!("here {}", way(direct)),
             (Some(direct), Some((texels, atlas))) => {
-                format!("{of}; here {}; by an atlas of {texels} texels {}", way(direct), way(atlas))
+                format!("here {}; by an atlas of {texels} texels {}", way(direct), way(atlas))
             }
         }
     }

@@ -4,6 +4,8 @@ use super::measure::{Bench, Difference, Look, Shown};
 use anamorph::error::Result;
 use std::fmt::Write;
 
+pub const FILE: &str = "mirror_facets.csv";
+
 /// Facets: those of Yu et al., figure 10, then four times as many each.
 const COUNTS: [u32; 8] = [126, 360, 640, 960, 3840, 15_360, 61_440, 100_000];
 /// Texels a side: those of Hou et al., table 1, and of Yu et al., figure 10.
