@@ -63,7 +63,14 @@ fn measured(bench: &mut Bench, stand: &'static Stand, row: &Row) -> Result<Ours>
     let texels = row.texels.unwrap_or(TEXELS);
     let fits = u64::from(row.cameras) * u64::from(texels).pow(2) / 2 <= TEXELS_MAX;
     let atlas = [direct.clone(), vec![format!("camera.atlas={texels}")]].concat();
-    let atlas = if fits { Some((texels, bench.shown(&path, &atlas, look)?)) } else { None };
+    let atlas = match fits.then(|| bench.shown(&path, &atlas, look)) {
+        Some(Ok(shown)) => Some((texels, shown)),
+        Some(Err(e)) => {
+            println!("no atlas of {texels} texels: {e}");
+            None
+        }
+        None => None,
+    };
     Ok(Ours {
         scene: stand.example,
         direct: Some(bench.shown(&path, &direct, look)?),
