@@ -66,10 +66,13 @@ fn measured(bench: &mut Bench, stand: &'static Stand, row: &Row) -> Result<Ours>
     let atlas = match fits.then(|| bench.shown(&path, &atlas, look)) {
         Some(Ok(shown)) => Some((texels, shown)),
         Some(Err(e)) => {
-            println!("no atlas of {texels} texels: {e}");
+            println!("no atlas of {texels} texels a side: {e}");
             None
         }
-        None => None,
+        None => {
+            println!("no atlas of {texels} texels a side: with {} cameras it has more than {TEXELS_MAX}", row.cameras);
+            None
+        }
     };
     Ok(Ours {
         scene: stand.example,
