@@ -8,6 +8,7 @@ use anamorph::example::EXAMPLES;
 use anamorph::frame::{Channel, Frame, NO_ID};
 use anamorph::gpu::Gpu;
 use anamorph::gpu::device::NO_ADAPTER;
+use anamorph::optics::atlas::Layout;
 use anamorph::plan::Wanted;
 use anamorph::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -52,6 +53,13 @@ impl Bench {
 
     pub fn is_software(&self) -> bool {
         self.engine.gpu.info.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// Whether the adapter binds an atlas of so many facets and texels a side; its planes are those of the picture but the last.
+    pub fn fits(&self, facets: u32, texels: u32, look: Look) -> bool {
+        let (width, height) = Layout::new(facets as usize, texels).size();
+        let planes = look.channels().len() as u64 - 1;
+        4 * planes * u64::from(width) * u64::from(height) <= self.engine.gpu.binding_limit()
     }
 
     /// Writes an example's files; the path of its scene.
@@ -111,9 +119,15 @@ impl Bench {
 }
 
 impl Look {
+    fn channels(self) -> &'static [Channel] {
+        match self {
+            Look::All => &Channel::ALL,
+            Look::Colours { .. } => &[Channel::R, Channel::G, Channel::B, Channel::TriangleId, Channel::MirrorId],
+        }
+    }
+
     fn wanted(self, camera: &Camera) -> Wanted {
-        let few = [Channel::R, Channel::G, Channel::B, Channel::TriangleId, Channel::MirrorId];
-        let channels = Channel::of(camera).into_iter().filter(|c| self == Look::All || few.contains(c)).collect();
+        let channels = Channel::of(camera).into_iter().filter(|c| self.channels().contains(c)).collect();
         Wanted { channels, srgb8: false, counting: false }
     }
 }

@@ -2,7 +2,6 @@
 
 use super::measure::{Bench, Difference, Look, Shown};
 use super::papers::{Row, Stand, Surface, TEXELS, Table};
-use super::ways::TEXELS_MAX;
 use anamorph::error::Result;
 use anamorph::frame::Frame;
 use std::fmt::Write;
@@ -11,12 +10,15 @@ use std::path::Path;
 const COLUMNS: &str = "paper,figure,setting,triangles,cameras,texels,paper_fps,paper_hardware,\
 our_scene,our_triangles,our_cameras,our_texels,direct_fps,atlas_fps,direct_wrong_share,atlas_wrong_share,truth,our_adapter";
 
+/// An atlas of fewer texels a side has no picture left.
+const TEXELS_LEAST: u32 = 8;
+
 /// A row of ours.
 #[derive(Default)]
 struct Ours {
     scene: &'static str,
     direct: Option<Shown>,
-    /// The same cameras in an atlas first, with so many texels a side.
+    /// The same cameras in an atlas first, with so many texels a side: the paper's, or fewer where the adapter binds no more.
     atlas: Option<(u32, Shown)>,
     /// The surface itself, and what that is.
     truth: Option<(Frame, String)>,
@@ -60,19 +62,15 @@ fn measured(bench: &mut Bench, stand: &'static Stand, row: &Row) -> Result<Ours>
         return Ok(Ours { scene: stand.example, direct: Some(bench.shown(&path, &base, look)?), ..Ours::default() });
     };
     let direct = [base.clone(), surface.cut(row.cameras)].concat();
-    let texels = row.texels.unwrap_or(TEXELS);
-    let fits = u64::from(row.cameras) * u64::from(texels).pow(2) / 2 <= TEXELS_MAX;
-    let atlas = [direct.clone(), vec![format!("camera.atlas={texels}")]].concat();
-    let atlas = match fits.then(|| bench.shown(&path, &atlas, look)) {
-        Some(Ok(shown)) => Some((texels, shown)),
-        Some(Err(e)) => {
-            println!("no atlas of {texels} texels a side: {e}");
-            None
+    // halved until the adapter binds the atlas
+    let mut sides =
+        std::iter::successors(row.texels.or(Some(TEXELS)), |t| Some(t / 2)).take_while(|t| *t >= TEXELS_LEAST);
+    let atlas = match sides.find(|t| bench.fits(row.cameras, *t, look)) {
+        Some(texels) => {
+            let keys = [direct.clone(), vec![format!("camera.atlas={texels}")]].concat();
+            Some((texels, bench.shown(&path, &keys, look)?))
         }
-        None => {
-            println!("no atlas of {texels} texels a side: with {} cameras it has more than {TEXELS_MAX}", row.cameras);
-            None
-        }
+        None => None,
     };
     Ok(Ours {
         scene: stand.example,
