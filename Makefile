@@ -23,10 +23,10 @@ gallery: rust driver
 	@cargo run --release --locked --quiet --example gallery out
 	@echo "the contact sheet is out/gallery.png, the pictures and their scenes are in out/gallery"
 
-# Measure how far mirrors of flat facets are from the mirror itself, and the time they take.
+# Measure how far mirrors of flat facets are from the mirror itself, and the time they take; and the papers' own tables.
 facets: rust driver
 	@cargo run --release --locked --quiet --example facets out/facets
-	@echo "the table is out/facets/mirror_facets.csv"
+	@echo "the tables are out/facets/*.csv"
 
 # Hold every camera against the reference on a city of 35,000 triangles and on the models in the folder MODELS: hours on a CPU.
 agreement: rust driver

@@ -74,7 +74,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 42] = [
+pub const EXAMPLES: [Example; 43] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -112,6 +112,7 @@ pub const EXAMPLES: [Example; 42] = [
     example!("city-cylinder", Some("Lorenz 1, 4"), "a city all around in 160 perspective strips"),
     example!("deformation", Some("Lorenz 5, 6"), "a city deformed by a grid of offsets", make::offsets),
     example!("mirror-ring", Some("Hou 1, 6"), "a mirror of mixed curvature that sees itself"),
+    example!("mirror-teapot", Some("Hou 7"), "a shiny teapot, of 100 cameras, among 400 triangles that move", make::flocks),
     example!("water", Some("Hou 9"), "objects under water: 12 facets that refract"),
     example!("glass-ball", Some("Hou 8"), "a ball of glass: two refractions and Fresnel's reflections"),
     example!("caustic", Some("Hou 11"), "the light that a ring reflects onto the floor", make::band),
@@ -128,6 +129,23 @@ pub fn gallery() -> impl Iterator<Item = &'static Example> {
 mod tests {
     use super::*;
     use crate::scene::Scene;
+
+    #[test]
+    fn the_teapot_of_cameras_has_the_papers_numbers() {
+        let dir = tempfile::tempdir().unwrap();
+        let example = EXAMPLES.iter().find(|e| e.name == "mirror-teapot").unwrap();
+        let path = example.write(dir.path()).unwrap();
+        let floor = 2;
+        for (flock, triangles) in [(300, 400), (700, 800), (1100, 1200), (1500, 1600)] {
+            let scene = Scene::load(&path, &[format!("mesh.0.file=flock-{flock}.obj")], 0.0).unwrap();
+            assert_eq!(scene.mesh.triangles.len(), triangles + floor);
+        }
+        for cameras in [100, 256, 512] {
+            let keys = [format!("camera.mirror.cameras={cameras}")];
+            let camera = Scene::load(&path, &keys, 0.0).unwrap().camera().unwrap();
+            assert_eq!(camera.optics.as_ref().unwrap().camera_count(), cameras);
+        }
+    }
 
     #[test]
     fn every_example_loads_says_what_it_shows_and_comes_out_the_same() {

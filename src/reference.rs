@@ -6,6 +6,7 @@
 //! * `curve`, `length`: one curve and one triangle, every root ([`crate::bernstein`]); arc lengths.
 //! * `bvh`, `beam`: which triangles a ray, a curve, or all rays of a small box about one can meet.
 //! * `path`, `answer`: a pixel's segments through all layers, and what they first meet.
+//! * `place`: what of the mesh is near a place.
 //! * `margin`, `verdict`: whether the answer changes within 1/16 px of the centre, and what it may be.
 //! * `cover`: proof that triangles which join without gaps leave no miss.
 //! * `finding`: the same for whole paths: chains by the verdicts of their layers, curves by samples.
@@ -28,6 +29,7 @@ mod length;
 mod light;
 mod margin;
 mod path;
+mod place;
 mod turns;
 mod verdict;
 
@@ -37,6 +39,7 @@ mod tests;
 pub use finding::Finding;
 pub use margin::{GAP, MARGIN_PX};
 pub use path::{Path, Seen, Segment};
+pub use place::as_near;
 pub use turns::Outcome;
 pub use verdict::Verdict;
 

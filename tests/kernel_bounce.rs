@@ -207,7 +207,7 @@ fn the_comparison_sees_planted_errors() {
             found("a ray from nowhere", &|l| l.hi[at(miss) + 3] = 1.0_f32.to_bits());
             found("a way from nowhere", &|l| l.ways[miss][0] = 1);
             found("beside the band", &|l| l.hi[6 * w] = 0);
-            for k in [4, 5] {
+            for k in [4, 5, 6] {
                 found("another way", &|l| l.ways[hit][k] ^= 1);
             }
             for k in 0..3 {

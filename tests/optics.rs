@@ -223,6 +223,9 @@ fn frames_agree_with_the_reference() {
         (wave, "normals", 2),
         (pot, "normals", 2),
         (pot, "flat", 1),
+        (&format!("{sphere}, cameras = 40"), "flat", 1),
+        (&format!("{torus}, cameras = 90"), "normals", 2),
+        (&format!("{pot}, cameras = 120"), "normals", 1),
     ];
     for (mirror, facets, depth) in mirrors {
         let text =
@@ -241,6 +244,7 @@ fn frames_agree_with_the_reference() {
         (lens, "normals", 6),
         (wave, "normals", 1),
         (wave, "flat", 1),
+        (&format!("{lens}, cameras = 100"), "normals", 3),
     ];
     for (lens, facets, depth) in lenses {
         let text = format!(
@@ -262,11 +266,14 @@ fn assert_numbers(name: &str, scene: &Scene, camera: &Camera, frame: &Frame) {
     let differ = (0..seen.len()).filter(|k| seen[*k] != known[*k]).count();
     assert!(mirrored > seen.len() / 20, "{name}: {mirrored} pixels see the optics");
     assert!(differ <= seen.len() / 1000, "{name}: {differ} of {mirrored} pixels name another facet");
+    let piece = |f: &Frame| f.u32(Channel::PieceId).unwrap().to_vec();
+    let (piece, piece_known) = (piece(frame), piece(&truth));
     let (z, z_known) = (frame.f32(Channel::Z).unwrap(), truth.f32(Channel::Z).unwrap());
     let covered = |f: &Frame| f.f32(Channel::A).unwrap().to_vec();
     let (a, a_known) = (covered(frame), covered(&truth));
     for k in (0..seen.len()).filter(|k| seen[*k] == known[*k]) {
         assert_eq!(a[k], a_known[k], "{name}: pixel {k}");
+        assert!(seen[k] == NO_ID || piece[k] == piece_known[k], "{name}: pixel {k}");
         let both = z[k].is_finite() && z_known[k].is_finite();
         // a few f32 roundings of each of up to seven lengths
         assert!(
@@ -352,18 +359,18 @@ fn wrong(frame: &Frame, truth: &Frame) -> f64 {
 
 #[test]
 fn what_is_approximate_comes_nearer_with_facets_and_texels() {
-    let ball = |keys: &str, count: u32| {
-        let text = format!(
-            "kind = \"reflection\"\n{EYE}\n{keys}\nmirror = {{ shape = \"sphere\", radius = 1.2, count = {count} }}"
-        );
+    let ball = |keys: &str, own: &str| {
+        let text =
+            format!("kind = \"reflection\"\n{EYE}\n{keys}\nmirror = {{ shape = \"sphere\", radius = 1.2, {own} }}");
         let (scene, camera) = scene((141, 107), THINGS, &text);
         render_with(&scene, &camera, Without::Nothing, &Default::default()).map(|r| r.frame)
     };
-    let Some(truth) = ball("facets = \"exact\"", 4) else { return };
-    let off = |keys: &str, count: u32| wrong(&ball(keys, count).unwrap(), &truth);
+    let Some(truth) = ball("facets = \"exact\"", "count = 4") else { return };
+    let off = |keys: &str, own: &str| wrong(&ball(keys, own).unwrap(), &truth);
+    let count = |n: u32| format!("count = {n}");
     for law in ["flat", "normals"] {
         let keys = format!("facets = \"{law}\"");
-        let (coarse, fine, finest) = (off(&keys, 126), off(&keys, 1000), off(&keys, 16_000));
+        let (coarse, fine, finest) = (off(&keys, &count(126)), off(&keys, &count(1000)), off(&keys, &count(16_000)));
         println!("{law}: {coarse} {fine} {finest}");
         // the sagitta of a facet falls with their number, 8 and 16 times as many, and edges move with it; of few facets a
         // quarter of the picture is wrong, and more than all of it cannot be
@@ -371,17 +378,92 @@ fn what_is_approximate_comes_nearer_with_facets_and_texels() {
     }
     for law in ["flat", "normals"] {
         let (direct, few, many) = (
-            off(&format!("facets = \"{law}\""), 1000),
-            off(&format!("facets = \"{law}\"\natlas = 4"), 1000),
-            off(&format!("facets = \"{law}\"\natlas = 32"), 1000),
+            off(&format!("facets = \"{law}\""), &count(1000)),
+            off(&format!("facets = \"{law}\"\natlas = 4"), &count(1000)),
+            off(&format!("facets = \"{law}\"\natlas = 32"), &count(1000)),
         );
         println!("{law} in an atlas: {few} {many}, direct {direct}");
         assert!(many < few && many < direct + (few - direct) / 3.0, "{law}: {few} {many}, direct {direct}");
     }
+    // as the paper has it: few cameras in an atlas, on a mirror of its own silhouette
+    let shot = |cameras: u32, texels: u32| {
+        off(&format!("facets = \"normals\"\natlas = {texels}"), &format!("count = 3000, cameras = {cameras}"))
+    };
+    let (coarse, few, many) = (shot(100, 64), shot(600, 4), shot(600, 64));
+    println!("an atlas of 100 and of 600 cameras: {coarse} {many}, of fewer texels {few}");
+    assert!(many < coarse / 1.5 && many < few / 1.5, "{coarse} {few} {many}");
     // without parallax what stands near is out of place however fine the map
-    let map = off("environment = [0, 0, 0]", 4);
+    let map = off("environment = [0, 0, 0]", &count(4));
     println!("environment map: {map}");
-    assert!(map > 5.0 * off("facets = \"normals\"", 1000), "{map}");
+    assert!(map > 5.0 * off("facets = \"normals\"", &count(1000)), "{map}");
+}
+
+#[test]
+fn a_fine_mirror_shows_what_a_coarse_one_reflects() {
+    let ring = |facets: &str, own: &str| {
+        let mirror = format!("mirror = {{ shape = \"torus\", axis = [0.3, 1, 1], radius = 0.9, tube = 0.45, {own} }}");
+        let text = format!("kind = \"reflection\"\n{EYE}\nfacets = \"{facets}\"\n{mirror}");
+        let (scene, camera) = scene((141, 107), THINGS, &text);
+        let frame = render_with(&scene, &camera, Without::Nothing, &Default::default()).map(|r| r.frame);
+        frame.map(|frame| (camera, frame))
+    };
+    // facets 20 times as fine as those that are shown are off by a 20th of what those are
+    let Some((_, truth)) = ring("normals", "count = 100000") else { return };
+    for law in ["normals", "flat"] {
+        let (_, plain) = ring(law, "count = 5000").unwrap();
+        let mirror = plain.u32(Channel::MirrorId).unwrap();
+        let off = [40, 160, 640].map(|cameras| {
+            let (camera, frame) = ring(law, &format!("count = 5000, cameras = {cameras}")).unwrap();
+            // the eye sees the fine mirror, whatever turns the rays
+            assert!(frame.u32(Channel::MirrorId).unwrap() == mirror, "{law}, {cameras}: another silhouette");
+            // one piece of the eye, and then the cameras
+            let facets = camera.optics.as_ref().unwrap().facets().unwrap().clone();
+            assert!(facets.camera_count().abs_diff(cameras) < 10, "{} cameras", facets.camera_count());
+            assert_eq!(camera.piece_count(), 1 + facets.camera_count());
+            let piece = frame.u32(Channel::PieceId).unwrap();
+            let is_own = |k: usize| piece[k] == 1 + facets.camera_of(mirror[k] as usize);
+            assert!((0..mirror.len()).filter(|k| mirror[*k] != NO_ID).all(is_own), "{law}, {cameras}");
+            wrong(&frame, &truth)
+        });
+        // what the fine mirror is off by itself stays
+        let own = wrong(&plain, &truth);
+        println!("{law}: {off:?} as 40, 160 and 640 cameras do, {own} by itself");
+        // four times as many each: interpolated normals are off by the square of a camera's size, and edges move with them
+        let more = off.map(|o| o - own);
+        assert!(more[2] > 0.0 && more[1] < more[0] / 2.0 && more[2] < more[1] / 2.0, "{law}: {off:?}, {own}");
+        // as many cameras as facets: the mirror itself, but for roundings of normals
+        let (_, same) = ring(law, "count = 5000, cameras = 5000").unwrap();
+        for channel in [Channel::TriangleId, Channel::MirrorId, Channel::PieceId] {
+            assert!(same.u32(channel).unwrap() == plain.u32(channel).unwrap(), "{law}: another {channel:?}");
+        }
+        for channel in [Channel::R, Channel::T, Channel::Z, Channel::BaryU] {
+            let pairs = same.f32(channel).unwrap().iter().zip(plain.f32(channel).unwrap());
+            // 1e-15 of a normal, times at most 1e3 by slant, and one f32 rounding
+            assert!(
+                pairs.into_iter().all(|(a, b)| a == b || (a - b).abs() <= 1e-6 * b.abs().max(1.0)),
+                "{law}: {channel:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn camera_facets_do_not_go_with_keys_that_say_otherwise() {
+    let message = |own: &str, keys: &str| {
+        let mirror = format!("mirror = {{ shape = \"sphere\", radius = 1, {own} }}");
+        let text =
+            format!("image = {{ width = 9, height = 9 }}\n[camera]\nkind = \"reflection\"\n{EYE}\n{keys}\n{mirror}\n");
+        load(&text).unwrap_err().to_string()
+    };
+    for (keys, expected) in [
+        ("facets = \"exact\"", "camera.mirror.cameras: this surface is met exactly"),
+        ("facets_error = 1", "camera.mirror.cameras: facets_error is of facets with their own normals"),
+    ] {
+        let message = message("cameras = 30", keys);
+        assert!(message.contains(expected), "{message}");
+    }
+    assert!(message("cameras = 3", "").contains("camera.mirror.cameras"));
+    assert!(message("camera = 30", "").contains("cameras"));
 }
 
 #[test]

@@ -174,8 +174,8 @@ fn host() -> Layouts {
             pad0,
         }),
         layout!(AtlasLayout { side, columns, width, texel_count }),
-        layout!(Way { light, length, first, last, pad0, pad1 }),
-        layout!(Corner { p_hi, pad0, p_lo, pad1, n_hi, pad2, n_lo, pad3 }),
+        layout!(Way { light, length, first, last, camera, pad0 }),
+        layout!(Corner { p_hi, camera, p_lo, camera_u, n_hi, camera_v, n_lo, pad0 }),
         layout!(Quadric {
             centre_hi,
             c_hi,

@@ -53,7 +53,8 @@ fn bounce(
     store_vector(at, select(turned.place, real3(optic.from_hi) + real3(optic.from_lo), optic.is_environment == 1u));
     store_vector(at + 3u, turned.d);
     let first = select(way.first, surface, way.first == NONE);
+    let camera = select(way.camera, camera_of(surface), way.first == NONE);
     let length = way.length + f32(norm(turned.place - p));
     let light = way.light * optic.tint * optic.scale * f32(turned.share);
-    turned_ways[pixel] = Way(light, length, first, id, 0u, 0u);
+    turned_ways[pixel] = Way(light, length, first, id, camera, 0u);
 }

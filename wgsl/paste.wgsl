@@ -1,6 +1,6 @@
 // paste: one thread per pixel of the band.
 // Reads the visibility buffer, the pixel's ray and the facet that it meets first; copies to the planes what the atlas has at
-// the facet's nearest texel.
+// the nearest texel of the facet's camera.
 
 fn copied(plane: u32, pixel: u32, texel: u32) {
     if plane != NONE {
@@ -41,20 +41,22 @@ fn paste(
     let facet = id - optic.first_id;
     let w = vec3<f32>(facet_weights(facet, b.p / b.h, b.d / b.h));
 
-    // find its texel: the second corner is below the first, the third beside it; in the lower half turned round
+    // find its texel on its camera: the second corner is below the first, the third beside it; in the lower half turned round
+    let camera = camera_of(facet);
+    let on = camera_place(facet, w);
     let side = f32(atlas_layout.side);
     let last = atlas_layout.side - 1u;
-    let at = clamp(vec2<f32>(w.z, w.y) * side, vec2<f32>(0.0), vec2<f32>(side));
+    let at = clamp(on.yx * side, vec2<f32>(0.0), vec2<f32>(side));
     var texel = min(vec2<u32>(at), vec2<u32>(last));
     if texel.x + texel.y > last {
         // beyond the long side: back across it, along the row or the column that it left last
         let by_row = fract(at.x) < fract(at.y);
         texel = select(vec2<u32>(texel.x, last - texel.x), vec2<u32>(last - texel.y, texel.y), by_row);
     }
-    if facet % 2u == 1u {
+    if camera % 2u == 1u {
         texel = vec2<u32>(last) - texel;
     }
-    let cell = vec2<u32>(facet / 2u % atlas_layout.columns, facet / 2u / atlas_layout.columns);
+    let cell = vec2<u32>(camera / 2u % atlas_layout.columns, camera / 2u / atlas_layout.columns);
     let place = atlas_layout.side * cell + texel;
     let from_texel = place.y * atlas_layout.width + place.x;
 
@@ -67,7 +69,7 @@ fn paste(
     copied(PLANE_U, pixel, from_texel);
     copied(PLANE_V, pixel, from_texel);
     set_word(PLANE_A, pixel, bitcast<u32>(1.0));
-    set_word(PLANE_PIECE, pixel, optic.piece_first + facet);
+    set_word(PLANE_PIECE, pixel, optic.piece_first + camera);
     set_word(PLANE_MIRROR, pixel, facet);
     if PLANE_Z != NONE {
         let way = f32(norm(facet_place(facet, real3(w)) - b.p / b.h));

@@ -104,7 +104,7 @@ fn store_no_weights(at: Place) {
 // The piece of the camera's own ray, or the surface by which it was turned first.
 fn store_piece(at: Place, piece: u32) {
     let surface = first_surface(at.pixel);
-    store(PLANE_PIECE, at, select(first_piece() + surface, piece, surface == NONE));
+    store(PLANE_PIECE, at, select(first_piece(at.pixel), piece, surface == NONE));
     store(PLANE_MIRROR, at, surface);
 }
 

@@ -103,9 +103,9 @@ impl Camera {
         Camera { layers: self.layers.iter().map(moved).collect(), ..self.clone() }
     }
 
-    /// How many pieces the image is cut into, in all layers, and facets of its optics; 0 for a ray field.
+    /// How many pieces the image is cut into, in all layers, and those of its optics: cameras of facets, or quadrics; 0 for a ray field.
     pub fn piece_count(&self) -> usize {
-        self.first_piece(self.layers.len()) as usize + self.optics.as_ref().map_or(0, |o| o.surface_count())
+        self.first_piece(self.layers.len()) as usize + self.optics.as_ref().map_or(0, |o| o.camera_count())
     }
 
     /// Number of the first piece of a layer: those of the lower layers come before it.

@@ -39,9 +39,10 @@ impl Engine {
         channels.sort_unstable();
         channels.dedup();
         let wanted = Wanted { channels, srgb8: false, counting: wanted.counting };
-        let camera = atlas_camera(optics, atlas, facets, law)?;
+        let cameras = facets.copy();
+        let camera = atlas_camera(optics, atlas, cameras, law)?;
         let frames = Box::new(self.on_device(scene, Cow::Owned(camera), &wanted, run)?);
-        Ok(Some(Painter { frames, layout: Layout::new(facets.triangles.len(), atlas.texels) }))
+        Ok(Some(Painter { frames, layout: Layout::new(cameras.triangles.len(), atlas.texels) }))
     }
 }
 

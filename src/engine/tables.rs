@@ -141,13 +141,14 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
 
 /// Three corners a facet.
 pub fn corners(facets: &Facets, anchor: DVec3) -> Vec<rows::Corner> {
-    let corner = |(p, n): (DVec3, DVec3)| {
+    let corner = |camera: u32, [u, v]: [f64; 2], (p, n): (DVec3, DVec3)| {
         let ([p_hi, p_lo], [n_hi, n_lo]) = (split_vector(p - anchor), split_vector(n));
-        rows::Corner { p_hi, pad0: 0.0, p_lo, pad1: 0.0, n_hi, pad2: 0.0, n_lo, pad3: 0.0 }
+        rows::Corner { p_hi, camera, p_lo, camera_u: u as f32, n_hi, camera_v: v as f32, n_lo, pad0: 0.0 }
     };
     let facet = |k: usize| {
         let facet = facets.facet(k);
-        [0, 1, 2].map(|c| corner((facet.corners[c], facet.normals[c])))
+        let (camera, places) = (facets.camera_of(k), facets.camera_places(k));
+        [0, 1, 2].map(|c| corner(camera, places[c], (facet.corners[c], facet.normals[c])))
     };
     (0..facets.triangles.len()).flat_map(facet).collect()
 }

@@ -53,7 +53,7 @@ impl Turns {
             Surface::Quadrics(list) => surface.upload(gpu, "quadrics", &tables::quadrics(list, plan.anchor))?,
         }
         let mut untouched = Buffers::default();
-        let nothing = rows::Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, pad0: 0, pad1: 0 };
+        let nothing = rows::Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
         untouched.upload(gpu, "ways", &vec![nothing; pixels])?;
         if is_split {
             untouched.create(gpu, "visibility", 8 * pixels as u64, BufferUsages::empty())?;

@@ -183,3 +183,61 @@ pub fn band() -> Vec<(&'static str, Part)> {
     }
     vec![("ring.obj", Part::Text(text))]
 }
+
+/// `flock-300.obj` and three larger ones, with their colours: so many triangles, four a butterfly, in a ring around the y axis.
+/// A larger flock has the butterflies of a smaller one and more.
+pub fn flocks() -> Vec<(&'static str, Part)> {
+    let flock = |name, triangles: usize| (name, Part::Text(flock(triangles / 4)));
+    let colours = [[0.85, 0.45, 0.1], [0.2, 0.35, 0.75], [0.85, 0.8, 0.3], [0.7, 0.15, 0.3]];
+    let material = |(k, [r, g, b]): (usize, &[f64; 3])| format!("newmtl wings{k}\nKd {r} {g} {b}\n");
+    vec![
+        ("flock.mtl", Part::Text(colours.iter().enumerate().map(material).collect())),
+        flock("flock-300.obj", 300),
+        flock("flock-700.obj", 700),
+        flock("flock-1100.obj", 1100),
+        flock("flock-1500.obj", 1500),
+    ]
+}
+
+/// Butterflies that fly round a ring: head, tail and two wings, each a front and a hind tip.
+fn flock(count: usize) -> String {
+    const COLOURS: usize = 4;
+    /// Half a body, and how far wings reach, at their front.
+    const BODY: f64 = 0.075;
+    const WING: f64 = 0.165;
+    /// Nearest and farthest from the axis; lowest and highest.
+    const RADIUS: [f64; 2] = [1.9, 2.65];
+    const HEIGHT: [f64; 2] = [0.25, 2.4];
+    /// Golden ratios in one, two and three dimensions: places that are spread evenly however many there are.
+    const SPREAD: [f64; 3] = [0.618_033_988_749_895, 0.754_877_666_246_693, 0.819_172_513_396_164];
+    let mut text = String::from("mtllib flock.mtl\n");
+    for k in 0..count {
+        let [turn, out, up] = SPREAD.map(|s| (k as f64 * s).fract());
+        let mix = |[a, b]: [f64; 2], s: f64| a + (b - a) * s;
+        let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
+        let (side, ahead) = (DVec3::new(sin, 0.0, cos), DVec3::new(cos, 0.0, -sin));
+        let at = mix(RADIUS, out) * side + mix(HEIGHT, up) * DVec3::Y;
+        // wings at half-mast, each butterfly in another stroke
+        let (lift, reach) = (0.2 + 0.9 * (k as f64 * SPREAD[0] * SPREAD[1]).fract()).sin_cos();
+        let tip = |s: f64, along: f64, long: f64| {
+            at + along * BODY * ahead + long * WING * (s * reach * side + lift * DVec3::Y)
+        };
+        let points = [
+            at + BODY * ahead,
+            at - BODY * ahead,
+            tip(1.0, 1.3, 1.0),
+            tip(1.0, -1.2, 0.7),
+            tip(-1.0, 1.3, 1.0),
+            tip(-1.0, -1.2, 0.7),
+        ];
+        for v in points {
+            let [x, y, z] = short(v);
+            text += &format!("v {x} {y} {z}\n");
+        }
+        let n = 6 * k + 1;
+        let [head, tail, front, hind, front2, hind2] = [n, n + 1, n + 2, n + 3, n + 4, n + 5];
+        text += &format!("usemtl wings{}\nf {tail} {front} {head}\nf {tail} {hind} {front}\n", k % COLOURS);
+        text += &format!("f {tail} {head} {front2}\nf {tail} {front2} {hind2}\n");
+    }
+    text
+}

@@ -215,8 +215,8 @@ pub struct Way {
     pub length: f32,
     pub first: u32,
     pub last: u32,
+    pub camera: u32,
     pub pad0: u32,
-    pub pad1: u32,
 }
 
 /// A facet's corner and its normal, each value a sum hi + lo.
@@ -224,13 +224,13 @@ pub struct Way {
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Corner {
     pub p_hi: [f32; 3],
-    pub pad0: f32,
+    pub camera: u32,
     pub p_lo: [f32; 3],
-    pub pad1: f32,
+    pub camera_u: f32,
     pub n_hi: [f32; 3],
-    pub pad2: f32,
+    pub camera_v: f32,
     pub n_lo: [f32; 3],
-    pub pad3: f32,
+    pub pad0: f32,
 }
 
 /// A quadric and the part of it that is there, see the WGSL.

@@ -13,6 +13,18 @@ pub struct Facets {
     pub triangles: Vec<[u32; 3]>,
     /// Three indices into `normals`.
     pub corner_normals: Vec<[u32; 3]>,
+    /// Where the normals are those of a coarser copy ([`super::shooting`]).
+    pub cameras: Option<Cameras>,
+}
+
+/// A coarser copy, whose facets are the cameras then.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cameras {
+    pub copy: Box<Facets>,
+    /// Which of its facets each belongs to.
+    pub of: Vec<u32>,
+    /// Where on that the corners lie: weights of its second and third corner, beyond it where they belong to its neighbours.
+    pub places: Vec<[[f64; 2]; 3]>,
 }
 
 /// What a facet is made of, in f64.
@@ -43,7 +55,7 @@ impl Facets {
             positions: mesh.positions.clone(),
             normals: mesh.normals.iter().map(|n| n.as_dvec3().normalize_or_zero()).collect(),
             triangles: kept.iter().map(|id| mesh.triangles[*id]).collect(),
-            corner_normals: Vec::new(),
+            ..Facets::default()
         };
         let own = |id: &usize| mesh.corner_normals.get(*id).copied().unwrap_or([NO_NORMAL; 3]);
         let usable = |n: u32| n != NO_NORMAL && facets.normals[n as usize] != DVec3::ZERO;
@@ -93,6 +105,25 @@ impl Facets {
             corners: self.triangles[k].map(|v| self.positions[v as usize]),
             normals: self.corner_normals[k].map(|n| self.normals[n as usize]),
         }
+    }
+
+    /// The number of the camera that turns the rays at a facet: one of a coarser copy, or its own.
+    pub fn camera_of(&self, k: usize) -> u32 {
+        self.cameras.as_ref().map_or(k as u32, |c| c.of[k])
+    }
+
+    /// Where a facet's corners lie on its camera, as [`Cameras::places`].
+    pub fn camera_places(&self, k: usize) -> [[f64; 2]; 3] {
+        self.cameras.as_ref().map_or([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], |c| c.places[k])
+    }
+
+    /// The facets that are cameras: those of the copy, or these.
+    pub fn copy(&self) -> &Facets {
+        self.cameras.as_ref().map_or(self, |c| &c.copy)
+    }
+
+    pub fn camera_count(&self) -> usize {
+        self.copy().triangles.len()
     }
 
     /// As triangles of a scene, of one colour and visible from both sides.

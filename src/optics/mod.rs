@@ -12,10 +12,11 @@ pub mod fineness;
 pub mod quadric;
 pub mod resample;
 pub mod shape;
+pub mod shooting;
 pub mod turn;
 
 use crate::scene::mesh::Mesh;
-pub use facets::{Facet, Facets};
+pub use facets::{Cameras, Facet, Facets};
 use glam::{DVec2, DVec3};
 pub use quadric::Quadric;
 use std::f64::consts::PI;
@@ -135,6 +136,16 @@ impl Optics {
             Surface::Facets { facets, .. } => facets.positions.len(),
             Surface::Quadrics(_) => 0,
         }
+    }
+
+    /// Pieces of the optics: facets of a coarser copy, or the facets or quadrics themselves.
+    pub fn camera_count(&self) -> usize {
+        self.facets().map_or(self.surface_count(), Facets::camera_count)
+    }
+
+    /// Which of them turns the rays that meet a facet or quadric.
+    pub fn camera_of(&self, surface: u32) -> u32 {
+        self.facets().map_or(surface, |f| f.camera_of(surface as usize))
     }
 
     pub fn quadric_count(&self) -> usize {

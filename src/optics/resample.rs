@@ -50,7 +50,7 @@ impl Facets {
         let triangles: Vec<[u32; 3]> = triangles.iter().filter(area).copied().collect();
         // normals that cancel out: the first corner's
         let normals = sums.iter().map(|n| n.try_normalize().unwrap_or(DVec3::Y)).collect();
-        let simpler = Facets { positions, normals, corner_normals: triangles.clone(), triangles };
+        let simpler = Facets { positions, normals, corner_normals: triangles.clone(), triangles, ..Facets::default() };
         if simpler.triangles.is_empty() { self.clone() } else { simpler }
     }
 

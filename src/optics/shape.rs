@@ -93,7 +93,7 @@ impl Shape {
                 );
             }
         };
-        table.allow(&[&["shape", "count"][..], own].concat())?;
+        table.allow(&[&["shape", "count", "cameras"][..], own].concat())?;
         let count = table.or("count", COUNT, |f| f.integer(4, COUNT_MAX))? as usize;
         let center = |key| table.or(key, DVec3::ZERO, Field::vec3);
         let axis = || table.or("axis", DVec3::Y, direction);
@@ -159,7 +159,9 @@ impl Shape {
                 grid((0..=stacks).map(row).collect(), true)
             }
             Shape::Torus { center, axis, radius, tube } => {
-                let (around, sides) = cells(count, |n, s| 2 * n * s, radius / tube);
+                // a tube of two sides is flat
+                let triangles = |n: usize, s: usize| if s < 3 { usize::MAX } else { 2 * n * s };
+                let (around, sides) = cells(count, triangles, radius / tube);
                 let (e1, e2) = axis.any_orthonormal_pair();
                 let row = |k: usize| {
                     let ring = |l: f64| {
@@ -393,6 +395,21 @@ mod tests {
             }
             let open = balance.values().filter(|n| **n != 0).count();
             assert_eq!(open, 0, "{shape:?}");
+        }
+    }
+
+    #[test]
+    fn a_torus_of_few_facets_has_an_inside() {
+        for count in [4, 12, 26, 40] {
+            let facets = Shape::Torus { center: DVec3::ZERO, axis: DVec3::Y, radius: 1.15, tube: 0.42 }.facets(count);
+            let volume = |k: usize| {
+                let [a, b, c] = facets.facet(k).corners;
+                a.dot(b.cross(c)) / 6.0
+            };
+            let all: f64 = (0..facets.triangles.len()).map(volume).sum();
+            // inscribed: three sides of three have (27 / 16) / pi^2 of the torus's
+            let whole = 2.0 * PI * PI * 1.15 * 0.42 * 0.42;
+            assert!(all > 0.15 * whole && all < whole, "{count}: {all} of {whole}");
         }
     }
 

@@ -57,8 +57,8 @@ fn bounce_pixel(input: &Input, key: u64, pixel: u32, real: Real) -> Option<Bounc
         length: length.v as f32,
         first: if way.first == NONE { surface } else { way.first },
         last: id,
+        camera: if way.first == NONE { optics.camera_of(surface) } else { way.camera },
         pad0: 0,
-        pad1: 0,
     };
     if optic.is_environment == 1 {
         turned.place = Near3::pair(optic.from_hi, optic.from_lo, real);

@@ -38,11 +38,19 @@ pub struct Behind {
     pub light: [f32; 3],
     /// Of all rays before.
     pub length: f32,
-    /// The surface of the optics that was met first, and its number among the camera's pieces.
+    /// The surface of the optics that was met first, and the number of its camera among all pieces.
     pub first: Option<(u32, u32)>,
 }
 
 impl OpticsInput<'_> {
+    /// The number of a surface's camera among the optics' pieces.
+    pub fn camera_of(&self, surface: u32) -> u32 {
+        match self.surface {
+            SurfaceRows::Corners(corners) => corners[3 * surface as usize].camera,
+            SurfaceRows::Quadrics(_) => surface,
+        }
+    }
+
     /// Rays of this pass may meet the surface.
     pub fn is_seen(&self) -> bool {
         self.optic.turns == 0 || self.optic.sees_itself == 1
@@ -88,7 +96,7 @@ impl Input<'_> {
     pub fn behind(&self, pixel: u32) -> Behind {
         let Some(optics) = &self.optics else { return Behind { light: [1.0; 3], length: 0.0, first: None } };
         let way = &optics.ways[pixel as usize];
-        let first = (way.first != NONE).then(|| (way.first, optics.optic.piece_first + way.first));
+        let first = (way.first != NONE).then(|| (way.first, optics.optic.piece_first + way.camera));
         Behind { light: way.light, length: way.length, first }
     }
 }
@@ -120,7 +128,7 @@ impl Optics {
     pub fn new(scene: &Scene, camera: &Camera, plan: &Plan) -> Option<Optics> {
         let optics = &crate::optics::Optics { atlas: None, ..camera.optics.as_deref()?.clone() };
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0);
-        let nothing = Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, pad0: 0, pad1: 0 };
+        let nothing = Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
         let (corners, quadrics) = match &optics.surface {
             Surface::Facets { facets, .. } => (tables::corners(facets, plan.anchor), Vec::new()),
             Surface::Quadrics(list) => (Vec::new(), tables::quadrics(list, plan.anchor)),

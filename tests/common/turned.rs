@@ -37,6 +37,8 @@ const FAR: &str = r#"{ kind = "pinhole", eye = [10000, 0.5, 4], target = [10000,
 
 const SPHERE: &str = r#"shape = "sphere", radius = 1.05, count = 300"#;
 const TORUS: &str = r#"shape = "torus", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.35, count = 400"#;
+/// Facets that turn rays as others would.
+const SHOT: &str = r#"shape = "sphere", radius = 1.05, count = 300, cameras = 60"#;
 const BOWL: &str = r#"shape = "quadric", vertex = [0, -0.4, -0.5], axis = [0, 0.2, 1], curvature = 1.6, conic = -0.9, radius = 1.1, count = 300"#;
 const LENS: &str = r#"shape = "lens", center = [0, 0, 2.5], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, curvatures = [0.5, -0.6], count = 300"#;
 const WAVE: &str =
@@ -76,6 +78,7 @@ pub fn cases() -> Vec<Case> {
     vec![
         mirror(PINHOLE, SPHERE, "normals", 2),
         mirror(PINHOLE, TORUS, "flat", 1),
+        mirror(PINHOLE, SHOT, "normals", 2),
         mirror(FISHEYE, TORUS, "normals", 3),
         mirror(PINHOLE, SPHERE, "exact", 2),
         mirror(PINHOLE, BOWL, "exact", 3),

@@ -11,6 +11,19 @@ fn corner_normal(k: u32) -> real3 {
     return real3(corners[k].n_hi) + real3(corners[k].n_lo);
 }
 
+// The number of the facet's camera among the optics' pieces.
+fn camera_of(surface: u32) -> u32 {
+    return corners[3u * surface].camera;
+}
+
+// Where on that camera the place with these weights lies: weights of its second and third corner.
+fn camera_place(surface: u32, w: vec3<f32>) -> vec2<f32> {
+    let k = 3u * surface;
+    return w.x * vec2<f32>(corners[k].camera_u, corners[k].camera_v)
+        + w.y * vec2<f32>(corners[k + 1u].camera_u, corners[k + 1u].camera_v)
+        + w.z * vec2<f32>(corners[k + 2u].camera_u, corners[k + 2u].camera_v);
+}
+
 // The weights of the corners where the line p + t d meets the facet's plane.
 fn facet_weights(surface: u32, p: real3, d: real3) -> real3 {
     let k = 3u * surface;

@@ -69,6 +69,11 @@ fn t_max_real() -> real {
     return real(params.t_max.x) + real(params.t_max.y) + real(params.t_max.z);
 }
 
+// A quadric is its own piece.
+fn camera_of(surface: u32) -> u32 {
+    return surface;
+}
+
 // The turn of the ray p + t d at the quadric that it meets; `last` is the id of the surface that it starts on.
 fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
     let q = quadrics[surface];

@@ -47,20 +47,20 @@ struct Way {
     length: f32,            // of all rays before
     first: u32,             // surface that was met first; NONE before any
     last: u32,              // id of the surface that the ray starts on; NONE: the eye, or no turn
+    camera: u32,            // of the surface that was met first
     pad0: u32,
-    pad1: u32,
 }
 
 // A facet's corner, relative to the anchor, and its unit normal, each value a sum hi + lo.
 struct Corner {
     p_hi: vec3<f32>,
-    pad0: f32,
+    camera: u32,            // of the facet: which of the optics' pieces it belongs to
     p_lo: vec3<f32>,
-    pad1: f32,
+    camera_u: f32,          // where on that facet the corner lies: weight of its second corner,
     n_hi: vec3<f32>,
-    pad2: f32,
+    camera_v: f32,          // and of its third
     n_lo: vec3<f32>,
-    pad3: f32,
+    pad0: f32,
 }
 
 // q A q + 2 b q + c = 0 for q from the centre, A by its diagonal and what is beside it (yz, xz, xy); within the square

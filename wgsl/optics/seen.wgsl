@@ -37,8 +37,9 @@ fn first_surface(pixel: u32) -> u32 {
     return ways[pixel].first;
 }
 
-fn first_piece() -> u32 {
-    return optic.piece_first;
+// The piece that the first surface belongs to.
+fn first_piece(pixel: u32) -> u32 {
+    return optic.piece_first + ways[pixel].camera;
 }
 
 override QUADRICS: bool = false;

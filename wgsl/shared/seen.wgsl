@@ -41,6 +41,6 @@ fn first_surface(pixel: u32) -> u32 {
     return NONE;
 }
 
-fn first_piece() -> u32 {
+fn first_piece(pixel: u32) -> u32 {
     return 0u;
 }

@@ -19,6 +19,8 @@ use std::sync::Arc;
 struct Optical {
     eye: CameraSpec,
     source: Source,
+    /// Facets of the coarser copy that turns rays.
+    cameras: Option<usize>,
     facets: Mode,
     /// By how many pixels facets may be off; their number follows from it.
     facets_error: Option<f64>,
@@ -117,12 +119,13 @@ fn read_optical(table: &Table, surface: &Field, turn: Turn) -> Result<Arc<dyn Re
         }
         None => {
             let count = own.optional("count", |f| f.integer(4, COUNT_MAX))?.map(|n| n as usize);
-            Source::Mesh(read_mesh(surface, &["count"])?, count)
+            Source::Mesh(read_mesh(surface, &["count", "cameras"])?, count)
         }
     };
+    let cameras = own.optional("cameras", |f| f.integer(4, COUNT_MAX))?.map(|n| n as usize);
     let facets = match table.get("facets") {
         Some(key) => read_mode(&key, &source)?,
-        None if source.is_exact() => Mode::Exact,
+        None if source.is_exact() && cameras.is_none() => Mode::Exact,
         None => Mode::Normals,
     };
     let depth = table.or("depth", 1, |f| f.integer(1, DEPTH_MAX))? as u32;
@@ -161,7 +164,20 @@ fn read_optical(table: &Table, surface: &Field, turn: Turn) -> Result<Arc<dyn Re
     if let (true, Some(key)) = (facets == Mode::Exact, table.get("facets_error")) {
         return Err(key.error("this surface is met exactly; leave it out, or use facets = \"normals\" or \"flat\""));
     }
-    Ok(Arc::new(Optical { eye, source, facets, facets_error, optics }))
+    if let (Some(_), Some(key)) = (cameras, own.get("cameras")) {
+        check_cameras(&key, facets, facets_error.is_some())?;
+    }
+    Ok(Arc::new(Optical { eye, source, cameras, facets, facets_error, optics }))
+}
+
+/// Errors where camera facets contradict other keys.
+fn check_cameras(key: &Field, facets: Mode, has_error: bool) -> Result<()> {
+    let why = match (facets, has_error) {
+        (Mode::Exact, ..) => "this surface is met exactly; leave it out, or use facets = \"normals\" or \"flat\"",
+        (_, true) => "facets_error is of facets with their own normals; leave one of the two out",
+        _ => return Ok(()),
+    };
+    Err(key.error(why))
 }
 
 fn read_mode(key: &Field, source: &Source) -> Result<Mode> {
@@ -211,7 +227,9 @@ impl Recipe for Optical {
                 let (facets, off) = self.cut(&eye, law, setting)?;
                 let n = facets.triangles.len();
                 let off = off.map(|px| format!(", off by {px:.3} px (95th percentile)")).unwrap_or_default();
-                (Surface::Facets { facets, law }, format!("the surface is cut into {n} facet{}{off}", plural(n)))
+                let (facets, as_of) = self.matched(facets)?;
+                let note = format!("the surface is cut into {n} facet{}{off}{as_of}", plural(n));
+                (Surface::Facets { facets, law }, note)
             }
         };
         let atlas = self.optics.atlas.map(|texels| Ok::<_, Error>(Atlas { texels, eye: central()? })).transpose()?;
@@ -223,6 +241,14 @@ impl Recipe for Optical {
 }
 
 impl Optical {
+    /// The facets with the normals of the coarser copy, where there is one; and what to say of it.
+    fn matched(&self, facets: Facets) -> Result<(Facets, String)> {
+        let Some(count) = self.cameras else { return Ok((facets, String::new())) };
+        let coarse = self.source.facets(Some(count)).map_err(|e| e.at("camera"))?;
+        let n = coarse.triangles.len();
+        Ok((facets.shot_at(&coarse), format!(" that turn rays as {n} camera facet{} would", plural(n))))
+    }
+
     /// The facets; and where their number follows from it, by how many pixels they are off.
     fn cut(&self, eye: &Camera, law: Law, setting: &Setting) -> Result<(Facets, Option<f64>)> {
         let at = |e: Error| e.at("camera");
