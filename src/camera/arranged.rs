@@ -34,13 +34,16 @@ impl Arrangement {
 
     fn new(field: &Field, middle: DVec3) -> Arrangement {
         let count = field.width * field.height;
-        let ends = |k: u32| field.ray(k % field.width, k / field.width).map(|ray| ends(ray, middle));
-        let box_of = |k: u32| ends(k).map_or((DVec3::INFINITY, DVec3::NEG_INFINITY), |[a, b]| (a.min(b), a.max(b)));
-        let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
-        let (lo, hi) = (0..count).into_par_iter().map(box_of).reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), join);
-        let unit = f64::from((1 << KEY_BITS) - 1) / (hi - lo).max_element().max(f64::MIN_POSITIVE);
+        let parts = |k: u32| field.ray(k % field.width, k / field.width).map(|ray| parts(ray, middle));
+        let none = ([DVec3::INFINITY; 2], [DVec3::NEG_INFINITY; 2]);
+        let join = |a: ([DVec3; 2], [DVec3; 2]), b: ([DVec3; 2], [DVec3; 2])| {
+            ([0, 1].map(|k| a.0[k].min(b.0[k])), [0, 1].map(|k| a.1[k].max(b.1[k])))
+        };
+        let (lo, hi) = (0..count).into_par_iter().map(|k| parts(k).map_or(none, |p| (p, p))).reduce(|| none, join);
+        let size = [0, 1].map(|k| (hi[k] - lo[k]).max_element()).into_iter().fold(f64::MIN_POSITIVE, f64::max);
+        let unit = f64::from((1 << KEY_BITS) - 1) / size;
         // pixels without a ray go last
-        let key = |k: u32| ends(k).map_or(u64::MAX, |e| interleaved(e.map(|p| (p - lo) * unit)));
+        let key = |k: u32| parts(k).map_or(u64::MAX, |p| interleaved([0, 1].map(|k| (p[k] - lo[k]) * unit)));
         let mut sorted: Vec<(u64, u32)> = (0..count).into_par_iter().map(|k| (key(k), k)).collect();
         sorted.par_sort_unstable();
         let mut source = vec![0; count as usize];
@@ -67,9 +70,10 @@ impl Arrangement {
     }
 }
 
-/// Where a ray starts, and where it is as far on as the scene's middle.
-fn ends((p, d): (DVec3, DVec3), middle: DVec3) -> [DVec3; 2] {
-    [p, p + (middle - p).length() * d.normalize()]
+/// Where a ray starts, and its way from there as far as the scene's middle: the bounds of a tile take these apart, so that
+/// its rays must be near each other in both.
+fn parts((p, d): (DVec3, DVec3), middle: DVec3) -> [DVec3; 2] {
+    [p, (middle - p).length() * d.normalize()]
 }
 
 /// Directions differ within tiles nearly as much as between them.
