@@ -28,6 +28,7 @@ mod length;
 mod light;
 mod margin;
 mod path;
+mod smooth;
 mod turns;
 mod verdict;
 
