@@ -8,10 +8,10 @@ use super::turn::NearRay;
 use crate::gpu::rows::Torus;
 
 /// Square of the radius of the ball that is searched, in units of the size.
-const ROOM: f64 = 1.125;
+pub const ROOM: f64 = 1.125;
 
 /// Steps of a kernel at most.
-const STEPS: u32 = 256;
+pub const STEPS: u32 = 256;
 
 /// Units of rounding of a quartic's value, of its terms: four products and four sums.
 const HORNER_UNITS: f64 = 8.0;
@@ -40,13 +40,13 @@ impl Terms {
 pub fn first_root(row: &Torus, ray: &NearRay, starts: bool, [t_min, t_max]: [Near; 2], real: Real) -> Root {
     let number = |v: f64| Near::exact(v, real);
     let g = Terms::new(row, real);
-    let way = ray.d.norm();
-    let speed = way / g.size;
+    let o = ray.p - g.centre;
+    // a place on the ray, and a scale; those of another kernel are others of the same ray
+    let middle = number(if starts { 0.0 } else { -o.dot(ray.d).v / ray.d.dot(ray.d).v });
+    let way = number(ray.d.norm().v);
+    let q = (o + ray.d * middle) / g.size;
     let u = ray.d / way;
-    let v = (ray.p - g.centre) / g.size;
-    // a place on the ray; another kernel's own is another one of the same ray
-    let middle = number(if starts { 0.0 } else { -v.dot(u).v });
-    let q = v + u * middle;
+    let speed = way / g.size;
     let (z, w, b, qq) = (q.dot(g.axis), u.dot(g.axis), q.dot(u), q.dot(q));
     let one = number(1.0);
     let k = qq + g.ring + g.ring - one;
@@ -61,7 +61,7 @@ pub fn first_root(row: &Torus, ray: &NearRay, starts: bool, [t_min, t_max]: [Nea
         return Root::NONE;
     }
     let chord = square.sqrt();
-    let (from, to) = ((-b - chord).max(t_min * speed - middle), (chord - b).min(t_max * speed - middle));
+    let (from, to) = ((-b - chord).max((t_min - middle) * speed), (chord - b).min((t_max - middle) * speed));
     let [a0, a1, a2, a3] = [c0, c1, c2, c3].map(|c| c.v);
     let bend = |s: f64| 2.0 * a2 + s * (6.0 * a3 + 12.0 * s);
     let bends = [2.0 * a2 - 0.75 * a3 * a3, bend(from.v).max(bend(to.v))];
@@ -77,7 +77,7 @@ pub fn first_root(row: &Torus, ray: &NearRay, starts: bool, [t_min, t_max]: [Nea
         [value, a1 + s * (2.0 * a2 + s * (3.0 * a3 + 4.0 * s))]
     };
     let root = Along { function, bends, error, span: [from, to], most: STEPS }.first_root();
-    Root { t: root.t.map(|s| (s + middle) / speed), ..root }
+    Root { t: root.t.map(|s| middle + s / speed), ..root }
 }
 
 /// A quarter of the gradient at `place`.

@@ -9,11 +9,11 @@ use crate::gpu::rows::Wave;
 use std::f64::consts::{PI, TAU};
 
 /// The height that is searched, in amplitudes.
-const ROOM: f64 = 1.0625;
+pub const ROOM: f64 = 1.0625;
 
 /// Steps of a kernel at most, and for every half wave along the ray.
-const STEPS: f64 = 256.0;
-const WAVE_STEPS: f64 = 64.0;
+pub const STEPS: u32 = 256;
+pub const WAVE_STEPS: f64 = 64.0;
 
 /// A wave's row, its pairs summed up.
 struct Terms {
@@ -92,8 +92,9 @@ pub fn first_root(row: &Wave, ray: &NearRay, starts: bool, range: [Near; 2], rea
     let swings = w.amplitude.v * (swing_loss(u, ku) + swing_loss(v, kv));
     let amplitude_loss = (w.amplitude.e + 3.0 * unit * w.amplitude.v) * PI * (ku.v.abs() + kv.v.abs());
     let error = [c.e + unit * c.v.abs(), dy.e + 3.0 * unit * dy.v.abs() + swings + amplitude_loss];
-    let most = STEPS + WAVE_STEPS * 2.0 * length.max(0.0) * (ku.v.abs() + kv.v.abs());
-    let root = Along { function, bends: [-bend, bend], error, span, most: most as u32 }.first_root();
+    let half_waves = 2.0 * length.max(0.0) * (ku.v.abs() + kv.v.abs());
+    let root = Along { function, bends: [-bend, bend], error, span, most: STEPS + (WAVE_STEPS * half_waves) as u32 }
+        .first_root();
     Root { t: root.t.map(|s| s + enters), ..root }
 }
 

@@ -1,7 +1,11 @@
 // Where rays meet a torus.
 
 fn torus_place(g: Torus, place: real3) -> real3 {
-    return (place - real3(g.centre_hi) - real3(g.centre_lo)) / (real(g.size_hi) + real(g.size_lo));
+    return place - real3(g.centre_hi) - real3(g.centre_lo);
+}
+
+fn torus_size(g: Torus) -> real {
+    return real(g.size_hi) + real(g.size_lo);
 }
 
 // A quarter of the gradient.
@@ -9,7 +13,7 @@ fn smooth_normal(surface: u32, place: real3) -> real3 {
     let g = tori[surface];
     let ring = real(g.ring_hi) + real(g.ring_lo);
     let axis = real3(g.axis_hi) + real3(g.axis_lo);
-    let q = torus_place(g, place);
+    let q = torus_place(g, place) / torus_size(g);
     let away = q - dot(q, axis) * axis;
     return (dot(q, q) + ring + ring - real(1.0)) * q - (ring + ring) * ring * away;
 }
@@ -43,12 +47,12 @@ fn first_root(surface: u32, p: real3, d: real3, starts: bool, t_min: real, t_max
     let ring = real(g.ring_hi) + real(g.ring_lo);
     let axis = real3(g.axis_hi) + real3(g.axis_lo);
     // in units of the size, from where the ray is nearest to the centre, or where it starts
+    let o = torus_place(g, p);
+    let middle = select(-dot(o, d) / dot(d, d), real(0.0), starts);
+    let q = (o + middle * d) / torus_size(g);
     let way = norm(d);
-    let speed = way / (real(g.size_hi) + real(g.size_lo));
     let u = d / way;
-    let v = torus_place(g, p);
-    let middle = select(-dot(v, u), real(0.0), starts);
-    let q = v + middle * u;
+    let speed = way / torus_size(g);
     let z = dot(q, axis);
     let w = dot(u, axis);
     let b = dot(q, u);
@@ -66,8 +70,8 @@ fn first_root(surface: u32, p: real3, d: real3, starts: bool, t_min: real, t_max
         return Root(real(0.0), false);
     }
     let chord = sqrt(square);
-    var from_s = max(-b - chord, t_min * speed - middle);
-    let to_s = min(chord - b, t_max * speed - middle);
+    var from_s = max(-b - chord, (t_min - middle) * speed);
+    let to_s = min(chord - b, (t_max - middle) * speed);
     // the second derivative 2 c2 + 6 c3 s + 12 s^2: its least, and the larger of its ends
     let ends = vec2<real>(from_s * (6.0 * a.c3 + 12.0 * from_s), to_s * (6.0 * a.c3 + 12.0 * to_s));
     let bends = c2 + c2 + vec2<real>(-0.75 * a.c3 * a.c3, max(ends.x, ends.y));
@@ -79,7 +83,7 @@ fn first_root(surface: u32, p: real3, d: real3, starts: bool, t_min: real, t_max
         return Root(real(0.0), false);
     }
     var root = first_crossing(a, from_s, to_s, bends, STEPS);
-    root.t = (root.t + middle) / speed;
+    root.t = middle + root.t / speed;
     root.found = root.found && root.t >= t_min && root.t <= t_max;
     return root;
 }
