@@ -227,6 +227,43 @@ mod tests {
     }
 
     #[test]
+    fn all_roots_of_a_quartic_from_its_powers() {
+        let mut state = 5_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut four = 0;
+        for _ in 0..20_000 {
+            let mut r = [0, 1, 2, 3].map(|_| 2.0 * next() - 1.0);
+            r.sort_unstable_by(f64::total_cmp);
+            let (from, to) = (-next(), next());
+            let apart = r.windows(2).all(|r| r[1] - r[0] > 1e-3);
+            if !apart || to - from < 0.1 || r.iter().any(|r| (r - from).abs() < 1e-3 || (r - to).abs() < 1e-3) {
+                continue;
+            }
+            let mut powers = vec![1.0];
+            for r in r {
+                powers = (0..=powers.len())
+                    .map(|k| k.checked_sub(1).map_or(0.0, |j| powers[j]) - r * powers.get(k).unwrap_or(&0.0))
+                    .collect();
+            }
+            let quartic = Bernstein::of_powers(&powers, [from, to]);
+            assert!((quartic.at(0.0) - r.iter().map(|r| from - r).product::<f64>()).abs() < 1e-14);
+            let roots = quartic.roots(2.0 * VALUE_ROUNDING * quartic.size());
+            let expected: Vec<(f64, i8)> =
+                r.into_iter().zip([-1, 1, -1, 1]).filter(|(r, _)| (from..=to).contains(r)).collect();
+            assert_eq!(roots.len(), expected.len(), "{r:?}, {from} to {to}: {roots:?}");
+            four += usize::from(roots.len() == 4);
+            for (found, (t, sign)) in roots.iter().zip(&expected) {
+                // values round to some 2^-50; the slope at a root is at least 1e-9
+                assert!((from + found.t * (to - from) - t).abs() < 1e-5 && found.sign == *sign, "{r:?}: {roots:?}");
+            }
+        }
+        assert!(four > 300, "{four}");
+    }
+
+    #[test]
     fn touching_roots_and_roots_at_the_ends() {
         assert_eq!(found(&Bernstein::new(&[1.0, -1.0, 1.0])), [(0.5, 0)]);
         assert_eq!(found(&Bernstein::new(&[-1.0, 1.0, -1.0])), [(0.5, 0)]);

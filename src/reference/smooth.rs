@@ -157,3 +157,91 @@ impl Over<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers from -1 to 1.
+    struct Dice(u64);
+
+    impl Dice {
+        fn roll(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+
+        fn vector(&mut self) -> DVec3 {
+            DVec3::new(self.roll(), self.roll(), self.roll())
+        }
+    }
+
+    fn surfaces(dice: &mut Dice) -> [Smooth; 2] {
+        let axis = dice.vector().normalize();
+        let tube = 0.01 + 0.7 * dice.roll().abs();
+        let (amplitude, wavelength) = (0.02 + 0.3 * dice.roll().abs(), 0.4 + dice.roll().abs());
+        [
+            Smooth::Torus(Torus { centre: dice.vector(), axis, radius: 0.6, tube }),
+            Smooth::Wave(Wave { centre: dice.vector(), size: 3.0, amplitude, wavelength }),
+        ]
+    }
+
+    /// How far outside a place is, to first order; nothing where the surface ends.
+    fn outside(smooth: &Smooth, place: DVec3) -> Option<f64> {
+        match smooth {
+            Smooth::Quadrics(_) => None,
+            Smooth::Torus(t) => {
+                let q = place - t.centre;
+                let z = q.dot(t.axis);
+                let r = (q - z * t.axis).length();
+                // the sign of the quartic: within both tubes it is outside again
+                let [near, far] = [r - t.radius, r + t.radius].map(|r| r.hypot(z) - t.tube);
+                Some(near * if far < 0.0 { -1.0 } else { 1.0 })
+            }
+            Smooth::Wave(w) => {
+                let q = place - w.centre;
+                let within = q.x.abs() <= w.size / 2.0 && q.z.abs() <= w.size / 2.0;
+                within.then(|| q.y - w.height(q))
+            }
+        }
+    }
+
+    /// Along thousands of rays, from anywhere and from the surface itself: nothing changes sides before the first meeting,
+    /// and there it does, or touches.
+    #[test]
+    fn nothing_is_met_before_the_first_meeting() {
+        let mut dice = Dice(7);
+        let (mut met, mut again) = ([0, 0], [0, 0]);
+        for _ in 0..3000 {
+            for (k, smooth) in surfaces(&mut dice).into_iter().enumerate() {
+                let mut ray = Ray { origin: 4.0 * dice.vector(), direction: dice.vector() };
+                ray.direction = 0.3 * ray.direction - ray.origin;
+                let mut starts = false;
+                for turn in 0..3 {
+                    let found = first_meeting((&smooth, 0), &ray, starts, [0.0, f64::INFINITY]);
+                    let end = found.unwrap_or(10.0 / ray.direction.length());
+                    let at = |s: f64| outside(&smooth, ray.origin + s * end * ray.direction);
+                    // away from both ends by more than roots are off; of a ray that starts on it, from where it is seen to go
+                    let places = (1..400).map(|k| f64::from(k) / 400.0);
+                    let sides: Vec<f64> = places.filter_map(at).filter(|v| v.abs() > 1e-9).map(f64::signum).collect();
+                    let alike = sides.windows(2).all(|s| s[0] == s[1]);
+                    assert!(alike, "turn {turn} of {ray:?} at {smooth:?}: {found:?}");
+                    let Some(t) = found else { break };
+                    let place = ray.origin + t * ray.direction;
+                    assert!(outside(&smooth, place).is_none_or(|v| v.abs() < 1e-11), "{smooth:?}, {ray:?}: {t}");
+                    if starts {
+                        again[k] += 1
+                    } else {
+                        met[k] += 1
+                    }
+                    let n = smooth.normal(0, place).normalize();
+                    let d = ray.direction.normalize();
+                    // through it and back by turns
+                    let direction = if turn == 0 { d - 2.0 * d.dot(n) * n } else { d + 0.3 * n };
+                    (ray, starts) = (Ray { origin: place, direction }, true);
+                }
+            }
+        }
+        assert!(met.iter().all(|n| *n > 800) && again.iter().all(|n| *n > 100), "{met:?} {again:?}");
+    }
+}
