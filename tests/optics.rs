@@ -490,8 +490,38 @@ fn facets_are_as_many_as_an_error_or_a_count_asks_for() {
     let counts = [4.0, 1.0, 0.25].map(|px| count(&format!("{ball}\nfacets_error = {px}")));
     // interpolated normals are off by the square of a facet's size, so by the inverse of their number
     assert!(counts[0] < counts[1] && counts[1] < counts[2] && counts[2] < 64 * counts[0], "{counts:?}");
+    for shape in ["torus\", radius = 0.9, tube = 0.35", "wave\", size = 5, amplitude = 0.06, wavelength = 1.7"] {
+        let facets = format!("mirror = {{ shape = \"{shape} }}\nfacets = \"normals\"");
+        let [coarse, fine] = [8.0, 1.0].map(|px| count(&format!("{facets}\nfacets_error = {px}")));
+        assert!(coarse < fine && fine < 64 * coarse, "{shape}: {coarse} {fine}");
+    }
     assert!(count("mirror = { builtin = \"teapot\", level = 10, count = 512 }") <= 512);
     assert_eq!(count("mirror = { builtin = \"box\", count = 200 }"), 192);
+}
+
+#[test]
+fn shapes_are_smooth_where_nothing_else_is_asked_for_and_meshes_are_not() {
+    let text =
+        |keys: &str| format!("image = {{ width = 9, height = 7 }}\n[camera]\nkind = \"reflection\"\n{EYE}\n{keys}\n");
+    let built = |keys: &str| load(&text(keys)).and_then(|s| s.camera());
+    for (shape, name) in [
+        ("sphere\", radius = 1", "1 quadric"),
+        ("torus\", radius = 1, tube = 0.2", "a torus"),
+        ("wave\", size = 4, amplitude = 0.1, wavelength = 1", "a wave"),
+    ] {
+        let mirror = format!("mirror = {{ shape = \"{shape} }}");
+        let notes = built(&mirror).unwrap().notes;
+        assert!(notes.contains(&format!("the surface is met exactly: {name}")), "{notes:?}");
+        assert!(built(&format!("{mirror}\nfacets = \"normals\"")).unwrap().optics.unwrap().facets().is_some());
+    }
+    let error = |keys: &str| built(keys).unwrap_err().to_string();
+    let mesh = error("mirror = { builtin = \"box\" }\nfacets = \"exact\"");
+    assert!(mesh.contains("camera.facets") && mesh.contains("a mesh is flat triangles"), "{mesh}");
+    let fine = error("mirror = { shape = \"wave\", size = 4, amplitude = 0.1, wavelength = 0.001 }");
+    assert!(
+        fine.contains("camera.mirror.wavelength") && fine.contains("4000 waves") && fine.contains("1024"),
+        "{fine}"
+    );
 }
 
 /// Thin tubes, tubes that nearly touch themselves or do, eyes within a ring, far away, and just over the water.
@@ -501,6 +531,9 @@ fn surfaces_and_eyes_that_are_hard_on_rays() {
     let inside = r#"{ kind = "fisheye", eye = [0.9, 0.05, -0.02], target = [0, 0.3, 2], fov = 150 }"#;
     let distant = r#"{ kind = "pinhole", eye = [3000, 5500, 7000], target = [0, 0, 0], vfov = 0.03 }"#;
     let low = r#"{ kind = "pinhole", eye = [0.1, -0.5, 3.4], target = [0, -0.62, 0], vfov = 30 }"#;
+    // a row of pixels looks 1e-9 above the middle of the wave, and one of them along a line that lies in it, at x = 0.9
+    let (x, y) = (0.9 - 1.0 / 64.0, -0.9 + 1e-9 - 1.0 / 64.0);
+    let skim = &format!(r#"{{ kind = "orthographic", eye = [{x}, {y}, 9], target = [{x}, {y}, 0], height = 2 }}"#);
     let front = r#"{ kind = "pinhole", eye = [0.3, 1.1, 6], target = [0, -0.1, 0], vfov = 42 }"#;
     let ring =
         |radius: f64, tube: f64| format!("shape = \"torus\", axis = [0.3, 1, 0.5], radius = {radius}, tube = {tube}");
@@ -518,6 +551,7 @@ fn surfaces_and_eyes_that_are_hard_on_rays() {
         (distant, mirror(ring(0.9, 0.35))),
         (low, mirror(wave(0.3, 0.9))),
         (low, mirror(wave(0.02, 0.11))),
+        (skim, mirror(wave(0.3, 0.9))),
         (distant, lens(wave(0.06, 1.7))),
     ] {
         let (scene, camera) = scene((96, 64), THINGS, &format!("eye = {eye}\n{optics}"));

@@ -88,9 +88,11 @@ fn on_wave(wave: &Wave, ray: &Ray, starts: bool, range: [f64; 2]) -> Option<f64>
         part[0] = 0.0;
     }
     let (q, length) = (o + part[0] * d, part[1] - part[0]);
-    let k = TAU / wave.wavelength;
-    // the second derivative of a product of sines is at most that of its two cosines
-    let bend = 0.5 * wave.amplitude * k * k * ((d.x - d.z).powi(2) + (d.x + d.z).powi(2));
+    // the second derivative of the product of sines, which is small all the way next to where one of them is 0
+    let [x, z] = [d.x, d.z].map(|d| TAU / wave.wavelength * d.abs());
+    let sine = |q: f64| (TAU / wave.wavelength * q).sin().abs();
+    let sines = (sine(q.x) + x * length).min(sine(q.z) + z * length);
+    let bend = wave.amplitude * (x * x + z * z).min((x * x + z * z) * sines + 2.0 * x * z);
     let mut over = Over { wave, q, d, zero: 0.0, bend };
     let mut from = 0.0;
     if starts {

@@ -64,8 +64,8 @@ pub fn first_root(row: &Wave, ray: &NearRay, starts: bool, range: [Near; 2], rea
     let [x, y, z] = (o + ray.d * enters).0;
     let (u, v) = (w.frequency * (x - z), w.frequency * (x + z));
     let (ku, kv) = (w.frequency * (dx - dz), w.frequency * (dx + dz));
-    let c = if starts { number(0.0) } else { y - number(0.5) * w.amplitude * (u.circle()[0] - v.circle()[0]) };
-    let bend = 0.5 * w.amplitude.v * TAU * TAU * (ku.v * ku.v + kv.v * kv.v);
+    let [sine_x, sine_z] = [x, z].map(|x| (w.frequency * x).circle()[1]);
+    let c = if starts { number(0.0) } else { y - w.amplitude * sine_x * sine_z };
     let function = |s: f64| {
         // a cosine's change over -2, and half of the sine behind it
         let swing = |u: Near, ku: Near| {
@@ -77,6 +77,11 @@ pub fn first_root(row: &Wave, ray: &NearRay, starts: bool, range: [Near; 2], rea
         [c.v + (dy.v * s + w.amplitude.v * (a - b)), slope]
     };
     let length = (part[1] - enters).v;
+    let bend = {
+        let [x, z] = [dx, dz].map(|d| TAU * w.frequency.v * d.v.abs());
+        let sines = (sine_x.v.abs() + x * length).min(sine_z.v.abs() + z * length);
+        w.amplitude.v * (x * x + z * z).min((x * x + z * z) * sines + 2.0 * x * z)
+    };
     let span = if starts {
         [number(function(0.0)[1].abs() / bend), part[1]]
     } else {

@@ -37,7 +37,7 @@ fn along(a: Along, s: real) -> vec2<real> {
 // Square of the radius of the ball that is searched, in units of the size: the torus lies well within.
 const ROOM: real = 1.125;
 
-// Steps at most; measured: 22, and 80 for rays that leave the torus along it.
+// Steps at most; measured: 22, and 75 of rays that leave the torus along it.
 const STEPS: u32 = 256u;
 
 // Where the ray p + t d first meets the torus, t in [t_min, t_max]; of a ray that starts on it, the next place: the quartic

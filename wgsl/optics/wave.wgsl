@@ -70,7 +70,7 @@ fn clipped(part: vec2<real>, p: real, d: real, half: real) -> vec2<real> {
 // The height that is searched, in amplitudes: crests lie well within.
 const ROOM: real = 1.0625;
 
-// Steps at most, and more for every half wave along the ray; measured: 30, and mostly 5 a half wave.
+// Steps at most, and more for every half wave along the ray; measured: 76, and 7 a half wave of rays that touch all crests.
 const STEPS: u32 = 256u;
 const WAVE_STEPS: f32 = 64.0;
 
@@ -94,10 +94,17 @@ fn first_root(surface: u32, p: real3, d: real3, starts: bool, t_min: real, t_max
     let v = k.frequency * (q.x + q.z);
     let ku = k.frequency * (d.x - d.z);
     let kv = k.frequency * (d.x + d.z);
-    let height = q.y - 0.5 * k.amplitude * (circle(u).x - circle(v).x);
+    let sine_x = circle(k.frequency * q.x).y;
+    let sine_z = circle(k.frequency * q.z).y;
+    let height = q.y - k.amplitude * sine_x * sine_z;
     let a = Along(select(height, real(0.0), starts), d.y, u, ku, v, kv, k.amplitude);
-    let bend = 0.5 * k.amplitude * TURN * TURN * (ku * ku + kv * kv);
     let to_s = part.y - part.x;
+    // the second derivative of the product of sines; it stays small along the lines where one of them is 0, which lie in the
+    // surface: rays skim it there as far as they like
+    let x = TURN * k.frequency * abs(d.x);
+    let z = TURN * k.frequency * abs(d.z);
+    let sines = min(abs(sine_x) + x * to_s, abs(sine_z) + z * to_s);
+    let bend = k.amplitude * min(x * x + z * z, (x * x + z * z) * sines + (x + x) * z);
     var from_s = real(0.0);
     if starts {
         // the slope alone outweighs the rest up to twice as far
