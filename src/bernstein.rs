@@ -35,7 +35,7 @@ impl Bernstein {
         Bernstein { c: all, degree: c.len() - 1 }
     }
 
-    /// From the coefficients of powers of a number from `from` to `to`, 2 to 5 of them.
+    /// From the coefficients of the powers of a number from `from` to `to`, 2 to 5 of them.
     pub fn of_powers(powers: &[f64], [from, to]: [f64; 2]) -> Bernstein {
         let mut c = powers.to_vec();
         let n = c.len();
@@ -43,14 +43,13 @@ impl Bernstein {
         for k in 0..n {
             (k..n - 1).rev().for_each(|j| c[j] += from * c[j + 1]);
         }
-        (0..n).for_each(|k| c[k] *= (to - from).powi(k as i32));
-        // of C(n - 1, k): by how much the power k counts in the last coefficient's differences
-        let mut choose = 1.0;
-        for k in 1..n {
-            choose *= (n - k) as f64 / k as f64;
-            c[k] /= choose;
+        // what the power k adds to k-th differences: its coefficient on [0, 1] over the binomial of the degree and k
+        let (mut scale, mut choose) = (1.0, 1.0);
+        for (k, difference) in c.iter_mut().enumerate() {
+            *difference *= scale / choose;
+            scale *= to - from;
+            choose *= (n - 1 - k) as f64 / (k + 1) as f64;
         }
-        // differences to values
         for k in 1..n {
             (k..n).rev().for_each(|j| c[j] += c[j - 1]);
         }
