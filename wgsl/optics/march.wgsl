@@ -11,10 +11,10 @@ const STEP: real = 0.99609375;
 fn first_crossing(a: Along, from_s: real, to_s: real, bends: vec2<real>, most: u32) -> Root {
     let zero = real(0.0);
     var s = from_s;
-    let above = along(a, s).x > zero;
+    var now = along(a, s);
+    let above = now.x > zero;
     let bend = max(select(bends.y, -bends.x, above), zero);
     for (var k = 0u; k < most; k++) {
-        let now = along(a, s);
         let v = select(-now.x, now.x, above);
         let g = select(now.y, -now.y, above);
         if v <= zero {
@@ -37,6 +37,7 @@ fn first_crossing(a: Along, from_s: real, to_s: real, bends: vec2<real>, most: u
             break;
         }
         s = next;
+        now = along(a, s);
     }
     return Root(s, false);
 }
