@@ -1,4 +1,4 @@
-//! Polynomials of degree up to 3 over [0, 1] in Bernstein form, and all their roots there.
+//! Polynomials of degree up to 4 over [0, 1] in Bernstein form, and all their roots there.
 //!
 //! The interval is cut where the slope is 0; between the cuts the polynomial is monotone, so it has a root exactly where
 //! its ends differ in sign. Nothing is sampled and nothing can be stepped over: a root is lost, or two taken for one,
@@ -7,7 +7,7 @@
 /// `sum of Bernstein(i, degree)(t) * c[i]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bernstein {
-    c: [f64; 4],
+    c: [f64; 5],
     degree: usize,
 }
 
@@ -20,7 +20,7 @@ pub struct Root {
 }
 
 /// Bound of the error of [`Bernstein::at`], against the largest coefficient: three levels of `a + t (b - a)`, each with
-/// three roundings of half an epsilon of numbers up to twice as large.
+/// three roundings of half an epsilon of numbers up to twice as large; of degree 4 a third more.
 pub const VALUE_ROUNDING: f64 = 9.0 * f64::EPSILON;
 
 /// Steps of the root finder at most: each second one halves the bracket, and [0, 1] has no more halves than f64 has
@@ -28,11 +28,32 @@ pub const VALUE_ROUNDING: f64 = 9.0 * f64::EPSILON;
 const STEPS: usize = 2 * (1074 + 53);
 
 impl Bernstein {
-    /// From 2, 3 or 4 coefficients.
+    /// From 2 to 5 coefficients.
     pub fn new(c: &[f64]) -> Bernstein {
-        let mut all = [0.0; 4];
+        let mut all = [0.0; 5];
         all[..c.len()].copy_from_slice(c);
         Bernstein { c: all, degree: c.len() - 1 }
+    }
+
+    /// From the coefficients of the powers of a number from `from` to `to`, 2 to 5 of them.
+    pub fn of_powers(powers: &[f64], [from, to]: [f64; 2]) -> Bernstein {
+        let mut c = powers.to_vec();
+        let n = c.len();
+        // about `from`: Horner's scheme, again and again
+        for k in 0..n {
+            (k..n - 1).rev().for_each(|j| c[j] += from * c[j + 1]);
+        }
+        // what the power k adds to k-th differences: its coefficient on [0, 1] over the binomial of the degree and k
+        let (mut scale, mut choose) = (1.0, 1.0);
+        for (k, difference) in c.iter_mut().enumerate() {
+            *difference *= scale / choose;
+            scale *= to - from;
+            choose *= (n - 1 - k) as f64 / (k + 1) as f64;
+        }
+        for k in 1..n {
+            (k..n).rev().for_each(|j| c[j] += c[j - 1]);
+        }
+        Bernstein::new(&c)
     }
 
     fn coefficients(&self) -> &[f64] {
@@ -62,7 +83,7 @@ impl Bernstein {
     }
 
     pub fn derivative(&self) -> Bernstein {
-        let mut c = [0.0; 4];
+        let mut c = [0.0; 5];
         for (k, slope) in c.iter_mut().enumerate().take(self.degree) {
             *slope = self.degree as f64 * (self.c[k + 1] - self.c[k]);
         }
@@ -102,7 +123,12 @@ impl Bernstein {
     /// 0, 1 and between them the places where the slope is 0, ascending.
     fn cuts(&self) -> Vec<f64> {
         let mut cuts = vec![0.0];
-        cuts.extend(self.derivative().roots_to_degree_2().into_iter().flatten().filter(|t| 0.0 < *t && *t < 1.0));
+        let slope = self.derivative();
+        let turns = match slope.degree {
+            3 => slope.roots(0.0).iter().map(|r| r.t).collect(),
+            _ => slope.roots_to_degree_2().into_iter().flatten().collect::<Vec<_>>(),
+        };
+        cuts.extend(turns.into_iter().filter(|t| 0.0 < *t && *t < 1.0));
         cuts.push(1.0);
         cuts.sort_unstable_by(f64::total_cmp);
         cuts.dedup();
@@ -111,7 +137,7 @@ impl Bernstein {
 
     /// The real roots of a polynomial of degree 2 at most, anywhere; without the cancellation of the school formula.
     fn roots_to_degree_2(&self) -> [Option<f64>; 2] {
-        let [c0, c1, c2, _] = self.c;
+        let [c0, c1, c2, ..] = self.c;
         match self.degree {
             2 => {
                 // c0 + 2 h t + a t^2
@@ -197,6 +223,43 @@ mod tests {
             }
         }
         assert!(three > 1000);
+    }
+
+    #[test]
+    fn all_roots_of_a_quartic_from_its_powers() {
+        let mut state = 5_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut four = 0;
+        for _ in 0..20_000 {
+            let mut r = [0, 1, 2, 3].map(|_| 2.0 * next() - 1.0);
+            r.sort_unstable_by(f64::total_cmp);
+            let (from, to) = (-next(), next());
+            let apart = r.windows(2).all(|r| r[1] - r[0] > 1e-3);
+            if !apart || to - from < 0.1 || r.iter().any(|r| (r - from).abs() < 1e-3 || (r - to).abs() < 1e-3) {
+                continue;
+            }
+            let mut powers = vec![1.0];
+            for r in r {
+                powers = (0..=powers.len())
+                    .map(|k| k.checked_sub(1).map_or(0.0, |j| powers[j]) - r * powers.get(k).unwrap_or(&0.0))
+                    .collect();
+            }
+            let quartic = Bernstein::of_powers(&powers, [from, to]);
+            assert!((quartic.at(0.0) - r.iter().map(|r| from - r).product::<f64>()).abs() < 1e-14);
+            let roots = quartic.roots(2.0 * VALUE_ROUNDING * quartic.size());
+            let expected: Vec<(f64, i8)> =
+                r.into_iter().zip([-1, 1, -1, 1]).filter(|(r, _)| (from..=to).contains(r)).collect();
+            assert_eq!(roots.len(), expected.len(), "{r:?}, {from} to {to}: {roots:?}");
+            four += usize::from(roots.len() == 4);
+            for (found, (t, sign)) in roots.iter().zip(&expected) {
+                // values round to some 2^-50; the slope at a root is at least 1e-9
+                assert!((from + found.t * (to - from) - t).abs() < 1e-5 && found.sign == *sign, "{r:?}: {roots:?}");
+            }
+        }
+        assert!(four > 300, "{four}");
     }
 
     #[test]

@@ -6,6 +6,7 @@ mod frames;
 mod illumination;
 pub mod passes;
 mod resident;
+pub mod surface;
 pub mod tables;
 mod turns;
 

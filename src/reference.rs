@@ -30,6 +30,7 @@ mod light;
 mod margin;
 mod path;
 mod place;
+mod smooth;
 mod turns;
 mod verdict;
 

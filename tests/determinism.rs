@@ -17,10 +17,11 @@ use common::{ALL_T, FORWARD, camera, picked, scene, soup};
 
 const SIZE: (u32, u32) = (101, 77);
 
-/// Optics before a crowd: facets whose rays meet them again, and quadrics.
+/// Optics before a crowd: facets whose rays meet them again, and a smooth surface.
 const MIRROR: &str = r#"kind = "reflection"
 eye = { kind = "pinhole", eye = [0.2, 0.4, 4], target = [0, 0, 0], vfov = 40 }
 mirror = { shape = "torus", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.4, count = 300 }
+facets = "normals"
 depth = 3"#;
 const LENS: &str = r#"kind = "refraction"
 eye = { kind = "pinhole", eye = [0.2, 0.4, 4], target = [0, 0, 0], vfov = 40 }

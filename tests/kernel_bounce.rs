@@ -6,20 +6,26 @@ mod stages;
 #[path = "common/turned.rs"]
 mod turned;
 
+use anamorph::gpu::kernels::OpticsKind;
 use anamorph::gpu::rows::{NONE, split2};
 use anamorph::twin::bounce::{Bounced, bounce};
 use anamorph::twin::raster::Visibility;
 use anamorph::twin::{Input, Real};
 use stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
-use turned::{cases, turns, variant};
+use turned::{cases, delicate, turns, variant};
 
 /// Share of turned rays that may be lost because rounding decides between two ways to turn them: total reflection, the
-/// rim of a quadric, grazing facets. Measured: none.
-const LOST_MAX: f64 = 0.0;
+/// rim of a quadric, grazing facets. Measured: none, but in f32 of rays along a wave 0.0009.
+const LOST_MAX_F64: f64 = 0.0;
+const LOST_MAX_F32: f64 = 0.002;
 /// Bounds that nine of ten numbers must not exceed, relative to the largest coordinate. Measured: 3e-13 and 7e-5, of small
 /// facets and of a ball seen from six radii away.
 const BOUND_TYPICAL_F64: f64 = 1e-12;
 const BOUND_TYPICAL_F32: f64 = 2e-4;
+/// By how many times more of tori and waves, whose many terms the bound takes to be lost apart. Measured: 15 and 20.
+const BOUND_MARCHED: f64 = 40.0;
+/// And of the delicate ones. Measured: 9400, of a ring from 9400 of its radii away, and 2800, of a wire.
+const BOUND_DELICATE: f64 = 2e4;
 /// Rounding of one f32 operation, relative.
 const UNIT: f64 = f32::EPSILON as f64 / 2.0;
 /// A stored pair's rounding, relative.
@@ -130,7 +136,13 @@ fn compare(input: &Input, left: &Left, twin: &[Option<Bounced>]) -> Compared {
 fn the_kernel_turns_rays_as_its_twin_does() {
     let Some(mut bench) = Bench::open() else { return };
     let reals: Vec<Real> = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0).collect();
-    for case in cases() {
+    let wide = |case: &Case| match case.variant(Real::F64, false).optics {
+        Some(OpticsKind::Torus | OpticsKind::Wave) => BOUND_MARCHED,
+        _ => 1.0,
+    };
+    let f64_alone = |case| (case, reals.iter().copied().filter(|r| *r == Real::F64).collect(), BOUND_DELICATE);
+    let plain = cases().into_iter().map(|case| (wide(&case), case)).map(|(wide, case)| (case, reals.clone(), wide));
+    for (case, reals, wide) in plain.chain(delicate().into_iter().map(f64_alone)).collect::<Vec<(Case, Vec<_>, _)>>() {
         let tables = case.tables();
         let mut turned = 0;
         for (band, &real) in (0..tables.plan.bands.len()).flat_map(|b| reals.iter().map(move |r| (b, r))) {
@@ -145,13 +157,16 @@ fn the_kernel_turns_rays_as_its_twin_does() {
                 let (lost, share, bound) = (seen.lost, seen.share, seen.bound);
                 println!("{name}: {} turned, {lost} lost, {share:.3} of bounds, mostly {bound:.1e}", seen.turned);
                 assert!(seen.wrong.is_empty(), "{name}: {} differ, the first: {}", seen.wrong.len(), seen.wrong[0]);
-                assert!(lost as f64 <= LOST_MAX * seen.turned as f64, "{name}: {lost} of {} lost", seen.turned);
-                let typical = if real == Real::F64 { BOUND_TYPICAL_F64 } else { BOUND_TYPICAL_F32 };
-                assert!(bound <= typical, "{name}: a bound of {bound:e}");
+                let (most, typical) = match real {
+                    Real::F64 => (LOST_MAX_F64, BOUND_TYPICAL_F64),
+                    Real::F32 => (LOST_MAX_F32, BOUND_TYPICAL_F32),
+                };
+                assert!(lost as f64 <= most * seen.turned as f64, "{name}: {lost} of {} lost", seen.turned);
+                assert!(bound <= wide * typical, "{name}: a bound of {bound:e}");
                 turned += seen.turned;
             });
         }
-        assert!(turned > 150, "{}: {turned} rays turned", case.name);
+        assert!(turned > 75 * reals.len(), "{}: {turned} rays turned", case.name);
     }
 }
 

@@ -202,6 +202,88 @@ fn two_facing_mirrors_repeat_as_often_as_asked() {
     }
 }
 
+/// The first ray's end and the second's direction, of the one pixel that a parallel eye of next to no height looks with.
+fn first_turn(from: [f64; 3], to: [f64; 3], optics: &str) -> (DVec3, DVec3) {
+    let eye = format!(
+        "eye = {{ kind = \"orthographic\", eye = {from:?}, target = {to:?}, up = [0.3, 0.5, 0.7], height = 1e-30 }}"
+    );
+    let (s, camera) = scene((1, 1), "", &format!("{eye}\n{optics}"));
+    let (origin, direction, _) = last_ray(&s, &camera, 0, 0);
+    (origin, direction)
+}
+
+#[test]
+fn rays_meet_a_torus_where_its_circles_are() {
+    let ring = |depth: u32| {
+        format!(
+            "kind = \"reflection\"\nmirror = {{ shape = \"torus\", center = [1, 0, 0], axis = [0, 1, 0], radius = 2, tube = 0.5 }}\ndepth = {depth}"
+        )
+    };
+    let near = |seen: (DVec3, DVec3), place: [f64; 3], way: [f64; 3]| {
+        // places of size 3 in f64, through a quartic of slope 0.3 and more
+        let (off, turned) = ((seen.0 - DVec3::from(place)).length(), (seen.1 - DVec3::from(way)).length());
+        assert!(off < 1e-13 && turned < 1e-12, "{seen:?} for {place:?} {way:?}");
+    };
+    // down on its top, from the side on its outer equator, from within on its inner one
+    near(first_turn([3., 5., 0.], [3., 0., 0.], &ring(1)), [3., 0.5, 0.], [0., 1., 0.]);
+    near(first_turn([9., 0., 0.], [0., 0., 0.], &ring(1)), [3.5, 0., 0.], [1., 0., 0.]);
+    near(first_turn([1., 0., 0.], [5., 0., 0.], &ring(1)), [2.5, 0., 0.], [-1., 0., 0.]);
+    // at 45 degrees on the tube the ray is turned to the side
+    let h = 0.5 * 0.5f64.sqrt();
+    near(first_turn([3. + h, 5., 0.], [3. + h, 0., 0.], &ring(1)), [3. + h, h, 0.], [1., 0., 0.]);
+    // to and fro through the middle of the ring, as often as asked
+    for (depth, place) in [(2, -0.5), (3, 2.5), (8, -0.5)] {
+        near(
+            first_turn([1., 0., 0.], [5., 0., 0.], &ring(depth)),
+            [place, 0., 0.],
+            [if place < 0. { 1. } else { -1. }, 0., 0.],
+        );
+    }
+    // from ten thousand away
+    let far = first_turn([3. + h, 1e4, 0.], [3. + h, 0., 0.], &ring(1));
+    assert!((far.0 - DVec3::new(3. + h, h, 0.)).length() < 1e-11 && (far.1 - DVec3::X).length() < 1e-11, "{far:?}");
+}
+
+#[test]
+fn rays_meet_a_wave_at_crests_and_between() {
+    // crests at a quarter of the wavelength from the middle both ways
+    let wave = |depth: u32| {
+        format!(
+            "kind = \"reflection\"\nmirror = {{ shape = \"wave\", center = [0, 1, 0], size = 8, amplitude = 0.25, wavelength = 2 }}\ndepth = {depth}"
+        )
+    };
+    let near = |seen: (DVec3, DVec3), place: [f64; 3], way: [f64; 3]| {
+        let (off, turned) = ((seen.0 - DVec3::from(place)).length(), (seen.1 - DVec3::from(way)).length());
+        assert!(off < 1e-14 && turned < 1e-14, "{seen:?} for {place:?} {way:?}");
+    };
+    near(first_turn([0.5, 5., 0.5], [0.5, 0., 0.5], &wave(1)), [0.5, 1.25, 0.5], [0., 1., 0.]);
+    near(first_turn([0.5, -5., -0.5], [0.5, 0., -0.5], &wave(1)), [0.5, 0.75, -0.5], [0., -1., 0.]);
+    near(first_turn([2., 5., 3.25], [2., 0., 3.25], &wave(1)), [2., 1., 3.25], {
+        // steepest along x, where sin(2 pi z / 2) is -sin(pi / 4)
+        let slope = -0.25 * std::f64::consts::PI * 0.5f64.sqrt();
+        let s = 1. + slope * slope;
+        [-2. * slope / s, 2. / s - 1., 0.]
+    });
+    // between two crests a ray along x meets the first slope as high as it is
+    let along = first_turn([-9., 1.125, 0.5], [9., 1.125, 0.5], &wave(1));
+    // sin(pi x) = 1 / 2 first behind the border at -4: at -4 + 1 / 6
+    assert!((along.0 - DVec3::new(-4. + 1. / 6., 1.125, 0.5)).length() < 1e-14, "{along:?}");
+    // a ray on the line that the surface holds at z = 0 meets it at once where it is over the square
+    let held = first_turn([-9., 1., 0.], [9., 1., 0.], &wave(1));
+    assert!((held.0.x + 4.).abs() < 1e-9, "{held:?}");
+    // nothing beside the square
+    let (s, camera) = scene(
+        (1, 1),
+        "",
+        &format!(
+            "{}\n{}",
+            r#"eye = { kind = "orthographic", eye = [4.1, 5, 0.5], target = [4.1, 0, 0.5], up = [0, 0, 1], height = 1e-30 }"#,
+            wave(1)
+        ),
+    );
+    assert!(Reference::build(&s.mesh).shown(&camera, Path::of_pixel(&camera, 0, 0)).first.is_none());
+}
+
 /// Every kind of surface and law, by engine and reference.
 #[test]
 fn frames_agree_with_the_reference() {
@@ -210,16 +292,21 @@ fn frames_agree_with_the_reference() {
     let bowl = "shape = \"quadric\", vertex = [0, -0.4, -0.5], axis = [0, 0.2, 1], curvature = 0.7, conic = -0.8, radius = 1.3, count = 400";
     let lens = "shape = \"lens\", center = [0, 0, 2.5], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, curvatures = [0.5, -0.6], count = 500";
     let wave = "shape = \"wave\", center = [0, -0.9, 1], size = 5, amplitude = 0.06, wavelength = 1.7, count = 600";
+    let chop = "shape = \"wave\", center = [0, -0.6, 1], size = 5, amplitude = 0.25, wavelength = 1.1";
     let pot = "builtin = \"teapot\", level = 4, scale = 0.7, translate = [0, -0.6, 0]";
     let mirrors = [
         (sphere, "exact", 1),
         (sphere, "normals", 1),
         (sphere, "flat", 1),
+        (torus, "exact", 1),
+        (torus, "exact", 3),
         (torus, "normals", 3),
         (torus, "flat", 1),
         (bowl, "exact", 4),
         (bowl, "flat", 1),
         (lens, "exact", 1),
+        (wave, "exact", 1),
+        (chop, "exact", 3),
         (wave, "normals", 2),
         (pot, "normals", 2),
         (pot, "flat", 1),
@@ -242,6 +329,9 @@ fn frames_agree_with_the_reference() {
         (sphere, "flat", 1),
         (lens, "exact", 2),
         (lens, "normals", 6),
+        (torus, "exact", 2),
+        (torus, "exact", 4),
+        (chop, "exact", 1),
         (wave, "normals", 1),
         (wave, "flat", 1),
         (&format!("{lens}, cameras = 100"), "normals", 3),
@@ -324,7 +414,11 @@ fn fresnel_shares_the_light_and_loses_none() {
 fn colours_of_split_rays_agree_with_the_reference() {
     let ball = "shape = \"sphere\", radius = 1";
     let lens = "shape = \"lens\", center = [0, 0, 2.5], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, curvatures = [0.5, -0.6]";
+    let torus = "shape = \"torus\", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.35";
+    let wave = "shape = \"wave\", center = [0, -0.9, 1], size = 5, amplitude = 0.06, wavelength = 1.7";
     let cases = [
+        format!("kind = \"refraction\"\nior = 1.5\nfresnel = true\ndepth = 3\nlens = {{ {torus} }}"),
+        format!("kind = \"reflection\"\nroughness = 0.05\nrays = 4\ndepth = 2\nmirror = {{ {wave} }}"),
         format!("kind = \"refraction\"\nior = 1.5\nfresnel = true\ndepth = 3\nlens = {{ {ball} }}"),
         format!(
             "kind = \"refraction\"\nior = 1.3\nfresnel = true\ndepth = 4\nlens = {{ {lens} }}\nfacets = \"normals\""
@@ -478,8 +572,75 @@ fn facets_are_as_many_as_an_error_or_a_count_asks_for() {
     let counts = [4.0, 1.0, 0.25].map(|px| count(&format!("{ball}\nfacets_error = {px}")));
     // interpolated normals are off by the square of a facet's size, so by the inverse of their number
     assert!(counts[0] < counts[1] && counts[1] < counts[2] && counts[2] < 64 * counts[0], "{counts:?}");
+    for shape in ["torus\", radius = 0.9, tube = 0.35", "wave\", size = 5, amplitude = 0.06, wavelength = 1.7"] {
+        let facets = format!("mirror = {{ shape = \"{shape} }}\nfacets = \"normals\"");
+        let [coarse, fine] = [8.0, 1.0].map(|px| count(&format!("{facets}\nfacets_error = {px}")));
+        assert!(coarse < fine && fine < 64 * coarse, "{shape}: {coarse} {fine}");
+    }
     assert!(count("mirror = { builtin = \"teapot\", level = 10, count = 512 }") <= 512);
     assert_eq!(count("mirror = { builtin = \"box\", count = 200 }"), 192);
+}
+
+#[test]
+fn shapes_are_smooth_where_nothing_else_is_asked_for_and_meshes_are_not() {
+    let text =
+        |keys: &str| format!("image = {{ width = 9, height = 7 }}\n[camera]\nkind = \"reflection\"\n{EYE}\n{keys}\n");
+    let built = |keys: &str| load(&text(keys)).and_then(|s| s.camera());
+    for (shape, name) in [
+        ("sphere\", radius = 1", "1 quadric"),
+        ("torus\", radius = 1, tube = 0.2", "a torus"),
+        ("wave\", size = 4, amplitude = 0.1, wavelength = 1", "a wave"),
+    ] {
+        let mirror = format!("mirror = {{ shape = \"{shape} }}");
+        let notes = built(&mirror).unwrap().notes;
+        assert!(notes.contains(&format!("the surface is met exactly: {name}")), "{notes:?}");
+        assert!(built(&format!("{mirror}\nfacets = \"normals\"")).unwrap().optics.unwrap().facets().is_some());
+    }
+    let error = |keys: &str| built(keys).unwrap_err().to_string();
+    let mesh = error("mirror = { builtin = \"box\" }\nfacets = \"exact\"");
+    assert!(mesh.contains("camera.facets") && mesh.contains("a mesh is flat triangles"), "{mesh}");
+    let fine = error("mirror = { shape = \"wave\", size = 4, amplitude = 0.1, wavelength = 0.001 }");
+    assert!(
+        fine.contains("camera.mirror.wavelength") && fine.contains("4000 waves") && fine.contains("1024"),
+        "{fine}"
+    );
+}
+
+/// Thin tubes, tubes that nearly touch themselves or do, eyes within a ring, far away, and just over the water.
+#[test]
+fn surfaces_and_eyes_that_are_hard_on_rays() {
+    let within = r#"{ kind = "fisheye", eye = [0.02, 0.1, 0.05], target = [0, 0.3, 5], fov = 170 }"#;
+    let inside = r#"{ kind = "fisheye", eye = [0.9, 0.05, -0.02], target = [0, 0.3, 2], fov = 150 }"#;
+    let distant = r#"{ kind = "pinhole", eye = [3000, 5500, 7000], target = [0, 0, 0], vfov = 0.03 }"#;
+    let low = r#"{ kind = "pinhole", eye = [0.1, -0.5, 3.4], target = [0, -0.62, 0], vfov = 30 }"#;
+    // a row of pixels looks 1e-9 above the middle of the wave, and one of them along a line that lies in it, at x = 0.9
+    let (x, y) = (0.9 - 1.0 / 64.0, -0.9 + 1e-9 - 1.0 / 64.0);
+    let skim = &format!(r#"{{ kind = "orthographic", eye = [{x}, {y}, 9], target = [{x}, {y}, 0], height = 2 }}"#);
+    let front = r#"{ kind = "pinhole", eye = [0.3, 1.1, 6], target = [0, -0.1, 0], vfov = 42 }"#;
+    let ring =
+        |radius: f64, tube: f64| format!("shape = \"torus\", axis = [0.3, 1, 0.5], radius = {radius}, tube = {tube}");
+    let wave = |amplitude: f64, length: f64| {
+        format!("shape = \"wave\", center = [0, -0.9, 1], size = 5, amplitude = {amplitude}, wavelength = {length}")
+    };
+    let mirror = |shape: String| format!("kind = \"reflection\"\ndepth = 3\nmirror = {{ {shape} }}");
+    let lens = |shape: String| format!("kind = \"refraction\"\nior = 1.4\ndepth = 3\nlens = {{ {shape} }}");
+    for (eye, optics) in [
+        (front, mirror(ring(1.2, 0.01))),
+        (front, mirror(ring(0.6, 0.599))),
+        (front, lens(ring(0.5, 0.8))),
+        (within, mirror(ring(0.9, 0.35))),
+        (inside, lens(ring(0.9, 0.35))),
+        (distant, mirror(ring(0.9, 0.35))),
+        (low, mirror(wave(0.3, 0.9))),
+        (low, mirror(wave(0.02, 0.11))),
+        (skim, mirror(wave(0.3, 0.9))),
+        (distant, lens(wave(0.06, 1.7))),
+    ] {
+        let (scene, camera) = scene((96, 64), THINGS, &format!("eye = {eye}\n{optics}"));
+        if check(&format!("{eye}, {optics}"), &scene, &camera).is_none() {
+            return;
+        }
+    }
 }
 
 #[test]

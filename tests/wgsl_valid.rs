@@ -174,9 +174,9 @@ fn f64_is_left_to_plain_arithmetic() {
         assert_eq!(forbidden_f64(&module, &info), [], "{} {variant:?}", kernel.name);
         wide += u32::from(allowed(kernel, variant).contains(Capabilities::FLOAT64));
     });
-    // of each kind of adapter with f64, with and without counting: ten cameras, six whose rays are turned, three of them at
-    // quadrics, and two with an atlas; rivals trace in two ways
-    let (raster_and_shade, bounce, meet, paste) = (2 * (10 + 6 + 2), 6, 3, 2);
+    // of each kind of adapter with f64, with and without counting: ten cameras, three of each kind of surface, three kinds of
+    // which are smooth, and two with an atlas; rivals trace in two ways
+    let (raster_and_shade, bounce, meet, paste) = (2 * (10 + 12 + 2), 12, 9, 2);
     let rivals = 10 * (2 + 1 + 1);
     assert_eq!(wide, 4 * (raster_and_shade + bounce + meet + paste + rivals));
 }

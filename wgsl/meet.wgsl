@@ -1,5 +1,5 @@
 // meet: one thread per pixel of the band.
-// Reads the pixel's ray and way; merges the visibility key of the nearest quadric that the ray meets, whose id is behind
+// Reads the pixel's ray and way; merges the visibility key of the nearest smooth surface that the ray meets, whose id is behind
 // those of all triangles.
 
 @compute @workgroup_size(64)
@@ -19,15 +19,14 @@ fn meet(
         return;
     }
 
-    // find the nearest quadric
+    // find the nearest surface
     let b = ray_bundle(0u, x, y, 0.0);
     let p = b.p / b.h;
     let d = b.d / b.h;
     var nearest = Root(real(0.0), false);
     var id = NONE;
     for (var k = 0u; k < optic.count; k++) {
-        let starts = ways[pixel].last == optic.first_id + k;
-        let root = first_root(quadrics[k], p, d, starts, t_min_real(), t_max_real());
+        let root = meeting_with(k, p, d, ways[pixel].last);
         if root.found && (!nearest.found || root.t < nearest.t) {
             nearest = root;
             id = optic.first_id + k;

@@ -45,7 +45,7 @@ fn shade(
     }
     let x = pixel % params.width;
     let y = pixel / params.width;
-    if ends_on_quadric(id) {
+    if ends_on_smooth(id) {
         if params.id_first == 0u {
             let t = key_t(~won);
             store_place(at, id, t, way_length(pixel) + reached(pixel_ray(0u, x, y, t), 0u, x, y, t));

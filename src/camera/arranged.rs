@@ -34,7 +34,12 @@ impl Arrangement {
 
     fn new(field: &Field, middle: DVec3) -> Arrangement {
         let count = field.width * field.height;
-        let parts = |k: u32| field.ray(k % field.width, k / field.width).map(|ray| parts(ray, middle));
+        let ray = |k: u32| field.ray(k % field.width, k / field.width);
+        let starts: Vec<DVec3> = (0..count).filter_map(|k| ray(k).map(|(p, _)| p)).collect();
+        let far = (middle - starts.iter().sum::<DVec3>() / starts.len().max(1) as f64).length();
+        // where a ray starts, and its way from there as far as the scene's middle is: the bounds of a tile take these apart, so
+        // that its rays must be near each other in both
+        let parts = |k: u32| ray(k).map(|(p, d)| [p, far * d.normalize()]);
         let none = ([DVec3::INFINITY; 2], [DVec3::NEG_INFINITY; 2]);
         let join = |a: ([DVec3; 2], [DVec3; 2]), b: ([DVec3; 2], [DVec3; 2])| {
             ([0, 1].map(|k| a.0[k].min(b.0[k])), [0, 1].map(|k| a.1[k].max(b.1[k])))
@@ -68,12 +73,6 @@ impl Arrangement {
         self.source.iter().zip(values).for_each(|(k, v)| own[*k as usize] = *v);
         own
     }
-}
-
-/// Where a ray starts, and its way from there as far as the scene's middle: the bounds of a tile take these apart, so that
-/// its rays must be near each other in both.
-fn parts((p, d): (DVec3, DVec3), middle: DVec3) -> [DVec3; 2] {
-    [p, (middle - p).length() * d.normalize()]
 }
 
 /// Directions differ within tiles nearly as much as between them.

@@ -31,6 +31,8 @@ pub struct Field {
     rays: Vec<Option<(DVec3, DVec3)>>,
     /// The formula behind the rays, where there is one.
     map: Option<Sampled>,
+    /// Rays are sorted: those of a tile are near each other, though not from pixel to pixel.
+    pub is_sorted: bool,
 }
 
 /// A formula, and where in a pixel its ray is taken, px from the pixel's top left corner.
@@ -51,7 +53,7 @@ impl Field {
         if rays.iter().all(Option::is_none) {
             return Err(Error::input("camera: no pixel of the ray map holds a finite ray with a direction"));
         }
-        Ok(Field { width, height, rays, map: None })
+        Ok(Field { width, height, rays, map: None, is_sorted: false })
     }
 
     /// The rays of a formula at the centres of `width x height` pixels.
@@ -68,12 +70,12 @@ impl Field {
         let pixels = (0..width as usize * height as usize).into_par_iter();
         let place = |k: usize| DVec2::new((k % width as usize) as f64, (k / width as usize) as f64);
         let rays = pixels.map(|k| map.ray(place(k) + map.sample, size)).collect();
-        Field { width, height, rays, map: Some(map) }
+        Field { width, height, rays, map: Some(map), is_sorted: false }
     }
 
     /// A field whose pixel k has the ray of this one's pixel `source[k]`, numbered row by row.
     pub(super) fn rearranged(&self, source: &[u32]) -> Field {
-        Field { rays: source.iter().map(|k| self.rays[*k as usize]).collect(), map: None, ..*self }
+        Field { rays: source.iter().map(|k| self.rays[*k as usize]).collect(), map: None, is_sorted: true, ..*self }
     }
 
     /// The formula behind the rays, where there is one.
@@ -200,7 +202,7 @@ impl Field {
         }
         let at = |i: u32, j: u32| self.bilinear(i as f64 + dx, j as f64 + dy);
         let rays = (0..self.height).flat_map(|j| (0..self.width).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();
-        Field { width: self.width, height: self.height, rays, map: None }
+        Field { width: self.width, height: self.height, rays, map: None, is_sorted: false }
     }
 }
 

@@ -49,7 +49,7 @@ impl Engine {
 fn parts(optics: &Optics) -> Option<(&Optics, &Atlas, &Facets, Law)> {
     match &optics.surface {
         Surface::Facets { facets, law } => optics.atlas.as_ref().map(|atlas| (optics, atlas, facets, *law)),
-        Surface::Quadrics(_) => None,
+        Surface::Smooth(_) => None,
     }
 }
 

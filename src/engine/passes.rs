@@ -47,11 +47,11 @@ fn add_below(list: &mut Vec<Pass>, optics: &Optics, above: Pass) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optics::{Quadric, Surface, Turn};
+    use crate::optics::{Quadric, Smooth, Surface, Turn};
     use glam::DVec3;
 
     fn optics(depth: u32, fresnel: bool, rays: u32) -> Optics {
-        let ball = Surface::Quadrics(vec![Quadric::sphere(DVec3::ZERO, 1.0)]);
+        let ball = Surface::Smooth(Smooth::Quadrics(vec![Quadric::sphere(DVec3::ZERO, 1.0)]));
         let roughness = if rays > 1 { 0.1 } else { 0.0 };
         Optics { fresnel, roughness, rays, ..Optics::new(Turn::Refract { ior: 1.5 }, ball, depth) }
     }

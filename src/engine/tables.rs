@@ -5,7 +5,7 @@ use super::Capacities;
 use super::passes::Pass;
 use crate::camera::Camera;
 use crate::gpu::rows::{self, LAW_FLAT, LAW_NORMALS, split2, split3};
-use crate::optics::{Branch, Facets, Law, Optics, Quadric, Surface, Turn};
+use crate::optics::{Branch, Law, Optics, Surface, Turn};
 use crate::plan::nodes::Level;
 use crate::plan::{Band, Plan};
 use crate::scene::Scene;
@@ -139,59 +139,8 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
     }
 }
 
-/// Three corners a facet.
-pub fn corners(facets: &Facets, anchor: DVec3) -> Vec<rows::Corner> {
-    let corner = |camera: u32, [u, v]: [f64; 2], (p, n): (DVec3, DVec3)| {
-        let ([p_hi, p_lo], [n_hi, n_lo]) = (split_vector(p - anchor), split_vector(n));
-        rows::Corner { p_hi, camera, p_lo, camera_u: u as f32, n_hi, camera_v: v as f32, n_lo, pad0: 0.0 }
-    };
-    let facet = |k: usize| {
-        let facet = facets.facet(k);
-        let (camera, places) = (facets.camera_of(k), facets.camera_places(k));
-        [0, 1, 2].map(|c| corner(camera, places[c], (facet.corners[c], facet.normals[c])))
-    };
-    (0..facets.triangles.len()).flat_map(facet).collect()
-}
-
-pub fn quadrics(list: &[Quadric], anchor: DVec3) -> Vec<rows::Quadric> {
-    // without an end: the largest finite number
-    let number = |v: f64| split2(v.clamp(-f32::MAX as f64, f32::MAX as f64));
-    let row = |q: &Quadric| {
-        let a = q.a;
-        let [centre_hi, centre_lo] = split_vector(q.centre - anchor);
-        let [diagonal_hi, diagonal_lo] = split_vector(DVec3::new(a.x_axis.x, a.y_axis.y, a.z_axis.z));
-        let [beside_hi, beside_lo] = split_vector(DVec3::new(a.y_axis.z, a.x_axis.z, a.x_axis.y));
-        let ([b_hi, b_lo], [axis_hi, axis_lo]) = (split_vector(q.b), split_vector(q.axis));
-        let ([c_hi, c_lo], [rim2_hi, rim2_lo]) = (number(q.c), number(q.rim * q.rim));
-        let ([low_hi, low_lo], [high_hi, high_lo]) = (number(q.heights[0]), number(q.heights[1]));
-        rows::Quadric {
-            centre_hi,
-            c_hi,
-            centre_lo,
-            c_lo,
-            diagonal_hi,
-            low_hi,
-            diagonal_lo,
-            low_lo,
-            beside_hi,
-            high_hi,
-            beside_lo,
-            high_lo,
-            b_hi,
-            rim2_hi,
-            b_lo,
-            rim2_lo,
-            axis_hi,
-            pad0: 0.0,
-            axis_lo,
-            pad1: 0.0,
-        }
-    };
-    list.iter().map(row).collect()
-}
-
 /// Each component as a sum of two.
-fn split_vector(v: DVec3) -> [[f32; 3]; 2] {
+pub fn split_vector(v: DVec3) -> [[f32; 3]; 2] {
     let s = v.to_array().map(split2);
     [s.map(|s| s[0]), s.map(|s| s[1])]
 }

@@ -1,13 +1,14 @@
 //! What lies on the device for rays that a mirror or a lens turns: the surface, and for every turn the rays behind it.
 
 use super::passes::Pass;
+use super::surface::SurfaceRows;
 use super::tables;
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::rows::{self, NONE};
-use crate::optics::{Optics, Surface};
+use crate::optics::Optics;
 use crate::plan::nodes::above_cells;
 use crate::plan::{Band, Plan};
 use crate::scene::Scene;
@@ -27,7 +28,7 @@ pub struct Turns {
     targets: Vec<Buffers>,
     /// Of each band: `nodes` and `cells`, one a tile, written by fit; `tile_start`, written by the host.
     bands: Vec<Buffers>,
-    /// `corners`, 64 bytes each, or `quadrics`, 160 bytes each; written by the host.
+    /// As [`SurfaceRows::upload`] says; written by the host.
     surface: Buffers,
 }
 
@@ -46,12 +47,7 @@ impl Turns {
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0) as usize;
         let pixels = rows * camera.width as usize;
         let mut surface = Buffers::default();
-        match &optics.surface {
-            Surface::Facets { facets, .. } => {
-                surface.upload(gpu, "corners", &tables::corners(facets, plan.anchor))?;
-            }
-            Surface::Quadrics(list) => surface.upload(gpu, "quadrics", &tables::quadrics(list, plan.anchor))?,
-        }
+        SurfaceRows::new(&optics.surface, plan.anchor).upload(gpu, &mut surface)?;
         let mut untouched = Buffers::default();
         let nothing = rows::Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
         untouched.upload(gpu, "ways", &vec![nothing; pixels])?;

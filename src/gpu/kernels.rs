@@ -17,15 +17,6 @@ pub enum RaysKind {
     Curves { degree: u32 },
 }
 
-/// What the surface of a camera's optics is made of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OpticsKind {
-    Facets,
-    Quadrics,
-    /// Facets that are looked up in an atlas.
-    Atlas,
-}
-
 /// Which variants of the kernels a scene and an adapter need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
@@ -74,9 +65,12 @@ pub struct Kernel {
 
 macro_rules! snippet {
     ($path:literal) => {
-        include_str!(concat!("../../wgsl/", $path))
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/wgsl/", $path))
     };
 }
+
+mod optics;
+pub use optics::{OpticsKind, bounce, fit, meet, paste};
 
 pub(crate) const PARAMS: &str = snippet!("shared/params.wgsl");
 pub(crate) const ITEMS: &str = snippet!("shared/items.wgsl");
@@ -98,7 +92,6 @@ const MEETING_OF_RAYS: &str = snippet!("shared/meeting_of_rays.wgsl");
 pub(crate) const KEY: &str = snippet!("shared/key.wgsl");
 const OPTICS_ROWS: &str = snippet!("optics/rows.wgsl");
 const CAUSTICS: &str = snippet!("caustics/rows.wgsl");
-const TURN: &str = snippet!("optics/turn.wgsl");
 
 impl Variant {
     /// Every variant that some camera needs on an adapter with these abilities.
@@ -111,7 +104,7 @@ impl Variant {
             for rays in [RaysKind::Pieces, RaysKind::Field].into_iter().chain(curves) {
                 list.extend([false, true].map(|sheeted| variant(rays, sheeted, None)));
             }
-            for optics in [OpticsKind::Facets, OpticsKind::Quadrics, OpticsKind::Atlas] {
+            for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
                 list.extend(seen);
                 list.extend(seen[0].turns_rays().then(|| seen[0].after_turn()));
@@ -154,38 +147,6 @@ impl Variant {
             RaysKind::Curves { .. } => {
                 &[snippet!("camera/curves_coverage.wgsl"), snippet!("camera/curves_meeting.wgsl")]
             }
-        }
-    }
-
-    /// There are passes after the eye's.
-    pub fn turns_rays(self) -> bool {
-        matches!(self.optics, Some(OpticsKind::Facets | OpticsKind::Quadrics))
-    }
-
-    /// The rays of the pass after this one's.
-    pub fn after_turn(self) -> Variant {
-        Variant { rays: RaysKind::Field, sheeted: false, turned: true, ..self }
-    }
-
-    /// Which triangles rays do not meet because they start there.
-    fn start(self) -> &'static [&'static str] {
-        if self.turned { &[OPTICS_ROWS, snippet!("optics/start.wgsl")] } else { &[snippet!("shared/any_start.wgsl")] }
-    }
-
-    /// What a pixel shows, and what lies behind its ray.
-    fn seen(self) -> &'static [&'static str] {
-        if self.optics.is_some() {
-            &[OPTICS_ROWS, snippet!("optics/seen.wgsl")]
-        } else {
-            &[snippet!("shared/seen.wgsl")]
-        }
-    }
-
-    /// The surface of the optics.
-    fn surface(self) -> (Binding, &'static str) {
-        match self.optics {
-            Some(OpticsKind::Quadrics) => (read("quadrics", "array<Quadric>"), snippet!("optics/quadrics.wgsl")),
-            _ => (read("corners", "array<Corner>"), snippet!("optics/facets.wgsl")),
         }
     }
 
@@ -369,75 +330,8 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     let mut kernel = kernel("shade", bindings, &all);
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
     if let Some(optics) = variant.optics {
-        kernel.constants.push(("QUADRICS", (optics == OpticsKind::Quadrics) as u32 as f64));
+        kernel.constants.push(("SMOOTH", optics.is_smooth() as u32 as f64));
     }
-    kernel
-}
-
-/// Quadrics into the visibility buffer; triangles get there by `raster`.
-pub fn meet(variant: Variant) -> Kernel {
-    let visibility = if variant.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" };
-    let (surface, snippet) = variant.surface();
-    let mut bindings = vec![params(), step(), optic(), ways(), surface, write("visibility", visibility)];
-    bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, variant.merge(), OPTICS_ROWS, TURN];
-    let own = [variant.camera(), snippet, snippet!("meet.wgsl")];
-    let mut kernel = kernel("meet", bindings, &[&snippets[..], &own[..], variant.pixel()].concat());
-    kernel.constants = variant.constants();
-    kernel
-}
-
-/// The rays that the optics' surface turns.
-pub fn bounce(variant: Variant) -> Kernel {
-    let (surface, snippet) = variant.surface();
-    let mut bindings = vec![
-        params(),
-        optic(),
-        read("visibility", "array<u32>"),
-        ways(),
-        surface,
-        write("turned_hi", "array<f32>"),
-        write("turned_lo", "array<f32>"),
-        write("turned_ways", "array<Way>"),
-    ];
-    bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN];
-    let own = [variant.camera(), snippet, snippet!("bounce.wgsl")];
-    let mut kernel = kernel("bounce", bindings, &[&snippets[..], &own[..], variant.pixel()].concat());
-    kernel.constants = variant.constants();
-    kernel
-}
-
-/// What facets show, from their atlas.
-pub fn paste(variant: Variant, planes: &[Channel]) -> Kernel {
-    let (surface, snippet) = variant.surface();
-    let mut bindings = vec![
-        params(),
-        optic(),
-        uniform("atlas_layout", "AtlasLayout"),
-        read("visibility", "array<u32>"),
-        surface,
-        read("atlas", "array<u32>"),
-        write("planes", "array<u32>"),
-    ];
-    bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN, SHADING];
-    let own = [variant.camera(), snippet, snippet!("paste.wgsl")];
-    let mut kernel = kernel("paste", bindings, &[&snippets[..], &own[..], variant.pixel()].concat());
-    kernel.constants = [variant.constants(), plane_constants(planes)].concat();
-    kernel
-}
-
-/// Bounds on the rays that were turned, node by node.
-pub fn fit(variant: Variant) -> Kernel {
-    let variant = variant.after_turn();
-    let mut bindings = vec![params(), step(), optic(), write("nodes", "array<Node>"), write("cells", "array<Cell>")];
-    bindings.extend(variant.rays());
-    // bounds are f32
-    let real = snippet!("shared/real_f32.wgsl");
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, BITS, real, BUNDLE, OPTICS_ROWS];
-    let mut kernel = kernel("fit", bindings, &[&snippets[..], &[variant.camera(), snippet!("fit.wgsl")]].concat());
-    kernel.constants = variant.constants();
     kernel
 }
 
@@ -519,10 +413,11 @@ pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     if variant.turns_rays() {
         all.extend([bounce(variant), fit(variant)]);
     }
-    match variant.optics {
-        Some(OpticsKind::Quadrics) => all.push(meet(variant)),
-        Some(OpticsKind::Atlas) => all.push(paste(variant, planes)),
-        _ => {}
+    if variant.meets() {
+        all.push(meet(variant));
+    }
+    if variant.optics == Some(OpticsKind::Atlas) {
+        all.push(paste(variant, planes));
     }
     all.extend([gather(variant, planes), write_srgb(planes), sift(), deposit()]);
     all

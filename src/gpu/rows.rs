@@ -259,6 +259,34 @@ pub struct Quadric {
     pub pad1: f32,
 }
 
+/// A torus, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Torus {
+    pub centre_hi: [f32; 3],
+    pub size_hi: f32,
+    pub centre_lo: [f32; 3],
+    pub size_lo: f32,
+    pub axis_hi: [f32; 3],
+    pub ring_hi: f32,
+    pub axis_lo: [f32; 3],
+    pub ring_lo: f32,
+}
+
+/// A wave, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Wave {
+    pub centre_hi: [f32; 3],
+    pub half_hi: f32,
+    pub centre_lo: [f32; 3],
+    pub half_lo: f32,
+    pub amplitude_hi: f32,
+    pub amplitude_lo: f32,
+    pub frequency_hi: f32,
+    pub frequency_lo: f32,
+}
+
 /// A chunk of points, and the tree of beams that they are held against.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

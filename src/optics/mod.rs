@@ -2,7 +2,7 @@
 //!
 //! A ray that first meets the surface goes on from there: reflected, or refracted by Snell's law; up to `depth` times.
 //! Everything else of the scene hides, and is seen, as without the surface. The surface is flat facets ([`Facets`]) with
-//! a law of how a facet turns rays ([`Law`]), or quadrics ([`Quadric`]) that are met exactly.
+//! a law of how a facet turns rays ([`Law`]), or a smooth one ([`Smooth`]) that is met exactly.
 //!
 //! Hou, Wei, Shum and Guo 2006, sections 2 and 3; Yu, Yu and McMillan 2009, section 5.2.
 
@@ -13,13 +13,19 @@ pub mod quadric;
 pub mod resample;
 pub mod shape;
 pub mod shooting;
+pub mod smooth;
+pub mod torus;
 pub mod turn;
+pub mod wave;
 
 use crate::scene::mesh::Mesh;
 pub use facets::{Cameras, Facet, Facets};
 use glam::{DVec2, DVec3};
 pub use quadric::Quadric;
+pub use smooth::Smooth;
 use std::f64::consts::PI;
+pub use torus::Torus;
+pub use wave::Wave;
 
 /// A mirror or a lens in front of a camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +66,7 @@ pub enum Turn {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Surface {
     Facets { facets: Facets, law: Law },
-    Quadrics(Vec<Quadric>),
+    Smooth(Smooth),
 }
 
 /// The papers' own way: every facet's camera has a right-angled triangle of one size in a joint picture (Hou et al., section 2;
@@ -118,46 +124,40 @@ impl Optics {
     pub fn facets(&self) -> Option<&Facets> {
         match &self.surface {
             Surface::Facets { facets, .. } => Some(facets),
-            Surface::Quadrics(_) => None,
+            Surface::Smooth(_) => None,
         }
     }
 
-    /// Facets, or quadrics.
+    /// Facets, or parts of a smooth surface.
     pub fn surface_count(&self) -> usize {
-        match &self.surface {
-            Surface::Facets { facets, .. } => facets.triangles.len(),
-            Surface::Quadrics(list) => list.len(),
-        }
+        self.smooth_count() + self.facets().map_or(0, |f| f.triangles.len())
     }
 
     /// Vertices of the facets.
     pub fn vertex_count(&self) -> usize {
-        match &self.surface {
-            Surface::Facets { facets, .. } => facets.positions.len(),
-            Surface::Quadrics(_) => 0,
-        }
+        self.facets().map_or(0, |f| f.positions.len())
     }
 
-    /// Pieces of the optics: facets of a coarser copy, or the facets or quadrics themselves.
+    /// Pieces of the optics: facets of a coarser copy, or the facets or smooth surfaces themselves.
     pub fn camera_count(&self) -> usize {
         self.facets().map_or(self.surface_count(), Facets::camera_count)
     }
 
-    /// Which of them turns the rays that meet a facet or quadric.
+    /// Which of them turns the rays that meet a facet or smooth surface.
     pub fn camera_of(&self, surface: u32) -> u32 {
         self.facets().map_or(surface, |f| f.camera_of(surface as usize))
     }
 
-    pub fn quadric_count(&self) -> usize {
+    pub fn smooth_count(&self) -> usize {
         match &self.surface {
             Surface::Facets { .. } => 0,
-            Surface::Quadrics(list) => list.len(),
+            Surface::Smooth(smooth) => smooth.count(),
         }
     }
 
-    /// Id of the first facet or quadric: facets are the last triangles of `mesh`, quadrics come behind all of them.
+    /// Id of the first facet or part: facets are the last triangles of `mesh`, smooth surfaces come behind all of them.
     pub fn first_id(&self, mesh: &Mesh) -> u32 {
-        (mesh.triangles.len() - (self.surface_count() - self.quadric_count())) as u32
+        (mesh.triangles.len() - self.facets().map_or(0, |f| f.triangles.len())) as u32
     }
 
     /// What a ray is split into wherever it is turned.
@@ -180,15 +180,5 @@ impl Optics {
     /// Rays that were turned may meet the surface again.
     pub fn sees_itself(&self) -> bool {
         self.depth > 1
-    }
-
-    /// The corners of a box around the surface; infinite where a quadric is.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
-        let around = |(a, b): (DVec3, DVec3), (lo, hi): (DVec3, DVec3)| (a.min(lo), b.max(hi));
-        let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        match &self.surface {
-            Surface::Facets { facets, .. } => facets.positions.iter().map(|p| (*p, *p)).fold(none, around),
-            Surface::Quadrics(list) => list.iter().map(Quadric::bounds).fold(none, around),
-        }
     }
 }

@@ -66,18 +66,6 @@ impl Quadric {
         let r2 = (q - z * self.axis).length_squared();
         z >= self.heights[0] && z <= self.heights[1] && r2 <= self.rim * self.rim
     }
-
-    /// The corners of a box around the surface.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
-        let reach = if self.rim.is_finite() {
-            self.rim + self.heights[0].abs().max(self.heights[1].abs())
-        } else {
-            // a sphere's radius, or a wall's
-            let height = self.heights[0].abs().max(self.heights[1].abs());
-            -self.c + if height.is_finite() { height } else { 0.0 }
-        };
-        (self.centre - reach, self.centre + reach)
-    }
 }
 
 /// How far beyond its rim's height a cap counts, relative to its size: rounding of the height. The other sheet of the
@@ -118,13 +106,10 @@ mod tests {
     }
 
     #[test]
-    fn bounds_hold_the_surface() {
+    fn balls_and_walls_face_outside_and_end_at_their_heights() {
         let ball = Quadric::sphere(DVec3::ONE, 2.0);
-        assert_eq!(ball.bounds(), (DVec3::splat(-1.0), DVec3::splat(3.0)));
         assert!((ball.normal(DVec3::new(3.0, 1.0, 1.0)) - DVec3::X).length() < 1e-15);
         let wall = Quadric::wall(DVec3::ZERO, DVec3::Y, 0.5, [0.0, 3.0]);
-        let (lo, hi) = wall.bounds();
-        assert!(lo.max_element() <= -0.5 && hi.min_element() >= 3.0);
         assert!(wall.holds(DVec3::new(0.5, 2.0, 0.0)) && !wall.holds(DVec3::new(0.5, 3.5, 0.0)));
     }
 }

@@ -1,11 +1,13 @@
-//! Shapes of mirrors and lenses: read from a scene file, as quadrics where they are such, and as facets.
+//! Shapes of mirrors and lenses: read from a scene file, as smooth surfaces, and as facets.
 
 use super::facets::Facets;
 use super::quadric::{Quadric, sag};
+use super::wave::WAVES_MAX;
+use super::{Smooth, Torus, Wave};
 use crate::camera::named::values::{direction, length};
 use crate::error::Result;
 use crate::scene::file::reader::{Field, Table};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
 /// A surface by name. World units; axes are unit vectors.
@@ -15,13 +17,7 @@ pub enum Shape {
         center: DVec3,
         radius: f64,
     },
-    /// Rings of radius `tube` about a circle of `radius` about the axis.
-    Torus {
-        center: DVec3,
-        axis: DVec3,
-        radius: f64,
-        tube: f64,
-    },
+    Torus(Torus),
     /// [`Quadric::cap`].
     Quadric {
         cap: Cap,
@@ -30,14 +26,7 @@ pub enum Shape {
     Lens {
         caps: [Cap; 2],
     },
-    /// `center + (x, amplitude sin(2 pi x / wavelength) sin(2 pi z / wavelength), z)` for x and z within half of `size`;
-    /// the outside is above.
-    Wave {
-        center: DVec3,
-        size: f64,
-        amplitude: f64,
-        wavelength: f64,
-    },
+    Wave(Wave),
 }
 
 /// One face of a lens, as [`Quadric::cap`] takes it.
@@ -102,7 +91,7 @@ impl Shape {
             "sphere" => Shape::Sphere { center: center("center")?, radius: radius()? },
             "torus" => {
                 let (radius, tube) = (radius()?, length(&table.need("tube", "0.3")?)?);
-                Shape::Torus { center: center("center")?, axis: axis()?, radius, tube }
+                Shape::Torus(Torus { centre: center("center")?, axis: axis()?, radius, tube })
             }
             "quadric" => {
                 let curvature = table.need("curvature", "0.5")?.number()?;
@@ -115,17 +104,23 @@ impl Shape {
             _ => {
                 let of = |key, example| -> Result<f64> { length(&table.need(key, example)?) };
                 let (size, amplitude, wavelength) = (of("size", "4")?, of("amplitude", "0.1")?, of("wavelength", "1")?);
-                Shape::Wave { center: center("center")?, size, amplitude, wavelength }
+                if size > WAVES_MAX * wavelength {
+                    let why =
+                        format_args!("{} waves along a side are too many; use {WAVES_MAX} at most", size / wavelength);
+                    return Err(table.need("wavelength", "1")?.error(why));
+                }
+                Shape::Wave(Wave { centre: center("center")?, size, amplitude, wavelength })
             }
         };
         Ok((shape, count))
     }
 
-    /// As quadrics, where the shape is made of them.
-    pub fn quadrics(&self) -> Option<Vec<Quadric>> {
+    /// The shape itself.
+    pub fn smooth(&self) -> Smooth {
         match self {
-            Shape::Sphere { center, radius } => Some(vec![Quadric::sphere(*center, *radius)]),
-            Shape::Quadric { cap } => Some(vec![cap.quadric()]),
+            Shape::Sphere { center, radius } => Smooth::Quadrics(vec![Quadric::sphere(*center, *radius)]),
+            Shape::Torus(torus) => Smooth::Torus(*torus),
+            Shape::Quadric { cap } => Smooth::Quadrics(vec![cap.quadric()]),
             Shape::Lens { caps } => {
                 let [front, back] = caps;
                 let [from, to] = wall_ends(caps);
@@ -133,9 +128,9 @@ impl Shape {
                 if to > from {
                     list.push(Quadric::wall(front.vertex, front.axis, front.rim, [from, to]));
                 }
-                Some(list)
+                Smooth::Quadrics(list)
             }
-            Shape::Torus { .. } | Shape::Wave { .. } => None,
+            Shape::Wave(wave) => Smooth::Wave(*wave),
         }
     }
 
@@ -158,7 +153,8 @@ impl Shape {
                 };
                 grid((0..=stacks).map(row).collect(), true)
             }
-            Shape::Torus { center, axis, radius, tube } => {
+            Shape::Torus(torus) => {
+                let Torus { centre, axis, radius, tube } = *torus;
                 // a tube of two sides is flat
                 let triangles = |n: usize, s: usize| if s < 3 { usize::MAX } else { 2 * n * s };
                 let (around, sides) = cells(count, triangles, radius / tube);
@@ -167,8 +163,10 @@ impl Shape {
                     let ring = |l: f64| {
                         let p = TAU * (k % sides) as f64 / sides as f64;
                         let out = l.cos() * e1 + l.sin() * e2;
-                        let n = p.cos() * out + p.sin() * *axis;
-                        (*center + *radius * out + *tube * n, n)
+                        let n = p.cos() * out + p.sin() * axis;
+                        // beyond the axis, where the tube is that wide, it is within itself
+                        let side = if radius + tube * p.cos() < 0.0 { -1.0 } else { 1.0 };
+                        (centre + radius * out + tube * n, side * n)
                     };
                     angles(around).map(ring).collect()
                 };
@@ -183,14 +181,13 @@ impl Shape {
                 let (around, rings) = cells(count, |n, s| 2 * n * (2 * s - 1) + 2 * n, 4.0);
                 joined(&[disc(&caps[0], around, rings), disc(&caps[1], around, rings), wall(caps, around)])
             }
-            Shape::Wave { center, size, amplitude, wavelength } => {
+            Shape::Wave(wave) => {
                 let (columns, rows) = cells(count, |n, s| 2 * n * s, 1.0);
-                let k = TAU / wavelength;
                 let point = |i: usize, j: usize| {
-                    let q = (DVec2::new(i as f64 / columns as f64, j as f64 / rows as f64) - 0.5) * *size;
-                    let ((sx, cx), (sz, cz)) = ((k * q.x).sin_cos(), (k * q.y).sin_cos());
-                    let normal = DVec3::new(-amplitude * k * cx * sz, 1.0, -amplitude * k * sx * cz);
-                    (*center + DVec3::new(q.x, amplitude * sx * sz, q.y), normal.normalize())
+                    let side = |k: usize, of: usize| (k as f64 / of as f64 - 0.5) * wave.size;
+                    let q = DVec3::new(side(i, columns), 0.0, side(j, rows));
+                    let place = wave.centre + q + wave.height(q) * DVec3::Y;
+                    (place, wave.normal(place).normalize())
                 };
                 grid((0..=rows).map(|j| (0..=columns).map(|i| point(i, j)).collect()).collect(), false)
             }
@@ -347,10 +344,10 @@ mod tests {
         };
         vec![
             Shape::Sphere { center: DVec3::ONE, radius: 2.0 },
-            Shape::Torus { center: DVec3::ONE, axis: DVec3::X, radius: 2.0, tube: 0.5 },
+            Shape::Torus(Torus { centre: DVec3::ONE, axis: DVec3::X, radius: 2.0, tube: 0.5 }),
             Shape::Quadric { cap: cap(0.0, 0.5, false) },
             Shape::Lens { caps: [cap(-0.4, 0.5, false), cap(0.4, -0.5, true)] },
-            Shape::Wave { center: DVec3::ONE, size: 4.0, amplitude: 0.2, wavelength: 2.0 },
+            Shape::Wave(Wave { centre: DVec3::ONE, size: 4.0, amplitude: 0.2, wavelength: 2.0 }),
         ]
     }
 
@@ -383,7 +380,7 @@ mod tests {
     /// Every edge of a closed shape belongs to two triangles, the other way round in each, by position.
     #[test]
     fn closed_shapes_are_closed() {
-        for shape in shapes().into_iter().filter(|s| !matches!(s, Shape::Wave { .. } | Shape::Quadric { .. })) {
+        for shape in shapes().into_iter().filter(|s| !matches!(s, Shape::Wave(_) | Shape::Quadric { .. })) {
             let facets = shape.facets(500);
             let mut balance = std::collections::HashMap::new();
             let bits = |p: DVec3| (p * 1e9).round().as_i64vec3().to_array();
@@ -401,7 +398,8 @@ mod tests {
     #[test]
     fn a_torus_of_few_facets_has_an_inside() {
         for count in [4, 12, 26, 40] {
-            let facets = Shape::Torus { center: DVec3::ZERO, axis: DVec3::Y, radius: 1.15, tube: 0.42 }.facets(count);
+            let facets =
+                Shape::Torus(Torus { centre: DVec3::ZERO, axis: DVec3::Y, radius: 1.15, tube: 0.42 }).facets(count);
             let volume = |k: usize| {
                 let [a, b, c] = facets.facet(k).corners;
                 a.dot(b.cross(c)) / 6.0
@@ -416,7 +414,7 @@ mod tests {
     #[test]
     fn corners_of_facets_lie_on_the_quadrics() {
         for shape in shapes() {
-            let Some(quadrics) = shape.quadrics() else { continue };
+            let Smooth::Quadrics(quadrics) = shape.smooth() else { continue };
             for p in shape.facets(300).positions {
                 let off = |q: &Quadric| {
                     let r = p - q.centre;

@@ -111,6 +111,7 @@ impl Target<'_> {
 mod tests {
     use super::*;
     use crate::optics::shape::{Cap, Shape};
+    use crate::optics::{Torus, Wave};
     use crate::scene::generate::teapot;
 
     fn ball() -> Shape {
@@ -135,7 +136,7 @@ mod tests {
     }
 
     fn torus() -> Shape {
-        Shape::Torus { center: DVec3::ONE, axis: DVec3::X, radius: 2.0, tube: 0.5 }
+        Shape::Torus(Torus { centre: DVec3::ONE, axis: DVec3::X, radius: 2.0, tube: 0.5 })
     }
 
     /// The largest distance between the normals of two corners.
@@ -211,7 +212,7 @@ mod tests {
     #[test]
     fn a_rim_beyond_the_copys_takes_its_nearest_place() {
         // an open wave, a copy half as wide: what is beyond takes the normal of its border
-        let wave = |size: f64| Shape::Wave { center: DVec3::ZERO, size, amplitude: 0.0, wavelength: 1.0 };
+        let wave = |size: f64| Shape::Wave(Wave { centre: DVec3::ZERO, size, amplitude: 0.0, wavelength: 1.0 });
         let shot = wave(4.0).facets(200).shot_at(&wave(2.0).facets(50));
         for k in 0..200 {
             assert!(shot.facet(k).normals.iter().all(|n| (*n - DVec3::Y).length() < 1e-15));

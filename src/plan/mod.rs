@@ -19,7 +19,6 @@ use crate::frame::Channel;
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::{OpticsKind, RaysKind, Variant};
 use crate::gpu::rows::{self, BRANCH};
-use crate::optics::Surface;
 use curves::{CurveTable, RayTable};
 use glam::DVec3;
 use serde::Serialize;
@@ -122,11 +121,7 @@ impl Plan {
             rays: sheets::kind(camera),
             sheeted: sheets.count() > 1,
             counting: wanted.counting,
-            optics: camera.optics.as_ref().map(|o| match o.surface {
-                Surface::Facets { .. } if o.atlas.is_some() => OpticsKind::Atlas,
-                Surface::Facets { .. } => OpticsKind::Facets,
-                Surface::Quadrics(_) => OpticsKind::Quadrics,
-            }),
+            optics: camera.optics.as_deref().map(OpticsKind::of),
             turned: false,
         };
         let mut planes = wanted.channels.clone();
@@ -142,8 +137,8 @@ impl Plan {
         };
         let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes);
         let bands = bands(camera, sheets, around, pixel_bytes, binding_limit);
-        let quadrics = camera.optics.as_ref().map_or(0, |o| o.quadric_count());
-        let id_bits = usize::BITS - (triangles + quadrics).saturating_sub(1).leading_zeros();
+        let smooth = camera.optics.as_ref().map_or(0, |o| o.smooth_count());
+        let id_bits = usize::BITS - (triangles + smooth).saturating_sub(1).leading_zeros();
         let left_out = left_out(camera, sheets, &bands, &planes, wanted, has_normals, has);
         Plan {
             variant,
@@ -241,7 +236,7 @@ fn left_out(
     if !bands.iter().any(|b| b.nodes.torn) {
         say("cells apart in cull", "no rays are torn".into());
     }
-    match camera.optics.as_ref().map(|o| o.quadric_count()) {
+    match camera.optics.as_ref().map(|o| o.smooth_count()) {
         None => say("bounce, fit and meet", "no mirror or lens turns rays".into()),
         Some(0) => say("meet", "the mirror or lens is made of triangles".into()),
         Some(_) => {}

@@ -128,7 +128,10 @@ impl Cutting<'_> {
         let sampled = |samples| Sampled { samples, ..Sampled::default() };
         let samples = self.samples(at, &owned);
         if let (Rays::Field(_), &[(piece, mask)]) = (&self.camera.layers[at.layer], owned.as_slice()) {
-            let parts = tear(Part { mask, samples: samples.clone() });
+            let whole = Part { mask, samples: samples.clone() };
+            // of sorted rays no cut leaves any nearer to each other
+            let is_sorted = matches!(self.camera.layers.as_slice(), [Rays::Field(f)] if f.is_sorted);
+            let parts = if is_sorted { vec![whole] } else { tear(whole) };
             let owned: Owned = parts.iter().map(|part| (piece, part.mask)).collect();
             let each =
                 if parts.len() > 1 { parts.into_iter().map(|p| sampled(p.samples)).collect() } else { Vec::new() };

@@ -29,7 +29,7 @@ struct Pixel {
     seen: Option<Seen>,
     /// Numbered through the camera.
     piece: u32,
-    /// The first facet or quadric of the optics.
+    /// The first facet or smooth surface of the optics.
     mirror: u32,
     t: f32,
     z: f32,

@@ -4,11 +4,12 @@
 use super::finding::{Finding, PLACES};
 use super::margin::{MARGIN_PX, beyond, clears};
 use super::path::{Path, Seen, Segment};
+use super::smooth::first_meeting;
 use super::{Hit, Reference, nearer};
 use crate::camera::Camera;
-use crate::camera::bundle::{Bundle, Ray};
+use crate::camera::bundle::Bundle;
 use crate::optics::turn::{Spin, after, at_facet};
-use crate::optics::{Branch, Optics, Quadric, Surface};
+use crate::optics::{Branch, Optics, Surface};
 use glam::DVec3;
 
 /// What a pixel's path comes to.
@@ -17,7 +18,7 @@ pub struct Outcome {
     /// As the camera gives it; or its ray and then those that were turned, each but the last ending at t = 1.
     pub path: Path,
     pub seen: Option<Seen>,
-    /// The first surface that was met: facet or quadric.
+    /// The first surface that was met: facet or smooth surface.
     pub first: Option<u32>,
     /// The share of the light that is left on this way, without the tint.
     pub light: f64,
@@ -134,12 +135,12 @@ impl Reference<'_> {
             }
             limit
         });
-        if let (Surface::Quadrics(list), true) = (&optics.surface, sees) {
+        if let (Surface::Smooth(smooth), true) = (&optics.surface, sees) {
             let ray = bundle.ray(0.0, 0.0);
-            for (quadric, id) in list.iter().zip(first..) {
-                let meetings = meetings(quadric, &ray, last == Some(id));
-                let t = meetings.into_iter().filter(|t| range[0] <= *t && *t <= range[1]).reduce(f64::min);
-                hits.extend(t.map(|t| Hit { t, triangle: id, bary: [0.0; 2] }));
+            for part in 0..smooth.count() {
+                let triangle = first + part as u32;
+                let t = first_meeting((smooth, part), &ray, last == Some(triangle), range);
+                hits.extend(t.map(|t| Hit { t, triangle, bary: [0.0; 2] }));
             }
         }
         hits
@@ -160,9 +161,9 @@ impl Reference<'_> {
             Surface::Facets { facets, law } => {
                 at_facet((optics, spin), *law, &facets.facet(surface as usize), ray.direction, hit.bary)
             }
-            Surface::Quadrics(list) => {
+            Surface::Smooth(smooth) => {
                 let place = ray.origin + hit.t * ray.direction;
-                let normal = list[surface as usize].normal(place);
+                let normal = smooth.normal(surface as usize, place);
                 (place, after((optics, spin), ray.direction, normal, normal))
             }
         };
@@ -228,19 +229,4 @@ impl Outcome {
         self.path.segments.push(None);
         self
     }
-}
-
-/// Where a ray meets a quadric within its bounds, any t; of a ray that starts on it, but there.
-fn meetings(quadric: &Quadric, ray: &Ray, starts_on_it: bool) -> Vec<f64> {
-    let (q, d) = (ray.origin - quadric.centre, ray.direction);
-    let (a, b) = (d.dot(quadric.a * d), d.dot(quadric.a * q + quadric.b));
-    let c = q.dot(quadric.a * q) + 2.0 * quadric.b.dot(q) + quadric.c;
-    let roots = if starts_on_it {
-        vec![-2.0 * b / a]
-    } else {
-        let root = (b * b - a * c).sqrt();
-        let far = if b < 0.0 { root - b } else { -root - b };
-        vec![far / a, c / far]
-    };
-    roots.into_iter().filter(|t| t.is_finite() && quadric.holds(ray.origin + *t * d)).collect()
 }

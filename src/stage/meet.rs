@@ -1,11 +1,11 @@
-//! meet: quadrics into the visibility buffer, once a pixel.
+//! meet: smooth surfaces into the visibility buffer, once a pixel.
 
 use super::{STEPS, Scopes, Stages, dispatch_items, with};
 use crate::error::Result;
 use crate::gpu::Gpu;
 
 impl Stages {
-    /// The optics have quadrics to meet.
+    /// The optics are a smooth surface.
     pub fn meets(&self) -> bool {
         self.meet.is_some()
     }

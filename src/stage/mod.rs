@@ -71,7 +71,7 @@ impl Stages {
             write: compile(kernels::write_srgb(planes)),
             bounce: variant.turns_rays().then(|| compile(kernels::bounce(variant))),
             fit: variant.turns_rays().then(|| compile(kernels::fit(variant))),
-            meet: (variant.optics == Some(OpticsKind::Quadrics)).then(|| compile(kernels::meet(variant))),
+            meet: variant.meets().then(|| compile(kernels::meet(variant))),
             paste: (variant.optics == Some(OpticsKind::Atlas)).then(|| compile(kernels::paste(variant, planes))),
             steps,
             variant,

@@ -1,11 +1,11 @@
 //! bounce in f64: the ray that goes on from where a pixel's ray meets the optics.
 
 use super::near::{Near, Near3};
-use super::optics::SurfaceRows;
-use super::quadric::at_quadric;
 use super::raster::Visibility;
+use super::smooth::Part;
 use super::turn::{Turned, at_facet};
 use super::{Input, Real};
+use crate::engine::surface::SurfaceRows;
 use crate::gpu::rows::{NONE, Way, split2};
 use crate::plan::curves::RayTable;
 use rayon::prelude::*;
@@ -42,9 +42,7 @@ fn bounce_pixel(input: &Input, key: u64, pixel: u32, real: Real) -> Option<Bounc
     let way = &optics.ways[pixel as usize];
     let mut turned = match optics.surface {
         SurfaceRows::Corners(corners) => at_facet(optic, &corners[3 * surface as usize..][..3], &ray, real),
-        SurfaceRows::Quadrics(list) => {
-            at_quadric(optic, &list[surface as usize], &ray, way.last == id, &input.params, real)
-        }
+        rows => Part { rows, number: surface }.turn(optic, &ray, way.last == id, &input.params, real),
     };
     let size = turned.d.value().length_squared();
     if !(size > 0.0 && size < SIZE_MAX) {

@@ -1,12 +1,11 @@
-//! meet in f64: the nearest quadric that a pixel's ray meets.
+//! meet in f64: the nearest smooth surface that a pixel's ray meets.
 
-use super::optics::SurfaceRows;
-use super::quadric::{Root, first_root};
 use super::raster::Visibility;
+use super::smooth::{Part, Root};
 use super::{Input, Real};
 use rayon::prelude::*;
 
-/// Merges what each pixel's ray meets; nothing but where the surface is made of quadrics.
+/// Merges what each pixel's ray meets; nothing but where the surface is smooth.
 pub fn meet(input: &Input, real: Real, visibility: &mut Visibility) {
     let keys = input.keys(real);
     let pixels = input.params.width * input.params.height;
@@ -21,16 +20,19 @@ pub fn meet(input: &Input, real: Real, visibility: &mut Visibility) {
     }
 }
 
-/// Every quadric that the pixel's ray meets, or may meet, by its id.
+/// Every part of the surface that the pixel's ray meets, or may meet, by its id.
 pub fn meetings(input: &Input, pixel: u32, real: Real) -> Vec<(u32, Root)> {
     let Some(optics) = &input.optics else { return Vec::new() };
-    let SurfaceRows::Quadrics(quadrics) = optics.surface else { return Vec::new() };
+    if !optics.surface.is_smooth() {
+        return Vec::new();
+    }
     let (x, y) = (pixel % input.params.width, pixel / input.params.width);
     let (true, Some(ray)) = (optics.is_seen(), input.near_ray(x, y, real)) else { return Vec::new() };
-    let root = |(id, quadric)| {
+    let root = |number: u32| {
+        let id = optics.optic.first_id + number;
         let starts = optics.ways[pixel as usize].last == id;
-        (id, first_root(quadric, &ray, starts, &input.params, real))
+        (id, Part { rows: optics.surface, number }.first_root(&ray, starts, &input.params, real))
     };
-    let roots = (optics.optic.first_id..).zip(quadrics).map(root);
+    let roots = (0..optics.optic.count).map(root);
     roots.filter(|(_, root)| root.t.is_some() || root.doubtful).collect()
 }

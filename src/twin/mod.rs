@@ -5,6 +5,7 @@
 //! be followed stage by stage, and any stage be run from another's true output. It says what the stage should do, not
 //! how the kernel does it: bin tests every pixel, shade bounds what f32 may lose. Twins are as slow as they look.
 
+pub mod along;
 pub mod bin;
 pub mod bounce;
 pub mod cull;
@@ -22,8 +23,11 @@ pub mod raster;
 pub mod rays;
 pub mod shade;
 pub mod sift;
+pub mod smooth;
 pub mod surface;
+pub mod torus;
 pub mod turn;
+pub mod wave;
 pub mod write;
 
 pub use key::{KeyForm, Real};

@@ -3,6 +3,7 @@
 
 use super::Real;
 use glam::DVec3;
+use std::f64::consts::TAU;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value in f64, and how far another correct evaluation of the same formula may be from it.
@@ -36,6 +37,9 @@ impl Judged {
 /// root; an ulp is up to two units.
 const DIV_UNITS: f64 = 5.0;
 const SQRT_UNITS: f64 = 9.0;
+/// Units of rounding of a cosine and of a sine, absolute: the turns' product with 2 pi, of an eighth at most, and the last
+/// three operations of the series.
+pub const CIRCLE_UNITS: f64 = 4.0;
 /// Smaller numbers than this may be flushed to 0.
 const TINY: f64 = f32::MIN_POSITIVE as f64;
 
@@ -59,6 +63,38 @@ impl Near {
         let e = e + units * self.unit * (v.abs() + e);
         // what comes of infinite errors and results is no bound
         Near { v, e: if e.is_nan() { f64::INFINITY } else { e }, unit: self.unit }
+    }
+
+    /// Rounding of one operation, relative.
+    pub fn unit(self) -> f64 {
+        self.unit
+    }
+
+    /// The same number with this error.
+    pub fn off_by(self, e: f64) -> Near {
+        Near { e, ..self }
+    }
+
+    /// A number of the same arithmetic.
+    pub fn like(self, v: f64) -> Near {
+        Near { v, e: 0.0, ..self }
+    }
+
+    /// The smaller by its value.
+    pub fn min(self, o: Near) -> Near {
+        if o.v < self.v { o } else { self }
+    }
+
+    /// The larger by its value.
+    pub fn max(self, o: Near) -> Near {
+        if o.v > self.v { o } else { self }
+    }
+
+    /// Cosine and sine of so many turns.
+    pub fn circle(self) -> [Near; 2] {
+        let (s, c) = (TAU * (self.v - self.v.round())).sin_cos();
+        let e = TAU * self.e + CIRCLE_UNITS * self.unit;
+        [c, s].map(|v| Near { v, e, unit: self.unit })
     }
 
     fn is_zero(self) -> bool {

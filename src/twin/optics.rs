@@ -5,20 +5,12 @@ use super::raster::Visibility;
 use super::{Input, Real};
 use crate::camera::Camera;
 use crate::engine::passes::passes;
+use crate::engine::surface::SurfaceRows;
 use crate::engine::tables;
-use crate::gpu::rows::{Cell, Corner, NONE, Node, Optic, Quadric, Way};
-use crate::optics::Surface;
+use crate::gpu::rows::{Cell, NONE, Node, Optic, Way};
 use crate::plan::Plan;
 use crate::plan::curves::RayTable;
 use crate::scene::Scene;
-
-/// The rows of the surface.
-#[derive(Debug, Clone, Copy)]
-pub enum SurfaceRows<'a> {
-    /// Three a facet.
-    Corners(&'a [Corner]),
-    Quadrics(&'a [Quadric]),
-}
 
 /// What kernels of one pass read beside the rest.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +20,7 @@ pub struct OpticsInput<'a> {
     pub next: Option<Optic>,
     /// One a pixel of the band.
     pub ways: &'a [Way],
-    pub surface: SurfaceRows<'a>,
+    pub surface: &'a SurfaceRows,
 }
 
 /// What lies behind a pixel's ray.
@@ -47,7 +39,7 @@ impl OpticsInput<'_> {
     pub fn camera_of(&self, surface: u32) -> u32 {
         match self.surface {
             SurfaceRows::Corners(corners) => corners[3 * surface as usize].camera,
-            SurfaceRows::Quadrics(_) => surface,
+            SurfaceRows::Quadrics(_) | SurfaceRows::Torus(_) | SurfaceRows::Wave(_) => surface,
         }
     }
 
@@ -89,8 +81,8 @@ impl Input<'_> {
     }
 
     /// The ray ends on a surface that is no triangle.
-    pub fn ends_on_quadric(&self, id: u32) -> bool {
-        self.base(id).is_some() && self.optics.is_some_and(|o| matches!(o.surface, SurfaceRows::Quadrics(_)))
+    pub fn ends_on_smooth(&self, id: u32) -> bool {
+        self.base(id).is_some() && self.optics.is_some_and(|o| o.surface.is_smooth())
     }
 
     pub fn behind(&self, pixel: u32) -> Behind {
@@ -107,8 +99,7 @@ pub struct Optics {
     pub depth: u32,
     /// By how many turns lie behind the rays.
     passes: Vec<Optic>,
-    corners: Vec<Corner>,
-    quadrics: Vec<Quadric>,
+    surface: SurfaceRows,
     /// Ways of rays that were not turned.
     untouched: Vec<Way>,
 }
@@ -129,10 +120,6 @@ impl Optics {
         let optics = &crate::optics::Optics { atlas: None, ..camera.optics.as_deref()?.clone() };
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0);
         let nothing = Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
-        let (corners, quadrics) = match &optics.surface {
-            Surface::Facets { facets, .. } => (tables::corners(facets, plan.anchor), Vec::new()),
-            Surface::Quadrics(list) => (Vec::new(), tables::quadrics(list, plan.anchor)),
-        };
         Some(Optics {
             depth: optics.depth,
             passes: passes(Some(optics))
@@ -140,21 +127,16 @@ impl Optics {
                 .filter(|p| p.is_main)
                 .map(|p| tables::optic(scene, camera, optics, plan, p))
                 .collect(),
-            corners,
-            quadrics,
+            surface: SurfaceRows::new(&optics.surface, plan.anchor),
             untouched: vec![nothing; (rows * camera.width) as usize],
         })
     }
 
     /// Before any turn, or after one.
     pub fn input<'a>(&'a self, turn: Option<&'a Turn>) -> OpticsInput<'a> {
-        let surface = match self.quadrics.as_slice() {
-            [] => SurfaceRows::Corners(&self.corners),
-            list => SurfaceRows::Quadrics(list),
-        };
         let (turns, ways) = turn.map_or((0, &self.untouched), |t| (t.turns, &t.ways));
         let next = self.passes.get(turns as usize + 1).copied();
-        OpticsInput { optic: self.passes[turns as usize], next, ways, surface }
+        OpticsInput { optic: self.passes[turns as usize], next, ways, surface: &self.surface }
     }
 }
 

@@ -1,17 +1,10 @@
-//! Where rays meet quadrics and how they are turned there, with bounds on what a kernel may find.
+//! Where rays meet quadrics, with bounds on what a kernel may find.
 
 use super::Real;
 use super::near::{Judged, Near, Near3};
-use super::turn::{Bent, NearRay, Turned, bent};
-use crate::gpu::rows::{Optic, Params, Quadric};
-
-/// Where a ray first meets a quadric.
-#[derive(Debug, Clone, Copy)]
-pub struct Root {
-    pub t: Option<Near>,
-    /// Another correct evaluation finds none, or finds one, where this one does not; or another root.
-    pub doubtful: bool,
-}
+use super::smooth::Root;
+use super::turn::NearRay;
+use crate::gpu::rows::Quadric;
 
 /// Rounding of a place's height along the axis, in units of what is summed up to get the place: that much a cap counts
 /// beyond its heights.
@@ -66,10 +59,9 @@ impl Terms {
 }
 
 /// Where the ray first meets the quadric at a t in range; of a ray that starts on it, the other place.
-pub fn first_root(q: &Quadric, ray: &NearRay, starts: bool, params: &Params, real: Real) -> Root {
+pub fn first_root(q: &Quadric, ray: &NearRay, starts: bool, [t_min, t_max]: [Near; 2], real: Real) -> Root {
     let terms = Terms::new(q, real);
     let zero = Near::exact(0.0, real);
-    let end = |t: [f32; 4]| t.iter().fold(zero, |sum, part| sum + Near::exact(f64::from(*part), real));
     let v = ray.p - terms.centre;
     let n = terms.normal(v);
     let a = ray.d.dot(terms.times(ray.d));
@@ -81,7 +73,6 @@ pub fn first_root(q: &Quadric, ray: &NearRay, starts: bool, params: &Params, rea
     let far = if b.v < 0.0 { root - b } else { -root - b };
     let list = if starts { vec![-(b + b) / a] } else { vec![far / a, c / far] };
     let real_roots = if starts { Judged { yes: true, sure: true } } else { zero.at_most(square) };
-    let (t_min, t_max) = (end(params.t_min), end(params.t_max));
     let judge = |t: Near| {
         let in_range = t_min.at_most(t).and(t.at_most(t_max));
         let lost = Near::exact(HEIGHT_UNITS * real.unit() * (v.size() + t.v.abs() * ray.d.size()), real);
@@ -103,13 +94,8 @@ fn first(roots: Vec<(Near, Judged)>) -> Root {
     Root { t, doubtful }
 }
 
-/// The turn of a ray at the quadric that it meets.
-pub fn at_quadric(optic: &Optic, q: &Quadric, ray: &NearRay, starts: bool, params: &Params, real: Real) -> Turned {
-    let root = first_root(q, ray, starts, params, real);
-    let t = root.t.filter(|_| !root.doubtful).unwrap_or(Near::exact(0.0, real).lost());
+/// At `place`, of any length; points out.
+pub fn normal(q: &Quadric, place: Near3, real: Real) -> Near3 {
     let terms = Terms::new(q, real);
-    let place = ray.p + ray.d * t;
-    let normal = terms.normal(place - terms.centre);
-    let Bent { d, share } = bent(optic, ray.d.unit(), normal, normal, real);
-    Turned { place, d, share }
+    terms.normal(place - terms.centre)
 }

@@ -73,8 +73,8 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
     if input.goes_on(id) {
         return Pixel::Untouched;
     }
-    if input.ends_on_quadric(id) {
-        return if p.id_first == 0 { end_on_quadric(input, &behind, (id, t), (x, y)) } else { Pixel::Untouched };
+    if input.ends_on_smooth(id) {
+        return if p.id_first == 0 { end_on_smooth(input, &behind, (id, t), (x, y)) } else { Pixel::Untouched };
     }
     let here = id.wrapping_sub(p.id_first) < p.id_count;
     let (true, Some(cell)) = (here, input.pixel_cell(layer, x, y)) else { return Pixel::Untouched };
@@ -114,7 +114,7 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
 }
 
 /// A ray that ends on a surface without triangles.
-fn end_on_quadric(input: &Input, behind: &Behind, (id, t): (u32, f64), (x, y): (u32, u32)) -> Pixel {
+fn end_on_smooth(input: &Input, behind: &Behind, (id, t): (u32, f64), (x, y): (u32, u32)) -> Pixel {
     let Some(ray) = input.near_ray(x, y, Real::F64) else { return Pixel::Untouched };
     let (mirror, piece) = behind.first.unwrap_or((NO_ID, 0));
     let z = f64::from(behind.length) + t * ray.d.value().length();

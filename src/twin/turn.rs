@@ -1,5 +1,5 @@
-//! What a surface makes of a ray, with bounds on what a kernel may make of it: facets here, quadrics in
-//! [`super::quadric`].
+//! What a surface makes of a ray, with bounds on what a kernel may make of it: facets here, smooth surfaces in
+//! [`super::smooth`].
 
 use super::near::{Judged, Near, Near3};
 use super::{Input, Real};

@@ -15,7 +15,6 @@ use anamorph::gpu::device::{Abilities, NO_ADAPTER};
 use anamorph::gpu::kernels::{OpticsKind, Variant};
 use anamorph::gpu::rows::COUNTERS;
 use anamorph::gpu::{Gpu, GpuOptions};
-use anamorph::optics::Surface;
 use anamorph::plan::Wanted;
 use anamorph::plan::sheets::{self, Sheets};
 use anamorph::scene::Scene;
@@ -24,7 +23,6 @@ use anamorph::scene::file::CameraKind;
 use anamorph::scene::generate::{icosphere, plane, teapot};
 use anamorph::scene::mesh::{Material, Mesh};
 use anamorph::stage::Stages;
-use anamorph::twin::optics::SurfaceRows;
 use anamorph::twin::{Input, ROOMY, Real, Tables};
 use glam::{DMat2, DVec2, DVec3};
 
@@ -77,10 +75,7 @@ impl Case {
     pub fn variant(&self, real: Real, atomics64: bool) -> Variant {
         let sheets = Sheets::of(&self.camera);
         let (rays, sheeted) = (sheets::kind(&self.camera), sheets.count() > 1);
-        let optics = self.camera.optics.as_ref().map(|o| match o.surface {
-            Surface::Facets { .. } => OpticsKind::Facets,
-            Surface::Quadrics(_) => OpticsKind::Quadrics,
-        });
+        let optics = self.camera.optics.as_deref().map(OpticsKind::of);
         Variant { f64: real == Real::F64, atomics64, rays, sheeted, counting: true, optics, turned: false }
     }
 }
@@ -322,10 +317,7 @@ pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
     if let Some(optics) = &input.optics {
         b.upload_uniform(gpu, "optic", &optics.optic).unwrap();
         b.upload(gpu, "ways", optics.ways).unwrap();
-        match optics.surface {
-            SurfaceRows::Corners(rows) => b.upload(gpu, "corners", rows).unwrap(),
-            SurfaceRows::Quadrics(rows) => b.upload(gpu, "quadrics", rows).unwrap(),
-        }
+        optics.surface.upload(gpu, &mut b).unwrap();
     }
     b
 }

@@ -46,6 +46,20 @@ const WAVE: &str =
 const WATER: &str = r#"shape = "quadric", axis = [0, -1, 0], curvature = 0, radius = 60"#;
 const FAR_BALL: &str = r#"shape = "sphere", center = [10000, 0, 0], radius = 1"#;
 
+const WIRE: &str = r#"shape = "torus", axis = [0.3, 1, 0.5], radius = 1.1, tube = 0.02"#;
+const HORN: &str = r#"shape = "torus", axis = [0.3, 1, 0.5], radius = 0.6, tube = 0.599"#;
+const SPINDLE: &str = r#"shape = "torus", axis = [0.3, 1, 0.5], radius = 0.5, tube = 0.8"#;
+const FAR_RING: &str = r#"shape = "torus", center = [10000, 0, 0], axis = [0, 1, 0.5], radius = 0.9, tube = 0.4"#;
+const CHOP: &str = r#"shape = "wave", center = [0, -0.9, 1], size = 5, amplitude = 0.3, wavelength = 0.9"#;
+const WAVELET: &str = r#"shape = "wave", center = [10000, -0.5, 0], size = 3, amplitude = 0.1, wavelength = 0.7"#;
+/// An eye in the middle of a ring, and one just over the water.
+const WITHIN: &str = r#"{ kind = "fisheye", eye = [0.02, 0.1, 0.05], target = [0, 0.3, 5], fov = 170 }"#;
+const LOW: &str = r#"{ kind = "pinhole", eye = [0.1, -0.5, 3.4], target = [0, -0.62, 0], vfov = 30 }"#;
+/// By the wire.
+const BY: &str = r#"{ kind = "pinhole", eye = [1.3, -0.2, 0.4], target = [1.054, -0.316, 0], vfov = 42 }"#;
+/// The same ring from where rays start so far away that f32 knows them to a thousandth of it.
+const DISTANT: &str = r#"{ kind = "pinhole", eye = [3000, 5500, 7000], target = [0, 0, 0], vfov = 0.02 }"#;
+
 /// The scene and the camera of these keys.
 pub fn case(name: &str, size: (u32, u32), camera: &str) -> Case {
     let (w, h) = size;
@@ -92,7 +106,32 @@ pub fn cases() -> Vec<Case> {
         lens(PINHOLE, SPHERE, "exact", 2),
         lens(INSIDE, SPHERE, "exact", 2),
         lens(UNDER, WATER, "exact", 1),
+        mirror(PINHOLE, TORUS, "exact", 3),
+        mirror(WITHIN, TORUS, "exact", 2),
+        lens(PINHOLE, TORUS, "exact", 3),
+        mirror(PINHOLE, WAVE, "exact", 2),
+        mirror(LOW, CHOP, "exact", 3),
+        lens(FISHEYE, WAVE, "exact", 1),
         cut,
+    ]
+}
+
+/// Rays that f64 alone knows well enough: by thin things, things that touch themselves, and things far away from the scene
+/// or from where rays start.
+pub fn delicate() -> Vec<Case> {
+    let turned = |eye: &str, what: &str| {
+        case(&format!("{what}, from {eye}"), (61, 43), &format!("eye = {eye}\ndepth = 3\n{what}"))
+    };
+    let mirror = |eye: &str, shape: &str| turned(eye, &format!("kind = \"reflection\"\nmirror = {{ {shape} }}"));
+    let lens =
+        |eye: &str, shape: &str| turned(eye, &format!("kind = \"refraction\"\nior = 1.45\nlens = {{ {shape} }}"));
+    vec![
+        mirror(BY, WIRE),
+        mirror(PINHOLE, HORN),
+        lens(PINHOLE, SPINDLE),
+        mirror(DISTANT, TORUS),
+        mirror(FAR, FAR_RING),
+        mirror(FAR, WAVELET),
     ]
 }
 

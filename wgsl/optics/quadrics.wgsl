@@ -1,4 +1,4 @@
-// Turns at quadrics.
+// Where rays meet quadrics.
 
 fn quadric_times(q: Quadric, v: real3) -> real3 {
     let a = real3(q.diagonal_hi) + real3(q.diagonal_lo);
@@ -28,13 +28,9 @@ fn quadric_holds(q: Quadric, v: real3, lost: real) -> bool {
         && dot(away, away) <= real(q.rim2_hi) + real(q.rim2_lo);
 }
 
-struct Root {
-    t: real,
-    found: bool,
-}
-
 // Where the ray p + t d first meets the quadric, t in [t_min, t_max]; of a ray that starts on it, the other place.
-fn first_root(q: Quadric, p: real3, d: real3, starts: bool, t_min: real, t_max: real) -> Root {
+fn first_root(surface: u32, p: real3, d: real3, starts: bool, t_min: real, t_max: real) -> Root {
+    let q = quadrics[surface];
     let v = p - real3(q.centre_hi) - real3(q.centre_lo);
     let ad = quadric_times(q, d);
     let n = quadric_normal(q, v);
@@ -61,25 +57,7 @@ fn first_root(q: Quadric, p: real3, d: real3, starts: bool, t_min: real, t_max: 
     return found;
 }
 
-fn t_min_real() -> real {
-    return real(params.t_min.x) + real(params.t_min.y) + real(params.t_min.z);
-}
-
-fn t_max_real() -> real {
-    return real(params.t_max.x) + real(params.t_max.y) + real(params.t_max.z);
-}
-
-// A quadric is its own piece.
-fn camera_of(surface: u32) -> u32 {
-    return surface;
-}
-
-// The turn of the ray p + t d at the quadric that it meets; `last` is the id of the surface that it starts on.
-fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
+fn smooth_normal(surface: u32, place: real3) -> real3 {
     let q = quadrics[surface];
-    let root = first_root(q, p, d, last == optic.first_id + surface, t_min_real(), t_max_real());
-    let place = p + root.t * d;
-    let normal = quadric_normal(q, place - real3(q.centre_hi) - real3(q.centre_lo));
-    let after = bent(d / norm(d), normal, normal);
-    return Turned(place, after.d, after.share);
+    return quadric_normal(q, place - real3(q.centre_hi) - real3(q.centre_lo));
 }

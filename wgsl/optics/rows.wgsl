@@ -6,7 +6,7 @@ const LAW_FLAT: u32 = 1u;      // the corners' turned rays are interpolated
 // The optics, and after how many turns the rays of a pass are.
 struct Optic {
     eye_hi: vec3<f32>,      // what flat facets are seen from, relative to the anchor
-    first_id: u32,          // of the surfaces: facets are triangles, quadrics have ids behind all of these
+    first_id: u32,          // of the surfaces: facets are triangles, smooth surfaces have ids behind all of these
     eye_lo: vec3<f32>,
     count: u32,             // surfaces
     tint: vec3<f32>,        // what a turn leaves of the light
@@ -86,4 +86,30 @@ struct Quadric {
     pad0: f32,
     axis_lo: vec3<f32>,
     pad1: f32,
+}
+
+// (|q|^2 + ring^2 - (1 - ring)^2)^2 = 4 ring^2 r^2 for q from the centre in units of the size, r from the axis: the radius
+// of the torus over its size, which is that of the ball around it. Each value a sum hi + lo.
+struct Torus {
+    centre_hi: vec3<f32>,
+    size_hi: f32,
+    centre_lo: vec3<f32>,
+    size_lo: f32,
+    axis_hi: vec3<f32>,
+    ring_hi: f32,
+    axis_lo: vec3<f32>,
+    ring_lo: f32,
+}
+
+// y = amplitude sin(2 pi frequency x) sin(2 pi frequency z) from the centre, for x and z up to `half`. Each value a sum
+// hi + lo.
+struct Wave {
+    centre_hi: vec3<f32>,
+    half_hi: f32,
+    centre_lo: vec3<f32>,
+    half_lo: f32,
+    amplitude_hi: f32,
+    amplitude_lo: f32,
+    frequency_hi: f32,
+    frequency_lo: f32,
 }

@@ -8,8 +8,8 @@ fn goes_on(id: u32) -> bool {
     return id >= optic.first_id && optic.ends == 0u;
 }
 
-fn ends_on_quadric(id: u32) -> bool {
-    return QUADRICS && id >= optic.first_id;
+fn ends_on_smooth(id: u32) -> bool {
+    return SMOOTH && id >= optic.first_id;
 }
 
 fn colour_of(id: u32, lit: vec3<f32>) -> vec3<f32> {
@@ -42,4 +42,4 @@ fn first_piece(pixel: u32) -> u32 {
     return optic.piece_first + ways[pixel].camera;
 }
 
-override QUADRICS: bool = false;
+override SMOOTH: bool = false;

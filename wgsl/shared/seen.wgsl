@@ -11,7 +11,7 @@ fn goes_on(id: u32) -> bool {
 }
 
 // The ray ends on a surface that is no triangle.
-fn ends_on_quadric(id: u32) -> bool {
+fn ends_on_smooth(id: u32) -> bool {
     return false;
 }
 

@@ -125,7 +125,7 @@ fn read_optical(table: &Table, surface: &Field, turn: Turn) -> Result<Arc<dyn Re
     let cameras = own.optional("cameras", |f| f.integer(4, COUNT_MAX))?.map(|n| n as usize);
     let facets = match table.get("facets") {
         Some(key) => read_mode(&key, &source)?,
-        None if source.is_exact() && cameras.is_none() => Mode::Exact,
+        None if matches!(source, Source::Shape(..)) && cameras.is_none() => Mode::Exact,
         None => Mode::Normals,
     };
     let depth = table.or("depth", 1, |f| f.integer(1, DEPTH_MAX))? as u32;
@@ -184,17 +184,13 @@ fn read_mode(key: &Field, source: &Source) -> Result<Mode> {
     match key.text()? {
         "flat" => Ok(Mode::Flat),
         "normals" => Ok(Mode::Normals),
-        "exact" if source.is_exact() => Ok(Mode::Exact),
-        "exact" => Err(key.error("this surface is no quadric; use \"normals\", or the shape sphere, quadric or lens")),
+        "exact" if matches!(source, Source::Shape(..)) => Ok(Mode::Exact),
+        "exact" => Err(key.error("a mesh is flat triangles; use \"normals\", or a shape, which is smooth")),
         _ => Err(key.error("use \"flat\", \"normals\" or \"exact\"")),
     }
 }
 
 impl Source {
-    fn is_exact(&self) -> bool {
-        matches!(self, Source::Shape(shape, _) if shape.quadrics().is_some())
-    }
-
     /// The surface cut into facets, about `count` where that is given.
     fn facets(&self, count: Option<usize>) -> Result<Facets> {
         match self {
@@ -218,9 +214,9 @@ impl Recipe for Optical {
         let central = || centre(&eye);
         let (surface, note) = match (self.facets, &self.source) {
             (Mode::Exact, Source::Shape(shape, _)) => {
-                let quadrics = shape.quadrics().unwrap_or_default();
-                let n = quadrics.len();
-                (Surface::Quadrics(quadrics), format!("the surface is met exactly: {n} quadric{}", plural(n)))
+                let smooth = shape.smooth();
+                let note = format!("the surface is met exactly: {}", smooth.name());
+                (Surface::Smooth(smooth), note)
             }
             (mode, _) => {
                 let law = if mode == Mode::Flat { Law::Flat { eye: central()? } } else { Law::Normals };
@@ -254,18 +250,11 @@ impl Optical {
         let at = |e: Error| e.at("camera");
         let Some(most) = self.facets_error else { return Ok((self.source.facets(None).map_err(at)?, None)) };
         let once = |surface| Optics { depth: 1, ..self.optics.with(surface, None) };
-        let quadrics = match &self.source {
-            Source::Shape(shape, _) => shape.quadrics(),
-            Source::Mesh(..) => None,
-        };
-        let truth = match (quadrics, &self.source) {
-            (Some(quadrics), _) => Surface::Quadrics(quadrics),
-            // a mesh is what it is; other shapes as fine as they come
-            (None, Source::Mesh(spec, _)) => {
+        let truth = match &self.source {
+            Source::Shape(shape, _) => Surface::Smooth(shape.smooth()),
+            // a mesh is what it is
+            Source::Mesh(spec, _) => {
                 Surface::Facets { facets: Facets::of_mesh(&load_mesh(spec)?).map_err(at)?, law: Law::Normals }
-            }
-            (None, source) => {
-                Surface::Facets { facets: source.facets(Some(COUNT_MAX as usize)).map_err(at)?, law: Law::Normals }
             }
         };
         let truth = once(truth);

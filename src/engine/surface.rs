@@ -1,0 +1,108 @@
+//! Rows of the surfaces of mirrors and lenses, as `bounce` and `meet` read them.
+
+use super::tables::split_vector;
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::gpu::buffers::Buffers;
+use crate::gpu::rows::{self, split2};
+use crate::optics::{Facets, Quadric, Smooth, Surface, Torus, Wave};
+use glam::DVec3;
+
+/// A surface about the anchor, each number a pair.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SurfaceRows {
+    /// Three a facet.
+    Corners(Vec<rows::Corner>),
+    Quadrics(Vec<rows::Quadric>),
+    Torus(rows::Torus),
+    Wave(rows::Wave),
+}
+
+impl SurfaceRows {
+    pub fn new(surface: &Surface, anchor: DVec3) -> SurfaceRows {
+        match surface {
+            Surface::Facets { facets, .. } => SurfaceRows::Corners(corners(facets, anchor)),
+            Surface::Smooth(Smooth::Quadrics(list)) => {
+                SurfaceRows::Quadrics(list.iter().map(|q| quadric(q, anchor)).collect())
+            }
+            Surface::Smooth(Smooth::Torus(t)) => SurfaceRows::Torus(torus(t, anchor)),
+            Surface::Smooth(Smooth::Wave(w)) => SurfaceRows::Wave(wave(w, anchor)),
+        }
+    }
+
+    /// No triangles of the scene.
+    pub fn is_smooth(&self) -> bool {
+        !matches!(self, SurfaceRows::Corners(_))
+    }
+
+    /// `corners`, 64 bytes each; `quadrics`, 160 bytes each; `tori`, 64 bytes; or `waves`, 48 bytes.
+    pub fn upload(&self, gpu: &Gpu, buffers: &mut Buffers) -> Result<()> {
+        match self {
+            SurfaceRows::Corners(list) => buffers.upload(gpu, "corners", list),
+            SurfaceRows::Quadrics(list) => buffers.upload(gpu, "quadrics", list),
+            SurfaceRows::Torus(row) => buffers.upload(gpu, "tori", &[*row]),
+            SurfaceRows::Wave(row) => buffers.upload(gpu, "waves", &[*row]),
+        }
+    }
+}
+
+/// Three corners a facet.
+fn corners(facets: &Facets, anchor: DVec3) -> Vec<rows::Corner> {
+    let corner = |camera: u32, [u, v]: [f64; 2], (p, n): (DVec3, DVec3)| {
+        let ([p_hi, p_lo], [n_hi, n_lo]) = (split_vector(p - anchor), split_vector(n));
+        rows::Corner { p_hi, camera, p_lo, camera_u: u as f32, n_hi, camera_v: v as f32, n_lo, pad0: 0.0 }
+    };
+    let facet = |k: usize| {
+        let facet = facets.facet(k);
+        let (camera, places) = (facets.camera_of(k), facets.camera_places(k));
+        [0, 1, 2].map(|c| corner(camera, places[c], (facet.corners[c], facet.normals[c])))
+    };
+    (0..facets.triangles.len()).flat_map(facet).collect()
+}
+
+fn quadric(q: &Quadric, anchor: DVec3) -> rows::Quadric {
+    // without an end: the largest finite number
+    let number = |v: f64| split2(v.clamp(-f32::MAX as f64, f32::MAX as f64));
+    let a = q.a;
+    let [centre_hi, centre_lo] = split_vector(q.centre - anchor);
+    let [diagonal_hi, diagonal_lo] = split_vector(DVec3::new(a.x_axis.x, a.y_axis.y, a.z_axis.z));
+    let [beside_hi, beside_lo] = split_vector(DVec3::new(a.y_axis.z, a.x_axis.z, a.x_axis.y));
+    let ([b_hi, b_lo], [axis_hi, axis_lo]) = (split_vector(q.b), split_vector(q.axis));
+    let ([c_hi, c_lo], [rim2_hi, rim2_lo]) = (number(q.c), number(q.rim * q.rim));
+    let ([low_hi, low_lo], [high_hi, high_lo]) = (number(q.heights[0]), number(q.heights[1]));
+    rows::Quadric {
+        centre_hi,
+        c_hi,
+        centre_lo,
+        c_lo,
+        diagonal_hi,
+        low_hi,
+        diagonal_lo,
+        low_lo,
+        beside_hi,
+        high_hi,
+        beside_lo,
+        high_lo,
+        b_hi,
+        rim2_hi,
+        b_lo,
+        rim2_lo,
+        axis_hi,
+        pad0: 0.0,
+        axis_lo,
+        pad1: 0.0,
+    }
+}
+
+fn torus(torus: &Torus, anchor: DVec3) -> rows::Torus {
+    let ([centre_hi, centre_lo], [axis_hi, axis_lo]) = (split_vector(torus.centre - anchor), split_vector(torus.axis));
+    let ([size_hi, size_lo], [ring_hi, ring_lo]) = (split2(torus.size()), split2(torus.radius / torus.size()));
+    rows::Torus { centre_hi, size_hi, centre_lo, size_lo, axis_hi, ring_hi, axis_lo, ring_lo }
+}
+
+fn wave(wave: &Wave, anchor: DVec3) -> rows::Wave {
+    let ([centre_hi, centre_lo], [half_hi, half_lo]) = (split_vector(wave.centre - anchor), split2(wave.size / 2.0));
+    let [amplitude_hi, amplitude_lo] = split2(wave.amplitude);
+    let [frequency_hi, frequency_lo] = split2(1.0 / wave.wavelength);
+    rows::Wave { centre_hi, half_hi, centre_lo, half_lo, amplitude_hi, amplitude_lo, frequency_hi, frequency_lo }
+}

@@ -1,0 +1,152 @@
+//! The kernels of cameras with a mirror or a lens.
+
+use super::*;
+use crate::optics::{Optics, Smooth, Surface};
+
+/// What the surface of a camera's optics is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OpticsKind {
+    Facets,
+    /// Facets that are looked up in an atlas.
+    Atlas,
+    Quadrics,
+    Torus,
+    Wave,
+}
+
+const TURN: &str = snippet!("optics/turn.wgsl");
+
+impl OpticsKind {
+    pub const ALL: [OpticsKind; 5] =
+        [OpticsKind::Facets, OpticsKind::Atlas, OpticsKind::Quadrics, OpticsKind::Torus, OpticsKind::Wave];
+
+    pub fn of(optics: &Optics) -> OpticsKind {
+        match &optics.surface {
+            Surface::Facets { .. } if optics.atlas.is_some() => OpticsKind::Atlas,
+            Surface::Facets { .. } => OpticsKind::Facets,
+            Surface::Smooth(Smooth::Quadrics(_)) => OpticsKind::Quadrics,
+            Surface::Smooth(Smooth::Torus(_)) => OpticsKind::Torus,
+            Surface::Smooth(Smooth::Wave(_)) => OpticsKind::Wave,
+        }
+    }
+
+    /// The surface is no triangles, and met by `meet`.
+    pub fn is_smooth(self) -> bool {
+        matches!(self, OpticsKind::Quadrics | OpticsKind::Torus | OpticsKind::Wave)
+    }
+}
+
+impl Variant {
+    /// There are passes after the eye's.
+    pub fn turns_rays(self) -> bool {
+        self.optics.is_some_and(|o| o != OpticsKind::Atlas)
+    }
+
+    /// The rays of the pass after this one's.
+    pub fn after_turn(self) -> Variant {
+        Variant { rays: RaysKind::Field, sheeted: false, turned: true, ..self }
+    }
+
+    /// A smooth surface is to be met.
+    pub fn meets(self) -> bool {
+        self.optics.is_some_and(OpticsKind::is_smooth)
+    }
+
+    /// Which triangles rays do not meet because they start there.
+    pub(super) fn start(self) -> &'static [&'static str] {
+        if self.turned { &[OPTICS_ROWS, snippet!("optics/start.wgsl")] } else { &[snippet!("shared/any_start.wgsl")] }
+    }
+
+    /// What a pixel shows, and what lies behind its ray.
+    pub(super) fn seen(self) -> &'static [&'static str] {
+        if self.optics.is_some() {
+            &[OPTICS_ROWS, snippet!("optics/seen.wgsl")]
+        } else {
+            &[snippet!("shared/seen.wgsl")]
+        }
+    }
+
+    /// The surface of the optics: its rows, and how rays meet it and are turned there.
+    fn surface(self) -> (Binding, &'static [&'static str]) {
+        const SMOOTH: &str = snippet!("optics/smooth.wgsl");
+        const MARCH: &str = snippet!("optics/march.wgsl");
+        match self.optics {
+            Some(OpticsKind::Quadrics) => {
+                (read("quadrics", "array<Quadric>"), &[SMOOTH, snippet!("optics/quadrics.wgsl")])
+            }
+            Some(OpticsKind::Torus) => (read("tori", "array<Torus>"), &[SMOOTH, MARCH, snippet!("optics/torus.wgsl")]),
+            Some(OpticsKind::Wave) => {
+                const CIRCLE: &str = snippet!("optics/circle.wgsl");
+                (read("waves", "array<Wave>"), &[SMOOTH, MARCH, CIRCLE, snippet!("optics/wave.wgsl")])
+            }
+            _ => (read("corners", "array<Corner>"), &[snippet!("optics/facets.wgsl")]),
+        }
+    }
+}
+
+/// Smooth surfaces into the visibility buffer; triangles get there by `raster`.
+pub fn meet(variant: Variant) -> Kernel {
+    let visibility = if variant.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" };
+    let (surface, surface_snippets) = variant.surface();
+    let mut bindings = vec![params(), step(), optic(), ways(), surface, write("visibility", visibility)];
+    bindings.extend(variant.pixel_rays());
+    let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, variant.merge(), OPTICS_ROWS, TURN];
+    let own = [variant.camera(), snippet!("meet.wgsl")];
+    let mut kernel = kernel("meet", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
+    kernel.constants = variant.constants();
+    kernel
+}
+
+/// The rays that the optics' surface turns.
+pub fn bounce(variant: Variant) -> Kernel {
+    let (surface, surface_snippets) = variant.surface();
+    let mut bindings = vec![
+        params(),
+        optic(),
+        read("visibility", "array<u32>"),
+        ways(),
+        surface,
+        write("turned_hi", "array<f32>"),
+        write("turned_lo", "array<f32>"),
+        write("turned_ways", "array<Way>"),
+    ];
+    bindings.extend(variant.pixel_rays());
+    let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN];
+    let own = [variant.camera(), snippet!("bounce.wgsl")];
+    let mut kernel = kernel("bounce", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
+    kernel.constants = variant.constants();
+    kernel
+}
+
+/// What facets show, from their atlas.
+pub fn paste(variant: Variant, planes: &[Channel]) -> Kernel {
+    let (surface, surface_snippets) = variant.surface();
+    let mut bindings = vec![
+        params(),
+        optic(),
+        uniform("atlas_layout", "AtlasLayout"),
+        read("visibility", "array<u32>"),
+        surface,
+        read("atlas", "array<u32>"),
+        write("planes", "array<u32>"),
+    ];
+    bindings.extend(variant.pixel_rays());
+    let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN, SHADING];
+    let own = [variant.camera(), snippet!("paste.wgsl")];
+    let mut kernel = kernel("paste", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
+    kernel.constants = [variant.constants(), plane_constants(planes)].concat();
+    kernel
+}
+
+/// Bounds on the rays that were turned, node by node.
+pub fn fit(variant: Variant) -> Kernel {
+    let variant = variant.after_turn();
+    let mut bindings = vec![params(), step(), optic(), write("nodes", "array<Node>"), write("cells", "array<Cell>")];
+    bindings.extend(variant.rays());
+    // bounds are f32
+    let real = snippet!("shared/real_f32.wgsl");
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, BITS, real, BUNDLE, OPTICS_ROWS];
+    let mut kernel = kernel("fit", bindings, &[&snippets[..], &[variant.camera(), snippet!("fit.wgsl")]].concat());
+    kernel.constants = variant.constants();
+    kernel
+}

@@ -1,0 +1,62 @@
+//! Where rays meet smooth surfaces and how they are turned there, with bounds on what a kernel may find.
+
+use super::near::{Near, Near3};
+use super::turn::{Bent, NearRay, Turned, bent};
+use super::{Real, quadric, torus, wave};
+use crate::engine::surface::SurfaceRows;
+use crate::gpu::rows::{Optic, Params};
+
+/// Where a ray first meets a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Root {
+    pub t: Option<Near>,
+    /// Another correct evaluation finds none, or finds one, where this one does not; or another root.
+    pub doubtful: bool,
+}
+
+impl Root {
+    pub const NONE: Root = Root { t: None, doubtful: false };
+}
+
+/// One part of a smooth surface.
+#[derive(Clone, Copy)]
+pub struct Part<'a> {
+    pub rows: &'a SurfaceRows,
+    pub number: u32,
+}
+
+impl Part<'_> {
+    /// Where the ray first meets it at a t in range; of a ray that starts on it, another place.
+    pub fn first_root(&self, ray: &NearRay, starts: bool, params: &Params, real: Real) -> Root {
+        let zero = Near::exact(0.0, real);
+        let end = |t: [f32; 4]| t.iter().fold(zero, |sum, part| sum + Near::exact(f64::from(*part), real));
+        let range = [end(params.t_min), end(params.t_max)];
+        match self.rows {
+            SurfaceRows::Corners(_) => Root::NONE,
+            SurfaceRows::Quadrics(list) => quadric::first_root(&list[self.number as usize], ray, starts, range, real),
+            SurfaceRows::Torus(row) => torus::first_root(row, ray, starts, range, real),
+            SurfaceRows::Wave(row) => wave::first_root(row, ray, starts, range, real),
+        }
+    }
+
+    /// At `place`, of any length; points out.
+    fn normal(&self, place: Near3, real: Real) -> Near3 {
+        match self.rows {
+            // facets have a turn of their own
+            SurfaceRows::Corners(_) => place.lost(),
+            SurfaceRows::Quadrics(list) => quadric::normal(&list[self.number as usize], place, real),
+            SurfaceRows::Torus(row) => torus::normal(row, place, real),
+            SurfaceRows::Wave(row) => wave::normal(row, place, real),
+        }
+    }
+
+    /// The turn of a ray where it meets it.
+    pub fn turn(&self, optic: &Optic, ray: &NearRay, starts: bool, params: &Params, real: Real) -> Turned {
+        let root = self.first_root(ray, starts, params, real);
+        let t = root.t.filter(|_| !root.doubtful).unwrap_or(Near::exact(0.0, real).lost());
+        let place = ray.p + ray.d * t;
+        let normal = self.normal(place, real);
+        let Bent { d, share } = bent(optic, ray.d.unit(), normal, normal, real);
+        Turned { place, d, share }
+    }
+}

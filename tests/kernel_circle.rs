@@ -1,0 +1,114 @@
+//! circle.wgsl: cosines and sines by the adapter against the host's.
+
+mod common;
+#[path = "common/stages.rs"]
+mod stages;
+
+use anamorph::gpu::rows::split2;
+use anamorph::twin::Real;
+use anamorph::twin::near::CIRCLE_UNITS;
+use stages::{Bench, read, run};
+use std::f64::consts::TAU;
+
+/// Reads turns as pairs and writes cosine and sine, each as the exact sum of three f32.
+const PROBE: &str = "
+@group(0) @binding(0) var<storage, read> turns: array<vec2<f32>>;
+@group(0) @binding(1) var<storage, read_write> found: array<array<vec2<f32>, 3>>;
+
+@compute @workgroup_size(64)
+fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= arrayLength(&turns) {
+        return;
+    }
+    let at = circle(real(turns[id.x].x) + real(turns[id.x].y));
+    let hi = vec2<f32>(at);
+    let rest = at - vec2<real>(hi);
+    let mid = vec2<f32>(rest);
+    found[id.x] = array<vec2<f32>, 3>(hi, mid, vec2<f32>(rest - vec2<real>(mid)));
+}
+";
+
+/// Turns of all sizes up to a thousand, quarters and eighths among them and next to them.
+fn turns() -> Vec<[f32; 2]> {
+    let mut list = Vec::new();
+    for k in -4096..4096_i32 {
+        let quarter = f64::from(k) / 8.0;
+        let any = f64::from(k) * 0.123_456_789_012_345;
+        let small = any * (-f64::from(k.rem_euclid(41))).exp2();
+        list.extend([quarter, quarter * (1.0 + 1e-14), quarter + 1e-7, any, small].map(split2));
+    }
+    list
+}
+
+fn found(bench: &Bench, real: Real, turns: &[[f32; 2]]) -> Vec<[f64; 2]> {
+    let gpu = &bench.gpu;
+    let arithmetic = match real {
+        Real::F64 => include_str!("../wgsl/shared/real_f64.wgsl"),
+        Real::F32 => include_str!("../wgsl/shared/real_f32.wgsl"),
+    };
+    let source = [arithmetic, include_str!("../wgsl/optics/circle.wgsl"), PROBE].concat();
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("circle"),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("circle"),
+        layout: None,
+        module: &module,
+        entry_point: Some("probe"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let mut buffers = anamorph::gpu::buffers::Buffers::default();
+    buffers.upload(gpu, "turns", turns).unwrap();
+    buffers.upload(gpu, "found", &vec![[f32::NAN; 6]; turns.len()]).unwrap();
+    let entry = |binding, name| wgpu::BindGroupEntry {
+        binding,
+        resource: buffers.get(name).expect("a buffer of that name").as_entire_binding(),
+    };
+    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("circle"),
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[entry(0, "turns"), entry(1, "found")],
+    });
+    run(gpu, |pass| {
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(turns.len().div_ceil(64) as u32, 1, 1);
+        Ok(())
+    });
+    let number = |w: &[u32], k: usize| [4, 2, 0].map(|part| f64::from(f32::from_bits(w[k + part]))).iter().sum();
+    read(gpu, &buffers, "found").chunks_exact(6).map(|w| [number(w, 0), number(w, 1)]).collect()
+}
+
+#[test]
+fn cosines_and_sines_are_within_their_roundings() {
+    let Some(bench) = Bench::open() else { return };
+    let turns = turns();
+    let reals = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0);
+    for real in reals {
+        let mut most = 0.0_f64;
+        for (turn, [c, s]) in turns.iter().zip(found(&bench, real, &turns)) {
+            // f32 adds the pair up before
+            let turn = match real {
+                Real::F64 => f64::from(turn[0]) + f64::from(turn[1]),
+                Real::F32 => f64::from(turn[0] + turn[1]),
+            };
+            // whole turns go without a rounding
+            let (sine, cosine) = (TAU * (turn - turn.round())).sin_cos();
+            // parts may be flushed to 0, and the host has rounded its own 2 pi, product and result
+            let room = |v: f64| 2.0 * f64::from(f32::MIN_POSITIVE) + f64::EPSILON * v.abs();
+            let turned = TAU * (turn - turn.round());
+            let units = |off: f64, v: f64, slope: f64| {
+                (off - room(v) - f64::EPSILON * (turned * slope).abs()).max(0.0) / real.rounding()
+            };
+            let (off_c, off_s) = (units((c - cosine).abs(), cosine, sine), units((s - sine).abs(), sine, cosine));
+            most = most.max(off_c).max(off_s);
+            // a small sine is as near as it is small
+            let near = turn.abs() > 0.125 || off_s <= CIRCLE_UNITS * sine.abs();
+            assert!(near, "{real:?}: the sine of {turn} turns is {s}, not {sine}");
+        }
+        println!("{real:?}: {most:.2} roundings");
+        assert!(most <= CIRCLE_UNITS, "{real:?}: off by {most} roundings");
+    }
+}

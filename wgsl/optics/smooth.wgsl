@@ -1,0 +1,33 @@
+// Turns at surfaces that rays meet where they are. A snippet of each kind says where, `first_root`, and which way the surface
+// faces there, `smooth_normal`.
+
+struct Root {
+    t: real,
+    found: bool,
+}
+
+fn t_min_real() -> real {
+    return real(params.t_min.x) + real(params.t_min.y) + real(params.t_min.z);
+}
+
+fn t_max_real() -> real {
+    return real(params.t_max.x) + real(params.t_max.y) + real(params.t_max.z);
+}
+
+// Where the pixel's ray p + t d meets the surface; `last` is the id of the one that it starts on.
+fn meeting_with(surface: u32, p: real3, d: real3, last: u32) -> Root {
+    return first_root(surface, p, d, last == optic.first_id + surface, t_min_real(), t_max_real());
+}
+
+// A smooth surface is its own piece.
+fn camera_of(surface: u32) -> u32 {
+    return surface;
+}
+
+// The turn of the ray at the surface that it meets.
+fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
+    let place = p + meeting_with(surface, p, d, last).t * d;
+    let normal = smooth_normal(surface, place);
+    let after = bent(d / norm(d), normal, normal);
+    return Turned(place, after.d, after.share);
+}
