@@ -1,7 +1,7 @@
 //! What the papers measured, on stand-ins of the same counts: none of their scenes is public.
 
 use super::{cylinder_scene, scene};
-use crate::bench::case::{Arm, Case, Source, arms};
+use crate::bench::case::{Arm, Case, arms};
 use crate::bench::row::Paper;
 
 /// Machines of the papers.
@@ -23,15 +23,16 @@ fn paper(paper: &str, figure: &str, fps: impl Into<Option<f64>>, hardware: &str,
     }
 }
 
-/// Facets in an atlas of `texels` x `texels` / 2 each, by this engine and by rivals; and without one.
-fn atlas_arms(count: u32, texels: u32, rivals: &[&str]) -> Vec<Arm> {
-    let set = [format!("camera.mirror.count={count}"), format!("camera.atlas={texels}")];
+/// Facets by the key `count`, in an atlas of `texels` x `texels` / 2 each, by this engine and by rivals, whose facets are one GLC
+/// each; and without an atlas.
+fn atlas_arms((key, count): (&str, u32), texels: u32, rivals: &[&str]) -> Vec<Arm> {
+    let set = [format!("camera.{key}={count}"), format!("camera.atlas={texels}")];
     let direct = Arm::ours().set(&[&set[0]]);
     let painted = |arm: Arm| arm.set(&[&set[0], &set[1]]).knob("texels of an atlas", f64::from(texels));
     if count * texels * texels / 2 > TEXELS_MAX {
         return vec![direct];
     }
-    let rivals = rivals.iter().map(|name| Arm::rival(name));
+    let rivals = rivals.iter().map(|name| Arm::rival(name).set(&["camera.facets=\"flat\""]));
     [direct].into_iter().chain([Arm::ours()].into_iter().chain(rivals).map(painted)).collect()
 }
 
@@ -65,17 +66,19 @@ fn yu() -> Vec<Case> {
             Some(32.0),
             "the teapot; the number of GLCs is not given",
         )),
-        Case::of("Yu 8", "mirror-ball", atlas_arms(960, 256, &[])).truth(&["camera.facets=\"exact\""]).paper(of(
-            "8",
-            Some(10.0),
-            "1,100 triangles; 31 million texels are too many here, so without an atlas",
-        )),
+        Case::of("Yu 8", "mirror-ball", atlas_arms(("mirror.count", 960), 256, &[]))
+            .truth(&["camera.facets=\"exact\""])
+            .paper(of("8", Some(10.0), "1,100 triangles; 31 million texels are too many here, so without an atlas")),
         Case::of("Yu 9", "hinge", arms(&glc)).paper(of("9", None, "a generated cow")),
     ];
     let ball = |name: String, count, texels, fps| {
-        Case::of(name, "mirror-ball", atlas_arms(count, texels, &["raster-splat:6", "raster-splat-passes:6"]))
-            .truth(&["camera.facets=\"exact\""])
-            .paper(of("10 (a)", Some(fps), "1,100 triangles"))
+        Case::of(
+            name,
+            "mirror-ball",
+            atlas_arms(("mirror.count", count), texels, &["raster-splat:6", "raster-splat-passes:6"]),
+        )
+        .truth(&["camera.facets=\"exact\""])
+        .paper(of("10 (a)", Some(fps), "1,100 triangles"))
     };
     let a =
         [(126, 128, 87.1), (126, 512, 43.1), (360, 128, 27.8), (360, 512, 16.7), (640, 128, 16.6), (640, 512, 10.4)];
@@ -85,7 +88,7 @@ fn yu() -> Vec<Case> {
     let b = [(550, 6, 28.4), (550, 10, 14.4), (1100, 6, 22.4), (1100, 10, 10.8), (2200, 6, 9.5), (2200, 10, 6.9)];
     cases.extend(b.map(|(n, k, fps)| {
         let by = [&*format!("raster-splat:{k}"), &*format!("raster-splat-passes:{k}")].map(str::to_owned);
-        let arms = atlas_arms(480, 128, &[&by[0], &by[1]]);
+        let arms = atlas_arms(("mirror.count", 480), 128, &[&by[0], &by[1]]);
         let stand_in = "a generated town; GLCs of 128 texels a side for 256";
         Case::new(format!("Yu 10 (b): {n} triangles, S of {k} x {k}"), scene!("mirror"), arms)
             .set(&[&format!("mesh.0.triangles={n}")])
@@ -100,17 +103,21 @@ fn hou() -> Vec<Case> {
     let of = |figure: &str, fps: Option<f64>, stand_in: &str| paper("Hou et al. 2006", figure, fps, GT_7800, stand_in);
     let bound = ["raster-bound", "raster-bound-passes", "raytrace"];
     let ring = |count: u32, texels: u32, fps: f64| {
-        Case::of(format!("Hou table 1: reflection, {count} cameras"), "mirror-ring", atlas_arms(count, texels, &bound))
-            .set(&["camera.depth=1"])
-            .paper(of("table 1, figures 1 and 6", Some(fps), "a torus in a scene of 108 triangles"))
+        Case::of(
+            format!("Hou table 1: reflection, {count} cameras"),
+            "mirror-ring",
+            atlas_arms(("mirror.count", count), texels, &bound),
+        )
+        .set(&["camera.depth=1"])
+        .truth(&["camera.facets=\"exact\""])
+        .paper(of("table 1, figures 1 and 6", Some(fps), "a torus in a scene of 108 triangles"))
     };
-    let lens = |arm: Arm| arm.set(&["camera.atlas=128"]).knob("texels of an atlas", 128.0);
-    let water = [Arm::ours()].into_iter().chain(arms(&bound).into_iter().map(lens)).collect();
+    let water = atlas_arms(("lens.count", 12), 128, &bound);
     let mut cases = vec![
         ring(26, 128, 51.0),
         ring(104, 64, 63.0),
         ring(416, 32, 5.0),
-        Case::of("Hou table 1: refraction", "water", water).paper(of(
+        Case::of("Hou table 1: refraction", "water", water).truth(&["camera.facets=\"exact\""]).paper(of(
             "table 1, figure 9",
             Some(46.0),
             "252 triangles and 12 cameras",
@@ -127,27 +134,23 @@ fn hou() -> Vec<Case> {
         )),
     ];
     let rows = [
-        (800, 100, 20.1),
-        (1200, 100, 14.6),
-        (1600, 100, 9.2),
-        (400, 256, 6.0),
-        (800, 256, 2.1),
-        (1200, 256, 1.8),
-        (400, 512, 2.5),
-        (800, 512, 1.0),
+        (800, 700, 100, 20.1),
+        (1200, 1100, 100, 14.6),
+        (1600, 1500, 100, 9.2),
+        (400, 300, 256, 6.0),
+        (800, 700, 256, 2.1),
+        (1200, 1100, 256, 1.8),
+        (400, 300, 512, 2.5),
+        (800, 700, 512, 1.0),
     ];
-    cases.extend(rows.map(|(triangles, cameras, fps)| {
-        let by = ["raster-bound", "raster-bound-passes"];
-        let case = Case::new(
-            format!("Hou 7: {triangles} moving triangles, {cameras} cameras"),
-            Source::Text(include_str!("../scenes/teapot.toml").into()),
-            atlas_arms(cameras, 64, &by),
-        );
-        Case { moving: true, ..case }.set(&[&format!("mesh.0.triangles={triangles}")]).paper(of(
-            "7",
-            Some(fps),
-            "the built-in teapot as the mirror, a generated town that moves",
-        ))
+    cases.extend(rows.map(|(triangles, flock, cameras, fps)| {
+        let arms = atlas_arms(("mirror.cameras", cameras), 64, &["raster-bound", "raster-bound-passes"]);
+        let case = Case::of(format!("Hou 7: {triangles} moving triangles, {cameras} cameras"), "mirror-teapot", arms);
+        Case { moving: true, ..case }
+            .set(&[&format!("mesh.0.file=flock-{flock}.obj")])
+            // as many as the eye sees
+            .truth(&["camera.mirror.cameras=6320"])
+            .paper(of("7", Some(fps), "the built-in teapot as the mirror, butterflies and balls that move"))
     }));
     cases
 }
