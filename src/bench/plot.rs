@@ -72,17 +72,22 @@ fn knob_of(row: &Row) -> Option<&String> {
     row.knob.as_ref().map(|k| &k.0)
 }
 
-/// Over each swept number: a title, its name, and the slope of the time of every technique, both logarithmic, over the larger half of
-/// its values.
-pub fn slopes(rows: &[Row]) -> Vec<(String, String, Vec<(String, f64)>)> {
+/// How the time grows with a number that is swept.
+pub struct Growth {
+    pub knob: String,
+    /// Exponents by technique: slopes of the time over the larger half of the numbers, both logarithmic.
+    pub exponents: Vec<(String, f64)>,
+}
+
+pub fn growths(rows: &[Row]) -> Vec<Growth> {
     let of = |knob: String| {
         let own: Vec<Row> = rows.iter().filter(|r| knob_of(r) == Some(&knob)).cloned().collect();
         let series = by_technique(&own, |row| Some((row.knob.as_ref()?.1, row.times.as_ref()?.median)));
-        let fits: Vec<_> = series.into_iter().filter_map(|s| slope(&s.points).map(|k| (s.name, k))).collect();
-        (fits.iter().any(|_| true)).then(|| (format!("By {knob}"), knob, fits))
+        let fits = series.into_iter().filter_map(|s| slope(&s.points).map(|k| (s.name, k)));
+        Growth { knob, exponents: fits.collect() }
     };
     let swept = |knob: &String| rows.iter().filter(|r| r.is_ours() && knob_of(r) == Some(knob)).count() > 2;
-    knobs(rows).into_iter().filter(swept).filter_map(of).collect()
+    knobs(rows).into_iter().filter(swept).map(of).filter(|g| !g.exponents.is_empty()).collect()
 }
 
 /// Least squares; of three points at least.

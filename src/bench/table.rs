@@ -1,7 +1,7 @@
 //! Rows as raw.csv and as summary.md.
 
 use super::Run;
-use super::plot::{Drawn, slopes};
+use super::plot::{Drawn, Growth, growths};
 use super::row::Row;
 use crate::error::{Error, Result};
 
@@ -128,10 +128,9 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
         p.cores,
         p.fairness()
     );
-    for (title, knob, fits) in slopes(&run.rows) {
-        text += &format!("\n{title}: time grows as {knob} to the power of");
-        text += &fits.iter().map(|(t, slope)| format!(" {slope:.2} ({t})")).collect::<Vec<_>>().join(",");
-        text += ".\n";
+    for Growth { knob, exponents } in growths(&run.rows) {
+        let exponents: Vec<String> = exponents.iter().map(|(t, slope)| format!("{slope:.2} ({t})")).collect();
+        text += &format!("\nTime grows as {knob} to the power of {}.\n", exponents.join(", "));
     }
     for rows in run.rows.chunk_by(|a, b| a.case == b.case) {
         text += &format!("\n## {}\n\n{}\n", rows[0].case, about(&rows[0]));
