@@ -176,6 +176,7 @@ fn chart(series: &[Series], [x_name, y_name]: [&str; 2]) -> Result<String> {
         }
         chart
             .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
             .border_style(BLACK.mix(0.2))
             .background_style(WHITE.mix(0.7))
             .draw()
@@ -240,6 +241,7 @@ fn bars(rows: &[Row]) -> Result<String> {
         }
         chart
             .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
             .border_style(BLACK.mix(0.2))
             .background_style(WHITE.mix(0.7))
             .draw()
