@@ -58,7 +58,7 @@ fn wrong_command_lines() {
         (vec!["project", "scene.toml"], "--points"),
         (vec!["project", "scene.toml", "--points", "p.csv"], "p.csv: cannot be read"),
         (vec!["project", "scene.toml", "--points", "scene.toml"], ".npy, .csv, .txt or .xyz"),
-        (vec!["project", "scene.toml", "--points", "p.csv", "--engine", "raytrace"], "not in this version"),
+        (vec!["project", "scene.toml", "--points", "p.csv", "--engine", "raytrace"], "use compute or reference"),
         (vec!["project", "scene.toml", "--points", "p.csv", "--engine", "reference", "--adapter", "x"], "--adapter"),
         (vec!["example"], "NAME"),
         (vec!["example", "nothing"], "known: demo"),
