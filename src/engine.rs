@@ -52,6 +52,9 @@ pub struct RunOptions {
     pub moving: bool,
     /// What finds what is seen instead of cull, bin and raster.
     pub by: Option<Choice>,
+    /// Clusters that a part of the image does not see are not left out early: `cull` hands on everything, and rivals do not clip at
+    /// the edges of pieces.
+    pub no_cull: bool,
     /// Where the lists start; `None`: from the scene's size. They grow as needed.
     pub capacities: Option<Capacities>,
 }
@@ -157,13 +160,12 @@ impl Engine {
         let has_normals = !scene.mesh.normals.is_empty();
         let limit = self.gpu.binding_limit();
         let triangles = scene.mesh.triangles.len();
-        let plan = Plan::new(&camera, triangles, has_normals, around, &planned, self.gpu.has, limit);
+        let mut plan = Plan::new(&camera, triangles, has_normals, around, &planned, self.gpu.has, limit);
+        plan.variant.culling = !run.no_cull;
         let stages = self.stages(plan.variant, &plan.planes)?;
         let turned =
             plan.variant.turns_rays().then(|| self.stages(plan.variant.after_turn(), &plan.planes)).transpose()?;
-        let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0);
-        let setup =
-            Setup { camera: &camera, variant: plan.variant, rows, middle: plan.middle, anchor: plan.anchor, knob: 0 };
+        let setup = setup(&camera, &plan);
         let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup)).transpose()?;
         let caustics = lit.map(|lit| (lit, self.gather(plan.variant, &plan.planes)));
         let mut resident = Resident::new(&self.gpu, &scene, &camera, &plan, wanted, run.capacities)?;
@@ -185,6 +187,7 @@ impl Engine {
             rival,
             kept: None,
             moving: run.moving,
+            is_aimed: false,
             timed: Timed::default(),
         })
     }
@@ -207,6 +210,12 @@ impl Engine {
         self.gathers.push(gather.clone());
         gather
     }
+}
+
+/// What a rival needs to know of a plan.
+fn setup<'a>(camera: &'a Camera, plan: &Plan) -> Setup<'a> {
+    let rows = plan.rows_max();
+    Setup { camera, variant: plan.variant, rows, middle: plan.middle, anchor: plan.anchor, knob: 0 }
 }
 
 /// Joins the planes of all bands to the wanted channels of one frame, their pixels in the camera's own order.

@@ -34,6 +34,9 @@
 //! Light that a mirror or a lens turns onto the scene ([`caustics`]) is followed before the first frame, by a frame of a camera
 //! at the light: `deposit` adds up what falls where, and after `shade` `gather` shows it.
 //!
+//! Other ways to find what each pixel sees, the papers' and ray tracing, take the place of cull, bin and raster in [`baseline`];
+//! [`bench`](mod@bench) measures error against run time of all of them.
+//!
 //! Where a camera shows given points is another question ([`camera::project`]), answered in f64; for many points the
 //! kernel `sift` finds the parts of the image to look at.
 //!

@@ -61,6 +61,16 @@ fn scene(camera: &str) -> Scene {
     load(&format!("image = {{ width = 96, height = 72 }}\n{THINGS}\n[camera]\n{camera}")).unwrap()
 }
 
+/// Two cameras one behind the other, as in a graph camera.
+const GRAPH: &str = r#"
+kind = "graph_camera"
+views = [
+  { eye = [-0.4, 0.6, 3], target = [-1, -0.2, 0], vfov = 50 },
+  { eye = [0.4, 0.6, 3], target = [1, -0.2, 0], vfov = 50 },
+]
+weights = [2, 1, 2]
+"#;
+
 /// What a rival makes of the scene against the reference: pixels with another triangle, those of them that are safe, and those
 /// that name no near candidate; `None` without an adapter.
 fn wrong(camera: &str, by: &str) -> Option<(u64, u64, u64)> {
@@ -99,8 +109,74 @@ fn bounding_triangles_are_exact_where_they_hold_their_images() {
 #[test]
 fn perspective_pieces_are_as_right_as_the_rasterizer_places_vertices() {
     // a rasterizer snaps vertices to 1/256 px, far under the 1/16 px of a safe pixel
-    let Some((_, safe, not_near)) = wrong(STRIPS, "raster-pieces") else { return };
-    assert_eq!((safe, not_near), (0, 0));
+    for camera in [STRIPS, GRAPH] {
+        let Some((_, safe, not_near)) = wrong(camera, "raster-pieces") else { return };
+        assert_eq!((safe, not_near), (0, 0), "{camera}");
+    }
+}
+
+#[test]
+fn leaving_nothing_out_early_changes_no_pixel() {
+    for (camera, by) in
+        [(PIECES, Some("raster-bound")), (STRIPS, Some("raster-pieces")), (RING, None), (FISHEYE, None), (CURVED, None)]
+    {
+        let scene = scene(camera);
+        let camera = scene.camera().unwrap();
+        let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+        let [with, without] = [false, true].map(|no_cull| {
+            let run = RunOptions { by: by.map(|by| Choice::parse(by).unwrap()), no_cull, ..Default::default() };
+            engine.render(&scene, &camera, &wanted(), &run).unwrap().frame
+        });
+        // what is not clipped has its t from other corners, rounded otherwise
+        let seen = anamorph::compare::compare(&without, &with, None, None).unwrap();
+        println!("{by:?}: {seen}");
+        assert_eq!(seen.wrong_triangle, Some(0), "{by:?}");
+    }
+}
+
+/// A frame by a camera that came later is the one that it makes by itself.
+#[test]
+fn cameras_may_move_between_frames() {
+    let changed = |camera: &str, from: &str, to: &str| (camera.to_owned(), camera.replace(from, to));
+    let cases: [((String, String), &[&str]); 6] = [
+        (changed(SLITS, "eye = [0, 1.6, 5]", "eye = [0.7, 1.9, 5.5]"), &["raytrace", "raster-warp:1", "raster-bound"]),
+        (changed(RING, "radius = 4", "radius = 4.7"), &[]),
+        (changed(PIECES, "fov = 60", "fov = 55"), &["raster-splat:4"]),
+        (changed(STRIPS, "eye = [0.1, 0.4, 2.2]", "eye = [0.4, 0.6, 2.5]"), &["raster-pieces"]),
+        (changed(FISHEYE, "eye = [0, 0.5, 3]", "eye = [0.4, 0.6, 3.5]"), &["raster-cubemap:64"]),
+        (changed(CURVED, "angle = 70", "angle = 50"), &["raymarch-segments:4"]),
+    ];
+    for ((first, then), rivals) in cases {
+        assert_ne!(first, then);
+        for by in [None].into_iter().chain(rivals.iter().copied().map(Some)) {
+            let (scene, then) = (scene(&first), self::scene(&then).camera().unwrap());
+            let camera = scene.camera().unwrap();
+            let run = RunOptions { by: by.map(|by| Choice::parse(by).unwrap()), ..Default::default() };
+            let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+            let alone = engine.render(&scene, &then, &wanted(), &run).unwrap().frame;
+            let mut frames = engine.prepare(&scene, &camera, &wanted(), &run).unwrap();
+            frames.frame().unwrap();
+            frames.aim(&then).unwrap();
+            frames.frame().unwrap();
+            let aimed = frames.finish().unwrap().frame;
+            assert!(hits(&alone) > 1000, "{by:?}: {first}");
+            // positions are relative to where the first camera had them: other roundings, other ties
+            let judged = judge(&scene, &then, &aimed);
+            let seen = anamorph::compare::compare(&aimed, &alone, Some(&judged.safe), None).unwrap();
+            println!("{by:?}: {seen}");
+            assert_eq!(seen.wrong_safe, Some(0), "{by:?}: {first}");
+        }
+    }
+}
+
+#[test]
+fn frames_of_one_camera_are_not_taken_by_one_of_another_kind() {
+    let [scene, other] = [SLITS, FISHEYE].map(scene);
+    let (camera, other) = (scene.camera().unwrap(), other.camera().unwrap());
+    let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+    let mut frames = engine.prepare(&scene, &camera, &wanted(), &RunOptions::default()).unwrap();
+    let error = frames.aim(&other).unwrap_err();
+    assert!(error.exit_code() == 2 && error.to_string().contains("prepare them anew"), "{error}");
 }
 
 #[test]
@@ -132,7 +208,8 @@ fn what_a_rival_cannot_show_it_refuses_in_a_line() {
         let scene = scene(camera);
         let camera = scene.camera().unwrap();
         let run = RunOptions { by: Some(Choice::parse(by).unwrap()), ..Default::default() };
-        let error = engine(&camera, Without::Nothing)?.render(&scene, &camera, &wanted(), &run).unwrap_err();
+        let error = engine(&camera, Without::Nothing)?.render(&scene, &camera, &wanted(), &run);
+        let error = error.map(|_| ()).unwrap_err();
         assert_eq!(error.exit_code(), 2);
         Some(error.to_string())
     };
@@ -156,7 +233,7 @@ fn what_a_rival_cannot_show_it_refuses_in_a_line() {
 }
 
 #[test]
-fn moving_triangles_are_followed() {
+fn frames_of_moving_triangles_are_timed_with_what_is_built_over_them() {
     let scene = scene(SLITS);
     let camera = scene.camera().unwrap();
     let frame = |by: Option<Choice>| {

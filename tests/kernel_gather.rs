@@ -40,6 +40,7 @@ fn variant(optics: bool) -> Variant {
         rays: RaysKind::Pieces,
         sheeted: false,
         counting: false,
+        culling: true,
         optics: optics.then_some(OpticsKind::Facets),
         turned: false,
     }

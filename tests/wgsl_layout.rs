@@ -32,6 +32,7 @@ const PLAIN: Variant = Variant {
     rays: RaysKind::Pieces,
     sheeted: false,
     counting: false,
+    culling: true,
     optics: None,
     turned: false,
 };

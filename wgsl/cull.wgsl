@@ -8,6 +8,9 @@
 // child, handing on costs 16 tests; a set-up is worth about four tests.
 const HAND_ON: u32 = 4u;
 
+// Without it everything may meet everything, and `bin` tells.
+override CULLING: bool = true;
+
 @compute @workgroup_size(64)
 fn cull(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -43,7 +46,7 @@ fn cull(
     for (var j = 0u; j < rows; j++) {
         for (var i = 0u; i < columns; i++) {
             let child = node_index(level - 1u, x + i, y + j);
-            if node_meets(child, centre, half) {
+            if !CULLING || node_meets(child, centre, half) {
                 let bit = 1u << (j * BRANCH + i);
                 kept |= bit;
                 torn |= select(0u, bit, nodes[child].rays == RAYS_TORN);
@@ -92,7 +95,7 @@ fn cull(
 fn descend_to_cells(tile: u32, cluster: u32) {
     let end = tile_start[tile + 1u];
     for (var cell = tile_start[tile]; cell < end; cell++) {
-        if node_meets(cells[cell].node, clusters[cluster].centre, clusters[cluster].half) {
+        if !CULLING || node_meets(cells[cell].node, clusters[cluster].centre, clusters[cluster].half) {
             put_to_work(atomicAdd(&counters[COUNT_WORK], 1u), vec2<u32>(cluster, cell_pack(cell)));
         }
     }

@@ -25,20 +25,12 @@ const FACES: u32 = 6;
 /// The knob: texels a side of a face.
 pub fn cubemap(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     let side = setup.knob;
-    let kind = setup.camera.kind;
-    let eye = setup
-        .camera
-        .centre()
-        .ok_or_else(|| Error::input(format!("the rays of {kind} do not start in one point; use raytrace")))?;
-    if setup.layers() > 1 || setup.camera.is_curved() {
-        return Err(Error::input(format!("the rays of {kind} are not straight; use raytrace")));
-    }
     let most = gpu.limits.max_texture_dimension_2d / COLUMNS;
     if side > most {
         return Err(Error::input(format!("a side of {side} texels is too large for this adapter; use {most} at most")));
     }
     let mut own = Buffers::default();
-    own.upload_uniform(gpu, "cube", &Cube { eye: (eye - setup.anchor).as_vec3().to_array(), side })?;
+    own.upload_uniform(gpu, "cube", &cube(setup, side)?)?;
     Ok(Box::new(CubeMap {
         draw: Draw::new(gpu, kernels::cube()),
         canvas: Canvas::new(gpu, (COLUMNS * side, FACES / COLUMNS * side)),
@@ -49,7 +41,23 @@ pub fn cubemap(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     }))
 }
 
+fn cube(setup: &Setup, side: u32) -> Result<Cube> {
+    let kind = setup.camera.kind;
+    let eye = setup
+        .camera
+        .centre()
+        .ok_or_else(|| Error::input(format!("the rays of {kind} do not start in one point; use raytrace")))?;
+    if setup.layers() > 1 || setup.camera.is_curved() {
+        return Err(Error::input(format!("the rays of {kind} are not straight; use raytrace")));
+    }
+    Ok(Cube { eye: (eye - setup.anchor).as_vec3().to_array(), side })
+}
+
 impl Rival for CubeMap {
+    fn aim(&mut self, gpu: &Gpu, setup: &Setup) -> Result<()> {
+        self.own.upload_uniform(gpu, "cube", &cube(setup, self.side)?)
+    }
+
     fn passes(&self, _band: &Target) -> u32 {
         2
     }

@@ -1,7 +1,7 @@
 //! Triangles through the adapter's rasterizer: into a picture of ids and depths, and from there into the visibility buffer.
 
 use super::{Setup, Target, kernels};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Binder, Pipeline};
 use crate::gpu::kernels::Kernel;
@@ -32,6 +32,17 @@ impl Draw {
             bias: Default::default(),
         };
         Draw::onto(gpu, kernel, SEEN, Some(nearest))
+    }
+
+    /// The same of a kernel that clips.
+    ///
+    /// # Errors
+    /// [`Error::Work`] where the adapter cannot.
+    pub fn clipped(gpu: &Gpu, kernel: Kernel) -> Result<Draw> {
+        if gpu.has.clip_distances {
+            return Ok(Draw::new(gpu, kernel));
+        }
+        Err(Error::work(format!("adapter {} has no clip distances; use raytrace", gpu.info.name)))
     }
 
     pub fn onto(

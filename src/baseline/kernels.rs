@@ -13,6 +13,7 @@ macro_rules! snippet {
 }
 
 const ROWS: &str = snippet!("rows.wgsl");
+const SEEN_THROUGH: &str = snippet!("seen_through.wgsl");
 const RANGE: &str = snippet!("range.wgsl");
 const DRAWN: &str = snippet!("drawn.wgsl");
 const OUTLINE: &str = snippet!("outline.wgsl");
@@ -64,32 +65,48 @@ fn pieces_draw(name: &'static str, layers: u32, more: &[Binding], own: &[&str]) 
     kernel
 }
 
+/// The same, clipped at the pieces' edges where `culling`.
+fn clipped_draw(name: &'static str, (layers, culling): (u32, bool), more: &[Binding], own: &[&str]) -> Kernel {
+    let mut kernel = pieces_draw(name, layers, more, own);
+    kernel.constants.push(("CULLING", f64::from(u8::from(culling))));
+    kernel.source.insert_str(0, "enable clip_distances;\n");
+    kernel
+}
+
 /// Vertices projected; each triangle cut in four so often.
 pub fn warp(layers: u32, levels: u32) -> Kernel {
-    let mut kernel = pieces_draw("warp", layers, &[], &[PROJECT, snippet!("warp.wgsl")]);
+    let mut kernel = pieces_draw("warp", layers, &[], &[PROJECT, SEEN_THROUGH, snippet!("warp.wgsl")]);
     kernel.constants.push(("LEVELS", f64::from(levels)));
     kernel
 }
 
 /// Triangles around images, in the planes through the scene's middle.
-pub fn bound(layers: u32, middle: DVec3) -> Kernel {
-    let mut kernel = pieces_draw("bound", layers, &[], &[snippet!("bound.wgsl")]);
+pub fn bound(layers: u32, culling: bool, middle: DVec3) -> Kernel {
+    let mut kernel = clipped_draw("bound", (layers, culling), &[], &[snippet!("bound.wgsl")]);
     kernel.constants.extend([("MIDDLE_X", middle.x), ("MIDDLE_Y", middle.y), ("MIDDLE_Z", middle.z)]);
     kernel
 }
 
 /// Perspective pieces.
-pub fn perspective(layers: u32) -> Kernel {
+pub fn perspective(layers: u32, culling: bool) -> Kernel {
     let replicas = [read("replicas", "array<vec2<u32>>")];
-    pieces_draw("perspective", layers, &replicas, &[PERSPECTIVE, snippet!("perspective.wgsl")])
+    clipped_draw(
+        "perspective",
+        (layers, culling),
+        &replicas,
+        &[PERSPECTIVE, SEEN_THROUGH, snippet!("perspective.wgsl")],
+    )
 }
 
 /// What perspective pieces each triangle is drawn in.
-pub fn replicate() -> Kernel {
+pub fn replicate(culling: bool) -> Kernel {
     let rays = [read("pieces", "array<Piece>"), read("outlines", "array<Outline>")];
     let own = [write("replicas", "array<vec2<u32>>"), write("draw_args", "array<atomic<u32>>")];
     let bindings = [&[params()][..], &triangles(), &rays, &own].concat();
-    kernel("replicate", bindings, &[PARAMS, ITEMS, VERTEX, RAY, ROWS, OUTLINE, PERSPECTIVE, snippet!("replicate.wgsl")])
+    let own = [OUTLINE, PERSPECTIVE, snippet!("replicate.wgsl")];
+    let mut kernel = kernel("replicate", bindings, &[&[PARAMS, ITEMS, VERTEX, RAY, ROWS][..], &own].concat());
+    kernel.constants = vec![("CULLING", f64::from(u8::from(culling)))];
+    kernel
 }
 
 /// Triangles onto a cube around the eye.
@@ -131,7 +148,7 @@ pub fn all(variant: Variant) -> Vec<Kernel> {
     let layers = if variant.sheeted { 2 } else { 1 };
     let mut all =
         vec![trace(variant, layers, 4, false), trace(variant, layers, 1, true), take(variant), unfold(variant)];
-    all.push(replicate());
+    all.push(replicate(true));
     all
 }
 
@@ -139,5 +156,12 @@ pub fn all(variant: Variant) -> Vec<Kernel> {
 pub fn draws(layers: u32) -> Vec<Kernel> {
     let middle = DVec3::ZERO;
     let onto_s = splat_project(10);
-    vec![warp(layers, 2), bound(layers, middle), perspective(layers), cube(), onto_s, splat_move(layers, 10)]
+    vec![
+        warp(layers, 2),
+        bound(layers, true, middle),
+        perspective(layers, true),
+        cube(),
+        onto_s,
+        splat_move(layers, 10),
+    ]
 }

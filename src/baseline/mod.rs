@@ -31,6 +31,9 @@ pub trait Rival {
         Ok(())
     }
 
+    /// Brings what it needs of the camera to that of `setup`, which is of the same kind and size.
+    fn aim(&mut self, gpu: &Gpu, setup: &Setup) -> Result<()>;
+
     /// Passes over a band, at most.
     fn passes(&self, band: &Target) -> u32;
 
@@ -89,6 +92,8 @@ pub struct Technique {
     pub about: &'static str,
     /// What its number is; `None`: it has none.
     pub knob: Option<Knob>,
+    /// It leaves out what a piece does not see, and may be told not to.
+    pub culls: bool,
     make: fn(&Gpu, &Setup) -> Result<Box<dyn Rival>>,
 }
 
@@ -119,61 +124,77 @@ pub const TECHNIQUES: &[Technique] = &[
         name: "raytrace",
         about: "a ray a pixel through a bounding volume hierarchy, built anew when triangles move",
         knob: None,
+        culls: false,
         make: trace::rebuilt,
     },
     Technique {
         name: "raytrace-refit",
         about: "the same, its hierarchy fitted to triangles that moved instead of built anew",
         knob: None,
+        culls: false,
         make: trace::refitted,
     },
-    Technique { name: "raytrace-brute", about: "a ray a pixel against every triangle", knob: None, make: trace::brute },
+    Technique {
+        name: "raytrace-brute",
+        about: "a ray a pixel against every triangle",
+        knob: None,
+        culls: false,
+        make: trace::brute,
+    },
     Technique {
         name: "raymarch-segments",
         about: "curved projectors as so many straight segments, each traced (Brosz et al. 2007, section 4.3)",
         knob: Some(Knob { name: "segments", default: 8, least: 1, most: 256 }),
+        culls: false,
         make: trace::segments,
     },
     Technique {
         name: "raster-warp",
         about: "vertices projected exactly, straight edges between them (Brosz et al. 2007; Popescu et al., section 4.2)",
         knob: Some(Knob { name: "levels of subdivision", default: 0, least: 0, most: 4 }),
+        culls: false,
         make: through_pieces::warp,
     },
     Technique {
         name: "raster-bound",
         about: "a triangle around each image, the ray of each of its pixels against the plane (Hou et al. 2006, section 2)",
         knob: None,
+        culls: true,
         make: through_pieces::bound,
     },
     Technique {
         name: "raster-bound-passes",
         about: "the same, a pass for each camera",
         knob: None,
+        culls: true,
         make: through_pieces::bound_passes,
     },
     Technique {
         name: "raster-splat",
         about: "two passes by a texture of where the camera shows each triangle (Yu et al. 2009, section 3.3), of all GLCs at once",
         knob: Some(SAMPLES),
+        culls: false,
         make: splat::batched,
     },
     Technique {
         name: "raster-splat-passes",
         about: "the same, two passes for each GLC",
         knob: Some(SAMPLES),
+        culls: false,
         make: splat::each,
     },
     Technique {
         name: "raster-pieces",
-        about: "a perspective matrix a piece, triangles replicated (Lorenz and Doellner 2009, section 2)",
+        about: "a perspective matrix a piece, triangles replicated (Lorenz and Doellner 2009, section 2; graph cameras)",
         knob: None,
+        culls: true,
         make: replicated::replicated,
     },
     Technique {
         name: "raster-cubemap",
         about: "a picture of all six sides, and every pixel's nearest texel (Lorenz and Doellner 2009, section 1.1)",
         knob: Some(Knob { name: "texels a side", default: 2048, least: 16, most: 8192 }),
+        culls: false,
         make: cubemap::cubemap,
     },
 ];
@@ -225,6 +246,9 @@ impl Choice {
             return Err(Error::input(format!(
                 "{name} does not follow rays that are turned; give the camera an atlas, or use --engine compute"
             )));
+        }
+        if !setup.variant.culling && !self.technique.culls {
+            return Err(Error::input(format!("{name} culls nothing; leave out --no-cull")));
         }
         let mut rival = (self.technique.make)(gpu, &Setup { knob: self.knob, ..setup }).map_err(|e| e.at(name))?;
         rival.upload(gpu, scene).map_err(|e| e.at(name))?;

@@ -26,8 +26,9 @@ pub fn pieces<'a>(setup: &Setup<'a>) -> Result<Vec<(u32, &'a Pieces, u32)>> {
     Ok(all)
 }
 
-/// `pieces` and `outlines`: a row each for every piece, 192 and 32 bytes. Origins of rows are pixels of the image.
-pub fn upload(gpu: &Gpu, setup: &Setup) -> Result<Buffers> {
+/// Puts `pieces` and `outlines` in `buffers`: a row each for every piece, 192 and 32 bytes; returns how many. Origins of rows are
+/// pixels of the image.
+pub fn upload(gpu: &Gpu, setup: &Setup, buffers: &mut Buffers) -> Result<u32> {
     let all = pieces(setup)?;
     let (w, h) = (setup.camera.width, setup.camera.height);
     let outline = |(layer, pieces, k): &(u32, &Pieces, u32)| {
@@ -41,8 +42,7 @@ pub fn upload(gpu: &Gpu, setup: &Setup) -> Result<Buffers> {
         let (i, j) = ((centre_px.x.max(0.0) as u32).min(w - 1), (centre_px.y.max(0.0) as u32).min(h - 1));
         row_of(&pieces.bundle_at(*k, i, j), setup.anchor, [i as f32, j as f32], number as u32)
     };
-    let mut buffers = Buffers::default();
     buffers.upload(gpu, "outlines", &all.iter().map(outline).collect::<Vec<_>>())?;
     buffers.upload(gpu, "pieces", &all.iter().enumerate().map(row).collect::<Vec<_>>())?;
-    Ok(buffers)
+    Ok(all.len() as u32)
 }

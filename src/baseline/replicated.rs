@@ -1,6 +1,6 @@
 //! `raster-pieces`: perspective pieces by their own matrices, each triangle drawn in those that may see it (Lorenz and Doellner
-//! 2009, section 2). Where they replicate by geometry shaders, a compute kernel lists the replicas and one indirect draw takes them;
-//! what lies outside a piece fragments leave out, where they clip.
+//! 2009, section 2), clipped at their edges. Where they replicate by geometry shaders, a compute kernel lists the replicas and one
+//! indirect draw takes them. The cameras of a graph camera (Popescu et al., section 2) are such pieces.
 
 use super::draw::{Draw, Easel};
 use super::outline;
@@ -28,23 +28,26 @@ struct Replicated {
 const REPLICA_BYTES: u64 = 8;
 
 pub fn replicated(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
-    let all = outline::pieces(setup)?;
-    if !all.iter().all(|(_, p, k)| is_central(&p.pieces[*k as usize].bundle)) {
-        let kind = setup.camera.kind;
-        return Err(Error::input(format!(
-            "the pieces of {kind} are not all perspective; use raster-bound or raytrace"
-        )));
-    }
-    let mut own = outline::upload(gpu, setup)?;
+    check_central(setup)?;
+    let mut own = Buffers::default();
+    let pieces = u64::from(outline::upload(gpu, setup, &mut own)?);
     own.create(gpu, "draw_args", 16, BufferUsages::INDIRECT)?;
     own.upload(gpu, "no_draw", &[0u32, 1, 0, 0])?;
     Ok(Box::new(Replicated {
-        replicate: Pipeline::new(&gpu.device, kernels::replicate()),
-        draw: Draw::new(gpu, kernels::perspective(setup.layers())),
+        replicate: Pipeline::new(&gpu.device, kernels::replicate(setup.variant.culling)),
+        draw: Draw::clipped(gpu, kernels::perspective(setup.layers(), setup.variant.culling))?,
         easel: Easel::new(gpu, setup),
-        pieces: all.len() as u64,
+        pieces,
         own,
     }))
+}
+
+fn check_central(setup: &Setup) -> Result<()> {
+    if outline::pieces(setup)?.iter().all(|(_, p, k)| is_central(&p.pieces[*k as usize].bundle)) {
+        return Ok(());
+    }
+    let kind = setup.camera.kind;
+    Err(Error::input(format!("the pieces of {kind} are not all perspective; use raster-bound or raytrace")))
 }
 
 /// All rays start in one point, up to rounding.
@@ -64,6 +67,13 @@ impl Rival for Replicated {
         }
         let all = self.pieces * scene.mesh.triangles.len() as u64 * REPLICA_BYTES;
         self.own.create(gpu, "replicas", all.min(gpu.binding_limit()), BufferUsages::empty())
+    }
+
+    /// As many pieces as there is room for in the list of replicas.
+    fn aim(&mut self, gpu: &Gpu, setup: &Setup) -> Result<()> {
+        check_central(setup)?;
+        self.pieces = u64::from(outline::upload(gpu, setup, &mut self.own)?);
+        Ok(())
     }
 
     fn passes(&self, band: &Target) -> u32 {

@@ -42,12 +42,14 @@ pub fn each(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
 
 fn splat(gpu: &Gpu, setup: &Setup, is_each: bool) -> Result<Box<dyn Rival>> {
     let samples = setup.knob;
+    let mut own = Buffers::default();
+    let pieces = outline::upload(gpu, setup, &mut own)?;
     Ok(Box::new(ByTexture {
         project: Draw::onto(gpu, kernels::splat_project(samples), S, None),
         scatter: Draw::new(gpu, kernels::splat_move(setup.layers(), samples)),
         easel: Easel::new(gpu, setup),
-        own: outline::upload(gpu, setup)?,
-        pieces: outline::pieces(setup)?.len() as u32,
+        own,
+        pieces,
         s: texture(gpu, (SIDE, SIDE), S),
         samples,
         is_each,
@@ -102,6 +104,11 @@ impl ByTexture {
 }
 
 impl Rival for ByTexture {
+    fn aim(&mut self, gpu: &Gpu, setup: &Setup) -> Result<()> {
+        self.pieces = outline::upload(gpu, setup, &mut self.own)?;
+        Ok(())
+    }
+
     fn passes(&self, band: &Target) -> u32 {
         1 + band.chunks.iter().map(|c| 2 * self.pairs(c.slots).len() as u32).sum::<u32>()
     }

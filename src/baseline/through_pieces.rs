@@ -31,25 +31,33 @@ pub fn warp(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
 }
 
 pub fn bound(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
-    let draw = Draw::new(gpu, kernels::bound(setup.layers(), setup.middle - setup.anchor));
-    Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1)?))
+    Ok(Box::new(ThroughPieces::new(gpu, setup, bound_draw(gpu, setup)?, 1)?))
 }
 
 /// A pass for each camera.
 pub fn bound_passes(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
-    let draw = Draw::new(gpu, kernels::bound(setup.layers(), setup.middle - setup.anchor));
-    Ok(Box::new(ThroughPieces { is_each: true, ..ThroughPieces::new(gpu, setup, draw, 1)? }))
+    Ok(Box::new(ThroughPieces { is_each: true, ..ThroughPieces::new(gpu, setup, bound_draw(gpu, setup)?, 1)? }))
+}
+
+fn bound_draw(gpu: &Gpu, setup: &Setup) -> Result<Draw> {
+    Draw::clipped(gpu, kernels::bound(setup.layers(), setup.variant.culling, setup.middle - setup.anchor))
 }
 
 impl ThroughPieces {
     fn new(gpu: &Gpu, setup: &Setup, draw: Draw, parts: u32) -> Result<ThroughPieces> {
-        let pieces = outline::pieces(setup)?.len() as u32;
-        let (easel, own) = (Easel::new(gpu, setup), outline::upload(gpu, setup)?);
+        let mut own = Buffers::default();
+        let pieces = outline::upload(gpu, setup, &mut own)?;
+        let easel = Easel::new(gpu, setup);
         Ok(ThroughPieces { draw, easel, own, parts, pieces, is_each: false })
     }
 }
 
 impl Rival for ThroughPieces {
+    fn aim(&mut self, gpu: &Gpu, setup: &Setup) -> Result<()> {
+        self.pieces = outline::upload(gpu, setup, &mut self.own)?;
+        Ok(())
+    }
+
     fn passes(&self, _band: &Target) -> u32 {
         1 + if self.is_each { self.pieces } else { 1 }
     }

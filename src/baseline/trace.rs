@@ -87,6 +87,11 @@ impl Rival for Trace {
         self.own.upload(gpu, "leaves", &leaves)
     }
 
+    /// Rays are on the device anyway.
+    fn aim(&mut self, _gpu: &Gpu, _setup: &Setup) -> Result<()> {
+        Ok(())
+    }
+
     fn passes(&self, _band: &Target) -> u32 {
         1
     }

@@ -44,8 +44,8 @@ pub struct Case {
 /// One way to show a case's scene.
 #[derive(Debug, Clone)]
 pub struct Arm {
-    /// `None`: this engine.
-    pub by: Option<Choice>,
+    /// A rival as `--engine` names it; `None`: this engine.
+    pub by: Option<String>,
     /// KEY=VALUE of its own.
     pub set: Vec<String>,
     /// The number that a sweep varies, where its choice has none, with its name.
@@ -116,7 +116,7 @@ impl Case {
             let prepared = scene.as_ref().map_err(Clone::clone).and_then(|(scene, camera)| {
                 row.describe(scene, camera);
                 let channels = vec![Channel::R, Channel::G, Channel::B, Channel::T, Channel::TriangleId];
-                let run = RunOptions { by: arm.by, moving: self.moving, ..Default::default() };
+                let run = RunOptions { by: arm.choice()?, moving: self.moving, ..Default::default() };
                 engine.prepare(scene, camera, &Wanted { channels, srgb8: false, counting: false }, &run)
             });
             match prepared {
@@ -177,9 +177,15 @@ impl Arm {
         Arm { by: None, set: Vec::new(), knob: None }
     }
 
-    /// A rival, as `--engine` names it; of names that are not there this engine's own tests would tell.
+    /// A rival, as `--engine` names it.
     pub fn rival(name: &str) -> Arm {
-        Arm { by: Choice::parse(name).ok(), ..Arm::ours() }
+        Arm { by: Some(name.to_owned()), ..Arm::ours() }
+    }
+
+    /// # Errors
+    /// [`crate::Error::Input`] where there is no such rival.
+    pub fn choice(&self) -> Result<Option<Choice>> {
+        self.by.as_deref().map(Choice::parse).transpose().map_err(crate::Error::input)
     }
 
     pub fn set(mut self, set: &[&str]) -> Arm {

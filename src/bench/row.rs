@@ -70,18 +70,24 @@ pub struct Paper {
     pub stand_in: String,
 }
 
+/// This engine's name among the techniques.
+const OURS: &str = "anamorph";
+
 /// Where the middle half of the times is wider than this share of the median, a row is not to be trusted.
 const SPREAD_MAX: f64 = 0.2;
 
 impl Row {
     pub fn new(suite: &str, case: &Case, arm: &Arm) -> Row {
         let own_knob = arm.knob.map(|(name, value)| (name.to_owned(), value));
+        // what is no rival is refused by name
+        let choice = arm.choice().ok().flatten();
         let rivals_knob =
-            arm.by.and_then(|c| c.technique.knob.as_ref().map(|k| (k.name.to_owned(), f64::from(c.knob))));
+            choice.and_then(|c| c.technique.knob.as_ref().map(|k| (k.name.to_owned(), f64::from(c.knob))));
+        let asked = || arm.by.clone().unwrap_or_else(|| OURS.to_owned());
         Row {
             suite: suite.to_owned(),
             case: case.name.clone(),
-            technique: arm.by.map_or("anamorph".to_owned(), |c| c.technique.name.to_owned()),
+            technique: choice.map_or_else(asked, |c| c.technique.name.to_owned()),
             knob: own_knob.or(rivals_knob),
             triangles: 0,
             pieces: 0,
@@ -101,7 +107,7 @@ impl Row {
     }
 
     pub fn is_ours(&self) -> bool {
-        self.technique == "anamorph"
+        self.technique == OURS
     }
 
     pub fn describe(&mut self, scene: &Scene, camera: &Camera) {

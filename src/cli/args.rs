@@ -85,6 +85,9 @@ pub struct RenderArgs {
     /// Every vertex is new in each timed frame
     #[arg(long, requires = "repeat")]
     pub moving: bool,
+    /// Try every triangle in every part of the image: leave out nothing early
+    #[arg(long)]
+    pub no_cull: bool,
     /// Adapter to use: a part of its name
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
@@ -93,7 +96,8 @@ pub struct RenderArgs {
     pub no_int64: bool,
     /// Print one pixel's ray, hit, candidates and margins instead
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = pixel, conflicts_with_all = [
-        "output", "exr", "points", "engine", "samples", "channels", "report", "check", "repeat", "adapter", "no_int64",
+        "output", "exr", "points", "engine", "samples", "channels", "report", "check", "repeat", "no_cull", "adapter",
+        "no_int64",
     ])]
     pub pixel: Option<(u32, u32)>,
 }

@@ -44,6 +44,7 @@ struct Paths {
     arithmetic: &'static str,
     depth_test: &'static str,
     stage_times: &'static str,
+    clipping: &'static str,
     usable: &'static str,
 }
 
@@ -88,6 +89,7 @@ fn about(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
                 "two dispatches, 32-bit atomics",
             ),
             stage_times: either(has.timestamps, "GPU timestamps", "none"),
+            clipping: either(has.clip_distances, "yes", "none: raster-bound and raster-pieces are refused"),
             usable: either(enough, "yes", "no: too few storage buffers a kernel; use --engine reference"),
         },
     }
@@ -114,6 +116,7 @@ impl fmt::Display for AdapterInfo {
         writeln!(f, "  f64               {:<4} -> {}", yes(has.f64), paths.arithmetic)?;
         writeln!(f, "  64-bit atomics    {:<4} -> {}", yes(has.atomics64), paths.depth_test)?;
         writeln!(f, "  timestamps        {:<4} -> stage times: {}", yes(has.timestamps), paths.stage_times)?;
+        writeln!(f, "  clip distances    {:<4} -> rivals that clip: {}", yes(has.clip_distances), paths.clipping)?;
         writeln!(f, "  storage binding   {} bytes at most", limits.max_storage_buffer_binding_size)?;
         writeln!(f, "  buffer            {} bytes at most", limits.max_buffer_size)?;
         writeln!(f, "  storage buffers   {} a kernel", limits.max_storage_buffers_per_shader_stage)?;

@@ -44,7 +44,8 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     backend.check_size(&camera, &wanted)?;
 
     progress.now("rendering");
-    let run = RunOptions { repeat: args.repeat.unwrap_or(0), moving: args.moving, ..Default::default() };
+    let (repeat, moving, no_cull) = (args.repeat.unwrap_or(0), args.moving, args.no_cull);
+    let run = RunOptions { repeat, moving, no_cull, ..Default::default() };
     let mut rendered = samples::render(&mut backend, &scene, &camera, &wanted, args.samples, &run)?;
     let extra = judged::render(args, &mut backend, &scene, &camera)?;
     if args.check {
@@ -82,7 +83,12 @@ fn check_combination(args: &RenderArgs) -> Result<()> {
     if !matches!(args.engine, Some(EngineName::Reference)) {
         return Ok(());
     }
-    let flags = [(args.adapter.is_some(), "--adapter"), (args.no_int64, "--no-int64"), (args.moving, "--moving")];
+    let flags = [
+        (args.adapter.is_some(), "--adapter"),
+        (args.no_int64, "--no-int64"),
+        (args.moving, "--moving"),
+        (args.no_cull, "--no-cull"),
+    ];
     match flags.iter().find(|f| f.0) {
         Some((_, flag)) => Err(Error::input(format!("{flag} is for --engine compute; the reference runs on the CPU"))),
         None => Ok(()),

@@ -3,11 +3,11 @@
 use super::atlas::Painter;
 use super::illumination::Illuminated;
 use super::resident::Resident;
-use super::{Capacities, Counts, Rendered, join};
+use super::{Capacities, Counts, Rendered, join, setup};
 use crate::baseline::Rival;
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{read_words, wait};
 use crate::gpu::recorder::Recorded;
@@ -15,7 +15,7 @@ use crate::gpu::rows::{
     COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_WORK,
     COUNTERS,
 };
-use crate::plan::{LeftOut, Plan, Wanted};
+use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::cluster;
 use crate::stage::Stages;
@@ -48,6 +48,8 @@ pub struct Frames<'a> {
     pub(super) kept: Option<wgpu::Buffer>,
     /// Every vertex is new in each timed frame.
     pub(super) moving: bool,
+    /// The camera is not that of the first frame any more.
+    pub(super) is_aimed: bool,
     pub(super) timed: Timed,
 }
 
@@ -103,7 +105,7 @@ impl Frames<'_> {
             wait(&self.gpu)?;
             let ms = started.elapsed().as_secs_f64() * 1e3;
             // only what moves may come to need more
-            let mut fits = !self.moving || self.fits(&drawn)?;
+            let mut fits = !(self.moving || self.is_aimed) || self.fits(&drawn)?;
             if let (Some(painter), Some(painted)) = (&mut self.painter, &painted) {
                 fits &= !self.moving || painter.frames.fits(painted)?;
                 let stages = painted.recorded.stage_ms(&self.gpu)?;
@@ -115,6 +117,34 @@ impl Frames<'_> {
                 return Ok(ms);
             }
         }
+    }
+
+    /// Shows the scene through `camera` from the next frame on, and in the end: plans anew and uploads what depends on the camera
+    /// alone. Positions stay relative to where the first camera had them.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the camera is not of the same kind and size as the one before, or turns rays.
+    pub fn aim(&mut self, camera: &Camera) -> Result<()> {
+        let around = Surroundings { anchor: self.plan.anchor, middle: self.plan.middle };
+        let arrangement = Arrangement::of(camera, around.middle);
+        let camera = arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera));
+        let (triangles, has_normals) = (self.scene.mesh.triangles.len(), !self.scene.mesh.normals.is_empty());
+        let wanted = Wanted { channels: self.plan.planes.clone(), ..self.wanted.clone() };
+        let limit = self.gpu.binding_limit();
+        let mut plan = Plan::new(&camera, triangles, has_normals, around, &wanted, self.gpu.has, limit);
+        plan.variant.culling = self.plan.variant.culling;
+        let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
+        if plan.variant != self.plan.variant || !is_as_large || camera.optics.is_some() {
+            let (old, new) = (self.camera.kind, camera.kind);
+            return Err(Error::input(format!("frames of {old} cannot be taken by this {new}; prepare them anew")));
+        }
+        self.resident.aim(&self.gpu, &camera, &plan)?;
+        if let Some(rival) = &mut self.rival {
+            rival.aim(&self.gpu, &setup(&camera, &plan))?;
+        }
+        self.timed.first = None;
+        (self.camera, self.plan, self.arrangement, self.is_aimed) = (Cow::Owned(camera), plan, arrangement, true);
+        Ok(())
     }
 
     /// The next of the moving scenes.
@@ -142,11 +172,11 @@ impl Frames<'_> {
     /// The first frame's image, and what all took.
     pub fn finish(mut self) -> Result<Rendered> {
         let painter = self.painter.take();
+        if self.timed.first.is_none() {
+            self.warm_up()?;
+        }
         let Timed { first, first_ms, mut frame_ms, mut stages, grown, .. } = std::mem::take(&mut self.timed);
-        let first = match first {
-            Some(first) => first,
-            None => self.submit(true)?,
-        };
+        let Some(first) = first else { return Err(Error::work("no frame was taken")) };
         if frame_ms.is_empty() {
             frame_ms.push(first_ms);
             stages = vec![first.recorded.stage_ms(&self.gpu)?];

@@ -95,6 +95,12 @@ impl Resident {
         Ok(())
     }
 
+    /// Puts the tables of another camera on the device, of a plan whose bands are as large.
+    pub fn aim(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
+        self.bands = plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?;
+        self.write_params(gpu, camera, plan)
+    }
+
     /// Lights, materials and normals.
     fn upload_look(&mut self, gpu: &Gpu, scene: &Scene) -> Result<()> {
         let Look { shading, lights, materials, normals } = Look::new(scene);
@@ -106,8 +112,7 @@ impl Resident {
 
     /// Visibility (8 bytes a pixel of the largest band), planes (4 bytes a pixel and channel), sRGB (4 bytes a pixel).
     fn create_frame(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, wanted: &Wanted) -> Result<()> {
-        let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0) as u64;
-        let pixels = rows * camera.width as u64;
+        let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
         let plain = BufferUsages::empty();
         self.shared.create(gpu, "visibility", 8 * pixels, plain)?;
         self.shared.create(gpu, "planes", 4 * pixels * plan.planes.len() as u64, plain)?;

@@ -33,6 +33,8 @@ pub struct Abilities {
     pub atomics64: bool,
     /// Times of single stages.
     pub timestamps: bool,
+    /// Clip distances: rivals that draw clip at the edges of a camera's pieces.
+    pub clip_distances: bool,
 }
 
 impl Abilities {
@@ -42,6 +44,7 @@ impl Abilities {
             f64: int64 && features.contains(wgpu::Features::SHADER_F64),
             atomics64: int64 && features.contains(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX),
             timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+            clip_distances: features.contains(wgpu::Features::CLIP_DISTANCES),
         }
     }
 
@@ -52,6 +55,7 @@ impl Abilities {
         features.set(wgpu::Features::SHADER_F64, self.f64);
         features.set(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX, self.atomics64);
         features.set(wgpu::Features::TIMESTAMP_QUERY, self.timestamps);
+        features.set(wgpu::Features::CLIP_DISTANCES, self.clip_distances);
         features
     }
 }

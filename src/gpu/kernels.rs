@@ -29,6 +29,8 @@ pub struct Variant {
     pub sheeted: bool,
     /// Count tested and kept fragments.
     pub counting: bool,
+    /// `cull` leaves out what a node's rays do not meet.
+    pub culling: bool,
     /// A mirror or a lens turns rays.
     pub optics: Option<OpticsKind>,
     /// The rays are those that it turned, and start on it.
@@ -98,8 +100,17 @@ impl Variant {
     pub fn every(f64: bool, atomics64: bool) -> Vec<Variant> {
         let mut list = Vec::new();
         for counting in [false, true] {
-            let variant =
-                |rays, sheeted, optics| Variant { f64, atomics64, rays, sheeted, counting, optics, turned: false };
+            let of_camera = Variant {
+                f64,
+                atomics64,
+                rays: RaysKind::Pieces,
+                sheeted: false,
+                counting,
+                culling: true,
+                optics: None,
+                turned: false,
+            };
+            let variant = |rays, sheeted, optics| Variant { rays, sheeted, optics, ..of_camera };
             let curves = [1, 2, 3].map(|degree| RaysKind::Curves { degree });
             for rays in [RaysKind::Pieces, RaysKind::Field].into_iter().chain(curves) {
                 list.extend([false, true].map(|sheeted| variant(rays, sheeted, None)));
@@ -243,7 +254,7 @@ pub fn args() -> Kernel {
     kernel("args", bindings, &[PARAMS, snippet!("args.wgsl")])
 }
 
-pub fn cull() -> Kernel {
+pub fn cull(variant: Variant) -> Kernel {
     let bindings = vec![
         params(),
         step(),
@@ -256,7 +267,9 @@ pub fn cull() -> Kernel {
         write("work", "array<vec2<u32>>"),
         counters(),
     ];
-    kernel("cull", bindings, &[PARAMS, ITEMS, INDEX, MEETS, snippet!("cull.wgsl")])
+    let mut kernel = kernel("cull", bindings, &[PARAMS, ITEMS, INDEX, MEETS, snippet!("cull.wgsl")]);
+    kernel.constants.push(("CULLING", variant.culling as u32 as f64));
+    kernel
 }
 
 pub fn bin(variant: Variant) -> Kernel {
@@ -409,7 +422,7 @@ pub fn gather(variant: Variant, planes: &[Channel]) -> Kernel {
 
 /// All kernels of a variant that writes `planes`, in the order of the pipeline, and those beside it.
 pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
-    let mut all = vec![args(), cull(), bin(variant), raster(variant), shade(variant, planes)];
+    let mut all = vec![args(), cull(variant), bin(variant), raster(variant), shade(variant, planes)];
     if variant.turns_rays() {
         all.extend([bounce(variant), fit(variant)]);
     }

@@ -121,6 +121,7 @@ impl Plan {
             rays: sheets::kind(camera),
             sheeted: sheets.count() > 1,
             counting: wanted.counting,
+            culling: true,
             optics: camera.optics.as_deref().map(OpticsKind::of),
             turned: false,
         };
@@ -150,6 +151,13 @@ impl Plan {
             middle: around.middle,
             left_out,
         }
+    }
+}
+
+impl Plan {
+    /// Rows of pixels of the largest band.
+    pub fn rows_max(&self) -> u32 {
+        self.bands.iter().map(|b| b.rows).max().unwrap_or(0)
     }
 }
 

@@ -64,7 +64,7 @@ impl Stages {
         }
         Ok(Stages {
             args: compile(kernels::args()),
-            cull: compile(kernels::cull()),
+            cull: compile(kernels::cull(variant)),
             bin: compile(kernels::bin(variant)),
             raster: compile(kernels::raster(variant)),
             shade: compile(kernels::shade(variant, planes)),

@@ -7,6 +7,14 @@ struct Corner {
     @location(1) @interpolate(flat, either) piece: u32,
 }
 
+// What lies outside the camera triangle is clipped off.
+struct Clipped {
+    @builtin(position) position: vec4<f32>,
+    @builtin(clip_distances) distances: array<f32, 3>,
+    @location(0) @interpolate(flat, either) slot: u32,
+    @location(1) @interpolate(flat, either) piece: u32,
+}
+
 // The camera plane in pixels from the piece's origin, X = p + x px + y py: where the rays are at the t of the scene's middle. The
 // paper's is the mirror's facet; the nearer it is to the triangles, the tighter are their bounds.
 struct Plane {
@@ -56,7 +64,7 @@ fn crossing(n: vec2<f32>, c: f32, m: vec2<f32>, e: f32) -> vec2<f32> {
 }
 
 @vertex
-fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece: u32) -> Corner {
+fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece: u32) -> Clipped {
     let q = pieces[piece];
     let row = triangles[index / 3u];
     let v = array<vec3<f32>, 3>(vertex(row.x), vertex(row.y), vertex(row.z));
@@ -98,7 +106,9 @@ fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piec
     let one = (index + 1u) % 3u;
     let other = (index + 2u) % 3u;
     let place = crossing(n[one], reach[one], n[other], reach[other]);
-    return Corner(vec4<f32>(clip_place(piece_origin(q) + place), 0.5, 1.0), index / 3u, piece);
+    let at = piece_origin(q) + place;
+    let distances = outline_distances(outlines[q.number], vec3<f32>(at, 1.0));
+    return Clipped(vec4<f32>(clip_place(at), 0.5, 1.0), distances, index / 3u, piece);
 }
 
 // Sine of the angle between two edges at which they are told apart.

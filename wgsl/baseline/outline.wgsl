@@ -15,6 +15,23 @@ fn outline_holds(o: Outline, q: vec2<f32>) -> bool {
     return o.is_whole != 0u || (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
 }
 
+// Without it what lies outside a piece is drawn too, and fragments tell.
+override CULLING: bool = true;
+
+// Above 0 on the inner side of each edge and up to half a pixel outside: fragments tell exactly. The place is (w x, w y, w) in band
+// pixels, w above 0, centres at whole numbers.
+fn outline_distances(o: Outline, q: vec3<f32>) -> array<f32, 3> {
+    let corners = outline_corners(o);
+    var distances = array<f32, 3>(1.0, 1.0, 1.0);
+    for (var k = 0u; CULLING && k < 3u && o.is_whole == 0u; k++) {
+        let a = corners[k];
+        let e = corners[(k + 1u) % 3u] - a;
+        let inner = select(-1.0, 1.0, winding(e, corners[(k + 2u) % 3u] - a) > 0.0);
+        distances[k] = inner * winding(e, q.xy - a * q.z) + 0.5 * length(e) * q.z;
+    }
+    return distances;
+}
+
 fn winding(e: vec2<f32>, m: vec2<f32>) -> f32 {
     return e.x * m.y - e.y * m.x;
 }

@@ -1,8 +1,10 @@
 // perspective: pieces whose rays start in one point, each by its own perspective matrix; the rasterizer is exact then (Lorenz
-// and Doellner 2009, section 2). A triangle is drawn once for each piece that it may be seen in, as `replicate` lists them.
+// and Doellner 2009, section 2). A triangle is drawn once for each piece that it may be seen in, as `replicate` lists them, and what
+// lies outside the piece is clipped off.
 
-struct Corner {
+struct Clipped {
     @builtin(position) position: vec4<f32>,
+    @builtin(clip_distances) distances: array<f32, 3>,
     @location(0) @interpolate(perspective) t: f32,
     @location(1) @interpolate(flat, either) normal: vec3<f32>,
     @location(2) @interpolate(flat, either) row_word: u32,
@@ -10,7 +12,7 @@ struct Corner {
 }
 
 @vertex
-fn perspective_corner(@builtin(vertex_index) index: u32) -> Corner {
+fn perspective_corner(@builtin(vertex_index) index: u32) -> Clipped {
     let replica = replicas[index / 3u];
     let q = pieces[replica.y];
     let row = triangles[replica.x];
@@ -20,20 +22,15 @@ fn perspective_corner(@builtin(vertex_index) index: u32) -> Corner {
     let seen = perspective_image(q, select(select(v2, v1, index % 3u == 1u), v0, index % 3u == 0u));
     // places are pixels from the piece's origin, times s
     let size = vec2<f32>(f32(params.width), f32(params.height));
-    let place = (seen.xy + (piece_origin(q) + 0.5) * seen.z) / size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0) * seen.z;
+    let at = seen.xy + piece_origin(q) * seen.z;
+    let place = (at + 0.5 * seen.z) / size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0) * seen.z;
+    let distances = outline_distances(outlines[q.number], vec3<f32>(at, seen.z));
     let t = q.h_hi * seen.z + q.hx_hi * seen.x + q.hy_hi * seen.y;
     let normal = file_normal(row, v0, v1, v2);
-    return Corner(vec4<f32>(place, 0.5 * seen.z, seen.z), t, normal, row.w, replica.y);
+    return Clipped(vec4<f32>(place, 0.5 * seen.z, seen.z), distances, t, normal, row.w, replica.y);
 }
 
 @fragment
 fn perspective_pixel(corner: Corner) -> Drawn {
-    let q = pieces[corner.piece];
-    let o = outlines[q.number];
-    let at = floor(corner.position.xy);
-    let ray = outline_ray(q, at - piece_origin(q));
-    if !in_range(corner.t) || !outline_holds(o, at) || is_hidden(corner.row_word, corner.normal, ray.d) {
-        discard;
-    }
-    return drawn(o.layer, corner.row_word & ID_MASK, corner.t);
+    return seen_through(corner);
 }

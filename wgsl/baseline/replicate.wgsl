@@ -39,7 +39,8 @@ fn replicate(
         let b = around[1] - piece_origin(q);
         let c = around[2] - piece_origin(q);
         let behind = seen[0].z <= 0.0 && seen[1].z <= 0.0 && seen[2].z <= 0.0;
-        if !(behind || all_outside(a, b, c, seen) || all_outside(b, c, a, seen) || all_outside(c, a, b, seen)) {
+        let outside = behind || all_outside(a, b, c, seen) || all_outside(b, c, a, seen) || all_outside(c, a, b, seen);
+        if !CULLING || !outside {
             let at = atomicAdd(&draw_args[VERTICES], 3u) / 3u;
             if at < arrayLength(&replicas) {
                 replicas[at] = vec2<u32>(slot, piece);

@@ -3,14 +3,6 @@
 
 override LEVELS: u32 = 0u;
 
-struct Corner {
-    @builtin(position) position: vec4<f32>,
-    @location(0) @interpolate(perspective) t: f32,
-    @location(1) @interpolate(flat, either) normal: vec3<f32>,
-    @location(2) @interpolate(flat, either) row_word: u32,
-    @location(3) @interpolate(flat, either) piece: u32,
-}
-
 // The weights of a corner of one of the 4^LEVELS parts of a triangle.
 fn part_weights(part: u32, corner: u32) -> vec3<f32> {
     var a = vec3<f32>(1.0, 0.0, 0.0);
@@ -48,12 +40,5 @@ fn warp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece
 
 @fragment
 fn warp_pixel(corner: Corner) -> Drawn {
-    let q = pieces[corner.piece];
-    let o = outlines[q.number];
-    let at = floor(corner.position.xy);
-    let ray = outline_ray(q, at - piece_origin(q));
-    if !in_range(corner.t) || !outline_holds(o, at) || is_hidden(corner.row_word, corner.normal, ray.d) {
-        discard;
-    }
-    return drawn(o.layer, corner.row_word & ID_MASK, corner.t);
+    return seen_through(corner);
 }

@@ -89,3 +89,24 @@ use scene;
 fn cylinder_scene() -> Source {
     scene!("cylinder")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_case_has_a_name_of_its_own_and_rivals_that_are_there() {
+        for suite in &SUITES {
+            for quick in [false, true] {
+                let cases = suite.cases(quick);
+                let mut names: Vec<&String> = cases.iter().map(|c| &c.name).collect();
+                names.sort();
+                names.dedup();
+                assert!(!cases.is_empty() && names.len() == cases.len(), "{}", suite.name);
+                for arm in cases.iter().flat_map(|c| &c.arms) {
+                    assert!(arm.choice().is_ok(), "{}: {arm:?}", suite.name);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,21 @@
+// A triangle that was projected by its corners, seen through a piece.
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(perspective) t: f32,
+    @location(1) @interpolate(flat, either) normal: vec3<f32>,
+    @location(2) @interpolate(flat, either) row_word: u32,
+    @location(3) @interpolate(flat, either) piece: u32,
+}
+
+// What its fragment leaves, of the part of the image that the piece holds.
+fn seen_through(corner: Corner) -> Drawn {
+    let q = pieces[corner.piece];
+    let o = outlines[q.number];
+    let at = floor(corner.position.xy);
+    let ray = outline_ray(q, at - piece_origin(q));
+    if !in_range(corner.t) || !outline_holds(o, at) || is_hidden(corner.row_word, corner.normal, ray.d) {
+        discard;
+    }
+    return drawn(o.layer, corner.row_word & ID_MASK, corner.t);
+}
