@@ -1,18 +1,10 @@
-//! A case: one scene, seen by several techniques, each as an arm. All arms run in turn, A B A B, with an empty kernel between
-//! them as a control; each frame is held against one truth.
+//! A case: one scene, seen by several techniques, each as an arm.
 
-use super::row::{Error, Paper, Row, Times};
+use super::row::{Moving, Paper};
 use crate::baseline::Choice;
-use crate::camera::Camera;
-use crate::compare::compare;
-use crate::engine::{Engine, Frames, RunOptions};
 use crate::error::Result;
 use crate::example::EXAMPLES;
-use crate::frame::Channel;
 use crate::output::write_text;
-use crate::plan::Wanted;
-use crate::reference::image::{Judgement, judge};
-use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 
 /// Where a case's scene comes from.
@@ -34,8 +26,9 @@ pub struct Case {
     pub set: Vec<String>,
     /// KEY=VALUE of the scene that is the truth, beside these.
     pub truth: Vec<String>,
-    /// Every vertex is new in each frame.
-    pub moving: bool,
+    pub moving: Moving,
+    /// What this engine tests and keeps is counted too, in a frame of its own.
+    pub counted: bool,
     pub arms: Vec<Arm>,
     /// What a paper prints of it.
     pub paper: Option<Paper>,
@@ -48,12 +41,13 @@ pub struct Arm {
     pub by: Option<String>,
     /// KEY=VALUE of its own.
     pub set: Vec<String>,
+    /// What sets it apart from others of the same technique.
+    pub way: Option<&'static str>,
     /// The number that a sweep varies, where its choice has none, with its name.
     pub knob: Option<(&'static str, f64)>,
+    /// As [`crate::engine::RunOptions::no_cull`].
+    pub no_cull: bool,
 }
-
-/// Frames of more pixels are not held against the reference: it takes minutes.
-const JUDGED_MAX: u64 = 1 << 20;
 
 impl Case {
     pub fn of(name: impl Into<String>, example: &'static str, arms: Vec<Arm>) -> Case {
@@ -61,7 +55,8 @@ impl Case {
     }
 
     pub fn new(name: impl Into<String>, source: Source, arms: Vec<Arm>) -> Case {
-        Case { name: name.into(), source, set: Vec::new(), truth: Vec::new(), moving: false, arms, paper: None }
+        let (set, truth) = (Vec::new(), Vec::new());
+        Case { name: name.into(), source, set, truth, moving: Moving::Nothing, counted: false, arms, paper: None }
     }
 
     pub fn set(mut self, set: &[&str]) -> Case {
@@ -79,8 +74,16 @@ impl Case {
         Case { paper: Some(paper), ..self }
     }
 
+    pub fn moving(self, moving: Moving) -> Case {
+        Case { moving, ..self }
+    }
+
+    pub fn counted(self) -> Case {
+        Case { counted: true, ..self }
+    }
+
     /// Writes the scene into a folder; returns its path.
-    fn write(&self, folder: &Path) -> Result<PathBuf> {
+    pub(super) fn write(&self, folder: &Path) -> Result<PathBuf> {
         match &self.source {
             Source::Text(text) => {
                 let path = folder.join("scene.toml");
@@ -93,88 +96,11 @@ impl Case {
             },
         }
     }
-
-    /// Runs all arms so many times each.
-    pub fn run(&self, engine: &mut Engine, suite: &str, runs: u32) -> Result<Vec<Row>> {
-        let folder = tempfile::tempdir().map_err(|e| crate::Error::work(format!("no temporary folder: {e}")))?;
-        let path = self.write(folder.path())?;
-        let load = |more: &[String]| Scene::load(&path, &[&self.set[..], more].concat(), 0.0);
-        let truth = load(&self.truth)?;
-        let truth_camera = truth.camera()?;
-        let judged = u64::from(truth_camera.width) * u64::from(truth_camera.height) <= JUDGED_MAX;
-        let mut rows: Vec<Row> = self.arms.iter().map(|arm| Row::new(suite, self, arm)).collect();
-
-        // everything that an arm needs, on the device
-        let opened = |arm: &Arm| {
-            let scene = load(&arm.set)?;
-            let camera = scene.camera()?;
-            Ok::<_, crate::Error>((scene, camera))
-        };
-        let scenes: Vec<Result<(Scene, Camera)>> = self.arms.iter().map(opened).collect();
-        let mut frames: Vec<Option<Frames>> = Vec::new();
-        for ((arm, scene), row) in self.arms.iter().zip(&scenes).zip(&mut rows) {
-            let prepared = scene.as_ref().map_err(Clone::clone).and_then(|(scene, camera)| {
-                row.describe(scene, camera);
-                let channels = vec![Channel::R, Channel::G, Channel::B, Channel::T, Channel::TriangleId];
-                let run = RunOptions { by: arm.choice()?, moving: self.moving, ..Default::default() };
-                engine.prepare(scene, camera, &Wanted { channels, srgb8: false, counting: false }, &run)
-            });
-            match prepared {
-                Ok(prepared) => frames.push(Some(prepared)),
-                Err(e) => {
-                    row.refused = Some(e.to_string());
-                    frames.push(None);
-                }
-            }
-        }
-
-        // in turn, the order turned round every other time
-        let mut times = vec![Vec::new(); frames.len()];
-        let mut control = Vec::new();
-        for k in 0..runs as usize {
-            let mut order: Vec<usize> = (0..frames.len()).collect();
-            if k % 2 == 1 {
-                order.reverse();
-            }
-            control.push(engine.empty_frame()?);
-            for arm in order {
-                let Some(prepared) = &mut frames[arm] else { continue };
-                match prepared.frame() {
-                    Ok(ms) => times[arm].push(ms),
-                    Err(e) => {
-                        rows[arm].refused = Some(e.to_string());
-                        frames[arm] = None;
-                    }
-                }
-            }
-        }
-
-        let mut truth_frame: Option<Judgement> = None;
-        for ((prepared, row), times) in frames.into_iter().zip(&mut rows).zip(times) {
-            let Some(prepared) = prepared else { continue };
-            row.times = Some(Times::of(&times));
-            row.control_ms = Times::of(&control).median;
-            match prepared.finish() {
-                Ok(rendered) => {
-                    row.took(&rendered);
-                    if judged {
-                        let truth = truth_frame.get_or_insert_with(|| judge(&truth, &truth_camera, &rendered.frame));
-                        let of = compare(&rendered.frame, &truth.truth, Some(&truth.safe), Some(&truth.scales))?;
-                        row.error = Some(Error::of(&of));
-                    }
-                }
-                Err(e) => row.refused = Some(e.to_string()),
-            }
-        }
-        let ours = rows.iter().find(|r| r.is_ours()).and_then(|r| r.times.as_ref()).map(|t| t.median);
-        rows.iter_mut().for_each(|row| row.relate(ours));
-        Ok(rows)
-    }
 }
 
 impl Arm {
     pub fn ours() -> Arm {
-        Arm { by: None, set: Vec::new(), knob: None }
+        Arm { by: None, set: Vec::new(), way: None, knob: None, no_cull: false }
     }
 
     /// A rival, as `--engine` names it.
@@ -191,6 +117,16 @@ impl Arm {
     pub fn set(mut self, set: &[&str]) -> Arm {
         self.set.extend(set.iter().map(|s| (*s).to_owned()));
         self
+    }
+
+    /// What sets it apart from others of the same technique.
+    pub fn way(self, way: &'static str) -> Arm {
+        Arm { way: Some(way), ..self }
+    }
+
+    /// Nothing is left out early.
+    pub fn no_cull(self) -> Arm {
+        Arm { no_cull: true, ..self.way("no culling") }
     }
 
     /// The number that a sweep varies.

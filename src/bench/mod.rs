@@ -1,20 +1,23 @@
 //! `anamorph bench`: error against run time for every technique, as files that a person looks at.
 //!
-//! A [`suites::Suite`] is a list of [`case::Case`]s, each one scene and the arms that show it; running one gives [`row::Row`]s. A run is
-//! written as raw.csv, results.json, summary.md and plots; index.html beside all runs shows them together.
+//! A [`suites::Suite`] is a list of [`case::Case`]s, each one scene and the arms that show it; a [`race`] of one gives [`row::Row`]s. A
+//! run is written as raw.csv, results.json, summary.md and plots; index.html beside all runs shows them together.
 
 pub mod case;
 mod page;
 mod plot;
 mod provenance;
+pub mod race;
 pub mod row;
 pub mod suites;
 mod table;
+mod yardstick;
 
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::output::write_text;
 pub use provenance::Provenance;
+use race::{Rules, race};
 use row::Row;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -39,14 +42,15 @@ pub struct Run {
 pub fn run(
     engine: &mut Engine,
     suite: &Suite,
-    (quick, runs): (bool, u32),
+    quick: bool,
+    rules: &Rules,
     folder: &Path,
     mut tell: impl FnMut(&Row),
 ) -> Result<PathBuf> {
     let provenance = Provenance::now(engine, quick);
     let mut rows = Vec::new();
     for case in suite.cases(quick) {
-        let own = case.run(engine, suite.name, runs).map_err(|e| e.at(&case.name))?;
+        let own = race(engine, suite.name, &case, rules).map_err(|e| e.at(&case.name))?;
         own.iter().for_each(&mut tell);
         rows.extend(own);
     }

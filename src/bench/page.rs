@@ -2,7 +2,7 @@
 
 use super::Run;
 use super::plot::Drawn;
-use super::table::{HEADS, about, cells};
+use super::table::{HEADS, WORK_HEADS, about, cells, work};
 
 const STYLE: &str = "
 :root { color-scheme: light dark; }
@@ -58,20 +58,24 @@ fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
     }
     for rows in cases {
         text += &format!("<h3>{}</h3>\n<p class=\"note\">{}</p>\n", escaped(&rows[0].case), escaped(&about(&rows[0])));
-        text += "<table>\n<tr>";
-        HEADS.iter().for_each(|head| text += &format!("<th>{}</th>", escaped(head)));
-        text += "</tr>\n";
-        for row in rows {
-            text += "<tr>";
-            cells(row).iter().for_each(|cell| text += &format!("<td>{}</td>", escaped(cell)));
-            text += "</tr>\n";
+        text += &table(&HEADS, rows.iter().map(cells));
+        if rows.iter().any(|row| row.counted.is_some()) {
+            text += &table(&WORK_HEADS, rows.iter().filter_map(work));
         }
-        text += "</table>\n";
         if let Some((_, _, svg)) = drawn_of(&rows[0].case) {
             text += svg;
         }
     }
     text + "</section>\n"
+}
+
+fn table<const N: usize>(heads: &[&str; N], rows: impl Iterator<Item = [String; N]>) -> String {
+    let line = |tag: &str, cells: &[&str]| {
+        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    let body: String = rows.map(|row| line("td", &row.each_ref().map(String::as_str))).collect();
+    format!("<table>\n{}{body}</table>\n", line("th", heads))
 }
 
 fn escaped(text: &str) -> String {

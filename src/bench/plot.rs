@@ -113,10 +113,10 @@ fn by_technique(rows: &[Row], point: impl Fn(&Row) -> Option<(f64, f64)>) -> Vec
     for row in rows {
         let Some(point) = point(row).filter(|p| p.0 > 0.0 && p.1 > 0.0) else { continue };
         let name = match knob_of(row) {
-            Some(knob) if rows.iter().any(|r| r.technique == row.technique && knob_of(r) != Some(knob)) => {
-                format!("{}: {knob}", row.technique)
+            Some(knob) if rows.iter().any(|r| r.name() == row.name() && knob_of(r).is_some_and(|k| k != knob)) => {
+                format!("{}: {knob}", row.name())
             }
-            _ => row.technique.clone(),
+            _ => row.name(),
         };
         match all.iter_mut().find(|s| s.name == name) {
             Some(series) => series.points.push(point),

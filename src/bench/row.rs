@@ -3,9 +3,10 @@
 use super::case::{Arm, Case};
 use crate::camera::Camera;
 use crate::compare::Comparison;
-use crate::engine::Rendered;
+use crate::engine::{Counts, Rendered};
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// A row of raw.csv and results.json.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -14,13 +15,15 @@ pub struct Row {
     pub case: String,
     /// `anamorph`, or a rival as `--engine` names it.
     pub technique: String,
+    /// What sets it apart from others of the same technique in the case.
+    pub way: Option<String>,
     /// What a sweep varies, and its value.
     pub knob: Option<(String, f64)>,
     pub triangles: usize,
     pub pieces: usize,
     pub width: u32,
     pub height: u32,
-    pub moving: bool,
+    pub moving: Moving,
     pub times: Option<Times>,
     /// Median time of an empty kernel, run in turn with the rest, ms.
     pub control_ms: f64,
@@ -30,10 +33,48 @@ pub struct Row {
     pub stages: Vec<(String, f64)>,
     pub passes: u32,
     pub bytes: u64,
+    pub counted: Option<Counted>,
     pub error: Option<Error>,
     /// Why there is no time.
     pub refused: Option<String>,
     pub paper: Option<Paper>,
+}
+
+/// What is new in each frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Moving {
+    Nothing,
+    /// Every vertex.
+    Triangles,
+    /// The camera: it is compiled, planned and uploaded again.
+    Camera,
+}
+
+impl Moving {
+    pub fn name(self) -> &'static str {
+        match self {
+            Moving::Nothing => "nothing",
+            Moving::Triangles => "triangles",
+            Moving::Camera => "camera",
+        }
+    }
+}
+
+/// What a frame of this engine tests and keeps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Counted {
+    /// (triangle, cell) pairs.
+    pub pairs_tested: u64,
+    pub pairs_kept: u64,
+    /// Pixels tried for a triangle.
+    pub fragments_tested: u64,
+    /// Those that the triangle holds.
+    pub fragments_kept: u64,
+    /// Signs that f64 decided.
+    pub rechecked: u64,
+    /// Pixels that show a triangle.
+    pub covered: u64,
 }
 
 /// Wall times of frames, ms.
@@ -65,6 +106,8 @@ pub struct Paper {
     pub figure: String,
     /// Frames a second, where it prints them.
     pub fps: Option<f64>,
+    /// The same with its culling switched off.
+    pub fps_no_cull: Option<f64>,
     pub hardware: String,
     /// What stands in for what the paper shows.
     pub stand_in: String,
@@ -88,6 +131,7 @@ impl Row {
             suite: suite.to_owned(),
             case: case.name.clone(),
             technique: choice.map_or_else(asked, |c| c.technique.name.to_owned()),
+            way: arm.way.map(str::to_owned),
             knob: own_knob.or(rivals_knob),
             triangles: 0,
             pieces: 0,
@@ -100,10 +144,17 @@ impl Row {
             stages: Vec::new(),
             passes: 0,
             bytes: 0,
+            counted: None,
             error: None,
             refused: None,
             paper: case.paper.clone(),
         }
+    }
+
+    /// A row of the program that runs beside the arms.
+    pub fn of_yardstick(suite: &str, case: &Case, program: &Path) -> Row {
+        let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy().into_owned();
+        Row { technique: name, ..Row::new(suite, case, &Arm::ours()) }
     }
 
     pub fn is_ours(&self) -> bool {
@@ -130,12 +181,29 @@ impl Row {
         self.to_ours = self.times.as_ref().zip(ours).map(|(t, ours)| t.median / ours);
     }
 
-    /// What the technique is called, with its number.
+    /// The technique, with what sets it apart.
+    pub fn name(&self) -> String {
+        self.way.as_ref().map_or_else(|| self.technique.clone(), |way| format!("{}, {way}", self.technique))
+    }
+
+    /// The same with its number.
     pub fn label(&self) -> String {
         match &self.knob {
-            Some((name, value)) => format!("{} ({value} {name})", self.technique),
-            None => self.technique.clone(),
+            Some((name, value)) => format!("{} ({value} {name})", self.name()),
+            None => self.name(),
         }
+    }
+}
+
+impl Counted {
+    pub fn of(counts: Counts, covered: u64) -> Counted {
+        let Counts { pairs_tested, pairs_kept, fragments_tested, fragments_kept, rechecked } = counts;
+        Counted { pairs_tested, pairs_kept, fragments_tested, fragments_kept, rechecked, covered }
+    }
+
+    /// Fragments tested for each pixel that shows a triangle.
+    pub fn overdraw(&self) -> f64 {
+        self.fragments_tested as f64 / self.covered.max(1) as f64
     }
 }
 

@@ -2,13 +2,14 @@
 
 use super::Run;
 use super::plot::{Drawn, Growth, growths};
-use super::row::Row;
+use super::row::{Moving, Row};
 use crate::error::{Error, Result};
 
-const COLUMNS: [&str; 30] = [
+const COLUMNS: [&str; 39] = [
     "suite",
     "case",
     "technique",
+    "way",
     "knob",
     "value",
     "triangles",
@@ -25,6 +26,13 @@ const COLUMNS: [&str; 30] = [
     "to_ours",
     "passes",
     "bytes",
+    "pairs_tested",
+    "pairs_kept",
+    "fragments_tested",
+    "fragments_kept",
+    "rechecked",
+    "covered",
+    "overdraw",
     "wrong_share",
     "wrong_hit_miss",
     "wrong_safe",
@@ -35,6 +43,7 @@ const COLUMNS: [&str; 30] = [
     "paper",
     "figure",
     "paper_fps",
+    "paper_fps_no_cull",
     "paper_hardware",
 ];
 
@@ -50,23 +59,25 @@ pub fn csv(rows: &[Row]) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| failed(&e))
 }
 
-fn record(row: &Row) -> [String; 30] {
+fn record(row: &Row) -> [String; 39] {
     fn or_empty<T: ToString>(value: Option<T>) -> String {
         value.map_or(String::new(), |v| v.to_string())
     }
-    let (knob, times, error, paper) = (row.knob.as_ref(), row.times.as_ref(), row.error.as_ref(), row.paper.as_ref());
+    let (knob, times, counted) = (row.knob.as_ref(), row.times.as_ref(), row.counted.as_ref());
+    let (error, paper) = (row.error.as_ref(), row.paper.as_ref());
     let stages: Vec<String> = row.stages.iter().map(|(name, ms)| format!("{name}={ms:.4}")).collect();
     [
         row.suite.clone(),
         row.case.clone(),
         row.technique.clone(),
+        or_empty(row.way.as_ref()),
         or_empty(knob.map(|k| &k.0)),
         or_empty(knob.map(|k| k.1)),
         row.triangles.to_string(),
         row.pieces.to_string(),
         row.width.to_string(),
         row.height.to_string(),
-        row.moving.to_string(),
+        row.moving.name().to_owned(),
         or_empty(times.map(|t| t.median)),
         or_empty(times.map(|t| t.quartiles[0])),
         or_empty(times.map(|t| t.quartiles[1])),
@@ -76,6 +87,13 @@ fn record(row: &Row) -> [String; 30] {
         or_empty(row.to_ours),
         row.passes.to_string(),
         row.bytes.to_string(),
+        or_empty(counted.map(|c| c.pairs_tested)),
+        or_empty(counted.map(|c| c.pairs_kept)),
+        or_empty(counted.map(|c| c.fragments_tested)),
+        or_empty(counted.map(|c| c.fragments_kept)),
+        or_empty(counted.map(|c| c.rechecked)),
+        or_empty(counted.map(|c| c.covered)),
+        or_empty(counted.map(|c| c.overdraw())),
         or_empty(error.map(|e| e.wrong_share)),
         or_empty(error.map(|e| e.wrong_hit_miss)),
         or_empty(error.map(|e| e.wrong_safe)),
@@ -86,6 +104,7 @@ fn record(row: &Row) -> [String; 30] {
         or_empty(paper.map(|p| &p.paper)),
         or_empty(paper.map(|p| &p.figure)),
         or_empty(paper.and_then(|p| p.fps)),
+        or_empty(paper.and_then(|p| p.fps_no_cull)),
         or_empty(paper.map(|p| &p.hardware)),
     ]
 }
@@ -112,6 +131,25 @@ pub fn cells(row: &Row) -> [String; 7] {
 pub const HEADS: [&str; 7] =
     ["technique", "ms a frame [quartiles]", "to ours", "wrong %", "wrong safe px", "t error p99.9", "PSNR dB"];
 
+/// What a row's frames take beside time; `None` where it was not counted.
+pub fn work(row: &Row) -> Option<[String; 8]> {
+    let c = row.counted.as_ref()?;
+    let stages: Vec<String> = row.stages.iter().map(|(name, ms)| format!("{name} {ms:.2}")).collect();
+    Some([
+        row.label(),
+        stages.join(", "),
+        row.passes.to_string(),
+        format!("{:.1}", row.bytes as f64 / f64::from(1 << 20)),
+        format!("{} of {}", c.pairs_kept, c.pairs_tested),
+        format!("{} of {}", c.fragments_kept, c.fragments_tested),
+        format!("{:.2}", c.overdraw()),
+        c.rechecked.to_string(),
+    ])
+}
+
+pub const WORK_HEADS: [&str; 8] =
+    ["technique", "stages, ms", "passes", "MiB", "pairs kept", "fragments kept", "overdraw", "rechecked"];
+
 pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
     let p = &run.provenance;
     let commit = p.commit.as_deref().unwrap_or("unknown");
@@ -136,6 +174,11 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
         text += &format!("\n## {}\n\n{}\n", rows[0].case, about(&rows[0]));
         text += &format!("\n| {} |\n|{}\n", HEADS.join(" | "), "---|".repeat(HEADS.len()));
         rows.iter().for_each(|row| text += &format!("| {} |\n", cells(row).join(" | ")));
+        let work: Vec<[String; 8]> = rows.iter().filter_map(work).collect();
+        if !work.is_empty() {
+            text += &format!("\n| {} |\n|{}\n", WORK_HEADS.join(" | "), "---|".repeat(WORK_HEADS.len()));
+            work.iter().for_each(|cells| text += &format!("| {} |\n", cells.join(" | ")));
+        }
     }
     for (name, title, _) in plots {
         text += &format!("\n![{title}]({name})\n");
@@ -145,14 +188,19 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
 
 /// A case in a line.
 pub fn about(row: &Row) -> String {
-    let moving = if row.moving { ", every vertex new in each frame" } else { "" };
+    let moving = match row.moving {
+        Moving::Nothing => "",
+        Moving::Triangles => ", every vertex new in each frame",
+        Moving::Camera => ", the camera new in each frame",
+    };
     let mut text = format!(
         "{} triangles, {} x {} pixels{moving}; an empty kernel: {:.2} ms.",
         row.triangles, row.width, row.height, row.control_ms
     );
     if let Some(p) = &row.paper {
         let fps = p.fps.map_or("prints no time".to_owned(), |fps| {
-            format!("prints {fps} frames a second ({:.1} ms) on {}", 1e3 / fps, p.hardware)
+            let no_cull = p.fps_no_cull.map(|fps| format!(", {fps} without culling,")).unwrap_or_default();
+            format!("prints {fps} frames a second ({:.1} ms){no_cull} on {}", 1e3 / fps, p.hardware)
         });
         text += &format!(" {}, figure {} {fps}. Here: {}.", p.paper, p.figure, p.stand_in);
     }

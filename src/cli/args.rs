@@ -197,6 +197,9 @@ pub struct BenchArgs {
     /// Folder that a folder for each run, and index.html over all of them, go to
     #[arg(long, value_name = "DIR", default_value = "bench_results")]
     pub out: PathBuf,
+    /// Program that runs beside in cases of GLC pieces, called as `PATH MESH.tri W H pieces FILE`
+    #[arg(long, value_name = "PATH")]
+    pub yardstick: Option<PathBuf>,
     /// Timed frames of each technique in each case [default: 9; 3 with --quick]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub runs: Option<u32>,

@@ -2,6 +2,7 @@
 
 use super::args::BenchArgs;
 use super::print;
+use crate::bench::race::Rules;
 use crate::bench::suites::{SUITES, Suite};
 use crate::bench::{self, RUNS, RUNS_QUICK, write_index};
 use crate::engine::Engine;
@@ -19,10 +20,11 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let options = GpuOptions { adapter: args.adapter.clone(), no_int64: false };
     let mut engine = Engine::new(Gpu::open(&options)?.ok_or_else(|| Error::work(NO_ADAPTER))?);
     let runs = args.runs.unwrap_or(if args.quick { RUNS_QUICK } else { RUNS });
+    let rules = Rules { runs, yardstick: args.yardstick.clone() };
     for suite in asked {
         print(&format!("{}: {}\n", suite.name, suite.asks))?;
         let mut told = Ok(());
-        let folder = bench::run(&mut engine, suite, (args.quick, runs), &args.out, |row| {
+        let folder = bench::run(&mut engine, suite, args.quick, &rules, &args.out, |row| {
             let time = row.times.as_ref().map(|t| format!("{:>9.2} ms", t.median));
             let wrong = row.error.as_ref().map(|e| format!(", {:.4} % wrong", 100.0 * e.wrong_share));
             let time = time.or_else(|| row.refused.clone()).unwrap_or_default();

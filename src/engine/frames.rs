@@ -119,6 +119,11 @@ impl Frames<'_> {
         }
     }
 
+    /// The time on the device of each stage of the last frame that [`Frames::frame`] took, ms; empty without timestamps.
+    pub fn stages(&self) -> &[(&'static str, f64)] {
+        self.timed.stages.last().map_or(&[], Vec::as_slice)
+    }
+
     /// Shows the scene through `camera` from the next frame on, and in the end: plans anew and uploads what depends on the camera
     /// alone. Positions stay relative to where the first camera had them.
     ///

@@ -111,20 +111,27 @@ pub fn fisheye() -> Vec<(&'static str, Part)> {
     ]
 }
 
-/// `deformation.npy`: offsets that turn and enlarge the picture's middle, none at its border.
+/// `deformation.npy` and finer ones of the same: offsets that turn and enlarge the picture's middle, none at its border.
 pub fn offsets() -> Vec<(&'static str, Part)> {
-    const SIDE: u64 = 16;
+    vec![
+        ("deformation.npy", deformation(16, 16)),
+        ("deformation-80x60.npy", deformation(80, 60)),
+        ("deformation-128x128.npy", deformation(128, 128)),
+    ]
+}
+
+fn deformation(columns: u64, rows: u64) -> Part {
     const TURN: f64 = 0.6;
     const GROWTH: f64 = 0.5;
-    let place = |k: u64| k as f64 / (SIDE - 1) as f64 - 0.5;
+    let place = |k: u64, count: u64| k as f64 / (count - 1) as f64 - 0.5;
     let offset = |i: u64, j: u64| {
-        let p = DVec2::new(place(i), place(j));
+        let p = DVec2::new(place(i, columns), place(j, rows));
         let inside = (1.0 - 4.0 * p.length_squared()).max(0.0).powi(2);
         (1.0 + GROWTH * inside) * DVec2::from_angle(TURN * inside).rotate(p) - p
     };
-    let places = (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
+    let places = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
     let numbers = places.flat_map(|(i, j)| offset(i, j).to_array()).collect();
-    vec![("deformation.npy", Part::Numbers { shape: [SIDE, SIDE, 2], numbers })]
+    Part::Numbers { shape: [rows, columns, 2], numbers }
 }
 
 /// `surround.obj`: 400 triangles around a walker: the sides of a rounded square box, two for each of 20 x 9 cells from

@@ -2,7 +2,7 @@
 
 use super::{cylinder_scene, scene};
 use crate::bench::case::{Arm, Case, arms};
-use crate::bench::row::Paper;
+use crate::bench::row::{Moving, Paper};
 
 /// Machines of the papers.
 const GTX_8800: &str = "Core 2 Duo 2.13 GHz, GeForce 8800 GTX";
@@ -18,6 +18,7 @@ fn paper(paper: &str, figure: &str, fps: impl Into<Option<f64>>, hardware: &str,
         paper: paper.into(),
         figure: figure.into(),
         fps: fps.into(),
+        fps_no_cull: None,
         hardware: hardware.into(),
         stand_in: stand_in.into(),
     }
@@ -39,7 +40,7 @@ fn atlas_arms((key, count): (&str, u32), texels: u32, rivals: &[&str]) -> Vec<Ar
 /// Yu, Yu and McMillan 2009.
 fn yu() -> Vec<Case> {
     let of = |figure: &str, fps: Option<f64>, stand_in: &str| paper("Yu et al. 2009", figure, fps, GTX_8800, stand_in);
-    let glc = ["raster-splat:10", "raster-bound", "raster-warp:0", "raster-warp:2", "raytrace"];
+    let glc = ["raster-splat:10", "raster-warp:0", "raster-warp:2", "raytrace"];
     let ring = ["raster-splat:10", "raster-splat-passes:10", "raster-bound", "raytrace"];
     let pieces = |n: u32, names: &[&str]| -> Vec<Arm> {
         let set = format!("camera.pieces={n}");
@@ -133,24 +134,28 @@ fn hou() -> Vec<Case> {
             "a generated walker of 6,841 triangles, 400 cameras",
         )),
     ];
+    // triangles, those of the flock, cameras, frames a second with culling and without
     let rows = [
-        (800, 700, 100, 20.1),
-        (1200, 1100, 100, 14.6),
-        (1600, 1500, 100, 9.2),
-        (400, 300, 256, 6.0),
-        (800, 700, 256, 2.1),
-        (1200, 1100, 256, 1.8),
-        (400, 300, 512, 2.5),
-        (800, 700, 512, 1.0),
+        (800, 700, 100, 20.1, 4.5),
+        (1200, 1100, 100, 14.6, 3.6),
+        (1600, 1500, 100, 9.2, 2.1),
+        (400, 300, 256, 6.0, 1.5),
+        (800, 700, 256, 2.1, 0.5),
+        (1200, 1100, 256, 1.8, 0.35),
+        (400, 300, 512, 2.5, 0.8),
+        (800, 700, 512, 1.0, 0.3),
     ];
-    cases.extend(rows.map(|(triangles, flock, cameras, fps)| {
-        let arms = atlas_arms(("mirror.cameras", cameras), 64, &["raster-bound", "raster-bound-passes"]);
-        let case = Case::of(format!("Hou 7: {triangles} moving triangles, {cameras} cameras"), "mirror-teapot", arms);
-        Case { moving: true, ..case }
+    cases.extend(rows.map(|(triangles, flock, cameras, fps, fps_no_cull)| {
+        let mut arms = atlas_arms(("mirror.cameras", cameras), 64, &["raster-bound", "raster-bound-passes"]);
+        let culling: Vec<Arm> = arms[1..3].to_vec();
+        arms.extend(culling.into_iter().map(Arm::no_cull));
+        let paper = of("7", Some(fps), "the built-in teapot as the mirror, butterflies and balls that move");
+        Case::of(format!("Hou 7: {triangles} moving triangles, {cameras} cameras"), "mirror-teapot", arms)
+            .moving(Moving::Triangles)
             .set(&[&format!("mesh.0.file=flock-{flock}.obj")])
             // as many as the eye sees
             .truth(&["camera.mirror.cameras=6320"])
-            .paper(of("7", Some(fps), "the built-in teapot as the mirror, butterflies and balls that move"))
+            .paper(Paper { fps_no_cull: Some(fps_no_cull), ..paper })
     }));
     cases
 }
@@ -159,18 +164,21 @@ fn hou() -> Vec<Case> {
 fn popescu() -> Vec<Case> {
     let of = |figure: &str, fps: f64, stand_in: &str| paper("Popescu et al.", figure, fps, K5000, stand_in);
     let by = || arms(&["raster-warp:0", "raytrace"]);
-    let smaller = "a generated terrain; 2,120,000 triangles in the paper";
-    let city = "a generated city; 3,692,000 triangles in the paper";
+    let (terrain, city) =
+        ("a generated terrain of 2,121,800 triangles", "a generated city and balls, 3,692,000 triangles");
+    let terrain_size = ["mesh.0.size=1030"];
+    let towns = ["mesh.0.triangles=3689440"];
+    let one = ["camera.targets=[{ at = [-6.25, 0.5, 0], radius = 0.45 }]"];
+    let town = ["mesh.0.triangles=3752000"];
     vec![
-        Case::of("Popescu 1", "terrain-top-down", by()).paper(of("1, table 1", 28.0, smaller)),
-        Case::of("Popescu 2", "terrain-bottom-up", by()).paper(of("2, table 1", 24.0, smaller)),
-        Case::of("Popescu 3", "tracked", by()).paper(of("3, table 1", 19.0, city)),
-        Case::of("Popescu 9", "opposite", by()).paper(of(
-            "9, table 1",
-            13.0,
-            "generated; 3,752,000 triangles in the paper",
-        )),
-        Case::of("Popescu 9, the graph camera", "graph-camera", by()).paper(of("9", 13.0, "its rival in the paper")),
+        Case::of("Popescu 1", "terrain-top-down", by()).set(&terrain_size).paper(of("1, table 1", 28.0, terrain)),
+        Case::of("Popescu 2", "terrain-bottom-up", by()).set(&terrain_size).paper(of("2, table 1", 24.0, terrain)),
+        Case::of("Popescu 3", "tracked", by()).set(&towns).paper(of("3, table 1", 19.0, city)),
+        Case::of("Popescu 10", "tracked", by()).set(&towns).set(&one).paper(of("10, table 1", 39.0, city)),
+        Case::of("Popescu 9", "opposite", by()).set(&town).paper(of("9, table 1", 13.0, "a generated city of as many")),
+        Case::of("Popescu 9, the graph camera", "graph-camera", arms(&["raster-pieces", "raytrace"])).set(&town).paper(
+            paper("Popescu et al.", "9", None, K5000, "the same city by the camera that the paper compares with"),
+        ),
     ]
 }
 
@@ -178,22 +186,47 @@ fn popescu() -> Vec<Case> {
 fn lorenz() -> Vec<Case> {
     let of =
         |figure: &str, fps: f64, stand_in: &str| paper("Lorenz and Doellner 2009", figure, fps, GTS_8800, stand_in);
-    let strips = |arm: Arm| arm.set(&["camera.strips=160"]).knob("strips", 160.0);
+    let strips = |arm: Arm, n: u32| arm.set(&[&format!("camera.strips={n}")]).knob("strips", f64::from(n));
     let city = "a generated city of 35,000 triangles";
-    let size = ["image.width=1600", "image.height=1200"];
-    let exact = || vec![Arm::ours(), strips(Arm::ours())];
-    let ppp = [exact(), vec![strips(Arm::rival("raster-pieces")), Arm::rival("raytrace")]].concat();
-    let ib = [exact(), vec![Arm::rival("raster-cubemap:2048")]].concat();
-    let warped = arms(&["raster-pieces", "raytrace"]);
-    vec![
-        Case::new("Lorenz table 1: PPP", cylinder_scene(), ppp).set(&size).paper(of("table 1, figure 1", 84.7, city)),
-        Case::new("Lorenz table 1: IB", cylinder_scene(), ib).set(&size).paper(of("table 1", 41.7, city)),
-        Case::of("Lorenz table 2", "deformation", warped).set(&size).paper(of(
-            "table 2",
-            8.4,
-            "the same city; 16 x 16 cells for 128 x 128",
-        )),
-    ]
+    let quality = "the same city, 16 rays a pixel as a picture of 4 x 4 its size; without anisotropic filters";
+    let (size, large) = (["image.width=1600", "image.height=1200"], ["image.width=6400", "image.height=4800"]);
+    let cube = || Arm::rival("raster-cubemap:2048");
+    let ppp = |n: u32| vec![strips(Arm::ours(), n), strips(Arm::rival("raster-pieces"), n)];
+    let exact = vec![Arm::ours(), Arm::rival("raytrace")];
+    let cylinder =
+        |name: &str, arms: Vec<Arm>, size: [&str; 2]| Case::new(name, cylinder_scene(), arms).set(&size).counted();
+    let mut cases = vec![
+        cylinder("Lorenz table 1: PPP", [exact, ppp(160)].concat(), size).paper(of("table 1, figure 1", 84.7, city)),
+        cylinder("Lorenz table 1: IB", vec![Arm::ours(), cube()], size).paper(of("table 1", 41.7, city)),
+        cylinder("Lorenz table 1: PPP HQ", ppp(160), large).paper(of("table 1, figure 1", 54.8, quality)),
+        cylinder("Lorenz table 1: IB HQ", vec![Arm::ours(), cube()], large).paper(of("table 1", 33.8, quality)),
+        cylinder("Lorenz 4", ppp(40), size).paper(paper("Lorenz and Doellner 2009", "4", None, GTS_8800, city)),
+    ];
+    // texture, technique, size of the picture, figure, frames a second
+    let by = |name: &str| vec![Arm::ours(), Arm::rival(name)];
+    let textures = [
+        ("128x128", "raster-pieces", size, "table 2, PPP", 8.4),
+        ("128x128", "raster-cubemap:2048", size, "table 2, IB", 206.2),
+        ("128x128", "raster-pieces", large, "table 2, PPP HQ", 8.2),
+        ("128x128", "raster-cubemap:2048", large, "table 2, IB HQ", 95.8),
+        ("80x60", "raster-pieces", size, "section 4", 22.1),
+        ("80x60", "raster-pieces", large, "section 4, HQ", 20.9),
+    ];
+    cases.extend(textures.map(|(texture, technique, size, figure, fps)| {
+        Case::of(format!("Lorenz {figure}: camera texture of {texture}"), "deformation", by(technique))
+            .set(&[&format!("camera.file=deformation-{texture}.npy")])
+            .set(&size)
+            .counted()
+            .paper(of(figure, fps, if size == large { quality } else { city }))
+    }));
+    // its figure 6: up to a million triangles
+    cases.extend([10_000, 100_000, 1_000_000].map(|n| {
+        let stand_in = "a generated city; the paper draws curves without numbers";
+        cylinder(&format!("Lorenz 6: {n} triangles"), ppp(160), size)
+            .set(&[&format!("mesh.0.triangles={n}")])
+            .paper(paper("Lorenz and Doellner 2009", "6", None, GTS_8800, stand_in))
+    }));
+    cases
 }
 
 pub fn cases() -> Vec<Case> {

@@ -25,16 +25,18 @@ fn cylinder(strips: &[u32], sides: &[u32]) -> Case {
 
 /// A mirror ball by facets, with and without an atlas, and by an environment map.
 fn mirror(counts: &[u32], texels: &[u32]) -> Case {
-    let law = |law: &str, n: u32| {
+    let facets = |law: &str, n: u32| {
         let set = [format!("camera.facets=\"{law}\""), format!("camera.mirror.count={n}")];
         Arm::ours().set(&[&set[0], &set[1]])
     };
     let exact = Arm::ours().set(&["camera.facets=\"exact\""]);
-    let environment = exact.clone().set(&["camera.environment=[0, 0, 0]"]).knob("environment map", 1.0);
-    let normals = counts.iter().map(|n| law("normals", *n).knob("facets with normals", f64::from(*n)));
-    let flat = counts.iter().map(|n| law("flat", *n).knob("flat facets", f64::from(*n)));
-    let atlas =
-        |r: &u32| law("flat", 480).set(&[&format!("camera.atlas={r}")]).knob("texels of an atlas", f64::from(*r));
+    let environment = exact.clone().set(&["camera.environment=[0, 0, 0]"]).way("environment map");
+    let normals = counts.iter().map(|n| facets("normals", *n).way("facets with normals").knob("facets", f64::from(*n)));
+    let flat = counts.iter().map(|n| facets("flat", *n).way("flat facets").knob("facets", f64::from(*n)));
+    let atlas = |r: &u32| {
+        let painted = facets("flat", 480).set(&[&format!("camera.atlas={r}")]);
+        painted.way("480 flat facets from an atlas").knob("texels", f64::from(*r))
+    };
     let splat = |r: &u32| Arm { by: Arm::rival("raster-splat:6").by, ..atlas(r) };
     let bound = |r: &u32| Arm { by: Arm::rival("raster-bound").by, ..atlas(r) };
     let atlases = texels.iter().flat_map(|r| [atlas(r), splat(r), bound(r)]);

@@ -14,9 +14,9 @@ const EXAMPLES: [&str; 8] = [
 ];
 
 pub fn cases() -> Vec<Case> {
-    EXAMPLES.map(|name| Case::of(name, name, arms(&[]))).into()
+    EXAMPLES.map(|name| Case::of(name, name, arms(&[])).counted()).into()
 }
 
 pub fn quick() -> Vec<Case> {
-    EXAMPLES[..4].iter().map(|name| Case::of(*name, name, arms(&[]))).collect()
+    EXAMPLES[..4].iter().map(|name| Case::of(*name, name, arms(&[])).counted()).collect()
 }
