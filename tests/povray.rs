@@ -8,6 +8,7 @@ use anamorph::compare::{Comparison, compare};
 use anamorph::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::reference::image::judge;
 use anamorph::scene::Scene;
+use std::ops::Range;
 use std::path::Path;
 use std::process::Command;
 
@@ -83,8 +84,8 @@ fn against(scene: &Scene, camera: &Camera, frame: &Frame) -> (Comparison, u64) {
     (compare(frame, &judged.truth, Some(&judged.safe), None).unwrap(), judged.not_near)
 }
 
-/// Asserts that POV-Ray sees what the reference says, and that it would be noticed if it did not.
-fn assert_agrees(name: &str, text: &str, size: (u32, u32)) {
+/// Asserts that POV-Ray sees what the reference says, and that it would be noticed if it did not. What it sees.
+fn assert_agrees(name: &str, text: &str, size: (u32, u32)) -> Frame {
     let (scene, camera) = small(text, size);
     let frame = traced(text, size);
     let hits = common::gpu::hits(&frame);
@@ -97,6 +98,7 @@ fn assert_agrees(name: &str, text: &str, size: (u32, u32)) {
     // half a pixel aside it is another camera
     let (seen, not_near) = against(&scene, &camera.with_sample_offset(0.5, 0.0), &frame);
     assert!(seen.wrong_safe > Some(0) && not_near > 0, "{name}: {seen}");
+    frame
 }
 
 #[test]
@@ -122,13 +124,18 @@ fn unseen_sides_and_coincident_triangles_are_the_same() {
     if !has_povray() {
         return;
     }
-    // from within the box its far sides are not seen; the ball is there twice, the second one has no id that is seen
+    // a box whose sides are not seen from within, and a ball twice: the first from outside alone
     let solids = "[[mesh]]\nbuiltin = \"box\"\ntwo_sided = false\nscale = 4\nrotate = [10, 20, 0]\n\
                   [[mesh]]\nbuiltin = \"icosphere\"\nlevel = 2\ntwo_sided = false\n\
                   [[mesh]]\nbuiltin = \"icosphere\"\nlevel = 2\n\
                   [[mesh]]\nbuiltin = \"plane\"\nsize = 9\ndivisions = 4\ntranslate = [0, -3, 0]\n";
-    let camera = "kind = \"fisheye\"\neye = [0.3, 0.4, 1.6]\ntarget = [0, 0, 0]\nfov = 180\nframe = \"full\"";
-    assert_agrees("unseen sides", &format!("{solids}[camera]\n{camera}\n"), (160, 120));
-    let camera = "kind = \"pinhole\"\neye = [0.3, 0.4, 0.5]\ntarget = [0, 0, 0]\nvfov = 100";
-    assert_agrees("from within", &format!("{solids}[camera]\n{camera}\n"), (160, 120));
+    let (first, second) = (12..332, 332..652);
+    for (camera, seen, unseen) in [
+        ("kind = \"fisheye\"\neye = [0.3, 0.4, 1.6]\ntarget = [0, 0, 0]\nfov = 180\nframe = \"full\"", &first, &second),
+        ("kind = \"pinhole\"\neye = [0.3, 0.4, 0.5]\ntarget = [0, 0, 0]\nvfov = 100", &second, &first),
+    ] {
+        let frame = assert_agrees(camera, &format!("{solids}[camera]\n{camera}\n"), (160, 120));
+        let pixels = |of: &Range<u32>| common::gpu::ids(&frame).iter().filter(|&id| of.contains(id)).count();
+        assert!(pixels(seen) > 1000 && pixels(unseen) == 0, "{camera}: {} {}", pixels(seen), pixels(unseen));
+    }
 }
