@@ -89,7 +89,7 @@ fn cameras_that_povray_has_not() {
         (format!("kind = \"pinhole\"\n{at}\nvfov = 40\nt_range = [-inf, inf]"), "t_range starts at -inf"),
         (
             format!("kind = \"pinhole\"\n{at}\nvfov = 40\nt_range = [1e308, inf]"),
-            "the ray of pixel 0,0 starts at no finite place",
+            "the ray of pixel 0,0 starts too far away",
         ),
         (format!("kind = \"pinhole\"\n{at}\nvfov = 40\nt_range = [0, 4]"), "t_range ends at 4"),
     ] {

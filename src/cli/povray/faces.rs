@@ -60,13 +60,13 @@ mod tests {
         let one_sided = Material { two_sided: false, ..Material::default() };
         let mesh = Mesh {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, -DVec3::ZERO, DVec3::Z],
-            triangles: vec![[1, 1, 2], [0, 1, 2], [2, 1, 3], [1, 2, 0], [4, 2, 0]],
+            triangles: vec![[1, 1, 2], [0, 1, 2], [2, 1, 3], [1, 2, 0], [2, 4, 0]],
             materials: vec![one_sided, Material::default()],
             material_of: vec![1, 0, 0, 1, 0],
             ..Mesh::default()
         };
         let [a, b, c, d] = [DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::Z];
-        // [0, 1, 2] is an odd order of a, b, c and so is seen from the back of these; [4, 2, 0] of a, d, b as well
+        // [0, 1, 2] is an odd order of a, b, c and so is seen from the back of these; [2, 4, 0] of a, d, b as well
         let first = Face { corners: [a, b, c], front: Some(2), back: Some(1) };
         let second = Face { corners: [a, d, b], front: None, back: Some(4) };
         assert_eq!(of(&mesh), [first, second]);

@@ -29,24 +29,28 @@ pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> Result<Rays, Strin
     let (lo, hi) = bounds.unwrap_or_default();
     let (centre, radius) = (lo.midpoint(hi), lo.distance(hi) / 2.0);
     // outwards from a corner of the box
-    let nothing = Ray { origin: hi, direction: unit(DVec3::ONE) };
+    let nothing = Ray { origin: hi, direction: DVec3::ONE.normalize() };
     let mut each = Vec::with_capacity(camera.width as usize * camera.height as usize);
     let (mut reach, mut is_cut, mut lengths) = (radius, false, [f64::INFINITY, 0.0f64]);
     for (j, i) in (0..camera.height).flat_map(|j| (0..camera.width).map(move |i| (j, i))) {
-        let Some((_, bundle)) = camera.pixel(0, i, j) else {
+        let ray = camera.pixel(0, i, j).map(|(_, bundle)| bundle.ray(0.0, 0.0));
+        let Some(Ray { origin, direction }) = ray.filter(|ray| ray.direction != DVec3::ZERO) else {
             each.push(nothing);
             continue;
         };
-        let Ray { origin, direction } = bundle.ray(0.0, 0.0);
         let start = origin + t_min * direction;
-        if !start.is_finite() {
-            return Err(format!("the ray of pixel {i},{j} starts at no finite place; give t_range a nearer start"));
+        let farthest = start.distance(centre) + radius;
+        if !farthest.is_finite() {
+            return Err(format!("the ray of pixel {i},{j} starts too far away; give t_range a nearer start"));
         }
-        let (farthest, length) = (start.distance(centre) + radius, (t_max - t_min) * direction.length());
+        // a direction of any length
+        let largest = direction.abs().max_element();
+        let (direction, speed) = (direction / largest).normalize_and_length();
+        let length = (t_max - t_min) * largest * speed;
         reach = reach.max(farthest);
         is_cut |= length <= farthest;
         lengths = [lengths[0].min(length), lengths[1].max(length)];
-        each.push(Ray { origin: start, direction: unit(direction) });
+        each.push(Ray { origin: start, direction });
     }
     let one_length = lengths[0] > 0.0 && lengths[1] - lengths[0] <= LENGTH_ROUNDING * lengths[1];
     if is_cut && !one_length {
@@ -70,9 +74,4 @@ fn straight(camera: &Camera) -> Result<(), String> {
     } else {
         Ok(())
     }
-}
-
-/// The unit vector, of a vector of any length.
-fn unit(v: DVec3) -> DVec3 {
-    (v / v.abs().max_element()).normalize()
 }
