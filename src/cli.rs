@@ -15,6 +15,7 @@ mod info;
 mod kinds;
 mod memory;
 mod outputs;
+mod povray;
 mod progress;
 mod project;
 mod render;

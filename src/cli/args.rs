@@ -135,6 +135,9 @@ pub struct CameraArgs {
     /// Write the camera's pieces as the file of a mesh camera; several layers as the layers of a chain
     #[arg(long, value_name = "FILE.json")]
     pub export: Option<PathBuf>,
+    /// Write the scene for POV-Ray 3.7, with a ray for each pixel and the triangles' ids for colours
+    #[arg(long, value_name = "FILE.pov")]
+    pub export_povray: Option<PathBuf>,
     /// Write each pixel's P and D: an array of H x W x 6; a curve's or projector's control points: H x W x (m+1) x 3
     #[arg(long, value_name = "RAYS.npy")]
     pub rays: Option<PathBuf>,

@@ -3,7 +3,7 @@
 use super::args::{CameraArgs, Cli};
 use super::describe::Description;
 use super::render::load;
-use super::{diagram, export, kinds, memory, outputs, print};
+use super::{diagram, export, kinds, memory, outputs, povray, print};
 use crate::error::{Error, Result};
 use clap::CommandFactory;
 use std::path::PathBuf;
@@ -17,13 +17,17 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     }
     let Some(path) = &args.scene else { return Err(Error::input("no scene given; see anamorph camera --help")) };
     let (scene, camera) = load(path, &args.change)?;
-    outputs::check(path, args.export.iter().chain(&args.rays).chain(&args.diagram).map(PathBuf::as_path))?;
-    if args.rays.is_some() {
+    let files = args.export.iter().chain(&args.export_povray).chain(&args.rays).chain(&args.diagram);
+    outputs::check(path, files.map(PathBuf::as_path))?;
+    if args.rays.is_some() || args.export_povray.is_some() {
         let numbers: usize = export::pixel_shape(&camera).iter().product();
         memory::check(camera.width, camera.height, numbers.div_ceil(NUMBERS_A_CHANNEL))?;
     }
     if let Some(file) = &args.export {
         export::write_pieces(file, &scene.camera, &camera)?;
+    }
+    if let Some(file) = &args.export_povray {
+        povray::write(file, &scene, &camera)?;
     }
     if let Some(file) = &args.rays {
         export::write_rays(file, &camera)?;

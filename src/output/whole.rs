@@ -1,7 +1,7 @@
 //! Output files that are whole or not there: a temporary file beside the target, then a rename.
 
 use std::fs::{self, File};
-use std::io::{self, Seek, Write};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
@@ -45,6 +45,18 @@ pub fn check_writable(path: &Path) -> Result<()> {
 /// [`Error::Work`] naming `path`.
 pub fn write_text(path: &Path, text: &str) -> Result<()> {
     write_whole(path, |file| file.write_all(text.as_bytes()))
+}
+
+/// Writes what `fill` writes to `path`, whole or not at all.
+///
+/// # Errors
+/// [`Error::Work`] naming `path`.
+pub fn write_lines(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    write_whole(path, |file| {
+        let mut writer = BufWriter::new(file);
+        fill(&mut writer)?;
+        writer.flush()
+    })
 }
 
 /// How bytes reach a path.

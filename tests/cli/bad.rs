@@ -55,6 +55,7 @@ fn wrong_command_lines() {
         (vec!["camera"], "SCENE"),
         (vec!["camera", "--help", "perspective"], "known: pinhole"),
         (vec!["camera", "scene.toml", "--rays", "r.npy", "--export", "r.npy"], "named twice"),
+        (vec!["camera", "scene.toml", "--export-povray", "scene.toml"], "named twice"),
         (vec!["project", "scene.toml"], "--points"),
         (vec!["project", "scene.toml", "--points", "p.csv"], "p.csv: cannot be read"),
         (vec!["project", "scene.toml", "--points", "scene.toml"], ".npy, .csv, .txt or .xyz"),
@@ -67,6 +68,38 @@ fn wrong_command_lines() {
     ] {
         place.refuses(&args, 2, says);
     }
+}
+
+/// What a ray tracer with one straight ray a pixel has no word for.
+#[test]
+fn cameras_that_povray_has_not() {
+    let place = Place::new();
+    let at = "eye = [0, 0.5, 4]\ntarget = [0, 0, 0]";
+    for (camera, says) in [
+        (format!("kind = \"twist\"\n{at}\nvfov = 40\ndegree = 3\nangle = 70"), "twist has a curve for each pixel"),
+        (format!("kind = \"occlusion\"\n{at}\nvfov = 40\nnear = 4\nfar = 6"), "occlusion has"),
+        (
+            format!(
+                "kind = \"reflection\"\neye = {{ kind = \"pinhole\", {}, vfov = 40 }}\n\
+                     mirror = {{ shape = \"sphere\", radius = 0.5 }}",
+                at.replace('\n', ", ")
+            ),
+            "reflection turns rays",
+        ),
+        (format!("kind = \"pinhole\"\n{at}\nvfov = 40\nt_range = [-inf, inf]"), "t_range starts at -inf"),
+        (
+            format!("kind = \"pinhole\"\n{at}\nvfov = 40\nt_range = [1e308, inf]"),
+            "the ray of pixel 0,0 starts too far away",
+        ),
+        (format!("kind = \"pinhole\"\n{at}\nvfov = 40\nt_range = [0, 4]"), "t_range ends at 4"),
+    ] {
+        place.write("s.toml", format!("[[mesh]]\nbuiltin = \"icosphere\"\n[camera]\n{camera}\n"));
+        let args = ["camera", "s.toml", "--size", "8x6", "--export-povray", "s.pov"];
+        place.refuses(&args, 2, &format!("--export-povray: {says}"));
+    }
+    let set = "camera={kind=\"orthographic\", eye=[0, 0, 4], target=[0, 0, 0], height=2, t_range=[0, 4]}";
+    let args = ["camera", "scene.toml", "--set", set, "--set", "mesh.0.two_sided=false", "--export-povray", "s.pov"];
+    place.refuses(&args, 2, "two_sided = true");
 }
 
 /// Each scene with the text that its error must hold.
@@ -196,7 +229,7 @@ fn outputs_that_cannot_be_written() {
     ] {
         place.refuses(&[&["render", "scene.toml", "--engine", "reference"], args].concat(), 1, says);
     }
-    for flag in ["--export", "--rays"] {
+    for flag in ["--export", "--export-povray", "--rays"] {
         place.refuses(&["camera", "scene.toml", flag, "missing/x"], 1, "create it first");
     }
     place.refuses(&["example", "pinhole", "--out", "scene.toml"], 1, "scene.toml");

@@ -230,6 +230,27 @@ fn an_exported_camera_has_the_same_rays() {
 }
 
 #[test]
+fn a_scene_for_povray_has_a_ray_for_each_pixel_and_a_colour_for_each_triangle() {
+    let place = Place::new();
+    let export = |more: &[&str]| {
+        place.works(&[&["camera", "scene.toml", "--size", "8x6", "--export-povray", "s.pov"], more].concat());
+        std::fs::read_to_string(place.path().join("s.pov")).unwrap()
+    };
+    let count = |text: &str, start: &str| text.lines().filter(|l| l.starts_with(start)).count();
+    let text = export(&[]);
+    assert_eq!((count(&text, "mesh {"), count(&text, "triangle {")), (48, 320));
+    assert!(text.contains("+I\"s.pov\" +O\"s.png\"") && text.contains("+W8 +H7"), "{}", &text[..400]);
+    assert!(text.contains("rgb <63,1,0>/255") && !text.contains("rgb <64,1,0>/255") && !text.contains("rgbt"));
+    // one-sided triangles are clear from behind; rays of one length end
+    assert_eq!(export(&["--set", "mesh.0.two_sided=false"]).matches("rgbt 1").count(), 320);
+    let parallel = "camera={kind=\"orthographic\", eye=[0, 0, 4], target=[0, 0, 0], height=2, t_range=[-1, 4]}";
+    let ended = export(&["--set", parallel]);
+    let camera = ended.lines().find_map(|l| l.strip_prefix("camera { mesh_camera { 1 1 ")).unwrap();
+    // 5 world units of 2^k
+    assert_eq!((camera.parse::<f64>().unwrap() / 5.0).log2().fract(), 0.0, "{camera}");
+}
+
+#[test]
 fn classes_and_slits_are_named() {
     let place = Place::new();
     for (example, says) in [
