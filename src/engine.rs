@@ -14,7 +14,7 @@ use crate::baseline::{Choice, Setup};
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
 use crate::caustics::Account;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame, Plane};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
@@ -55,6 +55,8 @@ pub struct RunOptions {
     /// Clusters that a part of the image does not see are not left out early: `cull` hands on everything, and rivals do not clip at
     /// the edges of pieces.
     pub no_cull: bool,
+    /// Triangles that a rival may draw a frame.
+    pub draws_max: Option<u64>,
     /// Where the lists start; `None`: from the scene's size. They grow as needed.
     pub capacities: Option<Capacities>,
 }
@@ -169,6 +171,10 @@ impl Engine {
         let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup)).transpose()?;
         let caustics = lit.map(|lit| (lit, self.gather(plan.variant, &plan.planes)));
         let mut resident = Resident::new(&self.gpu, &scene, &camera, &plan, wanted, run.capacities)?;
+        let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());
+        if let Some(most) = run.draws_max.filter(|most| draws > *most) {
+            return Err(Error::input(format!("{draws} triangles to draw a frame; {most} are the most here")));
+        }
         if let Some(painter) = &mut painter {
             painter.paints_into(&self.gpu, &mut resident.shared)?;
         }

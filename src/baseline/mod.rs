@@ -34,6 +34,11 @@ pub trait Rival {
     /// Brings what it needs of the camera to that of `setup`, which is of the same kind and size.
     fn aim(&mut self, gpu: &Gpu, setup: &Setup) -> Result<()>;
 
+    /// Triangles that it draws for a chunk of `slots` rows of triangles.
+    fn draws(&self, _slots: u32) -> u64 {
+        0
+    }
+
     /// Passes over a band, at most.
     fn passes(&self, band: &Target) -> u32;
 

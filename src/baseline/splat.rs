@@ -109,6 +109,10 @@ impl Rival for ByTexture {
         Ok(())
     }
 
+    fn draws(&self, slots: u32) -> u64 {
+        u64::from(slots) * u64::from(self.pieces) * (2 + u64::from(self.samples - 1).pow(2))
+    }
+
     fn passes(&self, band: &Target) -> u32 {
         1 + band.chunks.iter().map(|c| 2 * self.pairs(c.slots).len() as u32).sum::<u32>()
     }

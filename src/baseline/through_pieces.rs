@@ -58,6 +58,10 @@ impl Rival for ThroughPieces {
         Ok(())
     }
 
+    fn draws(&self, slots: u32) -> u64 {
+        u64::from(slots) * u64::from(self.parts) * u64::from(self.pieces)
+    }
+
     fn passes(&self, _band: &Target) -> u32 {
         1 + if self.is_each { self.pieces } else { 1 }
     }

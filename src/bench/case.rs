@@ -59,8 +59,8 @@ impl Case {
         Case { name: name.into(), source, set, truth, moving: Moving::Nothing, counted: false, arms, paper: None }
     }
 
-    pub fn set(mut self, set: &[&str]) -> Case {
-        self.set.extend(set.iter().map(|s| (*s).to_owned()));
+    pub fn set(mut self, set: &[impl AsRef<str>]) -> Case {
+        self.set.extend(set.iter().map(|s| s.as_ref().to_owned()));
         self
     }
 

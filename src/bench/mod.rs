@@ -23,10 +23,6 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use suites::{Plot, Suite};
 
-/// Timed frames of an arm.
-pub const RUNS: u32 = 9;
-pub const RUNS_QUICK: u32 = 3;
-
 /// A suite that was run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Run {
@@ -35,10 +31,10 @@ pub struct Run {
     pub rows: Vec<Row>,
 }
 
-/// Runs a suite, telling of each row as it is there, and writes it to a folder of its own in `folder`.
+/// Runs a suite, telling of each row as it is there; each case is written once it is run, to a folder of the run's own in `folder`.
 ///
 /// # Errors
-/// [`Error::Work`] where the device fails or a file cannot be written; what a technique cannot show is a row that says so.
+/// [`Error::Work`] where a file cannot be written; what a technique cannot show is a row that says so.
 pub fn run(
     engine: &mut Engine,
     suite: &Suite,
@@ -47,16 +43,15 @@ pub fn run(
     folder: &Path,
     mut tell: impl FnMut(&Row),
 ) -> Result<PathBuf> {
-    let provenance = Provenance::now(engine, quick);
-    let mut rows = Vec::new();
-    for case in suite.cases(quick) {
-        let own = race(engine, suite.name, &case, rules).map_err(|e| e.at(&case.name))?;
-        own.iter().for_each(&mut tell);
-        rows.extend(own);
-    }
-    let run = Run { suite: suite.name.into(), provenance, rows };
+    let mut run = Run { suite: suite.name.into(), provenance: Provenance::now(engine, quick), rows: Vec::new() };
     let folder = folder.join(run.folder_name());
-    run.write(&folder, suite.plot)?;
+    for case in suite.cases(quick) {
+        let failed = |e: Error| case.arms.iter().map(|arm| Row::refused(suite.name, &case, arm, &e)).collect();
+        let own = race(engine, suite.name, &case, rules).unwrap_or_else(failed);
+        own.iter().for_each(&mut tell);
+        run.rows.extend(own);
+        run.write(&folder, suite.plot)?;
+    }
     Ok(folder)
 }
 

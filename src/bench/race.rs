@@ -16,12 +16,28 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 /// How cases are run.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Rules {
     /// Timed frames of each arm.
     pub runs: u32,
     /// A program that runs beside all arms of cases that it can show.
     pub yardstick: Option<PathBuf>,
+    /// Triangles that a technique may draw a frame.
+    pub draws_max: Option<u64>,
+    /// How long a technique's first frame may take, ms, to be repeated.
+    pub first_ms_max: f64,
+}
+
+impl Rules {
+    /// Of a full run, or of one for a look: `quick`. A software adapter draws some millions of triangles a second.
+    pub fn new(quick: bool, is_software: bool) -> Rules {
+        Rules {
+            runs: if quick { 3 } else { 9 },
+            yardstick: None,
+            draws_max: is_software.then_some(if quick { 500_000 } else { 8_000_000 }),
+            first_ms_max: if quick { 1500.0 } else { 10_000.0 },
+        }
+    }
 }
 
 /// Frames of more pixels are not held against the reference: it takes minutes.
@@ -67,17 +83,23 @@ pub fn race(engine: &mut Engine, suite: &str, case: &Case, rules: &Rules) -> Res
     for ((arm, scene), row) in case.arms.iter().zip(&scenes).zip(&mut rows) {
         let runner = scene.as_ref().map_err(Clone::clone).and_then(|(scene, camera)| {
             row.describe(scene, camera);
-            let frames = engine.prepare(scene, camera, &wanted(false), &options(case, arm)?)?;
+            let frames = engine.prepare(scene, camera, &wanted(false), &options(case, arm, rules)?)?;
+            let (first_ms, most) = (frames.first_ms(), rules.first_ms_max);
+            if first_ms > most && !row.is_ours() {
+                let why = format!("its first frame took {first_ms:.0} ms; those over {most:.0} are not repeated");
+                return Err(crate::Error::work(why));
+            }
             Ok(Runner::Frames(Box::new(frames)))
         });
         runners.push(or_refused(runner, row));
     }
     if let Some(program) = &rules.yardstick {
-        let mut row = Row::of_yardstick(suite, case, program);
-        row.describe(&truth_scene, &truth_camera);
-        let runner = Yardstick::new(program, &truth_scene, &truth_camera, case.moving).map(Runner::Yardstick);
-        runners.push(or_refused(runner, &mut row));
-        rows.push(row);
+        if let Some(yardstick) = Yardstick::new(program, &truth_scene, &truth_camera, case.moving)? {
+            let mut row = Row::of_yardstick(suite, case, program);
+            row.describe(&truth_scene, &truth_camera);
+            runners.push(Some(Runner::Yardstick(yardstick)));
+            rows.push(row);
+        }
     }
 
     let mut times = vec![Vec::new(); runners.len()];
@@ -115,7 +137,7 @@ pub fn race(engine: &mut Engine, suite: &str, case: &Case, rules: &Rules) -> Res
             row.error = Some(Error::of(&of));
         }
         if case.counted && row.is_ours() {
-            row.counted = Some(counted(engine, case, (&case.arms[at], &scenes[at]), &frame)?);
+            row.counted = Some(counted(engine, &options(case, &case.arms[at], rules)?, &scenes[at], &frame)?);
         }
     }
     let ours = rows.iter().find(|r| r.is_ours()).and_then(|r| r.times.as_ref()).map(|t| t.median);
@@ -133,20 +155,20 @@ fn wanted(counting: bool) -> Wanted {
     Wanted { channels, srgb8: false, counting }
 }
 
-fn options(case: &Case, arm: &Arm) -> Result<RunOptions> {
-    let moving = case.moving == Moving::Triangles;
-    Ok(RunOptions { by: arm.choice()?, moving, no_cull: arm.no_cull, ..Default::default() })
+fn options(case: &Case, arm: &Arm, rules: &Rules) -> Result<RunOptions> {
+    let (moving, draws_max) = (case.moving == Moving::Triangles, rules.draws_max);
+    Ok(RunOptions { by: arm.choice()?, moving, no_cull: arm.no_cull, draws_max, ..Default::default() })
 }
 
 /// What one frame tests and keeps.
 fn counted(
     engine: &mut Engine,
-    case: &Case,
-    (arm, scene): (&Arm, &Result<(Scene, Camera)>),
+    options: &RunOptions,
+    scene: &Result<(Scene, Camera)>,
     frame: &Frame,
 ) -> Result<Counted> {
     let (scene, camera) = scene.as_ref().map_err(Clone::clone)?;
-    let counts = engine.render(scene, camera, &wanted(true), &options(case, arm)?)?.counts;
+    let counts = engine.render(scene, camera, &wanted(true), options)?.counts;
     let covered = frame.u32(Channel::TriangleId).map_or(0, |ids| ids.iter().filter(|id| **id != NO_ID).count());
     Ok(Counted::of(counts, covered as u64))
 }

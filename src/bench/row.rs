@@ -95,8 +95,9 @@ pub struct Error {
     pub wrong_safe: u64,
     /// 99.9 % of the errors of t are not larger, relative.
     pub t_p999: Option<f64>,
-    /// `None`: identical colours.
+    /// `None`: identical colours, or none to compare.
     pub psnr: Option<f64>,
+    pub identical: bool,
 }
 
 /// What a paper prints.
@@ -149,6 +150,11 @@ impl Row {
             refused: None,
             paper: case.paper.clone(),
         }
+    }
+
+    /// A row of a case that failed.
+    pub fn refused(suite: &str, case: &Case, arm: &Arm, why: &crate::Error) -> Row {
+        Row { refused: Some(why.to_string()), ..Row::new(suite, case, arm) }
     }
 
     /// A row of the program that runs beside the arms.
@@ -238,6 +244,7 @@ impl Error {
             wrong_safe: c.wrong_safe.unwrap_or(0),
             t_p999: c.t_relative.map(|t| t.p999.0).filter(|t| t.is_finite()),
             psnr: c.psnr.filter(|p| p.is_finite()),
+            identical: c.identical == Some(true),
         }
     }
 }

@@ -116,7 +116,11 @@ pub fn cells(row: &Row) -> [String; 7] {
         format!("{:.2} [{:.2}, {:.2}]{doubt}", t.median, t.quartiles[0], t.quartiles[1])
     });
     let error = row.error.as_ref();
-    let psnr = |e: &super::row::Error| e.psnr.map_or("identical".to_owned(), |p| format!("{p:.1}"));
+    let psnr = |e: &super::row::Error| match e.psnr {
+        Some(psnr) => format!("{psnr:.1}"),
+        None if e.identical => "identical".to_owned(),
+        None => String::new(),
+    };
     [
         row.label(),
         time.or_else(|| row.refused.clone()).unwrap_or_default(),

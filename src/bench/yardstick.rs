@@ -41,12 +41,14 @@ struct Figure {
 }
 
 impl Yardstick {
+    /// `None` where it cannot show the camera: it knows still GLC pieces.
+    ///
     /// # Errors
-    /// [`Error::Input`] where it cannot show the camera, with the reason.
-    pub fn new(program: &Path, scene: &Scene, camera: &Camera, moving: Moving) -> Result<Yardstick> {
-        let [Rays::Pieces(pieces)] = &camera.layers[..] else { return Err(refusal(camera)) };
+    /// [`Error::Work`] where a file cannot be written.
+    pub fn new(program: &Path, scene: &Scene, camera: &Camera, moving: Moving) -> Result<Option<Yardstick>> {
+        let [Rays::Pieces(pieces)] = &camera.layers[..] else { return Ok(None) };
         if camera.optics.is_some() || moving == Moving::Camera || !pieces.pieces.iter().all(|p| is_plain(&p.bundle)) {
-            return Err(refusal(camera));
+            return Ok(None);
         }
         let t_range = [camera.t_range[0], camera.t_range[1].min(last_t(scene, &pieces.pieces))];
         let folder = tempfile::tempdir().map_err(|e| Error::work(format!("no temporary folder: {e}")))?;
@@ -59,14 +61,14 @@ impl Yardstick {
         let (w, h) = (size.0.to_string(), size.1.to_string());
         let command = [&mesh.display().to_string(), &w, &h, "pieces", &rays.display().to_string()];
         let command = command.into_iter().chain(["--coherent", "1", "--no-shade", "--warmup", "1", "--frames", "1"]);
-        Ok(Yardstick {
+        Ok(Some(Yardstick {
             command: command.map(str::to_owned).collect(),
             program: program.to_owned(),
             t_range,
             size,
             builds: moving == Moving::Triangles,
             folder,
-        })
+        }))
     }
 
     /// One more frame, ms.
@@ -104,10 +106,6 @@ impl Yardstick {
     fn failed(&self, e: &dyn std::fmt::Display) -> Error {
         Error::work(format!("{}: {e}", self.program.display()))
     }
-}
-
-fn refusal(camera: &Camera) -> Error {
-    Error::input(format!("the yardstick shows still cameras of GLC pieces, not this {}", camera.kind))
 }
 
 /// Rays are affine over the image without a weight.

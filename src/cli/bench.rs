@@ -4,7 +4,7 @@ use super::args::BenchArgs;
 use super::print;
 use crate::bench::race::Rules;
 use crate::bench::suites::{SUITES, Suite};
-use crate::bench::{self, RUNS, RUNS_QUICK, write_index};
+use crate::bench::{self, write_index};
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
@@ -19,8 +19,9 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     std::fs::create_dir_all(&args.out).map_err(|e| Error::work(format!("{}: {e}", args.out.display())))?;
     let options = GpuOptions { adapter: args.adapter.clone(), no_int64: false };
     let mut engine = Engine::new(Gpu::open(&options)?.ok_or_else(|| Error::work(NO_ADAPTER))?);
-    let runs = args.runs.unwrap_or(if args.quick { RUNS_QUICK } else { RUNS });
-    let rules = Rules { runs, yardstick: args.yardstick.clone() };
+    let is_software = engine.gpu.info.device_type == wgpu::DeviceType::Cpu;
+    let mut rules = Rules { yardstick: args.yardstick.clone(), ..Rules::new(args.quick, is_software) };
+    rules.runs = args.runs.unwrap_or(rules.runs);
     for suite in asked {
         print(&format!("{}: {}\n", suite.name, suite.asks))?;
         let mut told = Ok(());

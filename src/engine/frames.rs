@@ -119,6 +119,11 @@ impl Frames<'_> {
         }
     }
 
+    /// The wall time of the first frame, ms.
+    pub fn first_ms(&self) -> f64 {
+        self.timed.first_ms
+    }
+
     /// The time on the device of each stage of the last frame that [`Frames::frame`] took, ms; empty without timestamps.
     pub fn stages(&self) -> &[(&'static str, f64)] {
         self.timed.stages.last().map_or(&[], Vec::as_slice)

@@ -18,7 +18,7 @@ fn triangles(count: u32) -> Case {
     let all = all.map(|arm| arm.knob("moving triangles", f64::from(count))).collect();
     Case::of(format!("{count:>7} moving triangles"), "city-cross-slit", all)
         .moving(Moving::Triangles)
-        .set(&[&format!("mesh.0.triangles={count}")])
+        .set(&super::city_of(count))
         .set(&SIZE)
 }
 
@@ -29,7 +29,8 @@ fn under_a_camera(count: u32) -> Case {
     let eye = "camera.eye=[{ frame = 0, value = [0, 26, 60] }, { frame = 100, value = [9, 30, 55] }]";
     Case::of(format!("{count:>7} triangles under a moving camera"), "city-cross-slit", all)
         .moving(Moving::Camera)
-        .set(&[&format!("mesh.0.triangles={count}"), eye])
+        .set(&super::city_of(count))
+        .set(&[eye])
         .set(&SIZE)
 }
 
@@ -40,7 +41,7 @@ fn pieces(count: u32) -> Case {
     let eye = "camera.eye=[{ frame = 0, value = [34, 40, 62] }, { frame = 100, value = [40, 36, 58] }]";
     Case::new(format!("{count:>7} pieces of a moving camera"), super::scene!("fisheye"), all)
         .moving(Moving::Camera)
-        .set(&[&format!("camera.pieces={count}"), eye])
+        .set(&[&format!("camera.pieces={count}"), &eye.to_owned()])
 }
 
 pub fn cases() -> Vec<Case> {

@@ -86,6 +86,13 @@ macro_rules! scene {
 }
 use scene;
 
+/// A city of so many triangles, of fewer blocks where they are few.
+fn city_of(count: u32) -> Vec<String> {
+    const LEAST_A_BLOCK: u32 = 64;
+    let blocks = f64::from(count / LEAST_A_BLOCK).sqrt().floor().clamp(1.0, 12.0);
+    vec![format!("mesh.0.triangles={count}"), format!("mesh.0.blocks={blocks}")]
+}
+
 fn cylinder_scene() -> Source {
     scene!("cylinder")
 }
@@ -93,6 +100,29 @@ fn cylinder_scene() -> Source {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Scenes of many triangles or pieces are left to the runs.
+    #[test]
+    fn the_scenes_of_all_arms_have_cameras() {
+        let is_large = |key: &String| {
+            let number = key.rsplit('=').next().and_then(|n| n.parse::<f64>().ok()).unwrap_or(0.0);
+            number > 20_000.0 || key.contains("size=1030")
+        };
+        for suite in &SUITES {
+            for case in suite.cases(false).into_iter().chain(suite.cases(true)) {
+                let folder = tempfile::tempdir().unwrap();
+                let path = case.write(folder.path()).unwrap();
+                let small = ["image.width=32", "image.height=24"].map(str::to_owned);
+                let own = case.arms.iter().map(|arm| arm.set.clone());
+                for set in own.chain([case.truth.clone()]).filter(|s| !s.iter().chain(&case.set).any(is_large)) {
+                    let set = [&case.set[..], &set, &small].concat();
+                    let scene = crate::scene::Scene::load(&path, &set, 0.0);
+                    let camera = scene.and_then(|s| s.camera());
+                    assert!(camera.is_ok(), "{}: {}: {set:?}: {:?}", suite.name, case.name, camera.err());
+                }
+            }
+        }
+    }
 
     #[test]
     fn every_case_has_a_name_of_its_own_and_rivals_that_are_there() {

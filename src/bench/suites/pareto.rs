@@ -3,13 +3,21 @@
 use crate::bench::case::{Arm, Case};
 
 /// One cross-slit GLC over a city.
-fn one_glc(samples: &[u32], levels: &[u32]) -> Case {
+fn city(samples: &[u32], levels: &[u32]) -> Case {
+    Case::of("one GLC: a city of 15,000 triangles through two slits", "city-cross-slit", one_glc(samples, levels))
+        .set(&["image.width=800", "image.height=600"])
+}
+
+/// The same over few triangles.
+fn primitives(samples: &[u32], levels: &[u32]) -> Case {
+    let arms = one_glc(samples, levels).into_iter().chain([Arm::rival("raster-bound")]).collect();
+    Case::new("one GLC: a ball, a cylinder and a box", super::scene!("primitives"), arms)
+}
+
+fn one_glc(samples: &[u32], levels: &[u32]) -> Vec<Arm> {
     let splat = samples.iter().map(|k| Arm::rival(&format!("raster-splat:{k}")));
     let warp = levels.iter().map(|k| Arm::rival(&format!("raster-warp:{k}")));
-    let rest = ["raster-bound", "raytrace"].map(Arm::rival);
-    let arms = [Arm::ours()].into_iter().chain(splat).chain(warp).chain(rest).collect();
-    Case::of("one GLC: a city of 15,000 triangles through two slits", "city-cross-slit", arms)
-        .set(&["image.width=800", "image.height=600"])
+    [Arm::ours()].into_iter().chain(splat).chain(warp).chain([Arm::rival("raytrace")]).collect()
 }
 
 /// A cylinder all around, exact or in perspective strips.
@@ -34,8 +42,8 @@ fn mirror(counts: &[u32], texels: &[u32]) -> Case {
     let normals = counts.iter().map(|n| facets("normals", *n).way("facets with normals").knob("facets", f64::from(*n)));
     let flat = counts.iter().map(|n| facets("flat", *n).way("flat facets").knob("facets", f64::from(*n)));
     let atlas = |r: &u32| {
-        let painted = facets("flat", 480).set(&[&format!("camera.atlas={r}")]);
-        painted.way("480 flat facets from an atlas").knob("texels", f64::from(*r))
+        let painted = facets("flat", 126).set(&[&format!("camera.atlas={r}")]);
+        painted.way("126 flat facets from an atlas").knob("texels", f64::from(*r))
     };
     let splat = |r: &u32| Arm { by: Arm::rival("raster-splat:6").by, ..atlas(r) };
     let bound = |r: &u32| Arm { by: Arm::rival("raster-bound").by, ..atlas(r) };
@@ -52,7 +60,8 @@ fn curves(segments: &[u32]) -> Case {
 
 pub fn cases() -> Vec<Case> {
     vec![
-        one_glc(&[3, 5, 10, 20, 40], &[0, 1, 2, 3, 4]),
+        city(&[3, 5, 10, 20], &[0, 1, 2, 3, 4]),
+        primitives(&[3, 5, 10, 20, 40], &[0, 1, 2, 3, 4]),
         cylinder(&[10, 20, 40, 80, 160, 320], &[256, 512, 1024, 2048, 4096]),
         mirror(&[126, 480, 960, 3840, 15_360, 61_440], &[16, 32, 64]),
         curves(&[1, 2, 4, 8, 16, 32, 64]),
@@ -60,5 +69,5 @@ pub fn cases() -> Vec<Case> {
 }
 
 pub fn quick() -> Vec<Case> {
-    vec![one_glc(&[5], &[0, 2]), cylinder(&[20], &[128]), mirror(&[480], &[8]), curves(&[2, 8])]
+    vec![city(&[5], &[0, 1]), primitives(&[5], &[0, 2]), cylinder(&[20], &[128]), mirror(&[126], &[8]), curves(&[2, 8])]
 }
