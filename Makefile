@@ -1,6 +1,6 @@
-# What a person types: make demo, make gallery, make facets, make test, make check, make agreement.
+# What a person types: make demo, make gallery, make test, make check, make agreement.
 
-.PHONY: demo gallery facets agreement test check rust driver
+.PHONY: demo gallery agreement test check rust driver
 
 BUILD := $(or $(CARGO_TARGET_DIR),target)
 RUST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
@@ -22,11 +22,6 @@ demo: rust driver
 gallery: rust driver
 	@cargo run --release --locked --quiet --example gallery out
 	@echo "the contact sheet is out/gallery.png, the pictures and their scenes are in out/gallery"
-
-# Measure how far mirrors of flat facets are from the mirror itself, and the time they take; and the papers' own tables.
-facets: rust driver
-	@cargo run --release --locked --quiet --example facets out/facets
-	@echo "the tables are out/facets/*.csv"
 
 # Hold every camera against the reference on a city of 35,000 triangles and on the models in the folder MODELS: hours on a CPU.
 agreement: rust driver

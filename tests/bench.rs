@@ -1,6 +1,7 @@
 //! `anamorph bench` as a user runs it: a quick suite, its files, and the page in a browser. Nothing to do without an adapter.
 
 use anamorph::bench::Run;
+use anamorph::bench::row::Row;
 use anamorph::gpu::device::{NO_ADAPTER, adapters};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -21,7 +22,8 @@ fn a_quick_run_leaves_every_file_and_a_page_over_all_runs() {
         return;
     }
     let out = tempfile::tempdir().unwrap();
-    let done = bench(&["stages", "--quick", "--runs", "1"], out.path());
+    let yardstick = yardstick(out.path());
+    let done = bench(&["stages", "--quick", "--runs", "1", "--yardstick", &yardstick], out.path());
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let said = String::from_utf8(done.stdout).unwrap();
     let folder =
@@ -30,7 +32,17 @@ fn a_quick_run_leaves_every_file_and_a_page_over_all_runs() {
 
     let run: Run = serde_json::from_str(&text(&folder.join("results.json"))).unwrap();
     assert!(run.rows.len() >= 3 && run.rows.iter().all(|r| r.refused.is_none()), "{run:?}");
-    for row in &run.rows {
+    let (ours, others): (Vec<&Row>, Vec<&Row>) = run.rows.iter().partition(|r| r.is_ours());
+    // it says 1.5 ms, and sees triangle 0 everywhere
+    assert!(!others.is_empty());
+    for row in others {
+        assert_eq!((row.technique.as_str(), row.times.as_ref().map(|t| t.median)), ("yardstick", Some(1.5)));
+        assert!(row.error.as_ref().unwrap().wrong_share > 0.9, "{row:?}");
+    }
+    for row in ours {
+        let counted = row.counted.as_ref().unwrap();
+        assert!(counted.pairs_kept > 0 && counted.pairs_kept <= counted.pairs_tested, "{row:?}");
+        assert!(counted.fragments_kept >= counted.covered && counted.overdraw() >= 1.0, "{row:?}");
         let (times, error) = (row.times.as_ref().unwrap(), row.error.as_ref().unwrap());
         assert!(times.runs == 1 && times.median > 0.0 && row.control_ms > 0.0, "{row:?}");
         assert_eq!(error.wrong_safe, 0, "{row:?}");
@@ -49,6 +61,38 @@ fn a_quick_run_leaves_every_file_and_a_page_over_all_runs() {
     assert!(page.contains("<svg") && run.rows.iter().all(|r| page.contains(&r.case)));
     assert!(!page.contains("http://") || page.matches("http://").count() == page.matches("http://www.w3.org/").count());
     open_in_a_browser(&out.path().join("index.html"), &run.rows[0].case);
+}
+
+/// A program that is called like the yardstick: its path.
+fn yardstick(folder: &Path) -> String {
+    let path = folder.join("yardstick");
+    let script = "#!/bin/sh\nwhile [ $# -gt 1 ]; do\n  [ \"$1\" = --dump ] && head -c $((160 * 120 * 8)) /dev/zero > \"$2\"\n  \
+                  shift\ndone\necho '{\"trace_ms\": {\"median\": 1.5}, \"build_ms\": {\"median\": 9}}'\n";
+    std::fs::write(&path, script).unwrap();
+    let made = Command::new("chmod").arg("+x").arg(&path).status().unwrap();
+    assert!(made.success());
+    path.display().to_string()
+}
+
+/// The runs that are committed: enough frames, and no technique nearer to the truth than this engine's own exact way.
+#[test]
+fn no_rival_is_more_accurate_in_the_committed_runs() {
+    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("bench_results");
+    let runs = std::fs::read_dir(results).unwrap().map(|e| e.unwrap().path().join("results.json"));
+    let runs: Vec<Run> = runs.filter(|p| p.is_file()).map(|p| serde_json::from_str(&text(&p)).unwrap()).collect();
+    assert!(runs.iter().all(|r| !r.provenance.quick));
+    for name in ["papers", "pareto", "glc", "stages", "dynamic"] {
+        assert!(runs.iter().any(|r| r.suite == name), "{name} is not there");
+    }
+    for case in runs.iter().flat_map(|r| r.rows.chunk_by(|a, b| a.case == b.case)) {
+        assert!(case.iter().filter_map(|r| r.times.as_ref()).all(|t| t.runs >= 7), "{}", case[0].case);
+        let error = |row: &Row| row.error.as_ref().map(|e| e.wrong_share);
+        let ours = case.iter().find(|r| r.is_ours()).and_then(error);
+        for rival in case {
+            let worse = ours.zip(error(rival)).is_some_and(|(ours, theirs)| theirs < ours);
+            assert!(!worse, "{}: {}", rival.case, rival.label());
+        }
+    }
 }
 
 /// Opens the page without a window: it says what it has to, and nothing on the console.

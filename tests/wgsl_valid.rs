@@ -95,7 +95,7 @@ fn every_draw_of_the_rivals_validates_becomes_spirv_and_binds_what_the_table_say
     for kernel in [1, 3].into_iter().flat_map(baseline::kernels::draws) {
         let module = parse(&kernel.source).unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
         let mut caps = Capabilities::empty();
-        caps.set(Capabilities::CLIP_DISTANCES, ["bound", "perspective"].contains(&kernel.name));
+        caps.set(Capabilities::CLIP_DISTANCES, ["warp", "bound", "perspective", "splat_move"].contains(&kernel.name));
         let info = validate(&module, caps).unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
         let mut entries: Vec<_> = module.entry_points.iter().map(|e| (e.name.clone(), e.stage)).collect();
         entries.sort_by(|a, b| a.0.cmp(&b.0));

@@ -74,8 +74,8 @@ fn clipped_draw(name: &'static str, (layers, culling): (u32, bool), more: &[Bind
 }
 
 /// Vertices projected; each triangle cut in four so often.
-pub fn warp(layers: u32, levels: u32) -> Kernel {
-    let mut kernel = pieces_draw("warp", layers, &[], &[PROJECT, SEEN_THROUGH, snippet!("warp.wgsl")]);
+pub fn warp(layers: u32, culling: bool, levels: u32) -> Kernel {
+    let mut kernel = clipped_draw("warp", (layers, culling), &[], &[PROJECT, SEEN_THROUGH, snippet!("warp.wgsl")]);
     kernel.constants.push(("LEVELS", f64::from(levels)));
     kernel
 }
@@ -136,9 +136,9 @@ pub fn splat_project(samples: u32) -> Kernel {
 }
 
 /// S to where the camera shows it.
-pub fn splat_move(layers: u32, samples: u32) -> Kernel {
+pub fn splat_move(layers: u32, culling: bool, samples: u32) -> Kernel {
     let more = [uniform("splat", "Splat"), texture("s", "texture_2d<f32>")];
-    let mut kernel = pieces_draw("splat_move", layers, &more, &[CELLS, snippet!("splat_move.wgsl")]);
+    let mut kernel = clipped_draw("splat_move", (layers, culling), &more, &[CELLS, snippet!("splat_move.wgsl")]);
     kernel.constants.push(("SAMPLES", f64::from(samples)));
     kernel
 }
@@ -157,11 +157,11 @@ pub fn draws(layers: u32) -> Vec<Kernel> {
     let middle = DVec3::ZERO;
     let onto_s = splat_project(10);
     vec![
-        warp(layers, 2),
+        warp(layers, true, 2),
         bound(layers, true, middle),
         perspective(layers, true),
         cube(),
         onto_s,
-        splat_move(layers, 10),
+        splat_move(layers, true, 10),
     ]
 }

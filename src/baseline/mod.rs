@@ -157,7 +157,7 @@ pub const TECHNIQUES: &[Technique] = &[
         name: "raster-warp",
         about: "vertices projected exactly, straight edges between them (Brosz et al. 2007; Popescu et al., section 4.2)",
         knob: Some(Knob { name: "levels of subdivision", default: 0, least: 0, most: 4 }),
-        culls: false,
+        culls: true,
         make: through_pieces::warp,
     },
     Technique {
@@ -178,14 +178,14 @@ pub const TECHNIQUES: &[Technique] = &[
         name: "raster-splat",
         about: "two passes by a texture of where the camera shows each triangle (Yu et al. 2009, section 3.3), of all GLCs at once",
         knob: Some(SAMPLES),
-        culls: false,
+        culls: true,
         make: splat::batched,
     },
     Technique {
         name: "raster-splat-passes",
         about: "the same, two passes for each GLC",
         knob: Some(SAMPLES),
-        culls: false,
+        culls: true,
         make: splat::each,
     },
     Technique {

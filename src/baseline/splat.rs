@@ -46,7 +46,7 @@ fn splat(gpu: &Gpu, setup: &Setup, is_each: bool) -> Result<Box<dyn Rival>> {
     let pieces = outline::upload(gpu, setup, &mut own)?;
     Ok(Box::new(ByTexture {
         project: Draw::onto(gpu, kernels::splat_project(samples), S, None),
-        scatter: Draw::new(gpu, kernels::splat_move(setup.layers(), samples)),
+        scatter: Draw::clipped(gpu, kernels::splat_move(setup.layers(), setup.variant.culling, samples))?,
         easel: Easel::new(gpu, setup),
         own,
         pieces,

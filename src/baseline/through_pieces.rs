@@ -26,7 +26,7 @@ struct ThroughPieces {
 
 /// The knob: how often each triangle is cut in four.
 pub fn warp(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
-    let draw = Draw::new(gpu, kernels::warp(setup.layers(), setup.knob));
+    let draw = Draw::clipped(gpu, kernels::warp(setup.layers(), setup.variant.culling, setup.knob))?;
     Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1 << (2 * setup.knob))?))
 }
 

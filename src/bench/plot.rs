@@ -196,6 +196,7 @@ fn chart(series: &[Series], [x_name, y_name]: [&str; 2]) -> Result<String> {
 
 /// A bar a row, its stages stacked.
 fn bars(rows: &[Row]) -> Result<String> {
+    let rows: Vec<&Row> = rows.iter().filter(|r| !r.stages.is_empty()).collect();
     let mut names: Vec<&str> = rows.iter().flat_map(|r| &r.stages).map(|s| s.0.as_str()).collect();
     let mut seen = Vec::new();
     names.retain(|n| {
@@ -204,7 +205,7 @@ fn bars(rows: &[Row]) -> Result<String> {
             true
         }
     });
-    let total = |row: &Row| row.stages.iter().map(|s| s.1).sum::<f64>();
+    let total = |row: &&Row| row.stages.iter().map(|s| s.1).sum::<f64>();
     let most = rows.iter().map(total).fold(1e-9, f64::max);
     let count = rows.len() as i32;
     let mut svg = String::new();
@@ -232,7 +233,7 @@ fn bars(rows: &[Row]) -> Result<String> {
             .map_err(failed)?;
         for (k, name) in names.iter().enumerate() {
             let colour = COLOURS[k % COLOURS.len()];
-            let bar = |(at, row): (usize, &Row)| {
+            let bar = |(at, row): (usize, &&Row)| {
                 let place = row.stages.iter().position(|s| s.0 == *name)?;
                 let from: f64 = row.stages[..place].iter().map(|s| s.1).sum();
                 let y = count - 1 - at as i32;

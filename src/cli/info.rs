@@ -89,7 +89,7 @@ fn about(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
                 "two dispatches, 32-bit atomics",
             ),
             stage_times: either(has.timestamps, "GPU timestamps", "none"),
-            clipping: either(has.clip_distances, "yes", "none: raster-bound and raster-pieces are refused"),
+            clipping: either(has.clip_distances, "yes", "none: raster-* are refused but raster-cubemap"),
             usable: either(enough, "yes", "no: too few storage buffers a kernel; use --engine reference"),
         },
     }

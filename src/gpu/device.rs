@@ -33,7 +33,7 @@ pub struct Abilities {
     pub atomics64: bool,
     /// Times of single stages.
     pub timestamps: bool,
-    /// Clip distances: rivals that draw clip at the edges of a camera's pieces.
+    /// Clip distances: rivals clip at the edges of a camera's pieces.
     pub clip_distances: bool,
 }
 

@@ -2,15 +2,6 @@
 // and Doellner 2009, section 2). A triangle is drawn once for each piece that it may be seen in, as `replicate` lists them, and what
 // lies outside the piece is clipped off.
 
-struct Clipped {
-    @builtin(position) position: vec4<f32>,
-    @builtin(clip_distances) distances: array<f32, 3>,
-    @location(0) @interpolate(perspective) t: f32,
-    @location(1) @interpolate(flat, either) normal: vec3<f32>,
-    @location(2) @interpolate(flat, either) row_word: u32,
-    @location(3) @interpolate(flat, either) piece: u32,
-}
-
 @vertex
 fn perspective_corner(@builtin(vertex_index) index: u32) -> Clipped {
     let replica = replicas[index / 3u];

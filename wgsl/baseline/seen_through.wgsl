@@ -8,6 +8,16 @@ struct Corner {
     @location(3) @interpolate(flat, either) piece: u32,
 }
 
+// What lies outside the piece is clipped off.
+struct Clipped {
+    @builtin(position) position: vec4<f32>,
+    @builtin(clip_distances) distances: array<f32, 3>,
+    @location(0) @interpolate(perspective) t: f32,
+    @location(1) @interpolate(flat, either) normal: vec3<f32>,
+    @location(2) @interpolate(flat, either) row_word: u32,
+    @location(3) @interpolate(flat, either) piece: u32,
+}
+
 // What its fragment leaves, of the part of the image that the piece holds.
 fn seen_through(corner: Corner) -> Drawn {
     let q = pieces[corner.piece];

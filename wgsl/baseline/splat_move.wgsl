@@ -7,6 +7,14 @@ struct Corner {
     @location(1) @interpolate(flat, either) cell: u32,
 }
 
+// What lies outside the GLC's image is clipped off.
+struct Clipped {
+    @builtin(position) position: vec4<f32>,
+    @builtin(clip_distances) distances: array<f32, 3>,
+    @location(0) @interpolate(linear) t: f32,
+    @location(1) @interpolate(flat, either) cell: u32,
+}
+
 // A corner of one of the (SAMPLES - 1)^2 triangles between the texels of a cell: those of row j come after j (2 n - j) others.
 fn neighbour(part: u32, corner: u32) -> vec2<u32> {
     let n = SAMPLES - 1u;
@@ -21,11 +29,12 @@ fn neighbour(part: u32, corner: u32) -> vec2<u32> {
 }
 
 @vertex
-fn splat_move_corner(@builtin(vertex_index) index: u32) -> Corner {
+fn splat_move_corner(@builtin(vertex_index) index: u32) -> Clipped {
     let parts = (SAMPLES - 1u) * (SAMPLES - 1u);
     let cell = index / 3u / parts;
     let sample = textureLoad(s, cell_texel(cell) + neighbour(index / 3u % parts, index % 3u), 0);
-    return Corner(vec4<f32>(clip_place(sample.xy), 0.5, 1.0), sample.z, cell);
+    let distances = outline_distances(outlines[pieces[cell_piece(cell)].number], vec3<f32>(sample.xy, 1.0));
+    return Clipped(vec4<f32>(clip_place(sample.xy), 0.5, 1.0), distances, sample.z, cell);
 }
 
 @fragment

@@ -23,7 +23,7 @@ fn part_weights(part: u32, corner: u32) -> vec3<f32> {
 }
 
 @vertex
-fn warp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece: u32) -> Corner {
+fn warp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece: u32) -> Clipped {
     let parts = 1u << (2u * LEVELS);
     let row = triangles[index / 3u / parts];
     let v0 = vertex(row.x);
@@ -34,8 +34,10 @@ fn warp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece
     let image = image_of(q, w.x * v0 + w.y * v1 + w.z * v2);
     // what lies behind an eye is clipped off
     let width = select(image.width, -image.width, image.t < 0.0);
-    let place = clip_place(piece_origin(q) + image.place);
-    return Corner(vec4<f32>(place, 0.5, 1.0) * width, image.t, file_normal(row, v0, v1, v2), row.w, piece);
+    let at = piece_origin(q) + image.place;
+    let distances = outline_distances(outlines[q.number], vec3<f32>(at, 1.0) * width);
+    let normal = file_normal(row, v0, v1, v2);
+    return Clipped(vec4<f32>(clip_place(at), 0.5, 1.0) * width, distances, image.t, normal, row.w, piece);
 }
 
 @fragment
