@@ -16,6 +16,7 @@ mod yardstick;
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::output::write_text;
+use case::Case;
 pub use provenance::Provenance;
 use race::{Rules, race};
 use row::Row;
@@ -31,28 +32,62 @@ pub struct Run {
     pub rows: Vec<Row>,
 }
 
+/// Which cases of a suite are run.
+#[derive(Debug, Clone, Default)]
+pub struct Selection {
+    /// Small ones, for a look.
+    pub quick: bool,
+    /// Those alone whose name contains it; a run of the same day and suite keeps its other rows.
+    pub only: Option<String>,
+}
+
 /// Runs a suite, telling of each row as it is there; each case is written once it is run, to a folder of the run's own in `folder`.
 ///
 /// # Errors
-/// [`Error::Work`] where a file cannot be written; what a technique cannot show is a row that says so.
+/// [`Error::Work`] where a file cannot be written, [`Error::Input`] where no case is selected; what a technique cannot show is a row
+/// that says so.
 pub fn run(
     engine: &mut Engine,
     suite: &Suite,
-    quick: bool,
+    selection: &Selection,
     rules: &Rules,
     folder: &Path,
     mut tell: impl FnMut(&Row),
 ) -> Result<PathBuf> {
-    let mut run = Run { suite: suite.name.into(), provenance: Provenance::now(engine, quick), rows: Vec::new() };
+    let Selection { quick, only } = selection;
+    let cases = suite.cases(*quick);
+    let is_asked = |case: &Case| only.as_ref().is_none_or(|text| case.name.contains(text.as_str()));
+    if !cases.iter().any(is_asked) {
+        let names: Vec<&str> = cases.iter().map(|c| c.name.trim()).collect();
+        return Err(Error::input(format!("{} has no such case; there is: {}", suite.name, names.join("; "))));
+    }
+    let provenance = Provenance::now(engine, *quick);
+    let mut run = Run { suite: suite.name.into(), provenance, rows: Vec::new() };
     let folder = folder.join(run.folder_name());
-    for case in suite.cases(quick) {
-        let failed = |e: Error| case.arms.iter().map(|arm| Row::refused(suite.name, &case, arm, &e)).collect();
-        let own = race(engine, suite.name, &case, rules).unwrap_or_else(failed);
+    let results = folder.join(RESULTS);
+    if only.is_some() && results.is_file() {
+        run.rows = read(&results)?.rows;
+    }
+    for case in cases.iter().filter(|case| is_asked(case)) {
+        let failed = |e: Error| case.arms.iter().map(|arm| Row::refused(suite.name, case, arm, &e)).collect();
+        let mut own = race(engine, suite.name, case, rules).unwrap_or_else(failed);
+        own.iter_mut().for_each(|row| row.commit = run.provenance.commit.clone());
         own.iter().for_each(&mut tell);
+        run.rows.retain(|row| row.case != case.name);
         run.rows.extend(own);
+        run.rows.sort_by_key(|row| cases.iter().position(|c| c.name == row.case));
         run.write(&folder, suite.plot)?;
     }
     Ok(folder)
+}
+
+/// The file of a run that this program reads again.
+const RESULTS: &str = "results.json";
+
+fn read(results: &Path) -> Result<Run> {
+    let text = std::fs::read_to_string(results).map_err(|e| Error::work(format!("{}: {e}", results.display())))?;
+    let of_another = |e| Error::input(format!("{}: no results of this version: {e}; remove it", results.display()));
+    serde_json::from_str(&text).map_err(of_another)
 }
 
 impl Run {
@@ -68,7 +103,7 @@ impl Run {
         let failed = |e: &dyn std::fmt::Display| Error::work(format!("{}: {e}", folder.display()));
         std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
         let json = serde_json::to_string_pretty(self).map_err(|e| failed(&e))?;
-        write_text(&folder.join("results.json"), &(json + "\n"))?;
+        write_text(&folder.join(RESULTS), &(json + "\n"))?;
         write_text(&folder.join("raw.csv"), &table::csv(&self.rows)?)?;
         let plots = plot::plots(&self.rows, plot)?;
         for (name, _, svg) in &plots {
@@ -87,19 +122,16 @@ pub fn write_index(folder: &Path) -> Result<PathBuf> {
     let mut names: Vec<PathBuf> = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
-        names.extend(path.join("results.json").is_file().then_some(path));
+        names.extend(path.join(RESULTS).is_file().then_some(path));
     }
     names.sort();
-    let read = |path: &PathBuf| {
-        let file = path.join("results.json");
-        let text = std::fs::read_to_string(&file).map_err(failed)?;
-        let of_another = |e| Error::input(format!("{}: no results of this version: {e}; remove it", file.display()));
-        let run: Run = serde_json::from_str(&text).map_err(of_another)?;
+    let with_plots = |path: &PathBuf| {
+        let run = read(&path.join(RESULTS))?;
         let plot = suites::SUITES.iter().find(|s| s.name == run.suite).map_or(Plot::Error, |s| s.plot);
         let plots = plot::plots(&run.rows, plot)?;
         Ok((run, plots))
     };
-    let runs = names.iter().map(read).collect::<Result<Vec<_>>>()?;
+    let runs = names.iter().map(with_plots).collect::<Result<Vec<_>>>()?;
     let path = folder.join("index.html");
     write_text(&path, &page::page(&runs))?;
     Ok(path)

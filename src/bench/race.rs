@@ -74,80 +74,139 @@ impl Stage<'_> {
 pub fn race(engine: &mut Engine, suite: &str, case: &Case, rules: &Rules) -> Result<Vec<Row>> {
     let folder = tempfile::tempdir().map_err(|e| crate::Error::work(format!("no temporary folder: {e}")))?;
     let stage = Stage { case, path: case.write(folder.path())? };
-    let (truth_scene, truth_camera) = stage.scene_and_camera(&case.truth)?;
+    let truth = stage.scene_and_camera(&case.truth)?;
     let scenes: Vec<Result<(Scene, Camera)>> = case.arms.iter().map(|arm| stage.scene_and_camera(&arm.set)).collect();
-
-    // everything that an arm needs, on the device
-    let mut rows: Vec<Row> = case.arms.iter().map(|arm| Row::new(suite, case, arm)).collect();
-    let mut runners = Vec::new();
-    for ((arm, scene), row) in case.arms.iter().zip(&scenes).zip(&mut rows) {
-        let runner = scene.as_ref().map_err(Clone::clone).and_then(|(scene, camera)| {
-            row.describe(scene, camera);
-            let frames = engine.prepare(scene, camera, &wanted(false), &options(case, arm, rules)?)?;
-            let (first_ms, most) = (frames.first_ms(), rules.first_ms_max);
-            if first_ms > most && !row.is_ours() {
-                let why = format!("its first frame took {first_ms:.0} ms; those over {most:.0} are not repeated");
-                return Err(crate::Error::work(why));
-            }
-            Ok(Runner::Frames(Box::new(frames)))
-        });
-        runners.push(or_refused(runner, row));
+    let mut entries: Vec<Entry> = Vec::new();
+    for (arm, scene) in case.arms.iter().zip(&scenes) {
+        let mut entry = Entry { row: Row::new(suite, case, arm), arm: Some(arm), runner: None, times: Vec::new() };
+        let with_culling = |e: &&Entry| arm.no_cull && e.row.technique == entry.row.technique;
+        match (entries.iter().find(with_culling).and_then(|e| e.row.refused.clone()), scene) {
+            (Some(refused), _) => entry.row.refused = Some(format!("with culling, {refused}")),
+            (None, Ok((scene, camera))) => entry.prepare(engine, scene, camera, &options(case, arm, rules), rules),
+            (None, Err(e)) => entry.row.refused = Some(e.to_string()),
+        }
+        entries.push(entry);
     }
     if let Some(program) = &rules.yardstick {
-        if let Some(yardstick) = Yardstick::new(program, &truth_scene, &truth_camera, case.moving)? {
+        if let Some(yardstick) = Yardstick::new(program, &truth.0, &truth.1, case.moving)? {
             let mut row = Row::of_yardstick(suite, case, program);
-            row.describe(&truth_scene, &truth_camera);
-            runners.push(Some(Runner::Yardstick(yardstick)));
-            rows.push(row);
+            row.describe(&truth.0, &truth.1);
+            entries.push(Entry { row, arm: None, runner: Some(Runner::Yardstick(yardstick)), times: Vec::new() });
         }
     }
+    let control_ms = time(engine, &stage, &mut entries, rules.runs)?;
 
-    let mut times = vec![Vec::new(); runners.len()];
-    let mut control = Vec::new();
-    for k in 0..rules.runs {
-        let mut order: Vec<usize> = (0..runners.len()).collect();
-        if k % 2 == 1 {
-            order.reverse();
-        }
-        control.push(engine.empty_frame()?);
-        for at in order {
-            let Some(runner) = &mut runners[at] else { continue };
-            let set = case.arms.get(at).map_or(&[][..], |arm| &arm.set);
-            match runner.frame(&stage, set, k + 1) {
-                Ok(ms) => times[at].push(ms),
-                Err(e) => {
-                    rows[at].refused = Some(e.to_string());
-                    runners[at] = None;
-                }
+    let mut judge = Judge { scene: &truth.0, camera: &truth.1, judgement: None };
+    let mut rows = Vec::new();
+    for (at, mut entry) in entries.into_iter().enumerate() {
+        entry.row.control_ms = control_ms;
+        let scene = scenes.get(at).and_then(|s| s.as_ref().ok());
+        if let Some(frame) = entry.finish(scene.map(|s| &s.1)) {
+            entry.row.error = judge.error(&frame)?;
+            if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, case.counted && entry.row.is_ours()) {
+                entry.row.counted = Some(counted(engine, scene, camera, &options(case, arm, rules)?, &frame)?);
             }
         }
-    }
-
-    let judged = u64::from(truth_camera.width) * u64::from(truth_camera.height) <= JUDGED_MAX;
-    let mut truth: Option<Judgement> = None;
-    for (at, (runner, row)) in runners.into_iter().zip(&mut rows).enumerate() {
-        let Some(runner) = runner else { continue };
-        row.times = Some(Times::of(&times[at]));
-        row.control_ms = Times::of(&control).median;
-        let first = scenes.get(at).and_then(|s| s.as_ref().ok()).map(|s| &s.1);
-        let Some(frame) = or_refused(runner.finish(first, row), row) else { continue };
-        if judged {
-            let truth = truth.get_or_insert_with(|| judge(&truth_scene, &truth_camera, &frame));
-            let of = compare(&frame, &truth.truth, Some(&truth.safe), Some(&truth.scales))?;
-            row.error = Some(Error::of(&of));
-        }
-        if case.counted && row.is_ours() {
-            row.counted = Some(counted(engine, &options(case, &case.arms[at], rules)?, &scenes[at], &frame)?);
-        }
+        rows.push(entry.row);
     }
     let ours = rows.iter().find(|r| r.is_ours()).and_then(|r| r.times.as_ref()).map(|t| t.median);
     rows.iter_mut().for_each(|row| row.relate(ours));
     Ok(rows)
 }
 
-/// `None` with the reason in the row.
-fn or_refused<T>(result: Result<T>, row: &mut Row) -> Option<T> {
-    result.map_err(|e| row.refused = Some(e.to_string())).ok()
+/// Times all that run, in turn; the median time of an empty kernel between them, ms.
+fn time(engine: &Engine, stage: &Stage, entries: &mut [Entry], runs: u32) -> Result<f64> {
+    let mut control = Vec::new();
+    for k in 0..runs {
+        let mut order: Vec<usize> = (0..entries.len()).collect();
+        if k % 2 == 1 {
+            order.reverse();
+        }
+        control.push(engine.empty_frame()?);
+        order.into_iter().for_each(|at| entries[at].time(stage, k + 1));
+    }
+    Ok(Times::of(&control).median)
+}
+
+/// An arm, or the program beside all, while it runs.
+struct Entry<'a> {
+    row: Row,
+    /// `None`: it is the program.
+    arm: Option<&'a Arm>,
+    runner: Option<Runner<'a>>,
+    times: Vec<f64>,
+}
+
+impl<'a> Entry<'a> {
+    /// Puts everything that the arm needs on the device, and runs a first frame.
+    fn prepare(
+        &mut self,
+        engine: &mut Engine,
+        scene: &'a Scene,
+        camera: &'a Camera,
+        options: &Result<RunOptions>,
+        rules: &Rules,
+    ) {
+        self.row.describe(scene, camera);
+        let options = options.as_ref().map_err(Clone::clone);
+        match options.and_then(|options| engine.prepare(scene, camera, &wanted(false), options)) {
+            Ok(frames) => {
+                let (first_ms, most) = (frames.first_ms(), rules.first_ms_max);
+                if first_ms > most && !self.row.is_ours() {
+                    let why = format!("its first frame took {first_ms:.0} ms; those over {most:.0} are not repeated");
+                    self.row.refused = Some(why);
+                }
+                self.runner = Some(Runner::Frames(Box::new(frames)));
+            }
+            Err(e) => self.row.refused = Some(e.to_string()),
+        }
+    }
+
+    /// One more frame, unless it is not repeated.
+    fn time(&mut self, stage: &Stage, k: u32) {
+        let Some(runner) = self.runner.as_mut().filter(|_| self.row.refused.is_none()) else { return };
+        let set = self.arm.map_or(&[][..], |arm| &arm.set);
+        match runner.frame(stage, set, k) {
+            Ok(ms) => self.times.push(ms),
+            Err(e) => {
+                self.row.refused = Some(e.to_string());
+                self.runner = None;
+            }
+        }
+    }
+
+    /// What it sees by the camera of the first frame; what all took goes to the row.
+    fn finish(&mut self, first: Option<&Camera>) -> Option<Frame> {
+        let runner = self.runner.take()?;
+        if self.row.refused.is_none() {
+            self.row.times = Some(Times::of(&self.times));
+        }
+        match runner.finish(first, &mut self.row) {
+            Ok(frame) => Some(frame),
+            Err(e) => {
+                self.row.refused = Some(e.to_string());
+                None
+            }
+        }
+    }
+}
+
+/// Holds frames against one truth, which is made for the first.
+struct Judge<'a> {
+    scene: &'a Scene,
+    camera: &'a Camera,
+    judgement: Option<Judgement>,
+}
+
+impl Judge<'_> {
+    /// `None` where the frame is too large to be held against the reference.
+    fn error(&mut self, frame: &Frame) -> Result<Option<Error>> {
+        if u64::from(self.camera.width) * u64::from(self.camera.height) > JUDGED_MAX {
+            return Ok(None);
+        }
+        let truth = self.judgement.get_or_insert_with(|| judge(self.scene, self.camera, frame));
+        Ok(Some(Error::of(&compare(frame, &truth.truth, Some(&truth.safe), Some(&truth.scales))?)))
+    }
 }
 
 fn wanted(counting: bool) -> Wanted {
@@ -163,11 +222,11 @@ fn options(case: &Case, arm: &Arm, rules: &Rules) -> Result<RunOptions> {
 /// What one frame tests and keeps.
 fn counted(
     engine: &mut Engine,
+    scene: &Scene,
+    camera: &Camera,
     options: &RunOptions,
-    scene: &Result<(Scene, Camera)>,
     frame: &Frame,
 ) -> Result<Counted> {
-    let (scene, camera) = scene.as_ref().map_err(Clone::clone)?;
     let counts = engine.render(scene, camera, &wanted(true), options)?.counts;
     let covered = frame.u32(Channel::TriangleId).map_or(0, |ids| ids.iter().filter(|id| **id != NO_ID).count());
     Ok(Counted::of(counts, covered as u64))

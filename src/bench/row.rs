@@ -12,6 +12,9 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     pub suite: String,
+    /// Of the source that it was measured with, where it is known.
+    #[serde(default)]
+    pub commit: Option<String>,
     pub case: String,
     /// `anamorph`, or a rival as `--engine` names it.
     pub technique: String,
@@ -130,6 +133,7 @@ impl Row {
         let asked = || arm.by.clone().unwrap_or_else(|| OURS.to_owned());
         Row {
             suite: suite.to_owned(),
+            commit: None,
             case: case.name.clone(),
             technique: choice.map_or_else(asked, |c| c.technique.name.to_owned()),
             way: arm.way.map(str::to_owned),

@@ -5,8 +5,9 @@ use super::plot::{Drawn, Growth, growths};
 use super::row::{Moving, Row};
 use crate::error::{Error, Result};
 
-const COLUMNS: [&str; 39] = [
+const COLUMNS: [&str; 40] = [
     "suite",
+    "commit",
     "case",
     "technique",
     "way",
@@ -59,7 +60,7 @@ pub fn csv(rows: &[Row]) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| failed(&e))
 }
 
-fn record(row: &Row) -> [String; 39] {
+fn record(row: &Row) -> [String; 40] {
     fn or_empty<T: ToString>(value: Option<T>) -> String {
         value.map_or(String::new(), |v| v.to_string())
     }
@@ -68,6 +69,7 @@ fn record(row: &Row) -> [String; 39] {
     let stages: Vec<String> = row.stages.iter().map(|(name, ms)| format!("{name}={ms:.4}")).collect();
     [
         row.suite.clone(),
+        or_empty(row.commit.as_ref()),
         row.case.clone(),
         row.technique.clone(),
         or_empty(row.way.as_ref()),

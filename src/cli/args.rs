@@ -197,6 +197,9 @@ pub struct BenchArgs {
     /// Small cases, under a minute each
     #[arg(long)]
     pub quick: bool,
+    /// Only cases whose name contains this; a run of the same day keeps its other rows
+    #[arg(long, value_name = "TEXT", requires = "suite")]
+    pub case: Option<String>,
     /// Folder that a folder for each run, and index.html over all of them, go to
     #[arg(long, value_name = "DIR", default_value = "bench_results")]
     pub out: PathBuf,

@@ -4,7 +4,7 @@ use super::args::BenchArgs;
 use super::print;
 use crate::bench::race::Rules;
 use crate::bench::suites::{SUITES, Suite};
-use crate::bench::{self, write_index};
+use crate::bench::{self, Selection, write_index};
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
@@ -20,12 +20,13 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     let options = GpuOptions { adapter: args.adapter.clone(), no_int64: false };
     let mut engine = Engine::new(Gpu::open(&options)?.ok_or_else(|| Error::work(NO_ADAPTER))?);
     let is_software = engine.gpu.info.device_type == wgpu::DeviceType::Cpu;
+    let selection = Selection { quick: args.quick, only: args.case.clone() };
     let mut rules = Rules { yardstick: args.yardstick.clone(), ..Rules::new(args.quick, is_software) };
     rules.runs = args.runs.unwrap_or(rules.runs);
     for suite in asked {
         print(&format!("{}: {}\n", suite.name, suite.asks))?;
         let mut told = Ok(());
-        let folder = bench::run(&mut engine, suite, args.quick, &rules, &args.out, |row| {
+        let folder = bench::run(&mut engine, suite, &selection, &rules, &args.out, |row| {
             let time = row.times.as_ref().map(|t| format!("{:>9.2} ms", t.median));
             let wrong = row.error.as_ref().map(|e| format!(", {:.4} % wrong", 100.0 * e.wrong_share));
             let time = time.or_else(|| row.refused.clone()).unwrap_or_default();
