@@ -49,19 +49,20 @@ enum Runner<'a> {
     Yardstick(Yardstick),
 }
 
-/// The scene file of a case.
-struct Stage<'a> {
+/// The scenes of a case.
+struct Scenes<'a> {
     case: &'a Case,
     path: PathBuf,
 }
 
-impl Stage<'_> {
-    fn scene(&self, more: &[String], frame: u32) -> Result<Scene> {
+impl Scenes<'_> {
+    /// With `more` KEY=VALUE, at a frame.
+    fn load(&self, more: &[String], frame: u32) -> Result<Scene> {
         Scene::load(&self.path, &[&self.case.set[..], more].concat(), f64::from(frame))
     }
 
-    fn scene_and_camera(&self, more: &[String]) -> Result<(Scene, Camera)> {
-        let scene = self.scene(more, 0)?;
+    fn with_camera(&self, more: &[String]) -> Result<(Scene, Camera)> {
+        let scene = self.load(more, 0)?;
         let camera = scene.camera()?;
         Ok((scene, camera))
     }
@@ -73,9 +74,9 @@ impl Stage<'_> {
 /// [`crate::Error`] where the case's scene or the device fails.
 pub fn race(engine: &mut Engine, suite: &str, case: &Case, rules: &Rules) -> Result<Vec<Row>> {
     let folder = tempfile::tempdir().map_err(|e| crate::Error::work(format!("no temporary folder: {e}")))?;
-    let stage = Stage { case, path: case.write(folder.path())? };
-    let truth = stage.scene_and_camera(&case.truth)?;
-    let scenes: Vec<Result<(Scene, Camera)>> = case.arms.iter().map(|arm| stage.scene_and_camera(&arm.set)).collect();
+    let all = Scenes { case, path: case.write(folder.path())? };
+    let truth = all.with_camera(&case.truth)?;
+    let scenes: Vec<Result<(Scene, Camera)>> = case.arms.iter().map(|arm| all.with_camera(&arm.set)).collect();
     let mut entries: Vec<Entry> = Vec::new();
     for (arm, scene) in case.arms.iter().zip(&scenes) {
         let mut entry = Entry { row: Row::new(suite, case, arm), arm: Some(arm), runner: None, times: Vec::new() };
@@ -94,7 +95,7 @@ pub fn race(engine: &mut Engine, suite: &str, case: &Case, rules: &Rules) -> Res
             entries.push(Entry { row, arm: None, runner: Some(Runner::Yardstick(yardstick)), times: Vec::new() });
         }
     }
-    let control_ms = time(engine, &stage, &mut entries, rules.runs)?;
+    let control_ms = time(engine, &all, &mut entries, rules.runs)?;
 
     let mut judge = Judge { scene: &truth.0, camera: &truth.1, judgement: None };
     let mut rows = Vec::new();
@@ -115,7 +116,7 @@ pub fn race(engine: &mut Engine, suite: &str, case: &Case, rules: &Rules) -> Res
 }
 
 /// Times all that run, in turn; the median time of an empty kernel between them, ms.
-fn time(engine: &Engine, stage: &Stage, entries: &mut [Entry], runs: u32) -> Result<f64> {
+fn time(engine: &Engine, scenes: &Scenes, entries: &mut [Entry], runs: u32) -> Result<f64> {
     let mut control = Vec::new();
     for k in 0..runs {
         let mut order: Vec<usize> = (0..entries.len()).collect();
@@ -123,7 +124,7 @@ fn time(engine: &Engine, stage: &Stage, entries: &mut [Entry], runs: u32) -> Res
             order.reverse();
         }
         control.push(engine.empty_frame()?);
-        order.into_iter().for_each(|at| entries[at].time(stage, k + 1));
+        order.into_iter().for_each(|at| entries[at].time(scenes, k + 1));
     }
     Ok(Times::of(&control).median)
 }
@@ -163,10 +164,10 @@ impl<'a> Entry<'a> {
     }
 
     /// One more frame, unless it is not repeated.
-    fn time(&mut self, stage: &Stage, k: u32) {
+    fn time(&mut self, scenes: &Scenes, k: u32) {
         let Some(runner) = self.runner.as_mut().filter(|_| self.row.refused.is_none()) else { return };
         let set = self.arm.map_or(&[][..], |arm| &arm.set);
-        match runner.frame(stage, set, k) {
+        match runner.frame(scenes, set, k) {
             Ok(ms) => self.times.push(ms),
             Err(e) => {
                 self.row.refused = Some(e.to_string());
@@ -234,10 +235,10 @@ fn counted(
 
 impl Runner<'_> {
     /// Frame `k` of the scene with `set`, ms.
-    fn frame(&mut self, stage: &Stage, set: &[String], k: u32) -> Result<f64> {
+    fn frame(&mut self, scenes: &Scenes, set: &[String], k: u32) -> Result<f64> {
         match self {
-            Runner::Frames(frames) if stage.case.moving == Moving::Camera => {
-                let scene = stage.scene(set, k)?;
+            Runner::Frames(frames) if scenes.case.moving == Moving::Camera => {
+                let scene = scenes.load(set, k)?;
                 let started = Instant::now();
                 frames.aim(&scene.camera()?)?;
                 let aimed_ms = started.elapsed().as_secs_f64() * 1e3;
