@@ -117,7 +117,7 @@ fn by_technique(rows: &[Row], point: impl Fn(&Row) -> Option<(f64, f64)>) -> Vec
     for row in rows {
         let Some(point) = point(row).filter(|p| p.0 > 0.0 && p.1 > 0.0) else { continue };
         let name = match knob_of(row) {
-            Some(knob) if rows.iter().any(|r| r.name() == row.name() && knob_of(r).is_some_and(|k| k != knob)) => {
+            Some(knob) if rows.iter().any(|r| r.name() == row.name() && knob_of(r) != Some(knob)) => {
                 format!("{}: {knob}", row.name())
             }
             _ => row.name(),
