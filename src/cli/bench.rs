@@ -16,6 +16,11 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         let names: Vec<&str> = SUITES.iter().map(|s| s.name).collect();
         return Err(Error::input(format!("there is no suite of this name; use {}, or none for all", names.join(", "))));
     }
+    if let Some(program) = &args.yardstick {
+        // what it says without arguments does not matter
+        let started = std::process::Command::new(program).output();
+        started.map_err(|e| Error::input(format!("--yardstick {}: cannot start it: {e}", program.display())))?;
+    }
     std::fs::create_dir_all(&args.out).map_err(|e| Error::work(format!("{}: {e}", args.out.display())))?;
     let options = GpuOptions { adapter: args.adapter.clone(), no_int64: false };
     let mut engine = Engine::new(Gpu::open(&options)?.ok_or_else(|| Error::work(NO_ADAPTER))?);
