@@ -82,6 +82,7 @@ fn rivals() -> Layouts {
         layout!(own, Outline { a, b, c, is_whole, layer }),
         layout!(own, Cube { eye, side }),
         layout!(own, Splat { side, first, slots, pad0 }),
+        layout!(own, Cone { eye, first, axis, count, angle, pad0, pad1, pad2 }),
     ])
 }
 

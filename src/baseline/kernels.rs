@@ -100,7 +100,7 @@ pub fn perspective(layers: u32, culling: bool) -> Kernel {
 
 /// What perspective pieces each triangle is drawn in.
 pub fn replicate(culling: bool) -> Kernel {
-    let rays = [read("pieces", "array<Piece>"), read("outlines", "array<Outline>")];
+    let rays = [read("cones", "array<Cone>"), read("pieces", "array<Piece>"), read("outlines", "array<Outline>")];
     let own = [write("replicas", "array<vec2<u32>>"), write("draw_args", "array<atomic<u32>>")];
     let bindings = [&[params()][..], &triangles(), &rays, &own].concat();
     let own = [OUTLINE, PERSPECTIVE, snippet!("replicate.wgsl")];

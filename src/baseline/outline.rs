@@ -30,19 +30,31 @@ pub fn pieces<'a>(setup: &Setup<'a>) -> Result<Vec<(u32, &'a Pieces, u32)>> {
 /// pixels of the image.
 pub fn upload(gpu: &Gpu, setup: &Setup, buffers: &mut Buffers) -> Result<u32> {
     let all = pieces(setup)?;
+    let order: Vec<u32> = (0..all.len() as u32).collect();
+    upload_in_order(gpu, setup, (&all, &order), buffers)?;
+    Ok(all.len() as u32)
+}
+
+/// The same, the rows of `pieces` in this order; `outlines` are by number.
+pub fn upload_in_order(
+    gpu: &Gpu,
+    setup: &Setup,
+    (all, order): (&[(u32, &Pieces, u32)], &[u32]),
+    buffers: &mut Buffers,
+) -> Result<()> {
     let (w, h) = (setup.camera.width, setup.camera.height);
     let outline = |(layer, pieces, k): &(u32, &Pieces, u32)| {
         let corners = pieces.pieces[*k as usize].corners_px.map(|c| c.map(|q| q.as_vec2().to_array()));
         let [a, b, c] = corners.unwrap_or([[0.0, 0.0], [2.0 * w as f32, 0.0], [0.0, 2.0 * h as f32]]);
         Outline { a, b, c, is_whole: u32::from(corners.is_none()), layer: *layer }
     };
-    let row = |(number, (_, pieces, k)): (usize, &(u32, &Pieces, u32))| -> rows::Piece {
-        let Piece { centre_px, .. } = &pieces.pieces[*k as usize];
+    let row = |&number: &u32| -> rows::Piece {
+        let (_, pieces, k) = all[number as usize];
+        let Piece { centre_px, .. } = &pieces.pieces[k as usize];
         // far from an eye or not, a row is about a pixel of its own
         let (i, j) = ((centre_px.x.max(0.0) as u32).min(w - 1), (centre_px.y.max(0.0) as u32).min(h - 1));
-        row_of(&pieces.bundle_at(*k, i, j), setup.anchor, [i as f32, j as f32], number as u32)
+        row_of(&pieces.bundle_at(k, i, j), setup.anchor, [i as f32, j as f32], number)
     };
     buffers.upload(gpu, "outlines", &all.iter().map(outline).collect::<Vec<_>>())?;
-    buffers.upload(gpu, "pieces", &all.iter().enumerate().map(row).collect::<Vec<_>>())?;
-    Ok(all.len() as u32)
+    buffers.upload(gpu, "pieces", &order.iter().map(row).collect::<Vec<_>>())
 }

@@ -59,3 +59,21 @@ pub struct Splat {
     pub slots: u32,
     pub pad0: u32,
 }
+
+/// The cone of all that perspective pieces which lie together see, relative to the anchor.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Cone {
+    pub eye: [f32; 3],
+    /// The first piece.
+    pub first: u32,
+    /// Unit.
+    pub axis: [f32; 3],
+    /// Pieces.
+    pub count: u32,
+    /// From the axis to the cone's side, radians; from pi on everything is in it.
+    pub angle: f32,
+    pub pad0: u32,
+    pub pad1: u32,
+    pub pad2: u32,
+}

@@ -12,6 +12,26 @@ fn all_outside(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, seen: array<vec3<f32>, 
     return dot(line, seen[0]) < 0.0 && dot(line, seen[1]) < 0.0 && dot(line, seen[2]) < 0.0;
 }
 
+// Roundings of an angle: of its cosine next to 1, whose arc is the root of twice that, and of the eye.
+const ANGLE_SLACK: f32 = 2e-3;
+// A cap up to here holds the triangle of corners that it holds; radians.
+const WIDEST: f32 = 1.5;
+
+// The cone and one around the triangle meet.
+fn may_see(some: Cone, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> bool {
+    let a = normalize(v0 - some.eye);
+    let b = normalize(v1 - some.eye);
+    let c = normalize(v2 - some.eye);
+    let axis = normalize(a + b + c);
+    let angle = arc(min(dot(axis, a), min(dot(axis, b), dot(axis, c))));
+    // what is not a number, of a corner in the eye, is seen
+    return !(angle < WIDEST && arc(dot(some.axis, axis)) > some.angle + angle + ANGLE_SLACK);
+}
+
+fn arc(cosine: f32) -> f32 {
+    return acos(clamp(cosine, -1.0, 1.0));
+}
+
 @compute @workgroup_size(64)
 fn replicate(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -30,20 +50,26 @@ fn replicate(
     let v0 = vertex(row.x);
     let v1 = vertex(row.y);
     let v2 = vertex(row.z);
-    for (var piece = 0u; piece < arrayLength(&pieces); piece++) {
-        let q = pieces[piece];
-        let o = outlines[q.number];
-        let seen = array<vec3<f32>, 3>(perspective_image(q, v0), perspective_image(q, v1), perspective_image(q, v2));
-        let around = outline_corners(o);
-        let a = around[0] - piece_origin(q);
-        let b = around[1] - piece_origin(q);
-        let c = around[2] - piece_origin(q);
-        let behind = seen[0].z <= 0.0 && seen[1].z <= 0.0 && seen[2].z <= 0.0;
-        let outside = behind || all_outside(a, b, c, seen) || all_outside(b, c, a, seen) || all_outside(c, a, b, seen);
-        if !CULLING || !outside {
-            let at = atomicAdd(&draw_args[VERTICES], 3u) / 3u;
-            if at < arrayLength(&replicas) {
-                replicas[at] = vec2<u32>(slot, piece);
+    for (var k = 0u; k < arrayLength(&cones); k++) {
+        let some = cones[k];
+        if CULLING && !may_see(some, v0, v1, v2) {
+            continue;
+        }
+        for (var piece = some.first; piece < some.first + some.count; piece++) {
+            let q = pieces[piece];
+            let o = outlines[q.number];
+            let seen = array<vec3<f32>, 3>(perspective_image(q, v0), perspective_image(q, v1), perspective_image(q, v2));
+            let around = outline_corners(o);
+            let a = around[0] - piece_origin(q);
+            let b = around[1] - piece_origin(q);
+            let c = around[2] - piece_origin(q);
+            let behind = seen[0].z <= 0.0 && seen[1].z <= 0.0 && seen[2].z <= 0.0;
+            let outside = behind || all_outside(a, b, c, seen) || all_outside(b, c, a, seen) || all_outside(c, a, b, seen);
+            if !CULLING || !outside {
+                let at = atomicAdd(&draw_args[VERTICES], 3u) / 3u;
+                if at < arrayLength(&replicas) {
+                    replicas[at] = vec2<u32>(slot, piece);
+                }
             }
         }
     }

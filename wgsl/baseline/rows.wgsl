@@ -40,3 +40,15 @@ struct Splat {
     slots: u32,
     pad0: u32,
 }
+
+// The cone of all that perspective pieces which lie together see.
+struct Cone {
+    eye: vec3<f32>,         // relative to the anchor
+    first: u32,             // piece
+    axis: vec3<f32>,        // unit
+    count: u32,             // pieces
+    angle: f32,             // from the axis to the cone's side, radians; from pi on everything is in it
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
+}
