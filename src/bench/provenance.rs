@@ -25,8 +25,6 @@ pub struct Provenance {
 impl Provenance {
     pub fn now(engine: &Engine, quick: bool) -> Provenance {
         let info = &engine.gpu.info;
-        let git = Command::new("git").args(["describe", "--always", "--dirty"]).output().ok();
-        let commit = git.filter(|o| o.status.success()).map(|o| String::from_utf8_lossy(&o.stdout).trim().to_owned());
         let arguments = std::env::args().skip(1).map(|a| format!(" {a}"));
         Provenance {
             date: today(),
@@ -35,7 +33,7 @@ impl Provenance {
             is_software: info.device_type == wgpu::DeviceType::Cpu,
             cores: std::thread::available_parallelism().map_or(1, |n| n.get()),
             version: env!("CARGO_PKG_VERSION").into(),
-            commit,
+            commit: commit(),
             command: format!("anamorph{}", arguments.collect::<String>()),
             quick,
         }
@@ -53,6 +51,17 @@ impl Provenance {
             "Rasterization is the adapter's own hardware; compute kernels are this program's."
         }
     }
+}
+
+/// The commit that is checked out, `-dirty` where more than results differs from it.
+fn commit() -> Option<String> {
+    let git = |args: &[&str]| {
+        let output = Command::new("git").args(args).output().ok().filter(|o| o.status.success())?;
+        Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    let changed = git(&["status", "--porcelain", "--", ":/", ":(top,exclude)bench_results"])?;
+    let dirty = if changed.is_empty() { "" } else { "-dirty" };
+    Some(git(&["describe", "--always"])? + dirty)
 }
 
 fn today() -> String {
