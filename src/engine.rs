@@ -18,6 +18,7 @@ use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame, Plane};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
+use crate::gpu::device::Abilities;
 use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::Recorder;
 use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
@@ -41,6 +42,20 @@ pub struct Capacities {
     pub work: u64,
     /// (triangle, cell) pairs.
     pub pairs: u64,
+    /// Half tiles of pixels of a pair that `recheck` takes.
+    pub doubts: u64,
+}
+
+/// In what the signs are found that decide what a pixel sees.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Arithmetic {
+    /// f32 where its bounds prove them, and recheck arithmetic elsewhere.
+    #[default]
+    Rechecked,
+    /// f32 alone, as on an adapter without f64.
+    Single,
+    /// Recheck arithmetic everywhere.
+    Double,
 }
 
 /// How to run frames.
@@ -55,6 +70,8 @@ pub struct RunOptions {
     /// Clusters that a part of the image does not see are not left out early: `cull` hands on everything, and rivals do not clip at
     /// the edges of pieces.
     pub no_cull: bool,
+    /// In what signs are found.
+    pub arithmetic: Arithmetic,
     /// Triangles that a rival may draw a frame.
     pub draws_max: Option<u64>,
     /// Where the lists start; `None`: from the scene's size. They grow as needed.
@@ -151,6 +168,9 @@ impl Engine {
         wanted: &Wanted,
         run: &RunOptions,
     ) -> Result<Frames<'a>> {
+        if wanted.channels.contains(&Channel::Certified) {
+            check_provable(&camera, run)?;
+        }
         let mut painter = self.painter(scene, &camera, wanted, run)?;
         let mut planned = wanted.clone();
         let lit = if wanted.has_colour() { self.illuminated(scene)? } else { None };
@@ -162,8 +182,10 @@ impl Engine {
         let has_normals = !scene.mesh.normals.is_empty();
         let limit = self.gpu.binding_limit();
         let triangles = scene.mesh.triangles.len();
-        let mut plan = Plan::new(&camera, triangles, has_normals, around, &planned, self.gpu.has, limit);
+        let has = Abilities { f64: self.gpu.has.f64 && run.arithmetic != Arithmetic::Single, ..self.gpu.has };
+        let mut plan = Plan::new(&camera, triangles, has_normals, around, &planned, has, limit);
         plan.variant.culling = !run.no_cull;
+        plan.variant.doubting = run.arithmetic == Arithmetic::Double;
         let stages = self.stages(plan.variant, &plan.planes)?;
         let turned =
             plan.variant.turns_rays().then(|| self.stages(plan.variant.after_turn(), &plan.planes)).transpose()?;
@@ -216,6 +238,21 @@ impl Engine {
         self.gathers.push(gather.clone());
         gather
     }
+}
+
+/// What is certified are the engine's own hits of rays that nothing turned.
+fn check_provable(camera: &Camera, run: &RunOptions) -> Result<()> {
+    if let Some(choice) = run.by {
+        return Err(Error::input(format!(
+            "{} proves nothing; certified is a channel of --engine compute",
+            choice.technique.name
+        )));
+    }
+    if camera.optics.is_some() {
+        let kind = camera.kind;
+        return Err(Error::input(format!("{kind} turns rays without bounds; certified is a channel of other cameras")));
+    }
+    Ok(())
 }
 
 /// What a rival needs to know of a plan.

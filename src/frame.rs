@@ -5,7 +5,7 @@ use crate::camera::Camera;
 /// Triangle or piece id where nothing is hit.
 pub const NO_ID: u32 = u32::MAX;
 
-/// A channel of the contract's section 4, and the facet of a mirror or lens that a pixel sees first.
+/// A channel of the contract's section 4, the facet of a mirror or lens that a pixel sees first, and what is proven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Channel {
     R,
@@ -19,9 +19,13 @@ pub enum Channel {
     BaryU,
     BaryV,
     MirrorId,
+    /// 2 where bounds in f32 prove that the pixel's triangle, or the miss, is that of exact arithmetic; 1 where bounds on the
+    /// recheck do; 0 where nothing does.
+    Certified,
 }
 
 impl Channel {
+    /// Those that say what is seen.
     pub const ALL: [Channel; 11] = [
         Channel::R,
         Channel::G,
@@ -35,6 +39,17 @@ impl Channel {
         Channel::BaryV,
         Channel::MirrorId,
     ];
+
+    /// And how well that is known.
+    pub const EVERY: [Channel; 12] = {
+        let mut every = [Channel::Certified; 12];
+        let mut k = 0;
+        while k < Channel::ALL.len() {
+            every[k] = Channel::ALL[k];
+            k += 1;
+        }
+        every
+    };
 
     /// The channels that say something about pictures of this camera.
     pub fn of(camera: &Camera) -> Vec<Channel> {
@@ -55,16 +70,17 @@ impl Channel {
             Channel::BaryU => "bary.u",
             Channel::BaryV => "bary.v",
             Channel::MirrorId => "mirror.id",
+            Channel::Certified => "certified",
         }
     }
 
-    /// Its values are numbers of things, not quantities.
+    /// Its values are whole numbers.
     pub fn is_id(self) -> bool {
-        matches!(self, Channel::TriangleId | Channel::PieceId | Channel::MirrorId)
+        matches!(self, Channel::TriangleId | Channel::PieceId | Channel::MirrorId | Channel::Certified)
     }
 
     pub fn from_name(name: &str) -> Option<Channel> {
-        Channel::ALL.into_iter().find(|c| c.name() == name)
+        Channel::EVERY.into_iter().find(|c| c.name() == name)
     }
 }
 

@@ -13,7 +13,9 @@
 //!                         |                                                          GPU, one submission
 //!            cull:   clusters of triangles x nodes          -> work items
 //!            bin:    triangles of a cluster x tiles         -> (triangle, cell) pairs
-//!            raster: pairs, pixel by pixel                  -> visibility buffer: (layer, t, id) a pixel
+//!            raster: pairs, pixel by pixel                  -> visibility buffer: (layer, t, id) a pixel; doubts
+//!            recheck: what f32 did not prove, in f64        -> visibility buffer
+//!            (certify: what is proven of it, where asked)
 //!            shade:  visible triangle of each pixel         -> planes: colour, depth, ids
 //!            write:  colour                                 -> 8-bit sRGB
 //! ------------------------+-----------------------------------------------------------------
@@ -25,7 +27,8 @@
 //!
 //! The image of a triangle under a bilinear piece is bounded by three conics: `E_ij = ((v_i - P) x (v_j - v_i)) . D` is
 //! quadratic in the image place when P and D are affine. Coverage is three sign tests a pixel, without projecting
-//! anything; signs that a rounding bound does not prove are taken again in f64. A curved ray meets a triangle's plane at the
+//! anything; signs that a rounding bound does not prove are left to `recheck`, in f64. The channel `certified` says which pixels
+//! are proven: `certify` bounds every hit from both sides and holds what was found against all that may lie before it. A curved ray meets a triangle's plane at the
 //! roots of a polynomial of its own degree, none of which is missed.
 //!
 //! Three layers keep it true: [`mod@reference`] (one f64 ray or curve a pixel, no pieces' tricks), the twins of the stages in

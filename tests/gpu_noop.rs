@@ -69,7 +69,7 @@ fn every_pipeline_builds_with_the_features_of_its_variant_alone() {
     for (features, f64, atomics64) in feature_sets() {
         let gpu = open(features, limits(), &GpuOptions::default()).unwrap();
         for variant in Variant::every(f64, atomics64) {
-            Stages::new(&gpu, variant, &Channel::ALL).unwrap();
+            Stages::new(&gpu, variant, &Channel::EVERY).unwrap();
             gpu.failure().unwrap_or_else(|e| panic!("{features:?} {variant:?}: {e}"));
         }
     }
@@ -79,7 +79,7 @@ fn every_pipeline_builds_with_the_features_of_its_variant_alone() {
 fn a_variant_that_the_device_cannot_run_is_reported() {
     for (f64, atomics64) in [(true, false), (false, true)] {
         let gpu = open(Features::empty(), limits(), &GpuOptions::default()).unwrap();
-        let built = Stages::new(&gpu, Variant::every(f64, atomics64)[0], &Channel::ALL);
+        let built = Stages::new(&gpu, Variant::every(f64, atomics64)[0], &Channel::EVERY);
         assert!(built.is_err() || gpu.failure().is_err());
     }
 }
@@ -98,7 +98,7 @@ fn the_limit_on_storage_buffers_is_what_the_largest_kernel_binds() {
         let storage = |k: &anamorph::gpu::kernels::Kernel| {
             k.bindings.iter().filter(|b| b.access != anamorph::gpu::kernels::Access::Uniform).count()
         };
-        anamorph::gpu::kernels::all(variant, &Channel::ALL).iter().map(storage).max().unwrap()
+        anamorph::gpu::kernels::all(variant, &Channel::EVERY).iter().map(storage).max().unwrap()
     });
     assert_eq!(most.max(), Some(STORAGE_BUFFERS as usize));
 }

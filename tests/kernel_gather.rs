@@ -41,6 +41,7 @@ fn variant(optics: bool) -> Variant {
         sheeted: false,
         counting: false,
         culling: true,
+        doubting: false,
         optics: optics.then_some(OpticsKind::Facets),
         turned: false,
     }

@@ -1,4 +1,4 @@
-//! raster: the kernel against its twin, from the same bytes.
+//! raster and recheck: the kernels against their twin, from the same bytes.
 
 mod common;
 #[path = "common/stages.rs"]
@@ -9,7 +9,7 @@ mod turned;
 use anamorph::TILE;
 use anamorph::gpu::buffers::Buffers;
 use anamorph::gpu::rows::{
-    COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_RECHECKED, COUNTERS, Params,
+    COUNT_DOUBTS, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_RECHECKED, COUNTERS, Params,
 };
 use anamorph::twin::bin::{Pair, bin};
 use anamorph::twin::cull::{Bound, cull};
@@ -44,20 +44,26 @@ type Job<'a> = (Input<'a>, Vec<[u32; 2]>);
 /// Draws the jobs of one band into one buffer, as the engine does: every job in each step.
 fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64): (Real, bool), jobs: &[Job]) -> Drawn {
     let (gpu, stages) = bench.stages(turned::variant(case, &jobs[0].0, real, atomics64), &[]);
-    let owned = [COUNT_FRAGMENTS_TESTED, COUNT_FRAGMENTS_KEPT, COUNT_RECHECKED];
+    let owned = [COUNT_FRAGMENTS_TESTED, COUNT_FRAGMENTS_KEPT, COUNT_RECHECKED, COUNT_DOUBTS];
     let pixels = (jobs[0].0.params.width * jobs[0].0.params.height) as usize;
     let mut visibility = vec![[0u32; 2]; pixels];
     visibility.resize(pixels + SPARE, [POISON; 2]);
     let mut shared = Buffers::default();
     shared.upload(gpu, "visibility", &visibility).unwrap();
-    let mut sums = [0; 3];
+    let mut sums = [0; 4];
     for step in 0..stages.raster_steps() {
         for (input, pairs) in jobs {
             let mut buffers = upload(gpu, input);
             list(gpu, &mut buffers, "pairs", pairs, pairs.len());
+            let room = input.params.doubt_capacity as usize;
+            list(gpu, &mut buffers, "doubts", &[], room);
             let zeros = owned.map(|k| (k, 0));
             counters(gpu, &mut buffers, &[&zeros[..], &[(COUNT_PAIRS, pairs.len() as u32)]].concat());
-            run(gpu, |pass| stages.raster(gpu, pass, &[&buffers, &shared], step));
+            run(gpu, |pass| {
+                stages.raster(gpu, pass, &[&buffers, &shared], step)?;
+                stages.recheck(gpu, pass, &[&buffers, &shared], step)
+            });
+            assert_poisoned(&read(gpu, &buffers, "doubts"), 2 * room, &format!("{}, doubts", case.name));
             let counters = read(gpu, &buffers, "counters");
             for (k, &value) in counters.iter().take(COUNTERS as usize).enumerate() {
                 let owned = owned.contains(&(k as u32)) || k as u32 == COUNT_PAIRS;
@@ -165,6 +171,8 @@ fn jobs_of<'a>(band: Vec<Input<'a>>, rng: &mut Rng) -> Vec<Job<'a>> {
     let job = |mut input: Input<'a>| {
         let pairs = pairs_of(&input, rng);
         input.params.pair_capacity = pairs.len() as u32;
+        // two halves of a tile
+        input.params.doubt_capacity = 2 * pairs.len() as u32;
         (input, pairs)
     };
     band.into_iter().map(job).collect()

@@ -51,12 +51,13 @@ fn lists_of_one_item_grow_to_the_identical_image() {
     for (name, camera) in cameras() {
         for without in [Without::Nothing, Without::Int64Atomics, Without::F64] {
             let Some(roomy) = render_with(&scene, &camera, without, &RunOptions::default()) else { return };
-            let large = Capacities { queue: 1 << 20, work: 1 << 20, pairs: 1 << 20 };
+            let large = Capacities { queue: 1 << 20, work: 1 << 20, pairs: 1 << 20, doubts: 1 << 20 };
             for start in [
-                Capacities { queue: 1, work: 1, pairs: 1 },
+                Capacities { queue: 1, work: 1, pairs: 1, doubts: 1 },
                 Capacities { queue: 1, ..large },
                 Capacities { work: 1, ..large },
                 Capacities { pairs: 1, ..large },
+                Capacities { doubts: 1, ..large },
             ] {
                 let run = RunOptions { capacities: Some(start), ..Default::default() };
                 let grown = render_with(&scene, &camera, without, &run).unwrap();

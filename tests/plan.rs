@@ -317,7 +317,7 @@ fn what_is_left_out_is_said() {
     };
     let (_, kind) = glc_of_each_class().swap_remove(3);
     let glc = camera(kind, SIZE, FORWARD);
-    let all = Wanted { srgb8: true, counting: true, ..wanted(&Channel::ALL) };
+    let all = Wanted { srgb8: true, counting: true, ..wanted(&Channel::EVERY) };
     let least = whats(&glc, true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert_eq!(
         least,
@@ -341,7 +341,7 @@ fn what_is_left_out_is_said() {
     }
     assert!(!whats(&glc, true, &all, HAS_ALL, 1 << 16).contains(&"bands".into()));
     let few = whats(&glc, false, &wanted(&[Channel::T]), HAS_NONE, LAVAPIPE_BINDING);
-    for what in ["channels", "smooth normals", "write", "fragment counters", "f64 rechecks"] {
+    for what in ["channels", "certify", "smooth normals", "write", "fragment counters", "f64 rechecks"] {
         assert!(few.contains(&what.into()) && !least.contains(&what.into()), "{what}: {few:?}");
     }
     assert!(!few.contains(&"second depth dispatch".into()));
@@ -356,6 +356,7 @@ fn what_is_left_out_is_said() {
     assert!(!chain.contains(&"sheets".into()) && chain.contains(&"curves".into()));
     let curves = whats(&layered::wavy(2, 0.5, false, SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert!(!curves.contains(&"sheets".into()) && !curves.contains(&"curves".into()));
+    assert!(curves.contains(&"recheck".into()) && !chain.contains(&"recheck".into()));
 }
 
 #[test]

@@ -13,6 +13,8 @@ fn args() {
         items = 1u;
     } else if step.value == COUNT_PAIRS {
         count = min(count, params.pair_capacity);
+    } else if step.value == COUNT_DOUBTS {
+        count = min(count, params.doubt_capacity);
     } else {
         count = min(count, params.queue_capacity);
     }

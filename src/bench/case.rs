@@ -1,7 +1,8 @@
 //! A case: one scene, seen by several techniques, each as an arm.
 
-use super::row::{Moving, Paper};
+use super::row::{Moving, Paper, Stiffness};
 use crate::baseline::Choice;
+use crate::engine::Arithmetic;
 use crate::error::Result;
 use crate::example::EXAMPLES;
 use crate::output::write_text;
@@ -14,6 +15,8 @@ pub enum Source {
     Example(&'static str),
     /// A scene file's text.
     Text(String),
+    /// Names and texts, the scene file's first.
+    Files(Vec<(&'static str, String)>),
 }
 
 /// One scene and all that look at it.
@@ -29,6 +32,8 @@ pub struct Case {
     pub moving: Moving,
     /// What this engine tests and keeps is counted too, in a frame of its own.
     pub counted: bool,
+    /// What makes the scene hard, where that is asked: what is proven is asked too.
+    pub stiffness: Option<Stiffness>,
     pub arms: Vec<Arm>,
     /// What a paper prints of it.
     pub paper: Option<Paper>,
@@ -47,6 +52,7 @@ pub struct Arm {
     pub knob: Option<(&'static str, f64)>,
     /// As [`crate::engine::RunOptions::no_cull`].
     pub no_cull: bool,
+    pub arithmetic: Arithmetic,
 }
 
 impl Case {
@@ -55,8 +61,17 @@ impl Case {
     }
 
     pub fn new(name: impl Into<String>, source: Source, arms: Vec<Arm>) -> Case {
-        let (set, truth) = (Vec::new(), Vec::new());
-        Case { name: name.into(), source, set, truth, moving: Moving::Nothing, counted: false, arms, paper: None }
+        Case {
+            name: name.into(),
+            source,
+            set: Vec::new(),
+            truth: Vec::new(),
+            moving: Moving::Nothing,
+            counted: false,
+            stiffness: None,
+            arms,
+            paper: None,
+        }
     }
 
     pub fn set(mut self, set: &[impl AsRef<str>]) -> Case {
@@ -78,6 +93,10 @@ impl Case {
         Case { moving, ..self }
     }
 
+    pub fn stiff(self, stiffness: Stiffness) -> Case {
+        Case { stiffness: Some(stiffness), ..self }
+    }
+
     pub fn counted(self) -> Case {
         Case { counted: true, ..self }
     }
@@ -90,6 +109,12 @@ impl Case {
                 write_text(&path, text)?;
                 Ok(path)
             }
+            Source::Files(files) => {
+                for (name, text) in files {
+                    write_text(&folder.join(name), text)?;
+                }
+                Ok(folder.join(files[0].0))
+            }
             Source::Example(name) => match EXAMPLES.iter().find(|e| e.name == *name) {
                 Some(example) => example.write(folder),
                 None => Err(crate::Error::input(format!("there is no example {name}"))),
@@ -100,7 +125,7 @@ impl Case {
 
 impl Arm {
     pub fn ours() -> Arm {
-        Arm { by: None, set: Vec::new(), way: None, knob: None, no_cull: false }
+        Arm { by: None, set: Vec::new(), way: None, knob: None, no_cull: false, arithmetic: Arithmetic::default() }
     }
 
     /// A rival, as `--engine` names it.
@@ -127,6 +152,11 @@ impl Arm {
     /// Nothing is left out early.
     pub fn no_cull(self) -> Arm {
         Arm { no_cull: true, ..self.way("no culling") }
+    }
+
+    /// All signs in this arithmetic.
+    pub fn arithmetic(self, arithmetic: Arithmetic, way: &'static str) -> Arm {
+        Arm { arithmetic, ..self.way(way) }
     }
 
     /// The number that a sweep varies.

@@ -9,6 +9,7 @@ mod plot;
 mod provenance;
 pub mod race;
 pub mod row;
+mod stiff;
 pub mod suites;
 mod table;
 mod yardstick;

@@ -2,7 +2,7 @@
 
 use super::Run;
 use super::plot::Drawn;
-use super::table::{HEADS, WORK_HEADS, about, cells, work};
+use super::table::{HEADS, STIFF_HEADS, WORK_HEADS, about, cells, families, stiff, work};
 
 const STYLE: &str = "
 :root { color-scheme: light dark; }
@@ -51,6 +51,16 @@ fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
         p.fairness()
     );
     let drawn_of = |case: &str| plots.iter().find(|(_, title, _)| title == case);
+    for (stiffness, rows) in families(&run.rows) {
+        text += &format!("<h3>{}</h3>\n", escaped(&stiffness.family));
+        text += &format!("<p class=\"note\">stiffness: {}</p>\n", escaped(&stiffness.knob));
+        let own = plots.iter().filter(|(_, title, _)| title.starts_with(&format!("{}: error", stiffness.family)));
+        own.for_each(|(_, _, svg)| text += svg);
+        text += &table(&STIFF_HEADS, rows.iter().filter_map(stiff));
+    }
+    if families(&run.rows).next().is_some() {
+        return text + "</section>\n";
+    }
     let cases: Vec<_> = run.rows.chunk_by(|a, b| a.case == b.case).collect();
     // plots over several cases come first
     for (_, title, svg) in plots.iter().filter(|(_, title, _)| !cases.iter().any(|c| c[0].case == *title)) {

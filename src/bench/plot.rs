@@ -2,6 +2,7 @@
 
 use super::row::Row;
 use super::suites::Plot;
+use super::table::families;
 use crate::error::{Error, Result};
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -39,12 +40,7 @@ pub fn plots(rows: &[Row], plot: Plot) -> Result<Vec<Drawn>> {
         Plot::Error => rows
             .chunk_by(|a, b| a.case == b.case)
             .filter_map(|case| {
-                let series = by_technique(case, |row| {
-                    let error = row.error.as_ref()?;
-                    // none wrong is drawn as half a pixel
-                    let least = 0.5 / (f64::from(row.width) * f64::from(row.height));
-                    Some((row.times.as_ref()?.median, error.wrong_share.max(least)))
-                });
+                let series = by_technique(case, |row| Some((row.times.as_ref()?.median, wrong_share(row)?)));
                 let title = &case[0].case;
                 (!series.is_empty()).then(|| {
                     Ok((file_name(title), title.clone(), chart(&series, ["ms a frame", "share of wrong pixels"])?))
@@ -60,8 +56,36 @@ pub fn plots(rows: &[Row], plot: Plot) -> Result<Vec<Drawn>> {
                 (!series.is_empty()).then(|| Ok((file_name(&title), title, chart(&series, [&knob, "ms a frame"])?)))
             })
             .collect(),
+        Plot::Stiffness => stiffness(rows),
         Plot::Stages => Ok(vec![("stages.svg".into(), "time of each stage".into(), bars(rows)?)]),
     }
+}
+
+/// Of each family the share of wrong pixels against its number, and against the time.
+fn stiffness(rows: &[Row]) -> Result<Vec<Drawn>> {
+    const WRONG: &str = "share of wrong pixels";
+    let mut drawn = Vec::new();
+    for (stiffness, rows) in families(rows) {
+        let values = || rows.iter().filter_map(|r| r.stiffness.as_ref()).map(|s| s.value).filter(|v| *v > 0.0);
+        // 0 is drawn as a tenth of the least
+        let least = 0.1 * values().fold(f64::INFINITY, f64::min);
+        let by_number = by_technique(rows, |row| Some((row.stiffness.as_ref()?.value.max(least), wrong_share(row)?)));
+        let by_time = by_technique(rows, |row| Some((row.times.as_ref()?.median, wrong_share(row)?)));
+        let axes = [[stiffness.knob.as_str(), WRONG], ["ms a frame", WRONG]];
+        for ((series, axes), against) in [by_number, by_time].iter().zip(axes).zip(["stiffness", "time"]) {
+            if !series.is_empty() {
+                let title = format!("{}: error against {against}", stiffness.family);
+                drawn.push((file_name(&title), title, chart(series, axes)?));
+            }
+        }
+    }
+    Ok(drawn)
+}
+
+/// None wrong is drawn as half a pixel.
+fn wrong_share(row: &Row) -> Option<f64> {
+    let least = 0.5 / (f64::from(row.width) * f64::from(row.height));
+    Some(row.error.as_ref()?.wrong_share.max(least))
 }
 
 /// The numbers that are swept.

@@ -2,11 +2,11 @@
 //! frame is held against one truth.
 
 use super::case::{Arm, Case};
-use super::row::{Counted, Error, Moving, Row, Times};
+use super::row::{Certified, Counted, Error, Moving, Row, Times};
 use super::yardstick::Yardstick;
 use crate::camera::Camera;
 use crate::compare::compare;
-use crate::engine::{Engine, Frames, RunOptions};
+use crate::engine::{Arithmetic, Engine, Frames, RunOptions};
 use crate::error::Result;
 use crate::frame::{Channel, Frame, NO_ID};
 use crate::plan::Wanted;
@@ -101,15 +101,22 @@ pub fn race(engine: &mut Engine, suite: &str, case: &Case, rules: &Rules) -> Res
     }
     let control_ms = time(engine, &all, &mut entries, rules.runs)?;
 
-    let mut judge = Judge { scene: &truth.0, camera: &truth.1, judgement: None };
+    let mut judge = Judge { scene: &truth.0, camera: &truth.1, judgement: None, each: case.stiffness.is_some() };
     let mut rows = Vec::new();
     for (at, mut entry) in entries.into_iter().enumerate() {
         entry.row.control_ms = control_ms;
         let scene = scenes.get(at).and_then(|s| s.as_ref().ok());
         if let Some(frame) = entry.finish(scene.map(|s| &s.1)) {
             entry.row.error = judge.error(&frame)?;
-            if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, case.counted && entry.row.is_ours()) {
-                entry.row.counted = Some(counted(engine, scene, camera, &options(case, arm, rules)?, &frame)?);
+            if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, entry.row.is_ours()) {
+                let options = options(case, arm, rules)?;
+                if case.counted {
+                    entry.row.counted = Some(counted(engine, scene, camera, &options, &frame)?);
+                }
+                let is_provable = camera.optics.is_none() && arm.arithmetic == Arithmetic::Rechecked;
+                if let (true, true, Some(truth)) = (case.stiffness.is_some(), is_provable, judge.truth()) {
+                    entry.row.certified = Some(certified(engine, scene, camera, &options, truth)?);
+                }
             }
         }
         rows.push(entry.row);
@@ -154,7 +161,8 @@ impl<'a> Entry<'a> {
     ) {
         self.row.describe(scene, camera);
         let options = options.as_ref().map_err(Clone::clone);
-        match options.and_then(|options| engine.prepare(scene, camera, &wanted(false), options)) {
+        let wanted = wanted(self.row.stiffness.is_some());
+        match options.and_then(|options| engine.prepare(scene, camera, &wanted, options)) {
             Ok(frames) => {
                 let first_ms = frames.first_ms();
                 if first_ms > first_ms_max && !self.row.is_ours() {
@@ -202,6 +210,8 @@ struct Judge<'a> {
     scene: &'a Scene,
     camera: &'a Camera,
     judgement: Option<Judgement>,
+    /// Every frame is held against what may be seen near each pixel, and not the first alone.
+    each: bool,
 }
 
 impl Judge<'_> {
@@ -210,19 +220,31 @@ impl Judge<'_> {
         if u64::from(self.camera.width) * u64::from(self.camera.height) > JUDGED_MAX {
             return Ok(None);
         }
+        if self.each {
+            self.judgement = None;
+        }
         let truth = self.judgement.get_or_insert_with(|| judge(self.scene, self.camera, frame));
-        Ok(Some(Error::of(&compare(frame, &truth.truth, Some(&truth.safe), Some(&truth.scales))?)))
+        let error = Error::of(&compare(frame, &truth.truth, Some(&truth.safe), Some(&truth.scales))?);
+        Ok(Some(Error { wrong_not_near: self.each.then_some(truth.not_near), ..error }))
+    }
+
+    /// The reference's frame, once one was held against it.
+    fn truth(&self) -> Option<&Frame> {
+        self.judgement.as_ref().map(|j| &j.truth)
     }
 }
 
-fn wanted(counting: bool) -> Wanted {
-    let channels = vec![Channel::R, Channel::G, Channel::B, Channel::T, Channel::TriangleId];
-    Wanted { channels, srgb8: false, counting }
+/// `depth`: how far along the rays things are is asked for too.
+fn wanted(depth: bool) -> Wanted {
+    let mut channels = vec![Channel::R, Channel::G, Channel::B, Channel::T, Channel::TriangleId];
+    channels.extend(depth.then_some(Channel::Z));
+    Wanted { channels, srgb8: false, counting: false }
 }
 
 fn options(case: &Case, arm: &Arm, rules: &Rules) -> Result<RunOptions> {
     let (moving, draws_max) = (case.moving == Moving::Triangles, rules.draws_max);
-    Ok(RunOptions { by: arm.choice()?, moving, no_cull: arm.no_cull, draws_max, ..Default::default() })
+    let (no_cull, arithmetic) = (arm.no_cull, arm.arithmetic);
+    Ok(RunOptions { by: arm.choice()?, moving, no_cull, arithmetic, draws_max, ..Default::default() })
 }
 
 /// What one frame tests and keeps.
@@ -233,9 +255,28 @@ fn counted(
     options: &RunOptions,
     frame: &Frame,
 ) -> Result<Counted> {
-    let counts = engine.render(scene, camera, &wanted(true), options)?.counts;
+    let wanted = Wanted { counting: true, ..wanted(false) };
+    let counts = engine.render(scene, camera, &wanted, options)?.counts;
     let covered = frame.u32(Channel::TriangleId).map_or(0, |ids| ids.iter().filter(|id| **id != NO_ID).count());
     Ok(Counted::of(counts, covered as u64))
+}
+
+/// What is proven of one frame.
+fn certified(
+    engine: &mut Engine,
+    scene: &Scene,
+    camera: &Camera,
+    options: &RunOptions,
+    truth: &Frame,
+) -> Result<Certified> {
+    let wanted = Wanted { channels: vec![Channel::TriangleId, Channel::Certified], srgb8: false, counting: false };
+    let frame = engine.render(scene, camera, &wanted, options)?.frame;
+    let ids = |frame: &Frame| frame.u32(Channel::TriangleId).map(<[u32]>::to_vec).unwrap_or_default();
+    let proven = frame.u32(Channel::Certified).unwrap_or_default();
+    let share = |how: u32| proven.iter().filter(|p| **p == how).count() as f64 / proven.len().max(1) as f64;
+    let differs = ids(&frame).iter().zip(&ids(truth)).map(|(a, b)| a != b).collect::<Vec<_>>();
+    let wrong = proven.iter().zip(differs).filter(|(p, differs)| **p > 0 && *differs).count() as u64;
+    Ok(Certified { by_f32: share(2), by_recheck: share(1), wrong })
 }
 
 impl Runner<'_> {

@@ -27,6 +27,8 @@ pub struct Row {
     pub width: u32,
     pub height: u32,
     pub moving: Moving,
+    #[serde(default)]
+    pub stiffness: Option<Stiffness>,
     pub times: Option<Times>,
     /// Median time of an empty kernel, run in turn with the rest, ms.
     pub control_ms: f64,
@@ -38,6 +40,8 @@ pub struct Row {
     pub bytes: u64,
     pub counted: Option<Counted>,
     pub error: Option<Error>,
+    #[serde(default)]
+    pub certified: Option<Certified>,
     /// Why there is no time.
     pub refused: Option<String>,
     pub paper: Option<Paper>,
@@ -62,6 +66,26 @@ impl Moving {
             Moving::Camera => "camera",
         }
     }
+}
+
+/// A scene of a family that one number makes stiffer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stiffness {
+    pub family: String,
+    /// What the number is.
+    pub knob: String,
+    pub value: f64,
+}
+
+/// What is proven of a frame, shares of its pixels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Certified {
+    /// By bounds in f32.
+    pub by_f32: f64,
+    /// By bounds on the recheck.
+    pub by_recheck: f64,
+    /// Pixels that are proven and have another triangle than the reference.
+    pub wrong: u64,
 }
 
 /// What a frame of this engine tests and keeps.
@@ -96,8 +120,20 @@ pub struct Error {
     pub wrong_hit_miss: u64,
     /// Wrong pixels whose answer no shift by 1/16 px changes.
     pub wrong_safe: u64,
-    /// 99.9 % of the errors of t are not larger, relative.
+    /// Wrong pixels that name no triangle that may be seen within 1/16 px.
+    #[serde(default)]
+    pub wrong_not_near: Option<u64>,
+    /// Half of the errors of t are not larger, relative.
+    #[serde(default)]
+    pub t_median: Option<f64>,
+    /// 99.9 % of them are not.
     pub t_p999: Option<f64>,
+    /// None is; `None` where there is none, or one is not finite.
+    #[serde(default)]
+    pub t_max: Option<f64>,
+    /// The same of Z.
+    #[serde(default)]
+    pub z: Option<[f64; 3]>,
     /// `None`: identical colours, or none to compare.
     pub psnr: Option<f64>,
     pub identical: bool,
@@ -143,6 +179,7 @@ impl Row {
             width: 0,
             height: 0,
             moving: case.moving,
+            stiffness: case.stiffness.clone(),
             times: None,
             control_ms: 0.0,
             to_ours: None,
@@ -151,6 +188,7 @@ impl Row {
             bytes: 0,
             counted: None,
             error: None,
+            certified: None,
             refused: None,
             paper: case.paper.clone(),
         }
@@ -242,12 +280,17 @@ impl Times {
 impl Error {
     pub fn of(c: &Comparison) -> Error {
         let share = |n: Option<u64>| n.unwrap_or(0) as f64 / c.pixels as f64;
+        let finite = |value: f64| Some(value).filter(|v| v.is_finite());
         Error {
             wrong_share: share(c.wrong_triangle),
             wrong_hit_miss: c.wrong_hit_miss.unwrap_or(0),
             wrong_safe: c.wrong_safe.unwrap_or(0),
-            t_p999: c.t_relative.map(|t| t.p999.0).filter(|t| t.is_finite()),
-            psnr: c.psnr.filter(|p| p.is_finite()),
+            wrong_not_near: None,
+            t_median: c.t_relative.and_then(|t| finite(t.median.0)),
+            t_p999: c.t_relative.and_then(|t| finite(t.p999.0)),
+            t_max: c.t_relative.and_then(|t| finite(t.max.0)),
+            z: c.z_relative.map(|z| [z.median.0, z.p999.0, z.max.0]).filter(|z| z.iter().all(|v| v.is_finite())),
+            psnr: c.psnr.and_then(finite),
             identical: c.identical == Some(true),
         }
     }

@@ -2,10 +2,10 @@
 
 use super::Run;
 use super::plot::{Drawn, Growth, growths};
-use super::row::{Moving, Row};
+use super::row::{Moving, Row, Stiffness};
 use crate::error::{Error, Result};
 
-const COLUMNS: [&str; 40] = [
+const COLUMNS: [&str; 52] = [
     "suite",
     "commit",
     "case",
@@ -18,6 +18,9 @@ const COLUMNS: [&str; 40] = [
     "width",
     "height",
     "moving",
+    "family",
+    "stiffness",
+    "of",
     "median_ms",
     "quartile1_ms",
     "quartile3_ms",
@@ -37,7 +40,16 @@ const COLUMNS: [&str; 40] = [
     "wrong_share",
     "wrong_hit_miss",
     "wrong_safe",
+    "wrong_not_near",
+    "t_median",
     "t_p999",
+    "t_max",
+    "z_median",
+    "z_p999",
+    "z_max",
+    "certified_by_f32",
+    "certified_by_recheck",
+    "certified_wrong",
     "psnr_db",
     "stages_ms",
     "refused",
@@ -60,12 +72,13 @@ pub fn csv(rows: &[Row]) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| failed(&e))
 }
 
-fn record(row: &Row) -> [String; 40] {
+fn record(row: &Row) -> [String; 52] {
     fn or_empty<T: ToString>(value: Option<T>) -> String {
         value.map_or(String::new(), |v| v.to_string())
     }
     let (knob, times, counted) = (row.knob.as_ref(), row.times.as_ref(), row.counted.as_ref());
-    let (error, paper) = (row.error.as_ref(), row.paper.as_ref());
+    let (error, paper, stiffness) = (row.error.as_ref(), row.paper.as_ref(), row.stiffness.as_ref());
+    let z = error.and_then(|e| e.z);
     let stages: Vec<String> = row.stages.iter().map(|(name, ms)| format!("{name}={ms:.4}")).collect();
     [
         row.suite.clone(),
@@ -80,6 +93,9 @@ fn record(row: &Row) -> [String; 40] {
         row.width.to_string(),
         row.height.to_string(),
         row.moving.name().to_owned(),
+        or_empty(stiffness.map(|s| &s.family)),
+        or_empty(stiffness.map(|s| s.value)),
+        or_empty(stiffness.map(|s| &s.knob)),
         or_empty(times.map(|t| t.median)),
         or_empty(times.map(|t| t.quartiles[0])),
         or_empty(times.map(|t| t.quartiles[1])),
@@ -99,7 +115,16 @@ fn record(row: &Row) -> [String; 40] {
         or_empty(error.map(|e| e.wrong_share)),
         or_empty(error.map(|e| e.wrong_hit_miss)),
         or_empty(error.map(|e| e.wrong_safe)),
+        or_empty(error.and_then(|e| e.wrong_not_near)),
+        or_empty(error.and_then(|e| e.t_median)),
         or_empty(error.and_then(|e| e.t_p999)),
+        or_empty(error.and_then(|e| e.t_max)),
+        or_empty(z.map(|z| z[0])),
+        or_empty(z.map(|z| z[1])),
+        or_empty(z.map(|z| z[2])),
+        or_empty(row.certified.as_ref().map(|c| c.by_f32)),
+        or_empty(row.certified.as_ref().map(|c| c.by_recheck)),
+        or_empty(row.certified.as_ref().map(|c| c.wrong)),
         or_empty(error.and_then(|e| e.psnr)),
         stages.join(";"),
         or_empty(row.refused.as_ref()),
@@ -136,6 +161,55 @@ pub fn cells(row: &Row) -> [String; 7] {
 
 pub const HEADS: [&str; 7] =
     ["technique", "ms a frame [quartiles]", "to ours", "wrong %", "wrong safe px", "t error p99.9", "PSNR dB"];
+
+/// The rows of each family of stiff scenes, with the first one's stiffness.
+pub fn families(rows: &[Row]) -> impl Iterator<Item = (&Stiffness, &[Row])> {
+    let family = |row: &Row| row.stiffness.as_ref().map(|s| s.family.clone());
+    rows.chunk_by(move |a, b| family(a) == family(b)).filter_map(|rows| Some((rows[0].stiffness.as_ref()?, rows)))
+}
+
+/// What a row of a stiff scene is asked; `None` of other scenes.
+pub fn stiff(row: &Row) -> Option<[String; 9]> {
+    let stiffness = row.stiffness.as_ref()?;
+    let error = row.error.as_ref();
+    let errors = |of: [Option<f64>; 3]| of.map(|e| e.map_or("-".to_owned(), |e| format!("{e:.0e}"))).join(", ");
+    let wrong = |e: &super::row::Error| {
+        let all = (e.wrong_share * f64::from(row.width) * f64::from(row.height)).round();
+        format!("{} safe, {} far, {all} in all", e.wrong_safe, e.wrong_not_near.unwrap_or(0))
+    };
+    let certified = |c: &super::row::Certified| {
+        let [by_f32, by_recheck] = [c.by_f32, c.by_recheck].map(|share| 100.0 * share);
+        format!(
+            "{by_f32:.2} by f32, {by_recheck:.2} by recheck, {:.2} not; {} wrong",
+            100.0 - by_f32 - by_recheck,
+            c.wrong
+        )
+    };
+    let recheck_ms = row.stages.iter().find(|s| s.0 == "recheck").map(|s| format!("{:.3}", s.1));
+    Some([
+        format!("{:e}", stiffness.value),
+        row.label(),
+        cells(row)[1].clone(),
+        error.map(wrong).unwrap_or_default(),
+        error.map(|e| errors([e.t_median, e.t_p999, e.t_max])).unwrap_or_default(),
+        error.map(|e| errors([0, 1, 2].map(|k| e.z.map(|z| z[k])))).unwrap_or_default(),
+        row.certified.as_ref().map(certified).unwrap_or_default(),
+        row.counted.as_ref().map(|c| c.rechecked.to_string()).unwrap_or_default(),
+        recheck_ms.unwrap_or_default(),
+    ])
+}
+
+pub const STIFF_HEADS: [&str; 9] = [
+    "stiffness",
+    "technique",
+    "ms a frame [quartiles]",
+    "wrong px",
+    "t error: median, p99.9, max",
+    "Z error",
+    "certified %",
+    "rechecked",
+    "recheck, ms",
+];
 
 /// What a row's frames take beside time; `None` where it was not counted.
 pub fn work(row: &Row) -> Option<[String; 8]> {
@@ -176,7 +250,12 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
         let exponents: Vec<String> = exponents.iter().map(|(t, slope)| format!("{slope:.2} ({t})")).collect();
         text += &format!("\nTime grows as {knob} to the power of {}.\n", exponents.join(", "));
     }
-    for rows in run.rows.chunk_by(|a, b| a.case == b.case) {
+    for (stiffness, rows) in families(&run.rows) {
+        text += &format!("\n## {}\n\nStiffness: {}.\n", stiffness.family, stiffness.knob);
+        text += &format!("\n| {} |\n|{}\n", STIFF_HEADS.join(" | "), "---|".repeat(STIFF_HEADS.len()));
+        rows.iter().filter_map(stiff).for_each(|cells| text += &format!("| {} |\n", cells.join(" | ")));
+    }
+    for rows in run.rows.chunk_by(|a, b| a.case == b.case).filter(|rows| rows[0].stiffness.is_none()) {
         text += &format!("\n## {}\n\n{}\n", rows[0].case, about(&rows[0]));
         text += &format!("\n| {} |\n|{}\n", HEADS.join(" | "), "---|".repeat(HEADS.len()));
         rows.iter().for_each(|row| text += &format!("| {} |\n", cells(row).join(" | ")));

@@ -233,7 +233,7 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 }
 
 fn channel(name: &str) -> Result<Channel, String> {
-    let known = || Channel::ALL.map(Channel::name).join(", ");
+    let known = || Channel::EVERY.map(Channel::name).join(", ");
     Channel::from_name(name.trim()).ok_or_else(|| format!("no such channel; known: {}", known()))
 }
 

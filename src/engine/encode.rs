@@ -1,18 +1,20 @@
-//! A frame as one submission: for every band the passes of its rays, each cull, bin, raster and shade of all jobs.
+//! A frame as one submission: for every band the passes of its rays, each cull, bin, raster, recheck and shade of all jobs.
 
 use super::frames::{Frames, Submitted};
 use super::passes::Pass;
+use super::resident::Job;
 use crate::baseline::{ChunkScopes, Target};
 use crate::error::Result;
 use crate::gpu::buffers::readback;
 use crate::gpu::recorder::Recorder;
-use crate::gpu::rows::COUNTERS;
+use crate::gpu::rows::{COUNT_DOUBTS, COUNTERS};
 use crate::stage::Stages;
+use crate::stage::certify::CERTIFY_STEPS;
 
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 
 /// Compute passes of a job and of a pass over a band, at most.
-const PASSES_EACH: u32 = 8;
+const PASSES_EACH: u32 = 14;
 
 impl Frames<'_> {
     /// Encodes and submits one frame; with `read`, also the copies that bring its image to the host.
@@ -36,6 +38,9 @@ impl Frames<'_> {
                     self.encode_turn(&mut recorder, index, pass)?;
                 }
                 self.encode_visibility(&mut recorder, &status, index, pass)?;
+                if self.stages_of(pass).certifies() {
+                    self.encode_proofs(&mut recorder, index, pass)?;
+                }
                 self.encode_planes(&mut recorder, index, pass)?;
             }
             if let (true, Some(job)) = (self.stages.pastes(), resident.jobs(index, 0).next()) {
@@ -98,7 +103,6 @@ impl Frames<'_> {
         pass: usize,
     ) -> Result<()> {
         let (gpu, resident, stages) = (&*self.gpu, &self.resident, self.stages_of(pass));
-        let is_turned = resident.passes[pass].turns > 0;
         if let Some(job) = resident.jobs(band, pass).next() {
             let scopes = resident.scopes(&job, band, pass);
             if let Some(visibility) = scopes.iter().find_map(|s| s.get("visibility")) {
@@ -108,27 +112,25 @@ impl Frames<'_> {
         if let Some(rival) = &self.rival {
             return rival.encode(gpu, recorder, &self.target(band));
         }
-        // where turned rays are torn is not known beforehand
-        let nodes = &self.plan.bands[band].nodes;
-        let steps = if is_turned { nodes.levels.len() as u32 } else { nodes.cull_steps() };
-        let alone = resident.jobs(band, pass).filter(|j| j.clusters > 0).count() == 1;
+        let alone = resident.is_alone(band, pass);
         for step in 0..stages.raster_steps() {
             for job in resident.jobs(band, pass).filter(|j| j.clusters > 0) {
                 let scopes = resident.scopes(&job, band, pass);
-                // the pairs of a lone job are still there for the second step
-                if step == 0 || !alone {
-                    if let Some(counters) = resident.shared.get("counters") {
-                        recorder.encoder.clear_buffer(counters, 0, None);
+                // the pairs of a lone job are still there for the second step, which leaves its doubts again
+                match resident.shared.get("counters") {
+                    Some(counters) if step > 0 && alone => {
+                        recorder.encoder.clear_buffer(counters, 4 * u64::from(COUNT_DOUBTS), Some(4));
                     }
-                    let mut encoded = recorder.compute("cull");
-                    stages.cull(gpu, &mut encoded, &scopes, job.clusters, steps)?;
-                    drop(encoded);
-                    let mut encoded = recorder.compute("bin");
-                    stages.bin(gpu, &mut encoded, &scopes)?;
+                    _ => self.encode_pairs(recorder, band, pass, &job)?,
                 }
                 let mut encoded = recorder.compute("raster");
                 stages.raster(gpu, &mut encoded, &scopes, step)?;
                 drop(encoded);
+                if stages.rechecks() {
+                    let mut encoded = recorder.compute("recheck");
+                    stages.recheck(gpu, &mut encoded, &scopes, step)?;
+                    drop(encoded);
+                }
                 if let (0, Some(counters)) = (step, resident.shared.get("counters")) {
                     let at = STATUS_BYTES * job.index as u64;
                     recorder.encoder.copy_buffer_to_buffer(counters, 0, status, at, STATUS_BYTES);
@@ -140,6 +142,44 @@ impl Frames<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Lists the pairs of a job: cull and bin.
+    fn encode_pairs(&self, recorder: &mut Recorder, band: usize, pass: usize, job: &Job) -> Result<()> {
+        let (gpu, resident, stages) = (&*self.gpu, &self.resident, self.stages_of(pass));
+        let scopes = resident.scopes(job, band, pass);
+        if let Some(counters) = resident.shared.get("counters") {
+            recorder.encoder.clear_buffer(counters, 0, None);
+        }
+        // where turned rays are torn is not known beforehand
+        let nodes = &self.plan.bands[band].nodes;
+        let is_turned = resident.passes[pass].turns > 0;
+        let steps = if is_turned { nodes.levels.len() as u32 } else { nodes.cull_steps() };
+        let mut encoded = recorder.compute("cull");
+        stages.cull(gpu, &mut encoded, &scopes, job.clusters, steps)?;
+        drop(encoded);
+        let mut encoded = recorder.compute("bin");
+        stages.bin(gpu, &mut encoded, &scopes)
+    }
+
+    /// Finds what is proven of the visibility buffer of a band, which is complete.
+    fn encode_proofs(&self, recorder: &mut Recorder, band: usize, pass: usize) -> Result<()> {
+        let (gpu, resident, stages) = (&*self.gpu, &self.resident, self.stages_of(pass));
+        let Some(proofs) = resident.shared.get("proofs") else { return Ok(()) };
+        recorder.encoder.clear_buffer(proofs, 0, None);
+        let alone = resident.is_alone(band, pass);
+        for step in 0..CERTIFY_STEPS {
+            for job in resident.jobs(band, pass).filter(|j| j.clusters > 0) {
+                if !alone {
+                    self.encode_pairs(recorder, band, pass, &job)?;
+                }
+                let mut encoded = recorder.compute("certify");
+                stages.certify(gpu, &mut encoded, &resident.scopes(&job, band, pass), step)?;
+            }
+        }
+        let Some(job) = resident.jobs(band, pass).next() else { return Ok(()) };
+        let mut encoded = recorder.compute("certify");
+        stages.write_certified(gpu, &mut encoded, &resident.scopes(&job, band, pass), self.pixels(band))
     }
 
     /// A band as rivals see it.

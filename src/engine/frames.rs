@@ -12,8 +12,8 @@ use crate::gpu::Gpu;
 use crate::gpu::buffers::{read_words, wait};
 use crate::gpu::recorder::Recorded;
 use crate::gpu::rows::{
-    COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_WORK,
-    COUNTERS,
+    COUNT_DOUBTS, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_RECHECKED,
+    COUNT_WORK, COUNTERS,
 };
 use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
@@ -241,9 +241,11 @@ impl Frames<'_> {
             queue: (0..COUNT_WORK).map(most).max().unwrap_or(0),
             work: most(COUNT_WORK),
             pairs: most(COUNT_PAIRS),
+            doubts: most(COUNT_DOUBTS),
         };
         let have = self.resident.capacities;
-        if need.queue <= have.queue && need.work <= have.work && need.pairs <= have.pairs {
+        let fits = need.queue <= have.queue && need.work <= have.work && need.pairs <= have.pairs;
+        if fits && need.doubts <= have.doubts {
             return Ok(true);
         }
         self.timed.grown += 1;

@@ -6,6 +6,7 @@ use super::tables::{Look, Span, TURNED_T_RANGE, params};
 use super::turns::Turns;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
+use crate::frame::Channel;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::rows::COUNTERS;
@@ -70,7 +71,7 @@ impl Resident {
             chunks: Vec::new(),
             bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
             shared: Buffers::default(),
-            capacities: Capacities { queue: 0, work: 0, pairs: 0 },
+            capacities: Capacities { queue: 0, work: 0, pairs: 0, doubts: 0 },
             batches: 1,
             params: Vec::new(),
             turned_params: Vec::new(),
@@ -110,12 +111,15 @@ impl Resident {
         self.shared.upload(gpu, "normals", &normals)
     }
 
-    /// Visibility (8 bytes a pixel of the largest band), planes (4 bytes a pixel and channel), sRGB (4 bytes a pixel).
+    /// Visibility and proofs (8 bytes a pixel of the largest band), planes (4 bytes a pixel and channel), sRGB (4 bytes a pixel).
     fn create_frame(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, wanted: &Wanted) -> Result<()> {
         let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
         let plain = BufferUsages::empty();
         self.shared.create(gpu, "visibility", 8 * pixels, plain)?;
         self.shared.create(gpu, "planes", 4 * pixels * plan.planes.len() as u64, plain)?;
+        if plan.planes.contains(&Channel::Certified) {
+            self.shared.create(gpu, "proofs", 8 * pixels, plain)?;
+        }
         if wanted.srgb8 {
             self.shared.create(gpu, "srgb8", 4 * pixels, plain)?;
         }
@@ -131,6 +135,7 @@ impl Resident {
             queue: 4 * clusters + 1024,
             work: 4 * clusters + 1024,
             pairs: 2 * scene.mesh.triangles.len() as u64 + 4 * cells + 1024,
+            doubts: scene.mesh.triangles.len() as u64 / 16 + 1024,
         }
     }
 
@@ -138,8 +143,11 @@ impl Resident {
     fn create_lists(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
         let most = gpu.binding_limit() / ITEM_BYTES;
         let c = &mut self.capacities;
-        (c.queue, c.work, c.pairs) = (c.queue.min(most), c.work.min(most), c.pairs.min(most));
-        let lists = [("queue_even", c.queue), ("queue_odd", c.queue), ("work", c.work), ("pairs", c.pairs)];
+        [&mut c.queue, &mut c.work, &mut c.pairs, &mut c.doubts]
+            .into_iter()
+            .for_each(|items| *items = (*items).min(most));
+        let queues = [("queue_even", c.queue), ("queue_odd", c.queue)];
+        let lists = [&queues[..], &[("work", c.work), ("pairs", c.pairs), ("doubts", c.doubts)]].concat();
         for (name, items) in lists {
             self.shared.create(gpu, name, items * ITEM_BYTES, BufferUsages::empty())?;
         }
@@ -191,6 +199,11 @@ impl Resident {
         })
     }
 
+    /// One job has all triangles, whose lists stay until they are needed again.
+    pub fn is_alone(&self, band: usize, pass: usize) -> bool {
+        self.jobs(band, pass).filter(|j| j.clusters > 0).count() == 1
+    }
+
     pub fn job_count(&self) -> usize {
         self.params.len() * self.passes.len()
     }
@@ -205,11 +218,12 @@ impl Resident {
     /// Makes room for what the counters demanded: larger lists, or more batches where a list is as large as a binding.
     pub fn grow(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, need: Capacities) -> Result<()> {
         let most = gpu.binding_limit() / ITEM_BYTES;
-        if need.queue.max(need.work).max(need.pairs) > most {
+        if need.queue.max(need.work).max(need.pairs).max(need.doubts) > most {
             let largest = self.chunks.iter().map(|c| c.clusters).max().unwrap_or(0);
             if self.batches >= largest {
-                let Capacities { queue, work, pairs } = need;
-                let lists = format!("cull {queue}, bin {work}, raster {pairs} items needed, {most} fit a binding");
+                let Capacities { queue, work, pairs, doubts } = need;
+                let needed = format!("cull {queue}, bin {work}, raster {pairs}, recheck {doubts} items needed");
+                let lists = format!("{needed}, {most} fit a binding");
                 return Err(Error::work(format!("lists between the stages overflow: {lists}; make the image smaller")));
             }
             self.batches = (self.batches * 2).min(largest);
@@ -217,7 +231,12 @@ impl Resident {
         // a quarter more than was counted: what an overflowing list dropped could not be counted further on
         let grown = |have: u64, need: u64| if need > have { need + need / 4 } else { have };
         let c = &mut self.capacities;
-        (c.queue, c.work, c.pairs) = (grown(c.queue, need.queue), grown(c.work, need.work), grown(c.pairs, need.pairs));
+        *c = Capacities {
+            queue: grown(c.queue, need.queue),
+            work: grown(c.work, need.work),
+            pairs: grown(c.pairs, need.pairs),
+            doubts: grown(c.doubts, need.doubts),
+        };
         self.create_lists(gpu, camera, plan)
     }
 

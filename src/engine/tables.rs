@@ -82,9 +82,9 @@ pub fn params(
         band_row: band.row,
         vertex_reach,
         spans: plan.sheets.spans,
+        doubt_capacity: capacities.doubts as u32,
+        origin_lost: (ORIGIN_UNITS * f64::EPSILON * plan.anchor.abs().element_sum()) as f32,
         pad0: 0,
-        pad1: 0,
-        pad2: 0,
         t_min: split3(t_range[0]),
         t_max: split3(t_range[1]),
         level_start: level(|l| l.start),
@@ -92,6 +92,10 @@ pub fn params(
         level_height: level(|l| l.height),
     }
 }
+
+/// A camera's rays are computed in f64 where the scene lies: their origins lose some roundings of its distance from the world's
+/// origin, of both signs of a step along the image, and of moving them to the anchor.
+const ORIGIN_UNITS: f64 = 8.0;
 
 /// t of rays that were turned.
 pub const TURNED_T_RANGE: [f64; 2] = [0.0, f64::INFINITY];

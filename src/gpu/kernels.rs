@@ -31,6 +31,8 @@ pub struct Variant {
     pub counting: bool,
     /// `cull` leaves out what a node's rays do not meet.
     pub culling: bool,
+    /// Bounds in f32 prove nothing: all is left to `recheck`.
+    pub doubting: bool,
     /// A mirror or a lens turns rays.
     pub optics: Option<OpticsKind>,
     /// The rays are those that it turned, and start on it.
@@ -107,6 +109,7 @@ impl Variant {
                 sheeted: false,
                 counting,
                 culling: true,
+                doubting: false,
                 optics: None,
                 turned: false,
             };
@@ -122,6 +125,11 @@ impl Variant {
             }
         }
         list
+    }
+
+    /// Bounds in f32 prove most of what straight rays meet; where a curve meets a triangle is found in recheck arithmetic.
+    pub fn rechecks(self) -> bool {
+        !matches!(self.rays, RaysKind::Curves { .. })
     }
 
     pub(crate) fn real(self) -> &'static str {
@@ -151,13 +159,21 @@ impl Variant {
     }
 
     fn coverage(self) -> &'static [&'static str] {
-        const STRAIGHT: &str = snippet!("camera/straight_coverage.wgsl");
         match self.rays {
-            RaysKind::Pieces => &[STRAIGHT, MEETING_OF_RAYS, snippet!("camera/pieces_coverage.wgsl")],
-            RaysKind::Field => &[STRAIGHT, MEETING_OF_RAYS, snippet!("camera/field_coverage.wgsl")],
+            RaysKind::Pieces => &[MEETING_OF_RAYS, snippet!("camera/pieces_coverage.wgsl")],
+            RaysKind::Field => &[MEETING_OF_RAYS, snippet!("camera/field_coverage.wgsl")],
             RaysKind::Curves { .. } => {
                 &[snippet!("camera/curves_coverage.wgsl"), snippet!("camera/curves_meeting.wgsl")]
             }
+        }
+    }
+
+    fn proof(self) -> &'static [&'static str] {
+        const STRAIGHT: &str = snippet!("camera/straight_proof.wgsl");
+        match self.rays {
+            RaysKind::Pieces => &[STRAIGHT, snippet!("camera/pieces_proof.wgsl")],
+            RaysKind::Field => &[STRAIGHT, snippet!("camera/field_proof.wgsl")],
+            RaysKind::Curves { .. } => &[snippet!("camera/curves_proof.wgsl")],
         }
     }
 
@@ -293,11 +309,50 @@ pub fn bin(variant: Variant) -> Kernel {
 }
 
 pub fn raster(variant: Variant) -> Kernel {
+    let mut kernel = into_visibility("raster", variant, snippet!("raster.wgsl"));
+    kernel.constants.push(("DOUBTING", f64::from(u8::from(variant.doubting && variant.rechecks()))));
+    kernel
+}
+
+/// What bounds in f32 may leave to be settled.
+pub fn recheck(variant: Variant) -> Kernel {
+    into_visibility("recheck", variant, snippet!("recheck.wgsl"))
+}
+
+/// What is proven of what raster and recheck found.
+pub fn certify(variant: Variant, planes: &[Channel]) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        step(),
+        read("pairs", "array<vec2<u32>>"),
+        read("triangles", "array<vec4<u32>>"),
+        read("vertices_hi", "array<f32>"),
+        read("vertices_lo", "array<f32>"),
+        read("visibility", "array<u32>"),
+        write("proofs", "array<atomic<u32>>"),
+        write("planes", "array<u32>"),
+        counters(),
+    ];
+    bindings.extend(variant.rays());
+    bindings.push(read("cells", "array<Cell>"));
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    let shared = [PAIR, BITS, MEETING, variant.camera(), snippet!("shared/proof.wgsl")];
+    let all = [&snippets[..], &shared[..], variant.coverage(), variant.proof(), &[snippet!("certify.wgsl")]].concat();
+    let mut kernel = kernel("certify", bindings, &all);
+    kernel.constants = variant.constants();
+    let plane = planes.iter().position(|c| *c == Channel::Certified);
+    kernel.constants.extend(plane.map(|k| ("PLANE_CERTIFIED", k as f64)));
+    kernel
+}
+
+/// A kernel from pairs to the visibility buffer.
+fn into_visibility(name: &'static str, variant: Variant, own: &str) -> Kernel {
     let visibility = if variant.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" };
     let mut bindings = vec![
         params(),
         step(),
         read("pairs", "array<vec2<u32>>"),
+        write("doubts", "array<vec2<u32>>"),
         read("triangles", "array<vec4<u32>>"),
         read("vertices_hi", "array<f32>"),
         read("vertices_lo", "array<f32>"),
@@ -310,9 +365,9 @@ pub fn raster(variant: Variant) -> Kernel {
         bindings.extend([optic(), ways()]);
     }
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [PAIR, BITS, variant.merge(), MEETING, variant.camera(), snippet!("raster.wgsl")];
-    let all = [&snippets[..], &own[..], variant.coverage(), variant.start()].concat();
-    let mut kernel = kernel("raster", bindings, &all);
+    let shared = [PAIR, BITS, variant.merge(), MEETING, snippet!("shared/hits.wgsl"), variant.camera(), own];
+    let all = [&snippets[..], &shared[..], variant.coverage(), variant.start()].concat();
+    let mut kernel = kernel(name, bindings, &all);
     kernel.constants = variant.constants();
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
@@ -348,22 +403,23 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     kernel
 }
 
-/// Which plane each channel that was asked for is written to.
+/// Which plane each channel that was asked for is written to, by all but `certify`.
 fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
     let constant = |channel: &Channel| match channel {
-        Channel::R => "PLANE_R",
-        Channel::G => "PLANE_G",
-        Channel::B => "PLANE_B",
-        Channel::A => "PLANE_A",
-        Channel::Z => "PLANE_Z",
-        Channel::T => "PLANE_T",
-        Channel::TriangleId => "PLANE_TRIANGLE",
-        Channel::PieceId => "PLANE_PIECE",
-        Channel::BaryU => "PLANE_U",
-        Channel::BaryV => "PLANE_V",
-        Channel::MirrorId => "PLANE_MIRROR",
+        Channel::R => Some("PLANE_R"),
+        Channel::G => Some("PLANE_G"),
+        Channel::B => Some("PLANE_B"),
+        Channel::A => Some("PLANE_A"),
+        Channel::Z => Some("PLANE_Z"),
+        Channel::T => Some("PLANE_T"),
+        Channel::TriangleId => Some("PLANE_TRIANGLE"),
+        Channel::PieceId => Some("PLANE_PIECE"),
+        Channel::BaryU => Some("PLANE_U"),
+        Channel::BaryV => Some("PLANE_V"),
+        Channel::MirrorId => Some("PLANE_MIRROR"),
+        Channel::Certified => None,
     };
-    planes.iter().enumerate().map(|(k, c)| (constant(c), k as f64)).collect()
+    planes.iter().enumerate().filter_map(|(k, c)| constant(c).map(|name| (name, k as f64))).collect()
 }
 
 pub fn write_srgb(planes: &[Channel]) -> Kernel {
@@ -423,6 +479,12 @@ pub fn gather(variant: Variant, planes: &[Channel]) -> Kernel {
 /// All kernels of a variant that writes `planes`, in the order of the pipeline, and those beside it.
 pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     let mut all = vec![args(), cull(variant), bin(variant), raster(variant), shade(variant, planes)];
+    if variant.rechecks() {
+        all.push(recheck(variant));
+    }
+    if planes.contains(&Channel::Certified) {
+        all.push(certify(variant, planes));
+    }
     if variant.turns_rays() {
         all.extend([bounce(variant), fit(variant)]);
     }

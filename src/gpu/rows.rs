@@ -31,6 +31,7 @@ pub const COUNT_RECHECKED: u32 = 10;
 pub const COUNT_PAIRS_TESTED: u32 = 11;
 pub const COUNT_FRAGMENTS_TESTED: u32 = 12;
 pub const COUNT_FRAGMENTS_KEPT: u32 = 13;
+pub const COUNT_DOUBTS: u32 = 14;
 pub const COUNTERS: u32 = 16;
 
 /// Bits of a triangle row's last word: id below, file order above, one-sidedness on top.
@@ -59,9 +60,9 @@ pub struct Params {
     pub band_row: u32,
     pub vertex_reach: f32,
     pub spans: u32,
+    pub doubt_capacity: u32,
+    pub origin_lost: f32,
     pub pad0: u32,
-    pub pad1: u32,
-    pub pad2: u32,
     pub t_min: [f32; 4],
     pub t_max: [f32; 4],
     pub level_start: [u32; 8],

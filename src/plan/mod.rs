@@ -34,7 +34,7 @@ pub struct LeftOut {
 /// What a caller wants of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Wanted {
-    /// Planes to read back, in the order of [`Channel::ALL`].
+    /// Planes to read back, in the order of [`Channel::EVERY`].
     pub channels: Vec<Channel>,
     /// 8-bit sRGB colour.
     pub srgb8: bool,
@@ -122,6 +122,7 @@ impl Plan {
             sheeted: sheets.count() > 1,
             counting: wanted.counting,
             culling: true,
+            doubting: false,
             optics: camera.optics.as_deref().map(OpticsKind::of),
             turned: false,
         };
@@ -232,8 +233,12 @@ fn left_out(
         RaysKind::Field => say("edge conics", "the camera is a ray field".into()),
         RaysKind::Curves { .. } => say("edge conics", "the camera's rays are curved".into()),
     }
-    if !camera.is_curved() {
-        say("curves", "every ray is straight".into());
+    match camera.is_curved() {
+        true => say("recheck", "where a curve meets a triangle is found in f64 at once".into()),
+        false => say("curves", "every ray is straight".into()),
+    }
+    if !planes.contains(&Channel::Certified) {
+        say("certify", "not asked what is proven".into());
     }
     if sheets.count() == 1 {
         say("sheets", "the camera has one layer of straight rays".into());
@@ -252,7 +257,7 @@ fn left_out(
     if bands.len() == 1 {
         say("bands", "the whole image fits the adapter's bindings".into());
     }
-    let absent: Vec<&str> = Channel::ALL.iter().filter(|c| !planes.contains(c)).map(|c| c.name()).collect();
+    let absent: Vec<&str> = Channel::EVERY.iter().filter(|c| !planes.contains(c)).map(|c| c.name()).collect();
     if !absent.is_empty() {
         say("channels", format!("not asked for: {}", absent.join(", ")));
     }

@@ -162,6 +162,8 @@ fn frame<P: std::borrow::Borrow<Pixel> + Sync>(camera: &Camera, pixels: &[P], ch
         Channel::TriangleId => u32s(|p| p.seen.map_or(NO_ID, |s| s.hit.triangle)),
         Channel::PieceId => u32s(|p| p.piece),
         Channel::MirrorId => u32s(|p| p.mirror),
+        // it has margins instead
+        Channel::Certified => u32s(|_| 0),
         Channel::BaryU => f32s(|p| p.seen.map_or(0.0, |s| s.hit.bary[0] as f32)),
         Channel::BaryV => f32s(|p| p.seen.map_or(0.0, |s| s.hit.bary[1] as f32)),
     };

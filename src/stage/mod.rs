@@ -1,12 +1,13 @@
 //! The stages of a frame, one file each: what it binds and how it is dispatched.
 //!
-//! `cull -> bin -> raster -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
+//! `cull -> bin -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
 //! rays, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again, or [`paste`] from an atlas that was
 //! rendered before. Caustics are added up by [`deposit`] before the first frame and shown by [`gather`] after shade. Apart
 //! from these is [`sift`], which finds the parts of an image that may see a point.
 
 pub mod bin;
 pub mod bounce;
+pub mod certify;
 pub mod cull;
 pub mod deposit;
 pub mod fit;
@@ -14,6 +15,7 @@ pub mod gather;
 pub mod meet;
 pub mod paste;
 pub mod raster;
+pub mod recheck;
 pub mod shade;
 pub mod sift;
 pub mod write;
@@ -40,6 +42,8 @@ pub struct Stages {
     cull: Pipeline,
     bin: Pipeline,
     raster: Pipeline,
+    recheck: Option<Pipeline>,
+    certify: Option<Pipeline>,
     shade: Pipeline,
     write: Pipeline,
     bounce: Option<Pipeline>,
@@ -67,6 +71,8 @@ impl Stages {
             cull: compile(kernels::cull(variant)),
             bin: compile(kernels::bin(variant)),
             raster: compile(kernels::raster(variant)),
+            recheck: variant.rechecks().then(|| compile(kernels::recheck(variant))),
+            certify: planes.contains(&Channel::Certified).then(|| compile(kernels::certify(variant, planes))),
             shade: compile(kernels::shade(variant, planes)),
             write: compile(kernels::write_srgb(planes)),
             bounce: variant.turns_rays().then(|| compile(kernels::bounce(variant))),

@@ -108,7 +108,8 @@ pub struct Tables {
 }
 
 /// Lists that never run over.
-pub const ROOMY: Capacities = Capacities { queue: u32::MAX as u64, work: u32::MAX as u64, pairs: u32::MAX as u64 };
+pub const ROOMY: Capacities =
+    Capacities { queue: u32::MAX as u64, work: u32::MAX as u64, pairs: u32::MAX as u64, doubts: u32::MAX as u64 };
 
 impl Tables {
     /// Bands and chunks are cut so that no table exceeds `binding_limit` bytes.

@@ -1,4 +1,4 @@
-//! raster in f64: each pixel of each pair against the triangle's edges; the nearest hit wins.
+//! raster and recheck in f64: each pixel of each pair against the triangle's edges; the nearest hit wins.
 
 use super::edge::{Side, side};
 use super::rays::{Cast, PixelRays, owned};

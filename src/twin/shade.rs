@@ -149,6 +149,7 @@ pub fn word(pixel: &Pixel, channel: Channel, background: [f32; 3]) -> Option<u32
         (Pixel::Miss(m), Channel::PieceId) => m.first.map_or(NO_ID, |f| f.1),
         (Pixel::Miss(m), Channel::MirrorId) => m.first.map_or(NO_ID, |f| f.0),
         (Pixel::Miss(_), Channel::TriangleId) => NO_ID,
+        (_, Channel::Certified) => 0,
         (Pixel::Miss(_), Channel::BaryU | Channel::BaryV) => 0,
         (Pixel::Hit(s), Channel::R) => bits(s.colour[0]),
         (Pixel::Hit(s), Channel::G) => bits(s.colour[1]),

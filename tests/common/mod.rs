@@ -3,6 +3,7 @@
 // every test binary uses a part of it
 #![allow(dead_code)]
 
+pub mod any;
 pub mod cameras;
 pub mod continuity;
 pub mod file;

@@ -83,6 +83,7 @@ impl Case {
             sheeted,
             counting: true,
             culling: true,
+            doubting: false,
             optics,
             turned: false,
         }

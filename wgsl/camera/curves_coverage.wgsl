@@ -1,5 +1,8 @@
 // Which pixels' curves may meet a triangle over a span of t, by their control nets.
 
+// What is covered is proven to be; else it may be covered.
+const COVERAGE_PROVES: bool = false;
+
 // Rounding of one f32 operation, relative.
 const UNIT: f32 = 1.0 / 16777216.0;
 
@@ -44,7 +47,8 @@ fn largest(b: vec4<f32>) -> f32 {
     return max(max(b.x, b.y), max(b.z, b.w));
 }
 
-// The owned pixels whose control net over the span no side of the triangle parts from it: two words; and two of none.
+// The owned pixels whose control net over the span no side of the triangle parts from it: two words; and two of none, as
+// whether a curve meets the triangle is found with where.
 fn coverage(
     cell: Cell,
     owned: vec2<u32>,

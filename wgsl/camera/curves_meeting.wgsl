@@ -1,11 +1,6 @@
 // Where a pixel's curve meets a triangle first: the roots of N . (X(t) - v) over a span of t, which is a polynomial of
 // the curve's degree, that lie inside.
 
-// Whether a curve meets the triangle is found with where: nothing to settle before.
-fn settled(cell: Cell, whole: Bundle, found: vec4<u32>, v0: real3, v1: real3, v2: real3) -> vec2<u32> {
-    return found.xy;
-}
-
 // Curves have no bundle.
 fn cell_bundle(cell: Cell) -> Bundle {
     let z = real3(0.0);

@@ -1,5 +1,8 @@
 // What a triangle covers of a cell, ray by ray, and how deep.
 
+// What is covered is proven to be; else it may be covered.
+const COVERAGE_PROVES: bool = true;
+
 // Rounding of one f32 operation, relative.
 const UNIT: f32 = 1.0 / 16777216.0;
 

@@ -1,5 +1,8 @@
 // What a triangle covers of a cell, by its edge conics over the tile, and how deep.
 
+// What is covered is proven to be; else it may be covered.
+const COVERAGE_PROVES: bool = true;
+
 // Rounding of one f32 operation, relative.
 const UNIT: f32 = 1.0 / 16777216.0;
 
@@ -137,9 +140,7 @@ fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real) ->
     q.across = real3(dot(normal, whole.d), dot(normal, whole.dx), dot(normal, whole.dy));
     q.hidden = hidden;
     if SHEETED {
-        // two stored vertices in N, another and p in the offset, d in the face where it ends: 16 units of what is summed up
-        let sizes = real(params.vertex_reach) * abs(whole.h) + size3(whole.p) + size3(whole.d);
-        q.rounding = 16.0 * REAL_UNIT * size3(normal) * sizes;
+        q.rounding = end_rounding(whole, normal);
     }
     return q;
 }

@@ -16,3 +16,10 @@ fn ray_meeting(along: real, across: real, rounding: real, hidden: real) -> Meeti
     }
     return Meeting(t, t >= t_min && t <= t_max);
 }
+
+// Rounding of N . (v h - p) where a segment of a chain ends: two stored vertices in N, another and p in the offset, d in the face
+// there: 16 units of what is summed up.
+fn end_rounding(b: Bundle, normal: real3) -> real {
+    let sizes = real(params.vertex_reach) * abs(b.h) + size3(b.p) + size3(b.d);
+    return 16.0 * REAL_UNIT * size3(normal) * sizes;
+}

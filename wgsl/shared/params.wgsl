@@ -13,6 +13,7 @@ const COUNT_RECHECKED: u32 = 10u;
 const COUNT_PAIRS_TESTED: u32 = 11u;
 const COUNT_FRAGMENTS_TESTED: u32 = 12u;
 const COUNT_FRAGMENTS_KEPT: u32 = 13u;
+const COUNT_DOUBTS: u32 = 14u;
 const COUNTERS: u32 = 16u;
 
 // One band of the image and one batch of clusters.
@@ -34,9 +35,9 @@ struct Params {
     band_row: u32,          // image row of the band's first row
     vertex_reach: f32,      // largest distance of a vertex from the anchor
     spans: u32,             // sheets a layer
+    doubt_capacity: u32,    // items
+    origin_lost: f32,       // what origins of rays may have lost before they were stored
     pad0: u32,
-    pad1: u32,
-    pad2: u32,
     t_min: vec4<f32>,       // ends of t_range, each the exact sum of three
     t_max: vec4<f32>,
     level_start: array<vec4<u32>, 2>,   // of level k: index of its first node

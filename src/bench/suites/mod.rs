@@ -5,6 +5,7 @@ mod glc;
 mod papers;
 mod pareto;
 mod stages;
+mod stiff;
 
 use super::case::{Case, Source};
 
@@ -29,9 +30,11 @@ pub enum Plot {
     Scaling,
     /// Stacked times of stages.
     Stages,
+    /// Share of wrong pixels against what makes scenes stiff, and against the time.
+    Stiffness,
 }
 
-pub const SUITES: [Suite; 5] = [
+pub const SUITES: [Suite; 6] = [
     Suite {
         name: "papers",
         asks: "what each paper measured, by this engine and by the paper's own way, on stand-ins of the same counts",
@@ -66,6 +69,13 @@ pub const SUITES: [Suite; 5] = [
         plot: Plot::Scaling,
         cases: dynamic::cases,
         quick: dynamic::quick,
+    },
+    Suite {
+        name: "stiff",
+        asks: "what stays right, and what is proven, as scenes grow stiff",
+        plot: Plot::Stiffness,
+        cases: stiff::cases,
+        quick: stiff::quick,
     },
 ];
 

@@ -86,6 +86,9 @@ impl Backend {
             Backend::Compute(engine, by) => {
                 engine.render(scene, camera, wanted, &RunOptions { by: *by, ..run.clone() })
             }
+            Backend::Reference if wanted.channels.contains(&Channel::Certified) => Err(Error::input(
+                "certified is a channel of --engine compute; the reference has margins: see --check and --pixel",
+            )),
             Backend::Reference => Ok(by_reference(scene, camera, wanted, run)),
         }
     }

@@ -1,0 +1,81 @@
+//! Random small scenes against the reference: `cargo run --release --example random_frames -- COUNT [FIRST]`. Each is one of `any`'s scenes
+//! in 32 x 32 pixels, by its number; what is wrong is printed with it, and counted at the end.
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use anamorph::compare::compare;
+use anamorph::engine::{Engine, RunOptions};
+use anamorph::frame::Channel;
+use anamorph::gpu::{Gpu, GpuOptions};
+use anamorph::plan::Wanted;
+use anamorph::reference::image::judge;
+use std::process::ExitCode;
+
+const SIZE: (u32, u32) = (32, 32);
+
+/// Pixels of all frames, by what is known of them.
+#[derive(Debug, Default)]
+struct Seen {
+    pixels: u64,
+    unsafe_pixels: u64,
+    wrong_safe: u64,
+    not_near: u64,
+    by_f32: u64,
+    by_recheck: u64,
+    certified_wrong: u64,
+}
+
+fn main() -> ExitCode {
+    let mut numbers = std::env::args().skip(1).map(|n| n.parse::<u64>());
+    let (Some(Ok(count)), first) = (numbers.next(), numbers.next().transpose().unwrap_or(None).unwrap_or(0)) else {
+        eprintln!("error: give how many scenes, and the first one's number; as in random_frames 1000 0");
+        return ExitCode::from(2);
+    };
+    let Ok(Some(gpu)) = Gpu::open(&GpuOptions::default()) else {
+        eprintln!("error: no adapter");
+        return ExitCode::from(1);
+    };
+    let mut engine = Engine::new(gpu);
+    let wanted =
+        Wanted { channels: vec![Channel::T, Channel::TriangleId, Channel::Certified], srgb8: false, counting: false };
+    let mut all = Seen::default();
+    for number in first..first + count {
+        let (scene, camera) = common::any::any(&mut common::rng::Rng(number), SIZE);
+        let frame = match engine.render(&scene, &camera, &wanted, &RunOptions::default()) {
+            Ok(rendered) => rendered.frame,
+            Err(e) => {
+                println!("scene {number}: {e}");
+                all.not_near += 1;
+                continue;
+            }
+        };
+        let judged = judge(&scene, &camera, &frame);
+        let seen = match compare(&frame, &judged.truth, Some(&judged.safe), Some(&judged.scales)) {
+            Ok(seen) => seen,
+            Err(e) => {
+                println!("scene {number}: {e}");
+                continue;
+            }
+        };
+        let ids = |f: &anamorph::frame::Frame| f.u32(Channel::TriangleId).unwrap_or_default().to_vec();
+        let proven = frame.u32(Channel::Certified).unwrap_or_default();
+        let same: Vec<bool> = ids(&frame).iter().zip(ids(&judged.truth)).map(|(a, b)| *a == b).collect();
+        let certified_wrong = proven.iter().zip(&same).filter(|(p, same)| **p > 0 && !**same).count() as u64;
+        let wrong_safe = seen.wrong_safe.unwrap_or(0);
+        if wrong_safe + judged.not_near + certified_wrong > 0 {
+            let faults =
+                format!("{wrong_safe} safe pixels wrong, {} not near, {certified_wrong} proven wrong", judged.not_near);
+            println!("scene {number}, {}: {faults}", camera.kind);
+        }
+        all.pixels += seen.pixels;
+        all.unsafe_pixels += seen.unsafe_pixels.unwrap_or(0);
+        all.wrong_safe += wrong_safe;
+        all.not_near += judged.not_near;
+        all.by_f32 += proven.iter().filter(|p| **p == 2).count() as u64;
+        all.by_recheck += proven.iter().filter(|p| **p == 1).count() as u64;
+        all.certified_wrong += certified_wrong;
+    }
+    println!("{count} scenes from {first}: {all:?}");
+    ExitCode::from(u8::from(all.wrong_safe + all.not_near + all.certified_wrong > 0))
+}

@@ -1,0 +1,105 @@
+//! What is fuzzed: functions of any bytes, which must neither panic nor hang. What is refused is refused in one line, with exit code 2.
+
+#![allow(dead_code)]
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use anamorph::Error;
+use anamorph::camera::Camera;
+use anamorph::engine::RunOptions;
+use anamorph::frame::Channel;
+use anamorph::plan::Wanted;
+use anamorph::reference::image::judge;
+use anamorph::scene::file::{CameraKind, CameraSpec};
+use anamorph::scene::{file, gltf, obj};
+use common::gpu::Without;
+use glam::DVec3;
+
+/// Of `frame`'s pictures.
+const SIZE: (u32, u32) = (16, 16);
+
+/// Longer whole numbers ask for more than a fuzzer should wait for: pixels, pieces, triangles.
+const DIGITS: usize = 3;
+
+fn check_refused(error: &Error) {
+    let text = error.to_string();
+    assert!(!text.is_empty() && !text.contains('\n'), "{text:?}");
+    assert_eq!(error.exit_code(), 2, "{text}");
+}
+
+fn asks_for_much(data: &[u8]) -> bool {
+    data.split(|b| !b.is_ascii_digit()).any(|digits| digits.len() > DIGITS)
+}
+
+/// Writes the bytes as a file and reads them.
+fn read<T>(name: &str, data: &[u8], read: impl FnOnce(&std::path::Path) -> Result<T, Error>) -> Option<T> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join(name);
+    std::fs::write(&path, data).expect("a temporary file");
+    read(&path).map_err(|e| check_refused(&e)).ok()
+}
+
+/// A scene file: TOML, or JSON where it begins with a brace.
+pub fn scene(data: &[u8]) {
+    let name = if data.trim_ascii_start().first() == Some(&b'{') { "scene.json" } else { "scene.toml" };
+    read(name, data, |path| file::load(path, &[], 0.0));
+}
+
+pub fn obj(data: &[u8]) {
+    read("mesh.obj", data, obj::load);
+}
+
+/// Text, or binary where it begins as that does.
+pub fn gltf(data: &[u8]) {
+    let name = if data.starts_with(b"glTF") { "mesh.glb" } else { "mesh.gltf" };
+    read(name, data, gltf::load);
+}
+
+/// The keys of a camera, built for a small image, and its first and last ray.
+pub fn camera(data: &[u8]) {
+    if asks_for_much(data) {
+        return;
+    }
+    let text = [b"image = { width = 24, height = 16 }\n[camera]\n", data].concat();
+    let scene =
+        read("scene.toml", &text, |path| file::load(path, &["image.width=24".into(), "image.height=16".into()], 0.0));
+    let Some(scene) = scene else { return };
+    match anamorph::scene::Scene::from_file(scene).and_then(|scene| scene.camera()) {
+        Ok(camera) => assert!(camera.width <= 4096 && camera.height <= 4096),
+        Err(e) => check_refused(&e),
+    }
+}
+
+/// Numbers of three bytes each: sixteen bits in [-2, 2), and a power of ten for one in four.
+fn numbers(data: &[u8]) -> impl Iterator<Item = f64> + '_ {
+    data.chunks_exact(3).map(|b| {
+        let number = f64::from(i16::from_le_bytes([b[0], b[1]])) / 16384.0;
+        if b[2] < 64 { number * 10f64.powi(i32::from(b[2] % 16) - 12) } else { number }
+    })
+}
+
+/// A small frame by the engine, held against the reference: a GLC of the first eighteen numbers, and a triangle of every nine more.
+pub fn frame(data: &[u8]) {
+    let points: Vec<DVec3> =
+        numbers(data).collect::<Vec<_>>().chunks_exact(3).map(|v| DVec3::new(v[0], v[1], v[2])).collect();
+    if points.len() < 9 {
+        return;
+    }
+    let corner = |k: usize, z: f64| points[k] + DVec3::new(0.0, 0.0, z);
+    let kind = CameraKind::Glc { near: [0, 1, 2].map(|k| corner(k, 2.0)), far: [3, 4, 5].map(|k| corner(k, -2.0)) };
+    let spec = CameraSpec { kind, t_range: [f64::NEG_INFINITY, f64::INFINITY] };
+    let Ok(camera) = Camera::new(&spec, Some(SIZE)) else { return };
+    let corners = points[6..].len() / 3 * 3;
+    let faces = (0..corners as u32 / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    let scene = common::scene(common::mesh(points[6..6 + corners].to_vec(), faces));
+    let wanted = Wanted { channels: vec![Channel::TriangleId, Channel::Certified], srgb8: false, counting: false };
+    let Some(mut engine) = common::gpu::engine(&camera, Without::Nothing) else { return };
+    let frame = engine.render(&scene, &camera, &wanted, &RunOptions::default()).expect("a frame").frame;
+    let judged = judge(&scene, &camera, &frame);
+    let ids = |f: &anamorph::frame::Frame| f.u32(Channel::TriangleId).map(<[u32]>::to_vec).expect("ids");
+    let (seen, truth) = (ids(&frame), ids(&judged.truth));
+    let proven = frame.u32(Channel::Certified).expect("what is proven");
+    let wrong = (0..seen.len()).filter(|&k| seen[k] != truth[k] && (judged.safe[k] || proven[k] > 0));
+    assert_eq!((wrong.count(), judged.not_near), (0, 0), "{points:?}");
+}

@@ -1,0 +1,167 @@
+//! Any small scene that a sequence of numbers says: ordinary things, and what is hard for numerics, through cameras of every kind.
+
+use super::cameras::{MeshLook, mesh_camera, raymap};
+use super::file::camera_of;
+use super::layered::{chain, wavy};
+use super::rng::Rng;
+use super::{ALL_T, FORWARD, camera, mesh, scene};
+use anamorph::camera::Camera;
+use anamorph::scene::Scene;
+use anamorph::scene::file::CameraKind;
+use anamorph::scene::mesh::{Material, Mesh};
+use glam::DVec3;
+
+type Triangle = [DVec3; 3];
+
+/// A scene about the origin, or elsewhere and of another size, and a camera that sees it.
+pub fn any(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
+    let scale = if rng.below(4) == 0 { 10f64.powi(rng.below(13) as i32 - 6) } else { 1.0 };
+    let offset = if rng.below(4) == 0 { 10f64.powi(rng.below(6) as i32) * rng.vector() } else { DVec3::ZERO };
+    let (camera, is_placed) = any_camera(rng, size, |v| scale * (v + offset));
+    let mut mesh = any_mesh(rng);
+    if is_placed {
+        mesh.positions.iter_mut().for_each(|p| *p = scale * (*p + offset));
+    }
+    (scene(mesh), camera)
+}
+
+/// The camera, and whether it is where `place` says.
+fn any_camera(rng: &mut Rng, size: (u32, u32), place: impl Fn(DVec3) -> DVec3) -> (Camera, bool) {
+    let t_range = if rng.below(4) == 0 { ALL_T } else { FORWARD };
+    let of = |kind: CameraKind| (camera(kind, size, t_range), true);
+    let look = MeshLook { normalize: rng.below(3) == 0, weights: rng.below(3) == 0, torn: rng.below(4) == 0 };
+    let eye = 2.0 * rng.direction() + 0.3 * rng.vector();
+    let target = 0.3 * rng.vector();
+    let text = |text: String| (camera_of("", size, &text).unwrap(), false);
+    let seen = format!("eye = {:?}\ntarget = {:?}", eye.to_array(), target.to_array());
+    let up = if (target - eye).normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
+    match rng.below(12) {
+        0 => {
+            let (eye, target) = (place(eye), place(target));
+            of(CameraKind::Pinhole { eye, target, up, vfov: 10.0 + 120.0 * rng.unit() })
+        }
+        1 => {
+            let height = (place(DVec3::X) - place(DVec3::ZERO)).length() * (0.5 + 2.0 * rng.unit());
+            let (eye, target) = (place(eye), place(target));
+            of(CameraKind::Orthographic { eye, target, up, height })
+        }
+        // between any two triangles
+        2..=4 => {
+            let corner = |rng: &mut Rng, z: f64| [0, 1, 2].map(|_| 1.5 * rng.vector() + DVec3::new(0.0, 0.0, z));
+            let (near, far) = (corner(rng, 2.0), corner(rng, -2.0));
+            of(CameraKind::Glc { near: near.map(&place), far: far.map(&place) })
+        }
+        // between two squares, turned and narrowed to nothing but a little
+        5 | 6 => {
+            let narrow = [0, 1].map(|_| rng.signed() * 10f64.powi(-(rng.below(15) as i32)));
+            let turn = if rng.below(2) == 0 { rng.signed() } else { 0.0 };
+            let map = |x: f64, y: f64| [narrow[0] * x - turn * y, narrow[1] * y + turn * x];
+            let corners = [(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)];
+            let near = corners.map(|(x, y)| DVec3::new(x, y, 2.0));
+            let far = corners.map(|(x, y)| DVec3::new(map(x, y)[0], map(x, y)[1], -2.0));
+            of(CameraKind::Glc { near: near.map(&place), far: far.map(&place) })
+        }
+        7 => (
+            camera(mesh_camera(rng.word(), 1 + rng.below(6) as u32, 1 + rng.below(6) as u32, look), size, t_range),
+            false,
+        ),
+        8 => (raymap(size.0, size.1, t_range), false),
+        9 => (wavy(1 + rng.below(3), 2.0 * rng.unit(), rng.below(2) == 0, size), false),
+        10 => {
+            let cells = (1 + rng.below(3) as u32, 1 + rng.below(3) as u32);
+            (
+                chain(rng.word(), 1 + rng.below(4), cells, MeshLook { torn: false, normalize: false, ..look }, size),
+                false,
+            )
+        }
+        _ => match rng.below(3) {
+            0 => text(format!("kind = \"cylinder\"\n{seen}\nvfov = {}", 20.0 + 140.0 * rng.unit())),
+            1 => text(format!(
+                "kind = \"fisheye\"\n{seen}\nfov = {}\npieces = {}",
+                30.0 + 300.0 * rng.unit(),
+                1 + rng.below(200)
+            )),
+            _ => text(format!("kind = \"fisheye\"\n{seen}\nfov = {}", 30.0 + 320.0 * rng.unit())),
+        },
+    }
+}
+
+/// One to a hundred triangles.
+fn any_mesh(rng: &mut Rng) -> Mesh {
+    let mut all: Vec<Triangle> = Vec::new();
+    for _ in 0..1 + rng.below(4) {
+        let part = any_part(rng);
+        all.extend(part);
+    }
+    // corners on a coarse grid meet each other, and the rays
+    if rng.below(4) == 0 {
+        let step = 0.5f64.powi(1 + rng.below(5) as i32);
+        all.iter_mut().flatten().for_each(|v| *v = (*v / step).round() * step);
+    }
+    let faces = (0..all.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    let mut mesh = mesh(all.into_iter().flatten().collect(), faces);
+    if rng.below(3) == 0 {
+        mesh.materials.push(Material { two_sided: false, ..Material::default() });
+        mesh.material_of.iter_mut().for_each(|m| *m = rng.below(2) as u32);
+    }
+    mesh
+}
+
+fn any_part(rng: &mut Rng) -> Vec<Triangle> {
+    let count = 1 + rng.below(30);
+    let size = if rng.below(3) == 0 { 10f64.powi(-(rng.below(9) as i32)) } else { 0.5 };
+    let around = |rng: &mut Rng, at: DVec3, size: f64| [0, 1, 2].map(|_| at + size * rng.vector());
+    match rng.below(7) {
+        // anywhere
+        0 | 1 => (0..count)
+            .map(|_| {
+                let at = rng.vector();
+                around(rng, at, size)
+            })
+            .collect(),
+        // needles
+        2 => (0..count)
+            .map(|_| {
+                let (at, way) = (rng.vector(), rng.vector());
+                [at - way, at + way, at + size * rng.vector()]
+            })
+            .collect(),
+        // a height field, each edge shared
+        3 => {
+            let side = 2 + rng.below(4);
+            let at: Vec<DVec3> = (0..(side + 1) * (side + 1))
+                .map(|n| {
+                    let [x, y] = [n % (side + 1), n / (side + 1)].map(|k| 2.0 * k as f64 / side as f64 - 1.0);
+                    DVec3::new(x, y, size * rng.signed())
+                })
+                .collect();
+            let cell = |n: usize| {
+                let a = n / side * (side + 1) + n % side;
+                [[at[a], at[a + side + 1], at[a + 1]], [at[a + 1], at[a + side + 1], at[a + side + 2]]]
+            };
+            (0..side * side).flat_map(cell).collect()
+        }
+        // around one vertex
+        4 => {
+            let (middle, n) = (rng.vector(), 3 + rng.below(8));
+            let rim: Vec<DVec3> = (0..n).map(|_| middle + rng.vector()).collect();
+            (0..n).map(|k| [middle, rim[k], rim[(k + 1) % n]]).collect()
+        }
+        // in one plane, or nearly, one over the other, and some twice
+        5 => {
+            let (at, u, v) = (rng.vector(), rng.vector(), rng.vector());
+            let off = if rng.below(2) == 0 { 0.0 } else { 10f64.powi(-(rng.below(17) as i32)) };
+            let mut flat: Vec<Triangle> = (0..count)
+                .map(|_| [0, 1, 2].map(|_| at + rng.signed() * u + rng.signed() * v + off * rng.vector()))
+                .collect();
+            let twice = flat[rng.below(flat.len())];
+            flat.push([twice[2], twice[0], twice[1]]);
+            flat
+        }
+        // without area, and far larger than what is seen
+        _ => {
+            let (a, b) = (rng.vector(), rng.vector());
+            vec![[a, b, 0.5 * (a + b)], [a, a, b], around(rng, a, 1e4), around(rng, b, 1e9 * size)]
+        }
+    }
+}

@@ -1,0 +1,72 @@
+// What recheck arithmetic proves of where a pixel's curve meets a triangle first, over a span of t.
+
+// A polynomial over the control net is off by what N and the net lost; so is its extreme where a critical point is off by the root
+// of a unit, at which it is off by BEND units of its sizes: in all under twice this bound.
+fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hidden: i32, is_inside: bool) -> Proof {
+    let corner = tile_corner(cell.tile);
+    let c = curve_stored(curve_place(tile_layer(cell.tile), corner.x + x, corner.y + y));
+    let normal = normal_of(v);
+    let sizes = real(params.vertex_reach) + max(max(size3(c.c0), size3(c.c1)), max(size3(c.c2), size3(c.c3)));
+    let lost = sizes * (2.0 * normal.lost + (2.0 * PRODUCT_UNITS + BEND) * REAL_UNIT * normal.size) + normal.size * real(params.origin_lost);
+    let b = real4(dot(normal.n, c.c0 - v[0]), dot(normal.n, c.c1 - v[0]), dot(normal.n, c.c2 - v[0]), dot(normal.n, c.c3 - v[0]));
+    let span = vec2<f32>(span_of(cell.tile));
+    let spans = real(f32(params.spans));
+    let end = real(span.y) / spans;
+    var from_t = real(span.x) / spans;
+    let turns = critical_points(b, from_t, end);
+    for (var k = 0u; k < DEGREE; k++) {
+        let to_t = select(turns[min(k, 1u)], end, k + 1u == DEGREE);
+        let from_side = sign_beyond(polynomial(b, from_t), 2.0 * lost);
+        let to_side = sign_beyond(polynomial(b, to_t), 2.0 * lost);
+        if from_side == 0 || to_side == 0 {
+            return Proof(true, false, from_t, to_t);
+        }
+        if from_side != to_side {
+            let root = root_proof(c, b, normal, v, hidden, sizes, lost, from_t, to_t, from_side);
+            if root.may {
+                return root;
+            }
+        }
+        from_t = to_t;
+    }
+    return MISSED;
+}
+
+// The one root between two ts at which the polynomial has proven and different signs.
+fn root_proof(
+    c: Curve, b: real4, normal: Normal, v: array<real3, 3>, hidden: i32, sizes: real, lost: real, from_t: real, to_t: real, from_side: i32,
+) -> Proof {
+    let t = root_between(b, from_t, to_t, from_side < 0);
+    let at = curve_point(c, t);
+    let way = curve_tangent(c, t);
+    let across = dot(normal.n, way);
+    let size_way = size3(way);
+    let lost_way = 2.0 * PRODUCT_UNITS * REAL_UNIT * sizes;
+    let facing = sign_beyond(across, size_way * (normal.lost + PRODUCT_UNITS * REAL_UNIT * normal.size) + normal.size * lost_way);
+    let off = 2.0 * lost / max(abs(across), lost) + 4.0 * REAL_ROUNDING;
+    let near = max(t - off, from_t);
+    let far = min(t + off, to_t);
+    let is_between = (near == from_t || sign_beyond(polynomial(b, near), lost) == from_side)
+        && (far == to_t || sign_beyond(polynomial(b, far), lost) == -from_side);
+    if facing == 0 || !is_between {
+        return Proof(true, false, from_t, to_t);
+    }
+    if facing * hidden > 0 {
+        return MISSED;
+    }
+    // along the tangent a root may be off at no cost
+    let way_off = BEND * off * off + 2.0 * PRODUCT_UNITS * REAL_UNIT;
+    var sure = true;
+    for (var k = 0u; k < 3u; k++) {
+        let e = v[(k + 1u) % 3u] - v[k];
+        let to_v = v[k] - at;
+        let lost_e = REAL_UNIT * (2.0 * real(params.vertex_reach) + size3(e));
+        let bound = size_way * (size3(e) * (sizes * way_off + real(params.origin_lost)) + lost_e * size3(to_v));
+        let side = facing * sign_beyond(dot(e, cross(way, to_v)), bound);
+        if side < 0 {
+            return MISSED;
+        }
+        sure = sure && side > 0;
+    }
+    return Proof(true, sure, near, far);
+}

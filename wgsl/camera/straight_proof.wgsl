@@ -1,0 +1,91 @@
+// What recheck arithmetic proves of where a straight ray meets a triangle.
+//
+// REAL_UNIT is the rounding of stored numbers and no less than that of one operation. The size of a vector is the sum of its absolute
+// components, so that a product is at most the product of the sizes. Every bound is of the same form: what is lost of each factor
+// times the size of the other, and PRODUCT_UNITS of both sizes.
+
+// A ray, and what may be lost of its parts.
+struct Weighed {
+    b: Bundle,
+    lost_p: real,
+    lost_d: real,
+    lost_h: real,
+}
+
+// v h - p, and what may be lost of it.
+struct Offset {
+    m: real3,
+    size: real,
+    lost: real,
+}
+
+fn offset_of(q: Weighed, v: real3) -> Offset {
+    let m = v * q.b.h - q.b.p;
+    let reach = real(params.vertex_reach);
+    // v as stored 1 unit, a product 1, a difference 1 of the result
+    let lost = q.lost_p + reach * q.lost_h + REAL_UNIT * (2.0 * reach * abs(q.b.h) + size3(m));
+    return Offset(m, size3(m) + lost, lost);
+}
+
+// The sign of E = (w - v) . (d x m) of the ray itself; 0: not proven.
+fn proven_side(q: Weighed, from_v: Offset, v: real3, w: real3) -> i32 {
+    let e = w - v;
+    let g = cross(q.b.d, from_v.m);
+    let size_d = size3(q.b.d) + q.lost_d;
+    let lost_e = REAL_UNIT * (2.0 * real(params.vertex_reach) + size3(e));
+    let sizes = size_d * from_v.size;
+    let lost_g = size_d * from_v.lost + q.lost_d * from_v.size + PRODUCT_UNITS * REAL_UNIT * sizes;
+    let bound = lost_e * sizes + size3(e) * (lost_g + PRODUCT_UNITS * REAL_UNIT * sizes);
+    return sign_beyond(dot(e, g), bound);
+}
+
+// t = N . m / N . d lies in [near, far] where the sign of N . d is proven, which is `facing`; else anywhere. An end of a chain's
+// segment holds what is `room` beyond it.
+struct OnPlane {
+    near: real,
+    far: real,
+    facing: i32,
+    room: real,
+}
+
+fn on_plane(q: Weighed, from_v: Offset, normal: Normal) -> OnPlane {
+    let size_d = size3(q.b.d) + q.lost_d;
+    let units = PRODUCT_UNITS * REAL_UNIT * normal.size;
+    let lost_along = normal.lost * from_v.size + normal.size * from_v.lost + units * from_v.size;
+    let lost_across = normal.lost * size_d + normal.size * q.lost_d + units * size_d;
+    let along = dot(normal.n, from_v.m);
+    let across = dot(normal.n, q.b.d);
+    let facing = sign_beyond(across, lost_across);
+    if facing == 0 {
+        return OnPlane(-ENDLESS, ENDLESS, 0, 0.0);
+    }
+    let least = abs(across) - lost_across;
+    let t = along / across;
+    let off = (lost_along + abs(t) * lost_across) / least + 4.0 * REAL_ROUNDING * abs(t);
+    // that of the tile's middle, whose numbers are of the same size
+    let room = select(0.0, 2.0 * end_rounding(q.b, normal.n) / least, SHEETED);
+    return OnPlane(t - off, t + off, facing, room);
+}
+
+fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hidden: i32, is_inside: bool) -> Proof {
+    let q = weighed(cell, whole, x, y);
+    let from_v = offset_of(q, v[0]);
+    var inside = is_inside;
+    if !is_inside {
+        let a = proven_side(q, from_v, v[0], v[1]);
+        let b = -proven_side(q, from_v, v[0], v[2]);
+        let c = proven_side(q, offset_of(q, v[1]), v[1], v[2]);
+        if min(a, min(b, c)) < 0 && max(a, max(b, c)) > 0 {
+            return MISSED;
+        }
+        inside = a != 0 && a == b && a == c;
+    }
+    let met = on_plane(q, from_v, normal_of(v));
+    let t_min = real(params.t_min.x) + real(params.t_min.y) + real(params.t_min.z);
+    let t_max = real(params.t_max.x) + real(params.t_max.y) + real(params.t_max.z);
+    if met.facing * hidden > 0 || met.far < t_min - met.room || met.near > t_max + met.room {
+        return MISSED;
+    }
+    let is_in_range = met.near >= t_min && met.far <= t_max;
+    return Proof(true, inside && is_in_range && met.facing != 0, max(met.near, t_min), min(met.far, t_max));
+}

@@ -1,0 +1,89 @@
+// certify: one thread per (slot, cell) pair, twice, after all pairs were rastered and rechecked; then one per pixel of the band.
+// Reads what raster reads, and the visibility buffer. The first dispatch finds in each pixel the nearest bound behind which some triangle
+// is proven to be met; the second holds every triangle that may be met before it against the one that was found; the third writes
+// the plane: 2 proven by f32, 1 by recheck arithmetic, 0 not.
+// `proofs` has two words a pixel: the complement of that bound, so that 0 is none, and flags.
+
+const PROOF_SURE: u32 = 1u;        // what was found is proven to be met
+const PROOF_CONTESTED: u32 = 2u;   // something else may be met first
+const PROOF_RECHECKED: u32 = 4u;   // f32 did not prove all
+
+const STEP_BOUND: u32 = 0u;
+const STEP_PIXELS: u32 = 2u;
+
+override PLANE_CERTIFIED: u32 = 0xffffffffu;
+
+@compute @workgroup_size(64)
+fn certify(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    // take a pair
+    let index = item_index(group, groups, lane);
+    if step.value == STEP_PIXELS {
+        write_certainty(index);
+        return;
+    }
+    if index >= min(atomicLoad(&counters[COUNT_PAIRS]), params.pair_capacity) {
+        return;
+    }
+    let pair = pairs[index];
+    let cell = cells[pair_cell(pair)];
+    let triangle = triangles[pair_slot(pair)];
+    let owned = vec2<u32>(cell.mask_lo, cell.mask_hi) & box_mask(pair_from(pair), pair_to(pair));
+    let found = coverage(cell, owned, pair_from(pair), pair_to(pair), vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
+
+    // prove what can be, pixel by pixel
+    let id = triangle_id(triangle);
+    let whole = cell_bundle(cell);
+    let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
+    let facing = select(1, -1, triangle_reversed(triangle));
+    let hidden = select(0, facing, (triangle.w & ONE_SIDED) != 0u);
+    let corner = tile_corner(cell.tile);
+    let layer = tile_layer(cell.tile);
+    var left = found.xy | found.zw;
+    loop {
+        let bit = first_bit(left);
+        if bit == NONE {
+            break;
+        }
+        left = without_bit(left, bit);
+        let is_inside = COVERAGE_PROVES && any((found.xy & bit_mask(bit)) != vec2<u32>(0u));
+        let proof = pixel_proof(cell, whole, bit % TILE, bit / TILE, v, hidden, is_inside);
+        if !proof.may {
+            continue;
+        }
+        let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
+        if step.value == STEP_BOUND {
+            if proof.sure {
+                atomicMax(&proofs[2u * pixel], ~(nearness(layer, proof.far) + 1u));
+            }
+        } else if nearness(layer, proof.near) - 1u <= ~atomicLoad(&proofs[2u * pixel]) {
+            var flags = select(PROOF_RECHECKED, 0u, is_inside);
+            let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
+            let is_found = any(won != vec2<u32>(0u)) && key_id(~won) == id && key_layer(~won) == layer;
+            flags |= select(PROOF_CONTESTED, PROOF_SURE, is_found && proof.sure);
+            atomicOr(&proofs[2u * pixel + 1u], flags);
+        }
+    }
+}
+
+fn write_certainty(pixel: u32) {
+    let count = params.width * params.height;
+    if pixel >= count || PLANE_CERTIFIED == NONE {
+        return;
+    }
+    let flags = atomicLoad(&proofs[2u * pixel + 1u]);
+    let is_hit = any(vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]) != vec2<u32>(0u));
+    let is_proven = (flags & (PROOF_SURE | PROOF_CONTESTED)) == select(0u, PROOF_SURE, is_hit);
+    planes[PLANE_CERTIFIED * count + pixel] = select(0u, select(2u, 1u, (flags & PROOF_RECHECKED) != 0u), is_proven);
+}
+
+// The order of hits in f32: one step more or less holds its rounding.
+fn nearness(layer: u32, t: real) -> u32 {
+    let bits = bitcast<u32>(f32(min(max(t, -ENDLESS), ENDLESS)));
+    let ordered = select(bits | 0x80000000u, ~bits, (bits & 0x80000000u) != 0u);
+    // of t in [0, 1] the first two bits are always 10
+    return select(ordered, (layer << 28u) | max((ordered & 0x3fffffffu) >> 2u, 1u), SHEETED);
+}

@@ -1,0 +1,43 @@
+// recheck: one thread per doubt that raster left.
+// Reads doubts, pairs, triangles, vertices, cells and the camera's rays; settles in recheck arithmetic which of a doubt's pixels
+// the triangle covers, and merges their keys.
+
+@compute @workgroup_size(64)
+fn recheck(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    // take a doubt
+    let index = item_index(group, groups, lane);
+    if index >= min(atomicLoad(&counters[COUNT_DOUBTS]), params.doubt_capacity) {
+        return;
+    }
+    let doubt = doubts[index];
+    let pair = pairs[doubt.x >> 1u];
+    let cell = cells[pair_cell(pair)];
+    let triangle = triangles[pair_slot(pair)];
+    let doubtful = select(vec2<u32>(doubt.y, 0u), vec2<u32>(0u, doubt.y), (doubt.x & 1u) != 0u);
+
+    // settle it
+    let whole = cell_bundle(cell);
+    let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
+    var covered = vec2<u32>(0u);
+    var left = doubtful;
+    loop {
+        let bit = first_bit(left);
+        if bit == NONE {
+            break;
+        }
+        left = without_bit(left, bit);
+        let b = pixel_bundle(whole, cell, bit % TILE, bit / TILE);
+        let s01 = edge_side(b, v[0], v[1]);
+        if s01 == -edge_side(b, v[0], v[2]) && s01 == edge_side(b, v[1], v[2]) {
+            covered = with_bit(covered, bit);
+        }
+    }
+    if step.value == 0u {
+        atomicAdd(&counters[COUNT_RECHECKED], countOneBits(doubt.y));
+    }
+    merge_hits(cell, triangle, whole, v, covered);
+}

@@ -1,0 +1,32 @@
+// The hits of a pair's triangle, merged into the visibility buffer.
+
+override COUNTING: bool = false;
+
+// Merges the visibility key of every covered pixel that the triangle shows at a t in range.
+fn merge_hits(cell: Cell, triangle: vec4<u32>, whole: Bundle, v: array<real3, 3>, pixels: vec2<u32>) {
+    let id = triangle_id(triangle);
+    let normal = cross(v[1] - v[0], v[2] - v[0]);
+    let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
+    let hidden = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
+    let depth = cell_depth(whole, normal, v, hidden);
+    let corner = tile_corner(cell.tile);
+    let layer = tile_layer(cell.tile);
+    var covered = pixels;
+    var kept = 0u;
+    loop {
+        let bit = first_bit(covered);
+        if bit == NONE {
+            break;
+        }
+        covered = without_bit(covered, bit);
+        let meeting = pixel_depth(depth, cell, bit % TILE, bit / TILE);
+        let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
+        if meeting.visible && !starts_on(pixel, id) {
+            merge(pixel, ~visibility_key(layer, meeting.t, id));
+            kept++;
+        }
+    }
+    if COUNTING && step.value == 0u {
+        atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], kept);
+    }
+}
