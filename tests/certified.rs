@@ -19,7 +19,7 @@ use glam::{DMat3, DVec3};
 
 const SIZE: (u32, u32) = (101, 77);
 
-/// Share of an ordinary picture that is proven, measured: 1 with f64, 0.985 without.
+/// Share of an ordinary picture that is proven, measured: 1 with f64; without it 0.9994 of straight rays, 0.958 of curves.
 const PROVEN_LEAST: f64 = 0.999;
 const PROVEN_LEAST_F32: f64 = 0.95;
 
