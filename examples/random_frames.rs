@@ -9,7 +9,7 @@ use anamorph::engine::{Engine, RunOptions};
 use anamorph::frame::Channel;
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::plan::Wanted;
-use anamorph::reference::image::judge;
+use anamorph::reference::image::{explain, judge};
 use std::process::ExitCode;
 
 const SIZE: (u32, u32) = (32, 32);
@@ -67,6 +67,13 @@ fn main() -> ExitCode {
             let faults =
                 format!("{wrong_safe} safe pixels wrong, {} not near, {certified_wrong} proven wrong", judged.not_near);
             println!("scene {number}, {}: {faults}", camera.kind);
+            // of one scene alone, why
+            let wrong = (0..same.len()).filter(|k| count == 1 && !same[*k] && (judged.safe[*k] || judged.not_near > 0));
+            for k in wrong.take(3) {
+                let (x, y) = (k as u32 % SIZE.0, k as u32 / SIZE.0);
+                println!("pixel {x},{y} shows {:?}, proven {}", ids(&frame)[k], proven[k]);
+                println!("{}", explain(&scene, &camera, x, y));
+            }
         }
         all.pixels += seen.pixels;
         all.unsafe_pixels += seen.unsafe_pixels.unwrap_or(0);

@@ -18,7 +18,6 @@ use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame, Plane};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
-use crate::gpu::device::Abilities;
 use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::Recorder;
 use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
@@ -52,7 +51,7 @@ pub enum Arithmetic {
     /// f32 where its bounds prove them, and recheck arithmetic elsewhere.
     #[default]
     Rechecked,
-    /// f32 alone, as on an adapter without f64.
+    /// f32 alone, depths and shading too.
     Single,
     /// Recheck arithmetic everywhere.
     Double,
@@ -179,11 +178,12 @@ impl Engine {
         }
         let scene = scene.with_optics(&camera);
         let around = Surroundings::of(&camera, scene.bounds());
+        check_size(&scene, around)?;
         let has_normals = !scene.mesh.normals.is_empty();
         let limit = self.gpu.binding_limit();
         let triangles = scene.mesh.triangles.len();
-        let has = Abilities { f64: self.gpu.has.f64 && run.arithmetic != Arithmetic::Single, ..self.gpu.has };
-        let mut plan = Plan::new(&camera, triangles, has_normals, around, &planned, has, limit);
+        let mut plan = Plan::new(&camera, triangles, has_normals, around, &planned, self.gpu.has, limit);
+        plan.variant.f64 = run.arithmetic != Arithmetic::Single;
         plan.variant.culling = !run.no_cull;
         plan.variant.doubting = run.arithmetic == Arithmetic::Double;
         let stages = self.stages(plan.variant, &plan.planes)?;
@@ -238,6 +238,21 @@ impl Engine {
         self.gathers.push(gather.clone());
         gather
     }
+}
+
+/// How large a scene may be, world units: beyond, f32 and pairs of it lose all.
+const SIZES: [f64; 2] = [1e-12, 1e30];
+
+/// The engine's f32 can hold the scene.
+fn check_size(scene: &Scene, around: Surroundings) -> Result<()> {
+    let Some((lo, hi)) = scene.bounds() else { return Ok(()) };
+    let reach = (hi - around.anchor).max(around.anchor - lo).max_element();
+    let [least, most] = SIZES;
+    if reach > 0.0 && !(least..=most).contains(&reach) {
+        let advice = "scale the scene and its camera, or use --engine reference";
+        return Err(Error::input(format!("the scene reaches {reach:.1e} far, of {least:.0e} to {most:.0e}: {advice}")));
+    }
+    Ok(())
 }
 
 /// What is certified are the engine's own hits of rays that nothing turned.

@@ -10,7 +10,7 @@ use anamorph::scene::generate;
 use anamorph::scene::mesh::{Material, Mesh};
 use anamorph::scene::{Scene, gltf, obj, place};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
-use common::gpu::{Without, assert_right, check, hits, ids, render, render_with};
+use common::gpu::{Without, assert_right, assert_same_without_f64, check, hits, ids, render, render_with};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, mesh, moved, scene};
 use glam::{DMat3, DVec3};
@@ -164,15 +164,12 @@ fn negative_t_comes_first_and_ends_belong_to_the_range() {
     ] {
         let camera = camera(kind(), (16, 16), t_range);
         let Some(rendered) = render_with(&wall, &camera, Without::Nothing, &Default::default()) else { return };
-        // without f64 the ends are as exact as f32
-        if !rendered.left_out.iter().any(|l| l.what == "f64 rechecks") {
-            assert_eq!(hits(&rendered.frame), if seen { 256 } else { 0 }, "{t_range:?}");
-        }
+        assert_eq!(hits(&rendered.frame), if seen { 256 } else { 0 }, "{t_range:?}");
     }
 }
 
 #[test]
-fn with_f64_no_pixel_is_wrong_however_near_an_edge() {
+fn no_pixel_is_wrong_however_near_an_edge() {
     // 20,480 triangles of about a pixel, turned so that no edge passes a centre exactly: a sign that f32 alone decided
     // wrongly would show
     let mut ball = generate::icosphere(5);
@@ -187,9 +184,8 @@ fn with_f64_no_pixel_is_wrong_however_near_an_edge() {
             let camera = camera(kind, (200, 150), FORWARD);
             let Some(rendered) = render_with(&scene, &camera, Without::Nothing, &Default::default()) else { return };
             let (_, seen) = assert_right(&format!("{name} at {offset}"), &scene, &camera, &rendered.frame);
-            let exact = !rendered.left_out.iter().any(|l| l.what == "f64 rechecks");
-            assert!(!exact || seen.wrong_triangle == Some(0), "{name} at {offset}: {seen}");
-            assert!(!exact || rendered.counts.rechecked > 0, "{name} at {offset}: nothing was near an edge");
+            assert!(seen.wrong_triangle == Some(0), "{name} at {offset}: {seen}");
+            assert!(rendered.counts.rechecked > 0, "{name} at {offset}: nothing was near an edge");
         }
     }
 }
@@ -230,16 +226,15 @@ fn smooth_normals_and_lights_shade_as_the_reference_does() {
 }
 
 #[test]
-fn without_f64_the_safe_pixels_are_still_right() {
+fn without_f64_the_frame_is_the_same() {
     let scene = ball_in_cloud();
     let mut cameras: Vec<_> =
         glc_of_each_class().into_iter().map(|(name, kind)| (name, camera(kind, SIZE, FORWARD))).collect();
     cameras.push(("mesh", camera(mesh_camera(1, 9, 7, MeshLook::default()), SIZE, FORWARD)));
     cameras.push(("ray map", raymap(SIZE.0, SIZE.1, FORWARD)));
     for (name, camera) in cameras {
-        let Some(rendered) = render_with(&scene, &camera, Without::F64, &Default::default()) else { return };
-        assert!(rendered.left_out.iter().any(|l| l.what == "f64 rechecks"));
-        assert_right(&format!("{name} without f64"), &scene, &camera, &rendered.frame);
+        let Some(frame) = render(&scene, &camera) else { return };
+        assert_same_without_f64(&name, &scene, &camera, &frame);
     }
 }
 

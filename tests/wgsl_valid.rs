@@ -5,6 +5,7 @@ use anamorph::baseline;
 use anamorph::frame::Channel;
 use anamorph::gpu::kernels::{self, Kernel, Variant};
 use anamorph::gpu::rows::GROUP;
+use anamorph::gpu::soft_f64::lowered;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Expression, Function, MathFunction, Module, ScalarKind, ShaderStage, TypeInner};
 
@@ -51,6 +52,20 @@ fn every_kernel_validates_with_the_capabilities_of_its_variant_alone() {
     each_kernel(|kernel, variant| {
         let module = parse(&kernel.source).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
         let caps = allowed(kernel, variant);
+        validate(&module, caps).unwrap_or_else(|e| panic!("{} {variant:?} with {caps:?}: {e}", kernel.name));
+    });
+}
+
+#[test]
+fn every_kernel_does_without_f64_once_it_is_lowered() {
+    each_kernel(|kernel, variant| {
+        assert_eq!(kernel.f64, kernel.source.contains("alias real = f64"), "{}", kernel.name);
+        if !kernel.f64 {
+            return;
+        }
+        let module = lowered(&kernel.source).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
+        let mut caps = allowed(kernel, variant).difference(Capabilities::FLOAT64);
+        caps.set(Capabilities::SHADER_INT64, caps.contains(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX));
         validate(&module, caps).unwrap_or_else(|e| panic!("{} {variant:?} with {caps:?}: {e}", kernel.name));
     });
 }

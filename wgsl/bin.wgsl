@@ -161,7 +161,7 @@ fn leaf_pixels(index: u32, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec4<
         // in a sheet t ends soon: the triangle may lie before its start or beyond its end
         let lo = min(v0, min(v1, v2));
         let hi = max(v0, max(v1, v2));
-        let rounding = vec3<f32>(BOUND_SLACK * params.vertex_reach);
+        let rounding = BOUND_SLACK * max(abs(lo), abs(hi));
         if !node_meets(index, 0.5 * (lo + hi), 0.5 * (hi - lo) + rounding) {
             return vec4<u32>(0u);
         }

@@ -170,7 +170,7 @@ pub struct Easel {
 impl Easel {
     pub fn new(gpu: &Gpu, setup: &Setup) -> Easel {
         let width = setup.camera.width;
-        let take = Pipeline::new(&gpu.device, kernels::take(setup.variant));
+        let take = Pipeline::new(gpu, kernels::take(setup.variant));
         Easel { canvas: Canvas::new(gpu, (width, setup.rows)), take, width }
     }
 

@@ -38,7 +38,7 @@ pub fn replicated(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     own.create(gpu, "draw_args", 16, BufferUsages::INDIRECT)?;
     own.upload(gpu, "no_draw", &[0u32, 1, 0, 0])?;
     Ok(Box::new(Replicated {
-        replicate: Pipeline::new(&gpu.device, kernels::replicate(setup.variant.culling)),
+        replicate: Pipeline::new(gpu, kernels::replicate(setup.variant.culling)),
         draw: Draw::clipped(gpu, kernels::perspective(setup.layers(), setup.variant.culling))?,
         easel: Easel::new(gpu, setup),
         pieces,

@@ -94,10 +94,13 @@ pub struct RenderArgs {
     /// Do without 64-bit atomics
     #[arg(long)]
     pub no_int64: bool,
+    /// Do without the adapter's f64: the same numbers from 32-bit words
+    #[arg(long)]
+    pub no_f64: bool,
     /// Print one pixel's ray, hit, candidates and margins instead
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = pixel, conflicts_with_all = [
         "output", "exr", "points", "engine", "samples", "channels", "report", "check", "repeat", "no_cull", "adapter",
-        "no_int64",
+        "no_int64", "no_f64",
     ])]
     pub pixel: Option<(u32, u32)>,
 }

@@ -22,7 +22,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         started.map_err(|e| Error::input(format!("--yardstick {}: cannot start it: {e}", program.display())))?;
     }
     std::fs::create_dir_all(&args.out).map_err(|e| Error::work(format!("{}: {e}", args.out.display())))?;
-    let options = GpuOptions { adapter: args.adapter.clone(), no_int64: false };
+    let options = GpuOptions { adapter: args.adapter.clone(), ..Default::default() };
     let mut engine = Engine::new(Gpu::open(&options)?.ok_or_else(|| Error::work(NO_ADAPTER))?);
     let is_software = engine.gpu.info.device_type == wgpu::DeviceType::Cpu;
     let selection = Selection { quick: args.quick, only: args.case.clone() };

@@ -73,7 +73,7 @@ fn open(args: &ProjectArgs, points: usize) -> Result<Option<Gpu>> {
     if matches!(args.engine, Some(EngineName::Reference)) || (!asked && (points < MANY || !hardware())) {
         return Ok(None);
     }
-    let gpu = Gpu::open(&GpuOptions { adapter: args.adapter.clone(), no_int64: false })?;
+    let gpu = Gpu::open(&GpuOptions { adapter: args.adapter.clone(), ..Default::default() })?;
     if gpu.is_none() {
         // a closed stderr is no reason not to project
         let _ = writeln!(std::io::stderr(), "{NO_ADAPTER}; projecting on the CPU as --engine reference does");

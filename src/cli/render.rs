@@ -86,6 +86,7 @@ fn check_combination(args: &RenderArgs) -> Result<()> {
     let flags = [
         (args.adapter.is_some(), "--adapter"),
         (args.no_int64, "--no-int64"),
+        (args.no_f64, "--no-f64"),
         (args.moving, "--moving"),
         (args.no_cull, "--no-cull"),
     ];

@@ -32,7 +32,6 @@ pub struct Resident {
     pub passes: Vec<Pass>,
     /// What rays are turned by.
     pub turns: Option<Turns>,
-    vertex_reach: f32,
     /// Triangles without area.
     pub without_area: usize,
 }
@@ -77,7 +76,6 @@ impl Resident {
             turned_params: Vec::new(),
             turns: camera.optics.as_ref().map(|o| Turns::new(gpu, scene, camera, o, plan, &passes)).transpose()?,
             passes,
-            vertex_reach: 0.0,
             without_area: 0,
         };
         resident.upload_scene(gpu, cluster(&scene.mesh, plan.anchor, gpu.binding_limit()))?;
@@ -90,7 +88,6 @@ impl Resident {
 
     /// Puts the triangles on the device, anew where they were there before.
     pub fn upload_scene(&mut self, gpu: &Gpu, clustered: Clustered) -> Result<()> {
-        self.vertex_reach = clustered.vertex_reach;
         self.without_area = clustered.without_area;
         self.chunks = clustered.chunks.iter().map(|c| chunk_on_device(gpu, c)).collect::<Result<_>>()?;
         Ok(())
@@ -165,7 +162,7 @@ impl Resident {
                     let clusters = Span { first, count };
                     let row = |t_range: [f64; 2]| {
                         let rays = (camera, t_range);
-                        let row = params(rays, plan, band, ids, clusters, self.vertex_reach, self.capacities);
+                        let row = params(rays, plan, band, ids, clusters, self.capacities);
                         let mut buffers = Buffers::default();
                         buffers.upload_uniform(gpu, "params", &row)?;
                         Ok(buffers)

@@ -4,7 +4,7 @@
 use super::Capacities;
 use super::passes::Pass;
 use crate::camera::Camera;
-use crate::gpu::rows::{self, LAW_FLAT, LAW_NORMALS, split2, split3};
+use crate::gpu::rows::{self, LAW_FLAT, LAW_NORMALS, split2, split3, words};
 use crate::optics::{Branch, Law, Optics, Surface, Turn};
 use crate::plan::nodes::Level;
 use crate::plan::{Band, Plan};
@@ -56,7 +56,6 @@ pub fn params(
     band: &Band,
     ids: Span,
     clusters: Span,
-    vertex_reach: f32,
     capacities: Capacities,
 ) -> rows::Params {
     let level = |f: fn(&Level) -> u32| {
@@ -80,13 +79,14 @@ pub fn params(
         id_first: ids.first,
         id_count: ids.count,
         band_row: band.row,
-        vertex_reach,
         spans: plan.sheets.spans,
         doubt_capacity: capacities.doubts as u32,
         origin_lost: (ORIGIN_UNITS * f64::EPSILON * plan.anchor.abs().element_sum()) as f32,
         pad0: 0,
+        pad1: 0,
         t_min: split3(t_range[0]),
         t_max: split3(t_range[1]),
+        t_words: words(t_range),
         level_start: level(|l| l.start),
         level_width: level(|l| l.width),
         level_height: level(|l| l.height),

@@ -2,7 +2,9 @@
 
 use super::device::{Gpu, one_line};
 use super::kernels::{Access, Binding, Kernel};
+use super::soft_f64::lowered;
 use crate::error::{Error, Result};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Buffers of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
@@ -113,12 +115,18 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    pub fn new(device: &wgpu::Device, kernel: Kernel) -> Pipeline {
+    /// Without f64 of the adapter's own where it has none.
+    pub fn new(gpu: &Gpu, kernel: Kernel) -> Pipeline {
+        let device = &gpu.device;
         let label = Some(kernel.name);
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label,
-            source: wgpu::ShaderSource::Wgsl(kernel.source.as_str().into()),
-        });
+        let mut source = wgpu::ShaderSource::Wgsl(kernel.source.as_str().into());
+        if kernel.f64 && !gpu.has.f64 {
+            match lowered(&kernel.source) {
+                Ok(module) => source = wgpu::ShaderSource::Naga(Cow::Owned(module)),
+                Err(text) => gpu.fail(format!("kernel {}: {text}", kernel.name)),
+            }
+        }
+        let module = gpu.compile(kernel.name, source);
         let (name, constants) = (kernel.name, kernel.constants.clone());
         let binder = Binder::new(device, kernel, wgpu::ShaderStages::COMPUTE);
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {

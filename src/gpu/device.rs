@@ -11,6 +11,8 @@ pub struct GpuOptions {
     pub adapter: Option<String>,
     /// Do without 64-bit atomics even where there are some.
     pub no_int64: bool,
+    /// Do without f64 even where there is some: its work is done in 32-bit words.
+    pub no_f64: bool,
 }
 
 /// An open device and what its adapter offers.
@@ -20,6 +22,8 @@ pub struct Gpu {
     pub info: wgpu::AdapterInfo,
     pub limits: wgpu::Limits,
     pub has: Abilities,
+    /// Kernels are compiled with wgpu's checks, see [`Gpu::without_checks`].
+    checked: bool,
     /// The first error that the device reported outside a call.
     failed: Arc<Mutex<Option<String>>>,
 }
@@ -27,7 +31,7 @@ pub struct Gpu {
 /// What an adapter offers of the things that choose a code path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Abilities {
-    /// f64 and 64-bit integers: rechecks, depths and shading in f64.
+    /// f64 and 64-bit integers: rechecks, depths and shading in the adapter's own f64; without them in 32-bit words.
     pub f64: bool,
     /// 64-bit atomic minimum and maximum: one dispatch for the depth test instead of two.
     pub atomics64: bool,
@@ -108,6 +112,7 @@ impl Gpu {
         let limits = adapter.limits();
         let mut has = Abilities::of(adapter.features());
         has.atomics64 &= !options.no_int64;
+        has.f64 &= !options.no_f64;
         if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
             let n = limits.max_storage_buffers_per_shader_stage;
             let name = &info.name;
@@ -124,20 +129,33 @@ impl Gpu {
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|e| Error::work(format!("adapter {}: cannot open it: {}", info.name, one_line(e))))?;
         let failed = Arc::new(Mutex::new(None));
-        let note = |failed: &Arc<Mutex<Option<String>>>| {
-            let failed = failed.clone();
-            move |text: String| {
-                failed.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(text);
-            }
-        };
-        let (uncaptured, lost) = (note(&failed), note(&failed));
-        device.on_uncaptured_error(Arc::new(move |e| uncaptured(one_line(e))));
+        let (uncaptured, lost) = (failed.clone(), failed.clone());
+        device.on_uncaptured_error(Arc::new(move |e| note(&uncaptured, one_line(e))));
         device.set_device_lost_callback(move |reason, text| {
             if reason != wgpu::DeviceLostReason::Destroyed {
-                lost(format!("device lost: {}", one_line(text)));
+                note(&lost, format!("device lost: {}", one_line(text)));
             }
         });
-        Ok(Gpu { device, queue, info, limits, has, failed })
+        Ok(Gpu { device, queue, info, limits, has, checked: true, failed })
+    }
+
+    /// Compiles kernels from here on as they stand: without the bounds of indices and loops that wgpu adds to them. No kernel
+    /// should need any; the tests render the same frames both ways.
+    ///
+    /// # Safety
+    ///
+    /// A kernel that reads or writes beyond a buffer, or does not end, does so.
+    pub unsafe fn without_checks(&mut self) {
+        self.checked = false;
+    }
+
+    pub(crate) fn compile(&self, label: &str, source: wgpu::ShaderSource<'_>) -> wgpu::ShaderModule {
+        let descriptor = wgpu::ShaderModuleDescriptor { label: Some(label), source };
+        if self.checked {
+            return self.device.create_shader_module(descriptor);
+        }
+        // SAFETY: whoever asked to do without checks vouches for the kernels
+        unsafe { self.device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) }
     }
 
     /// The first error that the device reported, if any.
@@ -148,10 +166,20 @@ impl Gpu {
         }
     }
 
+    /// Has [`Gpu::failure`] report this, unless something failed before.
+    pub(crate) fn fail(&self, text: String) {
+        note(&self.failed, text);
+    }
+
     /// The largest buffer that one kernel can see whole, bytes.
     pub fn binding_limit(&self) -> u64 {
         self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
     }
+}
+
+/// Keeps the first.
+fn note(failed: &Mutex<Option<String>>, text: String) {
+    failed.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(text);
 }
 
 /// Storage buffers of the kernel that binds most: `shade`.

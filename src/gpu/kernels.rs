@@ -20,7 +20,7 @@ pub enum RaysKind {
 /// Which variants of the kernels a scene and an adapter need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
-    /// Rechecks, depths and shading in f64; without it in f32.
+    /// Rechecks, depths and shading in f64; else all in f32.
     pub f64: bool,
     /// One 64-bit atomic a fragment; without it two dispatches of 32-bit ones.
     pub atomics64: bool,
@@ -65,6 +65,8 @@ pub struct Kernel {
     pub bindings: Vec<Binding>,
     pub source: String,
     pub constants: Vec<(&'static str, f64)>,
+    /// It uses f64, and is lowered to 32-bit words where an adapter has none.
+    pub f64: bool,
 }
 
 macro_rules! snippet {
@@ -94,6 +96,8 @@ const BITS: &str = snippet!("shared/bits.wgsl");
 const MEETING: &str = snippet!("shared/meeting.wgsl");
 const MEETING_OF_RAYS: &str = snippet!("shared/meeting_of_rays.wgsl");
 pub(crate) const KEY: &str = snippet!("shared/key.wgsl");
+const REAL_F64: &str = snippet!("shared/real_f64.wgsl");
+const REAL_F32: &str = snippet!("shared/real_f32.wgsl");
 const OPTICS_ROWS: &str = snippet!("optics/rows.wgsl");
 const CAUSTICS: &str = snippet!("caustics/rows.wgsl");
 
@@ -133,7 +137,7 @@ impl Variant {
     }
 
     pub(crate) fn real(self) -> &'static str {
-        if self.f64 { snippet!("shared/real_f64.wgsl") } else { snippet!("shared/real_f32.wgsl") }
+        if self.f64 { REAL_F64 } else { REAL_F32 }
     }
 
     fn merge(self) -> &'static str {
@@ -241,7 +245,7 @@ pub(crate) fn kernel(name: &'static str, bindings: Vec<Binding>, snippets: &[&st
         let _ = writeln!(source, "@group(0) @binding({k}) var{space} {}: {};", b.name, b.wgsl_type);
     }
     snippets.iter().for_each(|s| source.push_str(s));
-    Kernel { name, bindings, source, constants: Vec::new() }
+    Kernel { name, bindings, source, constants: Vec::new(), f64: snippets.contains(&REAL_F64) }
 }
 
 pub(crate) fn params() -> Binding {
@@ -463,8 +467,7 @@ pub fn gather(variant: Variant, planes: &[Channel]) -> Kernel {
         write("planes", "array<u32>"),
     ];
     // of keys the ids alone are read
-    let real = snippet!("shared/real_f32.wgsl");
-    let snippets = [PARAMS, ITEMS, SHEETS, real, KEY, SHADING, CAUSTICS, snippet!("gather.wgsl")];
+    let snippets = [PARAMS, ITEMS, SHEETS, REAL_F32, KEY, SHADING, CAUSTICS, snippet!("gather.wgsl")];
     let seen: &[&str] = if variant.optics.is_some() {
         bindings.extend([optic(), ways()]);
         &[OPTICS_ROWS, snippet!("caustics/turned.wgsl")]

@@ -6,5 +6,6 @@ pub mod device;
 pub mod kernels;
 pub mod recorder;
 pub mod rows;
+pub mod soft_f64;
 
 pub use device::{Gpu, GpuOptions};

@@ -58,13 +58,14 @@ pub struct Params {
     pub id_first: u32,
     pub id_count: u32,
     pub band_row: u32,
-    pub vertex_reach: f32,
     pub spans: u32,
     pub doubt_capacity: u32,
     pub origin_lost: f32,
     pub pad0: u32,
+    pub pad1: u32,
     pub t_min: [f32; 4],
     pub t_max: [f32; 4],
+    pub t_words: [u32; 4],
     pub level_start: [u32; 8],
     pub level_width: [u32; 8],
     pub level_height: [u32; 8],
@@ -377,4 +378,11 @@ pub fn split3(value: f64) -> [f32; 4] {
     let rest = value - hi as f64;
     let mid = rest as f32;
     [hi, mid, (rest - mid as f64) as f32, 0.0]
+}
+
+/// Two numbers as f64, low words first, what lies beyond f32 cut off.
+pub fn words(pair: [f64; 2]) -> [u32; 4] {
+    let most = f64::from(f32::MAX);
+    let [a, b] = pair.map(|v| v.clamp(-most, most).to_bits());
+    [a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32]
 }

@@ -116,7 +116,7 @@ impl Plan {
     ) -> Plan {
         let sheets = Sheets::of(camera);
         let variant = Variant {
-            f64: has.f64,
+            f64: true,
             atomics64: has.atomics64,
             rays: sheets::kind(camera),
             sheeted: sheets.count() > 1,
@@ -271,7 +271,7 @@ fn left_out(
         say("fragment counters", "no report asked for".into());
     }
     if !has.f64 {
-        say("f64 rechecks", "the adapter has no f64 or no 64-bit integers: signs and depths are f32's".into());
+        say("the adapter's f64", "it has none, or no 64-bit integers: f64 is done in 32-bit words".into());
     }
     if has.atomics64 {
         say("second depth dispatch", "the adapter has 64-bit atomics".into());

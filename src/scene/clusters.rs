@@ -30,8 +30,6 @@ pub struct Chunk {
 pub struct Clustered {
     pub chunks: Vec<Chunk>,
     pub anchor: DVec3,
-    /// Largest distance of a vertex from the anchor, rounded up.
-    pub vertex_reach: f32,
     /// Triangles without area, left out.
     pub without_area: usize,
 }
@@ -42,7 +40,6 @@ const VERTEX_BYTES: u64 = 12;
 
 /// Cuts a mesh into chunks none of whose buffers exceeds `binding_limit` bytes.
 pub fn cluster(mesh: &Mesh, anchor: DVec3, binding_limit: u64) -> Clustered {
-    let reach = mesh.positions.par_iter().map(|p| (*p - anchor).length()).reduce(|| 0.0, f64::max);
     let whole = mesh.triangles.len() as u64 * TRIANGLE_BYTES <= binding_limit
         && mesh.positions.len() as u64 * VERTEX_BYTES <= binding_limit;
     let per_chunk = if whole { mesh.triangles.len() as u64 } else { binding_limit / (3 * VERTEX_BYTES) };
@@ -59,8 +56,7 @@ pub fn cluster(mesh: &Mesh, anchor: DVec3, binding_limit: u64) -> Clustered {
         chunks.push(Chunk::default());
     }
     let slots: usize = chunks.iter().map(|c| c.triangles.len()).sum();
-    let vertex_reach = (reach * (1.0 + f32::EPSILON as f64)) as f32;
-    Clustered { chunks, anchor, vertex_reach, without_area: mesh.triangles.len() - slots }
+    Clustered { chunks, anchor, without_area: mesh.triangles.len() - slots }
 }
 
 fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, whole: bool) -> Chunk {

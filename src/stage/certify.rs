@@ -19,14 +19,7 @@ impl Stages {
 
     pub fn certify(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, step: u32) -> Result<()> {
         let Some(certify) = &self.certify else { return Ok(()) };
-        self.lay_out(gpu, pass, scopes, COUNT_PAIRS)?;
-        let group = certify.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[step as usize])])?;
-        pass.set_pipeline(&certify.pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        if let Some(indirect) = scopes.iter().find_map(|s| s.get("indirect")) {
-            pass.dispatch_workgroups_indirect(indirect, 0);
-        }
-        Ok(())
+        self.dispatch_counted(gpu, pass, scopes, certify, (COUNT_PAIRS, step))
     }
 
     /// Writes the plane, once all pairs have passed.

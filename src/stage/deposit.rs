@@ -67,7 +67,7 @@ impl Casts {
 
 impl<'g> Deposit<'g> {
     pub fn new(gpu: &'g Gpu) -> Deposit<'g> {
-        Deposit { gpu, pipeline: Pipeline::new(&gpu.device, kernels::deposit()) }
+        Deposit { gpu, pipeline: Pipeline::new(gpu, kernels::deposit()) }
     }
 
     /// Adds up the flux of all triangles in `sums`, which `buffers` gets together with `receivers`; returns the sums: 6

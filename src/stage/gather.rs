@@ -16,7 +16,7 @@ pub struct Gather {
 
 impl Gather {
     pub fn new(gpu: &Gpu, variant: Variant, planes: &[Channel]) -> Gather {
-        let pipeline = Pipeline::new(&gpu.device, kernels::gather(variant, planes));
+        let pipeline = Pipeline::new(gpu, kernels::gather(variant, planes));
         Gather { pipeline, variant, planes: planes.to_vec() }
     }
 

@@ -61,7 +61,7 @@ pub type Scopes<'a> = &'a [&'a Buffers];
 
 impl Stages {
     pub fn new(gpu: &Gpu, variant: Variant, planes: &[Channel]) -> Result<Stages> {
-        let compile = |kernel| Pipeline::new(&gpu.device, kernel);
+        let compile = |kernel| Pipeline::new(gpu, kernel);
         let mut steps = Buffers::default();
         for (value, name) in STEPS.iter().enumerate() {
             steps.upload_uniform(gpu, name, &Step { value: value as u32 })?;
@@ -92,6 +92,25 @@ impl Stages {
         pass.set_pipeline(&self.args.pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.dispatch_workgroups(1, 1, 1);
+        Ok(())
+    }
+
+    /// Dispatches a kernel over as many items as the count with index `counter` says.
+    fn dispatch_counted(
+        &self,
+        gpu: &Gpu,
+        pass: &mut wgpu::ComputePass,
+        scopes: Scopes,
+        kernel: &Pipeline,
+        (counter, step): (u32, u32),
+    ) -> Result<()> {
+        self.lay_out(gpu, pass, scopes, counter)?;
+        let group = kernel.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[step as usize])])?;
+        pass.set_pipeline(&kernel.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        if let Some(indirect) = scopes.iter().find_map(|s| s.get("indirect")) {
+            pass.dispatch_workgroups_indirect(indirect, 0);
+        }
         Ok(())
     }
 }

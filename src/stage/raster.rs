@@ -1,6 +1,6 @@
 //! raster: every (triangle, cell) pair, pixel by pixel, into the visibility buffer.
 
-use super::{STEPS, Scopes, Stages, with};
+use super::{Scopes, Stages};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::rows::COUNT_PAIRS;
@@ -12,14 +12,6 @@ impl Stages {
     }
 
     pub fn raster(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, step: u32) -> Result<()> {
-        self.lay_out(gpu, pass, scopes, COUNT_PAIRS)?;
-        let all = with(scopes, &self.steps);
-        let group = self.raster.bind_renamed(gpu, &all, &[("step", STEPS[step as usize])])?;
-        pass.set_pipeline(&self.raster.pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        if let Some(indirect) = scopes.iter().find_map(|s| s.get("indirect")) {
-            pass.dispatch_workgroups_indirect(indirect, 0);
-        }
-        Ok(())
+        self.dispatch_counted(gpu, pass, scopes, &self.raster, (COUNT_PAIRS, step))
     }
 }

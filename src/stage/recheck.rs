@@ -1,6 +1,6 @@
 //! recheck: what raster left in doubt, settled in recheck arithmetic.
 
-use super::{STEPS, Scopes, Stages, with};
+use super::{Scopes, Stages};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::rows::COUNT_DOUBTS;
@@ -14,13 +14,6 @@ impl Stages {
     /// After every step of raster.
     pub fn recheck(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, step: u32) -> Result<()> {
         let Some(recheck) = &self.recheck else { return Ok(()) };
-        self.lay_out(gpu, pass, scopes, COUNT_DOUBTS)?;
-        let group = recheck.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[step as usize])])?;
-        pass.set_pipeline(&recheck.pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        if let Some(indirect) = scopes.iter().find_map(|s| s.get("indirect")) {
-            pass.dispatch_workgroups_indirect(indirect, 0);
-        }
-        Ok(())
+        self.dispatch_counted(gpu, pass, scopes, recheck, (COUNT_DOUBTS, step))
     }
 }

@@ -128,9 +128,8 @@ pub fn beside(input: &Input, cell: &Cell, corners: &Corners, real: Real) -> bool
     }
     let Cast::Ray(rays) = input.cell_cast(cell, (TILE / 2) * TILE + TILE / 2) else { return false };
     let middle = rays.bundle;
-    let reach = f64::from(input.params.vertex_reach);
     let [v0, v1, v2] = corners.v;
-    let side = |from: DVec3, to: DVec3| side_over(&middle, from, to, reach, real, TILE_HALF);
+    let side = |from: DVec3, to: DVec3| side_over(&middle, from, to, real, TILE_HALF);
     let sides = [side(v0, v1), side(v1, v2), -side(v0, v2)];
     sides.contains(&1) && sides.contains(&-1)
 }

@@ -1,8 +1,8 @@
 //! A curve against a triangle in f64: the Bernstein form of its plane's polynomial, halved until it has one root or none.
 
+use super::Real;
 use super::raster::{Corners, Fragment, Tested};
 use super::rays::PixelCurve;
-use super::{Input, Real};
 use glam::DVec3;
 
 /// Units that a control point less a vertex, along a normal, may lose: two stored points, a difference, two products.
@@ -82,11 +82,11 @@ struct Met {
 
 /// A curve against a triangle over the curve's span, at whatever face: all meetings in order of t, with whether each is
 /// inside beyond doubt.
-fn meetings(input: &Input, c: &PixelCurve, corners: &Corners, real: Real) -> Vec<Met> {
+fn meetings(c: &PixelCurve, corners: &Corners, real: Real) -> Vec<Met> {
     let [v0, v1, v2] = corners.v;
     let n = (v1 - v0).cross(v2 - v0);
     // edges of vertices read as f32 turn the normal itself
-    let lost = PLANE_UNITS * real.unit() * (f64::from(input.params.vertex_reach) + c.size);
+    let lost = PLANE_UNITS * real.unit() * (corners.reach() + c.size);
     let size_n = 3.0 * ((v1 - v0).length() * (v2 - v0).length()).max(n.length());
     let bound = size_n * lost;
     let part = c.curve.span(c.span);
@@ -114,8 +114,8 @@ fn meetings(input: &Input, c: &PixelCurve, corners: &Corners, real: Real) -> Vec
 }
 
 /// The first visible meeting.
-pub fn test(input: &Input, c: &PixelCurve, corners: &Corners, real: Real) -> Tested {
-    let met = meetings(input, c, corners, real);
+pub fn test(c: &PixelCurve, corners: &Corners, real: Real) -> Tested {
+    let met = meetings(c, corners, real);
     let hit = met.iter().find(|m| m.inside && !m.hidden).map(|m| m.fragment);
     Tested { hit, doubtful: met.iter().any(|m| m.doubtful) }
 }

@@ -20,8 +20,8 @@ const STEPS: [&[(usize, usize)]; 6] =
 /// Rounding of the stored vertices and bundles and of the rule's own evaluation, in units of |e| |d| |m|: a cross
 /// product of rounded factors and a dot product.
 const EDGE_UNITS: f64 = 16.0;
-/// Rounding of an edge as the difference of two stored vertices, in units of the vertices' reach.
-const REACH_UNITS: f64 = 4.0;
+/// Rounding of an edge as the difference of two stored vertices, in units of both their sizes.
+const STORED_UNITS: f64 = 2.0;
 /// An f64 evaluation is off by 16 |e| |d| |m| 2^-53, a 32nd of the bound; two of them by a 16th.
 const EVALUATION_SHARE: f64 = 1.0 / 16.0;
 /// The bound on a vertex's distance is wider than its evaluation is off by a thousandfold more.
@@ -38,9 +38,9 @@ struct Seen {
 }
 
 impl Seen {
-    fn new(b: &Bundle, v: DVec3, reach: f64) -> Seen {
+    fn new(b: &Bundle, v: DVec3) -> Seen {
         let m = [0, 1, 2].map(|k| v * b.h[k] - b.p[k]);
-        let mut size_m = [0, 1, 2].map(|k| size(m[k]) + reach * b.h[k].abs());
+        let mut size_m = [0, 1, 2].map(|k| size(m[k]) + size(v) * b.h[k].abs());
         size_m[0] += size(b.p[0]);
         Seen { m, size_m }
     }
@@ -60,32 +60,32 @@ struct Edge<'a> {
     v: Seen,
     size_d: [f64; 3],
     size_e: f64,
-    reach_e: f64,
+    lost_e: f64,
 }
 
 impl Edge<'_> {
-    fn new(b: &Bundle, v: DVec3, w: DVec3, reach: f64, real: Real) -> Edge<'_> {
-        let (e, unit) = (w - v, real.unit());
-        let size_e = EDGE_UNITS * unit * (size(e) + reach * unit);
-        Edge { b, e, v: Seen::new(b, v, reach), size_d: b.d.map(size), size_e, reach_e: REACH_UNITS * unit * reach }
+    fn new(b: &Bundle, v: DVec3, w: DVec3, real: Real) -> Edge<'_> {
+        let (e, unit, sizes) = (w - v, real.unit(), size(v) + size(w));
+        let size_e = EDGE_UNITS * unit * (size(e) + sizes * unit);
+        Edge { b, e, v: Seen::new(b, v), size_d: b.d.map(size), size_e, lost_e: STORED_UNITS * unit * sizes }
     }
 
     /// One coefficient of `E` and what rounding may hide of it.
     fn step(&self, terms: &[(usize, usize)]) -> (f64, f64) {
         let g = terms.iter().map(|&(k, l)| self.b.d[k].cross(self.v.m[l])).sum::<DVec3>();
         let sizes = terms.iter().map(|&(k, l)| self.size_d[k] * self.v.size_m[l]).sum::<f64>();
-        (self.e.dot(g), self.size_e * sizes + self.reach_e * size(g))
+        (self.e.dot(g), self.size_e * sizes + self.lost_e * size(g))
     }
 }
 
 /// The side of the bundle's middle ray with respect to the edge from `v` to `w`: the sign of the first of value and
 /// derivatives that is not 0 within its rounding, and 1 where all are. The value counts as 0 where the ray meets `v` or
 /// `w` within rounding, for all edges at that vertex alike.
-pub fn side(b: &Bundle, v: DVec3, w: DVec3, reach: f64, real: Real) -> Side {
-    let edge = Edge::new(b, v, w, reach, real);
+pub fn side(b: &Bundle, v: DVec3, w: DVec3, real: Real) -> Side {
+    let edge = Edge::new(b, v, w, real);
     let mut doubtful = false;
     let mut met = false;
-    for (off, bound) in [edge.v.off_ray(b, real), Seen::new(b, w, reach).off_ray(b, real)] {
+    for (off, bound) in [edge.v.off_ray(b, real), Seen::new(b, w).off_ray(b, real)] {
         met |= off <= bound;
         doubtful |= (off - bound).abs() < MEETING_SHARE * bound;
     }
@@ -104,18 +104,22 @@ pub fn side(b: &Bundle, v: DVec3, w: DVec3, reach: f64, real: Real) -> Side {
 }
 
 /// The side on which all rays within `r` px of the bundle's middle pass beyond any doubt of [`side`]; 0: not proven.
-pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, reach: f64, real: Real, r: f64) -> i32 {
-    let edge = Edge::new(b, v, w, reach, real);
+pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, real: Real, r: f64) -> i32 {
+    // the ray may also count as meeting the edge's far end
+    let ends = [Edge::new(b, v, w, real), Edge::new(b, w, v, real)];
     let doubts = DOUBT_BOUNDS * (1.0 + real.at_ray());
-    let (value, bound) = edge.step(STEPS[0]);
+    let step = |terms| {
+        let [(value, from_v), (_, from_w)] = [0, 1].map(|k: usize| ends[k].step(terms));
+        (value, from_v.max(from_w))
+    };
+    let (value, bound) = step(STEPS[0]);
     let mut room = doubts * bound;
     for (terms, scale) in STEPS.iter().zip([0.0, r, r, r * r, r * r, r * r]) {
-        let (value, bound) = edge.step(terms);
+        let (value, bound) = step(terms);
         room += scale * (value.abs() + doubts * bound);
     }
     if value.abs() > room { value.signum() as i32 } else { 0 }
 }
 
-/// [`side`] doubts values up to twice its bound; as much again for the sizes' own growth over the square, and for the
-/// far end of the edge, whose distance is up to twice the reach more.
+/// [`side`] doubts values up to twice its bound; as much again for the sizes' own growth over the square.
 const DOUBT_BOUNDS: f64 = 4.0;

@@ -1,6 +1,6 @@
 //! Visibility keys: the smaller is the nearer hit, and of equal ones the smaller id.
 
-/// The arithmetic in which a kernel variant decides: f64, or f32 where the adapter has no f64.
+/// The arithmetic in which a kernel variant decides: f64, or f32 alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Real {
     F64,

@@ -38,7 +38,7 @@ use crate::engine::tables::{Look, Span, TURNED_T_RANGE, params};
 use crate::frame::{Channel, Frame, Plane};
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::RaysKind;
-use crate::gpu::rows::{Cell, Cluster, Node, ONE_SIDED, Params, Piece, split3};
+use crate::gpu::rows::{Cell, Cluster, Node, ONE_SIDED, Params, Piece, split3, words};
 use crate::plan::curves::RayTable;
 use crate::plan::{Plan, Surroundings, Wanted};
 use crate::scene::Scene;
@@ -133,15 +133,7 @@ impl Tables {
         let ids = Span { first: chunk.id_first, count: chunk.id_count };
         let clusters = Span { first: 0, count: chunk.clusters.len() as u32 };
         Input {
-            params: params(
-                (camera, camera.t_range),
-                &self.plan,
-                band,
-                ids,
-                clusters,
-                self.clustered.vertex_reach,
-                capacities,
-            ),
+            params: params((camera, camera.t_range), &self.plan, band, ids, clusters, capacities),
             clusters: &chunk.clusters,
             nodes: &band.nodes.nodes,
             cull_steps: band.nodes.cull_steps(),
@@ -166,6 +158,7 @@ impl Tables {
         let mut input = self.input(camera, band, chunk, ROOMY);
         let [t_min, t_max] = TURNED_T_RANGE.map(split3);
         (input.params.t_min, input.params.t_max) = (t_min, t_max);
+        input.params.t_words = words(TURNED_T_RANGE);
         Input {
             nodes: &turn.nodes,
             // where turned rays are torn is not known beforehand

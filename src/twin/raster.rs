@@ -16,6 +16,13 @@ pub struct Corners {
     pub one_sided: bool,
 }
 
+impl Corners {
+    /// The size of the largest, the sum of its absolute components.
+    pub fn reach(&self) -> f64 {
+        self.v.iter().map(|v| v.abs().element_sum()).fold(0.0, f64::max)
+    }
+}
+
 /// What a pixel's ray finds of one triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tested {
@@ -42,10 +49,9 @@ pub struct Coverage {
 const NOTHING: Tested = Tested { hit: None, doubtful: false };
 
 /// The sides of the three edges, taken from the smaller end to the larger, hold the ray between them.
-fn ray_coverage(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
+fn ray_coverage(rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
     let [v0, v1, v2] = c.v;
-    let reach = f64::from(input.params.vertex_reach);
-    let of = |from: DVec3, to: DVec3| side(&rays.bundle, from, to, reach, real);
+    let of = |from: DVec3, to: DVec3| side(&rays.bundle, from, to, real);
     let turned = |s: Side| Side { sign: -s.sign, ..s };
     let first = of(v0, v1);
     let second = of(v1, v2);
@@ -75,10 +81,10 @@ const OFFSET_UNITS: f64 = 3.0;
 const STORED_UNITS: f64 = 2.0;
 
 /// The normal's size is that of its factors.
-pub fn lost(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Lost {
+pub fn lost(rays: &PixelRays, c: &Corners, real: Real) -> Lost {
     let [v0, v1, v2] = c.v;
     let (e1, e2) = ((v1 - v0).length(), (v2 - v0).length());
-    let reach = f64::from(input.params.vertex_reach);
+    let reach = c.reach();
     let stored = if real == Real::F32 { STORED_UNITS * reach * (e1 + e2) } else { 0.0 };
     let normal = PRODUCT_UNITS * e1 * e2 + stored;
     let offset = (v0 * rays.bundle.h[0] - rays.bundle.p[0]).length();
@@ -93,12 +99,12 @@ pub fn lost(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Lost {
 pub fn test(input: &Input, cast: &Cast, c: &Corners, real: Real) -> Tested {
     match cast {
         Cast::Ray(rays) => test_ray(input, rays, c, real),
-        Cast::Curve(of_pixel) => curve::test(input, of_pixel, c, real),
+        Cast::Curve(of_pixel) => curve::test(of_pixel, c, real),
     }
 }
 
 fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested {
-    let covered = ray_coverage(input, rays, c, real);
+    let covered = ray_coverage(rays, c, real);
     if !covered.inside && !covered.doubtful {
         return NOTHING;
     }
@@ -107,7 +113,7 @@ fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested 
     let normal = (v1 - v0).cross(v2 - v0);
     let across = normal.dot(b.d[0]);
     let t = normal.dot(v0 * b.h[0] - b.p[0]) / across;
-    let lost = lost(input, rays, c, real);
+    let lost = lost(rays, c, real);
     let edge_on = across.abs() <= lost.below;
     let t_error =
         if edge_on { f64::INFINITY } else { (lost.above + t.abs() * lost.below) / (across.abs() - lost.below) };
@@ -119,7 +125,7 @@ fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested 
     }
     let [t_min, t_max] = input.t_range();
     // an end of a chain's segment holds what lies beyond it within the rounding of stored numbers
-    let room = if input.sheeted { end_room(input, rays, c, real) / across.abs() } else { 0.0 };
+    let room = if input.sheeted { end_room(rays, c, real) / across.abs() } else { 0.0 };
     let in_range = t >= t_min - room && t <= t_max + room;
     let at_end = (t - t_min).abs() <= t_error + 2.0 * room || (t - t_max).abs() <= t_error + 2.0 * room;
     let t = if input.sheeted { t.clamp(t_min, t_max) } else { t };
@@ -135,11 +141,11 @@ fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested 
 const END_UNITS: f64 = 16.0;
 
 /// What a chain's segment allows at its ends, times `N . d`.
-fn end_room(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> f64 {
+fn end_room(rays: &PixelRays, c: &Corners, real: Real) -> f64 {
     let [v0, v1, v2] = c.v;
     let size = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
     let b = &rays.bundle;
-    let sizes = f64::from(input.params.vertex_reach) * b.h[0].abs() + size(b.p[0]) + size(b.d[0]);
+    let sizes = c.reach() * b.h[0].abs() + size(b.p[0]) + size(b.d[0]);
     END_UNITS * real.unit() * size((v1 - v0).cross(v2 - v0)) * sizes
 }
 

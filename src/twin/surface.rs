@@ -51,7 +51,7 @@ impl Surface<'_> {
         let edge = |from: DVec3, e: DVec3| e.dot(d.cross(from * b.h[0] - b.p[0]));
         let w = [edge(v1, v2 - v1), edge(v0, v0 - v2), edge(v0, v1 - v0)];
         let sum = (v1 - v0).cross(v2 - v0).dot(d) * b.h[0];
-        let reach = f64::from(self.input.params.vertex_reach);
+        let reach = self.corners.reach();
         let size_e = (v1 - v0).length().max((v2 - v1).length()).max((v2 - v0).length());
         let size_m = (v0 * b.h[0] - b.p[0]).length().max((v1 * b.h[0] - b.p[0]).length());
         let lost_m = OFFSET_UNITS * (reach * self.rays.size_h + self.rays.size_p);
@@ -99,7 +99,7 @@ impl Surface<'_> {
         let [v0, v1, v2] = self.corners.v;
         let (e1, e2) = (v1 - v0, v2 - v0);
         let cross = e1.cross(e2);
-        let reach = f64::from(self.input.params.vertex_reach);
+        let reach = self.corners.reach();
         let stored = STORED_UNITS * reach * (e1.length() + e2.length());
         let flat_error =
             UNIT * ((stored + NORMAL_UNITS * e1.length() * e2.length()) / cross.length() + NORMALIZE_UNITS);

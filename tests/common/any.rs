@@ -76,11 +76,14 @@ fn any_camera(rng: &mut Rng, size: (u32, u32), place: impl Fn(DVec3) -> DVec3) -
         }
         _ => match rng.below(3) {
             0 => text(format!("kind = \"cylinder\"\n{seen}\nvfov = {}", 20.0 + 140.0 * rng.unit())),
-            1 => text(format!(
-                "kind = \"fisheye\"\n{seen}\nfov = {}\npieces = {}",
-                30.0 + 300.0 * rng.unit(),
-                1 + rng.below(200)
-            )),
+            1 => {
+                // few pieces of a wide view are refused
+                let (fov, pieces) = (30.0 + 300.0 * rng.unit(), 1 + rng.below(200));
+                let of = |pieces| {
+                    camera_of("", size, &format!("kind = \"fisheye\"\n{seen}\nfov = {fov}\npieces = {pieces}"))
+                };
+                (of(pieces).unwrap_or_else(|_| of(200 + pieces).unwrap()), false)
+            }
             _ => text(format!("kind = \"fisheye\"\n{seen}\nfov = {}", 30.0 + 320.0 * rng.unit())),
         },
     }

@@ -6,6 +6,12 @@ const COVERAGE_PROVES: bool = false;
 // Rounding of one f32 operation, relative.
 const UNIT: f32 = 1.0 / 16777216.0;
 
+// What is lost below the least normal number, where an adapter takes 0 instead: 2^-126 an operation, of hundreds of them.
+const LEAST: f32 = 1.0e-35;
+
+// Sums of products of sizes beyond this may overflow: a bound on them becomes infinite, and nothing is proven.
+const MOST: f32 = 1.0e36;
+
 fn span_of(tile: u32) -> vec2<u32> {
     let span = tile_sheet(tile) % params.spans;
     return vec2<u32>(span, span + 1u);
@@ -66,8 +72,9 @@ fn coverage(
     let e2 = v0 - v2;
     let n = cross(e0, -e2);
     let size_e = max(length(e0), max(length(e1), length(e2)));
-    // an edge: two stored vertices and a difference, 4 units of reach; N: two edges and a product; N x e: once more
-    let lost_e = 4.0 * UNIT * (params.vertex_reach + size_e);
+    // an edge: two stored vertices and a difference, 4 units of the largest; N: two edges and a product; N x e: once more
+    let reach_v = max(length(v0), max(length(v1), length(v2)));
+    let lost_e = 4.0 * UNIT * (reach_v + size_e);
     let lost_n = 4.0 * size_e * lost_e;
     let lost_m = 2.0 * size_e * lost_n + 2.0 * length(n) * lost_e;
     var may = vec2<u32>(0u);
@@ -89,9 +96,11 @@ fn coverage(
             net[3] = control_point(place, 3u);
         }
         // how large the factors are that a product has, and what the control points and a vertex lost when stored
-        let reach = params.vertex_reach + max(max(length(net[0]), length(net[1])), max(length(net[2]), length(net[3])));
-        let slack_n = 2.0 * reach * lost_n + 12.0 * UNIT * reach * length(n);
-        let slack_m = 2.0 * reach * lost_m + 12.0 * UNIT * reach * length(n) * size_e;
+        let reach = reach_v + max(max(length(net[0]), length(net[1])), max(length(net[2]), length(net[3])));
+        let size = reach * length(n);
+        let beyond = select(MOST, 1.0, size < MOST && size * size_e < MOST);
+        let slack_n = beyond * (2.0 * reach * lost_n + 12.0 * UNIT * size + LEAST * (1.0 + reach));
+        let slack_m = beyond * (2.0 * reach * lost_m + 12.0 * UNIT * size * size_e + LEAST * (1.0 + reach) * (1.0 + size_e));
         let plane = along(net, v0, n, span);
         var apart = least(plane) > slack_n || largest(plane) < -slack_n;
         apart = apart || largest(along(net, v0, cross(n, e0), span)) < -slack_m;

@@ -22,9 +22,13 @@ fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
     let corner = tile_corner(cell.tile);
     let c = curve_stored(curve_place(tile_layer(cell.tile), corner.x + x, corner.y + y));
     let b = real4(dot(q.normal, c.c0 - q.v[0]), dot(q.normal, c.c1 - q.v[0]), dot(q.normal, c.c2 - q.v[0]), dot(q.normal, c.c3 - q.v[0]));
-    let sizes = real(params.vertex_reach) + max(max(size3(c.c0), size3(c.c1)), max(size3(c.c2), size3(c.c3)));
+    let sizes = reach3(q.v) + max(max(size3(c.c0), size3(c.c1)), max(size3(c.c2), size3(c.c3)));
     // stored numbers, differences and two products: 16 units of what is summed up
     let bound = 16.0 * REAL_UNIT * size3(q.normal) * sizes;
+    if max(max(abs(b.x), abs(b.y)), max(abs(b.z), abs(b.w))) <= bound {
+        // the curve lies in the plane, and sees no face of the triangle
+        return Meeting(0.0, false);
+    }
     let span = vec2<f32>(span_of(cell.tile));
     let spans = real(f32(params.spans));
     let end = real(span.y) / spans;

@@ -6,7 +6,7 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hi
     let corner = tile_corner(cell.tile);
     let c = curve_stored(curve_place(tile_layer(cell.tile), corner.x + x, corner.y + y));
     let normal = normal_of(v);
-    let sizes = real(params.vertex_reach) + max(max(size3(c.c0), size3(c.c1)), max(size3(c.c2), size3(c.c3)));
+    let sizes = reach3(v) + max(max(size3(c.c0), size3(c.c1)), max(size3(c.c2), size3(c.c3)));
     let lost = sizes * (2.0 * normal.lost + (2.0 * PRODUCT_UNITS + BEND) * REAL_UNIT * normal.size) + normal.size * real(params.origin_lost);
     let b = real4(dot(normal.n, c.c0 - v[0]), dot(normal.n, c.c1 - v[0]), dot(normal.n, c.c2 - v[0]), dot(normal.n, c.c3 - v[0]));
     let span = vec2<f32>(span_of(cell.tile));
@@ -60,7 +60,7 @@ fn root_proof(
     for (var k = 0u; k < 3u; k++) {
         let e = v[(k + 1u) % 3u] - v[k];
         let to_v = v[k] - at;
-        let lost_e = REAL_UNIT * (2.0 * real(params.vertex_reach) + size3(e));
+        let lost_e = REAL_UNIT * (2.0 * reach3(v) + size3(e));
         let bound = size_way * (size3(e) * (sizes * way_off + real(params.origin_lost)) + lost_e * size3(to_v));
         let side = facing * sign_beyond(dot(e, cross(way, to_v)), bound);
         if side < 0 {

@@ -6,6 +6,12 @@ const COVERAGE_PROVES: bool = true;
 // Rounding of one f32 operation, relative.
 const UNIT: f32 = 1.0 / 16777216.0;
 
+// What is lost below the least normal number, where an adapter takes 0 instead: 2^-126 an operation, of hundreds of them.
+const LEAST: f32 = 1.0e-35;
+
+// Sums of products of sizes beyond this may overflow: a bound on them becomes infinite, and nothing is proven.
+const MOST: f32 = 1.0e36;
+
 // Coverage of the owned pixels of the cell: two words of proven pixels, then two of pixels whose signs are not proven.
 fn coverage(
     cell: Cell,
@@ -19,6 +25,9 @@ fn coverage(
     var covered = vec2<u32>(0u);
     var doubtful = vec2<u32>(0u);
     let corner = tile_corner(cell.tile);
+    let r0 = length(v0);
+    let r1 = length(v1);
+    let r2 = length(v2);
     var left = owned;
     loop {
         let bit = first_bit(left);
@@ -30,17 +39,16 @@ fn coverage(
         let p = field_origin(at);
         let d = field_direction(at);
         // m: stored v and p and a difference, 3 units of what was subtracted; d: 1 unit; cross product: 3 units;
-        // e: 4 units of reach and 1 of |e|; dot product: 3 units
+        // e: 2 units of both vertices and 1 of |e|; dot product: 3 units
         let m0 = v0 - p;
         let m1 = v1 - p;
         let g0 = cross(d, m0);
         let g1 = cross(d, m1);
-        let lost = 4.0 * (params.vertex_reach + length(p));
-        let round0 = UNIT * length(d) * (6.0 * length(m0) + lost);
-        let round1 = UNIT * length(d) * (6.0 * length(m1) + lost);
-        let b01 = field_bound(v1 - v0, g0, round0);
-        let b20 = field_bound(v0 - v2, g0, round0);
-        let b12 = field_bound(v2 - v1, g1, round1);
+        let round0 = UNIT * length(d) * (6.0 * length(m0) + 4.0 * (r0 + length(p))) + LEAST * (1.0 + length(d));
+        let round1 = UNIT * length(d) * (6.0 * length(m1) + 4.0 * (r1 + length(p))) + LEAST * (1.0 + length(d));
+        let b01 = field_bound(v1 - v0, r0 + r1, g0, round0);
+        let b20 = field_bound(v0 - v2, r0 + r2, g0, round0);
+        let b12 = field_bound(v2 - v1, r1 + r2, g1, round1);
         let a = dot(v1 - v0, g0);
         let b = dot(v0 - v2, g0);
         let c = dot(v2 - v1, g1);
@@ -56,8 +64,9 @@ fn coverage(
     return vec4<u32>(covered, doubtful);
 }
 
-fn field_bound(e: vec3<f32>, g: vec3<f32>, rounding: f32) -> f32 {
-    return length(e) * rounding + UNIT * (4.0 * params.vertex_reach + 5.0 * length(e)) * length(g);
+fn field_bound(e: vec3<f32>, sizes: f32, g: vec3<f32>, rounding: f32) -> f32 {
+    let bound = length(e) * rounding + UNIT * (2.0 * sizes + 5.0 * length(e)) * length(g) + LEAST * (1.0 + length(g));
+    return bound * select(MOST, 1.0, length(e) * length(g) < MOST);
 }
 
 // What N . (v - P) and N . D need: their ratio is t.

@@ -6,6 +6,12 @@ const COVERAGE_PROVES: bool = true;
 // Rounding of one f32 operation, relative.
 const UNIT: f32 = 1.0 / 16777216.0;
 
+// What is lost below the least normal number, where an adapter takes 0 instead: 2^-126 an operation, of hundreds of them.
+const LEAST: f32 = 1.0e-35;
+
+// Sums of products of sizes beyond this may overflow: a bound on them becomes infinite, and nothing is proven.
+const MOST: f32 = 1.0e36;
+
 // Sum of the absolute components: at least the length, and cheaper.
 fn size(v: vec3<f32>) -> f32 {
     return abs(v.x) + abs(v.y) + abs(v.z);
@@ -42,7 +48,7 @@ fn moment(cell: Cell, piece: Piece, v: vec3<f32>) -> Moment {
     let reach_m = size(m) + TILE_REACH * (size(mx) + size(my));
     let reach_h = abs(cell.h) + TILE_REACH * (abs(piece.hx_hi) + abs(piece.hy_hi));
     let reach_p = size(cell.p) + TILE_REACH * (size(piece.px_hi) + size(piece.py_hi));
-    q.rounding = UNIT * reach_d * (10.0 * reach_m + 4.0 * (params.vertex_reach * reach_h + reach_p));
+    q.rounding = UNIT * reach_d * (10.0 * reach_m + 4.0 * (size(v) * reach_h + reach_p)) + LEAST * (1.0 + reach_d);
     return q;
 }
 
@@ -57,11 +63,13 @@ struct Conic {
     bound: f32,
 }
 
-// e: two stored vertices and a difference, 4 units of reach and 1 of |e|; dot product and evaluation: 12 units.
-fn conic(e: vec3<f32>, q: Moment) -> Conic {
+// e = w - v: two stored vertices, 2 units of both sizes, and a difference, 1 of |e|; dot product and evaluation: 12 units.
+fn conic(v: vec3<f32>, w: vec3<f32>, q: Moment) -> Conic {
+    let e = w - v;
     let size_e = size(e);
-    let bound = size_e * q.rounding + UNIT * (4.0 * params.vertex_reach + 13.0 * size_e) * q.size;
-    return Conic(dot(e, q.c), dot(e, q.x), dot(e, q.y), dot(e, q.xx), dot(e, q.xy), dot(e, q.yy), bound);
+    let bound = size_e * q.rounding + UNIT * (2.0 * (size(v) + size(w)) + 13.0 * size_e) * q.size + LEAST * (1.0 + q.size);
+    let fits = size_e * q.size < MOST;
+    return Conic(dot(e, q.c), dot(e, q.x), dot(e, q.y), dot(e, q.xx), dot(e, q.xy), dot(e, q.yy), bound * select(MOST, 1.0, fits));
 }
 
 // One row of pixels of a conic: E(x) = c + x (b + x a).
@@ -86,9 +94,9 @@ fn coverage(
     let piece = pieces[cell.piece];
     let q0 = moment(cell, piece, v0);
     let q1 = moment(cell, piece, v1);
-    let e01 = conic(v1 - v0, q0);
-    let e20 = conic(v0 - v2, q0);
-    let e12 = conic(v2 - v1, q1);
+    let e01 = conic(v0, v1, q0);
+    let e20 = conic(v2, v0, q0);
+    let e12 = conic(v1, v2, q1);
     var covered = vec2<u32>(0u);
     var doubtful = vec2<u32>(0u);
     for (var j = from_px.y; j <= to_px.y; j++) {
@@ -140,7 +148,7 @@ fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real) ->
     q.across = real3(dot(normal, whole.d), dot(normal, whole.dx), dot(normal, whole.dy));
     q.hidden = hidden;
     if SHEETED {
-        q.rounding = end_rounding(whole, normal);
+        q.rounding = end_rounding(whole, normal, reach3(v));
     }
     return q;
 }

@@ -21,7 +21,7 @@ struct Offset {
 
 fn offset_of(q: Weighed, v: real3) -> Offset {
     let m = v * q.b.h - q.b.p;
-    let reach = real(params.vertex_reach);
+    let reach = size3(v);
     // v as stored 1 unit, a product 1, a difference 1 of the result
     let lost = q.lost_p + reach * q.lost_h + REAL_UNIT * (2.0 * reach * abs(q.b.h) + size3(m));
     return Offset(m, size3(m) + lost, lost);
@@ -32,7 +32,7 @@ fn proven_side(q: Weighed, from_v: Offset, v: real3, w: real3) -> i32 {
     let e = w - v;
     let g = cross(q.b.d, from_v.m);
     let size_d = size3(q.b.d) + q.lost_d;
-    let lost_e = REAL_UNIT * (2.0 * real(params.vertex_reach) + size3(e));
+    let lost_e = REAL_UNIT * (size3(v) + size3(w) + size3(e));
     let sizes = size_d * from_v.size;
     let lost_g = size_d * from_v.lost + q.lost_d * from_v.size + PRODUCT_UNITS * REAL_UNIT * sizes;
     let bound = lost_e * sizes + size3(e) * (lost_g + PRODUCT_UNITS * REAL_UNIT * sizes);
@@ -48,7 +48,7 @@ struct OnPlane {
     room: real,
 }
 
-fn on_plane(q: Weighed, from_v: Offset, normal: Normal) -> OnPlane {
+fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane {
     let size_d = size3(q.b.d) + q.lost_d;
     let units = PRODUCT_UNITS * REAL_UNIT * normal.size;
     let lost_along = normal.lost * from_v.size + normal.size * from_v.lost + units * from_v.size;
@@ -63,7 +63,7 @@ fn on_plane(q: Weighed, from_v: Offset, normal: Normal) -> OnPlane {
     let t = along / across;
     let off = (lost_along + abs(t) * lost_across) / least + 4.0 * REAL_ROUNDING * abs(t);
     // that of the tile's middle, whose numbers are of the same size
-    let room = select(0.0, 2.0 * end_rounding(q.b, normal.n) / least, SHEETED);
+    let room = select(0.0, 2.0 * end_rounding(q.b, normal.n, reach) / least, SHEETED);
     return OnPlane(t - off, t + off, facing, room);
 }
 
@@ -80,9 +80,9 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hi
         }
         inside = a != 0 && a == b && a == c;
     }
-    let met = on_plane(q, from_v, normal_of(v));
-    let t_min = real(params.t_min.x) + real(params.t_min.y) + real(params.t_min.z);
-    let t_max = real(params.t_max.x) + real(params.t_max.y) + real(params.t_max.z);
+    let met = on_plane(q, from_v, normal_of(v), reach3(v));
+    let t_min = of_words(params.t_words.xy);
+    let t_max = of_words(params.t_words.zw);
     if met.facing * hidden > 0 || met.far < t_min - met.room || met.near > t_max + met.room {
         return MISSED;
     }

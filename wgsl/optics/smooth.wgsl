@@ -6,17 +6,9 @@ struct Root {
     found: bool,
 }
 
-fn t_min_real() -> real {
-    return real(params.t_min.x) + real(params.t_min.y) + real(params.t_min.z);
-}
-
-fn t_max_real() -> real {
-    return real(params.t_max.x) + real(params.t_max.y) + real(params.t_max.z);
-}
-
 // Where the pixel's ray p + t d meets the surface; `last` is the id of the one that it starts on.
 fn meeting_with(surface: u32, p: real3, d: real3, last: u32) -> Root {
-    return first_root(surface, p, d, last == optic.first_id + surface, t_min_real(), t_max_real());
+    return first_root(surface, p, d, last == optic.first_id + surface, of_words(params.t_words.xy), of_words(params.t_words.zw));
 }
 
 // A smooth surface is its own piece.

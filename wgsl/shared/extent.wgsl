@@ -33,7 +33,7 @@ fn extent(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
     // rounding: what was subtracted to form the m and A, B; and the inverse's, which its condition magnifies
     let condition = length(a) * length(b) * length(node.d) / abs(det);
     let lost_m = node.r_p
-        + BOUND_SLACK * (size_m * (1.0 + condition) + size_a + params.vertex_reach + length(node.p));
+        + BOUND_SLACK * (size_m * (1.0 + condition) + size_a + max(length(v0), max(length(v1), length(v2))) + length(node.p));
     let lost_t = size_wt * (lost_m + abs(t0) * node.r_d);
     let room = 1.0 - bend_t - size_wt * node.r_d;
     let reach_t = (max(abs(t.x), max(abs(t.y), abs(t.z))) + lost_t) / room;
@@ -47,7 +47,7 @@ fn extent(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
     let lo = vec2<f32>(min(x.x, min(x.y, x.z)), min(y.x, min(y.y, y.z))) - slack;
     let hi = vec2<f32>(max(x.x, max(x.y, x.z)), max(y.x, max(y.y, y.z))) + slack;
     // NaN and infinities of a singular step fail these comparisons
-    let sound = room > ROOM_MIN && slack.x < SLACK_MAX && slack.y < SLACK_MAX;
+    let sound = abs(det) > DET_MIN && abs(det) < MOST && room > ROOM_MIN && slack.x < SLACK_MAX && slack.y < SLACK_MAX;
     if !sound {
         return Extent(vec2<f32>(-1.0), vec2<f32>(1.0), 0.0, 0.0, false);
     }
@@ -58,3 +58,6 @@ fn extent(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
 // The step must contract, and its slack be worth having: less than half the node.
 const ROOM_MIN: f32 = 0.25;
 const SLACK_MAX: f32 = 0.5;
+
+// What is lost of a determinant below the least normal number is less than its rounding.
+const DET_MIN: f32 = LEAST / BOUND_SLACK;

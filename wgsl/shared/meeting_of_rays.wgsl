@@ -7,8 +7,8 @@ fn ray_meeting(along: real, across: real, rounding: real, hidden: real) -> Meeti
     if across == 0.0 || across * hidden > 0.0 {
         return Meeting(0.0, false);
     }
-    let t_min = real(params.t_min.x) + real(params.t_min.y) + real(params.t_min.z);
-    let t_max = real(params.t_max.x) + real(params.t_max.y) + real(params.t_max.z);
+    let t_min = of_words(params.t_words.xy);
+    let t_max = of_words(params.t_words.zw);
     let t = along / across;
     if SHEETED {
         let room = rounding / abs(across);
@@ -19,7 +19,7 @@ fn ray_meeting(along: real, across: real, rounding: real, hidden: real) -> Meeti
 
 // Rounding of N . (v h - p) where a segment of a chain ends: two stored vertices in N, another and p in the offset, d in the face
 // there: 16 units of what is summed up.
-fn end_rounding(b: Bundle, normal: real3) -> real {
-    let sizes = real(params.vertex_reach) * abs(b.h) + size3(b.p) + size3(b.d);
+fn end_rounding(b: Bundle, normal: real3, reach: real) -> real {
+    let sizes = reach * abs(b.h) + size3(b.p) + size3(b.d);
     return 16.0 * REAL_UNIT * size3(normal) * sizes;
 }

@@ -33,13 +33,14 @@ struct Params {
     id_first: u32,          // of the chunk of triangles that is bound
     id_count: u32,
     band_row: u32,          // image row of the band's first row
-    vertex_reach: f32,      // largest distance of a vertex from the anchor
     spans: u32,             // sheets a layer
     doubt_capacity: u32,    // items
     origin_lost: f32,       // what origins of rays may have lost before they were stored
     pad0: u32,
+    pad1: u32,
     t_min: vec4<f32>,       // ends of t_range, each the exact sum of three
     t_max: vec4<f32>,
+    t_words: vec4<u32>,     // both as f64, low words first
     level_start: array<vec4<u32>, 2>,   // of level k: index of its first node
     level_width: array<vec4<u32>, 2>,   // nodes a row
     level_height: array<vec4<u32>, 2>,  // rows

@@ -1,4 +1,4 @@
-// The arithmetic of rechecks, depths and shading: f32, where the adapter has no f64.
+// The arithmetic of rechecks, depths and shading: f32, of frames in f32 alone.
 alias real = f32;
 alias real3 = vec3<f32>;
 alias real4 = vec4<f32>;
@@ -14,6 +14,13 @@ const REAL_ROUNDING: real = 5.9604645e-8;
 
 // No vertex counts as on the ray that is not: the signs that coverage proved by itself say otherwise.
 const AT_RAY: real = 0.0;
+
+// The number nearest to an f64 within f32's range, by its bits, low word first.
+fn of_words(w: vec2<u32>) -> real {
+    let exponent = (w.y >> 20u) & 0x7ffu;
+    let size = ((exponent - 896u) << 23u) + ((w.y & 0xfffffu) << 3u) + (w.x >> 29u) + ((w.x >> 28u) & 1u);
+    return bitcast<f32>((w.y & 0x80000000u) | select(size, 0u, exponent <= 896u));
+}
 
 // The bits of a number such that larger numbers have larger bits, high word second; +0 and -0 alike.
 fn ordered_bits(t: real) -> vec2<u32> {

@@ -16,10 +16,19 @@ const REAL_ROUNDING: real = 1.1102230246251565e-16;
 // further from parallel than some six times the inverse, at most one is unproven beyond.
 const AT_RAY: real = 1024.0;
 
+// The bits of a number, low word first.
+fn words_of(t: real) -> vec2<u32> {
+    let bits = bitcast<u64>(t);
+    return vec2<u32>(u32(bits & 0xfffffffflu), u32(bits >> 32u));
+}
+
+fn of_words(w: vec2<u32>) -> real {
+    return bitcast<f64>((u64(w.y) << 32u) | u64(w.x));
+}
+
 // The bits of a number such that larger numbers have larger bits, high word second; +0 and -0 alike.
 fn ordered_bits(t: real) -> vec2<u32> {
-    let bits = bitcast<u64>(t);
-    var w = vec2<u32>(u32(bits & 0xfffffffflu), u32(bits >> 32u));
+    var w = words_of(t);
     if w.y == 0x80000000u && w.x == 0u {
         w.y = 0u;
     }
@@ -31,6 +40,5 @@ fn ordered_bits(t: real) -> vec2<u32> {
 
 // The number of which these are the ordered bits, as f32.
 fn from_ordered_bits(bits: vec2<u32>) -> f32 {
-    let w = select(~bits, vec2<u32>(bits.x, bits.y & 0x7fffffffu), (bits.y & 0x80000000u) != 0u);
-    return f32(bitcast<f64>((u64(w.y) << 32u) | u64(w.x)));
+    return f32(of_words(select(~bits, vec2<u32>(bits.x, bits.y & 0x7fffffffu), (bits.y & 0x80000000u) != 0u)));
 }

@@ -72,7 +72,7 @@ pub fn families() -> Vec<Family> {
         Family {
             name: "folded volume",
             knob: "how far the middle surface is moved",
-            values: &[3e-1, 1.0, 3.0, 1e1, 1e2, 1e4],
+            values: &[3e-1, 1.0, 3.0, 1e1, 3e1, 1e2],
             scene: folded_volume,
             rivals: BY_CURVES,
         },

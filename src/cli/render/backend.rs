@@ -32,7 +32,7 @@ impl Backend {
         if matches!(args.engine, Some(EngineName::Reference)) {
             return Ok(Backend::Reference);
         }
-        let options = GpuOptions { adapter: args.adapter.clone(), no_int64: args.no_int64 };
+        let options = GpuOptions { adapter: args.adapter.clone(), no_int64: args.no_int64, no_f64: args.no_f64 };
         if let Some(gpu) = Gpu::open(&options)? {
             let by = match args.engine {
                 Some(EngineName::Rival(choice)) => Some(choice),

@@ -144,8 +144,7 @@ pub fn fit(variant: Variant) -> Kernel {
     let mut bindings = vec![params(), step(), optic(), write("nodes", "array<Node>"), write("cells", "array<Cell>")];
     bindings.extend(variant.rays());
     // bounds are f32
-    let real = snippet!("shared/real_f32.wgsl");
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, BITS, real, BUNDLE, OPTICS_ROWS];
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, BITS, REAL_F32, BUNDLE, OPTICS_ROWS];
     let mut kernel = kernel("fit", bindings, &[&snippets[..], &[variant.camera(), snippet!("fit.wgsl")]].concat());
     kernel.constants = variant.constants();
     kernel

@@ -1,0 +1,84 @@
+//! What an adapter has, or loses, changes no pixel and hides no failure.
+
+mod common;
+
+use anamorph::engine::{Engine, RunOptions};
+use anamorph::frame::{Channel, Frame};
+use anamorph::gpu::Gpu;
+use anamorph::plan::Wanted;
+use common::any::any;
+use common::gpu::engine_on;
+use common::rng::Rng;
+
+const SIZE: (u32, u32) = (40, 30);
+
+/// Scenes of every kind, by their numbers.
+const SCENES: std::ops::Range<u64> = 0..60;
+
+fn frames(engine: &mut Engine) -> Vec<Frame> {
+    let wanted = Wanted { channels: Channel::EVERY.to_vec(), srgb8: false, counting: false };
+    let frame = |number| {
+        let (scene, camera) = any(&mut Rng(number), SIZE);
+        engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap().frame
+    };
+    SCENES.map(frame).collect()
+}
+
+/// With and without 64-bit atomics, f64, and the checks that wgpu adds to kernels.
+#[test]
+fn frames_are_the_same_whatever_the_adapter_has() {
+    let less: [(&str, fn(&mut Gpu)); 4] = [
+        ("64-bit atomics", |gpu| gpu.has.atomics64 = false),
+        ("f64", |gpu| gpu.has.f64 = false),
+        ("both", |gpu| (gpu.has.f64, gpu.has.atomics64) = (false, false)),
+        // SAFETY: what the kernels read and write is what this very test holds against checked ones
+        ("checks", |gpu| unsafe { gpu.without_checks() }),
+    ];
+    let Some(mut whole) = engine_on(|_| {}) else { return };
+    let rounds_each = whole.gpu.info.device_type == wgpu::DeviceType::Cpu;
+    let expected = frames(&mut whole);
+    for (what, less) in less {
+        let Some(mut engine) = engine_on(less) else { return };
+        for (number, (frame, expected)) in SCENES.zip(frames(&mut engine).iter().zip(&expected)) {
+            // elsewhere the adapter's f64 may fuse a product and a sum
+            let same = match rounds_each || engine.gpu.has.f64 {
+                true => common::gpu::words(frame) == common::gpu::words(expected),
+                false => common::gpu::ids(frame) == common::gpu::ids(expected),
+            };
+            assert!(same, "scene {number} without {what}");
+        }
+    }
+}
+
+/// A device that is lost is an error, once and for every frame after; another device goes on.
+#[test]
+fn a_lost_device_is_an_error_and_another_goes_on() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let (scene, camera) = any(&mut Rng(1), SIZE);
+    let wanted = Wanted { channels: vec![Channel::TriangleId], srgb8: true, counting: false };
+    let render = |engine: &mut Engine| engine.render(&scene, &camera, &wanted, &RunOptions::default());
+    let before = render(&mut engine).unwrap();
+    engine.gpu.device.destroy();
+    for _ in 0..2 {
+        let text = match render(&mut engine) {
+            Err(e) => e.to_string(),
+            Ok(_) => panic!("a frame from a device that is gone"),
+        };
+        assert!(text.contains("adapter") && !text.contains('\n'), "{text}");
+    }
+    let Some(mut other) = engine_on(|_| {}) else { return };
+    let after = render(&mut other).unwrap();
+    assert!(before.frame == after.frame && before.srgb8 == after.srgb8);
+}
+
+/// Memory that the device does not have is an error of the frame, in a line that says so.
+#[test]
+fn what_an_adapter_cannot_hold_is_an_error() {
+    let Some(mut engine) = engine_on(|gpu| gpu.limits.max_buffer_size = 1 << 12) else { return };
+    let (scene, camera) = any(&mut Rng(1), (400, 300));
+    let wanted = Wanted { channels: vec![Channel::TriangleId], srgb8: true, counting: false };
+    match engine.render(&scene, &camera, &wanted, &RunOptions::default()) {
+        Err(e) => assert!(e.to_string().contains("bytes") && !e.to_string().contains('\n'), "{e}"),
+        Ok(_) => panic!("a frame of buffers that do not fit"),
+    }
+}
