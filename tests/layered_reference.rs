@@ -58,7 +58,10 @@ fn without_f64_or_without_64_bit_atomics_chains_are_right_too() {
         let Some(whole) = gpu::render_with(&scene, &camera, Without::Nothing, &RunOptions::default()) else { return };
         let two = gpu::render_with(&scene, &camera, Without::Int64Atomics, &RunOptions::default()).unwrap();
         assert_eq!(words(&whole.frame), words(&two.frame), "{name}: two 32-bit atomics are one of 64");
-        gpu::assert_same_without_f64(&name, &scene, &camera, &whole.frame);
+        // kernels with f64 in words take a software adapter long to compile: one kind of pieces, one of curves
+        if ["chain", "degree 2 bent by 0.3"].contains(&name.as_str()) {
+            gpu::assert_same_without_f64(&name, &scene, &camera, &whole.frame);
+        }
     }
 }
 

@@ -49,7 +49,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
 fn lists_of_one_item_grow_to_the_identical_image() {
     let scene = crowd();
     for (name, camera) in cameras() {
-        for without in [Without::Nothing, Without::Int64Atomics, Without::F64] {
+        for without in [Without::Nothing, Without::Int64Atomics] {
             let Some(roomy) = render_with(&scene, &camera, without, &RunOptions::default()) else { return };
             let large = Capacities { queue: 1 << 20, work: 1 << 20, pairs: 1 << 20, doubts: 1 << 20 };
             for start in [

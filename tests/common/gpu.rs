@@ -45,20 +45,13 @@ pub fn engine_on(less: impl FnOnce(&mut Gpu)) -> Option<Engine> {
     Some(Engine::new(gpu))
 }
 
-/// Whether the adapter rounds every operation on f64 by itself, as f64 in 32-bit words does; others may fuse a product and a sum.
-pub fn rounds_each(camera: &Camera) -> bool {
-    engine(camera, Without::Nothing).is_some_and(|e| e.gpu.info.device_type == wgpu::DeviceType::Cpu)
-}
-
-/// Asserts that f64 in 32-bit words gives a frame that is right, and the very one that the adapter's own f64 gives where that rounds
-/// alike.
+/// Asserts that f64 in 32-bit words gives a frame that is right, and the triangles that the adapter's own f64 gives.
 pub fn assert_same_without_f64(name: &str, scene: &Scene, camera: &Camera, with_f64: &Frame) -> Option<Rendered> {
     let words_only = render_with(scene, camera, Without::F64, &RunOptions::default())?;
     assert!(words_only.left_out.iter().any(|l| l.what == "the adapter's f64"));
     assert_right(&format!("{name} without f64"), scene, camera, &words_only.frame);
-    if rounds_each(camera) {
-        assert!(words(&words_only.frame) == words(with_f64), "{name}: f64 in 32-bit words gives other bytes");
-    }
+    // a driver may take f64's sums and products in another order, so that t is off by a rounding
+    assert!(ids(&words_only.frame) == ids(with_f64), "{name}: f64 in 32-bit words sees other triangles");
     Some(words_only)
 }
 

@@ -3,6 +3,8 @@
 //
 // Between operations a number is sign, exponent and 64 bits of which the first is 1: 53 stay, 10 are for the rounding, and the
 // last stands for everything below it.
+//
+// No digit-by-digit loops: lavapipe ends all loops of an invocation after 65,535 rounds together, without a word.
 
 const SIGN: u32 = 0x80000000u;
 const INFINITE: u32 = 0x7ff00000u;
