@@ -41,10 +41,13 @@ fn differs(a: &Frame, b: &Frame) -> bool {
     })
 }
 
+/// Takes something from an adapter.
+type Less = fn(&mut Gpu);
+
 /// With and without 64-bit atomics, f64, and the checks that wgpu adds to kernels.
 #[test]
 fn frames_are_the_same_whatever_the_adapter_has() {
-    let less: [(&str, fn(&mut Gpu)); 3] = [
+    let less: [(&str, Less); 3] = [
         ("64-bit atomics", |gpu| gpu.has.atomics64 = false),
         ("f64", |gpu| gpu.has.f64 = false),
         // SAFETY: what the kernels read and write is what this very test holds against checked ones

@@ -234,7 +234,7 @@ fn without_f64_the_frame_is_the_same() {
     cameras.push(("ray map", raymap(SIZE.0, SIZE.1, FORWARD)));
     for (name, camera) in cameras {
         let Some(frame) = render(&scene, &camera) else { return };
-        assert_same_without_f64(&name, &scene, &camera, &frame);
+        assert_same_without_f64(name, &scene, &camera, &frame);
     }
 }
 
