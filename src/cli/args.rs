@@ -94,7 +94,7 @@ pub struct RenderArgs {
     /// Do without 64-bit atomics
     #[arg(long)]
     pub no_int64: bool,
-    /// Do without the adapter's f64: the same numbers from 32-bit words
+    /// Do without the adapter's f64: do its work in 32-bit words
     #[arg(long)]
     pub no_f64: bool,
     /// Print one pixel's ray, hit, candidates and margins instead
