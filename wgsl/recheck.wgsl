@@ -31,8 +31,7 @@ fn recheck(
         }
         left = without_bit(left, bit);
         let b = pixel_bundle(whole, cell, bit % TILE, bit / TILE);
-        let s01 = edge_side(b, v[0], v[1]);
-        if s01 == -edge_side(b, v[0], v[2]) && s01 == edge_side(b, v[1], v[2]) {
+        if is_between(b, shear_of(b.d), v) {
             covered = with_bit(covered, bit);
         }
     }

@@ -320,7 +320,7 @@ pub fn raster(variant: Variant) -> Kernel {
 
 /// What bounds in f32 may leave to be settled.
 pub fn recheck(variant: Variant) -> Kernel {
-    into_visibility("recheck", variant, snippet!("recheck.wgsl"))
+    into_visibility("recheck", variant, concat!(snippet!("shared/sides.wgsl"), snippet!("recheck.wgsl")))
 }
 
 /// What is proven of what raster and recheck found.

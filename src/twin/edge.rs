@@ -1,6 +1,7 @@
 //! On which side of a scene edge a pixel's ray passes: the rule by which all kernels' doubts are settled.
 
 use super::Real;
+use super::rays::PixelRays;
 use crate::camera::Bundle;
 use glam::DVec3;
 
@@ -12,20 +13,19 @@ pub struct Side {
     pub doubtful: bool,
 }
 
-/// Terms (a, b) of `E = e . (d x m)` at each step of the rule, `d_a x m_b` with 0 the value, 1 the slope along x and 2
+/// Terms (a, b) of `E = e . (d x m)` as it changes over a pixel, `d_a x m_b` with 0 the value, 1 the slope along x and 2
 /// that along y: the value, then its derivatives by x, y, xx, xy, yy.
 const STEPS: [&[(usize, usize)]; 6] =
     [&[(0, 0)], &[(1, 0), (0, 1)], &[(2, 0), (0, 2)], &[(1, 1)], &[(1, 2), (2, 1)], &[(2, 2)]];
 
-/// Rounding of the stored vertices and bundles and of the rule's own evaluation, in units of |e| |d| |m|: a cross
-/// product of rounded factors and a dot product.
+/// Rounding of the stored vertices and bundles and of E, in units of |e| |d| |m|: a cross product of rounded factors and a dot
+/// product.
 const EDGE_UNITS: f64 = 16.0;
 /// Rounding of an edge as the difference of two stored vertices, in units of both their sizes.
 const STORED_UNITS: f64 = 2.0;
-/// An f64 evaluation is off by 16 |e| |d| |m| 2^-53, a 32nd of the bound; two of them by a 16th.
-const EVALUATION_SHARE: f64 = 1.0 / 16.0;
-/// The bound on a vertex's distance is wider than its evaluation is off by a thousandfold more.
-const MEETING_SHARE: f64 = EVALUATION_SHARE / 1024.0;
+/// A corner in the plane: a product and a difference for m, a quotient, a product and a difference, of what is up to
+/// twice as large.
+const PLANE_UNITS: f64 = 16.0;
 
 fn size(v: DVec3) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
@@ -43,12 +43,6 @@ impl Seen {
         let mut size_m = [0, 1, 2].map(|k| size(m[k]) + size(v) * b.h[k].abs());
         size_m[0] += size(b.p[0]);
         Seen { m, size_m }
-    }
-
-    /// How far the middle ray passes, and how near it must to count as meeting the vertex.
-    fn off_ray(&self, b: &Bundle, real: Real) -> (f64, f64) {
-        let off = size(b.d[0].cross(self.m[0]));
-        (off, real.at_ray() * EDGE_UNITS * real.unit() * size(b.d[0]) * self.size_m[0])
     }
 }
 
@@ -78,48 +72,44 @@ impl Edge<'_> {
     }
 }
 
-/// The side of the bundle's middle ray with respect to the edge from `v` to `w`: the sign of the first of value and
-/// derivatives that is not 0 within its rounding, and 1 where all are. The value counts as 0 where the ray meets `v` or
-/// `w` within rounding, for all edges at that vertex alike.
-pub fn side(b: &Bundle, v: DVec3, w: DVec3, real: Real) -> Side {
-    let edge = Edge::new(b, v, w, real);
-    let mut doubtful = false;
-    let mut met = false;
-    for (off, bound) in [edge.v.off_ray(b, real), Seen::new(b, w).off_ray(b, real)] {
-        met |= off <= bound;
-        doubtful |= (off - bound).abs() < MEETING_SHARE * bound;
-    }
-    for terms in STEPS.iter().skip(usize::from(met)) {
-        let (value, bound) = edge.step(terms);
-        doubtful |= match real {
-            Real::F64 => (value.abs() - bound).abs() < EVALUATION_SHARE * bound,
-            // the kernel's f32 value is off by the bound itself
-            Real::F32 => value.abs() < 2.0 * bound,
-        };
-        if value.abs() > bound {
-            return Side { sign: value.signum() as i32, doubtful };
-        }
-    }
-    Side { sign: 1, doubtful }
+/// A corner along the ray onto a plane, as `in_plane` of sides.wgsl does; and how far another adapter's may be from it.
+fn in_plane(rays: &PixelRays, v: DVec3, real: Real) -> ([f64; 2], f64) {
+    let (b, d) = (&rays.bundle, rays.bundle.d[0]);
+    let axis = (0..3).fold(0, |a, k| if d[k].abs() > d[a].abs() { k } else { a });
+    let (x, y) = ((axis + 1) % 3, (axis + 2) % 3);
+    let m = v * b.h[0] - b.p[0];
+    let place = [x, y].map(|k| m[k] - d[k] / d[axis] * m[axis]);
+    let sizes = size(v) * rays.size_h + rays.size_p + size(m) * (rays.size_d / d[axis].abs());
+    (place, PLANE_UNITS * real.rounding() * sizes)
+}
+
+/// The side of the bundle's middle ray with respect to the edge from `v` to `w`, in the plane; where the ray meets the edge, that
+/// of a ray an infinitesimal step away. Places of another adapter may be apart by their rounding.
+pub fn side(rays: &PixelRays, v: DVec3, w: DVec3, real: Real) -> Side {
+    let (([ux, uy], off_u), ([vx, vy], off_v)) = (in_plane(rays, v, real), in_plane(rays, w, real));
+    let value = ux * vy - uy * vx;
+    let doubt = off_u * (vx.abs() + vy.abs() + off_v) + off_v * (ux.abs() + uy.abs());
+    let signs = [value, uy - vy, vx - ux].map(|v| if v == 0.0 { 0.0 } else { v.signum() });
+    let sign = signs.into_iter().find(|s| *s != 0.0).unwrap_or(1.0);
+    Side { sign: sign as i32, doubtful: value.abs() <= doubt }
 }
 
 /// The side on which all rays within `r` px of the bundle's middle pass beyond any doubt of [`side`]; 0: not proven.
 pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, real: Real, r: f64) -> i32 {
-    // the ray may also count as meeting the edge's far end
+    // bounds from either end
     let ends = [Edge::new(b, v, w, real), Edge::new(b, w, v, real)];
-    let doubts = DOUBT_BOUNDS * (1.0 + real.at_ray());
     let step = |terms| {
         let [(value, from_v), (_, from_w)] = [0, 1].map(|k: usize| ends[k].step(terms));
         (value, from_v.max(from_w))
     };
     let (value, bound) = step(STEPS[0]);
-    let mut room = doubts * bound;
+    let mut room = DOUBT_BOUNDS * bound;
     for (terms, scale) in STEPS.iter().zip([0.0, r, r, r * r, r * r, r * r]) {
         let (value, bound) = step(terms);
-        room += scale * (value.abs() + doubts * bound);
+        room += scale * (value.abs() + DOUBT_BOUNDS * bound);
     }
     if value.abs() > room { value.signum() as i32 } else { 0 }
 }
 
-/// [`side`] doubts values up to twice its bound; as much again for the sizes' own growth over the square.
+/// [`side`] doubts values within its own rounding, less than these bounds; room for the sizes' growth over the square.
 const DOUBT_BOUNDS: f64 = 4.0;

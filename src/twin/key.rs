@@ -23,15 +23,6 @@ impl Real {
             Real::F32 => f64::from(f32::EPSILON) / 2.0,
         }
     }
-
-    /// Within this many times the bound on its distance from the ray a vertex counts as on it; none does in f32, whose
-    /// coverage proves signs by itself.
-    pub fn at_ray(self) -> f64 {
-        match self {
-            Real::F64 => 1024.0,
-            Real::F32 => 0.0,
-        }
-    }
 }
 
 /// How a frame's keys are laid out.

@@ -51,7 +51,7 @@ const NOTHING: Tested = Tested { hit: None, doubtful: false };
 /// The sides of the three edges, taken from the smaller end to the larger, hold the ray between them.
 fn ray_coverage(rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
     let [v0, v1, v2] = c.v;
-    let of = |from: DVec3, to: DVec3| side(&rays.bundle, from, to, real);
+    let of = |from: DVec3, to: DVec3| side(rays, from, to, real);
     let turned = |s: Side| Side { sign: -s.sign, ..s };
     let first = of(v0, v1);
     let second = of(v1, v2);

@@ -12,9 +12,6 @@ const REAL_UNIT: real = 5.9604645e-8;
 // Rounding of one operation, relative: 2^-24.
 const REAL_ROUNDING: real = 5.9604645e-8;
 
-// No vertex counts as on the ray that is not: the signs that coverage proved by itself say otherwise.
-const AT_RAY: real = 0.0;
-
 // The number nearest to an f64 within f32's range, by its bits, low word first.
 fn of_words(w: vec2<u32>) -> real {
     let exponent = (w.y >> 20u) & 0x7ffu;
@@ -34,4 +31,9 @@ fn ordered_bits(t: real) -> vec2<u32> {
 // The number of which these are the ordered bits.
 fn from_ordered_bits(bits: vec2<u32>) -> f32 {
     return bitcast<f32>(select(~bits.y, bits.y & 0x7fffffffu, (bits.y & 0x80000000u) != 0u));
+}
+
+// The sign of a b - c d: within its rounding, none.
+fn order_of_products(a: real, b: real, c: real, d: real) -> i32 {
+    return 0;
 }

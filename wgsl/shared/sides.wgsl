@@ -1,0 +1,63 @@
+// On which side of an edge a ray passes, after Woop, Benthin and Wald 2013: corners go along the ray onto a plane, where each is
+// rounded once and for all its triangles alike; in the plane the sign of every edge is exact. So triangles that share an edge or a
+// corner leave no hole and do not overlap, however near the ray passes.
+
+// The axis along which a ray goes farthest, and how far it goes aside for each step along that.
+struct Shear {
+    axis: u32,
+    aside: vec2<real>,
+}
+
+// The components of a vector from the one after the axis on, so that the axis is last.
+fn turned_to(axis: u32, v: real3) -> real3 {
+    if axis == 0u {
+        return v.yzx;
+    }
+    if axis == 1u {
+        return v.zxy;
+    }
+    return v;
+}
+
+fn shear_of(d: real3) -> Shear {
+    var axis = 2u;
+    if abs(d.x) >= abs(d.y) && abs(d.x) >= abs(d.z) {
+        axis = 0u;
+    } else if abs(d.y) >= abs(d.z) {
+        axis = 1u;
+    }
+    let along = turned_to(axis, d);
+    return Shear(axis, along.xy / along.z);
+}
+
+// Where a corner lies in the plane, the ray at (0, 0).
+fn in_plane(b: Bundle, s: Shear, v: real3) -> vec2<real> {
+    let m = turned_to(s.axis, v * b.h - b.p);
+    return m.xy - s.aside * m.z;
+}
+
+// 1 where the ray has the edge from u to v on one hand, -1 on the other. Where it meets the edge, what a ray does that is next to it, an
+// infinitesimal step away in x and a smaller one in y.
+fn side_of(u: vec2<real>, v: vec2<real>) -> i32 {
+    let p = u.x * v.y;
+    let q = u.y * v.x;
+    var side = sign_beyond(p - q, 4.0 * REAL_ROUNDING * (abs(p) + abs(q)));
+    if side == 0 {
+        side = order_of_products(u.x, v.y, u.y, v.x);
+    }
+    if side == 0 {
+        side = select(0, 1, u.y > v.y) - select(0, 1, u.y < v.y);
+    }
+    if side == 0 {
+        side = select(-1, 1, v.x >= u.x);
+    }
+    return side;
+}
+
+fn is_between(b: Bundle, s: Shear, v: array<real3, 3>) -> bool {
+    let p0 = in_plane(b, s, v[0]);
+    let p1 = in_plane(b, s, v[1]);
+    let p2 = in_plane(b, s, v[2]);
+    let side = side_of(p0, p1);
+    return side == side_of(p1, p2) && side == side_of(p2, p0);
+}
