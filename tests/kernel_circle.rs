@@ -7,7 +7,7 @@ mod stages;
 use anamorph::gpu::rows::split2;
 use anamorph::twin::Real;
 use anamorph::twin::near::CIRCLE_UNITS;
-use stages::{Bench, read, run};
+use stages::Bench;
 use std::f64::consts::TAU;
 
 /// Reads turns as pairs and writes cosine and sine, each as the exact sum of three f32.
@@ -41,44 +41,13 @@ fn turns() -> Vec<[f32; 2]> {
 }
 
 fn found(bench: &Bench, real: Real, turns: &[[f32; 2]]) -> Vec<[f64; 2]> {
-    let gpu = &bench.gpu;
     let arithmetic = match real {
         Real::F64 => include_str!("../wgsl/shared/real_f64.wgsl"),
         Real::F32 => include_str!("../wgsl/shared/real_f32.wgsl"),
     };
     let source = [arithmetic, include_str!("../wgsl/optics/circle.wgsl"), PROBE].concat();
-    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("circle"),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
-    });
-    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("circle"),
-        layout: None,
-        module: &module,
-        entry_point: Some("probe"),
-        compilation_options: Default::default(),
-        cache: None,
-    });
-    let mut buffers = anamorph::gpu::buffers::Buffers::default();
-    buffers.upload(gpu, "turns", turns).unwrap();
-    buffers.upload(gpu, "found", &vec![[f32::NAN; 6]; turns.len()]).unwrap();
-    let entry = |binding, name| wgpu::BindGroupEntry {
-        binding,
-        resource: buffers.get(name).expect("a buffer of that name").as_entire_binding(),
-    };
-    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("circle"),
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[entry(0, "turns"), entry(1, "found")],
-    });
-    run(gpu, |pass| {
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(turns.len().div_ceil(64) as u32, 1, 1);
-        Ok(())
-    });
     let number = |w: &[u32], k: usize| [4, 2, 0].map(|part| f64::from(f32::from_bits(w[k + part]))).iter().sum();
-    read(gpu, &buffers, "found").chunks_exact(6).map(|w| [number(w, 0), number(w, 1)]).collect()
+    bench.probe(&source, turns, 6).chunks_exact(6).map(|w| [number(w, 0), number(w, 1)]).collect()
 }
 
 #[test]

@@ -195,7 +195,7 @@ pub struct ExampleArgs {
 
 #[derive(Debug, Args)]
 pub struct BenchArgs {
-    /// papers, pareto, glc, stages or dynamic [default: all]
+    /// papers, pareto, glc, stages, dynamic or stiff [default: all]
     pub suite: Option<String>,
     /// Small cases, under a minute each
     #[arg(long)]

@@ -1,5 +1,8 @@
 //! Polynomials in exact arithmetic, and polynomials that are hard for any other.
 
+// every test binary uses a part of it
+#![allow(dead_code)]
+
 use num_bigint::{BigInt, Sign};
 
 /// `m 2^e`, exactly.
@@ -25,16 +28,16 @@ impl Dyadic {
         &self.m << (self.e - e) as usize
     }
 
-    fn plus(&self, other: &Dyadic) -> Dyadic {
+    pub fn plus(&self, other: &Dyadic) -> Dyadic {
         let e = self.e.min(other.e);
         Dyadic { m: self.at(e) + other.at(e), e }
     }
 
-    fn times(&self, other: &Dyadic) -> Dyadic {
+    pub fn times(&self, other: &Dyadic) -> Dyadic {
         Dyadic { m: &self.m * &other.m, e: self.e + other.e }
     }
 
-    fn sign(&self) -> i8 {
+    pub fn sign(&self) -> i8 {
         match self.m.sign() {
             Sign::Minus => -1,
             Sign::NoSign => 0,
@@ -147,7 +150,7 @@ impl Rng {
         z ^ (z >> 31)
     }
 
-    fn signed(&mut self) -> f64 {
+    pub fn signed(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 

@@ -299,6 +299,42 @@ impl Bench {
         });
         (&self.gpu, &self.stages[at])
     }
+
+    /// Runs a source's `probe` in groups of 64, that reads the inputs as binding 0 and writes `words` for each of them to binding 1.
+    pub fn probe<T: bytemuck::NoUninit>(&self, source: &str, inputs: &[T], words: usize) -> Vec<u32> {
+        let gpu = &self.gpu;
+        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("probe"),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("probe"),
+            layout: None,
+            module: &module,
+            entry_point: Some("probe"),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        let mut buffers = Buffers::default();
+        buffers.upload(gpu, "inputs", inputs).unwrap();
+        buffers.upload(gpu, "found", &vec![POISON; inputs.len() * words]).unwrap();
+        let entry = |binding, name| wgpu::BindGroupEntry {
+            binding,
+            resource: buffers.get(name).expect("a buffer of that name").as_entire_binding(),
+        };
+        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("probe"),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[entry(0, "inputs"), entry(1, "found")],
+        });
+        run(gpu, |pass| {
+            pass.set_pipeline(&pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups(inputs.len().div_ceil(64) as u32, 1, 1);
+            Ok(())
+        });
+        read(gpu, &buffers, "found")
+    }
 }
 
 /// The input's rows in buffers of the kernels' names.

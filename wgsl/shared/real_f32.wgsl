@@ -33,7 +33,42 @@ fn from_ordered_bits(bits: vec2<u32>) -> f32 {
     return bitcast<f32>(select(~bits.y, bits.y & 0x7fffffffu, (bits.y & 0x80000000u) != 0u));
 }
 
-// The sign of a b - c d: within its rounding, none.
+// A product, exactly: its sign, 48 bits of which the first is 1 in two digits of 24, lowest first, and their exponent.
+struct Product {
+    sign: i32,
+    exponent: i32,
+    digits: vec2<u32>,
+}
+
+fn product_of(a: real, b: real) -> Product {
+    let x = bitcast<u32>(a);
+    let y = bitcast<u32>(b);
+    let ex = (x >> 23u) & 0xffu;
+    let ey = (y >> 23u) & 0xffu;
+    if ex == 0u || ey == 0u {
+        return Product(0, 0, vec2<u32>(0u));
+    }
+    // two limbs of 12 bits each
+    let u = vec2<u32>(x, (x | 0x800000u) >> 12u) & vec2<u32>(0xfffu);
+    let v = vec2<u32>(y, (y | 0x800000u) >> 12u) & vec2<u32>(0xfffu);
+    let c1 = u.x * v.y + u.y * v.x + ((u.x * v.x) >> 12u);
+    var digits = vec2<u32>(((c1 & 0xfffu) << 12u) | ((u.x * v.x) & 0xfffu), u.y * v.y + (c1 >> 12u));
+    let short = select(1u, 0u, (digits.y & 0x800000u) != 0u);
+    let carry = (digits.x >> 23u) * short;
+    digits = (digits << vec2<u32>(short)) & vec2<u32>(0xffffffu);
+    digits.y |= carry;
+    return Product(select(1, -1, ((x ^ y) & 0x80000000u) != 0u), i32(ex + ey) - i32(short), digits);
+}
+
+// The sign of a b - c d, exactly.
 fn order_of_products(a: real, b: real, c: real, d: real) -> i32 {
-    return 0;
+    let p = product_of(a, b);
+    let q = product_of(c, d);
+    if p.sign != q.sign || p.sign == 0 {
+        return sign(p.sign - q.sign);
+    }
+    var order = sign(p.exponent - q.exponent);
+    order = select(order, sign(i32(p.digits.y) - i32(q.digits.y)), order == 0);
+    order = select(order, sign(i32(p.digits.x) - i32(q.digits.x)), order == 0);
+    return p.sign * order;
 }
