@@ -3,7 +3,7 @@
 use super::Real;
 use super::rays::PixelRays;
 use crate::camera::Bundle;
-use glam::DVec3;
+use glam::{DVec2, DVec3, Vec2Swizzles, Vec3Swizzles};
 
 /// A side, and whether another correct evaluation of the same rule may find the other one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,6 +26,8 @@ const STORED_UNITS: f64 = 2.0;
 /// A corner in the plane: a product and a difference for m, a quotient, a product and a difference, of what is up to
 /// twice as large.
 const PLANE_UNITS: f64 = 16.0;
+/// How an edge's value changes over the pixel, in roundings of its products.
+const WAY_UNITS: f64 = 16.0;
 
 fn size(v: DVec3) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
@@ -72,26 +74,37 @@ impl Edge<'_> {
     }
 }
 
-/// A corner along the ray onto a plane, as `in_plane` of sides.wgsl does; and how far another adapter's may be from it.
-fn in_plane(rays: &PixelRays, v: DVec3, real: Real) -> ([f64; 2], f64) {
+/// A corner along the ray onto a plane, as `in_plane` of sides.wgsl has it: its place and how that moves over the pixel, along x and
+/// along y. And how far another adapter's may be from it.
+fn in_plane(rays: &PixelRays, v: DVec3, real: Real) -> ([DVec2; 3], f64) {
     let (b, d) = (&rays.bundle, rays.bundle.d[0]);
     let axis = (0..3).fold(0, |a, k| if d[k].abs() > d[a].abs() { k } else { a });
-    let (x, y) = ((axis + 1) % 3, (axis + 2) % 3);
-    let m = v * b.h[0] - b.p[0];
-    let place = [x, y].map(|k| m[k] - d[k] / d[axis] * m[axis]);
-    let sizes = size(v) * rays.size_h + rays.size_p + size(m) * (rays.size_d / d[axis].abs());
-    (place, PLANE_UNITS * real.rounding() * sizes)
+    let turned = |v: DVec3| DVec3::from_array([1, 2, 3].map(|k| v[(axis + k) % 3]));
+    let d_turned = b.d.map(turned);
+    let m = [0, 1, 2].map(|k| turned(v * b.h[k] - b.p[k]));
+    let aside = d_turned[0].xy() / d_turned[0].z;
+    let moved = |k: usize| {
+        let aside_moved = (d_turned[k].xy() - aside * d_turned[k].z) / d_turned[0].z;
+        m[k].xy() - aside * m[k].z - aside_moved * m[0].z
+    };
+    let sizes = size(v) * rays.size_h + rays.size_p + size(m[0]) * (rays.size_d / d[axis].abs());
+    ([m[0].xy() - aside * m[0].z, moved(1), moved(2)], PLANE_UNITS * real.rounding() * sizes)
 }
 
 /// The side of the bundle's middle ray with respect to the edge from `v` to `w`, in the plane; where the ray meets the edge, that
 /// of a ray an infinitesimal step away. Places of another adapter may be apart by their rounding.
 pub fn side(rays: &PixelRays, v: DVec3, w: DVec3, real: Real) -> Side {
-    let (([ux, uy], off_u), ([vx, vy], off_v)) = (in_plane(rays, v, real), in_plane(rays, w, real));
-    let value = ux * vy - uy * vx;
-    let doubt = off_u * (vx.abs() + vy.abs() + off_v) + off_v * (ux.abs() + uy.abs());
-    let signs = [value, uy - vy, vx - ux].map(|v| if v == 0.0 { 0.0 } else { v.signum() });
-    let sign = signs.into_iter().find(|s| *s != 0.0).unwrap_or(1.0);
-    Side { sign: sign as i32, doubtful: value.abs() <= doubt }
+    let ((u, off_u), (v, off_v)) = (in_plane(rays, v, real), in_plane(rays, w, real));
+    let value = u[0].perp_dot(v[0]);
+    let way = |k: usize| {
+        let sum = u[0].perp_dot(v[k]) + u[k].perp_dot(v[0]);
+        let sizes = u[0].abs().dot(v[k].abs().yx()) + u[k].abs().dot(v[0].abs().yx());
+        if sum.abs() > WAY_UNITS * real.rounding() * sizes { sum } else { 0.0 }
+    };
+    let doubt = off_u * (v[0].abs().element_sum() + off_v) + off_v * u[0].abs().element_sum();
+    let signs = [value, way(1), way(2), u[0].y - v[0].y, v[0].x - u[0].x];
+    let first = signs.into_iter().find(|s| *s != 0.0);
+    Side { sign: first.map_or(1, |s| s.signum() as i32), doubtful: value.abs() <= doubt }
 }
 
 /// The side on which all rays within `r` px of the bundle's middle pass beyond any doubt of [`side`]; 0: not proven.

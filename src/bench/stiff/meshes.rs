@@ -102,12 +102,13 @@ fn swarm(k: f64) -> Source {
 fn vertices_on_rays(k: f64) -> Source {
     let mut rng = Rng(14);
     let side = 32;
-    let px = 2.0 / 96.0;
+    // exact, and so are all sums with it
+    let px = 1.0 / 32.0;
     let at: Vec<DVec3> = (0..=side * side + 2 * side)
         .map(|n| {
             let [i, j] = [n % (side + 1), n / (side + 1)].map(|v| f64::from(3 * v) + 0.5);
             let off = k * px * rng.vector();
-            DVec3::new(i * px - 1.0 + off.x, 1.0 - j * px + off.y, 0.5 * rng.signed())
+            DVec3::new(i * px - 1.5 + off.x, 1.5 - j * px + off.y, 0.5 * rng.signed())
         })
         .collect();
     let mut triangles = Vec::new();
@@ -116,7 +117,7 @@ fn vertices_on_rays(k: f64) -> Source {
         triangles.push([at[a], at[b], at[a + 1]]);
         triangles.push([at[a + 1], at[b], at[b + 1]]);
     }
-    scene(ALONG_Z, &triangles)
+    scene(&ALONG_Z.replace("height = 2", "height = 3"), &triangles)
 }
 
 /// The camera too.
