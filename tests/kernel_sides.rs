@@ -23,9 +23,7 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
     let e = edges[id.x];
     let u = vec2<real>(of_words(e[0]), of_words(e[1]));
     let v = vec2<real>(of_words(e[2]), of_words(e[3]));
-    let a = PlaneCorner(u, vec2<real>(-1.0, 0.0), vec2<real>(0.0, -1.0));
-    let b = PlaneCorner(v, vec2<real>(-1.0, 0.0), vec2<real>(0.0, -1.0));
-    found[id.x] = array<i32, 3>(order_of_products(u.x, v.y, u.y, v.x), side_of(a, b), side_of(b, a));
+    found[id.x] = array<i32, 3>(order_of_products(u.x, v.y, u.y, v.x), side_of(u, v), side_of(v, u));
 }
 ";
 
@@ -62,8 +60,7 @@ fn sign_of(e: [f64; 4]) -> i32 {
     i32::from(ux.times(&vy).plus(&uy.times(&vx).times(&negative)).sign())
 }
 
-/// Of a ray next to it where the ray itself meets the edge's line: a step along x, and a much smaller one along y, as corners go the
-/// other way.
+/// Of a ray next to it where the ray itself meets the edge's line: a step along x, and a much smaller one along y.
 fn side_of(e: [f64; 4]) -> i32 {
     let [ux, uy, vx, vy] = e;
     let order = |a: f64, b: f64| i32::from(a > b) - i32::from(a < b);

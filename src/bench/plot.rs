@@ -43,7 +43,8 @@ pub fn plots(rows: &[Row], plot: Plot) -> Result<Vec<Drawn>> {
                 let series = by_technique(case, |row| Some((row.times.as_ref()?.median, wrong_share(row)?)));
                 let title = &case[0].case;
                 (!series.is_empty()).then(|| {
-                    Ok((file_name(title), title.clone(), chart(&series, ["ms a frame", "share of wrong pixels"])?))
+                    let axes = ["ms a frame", "share of wrong pixels"];
+                    Ok((file_name(title), title.clone(), chart(&series, axes, Some(none_wrong(&case[0])))?))
                 })
             })
             .collect(),
@@ -53,7 +54,8 @@ pub fn plots(rows: &[Row], plot: Plot) -> Result<Vec<Drawn>> {
                 let own: Vec<Row> = rows.iter().filter(|r| knob_of(r) == Some(&knob)).cloned().collect();
                 let series = by_technique(&own, |row| Some((row.knob.as_ref()?.1, row.times.as_ref()?.median)));
                 let title = format!("time by {knob}");
-                (!series.is_empty()).then(|| Ok((file_name(&title), title, chart(&series, [&knob, "ms a frame"])?)))
+                (!series.is_empty())
+                    .then(|| Ok((file_name(&title), title, chart(&series, [&knob, "ms a frame"], None)?)))
             })
             .collect(),
         Plot::Stiffness => stiffness(rows),
@@ -75,7 +77,8 @@ fn stiffness(rows: &[Row]) -> Result<Vec<Drawn>> {
         for ((series, axes), against) in [by_number, by_time].iter().zip(axes).zip(["stiffness", "time"]) {
             if !series.is_empty() {
                 let title = format!("{}: error against {against}", stiffness.family);
-                drawn.push((file_name(&title), title, chart(series, axes)?));
+                let svg = chart(series, axes, rows.first().map(none_wrong))?;
+                drawn.push((file_name(&title), title, svg));
             }
         }
     }
@@ -83,9 +86,12 @@ fn stiffness(rows: &[Row]) -> Result<Vec<Drawn>> {
 }
 
 /// None wrong is drawn as half a pixel.
+fn none_wrong(row: &Row) -> f64 {
+    0.5 / (f64::from(row.width) * f64::from(row.height))
+}
+
 fn wrong_share(row: &Row) -> Option<f64> {
-    let least = 0.5 / (f64::from(row.width) * f64::from(row.height));
-    Some(row.error.as_ref()?.wrong_share.max(least))
+    Some(row.error.as_ref()?.wrong_share.max(none_wrong(row)))
 }
 
 /// The numbers that are swept.
@@ -180,8 +186,14 @@ fn failed(e: impl Display) -> Error {
     Error::work(format!("plot: {e}"))
 }
 
-/// Both axes logarithmic.
-fn chart(series: &[Series], [x_name, y_name]: [&str; 2]) -> Result<String> {
+/// To four digits, in short.
+fn number(v: &f64) -> String {
+    let rounded = format!("{v:.3e}").parse().unwrap_or(*v);
+    if (0.01..100_000.0).contains(&rounded) { format!("{rounded}") } else { format!("{rounded:.0e}") }
+}
+
+/// Both axes logarithmic. `none` is the height at which a value of 0 is drawn.
+fn chart(series: &[Series], [x_name, y_name]: [&str; 2], none: Option<f64>) -> Result<String> {
     let range = |of: fn(&(f64, f64)) -> f64| {
         let all = series.iter().flat_map(|s| &s.points).map(of);
         let (lo, hi) = all.fold((f64::INFINITY, 0.0f64), |(lo, hi), v| (lo.min(v), hi.max(v)));
@@ -197,7 +209,6 @@ fn chart(series: &[Series], [x_name, y_name]: [&str; 2]) -> Result<String> {
             .y_label_area_size(72)
             .build_cartesian_2d(range(|p| p.0).log_scale(), range(|p| p.1).log_scale())
             .map_err(failed)?;
-        let number = |v: &f64| if (0.01..100_000.0).contains(v) { format!("{v}") } else { format!("{v:.0e}") };
         chart
             .configure_mesh()
             .light_line_style(TRANSPARENT)
@@ -207,10 +218,19 @@ fn chart(series: &[Series], [x_name, y_name]: [&str; 2]) -> Result<String> {
             .y_label_formatter(&number)
             .draw()
             .map_err(failed)?;
+        let x = range(|p| p.0);
+        if let Some(none) = none.filter(|y| range(|p| p.1).contains(y)) {
+            let (left, y) = chart.backend_coord(&(x.start, none));
+            root.draw(&Text::new("none", (left - 36, y - 6), ("sans-serif", 10))).map_err(failed)?;
+            let line = [(x.start, none), (x.end, none)];
+            chart.draw_series(DashedLineSeries::new(line, 4, 4, BLACK.mix(0.4).into())).map_err(failed)?;
+        }
         for (k, s) in series.iter().enumerate() {
-            let colour = COLOURS[k % COLOURS.len()];
-            chart.draw_series(LineSeries::new(s.points.iter().copied(), colour.stroke_width(2))).map_err(failed)?;
-            chart.draw_series(s.points.iter().map(|p| Circle::new(*p, 3, colour.filled()))).map_err(failed)?;
+            // what lies below others shows beside them
+            let (colour, wider) = (COLOURS[k % COLOURS.len()], 2 * (series.len() - 1 - k) as u32);
+            let line = LineSeries::new(s.points.iter().copied(), colour.stroke_width(2 + wider));
+            chart.draw_series(line).map_err(failed)?;
+            chart.draw_series(s.points.iter().map(|p| Circle::new(*p, 3 + wider, colour.filled()))).map_err(failed)?;
         }
         legend(&root, series.iter().map(|s| s.name.as_str()))?;
         root.present().map_err(failed)?;
@@ -287,6 +307,12 @@ mod tests {
         let bent: Vec<(f64, f64)> = (0..8).map(|k| 10f64.powi(k)).map(|x| (x, x.max(1e4))).collect();
         assert!((slope(&bent).unwrap() - 1.0).abs() < 1e-12);
         assert_eq!(slope(&points[..2]), None);
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let shown = [0.099_999_999_999_999_98, 1e-12, 0.3, 1024.0, 1e6].map(|v| number(&v));
+        assert_eq!(shown, ["0.1", "1e-12", "0.3", "1024", "1e6"]);
     }
 
     #[test]

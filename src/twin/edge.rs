@@ -3,7 +3,7 @@
 use super::Real;
 use super::rays::PixelRays;
 use crate::camera::Bundle;
-use glam::{DVec2, DVec3, Vec2Swizzles, Vec3Swizzles};
+use glam::{DVec2, DVec3, Vec3Swizzles};
 
 /// A side, and whether another correct evaluation of the same rule may find the other one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,8 +26,10 @@ const STORED_UNITS: f64 = 2.0;
 /// A corner in the plane: a product and a difference for m, a quotient, a product and a difference, of what is up to
 /// twice as large.
 const PLANE_UNITS: f64 = 16.0;
-/// How an edge's value changes over the pixel, in roundings of its products.
-const WAY_UNITS: f64 = 16.0;
+/// As sides.wgsl has them.
+const STEP_X: f64 = 67.0;
+const STEP_Y: f64 = 4.0;
+const NO_STEP: f64 = 1e-30;
 
 fn size(v: DVec3) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
@@ -74,36 +76,31 @@ impl Edge<'_> {
     }
 }
 
-/// A corner along the ray onto a plane, as `in_plane` of sides.wgsl has it: its place and how that moves over the pixel, along x and
-/// along y. And how far another adapter's may be from it.
-fn in_plane(rays: &PixelRays, v: DVec3, real: Real) -> ([DVec2; 3], f64) {
-    let (b, d) = (&rays.bundle, rays.bundle.d[0]);
-    let axis = (0..3).fold(0, |a, k| if d[k].abs() > d[a].abs() { k } else { a });
+/// A corner along the ray onto a plane, as `in_plane` of sides.wgsl has it, and how far another adapter's may be from it.
+fn in_plane(rays: &PixelRays, v: DVec3, real: Real) -> (DVec2, f64) {
+    let (b, axis) = (&rays.bundle, rays.bundle.d[0].abs().max_position());
     let turned = |v: DVec3| DVec3::from_array([1, 2, 3].map(|k| v[(axis + k) % 3]));
-    let d_turned = b.d.map(turned);
+    let d = b.d.map(turned);
     let m = [0, 1, 2].map(|k| turned(v * b.h[k] - b.p[k]));
-    let aside = d_turned[0].xy() / d_turned[0].z;
-    let moved = |k: usize| {
-        let aside_moved = (d_turned[k].xy() - aside * d_turned[k].z) / d_turned[0].z;
-        m[k].xy() - aside * m[k].z - aside_moved * m[0].z
+    let aside = d[0].xy() / d[0].z;
+    let place = m[0].xy() - aside * m[0].z;
+    let off = real.unit() * (size(v) * b.h[0].abs() + size(b.p[0]));
+    let step = |k: usize, units: f64| {
+        let aside_moved = (d[k].xy() - aside * d[k].z) / d[0].z;
+        let pixel = m[k].xy() - aside * m[k].z - aside_moved * m[0].z;
+        pixel * (units * off / pixel.abs().element_sum().max(NO_STEP)).min(real.unit().sqrt())
     };
-    let sizes = size(v) * rays.size_h + rays.size_p + size(m[0]) * (rays.size_d / d[axis].abs());
-    ([m[0].xy() - aside * m[0].z, moved(1), moved(2)], PLANE_UNITS * real.rounding() * sizes)
+    let sizes = size(v) * rays.size_h + rays.size_p + size(m[0]) * (rays.size_d / d[0].z.abs());
+    (place + step(1, STEP_X) + step(2, STEP_Y), PLANE_UNITS * real.rounding() * sizes)
 }
 
-/// The side of the bundle's middle ray with respect to the edge from `v` to `w`, in the plane; where the ray meets the edge, that
-/// of a ray an infinitesimal step away. Places of another adapter may be apart by their rounding.
+/// The side of the bundle's middle ray with respect to the edge from `v` to `w`, in the plane. Places of another adapter may be
+/// apart by their rounding.
 pub fn side(rays: &PixelRays, v: DVec3, w: DVec3, real: Real) -> Side {
     let ((u, off_u), (v, off_v)) = (in_plane(rays, v, real), in_plane(rays, w, real));
-    let value = u[0].perp_dot(v[0]);
-    let way = |k: usize| {
-        let sum = u[0].perp_dot(v[k]) + u[k].perp_dot(v[0]);
-        let sizes = u[0].abs().dot(v[k].abs().yx()) + u[k].abs().dot(v[0].abs().yx());
-        if sum.abs() > WAY_UNITS * real.rounding() * sizes { sum } else { 0.0 }
-    };
-    let doubt = off_u * (v[0].abs().element_sum() + off_v) + off_v * u[0].abs().element_sum();
-    let signs = [value, way(1), way(2), u[0].y - v[0].y, v[0].x - u[0].x];
-    let first = signs.into_iter().find(|s| *s != 0.0);
+    let value = u.perp_dot(v);
+    let doubt = off_u * (v.abs().element_sum() + off_v) + off_v * u.abs().element_sum();
+    let first = [value, u.y - v.y, v.x - u.x].into_iter().find(|s| *s != 0.0);
     Side { sign: first.map_or(1, |s| s.signum() as i32), doubtful: value.abs() <= doubt }
 }
 
@@ -124,5 +121,20 @@ pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, real: Real, r: f64) -> i32 {
     if value.abs() > room { value.signum() as i32 } else { 0 }
 }
 
-/// [`side`] doubts values within its own rounding, less than these bounds; room for the sizes' growth over the square.
-const DOUBT_BOUNDS: f64 = 4.0;
+/// [`side`] takes the ray aside by the units of its steps, where a bound has one, and doubts values within its own rounding; room
+/// for the sizes' growth over the square.
+const DOUBT_BOUNDS: f64 = 2.0 * (STEP_X + STEP_Y);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_the_kernel_s() {
+        let source = include_str!("../../wgsl/shared/sides.wgsl");
+        for (name, value) in [("STEP_X", STEP_X), ("STEP_Y", STEP_Y), ("NO_STEP", NO_STEP)] {
+            let value = format!("{value:?}").replace("1e-30", "1.0e-30");
+            assert!(source.contains(&format!("const {name}: real = {value};")), "{name}");
+        }
+    }
+}

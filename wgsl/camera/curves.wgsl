@@ -26,14 +26,16 @@ fn control_point_real(place: u32, k: u32) -> real3 {
 }
 
 fn curve_stored(place: u32) -> Curve {
-    var c = Curve(control_point_real(place, 0u), control_point_real(place, 1u), real3(0.0), real3(0.0));
-    if DEGREE >= 2u {
-        c.c2 = control_point_real(place, 2u);
+    let c0 = control_point_real(place, 0u);
+    let c1 = control_point_real(place, 1u);
+    if DEGREE == 1u {
+        return Curve(c0, c1, c1, c1);
     }
-    if DEGREE >= 3u {
-        c.c3 = control_point_real(place, 3u);
+    let c2 = control_point_real(place, 2u);
+    if DEGREE == 2u {
+        return Curve(c0, c1, c2, c2);
     }
-    return c;
+    return Curve(c0, c1, c2, control_point_real(place, 3u));
 }
 
 // Bernstein polynomials 0 to m at t.

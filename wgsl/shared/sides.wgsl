@@ -10,13 +10,6 @@ struct Shear {
     aside_y: vec2<real>,
 }
 
-// Where a corner lies in the plane, the ray at (0, 0), and how it moves there as the ray goes over its pixel.
-struct PlaneCorner {
-    at: vec2<real>,
-    by_x: vec2<real>,
-    by_y: vec2<real>,
-}
-
 // The components of a vector from the one after the axis on, so that the axis is last.
 fn turned_to(axis: u32, v: real3) -> real3 {
     if axis == 0u {
@@ -42,53 +35,53 @@ fn shear_of(b: Bundle) -> Shear {
     return Shear(axis, aside, (dx.xy - aside * dx.z) / d.z, (dy.xy - aside * dy.z) / d.z);
 }
 
-fn in_plane(b: Bundle, s: Shear, v: real3) -> PlaneCorner {
+// The ray is taken aside so far, along x and along y of its pixel, in units of what a corner's place may be off by as stored and
+// computed: what it should meet exactly, by symmetry, it then passes on one side, whatever the roundings. The second is as much
+// smaller as leaves it beyond them, and no simple fraction of the first, lest edges on a grid run the same way.
+const STEP_X: real = 67.0;
+const STEP_Y: real = 4.0;
+
+// Where a corner lies in the plane, the ray at (0, 0).
+fn in_plane(b: Bundle, s: Shear, v: real3) -> vec2<real> {
     let m = turned_to(s.axis, v * b.h - b.p);
     let mx = turned_to(s.axis, v * b.hx - b.px);
     let my = turned_to(s.axis, v * b.hy - b.py);
-    return PlaneCorner(
-        m.xy - s.aside * m.z,
-        mx.xy - s.aside * mx.z - s.aside_x * m.z,
-        my.xy - s.aside * my.z - s.aside_y * m.z,
-    );
+    let off = REAL_UNIT * (size3(v) * abs(b.h) + size3(b.p));
+    return m.xy - s.aside * m.z
+        + step_of(mx.xy - s.aside * mx.z - s.aside_x * m.z, STEP_X * off)
+        + step_of(my.xy - s.aside * my.z - s.aside_y * m.z, STEP_Y * off);
 }
 
-// The sign of u x dv + du x v, of what is known to a rounding of its products each.
-fn way_of(u: vec2<real>, du: vec2<real>, v: vec2<real>, dv: vec2<real>) -> i32 {
-    let sum = u.x * dv.y - u.y * dv.x + du.x * v.y - du.y * v.x;
-    let sizes = abs(u.x * dv.y) + abs(u.y * dv.x) + abs(du.x * v.y) + abs(du.y * v.x);
-    return sign_beyond(sum, 16.0 * REAL_ROUNDING * sizes);
+// So long a step along the way of a pixel, or a vanishing part of the pixel where that is less.
+fn step_of(pixel: vec2<real>, long: real) -> vec2<real> {
+    let size = abs(pixel.x) + abs(pixel.y);
+    return pixel * min(long / max(size, NO_STEP), REAL_UNIT_ROOT);
 }
 
-// 1 where the ray has the edge from u to v on one hand, -1 on the other. Where it meets the edge, what a ray has that is moved over
-// the pixel: an infinitesimal step along x and a much smaller one along y; and where that says nothing, the same in the plane.
-fn side_of(u: PlaneCorner, v: PlaneCorner) -> i32 {
-    let p = u.at.x * v.at.y;
-    let q = u.at.y * v.at.x;
+const NO_STEP: real = 1.0e-30;
+
+// 1 where the ray has the edge from u to v on one hand, -1 on the other. Where it meets the edge still, as that of a ray an
+// infinitesimal step away in the plane.
+fn side_of(u: vec2<real>, v: vec2<real>) -> i32 {
+    let p = u.x * v.y;
+    let q = u.y * v.x;
     var side = sign_beyond(p - q, 4.0 * REAL_ROUNDING * (abs(p) + abs(q)));
     if side == 0 {
-        side = order_of_products(u.at.x, v.at.y, u.at.y, v.at.x);
+        side = order_of_products(u.x, v.y, u.y, v.x);
     }
     if side == 0 {
-        side = way_of(u.at, u.by_x, v.at, v.by_x);
+        side = sign_beyond(u.y - v.y, 0.0);
     }
     if side == 0 {
-        side = way_of(u.at, u.by_y, v.at, v.by_y);
-    }
-    if side == 0 {
-        side = sign_beyond(u.at.y - v.at.y, 0.0);
-    }
-    if side == 0 {
-        side = select(-1, 1, v.at.x >= u.at.x);
+        side = select(-1, 1, v.x >= u.x);
     }
     return side;
 }
 
-// The corners in one order for all triangles, so that an edge has one side for all of them.
 fn is_between(b: Bundle, s: Shear, v: array<real3, 3>) -> bool {
-    let c0 = in_plane(b, s, v[0]);
-    let c1 = in_plane(b, s, v[1]);
-    let c2 = in_plane(b, s, v[2]);
-    let side = side_of(c0, c1);
-    return side == side_of(c1, c2) && side == -side_of(c0, c2);
+    let p0 = in_plane(b, s, v[0]);
+    let p1 = in_plane(b, s, v[1]);
+    let p2 = in_plane(b, s, v[2]);
+    let side = side_of(p0, p1);
+    return side == side_of(p1, p2) && side == side_of(p2, p0);
 }
