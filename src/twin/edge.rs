@@ -27,8 +27,8 @@ const STORED_UNITS: f64 = 2.0;
 /// twice as large.
 const PLANE_UNITS: f64 = 16.0;
 /// As sides.wgsl has them.
-const STEP_X: f64 = 67.0;
-const STEP_Y: f64 = 4.0;
+const STEP_X: f64 = 8.3;
+const STEP_Y: f64 = 2.1;
 const NO_STEP: f64 = 1e-30;
 
 fn size(v: DVec3) -> f64 {

@@ -38,8 +38,8 @@ fn shear_of(b: Bundle) -> Shear {
 // The ray is taken aside so far, along x and along y of its pixel, in units of what a corner's place may be off by as stored and
 // computed: what it should meet exactly, by symmetry, it then passes on one side, whatever the roundings. The second is as much
 // smaller as leaves it beyond them, and no simple fraction of the first, lest edges on a grid run the same way.
-const STEP_X: real = 67.0;
-const STEP_Y: real = 4.0;
+const STEP_X: real = 8.3;
+const STEP_Y: real = 2.1;
 
 // Where a corner lies in the plane, the ray at (0, 0).
 fn in_plane(b: Bundle, s: Shear, v: real3) -> vec2<real> {
