@@ -2,7 +2,7 @@
 
 use super::Run;
 use super::plot::Drawn;
-use super::table::{HEADS, STIFF_HEADS, WORK_HEADS, about, cells, families, stiff, work};
+use super::table::{HEADS, REACH_HEADS, STIFF_HEADS, WORK_HEADS, about, cells, families, reach, stiff, work};
 
 const STYLE: &str = "
 :root { color-scheme: light dark; }
@@ -51,6 +51,10 @@ fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
         p.fairness()
     );
     let drawn_of = |case: &str| plots.iter().find(|(_, title, _)| title == case);
+    if families(&run.rows).next().is_some() {
+        text += "<h3>How far</h3>\n";
+        text += &table(&REACH_HEADS, families(&run.rows).filter_map(|(_, rows)| reach(rows)));
+    }
     for (stiffness, rows) in families(&run.rows) {
         text += &format!("<h3>{}</h3>\n", escaped(&stiffness.family));
         text += &format!("<p class=\"note\">stiffness: {}</p>\n", escaped(&stiffness.knob));
