@@ -22,9 +22,12 @@ use stages::{
 };
 
 /// Share of pixels that may be excused because the twin's own bound leaves them undecided.
-/// Measured: 0.0013 in f32, none in f64.
+/// Measured: 0.0006 in f32, none in f64.
 const EXCUSED_MAX_F32: f64 = 0.002;
 const EXCUSED_MAX_F64: f64 = 0.0;
+/// In f32 where the rays of every ninth pixel meet a vertex, and a pinhole's those of seven in nine a vertex or an edge: which of the
+/// triangles there has a ray is f32's rounding to say.
+const EXCUSED_ON_RAYS_MAX_F32: f64 = 7.0 / 9.0;
 /// t of the same triangle, from keys whose ids leave at least 42 bits of it (2e-13), and f64 rounding of triangles seen
 /// up to a thousandfold edge-on.
 const T_RELATIVE_F64: f64 = 1e-12;
@@ -234,6 +237,7 @@ fn check(case: &Case, jobs: &[Job], (real, atomics64): (Real, bool), kernel: &Dr
     assert!(seen.wrong.is_empty(), "{name}: {} pixels differ, the first: {}", seen.wrong.len(), seen.wrong[0]);
     let most = match real {
         Real::F64 => EXCUSED_MAX_F64,
+        Real::F32 if case.name.starts_with("vertices on rays") => EXCUSED_ON_RAYS_MAX_F32,
         Real::F32 => EXCUSED_MAX_F32,
     };
     // the fewest pixels in which a share means anything

@@ -10,10 +10,11 @@ use anamorph::twin::Real;
 use exact::{Dyadic, Rng};
 use stages::Bench;
 
-/// Reads two places as the words of f64, and writes which of two products is larger and the side of the edge either way round.
+/// Reads two places as the words of f64, and writes which of two products is larger, the side of the edge either way round, and whether
+/// the ray is between three corners: these two and one opposite, and thrice the first, one behind the other.
 const PROBE: &str = "
 @group(0) @binding(0) var<storage, read> edges: array<array<vec2<u32>, 4>>;
-@group(0) @binding(1) var<storage, read_write> found: array<array<i32, 3>>;
+@group(0) @binding(1) var<storage, read_write> found: array<array<i32, 5>>;
 
 @compute @workgroup_size(64)
 fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -23,7 +24,17 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
     let e = edges[id.x];
     let u = vec2<real>(of_words(e[0]), of_words(e[1]));
     let v = vec2<real>(of_words(e[2]), of_words(e[3]));
-    found[id.x] = array<i32, 3>(order_of_products(u.x, v.y, u.y, v.x), side_of(u, v), side_of(v, u));
+    let zero = real3(0.0);
+    let b = Bundle(zero, zero, zero, real3(0.0, 0.0, 1.0), zero, zero, real(1.0), real(0.0), real(0.0));
+    let about = array<real3, 3>(real3(u, 1.0), real3(v, 2.0), real3(-u - v, 3.0));
+    let edge_on = array<real3, 3>(real3(u, 1.0), real3(u, 2.0), real3(u, 3.0));
+    found[id.x] = array<i32, 5>(
+        order_of_products(u.x, v.y, u.y, v.x),
+        side_of(u, v),
+        side_of(v, u),
+        i32(is_between(b, shear_of(b), about)),
+        i32(is_between(b, shear_of(b), edge_on)),
+    );
 }
 ";
 
@@ -80,12 +91,15 @@ fn sides_are_exact() {
         let shared = [include_str!("../wgsl/shared/bundle.wgsl"), include_str!("../wgsl/shared/sides.wgsl")].concat();
         let edges = edges(real);
         let words: Vec<[u64; 4]> = edges.iter().map(|e| e.map(f64::to_bits)).collect();
-        let found = bench.probe(&[arithmetic, &shared, PROBE].concat(), &words, 3);
+        let found = bench.probe(&[arithmetic, &shared, PROBE].concat(), &words, 5);
         let mut ties = 0;
-        for (&e, found) in edges.iter().zip(found.chunks_exact(3)) {
+        for (k, (&e, found)) in edges.iter().zip(found.chunks_exact(5)).enumerate() {
             let [ux, uy, vx, vy] = e;
             let expected = [sign_of(e), side_of(e), side_of([vx, vy, ux, uy])];
-            assert_eq!(found, expected.map(|s| s as u32), "{real:?}: {e:?}");
+            assert_eq!(found[..3], expected.map(|s| s as u32), "{real:?}: {e:?}");
+            // the first of each six is any
+            assert!(k % 6 > 0 || found[3] == 1, "{real:?}: {e:?} goes about the ray");
+            assert_eq!(found[4], 0, "{real:?}: {e:?} is edge-on");
             ties += usize::from(expected[0] == 0);
         }
         println!("{real:?}: {} edges, {ties} of them through the ray", edges.len());

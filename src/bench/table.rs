@@ -168,8 +168,8 @@ pub fn families(rows: &[Row]) -> impl Iterator<Item = (&Stiffness, &[Row])> {
     rows.chunk_by(move |a, b| family(a) == family(b)).filter_map(|rows| Some((rows[0].stiffness.as_ref()?, rows)))
 }
 
-/// Up to which stiffness a family's scenes are seen rightly: of this engine every pixel, every safe pixel and what 99 % are proven of; of
-/// the same without recheck and of its rivals every safe pixel.
+/// Up to which stiffness this engine sees a family rightly in every pixel and in every safe one, and proves 99 % of them; and up to which
+/// f32 alone and the best rival see every safe pixel rightly.
 pub fn reach(rows: &[Row]) -> Option<[String; 7]> {
     let knob = rows.first()?.stiffness.as_ref()?;
     let value = |row: &Row| row.stiffness.as_ref().map_or(f64::NAN, |s| s.value);

@@ -84,7 +84,8 @@ fn in_plane(rays: &PixelRays, v: DVec3, real: Real) -> (DVec2, f64) {
     let m = [0, 1, 2].map(|k| turned(v * b.h[k] - b.p[k]));
     let aside = d[0].xy() / d[0].z;
     let place = m[0].xy() - aside * m[0].z;
-    let off = real.unit() * (size(v) * b.h[0].abs() + size(b.p[0]));
+    let step_unit = if real == Real::F64 { real.unit() } else { 0.0 };
+    let off = step_unit * (size(v) * b.h[0].abs() + size(b.p[0]));
     let step = |k: usize, units: f64| {
         let aside_moved = (d[k].xy() - aside * d[k].z) / d[0].z;
         let pixel = m[k].xy() - aside * m[k].z - aside_moved * m[0].z;
@@ -121,8 +122,7 @@ pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, real: Real, r: f64) -> i32 {
     if value.abs() > room { value.signum() as i32 } else { 0 }
 }
 
-/// [`side`] takes the ray aside by the units of its steps, where a bound has one, and doubts values within its own rounding; room
-/// for the sizes' growth over the square.
+/// Room for the step aside and for [`side`]'s own doubts, twice for the sizes' growth over the square.
 const DOUBT_BOUNDS: f64 = 2.0 * (STEP_X + STEP_Y);
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 override DEGREE: u32 = 3u;
 
-// Control points 0 to DEGREE; those above are 0.
+// Control points 0 to DEGREE; those above repeat the last.
 struct Curve {
     c0: real3,
     c1: real3,

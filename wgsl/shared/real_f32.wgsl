@@ -3,11 +3,14 @@ alias real = f32;
 alias real3 = vec3<f32>;
 alias real4 = vec4<f32>;
 
+// Rounding of a stored number, relative: 2^-24.
+const REAL_UNIT: real = 5.9604645e-8;
+
 // Its square root: how far a double root is off, 2^-12.
 const REAL_UNIT_ROOT: real = 2.44140625e-4;
 
-// Rounding of one operation, relative: 2^-24.
-const REAL_UNIT: real = 5.9604645e-8;
+// Corners are not stepped aside: raster's own proofs in f32 leave no room for it.
+const STEP_UNIT: real = 0.0;
 
 // Rounding of one operation, relative: 2^-24.
 const REAL_ROUNDING: real = 5.9604645e-8;

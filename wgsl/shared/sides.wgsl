@@ -1,6 +1,6 @@
 // On which side of an edge a ray passes, after Woop, Benthin and Wald 2013: corners go along the ray onto a plane, where each is
 // rounded once and for all its triangles alike; in the plane the sign of every edge is exact. So triangles that share an edge or a
-// corner leave no hole and do not overlap, however near the ray passes.
+// corner leave no hole, however near the ray passes, and overlap only where roundings fold one of them over.
 
 // The axis along which a ray goes farthest, and how far it goes aside for each step along that; how that changes over a pixel.
 struct Shear {
@@ -35,9 +35,9 @@ fn shear_of(b: Bundle) -> Shear {
     return Shear(axis, aside, (dx.xy - aside * dx.z) / d.z, (dy.xy - aside * dy.z) / d.z);
 }
 
-// The ray is taken aside so far, along x and along y of its pixel, in units of what a corner's place may be off by as stored and
-// computed: what it should meet exactly, by symmetry, it then passes on one side, whatever the roundings. The second is as much
-// smaller as leaves it beyond them, and no simple fraction of the first, lest edges on a grid run the same way.
+// Every corner is moved as if the ray went so far along x and along y of its pixel, in units of the rounding of stored numbers: more
+// than those commonly add up to, so that a ray that should meet an edge exactly passes on one side. No simple fraction, lest the
+// two together run along the edges of a grid.
 const STEP_X: real = 8.3;
 const STEP_Y: real = 2.1;
 
@@ -46,13 +46,13 @@ fn in_plane(b: Bundle, s: Shear, v: real3) -> vec2<real> {
     let m = turned_to(s.axis, v * b.h - b.p);
     let mx = turned_to(s.axis, v * b.hx - b.px);
     let my = turned_to(s.axis, v * b.hy - b.py);
-    let off = REAL_UNIT * (size3(v) * abs(b.h) + size3(b.p));
+    let off = STEP_UNIT * (size3(v) * abs(b.h) + size3(b.p));
     return m.xy - s.aside * m.z
         + step_of(mx.xy - s.aside * mx.z - s.aside_x * m.z, STEP_X * off)
         + step_of(my.xy - s.aside * my.z - s.aside_y * m.z, STEP_Y * off);
 }
 
-// So long a step along the way of a pixel, or a vanishing part of the pixel where that is less.
+// A step of this length in the direction of the pixel's, at most REAL_UNIT_ROOT of it.
 fn step_of(pixel: vec2<real>, long: real) -> vec2<real> {
     let size = abs(pixel.x) + abs(pixel.y);
     return pixel * min(long / max(size, NO_STEP), REAL_UNIT_ROOT);
@@ -78,10 +78,11 @@ fn side_of(u: vec2<real>, v: vec2<real>) -> i32 {
     return side;
 }
 
+// Never where all corners fall into one place: the last edge is taken from the first corner too.
 fn is_between(b: Bundle, s: Shear, v: array<real3, 3>) -> bool {
     let p0 = in_plane(b, s, v[0]);
     let p1 = in_plane(b, s, v[1]);
     let p2 = in_plane(b, s, v[2]);
     let side = side_of(p0, p1);
-    return side == side_of(p1, p2) && side == side_of(p2, p0);
+    return side == side_of(p1, p2) && side == -side_of(p0, p2);
 }
