@@ -42,6 +42,7 @@ fn variant(optics: bool) -> Variant {
         counting: false,
         culling: true,
         doubting: false,
+        normals: false,
         optics: optics.then_some(OpticsKind::Facets),
         turned: false,
     }

@@ -34,6 +34,7 @@ const PLAIN: Variant = Variant {
     counting: false,
     culling: true,
     doubting: false,
+    normals: false,
     optics: None,
     turned: false,
 };
@@ -217,7 +218,7 @@ fn host() -> Layouts {
         layout!(Cast { a, b, c, receiver, pad0, flux, pad1 }),
         layout!(Receiver { columns, rows, first, scale }),
         layout!(Landing { a, ab, ac, receiver, pad0, diffuse, pad1 }),
-        layout!(Shading { background, ambient, light_count, has_normals, pad0, pad1 }),
+        layout!(Shading { background, ambient, light_count, pad0, pad1, pad2 }),
     ])
 }
 

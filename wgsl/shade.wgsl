@@ -2,6 +2,9 @@
 // Reads the visibility buffer, the triangle that won and the pixel's ray; writes the planes that were asked for.
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 
+// The scene has normals of its own.
+override NORMALS: bool = true;
+
 fn store(plane: u32, at: Place, word: u32) {
     if plane != NONE && says_what_is_seen() {
         planes[plane * at.count + at.pixel] = word;
@@ -149,7 +152,7 @@ fn light(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
     let surface = surfaces[slot];
     var n = normalize(cross(v1 - v0, v2 - v0));
     n *= select(1.0, -1.0, dot(n, view) > 0.0);
-    if shading.has_normals != 0u && surface.x != NONE && surface.y != NONE && surface.z != NONE {
+    if NORMALS && surface.x != NONE && surface.y != NONE && surface.z != NONE {
         let g0 = cross(ray.d, v0 - ray.p);
         let w = vec3<f32>(dot(v2 - v1, cross(ray.d, v1 - ray.p)), dot(v0 - v2, g0), dot(v1 - v0, g0));
         let weights = in_file_order(w / (w.x + w.y + w.z), triangle);

@@ -36,11 +36,11 @@ impl Look {
         Look {
             shading: rows::Shading {
                 light_count: scene.lights.len() as u32,
-                has_normals: !mesh.normals.is_empty() as u32,
                 background: scene.background,
                 ambient: AMBIENT,
                 pad0: 0,
                 pad1: 0,
+                pad2: 0,
             },
             lights: scene.lights.iter().map(|l| l.as_vec3().extend(0.0).to_array()).collect(),
             materials: mesh.materials.iter().map(|m| [m.diffuse[0], m.diffuse[1], m.diffuse[2], 1.0]).collect(),

@@ -33,6 +33,8 @@ pub struct Variant {
     pub culling: bool,
     /// Bounds in f32 prove nothing: all is left to `recheck`.
     pub doubting: bool,
+    /// The scene has normals of its own.
+    pub normals: bool,
     /// A mirror or a lens turns rays.
     pub optics: Option<OpticsKind>,
     /// The rays are those that it turned, and start on it.
@@ -105,7 +107,7 @@ impl Variant {
     /// Every variant that some camera needs on an adapter with these abilities.
     pub fn every(f64: bool, atomics64: bool) -> Vec<Variant> {
         let mut list = Vec::new();
-        for counting in [false, true] {
+        for [counting, normals] in [[false, false], [true, true]] {
             let of_camera = Variant {
                 f64,
                 atomics64,
@@ -114,6 +116,7 @@ impl Variant {
                 counting,
                 culling: true,
                 doubting: false,
+                normals,
                 optics: None,
                 turned: false,
             };
@@ -401,6 +404,7 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     let all = [&snippets[..], &own[..], variant.pixel(), variant.seen()].concat();
     let mut kernel = kernel("shade", bindings, &all);
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
+    kernel.constants.push(("NORMALS", variant.normals as u32 as f64));
     if let Some(optics) = variant.optics {
         kernel.constants.push(("SMOOTH", optics.is_smooth() as u32 as f64));
     }

@@ -158,9 +158,9 @@ pub struct Shading {
     pub background: [f32; 3],
     pub ambient: f32,
     pub light_count: u32,
-    pub has_normals: u32,
     pub pad0: u32,
     pub pad1: u32,
+    pub pad2: u32,
 }
 
 /// How facets turn rays.

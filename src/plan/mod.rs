@@ -123,6 +123,7 @@ impl Plan {
             counting: wanted.counting,
             culling: true,
             doubting: false,
+            normals: has_normals,
             optics: camera.optics.as_deref().map(OpticsKind::of),
             turned: false,
         };

@@ -118,7 +118,7 @@ impl Surface<'_> {
         let look = self.input.look;
         let surface = self.input.surfaces[self.slot as usize];
         let corners = [surface[0], surface[1], surface[2]];
-        if look.shading.has_normals == 0 || corners.contains(&NONE) {
+        if corners.contains(&NONE) {
             return None;
         }
         let (w, error) = self.row_weights(UNIT, STORED_UNITS);

@@ -84,6 +84,7 @@ impl Case {
             counting: true,
             culling: true,
             doubting: false,
+            normals: !self.scene.mesh.normals.is_empty(),
             optics,
             turned: false,
         }

@@ -16,7 +16,7 @@ struct Shading {
     background: vec3<f32>,
     ambient: f32,
     light_count: u32,       // 0: one headlight along each pixel's ray
-    has_normals: u32,
     pad0: u32,
     pad1: u32,
+    pad2: u32,
 }
