@@ -39,7 +39,7 @@ pub struct Capacities {
     pub queue: u64,
     /// (cluster, node) items that `bin` takes.
     pub work: u64,
-    /// (triangle, cell) pairs.
+    /// (triangle, tile) pairs.
     pub pairs: u64,
     /// Half tiles of pixels of a pair that `recheck` takes.
     pub doubts: u64,
@@ -186,6 +186,9 @@ impl Engine {
         plan.variant.f64 = run.arithmetic != Arithmetic::Single;
         plan.variant.culling = !run.no_cull;
         plan.variant.doubting = run.arithmetic == Arithmetic::Double;
+        if self.gpu.has.lanes && self.gpu.has.f64 {
+            plan.variant = plan.variant.with_tiles();
+        }
         let stages = self.stages(plan.variant, &plan.planes)?;
         let turned =
             plan.variant.turns_rays().then(|| self.stages(plan.variant.after_turn(), &plan.planes)).transpose()?;

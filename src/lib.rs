@@ -12,8 +12,8 @@
 //! ------------------------+-----------------------------------------------------------------
 //!                         |                                                          GPU, one submission
 //!            cull:   clusters of triangles x nodes          -> work items
-//!            bin:    triangles of a cluster x tiles         -> (triangle, cell) pairs
-//!            raster: pairs, pixel by pixel                  -> visibility buffer: (layer, t, id) a pixel; doubts
+//!            bin:    triangles of a cluster x tiles         -> (triangle, tile) pairs
+//!            raster: pairs, one by one or tile by tile      -> visibility buffer: (layer, t, id) a pixel; doubts
 //!            recheck: what f32 did not prove, in f64        -> visibility buffer
 //!            (certify: what is proven of it, where asked)
 //!            shade:  visible triangle of each pixel         -> planes: colour, depth, ids

@@ -44,20 +44,62 @@ fn differs(a: &Frame, b: &Frame) -> bool {
 /// Takes something from an adapter.
 type Less = fn(&mut Gpu);
 
+/// Depths that pairs and tiles may find of the same hit: f64 rounding of other sums, of which f32 keeps half a unit, and a step of
+/// what the key keeps.
+const DEPTH_UNITS: u32 = 2;
+
+/// Depths of tiles and of pairs are the same within [`DEPTH_UNITS`]; so is all else where the triangle is, and another one is as near.
+fn differs_beyond_rounding(a: &Frame, b: &Frame) -> bool {
+    let depths = [Channel::T, Channel::Z];
+    let bits = |f: &Frame, c: Channel| f.f32(c).map(|v| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
+    let near = |a: &[u32], b: &[u32]| a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= DEPTH_UNITS);
+    let [ids, other_ids] = [a, b].map(|f| f.u32(Channel::TriangleId).unwrap());
+    let same_triangles = |a: &[u32], b: &[u32]| (0..ids.len()).all(|k| ids[k] != other_ids[k] || a[k] == b[k]);
+    !Channel::ALL.into_iter().all(|c| match (bits(a, c), bits(b, c)) {
+        (Some(a), Some(b)) if depths.contains(&c) => near(&a, &b),
+        (Some(a), Some(b)) => same_triangles(&a, &b),
+        _ => a.u32(c).zip(b.u32(c)).is_none_or(|(a, b)| same_triangles(a, b)),
+    })
+}
+
+/// Raster goes pair by pair or tile by tile.
+#[test]
+fn frames_are_the_same_by_tile_and_by_pair() {
+    let (Some(mut by_tile), Some(mut by_pair)) = (engine_on(|_| {}), engine_on(|gpu| gpu.has.lanes = false)) else {
+        return;
+    };
+    if !by_tile.gpu.has.lanes {
+        println!("skipped: subgroups are not as wide as a tile");
+        return;
+    }
+    for (number, (a, b)) in SCENES.zip(frames(&mut by_tile).iter().zip(&frames(&mut by_pair))) {
+        let (Some(a), Some(b)) = (a, b) else { continue };
+        assert!(!differs_beyond_rounding(a, b), "scene {number}");
+    }
+}
+
 /// With and without 64-bit atomics, f64, and the checks that wgpu adds to kernels.
 #[test]
 fn frames_are_the_same_whatever_the_adapter_has() {
-    let less: [(&str, Less); 3] = [
-        ("64-bit atomics", |gpu| gpu.has.atomics64 = false),
-        ("f64", |gpu| gpu.has.f64 = false),
+    let less: [(&str, Less); 4] = [
+        ("64-bit atomics", |gpu| (gpu.has.lanes, gpu.has.atomics64) = (false, false)),
+        ("f64", |gpu| (gpu.has.lanes, gpu.has.f64) = (false, false)),
         // SAFETY: what the kernels read and write is what this very test holds against checked ones
-        ("checks", |gpu| unsafe { gpu.without_checks() }),
+        ("checks by pair", |gpu| unsafe {
+            gpu.has.lanes = false;
+            gpu.without_checks();
+        }),
+        // SAFETY: the same
+        ("checks by tile", |gpu| unsafe { gpu.without_checks() }),
     ];
-    let Some(mut whole) = engine_on(|_| {}) else { return };
-    let expected = frames(&mut whole);
+    let (Some(mut by_tile), Some(mut by_pair)) = (engine_on(|_| {}), engine_on(|gpu| gpu.has.lanes = false)) else {
+        return;
+    };
+    let whole = [frames(&mut by_pair), frames(&mut by_tile)];
     for (what, less) in less {
         let Some(mut engine) = engine_on(less) else { return };
-        for (number, (frame, expected)) in SCENES.zip(frames(&mut engine).iter().zip(&expected)) {
+        let expected = &whole[usize::from(engine.gpu.has.lanes)];
+        for (number, (frame, expected)) in SCENES.zip(frames(&mut engine).iter().zip(expected)) {
             let (Some(frame), Some(expected)) = (frame, expected) else { continue };
             // an adapter's own f64 may take sums and products in another order
             let same = match engine.gpu.has.f64 {

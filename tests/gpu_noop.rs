@@ -4,6 +4,7 @@
 use anamorph::frame::Channel;
 use anamorph::gpu::device::{Abilities, STORAGE_BUFFERS};
 use anamorph::gpu::kernels::Variant;
+use anamorph::gpu::rows::LANES;
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::stage::Stages;
 use wgpu::Features;
@@ -46,10 +47,15 @@ fn feature_sets() -> [(Features, bool, bool); 8] {
 #[test]
 fn abilities_follow_from_features_and_ask_for_no_more() {
     for (features, f64, atomics64) in feature_sets() {
-        let has = Abilities::of(features);
+        let gpu = open(features, limits(), &GpuOptions::default()).unwrap();
+        let has = Abilities::of(features, &gpu.info);
         assert_eq!((has.f64, has.atomics64), (f64, atomics64), "{features:?}");
         assert!(features.contains(has.features()), "{features:?}: asks for {:?}", has.features());
-        let gpu = open(features, limits(), &GpuOptions::default()).unwrap();
+        // subgroups help where they are as wide as a tile
+        let info = |size| wgpu::AdapterInfo { subgroup_min_size: size, subgroup_max_size: size, ..gpu.info.clone() };
+        let lanes = |features, size| Abilities::of(features, &info(size)).lanes;
+        let more = features.union(Features::SUBGROUP);
+        assert!(lanes(more, LANES) && !lanes(features, LANES) && !lanes(more, 2 * LANES));
         assert_eq!(gpu.device.features(), has.features());
     }
     let all = open(Features::all(), limits(), &GpuOptions::default()).unwrap();

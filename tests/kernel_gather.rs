@@ -37,6 +37,7 @@ fn variant(optics: bool) -> Variant {
     Variant {
         f64: false,
         atomics64: false,
+        by_tile: false,
         rays: RaysKind::Pieces,
         sheeted: false,
         counting: false,

@@ -7,9 +7,12 @@ mod stages;
 mod turned;
 
 use anamorph::TILE;
+use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::Buffers;
+use anamorph::gpu::kernels::Variant;
 use anamorph::gpu::rows::{
-    COUNT_DOUBTS, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_RECHECKED, COUNTERS, Params,
+    COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_DOUBTS, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED,
+    COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_RECHECKED, COUNTERS, Params,
 };
 use anamorph::twin::bin::{Pair, bin};
 use anamorph::twin::cull::{Bound, cull};
@@ -43,16 +46,40 @@ struct Drawn {
 /// One input's pairs.
 type Job<'a> = (Input<'a>, Vec<[u32; 2]>);
 
+/// Lists of pairs by tile, as bin leaves them; the tiles that are busy.
+fn lists_by_tile(gpu: &Gpu, buffers: &mut Buffers, input: &Input, pairs: &[[u32; 2]]) -> u32 {
+    let (mut heads, mut links) = (vec![0u32; input.tile_start.len() - 1], vec![0u32; pairs.len()]);
+    for (k, pair) in pairs.iter().enumerate() {
+        links[k] = std::mem::replace(&mut heads[Pair::unpack(*pair).tile as usize], k as u32 + 1);
+    }
+    let busy: Vec<u32> = (0..heads.len() as u32).filter(|tile| heads[*tile as usize] != 0).collect();
+    buffers.upload(gpu, "heads", &heads).unwrap();
+    buffers.upload(gpu, "links", &links).unwrap();
+    buffers.upload(gpu, "busy", &busy).unwrap();
+    busy.len() as u32
+}
+
+/// Arithmetic, 64-bit atomics, and tile by tile.
+type Way = (Real, bool, bool);
+
+/// All that the adapter can run.
+fn ways(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Way> {
+    let pairs = bench.variants().into_iter().map(|(real, atomics64)| (real, atomics64, false));
+    let has_tiles = bench.gpu.has.lanes && variant(Real::F64, true).with_tiles().by_tile;
+    pairs.chain(has_tiles.then_some((Real::F64, true, true))).collect()
+}
+
 /// Draws the jobs of one band into one buffer, as the engine does: every job in each step.
-fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64): (Real, bool), jobs: &[Job]) -> Drawn {
-    let (gpu, stages) = bench.stages(turned::variant(case, &jobs[0].0, real, atomics64), &[]);
-    let owned = [COUNT_FRAGMENTS_TESTED, COUNT_FRAGMENTS_KEPT, COUNT_RECHECKED, COUNT_DOUBTS];
+fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, jobs: &[Job]) -> Drawn {
+    let by_pair = turned::variant(case, &jobs[0].0, real, atomics64);
+    let (gpu, stages) = bench.stages(if by_tile { by_pair.with_tiles() } else { by_pair }, &[]);
+    let owned = [COUNT_FRAGMENTS_TESTED, COUNT_FRAGMENTS_KEPT, COUNT_RECHECKED, COUNT_DOUBTS, COUNT_PAIRS_KEPT];
     let pixels = (jobs[0].0.params.width * jobs[0].0.params.height) as usize;
     let mut visibility = vec![[0u32; 2]; pixels];
     visibility.resize(pixels + SPARE, [POISON; 2]);
     let mut shared = Buffers::default();
     shared.upload(gpu, "visibility", &visibility).unwrap();
-    let mut sums = [0; 4];
+    let mut sums = [0; 5];
     for step in 0..stages.raster_steps() {
         for (input, pairs) in jobs {
             let mut buffers = upload(gpu, input);
@@ -60,16 +87,21 @@ fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64): (Real, bool), j
             let room = input.params.doubt_capacity as usize;
             list(gpu, &mut buffers, "doubts", &[], room);
             let zeros = owned.map(|k| (k, 0));
-            counters(gpu, &mut buffers, &[&zeros[..], &[(COUNT_PAIRS, pairs.len() as u32)]].concat());
+            let mut given = [&zeros[..], &[(COUNT_PAIRS, pairs.len() as u32)]].concat();
+            if by_tile {
+                let busy = lists_by_tile(gpu, &mut buffers, input, pairs);
+                given.extend([(COUNT_BUSY, busy), (COUNT_BUSY_FIRST, 0), (COUNT_BUSY_END, 0)]);
+            }
+            counters(gpu, &mut buffers, &given);
             run(gpu, |pass| {
-                stages.raster(gpu, pass, &[&buffers, &shared], step)?;
+                stages.raster(gpu, pass, &[&buffers, &shared], step, 1)?;
                 stages.recheck(gpu, pass, &[&buffers, &shared], step)
             });
             assert_poisoned(&read(gpu, &buffers, "doubts"), 2 * room, &format!("{}, doubts", case.name));
             let counters = read(gpu, &buffers, "counters");
             for (k, &value) in counters.iter().take(COUNTERS as usize).enumerate() {
-                let owned = owned.contains(&(k as u32)) || k as u32 == COUNT_PAIRS;
-                assert!(owned || value == POISON, "{}: counter {k} is {value}", case.name);
+                let is_given = given.iter().any(|g| g.0 == k as u32);
+                assert!(is_given || value == POISON, "{}: counter {k} is {value}", case.name);
             }
             // the second step counts nothing again
             sums.iter_mut().zip(owned).for_each(|(sum, k)| *sum += counters[k as usize]);
@@ -158,11 +190,11 @@ fn pairs_of(input: &Input, rng: &mut Rng) -> Vec<[u32; 2]> {
     let work = cull(input, Bound::PLAIN).work;
     let mut pairs: Vec<Pair> = bin(input, &work, Real::F32).iter().map(|b| b.pair()).collect();
     pairs.iter_mut().step_by(2).for_each(|p| (p.from, p.to) = ([0, 0], [7, 7]));
-    let listed: std::collections::HashSet<(u32, u32)> = pairs.iter().map(|p| (p.slot, p.cell)).collect();
+    let listed: std::collections::HashSet<(u32, u32)> = pairs.iter().map(|p| (p.slot, p.tile)).collect();
     for _ in 0..pairs.len().min(2000) {
-        let (slot, cell) = (rng.below(input.triangles.len()) as u32, rng.below(input.cells.len()) as u32);
-        if !listed.contains(&(slot, cell)) {
-            pairs.push(Pair { slot, cell, from: [1, 0], to: [6, 7] });
+        let (slot, tile) = (rng.below(input.triangles.len()) as u32, rng.below(input.tile_start.len() - 1) as u32);
+        if !listed.contains(&(slot, tile)) {
+            pairs.push(Pair { slot, tile, from: [1, 0], to: [6, 7] });
         }
     }
     rng.shuffled(pairs.len()).into_iter().map(|k| pairs[k].pack()).collect()
@@ -173,8 +205,9 @@ fn jobs_of<'a>(band: Vec<Input<'a>>, rng: &mut Rng) -> Vec<Job<'a>> {
     let job = |mut input: Input<'a>| {
         let pairs = pairs_of(&input, rng);
         input.params.pair_capacity = pairs.len() as u32;
-        // two halves of a tile
-        input.params.doubt_capacity = 2 * pairs.len() as u32;
+        // two halves of each cell of a tile
+        let cells = input.tile_start.windows(2).map(|w| w[1] - w[0]).max().unwrap_or(0);
+        input.params.doubt_capacity = 2 * cells * pairs.len() as u32;
         (input, pairs)
     };
     band.into_iter().map(job).collect()
@@ -183,9 +216,9 @@ fn jobs_of<'a>(band: Vec<Input<'a>>, rng: &mut Rng) -> Vec<Job<'a>> {
 #[test]
 fn the_kernel_draws_what_its_twin_draws() {
     let Some(mut bench) = Bench::open() else { return };
-    let variants = bench.variants();
     let mut rng = Rng(77);
     for case in cases().into_iter().chain(seeds().map(random_case)) {
+        let variants = ways(&bench, |real, atomics64| case.variant(real, atomics64));
         let tables = case.tables();
         for band in case.bands(&tables) {
             let jobs = jobs_of(band, &mut rng);
@@ -204,7 +237,6 @@ fn the_kernel_draws_what_its_twin_draws() {
 #[test]
 fn the_kernel_draws_what_turned_rays_meet() {
     let Some(mut bench) = Bench::open() else { return };
-    let variants = bench.variants();
     let mut rng = Rng(78);
     for case in turned::cases() {
         let tables = case.tables();
@@ -214,20 +246,26 @@ fn the_kernel_draws_what_turned_rays_meet() {
                     return;
                 }
                 let jobs = jobs_of(inputs.to_vec(), &mut rng);
-                for &(real, atomics64) in &variants {
+                let variants = ways(&bench, |real, atomics64| turned::variant(&case, &jobs[0].0, real, atomics64));
+                for way in variants {
+                    let real = way.0;
                     let mut twin = Visibility::new((jobs[0].0.params.width * jobs[0].0.params.height) as usize);
                     jobs.iter().for_each(|(input, pairs)| raster(input, pairs, real, &mut twin));
-                    let drawn = run_kernel(&mut bench, &case, (real, atomics64), &jobs);
-                    check(&case, &jobs, (real, atomics64), &drawn, &twin);
+                    let drawn = run_kernel(&mut bench, &case, way, &jobs);
+                    check(&case, &jobs, way, &drawn, &twin);
                 }
             });
         }
     }
 }
 
-fn check(case: &Case, jobs: &[Job], (real, atomics64): (Real, bool), kernel: &Drawn, twin: &Visibility) {
+fn check(case: &Case, jobs: &[Job], (real, atomics64, by_tile): Way, kernel: &Drawn, twin: &Visibility) {
     let row = jobs[0].0.params.band_row;
-    let name = format!("{}, row {row}, {} chunks, {real:?}, 64-bit atomics {atomics64}", case.name, jobs.len());
+    let name = format!(
+        "{}, row {row}, {} chunks, {real:?}, 64-bit atomics {atomics64}, by tile {by_tile}",
+        case.name,
+        jobs.len()
+    );
     let seen = compare(jobs, real, &kernel.words, twin);
     let doubtful = twin.doubtful.iter().filter(|d| **d).count();
     println!(
@@ -249,8 +287,21 @@ fn check(case: &Case, jobs: &[Job], (real, atomics64): (Real, bool), kernel: &Dr
         "{name}: t off by {}",
         seen.t_relative
     );
-    assert_eq!(u64::from(kernel.tested), twin.tested, "{name}: fragments tested");
-    if doubtful == 0 {
+    if by_tile {
+        // all pixels of a tile, where its bounds leave the pair
+        let most = 64 * jobs.iter().map(|j| j.1.len() as u64).sum::<u64>();
+        assert!((u64::from(kernel.kept)..=most).contains(&u64::from(kernel.tested)), "{name}: fragments tested");
+    } else {
+        assert_eq!(u64::from(kernel.tested), twin.tested, "{name}: fragments tested");
+    }
+    // of a torn tile's cells each may have listed a triangle: tile by tile each pair is held against all pixels
+    let is_once = |(_, pairs): &Job| {
+        let places = pairs.iter().map(|p| Pair::unpack(*p)).map(|p| (p.slot, p.tile));
+        places.collect::<std::collections::HashSet<_>>().len() == pairs.len()
+    };
+    if by_tile && !jobs.iter().all(is_once) {
+        assert!(u64::from(kernel.kept) >= twin.kept, "{name}: fragments kept");
+    } else if doubtful == 0 {
         assert_eq!(u64::from(kernel.kept), twin.kept, "{name}: fragments kept");
     }
 }

@@ -4,7 +4,7 @@
 mod common;
 
 use anamorph::camera::Camera;
-use anamorph::engine::{Capacities, Engine, RunOptions};
+use anamorph::engine::{Arithmetic, Capacities, Engine, RunOptions};
 use anamorph::error::Error;
 use anamorph::frame::Channel;
 use anamorph::plan::Wanted;
@@ -82,6 +82,38 @@ fn lists_of_one_item_grow_to_the_identical_image() {
     }
 }
 
+/// Raster takes some 16,000 pairs of a tile at once, and the rest in as many rounds as it needs.
+#[test]
+fn more_pairs_of_one_tile_than_raster_takes_at_once_give_the_same_image() {
+    let (_, kind) = glc_of_each_class().swap_remove(0);
+    let camera = camera(kind, (8, 8), FORWARD);
+    let scene = scene(soup(&mut Rng(6), 60_000, 2.0));
+    let wanted = Wanted { counting: true, ..wanted() };
+    let frame = |lanes: bool| {
+        let mut engine = engine_on(|gpu| gpu.has.lanes &= lanes)?;
+        Some(engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap())
+    };
+    let (Some(by_tile), Some(by_pair)) = (frame(true), frame(false)) else { return };
+    assert!(by_tile.counts.pairs_kept > 50_000, "{:?}", by_tile.counts);
+    assert!(words(&by_tile.frame) == words(&by_pair.frame) && by_tile.srgb8 == by_pair.srgb8);
+    assert_eq!(by_tile.counts.fragments_kept, by_pair.counts.fragments_kept);
+}
+
+/// A triangle that fills 256 x 256 tiles: more than a loop has rounds on a software adapter.
+#[test]
+fn a_triangle_over_more_tiles_than_a_loop_has_rounds_fills_them_all() {
+    let (x, y, z) = (DVec3::new(-100.0, -100.0, 0.5), DVec3::new(300.0, -100.0, 0.5), DVec3::new(-100.0, 300.0, 0.5));
+    let scene = scene(mesh(vec![x, y, z], vec![[0, 1, 2]]));
+    let (_, kind) = glc_of_each_class().into_iter().find(|c| c.0 == "orthographic").expect("one of that name");
+    let camera = camera(kind, (2048, 2048), FORWARD);
+    for lanes in [true, false] {
+        let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
+        let wanted = Wanted { channels: vec![Channel::TriangleId], srgb8: false, counting: false };
+        let frame = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
+        assert!(frame.u32(Channel::TriangleId).unwrap().iter().all(|id| *id == 0), "lanes {lanes}");
+    }
+}
+
 /// Bytes of a binding on a very small adapter.
 const SMALL_BINDING: u64 = 1 << 16;
 
@@ -89,8 +121,8 @@ fn small() -> Option<Engine> {
     engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = SMALL_BINDING)
 }
 
-fn error_of(scene: &Scene, camera: &Camera, wanted: &Wanted) -> Option<Error> {
-    let error = small()?.render(scene, camera, wanted, &RunOptions::default()).expect_err("an error");
+fn error_of(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Option<Error> {
+    let error = small()?.render(scene, camera, wanted, run).expect_err("an error");
     println!("{error}");
     assert_eq!(error.exit_code(), 1);
     assert!(!error.to_string().contains('\n'));
@@ -98,18 +130,21 @@ fn error_of(scene: &Scene, camera: &Camera, wanted: &Wanted) -> Option<Error> {
 }
 
 #[test]
-fn pairs_of_one_cluster_that_no_list_can_hold_are_an_error_with_stage_need_and_capacity() {
-    // one cluster of 64 triangles before some 200 cells a band: over 10,000 pairs, and a list holds 8,192
+fn doubts_of_one_cluster_that_no_list_can_hold_are_an_error_with_stage_need_and_capacity() {
+    // one cluster of 64 triangles over all of some 100 tiles: twice 64 halves of each are left to recheck, and a list holds 8,192
     let wall = |k: u32| {
         let z = k as f64 / 64.0;
         [DVec3::new(-200.0, -100.0, z), DVec3::new(200.0, -100.0, z), DVec3::new(0.0, 300.0, z)]
     };
     let triangles = (0..64).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
     let scene = scene(mesh((0..64).flat_map(wall).collect(), triangles));
-    let camera = camera(mesh_camera(1, 40, 12, MeshLook::default()), SIZE, FORWARD);
-    let Some(error) = error_of(&scene, &camera, &wanted()) else { return };
+    let (_, kind) = glc_of_each_class().swap_remove(0);
+    let camera = camera(kind, SIZE, FORWARD);
+    let few = Wanted { channels: vec![Channel::TriangleId], srgb8: false, counting: false };
+    let run = RunOptions { arithmetic: Arithmetic::Double, ..Default::default() };
+    let Some(error) = error_of(&scene, &camera, &few, &run) else { return };
     let text = error.to_string();
-    assert!(text.contains("raster") && text.contains(&(SMALL_BINDING / 8).to_string()), "{text}");
+    assert!(text.contains("recheck") && text.contains(&(SMALL_BINDING / 8).to_string()), "{text}");
 }
 
 #[test]
@@ -117,7 +152,7 @@ fn an_image_too_wide_for_a_binding_is_an_error_that_names_the_limit() {
     let scene = crowd();
     let (_, kind) = glc_of_each_class().swap_remove(0);
     let camera = camera(kind, (1000, 8), FORWARD);
-    let Some(error) = error_of(&scene, &camera, &wanted()) else { return };
+    let Some(error) = error_of(&scene, &camera, &wanted(), &RunOptions::default()) else { return };
     assert!(error.to_string().contains(&SMALL_BINDING.to_string()), "{error}");
     // fewer channels fit
     let few = Wanted { channels: vec![Channel::TriangleId], srgb8: false, counting: false };

@@ -19,8 +19,10 @@ use glam::{DVec2, DVec3, Vec3};
 
 const SIZE: (u32, u32) = (101, 77);
 const LAVAPIPE_BINDING: u64 = 128 << 20;
-const HAS_ALL: Abilities = Abilities { f64: true, atomics64: true, timestamps: true, clip_distances: true };
-const HAS_NONE: Abilities = Abilities { f64: false, atomics64: false, timestamps: false, clip_distances: false };
+const HAS_ALL: Abilities =
+    Abilities { f64: true, atomics64: true, lanes: true, timestamps: true, clip_distances: true };
+const HAS_NONE: Abilities =
+    Abilities { f64: false, atomics64: false, lanes: false, timestamps: false, clip_distances: false };
 
 fn wanted(channels: &[Channel]) -> Wanted {
     Wanted { channels: channels.to_vec(), srgb8: false, counting: false }

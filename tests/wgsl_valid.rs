@@ -27,6 +27,7 @@ fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
         variant.atomics64 && ["raster", "recheck", "meet"].contains(&kernel.name),
     );
     caps.set(Capabilities::SHADER_INT64, !caps.is_empty());
+    caps.set(Capabilities::SUBGROUP, variant.by_tile);
     caps
 }
 
@@ -41,6 +42,10 @@ fn validate(module: &Module, caps: Capabilities) -> Result<ModuleInfo, String> {
 fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
     for variant in variants() {
         kernels::all(variant, &Channel::EVERY).iter().for_each(|k| check(k, variant));
+        let by_tile = variant.with_tiles();
+        if by_tile.by_tile {
+            [kernels::bin(by_tile), kernels::raster(by_tile)].iter().for_each(|k| check(k, by_tile));
+        }
         if variant.optics.is_none() {
             baseline::kernels::all(variant).iter().for_each(|k| check(k, variant));
         }
@@ -60,7 +65,8 @@ fn every_kernel_validates_with_the_capabilities_of_its_variant_alone() {
 fn every_kernel_does_without_f64_once_it_is_lowered() {
     each_kernel(|kernel, variant| {
         assert_eq!(kernel.f64, kernel.source.contains("alias real = f64"), "{}", kernel.name);
-        if !kernel.f64 {
+        if !kernel.f64 || variant.by_tile {
+            // tile by tile only where there is f64
             return;
         }
         let module = lowered(&kernel.source).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
@@ -200,7 +206,10 @@ fn f64_is_left_to_plain_arithmetic() {
     let all = 10 + 12 + 2;
     let (raster_certify_and_shade, recheck, bounce, meet, paste) = (3 * all, all - 6, 12, 9, 2);
     let rivals = 10 * (2 + 1 + 1);
-    assert_eq!(wide, 4 * (raster_certify_and_shade + recheck + bounce + meet + paste + rivals));
+    let by_pair = 4 * (raster_certify_and_shade + recheck + bounce + meet + paste + rivals);
+    // with 64-bit atomics too: raster of what is rechecked
+    let by_tile = 2 * (all - 6);
+    assert_eq!(wide, by_pair + by_tile);
 }
 
 #[test]

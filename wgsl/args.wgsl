@@ -15,6 +15,12 @@ fn args() {
         count = min(count, params.pair_capacity);
     } else if step.value == COUNT_DOUBTS {
         count = min(count, params.doubt_capacity);
+    } else if step.value == COUNT_BUSY {
+        // those that were listed since the last time
+        let first = atomicExchange(&counters[COUNT_BUSY_END], count);
+        atomicStore(&counters[COUNT_BUSY_FIRST], first);
+        count -= first;
+        items = GROUP / LANES;
     } else {
         count = min(count, params.queue_capacity);
     }

@@ -1,4 +1,4 @@
-// certify: one thread per (slot, cell) pair, twice, after all pairs were rastered and rechecked; then one per pixel of the band.
+// certify: one thread per (slot, tile) pair, twice, after all pairs were rastered and rechecked; then one per pixel of the band.
 // Reads what raster reads, and the visibility buffer. The first dispatch finds in each pixel the nearest bound behind which some triangle
 // is proven to be met; the second holds every triangle that may be met before it against the one that was found; the third writes
 // the plane: 2 proven by f32, 1 by recheck arithmetic, 0 not.
@@ -29,15 +29,21 @@ fn certify(
         return;
     }
     let pair = pairs[index];
-    let cell = cells[pair_cell(pair)];
+    let tile = pair_tile(pair);
     let triangle = triangles[pair_slot(pair)];
-    let owned = vec2<u32>(cell.mask_lo, cell.mask_hi) & box_mask(pair_from(pair), pair_to(pair));
-    let found = coverage(cell, owned, pair_from(pair), pair_to(pair), vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
+    let within = box_mask(pair_from(pair), pair_to(pair));
+    let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
+    for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
+        let cell = cells[k];
+        prove(cell, vec2<u32>(cell.mask_lo, cell.mask_hi) & within, pair, triangle, v);
+    }
+}
 
-    // prove what can be, pixel by pixel
+// Proves what can be of a pair's triangle in the owned pixels of a cell, one by one.
+fn prove(cell: Cell, owned: vec2<u32>, pair: vec2<u32>, triangle: vec4<u32>, v: array<real3, 3>) {
+    let found = coverage(cell, owned, pair_from(pair), pair_to(pair), vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
     let id = triangle_id(triangle);
     let whole = cell_bundle(cell);
-    let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
     let facing = select(1, -1, triangle_reversed(triangle));
     let hidden = select(0, facing, (triangle.w & ONE_SIDED) != 0u);
     let corner = tile_corner(cell.tile);

@@ -1,12 +1,20 @@
 // cull: one thread per (cluster, node) item of the step's queue; in step 0 per cluster, at a node above the top level.
 // Reads clusters and nodes; writes the children that the cluster may meet to the next queue, or to `work`: at level 1,
-// or where the cluster meets so many children of one affine bundle that going on with single triangles is cheaper.
+// or where all children are one affine bundle and going on with single triangles is cheaper: the cluster meets many of them, or an
+// extent says at once where in the bundle it is seen.
 // Torn nodes of level 1 are queued once more: their tiles go to `work`, and of torn tiles the cells.
 // `queue_out` and `work` may overflow: counters keep counting.
 
 // Children met by which a cluster is handed on undivided: descending costs every triangle of the cluster a set-up a
 // child, handing on costs 16 tests; a set-up is worth about four tests.
 const HAND_ON: u32 = 4u;
+
+// The highest level of what is handed on: bin goes over its 64 x 64 tiles in one loop, and software adapters end a thread's loops after
+// 65535 rounds in all.
+const HAND_ON_LEVEL: u32 = 3u;
+
+// Of a node of size 2: how large the place may be where a cluster is seen. Beyond, an extent says little of single triangles too.
+const CLEAR: f32 = 1.0;
 
 // Without it everything may meet everything, and `bin` tells.
 override CULLING: bool = true;
@@ -46,7 +54,7 @@ fn cull(
     for (var j = 0u; j < rows; j++) {
         for (var i = 0u; i < columns; i++) {
             let child = node_index(level - 1u, x + i, y + j);
-            if !CULLING || node_meets(child, centre, half) {
+            if !CULLING || node_meets(nodes[child], centre, half) {
                 let bit = 1u << (j * BRANCH + i);
                 kept |= bit;
                 torn |= select(0u, bit, nodes[child].rays == RAYS_TORN);
@@ -58,11 +66,15 @@ fn cull(
     }
 
     // hand the cluster on undivided, where the node's one bundle bounds its tiles too
-    if level > 1u && level < params.levels && countOneBits(kept) > HAND_ON
-        && nodes[node_index(level, x / BRANCH, y / BRANCH)].rays == RAYS_AFFINE {
-        let at = atomicAdd(&counters[COUNT_WORK], 1u);
-        put_to_work(at, vec2<u32>(cluster, node));
-        return;
+    if level > 1u && level < params.levels && level <= HAND_ON_LEVEL {
+        let own = nodes[node_index(level, x / BRANCH, y / BRANCH)];
+        let seen = extent(own, centre - half, centre, centre + half);
+        let is_clear = countOneBits(kept) > HAND_ON || (seen.tight && all(seen.hi - seen.lo < vec2<f32>(CLEAR)));
+        if own.rays == RAYS_AFFINE && is_clear {
+            let at = atomicAdd(&counters[COUNT_WORK], 1u);
+            put_to_work(at, vec2<u32>(cluster, node));
+            return;
+        }
     }
 
     // descend where there is more to tell apart
@@ -95,7 +107,7 @@ fn cull(
 fn descend_to_cells(tile: u32, cluster: u32) {
     let end = tile_start[tile + 1u];
     for (var cell = tile_start[tile]; cell < end; cell++) {
-        if !CULLING || node_meets(cells[cell].node, clusters[cluster].centre, clusters[cluster].half) {
+        if !CULLING || node_meets(nodes[cells[cell].node], clusters[cluster].centre, clusters[cluster].half) {
             put_to_work(atomicAdd(&counters[COUNT_WORK], 1u), vec2<u32>(cluster, cell_pack(cell)));
         }
     }

@@ -15,28 +15,31 @@ fn recheck(
     }
     let doubt = doubts[index];
     let pair = pairs[doubt.x >> 1u];
-    let cell = cells[pair_cell(pair)];
+    let tile = pair_tile(pair);
     let triangle = triangles[pair_slot(pair)];
     let doubtful = select(vec2<u32>(doubt.y, 0u), vec2<u32>(0u, doubt.y), (doubt.x & 1u) != 0u);
-
-    // settle it
-    let whole = cell_bundle(cell);
-    let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
-    var covered = vec2<u32>(0u);
-    var left = doubtful;
-    loop {
-        let bit = first_bit(left);
-        if bit == NONE {
-            break;
-        }
-        left = without_bit(left, bit);
-        let b = pixel_bundle(whole, cell, bit % TILE, bit / TILE);
-        if is_between(b, shear_of(b), v) {
-            covered = with_bit(covered, bit);
-        }
-    }
     if step.value == 0u {
         atomicAdd(&counters[COUNT_RECHECKED], countOneBits(doubt.y));
     }
-    merge_hits(cell, triangle, whole, v, covered);
+
+    // settle it, piece by piece
+    let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
+    for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
+        let cell = cells[k];
+        let whole = cell_bundle(cell);
+        var covered = vec2<u32>(0u);
+        var left = doubtful & vec2<u32>(cell.mask_lo, cell.mask_hi);
+        loop {
+            let bit = first_bit(left);
+            if bit == NONE {
+                break;
+            }
+            left = without_bit(left, bit);
+            let b = pixel_bundle(whole, cell, bit % TILE, bit / TILE);
+            if is_between(b, shear_of(b), v) {
+                covered = with_bit(covered, bit);
+            }
+        }
+        merge_hits(cell, triangle, whole, v, covered);
+    }
 }

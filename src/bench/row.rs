@@ -91,7 +91,7 @@ pub struct Certified {
 /// What a frame of this engine tests and keeps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Counted {
-    /// (triangle, cell) pairs.
+    /// (triangle, tile) pairs.
     pub pairs_tested: u64,
     pub pairs_kept: u64,
     /// Pixels tried for a triangle.

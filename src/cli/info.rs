@@ -43,6 +43,7 @@ struct Limits {
 struct Paths {
     arithmetic: &'static str,
     depth_test: &'static str,
+    mapping: &'static str,
     stage_times: &'static str,
     clipping: &'static str,
     usable: &'static str,
@@ -61,7 +62,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
 
 fn about(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
     let (info, limits) = (adapter.get_info(), adapter.limits());
-    let has = Abilities::of(adapter.features());
+    let has = Abilities::of(adapter.features(), &info);
     let either = |ability: bool, yes: &'static str, no: &'static str| if ability { yes } else { no };
     let enough = limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS;
     AdapterInfo {
@@ -88,6 +89,7 @@ fn about(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
                 "one dispatch, 64-bit atomics (--no-int64: two)",
                 "two dispatches, 32-bit atomics",
             ),
+            mapping: either(has.lanes && has.f64 && has.atomics64, "tile by tile, a column a thread", "pair by pair"),
             stage_times: either(has.timestamps, "GPU timestamps", "none"),
             clipping: either(has.clip_distances, "yes", "none: raster-* are refused but raster-cubemap"),
             usable: either(enough, "yes", "no: too few storage buffers a kernel; use --engine reference"),
@@ -115,6 +117,7 @@ impl fmt::Display for AdapterInfo {
         writeln!(f, "  usable            {}", paths.usable)?;
         writeln!(f, "  f64               {:<4} -> {}", yes(has.f64), paths.arithmetic)?;
         writeln!(f, "  64-bit atomics    {:<4} -> {}", yes(has.atomics64), paths.depth_test)?;
+        writeln!(f, "  lanes of a tile   {:<4} -> raster: {}", yes(has.lanes), paths.mapping)?;
         writeln!(f, "  timestamps        {:<4} -> stage times: {}", yes(has.timestamps), paths.stage_times)?;
         writeln!(f, "  clip distances    {:<4} -> rivals that clip: {}", yes(has.clip_distances), paths.clipping)?;
         writeln!(f, "  storage binding   {} bytes at most", limits.max_storage_buffer_binding_size)?;

@@ -124,7 +124,7 @@ impl Frames<'_> {
                     _ => self.encode_pairs(recorder, band, pass, &job)?,
                 }
                 let mut encoded = recorder.compute("raster");
-                stages.raster(gpu, &mut encoded, &scopes, step)?;
+                stages.raster(gpu, &mut encoded, &scopes, step, resident.raster_rounds)?;
                 drop(encoded);
                 if stages.rechecks() {
                     let mut encoded = recorder.compute("recheck");
@@ -150,6 +150,9 @@ impl Frames<'_> {
         let scopes = resident.scopes(job, band, pass);
         if let Some(counters) = resident.shared.get("counters") {
             recorder.encoder.clear_buffer(counters, 0, None);
+        }
+        if let Some(heads) = resident.shared.get("heads") {
+            recorder.encoder.clear_buffer(heads, 0, None);
         }
         // where turned rays are torn is not known beforehand
         let nodes = &self.plan.bands[band].nodes;

@@ -12,8 +12,8 @@ use crate::gpu::Gpu;
 use crate::gpu::buffers::{read_words, wait};
 use crate::gpu::recorder::Recorded;
 use crate::gpu::rows::{
-    COUNT_DOUBTS, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_RECHECKED,
-    COUNT_WORK, COUNTERS,
+    COUNT_BUSY, COUNT_BUSY_END, COUNT_DOUBTS, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS,
+    COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_WORK, COUNTERS,
 };
 use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
@@ -142,7 +142,7 @@ impl Frames<'_> {
         let wanted = Wanted { channels: self.plan.planes.clone(), ..self.wanted.clone() };
         let limit = self.gpu.binding_limit();
         let mut plan = Plan::new(&camera, triangles, has_normals, around, &wanted, self.gpu.has, limit);
-        plan.variant.culling = self.plan.variant.culling;
+        (plan.variant.culling, plan.variant.by_tile) = (self.plan.variant.culling, self.plan.variant.by_tile);
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
         if plan.variant != self.plan.variant || !is_as_large || camera.optics.is_some() {
             let (old, new) = (self.camera.kind, camera.kind);
@@ -236,7 +236,7 @@ impl Frames<'_> {
     fn fits(&mut self, submitted: &Submitted) -> Result<bool> {
         let words = read_words(&self.gpu, &submitted.status)?;
         let most =
-            |counter: u32| words.chunks(COUNTERS as usize).map(|s| s[counter as usize]).max().unwrap_or(0) as u64;
+            |counter: u32| words.chunks_exact(COUNTERS as usize).map(|s| s[counter as usize]).max().unwrap_or(0) as u64;
         let need = Capacities {
             queue: (0..COUNT_WORK).map(most).max().unwrap_or(0),
             work: most(COUNT_WORK),
@@ -245,20 +245,25 @@ impl Frames<'_> {
         };
         let have = self.resident.capacities;
         let fits = need.queue <= have.queue && need.work <= have.work && need.pairs <= have.pairs;
-        if fits && need.doubts <= have.doubts {
+        let is_left = |job: &[u32]| job[COUNT_BUSY as usize] > job[COUNT_BUSY_END as usize];
+        let is_done = !self.plan.variant.by_tile || !words.chunks_exact(COUNTERS as usize).any(is_left);
+        if fits && need.doubts <= have.doubts && is_done {
             return Ok(true);
         }
         self.timed.grown += 1;
+        if !is_done {
+            self.resident.raster_rounds *= 2;
+        }
         self.resident.grow(&self.gpu, &self.camera, &self.plan, need)?;
         Ok(false)
     }
 
     fn counts(&self, submitted: &Submitted) -> Result<Counts> {
         let words = read_words(&self.gpu, &submitted.status)?;
-        let sum = |counter: u32| words.chunks(COUNTERS as usize).map(|s| s[counter as usize] as u64).sum();
+        let sum = |counter: u32| words.chunks_exact(COUNTERS as usize).map(|s| s[counter as usize] as u64).sum();
         Ok(Counts {
             pairs_tested: sum(COUNT_PAIRS_TESTED),
-            pairs_kept: sum(COUNT_PAIRS),
+            pairs_kept: sum(COUNT_PAIRS_KEPT),
             fragments_tested: sum(COUNT_FRAGMENTS_TESTED),
             fragments_kept: sum(COUNT_FRAGMENTS_KEPT),
             rechecked: sum(COUNT_RECHECKED),

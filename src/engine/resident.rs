@@ -24,6 +24,8 @@ pub struct Resident {
     pub capacities: Capacities,
     /// Into how many batches the clusters of each chunk are cut.
     pub batches: u32,
+    /// How often raster goes over the busy tiles: again for those that have more pairs than it takes at once.
+    pub raster_rounds: u32,
     /// A row for every (band, chunk, batch), in the order of [`Resident::jobs`].
     params: Vec<Buffers>,
     /// The same for rays that were turned.
@@ -72,6 +74,7 @@ impl Resident {
             shared: Buffers::default(),
             capacities: Capacities { queue: 0, work: 0, pairs: 0, doubts: 0 },
             batches: 1,
+            raster_rounds: 1,
             params: Vec::new(),
             turned_params: Vec::new(),
             turns: camera.optics.as_ref().map(|o| Turns::new(gpu, scene, camera, o, plan, &passes)).transpose()?,
@@ -147,6 +150,14 @@ impl Resident {
         let lists = [&queues[..], &[("work", c.work), ("pairs", c.pairs), ("doubts", c.doubts)]].concat();
         for (name, items) in lists {
             self.shared.create(gpu, name, items * ITEM_BYTES, BufferUsages::empty())?;
+        }
+        if plan.variant.by_tile {
+            let tiles = plan.bands.iter().map(|b| b.tiles.tiles_x * b.tiles.tiles_y).max().unwrap_or(0);
+            let busy = 4 * u64::from(tiles) * u64::from(1 + self.raster_rounds);
+            let lists = [("heads", 4 * u64::from(tiles)), ("busy", busy), ("links", 4 * self.capacities.pairs)];
+            for (name, bytes) in lists {
+                self.shared.create(gpu, name, bytes, BufferUsages::empty())?;
+            }
         }
         self.write_params(gpu, camera, plan)
     }

@@ -1,5 +1,6 @@
 //! The adapter: which one, what it can do, and what that selects.
 
+use super::rows::LANES;
 use crate::error::{Error, Result};
 use serde::Serialize;
 use std::sync::{Arc, Mutex};
@@ -35,6 +36,9 @@ pub struct Abilities {
     pub f64: bool,
     /// 64-bit atomic minimum and maximum: one dispatch for the depth test instead of two.
     pub atomics64: bool,
+    /// Subgroups of as many threads as a tile has columns: `raster` goes tile by tile. Software adapters have these; what would suit
+    /// the larger ones of GPUs has not been measured.
+    pub lanes: bool,
     /// Times of single stages.
     pub timestamps: bool,
     /// Clip distances: rivals clip at the edges of a camera's pieces.
@@ -42,11 +46,13 @@ pub struct Abilities {
 }
 
 impl Abilities {
-    pub fn of(features: wgpu::Features) -> Abilities {
+    pub fn of(features: wgpu::Features, info: &wgpu::AdapterInfo) -> Abilities {
         let int64 = features.contains(wgpu::Features::SHADER_INT64);
+        let lanes = [info.subgroup_min_size, info.subgroup_max_size] == [LANES; 2];
         Abilities {
             f64: int64 && features.contains(wgpu::Features::SHADER_F64),
             atomics64: int64 && features.contains(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX),
+            lanes: lanes && features.contains(wgpu::Features::SUBGROUP),
             timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
             clip_distances: features.contains(wgpu::Features::CLIP_DISTANCES),
         }
@@ -58,6 +64,7 @@ impl Abilities {
         features.set(wgpu::Features::SHADER_INT64, self.f64 || self.atomics64);
         features.set(wgpu::Features::SHADER_F64, self.f64);
         features.set(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX, self.atomics64);
+        features.set(wgpu::Features::SUBGROUP, self.lanes);
         features.set(wgpu::Features::TIMESTAMP_QUERY, self.timestamps);
         features.set(wgpu::Features::CLIP_DISTANCES, self.clip_distances);
         features
@@ -110,7 +117,7 @@ impl Gpu {
     pub fn from_adapter(adapter: &wgpu::Adapter, options: &GpuOptions) -> Result<Gpu> {
         let info = adapter.get_info();
         let limits = adapter.limits();
-        let mut has = Abilities::of(adapter.features());
+        let mut has = Abilities::of(adapter.features(), &info);
         has.atomics64 &= !options.no_int64;
         has.f64 &= !options.no_f64;
         if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {

@@ -24,6 +24,8 @@ pub struct Variant {
     pub f64: bool,
     /// One 64-bit atomic a fragment; without it two dispatches of 32-bit ones.
     pub atomics64: bool,
+    /// `raster` goes tile by tile, not pair by pair.
+    pub by_tile: bool,
     pub rays: RaysKind,
     /// The tiles of several layers, or of several spans of t, are stacked below each other.
     pub sheeted: bool,
@@ -90,9 +92,13 @@ const TRIANGLE: &str = concat!(snippet!("shared/triangle.wgsl"), snippet!("share
 pub(crate) const RAY: &str = snippet!("shared/ray.wgsl");
 const BUNDLE: &str = concat!(snippet!("shared/ray.wgsl"), snippet!("shared/bundle.wgsl"));
 const SHADING: &str = snippet!("shared/shading.wgsl");
-const CONICS: &str = snippet!("shared/node_conics.wgsl");
-const EXTENT: &str = snippet!("shared/extent.wgsl");
 const MEETS: &str = snippet!("shared/meets.wgsl");
+/// Which pixels of a node's square a triangle may cover.
+const WITHIN: &str =
+    concat!(snippet!("shared/node_conics.wgsl"), snippet!("shared/extent.wgsl"), snippet!("shared/within.wgsl"),);
+/// Whether rays of a node may meet a triangle's box.
+const BOX_MET: &str = concat!(snippet!("shared/meets.wgsl"), snippet!("shared/box_met.wgsl"));
+const DOUBTS: &str = snippet!("shared/doubts.wgsl");
 const PAIR: &str = snippet!("shared/pair.wgsl");
 const BITS: &str = snippet!("shared/bits.wgsl");
 const MEETING: &str = snippet!("shared/meeting.wgsl");
@@ -111,6 +117,7 @@ impl Variant {
             let of_camera = Variant {
                 f64,
                 atomics64,
+                by_tile: false,
                 rays: RaysKind::Pieces,
                 sheeted: false,
                 counting,
@@ -139,6 +146,12 @@ impl Variant {
         !matches!(self.rays, RaysKind::Curves { .. })
     }
 
+    /// The same, with `raster` tile by tile where there is that.
+    pub fn with_tiles(self) -> Variant {
+        let by_tile = self.f64 && self.atomics64 && !self.doubting && self.rechecks();
+        Variant { by_tile, ..self }
+    }
+
     pub(crate) fn real(self) -> &'static str {
         if self.f64 { REAL_F64 } else { REAL_F32 }
     }
@@ -149,7 +162,7 @@ impl Variant {
 
     fn camera(self) -> &'static str {
         match self.rays {
-            RaysKind::Pieces => snippet!("camera/pieces.wgsl"),
+            RaysKind::Pieces => concat!(snippet!("camera/piece.wgsl"), snippet!("camera/pieces.wgsl")),
             RaysKind::Field => snippet!("camera/field.wgsl"),
             RaysKind::Curves { .. } => snippet!("camera/curves.wgsl"),
         }
@@ -196,6 +209,11 @@ impl Variant {
     /// The snippets with which rays are found pixel by pixel.
     pub(crate) fn pixel_snippets(self) -> Vec<&'static str> {
         [&[self.real(), BUNDLE, self.camera()][..], self.pixel()].concat()
+    }
+
+    /// How a kernel sees a list of structs: as it is, or as rows that the lanes of a subgroup load together.
+    fn rows(self, list: &'static str) -> &'static str {
+        if self.by_tile { "array<vec4<f32>>" } else { list }
     }
 
     /// The buffers that hold the camera's rays.
@@ -290,25 +308,34 @@ pub fn cull(variant: Variant) -> Kernel {
         write("work", "array<vec2<u32>>"),
         counters(),
     ];
-    let mut kernel = kernel("cull", bindings, &[PARAMS, ITEMS, INDEX, MEETS, snippet!("cull.wgsl")]);
+    let mut kernel = kernel("cull", bindings, &[PARAMS, ITEMS, INDEX, WITHIN, MEETS, snippet!("cull.wgsl")]);
     kernel.constants.push(("CULLING", variant.culling as u32 as f64));
     kernel
 }
 
 pub fn bin(variant: Variant) -> Kernel {
-    let bindings = vec![
+    let mut bindings = vec![
         params(),
-        read("clusters", "array<Cluster>"),
-        read("nodes", "array<Node>"),
+        read("clusters", variant.rows("array<Cluster>")),
+        read("nodes", variant.rows("array<Node>")),
         read("work", "array<vec2<u32>>"),
         read("triangles", "array<vec4<u32>>"),
         read("vertices_hi", "array<f32>"),
-        read("tile_start", "array<u32>"),
         read("cells", "array<Cell>"),
         write("pairs", "array<vec2<u32>>"),
         counters(),
     ];
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, PAIR, CONICS, EXTENT, MEETS, snippet!("bin.wgsl")];
+    let mut own = concat!(snippet!("shared/item_rows.wgsl"), snippet!("shared/by_pair.wgsl"));
+    if variant.by_tile {
+        let heads = write("heads", "array<atomic<u32>>");
+        bindings.extend([heads, write("links", "array<u32>"), write("busy", "array<u32>")]);
+        own = concat!(
+            snippet!("shared/node_by_lanes.wgsl"),
+            snippet!("shared/cluster_by_lanes.wgsl"),
+            snippet!("shared/by_tile.wgsl"),
+        );
+    }
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, PAIR, WITHIN, BOX_MET, own, snippet!("bin.wgsl")];
     let mut kernel = kernel("bin", bindings, &snippets);
     kernel.constants.push(("SHEETED", variant.sheeted as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
@@ -316,14 +343,66 @@ pub fn bin(variant: Variant) -> Kernel {
 }
 
 pub fn raster(variant: Variant) -> Kernel {
-    let mut kernel = into_visibility("raster", variant, snippet!("raster.wgsl"));
+    if variant.by_tile {
+        return raster_by_tile(variant);
+    }
+    let own = concat!(snippet!("shared/doubts.wgsl"), snippet!("raster.wgsl"));
+    let mut kernel = into_visibility("raster", variant, own);
     kernel.constants.push(("DOUBTING", f64::from(u8::from(variant.doubting && variant.rechecks()))));
+    kernel
+}
+
+fn raster_by_tile(variant: Variant) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        read("pairs", "array<vec2<u32>>"),
+        write("heads", "array<u32>"),
+        read("links", "array<u32>"),
+        write("busy", "array<u32>"),
+        write("doubts", "array<vec2<u32>>"),
+        read("triangles", "array<vec4<u32>>"),
+        read("vertices_hi", "array<f32>"),
+        read("vertices_lo", "array<f32>"),
+        read("nodes", "array<vec4<f32>>"),
+        write("visibility", "array<atomic<u64>>"),
+        counters(),
+    ];
+    let column = match variant.rays {
+        RaysKind::Field => {
+            bindings.extend([read("rays_hi", "array<vec2<f32>>"), read("rays_lo", "array<vec2<f32>>")]);
+            snippet!("camera/field_column.wgsl")
+        }
+        _ => {
+            let pieces = read("pieces", "array<vec4<f32>>");
+            bindings.extend([pieces, read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
+            concat!(snippet!("camera/piece.wgsl"), snippet!("camera/pieces_column.wgsl"))
+        }
+    };
+    if variant.turned {
+        bindings.extend([optic(), ways()]);
+    }
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
+    let own = [
+        WITHIN,
+        variant.merge(),
+        DOUBTS,
+        snippet!("shared/lanes.wgsl"),
+        snippet!("shared/node_by_lanes.wgsl"),
+        snippet!("shared/column.wgsl"),
+        column,
+        snippet!("shared/hold.wgsl"),
+        snippet!("raster_by_tile.wgsl"),
+    ];
+    let mut kernel = kernel("raster", bindings, &[&snippets[..], &own, variant.start()].concat());
+    kernel.constants = variant.constants();
+    kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
 }
 
 /// What bounds in f32 may leave to be settled.
 pub fn recheck(variant: Variant) -> Kernel {
-    into_visibility("recheck", variant, concat!(snippet!("shared/sides.wgsl"), snippet!("recheck.wgsl")))
+    let own = concat!(snippet!("shared/sides.wgsl"), snippet!("recheck.wgsl"));
+    into_visibility("recheck", variant, own)
 }
 
 /// What is proven of what raster and recheck found.
@@ -341,7 +420,7 @@ pub fn certify(variant: Variant, planes: &[Channel]) -> Kernel {
         counters(),
     ];
     bindings.extend(variant.rays());
-    bindings.push(read("cells", "array<Cell>"));
+    bindings.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     let shared = [PAIR, BITS, MEETING, variant.camera(), snippet!("shared/proof.wgsl")];
     let all = [&snippets[..], &shared[..], variant.coverage(), variant.proof(), &[snippet!("certify.wgsl")]].concat();
@@ -367,7 +446,7 @@ fn into_visibility(name: &'static str, variant: Variant, own: &str) -> Kernel {
         counters(),
     ];
     bindings.extend(variant.rays());
-    bindings.push(read("cells", "array<Cell>"));
+    bindings.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
     if variant.turned {
         bindings.extend([optic(), ways()]);
     }

@@ -7,6 +7,8 @@ use bytemuck::{Pod, Zeroable};
 
 /// Threads a workgroup, everywhere.
 pub const GROUP: u32 = 64;
+/// Threads a subgroup where `raster` goes tile by tile.
+pub const LANES: u32 = 8;
 /// Children a side of a node.
 pub const BRANCH: u32 = 4;
 /// Triangles a cluster at most.
@@ -28,11 +30,15 @@ pub const LEVEL_CELL: u32 = 15;
 pub const COUNT_WORK: u32 = 8;
 pub const COUNT_PAIRS: u32 = 9;
 pub const COUNT_RECHECKED: u32 = 10;
-pub const COUNT_PAIRS_TESTED: u32 = 11;
+pub const COUNT_PAIRS_KEPT: u32 = 11;
 pub const COUNT_FRAGMENTS_TESTED: u32 = 12;
 pub const COUNT_FRAGMENTS_KEPT: u32 = 13;
 pub const COUNT_DOUBTS: u32 = 14;
-pub const COUNTERS: u32 = 16;
+pub const COUNT_BUSY: u32 = 15;
+pub const COUNT_BUSY_FIRST: u32 = 16;
+pub const COUNT_BUSY_END: u32 = 17;
+pub const COUNT_PAIRS_TESTED: u32 = 18;
+pub const COUNTERS: u32 = 20;
 
 /// Bits of a triangle row's last word: id below, file order above, one-sidedness on top.
 pub const ID_BITS_MAX: u32 = 28;

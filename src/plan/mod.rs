@@ -118,6 +118,7 @@ impl Plan {
         let variant = Variant {
             f64: true,
             atomics64: has.atomics64,
+            by_tile: false,
             rays: sheets::kind(camera),
             sheeted: sheets.count() > 1,
             counting: wanted.counting,

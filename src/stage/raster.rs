@@ -1,9 +1,9 @@
-//! raster: every (triangle, cell) pair, pixel by pixel, into the visibility buffer.
+//! raster: every (triangle, tile) pair, pixel by pixel, into the visibility buffer; pair by pair, or tile by tile.
 
 use super::{Scopes, Stages};
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::gpu::rows::COUNT_PAIRS;
+use crate::gpu::rows::{COUNT_BUSY, COUNT_PAIRS};
 
 impl Stages {
     /// How many times all pairs must pass `raster`: without 64-bit atomics the words of a key go one after the other.
@@ -11,7 +11,19 @@ impl Stages {
         if self.variant.atomics64 { 1 } else { 2 }
     }
 
-    pub fn raster(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, step: u32) -> Result<()> {
+    /// Tile by tile, `rounds` times: each takes up what the one before has left.
+    pub fn raster(
+        &self,
+        gpu: &Gpu,
+        pass: &mut wgpu::ComputePass,
+        scopes: Scopes,
+        step: u32,
+        rounds: u32,
+    ) -> Result<()> {
+        if self.variant.by_tile {
+            let round = |_| self.dispatch_counted(gpu, pass, scopes, &self.raster, (COUNT_BUSY, step));
+            return (0..rounds).try_for_each(round);
+        }
         self.dispatch_counted(gpu, pass, scopes, &self.raster, (COUNT_PAIRS, step))
     }
 }

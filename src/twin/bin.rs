@@ -1,4 +1,4 @@
-//! bin in f64: which triangles cover a pixel of which cells, found by testing every pixel.
+//! bin in f64: which triangles cover a pixel of which tiles, found by testing every pixel.
 
 use super::cull::Address;
 use super::edge::side_over;
@@ -9,12 +9,13 @@ use crate::TILE;
 use crate::gpu::rows::Cell;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
-/// A pair as the lists hold it: a triangle's slot, a cell, and the box of the tile's pixels to look at.
+/// A pair as the lists hold it: a triangle's slot, a tile, and the box of its pixels to look at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
     pub slot: u32,
-    pub cell: u32,
+    pub tile: u32,
     /// First column and row.
     pub from: [u32; 2],
     /// Last column and row.
@@ -22,10 +23,10 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// 28 bits of slot and 24 of cell, then four numbers of 3 bits: columns from and to, rows from and to.
+    /// 28 bits of slot and 24 of tile, then four numbers of 3 bits: columns from and to, rows from and to.
     pub fn pack(&self) -> [u32; 2] {
         let box_bits = self.from[0] | self.to[0] << 3 | self.from[1] << 6 | self.to[1] << 9;
-        [self.slot | (box_bits & 15) << 28, self.cell | (box_bits >> 4) << 24]
+        [self.slot | (box_bits & 15) << 28, self.tile | (box_bits >> 4) << 24]
     }
 
     pub fn unpack([lo, hi]: [u32; 2]) -> Pair {
@@ -33,7 +34,7 @@ impl Pair {
         let number = |place: u32| box_bits >> place & 7;
         Pair {
             slot: lo & 0x0fff_ffff,
-            cell: hi & 0x00ff_ffff,
+            tile: hi & 0x00ff_ffff,
             from: [number(0), number(6)],
             to: [number(3), number(9)],
         }
@@ -49,11 +50,11 @@ impl Pair {
     }
 }
 
-/// A triangle and a cell of which it covers pixels, at a t in range and with a face that shows.
+/// A triangle and a tile of which it covers pixels, at a t in range and with a face that shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Binned {
     pub slot: u32,
-    pub cell: u32,
+    pub tile: u32,
     /// Pixels that it covers beyond doubt.
     pub certain: u64,
     /// And those whose rays pass an edge within rounding.
@@ -66,7 +67,7 @@ impl Binned {
         let bits = || (0..64u32).filter(|b| self.possible >> b & 1 == 1);
         let ends = |f: fn(u32) -> u32| (bits().map(f).min().unwrap_or(0), bits().map(f).max().unwrap_or(0));
         let ((x0, x1), (y0, y1)) = (ends(|b| b % TILE), ends(|b| b / TILE));
-        Pair { slot: self.slot, cell: self.cell, from: [x0, y0], to: [x1, y1] }
+        Pair { slot: self.slot, tile: self.tile, from: [x0, y0], to: [x1, y1] }
     }
 }
 
@@ -87,7 +88,9 @@ fn bin_item(input: &Input, cluster: u32, node: Address, real: Real) -> Vec<Binne
     let cluster = &input.clusters[cluster as usize];
     let slots = cluster.first..cluster.first + cluster.count;
     let corners: Vec<_> = slots.map(|slot| (slot, input.corners(slot))).collect();
-    let mut found = Vec::new();
+    let mut found: Vec<Binned> = Vec::new();
+    // where each triangle and tile of it is
+    let mut place = HashMap::new();
     for cell in cells_below(input, node) {
         let row = &input.cells[cell as usize];
         let pixels = owned(row);
@@ -98,8 +101,13 @@ fn bin_item(input: &Input, cluster: u32, node: Address, real: Real) -> Vec<Binne
                 continue;
             }
             let (certain, possible) = covered(input, &rays, corners, real);
-            if possible != 0 {
-                found.push(Binned { slot: *slot, cell, certain, possible });
+            if possible == 0 {
+                continue;
+            }
+            let same = *place.entry((*slot, row.tile)).or_insert(found.len());
+            match found.get_mut(same) {
+                Some(other) => (other.certain, other.possible) = (other.certain | certain, other.possible | possible),
+                None => found.push(Binned { slot: *slot, tile: row.tile, certain, possible }),
             }
         }
     }
@@ -143,7 +151,7 @@ mod tests {
         for k in 0..4096u32 {
             let pair = Pair {
                 slot: k.wrapping_mul(0x9e37_79b9) >> 4,
-                cell: k.wrapping_mul(0x85eb_ca6b) >> 8,
+                tile: k.wrapping_mul(0x85eb_ca6b) >> 8,
                 from: [k & 7, k >> 3 & 7],
                 to: [k >> 6 & 7, k >> 9],
             };
@@ -153,7 +161,7 @@ mod tests {
 
     #[test]
     fn a_pair_s_box_just_holds_its_pixels() {
-        let binned = Binned { slot: 0, cell: 0, certain: 0, possible: 1 << 10 | 1 << 29 };
+        let binned = Binned { slot: 0, tile: 0, certain: 0, possible: 1 << 10 | 1 << 29 };
         let pair = binned.pair();
         assert_eq!((pair.from, pair.to), ([2, 1], [5, 3]));
         assert_eq!(pair.pixels(), 0b0011_1100 * 0x0101_0100);

@@ -26,6 +26,9 @@ impl Bound {
 /// Children met by which a cluster is handed on undivided, where one affine bundle bounds the node's tiles too.
 pub const HAND_ON: usize = 4;
 
+/// The highest level of what is handed on.
+pub const HAND_ON_LEVEL: u32 = 3;
+
 /// How often a range of t is narrowed by the width of the bundle over it.
 pub const REFINEMENTS: u32 = 2;
 
@@ -103,8 +106,13 @@ pub fn cull(input: &Input, bound: Bound) -> Culled {
 
 /// A node that is left undivided when so many of its children are met.
 pub fn hands_on(input: &Input, node: Address, met: usize) -> bool {
-    let above_tiles = (2..input.params.levels).contains(&node.level);
-    above_tiles && met > HAND_ON && input.node(node).rays == RAYS_AFFINE
+    may_hand_on(input, node) && met > HAND_ON
+}
+
+/// A node that may be left undivided: one bundle over many tiles, and not over too many.
+pub fn may_hand_on(input: &Input, node: Address) -> bool {
+    let above_tiles = (2..input.params.levels).contains(&node.level) && node.level <= HAND_ON_LEVEL;
+    above_tiles && input.node(node).rays == RAYS_AFFINE
 }
 
 impl Input<'_> {

@@ -215,7 +215,7 @@ pub fn visible(inputs: &[Input], real: Real) -> Visibility {
 
 /// A frame by the twins alone: the planned channels, and RGBA in 8-bit sRGB where that was asked for.
 pub fn render(scene: &Scene, camera: &Camera, wanted: &Wanted, binding_limit: u64) -> (Frame, Option<Vec<u32>>) {
-    let has = Abilities { f64: true, atomics64: true, timestamps: false, clip_distances: false };
+    let has = Abilities { f64: true, atomics64: true, lanes: false, timestamps: false, clip_distances: false };
     let tables = Tables::new(scene, camera, wanted, has, binding_limit);
     let channels = &tables.plan.planes;
     let mut planes: Vec<Vec<u32>> = vec![Vec::new(); channels.len()];

@@ -197,18 +197,23 @@ pub fn raster(input: &Input, pairs: &[[u32; 2]], real: Real, visibility: &mut Vi
 /// The owned pixels of a pair's box, by their place in the band, and their layer.
 fn test_pair(input: &Input, pair: [u32; 2], real: Real) -> Vec<(usize, u32, Tested)> {
     let pair = bin::Pair::unpack(pair);
-    let cell = input.cells[pair.cell as usize];
     let corners = input.corners(pair.slot);
-    let apart = input.is_apart(corners.id);
-    let pixels = if apart { 0 } else { owned(&cell) & pair.pixels() };
-    let in_box = (0..64u32).filter(|bit| pixels >> bit & 1 == 1);
+    if input.is_apart(corners.id) {
+        return Vec::new();
+    }
+    let tile = pair.tile as usize;
+    let cells = &input.cells[input.tile_start[tile] as usize..input.tile_start[tile + 1] as usize];
+    let in_box = cells.iter().flat_map(|cell| {
+        let pixels = owned(cell) & pair.pixels();
+        (0..64u32).filter(move |bit| pixels >> bit & 1 == 1).map(move |bit| (cell, bit))
+    });
     in_box
-        .map(|bit| {
+        .map(|(cell, bit)| {
             let (x, y) = input.pixel_of(cell.tile, bit);
             let pixel = (y * input.params.width + x) as usize;
             let tested = match input.starts_on(pixel, corners.id) {
                 true => NOTHING,
-                false => test(input, &input.cell_cast(&cell, bit), &corners, real),
+                false => test(input, &input.cell_cast(cell, bit), &corners, real),
             };
             (pixel, input.layer_of(cell.tile), tested)
         })

@@ -17,12 +17,14 @@ pub enum Without {
     Nothing,
     Int64Atomics,
     F64,
+    /// Subgroups as wide as a tile: raster goes pair by pair.
+    Lanes,
 }
 
 type Slot = OnceLock<Option<Mutex<Engine>>>;
 
 /// An engine for each kind of kernels, so that none is compiled twice.
-static ENGINES: [Slot; 6] = [const { OnceLock::new() }; 6];
+static ENGINES: [Slot; 8] = [const { OnceLock::new() }; 8];
 
 /// An engine whose kernels suit the camera; `None`, with the reason printed, where the machine has no adapter.
 pub fn engine(camera: &Camera, without: Without) -> Option<MutexGuard<'static, Engine>> {
@@ -30,6 +32,7 @@ pub fn engine(camera: &Camera, without: Without) -> Option<MutexGuard<'static, E
     let less = |gpu: &mut Gpu| {
         gpu.has.f64 &= without != Without::F64;
         gpu.has.atomics64 &= without != Without::Int64Atomics;
+        gpu.has.lanes &= without != Without::Lanes;
     };
     let slot = ENGINES[2 * without as usize + usize::from(field)].get_or_init(|| engine_on(less).map(Mutex::new));
     slot.as_ref().map(|e| e.lock().unwrap_or_else(|e| e.into_inner()))

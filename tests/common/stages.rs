@@ -53,7 +53,7 @@ impl Case {
     /// For all channels, so that bands are cut alike in every test.
     pub fn tables(&self) -> Tables {
         let wanted = Wanted { channels: Channel::ALL.to_vec(), srgb8: false, counting: false };
-        let has = Abilities { f64: true, atomics64: true, timestamps: false, clip_distances: false };
+        let has = Abilities { f64: true, atomics64: true, lanes: false, timestamps: false, clip_distances: false };
         let mut tables = Tables::new(&self.scene, &self.camera, &wanted, has, self.band_limit);
         let mesh = &self.scene.with_optics(&self.camera).mesh;
         tables.clustered = cluster(mesh, tables.plan.anchor, self.chunk_limit);
@@ -79,6 +79,7 @@ impl Case {
         Variant {
             f64: real == Real::F64,
             atomics64,
+            by_tile: false,
             rays,
             sheeted,
             counting: true,

@@ -14,11 +14,3 @@ fn cell_bundle(cell: Cell) -> Bundle {
 fn pixel_bundle(whole: Bundle, cell: Cell, x: u32, y: u32) -> Bundle {
     return bundle_at(whole, real(f32(x) - TILE_REACH), real(f32(y) - TILE_REACH));
 }
-
-fn piece_bundle(q: Piece) -> Bundle {
-    return Bundle(
-        real3(q.p_hi) + real3(q.p_lo), real3(q.px_hi) + real3(q.px_lo), real3(q.py_hi) + real3(q.py_lo),
-        real3(q.d_hi) + real3(q.d_lo), real3(q.dx_hi) + real3(q.dx_lo), real3(q.dy_hi) + real3(q.dy_lo),
-        real(q.h_hi) + real(q.h_lo), real(q.hx_hi) + real(q.hx_lo), real(q.hy_hi) + real(q.hy_lo),
-    );
-}

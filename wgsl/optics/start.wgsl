@@ -5,7 +5,7 @@ fn is_apart(id: u32) -> bool {
     return id >= optic.first_id && optic.sees_itself == 0u;
 }
 
-// The pixel's ray starts on the triangle.
-fn starts_on(pixel: u32, id: u32) -> bool {
-    return ways[pixel].last == id;
+// The triangle that the pixel's ray starts on.
+fn start_of(pixel: u32) -> u32 {
+    return ways[pixel].last;
 }

@@ -4,6 +4,7 @@ fn is_apart(id: u32) -> bool {
     return false;
 }
 
-fn starts_on(pixel: u32, id: u32) -> bool {
-    return false;
+// The triangle that the pixel's ray starts on.
+fn start_of(pixel: u32) -> u32 {
+    return NONE;
 }

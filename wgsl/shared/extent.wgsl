@@ -7,57 +7,89 @@ struct Extent {
     tight: bool,
 }
 
-// The extent by one certified Newton step. A point X is seen at (x, y, t) with
-//   X - p = x A + y B + t d + (t - t0)(x dx + y dy) + r,   A = px + t0 dx, B = py + t0 dy, |r| <= r_p + |t| r_d,
-// so the rows w of the inverse of [A B d] give x = w_x . (X - p) up to |t - t0| (|w_x . dx| + |w_x . dy|) + |w_x| |r|
-// over the node, and t - t0 is bounded alike. The extent of the triangle is then that of its vertices.
+// Before the first step: all of the node, t guessed from the node's middle.
+fn anywhere(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
+    let t0 = dot(v0 + v1 + v2 - 3.0 * node.p, node.d) / (3.0 * dot(node.d, node.d));
+    return Extent(vec2<f32>(-1.0), vec2<f32>(1.0), t0, t0, false);
+}
+
+// The extent by one certified Newton step: for a tile.
 fn extent(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
-    let m0 = v0 - node.p;
-    let m1 = v1 - node.p;
-    let m2 = v2 - node.p;
-    let t0 = dot(m0 + m1 + m2, node.d) / (3.0 * dot(node.d, node.d));
+    return narrowed(node, anywhere(node, v0, v1, v2), v0, v1, v2);
+}
+
+// By three, each about the middle of what the one before has left: for nodes of many tiles.
+fn close_extent(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
+    let first = extent(node, v0, v1, v2);
+    return narrowed(node, narrowed(node, first, v0, v1, v2), v0, v1, v2);
+}
+
+// One step: a point X is seen at c + (x, y) and t, c the middle of the extent so far, with
+//   X - p - c_x px - c_y py = x A + y B + t D + (t - t0)(x dx + y dy) + r,
+//   A = px + t0 dx, B = py + t0 dy, D = d + c_x dx + c_y dy, |r| <= r_p + |t| r_d,
+// so the rows w of the inverse of [A B D] give x = w_x . (X - p - ...) up to |t - t0| (|x| |w_x . dx| + |y| |w_x . dy|) + |w_x| |r|,
+// and t - t0 is bounded alike. The extent of the triangle is then that of its vertices.
+fn narrowed(node: Node, before: Extent, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
+    let c = 0.5 * (before.lo + before.hi);
+    let s = 0.5 * (before.hi - before.lo) + BOUND_SLACK;
+    let t0 = 0.5 * (before.t_lo + before.t_hi);
+    let p = node.p + c.x * node.px + c.y * node.py;
+    let d = node.d + c.x * node.dx + c.y * node.dy;
+    let m0 = v0 - p;
+    let m1 = v1 - p;
+    let m2 = v2 - p;
     let a = node.px + t0 * node.dx;
     let b = node.py + t0 * node.dy;
     let n = cross(a, b);
-    let det = dot(n, node.d);
-    let wx = cross(b, node.d) / det;
-    let wy = cross(node.d, a) / det;
+    let det = dot(n, d);
+    let wx = cross(b, d) / det;
+    let wy = cross(d, a) / det;
     let wt = n / det;
 
     // how far t goes from t0 over the triangle
     let t = vec3<f32>(dot(wt, m0), dot(wt, m1), dot(wt, m2)) - t0;
-    let bend_t = abs(dot(wt, node.dx)) + abs(dot(wt, node.dy));
-    let size_m = max(length(m0), max(length(m1), length(m2)));
-    let size_a = length(node.px) + length(node.py) + abs(t0) * (length(node.dx) + length(node.dy));
-    let size_wt = length(wt);
+    let bend_t = s.x * abs(dot(wt, node.dx)) + s.y * abs(dot(wt, node.dy));
+    let size_m = max(size1(m0), max(size1(m1), size1(m2)));
+    let size_a = size1(node.px) + size1(node.py) + abs(t0) * (size1(node.dx) + size1(node.dy));
+    let size_wt = size1(wt);
     // rounding: what was subtracted to form the m and A, B; and the inverse's, which its condition magnifies
-    let condition = length(a) * length(b) * length(node.d) / abs(det);
+    let condition = size1(a) * size1(b) * size1(d) / abs(det);
+    let size_p = size1(node.p) + size1(node.px) + size1(node.py);
+    let size_d = abs(t0) * (size1(node.d) + size1(node.dx) + size1(node.dy));
     let lost_m = node.r_p
-        + BOUND_SLACK * (size_m * (1.0 + condition) + size_a + max(length(v0), max(length(v1), length(v2))) + length(node.p));
+        + BOUND_SLACK * (size_m * (1.0 + condition) + size_a + max(size1(v0), max(size1(v1), size1(v2))) + size_p + size_d);
     let lost_t = size_wt * (lost_m + abs(t0) * node.r_d);
     let room = 1.0 - bend_t - size_wt * node.r_d;
     let reach_t = (max(abs(t.x), max(abs(t.y), abs(t.z))) + lost_t) / room;
 
     // how far x and y go from the vertices' own
-    let bend = vec2<f32>(abs(dot(wx, node.dx)) + abs(dot(wx, node.dy)), abs(dot(wy, node.dx)) + abs(dot(wy, node.dy)));
+    let bend = vec2<f32>(
+        s.x * abs(dot(wx, node.dx)) + s.y * abs(dot(wx, node.dy)),
+        s.x * abs(dot(wy, node.dx)) + s.y * abs(dot(wy, node.dy)),
+    );
     let lost = lost_m + (abs(t0) + reach_t) * node.r_d;
-    let slack = reach_t * bend + vec2<f32>(length(wx), length(wy)) * lost;
+    let slack = reach_t * bend + vec2<f32>(size1(wx), size1(wy)) * lost;
     let x = vec3<f32>(dot(wx, m0), dot(wx, m1), dot(wx, m2));
     let y = vec3<f32>(dot(wy, m0), dot(wy, m1), dot(wy, m2));
-    let lo = vec2<f32>(min(x.x, min(x.y, x.z)), min(y.x, min(y.y, y.z))) - slack;
-    let hi = vec2<f32>(max(x.x, max(x.y, x.z)), max(y.x, max(y.y, y.z))) + slack;
+    let lo = c + vec2<f32>(min(x.x, min(x.y, x.z)), min(y.x, min(y.y, y.z))) - slack;
+    let hi = c + vec2<f32>(max(x.x, max(x.y, x.z)), max(y.x, max(y.y, y.z))) + slack;
     // NaN and infinities of a singular step fail these comparisons
     let sound = abs(det) > DET_MIN && abs(det) < MOST && room > ROOM_MIN && slack.x < SLACK_MAX && slack.y < SLACK_MAX;
-    if !sound {
-        return Extent(vec2<f32>(-1.0), vec2<f32>(1.0), 0.0, 0.0, false);
+    if !sound || any(before.lo > before.hi) {
+        return before;
     }
     let room_t = reach_t + BOUND_SLACK * abs(t0);
-    return Extent(max(lo, vec2<f32>(-1.0)), min(hi, vec2<f32>(1.0)), t0 - room_t, t0 + room_t, true);
+    return Extent(max(lo, before.lo), min(hi, before.hi), t0 - room_t, t0 + room_t, true);
 }
 
-// The step must contract, and its slack be worth having: less than half the node.
+// Sum of the absolute components: at least the length, and cheaper.
+fn size1(v: vec3<f32>) -> f32 {
+    return abs(v.x) + abs(v.y) + abs(v.z);
+}
+
+// The step must contract, and its slack be worth having.
 const ROOM_MIN: f32 = 0.25;
-const SLACK_MAX: f32 = 0.5;
+const SLACK_MAX: f32 = 4.0;
 
 // What is lost of a determinant below the least normal number is less than its rounding.
 const DET_MIN: f32 = LEAST / BOUND_SLACK;

@@ -21,7 +21,7 @@ fn merge_hits(cell: Cell, triangle: vec4<u32>, whole: Bundle, v: array<real3, 3>
         covered = without_bit(covered, bit);
         let meeting = pixel_depth(depth, cell, bit % TILE, bit / TILE);
         let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
-        if meeting.visible && !starts_on(pixel, id) {
+        if meeting.visible && start_of(pixel) != id {
             merge(pixel, ~visibility_key(layer, meeting.t, id));
             kept++;
         }

@@ -60,8 +60,7 @@ fn half_meets(node: Node, s: f32, range: vec2<f32>, centre: vec3<f32>, half: vec
     return range_left.x <= range_left.y;
 }
 
-fn node_meets(index: u32, centre: vec3<f32>, half: vec3<f32>) -> bool {
-    let node = nodes[index];
+fn node_meets(node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     if node.rays == RAYS_NONE {
         return false;
     }

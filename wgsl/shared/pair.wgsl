@@ -1,10 +1,10 @@
-// A pair: the triangle's slot (28 bits), the cell (24 bits), and the first and last column and row of the cell's tile
-// that the triangle may cover (3 bits each).
+// A pair: the triangle's slot (28 bits), the tile (24 bits), and the first and last column and row there that the triangle
+// may cover (3 bits each).
 
-fn pair_pack(slot: u32, cell: u32, from_px: vec2<u32>, to_px: vec2<u32>) -> vec2<u32> {
+fn pair_pack(slot: u32, tile: u32, from_px: vec2<u32>, to_px: vec2<u32>) -> vec2<u32> {
     return vec2<u32>(
         slot | ((from_px.x | ((to_px.x & 1u) << 3u)) << 28u),
-        cell | (((to_px.x >> 1u) | (from_px.y << 2u) | (to_px.y << 5u)) << 24u),
+        tile | (((to_px.x >> 1u) | (from_px.y << 2u) | (to_px.y << 5u)) << 24u),
     );
 }
 
@@ -12,7 +12,7 @@ fn pair_slot(pair: vec2<u32>) -> u32 {
     return pair.x & 0x0fffffffu;
 }
 
-fn pair_cell(pair: vec2<u32>) -> u32 {
+fn pair_tile(pair: vec2<u32>) -> u32 {
     return pair.y & 0x00ffffffu;
 }
 

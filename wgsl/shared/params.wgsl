@@ -2,6 +2,7 @@
 
 const GROUP: u32 = 64u;        // threads a workgroup, everywhere
 const TILE: u32 = 8u;          // px a side of a tile
+const LANES: u32 = 8u;         // threads a subgroup where raster goes tile by tile: a column of the tile each
 const BRANCH: u32 = 4u;        // children a side of a node
 const CLUSTER: u32 = 64u;      // triangles a cluster at most
 const NONE: u32 = 0xffffffffu;
@@ -10,11 +11,15 @@ const NONE: u32 = 0xffffffffu;
 const COUNT_WORK: u32 = 8u;
 const COUNT_PAIRS: u32 = 9u;
 const COUNT_RECHECKED: u32 = 10u;
-const COUNT_PAIRS_TESTED: u32 = 11u;
+const COUNT_PAIRS_KEPT: u32 = 11u;
 const COUNT_FRAGMENTS_TESTED: u32 = 12u;
 const COUNT_FRAGMENTS_KEPT: u32 = 13u;
 const COUNT_DOUBTS: u32 = 14u;
-const COUNTERS: u32 = 16u;
+const COUNT_BUSY: u32 = 15u;
+const COUNT_BUSY_FIRST: u32 = 16u;     // of the busy tiles that raster takes in this step
+const COUNT_BUSY_END: u32 = 17u;       // behind the last of them
+const COUNT_PAIRS_TESTED: u32 = 18u;
+const COUNTERS: u32 = 20u;
 
 // One band of the image and one batch of clusters.
 struct Params {

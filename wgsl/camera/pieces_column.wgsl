@@ -1,0 +1,64 @@
+// The rays of a column of a tile, from the pieces that own its pixels.
+
+// A piece, whose rows all lanes load together.
+fn lanes_piece(index: u32, lane: u32) -> Piece {
+    let row = pieces[12u * index + lane];
+    let more = pieces[12u * index + min(8u + lane, 11u)];
+    let p = subgroupShuffle(row, 0u);
+    let px = subgroupShuffle(row, 1u);
+    let py = subgroupShuffle(row, 2u);
+    let d = subgroupShuffle(row, 3u);
+    let dx = subgroupShuffle(row, 4u);
+    let dy = subgroupShuffle(row, 5u);
+    let p_lo = subgroupShuffle(row, 6u);
+    let px_lo = subgroupShuffle(row, 7u);
+    let py_lo = subgroupShuffle(more, 0u);
+    let d_lo = subgroupShuffle(more, 1u);
+    let dx_lo = subgroupShuffle(more, 2u);
+    let dy_lo = subgroupShuffle(more, 3u);
+    return Piece(
+        p.xyz, p.w, px.xyz, px.w, py.xyz, py.w, d.xyz, d.w, dx.xyz, dx.w, dy.xyz, bitcast<u32>(dy.w),
+        p_lo.xyz, p_lo.w, px_lo.xyz, px_lo.w, py_lo.xyz, py_lo.w, d_lo.xyz, d_lo.w, dx_lo.xyz, dx_lo.w, dy_lo.xyz, dy_lo.w,
+    );
+}
+
+// The rays of four pixels of a piece, origins less a point; (x, y) of the first from the piece's origin.
+fn piece_strip(b: Bundle, x: real, y: real, less: real3) -> Strip {
+    let rows = real4(y) + real4(0.0, 1.0, 2.0, 3.0);
+    let p = b.p + x * b.px;
+    let d = b.d + x * b.dx;
+    let share = 1.0 / (b.h + x * b.hx + rows * b.hy);
+    return Strip(
+        (p.x + rows * b.py.x) * share - less.x,
+        (p.y + rows * b.py.y) * share - less.y,
+        (p.z + rows * b.py.z) * share - less.z,
+        (d.x + rows * b.dy.x) * share,
+        (d.y + rows * b.dy.y) * share,
+        (d.z + rows * b.dy.z) * share,
+    );
+}
+
+fn either(a: Strip, b: Strip, is_b: vec4<bool>) -> Strip {
+    return Strip(
+        select(a.px, b.px, is_b), select(a.py, b.py, is_b), select(a.pz, b.pz, is_b),
+        select(a.dx, b.dx, is_b), select(a.dy, b.dy, is_b), select(a.dz, b.dz, is_b),
+    );
+}
+
+fn tile_column(tile: u32, x: u32, less: real3) -> Column {
+    let corner = tile_corner(tile);
+    let bits = vec4<u32>(x) + vec4<u32>(0u, TILE, 2u * TILE, 3u * TILE);
+    var column = Column(NO_STRIP, NO_STRIP, vec4<bool>(false), vec4<bool>(false));
+    for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
+        let upper = ((vec4<u32>(cells[k].mask_lo) >> bits) & vec4<u32>(1u)) != vec4<u32>(0u);
+        let lower = ((vec4<u32>(cells[k].mask_hi) >> bits) & vec4<u32>(1u)) != vec4<u32>(0u);
+        let q = lanes_piece(cells[k].piece, x);
+        let b = piece_bundle(q);
+        let at = vec2<f32>(corner + vec2<u32>(x, 0u)) - vec2<f32>(q.origin_x, q.origin_y);
+        column.upper = either(column.upper, piece_strip(b, real(at.x), real(at.y), less), upper);
+        column.lower = either(column.lower, piece_strip(b, real(at.x), real(at.y + 4.0), less), lower);
+        column.has_upper = column.has_upper | upper;
+        column.has_lower = column.has_lower | lower;
+    }
+    return column;
+}

@@ -1,0 +1,168 @@
+// raster, tile by tile: one subgroup of LANES threads per busy tile, one thread per column of it.
+// Reads what raster reads pair by pair, the lists of pairs by tile and the busy tiles; merges one visibility key a pixel, the nearest of
+// all pairs of its tile, and leaves what f32 does not prove to recheck. A tile of more than BATCHES times LANES pairs is listed as
+// busy again, with what is left of its pairs.
+
+// Batches of pairs that a subgroup takes at most: software adapters end a thread's loops after 65535 rounds in all, and a batch has up
+// to 27: its own, LANES links, and LANES pairs and one more twice.
+const BATCHES: u32 = 2000u;
+
+override COUNTING: bool = false;
+
+// Four bits a half of a column: rows that are so.
+fn row_bits(is_so: vec4<bool>) -> u32 {
+    let bits = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), is_so);
+    return bits.x | bits.y | bits.z | bits.w;
+}
+
+@compute @workgroup_size(64)
+fn raster(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+    @builtin(subgroup_invocation_id) lane: u32,
+) {
+    // take a busy tile
+    let item = atomicLoad(&counters[COUNT_BUSY_FIRST]) + group_index(group, groups) * (GROUP / LANES) + thread / LANES;
+    if item >= atomicLoad(&counters[COUNT_BUSY_END]) {
+        return;
+    }
+    let tile = busy[item];
+    let node = item_node(tile, lane);
+    let middle = real3(node.p);
+    let column = tile_column(tile, lane, middle);
+    let upper = lines_of(column.upper, column.has_upper);
+    let lower = lines_of(column.lower, column.has_lower);
+    let reach_q = lanes_max(max(reach_of(upper), reach_of(lower)), lane);
+    let corner = tile_corner(tile);
+    let first_pixel = corner.y * params.width + corner.x + lane;
+    let rows = vec4<u32>(0u, 1u, 2u, 3u) * params.width + first_pixel;
+    let starts_upper = starts_of(rows);
+    let starts_lower = starts_of(rows + 4u * params.width);
+
+    var nearest_upper = real4(FARTHEST);
+    var nearest_lower = real4(FARTHEST);
+    var tested = 0u;
+    var kept = 0u;
+    var at = heads[tile];
+    for (var batch = 0u; at != 0u && batch < BATCHES; batch++) {
+        // take a pair a lane
+        var mine = 0u;
+        for (var k = 0u; k < LANES; k++) {
+            mine = select(mine, at, lane == k);
+            if at != 0u {
+                at = links[at - 1u];
+            }
+        }
+        let index = max(mine, 1u) - 1u;
+        let triangle = triangles[pair_slot(vec2<u32>(pairs[index].x, 0u))];
+        let id = triangle_id(triangle);
+        let hi = array<vec3<f32>, 3>(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
+        let v0 = real3(hi[0]) + real3(vertex_lo(triangle.x));
+        let v1 = real3(hi[1]) + real3(vertex_lo(triangle.y));
+        let v2 = real3(hi[2]) + real3(vertex_lo(triangle.z));
+
+        // leave it where the tile's bounds do
+        let seen = extent(node, hi[0], hi[1], hi[2]);
+        let may = mine != 0u && !is_apart(id) && !is_empty(pixels_within(seen, TILE))
+            && may_cover(conics(node, hi[0], hi[1], hi[2]), 0.0, 0.0, CENTRES);
+        var left = lanes_any(select(0u, 1u << lane, may), lane);
+        tested += countOneBits(left);
+
+        // what the lanes will share of it
+        let m0 = vec3<f32>(v0 - middle);
+        let m1 = vec3<f32>(v1 - middle);
+        let reach = max(size(hi[0]), max(size(hi[1]), size(hi[2]))) + size(node.p);
+        let a = edge_of(m0, vec3<f32>(v1 - v0), reach_q, reach);
+        let b = edge_of(m0, vec3<f32>(v0 - v2), reach_q, reach);
+        let c = edge_of(m1, vec3<f32>(v2 - v1), reach_q, reach);
+        let normal = cross(v1 - v0, v2 - v0);
+        let height = dot(normal, v0 - middle);
+        let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
+        let hidden = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
+        var room = real(0.0);
+        if SHEETED {
+            room = 16.0 * REAL_UNIT * size3(normal) * (real(reach) + real(size(node.d)));
+        }
+
+        // hold each against all pixels
+        var doubts_upper = 0u;
+        var doubts_lower = 0u;
+        loop {
+            if left == 0u {
+                break;
+            }
+            let k = firstTrailingBit(left);
+            left &= left - 1u;
+            let given = Shared(
+                Edge(subgroupShuffle(a.c, k), subgroupShuffle(a.e, k)),
+                Edge(subgroupShuffle(b.c, k), subgroupShuffle(b.e, k)),
+                Edge(subgroupShuffle(c.c, k), subgroupShuffle(c.e, k)),
+                real3(lanes_real(normal.x, k), lanes_real(normal.y, k), lanes_real(normal.z, k)),
+                lanes_real(height, k),
+                lanes_real(hidden, k),
+                lanes_real(room, k),
+                subgroupShuffle(id, k),
+            );
+            let high = hold(given, upper, column.upper, column.has_upper, starts_upper, nearest_upper);
+            let low = hold(given, lower, column.lower, column.has_lower, starts_lower, nearest_lower);
+            nearest_upper = high.nearest;
+            nearest_lower = low.nearest;
+            doubts_upper |= row_bits(high.doubtful) << (4u * k);
+            doubts_lower |= row_bits(low.doubtful) << (4u * k);
+            if COUNTING {
+                kept += countOneBits(row_bits(high.met)) + countOneBits(row_bits(low.met));
+            }
+        }
+
+        // leave doubts, pair by pair
+        let all = vec2<u32>(lanes_any(doubts_upper, lane), lanes_any(doubts_lower, lane));
+        var doubtful = all.x | all.y;
+        loop {
+            if doubtful == 0u {
+                break;
+            }
+            let k = firstTrailingBit(doubtful) / 4u;
+            doubtful &= ~(15u << (4u * k));
+            let half = vec2<u32>(
+                lanes_any(rows_mask(1u << lane, (doubts_upper >> (4u * k)) & 15u), lane),
+                lanes_any(rows_mask(1u << lane, (doubts_lower >> (4u * k)) & 15u), lane),
+            );
+            let pair = subgroupShuffle(index, k);
+            leave_to_recheck(2u * pair + (lane & 1u), select(0u, select(half.x, half.y, lane == 1u), lane < 2u));
+        }
+    }
+
+    // merge the nearest of each pixel
+    let layer = tile_layer(tile);
+    for (var k = 0u; k < 4u; k++) {
+        settle(rows[k], layer, nearest_upper[k]);
+        settle(rows[k] + 4u * params.width, layer, nearest_lower[k]);
+    }
+    if COUNTING {
+        atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], kept);
+        if lane == 0u {
+            atomicAdd(&counters[COUNT_PAIRS_KEPT], tested);
+        }
+        let owned = countOneBits(row_bits(column.has_upper)) + countOneBits(row_bits(column.has_lower));
+        atomicAdd(&counters[COUNT_FRAGMENTS_TESTED], tested * owned);
+    }
+
+    // leave the rest of its pairs
+    if lane == 0u {
+        heads[tile] = at;
+        if at != 0u {
+            busy[atomicAdd(&counters[COUNT_BUSY], 1u)] = tile;
+        }
+    }
+}
+
+// The triangles that the rays of four pixels start on; a tile may reach beyond the band, where any will do.
+fn starts_of(pixels: vec4<u32>) -> vec4<u32> {
+    let rows = min(pixels, vec4<u32>(params.width * params.height - 1u));
+    return vec4<u32>(start_of(rows.x), start_of(rows.y), start_of(rows.z), start_of(rows.w));
+}
+
+fn vertex_lo(index: u32) -> vec3<f32> {
+    return vec3<f32>(vertices_lo[3u * index], vertices_lo[3u * index + 1u], vertices_lo[3u * index + 2u]);
+}

@@ -1,0 +1,22 @@
+// Raster takes pairs one by one: no lists by tile, and what a tile's own bounds leave out is left out here.
+
+// The pixels of a tile that the triangle may cover, of those that the bounds of a node above it leave.
+fn tile_pixels(tile: u32, above: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>, pixels: vec4<u32>) -> vec4<u32> {
+    if above.rays == RAYS_AFFINE {
+        return pixels;
+    }
+    let leaf = nodes[tile];
+    let seen = extent(leaf, v0, v1, v2);
+    let within = pixels_within(seen, TILE);
+    let left = vec4<u32>(max(pixels.xy, within.xy), min(pixels.zw, within.zw));
+    if leaf.rays == RAYS_NONE || is_empty(left) || !may_cover(conics(leaf, v0, v1, v2), 0.0, 0.0, CENTRES) {
+        return vec4<u32>(0u);
+    }
+    // in a sheet t ends soon: the triangle may lie before its start or beyond its end
+    if SHEETED && !seen.tight && !box_met(leaf, v0, v1, v2) {
+        return vec4<u32>(0u);
+    }
+    return left;
+}
+
+fn link(pair: u32, tile: u32) {}

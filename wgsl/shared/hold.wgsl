@@ -1,0 +1,135 @@
+// A triangle against four rays at once: which it covers, proven by f32, and how deep, in recheck arithmetic.
+
+// Rounding of one f32 operation, relative.
+const UNIT: f32 = 1.0 / 16777216.0;
+
+// What is lost of a stored position, relative: 8 units of 2^-48.
+const STORED_UNIT: f32 = 1.0 / 35184372088832.0;
+
+// Beyond all t.
+const FARTHEST: real = 1.0e300;
+
+// Directions of four pixels' rays, of size 1, and their cross products with the origins, to f32.
+struct Lines {
+    dx: vec4<f32>,
+    dy: vec4<f32>,
+    dz: vec4<f32>,
+    qx: vec4<f32>,
+    qy: vec4<f32>,
+    qz: vec4<f32>,
+}
+
+fn lines_of(s: Strip, exists: vec4<bool>) -> Lines {
+    let share = 1.0 / (abs(s.dx) + abs(s.dy) + abs(s.dz) + select(real4(1.0), real4(0.0), exists));
+    let dx = s.dx * share;
+    let dy = s.dy * share;
+    let dz = s.dz * share;
+    return Lines(
+        vec4<f32>(dx), vec4<f32>(dy), vec4<f32>(dz),
+        vec4<f32>(dy * s.pz - dz * s.py), vec4<f32>(dz * s.px - dx * s.pz), vec4<f32>(dx * s.py - dy * s.px),
+    );
+}
+
+// The largest sum of absolute components of the cross products.
+fn reach_of(l: Lines) -> f32 {
+    let q = abs(l.qx) + abs(l.qy) + abs(l.qz);
+    return max(max(q.x, q.y), max(q.z, q.w));
+}
+
+fn size(v: vec3<f32>) -> f32 {
+    return abs(v.x) + abs(v.y) + abs(v.z);
+}
+
+// An edge over a tile: E = d . c - e . q of a line (d, q), in units of what rounding may be off.
+struct Edge {
+    c: vec3<f32>,
+    e: vec3<f32>,
+}
+
+// From the corner m along e, of triangles that reach so far. m and e as rounded 1 unit each, a cross product 4 of both sizes, d and q
+// 1 each, six products and five sums 8, and a unit for the scaling: 16 of |m| |e|, as |d| <= 1, and 12 of |e| |q|.
+fn edge_of(m: vec3<f32>, e: vec3<f32>, reach_q: f32, reach: f32) -> Edge {
+    let size_m = size(m);
+    let size_e = size(e);
+    let lost = STORED_UNIT * reach * (size_e + size_m + reach_q);
+    let bound = UNIT * size_e * (16.0 * size_m + 12.0 * reach_q) + lost + LEAST * (2.0 + size_m + reach_q);
+    let fits = size_e * (size_m + reach_q) < MOST;
+    let share = select(0.0, 1.0 / bound, fits);
+    return Edge(cross(m, e) * share, e * share);
+}
+
+fn along(edge: Edge, l: Lines) -> vec4<f32> {
+    return (edge.c.x * l.dx + edge.c.y * l.dy + edge.c.z * l.dz) - (edge.e.x * l.qx + edge.e.y * l.qy + edge.e.z * l.qz);
+}
+
+// What the lanes share of a triangle.
+struct Shared {
+    a: Edge,
+    b: Edge,
+    c: Edge,
+    normal: real3,
+    height: real,       // N . v
+    hidden: real,
+    room: real,         // of N . (v - p), beyond an end of a segment
+    id: u32,
+}
+
+struct Found {
+    nearest: real4,
+    doubtful: vec4<bool>,
+    met: vec4<bool>,
+}
+
+// Holds a triangle against four rays.
+fn hold(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u32>, before: real4) -> Found {
+    let a = along(f.a, l);
+    let b = along(f.b, l);
+    let c = along(f.c, l);
+    let least = min(a, min(b, c));
+    let most = max(a, max(b, c));
+    let inside = (least > vec4<f32>(1.0)) | (most < vec4<f32>(-1.0));
+    let outside = (least < vec4<f32>(-1.0)) & (most > vec4<f32>(1.0));
+    let across = f.normal.x * s.dx + f.normal.y * s.dy + f.normal.z * s.dz;
+    let t_min = of_words(params.t_words.xy);
+    let t_max = of_words(params.t_words.zw);
+    var t = (f.height - (f.normal.x * s.px + f.normal.y * s.py + f.normal.z * s.pz)) / across;
+    var from_t = real4(t_min);
+    var to_t = real4(t_max);
+    if SHEETED {
+        let room = f.room / abs(across);
+        from_t -= room;
+        to_t += room;
+    }
+    // NaN of 0 / 0 fails these comparisons
+    let met = inside & exists & (across * f.hidden <= real4(0.0)) & (t >= from_t) & (t <= to_t) & (starts != vec4<u32>(f.id));
+    if SHEETED {
+        t = min(max(t, real4(t_min)), real4(t_max));
+    }
+    let keys = real4(depth_key(t.x, f.id), depth_key(t.y, f.id), depth_key(t.z, f.id), depth_key(t.w, f.id));
+    return Found(select(before, keys, met & (keys < before)), exists & !(inside | outside), met);
+}
+
+// Low bits of t that an id takes.
+fn key_mask() -> u64 {
+    return (1lu << select(params.id_bits, params.id_bits + 2u, SHEETED)) - 1lu;
+}
+
+// t with the id in place of its last bits, as a number: of what is equal but for these the smaller id is the nearer.
+fn depth_key(t: real, id: u32) -> real {
+    let bits = bitcast<u64>(t + 0.0);
+    let low = select(u64(id), key_mask() - u64(id), t < 0.0);
+    return bitcast<f64>((bits & ~key_mask()) | low);
+}
+
+// The pixel's visibility key of a depth key.
+fn settle(pixel: u32, layer: u32, key: real) {
+    if key < FARTHEST {
+        var bits = ordered_bits(key);
+        let mask = vec2<u32>(u32(key_mask() & 0xfffffffflu), u32(key_mask() >> 32u));
+        let id = bits.x & mask.x;
+        if SHEETED {
+            bits = vec2<u32>((bits.x >> 2u) | (bits.y << 30u), ((bits.y & 0x3fffffffu) >> 2u) | (layer << 28u));
+        }
+        merge(pixel, ~vec2<u32>((bits.x & ~((1u << params.id_bits) - 1u)) | id, bits.y));
+    }
+}
