@@ -22,6 +22,7 @@ use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::Recorder;
 use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
+use crate::scene::clusters::cluster;
 use crate::stage::Stages;
 use crate::stage::gather::Gather;
 pub use frames::Frames;
@@ -195,7 +196,8 @@ impl Engine {
         let setup = setup(&camera, &plan);
         let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup)).transpose()?;
         let caustics = lit.map(|lit| (lit, self.gather(plan.variant, &plan.planes)));
-        let mut resident = Resident::new(&self.gpu, &scene, &camera, &plan, wanted, run.capacities)?;
+        let clustered = cluster(&scene.mesh, plan.anchor, self.gpu.binding_limit());
+        let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, wanted, run.capacities)?;
         let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());
         if let Some(most) = run.draws_max.filter(|most| draws > *most) {
             return Err(Error::input(format!("{draws} triangles to draw a frame; {most} are the most here")));
@@ -217,7 +219,7 @@ impl Engine {
             painter,
             rival,
             kept: None,
-            moving: run.moving,
+            moving: run.moving.then_some(clustered),
             is_aimed: false,
             timed: Timed::default(),
         })

@@ -99,6 +99,8 @@ pub struct Technique {
     pub knob: Option<Knob>,
     /// It leaves out what a piece does not see, and may be told not to.
     pub culls: bool,
+    /// It draws through the raster pipeline.
+    pub draws: bool,
     make: fn(&Gpu, &Setup) -> Result<Box<dyn Rival>>,
 }
 
@@ -130,6 +132,7 @@ pub const TECHNIQUES: &[Technique] = &[
         about: "a ray a pixel through a bounding volume hierarchy, built anew when triangles move",
         knob: None,
         culls: false,
+        draws: false,
         make: trace::rebuilt,
     },
     Technique {
@@ -137,6 +140,7 @@ pub const TECHNIQUES: &[Technique] = &[
         about: "the same, its hierarchy fitted to triangles that moved instead of built anew",
         knob: None,
         culls: false,
+        draws: false,
         make: trace::refitted,
     },
     Technique {
@@ -144,6 +148,7 @@ pub const TECHNIQUES: &[Technique] = &[
         about: "a ray a pixel against every triangle",
         knob: None,
         culls: false,
+        draws: false,
         make: trace::brute,
     },
     Technique {
@@ -151,6 +156,7 @@ pub const TECHNIQUES: &[Technique] = &[
         about: "curved projectors as so many straight segments, each traced (Brosz et al. 2007, section 4.3)",
         knob: Some(Knob { name: "segments", default: 8, least: 1, most: 256 }),
         culls: false,
+        draws: false,
         make: trace::segments,
     },
     Technique {
@@ -158,6 +164,7 @@ pub const TECHNIQUES: &[Technique] = &[
         about: "vertices projected exactly, straight edges between them (Brosz et al. 2007; Popescu et al., section 4.2)",
         knob: Some(Knob { name: "levels of subdivision", default: 0, least: 0, most: 4 }),
         culls: true,
+        draws: true,
         make: through_pieces::warp,
     },
     Technique {
@@ -165,6 +172,7 @@ pub const TECHNIQUES: &[Technique] = &[
         about: "a triangle around each image, the ray of each of its pixels against the plane (Hou et al. 2006, section 2)",
         knob: None,
         culls: true,
+        draws: true,
         make: through_pieces::bound,
     },
     Technique {
@@ -172,6 +180,7 @@ pub const TECHNIQUES: &[Technique] = &[
         about: "the same, a pass for each camera",
         knob: None,
         culls: true,
+        draws: true,
         make: through_pieces::bound_passes,
     },
     Technique {
@@ -179,6 +188,7 @@ pub const TECHNIQUES: &[Technique] = &[
         about: "two passes by a texture of where the camera shows each triangle (Yu et al. 2009, section 3.3), of all GLCs at once",
         knob: Some(SAMPLES),
         culls: true,
+        draws: true,
         make: splat::batched,
     },
     Technique {
@@ -186,6 +196,7 @@ pub const TECHNIQUES: &[Technique] = &[
         about: "the same, two passes for each GLC",
         knob: Some(SAMPLES),
         culls: true,
+        draws: true,
         make: splat::each,
     },
     Technique {
@@ -193,6 +204,7 @@ pub const TECHNIQUES: &[Technique] = &[
         about: "a perspective matrix a piece, triangles replicated (Lorenz and Doellner 2009, section 2; graph cameras)",
         knob: None,
         culls: true,
+        draws: true,
         make: replicated::replicated,
     },
     Technique {
@@ -200,6 +212,7 @@ pub const TECHNIQUES: &[Technique] = &[
         about: "a picture of all six sides, and every pixel's nearest texel (Lorenz and Doellner 2009, section 1.1)",
         knob: Some(Knob { name: "texels a side", default: 2048, least: 16, most: 8192 }),
         culls: false,
+        draws: true,
         make: cubemap::cubemap,
     },
 ];

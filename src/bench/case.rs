@@ -53,6 +53,8 @@ pub struct Arm {
     /// As [`crate::engine::RunOptions::no_cull`].
     pub no_cull: bool,
     pub arithmetic: Arithmetic,
+    /// Asked for t and ids alone, as yardsticks find them, and for no colour.
+    pub bare: bool,
 }
 
 impl Case {
@@ -125,7 +127,15 @@ impl Case {
 
 impl Arm {
     pub fn ours() -> Arm {
-        Arm { by: None, set: Vec::new(), way: None, knob: None, no_cull: false, arithmetic: Arithmetic::default() }
+        Arm {
+            by: None,
+            set: Vec::new(),
+            way: None,
+            knob: None,
+            no_cull: false,
+            arithmetic: Arithmetic::default(),
+            bare: false,
+        }
     }
 
     /// A rival, as `--engine` names it.
@@ -152,6 +162,11 @@ impl Arm {
     /// Nothing is left out early.
     pub fn no_cull(self) -> Arm {
         Arm { no_cull: true, ..self.way("no culling") }
+    }
+
+    /// Asked for what yardsticks find.
+    pub fn bare(self) -> Arm {
+        Arm { bare: true, ..self.way("t and ids alone") }
     }
 
     /// All signs in this arithmetic.

@@ -14,12 +14,11 @@ pub mod suites;
 mod table;
 mod yardstick;
 
-use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::output::write_text;
 use case::Case;
 pub use provenance::Provenance;
-use race::{Rules, race};
+use race::{Engines, Rules, race};
 use row::Row;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -48,7 +47,7 @@ pub struct Selection {
 /// [`Error::Work`] where a file cannot be written, [`Error::Input`] where no case is selected; what a technique cannot show is a row
 /// that says so.
 pub fn run(
-    engine: &mut Engine,
+    engines: &mut Engines,
     suite: &Suite,
     selection: &Selection,
     rules: &Rules,
@@ -62,7 +61,7 @@ pub fn run(
         let names: Vec<&str> = cases.iter().map(|c| c.name.trim()).collect();
         return Err(Error::input(format!("{} has no such case; there is: {}", suite.name, names.join("; "))));
     }
-    let provenance = Provenance::now(engine, *quick);
+    let provenance = Provenance::now(&engines.computing, *quick);
     let mut run = Run { suite: suite.name.into(), provenance, rows: Vec::new() };
     let folder = folder.join(run.folder_name());
     let results = folder.join(RESULTS);
@@ -71,7 +70,7 @@ pub fn run(
     }
     for case in cases.iter().filter(|case| is_asked(case)) {
         let failed = |e: Error| case.arms.iter().map(|arm| Row::refused(suite.name, case, arm, &e)).collect();
-        let mut own = race(engine, suite.name, case, rules).unwrap_or_else(failed);
+        let mut own = race(engines, suite.name, case, rules).unwrap_or_else(failed);
         own.iter_mut().for_each(|row| row.commit = run.provenance.commit.clone());
         own.iter().for_each(&mut tell);
         run.rows.retain(|row| row.case != case.name);

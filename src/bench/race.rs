@@ -9,11 +9,36 @@ use crate::compare::compare;
 use crate::engine::{Arithmetic, Engine, Frames, RunOptions};
 use crate::error::Result;
 use crate::frame::{Channel, Frame, NO_ID};
+use crate::gpu::Gpu;
+use crate::gpu::device::{GpuOptions, NO_ADAPTER};
 use crate::plan::Wanted;
 use crate::reference::image::{Judgement, judge};
 use crate::scene::Scene;
 use std::path::PathBuf;
 use std::time::Instant;
+
+/// This engine on two devices of an adapter: software adapters misplace the passes of a device in time once it has drawn.
+pub struct Engines {
+    /// Of compute kernels alone.
+    pub computing: Engine,
+    /// Of rivals that draw.
+    pub drawing: Engine,
+}
+
+impl Engines {
+    /// # Errors
+    /// [`crate::Error::Work`] where there is no adapter.
+    pub fn open(options: &GpuOptions) -> Result<Engines> {
+        let engine = || Ok(Engine::new(Gpu::open(options)?.ok_or_else(|| crate::Error::work(NO_ADAPTER))?));
+        Ok(Engines { computing: engine()?, drawing: engine()? })
+    }
+
+    /// The one that an arm runs on.
+    fn of(&mut self, arm: &Arm) -> &mut Engine {
+        let draws = arm.choice().ok().flatten().is_some_and(|c| c.technique.draws);
+        if draws { &mut self.drawing } else { &mut self.computing }
+    }
+}
 
 /// How cases are run.
 #[derive(Debug, Clone)]
@@ -72,13 +97,18 @@ impl Scenes<'_> {
 ///
 /// # Errors
 /// [`crate::Error`] where the case's scene or the device fails.
-pub fn race(engine: &mut Engine, suite: &str, case: &Case, rules: &Rules) -> Result<Vec<Row>> {
+pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> Result<Vec<Row>> {
     let folder = tempfile::tempdir().map_err(|e| crate::Error::work(format!("no temporary folder: {e}")))?;
     let all = Scenes { case, path: case.write(folder.path())? };
     let truth = all.with_camera(&case.truth)?;
-    let scenes: Vec<Result<(Scene, Camera)>> = case.arms.iter().map(|arm| all.with_camera(&arm.set)).collect();
+    let program = rules.yardstick.as_deref();
+    let yardstick = program.map(|p| Yardstick::new(p, &truth.0, &truth.1, case.moving)).transpose()?.flatten();
+    // what it finds is asked of this engine too
+    let bare = yardstick.as_ref().and(case.arms.first()).map(|ours| ours.clone().bare());
+    let arms: Vec<&Arm> = case.arms.iter().chain(&bare).collect();
+    let scenes: Vec<Result<(Scene, Camera)>> = arms.iter().map(|arm| all.with_camera(&arm.set)).collect();
     let mut entries: Vec<Entry> = Vec::new();
-    for (arm, scene) in case.arms.iter().zip(&scenes) {
+    for (&arm, scene) in arms.iter().zip(&scenes) {
         let mut entry = Entry { row: Row::new(suite, case, arm), arm: Some(arm), runner: None, times: Vec::new() };
         let with_culling = |e: &&Entry| arm.no_cull && e.row.technique == entry.row.technique;
         match (entries.iter().find(with_culling).and_then(|e| e.row.refused.clone()), scene) {
@@ -86,20 +116,18 @@ pub fn race(engine: &mut Engine, suite: &str, case: &Case, rules: &Rules) -> Res
             (None, Ok((scene, camera))) => {
                 let ours = entries.iter().find(|e| e.row.is_ours()).and_then(|e| e.runner.as_ref());
                 let first_ms_max = rules.first_ms_max.max(2.0 * ours.map_or(0.0, Runner::first_ms));
-                entry.prepare(engine, scene, camera, &options(case, arm, rules), first_ms_max);
+                entry.prepare(engines.of(arm), scene, camera, &options(case, arm, rules), first_ms_max);
             }
             (None, Err(e)) => entry.row.refused = Some(e.to_string()),
         }
         entries.push(entry);
     }
-    if let Some(program) = &rules.yardstick {
-        if let Some(yardstick) = Yardstick::new(program, &truth.0, &truth.1, case.moving)? {
-            let mut row = Row::of_yardstick(suite, case, program);
-            row.describe(&truth.0, &truth.1);
-            entries.push(Entry { row, arm: None, runner: Some(Runner::Yardstick(yardstick)), times: Vec::new() });
-        }
+    if let Some((program, yardstick)) = program.zip(yardstick) {
+        let mut row = Row::of_yardstick(suite, case, program);
+        row.describe(&truth.0, &truth.1);
+        entries.push(Entry { row, arm: None, runner: Some(Runner::Yardstick(yardstick)), times: Vec::new() });
     }
-    let control_ms = time(engine, &all, &mut entries, rules.runs)?;
+    let control_ms = time(&engines.computing, &all, &mut entries, rules.runs)?;
 
     let mut judge = Judge { scene: &truth.0, camera: &truth.1, judgement: None, each: case.stiffness.is_some() };
     let mut rows = Vec::new();
@@ -110,19 +138,23 @@ pub fn race(engine: &mut Engine, suite: &str, case: &Case, rules: &Rules) -> Res
             entry.row.error = judge.error(&frame)?;
             if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, entry.row.is_ours()) {
                 let options = options(case, arm, rules)?;
-                if case.counted {
-                    entry.row.counted = Some(counted(engine, scene, camera, &options, &frame)?);
+                if case.counted && !arm.bare {
+                    entry.row.counted = Some(counted(&mut engines.computing, scene, camera, &options, &frame)?);
                 }
                 let is_provable = camera.optics.is_none() && arm.arithmetic == Arithmetic::Rechecked;
                 if let (true, true, Some(truth)) = (case.stiffness.is_some(), is_provable, judge.truth()) {
-                    entry.row.certified = Some(certified(engine, scene, camera, &options, truth)?);
+                    entry.row.certified = Some(certified(&mut engines.computing, scene, camera, &options, truth)?);
                 }
             }
         }
         rows.push(entry.row);
     }
-    let ours = rows.iter().find(|r| r.is_ours()).and_then(|r| r.times.as_ref()).map(|t| t.median);
-    rows.iter_mut().for_each(|row| row.relate(ours));
+    let median = |row: &Row| row.times.as_ref().map(|t| t.median);
+    let ours = rows.iter().find(|r| r.is_ours()).and_then(median);
+    // the arm for the program stands behind those of the case, and the program behind it
+    let bare = rows.get(case.arms.len()).and_then(median);
+    let related = rows.iter_mut().enumerate();
+    related.for_each(|(at, row)| row.relate(if at > case.arms.len() { bare } else { ours }));
     Ok(rows)
 }
 
@@ -161,7 +193,7 @@ impl<'a> Entry<'a> {
     ) {
         self.row.describe(scene, camera);
         let options = options.as_ref().map_err(Clone::clone);
-        let wanted = wanted(self.row.stiffness.is_some());
+        let wanted = wanted(self.row.stiffness.is_some(), self.arm.is_some_and(|arm| arm.bare));
         match options.and_then(|options| engine.prepare(scene, camera, &wanted, options)) {
             Ok(frames) => {
                 let first_ms = frames.first_ms();
@@ -234,9 +266,10 @@ impl Judge<'_> {
     }
 }
 
-/// `depth`: how far along the rays things are is asked for too.
-fn wanted(depth: bool) -> Wanted {
-    let mut channels = vec![Channel::R, Channel::G, Channel::B, Channel::T, Channel::TriangleId];
+/// `depth`: how far along the rays things are is asked for too; `bare`: no colour.
+fn wanted(depth: bool, bare: bool) -> Wanted {
+    let mut channels = vec![Channel::T, Channel::TriangleId];
+    channels.extend([Channel::R, Channel::G, Channel::B].into_iter().filter(|_| !bare));
     channels.extend(depth.then_some(Channel::Z));
     Wanted { channels, srgb8: false, counting: false }
 }
@@ -255,7 +288,7 @@ fn counted(
     options: &RunOptions,
     frame: &Frame,
 ) -> Result<Counted> {
-    let wanted = Wanted { counting: true, ..wanted(false) };
+    let wanted = Wanted { counting: true, ..wanted(false, false) };
     let counts = engine.render(scene, camera, &wanted, options)?.counts;
     let covered = frame.u32(Channel::TriangleId).map_or(0, |ids| ids.iter().filter(|id| **id != NO_ID).count());
     Ok(Counted::of(counts, covered as u64))

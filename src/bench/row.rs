@@ -32,7 +32,7 @@ pub struct Row {
     pub times: Option<Times>,
     /// Median time of an empty kernel, run in turn with the rest, ms.
     pub control_ms: f64,
-    /// The time of this row over that of `anamorph` in the same case.
+    /// The time of this row over that of `anamorph` in the same case; of a yardstick, over that of `anamorph` asked for no more.
     pub to_ours: Option<f64>,
     /// Time on the device by stage, ms.
     pub stages: Vec<(String, f64)>,
@@ -202,7 +202,8 @@ impl Row {
     /// A row of the program that runs beside the arms.
     pub fn of_yardstick(suite: &str, case: &Case, program: &Path) -> Row {
         let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy().into_owned();
-        Row { technique: name, ..Row::new(suite, case, &Arm::ours()) }
+        let knob = case.arms.first().and_then(|arm| arm.knob);
+        Row { technique: name, ..Row::new(suite, case, &Arm { knob, ..Arm::ours() }) }
     }
 
     pub fn is_ours(&self) -> bool {

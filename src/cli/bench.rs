@@ -2,13 +2,11 @@
 
 use super::args::BenchArgs;
 use super::print;
-use crate::bench::race::Rules;
+use crate::bench::race::{Engines, Rules};
 use crate::bench::suites::{SUITES, Suite};
 use crate::bench::{self, Selection, write_index};
-use crate::engine::Engine;
 use crate::error::{Error, Result};
-use crate::gpu::Gpu;
-use crate::gpu::device::{GpuOptions, NO_ADAPTER};
+use crate::gpu::device::GpuOptions;
 
 pub fn run(args: &BenchArgs) -> Result<()> {
     let asked: Vec<&Suite> = SUITES.iter().filter(|s| args.suite.as_ref().is_none_or(|name| name == s.name)).collect();
@@ -23,15 +21,15 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     }
     std::fs::create_dir_all(&args.out).map_err(|e| Error::work(format!("{}: {e}", args.out.display())))?;
     let options = GpuOptions { adapter: args.adapter.clone(), ..Default::default() };
-    let mut engine = Engine::new(Gpu::open(&options)?.ok_or_else(|| Error::work(NO_ADAPTER))?);
-    let is_software = engine.gpu.info.device_type == wgpu::DeviceType::Cpu;
+    let mut engines = Engines::open(&options)?;
+    let is_software = engines.computing.gpu.info.device_type == wgpu::DeviceType::Cpu;
     let selection = Selection { quick: args.quick, only: args.case.clone() };
     let mut rules = Rules { yardstick: args.yardstick.clone(), ..Rules::new(args.quick, is_software) };
     rules.runs = args.runs.unwrap_or(rules.runs);
     for suite in asked {
         print(&format!("{}: {}\n", suite.name, suite.asks))?;
         let mut told = Ok(());
-        let folder = bench::run(&mut engine, suite, &selection, &rules, &args.out, |row| {
+        let folder = bench::run(&mut engines, suite, &selection, &rules, &args.out, |row| {
             let time = row.times.as_ref().map(|t| format!("{:>9.2} ms", t.median));
             let wrong = row.error.as_ref().map(|e| format!(", {:.4} % wrong", 100.0 * e.wrong_share));
             let time = time.or_else(|| row.refused.clone()).unwrap_or_default();

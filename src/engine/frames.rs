@@ -17,7 +17,7 @@ use crate::gpu::rows::{
 };
 use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
-use crate::scene::clusters::cluster;
+use crate::scene::clusters::{Clustered, cluster};
 use crate::stage::Stages;
 use crate::stage::gather::Gather;
 use glam::{DMat3, DVec3};
@@ -46,8 +46,8 @@ pub struct Frames<'a> {
     pub(super) rival: Option<Box<dyn Rival>>,
     /// Where the planes go too, 4 bytes a channel and pixel, as one image.
     pub(super) kept: Option<wgpu::Buffer>,
-    /// Every vertex is new in each timed frame.
-    pub(super) moving: bool,
+    /// The triangles as they are on the device, where every vertex is new in each timed frame.
+    pub(super) moving: Option<Clustered>,
     /// The camera is not that of the first frame any more.
     pub(super) is_aimed: bool,
     pub(super) timed: Timed,
@@ -105,9 +105,9 @@ impl Frames<'_> {
             wait(&self.gpu)?;
             let ms = started.elapsed().as_secs_f64() * 1e3;
             // only what moves may come to need more
-            let mut fits = !(self.moving || self.is_aimed) || self.fits(&drawn)?;
+            let mut fits = !(self.moving.is_some() || self.is_aimed) || self.fits(&drawn)?;
             if let (Some(painter), Some(painted)) = (&mut self.painter, &painted) {
-                fits &= !self.moving || painter.frames.fits(painted)?;
+                fits &= self.moving.is_none() || painter.frames.fits(painted)?;
                 let stages = painted.recorded.stage_ms(&self.gpu)?;
                 painter.frames.timed.stages.push(stages);
             }
@@ -160,7 +160,7 @@ impl Frames<'_> {
     /// The next of the moving scenes.
     fn next_move(&mut self) -> Option<Scene> {
         let fixed = self.camera.optics.as_ref().map_or(0, |o| o.vertex_count());
-        self.moving.then(|| {
+        self.moving.is_some().then(|| {
             self.timed.moved += 1;
             moved(&self.scene, fixed, self.timed.moved)
         })
@@ -169,14 +169,23 @@ impl Frames<'_> {
     /// Submits a frame of a scene that has moved, or of that which is there.
     fn draw(&mut self, moved: Option<Scene>) -> Result<Submitted> {
         if let Some(moved) = moved {
-            let clustered = cluster(&moved.mesh, self.plan.anchor, self.gpu.binding_limit());
-            self.resident.upload_scene(&self.gpu, clustered)?;
-            self.resident.write_params(&self.gpu, &self.camera, &self.plan)?;
+            self.put(&moved)?;
             if let Some(rival) = &mut self.rival {
                 rival.upload(&self.gpu, &moved)?;
             }
         }
         self.submit(false)
+    }
+
+    /// The triangles of a scene that has moved, in their clusters as long as these hold them well.
+    fn put(&mut self, moved: &Scene) -> Result<()> {
+        let Some(clustered) = &mut self.moving else { return Ok(()) };
+        if clustered.refit(&moved.mesh) {
+            return self.resident.place_scene(&self.gpu, clustered);
+        }
+        *clustered = cluster(&moved.mesh, self.plan.anchor, self.gpu.binding_limit());
+        self.resident.upload_scene(&self.gpu, clustered)?;
+        self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }
 
     /// The first frame's image, and what all took.

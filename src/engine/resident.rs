@@ -12,7 +12,7 @@ use crate::gpu::buffers::Buffers;
 use crate::gpu::rows::COUNTERS;
 use crate::plan::{Band, Plan, Wanted};
 use crate::scene::Scene;
-use crate::scene::clusters::{Chunk, Clustered, cluster};
+use crate::scene::clusters::{Chunk, Clustered};
 use wgpu::BufferUsages;
 
 pub struct Resident {
@@ -62,6 +62,7 @@ impl Resident {
     pub fn new(
         gpu: &Gpu,
         scene: &Scene,
+        clustered: &Clustered,
         camera: &Camera,
         plan: &Plan,
         wanted: &Wanted,
@@ -81,7 +82,7 @@ impl Resident {
             passes,
             without_area: 0,
         };
-        resident.upload_scene(gpu, cluster(&scene.mesh, plan.anchor, gpu.binding_limit()))?;
+        resident.upload_scene(gpu, clustered)?;
         resident.upload_look(gpu, scene)?;
         resident.create_frame(gpu, camera, plan, wanted)?;
         resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, plan));
@@ -90,10 +91,18 @@ impl Resident {
     }
 
     /// Puts the triangles on the device, anew where they were there before.
-    pub fn upload_scene(&mut self, gpu: &Gpu, clustered: Clustered) -> Result<()> {
+    pub fn upload_scene(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
         self.without_area = clustered.without_area;
         self.chunks = clustered.chunks.iter().map(|c| chunk_on_device(gpu, c)).collect::<Result<_>>()?;
         Ok(())
+    }
+
+    /// Puts the triangles that are there where they are now.
+    pub fn place_scene(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
+        self.chunks
+            .iter_mut()
+            .zip(&clustered.chunks)
+            .try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk))
     }
 
     /// Puts the tables of another camera on the device, of a plan whose bands are as large.
@@ -258,15 +267,20 @@ impl Resident {
 
 fn chunk_on_device(gpu: &Gpu, chunk: &Chunk) -> Result<ChunkOnDevice> {
     let mut buffers = Buffers::default();
-    buffers.upload(gpu, "vertices_hi", &chunk.vertices_hi)?;
-    buffers.upload(gpu, "vertices_lo", &chunk.vertices_lo)?;
-    buffers.upload(gpu, "triangles", &chunk.triangles)?;
+    place(gpu, &mut buffers, chunk)?;
     buffers.upload(gpu, "surfaces", &chunk.surfaces)?;
     buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
-    buffers.upload(gpu, "clusters", &chunk.clusters)?;
     let clusters = chunk.clusters.len() as u32;
     let slots = chunk.triangles.len() as u32;
     Ok(ChunkOnDevice { buffers, id_first: chunk.id_first, id_count: chunk.id_count, clusters, slots })
+}
+
+/// What depends on positions.
+fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk) -> Result<()> {
+    buffers.upload(gpu, "vertices_hi", &chunk.vertices_hi)?;
+    buffers.upload(gpu, "vertices_lo", &chunk.vertices_lo)?;
+    buffers.upload(gpu, "triangles", &chunk.triangles)?;
+    buffers.upload(gpu, "clusters", &chunk.clusters)
 }
 
 fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {

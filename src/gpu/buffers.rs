@@ -18,10 +18,15 @@ const USAGE: wgpu::BufferUsages =
 /// The smallest buffer, so that empty lists bind too: one row of the largest struct.
 const SMALLEST: u64 = 256;
 
+/// How large a buffer of so many bytes is.
+fn held(bytes: u64) -> u64 {
+    bytes.max(SMALLEST).next_multiple_of(4)
+}
+
 impl Buffers {
     /// A buffer of at least `bytes`, its contents undefined to the kernels.
     pub fn create(&mut self, gpu: &Gpu, name: &'static str, bytes: u64, more: wgpu::BufferUsages) -> Result<()> {
-        let size = bytes.max(SMALLEST).next_multiple_of(4);
+        let size = held(bytes);
         let limit =
             if more.contains(wgpu::BufferUsages::UNIFORM) { gpu.limits.max_buffer_size } else { gpu.binding_limit() };
         if size > limit {
@@ -33,10 +38,12 @@ impl Buffers {
         Ok(())
     }
 
-    /// A storage buffer that holds `rows`.
+    /// A storage buffer that holds `rows`: the one that is there, if it is as large.
     pub fn upload<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, name: &'static str, rows: &[T]) -> Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(rows);
-        self.create(gpu, name, bytes.len() as u64, wgpu::BufferUsages::empty())?;
+        if self.get(name).is_none_or(|there| there.size() != held(bytes.len() as u64)) {
+            self.create(gpu, name, bytes.len() as u64, wgpu::BufferUsages::empty())?;
+        }
         gpu.queue.write_buffer(&self.0[name], 0, bytes);
         Ok(())
     }

@@ -42,6 +42,7 @@ pub const COUNTERS: u32 = 20;
 
 /// Bits of a triangle row's last word: id below, file order above, one-sidedness on top.
 pub const ID_BITS_MAX: u32 = 28;
+pub const ID_MASK: u32 = (1 << ID_BITS_MAX) - 1;
 pub const ORDER_SHIFT: u32 = 28;
 pub const ONE_SIDED: u32 = 1 << 31;
 

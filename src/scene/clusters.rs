@@ -4,7 +4,7 @@
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
 use super::mesh::{Mesh, NO_NORMAL};
-use crate::gpu::rows::{CLUSTER, Cluster, ID_BITS_MAX, NONE, ONE_SIDED, ORDER_SHIFT, split2};
+use crate::gpu::rows::{CLUSTER, Cluster, ID_BITS_MAX, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, split2};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -23,6 +23,10 @@ pub struct Chunk {
     /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit.
     pub slot_of_id: Vec<u32>,
     pub clusters: Vec<Cluster>,
+    /// The scene's vertices that it has, ascending; `None`: all.
+    used: Option<Vec<u32>>,
+    /// How large the boxes of its clusters were together when triangles were put in these.
+    clustered_size: f64,
 }
 
 /// Scene-wide facts about the chunks.
@@ -62,39 +66,79 @@ pub fn cluster(mesh: &Mesh, anchor: DVec3, binding_limit: u64) -> Clustered {
 fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, whole: bool) -> Chunk {
     let order = morton_order(mesh, ids.clone());
     let mut chunk = Chunk { id_first: ids.start, id_count: ids.len() as u32, ..Default::default() };
-    let index_of: Box<dyn Fn(u32) -> u32 + Sync> = if whole {
-        chunk.store_vertices(mesh.positions.par_iter(), anchor);
-        Box::new(|v| v)
-    } else {
-        let mut used: Vec<u32> = order.iter().flat_map(|&id| mesh.triangles[id as usize]).collect();
+    if !whole {
+        let mut used: Vec<u32> = order.par_iter().flat_map_iter(|&id| mesh.triangles[id as usize]).collect();
         used.par_sort_unstable();
         used.dedup();
-        chunk.store_vertices(used.par_iter().map(|&v| &mesh.positions[v as usize]), anchor);
-        // every vertex of the chunk is in the sorted list
-        Box::new(move |v| used.partition_point(|&u| u < v) as u32)
-    };
-    chunk.triangles = order.par_iter().map(|&id| triangle_row(mesh, id, &*index_of)).collect();
+        chunk.used = Some(used);
+    }
     chunk.surfaces = order.par_iter().map(|&id| surface_row(mesh, id)).collect();
     chunk.slot_of_id = vec![NONE; ids.len()];
     for (slot, &id) in order.iter().enumerate() {
         chunk.slot_of_id[(id - ids.start) as usize] = slot as u32;
     }
-    let groups: Vec<(usize, &[u32])> = order.chunks(CLUSTER as usize).enumerate().collect();
-    chunk.clusters = groups.into_par_iter().map(|(k, ids)| cluster_row(mesh, anchor, k, ids)).collect();
+    chunk.triangles = order.iter().map(|&id| [0, 0, 0, id]).collect();
+    chunk.place(mesh, anchor);
+    chunk.clustered_size = chunk.size();
     chunk
 }
 
-impl Chunk {
-    fn store_vertices<'a>(&mut self, positions: impl IndexedParallelIterator<Item = &'a DVec3>, anchor: DVec3) {
-        let pairs: Vec<[[f32; 2]; 3]> = positions.map(|p| (*p - anchor).to_array().map(split2)).collect();
-        self.vertices_hi = pairs.iter().flat_map(|p| p.map(|v| v[0])).collect();
-        self.vertices_lo = pairs.iter().flat_map(|p| p.map(|v| v[1])).collect();
+impl Clustered {
+    /// The same triangles where their vertices are now, each in the cluster where it was. `false` where they are to be clustered anew:
+    /// a triangle has got or lost its area, or the boxes have grown by half.
+    pub fn refit(&mut self, mesh: &Mesh) -> bool {
+        self.chunks.iter_mut().all(|chunk| {
+            let first = chunk.id_first;
+            let is_as_before = |(k, slot): (usize, &u32)| has_area(corners(mesh, first + k as u32)) == (*slot != NONE);
+            chunk.slot_of_id.par_iter().enumerate().all(is_as_before) && {
+                chunk.place(mesh, self.anchor);
+                chunk.size() <= GROWN_MAX * chunk.clustered_size
+            }
+        })
     }
+}
+
+/// Beyond it, boxes have grown too much for triangles to stay in them.
+const GROWN_MAX: f64 = 1.5;
+
+impl Chunk {
+    /// All that depends on positions, of the triangles in their slots.
+    fn place(&mut self, mesh: &Mesh, anchor: DVec3) {
+        let used = self.used.as_deref();
+        let count = used.map_or(mesh.positions.len(), <[u32]>::len);
+        self.vertices_hi.resize(3 * count, 0.0);
+        self.vertices_lo.resize(3 * count, 0.0);
+        let rows = self.vertices_hi.par_chunks_exact_mut(3).zip(self.vertices_lo.par_chunks_exact_mut(3));
+        rows.enumerate().for_each(|(k, (hi, lo))| {
+            let position = mesh.positions[used.map_or(k, |used| used[k] as usize)] - anchor;
+            for (axis, value) in position.to_array().into_iter().enumerate() {
+                [hi[axis], lo[axis]] = split2(value);
+            }
+        });
+        // every vertex of the chunk is in the sorted list
+        let index_of = |v: u32| used.map_or(v, |used| used.partition_point(|&u| u < v) as u32);
+        let groups = self.triangles.par_chunks_mut(CLUSTER as usize).enumerate();
+        let place = |(index, rows): (usize, &mut [[u32; 4]])| {
+            let cluster = cluster_row(mesh, anchor, index, rows);
+            rows.iter_mut().for_each(|row| *row = triangle_row(mesh, row[3] & ID_MASK, index_of));
+            cluster
+        };
+        self.clusters = groups.map(place).collect();
+    }
+
+    /// Of all boxes together.
+    fn size(&self) -> f64 {
+        self.clusters.iter().map(|c| c.half.iter().map(|h| f64::from(*h)).sum::<f64>()).sum()
+    }
+}
+
+fn corners(mesh: &Mesh, id: u32) -> [DVec3; 3] {
+    mesh.triangles[id as usize].map(|v| mesh.positions[v as usize])
 }
 
 /// The triangles that have an area, along a Morton curve through their centroids.
 fn morton_order(mesh: &Mesh, ids: std::ops::Range<u32>) -> Vec<u32> {
-    let corners = |id: u32| mesh.triangles[id as usize].map(|v| mesh.positions[v as usize]);
+    let corners = |id: u32| corners(mesh, id);
     let bounds = ids
         .clone()
         .into_par_iter()
@@ -152,7 +196,7 @@ fn order_by_position(corners: &[DVec3; 3]) -> [usize; 3] {
 /// Where each file corner stands in a row, by order code: the table of `wgsl/shared/triangle.wgsl`.
 pub const CORNER_ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
 
-fn triangle_row(mesh: &Mesh, id: u32, index_of: &(dyn Fn(u32) -> u32 + Sync)) -> [u32; 4] {
+fn triangle_row(mesh: &Mesh, id: u32, index_of: impl Fn(u32) -> u32) -> [u32; 4] {
     let corners = mesh.triangles[id as usize];
     let sorted = order_by_position(&corners.map(|v| mesh.positions[v as usize]));
     // the place of file corner c in the row
@@ -170,8 +214,8 @@ fn surface_row(mesh: &Mesh, id: u32) -> [u32; 4] {
     [a, b, c, mesh.material_of[id as usize]]
 }
 
-fn cluster_row(mesh: &Mesh, anchor: DVec3, index: usize, ids: &[u32]) -> Cluster {
-    let positions = ids.iter().flat_map(|&id| mesh.triangles[id as usize]).map(|v| mesh.positions[v as usize] - anchor);
+fn cluster_row(mesh: &Mesh, anchor: DVec3, index: usize, rows: &[[u32; 4]]) -> Cluster {
+    let positions = rows.iter().flat_map(|row| corners(mesh, row[3] & ID_MASK)).map(|p| p - anchor);
     let (lo, hi) = positions.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let (centre, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
     // f32 rounding of the box and of what kernels compute from it: 2^-22 of the largest coordinate, 4 roundings
@@ -180,8 +224,74 @@ fn cluster_row(mesh: &Mesh, anchor: DVec3, index: usize, ids: &[u32]) -> Cluster
         centre: centre.as_vec3().to_array(),
         first: (index * CLUSTER as usize) as u32,
         half: (half + slack).as_vec3().to_array(),
-        count: ids.len() as u32,
+        count: rows.len() as u32,
     }
 }
 
 const CLUSTER_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::generate::soup;
+    use glam::DMat3;
+
+    const LIMITS: [u64; 2] = [1 << 27, 1 << 13];
+
+    fn mesh() -> Mesh {
+        soup(3, 700)
+    }
+
+    fn moved(mesh: &Mesh, to: impl Fn(DVec3) -> DVec3) -> Mesh {
+        Mesh { positions: mesh.positions.iter().map(|p| to(*p)).collect(), ..mesh.clone() }
+    }
+
+    /// What clusters hold of a triangle: its positions in the row's order, and the row's last word.
+    fn held(chunk: &Chunk, slot: u32) -> ([[f64; 3]; 3], u32) {
+        let row = chunk.triangles[slot as usize];
+        let at = |v: u32, axis: u32| {
+            let k = (3 * v + axis) as usize;
+            f64::from(chunk.vertices_hi[k]) + f64::from(chunk.vertices_lo[k])
+        };
+        ([0, 1, 2].map(|c| [0, 1, 2].map(|axis| at(row[c], axis))), row[3])
+    }
+
+    #[test]
+    fn triangles_that_moved_are_held_as_if_clustered_anew_in_boxes_that_hold_them() {
+        let mesh = mesh();
+        let turned = moved(&mesh, |p| DMat3::from_rotation_z(0.4) * p + DVec3::new(0.5, -1.0, 0.0));
+        for limit in LIMITS {
+            let mut refitted = cluster(&mesh, DVec3::ZERO, limit);
+            let slots: Vec<_> = refitted.chunks.iter().map(|c| c.slot_of_id.clone()).collect();
+            assert!(refitted.refit(&turned));
+            let anew = cluster(&turned, DVec3::ZERO, limit);
+            assert_eq!(refitted.chunks.len(), anew.chunks.len());
+            assert_eq!(anew.chunks.len() > 1, limit == LIMITS[1]);
+            for ((a, b), slots) in refitted.chunks.iter().zip(&anew.chunks).zip(slots) {
+                assert_eq!(a.slot_of_id, slots);
+                for (at, anew_at) in a.slot_of_id.iter().zip(&b.slot_of_id).filter(|s| *s.0 != NONE) {
+                    assert_eq!(held(a, *at), held(b, *anew_at));
+                    let cluster = &a.clusters[(at / CLUSTER) as usize];
+                    let within = |p: [f64; 3]| {
+                        (0..3).all(|k| (p[k] - f64::from(cluster.centre[k])).abs() <= f64::from(cluster.half[k]))
+                    };
+                    assert!(held(a, *at).0.into_iter().all(within));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn triangles_that_lost_their_area_or_went_apart_are_clustered_anew() {
+        let mesh = mesh();
+        let flat = moved(&mesh, |p| DVec3::new(p.x, 0.0, 0.0));
+        let scattered = moved(&mesh, |p| DVec3::new((40.0 * p.x).sin(), (40.0 * p.y).cos(), (40.0 * p.z).sin()) * 9.0);
+        for limit in LIMITS {
+            assert!(cluster(&mesh, DVec3::ZERO, limit).refit(&mesh));
+            for to in [&flat, &scattered] {
+                assert!(!cluster(&mesh, DVec3::ZERO, limit).refit(to));
+            }
+            assert!(!cluster(&flat, DVec3::ZERO, limit).refit(&mesh));
+        }
+    }
+}

@@ -45,7 +45,7 @@ fn pieces(count: u32) -> Case {
 }
 
 pub fn cases() -> Vec<Case> {
-    let counts = [1000, 10_000, 100_000, 1_000_000];
+    let counts = [1000, 10_000, 100_000, 1_000_000, 4_000_000];
     let pieces = [10, 100, 1000, 10_000].map(pieces);
     counts.map(triangles).into_iter().chain(counts.map(under_a_camera)).chain(pieces).collect()
 }

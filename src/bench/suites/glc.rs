@@ -2,6 +2,8 @@
 
 use crate::bench::case::{Arm, Case};
 
+const SIZE: [&str; 2] = ["image.width=1024", "image.height=1024"];
+
 /// A fisheye cut into so many bilinear pieces. What draws every triangle in every piece is left out where
 /// these are too many, see [`crate::bench::race::Rules`].
 fn pieces(count: u32) -> Case {
@@ -10,7 +12,9 @@ fn pieces(count: u32) -> Case {
     let bound = (count > 1).then_some("raster-bound");
     let rivals = ["raytrace", "raster-warp:0", "raster-splat-passes:10", "raster-splat:10"].into_iter().chain(bound);
     let arms = [Arm::ours()].into_iter().chain(rivals.map(Arm::rival)).map(cut).collect();
-    Case::new(format!("pieces {count:>7}"), super::scene!("fisheye"), arms).truth(&[&format!("camera.pieces={count}")])
+    Case::new(format!("pieces {count:>7}"), super::scene!("fisheye"), arms)
+        .truth(&[&format!("camera.pieces={count}")])
+        .set(&SIZE)
 }
 
 /// A city of so many triangles through one GLC.
@@ -20,9 +24,7 @@ fn triangles(count: u32) -> Case {
     let some = [few("raster-bound", 1000), few("raytrace-brute", 1000)];
     let rivals = rivals.chain(some.into_iter().flatten()).map(Arm::rival);
     let arms = [Arm::ours()].into_iter().chain(rivals).map(|arm| arm.knob("triangles", f64::from(count))).collect();
-    Case::of(format!("triangles {count:>7}"), "city-cross-slit", arms)
-        .set(&super::city_of(count))
-        .set(&["image.width=800", "image.height=600"])
+    Case::of(format!("triangles {count:>7}"), "city-cross-slit", arms).set(&super::city_of(count)).set(&SIZE)
 }
 
 /// A city through one GLC, so many pixels a side.
@@ -36,7 +38,7 @@ fn pixels(side: u32) -> Case {
 
 pub fn cases() -> Vec<Case> {
     let p = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000].map(pieces);
-    let t = [100, 1000, 10_000, 100_000, 1_000_000, 4_000_000].map(triangles);
+    let t = [100, 1000, 15_000, 100_000, 1_000_000, 4_000_000].map(triangles);
     let s = [128, 256, 512, 1024, 2048, 4096].map(pixels);
     p.into_iter().chain(t).chain(s).collect()
 }
