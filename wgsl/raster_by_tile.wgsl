@@ -4,8 +4,8 @@
 // busy again, with what is left of its pairs.
 
 // Batches of pairs that a subgroup takes at most: software adapters end a thread's loops after 65535 rounds in all, and a batch has up
-// to 27: its own, LANES links, and LANES pairs and one more twice.
-const BATCHES: u32 = 2000u;
+// to 36: its own, LANES links, and LANES pairs and one more three times.
+const BATCHES: u32 = 1800u;
 
 override COUNTING: bool = false;
 
@@ -43,6 +43,8 @@ fn raster(
     var nearest_upper = real4(FARTHEST);
     var nearest_lower = real4(FARTHEST);
     var tested = 0u;
+    var tested_upper = 0u;
+    var tested_lower = 0u;
     var kept = 0u;
     var at = heads[tile];
     for (var batch = 0u; at != 0u && batch < BATCHES; batch++) {
@@ -62,12 +64,18 @@ fn raster(
         let v1 = real3(hi[1]) + real3(vertex_lo(triangle.y));
         let v2 = real3(hi[2]) + real3(vertex_lo(triangle.z));
 
-        // leave it where the tile's bounds do
+        // leave it where the tile's bounds do, and where all pixels show what is nearer
         let seen = extent(node, hi[0], hi[1], hi[2]);
-        let may = mine != 0u && !is_apart(id) && !is_empty(pixels_within(seen, TILE))
+        let within = pixels_within(seen, TILE);
+        let may = mine != 0u && !is_apart(id) && !is_empty(within)
             && may_cover(conics(node, hi[0], hi[1], hi[2]), 0.0, 0.0, CENTRES);
-        var left = lanes_any(select(0u, 1u << lane, may), lane);
-        tested += countOneBits(left);
+        let may_upper = may && within.y < 4u && !is_behind(seen, lanes_max(farthest(nearest_upper, column.has_upper), lane));
+        let may_lower = may && within.w > 4u && !is_behind(seen, lanes_max(farthest(nearest_lower, column.has_lower), lane));
+        var left_upper = lanes_any(select(0u, 1u << lane, may_upper), lane);
+        var left_lower = lanes_any(select(0u, 1u << lane, may_lower), lane);
+        tested_upper += countOneBits(left_upper);
+        tested_lower += countOneBits(left_lower);
+        tested += countOneBits(left_upper | left_lower);
 
         // what the lanes will share of it
         let m0 = vec3<f32>(v0 - middle);
@@ -85,33 +93,34 @@ fn raster(
             room = 16.0 * REAL_UNIT * size3(normal) * (real(reach) + real(size(node.d)));
         }
 
-        // hold each against all pixels
+        // hold each against the pixels of either half
+        let own = Shared(a, b, c, normal, height, hidden, room, id);
         var doubts_upper = 0u;
         var doubts_lower = 0u;
         loop {
-            if left == 0u {
+            if left_upper == 0u {
                 break;
             }
-            let k = firstTrailingBit(left);
-            left &= left - 1u;
-            let given = Shared(
-                Edge(subgroupShuffle(a.c, k), subgroupShuffle(a.e, k)),
-                Edge(subgroupShuffle(b.c, k), subgroupShuffle(b.e, k)),
-                Edge(subgroupShuffle(c.c, k), subgroupShuffle(c.e, k)),
-                real3(lanes_real(normal.x, k), lanes_real(normal.y, k), lanes_real(normal.z, k)),
-                lanes_real(height, k),
-                lanes_real(hidden, k),
-                lanes_real(room, k),
-                subgroupShuffle(id, k),
-            );
-            let high = hold(given, upper, column.upper, column.has_upper, starts_upper, nearest_upper);
-            let low = hold(given, lower, column.lower, column.has_lower, starts_lower, nearest_lower);
-            nearest_upper = high.nearest;
-            nearest_lower = low.nearest;
-            doubts_upper |= row_bits(high.doubtful) << (4u * k);
-            doubts_lower |= row_bits(low.doubtful) << (4u * k);
+            let k = firstTrailingBit(left_upper);
+            left_upper &= left_upper - 1u;
+            let found = hold(given(own, k), upper, column.upper, column.has_upper, starts_upper, nearest_upper);
+            nearest_upper = found.nearest;
+            doubts_upper |= row_bits(found.doubtful) << (4u * k);
             if COUNTING {
-                kept += countOneBits(row_bits(high.met)) + countOneBits(row_bits(low.met));
+                kept += countOneBits(row_bits(found.met));
+            }
+        }
+        loop {
+            if left_lower == 0u {
+                break;
+            }
+            let k = firstTrailingBit(left_lower);
+            left_lower &= left_lower - 1u;
+            let found = hold(given(own, k), lower, column.lower, column.has_lower, starts_lower, nearest_lower);
+            nearest_lower = found.nearest;
+            doubts_lower |= row_bits(found.doubtful) << (4u * k);
+            if COUNTING {
+                kept += countOneBits(row_bits(found.met));
             }
         }
 
@@ -144,8 +153,9 @@ fn raster(
         if lane == 0u {
             atomicAdd(&counters[COUNT_PAIRS_KEPT], tested);
         }
-        let owned = countOneBits(row_bits(column.has_upper)) + countOneBits(row_bits(column.has_lower));
-        atomicAdd(&counters[COUNT_FRAGMENTS_TESTED], tested * owned);
+        let owned_upper = countOneBits(row_bits(column.has_upper));
+        let owned_lower = countOneBits(row_bits(column.has_lower));
+        atomicAdd(&counters[COUNT_FRAGMENTS_TESTED], tested_upper * owned_upper + tested_lower * owned_lower);
     }
 
     // leave the rest of its pairs

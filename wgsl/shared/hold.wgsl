@@ -74,6 +74,20 @@ struct Shared {
     id: u32,
 }
 
+// What lane k has of its own.
+fn given(own: Shared, k: u32) -> Shared {
+    return Shared(
+        Edge(subgroupShuffle(own.a.c, k), subgroupShuffle(own.a.e, k)),
+        Edge(subgroupShuffle(own.b.c, k), subgroupShuffle(own.b.e, k)),
+        Edge(subgroupShuffle(own.c.c, k), subgroupShuffle(own.c.e, k)),
+        real3(lanes_real(own.normal.x, k), lanes_real(own.normal.y, k), lanes_real(own.normal.z, k)),
+        lanes_real(own.height, k),
+        lanes_real(own.hidden, k),
+        lanes_real(own.room, k),
+        subgroupShuffle(own.id, k),
+    );
+}
+
 struct Found {
     nearest: real4,
     doubtful: vec4<bool>,
@@ -119,6 +133,22 @@ fn depth_key(t: real, id: u32) -> real {
     let bits = bitcast<u64>(t + 0.0);
     let low = select(u64(id), key_mask() - u64(id), t < 0.0);
     return bitcast<f64>((bits & ~key_mask()) | low);
+}
+
+// No t of four pixels' nearest is larger: of none without a ray. A key is off by the bits that the id takes, 2^-24 of t at most.
+fn farthest(nearest: real4, exists: vec4<bool>) -> f32 {
+    let t = select(vec4<f32>(-INFINITE), vec4<f32>(min(nearest, real4(real(INFINITE)))), exists);
+    let most = max(max(t.x, t.y), max(t.z, t.w));
+    return most + KEY_SLACK * abs(most);
+}
+
+// 2^-24 of a key's t, and rounding it to f32 and once more.
+const KEY_SLACK: f32 = 1.0 / 4194304.0;
+const INFINITE: f32 = 3.0e38;
+
+// All that is seen of a triangle lies beyond t. Not said of segments, at whose ends several t are one.
+fn is_behind(seen: Extent, t: f32) -> bool {
+    return !SHEETED && seen.tight && seen.t_lo > t;
 }
 
 // The pixel's visibility key of a depth key.
