@@ -38,8 +38,10 @@ use std::time::Instant;
 pub struct Capacities {
     /// (cluster, node) items of one cull step.
     pub queue: u64,
-    /// (cluster, node) items that `bin` takes.
+    /// (cluster, node) items that `split` takes.
     pub work: u64,
+    /// (bunch, node) items that `bin` takes.
+    pub tasks: u64,
     /// (triangle, tile) pairs.
     pub pairs: u64,
     /// Half tiles of pixels of a pair that `recheck` takes.

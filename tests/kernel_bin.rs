@@ -6,9 +6,9 @@ mod stages;
 
 use anamorph::engine::Capacities;
 use anamorph::gpu::kernels::Variant;
-use anamorph::gpu::rows::{COUNT_BUSY, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_WORK, COUNTERS};
+use anamorph::gpu::rows::{COUNT_BUSY, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_TASKS, COUNT_WORK, COUNTERS};
 use anamorph::twin::bin::{Binned, Pair, beside, bin, covered};
-use anamorph::twin::cull::{Address, Bound, cull};
+use anamorph::twin::cull::{Address, Bound, cull, node_meets};
 use anamorph::twin::rays::owned;
 use anamorph::twin::{Input, ROOMY, Real};
 use stages::{
@@ -35,8 +35,13 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &Input, work: &[[u32; 2]]) 
 
 fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &Input, work: &[[u32; 2]]) -> Listed {
     let (gpu, stages) = bench.stages(variant, &[]);
-    let mut buffers = upload(gpu, input);
+    // of each cluster its bunches
+    let mut input = *input;
+    input.params.task_capacity = 8 * work.len() as u32;
+    input.params.work_capacity = work.len() as u32;
+    let mut buffers = upload(gpu, &input);
     list(gpu, &mut buffers, "work", work, work.len());
+    list(gpu, &mut buffers, "tasks", &[], 8 * work.len());
     let capacity = input.params.pair_capacity as usize;
     list(gpu, &mut buffers, "pairs", &[], capacity);
     let tiles = input.tile_start.len() - 1;
@@ -44,25 +49,30 @@ fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &Input, 
     buffers.upload(gpu, "links", &vec![POISON; capacity]).unwrap();
     buffers.upload(gpu, "busy", &vec![POISON; tiles]).unwrap();
     let zero_of_lists = if variant.by_tile { vec![(COUNT_BUSY, 0)] } else { Vec::new() };
-    let zeros = [(COUNT_WORK, work.len() as u32), (COUNT_PAIRS, 0), (COUNT_PAIRS_TESTED, 0)];
+    let zeros = [(COUNT_WORK, work.len() as u32), (COUNT_TASKS, 0), (COUNT_PAIRS, 0), (COUNT_PAIRS_TESTED, 0)];
     counters(gpu, &mut buffers, &[&zeros[..], &zero_of_lists].concat());
-    run(gpu, |pass| stages.bin(gpu, pass, &[&buffers]));
+    run(gpu, |pass| {
+        stages.split(gpu, pass, &[&buffers])?;
+        stages.bin(gpu, pass, &[&buffers])
+    });
 
     let counters = read(gpu, &buffers, "counters");
     for (k, &value) in counters.iter().take(COUNTERS as usize).enumerate() {
-        let owned = [COUNT_WORK, COUNT_PAIRS, COUNT_PAIRS_TESTED].contains(&(k as u32))
+        let owned = [COUNT_WORK, COUNT_TASKS, COUNT_PAIRS, COUNT_PAIRS_TESTED].contains(&(k as u32))
             || zero_of_lists.contains(&(k as u32, 0));
         assert!(owned || value == POISON, "{}: counter {k} is {value}", case.name);
     }
     // a test for each pair at least; at most one for each tile below its node
     let least = counters[COUNT_PAIRS as usize];
-    let tiles_below = |w: &[u32; 2]| tiles_below(input, Address::unpack(w[1])).len() as u32;
+    let tiles_below = |w: &[u32; 2]| tiles_below(&input, Address::unpack(w[1])).len() as u32;
     let most: u32 = work.iter().map(|w| input.clusters[w[0] as usize].count * tiles_below(w)).sum();
     let tested = counters[COUNT_PAIRS_TESTED as usize];
     assert!((least..=most).contains(&tested), "{}: {tested} pairs tested, {least} to {most} possible", case.name);
     assert_eq!(counters[COUNT_WORK as usize], work.len() as u32, "{}", case.name);
     let groups = read(gpu, &buffers, "indirect");
-    assert_eq!(groups[..3], [work.len() as u32, u32::from(!work.is_empty()), 1], "{}: groups", case.name);
+    let tasks = read_list(gpu, &buffers, "tasks")[..counters[COUNT_TASKS as usize] as usize].to_vec();
+    assert_tasks(case, &input, work, &tasks);
+    assert_eq!(groups[..3], [tasks.len().div_ceil(8) as u32, u32::from(!tasks.is_empty()), 1], "{}: groups", case.name);
     let items = read_list(gpu, &buffers, "pairs");
     let demand = counters[COUNT_PAIRS as usize];
     let count = (demand as usize).min(capacity);
@@ -74,6 +84,23 @@ fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &Input, 
         assert_listed(&case.name, &pairs, &busy, &lists);
     }
     Listed { pairs, demand }
+}
+
+/// Split leaves no bunch out that a ray of its item's node meets, and leaves no other in.
+fn assert_tasks(case: &Case, input: &Input, work: &[[u32; 2]], tasks: &[[u32; 2]]) {
+    let listed: HashSet<[u32; 2]> = tasks.iter().copied().collect();
+    assert_eq!(listed.len(), tasks.len(), "{}: a task twice", case.name);
+    let mut allowed = HashSet::new();
+    for &[cluster, node] in work {
+        for index in (8 * cluster..8 * cluster + 8).filter(|b| input.bunches[*b as usize].count > 0) {
+            let meets = |bound| node_meets(input, Address::unpack(node), &input.bunches[index as usize], bound);
+            let is_listed = listed.contains(&[index, node]);
+            assert!(is_listed || !meets(Bound::NEEDED), "{}: bunch {index}, node {node:x}: missing", case.name);
+            assert!(!is_listed || meets(Bound::ALLOWED), "{}: bunch {index}, node {node:x}: no ray near", case.name);
+            allowed.insert([index, node]);
+        }
+    }
+    assert!(listed.is_subset(&allowed), "{}: a task of no work item", case.name);
 }
 
 /// Every pair is in the list of its tile once, and every tile with any is busy once.

@@ -89,11 +89,17 @@ fn differences(input: &Input, kernel: &[[u32; 2]], needed: &Culled) -> Vec<Strin
         if count > 1 || path[1..].iter().any(|above| items.contains_key(&[cluster, above.pack()])) {
             wrong.push(format!("cluster {cluster}, {at:?}: more than once"));
         }
-        for above in path.iter().filter(|&&above| !node_meets(input, above, cluster, Bound::ALLOWED)) {
+        for above in
+            path.iter().filter(|&&above| !node_meets(input, above, &input.clusters[cluster as usize], Bound::ALLOWED))
+        {
             wrong.push(format!("cluster {cluster}, {at:?}: no ray of {above:?} comes near it"));
         }
         let met = |at: Address, bound| {
-            input.children(at).into_iter().filter(|&child| node_meets(input, child, cluster, bound)).count()
+            input
+                .children(at)
+                .into_iter()
+                .filter(|&child| node_meets(input, child, &input.clusters[cluster as usize], bound))
+                .count()
         };
         // by the twin's rule, or because an extent says where in the bundle the cluster is seen
         if input.is_descended(at) && !may_hand_on(input, at) {
@@ -108,7 +114,7 @@ fn differences(input: &Input, kernel: &[[u32; 2]], needed: &Culled) -> Vec<Strin
     for &[cluster, node] in &needed.work {
         // what the twin hands on undivided the kernel may have descended, if it met fewer children
         for at in lowest(input, Address::unpack(node)) {
-            let must = node_meets(input, at, cluster, Bound::NEEDED);
+            let must = node_meets(input, at, &input.clusters[cluster as usize], Bound::NEEDED);
             if must && item_above(input, &items, cluster, at).is_none() {
                 wrong.push(format!("cluster {cluster}, {at:?}: missing"));
             }
@@ -229,7 +235,8 @@ fn the_comparison_sees_planted_errors() {
         assert!(wrong.iter().any(|w| w.contains(words)), "{words}: {wrong:?}");
     };
     let level = |w: &[u32; 2]| Address::unpack(w[1]).level;
-    let strictly = |w: &&[u32; 2]| node_meets(&input, Address::unpack(w[1]), w[0], Bound::NEEDED);
+    let strictly =
+        |w: &&[u32; 2]| node_meets(&input, Address::unpack(w[1]), &input.clusters[w[0] as usize], Bound::NEEDED);
     let first = *right.iter().filter(strictly).find(|w| level(w) == 1).unwrap();
     found(&|work| work.retain(|w| *w != first), "missing");
     found(&|work| work.push(first), "more than once");
@@ -237,7 +244,7 @@ fn the_comparison_sees_planted_errors() {
     found(&|work| work.push([first[0], input.parent(Address::unpack(first[1])).pack()]), "more than once");
     let nodes = first_nodes(&input);
     let mut all = (0..input.clusters.len() as u32).flat_map(|c| nodes.iter().map(move |&at| (c, at)));
-    let far = all.find(|&(c, at)| !node_meets(&input, at, c, Bound::ALLOWED)).unwrap();
+    let far = all.find(|&(c, at)| !node_meets(&input, at, &input.clusters[c as usize], Bound::ALLOWED)).unwrap();
     found(&|work| work.push([far.0, far.1.pack()]), "no ray of");
     let handed = *right.iter().find(|w| level(w) > 1).unwrap();
     found(
@@ -245,7 +252,9 @@ fn the_comparison_sees_planted_errors() {
             work.retain(|w| *w != handed);
             let children = input.children(Address::unpack(handed[1])).into_iter();
             work.extend(
-                children.filter(|&c| node_meets(&input, c, handed[0], Bound::PLAIN)).map(|c| [handed[0], c.pack()]),
+                children
+                    .filter(|&c| node_meets(&input, c, &input.clusters[handed[0] as usize], Bound::PLAIN))
+                    .map(|c| [handed[0], c.pack()]),
             );
         },
         "not handed on",

@@ -51,11 +51,12 @@ fn lists_of_one_item_grow_to_the_identical_image() {
     for (name, camera) in cameras() {
         for without in [Without::Nothing, Without::Int64Atomics] {
             let Some(roomy) = render_with(&scene, &camera, without, &RunOptions::default()) else { return };
-            let large = Capacities { queue: 1 << 20, work: 1 << 20, pairs: 1 << 20, doubts: 1 << 20 };
+            let large = Capacities { queue: 1 << 20, work: 1 << 20, tasks: 1 << 20, pairs: 1 << 20, doubts: 1 << 20 };
             for start in [
-                Capacities { queue: 1, work: 1, pairs: 1, doubts: 1 },
+                Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, doubts: 1 },
                 Capacities { queue: 1, ..large },
                 Capacities { work: 1, ..large },
+                Capacities { tasks: 1, ..large },
                 Capacities { pairs: 1, ..large },
                 Capacities { doubts: 1, ..large },
             ] {

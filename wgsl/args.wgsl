@@ -10,7 +10,10 @@ fn args() {
     var items = GROUP;
     if step.value == COUNT_WORK {
         count = min(count, params.work_capacity);
-        items = 1u;
+        items = GROUP / (CLUSTER / BUNCH);
+    } else if step.value == COUNT_TASKS {
+        count = min(count, params.task_capacity);
+        items = GROUP / BUNCH;
     } else if step.value == COUNT_PAIRS {
         count = min(count, params.pair_capacity);
     } else if step.value == COUNT_DOUBTS {

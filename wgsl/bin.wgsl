@@ -1,4 +1,4 @@
-// bin: one workgroup per (cluster, node) item of `work`, one thread per triangle.
+// bin: one thread per triangle of a (bunch, node) item of `tasks`.
 // Reads triangles, vertices and nodes; writes (slot, tile) pairs of the tiles under the node that the triangle may cover, by its extent
 // and its three edge conics there, or of the one tile of the cell that the item names. `pairs` may overflow: the counter keeps counting.
 
@@ -10,25 +10,19 @@ fn bin(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    // take a triangle of a work item
-    let index = group_index(group, groups);
-    if index >= min(atomicLoad(&counters[COUNT_WORK]), params.work_capacity) {
+    // take a triangle of a task
+    let index = item_index(group, groups, lane) / BUNCH;
+    if index >= min(atomicLoad(&counters[COUNT_TASKS]), params.task_capacity) {
         return;
     }
-    let cluster = item_cluster(work[index].x, lane);
-    let address = work[index].y;
+    let bunch = task_bunch(tasks[index].x, lane);
+    let address = tasks[index].y;
     let level = node_level(address);
-    var at = 0u;
-    if level == LEVEL_CELL {
-        at = cells[node_cell(address)].node;
-    } else {
-        at = node_index(level, node_x(address), node_y(address));
-    }
-    let node = item_node(at, lane);
-    if lane >= cluster.count {
+    let node = item_node(address_node(address), lane);
+    if lane % BUNCH >= bunch.count {
         return;
     }
-    let slot = cluster.first + lane;
+    let slot = bunch.first + lane % BUNCH;
     let triangle = triangles[slot];
     let v0 = vertex(triangle.x);
     let v1 = vertex(triangle.y);

@@ -1,4 +1,4 @@
-//! A frame as one submission: for every band the passes of its rays, each cull, bin, raster, recheck and shade of all jobs.
+//! A frame as one submission: for every band the passes of its rays, each cull, split, bin, raster, recheck and shade of all jobs.
 
 use super::frames::{Frames, Submitted};
 use super::passes::Pass;
@@ -14,7 +14,7 @@ use crate::stage::certify::CERTIFY_STEPS;
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 
 /// Compute passes of a job and of a pass over a band, at most.
-const PASSES_EACH: u32 = 14;
+const PASSES_EACH: u32 = 16;
 
 impl Frames<'_> {
     /// Encodes and submits one frame; with `read`, also the copies that bring its image to the host.
@@ -144,7 +144,7 @@ impl Frames<'_> {
         Ok(())
     }
 
-    /// Lists the pairs of a job: cull and bin.
+    /// Lists the pairs of a job: cull, split and bin.
     fn encode_pairs(&self, recorder: &mut Recorder, band: usize, pass: usize, job: &Job) -> Result<()> {
         let (gpu, resident, stages) = (&*self.gpu, &self.resident, self.stages_of(pass));
         let scopes = resident.scopes(job, band, pass);
@@ -160,6 +160,9 @@ impl Frames<'_> {
         let steps = if is_turned { nodes.levels.len() as u32 } else { nodes.cull_steps() };
         let mut encoded = recorder.compute("cull");
         stages.cull(gpu, &mut encoded, &scopes, job.clusters, steps)?;
+        drop(encoded);
+        let mut encoded = recorder.compute("split");
+        stages.split(gpu, &mut encoded, &scopes)?;
         drop(encoded);
         let mut encoded = recorder.compute("bin");
         stages.bin(gpu, &mut encoded, &scopes)

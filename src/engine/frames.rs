@@ -13,7 +13,7 @@ use crate::gpu::buffers::{read_words, wait};
 use crate::gpu::recorder::Recorded;
 use crate::gpu::rows::{
     COUNT_BUSY, COUNT_BUSY_END, COUNT_DOUBTS, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS,
-    COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_WORK, COUNTERS,
+    COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_TASKS, COUNT_WORK, COUNTERS,
 };
 use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
@@ -249,11 +249,13 @@ impl Frames<'_> {
         let need = Capacities {
             queue: (0..COUNT_WORK).map(most).max().unwrap_or(0),
             work: most(COUNT_WORK),
+            tasks: most(COUNT_TASKS),
             pairs: most(COUNT_PAIRS),
             doubts: most(COUNT_DOUBTS),
         };
         let have = self.resident.capacities;
-        let fits = need.queue <= have.queue && need.work <= have.work && need.pairs <= have.pairs;
+        let fits =
+            need.queue <= have.queue && need.work <= have.work && need.tasks <= have.tasks && need.pairs <= have.pairs;
         let is_left = |job: &[u32]| job[COUNT_BUSY as usize] > job[COUNT_BUSY_END as usize];
         let is_done = !self.plan.variant.by_tile || !words.chunks_exact(COUNTERS as usize).any(is_left);
         if fits && need.doubts <= have.doubts && is_done {

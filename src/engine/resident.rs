@@ -73,7 +73,7 @@ impl Resident {
             chunks: Vec::new(),
             bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
             shared: Buffers::default(),
-            capacities: Capacities { queue: 0, work: 0, pairs: 0, doubts: 0 },
+            capacities: Capacities { queue: 0, work: 0, tasks: 0, pairs: 0, doubts: 0 },
             batches: 1,
             raster_rounds: 1,
             params: Vec::new(),
@@ -143,6 +143,7 @@ impl Resident {
         Capacities {
             queue: 4 * clusters + 1024,
             work: 4 * clusters + 1024,
+            tasks: 16 * clusters + 4096,
             pairs: 2 * scene.mesh.triangles.len() as u64 + 4 * cells + 1024,
             doubts: scene.mesh.triangles.len() as u64 / 16 + 1024,
         }
@@ -152,12 +153,12 @@ impl Resident {
     fn create_lists(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
         let most = gpu.binding_limit() / ITEM_BYTES;
         let c = &mut self.capacities;
-        [&mut c.queue, &mut c.work, &mut c.pairs, &mut c.doubts]
+        [&mut c.queue, &mut c.work, &mut c.tasks, &mut c.pairs, &mut c.doubts]
             .into_iter()
             .for_each(|items| *items = (*items).min(most));
         let queues = [("queue_even", c.queue), ("queue_odd", c.queue)];
-        let lists = [&queues[..], &[("work", c.work), ("pairs", c.pairs), ("doubts", c.doubts)]].concat();
-        for (name, items) in lists {
+        let lists = [("work", c.work), ("tasks", c.tasks), ("pairs", c.pairs), ("doubts", c.doubts)];
+        for (name, items) in queues.into_iter().chain(lists) {
             self.shared.create(gpu, name, items * ITEM_BYTES, BufferUsages::empty())?;
         }
         if plan.variant.by_tile {
@@ -235,11 +236,12 @@ impl Resident {
     /// Makes room for what the counters demanded: larger lists, or more batches where a list is as large as a binding.
     pub fn grow(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, need: Capacities) -> Result<()> {
         let most = gpu.binding_limit() / ITEM_BYTES;
-        if need.queue.max(need.work).max(need.pairs).max(need.doubts) > most {
+        if need.queue.max(need.work).max(need.tasks).max(need.pairs).max(need.doubts) > most {
             let largest = self.chunks.iter().map(|c| c.clusters).max().unwrap_or(0);
             if self.batches >= largest {
-                let Capacities { queue, work, pairs, doubts } = need;
-                let needed = format!("cull {queue}, bin {work}, raster {pairs}, recheck {doubts} items needed");
+                let Capacities { queue, work, tasks, pairs, doubts } = need;
+                let needed =
+                    format!("cull {queue}, split {work}, bin {tasks}, raster {pairs}, recheck {doubts} items needed");
                 let lists = format!("{needed}, {most} fit a binding");
                 return Err(Error::work(format!("lists between the stages overflow: {lists}; make the image smaller")));
             }
@@ -251,6 +253,7 @@ impl Resident {
         *c = Capacities {
             queue: grown(c.queue, need.queue),
             work: grown(c.work, need.work),
+            tasks: grown(c.tasks, need.tasks),
             pairs: grown(c.pairs, need.pairs),
             doubts: grown(c.doubts, need.doubts),
         };
@@ -280,7 +283,8 @@ fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk) -> Result<()> {
     buffers.upload(gpu, "vertices_hi", &chunk.vertices_hi)?;
     buffers.upload(gpu, "vertices_lo", &chunk.vertices_lo)?;
     buffers.upload(gpu, "triangles", &chunk.triangles)?;
-    buffers.upload(gpu, "clusters", &chunk.clusters)
+    buffers.upload(gpu, "clusters", &chunk.clusters)?;
+    buffers.upload(gpu, "bunches", &chunk.bunches)
 }
 
 fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {

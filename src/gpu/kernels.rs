@@ -85,6 +85,7 @@ pub use optics::{OpticsKind, bounce, fit, meet, paste};
 pub(crate) const PARAMS: &str = snippet!("shared/params.wgsl");
 pub(crate) const ITEMS: &str = snippet!("shared/items.wgsl");
 const INDEX: &str = snippet!("shared/index.wgsl");
+const ADDRESS: &str = snippet!("shared/address.wgsl");
 pub(crate) const SHEETS: &str = snippet!("shared/sheets.wgsl");
 pub(crate) const VERTEX: &str = snippet!("shared/vertex.wgsl");
 pub(crate) const TRIANGLE_ROW: &str = snippet!("shared/triangle.wgsl");
@@ -216,6 +217,11 @@ impl Variant {
         if self.by_tile { "array<vec4<f32>>" } else { list }
     }
 
+    /// How a kernel loads the node of its item.
+    fn item_node(self) -> &'static str {
+        if self.by_tile { snippet!("shared/node_by_lanes.wgsl") } else { snippet!("shared/node_rows.wgsl") }
+    }
+
     /// The buffers that hold the camera's rays.
     fn rays(self) -> Vec<Binding> {
         match self.rays {
@@ -313,29 +319,42 @@ pub fn cull(variant: Variant) -> Kernel {
     kernel
 }
 
+pub fn split(variant: Variant) -> Kernel {
+    let bindings = vec![
+        params(),
+        read("bunches", "array<Cluster>"),
+        read("nodes", variant.rows("array<Node>")),
+        read("cells", "array<Cell>"),
+        read("work", "array<vec2<u32>>"),
+        write("tasks", "array<vec2<u32>>"),
+        counters(),
+    ];
+    let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, MEETS, variant.item_node(), snippet!("split.wgsl")];
+    let mut kernel = kernel("split", bindings, &snippets);
+    kernel.constants.push(("CULLING", variant.culling as u32 as f64));
+    kernel
+}
+
 pub fn bin(variant: Variant) -> Kernel {
     let mut bindings = vec![
         params(),
-        read("clusters", variant.rows("array<Cluster>")),
+        read("bunches", variant.rows("array<Cluster>")),
         read("nodes", variant.rows("array<Node>")),
-        read("work", "array<vec2<u32>>"),
+        read("tasks", "array<vec2<u32>>"),
         read("triangles", "array<vec4<u32>>"),
         read("vertices_hi", "array<f32>"),
         read("cells", "array<Cell>"),
         write("pairs", "array<vec2<u32>>"),
         counters(),
     ];
-    let mut own = concat!(snippet!("shared/item_rows.wgsl"), snippet!("shared/by_pair.wgsl"));
+    let mut own = concat!(snippet!("shared/bunch_rows.wgsl"), snippet!("shared/by_pair.wgsl"));
     if variant.by_tile {
         let heads = write("heads", "array<atomic<u32>>");
         bindings.extend([heads, write("links", "array<u32>"), write("busy", "array<u32>")]);
-        own = concat!(
-            snippet!("shared/node_by_lanes.wgsl"),
-            snippet!("shared/cluster_by_lanes.wgsl"),
-            snippet!("shared/by_tile.wgsl"),
-        );
+        own = concat!(snippet!("shared/bunch_by_lanes.wgsl"), snippet!("shared/by_tile.wgsl"));
     }
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, PAIR, WITHIN, BOX_MET, own, snippet!("bin.wgsl")];
+    let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, SHEETS, VERTEX, PAIR, WITHIN, BOX_MET, variant.item_node()];
+    let snippets = [&snippets[..], &[own, snippet!("bin.wgsl")]].concat();
     let mut kernel = kernel("bin", bindings, &snippets);
     kernel.constants.push(("SHEETED", variant.sheeted as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));

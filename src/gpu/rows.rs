@@ -13,6 +13,7 @@ pub const LANES: u32 = 8;
 pub const BRANCH: u32 = 4;
 /// Triangles a cluster at most.
 pub const CLUSTER: u32 = 64;
+pub const BUNCH: u32 = 8;
 /// No index.
 pub const NONE: u32 = u32::MAX;
 
@@ -38,6 +39,7 @@ pub const COUNT_BUSY: u32 = 15;
 pub const COUNT_BUSY_FIRST: u32 = 16;
 pub const COUNT_BUSY_END: u32 = 17;
 pub const COUNT_PAIRS_TESTED: u32 = 18;
+pub const COUNT_TASKS: u32 = 19;
 pub const COUNTERS: u32 = 20;
 
 /// Bits of a triangle row's last word: id below, file order above, one-sidedness on top.
@@ -68,8 +70,8 @@ pub struct Params {
     pub spans: u32,
     pub doubt_capacity: u32,
     pub origin_lost: f32,
+    pub task_capacity: u32,
     pub pad0: u32,
-    pub pad1: u32,
     pub t_min: [f32; 4],
     pub t_max: [f32; 4],
     pub t_words: [u32; 4],
@@ -85,7 +87,7 @@ pub struct Step {
     pub value: u32,
 }
 
-/// Up to [`CLUSTER`] triangles near each other, and their box about the anchor.
+/// Up to [`CLUSTER`] triangles near each other, and their box about the anchor; or [`BUNCH`] of them.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Cluster {

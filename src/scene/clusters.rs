@@ -4,7 +4,7 @@
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
 use super::mesh::{Mesh, NO_NORMAL};
-use crate::gpu::rows::{CLUSTER, Cluster, ID_BITS_MAX, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, split2};
+use crate::gpu::rows::{BUNCH, CLUSTER, Cluster, ID_BITS_MAX, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, split2};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -23,6 +23,8 @@ pub struct Chunk {
     /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit.
     pub slot_of_id: Vec<u32>,
     pub clusters: Vec<Cluster>,
+    /// A row for each bunch of each cluster; the last cluster's may be empty.
+    pub bunches: Vec<Cluster>,
     /// The scene's vertices that it has, ascending; `None`: all.
     used: Option<Vec<u32>>,
     /// How large the boxes of its clusters were together when triangles were put in these.
@@ -98,6 +100,11 @@ impl Clustered {
     }
 }
 
+/// Bunches of a cluster.
+const BUNCHES: usize = (CLUSTER / BUNCH) as usize;
+
+const EMPTY: Cluster = Cluster { centre: [0.0; 3], first: 0, half: [0.0; 3], count: 0 };
+
 /// Beyond it, boxes have grown too much for triangles to stay in them.
 const GROWN_MAX: f64 = 1.5;
 
@@ -117,13 +124,18 @@ impl Chunk {
         });
         // every vertex of the chunk is in the sorted list
         let index_of = |v: u32| used.map_or(v, |used| used.partition_point(|&u| u < v) as u32);
+        self.bunches.resize(self.triangles.len().div_ceil(CLUSTER as usize) * BUNCHES, EMPTY);
         let groups = self.triangles.par_chunks_mut(CLUSTER as usize).enumerate();
-        let place = |(index, rows): (usize, &mut [[u32; 4]])| {
-            let cluster = cluster_row(mesh, anchor, index, rows);
+        let place = |((index, rows), bunches): ((usize, &mut [[u32; 4]]), &mut [Cluster])| {
+            let first = index * CLUSTER as usize;
+            for (k, (bunch, rows)) in bunches.iter_mut().zip(rows.chunks(BUNCH as usize)).enumerate() {
+                *bunch = cluster_row(mesh, anchor, first + k * BUNCH as usize, rows);
+            }
+            let cluster = cluster_row(mesh, anchor, first, rows);
             rows.iter_mut().for_each(|row| *row = triangle_row(mesh, row[3] & ID_MASK, index_of));
             cluster
         };
-        self.clusters = groups.map(place).collect();
+        self.clusters = groups.zip(self.bunches.par_chunks_mut(BUNCHES)).map(place).collect();
     }
 
     /// Of all boxes together.
@@ -214,7 +226,7 @@ fn surface_row(mesh: &Mesh, id: u32) -> [u32; 4] {
     [a, b, c, mesh.material_of[id as usize]]
 }
 
-fn cluster_row(mesh: &Mesh, anchor: DVec3, index: usize, rows: &[[u32; 4]]) -> Cluster {
+fn cluster_row(mesh: &Mesh, anchor: DVec3, first: usize, rows: &[[u32; 4]]) -> Cluster {
     let positions = rows.iter().flat_map(|row| corners(mesh, row[3] & ID_MASK)).map(|p| p - anchor);
     let (lo, hi) = positions.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let (centre, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
@@ -222,7 +234,7 @@ fn cluster_row(mesh: &Mesh, anchor: DVec3, index: usize, rows: &[[u32; 4]]) -> C
     let slack = (centre.abs() + half).max_element() * CLUSTER_SLACK;
     Cluster {
         centre: centre.as_vec3().to_array(),
-        first: (index * CLUSTER as usize) as u32,
+        first: first as u32,
         half: (half + slack).as_vec3().to_array(),
         count: rows.len() as u32,
     }

@@ -1,12 +1,12 @@
-//! bin: the triangles of each kept cluster against the tiles below its node.
+//! bin: the triangles of each kept bunch against the tiles below its node.
 
 use super::{Scopes, Stages};
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::gpu::rows::COUNT_WORK;
+use crate::gpu::rows::COUNT_TASKS;
 
 impl Stages {
     pub fn bin(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes) -> Result<()> {
-        self.dispatch_counted(gpu, pass, scopes, &self.bin, (COUNT_WORK, 0))
+        self.dispatch_counted(gpu, pass, scopes, &self.bin, (COUNT_TASKS, 0))
     }
 }

@@ -1,6 +1,6 @@
 //! The stages of a frame, one file each: what it binds and how it is dispatched.
 //!
-//! `cull -> bin -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
+//! `cull -> split -> bin -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
 //! rays, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again, or [`paste`] from an atlas that was
 //! rendered before. Caustics are added up by [`deposit`] before the first frame and shown by [`gather`] after shade. Apart
 //! from these is [`sift`], which finds the parts of an image that may see a point.
@@ -18,6 +18,7 @@ pub mod raster;
 pub mod recheck;
 pub mod shade;
 pub mod sift;
+pub mod split;
 pub mod write;
 
 use crate::error::Result;
@@ -25,21 +26,22 @@ use crate::frame::Channel;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
 use crate::gpu::kernels::{self, OpticsKind, Variant};
-use crate::gpu::rows::{GROUP, Step};
+use crate::gpu::rows::{COUNTERS, GROUP, Step};
 
 /// Share of the light that comes from everywhere, in every shader.
 pub const AMBIENT: f32 = 0.1;
 
-/// Names of the step buffers, by value.
-const STEPS: [&str; 16] = [
+/// Names of the step buffers, by value: of a step, or of a counter.
+const STEPS: [&str; COUNTERS as usize] = [
     "step0", "step1", "step2", "step3", "step4", "step5", "step6", "step7", "step8", "step9", "step10", "step11",
-    "step12", "step13", "step14", "step15",
+    "step12", "step13", "step14", "step15", "step16", "step17", "step18", "step19",
 ];
 
 /// The kernels of a variant, compiled, and the step buffers that number their dispatches.
 pub struct Stages {
     args: Pipeline,
     cull: Pipeline,
+    split: Pipeline,
     bin: Pipeline,
     raster: Pipeline,
     recheck: Option<Pipeline>,
@@ -69,6 +71,7 @@ impl Stages {
         Ok(Stages {
             args: compile(kernels::args()),
             cull: compile(kernels::cull(variant)),
+            split: compile(kernels::split(variant)),
             bin: compile(kernels::bin(variant)),
             raster: compile(kernels::raster(variant)),
             recheck: variant.rechecks().then(|| compile(kernels::recheck(variant))),

@@ -79,8 +79,11 @@ pub fn cull(input: &Input, bound: Bound) -> Culled {
         // the queue that the step before has left
         for &[cluster, node] in &culled.queues[culled.queues.len() - 1] {
             let node = Address::unpack(node);
-            let met: Vec<Address> =
-                input.children(node).into_iter().filter(|&child| node_meets(input, child, cluster, bound)).collect();
+            let met: Vec<Address> = input
+                .children(node)
+                .into_iter()
+                .filter(|&child| node_meets(input, child, &input.clusters[cluster as usize], bound))
+                .collect();
             if hands_on(input, node, met.len()) {
                 culled.work.push([cluster, node.pack()]);
                 continue;
@@ -91,8 +94,10 @@ pub fn cull(input: &Input, bound: Bound) -> Culled {
                 } else if child.level > 0 {
                     next.push([cluster, child.pack()]);
                 } else {
-                    let cells =
-                        input.children(child).into_iter().filter(|&cell| node_meets(input, cell, cluster, bound));
+                    let cells = input
+                        .children(child)
+                        .into_iter()
+                        .filter(|&cell| node_meets(input, cell, &input.clusters[cluster as usize], bound));
                     culled.work.extend(cells.map(|cell| [cluster, cell.pack()]));
                 }
             }
@@ -157,13 +162,13 @@ impl Input<'_> {
     }
 }
 
-/// May any ray of the node meet the cluster's box at a t in range?
-pub fn node_meets(input: &Input, at: Address, cluster: u32, bound: Bound) -> bool {
+/// May any ray of the node meet the box of a cluster, or of a bunch, at a t in range?
+pub fn node_meets(input: &Input, at: Address, cluster: &Cluster, bound: Bound) -> bool {
     let node = input.node(at);
     if node.rays == RAYS_NONE {
         return false;
     }
-    let beam = Beam::new(node, &input.clusters[cluster as usize], bound.slack);
+    let beam = Beam::new(node, cluster, bound.slack);
     let [t_min, t_max] = input.t_range();
     let forward = t_max >= 0.0 && beam.meets([t_min.max(0.0), t_max], bound);
     let backward = t_min < 0.0 && beam.turned().meets([(-t_max).max(0.0), -t_min], bound);

@@ -52,6 +52,7 @@ use raster::{Corners, Visibility};
 pub struct Input<'a> {
     pub params: Params,
     pub clusters: &'a [Cluster],
+    pub bunches: &'a [Cluster],
     pub nodes: &'a [Node],
     pub cull_steps: u32,
     pub tile_start: &'a [u32],
@@ -108,8 +109,13 @@ pub struct Tables {
 }
 
 /// Lists that never run over.
-pub const ROOMY: Capacities =
-    Capacities { queue: u32::MAX as u64, work: u32::MAX as u64, pairs: u32::MAX as u64, doubts: u32::MAX as u64 };
+pub const ROOMY: Capacities = Capacities {
+    queue: u32::MAX as u64,
+    work: u32::MAX as u64,
+    tasks: u32::MAX as u64,
+    pairs: u32::MAX as u64,
+    doubts: u32::MAX as u64,
+};
 
 impl Tables {
     /// Bands and chunks are cut so that no table exceeds `binding_limit` bytes.
@@ -135,6 +141,7 @@ impl Tables {
         Input {
             params: params((camera, camera.t_range), &self.plan, band, ids, clusters, capacities),
             clusters: &chunk.clusters,
+            bunches: &chunk.bunches,
             nodes: &band.nodes.nodes,
             cull_steps: band.nodes.cull_steps(),
             tile_start: &band.tiles.start,

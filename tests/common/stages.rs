@@ -345,6 +345,7 @@ pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
     b.upload_uniform(gpu, "params", &input.params).unwrap();
     b.upload_uniform(gpu, "shading", &input.look.shading).unwrap();
     b.upload(gpu, "clusters", input.clusters).unwrap();
+    b.upload(gpu, "bunches", input.bunches).unwrap();
     b.upload(gpu, "nodes", input.nodes).unwrap();
     b.upload(gpu, "tile_start", input.tile_start).unwrap();
     b.upload(gpu, "cells", input.cells).unwrap();

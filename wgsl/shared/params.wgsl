@@ -5,6 +5,7 @@ const TILE: u32 = 8u;          // px a side of a tile
 const LANES: u32 = 8u;         // threads a subgroup where raster goes tile by tile: a column of the tile each
 const BRANCH: u32 = 4u;        // children a side of a node
 const CLUSTER: u32 = 64u;      // triangles a cluster at most
+const BUNCH: u32 = 8u;         // triangles a bunch, of which a cluster has eight
 const NONE: u32 = 0xffffffffu;
 
 // Indices into `counters`. Queues of the cull steps come first.
@@ -19,6 +20,7 @@ const COUNT_BUSY: u32 = 15u;
 const COUNT_BUSY_FIRST: u32 = 16u;     // of the busy tiles that raster takes in this step
 const COUNT_BUSY_END: u32 = 17u;       // behind the last of them
 const COUNT_PAIRS_TESTED: u32 = 18u;
+const COUNT_TASKS: u32 = 19u;
 const COUNTERS: u32 = 20u;
 
 // One band of the image and one batch of clusters.
@@ -41,8 +43,8 @@ struct Params {
     spans: u32,             // sheets a layer
     doubt_capacity: u32,    // items
     origin_lost: f32,       // what origins of rays may have lost before they were stored
+    task_capacity: u32,
     pad0: u32,
-    pad1: u32,
     t_min: vec4<f32>,       // ends of t_range, each the exact sum of three
     t_max: vec4<f32>,
     t_words: vec4<u32>,     // both as f64, low words first
@@ -56,7 +58,7 @@ struct Step {
     value: u32,
 }
 
-// Up to CLUSTER triangles near each other, and their box.
+// Up to CLUSTER triangles near each other, and their box; or those of a bunch.
 struct Cluster {
     centre: vec3<f32>,
     first: u32,             // slot of the first triangle

@@ -1,0 +1,8 @@
+// The index of the node of a square, or of a cell.
+fn address_node(address: u32) -> u32 {
+    let level = node_level(address);
+    if level == LEVEL_CELL {
+        return cells[node_cell(address)].node;
+    }
+    return node_index(level, node_x(address), node_y(address));
+}

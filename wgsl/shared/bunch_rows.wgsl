@@ -1,0 +1,4 @@
+// The bunch of a task, as every thread loads it by itself.
+fn task_bunch(index: u32, thread: u32) -> Cluster {
+    return bunches[index];
+}

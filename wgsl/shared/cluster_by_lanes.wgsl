@@ -1,7 +1,0 @@
-// The cluster of a work item, whose rows all lanes load together.
-fn item_cluster(index: u32, thread: u32) -> Cluster {
-    let row = clusters[2u * index + (thread & 1u)];
-    let a = subgroupShuffle(row, 0u);
-    let b = subgroupShuffle(row, 1u);
-    return Cluster(a.xyz, bitcast<u32>(a.w), b.xyz, bitcast<u32>(b.w));
-}
