@@ -6,7 +6,9 @@ mod stages;
 
 use anamorph::engine::Capacities;
 use anamorph::gpu::kernels::Variant;
-use anamorph::gpu::rows::{COUNT_BUSY, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_TASKS, COUNT_WORK, COUNTERS};
+use anamorph::gpu::rows::{
+    COUNT_BUSY, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_SORTED, COUNT_TASKS, COUNT_WORK, COUNTERS,
+};
 use anamorph::twin::bin::{Binned, Pair, beside, bin, covered};
 use anamorph::twin::cull::{Address, Bound, cull, node_meets};
 use anamorph::twin::rays::owned;
@@ -45,21 +47,24 @@ fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &Input, 
     let capacity = input.params.pair_capacity as usize;
     list(gpu, &mut buffers, "pairs", &[], capacity);
     let tiles = input.tile_start.len() - 1;
-    buffers.upload(gpu, "heads", &vec![0u32; tiles]).unwrap();
-    buffers.upload(gpu, "links", &vec![POISON; capacity]).unwrap();
+    list(gpu, &mut buffers, "unsorted", &[], capacity);
+    buffers.upload(gpu, "ranks", &vec![POISON; capacity]).unwrap();
+    buffers.upload(gpu, "starts", &vec![POISON; tiles]).unwrap();
+    buffers.upload(gpu, "ends", &vec![0u32; tiles]).unwrap();
     buffers.upload(gpu, "busy", &vec![POISON; tiles]).unwrap();
-    let zero_of_lists = if variant.by_tile { vec![(COUNT_BUSY, 0)] } else { Vec::new() };
+    let zero_of_lists = if variant.by_tile { vec![(COUNT_BUSY, 0), (COUNT_SORTED, 0)] } else { Vec::new() };
     let zeros = [(COUNT_WORK, work.len() as u32), (COUNT_TASKS, 0), (COUNT_PAIRS, 0), (COUNT_PAIRS_TESTED, 0)];
     counters(gpu, &mut buffers, &[&zeros[..], &zero_of_lists].concat());
     run(gpu, |pass| {
         stages.split(gpu, pass, &[&buffers])?;
-        stages.bin(gpu, pass, &[&buffers])
+        stages.bin(gpu, pass, &[&buffers])?;
+        stages.sort(gpu, pass, &[&buffers], tiles as u32)
     });
 
     let counters = read(gpu, &buffers, "counters");
     for (k, &value) in counters.iter().take(COUNTERS as usize).enumerate() {
         let owned = [COUNT_WORK, COUNT_TASKS, COUNT_PAIRS, COUNT_PAIRS_TESTED].contains(&(k as u32))
-            || zero_of_lists.contains(&(k as u32, 0));
+            || zero_of_lists.iter().any(|z| z.0 == k as u32);
         assert!(owned || value == POISON, "{}: counter {k} is {value}", case.name);
     }
     // a test for each pair at least; at most one for each tile below its node
@@ -72,7 +77,9 @@ fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &Input, 
     let groups = read(gpu, &buffers, "indirect");
     let tasks = read_list(gpu, &buffers, "tasks")[..counters[COUNT_TASKS as usize] as usize].to_vec();
     assert_tasks(case, &input, work, &tasks);
-    assert_eq!(groups[..3], [tasks.len().div_ceil(8) as u32, u32::from(!tasks.is_empty()), 1], "{}: groups", case.name);
+    let listed = counters[COUNT_PAIRS as usize].min(input.params.pair_capacity) as usize;
+    let last = if variant.by_tile { listed.div_ceil(64) } else { tasks.len().div_ceil(8) };
+    assert_eq!(groups[..3], [last as u32, u32::from(last > 0), 1], "{}: groups", case.name);
     let items = read_list(gpu, &buffers, "pairs");
     let demand = counters[COUNT_PAIRS as usize];
     let count = (demand as usize).min(capacity);
@@ -80,8 +87,9 @@ fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &Input, 
     let pairs = items[..count].to_vec();
     if variant.by_tile {
         let busy = read(gpu, &buffers, "busy")[..counters[COUNT_BUSY as usize] as usize].to_vec();
-        let lists = [read(gpu, &buffers, "heads"), read(gpu, &buffers, "links")];
-        assert_listed(&case.name, &pairs, &busy, &lists);
+        assert_eq!(counters[COUNT_SORTED as usize], pairs.len() as u32, "{}: pairs in runs", case.name);
+        let runs = [read(gpu, &buffers, "starts"), read(gpu, &buffers, "ends")];
+        assert_sorted(&case.name, &pairs, &busy, &runs);
     }
     Listed { pairs, demand }
 }
@@ -103,20 +111,18 @@ fn assert_tasks(case: &Case, input: &Input, work: &[[u32; 2]], tasks: &[[u32; 2]
     assert!(listed.is_subset(&allowed), "{}: a task of no work item", case.name);
 }
 
-/// Every pair is in the list of its tile once, and every tile with any is busy once.
-fn assert_listed(name: &str, pairs: &[[u32; 2]], busy: &[u32], [heads, links]: &[Vec<u32>; 2]) {
+/// Every pair is in the run of its tile, and every tile with any is busy once.
+fn assert_sorted(name: &str, pairs: &[[u32; 2]], busy: &[u32], [starts, ends]: &[Vec<u32>; 2]) {
     let mut found = vec![false; pairs.len()];
     for &tile in busy {
-        let mut next = heads[tile as usize];
-        assert!(next != 0, "{name}: busy tile {tile} has no pair");
-        while next != 0 {
-            let at = next as usize - 1;
-            assert_eq!(Pair::unpack(pairs[at]).tile, tile, "{name}: pair {at} in the wrong list");
-            assert!(!std::mem::replace(&mut found[at], true), "{name}: pair {at} is listed twice");
-            next = links[at];
+        let run = starts[tile as usize] as usize..ends[tile as usize] as usize;
+        assert!(!run.is_empty(), "{name}: busy tile {tile} has no pair");
+        for at in run {
+            assert_eq!(Pair::unpack(pairs[at]).tile, tile, "{name}: pair {at} in the wrong run");
+            assert!(!std::mem::replace(&mut found[at], true), "{name}: pair {at} is in two runs");
         }
     }
-    assert!(found.iter().all(|f| *f), "{name}: a pair in no list");
+    assert!(found.iter().all(|f| *f), "{name}: a pair in no run");
 }
 
 fn tiles_below(input: &Input, node: Address) -> HashSet<u32> {

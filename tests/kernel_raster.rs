@@ -46,15 +46,18 @@ struct Drawn {
 /// One input's pairs.
 type Job<'a> = (Input<'a>, Vec<[u32; 2]>);
 
-/// Lists of pairs by tile, as bin leaves them; the tiles that are busy.
-fn lists_by_tile(gpu: &Gpu, buffers: &mut Buffers, input: &Input, pairs: &[[u32; 2]]) -> u32 {
-    let (mut heads, mut links) = (vec![0u32; input.tile_start.len() - 1], vec![0u32; pairs.len()]);
-    for (k, pair) in pairs.iter().enumerate() {
-        links[k] = std::mem::replace(&mut heads[Pair::unpack(*pair).tile as usize], k as u32 + 1);
-    }
-    let busy: Vec<u32> = (0..heads.len() as u32).filter(|tile| heads[*tile as usize] != 0).collect();
-    buffers.upload(gpu, "heads", &heads).unwrap();
-    buffers.upload(gpu, "links", &links).unwrap();
+/// Pairs by tile, as sort leaves them; how many tiles are busy.
+fn sorted(gpu: &Gpu, buffers: &mut Buffers, input: &Input, pairs: &[[u32; 2]]) -> u32 {
+    let mut sorted = pairs.to_vec();
+    sorted.sort_by_key(|pair| Pair::unpack(*pair).tile);
+    let tiles = 0..input.tile_start.len() as u32 - 1;
+    let before = |tile: u32| sorted.partition_point(|pair| Pair::unpack(*pair).tile < tile) as u32;
+    let starts: Vec<u32> = tiles.clone().map(before).collect();
+    let ends: Vec<u32> = tiles.clone().map(|tile| before(tile + 1)).collect();
+    let busy: Vec<u32> = tiles.filter(|tile| starts[*tile as usize] < ends[*tile as usize]).collect();
+    list(gpu, buffers, "pairs", &sorted, sorted.len());
+    buffers.upload(gpu, "starts", &starts).unwrap();
+    buffers.upload(gpu, "ends", &ends).unwrap();
     buffers.upload(gpu, "busy", &busy).unwrap();
     busy.len() as u32
 }
@@ -89,7 +92,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, j
             let zeros = owned.map(|k| (k, 0));
             let mut given = [&zeros[..], &[(COUNT_PAIRS, pairs.len() as u32)]].concat();
             if by_tile {
-                let busy = lists_by_tile(gpu, &mut buffers, input, pairs);
+                let busy = sorted(gpu, &mut buffers, input, pairs);
                 given.extend([(COUNT_BUSY, busy), (COUNT_BUSY_FIRST, 0), (COUNT_BUSY_END, 0)]);
             }
             counters(gpu, &mut buffers, &given);

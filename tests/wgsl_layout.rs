@@ -295,6 +295,7 @@ fn host_constants() -> Constants {
         COUNT_BUSY_END,
         COUNT_PAIRS_TESTED,
         COUNT_TASKS,
+        COUNT_SORTED,
         LANES,
         COUNTERS,
         LAW_NORMALS,

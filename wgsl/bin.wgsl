@@ -80,7 +80,6 @@ fn list(slot: u32, tile: u32, pixels: vec4<u32>) {
     }
     let at = atomicAdd(&counters[COUNT_PAIRS], 1u);
     if at < params.pair_capacity {
-        pairs[at] = pair_pack(slot, tile, pixels.xy, pixels.zw - 1u);
-        link(at, tile);
+        store(at, tile, pair_pack(slot, tile, pixels.xy, pixels.zw - 1u));
     }
 }

@@ -1,11 +1,11 @@
 // raster, tile by tile: one subgroup of LANES threads per busy tile, one thread per column of it.
-// Reads what raster reads pair by pair, the lists of pairs by tile and the busy tiles; merges one visibility key a pixel, the nearest of
-// all pairs of its tile, and leaves what f32 does not prove to recheck. A tile of more than BATCHES times LANES pairs is listed as
-// busy again, with what is left of its pairs.
+// Reads what raster reads pair by pair, the run of pairs of each tile and the busy tiles; merges one visibility key a pixel, the nearest
+// of all pairs of its tile, and leaves what f32 does not prove to recheck. A tile of more than BATCHES times LANES pairs is listed as
+// busy again, with what is left of its run.
 
 // Batches of pairs that a subgroup takes at most: software adapters end a thread's loops after 65535 rounds in all, and a batch has up
-// to 36: its own, LANES links, and LANES pairs and one more three times.
-const BATCHES: u32 = 1800u;
+// to 28: its own, and LANES pairs and one more three times.
+const BATCHES: u32 = 2300u;
 
 override COUNTING: bool = false;
 
@@ -46,17 +46,13 @@ fn raster(
     var tested_upper = 0u;
     var tested_lower = 0u;
     var kept = 0u;
-    var at = heads[tile];
-    for (var batch = 0u; at != 0u && batch < BATCHES; batch++) {
+    let end = ends[tile];
+    var at = starts[tile];
+    for (var batch = 0u; at < end && batch < BATCHES; batch++) {
         // take a pair a lane
-        var mine = 0u;
-        for (var k = 0u; k < LANES; k++) {
-            mine = select(mine, at, lane == k);
-            if at != 0u {
-                at = links[at - 1u];
-            }
-        }
-        let index = max(mine, 1u) - 1u;
+        let index = min(at + lane, end - 1u);
+        let is_one = at + lane < end;
+        at += LANES;
         let triangle = triangles[pair_slot(vec2<u32>(pairs[index].x, 0u))];
         let id = triangle_id(triangle);
         let hi = array<vec3<f32>, 3>(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
@@ -67,7 +63,7 @@ fn raster(
         // leave it where the tile's bounds do, and where all pixels show what is nearer
         let seen = extent(node, hi[0], hi[1], hi[2]);
         let within = pixels_within(seen, TILE);
-        let may = mine != 0u && !is_apart(id) && !is_empty(within)
+        let may = is_one && !is_apart(id) && !is_empty(within)
             && may_cover(conics(node, hi[0], hi[1], hi[2]), 0.0, 0.0, CENTRES);
         let may_upper = may && within.y < 4u && !is_behind(seen, lanes_max(farthest(nearest_upper, column.has_upper), lane));
         let may_lower = may && within.w > 4u && !is_behind(seen, lanes_max(farthest(nearest_lower, column.has_lower), lane));
@@ -160,8 +156,8 @@ fn raster(
 
     // leave the rest of its pairs
     if lane == 0u {
-        heads[tile] = at;
-        if at != 0u {
+        starts[tile] = at;
+        if at < end {
             busy[atomicAdd(&counters[COUNT_BUSY], 1u)] = tile;
         }
     }

@@ -14,7 +14,7 @@ use crate::stage::certify::CERTIFY_STEPS;
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 
 /// Compute passes of a job and of a pass over a band, at most.
-const PASSES_EACH: u32 = 16;
+const PASSES_EACH: u32 = 18;
 
 impl Frames<'_> {
     /// Encodes and submits one frame; with `read`, also the copies that bring its image to the host.
@@ -144,15 +144,15 @@ impl Frames<'_> {
         Ok(())
     }
 
-    /// Lists the pairs of a job: cull, split and bin.
+    /// Lists the pairs of a job: cull, split, bin and sort.
     fn encode_pairs(&self, recorder: &mut Recorder, band: usize, pass: usize, job: &Job) -> Result<()> {
         let (gpu, resident, stages) = (&*self.gpu, &self.resident, self.stages_of(pass));
         let scopes = resident.scopes(job, band, pass);
         if let Some(counters) = resident.shared.get("counters") {
             recorder.encoder.clear_buffer(counters, 0, None);
         }
-        if let Some(heads) = resident.shared.get("heads") {
-            recorder.encoder.clear_buffer(heads, 0, None);
+        if let Some(ends) = resident.shared.get("ends") {
+            recorder.encoder.clear_buffer(ends, 0, None);
         }
         // where turned rays are torn is not known beforehand
         let nodes = &self.plan.bands[band].nodes;
@@ -165,7 +165,14 @@ impl Frames<'_> {
         stages.split(gpu, &mut encoded, &scopes)?;
         drop(encoded);
         let mut encoded = recorder.compute("bin");
-        stages.bin(gpu, &mut encoded, &scopes)
+        stages.bin(gpu, &mut encoded, &scopes)?;
+        drop(encoded);
+        if stages.sorts() {
+            let mut encoded = recorder.compute("sort");
+            let tiles = &self.plan.bands[band].tiles;
+            stages.sort(gpu, &mut encoded, &scopes, tiles.tiles_x * tiles.tiles_y)?;
+        }
+        Ok(())
     }
 
     /// Finds what is proven of the visibility buffer of a band, which is complete.

@@ -164,7 +164,15 @@ impl Resident {
         if plan.variant.by_tile {
             let tiles = plan.bands.iter().map(|b| b.tiles.tiles_x * b.tiles.tiles_y).max().unwrap_or(0);
             let busy = 4 * u64::from(tiles) * u64::from(1 + self.raster_rounds);
-            let lists = [("heads", 4 * u64::from(tiles)), ("busy", busy), ("links", 4 * self.capacities.pairs)];
+            let each = 4 * u64::from(tiles);
+            let pairs = self.capacities.pairs;
+            let lists = [
+                ("starts", each),
+                ("ends", each),
+                ("busy", busy),
+                ("unsorted", pairs * ITEM_BYTES),
+                ("ranks", 4 * pairs),
+            ];
             for (name, bytes) in lists {
                 self.shared.create(gpu, name, bytes, BufferUsages::empty())?;
             }

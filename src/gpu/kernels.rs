@@ -344,14 +344,15 @@ pub fn bin(variant: Variant) -> Kernel {
         read("triangles", "array<vec4<u32>>"),
         read("vertices_hi", "array<f32>"),
         read("cells", "array<Cell>"),
-        write("pairs", "array<vec2<u32>>"),
         counters(),
     ];
     let mut own = concat!(snippet!("shared/bunch_rows.wgsl"), snippet!("shared/by_pair.wgsl"));
     if variant.by_tile {
-        let heads = write("heads", "array<atomic<u32>>");
-        bindings.extend([heads, write("links", "array<u32>"), write("busy", "array<u32>")]);
+        let unsorted = write("unsorted", "array<vec2<u32>>");
+        bindings.extend([unsorted, write("ranks", "array<u32>"), write("ends", "array<atomic<u32>>")]);
         own = concat!(snippet!("shared/bunch_by_lanes.wgsl"), snippet!("shared/by_tile.wgsl"));
+    } else {
+        bindings.push(write("pairs", "array<vec2<u32>>"));
     }
     let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, SHEETS, VERTEX, PAIR, WITHIN, BOX_MET, variant.item_node()];
     let snippets = [&snippets[..], &[own, snippet!("bin.wgsl")]].concat();
@@ -359,6 +360,30 @@ pub fn bin(variant: Variant) -> Kernel {
     kernel.constants.push(("SHEETED", variant.sheeted as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
+}
+
+/// Runs of the tiles in the sorted list of pairs.
+pub fn allot() -> Kernel {
+    let bindings = vec![
+        params(),
+        write("starts", "array<u32>"),
+        write("ends", "array<u32>"),
+        write("busy", "array<u32>"),
+        counters(),
+    ];
+    kernel("allot", bindings, &[PARAMS, ITEMS, snippet!("allot.wgsl")])
+}
+
+pub fn sort() -> Kernel {
+    let bindings = vec![
+        params(),
+        read("unsorted", "array<vec2<u32>>"),
+        read("ranks", "array<u32>"),
+        read("starts", "array<u32>"),
+        write("pairs", "array<vec2<u32>>"),
+        counters(),
+    ];
+    kernel("sort", bindings, &[PARAMS, ITEMS, PAIR, snippet!("sort.wgsl")])
 }
 
 pub fn raster(variant: Variant) -> Kernel {
@@ -375,8 +400,8 @@ fn raster_by_tile(variant: Variant) -> Kernel {
     let mut bindings = vec![
         params(),
         read("pairs", "array<vec2<u32>>"),
-        write("heads", "array<u32>"),
-        read("links", "array<u32>"),
+        write("starts", "array<u32>"),
+        read("ends", "array<u32>"),
         write("busy", "array<u32>"),
         write("doubts", "array<vec2<u32>>"),
         read("triangles", "array<vec4<u32>>"),
@@ -583,7 +608,8 @@ pub fn gather(variant: Variant, planes: &[Channel]) -> Kernel {
 
 /// All kernels of a variant that writes `planes`, in the order of the pipeline, and those beside it.
 pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
-    let mut all = vec![args(), cull(variant), bin(variant), raster(variant), shade(variant, planes)];
+    let mut all = vec![args(), cull(variant), split(variant), bin(variant), raster(variant), shade(variant, planes)];
+    all.extend(variant.by_tile.then(|| [allot(), sort()]).into_iter().flatten());
     if variant.rechecks() {
         all.push(recheck(variant));
     }

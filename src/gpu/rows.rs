@@ -40,7 +40,8 @@ pub const COUNT_BUSY_FIRST: u32 = 16;
 pub const COUNT_BUSY_END: u32 = 17;
 pub const COUNT_PAIRS_TESTED: u32 = 18;
 pub const COUNT_TASKS: u32 = 19;
-pub const COUNTERS: u32 = 20;
+pub const COUNT_SORTED: u32 = 20;
+pub const COUNTERS: u32 = 21;
 
 /// Bits of a triangle row's last word: id below, file order above, one-sidedness on top.
 pub const ID_BITS_MAX: u32 = 28;

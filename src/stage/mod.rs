@@ -1,6 +1,6 @@
 //! The stages of a frame, one file each: what it binds and how it is dispatched.
 //!
-//! `cull -> split -> bin -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
+//! `cull -> split -> bin -> sort -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
 //! rays, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again, or [`paste`] from an atlas that was
 //! rendered before. Caustics are added up by [`deposit`] before the first frame and shown by [`gather`] after shade. Apart
 //! from these is [`sift`], which finds the parts of an image that may see a point.
@@ -18,6 +18,7 @@ pub mod raster;
 pub mod recheck;
 pub mod shade;
 pub mod sift;
+pub mod sort;
 pub mod split;
 pub mod write;
 
@@ -34,7 +35,7 @@ pub const AMBIENT: f32 = 0.1;
 /// Names of the step buffers, by value: of a step, or of a counter.
 const STEPS: [&str; COUNTERS as usize] = [
     "step0", "step1", "step2", "step3", "step4", "step5", "step6", "step7", "step8", "step9", "step10", "step11",
-    "step12", "step13", "step14", "step15", "step16", "step17", "step18", "step19",
+    "step12", "step13", "step14", "step15", "step16", "step17", "step18", "step19", "step20",
 ];
 
 /// The kernels of a variant, compiled, and the step buffers that number their dispatches.
@@ -43,6 +44,7 @@ pub struct Stages {
     cull: Pipeline,
     split: Pipeline,
     bin: Pipeline,
+    sort: Option<[Pipeline; 2]>,
     raster: Pipeline,
     recheck: Option<Pipeline>,
     certify: Option<Pipeline>,
@@ -73,6 +75,7 @@ impl Stages {
             cull: compile(kernels::cull(variant)),
             split: compile(kernels::split(variant)),
             bin: compile(kernels::bin(variant)),
+            sort: variant.by_tile.then(|| [compile(kernels::allot()), compile(kernels::sort())]),
             raster: compile(kernels::raster(variant)),
             recheck: variant.rechecks().then(|| compile(kernels::recheck(variant))),
             certify: planes.contains(&Channel::Certified).then(|| compile(kernels::certify(variant, planes))),

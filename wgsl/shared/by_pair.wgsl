@@ -1,4 +1,4 @@
-// Raster takes pairs one by one: no lists by tile, and what a tile's own bounds leave out is left out here.
+// Raster takes pairs one by one, in any order, and what a tile's own bounds leave out is left out here.
 
 // The pixels of a tile that the triangle may cover, of those that the bounds of a node above it leave.
 fn tile_pixels(tile: u32, above: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>, pixels: vec4<u32>) -> vec4<u32> {
@@ -19,4 +19,6 @@ fn tile_pixels(tile: u32, above: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f3
     return left;
 }
 
-fn link(pair: u32, tile: u32) {}
+fn store(at: u32, tile: u32, pair: vec2<u32>) {
+    pairs[at] = pair;
+}

@@ -1,16 +1,11 @@
-// Raster takes tiles one by one, and leaves out what their own bounds do.
-//
-// Lists of pairs by tile: `heads` has each tile's first pair and `links` each pair's next one, both with 1 added and 0 behind the last;
-// `busy` has the tiles with any.
+// Raster takes tiles one by one, and leaves out what their own bounds do. Pairs are sorted by tile before.
 
 fn tile_pixels(tile: u32, above: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>, pixels: vec4<u32>) -> vec4<u32> {
     return pixels;
 }
 
-fn link(pair: u32, tile: u32) {
-    let before = atomicExchange(&heads[tile], pair + 1u);
-    links[pair] = before;
-    if before == 0u {
-        busy[atomicAdd(&counters[COUNT_BUSY], 1u)] = tile;
-    }
+// Stores a pair, and its place among those of its tile.
+fn store(at: u32, tile: u32, pair: vec2<u32>) {
+    unsorted[at] = pair;
+    ranks[at] = atomicAdd(&ends[tile], 1u);
 }

@@ -21,7 +21,8 @@ const COUNT_BUSY_FIRST: u32 = 16u;     // of the busy tiles that raster takes in
 const COUNT_BUSY_END: u32 = 17u;       // behind the last of them
 const COUNT_PAIRS_TESTED: u32 = 18u;
 const COUNT_TASKS: u32 = 19u;
-const COUNTERS: u32 = 20u;
+const COUNT_SORTED: u32 = 20u;         // pairs in runs of tiles
+const COUNTERS: u32 = 21u;
 
 // One band of the image and one batch of clusters.
 struct Params {

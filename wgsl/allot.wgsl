@@ -1,0 +1,23 @@
+// allot: one thread per tile.
+// Reads how many pairs bin has found in each tile, in `ends`; gives each tile with any a run of the sorted list, from `starts` to
+// `ends`, and lists it in `busy`.
+
+@compute @workgroup_size(64)
+fn allot(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let tile = item_index(group, groups, lane);
+    if tile >= params.tiles_x * params.tiles_y {
+        return;
+    }
+    let count = ends[tile];
+    if count == 0u {
+        return;
+    }
+    let first = atomicAdd(&counters[COUNT_SORTED], count);
+    starts[tile] = first;
+    ends[tile] = first + count;
+    busy[atomicAdd(&counters[COUNT_BUSY], 1u)] = tile;
+}

@@ -1,0 +1,16 @@
+// sort: one thread per pair.
+// Reads `unsorted` pairs and their places among those of their tile; writes `pairs`, those of a tile side by side.
+
+@compute @workgroup_size(64)
+fn sort(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let index = item_index(group, groups, lane);
+    if index >= min(atomicLoad(&counters[COUNT_PAIRS]), params.pair_capacity) {
+        return;
+    }
+    let pair = unsorted[index];
+    pairs[starts[pair_tile(pair)] + ranks[index]] = pair;
+}
