@@ -4,7 +4,7 @@
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
 use super::mesh::{Mesh, NO_NORMAL};
-use crate::gpu::rows::{BUNCH, CLUSTER, Cluster, ID_BITS_MAX, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, split2};
+use crate::gpu::rows::{BUNCH, CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, split2};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -79,7 +79,7 @@ fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, whole: bool) -> 
     for (slot, &id) in order.iter().enumerate() {
         chunk.slot_of_id[(id - ids.start) as usize] = slot as u32;
     }
-    chunk.triangles = order.iter().map(|&id| [0, 0, 0, id]).collect();
+    chunk.triangles = order.par_iter().map(|&id| [0, 0, 0, id | side(mesh, id)]).collect();
     chunk.place(mesh, anchor);
     chunk.clustered_size = chunk.size();
     chunk
@@ -89,13 +89,14 @@ impl Clustered {
     /// The same triangles where their vertices are now, each in the cluster where it was. `false` where they are to be clustered anew:
     /// a triangle has got or lost its area, or the boxes have grown by half.
     pub fn refit(&mut self, mesh: &Mesh) -> bool {
+        let lies_flat = |chunk: &Chunk| {
+            let ids = chunk.slot_of_id.par_iter().zip(chunk.id_first..chunk.id_first + chunk.id_count);
+            ids.filter(|(slot, _)| **slot == NONE).all(|(_, id)| !has_area(&corners(mesh, id)))
+        };
         self.chunks.iter_mut().all(|chunk| {
-            let first = chunk.id_first;
-            let is_as_before = |(k, slot): (usize, &u32)| has_area(corners(mesh, first + k as u32)) == (*slot != NONE);
-            chunk.slot_of_id.par_iter().enumerate().all(is_as_before) && {
-                chunk.place(mesh, self.anchor);
-                chunk.size() <= GROWN_MAX * chunk.clustered_size
-            }
+            (self.without_area == 0 || lies_flat(chunk))
+                && chunk.place(mesh, self.anchor)
+                && chunk.size() <= GROWN_MAX * chunk.clustered_size
         })
     }
 }
@@ -109,8 +110,8 @@ const EMPTY: Cluster = Cluster { centre: [0.0; 3], first: 0, half: [0.0; 3], cou
 const GROWN_MAX: f64 = 1.5;
 
 impl Chunk {
-    /// All that depends on positions, of the triangles in their slots.
-    fn place(&mut self, mesh: &Mesh, anchor: DVec3) {
+    /// All that depends on positions, of the triangles in their slots; whether each has an area.
+    fn place(&mut self, mesh: &Mesh, anchor: DVec3) -> bool {
         let used = self.used.as_deref();
         let count = used.map_or(mesh.positions.len(), <[u32]>::len);
         self.vertices_hi.resize(3 * count, 0.0);
@@ -125,17 +126,27 @@ impl Chunk {
         // every vertex of the chunk is in the sorted list
         let index_of = |v: u32| used.map_or(v, |used| used.partition_point(|&u| u < v) as u32);
         self.bunches.resize(self.triangles.len().div_ceil(CLUSTER as usize) * BUNCHES, EMPTY);
-        let groups = self.triangles.par_chunks_mut(CLUSTER as usize).enumerate();
-        let place = |((index, rows), bunches): ((usize, &mut [[u32; 4]]), &mut [Cluster])| {
+        let groups = self.triangles.par_chunks_mut(CLUSTER as usize).zip(self.bunches.par_chunks_mut(BUNCHES));
+        let place = |(index, (rows, bunches)): (usize, (&mut [[u32; 4]], &mut [Cluster]))| {
             let first = index * CLUSTER as usize;
-            for (k, (bunch, rows)) in bunches.iter_mut().zip(rows.chunks(BUNCH as usize)).enumerate() {
-                *bunch = cluster_row(mesh, anchor, first + k * BUNCH as usize, rows);
+            let (count, mut whole, mut have_area) = (rows.len(), Bounds::NONE, true);
+            for (k, (bunch, rows)) in bunches.iter_mut().zip(rows.chunks_mut(BUNCH as usize)).enumerate() {
+                let mut own = Bounds::NONE;
+                for row in rows.iter_mut() {
+                    let corners = corners(mesh, row[3] & ID_MASK);
+                    let order = order_by_position(&corners);
+                    have_area &= has_area(&corners);
+                    own = own.with(&corners);
+                    *row = triangle_row(mesh, row[3], order, index_of);
+                }
+                *bunch = own.row(anchor, first + k * BUNCH as usize, rows.len());
+                whole = whole.joined(own);
             }
-            let cluster = cluster_row(mesh, anchor, first, rows);
-            rows.iter_mut().for_each(|row| *row = triangle_row(mesh, row[3] & ID_MASK, index_of));
-            cluster
+            (whole.row(anchor, first, count), have_area)
         };
-        self.clusters = groups.zip(self.bunches.par_chunks_mut(BUNCHES)).map(place).collect();
+        let (clusters, have_area): (Vec<Cluster>, Vec<bool>) = groups.enumerate().map(place).unzip();
+        self.clusters = clusters;
+        have_area.into_iter().all(|has| has)
     }
 
     /// Of all boxes together.
@@ -160,7 +171,7 @@ fn morton_order(mesh: &Mesh, ids: std::ops::Range<u32>) -> Vec<u32> {
     let scale = ((1u64 << 21) as f64 - 1.0) / (bounds.1 - bounds.0).max_element().max(f64::MIN_POSITIVE);
     let mut keyed: Vec<(u64, u32)> = ids
         .into_par_iter()
-        .filter(|&id| has_area(corners(id)))
+        .filter(|&id| has_area(&corners(id)))
         .map(|id| {
             let place = (corners(id).iter().sum::<DVec3>() - bounds.0) * scale;
             (spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2, id)
@@ -181,8 +192,8 @@ fn spread(place: f64) -> u64 {
 }
 
 /// Three different positions that are not on a line, as f64 sees it.
-fn has_area(corners: [DVec3; 3]) -> bool {
-    let [a, b, c] = order_by_position(&corners).map(|k| corners[k]);
+fn has_area(corners: &[DVec3; 3]) -> bool {
+    let [a, b, c] = order_by_position(corners).map(|k| corners[k]);
     a != b && b != c && (b - a).cross(c - a) != DVec3::ZERO
 }
 
@@ -208,17 +219,21 @@ fn order_by_position(corners: &[DVec3; 3]) -> [usize; 3] {
 /// Where each file corner stands in a row, by order code: the table of `wgsl/shared/triangle.wgsl`.
 pub const CORNER_ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
 
-fn triangle_row(mesh: &Mesh, id: u32, index_of: impl Fn(u32) -> u32) -> [u32; 4] {
-    let corners = mesh.triangles[id as usize];
-    let sorted = order_by_position(&corners.map(|v| mesh.positions[v as usize]));
+/// Of the triangle with the id and the sidedness in `last`, whose corners are in this order.
+fn triangle_row(mesh: &Mesh, last: u32, sorted: [usize; 3], index_of: impl Fn(u32) -> u32) -> [u32; 4] {
+    let corners = mesh.triangles[(last & ID_MASK) as usize];
     // the place of file corner c in the row
     let place = [0, 1, 2].map(|c| sorted.iter().position(|&s| s == c).unwrap_or(0));
     let order = CORNER_ORDERS.iter().position(|o| *o == place).unwrap_or(0) as u32;
-    let material = &mesh.materials[mesh.material_of[id as usize] as usize];
-    let side = if material.two_sided { 0 } else { ONE_SIDED };
     let [a, b, c] = sorted.map(|s| index_of(corners[s]));
-    debug_assert!(id < 1 << ID_BITS_MAX);
-    [a, b, c, id | order << ORDER_SHIFT | side]
+    [a, b, c, last & (ID_MASK | ONE_SIDED) | order << ORDER_SHIFT]
+}
+
+/// [`ONE_SIDED`], or 0.
+fn side(mesh: &Mesh, id: u32) -> u32 {
+    debug_assert!(id <= ID_MASK);
+    let material = &mesh.materials[mesh.material_of[id as usize] as usize];
+    if material.two_sided { 0 } else { ONE_SIDED }
 }
 
 fn surface_row(mesh: &Mesh, id: u32) -> [u32; 4] {
@@ -226,17 +241,37 @@ fn surface_row(mesh: &Mesh, id: u32) -> [u32; 4] {
     [a, b, c, mesh.material_of[id as usize]]
 }
 
-fn cluster_row(mesh: &Mesh, anchor: DVec3, first: usize, rows: &[[u32; 4]]) -> Cluster {
-    let positions = rows.iter().flat_map(|row| corners(mesh, row[3] & ID_MASK)).map(|p| p - anchor);
-    let (lo, hi) = positions.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
-    let (centre, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
-    // f32 rounding of the box and of what kernels compute from it: 2^-22 of the largest coordinate, 4 roundings
-    let slack = (centre.abs() + half).max_element() * CLUSTER_SLACK;
-    Cluster {
-        centre: centre.as_vec3().to_array(),
-        first: first as u32,
-        half: (half + slack).as_vec3().to_array(),
-        count: rows.len() as u32,
+/// A box of positions.
+#[derive(Clone, Copy)]
+struct Bounds {
+    lo: DVec3,
+    hi: DVec3,
+}
+
+impl Bounds {
+    const NONE: Bounds = Bounds { lo: DVec3::INFINITY, hi: DVec3::NEG_INFINITY };
+
+    fn with(self, corners: &[DVec3; 3]) -> Bounds {
+        let [a, b, c] = *corners;
+        Bounds { lo: self.lo.min(a).min(b).min(c), hi: self.hi.max(a).max(b).max(c) }
+    }
+
+    fn joined(self, other: Bounds) -> Bounds {
+        Bounds { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
+
+    /// Of the slots from `first` on.
+    fn row(self, anchor: DVec3, first: usize, count: usize) -> Cluster {
+        let (lo, hi) = (self.lo - anchor, self.hi - anchor);
+        let (centre, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
+        // f32 rounding of the box and of what kernels compute from it: 2^-22 of the largest coordinate, 4 roundings
+        let slack = (centre.abs() + half).max_element() * CLUSTER_SLACK;
+        Cluster {
+            centre: centre.as_vec3().to_array(),
+            first: first as u32,
+            half: (half + slack).as_vec3().to_array(),
+            count: count as u32,
+        }
     }
 }
 
