@@ -67,7 +67,7 @@ pub struct RunOptions {
     pub repeat: u32,
     /// Every vertex is new in each timed frame.
     pub moving: bool,
-    /// What finds what is seen instead of cull, bin and raster.
+    /// What finds what is seen instead of the stages from cull to recheck.
     pub by: Option<Choice>,
     /// Clusters that a part of the image does not see are not left out early: `cull` hands on everything, and rivals do not clip at
     /// the edges of pieces.

@@ -37,7 +37,7 @@
 //! Light that a mirror or a lens turns onto the scene ([`caustics`]) is followed before the first frame, by a frame of a camera
 //! at the light: `deposit` adds up what falls where, and after `shade` `gather` shows it.
 //!
-//! Other ways to find what each pixel sees, the papers' and ray tracing, take the place of cull, bin and raster in [`baseline`];
+//! Other ways to find what each pixel sees, the papers' and ray tracing, take the place of the stages from cull to recheck in [`baseline`];
 //! [`bench`](mod@bench) measures error against run time of all of them.
 //!
 //! Where a camera shows given points is another question ([`camera::project`]), answered in f64; for many points the

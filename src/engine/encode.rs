@@ -93,8 +93,7 @@ impl Frames<'_> {
         self.stages_of(pass).fit(gpu, &mut encoded, &scopes, &self.plan.bands[band].nodes.levels)
     }
 
-    /// Fills the visibility buffer of a band with what its rays of a pass meet: cull, bin and raster of every job, and what is
-    /// no triangle.
+    /// Fills the visibility buffer of a band with what its rays of a pass meet: cull to recheck of every job, and what is no triangle.
     fn encode_visibility(
         &self,
         recorder: &mut Recorder,

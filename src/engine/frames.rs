@@ -42,7 +42,7 @@ pub struct Frames<'a> {
     pub(super) arrangement: Option<Arrangement>,
     /// Makes the atlas before each frame.
     pub(super) painter: Option<Painter<'a>>,
-    /// Finds what is seen instead of cull, bin and raster.
+    /// Finds what is seen instead of the stages from cull to recheck.
     pub(super) rival: Option<Box<dyn Rival>>,
     /// Where the planes go too, 4 bytes a channel and pixel, as one image.
     pub(super) kept: Option<wgpu::Buffer>,

@@ -3,7 +3,8 @@
 //!
 //! A twin reads the very bytes that its kernel reads ([`Input`]) and makes the same lists and words, so that a frame can
 //! be followed stage by stage, and any stage be run from another's true output. It says what the stage should do, not
-//! how the kernel does it: bin tests every pixel, shade bounds what f32 may lose. Twins are as slow as they look.
+//! how the kernel does it: bin tests every pixel, so split and sort have no twins; shade bounds what f32 may lose. Twins are as slow
+//! as they look.
 
 pub mod along;
 pub mod bin;
