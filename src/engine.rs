@@ -26,7 +26,7 @@ use crate::scene::clusters::cluster;
 use crate::stage::Stages;
 use crate::stage::gather::Gather;
 pub use frames::Frames;
-use frames::Timed;
+use frames::{Due, Timed};
 use illumination::Illuminated;
 use resident::Resident;
 use std::borrow::Cow;
@@ -223,6 +223,7 @@ impl Engine {
             kept: None,
             moving: run.moving.then_some(clustered),
             is_aimed: false,
+            due: Due::All,
             timed: Timed::default(),
         })
     }

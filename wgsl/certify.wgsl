@@ -35,7 +35,10 @@ fn certify(
     let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
     for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
         let cell = cells[k];
-        prove(cell, vec2<u32>(cell.mask_lo, cell.mask_hi) & within, pair, triangle, v);
+        let owned = vec2<u32>(cell.mask_lo, cell.mask_hi) & within;
+        if any(owned != vec2<u32>(0u)) {
+            prove(cell, owned, pair, triangle, v);
+        }
     }
 }
 

@@ -51,14 +51,20 @@ fn cull(
     let rows = min(BRANCH, level_height(level - 1u) - y);
     var kept = 0u;
     var torn = 0u;
-    for (var j = 0u; j < rows; j++) {
-        for (var i = 0u; i < columns; i++) {
-            let child = node_index(level - 1u, x + i, y + j);
-            if !CULLING || node_meets(nodes[child], centre, half) {
-                let bit = 1u << (j * BRANCH + i);
-                kept |= bit;
-                torn |= select(0u, bit, nodes[child].rays == RAYS_TORN);
-            }
+    var place = vec2<u32>(0u);
+    loop {
+        let child = node_index(level - 1u, x + place.x, y + place.y);
+        if !CULLING || node_meets(nodes[child], centre, half) {
+            let bit = 1u << (place.y * BRANCH + place.x);
+            kept |= bit;
+            torn |= select(0u, bit, nodes[child].rays == RAYS_TORN);
+        }
+        place.x++;
+        if place.x == columns {
+            place = vec2<u32>(0u, place.y + 1u);
+        }
+        if place.y == rows {
+            break;
         }
     }
     if kept == 0u {

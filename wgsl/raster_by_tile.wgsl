@@ -1,11 +1,13 @@
 // raster, tile by tile: one subgroup of LANES threads per busy tile, one thread per column of it.
 // Reads what raster reads pair by pair, the run of pairs of each tile and the busy tiles; merges one visibility key a pixel, the nearest
-// of all pairs of its tile, and leaves what f32 does not prove to recheck. A tile of more than BATCHES times LANES pairs is listed as
+// of all pairs of its tile, and leaves what f32 does not prove to recheck. A tile of more than ROUNDS times LANES pairs is listed as
 // busy again, with what is left of its run.
+// Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 
-// Batches of pairs that a subgroup takes at most: software adapters end a thread's loops after 65535 rounds in all, and a batch has up
-// to 28: its own, and LANES pairs and one more three times.
-const BATCHES: u32 = 2300u;
+// Rounds of LANES pairs that a subgroup looks at, at most: software adapters end a thread's loops after 65535 rounds in all. Of what a
+// round leaves, LANES pairs at most, each is held against either half and may be left to recheck: 28 rounds, with those of the loop
+// around them and of the last test of each.
+const ROUNDS: u32 = 2200u;
 
 override COUNTING: bool = false;
 
@@ -48,27 +50,51 @@ fn raster(
     var kept = 0u;
     let end = ends[tile];
     var at = starts[tile];
-    for (var batch = 0u; at < end && batch < BATCHES; batch++) {
-        // take a pair a lane
-        let index = min(at + lane, end - 1u);
-        let is_one = at + lane < end;
-        at += LANES;
-        let triangle = triangles[pair_slot(vec2<u32>(pairs[index].x, 0u))];
+    var rounds = 0u;
+    var first = Waiting(0u, 0u);
+    var next = Waiting(0u, 0u);
+    var waiting = 0u;
+    var far_upper = INFINITE;
+    var far_lower = INFINITE;
+    loop {
+        // look at pairs, one a lane, until there is one for each to hold
+        loop {
+            let index = min(at + lane, end - 1u);
+            let triangle = triangles[pair_slot(vec2<u32>(pairs[index].x, 0u))];
+            let v0 = vertex(triangle.x);
+            let v1 = vertex(triangle.y);
+            let v2 = vertex(triangle.z);
+
+            // leave one where the tile's bounds do, and where all pixels show what is nearer
+            let seen = extent(node, v0, v1, v2);
+            let within = pixels_within(seen, TILE);
+            let may = at + lane < end && !is_apart(triangle_id(triangle)) && !is_empty(within)
+                && may_cover(conics(node, v0, v1, v2), 0.0, 0.0, CENTRES);
+            let may_upper = may && within.y < 4u && !is_behind(seen, far_upper);
+            let may_lower = may && within.w > 4u && !is_behind(seen, far_lower);
+            let added = Waiting(index, select(0u, UPPER, may_upper) | select(0u, LOWER, may_lower));
+            let bits = lanes_any(select(0u, 1u << lane, added.halves != 0u), lane);
+            first = in_line(first, added, bits, lane, waiting);
+            next = in_line(next, added, bits, lane + LANES, waiting);
+            waiting += countOneBits(bits);
+            at += LANES;
+            rounds++;
+            if waiting >= LANES || at >= end || rounds >= ROUNDS {
+                break;
+            }
+        }
+        let is_one = lane < waiting;
+        let pair = first;
+        first = next;
+        waiting = max(waiting, LANES) - LANES;
+        let triangle = triangles[pair_slot(vec2<u32>(pairs[pair.index].x, 0u))];
         let id = triangle_id(triangle);
         let hi = array<vec3<f32>, 3>(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
         let v0 = real3(hi[0]) + real3(vertex_lo(triangle.x));
         let v1 = real3(hi[1]) + real3(vertex_lo(triangle.y));
         let v2 = real3(hi[2]) + real3(vertex_lo(triangle.z));
-
-        // leave it where the tile's bounds do, and where all pixels show what is nearer
-        let seen = extent(node, hi[0], hi[1], hi[2]);
-        let within = pixels_within(seen, TILE);
-        let may = is_one && !is_apart(id) && !is_empty(within)
-            && may_cover(conics(node, hi[0], hi[1], hi[2]), 0.0, 0.0, CENTRES);
-        let may_upper = may && within.y < 4u && !is_behind(seen, lanes_max(farthest(nearest_upper, column.has_upper), lane));
-        let may_lower = may && within.w > 4u && !is_behind(seen, lanes_max(farthest(nearest_lower, column.has_lower), lane));
-        var left_upper = lanes_any(select(0u, 1u << lane, may_upper), lane);
-        var left_lower = lanes_any(select(0u, 1u << lane, may_lower), lane);
+        var left_upper = lanes_any(select(0u, 1u << lane, is_one && (pair.halves & UPPER) != 0u), lane);
+        var left_lower = lanes_any(select(0u, 1u << lane, is_one && (pair.halves & LOWER) != 0u), lane);
         tested_upper += countOneBits(left_upper);
         tested_lower += countOneBits(left_lower);
         tested += countOneBits(left_upper | left_lower);
@@ -94,31 +120,36 @@ fn raster(
         var doubts_upper = 0u;
         var doubts_lower = 0u;
         loop {
-            if left_upper == 0u {
-                break;
-            }
-            let k = firstTrailingBit(left_upper);
+            let is_left = vec4<bool>(left_upper != 0u);
+            let k = firstTrailingBit(left_upper) % LANES;
             left_upper &= left_upper - 1u;
-            let found = hold(given(own, k), upper, column.upper, column.has_upper, starts_upper, nearest_upper);
+            let found = hold(given(own, k), upper, column.upper, column.has_upper & is_left, starts_upper, nearest_upper);
             nearest_upper = found.nearest;
             doubts_upper |= row_bits(found.doubtful) << (4u * k);
             if COUNTING {
                 kept += countOneBits(row_bits(found.met));
             }
-        }
-        loop {
-            if left_lower == 0u {
+            if left_upper == 0u {
                 break;
             }
-            let k = firstTrailingBit(left_lower);
+        }
+        loop {
+            let is_left = vec4<bool>(left_lower != 0u);
+            let k = firstTrailingBit(left_lower) % LANES;
             left_lower &= left_lower - 1u;
-            let found = hold(given(own, k), lower, column.lower, column.has_lower, starts_lower, nearest_lower);
+            let found = hold(given(own, k), lower, column.lower, column.has_lower & is_left, starts_lower, nearest_lower);
             nearest_lower = found.nearest;
             doubts_lower |= row_bits(found.doubtful) << (4u * k);
             if COUNTING {
                 kept += countOneBits(row_bits(found.met));
             }
+            if left_lower == 0u {
+                break;
+            }
         }
+
+        far_upper = lanes_max(farthest(nearest_upper, column.has_upper), lane);
+        far_lower = lanes_max(farthest(nearest_lower, column.has_lower), lane);
 
         // leave doubts, pair by pair
         let all = vec2<u32>(lanes_any(doubts_upper, lane), lanes_any(doubts_lower, lane));
@@ -133,8 +164,11 @@ fn raster(
                 lanes_any(rows_mask(1u << lane, (doubts_upper >> (4u * k)) & 15u), lane),
                 lanes_any(rows_mask(1u << lane, (doubts_lower >> (4u * k)) & 15u), lane),
             );
-            let pair = subgroupShuffle(index, k);
-            leave_to_recheck(2u * pair + (lane & 1u), select(0u, select(half.x, half.y, lane == 1u), lane < 2u));
+            let index = subgroupShuffle(pair.index, k);
+            leave_to_recheck(2u * index + (lane & 1u), select(0u, select(half.x, half.y, lane == 1u), lane < 2u));
+        }
+        if waiting == 0u && (at >= end || rounds >= ROUNDS) {
+            break;
         }
     }
 

@@ -40,6 +40,8 @@ fn recheck(
                 covered = with_bit(covered, bit);
             }
         }
-        merge_hits(cell, triangle, whole, v, covered);
+        if any(covered != vec2<u32>(0u)) {
+            merge_hits(cell, triangle, whole, v, covered);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! A frame as one submission: for every band the passes of its rays, each cull, split, bin, raster, recheck and shade of all jobs.
 
-use super::frames::{Frames, Submitted};
+use super::frames::{Due, Frames, Submitted};
 use super::passes::Pass;
 use super::resident::Job;
 use crate::baseline::{ChunkScopes, Target};
@@ -17,8 +17,8 @@ const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 const PASSES_EACH: u32 = 18;
 
 impl Frames<'_> {
-    /// Encodes and submits one frame; with `read`, also the copies that bring its image to the host.
-    pub(super) fn submit(&self, read: bool) -> Result<Submitted> {
+    /// Encodes and submits the stages of one frame that are due; with `read`, also the copies that bring its image to the host.
+    pub(super) fn submit(&self, read: bool, due: Due) -> Result<Submitted> {
         let (gpu, resident) = (&*self.gpu, &self.resident);
         let passes = self.plan.bands.len() * resident.passes.len();
         let by_rival = |band| self.rival.as_ref().map_or(0, |r| r.passes(&self.target(band)));
@@ -37,9 +37,11 @@ impl Frames<'_> {
                 if *turns > 0 {
                     self.encode_turn(&mut recorder, index, pass)?;
                 }
-                self.encode_visibility(&mut recorder, &status, index, pass)?;
-                if self.stages_of(pass).certifies() {
-                    self.encode_proofs(&mut recorder, index, pass)?;
+                if due == Due::All {
+                    self.encode_visibility(&mut recorder, &status, index, pass)?;
+                    if self.stages_of(pass).certifies() {
+                        self.encode_proofs(&mut recorder, index, pass)?;
+                    }
                 }
                 self.encode_planes(&mut recorder, index, pass)?;
             }

@@ -50,13 +50,24 @@ pub struct Frames<'a> {
     pub(super) moving: Option<Clustered>,
     /// The camera is not that of the first frame any more.
     pub(super) is_aimed: bool,
+    /// What the picture does not show yet.
+    pub(super) due: Due,
     pub(super) timed: Timed,
+}
+
+/// What changed since the picture was made, and so which stages are to run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Due {
+    Nothing,
+    /// Lights or materials: what follows the visibility buffer.
+    Look,
+    All,
 }
 
 /// What frames took so far.
 #[derive(Default)]
 pub struct Timed {
-    /// The frame that is read in the end.
+    /// The picture, which is read in the end.
     first: Option<Submitted>,
     first_ms: f64,
     frame_ms: Vec<f64>,
@@ -75,26 +86,27 @@ pub(super) struct Submitted {
 }
 
 impl Frames<'_> {
-    /// The first frame, again until its lists hold everything.
+    /// The picture by all stages, again until its lists hold everything.
     pub(super) fn warm_up(&mut self) -> Result<()> {
         if let Some(painter) = &mut self.painter {
             painter.frames.warm_up()?;
         }
         loop {
             let started = Instant::now();
-            let submitted = self.submit(true)?;
+            let submitted = self.submit(true, Due::All)?;
             wait(&self.gpu)?;
             let painted_ms = self.painter.as_ref().map_or(0.0, |p| p.frames.timed.first_ms);
             self.timed.first_ms = painted_ms + started.elapsed().as_secs_f64() * 1e3;
             let fits = self.fits(&submitted)?;
             self.timed.first = Some(submitted);
             if fits {
+                self.due = Due::Nothing;
                 return Ok(());
             }
         }
     }
 
-    /// One more frame; its wall time, from the first upload until its results are complete on the device, ms.
+    /// One more frame by all stages, whatever changed; its wall time, from the first upload until its results are complete on the device, ms.
     pub fn frame(&mut self) -> Result<f64> {
         loop {
             let moved = [self.painter.as_mut().and_then(|p| p.frames.next_move()), self.next_move()];
@@ -152,9 +164,54 @@ impl Frames<'_> {
         if let Some(rival) = &mut self.rival {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
-        self.timed.first = None;
         (self.camera, self.plan, self.arrangement, self.is_aimed) = (Cow::Owned(camera), plan, arrangement, true);
+        self.due = Due::All;
         Ok(())
+    }
+
+    /// Shows the triangles that are there in the lights, the materials, the normals and before the background of `scene` from the
+    /// next frame on, and in the end.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where `scene` has other numbers of triangles, vertices, normals or materials, or caustics are shown.
+    pub fn light(&mut self, scene: &Scene) -> Result<()> {
+        if self.caustics.is_some() {
+            return Err(Error::input("caustics follow the light; prepare the frames anew"));
+        }
+        if let Some(painter) = &mut self.painter {
+            painter.frames.light(scene)?;
+        }
+        let scene = scene.with_optics(&self.camera);
+        let sizes =
+            |s: &Scene| [s.mesh.triangles.len(), s.mesh.positions.len(), s.mesh.normals.len(), s.mesh.materials.len()];
+        if sizes(&scene) != sizes(&self.scene) {
+            return Err(Error::input("other triangles or materials than those that are lit; prepare the frames anew"));
+        }
+        self.resident.upload_look(&self.gpu, &scene)?;
+        // of bands and passes, and of moving triangles, only the last ones are still there
+        let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
+        self.due = self.due.max(if is_there { Due::Look } else { Due::All });
+        Ok(())
+    }
+
+    /// Brings the picture up to date, by the stages alone that follow what changed since it was made: none, `shade` after
+    /// [`Frames::light`], all after [`Frames::aim`]. How many compute passes it took.
+    pub fn refresh(&mut self) -> Result<u32> {
+        let painted = self.painter.as_mut().map_or(Ok(0), |p| p.frames.refresh())?;
+        if self.due == Due::Look {
+            let drawn = self.submit(true, Due::Look)?;
+            wait(&self.gpu)?;
+            if let Some(first) = &mut self.timed.first {
+                (first.planes, first.srgb8) = (drawn.planes, drawn.srgb8);
+            }
+            self.due = Due::Nothing;
+            return Ok(painted + drawn.recorded.passes);
+        }
+        if self.due == Due::All {
+            self.warm_up()?;
+            return Ok(painted + self.timed.first.as_ref().map_or(0, |first| first.recorded.passes));
+        }
+        Ok(painted)
     }
 
     /// The next of the moving scenes.
@@ -174,7 +231,7 @@ impl Frames<'_> {
                 rival.upload(&self.gpu, &moved)?;
             }
         }
-        self.submit(false)
+        self.submit(false, Due::All)
     }
 
     /// The triangles of a scene that has moved, in their clusters as long as these hold them well.
@@ -188,12 +245,10 @@ impl Frames<'_> {
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }
 
-    /// The first frame's image, and what all took.
+    /// The picture, and what all frames took.
     pub fn finish(mut self) -> Result<Rendered> {
+        self.refresh()?;
         let painter = self.painter.take();
-        if self.timed.first.is_none() {
-            self.warm_up()?;
-        }
         let Timed { first, first_ms, mut frame_ms, mut stages, grown, .. } = std::mem::take(&mut self.timed);
         let Some(first) = first else { return Err(Error::work("no frame was taken")) };
         if frame_ms.is_empty() {

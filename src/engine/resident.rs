@@ -112,7 +112,7 @@ impl Resident {
     }
 
     /// Lights, materials and normals.
-    fn upload_look(&mut self, gpu: &Gpu, scene: &Scene) -> Result<()> {
+    pub fn upload_look(&mut self, gpu: &Gpu, scene: &Scene) -> Result<()> {
         let Look { shading, lights, materials, normals } = Look::new(scene);
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         self.shared.upload(gpu, "lights", &lights)?;

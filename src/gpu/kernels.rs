@@ -434,6 +434,7 @@ fn raster_by_tile(variant: Variant) -> Kernel {
         snippet!("shared/node_by_lanes.wgsl"),
         snippet!("shared/column.wgsl"),
         column,
+        snippet!("shared/waiting.wgsl"),
         snippet!("shared/hold.wgsl"),
         snippet!("raster_by_tile.wgsl"),
     ];

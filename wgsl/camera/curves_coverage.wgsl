@@ -53,7 +53,7 @@ fn largest(b: vec4<f32>) -> f32 {
     return max(max(b.x, b.y), max(b.z, b.w));
 }
 
-// The owned pixels whose control net over the span no side of the triangle parts from it: two words; and two of none, as
+// The owned pixels, of which there is one, whose control net over the span no side of the triangle parts from it: two words; and two of none, as
 // whether a curve meets the triangle is found with where.
 fn coverage(
     cell: Cell,
@@ -81,9 +81,6 @@ fn coverage(
     var left = owned;
     loop {
         let bit = first_bit(left);
-        if bit == NONE {
-            break;
-        }
         left = without_bit(left, bit);
         let place = curve_place(layer, corner.x + bit % TILE, corner.y + bit / TILE);
         var net = array<vec3<f32>, 4>(control_point(place, 0u), control_point(place, 1u), vec3<f32>(0.0), vec3<f32>(0.0));
@@ -108,6 +105,9 @@ fn coverage(
         apart = apart || largest(along(net, v2, cross(n, e2), span)) < -slack_m;
         if !apart {
             may = with_bit(may, bit);
+        }
+        if all(left == vec2<u32>(0u)) {
+            break;
         }
     }
     return vec4<u32>(may, 0u, 0u);

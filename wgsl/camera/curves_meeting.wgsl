@@ -91,11 +91,13 @@ fn critical_points(b: real4, lo: real, hi: real) -> array<real, 2> {
 // Halving alone takes a bracket in [0, 1] to the last bit within 64 steps.
 const ROOT_STEPS: u32 = 64u;
 
-// The root between two ts at which the polynomial has different signs: Newton's steps, halved where they leave the bracket.
+// The root between two ts at which the polynomial has different signs: Newton's steps, halved where they leave the bracket, until
+// the value is one of rounding alone: of 4 units for a weight, one for its product and three for the sum.
 fn root_between(b: real4, from_t: real, to_t: real, rises: bool) -> real {
     var lo = from_t;
     var hi = to_t;
     var t = 0.5 * (lo + hi);
+    let rounding = 8.0 * REAL_ROUNDING * max(max(abs(b.x), abs(b.y)), max(abs(b.z), abs(b.w)));
     for (var k = 0u; k < ROOT_STEPS; k++) {
         let value = polynomial(b, t);
         if (value < 0.0) == rises {
@@ -109,9 +111,12 @@ fn root_between(b: real4, from_t: real, to_t: real, rises: bool) -> real {
         if slope == 0.0 || !(next > lo && next < hi) {
             next = 0.5 * (lo + hi);
         }
-        let done = value == 0.0 || abs(next - t) <= REAL_ROUNDING;
-        t = select(next, t, value == 0.0);
-        if done {
+        if abs(value) <= rounding {
+            break;
+        }
+        let is_last = abs(next - t) <= REAL_ROUNDING;
+        t = next;
+        if is_last {
             break;
         }
     }

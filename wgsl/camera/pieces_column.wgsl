@@ -49,9 +49,13 @@ fn tile_column(tile: u32, x: u32, less: real3) -> Column {
     let corner = tile_corner(tile);
     let bits = vec4<u32>(x) + vec4<u32>(0u, TILE, 2u * TILE, 3u * TILE);
     var column = Column(NO_STRIP, NO_STRIP, vec4<bool>(false), vec4<bool>(false));
-    for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
-        let upper = ((vec4<u32>(cells[k].mask_lo) >> bits) & vec4<u32>(1u)) != vec4<u32>(0u);
-        let lower = ((vec4<u32>(cells[k].mask_hi) >> bits) & vec4<u32>(1u)) != vec4<u32>(0u);
+    let end = tile_start[tile + 1u];
+    var k = tile_start[tile];
+    loop {
+        // a tile of a hole has none
+        let one = vec4<u32>(select(0u, 1u, k < end));
+        let upper = ((vec4<u32>(cells[k].mask_lo) >> bits) & one) != vec4<u32>(0u);
+        let lower = ((vec4<u32>(cells[k].mask_hi) >> bits) & one) != vec4<u32>(0u);
         let q = lanes_piece(cells[k].piece, x);
         let b = piece_bundle(q);
         let at = vec2<f32>(corner + vec2<u32>(x, 0u)) - vec2<f32>(q.origin_x, q.origin_y);
@@ -59,6 +63,10 @@ fn tile_column(tile: u32, x: u32, less: real3) -> Column {
         column.lower = either(column.lower, piece_strip(b, real(at.x), real(at.y + 4.0), less), lower);
         column.has_upper = column.has_upper | upper;
         column.has_lower = column.has_lower | lower;
+        k++;
+        if k >= end {
+            break;
+        }
     }
     return column;
 }

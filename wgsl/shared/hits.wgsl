@@ -2,7 +2,7 @@
 
 override COUNTING: bool = false;
 
-// Merges the visibility key of every covered pixel that the triangle shows at a t in range.
+// Merges the visibility key of every covered pixel, of which there is one, that the triangle shows at a t in range.
 fn merge_hits(cell: Cell, triangle: vec4<u32>, whole: Bundle, v: array<real3, 3>, pixels: vec2<u32>) {
     let id = triangle_id(triangle);
     let normal = cross(v[1] - v[0], v[2] - v[0]);
@@ -15,15 +15,15 @@ fn merge_hits(cell: Cell, triangle: vec4<u32>, whole: Bundle, v: array<real3, 3>
     var kept = 0u;
     loop {
         let bit = first_bit(covered);
-        if bit == NONE {
-            break;
-        }
         covered = without_bit(covered, bit);
         let meeting = pixel_depth(depth, cell, bit % TILE, bit / TILE);
         let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
         if meeting.visible && start_of(pixel) != id {
             merge(pixel, ~visibility_key(layer, meeting.t, id));
             kept++;
+        }
+        if all(covered == vec2<u32>(0u)) {
+            break;
         }
     }
     if COUNTING && step.value == 0u {
