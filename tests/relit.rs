@@ -13,7 +13,6 @@ const THINGS: &str = r#"
 [[mesh]]
 builtin = "icosphere"
 level = 2
-smooth = true
 translate = [-0.9, 0, 0]
 color = [0.7, 0.3, 0.2]
 [[mesh]]
@@ -23,11 +22,10 @@ rotate = [10, 30, 0]
 translate = [1, 0, 0.4]
 "#;
 
-const SLITS: &str = "kind = \"cross_slit\"\nslits = [{ distance = 9, angle = 90 }, { distance = 5, angle = 0 }]\neye = [0, 0.8, 5]\nheight = 2.6";
-const CURVED: &str = "kind = \"twist\"\neye = [0, 1, 4]\nvfov = 40\ndegree = 3\nangle = 70";
-const BALL: &str = "kind = \"reflection\"\neye = [0, 1, 5]\nmirror = { shape = \"sphere\", radius = 0.6 }";
-const FACETS: &str =
-    "kind = \"reflection\"\neye = [0, 1, 5]\nmirror = { builtin = \"icosphere\", level = 1, scale = 0.6 }\natlas = 32";
+const SLITS: &str = "kind = \"cross_slit\"\nslits = [{ distance = 9, angle = 90 }, { distance = 5, angle = 0 }]\neye = [0, 0.8, 5]\ntarget = [0, 0, 0]\nheight = 2.6";
+const CURVED: &str = "kind = \"twist\"\neye = [0, 1, 4]\ntarget = [0, 0, 0]\nvfov = 40\ndegree = 3\nangle = 70";
+const BALL: &str = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [0, 1, 5], target = [0, 0, 0], vfov = 40 }\nmirror = { shape = \"sphere\", radius = 0.6 }";
+const FACETS: &str = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [0, 1, 5], target = [0, 0, 0], vfov = 40 }\nmirror = { builtin = \"icosphere\", level = 1, scale = 0.6 }\nfacets = \"flat\"\natlas = 32";
 
 fn scene(look: &str, camera: &str) -> (Scene, Camera) {
     let scene = load(&format!("image = {{ width = 72, height = 64{look}\n{THINGS}\n[camera]\n{camera}")).unwrap();
