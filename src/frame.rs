@@ -5,7 +5,8 @@ use crate::camera::Camera;
 /// Triangle or piece id where nothing is hit.
 pub const NO_ID: u32 = u32::MAX;
 
-/// A channel of the contract's section 4, the facet of a mirror or lens that a pixel sees first, and what is proven.
+/// A channel of the contract's section 4, the facet of a mirror or lens that a pixel sees first, what is proven, and what the
+/// surface is like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Channel {
     R,
@@ -22,6 +23,19 @@ pub enum Channel {
     /// 2 where bounds in f32 prove that the pixel's triangle, or the miss, is that of exact arithmetic; 1 where bounds on the
     /// recheck do; 0 where nothing does.
     Certified,
+    /// The unit normal of the surface as it is shaded, world axes, turned to the viewer; 0 where nothing is hit, or a surface
+    /// without triangles.
+    NormalX,
+    NormalY,
+    NormalZ,
+    /// The hit, world units; 0 where nothing is hit.
+    PositionX,
+    PositionY,
+    PositionZ,
+    /// The material's diffuse colour, linear, before it is lit; 0 where nothing is hit.
+    AlbedoR,
+    AlbedoG,
+    AlbedoB,
 }
 
 impl Channel {
@@ -40,16 +54,24 @@ impl Channel {
         Channel::MirrorId,
     ];
 
-    /// And how well that is known.
-    pub const EVERY: [Channel; 12] = {
-        let mut every = [Channel::Certified; 12];
-        let mut k = 0;
-        while k < Channel::ALL.len() {
-            every[k] = Channel::ALL[k];
-            k += 1;
-        }
-        every
-    };
+    /// And what is computed where it is asked for by name.
+    pub const MORE: [Channel; 10] = [
+        Channel::Certified,
+        Channel::NormalX,
+        Channel::NormalY,
+        Channel::NormalZ,
+        Channel::PositionX,
+        Channel::PositionY,
+        Channel::PositionZ,
+        Channel::AlbedoR,
+        Channel::AlbedoG,
+        Channel::AlbedoB,
+    ];
+
+    /// Both.
+    pub fn every() -> impl Iterator<Item = Channel> {
+        Channel::ALL.into_iter().chain(Channel::MORE)
+    }
 
     /// The channels that say something about pictures of this camera.
     pub fn of(camera: &Camera) -> Vec<Channel> {
@@ -71,6 +93,15 @@ impl Channel {
             Channel::BaryV => "bary.v",
             Channel::MirrorId => "mirror.id",
             Channel::Certified => "certified",
+            Channel::NormalX => "N.X",
+            Channel::NormalY => "N.Y",
+            Channel::NormalZ => "N.Z",
+            Channel::PositionX => "P.X",
+            Channel::PositionY => "P.Y",
+            Channel::PositionZ => "P.Z",
+            Channel::AlbedoR => "albedo.R",
+            Channel::AlbedoG => "albedo.G",
+            Channel::AlbedoB => "albedo.B",
         }
     }
 
@@ -79,8 +110,15 @@ impl Channel {
         matches!(self, Channel::TriangleId | Channel::PieceId | Channel::MirrorId | Channel::Certified)
     }
 
-    pub fn from_name(name: &str) -> Option<Channel> {
-        Channel::EVERY.into_iter().find(|c| c.name() == name)
+    /// The channel of this name, or all those of a vector or colour: `N`, `P` and `albedo`.
+    pub fn named(name: &str) -> Vec<Channel> {
+        let whole = match name {
+            "N" => [Channel::NormalX, Channel::NormalY, Channel::NormalZ],
+            "P" => [Channel::PositionX, Channel::PositionY, Channel::PositionZ],
+            "albedo" => [Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB],
+            _ => return Channel::every().filter(|c| c.name() == name).collect(),
+        };
+        whole.to_vec()
     }
 }
 

@@ -11,7 +11,7 @@ mod whole;
 pub use exr::{read_exr, write_exr};
 pub use npy::{read_npy_rows, write_npy_f64};
 pub use ply::write_ply;
-pub use png::{srgb8, write_png};
+pub use png::{srgb8, toned8, write_png};
 pub use points::read_points;
 pub use vectors::{read_pairs, read_vectors};
 pub use whole::{check_writable, write_lines, write_text};

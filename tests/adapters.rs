@@ -19,7 +19,7 @@ const SCENES: std::ops::Range<u64> = 0..60;
 /// The frames of all scenes; without f64 of its own an adapter leaves out certificates and all cameras but one kind, whose kernels
 /// with f64 in words a software adapter takes long to compile.
 fn frames(engine: &mut Engine) -> Vec<Option<Frame>> {
-    let channels = if engine.gpu.has.f64 { Channel::EVERY.to_vec() } else { Channel::ALL.to_vec() };
+    let channels = if engine.gpu.has.f64 { Channel::every().collect() } else { Channel::ALL.to_vec() };
     let wanted = Wanted { channels, srgb8: false, counting: false };
     let frame = |number| {
         let (scene, camera) = any(&mut Rng(number), SIZE);

@@ -76,7 +76,7 @@ fn every_pipeline_builds_with_the_features_of_its_variant_alone() {
         let gpu = open(features, limits(), &GpuOptions::default()).unwrap();
         // f64 that the adapter has not is done in 32-bit words
         for variant in [true, f64].into_iter().flat_map(|f64| Variant::every(f64, atomics64)) {
-            Stages::new(&gpu, variant, &Channel::EVERY).unwrap();
+            Stages::new(&gpu, variant, &Channel::every().collect::<Vec<_>>()).unwrap();
             gpu.failure().unwrap_or_else(|e| panic!("{features:?} {variant:?}: {e}"));
         }
     }
@@ -85,7 +85,7 @@ fn every_pipeline_builds_with_the_features_of_its_variant_alone() {
 #[test]
 fn a_variant_that_the_device_cannot_run_is_reported() {
     let gpu = open(Features::empty(), limits(), &GpuOptions::default()).unwrap();
-    let built = Stages::new(&gpu, Variant::every(true, true)[0], &Channel::EVERY);
+    let built = Stages::new(&gpu, Variant::every(true, true)[0], &Channel::every().collect::<Vec<_>>());
     assert!(built.is_err() || gpu.failure().is_err());
 }
 
@@ -103,7 +103,7 @@ fn the_limit_on_storage_buffers_is_what_the_largest_kernel_binds() {
         let storage = |k: &anamorph::gpu::kernels::Kernel| {
             k.bindings.iter().filter(|b| b.access != anamorph::gpu::kernels::Access::Uniform).count()
         };
-        anamorph::gpu::kernels::all(variant, &Channel::EVERY).iter().map(storage).max().unwrap()
+        anamorph::gpu::kernels::all(variant, &Channel::every().collect::<Vec<_>>()).iter().map(storage).max().unwrap()
     });
     assert_eq!(most.max(), Some(STORAGE_BUFFERS as usize));
 }

@@ -21,6 +21,11 @@ const COLOUR_TYPICAL: f64 = 1e-5;
 const WEIGHT_TYPICAL: f64 = 1e-6;
 /// Z in units of 2^-23 where directions do not cancel: t, |D| and their product, 2 to 3 roundings each.
 const Z_TYPICAL_ULP: f64 = 4.0;
+/// All that `shade` writes.
+fn all() -> Vec<Channel> {
+    Channel::every().filter(|c| *c != Channel::Certified).collect()
+}
+
 /// Share of hits whose face or normal towards the viewer is not certain, so that colour is not compared.
 const EDGE_ON_MAX: f64 = 0.01;
 /// Share of compared colours that may exceed [`COLOUR_TYPICAL`].
@@ -64,8 +69,8 @@ struct Compared {
     z_ulp: f64,
     weight: f64,
     colour: f64,
-    /// Largest shares of what t, Z, weights and colours may be off.
-    shares: [f64; 4],
+    /// Largest shares of what t, Z, weights, colours, normals and positions may be off.
+    shares: [f64; 6],
 }
 
 fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &Input, background: [f32; 3]) -> Compared {
@@ -88,6 +93,12 @@ fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &Input, b
                 (Pixel::Hit(s), Channel::R) => (s.colour[0], s.error.colour),
                 (Pixel::Hit(s), Channel::G) => (s.colour[1], s.error.colour),
                 (Pixel::Hit(s), Channel::B) => (s.colour[2], s.error.colour),
+                (Pixel::Hit(s), Channel::NormalX) => (s.normal.x, s.error.normal),
+                (Pixel::Hit(s), Channel::NormalY) => (s.normal.y, s.error.normal),
+                (Pixel::Hit(s), Channel::NormalZ) => (s.normal.z, s.error.normal),
+                (Pixel::Hit(s), Channel::PositionX) => (s.position.x, s.error.position),
+                (Pixel::Hit(s), Channel::PositionY) => (s.position.y, s.error.position),
+                (Pixel::Hit(s), Channel::PositionZ) => (s.position.z, s.error.position),
                 // ids, coverage, background and pixels of other chunks: the very word
                 _ => {
                     if got != want {
@@ -108,17 +119,22 @@ fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &Input, b
                 Channel::T => 0,
                 Channel::Z => 1,
                 Channel::BaryU | Channel::BaryV => 2,
-                _ => 3,
+                Channel::R | Channel::G | Channel::B => 3,
+                Channel::NormalX | Channel::NormalY | Channel::NormalZ => 4,
+                _ => 5,
             };
-            seen.shares[kind] = seen.shares[kind].max(off / most);
+            if most > 0.0 {
+                seen.shares[kind] = seen.shares[kind].max(off / most);
+            }
             match channel {
                 Channel::T => seen.t = seen.t.max(off / exact.abs()),
                 Channel::Z => seen.z_ulp = seen.z_ulp.max(off / exact.abs() / f64::from(f32::EPSILON)),
                 Channel::BaryU | Channel::BaryV => seen.weight = seen.weight.max(off),
-                _ => {
+                Channel::R | Channel::G | Channel::B => {
                     seen.colour = seen.colour.max(off);
                     ill |= off > COLOUR_TYPICAL;
                 }
+                _ => {}
             }
         }
         seen.ill_conditioned += usize::from(ill);
@@ -178,9 +194,9 @@ fn the_kernel_shades_what_optics_show() {
 /// Holds the kernel's planes against the twin's; the number of pixels that are hits of the chunk.
 fn check(bench: &mut Bench, case: &Case, input: &Input, visibility: &Visibility, real: Real) -> usize {
     let name = format!("{}, row {}, ids from {}, {real:?}", case.name, input.params.band_row, input.params.id_first);
-    let words = run_kernel(bench, case, real, input, visibility, &Channel::ALL);
+    let words = run_kernel(bench, case, real, input, visibility, &all());
     let pixels = shade(input, visibility, real);
-    let seen = compare(&words, &pixels, &Channel::ALL, input, case.scene.background);
+    let seen = compare(&words, &pixels, &all(), input, case.scene.background);
     println!(
         "{name}: {} hits, t {:.1e}, Z {:.1} ulp, weights {:.1e}, colour {:.1e}, edge-on {}, ill-conditioned {}, of bounds {:.2?}",
         seen.hits, seen.t, seen.z_ulp, seen.weight, seen.colour, seen.edge_on, seen.ill_conditioned, seen.shares
@@ -207,7 +223,12 @@ fn only_the_channels_asked_for_are_written() {
     let band = case.bands(&tables).swap_remove(0);
     let visibility = visibility_of(&band, &[real]).swap_remove(0);
     let pixels = shade(&band[0], &visibility, real);
-    for planes in [vec![Channel::Z], vec![Channel::G, Channel::TriangleId], vec![Channel::PieceId, Channel::BaryV]] {
+    for planes in [
+        vec![Channel::Z],
+        vec![Channel::G, Channel::TriangleId],
+        vec![Channel::PieceId, Channel::BaryV],
+        vec![Channel::NormalY, Channel::PositionZ, Channel::AlbedoB],
+    ] {
         let words = run_kernel(&mut bench, &case, real, &band[0], &visibility, &planes);
         let seen = compare(&words, &pixels, &planes, &band[0], case.scene.background);
         assert!(seen.wrong.is_empty() && seen.hits > 0, "{planes:?}: {:?}", seen.wrong.first());
@@ -222,7 +243,7 @@ fn the_comparison_sees_planted_errors() {
     let visibility = visibility_of(&band, &[Real::F64]).swap_remove(0);
     let pixels = shade(&band[0], &visibility, Real::F64);
     let background = case.scene.background;
-    let planes = Channel::ALL;
+    let planes = all();
     let right: Vec<u32> =
         planes.iter().flat_map(|&c| pixels.iter().map(move |p| word(p, c, background).unwrap_or(POISON))).collect();
     assert_eq!(compare(&right, &pixels, &planes, &band[0], background).wrong, Vec::<String>::new());

@@ -319,7 +319,7 @@ fn what_is_left_out_is_said() {
     };
     let (_, kind) = glc_of_each_class().swap_remove(3);
     let glc = camera(kind, SIZE, FORWARD);
-    let all = Wanted { srgb8: true, counting: true, ..wanted(&Channel::EVERY) };
+    let all = Wanted { srgb8: true, counting: true, ..wanted(&Channel::every().collect::<Vec<_>>()) };
     let least = whats(&glc, true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert_eq!(
         least,

@@ -41,7 +41,7 @@ fn validate(module: &Module, caps: Capabilities) -> Result<ModuleInfo, String> {
 
 fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
     for variant in variants() {
-        kernels::all(variant, &Channel::EVERY).iter().for_each(|k| check(k, variant));
+        kernels::all(variant, &Channel::every().collect::<Vec<_>>()).iter().for_each(|k| check(k, variant));
         let by_tile = variant.with_tiles();
         if by_tile.by_tile {
             [kernels::bin(by_tile), kernels::raster(by_tile)].iter().for_each(|k| check(k, by_tile));

@@ -68,6 +68,15 @@ fn paste(
     copied(PLANE_TRIANGLE, pixel, from_texel);
     copied(PLANE_U, pixel, from_texel);
     copied(PLANE_V, pixel, from_texel);
+    copied(PLANE_N_X, pixel, from_texel);
+    copied(PLANE_N_Y, pixel, from_texel);
+    copied(PLANE_N_Z, pixel, from_texel);
+    copied(PLANE_P_X, pixel, from_texel);
+    copied(PLANE_P_Y, pixel, from_texel);
+    copied(PLANE_P_Z, pixel, from_texel);
+    copied(PLANE_ALBEDO_R, pixel, from_texel);
+    copied(PLANE_ALBEDO_G, pixel, from_texel);
+    copied(PLANE_ALBEDO_B, pixel, from_texel);
     set_word(PLANE_A, pixel, bitcast<u32>(1.0));
     set_word(PLANE_PIECE, pixel, optic.piece_first + camera);
     set_word(PLANE_MIRROR, pixel, facet);

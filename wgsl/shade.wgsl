@@ -51,11 +51,14 @@ fn shade(
     if ends_on_smooth(id) {
         if params.id_first == 0u {
             let t = key_t(~won);
-            store_place(at, id, t, way_length(pixel) + reached(pixel_ray(0u, x, y, t), 0u, x, y, t));
+            let ray = pixel_ray(0u, x, y, t);
+            store_place(at, id, t, way_length(pixel) + reached(ray, 0u, x, y, t));
             store(PLANE_A, at, bitcast<u32>(1.0));
             store_no_weights(at);
             store_piece(at, 0u);
-            store_light(at, colour_of(id, vec3<f32>(0.0)));
+            let own = colour_of(id, vec3<f32>(0.0));
+            store_surface(at, vec3<f32>(0.0), point_at(ray, t) + shading.anchor, own);
+            store_light(at, own);
         }
         return;
     }
@@ -87,8 +90,11 @@ fn shade(
         store(PLANE_U, at, bitcast<u32>(weights.y));
         store(PLANE_V, at, bitcast<u32>(weights.z));
     }
+    let diffuse = materials[surfaces[slot].w].xyz;
+    let n = surface_normal(slot, triangle, ray);
+    store_surface(at, n, point_at(ray, t) + shading.anchor, colour_of(id, diffuse));
     if PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
-        store_light(at, colour_of(id, light(slot, triangle, ray)));
+        store_light(at, colour_of(id, diffuse * received(n, normalize(ray.d))));
     }
 }
 
@@ -109,6 +115,19 @@ fn store_piece(at: Place, piece: u32) {
     let surface = first_surface(at.pixel);
     store(PLANE_PIECE, at, select(first_piece(at.pixel), piece, surface == NONE));
     store(PLANE_MIRROR, at, surface);
+}
+
+// What the surface is like: its normal, the hit, and its colour before it is lit.
+fn store_surface(at: Place, n: vec3<f32>, p: vec3<f32>, albedo: vec3<f32>) {
+    store(PLANE_N_X, at, bitcast<u32>(n.x));
+    store(PLANE_N_Y, at, bitcast<u32>(n.y));
+    store(PLANE_N_Z, at, bitcast<u32>(n.z));
+    store(PLANE_P_X, at, bitcast<u32>(p.x));
+    store(PLANE_P_Y, at, bitcast<u32>(p.y));
+    store(PLANE_P_Z, at, bitcast<u32>(p.z));
+    store(PLANE_ALBEDO_R, at, bitcast<u32>(albedo.x));
+    store(PLANE_ALBEDO_G, at, bitcast<u32>(albedo.y));
+    store(PLANE_ALBEDO_B, at, bitcast<u32>(albedo.z));
 }
 
 fn store_light(at: Place, colour: vec3<f32>) {
@@ -140,18 +159,18 @@ fn store_miss(at: Place) {
     store(PLANE_A, at, select(bitcast<u32>(1.0), 0u, first_surface(at.pixel) == NONE));
     store_no_weights(at);
     store_piece(at, NONE);
+    store_surface(at, vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
     store_light(at, shading.background);
 }
 
-// Lambert from every light and a small ambient term; the normal is the file's where it has them, turned to the viewer.
-fn light(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
+// The unit normal, turned to the viewer: the file's where it has them.
+fn surface_normal(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
     let v0 = vertex(triangle.x);
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);
-    let view = normalize(ray.d);
     let surface = surfaces[slot];
-    var n = normalize(cross(v1 - v0, v2 - v0));
-    n *= select(1.0, -1.0, dot(n, view) > 0.0);
+    let flat = normalize(cross(v1 - v0, v2 - v0));
+    let n = flat * select(1.0, -1.0, dot(flat, ray.d) > 0.0);
     if NORMALS && surface.x != NONE && surface.y != NONE && surface.z != NONE {
         let g0 = cross(ray.d, v0 - ray.p);
         let w = vec3<f32>(dot(v2 - v1, cross(ray.d, v1 - ray.p)), dot(v0 - v2, g0), dot(v1 - v0, g0));
@@ -160,18 +179,22 @@ fn light(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
             + weights.z * stored_normal(surface.z);
         if dot(smooth_normal, smooth_normal) > 0.0 {
             let turned = normalize(smooth_normal);
-            n = turned * select(1.0, -1.0, dot(turned, n) < 0.0);
+            return turned * select(1.0, -1.0, dot(turned, n) < 0.0);
         }
     }
-    let diffuse = materials[surface.w].xyz;
-    var received = shading.ambient;
+    return n;
+}
+
+// Lambert from every light, or one headlight along the ray, and a small ambient term.
+fn received(n: vec3<f32>, view: vec3<f32>) -> f32 {
+    var sum = shading.ambient;
     if shading.light_count == 0u {
-        received += (1.0 - shading.ambient) * max(0.0, -dot(n, view));
+        sum += (1.0 - shading.ambient) * max(0.0, -dot(n, view));
     }
     for (var k = 0u; k < shading.light_count; k++) {
-        received += (1.0 - shading.ambient) * max(0.0, -dot(n, lights[k].xyz));
+        sum += (1.0 - shading.ambient) * max(0.0, -dot(n, lights[k].xyz));
     }
-    return diffuse * received;
+    return sum;
 }
 
 fn stored_normal(index: u32) -> vec3<f32> {

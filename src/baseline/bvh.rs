@@ -84,6 +84,7 @@ mod tests {
             mesh,
             lights: Vec::new(),
             background: [0.0; 3],
+            tone: Default::default(),
             size: None,
             camera: crate::scene::file::CameraSpec {
                 kind: crate::scene::file::CameraKind::Orthographic {

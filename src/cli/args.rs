@@ -69,9 +69,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 1)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=64))]
     pub samples: u32,
-    /// Channels to compute and write, as in R,G,B,Z [default with --exr: all]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = channel)]
-    pub channels: Option<Vec<Channel>>,
+    /// Channels to compute and write, as in R,G,B,Z [default with --exr: all but certified, N, P and albedo]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = channels)]
+    pub channels: Option<Vec<Named>>,
     /// Times and counts as JSON
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,
@@ -235,9 +235,17 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
     place.ok_or_else(|| "write it as COLUMN,ROW, for example 400,300; row 0 is on top".into())
 }
 
-fn channel(name: &str) -> Result<Channel, String> {
-    let known = || Channel::EVERY.map(Channel::name).join(", ");
-    Channel::from_name(name.trim()).ok_or_else(|| format!("no such channel; known: {}", known()))
+/// What a name of channels stands for.
+#[derive(Debug, Clone)]
+pub struct Named(pub Vec<Channel>);
+
+fn channels(name: &str) -> Result<Named, String> {
+    let found = Channel::named(name.trim());
+    if found.is_empty() {
+        let known: Vec<&str> = Channel::every().map(Channel::name).collect();
+        return Err(format!("no such channel; known: {}, and N, P and albedo for three each", known.join(", ")));
+    }
+    Ok(Named(found))
 }
 
 fn engine(name: &str) -> Result<EngineName, String> {
@@ -272,8 +280,9 @@ mod tests {
         assert!(["inf", "nan", "one", ""].iter().all(|wrong| frame(wrong).is_err()));
         assert_eq!(pixel("3, 4"), Ok((3, 4)));
         assert!(pixel("3").is_err() && pixel("-1,2").is_err());
-        assert_eq!(channel("triangle.id"), Ok(Channel::TriangleId));
-        assert!(channel("q").is_err_and(|e| e.contains("bary.v")));
+        assert_eq!(channels("triangle.id").unwrap().0, [Channel::TriangleId]);
+        assert_eq!(channels(" N").unwrap().0, [Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
+        assert!(channels("q").is_err_and(|e| e.contains("bary.v") && e.contains("N, P and albedo")));
         assert!(engine("rastr").is_err_and(|e| e.contains("raytrace")) && engine("raytrace").is_ok());
     }
 }

@@ -118,7 +118,7 @@ fn explain_pixel(scene: &Scene, camera: &Camera, x: u32, y: u32) -> Result<()> {
 /// The channels that are written.
 fn asked(args: &RenderArgs, files: &Files, camera: &Camera) -> Vec<Channel> {
     match &args.channels {
-        Some(list) => list.clone(),
+        Some(list) => list.iter().flat_map(|named| named.0.clone()).collect(),
         None if files.exr.is_some() => Channel::of(camera),
         None => Vec::new(),
     }

@@ -187,7 +187,7 @@ impl Frames<'_> {
         if sizes(&scene) != sizes(&self.scene) {
             return Err(Error::input("other triangles or materials than those that are lit; prepare the frames anew"));
         }
-        self.resident.upload_look(&self.gpu, &scene)?;
+        self.resident.upload_look(&self.gpu, &scene, &self.plan)?;
         // of bands and passes, and of moving triangles, only the last ones are still there
         let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
         self.due = self.due.max(if is_there { Due::Look } else { Due::All });

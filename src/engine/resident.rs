@@ -83,7 +83,7 @@ impl Resident {
             without_area: 0,
         };
         resident.upload_scene(gpu, clustered)?;
-        resident.upload_look(gpu, scene)?;
+        resident.upload_look(gpu, scene, plan)?;
         resident.create_frame(gpu, camera, plan, wanted)?;
         resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, plan));
         resident.create_lists(gpu, camera, plan)?;
@@ -112,8 +112,8 @@ impl Resident {
     }
 
     /// Lights, materials and normals.
-    pub fn upload_look(&mut self, gpu: &Gpu, scene: &Scene) -> Result<()> {
-        let Look { shading, lights, materials, normals } = Look::new(scene);
+    pub fn upload_look(&mut self, gpu: &Gpu, scene: &Scene, plan: &Plan) -> Result<()> {
+        let Look { shading, lights, materials, normals } = Look::new(scene, plan.anchor);
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         self.shared.upload(gpu, "lights", &lights)?;
         self.shared.upload(gpu, "materials", &materials)?;

@@ -31,16 +31,19 @@ pub struct Look {
 }
 
 impl Look {
-    pub fn new(scene: &Scene) -> Look {
+    /// Positions are relative to `anchor` on the device.
+    pub fn new(scene: &Scene, anchor: DVec3) -> Look {
         let mesh = &scene.mesh;
         Look {
             shading: rows::Shading {
-                light_count: scene.lights.len() as u32,
                 background: scene.background,
                 ambient: AMBIENT,
+                anchor: anchor.as_vec3().to_array(),
+                light_count: scene.lights.len() as u32,
+                gain: scene.tone.gain(),
+                curve: scene.tone.curve.number(),
                 pad0: 0,
                 pad1: 0,
-                pad2: 0,
             },
             lights: scene.lights.iter().map(|l| l.as_vec3().extend(0.0).to_array()).collect(),
             materials: mesh.materials.iter().map(|m| [m.diffuse[0], m.diffuse[1], m.diffuse[2], 1.0]).collect(),

@@ -549,13 +549,23 @@ fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
         Channel::BaryU => Some("PLANE_U"),
         Channel::BaryV => Some("PLANE_V"),
         Channel::MirrorId => Some("PLANE_MIRROR"),
+        Channel::NormalX => Some("PLANE_N_X"),
+        Channel::NormalY => Some("PLANE_N_Y"),
+        Channel::NormalZ => Some("PLANE_N_Z"),
+        Channel::PositionX => Some("PLANE_P_X"),
+        Channel::PositionY => Some("PLANE_P_Y"),
+        Channel::PositionZ => Some("PLANE_P_Z"),
+        Channel::AlbedoR => Some("PLANE_ALBEDO_R"),
+        Channel::AlbedoG => Some("PLANE_ALBEDO_G"),
+        Channel::AlbedoB => Some("PLANE_ALBEDO_B"),
         Channel::Certified => None,
     };
     planes.iter().enumerate().filter_map(|(k, c)| constant(c).map(|name| (name, k as f64))).collect()
 }
 
 pub fn write_srgb(planes: &[Channel]) -> Kernel {
-    let bindings = vec![params(), read("planes", "array<u32>"), write("srgb8", "array<u32>")];
+    let bindings =
+        vec![params(), uniform("shading", "Shading"), read("planes", "array<u32>"), write("srgb8", "array<u32>")];
     let mut kernel = kernel("write", bindings, &[PARAMS, ITEMS, SHADING, snippet!("write.wgsl")]);
     kernel.constants = plane_constants(planes);
     kernel

@@ -167,10 +167,12 @@ pub struct Piece {
 pub struct Shading {
     pub background: [f32; 3],
     pub ambient: f32,
+    pub anchor: [f32; 3],
     pub light_count: u32,
+    pub gain: f32,
+    pub curve: u32,
     pub pad0: u32,
     pub pad1: u32,
-    pub pad2: u32,
 }
 
 /// How facets turn rays.

@@ -104,14 +104,14 @@ pub fn read_exr(path: &Path) -> Result<Frame> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
     let (width, height, mut layer) = read_layer(path).map_err(refuse)?;
     let mut planes = Vec::new();
-    for channel in Channel::EVERY {
+    for channel in Channel::every() {
         if let Some(samples) = take_channel(&mut layer, channel.name()) {
             let plane = plane_from(channel, samples, width as usize * height as usize).map_err(refuse)?;
             planes.push((channel, plane));
         }
     }
     if planes.is_empty() {
-        let known: Vec<_> = Channel::EVERY.iter().map(|c| c.name()).collect();
+        let known: Vec<_> = Channel::every().map(Channel::name).collect();
         return Err(refuse(format!(
             "none of its channels is known; at least one of {} must be there",
             known.join(" ")

@@ -8,6 +8,7 @@ use image::{ExtendedColorType, ImageEncoder};
 
 use super::whole::write_whole;
 use crate::error::{Error, Result};
+use crate::scene::tone::Tone;
 
 /// Writes `srgb8`, three (RGB) or four (RGBA) bytes a pixel, row 0 on top.
 ///
@@ -33,6 +34,11 @@ pub fn write_png(path: &Path, width: u32, height: u32, srgb8: &[u8]) -> Result<(
         })?;
         writer.flush()
     })
+}
+
+/// [`srgb8`] of what a tone shows of a linear value.
+pub fn toned8(tone: Tone, linear: f32) -> u8 {
+    srgb8(tone.shown(f64::from(linear)) as f32)
 }
 
 /// The 8-bit sRGB value nearest to a linear one; NaN and negative values give 0, above 1 gives 255.

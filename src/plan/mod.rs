@@ -34,7 +34,7 @@ pub struct LeftOut {
 /// What a caller wants of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Wanted {
-    /// Planes to read back, in the order of [`Channel::EVERY`].
+    /// Planes to read back, in the order of [`Channel`].
     pub channels: Vec<Channel>,
     /// 8-bit sRGB colour.
     pub srgb8: bool,
@@ -259,7 +259,7 @@ fn left_out(
     if bands.len() == 1 {
         say("bands", "the whole image fits the adapter's bindings".into());
     }
-    let absent: Vec<&str> = Channel::EVERY.iter().filter(|c| !planes.contains(c)).map(|c| c.name()).collect();
+    let absent: Vec<&str> = Channel::every().filter(|c| !planes.contains(c)).map(Channel::name).collect();
     if !absent.is_empty() {
         say("channels", format!("not asked for: {}", absent.join(", ")));
     }

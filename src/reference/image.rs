@@ -2,12 +2,13 @@
 
 use super::caustics::{caustics, shown_by};
 pub use super::explain::explain;
-use super::light::light;
+use super::light::{albedo, light, normal};
 use super::{Finding, Outcome, Path, Reference, Seen};
 use crate::camera::Camera;
 use crate::caustics::Illumination;
 use crate::frame::{Channel, Frame, NO_ID, Plane};
 use crate::scene::Scene;
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// How a frame stands against the reference.
@@ -33,6 +34,9 @@ struct Pixel {
     mirror: u32,
     t: f32,
     z: f32,
+    normal: DVec3,
+    position: DVec3,
+    albedo: [f32; 3],
 }
 
 /// The asked-for channels of the reference's frame.
@@ -120,12 +124,26 @@ fn pixel(
     let colour = [0, 1, 2].map(|k| (colour[k] + kept[k] * f64::from(more[k])) as f32);
     let Some(seen) = shown.seen else {
         let piece = if shown.first.is_some() { piece(NO_ID) } else { NO_ID };
-        return Pixel { colour, seen: None, piece, mirror, t: f32::INFINITY, z: f32::INFINITY };
+        let (t, z, position) = (f32::INFINITY, f32::INFINITY, DVec3::ZERO);
+        return Pixel { colour, seen: None, piece, mirror, t, z, normal: DVec3::ZERO, position, albedo: [0.0; 3] };
     };
     // of turned rays t is that of the last alone
     let t = if camera.optics.is_some() { seen.hit.t } else { seen.t() };
     let z = shown.path.depth(&seen) as f32;
-    Pixel { colour, seen: Some(seen), piece: piece(seen.piece), mirror, t: t as f32, z }
+    let (segment, id) = (shown.path.of(&seen), seen.hit.triangle);
+    let is_triangle = (id as usize) < scene.mesh.triangles.len();
+    let ends_on = camera.optics.as_ref().filter(|o| id >= o.first_id(&scene.mesh));
+    Pixel {
+        colour,
+        seen: Some(seen),
+        piece: piece(seen.piece),
+        mirror,
+        t: t as f32,
+        z,
+        normal: if is_triangle { normal(scene, &seen.hit, segment.view(seen.hit.t)) } else { DVec3::ZERO },
+        position: segment.point(seen.hit.t),
+        albedo: ends_on.map_or_else(|| albedo(scene, id), |optics| optics.base),
+    }
 }
 
 /// What an outcome adds to its pixel.
@@ -166,6 +184,15 @@ fn frame<P: std::borrow::Borrow<Pixel> + Sync>(camera: &Camera, pixels: &[P], ch
         Channel::Certified => u32s(|_| 0),
         Channel::BaryU => f32s(|p| p.seen.map_or(0.0, |s| s.hit.bary[0] as f32)),
         Channel::BaryV => f32s(|p| p.seen.map_or(0.0, |s| s.hit.bary[1] as f32)),
+        Channel::NormalX => f32s(|p| p.normal.x as f32),
+        Channel::NormalY => f32s(|p| p.normal.y as f32),
+        Channel::NormalZ => f32s(|p| p.normal.z as f32),
+        Channel::PositionX => f32s(|p| p.position.x as f32),
+        Channel::PositionY => f32s(|p| p.position.y as f32),
+        Channel::PositionZ => f32s(|p| p.position.z as f32),
+        Channel::AlbedoR => f32s(|p| p.albedo[0]),
+        Channel::AlbedoG => f32s(|p| p.albedo[1]),
+        Channel::AlbedoB => f32s(|p| p.albedo[2]),
     };
     let mut channels = channels.to_vec();
     channels.sort_unstable();

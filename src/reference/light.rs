@@ -8,8 +8,8 @@ use glam::{DVec3, Vec3};
 /// Share of the light that comes from everywhere.
 const AMBIENT: f64 = crate::stage::AMBIENT as f64;
 
-/// Lambert from every light, or one headlight along the unit vector `view`, and a small ambient term.
-pub fn light(scene: &Scene, hit: &Hit, view: DVec3) -> [f32; 3] {
+/// The unit normal of a triangle's hit, turned against the unit vector `view`: the file's where it has them.
+pub fn normal(scene: &Scene, hit: &Hit, view: DVec3) -> DVec3 {
     let mesh = &scene.mesh;
     let id = hit.triangle as usize;
     let v = mesh.triangles[id].map(|k| mesh.positions[k as usize]);
@@ -21,14 +21,22 @@ pub fn light(scene: &Scene, hit: &Hit, view: DVec3) -> [f32; 3] {
         let n: [Vec3; 3] = c.map(|k| mesh.normals[k as usize]);
         (0..3).map(|k| weights[k] * n[k].as_dvec3()).sum::<DVec3>()
     });
-    let mut n = smooth.and_then(DVec3::try_normalize).unwrap_or(seen);
-    if n.dot(seen) < 0.0 {
-        n = -n;
-    }
+    let n = smooth.and_then(DVec3::try_normalize).unwrap_or(seen);
+    if n.dot(seen) < 0.0 { -n } else { n }
+}
+
+/// The diffuse colour of a triangle.
+pub fn albedo(scene: &Scene, triangle: u32) -> [f32; 3] {
+    let mesh = &scene.mesh;
+    mesh.materials[mesh.material_of[triangle as usize] as usize].diffuse
+}
+
+/// Lambert from every light, or one headlight along the unit vector `view`, and a small ambient term.
+pub fn light(scene: &Scene, hit: &Hit, view: DVec3) -> [f32; 3] {
+    let n = normal(scene, hit, view);
     let lambert = |travel: DVec3| (-n.dot(travel)).max(0.0);
     let direct: f64 =
         if scene.lights.is_empty() { lambert(view) } else { scene.lights.iter().map(|l| lambert(*l)).sum() };
     let received = AMBIENT + (1.0 - AMBIENT) * direct;
-    let diffuse = mesh.materials[mesh.material_of[id] as usize].diffuse;
-    diffuse.map(|c| (c as f64 * received) as f32)
+    albedo(scene, hit.triangle).map(|c| (c as f64 * received) as f32)
 }

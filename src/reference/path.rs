@@ -58,6 +58,17 @@ impl Segment {
         }
     }
 
+    /// `X(t)`.
+    pub fn point(&self, t: f64) -> DVec3 {
+        match self {
+            Segment::Straight(b) => {
+                let ray = b.ray(0.0, 0.0);
+                ray.origin + t * ray.direction
+            }
+            Segment::Curved(c) => c.at(t),
+        }
+    }
+
     /// The way from t = 0 to `t`; of negative t on a ray, negative.
     pub fn length(&self, t: f64) -> f64 {
         match self {

@@ -24,6 +24,7 @@ pub use mesh::{MeshSource, MeshSpec};
 pub use mesh_camera::{CameraVertex, MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera, read_triangles};
 
 use crate::error::{Error, Result};
+use crate::scene::tone::{Curve, Tone};
 use reader::{Field, Source};
 
 /// A scene as written: values checked one by one, files not yet opened (but for a camera's own).
@@ -50,6 +51,8 @@ pub struct ImageSpec {
     pub height: Option<u32>,
     /// Linear RGB in [0, 1].
     pub background: [f32; 3],
+    /// `exposure`, stops, and `tone`, a curve by its name.
+    pub tone: Tone,
 }
 
 /// A light from infinitely far away.
@@ -115,7 +118,7 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
     keys::pick(&mut root, "", &source, frame)?;
     let table = Field::new(&source, "", &root).table()?;
     table.allow(&["image", "mesh", "light", "camera", "caustics", "output"])?;
-    let image = ImageSpec { width: None, height: None, background: [0.0; 3] };
+    let image = ImageSpec { width: None, height: None, background: [0.0; 3], tone: Tone::default() };
     let Some(camera) = table.get("camera") else {
         return Err(table.error("there is no camera; add a [camera] table with its kind"));
     };
@@ -136,7 +139,7 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
 
 fn read_image(field: &Field) -> Result<ImageSpec> {
     let table = field.table()?;
-    table.allow(&["width", "height", "background"])?;
+    table.allow(&["width", "height", "background", "exposure", "tone"])?;
     let side = |key| table.optional(key, |f| f.integer(1, MAX_SIDE));
     let (width, height) = (side("width")?, side("height")?);
     if let (Some(width), Some(height)) = (width, height) {
@@ -145,7 +148,28 @@ fn read_image(field: &Field) -> Result<ImageSpec> {
     // Both sides are at most MAX_SIDE, far under 2^32.
     let narrow = |side: Option<u64>| side.map(|pixels| pixels as u32);
     let background = table.or("background", [0.0; 3], Field::color)?;
-    Ok(ImageSpec { width: narrow(width), height: narrow(height), background })
+    let exposure = table.or("exposure", 0.0, read_exposure)?;
+    let curve = table.or("tone", Curve::default(), read_curve)?;
+    Ok(ImageSpec { width: narrow(width), height: narrow(height), background, tone: Tone { exposure, curve } })
+}
+
+/// Stops either way, far within f32.
+const EXPOSURE_MAX: f64 = 64.0;
+
+fn read_exposure(field: &Field) -> Result<f64> {
+    let stops = field.number()?;
+    if stops.abs() <= EXPOSURE_MAX {
+        return Ok(stops);
+    }
+    Err(field.error(format_args!("{stops} stops; use -{EXPOSURE_MAX} to {EXPOSURE_MAX}")))
+}
+
+fn read_curve(field: &Field) -> Result<Curve> {
+    let text = field.text()?;
+    Curve::ALL.into_iter().find(|c| c.name() == text).ok_or_else(|| {
+        let known = Curve::ALL.map(|c| format!("{:?}", c.name())).join(", ");
+        field.error(format_args!("{text:?} is no tone curve; known: {known}"))
+    })
 }
 
 fn read_light(field: &Field) -> Result<LightSpec> {

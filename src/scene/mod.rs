@@ -7,6 +7,7 @@ pub mod gltf;
 pub mod mesh;
 pub mod obj;
 pub mod place;
+pub mod tone;
 
 use crate::camera::Camera;
 use crate::caustics::Caustics;
@@ -19,6 +20,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
+use tone::Tone;
 
 /// Everything that a frame needs, loaded.
 #[derive(Debug, Clone)]
@@ -29,6 +31,8 @@ pub struct Scene {
     pub lights: Vec<DVec3>,
     /// Linear RGB.
     pub background: [f32; 3],
+    /// How colours become an 8-bit picture.
+    pub tone: Tone,
     /// The image's size in pixels, unless the camera brings its own.
     pub size: Option<(u32, u32)>,
     pub camera: CameraSpec,
@@ -63,6 +67,7 @@ impl Scene {
             mesh,
             lights: file.lights.iter().map(light).collect::<Result<_>>()?,
             background: file.image.background,
+            tone: file.image.tone,
             size,
             camera: file.camera,
             caustics: caustics.map(Arc::new),

@@ -80,6 +80,11 @@ impl Input<'_> {
         DVec3::new(number(at), number(at + 1), number(at + 2))
     }
 
+    /// What positions are relative to.
+    fn anchor(&self) -> DVec3 {
+        self.look.shading.anchor.map(f64::from).into()
+    }
+
     pub fn corners(&self, slot: u32) -> Corners {
         let [a, b, c, last] = self.triangles[slot as usize];
         Corners {
@@ -130,7 +135,7 @@ impl Tables {
             optics: Optics::new(scene, camera, &plan),
             plan,
             clustered: cluster(&scene.mesh, around.anchor, binding_limit),
-            look: Look::new(scene),
+            look: Look::new(scene, around.anchor),
         }
     }
 
@@ -238,7 +243,7 @@ pub fn render(scene: &Scene, camera: &Camera, wanted: &Wanted, binding_limit: u6
     let srgb8 = match [Channel::R, Channel::G, Channel::B].map(plane) {
         [Some(r), Some(g), Some(b)] if wanted.srgb8 => {
             let colour = |k: usize| [r[k], g[k], b[k]].map(f32::from_bits);
-            Some((0..r.len()).map(|k| write::write(colour(k))).collect())
+            Some((0..r.len()).map(|k| write::write(colour(k), scene.tone)).collect())
         }
         _ => None,
     };

@@ -3,9 +3,10 @@
 use super::optics::Behind;
 use super::raster::Visibility;
 use super::rays::{Cast, length};
-use super::surface::Surface;
+use super::surface::{NORMALIZE_UNITS, Surface};
 use super::{Input, Real};
 use crate::frame::{Channel, NO_ID};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// One pixel of a band under one chunk.
@@ -30,6 +31,11 @@ pub struct Shaded {
     /// Weights of the file's corners, clamped to [0, 1].
     pub weights: [f64; 3],
     pub colour: [f64; 3],
+    /// World axes; 0 of a surface without triangles.
+    pub normal: DVec3,
+    /// World units.
+    pub position: DVec3,
+    pub albedo: [f32; 3],
     pub error: Errors,
 }
 
@@ -41,6 +47,9 @@ pub struct Errors {
     pub weight: f64,
     /// Infinite where the face turned to the viewer is not certain.
     pub colour: f64,
+    /// The same.
+    pub normal: f64,
+    pub position: f64,
 }
 
 /// Rounding of one f32 operation, relative.
@@ -51,6 +60,11 @@ const T_UNITS: f64 = 2.0;
 const Z_UNITS: f64 = 6.0;
 /// A direction in units of what is summed up: three stored terms (1 each), two products, two sums and a division.
 const DIRECTION_UNITS: f64 = 6.0;
+
+/// A point of a ray: origin and direction as a direction, t's own rounding, and a product and a sum.
+const POINT_UNITS: f64 = DIRECTION_UNITS + T_UNITS + 2.0;
+/// The anchor: rounded once, and a sum.
+const ANCHOR_UNITS: f64 = 2.0;
 
 /// All pixels of the band as the chunk of `input` sees them.
 pub fn shade(input: &Input, visibility: &Visibility, real: Real) -> Vec<Pixel> {
@@ -91,6 +105,11 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
     };
     let before = f64::from(behind.length) + (0..layer).map(|k| input.segment_length(k, x, y)).sum::<f64>();
     let z = before + reached;
+    let b = &rays.bundle;
+    // of a curve the bundle starts at t
+    let along = if matches!(cast, Cast::Ray(_)) { t } else { 0.0 };
+    let point = (b.p[0] + along * b.d[0]) / b.h[0];
+    let point_size = (rays.size_p + t.abs() * rays.size_d) / b.h[0].abs() * (rays.size_h / b.h[0].abs());
     let t = f64::from(layer) + t;
     let direction_error = UNIT * DIRECTION_UNITS * hit.direction_size() / direction.length();
     let (weights, weight_error) = hit.weights(real);
@@ -98,6 +117,7 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
         Some(base) => (base.map(f64::from), 0.0),
         None => hit.colour(direction_error),
     };
+    let (normal, normal_error) = hit.normal(direction.normalize(), direction_error + UNIT * NORMALIZE_UNITS);
     let (colour, colour_error) = behind.left_of(colour, colour_error);
     let own_piece = match cast {
         Cast::Ray(_) if input.rays.is_none() => input.pieces[cell.piece as usize].number,
@@ -109,8 +129,17 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
         z: z.abs() * (Z_UNITS * UNIT + direction_error) + UNIT * before,
         weight: weight_error,
         colour: colour_error,
+        normal: normal_error,
+        position: position_error(input, point, point_size),
     };
-    Pixel::Hit(Shaded { triangle: id, piece, mirror, t, z, weights, colour, error })
+    let (position, albedo) = (point + input.anchor(), input.base(id).unwrap_or_else(|| hit.albedo()));
+    Pixel::Hit(Shaded { triangle: id, piece, mirror, t, z, weights, colour, normal, position, albedo, error })
+}
+
+/// How far a kernel's position may be from a point that is relative to the anchor, from numbers so large.
+fn position_error(input: &Input, point: DVec3, size: f64) -> f64 {
+    let anchor = input.anchor();
+    UNIT * (POINT_UNITS * size + ANCHOR_UNITS * (anchor.length() + (anchor + point).length()))
 }
 
 /// A ray that ends on a surface without triangles.
@@ -118,10 +147,21 @@ fn end_on_smooth(input: &Input, behind: &Behind, (id, t): (u32, f64), (x, y): (u
     let Some(ray) = input.near_ray(x, y, Real::F64) else { return Pixel::Untouched };
     let (mirror, piece) = behind.first.unwrap_or((NO_ID, 0));
     let z = f64::from(behind.length) + t * ray.d.value().length();
-    let (colour, colour_error) = behind.left_of(input.base(id).unwrap_or_default().map(f64::from), 0.0);
-    let error =
-        Errors { t: T_UNITS * UNIT * t.abs(), z: z * (Z_UNITS + 2.0) * UNIT, weight: 0.0, colour: colour_error };
-    Pixel::Hit(Shaded { triangle: id, piece, mirror, t, z, weights: [0.0; 3], colour, error })
+    let albedo = input.base(id).unwrap_or_default();
+    let (colour, colour_error) = behind.left_of(albedo.map(f64::from), 0.0);
+    let (p, d) = (ray.p.value(), ray.d.value());
+    let point = p + t * d;
+    let error = Errors {
+        t: T_UNITS * UNIT * t.abs(),
+        z: z * (Z_UNITS + 2.0) * UNIT,
+        weight: 0.0,
+        colour: colour_error,
+        normal: 0.0,
+        position: position_error(input, point, p.length() + t.abs() * d.length()),
+    };
+    let position = point + input.anchor();
+    let (weights, normal) = ([0.0; 3], DVec3::ZERO);
+    Pixel::Hit(Shaded { triangle: id, piece, mirror, t, z, weights, colour, normal, position, albedo, error })
 }
 
 impl Behind {
@@ -150,7 +190,8 @@ pub fn word(pixel: &Pixel, channel: Channel, background: [f32; 3]) -> Option<u32
         (Pixel::Miss(m), Channel::MirrorId) => m.first.map_or(NO_ID, |f| f.0),
         (Pixel::Miss(_), Channel::TriangleId) => NO_ID,
         (_, Channel::Certified) => 0,
-        (Pixel::Miss(_), Channel::BaryU | Channel::BaryV) => 0,
+        // weights, and what the surface is like
+        (Pixel::Miss(_), _) => 0,
         (Pixel::Hit(s), Channel::R) => bits(s.colour[0]),
         (Pixel::Hit(s), Channel::G) => bits(s.colour[1]),
         (Pixel::Hit(s), Channel::B) => bits(s.colour[2]),
@@ -162,5 +203,14 @@ pub fn word(pixel: &Pixel, channel: Channel, background: [f32; 3]) -> Option<u32
         (Pixel::Hit(s), Channel::MirrorId) => s.mirror,
         (Pixel::Hit(s), Channel::BaryU) => bits(s.weights[1]),
         (Pixel::Hit(s), Channel::BaryV) => bits(s.weights[2]),
+        (Pixel::Hit(s), Channel::NormalX) => bits(s.normal.x),
+        (Pixel::Hit(s), Channel::NormalY) => bits(s.normal.y),
+        (Pixel::Hit(s), Channel::NormalZ) => bits(s.normal.z),
+        (Pixel::Hit(s), Channel::PositionX) => bits(s.position.x),
+        (Pixel::Hit(s), Channel::PositionY) => bits(s.position.y),
+        (Pixel::Hit(s), Channel::PositionZ) => bits(s.position.z),
+        (Pixel::Hit(s), Channel::AlbedoR) => s.albedo[0].to_bits(),
+        (Pixel::Hit(s), Channel::AlbedoG) => s.albedo[1].to_bits(),
+        (Pixel::Hit(s), Channel::AlbedoB) => s.albedo[2].to_bits(),
     })
 }

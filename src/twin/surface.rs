@@ -9,7 +9,7 @@ use crate::scene::clusters::CORNER_ORDERS;
 use glam::DVec3;
 
 /// A unit vector from a given one: length 3, division 2.5 (as a Vulkan driver may).
-const NORMALIZE_UNITS: f64 = 6.0;
+pub(super) const NORMALIZE_UNITS: f64 = 6.0;
 /// A cross product of two differences: 1 each, 3 for products and sum.
 const NORMAL_UNITS: f64 = 6.0;
 /// A vertex rounded to f32, 1 unit of reach, at both ends of an edge.
@@ -88,14 +88,19 @@ impl Surface<'_> {
             (lights.map(lambert).sum::<f64>(), look.lights.len() as f64 * (n_error + LIGHT_UNITS * UNIT))
         };
         let received = ambient + (1.0 - ambient) * direct;
-        let material = self.input.surfaces[self.slot as usize][3];
-        let diffuse = look.materials[material as usize];
-        let colour = [0, 1, 2].map(|k| f64::from(diffuse[k]) * received);
+        let colour = self.albedo().map(|c| f64::from(c) * received);
         (colour, lights_error + LIGHT_UNITS * UNIT * received)
     }
 
+    /// The diffuse colour.
+    pub fn albedo(&self) -> [f32; 3] {
+        let material = self.input.surfaces[self.slot as usize][3];
+        let [r, g, b, _] = self.input.look.materials[material as usize];
+        [r, g, b]
+    }
+
     /// The normal turned to the viewer: the file's where it has them, else the triangle's.
-    fn normal(&self, view: DVec3, view_error: f64) -> (DVec3, f64) {
+    pub fn normal(&self, view: DVec3, view_error: f64) -> (DVec3, f64) {
         let [v0, v1, v2] = self.corners.v;
         let (e1, e2) = (v1 - v0, v2 - v0);
         let cross = e1.cross(e2);

@@ -29,6 +29,7 @@ pub fn scene(mesh: Mesh) -> Scene {
         mesh,
         lights: Vec::new(),
         background: [0.1, 0.2, 0.3],
+        tone: Default::default(),
         size: Some((64, 64)),
         camera: CameraSpec { kind, t_range: FORWARD },
         caustics: None,

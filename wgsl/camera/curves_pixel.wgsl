@@ -24,6 +24,11 @@ fn pixel_ray(layer: u32, x: u32, y: u32, t: f32) -> Ray {
     return Ray(vec3<f32>(b.p), vec3<f32>(b.d));
 }
 
+// Where on a pixel's ray t is: the tangent starts there.
+fn point_at(ray: Ray, t: f32) -> vec3<f32> {
+    return ray.p;
+}
+
 // The number in the camera of the piece that owns the pixel.
 fn piece_number(layer: u32, x: u32, y: u32) -> u32 {
     return cells[pixel_cell(layer, x, y)].piece;

@@ -13,6 +13,11 @@ fn pixel_ray(layer: u32, x: u32, y: u32, t: f32) -> Ray {
     return Ray(field_origin(at), field_direction(at));
 }
 
+// Where on a pixel's ray t is.
+fn point_at(ray: Ray, t: f32) -> vec3<f32> {
+    return ray.p + t * ray.d;
+}
+
 fn piece_number(layer: u32, x: u32, y: u32) -> u32 {
     return 0u;
 }

@@ -26,6 +26,11 @@ fn cell_ray(cell: Cell, x: u32, y: u32) -> Ray {
     return Ray((cell.p + fx * px + fy * py) / h, (cell.d + fx * dx + fy * dy) / h);
 }
 
+// Where on a pixel's ray t is.
+fn point_at(ray: Ray, t: f32) -> vec3<f32> {
+    return ray.p + t * ray.d;
+}
+
 // The number in the camera of the piece that owns the pixel.
 fn piece_number(layer: u32, x: u32, y: u32) -> u32 {
     return pieces[cells[pixel_cell(layer, x, y)].piece].number;

@@ -11,12 +11,23 @@ override PLANE_PIECE: u32 = 0xffffffffu;
 override PLANE_U: u32 = 0xffffffffu;
 override PLANE_V: u32 = 0xffffffffu;
 override PLANE_MIRROR: u32 = 0xffffffffu;
+override PLANE_N_X: u32 = 0xffffffffu;
+override PLANE_N_Y: u32 = 0xffffffffu;
+override PLANE_N_Z: u32 = 0xffffffffu;
+override PLANE_P_X: u32 = 0xffffffffu;
+override PLANE_P_Y: u32 = 0xffffffffu;
+override PLANE_P_Z: u32 = 0xffffffffu;
+override PLANE_ALBEDO_R: u32 = 0xffffffffu;
+override PLANE_ALBEDO_G: u32 = 0xffffffffu;
+override PLANE_ALBEDO_B: u32 = 0xffffffffu;
 
 struct Shading {
     background: vec3<f32>,
     ambient: f32,
+    anchor: vec3<f32>,      // what positions are relative to
     light_count: u32,       // 0: one headlight along each pixel's ray
+    gain: f32,              // of the 8-bit picture: by what light is multiplied, and one of the CURVE constants
+    curve: u32,
     pad0: u32,
     pad1: u32,
-    pad2: u32,
 }

@@ -9,11 +9,12 @@ use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame};
 use crate::gpu::Gpu;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER};
-use crate::output::srgb8;
+use crate::output::toned8;
 use crate::plan::Wanted;
 use crate::reference;
 use crate::report::Device;
 use crate::scene::Scene;
+use crate::scene::tone::Tone;
 use std::io::Write;
 use std::time::Instant;
 
@@ -115,7 +116,7 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
         0 => vec![first_ms],
         n => (0..n).map(|_| timed().1).collect(),
     };
-    let srgb8 = if wanted.srgb8 { picture(&frame) } else { None };
+    let srgb8 = if wanted.srgb8 { picture(&frame, scene.tone) } else { None };
     frame.planes.retain(|(c, _)| wanted.channels.contains(c));
     Rendered {
         frame,
@@ -132,8 +133,9 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
 }
 
 /// The frame's colour as opaque 8-bit sRGB, four bytes a pixel; `None` without colour.
-pub fn picture(frame: &Frame) -> Option<Vec<u8>> {
+pub fn picture(frame: &Frame, tone: Tone) -> Option<Vec<u8>> {
     let (r, g, b) = (frame.f32(Channel::R)?, frame.f32(Channel::G)?, frame.f32(Channel::B)?);
     let pixels = r.iter().zip(g).zip(b);
-    Some(pixels.flat_map(|((r, g), b)| [srgb8(*r), srgb8(*g), srgb8(*b), u8::MAX]).collect())
+    let byte = |linear: &f32| toned8(tone, *linear);
+    Some(pixels.flat_map(|((r, g), b)| [byte(r), byte(g), byte(b), u8::MAX]).collect())
 }

@@ -34,7 +34,7 @@ pub fn render(
         }
     }
     let mut frame = all.mean(camera, samples);
-    let srgb8 = if wanted.srgb8 { picture(&frame) } else { None };
+    let srgb8 = if wanted.srgb8 { picture(&frame, scene.tone) } else { None };
     frame.planes.retain(|(c, _)| wanted.channels.contains(c));
     let rest: Vec<Channel> = wanted.channels.iter().copied().filter(|c| !is_mean(c)).collect();
     if !rest.is_empty() {

@@ -62,7 +62,10 @@ fn camera_error(camera: &str) -> String {
 #[test]
 fn reads_every_key() {
     let scene = read(FULL, &[]).unwrap();
-    assert_eq!(scene.image, ImageSpec { width: Some(800), height: Some(600), background: [0.0, 0.5, 1.0] });
+    assert_eq!(
+        scene.image,
+        ImageSpec { width: Some(800), height: Some(600), background: [0.0, 0.5, 1.0], tone: Tone::default() }
+    );
     let spot = &scene.meshes[0];
     assert_eq!(spot.source, MeshSource::File("dir/spot.obj".into()));
     assert_eq!((spot.translate, spot.rotate), (DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.0, 90.0, 0.0)));
@@ -93,7 +96,7 @@ fn json_reads_as_toml_does() {
 fn defaults_are_the_contracts() {
     let scene =
         read("[camera]\nkind='glc'\nnear=[[0,0,0],[1,0,0],[0,1,0]]\nfar=[[0,0,1],[1,0,1],[0,1,1]]", &[]).unwrap();
-    assert_eq!(scene.image, ImageSpec { width: None, height: None, background: [0.0; 3] });
+    assert_eq!(scene.image, ImageSpec { width: None, height: None, background: [0.0; 3], tone: Tone::default() });
     assert!(scene.meshes.is_empty() && scene.lights.is_empty());
     assert_eq!(scene.camera.t_range, [0.0, f64::INFINITY]);
     assert_eq!(scene.output, OutputSpec::default());
@@ -169,6 +172,12 @@ fn wrong_values_name_line_key_and_what_is_expected() {
             "3: image.width: expected a whole number from 1 to 65536, found the number 800",
         ),
         ("width = 800\nheight = 600", "width=65536\nheight=65536", "over the limit of 1073741824 pixels in all"),
+        (
+            "[0.0, 0.5, 1.0]",
+            "[0.0, 0.5, 1.0]\ntone = \"filmic\"",
+            "6: image.tone: \"filmic\" is no tone curve; known: \"clip\", \"reinhard\", \"aces\"",
+        ),
+        ("[0.0, 0.5, 1.0]", "[0.0, 0.5, 1.0]\nexposure = 65", "6: image.exposure: 65 stops; use -64 to 64"),
         ("[0.0, 0.5, 1.0]", "[0.0, 0.5, 1.5]", "5: image.background: colours lie in [0, 1]"),
         ("[0.0, 0.5, 1.0]", "[0.0, nan, 1.0]", "5: image.background.1: expected a finite number, found the number NaN"),
         ("scale = 2.0", "scale = inf", "11: mesh.0.scale: expected a finite number, found the number inf"),
