@@ -1,5 +1,6 @@
 //! Files the program writes and the images it reads back: PNG, EXR, NumPy arrays, points, text.
 
+pub mod cryptomatte;
 mod exr;
 mod npy;
 mod ply;
@@ -8,7 +9,7 @@ mod points;
 mod vectors;
 mod whole;
 
-pub use exr::{read_exr, write_exr};
+pub use exr::{read_exr, write_exr, write_exr_with};
 pub use npy::{read_npy_rows, write_npy_f64};
 pub use ply::write_ply;
 pub use png::{srgb8, toned8, write_png};

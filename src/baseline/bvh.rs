@@ -82,6 +82,7 @@ mod tests {
         let mesh = generate::icosphere(3);
         Scene {
             mesh,
+            objects: Vec::new(),
             lights: Vec::new(),
             background: [0.0; 3],
             tone: Default::default(),

@@ -2,6 +2,7 @@
 
 use crate::baseline::Choice;
 use crate::frame::Channel;
+use crate::output::cryptomatte::Apart;
 use crate::scene::file::check_size;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -69,7 +70,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 1)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=64))]
     pub samples: u32,
-    /// Channels to compute and write, as in R,G,B,Z [default with --exr: all but certified, N, P and albedo]
+    /// Channels to compute and write, as in R,G,B,Z [default with --exr: what a pixel sees]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = channels)]
     pub channels: Option<Vec<Named>>,
     /// Times and counts as JSON
@@ -237,15 +238,33 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 
 /// What a name of channels stands for.
 #[derive(Debug, Clone)]
-pub struct Named(pub Vec<Channel>);
+pub enum Named {
+    Channels(Vec<Channel>),
+    Matte(Apart),
+}
+
+impl Named {
+    pub fn channels(&self) -> &[Channel] {
+        match self {
+            Named::Channels(list) => list,
+            Named::Matte(_) => &[],
+        }
+    }
+}
 
 fn channels(name: &str) -> Result<Named, String> {
+    match name.trim() {
+        "crypto.object" => return Ok(Named::Matte(Apart::Objects)),
+        "crypto.material" => return Ok(Named::Matte(Apart::Materials)),
+        _ => {}
+    }
     let found = Channel::named(name.trim());
     if found.is_empty() {
         let known: Vec<&str> = Channel::every().map(Channel::name).collect();
-        return Err(format!("no such channel; known: {}, and N, P and albedo for three each", known.join(", ")));
+        let more = "N, P and albedo for three each, crypto.object and crypto.material";
+        return Err(format!("no such channel; known: {}, {more}", known.join(", ")));
     }
-    Ok(Named(found))
+    Ok(Named::Channels(found))
 }
 
 fn engine(name: &str) -> Result<EngineName, String> {
@@ -280,8 +299,13 @@ mod tests {
         assert!(["inf", "nan", "one", ""].iter().all(|wrong| frame(wrong).is_err()));
         assert_eq!(pixel("3, 4"), Ok((3, 4)));
         assert!(pixel("3").is_err() && pixel("-1,2").is_err());
-        assert_eq!(channels("triangle.id").unwrap().0, [Channel::TriangleId]);
-        assert_eq!(channels(" N").unwrap().0, [Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
+        let of = |name: &str| match channels(name) {
+            Ok(Named::Channels(list)) => list,
+            other => panic!("{name}: {other:?}"),
+        };
+        assert_eq!(of("triangle.id"), [Channel::TriangleId]);
+        assert_eq!(of(" N"), [Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
+        assert!(matches!(channels("crypto.object"), Ok(Named::Matte(Apart::Objects))));
         assert!(channels("q").is_err_and(|e| e.contains("bary.v") && e.contains("N, P and albedo")));
         assert!(engine("rastr").is_err_and(|e| e.contains("raytrace")) && engine("raytrace").is_ok());
     }

@@ -6,13 +6,14 @@ mod judged;
 mod points;
 mod samples;
 
-use super::args::{Change, EngineName, RenderArgs};
+use super::args::{Change, EngineName, Named, RenderArgs};
 use super::progress::Progress;
 use super::{memory, print};
 use crate::camera::Camera;
 use crate::engine::RunOptions;
 use crate::error::{Error, Result};
 use crate::frame::Channel;
+use crate::output::cryptomatte::{Apart, Matte};
 use crate::plan::Wanted;
 use crate::reference;
 use crate::report::{FrameMs, Report};
@@ -35,7 +36,11 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     }
     let files = Files::new(args, &scene)?;
     let asked = asked(args, &files, &camera);
-    let wanted = wanted(&asked, &files);
+    let mut mattes: Vec<Matte> = apart(args).map(|apart| Matte::new(apart, &scene, &camera)).collect();
+    if !mattes.is_empty() && files.exr.is_none() {
+        return Err(Error::input("--channels: cryptomattes are layers of an EXR; add --exr OUT.exr"));
+    }
+    let wanted = wanted(&asked, &files, mattes.is_empty());
     points::check(&files, &camera)?;
     memory::check(camera.width, camera.height, wanted.channels.len() + 3)?;
 
@@ -46,7 +51,7 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     progress.now("rendering");
     let (repeat, moving, no_cull) = (args.repeat.unwrap_or(0), args.moving, args.no_cull);
     let run = RunOptions { repeat, moving, no_cull, ..Default::default() };
-    let mut rendered = samples::render(&mut backend, &scene, &camera, &wanted, args.samples, &run)?;
+    let mut rendered = samples::render(&mut backend, &scene, &camera, &wanted, args.samples, &run, &mut mattes)?;
     let extra = judged::render(args, &mut backend, &scene, &camera)?;
     if args.check {
         progress.now("checking against the reference");
@@ -57,7 +62,7 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     };
 
     progress.now("writing");
-    files.write(&scene, &camera, &rendered, &asked)?;
+    files.write(&scene, &camera, &rendered, &asked, mattes)?;
     let device = backend.device();
     let frame_ms = FrameMs::of(&rendered.frame_ms);
     if let Some(path) = &files.report {
@@ -118,19 +123,27 @@ fn explain_pixel(scene: &Scene, camera: &Camera, x: u32, y: u32) -> Result<()> {
 /// The channels that are written.
 fn asked(args: &RenderArgs, files: &Files, camera: &Camera) -> Vec<Channel> {
     match &args.channels {
-        Some(list) => list.iter().flat_map(|named| named.0.clone()).collect(),
+        Some(list) => list.iter().flat_map(Named::channels).copied().collect(),
         None if files.exr.is_some() => Channel::of(camera),
         None => Vec::new(),
     }
 }
 
-/// What the outputs need: the picture unless only channels are asked for; points come from triangles.
-fn wanted(asked: &[Channel], files: &Files) -> Wanted {
+/// What cryptomattes tell apart.
+fn apart(args: &RenderArgs) -> impl Iterator<Item = Apart> {
+    [Apart::Objects, Apart::Materials].into_iter().filter(|own| {
+        let is_own = |named: &Named| matches!(named, Named::Matte(apart) if apart == own);
+        args.channels.iter().flatten().any(is_own)
+    })
+}
+
+/// What the outputs need: the picture unless only channels or mattes are asked for; points come from triangles.
+fn wanted(asked: &[Channel], files: &Files, has_no_matte: bool) -> Wanted {
     let ids = files.points.is_some().then_some(Channel::TriangleId);
     let mut channels: Vec<Channel> = asked.iter().copied().chain(ids).collect();
     channels.sort_unstable();
     channels.dedup();
-    Wanted { srgb8: files.color.is_some() || channels.is_empty(), channels, counting: false }
+    Wanted { srgb8: files.color.is_some() || (channels.is_empty() && has_no_matte), channels, counting: false }
 }
 
 fn counted(scene: &Scene, camera: &Camera) -> String {

@@ -24,9 +24,24 @@ type Flat = AnyChannels<FlatSamples>;
 /// [`Error::Work`] where a plane does not fill the frame, an attribute has a reserved name, or `path`
 /// cannot be written.
 pub fn write_exr(path: &Path, frame: &Frame, attributes: &[(String, String)]) -> Result<()> {
+    write_exr_with(path, frame, Vec::new(), attributes)
+}
+
+/// The same with `more` planes of floats beside the frame's, by their names.
+///
+/// # Errors
+/// As [`write_exr`].
+pub fn write_exr_with(
+    path: &Path,
+    frame: &Frame,
+    more: Vec<(String, Vec<f32>)>,
+    attributes: &[(String, String)],
+) -> Result<()> {
     let refuse = |why: String| Error::work(format!("{}: cannot be written as EXR: {why}", path.display()));
     let size = (frame.width as usize, frame.height as usize);
-    let channels = frame.planes.iter().map(|(channel, plane)| channel_from(*channel, plane, size.0 * size.1));
+    let own = frame.planes.iter().map(|(channel, plane)| (channel.name().to_owned(), plane.clone()));
+    let more = more.into_iter().map(|(name, values)| (name, Plane::F32(values)));
+    let channels = own.chain(more).map(|(name, plane)| channel_from(&name, plane, size.0 * size.1));
     let channels = channels.collect::<std::result::Result<_, _>>().map_err(refuse)?;
     let mut header = LayerAttributes::default();
     for (name, text) in attributes {
@@ -51,19 +66,15 @@ pub fn write_exr(path: &Path, frame: &Frame, attributes: &[(String, String)]) ->
     })
 }
 
-fn channel_from(
-    channel: Channel,
-    plane: &Plane,
-    pixels: usize,
-) -> std::result::Result<AnyChannel<FlatSamples>, String> {
+fn channel_from(name: &str, plane: Plane, pixels: usize) -> std::result::Result<AnyChannel<FlatSamples>, String> {
     let samples = match plane {
-        Plane::F32(values) => FlatSamples::F32(values.clone()),
-        Plane::U32(values) => FlatSamples::U32(values.clone()),
+        Plane::F32(values) => FlatSamples::F32(values),
+        Plane::U32(values) => FlatSamples::U32(values),
     };
     if samples.len() != pixels || pixels == 0 {
-        return Err(format!("channel {} has {} values for {pixels} pixels", channel.name(), samples.len()));
+        return Err(format!("channel {name} has {} values for {pixels} pixels", samples.len()));
     }
-    Ok(AnyChannel::new(channel.name(), samples))
+    Ok(AnyChannel::new(name, samples))
 }
 
 /// Bytes before the first attribute: the magic number and the version.

@@ -72,6 +72,25 @@ pub enum Builtin {
     Soup { seed: u64, triangles: u64 },
 }
 
+impl Builtin {
+    /// The name in a scene file.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Builtin::Teapot { .. } => "teapot",
+            Builtin::Icosphere { .. } => "icosphere",
+            Builtin::Box => "box",
+            Builtin::Cylinder { .. } => "cylinder",
+            Builtin::Stairs { .. } => "stairs",
+            Builtin::Cow { .. } => "cow",
+            Builtin::Walker { .. } => "walker",
+            Builtin::Plane { .. } => "plane",
+            Builtin::City { .. } => "city",
+            Builtin::Terrain { .. } => "terrain",
+            Builtin::Soup { .. } => "soup",
+        }
+    }
+}
+
 /// Makes a built-in mesh.
 ///
 /// # Errors

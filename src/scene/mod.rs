@@ -18,15 +18,26 @@ use glam::DVec3;
 use mesh::Mesh;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 use tone::Tone;
+
+/// Consecutive triangles that have one name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Object {
+    /// Unlike any other's.
+    pub name: String,
+    pub triangles: usize,
+}
 
 /// Everything that a frame needs, loaded.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// All meshes placed in the world, one after the other.
     pub mesh: Mesh,
+    /// What the meshes are called, and how many triangles each has, in order.
+    pub objects: Vec<Object>,
     /// Unit directions in which light travels; none: one headlight along each pixel's own ray.
     pub lights: Vec<DVec3>,
     /// Linear RGB.
@@ -50,6 +61,7 @@ impl Scene {
 
     pub fn from_file(file: SceneFile) -> Result<Scene> {
         let meshes = file.meshes.iter().map(load_mesh).collect::<Result<Vec<Mesh>>>()?;
+        let objects = named_apart(file.meshes.iter().map(|m| m.called()), &meshes);
         let mesh = place::merge(meshes)?;
         if let Some(v) = mesh.positions.par_iter().find_any(|p| !p.is_finite()) {
             return Err(Error::input(format!("mesh: a vertex lies at {v} after its transform; use finite numbers")));
@@ -65,6 +77,7 @@ impl Scene {
         let caustics = file.caustics.as_ref().map(|c| Caustics::new(c, &mesh)).transpose()?;
         Ok(Scene {
             mesh,
+            objects,
             lights: file.lights.iter().map(light).collect::<Result<_>>()?,
             background: file.image.background,
             tone: file.image.tone,
@@ -95,6 +108,22 @@ impl Scene {
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.mesh.bounds()
     }
+}
+
+/// Objects by these names; of several that have one, all but the first get the least number that makes theirs another's.
+fn named_apart(names: impl Iterator<Item = String>, meshes: &[Mesh]) -> Vec<Object> {
+    let mut taken = HashSet::new();
+    let apart = |name: String| {
+        let mut own = name.clone();
+        let mut number = 1;
+        while !taken.insert(own.clone()) {
+            number += 1;
+            own = format!("{name}.{number}");
+        }
+        own
+    };
+    let sizes = meshes.iter().map(|m| m.triangles.len());
+    names.map(apart).zip(sizes).map(|(name, triangles)| Object { name, triangles }).collect()
 }
 
 pub(crate) fn load_mesh(spec: &MeshSpec) -> Result<Mesh> {

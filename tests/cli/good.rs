@@ -119,6 +119,58 @@ fn only_channels_that_are_asked_for_are_written() {
     }
 }
 
+/// The layers of a Cryptomatte hold every sample once, and its names are told apart.
+#[test]
+fn cryptomattes_share_pixels_out() {
+    let place = Place::new();
+    let boxes = "mesh = [{ builtin = \"box\", color = [1, 0, 0] }, { builtin = \"box\", translate = [0.9, 0.2, 0] }]\n";
+    let camera = "[camera]\nkind = \"pinhole\"\neye = [1, 2, 5]\ntarget = [0.4, 0, 0]\nvfov = 40\n";
+    place.write("boxes.toml", format!("image = {{ width = 40, height = 30 }}\n{boxes}{camera}"));
+    let layers = "crypto.object,crypto.material,A";
+    let args =
+        ["render", "boxes.toml", "--exr", "m.exr", "--samples", "4", "--engine", "reference", "--channels", layers];
+    place.works(&args);
+
+    let image = exr::prelude::read_first_flat_layer_from_file(place.path().join("m.exr")).unwrap();
+    let plane = |name: &str| -> Vec<f32> {
+        let channel = image.layer_data.channel_data.list.iter().find(|c| c.name.to_string() == name).expect(name);
+        channel.sample_data.values_as_f32().collect()
+    };
+    let coverage = plane("A");
+    // both boxes are of the one material that a builtin has
+    for (layer, names) in [("CryptoObject", 2), ("CryptoMaterial", 1)] {
+        let ranks: Vec<[Vec<f32>; 2]> = (0..3)
+            .flat_map(|k| [["R", "G"], ["B", "A"]].map(|pair| pair.map(|c| plane(&format!("{layer}{k:02}.{c}")))))
+            .collect();
+        let shares = |k: usize| ranks.iter().map(|r| r[1][k]).collect::<Vec<f32>>();
+        assert!(
+            (0..coverage.len())
+                .all(|k| shares(k).iter().sum::<f32>() == coverage[k] && shares(k).is_sorted_by(|a, b| a >= b))
+        );
+        let mixed = (0..coverage.len()).filter(|&k| shares(k)[1] > 0.0).count();
+        let ids: std::collections::BTreeSet<u32> =
+            ranks[0][0].iter().map(|id| id.to_bits()).filter(|id| *id != 0).collect();
+        assert!(
+            (mixed > 5) == (names == 2) && ids.len() == names,
+            "{layer}: {mixed} pixels of two, {} names",
+            ids.len()
+        );
+        let text = |key: &str| {
+            let of = |(name, value): (&exr::meta::attribute::Text, &exr::meta::attribute::AttributeValue)| match value {
+                exr::meta::attribute::AttributeValue::Text(text) if name.to_string().ends_with(key) => {
+                    Some(text.to_string())
+                }
+                _ => None,
+            };
+            image.layer_data.attributes.other.iter().filter_map(of).collect::<Vec<String>>()
+        };
+        assert!(text("/name").contains(&layer.to_owned()) && text("/hash") == ["MurmurHash3_32"; 2]);
+        let manifest = text("/manifest").join(" ");
+        assert!(ids.iter().all(|id| manifest.contains(&format!("{id:08x}"))), "{layer}: {manifest}");
+    }
+    place.refuses(&["render", "boxes.toml", "-o", "m.png", "--channels", "crypto.object"], 2, "--exr");
+}
+
 /// The ids of the reference's frame of `scene.toml`.
 fn frame_of_ids(place: &Place) -> anamorph::frame::Plane {
     let args = ["render", "scene.toml", "--engine", "reference", "--channels", "triangle.id", "--exr", "ids.exr"];

@@ -26,6 +26,7 @@ pub const ALL_T: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 pub fn scene(mesh: Mesh) -> Scene {
     let kind = CameraKind::Pinhole { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, vfov: 40.0 };
     Scene {
+        objects: vec![anamorph::scene::Object { name: "mesh".into(), triangles: mesh.triangles.len() }],
         mesh,
         lights: Vec::new(),
         background: [0.1, 0.2, 0.3],

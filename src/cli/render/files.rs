@@ -9,7 +9,8 @@ use crate::cli::outputs;
 use crate::engine::Rendered;
 use crate::error::{Error, Result};
 use crate::frame::Channel;
-use crate::output::{write_exr, write_png, write_text};
+use crate::output::cryptomatte::Matte;
+use crate::output::{write_exr_with, write_png, write_text};
 use crate::report::Report;
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -61,8 +62,15 @@ impl Files {
         if names.is_empty() { String::new() } else { format!("{} ", names.join(", ")) }
     }
 
-    /// Writes the images, of the channels in `asked`, and the points.
-    pub fn write(&self, scene: &Scene, camera: &Camera, rendered: &Rendered, asked: &[Channel]) -> Result<()> {
+    /// Writes the images, of the channels in `asked` and the mattes, and the points.
+    pub fn write(
+        &self,
+        scene: &Scene,
+        camera: &Camera,
+        rendered: &Rendered,
+        asked: &[Channel],
+        mattes: Vec<Matte>,
+    ) -> Result<()> {
         if let (Some(path), Some(rgba)) = (&self.color, &rendered.srgb8) {
             let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
             write_png(path, camera.width, camera.height, &rgb)?;
@@ -70,7 +78,14 @@ impl Files {
         if let Some(path) = &self.exr {
             let mut frame = rendered.frame.clone();
             frame.planes.retain(|(channel, _)| asked.contains(channel));
-            write_exr(path, &frame, &attributes(scene, camera)?)?;
+            let mut attributes = attributes(scene, camera)?;
+            let mut more = Vec::new();
+            for matte in mattes {
+                let layers = matte.layers()?;
+                more.extend(layers.planes);
+                attributes.extend(layers.attributes);
+            }
+            write_exr_with(path, &frame, more, &attributes)?;
         }
         if let Some(path) = &self.points {
             points::write(path, scene, camera, &rendered.frame)?;

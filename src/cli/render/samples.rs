@@ -5,13 +5,14 @@ use crate::camera::Camera;
 use crate::engine::{Rendered, RunOptions};
 use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame, Plane};
+use crate::output::cryptomatte::Matte;
 use crate::plan::Wanted;
 use crate::scene::Scene;
 
 /// The channels that are averaged.
 const MEANS: [Channel; 4] = [Channel::R, Channel::G, Channel::B, Channel::A];
 
-/// Renders with `samples` rays a pixel; times, counts and stages are the sums over all of them.
+/// Renders with `samples` rays a pixel; times, counts and stages are the sums over all of them. Every ray counts in the mattes.
 pub fn render(
     backend: &mut Backend,
     scene: &Scene,
@@ -19,18 +20,32 @@ pub fn render(
     wanted: &Wanted,
     samples: u32,
     run: &RunOptions,
+    mattes: &mut [Matte],
 ) -> Result<Rendered> {
+    let ids = (!mattes.is_empty()).then_some(Channel::TriangleId);
+    let mut count = |frame: &Frame| {
+        let ids = frame.u32(Channel::TriangleId).unwrap_or_default();
+        mattes.iter_mut().for_each(|matte| matte.add(ids));
+    };
     if samples == 1 {
-        return backend.render(scene, camera, wanted, run);
+        let mut channels: Vec<Channel> = wanted.channels.iter().copied().chain(ids).collect();
+        channels.sort_unstable();
+        channels.dedup();
+        let rendered = backend.render(scene, camera, &Wanted { channels, ..wanted.clone() }, run)?;
+        count(&rendered.frame);
+        return Ok(rendered);
     }
     let is_mean = |c: &Channel| MEANS.contains(c);
     let is_colour = |c: &Channel| wanted.srgb8 && *c != Channel::A;
     let means: Vec<Channel> = MEANS.into_iter().filter(|c| wanted.channels.contains(c) || is_colour(c)).collect();
     let mut all = Sum::default();
-    if !means.is_empty() {
-        let each = Wanted { channels: means, srgb8: false, counting: wanted.counting };
+    if !means.is_empty() || ids.is_some() {
+        let channels = means.into_iter().chain(ids).collect();
+        let each = Wanted { channels, srgb8: false, counting: wanted.counting };
         for (dx, dy) in offsets(samples) {
-            all.add(backend.render(scene, &camera.with_sample_offset(dx, dy), &each, run)?);
+            let rendered = backend.render(scene, &camera.with_sample_offset(dx, dy), &each, run)?;
+            count(&rendered.frame);
+            all.add(rendered);
         }
     }
     let mut frame = all.mean(camera, samples);

@@ -146,7 +146,8 @@ const COMPRESSIONS: [Compression; 8] = [
 /// `frame`'s channels with any compression, in scan lines or in tiles.
 fn write_compressed(path: &Path, frame: &Frame, compression: Compression, tiled: bool) {
     let size = (frame.width as usize, frame.height as usize);
-    let channels = frame.planes.iter().map(|(c, p)| channel_from(*c, p, size.0 * size.1).unwrap()).collect();
+    let channels =
+        frame.planes.iter().map(|(c, p)| channel_from(c.name(), p.clone(), size.0 * size.1).unwrap()).collect();
     let blocks = if tiled { Blocks::Tiles((4, 4).into()) } else { Blocks::ScanLines };
     let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
     let layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(channels));

@@ -13,6 +13,8 @@ use crate::scene::generate::Builtin;
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshSpec {
     pub source: MeshSource,
+    /// What it is called; `None`: as its file or builtin.
+    pub name: Option<String>,
     /// World units.
     pub translate: DVec3,
     /// Degrees about x, then y, then z (world axes).
@@ -31,8 +33,19 @@ pub enum MeshSource {
     Builtin(Builtin),
 }
 
+impl MeshSpec {
+    /// Its name, its file's without folder and extension, or its builtin's.
+    pub fn called(&self) -> String {
+        match (&self.name, &self.source) {
+            (Some(name), _) => name.clone(),
+            (None, MeshSource::File(path)) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            (None, MeshSource::Builtin(builtin)) => builtin.name().into(),
+        }
+    }
+}
+
 /// The keys that every mesh may have, whatever its source.
-const PLACING: [&str; 5] = ["translate", "rotate", "scale", "two_sided", "color"];
+const PLACING: [&str; 6] = ["name", "translate", "rotate", "scale", "two_sided", "color"];
 
 const BUILTINS: [&str; 11] =
     ["teapot", "icosphere", "box", "cylinder", "stairs", "cow", "walker", "plane", "city", "terrain", "soup"];
@@ -43,6 +56,7 @@ pub(crate) fn read_mesh(field: &Field, more: &[&str]) -> Result<MeshSpec> {
     let source = read_source(&table, more)?;
     Ok(MeshSpec {
         source,
+        name: table.optional("name", |f| Ok(f.text()?.to_owned()))?,
         translate: table.or("translate", DVec3::ZERO, Field::vec3)?,
         rotate: table.or("rotate", DVec3::ZERO, Field::vec3)?,
         scale: table.or("scale", DVec3::ONE, read_scale)?,
