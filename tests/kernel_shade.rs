@@ -38,17 +38,14 @@ fn run_kernel(
     input: &Input,
     visibility: &Visibility,
     planes: &[Channel],
-    by_tile: bool,
 ) -> Vec<u32> {
-    let variant = turned::variant(case, input, real, by_tile);
-    let (gpu, stages) = bench.stages(if by_tile { variant.with_tiles() } else { variant }, planes);
+    let (gpu, stages) = bench.stages(turned::variant(case, input, real, false), planes);
     let mut buffers = upload(gpu, input);
     buffers.upload(gpu, "visibility", &visibility.words).unwrap();
     let words = visibility.words.len() * planes.len();
     let start = planes.iter().flat_map(|&c| vec![before(c, input); visibility.words.len()]);
     buffers.upload(gpu, "planes", &start.chain(vec![POISON; SPARE]).collect::<Vec<_>>()).unwrap();
-    let size = (input.params.width, input.params.height);
-    run(gpu, |pass| stages.shade(gpu, pass, &[&buffers], size));
+    run(gpu, |pass| stages.shade(gpu, pass, &[&buffers], visibility.words.len() as u32));
     let out = read(gpu, &buffers, "planes");
     assert_poisoned(&out, words, &format!("{}, planes", case.name));
     out[..words].to_vec()
@@ -197,18 +194,8 @@ fn the_kernel_shades_what_optics_show() {
 /// Holds the kernel's planes against the twin's; the number of pixels that are hits of the chunk.
 fn check(bench: &mut Bench, case: &Case, input: &Input, visibility: &Visibility, real: Real) -> usize {
     let name = format!("{}, row {}, ids from {}, {real:?}", case.name, input.params.band_row, input.params.id_first);
+    let words = run_kernel(bench, case, real, input, visibility, &all());
     let pixels = shade(input, visibility, real);
-    let words = run_kernel(bench, case, real, input, visibility, &all(), false);
-    if bench.has_lanes() && real == Real::F64 {
-        let tiled = run_kernel(bench, case, real, input, visibility, &all(), true);
-        let seen = compare(&tiled, &pixels, &all(), input, case.scene.background);
-        assert!(
-            seen.wrong.is_empty(),
-            "{name}, by tile: {} words differ, the first: {}",
-            seen.wrong.len(),
-            seen.wrong[0]
-        );
-    }
     let seen = compare(&words, &pixels, &all(), input, case.scene.background);
     println!(
         "{name}: {} hits, t {:.1e}, Z {:.1} ulp, weights {:.1e}, colour {:.1e}, edge-on {}, ill-conditioned {}, of bounds {:.2?}",
@@ -242,7 +229,7 @@ fn only_the_channels_asked_for_are_written() {
         vec![Channel::PieceId, Channel::BaryV],
         vec![Channel::NormalY, Channel::PositionZ, Channel::AlbedoB],
     ] {
-        let words = run_kernel(&mut bench, &case, real, &band[0], &visibility, &planes, false);
+        let words = run_kernel(&mut bench, &case, real, &band[0], &visibility, &planes);
         let seen = compare(&words, &pixels, &planes, &band[0], case.scene.background);
         assert!(seen.wrong.is_empty() && seen.hits > 0, "{planes:?}: {:?}", seen.wrong.first());
     }

@@ -30,18 +30,14 @@ fn shade(
     @builtin(local_invocation_index) lane: u32,
 ) {
     // take a pixel
-    let place = place_of(item_index(group, groups, lane));
-    let x = place.x;
-    let y = place.y;
-    look_at(x, y, lane);
-    if x >= params.width || y >= params.height {
+    let pixel = item_index(group, groups, lane);
+    let at = Place(pixel, params.width * params.height);
+    if pixel >= at.count {
         return;
     }
-    let pixel = y * params.width + x;
-    let at = Place(pixel, params.width * params.height);
     let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
     if all(won == vec2<u32>(0u)) {
-        if params.id_first == 0u && is_under_way(x, y) {
+        if params.id_first == 0u && is_under_way(pixel % params.width, pixel / params.width) {
             store_miss(at);
         }
         return;
@@ -50,6 +46,8 @@ fn shade(
     if goes_on(id) {
         return;
     }
+    let x = pixel % params.width;
+    let y = pixel / params.width;
     if ends_on_smooth(id) {
         if params.id_first == 0u {
             let t = key_t(~won);

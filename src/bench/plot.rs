@@ -259,11 +259,14 @@ fn bars(rows: &[Row]) -> Result<String> {
             .margin(MARGIN)
             .margin_right(LEGEND)
             .x_label_area_size(44)
-            .y_label_area_size(130)
+            .y_label_area_size(210)
             .build_cartesian_2d(0.0..most * 1.05, (0..count).into_segmented())
             .map_err(failed)?;
         let row_name = |at: &SegmentValue<i32>| match at {
-            SegmentValue::CenterOf(k) => rows.get((count - 1 - k) as usize).map_or(String::new(), |r| r.case.clone()),
+            SegmentValue::CenterOf(k) => {
+                let own = |r: &&Row| r.way.as_ref().map_or_else(|| r.case.clone(), |way| format!("{}, {way}", r.case));
+                rows.get((count - 1 - k) as usize).map_or(String::new(), own)
+            }
             _ => String::new(),
         };
         chart

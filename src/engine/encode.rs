@@ -216,8 +216,7 @@ impl Frames<'_> {
             shaded = Some(job.chunk.id_first);
             let scopes = self.resident.scopes(&job, band, pass);
             let mut encoded = recorder.compute("shade");
-            let size = (self.camera.width, self.plan.bands[band].rows);
-            self.stages_of(pass).shade(&self.gpu, &mut encoded, &scopes, size)?;
+            self.stages_of(pass).shade(&self.gpu, &mut encoded, &scopes, self.pixels(band))?;
         }
         // where on a receiver a hit lies is known of the rays that say what is seen
         let caustics = self.caustics.as_ref().filter(|_| self.resident.passes[pass].is_main);

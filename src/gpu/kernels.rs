@@ -212,11 +212,6 @@ impl Variant {
         [&[self.real(), BUNDLE, self.camera()][..], self.pixel()].concat()
     }
 
-    /// `shade` goes tile by tile too: the camera's own rays follow from pieces that its lanes load together.
-    pub(crate) fn shades_tiles(self) -> bool {
-        self.by_tile && self.rays == RaysKind::Pieces && !self.sheeted && self.optics.is_none()
-    }
-
     /// How a kernel sees a list of structs: as it is, or as rows that the lanes of a subgroup load together.
     fn rows(self, list: &'static str) -> &'static str {
         if self.by_tile { "array<vec4<f32>>" } else { list }
@@ -424,11 +419,7 @@ fn raster_by_tile(variant: Variant) -> Kernel {
         _ => {
             let pieces = read("pieces", "array<vec4<f32>>");
             bindings.extend([pieces, read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
-            concat!(
-                snippet!("camera/piece.wgsl"),
-                snippet!("camera/piece_by_lanes.wgsl"),
-                snippet!("camera/pieces_column.wgsl")
-            )
+            concat!(snippet!("camera/piece.wgsl"), snippet!("camera/pieces_column.wgsl"))
         }
     };
     if variant.turned {
@@ -528,26 +519,13 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
         read("visibility", "array<u32>"),
         write("planes", "array<u32>"),
     ];
-    let mut rays = vec![snippet!("shared/pixels_in_rows.wgsl"), variant.camera()];
-    if variant.shades_tiles() {
-        bindings.extend([read("pieces", "array<vec4<f32>>"), read("tile_start", "array<u32>")]);
-        bindings.push(read("cells", "array<Cell>"));
-        rays = vec![
-            snippet!("shared/pixels_in_tiles.wgsl"),
-            snippet!("camera/piece.wgsl"),
-            snippet!("camera/piece_by_lanes.wgsl"),
-            snippet!("camera/pieces_in_tile.wgsl"),
-        ];
-    } else {
-        bindings.extend(variant.pixel_rays());
-        rays.extend(variant.pixel());
-    }
+    bindings.extend(variant.pixel_rays());
     if variant.optics.is_some() {
         bindings.extend([optic(), ways()]);
     }
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [SHADING, snippet!("shade.wgsl")];
-    let all = [&snippets[..], &own[..], &rays[..], variant.seen()].concat();
+    let own = [variant.camera(), SHADING, snippet!("shade.wgsl")];
+    let all = [&snippets[..], &own[..], variant.pixel(), variant.seen()].concat();
     let mut kernel = kernel("shade", bindings, &all);
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
     kernel.constants.push(("NORMALS", variant.normals as u32 as f64));

@@ -293,11 +293,6 @@ impl Bench {
         reals.flat_map(|r| atomics.clone().map(move |a| (r, a))).collect()
     }
 
-    /// Subgroups are as wide as a tile.
-    pub fn has_lanes(&self) -> bool {
-        self.gpu.has.lanes && self.gpu.has.f64
-    }
-
     pub fn stages(&mut self, variant: Variant, planes: &[Channel]) -> (&Gpu, &Stages) {
         let found = self.stages.iter().position(|s| s.variant == variant && s.planes == planes);
         let at = found.unwrap_or_else(|| {
