@@ -197,6 +197,11 @@ impl Frames<'_> {
     /// Brings the picture up to date, by the stages alone that follow what changed since it was made: none, `shade` after
     /// [`Frames::light`], all after [`Frames::aim`]. How many compute passes it took.
     pub fn refresh(&mut self) -> Result<u32> {
+        if self.due == Due::All {
+            // makes the atlas too
+            self.warm_up()?;
+            return Ok(self.timed.first.as_ref().map_or(0, |first| first.recorded.passes));
+        }
         let painted = self.painter.as_mut().map_or(Ok(0), |p| p.frames.refresh())?;
         if self.due == Due::Look {
             let drawn = self.submit(true, Due::Look)?;
@@ -206,10 +211,6 @@ impl Frames<'_> {
             }
             self.due = Due::Nothing;
             return Ok(painted + drawn.recorded.passes);
-        }
-        if self.due == Due::All {
-            self.warm_up()?;
-            return Ok(painted + self.timed.first.as_ref().map_or(0, |first| first.recorded.passes));
         }
         Ok(painted)
     }
