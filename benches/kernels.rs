@@ -45,7 +45,7 @@ fn kernels(criterion: &mut Criterion, engine: &mut Engine, name: &str, set: &[St
     let folder = tempfile::tempdir().map_err(|e| anamorph::Error::work(format!("no temporary folder: {e}")))?;
     let scene = Scene::load(&example.write(folder.path())?, set, 0.0)?;
     let camera = scene.camera()?;
-    let wanted = Wanted { channels: vec![Channel::T, Channel::TriangleId], srgb8: true, counting: false };
+    let wanted = Wanted { srgb8: true, ..Wanted::of(vec![Channel::T, Channel::TriangleId]) };
     let mut frames = engine.prepare(&scene, &camera, &wanted, &RunOptions::default())?;
     frames.frame()?;
     let stages: Vec<&str> = frames.stages().iter().map(|s| s.0).collect();

@@ -34,7 +34,7 @@ fn main() -> Result<()> {
 fn render(engine: &mut Engine, example: &Example, folder: &Path) -> Result<RgbImage> {
     let scene = Scene::load(&example.write(folder)?, &[], 0.0)?;
     let camera = scene.camera()?;
-    let wanted = Wanted { channels: Vec::new(), srgb8: true, counting: false };
+    let wanted = Wanted { srgb8: true, ..Wanted::of(Vec::new()) };
     let rendered = engine.render(&scene, &camera, &wanted, &RunOptions::default())?;
     let (width, height) = (camera.width, camera.height);
     let rgba = rendered.srgb8.ok_or_else(|| Error::work("no picture came back"))?;

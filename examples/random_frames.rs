@@ -37,8 +37,7 @@ fn main() -> ExitCode {
         return ExitCode::from(1);
     };
     let mut engine = Engine::new(gpu);
-    let wanted =
-        Wanted { channels: vec![Channel::T, Channel::TriangleId, Channel::Certified], srgb8: false, counting: false };
+    let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId, Channel::Certified]);
     let mut all = Seen::default();
     for number in first..first + count {
         let (scene, camera) = common::any::any(&mut common::rng::Rng(number), SIZE);

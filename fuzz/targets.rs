@@ -93,7 +93,7 @@ pub fn frame(data: &[u8]) {
     let corners = points[6..].len() / 3 * 3;
     let faces = (0..corners as u32 / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
     let scene = common::scene(common::mesh(points[6..6 + corners].to_vec(), faces));
-    let wanted = Wanted { channels: vec![Channel::TriangleId, Channel::Certified], srgb8: false, counting: false };
+    let wanted = Wanted::of(vec![Channel::TriangleId, Channel::Certified]);
     let Some(mut engine) = common::gpu::engine(&camera, Without::Nothing) else { return };
     let frame = engine.render(&scene, &camera, &wanted, &RunOptions::default()).expect("a frame").frame;
     let judged = judge(&scene, &camera, &frame);

@@ -20,6 +20,7 @@ use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
 use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::Recorder;
+use crate::plan::samples::at_once;
 use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::cluster;
@@ -46,6 +47,8 @@ pub struct Capacities {
     pub pairs: u64,
     /// Half tiles of pixels of a pair that `recheck` takes.
     pub doubts: u64,
+    /// Pixels that hold an edge, of which `sample` takes a closer look.
+    pub edges: u64,
 }
 
 /// In what the signs are found that decide what a pixel sees.
@@ -88,6 +91,8 @@ pub struct Counts {
     pub fragments_tested: u64,
     pub fragments_kept: u64,
     pub rechecked: u64,
+    /// Pixels that hold an edge, where they have several samples.
+    pub edges: u64,
 }
 
 /// A frame and what it took.
@@ -95,6 +100,8 @@ pub struct Counts {
 pub struct Rendered {
     /// The wanted channels.
     pub frame: Frame,
+    /// Of each sample the triangles that all pixels see there, where asked for.
+    pub sample_ids: Vec<Vec<u32>>,
     /// RGBA, 8-bit sRGB, where asked for.
     pub srgb8: Option<Vec<u8>>,
     /// Wall time of each timed frame, ms; of the first one where none was asked for.
@@ -173,6 +180,7 @@ impl Engine {
         if wanted.channels.contains(&Channel::Certified) {
             check_provable(&camera, run)?;
         }
+        check_samples(scene, &camera, wanted, run)?;
         let mut painter = self.painter(scene, &camera, wanted, run)?;
         let mut planned = wanted.clone();
         let lit = if wanted.has_colour() { self.illuminated(scene)? } else { None };
@@ -276,6 +284,16 @@ fn check_provable(camera: &Camera, run: &RunOptions) -> Result<()> {
         return Err(Error::input(format!("{kind} turns rays without bounds; certified is a channel of other cameras")));
     }
     Ok(())
+}
+
+/// Several samples are found by the engine's own stages, where these know the rays between pixel centres.
+fn check_samples(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Result<()> {
+    let is_possible = wanted.samples > 0 && run.by.is_none() && at_once(scene, camera, wanted.samples);
+    if wanted.samples == 1 || is_possible {
+        return Ok(());
+    }
+    let (n, kind) = (wanted.samples, camera.kind);
+    Err(Error::input(format!("{n} samples a pixel of {kind} take a frame each")))
 }
 
 /// What a rival needs to know of a plan.

@@ -61,7 +61,7 @@
 //! let channels = vec![Channel::T, Channel::TriangleId];
 //! let frame = match Gpu::open(&Default::default())? {
 //!     Some(gpu) => {
-//!         let wanted = Wanted { channels, srgb8: false, counting: false };
+//!         let wanted = Wanted::of(channels);
 //!         Engine::new(gpu).render(&scene, &camera, &wanted, &Default::default())?.frame
 //!     }
 //!     None => reference::image::image(&scene, &camera, &channels),

@@ -20,7 +20,7 @@ const SCENES: std::ops::Range<u64> = 0..60;
 /// with f64 in words a software adapter takes long to compile.
 fn frames(engine: &mut Engine) -> Vec<Option<Frame>> {
     let channels = if engine.gpu.has.f64 { Channel::every().collect() } else { Channel::ALL.to_vec() };
-    let wanted = Wanted { channels, srgb8: false, counting: false };
+    let wanted = Wanted::of(channels);
     let frame = |number| {
         let (scene, camera) = any(&mut Rng(number), SIZE);
         let is_seen = engine.gpu.has.f64 || (camera.layers.len() == 1 && matches!(camera.layers[0], Rays::Pieces(_)));
@@ -116,7 +116,7 @@ fn frames_are_the_same_whatever_the_adapter_has() {
 fn a_lost_device_is_an_error_and_another_goes_on() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let (scene, camera) = any(&mut Rng(1), SIZE);
-    let wanted = Wanted { channels: vec![Channel::TriangleId], srgb8: true, counting: false };
+    let wanted = Wanted { srgb8: true, ..Wanted::of(vec![Channel::TriangleId]) };
     let render = |engine: &mut Engine| engine.render(&scene, &camera, &wanted, &RunOptions::default());
     let before = render(&mut engine).unwrap();
     engine.gpu.device.destroy();
@@ -137,7 +137,7 @@ fn a_lost_device_is_an_error_and_another_goes_on() {
 fn what_an_adapter_cannot_hold_is_an_error() {
     let Some(mut engine) = engine_on(|gpu| gpu.limits.max_buffer_size = 1 << 12) else { return };
     let (scene, camera) = any(&mut Rng(1), (400, 300));
-    let wanted = Wanted { channels: vec![Channel::TriangleId], srgb8: true, counting: false };
+    let wanted = Wanted { srgb8: true, ..Wanted::of(vec![Channel::TriangleId]) };
     match engine.render(&scene, &camera, &wanted, &RunOptions::default()) {
         Err(e) => assert!(e.to_string().contains("bytes") && !e.to_string().contains('\n'), "{e}"),
         Ok(_) => panic!("a frame of buffers that do not fit"),

@@ -188,7 +188,7 @@ fn photons_of_the_engine_are_where_the_reference_has_them() {
         let scene = scene(&room(), text);
         let spec = scene.caustics.clone().unwrap();
         let (white, camera) = spec.counting(&scene);
-        let wanted = Wanted { channels: CHANNELS.to_vec(), srgb8: false, counting: false };
+        let wanted = Wanted::of(CHANNELS.to_vec());
         let frame = engine.render(&white, &camera, &wanted, &RunOptions::default()).unwrap().frame;
         let landings = Landings::new(&spec.receivers, &scene.mesh);
         let (found, known) = (spec.photons(&scene.mesh, &landings, &frame).unwrap(), photons(&scene, &spec));
@@ -222,7 +222,7 @@ fn maps_of_the_engine_are_sums_of_shares_texel_by_texel() {
         let scene = scene(&room(), text);
         let spec = scene.caustics.clone().unwrap();
         let (white, camera) = spec.counting(&scene);
-        let wanted = Wanted { channels: CHANNELS.to_vec(), srgb8: false, counting: false };
+        let wanted = Wanted::of(CHANNELS.to_vec());
         let frame = engine.render(&white, &camera, &wanted, &RunOptions::default()).unwrap().frame;
         let landings = Landings::new(&spec.receivers, &scene.mesh);
         let casts = spec.casts(&spec.photons(&scene.mesh, &landings, &frame).unwrap()).0;
@@ -279,7 +279,7 @@ fn pictures_show_what_falls_on_the_floor() {
     let dark = Scene { caustics: None, ..lit.clone() };
     let camera = lit.camera().unwrap();
     let channels = vec![Channel::R, Channel::G, Channel::B, Channel::T];
-    let wanted = Wanted { channels: channels.clone(), srgb8: false, counting: false };
+    let wanted = Wanted::of(channels.clone());
     let mut render = |scene: &Scene| engine.render(scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
     let (with, without, truth) = (render(&lit), render(&dark), image(&lit, &camera, &channels));
     assert!(words(&with) == words(&render(&lit)), "two runs give the same bytes");
@@ -323,7 +323,7 @@ fn a_mirror_shows_the_caustic_too_as_much_as_it_leaves() {
         load(&format!("{text}map = [100, 100]\n{FLAT}")).unwrap()
     };
     let Some(mut engine) = engine() else { return };
-    let wanted = Wanted { channels: vec![Channel::R, Channel::MirrorId], srgb8: false, counting: false };
+    let wanted = Wanted::of(vec![Channel::R, Channel::MirrorId]);
     let mut added = Vec::new();
     for color in ["[1, 1, 1]", "[0.25, 1, 1]"] {
         let lit = mirror(color);

@@ -23,7 +23,7 @@ const SIZE: (u32, u32) = (101, 77);
 const PROVEN_LEAST: f64 = 0.999;
 
 fn wanted() -> Wanted {
-    Wanted { channels: vec![Channel::TriangleId, Channel::Certified], srgb8: false, counting: false }
+    Wanted::of(vec![Channel::TriangleId, Channel::Certified])
 }
 
 fn certified(scene: &Scene, camera: &Camera, without: Without) -> Option<Frame> {
@@ -162,7 +162,7 @@ fn the_map_is_the_same_however_the_frame_is_cut() {
         let Some(whole) = certified(&scene, &camera, Without::Nothing) else { return };
         let cut = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 16);
         let small = RunOptions {
-            capacities: Some(Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, doubts: 1 }),
+            capacities: Some(Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, doubts: 1, edges: 1 }),
             ..Default::default()
         };
         let frame = cut.unwrap().render(&scene, &camera, &wanted(), &small).unwrap().frame;

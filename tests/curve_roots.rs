@@ -94,7 +94,7 @@ fn the_first_root_is_found_and_no_other() {
     let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0);
     let corners = vec![corner(-4.0, -3.0), corner(5.0, -3.0), corner(0.5, 6.0)];
     let scene = common::scene(common::mesh(corners, vec![[0, 1, 2]]));
-    let wanted = Wanted { channels: vec![Channel::T, Channel::TriangleId], srgb8: false, counting: false };
+    let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
     let rounds = count().div_ceil(u64::from(3 * SIDE * SIDE));
     let mut hits = 0;
     for (round, degree) in (0..rounds).flat_map(|round| [1, 2, 3].map(|degree| (round, degree))) {

@@ -133,7 +133,7 @@ fn counting_and_fewer_channels_change_no_value() {
         assert!(some.pairs_kept > 0 && some.pairs_tested >= some.pairs_kept, "{name}: {some:?}");
         assert!(without == Without::Nothing || some.rechecked == none.rechecked, "{name}");
         for channels in [vec![Channel::T], vec![Channel::BaryV, Channel::R], vec![]] {
-            let few = render(&Wanted { channels: channels.clone(), srgb8: true, counting: false }).unwrap();
+            let few = render(&Wanted { srgb8: true, ..Wanted::of(channels.clone()) }).unwrap();
             assert!(few.srgb8 == all.srgb8 && few.frame.planes.len() == channels.len(), "{name} {channels:?}");
             for c in channels {
                 let bits = |f: &[f32]| f.iter().map(|v| v.to_bits()).collect::<Vec<_>>();

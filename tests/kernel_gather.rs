@@ -46,6 +46,7 @@ fn variant(optics: bool) -> Variant {
         normals: false,
         optics: optics.then_some(OpticsKind::Facets),
         turned: false,
+        samples: 1,
     }
 }
 

@@ -27,7 +27,7 @@ fn bytes(detail: u32, side: u32) -> Option<(f64, f64)> {
     let said = TRIANGLE * triangles + VERTEX * vertices + NORMAL * mesh.normals.len() as f64;
     let (_, kind) = glc_of_each_class().swap_remove(0);
     let camera = camera(kind, (side, side), FORWARD);
-    let wanted = Wanted { channels: vec![Channel::T, Channel::TriangleId], srgb8: false, counting: false };
+    let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
     let rendered = engine_on(|_| {})?.render(&scene(mesh), &camera, &wanted, &RunOptions::default()).unwrap();
     Some((rendered.bytes as f64, said))
 }

@@ -51,9 +51,16 @@ fn lists_of_one_item_grow_to_the_identical_image() {
     for (name, camera) in cameras() {
         for without in [Without::Nothing, Without::Int64Atomics] {
             let Some(roomy) = render_with(&scene, &camera, without, &RunOptions::default()) else { return };
-            let large = Capacities { queue: 1 << 20, work: 1 << 20, tasks: 1 << 20, pairs: 1 << 20, doubts: 1 << 20 };
+            let large = Capacities {
+                queue: 1 << 20,
+                work: 1 << 20,
+                tasks: 1 << 20,
+                pairs: 1 << 20,
+                doubts: 1 << 20,
+                edges: 1 << 20,
+            };
             for start in [
-                Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, doubts: 1 },
+                Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, doubts: 1, edges: 1 },
                 Capacities { queue: 1, ..large },
                 Capacities { work: 1, ..large },
                 Capacities { tasks: 1, ..large },
@@ -111,7 +118,7 @@ fn a_triangle_over_more_tiles_than_a_loop_has_rounds_fills_them_all() {
     let camera = camera(kind, (2048, 2048), FORWARD);
     for lanes in [true, false] {
         let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
-        let wanted = Wanted { channels: vec![Channel::TriangleId], srgb8: false, counting: false };
+        let wanted = Wanted::of(vec![Channel::TriangleId]);
         let frame = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
         assert!(frame.u32(Channel::TriangleId).unwrap().iter().all(|id| *id == 0), "lanes {lanes}");
     }
@@ -143,7 +150,7 @@ fn doubts_of_one_cluster_that_no_list_can_hold_are_an_error_with_stage_need_and_
     let scene = scene(mesh((0..64).flat_map(wall).collect(), triangles));
     let (_, kind) = glc_of_each_class().swap_remove(0);
     let camera = camera(kind, SIZE, FORWARD);
-    let few = Wanted { channels: vec![Channel::TriangleId], srgb8: false, counting: false };
+    let few = Wanted::of(vec![Channel::TriangleId]);
     let run = RunOptions { arithmetic: Arithmetic::Double, ..Default::default() };
     let Some(error) = error_of(&scene, &camera, &few, &run) else { return };
     let text = error.to_string();
@@ -158,6 +165,6 @@ fn an_image_too_wide_for_a_binding_is_an_error_that_names_the_limit() {
     let Some(error) = error_of(&scene, &camera, &wanted(), &RunOptions::default()) else { return };
     assert!(error.to_string().contains(&SMALL_BINDING.to_string()), "{error}");
     // fewer channels fit
-    let few = Wanted { channels: vec![Channel::TriangleId], srgb8: false, counting: false };
+    let few = Wanted::of(vec![Channel::TriangleId]);
     small().unwrap().render(&scene, &camera, &few, &RunOptions::default()).unwrap();
 }

@@ -25,7 +25,7 @@ const HAS_NONE: Abilities =
     Abilities { f64: false, atomics64: false, lanes: false, timestamps: false, clip_distances: false };
 
 fn wanted(channels: &[Channel]) -> Wanted {
-    Wanted { channels: channels.to_vec(), srgb8: false, counting: false }
+    Wanted::of(channels.to_vec())
 }
 
 fn plan(camera: &Camera, binding_limit: u64) -> Plan {
@@ -319,7 +319,7 @@ fn what_is_left_out_is_said() {
     };
     let (_, kind) = glc_of_each_class().swap_remove(3);
     let glc = camera(kind, SIZE, FORWARD);
-    let all = Wanted { srgb8: true, counting: true, ..wanted(&Channel::every().collect::<Vec<_>>()) };
+    let all = Wanted { srgb8: true, counting: true, samples: 4, ..wanted(&Channel::every().collect::<Vec<_>>()) };
     let least = whats(&glc, true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert_eq!(
         least,

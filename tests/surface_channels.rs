@@ -73,7 +73,7 @@ fn surfaces_are_the_reference_s_at_every_hit() {
         let scene: Scene = load(&text).unwrap();
         let camera = scene.camera().unwrap();
         let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
-        let wanted = Wanted { channels: asked(), srgb8: false, counting: false };
+        let wanted = Wanted::of(asked());
         let seen = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
         let truth = image(&scene, &camera, &asked());
         let all = |channels| vectors(&seen, channels).into_iter().zip(vectors(&truth, channels));

@@ -29,7 +29,7 @@ const BARY_ERROR: f64 = 1e-6;
 const PSNR_MIN: f64 = 120.0;
 
 fn draw(scene: &Scene, camera: &Camera, binding_limit: u64) -> Frame {
-    let wanted = Wanted { channels: Channel::ALL.to_vec(), srgb8: true, counting: false };
+    let wanted = Wanted { srgb8: true, ..Wanted::of(Channel::ALL.to_vec()) };
     let (frame, srgb8) = render(scene, camera, &wanted, binding_limit);
     assert_eq!(srgb8.map(|p| p.len()), Some((camera.width * camera.height) as usize));
     frame

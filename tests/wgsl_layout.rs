@@ -38,6 +38,7 @@ const PLAIN: Variant = Variant {
     normals: false,
     optics: None,
     turned: false,
+    samples: 1,
 };
 
 /// Structs by name: size and fields in order.
@@ -111,7 +112,7 @@ fn host() -> Layouts {
             doubt_capacity,
             origin_lost,
             task_capacity,
-            pad0,
+            edge_capacity,
             t_min,
             t_max,
             t_words,
@@ -149,6 +150,7 @@ fn host() -> Layouts {
             dy_lo,
             pad3,
         }),
+        layout!(Places { at }),
         layout!(Chunk { points, beams, slots, most, t_min, t_max, pad0, pad1 }),
         layout!(Beam { p_lo, next, p_hi, node, d_lo, pad0, d_hi, pad1 }),
         layout!(Optic {
@@ -296,6 +298,9 @@ fn host_constants() -> Constants {
         COUNT_PAIRS_TESTED,
         COUNT_TASKS,
         COUNT_SORTED,
+        COUNT_EDGES,
+        COUNT_BLOCKS,
+        COUNT_SAMPLE_DOUBTS,
         LANES,
         COUNTERS,
         LAW_NORMALS,

@@ -15,19 +15,23 @@ fn variants() -> impl Iterator<Item = Variant> {
 }
 
 /// Kernels that have variants of arithmetic; rivals' among them, which hand on keys of f64.
-const WIDE: [&str; 10] =
-    ["raster", "recheck", "certify", "shade", "meet", "bounce", "paste", "trace", "take", "unfold"];
+const WIDE: [&str; 13] = [
+    "raster", "recheck", "certify", "sample", "settle", "resolve", "shade", "meet", "bounce", "paste", "trace", "take",
+    "unfold",
+];
 
-/// What a kernel of `variant` may use beyond plain WGSL: those of [`WIDE`] alone have variants of arithmetic, and `raster`, `recheck` and `meet` alone merge.
+/// What a kernel of `variant` may use beyond plain WGSL: those of [`WIDE`] alone have variants of arithmetic,
+/// and few merge keys.
 fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
     let mut caps = Capabilities::empty();
     caps.set(Capabilities::FLOAT64, variant.f64 && WIDE.contains(&kernel.name));
+    let merges = ["raster", "recheck", "meet", "settle"].contains(&kernel.name);
     caps.set(
         Capabilities::SHADER_INT64_ATOMIC_MIN_MAX,
-        variant.atomics64 && ["raster", "recheck", "meet"].contains(&kernel.name),
+        variant.atomics64 && (merges || kernel.name == "sample" && !variant.by_tile),
     );
     caps.set(Capabilities::SHADER_INT64, !caps.is_empty());
-    caps.set(Capabilities::SUBGROUP, variant.by_tile);
+    caps.set(Capabilities::SUBGROUP, variant.by_tile && kernel.name != "settle");
     caps
 }
 
@@ -45,6 +49,10 @@ fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
         let by_tile = variant.with_tiles();
         if by_tile.by_tile {
             [kernels::bin(by_tile), kernels::raster(by_tile)].iter().for_each(|k| check(k, by_tile));
+        }
+        if by_tile.samples_by_tile() {
+            let kernels = [kernels::edges_by_tile, kernels::sample_by_tile, kernels::settle];
+            kernels.iter().for_each(|k| check(&k(by_tile), by_tile));
         }
         if variant.optics.is_none() {
             baseline::kernels::all(variant).iter().for_each(|k| check(k, variant));
@@ -201,14 +209,15 @@ fn f64_is_left_to_plain_arithmetic() {
         assert_eq!(forbidden_f64(&module, &info), [], "{} {variant:?}", kernel.name);
         wide += u32::from(allowed(kernel, variant).contains(Capabilities::FLOAT64));
     });
-    // of each kind of adapter with f64, with and without counting: ten cameras, three of each kind of surface, three kinds of
-    // which are smooth, and two with an atlas; six cameras have curves, which are not rechecked; rivals trace in two ways
-    let all = 10 + 12 + 2;
+    // of each kind of adapter with f64, with and without counting: ten cameras, three with samples, three of each kind of surface, three
+    // kinds of which are smooth, and two with an atlas; six cameras have curves, which are not rechecked; rivals trace in two ways
+    let all = 10 + 3 + 12 + 2;
     let (raster_certify_and_shade, recheck, bounce, meet, paste) = (3 * all, all - 6, 12, 9, 2);
-    let rivals = 10 * (2 + 1 + 1);
-    let by_pair = 4 * (raster_certify_and_shade + recheck + bounce + meet + paste + rivals);
-    // with 64-bit atomics too: raster of what is rechecked
-    let by_tile = 2 * (all - 6);
+    let rivals = (10 + 3) * (2 + 1 + 1);
+    let sample_and_resolve = 3 * 2;
+    let by_pair = 4 * (raster_certify_and_shade + recheck + bounce + meet + paste + rivals + sample_and_resolve);
+    // with 64-bit atomics too: raster of what is rechecked; sample and settle where the camera is no chain
+    let by_tile = 2 * (all - 6 + 2 * 2);
     assert_eq!(wide, by_pair + by_tile);
 }
 

@@ -18,6 +18,12 @@ fn args() {
         count = min(count, params.pair_capacity);
     } else if step.value == COUNT_DOUBTS {
         count = min(count, params.doubt_capacity);
+    } else if step.value == COUNT_EDGES {
+        count = min(count, params.edge_capacity);
+    } else if step.value == COUNT_SAMPLE_DOUBTS {
+        count = min(count, params.doubt_capacity / 2u);
+    } else if step.value == COUNT_BLOCKS {
+        items = GROUP / LANES;
     } else if step.value == COUNT_BUSY {
         // those that were listed since the last time
         let first = atomicExchange(&counters[COUNT_BUSY_END], count);

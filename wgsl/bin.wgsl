@@ -28,7 +28,7 @@ fn bin(
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);
 
-    // bound the pixel centres it may cover, of a node's square or of the tile of one cell
+    // bound the pixels it may cover, of a node's square or of the tile of one cell
     var corner = vec2<u32>(node_x(address), node_y(address)) << vec2<u32>(2u * level);
     var side = TILE << (2u * level);
     if level == LEVEL_CELL {
@@ -53,7 +53,7 @@ fn bin(
     var tile = tile_lo;
     loop {
         let centre = (2.0 * vec2<f32>(tile - corner) + 1.0) * s - 1.0;
-        if may_cover(over_node, centre.x, centre.y, s * CENTRES) {
+        if may_cover(over_node, centre.x, centre.y, s * (CENTRES + ASIDE * NODE_PX)) {
             let from_px = (tile - corner) * TILE;
             let pixels = vec4<u32>(max(within.xy, from_px), min(within.zw, from_px + TILE)) - from_px.xyxy;
             let tile_index = tile.y * params.tiles_x + tile.x;

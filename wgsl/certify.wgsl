@@ -66,9 +66,9 @@ fn prove(cell: Cell, owned: vec2<u32>, pair: vec2<u32>, triangle: vec4<u32>, v: 
         let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
         if step.value == STEP_BOUND {
             if proof.sure {
-                atomicMax(&proofs[2u * pixel], ~(nearness(layer, proof.far) + 1u));
+                atomicMax(&proofs[2u * pixel], ~(nearness(layer, finite(proof.far)) + 1u));
             }
-        } else if nearness(layer, proof.near) - 1u <= ~atomicLoad(&proofs[2u * pixel]) {
+        } else if nearness(layer, finite(proof.near)) - 1u <= ~atomicLoad(&proofs[2u * pixel]) {
             var flags = select(PROOF_RECHECKED, 0u, is_inside);
             let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
             let is_found = any(won != vec2<u32>(0u)) && key_id(~won) == id && key_layer(~won) == layer;
@@ -76,6 +76,10 @@ fn prove(cell: Cell, owned: vec2<u32>, pair: vec2<u32>, triangle: vec4<u32>, v: 
             atomicOr(&proofs[2u * pixel + 1u], flags);
         }
     }
+}
+
+fn finite(t: real) -> f32 {
+    return f32(min(max(t, -ENDLESS), ENDLESS));
 }
 
 fn write_certainty(pixel: u32) {
@@ -87,12 +91,4 @@ fn write_certainty(pixel: u32) {
     let is_hit = any(vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]) != vec2<u32>(0u));
     let is_proven = (flags & (PROOF_SURE | PROOF_CONTESTED)) == select(0u, PROOF_SURE, is_hit);
     planes[PLANE_CERTIFIED * count + pixel] = select(0u, select(2u, 1u, (flags & PROOF_RECHECKED) != 0u), is_proven);
-}
-
-// The order of hits in f32: one step more or less holds its rounding.
-fn nearness(layer: u32, t: real) -> u32 {
-    let bits = bitcast<u32>(f32(min(max(t, -ENDLESS), ENDLESS)));
-    let ordered = select(bits | 0x80000000u, ~bits, (bits & 0x80000000u) != 0u);
-    // of t in [0, 1] the first two bits are always 10
-    return select(ordered, (layer << 28u) | max((ordered & 0x3fffffffu) >> 2u, 1u), SHEETED);
 }

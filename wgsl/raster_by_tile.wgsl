@@ -11,12 +11,6 @@ const ROUNDS: u32 = 2200u;
 
 override COUNTING: bool = false;
 
-// Four bits a half of a column: rows that are so.
-fn row_bits(is_so: vec4<bool>) -> u32 {
-    let bits = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), is_so);
-    return bits.x | bits.y | bits.z | bits.w;
-}
-
 @compute @workgroup_size(64)
 fn raster(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -88,7 +82,6 @@ fn raster(
         first = next;
         waiting = max(waiting, LANES) - LANES;
         let triangle = triangles[pair_slot(vec2<u32>(pairs[pair.index].x, 0u))];
-        let id = triangle_id(triangle);
         let hi = array<vec3<f32>, 3>(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
         let v0 = real3(hi[0]) + real3(vertex_lo(triangle.x));
         let v1 = real3(hi[1]) + real3(vertex_lo(triangle.y));
@@ -100,23 +93,10 @@ fn raster(
         tested += countOneBits(left_upper | left_lower);
 
         // what the lanes will share of it
-        let m0 = vec3<f32>(v0 - middle);
-        let m1 = vec3<f32>(v1 - middle);
         let reach = max(size(hi[0]), max(size(hi[1]), size(hi[2]))) + size(node.p);
-        let a = edge_of(m0, vec3<f32>(v1 - v0), reach_q, reach);
-        let b = edge_of(m0, vec3<f32>(v0 - v2), reach_q, reach);
-        let c = edge_of(m1, vec3<f32>(v2 - v1), reach_q, reach);
-        let normal = cross(v1 - v0, v2 - v0);
-        let height = dot(normal, v0 - middle);
-        let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
-        let hidden = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
-        var room = real(0.0);
-        if SHEETED {
-            room = 16.0 * REAL_UNIT * size3(normal) * (real(reach) + real(size(node.d)));
-        }
+        let own = shared_of(triangle, v0, v1, v2, middle, reach, reach_q, size(node.d));
 
         // hold each against the pixels of either half
-        let own = Shared(a, b, c, normal, height, hidden, room, id);
         var doubts_upper = 0u;
         var doubts_lower = 0u;
         loop {
@@ -175,8 +155,8 @@ fn raster(
     // merge the nearest of each pixel
     let layer = tile_layer(tile);
     for (var k = 0u; k < 4u; k++) {
-        settle(rows[k], layer, nearest_upper[k]);
-        settle(rows[k] + 4u * params.width, layer, nearest_lower[k]);
+        settle(rows[k], settled(layer, nearest_upper[k]));
+        settle(rows[k] + 4u * params.width, settled(layer, nearest_lower[k]));
     }
     if COUNTING {
         atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], kept);
@@ -190,10 +170,16 @@ fn raster(
 
     // leave the rest of its pairs
     if lane == 0u {
-        starts[tile] = at;
         if at < end {
+            starts[tile] = at;
             busy[atomicAdd(&counters[COUNT_BUSY], 1u)] = tile;
         }
+    }
+}
+
+fn settle(pixel: u32, key: vec2<u32>) {
+    if any(key != vec2<u32>(0u)) {
+        merge(pixel, key);
     }
 }
 
@@ -201,8 +187,4 @@ fn raster(
 fn starts_of(pixels: vec4<u32>) -> vec4<u32> {
     let rows = min(pixels, vec4<u32>(params.width * params.height - 1u));
     return vec4<u32>(start_of(rows.x), start_of(rows.y), start_of(rows.z), start_of(rows.w));
-}
-
-fn vertex_lo(index: u32) -> vec3<f32> {
-    return vec3<f32>(vertices_lo[3u * index], vertices_lo[3u * index + 1u], vertices_lo[3u * index + 2u]);
 }

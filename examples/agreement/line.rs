@@ -138,7 +138,7 @@ pub fn measure(engine: &mut Engine, scene: &Path) -> Result<(Figures, Vec<u8>)> 
 fn render(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Result<Rendered> {
     let channels =
         Channel::ALL.iter().copied().filter(|c| !matches!(c, Channel::R | Channel::G | Channel::B)).collect();
-    let wanted = Wanted { channels, srgb8: true, counting: false };
+    let wanted = Wanted { srgb8: true, ..Wanted::of(channels) };
     let first = engine.render(scene, camera, &wanted, &RunOptions::default())?;
     let long = first.frame_ms.iter().any(|&ms| ms > LONG_MS);
     drop(first);

@@ -271,7 +271,7 @@ fn wanted(depth: bool, bare: bool) -> Wanted {
     let mut channels = vec![Channel::T, Channel::TriangleId];
     channels.extend([Channel::R, Channel::G, Channel::B].into_iter().filter(|_| !bare));
     channels.extend(depth.then_some(Channel::Z));
-    Wanted { channels, srgb8: false, counting: false }
+    Wanted::of(channels)
 }
 
 fn options(case: &Case, arm: &Arm, rules: &Rules) -> Result<RunOptions> {
@@ -302,7 +302,7 @@ fn certified(
     options: &RunOptions,
     truth: &Frame,
 ) -> Result<Certified> {
-    let wanted = Wanted { channels: vec![Channel::TriangleId, Channel::Certified], srgb8: false, counting: false };
+    let wanted = Wanted::of(vec![Channel::TriangleId, Channel::Certified]);
     let frame = engine.render(scene, camera, &wanted, options)?.frame;
     let ids = |frame: &Frame| frame.u32(Channel::TriangleId).map(<[u32]>::to_vec).unwrap_or_default();
     let proven = frame.u32(Channel::Certified).unwrap_or_default();

@@ -246,7 +246,7 @@ impl Row {
 
 impl Counted {
     pub fn of(counts: Counts, covered: u64) -> Counted {
-        let Counts { pairs_tested, pairs_kept, fragments_tested, fragments_kept, rechecked } = counts;
+        let Counts { pairs_tested, pairs_kept, fragments_tested, fragments_kept, rechecked, edges: _ } = counts;
         Counted { pairs_tested, pairs_kept, fragments_tested, fragments_kept, rechecked, covered }
     }
 

@@ -28,8 +28,7 @@ const KEY_BITS: u32 = 10;
 impl Arrangement {
     /// Of a camera of one field of scattered rays, which look at a scene about `middle`; `None` of any other.
     pub fn of(camera: &Camera, middle: DVec3) -> Option<Arrangement> {
-        let [Rays::Field(field)] = camera.layers.as_slice() else { return None };
-        is_scattered(field).then(|| Arrangement::new(field, middle))
+        scattered(camera).map(|field| Arrangement::new(field, middle))
     }
 
     fn new(field: &Field, middle: DVec3) -> Arrangement {
@@ -75,8 +74,19 @@ impl Arrangement {
     }
 }
 
+/// Neighbouring pixels look all over the scene.
+pub fn is_scattered(camera: &Camera) -> bool {
+    scattered(camera).is_some()
+}
+
+/// The camera's one field of scattered rays.
+fn scattered(camera: &Camera) -> Option<&Field> {
+    let [Rays::Field(field)] = camera.layers.as_slice() else { return None };
+    strays(field).then_some(field)
+}
+
 /// Directions differ within tiles nearly as much as between them.
-fn is_scattered(field: &Field) -> bool {
+fn strays(field: &Field) -> bool {
     let (tiles_x, tiles_y) = (field.width / TILE, field.height / TILE);
     let tiles = tiles_x * tiles_y;
     if tiles < 4 {
@@ -157,10 +167,10 @@ mod tests {
     #[test]
     fn lenslets_are_scattered_until_they_are_arranged() {
         let field = lenslets(128, 128, 8);
-        assert!(is_scattered(&field));
+        assert!(strays(&field));
         let arrangement = Arrangement::new(&field, DVec3::new(8.0, 8.0, 20.0));
-        assert!(!is_scattered(&field.rearranged(&arrangement.source)));
+        assert!(!strays(&field.rearranged(&arrangement.source)));
         // one lens over all of the image: an ordinary camera
-        assert!(!is_scattered(&lenslets(128, 128, 128)));
+        assert!(!strays(&lenslets(128, 128, 128)));
     }
 }

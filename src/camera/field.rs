@@ -110,6 +110,17 @@ impl Field {
         Some((ray.0 + right.0 + below.0, ray.1 + right.1 + below.1))
     }
 
+    /// The ray of a place aside from the centre of pixel `(i, j)`, px, within that pixel; see [`Field::with_sample_offset`].
+    pub fn ray_aside(&self, i: u32, j: u32, aside: DVec2) -> Option<(DVec3, DVec3)> {
+        let place = DVec2::new(f64::from(i), f64::from(j));
+        match &self.map {
+            Some(map) => {
+                map.ray(place + (map.sample + aside), DVec2::new(f64::from(self.width), f64::from(self.height)))
+            }
+            None => self.bilinear(place.x + aside.x, place.y + aside.y),
+        }
+    }
+
     fn get(&self, i: i64, j: i64) -> Option<(DVec3, DVec3)> {
         if i < 0 || j < 0 || i >= self.width as i64 || j >= self.height as i64 {
             return None;
@@ -200,7 +211,7 @@ impl Field {
             let sample = DVec2::new(0.5 + dx, 0.5 + dy);
             return Field::sampled(self.width, self.height, Sampled { sample, ..map.clone() });
         }
-        let at = |i: u32, j: u32| self.bilinear(i as f64 + dx, j as f64 + dy);
+        let at = |i: u32, j: u32| self.ray_aside(i, j, DVec2::new(dx, dy));
         let rays = (0..self.height).flat_map(|j| (0..self.width).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();
         Field { width: self.width, height: self.height, rays, map: None, is_sorted: false }
     }

@@ -106,6 +106,11 @@ impl Pieces {
         self.owner_of_place(i, j, self.place(i, j))
     }
 
+    /// The owner of a place aside from the sample of pixel `(i, j)`, px, within that pixel.
+    pub fn owner_aside(&self, i: u32, j: u32, aside: DVec2) -> Option<u32> {
+        self.owner_of_place(i, j, DVec2::new(i as f64, j as f64) + (self.sample + aside))
+    }
+
     /// The piece that owns an image place (px) up to [`super::SAFE_RADIUS_PX`] from the sample of pixel `(i, j)`.
     pub fn owner_of_place(&self, i: u32, j: u32, place_px: DVec2) -> Option<u32> {
         self.of_tile(i / TILE, j / TILE).iter().copied().find(|&k| self.pieces[k as usize].holds(place_px))

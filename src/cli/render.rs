@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::frame::Channel;
 use crate::output::cryptomatte::{Apart, Matte};
 use crate::plan::Wanted;
+use crate::plan::samples::at_once;
 use crate::reference;
 use crate::report::{FrameMs, Report};
 use crate::scene::{Scene, file};
@@ -46,7 +47,8 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
 
     progress.now("opening the adapter");
     let mut backend = Backend::open(args)?;
-    backend.check_size(&camera, &wanted)?;
+    let samples = if at_once(&scene, &camera, args.samples) { args.samples } else { 1 };
+    backend.check_size(&camera, &Wanted { samples, ..wanted.clone() })?;
 
     progress.now("rendering");
     let (repeat, moving, no_cull) = (args.repeat.unwrap_or(0), args.moving, args.no_cull);
@@ -143,7 +145,8 @@ fn wanted(asked: &[Channel], files: &Files, has_no_matte: bool) -> Wanted {
     let mut channels: Vec<Channel> = asked.iter().copied().chain(ids).collect();
     channels.sort_unstable();
     channels.dedup();
-    Wanted { srgb8: files.color.is_some() || (channels.is_empty() && has_no_matte), channels, counting: false }
+    let srgb8 = files.color.is_some() || (channels.is_empty() && has_no_matte);
+    Wanted { srgb8, ..Wanted::of(channels) }
 }
 
 fn counted(scene: &Scene, camera: &Camera) -> String {

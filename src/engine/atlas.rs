@@ -38,7 +38,7 @@ impl Engine {
         channels.retain(|c| *c != Channel::MirrorId);
         channels.sort_unstable();
         channels.dedup();
-        let wanted = Wanted { channels, srgb8: false, counting: wanted.counting };
+        let wanted = Wanted { counting: wanted.counting, ..Wanted::of(channels) };
         let cameras = facets.copy();
         let camera = atlas_camera(optics, atlas, cameras, law)?;
         let frames = Box::new(self.on_device(scene, Cow::Owned(camera), &wanted, run)?);
@@ -84,6 +84,7 @@ impl Painter<'_> {
                 fragments_tested: a.fragments_tested + b.fragments_tested,
                 fragments_kept: a.fragments_kept + b.fragments_kept,
                 rechecked: a.rechecked + b.rechecked,
+                edges: a.edges + b.edges,
             },
             bytes: own.bytes + frame.bytes,
             grown: own.grown + frame.grown,

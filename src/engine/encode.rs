@@ -7,14 +7,14 @@ use crate::baseline::{ChunkScopes, Target};
 use crate::error::Result;
 use crate::gpu::buffers::readback;
 use crate::gpu::recorder::Recorder;
-use crate::gpu::rows::{COUNT_DOUBTS, COUNTERS};
+use crate::gpu::rows::{COUNT_DOUBTS, COUNT_EDGES, COUNT_SAMPLE_DOUBTS, COUNTERS};
 use crate::stage::Stages;
 use crate::stage::certify::CERTIFY_STEPS;
 
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 
 /// Compute passes of a job and of a pass over a band, at most.
-const PASSES_EACH: u32 = 18;
+const PASSES_EACH: u32 = 32;
 
 impl Frames<'_> {
     /// Encodes and submits the stages of one frame that are due; with `read`, also the copies that bring its image to the host.
@@ -26,7 +26,7 @@ impl Frames<'_> {
         let mut recorder = Recorder::new(gpu, PASSES_EACH * (resident.job_count() + passes) as u32 + rival);
         let jobs = resident.job_count().max(1);
         let status = readback(gpu, STATUS_BYTES * jobs as u64);
-        let (mut planes, mut srgb8) = (Vec::new(), Vec::new());
+        let (mut planes, mut srgb8, mut edge_of, mut samples) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (index, band) in self.plan.bands.iter().enumerate() {
             let pixels = band.rows * self.camera.width;
             if let (Some(_), Some(planes)) = (&resident.turns, resident.shared.get("planes")) {
@@ -39,6 +39,9 @@ impl Frames<'_> {
                 }
                 if due == Due::All {
                     self.encode_visibility(&mut recorder, &status, index, pass)?;
+                    if self.stages_of(pass).samples_edges() {
+                        self.encode_samples(&mut recorder, &status, index, pass)?;
+                    }
                     if self.stages_of(pass).certifies() {
                         self.encode_proofs(&mut recorder, index, pass)?;
                     }
@@ -65,9 +68,13 @@ impl Frames<'_> {
                 if self.wanted.srgb8 {
                     srgb8.push(copy("srgb8", 4 * pixels as u64));
                 }
+                if let (true, Some(rows)) = (self.wanted.sample_ids, resident.shared.get("samples")) {
+                    edge_of.push(copy("edge_of", 4 * pixels as u64));
+                    samples.push(copy("samples", rows.size()));
+                }
             }
         }
-        Ok(Submitted { status, planes, srgb8, recorded: recorder.submit(gpu)? })
+        Ok(Submitted { status, planes, srgb8, edge_of, samples, recorded: recorder.submit(gpu)? })
     }
 
     /// The kernels of a pass.
@@ -108,6 +115,9 @@ impl Frames<'_> {
             let scopes = resident.scopes(&job, band, pass);
             if let Some(visibility) = scopes.iter().find_map(|s| s.get("visibility")) {
                 recorder.encoder.clear_buffer(visibility, 0, Some(8 * self.pixels(band) as u64));
+            }
+            if let Some(counters) = resident.shared.get("counters") {
+                recorder.encoder.clear_buffer(counters, 4 * u64::from(COUNT_EDGES), None);
             }
         }
         if let Some(rival) = &self.rival {
@@ -150,7 +160,7 @@ impl Frames<'_> {
         let (gpu, resident, stages) = (&*self.gpu, &self.resident, self.stages_of(pass));
         let scopes = resident.scopes(job, band, pass);
         if let Some(counters) = resident.shared.get("counters") {
-            recorder.encoder.clear_buffer(counters, 0, None);
+            recorder.encoder.clear_buffer(counters, 0, Some(4 * u64::from(COUNT_EDGES)));
         }
         if let Some(ends) = resident.shared.get("ends") {
             recorder.encoder.clear_buffer(ends, 0, None);
@@ -172,6 +182,66 @@ impl Frames<'_> {
             let mut encoded = recorder.compute("sort");
             let tiles = &self.plan.bands[band].tiles;
             stages.sort(gpu, &mut encoded, &scopes, tiles.tiles_x * tiles.tiles_y)?;
+        }
+        Ok(())
+    }
+
+    /// Finds the pixels of a band that hold an edge, whose visibility buffer is complete, and what their samples see.
+    fn encode_samples(&self, recorder: &mut Recorder, status: &wgpu::Buffer, band: usize, pass: usize) -> Result<()> {
+        let (gpu, resident, stages) = (&*self.gpu, &self.resident, self.stages_of(pass));
+        let pixels = self.pixels(band);
+        let (Some(samples), Some(counters)) = (resident.shared.get("samples"), resident.shared.get("counters")) else {
+            return Ok(());
+        };
+        let Some(first) = resident.jobs(band, pass).next() else { return Ok(()) };
+        let alone = resident.is_alone(band, pass);
+        let at = STATUS_BYTES * first.index as u64;
+        let count = |recorder: &mut Recorder, counter: u32| {
+            let from = 4 * u64::from(counter);
+            recorder.encoder.copy_buffer_to_buffer(counters, from, status, at + from, 4);
+        };
+        if alone && resident.samples_by_tile(&self.plan) {
+            if let Some(edge_of) = resident.shared.get("edge_of") {
+                recorder.encoder.clear_buffer(edge_of, 0, None);
+            }
+            let Some(job) = resident.jobs(band, pass).find(|j| j.clusters > 0) else { return Ok(()) };
+            let scopes = resident.scopes(&job, band, pass);
+            let tiles = &self.plan.bands[band].tiles;
+            let mut encoded = recorder.compute("edges");
+            stages.edges_by_tile(gpu, &mut encoded, &scopes, tiles.tiles_x * tiles.tiles_y)?;
+            drop(encoded);
+            let mut encoded = recorder.compute("sample");
+            stages.sample_by_tile(gpu, &mut encoded, &scopes)?;
+            drop(encoded);
+            count(recorder, COUNT_EDGES);
+            count(recorder, COUNT_SAMPLE_DOUBTS);
+            return Ok(());
+        }
+        recorder.encoder.clear_buffer(samples, 0, None);
+        let jobs = || resident.jobs(band, pass).filter(|j| j.clusters > 0);
+        for job in self.chunks(band, pass) {
+            let mut encoded = recorder.compute("edges");
+            stages.look_for_edges(gpu, &mut encoded, &resident.scopes(&job, band, pass), pixels)?;
+        }
+        for job in jobs() {
+            if !alone {
+                self.encode_pairs(recorder, band, pass, &job)?;
+            }
+            let mut encoded = recorder.compute("edges");
+            stages.edges(gpu, &mut encoded, &resident.scopes(&job, band, pass))?;
+        }
+        let mut encoded = recorder.compute("edges");
+        stages.list_edges(gpu, &mut encoded, &resident.scopes(&first, band, pass), pixels)?;
+        drop(encoded);
+        count(recorder, COUNT_EDGES);
+        for step in 0..stages.raster_steps() {
+            for job in jobs() {
+                if !alone {
+                    self.encode_pairs(recorder, band, pass, &job)?;
+                }
+                let mut encoded = recorder.compute("sample");
+                stages.sample(gpu, &mut encoded, &resident.scopes(&job, band, pass), step)?;
+            }
         }
         Ok(())
     }
@@ -199,24 +269,31 @@ impl Frames<'_> {
     /// A band as rivals see it.
     fn target(&self, band: usize) -> Target<'_> {
         let resident = &self.resident;
-        let first_batches = resident.jobs(band, 0).step_by(resident.batches as usize);
-        let chunks =
-            first_batches.map(|job| ChunkScopes { scopes: resident.scopes(&job, band, 0), slots: job.chunk.slots });
+        let chunks = self
+            .chunks(band, 0)
+            .map(|job| ChunkScopes { scopes: resident.scopes(&job, band, 0), slots: job.chunk.slots });
         Target { rows: self.plan.bands[band].rows, chunks: chunks.collect() }
+    }
+
+    /// A job of every chunk: the batches of one share its ids.
+    fn chunks(&self, band: usize, pass: usize) -> impl Iterator<Item = Job<'_>> {
+        self.resident.jobs(band, pass).step_by(self.resident.batches as usize)
     }
 
     /// Writes a band's planes where its rays end in a pass.
     fn encode_planes(&self, recorder: &mut Recorder, band: usize, pass: usize) -> Result<()> {
-        let mut shaded = None;
-        for job in self.resident.jobs(band, pass) {
-            // once a chunk: the batches of one chunk share its ids
-            if shaded == Some(job.chunk.id_first) {
-                continue;
-            }
-            shaded = Some(job.chunk.id_first);
+        for job in self.chunks(band, pass) {
             let scopes = self.resident.scopes(&job, band, pass);
             let mut encoded = recorder.compute("shade");
             self.stages_of(pass).shade(&self.gpu, &mut encoded, &scopes, self.pixels(band))?;
+        }
+        // once all chunks have written what centres see
+        if self.stages_of(pass).samples_edges() {
+            for job in self.chunks(band, pass) {
+                let scopes = self.resident.scopes(&job, band, pass);
+                let mut encoded = recorder.compute("resolve");
+                self.stages_of(pass).resolve(&self.gpu, &mut encoded, &scopes)?;
+            }
         }
         // where on a receiver a hit lies is known of the rays that say what is seen
         let caustics = self.caustics.as_ref().filter(|_| self.resident.passes[pass].is_main);

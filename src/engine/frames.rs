@@ -8,12 +8,13 @@ use crate::baseline::Rival;
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
 use crate::error::{Error, Result};
+use crate::frame::{Channel, NO_ID};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{read_words, wait};
 use crate::gpu::recorder::Recorded;
 use crate::gpu::rows::{
-    COUNT_BUSY, COUNT_BUSY_END, COUNT_DOUBTS, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS,
-    COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_TASKS, COUNT_WORK, COUNTERS,
+    COUNT_BUSY, COUNT_BUSY_END, COUNT_DOUBTS, COUNT_EDGES, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS,
+    COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_SAMPLE_DOUBTS, COUNT_TASKS, COUNT_WORK, COUNTERS,
 };
 use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
@@ -82,6 +83,9 @@ pub(super) struct Submitted {
     pub status: wgpu::Buffer,
     pub planes: Vec<wgpu::Buffer>,
     pub srgb8: Vec<wgpu::Buffer>,
+    /// Rows of the pixels that hold an edge, and what their samples see: where that is asked for.
+    pub edge_of: Vec<wgpu::Buffer>,
+    pub samples: Vec<wgpu::Buffer>,
     pub recorded: Recorded,
 }
 
@@ -277,8 +281,10 @@ impl Frames<'_> {
             let what = format!("{} triangles", self.resident.without_area);
             left_out.push(LeftOut { what, why: "they have no area".into() });
         }
+        let sample_ids = self.sample_ids(&first, &bands)?;
         let own = Rendered {
             frame,
+            sample_ids,
             srgb8: self.wanted.srgb8.then_some(srgb8.into_flattened()),
             frame_ms,
             stages: medians(stages),
@@ -297,6 +303,37 @@ impl Frames<'_> {
         }
     }
 
+    /// Of each sample the triangles that all pixels see there: those of the pixels that hold no edge are their centres'.
+    fn sample_ids(&self, first: &Submitted, bands: &[Vec<u32>]) -> Result<Vec<Vec<u32>>> {
+        let samples = self.plan.variant.samples as usize;
+        if !self.wanted.sample_ids {
+            return Ok(Vec::new());
+        }
+        let mut all = vec![Vec::new(); samples];
+        let plane = self.plan.planes.iter().position(|c| *c == Channel::TriangleId).unwrap_or_default();
+        let id_mask = (1 << self.plan.id_bits) - 1;
+        for (k, (band, planes)) in self.plan.bands.iter().zip(bands).enumerate() {
+            let pixels = band.rows as usize * self.camera.width as usize;
+            let centres = &planes[plane * pixels..(plane + 1) * pixels];
+            let (Some(edge_of), Some(rows)) = (first.edge_of.get(k), first.samples.get(k)) else {
+                all.iter_mut().for_each(|ids| ids.extend_from_slice(centres));
+                continue;
+            };
+            let (edge_of, rows) = (read_words(&self.gpu, edge_of)?, read_words(&self.gpu, rows)?);
+            for (n, ids) in all.iter_mut().enumerate() {
+                let id = |(centre, row): (&u32, &u32)| {
+                    if *row == 0 {
+                        return *centre;
+                    }
+                    let at = 2 * ((*row as usize - 1) * (samples + 1) + 1 + n);
+                    if rows[at] == 0 && rows[at + 1] == 0 { NO_ID } else { !rows[at] & id_mask }
+                };
+                ids.extend(centres.iter().zip(&edge_of).map(id));
+            }
+        }
+        Ok(all)
+    }
+
     /// Makes room for what the counters of a frame demanded; whether there was enough.
     fn fits(&mut self, submitted: &Submitted) -> Result<bool> {
         let words = read_words(&self.gpu, &submitted.status)?;
@@ -307,14 +344,15 @@ impl Frames<'_> {
             work: most(COUNT_WORK),
             tasks: most(COUNT_TASKS),
             pairs: most(COUNT_PAIRS),
-            doubts: most(COUNT_DOUBTS),
+            doubts: most(COUNT_DOUBTS).max(2 * most(COUNT_SAMPLE_DOUBTS)),
+            edges: most(COUNT_EDGES),
         };
         let have = self.resident.capacities;
         let fits =
             need.queue <= have.queue && need.work <= have.work && need.tasks <= have.tasks && need.pairs <= have.pairs;
         let is_left = |job: &[u32]| job[COUNT_BUSY as usize] > job[COUNT_BUSY_END as usize];
         let is_done = !self.plan.variant.by_tile || !words.chunks_exact(COUNTERS as usize).any(is_left);
-        if fits && need.doubts <= have.doubts && is_done {
+        if fits && need.doubts <= have.doubts && need.edges <= have.edges && is_done {
             return Ok(true);
         }
         self.timed.grown += 1;
@@ -334,6 +372,7 @@ impl Frames<'_> {
             fragments_tested: sum(COUNT_FRAGMENTS_TESTED),
             fragments_kept: sum(COUNT_FRAGMENTS_KEPT),
             rechecked: sum(COUNT_RECHECKED),
+            edges: sum(COUNT_EDGES),
         })
     }
 }

@@ -51,7 +51,7 @@ impl Engine {
     fn light(&mut self, scene: &Scene, caustics: Arc<Caustics>) -> Result<Illuminated> {
         let started = Instant::now();
         let (white, camera) = caustics.counting(scene);
-        let wanted = Wanted { channels: beams::CHANNELS.to_vec(), srgb8: false, counting: false };
+        let wanted = Wanted::of(beams::CHANNELS.to_vec());
         let map = self.render(&white, &camera, &wanted, &RunOptions::default())?;
         let landings = Landings::new(&caustics.receivers, &scene.mesh);
         let photons = caustics.photons(&scene.mesh, &landings, &map.frame)?;

@@ -2,14 +2,14 @@
 
 use super::Capacities;
 use super::passes::{Pass, passes};
-use super::tables::{Look, Span, TURNED_T_RANGE, params};
+use super::tables::{Look, Span, TURNED_T_RANGE, params, places};
 use super::turns::Turns;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::frame::Channel;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
-use crate::gpu::rows::COUNTERS;
+use crate::gpu::rows::{COUNTERS, LANES};
 use crate::plan::{Band, Plan, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::{Chunk, Clustered};
@@ -26,6 +26,8 @@ pub struct Resident {
     pub batches: u32,
     /// How often raster goes over the busy tiles: again for those that have more pairs than it takes at once.
     pub raster_rounds: u32,
+    /// As many pairs as a binding holds rows of four words for.
+    pairs_by_tile: u64,
     /// A row for every (band, chunk, batch), in the order of [`Resident::jobs`].
     params: Vec<Buffers>,
     /// The same for rays that were turned.
@@ -58,6 +60,9 @@ pub struct Job<'a> {
 /// Bytes of an item of every list: two words.
 const ITEM_BYTES: u64 = 8;
 
+/// Bytes of a row of four words.
+const ROW_BYTES: u64 = 16;
+
 impl Resident {
     pub fn new(
         gpu: &Gpu,
@@ -73,9 +78,10 @@ impl Resident {
             chunks: Vec::new(),
             bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
             shared: Buffers::default(),
-            capacities: Capacities { queue: 0, work: 0, tasks: 0, pairs: 0, doubts: 0 },
+            capacities: Capacities { queue: 0, work: 0, tasks: 0, pairs: 0, doubts: 0, edges: 0 },
             batches: 1,
             raster_rounds: 1,
+            pairs_by_tile: gpu.binding_limit() / ROW_BYTES,
             params: Vec::new(),
             turned_params: Vec::new(),
             turns: camera.optics.as_ref().map(|o| Turns::new(gpu, scene, camera, o, plan, &passes)).transpose()?,
@@ -85,7 +91,7 @@ impl Resident {
         resident.upload_scene(gpu, clustered)?;
         resident.upload_look(gpu, scene, plan)?;
         resident.create_frame(gpu, camera, plan, wanted)?;
-        resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, plan));
+        resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, camera, plan));
         resident.create_lists(gpu, camera, plan)?;
         Ok(resident)
     }
@@ -120,7 +126,7 @@ impl Resident {
         self.shared.upload(gpu, "normals", &normals)
     }
 
-    /// Visibility and proofs (8 bytes a pixel of the largest band), planes (4 bytes a pixel and channel), sRGB (4 bytes a pixel).
+    /// Visibility and proofs (8 bytes a pixel of the largest band), planes (4 bytes a pixel and channel), sRGB and edges (4 bytes a pixel each).
     fn create_frame(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, wanted: &Wanted) -> Result<()> {
         let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
         let plain = BufferUsages::empty();
@@ -132,13 +138,18 @@ impl Resident {
         if wanted.srgb8 {
             self.shared.create(gpu, "srgb8", 4 * pixels, plain)?;
         }
+        if plan.variant.samples_edges() {
+            self.shared.create(gpu, "edge_of", 4 * pixels, plain)?;
+            self.shared.upload_uniform(gpu, "places", &places(&plan.places))?;
+        }
         self.shared.create(gpu, "counters", 4 * COUNTERS as u64, plain)?;
         self.shared.create(gpu, "indirect", 12, BufferUsages::INDIRECT)
     }
 
     /// A start from the scene's size: most clusters meet a few nodes, most triangles a few tiles.
-    fn first_guess(&self, scene: &Scene, plan: &Plan) -> Capacities {
+    fn first_guess(&self, scene: &Scene, camera: &Camera, plan: &Plan) -> Capacities {
         let clusters: u64 = self.chunks.iter().map(|c| c.clusters as u64).sum();
+        let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
         let cells = plan.bands.iter().map(|b| b.tiles.cells.len()).max().unwrap_or(0) as u64;
         Capacities {
             queue: 4 * clusters + 1024,
@@ -146,6 +157,7 @@ impl Resident {
             tasks: 16 * clusters + 4096,
             pairs: 2 * scene.mesh.triangles.len() as u64 + 4 * cells + 1024,
             doubts: scene.mesh.triangles.len() as u64 / 16 + 1024,
+            edges: pixels / 8 + 1024,
         }
     }
 
@@ -177,7 +189,26 @@ impl Resident {
                 self.shared.create(gpu, name, bytes, BufferUsages::empty())?;
             }
         }
+        if plan.variant.samples_edges() {
+            // of each a pixel, and a key a sample; all pixels of a band fit: see its plan
+            let row = ITEM_BYTES * u64::from(plan.variant.samples + 1);
+            let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
+            self.capacities.edges = self.capacities.edges.min(pixels);
+            self.shared.create(gpu, "samples", self.capacities.edges * row, BufferUsages::empty())?;
+            if self.samples_by_tile(plan) {
+                let tiles = plan.bands.iter().map(|b| u64::from(b.tiles.tiles_x * b.tiles.tiles_y)).max().unwrap_or(0);
+                let strips = self.capacities.edges * u64::from(plan.variant.samples.div_ceil(4));
+                let blocks = strips.div_ceil(u64::from(LANES)) + tiles;
+                self.shared.create(gpu, "blocks", ROW_BYTES * blocks, BufferUsages::empty())?;
+                self.shared.create(gpu, "touches", ROW_BYTES * self.capacities.pairs, BufferUsages::empty())?;
+            }
+        }
         self.write_params(gpu, camera, plan)
+    }
+
+    /// Edges are found tile by tile: raster takes all pairs of a tile at once, and there is room for what is found of them.
+    pub fn samples_by_tile(&self, plan: &Plan) -> bool {
+        self.raster_rounds == 1 && plan.variant.samples_by_tile() && self.capacities.pairs <= self.pairs_by_tile
     }
 
     pub fn write_params(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
@@ -247,7 +278,7 @@ impl Resident {
         if need.queue.max(need.work).max(need.tasks).max(need.pairs).max(need.doubts) > most {
             let largest = self.chunks.iter().map(|c| c.clusters).max().unwrap_or(0);
             if self.batches >= largest {
-                let Capacities { queue, work, tasks, pairs, doubts } = need;
+                let Capacities { queue, work, tasks, pairs, doubts, .. } = need;
                 let needed =
                     format!("cull {queue}, split {work}, bin {tasks}, raster {pairs}, recheck {doubts} items needed");
                 let lists = format!("{needed}, {most} fit a binding");
@@ -264,6 +295,7 @@ impl Resident {
             tasks: grown(c.tasks, need.tasks),
             pairs: grown(c.pairs, need.pairs),
             doubts: grown(c.doubts, need.doubts),
+            edges: grown(c.edges, need.edges),
         };
         self.create_lists(gpu, camera, plan)
     }
@@ -304,6 +336,10 @@ fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {
     if let Some(rays) = &band.rays {
         buffers.upload(gpu, "rays_hi", &rays.hi)?;
         buffers.upload(gpu, "rays_lo", &rays.lo)?;
+    }
+    if !band.tiles.cell_samples.is_empty() {
+        buffers.upload(gpu, "cell_samples", &band.tiles.cell_samples)?;
+        buffers.upload(gpu, "rays_aside", &band.rays_aside)?;
     }
     Ok(buffers)
 }

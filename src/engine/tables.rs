@@ -10,7 +10,7 @@ use crate::plan::nodes::Level;
 use crate::plan::{Band, Plan};
 use crate::scene::Scene;
 use crate::stage::AMBIENT;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Index of the first and count of the rest.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -86,7 +86,7 @@ pub fn params(
         doubt_capacity: capacities.doubts as u32,
         origin_lost: (ORIGIN_UNITS * f64::EPSILON * plan.anchor.abs().element_sum()) as f32,
         task_capacity: capacities.tasks as u32,
-        pad0: 0,
+        edge_capacity: capacities.edges as u32,
         t_min: split3(t_range[0]),
         t_max: split3(t_range[1]),
         t_words: words(t_range),
@@ -94,6 +94,15 @@ pub fn params(
         level_width: level(|l| l.width),
         level_height: level(|l| l.height),
     }
+}
+
+/// Where samples lie, as kernels read it.
+pub fn places(list: &[DVec2]) -> rows::Places {
+    let mut places = rows::Places { at: [[0.0; 4]; 16] };
+    for (row, two) in places.at.iter_mut().zip(list.chunks(2)) {
+        row.iter_mut().zip(two.iter().flat_map(|p| p.as_vec2().to_array())).for_each(|(to, from)| *to = from);
+    }
+    places
 }
 
 /// A camera's rays are computed in f64 where the scene lies: their origins lose some roundings of its distance from the world's

@@ -41,6 +41,8 @@ pub struct Variant {
     pub optics: Option<OpticsKind>,
     /// The rays are those that it turned, and start on it.
     pub turned: bool,
+    /// Samples of a pixel that holds an edge, 32 at most; 1: its centre alone, and no pixel is looked at for edges.
+    pub samples: u32,
 }
 
 /// How a kernel binds a buffer.
@@ -99,6 +101,17 @@ const WITHIN: &str =
     concat!(snippet!("shared/node_conics.wgsl"), snippet!("shared/extent.wgsl"), snippet!("shared/within.wgsl"),);
 /// Whether rays of a node may meet a triangle's box.
 const BOX_MET: &str = concat!(snippet!("shared/meets.wgsl"), snippet!("shared/box_met.wgsl"));
+const SIDES: &str = snippet!("shared/sides.wgsl");
+const NEARNESS: &str = snippet!("shared/nearness.wgsl");
+/// The cell of a pixel.
+const CELLS: &str = snippet!("shared/cells.wgsl");
+const CELL_SAMPLES: &str = snippet!("shared/cell_samples.wgsl");
+const SAMPLE_HITS: &str = snippet!("shared/sample_hits.wgsl");
+const SAMPLE_PLACES: &str = snippet!("shared/sample_places.wgsl");
+const LANES: &str = snippet!("shared/lanes.wgsl");
+const NODE_BY_LANES: &str = snippet!("shared/node_by_lanes.wgsl");
+const COLUMN: &str = snippet!("shared/column.wgsl");
+const SURFACE: &str = snippet!("shared/surface.wgsl");
 const DOUBTS: &str = snippet!("shared/doubts.wgsl");
 const PAIR: &str = snippet!("shared/pair.wgsl");
 const BITS: &str = snippet!("shared/bits.wgsl");
@@ -127,11 +140,15 @@ impl Variant {
                 normals,
                 optics: None,
                 turned: false,
+                samples: 1,
             };
             let variant = |rays, sheeted, optics| Variant { rays, sheeted, optics, ..of_camera };
             let curves = [1, 2, 3].map(|degree| RaysKind::Curves { degree });
             for rays in [RaysKind::Pieces, RaysKind::Field].into_iter().chain(curves) {
                 list.extend([false, true].map(|sheeted| variant(rays, sheeted, None)));
+            }
+            for (rays, sheeted) in [(RaysKind::Pieces, false), (RaysKind::Pieces, true), (RaysKind::Field, false)] {
+                list.push(Variant { samples: 4, ..variant(rays, sheeted, None) });
             }
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
@@ -147,10 +164,31 @@ impl Variant {
         !matches!(self.rays, RaysKind::Curves { .. })
     }
 
+    /// Pixels that hold an edge have several samples.
+    pub fn samples_edges(self) -> bool {
+        self.samples > 1
+    }
+
     /// The same, with `raster` tile by tile where there is that.
     pub fn with_tiles(self) -> Variant {
         let by_tile = self.f64 && self.atomics64 && !self.doubting && self.rechecks();
         Variant { by_tile, ..self }
+    }
+
+    /// The edges of pixels are found tile by tile where there is one tile to each.
+    pub fn samples_by_tile(self) -> bool {
+        self.by_tile && self.samples_edges() && !self.sheeted
+    }
+
+    /// Strips of four that the samples of a pixel take.
+    fn strips(self) -> f64 {
+        f64::from(self.samples.div_ceil(4))
+    }
+
+    /// How far aside from a pixel's centre its samples lie at most, px: [`crate::plan::samples::places`].
+    fn aside(self) -> f64 {
+        // rounded up
+        f64::from(self.samples - 1) / f64::from(2 * self.samples) * (1.0 + f64::from(f32::EPSILON))
     }
 
     pub(crate) fn real(self) -> &'static str {
@@ -159,6 +197,21 @@ impl Variant {
 
     fn merge(self) -> &'static str {
         if self.atomics64 { snippet!("shared/merge_u64.wgsl") } else { snippet!("shared/merge_u32.wgsl") }
+    }
+
+    /// The type of a buffer of visibility keys that are merged.
+    fn keys(self) -> &'static str {
+        if self.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" }
+    }
+
+    /// The rays of samples in recheck arithmetic, and what they bind beside the pixels' own.
+    fn sample_rays(self, bindings: &mut Vec<Binding>) -> &'static [&'static str] {
+        if self.rays == RaysKind::Pieces {
+            bindings.push(uniform("places", "Places"));
+            return &[SAMPLE_PLACES, snippet!("camera/pieces_sample.wgsl")];
+        }
+        bindings.push(read("rays_aside", "array<f32>"));
+        &[snippet!("camera/field_sample.wgsl")]
     }
 
     fn camera(self) -> &'static str {
@@ -171,7 +224,6 @@ impl Variant {
 
     /// The camera's rays pixel by pixel, after they were found by tiles and cells.
     fn pixel(self) -> &'static [&'static str] {
-        const CELLS: &str = snippet!("shared/cells.wgsl");
         match self.rays {
             RaysKind::Pieces => &[CELLS, snippet!("camera/pieces_pixel.wgsl")],
             RaysKind::Field => &[snippet!("camera/field_pixel.wgsl")],
@@ -219,7 +271,7 @@ impl Variant {
 
     /// How a kernel loads the node of its item.
     fn item_node(self) -> &'static str {
-        if self.by_tile { snippet!("shared/node_by_lanes.wgsl") } else { snippet!("shared/node_rows.wgsl") }
+        if self.by_tile { NODE_BY_LANES } else { snippet!("shared/node_rows.wgsl") }
     }
 
     /// The buffers that hold the camera's rays.
@@ -359,6 +411,7 @@ pub fn bin(variant: Variant) -> Kernel {
     let mut kernel = kernel("bin", bindings, &snippets);
     kernel.constants.push(("SHEETED", variant.sheeted as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
+    kernel.constants.push(("ASIDE", variant.aside()));
     kernel
 }
 
@@ -390,8 +443,7 @@ pub fn raster(variant: Variant) -> Kernel {
     if variant.by_tile {
         return raster_by_tile(variant);
     }
-    let own = concat!(snippet!("shared/doubts.wgsl"), snippet!("raster.wgsl"));
-    let mut kernel = into_visibility("raster", variant, own);
+    let mut kernel = into_visibility("raster", variant, &[DOUBTS, snippet!("raster.wgsl")]);
     kernel.constants.push(("DOUBTING", f64::from(u8::from(variant.doubting && variant.rechecks()))));
     kernel
 }
@@ -430,9 +482,9 @@ fn raster_by_tile(variant: Variant) -> Kernel {
         WITHIN,
         variant.merge(),
         DOUBTS,
-        snippet!("shared/lanes.wgsl"),
-        snippet!("shared/node_by_lanes.wgsl"),
-        snippet!("shared/column.wgsl"),
+        LANES,
+        NODE_BY_LANES,
+        COLUMN,
         column,
         snippet!("shared/waiting.wgsl"),
         snippet!("shared/hold.wgsl"),
@@ -446,8 +498,7 @@ fn raster_by_tile(variant: Variant) -> Kernel {
 
 /// What bounds in f32 may leave to be settled.
 pub fn recheck(variant: Variant) -> Kernel {
-    let own = concat!(snippet!("shared/sides.wgsl"), snippet!("recheck.wgsl"));
-    into_visibility("recheck", variant, own)
+    into_visibility("recheck", variant, &[SIDES, snippet!("recheck.wgsl")])
 }
 
 /// What is proven of what raster and recheck found.
@@ -468,7 +519,8 @@ pub fn certify(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     let shared = [PAIR, BITS, MEETING, variant.camera(), snippet!("shared/proof.wgsl")];
-    let all = [&snippets[..], &shared[..], variant.coverage(), variant.proof(), &[snippet!("certify.wgsl")]].concat();
+    let own = [NEARNESS, snippet!("certify.wgsl")];
+    let all = [&snippets[..], &shared[..], variant.coverage(), variant.proof(), &own].concat();
     let mut kernel = kernel("certify", bindings, &all);
     kernel.constants = variant.constants();
     let plane = planes.iter().position(|c| *c == Channel::Certified);
@@ -476,9 +528,197 @@ pub fn certify(variant: Variant, planes: &[Channel]) -> Kernel {
     kernel
 }
 
+/// The pixels that hold an edge, tile by tile.
+pub fn edges_by_tile(variant: Variant) -> Kernel {
+    let bindings = vec![
+        params(),
+        read("pairs", "array<vec2<u32>>"),
+        read("starts", "array<u32>"),
+        read("ends", "array<u32>"),
+        read("triangles", "array<vec4<u32>>"),
+        read("vertices_hi", "array<f32>"),
+        read("visibility", "array<vec2<u32>>"),
+        read("nodes", "array<vec4<f32>>"),
+        read("tile_start", "array<u32>"),
+        read("cell_samples", "array<vec2<u32>>"),
+        write("edge_of", "array<u32>"),
+        write("samples", "array<vec2<u32>>"),
+        write("touches", "array<vec4<u32>>"),
+        write("blocks", "array<vec4<u32>>"),
+        counters(),
+    ];
+    // of keys the ids alone are read
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, TRIANGLE_ROW, REAL_F32, KEY, PAIR, BITS, WITHIN, COLUMN];
+    let own =
+        [snippet!("shared/depth_bounds.wgsl"), LANES, NODE_BY_LANES, CELL_SAMPLES, snippet!("edges_by_tile.wgsl")];
+    let mut kernel = kernel("edges", bindings, &[&snippets[..], &own].concat());
+    kernel.constants = sample_constants(variant);
+    kernel.constants.push(("STRIPS", variant.strips()));
+    kernel
+}
+
+/// What the samples of those pixels see, tile by tile.
+pub fn sample_by_tile(variant: Variant) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        read("blocks", "array<vec4<u32>>"),
+        read("touches", "array<vec4<u32>>"),
+        read("triangles", "array<vec4<u32>>"),
+        read("vertices_hi", "array<f32>"),
+        read("vertices_lo", "array<f32>"),
+        read("nodes", "array<vec4<f32>>"),
+        write("samples", "array<vec2<u32>>"),
+        write("doubts", "array<vec2<u32>>"),
+        counters(),
+        read("tile_start", "array<u32>"),
+        read("cell_samples", "array<vec2<u32>>"),
+    ];
+    let rays: &[&str] = match variant.rays {
+        RaysKind::Field => {
+            bindings.extend([read("rays_hi", "array<vec2<f32>>"), read("rays_lo", "array<vec2<f32>>")]);
+            bindings.push(read("rays_aside", "array<vec2<f32>>"));
+            &[snippet!("camera/field_column.wgsl"), snippet!("camera/field_strip.wgsl")]
+        }
+        _ => {
+            bindings.extend([
+                read("pieces", "array<Piece>"),
+                read("cells", "array<Cell>"),
+                uniform("places", "Places"),
+            ]);
+            &[snippet!("camera/piece.wgsl"), SAMPLE_PLACES, snippet!("camera/pieces_strip.wgsl")]
+        }
+    };
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
+    let own = [LANES, NODE_BY_LANES, COLUMN, CELL_SAMPLES];
+    let hold = [snippet!("shared/waiting.wgsl"), snippet!("shared/hold.wgsl"), snippet!("sample_by_tile.wgsl")];
+    let mut kernel = kernel("sample", bindings, &[&snippets[..], &own, rays, &hold].concat());
+    kernel.constants = variant.constants();
+    kernel.constants.extend([("SAMPLES", f64::from(variant.samples)), ("STRIPS", variant.strips())]);
+    kernel
+}
+
+/// What that leaves in doubt.
+pub fn settle(variant: Variant) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        step(),
+        read("pairs", "array<vec2<u32>>"),
+        read("doubts", "array<vec2<u32>>"),
+        read("triangles", "array<vec4<u32>>"),
+        read("vertices_hi", "array<f32>"),
+        read("vertices_lo", "array<f32>"),
+        write("visibility", variant.keys()),
+        counters(),
+        read("tile_start", "array<u32>"),
+        read("cells", "array<Cell>"),
+        read("cell_samples", "array<vec2<u32>>"),
+    ];
+    bindings.extend(variant.rays());
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
+    let own = [variant.merge(), MEETING, MEETING_OF_RAYS, SIDES, variant.camera(), CELL_SAMPLES, SAMPLE_HITS];
+    let rays = variant.sample_rays(&mut bindings);
+    let mut kernel = kernel("settle", bindings, &[&snippets[..], &own, rays, &[snippet!("settle.wgsl")]].concat());
+    kernel.constants = variant.constants();
+    kernel.constants.extend([("SAMPLES", f64::from(variant.samples)), ("STRIPS", variant.strips())]);
+    kernel
+}
+
+/// The pixels that hold an edge, pair by pair.
+pub fn edges(variant: Variant) -> Kernel {
+    let bindings = vec![
+        params(),
+        step(),
+        read("pairs", "array<vec2<u32>>"),
+        read("triangles", "array<vec4<u32>>"),
+        read("vertices_hi", "array<f32>"),
+        read("slot_of_id", "array<u32>"),
+        read("visibility", "array<u32>"),
+        read("nodes", "array<Node>"),
+        read("tile_start", "array<u32>"),
+        read("cells", "array<Cell>"),
+        read("cell_samples", "array<vec2<u32>>"),
+        write("edge_of", "array<atomic<u32>>"),
+        write("samples", "array<u32>"),
+        counters(),
+    ];
+    // of keys the ids and layers alone are read
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, TRIANGLE_ROW, REAL_F32, KEY, PAIR, BITS, CELLS, WITHIN];
+    let own = [snippet!("shared/depth_bounds.wgsl"), NEARNESS, CELL_SAMPLES, snippet!("edges.wgsl")];
+    let mut kernel = kernel("edges", bindings, &[&snippets[..], &own].concat());
+    kernel.constants = sample_constants(variant);
+    kernel
+}
+
+/// What the samples of those pixels see, pair by pair.
+pub fn sample(variant: Variant) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        step(),
+        read("pairs", "array<vec2<u32>>"),
+        read("triangles", "array<vec4<u32>>"),
+        read("vertices_hi", "array<f32>"),
+        read("vertices_lo", "array<f32>"),
+        write("visibility", variant.keys()),
+        counters(),
+        read("nodes", "array<Node>"),
+        read("tile_start", "array<u32>"),
+        read("cells", "array<Cell>"),
+        read("cell_samples", "array<vec2<u32>>"),
+        read("edge_of", "array<u32>"),
+    ];
+    bindings.extend(variant.rays());
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
+    let own = [WITHIN, variant.merge(), MEETING, MEETING_OF_RAYS, SIDES, variant.camera(), CELL_SAMPLES, SAMPLE_HITS];
+    let rays = variant.sample_rays(&mut bindings);
+    let all = [&snippets[..], &own, rays, &[snippet!("sample.wgsl")]].concat();
+    let mut kernel = kernel("sample", bindings, &all);
+    kernel.constants = sample_constants(variant);
+    kernel
+}
+
+/// The colours of those pixels.
+pub fn resolve(variant: Variant, planes: &[Channel]) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        uniform("shading", "Shading"),
+        uniform("places", "Places"),
+        read("triangles", "array<vec4<u32>>"),
+        read("vertices_hi", "array<f32>"),
+        read("slot_of_id", "array<u32>"),
+        read("surfaces", "array<vec4<u32>>"),
+        read("normals", "array<f32>"),
+        read("materials", "array<vec4<f32>>"),
+        read("lights", "array<vec4<f32>>"),
+        read("samples", "array<u32>"),
+        write("planes", "array<u32>"),
+        counters(),
+        read("cell_samples", "array<vec2<u32>>"),
+    ];
+    bindings.extend(variant.pixel_rays());
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE_ROW, BUNDLE, KEY, SHADING, SURFACE];
+    let mut own = vec![variant.camera(), BITS, CELL_SAMPLES, SAMPLE_PLACES];
+    if variant.rays == RaysKind::Pieces {
+        own.extend(variant.pixel());
+        own.push(snippet!("camera/pieces_sample_ray.wgsl"));
+    } else {
+        own.extend(variant.sample_rays(&mut bindings));
+    }
+    own.push(snippet!("resolve.wgsl"));
+    let mut kernel = kernel("resolve", bindings, &[&snippets[..], &own].concat());
+    kernel.constants = [variant.constants(), plane_constants(planes)].concat();
+    kernel.constants.push(("SAMPLES", f64::from(variant.samples)));
+    kernel.constants.push(("NORMALS", variant.normals as u32 as f64));
+    kernel
+}
+
+/// The constants of kernels that hold triangles against samples.
+fn sample_constants(variant: Variant) -> Vec<(&'static str, f64)> {
+    let samples = [("SAMPLES", f64::from(variant.samples)), ("ASIDE", variant.aside())];
+    [variant.constants(), samples.to_vec()].concat()
+}
+
 /// A kernel from pairs to the visibility buffer.
-fn into_visibility(name: &'static str, variant: Variant, own: &str) -> Kernel {
-    let visibility = if variant.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" };
+fn into_visibility(name: &'static str, variant: Variant, own: &[&str]) -> Kernel {
     let mut bindings = vec![
         params(),
         step(),
@@ -487,7 +727,7 @@ fn into_visibility(name: &'static str, variant: Variant, own: &str) -> Kernel {
         read("triangles", "array<vec4<u32>>"),
         read("vertices_hi", "array<f32>"),
         read("vertices_lo", "array<f32>"),
-        write("visibility", visibility),
+        write("visibility", variant.keys()),
         counters(),
     ];
     bindings.extend(variant.rays());
@@ -496,8 +736,8 @@ fn into_visibility(name: &'static str, variant: Variant, own: &str) -> Kernel {
         bindings.extend([optic(), ways()]);
     }
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let shared = [PAIR, BITS, variant.merge(), MEETING, snippet!("shared/hits.wgsl"), variant.camera(), own];
-    let all = [&snippets[..], &shared[..], variant.coverage(), variant.start()].concat();
+    let shared = [PAIR, BITS, variant.merge(), MEETING, snippet!("shared/hits.wgsl"), variant.camera()];
+    let all = [&snippets[..], &shared[..], own, variant.coverage(), variant.start()].concat();
     let mut kernel = kernel(name, bindings, &all);
     kernel.constants = variant.constants();
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
@@ -524,7 +764,7 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
         bindings.extend([optic(), ways()]);
     }
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [variant.camera(), SHADING, snippet!("shade.wgsl")];
+    let own = [variant.camera(), SHADING, SURFACE, snippet!("shade.wgsl")];
     let all = [&snippets[..], &own[..], variant.pixel(), variant.seen()].concat();
     let mut kernel = kernel("shade", bindings, &all);
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
@@ -626,6 +866,12 @@ pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     }
     if planes.contains(&Channel::Certified) {
         all.push(certify(variant, planes));
+    }
+    if variant.samples_edges() {
+        all.extend([edges(variant), sample(variant), resolve(variant, planes)]);
+        if variant.samples_by_tile() {
+            all.extend([edges_by_tile(variant), sample_by_tile(variant), settle(variant)]);
+        }
     }
     if variant.turns_rays() {
         all.extend([bounce(variant), fit(variant)]);

@@ -41,7 +41,10 @@ pub const COUNT_BUSY_END: u32 = 17;
 pub const COUNT_PAIRS_TESTED: u32 = 18;
 pub const COUNT_TASKS: u32 = 19;
 pub const COUNT_SORTED: u32 = 20;
-pub const COUNTERS: u32 = 21;
+pub const COUNT_EDGES: u32 = 21;
+pub const COUNT_BLOCKS: u32 = 22;
+pub const COUNT_SAMPLE_DOUBTS: u32 = 23;
+pub const COUNTERS: u32 = 24;
 
 /// Bits of a triangle row's last word: id below, file order above, one-sidedness on top.
 pub const ID_BITS_MAX: u32 = 28;
@@ -72,13 +75,20 @@ pub struct Params {
     pub doubt_capacity: u32,
     pub origin_lost: f32,
     pub task_capacity: u32,
-    pub pad0: u32,
+    pub edge_capacity: u32,
     pub t_min: [f32; 4],
     pub t_max: [f32; 4],
     pub t_words: [u32; 4],
     pub level_start: [u32; 8],
     pub level_width: [u32; 8],
     pub level_height: [u32; 8],
+}
+
+/// Where samples lie about their pixel's centre, px right and down: two a row.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Places {
+    pub at: [[f32; 4]; 16],
 }
 
 /// Which dispatch of a kernel this is.

@@ -40,6 +40,23 @@ impl RayTable {
     }
 }
 
+/// By what the rays of samples differ from their pixel's in the table, as f32: six numbers a sample, a pixel's together, row by row of the
+/// band. 0 where there is no ray.
+pub fn rays_aside(field: &Field, places: &[DVec2], anchor: DVec3, row: u32, rows: u32) -> Vec<f32> {
+    let of_row = |j: u32| {
+        let pixel = move |i: u32| {
+            let (p, d) = field.ray(i, j).unwrap_or((anchor, DVec3::ZERO));
+            let aside = move |place: &DVec2| match field.ray_aside(i, j, *place) {
+                Some((q, e)) => [q - p, e - d],
+                None => [DVec3::ZERO; 2],
+            };
+            places.iter().flat_map(aside)
+        };
+        (0..field.width).flat_map(pixel).flat_map(|v| v.as_vec3().to_array())
+    };
+    (row..row + rows).into_par_iter().flat_map_iter(of_row).collect()
+}
+
 /// The curves of a band's pixels in every layer, of one degree.
 #[derive(Debug, Clone)]
 pub struct CurveTable {

@@ -10,6 +10,7 @@ pub mod beams;
 pub mod curves;
 pub mod fit;
 pub mod nodes;
+pub mod samples;
 pub mod sheets;
 pub mod tear;
 pub mod tiles;
@@ -20,7 +21,7 @@ use crate::gpu::device::Abilities;
 use crate::gpu::kernels::{OpticsKind, RaysKind, Variant};
 use crate::gpu::rows::{self, BRANCH};
 use curves::{CurveTable, RayTable};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::Serialize;
 use sheets::Sheets;
 
@@ -40,12 +41,28 @@ pub struct Wanted {
     pub srgb8: bool,
     /// Count tested and kept fragments (slower).
     pub counting: bool,
+    /// Samples of a pixel: colour and coverage are their means, all else is that of its centre. Several are for cameras of which
+    /// [`samples::at_once`] says so.
+    pub samples: u32,
+    /// What triangles the samples see, by themselves.
+    pub sample_ids: bool,
 }
 
 impl Wanted {
+    /// These planes, by pixel centres alone.
+    pub fn of(channels: Vec<Channel>) -> Wanted {
+        Wanted { channels, srgb8: false, counting: false, samples: 1, sample_ids: false }
+    }
+
     /// Some colour is asked for.
     pub fn has_colour(&self) -> bool {
         self.srgb8 || self.channels.iter().any(|c| matches!(c, Channel::R | Channel::G | Channel::B))
+    }
+
+    /// Samples of a pixel that something of this comes from.
+    fn samples(&self) -> u32 {
+        let of_samples = self.has_colour() || self.sample_ids || self.channels.contains(&Channel::A);
+        if of_samples { self.samples } else { 1 }
     }
 }
 
@@ -59,6 +76,8 @@ pub struct Band {
     pub nodes: nodes::Nodes,
     /// What every pixel's ray or curve is, where the camera has no affine pieces.
     pub rays: Option<RayTable>,
+    /// By what those of samples differ, where there are some: [`curves::rays_aside`].
+    pub rays_aside: Vec<f32>,
 }
 
 /// What one frame takes.
@@ -67,6 +86,8 @@ pub struct Plan {
     pub variant: Variant,
     pub sheets: Sheets,
     pub bands: Vec<Band>,
+    /// Where samples lie about their pixel's centre, px; none where that is the only one.
+    pub places: Vec<DVec2>,
     /// The channels that `shade` writes: those wanted, and colour where sRGB is.
     pub planes: Vec<Channel>,
     /// Bits of a visibility key that hold the triangle id.
@@ -127,11 +148,13 @@ impl Plan {
             normals: has_normals,
             optics: camera.optics.as_deref().map(OpticsKind::of),
             turned: false,
+            samples: wanted.samples(),
         };
         let mut planes = wanted.channels.clone();
         if wanted.srgb8 {
             planes.extend([Channel::R, Channel::G, Channel::B]);
         }
+        planes.extend(wanted.sample_ids.then_some(Channel::TriangleId));
         planes.sort_unstable();
         planes.dedup();
         let table_bytes = match variant.rays {
@@ -139,8 +162,15 @@ impl Plan {
             RaysKind::Pieces | RaysKind::Field => 24,
             RaysKind::Curves { degree } => 12 * (degree as u64 + 1) * sheets.layers as u64,
         };
-        let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes);
-        let bands = bands(camera, sheets, around, pixel_bytes, binding_limit);
+        let sample_bytes = match variant.rays {
+            _ if !variant.samples_edges() => 0,
+            RaysKind::Pieces => 8 * u64::from(variant.samples + 1),
+            RaysKind::Field | RaysKind::Curves { .. } => 24 * u64::from(variant.samples),
+        };
+        let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes);
+        let places = if variant.samples_edges() { samples::places(variant.samples) } else { Vec::new() };
+        let view = View { camera, sheets, around, places: &places };
+        let bands = bands(view, pixel_bytes, binding_limit);
         let smooth = camera.optics.as_ref().map_or(0, |o| o.smooth_count());
         let id_bits = usize::BITS - (triangles + smooth).saturating_sub(1).leading_zeros();
         let left_out = left_out(camera, sheets, &bands, &planes, wanted, has_normals, has);
@@ -148,6 +178,7 @@ impl Plan {
             variant,
             sheets,
             bands,
+            places,
             planes,
             id_bits: id_bits.max(1),
             anchor: around.anchor,
@@ -164,8 +195,18 @@ impl Plan {
     }
 }
 
+/// What is to be cut into bands.
+#[derive(Clone, Copy)]
+struct View<'a> {
+    camera: &'a Camera,
+    sheets: Sheets,
+    around: Surroundings,
+    places: &'a [DVec2],
+}
+
 /// Cuts the image into bands whose every buffer fits a binding.
-fn bands(camera: &Camera, sheets: Sheets, around: Surroundings, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
+fn bands(view: View, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
+    let View { camera, sheets, .. } = view;
     let tile = crate::TILE as u64;
     let row_bytes = (camera.width as u64 + 1) * pixel_bytes;
     // one row more than the band: the ray table's
@@ -175,9 +216,10 @@ fn bands(camera: &Camera, sheets: Sheets, around: Surroundings, pixel_bytes: u64
         (0..camera.height).step_by(rows as usize).map(|r| (r, rows.min(camera.height - r))).rev().collect();
     let mut bands = Vec::new();
     while let Some((row, rows)) = todo.pop() {
-        let band = Band::new(camera, sheets, around, row, rows);
+        let band = Band::new(view, row, rows);
         let fits = band.tiles.cells.len() <= CELLS_MAX
             && band.tiles.cells.len() * size_of::<rows::Cell>() <= binding_limit as usize
+            && size_of_val(band.tiles.cell_samples.as_slice()) <= binding_limit as usize
             && band.nodes.nodes.len() * size_of::<rows::Node>() <= binding_limit as usize
             && band.tiles.pieces.len() * size_of::<rows::Piece>() <= binding_limit as usize;
         if fits || rows <= crate::TILE {
@@ -198,13 +240,14 @@ const TILE_ROWS_MAX: u32 = 1 << 14;
 const CELLS_MAX: usize = 1 << 24;
 
 impl Band {
-    fn new(camera: &Camera, sheets: Sheets, around: Surroundings, row: u32, rows: u32) -> Band {
+    fn new(View { camera, sheets, around, places }: View, row: u32, rows: u32) -> Band {
         let anchor = around.anchor;
         let curves = match sheets::kind(camera) {
             RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
             _ => None,
         };
-        let (tiles, sampled) = tiles::Cutting { camera, sheets, curves: curves.as_ref(), anchor, row, rows }.cut();
+        let cutting = tiles::Cutting { camera, sheets, curves: curves.as_ref(), places, anchor, row, rows };
+        let (tiles, sampled) = cutting.cut();
         let nodes = nodes::Nodes::new(
             &sampled,
             (tiles.tiles_x, tiles.tiles_y),
@@ -215,7 +258,11 @@ impl Band {
             (None, [Rays::Field(field)]) => Some(RayTable::of_field(field, anchor, row, rows)),
             _ => None,
         };
-        Band { row, rows, tiles, nodes, rays }
+        let rays_aside = match camera.layers.as_slice() {
+            [Rays::Field(field)] if !places.is_empty() => curves::rays_aside(field, places, anchor, row, rows),
+            _ => Vec::new(),
+        };
+        Band { row, rows, tiles, nodes, rays, rays_aside }
     }
 }
 
@@ -265,6 +312,9 @@ fn left_out(
     }
     if !has_normals {
         say("smooth normals", "the scene has none".into());
+    }
+    if wanted.samples() == 1 {
+        say("edges, sample and resolve", "one sample a pixel".into());
     }
     if !wanted.srgb8 {
         say("write", "no 8-bit picture asked for".into());

@@ -5,7 +5,7 @@ use super::nodes::above_cells;
 use super::sheets::Sheets;
 use super::tear::{Part, tear};
 use crate::TILE;
-use crate::camera::{Bundle, Camera, Pieces, Rays};
+use crate::camera::{Bundle, Camera, Field, Pieces, Rays};
 use crate::gpu::rows::{self, split2};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -21,6 +21,9 @@ pub struct Tiles {
     /// `cells[start[k] .. start[k + 1]]` are the cells of tile k.
     pub start: Vec<u32>,
     pub cells: Vec<rows::Cell>,
+    /// Where pixels have samples: of each cell the pixels that have any sample there, those that have all, and those that have
+    /// each; low word first.
+    pub cell_samples: Vec<[u32; 2]>,
     /// The pieces of the band, in order of first use; each row carries its number in the camera.
     pub pieces: Vec<rows::Piece>,
 }
@@ -46,8 +49,37 @@ pub struct Sampled {
 /// Half of a tile from its middle to the outermost pixel centre, px.
 const TILE_REACH: f64 = (TILE as f64 - 1.0) / 2.0;
 
-/// Cells before their bundles are stored: piece of the layer, pixels.
-type Owned = Vec<(u32, u64)>;
+/// A cell before its bundle is stored.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Share {
+    /// Of the layer.
+    piece: u32,
+    /// The pixels whose centres it owns.
+    mask: u64,
+    /// And those of which it owns each sample.
+    samples: Vec<u64>,
+}
+
+impl Share {
+    /// The part of it in some pixels.
+    fn within(&self, mask: u64) -> Share {
+        let samples = self.samples.iter().map(|s| s & mask).collect();
+        Share { piece: self.piece, mask: self.mask & mask, samples }
+    }
+
+    /// The pixels of which it owns any place.
+    fn any(&self) -> u64 {
+        self.samples.iter().fold(self.mask, |any, s| any | s)
+    }
+
+    /// And those of which it owns all.
+    fn all(&self) -> u64 {
+        self.samples.iter().fold(self.mask, |all, s| all & s)
+    }
+}
+
+/// The cells of a tile.
+type Owned = Vec<Share>;
 
 /// What bounds all rays of a tile, and, where straight ones are in several cells, each cell's.
 #[derive(Debug, Default)]
@@ -62,6 +94,8 @@ pub struct Cutting<'a> {
     pub camera: &'a Camera,
     pub sheets: Sheets,
     pub curves: Option<&'a CurveTable>,
+    /// Where samples lie about their pixel's centre, px.
+    pub places: &'a [DVec2],
     pub anchor: DVec3,
     pub row: u32,
     pub rows: u32,
@@ -104,7 +138,8 @@ impl Cutting<'_> {
         let mut node_of_cell = above_cells(tiles_x, tiles_y);
         let mut local = std::collections::HashMap::new();
         for (((k, place), owned), bounds) in (0u32..).zip(&places).zip(&owned).zip(&bounds) {
-            for (place, &(piece, mask)) in place.iter().flat_map(|p| owned.iter().map(move |c| (p, c))) {
+            for (place, share) in place.iter().flat_map(|p| owned.iter().map(move |c| (p, c))) {
+                let piece = share.piece;
                 let number = self.camera.first_piece(place.layer) + piece;
                 let row_of = match &self.camera.layers[place.layer] {
                     Rays::Pieces(pieces) if self.curves.is_none() => *local.entry(number).or_insert_with(|| {
@@ -115,7 +150,11 @@ impl Cutting<'_> {
                 };
                 let node = if bounds.each.is_empty() { k } else { node_of_cell };
                 node_of_cell += u32::from(node != k);
-                tiles.cells.push(rows::Cell { tile: k, node, ..self.cell_row((piece, row_of), *place, mask) });
+                tiles.cells.push(rows::Cell { tile: k, node, ..self.cell_row(share, row_of, *place) });
+                if !self.places.is_empty() {
+                    let masks = [share.any(), share.all()].into_iter().chain(share.samples.iter().copied());
+                    tiles.cell_samples.extend(masks.map(|m| [m as u32, (m >> 32) as u32]));
+                }
             }
             tiles.start.push(tiles.cells.len() as u32);
         }
@@ -127,19 +166,27 @@ impl Cutting<'_> {
         let owned = self.owned(at);
         let sampled = |samples| Sampled { samples, ..Sampled::default() };
         let samples = self.samples(at, &owned);
-        if let (Rays::Field(_), &[(piece, mask)]) = (&self.camera.layers[at.layer], owned.as_slice()) {
-            let whole = Part { mask, samples: samples.clone() };
+        let owned = match (&self.camera.layers[at.layer], owned.as_slice()) {
+            (Rays::Field(field), [share]) if !field.is_sorted => self.torn(at, share, field),
             // of sorted rays no cut leaves any nearer to each other
-            let is_sorted = matches!(self.camera.layers.as_slice(), [Rays::Field(f)] if f.is_sorted);
-            let parts = if is_sorted { vec![whole] } else { tear(whole) };
-            let owned: Owned = parts.iter().map(|part| (piece, part.mask)).collect();
-            let each =
-                if parts.len() > 1 { parts.into_iter().map(|p| sampled(p.samples)).collect() } else { Vec::new() };
-            return (owned, Bounds { whole: sampled(samples), each });
-        }
-        let share = |cell: &(u32, u64)| sampled(self.samples(at, &[*cell]));
-        let each = if owned.len() > 1 { owned.iter().map(share).collect() } else { Vec::new() };
+            _ => owned,
+        };
+        let of = |share: &Share| sampled(self.samples(at, std::slice::from_ref(share)));
+        let each = if owned.len() > 1 { owned.iter().map(of).collect() } else { Vec::new() };
         (owned, Bounds { whole: sampled(samples), each })
+    }
+
+    /// The pixels of a tile of a field in parts, each pixel where a ray of it belongs.
+    fn torn(&self, at: Place, share: &Share, field: &Field) -> Owned {
+        let one_each = |bit: u32| {
+            let (x, y) = (bit % TILE, bit / TILE);
+            let (i, j) = (at.x * TILE + x, at.y * TILE + y);
+            let aside = || self.places.iter().find_map(|place| field.ray_aside(i, j, *place));
+            let (p, d) = field.ray(i, j).or_else(aside)?;
+            Some(Sample { place: place_in_tile(x, y), p: p - self.anchor, d })
+        };
+        let samples = bits(share.any()).filter_map(one_each).collect();
+        tear(Part { mask: share.any(), samples }).iter().map(|part| share.within(part.mask)).collect()
     }
 
     /// Which pixels of a tile each piece owns, by ascending piece.
@@ -152,10 +199,12 @@ impl Cutting<'_> {
         if let (Rays::Pieces(p), None) = (layer, self.curves) {
             if p.pieces[0].corners_px.is_none() {
                 // one piece over the whole image
-                return vec![(0, pixels.map(bit).fold(0, |m, b| m | b))];
+                let mask = pixels.map(bit).fold(0, |m, b| m | b);
+                return vec![Share { piece: 0, mask, samples: vec![mask; self.places.len()] }];
             }
         }
         let mut cells: Owned = Vec::new();
+        let none = |piece: u32| Share { piece, mask: 0, samples: vec![0; self.places.len()] };
         for (x, y) in pixels {
             let (i, j) = (left + x, top + y);
             let owner = match (self.curves, layer) {
@@ -164,27 +213,39 @@ impl Cutting<'_> {
                 (None, Rays::Field(f)) => f.ray(i, j).map(|_| 0),
                 (None, Rays::Curves(_)) => None,
             };
-            let Some(k) = owner else { continue };
-            match cells.iter_mut().find(|c| c.0 == k) {
-                Some(cell) => cell.1 |= bit((x, y)),
-                None => cells.push((k, bit((x, y)))),
+            if let Some(piece) = owner {
+                share_of(&mut cells, piece, none).mask |= bit((x, y));
+            }
+            for (n, place) in self.places.iter().enumerate() {
+                let owner = match layer {
+                    Rays::Pieces(p) => p.owner_aside(i, j, *place),
+                    Rays::Field(f) => f.ray_aside(i, j, *place).map(|_| 0),
+                    Rays::Curves(_) => None,
+                };
+                if let Some(piece) = owner {
+                    share_of(&mut cells, piece, none).samples[n] |= bit((x, y));
+                }
             }
         }
-        cells.sort_unstable();
+        cells.sort_unstable_by_key(|c| c.piece);
         cells
     }
 
-    /// Rays that bound all straight rays of these cells: the corners of a lone affine one's tile, or every pixel's ray.
-    fn samples(&self, at: Place, owned: &[(u32, u64)]) -> Vec<Sample> {
+    /// Rays that bound all straight rays of these cells: the corners of a lone affine one's tile, or every pixel's ray and its samples'.
+    fn samples(&self, at: Place, owned: &[Share]) -> Vec<Sample> {
         let mut list = Vec::new();
-        for &(piece, mask) in owned {
-            let pixels = (0..64u32).filter(|b| mask >> b & 1 == 1).map(|b| (b % TILE, b / TILE));
-            let pixel = |(x, y): (u32, u32)| (at.x * TILE + x, at.y * TILE + y);
+        for share in owned {
+            let piece = share.piece;
+            let centres = bits(share.mask).map(|bit| (bit, DVec2::ZERO));
+            let sampled = share.samples.iter().zip(self.places);
+            let asides = sampled.flat_map(|(mask, place)| bits(*mask).map(move |bit| (bit, *place)));
+            let all = centres.chain(asides).map(|(bit, aside)| (bit % TILE, bit / TILE, aside));
             match &self.camera.layers[at.layer] {
-                Rays::Field(f) => list.extend(pixels.filter_map(|q| {
-                    let (i, j) = pixel(q);
-                    let (p, d) = f.ray(i, j)?;
-                    Some(Sample { place: place_in_tile(q.0, q.1), p: p - self.anchor, d })
+                Rays::Field(f) => list.extend(all.filter_map(|(x, y, aside)| {
+                    let (i, j) = (at.x * TILE + x, at.y * TILE + y);
+                    let (p, d) = if aside == DVec2::ZERO { f.ray(i, j)? } else { f.ray_aside(i, j, aside)? };
+                    let place = place_in_tile(x, y) + aside / (TILE as f64 / 2.0);
+                    Some(Sample { place, p: p - self.anchor, d })
                 })),
                 Rays::Pieces(pieces) => {
                     let b = rebased(&pieces.bundle_at_place(piece, middle(pieces, at)), self.anchor);
@@ -197,7 +258,8 @@ impl Cutting<'_> {
                         let r = TILE as f64 / 2.0;
                         list.extend([(-r, -r), (r, -r), (-r, r), (r, r)].map(|(x, y)| at(x, y)));
                     } else {
-                        list.extend(pixels.map(|(x, y)| at(x as f64 - TILE_REACH, y as f64 - TILE_REACH)));
+                        let place = |x: u32, aside: f64| f64::from(x) - TILE_REACH + aside;
+                        list.extend(all.map(|(x, y, aside)| at(place(x, aside.x), place(y, aside.y))));
                     }
                 }
                 Rays::Curves(_) => {}
@@ -207,7 +269,7 @@ impl Cutting<'_> {
     }
 
     /// A cell of a tile and a node yet to be named.
-    fn cell_row(&self, (piece, row_of): (u32, u32), at: Place, mask: u64) -> rows::Cell {
+    fn cell_row(&self, &Share { piece, mask, .. }: &Share, row_of: u32, at: Place) -> rows::Cell {
         let mut cell = rows::Cell {
             p: [0.0; 3],
             h: 1.0,
@@ -260,6 +322,20 @@ fn middle(pieces: &Pieces, at: Place) -> DVec2 {
 /// The bundle with its origins relative to the anchor.
 fn rebased(b: &Bundle, anchor: DVec3) -> Bundle {
     Bundle { p: [0, 1, 2].map(|k| b.p[k] - b.h[k] * anchor), ..*b }
+}
+
+/// The share of a piece, at first `none`.
+fn share_of(cells: &mut Owned, piece: u32, none: impl Fn(u32) -> Share) -> &mut Share {
+    let k = cells.iter().position(|c| c.piece == piece).unwrap_or(cells.len());
+    if k == cells.len() {
+        cells.push(none(piece));
+    }
+    &mut cells[k]
+}
+
+/// The bits of a mask of pixels.
+fn bits(mask: u64) -> impl Iterator<Item = u32> {
+    (0..TILE * TILE).filter(move |bit| mask >> bit & 1 == 1)
 }
 
 pub(super) fn place_in_tile(x: u32, y: u32) -> DVec2 {

@@ -2,7 +2,7 @@
 //!
 //! `cull -> split -> bin -> sort -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
 //! rays, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again, or [`paste`] from an atlas that was
-//! rendered before. Caustics are added up by [`deposit`] before the first frame and shown by [`gather`] after shade. Apart
+//! rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow recheck and [`resolve`] follows shade. Caustics are added up by [`deposit`] before the first frame and shown by [`gather`] after shade. Apart
 //! from these is [`sift`], which finds the parts of an image that may see a point.
 
 pub mod bin;
@@ -10,12 +10,15 @@ pub mod bounce;
 pub mod certify;
 pub mod cull;
 pub mod deposit;
+pub mod edges;
 pub mod fit;
 pub mod gather;
 pub mod meet;
 pub mod paste;
 pub mod raster;
 pub mod recheck;
+pub mod resolve;
+pub mod sample;
 pub mod shade;
 pub mod sift;
 pub mod sort;
@@ -35,7 +38,8 @@ pub const AMBIENT: f32 = 0.1;
 /// Names of the step buffers, by value: of a step, or of a counter.
 const STEPS: [&str; COUNTERS as usize] = [
     "step0", "step1", "step2", "step3", "step4", "step5", "step6", "step7", "step8", "step9", "step10", "step11",
-    "step12", "step13", "step14", "step15", "step16", "step17", "step18", "step19", "step20",
+    "step12", "step13", "step14", "step15", "step16", "step17", "step18", "step19", "step20", "step21", "step22",
+    "step23",
 ];
 
 /// The kernels of a variant, compiled, and the step buffers that number their dispatches.
@@ -48,6 +52,11 @@ pub struct Stages {
     raster: Pipeline,
     recheck: Option<Pipeline>,
     certify: Option<Pipeline>,
+    edges: Option<Pipeline>,
+    sample: Option<Pipeline>,
+    /// Edges, sample and settle, tile by tile.
+    by_tile: Option<[Pipeline; 3]>,
+    resolve: Option<Pipeline>,
     shade: Pipeline,
     write: Pipeline,
     bounce: Option<Pipeline>,
@@ -79,6 +88,13 @@ impl Stages {
             raster: compile(kernels::raster(variant)),
             recheck: variant.rechecks().then(|| compile(kernels::recheck(variant))),
             certify: planes.contains(&Channel::Certified).then(|| compile(kernels::certify(variant, planes))),
+            edges: variant.samples_edges().then(|| compile(kernels::edges(variant))),
+            sample: variant.samples_edges().then(|| compile(kernels::sample(variant))),
+            by_tile: variant.samples_by_tile().then(|| {
+                [kernels::edges_by_tile(variant), kernels::sample_by_tile(variant), kernels::settle(variant)]
+                    .map(compile)
+            }),
+            resolve: variant.samples_edges().then(|| compile(kernels::resolve(variant, planes))),
             shade: compile(kernels::shade(variant, planes)),
             write: compile(kernels::write_srgb(planes)),
             bounce: variant.turns_rays().then(|| compile(kernels::bounce(variant))),
@@ -112,12 +128,23 @@ impl Stages {
     ) -> Result<()> {
         self.lay_out(gpu, pass, scopes, counter)?;
         let group = kernel.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[step as usize])])?;
+        self.dispatch_laid_out(pass, scopes, kernel, &group);
+        Ok(())
+    }
+
+    /// Dispatches a kernel over what was laid out last.
+    fn dispatch_laid_out(
+        &self,
+        pass: &mut wgpu::ComputePass,
+        scopes: Scopes,
+        kernel: &Pipeline,
+        group: &wgpu::BindGroup,
+    ) {
         pass.set_pipeline(&kernel.pipeline);
-        pass.set_bind_group(0, &group, &[]);
+        pass.set_bind_group(0, group, &[]);
         if let Some(indirect) = scopes.iter().find_map(|s| s.get("indirect")) {
             pass.dispatch_workgroups_indirect(indirect, 0);
         }
-        Ok(())
     }
 }
 

@@ -121,6 +121,7 @@ pub const ROOMY: Capacities = Capacities {
     tasks: u32::MAX as u64,
     pairs: u32::MAX as u64,
     doubts: u32::MAX as u64,
+    edges: u32::MAX as u64,
 };
 
 impl Tables {

@@ -60,7 +60,7 @@ pub fn assert_same_without_f64(name: &str, scene: &Scene, camera: &Camera, with_
 
 /// All channels.
 pub fn wanted() -> Wanted {
-    Wanted { channels: Channel::ALL.to_vec(), srgb8: true, counting: false }
+    Wanted { srgb8: true, ..Wanted::of(Channel::ALL.to_vec()) }
 }
 
 pub fn render_with(scene: &Scene, camera: &Camera, without: Without, run: &RunOptions) -> Option<Rendered> {

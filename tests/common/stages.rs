@@ -52,7 +52,7 @@ impl Case {
 
     /// For all channels, so that bands are cut alike in every test.
     pub fn tables(&self) -> Tables {
-        let wanted = Wanted { channels: Channel::ALL.to_vec(), srgb8: false, counting: false };
+        let wanted = Wanted::of(Channel::ALL.to_vec());
         let has = Abilities { f64: true, atomics64: true, lanes: false, timestamps: false, clip_distances: false };
         let mut tables = Tables::new(&self.scene, &self.camera, &wanted, has, self.band_limit);
         let mesh = &self.scene.with_optics(&self.camera).mesh;
@@ -88,6 +88,7 @@ impl Case {
             normals: !self.scene.mesh.normals.is_empty(),
             optics,
             turned: false,
+            samples: 1,
         }
     }
 }

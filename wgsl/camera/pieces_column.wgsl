@@ -22,7 +22,7 @@ fn lanes_piece(index: u32, lane: u32) -> Piece {
     );
 }
 
-// The rays of four pixels of a piece, origins less a point; (x, y) of the first from the piece's origin.
+// The rays of four pixels of a piece below each other, origins less a point; (x, y) of the first from the piece's origin.
 fn piece_strip(b: Bundle, x: real, y: real, less: real3) -> Strip {
     let rows = real4(y) + real4(0.0, 1.0, 2.0, 3.0);
     let p = b.p + x * b.px;
@@ -35,13 +35,6 @@ fn piece_strip(b: Bundle, x: real, y: real, less: real3) -> Strip {
         (d.x + rows * b.dy.x) * share,
         (d.y + rows * b.dy.y) * share,
         (d.z + rows * b.dy.z) * share,
-    );
-}
-
-fn either(a: Strip, b: Strip, is_b: vec4<bool>) -> Strip {
-    return Strip(
-        select(a.px, b.px, is_b), select(a.py, b.py, is_b), select(a.pz, b.pz, is_b),
-        select(a.dx, b.dx, is_b), select(a.dy, b.dy, is_b), select(a.dz, b.dz, is_b),
     );
 }
 

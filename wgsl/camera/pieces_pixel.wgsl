@@ -16,8 +16,13 @@ fn pixel_ray(layer: u32, x: u32, y: u32, t: f32) -> Ray {
 }
 
 fn cell_ray(cell: Cell, x: u32, y: u32) -> Ray {
-    let fx = f32(x % TILE) - TILE_REACH;
-    let fy = f32(y % TILE) - TILE_REACH;
+    return cell_ray_at(cell, vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH);
+}
+
+// The ray of a place of a cell, px from its tile's middle.
+fn cell_ray_at(cell: Cell, place: vec2<f32>) -> Ray {
+    let fx = place.x;
+    let fy = place.y;
     let px = pieces[cell.piece].px_hi;
     let py = pieces[cell.piece].py_hi;
     let dx = pieces[cell.piece].dx_hi;

@@ -9,7 +9,7 @@ fn tile_pixels(tile: u32, above: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f3
     let seen = extent(leaf, v0, v1, v2);
     let within = pixels_within(seen, TILE);
     let left = vec4<u32>(max(pixels.xy, within.xy), min(pixels.zw, within.zw));
-    if leaf.rays == RAYS_NONE || is_empty(left) || !may_cover(conics(leaf, v0, v1, v2), 0.0, 0.0, CENTRES) {
+    if leaf.rays == RAYS_NONE || is_empty(left) || !may_cover(conics(leaf, v0, v1, v2), 0.0, 0.0, CENTRES + ASIDE * NODE_PX) {
         return vec4<u32>(0u);
     }
     // in a sheet t ends soon: the triangle may lie before its start or beyond its end

@@ -18,3 +18,16 @@ struct Column {
 }
 
 const NO_STRIP: Strip = Strip(real4(0.0), real4(0.0), real4(0.0), real4(0.0), real4(0.0), real4(0.0));
+
+fn either(a: Strip, b: Strip, is_b: vec4<bool>) -> Strip {
+    return Strip(
+        select(a.px, b.px, is_b), select(a.py, b.py, is_b), select(a.pz, b.pz, is_b),
+        select(a.dx, b.dx, is_b), select(a.dy, b.dy, is_b), select(a.dz, b.dz, is_b),
+    );
+}
+
+// Of four pixels or rays those that are so, as bits.
+fn row_bits(is_so: vec4<bool>) -> u32 {
+    let bits = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), is_so);
+    return bits.x | bits.y | bits.z | bits.w;
+}

@@ -74,6 +74,12 @@ struct Shared {
     id: u32,
 }
 
+// The number that one of the lanes has.
+fn lanes_real(value: real, lane: u32) -> real {
+    let words = words_of(value);
+    return of_words(vec2<u32>(subgroupShuffle(words.x, lane), subgroupShuffle(words.y, lane)));
+}
+
 // What lane k has of its own.
 fn given(own: Shared, k: u32) -> Shared {
     return Shared(
@@ -151,15 +157,36 @@ fn is_behind(seen: Extent, t: f32) -> bool {
     return !SHEETED && seen.tight && seen.t_lo > t;
 }
 
-// The pixel's visibility key of a depth key.
-fn settle(pixel: u32, layer: u32, key: real) {
-    if key < FARTHEST {
-        var bits = ordered_bits(key);
-        let mask = vec2<u32>(u32(key_mask() & 0xfffffffflu), u32(key_mask() >> 32u));
-        let id = bits.x & mask.x;
-        if SHEETED {
-            bits = vec2<u32>((bits.x >> 2u) | (bits.y << 30u), ((bits.y & 0x3fffffffu) >> 2u) | (layer << 28u));
-        }
-        merge(pixel, ~vec2<u32>((bits.x & ~((1u << params.id_bits) - 1u)) | id, bits.y));
+// The complemented visibility key of a depth key, 0 of none.
+fn settled(layer: u32, key: real) -> vec2<u32> {
+    var bits = ordered_bits(key);
+    let mask = vec2<u32>(u32(key_mask() & 0xfffffffflu), u32(key_mask() >> 32u));
+    let id = bits.x & mask.x;
+    if SHEETED {
+        bits = vec2<u32>((bits.x >> 2u) | (bits.y << 30u), ((bits.y & 0x3fffffffu) >> 2u) | (layer << 28u));
     }
+    return select(vec2<u32>(0u), ~vec2<u32>((bits.x & ~((1u << params.id_bits) - 1u)) | id, bits.y), key < FARTHEST);
+}
+
+// What the lanes will share of a triangle of which no corner reaches farther than `reach` less the middle, from its corners to f64,
+// for lines of which reach_of is at most reach_q.
+fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, middle: real3, reach: f32, reach_q: f32, reach_d: f32) -> Shared {
+    let m0 = vec3<f32>(v0 - middle);
+    let m1 = vec3<f32>(v1 - middle);
+    let normal = cross(v1 - v0, v2 - v0);
+    let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
+    var room = real(0.0);
+    if SHEETED {
+        room = 16.0 * REAL_UNIT * size3(normal) * (real(reach) + real(reach_d));
+    }
+    return Shared(
+        edge_of(m0, vec3<f32>(v1 - v0), reach_q, reach),
+        edge_of(m0, vec3<f32>(v0 - v2), reach_q, reach),
+        edge_of(m1, vec3<f32>(v2 - v1), reach_q, reach),
+        normal,
+        dot(normal, v0 - middle),
+        select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u),
+        room,
+        triangle_id(triangle),
+    );
 }

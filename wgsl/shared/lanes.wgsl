@@ -11,9 +11,3 @@ fn lanes_max(value: f32, lane: u32) -> f32 {
     let four = max(two, subgroupShuffle(two, lane ^ 2u));
     return max(four, subgroupShuffle(four, lane ^ 4u));
 }
-
-// The number that one of the lanes has.
-fn lanes_real(value: real, lane: u32) -> real {
-    let words = words_of(value);
-    return of_words(vec2<u32>(subgroupShuffle(words.x, lane), subgroupShuffle(words.y, lane)));
-}

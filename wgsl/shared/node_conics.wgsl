@@ -63,6 +63,12 @@ fn conic_sign(q: Conic, x: f32, y: f32, s: f32) -> i32 {
 // Pixel centres lie within 7/8 of a tile's half-size.
 const CENTRES: f32 = 0.875;
 
+// How far aside from its centre a pixel's samples lie at most, px.
+override ASIDE: f32 = 0.0;
+
+// A pixel in the units of a tile's node.
+const NODE_PX: f32 = 2.0 / f32(TILE);
+
 // The three edge conics of a triangle over one node.
 struct Conics {
     e01: Conic,

@@ -22,7 +22,11 @@ const COUNT_BUSY_END: u32 = 17u;       // behind the last of them
 const COUNT_PAIRS_TESTED: u32 = 18u;
 const COUNT_TASKS: u32 = 19u;
 const COUNT_SORTED: u32 = 20u;         // pairs in runs of tiles
-const COUNTERS: u32 = 21u;
+// These stay while pairs are listed anew, and so are the last.
+const COUNT_EDGES: u32 = 21u;          // pixels that hold an edge
+const COUNT_BLOCKS: u32 = 22u;         // of strips of four of their samples
+const COUNT_SAMPLE_DOUBTS: u32 = 23u;
+const COUNTERS: u32 = 24u;
 
 // One band of the image and one batch of clusters.
 struct Params {
@@ -45,13 +49,18 @@ struct Params {
     doubt_capacity: u32,    // items
     origin_lost: f32,       // what origins of rays may have lost before they were stored
     task_capacity: u32,
-    pad0: u32,
+    edge_capacity: u32,     // items
     t_min: vec4<f32>,       // ends of t_range, each the exact sum of three
     t_max: vec4<f32>,
     t_words: vec4<u32>,     // both as f64, low words first
     level_start: array<vec4<u32>, 2>,   // of level k: index of its first node
     level_width: array<vec4<u32>, 2>,   // nodes a row
     level_height: array<vec4<u32>, 2>,  // rows
+}
+
+// Where samples lie about their pixel's centre, px right and down: two a row.
+struct Places {
+    at: array<vec4<f32>, 16>,
 }
 
 // Which dispatch of a kernel this is.

@@ -24,7 +24,7 @@ pub enum Backend {
     Reference,
 }
 
-/// Bytes that the widest table of a band has a pixel: a ray of a ray map, hi or lo.
+/// Bytes that the widest table of a band has a pixel and sample: a ray of a ray map, hi or lo, or by what it differs.
 const FIELD_BYTES: u64 = 24;
 
 impl Backend {
@@ -56,7 +56,7 @@ impl Backend {
     pub fn check_size(&self, camera: &Camera, wanted: &Wanted) -> Result<()> {
         let Backend::Compute(engine, _) = self else { return Ok(()) };
         let limit = engine.gpu.binding_limit();
-        let pixel = (4 * (wanted.channels.len() as u64 + 3)).max(FIELD_BYTES);
+        let pixel = (4 * (wanted.channels.len() as u64 + 3)).max(FIELD_BYTES * u64::from(wanted.samples));
         // one tile's rows and one more, one column more
         let row = u64::from(crate::TILE + 1) * pixel;
         let widest = (limit / row).saturating_sub(1);
@@ -120,6 +120,7 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
     frame.planes.retain(|(c, _)| wanted.channels.contains(c));
     Rendered {
         frame,
+        sample_ids: Vec::new(),
         srgb8,
         frame_ms,
         stages: Vec::new(),

@@ -19,7 +19,7 @@ pub fn render(args: &RenderArgs, backend: &mut Backend, scene: &Scene, camera: &
         return Ok(None);
     }
     let channels = if args.check { Channel::of(camera) } else { vec![Channel::TriangleId] };
-    let wanted = Wanted { channels, srgb8: false, counting };
+    let wanted = Wanted { counting, ..Wanted::of(channels) };
     backend.render(scene, camera, &wanted, &RunOptions::default()).map(Some)
 }
 

@@ -1,4 +1,5 @@
-//! Many rays a pixel: colour and coverage are means over the pixel, everything else stays that of its centre.
+//! Many rays a pixel: colour and coverage are means over the pixel, everything else stays that of its centre. The engine finds them in
+//! one frame where it can; else each takes a frame of its own.
 
 use super::backend::{Backend, picture};
 use crate::camera::Camera;
@@ -7,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame, Plane};
 use crate::output::cryptomatte::Matte;
 use crate::plan::Wanted;
+use crate::plan::samples::{at_once, places};
 use crate::scene::Scene;
 
 /// The channels that are averaged.
@@ -27,6 +29,15 @@ pub fn render(
         let ids = frame.u32(Channel::TriangleId).unwrap_or_default();
         mattes.iter_mut().for_each(|matte| matte.add(ids));
     };
+    let at_once = matches!(backend, Backend::Compute(_, None)) && at_once(scene, camera, samples);
+    if at_once && samples > 1 {
+        let sample_ids = !mattes.is_empty();
+        let mut rendered = backend.render(scene, camera, &Wanted { samples, sample_ids, ..wanted.clone() }, run)?;
+        for ids in std::mem::take(&mut rendered.sample_ids) {
+            mattes.iter_mut().for_each(|matte| matte.add(&ids));
+        }
+        return Ok(rendered);
+    }
     if samples == 1 {
         let mut channels: Vec<Channel> = wanted.channels.iter().copied().chain(ids).collect();
         channels.sort_unstable();
@@ -41,9 +52,9 @@ pub fn render(
     let mut all = Sum::default();
     if !means.is_empty() || ids.is_some() {
         let channels = means.into_iter().chain(ids).collect();
-        let each = Wanted { channels, srgb8: false, counting: wanted.counting };
-        for (dx, dy) in offsets(samples) {
-            let rendered = backend.render(scene, &camera.with_sample_offset(dx, dy), &each, run)?;
+        let each = Wanted { counting: wanted.counting, ..Wanted::of(channels) };
+        for place in places(samples) {
+            let rendered = backend.render(scene, &camera.with_sample_offset(place.x, place.y), &each, run)?;
             count(&rendered.frame);
             all.add(rendered);
         }
@@ -53,7 +64,7 @@ pub fn render(
     frame.planes.retain(|(c, _)| wanted.channels.contains(c));
     let rest: Vec<Channel> = wanted.channels.iter().copied().filter(|c| !is_mean(c)).collect();
     if !rest.is_empty() {
-        let each = Wanted { channels: rest, srgb8: false, counting: wanted.counting };
+        let each = Wanted { counting: wanted.counting, ..Wanted::of(rest) };
         let mut centre = backend.render(scene, camera, &each, run)?;
         frame.planes.append(&mut centre.frame.planes);
         frame.planes.sort_by_key(|(c, _)| *c);
@@ -62,28 +73,6 @@ pub fn render(
     let mut rendered = all.costs.ok_or_else(|| Error::work("no frame was asked for"))?;
     (rendered.frame, rendered.srgb8) = (frame, srgb8);
     Ok(rendered)
-}
-
-/// Places of `count` samples about the pixel's centre, px, right and down, each in (-1/2, 1/2).
-///
-/// A rank-1 lattice without its origin: the k-th of N samples lies in column k and row (k + 1) g mod (N + 1) - 1 of
-/// an N x N grid, in the middle of its cell, g being the number nearest to (N + 1) / golden ratio that is coprime to
-/// N + 1. Each column and each row is taken once, so the mean of the places is the centre; 4 is the rotated grid.
-fn offsets(count: u32) -> impl Iterator<Item = (f64, f64)> {
-    const GOLDEN: f64 = 1.618_033_988_749_895;
-    let (n, modulus) = (f64::from(count), count + 1);
-    let ideal = f64::from(modulus) / GOLDEN;
-    let distance = |g: &u32| (f64::from(*g) - ideal).abs();
-    let coprime = (1..modulus).filter(|&g| greatest_common_divisor(g, modulus) == 1);
-    let generator = coprime.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(1);
-    (0..count).map(move |k| {
-        let row = (k + 1) * generator % modulus - 1;
-        ((f64::from(k) + 0.5) / n - 0.5, (f64::from(row) + 0.5) / n - 0.5)
-    })
-}
-
-fn greatest_common_divisor(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
 /// Sums of planes in f64, and of what they cost.
@@ -127,29 +116,5 @@ impl Sum {
         let mean = |sum: &Vec<f64>| Plane::F32(sum.iter().map(|s| (s / n) as f32).collect());
         let planes = self.planes.iter().map(|(c, sum)| (*c, mean(sum))).collect();
         Frame { width: camera.width, height: camera.height, planes }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn offsets_are_centred_and_take_each_row_once() {
-        assert_eq!(offsets(1).collect::<Vec<_>>(), [(0.0, 0.0)]);
-        for count in 1..=64 {
-            let n = f64::from(count);
-            let mut rows: Vec<u32> = offsets(count).map(|o| ((o.1 + 0.5) * n).floor() as u32).collect();
-            rows.sort_unstable();
-            assert_eq!(rows, (0..count).collect::<Vec<_>>());
-            let mean = offsets(count).fold((0.0, 0.0), |m, o| (m.0 + o.0, m.1 + o.1));
-            assert!(mean.0.abs() < 1e-12 && mean.1.abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn four_samples_are_the_rotated_grid() {
-        let eighths: Vec<_> = offsets(4).map(|(x, y)| (x * 8.0, y * 8.0)).collect();
-        assert_eq!(eighths, [(-3.0, 1.0), (-1.0, -3.0), (1.0, 3.0), (3.0, -1.0)]);
     }
 }

@@ -1,0 +1,30 @@
+//! sample: the samples of the pixels that hold an edge against every triangle; pair by pair, or tile by tile, what that leaves settled.
+
+use super::{STEPS, Scopes, Stages, with};
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::gpu::rows::{COUNT_BLOCKS, COUNT_PAIRS, COUNT_SAMPLE_DOUBTS};
+
+/// Keys go into the rows of samples.
+const KEYS: (&str, &str) = ("visibility", "samples");
+
+impl Stages {
+    /// The words of a key go in the steps of [`Stages::raster`].
+    pub fn sample(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, step: u32) -> Result<()> {
+        let Some(sample) = &self.sample else { return Ok(()) };
+        self.lay_out(gpu, pass, scopes, COUNT_PAIRS)?;
+        let group = sample.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[step as usize]), KEYS])?;
+        self.dispatch_laid_out(pass, scopes, sample, &group);
+        Ok(())
+    }
+
+    /// What [`Stages::edges_by_tile`] has listed.
+    pub fn sample_by_tile(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes) -> Result<()> {
+        let Some([_, sample, settle]) = &self.by_tile else { return Ok(()) };
+        self.dispatch_counted(gpu, pass, scopes, sample, (COUNT_BLOCKS, 0))?;
+        self.lay_out(gpu, pass, scopes, COUNT_SAMPLE_DOUBTS)?;
+        let group = settle.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[0]), KEYS])?;
+        self.dispatch_laid_out(pass, scopes, settle, &group);
+        Ok(())
+    }
+}

@@ -1,0 +1,206 @@
+//! Several samples a pixel in one frame: each sees what a frame of its own sees, through every kind of straight rays. Nothing to do
+//! without an adapter.
+
+mod common;
+
+use anamorph::camera::Camera;
+use anamorph::engine::{Capacities, Engine, Rendered, RunOptions};
+use anamorph::frame::{Channel, NO_ID};
+use anamorph::plan::Wanted;
+use anamorph::plan::samples::{at_once, places};
+use anamorph::reference::image::image;
+use anamorph::scene::Scene;
+use anamorph::scene::generate::icosphere;
+use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::file::camera_of;
+use common::gpu::{engine_on, ids};
+use common::layered::chain;
+use common::rng::Rng;
+use common::{FORWARD, camera, mesh, moved, scene, soup};
+use glam::DVec3;
+
+const SIZE: (u32, u32) = (61, 45);
+
+/// Through the middle of the scenes here, all around.
+const FISHEYE: &str = "kind = \"fisheye\"\neye = [0.3, 0.2, 2.5]\ntarget = [0, 0, 0]\nfov = 100\nframe = \"full\"";
+
+fn cameras() -> Vec<(&'static str, Camera)> {
+    let look = MeshLook::default();
+    let meshes = [
+        ("mesh", MeshLook { weights: true, ..look }, 4),
+        ("torn mesh", MeshLook { torn: true, ..look }, 8),
+        ("mesh of pieces as small as pixels", look, 50),
+    ];
+    let glc = glc_of_each_class().into_iter().map(|(name, kind)| (name, camera(kind, SIZE, FORWARD)));
+    let mesh = |(name, look, side)| (name, camera(mesh_camera(1, side, side, look), SIZE, FORWARD));
+    let more = [
+        ("chain", chain(3, 3, (4, 3), look, SIZE)),
+        ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
+        ("fisheye", camera_of("", SIZE, FISHEYE).unwrap()),
+    ];
+    glc.chain(meshes.map(mesh)).chain(more).collect()
+}
+
+/// Large and small triangles, slivers and ones that pass through each other.
+fn crowd() -> Scene {
+    let mut rng = Rng(4);
+    let mut all = soup(&mut rng, 60, 0.8);
+    let mut slivers = soup(&mut rng, 100, 0.01);
+    slivers.positions.iter_mut().for_each(|p| p.x *= 30.0);
+    for part in [soup(&mut rng, 300, 0.05), slivers, moved(icosphere(2), DVec3::new(0.213, 0.107, -0.3))] {
+        let first = all.positions.len() as u32;
+        all.positions.extend(&part.positions);
+        all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + first)));
+        all.material_of.extend(vec![0; part.triangles.len()]);
+    }
+    scene(mesh(all.positions, all.triangles))
+}
+
+fn sampled(engine: &mut Engine, scene: &Scene, camera: &Camera, samples: u32, run: &RunOptions) -> Rendered {
+    assert!(at_once(scene, camera, samples));
+    let channels = [Channel::R, Channel::G, Channel::B, Channel::A, Channel::TriangleId].to_vec();
+    let wanted = Wanted { samples, sample_ids: true, ..Wanted::of(channels) };
+    engine.render(scene, camera, &wanted, run).unwrap()
+}
+
+/// Triangles that the samples of all pixels see, by a frame each.
+fn one_by_one(engine: &mut Engine, scene: &Scene, camera: &Camera, samples: u32) -> Vec<Vec<u32>> {
+    let wanted = Wanted::of(vec![Channel::TriangleId]);
+    let frame = |place: glam::DVec2| {
+        let moved = camera.with_sample_offset(place.x, place.y);
+        ids(&engine.render(scene, &moved, &wanted, &RunOptions::default()).unwrap().frame).to_vec()
+    };
+    places(samples).into_iter().map(frame).collect()
+}
+
+#[test]
+fn every_sample_sees_what_a_frame_of_its_own_sees() {
+    let scene = crowd();
+    for lanes in [true, false] {
+        for (name, camera) in cameras() {
+            let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
+            for samples in if lanes { [4, 16] } else { [4, 5] } {
+                let seen = sampled(&mut engine, &scene, &camera, samples, &RunOptions::default());
+                let apart = one_by_one(&mut engine, &scene, &camera, samples);
+                let pixels = (SIZE.0 * SIZE.1) as usize;
+                let edges = seen.counts.edges;
+                println!("{name}, {samples} samples: {edges} of {pixels} pixels hold an edge");
+                assert_eq!(seen.sample_ids.len(), samples as usize);
+                for (n, (own, apart)) in seen.sample_ids.iter().zip(&apart).enumerate() {
+                    let differ: Vec<usize> = (0..pixels).filter(|&k| own[k] != apart[k]).collect();
+                    assert!(differ.is_empty(), "{name}: sample {n} of pixels {differ:?}");
+                }
+                let covered = |k: usize| seen.sample_ids.iter().filter(|ids| ids[k] != NO_ID).count();
+                let alpha = seen.frame.f32(Channel::A).unwrap();
+                assert!((0..pixels).all(|k| alpha[k] == covered(k) as f32 / samples as f32), "{name}: coverage");
+            }
+        }
+    }
+}
+
+/// Colours of a frame, pixel by pixel.
+fn colours(frame: &anamorph::frame::Frame) -> Vec<[f64; 3]> {
+    let [r, g, b] = [Channel::R, Channel::G, Channel::B].map(|c| frame.f32(c).unwrap());
+    (0..r.len()).map(|k| [r[k].into(), g[k].into(), b[k].into()]).collect()
+}
+
+/// The mean of the reference's frames at many samples.
+fn box_filtered(scene: &Scene, camera: &Camera, samples: u32) -> Vec<[f64; 3]> {
+    let mut sum = vec![[0.0; 3]; (camera.width * camera.height) as usize];
+    for place in places(samples) {
+        let moved = camera.with_sample_offset(place.x, place.y);
+        let frame = colours(&image(scene, &moved, &[Channel::R, Channel::G, Channel::B]));
+        sum.iter_mut().zip(frame).for_each(|(s, c)| (0..3).for_each(|k| s[k] += c[k] / f64::from(samples)));
+    }
+    sum
+}
+
+fn psnr(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    let square = a.iter().zip(b).flat_map(|(a, b)| (0..3).map(move |k| (a[k] - b[k]).powi(2))).sum::<f64>();
+    -10.0 * (square / (3 * a.len()) as f64).log10()
+}
+
+/// A ball before walls of large triangles: about a tenth of all pixels hold an edge.
+fn ball() -> Scene {
+    let mut all = icosphere(3);
+    let walls = soup(&mut Rng(11), 8, 1.5);
+    let first = all.positions.len() as u32;
+    all.positions.extend(walls.positions.iter().map(|p| *p - DVec3::Z));
+    all.triangles.extend(walls.triangles.iter().map(|t| t.map(|v| v + first)));
+    all.corner_normals.extend(vec![[anamorph::gpu::rows::NONE; 3]; walls.triangles.len()]);
+    all.material_of.extend(vec![0; walls.triangles.len()]);
+    scene(all)
+}
+
+#[test]
+fn sixteen_samples_come_near_the_box_filter() {
+    let scene = ball();
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    for (name, camera) in cameras() {
+        let truth = box_filtered(&scene, &camera, 256);
+        let mut errors = Vec::new();
+        for samples in [1, 4, 16] {
+            let seen = sampled(&mut engine, &scene, &camera, samples, &RunOptions::default());
+            let error = psnr(&colours(&seen.frame), &truth);
+            errors.push(error);
+        }
+        println!("{name}: {errors:.1?} dB at 1, 4 and 16 samples");
+        assert!(errors[2] >= 35.0 && errors[1] > errors[0] && errors[2] > errors[0], "{name}: {errors:?}");
+    }
+}
+
+#[test]
+fn a_pixel_without_an_edge_pays_one_sample() {
+    let (_, kind) = glc_of_each_class().swap_remove(3);
+    let camera = camera(kind, SIZE, FORWARD);
+    let corners = [DVec3::new(-90.0, -90.0, 0.1), DVec3::new(90.0, -90.0, 0.2), DVec3::new(0.0, 90.0, 0.3)];
+    let behind = corners.iter().map(|p| DVec3::new(p.x / 100.0, p.y / 100.0, p.z - 1.0));
+    let positions = corners.iter().copied().chain(behind).collect();
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    // all of a small triangle lies behind a large one
+    let hidden = scene(mesh(positions, vec![[0, 1, 2], [3, 4, 5]]));
+    let seen = sampled(&mut engine, &hidden, &camera, 16, &RunOptions::default());
+    assert!(ids(&seen.frame).iter().all(|id| *id == 0));
+    assert_eq!(seen.counts.edges, 0);
+    // and a line of pixels holds the border of a half plane
+    let half = scene(mesh(
+        vec![DVec3::new(0.013, -90.0, 0.0), DVec3::new(90.0, 0.0, 0.0), DVec3::new(0.013, 90.0, 0.0)],
+        vec![[0, 1, 2]],
+    ));
+    let seen = sampled(&mut engine, &half, &camera, 16, &RunOptions::default());
+    assert_eq!(seen.counts.edges, u64::from(SIZE.1));
+}
+
+/// Of shares of four samples, added up chunk by chunk: in f32, of at most 1, a product, a sum and a quotient each.
+const SUM_ERROR: f64 = 4.0 * 3.0 / 16_777_216.0;
+
+#[test]
+fn lists_grow_and_bands_and_chunks_join_to_the_same_samples() {
+    let scene = crowd();
+    let (_, kind) = glc_of_each_class().swap_remove(3);
+    // a row of tiles of a ray map takes 24 bytes a sample
+    for (camera, limit) in [(camera(kind, SIZE, FORWARD), 1 << 14), (raymap(SIZE.0, SIZE.1, FORWARD), 1 << 16)] {
+        let Some(mut whole) = engine_on(|_| {}) else { return };
+        let roomy = sampled(&mut whole, &scene, &camera, 4, &RunOptions::default());
+        let few = Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, doubts: 1, edges: 1 };
+        let run = RunOptions { capacities: Some(few), ..Default::default() };
+        let small = |limit: u64| engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = limit);
+        let without = |int64: bool| engine_on(|gpu| gpu.has.atomics64 &= int64);
+        for (name, engine) in [
+            ("lists of one item", engine_on(|_| {})),
+            ("small bindings", small(limit)),
+            ("32-bit atomics", without(false)),
+        ] {
+            let Some(mut engine) = engine else { return };
+            let other = sampled(&mut engine, &scene, &camera, 4, &run);
+            assert!(other.sample_ids == roomy.sample_ids, "{name}");
+            let off = colours(&other.frame)
+                .into_iter()
+                .zip(colours(&roomy.frame))
+                .flat_map(|(a, b)| (0..3).map(move |k| (a[k] - b[k]).abs()));
+            let largest = off.fold(0.0, f64::max);
+            assert!(largest <= SUM_ERROR, "{name}: {largest:e}");
+            assert_eq!(other.frame.f32(Channel::A), roomy.frame.f32(Channel::A), "{name}");
+        }
+    }
+}

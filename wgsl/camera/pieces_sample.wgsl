@@ -1,0 +1,7 @@
+// Rays of the samples of a camera made of pieces.
+
+// The bundle of a sample of a cell whose bundle is `whole`; (x, y) of its pixel in the tile.
+fn sample_bundle(whole: Bundle, cell: Cell, x: u32, y: u32, sample: u32) -> Bundle {
+    let place = vec2<f32>(f32(x), f32(y)) - TILE_REACH + sample_place(sample);
+    return bundle_at(whole, real(place.x), real(place.y));
+}

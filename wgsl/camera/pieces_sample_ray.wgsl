@@ -1,0 +1,17 @@
+// The ray of a sample of a camera made of pieces.
+
+fn sample_ray(layer: u32, x: u32, y: u32, sample: u32) -> Ray {
+    var row = y / TILE;
+    if SHEETED {
+        row += layer * params.spans * params.sheet_rows;
+    }
+    let tile = row * params.tiles_x + x / TILE;
+    let own = bit_mask((y % TILE) * TILE + x % TILE);
+    var k = tile_start[tile];
+    for (; k + 1u < tile_start[tile + 1u]; k++) {
+        if any((pixels_of_sample(k, sample) & own) != vec2<u32>(0u)) {
+            break;
+        }
+    }
+    return cell_ray_at(cells[k], vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH + sample_place(sample));
+}

@@ -1,0 +1,242 @@
+// edges, tile by tile: one subgroup of LANES threads per tile, one thread per column of it, once all is in the visibility buffer.
+// Reads the runs of pairs of tiles, nodes, the visibility buffer and which cells samples lie in; finds the pixels that hold an edge,
+// as edges does pair by pair, in one pass over the pairs of a tile: what the triangle seen at a pixel's centre bounds, and how near
+// all others may be that may cover any of its samples. Writes a row of `samples` for each such pixel, its number into `edge_of`, of
+// each pair the pixels that it may cover and its slot into `touches`, and `blocks` of LANES strips, four samples each, of the rows of one tile.
+// Rows and blocks may overflow: the counter of rows keeps counting, and blocks have room for all rows.
+
+// No t at all, beyond that of bounds.
+const NOWHERE: f32 = 3.3e38;
+
+// An edge over the tile, in units of how far it may be off or go over a pixel's samples, in node units.
+struct Side {
+    c: vec3<f32>,       // in the middle, and slopes
+    q: vec3<f32>,       // x x, x y and y y
+}
+
+fn side(k: Conic, sign: f32) -> Side {
+    let s = ASIDE * NODE_PX;
+    let slopes = abs(k.x) + abs(k.y) + 2.0 * (abs(k.xx) + abs(k.xy) + abs(k.yy));
+    let share = sign / (s * (slopes + s * (abs(k.xx) + abs(k.xy) + abs(k.yy))) + k.slack);
+    return Side(share * vec3<f32>(k.c, k.x, k.y), share * vec3<f32>(k.xx, k.xy, k.yy));
+}
+
+fn side_at(k: Side, x: f32, y: vec4<f32>) -> vec4<f32> {
+    return (k.c.x + x * (k.c.y + x * k.q.x)) + y * ((k.c.z + x * k.q.y) + y * k.q.z);
+}
+
+// What the lanes share of a triangle.
+struct Shared {
+    a: Side,
+    b: Side,
+    c: Side,
+    along: vec3<f32>,       // N . (v - P), as in Plane
+    across: vec3<f32>,
+    room: vec2<f32>,        // how far each may be off, or go over a pixel's samples
+    id: u32,
+}
+
+fn given_side(own: Side, k: u32) -> Side {
+    return Side(subgroupShuffle(own.c, k), subgroupShuffle(own.q, k));
+}
+
+fn given(own: Shared, k: u32) -> Shared {
+    return Shared(
+        given_side(own.a, k), given_side(own.b, k), given_side(own.c, k),
+        subgroupShuffle(own.along, k), subgroupShuffle(own.across, k), subgroupShuffle(own.room, k),
+        subgroupShuffle(own.id, k),
+    );
+}
+
+// Of four pixels of a column: what is seen, and what is found of it.
+struct Four {
+    y: vec4<f32>,           // of the middles, node units
+    id: vec4<u32>,
+    sees: vec4<bool>,       // some triangle
+    part: vec4<bool>,       // some sample has a ray
+    whole: vec4<bool>,      // all samples' rays are one cell's
+    far: vec4<f32>,         // all that is seen lies before, if its triangle covers all samples
+    near: vec4<f32>,        // all else that may be seen lies behind
+    touched: u32,           // those of which the last triangle may cover a sample, as bits
+}
+
+// Holds a triangle against four pixels.
+fn hold(q: Shared, x: f32, before: Four) -> Four {
+    var f = before;
+    let a = side_at(q.a, x, f.y);
+    let b = side_at(q.b, x, f.y);
+    let c = side_at(q.c, x, f.y);
+    let least = min(a, min(b, c));
+    let most = max(a, max(b, c));
+    let inside = (least > vec4<f32>(1.0)) | (most < vec4<f32>(-1.0));
+    let outside = (least < vec4<f32>(-1.0)) & (most > vec4<f32>(1.0));
+
+    // where its plane lies over the samples: as depths does
+    let along = (q.along.x + x * q.along.y) + f.y * q.along.z;
+    let across = (q.across.x + x * q.across.y) + f.y * q.across.z;
+    let facing = select(vec4<f32>(-1.0), vec4<f32>(1.0), across > vec4<f32>(0.0));
+    let steep = abs(across) - q.room.y;
+    let flat = abs(across) + q.room.y;
+    let lo = facing * along - q.room.x;
+    let hi = facing * along + q.room.x;
+    let t_near = lo / select(steep, flat, lo > vec4<f32>(0.0));
+    let t_far = hi / select(flat, steep, hi > vec4<f32>(0.0));
+    // NaN and infinities fail these comparisons
+    let is_bounded = (steep > vec4<f32>(LEAST)) & (abs(t_near) < vec4<f32>(MOST)) & (abs(t_far) < vec4<f32>(MOST));
+    let near = select(vec4<f32>(-ENDLESS), t_near - BOUND_SLACK * abs(t_near), is_bounded);
+    let far = select(vec4<f32>(ENDLESS), t_far + BOUND_SLACK * abs(t_far), is_bounded);
+    let is_out_of_range = (far < vec4<f32>(params.t_min.x)) | (near > vec4<f32>(params.t_max.x));
+    let is_in_range = (near > vec4<f32>(params.t_min.x)) & (far < vec4<f32>(params.t_max.x));
+
+    let is_seen = f.sees & (f.id == vec4<u32>(q.id));
+    f.far = select(f.far, far, is_seen & inside & f.whole & is_bounded & is_in_range);
+    let touched = f.part & !(outside | is_out_of_range);
+    f.near = select(f.near, min(f.near, near), touched & !is_seen);
+    f.touched = row_bits(touched);
+    return f;
+}
+
+fn four(tile: u32, lane: u32, first: u32, part: vec2<u32>, whole: vec2<u32>) -> Four {
+    let corner = tile_corner(tile);
+    let rows = corner.y + first + vec4<u32>(0u, 1u, 2u, 3u);
+    let at = min(rows * params.width + corner.x + lane, vec4<u32>(params.width * params.height - 1u));
+    let a = visibility[at.x];
+    let b = visibility[at.y];
+    let c = visibility[at.z];
+    let d = visibility[at.w];
+    let sees = (vec4<u32>(a.x, b.x, c.x, d.x) | vec4<u32>(a.y, b.y, c.y, d.y)) != vec4<u32>(0u);
+    let bits = vec4<u32>(1u, 1u << TILE, 1u << (2u * TILE), 1u << (3u * TILE)) << vec4<u32>(lane);
+    let half_part = select(part.x, part.y, first != 0u);
+    let half_whole = select(whole.x, whole.y, first != 0u);
+    return Four(
+        (vec4<f32>(0.5, 1.5, 2.5, 3.5) + f32(first)) * NODE_PX - 1.0,
+        vec4<u32>(key_id(~a), key_id(~b), key_id(~c), key_id(~d)),
+        sees,
+        (vec4<u32>(half_part) & bits) != vec4<u32>(0u),
+        (vec4<u32>(half_whole) & bits) != vec4<u32>(0u),
+        select(vec4<f32>(ENDLESS), vec4<f32>(-NOWHERE), sees),
+        vec4<f32>(NOWHERE),
+        0u,
+    );
+}
+
+// The pixels that hold an edge: what else may be seen there may lie before what is seen, or this does not cover all.
+fn holding(f: Four) -> u32 {
+    return row_bits(f.part & ((f.near <= f.far) | (f.far < vec4<f32>(-ENDLESS))));
+}
+
+@compute @workgroup_size(64)
+fn edges(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+    @builtin(subgroup_invocation_id) lane: u32,
+) {
+    // take a tile that has pairs
+    let tile = group_index(group, groups) * (GROUP / LANES) + thread / LANES;
+    if tile >= params.tiles_x * params.tiles_y {
+        return;
+    }
+    let end = ends[tile];
+    if end == 0u {
+        return;
+    }
+    let node = item_node(tile, lane);
+    var part = vec2<u32>(0u);
+    var whole = vec2<u32>(0u);
+    for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
+        part |= pixels_in_part(k);
+        whole |= pixels_whole(k);
+    }
+    let x = (f32(lane) + 0.5) * NODE_PX - 1.0;
+    var upper = four(tile, lane, 0u, part, whole);
+    var lower = four(tile, lane, 4u, part, whole);
+
+    // hold all its pairs against it
+    var at = starts[tile];
+    loop {
+        let index = min(at + lane, end - 1u);
+        let triangle = triangles[pair_slot(vec2<u32>(pairs[index].x, 0u))];
+        let v0 = vertex(triangle.x);
+        let v1 = vertex(triangle.y);
+        let v2 = vertex(triangle.z);
+        let sides = conics(node, v0, v1, v2);
+        let seen = extent(node, v0, v1, v2);
+        let may = at + lane < end && !is_empty(pixels_within(seen, TILE))
+            && may_cover(sides, 0.0, 0.0, CENTRES + ASIDE * NODE_PX);
+        let flat = plane(node, v0, v1, v2);
+        let s = ASIDE * NODE_PX;
+        let room = s * vec2<f32>(abs(flat.along.y) + abs(flat.along.z), abs(flat.across.y) + abs(flat.across.z));
+        let own = Shared(
+            side(sides.e01, 1.0), side(sides.e02, -1.0), side(sides.e12, 1.0),
+            flat.along, flat.across, room + vec2<f32>(flat.lost_along, flat.lost_across),
+            triangle_id(triangle),
+        );
+        var left = lanes_any(select(0u, 1u << lane, may), lane);
+        var touched = vec2<u32>(0u);
+        loop {
+            let is_left = left != 0u;
+            let k = firstTrailingBit(left) % LANES;
+            left &= left - 1u;
+            let q = given(own, k);
+            if is_left {
+                upper = hold(q, x, upper);
+                lower = hold(q, x, lower);
+                let pixels = vec2<u32>(rows_mask(1u << lane, upper.touched), rows_mask(1u << lane, lower.touched));
+                let all = vec2<u32>(lanes_any(pixels.x, lane), lanes_any(pixels.y, lane));
+                touched = select(touched, all, lane == k);
+            }
+            if left == 0u {
+                break;
+            }
+        }
+        if at + lane < end {
+            touches[at + lane] = vec4<u32>(touched, pair_slot(vec2<u32>(pairs[index].x, 0u)), 0u);
+        }
+        at += LANES;
+        if at >= end {
+            break;
+        }
+    }
+
+    // list the pixels that hold an edge, and their strips
+    let held_upper = holding(upper);
+    let held_lower = holding(lower);
+    let held = vec2<u32>(
+        lanes_any(rows_mask(1u << lane, held_upper), lane),
+        lanes_any(rows_mask(1u << lane, held_lower), lane),
+    );
+    let count = countOneBits(held.x) + countOneBits(held.y);
+    var first = 0u;
+    if lane == 0u {
+        first = atomicAdd(&counters[COUNT_EDGES], count);
+    }
+    first = subgroupShuffle(first, 0u);
+    if count == 0u || first + count > params.edge_capacity {
+        return;
+    }
+    let corner = tile_corner(tile);
+    for (var y = 0u; y < TILE; y++) {
+        let bit = y * TILE + lane;
+        let own = bit_mask(bit);
+        if any((held & own) != vec2<u32>(0u)) {
+            let below = vec2<u32>(select(held.x, held.x & (own.x - 1u), bit < 32u), select(held.y & (own.y - 1u), 0u, bit < 32u));
+            let row = first + countOneBits(below.x) + countOneBits(below.y);
+            let pixel = (corner.y + y) * params.width + corner.x + lane;
+            let won = visibility[pixel];
+            samples[row * (SAMPLES + 1u)] = vec2<u32>(pixel, select(key_id(~won), NONE, all(won == vec2<u32>(0u))));
+            edge_of[pixel] = row + 1u;
+        }
+    }
+    let strips = count * STRIPS;
+    let block_count = (strips + LANES - 1u) / LANES;
+    var block = 0u;
+    if lane == 0u {
+        block = atomicAdd(&counters[COUNT_BLOCKS], block_count);
+    }
+    block = subgroupShuffle(block, 0u);
+    for (var k = lane; k < block_count; k += LANES) {
+        let size = min(strips - k * LANES, LANES);
+        blocks[block + k] = vec4<u32>(tile | (size << 24u), first * STRIPS + k * LANES, starts[tile], end);
+    }
+}

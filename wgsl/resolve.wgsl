@@ -1,0 +1,97 @@
+// resolve: one thread per row of `samples`, after shade.
+// Reads the visibility keys of a listed pixel's samples, the triangles and the samples' rays; writes the pixel's colour and coverage, the
+// means of its samples'; where these and the centre see one triangle they are what shade has written. Each triangle is shaded once, at the sample nearest to the middle of those that see it.
+// Triangles in another chunk of the scene are left to that chunk's dispatch, which adds its share.
+
+fn key_of(row: u32, sample: u32) -> vec2<u32> {
+    let at = 2u * (row * (SAMPLES + 1u) + 1u + sample);
+    return vec2<u32>(samples[at], samples[at + 1u]);
+}
+
+@compute @workgroup_size(64)
+fn resolve(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    // take a listed pixel
+    let row = item_index(group, groups, lane);
+    if row >= min(atomicLoad(&counters[COUNT_EDGES]), params.edge_capacity) {
+        return;
+    }
+    let pixel = samples[2u * row * (SAMPLES + 1u)];
+    let centre = samples[2u * row * (SAMPLES + 1u) + 1u];
+    var colour = vec3<f32>(0.0);
+    var covered = 0u;
+
+    // take each triangle with all samples that see it
+    var left = all_samples();
+    loop {
+        let first = key_of(row, firstTrailingBit(left));
+        let is_hit = any(first != vec2<u32>(0u));
+        var same = 0u;
+        var middle = vec2<f32>(0.0);
+        for (var others = left; others != 0u; others &= others - 1u) {
+            let n = firstTrailingBit(others);
+            let key = key_of(row, n);
+            if any(key != vec2<u32>(0u)) == is_hit && key_id(~key) == key_id(~first) {
+                same |= 1u << n;
+                middle += sample_place(n);
+            }
+        }
+        if same == all_samples() && select(NONE, key_id(~first), is_hit) == centre {
+            return;
+        }
+        left &= ~same;
+        let count = countOneBits(same);
+        if is_hit {
+            covered += count;
+            if key_id(~first) - params.id_first < params.id_count {
+                let n = nearest_to(middle / f32(count), same);
+                colour += f32(count) * seen_by(pixel, key_of(row, n), n);
+            }
+        } else if params.id_first == 0u {
+            colour += f32(count) * shading.background;
+        }
+        if left == 0u {
+            break;
+        }
+    }
+
+    // write what they come to
+    put(PLANE_A, pixel, f32(covered) / f32(SAMPLES), false);
+    put(PLANE_R, pixel, colour.x / f32(SAMPLES), true);
+    put(PLANE_G, pixel, colour.y / f32(SAMPLES), true);
+    put(PLANE_B, pixel, colour.z / f32(SAMPLES), true);
+}
+
+// Of some samples the one nearest to a place.
+fn nearest_to(place: vec2<f32>, some: u32) -> u32 {
+    var nearest = 0u;
+    var least = 4.0;
+    for (var others = some; others != 0u; others &= others - 1u) {
+        let n = firstTrailingBit(others);
+        let off = sample_place(n) - place;
+        let distance = dot(off, off);
+        nearest = select(nearest, n, distance < least);
+        least = min(least, distance);
+    }
+    return nearest;
+}
+
+// The colour of the triangle of a key, as its sample sees it.
+fn seen_by(pixel: u32, key: vec2<u32>, sample: u32) -> vec3<f32> {
+    let slot = slot_of_id[key_id(~key) - params.id_first];
+    let ray = sample_ray(key_layer(~key), pixel % params.width, pixel / params.width, sample);
+    let n = surface_normal(slot, triangles[slot], ray);
+    return materials[surfaces[slot].w].xyz * received(n, normalize(ray.d));
+}
+
+// A sum that the first chunk begins, or what all of them find alike.
+fn put(plane: u32, pixel: u32, value: f32, is_sum: bool) {
+    if plane != NONE {
+        let at = plane * params.width * params.height + pixel;
+        let before = select(0.0, bitcast<f32>(planes[at]), is_sum && params.id_first != 0u);
+        planes[at] = bitcast<u32>(before + value);
+    }
+}

@@ -1,0 +1,47 @@
+// sample: one thread per (slot, tile) pair, once the pixels that hold an edge are listed.
+// Reads what recheck reads, the listed pixels and which cells samples lie in; finds in recheck arithmetic which samples of those
+// pixels the triangle covers, and merges their keys into the rows of `samples`: a pixel, and a visibility key a sample.
+
+@compute @workgroup_size(64)
+fn sample(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    // take a pair
+    let index = item_index(group, groups, lane);
+    if index >= min(atomicLoad(&counters[COUNT_PAIRS]), params.pair_capacity) {
+        return;
+    }
+    let pair = pairs[index];
+    let tile = pair_tile(pair);
+    let triangle = triangles[pair_slot(pair)];
+    let within = box_mask(pair_from(pair), pair_to(pair));
+    let corner = tile_corner(tile);
+    let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
+    let flat = flat_of(triangle, v);
+
+    // find the listed pixels that it may cover, piece by piece
+    for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
+        var left = pixels_in_part(k) & within;
+        if all(left == vec2<u32>(0u)) {
+            continue;
+        }
+        let cell = cells[k];
+        let sides = conics(nodes[cell.node], vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
+        loop {
+            let bit = first_bit(left);
+            if bit == NONE {
+                break;
+            }
+            left = without_bit(left, bit);
+            let x = bit % TILE;
+            let y = bit / TILE;
+            let number = edge_of[(corner.y + y) * params.width + corner.x + x];
+            let place = (vec2<f32>(f32(x), f32(y)) + 0.5) * NODE_PX - 1.0;
+            if number != 0u && may_cover(sides, place.x, place.y, ASIDE * NODE_PX) {
+                settle_samples(cell, k, vec2<u32>(x, y), 0u, all_samples(), number - 1u, triangle, flat, v);
+            }
+        }
+    }
+}

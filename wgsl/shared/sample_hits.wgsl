@@ -1,0 +1,52 @@
+// What samples of one pixel see of a triangle, in recheck arithmetic.
+
+// Merges the keys of those of the samples from `first` on, bit by bit of `some`, that lie in the cell and that the triangle covers.
+fn settle_samples(
+    cell: Cell,
+    number: u32,
+    at: vec2<u32>,
+    first: u32,
+    some: u32,
+    row: u32,
+    triangle: vec4<u32>,
+    flat: Flat,
+    v: array<real3, 3>,
+) {
+    let whole = cell_bundle(cell);
+    let own = bit_mask(at.y * TILE + at.x);
+    for (var left = some; left != 0u; left &= left - 1u) {
+        let n = first + firstTrailingBit(left);
+        if all((pixels_of_sample(number, n) & own) == vec2<u32>(0u)) {
+            continue;
+        }
+        let b = sample_bundle(whole, cell, at.x, at.y, n);
+        if is_between(b, shear_of(b), v) {
+            let met = flat_meeting(flat, b);
+            if met.visible {
+                merge(row * (SAMPLES + 1u) + 1u + n, ~visibility_key(tile_layer(cell.tile), met.t, triangle_id(triangle)));
+            }
+        }
+    }
+}
+
+// A triangle's plane, and of which side it does not show.
+struct Flat {
+    normal: real3,
+    v: real3,
+    reach: real,
+    hidden: real,
+}
+
+fn flat_of(triangle: vec4<u32>, v: array<real3, 3>) -> Flat {
+    let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
+    let hidden = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
+    return Flat(cross(v[1] - v[0], v[2] - v[0]), v[0], reach3(v), hidden);
+}
+
+fn flat_meeting(q: Flat, b: Bundle) -> Meeting {
+    var rounding = real(0.0);
+    if SHEETED {
+        rounding = end_rounding(b, q.normal, q.reach);
+    }
+    return ray_meeting(dot(q.normal, q.v * b.h - b.p), dot(q.normal, b.d), rounding, q.hidden);
+}

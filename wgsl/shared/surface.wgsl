@@ -1,0 +1,48 @@
+// What a surface looks like: its normal, and the light that it takes in.
+
+// The scene has normals of its own.
+override NORMALS: bool = true;
+
+// A row's weights as the file orders its corners.
+fn in_file_order(w: vec3<f32>, triangle: vec4<u32>) -> vec3<f32> {
+    let order = corner_order(triangle_order(triangle));
+    return clamp(vec3<f32>(w[order.x], w[order.y], w[order.z]), vec3<f32>(0.0), vec3<f32>(1.0));
+}
+
+// The unit normal, turned to the viewer: the file's where it has them.
+fn surface_normal(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
+    let v0 = vertex(triangle.x);
+    let v1 = vertex(triangle.y);
+    let v2 = vertex(triangle.z);
+    let surface = surfaces[slot];
+    let flat = normalize(cross(v1 - v0, v2 - v0));
+    let n = flat * select(1.0, -1.0, dot(flat, ray.d) > 0.0);
+    if NORMALS && surface.x != NONE && surface.y != NONE && surface.z != NONE {
+        let g0 = cross(ray.d, v0 - ray.p);
+        let w = vec3<f32>(dot(v2 - v1, cross(ray.d, v1 - ray.p)), dot(v0 - v2, g0), dot(v1 - v0, g0));
+        let weights = in_file_order(w / (w.x + w.y + w.z), triangle);
+        let smooth_normal = weights.x * stored_normal(surface.x) + weights.y * stored_normal(surface.y)
+            + weights.z * stored_normal(surface.z);
+        if dot(smooth_normal, smooth_normal) > 0.0 {
+            let turned = normalize(smooth_normal);
+            return turned * select(1.0, -1.0, dot(turned, n) < 0.0);
+        }
+    }
+    return n;
+}
+
+// Lambert from every light, or one headlight along the ray, and a small ambient term.
+fn received(n: vec3<f32>, view: vec3<f32>) -> f32 {
+    var sum = shading.ambient;
+    if shading.light_count == 0u {
+        sum += (1.0 - shading.ambient) * max(0.0, -dot(n, view));
+    }
+    for (var k = 0u; k < shading.light_count; k++) {
+        sum += (1.0 - shading.ambient) * max(0.0, -dot(n, lights[k].xyz));
+    }
+    return sum;
+}
+
+fn stored_normal(index: u32) -> vec3<f32> {
+    return vec3<f32>(normals[3u * index], normals[3u * index + 1u], normals[3u * index + 2u]);
+}
