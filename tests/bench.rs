@@ -88,7 +88,7 @@ fn no_rival_is_more_accurate_in_the_committed_runs() {
     let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("bench_results");
     let runs = std::fs::read_dir(results).unwrap().map(|e| e.unwrap().path().join("results.json"));
     let runs: Vec<Run> = runs.filter(|p| p.is_file()).map(|p| serde_json::from_str(&text(&p)).unwrap()).collect();
-    for suite in ["papers", "pareto", "glc", "stages", "dynamic", "stiff"] {
+    for suite in ["papers", "pareto", "glc", "samples", "stages", "dynamic", "stiff"] {
         assert!(runs.iter().any(|r| r.suite == suite && !r.provenance.quick), "{suite}");
     }
     for case in runs.iter().flat_map(|r| r.rows.chunk_by(|a, b| a.case == b.case)) {

@@ -149,6 +149,38 @@ fn sixteen_samples_come_near_the_box_filter() {
     }
 }
 
+/// Curves, and a mirror.
+const ONE_BY_ONE: [&str; 2] = [
+    "kind = \"twist\"\neye = [0.2, 0.3, 4]\ntarget = [0, 0, 0]\nvfov = 40\ndegree = 3\nangle = 40",
+    r#"kind = "reflection"
+eye = { kind = "pinhole", eye = [0.2, 0.4, 4], target = [0, 0, 0], vfov = 40 }
+mirror = { shape = "sphere", center = [0.9, 0.6, 1.2], radius = 0.6 }
+depth = 1"#,
+];
+
+#[test]
+fn sixteen_frames_come_as_near_where_each_sample_takes_one() {
+    let scene = ball();
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    for text in ONE_BY_ONE {
+        let camera = camera_of("", SIZE, text).unwrap();
+        assert!(!at_once(&scene, &camera, 16));
+        let wanted = Wanted { samples: 16, ..Wanted::of(vec![Channel::R, Channel::G, Channel::B]) };
+        let error = engine.render(&scene, &camera, &wanted, &RunOptions::default()).expect_err("an error");
+        println!("{error}");
+        let wanted = Wanted { samples: 1, ..wanted };
+        let mut sum = vec![[0.0; 3]; (SIZE.0 * SIZE.1) as usize];
+        for place in places(16) {
+            let moved = camera.with_sample_offset(place.x, place.y);
+            let frame = engine.render(&scene, &moved, &wanted, &RunOptions::default()).unwrap().frame;
+            sum.iter_mut().zip(colours(&frame)).for_each(|(s, c)| (0..3).for_each(|k| s[k] += c[k] / 16.0));
+        }
+        let error = psnr(&sum, &box_filtered(&scene, &camera, 256));
+        println!("{}: {error:.1} dB", camera.kind);
+        assert!(error >= 35.0, "{}: {error:.1} dB", camera.kind);
+    }
+}
+
 #[test]
 fn a_pixel_without_an_edge_pays_one_sample() {
     let (_, kind) = glc_of_each_class().swap_remove(3);
@@ -176,10 +208,11 @@ const SUM_ERROR: f64 = 4.0 * 3.0 / 16_777_216.0;
 
 #[test]
 fn lists_grow_and_bands_and_chunks_join_to_the_same_samples() {
-    let scene = crowd();
+    // their rows take more than a small binding holds
+    let scene = scene(soup(&mut Rng(5), 3000, 0.2));
     let (_, kind) = glc_of_each_class().swap_remove(3);
     // a row of tiles of a ray map takes 24 bytes a sample
-    for (camera, limit) in [(camera(kind, SIZE, FORWARD), 1 << 14), (raymap(SIZE.0, SIZE.1, FORWARD), 1 << 16)] {
+    for (camera, limit) in [(camera(kind, SIZE, FORWARD), 1 << 15), (raymap(SIZE.0, SIZE.1, FORWARD), 1 << 16)] {
         let Some(mut whole) = engine_on(|_| {}) else { return };
         let roomy = sampled(&mut whole, &scene, &camera, 4, &RunOptions::default());
         let few = Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, doubts: 1, edges: 1 };

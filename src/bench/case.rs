@@ -32,6 +32,8 @@ pub struct Case {
     pub moving: Moving,
     /// What this engine tests and keeps is counted too, in a frame of its own.
     pub counted: bool,
+    /// The truth are colours alone, the means of so many samples a pixel.
+    pub filtered: Option<u32>,
     /// What makes the scene hard, where that is asked: what is proven is asked too.
     pub stiffness: Option<Stiffness>,
     pub arms: Vec<Arm>,
@@ -55,6 +57,17 @@ pub struct Arm {
     pub arithmetic: Arithmetic,
     /// Asked for t and ids alone, as yardsticks find them, and for no colour.
     pub bare: bool,
+    /// Of a pixel.
+    pub samples: Samples,
+}
+
+/// How many samples a pixel has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Samples {
+    /// In one frame.
+    AtOnce(u32),
+    /// A frame each.
+    Apart(u32),
 }
 
 impl Case {
@@ -70,6 +83,7 @@ impl Case {
             truth: Vec::new(),
             moving: Moving::Nothing,
             counted: false,
+            filtered: None,
             stiffness: None,
             arms,
             paper: None,
@@ -97,6 +111,10 @@ impl Case {
 
     pub fn stiff(self, stiffness: Stiffness) -> Case {
         Case { stiffness: Some(stiffness), ..self }
+    }
+
+    pub fn filtered(self, samples: u32) -> Case {
+        Case { filtered: Some(samples), ..self }
     }
 
     pub fn counted(self) -> Case {
@@ -135,12 +153,22 @@ impl Arm {
             no_cull: false,
             arithmetic: Arithmetic::default(),
             bare: false,
+            samples: Samples::AtOnce(1),
         }
     }
 
     /// A rival, as `--engine` names it.
     pub fn rival(name: &str) -> Arm {
         Arm { by: Some(name.to_owned()), ..Arm::ours() }
+    }
+
+    /// With so many samples a pixel.
+    pub fn samples(self, samples: Samples) -> Arm {
+        let (way, n) = match samples {
+            Samples::AtOnce(n) => (self.way, n),
+            Samples::Apart(n) => (Some("a frame a sample"), n),
+        };
+        Arm { samples, way, knob: Some(("samples", f64::from(n))), ..self }
     }
 
     /// # Errors

@@ -37,14 +37,18 @@ struct Series {
 
 pub fn plots(rows: &[Row], plot: Plot) -> Result<Vec<Drawn>> {
     match plot {
-        Plot::Error => rows
+        Plot::Error | Plot::Colour => rows
             .chunk_by(|a, b| a.case == b.case)
             .filter_map(|case| {
-                let series = by_technique(case, |row| Some((row.times.as_ref()?.median, wrong_share(row)?)));
+                let error = if plot == Plot::Error { wrong_share } else { rms };
+                let series = by_technique(case, |row| Some((row.times.as_ref()?.median, error(row)?)));
                 let title = &case[0].case;
                 (!series.is_empty()).then(|| {
-                    let axes = ["ms a frame", "share of wrong pixels"];
-                    Ok((file_name(title), title.clone(), chart(&series, axes, Some(none_wrong(&case[0])))?))
+                    let (axis, none) = match plot {
+                        Plot::Error => ("share of wrong pixels", Some(none_wrong(&case[0]))),
+                        _ => ("error of colours, root mean square", None),
+                    };
+                    Ok((file_name(title), title.clone(), chart(&series, ["ms a frame", axis], none)?))
                 })
             })
             .collect(),
@@ -61,6 +65,11 @@ pub fn plots(rows: &[Row], plot: Plot) -> Result<Vec<Drawn>> {
         Plot::Stiffness => stiffness(rows),
         Plot::Stages => Ok(vec![("stages.svg".into(), "time of each stage".into(), bars(rows)?)]),
     }
+}
+
+/// The error of colours, root mean square of full scale; `None` where they are the same.
+fn rms(row: &Row) -> Option<f64> {
+    Some(10f64.powf(row.error.as_ref()?.psnr? / -20.0))
 }
 
 /// Of each family the share of wrong pixels against its number, and against the time.

@@ -1,19 +1,21 @@
 //! Running a case: all arms in turn, A B A B, the order turned round every other time, with an empty kernel as a control; each
 //! frame is held against one truth.
 
-use super::case::{Arm, Case};
+use super::case::{Arm, Case, Samples};
 use super::row::{Certified, Counted, Error, Moving, Row, Times};
 use super::yardstick::Yardstick;
 use crate::camera::Camera;
 use crate::compare::compare;
-use crate::engine::{Arithmetic, Engine, Frames, RunOptions};
+use crate::engine::{Arithmetic, Engine, Frames, Rendered, RunOptions};
 use crate::error::Result;
-use crate::frame::{Channel, Frame, NO_ID};
+use crate::frame::{Channel, Frame, NO_ID, Plane};
 use crate::gpu::Gpu;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER};
 use crate::plan::Wanted;
-use crate::reference::image::{Judgement, judge};
+use crate::plan::samples::places;
+use crate::reference::image::{Judgement, image, judge};
 use crate::scene::Scene;
+use glam::DVec2;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -71,6 +73,8 @@ const JUDGED_MAX: u64 = 1 << 20;
 /// What runs.
 enum Runner<'a> {
     Frames(Box<Frames<'a>>),
+    /// Of a frame a sample, whose colours are averaged.
+    Apart(Vec<Frames<'a>>),
     Yardstick(Yardstick),
 }
 
@@ -107,8 +111,9 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     let bare = yardstick.as_ref().and(case.arms.first()).map(|ours| ours.clone().bare());
     let arms: Vec<&Arm> = case.arms.iter().chain(&bare).collect();
     let scenes: Vec<Result<(Scene, Camera)>> = arms.iter().map(|arm| all.with_camera(&arm.set)).collect();
+    let moved: Vec<Vec<Camera>> = arms.iter().zip(&scenes).map(|(arm, scene)| cameras_apart(arm, scene)).collect();
     let mut entries: Vec<Entry> = Vec::new();
-    for (&arm, scene) in arms.iter().zip(&scenes) {
+    for ((&arm, scene), moved) in arms.iter().zip(&scenes).zip(&moved) {
         let mut entry = Entry { row: Row::new(suite, case, arm), arm: Some(arm), runner: None, times: Vec::new() };
         let with_culling = |e: &&Entry| arm.no_cull && e.row.technique == entry.row.technique;
         match (entries.iter().find(with_culling).and_then(|e| e.row.refused.clone()), scene) {
@@ -116,7 +121,14 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
             (None, Ok((scene, camera))) => {
                 let ours = entries.iter().find(|e| e.row.is_ours()).and_then(|e| e.runner.as_ref());
                 let first_ms_max = rules.first_ms_max.max(2.0 * ours.map_or(0.0, Runner::first_ms));
-                entry.prepare(engines.of(arm), scene, camera, &options(case, arm, rules), first_ms_max);
+                entry.prepare(
+                    engines.of(arm),
+                    scene,
+                    (camera, moved),
+                    &wanted(case, arm),
+                    &options(case, arm, rules),
+                    first_ms_max,
+                );
             }
             (None, Err(e)) => entry.row.refused = Some(e.to_string()),
         }
@@ -130,12 +142,16 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     let control_ms = time(&engines.computing, &all, &mut entries, rules.runs)?;
 
     let mut judge = Judge { scene: &truth.0, camera: &truth.1, judgement: None, each: case.stiffness.is_some() };
+    let filtered = case.filtered.map(|samples| box_filtered(&truth.0, &truth.1, samples));
     let mut rows = Vec::new();
     for (at, mut entry) in entries.into_iter().enumerate() {
         entry.row.control_ms = control_ms;
         let scene = scenes.get(at).and_then(|s| s.as_ref().ok());
         if let Some(frame) = entry.finish(scene.map(|s| &s.1)) {
-            entry.row.error = judge.error(&frame)?;
+            entry.row.error = match &filtered {
+                Some(truth) => Some(Error::of(&compare(&frame, truth, None, None)?)),
+                None => judge.error(&frame)?,
+            };
             if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, entry.row.is_ours()) {
                 let options = options(case, arm, rules)?;
                 if case.counted && !arm.bare {
@@ -187,14 +203,22 @@ impl<'a> Entry<'a> {
         &mut self,
         engine: &mut Engine,
         scene: &'a Scene,
-        camera: &'a Camera,
+        (camera, moved): (&'a Camera, &'a [Camera]),
+        wanted: &Wanted,
         options: &Result<RunOptions>,
         first_ms_max: f64,
     ) {
         self.row.describe(scene, camera);
         let options = options.as_ref().map_err(Clone::clone);
-        let wanted = wanted(self.row.stiffness.is_some(), self.arm.is_some_and(|arm| arm.bare));
-        match options.and_then(|options| engine.prepare(scene, camera, &wanted, options)) {
+        if !moved.is_empty() {
+            let each = |camera| options.clone().and_then(|options| engine.prepare(scene, camera, wanted, options));
+            match moved.iter().map(each).collect() {
+                Ok(frames) => self.runner = Some(Runner::Apart(frames)),
+                Err(e) => self.row.refused = Some(e.to_string()),
+            }
+            return;
+        }
+        match options.and_then(|options| engine.prepare(scene, camera, wanted, options)) {
             Ok(frames) => {
                 let first_ms = frames.first_ms();
                 if first_ms > first_ms_max && !self.row.is_ours() {
@@ -266,8 +290,54 @@ impl Judge<'_> {
     }
 }
 
+/// The cameras of an arm's samples, where each takes a frame.
+fn cameras_apart(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Vec<Camera> {
+    match (arm.samples, scene) {
+        (Samples::Apart(n), Ok((_, camera))) => {
+            places(n).into_iter().map(|place| camera.with_sample_offset(place.x, place.y)).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
+
+/// The colours of the reference, with so many samples a pixel.
+fn box_filtered(scene: &Scene, camera: &Camera, samples: u32) -> Frame {
+    let frame = |place: DVec2| image(scene, &camera.with_sample_offset(place.x, place.y), &COLOURS);
+    mean(places(samples).into_iter().map(frame))
+}
+
+/// The means of all frames' colours.
+fn mean(frames: impl Iterator<Item = Frame>) -> Frame {
+    let mut sums: Vec<Vec<f64>> = Vec::new();
+    let (mut size, mut count) = ((0, 0), 0.0);
+    for frame in frames {
+        let pixels = frame.width as usize * frame.height as usize;
+        sums.resize(COLOURS.len(), vec![0.0; pixels]);
+        for (sum, channel) in sums.iter_mut().zip(COLOURS) {
+            let values = frame.f32(channel).unwrap_or_default();
+            sum.iter_mut().zip(values).for_each(|(s, v)| *s += f64::from(*v));
+        }
+        (size, count) = ((frame.width, frame.height), count + 1.0);
+    }
+    let plane = |sum: &Vec<f64>| Plane::F32(sum.iter().map(|s| (s / count) as f32).collect());
+    let planes = COLOURS.into_iter().zip(&sums).map(|(channel, sum)| (channel, plane(sum))).collect();
+    Frame { width: size.0, height: size.1, planes }
+}
+
+/// What an arm is asked for.
+fn wanted(case: &Case, arm: &Arm) -> Wanted {
+    let seen = seen(case.stiffness.is_some(), arm.bare);
+    match (case.filtered, arm.samples) {
+        (Some(_), Samples::AtOnce(samples)) => Wanted { samples, ..Wanted::of(COLOURS.to_vec()) },
+        (Some(_), Samples::Apart(_)) => Wanted::of(COLOURS.to_vec()),
+        (None, _) => seen,
+    }
+}
+
 /// `depth`: how far along the rays things are is asked for too; `bare`: no colour.
-fn wanted(depth: bool, bare: bool) -> Wanted {
+fn seen(depth: bool, bare: bool) -> Wanted {
     let mut channels = vec![Channel::T, Channel::TriangleId];
     channels.extend([Channel::R, Channel::G, Channel::B].into_iter().filter(|_| !bare));
     channels.extend(depth.then_some(Channel::Z));
@@ -288,7 +358,7 @@ fn counted(
     options: &RunOptions,
     frame: &Frame,
 ) -> Result<Counted> {
-    let wanted = Wanted { counting: true, ..wanted(false, false) };
+    let wanted = Wanted { counting: true, ..seen(false, false) };
     let counts = engine.render(scene, camera, &wanted, options)?.counts;
     let covered = frame.u32(Channel::TriangleId).map_or(0, |ids| ids.iter().filter(|id| **id != NO_ID).count());
     Ok(Counted::of(counts, covered as u64))
@@ -317,6 +387,7 @@ impl Runner<'_> {
     fn first_ms(&self) -> f64 {
         match self {
             Runner::Frames(frames) => frames.first_ms(),
+            Runner::Apart(frames) => frames.iter().map(Frames::first_ms).sum(),
             Runner::Yardstick(_) => 0.0,
         }
     }
@@ -332,6 +403,7 @@ impl Runner<'_> {
                 Ok(aimed_ms + frames.frame()?)
             }
             Runner::Frames(frames) => frames.frame(),
+            Runner::Apart(frames) => frames.iter_mut().map(Frames::frame).sum(),
             Runner::Yardstick(yardstick) => yardstick.frame(),
         }
     }
@@ -346,6 +418,10 @@ impl Runner<'_> {
                 let rendered = frames.finish()?;
                 row.took(&rendered);
                 Ok(rendered.frame)
+            }
+            Runner::Apart(frames) => {
+                let rendered: Vec<Rendered> = frames.into_iter().map(Frames::finish).collect::<Result<_>>()?;
+                Ok(mean(rendered.into_iter().map(|r| r.frame)))
             }
             Runner::Yardstick(yardstick) => yardstick.finish(),
         }

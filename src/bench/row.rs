@@ -279,6 +279,11 @@ impl Times {
 }
 
 impl Error {
+    /// Colours alone were held against the truth: of these no pixel is said to be wrong.
+    pub fn is_of_colours(&self) -> bool {
+        self.t_median.is_none() && self.wrong_share == 0.0 && self.psnr.is_some()
+    }
+
     pub fn of(c: &Comparison) -> Error {
         let share = |n: Option<u64>| n.unwrap_or(0) as f64 / c.pixels as f64;
         let finite = |value: f64| Some(value).filter(|v| v.is_finite());

@@ -143,6 +143,7 @@ pub fn cells(row: &Row) -> [String; 7] {
         format!("{:.2} [{:.2}, {:.2}]{doubt}", t.median, t.quartiles[0], t.quartiles[1])
     });
     let error = row.error.as_ref();
+    let ids = error.filter(|e| !e.is_of_colours());
     let psnr = |e: &super::row::Error| match e.psnr {
         Some(psnr) => format!("{psnr:.1}"),
         None if e.identical => "identical".to_owned(),
@@ -152,8 +153,8 @@ pub fn cells(row: &Row) -> [String; 7] {
         row.label(),
         time.or_else(|| row.refused.clone()).unwrap_or_default(),
         row.to_ours.map(|r| format!("{r:.2}")).unwrap_or_default(),
-        error.map(|e| format!("{:.4}", 100.0 * e.wrong_share)).unwrap_or_default(),
-        error.map(|e| e.wrong_safe.to_string()).unwrap_or_default(),
+        ids.map(|e| format!("{:.4}", 100.0 * e.wrong_share)).unwrap_or_default(),
+        ids.map(|e| e.wrong_safe.to_string()).unwrap_or_default(),
         error.and_then(|e| e.t_p999).map(|t| format!("{t:.1e}")).unwrap_or_default(),
         error.map(psnr).unwrap_or_default(),
     ]

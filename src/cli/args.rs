@@ -196,7 +196,7 @@ pub struct ExampleArgs {
 
 #[derive(Debug, Args)]
 pub struct BenchArgs {
-    /// papers, pareto, glc, stages, dynamic or stiff [default: all]
+    /// papers, pareto, glc, samples, stages, dynamic or stiff [default: all]
     pub suite: Option<String>,
     /// Small cases, under a minute each
     #[arg(long)]

@@ -4,6 +4,7 @@ mod dynamic;
 mod glc;
 mod papers;
 mod pareto;
+mod samples;
 mod stages;
 mod stiff;
 
@@ -26,6 +27,8 @@ pub struct Suite {
 pub enum Plot {
     /// Share of wrong pixels against the time, a front a technique.
     Error,
+    /// Error of colours against the time.
+    Colour,
     /// The time against what is swept, both logarithmic, with fitted slopes.
     Scaling,
     /// Stacked times of stages.
@@ -34,7 +37,7 @@ pub enum Plot {
     Stiffness,
 }
 
-pub const SUITES: [Suite; 6] = [
+pub const SUITES: [Suite; 7] = [
     Suite {
         name: "papers",
         asks: "what each paper measured, by this engine and by the paper's own way, on stand-ins of the same counts",
@@ -55,6 +58,13 @@ pub const SUITES: [Suite; 6] = [
         plot: Plot::Scaling,
         cases: glc::cases,
         quick: glc::quick,
+    },
+    Suite {
+        name: "samples",
+        asks: "what less aliasing costs: samples of a pixel, against a box filter of 256",
+        plot: Plot::Colour,
+        cases: samples::cases,
+        quick: samples::quick,
     },
     Suite {
         name: "stages",
