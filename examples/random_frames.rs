@@ -4,12 +4,16 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
+use anamorph::Result;
+use anamorph::camera::Camera;
 use anamorph::compare::compare;
 use anamorph::engine::{Engine, RunOptions};
-use anamorph::frame::Channel;
+use anamorph::frame::{Channel, Frame, Plane};
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::plan::Wanted;
+use anamorph::plan::samples::{at_once, places};
 use anamorph::reference::image::{explain, judge};
+use anamorph::scene::Scene;
 use std::process::ExitCode;
 
 const SIZE: (u32, u32) = (32, 32);
@@ -24,6 +28,9 @@ struct Seen {
     by_f32: u64,
     by_recheck: u64,
     certified_wrong: u64,
+    /// Samples of pixels, and those wrong or not near.
+    samples: u64,
+    samples_wrong: u64,
 }
 
 fn main() -> ExitCode {
@@ -74,6 +81,18 @@ fn main() -> ExitCode {
                 println!("{}", explain(&scene, &camera, x, y));
             }
         }
+        let wrong = wrong_samples(&mut engine, &scene, &camera);
+        if let Some(Err(e)) = &wrong {
+            println!("scene {number}, {}: {e}", camera.kind);
+        }
+        if let Some(wrong) = wrong {
+            let wrong = wrong.unwrap_or(1);
+            if wrong > 0 {
+                println!("scene {number}, {}: {wrong} samples wrong", camera.kind);
+            }
+            all.samples += u64::from(SAMPLES) * seen.pixels;
+            all.samples_wrong += wrong;
+        }
         all.pixels += seen.pixels;
         all.unsafe_pixels += seen.unsafe_pixels.unwrap_or(0);
         all.wrong_safe += wrong_safe;
@@ -83,5 +102,25 @@ fn main() -> ExitCode {
         all.certified_wrong += certified_wrong;
     }
     println!("{count} scenes from {first}: {all:?}");
-    ExitCode::from(u8::from(all.wrong_safe + all.not_near + all.certified_wrong > 0))
+    ExitCode::from(u8::from(all.wrong_safe + all.not_near + all.certified_wrong + all.samples_wrong > 0))
+}
+
+/// Samples of a pixel.
+const SAMPLES: u32 = 4;
+
+/// How many samples of the pixels of a frame see what they do not, of cameras whose samples are found in one frame.
+fn wrong_samples(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Option<Result<u64>> {
+    at_once(scene, camera, SAMPLES).then(|| {
+        let wanted = Wanted { samples: SAMPLES, sample_ids: true, ..Wanted::of(vec![Channel::TriangleId]) };
+        let rendered = engine.render(scene, camera, &wanted, &RunOptions::default())?;
+        let mut wrong = 0;
+        for (place, ids) in places(SAMPLES).into_iter().zip(rendered.sample_ids) {
+            let planes = vec![(Channel::TriangleId, Plane::U32(ids))];
+            let own = Frame { width: SIZE.0, height: SIZE.1, planes };
+            let judged = judge(scene, &camera.with_sample_offset(place.x, place.y), &own);
+            let seen = compare(&own, &judged.truth, Some(&judged.safe), None)?;
+            wrong += seen.wrong_safe.unwrap_or(0) + judged.not_near;
+        }
+        Ok(wrong)
+    })
 }
