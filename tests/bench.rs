@@ -129,7 +129,7 @@ fn a_suite_that_is_not_there_is_refused_before_anything_is_written() {
     let done = bench(&["parto"], out.path());
     let error = String::from_utf8(done.stderr).unwrap();
     assert_eq!(done.status.code(), Some(2));
-    assert!(error.lines().count() == 1 && error.contains("papers, pareto, glc, stages, dynamic"), "{error}");
+    assert!(error.lines().count() == 1 && error.contains("papers, pareto, glc, samples, stages, dynamic"), "{error}");
     let done = bench(&["glc", "--quick", "--yardstick", "/nowhere/to/be/found"], out.path());
     let error = String::from_utf8(done.stderr).unwrap();
     assert!(done.status.code() == Some(2) && error.lines().count() == 1 && error.contains("/nowhere"), "{error}");

@@ -98,6 +98,23 @@ fn every_sample_sees_what_a_frame_of_its_own_sees() {
     }
 }
 
+#[test]
+fn samples_follow_the_camera() {
+    let scene = crowd();
+    let kinds = glc_of_each_class();
+    let [first, second] = [3, 4].map(|k| camera(kinds[k].1.clone(), SIZE, FORWARD));
+    let maps = [100, 90].map(|fov| camera_of("", SIZE, &FISHEYE.replace("100", &fov.to_string())).unwrap());
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    for [first, second] in [[first, second], maps] {
+        let wanted = Wanted { samples: 4, sample_ids: true, ..Wanted::of(vec![Channel::A]) };
+        let mut frames = engine.prepare(&scene, &first, &wanted, &RunOptions::default()).unwrap();
+        frames.aim(&second).unwrap();
+        let aimed = frames.finish().unwrap();
+        let anew = engine.render(&scene, &second, &wanted, &RunOptions::default()).unwrap();
+        assert!(aimed.sample_ids == anew.sample_ids && aimed.frame == anew.frame, "{}", second.kind);
+    }
+}
+
 /// Colours of a frame, pixel by pixel.
 fn colours(frame: &anamorph::frame::Frame) -> Vec<[f64; 3]> {
     let [r, g, b] = [Channel::R, Channel::G, Channel::B].map(|c| frame.f32(c).unwrap());

@@ -1,11 +1,12 @@
 //! Buffers by name, pipelines by kernel, and the bind groups that join the two.
 
 use super::device::{Gpu, one_line};
-use super::kernels::{Access, Binding, Kernel};
+use super::kernels::{Access, Binding, Kernel, Variant};
 use super::soft_f64::lowered;
 use crate::error::{Error, Result};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 /// Buffers of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
 #[derive(Default)]
@@ -170,6 +171,23 @@ impl Pipeline {
         texture: (&str, &wgpu::TextureView),
     ) -> Result<wgpu::BindGroup> {
         self.binder.bind(gpu, scopes, &[], &[texture])
+    }
+}
+
+/// A kernel of a variant, compiled once it is needed.
+pub struct Later {
+    kernel: fn(Variant) -> Kernel,
+    variant: Variant,
+    made: OnceLock<Pipeline>,
+}
+
+impl Later {
+    pub fn new(kernel: fn(Variant) -> Kernel, variant: Variant) -> Later {
+        Later { kernel, variant, made: OnceLock::new() }
+    }
+
+    pub fn get(&self, gpu: &Gpu) -> &Pipeline {
+        self.made.get_or_init(|| Pipeline::new(gpu, (self.kernel)(self.variant)))
     }
 }
 

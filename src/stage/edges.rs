@@ -14,31 +14,31 @@ const LIST: usize = 2;
 impl Stages {
     /// Pixels that hold an edge have several samples.
     pub fn samples_edges(&self) -> bool {
-        self.edges.is_some()
+        self.by_pair.is_some()
     }
 
     /// What is seen at the centres of `pixels` pixels; for every chunk of the scene.
     pub fn look_for_edges(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, pixels: u32) -> Result<()> {
-        let Some(edges) = &self.edges else { return Ok(()) };
-        self.edges_of(gpu, pass, scopes, edges, (pixels, SEEN))
+        let Some([edges, _]) = &self.by_pair else { return Ok(()) };
+        self.edges_of(gpu, pass, scopes, edges.get(gpu), (pixels, SEEN))
     }
 
     /// All pairs of a job, once the whole scene was looked at.
     pub fn edges(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes) -> Result<()> {
-        let Some(edges) = &self.edges else { return Ok(()) };
-        self.dispatch_counted(gpu, pass, scopes, edges, (COUNT_PAIRS, PAIRS))
+        let Some([edges, _]) = &self.by_pair else { return Ok(()) };
+        self.dispatch_counted(gpu, pass, scopes, edges.get(gpu), (COUNT_PAIRS, PAIRS))
     }
 
     /// Lists the pixels that were found, once all pairs have passed.
     pub fn list_edges(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, pixels: u32) -> Result<()> {
-        let Some(edges) = &self.edges else { return Ok(()) };
-        self.edges_of(gpu, pass, scopes, edges, (pixels, LIST))
+        let Some([edges, _]) = &self.by_pair else { return Ok(()) };
+        self.edges_of(gpu, pass, scopes, edges.get(gpu), (pixels, LIST))
     }
 
     /// Finds and lists them at once, of `tiles` tiles that have all pairs of the scene.
     pub fn edges_by_tile(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, tiles: u32) -> Result<()> {
         let Some([edges, ..]) = &self.by_tile else { return Ok(()) };
-        self.edges_of(gpu, pass, scopes, edges, (LANES * tiles, SEEN))
+        self.edges_of(gpu, pass, scopes, edges.get(gpu), (LANES * tiles, SEEN))
     }
 
     fn edges_of(

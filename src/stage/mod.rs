@@ -28,7 +28,7 @@ pub mod write;
 use crate::error::Result;
 use crate::frame::Channel;
 use crate::gpu::Gpu;
-use crate::gpu::buffers::{Buffers, Pipeline};
+use crate::gpu::buffers::{Buffers, Later, Pipeline};
 use crate::gpu::kernels::{self, OpticsKind, Variant};
 use crate::gpu::rows::{COUNTERS, GROUP, Step};
 
@@ -52,10 +52,10 @@ pub struct Stages {
     raster: Pipeline,
     recheck: Option<Pipeline>,
     certify: Option<Pipeline>,
-    edges: Option<Pipeline>,
-    sample: Option<Pipeline>,
+    /// Edges and sample, pair by pair.
+    by_pair: Option<[Later; 2]>,
     /// Edges, sample and settle, tile by tile.
-    by_tile: Option<[Pipeline; 3]>,
+    by_tile: Option<[Later; 3]>,
     resolve: Option<Pipeline>,
     shade: Pipeline,
     write: Pipeline,
@@ -88,11 +88,12 @@ impl Stages {
             raster: compile(kernels::raster(variant)),
             recheck: variant.rechecks().then(|| compile(kernels::recheck(variant))),
             certify: planes.contains(&Channel::Certified).then(|| compile(kernels::certify(variant, planes))),
-            edges: variant.samples_edges().then(|| compile(kernels::edges(variant))),
-            sample: variant.samples_edges().then(|| compile(kernels::sample(variant))),
+            by_pair: variant
+                .samples_edges()
+                .then(|| [kernels::edges, kernels::sample].map(|kernel| Later::new(kernel, variant))),
             by_tile: variant.samples_by_tile().then(|| {
-                [kernels::edges_by_tile(variant), kernels::sample_by_tile(variant), kernels::settle(variant)]
-                    .map(compile)
+                [kernels::edges_by_tile, kernels::sample_by_tile, kernels::settle]
+                    .map(|kernel| Later::new(kernel, variant))
             }),
             resolve: variant.samples_edges().then(|| compile(kernels::resolve(variant, planes))),
             shade: compile(kernels::shade(variant, planes)),

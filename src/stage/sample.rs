@@ -11,7 +11,8 @@ const KEYS: (&str, &str) = ("visibility", "samples");
 impl Stages {
     /// The words of a key go in the steps of [`Stages::raster`].
     pub fn sample(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, step: u32) -> Result<()> {
-        let Some(sample) = &self.sample else { return Ok(()) };
+        let Some([_, sample]) = &self.by_pair else { return Ok(()) };
+        let sample = sample.get(gpu);
         self.lay_out(gpu, pass, scopes, COUNT_PAIRS)?;
         let group = sample.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[step as usize]), KEYS])?;
         self.dispatch_laid_out(pass, scopes, sample, &group);
@@ -21,7 +22,8 @@ impl Stages {
     /// What [`Stages::edges_by_tile`] has listed.
     pub fn sample_by_tile(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes) -> Result<()> {
         let Some([_, sample, settle]) = &self.by_tile else { return Ok(()) };
-        self.dispatch_counted(gpu, pass, scopes, sample, (COUNT_BLOCKS, 0))?;
+        let settle = settle.get(gpu);
+        self.dispatch_counted(gpu, pass, scopes, sample.get(gpu), (COUNT_BLOCKS, 0))?;
         self.lay_out(gpu, pass, scopes, COUNT_SAMPLE_DOUBTS)?;
         let group = settle.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[0]), KEYS])?;
         self.dispatch_laid_out(pass, scopes, settle, &group);

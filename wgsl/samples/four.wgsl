@@ -13,7 +13,12 @@ fn side(k: Conic, sign: f32) -> Side {
     let s = ASIDE * NODE_PX;
     let slopes = abs(k.x) + abs(k.y) + 2.0 * (abs(k.xx) + abs(k.xy) + abs(k.yy));
     let share = sign / (s * (slopes + s * (abs(k.xx) + abs(k.xy) + abs(k.yy))) + k.slack);
-    return Side(share * vec3<f32>(k.c, k.x, k.y), share * vec3<f32>(k.xx, k.xy, k.yy));
+    // of what may overflow nothing is proven
+    let fits = k.slack < MOST;
+    return Side(
+        select(vec3<f32>(0.0), share * vec3<f32>(k.c, k.x, k.y), fits),
+        select(vec3<f32>(0.0), share * vec3<f32>(k.xx, k.xy, k.yy), fits),
+    );
 }
 
 fn side_at(k: Side, x: f32, y: vec4<f32>) -> vec4<f32> {
