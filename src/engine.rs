@@ -45,7 +45,7 @@ pub struct Capacities {
     pub tasks: u64,
     /// (triangle, tile) pairs.
     pub pairs: u64,
-    /// Half tiles of pixels of a pair that `recheck` takes.
+    /// Half tiles of pixels of a pair that `recheck` takes; `settle` takes two items a doubt.
     pub doubts: u64,
     /// Pixels that hold an edge, of which `sample` takes a closer look.
     pub edges: u64,
@@ -180,7 +180,7 @@ impl Engine {
         if wanted.channels.contains(&Channel::Certified) {
             check_provable(&camera, run)?;
         }
-        check_samples(scene, &camera, wanted, run)?;
+        check_samples(scene, &camera, wanted, run.by.is_some())?;
         let mut painter = self.painter(scene, &camera, wanted, run)?;
         let mut planned = wanted.clone();
         let lit = if wanted.has_colour() { self.illuminated(scene)? } else { None };
@@ -287,8 +287,11 @@ fn check_provable(camera: &Camera, run: &RunOptions) -> Result<()> {
 }
 
 /// Several samples are found by the engine's own stages, where these know the rays between pixel centres.
-fn check_samples(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Result<()> {
-    let is_possible = wanted.samples > 0 && run.by.is_none() && at_once(scene, camera, wanted.samples);
+fn check_samples(scene: &Scene, camera: &Camera, wanted: &Wanted, by_rival: bool) -> Result<()> {
+    if wanted.samples == 0 {
+        return Err(Error::input("0 samples a pixel; at least 1"));
+    }
+    let is_possible = !by_rival && at_once(scene, camera, wanted.samples);
     if wanted.samples == 1 || is_possible {
         return Ok(());
     }

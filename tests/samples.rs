@@ -79,7 +79,7 @@ fn every_sample_sees_what_a_frame_of_its_own_sees() {
     for lanes in [true, false] {
         for (name, camera) in cameras() {
             let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
-            for samples in if lanes { [4, 16] } else { [4, 5] } {
+            for samples in if lanes { vec![4, 5, 16] } else { vec![4, 5] } {
                 let seen = sampled(&mut engine, &scene, &camera, samples, &RunOptions::default());
                 let apart = one_by_one(&mut engine, &scene, &camera, samples);
                 let pixels = (SIZE.0 * SIZE.1) as usize;
@@ -96,6 +96,25 @@ fn every_sample_sees_what_a_frame_of_its_own_sees() {
             }
         }
     }
+}
+
+#[test]
+fn rays_all_over_the_scene_take_a_frame_a_sample() {
+    let plain = raymap(64, 64, FORWARD);
+    let display = "kind = \"lightfield\"\ncenter = [0, 0, 2]\nnormal = [0, 0, 1]\nup = [0, 1, 0]\nwidth = 2\nheight = 2\nviews = [8, 8]\nfov = 40";
+    let scattered = camera_of("", (64, 64), display).unwrap();
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let scene = crowd();
+    assert!(!at_once(&scene, &scattered, 4));
+    let wanted = Wanted { samples: 4, ..Wanted::of(vec![Channel::A]) };
+    let run = RunOptions::default();
+    assert!(engine.render(&scene, &scattered, &wanted, &run).is_err());
+    let mut frames = engine.prepare(&scene, &plain, &wanted, &run).unwrap();
+    assert!(frames.aim(&scattered).is_err());
+    // those of centres come in the image's own order
+    let wanted = Wanted { sample_ids: true, ..Wanted::of(vec![Channel::TriangleId]) };
+    let seen = engine.render(&scene, &scattered, &wanted, &run).unwrap();
+    assert!(seen.sample_ids[0] == ids(&seen.frame) && seen.sample_ids[0].iter().any(|id| *id != NO_ID));
 }
 
 #[test]

@@ -32,7 +32,7 @@ fn edges(
     var upper = four(tile, lane, 0u, part, whole);
     var lower = four(tile, lane, 4u, part, whole);
 
-    // hold all its pairs against it
+    // bound all its pairs over it
     var at = starts[tile];
     loop {
         let index = min(at + lane, end - 1u);
@@ -47,7 +47,7 @@ fn edges(
         let flat = plane(node, v0, v1, v2);
         let s = ASIDE * NODE_PX;
         let room = s * vec2<f32>(abs(flat.along.y) + abs(flat.along.z), abs(flat.across.y) + abs(flat.across.z));
-        let own = Shared(
+        let own = Bounds(
             side(sides.e01, 1.0), side(sides.e02, -1.0), side(sides.e12, 1.0),
             flat.along, flat.across, room + vec2<f32>(flat.lost_along, flat.lost_across),
             triangle_id(triangle),
@@ -58,10 +58,10 @@ fn edges(
             let is_left = left != 0u;
             let k = firstTrailingBit(left) % LANES;
             left &= left - 1u;
-            let q = given(own, k);
+            let q = given_bounds(own, k);
             if is_left {
-                upper = hold(q, x, upper);
-                lower = hold(q, x, lower);
+                upper = bound(q, x, upper);
+                lower = bound(q, x, lower);
                 let pixels = vec2<u32>(rows_mask(1u << lane, upper.touched), rows_mask(1u << lane, lower.touched));
                 let all = vec2<u32>(lanes_any(pixels.x, lane), lanes_any(pixels.y, lane));
                 touched = select(touched, all, lane == k);

@@ -155,8 +155,8 @@ fn raster(
     // merge the nearest of each pixel
     let layer = tile_layer(tile);
     for (var k = 0u; k < 4u; k++) {
-        settle(rows[k], settled(layer, nearest_upper[k]));
-        settle(rows[k] + 4u * params.width, settled(layer, nearest_lower[k]));
+        merge_some(rows[k], settled(layer, nearest_upper[k]));
+        merge_some(rows[k] + 4u * params.width, settled(layer, nearest_lower[k]));
     }
     if COUNTING {
         atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], kept);
@@ -177,7 +177,7 @@ fn raster(
     }
 }
 
-fn settle(pixel: u32, key: vec2<u32>) {
+fn merge_some(pixel: u32, key: vec2<u32>) {
     if any(key != vec2<u32>(0u)) {
         merge(pixel, key);
     }

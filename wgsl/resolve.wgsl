@@ -16,7 +16,9 @@ fn resolve(
 ) {
     // take a listed pixel
     let row = item_index(group, groups, lane);
-    if row >= min(atomicLoad(&counters[COUNT_EDGES]), params.edge_capacity) {
+    // of rows that ran over not all are written
+    let count = atomicLoad(&counters[COUNT_EDGES]);
+    if row >= count || count > params.edge_capacity {
         return;
     }
     let pixel = samples[2u * row * (SAMPLES + 1u)];

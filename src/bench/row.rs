@@ -281,7 +281,7 @@ impl Times {
 impl Error {
     /// Colours alone were held against the truth: of these no pixel is said to be wrong.
     pub fn is_of_colours(&self) -> bool {
-        self.t_median.is_none() && self.wrong_share == 0.0 && self.psnr.is_some()
+        self.t_median.is_none() && self.wrong_share == 0.0 && (self.psnr.is_some() || self.identical)
     }
 
     pub fn of(c: &Comparison) -> Error {

@@ -74,9 +74,10 @@ impl Arrangement {
     }
 }
 
-/// Neighbouring pixels look all over the scene.
+/// Neighbouring pixels look all over the scene, or did before they were sorted.
 pub fn is_scattered(camera: &Camera) -> bool {
-    scattered(camera).is_some()
+    let is_sorted = matches!(camera.layers.as_slice(), [Rays::Field(field)] if field.is_sorted);
+    is_sorted || scattered(camera).is_some()
 }
 
 /// The camera's one field of scattered rays.

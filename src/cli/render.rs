@@ -47,7 +47,8 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
 
     progress.now("opening the adapter");
     let mut backend = Backend::open(args)?;
-    let samples = if at_once(&scene, &camera, args.samples) { args.samples } else { 1 };
+    let is_at_once = !matches!(args.engine, Some(EngineName::Rival(_))) && at_once(&scene, &camera, args.samples);
+    let samples = if is_at_once { args.samples } else { 1 };
     backend.check_size(&camera, &Wanted { samples, ..wanted.clone() })?;
 
     progress.now("rendering");

@@ -14,7 +14,10 @@ use crate::stage::certify::CERTIFY_STEPS;
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 
 /// Compute passes of a job and of a pass over a band, at most.
-const PASSES_EACH: u32 = 32;
+const PASSES_EACH: u32 = 18;
+
+/// And more of them where pixels have samples.
+const PASSES_OF_SAMPLES: u32 = 22;
 
 impl Frames<'_> {
     /// Encodes and submits the stages of one frame that are due; with `read`, also the copies that bring its image to the host.
@@ -23,7 +26,8 @@ impl Frames<'_> {
         let passes = self.plan.bands.len() * resident.passes.len();
         let by_rival = |band| self.rival.as_ref().map_or(0, |r| r.passes(&self.target(band)));
         let rival: u32 = (0..self.plan.bands.len()).map(by_rival).sum();
-        let mut recorder = Recorder::new(gpu, PASSES_EACH * (resident.job_count() + passes) as u32 + rival);
+        let passes_each = PASSES_EACH + if self.stages.samples_edges() { PASSES_OF_SAMPLES } else { 0 };
+        let mut recorder = Recorder::new(gpu, passes_each * (resident.job_count() + passes) as u32 + rival);
         let jobs = resident.job_count().max(1);
         let status = readback(gpu, STATUS_BYTES * jobs as u64);
         let (mut planes, mut srgb8, mut edge_of, mut samples) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());

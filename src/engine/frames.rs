@@ -3,7 +3,7 @@
 use super::atlas::Painter;
 use super::illumination::Illuminated;
 use super::resident::Resident;
-use super::{Capacities, Counts, Rendered, join, setup};
+use super::{Capacities, Counts, Rendered, check_samples, join, setup};
 use crate::baseline::Rival;
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
@@ -96,6 +96,7 @@ impl Frames<'_> {
             painter.frames.warm_up()?;
         }
         loop {
+            self.compile_samples();
             let started = Instant::now();
             let submitted = self.submit(true, Due::All)?;
             wait(&self.gpu)?;
@@ -113,6 +114,7 @@ impl Frames<'_> {
     /// One more frame by all stages, whatever changed; its wall time, from the first upload until its results are complete on the device, ms.
     pub fn frame(&mut self) -> Result<f64> {
         loop {
+            self.compile_samples();
             let moved = [self.painter.as_mut().and_then(|p| p.frames.next_move()), self.next_move()];
             let started = Instant::now();
             let [painted, own] = moved;
@@ -151,6 +153,7 @@ impl Frames<'_> {
     /// # Errors
     /// [`Error::Input`] where the camera is not of the same kind and size as the one before, or turns rays.
     pub fn aim(&mut self, camera: &Camera) -> Result<()> {
+        check_samples(&self.scene, camera, &self.wanted, self.rival.is_some())?;
         let around = Surroundings { anchor: self.plan.anchor, middle: self.plan.middle };
         let arrangement = Arrangement::of(camera, around.middle);
         let camera = arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera));
@@ -198,7 +201,7 @@ impl Frames<'_> {
         Ok(())
     }
 
-    /// Brings the picture up to date, by the stages alone that follow what changed since it was made: none, `shade` after
+    /// Brings the picture up to date, by the stages alone that follow what changed since it was made: none, `shade` and `resolve` after
     /// [`Frames::light`], all after [`Frames::aim`]. How many compute passes it took.
     pub fn refresh(&mut self) -> Result<u32> {
         if self.due == Due::All {
@@ -281,7 +284,10 @@ impl Frames<'_> {
             let what = format!("{} triangles", self.resident.without_area);
             left_out.push(LeftOut { what, why: "they have no area".into() });
         }
-        let sample_ids = self.sample_ids(&first, &bands)?;
+        let mut sample_ids = self.sample_ids(&first, &bands)?;
+        if let Some(a) = arrangement {
+            sample_ids.iter_mut().for_each(|ids| *ids = a.restored(ids));
+        }
         let own = Rendered {
             frame,
             sample_ids,
@@ -300,6 +306,16 @@ impl Frames<'_> {
         match painter {
             Some(painter) => painter.joined(own),
             None => Ok(own),
+        }
+    }
+
+    /// The kernels of samples that this frame takes, before its time is.
+    fn compile_samples(&self) {
+        for (band, pass) in
+            (0..self.plan.bands.len()).flat_map(|b| (0..self.resident.passes.len()).map(move |p| (b, p)))
+        {
+            let by_tile = self.resident.is_alone(band, pass) && self.resident.samples_by_tile(&self.plan);
+            self.stages.compile_samples(&self.gpu, by_tile);
         }
     }
 

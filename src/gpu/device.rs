@@ -189,7 +189,7 @@ fn note(failed: &Mutex<Option<String>>, text: String) {
     failed.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(text);
 }
 
-/// Storage buffers of the kernel that binds most: `shade`.
+/// Storage buffers of the kernels that bind most: `shade`, `resolve` and others.
 pub const STORAGE_BUFFERS: u32 = 14;
 
 /// An error's text on one line.

@@ -3,12 +3,24 @@
 use super::{STEPS, Scopes, Stages, with};
 use crate::error::Result;
 use crate::gpu::Gpu;
+use crate::gpu::buffers::Later;
 use crate::gpu::rows::{COUNT_BLOCKS, COUNT_PAIRS, COUNT_SAMPLE_DOUBTS};
 
 /// Keys go into the rows of samples.
 const KEYS: (&str, &str) = ("visibility", "samples");
 
 impl Stages {
+    /// Compiles the kernels of edges and samples that are taken, if they are not.
+    pub fn compile_samples(&self, gpu: &Gpu, by_tile: bool) {
+        let all: [&[Later]; 2] = [
+            self.by_tile.as_ref().filter(|_| by_tile).map_or(&[], |k| k),
+            self.by_pair.as_ref().filter(|_| !by_tile).map_or(&[], |k| k),
+        ];
+        for kernel in all.into_iter().flatten() {
+            kernel.get(gpu);
+        }
+    }
+
     /// The words of a key go in the steps of [`Stages::raster`].
     pub fn sample(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, step: u32) -> Result<()> {
         let Some([_, sample]) = &self.by_pair else { return Ok(()) };

@@ -2,6 +2,6 @@
 
 // The bundle of a sample of a cell whose bundle is `whole`; (x, y) of its pixel in the tile.
 fn sample_bundle(whole: Bundle, cell: Cell, x: u32, y: u32, sample: u32) -> Bundle {
-    let place = vec2<f32>(f32(x), f32(y)) - TILE_REACH + sample_place(sample);
-    return bundle_at(whole, real(place.x), real(place.y));
+    let place = sample_place(sample);
+    return bundle_at(whole, real(f32(x) - TILE_REACH) + real(place.x), real(f32(y) - TILE_REACH) + real(place.y));
 }

@@ -36,8 +36,8 @@ fn sample_strip(tile: u32, x: u32, y: u32, first: u32, less: real3) -> SampleStr
         }
         let q = pieces[cells[k].piece];
         let at = vec2<f32>(f32(x), f32(y)) - vec2<f32>(q.origin_x, q.origin_y);
-        let xs = real4(vec4<f32>(a.x, b.x, c.x, d.x) + at.x);
-        let ys = real4(vec4<f32>(a.y, b.y, c.y, d.y) + at.y);
+        let xs = real4(vec4<f32>(a.x, b.x, c.x, d.x)) + real(at.x);
+        let ys = real4(vec4<f32>(a.y, b.y, c.y, d.y)) + real(at.y);
         strip = either(strip, places_strip(piece_bundle(q), xs, ys, less), owns);
         exists = exists | owns;
     }

@@ -26,7 +26,7 @@ fn side_at(k: Side, x: f32, y: vec4<f32>) -> vec4<f32> {
 }
 
 // What the lanes share of a triangle.
-struct Shared {
+struct Bounds {
     a: Side,
     b: Side,
     c: Side,
@@ -40,8 +40,8 @@ fn given_side(own: Side, k: u32) -> Side {
     return Side(subgroupShuffle(own.c, k), subgroupShuffle(own.q, k));
 }
 
-fn given(own: Shared, k: u32) -> Shared {
-    return Shared(
+fn given_bounds(own: Bounds, k: u32) -> Bounds {
+    return Bounds(
         given_side(own.a, k), given_side(own.b, k), given_side(own.c, k),
         subgroupShuffle(own.along, k), subgroupShuffle(own.across, k), subgroupShuffle(own.room, k),
         subgroupShuffle(own.id, k),
@@ -60,8 +60,8 @@ struct Four {
     touched: u32,           // those of which the last triangle may cover a sample, as bits
 }
 
-// Holds a triangle against four pixels.
-fn hold(q: Shared, x: f32, before: Four) -> Four {
+// Bounds a triangle over four pixels.
+fn bound(q: Bounds, x: f32, before: Four) -> Four {
     var f = before;
     let a = side_at(q.a, x, f.y);
     let b = side_at(q.b, x, f.y);

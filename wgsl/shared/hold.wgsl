@@ -48,7 +48,7 @@ struct Edge {
 
 // From the corner m along e, of triangles that reach so far. m and e as rounded 1 unit each, a cross product 4 of both sizes, d and q
 // 1 each, six products and five sums 8, and a unit for the scaling: 16 of |m| |e|, as |d| <= 1, and 12 of |e| |q|.
-fn edge_of(m: vec3<f32>, e: vec3<f32>, reach_q: f32, reach: f32) -> Edge {
+fn edge_from(m: vec3<f32>, e: vec3<f32>, reach_q: f32, reach: f32) -> Edge {
     let size_m = size(m);
     let size_e = size(e);
     let lost = STORED_UNIT * reach * (size_e + size_m + reach_q);
@@ -180,9 +180,9 @@ fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, middle: real3
         room = 16.0 * REAL_UNIT * size3(normal) * (real(reach) + real(reach_d));
     }
     return Shared(
-        edge_of(m0, vec3<f32>(v1 - v0), reach_q, reach),
-        edge_of(m0, vec3<f32>(v0 - v2), reach_q, reach),
-        edge_of(m1, vec3<f32>(v2 - v1), reach_q, reach),
+        edge_from(m0, vec3<f32>(v1 - v0), reach_q, reach),
+        edge_from(m0, vec3<f32>(v0 - v2), reach_q, reach),
+        edge_from(m1, vec3<f32>(v2 - v1), reach_q, reach),
         normal,
         dot(normal, v0 - middle),
         select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u),

@@ -1,7 +1,7 @@
 //! What renders: the compute engine on an adapter, or the reference on the CPU.
 
 use crate::baseline::Choice;
-use crate::camera::Camera;
+use crate::camera::{Camera, Rays};
 use crate::caustics::Account;
 use crate::cli::args::{EngineName, RenderArgs};
 use crate::engine::{Counts, Engine, Rendered, RunOptions};
@@ -26,6 +26,9 @@ pub enum Backend {
 
 /// Bytes that the widest table of a band has a pixel and sample: a ray of a ray map, hi or lo, or by what it differs.
 const FIELD_BYTES: u64 = 24;
+
+/// And a row of samples for each of them, and one more.
+const KEY_BYTES: u64 = 8;
 
 impl Backend {
     /// The engine asked for; without any adapter the reference, and a line on stderr that says so.
@@ -56,7 +59,13 @@ impl Backend {
     pub fn check_size(&self, camera: &Camera, wanted: &Wanted) -> Result<()> {
         let Backend::Compute(engine, _) = self else { return Ok(()) };
         let limit = engine.gpu.binding_limit();
-        let pixel = (4 * (wanted.channels.len() as u64 + 3)).max(FIELD_BYTES * u64::from(wanted.samples));
+        let is_field = camera.layers.iter().any(|l| matches!(l, Rays::Field(_)));
+        let samples = match u64::from(wanted.samples) {
+            1 => 0,
+            n if is_field => FIELD_BYTES * n,
+            n => KEY_BYTES * (n + 1),
+        };
+        let pixel = (4 * (wanted.channels.len() as u64 + 3)).max(FIELD_BYTES).max(samples);
         // one tile's rows and one more, one column more
         let row = u64::from(crate::TILE + 1) * pixel;
         let widest = (limit / row).saturating_sub(1);

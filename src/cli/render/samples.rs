@@ -14,7 +14,7 @@ use crate::scene::Scene;
 /// The channels that are averaged.
 const MEANS: [Channel; 4] = [Channel::R, Channel::G, Channel::B, Channel::A];
 
-/// Renders with `samples` rays a pixel; times, counts and stages are the sums over all of them. Every ray counts in the mattes.
+/// Renders with `samples` rays a pixel; times, counts and stages are the sums over all frames. Every ray counts in the mattes.
 pub fn render(
     backend: &mut Backend,
     scene: &Scene,
