@@ -421,6 +421,8 @@ impl Runner<'_> {
             }
             Runner::Apart(frames) => {
                 let rendered: Vec<Rendered> = frames.into_iter().map(Frames::finish).collect::<Result<_>>()?;
+                row.passes = rendered.iter().map(|r| r.passes).sum();
+                row.bytes = rendered.iter().map(|r| r.bytes).sum();
                 Ok(mean(rendered.into_iter().map(|r| r.frame)))
             }
             Runner::Yardstick(yardstick) => yardstick.finish(),

@@ -21,7 +21,7 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     outputs::check(path, files.map(PathBuf::as_path))?;
     if args.rays.is_some() || args.export_povray.is_some() {
         let numbers: usize = export::pixel_shape(&camera).iter().product();
-        memory::check(camera.width, camera.height, numbers.div_ceil(NUMBERS_A_CHANNEL))?;
+        memory::check(camera.width, camera.height, numbers.div_ceil(NUMBERS_A_CHANNEL), 0)?;
     }
     if let Some(file) = &args.export {
         export::write_pieces(file, &scene.camera, &camera)?;

@@ -8,28 +8,29 @@ const FIXED_BYTES: u64 = 32;
 /// Copies of a channel's four bytes alive at once: on the device, in a read-back buffer, joined, and being encoded.
 const COPIES: u64 = 4;
 
-/// Refuses an image of `width x height` pixels with `channels` planes that is larger than the free memory.
+/// Refuses an image of `width x height` pixels with `channels` planes, and `more` bytes a pixel, that is larger than the free memory.
 ///
 /// # Errors
 /// [`Error::Work`] that names the limit.
-pub fn check(width: u32, height: u32, channels: usize) -> Result<()> {
+pub fn check(width: u32, height: u32, channels: usize, more: u64) -> Result<()> {
     match free() {
-        Some(free) => fits(width, height, channels, free),
+        Some(free) => fits((width, height), channels, more, free),
         None => Ok(()),
     }
 }
 
-fn fits(width: u32, height: u32, channels: usize, free: u64) -> Result<()> {
+fn fits((width, height): (u32, u32), channels: usize, more: u64, free: u64) -> Result<()> {
     let pixels = u64::from(width) * u64::from(height);
-    let need = pixels * (FIXED_BYTES + 4 * COPIES * channels as u64);
+    let need = pixels * (FIXED_BYTES + 4 * COPIES * channels as u64 + more);
     if need <= free {
         return Ok(());
     }
     let gib = |bytes: u64| bytes as f64 / f64::from(1u32 << 30);
     let (need, free) = (gib(need), gib(free));
+    let (and, fewer) = if more > 0 { (" and its samples", " or --samples") } else { ("", "") };
     Err(Error::work(format!(
-        "an image of {width} x {height} with {channels} channels takes about {need:.1} GiB of memory and {free:.1} GiB \
-         are free; make it smaller or ask for fewer --channels"
+        "an image of {width} x {height} with {channels} channels{and} takes about {need:.1} GiB of memory and {free:.1} GiB \
+         are free; make it smaller or ask for fewer --channels{fewer}"
     )))
 }
 
@@ -53,8 +54,11 @@ mod tests {
     #[test]
     fn an_image_larger_than_the_memory_is_refused_with_the_limit() {
         let free = 4 << 30;
-        assert!(fits(800, 600, 10, free).is_ok());
-        let error = fits(65_536, 16_384, 10, free).unwrap_err();
+        assert!(fits((800, 600), 10, 0, free).is_ok());
+        let error = fits((65_536, 16_384), 10, 0, free).unwrap_err();
         assert!(error.exit_code() == 1 && error.to_string().contains("4.0 GiB are free"), "{error}");
+        assert!(fits((4096, 4096), 10, 24, free).is_ok());
+        let error = fits((4096, 4096), 10, 24 * 32, free).unwrap_err();
+        assert!(error.to_string().contains("or --samples"), "{error}");
     }
 }

@@ -9,7 +9,7 @@ mod samples;
 use super::args::{Change, EngineName, Named, RenderArgs};
 use super::progress::Progress;
 use super::{memory, print};
-use crate::camera::Camera;
+use crate::camera::{Camera, Rays};
 use crate::engine::RunOptions;
 use crate::error::{Error, Result};
 use crate::frame::Channel;
@@ -43,12 +43,13 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     }
     let wanted = wanted(&asked, &files, mattes.is_empty());
     points::check(&files, &camera)?;
-    memory::check(camera.width, camera.height, wanted.channels.len() + 3)?;
+    let is_at_once = !matches!(args.engine, Some(EngineName::Rival(_))) && at_once(&scene, &camera, args.samples);
+    let samples = if is_at_once { args.samples } else { 1 };
+    let more = sample_bytes(&camera, samples, !mattes.is_empty());
+    memory::check(camera.width, camera.height, wanted.channels.len() + 3, more)?;
 
     progress.now("opening the adapter");
     let mut backend = Backend::open(args)?;
-    let is_at_once = !matches!(args.engine, Some(EngineName::Rival(_))) && at_once(&scene, &camera, args.samples);
-    let samples = if is_at_once { args.samples } else { 1 };
     backend.check_size(&camera, &Wanted { samples, ..wanted.clone() })?;
 
     progress.now("rendering");
@@ -84,6 +85,14 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     let (names, counted) = (files.names(), counted(&scene, &camera));
     let (width, height, ms, adapter) = (camera.width, camera.height, milliseconds(frame_ms.median), device.adapter);
     print(&format!("{names}{width}x{height} | {counted} | frame {ms} | {adapter}{check}\n"))
+}
+
+/// Bytes a pixel that several samples of it take: by what their rays differ, here and on the device, and the ids that mattes count, in
+/// a read-back row and by themselves. The rows of pixels that hold an edge are few.
+fn sample_bytes(camera: &Camera, samples: u32, has_mattes: bool) -> u64 {
+    let is_field = camera.layers.iter().any(|l| matches!(l, Rays::Field(_)));
+    let each = if is_field { 2 * 24 } else { 0 } + if has_mattes { 8 + 4 } else { 0 };
+    if samples > 1 { each * u64::from(samples) } else { 0 }
 }
 
 /// Flags that make no sense together, beyond what the parser knows.
