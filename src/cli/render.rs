@@ -43,8 +43,8 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     }
     let wanted = wanted(&asked, &files, mattes.is_empty());
     points::check(&files, &camera)?;
-    let is_at_once = !matches!(args.engine, Some(EngineName::Rival(_))) && at_once(&scene, &camera, args.samples);
-    let samples = if is_at_once { args.samples } else { 1 };
+    let is_compute = matches!(args.engine, None | Some(EngineName::Compute));
+    let samples = if is_compute && at_once(&scene, &camera, args.samples) { args.samples } else { 1 };
     let more = sample_bytes(&camera, samples, !mattes.is_empty());
     memory::check(camera.width, camera.height, wanted.channels.len() + 3, more)?;
 
