@@ -5,6 +5,7 @@ use anamorph::example::EXAMPLES;
 use anamorph::gpu::device::NO_ADAPTER;
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::scene::obj;
+use anamorph::scene::texture::Images;
 use criterion::{Criterion, Throughput};
 use std::fmt::Write;
 use std::process::Command;
@@ -35,7 +36,9 @@ fn load(criterion: &mut Criterion, folder: &std::path::Path, bytes: usize) -> an
     std::fs::write(&path, &text).map_err(|e| anamorph::Error::work(format!("{}: {e}", path.display())))?;
     let mut group = criterion.benchmark_group("load");
     group.throughput(Throughput::Bytes(text.len() as u64));
-    group.bench_function("obj", |bencher| bencher.iter(|| obj::load(&path).expect("a file as above")));
+    group.bench_function("obj", |bencher| {
+        bencher.iter(|| obj::load(&path, &mut Images::left_out()).expect("a file as above"))
+    });
     group.finish();
     Ok(())
 }

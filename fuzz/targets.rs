@@ -12,6 +12,7 @@ use anamorph::frame::Channel;
 use anamorph::plan::Wanted;
 use anamorph::reference::image::judge;
 use anamorph::scene::file::{CameraKind, CameraSpec};
+use anamorph::scene::texture::Images;
 use anamorph::scene::{file, gltf, obj};
 use common::gpu::Without;
 use glam::DVec3;
@@ -47,13 +48,13 @@ pub fn scene(data: &[u8]) {
 }
 
 pub fn obj(data: &[u8]) {
-    read("mesh.obj", data, obj::load);
+    read("mesh.obj", data, |path| obj::load(path, &mut Images::default()));
 }
 
 /// Text, or binary where it begins as that does.
 pub fn gltf(data: &[u8]) {
     let name = if data.starts_with(b"glTF") { "mesh.glb" } else { "mesh.gltf" };
-    read(name, data, gltf::load);
+    read(name, data, |path| gltf::load(path, &Images::default()));
 }
 
 /// The keys of a camera, built for a small image, and its first and last ray.

@@ -4,6 +4,7 @@ mod atlas;
 mod encode;
 mod frames;
 mod illumination;
+pub mod pages;
 pub mod passes;
 mod resident;
 pub mod surface;
@@ -21,7 +22,7 @@ use crate::gpu::buffers::wait;
 use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::Recorder;
 use crate::plan::samples::at_once;
-use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
+use crate::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::cluster;
 use crate::stage::Stages;
@@ -178,22 +179,27 @@ impl Engine {
         run: &RunOptions,
     ) -> Result<Frames<'a>> {
         if wanted.channels.contains(&Channel::Certified) {
-            check_provable(&camera, run)?;
+            check_provable(scene, &camera, run)?;
         }
         check_samples(scene, &camera, wanted, run.by.is_some())?;
+        if let Some(choice) = run.by.filter(|_| scene.mesh.has_holes()) {
+            let name = choice.technique.name;
+            return Err(Error::input(format!("{name} sees no holes that images cut into triangles; use compute")));
+        }
         let mut painter = self.painter(scene, &camera, wanted, run)?;
         let mut planned = wanted.clone();
         let lit = if wanted.has_colour() { self.illuminated(scene)? } else { None };
         if lit.is_some() {
             planned.channels.extend([Channel::BaryU, Channel::BaryV]);
+            if scene.mesh.is_textured() {
+                planned.channels.extend([Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
+            }
         }
         let scene = scene.with_optics(&camera);
         let around = Surroundings::of(&camera, scene.bounds());
         check_size(&scene, around)?;
-        let has_normals = !scene.mesh.normals.is_empty();
-        let limit = self.gpu.binding_limit();
-        let triangles = scene.mesh.triangles.len();
-        let mut plan = Plan::new(&camera, triangles, has_normals, around, &planned, self.gpu.has, limit);
+        let (contents, limit) = (Contents::of(&scene.mesh), self.gpu.binding_limit());
+        let mut plan = Plan::new(&camera, contents, around, &planned, self.gpu.has, limit);
         plan.variant.f64 = run.arithmetic != Arithmetic::Single;
         plan.variant.culling = !run.no_cull;
         plan.variant.doubting = run.arithmetic == Arithmetic::Double;
@@ -206,7 +212,7 @@ impl Engine {
         let setup = setup(&camera, &plan);
         let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup)).transpose()?;
         let caustics = lit.map(|lit| (lit, self.gather(plan.variant, &plan.planes)));
-        let clustered = cluster(&scene.mesh, plan.anchor, self.gpu.binding_limit());
+        let clustered = cluster(&scene.mesh, plan.anchor, plan.variant.textured, limit);
         let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, wanted, run.capacities)?;
         let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());
         if let Some(most) = run.draws_max.filter(|most| draws > *most) {
@@ -272,7 +278,7 @@ fn check_size(scene: &Scene, around: Surroundings) -> Result<()> {
 }
 
 /// What is certified are the engine's own hits of rays that nothing turned.
-fn check_provable(camera: &Camera, run: &RunOptions) -> Result<()> {
+fn check_provable(scene: &Scene, camera: &Camera, run: &RunOptions) -> Result<()> {
     if let Some(choice) = run.by {
         return Err(Error::input(format!(
             "{} proves nothing; certified is a channel of --engine compute",
@@ -282,6 +288,9 @@ fn check_provable(camera: &Camera, run: &RunOptions) -> Result<()> {
     if camera.optics.is_some() {
         let kind = camera.kind;
         return Err(Error::input(format!("{kind} turns rays without bounds; certified is a channel of other cameras")));
+    }
+    if scene.mesh.has_holes() {
+        return Err(Error::input("nothing is proven where images cut holes into triangles; leave certified out"));
     }
     Ok(())
 }

@@ -32,10 +32,13 @@ pub enum Channel {
     PositionX,
     PositionY,
     PositionZ,
-    /// The material's diffuse colour, linear, before it is lit; 0 where nothing is hit.
+    /// The material's diffuse colour, times its texture's, linear, before it is lit; 0 where nothing is hit.
     AlbedoR,
     AlbedoG,
     AlbedoB,
+    /// Texture coordinates of the hit; 0 where nothing is hit, or what has none.
+    TextureU,
+    TextureV,
 }
 
 impl Channel {
@@ -55,7 +58,7 @@ impl Channel {
     ];
 
     /// And what is computed where it is asked for by name.
-    pub const MORE: [Channel; 10] = [
+    pub const MORE: [Channel; 12] = [
         Channel::Certified,
         Channel::NormalX,
         Channel::NormalY,
@@ -66,6 +69,8 @@ impl Channel {
         Channel::AlbedoR,
         Channel::AlbedoG,
         Channel::AlbedoB,
+        Channel::TextureU,
+        Channel::TextureV,
     ];
 
     /// Both.
@@ -102,6 +107,8 @@ impl Channel {
             Channel::AlbedoR => "albedo.R",
             Channel::AlbedoG => "albedo.G",
             Channel::AlbedoB => "albedo.B",
+            Channel::TextureU => "uv.U",
+            Channel::TextureV => "uv.V",
         }
     }
 
@@ -110,15 +117,15 @@ impl Channel {
         matches!(self, Channel::TriangleId | Channel::PieceId | Channel::MirrorId | Channel::Certified)
     }
 
-    /// The channel of this name, or all those of a vector or colour: `N`, `P` and `albedo`.
+    /// The channel of this name, or all those of a vector or colour: `N`, `P`, `albedo` and `uv`.
     pub fn named(name: &str) -> Vec<Channel> {
-        let whole = match name {
-            "N" => [Channel::NormalX, Channel::NormalY, Channel::NormalZ],
-            "P" => [Channel::PositionX, Channel::PositionY, Channel::PositionZ],
-            "albedo" => [Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB],
-            _ => return Channel::every().filter(|c| c.name() == name).collect(),
-        };
-        whole.to_vec()
+        match name {
+            "N" => vec![Channel::NormalX, Channel::NormalY, Channel::NormalZ],
+            "P" => vec![Channel::PositionX, Channel::PositionY, Channel::PositionZ],
+            "albedo" => vec![Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB],
+            "uv" => vec![Channel::TextureU, Channel::TextureV],
+            _ => Channel::every().filter(|c| c.name() == name).collect(),
+        }
     }
 }
 

@@ -45,7 +45,8 @@ pub use turns::Outcome;
 pub use verdict::Verdict;
 
 use crate::camera::bundle::Bundle;
-use crate::scene::mesh::Mesh;
+use crate::scene::mesh::{Material, Mesh};
+use crate::scene::texture::Texture;
 use beam::Beam;
 use bvh::{Bvh, Item};
 use intersect::{Corners, T_ROUNDING};
@@ -113,17 +114,32 @@ impl<'a> Reference<'a> {
         let m = intersect::meet(bundle, &self.corners(id))?;
         let seen = m.sign < 0 || self.two_sided(id);
         let in_range = t_range[0] <= m.t && m.t <= t_range[1];
-        (seen && in_range).then_some(Hit { t: m.t, triangle: id, bary: m.bary })
+        let hit = Hit { t: m.t, triangle: id, bary: m.bary };
+        (seen && in_range && self.is_there(&hit)).then_some(hit)
     }
 
     fn corners(&self, id: u32) -> Corners {
         Corners::new(self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]))
     }
 
+    fn material(&self, id: u32) -> Option<&Material> {
+        self.mesh.material_of.get(id as usize).and_then(|&m| self.mesh.materials.get(m as usize))
+    }
+
     /// A triangle without a material shows both faces.
     fn two_sided(&self, id: u32) -> bool {
-        let material = self.mesh.material_of.get(id as usize).and_then(|&m| self.mesh.materials.get(m as usize));
-        material.is_none_or(|m| m.two_sided)
+        self.material(id).is_none_or(|m| m.two_sided)
+    }
+
+    /// The triangle's image, where that cuts holes into it.
+    fn cut_by(&self, id: u32) -> Option<&Texture> {
+        self.material(id)?.texture.as_ref().filter(|t| t.cuts() && self.mesh.uvs_of(id as usize).is_some())
+    }
+
+    /// A hit's triangle has no hole there.
+    fn is_there(&self, hit: &Hit) -> bool {
+        let uv = || self.mesh.uv_at(hit.triangle, hit.bary);
+        self.cut_by(hit.triangle).is_none_or(|texture| uv().is_none_or(|uv| texture.is_there(uv)))
     }
 }
 

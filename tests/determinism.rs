@@ -6,7 +6,7 @@ mod common;
 use anamorph::camera::Camera;
 use anamorph::engine::RunOptions;
 use anamorph::frame::Channel;
-use anamorph::plan::{Plan, Surroundings, Wanted};
+use anamorph::plan::{Contents, Plan, Surroundings, Wanted};
 use anamorph::scene::Scene;
 use anamorph::scene::{generate, place};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
@@ -158,9 +158,8 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
             return;
         };
         let around = Surroundings::of(&camera, scene.bounds());
-        let plan =
-            Plan::new(&camera, scene.mesh.triangles.len(), false, around, &wanted(), small.gpu.has, SMALL_BINDING);
-        let chunks = anamorph::scene::clusters::cluster(&scene.mesh, around.anchor, SMALL_BINDING).chunks.len();
+        let plan = Plan::new(&camera, Contents::of(&scene.mesh), around, &wanted(), small.gpu.has, SMALL_BINDING);
+        let chunks = anamorph::scene::clusters::cluster(&scene.mesh, around.anchor, false, SMALL_BINDING).chunks.len();
         assert!(plan.bands.len() > 5 && chunks > 1, "{name}");
         let parts = small.render(&scene, &camera, &wanted(), &RunOptions::default()).unwrap();
         assert!(words(&parts.frame) == words(&whole.frame) && parts.srgb8 == whole.srgb8, "{name}");

@@ -8,6 +8,7 @@ use anamorph::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::scene::file::CameraKind;
 use anamorph::scene::generate;
 use anamorph::scene::mesh::{Material, Mesh};
+use anamorph::scene::texture::Images;
 use anamorph::scene::{Scene, gltf, obj, place};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
 use common::gpu::{Without, assert_right, assert_same_without_f64, check, hits, ids, render, render_with};
@@ -275,7 +276,14 @@ fn load(name: &str) -> Option<Mesh> {
         println!("skipped: no model {name}");
         return None;
     }
-    Some(if name.ends_with(".obj") { obj::load(&path) } else { gltf::load(&path) }.unwrap())
+    Some(
+        if name.ends_with(".obj") {
+            obj::load(&path, &mut Images::default())
+        } else {
+            gltf::load(&path, &Images::default())
+        }
+        .unwrap(),
+    )
 }
 
 #[test]

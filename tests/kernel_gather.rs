@@ -44,6 +44,8 @@ fn variant(optics: bool) -> Variant {
         culling: true,
         doubting: false,
         normals: false,
+        textured: false,
+        cut: false,
         optics: optics.then_some(OpticsKind::Facets),
         turned: false,
         samples: 1,

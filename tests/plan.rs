@@ -8,7 +8,7 @@ use anamorph::frame::Channel;
 use anamorph::gpu::device::Abilities;
 use anamorph::gpu::rows::{self, BRANCH};
 use anamorph::plan::sheets::Sheets;
-use anamorph::plan::{Band, Plan, Surroundings, Wanted};
+use anamorph::plan::{Band, Contents, Plan, Surroundings, Wanted};
 use anamorph::scene::file::CameraKind;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
@@ -28,8 +28,12 @@ fn wanted(channels: &[Channel]) -> Wanted {
     Wanted::of(channels.to_vec())
 }
 
+fn of(triangles: usize) -> Contents {
+    Contents { triangles, ..Contents::default() }
+}
+
 fn plan(camera: &Camera, binding_limit: u64) -> Plan {
-    Plan::new(camera, 1000, false, Surroundings::point(DVec3::ZERO), &wanted(&Channel::ALL), HAS_ALL, binding_limit)
+    Plan::new(camera, of(1000), Surroundings::point(DVec3::ZERO), &wanted(&Channel::ALL), HAS_ALL, binding_limit)
 }
 
 /// A GLC of random near and far points.
@@ -107,7 +111,7 @@ fn a_piece_row_gives_the_rays_of_its_pixels() {
     for (name, camera) in cameras() {
         let Rays::Pieces(_) = &camera.layers[0] else { continue };
         let around = Surroundings::of(&camera, None);
-        let plan = Plan::new(&camera, 1, false, around, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
+        let plan = Plan::new(&camera, of(1), around, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
         for band in &plan.bands {
             for (i, j) in (0..band.rows).step_by(5).flat_map(|y| (0..SIZE.0).step_by(7).map(move |x| (x, band.row + y)))
             {
@@ -252,7 +256,7 @@ fn nodes_bound_every_ray_of_their_squares() {
     for (name, camera) in cameras().into_iter().chain(layered_cameras()) {
         for around in [Surroundings::of(&camera, None), Surroundings::point(DVec3::new(3.0, -200.0, 0.1))] {
             for limit in [LAVAPIPE_BINDING, 1 << 17] {
-                let plan = Plan::new(&camera, 1, false, around, &wanted(&Channel::ALL), HAS_ALL, limit);
+                let plan = Plan::new(&camera, of(1), around, &wanted(&Channel::ALL), HAS_ALL, limit);
                 plan.bands.iter().for_each(|b| assert_bounded(&name, &camera, plan.anchor, plan.sheets, b));
             }
         }
@@ -284,8 +288,7 @@ fn the_key_has_room_for_every_id() {
     {
         let plan = Plan::new(
             &camera,
-            triangles,
-            false,
+            of(triangles),
             Surroundings::point(DVec3::ZERO),
             &wanted(&Channel::ALL),
             HAS_ALL,
@@ -302,7 +305,7 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
     let camera = camera(kind, (16, 16), FORWARD);
     let planes = |channels: &[Channel], srgb8: bool| {
         let wanted = Wanted { srgb8, ..wanted(channels) };
-        Plan::new(&camera, 9, false, Surroundings::point(DVec3::ZERO), &wanted, HAS_ALL, LAVAPIPE_BINDING).planes
+        Plan::new(&camera, of(9), Surroundings::point(DVec3::ZERO), &wanted, HAS_ALL, LAVAPIPE_BINDING).planes
     };
     use Channel::{B, G, R, T, Z};
     assert_eq!(planes(&[T, Z, T], false), [Z, T]);
@@ -314,7 +317,8 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
 #[test]
 fn what_is_left_out_is_said() {
     let whats = |camera: &Camera, normals: bool, wanted: &Wanted, has: Abilities, limit: u64| {
-        let plan = Plan::new(camera, 9, normals, Surroundings::point(DVec3::ZERO), wanted, has, limit);
+        let contents = Contents { has_normals: normals, has_uvs: normals, has_images: normals, ..of(9) };
+        let plan = Plan::new(camera, contents, Surroundings::point(DVec3::ZERO), wanted, has, limit);
         plan.left_out.into_iter().map(|l| l.what).collect::<Vec<_>>()
     };
     let (_, kind) = glc_of_each_class().swap_remove(3);

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 
 const PARAMS: &str = include_str!("../wgsl/shared/params.wgsl");
 const SHADING: &str = include_str!("../wgsl/shared/shading.wgsl");
+const MATERIAL: &str = include_str!("../wgsl/textures/material.wgsl");
 const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
 const OPTICS: &str = include_str!("../wgsl/optics/rows.wgsl");
 const CAUSTICS: &str = include_str!("../wgsl/caustics/rows.wgsl");
@@ -36,6 +37,8 @@ const PLAIN: Variant = Variant {
     culling: true,
     doubting: false,
     normals: false,
+    textured: false,
+    cut: false,
     optics: None,
     turned: false,
     samples: 1,
@@ -221,7 +224,8 @@ fn host() -> Layouts {
         layout!(Cast { a, b, c, receiver, pad0, flux, pad1 }),
         layout!(Receiver { columns, rows, first, scale }),
         layout!(Landing { a, ab, ac, receiver, pad0, diffuse, pad1 }),
-        layout!(Shading { background, ambient, anchor, light_count, gain, curve, pad0, pad1 }),
+        layout!(Shading { background, ambient, anchor, light_count, gain, curve, spread, pad0 }),
+        layout!(Material { diffuse, texture, origin, size, page, levels, span, cutoff }),
     ])
 }
 
@@ -324,6 +328,7 @@ fn differences<V: PartialEq + std::fmt::Debug>(a: &BTreeMap<String, V>, b: &BTre
 fn every_struct_is_the_same_bytes_on_both_sides() {
     let mut kernels = wgsl(PARAMS);
     kernels.extend(wgsl(SHADING));
+    kernels.extend(wgsl(MATERIAL));
     kernels.extend(wgsl(BEAMS));
     kernels.extend(wgsl(OPTICS));
     kernels.extend(wgsl(CAUSTICS));

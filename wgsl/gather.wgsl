@@ -16,8 +16,16 @@ fn add(plane: u32, at: u32, light: f32) {
     }
 }
 
-fn weight(plane: u32, at: u32) -> f32 {
+fn value(plane: u32, at: u32) -> f32 {
     return bitcast<f32>(planes[plane * params.width * params.height + at]);
+}
+
+// That of the triangle, or of its image there.
+fn diffuse_of(landing: Landing, pixel: u32) -> vec3<f32> {
+    if PLANE_ALBEDO_R == NONE || PLANE_ALBEDO_G == NONE || PLANE_ALBEDO_B == NONE {
+        return landing.diffuse;
+    }
+    return vec3<f32>(value(PLANE_ALBEDO_R, pixel), value(PLANE_ALBEDO_G, pixel), value(PLANE_ALBEDO_B, pixel));
 }
 
 @compute @workgroup_size(64)
@@ -41,7 +49,7 @@ fn gather(
     let landing = landings[landing_of[id]];
     let receiver = receivers[landing.receiver];
     let size = vec2<f32>(f32(receiver.columns), f32(receiver.rows));
-    let at = landing.a + weight(PLANE_U, pixel) * landing.ab + weight(PLANE_V, pixel) * landing.ac;
+    let at = landing.a + value(PLANE_U, pixel) * landing.ab + value(PLANE_V, pixel) * landing.ac;
     if any(at < vec2<f32>(0.0)) || any(at > size) {
         return;
     }
@@ -55,7 +63,7 @@ fn gather(
     let s = fract(place);
     let above = mix(received(receiver, x, y), received(receiver, x1, y), s.x);
     let below = mix(received(receiver, x, y1), received(receiver, x1, y1), s.x);
-    let light = light_kept(pixel) * landing.diffuse * mix(above, below, s.y);
+    let light = light_kept(pixel) * diffuse_of(landing, pixel) * mix(above, below, s.y);
     add(PLANE_R, pixel, light.x);
     add(PLANE_G, pixel, light.y);
     add(PLANE_B, pixel, light.z);

@@ -47,7 +47,7 @@ fn raster(
         leave_to_recheck(2u * index, found.z);
         leave_to_recheck(2u * index + 1u, found.w);
         if any(found.xy != vec2<u32>(0u)) {
-            merge_hits(cell, triangle, cell_bundle(cell), v, found.xy);
+            merge_hits(cell, pair_slot(pair), triangle, cell_bundle(cell), v, found.xy);
         }
     }
 }

@@ -41,7 +41,7 @@ fn recheck(
             }
         }
         if any(covered != vec2<u32>(0u)) {
-            merge_hits(cell, triangle, whole, v, covered);
+            merge_hits(cell, pair_slot(pair), triangle, whole, v, covered);
         }
     }
 }

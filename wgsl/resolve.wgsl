@@ -84,9 +84,16 @@ fn nearest_to(place: vec2<f32>, some: u32) -> u32 {
 // The colour of the triangle of a key, as its sample sees it.
 fn seen_by(pixel: u32, key: vec2<u32>, sample: u32) -> vec3<f32> {
     let slot = slot_of_id[key_id(~key) - params.id_first];
-    let ray = sample_ray(key_layer(~key), pixel % params.width, pixel / params.width, sample);
-    let n = surface_normal(slot, triangles[slot], ray);
-    return materials[surfaces[slot].w].xyz * received(n, normalize(ray.d));
+    let triangle = triangles[slot];
+    let x = pixel % params.width;
+    let y = pixel / params.width;
+    let ray = sample_ray(key_layer(~key), x, y, sample);
+    var spread: Spread;
+    if TEXTURED {
+        spread = sample_spread(key_layer(~key), x, y, sample, key_t(~key));
+    }
+    let n = surface_normal(slot, triangle, ray);
+    return surface_albedo(slot, triangle, ray, spread) * received(n, normalize(ray.d));
 }
 
 // A sum that the first chunk begins, or what all of them find alike.

@@ -55,6 +55,7 @@ fn shade(
             store_piece(at, 0u);
             let own = colour_of(id, vec3<f32>(0.0));
             store_surface(at, vec3<f32>(0.0), point_at(ray, t) + shading.anchor, own);
+            store_uv(at, vec2<f32>(0.0));
             store_light(at, own);
         }
         return;
@@ -87,9 +88,16 @@ fn shade(
         store(PLANE_U, at, bitcast<u32>(weights.y));
         store(PLANE_V, at, bitcast<u32>(weights.z));
     }
-    let diffuse = materials[surfaces[slot].w].xyz;
+    var spread: Spread;
+    if TEXTURED {
+        spread = ray_spread(layer, x, y, t);
+    }
+    let diffuse = surface_albedo(slot, triangle, ray, spread);
     let n = surface_normal(slot, triangle, ray);
     store_surface(at, n, point_at(ray, t) + shading.anchor, colour_of(id, diffuse));
+    if PLANE_TEXTURE_U != NONE || PLANE_TEXTURE_V != NONE {
+        store_uv(at, surface_uv(slot, triangle, ray));
+    }
     if PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
         store_light(at, colour_of(id, diffuse * received(n, normalize(ray.d))));
     }
@@ -127,6 +135,11 @@ fn store_surface(at: Place, n: vec3<f32>, p: vec3<f32>, albedo: vec3<f32>) {
     store(PLANE_ALBEDO_B, at, bitcast<u32>(albedo.z));
 }
 
+fn store_uv(at: Place, uv: vec2<f32>) {
+    store(PLANE_TEXTURE_U, at, bitcast<u32>(uv.x));
+    store(PLANE_TEXTURE_V, at, bitcast<u32>(uv.y));
+}
+
 fn store_light(at: Place, colour: vec3<f32>) {
     let left = light_left(at.pixel) * colour;
     add(PLANE_R, at, left.x);
@@ -151,5 +164,6 @@ fn store_miss(at: Place) {
     store_no_weights(at);
     store_piece(at, NONE);
     store_surface(at, vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
+    store_uv(at, vec2<f32>(0.0));
     store_light(at, shading.background);
 }

@@ -189,7 +189,7 @@ pub fn run(
     (pipeline, scopes, picture): (&Pipeline, Scopes, &wgpu::TextureView),
     pixels: u32,
 ) -> Result<()> {
-    let group = pipeline.bind_texture(gpu, scopes, ("picture", picture))?;
+    let group = pipeline.bind_textures(gpu, scopes, &[("picture", picture)])?;
     let mut pass = recorder.compute(name);
     pass.set_pipeline(&pipeline.pipeline);
     pass.set_bind_group(0, &group, &[]);

@@ -131,7 +131,9 @@ impl Caustics {
         let mut white = Scene { background: [1.0; 3], caustics: None, ..scene.clone() };
         // no light but that from everywhere
         white.lights = vec![DVec3::ZERO];
-        white.mesh.materials.iter_mut().for_each(|m| m.diffuse = [1.0 / crate::stage::AMBIENT; 3]);
+        for material in &mut white.mesh.materials {
+            (material.diffuse, material.texture) = ([1.0 / crate::stage::AMBIENT; 3], None);
+        }
         (white, camera)
     }
 

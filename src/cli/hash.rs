@@ -3,6 +3,7 @@
 use crate::camera::{Camera, Rays};
 use crate::caustics::Caustics;
 use crate::scene::Scene;
+use crate::scene::texture::{Texels, Texture};
 use glam::DVec3;
 
 /// FNV-1a over 64-bit words instead of bytes.
@@ -22,7 +23,7 @@ impl Fnv {
     }
 }
 
-/// The same for the same triangles, normals, materials, lights, background, image size and rays, however the scene
+/// The same for the same triangles, normals, materials and their images, lights, background, image size and rays, however the scene
 /// file spells them; also across machines.
 pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     let mut h = Fnv(0xcbf2_9ce4_8422_2325);
@@ -37,6 +38,13 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     for material in &mesh.materials {
         material.diffuse.iter().for_each(|c| h.number(f64::from(*c)));
         h.word(u64::from(material.two_sided));
+        if let Some(texture) = &material.texture {
+            image(&mut h, texture);
+        }
+    }
+    if mesh.is_textured() {
+        mesh.uvs.iter().flat_map(|uv| uv.to_array()).for_each(|v| h.number(f64::from(v)));
+        mesh.corner_uvs.iter().flatten().for_each(|k| h.word(u64::from(*k)));
     }
     h.word(scene.lights.len() as u64);
     scene.lights.iter().for_each(|l| h.vector(*l));
@@ -48,6 +56,16 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
         light(&mut h, caustics);
     }
     h.0
+}
+
+fn image(h: &mut Fnv, texture: &Texture) {
+    let Texels { width, height, rgba } = &*texture.texels;
+    h.word(u64::from(*width) << 32 | u64::from(*height));
+    texture.wrap.iter().for_each(|w| h.word(*w as u64));
+    h.number(f64::from(texture.cutoff.unwrap_or(-1.0)));
+    for texel in rgba {
+        h.word(texel.iter().fold(0, |word, v| word << 16 | u64::from(v.to_bits())));
+    }
 }
 
 fn light(h: &mut Fnv, caustics: &Caustics) {

@@ -16,7 +16,7 @@ use crate::gpu::rows::{
     COUNT_BUSY, COUNT_BUSY_END, COUNT_DOUBTS, COUNT_EDGES, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS,
     COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_SAMPLE_DOUBTS, COUNT_TASKS, COUNT_WORK, COUNTERS,
 };
-use crate::plan::{LeftOut, Plan, Surroundings, Wanted};
+use crate::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::{Clustered, cluster};
 use crate::stage::Stages;
@@ -157,10 +157,9 @@ impl Frames<'_> {
         let around = Surroundings { anchor: self.plan.anchor, middle: self.plan.middle };
         let arrangement = Arrangement::of(camera, around.middle);
         let camera = arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera));
-        let (triangles, has_normals) = (self.scene.mesh.triangles.len(), !self.scene.mesh.normals.is_empty());
         let wanted = Wanted { channels: self.plan.planes.clone(), ..self.wanted.clone() };
         let limit = self.gpu.binding_limit();
-        let mut plan = Plan::new(&camera, triangles, has_normals, around, &wanted, self.gpu.has, limit);
+        let mut plan = Plan::new(&camera, Contents::of(&self.scene.mesh), around, &wanted, self.gpu.has, limit);
         (plan.variant.culling, plan.variant.by_tile) = (self.plan.variant.culling, self.plan.variant.by_tile);
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
         if plan.variant != self.plan.variant || !is_as_large || camera.optics.is_some() {
@@ -248,7 +247,7 @@ impl Frames<'_> {
         if clustered.refit(&moved.mesh) {
             return self.resident.place_scene(&self.gpu, clustered);
         }
-        *clustered = cluster(&moved.mesh, self.plan.anchor, self.gpu.binding_limit());
+        *clustered = cluster(&moved.mesh, self.plan.anchor, self.plan.variant.textured, self.gpu.binding_limit());
         self.resident.upload_scene(&self.gpu, clustered)?;
         self.resident.write_params(&self.gpu, &self.camera, &self.plan)
     }

@@ -1,15 +1,16 @@
 //! What lies on the device between frames: the scene's chunks, the bands' tables, and the lists between the stages.
 
-use super::Capacities;
 use super::passes::{Pass, passes};
 use super::tables::{Look, Span, TURNED_T_RANGE, params, places};
 use super::turns::Turns;
+use super::{Capacities, pages};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::frame::Channel;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::rows::{COUNTERS, LANES};
+use crate::plan::pages::{PageLimits, Pages};
 use crate::plan::{Band, Plan, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::{Chunk, Clustered};
@@ -117,9 +118,15 @@ impl Resident {
         self.write_params(gpu, camera, plan)
     }
 
-    /// Lights, materials and normals.
+    /// Lights, materials with their images, and normals.
     pub fn upload_look(&mut self, gpu: &Gpu, scene: &Scene, plan: &Plan) -> Result<()> {
-        let Look { shading, lights, materials, normals } = Look::new(scene, plan.anchor);
+        let mut pages = Pages::default();
+        if plan.variant.textured {
+            pages = Pages::new(&scene.mesh.materials, PageLimits::of(&gpu.limits))?;
+            pages::upload(gpu, &pages, &mut self.shared)?;
+        }
+        let Look { mut shading, lights, materials, normals } = Look::new(scene, plan.anchor, &pages);
+        shading.spread = plan.spread;
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         self.shared.upload(gpu, "lights", &lights)?;
         self.shared.upload(gpu, "materials", &materials)?;
@@ -311,11 +318,25 @@ impl Resident {
 fn chunk_on_device(gpu: &Gpu, chunk: &Chunk) -> Result<ChunkOnDevice> {
     let mut buffers = Buffers::default();
     place(gpu, &mut buffers, chunk)?;
-    buffers.upload(gpu, "surfaces", &chunk.surfaces)?;
+    if chunk.uvs.is_empty() {
+        buffers.upload(gpu, "surfaces", &chunk.surfaces)?;
+    } else {
+        buffers.upload(gpu, "surfaces", &mapped_surfaces(chunk))?;
+    }
     buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
     let clusters = chunk.clusters.len() as u32;
     let slots = chunk.triangles.len() as u32;
     Ok(ChunkOnDevice { buffers, id_first: chunk.id_first, id_count: chunk.id_count, clusters, slots })
+}
+
+/// Three rows a slot: its own; and the texture coordinates of its corners, and whether it has some.
+fn mapped_surfaces(chunk: &Chunk) -> Vec<[[u32; 4]; 3]> {
+    let row = |(own, uv): (&[u32; 4], &[f32; 6])| {
+        let is_mapped = u32::from(uv.iter().all(|v| v.is_finite()));
+        let [a, b, c, d, e, f] = uv.map(f32::to_bits);
+        [*own, [a, b, c, d], [e, f, is_mapped, 0]]
+    };
+    chunk.surfaces.iter().zip(&chunk.uvs).map(row).collect()
 }
 
 /// What depends on positions.

@@ -7,6 +7,7 @@ use crate::camera::Camera;
 use crate::gpu::rows::{self, LAW_FLAT, LAW_NORMALS, split2, split3, words};
 use crate::optics::{Branch, Law, Optics, Surface, Turn};
 use crate::plan::nodes::Level;
+use crate::plan::pages::Pages;
 use crate::plan::{Band, Plan};
 use crate::scene::Scene;
 use crate::stage::AMBIENT;
@@ -25,14 +26,13 @@ pub struct Look {
     pub shading: rows::Shading,
     /// Directions of travel.
     pub lights: Vec<[f32; 4]>,
-    /// Diffuse colours.
-    pub materials: Vec<[f32; 4]>,
+    pub materials: Vec<rows::Material>,
     pub normals: Vec<[f32; 3]>,
 }
 
 impl Look {
-    /// Positions are relative to `anchor` on the device.
-    pub fn new(scene: &Scene, anchor: DVec3) -> Look {
+    /// Positions are relative to `anchor` on the device, and images lie in `pages`.
+    pub fn new(scene: &Scene, anchor: DVec3, pages: &Pages) -> Look {
         let mesh = &scene.mesh;
         Look {
             shading: rows::Shading {
@@ -42,11 +42,11 @@ impl Look {
                 light_count: scene.lights.len() as u32,
                 gain: scene.tone.gain(),
                 curve: scene.tone.curve.number(),
+                spread: 1.0,
                 pad0: 0,
-                pad1: 0,
             },
             lights: scene.lights.iter().map(|l| l.as_vec3().extend(0.0).to_array()).collect(),
-            materials: mesh.materials.iter().map(|m| [m.diffuse[0], m.diffuse[1], m.diffuse[2], 1.0]).collect(),
+            materials: mesh.materials.iter().enumerate().map(|(k, m)| pages.row(k, m)).collect(),
             normals: mesh.normals.iter().map(|n| n.to_array()).collect(),
         }
     }

@@ -8,9 +8,17 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-/// Buffers of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
+/// Buffers and textures of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
 #[derive(Default)]
-pub struct Buffers(BTreeMap<&'static str, wgpu::Buffer>);
+pub struct Buffers {
+    buffers: BTreeMap<&'static str, wgpu::Buffer>,
+    textures: BTreeMap<&'static str, Texture>,
+}
+
+struct Texture {
+    view: wgpu::TextureView,
+    bytes: u64,
+}
 
 /// What every buffer may be used for: kernels see it, the host writes, clears and copies it.
 const USAGE: wgpu::BufferUsages =
@@ -35,7 +43,7 @@ impl Buffers {
         }
         let usage = USAGE | more;
         let descriptor = wgpu::BufferDescriptor { label: Some(name), size, usage, mapped_at_creation: false };
-        self.0.insert(name, gpu.device.create_buffer(&descriptor));
+        self.buffers.insert(name, gpu.device.create_buffer(&descriptor));
         Ok(())
     }
 
@@ -45,7 +53,7 @@ impl Buffers {
         if self.get(name).is_none_or(|there| there.size() != held(bytes.len() as u64)) {
             self.create(gpu, name, bytes.len() as u64, wgpu::BufferUsages::empty())?;
         }
-        gpu.queue.write_buffer(&self.0[name], 0, bytes);
+        gpu.queue.write_buffer(&self.buffers[name], 0, bytes);
         Ok(())
     }
 
@@ -53,24 +61,40 @@ impl Buffers {
     pub fn upload_uniform<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, name: &'static str, row: &T) -> Result<()> {
         let bytes = bytemuck::bytes_of(row);
         self.create(gpu, name, bytes.len() as u64, wgpu::BufferUsages::UNIFORM)?;
-        gpu.queue.write_buffer(&self.0[name], 0, bytes);
+        gpu.queue.write_buffer(&self.buffers[name], 0, bytes);
         Ok(())
     }
 
     /// The buffer that is `from` in `other`, under another name here too.
     pub fn share(&mut self, name: &'static str, other: &Buffers, from: &str) {
         if let Some(buffer) = other.get(from) {
-            self.0.insert(name, buffer.clone());
+            self.buffers.insert(name, buffer.clone());
         }
     }
 
     pub fn get(&self, name: &str) -> Option<&wgpu::Buffer> {
-        self.0.get(name)
+        self.buffers.get(name)
+    }
+
+    /// A texture, all of it.
+    pub fn place_texture(
+        &mut self,
+        name: &'static str,
+        texture: &wgpu::Texture,
+        dimension: wgpu::TextureViewDimension,
+    ) {
+        let texel = u64::from(texture.format().block_copy_size(None).unwrap_or(0));
+        let size = texture.size();
+        let texels = u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers);
+        let descriptor = wgpu::TextureViewDescriptor { dimension: Some(dimension), ..Default::default() };
+        let placed = Texture { view: texture.create_view(&descriptor), bytes: texel * texels };
+        self.textures.insert(name, placed);
     }
 
     /// Bytes of device memory held.
     pub fn bytes(&self) -> u64 {
-        self.0.values().map(wgpu::Buffer::size).sum()
+        let textures: u64 = self.textures.values().map(|t| t.bytes).sum();
+        textures + self.buffers.values().map(wgpu::Buffer::size).sum::<u64>()
     }
 }
 
@@ -101,11 +125,13 @@ impl Binder {
         let mut entries = Vec::with_capacity(self.kernel.bindings.len());
         for (k, b) in self.kernel.bindings.iter().enumerate() {
             let name = renamed.iter().find(|r| r.0 == b.name).map_or(b.name, |r| r.1);
-            let texture = || textures.iter().find(|t| t.0 == name).map(|t| wgpu::BindingResource::TextureView(t.1));
+            let own = || textures.iter().find(|t| t.0 == name).map(|t| t.1);
+            let held = || scopes.iter().find_map(|s| s.textures.get(name)).map(|t| &t.view);
+            let texture = || own().or_else(held).map(wgpu::BindingResource::TextureView);
             let buffer = scopes.iter().find_map(|s| s.get(name)).map(wgpu::Buffer::as_entire_binding);
             let resource = buffer
                 .or_else(texture)
-                .ok_or_else(|| Error::work(format!("kernel {}: no buffer {name}", self.kernel.name)))?;
+                .ok_or_else(|| Error::work(format!("kernel {}: no buffer or texture {name}", self.kernel.name)))?;
             entries.push(wgpu::BindGroupEntry { binding: k as u32, resource });
         }
         Ok(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -163,14 +189,14 @@ impl Pipeline {
         self.binder.bind(gpu, scopes, renamed, &[])
     }
 
-    /// With a texture.
-    pub fn bind_texture(
+    /// With textures.
+    pub fn bind_textures(
         &self,
         gpu: &Gpu,
         scopes: &[&Buffers],
-        texture: (&str, &wgpu::TextureView),
+        textures: &[(&str, &wgpu::TextureView)],
     ) -> Result<wgpu::BindGroup> {
-        self.binder.bind(gpu, scopes, &[], &[texture])
+        self.binder.bind(gpu, scopes, &[], textures)
     }
 }
 
@@ -202,8 +228,16 @@ fn layout_entry(binding: u32, of: &Binding, visibility: wgpu::ShaderStages) -> w
                 "texture_2d<u32>" => wgpu::TextureSampleType::Uint,
                 _ => wgpu::TextureSampleType::Float { filterable: false },
             },
-            view_dimension: wgpu::TextureViewDimension::D2,
+            view_dimension: match of.wgsl_type {
+                "texture_2d_array<f32>" => wgpu::TextureViewDimension::D2Array,
+                _ => wgpu::TextureViewDimension::D2,
+            },
             multisampled: false,
+        },
+        Access::WriteTexels => wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::WriteOnly,
+            format: wgpu::TextureFormat::Rgba16Float,
+            view_dimension: wgpu::TextureViewDimension::D2,
         },
     };
     wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }

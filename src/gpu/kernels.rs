@@ -37,6 +37,10 @@ pub struct Variant {
     pub doubting: bool,
     /// The scene has normals of its own.
     pub normals: bool,
+    /// Images lie on triangles, or their texture coordinates are asked for.
+    pub textured: bool,
+    /// These images cut holes into triangles.
+    pub cut: bool,
     /// A mirror or a lens turns rays.
     pub optics: Option<OpticsKind>,
     /// The rays are those that it turned, and start on it.
@@ -53,6 +57,8 @@ pub enum Access {
     Write,
     /// A texture, whose texels are read one by one.
     Texels,
+    /// A texture, whose texels are written one by one.
+    WriteTexels,
 }
 
 /// One buffer of a kernel: its name is the buffer's name everywhere.
@@ -110,6 +116,8 @@ const CELLS: &str = snippet!("shared/cells.wgsl");
 const LANES: &str = snippet!("shared/lanes.wgsl");
 const NODE_BY_LANES: &str = snippet!("shared/node_by_lanes.wgsl");
 const COLUMN: &str = snippet!("shared/column.wgsl");
+/// No triangle has holes.
+const SOLID: &str = snippet!("textures/solid.wgsl");
 const SURFACE: &str = snippet!("shared/surface.wgsl");
 const DOUBTS: &str = snippet!("shared/doubts.wgsl");
 const PAIR: &str = snippet!("shared/pair.wgsl");
@@ -126,7 +134,8 @@ impl Variant {
     /// Every variant that some camera needs on an adapter with these abilities.
     pub fn every(f64: bool, atomics64: bool) -> Vec<Variant> {
         let mut list = Vec::new();
-        for [counting, normals] in [[false, false], [true, true]] {
+        for more in [false, true] {
+            let [counting, normals, textured, cut] = [more; 4];
             let of_camera = Variant {
                 f64,
                 atomics64,
@@ -137,6 +146,8 @@ impl Variant {
                 culling: true,
                 doubting: false,
                 normals,
+                textured,
+                cut,
                 optics: None,
                 turned: false,
                 samples: 1,
@@ -147,7 +158,7 @@ impl Variant {
                 list.extend([false, true].map(|sheeted| variant(rays, sheeted, None)));
             }
             for (rays, sheeted) in [(RaysKind::Pieces, false), (RaysKind::Pieces, true), (RaysKind::Field, false)] {
-                list.push(Variant { samples: 4, ..variant(rays, sheeted, None) });
+                list.push(Variant { samples: 4, cut: false, ..variant(rays, sheeted, None) });
             }
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
@@ -165,7 +176,7 @@ impl Variant {
 
     /// The same, with `raster` tile by tile where there is that.
     pub fn with_tiles(self) -> Variant {
-        let by_tile = self.f64 && self.atomics64 && !self.doubting && self.rechecks();
+        let by_tile = self.f64 && self.atomics64 && !self.doubting && self.rechecks() && !self.cut;
         Variant { by_tile, ..self }
     }
 
@@ -242,6 +253,38 @@ impl Variant {
         if self.by_tile { NODE_BY_LANES } else { snippet!("shared/node_rows.wgsl") }
     }
 
+    /// The images that lie on triangles.
+    fn pages(self) -> Option<Binding> {
+        self.textured.then(|| texture("pages", "texture_2d_array<f32>"))
+    }
+
+    /// How these are looked up.
+    fn images(self) -> &'static str {
+        if self.textured {
+            return concat!(
+                snippet!("textures/material.wgsl"),
+                snippet!("textures/rows.wgsl"),
+                snippet!("textures/levels.wgsl"),
+                snippet!("textures/mapped.wgsl"),
+                snippet!("textures/filter.wgsl"),
+            );
+        }
+        concat!(snippet!("textures/material.wgsl"), snippet!("textures/plain.wgsl"))
+    }
+
+    /// Where their holes are.
+    fn holes(self) -> &'static str {
+        if self.cut {
+            return concat!(
+                snippet!("textures/material.wgsl"),
+                snippet!("textures/rows.wgsl"),
+                snippet!("textures/levels.wgsl"),
+                snippet!("textures/cut.wgsl"),
+            );
+        }
+        SOLID
+    }
+
     /// The buffers that hold the camera's rays.
     fn rays(self) -> Vec<Binding> {
         match self.rays {
@@ -279,6 +322,10 @@ pub(crate) fn texture(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::Texels, wgsl_type }
 }
 
+pub(crate) fn write_texture(name: &'static str, wgsl_type: &'static str) -> Binding {
+    Binding { name, access: Access::WriteTexels, wgsl_type }
+}
+
 pub(crate) fn kernel(name: &'static str, bindings: Vec<Binding>, snippets: &[&str]) -> Kernel {
     let mut source = String::new();
     for (k, b) in bindings.iter().enumerate() {
@@ -286,7 +333,7 @@ pub(crate) fn kernel(name: &'static str, bindings: Vec<Binding>, snippets: &[&st
             Access::Uniform => "<uniform>",
             Access::Read => "<storage, read>",
             Access::Write => "<storage, read_write>",
-            Access::Texels => "",
+            Access::Texels | Access::WriteTexels => "",
         };
         // writing to a String cannot fail
         let _ = writeln!(source, "@group(0) @binding({k}) var{space} {}: {};", b.name, b.wgsl_type);
@@ -487,7 +534,7 @@ pub fn certify(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     let shared = [PAIR, BITS, MEETING, variant.camera(), snippet!("shared/proof.wgsl")];
-    let own = [NEARNESS, snippet!("certify.wgsl")];
+    let own = [NEARNESS, SOLID, snippet!("certify.wgsl")];
     let all = [&snippets[..], &shared[..], variant.coverage(), variant.proof(), &own].concat();
     let mut kernel = kernel("certify", bindings, &all);
     kernel.constants = variant.constants();
@@ -514,7 +561,11 @@ fn into_visibility(name: &'static str, variant: Variant, own: &[&str]) -> Kernel
     if variant.turned {
         bindings.extend([optic(), ways()]);
     }
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    if variant.cut {
+        bindings.extend([read("surfaces", "array<vec4<u32>>"), read("materials", "array<Material>")]);
+        bindings.extend(variant.pages());
+    }
+    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, variant.holes()];
     let shared = [PAIR, BITS, variant.merge(), MEETING, snippet!("shared/hits.wgsl"), variant.camera()];
     let all = [&snippets[..], &shared[..], own, variant.coverage(), variant.start()].concat();
     let mut kernel = kernel(name, bindings, &all);
@@ -533,17 +584,18 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
         read("slot_of_id", "array<u32>"),
         read("surfaces", "array<vec4<u32>>"),
         read("normals", "array<f32>"),
-        read("materials", "array<vec4<f32>>"),
+        read("materials", "array<Material>"),
         read("lights", "array<vec4<f32>>"),
         read("visibility", "array<u32>"),
         write("planes", "array<u32>"),
     ];
+    bindings.extend(variant.pages());
     bindings.extend(variant.pixel_rays());
     if variant.optics.is_some() {
         bindings.extend([optic(), ways()]);
     }
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [variant.camera(), SHADING, SURFACE, snippet!("shade.wgsl")];
+    let own = [variant.camera(), SHADING, SURFACE, variant.images(), snippet!("shade.wgsl")];
     let all = [&snippets[..], &own[..], variant.pixel(), variant.seen()].concat();
     let mut kernel = kernel("shade", bindings, &all);
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
@@ -577,6 +629,8 @@ fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
         Channel::AlbedoR => Some("PLANE_ALBEDO_R"),
         Channel::AlbedoG => Some("PLANE_ALBEDO_G"),
         Channel::AlbedoB => Some("PLANE_ALBEDO_B"),
+        Channel::TextureU => Some("PLANE_TEXTURE_U"),
+        Channel::TextureV => Some("PLANE_TEXTURE_V"),
         Channel::Certified => None,
     };
     planes.iter().enumerate().filter_map(|(k, c)| constant(c).map(|name| (name, k as f64))).collect()
@@ -588,6 +642,13 @@ pub fn write_srgb(planes: &[Channel]) -> Kernel {
     let mut kernel = kernel("write", bindings, &[PARAMS, ITEMS, SHADING, snippet!("write.wgsl")]);
     kernel.constants = plane_constants(planes);
     kernel
+}
+
+/// The levels of an image, each from the one before; no part of a frame.
+pub fn mip() -> Kernel {
+    let coarser = write_texture("coarser", "texture_storage_2d<rgba16float, write>");
+    let bindings = vec![texture("finer", "texture_2d<f32>"), coarser];
+    kernel("mip", bindings, &[PARAMS, ITEMS, snippet!("mip.wgsl")])
 }
 
 /// Points against the beams of a camera; no part of a frame.
@@ -661,6 +722,6 @@ pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     if variant.optics == Some(OpticsKind::Atlas) {
         all.push(paste(variant, planes));
     }
-    all.extend([gather(variant, planes), write_srgb(planes), sift(), deposit()]);
+    all.extend([gather(variant, planes), write_srgb(planes), mip(), sift(), deposit()]);
     all
 }

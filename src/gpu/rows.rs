@@ -181,8 +181,22 @@ pub struct Shading {
     pub light_count: u32,
     pub gain: f32,
     pub curve: u32,
+    pub spread: f32,
     pub pad0: u32,
-    pub pad1: u32,
+}
+
+/// What a triangle looks like, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Material {
+    pub diffuse: [f32; 3],
+    pub texture: u32,
+    pub origin: [u32; 2],
+    pub size: [u32; 2],
+    pub page: u32,
+    pub levels: u32,
+    pub span: u32,
+    pub cutoff: f32,
 }
 
 /// How facets turn rays.

@@ -131,10 +131,9 @@ impl Facets {
         Mesh {
             positions: self.positions.clone(),
             triangles: self.triangles.clone(),
-            normals: Vec::new(),
-            corner_normals: Vec::new(),
-            materials: vec![Material { name: "optics".into(), diffuse: base, two_sided: true }],
+            materials: vec![Material { name: "optics".into(), diffuse: base, ..Material::default() }],
             material_of: vec![0; self.triangles.len()],
+            ..Mesh::default()
         }
     }
 }

@@ -10,6 +10,7 @@ pub mod beams;
 pub mod curves;
 pub mod fit;
 pub mod nodes;
+pub mod pages;
 pub mod samples;
 pub mod sheets;
 pub mod tear;
@@ -20,6 +21,7 @@ use crate::frame::Channel;
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::{OpticsKind, RaysKind, Variant};
 use crate::gpu::rows::{self, BRANCH};
+use crate::scene::mesh::Mesh;
 use curves::{CurveTable, RayTable};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
@@ -30,6 +32,30 @@ use sheets::Sheets;
 pub struct LeftOut {
     pub what: String,
     pub why: String,
+}
+
+/// What there is in a scene, with the camera's optics.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Contents {
+    pub triangles: usize,
+    pub has_normals: bool,
+    pub has_uvs: bool,
+    /// Images lie on triangles.
+    pub has_images: bool,
+    /// Some of them cut holes into these.
+    pub has_holes: bool,
+}
+
+impl Contents {
+    pub fn of(mesh: &Mesh) -> Contents {
+        Contents {
+            triangles: mesh.triangles.len(),
+            has_normals: !mesh.normals.is_empty(),
+            has_uvs: !mesh.corner_uvs.is_empty(),
+            has_images: mesh.is_textured(),
+            has_holes: mesh.has_holes(),
+        }
+    }
 }
 
 /// What a caller wants of a frame.
@@ -46,17 +72,28 @@ pub struct Wanted {
     pub samples: u32,
     /// What triangles the samples see, by themselves.
     pub sample_ids: bool,
+    /// A picture is the mean of so many frames of which this is one: images on triangles are filtered as much less.
+    pub frames: u32,
 }
 
 impl Wanted {
     /// These planes, by pixel centres alone.
     pub fn of(channels: Vec<Channel>) -> Wanted {
-        Wanted { channels, srgb8: false, counting: false, samples: 1, sample_ids: false }
+        Wanted { channels, srgb8: false, counting: false, samples: 1, sample_ids: false, frames: 1 }
     }
 
     /// Some colour is asked for.
     pub fn has_colour(&self) -> bool {
         self.srgb8 || self.channels.iter().any(|c| matches!(c, Channel::R | Channel::G | Channel::B))
+    }
+
+    /// Images on triangles, or where they lie, are part of it.
+    fn is_textured(&self, of: Contents) -> bool {
+        let any = |which: &[Channel]| self.channels.iter().any(|c| which.contains(c));
+        let albedo = any(&[Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
+        of.has_holes
+            || of.has_images && (self.has_colour() || albedo)
+            || of.has_uvs && any(&[Channel::TextureU, Channel::TextureV])
     }
 
     /// Samples of a pixel that something of this comes from.
@@ -95,6 +132,8 @@ pub struct Plan {
     pub anchor: DVec3,
     /// Of the scene, see [`Surroundings`].
     pub middle: DVec3,
+    /// How wide images on triangles are filtered, in pixels.
+    pub spread: f32,
     pub left_out: Vec<LeftOut>,
 }
 
@@ -125,11 +164,10 @@ impl Surroundings {
 }
 
 impl Plan {
-    /// Plans frames of `camera` over a scene of `triangles` triangles, those of the camera's optics among them.
+    /// Plans frames of `camera` over a scene.
     pub fn new(
         camera: &Camera,
-        triangles: usize,
-        has_normals: bool,
+        contents: Contents,
         around: Surroundings,
         wanted: &Wanted,
         has: Abilities,
@@ -145,7 +183,9 @@ impl Plan {
             counting: wanted.counting,
             culling: true,
             doubting: false,
-            normals: has_normals,
+            normals: contents.has_normals,
+            textured: wanted.is_textured(contents),
+            cut: contents.has_holes,
             optics: camera.optics.as_deref().map(OpticsKind::of),
             turned: false,
             samples: wanted.samples(),
@@ -172,8 +212,8 @@ impl Plan {
         let view = View { camera, sheets, around, places: &places };
         let bands = bands(view, pixel_bytes, binding_limit);
         let smooth = camera.optics.as_ref().map_or(0, |o| o.smooth_count());
-        let id_bits = usize::BITS - (triangles + smooth).saturating_sub(1).leading_zeros();
-        let left_out = left_out(camera, sheets, &bands, &planes, wanted, has_normals, has);
+        let id_bits = usize::BITS - (contents.triangles + smooth).saturating_sub(1).leading_zeros();
+        let left_out = left_out(camera, sheets, &bands, &planes, wanted, contents, has);
         Plan {
             variant,
             sheets,
@@ -183,6 +223,8 @@ impl Plan {
             id_bits: id_bits.max(1),
             anchor: around.anchor,
             middle: around.middle,
+            // so many boxes of this width tile the pixel
+            spread: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
             left_out,
         }
     }
@@ -272,7 +314,7 @@ fn left_out(
     bands: &[Band],
     planes: &[Channel],
     wanted: &Wanted,
-    has_normals: bool,
+    contents: Contents,
     has: Abilities,
 ) -> Vec<LeftOut> {
     let mut list = Vec::new();
@@ -310,8 +352,16 @@ fn left_out(
     if !absent.is_empty() {
         say("channels", format!("not asked for: {}", absent.join(", ")));
     }
-    if !has_normals {
+    if !contents.has_normals {
         say("smooth normals", "the scene has none".into());
+    }
+    match (contents.has_images, wanted.is_textured(contents)) {
+        (false, false) => say("textures", "no image lies on the scene's triangles".into()),
+        (true, false) => say("textures", "no colour asked for".into()),
+        _ => {}
+    }
+    if !contents.has_holes {
+        say("holes", "no image cuts any into triangles".into());
     }
     if wanted.samples() == 1 {
         say("edges, sample and resolve", "one sample a pixel".into());

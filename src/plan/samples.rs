@@ -11,8 +11,9 @@ pub const AT_ONCE_MAX: u32 = 32;
 /// The camera's rays between pixel centres are known to the kernels, so that they find the pixels that hold an edge and these alone
 /// are looked at more closely; of others each sample takes a frame of its own.
 pub fn at_once(scene: &Scene, camera: &Camera, count: u32) -> bool {
-    // light gathered from caustics is known of centres
+    // light gathered from caustics is known of centres, and where an image cuts holes into triangles no edge says so
     scene.caustics.is_none()
+        && !scene.mesh.has_holes()
         && !camera.is_curved()
         && camera.optics.is_none()
         && !is_scattered(camera)

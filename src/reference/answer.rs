@@ -86,7 +86,7 @@ impl Reference<'_> {
 
     /// Both triangles have the same three corners: the one that is seen is met wherever the other is.
     fn hides_twin(&self, seen: u32, other: u32) -> bool {
-        self.corners(seen).v == self.corners(other).v
+        self.cut_by(seen).is_none() && self.corners(seen).v == self.corners(other).v
     }
 
     /// The curve meets the seen triangle's plane so flat there that the place is not sure to [`super::GAP`].
@@ -114,8 +114,9 @@ impl Reference<'_> {
             for (k, (curve, range)) in curves.iter().zip(ranges).enumerate() {
                 for m in meetings(curve, &corners) {
                     let seen = m.sign < 0 || self.two_sided(id);
-                    if seen && range[0] <= m.t && m.t <= range[1] {
-                        limits[k] = limits[k].min(visit(k, Hit { t: m.t, triangle: id, bary: m.bary }));
+                    let hit = Hit { t: m.t, triangle: id, bary: m.bary };
+                    if seen && range[0] <= m.t && m.t <= range[1] && self.is_there(&hit) {
+                        limits[k] = limits[k].min(visit(k, hit));
                     }
                 }
             }

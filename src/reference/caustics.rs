@@ -1,7 +1,8 @@
 //! Caustics by the reference: every photon's way followed by itself, and triangles cut along the texels' borders.
 
+use super::light::albedo;
 use super::path::{Path, Segment};
-use super::{Outcome, Reference};
+use super::{Hit, Outcome, Reference};
 use crate::camera::Camera;
 use crate::caustics::beams::{Cast, Fate, Photon};
 use crate::caustics::landing::is_in_plane;
@@ -86,7 +87,7 @@ pub fn reflected(scene: &Scene, lit: &Illumination, triangle: u32, bary: [f64; 2
     };
     let [a, b, c] = corners;
     let p: DVec3 = a + bary[0] * (b - a) + bary[1] * (c - a);
-    let diffuse = scene.mesh.materials[scene.mesh.material_of[triangle as usize] as usize].diffuse;
+    let diffuse = albedo(scene, &Hit { t: 0.0, triangle, bary });
     let received = map.irradiance(map.receiver.texels_of(p)).unwrap_or_default();
     [0, 1, 2].map(|k| (f64::from(diffuse[k]) * received[k] / std::f64::consts::PI) as f32)
 }

@@ -8,7 +8,7 @@ use crate::camera::Camera;
 use crate::caustics::Illumination;
 use crate::frame::{Channel, Frame, NO_ID, Plane};
 use crate::scene::Scene;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// How a frame stands against the reference.
@@ -37,6 +37,7 @@ struct Pixel {
     normal: DVec3,
     position: DVec3,
     albedo: [f32; 3],
+    uv: DVec2,
 }
 
 /// The asked-for channels of the reference's frame.
@@ -125,7 +126,8 @@ fn pixel(
     let Some(seen) = shown.seen else {
         let piece = if shown.first.is_some() { piece(NO_ID) } else { NO_ID };
         let (t, z, position) = (f32::INFINITY, f32::INFINITY, DVec3::ZERO);
-        return Pixel { colour, seen: None, piece, mirror, t, z, normal: DVec3::ZERO, position, albedo: [0.0; 3] };
+        let (normal, albedo, uv) = (DVec3::ZERO, [0.0; 3], DVec2::ZERO);
+        return Pixel { colour, seen: None, piece, mirror, t, z, normal, position, albedo, uv };
     };
     // of turned rays t is that of the last alone
     let t = if camera.optics.is_some() { seen.hit.t } else { seen.t() };
@@ -142,7 +144,8 @@ fn pixel(
         z,
         normal: if is_triangle { normal(scene, &seen.hit, segment.view(seen.hit.t)) } else { DVec3::ZERO },
         position: segment.point(seen.hit.t),
-        albedo: ends_on.map_or_else(|| albedo(scene, id), |optics| optics.base),
+        albedo: ends_on.map_or_else(|| albedo(scene, &seen.hit), |optics| optics.base),
+        uv: ends_on.map_or_else(|| scene.mesh.uv_at(id, seen.hit.bary), |_| None).unwrap_or_default(),
     }
 }
 
@@ -193,6 +196,8 @@ fn frame<P: std::borrow::Borrow<Pixel> + Sync>(camera: &Camera, pixels: &[P], ch
         Channel::AlbedoR => f32s(|p| p.albedo[0]),
         Channel::AlbedoG => f32s(|p| p.albedo[1]),
         Channel::AlbedoB => f32s(|p| p.albedo[2]),
+        Channel::TextureU => f32s(|p| p.uv.x as f32),
+        Channel::TextureV => f32s(|p| p.uv.y as f32),
     };
     let mut channels = channels.to_vec();
     channels.sort_unstable();

@@ -74,6 +74,17 @@ impl Corners {
         self.slot[k].into()
     }
 
+    /// Weights of the second and third vertex as given where a ray meets the plane; NaN where it runs along it.
+    pub fn weights_on_plane(&self, origin: DVec3, direction: DVec3) -> [f64; 2] {
+        let edge = |(i, j, turn): (usize, usize, i8)| {
+            f64::from(turn) * (self.v[i] - origin).cross(self.v[j] - self.v[i]).dot(direction)
+        };
+        let e = OPPOSITE.map(edge);
+        let mut weights = [0.0; 3];
+        (0..3).for_each(|k| weights[self.slot(k)] = e[k] / (e[0] + e[1] + e[2]));
+        [weights[1], weights[2]]
+    }
+
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let [a, b, c] = self.v;
         (a.min(b).min(c), a.max(b).max(c))

@@ -25,10 +25,14 @@ pub fn normal(scene: &Scene, hit: &Hit, view: DVec3) -> DVec3 {
     if n.dot(seen) < 0.0 { -n } else { n }
 }
 
-/// The diffuse colour of a triangle.
-pub fn albedo(scene: &Scene, triangle: u32) -> [f32; 3] {
+/// The diffuse colour of a hit, by the texture's own texels at its very place: what filters approximate the mean of over a pixel.
+pub fn albedo(scene: &Scene, hit: &Hit) -> [f32; 3] {
     let mesh = &scene.mesh;
-    mesh.materials[mesh.material_of[triangle as usize] as usize].diffuse
+    let material = &mesh.materials[mesh.material_of[hit.triangle as usize] as usize];
+    let texel = material.texture.as_ref().and_then(|texture| Some(texture.at(mesh.uv_at(hit.triangle, hit.bary)?)));
+    let [r, g, b, _] = texel.unwrap_or([1.0; 4]);
+    let [dr, dg, db] = material.diffuse.map(f64::from);
+    [(dr * r) as f32, (dg * g) as f32, (db * b) as f32]
 }
 
 /// Lambert from every light, or one headlight along the unit vector `view`, and a small ambient term.
@@ -38,5 +42,5 @@ pub fn light(scene: &Scene, hit: &Hit, view: DVec3) -> [f32; 3] {
     let direct: f64 =
         if scene.lights.is_empty() { lambert(view) } else { scene.lights.iter().map(|l| lambert(*l)).sum() };
     let received = AMBIENT + (1.0 - AMBIENT) * direct;
-    albedo(scene, hit.triangle).map(|c| (c as f64 * received) as f32)
+    albedo(scene, hit).map(|c| (c as f64 * received) as f32)
 }

@@ -1,6 +1,7 @@
 //! Whether a pixel's answer holds within 1/16 px of its centre, and what else it may be.
 
 use super::beam::Beam;
+use super::finding::PLACES;
 use super::intersect::Corners;
 use super::margin::{Depth, MARGIN_PX, Sides, beyond, clears};
 use super::{Hit, Reference, cover, nearer, upright, widened};
@@ -29,6 +30,16 @@ struct Candidate {
     depth: Depth,
     /// Visible, unless hidden, and in range all over the box.
     covers: bool,
+    /// Its image cuts no hole into it there.
+    solid: bool,
+}
+
+/// Where a triangle's image leaves something of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Presence {
+    Everywhere,
+    Nowhere,
+    Somewhere,
 }
 
 impl Reference<'_> {
@@ -101,13 +112,33 @@ impl Reference<'_> {
         if !sides.may_hit() {
             return None;
         }
+        let presence = self.presence(bundle, id, &corners);
+        if presence == Presence::Nowhere {
+            return None;
+        }
         let depth = Depth::over_box(bundle, beam, &corners);
         let may_be = |sign: i8| sides.may_be(sign) && depth.facing != -sign;
         let may_be_seen = may_be(-1) || (may_be(1) && self.two_sided(id));
         let [near, far] = depth.span;
-        let covers = sides.covers() && near >= t_range[0] && far <= t_range[1];
+        let solid = presence == Presence::Everywhere;
+        let covers = solid && sides.covers() && near >= t_range[0] && far <= t_range[1];
         let in_reach = far >= t_range[0] && near <= t_range[1];
-        (may_be_seen && in_reach).then_some(Candidate { id, corners, depth, covers })
+        (may_be_seen && in_reach).then_some(Candidate { id, corners, depth, covers, solid })
+    }
+
+    /// What is left of a triangle in the box. Holes are *sampled*, as curves are, see [`super::finding`].
+    fn presence(&self, bundle: &Bundle, id: u32, corners: &Corners) -> Presence {
+        let Some(texture) = self.cut_by(id) else { return Presence::Everywhere };
+        let is_there = |(x, y): &&(f64, f64)| {
+            let ray = bundle.ray(x * MARGIN_PX, y * MARGIN_PX);
+            let bary = corners.weights_on_plane(ray.origin, ray.direction);
+            self.mesh.uv_at(id, bary).is_none_or(|uv| texture.is_there(uv))
+        };
+        match PLACES.iter().filter(is_there).count() {
+            0 => Presence::Nowhere,
+            n if n == PLACES.len() => Presence::Everywhere,
+            _ => Presence::Somewhere,
+        }
     }
 
     /// Of triangles over the same three positions, drops each that a lower one hides wherever it is visible
@@ -121,6 +152,7 @@ impl Reference<'_> {
                 .iter()
                 .rev()
                 .take_while(|k| k.corners.v == c.corners.v)
+                .filter(|k| k.solid)
                 .any(|k| self.two_sided(k.id) || (!self.two_sided(c.id) && k.corners.parity == c.corners.parity));
             if !hidden {
                 kept.push(*c);

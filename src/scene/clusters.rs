@@ -20,6 +20,9 @@ pub struct Chunk {
     pub triangles: Vec<[u32; 4]>,
     /// A row a slot: the normals of the corners in file order, and the material.
     pub surfaces: Vec<[u32; 4]>,
+    /// Where images lie on triangles, six numbers a slot: the texture coordinates of the corners in file order, v downwards; NaN
+    /// of one that has none.
+    pub uvs: Vec<[f32; 6]>,
     /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit.
     pub slot_of_id: Vec<u32>,
     pub clusters: Vec<Cluster>,
@@ -42,19 +45,23 @@ pub struct Clustered {
 
 /// Bytes of a triangle's rows and of a vertex in the largest single buffer that holds them.
 const TRIANGLE_BYTES: u64 = 16;
+const TEXTURED_BYTES: u64 = 48;
 const VERTEX_BYTES: u64 = 12;
 
-/// Cuts a mesh into chunks none of whose buffers exceeds `binding_limit` bytes.
-pub fn cluster(mesh: &Mesh, anchor: DVec3, binding_limit: u64) -> Clustered {
-    let whole = mesh.triangles.len() as u64 * TRIANGLE_BYTES <= binding_limit
+/// Cuts a mesh into chunks none of whose buffers exceeds `binding_limit` bytes; with texture coordinates where they are to be
+/// `textured`.
+pub fn cluster(mesh: &Mesh, anchor: DVec3, textured: bool, binding_limit: u64) -> Clustered {
+    let triangle_bytes = if textured { TEXTURED_BYTES } else { TRIANGLE_BYTES };
+    let whole = mesh.triangles.len() as u64 * triangle_bytes <= binding_limit
         && mesh.positions.len() as u64 * VERTEX_BYTES <= binding_limit;
-    let per_chunk = if whole { mesh.triangles.len() as u64 } else { binding_limit / (3 * VERTEX_BYTES) };
+    let per_chunk =
+        if whole { mesh.triangles.len() as u64 } else { binding_limit / triangle_bytes.max(3 * VERTEX_BYTES) };
     let count = mesh.triangles.len() as u64;
     let mut chunks: Vec<Chunk> = (0..count)
         .step_by(per_chunk.max(1) as usize)
         .map(|first| {
             let ids = first as u32..(first + per_chunk).min(count) as u32;
-            chunk(mesh, anchor, ids, whole)
+            chunk(mesh, anchor, ids, (whole, textured))
         })
         .collect();
     if chunks.is_empty() {
@@ -65,7 +72,7 @@ pub fn cluster(mesh: &Mesh, anchor: DVec3, binding_limit: u64) -> Clustered {
     Clustered { chunks, anchor, without_area: mesh.triangles.len() - slots }
 }
 
-fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, whole: bool) -> Chunk {
+fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, textured): (bool, bool)) -> Chunk {
     let order = morton_order(mesh, ids.clone());
     let mut chunk = Chunk { id_first: ids.start, id_count: ids.len() as u32, ..Default::default() };
     if !whole {
@@ -75,6 +82,9 @@ fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, whole: bool) -> 
         chunk.used = Some(used);
     }
     chunk.surfaces = order.par_iter().map(|&id| surface_row(mesh, id)).collect();
+    if textured {
+        chunk.uvs = order.par_iter().map(|&id| uv_row(mesh, id)).collect();
+    }
     chunk.slot_of_id = vec![NONE; ids.len()];
     for (slot, &id) in order.iter().enumerate() {
         chunk.slot_of_id[(id - ids.start) as usize] = slot as u32;
@@ -241,6 +251,11 @@ fn surface_row(mesh: &Mesh, id: u32) -> [u32; 4] {
     [a, b, c, mesh.material_of[id as usize]]
 }
 
+fn uv_row(mesh: &Mesh, id: u32) -> [f32; 6] {
+    let Some([a, b, c]) = mesh.uvs_of(id as usize) else { return [f32::NAN; 6] };
+    [a.x, 1.0 - a.y, b.x, 1.0 - b.y, c.x, 1.0 - c.y]
+}
+
 /// A box of positions.
 #[derive(Clone, Copy)]
 struct Bounds {
@@ -308,10 +323,10 @@ mod tests {
         let mesh = mesh();
         let turned = moved(&mesh, |p| DMat3::from_rotation_z(0.4) * p + DVec3::new(0.5, -1.0, 0.0));
         for limit in LIMITS {
-            let mut refitted = cluster(&mesh, DVec3::ZERO, limit);
+            let mut refitted = cluster(&mesh, DVec3::ZERO, false, limit);
             let slots: Vec<_> = refitted.chunks.iter().map(|c| c.slot_of_id.clone()).collect();
             assert!(refitted.refit(&turned));
-            let anew = cluster(&turned, DVec3::ZERO, limit);
+            let anew = cluster(&turned, DVec3::ZERO, false, limit);
             assert_eq!(refitted.chunks.len(), anew.chunks.len());
             assert_eq!(anew.chunks.len() > 1, limit == LIMITS[1]);
             for ((a, b), slots) in refitted.chunks.iter().zip(&anew.chunks).zip(slots) {
@@ -334,11 +349,11 @@ mod tests {
         let flat = moved(&mesh, |p| DVec3::new(p.x, 0.0, 0.0));
         let scattered = moved(&mesh, |p| DVec3::new((40.0 * p.x).sin(), (40.0 * p.y).cos(), (40.0 * p.z).sin()) * 9.0);
         for limit in LIMITS {
-            assert!(cluster(&mesh, DVec3::ZERO, limit).refit(&mesh));
+            assert!(cluster(&mesh, DVec3::ZERO, false, limit).refit(&mesh));
             for to in [&flat, &scattered] {
-                assert!(!cluster(&mesh, DVec3::ZERO, limit).refit(to));
+                assert!(!cluster(&mesh, DVec3::ZERO, false, limit).refit(to));
             }
-            assert!(!cluster(&flat, DVec3::ZERO, limit).refit(&mesh));
+            assert!(!cluster(&flat, DVec3::ZERO, false, limit).refit(&mesh));
         }
     }
 }

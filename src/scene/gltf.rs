@@ -7,15 +7,19 @@ mod tests;
 
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 
-use glam::{DMat3, DMat4, DQuat, DVec3};
+use glam::{DMat3, DMat4, DQuat, DVec2, DVec3, Vec2};
+use gltf::material::AlphaMode;
 use gltf::mesh::Mode;
 use gltf::scene::Transform;
+use gltf::texture::{Info, WrappingMode};
 use gltf::{Document, Node, Primitive, Semantic};
 
 use crate::error::{Error, Result};
-use crate::scene::mesh::{Material, Mesh, NO_NORMAL};
+use crate::scene::mesh::{Material, Mesh, NO_NORMAL, NO_UV};
 use crate::scene::place::{turned, world_normal_from_object};
+use crate::scene::texture::{Images, Texels, Texture, Wrap, decode};
 use source::Source;
 
 /// Most triangles a mesh may have.
@@ -26,25 +30,26 @@ const MAX_TRIANGLES: usize = 1 << 28;
 /// The default scene (or else the first, or else all nodes that are no other's child) is walked depth-first, in
 /// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each. Strips and
 /// fans become triangles as the glTF specification lists them; lines and points are skipped. The base colour
-/// factor is the diffuse colour. Transforms are multiplied in f64; normals go by the inverse transpose. Vertices
-/// keep the file's order also where a node mirrors them. Textures, skins, morph targets and animations are not
+/// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`; where a material
+/// is masked there is a surface from its cut-off on, and where it is blended from an opacity of one half on. Transforms are multiplied in f64; normals go by the inverse transpose. Vertices
+/// keep the file's order also where a node mirrors them. Skins, morph targets and animations are not
 /// applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read.
 ///
 /// # Errors
 /// [`Error::Input`] naming the file and the accessor, buffer, node or mesh: no glTF 2.0; a required extension
 /// that would change the triangles; a buffer that is missing, short or remote; an accessor or an index out of
 /// range; a node that is its own ancestor or has two parents; no triangles, or more than 2^28.
-pub fn load(path: &Path) -> Result<Mesh> {
+pub fn load(path: &Path, images: &Images) -> Result<Mesh> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    parse(&bytes, folder).map_err(|e| e.at(name))
+    parse(&bytes, folder, images).map_err(|e| e.at(name))
 }
 
 /// As [`load`], from the file's bytes; `folder` is where its buffers lie.
-fn parse(bytes: &[u8], folder: &Path) -> Result<Mesh> {
+fn parse(bytes: &[u8], folder: &Path, images: &Images) -> Result<Mesh> {
     let source = Source::parse(bytes, folder)?;
-    let mut builder = Builder::new(&source);
+    let mut builder = Builder::new(&source, folder, images)?;
     builder.place_scene()?;
     builder.finish()
 }
@@ -91,13 +96,21 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(source: &'a Source) -> Self {
-        let materials = source.document.materials().map(|material| {
+    fn new(source: &'a Source, folder: &Path, images: &Images) -> Result<Self> {
+        let mut decoded = HashMap::new();
+        let mut read = |material: gltf::Material| {
             let [r, g, b, _] = material.pbr_metallic_roughness().base_color_factor();
             let name = material.name().unwrap_or_default().to_owned();
-            Material { name, diffuse: [r, g, b].map(|c| c.clamp(0.0, 1.0)), ..Material::default() }
-        });
-        Builder { source, mesh: Mesh { materials: materials.collect(), ..Mesh::default() }, default_is_used: false }
+            let texture = match material.pbr_metallic_roughness().base_color_texture() {
+                Some(info) if !images.are_left_out() => {
+                    Some(read_texture(source, folder, &material, &info, &mut decoded)?)
+                }
+                _ => None,
+            };
+            Ok(Material { name, diffuse: [r, g, b].map(|c| c.clamp(0.0, 1.0)), texture, ..Material::default() })
+        };
+        let materials = source.document.materials().map(&mut read).collect::<Result<_>>()?;
+        Ok(Builder { source, mesh: Mesh { materials, ..Mesh::default() }, default_is_used: false })
     }
 
     fn finish(mut self) -> Result<Mesh> {
@@ -110,6 +123,9 @@ impl<'a> Builder<'a> {
         if self.mesh.corner_normals.iter().flatten().all(|&n| n == NO_NORMAL) {
             self.mesh.normals = Vec::new();
             self.mesh.corner_normals = Vec::new();
+        }
+        if self.mesh.uvs.is_empty() {
+            self.mesh.corner_uvs = Vec::new();
         }
         Ok(self.mesh)
     }
@@ -167,6 +183,12 @@ impl<'a> Builder<'a> {
         let normal_of = |corner: u32| normals.get(corner as usize).copied().unwrap_or(NO_NORMAL);
         self.mesh.corner_normals.extend(triangles.iter().map(|t| t.map(normal_of)));
         self.mesh.triangles.extend(triangles.iter().map(|t| t.map(|corner| base + corner)));
+        let first_uv = self.place_uvs(primitive, count)?;
+        let uv_of = |corner: u32| match first_uv {
+            Some(first) if self.mesh.uvs[(first + corner) as usize].is_finite() => first + corner,
+            _ => NO_UV,
+        };
+        self.mesh.corner_uvs.extend(triangles.iter().map(|t| t.map(uv_of)));
         let material = primitive.material().index().unwrap_or_else(|| {
             self.default_is_used = true;
             self.source.document.materials().len()
@@ -194,6 +216,35 @@ impl<'a> Builder<'a> {
         let run = (base as u32, from.count() as u32);
         placed.positions.insert(from.index(), run);
         Ok(run)
+    }
+
+    /// Appends the texture coordinates of a primitive, as its base colour's image lies on them; the index of the first one.
+    fn place_uvs(&mut self, primitive: &Primitive, count: u32) -> Result<Option<u32>> {
+        let material = primitive.material();
+        let info = material.pbr_metallic_roughness().base_color_texture();
+        let transform = info.as_ref().and_then(Info::texture_transform);
+        let set = transform.as_ref().and_then(|t| t.tex_coord()).or(info.as_ref().map(Info::tex_coord)).unwrap_or(0);
+        let Some(accessor) = primitive.get(&Semantic::TexCoords(set)) else { return Ok(None) };
+        if accessor.count() != count as usize {
+            let pairs = accessor.count();
+            return Err(Error::input(format!("{pairs} texture coordinates for {count} positions; give one each")));
+        }
+        let first = self.mesh.uvs.len();
+        if first.saturating_add(count as usize) >= u32::MAX as usize {
+            return Err(Error::input("more than 2^32 - 2 texture coordinates; split the file"));
+        }
+        let placed = |uv: DVec2| {
+            let uv = transform.as_ref().map_or(uv, |t| {
+                let [scale, offset] = [t.scale(), t.offset()].map(|v| DVec2::from(v.map(f64::from)));
+                let (sin, cos) = f64::from(t.rotation()).sin_cos();
+                let scaled = scale * uv;
+                DVec2::new(cos * scaled.x + sin * scaled.y, cos * scaled.y - sin * scaled.x) + offset
+            });
+            // from the upper left corner to the lower left one
+            Vec2::new(uv.x as f32, (1.0 - uv.y) as f32)
+        };
+        self.mesh.uvs.extend(self.source.read_pairs(&accessor)?.into_iter().map(placed));
+        Ok(Some(first as u32))
     }
 
     /// Appends the accessor's normals unless this node has them already; the index of each.
@@ -225,6 +276,37 @@ impl<'a> Builder<'a> {
         }
         Ok(known)
     }
+}
+
+/// The base colour's image, decoded once for all materials.
+fn read_texture(
+    source: &Source,
+    folder: &Path,
+    material: &gltf::Material,
+    info: &Info,
+    decoded: &mut HashMap<usize, Arc<Texels>>,
+) -> Result<Texture> {
+    let image = info.texture().source();
+    let texels = match decoded.get(&image.index()) {
+        Some(known) => known.clone(),
+        None => {
+            let bytes = source.read_image(&image, folder).map_err(Error::input);
+            let texels = bytes.and_then(|b| decode(&b)).map_err(|e| e.at(format!("image {}", image.index())))?;
+            decoded.entry(image.index()).or_insert(Arc::new(texels)).clone()
+        }
+    };
+    let wrap = |mode: WrappingMode| match mode {
+        WrappingMode::Repeat => Wrap::Repeat,
+        WrappingMode::ClampToEdge => Wrap::Clamp,
+        WrappingMode::MirroredRepeat => Wrap::Mirror,
+    };
+    let cutoff = match material.alpha_mode() {
+        AlphaMode::Opaque => None,
+        AlphaMode::Mask => Some(material.alpha_cutoff().unwrap_or(0.5)),
+        AlphaMode::Blend => Some(0.5),
+    };
+    let sampler = info.texture().sampler();
+    Ok(Texture { texels, wrap: [wrap(sampler.wrap_s()), wrap(sampler.wrap_t())], cutoff })
 }
 
 /// Triangles from the corners of a primitive, in the order and winding of the glTF specification (3.7.2.1).

@@ -1,10 +1,14 @@
 //! Triangles as every loader and generator returns them, in f64.
 
-use glam::{DVec3, Vec3};
+use super::texture::Texture;
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Marks a corner without a normal in [`Mesh::corner_normals`].
 pub const NO_NORMAL: u32 = u32::MAX;
+
+/// Marks a corner without a texture coordinate in [`Mesh::corner_uvs`].
+pub const NO_UV: u32 = u32::MAX;
 
 /// Triangles over shared positions. Triangle `k` of the mesh is triangle `k` in file order, so ids
 /// follow from the position in `triangles` alone.
@@ -18,6 +22,10 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Three indices into `normals` a triangle ([`NO_NORMAL`]: none); empty when `normals` is.
     pub corner_normals: Vec<[u32; 3]>,
+    /// Texture coordinates, (0, 0) an image's lower left corner; empty when the source has none.
+    pub uvs: Vec<Vec2>,
+    /// Three indices into `uvs` a triangle ([`NO_UV`]: none); empty when `uvs` is.
+    pub corner_uvs: Vec<[u32; 3]>,
     /// At least one once there is a triangle.
     pub materials: Vec<Material>,
     /// One index into `materials` a triangle.
@@ -30,6 +38,34 @@ impl Mesh {
         let one = |p: &DVec3| (*p, *p);
         self.positions.par_iter().map(one).reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
+
+    /// The texture coordinates of a triangle's corners, where all have some.
+    pub fn uvs_of(&self, triangle: usize) -> Option<[Vec2; 3]> {
+        let corners = self.corner_uvs.get(triangle).filter(|c| !c.contains(&NO_UV))?;
+        Some(corners.map(|k| self.uvs[k as usize]))
+    }
+
+    /// Those at weights of its second and third corner.
+    pub fn uv_at(&self, triangle: u32, [u, v]: [f64; 2]) -> Option<DVec2> {
+        let [a, b, c] = self.uvs_of(triangle as usize)?.map(|uv| uv.as_dvec2());
+        Some((1.0 - u - v) * a + u * b + v * c)
+    }
+
+    /// Multiplies all texture coordinates: an image repeats as often where one is.
+    pub fn repeat_uvs(&mut self, times: Vec2) {
+        self.uvs.iter_mut().for_each(|uv| *uv *= times);
+    }
+
+    /// Some material has a texture, and some triangle coordinates.
+    pub fn is_textured(&self) -> bool {
+        !self.corner_uvs.is_empty() && self.materials.iter().any(|m| m.texture.is_some())
+    }
+
+    /// Some texture cuts holes into triangles.
+    pub fn has_holes(&self) -> bool {
+        let cuts = |m: &Material| m.texture.as_ref().is_some_and(Texture::cuts);
+        !self.corner_uvs.is_empty() && self.materials.iter().any(cuts)
+    }
 }
 
 /// What a triangle looks like.
@@ -38,6 +74,8 @@ pub struct Material {
     pub name: String,
     /// Linear RGB reflectance in [0, 1].
     pub diffuse: [f32; 3],
+    /// What it is multiplied by where a triangle has texture coordinates.
+    pub texture: Option<Texture>,
     /// Both faces are visible.
     pub two_sided: bool,
 }
@@ -45,6 +83,6 @@ pub struct Material {
 impl Default for Material {
     /// Light grey, both faces visible.
     fn default() -> Self {
-        Material { name: "default".into(), diffuse: [0.8; 3], two_sided: true }
+        Material { name: "default".into(), diffuse: [0.8; 3], texture: None, two_sided: true }
     }
 }

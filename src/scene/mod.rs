@@ -7,13 +7,14 @@ pub mod gltf;
 pub mod mesh;
 pub mod obj;
 pub mod place;
+pub mod texture;
 pub mod tone;
 
 use crate::camera::Camera;
 use crate::caustics::Caustics;
 use crate::error::{Error, Result};
 use crate::optics::Surface;
-use file::{CameraSpec, MeshSource, MeshSpec, SceneFile};
+use file::{CameraSpec, MeshSource, MeshSpec, SceneFile, TextureSpec};
 use glam::DVec3;
 use mesh::Mesh;
 use rayon::prelude::*;
@@ -21,6 +22,7 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
+use texture::{Images, Texture};
 use tone::Tone;
 
 /// Consecutive triangles that have one name.
@@ -60,7 +62,8 @@ impl Scene {
     }
 
     pub fn from_file(file: SceneFile) -> Result<Scene> {
-        let meshes = file.meshes.iter().map(load_mesh).collect::<Result<Vec<Mesh>>>()?;
+        let mut images = Images::default();
+        let meshes = file.meshes.iter().map(|m| load_mesh(m, &mut images)).collect::<Result<Vec<Mesh>>>()?;
         let objects = named_apart(file.meshes.iter().map(|m| m.called()), &meshes);
         let mesh = place::merge(meshes)?;
         if let Some(v) = mesh.positions.par_iter().find_any(|p| !p.is_finite()) {
@@ -126,14 +129,19 @@ fn named_apart(names: impl Iterator<Item = String>, meshes: &[Mesh]) -> Vec<Obje
     names.map(apart).zip(sizes).map(|(name, triangles)| Object { name, triangles }).collect()
 }
 
-pub(crate) fn load_mesh(spec: &MeshSpec) -> Result<Mesh> {
+/// The triangles of a mesh; its images come from `images`.
+pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
+    let mut none = Images::left_out();
+    // what it says itself goes before what its file says
+    let of_file = if spec.texture == TextureSpec::OfFile && spec.color.is_none() { &mut *images } else { &mut none };
+
     let mut mesh = match &spec.source {
         MeshSource::Builtin(builtin) => generate::generate(builtin)?,
         MeshSource::File(path) => {
             let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
             match extension.as_str() {
-                "obj" => obj::load(path)?,
-                "gltf" | "glb" => gltf::load(path)?,
+                "obj" => obj::load(path, of_file)?,
+                "gltf" | "glb" => gltf::load(path, of_file)?,
                 _ => {
                     let name = path.display();
                     return Err(Error::input(format!("{name}: unknown kind of mesh file; use .obj, .gltf or .glb")));
@@ -144,6 +152,18 @@ pub(crate) fn load_mesh(spec: &MeshSpec) -> Result<Mesh> {
     for material in &mut mesh.materials {
         material.two_sided = spec.two_sided;
         material.diffuse = spec.color.unwrap_or(material.diffuse);
+    }
+    if let TextureSpec::Image { file, repeat, cutoff } = &spec.texture {
+        if mesh.corner_uvs.is_empty() {
+            let name = spec.called();
+            return Err(Error::input(format!("mesh {name}: has no texture coordinates; leave texture out")));
+        }
+        let texture = Texture { cutoff: *cutoff, ..Texture::new(images.load(file)?) };
+        for material in &mut mesh.materials {
+            material.texture = Some(texture.clone());
+            material.diffuse = spec.color.unwrap_or([1.0; 3]);
+        }
+        mesh.repeat_uvs(repeat.as_vec2());
     }
     Ok(place::place(mesh, spec.scale, spec.rotate, spec.translate))
 }

@@ -13,12 +13,14 @@ mod tests;
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::scene::mesh::{Material, Mesh, NO_NORMAL};
-use chunk::{Chunk, Counts, Reader};
+use crate::scene::mesh::{Material, Mesh, NO_NORMAL, NO_UV};
+use crate::scene::texture::Images;
+use chunk::{Chunk, Counts, Reader, Texcoords};
+pub use mtl::Mapped;
 
 /// Most triangles a mesh may have.
 const MAX_TRIANGLES: usize = 1 << 28;
@@ -31,15 +33,16 @@ const CHUNK_BYTES: usize = 1 << 20;
 ///
 /// Faces are fan-triangulated from their first vertex; zero-area triangles stay, so that ids are file order.
 /// `Kd` is linear RGB. Faces whose material is unknown, or whose `.mtl` file is missing, get
-/// [`Material::default`]. Lines, points, curves, groups, smoothing and texture coordinates are skipped.
+/// [`Material::default`]. Lines, points, curves, groups and smoothing are skipped. Images that the MTL files name come from
+/// `images`, and texture coordinates lie as these files' options place them.
 ///
 /// # Errors
 /// [`Error::Input`] naming file and line: see [`parse`]; the file cannot be read; an MTL file is malformed.
-pub fn load(path: &Path) -> Result<Mesh> {
+pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
     let name = path.display().to_string();
     let text = read(path, &name)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    parse(&text, &name, |library| mtl::load(folder, library))
+    parse(&text, &name, |library| mtl::load(folder, library, images))
 }
 
 /// Parses OBJ text. `name` stands for the file in messages; `load_mtl` is asked once per `mtllib` line, in file
@@ -49,7 +52,7 @@ pub fn load(path: &Path) -> Result<Mesh> {
 /// [`Error::Input`], always the one of the lowest line: an empty text, no OBJ statements, no faces; a coordinate
 /// that is missing, not a number or not finite; an index that is 0 or out of range; a face of fewer than 3
 /// vertices; more than 2^28 triangles. Errors of `load_mtl` are passed on.
-pub fn parse(text: &[u8], name: &str, load_mtl: impl FnMut(&str) -> Result<Option<Vec<Material>>>) -> Result<Mesh> {
+pub fn parse(text: &[u8], name: &str, load_mtl: impl FnMut(&str) -> Result<Option<Vec<Mapped>>>) -> Result<Mesh> {
     parse_in_chunks(text, name, CHUNK_BYTES, load_mtl)
 }
 
@@ -57,9 +60,9 @@ fn parse_in_chunks(
     text: &[u8],
     name: &str,
     chunk_bytes: usize,
-    load_mtl: impl FnMut(&str) -> Result<Option<Vec<Material>>>,
+    load_mtl: impl FnMut(&str) -> Result<Option<Vec<Mapped>>>,
 ) -> Result<Mesh> {
-    let (chunks, total) = read_chunks(text, name, chunk_bytes, false)?;
+    let (chunks, total) = read_chunks(text, name, chunk_bytes, Texcoords::Kept)?;
     assemble(chunks, total, load_mtl)
 }
 
@@ -80,7 +83,7 @@ pub fn load_textured(path: &Path) -> Result<Textured> {
     let name = path.display().to_string();
     let text = read(path, &name)?;
     let mut mesh = Textured::default();
-    for chunk in read_chunks(&text, &name, CHUNK_BYTES, true)?.0 {
+    for chunk in read_chunks(&text, &name, CHUNK_BYTES, Texcoords::Needed)?.0 {
         mesh.positions.extend(chunk.positions);
         mesh.texcoords.extend(chunk.texcoords);
         let corners = chunk.triangles.iter().zip(&chunk.corner_texcoords);
@@ -94,7 +97,7 @@ fn read(path: &Path, name: &str) -> Result<Vec<u8>> {
 }
 
 /// The parsed chunks, with one triangle among them at least, and what is in the whole file.
-fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, textured: bool) -> Result<(Vec<Chunk>, Counts)> {
+fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, texcoords: Texcoords) -> Result<(Vec<Chunk>, Counts)> {
     let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
     if text.is_empty() {
         return Err(Error::input(format!("{name}: is empty; an OBJ file with faces is needed")));
@@ -104,7 +107,7 @@ fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, textured: bool) -> R
     }
     if !text.contains(&b'\n') && text.contains(&b'\r') {
         let lines = text.iter().map(|&b| if b == b'\r' { b'\n' } else { b }).collect::<Vec<_>>();
-        return read_chunks(&lines, name, chunk_bytes, textured);
+        return read_chunks(&lines, name, chunk_bytes, texcoords);
     }
 
     // Count, then parse every chunk knowing what lies before it.
@@ -116,14 +119,14 @@ fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, textured: bool) -> R
         before.push(total);
         total = total.plus(count);
     }
-    if total.positions.max(total.normals) >= u32::MAX as usize {
+    if total.positions.max(total.normals).max(total.texcoords) >= u32::MAX as usize {
         return Err(Error::input(format!("{name}: more than 2^32 - 2 vertices; split the file")));
     }
     let chunks: Vec<Result<Chunk>> = pieces
         .par_iter()
         .zip(&counts)
         .zip(&before)
-        .map(|((piece, own), before)| Reader::new(name, *before, total).textured(textured).read(piece, own))
+        .map(|((piece, own), before)| Reader::new(name, *before, total).texcoords(texcoords).read(piece, own))
         .collect();
     let chunks = chunks.into_iter().collect::<Result<Vec<_>>>()?;
 
@@ -144,7 +147,7 @@ fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, textured: bool) -> R
 fn assemble(
     chunks: Vec<Chunk>,
     total: Counts,
-    mut load_mtl: impl FnMut(&str) -> Result<Option<Vec<Material>>>,
+    mut load_mtl: impl FnMut(&str) -> Result<Option<Vec<Mapped>>>,
 ) -> Result<Mesh> {
     let triangles: usize = chunks.iter().map(|c| c.triangles.len()).sum();
     let mut mesh = Mesh {
@@ -153,11 +156,14 @@ fn assemble(
         material_of: Vec::with_capacity(triangles),
         ..Mesh::default()
     };
+    let mut mapped = Vec::new();
     for library in chunks.iter().flat_map(|c| &c.libraries) {
-        mesh.materials.extend(load_mtl(library)?.unwrap_or_default());
+        mapped.extend(load_mtl(library)?.unwrap_or_default());
     }
+    mesh.materials.extend(mapped.iter().map(|m| m.material.clone()));
     assign_materials(&chunks, &mut mesh.materials, &mut mesh.material_of);
     let with_normals = chunks.iter().any(|c| !c.corner_normals.is_empty());
+    let with_uvs = chunks.iter().any(|c| !c.corner_texcoords.is_empty());
     for chunk in chunks {
         mesh.positions.extend_from_slice(&chunk.positions);
         if with_normals {
@@ -166,10 +172,41 @@ fn assemble(
             mesh.corner_normals.extend_from_slice(&chunk.corner_normals);
             mesh.corner_normals.resize(first, [NO_NORMAL; 3]);
         }
+        if with_uvs {
+            let first = mesh.triangles.len() + chunk.triangles.len();
+            mesh.uvs.extend(chunk.texcoords.iter().map(|uv| uv.as_vec2()));
+            mesh.corner_uvs.extend_from_slice(&chunk.corner_texcoords);
+            mesh.corner_uvs.resize(first, [NO_UV; 3]);
+        }
         mesh.triangles.extend_from_slice(&chunk.triangles);
     }
     drop_unusable_normals(&mut mesh);
+    place_uvs(&mut mesh, &mapped);
     Ok(mesh)
+}
+
+/// Moves texture coordinates to where their triangles' materials have them in their images; those that are not finite go.
+fn place_uvs(mesh: &mut Mesh, mapped: &[Mapped]) {
+    let is_placed = |m: &Mapped| m.scale != Vec2::ONE || m.offset != Vec2::ZERO;
+    if mapped.iter().any(is_placed) {
+        let mut placed: HashMap<(u32, u32), u32> = HashMap::new();
+        for (corners, material) in mesh.corner_uvs.iter_mut().zip(&mesh.material_of) {
+            let Some(map) = mapped.get(*material as usize).filter(|m| is_placed(m)) else { continue };
+            for corner in corners.iter_mut().filter(|c| **c != NO_UV) {
+                *corner = *placed.entry((*corner, *material)).or_insert_with(|| {
+                    mesh.uvs.push(mesh.uvs[*corner as usize] * map.scale + map.offset);
+                    mesh.uvs.len() as u32 - 1
+                });
+            }
+        }
+    }
+    if mesh.uvs.iter().any(|uv| !uv.is_finite()) {
+        for corner in mesh.corner_uvs.iter_mut().flatten() {
+            if *corner != NO_UV && !mesh.uvs[*corner as usize].is_finite() {
+                *corner = NO_UV;
+            }
+        }
+    }
 }
 
 /// Appends one material index a triangle; the state of `usemtl` runs on from chunk to chunk. Of materials of

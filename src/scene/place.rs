@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::scene::mesh::{Mesh, NO_NORMAL};
+use crate::scene::mesh::{Mesh, NO_NORMAL, NO_UV};
 
 /// Most triangles a scene may have.
 const MAX_TRIANGLES: usize = 1 << 28;
@@ -76,7 +76,7 @@ pub(crate) fn turned(matrix: DMat3, normal: Vec3) -> Vec3 {
 /// normals get [`NO_NORMAL`] corners where another has some.
 ///
 /// # Errors
-/// [`Error::Input`] if there are more than 2^28 triangles, or 2^32 - 1 or more vertices, normals or materials.
+/// [`Error::Input`] if there are more than 2^28 triangles, or 2^32 - 1 or more vertices, normals, texture coordinates or materials.
 pub fn merge(meshes: Vec<Mesh>) -> Result<Mesh> {
     let total = |count: fn(&Mesh) -> usize| meshes.iter().map(count).sum::<usize>();
     let triangles = total(|m| m.triangles.len());
@@ -84,9 +84,11 @@ pub fn merge(meshes: Vec<Mesh>) -> Result<Mesh> {
         return Err(Error::input(format!("the scene has {triangles} triangles, at most 2^28 are possible; use fewer")));
     }
     let with_normals = meshes.iter().any(|m| !m.corner_normals.is_empty());
+    let with_uvs = meshes.iter().any(|m| !m.corner_uvs.is_empty());
     for (count, what) in [
         (total(|m| m.positions.len()), "vertices"),
         (total(|m| m.normals.len()), "normals"),
+        (total(|m| m.uvs.len()), "texture coordinates"),
         (total(|m| m.materials.len()), "materials"),
     ] {
         if count >= u32::MAX as usize {
@@ -98,24 +100,33 @@ pub fn merge(meshes: Vec<Mesh>) -> Result<Mesh> {
     if with_normals {
         all.corner_normals.resize(all.triangles.len(), [NO_NORMAL; 3]);
     }
+    if with_uvs {
+        all.corner_uvs.resize(all.triangles.len(), [NO_UV; 3]);
+    }
     meshes.for_each(|mesh| append(&mut all, mesh));
     Ok(all)
 }
 
-/// Appends `mesh` to `all`: with normals only where `all` has some. The caller made sure that all counts fit a u32.
+/// Appends `mesh` to `all`: with normals and texture coordinates only where `all` has some. The caller made sure that all counts fit a u32.
 pub fn append(all: &mut Mesh, mesh: Mesh) {
     let with_normals = !all.corner_normals.is_empty() || (all.triangles.is_empty() && !mesh.corner_normals.is_empty());
-    let [position, normal, material] =
-        [all.positions.len(), all.normals.len(), all.materials.len()].map(|count| count as u32);
+    let with_uvs = !all.corner_uvs.is_empty() || (all.triangles.is_empty() && !mesh.corner_uvs.is_empty());
+    let [position, normal, uv, material] =
+        [all.positions.len(), all.normals.len(), all.uvs.len(), all.materials.len()].map(|count| count as u32);
     all.positions.extend_from_slice(&mesh.positions);
     all.normals.extend_from_slice(&mesh.normals);
+    all.uvs.extend_from_slice(&mesh.uvs);
     all.materials.extend(mesh.materials);
     all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + position)));
     all.material_of.extend(mesh.material_of.iter().map(|m| m + material));
-    let shifted = |n: u32| if n == NO_NORMAL { NO_NORMAL } else { n + normal };
-    all.corner_normals.extend(mesh.corner_normals.iter().map(|t| t.map(shifted)));
+    let shifted = |none: u32, by: u32| move |k: u32| if k == none { none } else { k + by };
+    all.corner_normals.extend(mesh.corner_normals.iter().map(|t| t.map(shifted(NO_NORMAL, normal))));
     if with_normals {
         all.corner_normals.resize(all.triangles.len(), [NO_NORMAL; 3]);
+    }
+    all.corner_uvs.extend(mesh.corner_uvs.iter().map(|t| t.map(shifted(NO_UV, uv))));
+    if with_uvs {
+        all.corner_uvs.resize(all.triangles.len(), [NO_UV; 3]);
     }
 }
 
@@ -133,6 +144,8 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             normals: vec![Vec3::Z; normal],
             corner_normals: vec![[0, 0, NO_NORMAL]; normal],
+            uvs: vec![glam::Vec2::Y; normal],
+            corner_uvs: vec![[0, NO_UV, 0]; normal],
             materials: vec![Material::default()],
             material_of: vec![0],
         }
@@ -167,6 +180,7 @@ mod tests {
         assert_eq!(all.triangles, [[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
         let none = [NO_NORMAL; 3];
         assert_eq!(all.corner_normals, [none, [0, 0, NO_NORMAL], none]);
+        assert_eq!(all.corner_uvs, [[NO_UV; 3], [0, NO_UV, 0], [NO_UV; 3]]);
         assert_eq!(all.material_of, [0, 1, 2]);
         assert!(merge(vec![triangle(false); 2]).unwrap().corner_normals.is_empty());
         assert_eq!(merge(Vec::new()).unwrap(), Mesh::default());

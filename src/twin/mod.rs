@@ -41,7 +41,8 @@ use crate::gpu::device::Abilities;
 use crate::gpu::kernels::RaysKind;
 use crate::gpu::rows::{Cell, Cluster, Node, ONE_SIDED, Params, Piece, split3, words};
 use crate::plan::curves::RayTable;
-use crate::plan::{Plan, Surroundings, Wanted};
+use crate::plan::pages::Pages;
+use crate::plan::{Contents, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::{Clustered, cluster};
 use glam::DVec3;
@@ -129,14 +130,12 @@ impl Tables {
     pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: Abilities, binding_limit: u64) -> Tables {
         let scene = &*scene.with_optics(camera);
         let around = Surroundings::of(camera, scene.bounds());
-        let triangles = scene.mesh.triangles.len();
-        let has_normals = !scene.mesh.normals.is_empty();
-        let plan = Plan::new(camera, triangles, has_normals, around, wanted, has, binding_limit);
+        let plan = Plan::new(camera, Contents::of(&scene.mesh), around, wanted, has, binding_limit);
         Tables {
             optics: Optics::new(scene, camera, &plan),
             plan,
-            clustered: cluster(&scene.mesh, around.anchor, binding_limit),
-            look: Look::new(scene, around.anchor),
+            clustered: cluster(&scene.mesh, around.anchor, false, binding_limit),
+            look: Look::new(scene, around.anchor, &Pages::default()),
         }
     }
 

@@ -212,5 +212,7 @@ pub fn word(pixel: &Pixel, channel: Channel, background: [f32; 3]) -> Option<u32
         (Pixel::Hit(s), Channel::AlbedoR) => s.albedo[0].to_bits(),
         (Pixel::Hit(s), Channel::AlbedoG) => s.albedo[1].to_bits(),
         (Pixel::Hit(s), Channel::AlbedoB) => s.albedo[2].to_bits(),
+        // twins see no images
+        (Pixel::Hit(_), Channel::TextureU | Channel::TextureV) => 0,
     })
 }

@@ -95,8 +95,7 @@ impl Surface<'_> {
     /// The diffuse colour.
     pub fn albedo(&self) -> [f32; 3] {
         let material = self.input.surfaces[self.slot as usize][3];
-        let [r, g, b, _] = self.input.look.materials[material as usize];
-        [r, g, b]
+        self.input.look.materials[material as usize].diffuse
     }
 
     /// The normal turned to the viewer: the file's where it has them, else the triangle's.

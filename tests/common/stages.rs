@@ -56,7 +56,7 @@ impl Case {
         let has = Abilities { f64: true, atomics64: true, lanes: false, timestamps: false, clip_distances: false };
         let mut tables = Tables::new(&self.scene, &self.camera, &wanted, has, self.band_limit);
         let mesh = &self.scene.with_optics(&self.camera).mesh;
-        tables.clustered = cluster(mesh, tables.plan.anchor, self.chunk_limit);
+        tables.clustered = cluster(mesh, tables.plan.anchor, false, self.chunk_limit);
         tables
     }
 
@@ -86,6 +86,8 @@ impl Case {
             culling: true,
             doubting: false,
             normals: !self.scene.mesh.normals.is_empty(),
+            textured: false,
+            cut: false,
             optics,
             turned: false,
             samples: 1,

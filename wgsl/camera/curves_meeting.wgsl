@@ -11,10 +11,11 @@ struct CellDepth {
     normal: real3,
     v: array<real3, 3>,
     hidden: real,
+    slot: u32,
 }
 
-fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real) -> CellDepth {
-    return CellDepth(normal, v, hidden);
+fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real, slot: u32) -> CellDepth {
+    return CellDepth(normal, v, hidden, slot);
 }
 
 // The first visible meeting over the span. Between its critical points the polynomial has one root or none.
@@ -144,5 +145,6 @@ fn meeting_at(q: CellDepth, c: Curve, t: real, sizes: real, bound: real) -> Meet
         let e = q.v[(k + 1u) % 3u] - q.v[k];
         inside = inside && facing * dot(e, cross(way, q.v[k] - at)) >= -size3(e) * room;
     }
-    return Meeting(t, inside);
+    let z = real3(0.0);
+    return Meeting(t, inside && is_there(q.slot, Bundle(at, z, z, way, z, z, real(1.0), real(0.0), real(0.0))));
 }

@@ -24,6 +24,23 @@ fn pixel_ray(layer: u32, x: u32, y: u32, t: f32) -> Ray {
     return Ray(vec3<f32>(b.p), vec3<f32>(b.d));
 }
 
+fn ray_spread(layer: u32, x: u32, y: u32, t: f32) -> Spread {
+    let own = vec3<f32>(curve_point(pixel_curve(layer, x, y), real(t)));
+    let right = curve_step(own, layer, x + 1u, y, t);
+    let left = -curve_step(own, layer, x - 1u, y, t);
+    let below = curve_step(own, layer, x, y + 1u, t);
+    let above = -curve_step(own, layer, x, y - 1u, t);
+    return Spread(both_sides(right, left), both_sides(below, above));
+}
+
+// From a point to that at t of another pixel's curve; 0 where there is none.
+fn curve_step(own: vec3<f32>, layer: u32, x: u32, y: u32, t: f32) -> vec3<f32> {
+    if x >= params.width || y >= params.height || !has_ray(layer, x, y) {
+        return vec3<f32>(0.0);
+    }
+    return vec3<f32>(curve_point(pixel_curve(layer, x, y), real(t))) - own;
+}
+
 // Where on a pixel's ray t is: the tangent starts there.
 fn point_at(ray: Ray, t: f32) -> vec3<f32> {
     return ray.p;

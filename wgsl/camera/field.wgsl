@@ -48,6 +48,23 @@ fn field_bundle(x: u32, y: u32) -> Bundle {
     return b;
 }
 
+fn field_spread(x: u32, y: u32, t: f32) -> Spread {
+    let own = field_at(x, y);
+    let row = 6u * (params.width + 1u);
+    let right = field_step(own, own + 6u, t);
+    let left = -field_step(own, select(own - 6u, own, x == 0u), t);
+    let below = field_step(own, own + row, t);
+    let above = -field_step(own, select(own - row, own, y == 0u), t);
+    return Spread(both_sides(right, left), both_sides(below, above));
+}
+
+// From a point of one ray to that of another at the same t; 0 where this is none.
+fn field_step(own: u32, other: u32, t: f32) -> vec3<f32> {
+    let d = field_direction(other);
+    let step = field_origin(other) - field_origin(own) + t * (d - field_direction(own));
+    return select(step, vec3<f32>(0.0), all(d == vec3<f32>(0.0)));
+}
+
 fn cell_bundle_at(at: u32) -> Bundle {
     let z = real3(0.0);
     return Bundle(field_origin_real(at), z, z, field_direction_real(at), z, z, real(1.0), real(0.0), real(0.0));

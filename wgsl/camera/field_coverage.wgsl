@@ -74,15 +74,18 @@ struct CellDepth {
     normal: real3,
     v: real3,
     hidden: real,
+    slot: u32,
 }
 
-fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real) -> CellDepth {
-    return CellDepth(normal, v[0], hidden);
+fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real, slot: u32) -> CellDepth {
+    return CellDepth(normal, v[0], hidden, slot);
 }
 
 fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
     let corner = tile_corner(cell.tile);
     let at = field_at(corner.x + x, corner.y + y);
-    let across = dot(q.normal, field_direction_real(at));
-    return ray_meeting(dot(q.normal, q.v - field_origin_real(at)), across, 0.0, q.hidden);
+    let b = cell_bundle_at(at);
+    var meeting = ray_meeting(dot(q.normal, q.v - b.p), dot(q.normal, b.d), 0.0, q.hidden);
+    meeting.visible = meeting.visible && is_there(q.slot, b);
+    return meeting;
 }

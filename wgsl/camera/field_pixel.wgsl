@@ -13,6 +13,10 @@ fn pixel_ray(layer: u32, x: u32, y: u32, t: f32) -> Ray {
     return Ray(field_origin(at), field_direction(at));
 }
 
+fn ray_spread(layer: u32, x: u32, y: u32, t: f32) -> Spread {
+    return field_spread(x, y, t);
+}
+
 // Where on a pixel's ray t is.
 fn point_at(ray: Ray, t: f32) -> vec3<f32> {
     return ray.p + t * ray.d;

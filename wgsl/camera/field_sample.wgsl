@@ -26,3 +26,7 @@ fn sample_ray(layer: u32, x: u32, y: u32, sample: u32) -> Ray {
     let at = field_sample(x, y, sample);
     return Ray(field_origin(own) + sample_aside_p(at), field_direction(own) + sample_aside_d(at));
 }
+
+fn sample_spread(layer: u32, x: u32, y: u32, sample: u32, t: f32) -> Spread {
+    return field_spread(x, y, t);
+}

@@ -136,9 +136,11 @@ struct CellDepth {
     across: real3,
     rounding: real,         // of `along`
     hidden: real,
+    slot: u32,
+    whole: Bundle,
 }
 
-fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real) -> CellDepth {
+fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real, slot: u32) -> CellDepth {
     var q: CellDepth;
     q.along = real3(
         dot(normal, v[0] * whole.h - whole.p),
@@ -147,6 +149,8 @@ fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real) ->
     );
     q.across = real3(dot(normal, whole.d), dot(normal, whole.dx), dot(normal, whole.dy));
     q.hidden = hidden;
+    q.slot = slot;
+    q.whole = whole;
     if SHEETED {
         q.rounding = end_rounding(whole, normal, reach3(v));
     }
@@ -157,5 +161,7 @@ fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
     let fx = real(f32(x) - TILE_REACH);
     let fy = real(f32(y) - TILE_REACH);
     let along = q.along.x + fx * q.along.y + fy * q.along.z;
-    return ray_meeting(along, q.across.x + fx * q.across.y + fy * q.across.z, q.rounding, q.hidden);
+    var meeting = ray_meeting(along, q.across.x + fx * q.across.y + fy * q.across.z, q.rounding, q.hidden);
+    meeting.visible = meeting.visible && is_there(q.slot, bundle_at(q.whole, fx, fy));
+    return meeting;
 }

@@ -31,6 +31,22 @@ fn cell_ray_at(cell: Cell, place: vec2<f32>) -> Ray {
     return Ray((cell.p + fx * px + fy * py) / h, (cell.d + fx * dx + fy * dy) / h);
 }
 
+fn ray_spread(layer: u32, x: u32, y: u32, t: f32) -> Spread {
+    return cell_spread(cells[pixel_cell(layer, x, y)], vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH, t);
+}
+
+// P and D are ratios of affine functions, so their slopes follow from those of numerator and denominator.
+fn cell_spread(cell: Cell, place: vec2<f32>, t: f32) -> Spread {
+    let ray = cell_ray_at(cell, place);
+    let hx = pieces[cell.piece].hx_hi;
+    let hy = pieces[cell.piece].hy_hi;
+    let h = cell.h + place.x * hx + place.y * hy;
+    let point = ray.p + t * ray.d;
+    let right = pieces[cell.piece].px_hi + t * pieces[cell.piece].dx_hi - hx * point;
+    let down = pieces[cell.piece].py_hi + t * pieces[cell.piece].dy_hi - hy * point;
+    return Spread(right / h, down / h);
+}
+
 // Where on a pixel's ray t is.
 fn point_at(ray: Ray, t: f32) -> vec3<f32> {
     return ray.p + t * ray.d;

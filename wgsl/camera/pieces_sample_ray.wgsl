@@ -1,6 +1,19 @@
-// The ray of a sample of a camera made of pieces.
+// The rays of samples of a camera made of pieces.
 
 fn sample_ray(layer: u32, x: u32, y: u32, sample: u32) -> Ray {
+    return cell_ray_at(cells[sample_cell(layer, x, y, sample)], place_in_tile(x, y, sample));
+}
+
+fn sample_spread(layer: u32, x: u32, y: u32, sample: u32, t: f32) -> Spread {
+    return cell_spread(cells[sample_cell(layer, x, y, sample)], place_in_tile(x, y, sample), t);
+}
+
+fn place_in_tile(x: u32, y: u32, sample: u32) -> vec2<f32> {
+    return vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH + sample_place(sample);
+}
+
+// The cell whose piece a sample belongs to.
+fn sample_cell(layer: u32, x: u32, y: u32, sample: u32) -> u32 {
     var row = y / TILE;
     if SHEETED {
         row += layer * params.spans * params.sheet_rows;
@@ -13,5 +26,5 @@ fn sample_ray(layer: u32, x: u32, y: u32, sample: u32) -> Ray {
             break;
         }
     }
-    return cell_ray_at(cells[k], vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH + sample_place(sample));
+    return k;
 }

@@ -20,6 +20,8 @@ override PLANE_P_Z: u32 = 0xffffffffu;
 override PLANE_ALBEDO_R: u32 = 0xffffffffu;
 override PLANE_ALBEDO_G: u32 = 0xffffffffu;
 override PLANE_ALBEDO_B: u32 = 0xffffffffu;
+override PLANE_TEXTURE_U: u32 = 0xffffffffu;
+override PLANE_TEXTURE_V: u32 = 0xffffffffu;
 
 struct Shading {
     background: vec3<f32>,
@@ -28,6 +30,6 @@ struct Shading {
     light_count: u32,       // 0: one headlight along each pixel's ray
     gain: f32,              // of the 8-bit picture: by what light is multiplied, and one of the CURVE constants
     curve: u32,
+    spread: f32,            // of a pixel: how wide images are filtered
     pad0: u32,
-    pad1: u32,
 }

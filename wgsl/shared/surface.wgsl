@@ -14,7 +14,7 @@ fn surface_normal(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
     let v0 = vertex(triangle.x);
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);
-    let surface = surfaces[slot];
+    let surface = surface_row(slot);
     let flat = normalize(cross(v1 - v0, v2 - v0));
     let n = flat * select(1.0, -1.0, dot(flat, ray.d) > 0.0);
     if NORMALS && surface.x != NONE && surface.y != NONE && surface.z != NONE {

@@ -12,6 +12,7 @@ use crate::optics::{Atlas, Facets, Law, Optics, Surface, Turn};
 use crate::scene::file::reader::{Field, Table};
 use crate::scene::file::{CameraSpec, MeshSpec, read_camera, read_mesh};
 use crate::scene::load_mesh;
+use crate::scene::texture::Images;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -196,7 +197,7 @@ impl Source {
         match self {
             Source::Shape(shape, own) => Ok(shape.facets(count.unwrap_or(*own))),
             Source::Mesh(spec, own) => {
-                let facets = Facets::of_mesh(&load_mesh(spec)?)?;
+                let facets = Facets::of_mesh(&load_mesh(spec, &mut Images::left_out())?)?;
                 Ok(count.or(*own).map_or(facets.clone(), |n| facets.resampled(n)))
             }
         }
@@ -253,9 +254,10 @@ impl Optical {
         let truth = match &self.source {
             Source::Shape(shape, _) => Surface::Smooth(shape.smooth()),
             // a mesh is what it is
-            Source::Mesh(spec, _) => {
-                Surface::Facets { facets: Facets::of_mesh(&load_mesh(spec)?).map_err(at)?, law: Law::Normals }
-            }
+            Source::Mesh(spec, _) => Surface::Facets {
+                facets: Facets::of_mesh(&load_mesh(spec, &mut Images::left_out())?).map_err(at)?,
+                law: Law::Normals,
+            },
         };
         let truth = once(truth);
         let middle = setting.bounds().map_or(DVec3::ZERO, |(lo, hi)| (lo + hi) / 2.0);

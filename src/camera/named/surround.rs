@@ -11,6 +11,7 @@ use crate::error::Result;
 use crate::scene::file::reader::{Field, Table};
 use crate::scene::generate::icosphere;
 use crate::scene::obj;
+use crate::scene::texture::Images;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -39,7 +40,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let (field, mesh, scale) = match table.get("file") {
         Some(file) => {
             table.allow(&["kind", "t_range", "file", "center", "scale", "up"])?;
-            let mesh = obj::load(&file.path()?).map_err(|e| e.at("camera.file"))?;
+            let mesh = obj::load(&file.path()?, &mut Images::left_out()).map_err(|e| e.at("camera.file"))?;
             (file, mesh, table.or("scale", 1.0, length)?)
         }
         None => {

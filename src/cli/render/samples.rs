@@ -52,7 +52,7 @@ pub fn render(
     let mut all = Sum::default();
     if !means.is_empty() || ids.is_some() {
         let channels = means.into_iter().chain(ids).collect();
-        let each = Wanted { counting: wanted.counting, ..Wanted::of(channels) };
+        let each = Wanted { counting: wanted.counting, frames: samples, ..Wanted::of(channels) };
         for place in places(samples) {
             let rendered = backend.render(scene, &camera.with_sample_offset(place.x, place.y), &each, run)?;
             count(&rendered.frame);

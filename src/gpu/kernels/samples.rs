@@ -199,16 +199,17 @@ pub fn resolve(variant: Variant, planes: &[Channel]) -> Kernel {
         read("slot_of_id", "array<u32>"),
         read("surfaces", "array<vec4<u32>>"),
         read("normals", "array<f32>"),
-        read("materials", "array<vec4<f32>>"),
+        read("materials", "array<Material>"),
         read("lights", "array<vec4<f32>>"),
         read("samples", "array<u32>"),
         write("planes", "array<u32>"),
         counters(),
         read("cell_samples", "array<vec2<u32>>"),
     ];
+    bindings.extend(variant.pages());
     bindings.extend(variant.pixel_rays());
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE_ROW, BUNDLE, KEY, SHADING, SURFACE];
-    let mut own = vec![variant.camera(), BITS, CELL_SAMPLES, SAMPLE_PLACES];
+    let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_PLACES];
     if variant.rays == RaysKind::Pieces {
         own.extend(variant.pixel());
         own.push(snippet!("camera/pieces_sample_ray.wgsl"));

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
-use super::node::{nearest, quote};
+use super::node::{Value, nearest, quote};
 use super::reader::{Field, Table};
 use crate::error::Result;
 use crate::scene::generate::Builtin;
@@ -22,8 +22,27 @@ pub struct MeshSpec {
     pub scale: DVec3,
     /// Both faces are visible.
     pub two_sided: bool,
-    /// Linear RGB in [0, 1] for the whole mesh; `None` keeps the source's materials.
+    /// Linear RGB in [0, 1] for the whole mesh, without the images of its file; `None` keeps the source's materials.
     pub color: Option<[f32; 3]>,
+    pub texture: TextureSpec,
+}
+
+/// Which image lies on a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TextureSpec {
+    /// Those that its file names.
+    OfFile,
+    /// None.
+    LeftOut,
+    /// This one on all of it, times the mesh's `color`.
+    Image {
+        /// A PNG or JPEG, already relative to the working directory.
+        file: PathBuf,
+        /// How often it lies where the texture coordinates run from 0 to 1.
+        repeat: DVec2,
+        /// The least opacity at which there is a surface.
+        cutoff: Option<f32>,
+    },
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +64,7 @@ impl MeshSpec {
 }
 
 /// The keys that every mesh may have, whatever its source.
-const PLACING: [&str; 6] = ["name", "translate", "rotate", "scale", "two_sided", "color"];
+const PLACING: [&str; 7] = ["name", "translate", "rotate", "scale", "two_sided", "color", "texture"];
 
 const BUILTINS: [&str; 11] =
     ["teapot", "icosphere", "box", "cylinder", "stairs", "cow", "walker", "plane", "city", "terrain", "soup"];
@@ -62,7 +81,31 @@ pub(crate) fn read_mesh(field: &Field, more: &[&str]) -> Result<MeshSpec> {
         scale: table.or("scale", DVec3::ONE, read_scale)?,
         two_sided: table.or("two_sided", true, Field::boolean)?,
         color: table.optional("color", Field::color)?,
+        texture: table.or("texture", TextureSpec::OfFile, read_texture)?,
     })
+}
+
+/// `false`, a file's name, or a table.
+fn read_texture(field: &Field) -> Result<TextureSpec> {
+    let image = |file: PathBuf| TextureSpec::Image { file, repeat: DVec2::ONE, cutoff: None };
+    match &field.node().value {
+        Value::Bool(true) => Ok(TextureSpec::OfFile),
+        Value::Bool(false) => Ok(TextureSpec::LeftOut),
+        Value::Table(_) => {
+            let table = field.table()?;
+            table.allow(&["file", "repeat", "cutoff"])?;
+            let cutoff = |f: &Field| match f.number()? {
+                value if (0.0..=1.0).contains(&value) => Ok(value as f32),
+                _ => Err(f.error("an opacity is needed, 0 to 1")),
+            };
+            Ok(TextureSpec::Image {
+                file: table.need("file", "\"NAME.png\"")?.path()?,
+                repeat: table.or("repeat", DVec2::ONE, read_repeat)?,
+                cutoff: table.optional("cutoff", cutoff)?,
+            })
+        }
+        _ => Ok(image(field.path()?)),
+    }
 }
 
 fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
@@ -138,6 +181,14 @@ fn unknown_builtin(builtin: &Field, name: &str) -> crate::error::Error {
 /// One number for all axes, or one an axis.
 fn read_scale(field: &Field) -> Result<DVec3> {
     if field.is_list() { field.vec3() } else { Ok(DVec3::splat(field.number()?)) }
+}
+
+/// One number for both directions, or one for each.
+fn read_repeat(field: &Field) -> Result<DVec2> {
+    match field.is_list() {
+        true => Ok(DVec2::from(field.numbers::<2>("how often to the right and upwards, as [u, v]")?)),
+        false => Ok(DVec2::splat(field.number()?)),
+    }
 }
 
 fn read_u32(field: &Field) -> Result<u32> {

@@ -1,6 +1,6 @@
 //! Boxes: the built-in one, and open ones as parts of a city.
 
-use glam::DVec3;
+use glam::{DVec3, Vec2};
 
 use crate::scene::mesh::{Material, Mesh};
 
@@ -11,10 +11,16 @@ const FACES: [[usize; 4]; 6] = [[4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4,
 /// Triangles of an open box.
 pub(super) const OPEN_BOX_TRIANGLES: u64 = 10;
 
-/// The unit cube [-1/2, 1/2]^3: 12 triangles over 8 shared vertices, closed, facing outwards, no normals.
+/// The unit cube [-1/2, 1/2]^3: 12 triangles over 8 shared vertices, closed, facing outwards, no normals. Texture coordinates run
+/// from 0 to 1 over each face.
 pub fn cube() -> Mesh {
     let mut mesh = Mesh { materials: vec![Material::default()], ..Mesh::default() };
     push_faces(&mut mesh, DVec3::splat(-0.5), [DVec3::Z, DVec3::X, DVec3::Y], &FACES, 0);
+    mesh.uvs = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(Vec2::from).to_vec();
+    // of two faces the first edge runs upwards
+    let first = |face: usize| u32::from(face == 2 || face == 3);
+    let corners = |face: usize| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| (k + first(face)) % 4));
+    mesh.corner_uvs = (0..FACES.len()).flat_map(corners).collect();
     mesh
 }
 

@@ -46,6 +46,7 @@ pub fn icosphere(level: u32) -> Mesh {
         material_of: vec![0; triangles.len()],
         positions,
         triangles,
+        ..Mesh::default()
     }
 }
 

@@ -1,11 +1,12 @@
 //! A flat square.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use crate::scene::mesh::{Material, Mesh};
 
 /// The square [-size/2, size/2]^2 on y = 0 facing +y, `divisions` x `divisions` cells of two triangles, row by
-/// row along +z, in a row along +x: 2 divisions^2 triangles. `divisions` is 1 to 11585.
+/// row along +z, in a row along +x: 2 divisions^2 triangles. Texture coordinates run from 0 to 1 along +x and -z. `divisions` is 1 to
+/// 11585.
 pub fn plane(size: f64, divisions: u32) -> Mesh {
     let place = |k: u32| size * (f64::from(k) / f64::from(divisions) - 0.5);
     let rows = 0..=divisions;
@@ -17,8 +18,16 @@ pub fn plane(size: f64, divisions: u32) -> Mesh {
         corner_normals: vec![[0; 3]; triangles.len()],
         materials: vec![Material::default()],
         material_of: vec![0; triangles.len()],
+        uvs: grid_uvs(divisions),
+        corner_uvs: triangles.clone(),
         triangles,
     }
+}
+
+/// Of each vertex of such a grid, from 0 to 1 along +x and -z.
+pub(super) fn grid_uvs(cells: u32) -> Vec<Vec2> {
+    let place = |k: u32| k as f32 / cells as f32;
+    (0..=cells).flat_map(|row| (0..=cells).map(move |column| Vec2::new(place(column), 1.0 - place(row)))).collect()
 }
 
 /// The triangles of a grid of (cells + 1)^2 vertices, row by row along +z, facing +y.

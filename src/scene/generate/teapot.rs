@@ -4,7 +4,7 @@
 //! and spout are given as their half on one side; the other is its mirror image. The usual file lists 306 control
 //! points for these patches one by one; here quarters and sides share their numbers, and 290 points differ.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::scene::mesh::{Material, Mesh};
 
@@ -67,7 +67,7 @@ const HALVES: [[[[f64; 3]; 4]; 4]; 4] = [
 
 /// The Utah teapot: y up, standing on y = 0, spout along +x, bounds (-3, 0, -2) .. (3.434, 3.15, 2). 32 patches of
 /// `level` x `level` cells of two triangles: 64 level^2 triangles, facing outwards, with smooth normals from the
-/// patches' derivatives. Patches meet without gaps, at equal vertices of their own. At the tips of lid and bottom
+/// patches' derivatives and their parameters as texture coordinates. Patches meet without gaps, at equal vertices of their own. At the tips of lid and bottom
 /// the cells are triangles: 8 level of the triangles have no area. `level` is 1 to 2048.
 pub fn teapot(level: u32) -> Mesh {
     let mut mesh = Mesh { materials: vec![Material::default()], ..Mesh::default() };
@@ -75,6 +75,7 @@ pub fn teapot(level: u32) -> Mesh {
         push_patch(&mut mesh, &patch, level);
     }
     mesh.corner_normals = mesh.triangles.clone();
+    mesh.corner_uvs = mesh.triangles.clone();
     mesh.material_of = vec![0; mesh.triangles.len()];
     mesh
 }
@@ -111,6 +112,7 @@ fn push_patch(mesh: &mut Mesh, patch: &Patch, level: u32) {
             let (u, v) = (f64::from(i) / f64::from(level), f64::from(j) / f64::from(level));
             mesh.positions.push(y_up(curve(&patch.map(|row| curve(&row, u)), v)));
             mesh.normals.push(y_up(normal(patch, u, v)).as_vec3());
+            mesh.uvs.push(DVec2::new(u, v).as_vec2());
         }
     }
     for j in 0..level {
@@ -153,6 +155,7 @@ fn normal(patch: &Patch, u: f64, v: f64) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
+    use crate::scene::texture::Images;
     use std::collections::HashSet;
     use std::path::Path;
 
@@ -220,7 +223,7 @@ mod tests {
         let ours = teapot(10).positions;
         // The file has six digits or so.
         const ROUNDED: f64 = 1e-5;
-        for p in obj::load(&path).unwrap().positions {
+        for p in obj::load(&path, &mut Images::left_out()).unwrap().positions {
             assert!(ours.iter().any(|q| q.distance(p) < ROUNDED), "{p}");
         }
     }

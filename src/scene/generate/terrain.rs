@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::plane::grid_triangles;
+use super::plane::{grid_triangles, grid_uvs};
 use super::random::Random;
 use crate::scene::mesh::{Material, Mesh};
 
@@ -24,7 +24,7 @@ const STEEPEST_GRASS: f64 = 0.8;
 const SNOW_LINE: f64 = 1.25 * RELIEF;
 
 /// A landscape over [-50, 50]^2 in x and z with heights in [0, 30]: `size` x `size` cells of two triangles, row by
-/// row along +z, 2 size^2 triangles in all, with smooth normals; grass, rock and snow. `size` is 1 to 11585; the
+/// row along +z, 2 size^2 triangles in all, with smooth normals and texture coordinates from 0 to 1 along +x and -z; grass, rock and snow. `size` is 1 to 11585; the
 /// seed alone makes the shape, the size how finely it is sampled.
 pub fn terrain(seed: u64, size: u32) -> Mesh {
     let side = size + 1;
@@ -41,6 +41,8 @@ pub fn terrain(seed: u64, size: u32) -> Mesh {
     let triangles = grid_triangles(size);
     Mesh {
         corner_normals: triangles.clone(),
+        uvs: grid_uvs(size),
+        corner_uvs: triangles.clone(),
         material_of: triangles.par_iter().map(|t| material(t.map(|i| positions[i as usize]))).collect(),
         materials: MATERIALS
             .iter()

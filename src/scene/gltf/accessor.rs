@@ -1,6 +1,6 @@
 //! Typed reading of buffers: every range is checked before it is read.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use gltf::Accessor;
 use gltf::accessor::sparse::{IndexType, Sparse};
 use gltf::accessor::{DataType, Dimensions};
@@ -21,6 +21,18 @@ impl Source {
         }
         let values = self.read(accessor).map_err(|message| at(accessor, message))?;
         Ok(values.chunks_exact(3).map(|v| DVec3::new(v[0], v[1], v[2])).collect())
+    }
+
+    /// The accessor's vectors of two.
+    ///
+    /// # Errors
+    /// As [`Source::read_vectors`].
+    pub(super) fn read_pairs(&self, accessor: &Accessor) -> Result<Vec<DVec2>> {
+        if accessor.dimensions() != Dimensions::Vec2 {
+            return Err(at(accessor, "must hold vectors of 2; export it again".into()));
+        }
+        let values = self.read(accessor).map_err(|message| at(accessor, message))?;
+        Ok(values.chunks_exact(2).map(|v| DVec2::new(v[0], v[1])).collect())
     }
 
     /// The accessor's indices, each below `limit`.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use gltf::json::validation::{Error as Wrong, Validate};
 use gltf::json::{Path as JsonPath, Root};
-use gltf::{Document, buffer};
+use gltf::{Document, buffer, image};
 
 use crate::error::{Error, Result};
 
@@ -33,6 +33,19 @@ impl Source {
             buffers.push(bytes);
         }
         Ok(Source { document, buffers })
+    }
+
+    /// The bytes of an image's file.
+    pub(super) fn read_image(&self, image: &gltf::Image, folder: &Path) -> std::result::Result<Vec<u8>, String> {
+        match image.source() {
+            image::Source::Uri { uri, .. } => read_uri(uri, folder),
+            image::Source::View { view, .. } => {
+                let buffer = &self.buffers[view.buffer().index()];
+                let end = view.offset().checked_add(view.length());
+                let bytes = end.and_then(|end| buffer.get(view.offset()..end));
+                Ok(bytes.ok_or("exceeds its buffer; export it again")?.to_vec())
+            }
+        }
     }
 }
 
@@ -79,9 +92,20 @@ fn check_root(root: &Root) -> Result<()> {
     let mut first = None;
     root.validate(root, JsonPath::new, &mut |path, wrong| {
         let path = path().0;
-        let is_read = ["scene", "nodes", "meshes", "accessors", "bufferViews", "buffers"]
-            .iter()
-            .any(|part| path.starts_with(part));
+        let is_read = [
+            "scene",
+            "nodes",
+            "meshes",
+            "accessors",
+            "bufferViews",
+            "buffers",
+            "materials",
+            "textures",
+            "images",
+            "samplers",
+        ]
+        .iter()
+        .any(|part| path.starts_with(part));
         // The required minimum and maximum of positions are often left out, and are not needed.
         let is_bound = wrong == Wrong::Missing && (path.ends_with(".min") || path.ends_with(".max"));
         if is_read && !is_bound && first.is_none() {
@@ -135,20 +159,25 @@ fn read_buffer(
 ) -> std::result::Result<Vec<u8>, String> {
     let bytes = match buffer.source() {
         buffer::Source::Bin => binary.take().ok_or("has no uri and no BIN chunk; export it again")?.to_vec(),
-        buffer::Source::Uri(uri) => match uri.strip_prefix("data:") {
-            Some(data) => decode_data(data)?,
-            None if uri.contains("://") => return Err("lies elsewhere on the net; put it beside the file".into()),
-            None => {
-                let file = folder.join(decode_percent(uri));
-                std::fs::read(&file).map_err(|e| format!("{} cannot be read: {e}", file.display()))?
-            }
-        },
+        buffer::Source::Uri(uri) => read_uri(uri, folder)?,
     };
     if bytes.len() < buffer.length() {
         let (is, says) = (bytes.len(), buffer.length());
         return Err(format!("has {is} of its {says} bytes; copy or export it again"));
     }
     Ok(bytes)
+}
+
+/// What lies beside the file, or in the URI itself.
+fn read_uri(uri: &str, folder: &Path) -> std::result::Result<Vec<u8>, String> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        return decode_data(data);
+    }
+    if uri.contains("://") {
+        return Err("lies elsewhere on the net; put it beside the file".into());
+    }
+    let file = folder.join(decode_percent(uri));
+    std::fs::read(&file).map_err(|e| format!("{} cannot be read: {e}", file.display()))
 }
 
 /// The bytes of a `data:` URI, from behind the colon.

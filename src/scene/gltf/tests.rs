@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 
 use super::*;
@@ -44,7 +44,7 @@ fn load_quad(edit: impl FnOnce(&mut serde_json::Value)) -> Result<Mesh> {
     std::fs::write(folder.path().join("quad.bin"), quad_bytes()).unwrap();
     let path = folder.path().join("quad.gltf");
     std::fs::write(&path, serde_json::to_vec(&json).unwrap()).unwrap();
-    load(&path)
+    load(&path, &Images::default())
 }
 
 fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
@@ -75,7 +75,7 @@ fn external_inline_and_binary_buffers_are_the_same() {
     let uri = "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAA\
                AAABAAIAAgABAAMAAAECAw==";
     assert_eq!(load_quad(|json| json["buffers"][0]["uri"] = uri.into()).unwrap(), external);
-    assert_eq!(parse(&quad_glb(), Path::new("")).unwrap(), external);
+    assert_eq!(parse(&quad_glb(), Path::new(""), &Images::default()).unwrap(), external);
 }
 
 #[test]
@@ -191,9 +191,14 @@ fn wrong_documents_say_where() {
         assert!(!message.contains('\n'), "{message}");
     }
     for bytes in [&b""[..], b"glTF", b"glTF\x02\0\0\0\xff\0\0\0", b"{}", b"[1]", b"\xff\xfe"] {
-        assert!(matches!(parse(bytes, Path::new("")), Err(Error::Input(_))));
+        assert!(matches!(parse(bytes, Path::new(""), &Images::default()), Err(Error::Input(_))));
     }
-    assert!(load(Path::new("no/such.glb")).unwrap_err().to_string().starts_with("no/such.glb: cannot be read"));
+    assert!(
+        load(Path::new("no/such.glb"), &Images::default())
+            .unwrap_err()
+            .to_string()
+            .starts_with("no/such.glb: cannot be read")
+    );
 }
 
 #[test]
@@ -225,6 +230,95 @@ fn model(name: &str) -> Option<PathBuf> {
     Some(path)
 }
 
+/// A PNG of two texels beside each other: red, and blue that is hardly there.
+fn two_texels() -> Vec<u8> {
+    let mut png = std::io::Cursor::new(Vec::new());
+    let image = image::RgbaImage::from_raw(2, 1, vec![255, 0, 0, 255, 0, 0, 255, 51]).unwrap();
+    image.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    png.into_inner()
+}
+
+/// The quad with texture coordinates that are its positions' x and y, and [`two_texels`] as its base colour.
+fn textured_quad(edit: impl FnOnce(&mut serde_json::Value)) -> serde_json::Value {
+    let mut json = quad_json();
+    let uvs: Vec<u8> = [0.0f32, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let image = two_texels();
+    json["bufferViews"].as_array_mut().unwrap().extend([
+        serde_json::json!({"buffer": 0, "byteOffset": 64, "byteLength": uvs.len()}),
+        serde_json::json!({"buffer": 0, "byteOffset": 64 + uvs.len(), "byteLength": image.len()}),
+    ]);
+    json["accessors"]
+        .as_array_mut()
+        .unwrap()
+        .push(serde_json::json!({"bufferView": 3, "componentType": 5126, "count": 4, "type": "VEC2"}));
+    json["buffers"][0] = serde_json::json!({"byteLength": 64 + uvs.len() + image.len()});
+    json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 3.into();
+    json["meshes"][0]["primitives"][0]["material"] = 0.into();
+    json["images"] = serde_json::json!([{"bufferView": 4, "mimeType": "image/png"}]);
+    json["samplers"] = serde_json::json!([{"wrapS": 33071, "wrapT": 33648}]);
+    json["textures"] = serde_json::json!([{"source": 0, "sampler": 0}]);
+    json["materials"] = serde_json::json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
+    edit(&mut json);
+    json
+}
+
+fn load_textured_quad(images: &Images, edit: impl FnOnce(&mut serde_json::Value)) -> Result<Mesh> {
+    let json = textured_quad(edit);
+    let uvs: Vec<u8> = [0.0f32, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let binary = [quad_bytes(), uvs, two_texels()].concat();
+    let mut text = serde_json::to_vec(&json).unwrap();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    parse(&glb(&text, &binary), Path::new(""), images)
+}
+
+#[test]
+fn base_colours_have_their_images_borders_and_places() {
+    let mesh = load_textured_quad(&Images::default(), |_| {}).unwrap();
+    // glTF's v runs downwards
+    assert_eq!(mesh.uvs_of(0), Some([Vec2::new(0.0, 1.0), Vec2::new(1.0, 1.0), Vec2::new(0.0, 0.0)]));
+    let texture = mesh.materials[0].texture.as_ref().unwrap();
+    assert_eq!((texture.wrap, texture.cutoff), ([Wrap::Clamp, Wrap::Mirror], None));
+    assert_eq!(texture.texels.rgba[0].map(f32::from), [1.0, 0.0, 0.0, 1.0]);
+    assert_eq!(mesh.materials[0].diffuse, [1.0; 3]);
+
+    for (mode, cutoff) in [("OPAQUE", None), ("MASK", Some(0.25)), ("BLEND", Some(0.5))] {
+        let cut = |json: &mut serde_json::Value| {
+            json["materials"][0]["alphaMode"] = mode.into();
+            if mode == "MASK" {
+                json["materials"][0]["alphaCutoff"] = 0.25.into();
+            }
+        };
+        let mesh = load_textured_quad(&Images::default(), cut).unwrap();
+        assert_eq!(mesh.materials[0].texture.as_ref().unwrap().cutoff, cutoff, "{mode}");
+    }
+    let moved = |json: &mut serde_json::Value| {
+        let turn = serde_json::json!({"offset": [0.5, 0.25], "scale": [2, 4], "rotation": std::f64::consts::FRAC_PI_2});
+        json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] =
+            serde_json::json!({"KHR_texture_transform": turn});
+    };
+    let mesh = load_textured_quad(&Images::default(), moved).unwrap();
+    // (1, 0) is scaled to (2, 0), turned to (0, -2) and moved
+    let uv = mesh.uvs_of(0).unwrap()[1];
+    assert!((uv - Vec2::new(0.5, 1.0 + 1.75)).length() < 1e-6, "{uv}");
+
+    let without = load_textured_quad(&Images::left_out(), |_| {}).unwrap();
+    assert!(without.materials[0].texture.is_none() && !without.corner_uvs.is_empty());
+    for (edit, expected) in [
+        (("/images/0/bufferView", serde_json::json!(0)), "image 0: is no PNG or JPEG"),
+        (("/bufferViews/4/byteLength", serde_json::json!(1 << 20)), "image 0: exceeds its buffer"),
+        (("/textures/0/source", serde_json::json!(7)), "textures[0].source"),
+        (("/accessors/3/count", serde_json::json!(3)), "node 0: mesh 0, primitive 0: 3 texture coordinates for 4"),
+        (
+            ("/accessors/3/type", serde_json::json!("VEC3")),
+            "node 0: mesh 0, primitive 0: accessor 3: must hold vectors of 2",
+        ),
+    ] {
+        let wrong = load_textured_quad(&Images::default(), |json| *json.pointer_mut(edit.0).unwrap() = edit.1);
+        let message = wrong.unwrap_err().to_string();
+        assert!(message.starts_with(expected), "{message}");
+    }
+}
+
 #[test]
 fn models_have_the_counts_and_bounds_of_their_list() {
     for (name, triangles, low, high) in [
@@ -235,7 +329,7 @@ fn models_have_the_counts_and_bounds_of_their_list() {
         ("kaykit-city/gltf/building_H.gltf", 1885, [-1.003, 0.0, -1.0], [1.003, 3.05, 1.0]),
     ] {
         let Some(path) = model(name) else { continue };
-        let mesh = load(&path).unwrap();
+        let mesh = load(&path, &Images::default()).unwrap();
         assert_eq!(mesh.triangles.len(), triangles, "{name}");
         assert_eq!((mesh.corner_normals.len(), mesh.material_of.len()), (triangles, triangles));
         assert!(mesh.normals.iter().all(|n| n.is_normalized()));
@@ -261,7 +355,7 @@ proptest! {
             bytes[place] = value;
         }
         bytes.truncate(if is_cut { cut.index(bytes.len()) } else { bytes.len() });
-        let _ = parse(&bytes, Path::new(""));
+        let _ = parse(&bytes, Path::new(""), &Images::default());
     }
 
     #[test]
@@ -271,6 +365,6 @@ proptest! {
         let place = place % numbers.len();
         let at = text.match_indices(|c: char| c.is_ascii_digit()).nth(place).unwrap().0;
         let changed = format!("{}{value}{}", &text[..at], &text[at + 1..]);
-        let _ = parse(&glb(changed.replace("\"uri\":\"quad.bin\",", "").as_bytes(), &quad_bytes()), Path::new(""));
+        let _ = parse(&glb(changed.replace("\"uri\":\"quad.bin\",", "").as_bytes(), &quad_bytes()), Path::new(""), &Images::default());
     }
 }

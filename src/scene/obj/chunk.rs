@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::lex::{Lines, Words, parse_f64, parse_i64, quoted};
 use crate::error::{Error, Result};
-use crate::scene::mesh::NO_NORMAL;
+use crate::scene::mesh::{NO_NORMAL, NO_UV};
 
 /// How many lines and vertex statements a stretch of text has.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -52,8 +52,8 @@ pub(super) struct Chunk {
     /// Unit length, or zero where the file's normal has no direction.
     pub normals: Vec<Vec3>,
     pub triangles: Vec<[u32; 3]>,
-    /// Texture coordinates, and each triangle's, where they are asked for.
     pub texcoords: Vec<DVec2>,
+    /// As far as the last triangle that has texture coordinates; the rest have none.
     pub corner_texcoords: Vec<[u32; 3]>,
     /// As far as the last triangle that has a normal; the rest have none.
     pub corner_normals: Vec<[u32; 3]>,
@@ -63,16 +63,23 @@ pub(super) struct Chunk {
     pub libraries: Vec<String>,
 }
 
-/// One corner of a face: its position, its normal or [`NO_NORMAL`], its texture coordinate.
-type Corner = (u32, u32, Option<u32>);
+/// One corner of a face: its position, its normal or [`NO_NORMAL`], its texture coordinate or [`NO_UV`].
+type Corner = (u32, u32, u32);
+
+/// What becomes of texture coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Texcoords {
+    /// Faces may have none.
+    Kept,
+    Needed,
+}
 
 /// Parses one chunk.
 pub(super) struct Reader<'a> {
     name: &'a str,
     before: Counts,
     total: Counts,
-    seen_texcoords: usize,
-    textured: bool,
+    texcoords: Texcoords,
     corners: Vec<Corner>,
     chunk: Chunk,
 }
@@ -80,12 +87,11 @@ pub(super) struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// `before`: what lies in the chunks before this one; `total`: in the whole file.
     pub(super) fn new(name: &'a str, before: Counts, total: Counts) -> Self {
-        Reader { name, before, total, seen_texcoords: 0, textured: false, corners: Vec::new(), chunk: Chunk::default() }
+        Reader { name, before, total, texcoords: Texcoords::Kept, corners: Vec::new(), chunk: Chunk::default() }
     }
 
-    /// Keeps texture coordinates, which every face must have then.
-    pub(super) fn textured(self, textured: bool) -> Self {
-        Reader { textured, ..self }
+    pub(super) fn texcoords(self, texcoords: Texcoords) -> Self {
+        Reader { texcoords, ..self }
     }
 
     /// # Errors
@@ -93,6 +99,7 @@ impl<'a> Reader<'a> {
     pub(super) fn read(mut self, text: &[u8], own: &Counts) -> Result<Chunk> {
         self.chunk.positions.reserve_exact(own.positions);
         self.chunk.normals.reserve_exact(own.normals);
+        self.chunk.texcoords.reserve_exact(own.texcoords);
         for (number, line) in Lines::new(text) {
             if let Err(message) = self.read_line(&line) {
                 let line_in_file = self.before.lines + number + 1;
@@ -114,10 +121,11 @@ impl<'a> Reader<'a> {
             }
             b"vn" => self.chunk.normals.push(unit(read_vector(words)?)),
             b"vt" => {
-                self.seen_texcoords += 1;
-                if self.textured {
-                    self.chunk.texcoords.push(read_texcoord(words)?);
+                let uv = read_texcoord(words)?;
+                if !uv.is_finite() && self.texcoords == Texcoords::Needed {
+                    return Err("texture coordinate is not finite; use finite numbers".into());
                 }
+                self.chunk.texcoords.push(uv);
             }
             b"f" | b"fo" => self.read_face(words)?,
             b"usemtl" => self.chunk.uses.push((self.chunk.triangles.len(), words.name())),
@@ -141,11 +149,11 @@ impl<'a> Reader<'a> {
         for pair in corners.windows(2).skip(1) {
             let [(p1, n1, t1), (p2, n2, t2)] = [pair[0], pair[1]];
             self.chunk.triangles.push([p0, p1, p2]);
-            if self.textured {
-                let (Some(t0), Some(t1), Some(t2)) = (t0, t1, t2) else {
-                    return Err("face without texture coordinates; write its vertices as v/vt".into());
-                };
+            if t0.max(t1).max(t2) != NO_UV {
+                self.chunk.corner_texcoords.resize(self.chunk.triangles.len() - 1, [NO_UV; 3]);
                 self.chunk.corner_texcoords.push([t0, t1, t2]);
+            } else if self.texcoords == Texcoords::Needed {
+                return Err("face without texture coordinates; write its vertices as v/vt".into());
             }
             if n0 & n1 & n2 != NO_NORMAL {
                 self.chunk.corner_normals.resize(self.chunk.triangles.len() - 1, [NO_NORMAL; 3]);
@@ -165,11 +173,11 @@ impl<'a> Reader<'a> {
         };
         let seen = self.before.positions + self.chunk.positions.len();
         let position = resolve(parts.next().unwrap_or_default(), "vertex", seen, self.total.positions)?;
-        let seen = self.before.texcoords + self.seen_texcoords;
+        let seen = self.before.texcoords + self.chunk.texcoords.len();
         let texcoord = index(parts.next(), "texture coordinate", seen, self.total.texcoords)?;
         let seen = self.before.normals + self.chunk.normals.len();
         let normal = index(parts.next(), "normal", seen, self.total.normals)?;
-        Ok((position, normal.unwrap_or(NO_NORMAL), texcoord))
+        Ok((position, normal.unwrap_or(NO_NORMAL), texcoord.unwrap_or(NO_UV)))
     }
 }
 
@@ -198,10 +206,12 @@ fn read_vector(words: Words) -> std::result::Result<DVec3, String> {
     Ok(DVec3::from(read_numbers::<3>(words, "x y z")?))
 }
 
-/// The first two words as finite numbers.
+/// The first two words, or the first and 0.
 fn read_texcoord(words: Words) -> std::result::Result<DVec2, String> {
-    let uv = DVec2::from(read_numbers::<2>(words, "u v")?);
-    if uv.is_finite() { Ok(uv) } else { Err("texture coordinate is not finite; use finite numbers".into()) }
+    match words.clone().count() {
+        1 => Ok(DVec2::new(read_numbers::<1>(words, "u")?[0], 0.0)),
+        _ => Ok(DVec2::from(read_numbers::<2>(words, "u v")?)),
+    }
 }
 
 fn read_numbers<const N: usize>(mut words: Words, names: &str) -> std::result::Result<[f64; N], String> {

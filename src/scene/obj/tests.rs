@@ -107,8 +107,35 @@ fn wrong_text_names_file_line_and_remedy() {
     assert!(message_of("\u{1}\u{2}\u{7f}garbage").starts_with("cow.obj: has no OBJ statements"));
     assert!(message_of("v 0 0 0\0").starts_with("cow.obj: is binary"));
     assert!(message_of(QUAD).starts_with("cow.obj: has no faces"));
-    let missing = load(Path::new("no/such.obj")).unwrap_err().to_string();
+    let missing = load(Path::new("no/such.obj"), &mut Images::default()).unwrap_err().to_string();
     assert!(missing.starts_with("no/such.obj: cannot be read"), "{missing}");
+}
+
+#[test]
+fn texture_coordinates_are_kept_and_lie_as_their_materials_say() {
+    let text = format!(
+        "{QUAD}vt 0 0\nvt 1\nvt 0.5 1 0\nvt nan 0\nmtllib a.mtl\nf 1 2 3\nf 1/1 2/2 3/3\nf 1/1 2/4 3\nusemtl moved\nf 1/1 2/2 3/3\nf 1 2 3"
+    );
+    let load = |text: &str| {
+        parse(text.as_bytes(), "a.obj", |_| {
+            let mut moved = mtl::parse(b"newmtl plain\nnewmtl moved", "a.mtl", |_| Ok(None))?;
+            (moved[1].scale, moved[1].offset) = (Vec2::new(2.0, 4.0), Vec2::new(0.5, 0.25));
+            Ok(Some(moved))
+        })
+        .unwrap()
+    };
+    for bytes in [1, 20, 1 << 20] {
+        let mesh = parse_in_chunks(text.as_bytes(), "a", bytes, |_| Ok(None)).unwrap();
+        let none = [NO_UV; 3];
+        assert_eq!(mesh.corner_uvs, [none, [0, 1, 2], none, [0, 1, 2], none]);
+        assert_eq!(mesh.uvs_of(1), Some([Vec2::ZERO, Vec2::X, Vec2::new(0.5, 1.0)]));
+        assert_eq!((mesh.uvs_of(0), mesh.uvs_of(2)), (None, None));
+    }
+    let mesh = load(&text);
+    assert_eq!(mesh.uvs_of(1), Some([Vec2::ZERO, Vec2::X, Vec2::new(0.5, 1.0)]));
+    assert_eq!(mesh.uvs_of(3), Some([Vec2::new(0.5, 0.25), Vec2::new(2.5, 0.25), Vec2::new(1.5, 4.25)]));
+    assert!(parse_text(&format!("{QUAD}f 1 2 3")).unwrap().corner_uvs.is_empty());
+    assert!(message_of(&format!("{QUAD}vt x\nf 1 2 3")).starts_with("cow.obj:5: coordinate \"x\" is not a number"));
 }
 
 #[test]
@@ -147,7 +174,7 @@ fn materials_run_across_groups_and_chunks() {
     for bytes in [1, 7, 20, 64, 1 << 20] {
         let mesh = parse_in_chunks(GROUPED.as_bytes(), "a", bytes, |library| {
             assert_eq!(library, "city.mtl");
-            mtl::parse(GROUPED_MTL, library).map(Some)
+            mtl::parse(GROUPED_MTL, library, |_| Ok(None)).map(Some)
         })
         .unwrap();
         assert_eq!(mesh.material_of, [1, 1, 0, 0, 0, 1]);
@@ -160,7 +187,7 @@ fn materials_run_across_groups_and_chunks() {
 #[test]
 fn some_unknown_materials_are_the_default_one() {
     let text = format!("f 1 2 3\n{QUAD}mtllib a.mtl\nusemtl wall\nf 1 2 3\nusemtl other\nf 1 2 4\nusemtl\nf 1 2 4");
-    let mesh = parse(text.as_bytes(), "a", |_| mtl::parse(GROUPED_MTL, "a.mtl").map(Some)).unwrap();
+    let mesh = parse(text.as_bytes(), "a", |_| mtl::parse(GROUPED_MTL, "a.mtl", |_| Ok(None)).map(Some)).unwrap();
     assert_eq!(mesh.material_of, [2, 0, 2, 2]);
     assert_eq!(mesh.materials[2], Material::default());
 }
@@ -174,15 +201,15 @@ fn material_files_lie_beside_the_obj() {
     write("bad.mtl", "newmtl b\nKd 0\n\nKd 0 y 0\n");
     write("good.obj", &format!("mtllib my walls.mtl\nmtllib b.mtl none.mtl\n{QUAD}usemtl b\nf 1 2 3"));
     write("bad.obj", &format!("mtllib bad.mtl\n{QUAD}f 1 2 3"));
-    let mesh = load(&folder.path().join("good.obj")).unwrap();
+    let mesh = load(&folder.path().join("good.obj"), &mut Images::default()).unwrap();
     assert_eq!((mesh.materials.len(), &mesh.material_of[..]), (2, &[1][..]));
-    let message = load(&folder.path().join("bad.obj")).unwrap_err().to_string();
+    let message = load(&folder.path().join("bad.obj"), &mut Images::default()).unwrap_err().to_string();
     assert!(message.contains("bad.mtl:4: Kd value \"y\""), "{message}");
 }
 
 /// Compares with tobj, which splits by group and reads f32: triangle by triangle.
 fn assert_agrees_with_tobj(text: &[u8], mtl: &[u8]) {
-    let mesh = parse(text, "a", |_| mtl::parse(mtl, "a.mtl").map(Some)).unwrap();
+    let mesh = parse(text, "a", |_| mtl::parse(mtl, "a.mtl", |_| Ok(None)).map(Some)).unwrap();
     let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
     let (models, materials) =
         tobj::load_obj_buf(&mut Cursor::new(text), &options, |_| tobj::load_mtl_buf(&mut Cursor::new(mtl))).unwrap();
@@ -235,14 +262,15 @@ fn models_have_the_counts_of_their_list() {
         ("suzanne.obj", 968, 507, 1),
     ] {
         let Some(path) = model(name) else { continue };
-        let mesh = load(&path).unwrap();
+        let mesh = load(&path, &mut Images::default()).unwrap();
         let found = (mesh.triangles.len(), mesh.positions.len(), mesh.materials.len());
         assert_eq!(found, (triangles, positions, materials), "{name}");
         assert_eq!(mesh.material_of.len(), triangles);
         assert!(mesh.normals.iter().all(|n| n.is_normalized()));
         let text = std::fs::read(&path).unwrap();
         let folder = path.parent().unwrap();
-        let chunked = parse_in_chunks(&text, "a", 1000, |library| mtl::load(folder, library)).unwrap();
+        let chunked =
+            parse_in_chunks(&text, "a", 1000, |library| mtl::load(folder, library, &mut Images::default())).unwrap();
         assert_eq!(mesh, chunked, "{name}");
     }
 }
@@ -277,7 +305,7 @@ proptest! {
     #[test]
     fn no_bytes_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), chunk_bytes in 1usize..40) {
         let _ = parse_in_chunks(&bytes, "a", chunk_bytes, |_| Ok(None));
-        let _ = mtl::parse(&bytes, "a");
+        let _ = mtl::parse(&bytes, "a", |_| Ok(None));
     }
 
     #[test]

@@ -1,0 +1,106 @@
+//! The images on a scene's triangles, put on the device with all their levels.
+
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::gpu::buffers::{Buffers, Pipeline};
+use crate::gpu::kernels;
+use crate::plan::pages::{Pages, Placed, level_place, level_size, levels};
+use crate::scene::texture::Texels;
+use crate::stage::dispatch_items;
+use half::f16;
+use rayon::prelude::*;
+use std::borrow::Cow;
+
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// Bytes of a texel: four half floats.
+const TEXEL_BYTES: u32 = 8;
+
+/// Uploads the images and makes their levels; `pages` holds them.
+pub fn upload(gpu: &Gpu, pages: &Pages, buffers: &mut Buffers) -> Result<()> {
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let layers = pages.count.max(1);
+    let target = texture(gpu, "pages", [pages.width.max(1), pages.height.max(1), layers], 1, usage);
+    if !pages.images.is_empty() {
+        let mip = Pipeline::new(gpu, kernels::mip());
+        // one after the other: each has its levels twice for a while
+        pages.images.iter().try_for_each(|image| put(gpu, &mip, image, &target))?;
+    }
+    buffers.place_texture("pages", &target, wgpu::TextureViewDimension::D2Array);
+    Ok(())
+}
+
+/// Makes an image's levels and puts them in their places.
+fn put(gpu: &Gpu, mip: &Pipeline, image: &Placed, target: &wgpu::Texture) -> Result<()> {
+    let Texels { width, height, .. } = *image.texels;
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING
+        | wgpu::TextureUsages::STORAGE_BINDING
+        | wgpu::TextureUsages::COPY_SRC
+        | wgpu::TextureUsages::COPY_DST;
+    let count = levels(&image.texels);
+    let all = texture(gpu, "levels", [width, height, 1], count, usage);
+    let shown = shown(image);
+    gpu.queue.write_texture(
+        all.as_image_copy(),
+        bytemuck::cast_slice(shown.as_flattened()),
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(TEXEL_BYTES * width), rows_per_image: None },
+        all.size(),
+    );
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let view = |level: u32| {
+        all.create_view(&wgpu::TextureViewDescriptor {
+            base_mip_level: level,
+            mip_level_count: Some(1),
+            ..Default::default()
+        })
+    };
+    for level in 1..count {
+        let (finer, coarser) = (view(level - 1), view(level));
+        let group = mip.bind_textures(gpu, &[], &[("finer", &finer), ("coarser", &coarser)])?;
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&mip.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        let [w, h] = level_size(&image.texels, level);
+        dispatch_items(gpu, &mut pass, w * h);
+    }
+    for level in 0..count {
+        let ([x, y], [w, h]) = (level_place(&image.texels, level), level_size(&image.texels, level));
+        let from = wgpu::TexelCopyTextureInfo { mip_level: level, ..all.as_image_copy() };
+        let origin = wgpu::Origin3d { x: image.origin[0] + x, y: image.origin[1] + y, z: image.page };
+        let to = wgpu::TexelCopyTextureInfo { origin, ..target.as_image_copy() };
+        encoder.copy_texture_to_texture(from, to, wgpu::Extent3d { width: w, height: h, depth_or_array_layers: 1 });
+    }
+    gpu.queue.submit([encoder.finish()]);
+    Ok(())
+}
+
+/// Texels as kernels read them: opaque, or colours times their opacity.
+fn shown(image: &Placed) -> Cow<'_, [[f16; 4]]> {
+    let rgba = &image.texels.rgba;
+    let opaque = |[r, g, b, _]: &[f16; 4]| [*r, *g, *b, f16::ONE];
+    let cut = |[r, g, b, a]: &[f16; 4]| [*r * *a, *g * *a, *b * *a, *a];
+    match (image.is_cut, rgba.par_iter().all(|t| t[3] == f16::ONE)) {
+        (_, true) => Cow::Borrowed(rgba),
+        (true, false) => rgba.par_iter().map(cut).collect(),
+        (false, false) => rgba.par_iter().map(opaque).collect(),
+    }
+}
+
+fn texture(
+    gpu: &Gpu,
+    label: &str,
+    [width, height, layers]: [u32; 3],
+    levels: u32,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: layers },
+        mip_level_count: levels,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: FORMAT,
+        usage,
+        view_formats: &[],
+    })
+}

@@ -1,0 +1,273 @@
+//! Images on surfaces, decoded to linear light.
+
+use crate::error::{Error, Result};
+use glam::DVec2;
+use half::f16;
+use image::{DynamicImage, ImageReader};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+/// Texels of an image, row 0 on top.
+#[derive(Debug, PartialEq)]
+pub struct Texels {
+    pub width: u32,
+    pub height: u32,
+    /// Linear RGB and opacity, as the kernels see them: half floats keep 11 bits, which is finer than 8-bit sRGB everywhere.
+    pub rgba: Vec<[f16; 4]>,
+}
+
+/// What texels are beyond an image's borders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum Wrap {
+    Repeat,
+    Clamp,
+    Mirror,
+}
+
+/// An image on surfaces: (0, 0) is its lower left corner, (1, 1) its upper right one.
+#[derive(Debug, Clone)]
+pub struct Texture {
+    pub texels: Arc<Texels>,
+    /// To the right and upwards.
+    pub wrap: [Wrap; 2],
+    /// The least opacity at which there is a surface; `None`: it is there everywhere.
+    pub cutoff: Option<f32>,
+}
+
+impl PartialEq for Texture {
+    fn eq(&self, other: &Texture) -> bool {
+        let same = Arc::ptr_eq(&self.texels, &other.texels) || self.texels == other.texels;
+        same && self.wrap == other.wrap && self.cutoff == other.cutoff
+    }
+}
+
+impl Texture {
+    /// Repeats, and is opaque.
+    pub fn new(texels: Arc<Texels>) -> Texture {
+        Texture { texels, wrap: [Wrap::Repeat; 2], cutoff: None }
+    }
+
+    /// Linear RGB and opacity at `uv`, of the image itself: between the middles of its texels bilinear, colours by their opacity
+    /// where that counts.
+    pub fn at(&self, uv: DVec2) -> [f64; 4] {
+        let size = DVec2::new(self.texels.width.into(), self.texels.height.into());
+        let place = DVec2::new(uv.x, 1.0 - uv.y) * size - 0.5;
+        let (first, part) = (place.floor(), place - place.floor());
+        let mut sum = [0.0; 4];
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let along = |d: i32, part: f64| if d == 0 { 1.0 - part } else { part };
+            let weight = along(dx, part.x) * along(dy, part.y);
+            let texel = self.texel(first.x as i64 + i64::from(dx), first.y as i64 + i64::from(dy));
+            let opacity = if self.cutoff.is_some() { texel[3] } else { 1.0 };
+            (0..3).for_each(|k| sum[k] += weight * opacity * texel[k]);
+            sum[3] += weight * opacity;
+        }
+        if sum[3] > 0.0 {
+            (0..3).for_each(|k| sum[k] /= sum[3]);
+        }
+        sum
+    }
+
+    /// There may be no surface somewhere.
+    pub fn cuts(&self) -> bool {
+        self.cutoff.is_some_and(|least| least > 0.0)
+    }
+
+    /// There is a surface at `uv`: the opacity there reaches the cut-off.
+    pub fn is_there(&self, uv: DVec2) -> bool {
+        self.cutoff.is_none_or(|least| self.at(uv)[3] >= f64::from(least))
+    }
+
+    fn texel(&self, column: i64, row: i64) -> [f64; 4] {
+        let Texels { width, height, rgba } = &*self.texels;
+        let x = wrapped(column, i64::from(*width), self.wrap[0]);
+        let y = wrapped(row, i64::from(*height), self.wrap[1]);
+        rgba[(y * i64::from(*width) + x) as usize].map(f64::from)
+    }
+}
+
+/// A texel's index within `count`.
+fn wrapped(index: i64, count: i64, wrap: Wrap) -> i64 {
+    match wrap {
+        Wrap::Repeat => index.rem_euclid(count),
+        Wrap::Clamp => index.clamp(0, count - 1),
+        Wrap::Mirror => {
+            let place = index.rem_euclid(2 * count);
+            place.min(2 * count - 1 - place)
+        }
+    }
+}
+
+/// The images that mesh files name, each decoded once.
+#[derive(Default)]
+pub struct Images {
+    known: HashMap<PathBuf, Arc<Texels>>,
+    are_left_out: bool,
+}
+
+impl Images {
+    /// None of them is looked at.
+    pub fn left_out() -> Images {
+        Images { are_left_out: true, ..Images::default() }
+    }
+
+    pub fn are_left_out(&self) -> bool {
+        self.are_left_out
+    }
+
+    /// The texels of a PNG or JPEG file.
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming the file where it cannot be read or is neither.
+    pub fn load(&mut self, path: &Path) -> Result<Arc<Texels>> {
+        if let Some(known) = self.known.get(path) {
+            return Ok(known.clone());
+        }
+        let wrong = |e: std::io::Error| Error::input(format!("{}: cannot be read: {e}", path.display()));
+        let bytes = std::fs::read(path).map_err(wrong)?;
+        let texels = Arc::new(decode(&bytes).map_err(|e| e.at(path.display()))?);
+        self.known.insert(path.to_owned(), texels.clone());
+        Ok(texels)
+    }
+}
+
+/// The texels of a PNG or JPEG, whose colours are sRGB (IEC 61966-2-1).
+///
+/// # Errors
+/// [`Error::Input`] where it is neither, damaged, or too large for memory.
+pub fn decode(bytes: &[u8]) -> Result<Texels> {
+    let wrong = |e: String| Error::input(format!("is no PNG or JPEG that can be read: {e}"));
+    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| wrong(e.to_string()))?;
+    let image = reader.decode().map_err(|e| wrong(e.to_string()))?;
+    let (width, height) = (image.width(), image.height());
+    if width == 0 || height == 0 {
+        return Err(Error::input("is an image without pixels"));
+    }
+    let rgba = match image {
+        DynamicImage::ImageLuma16(_)
+        | DynamicImage::ImageLumaA16(_)
+        | DynamicImage::ImageRgb16(_)
+        | DynamicImage::ImageRgba16(_) => {
+            let linear = |v: u16| f16::from_f64(linear_of_srgb(f64::from(v) / 65535.0));
+            let pixel =
+                |[r, g, b, a]: [u16; 4]| [linear(r), linear(g), linear(b), f16::from_f64(f64::from(a) / 65535.0)];
+            image.into_rgba16().par_chunks_exact(4).map(|p| pixel([p[0], p[1], p[2], p[3]])).collect()
+        }
+        _ => {
+            let [linear, plain] = tables();
+            let pixel = |p: &[u8]| {
+                let [r, g, b] = [p[0], p[1], p[2]].map(|v| linear[usize::from(v)]);
+                [r, g, b, plain[usize::from(p[3])]]
+            };
+            image.into_rgba8().par_chunks_exact(4).map(pixel).collect()
+        }
+    };
+    Ok(Texels { width, height, rgba })
+}
+
+/// Colours of one image with the opacities of another: its alpha, or how light it is where that is 1 everywhere.
+pub fn with_opacity(colours: &Texels, mask: &Arc<Texels>) -> Texels {
+    let by_alpha = mask.rgba.iter().any(|t| t[3] < f16::ONE);
+    let mask = Texture { cutoff: by_alpha.then_some(0.0), ..Texture::new(mask.clone()) };
+    let Texels { width, height, rgba } = colours;
+    let opacity = |k: usize| {
+        let (x, y) = (k % *width as usize, k / *width as usize);
+        let uv = DVec2::new((x as f64 + 0.5) / f64::from(*width), 1.0 - (y as f64 + 0.5) / f64::from(*height));
+        let [r, _, _, a] = mask.at(uv);
+        f16::from_f64(if by_alpha { a } else { srgb_of_linear(r) })
+    };
+    let texel = |(k, [r, g, b, _]): (usize, &[f16; 4])| [*r, *g, *b, opacity(k)];
+    Texels { width: *width, height: *height, rgba: rgba.par_iter().enumerate().map(texel).collect() }
+}
+
+/// Of each byte its linear value as sRGB, and as a share.
+fn tables() -> &'static [[f16; 256]; 2] {
+    static TABLES: OnceLock<[[f16; 256]; 2]> = OnceLock::new();
+    TABLES.get_or_init(|| {
+        let share = |k: usize| k as f64 / 255.0;
+        [
+            std::array::from_fn(|k| f16::from_f64(linear_of_srgb(share(k)))),
+            std::array::from_fn(|k| f16::from_f64(share(k))),
+        ]
+    })
+}
+
+fn linear_of_srgb(v: f64) -> f64 {
+    if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
+
+fn srgb_of_linear(v: f64) -> f64 {
+    if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::srgb8;
+
+    fn texture(width: u32, greys: &[f32]) -> Texture {
+        let rgba = greys.iter().map(|g| [*g, *g, *g, 1.0].map(f16::from_f32)).collect();
+        Texture::new(Arc::new(Texels { width, height: greys.len() as u32 / width, rgba }))
+    }
+
+    #[test]
+    fn every_byte_of_srgb_comes_back() {
+        let bytes: Vec<u8> = (0..=255).flat_map(|v| [v, v, v, 255]).collect();
+        let image = image::RgbaImage::from_raw(256, 1, bytes).unwrap();
+        let mut png = Cursor::new(Vec::new());
+        image.write_to(&mut png, image::ImageFormat::Png).unwrap();
+        let texels = decode(png.get_ref()).unwrap();
+        assert_eq!((texels.width, texels.height), (256, 1));
+        for (k, texel) in texels.rgba.iter().enumerate() {
+            assert_eq!(srgb8(texel[0].to_f32()), k as u8);
+        }
+    }
+
+    #[test]
+    fn the_first_row_is_on_top_and_values_between_are_bilinear() {
+        let t = texture(2, &[0.0, 1.0, 0.5, 0.25]);
+        for (uv, expected) in [
+            ((0.25, 0.75), 0.0),
+            ((0.75, 0.75), 1.0),
+            ((0.25, 0.25), 0.5),
+            ((0.75, 0.25), 0.25),
+            ((0.5, 0.75), 0.5),
+            ((0.5, 0.5), 0.4375),
+        ] {
+            assert_eq!(t.at(uv.into())[0], expected, "{uv:?}");
+        }
+    }
+
+    #[test]
+    fn borders_repeat_end_or_mirror() {
+        let seen = |wrap| (-3..6).map(|k| wrapped(k, 3, wrap)).collect::<Vec<_>>();
+        assert_eq!(seen(Wrap::Repeat), [0, 1, 2, 0, 1, 2, 0, 1, 2]);
+        assert_eq!(seen(Wrap::Clamp), [0, 0, 0, 0, 1, 2, 2, 2, 2]);
+        assert_eq!(seen(Wrap::Mirror), [2, 1, 0, 0, 1, 2, 2, 1, 0]);
+    }
+
+    #[test]
+    fn a_cut_out_keeps_the_colour_of_what_is_there() {
+        let opaque = [1.0, 0.5, 0.25, 1.0].map(f16::from_f32);
+        let nothing = [0.0; 4].map(f16::from_f32);
+        let texels = Arc::new(Texels { width: 2, height: 1, rgba: vec![opaque, nothing] });
+        let t = Texture { cutoff: Some(0.5), ..Texture::new(texels) };
+        let seen = t.at(DVec2::new(0.4, 0.5));
+        assert_eq!(&seen[..3], &[1.0, 0.5, 0.25]);
+        assert!((seen[3] - 0.7).abs() < 1e-12);
+        assert!(t.is_there(DVec2::new(0.4, 0.5)) && !t.is_there(DVec2::new(0.6, 0.5)));
+    }
+
+    #[test]
+    fn what_is_no_image_says_so() {
+        for bytes in [&b""[..], b"GIF89a", b"\x89PNG\r\n\x1a\nxx"] {
+            let message = decode(bytes).unwrap_err().to_string();
+            assert!(message.starts_with("is no PNG or JPEG that can be read: "), "{message}");
+            assert!(!message.contains('\n'));
+        }
+    }
+}

@@ -1,0 +1,18 @@
+// Triangles with holes where their images are not opaque. What a hole is follows from the first level alone, whatever the camera: holes
+// are part of the scene's shape.
+
+fn is_there(slot: u32, b: Bundle) -> bool {
+    let material = materials[surface_row(slot).w];
+    if material.texture == NONE || material.cutoff <= 0.0 || !has_uv(slot) {
+        return true;
+    }
+    let triangle = triangles[slot];
+    let v0 = vertex_real(triangle.x);
+    let v1 = vertex_real(triangle.y);
+    let v2 = vertex_real(triangle.z);
+    let g0 = cross(b.d, v0 * b.h - b.p);
+    let e = real3(dot(v2 - v1, cross(b.d, v1 * b.h - b.p)), dot(v0 - v2, g0), dot(v1 - v0, g0));
+    let uv = image_place(corner_uv(slot, triangle), on_triangle(e), material.texture);
+    let place = vec2<f32>(into_image(uv.x, wrap_u(material.texture)), into_image(uv.y, wrap_v(material.texture)));
+    return bilinear(material, place, 0u).w >= material.cutoff;
+}

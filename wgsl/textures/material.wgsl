@@ -1,0 +1,11 @@
+// What a triangle looks like.
+struct Material {
+    diffuse: vec3<f32>,
+    texture: u32,           // how its image goes on beyond its borders, two bits each way: repeat, clamp, mirror; NONE: it has no image
+    origin: vec2<u32>,      // of the image's first level in its page, texels; its size
+    size: vec2<u32>,
+    page: u32,
+    levels: u32,
+    span: u32,              // see level_origin
+    cutoff: f32,            // the least opacity at which there is a surface
+}

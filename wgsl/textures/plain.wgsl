@@ -1,0 +1,15 @@
+// Surfaces without images.
+
+const TEXTURED: bool = false;
+
+fn surface_albedo(slot: u32, triangle: vec4<u32>, ray: Ray, spread: Spread) -> vec3<f32> {
+    return materials[surfaces[slot].w].diffuse;
+}
+
+fn surface_uv(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec2<f32> {
+    return vec2<f32>(0.0);
+}
+
+fn surface_row(slot: u32) -> vec4<u32> {
+    return surfaces[slot];
+}
