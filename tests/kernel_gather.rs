@@ -46,6 +46,7 @@ fn variant(optics: bool) -> Variant {
         normals: false,
         textured: false,
         cut: false,
+        glossy: false,
         optics: optics.then_some(OpticsKind::Facets),
         turned: false,
         samples: 1,

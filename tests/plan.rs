@@ -317,7 +317,17 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
 #[test]
 fn what_is_left_out_is_said() {
     let whats = |camera: &Camera, normals: bool, wanted: &Wanted, has: Abilities, limit: u64| {
-        let contents = Contents { has_normals: normals, has_uvs: normals, has_images: normals, ..of(9) };
+        let contents = match normals {
+            true => Contents {
+                has_normals: true,
+                has_uvs: true,
+                has_images: true,
+                has_holes: true,
+                has_gloss: true,
+                ..of(9)
+            },
+            false => of(9),
+        };
         let plan = Plan::new(camera, contents, Surroundings::point(DVec3::ZERO), wanted, has, limit);
         plan.left_out.into_iter().map(|l| l.what).collect::<Vec<_>>()
     };
@@ -347,7 +357,17 @@ fn what_is_left_out_is_said() {
     }
     assert!(!whats(&glc, true, &all, HAS_ALL, 1 << 16).contains(&"bands".into()));
     let few = whats(&glc, false, &wanted(&[Channel::T]), HAS_NONE, LAVAPIPE_BINDING);
-    for what in ["channels", "certify", "smooth normals", "write", "fragment counters", "the adapter's f64"] {
+    for what in [
+        "channels",
+        "certify",
+        "smooth normals",
+        "textures",
+        "holes",
+        "gloss",
+        "write",
+        "fragment counters",
+        "the adapter's f64",
+    ] {
         assert!(few.contains(&what.into()) && !least.contains(&what.into()), "{what}: {few:?}");
     }
     assert!(!few.contains(&"second depth dispatch".into()));

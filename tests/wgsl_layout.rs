@@ -39,6 +39,7 @@ const PLAIN: Variant = Variant {
     normals: false,
     textured: false,
     cut: false,
+    glossy: false,
     optics: None,
     turned: false,
     samples: 1,
@@ -225,7 +226,20 @@ fn host() -> Layouts {
         layout!(Receiver { columns, rows, first, scale }),
         layout!(Landing { a, ab, ac, receiver, pad0, diffuse, pad1 }),
         layout!(Shading { background, ambient, anchor, light_count, gain, curve, spread, pad0 }),
-        layout!(Material { diffuse, texture, origin, size, page, levels, span, cutoff }),
+        layout!(Material {
+            diffuse,
+            texture,
+            origin,
+            size,
+            page,
+            levels,
+            span,
+            cutoff,
+            specular,
+            alpha,
+            emissive,
+            metallic,
+        }),
     ])
 }
 

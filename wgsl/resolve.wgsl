@@ -93,7 +93,7 @@ fn seen_by(pixel: u32, key: vec2<u32>, sample: u32) -> vec3<f32> {
         spread = sample_spread(key_layer(~key), x, y, sample, key_t(~key));
     }
     let n = surface_normal(slot, triangle, ray);
-    return surface_albedo(slot, triangle, ray, spread) * received(n, normalize(ray.d));
+    return sent_back(slot, surface_albedo(slot, triangle, ray, spread), n, normalize(ray.d));
 }
 
 // A sum that the first chunk begins, or what all of them find alike.

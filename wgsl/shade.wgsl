@@ -95,11 +95,11 @@ fn shade(
     let diffuse = surface_albedo(slot, triangle, ray, spread);
     let n = surface_normal(slot, triangle, ray);
     store_surface(at, n, point_at(ray, t) + shading.anchor, colour_of(id, diffuse));
-    if PLANE_TEXTURE_U != NONE || PLANE_TEXTURE_V != NONE {
+    if PLANE_UV_U != NONE || PLANE_UV_V != NONE {
         store_uv(at, surface_uv(slot, triangle, ray));
     }
     if PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
-        store_light(at, colour_of(id, diffuse * received(n, normalize(ray.d))));
+        store_light(at, colour_of(id, sent_back(slot, diffuse, n, normalize(ray.d))));
     }
 }
 
@@ -136,8 +136,8 @@ fn store_surface(at: Place, n: vec3<f32>, p: vec3<f32>, albedo: vec3<f32>) {
 }
 
 fn store_uv(at: Place, uv: vec2<f32>) {
-    store(PLANE_TEXTURE_U, at, bitcast<u32>(uv.x));
-    store(PLANE_TEXTURE_V, at, bitcast<u32>(uv.y));
+    store(PLANE_UV_U, at, bitcast<u32>(uv.x));
+    store(PLANE_UV_V, at, bitcast<u32>(uv.y));
 }
 
 fn store_light(at: Place, colour: vec3<f32>) {

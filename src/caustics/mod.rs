@@ -20,7 +20,8 @@ use crate::error::{Error, Result};
 use crate::optics::Optics;
 use crate::scene::Scene;
 use crate::scene::file::CausticsSpec;
-use crate::scene::mesh::Mesh;
+use crate::scene::mesh::{Material, Mesh};
+use crate::scene::texture::Texture;
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 use std::sync::Arc;
@@ -132,7 +133,13 @@ impl Caustics {
         // no light but that from everywhere
         white.lights = vec![DVec3::ZERO];
         for material in &mut white.mesh.materials {
-            (material.diffuse, material.texture) = ([1.0 / crate::stage::AMBIENT; 3], None);
+            *material = Material {
+                diffuse: [1.0 / crate::stage::AMBIENT; 3],
+                two_sided: material.two_sided,
+                // light goes through its holes
+                texture: material.texture.as_ref().filter(|t| t.cuts()).map(Texture::white),
+                ..Material::default()
+            };
         }
         (white, camera)
     }

@@ -261,7 +261,7 @@ fn channels(name: &str) -> Result<Named, String> {
     let found = Channel::named(name.trim());
     if found.is_empty() {
         let known: Vec<&str> = Channel::every().map(Channel::name).collect();
-        let more = "N, P and albedo for three each, crypto.object and crypto.material";
+        let more = "N, P and albedo for three each, uv for two, crypto.object and crypto.material";
         return Err(format!("no such channel; known: {}, {more}", known.join(", ")));
     }
     Ok(Named::Channels(found))

@@ -38,6 +38,11 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     for material in &mesh.materials {
         material.diffuse.iter().for_each(|c| h.number(f64::from(*c)));
         h.word(u64::from(material.two_sided));
+        if material.is_glossy() {
+            let numbers =
+                material.specular.iter().chain(&material.emissive).chain([&material.roughness, &material.metallic]);
+            numbers.for_each(|v| h.number(f64::from(*v)));
+        }
         if let Some(texture) = &material.texture {
             image(&mut h, texture);
         }

@@ -41,6 +41,8 @@ pub struct Variant {
     pub textured: bool,
     /// These images cut holes into triangles.
     pub cut: bool,
+    /// Some material is not matte.
+    pub glossy: bool,
     /// A mirror or a lens turns rays.
     pub optics: Option<OpticsKind>,
     /// The rays are those that it turned, and start on it.
@@ -135,7 +137,7 @@ impl Variant {
     pub fn every(f64: bool, atomics64: bool) -> Vec<Variant> {
         let mut list = Vec::new();
         for more in [false, true] {
-            let [counting, normals, textured, cut] = [more; 4];
+            let [counting, normals, textured, glossy] = [more; 4];
             let of_camera = Variant {
                 f64,
                 atomics64,
@@ -147,7 +149,8 @@ impl Variant {
                 doubting: false,
                 normals,
                 textured,
-                cut,
+                cut: false,
+                glossy,
                 optics: None,
                 turned: false,
                 samples: 1,
@@ -158,7 +161,11 @@ impl Variant {
                 list.extend([false, true].map(|sheeted| variant(rays, sheeted, None)));
             }
             for (rays, sheeted) in [(RaysKind::Pieces, false), (RaysKind::Pieces, true), (RaysKind::Field, false)] {
-                list.push(Variant { samples: 4, cut: false, ..variant(rays, sheeted, None) });
+                list.push(Variant { samples: 4, ..variant(rays, sheeted, None) });
+            }
+            if textured {
+                let kinds = [RaysKind::Pieces, RaysKind::Field, RaysKind::Curves { degree: 3 }];
+                list.extend(kinds.map(|rays| Variant { cut: true, ..variant(rays, false, None) }));
             }
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
@@ -270,6 +277,11 @@ impl Variant {
             );
         }
         concat!(snippet!("textures/material.wgsl"), snippet!("textures/plain.wgsl"))
+    }
+
+    /// What light surfaces send back.
+    fn light(self) -> &'static str {
+        if self.glossy { snippet!("materials/glossy.wgsl") } else { snippet!("materials/matte.wgsl") }
     }
 
     /// Where their holes are.
@@ -595,7 +607,7 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
         bindings.extend([optic(), ways()]);
     }
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [variant.camera(), SHADING, SURFACE, variant.images(), snippet!("shade.wgsl")];
+    let own = [variant.camera(), SHADING, SURFACE, variant.images(), variant.light(), snippet!("shade.wgsl")];
     let all = [&snippets[..], &own[..], variant.pixel(), variant.seen()].concat();
     let mut kernel = kernel("shade", bindings, &all);
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
@@ -629,8 +641,8 @@ fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
         Channel::AlbedoR => Some("PLANE_ALBEDO_R"),
         Channel::AlbedoG => Some("PLANE_ALBEDO_G"),
         Channel::AlbedoB => Some("PLANE_ALBEDO_B"),
-        Channel::TextureU => Some("PLANE_TEXTURE_U"),
-        Channel::TextureV => Some("PLANE_TEXTURE_V"),
+        Channel::TextureU => Some("PLANE_UV_U"),
+        Channel::TextureV => Some("PLANE_UV_V"),
         Channel::Certified => None,
     };
     planes.iter().enumerate().filter_map(|(k, c)| constant(c).map(|name| (name, k as f64))).collect()

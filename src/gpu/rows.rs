@@ -197,6 +197,10 @@ pub struct Material {
     pub levels: u32,
     pub span: u32,
     pub cutoff: f32,
+    pub specular: [f32; 3],
+    pub alpha: f32,
+    pub emissive: [f32; 3],
+    pub metallic: f32,
 }
 
 /// How facets turn rays.

@@ -21,7 +21,7 @@ use crate::frame::Channel;
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::{OpticsKind, RaysKind, Variant};
 use crate::gpu::rows::{self, BRANCH};
-use crate::scene::mesh::Mesh;
+use crate::scene::mesh::{Material, Mesh};
 use curves::{CurveTable, RayTable};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
@@ -44,6 +44,8 @@ pub struct Contents {
     pub has_images: bool,
     /// Some of them cut holes into these.
     pub has_holes: bool,
+    /// Some material is not matte.
+    pub has_gloss: bool,
 }
 
 impl Contents {
@@ -54,6 +56,7 @@ impl Contents {
             has_uvs: !mesh.corner_uvs.is_empty(),
             has_images: mesh.is_textured(),
             has_holes: mesh.has_holes(),
+            has_gloss: mesh.materials.iter().any(Material::is_glossy),
         }
     }
 }
@@ -186,6 +189,7 @@ impl Plan {
             normals: contents.has_normals,
             textured: wanted.is_textured(contents),
             cut: contents.has_holes,
+            glossy: contents.has_gloss && wanted.has_colour(),
             optics: camera.optics.as_deref().map(OpticsKind::of),
             turned: false,
             samples: wanted.samples(),
@@ -362,6 +366,9 @@ fn left_out(
     }
     if !contents.has_holes {
         say("holes", "no image cuts any into triangles".into());
+    }
+    if !contents.has_gloss {
+        say("gloss", "all materials are matte".into());
     }
     if wanted.samples() == 1 {
         say("edges, sample and resolve", "one sample a pixel".into());

@@ -119,6 +119,10 @@ impl Pages {
             levels: 0,
             span: 0,
             cutoff: 0.0,
+            specular: material.specular,
+            alpha: material.alpha(),
+            emissive: material.emissive,
+            metallic: material.metallic,
         };
         let placed = self.image_of.get(index).copied().flatten().map(|k| &self.images[k]);
         let (Some(placed), Some(texture)) = (placed, &material.texture) else { return plain };

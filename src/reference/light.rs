@@ -4,6 +4,7 @@ use super::Hit;
 use crate::scene::Scene;
 use crate::scene::mesh::NO_NORMAL;
 use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
 
 /// Share of the light that comes from everywhere.
 const AMBIENT: f64 = crate::stage::AMBIENT as f64;
@@ -35,12 +36,53 @@ pub fn albedo(scene: &Scene, hit: &Hit) -> [f32; 3] {
     [(dr * r) as f32, (dg * g) as f32, (db * b) as f32]
 }
 
-/// Lambert from every light, or one headlight along the unit vector `view`, and a small ambient term.
+/// What a hit sends back along the unit vector `view`, of every light or one headlight along it and a small ambient term, and what it
+/// sends out by itself.
 pub fn light(scene: &Scene, hit: &Hit, view: DVec3) -> [f32; 3] {
-    let n = normal(scene, hit, view);
-    let lambert = |travel: DVec3| (-n.dot(travel)).max(0.0);
-    let direct: f64 =
-        if scene.lights.is_empty() { lambert(view) } else { scene.lights.iter().map(|l| lambert(*l)).sum() };
-    let received = AMBIENT + (1.0 - AMBIENT) * direct;
-    albedo(scene, hit).map(|c| (c as f64 * received) as f32)
+    let mesh = &scene.mesh;
+    let material = &mesh.materials[mesh.material_of[hit.triangle as usize] as usize];
+    let (n, colour) = (normal(scene, hit, view), DVec3::from(albedo(scene, hit).map(f64::from)));
+    let rgb = |c: [f32; 3]| DVec3::from(c.map(f64::from));
+    let metallic = f64::from(material.metallic);
+    let gloss = Gloss {
+        base: colour * (1.0 - metallic),
+        straight: rgb(material.specular).lerp(colour, metallic),
+        alpha: material.alpha().into(),
+    };
+    let headlight = [view];
+    let lights = if scene.lights.is_empty() { &headlight[..] } else { &scene.lights };
+    let direct: DVec3 = lights.iter().map(|travel| gloss.reflected(n, -view, -*travel)).sum();
+    let ambient = AMBIENT * (gloss.base + gloss.straight);
+    (rgb(material.emissive) + ambient + (1.0 - AMBIENT) * direct).as_vec3().to_array()
+}
+
+/// A surface of microfacets (GGX; Walter et al. 2007) over a matte one.
+struct Gloss {
+    base: DVec3,
+    /// Of the facets, where light comes and goes straight on.
+    straight: DVec3,
+    alpha: f64,
+}
+
+impl Gloss {
+    /// What goes towards `v` of a light of irradiance pi from `l`.
+    fn reflected(&self, n: DVec3, v: DVec3, l: DVec3) -> DVec3 {
+        let Gloss { base, straight, alpha } = *self;
+        let cos_l = n.dot(l);
+        if cos_l <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let cos_v = n.dot(v).max(1e-4);
+        let h = (l + v).normalize_or_zero();
+        // what reflects nothing straight on does not at grazing angles (Lagarde and de Rousiers 2014)
+        let grazing = (50.0 * straight.max_element()).min(1.0);
+        let fresnel = straight + (grazing - straight) * (1.0 - v.dot(h).clamp(0.0, 1.0)).powi(5);
+        let a2 = alpha * alpha;
+        let cos_h = n.dot(h).clamp(0.0, 1.0);
+        let facets = a2 / (PI * (cos_h * cos_h * (a2 - 1.0) + 1.0).powi(2));
+        // Heitz 2014, equation 99
+        let hidden = |cos: f64| (cos * cos * (1.0 - a2) + a2).sqrt();
+        let seen = 0.5 / (cos_l * hidden(cos_v) + cos_v * hidden(cos_l));
+        cos_l * (base * (1.0 - fresnel) + PI * facets * seen * fresnel)
+    }
 }

@@ -20,7 +20,7 @@ pub use camera::{CameraKind, CameraSpec, Named};
 pub(crate) use camera::{read_camera, read_pose};
 pub use caustics::CausticsSpec;
 pub(crate) use mesh::read_mesh;
-pub use mesh::{MeshSource, MeshSpec, TextureSpec};
+pub use mesh::{GlossSpec, MeshSource, MeshSpec, TextureSpec};
 pub use mesh_camera::{CameraVertex, MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera, read_triangles};
 
 use crate::error::{Error, Result};

@@ -17,7 +17,7 @@ use gltf::texture::{Info, WrappingMode};
 use gltf::{Document, Node, Primitive, Semantic};
 
 use crate::error::{Error, Result};
-use crate::scene::mesh::{Material, Mesh, NO_NORMAL, NO_UV};
+use crate::scene::mesh::{DIELECTRIC, Material, Mesh, NO_NORMAL, NO_UV};
 use crate::scene::place::{turned, world_normal_from_object};
 use crate::scene::texture::{Images, Texels, Texture, Wrap, decode};
 use source::Source;
@@ -31,7 +31,8 @@ const MAX_TRIANGLES: usize = 1 << 28;
 /// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each. Strips and
 /// fans become triangles as the glTF specification lists them; lines and points are skipped. The base colour
 /// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`; where a material
-/// is masked there is a surface from its cut-off on, and where it is blended from an opacity of one half on. Transforms are multiplied in f64; normals go by the inverse transpose. Vertices
+/// is masked there is a surface from its cut-off on, and where it is blended from an opacity of one half on. It is as rough, metallic
+/// and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the inverse transpose. Vertices
 /// keep the file's order also where a node mirrors them. Skins, morph targets and animations are not
 /// applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read.
 ///
@@ -107,7 +108,22 @@ impl<'a> Builder<'a> {
                 }
                 _ => None,
             };
-            Ok(Material { name, diffuse: [r, g, b].map(|c| c.clamp(0.0, 1.0)), texture, ..Material::default() })
+            let pbr = material.pbr_metallic_roughness();
+            // what images say of these two is not read
+            let has_image = pbr.metallic_roughness_texture().is_some();
+            Ok(Material {
+                name,
+                diffuse: [r, g, b].map(|c| c.clamp(0.0, 1.0)),
+                texture,
+                specular: [DIELECTRIC; 3],
+                roughness: pbr.roughness_factor().clamp(0.0, 1.0),
+                metallic: if has_image { 0.0 } else { pbr.metallic_factor().clamp(0.0, 1.0) },
+                emissive: match material.emissive_texture() {
+                    Some(_) => [0.0; 3],
+                    None => material.emissive_factor().map(|c| c.max(0.0)),
+                },
+                ..Material::default()
+            })
         };
         let materials = source.document.materials().map(&mut read).collect::<Result<_>>()?;
         Ok(Builder { source, mesh: Mesh { materials, ..Mesh::default() }, default_is_used: false })

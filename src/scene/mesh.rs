@@ -76,13 +76,51 @@ pub struct Material {
     pub diffuse: [f32; 3],
     /// What it is multiplied by where a triangle has texture coordinates.
     pub texture: Option<Texture>,
+    /// Linear RGB that is reflected straight on as by a mirror of microfacets; 0: a matte surface.
+    pub specular: [f32; 3],
+    /// From 0, the smoothest that there is, to 1, of these.
+    pub roughness: f32,
+    /// From 0 to 1: so much of the diffuse colour is the specular one of a metal instead.
+    pub metallic: f32,
+    /// Linear RGB that it sends out by itself.
+    pub emissive: [f32; 3],
     /// Both faces are visible.
     pub two_sided: bool,
 }
 
+/// What most that is no metal reflects straight on.
+pub const DIELECTRIC: f32 = 0.04;
+
+/// The least alpha of microfacets: a smoother surface shows a light of no size as a point of no size; it is a camera's mirror that
+/// shows anything else.
+const ALPHA_MIN: f32 = 0.01;
+
+impl Material {
+    /// Alpha of its microfacets (Burley 2012).
+    pub fn alpha(&self) -> f32 {
+        (self.roughness * self.roughness).max(ALPHA_MIN)
+    }
+
+    /// It sends out light other than as a matte surface does.
+    pub fn is_glossy(&self) -> bool {
+        self.specular != [0.0; 3] || self.metallic > 0.0 || self.emissive != [0.0; 3]
+    }
+}
+
 impl Default for Material {
-    /// Light grey, both faces visible.
+    /// Light grey and matte, both faces visible.
     fn default() -> Self {
-        Material { name: "default".into(), diffuse: [0.8; 3], texture: None, two_sided: true }
+        let (name, diffuse, black) = ("default".into(), [0.8; 3], [0.0; 3]);
+        let [roughness, metallic] = [1.0, 0.0];
+        Material {
+            name,
+            diffuse,
+            texture: None,
+            specular: black,
+            roughness,
+            metallic,
+            emissive: black,
+            two_sided: true,
+        }
     }
 }

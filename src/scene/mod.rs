@@ -152,6 +152,7 @@ pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
     for material in &mut mesh.materials {
         material.two_sided = spec.two_sided;
         material.diffuse = spec.color.unwrap_or(material.diffuse);
+        spec.gloss.apply(material);
     }
     if let TextureSpec::Image { file, repeat, cutoff } = &spec.texture {
         if mesh.corner_uvs.is_empty() {

@@ -72,6 +72,13 @@ impl Texture {
         sum
     }
 
+    /// The same holes in white.
+    pub fn white(&self) -> Texture {
+        let Texels { width, height, rgba } = &*self.texels;
+        let rgba = rgba.par_iter().map(|t| [f16::ONE, f16::ONE, f16::ONE, t[3]]).collect();
+        Texture { texels: Arc::new(Texels { width: *width, height: *height, rgba }), ..self.clone() }
+    }
+
     /// There may be no surface somewhere.
     pub fn cuts(&self) -> bool {
         self.cutoff.is_some_and(|least| least > 0.0)

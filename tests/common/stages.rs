@@ -88,6 +88,7 @@ impl Case {
             normals: !self.scene.mesh.normals.is_empty(),
             textured: false,
             cut: false,
+            glossy: false,
             optics,
             turned: false,
             samples: 1,

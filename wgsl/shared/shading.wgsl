@@ -20,8 +20,8 @@ override PLANE_P_Z: u32 = 0xffffffffu;
 override PLANE_ALBEDO_R: u32 = 0xffffffffu;
 override PLANE_ALBEDO_G: u32 = 0xffffffffu;
 override PLANE_ALBEDO_B: u32 = 0xffffffffu;
-override PLANE_TEXTURE_U: u32 = 0xffffffffu;
-override PLANE_TEXTURE_V: u32 = 0xffffffffu;
+override PLANE_UV_U: u32 = 0xffffffffu;
+override PLANE_UV_V: u32 = 0xffffffffu;
 
 struct Shading {
     background: vec3<f32>,

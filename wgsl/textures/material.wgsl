@@ -8,4 +8,8 @@ struct Material {
     levels: u32,
     span: u32,              // see level_origin
     cutoff: f32,            // the least opacity at which there is a surface
+    specular: vec3<f32>,    // reflected straight on, of what is no metal
+    alpha: f32,             // of its microfacets: the square of its roughness
+    emissive: vec3<f32>,
+    metallic: f32,
 }

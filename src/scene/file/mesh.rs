@@ -8,6 +8,7 @@ use super::node::{Value, nearest, quote};
 use super::reader::{Field, Table};
 use crate::error::Result;
 use crate::scene::generate::Builtin;
+use crate::scene::mesh::{DIELECTRIC, Material};
 
 /// One `[[mesh]]`: a source of triangles, placed by scale, then rotation, then translation.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +26,28 @@ pub struct MeshSpec {
     /// Linear RGB in [0, 1] for the whole mesh, without the images of its file; `None` keeps the source's materials.
     pub color: Option<[f32; 3]>,
     pub texture: TextureSpec,
+    pub gloss: GlossSpec,
+}
+
+/// How a mesh shines, where it says so: see [`crate::scene::mesh::Material`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct GlossSpec {
+    pub specular: Option<[f32; 3]>,
+    pub roughness: Option<f32>,
+    pub metallic: Option<f32>,
+    pub emissive: Option<[f32; 3]>,
+}
+
+impl GlossSpec {
+    /// What says how rough or metallic it is reflects as most surfaces do, unless it says that too.
+    pub fn apply(&self, material: &mut Material) {
+        let shines = self.roughness.is_some() || self.metallic.is_some();
+        let plain = if shines && material.specular == [0.0; 3] { [DIELECTRIC; 3] } else { material.specular };
+        material.specular = self.specular.unwrap_or(plain);
+        material.roughness = self.roughness.unwrap_or(material.roughness);
+        material.metallic = self.metallic.unwrap_or(material.metallic);
+        material.emissive = self.emissive.unwrap_or(material.emissive);
+    }
 }
 
 /// Which image lies on a mesh.
@@ -64,7 +87,19 @@ impl MeshSpec {
 }
 
 /// The keys that every mesh may have, whatever its source.
-const PLACING: [&str; 7] = ["name", "translate", "rotate", "scale", "two_sided", "color", "texture"];
+const PLACING: [&str; 11] = [
+    "name",
+    "translate",
+    "rotate",
+    "scale",
+    "two_sided",
+    "color",
+    "texture",
+    "specular",
+    "roughness",
+    "metallic",
+    "emissive",
+];
 
 const BUILTINS: [&str; 11] =
     ["teapot", "icosphere", "box", "cylinder", "stairs", "cow", "walker", "plane", "city", "terrain", "soup"];
@@ -82,6 +117,12 @@ pub(crate) fn read_mesh(field: &Field, more: &[&str]) -> Result<MeshSpec> {
         two_sided: table.or("two_sided", true, Field::boolean)?,
         color: table.optional("color", Field::color)?,
         texture: table.or("texture", TextureSpec::OfFile, read_texture)?,
+        gloss: GlossSpec {
+            specular: table.optional("specular", read_reflectance)?,
+            roughness: table.optional("roughness", read_share)?,
+            metallic: table.optional("metallic", read_share)?,
+            emissive: table.optional("emissive", read_emissive)?,
+        },
     })
 }
 
@@ -94,14 +135,10 @@ fn read_texture(field: &Field) -> Result<TextureSpec> {
         Value::Table(_) => {
             let table = field.table()?;
             table.allow(&["file", "repeat", "cutoff"])?;
-            let cutoff = |f: &Field| match f.number()? {
-                value if (0.0..=1.0).contains(&value) => Ok(value as f32),
-                _ => Err(f.error("an opacity is needed, 0 to 1")),
-            };
             Ok(TextureSpec::Image {
                 file: table.need("file", "\"NAME.png\"")?.path()?,
                 repeat: table.or("repeat", DVec2::ONE, read_repeat)?,
-                cutoff: table.optional("cutoff", cutoff)?,
+                cutoff: table.optional("cutoff", read_share)?,
             })
         }
         _ => Ok(image(field.path()?)),
@@ -181,6 +218,28 @@ fn unknown_builtin(builtin: &Field, name: &str) -> crate::error::Error {
 /// One number for all axes, or one an axis.
 fn read_scale(field: &Field) -> Result<DVec3> {
     if field.is_list() { field.vec3() } else { Ok(DVec3::splat(field.number()?)) }
+}
+
+/// From 0 to 1.
+fn read_share(field: &Field) -> Result<f32> {
+    match field.number()? {
+        value if (0.0..=1.0).contains(&value) => Ok(value as f32),
+        value => Err(field.error(format_args!("{value} does not lie in [0, 1]"))),
+    }
+}
+
+/// One number for all colours, or a colour.
+fn read_reflectance(field: &Field) -> Result<[f32; 3]> {
+    if field.is_list() { field.color() } else { Ok([read_share(field)?; 3]) }
+}
+
+/// Linear RGB, 0 and above.
+fn read_emissive(field: &Field) -> Result<[f32; 3]> {
+    let rgb: [f64; 3] = field.numbers("linear RGB of 0 and above, as [r, g, b]")?;
+    match rgb.iter().all(|c| *c >= 0.0) {
+        true => Ok(rgb.map(|c| c as f32)),
+        false => Err(field.error("a surface sends out no less than nothing; use 0 and above")),
+    }
 }
 
 /// One number for both directions, or one for each.

@@ -121,7 +121,7 @@ impl<'a> Reader<'a> {
             }
             b"vn" => self.chunk.normals.push(unit(read_vector(words)?)),
             b"vt" => {
-                let uv = read_texcoord(words)?;
+                let uv = read_texcoord(words, self.texcoords)?;
                 if !uv.is_finite() && self.texcoords == Texcoords::Needed {
                     return Err("texture coordinate is not finite; use finite numbers".into());
                 }
@@ -206,10 +206,10 @@ fn read_vector(words: Words) -> std::result::Result<DVec3, String> {
     Ok(DVec3::from(read_numbers::<3>(words, "x y z")?))
 }
 
-/// The first two words, or the first and 0.
-fn read_texcoord(words: Words) -> std::result::Result<DVec2, String> {
+/// The first two words; or the first and 0, where that will do.
+fn read_texcoord(words: Words, texcoords: Texcoords) -> std::result::Result<DVec2, String> {
     match words.clone().count() {
-        1 => Ok(DVec2::new(read_numbers::<1>(words, "u")?[0], 0.0)),
+        1 if texcoords == Texcoords::Kept => Ok(DVec2::new(read_numbers::<1>(words, "u")?[0], 0.0)),
         _ => Ok(DVec2::from(read_numbers::<2>(words, "u v")?)),
     }
 }

@@ -46,7 +46,8 @@ pub(super) fn load(folder: &Path, library: &str, images: &mut Images) -> Result<
     Ok(Some(materials))
 }
 
-/// Parses MTL text: names; `Kd` as linear RGB, clamped to [0, 1]; `map_Kd`, by whose image that is multiplied, and `map_d`, where
+/// Parses MTL text: names; `Kd`, `Ks` and `Ke` as linear RGB, the first two clamped to [0, 1]; `Ns`, and `illum`, below 2 of which
+/// nothing shines; `map_Kd`, by whose image that is multiplied, and `map_d`, where
 /// there is no surface, with their options `-clamp`, `-o` and `-s`. `load_image` is asked for each image by its name, and
 /// answers `None` where images are left out. Materials with an image but no `Kd` are white, those with neither keep the default
 /// colour; a `Kd` given as a spectrum or in XYZ is skipped.
@@ -71,13 +72,22 @@ pub(super) fn parse(
                 }
                 materials.push(Reading { name, ..Reading::default() });
             }
-            key @ (b"Kd" | b"map_Kd" | b"map_d") => {
+            key @ (b"Kd" | b"Ks" | b"Ke" | b"Ns" | b"illum" | b"map_Kd" | b"map_d") => {
                 let key = String::from_utf8_lossy(key);
                 let Some(material) = materials.last_mut() else {
                     return Err(wrong(format!("{key} before the first newmtl; name the material first")));
                 };
-                if key == "Kd" {
-                    material.diffuse = parse_colour(words).map_err(wrong)?.or(material.diffuse);
+                let colour = |most| parse_colour(words.clone(), &key, most).map_err(wrong);
+                let number = || parse_number(words.clone(), &key).map_err(wrong);
+                match &*key {
+                    "Kd" => material.diffuse = colour(1.0)?.or(material.diffuse),
+                    "Ks" => material.specular = colour(1.0)?.unwrap_or(material.specular),
+                    "Ke" => material.emissive = colour(f64::INFINITY)?.unwrap_or(material.emissive),
+                    "Ns" => material.exponent = number()?,
+                    "illum" => material.is_matte = number()? < 2.0,
+                    _ => {}
+                }
+                if !key.starts_with("map") {
                     continue;
                 }
                 let map = parse_map(words, &key).map_err(&wrong)?;
@@ -96,6 +106,12 @@ pub(super) fn parse(
 struct Reading {
     name: String,
     diffuse: Option<[f32; 3]>,
+    specular: [f32; 3],
+    emissive: [f32; 3],
+    /// Of Phong's highlight.
+    exponent: f64,
+    /// Its model of light has no highlight.
+    is_matte: bool,
     map: Option<(Map, Arc<Texels>)>,
     mask: Option<(Map, Arc<Texels>)>,
 }
@@ -131,6 +147,10 @@ impl Reading {
         let material = Material {
             name: self.name,
             diffuse: self.diffuse.unwrap_or(plain),
+            specular: if self.is_matte { [0.0; 3] } else { self.specular },
+            // microfacets of alpha^2 = 2 / (Ns + 2) are about as wide as Phong's highlight (Walter et al. 2007)
+            roughness: (2.0 / (self.exponent.max(0.0) + 2.0)).powf(0.25) as f32,
+            emissive: self.emissive,
             texture: texels.map(|texels| Texture { texels, wrap: [wrap; 2], cutoff }),
             ..Material::default()
         };
@@ -190,22 +210,28 @@ fn take_numbers(words: &mut Words) -> Vec<f32> {
     values
 }
 
-/// `r g b`, or `r` alone for a grey.
-fn parse_colour(words: Words) -> std::result::Result<Option<[f32; 3]>, String> {
+fn parse_number(mut words: Words, key: &str) -> std::result::Result<f64, String> {
+    let word = words.next().unwrap_or_default();
+    let value = parse_f64(word).filter(|v| v.is_finite());
+    value.ok_or_else(|| format!("{key} value {} is not a finite number", quoted(word)))
+}
+
+/// `r g b`, or `r` alone for a grey, from 0 to `most`.
+fn parse_colour(words: Words, key: &str, most: f64) -> std::result::Result<Option<[f32; 3]>, String> {
     let mut values = Vec::new();
     for word in words.take(3) {
         if matches!(word, b"spectral" | b"xyz") {
             return Ok(None);
         }
         match parse_f64(word) {
-            Some(value) if value.is_finite() => values.push(value.clamp(0.0, 1.0) as f32),
-            _ => return Err(format!("Kd value {} is not a finite number", quoted(word))),
+            Some(value) if value.is_finite() => values.push(value.clamp(0.0, most) as f32),
+            _ => return Err(format!("{key} value {} is not a finite number", quoted(word))),
         }
     }
     match values[..] {
         [grey] => Ok(Some([grey; 3])),
         [r, g, b] => Ok(Some([r, g, b])),
-        _ => Err(format!("Kd has {} of 3 values; give r g b", values.len())),
+        _ => Err(format!("{key} has {} of 3 values; give r g b", values.len())),
     }
 }
 

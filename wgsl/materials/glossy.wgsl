@@ -1,0 +1,45 @@
+// Light that surfaces send back by the microfacets of Trowbridge and Reitz (GGX; Walter et al. 2007), seen along the ray, and light of
+// their own.
+
+const PI: f32 = 3.14159265;
+
+fn sent_back(slot: u32, albedo: vec3<f32>, n: vec3<f32>, view: vec3<f32>) -> vec3<f32> {
+    let material = materials[surface_row(slot).w];
+    let base = albedo * (1.0 - material.metallic);
+    let straight = mix(material.specular, albedo, material.metallic);
+    var sum = material.emissive + shading.ambient * (base + straight);
+    if shading.light_count == 0u {
+        sum += (1.0 - shading.ambient) * glossy(base, straight, material.alpha, n, -view, -view);
+    }
+    for (var k = 0u; k < shading.light_count; k++) {
+        sum += (1.0 - shading.ambient) * glossy(base, straight, material.alpha, n, -view, -lights[k].xyz);
+    }
+    return sum;
+}
+
+// Of a light of irradiance pi in the direction l, what goes in the direction v: a matte share, and a reflection that is
+// `straight` where light falls and leaves straight on.
+fn glossy(base: vec3<f32>, straight: vec3<f32>, alpha: f32, n: vec3<f32>, v: vec3<f32>, l: vec3<f32>) -> vec3<f32> {
+    let nl = dot(n, l);
+    if nl <= 0.0 {
+        return vec3<f32>(0.0);
+    }
+    let nv = max(dot(n, v), 1e-4);
+    let between = l + v;
+    let h = between / max(length(between), 1e-6);
+    let nh = clamp(dot(n, h), 0.0, 1.0);
+
+    // what reflects nothing straight on does not at grazing angles (Lagarde and de Rousiers 2014)
+    let grazing = min(50.0 * max(straight.x, max(straight.y, straight.z)), 1.0);
+    let turned = 1.0 - clamp(dot(v, h), 0.0, 1.0);
+    let fresnel = straight + (grazing - straight) * (turned * turned * turned * turned * turned);
+
+    // facets' share about h, and how much of them light and viewer both see (Heitz 2014)
+    let a2 = alpha * alpha;
+    // 1 - (n . h)^2, without what cancels
+    let across = cross(n, h);
+    let spread = nh * nh * a2 + dot(across, across);
+    let facets = a2 / (PI * spread * spread);
+    let seen = 0.5 / (nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2));
+    return nl * (base * (1.0 - fresnel) + PI * facets * seen * fresnel);
+}
