@@ -198,7 +198,7 @@ impl Engine {
         let scene = scene.with_optics(&camera);
         let around = Surroundings::of(&camera, scene.bounds());
         check_size(&scene, around)?;
-        let (contents, limit) = (Contents::of(&scene.mesh), self.gpu.binding_limit());
+        let (contents, limit) = (Contents::of(&scene), self.gpu.binding_limit());
         let mut plan = Plan::new(&camera, contents, around, &planned, self.gpu.has, limit);
         plan.variant.f64 = run.arithmetic != Arithmetic::Single;
         plan.variant.culling = !run.no_cull;

@@ -158,7 +158,7 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
             return;
         };
         let around = Surroundings::of(&camera, scene.bounds());
-        let plan = Plan::new(&camera, Contents::of(&scene.mesh), around, &wanted(), small.gpu.has, SMALL_BINDING);
+        let plan = Plan::new(&camera, Contents::of(&scene), around, &wanted(), small.gpu.has, SMALL_BINDING);
         let chunks = anamorph::scene::clusters::cluster(&scene.mesh, around.anchor, false, SMALL_BINDING).chunks.len();
         assert!(plan.bands.len() > 5 && chunks > 1, "{name}");
         let parts = small.render(&scene, &camera, &wanted(), &RunOptions::default()).unwrap();

@@ -47,6 +47,7 @@ fn variant(optics: bool) -> Variant {
         textured: false,
         cut: false,
         glossy: false,
+        sky: false,
         optics: optics.then_some(OpticsKind::Facets),
         turned: false,
         samples: 1,

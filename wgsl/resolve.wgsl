@@ -53,7 +53,7 @@ fn resolve(
                 colour += f32(count) * seen_by(pixel, key_of(row, n), n);
             }
         } else if params.id_first == 0u {
-            colour += f32(count) * shading.background;
+            colour += f32(count) * beyond(pixel % params.width, pixel / params.width);
         }
         if left == 0u {
             break;

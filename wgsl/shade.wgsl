@@ -35,7 +35,7 @@ fn shade(
     let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
     if all(won == vec2<u32>(0u)) {
         if params.id_first == 0u && is_under_way(pixel % params.width, pixel / params.width) {
-            store_miss(at);
+            store_miss(at, beyond(pixel % params.width, pixel / params.width));
         }
         return;
     }
@@ -157,7 +157,7 @@ fn weights_real(b: Bundle, triangle: vec4<u32>) -> vec3<f32> {
     return in_file_order(vec3<f32>(w / (w.x + w.y + w.z)), triangle);
 }
 
-fn store_miss(at: Place) {
+fn store_miss(at: Place, colour: vec3<f32>) {
     let infinity = 0x7f800000u;
     store_place(at, NONE, bitcast<f32>(infinity), bitcast<f32>(infinity));
     store(PLANE_A, at, select(bitcast<u32>(1.0), 0u, first_surface(at.pixel) == NONE));
@@ -165,5 +165,5 @@ fn store_miss(at: Place) {
     store_piece(at, NONE);
     store_surface(at, vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
     store_uv(at, vec2<f32>(0.0));
-    store_light(at, shading.background);
+    store_light(at, colour);
 }

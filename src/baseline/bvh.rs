@@ -84,6 +84,7 @@ mod tests {
             mesh,
             objects: Vec::new(),
             lights: Vec::new(),
+            sky: None,
             background: [0.0; 3],
             tone: Default::default(),
             size: None,

@@ -129,7 +129,7 @@ impl Caustics {
     pub fn counting(&self, scene: &Scene) -> (Scene, Camera) {
         let optics = Optics { tint: COUNTING_TINT, base: [1.0; 3], ..(*self.optics).clone() };
         let camera = Camera { optics: Some(Arc::new(optics)), ..self.light.clone() };
-        let mut white = Scene { background: [1.0; 3], caustics: None, ..scene.clone() };
+        let mut white = Scene { background: [1.0; 3], caustics: None, sky: None, ..scene.clone() };
         // no light but that from everywhere
         white.lights = vec![DVec3::ZERO];
         for material in &mut white.mesh.materials {

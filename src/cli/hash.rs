@@ -53,6 +53,11 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     }
     h.word(scene.lights.len() as u64);
     scene.lights.iter().for_each(|l| h.vector(*l));
+    if let Some(sky) = &scene.sky {
+        image(&mut h, &sky.image);
+        [f64::from(sky.strength), sky.turn].into_iter().for_each(|v| h.number(v));
+        h.word(u64::from(sky.is_seen));
+    }
     scene.background.iter().for_each(|c| h.number(f64::from(*c)));
     h.word(u64::from(camera.width) << 32 | u64::from(camera.height));
     camera.t_range.iter().for_each(|t| h.number(*t));

@@ -159,7 +159,7 @@ impl Frames<'_> {
         let camera = arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera));
         let wanted = Wanted { channels: self.plan.planes.clone(), ..self.wanted.clone() };
         let limit = self.gpu.binding_limit();
-        let mut plan = Plan::new(&camera, Contents::of(&self.scene.mesh), around, &wanted, self.gpu.has, limit);
+        let mut plan = Plan::new(&camera, Contents::of(&self.scene), around, &wanted, self.gpu.has, limit);
         (plan.variant.culling, plan.variant.by_tile) = (self.plan.variant.culling, self.plan.variant.by_tile);
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
         if plan.variant != self.plan.variant || !is_as_large || camera.optics.is_some() {

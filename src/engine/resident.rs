@@ -1,7 +1,7 @@
 //! What lies on the device between frames: the scene's chunks, the bands' tables, and the lists between the stages.
 
 use super::passes::{Pass, passes};
-use super::tables::{Look, Span, TURNED_T_RANGE, params, places};
+use super::tables::{Look, Span, TURNED_T_RANGE, looks, params, places};
 use super::turns::Turns;
 use super::{Capacities, pages};
 use crate::camera::Camera;
@@ -122,7 +122,7 @@ impl Resident {
     pub fn upload_look(&mut self, gpu: &Gpu, scene: &Scene, plan: &Plan) -> Result<()> {
         let mut pages = Pages::default();
         if plan.variant.textured {
-            pages = Pages::new(&scene.mesh.materials, PageLimits::of(&gpu.limits))?;
+            pages = Pages::new(&looks(scene), PageLimits::of(&gpu.limits))?;
             pages::upload(gpu, &pages, &mut self.shared)?;
         }
         let Look { mut shading, lights, materials, normals } = Look::new(scene, plan.anchor, &pages);

@@ -10,8 +10,10 @@ use crate::plan::nodes::Level;
 use crate::plan::pages::Pages;
 use crate::plan::{Band, Plan};
 use crate::scene::Scene;
+use crate::scene::mesh::Material;
 use crate::stage::AMBIENT;
 use glam::{DVec2, DVec3};
+use std::borrow::Cow;
 
 /// Index of the first and count of the rest.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -37,19 +39,31 @@ impl Look {
         Look {
             shading: rows::Shading {
                 background: scene.background,
-                ambient: AMBIENT,
+                ambient: if scene.sky.is_some() { 0.0 } else { AMBIENT },
                 anchor: anchor.as_vec3().to_array(),
                 light_count: scene.lights.len() as u32,
                 gain: scene.tone.gain(),
                 curve: scene.tone.curve.number(),
                 spread: 1.0,
                 pad0: 0,
+                sky: scene.sky.as_ref().map_or(rows::NONE, |_| mesh.materials.len() as u32),
+                sky_strength: scene.sky.as_ref().map_or(0.0, |s| s.strength),
+                sky_turn: scene.sky.as_ref().map_or(0.0, |s| s.turn as f32),
+                sky_is_seen: scene.sky.as_ref().map_or(0, |s| s.is_seen.into()),
+                irradiance: scene.sky.as_ref().map_or([[0.0; 4]; 9], |s| s.irradiance.map(|[r, g, b]| [r, g, b, 0.0])),
             },
             lights: scene.lights.iter().map(|l| l.as_vec3().extend(0.0).to_array()).collect(),
-            materials: mesh.materials.iter().enumerate().map(|(k, m)| pages.row(k, m)).collect(),
+            materials: looks(scene).iter().enumerate().map(|(k, m)| pages.row(k, m)).collect(),
             normals: mesh.normals.iter().map(|n| n.to_array()).collect(),
         }
     }
+}
+
+/// All materials, the one whose image is the sky last.
+pub fn looks(scene: &Scene) -> Cow<'_, [Material]> {
+    let Some(sky) = &scene.sky else { return Cow::Borrowed(&scene.mesh.materials) };
+    let sky = Material { name: "environment".into(), texture: Some(sky.image.clone()), ..Material::default() };
+    Cow::Owned([&scene.mesh.materials[..], &[sky]].concat())
 }
 
 /// The parameters of a job: `clusters` of the chunk whose triangles are `ids`, over `band`, for rays with `t_range`.

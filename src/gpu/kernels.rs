@@ -43,6 +43,8 @@ pub struct Variant {
     pub cut: bool,
     /// Some material is not matte.
     pub glossy: bool,
+    /// Light comes from all around by an image of it.
+    pub sky: bool,
     /// A mirror or a lens turns rays.
     pub optics: Option<OpticsKind>,
     /// The rays are those that it turned, and start on it.
@@ -137,7 +139,7 @@ impl Variant {
     pub fn every(f64: bool, atomics64: bool) -> Vec<Variant> {
         let mut list = Vec::new();
         for more in [false, true] {
-            let [counting, normals, textured, glossy] = [more; 4];
+            let [counting, normals, textured, glossy, sky] = [more; 5];
             let of_camera = Variant {
                 f64,
                 atomics64,
@@ -151,6 +153,7 @@ impl Variant {
                 textured,
                 cut: false,
                 glossy,
+                sky,
                 optics: None,
                 turned: false,
                 samples: 1,
@@ -281,7 +284,11 @@ impl Variant {
 
     /// What light surfaces send back.
     fn light(self) -> &'static str {
-        if self.glossy { snippet!("materials/glossy.wgsl") } else { snippet!("materials/matte.wgsl") }
+        match (self.glossy, self.sky) {
+            (_, true) => concat!(snippet!("materials/glossy.wgsl"), snippet!("materials/sky.wgsl")),
+            (true, false) => concat!(snippet!("materials/glossy.wgsl"), snippet!("materials/no_sky.wgsl")),
+            (false, false) => concat!(snippet!("materials/matte.wgsl"), snippet!("materials/no_sky.wgsl")),
+        }
     }
 
     /// Where their holes are.

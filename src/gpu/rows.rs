@@ -183,6 +183,11 @@ pub struct Shading {
     pub curve: u32,
     pub spread: f32,
     pub pad0: u32,
+    pub sky: u32,
+    pub sky_strength: f32,
+    pub sky_turn: f32,
+    pub sky_is_seen: u32,
+    pub irradiance: [[f32; 4]; 9],
 }
 
 /// What a triangle looks like, see the WGSL.

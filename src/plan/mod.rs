@@ -21,7 +21,8 @@ use crate::frame::Channel;
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::{OpticsKind, RaysKind, Variant};
 use crate::gpu::rows::{self, BRANCH};
-use crate::scene::mesh::{Material, Mesh};
+use crate::scene::Scene;
+use crate::scene::mesh::Material;
 use curves::{CurveTable, RayTable};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
@@ -46,11 +47,15 @@ pub struct Contents {
     pub has_holes: bool,
     /// Some material is not matte.
     pub has_gloss: bool,
+    /// Light comes from all around by an image of it.
+    pub has_sky: bool,
 }
 
 impl Contents {
-    pub fn of(mesh: &Mesh) -> Contents {
+    pub fn of(scene: &Scene) -> Contents {
+        let mesh = &scene.mesh;
         Contents {
+            has_sky: scene.sky.is_some(),
             triangles: mesh.triangles.len(),
             has_normals: !mesh.normals.is_empty(),
             has_uvs: !mesh.corner_uvs.is_empty(),
@@ -96,6 +101,7 @@ impl Wanted {
         let albedo = any(&[Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
         of.has_holes
             || of.has_images && (self.has_colour() || albedo)
+            || of.has_sky && self.has_colour()
             || of.has_uvs && any(&[Channel::TextureU, Channel::TextureV])
     }
 
@@ -189,7 +195,8 @@ impl Plan {
             normals: contents.has_normals,
             textured: wanted.is_textured(contents),
             cut: contents.has_holes,
-            glossy: contents.has_gloss && wanted.has_colour(),
+            glossy: (contents.has_gloss || contents.has_sky) && wanted.has_colour(),
+            sky: contents.has_sky && wanted.has_colour(),
             optics: camera.optics.as_deref().map(OpticsKind::of),
             turned: false,
             samples: wanted.samples(),
@@ -366,6 +373,9 @@ fn left_out(
     }
     if !contents.has_holes {
         say("holes", "no image cuts any into triangles".into());
+    }
+    if !contents.has_sky {
+        say("sky", "no image lights the scene from all around".into());
     }
     if !contents.has_gloss {
         say("gloss", "all materials are matte".into());

@@ -153,7 +153,7 @@ fn pixel(
 fn colour(scene: &Scene, camera: &Camera, outcome: &Outcome) -> [f64; 3] {
     let optics = camera.optics.as_ref();
     let own = match outcome.seen {
-        None => scene.background,
+        None => beyond(scene, &outcome.path),
         Some(seen) => match optics.filter(|o| seen.hit.triangle >= o.first_id(&scene.mesh)) {
             Some(optics) => optics.base,
             None => light(scene, &seen.hit, outcome.path.of(&seen).view(seen.hit.t)),
@@ -161,6 +161,15 @@ fn colour(scene: &Scene, camera: &Camera, outcome: &Outcome) -> [f64; 3] {
     };
     let left = light_left(camera, outcome);
     [0, 1, 2].map(|k| left[k] * f64::from(own[k]))
+}
+
+/// What a path shows that meets nothing: what comes from where it goes in the end.
+fn beyond(scene: &Scene, path: &Path) -> [f32; 3] {
+    let last = path.segments.iter().rev().flatten().next();
+    match (&scene.sky, last) {
+        (Some(sky), Some((_, segment))) if sky.is_seen => sky.radiance(segment.view(1.0)).as_vec3().to_array(),
+        _ => scene.background,
+    }
 }
 
 /// What all turns leave of the light.

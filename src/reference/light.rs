@@ -3,7 +3,8 @@
 use super::Hit;
 use crate::scene::Scene;
 use crate::scene::mesh::NO_NORMAL;
-use glam::{DVec3, Vec3};
+use crate::scene::sky::Sky;
+use glam::{DVec3, DVec4, Vec3};
 use std::f64::consts::PI;
 
 /// Share of the light that comes from everywhere.
@@ -50,10 +51,13 @@ pub fn light(scene: &Scene, hit: &Hit, view: DVec3) -> [f32; 3] {
         alpha: material.alpha().into(),
     };
     let headlight = [view];
-    let lights = if scene.lights.is_empty() { &headlight[..] } else { &scene.lights };
+    let lights = if scene.lights.is_empty() && scene.sky.is_none() { &headlight[..] } else { &scene.lights };
     let direct: DVec3 = lights.iter().map(|travel| gloss.reflected(n, -view, -*travel)).sum();
-    let ambient = AMBIENT * (gloss.base + gloss.straight);
-    (rgb(material.emissive) + ambient + (1.0 - AMBIENT) * direct).as_vec3().to_array()
+    let (around, rest) = match &scene.sky {
+        Some(sky) => (gloss.reflected_sky(sky, n, -view), 1.0),
+        None => (AMBIENT * (gloss.base + gloss.straight), 1.0 - AMBIENT),
+    };
+    (rgb(material.emissive) + around + rest * direct).as_vec3().to_array()
 }
 
 /// A surface of microfacets (GGX; Walter et al. 2007) over a matte one.
@@ -65,6 +69,20 @@ struct Gloss {
 }
 
 impl Gloss {
+    /// What goes towards `v` of the light from all around: the matte share by the irradiance, the rest by the mean over a lobe about the
+    /// mirrored view, times the share of it that microfacets reflect (Karis 2014).
+    fn reflected_sky(&self, sky: &Sky, n: DVec3, v: DVec3) -> DVec3 {
+        let cos_v = n.dot(v).max(1e-4);
+        let mirrored = (2.0 * n.dot(v) * n - v).normalize();
+        // normals deviate by alpha / sqrt(2), directions by twice that, a box by 1 / sqrt(12) of its width
+        let width = (24.0f64.sqrt() * self.alpha).min(PI);
+        let rough = self.alpha.sqrt() * DVec4::new(-1.0, -0.0275, -0.572, 0.022) + DVec4::new(1.0, 0.0425, 1.04, -0.04);
+        let turned = (rough.x * rough.x).min((-9.28 * cos_v).exp2()) * rough.x + rough.y;
+        let [share, of_grazing] = [-1.04 * turned + rough.z, 1.04 * turned + rough.w];
+        let grazing = (50.0 * self.straight.max_element()).min(1.0);
+        self.base * sky.irradiance(n) + sky.lobe(mirrored, width) * (self.straight * share + grazing * of_grazing)
+    }
+
     /// What goes towards `v` of a light of irradiance pi from `l`.
     fn reflected(&self, n: DVec3, v: DVec3, l: DVec3) -> DVec3 {
         let Gloss { base, straight, alpha } = *self;

@@ -35,6 +35,7 @@ pub struct SceneFile {
     pub meshes: Vec<MeshSpec>,
     /// Empty: one headlight along each pixel's own ray.
     pub lights: Vec<LightSpec>,
+    pub sky: Option<SkySpec>,
     pub camera: CameraSpec,
     pub caustics: Option<CausticsSpec>,
     pub output: OutputSpec,
@@ -60,6 +61,19 @@ pub struct ImageSpec {
 pub struct LightSpec {
     /// The way the light travels; finite, not zero, any length.
     pub direction: DVec3,
+}
+
+/// `[environment]`: an image of all directions as a light.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SkySpec {
+    /// Already relative to the working directory.
+    pub file: PathBuf,
+    /// What its light is multiplied by.
+    pub strength: f64,
+    /// Degrees about +y, as seen from above against the clock.
+    pub rotate: f64,
+    /// Pixels that hit nothing show it.
+    pub is_seen: bool,
 }
 
 /// `[output]`: files to write, already relative to the working directory.
@@ -117,7 +131,7 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
     let source = Source { path, dir };
     keys::pick(&mut root, "", &source, frame)?;
     let table = Field::new(&source, "", &root).table()?;
-    table.allow(&["image", "mesh", "light", "camera", "caustics", "output"])?;
+    table.allow(&["image", "mesh", "light", "environment", "camera", "caustics", "output"])?;
     let image = ImageSpec { width: None, height: None, background: [0.0; 3], tone: Tone::default() };
     let Some(camera) = table.get("camera") else {
         return Err(table.error("there is no camera; add a [camera] table with its kind"));
@@ -130,6 +144,7 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
         lights: table.or("light", Vec::new(), |f| {
             f.items("lights, each a table [[light]]")?.map(|l| read_light(&l)).collect()
         })?,
+        sky: table.optional("environment", read_sky)?,
         camera: camera::read_camera(&camera)?,
         caustics: table.optional("caustics", caustics::read_caustics)?,
         output: table.or("output", OutputSpec::default(), read_output)?,
@@ -181,6 +196,21 @@ fn read_light(field: &Field) -> Result<LightSpec> {
         return Err(key.error("the direction is zero; give the way the light travels"));
     }
     Ok(LightSpec { direction })
+}
+
+fn read_sky(field: &Field) -> Result<SkySpec> {
+    let table = field.table()?;
+    table.allow(&["file", "strength", "rotate", "background"])?;
+    let strength = |f: &Field| match f.number()? {
+        value if value >= 0.0 => Ok(value),
+        value => Err(f.error(format_args!("{value} is no strength; use 0 and above"))),
+    };
+    Ok(SkySpec {
+        file: table.need("file", "\"sky.hdr\"")?.path()?,
+        strength: table.or("strength", 1.0, strength)?,
+        rotate: table.or("rotate", 0.0, Field::number)?,
+        is_seen: table.or("background", true, Field::boolean)?,
+    })
 }
 
 fn read_output(field: &Field) -> Result<OutputSpec> {

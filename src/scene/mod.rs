@@ -7,6 +7,7 @@ pub mod gltf;
 pub mod mesh;
 pub mod obj;
 pub mod place;
+pub mod sky;
 pub mod texture;
 pub mod tone;
 
@@ -18,6 +19,7 @@ use file::{CameraSpec, MeshSource, MeshSpec, SceneFile, TextureSpec};
 use glam::DVec3;
 use mesh::Mesh;
 use rayon::prelude::*;
+use sky::Sky;
 use std::borrow::Cow;
 use std::collections::HashSet;
 use std::path::Path;
@@ -42,6 +44,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Unit directions in which light travels; none: one headlight along each pixel's own ray.
     pub lights: Vec<DVec3>,
+    /// Light from all around, instead of what comes from everywhere alike.
+    pub sky: Option<Arc<Sky>>,
     /// Linear RGB.
     pub background: [f32; 3],
     /// How colours become an 8-bit picture.
@@ -82,6 +86,7 @@ impl Scene {
             mesh,
             objects,
             lights: file.lights.iter().map(light).collect::<Result<_>>()?,
+            sky: file.sky.as_ref().map(|s| Sky::new(s, &mut images)).transpose()?.map(Arc::new),
             background: file.image.background,
             tone: file.image.tone,
             size,

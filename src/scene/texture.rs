@@ -126,7 +126,7 @@ impl Images {
         self.are_left_out
     }
 
-    /// The texels of a PNG or JPEG file.
+    /// The texels of a PNG, JPEG or Radiance file.
     ///
     /// # Errors
     /// [`Error::Input`] naming the file where it cannot be read or is neither.
@@ -142,12 +142,12 @@ impl Images {
     }
 }
 
-/// The texels of a PNG or JPEG, whose colours are sRGB (IEC 61966-2-1).
+/// The texels of a PNG or JPEG, whose colours are sRGB (IEC 61966-2-1), or of a Radiance picture, whose are light.
 ///
 /// # Errors
 /// [`Error::Input`] where it is neither, damaged, or too large for memory.
 pub fn decode(bytes: &[u8]) -> Result<Texels> {
-    let wrong = |e: String| Error::input(format!("is no PNG or JPEG that can be read: {e}"));
+    let wrong = |e: String| Error::input(format!("is no PNG, JPEG or HDR that can be read: {e}"));
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| wrong(e.to_string()))?;
     let image = reader.decode().map_err(|e| wrong(e.to_string()))?;
     let (width, height) = (image.width(), image.height());
@@ -163,6 +163,11 @@ pub fn decode(bytes: &[u8]) -> Result<Texels> {
             let pixel =
                 |[r, g, b, a]: [u16; 4]| [linear(r), linear(g), linear(b), f16::from_f64(f64::from(a) / 65535.0)];
             image.into_rgba16().par_chunks_exact(4).map(|p| pixel([p[0], p[1], p[2], p[3]])).collect()
+        }
+        // light as it is
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+            let held = |v: f32| f16::from_f32(v.clamp(0.0, f16::MAX.to_f32()));
+            image.into_rgba32f().par_chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]].map(held)).collect()
         }
         _ => {
             let [linear, plain] = tables();
@@ -273,7 +278,7 @@ mod tests {
     fn what_is_no_image_says_so() {
         for bytes in [&b""[..], b"GIF89a", b"\x89PNG\r\n\x1a\nxx"] {
             let message = decode(bytes).unwrap_err().to_string();
-            assert!(message.starts_with("is no PNG or JPEG that can be read: "), "{message}");
+            assert!(message.starts_with("is no PNG, JPEG or HDR that can be read: "), "{message}");
             assert!(!message.contains('\n'));
         }
     }

@@ -130,7 +130,7 @@ impl Tables {
     pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: Abilities, binding_limit: u64) -> Tables {
         let scene = &*scene.with_optics(camera);
         let around = Surroundings::of(camera, scene.bounds());
-        let plan = Plan::new(camera, Contents::of(&scene.mesh), around, wanted, has, binding_limit);
+        let plan = Plan::new(camera, Contents::of(scene), around, wanted, has, binding_limit);
         Tables {
             optics: Optics::new(scene, camera, &plan),
             plan,

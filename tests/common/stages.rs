@@ -89,6 +89,7 @@ impl Case {
             textured: false,
             cut: false,
             glossy: false,
+            sky: false,
             optics,
             turned: false,
             samples: 1,

@@ -7,8 +7,8 @@ fn sent_back(slot: u32, albedo: vec3<f32>, n: vec3<f32>, view: vec3<f32>) -> vec
     let material = materials[surface_row(slot).w];
     let base = albedo * (1.0 - material.metallic);
     let straight = mix(material.specular, albedo, material.metallic);
-    var sum = material.emissive + shading.ambient * (base + straight);
-    if shading.light_count == 0u {
+    var sum = material.emissive + from_around(base, straight, material.alpha, n, -view);
+    if shading.light_count == 0u && !SKY {
         sum += (1.0 - shading.ambient) * glossy(base, straight, material.alpha, n, -view, -view);
     }
     for (var k = 0u; k < shading.light_count; k++) {

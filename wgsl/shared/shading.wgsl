@@ -32,4 +32,9 @@ struct Shading {
     curve: u32,
     spread: f32,            // of a pixel: how wide images are filtered
     pad0: u32,
+    sky: u32,               // the row of the material whose image is the light from all around; NONE: there is none
+    sky_strength: f32,
+    sky_turn: f32,
+    sky_is_seen: u32,
+    irradiance: array<vec4<f32>, 9>,
 }

@@ -210,8 +210,8 @@ pub fn resolve(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend(variant.pixel_rays());
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE_ROW, BUNDLE, KEY, SHADING, SURFACE];
     let mut own = vec![variant.camera(), variant.images(), variant.light(), BITS, CELL_SAMPLES, SAMPLE_PLACES];
+    own.extend(variant.pixel());
     if variant.rays == RaysKind::Pieces {
-        own.extend(variant.pixel());
         own.push(snippet!("camera/pieces_sample_ray.wgsl"));
     } else {
         own.extend(variant.sample_rays(&mut bindings));

@@ -304,7 +304,7 @@ fn base_colours_have_their_images_borders_and_places() {
     let without = load_textured_quad(&Images::left_out(), |_| {}).unwrap();
     assert!(without.materials[0].texture.is_none() && !without.corner_uvs.is_empty());
     for (edit, expected) in [
-        (("/images/0/bufferView", serde_json::json!(0)), "image 0: is no PNG or JPEG"),
+        (("/images/0/bufferView", serde_json::json!(0)), "image 0: is no PNG, JPEG or HDR"),
         (("/bufferViews/4/byteLength", serde_json::json!(1 << 20)), "image 0: exceeds its buffer"),
         (("/textures/0/source", serde_json::json!(7)), "textures[0].source"),
         (("/accessors/3/count", serde_json::json!(3)), "node 0: mesh 0, primitive 0: 3 texture coordinates for 4"),

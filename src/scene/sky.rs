@@ -1,0 +1,191 @@
+//! Light from all around a scene, by an image of it.
+
+use super::file::SkySpec;
+use super::texture::{Images, Texels, Texture, Wrap};
+use crate::error::Result;
+use glam::{DVec2, DVec3};
+use half::f16;
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+use std::sync::{Arc, OnceLock};
+
+/// What comes from every direction: longitudes from left to right, -z in the middle, and latitudes from +y on top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sky {
+    /// Repeats to the right.
+    pub image: Texture,
+    /// What its light is multiplied by.
+    pub strength: f32,
+    /// By which it is turned about +y, as seen from above against the clock: turns.
+    pub turn: f64,
+    /// Pixels that hit nothing show it.
+    pub is_seen: bool,
+    /// What arrives at a surface of normal n, over pi, linear RGB: weights of 1, y, z, x, xy, yz, 3 zz - 1, xz and xx - yy.
+    pub irradiance: [[f32; 3]; 9],
+    /// Its image, and each half as large as the one before: made once they are needed.
+    coarser: OnceLock<Vec<Texture>>,
+}
+
+/// Directions a side that the mean over a lobe is taken of.
+const LOBE_SIDE: u32 = 16;
+
+impl Sky {
+    /// # Errors
+    /// [`crate::Error::Input`] where its image cannot be read.
+    pub fn new(spec: &SkySpec, images: &mut Images) -> Result<Sky> {
+        let sky = Sky::of(images.load(&spec.file)?, spec.strength as f32, spec.rotate / 360.0);
+        Ok(Sky { is_seen: spec.is_seen, ..sky })
+    }
+
+    /// One that is seen.
+    pub fn of(texels: Arc<Texels>, strength: f32, turn: f64) -> Sky {
+        let image = Texture { wrap: [Wrap::Repeat, Wrap::Clamp], ..Texture::new(texels) };
+        let (irradiance, coarser) = ([[0.0; 3]; 9], OnceLock::new());
+        let mut sky = Sky { image, strength, turn, is_seen: true, irradiance, coarser };
+        sky.irradiance = sky.harmonics();
+        sky
+    }
+
+    /// Where its image shows what comes from a unit direction.
+    fn uv(&self, d: DVec3) -> DVec2 {
+        DVec2::new(0.5 + d.x.atan2(-d.z) / TAU + self.turn, 0.5 + d.y.clamp(-1.0, 1.0).asin() / PI)
+    }
+
+    /// The direction that a place of its image shows.
+    fn direction(&self, uv: DVec2) -> DVec3 {
+        let (longitude, latitude) = ((uv.x - 0.5 - self.turn) * TAU, (uv.y - 0.5) * PI);
+        DVec3::new(latitude.cos() * longitude.sin(), latitude.sin(), -latitude.cos() * longitude.cos())
+    }
+
+    /// What comes from a unit direction, linear RGB.
+    pub fn radiance(&self, d: DVec3) -> DVec3 {
+        self.radiance_of(&self.image, d)
+    }
+
+    fn radiance_of(&self, image: &Texture, d: DVec3) -> DVec3 {
+        let [r, g, b, _] = image.at(self.uv(d));
+        f64::from(self.strength) * DVec3::new(r, g, b)
+    }
+
+    /// The mean of what comes from about a unit direction, over a square so wide, radians.
+    pub fn lobe(&self, d: DVec3, width: f64) -> DVec3 {
+        // with texels no smaller than from one direction to the next, so that none is missed
+        let step = width / f64::from(LOBE_SIDE) / (TAU / f64::from(self.image.texels.width));
+        let level = step.log2().floor().max(0.0) as usize;
+        let coarser = self.coarser.get_or_init(|| self.halved());
+        let image = &coarser[level.min(coarser.len() - 1)];
+        let (across, along) = d.any_orthonormal_pair();
+        let place = |k: u32| ((f64::from(k) + 0.5) / f64::from(LOBE_SIDE) - 0.5) * width;
+        let side = || (0..LOBE_SIDE).map(place);
+        let sum: DVec3 = side()
+            .flat_map(|x| side().map(move |y| self.radiance_of(image, (d + x * across + y * along).normalize())))
+            .sum();
+        sum / f64::from(LOBE_SIDE * LOBE_SIDE)
+    }
+
+    /// Its image, and means of two by two texels of each before.
+    fn halved(&self) -> Vec<Texture> {
+        let mut all = vec![self.image.clone()];
+        while let Some(Texture { texels: finer, .. }) = all.last().filter(|t| t.texels.width.min(t.texels.height) >= 2)
+        {
+            let (width, height) = (finer.width / 2, finer.height / 2);
+            let texel = |k: u32| {
+                let (x, y) = (2 * (k % width), 2 * (k / width));
+                let at = |dx: u32, dy: u32| finer.rgba[((y + dy) * finer.width + x + dx) as usize];
+                let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+                std::array::from_fn(|c| f16::from_f32(four.iter().map(|t| t[c].to_f32()).sum::<f32>() / 4.0))
+            };
+            let rgba = (0..width * height).into_par_iter().map(texel).collect();
+            let texels = Arc::new(Texels { width, height, rgba });
+            all.push(Texture { texels, ..self.image.clone() });
+        }
+        all
+    }
+
+    /// What arrives at a surface of unit normal `n`, over pi: spherical harmonics up to the second order (Ramamoorthi and Hanrahan
+    /// 2001), which are within 1 % of it on the average.
+    pub fn irradiance(&self, n: DVec3) -> DVec3 {
+        let sum: DVec3 = basis(n).iter().zip(self.irradiance).map(|(y, c)| *y * DVec3::from(c.map(f64::from))).sum();
+        sum.max(DVec3::ZERO)
+    }
+
+    fn harmonics(&self) -> [[f32; 3]; 9] {
+        let Texels { width, height, ref rgba } = *self.image.texels;
+        let rows = rgba.par_chunks_exact(width as usize).enumerate();
+        let of_row = |(j, row): (usize, &[[f16; 4]])| {
+            let v = 1.0 - (j as f64 + 0.5) / f64::from(height);
+            // of a texel
+            let solid_angle = TAU / f64::from(width) * PI / f64::from(height) * ((v - 0.5) * PI).cos();
+            let mut sums = [DVec3::ZERO; 9];
+            for (i, texel) in row.iter().enumerate() {
+                let y = basis(self.direction(DVec2::new((i as f64 + 0.5) / f64::from(width), v)));
+                let light = solid_angle * DVec3::new(texel[0].into(), texel[1].into(), texel[2].into());
+                sums.iter_mut().zip(y).for_each(|(sum, y)| *sum += y * light);
+            }
+            sums
+        };
+        let add = |a: [DVec3; 9], b: [DVec3; 9]| std::array::from_fn(|k| a[k] + b[k]);
+        let sums = rows.map(of_row).reduce(|| [DVec3::ZERO; 9], add);
+        // squares of the harmonics' factors, times the share of each order that a cosine leaves
+        let order = [1.0, 2.0 / 3.0, 0.25];
+        let factors = [0.25, 0.75, 0.75, 0.75, 3.75, 3.75, 0.3125, 3.75, 0.9375].map(|f| f / PI);
+        std::array::from_fn(|k| {
+            let share = order[[0, 1, 1, 1, 2, 2, 2, 2, 2][k]];
+            (f64::from(self.strength) * factors[k] * share * sums[k]).as_vec3().to_array()
+        })
+    }
+}
+
+/// 1, y, z, x, xy, yz, 3 zz - 1, xz and xx - yy.
+fn basis(n: DVec3) -> [f64; 9] {
+    let DVec3 { x, y, z } = n;
+    [1.0, y, z, x, x * y, y * z, 3.0 * z * z - 1.0, x * z, x * x - y * y]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sky(light: impl Fn(DVec3) -> f64) -> Sky {
+        const TURN: f64 = 0.1;
+        let (width, height) = (256, 128);
+        let texel = |k: u32| {
+            let longitude = TAU * ((f64::from(k % width) + 0.5) / f64::from(width) - 0.5 - TURN);
+            let latitude = PI * (0.5 - (f64::from(k / width) + 0.5) / f64::from(height));
+            let level = DVec3::new(longitude.sin(), 0.0, -longitude.cos());
+            [light(latitude.cos() * level + latitude.sin() * DVec3::Y), 0.0, 0.0, 1.0].map(f16::from_f64)
+        };
+        let rgba = (0..width * height).map(texel).collect();
+        Sky::of(Arc::new(Texels { width, height, rgba }), 2.0, TURN)
+    }
+
+    #[test]
+    fn directions_come_back_and_the_middle_is_ahead() {
+        let sky = Sky { turn: 0.0, ..sky(|_| 1.0) };
+        assert!((sky.direction(DVec2::splat(0.5)) - DVec3::NEG_Z).length() < 1e-12);
+        assert!((sky.direction(DVec2::new(0.75, 0.5)) - DVec3::X).length() < 1e-12);
+        let turned = Sky { turn: 0.25, ..sky };
+        for d in [DVec3::new(0.3, -0.5, 0.8), DVec3::new(-1.0, 0.1, -0.2)].map(DVec3::normalize) {
+            assert!((turned.direction(turned.uv(d)) - d).length() < 1e-12);
+        }
+    }
+
+    /// What falls on a surface under a uniform sky is its light; under one of light 1 + y it is 1 + 2/3 n.y; and of (3 zz - 1) a quarter
+    /// is left.
+    #[test]
+    fn irradiance_is_that_of_the_first_orders() {
+        let lights: [(&str, fn(DVec3) -> f64, fn(DVec3) -> f64); 3] = [
+            ("uniform", |_| 0.5, |_| 0.5),
+            ("linear", |d| 1.0 + d.y, |n| 1.0 + 2.0 / 3.0 * n.y),
+            ("quadratic", |d| 1.0 + 3.0 * d.z * d.z, |n| 2.0 + 0.25 * (3.0 * n.z * n.z - 1.0)),
+        ];
+        for (name, light, expected) in lights {
+            let sky = sky(light);
+            for n in [DVec3::X, DVec3::Y, DVec3::NEG_Z, DVec3::new(0.6, -0.48, 0.64)] {
+                let seen = sky.irradiance(n).x / 2.0;
+                // half floats have 2^-12 of their values; sums over 128 rows are off by their squared steps
+                assert!((seen - expected(n)).abs() < 1e-3, "{name}, {n}: {seen}, {}", expected(n));
+            }
+        }
+    }
+}

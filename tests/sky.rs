@@ -1,0 +1,205 @@
+//! Light from all around: behind the scene, on matte surfaces and in shiny ones, through every kind of rays. Nothing to do without an
+//! adapter.
+
+mod common;
+
+use anamorph::camera::Camera;
+use anamorph::engine::{Engine, RunOptions};
+use anamorph::frame::{Channel, Frame};
+use anamorph::output::srgb8;
+use anamorph::plan::Wanted;
+use anamorph::plan::samples::places;
+use anamorph::reference::image::image as reference_image;
+use anamorph::scene::Scene;
+use anamorph::scene::generate::icosphere;
+use anamorph::scene::mesh::{Material, Mesh};
+use anamorph::scene::sky::Sky;
+use anamorph::scene::texture::Texels;
+use common::cameras::{MeshLook, mesh_camera, raymap};
+use common::file::{camera_of, load, refusal};
+use common::gpu::engine_on;
+use common::layered::chain;
+use common::{FORWARD, camera, moved, scene};
+use glam::DVec3;
+use half::f16;
+use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
+use std::sync::Arc;
+
+const SIZE: (u32, u32) = (80, 60);
+const COLOUR: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
+
+/// Blue above, brown below, with bright and dark squares all around and a sun 8 degrees wide.
+fn sky() -> Arc<Sky> {
+    let (width, height) = (512, 256);
+    let texel = |k: u32| {
+        let (x, y) = (f64::from(k % width) / f64::from(width), f64::from(k / width) / f64::from(height));
+        let mut light = if y < 0.5 { [0.3, 0.5, 0.9] } else { [0.35, 0.25, 0.15] };
+        if (0.4..0.6).contains(&y) && ((40.0 * x) as u32 + (40.0 * y) as u32) % 2 == 0 {
+            light = [0.9, 0.85, 0.7];
+        }
+        let sun = ((x - 0.6) * 360.0).hypot((y - 0.3) * 180.0) < 4.0;
+        if sun {
+            light = [30.0, 27.0, 20.0];
+        }
+        let [r, g, b] = light;
+        [r, g, b, 1.0].map(f16::from_f64)
+    };
+    let rgba = (0..width * height).map(texel).collect();
+    Arc::new(Sky::of(Arc::new(Texels { width, height, rgba }), 0.8, 0.37))
+}
+
+fn cameras() -> Vec<(&'static str, Camera)> {
+    let of = |text: &str| camera_of("", SIZE, text).unwrap();
+    let view = "eye = [0.3, 0.9, 4]\ntarget = [0, 0, 0]\nvfov = 50";
+    vec![
+        ("pinhole", of(&format!("kind = \"pinhole\"\n{view}"))),
+        (
+            "cross-slit",
+            of(
+                "kind = \"cross_slit\"\neye = [0.3, 0.9, 4]\ntarget = [0, 0, 0]\nheight = 4\nslits = [{ distance = 3, angle = 0 }, { distance = 4.5, angle = 90 }]",
+            ),
+        ),
+        ("mesh of 16 x 16", camera(mesh_camera(1, 16, 16, MeshLook::default()), SIZE, FORWARD)),
+        ("chain", chain(3, 3, (4, 3), MeshLook::default(), SIZE)),
+        ("fisheye", of("kind = \"fisheye\"\neye = [0.3, 0.9, 4]\ntarget = [0, 0, 0]\nfov = 150\nframe = \"full\"")),
+        ("sphere", of("kind = \"sphere\"\neye = [0.3, 0.2, 2.5]\ntarget = [0, 0, 0]")),
+        ("curved projector", of(&format!("kind = \"twist\"\n{view}\ndegree = 3\nangle = 30"))),
+        (
+            "mirror",
+            of(
+                "kind = \"reflection\"\ndepth = 1\neye = { kind = \"pinhole\", eye = [0.3, 0.9, 4], target = [0, 0, 0], vfov = 40 }\nmirror = { shape = \"sphere\", center = [0, 0, 0], radius = 0.9 }",
+            ),
+        ),
+    ]
+}
+
+type Colours = Vec<[f64; 3]>;
+
+fn colours(frame: &Frame) -> Colours {
+    let [r, g, b] = COLOUR.map(|c| frame.f32(c).unwrap());
+    (0..r.len()).map(|k| [r[k].into(), g[k].into(), b[k].into()]).collect()
+}
+
+fn truth(scene: &Scene, camera: &Camera, samples: u32) -> Colours {
+    let mut sum = vec![[0.0; 3]; (camera.width * camera.height) as usize];
+    for place in places(samples) {
+        let frame = colours(&reference_image(scene, &camera.with_sample_offset(place.x, place.y), &COLOUR));
+        sum.iter_mut().zip(frame).for_each(|(s, c)| (0..3).for_each(|k| s[k] += c[k] / f64::from(samples)));
+    }
+    sum
+}
+
+fn rendered(engine: &mut Engine, scene: &Scene, camera: &Camera, samples: u32) -> Colours {
+    let wanted = Wanted { samples, ..Wanted::of(COLOUR.to_vec()) };
+    colours(&engine.render(scene, camera, &wanted, &RunOptions::default()).unwrap().frame)
+}
+
+/// The mean difference that a person sees between two pictures (Andersson et al. 2020), 0 to 1.
+fn flip(truth: &Colours, seen: &Colours) -> f64 {
+    let image = |colours: &Colours| {
+        let bytes: Vec<u8> = colours.iter().flatten().map(|v| srgb8(*v as f32)).collect();
+        FlipImageRgb8::with_data(SIZE.0, SIZE.1, &bytes)
+    };
+    let errors = nv_flip::flip(image(truth), image(seen), DEFAULT_PIXELS_PER_DEGREE);
+    f64::from(FlipPool::from_image(&errors).mean())
+}
+
+const FLIP_MAX: f64 = 0.05;
+
+#[test]
+fn the_sky_is_seen_behind_all_that_is_there() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let empty = Scene { sky: Some(sky()), ..scene(Mesh::default()) };
+    let mut unseen = (*sky()).clone();
+    unseen.is_seen = false;
+    let hidden = Scene { sky: Some(Arc::new(unseen)), ..empty.clone() };
+    for (name, camera) in cameras() {
+        let exact = truth(&empty, &camera, 64);
+        let seen = rendered(&mut engine, &empty, &camera, 1);
+        let error = flip(&exact, &seen);
+        println!("{name}: FLIP {error:.4}");
+        assert!(error <= FLIP_MAX, "{name}: FLIP {error}");
+        // without it the mirror alone is dark where it sees nothing
+        let plain = rendered(&mut engine, &hidden, &camera, 1);
+        let background = empty.background.map(f64::from);
+        assert!(plain.iter().all(|c| (0..3).all(|k| (c[k] - background[k]).abs() < 1e-6)), "{name}");
+    }
+}
+
+#[test]
+fn what_has_no_ray_sees_no_sky() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let empty = Scene { sky: Some(sky()), ..scene(Mesh::default()) };
+    let seen = rendered(&mut engine, &empty, &raymap(SIZE.0, SIZE.1, FORWARD), 1);
+    for (k, colour) in seen.iter().enumerate() {
+        let is_blind = (k % SIZE.0 as usize + 3 * (k / SIZE.0 as usize)) % 17 == 0;
+        let is_background = (0..3).all(|c| (colour[c] - f64::from(empty.background[c])).abs() < 1e-6);
+        assert_eq!(is_blind, is_background, "pixel {k}");
+    }
+}
+
+/// Four balls: matte, glossy, a rough metal and a smooth one.
+fn balls() -> Scene {
+    let mut all = Mesh::default();
+    let ball = Material { diffuse: [0.8, 0.6, 0.4], ..Material::default() };
+    let materials = [
+        ball.clone(),
+        Material { specular: [0.04; 3], roughness: 0.3, ..ball.clone() },
+        Material { metallic: 1.0, roughness: 0.6, ..ball.clone() },
+        Material { metallic: 1.0, roughness: 0.2, ..ball },
+    ];
+    for (k, material) in materials.into_iter().enumerate() {
+        let at = DVec3::new(k as f64 % 2.0 - 0.5, (k / 2) as f64 - 0.5, 0.0) * 1.1;
+        let mut ball = icosphere(4);
+        ball.positions.iter_mut().for_each(|p| *p *= 0.5);
+        ball.materials = vec![material];
+        let ball = moved(ball, at);
+        if k == 0 { all = ball } else { anamorph::scene::place::append(&mut all, ball) }
+    }
+    Scene { sky: Some(sky()), lights: vec![DVec3::new(-0.5, -1.0, -0.5).normalize()], ..scene(all) }
+}
+
+#[test]
+fn surfaces_send_back_what_comes_from_around() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let scene = balls();
+    for (name, camera) in cameras().into_iter().take(6) {
+        let exact = truth(&scene, &camera, 16);
+        for samples in [1, 4] {
+            let seen = rendered(&mut engine, &scene, &camera, samples);
+            assert!(seen.iter().flatten().all(|v| v.is_finite()));
+            let error = flip(&exact, &seen);
+            println!("{name}, {samples} samples: FLIP {error:.4}");
+            assert!(samples == 1 || error <= FLIP_MAX, "{name}, {samples} samples: FLIP {error}");
+        }
+    }
+}
+
+#[test]
+fn a_scene_says_what_is_around_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sky.hdr");
+    let light: Vec<::image::Rgb<f32>> = (0..8).map(|k| ::image::Rgb([k as f32, 100.0, 0.5])).collect();
+    let mut bytes = Vec::new();
+    ::image::codecs::hdr::HdrEncoder::new(&mut bytes).encode(&light, 4, 2).unwrap();
+    std::fs::write(&path, &bytes).unwrap();
+    let camera = "[camera]\nkind = \"orthographic\"\neye = [0, 0, 2]\ntarget = [0, 0, 0]\nheight = 2\n";
+    let text =
+        |keys: &str| format!("image = {{ width = 4, height = 4 }}\n[environment]\nfile = {:?}\n{keys}\n{camera}", path);
+    let sky = load(&text("strength = 3\nrotate = 90\nbackground = false")).unwrap().sky.unwrap();
+    assert_eq!((sky.strength, sky.turn, sky.is_seen), (3.0, 0.25, false));
+    assert_eq!(sky.image.texels.rgba[2].map(f16::to_f32), [2.0, 100.0, 0.5, 1.0]);
+    for (keys, expected) in [
+        ("strength = -1", "environment.strength: -1 is no strength"),
+        ("turn = 3", "unknown key \"turn\" in environment"),
+    ] {
+        let message = load(&text(keys)).expect_err(keys).to_string();
+        assert!(message.contains(expected) && !message.contains('\n'), "{message}");
+    }
+    let message = refusal(
+        "[environment]\nfile = \"none.hdr\"",
+        SIZE,
+        "kind = \"orthographic\"\neye = [0, 0, 2]\ntarget = [0, 0, 0]\nheight = 2",
+    );
+    assert!(message.contains("none.hdr: cannot be read"), "{message}");
+}

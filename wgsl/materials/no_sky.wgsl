@@ -1,0 +1,12 @@
+// Light from everywhere alike, and one colour behind all.
+
+const SKY: bool = false;
+
+fn from_around(base: vec3<f32>, straight: vec3<f32>, alpha: f32, n: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
+    return shading.ambient * (base + straight);
+}
+
+// What a pixel shows that hits nothing.
+fn beyond(x: u32, y: u32) -> vec3<f32> {
+    return shading.background;
+}
