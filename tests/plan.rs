@@ -317,17 +317,16 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
 #[test]
 fn what_is_left_out_is_said() {
     let whats = |camera: &Camera, normals: bool, wanted: &Wanted, has: Abilities, limit: u64| {
-        let contents = match normals {
-            true => Contents {
-                has_normals: true,
-                has_uvs: true,
-                has_images: true,
-                has_holes: true,
-                has_gloss: true,
-                ..of(9)
-            },
-            false => of(9),
+        let all = Contents {
+            has_normals: true,
+            has_uvs: true,
+            has_images: true,
+            has_holes: true,
+            has_gloss: true,
+            has_sky: true,
+            ..of(9)
         };
+        let contents = if normals { all } else { of(9) };
         let plan = Plan::new(camera, contents, Surroundings::point(DVec3::ZERO), wanted, has, limit);
         plan.left_out.into_iter().map(|l| l.what).collect::<Vec<_>>()
     };
@@ -364,6 +363,7 @@ fn what_is_left_out_is_said() {
         "textures",
         "holes",
         "gloss",
+        "sky",
         "write",
         "fragment counters",
         "the adapter's f64",

@@ -34,7 +34,7 @@ fn sky() -> Arc<Sky> {
     let texel = |k: u32| {
         let (x, y) = (f64::from(k % width) / f64::from(width), f64::from(k / width) / f64::from(height));
         let mut light = if y < 0.5 { [0.3, 0.5, 0.9] } else { [0.35, 0.25, 0.15] };
-        if (0.4..0.6).contains(&y) && ((40.0 * x) as u32 + (40.0 * y) as u32) % 2 == 0 {
+        if (0.4..0.6).contains(&y) && ((40.0 * x) as u32 + (40.0 * y) as u32).is_multiple_of(2) {
             light = [0.9, 0.85, 0.7];
         }
         let sun = ((x - 0.6) * 360.0).hypot((y - 0.3) * 180.0) < 4.0;
@@ -132,7 +132,7 @@ fn what_has_no_ray_sees_no_sky() {
     let empty = Scene { sky: Some(sky()), ..scene(Mesh::default()) };
     let seen = rendered(&mut engine, &empty, &raymap(SIZE.0, SIZE.1, FORWARD), 1);
     for (k, colour) in seen.iter().enumerate() {
-        let is_blind = (k % SIZE.0 as usize + 3 * (k / SIZE.0 as usize)) % 17 == 0;
+        let is_blind = (k % SIZE.0 as usize + 3 * (k / SIZE.0 as usize)).is_multiple_of(17);
         let is_background = (0..3).all(|c| (colour[c] - f64::from(empty.background[c])).abs() < 1e-6);
         assert_eq!(is_blind, is_background, "pixel {k}");
     }

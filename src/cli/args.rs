@@ -35,7 +35,7 @@ pub enum Command {
 }
 
 /// What a command may ask of a scene beyond its file.
-#[derive(Debug, Default, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct Change {
     /// Size of the image in pixels
     #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
@@ -241,13 +241,15 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 pub enum Named {
     Channels(Vec<Channel>),
     Matte(Apart),
+    /// From this frame to the next.
+    Motion,
 }
 
 impl Named {
     pub fn channels(&self) -> &[Channel] {
         match self {
             Named::Channels(list) => list,
-            Named::Matte(_) => &[],
+            Named::Matte(_) | Named::Motion => &[],
         }
     }
 }
@@ -256,12 +258,13 @@ fn channels(name: &str) -> Result<Named, String> {
     match name.trim() {
         "crypto.object" => return Ok(Named::Matte(Apart::Objects)),
         "crypto.material" => return Ok(Named::Matte(Apart::Materials)),
+        "motion" => return Ok(Named::Motion),
         _ => {}
     }
     let found = Channel::named(name.trim());
     if found.is_empty() {
         let known: Vec<&str> = Channel::every().map(Channel::name).collect();
-        let more = "N, P and albedo for three each, uv for two, crypto.object and crypto.material";
+        let more = "N, P and albedo for three each, uv and motion for two, crypto.object and crypto.material";
         return Err(format!("no such channel; known: {}, {more}", known.join(", ")));
     }
     Ok(Named::Channels(found))

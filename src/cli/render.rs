@@ -13,6 +13,7 @@ use crate::camera::{Camera, Rays};
 use crate::engine::RunOptions;
 use crate::error::{Error, Result};
 use crate::frame::Channel;
+use crate::motion;
 use crate::output::cryptomatte::{Apart, Matte};
 use crate::plan::Wanted;
 use crate::plan::samples::at_once;
@@ -41,7 +42,13 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     if !mattes.is_empty() && files.exr.is_none() {
         return Err(Error::input("--channels: cryptomattes are layers of an EXR; add --exr OUT.exr"));
     }
-    let wanted = wanted(&asked, &files, mattes.is_empty());
+    let next = if asks_for_motion(args) { Some(next_frame(args, &files)?) } else { None };
+    let mut wanted = wanted(&asked, &files, mattes.is_empty() && next.is_none());
+    if next.is_some() {
+        wanted.channels.extend(motion::NEEDED);
+        wanted.channels.sort_unstable();
+        wanted.channels.dedup();
+    }
     points::check(&files, &camera)?;
     let is_compute = matches!(args.engine, None | Some(EngineName::Compute));
     let samples = if is_compute && at_once(&scene, &camera, args.samples) { args.samples } else { 1 };
@@ -65,8 +72,15 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
         _ => None,
     };
 
+    let mut more = Vec::new();
+    if let Some((next_scene, next_camera)) = &next {
+        progress.now("finding where all of it is in the next frame");
+        let planes = motion::motion((&scene, &camera), (next_scene, next_camera), &rendered.frame)?;
+        more.extend(motion::NAMES.map(String::from).into_iter().zip(planes));
+    }
+
     progress.now("writing");
-    files.write(&scene, &camera, &rendered, &asked, mattes)?;
+    files.write(&scene, &camera, &rendered, &asked, (mattes, more))?;
     let device = backend.device();
     let frame_ms = FrameMs::of(&rendered.frame_ms);
     if let Some(path) = &files.report {
@@ -139,6 +153,18 @@ fn asked(args: &RenderArgs, files: &Files, camera: &Camera) -> Vec<Channel> {
         None if files.exr.is_some() => Channel::of(camera),
         None => Vec::new(),
     }
+}
+
+fn asks_for_motion(args: &RenderArgs) -> bool {
+    args.channels.iter().flatten().any(|named| matches!(named, Named::Motion))
+}
+
+/// The scene and its camera one frame later.
+fn next_frame(args: &RenderArgs, files: &Files) -> Result<(Scene, Camera)> {
+    if files.exr.is_none() {
+        return Err(Error::input("--channels: motion is two channels of an EXR; add --exr OUT.exr"));
+    }
+    load(&args.scene, &Change { frame: args.change.frame + 1.0, ..args.change.clone() })
 }
 
 /// What cryptomattes tell apart.

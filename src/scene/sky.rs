@@ -174,7 +174,8 @@ mod tests {
     /// is left.
     #[test]
     fn irradiance_is_that_of_the_first_orders() {
-        let lights: [(&str, fn(DVec3) -> f64, fn(DVec3) -> f64); 3] = [
+        type Of = fn(DVec3) -> f64;
+        let lights: [(&str, Of, Of); 3] = [
             ("uniform", |_| 0.5, |_| 0.5),
             ("linear", |d| 1.0 + d.y, |n| 1.0 + 2.0 / 3.0 * n.y),
             ("quadratic", |d| 1.0 + 3.0 * d.z * d.z, |n| 2.0 + 0.25 * (3.0 * n.z * n.z - 1.0)),

@@ -62,14 +62,14 @@ impl Files {
         if names.is_empty() { String::new() } else { format!("{} ", names.join(", ")) }
     }
 
-    /// Writes the images, of the channels in `asked` and the mattes, and the points.
+    /// Writes the images, of the channels in `asked`, the mattes and more by their names, and the points.
     pub fn write(
         &self,
         scene: &Scene,
         camera: &Camera,
         rendered: &Rendered,
         asked: &[Channel],
-        mattes: Vec<Matte>,
+        (mattes, mut more): (Vec<Matte>, Vec<(String, Vec<f32>)>),
     ) -> Result<()> {
         if let (Some(path), Some(rgba)) = (&self.color, &rendered.srgb8) {
             let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
@@ -79,7 +79,6 @@ impl Files {
             let mut frame = rendered.frame.clone();
             frame.planes.retain(|(channel, _)| asked.contains(channel));
             let mut attributes = attributes(scene, camera)?;
-            let mut more = Vec::new();
             for matte in mattes {
                 let layers = matte.layers()?;
                 more.extend(layers.planes);
