@@ -25,7 +25,7 @@ use half::f16;
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 use std::sync::Arc;
 
-const SIZE: (u32, u32) = (112, 84);
+const SIZE: (u32, u32) = (80, 60);
 const COLOUR: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
 
 fn texels(width: u32, height: u32, value: impl Fn(u32, u32) -> [f32; 4]) -> Arc<Texels> {
@@ -191,7 +191,7 @@ fn patches(width: u32, height: u32) -> Texture {
 #[test]
 fn magnified_texels_are_bilinear_and_go_on_as_the_borders_say() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
-    // 3 x 3 images of 2 x 3 texels over 100 pixels
+    // an image of 2 x 3 texels is 40 px wide
     let view = "kind = \"orthographic\"\neye = [0, 5, 0]\ntarget = [0, 0, 0]\nup = [0, 0, -1]\nheight = 1";
     let camera = camera_of("", SIZE, view).unwrap();
     for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
