@@ -92,3 +92,22 @@ fn other_triangles_are_not_lit() {
     let error = frames.light(&more).unwrap_err();
     assert!(error.exit_code() == 2 && error.to_string().contains("prepare the frames anew"), "{error}");
 }
+
+#[test]
+fn other_kinds_of_materials_are_refused() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let (matte, camera) = scene(" }", SLITS);
+    let mut shiny = matte.clone();
+    shiny.mesh.materials[0].metallic = 1.0;
+    let mut brighter = shiny.clone();
+    brighter.mesh.materials[0].emissive = [0.5; 3];
+    let run = RunOptions::default();
+    let mut frames = engine.prepare(&matte, &camera, &wanted(), &run).unwrap();
+    let message = frames.light(&shiny).unwrap_err().to_string();
+    assert!(message.starts_with("other kinds of materials"), "{message}");
+    let mut frames = engine.prepare(&shiny, &camera, &wanted(), &run).unwrap();
+    frames.light(&brighter).unwrap();
+    let lit = frames.finish().unwrap();
+    let anew = engine.render(&brighter, &camera, &wanted(), &run).unwrap();
+    assert!(words(&lit.frame) == words(&anew.frame));
+}

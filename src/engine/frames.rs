@@ -179,7 +179,8 @@ impl Frames<'_> {
     /// next frame on, and in the end.
     ///
     /// # Errors
-    /// [`Error::Input`] where `scene` has other numbers of triangles, vertices, normals or materials, or caustics are shown.
+    /// [`Error::Input`] where `scene` has other numbers of triangles, vertices, normals or materials, other kinds of these (images, gloss, a
+    /// sky), or caustics are shown.
     pub fn light(&mut self, scene: &Scene) -> Result<()> {
         if self.caustics.is_some() {
             return Err(Error::input("caustics follow the light; prepare the frames anew"));
@@ -193,9 +194,17 @@ impl Frames<'_> {
         if sizes(&scene) != sizes(&self.scene) {
             return Err(Error::input("other triangles or materials than those that are lit; prepare the frames anew"));
         }
+        let (lit, contents) = (Contents::of(&self.scene), Contents::of(&scene));
+        if lit != contents {
+            return Err(Error::input(
+                "other kinds of materials or light than those that are lit; prepare the frames anew",
+            ));
+        }
         self.resident.upload_look(&self.gpu, &scene, &self.plan)?;
         // of bands and passes, and of moving triangles, only the last ones are still there
         let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
+        // other images may have other holes
+        let is_there = is_there && !contents.has_holes;
         self.due = self.due.max(if is_there { Due::Look } else { Due::All });
         Ok(())
     }
