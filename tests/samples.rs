@@ -2,13 +2,14 @@
 //! without an adapter.
 
 mod common;
+#[path = "common/pictures.rs"]
+mod pictures;
 
 use anamorph::camera::Camera;
 use anamorph::engine::{Capacities, Engine, Rendered, RunOptions};
 use anamorph::frame::{Channel, NO_ID};
 use anamorph::plan::Wanted;
 use anamorph::plan::samples::{at_once, places};
-use anamorph::reference::image::image;
 use anamorph::scene::Scene;
 use anamorph::scene::generate::icosphere;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
@@ -18,6 +19,7 @@ use common::layered::chain;
 use common::rng::Rng;
 use common::{FORWARD, camera, mesh, moved, scene, soup};
 use glam::DVec3;
+use pictures::{box_filtered, colours, psnr};
 
 const SIZE: (u32, u32) = (61, 45);
 
@@ -132,28 +134,6 @@ fn samples_follow_the_camera() {
         let anew = engine.render(&scene, &second, &wanted, &RunOptions::default()).unwrap();
         assert!(aimed.sample_ids == anew.sample_ids && aimed.frame == anew.frame, "{}", second.kind);
     }
-}
-
-/// Colours of a frame, pixel by pixel.
-fn colours(frame: &anamorph::frame::Frame) -> Vec<[f64; 3]> {
-    let [r, g, b] = [Channel::R, Channel::G, Channel::B].map(|c| frame.f32(c).unwrap());
-    (0..r.len()).map(|k| [r[k].into(), g[k].into(), b[k].into()]).collect()
-}
-
-/// The mean of the reference's frames at many samples.
-fn box_filtered(scene: &Scene, camera: &Camera, samples: u32) -> Vec<[f64; 3]> {
-    let mut sum = vec![[0.0; 3]; (camera.width * camera.height) as usize];
-    for place in places(samples) {
-        let moved = camera.with_sample_offset(place.x, place.y);
-        let frame = colours(&image(scene, &moved, &[Channel::R, Channel::G, Channel::B]));
-        sum.iter_mut().zip(frame).for_each(|(s, c)| (0..3).for_each(|k| s[k] += c[k] / f64::from(samples)));
-    }
-    sum
-}
-
-fn psnr(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    let square = a.iter().zip(b).flat_map(|(a, b)| (0..3).map(move |k| (a[k] - b[k]).powi(2))).sum::<f64>();
-    -10.0 * (square / (3 * a.len()) as f64).log10()
 }
 
 /// A ball before walls of large triangles: about a tenth of all pixels hold an edge.

@@ -2,14 +2,12 @@
 //! adapter.
 
 mod common;
+#[path = "common/pictures.rs"]
+mod pictures;
 
 use anamorph::camera::Camera;
 use anamorph::engine::{Engine, RunOptions};
-use anamorph::frame::{Channel, Frame};
-use anamorph::output::srgb8;
 use anamorph::plan::Wanted;
-use anamorph::plan::samples::places;
-use anamorph::reference::image::image as reference_image;
 use anamorph::scene::Scene;
 use anamorph::scene::generate::icosphere;
 use anamorph::scene::mesh::{Material, Mesh};
@@ -22,11 +20,10 @@ use common::layered::chain;
 use common::{FORWARD, camera, moved, scene};
 use glam::DVec3;
 use half::f16;
-use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
+use pictures::{COLOUR, Colours, box_filtered, colours, flip};
 use std::sync::Arc;
 
 const SIZE: (u32, u32) = (80, 60);
-const COLOUR: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
 
 /// Blue above, brown below, with bright and dark squares all around and a sun 8 degrees wide.
 fn sky() -> Arc<Sky> {
@@ -73,35 +70,9 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     ]
 }
 
-type Colours = Vec<[f64; 3]>;
-
-fn colours(frame: &Frame) -> Colours {
-    let [r, g, b] = COLOUR.map(|c| frame.f32(c).unwrap());
-    (0..r.len()).map(|k| [r[k].into(), g[k].into(), b[k].into()]).collect()
-}
-
-fn truth(scene: &Scene, camera: &Camera, samples: u32) -> Colours {
-    let mut sum = vec![[0.0; 3]; (camera.width * camera.height) as usize];
-    for place in places(samples) {
-        let frame = colours(&reference_image(scene, &camera.with_sample_offset(place.x, place.y), &COLOUR));
-        sum.iter_mut().zip(frame).for_each(|(s, c)| (0..3).for_each(|k| s[k] += c[k] / f64::from(samples)));
-    }
-    sum
-}
-
 fn rendered(engine: &mut Engine, scene: &Scene, camera: &Camera, samples: u32) -> Colours {
     let wanted = Wanted { samples, ..Wanted::of(COLOUR.to_vec()) };
     colours(&engine.render(scene, camera, &wanted, &RunOptions::default()).unwrap().frame)
-}
-
-/// The mean difference that a person sees between two pictures (Andersson et al. 2020), 0 to 1.
-fn flip(truth: &Colours, seen: &Colours) -> f64 {
-    let image = |colours: &Colours| {
-        let bytes: Vec<u8> = colours.iter().flatten().map(|v| srgb8(*v as f32)).collect();
-        FlipImageRgb8::with_data(SIZE.0, SIZE.1, &bytes)
-    };
-    let errors = nv_flip::flip(image(truth), image(seen), DEFAULT_PIXELS_PER_DEGREE);
-    f64::from(FlipPool::from_image(&errors).mean())
 }
 
 const FLIP_MAX: f64 = 0.05;
@@ -114,9 +85,9 @@ fn the_sky_is_seen_behind_all_that_is_there() {
     unseen.is_seen = false;
     let hidden = Scene { sky: Some(Arc::new(unseen)), ..empty.clone() };
     for (name, camera) in cameras() {
-        let exact = truth(&empty, &camera, 64);
+        let exact = box_filtered(&empty, &camera, 64);
         let seen = rendered(&mut engine, &empty, &camera, 1);
-        let error = flip(&exact, &seen);
+        let error = flip(&exact, &seen, SIZE);
         println!("{name}: FLIP {error:.4}");
         assert!(error <= FLIP_MAX, "{name}: FLIP {error}");
         // without it the mirror alone is dark where it sees nothing
@@ -164,11 +135,11 @@ fn surfaces_send_back_what_comes_from_around() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let scene = balls();
     for (name, camera) in cameras().into_iter().take(6) {
-        let exact = truth(&scene, &camera, 16);
+        let exact = box_filtered(&scene, &camera, 16);
         for samples in [1, 4] {
             let seen = rendered(&mut engine, &scene, &camera, samples);
             assert!(seen.iter().flatten().all(|v| v.is_finite()));
-            let error = flip(&exact, &seen);
+            let error = flip(&exact, &seen, SIZE);
             println!("{name}, {samples} samples: FLIP {error:.4}");
             assert!(samples == 1 || error <= FLIP_MAX, "{name}, {samples} samples: FLIP {error}");
         }
@@ -179,9 +150,9 @@ fn surfaces_send_back_what_comes_from_around() {
 fn a_scene_says_what_is_around_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sky.hdr");
-    let light: Vec<::image::Rgb<f32>> = (0..8).map(|k| ::image::Rgb([k as f32, 100.0, 0.5])).collect();
+    let light: Vec<image::Rgb<f32>> = (0..8).map(|k| image::Rgb([k as f32, 100.0, 0.5])).collect();
     let mut bytes = Vec::new();
-    ::image::codecs::hdr::HdrEncoder::new(&mut bytes).encode(&light, 4, 2).unwrap();
+    image::codecs::hdr::HdrEncoder::new(&mut bytes).encode(&light, 4, 2).unwrap();
     std::fs::write(&path, &bytes).unwrap();
     let camera = "[camera]\nkind = \"orthographic\"\neye = [0, 0, 2]\ntarget = [0, 0, 0]\nheight = 2\n";
     let text =

@@ -2,12 +2,13 @@
 //! without an adapter.
 
 mod common;
+#[path = "common/pictures.rs"]
+mod pictures;
 
 use anamorph::baseline::Choice;
 use anamorph::camera::Camera;
 use anamorph::engine::{Engine, RunOptions};
-use anamorph::frame::{Channel, Frame, NO_ID};
-use anamorph::output::srgb8;
+use anamorph::frame::{Channel, NO_ID};
 use anamorph::plan::Wanted;
 use anamorph::plan::samples::{at_once, places};
 use anamorph::reference::image::image;
@@ -22,11 +23,10 @@ use common::rng::Rng;
 use common::{FORWARD, camera, mesh, scene, soup};
 use glam::{DVec3, Vec2};
 use half::f16;
-use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
+use pictures::{COLOUR, Colours, box_filtered, colours, flip, psnr};
 use std::sync::Arc;
 
 const SIZE: (u32, u32) = (80, 60);
-const COLOUR: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
 
 fn texels(width: u32, height: u32, value: impl Fn(u32, u32) -> [f32; 4]) -> Arc<Texels> {
     let rgba = (0..width * height).map(|k| value(k % width, k / width).map(f16::from_f32)).collect();
@@ -95,40 +95,8 @@ fn families(size: (u32, u32)) -> Vec<(&'static str, Camera)> {
     ]
 }
 
-type Colours = Vec<[f64; 3]>;
-
-fn colours(frame: &Frame) -> Colours {
-    let [r, g, b] = COLOUR.map(|c| frame.f32(c).unwrap());
-    (0..r.len()).map(|k| [r[k].into(), g[k].into(), b[k].into()]).collect()
-}
-
-/// The mean of the reference's frames at `samples` places of each pixel.
-fn truth(scene: &Scene, camera: &Camera, samples: u32) -> Colours {
-    let mut sum = vec![[0.0; 3]; (camera.width * camera.height) as usize];
-    for place in places(samples) {
-        let frame = colours(&image(scene, &camera.with_sample_offset(place.x, place.y), &COLOUR));
-        sum.iter_mut().zip(frame).for_each(|(s, c)| (0..3).for_each(|k| s[k] += c[k] / f64::from(samples)));
-    }
-    sum
-}
-
 fn rendered(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Colours {
     colours(&engine.render(scene, camera, &Wanted::of(COLOUR.to_vec()), &RunOptions::default()).unwrap().frame)
-}
-
-/// The mean difference that a person sees between two pictures (Andersson et al. 2020), 0 to 1.
-fn flip(truth: &Colours, seen: &Colours, (width, height): (u32, u32)) -> f64 {
-    let image = |colours: &Colours| {
-        let bytes: Vec<u8> = colours.iter().flatten().map(|v| srgb8(*v as f32)).collect();
-        FlipImageRgb8::with_data(width, height, &bytes)
-    };
-    let errors = nv_flip::flip(image(truth), image(seen), DEFAULT_PIXELS_PER_DEGREE);
-    f64::from(FlipPool::from_image(&errors).mean())
-}
-
-fn psnr(a: &Colours, b: &Colours) -> f64 {
-    let square = a.iter().zip(b).flat_map(|(a, b)| (0..3).map(move |k| (a[k] - b[k]).powi(2))).sum::<f64>();
-    -10.0 * (square / (3 * a.len()) as f64).log10()
 }
 
 /// What `--samples 1` may differ from 256 rays a pixel.
@@ -142,11 +110,11 @@ fn filtered_images_look_like_many_rays_a_pixel() {
     for (what, scene) in scenes {
         let mut unfiltered_most = 0.0f64;
         for (name, camera) in families(SIZE) {
-            let exact = truth(&scene, &camera, 256);
+            let exact = box_filtered(&scene, &camera, 256);
             let seen = rendered(&mut engine, &scene, &camera);
             assert!(seen.iter().flatten().all(|v| v.is_finite()), "{what}, {name}");
             let (error, db) = (flip(&exact, &seen, SIZE), psnr(&exact, &seen));
-            let unfiltered = flip(&exact, &truth(&scene, &camera, 1), SIZE);
+            let unfiltered = flip(&exact, &box_filtered(&scene, &camera, 1), SIZE);
             println!("{what}, {name}: FLIP {error:.4}, {db:.1} dB; unfiltered FLIP {unfiltered:.4}");
             assert!(error <= FLIP_MAX && error < unfiltered, "{what}, {name}: FLIP {error}, unfiltered {unfiltered}");
             unfiltered_most = unfiltered_most.max(unfiltered);
@@ -161,7 +129,7 @@ fn borders_of_pieces_do_not_show() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let scene = floor(4000.0, -1.0, 2000.0, checker());
     let camera = camera(mesh_camera(1, 16, 16, MeshLook::default()), SIZE, FORWARD);
-    let exact = truth(&scene, &camera, 256);
+    let exact = box_filtered(&scene, &camera, 256);
     let wanted = Wanted::of([&COLOUR[..], &[Channel::PieceId]].concat());
     let frame = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
     let (seen, pieces) = (colours(&frame), frame.u32(Channel::PieceId).unwrap());
@@ -198,7 +166,7 @@ fn magnified_texels_are_bilinear_and_go_on_as_the_borders_say() {
         let texture = Texture { wrap: [wrap, wrap], ..patches(2, 3) };
         let mut scene = floor(1.5, 0.0, 3.0, texture);
         scene.mesh.uvs.iter_mut().for_each(|uv| *uv -= Vec2::ONE);
-        let exact = truth(&scene, &camera, 1);
+        let exact = box_filtered(&scene, &camera, 1);
         let seen = rendered(&mut engine, &scene, &camera);
         let texels_a_pixel = 3.0 * 3.0 / 1.5 / f64::from(SIZE.1);
         // see filter.wgsl: so much of the next level is mixed in; and f32 rounds places of texels in [0, 6]
@@ -286,7 +254,7 @@ fn frames_that_make_a_picture_together_are_filtered_less() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let scene = floor(6.0, -1.0, 1.0, zone_plate());
     let (name, camera) = families(SIZE).swap_remove(5);
-    let exact = truth(&scene, &camera, 256);
+    let exact = box_filtered(&scene, &camera, 256);
     let mean = |engine: &mut Engine, frames: u32| {
         let wanted = Wanted { frames, ..Wanted::of(COLOUR.to_vec()) };
         let mut sum = vec![[0.0; 3]; exact.len()];
