@@ -77,6 +77,8 @@ fn paste(
     copied(PLANE_ALBEDO_R, pixel, from_texel);
     copied(PLANE_ALBEDO_G, pixel, from_texel);
     copied(PLANE_ALBEDO_B, pixel, from_texel);
+    copied(PLANE_UV_U, pixel, from_texel);
+    copied(PLANE_UV_V, pixel, from_texel);
     set_word(PLANE_A, pixel, bitcast<u32>(1.0));
     set_word(PLANE_PIECE, pixel, optic.piece_first + camera);
     set_word(PLANE_MIRROR, pixel, facet);

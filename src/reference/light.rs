@@ -91,7 +91,11 @@ impl Gloss {
             return DVec3::ZERO;
         }
         let cos_v = n.dot(v).max(1e-4);
-        let h = (l + v).normalize_or_zero();
+        if (l + v).length_squared() < 1e-12 {
+            // light goes straight on, which no facet does
+            return cos_l * base;
+        }
+        let h = (l + v).normalize();
         // what reflects nothing straight on does not at grazing angles (Lagarde and de Rousiers 2014)
         let grazing = (50.0 * straight.max_element()).min(1.0);
         let fresnel = straight + (grazing - straight) * (1.0 - v.dot(h).clamp(0.0, 1.0)).powi(5);

@@ -104,6 +104,9 @@ impl<'a> Builder<'a> {
             let name = material.name().unwrap_or_default().to_owned();
             let texture = match material.pbr_metallic_roughness().base_color_texture() {
                 Some(info) if !images.are_left_out() => {
+                    if let Some(wrong) = &source.wrong_look {
+                        return Err(wrong.clone());
+                    }
                     Some(read_texture(source, folder, &material, &info, &mut decoded)?)
                 }
                 _ => None,

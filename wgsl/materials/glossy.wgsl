@@ -26,7 +26,11 @@ fn glossy(base: vec3<f32>, straight: vec3<f32>, alpha: f32, n: vec3<f32>, v: vec
     }
     let nv = max(dot(n, v), 1e-4);
     let between = l + v;
-    let h = between / max(length(between), 1e-6);
+    if dot(between, between) < 1e-12 {
+        // light goes straight on, which no facet does
+        return nl * base;
+    }
+    let h = normalize(between);
     let nh = clamp(dot(n, h), 0.0, 1.0);
 
     // what reflects nothing straight on does not at grazing angles (Lagarde and de Rousiers 2014)

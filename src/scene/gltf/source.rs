@@ -4,7 +4,7 @@ use std::path::Path;
 
 use gltf::json::validation::{Error as Wrong, Validate};
 use gltf::json::{Path as JsonPath, Root};
-use gltf::{Document, buffer, image};
+use gltf::{Document, buffer};
 
 use crate::error::{Error, Result};
 
@@ -12,6 +12,8 @@ use crate::error::{Error, Result};
 pub(super) struct Source {
     pub document: Document,
     pub buffers: Vec<Vec<u8>>,
+    /// What is wrong with its textures, which not every reader looks at.
+    pub wrong_look: Option<Error>,
 }
 
 impl Source {
@@ -24,7 +26,7 @@ impl Source {
             return Err(Error::input("is empty; a glTF 2.0 file is needed"));
         }
         let root = Root::from_slice(json).map_err(|e| Error::input(format!("is not glTF 2.0: {e}")))?;
-        check_root(&root)?;
+        let wrong_look = check_root(&root)?;
         let document = Document::from_json_without_validation(root);
         let mut buffers = Vec::new();
         for buffer in document.buffers() {
@@ -32,14 +34,17 @@ impl Source {
                 .map_err(|message| Error::input(format!("buffer {}: {message}", buffer.index())))?;
             buffers.push(bytes);
         }
-        Ok(Source { document, buffers })
+        Ok(Source { document, buffers, wrong_look })
     }
 
     /// The bytes of an image's file.
     pub(super) fn read_image(&self, image: &gltf::Image, folder: &Path) -> std::result::Result<Vec<u8>, String> {
-        match image.source() {
-            image::Source::Uri { uri, .. } => read_uri(uri, folder),
-            image::Source::View { view, .. } => {
+        let json = &self.document.as_json().images[image.index()];
+        let view = json.buffer_view.and_then(|k| self.document.views().nth(k.value()));
+        match (view, &json.uri) {
+            (None, Some(uri)) => read_uri(uri, folder),
+            (None, None) => Err("has neither a uri nor a bufferView; export it again".into()),
+            (Some(view), _) => {
                 let buffer = &self.buffers[view.buffer().index()];
                 let end = view.offset().checked_add(view.length());
                 let bytes = end.and_then(|end| buffer.get(view.offset()..end));
@@ -79,8 +84,8 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
     Ok((json, binary))
 }
 
-/// Version, required extensions, and every index and enumeration of the parts that are read.
-fn check_root(root: &Root) -> Result<()> {
+/// Version, required extensions, and every index and enumeration of the parts that are read; what is wrong with textures alone.
+fn check_root(root: &Root) -> Result<Option<Error>> {
     let version = &root.asset.version;
     if !version.starts_with("2.") {
         return Err(Error::input(format!("glTF version {version:?}, only 2.x can be read; export it as glTF 2.0")));
@@ -89,32 +94,27 @@ fn check_root(root: &Root) -> Result<()> {
         return Err(Error::input(format!("requires {extension}, which is not supported; export it without")));
     }
     check_attributes(root)?;
-    let mut first = None;
+    let (mut first, mut look) = (None, None);
     root.validate(root, JsonPath::new, &mut |path, wrong| {
         let path = path().0;
-        let is_read = [
-            "scene",
-            "nodes",
-            "meshes",
-            "accessors",
-            "bufferViews",
-            "buffers",
-            "materials",
-            "textures",
-            "images",
-            "samplers",
-        ]
-        .iter()
-        .any(|part| path.starts_with(part));
+        let is_in = |parts: &[&str]| parts.iter().any(|part| path.starts_with(part));
+        // the crate looks up a material's textures at once
+        let is_read = is_in(&["scene", "nodes", "meshes", "accessors", "bufferViews", "buffers"])
+            || (wrong == Wrong::IndexOutOfBounds && is_in(&["materials"]));
+        if !is_read && look.is_none() && is_in(&["materials", "textures", "images", "samplers"]) {
+            look = Some((path, wrong));
+            return;
+        }
         // The required minimum and maximum of positions are often left out, and are not needed.
         let is_bound = wrong == Wrong::Missing && (path.ends_with(".min") || path.ends_with(".max"));
         if is_read && !is_bound && first.is_none() {
             first = Some((path, wrong));
         }
     });
+    let error = |(path, wrong)| Error::input(format!("{path}: {}; export it again", reason(wrong)));
     match first {
-        Some((path, wrong)) => Err(Error::input(format!("{path}: {}; export it again", reason(wrong)))),
-        None => Ok(()),
+        Some(first) => Err(error(first)),
+        None => Ok(look.map(error)),
     }
 }
 
