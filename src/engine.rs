@@ -30,6 +30,7 @@ use crate::stage::gather::Gather;
 pub use frames::Frames;
 use frames::{Due, Timed};
 use illumination::Illuminated;
+use pages::PageStore;
 use resident::Resident;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -128,11 +129,12 @@ pub struct Engine {
     gathers: Vec<Arc<Gather>>,
     /// The caustics of the last scene that had some.
     lit: Option<Arc<Illuminated>>,
+    pages: Arc<PageStore>,
 }
 
 impl Engine {
     pub fn new(gpu: Gpu) -> Engine {
-        Engine { gpu: Arc::new(gpu), stages: Vec::new(), gathers: Vec::new(), lit: None }
+        Engine { gpu: Arc::new(gpu), stages: Vec::new(), gathers: Vec::new(), lit: None, pages: Arc::default() }
     }
 
     /// Renders `scene` through `camera`.
@@ -214,6 +216,7 @@ impl Engine {
         let caustics = lit.map(|lit| (lit, self.gather(plan.variant, &plan.planes)));
         let clustered = cluster(&scene.mesh, plan.anchor, plan.variant.textured, limit);
         let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, wanted, run.capacities)?;
+        resident.upload_look(&self.gpu, &self.pages, &scene, &plan)?;
         let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());
         if let Some(most) = run.draws_max.filter(|most| draws > *most) {
             return Err(Error::input(format!("{draws} triangles to draw a frame; {most} are the most here")));
@@ -223,6 +226,7 @@ impl Engine {
         }
         Ok(Frames {
             gpu: self.gpu.clone(),
+            pages: self.pages.clone(),
             stages,
             turned,
             scene,

@@ -16,7 +16,7 @@ pub const NAMES: [&str; 2] = ["motion.X", "motion.Y"];
 
 /// Of each pixel of `frame`, which shows `now`, how far to the right and downwards the same place of the same triangle lies in the
 /// image of `next`, px: the nearest of its places there, whether something hides it or not. 0 where nothing is hit; NaN where `next`
-/// sees it nowhere.
+/// sees it nowhere, or where that could not be found ([`crate::camera::project::Images::incomplete`]).
 ///
 /// # Errors
 /// [`Error::Input`] where mirrors or lenses turn rays, the triangles are not the same, or the frame lacks one of [`NEEDED`].

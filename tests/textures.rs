@@ -6,9 +6,9 @@ mod common;
 mod pictures;
 
 use anamorph::baseline::Choice;
-use anamorph::camera::Camera;
+use anamorph::camera::{Camera, Rays};
 use anamorph::engine::{Engine, RunOptions};
-use anamorph::frame::{Channel, NO_ID};
+use anamorph::frame::{Channel, Frame, NO_ID};
 use anamorph::plan::Wanted;
 use anamorph::plan::samples::{at_once, places};
 use anamorph::reference::image::image;
@@ -270,6 +270,35 @@ fn frames_that_make_a_picture_together_are_filtered_less() {
     assert!(narrow > wide + 3.0 && narrow >= 35.0);
 }
 
+/// An atlas keeps them too, as far as the texel that a pixel looks up is from its own place.
+#[test]
+fn texture_coordinates_come_out_of_an_atlas() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let scene = floor(6.0, -1.0, 1.0, checker());
+    let through = |atlas: &str| {
+        let ball = "mirror = { builtin = \"icosphere\", level = 2, scale = 0.8 }\nfacets = \"flat\"";
+        let eye = "eye = { kind = \"pinhole\", eye = [0.3, 0.9, 4], target = [0, 0, 0], vfov = 32 }";
+        camera_of("", SIZE, &format!("kind = \"reflection\"\ndepth = 1\n{eye}\n{ball}\n{atlas}")).unwrap()
+    };
+    let wanted = Wanted::of(vec![Channel::TextureU, Channel::TextureV, Channel::MirrorId, Channel::TriangleId]);
+    let [direct, atlas] =
+        ["", "atlas = 64"].map(|a| engine.render(&scene, &through(a), &wanted, &RunOptions::default()).unwrap().frame);
+    let uv = |frame: &Frame, k: usize| [Channel::TextureU, Channel::TextureV].map(|c| frame.f32(c).unwrap()[k]);
+    let mirrored = |k: &usize| {
+        let is_turned = |f: &Frame| f.u32(Channel::MirrorId).unwrap()[*k] != NO_ID;
+        is_turned(&direct) && ids(&direct)[*k] < 2 && ids(&atlas)[*k] == ids(&direct)[*k]
+    };
+    let all: Vec<usize> = (0..ids(&direct).len()).filter(mirrored).collect();
+    let off = all.iter().map(|&k| {
+        let ([u, v], [s, t]) = (uv(&direct, k), uv(&atlas, k));
+        f64::from((u - s).hypot(v - t))
+    });
+    let mut off: Vec<f64> = off.collect();
+    off.sort_by(f64::total_cmp);
+    println!("{} pixels, median {:.4} off, most {:.4}", all.len(), off[off.len() / 2], off[off.len() - 1]);
+    assert!(all.len() > 200 && off[off.len() / 2] < 0.02);
+}
+
 #[test]
 fn texture_coordinates_are_a_channel() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
@@ -340,6 +369,90 @@ fn holes_are_seen_through_by_every_kind_of_rays() {
             assert!(ids(&less.frame) == ids(&frame), "{name} without {without:?}");
         }
     }
+}
+
+/// A floor before a few hundred triangles, all with images.
+fn furnished() -> Scene {
+    let mut scene = floor(40.0, -1.0, 20.0, checker());
+    let soup = soup(&mut Rng(4), 2000, 0.2);
+    let (first, uv) = (scene.mesh.positions.len() as u32, scene.mesh.uvs.len() as u32);
+    scene.mesh.positions.extend(&soup.positions);
+    scene.mesh.uvs.extend([Vec2::ZERO, Vec2::X, Vec2::Y]);
+    scene.mesh.corner_uvs.resize(2 + soup.triangles.len(), [uv, uv + 1, uv + 2]);
+    scene.mesh.triangles.extend(soup.triangles.iter().map(|t| t.map(|v| v + first)));
+    scene.mesh.materials.push(Material { texture: Some(zone_plate()), ..Material::default() });
+    scene.mesh.material_of = (0..scene.mesh.triangles.len()).map(|k| u32::from(k >= 2)).collect();
+    scene
+}
+
+/// Chunks of the scene and bands of the image see the same images; the first row of a band of rays or curves has neighbours on one side
+/// alone.
+#[test]
+fn images_are_the_same_in_chunks_and_bands() {
+    let scene = furnished();
+    for (name, camera) in families(SIZE) {
+        let Some(mut whole) = engine_on(|_| {}) else { return };
+        let mut parts = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 16).unwrap();
+        let wanted = Wanted { srgb8: true, ..Wanted::of(COLOUR.to_vec()) };
+        let [a, b] = [&mut whole, &mut parts]
+            .map(|engine| engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap());
+        assert!(b.passes > a.passes, "{name}: {} passes, {} in parts", a.passes, b.passes);
+        let (a, b) = (colours(&a.frame), colours(&b.frame));
+        let differ = a.iter().zip(&b).filter(|(a, b)| a != b).count();
+        let error = psnr(&a, &b);
+        println!("{name}: {differ} pixels differ, {error:.1} dB");
+        let is_pieces = matches!(camera.layers[..], [Rays::Pieces(_)]);
+        assert!(
+            if is_pieces && camera.optics.is_none() { differ == 0 } else { error > 50.0 },
+            "{name}: {differ}, {error} dB"
+        );
+    }
+}
+
+/// Images that are already on the device are not put there again, and others are.
+#[test]
+fn images_are_exchanged_where_light_is() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let (_, camera) = families(SIZE).swap_remove(1);
+    let one = cut_outs();
+    let picture = |scene: &Scene| {
+        let mut engine = engine_on(|_| {}).unwrap();
+        rendered(&mut engine, scene, &camera)
+    };
+    let darker = |scene: &Scene, value: f32, hole: f32| {
+        let Texture { texels: held, .. } = scene.mesh.materials[0].texture.clone().unwrap();
+        let rgba = held
+            .rgba
+            .iter()
+            .map(|t| [t[0], f16::from_f32(value), t[2], if t[3] < f16::ONE { f16::from_f32(hole) } else { t[3] }]);
+        let texels = Arc::new(Texels { width: held.width, height: held.height, rgba: rgba.collect() });
+        let mut other = scene.clone();
+        other.mesh.materials[0].texture = Some(Texture { cutoff: Some(0.5), ..Texture::new(texels) });
+        other
+    };
+    let mut wider = one.clone();
+    wider.mesh.materials[0].texture.as_mut().unwrap().cutoff = Some(0.9);
+    let mut lit = one.clone();
+    lit.lights = vec![DVec3::new(0.0, -0.6, -0.8)];
+    let wanted = Wanted::of(COLOUR.to_vec());
+    let mut frames = engine.prepare(&one, &camera, &wanted, &RunOptions::default()).unwrap();
+    let whole = frames.refresh().unwrap();
+    assert_eq!(whole, 0);
+    let mut passes = Vec::new();
+    for scene in [&lit, &darker(&one, 0.1, 0.1), &wider, &one] {
+        frames.light(scene).unwrap();
+        passes.push(frames.refresh().unwrap());
+    }
+    // light alone needs no new search, other holes do
+    assert!(passes[0] < 3 && passes[1..].iter().all(|p| *p > 4), "{passes:?}");
+    frames.light(&wider).unwrap();
+    assert!(colours(&frames.finish().unwrap().frame) == picture(&wider));
+
+    let mut moved = one.clone();
+    moved.mesh.uvs[0].x += 0.5;
+    let mut frames = engine.prepare(&one, &camera, &wanted, &RunOptions::default()).unwrap();
+    let message = frames.light(&moved).unwrap_err().to_string();
+    assert!(message.starts_with("other texture coordinates"), "{message}");
 }
 
 #[test]

@@ -42,6 +42,9 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     if !mattes.is_empty() && files.exr.is_none() {
         return Err(Error::input("--channels: cryptomattes are layers of an EXR; add --exr OUT.exr"));
     }
+    if args.moving && asks_for_motion(args) {
+        return Err(Error::input("--moving: motion is to the next frame of the scene file; use --frame alone"));
+    }
     let next = if asks_for_motion(args) { Some(next_frame(args, &files)?) } else { None };
     let mut wanted = wanted(&asked, &files, mattes.is_empty() && next.is_none());
     if next.is_some() {

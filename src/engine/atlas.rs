@@ -35,7 +35,7 @@ impl Engine {
         if wanted.srgb8 {
             channels.extend([Channel::R, Channel::G, Channel::B]);
         }
-        channels.retain(|c| *c != Channel::MirrorId);
+        // the same planes in the same places as the frame's own
         channels.sort_unstable();
         channels.dedup();
         let wanted = Wanted { counting: wanted.counting, ..Wanted::of(channels) };

@@ -2,6 +2,7 @@
 
 use super::atlas::Painter;
 use super::illumination::Illuminated;
+use super::pages::PageStore;
 use super::resident::Resident;
 use super::{Capacities, Counts, Rendered, check_samples, join, setup};
 use crate::baseline::Rival;
@@ -29,6 +30,8 @@ use std::time::Instant;
 /// Everything that is on the device for frames of one scene; as many of them may be kept as it has memory for.
 pub struct Frames<'a> {
     pub(super) gpu: Arc<Gpu>,
+    /// Where the images on triangles come from.
+    pub(super) pages: Arc<PageStore>,
     pub(super) stages: Arc<Stages>,
     /// For rays that were turned.
     pub(super) turned: Option<Arc<Stages>>,
@@ -200,12 +203,14 @@ impl Frames<'_> {
                 "other kinds of materials or light than those that are lit; prepare the frames anew",
             ));
         }
-        self.resident.upload_look(&self.gpu, &scene, &self.plan)?;
+        let (lit, own) = (&self.scene.mesh, &scene.mesh);
+        if self.plan.variant.textured && (&lit.uvs, &lit.corner_uvs) != (&own.uvs, &own.corner_uvs) {
+            return Err(Error::input("other texture coordinates than those that are lit; prepare the frames anew"));
+        }
+        let keeps_holes = self.resident.upload_look(&self.gpu, &self.pages, &scene, &self.plan)?;
         // of bands and passes, and of moving triangles, only the last ones are still there
         let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
-        // other images may have other holes
-        let is_there = is_there && !contents.has_holes;
-        self.due = self.due.max(if is_there { Due::Look } else { Due::All });
+        self.due = self.due.max(if is_there && keeps_holes { Due::Look } else { Due::All });
         Ok(())
     }
 

@@ -4,30 +4,59 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
 use crate::gpu::kernels;
-use crate::plan::pages::{Pages, Placed, level_place, level_size, levels};
+use crate::plan::pages::{PageLimits, Pages, Placed, level_place, level_size, levels};
+use crate::scene::mesh::Material;
 use crate::scene::texture::Texels;
 use crate::stage::dispatch_items;
 use half::f16;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::sync::{Mutex, PoisonError};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Bytes of a texel: four half floats.
 const TEXEL_BYTES: u32 = 8;
 
-/// Uploads the images and makes their levels; `pages` holds them.
-pub fn upload(gpu: &Gpu, pages: &Pages, buffers: &mut Buffers) -> Result<()> {
-    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-    let layers = pages.count.max(1);
-    let target = texture(gpu, "pages", [pages.width.max(1), pages.height.max(1), layers], 1, usage);
-    if !pages.images.is_empty() {
-        let mip = Pipeline::new(gpu, kernels::mip());
-        // one after the other: each has its levels twice for a while
-        pages.images.iter().try_for_each(|image| put(gpu, &mip, image, &target))?;
+/// The images that were last put on the device, for all frames that show the same ones.
+#[derive(Default)]
+pub struct PageStore {
+    held: Mutex<Held>,
+}
+
+#[derive(Default)]
+struct Held {
+    mip: Option<Pipeline>,
+    last: Option<(Pages, wgpu::Texture)>,
+}
+
+impl PageStore {
+    /// The images of `materials` in their places, all levels of which `buffers` then has; those that are there already are not made
+    /// again.
+    ///
+    /// # Errors
+    /// Those of [`Pages::new`].
+    pub fn place(&self, gpu: &Gpu, materials: &[Material], buffers: &mut Buffers) -> Result<Pages> {
+        let pages = Pages::new(materials, PageLimits::of(&gpu.limits))?;
+        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
+        let Held { mip, last } = &mut *held;
+        let known =
+            last.as_ref().filter(|(known, _)| known.has_the_images_of(&pages)).map(|(_, texture)| texture.clone());
+        let target = match known {
+            Some(known) => known,
+            None => {
+                let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+                let size = [pages.width.max(1), pages.height.max(1), pages.count.max(1)];
+                let target = texture(gpu, "pages", size, 1, usage);
+                let mip = mip.get_or_insert_with(|| Pipeline::new(gpu, kernels::mip()));
+                pages.images.iter().try_for_each(|image| put(gpu, mip, image, &target))?;
+                *last = Some((pages.clone(), target.clone()));
+                target
+            }
+        };
+        buffers.place_texture("pages", &target, wgpu::TextureViewDimension::D2Array);
+        Ok(pages)
     }
-    buffers.place_texture("pages", &target, wgpu::TextureViewDimension::D2Array);
-    Ok(())
 }
 
 /// Makes an image's levels and puts them in their places.

@@ -1,16 +1,17 @@
 //! What lies on the device between frames: the scene's chunks, the bands' tables, and the lists between the stages.
 
+use super::Capacities;
+use super::pages::PageStore;
 use super::passes::{Pass, passes};
 use super::tables::{Look, Span, TURNED_T_RANGE, looks, params, places};
 use super::turns::Turns;
-use super::{Capacities, pages};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::frame::Channel;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::rows::{COUNTERS, LANES};
-use crate::plan::pages::{PageLimits, Pages};
+use crate::plan::pages::Pages;
 use crate::plan::{Band, Plan, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::{Chunk, Clustered};
@@ -39,7 +40,12 @@ pub struct Resident {
     pub turns: Option<Turns>,
     /// Triangles without area.
     pub without_area: usize,
+    /// What cuts holes: the images, and of each material how.
+    holes: (Pages, Vec<Option<Cut>>),
 }
+
+/// How an image goes on beyond its borders, the least opacity at which there is a surface, and where the image lies.
+type Cut = (u32, f32, u32, [u32; 2]);
 
 pub struct ChunkOnDevice {
     pub buffers: Buffers,
@@ -65,6 +71,7 @@ const ITEM_BYTES: u64 = 8;
 const ROW_BYTES: u64 = 16;
 
 impl Resident {
+    /// All but how the scene looks, which [`Resident::upload_look`] puts there.
     pub fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -88,9 +95,9 @@ impl Resident {
             turns: camera.optics.as_ref().map(|o| Turns::new(gpu, scene, camera, o, plan, &passes)).transpose()?,
             passes,
             without_area: 0,
+            holes: Default::default(),
         };
         resident.upload_scene(gpu, clustered)?;
-        resident.upload_look(gpu, scene, plan)?;
         resident.create_frame(gpu, camera, plan, wanted)?;
         resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, camera, plan));
         resident.create_lists(gpu, camera, plan)?;
@@ -118,19 +125,23 @@ impl Resident {
         self.write_params(gpu, camera, plan)
     }
 
-    /// Lights, materials with their images, and normals.
-    pub fn upload_look(&mut self, gpu: &Gpu, scene: &Scene, plan: &Plan) -> Result<()> {
-        let mut pages = Pages::default();
-        if plan.variant.textured {
-            pages = Pages::new(&looks(scene), PageLimits::of(&gpu.limits))?;
-            pages::upload(gpu, &pages, &mut self.shared)?;
-        }
+    /// Lights, materials with their images, and normals; whether holes are where they were before.
+    pub fn upload_look(&mut self, gpu: &Gpu, store: &PageStore, scene: &Scene, plan: &Plan) -> Result<bool> {
+        let pages = match plan.variant.textured {
+            true => store.place(gpu, &looks(scene), &mut self.shared)?,
+            false => Pages::default(),
+        };
         let Look { mut shading, lights, materials, normals } = Look::new(scene, plan.anchor, &pages);
         shading.spread = plan.spread;
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         self.shared.upload(gpu, "lights", &lights)?;
         self.shared.upload(gpu, "materials", &materials)?;
-        self.shared.upload(gpu, "normals", &normals)
+        self.shared.upload(gpu, "normals", &normals)?;
+        let holes = materials.iter().map(|m| (m.cutoff > 0.0).then_some((m.texture, m.cutoff, m.page, m.origin)));
+        let holes = (pages, holes.collect());
+        let keeps_holes = self.holes.0.has_the_images_of(&holes.0) && self.holes.1 == holes.1;
+        self.holes = holes;
+        Ok(keeps_holes)
     }
 
     /// Visibility and proofs (8 bytes a pixel of the largest band), planes (4 bytes a pixel and channel), sRGB and edges (4 bytes a pixel each).

@@ -169,6 +169,9 @@ impl Variant {
             if textured {
                 let kinds = [RaysKind::Pieces, RaysKind::Field, RaysKind::Curves { degree: 3 }];
                 list.extend(kinds.map(|rays| Variant { cut: true, ..variant(rays, false, None) }));
+                let sheeted = Variant { cut: true, ..variant(RaysKind::Pieces, true, None) };
+                let seen = Variant { cut: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
+                list.extend([sheeted, seen, seen.after_turn()]);
             }
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));

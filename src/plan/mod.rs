@@ -209,8 +209,10 @@ impl Plan {
         planes.sort_unstable();
         planes.dedup();
         let table_bytes = match variant.rays {
-            RaysKind::Pieces if variant.optics.is_none() => 0,
-            RaysKind::Pieces | RaysKind::Field => 24,
+            // a row of `ways`
+            RaysKind::Pieces | RaysKind::Field if variant.optics.is_some() => 32,
+            RaysKind::Pieces => 0,
+            RaysKind::Field => 24,
             RaysKind::Curves { degree } => 12 * (degree as u64 + 1) * sheets.layers as u64,
         };
         let sample_bytes = match variant.rays {

@@ -108,6 +108,13 @@ impl Pages {
         Ok(())
     }
 
+    /// The same images in the same places, whatever materials show them.
+    pub fn has_the_images_of(&self, other: &Pages) -> bool {
+        let place = |p: &Placed| (Arc::as_ptr(&p.texels), p.is_cut, p.page, p.origin);
+        let size = |p: &Pages| [p.width, p.height, p.count];
+        size(self) == size(other) && self.images.iter().map(place).eq(other.images.iter().map(place))
+    }
+
     /// A material as kernels read it; `index` is its own.
     pub fn row(&self, index: usize, material: &Material) -> rows::Material {
         let plain = rows::Material {
@@ -135,7 +142,7 @@ impl Pages {
             page: placed.page,
             levels: levels(&placed.texels),
             span: width.max(height).next_power_of_two(),
-            cutoff: texture.cutoff.unwrap_or(0.0),
+            cutoff: texture.least().map_or(0.0, f32::from),
             ..plain
         }
     }

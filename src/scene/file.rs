@@ -202,7 +202,7 @@ fn read_sky(field: &Field) -> Result<SkySpec> {
     let table = field.table()?;
     table.allow(&["file", "strength", "rotate", "background"])?;
     let strength = |f: &Field| match f.number()? {
-        value if value >= 0.0 => Ok(value),
+        value if (0.0..=f64::from(f32::MAX)).contains(&value) => Ok(value),
         value => Err(f.error(format_args!("{value} is no strength; use 0 and above"))),
     };
     Ok(SkySpec {

@@ -31,7 +31,7 @@ const MAX_TRIANGLES: usize = 1 << 28;
 /// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each. Strips and
 /// fans become triangles as the glTF specification lists them; lines and points are skipped. The base colour
 /// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`; where a material
-/// is masked there is a surface from its cut-off on, and where it is blended from an opacity of one half on. It is as rough, metallic
+/// is masked there is a surface from its cut-off on, and where it is blended from an opacity of one half on; without an image everywhere. It is as rough, metallic
 /// and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the inverse transpose. Vertices
 /// keep the file's order also where a node mirrors them. Skins, morph targets and animations are not
 /// applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read.
@@ -50,8 +50,11 @@ pub fn load(path: &Path, images: &Images) -> Result<Mesh> {
 /// As [`load`], from the file's bytes; `folder` is where its buffers lie.
 fn parse(bytes: &[u8], folder: &Path, images: &Images) -> Result<Mesh> {
     let source = Source::parse(bytes, folder)?;
-    let mut builder = Builder::new(&source, folder, images)?;
+    let mut builder = Builder::new(&source);
     builder.place_scene()?;
+    if !images.are_left_out() {
+        builder.hang_images(folder)?;
+    }
     builder.finish()
 }
 
@@ -97,39 +100,44 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(source: &'a Source, folder: &Path, images: &Images) -> Result<Self> {
-        let mut decoded = HashMap::new();
-        let mut read = |material: gltf::Material| {
-            let [r, g, b, _] = material.pbr_metallic_roughness().base_color_factor();
-            let name = material.name().unwrap_or_default().to_owned();
-            let texture = match material.pbr_metallic_roughness().base_color_texture() {
-                Some(info) if !images.are_left_out() => {
-                    if let Some(wrong) = &source.wrong_look {
-                        return Err(wrong.clone());
-                    }
-                    Some(read_texture(source, folder, &material, &info, &mut decoded)?)
-                }
-                _ => None,
-            };
+    fn new(source: &'a Source) -> Self {
+        let read = |material: gltf::Material| {
             let pbr = material.pbr_metallic_roughness();
+            let [r, g, b, _] = pbr.base_color_factor();
             // what images say of these two is not read
             let has_image = pbr.metallic_roughness_texture().is_some();
-            Ok(Material {
-                name,
+            Material {
+                name: material.name().unwrap_or_default().to_owned(),
                 diffuse: [r, g, b].map(|c| c.clamp(0.0, 1.0)),
-                texture,
                 specular: [DIELECTRIC; 3],
                 roughness: pbr.roughness_factor().clamp(0.0, 1.0),
                 metallic: if has_image { 0.0 } else { pbr.metallic_factor().clamp(0.0, 1.0) },
                 emissive: match material.emissive_texture() {
                     Some(_) => [0.0; 3],
-                    None => material.emissive_factor().map(|c| c.max(0.0)),
+                    None => material.emissive_factor().map(|c| c.clamp(0.0, f32::MAX)),
                 },
                 ..Material::default()
-            })
+            }
         };
-        let materials = source.document.materials().map(&mut read).collect::<Result<_>>()?;
-        Ok(Builder { source, mesh: Mesh { materials, ..Mesh::default() }, default_is_used: false })
+        let materials = source.document.materials().map(read).collect();
+        Builder { source, mesh: Mesh { materials, ..Mesh::default() }, default_is_used: false }
+    }
+
+    /// Puts their images on the materials that triangles have, each decoded once.
+    fn hang_images(&mut self, folder: &Path) -> Result<()> {
+        let mut decoded = HashMap::new();
+        let mut is_used = vec![false; self.mesh.materials.len() + 1];
+        self.mesh.material_of.iter().for_each(|&m| is_used[m as usize] = true);
+        let materials = self.source.document.materials().zip(&mut self.mesh.materials).zip(is_used);
+        for ((from, material), _) in materials.filter(|(_, is_used)| *is_used) {
+            let Some(info) = from.pbr_metallic_roughness().base_color_texture() else { continue };
+            if let Some(wrong) = &self.source.wrong_look {
+                return Err(Error::input(format!("{wrong}; texture = false shows none")));
+            }
+            let texture = read_texture(self.source, folder, &from, &info, &mut decoded);
+            material.texture = Some(texture.map_err(|e| Error::input(format!("{e}; texture = false shows none")))?);
+        }
+        Ok(())
     }
 
     fn finish(mut self) -> Result<Mesh> {
@@ -324,6 +332,9 @@ fn read_texture(
         AlphaMode::Mask => Some(material.alpha_cutoff().unwrap_or(0.5)),
         AlphaMode::Blend => Some(0.5),
     };
+    // of the image times the factor
+    let factor = material.pbr_metallic_roughness().base_color_factor()[3];
+    let cutoff = cutoff.map(|least| if factor > 0.0 { (least / factor).min(f32::MAX) } else { f32::MAX });
     let sampler = info.texture().sampler();
     Ok(Texture { texels, wrap: [wrap(sampler.wrap_s()), wrap(sampler.wrap_t())], cutoff })
 }

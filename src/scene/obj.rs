@@ -33,26 +33,41 @@ const CHUNK_BYTES: usize = 1 << 20;
 ///
 /// Faces are fan-triangulated from their first vertex; zero-area triangles stay, so that ids are file order.
 /// `Kd` is linear RGB. Faces whose material is unknown, or whose `.mtl` file is missing, get
-/// [`Material::default`]. Lines, points, curves, groups and smoothing are skipped. Images that the MTL files name come from
-/// `images`, and texture coordinates lie as these files' options place them.
+/// [`Material::default`]. Lines, points, curves, groups and smoothing are skipped. Images of the materials that faces have come from
+/// `images`, and texture coordinates lie as the MTL files' options place them.
 ///
 /// # Errors
-/// [`Error::Input`] naming file and line: see [`parse`]; the file cannot be read; an MTL file is malformed.
+/// [`Error::Input`] naming file and line: see [`parse`]; the file cannot be read; an MTL file is malformed, or an image of a material
+/// that faces have cannot be read.
 pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
     let name = path.display().to_string();
     let text = read(path, &name)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    parse(&text, &name, |library| mtl::load(folder, library, images))
+    let (mut mesh, mapped) = parse(&text, &name, |library| mtl::load(folder, library))?;
+    if !images.are_left_out() {
+        let mut is_used = vec![false; mesh.materials.len()];
+        mesh.material_of.iter().for_each(|&m| is_used[m as usize] = true);
+        let materials = mesh.materials.iter_mut().zip(&mapped).zip(is_used);
+        for ((material, map), _) in materials.filter(|(_, is_used)| *is_used) {
+            *material = map.with_images(|image| images.load(image))?;
+        }
+    }
+    Ok(mesh)
 }
 
 /// Parses OBJ text. `name` stands for the file in messages; `load_mtl` is asked once per `mtllib` line, in file
-/// order, with the rest of that line, and answers `None` where there is no such file.
+/// order, with the rest of that line, and answers `None` where there is no such file. The mesh has their materials, in order, without
+/// images.
 ///
 /// # Errors
 /// [`Error::Input`], always the one of the lowest line: an empty text, no OBJ statements, no faces; a coordinate
 /// that is missing, not a number or not finite; an index that is 0 or out of range; a face of fewer than 3
 /// vertices; more than 2^28 triangles. Errors of `load_mtl` are passed on.
-pub fn parse(text: &[u8], name: &str, load_mtl: impl FnMut(&str) -> Result<Option<Vec<Mapped>>>) -> Result<Mesh> {
+pub fn parse(
+    text: &[u8],
+    name: &str,
+    load_mtl: impl FnMut(&str) -> Result<Option<Vec<Mapped>>>,
+) -> Result<(Mesh, Vec<Mapped>)> {
     parse_in_chunks(text, name, CHUNK_BYTES, load_mtl)
 }
 
@@ -61,7 +76,7 @@ fn parse_in_chunks(
     name: &str,
     chunk_bytes: usize,
     load_mtl: impl FnMut(&str) -> Result<Option<Vec<Mapped>>>,
-) -> Result<Mesh> {
+) -> Result<(Mesh, Vec<Mapped>)> {
     let (chunks, total) = read_chunks(text, name, chunk_bytes, Texcoords::Kept)?;
     assemble(chunks, total, load_mtl)
 }
@@ -148,7 +163,7 @@ fn assemble(
     chunks: Vec<Chunk>,
     total: Counts,
     mut load_mtl: impl FnMut(&str) -> Result<Option<Vec<Mapped>>>,
-) -> Result<Mesh> {
+) -> Result<(Mesh, Vec<Mapped>)> {
     let triangles: usize = chunks.iter().map(|c| c.triangles.len()).sum();
     let mut mesh = Mesh {
         positions: Vec::with_capacity(total.positions),
@@ -182,19 +197,21 @@ fn assemble(
     }
     drop_unusable_normals(&mut mesh);
     place_uvs(&mut mesh, &mapped);
-    Ok(mesh)
+    Ok((mesh, mapped))
 }
 
 /// Moves texture coordinates to where their triangles' materials have them in their images; those that are not finite go.
 fn place_uvs(mesh: &mut Mesh, mapped: &[Mapped]) {
-    let is_placed = |m: &Mapped| m.scale != Vec2::ONE || m.offset != Vec2::ZERO;
-    if mapped.iter().any(is_placed) {
+    let placements: Vec<_> = mapped.iter().map(Mapped::placement).collect();
+    let is_placed = |p: &(Vec2, Vec2)| *p != (Vec2::ONE, Vec2::ZERO);
+    if placements.iter().any(is_placed) {
         let mut placed: HashMap<(u32, u32), u32> = HashMap::new();
         for (corners, material) in mesh.corner_uvs.iter_mut().zip(&mesh.material_of) {
-            let Some(map) = mapped.get(*material as usize).filter(|m| is_placed(m)) else { continue };
+            let placement = placements.get(*material as usize).filter(|p| is_placed(p));
+            let Some((scale, offset)) = placement else { continue };
             for corner in corners.iter_mut().filter(|c| **c != NO_UV) {
                 *corner = *placed.entry((*corner, *material)).or_insert_with(|| {
-                    mesh.uvs.push(mesh.uvs[*corner as usize] * map.scale + map.offset);
+                    mesh.uvs.push(mesh.uvs[*corner as usize] * *scale + *offset);
                     mesh.uvs.len() as u32 - 1
                 });
             }

@@ -77,9 +77,11 @@ impl Sky {
         let (across, along) = d.any_orthonormal_pair();
         let place = |k: u32| ((f64::from(k) + 0.5) / f64::from(LOBE_SIDE) - 0.5) * width;
         let side = || (0..LOBE_SIDE).map(place);
-        let sum: DVec3 = side()
-            .flat_map(|x| side().map(move |y| self.radiance_of(image, (d + x * across + y * along).normalize())))
-            .sum();
+        let turned = |x: f64, y: f64| {
+            let angle = x.hypot(y);
+            angle.cos() * d + angle.sin() / angle * (x * across + y * along)
+        };
+        let sum: DVec3 = side().flat_map(|x| side().map(move |y| self.radiance_of(image, turned(x, y)))).sum();
         sum / f64::from(LOBE_SIDE * LOBE_SIDE)
     }
 

@@ -54,22 +54,18 @@ impl Texture {
     /// Linear RGB and opacity at `uv`, of the image itself: between the middles of its texels bilinear, colours by their opacity
     /// where that counts.
     pub fn at(&self, uv: DVec2) -> [f64; 4] {
-        let size = DVec2::new(self.texels.width.into(), self.texels.height.into());
-        let place = DVec2::new(uv.x, 1.0 - uv.y) * size - 0.5;
+        let Texels { width, height, .. } = *self.texels;
+        let u = into_image(uv.x, self.wrap[0]);
+        let v = into_image(1.0 - uv.y, self.wrap[1]);
+        let place = DVec2::new(u, v) * DVec2::new(width.into(), height.into()) - 0.5;
         let (first, part) = (place.floor(), place - place.floor());
-        let mut sum = [0.0; 4];
-        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            let along = |d: i32, part: f64| if d == 0 { 1.0 - part } else { part };
-            let weight = along(dx, part.x) * along(dy, part.y);
-            let texel = self.texel(first.x as i64 + i64::from(dx), first.y as i64 + i64::from(dy));
-            let opacity = if self.cutoff.is_some() { texel[3] } else { 1.0 };
-            (0..3).for_each(|k| sum[k] += weight * opacity * texel[k]);
-            sum[3] += weight * opacity;
-        }
-        if sum[3] > 0.0 {
-            (0..3).for_each(|k| sum[k] /= sum[3]);
-        }
-        sum
+        let mean = |a: [f64; 4], b: [f64; 4], part: f64| std::array::from_fn(|k| a[k] + part * (b[k] - a[k]));
+        let row = |dy: i64| {
+            let texel = |dx: i64| self.texel(first.x as i64 + dx, first.y as i64 + dy);
+            mean(texel(0), texel(1), part.x)
+        };
+        let [r, g, b, a] = mean(row(0), row(1), part.y);
+        if a > 0.0 { [r / a, g / a, b / a, a] } else { [0.0; 4] }
     }
 
     /// The same holes in white.
@@ -81,19 +77,36 @@ impl Texture {
 
     /// There may be no surface somewhere.
     pub fn cuts(&self) -> bool {
-        self.cutoff.is_some_and(|least| least > 0.0)
+        self.least().is_some_and(|least| least > f16::ZERO)
     }
 
     /// There is a surface at `uv`: the opacity there reaches the cut-off.
     pub fn is_there(&self, uv: DVec2) -> bool {
-        self.cutoff.is_none_or(|least| self.at(uv)[3] >= f64::from(least))
+        self.least().is_none_or(|least| self.at(uv)[3] >= f64::from(least))
     }
 
+    /// The cut-off, rounded as opacities are: one that is meant to reach it does.
+    pub fn least(&self) -> Option<f16> {
+        self.cutoff.map(f16::from_f32)
+    }
+
+    /// Colours times their opacity, where that counts, and it.
     fn texel(&self, column: i64, row: i64) -> [f64; 4] {
         let Texels { width, height, rgba } = &*self.texels;
         let x = wrapped(column, i64::from(*width), self.wrap[0]);
         let y = wrapped(row, i64::from(*height), self.wrap[1]);
-        rgba[(y * i64::from(*width) + x) as usize].map(f64::from)
+        let [r, g, b, a] = rgba[(y * i64::from(*width) + x) as usize].map(f64::from);
+        let a = if self.cutoff.is_some() { a } else { 1.0 };
+        [r * a, g * a, b * a, a]
+    }
+}
+
+/// The same place of an image, near it.
+fn into_image(u: f64, wrap: Wrap) -> f64 {
+    match wrap {
+        Wrap::Repeat => u.rem_euclid(1.0),
+        Wrap::Clamp => u.clamp(0.0, 1.0),
+        Wrap::Mirror => u.rem_euclid(2.0),
     }
 }
 
@@ -181,19 +194,25 @@ pub fn decode(bytes: &[u8]) -> Result<Texels> {
     Ok(Texels { width, height, rgba })
 }
 
-/// Colours of one image with the opacities of another: its alpha, or how light it is where that is 1 everywhere.
-pub fn with_opacity(colours: &Texels, mask: &Arc<Texels>) -> Texels {
-    let by_alpha = mask.rgba.iter().any(|t| t[3] < f16::ONE);
-    let mask = Texture { cutoff: by_alpha.then_some(0.0), ..Texture::new(mask.clone()) };
-    let Texels { width, height, rgba } = colours;
-    let opacity = |k: usize| {
-        let (x, y) = (k % *width as usize, k / *width as usize);
-        let uv = DVec2::new((x as f64 + 0.5) / f64::from(*width), 1.0 - (y as f64 + 0.5) / f64::from(*height));
-        let [r, _, _, a] = mask.at(uv);
-        f16::from_f64(if by_alpha { a } else { srgb_of_linear(r) })
+/// Colours, or white, with the opacities of another image that lies `offset` from them, as many texels as the larger of both: its
+/// alpha, or how light it is where that is 1 everywhere.
+pub fn with_opacity(colours: Option<Texture>, mask: Texture, offset: DVec2) -> Arc<Texels> {
+    let by_alpha = mask.texels.rgba.iter().any(|t| t[3] < f16::ONE);
+    let mask = Texture { cutoff: by_alpha.then_some(0.0), ..mask };
+    let size = |t: &Texture| [t.texels.width, t.texels.height];
+    let [width, height] = match &colours {
+        Some(colours) => [0, 1].map(|k| size(colours)[k].max(size(&mask)[k])),
+        None => size(&mask),
     };
-    let texel = |(k, [r, g, b, _]): (usize, &[f16; 4])| [*r, *g, *b, opacity(k)];
-    Texels { width: *width, height: *height, rgba: rgba.par_iter().enumerate().map(texel).collect() }
+    let texel = |k: usize| {
+        let (x, y) = (k % width as usize, k / width as usize);
+        let uv = DVec2::new((x as f64 + 0.5) / f64::from(width), 1.0 - (y as f64 + 0.5) / f64::from(height));
+        let [r, g, b, _] = colours.as_ref().map_or([1.0; 4], |c| c.at(uv));
+        let [light, _, _, alpha] = mask.at(uv + offset);
+        [r, g, b, if by_alpha { alpha } else { srgb_of_linear(light) }].map(f16::from_f64)
+    };
+    let rgba = (0..width as usize * height as usize).into_par_iter().map(texel).collect();
+    Arc::new(Texels { width, height, rgba })
 }
 
 /// Of each byte its linear value as sRGB, and as a share.
@@ -272,6 +291,31 @@ mod tests {
         assert_eq!(&seen[..3], &[1.0, 0.5, 0.25]);
         assert!((seen[3] - 0.7).abs() < 1e-12);
         assert!(t.is_there(DVec2::new(0.4, 0.5)) && !t.is_there(DVec2::new(0.6, 0.5)));
+    }
+
+    /// An opacity of a byte reaches the cut-off of that byte, and opaque is as opaque between texels as in their middles.
+    #[test]
+    fn opacities_that_are_the_cut_off_reach_it() {
+        for byte in 1..=255u8 {
+            let opacity = f32::from(byte) / 255.0;
+            let texels =
+                Texels { width: 3, height: 3, rgba: vec![[f16::ONE, f16::ONE, f16::ONE, f16::from_f32(opacity)]; 9] };
+            let t = Texture { cutoff: Some(opacity), ..Texture::new(Arc::new(texels)) };
+            for k in 0..50 {
+                assert!(t.is_there(DVec2::new(0.37 * f64::from(k), 0.0123 * f64::from(k))), "{byte}, {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn far_coordinates_are_no_trouble() {
+        let mut t = texture(2, &[0.0, 1.0, 0.5, 0.25]);
+        for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+            t.wrap = [wrap; 2];
+            for far in [1e30, -1e30, 3e38] {
+                assert!((0.0..=1.0).contains(&t.at(DVec2::new(far, -far))[0]));
+            }
+        }
     }
 
     #[test]

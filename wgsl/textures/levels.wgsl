@@ -20,9 +20,14 @@ fn bilinear(m: Material, place: vec2<f32>, level: u32) -> vec4<f32> {
     let y0 = next_to(first.y, count.y, wrap_v(m.texture));
     let y1 = next_to(first.y + 1, count.y, wrap_v(m.texture));
     let origin = level_origin(m, level);
-    let above = mix(texel(m, origin, x0, y0), texel(m, origin, x1, y0), part.x);
-    let below = mix(texel(m, origin, x0, y1), texel(m, origin, x1, y1), part.x);
-    return mix(above, below, part.y);
+    // between equal texels exactly these
+    let above = between(texel(m, origin, x0, y0), texel(m, origin, x1, y0), part.x);
+    let below = between(texel(m, origin, x0, y1), texel(m, origin, x1, y1), part.x);
+    return between(above, below, part.y);
+}
+
+fn between(a: vec4<f32>, b: vec4<f32>, part: f32) -> vec4<f32> {
+    return a + part * (b - a);
 }
 
 // A texel's index, at most one beyond the image's borders.

@@ -59,7 +59,7 @@ pub enum TextureSpec {
     LeftOut,
     /// This one on all of it, times the mesh's `color`.
     Image {
-        /// A PNG or JPEG, already relative to the working directory.
+        /// A PNG, JPEG or Radiance picture, already relative to the working directory.
         file: PathBuf,
         /// How often it lies where the texture coordinates run from 0 to 1.
         repeat: DVec2,
@@ -126,7 +126,7 @@ pub(crate) fn read_mesh(field: &Field, more: &[&str]) -> Result<MeshSpec> {
     })
 }
 
-/// `false`, a file's name, or a table.
+/// `true` for those of its file, `false` for none, a file's name, or a table.
 fn read_texture(field: &Field) -> Result<TextureSpec> {
     let image = |file: PathBuf| TextureSpec::Image { file, repeat: DVec2::ONE, cutoff: None };
     match &field.node().value {
@@ -236,9 +236,9 @@ fn read_reflectance(field: &Field) -> Result<[f32; 3]> {
 /// Linear RGB, 0 and above.
 fn read_emissive(field: &Field) -> Result<[f32; 3]> {
     let rgb: [f64; 3] = field.numbers("linear RGB of 0 and above, as [r, g, b]")?;
-    match rgb.iter().all(|c| *c >= 0.0) {
+    match rgb.iter().all(|c| (0.0..=f64::from(f32::MAX)).contains(c)) {
         true => Ok(rgb.map(|c| c as f32)),
-        false => Err(field.error("a surface sends out no less than nothing; use 0 and above")),
+        false => Err(field.error("a surface sends out no less than nothing and no more than f32 holds")),
     }
 }
 

@@ -301,6 +301,31 @@ fn base_colours_have_their_images_borders_and_places() {
     let uv = mesh.uvs_of(0).unwrap()[1];
     assert!((uv - Vec2::new(0.5, 1.0 + 1.75)).length() < 1e-6, "{uv}");
 
+    // of a factor of one half an image must be opaque to reach it
+    let faded = |json: &mut serde_json::Value| {
+        json["materials"][0]["alphaMode"] = "MASK".into();
+        json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = serde_json::json!([1, 1, 1, 0.5]);
+    };
+    let mesh = load_textured_quad(&Images::default(), faded).unwrap();
+    assert_eq!(mesh.materials[0].texture.as_ref().unwrap().cutoff, Some(1.0));
+
+    // what no triangle has is not looked at, nor is what is wrong with it
+    let unused = |json: &mut serde_json::Value| {
+        json["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("material");
+        json["images"] = serde_json::json!([{"uri": "gone.png"}]);
+    };
+    assert!(load_textured_quad(&Images::default(), unused).unwrap().materials[0].texture.is_none());
+    // neither a file nor a part of the buffer; and one that only an extension can show
+    let nowhere = |json: &mut serde_json::Value| json["images"] = serde_json::json!([{"mimeType": "image/png"}]);
+    let message = load_textured_quad(&Images::default(), nowhere).unwrap_err().to_string();
+    assert!(message.starts_with("image 0: has neither a uri nor a bufferView"), "{message}");
+    let compressed = |json: &mut serde_json::Value| {
+        json["textures"] = serde_json::json!([{"extensions": {"KHR_texture_basisu": {"source": 0}}}]);
+    };
+    let message = load_textured_quad(&Images::default(), compressed).unwrap_err().to_string();
+    assert!(message.contains("textures[0].source") && message.ends_with("texture = false shows none"), "{message}");
+    load_textured_quad(&Images::left_out(), compressed).unwrap();
+
     let without = load_textured_quad(&Images::left_out(), |_| {}).unwrap();
     assert!(without.materials[0].texture.is_none() && !without.corner_uvs.is_empty());
     for (edit, expected) in [

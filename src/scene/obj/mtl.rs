@@ -8,13 +8,94 @@ use glam::Vec2;
 use super::lex::{Lines, Words, parse_f64, quoted};
 use crate::error::{Error, Result};
 use crate::scene::mesh::Material;
-use crate::scene::texture::{Images, Texels, Texture, Wrap, with_opacity};
+use crate::scene::texture::{Texels, Texture, Wrap, with_opacity};
 
-/// A material, and how its texture coordinates lie in its image: times the scale, and moved.
+/// A material, and the images on it, which are not loaded yet.
+#[derive(Debug)]
 pub struct Mapped {
     pub material: Material,
-    pub scale: Vec2,
-    pub offset: Vec2,
+    /// Its diffuse colour is its image's.
+    is_white: bool,
+    map: Option<Map>,
+    mask: Option<Map>,
+}
+
+/// An image, and how texture coordinates lie in it: times the scale, and moved.
+#[derive(Debug)]
+struct Map {
+    /// The line that says so.
+    line: String,
+    image: PathBuf,
+    clamp: bool,
+    scale: Vec2,
+    offset: Vec2,
+}
+
+/// The least opacity at which a material with a mask is there.
+const CUTOFF: f32 = 0.5;
+
+impl Mapped {
+    fn new(reading: Reading) -> Mapped {
+        let material = Material {
+            name: reading.name,
+            diffuse: reading.diffuse.unwrap_or(Material::default().diffuse),
+            specular: if reading.is_matte { [0.0; 3] } else { reading.specular },
+            // microfacets of alpha^2 = 2 / (Ns + 2) are about as wide as Phong's highlight (Walter et al. 2007)
+            roughness: (2.0 / (reading.exponent.max(0.0) + 2.0)).powf(0.25) as f32,
+            emissive: reading.emissive,
+            ..Material::default()
+        };
+        let is_white = reading.diffuse.is_none() && reading.map.is_some();
+        Mapped { material, is_white, map: reading.map, mask: reading.mask }
+    }
+
+    /// How texture coordinates lie in the image: times the scale, and moved.
+    pub fn placement(&self) -> (Vec2, Vec2) {
+        self.map.as_ref().or(self.mask.as_ref()).map_or((Vec2::ONE, Vec2::ZERO), |m| (m.scale, m.offset))
+    }
+
+    /// The material with its images, from `load_image`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming the line: those of `load_image`; a mask of another scale than the image, or that ends elsewhere.
+    pub fn with_images(&self, mut load_image: impl FnMut(&Path) -> Result<Arc<Texels>>) -> Result<Material> {
+        let mut load = |map: &Map| {
+            let wrong = |e| Error::input(format!("{}: {e}; texture = false shows none", map.line));
+            load_image(&map.image).map_err(wrong)
+        };
+        let colours = self.map.as_ref().map(&mut load).transpose()?;
+        let mask = self.mask.as_ref().map(|mask| Ok((mask, load(mask)?))).transpose()?;
+        let mut material = self.material.clone();
+        if self.is_white {
+            material.diffuse = [1.0; 3];
+        }
+        let wrap = |map: &Map| [if map.clamp { Wrap::Clamp } else { Wrap::Repeat }; 2];
+        let placed = self.map.as_ref().or(self.mask.as_ref());
+        let Some(wrap_here) = placed.map(wrap) else { return Ok(material) };
+        let texels = match (colours, mask) {
+            (colours, Some((mask, opacity))) => {
+                let offset = match &self.map {
+                    Some(map) if map.scale != mask.scale || map.clamp != mask.clamp => {
+                        let line = &mask.line;
+                        return Err(Error::input(format!("{line}: its -s and -clamp are not map_Kd's; give the same")));
+                    }
+                    Some(map) => mask.offset - map.offset,
+                    None => Vec2::ZERO,
+                };
+                let opacity = Texture { wrap: wrap(mask), ..Texture::new(opacity) };
+                with_opacity(
+                    colours.map(|c| Texture { wrap: wrap_here, ..Texture::new(c) }),
+                    opacity,
+                    offset.as_dvec2(),
+                )
+            }
+            (Some(colours), None) => colours,
+            (None, None) => return Ok(material),
+        };
+        let cutoff = self.mask.is_some().then_some(CUTOFF);
+        material.texture = Some(Texture { wrap: wrap_here, cutoff, ..Texture::new(texels) });
+        Ok(material)
+    }
 }
 
 /// Reads what a `mtllib` line names in `folder`: one file whose name may have blanks in it, or else several
@@ -22,7 +103,7 @@ pub struct Mapped {
 ///
 /// # Errors
 /// [`Error::Input`] if a file cannot be read or is malformed.
-pub(super) fn load(folder: &Path, library: &str, images: &mut Images) -> Result<Option<Vec<Mapped>>> {
+pub(super) fn load(folder: &Path, library: &str) -> Result<Option<Vec<Mapped>>> {
     let find = |name: &str| -> Option<PathBuf> {
         [name.to_owned(), name.replace('\\', "/")].iter().map(|name| folder.join(name)).find(|path| path.is_file())
     };
@@ -37,32 +118,24 @@ pub(super) fn load(folder: &Path, library: &str, images: &mut Images) -> Result<
     for file in files {
         let name = file.display().to_string();
         let text = std::fs::read(&file).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
-        let folder = file.parent().unwrap_or(Path::new(""));
-        materials.extend(parse(&text, &name, |image| match images.are_left_out() {
-            true => Ok(None),
-            false => images.load(&folder.join(image.replace('\\', "/"))).map(Some),
-        })?);
+        materials.extend(parse(&text, &file)?);
     }
     Ok(Some(materials))
 }
 
 /// Parses MTL text: names; `Kd`, `Ks` and `Ke` as linear RGB, the first two clamped to [0, 1]; `Ns`, and `illum`, below 2 of which
 /// nothing shines; `map_Kd`, by whose image that is multiplied, and `map_d`, where
-/// there is no surface, with their options `-clamp`, `-o` and `-s`. `load_image` is asked for each image by its name, and
-/// answers `None` where images are left out. Materials with an image but no `Kd` are white, those with neither keep the default
-/// colour; a `Kd` given as a spectrum or in XYZ is skipped.
+/// there is no surface, with their options `-clamp`, `-o` and `-s`; images lie relative to the folder of `file`. Materials with an image
+/// but no `Kd` are white, those with neither keep the default colour; a `Kd` given as a spectrum or in XYZ is skipped.
 ///
 /// # Errors
-/// [`Error::Input`] naming `name` and the line.
-pub(super) fn parse(
-    text: &[u8],
-    name: &str,
-    mut load_image: impl FnMut(&str) -> Result<Option<Arc<Texels>>>,
-) -> Result<Vec<Mapped>> {
+/// [`Error::Input`] naming `file` and the line.
+pub(super) fn parse(text: &[u8], file: &Path) -> Result<Vec<Mapped>> {
     let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
     let mut materials: Vec<Reading> = Vec::new();
     for (number, line) in Lines::new(text) {
-        let wrong = |message: String| Error::input(format!("{name}:{}: {message}", number + 1));
+        let at = format!("{}:{}", file.display(), number + 1);
+        let wrong = |message: String| Error::input(format!("{at}: {message}"));
         let mut words = Words::new(&line);
         match words.next().unwrap_or_default() {
             b"newmtl" => {
@@ -79,26 +152,25 @@ pub(super) fn parse(
                 };
                 let colour = |most| parse_colour(words.clone(), &key, most).map_err(wrong);
                 let number = || parse_number(words.clone(), &key).map_err(wrong);
+                let map = || {
+                    let map = parse_map(words.clone(), &key).map_err(wrong)?;
+                    let image = file.parent().unwrap_or(Path::new("")).join(map.image);
+                    Ok(Some(Map { line: format!("{at}: {key}"), image, ..map }))
+                };
                 match &*key {
                     "Kd" => material.diffuse = colour(1.0)?.or(material.diffuse),
                     "Ks" => material.specular = colour(1.0)?.unwrap_or(material.specular),
-                    "Ke" => material.emissive = colour(f64::INFINITY)?.unwrap_or(material.emissive),
+                    "Ke" => material.emissive = colour(f64::from(f32::MAX))?.unwrap_or(material.emissive),
                     "Ns" => material.exponent = number()?,
                     "illum" => material.is_matte = number()? < 2.0,
-                    _ => {}
+                    "map_Kd" => material.map = map()?,
+                    _ => material.mask = map()?,
                 }
-                if !key.starts_with("map") {
-                    continue;
-                }
-                let map = parse_map(words, &key).map_err(&wrong)?;
-                let image = load_image(&map.image).map_err(|e| wrong(format!("{key}: {e}")))?;
-                let to = if key == "map_d" { &mut material.mask } else { &mut material.map };
-                *to = image.map(|image| (map, image));
             }
             _ => {}
         }
     }
-    Ok(materials.into_iter().map(Reading::finish).collect())
+    Ok(materials.into_iter().map(Mapped::new).collect())
 }
 
 /// A material as far as it has been read.
@@ -112,56 +184,14 @@ struct Reading {
     exponent: f64,
     /// Its model of light has no highlight.
     is_matte: bool,
-    map: Option<(Map, Arc<Texels>)>,
-    mask: Option<(Map, Arc<Texels>)>,
-}
-
-/// What an image's line says.
-struct Map {
-    image: String,
-    clamp: bool,
-    scale: Vec2,
-    offset: Vec2,
-}
-
-/// The least opacity at which a material with a mask is there.
-const CUTOFF: f32 = 0.5;
-
-impl Reading {
-    fn finish(self) -> Mapped {
-        let colours = self.map.as_ref().map(|(_, texels)| texels.clone());
-        let cutoff = self.mask.as_ref().map(|_| CUTOFF);
-        let texels = match (&colours, &self.mask) {
-            (Some(colours), Some((_, mask))) => Some(Arc::new(with_opacity(colours, mask))),
-            // as many texels as the mask, all white
-            (None, Some((_, mask))) => {
-                let rgba = vec![[half::f16::ONE; 4]; mask.rgba.len()];
-                let white = Texels { width: mask.width, height: mask.height, rgba };
-                Some(Arc::new(with_opacity(&white, mask)))
-            }
-            (colours, None) => colours.clone(),
-        };
-        let map = self.map.as_ref().or(self.mask.as_ref()).map(|(map, _)| map);
-        let wrap = if map.is_some_and(|m| m.clamp) { Wrap::Clamp } else { Wrap::Repeat };
-        let plain = if colours.is_some() { [1.0; 3] } else { Material::default().diffuse };
-        let material = Material {
-            name: self.name,
-            diffuse: self.diffuse.unwrap_or(plain),
-            specular: if self.is_matte { [0.0; 3] } else { self.specular },
-            // microfacets of alpha^2 = 2 / (Ns + 2) are about as wide as Phong's highlight (Walter et al. 2007)
-            roughness: (2.0 / (self.exponent.max(0.0) + 2.0)).powf(0.25) as f32,
-            emissive: self.emissive,
-            texture: texels.map(|texels| Texture { texels, wrap: [wrap; 2], cutoff }),
-            ..Material::default()
-        };
-        let (scale, offset) = map.map_or((Vec2::ONE, Vec2::ZERO), |m| (m.scale, m.offset));
-        Mapped { material, scale, offset }
-    }
+    map: Option<Map>,
+    mask: Option<Map>,
 }
 
 /// Options, and the rest of the line as the image's name.
 fn parse_map(mut words: Words, key: &str) -> std::result::Result<Map, String> {
-    let mut map = Map { image: String::new(), clamp: false, scale: Vec2::ONE, offset: Vec2::ZERO };
+    let (line, image) = (String::new(), PathBuf::new());
+    let mut map = Map { line, image, clamp: false, scale: Vec2::ONE, offset: Vec2::ZERO };
     loop {
         let mut ahead = words.clone();
         match ahead.next() {
@@ -192,7 +222,7 @@ fn parse_map(mut words: Words, key: &str) -> std::result::Result<Map, String> {
             None => return Err(format!("{key} without an image; name one")),
         }
     }
-    map.image = words.name();
+    map.image = words.name().replace('\\', "/").into();
     Ok(map)
 }
 
@@ -243,7 +273,7 @@ mod tests {
     fn colours_and_names() {
         let text =
             b"# m\nnewmtl red wall \r\nKd 0.5 0.25 2\r\nmap_Kd a.png\nnewmtl g\nKd .5\nnewmtl s\nKd spectral a.rfl";
-        let materials = parse(text, "a.mtl", |_| Ok(None)).unwrap();
+        let materials = parse(text, Path::new("a.mtl")).unwrap();
         let found: Vec<_> = materials.iter().map(|m| (m.material.name.as_str(), m.material.diffuse)).collect();
         assert_eq!(found, [("red wall", [0.5, 0.25, 1.0]), ("g", [0.5; 3]), ("s", [0.8; 3])]);
     }
@@ -251,25 +281,47 @@ mod tests {
     #[test]
     fn images_with_their_options() {
         let text = b"newmtl a\nmap_Kd -s 2 3 1 -clamp on -o 0.5 -mm 0 1 -blendu off my image.png\nnewmtl b\nKd 1 0 0\nmap_d m.png\nnewmtl c\nKd 0 1 0";
-        let mut asked = Vec::new();
         let grey =
             |v: f32| Arc::new(Texels { width: 1, height: 1, rgba: vec![[v, v, v, 1.0].map(half::f16::from_f32)] });
-        let materials = parse(text, "a.mtl", |image| {
+        let read = parse(text, Path::new("in/a.mtl")).unwrap();
+        let mut asked = Vec::new();
+        let mut load = |image: &Path| {
             asked.push(image.to_owned());
-            Ok(Some(grey(0.25)))
-        })
-        .unwrap();
-        assert_eq!(asked, ["my image.png", "m.png"]);
+            Ok(grey(0.25))
+        };
+        let materials: Vec<_> = read.iter().map(|m| m.with_images(&mut load).unwrap()).collect();
+        assert_eq!(asked, [Path::new("in/my image.png"), Path::new("in/m.png")]);
         let [a, b, c] = &materials[..] else { panic!("three") };
-        let texture = |m: &Mapped| m.material.texture.clone();
-        assert_eq!((a.scale, a.offset), (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.0)));
-        assert_eq!(a.material.diffuse, [1.0; 3]);
-        assert_eq!(texture(a), Some(Texture { wrap: [Wrap::Clamp; 2], ..Texture::new(grey(0.25)) }));
-        let cut = texture(b).unwrap();
+        assert_eq!(read[0].placement(), (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.0)));
+        assert_eq!(a.diffuse, [1.0; 3]);
+        assert_eq!(a.texture, Some(Texture { wrap: [Wrap::Clamp; 2], ..Texture::new(grey(0.25)) }));
+        let cut = b.texture.clone().unwrap();
         assert_eq!((cut.cutoff, cut.texels.rgba[0][0]), (Some(0.5), half::f16::ONE));
         // 0.25 of linear light is 0.537 in sRGB
         assert!((cut.texels.rgba[0][3].to_f64() - 0.537).abs() < 1e-3);
-        assert_eq!(texture(c), None);
+        assert_eq!(c.texture, None);
+    }
+
+    /// A mask finer than its image, moved by half of it: both keep what they show, and where.
+    #[test]
+    fn a_mask_lies_where_its_own_options_say() {
+        let text = b"newmtl a\nmap_Kd c.png\nmap_d -o 0.5 0 m.png";
+        let read = parse(text, Path::new("a.mtl")).unwrap();
+        let row = |greys: &[f32]| {
+            let rgba = greys.iter().map(|v| [*v, *v, *v, 1.0].map(half::f16::from_f32)).collect();
+            Arc::new(Texels { width: greys.len() as u32, height: 1, rgba })
+        };
+        let image = |path: &Path| match path == Path::new("c.png") {
+            true => Ok(row(&[0.25])),
+            false => Ok(row(&[0.0, 0.0, 1.0, 1.0])),
+        };
+        let texels = read[0].with_images(image).unwrap().texture.unwrap().texels;
+        let seen: Vec<_> = texels.rgba.iter().map(|t| [t[0].to_f32(), t[3].to_f32()]).collect();
+        assert_eq!(seen, [[0.25, 1.0], [0.25, 1.0], [0.25, 0.0], [0.25, 0.0]]);
+
+        let other = parse(b"newmtl a\nmap_Kd c.png\nmap_d -s 2 2 m.png", Path::new("a.mtl")).unwrap();
+        let message = other[0].with_images(image).unwrap_err().to_string();
+        assert_eq!(message, "a.mtl:3: map_d: its -s and -clamp are not map_Kd's; give the same");
     }
 
     #[test]
@@ -282,11 +334,12 @@ mod tests {
             ("newmtl a\nKd 1 nan 1", "a.mtl:2: Kd value \"nan\" is not"),
             ("map_Kd a.png", "a.mtl:1: map_Kd before"),
             ("newmtl a\nmap_Kd -s 1 1", "a.mtl:2: map_Kd without an image"),
-            ("newmtl a\n\nmap_Kd a.png", "a.mtl:3: map_Kd: gone"),
         ] {
-            let parsed = parse(text.as_bytes(), "a.mtl", |_| Err(Error::input("gone")));
-            let message = parsed.err().unwrap().to_string();
+            let message = parse(text.as_bytes(), Path::new("a.mtl")).unwrap_err().to_string();
             assert!(message.starts_with(expected), "{message}");
         }
+        let read = parse(b"newmtl a\n\nmap_Kd a.png", Path::new("a.mtl")).unwrap();
+        let message = read[0].with_images(|_| Err(Error::input("gone"))).unwrap_err().to_string();
+        assert_eq!(message, "a.mtl:3: map_Kd: gone; texture = false shows none");
     }
 }

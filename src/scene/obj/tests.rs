@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::*;
 
 fn parse_text(text: &str) -> Result<Mesh> {
-    parse(text.as_bytes(), "cow.obj", |_| Ok(None))
+    parse(text.as_bytes(), "cow.obj", |_| Ok(None)).map(|(mesh, _)| mesh)
 }
 
 fn message_of(text: &str) -> String {
@@ -118,14 +118,13 @@ fn texture_coordinates_are_kept_and_lie_as_their_materials_say() {
     );
     let load = |text: &str| {
         parse(text.as_bytes(), "a.obj", |_| {
-            let mut moved = mtl::parse(b"newmtl plain\nnewmtl moved", "a.mtl", |_| Ok(None))?;
-            (moved[1].scale, moved[1].offset) = (Vec2::new(2.0, 4.0), Vec2::new(0.5, 0.25));
-            Ok(Some(moved))
+            mtl::parse(b"newmtl plain\nnewmtl moved\nmap_Kd -s 2 4 -o 0.5 0.25 a.png", Path::new("a.mtl")).map(Some)
         })
         .unwrap()
+        .0
     };
     for bytes in [1, 20, 1 << 20] {
-        let mesh = parse_in_chunks(text.as_bytes(), "a", bytes, |_| Ok(None)).unwrap();
+        let mesh = parse_in_chunks(text.as_bytes(), "a", bytes, |_| Ok(None)).unwrap().0;
         let none = [NO_UV; 3];
         assert_eq!(mesh.corner_uvs, [none, [0, 1, 2], none, [0, 1, 2], none]);
         assert_eq!(mesh.uvs_of(1), Some([Vec2::ZERO, Vec2::X, Vec2::new(0.5, 1.0)]));
@@ -174,12 +173,13 @@ fn materials_run_across_groups_and_chunks() {
     for bytes in [1, 7, 20, 64, 1 << 20] {
         let mesh = parse_in_chunks(GROUPED.as_bytes(), "a", bytes, |library| {
             assert_eq!(library, "city.mtl");
-            mtl::parse(GROUPED_MTL, library, |_| Ok(None)).map(Some)
+            mtl::parse(GROUPED_MTL, Path::new(library)).map(Some)
         })
-        .unwrap();
+        .unwrap()
+        .0;
         assert_eq!(mesh.material_of, [1, 1, 0, 0, 0, 1]);
         assert_eq!(mesh.materials.len(), 2);
-        let unknown = parse_in_chunks(GROUPED.as_bytes(), "a", bytes, |_| Ok(None)).unwrap();
+        let unknown = parse_in_chunks(GROUPED.as_bytes(), "a", bytes, |_| Ok(None)).unwrap().0;
         assert_eq!(unknown.materials, [Material::default()]);
     }
 }
@@ -187,7 +187,7 @@ fn materials_run_across_groups_and_chunks() {
 #[test]
 fn some_unknown_materials_are_the_default_one() {
     let text = format!("f 1 2 3\n{QUAD}mtllib a.mtl\nusemtl wall\nf 1 2 3\nusemtl other\nf 1 2 4\nusemtl\nf 1 2 4");
-    let mesh = parse(text.as_bytes(), "a", |_| mtl::parse(GROUPED_MTL, "a.mtl", |_| Ok(None)).map(Some)).unwrap();
+    let mesh = parse(text.as_bytes(), "a", |_| mtl::parse(GROUPED_MTL, Path::new("a.mtl")).map(Some)).unwrap().0;
     assert_eq!(mesh.material_of, [2, 0, 2, 2]);
     assert_eq!(mesh.materials[2], Material::default());
 }
@@ -207,9 +207,25 @@ fn material_files_lie_beside_the_obj() {
     assert!(message.contains("bad.mtl:4: Kd value \"y\""), "{message}");
 }
 
+/// An image that cannot be read counts only on faces, and only where images are looked at.
+#[test]
+fn images_of_materials_that_no_face_has_are_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.mtl"), "newmtl gone\nmap_Kd no.tga\nnewmtl plain\nKd 1 0 0").unwrap();
+    let load = |used: &str, images: &mut Images| {
+        let path = folder.path().join("a.obj");
+        std::fs::write(&path, format!("mtllib a.mtl\n{QUAD}usemtl {used}\nf 1 2 3")).unwrap();
+        load(&path, images)
+    };
+    load("plain", &mut Images::default()).unwrap();
+    load("gone", &mut Images::left_out()).unwrap();
+    let message = load("gone", &mut Images::default()).unwrap_err().to_string();
+    assert!(message.contains("a.mtl:2: map_Kd: ") && message.ends_with("; texture = false shows none"), "{message}");
+}
+
 /// Compares with tobj, which splits by group and reads f32: triangle by triangle.
 fn assert_agrees_with_tobj(text: &[u8], mtl: &[u8]) {
-    let mesh = parse(text, "a", |_| mtl::parse(mtl, "a.mtl", |_| Ok(None)).map(Some)).unwrap();
+    let mesh = parse(text, "a", |_| mtl::parse(mtl, Path::new("a.mtl")).map(Some)).unwrap().0;
     let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
     let (models, materials) =
         tobj::load_obj_buf(&mut Cursor::new(text), &options, |_| tobj::load_mtl_buf(&mut Cursor::new(mtl))).unwrap();
@@ -269,9 +285,10 @@ fn models_have_the_counts_of_their_list() {
         assert!(mesh.normals.iter().all(|n| n.is_normalized()));
         let text = std::fs::read(&path).unwrap();
         let folder = path.parent().unwrap();
-        let chunked =
-            parse_in_chunks(&text, "a", 1000, |library| mtl::load(folder, library, &mut Images::default())).unwrap();
-        assert_eq!(mesh, chunked, "{name}");
+        let (chunked, _) = parse_in_chunks(&text, "a", 1000, |library| mtl::load(folder, library)).unwrap();
+        let plain = load(&path, &mut Images::left_out()).unwrap();
+        assert_eq!(plain, chunked, "{name}");
+        assert_eq!((mesh.triangles, mesh.uvs), (chunked.triangles, chunked.uvs), "{name}");
     }
 }
 
@@ -295,7 +312,7 @@ proptest! {
         for f in &faces {
             text += &format!("f {} {} {}\n", f[0] + 1, i64::from(f[1]) - positions.len() as i64, f[2] + 1);
         }
-        let mesh = parse_in_chunks(text.as_bytes(), "a", chunk_bytes, |_| Ok(None)).unwrap();
+        let mesh = parse_in_chunks(text.as_bytes(), "a", chunk_bytes, |_| Ok(None)).unwrap().0;
         let bits = |p: [f64; 3]| p.map(f64::to_bits);
         let found: Vec<_> = mesh.positions.iter().map(|p| bits(p.to_array())).collect();
         prop_assert_eq!(found, positions.iter().copied().map(bits).collect::<Vec<_>>());
@@ -305,7 +322,7 @@ proptest! {
     #[test]
     fn no_bytes_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), chunk_bytes in 1usize..40) {
         let _ = parse_in_chunks(&bytes, "a", chunk_bytes, |_| Ok(None));
-        let _ = mtl::parse(&bytes, "a", |_| Ok(None));
+        let _ = mtl::parse(&bytes, Path::new("a"));
     }
 
     #[test]
@@ -313,7 +330,8 @@ proptest! {
         text in "((v|vn|vt|f|fo|l|usemtl|mtllib|#)? ?(-?[0-9]{1,2}/?[ /]?){0,4}\\\\?\r?\n?){0,30}",
         chunk_bytes in 1usize..60,
     ) {
-        let one = parse(text.as_bytes(), "a", |_| Ok(None));
-        prop_assert_eq!(parse_in_chunks(text.as_bytes(), "a", chunk_bytes, |_| Ok(None)), one);
+        let one = parse(text.as_bytes(), "a", |_| Ok(None)).map(|(mesh, _)| mesh);
+        let chunked = parse_in_chunks(text.as_bytes(), "a", chunk_bytes, |_| Ok(None)).map(|(mesh, _)| mesh);
+        prop_assert_eq!(chunked, one);
     }
 }
