@@ -188,6 +188,9 @@ impl Engine {
             let name = choice.technique.name;
             return Err(Error::input(format!("{name} sees no holes that images cut into triangles; use compute")));
         }
+        if scene.has_shadows() && scene.mesh.has_holes() && wanted.has_colour() {
+            return Err(Error::input("shadows know no holes that images cut into triangles; leave either out"));
+        }
         let mut painter = self.painter(scene, &camera, wanted, run)?;
         let mut planned = wanted.clone();
         let lit = if wanted.has_colour() { self.illuminated(scene)? } else { None };

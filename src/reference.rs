@@ -94,6 +94,23 @@ impl<'a> Reference<'a> {
         best
     }
 
+    /// How far along a unit way from `p` the nearest of the first `count` triangles is, from either side, up to `far`.
+    fn blocked(&self, p: glam::DVec3, way: glam::DVec3, far: f64, count: u32) -> Option<f64> {
+        let zero = glam::DVec3::ZERO;
+        let bundle = Bundle { p: [p, zero, zero], d: [way, zero, zero], h: [1.0, 0.0, 0.0] };
+        let beam = Beam::over(&bundle, 0.0)?;
+        let mut nearest = far;
+        let mut is_met = false;
+        self.bvh.walk(&beam, [0.0, far], |id| {
+            let met = (id < count).then(|| intersect::meet(&bundle, &self.corners(id))).flatten();
+            if let Some(m) = met.filter(|m| (0.0..=nearest).contains(&m.t)) {
+                (nearest, is_met) = (m.t, true);
+            }
+            nearest
+        });
+        is_met.then_some(nearest)
+    }
+
     /// Every visible hit of the bundle's central ray in `t_range`, near ones first as a rule. `visit` returns the
     /// largest `t` that still matters.
     fn each_hit_of_ray(&self, bundle: &Bundle, t_range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {

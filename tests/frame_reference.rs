@@ -7,6 +7,7 @@ use anamorph::compare::compare;
 use anamorph::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::scene::file::CameraKind;
 use anamorph::scene::generate;
+use anamorph::scene::light::Light;
 use anamorph::scene::mesh::{Material, Mesh};
 use anamorph::scene::texture::Images;
 use anamorph::scene::{Scene, gltf, obj, place};
@@ -213,7 +214,7 @@ fn smooth_normals_and_lights_shade_as_the_reference_does() {
     lit.mesh.material_of.iter_mut().step_by(3).for_each(|m| *m = 1);
     assert!(!lit.mesh.normals.is_empty());
     let kind = || pinhole(DVec3::new(4.0, 6.0, 9.0), DVec3::new(0.2, 1.2, 0.0), 35.0);
-    for lights in [vec![], vec![DVec3::new(-1.0, -2.0, -1.0).normalize(), DVec3::new(1.0, -0.5, 0.2).normalize()]] {
+    for lights in [vec![], [DVec3::new(-1.0, -2.0, -1.0), DVec3::new(1.0, -0.5, 0.2)].map(Light::distant).to_vec()] {
         lit.lights = lights;
         let camera = camera(kind(), SIZE, FORWARD);
         let Some(frame) = render(&lit, &camera) else { return };

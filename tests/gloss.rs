@@ -11,6 +11,7 @@ use anamorph::plan::Wanted;
 use anamorph::plan::samples::at_once;
 use anamorph::reference::image::image;
 use anamorph::scene::Scene;
+use anamorph::scene::light::Light;
 use anamorph::scene::mesh::Material;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera};
 use common::file::{camera_of, load, refusal};
@@ -66,7 +67,7 @@ fn shiny(lights: usize) -> Scene {
     all.material_of = (0..all.triangles.len() as u32).map(|k| k % count).collect();
     all.materials = materials;
     let directions = [DVec3::new(-0.3, -0.5, -1.0), DVec3::new(0.8, 0.1, -0.4), DVec3::new(0.0, 1.0, -0.1)];
-    Scene { lights: directions[..lights].iter().map(|d| d.normalize()).collect(), ..scene(all) }
+    Scene { lights: directions[..lights].iter().map(|d| Light::distant(*d)).collect(), ..scene(all) }
 }
 
 fn planes(frame: &Frame) -> [&[f32]; 3] {
@@ -145,7 +146,7 @@ fn light_straight_through_makes_no_nan() {
     scene.mesh.corner_normals = vec![[0, 1, 2]; scene.mesh.triangles.len()];
     let camera =
         camera_of("", SIZE, "kind = \"orthographic\"\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nheight = 2").unwrap();
-    scene.lights = vec![DVec3::Z, DVec3::NEG_Z];
+    scene.lights = [DVec3::Z, DVec3::NEG_Z].map(Light::distant).to_vec();
     let exact = image(&scene, &camera, &COLOUR);
     let seen = engine.render(&scene, &camera, &Wanted::of(COLOUR.to_vec()), &RunOptions::default()).unwrap().frame;
     for (a, b) in planes(&exact).iter().zip(planes(&seen)) {
@@ -174,8 +175,8 @@ fn a_mesh_says_how_it_shines() {
     for (keys, expected) in [
         ("roughness = 1.5", "mesh.0.roughness: 1.5 does not lie in [0, 1]"),
         ("metallic = -1", "mesh.0.metallic: -1 does not lie in [0, 1]"),
-        ("emissive = [0, -1, 0]", "mesh.0.emissive: a surface sends out no less than nothing"),
-        ("emissive = [0, 1e39, 0]", "mesh.0.emissive: a surface sends out no less than nothing and no more than"),
+        ("emissive = [0, -1, 0]", "mesh.0.emissive: there is no less light than none"),
+        ("emissive = [0, 1e39, 0]", "mesh.0.emissive: there is no less light than none and no more than f32 holds"),
         ("specular = 2", "mesh.0.specular: 2 does not lie in [0, 1]"),
         ("texture = { repeat = 2 }", "mesh.0.texture: file is missing"),
         ("texture = { file = \"no.png\", cutoff = 2 }", "mesh.0.texture.cutoff: 2 does not lie in [0, 1]"),

@@ -5,7 +5,7 @@ mod common;
 use anamorph::frame::Channel;
 use anamorph::gpu::buffers::{Buffers, read_words, readback};
 use anamorph::gpu::device::NO_ADAPTER;
-use anamorph::gpu::kernels::{OpticsKind, RaysKind, Variant};
+use anamorph::gpu::kernels::{LightsKind, OpticsKind, RaysKind, Variant};
 use anamorph::gpu::rows::{Landing, NONE, Optic, Params, Receiver, Way};
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::stage::gather::Gather;
@@ -48,6 +48,7 @@ fn variant(optics: bool) -> Variant {
         cut: false,
         glossy: false,
         sky: false,
+        lights: LightsKind::Plain,
         optics: optics.then_some(OpticsKind::Facets),
         turned: false,
         samples: 1,

@@ -10,6 +10,7 @@ use anamorph::engine::{Engine, RunOptions};
 use anamorph::plan::Wanted;
 use anamorph::scene::Scene;
 use anamorph::scene::generate::icosphere;
+use anamorph::scene::light::Light;
 use anamorph::scene::mesh::{Material, Mesh};
 use anamorph::scene::sky::Sky;
 use anamorph::scene::texture::Texels;
@@ -127,7 +128,7 @@ fn balls() -> Scene {
         let ball = moved(ball, at);
         if k == 0 { all = ball } else { anamorph::scene::place::append(&mut all, ball) }
     }
-    Scene { sky: Some(sky()), lights: vec![DVec3::new(-0.5, -1.0, -0.5).normalize()], ..scene(all) }
+    Scene { sky: Some(sky()), lights: vec![Light::distant(DVec3::new(-0.5, -1.0, -0.5))], ..scene(all) }
 }
 
 #[test]
@@ -163,7 +164,7 @@ fn a_rough_metal_sends_back_the_mean_over_its_lobe() {
         let mut ball = icosphere(5);
         ball.materials = vec![Material { diffuse: [1.0; 3], metallic: 1.0, roughness, ..Material::default() }];
         let sky = Some(Arc::new(Sky::of(texels.clone(), 1.0, 0.0)));
-        let scene = Scene { sky, lights: vec![DVec3::Z], ..scene(ball) };
+        let scene = Scene { sky, lights: vec![Light::distant(DVec3::Z)], ..scene(ball) };
         let exact = box_filtered(&scene, &camera, 1);
         let seen = rendered(&mut engine, &scene, &camera, 1);
         let off = exact.iter().zip(&seen).flat_map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).abs())).fold(0.0, f64::max);

@@ -13,6 +13,7 @@ use anamorph::plan::Wanted;
 use anamorph::plan::samples::{at_once, places};
 use anamorph::reference::image::image;
 use anamorph::scene::Scene;
+use anamorph::scene::light::Light;
 use anamorph::scene::mesh::{Material, NO_UV};
 use anamorph::scene::texture::{Texels, Texture, Wrap};
 use common::cameras::{MeshLook, mesh_camera};
@@ -63,7 +64,7 @@ fn floor(size: f64, height: f64, repeat: f32, texture: Texture) -> Scene {
     mesh.corner_uvs = mesh.triangles.clone();
     mesh.materials = vec![Material { diffuse: [1.0; 3], texture: Some(texture), ..Material::default() }];
     // straight down, so that light is the same everywhere
-    Scene { lights: vec![DVec3::NEG_Y], ..scene(mesh) }
+    Scene { lights: vec![Light::distant(DVec3::NEG_Y)], ..scene(mesh) }
 }
 
 /// Every kind of rays, from above the floor.
@@ -226,7 +227,7 @@ fn many_images_of_all_sizes_lie_beside_each_other() {
         colours_of.push(colour);
     }
     all.corner_uvs = all.triangles.clone();
-    let scene = Scene { lights: vec![DVec3::NEG_Y], ..scene(all) };
+    let scene = Scene { lights: vec![Light::distant(DVec3::NEG_Y)], ..scene(all) };
     let view = format!(
         "kind = \"orthographic\"\neye = [{0}, 5, {0}]\ntarget = [{0}, 0, {0}]\nup = [0, 0, -1]\nheight = {SIDE}",
         SIDE as f64 / 2.0
@@ -433,7 +434,7 @@ fn images_are_exchanged_where_light_is() {
     let mut wider = one.clone();
     wider.mesh.materials[0].texture.as_mut().unwrap().cutoff = Some(0.9);
     let mut lit = one.clone();
-    lit.lights = vec![DVec3::new(0.0, -0.6, -0.8)];
+    lit.lights = vec![Light::distant(DVec3::new(0.0, -0.6, -0.8))];
     let wanted = Wanted::of(COLOUR.to_vec());
     let mut frames = engine.prepare(&one, &camera, &wanted, &RunOptions::default()).unwrap();
     let whole = frames.refresh().unwrap();

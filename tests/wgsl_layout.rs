@@ -2,7 +2,7 @@
 //! `shading.wgsl` and `beams.wgsl` against its twin in `src/gpu/rows.rs`, field by field, and every constant against its own.
 
 use anamorph::frame::Channel;
-use anamorph::gpu::kernels::{self, RaysKind, Variant};
+use anamorph::gpu::kernels::{self, LightsKind, RaysKind, Variant};
 use anamorph::gpu::rows;
 use anamorph::scene::clusters::CORNER_ORDERS;
 use naga::{Expression, Literal, Module, ScalarKind, Statement, SwitchValue, TypeInner};
@@ -41,6 +41,7 @@ const PLAIN: Variant = Variant {
     cut: false,
     glossy: false,
     sky: false,
+    lights: LightsKind::Plain,
     optics: None,
     turned: false,
     samples: 1,
@@ -86,8 +87,6 @@ macro_rules! layout {
 fn rivals() -> Layouts {
     use anamorph::baseline::rows as own;
     Layouts::from([
-        layout!(own, BvhNode { lo, first, hi, count }),
-        layout!(own, LeafTriangle { v0, id, v1, one_sided, v2, pad0 }),
         layout!(own, Outline { a, b, c, is_whole, layer }),
         layout!(own, Cube { eye, side }),
         layout!(own, Splat { side, first, slots, pad0 }),
@@ -239,6 +238,10 @@ fn host() -> Layouts {
             sky_strength,
             sky_turn,
             sky_is_seen,
+            occlusion_rays,
+            occlusion_reach,
+            nodes_first,
+            leaves_first,
             irradiance
         }),
         layout!(Material {

@@ -209,15 +209,15 @@ fn f64_is_left_to_plain_arithmetic() {
         assert_eq!(forbidden_f64(&module, &info), [], "{} {variant:?}", kernel.name);
         wide += u32::from(allowed(kernel, variant).contains(Capabilities::FLOAT64));
     });
-    // of each kind of adapter with f64, with and without counting: ten cameras, three with samples, three of each kind of surface, three
+    // of each kind of adapter with f64, with and without counting: ten cameras, one with lights in places, three with samples, three of each kind of surface, three
     // kinds of which are smooth, and two with an atlas; six cameras have curves, which are not rechecked; rivals trace in two ways
-    let all = 10 + 3 + 12 + 2;
+    let all = 10 + 1 + 3 + 12 + 2;
     let (raster_certify_and_shade, recheck, bounce, meet, paste) = (3 * all, all - 6, 12, 9, 2);
-    let rivals = (10 + 3) * (2 + 1 + 1);
+    let rivals = (10 + 1 + 3) * (2 + 1 + 1);
     let sample_and_resolve = 3 * 2;
     let by_pair = 4 * (raster_certify_and_shade + recheck + bounce + meet + paste + rivals + sample_and_resolve);
-    // and three cameras of triangles with holes, one of curves
-    let cut = 2 * (3 * 3 + 2 + 3 * (2 + 1 + 1));
+    // and four cameras of triangles with holes, one of curves, and a mirror of facets with the rays that it turns
+    let cut = 2 * (4 * 3 + 3 + 4 * (2 + 1 + 1) + 2 * (3 + 1 + 1));
     // with 64-bit atomics too: raster of what is rechecked; sample and settle where the camera is no chain
     let by_tile = 2 * (all - 6 + 2 * 2);
     assert_eq!(wide, by_pair + cut + by_tile);

@@ -93,7 +93,8 @@ fn seen_by(pixel: u32, key: vec2<u32>, sample: u32) -> vec3<f32> {
         spread = sample_spread(key_layer(~key), x, y, sample, key_t(~key));
     }
     let n = surface_normal(slot, triangle, ray);
-    return sent_back(slot, surface_albedo(slot, triangle, ray, spread), n, normalize(ray.d));
+    let lit = Lit(slot, point_at(ray, key_t(~key)), ray.p, n, normalize(ray.d));
+    return sent_back(lit, surface_albedo(slot, triangle, ray, spread));
 }
 
 // A sum that the first chunk begins, or what all of them find alike.

@@ -99,7 +99,7 @@ fn shade(
         store_uv(at, surface_uv(slot, triangle, ray));
     }
     if PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
-        store_light(at, colour_of(id, sent_back(slot, diffuse, n, normalize(ray.d))));
+        store_light(at, colour_of(id, sent_back(Lit(slot, point_at(ray, t), ray.p, n, normalize(ray.d)), diffuse)));
     }
 }
 

@@ -12,6 +12,7 @@ macro_rules! snippet {
     };
 }
 
+const SEGMENT: &str = include_str!("../../wgsl/shared/segment.wgsl");
 const ROWS: &str = snippet!("rows.wgsl");
 const SEEN_THROUGH: &str = snippet!("seen_through.wgsl");
 const RANGE: &str = snippet!("range.wgsl");
@@ -32,8 +33,12 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
         RaysKind::Curves { .. } => snippet!("curved_way.wgsl"),
         _ => snippet!("straight_way.wgsl"),
     };
-    let search = if brute { snippet!("brute.wgsl") } else { snippet!("bvh.wgsl") };
-    let own = [ROWS, search, way, snippet!("trace.wgsl")];
+    let search = if brute {
+        snippet!("brute.wgsl")
+    } else {
+        concat!(snippet!("hierarchy.wgsl"), include_str!("../../wgsl/shared/bvh.wgsl"))
+    };
+    let own = [SEGMENT, search, way, snippet!("trace.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SHEETS, KEY][..], &variant.pixel_snippets(), &own].concat();
     let mut kernel = kernel("trace", bindings, &snippets);
     kernel.constants = variant.constants();

@@ -4,7 +4,6 @@
 //! the device as these do and fills the same visibility buffer, so that scene, camera, pixels and channels are the same in, and
 //! shading and reading back the same out: what differs is how what is seen is found, and how well.
 
-mod bvh;
 mod cubemap;
 mod draw;
 pub mod kernels;

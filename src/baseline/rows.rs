@@ -2,30 +2,6 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// A node of a bounding volume hierarchy: a box around two children, which lie beside each other, or around triangles.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct BvhNode {
-    pub lo: [f32; 3],
-    /// The first child, or the first triangle.
-    pub first: u32,
-    pub hi: [f32; 3],
-    /// Triangles; 0: it has children.
-    pub count: u32,
-}
-
-/// A triangle of a leaf: corners relative to the anchor.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct LeafTriangle {
-    pub v0: [f32; 3],
-    pub id: u32,
-    pub v1: [f32; 3],
-    pub one_sided: u32,
-    pub v2: [f32; 3],
-    pub pad0: u32,
-}
-
 /// Corners of a piece in pixels of the image.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

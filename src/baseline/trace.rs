@@ -1,13 +1,13 @@
 //! Ray tracing in a compute kernel: what a user would pick instead. A ray a pixel, or the segments of a curved projector, through a
 //! bounding volume hierarchy, or against every triangle.
 
-use super::bvh::{Hierarchy, row};
 use super::{Rival, Setup, Target, kernels, with};
 use crate::TILE;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
 use crate::gpu::recorder::Recorder;
+use crate::plan::hierarchy::{Hierarchy, row};
 use crate::scene::Scene;
 use crate::stage::dispatch_items;
 use glam::DVec3;
@@ -79,7 +79,7 @@ impl Rival for Trace {
         }
         match &mut self.hierarchy {
             Some(tree) if self.search == Search::Refitted => tree.refit(scene),
-            tree => *tree = Some(Hierarchy::build(scene, self.anchor)?),
+            tree => *tree = Some(Hierarchy::build(scene, self.anchor, scene.mesh.triangles.len())?),
         }
         let Some(tree) = &self.hierarchy else { return Ok(()) };
         let (nodes, leaves) = tree.rows(scene);

@@ -20,6 +20,7 @@ use crate::error::{Error, Result};
 use crate::optics::Optics;
 use crate::scene::Scene;
 use crate::scene::file::CausticsSpec;
+use crate::scene::light::{Light, Source};
 use crate::scene::mesh::{Material, Mesh};
 use crate::scene::texture::Texture;
 use glam::{DVec2, DVec3};
@@ -131,7 +132,8 @@ impl Caustics {
         let camera = Camera { optics: Some(Arc::new(optics)), ..self.light.clone() };
         let mut white = Scene { background: [1.0; 3], caustics: None, sky: None, ..scene.clone() };
         // no light but that from everywhere
-        white.lights = vec![DVec3::ZERO];
+        white.lights = vec![Light { source: Source::Distant(DVec3::ZERO), ..Light::distant(DVec3::X) }];
+        white.ambient_occlusion = None;
         for material in &mut white.mesh.materials {
             *material = Material {
                 diffuse: [1.0 / crate::stage::AMBIENT; 3],

@@ -3,6 +3,7 @@
 use crate::camera::{Camera, Rays};
 use crate::caustics::Caustics;
 use crate::scene::Scene;
+use crate::scene::light::{AmbientOcclusion, Source};
 use crate::scene::texture::{Texels, Texture};
 use glam::DVec3;
 
@@ -52,7 +53,23 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
         mesh.corner_uvs.iter().flatten().for_each(|k| h.word(u64::from(*k)));
     }
     h.word(scene.lights.len() as u64);
-    scene.lights.iter().for_each(|l| h.vector(*l));
+    for light in &scene.lights {
+        match light.source {
+            Source::Distant(travel) => h.vector(travel),
+            Source::Point { position, distance } => {
+                h.vector(position);
+                h.number(distance);
+            }
+        }
+        if !light.is_plain() {
+            light.colour.iter().for_each(|c| h.number(f64::from(*c)));
+            h.word(u64::from(light.casts_shadows));
+        }
+    }
+    if let Some(AmbientOcclusion { rays, reach }) = scene.ambient_occlusion {
+        h.word(u64::from(rays));
+        h.number(reach);
+    }
     if let Some(sky) = &scene.sky {
         image(&mut h, &sky.image);
         [f64::from(sky.strength), sky.turn].into_iter().for_each(|v| h.number(v));

@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::frame::{Channel, NO_ID};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{read_words, wait};
+use crate::gpu::kernels::LightsKind;
 use crate::gpu::recorder::Recorded;
 use crate::gpu::rows::{
     COUNT_BUSY, COUNT_BUSY_END, COUNT_DOUBTS, COUNT_EDGES, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS,
@@ -258,6 +259,10 @@ impl Frames<'_> {
     /// The triangles of a scene that has moved, in their clusters as long as these hold them well.
     fn put(&mut self, moved: &Scene) -> Result<()> {
         let Some(clustered) = &mut self.moving else { return Ok(()) };
+        if self.plan.variant.lights == LightsKind::Hidden {
+            self.resident.refit_obstacles(moved);
+            self.resident.upload_look(&self.gpu, &self.pages, moved, &self.plan)?;
+        }
         if clustered.refit(&moved.mesh) {
             return self.resident.place_scene(&self.gpu, clustered);
         }

@@ -3,14 +3,16 @@
 use super::Capacities;
 use super::pages::PageStore;
 use super::passes::{Pass, passes};
-use super::tables::{Look, Span, TURNED_T_RANGE, looks, params, places};
+use super::tables::{Hidden, Look, Span, TURNED_T_RANGE, looks, params, places};
 use super::turns::Turns;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::frame::Channel;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
+use crate::gpu::kernels::LightsKind;
 use crate::gpu::rows::{COUNTERS, LANES};
+use crate::plan::hierarchy::Hierarchy;
 use crate::plan::pages::Pages;
 use crate::plan::{Band, Plan, Wanted};
 use crate::scene::Scene;
@@ -40,6 +42,9 @@ pub struct Resident {
     pub turns: Option<Turns>,
     /// Triangles without area.
     pub without_area: usize,
+    /// What may be in the way of light: all triangles but the camera's own, which are the last ones.
+    obstacles: Option<Hierarchy>,
+    facets: usize,
     /// What cuts holes: the images, and of each material how.
     holes: (Pages, Vec<Option<Cut>>),
 }
@@ -95,6 +100,8 @@ impl Resident {
             turns: camera.optics.as_ref().map(|o| Turns::new(gpu, scene, camera, o, plan, &passes)).transpose()?,
             passes,
             without_area: 0,
+            obstacles: None,
+            facets: camera.optics.as_ref().and_then(|o| o.facets()).map_or(0, |f| f.triangles.len()),
             holes: Default::default(),
         };
         resident.upload_scene(gpu, clustered)?;
@@ -119,6 +126,13 @@ impl Resident {
             .try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk))
     }
 
+    /// Lets what is in the way of light follow triangles that have moved.
+    pub fn refit_obstacles(&mut self, scene: &Scene) {
+        if let Some(obstacles) = &mut self.obstacles {
+            obstacles.refit(scene);
+        }
+    }
+
     /// Puts the tables of another camera on the device, of a plan whose bands are as large.
     pub fn aim(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
         self.bands = plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?;
@@ -131,7 +145,13 @@ impl Resident {
             true => store.place(gpu, &looks(scene), &mut self.shared)?,
             false => Pages::default(),
         };
-        let Look { mut shading, lights, materials, normals } = Look::new(scene, plan.anchor, &pages);
+        if plan.variant.lights == LightsKind::Hidden && self.obstacles.is_none() {
+            let facets = scene.mesh.triangles.len() - self.facets;
+            self.obstacles = Some(Hierarchy::build(scene, plan.anchor, facets)?);
+        }
+        let by = self.obstacles.as_ref().map(|o| o.words(scene));
+        let hidden = Hidden { kind: plan.variant.lights, by: by.as_ref() };
+        let Look { mut shading, lights, materials, normals } = Look::new(scene, plan.anchor, &pages, hidden);
         shading.spread = plan.spread;
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         self.shared.upload(gpu, "lights", &lights)?;

@@ -4,12 +4,14 @@
 use super::Capacities;
 use super::passes::Pass;
 use crate::camera::Camera;
+use crate::gpu::kernels::LightsKind;
 use crate::gpu::rows::{self, LAW_FLAT, LAW_NORMALS, split2, split3, words};
 use crate::optics::{Branch, Law, Optics, Surface, Turn};
 use crate::plan::nodes::Level;
 use crate::plan::pages::Pages;
 use crate::plan::{Band, Plan};
 use crate::scene::Scene;
+use crate::scene::light::{Light, Source};
 use crate::scene::mesh::Material;
 use crate::stage::AMBIENT;
 use glam::{DVec2, DVec3};
@@ -26,7 +28,7 @@ pub struct Span {
 #[derive(Debug, Clone)]
 pub struct Look {
     pub shading: rows::Shading,
-    /// Directions of travel.
+    /// Of a plain light the way that it travels; else two rows each, see `lights/placed.wgsl`, and what hides them.
     pub lights: Vec<[f32; 4]>,
     pub materials: Vec<rows::Material>,
     pub normals: Vec<[f32; 3]>,
@@ -34,8 +36,19 @@ pub struct Look {
 
 impl Look {
     /// Positions are relative to `anchor` on the device, and images lie in `pages`.
-    pub fn new(scene: &Scene, anchor: DVec3, pages: &Pages) -> Look {
+    pub fn new(scene: &Scene, anchor: DVec3, pages: &Pages, hidden: Hidden) -> Look {
         let mesh = &scene.mesh;
+        let mut lights: Vec<[f32; 4]> = match hidden.kind {
+            LightsKind::Plain => scene.lights.iter().map(|l| light_row(l, anchor)).collect(),
+            _ => scene.lights.iter().flat_map(|l| [light_row(l, anchor), colour_row(l)]).collect(),
+        };
+        let mut firsts = [0; 2];
+        if let Some(by) = hidden.by {
+            for (first, rows) in firsts.iter_mut().zip(by) {
+                *first = lights.len() as u32;
+                lights.extend(rows);
+            }
+        }
         Look {
             shading: rows::Shading {
                 background: scene.background,
@@ -50,13 +63,43 @@ impl Look {
                 sky_strength: scene.sky.as_ref().map_or(0.0, |s| s.strength),
                 sky_turn: scene.sky.as_ref().map_or(0.0, |s| s.turn as f32),
                 sky_is_seen: scene.sky.as_ref().map_or(0, |s| s.is_seen.into()),
+                occlusion_rays: scene.ambient_occlusion.map_or(0, |o| o.rays),
+                occlusion_reach: scene.ambient_occlusion.map_or(1.0, |o| o.reach as f32),
+                nodes_first: firsts[0],
+                leaves_first: firsts[1],
                 irradiance: scene.sky.as_ref().map_or([[0.0; 4]; 9], |s| s.irradiance.map(|[r, g, b]| [r, g, b, 0.0])),
             },
-            lights: scene.lights.iter().map(|l| l.as_vec3().extend(0.0).to_array()).collect(),
+            lights,
             materials: looks(scene).iter().enumerate().map(|(k, m)| pages.row(k, m)).collect(),
             normals: mesh.normals.iter().map(|n| n.to_array()).collect(),
         }
     }
+}
+
+/// What kernels know of lights, and the hierarchy of what is in their way.
+#[derive(Debug, Clone, Copy)]
+pub struct Hidden<'a> {
+    pub kind: LightsKind,
+    /// Rows of its nodes and of its triangles.
+    pub by: Option<&'a [Vec<[f32; 4]>; 2]>,
+}
+
+impl Hidden<'_> {
+    pub const NOT: Hidden<'static> = Hidden { kind: LightsKind::Plain, by: None };
+}
+
+fn light_row(light: &Light, anchor: DVec3) -> [f32; 4] {
+    match light.source {
+        Source::Distant(travel) => travel.as_vec3().extend(0.0).to_array(),
+        Source::Point { position, distance } => {
+            (position - anchor).as_vec3().extend((distance * distance) as f32).to_array()
+        }
+    }
+}
+
+fn colour_row(light: &Light) -> [f32; 4] {
+    let [r, g, b] = light.colour;
+    [r, g, b, if light.casts_shadows { 1.0 } else { 0.0 }]
 }
 
 /// All materials, the one whose image is the sky last.

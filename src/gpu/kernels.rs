@@ -17,6 +17,17 @@ pub enum RaysKind {
     Curves { degree: u32 },
 }
 
+/// What the kernels know of lights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LightsKind {
+    /// Ways that white light travels everywhere.
+    Plain,
+    /// Colours too, and places.
+    Placed,
+    /// And what is in the way of light.
+    Hidden,
+}
+
 /// Which variants of the kernels a scene and an adapter need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
@@ -45,6 +56,7 @@ pub struct Variant {
     pub glossy: bool,
     /// Light comes from all around by an image of it.
     pub sky: bool,
+    pub lights: LightsKind,
     /// A mirror or a lens turns rays.
     pub optics: Option<OpticsKind>,
     /// The rays are those that it turned, and start on it.
@@ -140,6 +152,7 @@ impl Variant {
         let mut list = Vec::new();
         for more in [false, true] {
             let [counting, normals, textured, glossy, sky] = [more; 5];
+            let lights = if more { LightsKind::Hidden } else { LightsKind::Plain };
             let of_camera = Variant {
                 f64,
                 atomics64,
@@ -154,6 +167,7 @@ impl Variant {
                 cut: false,
                 glossy,
                 sky,
+                lights,
                 optics: None,
                 turned: false,
                 samples: 1,
@@ -173,6 +187,7 @@ impl Variant {
                 let seen = Variant { cut: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
                 list.extend([sheeted, seen, seen.after_turn()]);
             }
+            list.push(Variant { lights: LightsKind::Placed, ..variant(RaysKind::Pieces, false, None) });
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
                 list.extend(seen);
@@ -285,13 +300,24 @@ impl Variant {
         concat!(snippet!("textures/material.wgsl"), snippet!("textures/plain.wgsl"))
     }
 
-    /// What light surfaces send back.
-    fn light(self) -> &'static str {
-        match (self.glossy, self.sky) {
+    /// What light arrives at a surface, and what it sends back.
+    fn light(self) -> [&'static str; 2] {
+        let lights = match self.lights {
+            LightsKind::Plain => snippet!("lights/plain.wgsl"),
+            LightsKind::Placed => concat!(snippet!("lights/placed.wgsl"), snippet!("lights/unhidden.wgsl")),
+            LightsKind::Hidden => concat!(
+                snippet!("lights/placed.wgsl"),
+                snippet!("lights/hidden.wgsl"),
+                snippet!("shared/segment.wgsl"),
+                snippet!("shared/bvh.wgsl"),
+            ),
+        };
+        let materials = match (self.glossy, self.sky) {
             (_, true) => concat!(snippet!("materials/glossy.wgsl"), snippet!("materials/sky.wgsl")),
             (true, false) => concat!(snippet!("materials/glossy.wgsl"), snippet!("materials/no_sky.wgsl")),
             (false, false) => concat!(snippet!("materials/matte.wgsl"), snippet!("materials/no_sky.wgsl")),
-        }
+        };
+        [lights, materials]
     }
 
     /// Where their holes are.
@@ -617,8 +643,8 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
         bindings.extend([optic(), ways()]);
     }
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [variant.camera(), SHADING, SURFACE, variant.images(), variant.light(), snippet!("shade.wgsl")];
-    let all = [&snippets[..], &own[..], variant.pixel(), variant.seen()].concat();
+    let own = [variant.camera(), SHADING, SURFACE, variant.images(), snippet!("shade.wgsl")];
+    let all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();
     let mut kernel = kernel("shade", bindings, &all);
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
     kernel.constants.push(("NORMALS", variant.normals as u32 as f64));

@@ -187,6 +187,10 @@ pub struct Shading {
     pub sky_strength: f32,
     pub sky_turn: f32,
     pub sky_is_seen: u32,
+    pub occlusion_rays: u32,
+    pub occlusion_reach: f32,
+    pub nodes_first: u32,
+    pub leaves_first: u32,
     pub irradiance: [[f32; 4]; 9],
 }
 
@@ -206,6 +210,30 @@ pub struct Material {
     pub alpha: f32,
     pub emissive: [f32; 3],
     pub metallic: f32,
+}
+
+/// A node of a bounding volume hierarchy: a box around two children, which lie beside each other, or around triangles.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct BvhNode {
+    pub lo: [f32; 3],
+    /// The first child, or the first triangle.
+    pub first: u32,
+    pub hi: [f32; 3],
+    /// Triangles; 0: it has children.
+    pub count: u32,
+}
+
+/// A triangle of a leaf: corners relative to the anchor.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct LeafTriangle {
+    pub v0: [f32; 3],
+    pub id: u32,
+    pub v1: [f32; 3],
+    pub one_sided: u32,
+    pub v2: [f32; 3],
+    pub pad0: u32,
 }
 
 /// How facets turn rays.

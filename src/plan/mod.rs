@@ -9,6 +9,7 @@
 pub mod beams;
 pub mod curves;
 pub mod fit;
+pub mod hierarchy;
 pub mod nodes;
 pub mod pages;
 pub mod samples;
@@ -19,9 +20,10 @@ pub mod tiles;
 use crate::camera::{Camera, Rays};
 use crate::frame::Channel;
 use crate::gpu::device::Abilities;
-use crate::gpu::kernels::{OpticsKind, RaysKind, Variant};
+use crate::gpu::kernels::{LightsKind, OpticsKind, RaysKind, Variant};
 use crate::gpu::rows::{self, BRANCH};
 use crate::scene::Scene;
+use crate::scene::light::Light;
 use crate::scene::mesh::Material;
 use curves::{CurveTable, RayTable};
 use glam::{DVec2, DVec3};
@@ -49,6 +51,10 @@ pub struct Contents {
     pub has_gloss: bool,
     /// Light comes from all around by an image of it.
     pub has_sky: bool,
+    /// Some light has a colour or a place.
+    pub has_places: bool,
+    /// Things are in the way of light.
+    pub has_shadows: bool,
 }
 
 impl Contents {
@@ -56,6 +62,8 @@ impl Contents {
         let mesh = &scene.mesh;
         Contents {
             has_sky: scene.sky.is_some(),
+            has_places: !scene.lights.iter().all(Light::is_plain),
+            has_shadows: scene.has_shadows(),
             triangles: mesh.triangles.len(),
             has_normals: !mesh.normals.is_empty(),
             has_uvs: !mesh.corner_uvs.is_empty(),
@@ -197,6 +205,12 @@ impl Plan {
             cut: contents.has_holes,
             glossy: (contents.has_gloss || contents.has_sky) && wanted.has_colour(),
             sky: contents.has_sky && wanted.has_colour(),
+            lights: match (contents.has_shadows, contents.has_places) {
+                _ if !wanted.has_colour() => LightsKind::Plain,
+                (true, _) => LightsKind::Hidden,
+                (false, true) => LightsKind::Placed,
+                (false, false) => LightsKind::Plain,
+            },
             optics: camera.optics.as_deref().map(OpticsKind::of),
             turned: false,
             samples: wanted.samples(),
@@ -378,6 +392,9 @@ fn left_out(
     }
     if !contents.has_sky {
         say("sky", "no image lights the scene from all around".into());
+    }
+    if !contents.has_shadows {
+        say("shadows", "no light is said to be hidden by what is in its way".into());
     }
     if !contents.has_gloss {
         say("gloss", "all materials are matte".into());

@@ -2,7 +2,7 @@
 
 use super::caustics::{caustics, shown_by};
 pub use super::explain::explain;
-use super::light::{albedo, light, normal};
+use super::light::{Obstacles, albedo, light, normal};
 use super::{Finding, Outcome, Path, Reference, Seen};
 use crate::camera::Camera;
 use crate::caustics::Illumination;
@@ -114,9 +114,9 @@ fn pixel(
         Some(optics) if shown.first.is_some() && (optics.fresnel || optics.rays > 1) => {
             let path = Path::of_pixel(camera, i, j);
             let add = |sum: [f64; 3], c: [f64; 3]| [0, 1, 2].map(|k| sum[k] + c[k]);
-            reference.shares(optics, &path).iter().map(|o| colour(scene, camera, o)).fold([0.0; 3], add)
+            reference.shares(optics, &path).iter().map(|o| colour(scene, camera, reference, o)).fold([0.0; 3], add)
         }
-        _ => colour(scene, camera, shown),
+        _ => colour(scene, camera, reference, shown),
     };
     // of split rays those that say what is seen show caustics
     let split = camera.optics.as_ref().filter(|_| shown.first.is_some()).map_or(1.0, |o| o.tilts().len() as f64);
@@ -150,13 +150,18 @@ fn pixel(
 }
 
 /// What an outcome adds to its pixel.
-fn colour(scene: &Scene, camera: &Camera, outcome: &Outcome) -> [f64; 3] {
+fn colour(scene: &Scene, camera: &Camera, reference: &Reference, outcome: &Outcome) -> [f64; 3] {
     let optics = camera.optics.as_ref();
+    let count = optics.map_or(scene.mesh.triangles.len() as u32, |o| o.first_id(&scene.mesh));
+    let obstacles = Obstacles { all: reference, count };
     let own = match outcome.seen {
         None => beyond(scene, &outcome.path),
         Some(seen) => match optics.filter(|o| seen.hit.triangle >= o.first_id(&scene.mesh)) {
             Some(optics) => optics.base,
-            None => light(scene, &seen.hit, outcome.path.of(&seen).view(seen.hit.t)),
+            None => {
+                let (segment, t) = (outcome.path.of(&seen), seen.hit.t);
+                light(scene, &obstacles, &seen.hit, (segment.point(t), segment.view(t)))
+            }
         },
     };
     let left = light_left(camera, outcome);

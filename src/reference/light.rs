@@ -1,7 +1,8 @@
 //! How bright a hit is, by the definition.
 
-use super::Hit;
+use super::{Hit, Reference};
 use crate::scene::Scene;
+use crate::scene::light::{AmbientOcclusion, Arriving, Light};
 use crate::scene::mesh::NO_NORMAL;
 use crate::scene::sky::Sky;
 use glam::{DVec3, DVec4, Vec3};
@@ -37,9 +38,9 @@ pub fn albedo(scene: &Scene, hit: &Hit) -> [f32; 3] {
     [(dr * r) as f32, (dg * g) as f32, (db * b) as f32]
 }
 
-/// What a hit sends back along the unit vector `view`, of every light or one headlight along it and a small ambient term, and what it
-/// sends out by itself.
-pub fn light(scene: &Scene, hit: &Hit, view: DVec3) -> [f32; 3] {
+/// What a hit at `p` sends back along the unit vector `view`, of every light or one headlight along it and a small ambient term, and
+/// what it sends out by itself. Light goes straight, and meets the `obstacles`.
+pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3, DVec3)) -> [f32; 3] {
     let mesh = &scene.mesh;
     let material = &mesh.materials[mesh.material_of[hit.triangle as usize] as usize];
     let (n, colour) = (normal(scene, hit, view), DVec3::from(albedo(scene, hit).map(f64::from)));
@@ -50,14 +51,75 @@ pub fn light(scene: &Scene, hit: &Hit, view: DVec3) -> [f32; 3] {
         straight: rgb(material.specular).lerp(colour, metallic),
         alpha: material.alpha().into(),
     };
-    let headlight = [view];
-    let lights = if scene.lights.is_empty() && scene.sky.is_none() { &headlight[..] } else { &scene.lights };
-    let direct: DVec3 = lights.iter().map(|travel| gloss.reflected(n, -view, -*travel)).sum();
+    let start = obstacles.above(scene, hit, p, view);
+    let of_light = |light: &Light| {
+        let Arriving { way, far, strength } = light.arriving(p);
+        let is_dark = n.dot(way) <= 0.0 || light.casts_shadows && !start.sees(way, far);
+        if is_dark { DVec3::ZERO } else { strength * gloss.reflected(n, -view, way) }
+    };
+    let open = scene.ambient_occlusion.map_or(1.0, |occlusion| start.openness(n, occlusion));
+    let direct = match scene.lights.is_empty() && scene.sky.is_none() {
+        true => open * gloss.reflected(n, -view, -view),
+        false => scene.lights.iter().map(of_light).sum(),
+    };
     let (around, rest) = match &scene.sky {
         Some(sky) => (gloss.reflected_sky(sky, n, -view), 1.0),
         None => (AMBIENT * (gloss.base + gloss.straight), 1.0 - AMBIENT),
     };
-    (rgb(material.emissive) + around + rest * direct).as_vec3().to_array()
+    (rgb(material.emissive) + open * around + rest * direct).as_vec3().to_array()
+}
+
+/// What may be in the way of light: the triangles with the lowest ids.
+pub struct Obstacles<'a> {
+    pub all: &'a Reference<'a>,
+    pub count: u32,
+}
+
+/// A place just above a hit, on the viewer's side.
+struct Above<'a> {
+    of: &'a Obstacles<'a>,
+    p: DVec3,
+    /// The triangle's own unit normal, on that side.
+    flat: DVec3,
+}
+
+/// How far above its hit light is followed, of the largest coordinate.
+const ABOVE: f64 = 1e-9;
+
+impl Obstacles<'_> {
+    fn above(&self, scene: &Scene, hit: &Hit, p: DVec3, view: DVec3) -> Above<'_> {
+        let v = scene.mesh.triangles[hit.triangle as usize].map(|k| scene.mesh.positions[k as usize]);
+        let flat = (v[1] - v[0]).cross(v[2] - v[0]).normalize_or_zero();
+        let flat = if flat.dot(view) > 0.0 { -flat } else { flat };
+        Above { of: self, p: p + ABOVE * p.abs().max_element() * flat, flat }
+    }
+}
+
+impl Above<'_> {
+    /// How far along a unit way something is, up to `far`.
+    fn meets(&self, way: DVec3, far: f64) -> Option<f64> {
+        self.of.all.blocked(self.p, way, far, self.of.count)
+    }
+
+    fn sees(&self, way: DVec3, far: f64) -> bool {
+        self.flat.dot(way) > 0.0 && self.meets(way, far).is_none()
+    }
+
+    /// The share of directions about the normal, by their cosine, in which nothing is near; what is hides the less the farther it is.
+    fn openness(&self, n: DVec3, occlusion: AmbientOcclusion) -> f64 {
+        // a frame about the normal (Duff et al. 2017)
+        let side = if n.z >= 0.0 { 1.0 } else { -1.0 };
+        let a = -1.0 / (side + n.z);
+        let b = n.x * n.y * a;
+        let right = DVec3::new(1.0 + side * n.x * n.x * a, side * b, -side * n.x);
+        let up = DVec3::new(b, side + n.y * n.y * a, -n.y);
+        let hidden = |d: DVec3| {
+            let d = d.x * right + d.y * up + d.z * n;
+            let met = if self.flat.dot(d) > 0.0 { self.meets(d, occlusion.reach) } else { None };
+            met.map_or(0.0, |s| 1.0 - s / occlusion.reach)
+        };
+        1.0 - occlusion.directions().map(hidden).sum::<f64>() / f64::from(occlusion.rays)
+    }
 }
 
 /// A surface of microfacets (GGX; Walter et al. 2007) over a matte one.

@@ -14,8 +14,6 @@ mod tests;
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
-
 pub use camera::{CameraKind, CameraSpec, Named};
 pub(crate) use camera::{read_camera, read_pose};
 pub use caustics::CausticsSpec;
@@ -23,6 +21,7 @@ pub(crate) use mesh::read_mesh;
 pub use mesh::{GlossSpec, MeshSource, MeshSpec, TextureSpec};
 pub use mesh_camera::{CameraVertex, MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera, read_triangles};
 
+use super::light::{AmbientOcclusion, Light, Source as LightSource};
 use crate::error::{Error, Result};
 use crate::scene::tone::{Curve, Tone};
 use reader::{Field, Source};
@@ -34,7 +33,8 @@ pub struct SceneFile {
     /// In file order, which triangle ids follow.
     pub meshes: Vec<MeshSpec>,
     /// Empty: one headlight along each pixel's own ray.
-    pub lights: Vec<LightSpec>,
+    pub lights: Vec<Light>,
+    pub ambient_occlusion: Option<AmbientOcclusion>,
     pub sky: Option<SkySpec>,
     pub camera: CameraSpec,
     pub caustics: Option<CausticsSpec>,
@@ -54,13 +54,6 @@ pub struct ImageSpec {
     pub background: [f32; 3],
     /// `exposure`, stops, and `tone`, a curve by its name.
     pub tone: Tone,
-}
-
-/// A light from infinitely far away.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LightSpec {
-    /// The way the light travels; finite, not zero, any length.
-    pub direction: DVec3,
 }
 
 /// `[environment]`: an image of all directions as a light.
@@ -131,7 +124,7 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
     let source = Source { path, dir };
     keys::pick(&mut root, "", &source, frame)?;
     let table = Field::new(&source, "", &root).table()?;
-    table.allow(&["image", "mesh", "light", "environment", "camera", "caustics", "output"])?;
+    table.allow(&["image", "mesh", "light", "environment", "ambient_occlusion", "camera", "caustics", "output"])?;
     let image = ImageSpec { width: None, height: None, background: [0.0; 3], tone: Tone::default() };
     let Some(camera) = table.get("camera") else {
         return Err(table.error("there is no camera; add a [camera] table with its kind"));
@@ -144,6 +137,7 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
         lights: table.or("light", Vec::new(), |f| {
             f.items("lights, each a table [[light]]")?.map(|l| read_light(&l)).collect()
         })?,
+        ambient_occlusion: table.optional("ambient_occlusion", read_occlusion)?,
         sky: table.optional("environment", read_sky)?,
         camera: camera::read_camera(&camera)?,
         caustics: table.optional("caustics", caustics::read_caustics)?,
@@ -187,15 +181,55 @@ fn read_curve(field: &Field) -> Result<Curve> {
     })
 }
 
-fn read_light(field: &Field) -> Result<LightSpec> {
+fn read_light(field: &Field) -> Result<Light> {
     let table = field.table()?;
-    table.allow(&["direction"])?;
-    let key = table.need("direction", "[-1, -2, -1]")?;
-    let direction = key.vec3()?;
-    if direction == DVec3::ZERO {
-        return Err(key.error("the direction is zero; give the way the light travels"));
-    }
-    Ok(LightSpec { direction })
+    table.allow(&["direction", "position", "distance", "color", "shadows"])?;
+    let source = match (table.get("direction"), table.get("position")) {
+        (Some(_), Some(position)) => {
+            return Err(position.error("a light has either a direction or a position; remove one of the two"));
+        }
+        (None, Some(position)) => {
+            let distance = |f: &Field| match f.number()? {
+                value if value > 0.0 => Ok(value),
+                value => Err(f.error(format_args!("{value} is no distance; use a number above 0"))),
+            };
+            LightSource::Point { position: position.vec3()?, distance: table.or("distance", 1.0, distance)? }
+        }
+        _ => {
+            let key = table.need("direction", "[-1, -2, -1]")?;
+            let direction = key.vec3()?;
+            if let Some(distance) = table.get("distance") {
+                return Err(distance.error("light from far away is the same at all distances; give a position too"));
+            }
+            LightSource::Distant(
+                direction
+                    .try_normalize()
+                    .ok_or_else(|| key.error("the direction is zero; give the way the light travels"))?,
+            )
+        }
+    };
+    Ok(Light {
+        source,
+        colour: table.or("color", [1.0; 3], mesh::read_radiance)?,
+        casts_shadows: table.or("shadows", false, Field::boolean)?,
+    })
+}
+
+/// Software drivers end a kernel's loops after 65535 rounds, of which a ray through a large hierarchy takes some hundreds.
+const OCCLUSION_RAYS_MAX: u64 = 128;
+
+fn read_occlusion(field: &Field) -> Result<AmbientOcclusion> {
+    let table = field.table()?;
+    table.allow(&["distance", "rays"])?;
+    let distance = |f: &Field| match f.number()? {
+        value if value > 0.0 => Ok(value),
+        value => Err(f.error(format_args!("{value} is no distance; use a number above 0"))),
+    };
+    let key = table.need("distance", "1.0")?;
+    Ok(AmbientOcclusion {
+        reach: distance(&key)?,
+        rays: table.optional("rays", |f| f.integer(1, OCCLUSION_RAYS_MAX))?.unwrap_or(32) as u32,
+    })
 }
 
 fn read_sky(field: &Field) -> Result<SkySpec> {

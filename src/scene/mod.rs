@@ -4,6 +4,7 @@ pub mod clusters;
 pub mod file;
 pub mod generate;
 pub mod gltf;
+pub mod light;
 pub mod mesh;
 pub mod obj;
 pub mod place;
@@ -17,6 +18,7 @@ use crate::error::{Error, Result};
 use crate::optics::Surface;
 use file::{CameraSpec, MeshSource, MeshSpec, SceneFile, TextureSpec};
 use glam::DVec3;
+use light::{AmbientOcclusion, Light};
 use mesh::Mesh;
 use rayon::prelude::*;
 use sky::Sky;
@@ -42,8 +44,10 @@ pub struct Scene {
     pub mesh: Mesh,
     /// What the meshes are called, and how many triangles each has, in order.
     pub objects: Vec<Object>,
-    /// Unit directions in which light travels; none: one headlight along each pixel's own ray.
-    pub lights: Vec<DVec3>,
+    /// None: one headlight along each pixel's own ray.
+    pub lights: Vec<Light>,
+    /// How light from all around, and the headlight, is hidden by what is near.
+    pub ambient_occlusion: Option<AmbientOcclusion>,
     /// Light from all around, instead of what comes from everywhere alike.
     pub sky: Option<Arc<Sky>>,
     /// Linear RGB.
@@ -78,14 +82,12 @@ impl Scene {
             (None, None) => None,
             _ => return Err(Error::input("image: give both width and height")),
         };
-        let light = |l: &file::LightSpec| {
-            l.direction.try_normalize().ok_or_else(|| Error::input("light: direction is zero; give a direction"))
-        };
         let caustics = file.caustics.as_ref().map(|c| Caustics::new(c, &mesh)).transpose()?;
         Ok(Scene {
             mesh,
             objects,
-            lights: file.lights.iter().map(light).collect::<Result<_>>()?,
+            lights: file.lights,
+            ambient_occlusion: file.ambient_occlusion,
             sky: file.sky.as_ref().map(|s| Sky::new(s, &mut images)).transpose()?.map(Arc::new),
             background: file.image.background,
             tone: file.image.tone,
@@ -110,6 +112,11 @@ impl Scene {
         let mut scene = self.clone();
         place::append(&mut scene.mesh, facets.mesh(base));
         Cow::Owned(scene)
+    }
+
+    /// Something may be in the way of light.
+    pub fn has_shadows(&self) -> bool {
+        self.ambient_occlusion.is_some() || self.lights.iter().any(|l| l.casts_shadows)
     }
 
     /// The corners of the box around all vertices; `None` without any.

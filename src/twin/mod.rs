@@ -35,7 +35,7 @@ pub use key::{KeyForm, Real};
 
 use crate::camera::Camera;
 use crate::engine::Capacities;
-use crate::engine::tables::{Look, Span, TURNED_T_RANGE, params};
+use crate::engine::tables::{Hidden, Look, Span, TURNED_T_RANGE, params};
 use crate::frame::{Channel, Frame, Plane};
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::RaysKind;
@@ -135,7 +135,7 @@ impl Tables {
             optics: Optics::new(scene, camera, &plan),
             plan,
             clustered: cluster(&scene.mesh, around.anchor, false, binding_limit),
-            look: Look::new(scene, around.anchor, &Pages::default()),
+            look: Look::new(scene, around.anchor, &Pages::default(), Hidden::NOT),
         }
     }
 

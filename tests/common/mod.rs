@@ -29,6 +29,7 @@ pub fn scene(mesh: Mesh) -> Scene {
         objects: vec![anamorph::scene::Object { name: "mesh".into(), triangles: mesh.triangles.len() }],
         mesh,
         lights: Vec::new(),
+        ambient_occlusion: None,
         sky: None,
         background: [0.1, 0.2, 0.3],
         tone: Default::default(),

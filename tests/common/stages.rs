@@ -12,7 +12,7 @@ use anamorph::engine::Capacities;
 use anamorph::frame::Channel;
 use anamorph::gpu::buffers::{Buffers, read_words, readback, wait};
 use anamorph::gpu::device::{Abilities, NO_ADAPTER};
-use anamorph::gpu::kernels::{OpticsKind, Variant};
+use anamorph::gpu::kernels::{LightsKind, OpticsKind, Variant};
 use anamorph::gpu::rows::COUNTERS;
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::plan::Wanted;
@@ -21,6 +21,7 @@ use anamorph::scene::Scene;
 use anamorph::scene::clusters::cluster;
 use anamorph::scene::file::CameraKind;
 use anamorph::scene::generate::{icosphere, plane, teapot};
+use anamorph::scene::light::Light;
 use anamorph::scene::mesh::{Material, Mesh};
 use anamorph::stage::Stages;
 use anamorph::twin::{Input, ROOMY, Real, Tables};
@@ -90,6 +91,7 @@ impl Case {
             cut: false,
             glossy: false,
             sky: false,
+            lights: LightsKind::Plain,
             optics,
             turned: false,
             samples: 1,
@@ -222,7 +224,7 @@ pub fn cases() -> Vec<Case> {
     );
     // some 40 rows of ten channels a band, some 250 triangles a chunk
     (cut.band_limit, cut.chunk_limit) = (161 * 40 * 50, 36 * 250);
-    cut.scene.lights = vec![DVec3::new(-1.0, -2.0, -1.0).normalize(), DVec3::new(1.0, 0.0, -1.0).normalize()];
+    cut.scene.lights = [DVec3::new(-1.0, -2.0, -1.0), DVec3::new(1.0, 0.0, -1.0)].map(Light::distant).to_vec();
     list.push(cut);
     let size = (600, 450);
     list.push(Case::new("large", ball_on_floor(), common::camera(glc("cross-slit"), size, FORWARD)));

@@ -1,23 +1,5 @@
 // Rows of the rivals; src/baseline/rows.rs holds the same structs, and a test holds the two equal.
 
-// A box around two children, or around triangles.
-struct BvhNode {
-    lo: vec3<f32>,
-    first: u32,             // child, the other beside it; or triangle
-    hi: vec3<f32>,
-    count: u32,             // triangles; 0: it has children
-}
-
-// A triangle of a leaf, corners relative to the anchor.
-struct LeafTriangle {
-    v0: vec3<f32>,
-    id: u32,
-    v1: vec3<f32>,
-    one_sided: u32,
-    v2: vec3<f32>,
-    pad0: u32,
-}
-
 // Corners of a piece in pixels of the image. A piece of the whole image has a triangle that holds all of it.
 struct Outline {
     a: vec2<f32>,

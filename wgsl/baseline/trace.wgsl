@@ -5,44 +5,6 @@
 override LAYERS: u32 = 1u;
 override SEGMENTS: u32 = 1u;      // of a layer
 
-// A part of a pixel's way: p + s d for s in [first, last].
-struct Segment {
-    p: vec3<f32>,
-    d: vec3<f32>,
-    first: f32,
-    last: f32,
-}
-
-struct Found {
-    s: f32,
-    id: u32,
-}
-
-fn nothing() -> Found {
-    // infinity
-    return Found(bitcast<f32>(0x7f800000u), NONE);
-}
-
-// What is nearer of what was found and a triangle; of equals the smaller id.
-fn nearer(segment: Segment, found: Found, triangle: LeafTriangle) -> Found {
-    let m0 = triangle.v0 - segment.p;
-    let m1 = triangle.v1 - segment.p;
-    let m2 = triangle.v2 - segment.p;
-    let normal = cross(triangle.v1 - triangle.v0, triangle.v2 - triangle.v0);
-    let a = dot(segment.d, cross(m1, m0));
-    let b = dot(segment.d, cross(m2, m1));
-    let c = dot(segment.d, cross(m0, m2));
-    let across = dot(normal, segment.d);
-    let s = dot(normal, m0) / across;
-    let inside = (a >= 0.0 && b >= 0.0 && c >= 0.0) || (a <= 0.0 && b <= 0.0 && c <= 0.0);
-    let shown = across != 0.0 && (triangle.one_sided == 0u || across < 0.0);
-    let in_range = s >= segment.first && s <= segment.last;
-    if inside && shown && in_range && (s < found.s || (s == found.s && triangle.id < found.id)) {
-        return Found(s, triangle.id);
-    }
-    return found;
-}
-
 @compute @workgroup_size(64)
 fn trace(
     @builtin(workgroup_id) group: vec3<u32>,

@@ -3,16 +3,20 @@
 
 const PI: f32 = 3.14159265;
 
-fn sent_back(slot: u32, albedo: vec3<f32>, n: vec3<f32>, view: vec3<f32>) -> vec3<f32> {
-    let material = materials[surface_row(slot).w];
+fn sent_back(lit: Lit, albedo: vec3<f32>) -> vec3<f32> {
+    let material = materials[surface_row(lit.slot).w];
+    let n = lit.n;
+    let view = lit.view;
+    let open = openness(lit);
     let base = albedo * (1.0 - material.metallic);
     let straight = mix(material.specular, albedo, material.metallic);
-    var sum = material.emissive + from_around(base, straight, material.alpha, n, -view);
+    var sum = material.emissive + open * from_around(base, straight, material.alpha, n, -view);
     if shading.light_count == 0u && !SKY {
-        sum += (1.0 - shading.ambient) * glossy(base, straight, material.alpha, n, -view, -view);
+        sum += (1.0 - shading.ambient) * open * glossy(base, straight, material.alpha, n, -view, -view);
     }
     for (var k = 0u; k < shading.light_count; k++) {
-        sum += (1.0 - shading.ambient) * glossy(base, straight, material.alpha, n, -view, -lights[k].xyz);
+        let light = arriving(k, lit);
+        sum += (1.0 - shading.ambient) * light.strength * glossy(base, straight, material.alpha, n, -view, light.l);
     }
     return sum;
 }

@@ -36,5 +36,9 @@ struct Shading {
     sky_strength: f32,
     sky_turn: f32,
     sky_is_seen: u32,
+    occlusion_rays: u32,    // by which it is found how much is near a hit; 0: that does not count
+    occlusion_reach: f32,
+    nodes_first: u32,       // rows of `lights` where the hierarchy begins that hides them, and where its triangles do
+    leaves_first: u32,
     irradiance: array<vec4<f32>, 9>,
 }

@@ -31,14 +31,31 @@ fn surface_normal(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
     return n;
 }
 
+// A hit that is lit.
+struct Lit {
+    slot: u32,
+    p: vec3<f32>,           // relative to the anchor
+    from_there: vec3<f32>,  // where its ray starts
+    n: vec3<f32>,           // unit, turned to the viewer
+    view: vec3<f32>,        // unit, away from the viewer
+}
+
+// Light at a hit: the unit way to where it comes from, and its irradiance over pi there.
+struct Arriving {
+    l: vec3<f32>,
+    strength: vec3<f32>,
+}
+
 // Lambert from every light, or one headlight along the ray, and a small ambient term.
-fn received(n: vec3<f32>, view: vec3<f32>) -> f32 {
-    var sum = shading.ambient;
+fn received(lit: Lit) -> vec3<f32> {
+    let open = openness(lit);
+    var sum = vec3<f32>(shading.ambient * open);
     if shading.light_count == 0u {
-        sum += (1.0 - shading.ambient) * max(0.0, -dot(n, view));
+        sum += (1.0 - shading.ambient) * open * max(0.0, -dot(lit.n, lit.view));
     }
     for (var k = 0u; k < shading.light_count; k++) {
-        sum += (1.0 - shading.ambient) * max(0.0, -dot(n, lights[k].xyz));
+        let light = arriving(k, lit);
+        sum += (1.0 - shading.ambient) * max(0.0, dot(lit.n, light.l)) * light.strength;
     }
     return sum;
 }

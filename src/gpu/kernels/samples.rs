@@ -209,7 +209,8 @@ pub fn resolve(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend(variant.pages());
     bindings.extend(variant.pixel_rays());
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE_ROW, BUNDLE, KEY, SHADING, SURFACE];
-    let mut own = vec![variant.camera(), variant.images(), variant.light(), BITS, CELL_SAMPLES, SAMPLE_PLACES];
+    let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_PLACES];
+    own.extend(variant.light());
     own.extend(variant.pixel());
     if variant.rays == RaysKind::Pieces {
         own.push(snippet!("camera/pieces_sample_ray.wgsl"));

@@ -121,7 +121,7 @@ pub(crate) fn read_mesh(field: &Field, more: &[&str]) -> Result<MeshSpec> {
             specular: table.optional("specular", read_reflectance)?,
             roughness: table.optional("roughness", read_share)?,
             metallic: table.optional("metallic", read_share)?,
-            emissive: table.optional("emissive", read_emissive)?,
+            emissive: table.optional("emissive", read_radiance)?,
         },
     })
 }
@@ -234,11 +234,11 @@ fn read_reflectance(field: &Field) -> Result<[f32; 3]> {
 }
 
 /// Linear RGB, 0 and above.
-fn read_emissive(field: &Field) -> Result<[f32; 3]> {
+pub fn read_radiance(field: &Field) -> Result<[f32; 3]> {
     let rgb: [f64; 3] = field.numbers("linear RGB of 0 and above, as [r, g, b]")?;
     match rgb.iter().all(|c| (0.0..=f64::from(f32::MAX)).contains(c)) {
         true => Ok(rgb.map(|c| c as f32)),
-        false => Err(field.error("a surface sends out no less than nothing and no more than f32 holds")),
+        false => Err(field.error("there is no less light than none and no more than f32 holds")),
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a scene file may say, and what the error says when it says something else.
 
+use glam::DVec3;
 use proptest::prelude::*;
 
 use super::parse::Format;
@@ -74,7 +75,7 @@ fn reads_every_key() {
     let source = Builtin::City { seed: u64::MAX, blocks: Some(8), triangles: 15_000 };
     assert_eq!(city.source, MeshSource::Builtin(source));
     assert_eq!((city.scale, city.two_sided, city.color), (DVec3::new(1.0, 2.0, 3.0), true, None));
-    assert_eq!(scene.lights, [LightSpec { direction: DVec3::new(-1.0, -2.0, -1.0) }]);
+    assert_eq!(scene.lights, [Light::distant(DVec3::new(-1.0, -2.0, -1.0))]);
     assert_eq!(scene.camera.t_range, [-1.0, f64::INFINITY]);
     let (eye, target, up) = (DVec3::new(0.0, 1.0, 5.0), DVec3::ZERO, DVec3::Y);
     assert_eq!(scene.camera.kind, CameraKind::Pinhole { eye, target, up, vfov: 40.0 });

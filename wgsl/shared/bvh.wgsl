@@ -30,15 +30,15 @@ fn traced(segment: Segment) -> Found {
     var count = 0u;
     var at = 0u;
     loop {
-        let node = bvh[at];
+        let node = node_at(at);
         var next = NONE;
         if node.count > 0u {
             for (var k = 0u; k < node.count; k++) {
-                found = nearer(segment, found, leaves[node.first + k]);
+                found = nearer(segment, found, leaf_at(node.first + k));
             }
         } else {
-            let one = entry(bvh[node.first], segment, inverse, found.s);
-            let other = entry(bvh[node.first + 1u], segment, inverse, found.s);
+            let one = entry(node_at(node.first), segment, inverse, found.s);
+            let other = entry(node_at(node.first + 1u), segment, inverse, found.s);
             let second_first = u32(other.enters && (!one.enters || other.s < one.s));
             if one.enters || other.enters {
                 next = node.first + second_first;

@@ -1,8 +1,10 @@
-//! A bounding volume hierarchy over triangles, for the kernel `trace`: built by a library for it, or fitted anew.
+//! A bounding volume hierarchy over triangles, for straight ways: the light's, and a rival's rays. Built by a library for it, or
+//! fitted anew.
 
-use super::rows::{BvhNode, LeafTriangle};
 use crate::error::{Error, Result};
+use crate::gpu::rows::{BvhNode, LeafTriangle};
 use crate::scene::Scene;
+use bytemuck::Zeroable;
 use glam::DVec3;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
@@ -18,24 +20,28 @@ const DEPTH_MAX: usize = 96;
 pub struct Hierarchy {
     tree: Bvh2,
     anchor: DVec3,
+    /// Triangles, the mesh's first ones.
+    count: usize,
 }
 
 impl Hierarchy {
+    /// Of the first `count` triangles.
+    ///
     /// # Errors
     /// [`Error::Work`] where it is deeper than the kernel can follow.
-    pub fn build(scene: &Scene, anchor: DVec3) -> Result<Hierarchy> {
-        let triangles = triangles(scene, anchor);
+    pub fn build(scene: &Scene, anchor: DVec3, count: usize) -> Result<Hierarchy> {
+        let triangles = triangles(scene, anchor, count);
         let tree = build_bvh2_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
         let depth = tree.depth(0);
         if depth >= DEPTH_MAX {
             return Err(Error::work(format!("the hierarchy is {depth} boxes deep; the kernel follows {DEPTH_MAX}")));
         }
-        Ok(Hierarchy { tree, anchor })
+        Ok(Hierarchy { tree, anchor, count })
     }
 
     /// Fits the boxes to triangles that moved.
     pub fn refit(&mut self, scene: &Scene) {
-        let triangles = triangles(scene, self.anchor);
+        let triangles = triangles(scene, self.anchor, self.count);
         let order = &self.tree.primitive_indices;
         self.tree.nodes.par_iter_mut().filter(|n| n.is_leaf()).for_each(|node| {
             let own = &order[node.first_index as usize..][..node.prim_count as usize];
@@ -45,6 +51,18 @@ impl Hierarchy {
             }
         });
         self.tree.refit_all();
+    }
+
+    /// Those of all triangles that light may meet, from both sides, nodes and triangles as rows of four words each; of none, one that
+    /// nothing meets.
+    pub fn words(&self, scene: &Scene) -> [Vec<[f32; 4]>; 2] {
+        let (mut nodes, mut leaves) = self.rows(scene);
+        if leaves.is_empty() {
+            nodes = vec![BvhNode { lo: [0.0; 3], first: 0, hi: [0.0; 3], count: 1 }];
+            leaves = vec![LeafTriangle::zeroed()];
+        }
+        leaves.iter_mut().for_each(|leaf| leaf.one_sided = 0);
+        [bytemuck::cast_slice(&nodes).to_vec(), bytemuck::cast_slice(&leaves).to_vec()]
     }
 
     /// The rows of the nodes, the root first, and of the triangles in the order of the leaves.
@@ -66,10 +84,10 @@ pub fn row(scene: &Scene, anchor: DVec3, id: u32) -> LeafTriangle {
     LeafTriangle { v0, id, v1, one_sided, v2, pad0: 0 }
 }
 
-fn triangles(scene: &Scene, anchor: DVec3) -> Vec<Triangle> {
+fn triangles(scene: &Scene, anchor: DVec3, count: usize) -> Vec<Triangle> {
     let mesh = &scene.mesh;
     let corner = |v: u32| (mesh.positions[v as usize] - anchor).as_vec3().into();
-    let all = mesh.triangles.par_iter();
+    let all = mesh.triangles[..count].par_iter();
     all.map(|t| Triangle { v0: corner(t[0]), v1: corner(t[1]), v2: corner(t[2]) }).collect()
 }
 
@@ -84,6 +102,7 @@ mod tests {
             mesh,
             objects: Vec::new(),
             lights: Vec::new(),
+            ambient_occlusion: None,
             sky: None,
             background: [0.0; 3],
             tone: Default::default(),
@@ -124,7 +143,7 @@ mod tests {
     #[test]
     fn boxes_hold_what_is_below_them_also_after_it_moved() {
         let mut scene = scene();
-        let mut tree = Hierarchy::build(&scene, DVec3::splat(0.25)).unwrap();
+        let mut tree = Hierarchy::build(&scene, DVec3::splat(0.25), scene.mesh.triangles.len()).unwrap();
         let (nodes, leaves) = tree.rows(&scene);
         assert_whole(&nodes, &leaves);
         scene.mesh.positions.iter_mut().for_each(|p| *p = DVec3::new(p.y + 1.0, 2.0 * p.z, p.x));

@@ -1,0 +1,56 @@
+// A part of a pixel's way, or of light's: p + s d for s in [first, last].
+struct Segment {
+    p: vec3<f32>,
+    d: vec3<f32>,
+    first: f32,
+    last: f32,
+}
+
+// The triangle that a segment meets first.
+struct Found {
+    s: f32,
+    id: u32,
+}
+
+// A box around two children, or around triangles.
+struct BvhNode {
+    lo: vec3<f32>,
+    first: u32,             // child, the other beside it; or triangle
+    hi: vec3<f32>,
+    count: u32,             // triangles; 0: it has children
+}
+
+// A triangle of a leaf, corners relative to the anchor.
+struct LeafTriangle {
+    v0: vec3<f32>,
+    id: u32,
+    v1: vec3<f32>,
+    one_sided: u32,
+    v2: vec3<f32>,
+    pad0: u32,
+}
+
+fn nothing() -> Found {
+    // infinity
+    return Found(bitcast<f32>(0x7f800000u), NONE);
+}
+
+// What is nearer of what was found and a triangle; of equals the smaller id.
+fn nearer(segment: Segment, found: Found, triangle: LeafTriangle) -> Found {
+    let m0 = triangle.v0 - segment.p;
+    let m1 = triangle.v1 - segment.p;
+    let m2 = triangle.v2 - segment.p;
+    let normal = cross(triangle.v1 - triangle.v0, triangle.v2 - triangle.v0);
+    let a = dot(segment.d, cross(m1, m0));
+    let b = dot(segment.d, cross(m2, m1));
+    let c = dot(segment.d, cross(m0, m2));
+    let across = dot(normal, segment.d);
+    let s = dot(normal, m0) / across;
+    let inside = (a >= 0.0 && b >= 0.0 && c >= 0.0) || (a <= 0.0 && b <= 0.0 && c <= 0.0);
+    let shown = across != 0.0 && (triangle.one_sided == 0u || across < 0.0);
+    let in_range = s >= segment.first && s <= segment.last;
+    if inside && shown && in_range && (s < found.s || (s == found.s && triangle.id < found.id)) {
+        return Found(s, triangle.id);
+    }
+    return found;
+}
