@@ -25,6 +25,7 @@ use crate::plan::samples::at_once;
 use crate::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::cluster;
+use crate::scene::style::Style;
 use crate::stage::Stages;
 use crate::stage::gather::Gather;
 pub use frames::Frames;
@@ -196,9 +197,12 @@ impl Engine {
         let lit = if wanted.has_colour() { self.illuminated(scene)? } else { None };
         if lit.is_some() {
             planned.channels.extend([Channel::BaryU, Channel::BaryV]);
-            if scene.mesh.is_textured() {
+            if scene.mesh.is_textured() || scene.mesh.has_patterns() {
                 planned.channels.extend([Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
             }
+        }
+        if wanted.has_colour() {
+            planned.channels.extend(outlined_by(&scene.style));
         }
         let scene = scene.with_optics(&camera);
         let around = Surroundings::of(&camera, scene.bounds());
@@ -210,6 +214,15 @@ impl Engine {
         plan.variant.doubting = run.arithmetic == Arithmetic::Double;
         if self.gpu.has.lanes && self.gpu.has.f64 {
             plan.variant = plan.variant.with_tiles();
+        }
+        if plan.variant.outlined && plan.bands.len() > 1 {
+            let rows = plan.rows_max();
+            return Err(Error::input(format!(
+                "outlines and borders need the whole image at once, of which the adapter holds {rows} rows; make it smaller"
+            )));
+        }
+        if plan.variant.outlined && painter.is_some() {
+            return Err(Error::input("outlines and borders are not drawn by way of an atlas; leave atlas out"));
         }
         let stages = self.stages(plan.variant, &plan.planes)?;
         let turned =
@@ -267,6 +280,21 @@ impl Engine {
         self.gathers.push(gather.clone());
         gather
     }
+}
+
+/// What lines between pixels follow from.
+fn outlined_by(style: &Style) -> Vec<Channel> {
+    use Channel::{NormalX, NormalY, NormalZ, PieceId, PositionX, PositionY, PositionZ, TriangleId, Z};
+    let mut channels = Vec::new();
+    if let Some(outline) = style.outline {
+        channels.extend([TriangleId, NormalX, NormalY, NormalZ, PositionX, PositionY, PositionZ]);
+        channels.extend(outline.line.depth.is_finite().then_some(Z));
+    }
+    channels.extend(style.borders.map(|_| PieceId));
+    if style.is_between_pixels() {
+        channels.push(TriangleId);
+    }
+    channels
 }
 
 /// How large a scene may be, world units: beyond, f32 and pairs of it lose all.

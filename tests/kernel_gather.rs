@@ -49,6 +49,8 @@ fn variant(optics: bool) -> Variant {
         glossy: false,
         sky: false,
         lights: LightsKind::Plain,
+        styled: false,
+        outlined: false,
         optics: optics.then_some(OpticsKind::Facets),
         turned: false,
         samples: 1,

@@ -13,6 +13,7 @@ use anamorph::plan::Wanted;
 use anamorph::reference::image::judge;
 use anamorph::scene::Scene;
 use anamorph::scene::generate::{icosphere, teapot};
+use anamorph::scene::light::Light;
 use anamorph::twin::render;
 use common::cameras::{self, MeshLook};
 use common::rng::Rng;
@@ -69,7 +70,7 @@ fn meshes_of_pieces() {
     {
         let look = MeshLook { normalize, weights, torn };
         let mut scene = scene(icosphere(2));
-        scene.lights = vec![DVec3::new(-1.0, -2.0, -1.0).normalize()];
+        scene.lights = vec![Light::distant(DVec3::new(-1.0, -2.0, -1.0))];
         check(&format!("{look:?}"), &scene, &camera(cameras::mesh_camera(9, 5, 4, look), (60, 52), FORWARD), WHOLE);
     }
 }

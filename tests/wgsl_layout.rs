@@ -10,7 +10,9 @@ use std::collections::BTreeMap;
 
 const PARAMS: &str = include_str!("../wgsl/shared/params.wgsl");
 const SHADING: &str = include_str!("../wgsl/shared/shading.wgsl");
-const MATERIAL: &str = include_str!("../wgsl/textures/material.wgsl");
+const MATERIAL: &str = include_str!("../wgsl/materials/material.wgsl");
+const STYLE: &str = include_str!("../wgsl/styles/rows.wgsl");
+const SEGMENT: &str = include_str!("../wgsl/shared/segment.wgsl");
 const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
 const OPTICS: &str = include_str!("../wgsl/optics/rows.wgsl");
 const CAUSTICS: &str = include_str!("../wgsl/caustics/rows.wgsl");
@@ -42,6 +44,8 @@ const PLAIN: Variant = Variant {
     glossy: false,
     sky: false,
     lights: LightsKind::Plain,
+    styled: false,
+    outlined: false,
     optics: None,
     turned: false,
     samples: 1,
@@ -257,7 +261,29 @@ fn host() -> Layouts {
             alpha,
             emissive,
             metallic,
+            pattern_light,
+            pattern,
+            pattern_dark,
+            pattern_size,
         }),
+        layout!(Style {
+            wire,
+            wire_width,
+            ink,
+            hatch_spacing,
+            paper,
+            wire_depth,
+            outline,
+            outline_width,
+            border,
+            border_width,
+            crease_cosine,
+            outline_depth,
+            pad0,
+            pad1,
+        }),
+        layout!(BvhNode { lo, first, hi, count }),
+        layout!(LeafTriangle { v0, id, v1, one_sided, v2, pad0 }),
     ])
 }
 
@@ -361,6 +387,11 @@ fn every_struct_is_the_same_bytes_on_both_sides() {
     let mut kernels = wgsl(PARAMS);
     kernels.extend(wgsl(SHADING));
     kernels.extend(wgsl(MATERIAL));
+    kernels.extend(wgsl(STYLE));
+    // what is found, and the way there, is the kernels' own
+    kernels.extend(
+        wgsl(&format!("{PARAMS}{SEGMENT}")).into_iter().filter(|(name, _)| name == "BvhNode" || name == "LeafTriangle"),
+    );
     kernels.extend(wgsl(BEAMS));
     kernels.extend(wgsl(OPTICS));
     kernels.extend(wgsl(CAUSTICS));

@@ -50,7 +50,7 @@ fn resolve(
             covered += count;
             if key_id(~first) - params.id_first < params.id_count {
                 let n = nearest_to(middle / f32(count), same);
-                colour += f32(count) * seen_by(pixel, key_of(row, n), n);
+                colour += seen_by(pixel, row, n, same);
             }
         } else if params.id_first == 0u {
             colour += f32(count) * beyond(pixel % params.width, pixel / params.width);
@@ -81,20 +81,39 @@ fn nearest_to(place: vec2<f32>, some: u32) -> u32 {
     return nearest;
 }
 
-// The colour of the triangle of a key, as its sample sees it.
-fn seen_by(pixel: u32, key: vec2<u32>, sample: u32) -> vec3<f32> {
-    let slot = slot_of_id[key_id(~key) - params.id_first];
+// What some samples come to that see the triangle which one of them is lit at; lines and strokes on it are each sample's own.
+fn seen_by(pixel: u32, row: u32, sample: u32, some: u32) -> vec3<f32> {
+    let key = ~key_of(row, sample);
+    let slot = slot_of_id[key_id(key) - params.id_first];
     let triangle = triangles[slot];
     let x = pixel % params.width;
     let y = pixel / params.width;
-    let ray = sample_ray(key_layer(~key), x, y, sample);
+    let ray = sample_ray(key_layer(key), x, y, sample);
     var spread: Spread;
-    if TEXTURED {
-        spread = sample_spread(key_layer(~key), x, y, sample, key_t(~key));
+    if TEXTURED || STYLED {
+        spread = sample_spread(key_layer(key), x, y, sample, key_t(key));
     }
     let n = surface_normal(slot, triangle, ray);
-    let lit = Lit(slot, point_at(ray, key_t(~key)), ray.p, n, normalize(ray.d));
-    return sent_back(lit, surface_albedo(slot, triangle, ray, spread));
+    let p = point_at(ray, key_t(key));
+    let albedo = surface_albedo(slot, triangle, ray, spread);
+    if !STYLED {
+        return f32(countOneBits(some)) * sent_back(Lit(slot, p, ray.p, n, normalize(ray.d)), albedo);
+    }
+    var z = 0.0;
+    for (var k = 0u; SHEETED && k < key_layer(key); k++) {
+        z += segment_length(k, x, y);
+    }
+    let whole = Look(slot, p, z, ray.d, spread, shading.spread);
+    let lit = sent_back(Lit(slot, p, ray.p, n, normalize(ray.d)), albedo * pattern_at(whole));
+    var sum = vec3<f32>(0.0);
+    for (var others = some; others != 0u; others &= others - 1u) {
+        let own = firstTrailingBit(others);
+        let t = key_t(~key_of(row, own));
+        let its = sample_ray(key_layer(key), x, y, own);
+        let look = Look(slot, point_at(its, t), z + reached(its, key_layer(key), x, y, t), its.d, spread, inverseSqrt(f32(SAMPLES)));
+        sum += drawn(look, n, lit);
+    }
+    return sum;
 }
 
 // A sum that the first chunk begins, or what all of them find alike.

@@ -71,7 +71,7 @@ fn shade(
     let t = key_t(~won);
     let ray = pixel_ray(layer, x, y, t);
     var z = 0.0;
-    if PLANE_Z != NONE {
+    if PLANE_Z != NONE || STYLED {
         // all of the segments in lower layers, of the rays before, and a part of the last
         z = way_length(pixel) + reached(ray, layer, x, y, t);
         for (var k = 0u; SHEETED && k < layer; k++) {
@@ -89,17 +89,19 @@ fn shade(
         store(PLANE_V, at, bitcast<u32>(weights.z));
     }
     var spread: Spread;
-    if TEXTURED {
+    if TEXTURED || STYLED {
         spread = ray_spread(layer, x, y, t);
     }
-    let diffuse = surface_albedo(slot, triangle, ray, spread);
+    let look = Look(slot, point_at(ray, t), z, ray.d, spread, shading.spread);
+    let diffuse = surface_albedo(slot, triangle, ray, spread) * pattern_at(look);
     let n = surface_normal(slot, triangle, ray);
     store_surface(at, n, point_at(ray, t) + shading.anchor, colour_of(id, diffuse));
     if PLANE_UV_U != NONE || PLANE_UV_V != NONE {
         store_uv(at, surface_uv(slot, triangle, ray));
     }
     if PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
-        store_light(at, colour_of(id, sent_back(Lit(slot, point_at(ray, t), ray.p, n, normalize(ray.d)), diffuse)));
+        let lit = sent_back(Lit(slot, point_at(ray, t), ray.p, n, normalize(ray.d)), diffuse);
+        store_light(at, colour_of(id, drawn(look, n, lit)));
     }
 }
 

@@ -4,6 +4,7 @@ use crate::camera::{Camera, Rays};
 use crate::caustics::Caustics;
 use crate::scene::Scene;
 use crate::scene::light::{AmbientOcclusion, Source};
+use crate::scene::style::Style;
 use crate::scene::texture::{Texels, Texture};
 use glam::DVec3;
 
@@ -47,6 +48,11 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
         if let Some(texture) = &material.texture {
             image(&mut h, texture);
         }
+        if let Some(pattern) = material.pattern {
+            h.word(pattern.kind as u64);
+            h.number(pattern.size);
+            pattern.light.iter().chain(&pattern.dark).for_each(|c| h.number(f64::from(*c)));
+        }
     }
     if mesh.is_textured() {
         mesh.uvs.iter().flat_map(|uv| uv.to_array()).for_each(|v| h.number(f64::from(v)));
@@ -75,6 +81,9 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
         [f64::from(sky.strength), sky.turn].into_iter().for_each(|v| h.number(v));
         h.word(u64::from(sky.is_seen));
     }
+    if scene.style != Style::default() {
+        style(&mut h, &scene.style);
+    }
     scene.background.iter().for_each(|c| h.number(f64::from(*c)));
     h.word(u64::from(camera.width) << 32 | u64::from(camera.height));
     camera.t_range.iter().for_each(|t| h.number(*t));
@@ -83,6 +92,23 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
         light(&mut h, caustics);
     }
     h.0
+}
+
+fn style(h: &mut Fnv, style: &Style) {
+    let Style { wireframe, outline, borders, hatching } = style;
+    let lines = [*wireframe, outline.map(|o| o.line), *borders];
+    for (k, line) in lines.iter().enumerate().filter_map(|(k, line)| Some((k, line.as_ref()?))) {
+        h.word(k as u64);
+        line.colour.iter().for_each(|c| h.number(f64::from(*c)));
+        [line.width, line.depth].into_iter().for_each(|v| h.number(v));
+    }
+    if let Some(outline) = outline {
+        h.number(outline.crease);
+    }
+    if let Some(hatching) = hatching {
+        h.number(hatching.spacing);
+        hatching.ink.iter().chain(&hatching.paper).for_each(|c| h.number(f64::from(*c)));
+    }
 }
 
 fn image(h: &mut Fnv, texture: &Texture) {

@@ -14,7 +14,7 @@ use crate::stage::certify::CERTIFY_STEPS;
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 
 /// Compute passes of a job and of a pass over a band, at most.
-const PASSES_EACH: u32 = 18;
+const PASSES_EACH: u32 = 19;
 
 /// And more of them where pixels have samples.
 const PASSES_OF_SAMPLES: u32 = 22;
@@ -55,6 +55,10 @@ impl Frames<'_> {
             if let (true, Some(job)) = (self.stages.pastes(), resident.jobs(index, 0).next()) {
                 let mut encoded = recorder.compute("paste");
                 self.stages.paste(gpu, &mut encoded, &resident.scopes(&job, index, 0), self.pixels(index))?;
+            }
+            if let (true, Some(job)) = (self.stages.outlines(), resident.jobs(index, 0).next()) {
+                let mut encoded = recorder.compute("outline");
+                self.stages.outline(gpu, &mut encoded, &resident.scopes(&job, index, 0), self.pixels(index))?;
             }
             if self.wanted.srgb8 {
                 self.encode_srgb(&mut recorder, index)?;

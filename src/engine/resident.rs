@@ -151,9 +151,12 @@ impl Resident {
         }
         let by = self.obstacles.as_ref().map(|o| o.words(scene));
         let hidden = Hidden { kind: plan.variant.lights, by: by.as_ref() };
-        let Look { mut shading, lights, materials, normals } = Look::new(scene, plan.anchor, &pages, hidden);
+        let Look { mut shading, lights, materials, normals, style } = Look::new(scene, plan.anchor, &pages, hidden);
         shading.spread = plan.spread;
         self.shared.upload_uniform(gpu, "shading", &shading)?;
+        if plan.variant.styled || plan.variant.outlined {
+            self.shared.upload_uniform(gpu, "style", &style)?;
+        }
         self.shared.upload(gpu, "lights", &lights)?;
         self.shared.upload(gpu, "materials", &materials)?;
         self.shared.upload(gpu, "normals", &normals)?;

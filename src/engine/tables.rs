@@ -13,6 +13,7 @@ use crate::plan::{Band, Plan};
 use crate::scene::Scene;
 use crate::scene::light::{Light, Source};
 use crate::scene::mesh::Material;
+use crate::scene::style::{Hatching, Line, Outline, Style};
 use crate::stage::AMBIENT;
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
@@ -32,6 +33,7 @@ pub struct Look {
     pub lights: Vec<[f32; 4]>,
     pub materials: Vec<rows::Material>,
     pub normals: Vec<[f32; 3]>,
+    pub style: rows::Style,
 }
 
 impl Look {
@@ -72,7 +74,33 @@ impl Look {
             lights,
             materials: looks(scene).iter().enumerate().map(|(k, m)| pages.row(k, m)).collect(),
             normals: mesh.normals.iter().map(|n| n.to_array()).collect(),
+            style: style_row(&scene.style),
         }
+    }
+}
+
+fn style_row(style: &Style) -> rows::Style {
+    let none = Line { width: 0.0, colour: [0.0; 3], depth: f64::INFINITY };
+    let (wire, border) = (style.wireframe.unwrap_or(none), style.borders.unwrap_or(none));
+    let outline = style.outline.unwrap_or(Outline { line: none, crease: 180.0 });
+    let hatching = style.hatching.unwrap_or(Hatching { spacing: 0.0, ink: [0.0; 3], paper: [0.0; 3] });
+    // infinity is not to be had in every kernel
+    let held = |depth: f64| depth.min(f64::from(f32::MAX)) as f32;
+    rows::Style {
+        wire: wire.colour,
+        wire_width: wire.width as f32,
+        ink: hatching.ink,
+        hatch_spacing: hatching.spacing as f32,
+        paper: hatching.paper,
+        wire_depth: held(wire.depth),
+        outline: outline.line.colour,
+        outline_width: outline.line.width as f32,
+        border: border.colour,
+        border_width: border.width as f32,
+        crease_cosine: outline.crease.to_radians().cos() as f32,
+        outline_depth: held(outline.line.depth),
+        pad0: 0,
+        pad1: 0,
     }
 }
 

@@ -57,6 +57,10 @@ pub struct Variant {
     /// Light comes from all around by an image of it.
     pub sky: bool,
     pub lights: LightsKind,
+    /// Patterns, lines or strokes are drawn on surfaces.
+    pub styled: bool,
+    /// Lines are drawn between pixels.
+    pub outlined: bool,
     /// A mirror or a lens turns rays.
     pub optics: Option<OpticsKind>,
     /// The rays are those that it turned, and start on it.
@@ -152,6 +156,7 @@ impl Variant {
         let mut list = Vec::new();
         for more in [false, true] {
             let [counting, normals, textured, glossy, sky] = [more; 5];
+            let [styled, outlined] = [more; 2];
             let lights = if more { LightsKind::Hidden } else { LightsKind::Plain };
             let of_camera = Variant {
                 f64,
@@ -168,6 +173,8 @@ impl Variant {
                 glossy,
                 sky,
                 lights,
+                styled,
+                outlined,
                 optics: None,
                 turned: false,
                 samples: 1,
@@ -290,14 +297,14 @@ impl Variant {
     fn images(self) -> &'static str {
         if self.textured {
             return concat!(
-                snippet!("textures/material.wgsl"),
+                snippet!("materials/material.wgsl"),
                 snippet!("textures/rows.wgsl"),
                 snippet!("textures/levels.wgsl"),
                 snippet!("textures/mapped.wgsl"),
                 snippet!("textures/filter.wgsl"),
             );
         }
-        concat!(snippet!("textures/material.wgsl"), snippet!("textures/plain.wgsl"))
+        concat!(snippet!("materials/material.wgsl"), snippet!("textures/plain.wgsl"))
     }
 
     /// What light arrives at a surface, and what it sends back.
@@ -320,11 +327,29 @@ impl Variant {
         [lights, materials]
     }
 
+    /// What is drawn on surfaces.
+    fn style(self) -> &'static str {
+        if self.styled {
+            return concat!(
+                snippet!("styles/rows.wgsl"),
+                snippet!("styles/look.wgsl"),
+                snippet!("styles/patterns.wgsl"),
+                snippet!("styles/lines.wgsl"),
+            );
+        }
+        concat!(snippet!("styles/look.wgsl"), snippet!("styles/plain.wgsl"))
+    }
+
+    /// How that is drawn.
+    fn style_row(self) -> Option<Binding> {
+        self.styled.then(|| uniform("style", "Style"))
+    }
+
     /// Where their holes are.
     fn holes(self) -> &'static str {
         if self.cut {
             return concat!(
-                snippet!("textures/material.wgsl"),
+                snippet!("materials/material.wgsl"),
                 snippet!("textures/rows.wgsl"),
                 snippet!("textures/levels.wgsl"),
                 snippet!("textures/cut.wgsl"),
@@ -643,7 +668,8 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
         bindings.extend([optic(), ways()]);
     }
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let own = [variant.camera(), SHADING, SURFACE, variant.images(), snippet!("shade.wgsl")];
+    bindings.extend(variant.style_row());
+    let own = [variant.camera(), SHADING, SURFACE, variant.images(), variant.style(), snippet!("shade.wgsl")];
     let all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();
     let mut kernel = kernel("shade", bindings, &all);
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
@@ -682,6 +708,15 @@ fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
         Channel::Certified => None,
     };
     planes.iter().enumerate().filter_map(|(k, c)| constant(c).map(|name| (name, k as f64))).collect()
+}
+
+/// Lines between pixels, into the colour planes.
+pub fn outline(planes: &[Channel]) -> Kernel {
+    let bindings = vec![params(), uniform("style", "Style"), write("planes", "array<u32>")];
+    let snippets = [PARAMS, ITEMS, SHADING, snippet!("styles/rows.wgsl"), snippet!("outline.wgsl")];
+    let mut kernel = kernel("outline", bindings, &snippets);
+    kernel.constants = plane_constants(planes);
+    kernel
 }
 
 pub fn write_srgb(planes: &[Channel]) -> Kernel {
@@ -770,6 +805,7 @@ pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     if variant.optics == Some(OpticsKind::Atlas) {
         all.push(paste(variant, planes));
     }
+    all.extend(variant.outlined.then(|| outline(planes)));
     all.extend([gather(variant, planes), write_srgb(planes), mip(), sift(), deposit()]);
     all
 }

@@ -210,6 +210,30 @@ pub struct Material {
     pub alpha: f32,
     pub emissive: [f32; 3],
     pub metallic: f32,
+    pub pattern_light: [f32; 3],
+    pub pattern: u32,
+    pub pattern_dark: [f32; 3],
+    pub pattern_size: f32,
+}
+
+/// Lines and strokes, see the WGSL.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Style {
+    pub wire: [f32; 3],
+    pub wire_width: f32,
+    pub ink: [f32; 3],
+    pub hatch_spacing: f32,
+    pub paper: [f32; 3],
+    pub wire_depth: f32,
+    pub outline: [f32; 3],
+    pub outline_width: f32,
+    pub border: [f32; 3],
+    pub border_width: f32,
+    pub crease_cosine: f32,
+    pub outline_depth: f32,
+    pub pad0: u32,
+    pub pad1: u32,
 }
 
 /// A node of a bounding volume hierarchy: a box around two children, which lie beside each other, or around triangles.

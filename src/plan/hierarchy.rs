@@ -103,6 +103,7 @@ mod tests {
             objects: Vec::new(),
             lights: Vec::new(),
             ambient_occlusion: None,
+            style: Default::default(),
             sky: None,
             background: [0.0; 3],
             tone: Default::default(),

@@ -55,6 +55,10 @@ pub struct Contents {
     pub has_places: bool,
     /// Things are in the way of light.
     pub has_shadows: bool,
+    /// Patterns, lines or strokes are drawn on surfaces.
+    pub has_style: bool,
+    /// Lines are drawn between pixels.
+    pub has_outlines: bool,
 }
 
 impl Contents {
@@ -64,6 +68,8 @@ impl Contents {
             has_sky: scene.sky.is_some(),
             has_places: !scene.lights.iter().all(Light::is_plain),
             has_shadows: scene.has_shadows(),
+            has_style: scene.style.is_on_surfaces() || mesh.has_patterns(),
+            has_outlines: scene.style.is_between_pixels(),
             triangles: mesh.triangles.len(),
             has_normals: !mesh.normals.is_empty(),
             has_uvs: !mesh.corner_uvs.is_empty(),
@@ -103,12 +109,17 @@ impl Wanted {
         self.srgb8 || self.channels.iter().any(|c| matches!(c, Channel::R | Channel::G | Channel::B))
     }
 
+    /// Colours of surfaces are part of it.
+    fn needs_look(&self) -> bool {
+        let albedo = [Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB];
+        self.has_colour() || self.channels.iter().any(|c| albedo.contains(c))
+    }
+
     /// Images on triangles, or where they lie, are part of it.
     fn is_textured(&self, of: Contents) -> bool {
         let any = |which: &[Channel]| self.channels.iter().any(|c| which.contains(c));
-        let albedo = any(&[Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
         of.has_holes
-            || of.has_images && (self.has_colour() || albedo)
+            || of.has_images && self.needs_look()
             || of.has_sky && self.has_colour()
             || of.has_uvs && any(&[Channel::TextureU, Channel::TextureV])
     }
@@ -211,6 +222,8 @@ impl Plan {
                 (false, true) => LightsKind::Placed,
                 (false, false) => LightsKind::Plain,
             },
+            styled: contents.has_style && wanted.needs_look(),
+            outlined: contents.has_outlines && wanted.has_colour(),
             optics: camera.optics.as_deref().map(OpticsKind::of),
             turned: false,
             samples: wanted.samples(),
@@ -395,6 +408,12 @@ fn left_out(
     }
     if !contents.has_shadows {
         say("shadows", "no light is said to be hidden by what is in its way".into());
+    }
+    if !contents.has_style {
+        say("styles", "no patterns, wires or strokes are drawn on surfaces".into());
+    }
+    if !contents.has_outlines {
+        say("outline", "no lines are drawn between pixels".into());
     }
     if !contents.has_gloss {
         say("gloss", "all materials are matte".into());

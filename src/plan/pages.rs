@@ -130,6 +130,10 @@ impl Pages {
             alpha: material.alpha(),
             emissive: material.emissive,
             metallic: material.metallic,
+            pattern_light: material.pattern.map_or([1.0; 3], |p| p.light),
+            pattern: material.pattern.map_or(0, |p| p.kind as u32),
+            pattern_dark: material.pattern.map_or([1.0; 3], |p| p.dark),
+            pattern_size: material.pattern.map_or(1.0, |p| p.size as f32),
         };
         let placed = self.image_of.get(index).copied().flatten().map(|k| &self.images[k]);
         let (Some(placed), Some(texture)) = (placed, &material.texture) else { return plain };

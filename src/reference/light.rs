@@ -34,8 +34,12 @@ pub fn albedo(scene: &Scene, hit: &Hit) -> [f32; 3] {
     let material = &mesh.materials[mesh.material_of[hit.triangle as usize] as usize];
     let texel = material.texture.as_ref().and_then(|texture| Some(texture.at(mesh.uv_at(hit.triangle, hit.bary)?)));
     let [r, g, b, _] = texel.unwrap_or([1.0; 4]);
+    let [pr, pg, pb] = material.pattern.map_or([1.0; 3], |pattern| {
+        let [v0, v1, v2] = mesh.triangles[hit.triangle as usize].map(|k| mesh.positions[k as usize]);
+        pattern.at(v0 + hit.bary[0] * (v1 - v0) + hit.bary[1] * (v2 - v0))
+    });
     let [dr, dg, db] = material.diffuse.map(f64::from);
-    [(dr * r) as f32, (dg * g) as f32, (db * b) as f32]
+    [(dr * r * pr) as f32, (dg * g * pg) as f32, (db * b * pb) as f32]
 }
 
 /// What a hit at `p` sends back along the unit vector `view`, of every light or one headlight along it and a small ambient term, and

@@ -9,6 +9,7 @@ mod node;
 mod overrides;
 mod parse;
 pub mod reader;
+mod style;
 #[cfg(test)]
 mod tests;
 
@@ -22,6 +23,7 @@ pub use mesh::{GlossSpec, MeshSource, MeshSpec, TextureSpec};
 pub use mesh_camera::{CameraVertex, MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera, read_triangles};
 
 use super::light::{AmbientOcclusion, Light, Source as LightSource};
+use super::style::Style;
 use crate::error::{Error, Result};
 use crate::scene::tone::{Curve, Tone};
 use reader::{Field, Source};
@@ -35,6 +37,7 @@ pub struct SceneFile {
     /// Empty: one headlight along each pixel's own ray.
     pub lights: Vec<Light>,
     pub ambient_occlusion: Option<AmbientOcclusion>,
+    pub style: Style,
     pub sky: Option<SkySpec>,
     pub camera: CameraSpec,
     pub caustics: Option<CausticsSpec>,
@@ -124,7 +127,17 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
     let source = Source { path, dir };
     keys::pick(&mut root, "", &source, frame)?;
     let table = Field::new(&source, "", &root).table()?;
-    table.allow(&["image", "mesh", "light", "environment", "ambient_occlusion", "camera", "caustics", "output"])?;
+    table.allow(&[
+        "image",
+        "mesh",
+        "light",
+        "environment",
+        "ambient_occlusion",
+        "style",
+        "camera",
+        "caustics",
+        "output",
+    ])?;
     let image = ImageSpec { width: None, height: None, background: [0.0; 3], tone: Tone::default() };
     let Some(camera) = table.get("camera") else {
         return Err(table.error("there is no camera; add a [camera] table with its kind"));
@@ -138,6 +151,7 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
             f.items("lights, each a table [[light]]")?.map(|l| read_light(&l)).collect()
         })?,
         ambient_occlusion: table.optional("ambient_occlusion", read_occlusion)?,
+        style: table.or("style", Style::default(), style::read_style)?,
         sky: table.optional("environment", read_sky)?,
         camera: camera::read_camera(&camera)?,
         caustics: table.optional("caustics", caustics::read_caustics)?,

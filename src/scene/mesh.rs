@@ -1,5 +1,6 @@
 //! Triangles as every loader and generator returns them, in f64.
 
+use super::pattern::Pattern;
 use super::texture::Texture;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -61,6 +62,11 @@ impl Mesh {
         !self.corner_uvs.is_empty() && self.materials.iter().any(|m| m.texture.is_some())
     }
 
+    /// Some material has a pattern.
+    pub fn has_patterns(&self) -> bool {
+        self.materials.iter().any(|m| m.pattern.is_some())
+    }
+
     /// Some texture cuts holes into triangles.
     pub fn has_holes(&self) -> bool {
         let cuts = |m: &Material| m.texture.as_ref().is_some_and(Texture::cuts);
@@ -84,6 +90,8 @@ pub struct Material {
     pub metallic: f32,
     /// Linear RGB that it sends out by itself.
     pub emissive: [f32; 3],
+    /// What the diffuse colour is multiplied by too, wherever it lies.
+    pub pattern: Option<Pattern>,
     /// Both faces are visible.
     pub two_sided: bool,
 }
@@ -120,6 +128,7 @@ impl Default for Material {
             roughness,
             metallic,
             emissive: black,
+            pattern: None,
             two_sided: true,
         }
     }

@@ -7,8 +7,10 @@ pub mod gltf;
 pub mod light;
 pub mod mesh;
 pub mod obj;
+pub mod pattern;
 pub mod place;
 pub mod sky;
+pub mod style;
 pub mod texture;
 pub mod tone;
 
@@ -26,6 +28,7 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
+use style::Style;
 use texture::{Images, Texture};
 use tone::Tone;
 
@@ -46,6 +49,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// None: one headlight along each pixel's own ray.
     pub lights: Vec<Light>,
+    /// Lines and strokes.
+    pub style: Style,
     /// How light from all around, and the headlight, is hidden by what is near.
     pub ambient_occlusion: Option<AmbientOcclusion>,
     /// Light from all around, instead of what comes from everywhere alike.
@@ -88,6 +93,7 @@ impl Scene {
             objects,
             lights: file.lights,
             ambient_occlusion: file.ambient_occlusion,
+            style: file.style,
             sky: file.sky.as_ref().map(|s| Sky::new(s, &mut images)).transpose()?.map(Arc::new),
             background: file.image.background,
             tone: file.image.tone,
@@ -165,6 +171,10 @@ pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
         material.two_sided = spec.two_sided;
         material.diffuse = spec.color.unwrap_or(material.diffuse);
         spec.gloss.apply(material);
+        if let Some(pattern) = spec.pattern {
+            material.pattern = Some(pattern);
+            material.diffuse = spec.color.unwrap_or([1.0; 3]);
+        }
     }
     if let TextureSpec::Image { file, repeat, cutoff } = &spec.texture {
         if mesh.corner_uvs.is_empty() {

@@ -2,7 +2,7 @@
 //!
 //! `cull -> split -> bin -> sort -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
 //! rays, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again, or [`paste`] from an atlas that was
-//! rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow recheck and [`resolve`] follows shade. Caustics are added up by [`deposit`] before the first frame and shown by [`gather`] after shade. Apart
+//! rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow recheck and [`resolve`] follows shade; [`outline`] draws lines over what they came to. Caustics are added up by [`deposit`] before the first frame and shown by [`gather`] after shade. Apart
 //! from these is [`sift`], which finds the parts of an image that may see a point.
 
 pub mod bin;
@@ -14,6 +14,7 @@ pub mod edges;
 pub mod fit;
 pub mod gather;
 pub mod meet;
+pub mod outline;
 pub mod paste;
 pub mod raster;
 pub mod recheck;
@@ -58,6 +59,7 @@ pub struct Stages {
     by_tile: Option<[Later; 3]>,
     resolve: Option<Pipeline>,
     shade: Pipeline,
+    outline: Option<Pipeline>,
     write: Pipeline,
     bounce: Option<Pipeline>,
     fit: Option<Pipeline>,
@@ -97,6 +99,7 @@ impl Stages {
             }),
             resolve: variant.samples_edges().then(|| compile(kernels::resolve(variant, planes))),
             shade: compile(kernels::shade(variant, planes)),
+            outline: variant.outlined.then(|| compile(kernels::outline(planes))),
             write: compile(kernels::write_srgb(planes)),
             bounce: variant.turns_rays().then(|| compile(kernels::bounce(variant))),
             fit: variant.turns_rays().then(|| compile(kernels::fit(variant))),

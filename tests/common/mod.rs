@@ -30,6 +30,7 @@ pub fn scene(mesh: Mesh) -> Scene {
         mesh,
         lights: Vec::new(),
         ambient_occlusion: None,
+        style: Default::default(),
         sky: None,
         background: [0.1, 0.2, 0.3],
         tone: Default::default(),

@@ -92,6 +92,8 @@ impl Case {
             glossy: false,
             sky: false,
             lights: LightsKind::Plain,
+            styled: false,
+            outlined: false,
             optics,
             turned: false,
             samples: 1,

@@ -207,9 +207,11 @@ pub fn resolve(variant: Variant, planes: &[Channel]) -> Kernel {
         read("cell_samples", "array<vec2<u32>>"),
     ];
     bindings.extend(variant.pages());
+    bindings.extend(variant.style_row());
     bindings.extend(variant.pixel_rays());
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE_ROW, BUNDLE, KEY, SHADING, SURFACE];
     let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_PLACES];
+    own.push(variant.style());
     own.extend(variant.light());
     own.extend(variant.pixel());
     if variant.rays == RaysKind::Pieces {

@@ -6,9 +6,11 @@ use glam::{DVec2, DVec3};
 
 use super::node::{Value, nearest, quote};
 use super::reader::{Field, Table};
+use super::style::read_pattern;
 use crate::error::Result;
 use crate::scene::generate::Builtin;
 use crate::scene::mesh::{DIELECTRIC, Material};
+use crate::scene::pattern::Pattern;
 
 /// One `[[mesh]]`: a source of triangles, placed by scale, then rotation, then translation.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +28,8 @@ pub struct MeshSpec {
     /// Linear RGB in [0, 1] for the whole mesh, without the images of its file; `None` keeps the source's materials.
     pub color: Option<[f32; 3]>,
     pub texture: TextureSpec,
+    /// What its colour is multiplied by too.
+    pub pattern: Option<Pattern>,
     pub gloss: GlossSpec,
 }
 
@@ -87,7 +91,7 @@ impl MeshSpec {
 }
 
 /// The keys that every mesh may have, whatever its source.
-const PLACING: [&str; 11] = [
+const PLACING: [&str; 12] = [
     "name",
     "translate",
     "rotate",
@@ -95,6 +99,7 @@ const PLACING: [&str; 11] = [
     "two_sided",
     "color",
     "texture",
+    "pattern",
     "specular",
     "roughness",
     "metallic",
@@ -117,6 +122,7 @@ pub(crate) fn read_mesh(field: &Field, more: &[&str]) -> Result<MeshSpec> {
         two_sided: table.or("two_sided", true, Field::boolean)?,
         color: table.optional("color", Field::color)?,
         texture: table.or("texture", TextureSpec::OfFile, read_texture)?,
+        pattern: table.optional("pattern", read_pattern)?,
         gloss: GlossSpec {
             specular: table.optional("specular", read_reflectance)?,
             roughness: table.optional("roughness", read_share)?,

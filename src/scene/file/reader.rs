@@ -50,6 +50,10 @@ impl<'a> Field<'a> {
         self.error(format_args!("expected {expected}, found {}", self.node.value.describe()))
     }
 
+    pub fn is_table(&self) -> bool {
+        matches!(self.node.value, Value::Table(_))
+    }
+
     pub fn is_list(&self) -> bool {
         matches!(self.node.value, Value::List(_))
     }

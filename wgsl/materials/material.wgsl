@@ -12,4 +12,8 @@ struct Material {
     alpha: f32,             // of its microfacets: the square of its roughness
     emissive: vec3<f32>,
     metallic: f32,
+    pattern_light: vec3<f32>,   // of what the diffuse colour is multiplied by too; which, 0: nothing
+    pattern: u32,
+    pattern_dark: vec3<f32>,
+    pattern_size: f32,          // world units
 }

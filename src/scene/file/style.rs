@@ -1,0 +1,91 @@
+//! `[style]`: lines and strokes, and the patterns of meshes.
+
+use super::reader::Field;
+use crate::error::Result;
+use crate::scene::pattern::{Pattern, PatternKind};
+use crate::scene::style::{Hatching, Line, Outline, Style};
+
+/// Pixels that a line may be wide.
+const WIDTH_MAX: f64 = 32.0;
+
+pub fn read_style(field: &Field) -> Result<Style> {
+    let table = field.table()?;
+    table.allow(&["wireframe", "outline", "borders", "hatching"])?;
+    Ok(Style {
+        wireframe: table.optional("wireframe", |f| read_line(f, &["width", "color", "depth"]))?,
+        outline: table.optional("outline", read_outline)?,
+        borders: table.optional("borders", |f| read_line(f, &["width", "color"]))?,
+        hatching: table.optional("hatching", read_hatching)?,
+    })
+}
+
+/// A table, or its width alone.
+fn read_line(field: &Field, keys: &[&str]) -> Result<Line> {
+    let black = Line { width: 1.0, colour: [0.0; 3], depth: f64::INFINITY };
+    if !field.is_table() {
+        return Ok(Line { width: read_width(field)?, ..black });
+    }
+    let table = field.table()?;
+    table.allow(keys)?;
+    Ok(Line {
+        width: table.or("width", black.width, read_width)?,
+        colour: table.or("color", black.colour, Field::color)?,
+        depth: table.or("depth", black.depth, above_zero)?,
+    })
+}
+
+fn read_outline(field: &Field) -> Result<Outline> {
+    let line = read_line(field, &["width", "color", "depth", "crease"])?;
+    let crease = |f: &Field| match f.number()? {
+        value if (0.0..=180.0).contains(&value) => Ok(value),
+        value => Err(f.error(format_args!("{value} is no angle between normals; use 0 to 180 degrees"))),
+    };
+    let given = if field.is_table() { field.table()?.optional("crease", crease)? } else { None };
+    Ok(Outline { line, crease: given.unwrap_or(40.0) })
+}
+
+/// A table, or its spacing alone.
+fn read_hatching(field: &Field) -> Result<Hatching> {
+    let plain = Hatching { spacing: 6.0, ink: [0.0; 3], paper: [1.0; 3] };
+    if !field.is_table() {
+        return Ok(Hatching { spacing: read_width(field)?, ..plain });
+    }
+    let table = field.table()?;
+    table.allow(&["spacing", "color", "paper"])?;
+    Ok(Hatching {
+        spacing: table.or("spacing", plain.spacing, above_zero)?,
+        ink: table.or("color", plain.ink, Field::color)?,
+        paper: table.or("paper", plain.paper, Field::color)?,
+    })
+}
+
+/// `{ kind, size, colors = [light, dark] }`.
+pub fn read_pattern(field: &Field) -> Result<Pattern> {
+    let table = field.table()?;
+    table.allow(&["kind", "size", "light", "dark"])?;
+    let key = table.need("kind", "\"checker\"")?;
+    let name = key.text()?;
+    let known = || PatternKind::ALL.map(|k| format!("{:?}", k.name())).join(", ");
+    let kind = PatternKind::ALL.into_iter().find(|k| k.name() == name);
+    let kind = kind.ok_or_else(|| key.error(format_args!("{name:?} is no pattern; known: {}", known())))?;
+    let plain = Pattern::new(kind, table.or("size", 1.0, above_zero)?);
+    Ok(Pattern {
+        light: table.or("light", plain.light, Field::color)?,
+        dark: table.or("dark", plain.dark, Field::color)?,
+        ..plain
+    })
+}
+
+fn read_width(field: &Field) -> Result<f64> {
+    match field.number()? {
+        value if value > 0.0 && value <= WIDTH_MAX => Ok(value),
+        value => Err(field.error(format_args!("{value} is no width; use pixels above 0, {WIDTH_MAX} at most"))),
+    }
+}
+
+fn above_zero(field: &Field) -> Result<f64> {
+    match field.number()? {
+        value if value > 0.0 => Ok(value),
+        value => Err(field.error(format_args!("{value} is too little; use a number above 0"))),
+    }
+}

@@ -1,0 +1,93 @@
+// outline: one thread per pixel of the band, after shade and resolve.
+// Reads the planes of what is seen, around each pixel; mixes the colours of lines between what differs into the colour planes: where one
+// thing hides another, or a surface has a crease, and where pieces of the camera meet.
+
+fn word(plane: u32, pixel: u32) -> u32 {
+    return planes[plane * params.width * params.height + pixel];
+}
+
+fn number(plane: u32, pixel: u32) -> f32 {
+    return bitcast<f32>(word(plane, pixel));
+}
+
+// Between these pixels runs an outline: one sees nothing, or their surfaces do not go on in each other.
+fn differ(a: u32, b: u32) -> bool {
+    let id_a = word(PLANE_TRIANGLE, a);
+    let id_b = word(PLANE_TRIANGLE, b);
+    if id_a == id_b || style.outline_width <= 0.0 {
+        return false;
+    }
+    if id_a == NONE || id_b == NONE {
+        return true;
+    }
+    let n_a = vec3<f32>(number(PLANE_N_X, a), number(PLANE_N_Y, a), number(PLANE_N_Z, a));
+    let n_b = vec3<f32>(number(PLANE_N_X, b), number(PLANE_N_Y, b), number(PLANE_N_Z, b));
+    let step = vec3<f32>(number(PLANE_P_X, b), number(PLANE_P_Y, b), number(PLANE_P_Z, b))
+        - vec3<f32>(number(PLANE_P_X, a), number(PLANE_P_Y, a), number(PLANE_P_Z, a));
+    let off = max(abs(dot(n_a, step)), abs(dot(n_b, step)));
+    return dot(n_a, n_b) < style.crease_cosine || off > JUMP * length(step);
+}
+
+// A step to the next pixel that leaves a surface more steeply than this does not stay on it: 60 degrees.
+const JUMP: f32 = 0.8660254;
+
+fn width_at(a: u32, b: u32) -> f32 {
+    if PLANE_Z == NONE {
+        return style.outline_width;
+    }
+    return style.outline_width * min(1.0, style.outline_depth / min(number(PLANE_Z, a), number(PLANE_Z, b)));
+}
+
+@compute @workgroup_size(64)
+fn outline(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    // take a pixel
+    let pixel = item_index(group, groups, lane);
+    if pixel >= params.width * params.height {
+        return;
+    }
+    let x = i32(pixel % params.width);
+    let y = i32(pixel / params.width);
+
+    // look at all borders between pixels that lines may come from
+    let reach = i32(ceil(0.5 * max(style.outline_width, style.border_width) + 0.5));
+    var line = 0.0;
+    var border = 0.0;
+    for (var j = max(y - reach, 0); j <= min(y + reach, i32(params.height) - 1); j++) {
+        for (var i = max(x - reach, 0); i <= min(x + reach, i32(params.width) - 1); i++) {
+            let own = u32(j) * params.width + u32(i);
+            for (var k = 0; k < 2; k++) {
+                let ni = i + 1 - k;
+                let nj = j + k;
+                if ni >= i32(params.width) || nj >= i32(params.height) {
+                    continue;
+                }
+                let next = u32(nj) * params.width + u32(ni);
+                // from the pixel's middle to the border between the two
+                let middle = vec2<f32>(f32(i - x) + 0.5 * f32(1 - k), f32(j - y) + 0.5 * f32(k));
+                let past = max(abs(middle) - 0.5 * vec2<f32>(f32(k), f32(1 - k)), vec2<f32>(0.0));
+                let distance = length(past);
+                if differ(own, next) {
+                    line = max(line, covered(distance, width_at(own, next), 1.0));
+                }
+                if style.border_width > 0.0 && word(PLANE_PIECE, own) != word(PLANE_PIECE, next) {
+                    border = max(border, covered(distance, style.border_width, 1.0));
+                }
+            }
+        }
+    }
+
+    // draw them
+    mixed(PLANE_R, pixel, style.border.x, border, style.outline.x, line);
+    mixed(PLANE_G, pixel, style.border.y, border, style.outline.y, line);
+    mixed(PLANE_B, pixel, style.border.z, border, style.outline.z, line);
+}
+
+fn mixed(plane: u32, pixel: u32, border: f32, border_share: f32, line: f32, line_share: f32) {
+    let at = plane * params.width * params.height + pixel;
+    let under = mix(bitcast<f32>(planes[at]), border, border_share);
+    planes[at] = bitcast<u32>(mix(under, line, line_share));
+}

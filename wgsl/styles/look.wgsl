@@ -1,0 +1,9 @@
+// A hit that is drawn.
+struct Look {
+    slot: u32,
+    p: vec3<f32>,           // relative to the anchor
+    z: f32,                 // along the whole way
+    d: vec3<f32>,           // the ray's way
+    spread: Spread,
+    share: f32,             // of the pixel's width, that it stands for
+}

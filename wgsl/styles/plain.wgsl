@@ -1,0 +1,11 @@
+// Surfaces as they are lit.
+
+const STYLED: bool = false;
+
+fn pattern_at(look: Look) -> vec3<f32> {
+    return vec3<f32>(1.0);
+}
+
+fn drawn(look: Look, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
+    return colour;
+}
