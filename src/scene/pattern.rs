@@ -115,7 +115,7 @@ mod tests {
         for kind in PatternKind::ALL {
             let pattern = Pattern { light: [1.0; 3], dark: [0.0; 3], ..Pattern::new(kind, 0.5) };
             let values: Vec<f64> = (0..20_000)
-                .map(|k| f64::from(k))
+                .map(f64::from)
                 .map(|k| pattern.at(DVec3::new((k * 0.377).sin(), (k * 0.217).cos(), (k * 0.913).sin()) * 20.0)[0])
                 .collect();
             let mean = values.iter().sum::<f64>() / values.len() as f64;
