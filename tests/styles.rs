@@ -122,13 +122,13 @@ fn grid(scene: &Scene, camera: &Camera) -> Grid {
         let frame = image(scene, &camera.with_sample_offset(aside(i), aside(j)), &channels);
         let vector = |of: [Channel; 3], k: usize| DVec3::from(of.map(|c| f64::from(frame.f32(c).unwrap()[k])));
         let seen = colours(&frame);
-        for k in 0..seen.len() {
+        for (k, colour) in seen.iter().enumerate() {
             let at = (k / SIZE.0 as usize * FINE + j) * width + k % SIZE.0 as usize * FINE + i;
             all.ids[at] = frame.u32(Channel::TriangleId).unwrap()[k];
             all.pieces[at] = frame.u32(Channel::PieceId).unwrap()[k];
             all.positions[at] = vector(position, k);
             all.normals[at] = vector(normal, k);
-            all.colours[at] = seen[k];
+            all.colours[at] = *colour;
         }
     }
     all
@@ -273,7 +273,7 @@ fn strokes_are_as_dense_as_surfaces_are_dark() {
     for (name, camera) in families() {
         let grid = grid(&plain, &camera);
         let beside = |k: usize, step: usize| {
-            let same = |n: &usize| *n < grid.ids.len() && grid.ids[*n] == grid.ids[k] && n % grid.width.max(1) != 0;
+            let same = |n: &usize| grid.ids.get(*n) == Some(&grid.ids[k]) && !n.is_multiple_of(grid.width);
             let other = Some(k + step).filter(same).or(k.checked_sub(step).filter(same));
             other.map(|n| (grid.positions[n] - grid.positions[k]) * FINE as f64)
         };
