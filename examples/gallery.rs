@@ -4,16 +4,24 @@
 #[path = "common/sheet.rs"]
 mod sheet;
 
+#[path = "common/dress.rs"]
+mod dress;
+
+use anamorph::camera::Camera;
 use anamorph::engine::{Engine, RunOptions};
 use anamorph::example::{Example, gallery};
+use anamorph::frame::Channel;
 use anamorph::gpu::Gpu;
 use anamorph::gpu::device::NO_ADAPTER;
-use anamorph::output::write_png;
+use anamorph::output::{toned8, write_png};
 use anamorph::plan::Wanted;
+use anamorph::plan::samples::{at_once, places};
 use anamorph::scene::Scene;
 use anamorph::{Error, Result};
+use dress::dressed;
 use image::RgbImage;
 use std::path::Path;
+use std::time::Instant;
 
 const COLUMNS: u32 = 5;
 
@@ -30,15 +38,40 @@ fn main() -> Result<()> {
     write_png(&folder.join("gallery.png"), sheet.width(), sheet.height(), &sheet)
 }
 
-/// Writes the example's picture into the folder; returns it as large as a cell of the sheet allows.
+/// Samples of a pixel; of cameras that take a frame each, fewer.
+const SAMPLES: u32 = 16;
+const FRAMES: u32 = 4;
+
+/// Writes the example's picture into the folder, in good light; returns it as large as a cell of the sheet allows.
 fn render(engine: &mut Engine, example: &Example, folder: &Path) -> Result<RgbImage> {
-    let scene = Scene::load(&example.write(folder)?, &[], 0.0)?;
+    let scene = dressed(Scene::load(&example.write(folder)?, &[], 0.0)?);
     let camera = scene.camera()?;
-    let wanted = Wanted { srgb8: true, ..Wanted::of(Vec::new()) };
-    let rendered = engine.render(&scene, &camera, &wanted, &RunOptions::default())?;
     let (width, height) = (camera.width, camera.height);
-    let rgba = rendered.srgb8.ok_or_else(|| Error::work("no picture came back"))?;
+    let started = Instant::now();
+    let sums = if at_once(&scene, &camera, SAMPLES) {
+        colours(engine, &scene, &camera, Wanted { samples: SAMPLES, ..Wanted::of(COLOURS.to_vec()) })?
+    } else {
+        let wanted = Wanted { frames: FRAMES, ..Wanted::of(COLOURS.to_vec()) };
+        let mut sums = vec![0.0; COLOURS.len() * width as usize * height as usize];
+        for place in places(FRAMES) {
+            let moved = camera.with_sample_offset(place.x, place.y);
+            let frame = colours(engine, &scene, &moved, wanted.clone())?;
+            sums.iter_mut().zip(frame).for_each(|(sum, c)| *sum += c / FRAMES as f32);
+        }
+        sums
+    };
+    let pixels = width as usize * height as usize;
+    let shown = |k: usize, c: usize| toned8(scene.tone, sums[c * pixels + k]);
+    let rgba: Vec<u8> = (0..pixels).flat_map(|k| [shown(k, 0), shown(k, 1), shown(k, 2), 255]).collect();
     write_png(&folder.join(format!("{}.png", example.name)), width, height, &rgba)?;
-    println!("{:<22}{width}x{height}, {:.0} ms", example.name, rendered.frame_ms.first().unwrap_or(&f64::NAN));
+    println!("{:<22}{width}x{height}, {:.1} s", example.name, started.elapsed().as_secs_f64());
     Ok(sheet::small(width, height, &rgba))
+}
+
+const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
+
+/// Linear light, channel by channel.
+fn colours(engine: &mut Engine, scene: &Scene, camera: &Camera, wanted: Wanted) -> Result<Vec<f32>> {
+    let frame = engine.render(scene, camera, &wanted, &RunOptions::default())?.frame;
+    Ok(COLOURS.iter().flat_map(|c| frame.f32(*c).unwrap_or_default()).copied().collect())
 }

@@ -74,7 +74,7 @@ macro_rules! example {
 
 /// All examples: the demo, the simplest cameras first, then the gallery.
 #[rustfmt::skip] // a table
-pub const EXAMPLES: [Example; 43] = [
+pub const EXAMPLES: [Example; 46] = [
     example!("demo", None, "a city in reverse perspective: a cross-slit camera with one slit behind it"),
     example!("pinhole", None, "the teapot through an ordinary camera"),
     example!("orthographic", None, "a city through parallel rays"),
@@ -86,6 +86,9 @@ pub const EXAMPLES: [Example; 43] = [
     example!("panorama", None, "the teapot unrolled by 270 degrees: a mesh camera around it", make::ring),
     example!("fisheye", None, "a city from a crossing, straight up: a ray map in two files", make::fisheye),
     example!("magnifier", None, "a cow through a magnifying glass: a lens of two faces and a rim"),
+    example!("still-life", None, "stone, wood, metal and shadows through two slits"),
+    example!("pen-and-ink", None, "a city all around, drawn with a pen"),
+    example!("wireframe", None, "the same as a wireframe that grows thinner with depth"),
     example!("city-cross-slit", Some("Yu 1"), "a city of 15,000 triangles through two slits"),
     example!("cow-panorama", Some("Yu 6"), "a cow from all around"),
     example!("teapot-panorama", Some("Yu 7"), "a teapot from 270 degrees around"),

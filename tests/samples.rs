@@ -100,6 +100,18 @@ fn every_sample_sees_what_a_frame_of_its_own_sees() {
     }
 }
 
+/// Several layers of rays a pixel are held as curves are.
+#[test]
+fn layers_of_rays_take_a_frame_a_sample() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let text = "kind = \"occlusion\"\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nvfov = 45\nnear = 2\nfar = 6\ndistortion = [0.05, 0.1]";
+    let (scene, camera) = (scene(icosphere(2)), camera_of("", SIZE, text).unwrap());
+    assert!(camera.layers.len() > 1 && !at_once(&scene, &camera, 4));
+    let wanted = Wanted { samples: 4, ..Wanted::of(vec![Channel::A]) };
+    let message = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap_err().to_string();
+    assert!(message.contains("4 samples a pixel of occlusion take a frame each"), "{message}");
+}
+
 #[test]
 fn rays_all_over_the_scene_take_a_frame_a_sample() {
     let plain = raymap(64, 64, FORWARD);

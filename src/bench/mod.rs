@@ -4,6 +4,7 @@
 //! run is written as raw.csv, results.json, summary.md and plots; index.html beside all runs shows them together.
 
 pub mod case;
+mod closeups;
 mod page;
 mod plot;
 mod provenance;
@@ -30,6 +31,9 @@ pub struct Run {
     pub suite: String,
     pub provenance: Provenance,
     pub rows: Vec<Row>,
+    /// Pictures beside each other.
+    #[serde(default)]
+    pub closeups: Vec<closeups::Drawn>,
 }
 
 /// Which cases of a suite are run.
@@ -57,16 +61,19 @@ pub fn run(
     let Selection { quick, only } = selection;
     let cases = suite.cases(*quick);
     let is_asked = |case: &Case| only.as_ref().is_none_or(|text| case.name.contains(text.as_str()));
-    if !cases.iter().any(is_asked) {
-        let names: Vec<&str> = cases.iter().map(|c| c.name.trim()).collect();
+    let closeups = if *quick { &[] } else { suite.closeups };
+    let is_shown = |c: &&closeups::Closeups| only.as_ref().is_none_or(|text| c.name.contains(text.as_str()));
+    if !cases.iter().any(is_asked) && !closeups.iter().any(|c| is_shown(&c)) {
+        let names = cases.iter().map(|c| c.name.trim()).chain(closeups.iter().map(|c| c.name));
+        let names: Vec<&str> = names.collect();
         return Err(Error::input(format!("{} has no such case; there is: {}", suite.name, names.join("; "))));
     }
     let provenance = Provenance::now(&engines.computing, *quick);
-    let mut run = Run { suite: suite.name.into(), provenance, rows: Vec::new() };
+    let mut run = Run { suite: suite.name.into(), provenance, rows: Vec::new(), closeups: Vec::new() };
     let folder = folder.join(run.folder_name());
     let results = folder.join(RESULTS);
     if only.is_some() && results.is_file() {
-        run.rows = read(&results)?.rows;
+        Run { rows: run.rows, closeups: run.closeups, .. } = read(&results)?;
     }
     for case in cases.iter().filter(|case| is_asked(case)) {
         let failed = |e: Error| case.arms.iter().map(|arm| Row::refused(suite.name, case, arm, &e)).collect();
@@ -76,6 +83,13 @@ pub fn run(
         run.rows.retain(|row| row.case != case.name);
         run.rows.extend(own);
         run.rows.sort_by_key(|row| cases.iter().position(|c| c.name == row.case));
+        run.write(&folder, suite.plot)?;
+    }
+    for closeup in closeups.iter().filter(is_shown) {
+        std::fs::create_dir_all(&folder).map_err(|e| Error::work(format!("{}: {e}", folder.display())))?;
+        let drawn = closeup.draw(&mut engines.computing, &folder)?;
+        run.closeups.retain(|c| c.name != drawn.name);
+        run.closeups.push(drawn);
         run.write(&folder, suite.plot)?;
     }
     Ok(folder)
@@ -129,7 +143,8 @@ pub fn write_index(folder: &Path) -> Result<PathBuf> {
         let run = read(&path.join(RESULTS))?;
         let plot = suites::SUITES.iter().find(|s| s.name == run.suite).map_or(Plot::Error, |s| s.plot);
         let plots = plot::plots(&run.rows, plot)?;
-        Ok((run, plots))
+        let folder = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        Ok((folder, run, plots))
     };
     let runs = names.iter().map(with_plots).collect::<Result<Vec<_>>>()?;
     let path = folder.join("index.html");

@@ -1,4 +1,4 @@
-//! All runs as one page that needs nothing else.
+//! All runs as one page that needs nothing but the pictures beside it.
 
 use super::Run;
 use super::plot::Drawn;
@@ -11,25 +11,31 @@ table { border-collapse: collapse; margin: .6rem 0 1.2rem; font-size: 13px; }
 td, th { border-bottom: 1px solid color-mix(in srgb, currentColor 25%, transparent); padding: .2rem .7rem .2rem 0; text-align: left; }
 svg { max-width: 100%; height: auto; }
 .note { opacity: .8; }
+.closeups { display: grid; grid-template-columns: 1fr 1fr; gap: .6rem; }
+figure { margin: 0; }
+figure img { width: 100%; image-rendering: pixelated; }
+figcaption { font-size: 13px; }
 nav a { margin-right: 1rem; }
 @media (prefers-color-scheme: dark) { svg { filter: invert(1) hue-rotate(180deg); } }
 ";
 
 /// Light and dark as the reader's system is; no script.
-pub fn page(runs: &[(Run, Vec<Drawn>)]) -> String {
+pub fn page(runs: &[(String, Run, Vec<Drawn>)]) -> String {
     let mut text = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
          content=\"width=device-width\">\n<link rel=\"icon\" href=\"data:,\">\n<title>anamorph: error and run time</title>\n\
          <style>{STYLE}</style>\n</head>\n<body>\n<h1>Error and run time</h1>\n<nav>"
     );
-    for (k, (run, _)) in runs.iter().enumerate() {
+    for (k, (_, run, _)) in runs.iter().enumerate() {
         let p = &run.provenance;
         text +=
             &format!("<a href=\"#run{k}\">{} {} {}</a> ", escaped(&p.date), escaped(&run.suite), escaped(&p.adapter));
     }
     text += "</nav>\n";
-    for (k, (run, plots)) in runs.iter().enumerate() {
+    for (k, (folder, run, plots)) in runs.iter().enumerate() {
         text += &section(k, run, plots);
+        text += &closeups(folder, run);
+        text += "</section>\n";
     }
     text + "</body>\n</html>\n"
 }
@@ -63,7 +69,7 @@ fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
         text += &table(&STIFF_HEADS, rows.iter().filter_map(stiff));
     }
     if families(&run.rows).next().is_some() {
-        return text + "</section>\n";
+        return text;
     }
     let cases: Vec<_> = run.rows.chunk_by(|a, b| a.case == b.case).collect();
     // plots over several cases come first
@@ -80,7 +86,23 @@ fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
             text += svg;
         }
     }
-    text + "</section>\n"
+    text
+}
+
+/// Pictures of both ways beside each other.
+fn closeups(folder: &str, run: &Run) -> String {
+    let picture = |p: &super::closeups::Picture| {
+        let (folder, file, label) = (escaped(folder), escaped(&p.file), escaped(&p.label));
+        format!(
+            "<figure><img src=\"{folder}/{file}\" alt=\"{label}\"><figcaption>{label}: {:.1} dB</figcaption></figure>\n",
+            p.psnr
+        )
+    };
+    let drawn = |c: &super::closeups::Drawn| {
+        let pictures: String = c.pictures.iter().map(picture).collect();
+        format!("<h3>{}</h3>\n<div class=\"closeups\">\n{pictures}</div>\n", escaped(&c.name))
+    };
+    run.closeups.iter().map(drawn).collect()
 }
 
 fn table<const N: usize>(heads: &[&str; N], rows: impl Iterator<Item = [String; N]>) -> String {

@@ -300,7 +300,7 @@ fn cameras_apart(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Vec<Camera> {
     }
 }
 
-const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
+pub(super) const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
 
 /// The colours of the reference, with so many samples a pixel.
 fn box_filtered(scene: &Scene, camera: &Camera, samples: u32) -> Frame {

@@ -4,7 +4,7 @@ use super::atlas::Painter;
 use super::illumination::Illuminated;
 use super::pages::PageStore;
 use super::resident::Resident;
-use super::{Capacities, Counts, Rendered, check_samples, join, setup};
+use super::{Capacities, Counts, Rendered, check_samples, join, outlined_by, setup};
 use crate::baseline::Rival;
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
@@ -199,7 +199,7 @@ impl Frames<'_> {
             return Err(Error::input("other triangles or materials than those that are lit; prepare the frames anew"));
         }
         let (lit, contents) = (Contents::of(&self.scene), Contents::of(&scene));
-        if lit != contents {
+        if lit != contents || outlined_by(&self.scene.style) != outlined_by(&scene.style) {
             return Err(Error::input(
                 "other kinds of materials or light than those that are lit; prepare the frames anew",
             ));

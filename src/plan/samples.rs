@@ -1,7 +1,9 @@
 //! Samples of a pixel: where they lie, and which cameras find those of all pixels in one frame.
 
+use super::sheets::kind;
 use crate::camera::Camera;
 use crate::camera::arranged::is_scattered;
+use crate::gpu::kernels::RaysKind;
 use crate::scene::Scene;
 use glam::DVec2;
 
@@ -14,7 +16,7 @@ pub fn at_once(scene: &Scene, camera: &Camera, count: u32) -> bool {
     // light gathered from caustics is known of centres, and where an image cuts holes into triangles no edge says so
     scene.caustics.is_none()
         && !scene.mesh.has_holes()
-        && !camera.is_curved()
+        && !matches!(kind(camera), RaysKind::Curves { .. })
         && camera.optics.is_none()
         && !is_scattered(camera)
         && count <= AT_ONCE_MAX

@@ -9,6 +9,7 @@ mod stages;
 mod stiff;
 
 use super::case::{Case, Source};
+use super::closeups::{Closeups, LORENZ};
 
 /// A list of cases by name.
 pub struct Suite {
@@ -20,6 +21,7 @@ pub struct Suite {
     cases: fn() -> Vec<Case>,
     /// Small ones, for a look.
     quick: fn() -> Vec<Case>,
+    pub closeups: &'static [Closeups],
 }
 
 /// What a suite's rows are drawn as.
@@ -44,6 +46,7 @@ pub const SUITES: [Suite; 7] = [
         plot: Plot::Error,
         cases: papers::cases,
         quick: papers::quick,
+        closeups: &LORENZ,
     },
     Suite {
         name: "pareto",
@@ -51,6 +54,7 @@ pub const SUITES: [Suite; 7] = [
         plot: Plot::Error,
         cases: pareto::cases,
         quick: pareto::quick,
+        closeups: &[],
     },
     Suite {
         name: "glc",
@@ -58,6 +62,7 @@ pub const SUITES: [Suite; 7] = [
         plot: Plot::Scaling,
         cases: glc::cases,
         quick: glc::quick,
+        closeups: &[],
     },
     Suite {
         name: "samples",
@@ -65,6 +70,7 @@ pub const SUITES: [Suite; 7] = [
         plot: Plot::Colour,
         cases: samples::cases,
         quick: samples::quick,
+        closeups: &[],
     },
     Suite {
         name: "stages",
@@ -72,6 +78,7 @@ pub const SUITES: [Suite; 7] = [
         plot: Plot::Stages,
         cases: stages::cases,
         quick: stages::quick,
+        closeups: &[],
     },
     Suite {
         name: "dynamic",
@@ -79,6 +86,7 @@ pub const SUITES: [Suite; 7] = [
         plot: Plot::Scaling,
         cases: dynamic::cases,
         quick: dynamic::quick,
+        closeups: &[],
     },
     Suite {
         name: "stiff",
@@ -86,6 +94,7 @@ pub const SUITES: [Suite; 7] = [
         plot: Plot::Stiffness,
         cases: stiff::cases,
         quick: stiff::quick,
+        closeups: &[],
     },
 ];
 

@@ -1,7 +1,7 @@
 //! What the papers measured, on stand-ins of the same counts: none of their scenes is public.
 
 use super::{cylinder_scene, scene};
-use crate::bench::case::{Arm, Case, arms};
+use crate::bench::case::{Arm, Case, Samples, arms};
 use crate::bench::row::{Moving, Paper};
 
 /// Machines of the papers.
@@ -191,8 +191,18 @@ fn lorenz() -> Vec<Case> {
         |figure: &str, fps: f64, stand_in: &str| paper("Lorenz and Doellner 2009", figure, fps, GTS_8800, stand_in);
     let strips = |arm: Arm, n: u32| arm.set(&[&format!("camera.strips={n}")]).knob("strips", f64::from(n));
     let city = "a generated city of 35,000 triangles";
-    let quality = "the same city, 16 rays a pixel as a picture of 4 x 4 its size; without anisotropic filters";
-    let (size, large) = (["image.width=1600", "image.height=1200"], ["image.width=6400", "image.height=4800"]);
+    let quality = "the same city under a pattern that is filtered, 16 samples a pixel; the rival's by a frame each";
+    let size = ["image.width=1600", "image.height=1200"];
+    let pattern = ["mesh.0.pattern.kind=\"checker\"", "mesh.0.pattern.size=0.7"];
+    let fine = |arms: Vec<Arm>| -> Vec<Arm> {
+        let samples = |arm: &Arm| if arm.by.is_none() { Samples::AtOnce(16) } else { Samples::Apart(16) };
+        arms.into_iter()
+            .map(|arm| {
+                let samples = samples(&arm);
+                arm.samples(samples)
+            })
+            .collect()
+    };
     let cube = || Arm::rival("raster-cubemap:2048");
     let ppp = |n: u32| vec![strips(Arm::ours(), n), strips(Arm::rival("raster-pieces"), n)];
     let exact = vec![Arm::ours(), Arm::rival("raytrace")];
@@ -201,26 +211,34 @@ fn lorenz() -> Vec<Case> {
     let mut cases = vec![
         cylinder("Lorenz table 1: PPP", [exact, ppp(160)].concat(), size).paper(of("table 1, figure 1", 84.7, city)),
         cylinder("Lorenz table 1: IB", vec![Arm::ours(), cube()], size).paper(of("table 1", 41.7, city)),
-        cylinder("Lorenz table 1: PPP HQ", ppp(160), large).paper(of("table 1, figure 1", 54.8, quality)),
-        cylinder("Lorenz table 1: IB HQ", vec![Arm::ours(), cube()], large).paper(of("table 1", 33.8, quality)),
+        cylinder("Lorenz table 1: PPP HQ", fine(ppp(160)), size).set(&pattern).paper(of(
+            "table 1, figure 1",
+            54.8,
+            quality,
+        )),
+        cylinder("Lorenz table 1: IB HQ", fine(vec![Arm::ours(), cube()]), size)
+            .set(&pattern)
+            .paper(of("table 1", 33.8, quality)),
         cylinder("Lorenz 4", ppp(40), size).paper(paper("Lorenz and Doellner 2009", "4", None, GTS_8800, city)),
     ];
-    // texture, technique, size of the picture, figure, frames a second
+    // texture, technique, with high quality, figure, frames a second
     let by = |name: &str| vec![Arm::ours(), Arm::rival(name)];
     let textures = [
-        ("128x128", "raster-pieces", size, "table 2, PPP", 8.4),
-        ("128x128", "raster-cubemap:2048", size, "table 2, IB", 206.2),
-        ("128x128", "raster-pieces", large, "table 2, PPP HQ", 8.2),
-        ("128x128", "raster-cubemap:2048", large, "table 2, IB HQ", 95.8),
-        ("80x60", "raster-pieces", size, "section 4", 22.1),
-        ("80x60", "raster-pieces", large, "section 4, HQ", 20.9),
+        ("128x128", "raster-pieces", false, "table 2, PPP", 8.4),
+        ("128x128", "raster-cubemap:2048", false, "table 2, IB", 206.2),
+        ("128x128", "raster-pieces", true, "table 2, PPP HQ", 8.2),
+        ("128x128", "raster-cubemap:2048", true, "table 2, IB HQ", 95.8),
+        ("80x60", "raster-pieces", false, "section 4", 22.1),
+        ("80x60", "raster-pieces", true, "section 4, HQ", 20.9),
     ];
-    cases.extend(textures.map(|(texture, technique, size, figure, fps)| {
-        Case::of(format!("Lorenz {figure}: camera texture of {texture}"), "deformation", by(technique))
+    cases.extend(textures.map(|(texture, technique, is_fine, figure, fps)| {
+        let (arms, more) = if is_fine { (fine(by(technique)), &pattern[..]) } else { (by(technique), &[][..]) };
+        Case::of(format!("Lorenz {figure}: camera texture of {texture}"), "deformation", arms)
             .set(&[&format!("camera.file=deformation-{texture}.npy")])
             .set(&size)
+            .set(more)
             .counted()
-            .paper(of(figure, fps, if size == large { quality } else { city }))
+            .paper(of(figure, fps, if is_fine { quality } else { city }))
     }));
     // its figure 6: up to a million triangles
     cases.extend([20_000, 100_000, 1_000_000].map(|n| {
