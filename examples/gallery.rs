@@ -1,5 +1,6 @@
 //! `make gallery`: renders every example that is after a figure to FOLDER/gallery/NAME.png, and all of them, small, into
-//! the contact sheet FOLDER/gallery.png. FOLDER is the one argument.
+//! the contact sheet FOLDER/gallery.png. FOLDER is the one argument; after it may come the names of those that are rendered anew, where
+//! the others are there already.
 
 #[path = "common/sheet.rs"]
 mod sheet;
@@ -31,11 +32,22 @@ fn main() -> Result<()> {
     std::fs::create_dir_all(&pictures).map_err(|e| Error::work(format!("{}: {e}", pictures.display())))?;
     let mut engine = Engine::new(Gpu::open(&Default::default())?.ok_or_else(|| Error::work(NO_ADAPTER))?);
     let mut small = Vec::new();
+    let asked: Vec<String> = std::env::args().skip(2).collect();
     for example in gallery() {
-        small.push((example.name, render(&mut engine, example, &pictures)?));
+        let path = pictures.join(format!("{}.png", example.name));
+        let is_asked = asked.is_empty() || asked.iter().any(|name| name == example.name) || !path.is_file();
+        let picture = if is_asked { render(&mut engine, example, &pictures)? } else { known(&path)? };
+        small.push((example.name, picture));
     }
     let sheet = sheet::sheet(&small, COLUMNS);
     write_png(&folder.join("gallery.png"), sheet.width(), sheet.height(), &sheet)
+}
+
+/// A picture that is there already, as large as a cell of the sheet allows.
+fn known(path: &Path) -> Result<RgbImage> {
+    let wrong = |e: image::ImageError| Error::input(format!("{}: {e}; remove it", path.display()));
+    let picture = image::open(path).map_err(wrong)?.into_rgba8();
+    Ok(sheet::small(picture.width(), picture.height(), &picture))
 }
 
 /// Samples of a pixel; of cameras that take a frame each, fewer.

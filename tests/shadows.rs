@@ -151,6 +151,18 @@ fn what_is_near_hides_light_from_around_as_in_the_reference() {
     assert!(db[0] > 25.0 && db[1] > db[0] + 6.0 && db[2] > db[1] + 6.0, "{db:?}");
 }
 
+/// About the anchor, which is where the middle ray meets the scene's box, places are small numbers, but not those of the way there.
+#[test]
+fn nothing_hides_itself_from_light_about_the_anchor() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let text = "kind = \"occlusion\"\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nvfov = 3\nfar = 7.5\nend = 16\ndistortion = [0, 0.14]";
+    let camera = camera_of("", SIZE, text).unwrap();
+    let text = "image = { width = 4, height = 4 }\n[[mesh]]\nbuiltin = \"icosphere\"\nlevel = 5\n[camera]\nkind = \"orthographic\"\neye = [0, 0, 2]\ntarget = [0, 0, 0]\nheight = 2";
+    let scene = Scene { lights: vec![sun(), lamp()], ..load(text).unwrap() };
+    let (off, all) = lit_otherwise(&mut engine, &scene, &camera);
+    assert!(off * 1000 <= 3 * all && all > 4000, "{off} of {all} are lit otherwise");
+}
+
 /// Shadows are found at the samples' own places.
 #[test]
 fn samples_are_lit_where_they_are() {

@@ -97,14 +97,14 @@ fn seen_by(pixel: u32, row: u32, sample: u32, some: u32) -> vec3<f32> {
     let p = point_at(ray, key_t(key));
     let albedo = surface_albedo(slot, triangle, ray, spread);
     if !STYLED {
-        return f32(countOneBits(some)) * sent_back(Lit(slot, p, ray.p, n, normalize(ray.d)), albedo);
+        return f32(countOneBits(some)) * sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d)), albedo);
     }
     var z = 0.0;
     for (var k = 0u; SHEETED && k < key_layer(key); k++) {
         z += segment_length(k, x, y);
     }
     let whole = Look(slot, p, z, ray.d, spread, shading.spread);
-    let lit = sent_back(Lit(slot, p, ray.p, n, normalize(ray.d)), albedo * pattern_at(whole));
+    let lit = sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d)), albedo * pattern_at(whole));
     var sum = vec3<f32>(0.0);
     for (var others = some; others != 0u; others &= others - 1u) {
         let own = firstTrailingBit(others);

@@ -64,7 +64,7 @@ const SAMPLES: u32 = 16;
 const TRUTH: u32 = 36;
 
 /// Texels of a face of the cube map.
-const SIDE: u32 = 512;
+const SIDE: u32 = 1024;
 
 const INK: [f32; 3] = [0.02, 0.02, 0.08];
 

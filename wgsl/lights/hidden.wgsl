@@ -26,8 +26,8 @@ fn facing(lit: Lit) -> vec3<f32> {
 }
 
 fn start_above(lit: Lit, flat: vec3<f32>) -> vec3<f32> {
-    let size = max(abs(lit.p), abs(lit.from_there));
-    return lit.p + ABOVE * max(size.x, max(size.y, size.z)) * flat;
+    let size = max(max(abs(lit.p.x), abs(lit.p.y)), max(abs(lit.p.z), lit.reach));
+    return lit.p + ABOVE * size * flat;
 }
 
 // No triangle is between a hit and a light.

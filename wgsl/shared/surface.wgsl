@@ -35,9 +35,15 @@ fn surface_normal(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
 struct Lit {
     slot: u32,
     p: vec3<f32>,           // relative to the anchor
-    from_there: vec3<f32>,  // where its ray starts
+    reach: f32,             // the largest number that its place comes from
     n: vec3<f32>,           // unit, turned to the viewer
     view: vec3<f32>,        // unit, away from the viewer
+}
+
+// Of a place at t of a ray.
+fn reach_of(ray: Ray, t: f32) -> f32 {
+    let most = max(abs(ray.p), abs(t * ray.d));
+    return max(most.x, max(most.y, most.z));
 }
 
 // Light at a hit: the unit way to where it comes from, and its irradiance over pi there.
