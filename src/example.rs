@@ -160,8 +160,8 @@ mod tests {
             let scene = Scene::load(&path, &[], 0.0).unwrap();
             assert_eq!(scene.output.color, Some(dir.path().join(format!("{}.png", example.name))));
             let camera = scene.camera().unwrap();
-            // of the gallery's cameras some say how they are built, and all with optics
-            let says = example.figure.is_some() || camera.optics.is_some();
+            // of the gallery's cameras some say how they are built, and all with optics, and where borders of pieces are drawn
+            let says = example.figure.is_some() || camera.optics.is_some() || scene.style.borders.is_some();
             assert!(camera.notes.is_empty() || says, "{}: {:?}", example.name, camera.notes);
             assert!(camera.ray(camera.width / 2, camera.height / 2).is_some(), "{}", example.name);
         }
