@@ -324,6 +324,9 @@ fn what_is_left_out_is_said() {
             has_holes: true,
             has_gloss: true,
             has_sky: true,
+            has_shadows: true,
+            has_style: true,
+            has_outlines: true,
             ..of(9)
         };
         let contents = if normals { all } else { of(9) };
@@ -364,6 +367,9 @@ fn what_is_left_out_is_said() {
         "holes",
         "gloss",
         "sky",
+        "shadows",
+        "styles",
+        "outline",
         "write",
         "fragment counters",
         "the adapter's f64",
