@@ -60,6 +60,9 @@ pub const LORENZ: [Closeups; 2] = [
 /// Samples of a pixel, by both ways.
 const SAMPLES: u32 = 16;
 
+/// Of a texel of the cube map: with more of them an adapter that binds 128 MiB holds no face whole, which outlines need.
+const FACE_SAMPLES: u32 = 8;
+
 /// Frames, each with places of its own, that the truth is the mean of.
 const TRUTH: u32 = 36;
 
@@ -152,7 +155,7 @@ fn image_based(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Result<Ve
         let kind = CameraKind::Pinhole { eye, target: eye + forward, up, vfov: 90.0 };
         let spec = CameraSpec { kind, t_range: camera.t_range };
         let face = Camera::in_scene(&spec, Some((SIDE, SIDE)), &scene.mesh)?;
-        faces.push(frame(engine, scene, &face, SAMPLES, 1)?);
+        faces.push(frame(engine, scene, &face, FACE_SAMPLES, 1)?);
     }
     let seen = |k: u32| {
         let Some(ray) = camera.ray(k % camera.width, k / camera.width) else { return scene.background };
