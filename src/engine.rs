@@ -231,6 +231,11 @@ impl Engine {
         let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup)).transpose()?;
         let caustics = lit.map(|lit| (lit, self.gather(plan.variant, &plan.planes)));
         let clustered = cluster(&scene.mesh, plan.anchor, plan.variant.textured, limit);
+        if plan.variant.analytic && clustered.chunks.len() > 1 {
+            let lists = clustered.chunks.len();
+            let what = "analytic coverage needs all triangles in one list";
+            return Err(Error::input(format!("{what}, for which the adapter takes {lists}; count samples")));
+        }
         let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, wanted, run.capacities)?;
         resident.upload_look(&self.gpu, &self.pages, &scene, &plan)?;
         let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());
@@ -334,6 +339,9 @@ fn check_provable(scene: &Scene, camera: &Camera, run: &RunOptions) -> Result<()
 fn check_samples(scene: &Scene, camera: &Camera, wanted: &Wanted, by_rival: bool) -> Result<()> {
     if wanted.samples == 0 {
         return Err(Error::input("0 samples a pixel; at least 1"));
+    }
+    if wanted.analytic && wanted.samples == 1 {
+        return Err(Error::input("analytic coverage is of what several samples of a pixel see; take at least 2"));
     }
     let is_possible = !by_rival && at_once(scene, camera, wanted.samples);
     if wanted.samples == 1 || is_possible {

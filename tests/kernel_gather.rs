@@ -54,6 +54,7 @@ fn variant(optics: bool) -> Variant {
         optics: optics.then_some(OpticsKind::Facets),
         turned: false,
         samples: 1,
+        analytic: false,
     }
 }
 

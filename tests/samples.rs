@@ -18,7 +18,7 @@ use common::gpu::{engine_on, ids};
 use common::layered::chain;
 use common::rng::Rng;
 use common::{FORWARD, camera, mesh, moved, scene, soup};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use pictures::{box_filtered, colours, psnr};
 
 const SIZE: (u32, u32) = (61, 45);
@@ -68,7 +68,7 @@ fn sampled(engine: &mut Engine, scene: &Scene, camera: &Camera, samples: u32, ru
 /// Triangles that the samples of all pixels see, by a frame each.
 fn one_by_one(engine: &mut Engine, scene: &Scene, camera: &Camera, samples: u32) -> Vec<Vec<u32>> {
     let wanted = Wanted::of(vec![Channel::TriangleId]);
-    let frame = |place: glam::DVec2| {
+    let frame = |place: DVec2| {
         let moved = camera.with_sample_offset(place.x, place.y);
         ids(&engine.render(scene, &moved, &wanted, &RunOptions::default()).unwrap().frame).to_vec()
     };
@@ -175,6 +175,99 @@ fn sixteen_samples_come_near_the_box_filter() {
         println!("{name}: {errors:.1?} dB at 1, 4 and 16 samples");
         assert!(errors[2] >= 35.0 && errors[1] > errors[0] && errors[2] > errors[0], "{name}: {errors:?}");
     }
+}
+
+/// What no sample sees has no area: that of small triangles goes to what lies behind, unless samples are many.
+#[test]
+fn areas_come_nearer_than_as_many_samples_counted() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let large = scene(soup(&mut Rng(11), 8, 1.5));
+    for (is_large, scene, all) in [(true, large, vec![4, 8, 16]), (false, ball(), vec![16])] {
+        for (name, camera) in cameras() {
+            let truth = box_filtered(&scene, &camera, 256);
+            for &samples in &all {
+                let mut error = |analytic: bool| {
+                    let wanted = Wanted { samples, analytic, ..Wanted::of(pictures::COLOUR.to_vec()) };
+                    let seen = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap();
+                    psnr(&colours(&seen.frame), &truth)
+                };
+                let [counted, areas] = [false, true].map(&mut error);
+                println!("{name}, {samples} samples: {counted:.1} dB counted, {areas:.1} dB by areas");
+                assert!(areas > counted || !is_large, "{name}");
+                assert!(areas >= 35.0 || samples < 16, "{name}");
+            }
+        }
+    }
+}
+
+/// The area of a polygon in the square of a pixel (Sutherland and Hodgman 1974).
+fn area_in_pixel(mut corners: Vec<DVec2>, pixel: DVec2) -> f64 {
+    for (way, beyond) in [(DVec2::X, 0.5), (-DVec2::X, 0.5), (DVec2::Y, 0.5), (-DVec2::Y, 0.5)] {
+        let inside = |p: DVec2| way.dot(p - pixel) + beyond;
+        let mut kept = Vec::new();
+        for (k, &p) in corners.iter().enumerate() {
+            let q = corners[(k + 1) % corners.len()];
+            if inside(p) >= 0.0 {
+                kept.push(p);
+            }
+            if (inside(p) >= 0.0) != (inside(q) >= 0.0) {
+                kept.push(p.lerp(q, inside(p) / (inside(p) - inside(q))));
+            }
+        }
+        corners = kept;
+    }
+    let next = corners.iter().cycle().skip(1);
+    0.5 * corners.iter().zip(next).map(|(p, q)| p.perp_dot(*q)).sum::<f64>().abs()
+}
+
+/// Places are found in f32 from numbers of at most 4, in some ten roundings, and pixels are 1/24 wide.
+const AREA_ERROR: f64 = 10.0 * 4.0 * 24.0 / 16_777_216.0;
+
+#[test]
+fn coverage_is_the_area_of_what_is_seen() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let text = "kind = \"orthographic\"\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nheight = 2";
+    let camera = camera_of("", (48, 48), text).unwrap();
+    let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+    let on_image = |p: DVec3| DVec2::new(24.0 * (p.x + 1.0) - 0.5, 24.0 * (1.0 - p.y) - 0.5);
+    let triangle = [corner(-0.83, -0.61), corner(0.77, -0.39), corner(0.11, 0.93)];
+    let outline = triangle.map(on_image);
+    let counted = Wanted { samples: 16, ..Wanted::of(vec![Channel::A]) };
+    let areas = Wanted { analytic: true, ..counted.clone() };
+    let behind = triangle.map(|p| 0.9 * p - DVec3::Z);
+    let alone = scene(mesh(triangle.to_vec(), vec![[0, 1, 2]]));
+    let before = scene(mesh([triangle, behind].concat(), vec![[0, 1, 2], [3, 4, 5]]));
+    for (name, scene) in [("alone", alone), ("before another", before)] {
+        let [some, alpha] = [&counted, &areas].map(|wanted| {
+            let seen = engine.render(&scene, &camera, wanted, &RunOptions::default()).unwrap();
+            seen.frame.f32(Channel::A).unwrap().to_vec()
+        });
+        let mut borders = 0;
+        for (k, alpha) in alpha.iter().enumerate() {
+            // of which samples see both the triangle and nothing
+            if some[k] > 0.0 && some[k] < 1.0 {
+                let pixel = DVec2::new((k % 48) as f64, (k / 48) as f64);
+                let area = area_in_pixel(outline.to_vec(), pixel);
+                borders += 1;
+                assert!((f64::from(*alpha) - area).abs() <= AREA_ERROR, "{name}, pixel {pixel}: {alpha} for {area}");
+            }
+        }
+        assert!(borders > 50, "{name}: {borders}");
+    }
+}
+
+#[test]
+fn areas_are_of_several_samples_and_of_all_triangles_at_once() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let (_, kind) = glc_of_each_class().swap_remove(3);
+    let camera = camera(kind, SIZE, FORWARD);
+    let areas = |samples| Wanted { samples, analytic: true, ..Wanted::of(vec![Channel::A]) };
+    let refused = engine.render(&crowd(), &camera, &areas(1), &RunOptions::default()).unwrap_err().to_string();
+    assert!(refused.contains("take at least 2"), "{refused}");
+    let Some(mut small) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 15) else { return };
+    let many = scene(soup(&mut Rng(5), 3000, 0.2));
+    let refused = small.render(&many, &camera, &areas(4), &RunOptions::default()).unwrap_err().to_string();
+    assert!(refused.contains("all triangles in one list"), "{refused}");
 }
 
 /// Curves, and a mirror.

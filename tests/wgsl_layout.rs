@@ -49,6 +49,7 @@ const PLAIN: Variant = Variant {
     optics: None,
     turned: false,
     samples: 1,
+    analytic: false,
 };
 
 /// Structs by name: size and fields in order.

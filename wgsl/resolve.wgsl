@@ -1,6 +1,6 @@
 // resolve: one thread per row of `samples`, after shade.
 // Reads the visibility keys of a listed pixel's samples, the triangles and the samples' rays; writes the pixel's colour and coverage, the
-// means of its samples'; where these and the centre see one triangle they are what shade has written. Each triangle is shaded once, at the sample nearest to the middle of those that see it.
+// means of its samples', each triangle's share of them by its samples' number or by areas; where these and the centre see one triangle they are what shade has written. Each triangle is shaded once, at the sample nearest to the middle of those that see it.
 // Triangles in another chunk of the scene are left to that chunk's dispatch, which adds its share.
 
 fn key_of(row: u32, sample: u32) -> vec2<u32> {
@@ -24,47 +24,63 @@ fn resolve(
     let pixel = samples[2u * row * (SAMPLES + 1u)];
     let centre = samples[2u * row * (SAMPLES + 1u) + 1u];
     var colour = vec3<f32>(0.0);
-    var covered = 0u;
+    var coverage = 0.0;
 
     // take each triangle with all samples that see it
+    measure(pixel, row);
     var left = all_samples();
+    var k = 0u;
     loop {
         let first = key_of(row, firstTrailingBit(left));
         let is_hit = any(first != vec2<u32>(0u));
-        var same = 0u;
-        var middle = vec2<f32>(0.0);
-        for (var others = left; others != 0u; others &= others - 1u) {
-            let n = firstTrailingBit(others);
-            let key = key_of(row, n);
-            if any(key != vec2<u32>(0u)) == is_hit && key_id(~key) == key_id(~first) {
-                same |= 1u << n;
-                middle += sample_place(n);
-            }
-        }
+        let same = seen_next(k, row, left);
         if same == all_samples() && select(NONE, key_id(~first), is_hit) == centre {
             return;
         }
-        left &= ~same;
-        let count = countOneBits(same);
+        let share = share_of(k, same);
         if is_hit {
-            covered += count;
+            coverage += share;
             if key_id(~first) - params.id_first < params.id_count {
-                let n = nearest_to(middle / f32(count), same);
-                colour += seen_by(pixel, row, n, same);
+                let n = nearest_to(middle_of(same), same);
+                colour += share * seen_by(pixel, row, n, same);
             }
         } else if params.id_first == 0u {
-            colour += f32(count) * beyond(pixel % params.width, pixel / params.width);
+            colour += share * beyond(pixel % params.width, pixel / params.width);
         }
+        left &= ~same;
+        k += 1u;
         if left == 0u {
             break;
         }
     }
 
     // write what they come to
-    put(PLANE_A, pixel, f32(covered) / f32(SAMPLES), false);
-    put(PLANE_R, pixel, colour.x / f32(SAMPLES), true);
-    put(PLANE_G, pixel, colour.y / f32(SAMPLES), true);
-    put(PLANE_B, pixel, colour.z / f32(SAMPLES), true);
+    put(PLANE_A, pixel, coverage / whole(), false);
+    put(PLANE_R, pixel, colour.x / whole(), true);
+    put(PLANE_G, pixel, colour.y / whole(), true);
+    put(PLANE_B, pixel, colour.z / whole(), true);
+}
+
+// Of the samples left those that see what the first of them sees.
+fn seen_alike(row: u32, left: u32) -> u32 {
+    let first = key_of(row, firstTrailingBit(left));
+    let is_hit = any(first != vec2<u32>(0u));
+    var same = 0u;
+    for (var others = left; others != 0u; others &= others - 1u) {
+        let n = firstTrailingBit(others);
+        let key = key_of(row, n);
+        let is_same = any(key != vec2<u32>(0u)) == is_hit && key_id(~key) == key_id(~first);
+        same |= select(0u, 1u << n, is_same);
+    }
+    return same;
+}
+
+fn middle_of(some: u32) -> vec2<f32> {
+    var sum = vec2<f32>(0.0);
+    for (var others = some; others != 0u; others &= others - 1u) {
+        sum += sample_place(firstTrailingBit(others));
+    }
+    return sum / f32(countOneBits(some));
 }
 
 // Of some samples the one nearest to a place.
@@ -81,7 +97,7 @@ fn nearest_to(place: vec2<f32>, some: u32) -> u32 {
     return nearest;
 }
 
-// What some samples come to that see the triangle which one of them is lit at; lines and strokes on it are each sample's own.
+// The mean of some samples that see the triangle which one of them is lit at; lines and strokes on it are each sample's own.
 fn seen_by(pixel: u32, row: u32, sample: u32, some: u32) -> vec3<f32> {
     let key = ~key_of(row, sample);
     let slot = slot_of_id[key_id(key) - params.id_first];
@@ -97,7 +113,7 @@ fn seen_by(pixel: u32, row: u32, sample: u32, some: u32) -> vec3<f32> {
     let p = point_at(ray, key_t(key));
     let albedo = surface_albedo(slot, triangle, ray, spread);
     if !STYLED {
-        return f32(countOneBits(some)) * sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d)), albedo);
+        return sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d)), albedo);
     }
     var z = 0.0;
     for (var k = 0u; SHEETED && k < key_layer(key); k++) {
@@ -113,7 +129,7 @@ fn seen_by(pixel: u32, row: u32, sample: u32, some: u32) -> vec3<f32> {
         let look = Look(slot, point_at(its, t), z + reached(its, key_layer(key), x, y, t), its.d, spread, inverseSqrt(f32(SAMPLES)));
         sum += drawn(look, n, lit);
     }
-    return sum;
+    return sum / f32(countOneBits(some));
 }
 
 // A sum that the first chunk begins, or what all of them find alike.

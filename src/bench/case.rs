@@ -66,6 +66,8 @@ pub struct Arm {
 pub enum Samples {
     /// In one frame.
     AtOnce(u32),
+    /// In one frame, of which what they see has shares by areas.
+    Analytic(u32),
     /// A frame each.
     Apart(u32),
 }
@@ -166,6 +168,7 @@ impl Arm {
     pub fn samples(self, samples: Samples) -> Arm {
         let (way, n) = match samples {
             Samples::AtOnce(n) => (self.way, n),
+            Samples::Analytic(n) => (Some("areas"), n),
             Samples::Apart(n) => (Some("a frame a sample"), n),
         };
         Arm { samples, way, knob: Some(("samples", f64::from(n))), ..self }

@@ -331,7 +331,8 @@ fn wanted(case: &Case, arm: &Arm) -> Wanted {
     let seen = seen(case.stiffness.is_some(), arm.bare);
     match (case.filtered, arm.samples) {
         (Some(_), Samples::AtOnce(samples)) => Wanted { samples, ..Wanted::of(COLOURS.to_vec()) },
-        (Some(_), Samples::Apart(_)) => Wanted::of(COLOURS.to_vec()),
+        (Some(_), Samples::Analytic(samples)) => Wanted { samples, analytic: true, ..Wanted::of(COLOURS.to_vec()) },
+        (Some(_), Samples::Apart(frames)) => Wanted { frames, ..Wanted::of(COLOURS.to_vec()) },
         (None, _) => seen,
     }
 }

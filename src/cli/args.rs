@@ -70,6 +70,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 1)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=64))]
     pub samples: u32,
+    /// Triangles that some of --samples N see count in a pixel by their areas there, not by the number of these samples
+    #[arg(long)]
+    pub analytic: bool,
     /// Channels to compute and write, as in R,G,B,Z [default with --exr: what a pixel sees]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = channels)]
     pub channels: Option<Vec<Named>>,
@@ -100,8 +103,8 @@ pub struct RenderArgs {
     pub no_f64: bool,
     /// Print one pixel's ray, hit, candidates and margins instead
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = pixel, conflicts_with_all = [
-        "output", "exr", "points", "engine", "samples", "channels", "report", "check", "repeat", "no_cull", "adapter",
-        "no_int64", "no_f64",
+        "output", "exr", "points", "engine", "samples", "analytic", "channels", "report", "check", "repeat", "no_cull",
+        "adapter", "no_int64", "no_f64",
     ])]
     pub pixel: Option<(u32, u32)>,
 }

@@ -55,6 +55,11 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     points::check(&files, &camera)?;
     let is_compute = matches!(args.engine, None | Some(EngineName::Compute));
     let samples = if is_compute && at_once(&scene, &camera, args.samples) { args.samples } else { 1 };
+    wanted.analytic = args.analytic;
+    if args.analytic && samples == 1 {
+        let what = if args.samples == 1 { "one sees one triangle; add --samples N" } else { "here each takes a frame" };
+        return Err(Error::input(format!("--analytic is of what several samples of a pixel see in a frame; {what}")));
+    }
     let more = sample_bytes(&camera, samples, !mattes.is_empty());
     memory::check(camera.width, camera.height, wanted.channels.len() + 3, more)?;
 

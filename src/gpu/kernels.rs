@@ -67,6 +67,8 @@ pub struct Variant {
     pub turned: bool,
     /// Samples of a pixel that holds an edge, 32 at most; 1: its centre alone, and no pixel is looked at for edges.
     pub samples: u32,
+    /// Of such a pixel triangles have shares by their areas, not by their samples' number.
+    pub analytic: bool,
 }
 
 /// How a kernel binds a buffer.
@@ -109,8 +111,11 @@ macro_rules! snippet {
 
 mod optics;
 mod samples;
+mod surfaces;
 pub use optics::{OpticsKind, bounce, fit, meet, paste};
 pub use samples::{edges, edges_by_tile, resolve, sample, sample_by_tile, settle};
+use surfaces::plane_constants;
+pub use surfaces::{mip, outline, shade, write_srgb};
 
 pub(crate) const PARAMS: &str = snippet!("shared/params.wgsl");
 pub(crate) const ITEMS: &str = snippet!("shared/items.wgsl");
@@ -178,6 +183,7 @@ impl Variant {
                 optics: None,
                 turned: false,
                 samples: 1,
+                analytic: false,
             };
             let variant = |rays, sheeted, optics| Variant { rays, sheeted, optics, ..of_camera };
             let curves = [1, 2, 3].map(|degree| RaysKind::Curves { degree });
@@ -185,7 +191,7 @@ impl Variant {
                 list.extend([false, true].map(|sheeted| variant(rays, sheeted, None)));
             }
             for (rays, sheeted) in [(RaysKind::Pieces, false), (RaysKind::Pieces, true), (RaysKind::Field, false)] {
-                list.push(Variant { samples: 4, ..variant(rays, sheeted, None) });
+                list.push(Variant { samples: 4, analytic: more, ..variant(rays, sheeted, None) });
             }
             if textured {
                 let kinds = [RaysKind::Pieces, RaysKind::Field, RaysKind::Curves { degree: 3 }];
@@ -286,76 +292,6 @@ impl Variant {
     /// How a kernel loads the node of its item.
     fn item_node(self) -> &'static str {
         if self.by_tile { NODE_BY_LANES } else { snippet!("shared/node_rows.wgsl") }
-    }
-
-    /// The images that lie on triangles.
-    fn pages(self) -> Option<Binding> {
-        self.textured.then(|| texture("pages", "texture_2d_array<f32>"))
-    }
-
-    /// How these are looked up.
-    fn images(self) -> &'static str {
-        if self.textured {
-            return concat!(
-                snippet!("materials/material.wgsl"),
-                snippet!("textures/rows.wgsl"),
-                snippet!("textures/levels.wgsl"),
-                snippet!("textures/mapped.wgsl"),
-                snippet!("textures/filter.wgsl"),
-            );
-        }
-        concat!(snippet!("materials/material.wgsl"), snippet!("textures/plain.wgsl"))
-    }
-
-    /// What light arrives at a surface, and what it sends back.
-    fn light(self) -> [&'static str; 2] {
-        let lights = match self.lights {
-            LightsKind::Plain => snippet!("lights/plain.wgsl"),
-            LightsKind::Placed => concat!(snippet!("lights/placed.wgsl"), snippet!("lights/unhidden.wgsl")),
-            LightsKind::Hidden => concat!(
-                snippet!("lights/placed.wgsl"),
-                snippet!("lights/hidden.wgsl"),
-                snippet!("shared/segment.wgsl"),
-                snippet!("shared/bvh.wgsl"),
-            ),
-        };
-        let materials = match (self.glossy, self.sky) {
-            (_, true) => concat!(snippet!("materials/glossy.wgsl"), snippet!("materials/sky.wgsl")),
-            (true, false) => concat!(snippet!("materials/glossy.wgsl"), snippet!("materials/no_sky.wgsl")),
-            (false, false) => concat!(snippet!("materials/matte.wgsl"), snippet!("materials/no_sky.wgsl")),
-        };
-        [lights, materials]
-    }
-
-    /// What is drawn on surfaces.
-    fn style(self) -> &'static str {
-        if self.styled {
-            return concat!(
-                snippet!("styles/rows.wgsl"),
-                snippet!("styles/look.wgsl"),
-                snippet!("styles/patterns.wgsl"),
-                snippet!("styles/lines.wgsl"),
-            );
-        }
-        concat!(snippet!("styles/look.wgsl"), snippet!("styles/plain.wgsl"))
-    }
-
-    /// How that is drawn.
-    fn style_row(self) -> Option<Binding> {
-        self.styled.then(|| uniform("style", "Style"))
-    }
-
-    /// Where their holes are.
-    fn holes(self) -> &'static str {
-        if self.cut {
-            return concat!(
-                snippet!("materials/material.wgsl"),
-                snippet!("textures/rows.wgsl"),
-                snippet!("textures/levels.wgsl"),
-                snippet!("textures/cut.wgsl"),
-            );
-        }
-        SOLID
     }
 
     /// The buffers that hold the camera's rays.
@@ -645,93 +581,6 @@ fn into_visibility(name: &'static str, variant: Variant, own: &[&str]) -> Kernel
     kernel.constants = variant.constants();
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel
-}
-
-pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
-    let mut bindings = vec![
-        params(),
-        uniform("shading", "Shading"),
-        read("triangles", "array<vec4<u32>>"),
-        read("vertices_hi", "array<f32>"),
-        read("vertices_lo", "array<f32>"),
-        read("slot_of_id", "array<u32>"),
-        read("surfaces", "array<vec4<u32>>"),
-        read("normals", "array<f32>"),
-        read("materials", "array<Material>"),
-        read("lights", "array<vec4<f32>>"),
-        read("visibility", "array<u32>"),
-        write("planes", "array<u32>"),
-    ];
-    bindings.extend(variant.pages());
-    bindings.extend(variant.pixel_rays());
-    if variant.optics.is_some() {
-        bindings.extend([optic(), ways()]);
-    }
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    bindings.extend(variant.style_row());
-    let own = [variant.camera(), SHADING, SURFACE, variant.images(), variant.style(), snippet!("shade.wgsl")];
-    let all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();
-    let mut kernel = kernel("shade", bindings, &all);
-    kernel.constants = [variant.constants(), plane_constants(planes)].concat();
-    kernel.constants.push(("NORMALS", variant.normals as u32 as f64));
-    if let Some(optics) = variant.optics {
-        kernel.constants.push(("SMOOTH", optics.is_smooth() as u32 as f64));
-    }
-    kernel
-}
-
-/// Which plane each channel that was asked for is written to, by all but `certify`.
-fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
-    let constant = |channel: &Channel| match channel {
-        Channel::R => Some("PLANE_R"),
-        Channel::G => Some("PLANE_G"),
-        Channel::B => Some("PLANE_B"),
-        Channel::A => Some("PLANE_A"),
-        Channel::Z => Some("PLANE_Z"),
-        Channel::T => Some("PLANE_T"),
-        Channel::TriangleId => Some("PLANE_TRIANGLE"),
-        Channel::PieceId => Some("PLANE_PIECE"),
-        Channel::BaryU => Some("PLANE_U"),
-        Channel::BaryV => Some("PLANE_V"),
-        Channel::MirrorId => Some("PLANE_MIRROR"),
-        Channel::NormalX => Some("PLANE_N_X"),
-        Channel::NormalY => Some("PLANE_N_Y"),
-        Channel::NormalZ => Some("PLANE_N_Z"),
-        Channel::PositionX => Some("PLANE_P_X"),
-        Channel::PositionY => Some("PLANE_P_Y"),
-        Channel::PositionZ => Some("PLANE_P_Z"),
-        Channel::AlbedoR => Some("PLANE_ALBEDO_R"),
-        Channel::AlbedoG => Some("PLANE_ALBEDO_G"),
-        Channel::AlbedoB => Some("PLANE_ALBEDO_B"),
-        Channel::TextureU => Some("PLANE_UV_U"),
-        Channel::TextureV => Some("PLANE_UV_V"),
-        Channel::Certified => None,
-    };
-    planes.iter().enumerate().filter_map(|(k, c)| constant(c).map(|name| (name, k as f64))).collect()
-}
-
-/// Lines between pixels, into the colour planes.
-pub fn outline(planes: &[Channel]) -> Kernel {
-    let bindings = vec![params(), uniform("style", "Style"), write("planes", "array<u32>")];
-    let snippets = [PARAMS, ITEMS, SHADING, snippet!("styles/rows.wgsl"), snippet!("outline.wgsl")];
-    let mut kernel = kernel("outline", bindings, &snippets);
-    kernel.constants = plane_constants(planes);
-    kernel
-}
-
-pub fn write_srgb(planes: &[Channel]) -> Kernel {
-    let bindings =
-        vec![params(), uniform("shading", "Shading"), read("planes", "array<u32>"), write("srgb8", "array<u32>")];
-    let mut kernel = kernel("write", bindings, &[PARAMS, ITEMS, SHADING, snippet!("write.wgsl")]);
-    kernel.constants = plane_constants(planes);
-    kernel
-}
-
-/// The levels of an image, each from the one before; no part of a frame.
-pub fn mip() -> Kernel {
-    let coarser = write_texture("coarser", "texture_storage_2d<rgba16float, write>");
-    let bindings = vec![texture("finer", "texture_2d<f32>"), coarser];
-    kernel("mip", bindings, &[PARAMS, ITEMS, snippet!("mip.wgsl")])
 }
 
 /// Points against the beams of a camera; no part of a frame.

@@ -92,6 +92,8 @@ pub struct Wanted {
     /// Samples of a pixel: colour and coverage are their means, all else is that of its centre. Several are for cameras of which
     /// [`samples::at_once`] says so.
     pub samples: u32,
+    /// Triangles have shares of a pixel by the areas of what is seen of them, not by the number of samples that see them.
+    pub analytic: bool,
     /// What triangles the samples see, by themselves.
     pub sample_ids: bool,
     /// A picture is the mean of so many frames of which this is one: images on triangles are filtered as much less.
@@ -101,7 +103,7 @@ pub struct Wanted {
 impl Wanted {
     /// These planes, by pixel centres alone.
     pub fn of(channels: Vec<Channel>) -> Wanted {
-        Wanted { channels, srgb8: false, counting: false, samples: 1, sample_ids: false, frames: 1 }
+        Wanted { channels, srgb8: false, counting: false, samples: 1, analytic: false, sample_ids: false, frames: 1 }
     }
 
     /// Some colour is asked for.
@@ -227,6 +229,7 @@ impl Plan {
             optics: camera.optics.as_deref().map(OpticsKind::of),
             turned: false,
             samples: wanted.samples(),
+            analytic: wanted.analytic && wanted.samples() > 1,
         };
         let mut planes = wanted.channels.clone();
         if wanted.srgb8 {
@@ -420,6 +423,8 @@ fn left_out(
     }
     if wanted.samples() == 1 {
         say("edges, sample and resolve", "one sample a pixel".into());
+    } else if !wanted.analytic {
+        say("areas of triangles in pixels", "samples are counted".into());
     }
     if !wanted.srgb8 {
         say("write", "no 8-bit picture asked for".into());

@@ -97,6 +97,7 @@ impl Case {
             optics,
             turned: false,
             samples: 1,
+            analytic: false,
         }
     }
 }

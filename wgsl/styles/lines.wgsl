@@ -2,40 +2,23 @@
 // pixel to pixel.
 
 fn drawn(look: Look, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
-    let on = tangents(look);
     var seen = colour;
     if style.hatch_spacing > 0.0 {
+        let on = tangents(look);
         let tone = clamp(dot(colour, vec3<f32>(0.2126, 0.7152, 0.0722)), 0.0, 1.0);
         seen = mix(style.paper, style.ink, hatched(look.p + shading.anchor, on, 1.0 - tone, look.share));
     }
     if style.wire_width > 0.0 {
         let width = style.wire_width * min(1.0, style.wire_depth / look.z);
-        seen = mix(seen, style.wire, covered(edge_distance(look, on), width, look.share));
+        seen = mix(seen, style.wire, covered(edge_distance(look), width, look.share));
     }
     return seen;
 }
 
 // How far the nearest edge of the triangle is, px.
-fn edge_distance(look: Look, on: Spread) -> f32 {
-    let triangle = triangles[look.slot];
-    let v0 = vertex(triangle.x);
-    var e1 = vertex(triangle.y) - v0;
-    var e2 = vertex(triangle.z) - v0;
-    let most = max(abs(e1), abs(e2));
-    let size = max(most.x, max(most.y, most.z));
-    e1 /= size;
-    e2 /= size;
-    let n = cross(e1, e2);
-    let g1 = cross(e2, n) / dot(n, n);
-    let g2 = cross(n, e1) / dot(n, n);
-    let at = (look.p - v0) / size;
-    let w1 = dot(at, g1);
-    let w2 = dot(at, g2);
-    let right = on.right / size;
-    let down = on.down / size;
-    let s1 = vec2<f32>(dot(right, g1), dot(down, g1));
-    let s2 = vec2<f32>(dot(right, g2), dot(down, g2));
-    let to = vec3<f32>(w1 / length(s1), w2 / length(s2), (1.0 - w1 - w2) / length(s1 + s2));
+fn edge_distance(look: Look) -> f32 {
+    let w = weights_at(triangles[look.slot], look.p, look.d, look.spread);
+    let to = w.at / sqrt(w.right * w.right + w.down * w.down);
     return max(0.0, min(to.x, min(to.y, to.z)));
 }
 

@@ -45,23 +45,10 @@ fn footprint(slot: u32, triangle: vec4<u32>, ray: Ray, spread: Spread, wraps: u3
     var f: Footprint;
     f.uv = image_place(uv, hit_weights(triangle, ray), wraps);
 
-    // the point moves with the ray, and along it so that it stays in the plane
-    let v0 = vertex(triangle.x);
-    var e1 = vertex(triangle.y) - v0;
-    var e2 = vertex(triangle.z) - v0;
-    let most = max(abs(e1), abs(e2));
-    let size = max(most.x, max(most.y, most.z));
-    e1 /= size;
-    e2 /= size;
-    let n = cross(e1, e2);
-    let along = ray.d / dot(n, ray.d);
-    let right = (spread.right - along * dot(n, spread.right)) / size;
-    let down = (spread.down - along * dot(n, spread.down)) / size;
-    let g1 = cross(e2, n) / dot(n, n);
-    let g2 = cross(n, e1) / dot(n, n);
+    let w = weights_at(triangle, ray.p, ray.d, spread);
     let t1 = uv[1] - uv[0];
     let t2 = uv[2] - uv[0];
-    f.right = shading.spread * (dot(right, g1) * t1 + dot(right, g2) * t2);
-    f.down = shading.spread * (dot(down, g1) * t1 + dot(down, g2) * t2);
+    f.right = shading.spread * (w.right.y * t1 + w.right.z * t2);
+    f.down = shading.spread * (w.down.y * t1 + w.down.z * t2);
     return f;
 }

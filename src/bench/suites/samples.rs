@@ -5,11 +5,13 @@ use crate::bench::case::{Arm, Case, Samples, Source};
 /// Samples of a pixel of the truth.
 const TRUTH: u32 = 256;
 
-/// Pixels that hold an edge are looked at more closely, beside a frame for each sample.
+/// Pixels that hold an edge are looked at more closely, and what is seen there counted or measured, beside a frame for each sample.
 fn at_once(name: &str, source: Source, samples: &[u32], apart: &[u32]) -> Case {
-    let ours = samples.iter().map(|n| Arm::ours().samples(Samples::AtOnce(*n)));
-    let frames = apart.iter().map(|n| Arm::ours().samples(Samples::Apart(*n)));
-    Case::new(name, source, ours.chain(frames).collect()).set(&SIZE).filtered(TRUTH)
+    let ours = |samples: Samples| Arm::ours().samples(samples);
+    let counted = samples.iter().map(|n| ours(Samples::AtOnce(*n)));
+    let areas = samples.iter().filter(|n| **n > 1).map(|n| ours(Samples::Analytic(*n)));
+    let frames = apart.iter().map(|n| ours(Samples::Apart(*n)));
+    Case::new(name, source, counted.chain(areas).chain(frames).collect()).set(&SIZE).filtered(TRUTH)
 }
 
 /// A frame for each sample alone.

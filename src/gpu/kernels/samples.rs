@@ -212,6 +212,8 @@ pub fn resolve(variant: Variant, planes: &[Channel]) -> Kernel {
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE_ROW, BUNDLE, KEY, SHADING, SURFACE];
     let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_PLACES];
     own.push(variant.style());
+    own.extend(variant.weights());
+    own.push(if variant.analytic { snippet!("samples/areas.wgsl") } else { snippet!("samples/counted.wgsl") });
     own.extend(variant.light());
     own.extend(variant.pixel());
     if variant.rays == RaysKind::Pieces {
