@@ -160,6 +160,7 @@ impl Engine {
         let arrangement = Arrangement::of(camera, middle);
         let arranged = arrangement.as_ref().map_or(Cow::Borrowed(camera), |a| Cow::Owned(a.camera(camera)));
         let mut frames = Frames { arrangement, ..self.on_device(scene, arranged, wanted, run)? };
+        check_outlines(&frames.plan, frames.arrangement.as_ref())?;
         frames.warm_up()?;
         Ok(frames)
     }
@@ -189,8 +190,8 @@ impl Engine {
             let name = choice.technique.name;
             return Err(Error::input(format!("{name} sees no holes that images cut into triangles; use compute")));
         }
-        if scene.has_shadows() && scene.mesh.has_holes() && wanted.has_colour() {
-            return Err(Error::input("shadows know no holes that images cut into triangles; leave either out"));
+        if wanted.has_colour() {
+            scene.check_shadows()?;
         }
         let mut painter = self.painter(scene, &camera, wanted, run)?;
         let mut planned = wanted.clone();
@@ -202,7 +203,7 @@ impl Engine {
             }
         }
         if wanted.has_colour() {
-            planned.channels.extend(outlined_by(&scene.style));
+            planned.channels.extend(outlined_by(&scene.style, &camera));
         }
         let scene = scene.with_optics(&camera);
         let around = Surroundings::of(&camera, scene.bounds());
@@ -214,12 +215,6 @@ impl Engine {
         plan.variant.doubting = run.arithmetic == Arithmetic::Double;
         if self.gpu.has.lanes && self.gpu.has.f64 {
             plan.variant = plan.variant.with_tiles();
-        }
-        if plan.variant.outlined && plan.bands.len() > 1 {
-            let rows = plan.rows_max();
-            return Err(Error::input(format!(
-                "outlines and borders need the whole image at once, of which the adapter holds {rows} rows; make it smaller"
-            )));
         }
         if plan.variant.outlined && painter.is_some() {
             return Err(Error::input("outlines and borders are not drawn by way of an atlas; leave atlas out"));
@@ -288,11 +283,12 @@ impl Engine {
 }
 
 /// What lines between pixels follow from.
-fn outlined_by(style: &Style) -> Vec<Channel> {
-    use Channel::{NormalX, NormalY, NormalZ, PieceId, PositionX, PositionY, PositionZ, TriangleId, Z};
+fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
+    use Channel::{MirrorId, NormalX, NormalY, NormalZ, PieceId, PositionX, PositionY, PositionZ, TriangleId, Z};
     let mut channels = Vec::new();
     if let Some(outline) = style.outline {
         channels.extend([TriangleId, NormalX, NormalY, NormalZ, PositionX, PositionY, PositionZ]);
+        channels.extend(camera.optics.as_ref().map(|_| MirrorId));
         channels.extend(outline.line.depth.is_finite().then_some(Z));
     }
     channels.extend(style.borders.map(|_| PieceId));
@@ -349,6 +345,22 @@ fn check_samples(scene: &Scene, camera: &Camera, wanted: &Wanted, by_rival: bool
     }
     let (n, kind) = (wanted.samples, camera.kind);
     Err(Error::input(format!("{n} samples a pixel of {kind} take a frame each")))
+}
+
+/// Outlines lie between pixels that are beside each other.
+fn check_outlines(plan: &Plan, arrangement: Option<&Arrangement>) -> Result<()> {
+    if plan.variant.outlined && plan.bands.len() > 1 {
+        let rows = plan.rows_max();
+        return Err(Error::input(format!(
+            "outlines and borders need the whole image at once, of which the adapter holds {rows} rows; make it smaller"
+        )));
+    }
+    if plan.variant.outlined && arrangement.is_some() {
+        return Err(Error::input(
+            "outlines and borders are between pixels, of which this camera's look all over; leave them out",
+        ));
+    }
+    Ok(())
 }
 
 /// What a rival needs to know of a plan.

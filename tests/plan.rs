@@ -335,7 +335,10 @@ fn what_is_left_out_is_said() {
     };
     let (_, kind) = glc_of_each_class().swap_remove(3);
     let glc = camera(kind, SIZE, FORWARD);
-    let all = Wanted { srgb8: true, counting: true, samples: 4, ..wanted(&Channel::every().collect::<Vec<_>>()) };
+    let every: Vec<Channel> = Channel::every().collect();
+    let all = Wanted { srgb8: true, counting: true, samples: 4, analytic: true, ..wanted(&every) };
+    let counted = whats(&glc, true, &Wanted { analytic: false, ..all.clone() }, HAS_ALL, LAVAPIPE_BINDING);
+    assert!(counted.contains(&"areas of triangles in pixels".into()));
     let least = whats(&glc, true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert_eq!(
         least,

@@ -200,10 +200,11 @@ fn areas_come_nearer_than_as_many_samples_counted() {
     }
 }
 
-/// The area of a polygon in the square of a pixel (Sutherland and Hodgman 1974).
-fn area_in_pixel(mut corners: Vec<DVec2>, pixel: DVec2) -> f64 {
-    for (way, beyond) in [(DVec2::X, 0.5), (-DVec2::X, 0.5), (DVec2::Y, 0.5), (-DVec2::Y, 0.5)] {
-        let inside = |p: DVec2| way.dot(p - pixel) + beyond;
+/// The part of a convex polygon in another, both the same way around (Sutherland and Hodgman 1974).
+fn common(mut corners: Vec<DVec2>, other: &[DVec2]) -> Vec<DVec2> {
+    for (k, &from) in other.iter().enumerate() {
+        let side = other[(k + 1) % other.len()] - from;
+        let inside = |p: DVec2| side.perp_dot(p - from);
         let mut kept = Vec::new();
         for (k, &p) in corners.iter().enumerate() {
             let q = corners[(k + 1) % corners.len()];
@@ -216,8 +217,12 @@ fn area_in_pixel(mut corners: Vec<DVec2>, pixel: DVec2) -> f64 {
         }
         corners = kept;
     }
+    corners
+}
+
+fn area(corners: &[DVec2]) -> f64 {
     let next = corners.iter().cycle().skip(1);
-    0.5 * corners.iter().zip(next).map(|(p, q)| p.perp_dot(*q)).sum::<f64>().abs()
+    0.5 * corners.iter().zip(next).map(|(p, q)| p.perp_dot(*q)).sum::<f64>()
 }
 
 /// Places are found in f32 from numbers of at most 4, in some ten roundings, and pixels are 1/24 wide.
@@ -231,12 +236,14 @@ fn coverage_is_the_area_of_what_is_seen() {
     let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0);
     let on_image = |p: DVec3| DVec2::new(24.0 * (p.x + 1.0) - 0.5, 24.0 * (1.0 - p.y) - 0.5);
     let triangle = [corner(-0.83, -0.61), corner(0.77, -0.39), corner(0.11, 0.93)];
-    let outline = triangle.map(on_image);
     let counted = Wanted { samples: 16, ..Wanted::of(vec![Channel::A]) };
     let areas = Wanted { analytic: true, ..counted.clone() };
-    let behind = triangle.map(|p| 0.9 * p - DVec3::Z);
+    let behind = triangle.map(|p| corner(-p.x, -0.8 * p.y) - DVec3::Z);
     let alone = scene(mesh(triangle.to_vec(), vec![[0, 1, 2]]));
     let before = scene(mesh([triangle, behind].concat(), vec![[0, 1, 2], [3, 4, 5]]));
+    // down the image, so that what goes around counterclockwise there goes around clockwise here
+    let on_image = |corners: [DVec3; 3]| corners.map(on_image).into_iter().rev().collect::<Vec<_>>();
+    let [triangle, behind] = [triangle, behind].map(on_image);
     for (name, scene) in [("alone", alone), ("before another", before)] {
         let [some, alpha] = [&counted, &areas].map(|wanted| {
             let seen = engine.render(&scene, &camera, wanted, &RunOptions::default()).unwrap();
@@ -247,7 +254,10 @@ fn coverage_is_the_area_of_what_is_seen() {
             // of which samples see both the triangle and nothing
             if some[k] > 0.0 && some[k] < 1.0 {
                 let pixel = DVec2::new((k % 48) as f64, (k / 48) as f64);
-                let area = area_in_pixel(outline.to_vec(), pixel);
+                let square = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|c| pixel + DVec2::from(c));
+                let of = |outline: &[DVec2]| area(&common(outline.to_vec(), &square));
+                let beside = of(&behind) - of(&common(behind.clone(), &triangle));
+                let area = of(&triangle) + if name == "alone" { 0.0 } else { beside };
                 borders += 1;
                 assert!((f64::from(*alpha) - area).abs() <= AREA_ERROR, "{name}, pixel {pixel}: {alpha} for {area}");
             }

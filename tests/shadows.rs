@@ -18,7 +18,7 @@ use common::file::{camera_of, load};
 use common::gpu::engine_on;
 use common::layered::chain;
 use common::{FORWARD, camera};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use pictures::{COLOUR, Colours, box_filtered, colours, psnr};
 
 const SIZE: (u32, u32) = (80, 60);
@@ -110,6 +110,10 @@ fn lit_otherwise(engine: &mut Engine, scene: &Scene, camera: &Camera) -> (usize,
 /// See `gloss.rs`: of surfaces of roughness 0.5 at the brightest.
 const ROUNDING: f64 = 1e-4;
 
+/// At the borders of shadows f32 may see light where there is none: some 4e-6 of a unit wide, of pixels 0.05 wide. If all 4800 pixels held
+/// one of both lights that were 0.8 of them, and 5 or more once in a thousand times.
+const OFF_MAX: usize = 4;
+
 #[test]
 fn lights_and_their_shadows_are_the_reference_s() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
@@ -123,8 +127,7 @@ fn lights_and_their_shadows_are_the_reference_s() {
         for (what, scene) in [("shadows", &hidden), ("none", &shining)] {
             let (off, all) = lit_otherwise(&mut engine, scene, &camera);
             println!("{name}, {what}: {off} of {all} pixels otherwise, {dark} dark");
-            // at the borders of shadows f32 may see light where there is none: some 4e-6 of a unit wide, of pixels 0.05 wide
-            assert!(off * 1000 <= 3 * all && all > 2000, "{name}, {what}: {off} of {all} are lit otherwise");
+            assert!(off <= OFF_MAX && all > 2000, "{name}, {what}: {off} of {all} are lit otherwise");
         }
     }
 }
@@ -140,8 +143,8 @@ fn what_is_near_hides_light_from_around_as_in_the_reference() {
         let dark = a.iter().zip(&b).filter(|(a, b)| a[0] < 0.95 * b[0]).count();
         let (off, all) = lit_otherwise(&mut engine, &near, &camera);
         println!("{name}: {off} of {all} pixels otherwise, {dark} dark");
-        // 16 ways a pixel have 16 times the borders
-        assert!(dark > 100 && off * 1000 <= 16 * 3 * all, "{name}: {off} of {all}, {dark} dark");
+        // 16 ways a pixel have 8 times the borders of two lights
+        assert!(dark > 100 && off <= 8 * OFF_MAX, "{name}: {off} of {all}, {dark} dark");
     }
     // few directions are near to many
     let (name, camera) = families().swap_remove(1);
@@ -160,7 +163,44 @@ fn nothing_hides_itself_from_light_about_the_anchor() {
     let text = "image = { width = 4, height = 4 }\n[[mesh]]\nbuiltin = \"icosphere\"\nlevel = 5\n[camera]\nkind = \"orthographic\"\neye = [0, 0, 2]\ntarget = [0, 0, 0]\nheight = 2";
     let scene = Scene { lights: vec![sun(), lamp()], ..load(text).unwrap() };
     let (off, all) = lit_otherwise(&mut engine, &scene, &camera);
-    assert!(off * 1000 <= 3 * all && all > 4000, "{off} of {all} are lit otherwise");
+    assert!(off <= OFF_MAX && all > 4000, "{off} of {all} are lit otherwise");
+}
+
+/// By powers of two, so that all numbers but those of the hierarchy stay what they are.
+#[test]
+fn scenes_of_any_size_have_their_shadows() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let mut of = |exponent: i32| {
+        let size = 2.0_f64.powi(exponent);
+        let place = |p: [f64; 3]| format!("{:?}", p.map(|v| v * size));
+        let (eye, target) = (place([0.3, 0.9, 4.0]), place([0.0, -0.3, 0.0]));
+        let text = format!("kind = \"pinhole\"\neye = {eye}\ntarget = {target}\nvfov = 40");
+        let source = Source::Point { position: size * DVec3::new(0.3, 1.2, 1.5), distance: 1.5 * size };
+        let near = AmbientOcclusion { rays: 4, reach: 0.5 * size };
+        let mut scene = scene(vec![sun(), Light { source, ..lamp() }], Some(near));
+        scene.mesh.positions.iter_mut().for_each(|p| *p *= size);
+        rendered(&mut engine, &scene, &camera_of("", SIZE, &text).unwrap())
+    };
+    let plain = of(0);
+    for exponent in [-38, 43, 95] {
+        let seen = of(exponent);
+        let off = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).any(|c| (a[c] - b[c]).abs() > ROUNDING * (1.0 + a[c]));
+        let off = plain.iter().zip(&seen).filter(|(a, b)| off((a, b))).count();
+        println!("2^{exponent}: {off} pixels otherwise");
+        assert!(off <= OFF_MAX, "2^{exponent}: {off} pixels otherwise");
+    }
+}
+
+#[test]
+fn nothing_hides_the_light_of_no_triangles() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let near = Some(AmbientOcclusion { rays: 4, reach: 0.5 });
+    let empty = Scene { mesh: Default::default(), objects: Vec::new(), ..scene(vec![sun()], near) };
+    let (_, camera) = families().swap_remove(0);
+    assert!(rendered(&mut engine, &empty, &camera).iter().all(|c| *c == [0.0; 3]));
+    // but those of a mirror
+    let text = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [0, 0, 4], target = [0, 0, 0], vfov = 40 }\nmirror = { builtin = \"icosphere\", level = 1 }";
+    assert!(rendered(&mut engine, &empty, &camera_of("", SIZE, text).unwrap()).iter().all(|c| *c == [0.0; 3]));
 }
 
 /// Shadows are found at the samples' own places.
@@ -193,14 +233,40 @@ fn all_chunks_hide_light_and_what_moves_too() {
     let [a, b] = [&mut whole, &mut parts].map(|engine| rendered(engine, &scene, &camera));
     assert!(a == b);
 
-    let run = RunOptions { moving: true, repeat: 2, ..RunOptions::default() };
     let wanted = Wanted::of(COLOUR.to_vec());
-    whole.render(&scene, &camera, &wanted, &run).unwrap();
     let mut frames = whole.prepare(&scene, &camera, &wanted, &RunOptions::default()).unwrap();
     let darker = Scene { lights: vec![lamp(), Light { colour: [0.2; 3], ..sun() }], ..scene.clone() };
     frames.light(&darker).unwrap();
     let lit = colours(&frames.finish().unwrap().frame);
     assert!(lit == rendered(&mut whole, &darker, &camera));
+
+    // lit anew before and after it moves, which is by 0.01 a frame about the upright through its middle
+    let moving = RunOptions { moving: true, ..RunOptions::default() };
+    let mut turned = darker.clone();
+    let (lo, hi) = turned.bounds().unwrap();
+    let (middle, turn) = ((lo + hi) / 2.0, DMat3::from_rotation_y(0.3));
+    turned.mesh.positions.iter_mut().for_each(|p| *p = middle + turn * (*p - middle));
+    let anew = rendered(&mut whole, &turned, &camera);
+    for first in [true, false] {
+        let mut frames = whole.prepare(&scene, &camera, &wanted, &moving).unwrap();
+        if first {
+            frames.light(&darker).unwrap();
+        }
+        for _ in 0..30 {
+            frames.frame().unwrap();
+        }
+        if !first {
+            frames.light(&darker).unwrap();
+        }
+        let (seen, was) = (colours(&frames.finish().unwrap().frame), &lit);
+        let differ = |a: &Colours, b: &Colours| {
+            let off = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).any(|c| (a[c] - b[c]).abs() > ROUNDING * (1.0 + a[c]));
+            a.iter().zip(b).filter(|(a, b)| off((a, b))).count()
+        };
+        let (off, moved) = (differ(&seen, &anew), differ(&seen, was));
+        println!("{off} pixels otherwise than of a scene turned so far, {moved} than before");
+        assert!(off <= OFF_MAX && moved > 1000, "{off} and {moved}");
+    }
 }
 
 #[test]
@@ -216,7 +282,7 @@ fn a_scene_says_how_it_is_lit() {
         ("[[light]]\ndirection = [0, 0, 0]", "light.0.direction: the direction is zero"),
         ("[[light]]\ndirection = [1, 0, 0]\nposition = [1, 0, 0]", "light.0.position: a light has either"),
         ("[[light]]\ndirection = [1, 0, 0]\ndistance = 2", "light.0.distance: light from far away"),
-        ("[[light]]\nposition = [1, 0, 0]\ndistance = 0", "light.0.distance: 0 is no distance"),
+        ("[[light]]\nposition = [1, 0, 0]\ndistance = 0", "light.0.distance: 0 is out of range"),
         ("[[light]]\nposition = [1, 0, 0]\ncolor = [-1, 0, 0]", "light.0.color: there is no less light than none"),
         ("[[light]]\ncolor = [1, 0, 0]", "light.0: direction is missing"),
         ("[ambient_occlusion]\nrays = 3", "ambient_occlusion: distance is missing"),

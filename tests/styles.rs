@@ -103,6 +103,7 @@ struct Grid {
     height: usize,
     ids: Vec<u32>,
     pieces: Vec<u32>,
+    mirrors: Vec<u32>,
     positions: Vec<DVec3>,
     normals: Vec<DVec3>,
     colours: Colours,
@@ -111,12 +112,13 @@ struct Grid {
 fn grid(scene: &Scene, camera: &Camera) -> Grid {
     let (width, height) = (SIZE.0 as usize * FINE, SIZE.1 as usize * FINE);
     let (none, zero) = (vec![0; width * height], vec![DVec3::ZERO; width * height]);
-    let (pieces, normals) = (none.clone(), zero.clone());
-    let mut all =
-        Grid { width, height, ids: none, pieces, positions: zero, normals, colours: vec![[0.0; 3]; width * height] };
+    let (pieces, mirrors, normals) = (none.clone(), none.clone(), zero.clone());
+    let colours_of_all = vec![[0.0; 3]; width * height];
+    let mut all = Grid { width, height, ids: none, pieces, mirrors, positions: zero, normals, colours: colours_of_all };
     let position = [Channel::PositionX, Channel::PositionY, Channel::PositionZ];
     let normal = [Channel::NormalX, Channel::NormalY, Channel::NormalZ];
-    let channels = [&COLOUR[..], &position, &normal, &[Channel::TriangleId, Channel::PieceId]].concat();
+    let mut channels = [&COLOUR[..], &position, &normal, &[Channel::TriangleId, Channel::PieceId]].concat();
+    channels.extend(camera.optics.as_ref().map(|_| Channel::MirrorId));
     for (i, j) in (0..FINE * FINE).map(|k| (k % FINE, k / FINE)) {
         let aside = |k: usize| (k as f64 + 0.5) / FINE as f64 - 0.5;
         let frame = image(scene, &camera.with_sample_offset(aside(i), aside(j)), &channels);
@@ -125,6 +127,7 @@ fn grid(scene: &Scene, camera: &Camera) -> Grid {
         for (k, colour) in seen.iter().enumerate() {
             let at = (k / SIZE.0 as usize * FINE + j) * width + k % SIZE.0 as usize * FINE + i;
             all.ids[at] = frame.u32(Channel::TriangleId).unwrap()[k];
+            all.mirrors[at] = frame.u32(Channel::MirrorId).map_or(0, |ids| ids[k]);
             all.pieces[at] = frame.u32(Channel::PieceId).unwrap()[k];
             all.positions[at] = vector(position, k);
             all.normals[at] = vector(normal, k);
@@ -219,13 +222,21 @@ fn wires_far_away_are_thinner() {
 #[test]
 fn outlines_and_borders_lie_between_what_differs() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
-    let text = "[[mesh]]\nbuiltin = \"box\"\nrotate = [20, 35, 0]\nscale = 0.9";
-    let plain = things(text, Style::default());
+    // two boxes, each face of one before its parallel of the other
+    let turned = "[[mesh]]\nbuiltin = \"box\"\nrotate = [20, 35, 0]";
+    let text = format!("{turned}\nscale = 0.9\n{turned}\nscale = 0.5\ntranslate = [0.2, 0.25, 0.8]");
+    let plain = things(&text, Style::default());
     for (name, camera) in families() {
         let grid = grid(&plain, &camera);
-        let is_face = |a: usize, b: usize| grid.ids[a] == grid.ids[b] || grid.normals[a].dot(grid.normals[b]) > 0.9;
+        let is_plane = |a: usize, b: usize| {
+            let off = grid.normals[a].dot(grid.positions[b] - grid.positions[a]).abs();
+            grid.normals[a].dot(grid.normals[b]) > 0.9 && off < 1e-4
+        };
+        let is_face = |a: usize, b: usize| grid.ids[a] == grid.ids[b] || is_plane(a, b);
         let to_edge = grid.distances(2.0, |a, b| {
-            (grid.ids[a] == NO_ID) != (grid.ids[b] == NO_ID) || grid.ids[a] != NO_ID && !is_face(a, b)
+            grid.mirrors[a] != grid.mirrors[b]
+                || (grid.ids[a] == NO_ID) != (grid.ids[b] == NO_ID)
+                || grid.ids[a] != NO_ID && !is_face(a, b)
         });
         let to_border = grid.distances(2.0, |a, b| grid.pieces[a] != grid.pieces[b]);
         for (what, distances, style) in [
@@ -236,7 +247,7 @@ fn outlines_and_borders_lie_between_what_differs() {
             ),
             ("borders", &to_border, Style { borders: Some(line(2.0)), ..Style::default() }),
         ] {
-            let scene = things(text, style);
+            let scene = things(&text, style);
             let exact =
                 grid.mean(|k| if distances[k] <= 1.0 { line(2.0).colour.map(f64::from) } else { grid.colours[k] });
             let seen = rendered(&mut engine, &scene, &camera, 1);
@@ -303,6 +314,18 @@ fn strokes_are_as_dense_as_surfaces_are_dark() {
     }
 }
 
+/// Rays that look all over the scene are sorted, and beside each other no more.
+#[test]
+fn lines_between_pixels_need_pixels_beside_each_other() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let display = "kind = \"lightfield\"\ncenter = [0, 0, 2]\nnormal = [0, 0, 1]\nup = [0, 1, 0]\nwidth = 2\nheight = 2\nviews = [8, 8]\nfov = 40";
+    let camera = camera_of("", (64, 64), display).unwrap();
+    let scene = ball(Style { borders: Some(line(2.0)), ..Style::default() });
+    let wanted = Wanted::of(COLOUR.to_vec());
+    let refused = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap_err().to_string();
+    assert!(refused.contains("leave them out") && !refused.contains('\n'), "{refused}");
+}
+
 #[test]
 fn a_scene_says_how_it_is_drawn() {
     let camera = "[camera]\nkind = \"orthographic\"\neye = [0, 0, 2]\ntarget = [0, 0, 0]\nheight = 2";
@@ -327,7 +350,7 @@ fn a_scene_says_how_it_is_drawn() {
         ("[style]\nwireframe = { width = 100 }", "style.wireframe.width: 100 is no width"),
         ("[style]\noutline = { crease = 200 }", "style.outline.crease: 200 is no angle"),
         ("[style]\nborders = { depth = 2 }", "unknown key \"depth\" in style.borders"),
-        ("[style]\nhatching = { spacing = -1 }", "style.hatching.spacing: -1 is too little"),
+        ("[style]\nhatching = { spacing = -1 }", "style.hatching.spacing: -1 is out of range"),
         (
             "[[mesh]]\nbuiltin = \"box\"\npattern = { kind = \"tin\" }",
             "mesh.0.pattern.kind: \"tin\" is no pattern; known: \"checker\"",

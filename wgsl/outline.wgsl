@@ -14,7 +14,14 @@ fn number(plane: u32, pixel: u32) -> f32 {
 fn differ(a: u32, b: u32) -> bool {
     let id_a = word(PLANE_TRIANGLE, a);
     let id_b = word(PLANE_TRIANGLE, b);
-    if id_a == id_b || style.outline_width <= 0.0 {
+    if style.outline_width <= 0.0 {
+        return false;
+    }
+    // what turned the rays first
+    if PLANE_MIRROR != NONE && word(PLANE_MIRROR, a) != word(PLANE_MIRROR, b) {
+        return true;
+    }
+    if id_a == id_b {
         return false;
     }
     if id_a == NONE || id_b == NONE {
@@ -24,18 +31,17 @@ fn differ(a: u32, b: u32) -> bool {
     let n_b = vec3<f32>(number(PLANE_N_X, b), number(PLANE_N_Y, b), number(PLANE_N_Z, b));
     let step = vec3<f32>(number(PLANE_P_X, b), number(PLANE_P_Y, b), number(PLANE_P_Z, b))
         - vec3<f32>(number(PLANE_P_X, a), number(PLANE_P_Y, a), number(PLANE_P_Z, a));
+    // a step on a surface leaves neither side's plane by more than these are turned
     let off = max(abs(dot(n_a, step)), abs(dot(n_b, step)));
-    return dot(n_a, n_b) < style.crease_cosine || off > JUMP * length(step);
+    let turned = max(length(cross(n_a, n_b)), style.jump_sine);
+    return dot(n_a, n_b) < style.crease_cosine || off > turned * length(step);
 }
-
-// A step to the next pixel that leaves a surface more steeply than this does not stay on it: 60 degrees.
-const JUMP: f32 = 0.8660254;
 
 fn width_at(a: u32, b: u32) -> f32 {
     if PLANE_Z == NONE {
         return style.outline_width;
     }
-    return style.outline_width * min(1.0, style.outline_depth / min(number(PLANE_Z, a), number(PLANE_Z, b)));
+    return narrowed(style.outline_width, style.outline_depth, min(number(PLANE_Z, a), number(PLANE_Z, b)));
 }
 
 @compute @workgroup_size(64)

@@ -109,18 +109,19 @@ fn seen_by(pixel: u32, row: u32, sample: u32, some: u32) -> vec3<f32> {
     if TEXTURED || STYLED {
         spread = sample_spread(key_layer(key), x, y, sample, key_t(key));
     }
+    let share = f32(countOneBits(some)) / f32(SAMPLES);
     let n = surface_normal(slot, triangle, ray);
     let p = point_at(ray, key_t(key));
     let albedo = surface_albedo(slot, triangle, ray, spread);
     if !STYLED {
-        return sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d)), albedo);
+        return sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d), share), albedo);
     }
     var z = 0.0;
     for (var k = 0u; SHEETED && k < key_layer(key); k++) {
         z += segment_length(k, x, y);
     }
     let whole = Look(slot, p, z, ray.d, spread, shading.spread);
-    let lit = sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d)), albedo * pattern_at(whole));
+    let lit = sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d), share), albedo * pattern_at(whole));
     var sum = vec3<f32>(0.0);
     for (var others = some; others != 0u; others &= others - 1u) {
         let own = firstTrailingBit(others);

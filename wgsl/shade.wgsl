@@ -100,7 +100,7 @@ fn shade(
         store_uv(at, surface_uv(slot, triangle, ray));
     }
     if PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
-        let lit = sent_back(Lit(slot, point_at(ray, t), reach_of(ray, t), n, normalize(ray.d)), diffuse);
+        let lit = sent_back(Lit(slot, point_at(ray, t), reach_of(ray, t), n, normalize(ray.d), 1.0), diffuse);
         store_light(at, colour_of(id, drawn(look, n, lit)));
     }
 }

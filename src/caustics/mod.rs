@@ -130,7 +130,8 @@ impl Caustics {
     pub fn counting(&self, scene: &Scene) -> (Scene, Camera) {
         let optics = Optics { tint: COUNTING_TINT, base: [1.0; 3], ..(*self.optics).clone() };
         let camera = Camera { optics: Some(Arc::new(optics)), ..self.light.clone() };
-        let mut white = Scene { background: [1.0; 3], caustics: None, sky: None, ..scene.clone() };
+        let mut white =
+            Scene { background: [1.0; 3], caustics: None, sky: None, style: Default::default(), ..scene.clone() };
         // no light but that from everywhere
         white.lights = vec![Light { source: Source::Distant(DVec3::ZERO), ..Light::distant(DVec3::X) }];
         white.ambient_occlusion = None;

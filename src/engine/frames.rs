@@ -4,7 +4,7 @@ use super::atlas::Painter;
 use super::illumination::Illuminated;
 use super::pages::PageStore;
 use super::resident::Resident;
-use super::{Capacities, Counts, Rendered, check_samples, join, outlined_by, setup};
+use super::{Capacities, Counts, Rendered, check_outlines, check_samples, join, outlined_by, setup};
 use crate::baseline::Rival;
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
@@ -170,6 +170,7 @@ impl Frames<'_> {
             let (old, new) = (self.camera.kind, camera.kind);
             return Err(Error::input(format!("frames of {old} cannot be taken by this {new}; prepare them anew")));
         }
+        check_outlines(&plan, arrangement.as_ref())?;
         self.resident.aim(&self.gpu, &camera, &plan)?;
         if let Some(rival) = &mut self.rival {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
@@ -199,7 +200,8 @@ impl Frames<'_> {
             return Err(Error::input("other triangles or materials than those that are lit; prepare the frames anew"));
         }
         let (lit, contents) = (Contents::of(&self.scene), Contents::of(&scene));
-        if lit != contents || outlined_by(&self.scene.style) != outlined_by(&scene.style) {
+        let outlined = |s: &Scene| outlined_by(&s.style, &self.camera);
+        if lit != contents || outlined(&self.scene) != outlined(&scene) {
             return Err(Error::input(
                 "other kinds of materials or light than those that are lit; prepare the frames anew",
             ));
@@ -208,7 +210,16 @@ impl Frames<'_> {
         if self.plan.variant.textured && (&lit.uvs, &lit.corner_uvs) != (&own.uvs, &own.corner_uvs) {
             return Err(Error::input("other texture coordinates than those that are lit; prepare the frames anew"));
         }
-        let keeps_holes = self.resident.upload_look(&self.gpu, &self.pages, &scene, &self.plan)?;
+        let keeps_holes = if self.moving.is_some() {
+            // where things have moved to, and in this light from then on
+            let mut lit = scene.into_owned();
+            lit.mesh.positions.clone_from(&self.scene.mesh.positions);
+            self.scene = Cow::Owned(lit);
+            let now = moved(&self.scene, self.fixed_vertices(), self.timed.moved);
+            self.resident.upload_look(&self.gpu, &self.pages, &now, &self.plan)?
+        } else {
+            self.resident.upload_look(&self.gpu, &self.pages, &scene, &self.plan)?
+        };
         // of bands and passes, and of moving triangles, only the last ones are still there
         let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
         self.due = self.due.max(if is_there && keeps_holes { Due::Look } else { Due::All });
@@ -238,11 +249,15 @@ impl Frames<'_> {
 
     /// The next of the moving scenes.
     fn next_move(&mut self) -> Option<Scene> {
-        let fixed = self.camera.optics.as_ref().map_or(0, |o| o.vertex_count());
         self.moving.is_some().then(|| {
             self.timed.moved += 1;
-            moved(&self.scene, fixed, self.timed.moved)
+            moved(&self.scene, self.fixed_vertices(), self.timed.moved)
         })
+    }
+
+    /// Those of mirrors and lenses.
+    fn fixed_vertices(&self) -> usize {
+        self.camera.optics.as_ref().map_or(0, |o| o.vertex_count())
     }
 
     /// Submits a frame of a scene that has moved, or of that which is there.

@@ -7,6 +7,7 @@ use crate::camera::Camera;
 use crate::gpu::kernels::LightsKind;
 use crate::gpu::rows::{self, LAW_FLAT, LAW_NORMALS, split2, split3, words};
 use crate::optics::{Branch, Law, Optics, Surface, Turn};
+use crate::plan::hierarchy::Words;
 use crate::plan::nodes::Level;
 use crate::plan::pages::Pages;
 use crate::plan::{Band, Plan};
@@ -46,7 +47,7 @@ impl Look {
         };
         let mut firsts = [0; 2];
         if let Some(by) = hidden.by {
-            for (first, rows) in firsts.iter_mut().zip(by) {
+            for (first, rows) in firsts.iter_mut().zip([&by.nodes, &by.leaves]) {
                 *first = lights.len() as u32;
                 lights.extend(rows);
             }
@@ -60,7 +61,7 @@ impl Look {
                 gain: scene.tone.gain(),
                 curve: scene.tone.curve.number(),
                 spread: 1.0,
-                pad0: 0,
+                hidden_scale: hidden.by.map_or(1.0, |by| by.scale),
                 sky: scene.sky.as_ref().map_or(rows::NONE, |_| mesh.materials.len() as u32),
                 sky_strength: scene.sky.as_ref().map_or(0.0, |s| s.strength),
                 sky_turn: scene.sky.as_ref().map_or(0.0, |s| s.turn as f32),
@@ -78,6 +79,10 @@ impl Look {
         }
     }
 }
+
+/// Facets of a surface that is shaded as smooth turn from each other by no more than this, degrees, and from their shading
+/// normals by half of it.
+const FACET_TURN: f64 = 40.0;
 
 fn style_row(style: &Style) -> rows::Style {
     let none = Line { width: 0.0, colour: [0.0; 3], depth: f64::INFINITY };
@@ -99,8 +104,8 @@ fn style_row(style: &Style) -> rows::Style {
         border_width: border.width as f32,
         crease_cosine: outline.crease.to_radians().cos() as f32,
         outline_depth: held(outline.line.depth),
+        jump_sine: (outline.crease.min(FACET_TURN) / 2.0).to_radians().sin() as f32,
         pad0: 0,
-        pad1: 0,
     }
 }
 
@@ -108,8 +113,7 @@ fn style_row(style: &Style) -> rows::Style {
 #[derive(Debug, Clone, Copy)]
 pub struct Hidden<'a> {
     pub kind: LightsKind,
-    /// Rows of its nodes and of its triangles.
-    pub by: Option<&'a [Vec<[f32; 4]>; 2]>,
+    pub by: Option<&'a Words>,
 }
 
 impl Hidden<'_> {
@@ -119,9 +123,7 @@ impl Hidden<'_> {
 fn light_row(light: &Light, anchor: DVec3) -> [f32; 4] {
     match light.source {
         Source::Distant(travel) => travel.as_vec3().extend(0.0).to_array(),
-        Source::Point { position, distance } => {
-            (position - anchor).as_vec3().extend((distance * distance) as f32).to_array()
-        }
+        Source::Point { position, distance } => (position - anchor).as_vec3().extend(distance as f32).to_array(),
     }
 }
 

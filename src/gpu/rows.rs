@@ -182,7 +182,7 @@ pub struct Shading {
     pub gain: f32,
     pub curve: u32,
     pub spread: f32,
-    pub pad0: u32,
+    pub hidden_scale: f32,
     pub sky: u32,
     pub sky_strength: f32,
     pub sky_turn: f32,
@@ -232,8 +232,8 @@ pub struct Style {
     pub border_width: f32,
     pub crease_cosine: f32,
     pub outline_depth: f32,
+    pub jump_sine: f32,
     pub pad0: u32,
-    pub pad1: u32,
 }
 
 /// A node of a bounding volume hierarchy: a box around two children, which lie beside each other, or around triangles.

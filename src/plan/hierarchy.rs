@@ -22,6 +22,8 @@ pub struct Hierarchy {
     anchor: DVec3,
     /// Triangles, the mesh's first ones.
     count: usize,
+    /// By which all numbers of the tree are multiplied: a power of two, so that areas and volumes of a scene of any size are numbers.
+    scale: f32,
 }
 
 impl Hierarchy {
@@ -30,18 +32,22 @@ impl Hierarchy {
     /// # Errors
     /// [`Error::Work`] where it is deeper than the kernel can follow.
     pub fn build(scene: &Scene, anchor: DVec3, count: usize) -> Result<Hierarchy> {
-        let triangles = triangles(scene, anchor, count);
+        let scale = scale(scene, anchor);
+        let triangles = triangles(scene, anchor, count, scale);
         let tree = build_bvh2_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
-        let depth = tree.depth(0);
+        let depth = if count == 0 { 0 } else { tree.depth(0) };
         if depth >= DEPTH_MAX {
             return Err(Error::work(format!("the hierarchy is {depth} boxes deep; the kernel follows {DEPTH_MAX}")));
         }
-        Ok(Hierarchy { tree, anchor, count })
+        Ok(Hierarchy { tree, anchor, count, scale })
     }
 
     /// Fits the boxes to triangles that moved.
     pub fn refit(&mut self, scene: &Scene) {
-        let triangles = triangles(scene, self.anchor, self.count);
+        if self.count == 0 {
+            return;
+        }
+        let triangles = triangles(scene, self.anchor, self.count, self.scale);
         let order = &self.tree.primitive_indices;
         self.tree.nodes.par_iter_mut().filter(|n| n.is_leaf()).for_each(|node| {
             let own = &order[node.first_index as usize..][..node.prim_count as usize];
@@ -53,27 +59,43 @@ impl Hierarchy {
         self.tree.refit_all();
     }
 
-    /// Those of all triangles that light may meet, from both sides, nodes and triangles as rows of four words each; of none, one that
-    /// nothing meets.
-    pub fn words(&self, scene: &Scene) -> [Vec<[f32; 4]>; 2] {
-        let (mut nodes, mut leaves) = self.rows(scene);
-        if leaves.is_empty() {
-            nodes = vec![BvhNode { lo: [0.0; 3], first: 0, hi: [0.0; 3], count: 1 }];
-            leaves = vec![LeafTriangle::zeroed()];
-        }
+    /// Those of all triangles that light may meet, from both sides, nodes and triangles as rows of four words each.
+    pub fn words(&self, scene: &Scene) -> Words {
+        let (nodes, mut leaves) = self.scaled_rows(scene, self.scale);
         leaves.iter_mut().for_each(|leaf| leaf.one_sided = 0);
-        [bytemuck::cast_slice(&nodes).to_vec(), bytemuck::cast_slice(&leaves).to_vec()]
+        let [nodes, leaves] = [bytemuck::cast_slice(&nodes).to_vec(), bytemuck::cast_slice(&leaves).to_vec()];
+        Words { nodes, leaves, scale: self.scale }
     }
 
-    /// The rows of the nodes, the root first, and of the triangles in the order of the leaves.
+    /// The rows of the nodes, the root first, and of the triangles in the order of the leaves; of none, one that nothing meets.
     pub fn rows(&self, scene: &Scene) -> (Vec<BvhNode>, Vec<LeafTriangle>) {
+        self.scaled_rows(scene, 1.0)
+    }
+
+    fn scaled_rows(&self, scene: &Scene, scale: f32) -> (Vec<BvhNode>, Vec<LeafTriangle>) {
+        if self.count == 0 {
+            return (vec![BvhNode { lo: [0.0; 3], first: 0, hi: [0.0; 3], count: 1 }], vec![LeafTriangle::zeroed()]);
+        }
         let node = |n: &obvhs::bvh2::node::Bvh2Node| {
             let around = n.aabb();
-            BvhNode { lo: around.min.to_array(), first: n.first_index, hi: around.max.to_array(), count: n.prim_count }
+            let [lo, hi] = [around.min, around.max].map(|corner| corner.to_array().map(|v| v / self.scale * scale));
+            BvhNode { lo, first: n.first_index, hi, count: n.prim_count }
         };
-        let nodes = self.tree.nodes.par_iter().map(node).collect();
-        (nodes, self.tree.primitive_indices.par_iter().map(|id| row(scene, self.anchor, *id)).collect())
+        let leaf = |id: &u32| {
+            let row = row(scene, self.anchor, *id);
+            let [v0, v1, v2] = [row.v0, row.v1, row.v2].map(|corner| corner.map(|v| v * scale));
+            LeafTriangle { v0, v1, v2, ..row }
+        };
+        (self.tree.nodes.par_iter().map(node).collect(), self.tree.primitive_indices.par_iter().map(leaf).collect())
     }
+}
+
+/// A hierarchy as the kernels that light follow it in.
+#[derive(Debug, Clone)]
+pub struct Words {
+    pub nodes: Vec<[f32; 4]>,
+    pub leaves: Vec<[f32; 4]>,
+    pub scale: f32,
 }
 
 /// A triangle's row.
@@ -84,9 +106,16 @@ pub fn row(scene: &Scene, anchor: DVec3, id: u32) -> LeafTriangle {
     LeafTriangle { v0, id, v1, one_sided, v2, pad0: 0 }
 }
 
-fn triangles(scene: &Scene, anchor: DVec3, count: usize) -> Vec<Triangle> {
+/// About the inverse of the largest number of a scene.
+fn scale(scene: &Scene, anchor: DVec3) -> f32 {
+    let (lo, hi) = scene.bounds().unwrap_or((anchor, anchor));
+    let largest = (lo - anchor).abs().max((hi - anchor).abs()).max_element();
+    largest.max(f64::from(f32::MIN_POSITIVE)).log2().ceil().exp2().recip() as f32
+}
+
+fn triangles(scene: &Scene, anchor: DVec3, count: usize, scale: f32) -> Vec<Triangle> {
     let mesh = &scene.mesh;
-    let corner = |v: u32| (mesh.positions[v as usize] - anchor).as_vec3().into();
+    let corner = |v: u32| ((mesh.positions[v as usize] - anchor).as_vec3() * scale).into();
     let all = mesh.triangles[..count].par_iter();
     all.map(|t| Triangle { v0: corner(t[0]), v1: corner(t[1]), v2: corner(t[2]) }).collect()
 }
@@ -95,6 +124,26 @@ fn triangles(scene: &Scene, anchor: DVec3, count: usize) -> Vec<Triangle> {
 mod tests {
     use super::*;
     use crate::scene::generate;
+
+    #[test]
+    fn of_no_triangles_there_is_one_that_nothing_meets() {
+        let scene = scene();
+        let mut tree = Hierarchy::build(&scene, DVec3::ZERO, 0).unwrap();
+        tree.refit(&scene);
+        let words = tree.words(&scene);
+        assert_eq!((words.nodes.len(), words.leaves.len()), (2, 3));
+    }
+
+    #[test]
+    fn volumes_of_scenes_of_any_size_are_numbers() {
+        for size in [1e-12, 1.0, 3.7, 1e30] {
+            let mut scene = scene();
+            scene.mesh.positions.iter_mut().for_each(|p| *p *= size);
+            let words = Hierarchy::build(&scene, DVec3::ZERO, 20).unwrap().words(&scene);
+            let largest = words.leaves.iter().flat_map(|r| &r[..3]).fold(0.0, |most: f32, v| most.max(v.abs()));
+            assert!(largest > 0.25 && largest <= 1.0, "{size}: {largest}");
+        }
+    }
 
     fn scene() -> Scene {
         let mesh = generate::icosphere(3);

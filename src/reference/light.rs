@@ -87,7 +87,7 @@ struct Above<'a> {
     flat: DVec3,
 }
 
-/// How far above its hit light is followed, of the largest coordinate.
+/// How far above its hit light is followed, of the largest coordinate of it or its triangle.
 const ABOVE: f64 = 1e-9;
 
 impl Obstacles<'_> {
@@ -95,7 +95,8 @@ impl Obstacles<'_> {
         let v = scene.mesh.triangles[hit.triangle as usize].map(|k| scene.mesh.positions[k as usize]);
         let flat = (v[1] - v[0]).cross(v[2] - v[0]).normalize_or_zero();
         let flat = if flat.dot(view) > 0.0 { -flat } else { flat };
-        Above { of: self, p: p + ABOVE * p.abs().max_element() * flat, flat }
+        let size = v.iter().fold(p.abs(), |most, v| most.max(v.abs())).max_element();
+        Above { of: self, p: p + ABOVE * size * flat, flat }
     }
 }
 

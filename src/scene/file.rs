@@ -203,11 +203,7 @@ fn read_light(field: &Field) -> Result<Light> {
             return Err(position.error("a light has either a direction or a position; remove one of the two"));
         }
         (None, Some(position)) => {
-            let distance = |f: &Field| match f.number()? {
-                value if value > 0.0 => Ok(value),
-                value => Err(f.error(format_args!("{value} is no distance; use a number above 0"))),
-            };
-            LightSource::Point { position: position.vec3()?, distance: table.or("distance", 1.0, distance)? }
+            LightSource::Point { position: position.vec3()?, distance: table.or("distance", 1.0, Field::above_zero)? }
         }
         _ => {
             let key = table.need("direction", "[-1, -2, -1]")?;
@@ -235,13 +231,8 @@ const OCCLUSION_RAYS_MAX: u64 = 128;
 fn read_occlusion(field: &Field) -> Result<AmbientOcclusion> {
     let table = field.table()?;
     table.allow(&["distance", "rays"])?;
-    let distance = |f: &Field| match f.number()? {
-        value if value > 0.0 => Ok(value),
-        value => Err(f.error(format_args!("{value} is no distance; use a number above 0"))),
-    };
-    let key = table.need("distance", "1.0")?;
     Ok(AmbientOcclusion {
-        reach: distance(&key)?,
+        reach: table.need("distance", "1.0")?.above_zero()?,
         rays: table.optional("rays", |f| f.integer(1, OCCLUSION_RAYS_MAX))?.unwrap_or(32) as u32,
     })
 }

@@ -125,6 +125,15 @@ impl Scene {
         self.ambient_occlusion.is_some() || self.lights.iter().any(|l| l.casts_shadows)
     }
 
+    /// # Errors
+    /// [`Error::Input`] where shadows would be of holes.
+    pub fn check_shadows(&self) -> Result<()> {
+        if self.has_shadows() && self.mesh.has_holes() {
+            return Err(Error::input("shadows know no holes that images cut into triangles; leave either out"));
+        }
+        Ok(())
+    }
+
     /// The corners of the box around all vertices; `None` without any.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.mesh.bounds()

@@ -1,5 +1,5 @@
 // Lights of any colour, far away or in a place: two rows each. The first is the way that its light travels, or where it is and the
-// square of the distance at which it is as bright as one far away; the second its colour, and 1 where things hide it.
+// distance at which it is as bright as one far away; the second its colour, and 1 where things hide it.
 
 fn arriving(k: u32, lit: Lit) -> Arriving {
     let from_there = lights[2u * k];
@@ -10,10 +10,11 @@ fn arriving(k: u32, lit: Lit) -> Arriving {
     var far = bitcast<f32>(0x7f7fffffu);
     if from_there.w > 0.0 {
         let way = from_there.xyz - lit.p;
-        let square = max(dot(way, way), 1e-30);
-        far = sqrt(square);
+        let most = max(largest(way), 1e-30);
+        far = most * max(length(way / most), 1e-30);
         l = way / far;
-        strength *= from_there.w / square;
+        let nearness = from_there.w / far;
+        strength *= nearness * nearness;
     }
     if colour.w > 0.0 && dot(lit.n, l) > 0.0 && !reaches(lit, l, far) {
         strength = vec3<f32>(0.0);

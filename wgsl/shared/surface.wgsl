@@ -9,17 +9,32 @@ fn in_file_order(w: vec3<f32>, triangle: vec4<u32>) -> vec3<f32> {
     return clamp(vec3<f32>(w[order.x], w[order.y], w[order.z]), vec3<f32>(0.0), vec3<f32>(1.0));
 }
 
+fn largest(v: vec3<f32>) -> f32 {
+    return max(abs(v.x), max(abs(v.y), abs(v.z)));
+}
+
+// The unit normal of a triangle of any size, turned against a way.
+fn flat_normal(triangle: vec4<u32>, way: vec3<f32>) -> vec3<f32> {
+    let v0 = vertex(triangle.x);
+    let e1 = vertex(triangle.y) - v0;
+    let e2 = vertex(triangle.z) - v0;
+    let size = max(largest(e1), largest(e2));
+    let flat = normalize(cross(e1 / size, e2 / size));
+    return select(flat, -flat, dot(flat, way) > 0.0);
+}
+
 // The unit normal, turned to the viewer: the file's where it has them.
 fn surface_normal(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
-    let v0 = vertex(triangle.x);
-    let v1 = vertex(triangle.y);
-    let v2 = vertex(triangle.z);
     let surface = surface_row(slot);
-    let flat = normalize(cross(v1 - v0, v2 - v0));
-    let n = flat * select(1.0, -1.0, dot(flat, ray.d) > 0.0);
+    let n = flat_normal(triangle, ray.d);
     if NORMALS && surface.x != NONE && surface.y != NONE && surface.z != NONE {
-        let g0 = cross(ray.d, v0 - ray.p);
-        let w = vec3<f32>(dot(v2 - v1, cross(ray.d, v1 - ray.p)), dot(v0 - v2, g0), dot(v1 - v0, g0));
+        let far = vertex(triangle.x) - ray.p;
+        let size = largest(far);
+        let v0 = far / size;
+        let v1 = (vertex(triangle.y) - ray.p) / size;
+        let v2 = (vertex(triangle.z) - ray.p) / size;
+        let g0 = cross(ray.d, v0);
+        let w = vec3<f32>(dot(v2 - v1, cross(ray.d, v1)), dot(v0 - v2, g0), dot(v1 - v0, g0));
         let weights = in_file_order(w / (w.x + w.y + w.z), triangle);
         let smooth_normal = weights.x * stored_normal(surface.x) + weights.y * stored_normal(surface.y)
             + weights.z * stored_normal(surface.z);
@@ -38,6 +53,7 @@ struct Lit {
     reach: f32,             // the largest number that its place comes from
     n: vec3<f32>,           // unit, turned to the viewer
     view: vec3<f32>,        // unit, away from the viewer
+    share: f32,             // of the pixel, that sees the same
 }
 
 // Of a place at t of a ray.

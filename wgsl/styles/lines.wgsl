@@ -9,7 +9,7 @@ fn drawn(look: Look, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
         seen = mix(style.paper, style.ink, hatched(look.p + shading.anchor, on, 1.0 - tone, look.share));
     }
     if style.wire_width > 0.0 {
-        let width = style.wire_width * min(1.0, style.wire_depth / look.z);
+        let width = narrowed(style.wire_width, style.wire_depth, look.z);
         seen = mix(seen, style.wire, covered(edge_distance(look), width, look.share));
     }
     return seen;

@@ -8,9 +8,7 @@ const PATTERN_WOOD: u32 = 3u;
 
 // How a hit moves on the plane of its triangle for one pixel to the right, and downwards.
 fn tangents(look: Look) -> Spread {
-    let triangle = triangles[look.slot];
-    let v0 = vertex(triangle.x);
-    let n = normalize(cross(vertex(triangle.y) - v0, vertex(triangle.z) - v0));
+    let n = flat_normal(triangles[look.slot], look.d);
     let along = look.d / dot(n, look.d);
     return Spread(look.spread.right - along * dot(n, look.spread.right), look.spread.down - along * dot(n, look.spread.down));
 }

@@ -12,8 +12,13 @@ struct Style {
     border_width: f32,      // px
     crease_cosine: f32,     // of normals that differ more, an edge is a crease
     outline_depth: f32,
+    jump_sine: f32,         // by which a step leaves a surface at least that does not go on
     pad0: u32,
-    pad1: u32,
+}
+
+// How wide a line is at a depth, that is whole up to its own.
+fn narrowed(width: f32, depth: f32, z: f32) -> f32 {
+    return width * select(1.0, depth / z, z > depth);
 }
 
 // How much of a box a line of a width covers whose middle is so far from its own, px.

@@ -50,6 +50,9 @@ impl Backend {
         if args.moving {
             return Err(Error::work(format!("--moving needs an adapter: {NO_ADAPTER}")));
         }
+        if args.analytic {
+            return Err(Error::work(format!("--analytic needs an adapter: {NO_ADAPTER}")));
+        }
         // a closed stderr is no reason not to render
         let _ = writeln!(std::io::stderr(), "{NO_ADAPTER}; rendering on the CPU as --engine reference does");
         Ok(Backend::Reference)
@@ -99,7 +102,12 @@ impl Backend {
             Backend::Reference if wanted.channels.contains(&Channel::Certified) => Err(Error::input(
                 "certified is a channel of --engine compute; the reference has margins: see --check and --pixel",
             )),
-            Backend::Reference => Ok(by_reference(scene, camera, wanted, run)),
+            Backend::Reference => {
+                if wanted.has_colour() {
+                    scene.check_shadows()?;
+                }
+                Ok(by_reference(scene, camera, wanted, run))
+            }
         }
     }
 }

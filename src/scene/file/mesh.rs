@@ -28,7 +28,7 @@ pub struct MeshSpec {
     /// Linear RGB in [0, 1] for the whole mesh, without the images of its file; `None` keeps the source's materials.
     pub color: Option<[f32; 3]>,
     pub texture: TextureSpec,
-    /// What its colour is multiplied by too.
+    /// What its colour, white where none is given, is multiplied by too.
     pub pattern: Option<Pattern>,
     pub gloss: GlossSpec,
 }

@@ -78,6 +78,14 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// A number that is one in f32 too.
+    pub fn above_zero(&self) -> Result<f64> {
+        match self.number()? {
+            value if value >= f64::from(f32::MIN_POSITIVE) && value <= f64::from(f32::MAX) => Ok(value),
+            value => Err(self.error(format_args!("{value} is out of range; use a number above 0, from 1e-37 to 1e38"))),
+        }
+    }
+
     /// A whole number in `least..=most`.
     pub fn integer(&self, least: u64, most: u64) -> Result<u64> {
         let found = match &self.node.value {

@@ -30,7 +30,7 @@ fn read_line(field: &Field, keys: &[&str]) -> Result<Line> {
     Ok(Line {
         width: table.or("width", black.width, read_width)?,
         colour: table.or("color", black.colour, Field::color)?,
-        depth: table.or("depth", black.depth, above_zero)?,
+        depth: table.or("depth", black.depth, Field::above_zero)?,
     })
 }
 
@@ -48,18 +48,18 @@ fn read_outline(field: &Field) -> Result<Outline> {
 fn read_hatching(field: &Field) -> Result<Hatching> {
     let plain = Hatching { spacing: 6.0, ink: [0.0; 3], paper: [1.0; 3] };
     if !field.is_table() {
-        return Ok(Hatching { spacing: read_width(field)?, ..plain });
+        return Ok(Hatching { spacing: field.above_zero()?, ..plain });
     }
     let table = field.table()?;
     table.allow(&["spacing", "color", "paper"])?;
     Ok(Hatching {
-        spacing: table.or("spacing", plain.spacing, above_zero)?,
+        spacing: table.or("spacing", plain.spacing, Field::above_zero)?,
         ink: table.or("color", plain.ink, Field::color)?,
         paper: table.or("paper", plain.paper, Field::color)?,
     })
 }
 
-/// `{ kind, size, colors = [light, dark] }`.
+/// `{ kind, size, light, dark }`.
 pub fn read_pattern(field: &Field) -> Result<Pattern> {
     let table = field.table()?;
     table.allow(&["kind", "size", "light", "dark"])?;
@@ -68,7 +68,7 @@ pub fn read_pattern(field: &Field) -> Result<Pattern> {
     let known = || PatternKind::ALL.map(|k| format!("{:?}", k.name())).join(", ");
     let kind = PatternKind::ALL.into_iter().find(|k| k.name() == name);
     let kind = kind.ok_or_else(|| key.error(format_args!("{name:?} is no pattern; known: {}", known())))?;
-    let plain = Pattern::new(kind, table.or("size", 1.0, above_zero)?);
+    let plain = Pattern::new(kind, table.or("size", 1.0, Field::above_zero)?);
     Ok(Pattern {
         light: table.or("light", plain.light, Field::color)?,
         dark: table.or("dark", plain.dark, Field::color)?,
@@ -80,12 +80,5 @@ fn read_width(field: &Field) -> Result<f64> {
     match field.number()? {
         value if value > 0.0 && value <= WIDTH_MAX => Ok(value),
         value => Err(field.error(format_args!("{value} is no width; use pixels above 0, {WIDTH_MAX} at most"))),
-    }
-}
-
-fn above_zero(field: &Field) -> Result<f64> {
-    match field.number()? {
-        value if value > 0.0 => Ok(value),
-        value => Err(field.error(format_args!("{value} is too little; use a number above 0"))),
     }
 }
