@@ -18,8 +18,8 @@ fn flat_normal(triangle: vec4<u32>, way: vec3<f32>) -> vec3<f32> {
     let v0 = vertex(triangle.x);
     let e1 = vertex(triangle.y) - v0;
     let e2 = vertex(triangle.z) - v0;
-    let size = max(largest(e1), largest(e2));
-    let flat = normalize(cross(e1 / size, e2 / size));
+    let inverse = 1.0 / max(largest(e1), largest(e2));
+    let flat = normalize(cross(inverse * e1, inverse * e2));
     return select(flat, -flat, dot(flat, way) > 0.0);
 }
 
@@ -29,10 +29,10 @@ fn surface_normal(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
     let n = flat_normal(triangle, ray.d);
     if NORMALS && surface.x != NONE && surface.y != NONE && surface.z != NONE {
         let far = vertex(triangle.x) - ray.p;
-        let size = largest(far);
-        let v0 = far / size;
-        let v1 = (vertex(triangle.y) - ray.p) / size;
-        let v2 = (vertex(triangle.z) - ray.p) / size;
+        let inverse = 1.0 / largest(far);
+        let v0 = inverse * far;
+        let v1 = inverse * (vertex(triangle.y) - ray.p);
+        let v2 = inverse * (vertex(triangle.z) - ray.p);
         let g0 = cross(ray.d, v0);
         let w = vec3<f32>(dot(v2 - v1, cross(ray.d, v1)), dot(v0 - v2, g0), dot(v1 - v0, g0));
         let weights = in_file_order(w / (w.x + w.y + w.z), triangle);
