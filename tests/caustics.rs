@@ -350,6 +350,18 @@ fn a_mirror_shows_the_caustic_too_as_much_as_it_leaves() {
 }
 
 #[test]
+fn what_is_drawn_on_surfaces_is_in_the_way_of_no_photon() {
+    let Some(mut engine) = engine() else { return };
+    let drawn = "[style]\nwireframe = 3\noutline = 2\nhatching = 6";
+    let [plain, drawn] = ["", drawn].map(|style| {
+        let scene = scene(&format!("{style}\n{FLOOR}"), LENS);
+        engine.illuminate(&scene).unwrap().unwrap().clone()
+    });
+    assert_eq!(plain.budget, drawn.budget);
+    assert!(plain.maps == drawn.maps);
+}
+
+#[test]
 fn bad_input_is_refused_in_one_line() {
     let refused = |text: &str| {
         let scene = format!("image = {{ width = 8, height = 6 }}\n{FLOOR}\n{CAMERA}\n[caustics]\n{text}\n");
