@@ -3,6 +3,7 @@
 //! 0: done; 1: the work failed; 2: the command line or an input file is wrong. An error is one line on stderr.
 
 mod args;
+mod batch;
 mod bench;
 mod camera;
 mod compare;
@@ -60,6 +61,7 @@ fn run(started: Instant) -> Result<()> {
         Command::Project(args) => project::run(args),
         Command::Info(args) => info::run(args),
         Command::Example(args) => example::run(args),
+        Command::Batch(args) => batch::run(args),
         Command::Bench(args) => bench::run(args),
     }
 }

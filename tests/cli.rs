@@ -2,6 +2,7 @@
 
 mod cli {
     pub mod bad;
+    pub mod batch;
     pub mod drawn;
     pub mod good;
     pub mod program;

@@ -24,6 +24,8 @@ pub enum Command {
     /// Show what a scene's camera compiles to; `--help KIND`: the keys of a kind of camera
     #[command(disable_help_flag = true)]
     Camera(CameraArgs),
+    /// Render a list of jobs
+    Batch(BatchArgs),
     /// Find every image of 3-D points
     Project(ProjectArgs),
     /// Show the adapters of this machine and the code paths they select
@@ -107,6 +109,15 @@ pub struct RenderArgs {
         "adapter", "no_int64", "no_f64",
     ])]
     pub pixel: Option<(u32, u32)>,
+}
+
+#[derive(Debug, Args)]
+pub struct BatchArgs {
+    /// List of jobs, .toml, .json or .jsonl
+    pub jobs: PathBuf,
+    /// Stop at the first frame that fails
+    #[arg(long)]
+    pub fail_fast: bool,
 }
 
 /// What renders.

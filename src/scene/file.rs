@@ -93,13 +93,31 @@ pub const MAX_PIXELS: u64 = 1 << 30;
 /// [`Error::Input`], one line, with the file, the line and the key, and what to write instead.
 pub fn load(path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> {
     let format = parse::Format::of(path)?;
+    read_scene(&read_text(path)?, format, path, overrides, frame)
+}
+
+/// The value tree of another file that is written like a scene: a .toml, a .json, or a .jsonl with a job a line.
+///
+/// # Errors
+/// [`Error::Input`], one line, with the file and the line; or those of `read`.
+pub(crate) fn with_tree<T>(path: &Path, read: impl FnOnce(&Field) -> Result<T>) -> Result<T> {
+    let text = read_text(path)?;
+    let root = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("jsonl")) {
+        parse::parse(&parse::listed("job", &text), parse::Format::Json, path)?
+    } else {
+        parse::parse(&text, parse::Format::of(path)?, path)?
+    };
+    let source = Source { path, dir: path.parent().unwrap_or(Path::new("")) };
+    read(&Field::new(&source, "", &root))
+}
+
+fn read_text(path: &Path) -> Result<String> {
     let cannot = |why: &dyn std::fmt::Display| Error::input(format!("{}: cannot be read: {why}", path.display()));
     let bytes = std::fs::read(path).map_err(|e| cannot(&format_args!("{e}; check the path")))?;
-    let text = String::from_utf8(bytes).map_err(|e| {
+    String::from_utf8(bytes).map_err(|e| {
         let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
         cannot(&format_args!("line {line} is not UTF-8 text; save it as UTF-8"))
-    })?;
-    read_scene(&text, format, path, overrides, frame)
+    })
 }
 
 /// Refuses an image without pixels or beyond the format's limits, naming the limit.

@@ -46,6 +46,28 @@ impl Value {
         matches!(self, Value::List(_) | Value::Table(_))
     }
 
+    /// As TOML that `--set` reads back; `None` where a null is in it.
+    pub fn inline(&self) -> Option<String> {
+        // escapes of JSON are TOML's
+        let quoted = |text: &str| serde_json::Value::from(text).to_string();
+        Some(match self {
+            Value::Null => return None,
+            Value::Bool(b) => b.to_string(),
+            Value::Int(i) => i.to_string(),
+            Value::Float(x) => format!("{x:?}"),
+            Value::Text(t) => quoted(t),
+            Value::List(items) => {
+                let items: Vec<String> = items.iter().map(|item| item.value.inline()).collect::<Option<_>>()?;
+                format!("[{}]", items.join(", "))
+            }
+            Value::Table(entries) => {
+                let entry = |e: &Entry| Some(format!("{} = {}", quoted(&e.key), e.node.value.inline()?));
+                let entries: Vec<String> = entries.iter().map(entry).collect::<Option<_>>()?;
+                format!("{{ {} }}", entries.join(", "))
+            }
+        })
+    }
+
     /// What a person would call this value, for "expected ..., found ...".
     pub fn describe(&self) -> String {
         match self {

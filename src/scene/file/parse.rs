@@ -41,6 +41,21 @@ pub(super) fn parse(text: &str, format: Format, path: &Path) -> Result<Node> {
     }
 }
 
+/// Lines of JSON as one document with a list of them, each where it was.
+pub(super) fn listed(key: &str, lines: &str) -> String {
+    let mut text = format!("{{\"{key}\": [");
+    let mut is_first = true;
+    for (k, line) in lines.lines().enumerate() {
+        text.push_str(if k == 0 { "" } else { "\n" });
+        if !line.trim().is_empty() {
+            text.push_str(if is_first { "" } else { "," });
+            text.push_str(line);
+            is_first = false;
+        }
+    }
+    text + "]}"
+}
+
 /// Parses the value of a `--set`: a TOML value, or else the text itself.
 pub(super) fn parse_set_value(text: &str) -> Node {
     let document = format!("value = {text}");

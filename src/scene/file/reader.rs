@@ -58,6 +58,11 @@ impl<'a> Field<'a> {
         matches!(self.node.value, Value::List(_))
     }
 
+    /// The value as `--set` reads it back.
+    pub fn inline(&self) -> Result<String> {
+        self.node.value.inline().ok_or_else(|| self.error("null is no value"))
+    }
+
     /// A finite number.
     pub fn number(&self) -> Result<f64> {
         let number = self.number_or_inf("a finite number")?;
@@ -189,6 +194,11 @@ impl<'a> Table<'a> {
         let entry = self.entries.iter().find(|e| e.key == key)?;
         let dotted = if self.field.key.is_empty() { key.into() } else { format!("{}.{key}", self.field.key) };
         Some(Field { source: self.field.source, key: dotted, place: entry.node.place, node: &entry.node })
+    }
+
+    /// All keys, in the file's order, and their values.
+    pub fn fields(&self) -> impl Iterator<Item = (&'a str, Field<'a>)> + '_ {
+        self.entries.iter().filter_map(|e| Some((e.key.as_str(), self.get(&e.key)?)))
     }
 
     /// The value of `key`, or an error that shows how to write it.

@@ -1,0 +1,239 @@
+//! The list of jobs: each is a `render` with its flags, for each of its frames and all products of what it sweeps.
+
+use super::names::{fill, plain};
+use crate::cli::args::{Cli, Command, RenderArgs};
+use crate::cli::refusal;
+use crate::error::{Error, Result};
+use crate::scene::file::reader::{Field, Table};
+use crate::scene::file::with_tree;
+use clap::Parser;
+use std::collections::HashMap;
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash, Hasher};
+use std::path::Path;
+
+pub struct Jobs {
+    all: Vec<Job>,
+}
+
+struct Job {
+    /// Where it stands in the file.
+    key: String,
+    scene: String,
+    /// Flags of `render`, and their values as they are written.
+    flags: Vec<(&'static str, Option<String>)>,
+    sweep: Vec<Swept>,
+    frames: Vec<f64>,
+}
+
+/// A value of the scene that takes several, as `--set` does.
+struct Swept {
+    key: String,
+    values: Vec<String>,
+}
+
+/// One frame that is to be rendered.
+pub struct Task<'a> {
+    pub name: String,
+    job: &'a Job,
+    values: Vec<(&'a str, &'a str)>,
+    frame: f64,
+}
+
+/// Files that a job writes, by key and flag; their names differ from frame to frame.
+const OUTPUTS: [(&str, &str); 4] =
+    [("color", "--output"), ("exr", "--exr"), ("points", "--points"), ("report", "--report")];
+
+/// Other flags with a value.
+const VALUES: [(&str, &str); 4] =
+    [("size", "--size"), ("engine", "--engine"), ("samples", "--samples"), ("repeat", "--repeat")];
+
+/// Flags without one.
+const SWITCHES: [(&str, &str); 3] = [("analytic", "--analytic"), ("check", "--check"), ("no_cull", "--no-cull")];
+
+/// Frames of a job at most.
+const FRAMES_MAX: f64 = 1e8;
+
+impl Jobs {
+    /// Reads a list: `[[job]]` tables of a .toml, `{ "job": [...] }` of a .json, or a job a line of a .jsonl.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where it is not one, flags are wrong, or two frames would write one file.
+    pub fn read(path: &Path) -> Result<Jobs> {
+        let all = with_tree(path, |root| {
+            let table = root.table()?;
+            table.allow(&["job"])?;
+            let list = table.need("job", "[{ scene = \"scene.toml\", color = \"out-{frame:04}.png\" }]")?;
+            list.items("a list of jobs, as [[job]]")?.enumerate().map(|(k, job)| read_job(k, &job, path)).collect()
+        })?;
+        let jobs = Jobs { all };
+        jobs.check(path)?;
+        Ok(jobs)
+    }
+
+    /// Frames of all jobs.
+    pub fn count(&self) -> usize {
+        self.all.iter().map(Job::count).sum()
+    }
+
+    /// In the order of the file; of a job the last swept key changes first, and frames before that.
+    pub fn tasks(&self) -> impl Iterator<Item = Task<'_>> {
+        self.all.iter().flat_map(|job| (0..job.count()).map(move |k| job.task(k)))
+    }
+
+    /// All that is to be seen before anything is rendered.
+    fn check(&self, path: &Path) -> Result<()> {
+        for job in &self.all {
+            if job.count() > 0 {
+                job.task(0).args()?;
+            }
+        }
+        // by hashes: a list may be of millions
+        let mut written: HashMap<u64, (usize, usize)> = HashMap::new();
+        for (j, job) in self.all.iter().enumerate() {
+            for k in 0..job.count() {
+                let task = job.task(k);
+                for (flag, file) in job.flags.iter().filter(|(flag, _)| OUTPUTS.iter().any(|o| o.1 == *flag)) {
+                    let file = task.filled(flag, file.as_deref().unwrap_or_default())?;
+                    let mut hasher = DefaultHasher::new();
+                    file.hash(&mut hasher);
+                    if let Some((a, b)) = written.insert(hasher.finish(), (j, k)) {
+                        let (first, second) = (self.all[a].task(b).name, &task.name);
+                        let hint = "name what differs, as in {frame:04}";
+                        let path = path.display();
+                        return Err(Error::input(format!("{path}: {first} and {second} both write {file}; {hint}")));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Job {
+    fn count(&self) -> usize {
+        self.sweep.iter().map(|s| s.values.len()).product::<usize>() * self.frames.len()
+    }
+
+    fn task(&self, k: usize) -> Task<'_> {
+        let (mut rest, frame) = (k / self.frames.len(), self.frames[k % self.frames.len()]);
+        let mut values = Vec::new();
+        for swept in self.sweep.iter().rev() {
+            values.push((swept.key.as_str(), swept.values[rest % swept.values.len()].as_str()));
+            rest /= swept.values.len();
+        }
+        values.reverse();
+        let sets: String = values.iter().map(|(key, value)| format!(", {key}={value}")).collect();
+        Task { name: format!("{}{sets}, frame {frame}", self.key), job: self, values, frame }
+    }
+}
+
+impl Task<'_> {
+    /// What `render` is told.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where it would not take that.
+    pub fn args(&self) -> Result<RenderArgs> {
+        let mut words = vec!["anamorph".to_owned(), "render".to_owned(), self.job.scene.clone()];
+        for (flag, value) in &self.job.flags {
+            words.push((*flag).to_owned());
+            words.extend(value.as_ref().map(|v| self.filled(flag, v)).transpose()?);
+        }
+        words.extend(self.values.iter().flat_map(|(key, value)| ["--set".to_owned(), format!("{key}={value}")]));
+        words.extend(["--frame".to_owned(), self.frame.to_string()]);
+        match Cli::try_parse_from(words).map(|cli| cli.command) {
+            Ok(Command::Render(args)) => Ok(*args),
+            Ok(_) => Err(Error::input(format!("{}: no render", self.name))),
+            Err(e) => Err(Error::input(refusal(&e)).at(&self.job.key)),
+        }
+    }
+
+    /// The value of a flag: names of files have those of this task in them.
+    fn filled(&self, flag: &str, text: &str) -> Result<String> {
+        if !OUTPUTS.iter().any(|o| o.1 == flag) {
+            return Ok(text.to_owned());
+        }
+        let swept = |key: &str| self.values.iter().find(|v| v.0 == key).map(|v| plain(v.1));
+        let value = |key: &str| if key == "frame" { Some(self.frame.to_string()) } else { swept(key) };
+        fill(text, value).map_err(|e| Error::input(format!("{}: {e}", self.job.key)))
+    }
+}
+
+fn read_job(k: usize, field: &Field, path: &Path) -> Result<Job> {
+    let table = field.table()?;
+    let known = [("scene", ""), ("frames", ""), ("set", ""), ("sweep", ""), ("channels", "")];
+    let all = [&known[..], &OUTPUTS, &VALUES, &SWITCHES].concat();
+    table.allow(&all.iter().map(|(key, _)| *key).collect::<Vec<_>>())?;
+    let mut flags = Vec::new();
+    for (key, flag) in OUTPUTS {
+        flags.extend(table.optional(key, |f| f.path())?.map(|file| (flag, Some(file.display().to_string()))));
+    }
+    if flags.iter().all(|(flag, _)| *flag == "--report") {
+        return Err(table.error("nothing to write; add color, exr or points"));
+    }
+    for (key, flag) in VALUES {
+        flags.extend(table.optional(key, Field::inline)?.map(|value| (flag, Some(value.trim_matches('"').to_owned()))));
+    }
+    for (key, flag) in SWITCHES {
+        flags.extend(table.or(key, false, Field::boolean)?.then_some((flag, None)));
+    }
+    if let Some(list) = table.get("channels") {
+        let names = list.items("a list of channels, as [\"R\", \"Z\"]")?;
+        let names: Vec<&str> = names.map(|name| name.text()).collect::<Result<_>>()?;
+        flags.push(("--channels", Some(names.join(","))));
+    }
+    if let Some(list) = table.get("set") {
+        for text in list.items("a list of texts, as [\"camera.vfov=40\"]")? {
+            flags.push(("--set", Some(text.text()?.to_owned())));
+        }
+    }
+    let mut sweep = Vec::new();
+    if let Some(field) = table.get("sweep") {
+        read_sweep(&field.table()?, "", &mut sweep)?;
+    }
+    Ok(Job {
+        key: format!("{}: job.{k}", path.display()),
+        scene: table.need("scene", "\"scene.toml\"")?.path()?.display().to_string(),
+        flags,
+        sweep,
+        frames: table.or("frames", vec![0.0], read_frames)?,
+    })
+}
+
+/// Lists of values; tables are dotted keys.
+fn read_sweep(table: &Table, prefix: &str, all: &mut Vec<Swept>) -> Result<()> {
+    for (key, field) in table.fields() {
+        let key = format!("{prefix}{key}");
+        if field.is_table() {
+            read_sweep(&field.table()?, &format!("{key}."), all)?;
+            continue;
+        }
+        let values: Vec<String> =
+            field.items("a list of values, as [1, 16, 128]")?.map(|value| value.inline()).collect::<Result<_>>()?;
+        if values.is_empty() {
+            return Err(field.error("no values; write at least one, as [1, 16, 128]"));
+        }
+        all.push(Swept { key, values });
+    }
+    Ok(())
+}
+
+/// A number, a list of numbers, or `{ first, last, step }`.
+fn read_frames(field: &Field) -> Result<Vec<f64>> {
+    if field.is_list() {
+        return field.items("a list of frames")?.map(|frame| frame.number()).collect();
+    }
+    if !field.is_table() {
+        return Ok(vec![field.number()?]);
+    }
+    let table = field.table()?;
+    table.allow(&["first", "last", "step"])?;
+    let first = table.or("first", 0.0, Field::number)?;
+    let last = table.need("last", "1999")?.number()?;
+    let step = table.or("step", 1.0, Field::number)?;
+    let steps = ((last - first) / step + 1e-9).floor();
+    if !(0.0..FRAMES_MAX).contains(&steps) {
+        return Err(field.error(format_args!("no frames from {first} to {last} by {step}, or too many")));
+    }
+    Ok((0..=steps as u64).map(|k| first + step * k as f64).collect())
+}
