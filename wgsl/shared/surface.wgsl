@@ -58,8 +58,7 @@ struct Lit {
 
 // Of a place at t of a ray.
 fn reach_of(ray: Ray, t: f32) -> f32 {
-    let most = max(abs(ray.p), abs(t * ray.d));
-    return max(most.x, max(most.y, most.z));
+    return max(largest(ray.p), largest(t * ray.d));
 }
 
 // Light at a hit: the unit way to where it comes from, and its irradiance over pi there.

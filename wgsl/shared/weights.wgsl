@@ -10,8 +10,7 @@ fn weights_at(triangle: vec4<u32>, p: vec3<f32>, d: vec3<f32>, spread: Spread) -
     let v0 = vertex(triangle.x);
     var e1 = vertex(triangle.y) - v0;
     var e2 = vertex(triangle.z) - v0;
-    let most = max(abs(e1), abs(e2));
-    let size = max(most.x, max(most.y, most.z));
+    let size = max(largest(e1), largest(e2));
     e1 /= size;
     e2 /= size;
     let n = cross(e1, e2);
