@@ -85,7 +85,7 @@ fn the_order_of_triangles_changes_their_ids_alone() {
         let Some(first) = render(&scene, &camera) else { return };
         for seed in 0..3 {
             let order = Rng(seed).shuffled(scene.mesh.triangles.len());
-            let shuffled = Scene { mesh: picked(&scene.mesh, &order), ..scene.clone() };
+            let shuffled = Scene { mesh: picked(&scene.mesh, &order).into(), ..scene.clone() };
             let again = render(&shuffled, &camera).unwrap();
             let back = |id: u32| order.get(id as usize).map_or(id, |&k| k as u32);
             let other = |&k: &usize| back(ids(&again)[k]) != ids(&first)[k];

@@ -17,6 +17,7 @@ use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, mesh, moved, scene};
 use glam::{DMat3, DVec3};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Not a multiple of the tile size.
 const SIZE: (u32, u32) = (101, 77);
@@ -135,7 +136,7 @@ fn a_ray_map_with_blind_pixels() {
 #[test]
 fn one_sided_meshes_show_their_fronts_alone() {
     let mut one_sided = ball_in_cloud();
-    one_sided.mesh.materials.iter_mut().for_each(|m| m.two_sided = false);
+    Arc::make_mut(&mut one_sided.mesh).materials.iter_mut().for_each(|m| m.two_sided = false);
     for (name, kind) in glc_of_each_class() {
         let camera = camera(kind, SIZE, ALL_T);
         let Some((frame, ..)) = check(&format!("one-sided {name}"), &one_sided, &camera) else { return };
@@ -210,8 +211,8 @@ const SHADING_DB: f64 = 60.0;
 #[test]
 fn smooth_normals_and_lights_shade_as_the_reference_does() {
     let mut lit = scene(generate::teapot(10));
-    lit.mesh.materials.push(Material { diffuse: [0.9, 0.4, 0.1], ..Material::default() });
-    lit.mesh.material_of.iter_mut().step_by(3).for_each(|m| *m = 1);
+    Arc::make_mut(&mut lit.mesh).materials.push(Material { diffuse: [0.9, 0.4, 0.1], ..Material::default() });
+    Arc::make_mut(&mut lit.mesh).material_of.iter_mut().step_by(3).for_each(|m| *m = 1);
     assert!(!lit.mesh.normals.is_empty());
     let kind = || pinhole(DVec3::new(4.0, 6.0, 9.0), DVec3::new(0.2, 1.2, 0.0), 35.0);
     for lights in [vec![], [DVec3::new(-1.0, -2.0, -1.0), DVec3::new(1.0, -0.5, 0.2)].map(Light::distant).to_vec()] {
@@ -245,7 +246,7 @@ fn far_from_the_origin() {
     for offset in [1e3, 1e6] {
         let by = DVec3::new(offset, -0.7 * offset, 0.3 * offset);
         let mut scene = ball_in_cloud();
-        scene.mesh = moved(scene.mesh, by);
+        scene.mesh = moved((*scene.mesh).clone(), by).into();
         let kind = pinhole(by + DVec3::new(0.5, 0.8, 3.0), by, 50.0);
         let Some((frame, ..)) = check(&format!("offset {offset}"), &scene, &camera(kind, SIZE, FORWARD)) else {
             return;

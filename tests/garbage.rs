@@ -15,6 +15,7 @@ use common::gpu::{Without, assert_right, check, engine, hits, ids, render, wante
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, mesh, scene, soup};
 use glam::DVec3;
+use std::sync::Arc;
 
 const SIZE: (u32, u32) = (61, 45);
 
@@ -159,7 +160,7 @@ fn of_thousands_of_coincident_triangles_the_lowest_id_is_seen() {
     let stack = scene(mesh(corners, triangles.clone()));
     // the first one that shows its face where the others do not
     let mut one_sided = stack.clone();
-    one_sided.mesh.materials[0].two_sided = false;
+    Arc::make_mut(&mut one_sided.mesh).materials[0].two_sided = false;
     for (name, kind) in glc_of_each_class() {
         let camera = camera(kind, SIZE, ALL_T);
         let Some((frame, ..)) = check(name, &stack, &camera) else { return };

@@ -20,6 +20,7 @@ use common::rng::Rng;
 use common::{FORWARD, camera, scene, soup};
 use glam::{DVec3, Vec3};
 use pictures::{COLOUR, box_filtered, colours, psnr};
+use std::sync::Arc;
 
 const SIZE: (u32, u32) = (61, 45);
 
@@ -119,7 +120,7 @@ fn samples_shine_as_the_reference_s_do() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let mut scene = shiny(1);
     // highlights that are wider than a pixel
-    scene.mesh.materials.iter_mut().for_each(|m| m.roughness = m.roughness.max(0.4));
+    Arc::make_mut(&mut scene.mesh).materials.iter_mut().for_each(|m| m.roughness = m.roughness.max(0.4));
     let mut kinds = 0;
     for (name, camera) in cameras().into_iter().filter(|(_, camera)| at_once(&scene, camera, 16)) {
         let mut seen = |samples| {
@@ -142,8 +143,9 @@ fn light_straight_through_makes_no_nan() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let mut scene = shiny(0);
     // smooth normals that face away from what the triangle faces
-    scene.mesh.normals = vec![Vec3::new(0.0, 0.6, 0.8), Vec3::new(0.8, 0.0, 0.6), Vec3::new(0.0, -0.6, 0.8)];
-    scene.mesh.corner_normals = vec![[0, 1, 2]; scene.mesh.triangles.len()];
+    let mesh = Arc::make_mut(&mut scene.mesh);
+    mesh.normals = vec![Vec3::new(0.0, 0.6, 0.8), Vec3::new(0.8, 0.0, 0.6), Vec3::new(0.0, -0.6, 0.8)];
+    mesh.corner_normals = vec![[0, 1, 2]; mesh.triangles.len()];
     let camera =
         camera_of("", SIZE, "kind = \"orthographic\"\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nheight = 2").unwrap();
     scene.lights = [DVec3::Z, DVec3::NEG_Z].map(Light::distant).to_vec();

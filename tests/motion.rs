@@ -13,6 +13,7 @@ use common::layered::chain;
 use common::rng::Rng;
 use common::{FORWARD, camera, scene, soup};
 use glam::{DMat3, DVec3};
+use std::sync::Arc;
 
 const SIZE: (u32, u32) = (48, 36);
 
@@ -63,7 +64,7 @@ fn rays_of_the_next_frame_pass_where_motion_says() {
     let now = scene(mesh);
     let mut next = now.clone();
     let turn = DMat3::from_rotation_y(0.03);
-    next.mesh.positions.iter_mut().for_each(|p| *p = turn * *p + DVec3::new(0.01, -0.02, 0.03));
+    Arc::make_mut(&mut next.mesh).positions.iter_mut().for_each(|p| *p = turn * *p + DVec3::new(0.01, -0.02, 0.03));
     for (name, [first, second]) in cameras() {
         let frame = image(&now, &first, &NEEDED);
         let [dx, dy] = motion((&now, &first), (&next, &second), &frame).unwrap();

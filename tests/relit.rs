@@ -8,6 +8,7 @@ use anamorph::gpu::Gpu;
 use anamorph::scene::Scene;
 use common::file::load;
 use common::gpu::{engine_on, hits, wanted, words};
+use std::sync::Arc;
 
 const THINGS: &str = r#"
 [[mesh]]
@@ -98,9 +99,9 @@ fn other_kinds_of_materials_are_refused() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let (matte, camera) = scene(" }", SLITS);
     let mut shiny = matte.clone();
-    shiny.mesh.materials[0].metallic = 1.0;
+    Arc::make_mut(&mut shiny.mesh).materials[0].metallic = 1.0;
     let mut brighter = shiny.clone();
-    brighter.mesh.materials[0].emissive = [0.5; 3];
+    Arc::make_mut(&mut brighter.mesh).materials[0].emissive = [0.5; 3];
     let run = RunOptions::default();
     let mut frames = engine.prepare(&matte, &camera, &wanted(), &run).unwrap();
     let message = frames.light(&shiny).unwrap_err().to_string();

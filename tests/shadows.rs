@@ -20,6 +20,7 @@ use common::layered::chain;
 use common::{FORWARD, camera};
 use glam::{DMat3, DVec3};
 use pictures::{COLOUR, Colours, box_filtered, colours, psnr};
+use std::sync::Arc;
 
 const SIZE: (u32, u32) = (80, 60);
 
@@ -178,7 +179,7 @@ fn scenes_of_any_size_have_their_shadows() {
         let source = Source::Point { position: size * DVec3::new(0.3, 1.2, 1.5), distance: 1.5 * size };
         let near = AmbientOcclusion { rays: 4, reach: 0.5 * size };
         let mut scene = scene(vec![sun(), Light { source, ..lamp() }], Some(near));
-        scene.mesh.positions.iter_mut().for_each(|p| *p *= size);
+        Arc::make_mut(&mut scene.mesh).positions.iter_mut().for_each(|p| *p *= size);
         rendered(&mut engine, &scene, &camera_of("", SIZE, &text).unwrap())
     };
     let plain = of(0);
@@ -245,7 +246,7 @@ fn all_chunks_hide_light_and_what_moves_too() {
     let mut turned = darker.clone();
     let (lo, hi) = turned.bounds().unwrap();
     let (middle, turn) = ((lo + hi) / 2.0, DMat3::from_rotation_y(0.3));
-    turned.mesh.positions.iter_mut().for_each(|p| *p = middle + turn * (*p - middle));
+    Arc::make_mut(&mut turned.mesh).positions.iter_mut().for_each(|p| *p = middle + turn * (*p - middle));
     let anew = rendered(&mut whole, &turned, &camera);
     for first in [true, false] {
         let mut frames = whole.prepare(&scene, &camera, &wanted, &moving).unwrap();

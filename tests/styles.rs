@@ -24,6 +24,7 @@ use common::{FORWARD, camera};
 use glam::{DVec2, DVec3};
 use pictures::{COLOUR, Colours, box_filtered, colours, flip, psnr};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 const SIZE: (u32, u32) = (80, 60);
 
@@ -66,7 +67,8 @@ fn things(text: &str, style: Style) -> Scene {
 /// A polyhedron whose outline is made of edges.
 fn ball(style: Style) -> Scene {
     let mut scene = things("[[mesh]]\nbuiltin = \"icosphere\"\nlevel = 1\nscale = 0.8", style);
-    (scene.mesh.normals, scene.mesh.corner_normals) = (Vec::new(), Vec::new());
+    let mesh = Arc::make_mut(&mut scene.mesh);
+    (mesh.normals, mesh.corner_normals) = (Vec::new(), Vec::new());
     scene
 }
 
@@ -81,7 +83,8 @@ fn patterns_are_the_means_of_what_pixels_cover() {
     for (kind, size) in [(PatternKind::Checker, 0.5), (PatternKind::Stone, 0.5), (PatternKind::Wood, 0.15)] {
         let mut scene = things("[[mesh]]\nbuiltin = \"plane\"\nsize = 400\ntranslate = [0, -1, 0]", Style::default());
         let pattern = Pattern { light: [1.0, 0.9, 0.8], dark: [0.0, 0.1, 0.3], ..Pattern::new(kind, size) };
-        scene.mesh.materials[0] = Material { diffuse: [1.0; 3], pattern: Some(pattern), ..Material::default() };
+        Arc::make_mut(&mut scene.mesh).materials[0] =
+            Material { diffuse: [1.0; 3], pattern: Some(pattern), ..Material::default() };
         scene.lights = vec![Light::distant(DVec3::NEG_Y)];
         for (name, camera) in families() {
             let exact = box_filtered(&scene, &camera, 256);

@@ -166,7 +166,7 @@ fn magnified_texels_are_bilinear_and_go_on_as_the_borders_say() {
     for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
         let texture = Texture { wrap: [wrap, wrap], ..patches(2, 3) };
         let mut scene = floor(1.5, 0.0, 3.0, texture);
-        scene.mesh.uvs.iter_mut().for_each(|uv| *uv -= Vec2::ONE);
+        Arc::make_mut(&mut scene.mesh).uvs.iter_mut().for_each(|uv| *uv -= Vec2::ONE);
         let exact = box_filtered(&scene, &camera, 1);
         let seen = rendered(&mut engine, &scene, &camera);
         let texels_a_pixel = 3.0 * 3.0 / 1.5 / f64::from(SIZE.1);
@@ -187,7 +187,7 @@ fn images_of_one_colour_are_that_colour_everywhere() {
     for (name, camera) in families(SIZE) {
         let image = floor(4000.0, -1.0, 900.0, Texture::new(texels(37, 53, |_, _| [0.75, 0.5, 0.25, 1.0])));
         let mut plain = image.clone();
-        plain.mesh.materials[0] = Material { diffuse: colour, ..Material::default() };
+        Arc::make_mut(&mut plain.mesh).materials[0] = Material { diffuse: colour, ..Material::default() };
         for samples in [1, 4] {
             if !at_once(&plain, &camera, samples) {
                 continue;
@@ -307,7 +307,7 @@ fn texture_coordinates_are_a_channel() {
     for (name, camera) in families(SIZE) {
         let mut scene = floor(6.0, -1.0, 3.0, checker());
         // also without any image
-        scene.mesh.materials[0].texture = None;
+        Arc::make_mut(&mut scene.mesh).materials[0].texture = None;
         let exact = image(&scene, &camera, &[&uv[..], &[Channel::TriangleId]].concat());
         let seen = engine.render(
             &scene,
@@ -355,7 +355,7 @@ fn cut_outs() -> Scene {
 fn holes_are_seen_through_by_every_kind_of_rays() {
     let scene = cut_outs();
     let mut solid = scene.clone();
-    solid.mesh.materials[0].texture = None;
+    Arc::make_mut(&mut solid.mesh).materials[0].texture = None;
     const SMALL: (u32, u32) = (48, 36);
     let kinds = families(SMALL).into_iter().chain([("chain", chain(3, 3, (4, 3), MeshLook::default(), SMALL))]);
     for (name, camera) in kinds {
@@ -377,12 +377,13 @@ fn furnished() -> Scene {
     let mut scene = floor(40.0, -1.0, 20.0, checker());
     let soup = soup(&mut Rng(4), 2000, 0.2);
     let (first, uv) = (scene.mesh.positions.len() as u32, scene.mesh.uvs.len() as u32);
-    scene.mesh.positions.extend(&soup.positions);
-    scene.mesh.uvs.extend([Vec2::ZERO, Vec2::X, Vec2::Y]);
-    scene.mesh.corner_uvs.resize(2 + soup.triangles.len(), [uv, uv + 1, uv + 2]);
-    scene.mesh.triangles.extend(soup.triangles.iter().map(|t| t.map(|v| v + first)));
-    scene.mesh.materials.push(Material { texture: Some(zone_plate()), ..Material::default() });
-    scene.mesh.material_of = (0..scene.mesh.triangles.len()).map(|k| u32::from(k >= 2)).collect();
+    Arc::make_mut(&mut scene.mesh).positions.extend(&soup.positions);
+    Arc::make_mut(&mut scene.mesh).uvs.extend([Vec2::ZERO, Vec2::X, Vec2::Y]);
+    Arc::make_mut(&mut scene.mesh).corner_uvs.resize(2 + soup.triangles.len(), [uv, uv + 1, uv + 2]);
+    Arc::make_mut(&mut scene.mesh).triangles.extend(soup.triangles.iter().map(|t| t.map(|v| v + first)));
+    Arc::make_mut(&mut scene.mesh).materials.push(Material { texture: Some(zone_plate()), ..Material::default() });
+    let mesh = Arc::make_mut(&mut scene.mesh);
+    mesh.material_of = (0..mesh.triangles.len()).map(|k| u32::from(k >= 2)).collect();
     scene
 }
 
@@ -428,11 +429,12 @@ fn images_are_exchanged_where_light_is() {
             .map(|t| [t[0], f16::from_f32(value), t[2], if t[3] < f16::ONE { f16::from_f32(hole) } else { t[3] }]);
         let texels = Arc::new(Texels { width: held.width, height: held.height, rgba: rgba.collect() });
         let mut other = scene.clone();
-        other.mesh.materials[0].texture = Some(Texture { cutoff: Some(0.5), ..Texture::new(texels) });
+        Arc::make_mut(&mut other.mesh).materials[0].texture =
+            Some(Texture { cutoff: Some(0.5), ..Texture::new(texels) });
         other
     };
     let mut wider = one.clone();
-    wider.mesh.materials[0].texture.as_mut().unwrap().cutoff = Some(0.9);
+    Arc::make_mut(&mut wider.mesh).materials[0].texture.as_mut().unwrap().cutoff = Some(0.9);
     let mut lit = one.clone();
     lit.lights = vec![Light::distant(DVec3::new(0.0, -0.6, -0.8))];
     let wanted = Wanted::of(COLOUR.to_vec());
@@ -450,7 +452,7 @@ fn images_are_exchanged_where_light_is() {
     assert!(colours(&frames.finish().unwrap().frame) == picture(&wider));
 
     let mut moved = one.clone();
-    moved.mesh.uvs[0].x += 0.5;
+    Arc::make_mut(&mut moved.mesh).uvs[0].x += 0.5;
     let mut frames = engine.prepare(&one, &camera, &wanted, &RunOptions::default()).unwrap();
     let message = frames.light(&moved).unwrap_err().to_string();
     assert!(message.starts_with("other texture coordinates"), "{message}");

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// The same things, lit as out of doors; what is lit by caustics stays dark.
 pub fn dressed(mut scene: Scene) -> Scene {
     pave(&mut scene);
-    for material in &mut scene.mesh.materials {
+    for material in &mut Arc::make_mut(&mut scene.mesh).materials {
         if !material.is_glossy() {
             (material.specular, material.roughness) = ([DIELECTRIC; 3], 0.55);
         }
@@ -46,7 +46,7 @@ fn pave(scene: &mut Scene) {
         let (true, Some(&material)) = (object.name.starts_with("plane"), scene.mesh.material_of.get(own.start)) else {
             continue;
         };
-        let material = &mut scene.mesh.materials[material as usize];
+        let material = &mut Arc::make_mut(&mut scene.mesh).materials[material as usize];
         let [light, dark] = [1.15, 0.75].map(|by| material.diffuse.map(|c| (by * c).min(1.0)));
         let grain = span.max_element() / 12.0;
         (material.pattern, material.diffuse) =

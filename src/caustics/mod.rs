@@ -135,7 +135,7 @@ impl Caustics {
         // no light but that from everywhere
         white.lights = vec![Light { source: Source::Distant(DVec3::ZERO), ..Light::distant(DVec3::X) }];
         white.ambient_occlusion = None;
-        for material in &mut white.mesh.materials {
+        for material in &mut Arc::make_mut(&mut white.mesh).materials {
             *material = Material {
                 diffuse: [1.0 / crate::stage::AMBIENT; 3],
                 two_sided: material.two_sided,

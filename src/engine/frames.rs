@@ -213,7 +213,7 @@ impl Frames<'_> {
         let keeps_holes = if self.moving.is_some() {
             // where things have moved to, and in this light from then on
             let mut lit = scene.into_owned();
-            lit.mesh.positions.clone_from(&self.scene.mesh.positions);
+            Arc::make_mut(&mut lit.mesh).positions.clone_from(&self.scene.mesh.positions);
             self.scene = Cow::Owned(lit);
             let now = moved(&self.scene, self.fixed_vertices(), self.timed.moved);
             self.resident.upload_look(&self.gpu, &self.pages, &now, &self.plan)?
@@ -444,7 +444,8 @@ fn moved(scene: &Scene, fixed: usize, frame: u32) -> Scene {
     let (lo, hi) = scene.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));
     let (middle, turn) = ((lo + hi) / 2.0, DMat3::from_rotation_y(frame as f64 * MOVING_STEP_RAD));
     let moving = scene.mesh.positions.len() - fixed;
-    scene.mesh.positions[..moving].iter_mut().for_each(|p| *p = middle + turn * (*p - middle));
+    let positions = &mut Arc::make_mut(&mut scene.mesh).positions;
+    positions[..moving].iter_mut().for_each(|p| *p = middle + turn * (*p - middle));
     scene
 }
 

@@ -17,7 +17,7 @@ use std::time::Instant;
 /// The maps of a scene's receivers, on the device and here.
 pub struct Illuminated {
     caustics: Arc<Caustics>,
-    mesh: Mesh,
+    mesh: Arc<Mesh>,
     /// `sums` and `receivers` as deposit left them; `landing_of`, 4 bytes a triangle, and `landings`, 48 bytes for each on a
     /// receiver. Read by gather.
     pub buffers: Buffers,

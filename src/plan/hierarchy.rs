@@ -124,6 +124,7 @@ fn triangles(scene: &Scene, anchor: DVec3, count: usize, scale: f32) -> Vec<Tria
 mod tests {
     use super::*;
     use crate::scene::generate;
+    use std::sync::Arc;
 
     #[test]
     fn of_no_triangles_there_is_one_that_nothing_meets() {
@@ -138,7 +139,7 @@ mod tests {
     fn volumes_of_scenes_of_any_size_are_numbers() {
         for size in [1e-12, 1.0, 3.7, 1e30] {
             let mut scene = scene();
-            scene.mesh.positions.iter_mut().for_each(|p| *p *= size);
+            Arc::make_mut(&mut scene.mesh).positions.iter_mut().for_each(|p| *p *= size);
             let words = Hierarchy::build(&scene, DVec3::ZERO, 20).unwrap().words(&scene);
             let largest = words.leaves.iter().flat_map(|r| &r[..3]).fold(0.0, |most: f32, v| most.max(v.abs()));
             assert!(largest > 0.25 && largest <= 1.0, "{size}: {largest}");
@@ -148,7 +149,7 @@ mod tests {
     fn scene() -> Scene {
         let mesh = generate::icosphere(3);
         Scene {
-            mesh,
+            mesh: mesh.into(),
             objects: Vec::new(),
             lights: Vec::new(),
             ambient_occlusion: None,
@@ -196,7 +197,7 @@ mod tests {
         let mut tree = Hierarchy::build(&scene, DVec3::splat(0.25), scene.mesh.triangles.len()).unwrap();
         let (nodes, leaves) = tree.rows(&scene);
         assert_whole(&nodes, &leaves);
-        scene.mesh.positions.iter_mut().for_each(|p| *p = DVec3::new(p.y + 1.0, 2.0 * p.z, p.x));
+        Arc::make_mut(&mut scene.mesh).positions.iter_mut().for_each(|p| *p = DVec3::new(p.y + 1.0, 2.0 * p.z, p.x));
         tree.refit(&scene);
         let (nodes, leaves) = tree.rows(&scene);
         assert_whole(&nodes, &leaves);

@@ -44,7 +44,7 @@ pub struct Object {
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// All meshes placed in the world, one after the other.
-    pub mesh: Mesh,
+    pub mesh: Arc<Mesh>,
     /// What the meshes are called, and how many triangles each has, in order.
     pub objects: Vec<Object>,
     /// None: one headlight along each pixel's own ray.
@@ -89,7 +89,7 @@ impl Scene {
         };
         let caustics = file.caustics.as_ref().map(|c| Caustics::new(c, &mesh)).transpose()?;
         Ok(Scene {
-            mesh,
+            mesh: Arc::new(mesh),
             objects,
             lights: file.lights,
             ambient_occlusion: file.ambient_occlusion,
@@ -116,7 +116,7 @@ impl Scene {
         };
         let base = camera.optics.as_ref().map_or([0.0; 3], |o| o.base);
         let mut scene = self.clone();
-        place::append(&mut scene.mesh, facets.mesh(base));
+        place::append(Arc::make_mut(&mut scene.mesh), facets.mesh(base));
         Cow::Owned(scene)
     }
 

@@ -27,7 +27,7 @@ pub fn scene(mesh: Mesh) -> Scene {
     let kind = CameraKind::Pinhole { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, vfov: 40.0 };
     Scene {
         objects: vec![anamorph::scene::Object { name: "mesh".into(), triangles: mesh.triangles.len() }],
-        mesh,
+        mesh: mesh.into(),
         lights: Vec::new(),
         ambient_occlusion: None,
         style: Default::default(),
