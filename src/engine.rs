@@ -4,8 +4,10 @@ mod atlas;
 mod encode;
 mod frames;
 mod illumination;
+pub mod landed;
 pub mod pages;
 pub mod passes;
+pub mod planned;
 mod resident;
 pub mod surface;
 pub mod tables;
@@ -13,27 +15,23 @@ mod turns;
 
 use crate::baseline::{Choice, Setup};
 use crate::camera::Camera;
-use crate::camera::arranged::Arrangement;
 use crate::caustics::Account;
 use crate::error::{Error, Result};
-use crate::frame::{Channel, Frame, Plane};
+use crate::frame::{Channel, Frame};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
 use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::Recorder;
-use crate::plan::samples::at_once;
-use crate::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
+use crate::plan::{LeftOut, Plan, Wanted};
 use crate::scene::Scene;
-use crate::scene::clusters::cluster;
-use crate::scene::style::Style;
 use crate::stage::Stages;
 use crate::stage::gather::Gather;
 pub use frames::Frames;
 use frames::{Due, Timed};
 use illumination::Illuminated;
 use pages::PageStore;
+use planned::{Planned, Planner};
 use resident::Resident;
-use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -147,20 +145,22 @@ impl Engine {
         frames.finish()
     }
 
+    /// Works out what frames of a scene take on this adapter; see [`Planner::plan`].
+    pub fn planner(&self) -> Planner {
+        Planner { has: self.gpu.has, limit: self.gpu.binding_limit() }
+    }
+
     /// Puts everything on the device that frames of `scene` through `camera` need, and runs a first one. Of `run` all counts but
     /// how often it is repeated.
-    pub fn prepare<'a>(
+    pub fn prepare(
         &mut self,
-        scene: &'a Scene,
-        camera: &'a Camera,
+        scene: &Scene,
+        camera: impl Into<Arc<Camera>>,
         wanted: &Wanted,
         run: &RunOptions,
-    ) -> Result<Frames<'a>> {
-        let middle = Surroundings::of(camera, scene.bounds()).middle;
-        let arrangement = Arrangement::of(camera, middle);
-        let arranged = arrangement.as_ref().map_or(Cow::Borrowed(camera), |a| Cow::Owned(a.camera(camera)));
-        let mut frames = Frames { arrangement, ..self.on_device(scene, arranged, wanted, run)? };
-        check_outlines(&frames.plan, frames.arrangement.as_ref())?;
+    ) -> Result<Frames> {
+        let planned = self.planner().plan(scene, camera, wanted, run, None)?;
+        let mut frames = self.place(planned, run)?;
         frames.warm_up()?;
         Ok(frames)
     }
@@ -175,63 +175,20 @@ impl Engine {
         Ok(started.elapsed().as_secs_f64() * 1e3)
     }
 
-    fn on_device<'a>(
-        &mut self,
-        scene: &'a Scene,
-        camera: Cow<'a, Camera>,
-        wanted: &Wanted,
-        run: &RunOptions,
-    ) -> Result<Frames<'a>> {
-        if wanted.channels.contains(&Channel::Certified) {
-            check_provable(scene, &camera, run)?;
-        }
-        check_samples(scene, &camera, wanted, run.by.is_some())?;
-        if let Some(choice) = run.by.filter(|_| scene.mesh.has_holes()) {
-            let name = choice.technique.name;
-            return Err(Error::input(format!("{name} sees no holes that images cut into triangles; use compute")));
-        }
-        if wanted.has_colour() {
-            scene.check_shadows()?;
-        }
-        let mut painter = self.painter(scene, &camera, wanted, run)?;
-        let mut planned = wanted.clone();
-        let lit = if wanted.has_colour() { self.illuminated(scene)? } else { None };
-        if lit.is_some() {
-            planned.channels.extend([Channel::BaryU, Channel::BaryV]);
-            if scene.mesh.is_textured() || scene.mesh.has_patterns() {
-                planned.channels.extend([Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
-            }
-        }
-        if wanted.has_colour() {
-            planned.channels.extend(outlined_by(&scene.style, &camera));
-        }
-        let scene = scene.with_optics(&camera);
-        let around = Surroundings::of(&camera, scene.bounds());
-        check_size(&scene, around)?;
-        let (contents, limit) = (Contents::of(&scene), self.gpu.binding_limit());
-        let mut plan = Plan::new(&camera, contents, around, &planned, self.gpu.has, limit);
-        plan.variant.f64 = run.arithmetic != Arithmetic::Single;
-        plan.variant.culling = !run.no_cull;
-        plan.variant.doubting = run.arithmetic == Arithmetic::Double;
-        if self.gpu.has.lanes && self.gpu.has.f64 {
-            plan.variant = plan.variant.with_tiles();
-        }
+    /// Puts on the device what was planned. Its frames have no picture yet.
+    pub fn place(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
+        let Planned { given, scene, camera, arrangement, plan, clustered, wanted, .. } = planned;
+        let mut painter = self.painter(&given, &camera, &wanted, run)?;
         if plan.variant.outlined && painter.is_some() {
             return Err(Error::input("outlines and borders are not drawn by way of an atlas; leave atlas out"));
         }
+        let lit = if wanted.has_colour() { self.illuminated(&given)? } else { None };
         let stages = self.stages(plan.variant, &plan.planes)?;
         let turned =
             plan.variant.turns_rays().then(|| self.stages(plan.variant.after_turn(), &plan.planes)).transpose()?;
-        let setup = setup(&camera, &plan);
-        let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup)).transpose()?;
+        let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup(&camera, &plan))).transpose()?;
         let caustics = lit.map(|lit| (lit, self.gather(plan.variant, &plan.planes)));
-        let clustered = cluster(&scene.mesh, plan.anchor, plan.variant.textured, limit);
-        if plan.variant.analytic && clustered.chunks.len() > 1 {
-            let lists = clustered.chunks.len();
-            let what = "analytic coverage needs all triangles in one list";
-            return Err(Error::input(format!("{what}, for which the adapter takes {lists}; count samples")));
-        }
-        let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, wanted, run.capacities)?;
+        let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, &wanted, run.capacities)?;
         resident.upload_look(&self.gpu, &self.pages, &scene, &plan)?;
         let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());
         if let Some(most) = run.draws_max.filter(|most| draws > *most) {
@@ -248,14 +205,15 @@ impl Engine {
             scene,
             camera,
             plan,
-            wanted: wanted.clone(),
+            wanted,
             resident,
             caustics,
-            arrangement: None,
+            arrangement,
             painter,
             rival,
             kept: None,
-            moving: run.moving.then_some(clustered),
+            shown: Arc::downgrade(&clustered),
+            moving: run.moving.then(|| Arc::unwrap_or_clone(clustered)),
             is_aimed: false,
             due: Due::All,
             timed: Timed::default(),
@@ -282,114 +240,8 @@ impl Engine {
     }
 }
 
-/// What lines between pixels follow from.
-fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
-    use Channel::{MirrorId, NormalX, NormalY, NormalZ, PieceId, PositionX, PositionY, PositionZ, TriangleId, Z};
-    let mut channels = Vec::new();
-    if let Some(outline) = style.outline {
-        channels.extend([TriangleId, NormalX, NormalY, NormalZ, PositionX, PositionY, PositionZ]);
-        channels.extend(camera.optics.as_ref().map(|_| MirrorId));
-        channels.extend(outline.line.depth.is_finite().then_some(Z));
-    }
-    channels.extend(style.borders.map(|_| PieceId));
-    if style.is_between_pixels() {
-        channels.push(TriangleId);
-    }
-    channels
-}
-
-/// How large a scene may be, world units: beyond, f32 and pairs of it lose all.
-const SIZES: [f64; 2] = [1e-12, 1e30];
-
-/// The engine's f32 can hold the scene.
-fn check_size(scene: &Scene, around: Surroundings) -> Result<()> {
-    let Some((lo, hi)) = scene.bounds() else { return Ok(()) };
-    let reach = (hi - around.anchor).max(around.anchor - lo).max_element();
-    let [least, most] = SIZES;
-    if reach > 0.0 && !(least..=most).contains(&reach) {
-        let advice = "scale the scene and its camera, or use --engine reference";
-        return Err(Error::input(format!("the scene reaches {reach:.1e} far, of {least:.0e} to {most:.0e}: {advice}")));
-    }
-    Ok(())
-}
-
-/// What is certified are the engine's own hits of rays that nothing turned.
-fn check_provable(scene: &Scene, camera: &Camera, run: &RunOptions) -> Result<()> {
-    if let Some(choice) = run.by {
-        return Err(Error::input(format!(
-            "{} proves nothing; certified is a channel of --engine compute",
-            choice.technique.name
-        )));
-    }
-    if camera.optics.is_some() {
-        let kind = camera.kind;
-        return Err(Error::input(format!("{kind} turns rays without bounds; certified is a channel of other cameras")));
-    }
-    if scene.mesh.has_holes() {
-        return Err(Error::input("nothing is proven where images cut holes into triangles; leave certified out"));
-    }
-    Ok(())
-}
-
-/// Several samples are found by the engine's own stages, where these know the rays between pixel centres.
-fn check_samples(scene: &Scene, camera: &Camera, wanted: &Wanted, by_rival: bool) -> Result<()> {
-    if wanted.samples == 0 {
-        return Err(Error::input("0 samples a pixel; at least 1"));
-    }
-    if wanted.analytic && wanted.samples == 1 {
-        return Err(Error::input("analytic coverage is of what several samples of a pixel see; take at least 2"));
-    }
-    let is_possible = !by_rival && at_once(scene, camera, wanted.samples);
-    if wanted.samples == 1 || is_possible {
-        return Ok(());
-    }
-    let (n, kind) = (wanted.samples, camera.kind);
-    Err(Error::input(format!("{n} samples a pixel of {kind} take a frame each")))
-}
-
-/// Outlines lie between pixels that are beside each other.
-fn check_outlines(plan: &Plan, arrangement: Option<&Arrangement>) -> Result<()> {
-    if plan.variant.outlined && plan.bands.len() > 1 {
-        let rows = plan.rows_max();
-        return Err(Error::input(format!(
-            "outlines and borders need the whole image at once, of which the adapter holds {rows} rows; make it smaller"
-        )));
-    }
-    if plan.variant.outlined && arrangement.is_some() {
-        return Err(Error::input(
-            "outlines and borders are between pixels, of which this camera's look all over; leave them out",
-        ));
-    }
-    Ok(())
-}
-
 /// What a rival needs to know of a plan.
 fn setup<'a>(camera: &'a Camera, plan: &Plan) -> Setup<'a> {
     let rows = plan.rows_max();
     Setup { camera, variant: plan.variant, rows, middle: plan.middle, anchor: plan.anchor, knob: 0 }
-}
-
-/// Joins the planes of all bands to the wanted channels of one frame, their pixels in the camera's own order.
-fn join(camera: &Camera, plan: &Plan, wanted: &Wanted, arrangement: Option<&Arrangement>, bands: &[Vec<u32>]) -> Frame {
-    let mut planes = Vec::new();
-    for (k, &channel) in plan.planes.iter().enumerate() {
-        if !wanted.channels.contains(&channel) {
-            continue;
-        }
-        let mut words: Vec<u32> = Vec::with_capacity(camera.width as usize * camera.height as usize);
-        for (band, data) in plan.bands.iter().zip(bands) {
-            let pixels = band.rows as usize * camera.width as usize;
-            words.extend_from_slice(&data[k * pixels..(k + 1) * pixels]);
-        }
-        let words = match arrangement {
-            Some(a) => a.restored(&words),
-            None => words,
-        };
-        let plane = match channel {
-            c if c.is_id() => Plane::U32(words),
-            _ => Plane::F32(words.into_iter().map(f32::from_bits).collect()),
-        };
-        planes.push((channel, plane));
-    }
-    Frame { width: camera.width, height: camera.height, planes }
 }

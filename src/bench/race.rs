@@ -71,10 +71,10 @@ impl Rules {
 const JUDGED_MAX: u64 = 1 << 20;
 
 /// What runs.
-enum Runner<'a> {
-    Frames(Box<Frames<'a>>),
+enum Runner {
+    Frames(Box<Frames>),
     /// Of a frame a sample, whose colours are averaged.
-    Apart(Vec<Frames<'a>>),
+    Apart(Vec<Frames>),
     Yardstick(Yardstick),
 }
 
@@ -193,7 +193,7 @@ struct Entry<'a> {
     row: Row,
     /// `None`: it is the program.
     arm: Option<&'a Arm>,
-    runner: Option<Runner<'a>>,
+    runner: Option<Runner>,
     times: Vec<f64>,
 }
 
@@ -383,7 +383,7 @@ fn certified(
     Ok(Certified { by_f32: share(2), by_recheck: share(1), wrong })
 }
 
-impl Runner<'_> {
+impl Runner {
     /// What the first frame took; 0 of a program that repeats its own.
     fn first_ms(&self) -> f64 {
         match self {

@@ -59,6 +59,13 @@ pub struct Camera {
     pub notes: Vec<String>,
 }
 
+/// A copy of it.
+impl From<&Camera> for Arc<Camera> {
+    fn from(camera: &Camera) -> Arc<Camera> {
+        Arc::new(camera.clone())
+    }
+}
+
 /// How far from a pixel's centre an answer must hold for the pixel to be safe (contract, section 5), px.
 pub const SAFE_RADIUS_PX: f64 = 1.0 / 16.0;
 

@@ -11,25 +11,25 @@ use crate::optics::atlas::{Layout, camera as atlas_camera};
 use crate::optics::{Atlas, Facets, Law, Optics, Surface};
 use crate::plan::Wanted;
 use crate::scene::Scene;
-use std::borrow::Cow;
+use std::sync::Arc;
 use wgpu::BufferUsages;
 
 /// Frames that are an atlas.
-pub struct Painter<'a> {
-    pub frames: Box<Frames<'a>>,
+pub struct Painter {
+    pub frames: Box<Frames>,
     layout: Layout,
 }
 
 impl Engine {
     /// What makes the atlas of a camera that has one. Its planes are those of the frame, less the facets' own number, which is
     /// the last.
-    pub(super) fn painter<'a>(
+    pub(super) fn painter(
         &mut self,
-        scene: &'a Scene,
+        scene: &Scene,
         camera: &Camera,
         wanted: &Wanted,
         run: &RunOptions,
-    ) -> Result<Option<Painter<'a>>> {
+    ) -> Result<Option<Painter>> {
         let Some((optics, atlas, facets, law)) = camera.optics.as_deref().and_then(parts) else { return Ok(None) };
         let mut channels = wanted.channels.clone();
         if wanted.srgb8 {
@@ -41,7 +41,8 @@ impl Engine {
         let wanted = Wanted { counting: wanted.counting, ..Wanted::of(channels) };
         let cameras = facets.copy();
         let camera = atlas_camera(optics, atlas, cameras, law)?;
-        let frames = Box::new(self.on_device(scene, Cow::Owned(camera), &wanted, run)?);
+        let planned = self.planner().plan_in_order(scene, Arc::new(camera), &wanted, run, None)?;
+        let frames = Box::new(self.place(planned, run)?);
         Ok(Some(Painter { frames, layout: Layout::new(cameras.triangles.len(), atlas.texels) }))
     }
 }
@@ -53,7 +54,7 @@ fn parts(optics: &Optics) -> Option<(&Optics, &Atlas, &Facets, Law)> {
     }
 }
 
-impl Painter<'_> {
+impl Painter {
     /// Lets its frames go to `atlas`, 4 bytes a texel and channel, which paste reads.
     pub fn paints_into(&mut self, gpu: &Gpu, buffers: &mut Buffers) -> Result<()> {
         let (width, height) = self.layout.size();

@@ -19,7 +19,7 @@ const PASSES_EACH: u32 = 19;
 /// And more of them where pixels have samples.
 const PASSES_OF_SAMPLES: u32 = 22;
 
-impl Frames<'_> {
+impl Frames {
     /// Encodes and submits the stages of one frame that are due; with `read`, also the copies that bring its image to the host.
     pub(super) fn submit(&self, read: bool, due: Due) -> Result<Submitted> {
         let (gpu, resident) = (&*self.gpu, &self.resident);

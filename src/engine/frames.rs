@@ -2,16 +2,18 @@
 
 use super::atlas::Painter;
 use super::illumination::Illuminated;
+use super::landed::{Flight, Landed, Readings, Sight, Words};
 use super::pages::PageStore;
+use super::planned::{Planned, check_outlines, check_samples, outlined_by};
 use super::resident::Resident;
-use super::{Capacities, Counts, Rendered, check_outlines, check_samples, join, outlined_by, setup};
+use super::{Capacities, Counts, Rendered, setup};
 use crate::baseline::Rival;
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
 use crate::error::{Error, Result};
-use crate::frame::{Channel, NO_ID};
+use crate::frame::Frame;
 use crate::gpu::Gpu;
-use crate::gpu::buffers::{read_words, wait};
+use crate::gpu::buffers::{read_words, wait, wait_for};
 use crate::gpu::kernels::LightsKind;
 use crate::gpu::recorder::Recorded;
 use crate::gpu::rows::{
@@ -24,34 +26,35 @@ use crate::scene::clusters::{Clustered, cluster};
 use crate::stage::Stages;
 use crate::stage::gather::Gather;
 use glam::{DMat3, DVec3};
-use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 use std::time::Instant;
 
 /// Everything that is on the device for frames of one scene; as many of them may be kept as it has memory for.
-pub struct Frames<'a> {
+pub struct Frames {
     pub(super) gpu: Arc<Gpu>,
     /// Where the images on triangles come from.
     pub(super) pages: Arc<PageStore>,
     pub(super) stages: Arc<Stages>,
     /// For rays that were turned.
     pub(super) turned: Option<Arc<Stages>>,
-    pub(super) scene: Cow<'a, Scene>,
-    pub(super) camera: Cow<'a, Camera>,
-    pub(super) plan: Plan,
+    pub(super) scene: Scene,
+    pub(super) camera: Arc<Camera>,
+    pub(super) plan: Arc<Plan>,
     pub(super) wanted: Wanted,
     pub(super) resident: Resident,
     /// The scene's caustics, where the frame shows them.
     pub(super) caustics: Option<(Arc<Illuminated>, Arc<Gather>)>,
     /// The order of the camera's pixels, where it is not their own.
-    pub(super) arrangement: Option<Arrangement>,
+    pub(super) arrangement: Option<Arc<Arrangement>>,
     /// Makes the atlas before each frame.
-    pub(super) painter: Option<Painter<'a>>,
+    pub(super) painter: Option<Painter>,
     /// Finds what is seen instead of the stages from cull to recheck.
     pub(super) rival: Option<Box<dyn Rival>>,
     /// Where the planes go too, 4 bytes a channel and pixel, as one image.
     pub(super) kept: Option<wgpu::Buffer>,
-    /// The triangles as they are on the device, where every vertex is new in each timed frame.
+    /// The triangles that are on the device.
+    pub(super) shown: Weak<Clustered>,
+    /// The same as they are now, where every vertex is new in each timed frame.
     pub(super) moving: Option<Clustered>,
     /// The camera is not that of the first frame any more.
     pub(super) is_aimed: bool,
@@ -93,7 +96,7 @@ pub(super) struct Submitted {
     pub recorded: Recorded,
 }
 
-impl Frames<'_> {
+impl Frames {
     /// The picture by all stages, again until its lists hold everything.
     pub(super) fn warm_up(&mut self) -> Result<()> {
         if let Some(painter) = &mut self.painter {
@@ -106,7 +109,7 @@ impl Frames<'_> {
             wait(&self.gpu)?;
             let painted_ms = self.painter.as_ref().map_or(0.0, |p| p.frames.timed.first_ms);
             self.timed.first_ms = painted_ms + started.elapsed().as_secs_f64() * 1e3;
-            let fits = self.fits(&submitted)?;
+            let fits = self.fits(&read_words(&self.gpu, &submitted.status)?)?;
             self.timed.first = Some(submitted);
             if fits {
                 self.due = Due::Nothing;
@@ -127,9 +130,10 @@ impl Frames<'_> {
             wait(&self.gpu)?;
             let ms = started.elapsed().as_secs_f64() * 1e3;
             // only what moves may come to need more
-            let mut fits = !(self.moving.is_some() || self.is_aimed) || self.fits(&drawn)?;
+            let mut fits =
+                !(self.moving.is_some() || self.is_aimed) || self.fits(&read_words(&self.gpu, &drawn.status)?)?;
             if let (Some(painter), Some(painted)) = (&mut self.painter, &painted) {
-                fits &= self.moving.is_none() || painter.frames.fits(painted)?;
+                fits &= self.moving.is_none() || painter.frames.fits(&read_words(&self.gpu, &painted.status)?)?;
                 let stages = painted.recorded.stage_ms(&self.gpu)?;
                 painter.frames.timed.stages.push(stages);
             }
@@ -159,8 +163,8 @@ impl Frames<'_> {
     pub fn aim(&mut self, camera: &Camera) -> Result<()> {
         check_samples(&self.scene, camera, &self.wanted, self.rival.is_some())?;
         let around = Surroundings { anchor: self.plan.anchor, middle: self.plan.middle };
-        let arrangement = Arrangement::of(camera, around.middle);
-        let camera = arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera));
+        let arrangement = Arrangement::of(camera, around.middle).map(Arc::new);
+        let camera = Arc::new(arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
         let wanted = Wanted { channels: self.plan.planes.clone(), ..self.wanted.clone() };
         let limit = self.gpu.binding_limit();
         let mut plan = Plan::new(&camera, Contents::of(&self.scene), around, &wanted, self.gpu.has, limit);
@@ -170,12 +174,12 @@ impl Frames<'_> {
             let (old, new) = (self.camera.kind, camera.kind);
             return Err(Error::input(format!("frames of {old} cannot be taken by this {new}; prepare them anew")));
         }
-        check_outlines(&plan, arrangement.as_ref())?;
+        check_outlines(&plan, arrangement.as_deref())?;
         self.resident.aim(&self.gpu, &camera, &plan)?;
         if let Some(rival) = &mut self.rival {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
-        (self.camera, self.plan, self.arrangement, self.is_aimed) = (Cow::Owned(camera), plan, arrangement, true);
+        (self.camera, self.plan, self.arrangement, self.is_aimed) = (camera, Arc::new(plan), arrangement, true);
         self.due = Due::All;
         Ok(())
     }
@@ -214,7 +218,7 @@ impl Frames<'_> {
             // where things have moved to, and in this light from then on
             let mut lit = scene.into_owned();
             Arc::make_mut(&mut lit.mesh).positions.clone_from(&self.scene.mesh.positions);
-            self.scene = Cow::Owned(lit);
+            self.scene = lit;
             let now = moved(&self.scene, self.fixed_vertices(), self.timed.moved);
             self.resident.upload_look(&self.gpu, &self.pages, &now, &self.plan)?
         } else {
@@ -292,53 +296,115 @@ impl Frames<'_> {
         let painter = self.painter.take();
         let Timed { first, first_ms, mut frame_ms, mut stages, grown, .. } = std::mem::take(&mut self.timed);
         let Some(first) = first else { return Err(Error::work("no frame was taken")) };
+        let readings = Readings::start(&first);
+        wait(&self.gpu)?;
+        let mut words = readings.words(&self.gpu, &first)?;
         if frame_ms.is_empty() {
             frame_ms.push(first_ms);
-            stages = vec![first.recorded.stage_ms(&self.gpu)?];
+            stages = vec![std::mem::take(&mut words.stages)];
         }
         if let Some(rival) = &self.rival {
             rival.check(&self.gpu)?;
         }
-        let bands = first.planes.iter().map(|b| read_words(&self.gpu, b)).collect::<Result<Vec<_>>>()?;
-        let arrangement = self.arrangement.as_ref();
-        let frame = join(&self.camera, &self.plan, &self.wanted, arrangement, &bands);
-        let mut srgb8: Vec<[u8; 4]> = Vec::new();
-        for (buffer, band) in first.srgb8.iter().zip(&self.plan.bands) {
-            let words = read_words(&self.gpu, buffer)?;
-            let pixels = band.rows as usize * self.camera.width as usize;
-            srgb8.extend_from_slice(bytemuck::cast_slice(&words[..pixels]));
+        let took = Rendered { frame_ms, stages: medians(stages), grown, ..self.took(&first, &words) };
+        let own = Landed { sight: self.sight(), words, rest: took }.rendered();
+        match painter {
+            Some(painter) => painter.joined(own),
+            None => Ok(own),
         }
-        let srgb8 = match arrangement {
-            Some(a) => a.restored(&srgb8),
-            None => srgb8,
-        };
+    }
+
+    /// Shows another scene through another camera from the next frame on, and sends what differs from what is there. `false`: they are to
+    /// be placed anew, and all is as it was.
+    pub fn show(&mut self, planned: &Planned) -> Result<bool> {
+        let Planned { scene, camera, arrangement, plan, clustered, wanted, .. } = planned;
+        let is_plain =
+            self.painter.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();
+        let kind = |plan: &Plan, camera: &Camera| (plan.variant, plan.sheets.count(), camera.width, plan.rows_max());
+        let is_as_large = kind(plan, camera) == kind(&self.plan, &self.camera) && plan.planes == self.plan.planes;
+        let is_turned = camera.optics.is_some() || self.camera.optics.is_some();
+        if !is_plain || is_turned || scene.caustics.is_some() || !is_as_large || *wanted != self.wanted {
+            return Ok(false);
+        }
+        let has_triangles = self.shown.ptr_eq(&Arc::downgrade(clustered));
+        let has_plan = Arc::ptr_eq(plan, &self.plan);
+        let is_placed_alike = Arc::ptr_eq(&scene.mesh, &self.scene.mesh) && plan.anchor == self.plan.anchor;
+        if !has_triangles {
+            self.resident.upload_scene(&self.gpu, clustered)?;
+            self.shown = Arc::downgrade(clustered);
+        }
+        match (has_plan, has_triangles) {
+            (false, _) => self.resident.aim(&self.gpu, camera, plan)?,
+            (true, false) => self.resident.write_params(&self.gpu, camera, plan)?,
+            (true, true) => {}
+        }
+        if !is_placed_alike {
+            self.resident.forget_obstacles();
+        }
+        if !(is_placed_alike && has_plan && looks_alike(scene, &self.scene)) {
+            self.resident.upload_look(&self.gpu, &self.pages, scene, plan)?;
+        }
+        (self.scene, self.camera) = (scene.clone(), camera.clone());
+        (self.plan, self.arrangement) = (plan.clone(), arrangement.clone());
+        self.due = Due::All;
+        Ok(true)
+    }
+
+    /// Gives the device a frame of what is shown, by all stages, and does not wait for it.
+    pub fn start(&self) -> Result<Flight> {
+        self.compile_samples();
+        let started = Instant::now();
+        let submitted = self.submit(true, Due::All)?;
+        let readings = Readings::start(&submitted);
+        let (capacities, raster_rounds) = (self.resident.capacities, self.resident.raster_rounds);
+        Ok(Flight { submitted, readings, sight: self.sight(), capacities, raster_rounds, started })
+    }
+
+    /// Waits for a frame, of whatever was shown then. `None`: the lists between the stages did not hold everything, and are larger now;
+    /// show it again and start again.
+    pub fn land(&mut self, flight: Flight) -> Result<Option<Landed>> {
+        let Flight { submitted, readings, sight, capacities, raster_rounds, started } = flight;
+        wait_for(&self.gpu, &submitted.recorded.submission)?;
+        let words = readings.words(&self.gpu, &submitted)?;
+        if !self.held(&words.status, capacities, raster_rounds)? {
+            return Ok(None);
+        }
+        let frame_ms = vec![started.elapsed().as_secs_f64() * 1e3];
+        let stages = words.stages.clone();
+        let rest = Rendered { frame_ms, stages, grown: self.timed.grown, ..self.took(&submitted, &words) };
+        Ok(Some(Landed { sight, words, rest }))
+    }
+
+    fn sight(&self) -> Sight {
+        Sight {
+            camera: self.camera.clone(),
+            plan: self.plan.clone(),
+            arrangement: self.arrangement.clone(),
+            wanted: self.wanted.clone(),
+        }
+    }
+
+    /// What a frame counted and what is held for it; no picture and no times.
+    fn took(&self, submitted: &Submitted, words: &Words) -> Rendered {
         let mut left_out = self.plan.left_out.clone();
         if self.resident.without_area > 0 {
             let what = format!("{} triangles", self.resident.without_area);
             left_out.push(LeftOut { what, why: "they have no area".into() });
         }
-        let mut sample_ids = self.sample_ids(&first, &bands)?;
-        if let Some(a) = arrangement {
-            sample_ids.iter_mut().for_each(|ids| *ids = a.restored(ids));
-        }
-        let own = Rendered {
-            frame,
-            sample_ids,
-            srgb8: self.wanted.srgb8.then_some(srgb8.into_flattened()),
-            frame_ms,
-            stages: medians(stages),
-            counts: self.counts(&first)?,
+        Rendered {
+            frame: Frame { width: self.camera.width, height: self.camera.height, planes: Vec::new() },
+            sample_ids: Vec::new(),
+            srgb8: None,
+            frame_ms: Vec::new(),
+            stages: Vec::new(),
+            counts: counts(&words.status),
             bytes: self.resident.bytes()
                 + self.rival.as_ref().map_or(0, |r| r.bytes())
                 + self.caustics.as_ref().map_or(0, |(lit, _)| lit.buffers.bytes()),
             left_out,
-            grown,
-            passes: first.recorded.passes,
+            grown: 0,
+            passes: submitted.recorded.passes,
             caustics: self.caustics.as_ref().map(|(lit, _)| lit.account),
-        };
-        match painter {
-            Some(painter) => painter.joined(own),
-            None => Ok(own),
         }
     }
 
@@ -352,42 +418,16 @@ impl Frames<'_> {
         }
     }
 
-    /// Of each sample the triangles that all pixels see there: those of the pixels that hold no edge are their centres'.
-    fn sample_ids(&self, first: &Submitted, bands: &[Vec<u32>]) -> Result<Vec<Vec<u32>>> {
-        let samples = self.plan.variant.samples as usize;
-        if !self.wanted.sample_ids {
-            return Ok(Vec::new());
-        }
-        let mut all = vec![Vec::new(); samples];
-        let plane = self.plan.planes.iter().position(|c| *c == Channel::TriangleId).unwrap_or_default();
-        let id_mask = (1 << self.plan.id_bits) - 1;
-        for (k, (band, planes)) in self.plan.bands.iter().zip(bands).enumerate() {
-            let pixels = band.rows as usize * self.camera.width as usize;
-            let centres = &planes[plane * pixels..(plane + 1) * pixels];
-            let (Some(edge_of), Some(rows)) = (first.edge_of.get(k), first.samples.get(k)) else {
-                all.iter_mut().for_each(|ids| ids.extend_from_slice(centres));
-                continue;
-            };
-            let (edge_of, rows) = (read_words(&self.gpu, edge_of)?, read_words(&self.gpu, rows)?);
-            for (n, ids) in all.iter_mut().enumerate() {
-                let id = |(centre, row): (&u32, &u32)| {
-                    if *row == 0 {
-                        return *centre;
-                    }
-                    let at = 2 * ((*row as usize - 1) * (samples + 1) + 1 + n);
-                    if rows[at] == 0 && rows[at + 1] == 0 { NO_ID } else { !rows[at] & id_mask }
-                };
-                ids.extend(centres.iter().zip(&edge_of).map(id));
-            }
-        }
-        Ok(all)
+    /// Makes room for what the counters of a frame demanded; whether there was enough.
+    fn fits(&mut self, status: &[u32]) -> Result<bool> {
+        self.held(status, self.resident.capacities, self.resident.raster_rounds)
     }
 
-    /// Makes room for what the counters of a frame demanded; whether there was enough.
-    fn fits(&mut self, submitted: &Submitted) -> Result<bool> {
-        let words = read_words(&self.gpu, &submitted.status)?;
-        let most =
-            |counter: u32| words.chunks_exact(COUNTERS as usize).map(|s| s[counter as usize]).max().unwrap_or(0) as u64;
+    /// The same of a frame whose lists held so much.
+    fn held(&mut self, status: &[u32], have: Capacities, raster_rounds: u32) -> Result<bool> {
+        let most = |counter: u32| {
+            status.chunks_exact(COUNTERS as usize).map(|s| s[counter as usize]).max().unwrap_or(0) as u64
+        };
         let need = Capacities {
             queue: (0..COUNT_WORK).map(most).max().unwrap_or(0),
             work: most(COUNT_WORK),
@@ -396,34 +436,43 @@ impl Frames<'_> {
             doubts: most(COUNT_DOUBTS).max(2 * most(COUNT_SAMPLE_DOUBTS)),
             edges: most(COUNT_EDGES),
         };
-        let have = self.resident.capacities;
         let fits =
             need.queue <= have.queue && need.work <= have.work && need.tasks <= have.tasks && need.pairs <= have.pairs;
         let is_left = |job: &[u32]| job[COUNT_BUSY as usize] > job[COUNT_BUSY_END as usize];
-        let is_done = !self.plan.variant.by_tile || !words.chunks_exact(COUNTERS as usize).any(is_left);
+        let is_done = !self.plan.variant.by_tile || !status.chunks_exact(COUNTERS as usize).any(is_left);
         if fits && need.doubts <= have.doubts && need.edges <= have.edges && is_done {
             return Ok(true);
         }
         self.timed.grown += 1;
-        if !is_done {
+        if !is_done && raster_rounds == self.resident.raster_rounds {
             self.resident.raster_rounds *= 2;
         }
         self.resident.grow(&self.gpu, &self.camera, &self.plan, need)?;
         Ok(false)
     }
+}
 
-    fn counts(&self, submitted: &Submitted) -> Result<Counts> {
-        let words = read_words(&self.gpu, &submitted.status)?;
-        let sum = |counter: u32| words.chunks_exact(COUNTERS as usize).map(|s| s[counter as usize] as u64).sum();
-        Ok(Counts {
-            pairs_tested: sum(COUNT_PAIRS_TESTED),
-            pairs_kept: sum(COUNT_PAIRS_KEPT),
-            fragments_tested: sum(COUNT_FRAGMENTS_TESTED),
-            fragments_kept: sum(COUNT_FRAGMENTS_KEPT),
-            rechecked: sum(COUNT_RECHECKED),
-            edges: sum(COUNT_EDGES),
-        })
+fn counts(status: &[u32]) -> Counts {
+    let sum = |counter: u32| status.chunks_exact(COUNTERS as usize).map(|s| s[counter as usize] as u64).sum();
+    Counts {
+        pairs_tested: sum(COUNT_PAIRS_TESTED),
+        pairs_kept: sum(COUNT_PAIRS_KEPT),
+        fragments_tested: sum(COUNT_FRAGMENTS_TESTED),
+        fragments_kept: sum(COUNT_FRAGMENTS_KEPT),
+        rechecked: sum(COUNT_RECHECKED),
+        edges: sum(COUNT_EDGES),
     }
+}
+
+/// Both are lit and drawn alike, what their triangles are made of aside.
+fn looks_alike(a: &Scene, b: &Scene) -> bool {
+    let is_same_sky = match (&a.sky, &b.sky) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (None, None) => true,
+        _ => false,
+    };
+    let look = |s: &Scene| (s.style, s.ambient_occlusion, s.background, s.tone);
+    is_same_sky && a.lights == b.lights && look(a) == look(b)
 }
 
 /// The median of every stage over the runs.

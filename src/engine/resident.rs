@@ -114,7 +114,9 @@ impl Resident {
     /// Puts the triangles on the device, anew where they were there before.
     pub fn upload_scene(&mut self, gpu: &Gpu, clustered: &Clustered) -> Result<()> {
         self.without_area = clustered.without_area;
-        self.chunks = clustered.chunks.iter().map(|c| chunk_on_device(gpu, c)).collect::<Result<_>>()?;
+        let mut there = std::mem::take(&mut self.chunks).into_iter().map(|c| c.buffers);
+        let mut each = || there.next().unwrap_or_default();
+        self.chunks = clustered.chunks.iter().map(|c| chunk_on_device(gpu, c, each())).collect::<Result<_>>()?;
         Ok(())
     }
 
@@ -124,6 +126,11 @@ impl Resident {
             .iter_mut()
             .zip(&clustered.chunks)
             .try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk))
+    }
+
+    /// Finds what is in the way of light anew, the next time that the look is uploaded.
+    pub fn forget_obstacles(&mut self) {
+        self.obstacles = None;
     }
 
     /// Lets what is in the way of light follow triangles that have moved.
@@ -349,8 +356,8 @@ impl Resident {
     }
 }
 
-fn chunk_on_device(gpu: &Gpu, chunk: &Chunk) -> Result<ChunkOnDevice> {
-    let mut buffers = Buffers::default();
+/// In these buffers, where they are as large.
+fn chunk_on_device(gpu: &Gpu, chunk: &Chunk, mut buffers: Buffers) -> Result<ChunkOnDevice> {
     place(gpu, &mut buffers, chunk)?;
     if chunk.uvs.is_empty() {
         buffers.upload(gpu, "surfaces", &chunk.surfaces)?;

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
+use std::sync::mpsc::{Receiver, channel};
 
 /// Buffers and textures of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
 #[derive(Default)]
@@ -261,19 +262,44 @@ pub fn wait(gpu: &Gpu) -> Result<()> {
     gpu.failure()
 }
 
+/// Waits until a submission is done, and with it the [`Reading`]s of what it wrote that were started before.
+pub fn wait_for(gpu: &Gpu, submission: &wgpu::SubmissionIndex) -> Result<()> {
+    let until = wgpu::PollType::Wait { submission_index: Some(submission.clone()), timeout: None };
+    gpu.device.poll(until).map_err(|e| Error::work(format!("adapter {}: {}", gpu.info.name, one_line(e))))?;
+    gpu.failure()
+}
+
 /// The words of a readback buffer, after waiting.
 pub fn read_words(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
-    let (send, receive) = std::sync::mpsc::channel();
-    buffer.map_async(wgpu::MapMode::Read, .., move |r| {
-        // the receiver waits below
-        let _ = send.send(r);
-    });
+    let reading = Reading::start(buffer);
     wait(gpu)?;
-    let failed = |e: String| Error::work(format!("adapter {}: cannot read back: {e}", gpu.info.name));
-    receive.recv().map_err(|e| failed(one_line(e)))?.map_err(|e| failed(one_line(e)))?;
-    let view = buffer.get_mapped_range(..).map_err(|e| failed(one_line(e)))?;
-    let words = bytemuck::pod_collect_to_vec::<u8, u32>(&view);
-    drop(view);
-    buffer.unmap();
-    Ok(words)
+    reading.words(gpu)
+}
+
+/// A readback buffer that is being read once what was submitted is done.
+pub struct Reading {
+    buffer: wgpu::Buffer,
+    done: Receiver<std::result::Result<(), wgpu::BufferAsyncError>>,
+}
+
+impl Reading {
+    pub fn start(buffer: &wgpu::Buffer) -> Reading {
+        let (send, done) = channel();
+        buffer.map_async(wgpu::MapMode::Read, .., move |r| {
+            // nobody waits for what is not needed any more
+            let _ = send.send(r);
+        });
+        Reading { buffer: buffer.clone(), done }
+    }
+
+    /// Its words, after waiting for the submission.
+    pub fn words(self, gpu: &Gpu) -> Result<Vec<u32>> {
+        let failed = |e: String| Error::work(format!("adapter {}: cannot read back: {e}", gpu.info.name));
+        self.done.try_recv().map_err(|e| failed(one_line(e)))?.map_err(|e| failed(one_line(e)))?;
+        let view = self.buffer.get_mapped_range(..).map_err(|e| failed(one_line(e)))?;
+        let words = bytemuck::pod_collect_to_vec::<u8, u32>(&view);
+        drop(view);
+        self.buffer.unmap();
+        Ok(words)
+    }
 }

@@ -1,6 +1,6 @@
 //! The passes of one submission, each timed where the adapter can.
 
-use super::buffers::{read_words, readback};
+use super::buffers::{Reading, readback, wait};
 use super::device::Gpu;
 use crate::error::Result;
 
@@ -14,6 +14,7 @@ pub struct Recorder {
 /// What is left to read once a submission is done.
 pub struct Recorded {
     times: Option<Times>,
+    pub submission: wgpu::SubmissionIndex,
     pub passes: u32,
 }
 
@@ -96,17 +97,29 @@ impl Recorder {
         if let Some(times) = &self.times {
             times.resolve(gpu, &mut self.encoder);
         }
-        gpu.queue.submit([self.encoder.finish()]);
+        let submission = gpu.queue.submit([self.encoder.finish()]);
         gpu.failure()?;
-        Ok(Recorded { times: self.times, passes: self.passes })
+        Ok(Recorded { times: self.times, submission, passes: self.passes })
     }
 }
 
 impl Recorded {
     /// The time on the device of every stage, ms, summed over its passes; empty without timestamps.
     pub fn stage_ms(&self, gpu: &Gpu) -> Result<Vec<(&'static str, f64)>> {
-        let Some(times) = &self.times else { return Ok(Vec::new()) };
-        let words = read_words(gpu, &times.resolved)?;
+        let reading = self.read();
+        wait(gpu)?;
+        self.stages_read(gpu, reading)
+    }
+
+    /// Starts to read the times, for [`Recorded::stages_read`].
+    pub fn read(&self) -> Option<Reading> {
+        self.times.as_ref().map(|t| Reading::start(&t.resolved))
+    }
+
+    /// As [`Recorded::stage_ms`], once the submission is done.
+    pub fn stages_read(&self, gpu: &Gpu, reading: Option<Reading>) -> Result<Vec<(&'static str, f64)>> {
+        let (Some(times), Some(reading)) = (&self.times, reading) else { return Ok(Vec::new()) };
+        let words = reading.words(gpu)?;
         let stamp = |k: u32| u64::from(words[2 * k as usize]) | u64::from(words[2 * k as usize + 1]) << 32;
         let period_ms = f64::from(gpu.queue.get_timestamp_period()) / 1e6;
         let mut sums: Vec<(&'static str, f64)> = Vec::new();

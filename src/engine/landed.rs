@@ -1,0 +1,172 @@
+//! Frames on their way from the device, and the pictures that come of what it sent.
+
+use super::frames::Submitted;
+use super::{Capacities, Rendered};
+use crate::camera::Camera;
+use crate::camera::arranged::Arrangement;
+use crate::error::Result;
+use crate::frame::{Channel, Frame, NO_ID, Plane};
+use crate::gpu::Gpu;
+use crate::gpu::buffers::Reading;
+use crate::plan::{Plan, Wanted};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What words become a picture by.
+#[derive(Clone)]
+pub(super) struct Sight {
+    pub camera: Arc<Camera>,
+    pub plan: Arc<Plan>,
+    /// The order of the camera's pixels, where it is not their own.
+    pub arrangement: Option<Arc<Arrangement>>,
+    pub wanted: Wanted,
+}
+
+/// A frame that was given to the device. Others may be given to it before this one is done.
+pub struct Flight {
+    pub(super) submitted: Submitted,
+    pub(super) readings: Readings,
+    pub(super) sight: Sight,
+    /// What the lists held.
+    pub(super) capacities: Capacities,
+    pub(super) raster_rounds: u32,
+    pub started: Instant,
+}
+
+/// The words of a frame, on the host.
+pub struct Landed {
+    pub(super) sight: Sight,
+    pub(super) words: Words,
+    /// What it took; no picture.
+    pub(super) rest: Rendered,
+}
+
+/// Everything of a frame that is being read.
+pub(super) struct Readings {
+    status: Reading,
+    planes: Vec<Reading>,
+    srgb8: Vec<Reading>,
+    edge_of: Vec<Reading>,
+    samples: Vec<Reading>,
+    times: Option<Reading>,
+}
+
+/// And what was read: counters by job, and words by band.
+pub(super) struct Words {
+    pub status: Vec<u32>,
+    pub planes: Vec<Vec<u32>>,
+    pub srgb8: Vec<Vec<u32>>,
+    pub edge_of: Vec<Vec<u32>>,
+    pub samples: Vec<Vec<u32>>,
+    pub stages: Vec<(&'static str, f64)>,
+}
+
+impl Readings {
+    /// Of a frame that was submitted.
+    pub fn start(frame: &Submitted) -> Readings {
+        let all = |buffers: &[wgpu::Buffer]| buffers.iter().map(Reading::start).collect();
+        Readings {
+            status: Reading::start(&frame.status),
+            planes: all(&frame.planes),
+            srgb8: all(&frame.srgb8),
+            edge_of: all(&frame.edge_of),
+            samples: all(&frame.samples),
+            times: frame.recorded.read(),
+        }
+    }
+
+    /// Once it is done.
+    pub fn words(self, gpu: &Gpu, frame: &Submitted) -> Result<Words> {
+        let all = |readings: Vec<Reading>| readings.into_iter().map(|r| r.words(gpu)).collect::<Result<Vec<_>>>();
+        Ok(Words {
+            status: self.status.words(gpu)?,
+            planes: all(self.planes)?,
+            srgb8: all(self.srgb8)?,
+            edge_of: all(self.edge_of)?,
+            samples: all(self.samples)?,
+            stages: frame.recorded.stages_read(gpu, self.times)?,
+        })
+    }
+}
+
+impl Landed {
+    /// The frame with its picture.
+    pub fn rendered(self) -> Rendered {
+        let Landed { sight, words, rest } = self;
+        let srgb8 = sight.wanted.srgb8.then(|| sight.srgb8(&words));
+        Rendered { frame: sight.frame(&words), sample_ids: sight.sample_ids(&words), srgb8, ..rest }
+    }
+}
+
+impl Sight {
+    /// Joins the planes of all bands to the wanted channels of one frame, their pixels in the camera's own order.
+    fn frame(&self, words: &Words) -> Frame {
+        let Sight { camera, plan, wanted, .. } = self;
+        let mut planes = Vec::new();
+        for (k, &channel) in plan.planes.iter().enumerate() {
+            if !wanted.channels.contains(&channel) {
+                continue;
+            }
+            let mut all: Vec<u32> = Vec::with_capacity(camera.width as usize * camera.height as usize);
+            for (band, data) in plan.bands.iter().zip(&words.planes) {
+                let pixels = band.rows as usize * camera.width as usize;
+                all.extend_from_slice(&data[k * pixels..(k + 1) * pixels]);
+            }
+            let all = self.restored(all);
+            let plane = match channel {
+                c if c.is_id() => Plane::U32(all),
+                _ => Plane::F32(all.into_iter().map(f32::from_bits).collect()),
+            };
+            planes.push((channel, plane));
+        }
+        Frame { width: camera.width, height: camera.height, planes }
+    }
+
+    /// Four bytes a pixel.
+    fn srgb8(&self, words: &Words) -> Vec<u8> {
+        let mut all: Vec<[u8; 4]> = Vec::new();
+        for (words, band) in words.srgb8.iter().zip(&self.plan.bands) {
+            let pixels = band.rows as usize * self.camera.width as usize;
+            all.extend_from_slice(bytemuck::cast_slice(&words[..pixels]));
+        }
+        self.restored(all).into_flattened()
+    }
+
+    /// Of each sample the triangles that all pixels see there: those of the pixels that hold no edge are their centres'.
+    fn sample_ids(&self, words: &Words) -> Vec<Vec<u32>> {
+        let Sight { camera, plan, wanted, .. } = self;
+        if !wanted.sample_ids {
+            return Vec::new();
+        }
+        let samples = plan.variant.samples as usize;
+        let mut all = vec![Vec::new(); samples];
+        let plane = plan.planes.iter().position(|c| *c == Channel::TriangleId).unwrap_or_default();
+        let id_mask = (1 << plan.id_bits) - 1;
+        for (k, (band, planes)) in plan.bands.iter().zip(&words.planes).enumerate() {
+            let pixels = band.rows as usize * camera.width as usize;
+            let centres = &planes[plane * pixels..(plane + 1) * pixels];
+            let (Some(edge_of), Some(rows)) = (words.edge_of.get(k), words.samples.get(k)) else {
+                all.iter_mut().for_each(|ids| ids.extend_from_slice(centres));
+                continue;
+            };
+            for (n, ids) in all.iter_mut().enumerate() {
+                let id = |(centre, row): (&u32, &u32)| {
+                    if *row == 0 {
+                        return *centre;
+                    }
+                    let at = 2 * ((*row as usize - 1) * (samples + 1) + 1 + n);
+                    if rows[at] == 0 && rows[at + 1] == 0 { NO_ID } else { !rows[at] & id_mask }
+                };
+                ids.extend(centres.iter().zip(edge_of).map(id));
+            }
+        }
+        all.into_iter().map(|ids| self.restored(ids)).collect()
+    }
+
+    fn restored<T: Copy + Default>(&self, values: Vec<T>) -> Vec<T> {
+        match &self.arrangement {
+            Some(a) => a.restored(&values),
+            None => values,
+        }
+    }
+}

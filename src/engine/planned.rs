@@ -1,0 +1,235 @@
+//! What frames take, worked out before a device is touched; what did not change since an earlier frame is taken from there.
+
+use super::{Arithmetic, RunOptions};
+use crate::camera::Camera;
+use crate::camera::arranged::Arrangement;
+use crate::error::{Error, Result};
+use crate::frame::Channel;
+use crate::gpu::device::Abilities;
+use crate::plan::samples::at_once;
+use crate::plan::{Contents, Plan, Surroundings, Wanted};
+use crate::scene::Scene;
+use crate::scene::clusters::{Clustered, cluster};
+use crate::scene::style::Style;
+use std::sync::Arc;
+
+/// Plans for an adapter.
+#[derive(Debug, Clone, Copy)]
+pub struct Planner {
+    pub has: Abilities,
+    /// Bytes that a kernel can see at once.
+    pub limit: u64,
+}
+
+/// A frame, planned.
+#[derive(Clone)]
+pub struct Planned {
+    /// The scene that was asked for.
+    pub(super) given: Scene,
+    /// The camera that was asked for.
+    asked: Arc<Camera>,
+    /// With the facets of the camera's optics.
+    pub(super) scene: Scene,
+    /// With its pixels in another order, where there is one.
+    pub(super) camera: Arc<Camera>,
+    pub(super) arrangement: Option<Arc<Arrangement>>,
+    pub(super) plan: Arc<Plan>,
+    pub(super) clustered: Arc<Clustered>,
+    pub(super) wanted: Wanted,
+}
+
+impl Planner {
+    /// Plans frames of `scene` through `camera`. Of `run` all counts but how often it is repeated. Parts of `last` are taken over
+    /// where they are the same: the plan for the same [`Arc`] of a camera, and the clusters for that of a mesh.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the scene, the camera and what is wanted do not go together.
+    pub fn plan(
+        &self,
+        scene: &Scene,
+        camera: impl Into<Arc<Camera>>,
+        wanted: &Wanted,
+        run: &RunOptions,
+        last: Option<&Planned>,
+    ) -> Result<Planned> {
+        let asked: Arc<Camera> = camera.into();
+        let middle = Surroundings::of(&asked, scene.bounds()).middle;
+        let known = last.filter(|l| Arc::ptr_eq(&l.asked, &asked) && l.plan.middle == middle);
+        let (camera, arrangement) = match known {
+            Some(last) => (last.camera.clone(), last.arrangement.clone()),
+            None => match Arrangement::of(&asked, middle).map(Arc::new) {
+                Some(a) => (Arc::new(a.camera(&asked)), Some(a)),
+                None => (asked.clone(), None),
+            },
+        };
+        let planned = self.plan_in_order(scene, camera, wanted, run, last)?;
+        check_outlines(&planned.plan, arrangement.as_deref())?;
+        Ok(Planned { asked, arrangement, ..planned })
+    }
+
+    /// The same with the camera's pixels in their own order.
+    pub(super) fn plan_in_order(
+        &self,
+        scene: &Scene,
+        camera: Arc<Camera>,
+        wanted: &Wanted,
+        run: &RunOptions,
+        last: Option<&Planned>,
+    ) -> Result<Planned> {
+        if wanted.channels.contains(&Channel::Certified) {
+            check_provable(scene, &camera, run)?;
+        }
+        check_samples(scene, &camera, wanted, run.by.is_some())?;
+        if let Some(choice) = run.by.filter(|_| scene.mesh.has_holes()) {
+            let name = choice.technique.name;
+            return Err(Error::input(format!("{name} sees no holes that images cut into triangles; use compute")));
+        }
+        if wanted.has_colour() {
+            scene.check_shadows()?;
+        }
+        let given = scene.clone();
+        let scene = scene.with_optics(&camera).into_owned();
+        let around = Surroundings::of(&camera, scene.bounds());
+        check_size(&scene, around)?;
+        let plan = self.plan_of(&scene, &camera, around, wanted, run, last);
+        let textured = plan.variant.textured;
+        let is_as_clustered = |l: &&Planned| {
+            Arc::ptr_eq(&l.scene.mesh, &scene.mesh)
+                && (l.plan.anchor, l.plan.variant.textured) == (plan.anchor, textured)
+        };
+        let clustered = match last.filter(is_as_clustered) {
+            Some(last) => last.clustered.clone(),
+            None => Arc::new(cluster(&scene.mesh, plan.anchor, textured, self.limit)),
+        };
+        if plan.variant.analytic && clustered.chunks.len() > 1 {
+            let lists = clustered.chunks.len();
+            let what = "analytic coverage needs all triangles in one list";
+            return Err(Error::input(format!("{what}, for which the adapter takes {lists}; count samples")));
+        }
+        let (asked, arrangement, wanted) = (camera.clone(), None, wanted.clone());
+        Ok(Planned { given, asked, scene, camera, arrangement, plan, clustered, wanted })
+    }
+
+    fn plan_of(
+        &self,
+        scene: &Scene,
+        camera: &Arc<Camera>,
+        around: Surroundings,
+        wanted: &Wanted,
+        run: &RunOptions,
+        last: Option<&Planned>,
+    ) -> Arc<Plan> {
+        let contents = Contents::of(scene);
+        let mut channels = wanted.channels.clone();
+        if scene.caustics.is_some() && wanted.has_colour() {
+            channels.extend([Channel::BaryU, Channel::BaryV]);
+            if scene.mesh.is_textured() || scene.mesh.has_patterns() {
+                channels.extend([Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
+            }
+        }
+        if wanted.has_colour() {
+            channels.extend(outlined_by(&scene.style, camera));
+        }
+        let is_as_planned = |l: &&Planned| {
+            Arc::ptr_eq(&l.camera, camera)
+                && (l.plan.anchor, l.plan.middle) == (around.anchor, around.middle)
+                && (Contents::of(&l.scene), &l.wanted) == (contents, wanted)
+                && (&l.scene.style, l.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
+                && (l.plan.variant.culling, l.plan.variant.f64) == (!run.no_cull, run.arithmetic != Arithmetic::Single)
+                && l.plan.variant.doubting == (run.arithmetic == Arithmetic::Double)
+        };
+        if let Some(last) = last.filter(is_as_planned) {
+            return last.plan.clone();
+        }
+        let planned = Wanted { channels, ..wanted.clone() };
+        let mut plan = Plan::new(camera, contents, around, &planned, self.has, self.limit);
+        plan.variant.f64 = run.arithmetic != Arithmetic::Single;
+        plan.variant.culling = !run.no_cull;
+        plan.variant.doubting = run.arithmetic == Arithmetic::Double;
+        if self.has.lanes && self.has.f64 {
+            plan.variant = plan.variant.with_tiles();
+        }
+        Arc::new(plan)
+    }
+}
+
+/// What lines between pixels follow from.
+pub(super) fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
+    use Channel::{MirrorId, NormalX, NormalY, NormalZ, PieceId, PositionX, PositionY, PositionZ, TriangleId, Z};
+    let mut channels = Vec::new();
+    if let Some(outline) = style.outline {
+        channels.extend([TriangleId, NormalX, NormalY, NormalZ, PositionX, PositionY, PositionZ]);
+        channels.extend(camera.optics.as_ref().map(|_| MirrorId));
+        channels.extend(outline.line.depth.is_finite().then_some(Z));
+    }
+    channels.extend(style.borders.map(|_| PieceId));
+    if style.is_between_pixels() {
+        channels.push(TriangleId);
+    }
+    channels
+}
+
+/// How large a scene may be, world units: beyond, f32 and pairs of it lose all.
+const SIZES: [f64; 2] = [1e-12, 1e30];
+
+/// The engine's f32 can hold the scene.
+fn check_size(scene: &Scene, around: Surroundings) -> Result<()> {
+    let Some((lo, hi)) = scene.bounds() else { return Ok(()) };
+    let reach = (hi - around.anchor).max(around.anchor - lo).max_element();
+    let [least, most] = SIZES;
+    if reach > 0.0 && !(least..=most).contains(&reach) {
+        let advice = "scale the scene and its camera, or use --engine reference";
+        return Err(Error::input(format!("the scene reaches {reach:.1e} far, of {least:.0e} to {most:.0e}: {advice}")));
+    }
+    Ok(())
+}
+
+/// What is certified are the engine's own hits of rays that nothing turned.
+fn check_provable(scene: &Scene, camera: &Camera, run: &RunOptions) -> Result<()> {
+    if let Some(choice) = run.by {
+        return Err(Error::input(format!(
+            "{} proves nothing; certified is a channel of --engine compute",
+            choice.technique.name
+        )));
+    }
+    if camera.optics.is_some() {
+        let kind = camera.kind;
+        return Err(Error::input(format!("{kind} turns rays without bounds; certified is a channel of other cameras")));
+    }
+    if scene.mesh.has_holes() {
+        return Err(Error::input("nothing is proven where images cut holes into triangles; leave certified out"));
+    }
+    Ok(())
+}
+
+/// Several samples are found by the engine's own stages, where these know the rays between pixel centres.
+pub(super) fn check_samples(scene: &Scene, camera: &Camera, wanted: &Wanted, by_rival: bool) -> Result<()> {
+    if wanted.samples == 0 {
+        return Err(Error::input("0 samples a pixel; at least 1"));
+    }
+    if wanted.analytic && wanted.samples == 1 {
+        return Err(Error::input("analytic coverage is of what several samples of a pixel see; take at least 2"));
+    }
+    let is_possible = !by_rival && at_once(scene, camera, wanted.samples);
+    if wanted.samples == 1 || is_possible {
+        return Ok(());
+    }
+    let (n, kind) = (wanted.samples, camera.kind);
+    Err(Error::input(format!("{n} samples a pixel of {kind} take a frame each")))
+}
+
+/// Outlines lie between pixels that are beside each other.
+pub(super) fn check_outlines(plan: &Plan, arrangement: Option<&Arrangement>) -> Result<()> {
+    if plan.variant.outlined && plan.bands.len() > 1 {
+        let rows = plan.rows_max();
+        return Err(Error::input(format!(
+            "outlines and borders need the whole image at once, of which the adapter holds {rows} rows; make it smaller"
+        )));
+    }
+    if plan.variant.outlined && arrangement.is_some() {
+        return Err(Error::input(
+            "outlines and borders are between pixels, of which this camera's look all over; leave them out",
+        ));
+    }
+    Ok(())
+}
