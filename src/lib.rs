@@ -84,6 +84,7 @@ pub mod error;
 pub mod example;
 pub mod frame;
 pub mod gpu;
+pub mod inputs;
 pub mod motion;
 pub mod optics;
 pub mod output;

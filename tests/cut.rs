@@ -56,7 +56,7 @@ impl RayMap for Swelling {
 fn cut(cut: Cut, map: Arc<dyn RayMap>) -> Built {
     // a ball around the two corners that holds all of T_RANGE
     let mesh = Mesh { positions: vec![DVec3::splat(-20.0), DVec3::splat(20.0)], ..Mesh::default() };
-    cut.build(map, &Setting { size: Some(SIZE), mesh: &mesh, t_range: T_RANGE }).unwrap()
+    cut.build(map, &Setting::new(Some(SIZE), &mesh, T_RANGE)).unwrap()
 }
 
 fn pieces(built: &Built) -> &Pieces {
@@ -235,15 +235,15 @@ fn jumps_rims_and_folds_are_told_apart() {
     }
     let left_out = cut(Cut::Count(200), Arc::new(Odd::Rim));
     assert!(left_out.notes.last().unwrap().contains("left out"), "{:?}", left_out.notes);
-    let few = Cut::Count(1)
-        .build(Arc::new(Odd::Rim), &Setting { size: Some(SIZE), mesh: &Mesh::default(), t_range: T_RANGE });
+    let few = Cut::Count(1).build(Arc::new(Odd::Rim), &Setting::new(Some(SIZE), &Mesh::default(), T_RANGE));
     assert!(few.unwrap_err().to_string().contains("camera.pieces"));
 }
 
 #[test]
 fn without_a_scene_the_bound_is_that_of_the_whole_range() {
     for t_range in [[0.0, f64::INFINITY], [f64::NEG_INFINITY, f64::INFINITY], [1.0, 2.0]] {
-        let setting = Setting { size: Some(SIZE), mesh: &Mesh::default(), t_range };
+        let mesh = Mesh::default();
+        let setting = Setting::new(Some(SIZE), &mesh, t_range);
         let built = Cut::Count(1024).build(Arc::new(Sphere), &setting).unwrap();
         assert_eq!(told(&built), told(&cut(Cut::Count(1024), Arc::new(Sphere))), "rays from one point");
         assert!(Cut::Auto { error_px: 0.5 }.build(Arc::new(Cylinder), &setting).is_ok());

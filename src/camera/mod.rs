@@ -32,7 +32,8 @@ pub use curve::{Curve, CurveMap, Curves};
 pub use field::{Field, RayMap};
 use glam::DVec3;
 pub use pieces::{Piece, Pieces};
-use recipe::{Built, Setting};
+use recipe::{Built, Looked, Setting};
+use std::cell::Cell;
 use std::sync::Arc;
 
 /// The rays of a layer.
@@ -81,7 +82,17 @@ impl Camera {
     /// Compiles `spec` for an image of `size` in the scene of `mesh`, which cameras that track a target look at. A ray
     /// map brings its own size, which `size` may only repeat.
     pub fn in_scene(spec: &CameraSpec, size: Option<(u32, u32)>, mesh: &Mesh) -> Result<Camera> {
-        let setting = Setting { size, mesh, t_range: spec.t_range };
+        Camera::compiled(spec, Setting::new(size, mesh, spec.t_range))
+    }
+
+    /// The same, and what of the scene it depends on.
+    pub fn looking(spec: &CameraSpec, size: Option<(u32, u32)>, mesh: &Mesh) -> Result<(Camera, Looked)> {
+        let looked = Cell::default();
+        let camera = Camera::compiled(spec, Setting::new(size, mesh, spec.t_range).noting(&looked))?;
+        Ok((camera, looked.get()))
+    }
+
+    fn compiled(spec: &CameraSpec, setting: Setting) -> Result<Camera> {
         let (kind, built) = match &spec.kind {
             CameraKind::Named(named) => (named.name, named.recipe.build(&setting)?),
             plain => build_plain(plain, &setting)?,

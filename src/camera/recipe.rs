@@ -6,6 +6,7 @@ use crate::optics::Optics;
 use crate::scene::file::reader::Table;
 use crate::scene::mesh::Mesh;
 use glam::DVec3;
+use std::cell::Cell;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -29,21 +30,58 @@ pub trait Recipe: Debug + Send + Sync {
 pub struct Setting<'a> {
     /// The image's size in pixels, where one was given.
     pub size: Option<(u32, u32)>,
-    /// The scene's triangles, world units.
-    pub mesh: &'a Mesh,
     /// The ends of t as the scene file gives them.
     pub t_range: [f64; 2],
+    mesh: &'a Mesh,
+    looked: Option<&'a Cell<Looked>>,
 }
 
-impl Setting<'_> {
+/// How far a recipe looked at the scene.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Looked {
+    #[default]
+    Nowhere,
+    AtBounds,
+    AtMesh,
+}
+
+impl<'a> Setting<'a> {
+    /// Of an image of `size` in the scene of `mesh`.
+    pub fn new(size: Option<(u32, u32)>, mesh: &'a Mesh, t_range: [f64; 2]) -> Setting<'a> {
+        Setting { size, t_range, mesh, looked: None }
+    }
+
+    /// The same, and notes how far it is looked at.
+    pub fn noting(self, looked: &'a Cell<Looked>) -> Setting<'a> {
+        Setting { looked: Some(looked), ..self }
+    }
+
+    /// The same for an image of another size.
+    pub fn of_size(self, size: Option<(u32, u32)>) -> Setting<'a> {
+        Setting { size, ..self }
+    }
+
     /// The image's size, which all but ray maps need.
     pub fn size(&self) -> Result<(u32, u32)> {
         self.size.ok_or_else(|| Error::input("image: no size; give width and height in [image] or --size"))
     }
 
+    /// The scene's triangles, world units.
+    pub fn mesh(&self) -> &'a Mesh {
+        self.look(Looked::AtMesh);
+        self.mesh
+    }
+
     /// The corners of the box around all vertices; `None` without any.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        self.look(Looked::AtBounds);
         self.mesh.bounds()
+    }
+
+    fn look(&self, at: Looked) {
+        if let Some(looked) = self.looked {
+            looked.set(looked.get().max(at));
+        }
     }
 }
 

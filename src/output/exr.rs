@@ -13,6 +13,7 @@ use ::exr::prelude::{Compression, ReadChannels, ReadLayers, WritableImage};
 use super::whole::write_whole;
 use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame, Plane};
+use crate::inputs;
 use crate::scene::file::check_size;
 
 type Flat = AnyChannels<FlatSamples>;
@@ -162,7 +163,7 @@ const MAX_EXPANSION: u64 = 1032 * 128;
 fn read_layer(path: &Path) -> std::result::Result<(u32, u32, Flat), String> {
     let unreadable = |e: io::Error| format!("cannot be read: {e}; check the path");
     let damaged = |e: ::exr::error::Error| format!("not an EXR image that can be read: {e}");
-    let file = File::open(path).map_err(unreadable)?;
+    let file = inputs::open(path).map_err(unreadable)?;
     let file_bytes = file.metadata().map_err(unreadable)?.len();
     let meta = MetaData::read_from_buffered(BufReader::new(&file), false).map_err(damaged)?;
     for header in &meta.headers {

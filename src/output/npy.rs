@@ -8,6 +8,7 @@ use npyz::WriterBuilder;
 
 use super::whole::write_whole;
 use crate::error::{Error, Result};
+use crate::inputs;
 use crate::scene::file::check_size;
 
 /// Writes `data` in C order as little-endian f64.
@@ -61,7 +62,7 @@ const MAX_ROWS: u64 = 1 << 32;
 /// # Errors
 /// [`Error::Input`] naming the file: not there, another shape or type, or cut short.
 pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
-    let file = File::open(path).map_err(|e| format!("cannot be read: {e}; check the path"));
+    let file = inputs::open(path).map_err(|e| format!("cannot be read: {e}; check the path"));
     let rows = file.and_then(rows_of::<C>);
     rows.map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }

@@ -1,6 +1,5 @@
 //! One vector a pixel from a .npy or an EXR file: a ray map's origins and directions, a table of places.
 
-use std::fs::File;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -9,6 +8,7 @@ use super::exr::read_planes;
 use super::npy::read_npy_vectors;
 use crate::error::{Error, Result};
 use crate::frame::Channel;
+use crate::inputs;
 
 /// Reads width, height and one vector a pixel, row by row from the top: .npy of f32 or f64 in C order
 /// with shape height x width x 3, or EXR with R G B = x y z. Values may be NaN or infinite.
@@ -41,7 +41,7 @@ fn read<const N: usize>(path: &Path, channels: [Channel; N], holds: &str) -> Res
 }
 
 fn read_npy<const N: usize>(path: &Path) -> std::result::Result<(u32, u32, Vec<[f64; N]>), String> {
-    let file = File::open(path).map_err(|e| format!("cannot be read: {e}; check the path"))?;
+    let file = inputs::open(path).map_err(|e| format!("cannot be read: {e}; check the path"))?;
     let (width, height, numbers) = read_npy_vectors(file, N as u64)?;
     Ok((width, height, numbers.chunks_exact(N).map(|n| std::array::from_fn(|k| n[k])).collect()))
 }

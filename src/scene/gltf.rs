@@ -42,7 +42,7 @@ const MAX_TRIANGLES: usize = 1 << 28;
 /// range; a node that is its own ancestor or has two parents; no triangles, or more than 2^28.
 pub fn load(path: &Path, images: &Images) -> Result<Mesh> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
+    let bytes = crate::inputs::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     parse(&bytes, folder, images).map_err(|e| e.at(name))
 }

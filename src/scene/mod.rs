@@ -4,6 +4,7 @@ pub mod clusters;
 pub mod file;
 pub mod generate;
 pub mod gltf;
+pub mod library;
 pub mod light;
 pub mod mesh;
 pub mod obj;
@@ -20,9 +21,9 @@ use crate::error::{Error, Result};
 use crate::optics::Surface;
 use file::{CameraSpec, MeshSource, MeshSpec, SceneFile, TextureSpec};
 use glam::DVec3;
+use library::Library;
 use light::{AmbientOcclusion, Light};
 use mesh::Mesh;
-use rayon::prelude::*;
 use sky::Sky;
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -75,33 +76,7 @@ impl Scene {
     }
 
     pub fn from_file(file: SceneFile) -> Result<Scene> {
-        let mut images = Images::default();
-        let meshes = file.meshes.iter().map(|m| load_mesh(m, &mut images)).collect::<Result<Vec<Mesh>>>()?;
-        let objects = named_apart(file.meshes.iter().map(|m| m.called()), &meshes);
-        let mesh = place::merge(meshes)?;
-        if let Some(v) = mesh.positions.par_iter().find_any(|p| !p.is_finite()) {
-            return Err(Error::input(format!("mesh: a vertex lies at {v} after its transform; use finite numbers")));
-        }
-        let size = match (file.image.width, file.image.height) {
-            (Some(w), Some(h)) => Some((w, h)),
-            (None, None) => None,
-            _ => return Err(Error::input("image: give both width and height")),
-        };
-        let caustics = file.caustics.as_ref().map(|c| Caustics::new(c, &mesh)).transpose()?;
-        Ok(Scene {
-            mesh: Arc::new(mesh),
-            objects,
-            lights: file.lights,
-            ambient_occlusion: file.ambient_occlusion,
-            style: file.style,
-            sky: file.sky.as_ref().map(|s| Sky::new(s, &mut images)).transpose()?.map(Arc::new),
-            background: file.image.background,
-            tone: file.image.tone,
-            size,
-            camera: file.camera,
-            caustics: caustics.map(Arc::new),
-            output: file.output,
-        })
+        Library::for_once().scene(file)
     }
 
     /// The scene's camera for an image of its size.
@@ -156,8 +131,13 @@ fn named_apart(names: impl Iterator<Item = String>, meshes: &[Mesh]) -> Vec<Obje
     names.map(apart).zip(sizes).map(|(name, triangles)| Object { name, triangles }).collect()
 }
 
-/// The triangles of a mesh; its images come from `images`.
+/// The triangles of a mesh in the world; its images come from `images`.
 pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
+    Ok(place::place(load_unplaced(spec, images)?, spec.scale, spec.rotate, spec.translate))
+}
+
+/// The same where its source has them.
+fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
     let mut none = Images::left_out();
     // what it says itself goes before what its file says
     let of_file = if spec.texture == TextureSpec::OfFile && spec.color.is_none() { &mut *images } else { &mut none };
@@ -197,5 +177,5 @@ pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
         }
         mesh.repeat_uvs(repeat.as_vec2());
     }
-    Ok(place::place(mesh, spec.scale, spec.rotate, spec.translate))
+    Ok(mesh)
 }

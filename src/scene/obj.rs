@@ -108,7 +108,7 @@ pub fn load_textured(path: &Path) -> Result<Textured> {
 }
 
 fn read(path: &Path, name: &str) -> Result<Vec<u8>> {
-    std::fs::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))
+    crate::inputs::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))
 }
 
 /// The parsed chunks, with one triangle among them at least, and what is in the whole file.

@@ -145,10 +145,11 @@ impl Images {
     /// [`Error::Input`] naming the file where it cannot be read or is neither.
     pub fn load(&mut self, path: &Path) -> Result<Arc<Texels>> {
         if let Some(known) = self.known.get(path) {
+            crate::inputs::note(path);
             return Ok(known.clone());
         }
         let wrong = |e: std::io::Error| Error::input(format!("{}: cannot be read: {e}", path.display()));
-        let bytes = std::fs::read(path).map_err(wrong)?;
+        let bytes = crate::inputs::read(path).map_err(wrong)?;
         let texels = Arc::new(decode(&bytes).map_err(|e| e.at(path.display()))?);
         self.known.insert(path.to_owned(), texels.clone());
         Ok(texels)

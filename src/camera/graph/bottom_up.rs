@@ -143,7 +143,7 @@ impl BottomUp {
         let root = View::new(&pose, height, rails::middle((width, height)))?;
         let eyes = [views[0].eye(), views[1].eye(), root.eye()];
         let reach = self.views.iter().map(|v| (v.target - v.eye).length()).fold(1000.0 * self.near, f64::max);
-        let far = self.far.unwrap_or_else(|| beyond(setting.mesh, &eyes, 1000.0 * reach).max(2.0 * self.near));
+        let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &eyes, 1000.0 * reach).max(2.0 * self.near));
         Ok(Layout { between_px, views, root, far })
     }
 

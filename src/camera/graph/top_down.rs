@@ -131,7 +131,7 @@ impl Recipe for TopDown {
         let root = |k: usize| roots[mesh.root_of[k]].view;
         let eyes: Vec<DVec3> = roots.iter().map(|r| r.view.eye()).chain(patches.iter().map(|p| p.view.eye())).collect();
         let reach = (self.root.target - self.root.eye).length().max(1000.0 * self.near);
-        let far = self.far.unwrap_or_else(|| beyond(setting.mesh, &eyes, 1000.0 * reach).max(2.0 * self.near));
+        let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &eyes, 1000.0 * reach).max(2.0 * self.near));
         let depths = self.foreground.then(|| self.depths(&mesh, &patches, &roots, far));
         let far = depths.map_or(far, |d| d[2]);
         let plain = rails::plain(&mesh.net, root, far, depths);
@@ -160,7 +160,7 @@ impl TopDown {
     /// The regions where they land; a plain root's outline is drawn around the image and all of them.
     fn patches(&self, setting: &Setting, roots: &mut [Root], (width, height): (u32, u32)) -> Result<Vec<Patch>> {
         let size = DVec2::new(width as f64, height as f64);
-        let occluders = self.regions.iter().any(|r| r.target.is_none()).then(|| Occluders::of(setting.mesh));
+        let occluders = self.regions.iter().any(|r| r.target.is_none()).then(|| Occluders::of(setting.mesh()));
         let mut patches: Vec<Patch> = Vec::new();
         for (k, region) in self.regions.iter().enumerate() {
             let error = |message: String| Error::input(format!("camera.regions.{k}: {message}"));

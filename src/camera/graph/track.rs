@@ -71,7 +71,7 @@ impl Recipe for Track {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let size = setting.size()?;
         let view = View::new(&self.pose, size.1, rails::middle(size))?;
-        let occluders = Occluders::of(setting.mesh);
+        let occluders = Occluders::of(setting.mesh());
         let mut notes = Vec::new();
         let mut seen = self.seen(&view, size, &mut notes)?;
         self.find_ways(setting, &view, &occluders, &mut seen)?;
@@ -81,7 +81,7 @@ impl Recipe for Track {
             return Ok(Built { notes, ..plain });
         }
         let deepest = seen.iter().map(|s| s.sight.front).fold(0.0, f64::max);
-        let far = self.far.unwrap_or_else(|| beyond(setting.mesh, &[view.eye()], deepest)).max(2.0 * deepest);
+        let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &[view.eye()], deepest)).max(2.0 * deepest);
         let (graph, plain) = self.free(&view, &occluders, seen, (size, far), &mut notes)?;
         let folds = graph.folds(setting.bounds());
         let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;

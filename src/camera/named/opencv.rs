@@ -80,7 +80,7 @@ impl Recipe for OpenCv {
             distortion: self.distortion,
             shutter: self.shutter,
         };
-        self.cut.build(Arc::new(map), &Setting { size, ..*setting })
+        self.cut.build(Arc::new(map), &setting.of_size(size))
     }
 }
 

@@ -206,7 +206,7 @@ impl Source {
 
 impl Recipe for Optical {
     fn build(&self, setting: &Setting) -> Result<Built> {
-        let eye = Camera::in_scene(&self.eye, setting.size, setting.mesh).map_err(|e| e.at("camera.eye"))?;
+        let eye = Camera::in_scene(&self.eye, setting.size, setting.mesh()).map_err(|e| e.at("camera.eye"))?;
         let one_layer = matches!(eye.layers.as_slice(), [Rays::Pieces(_) | Rays::Field(_)]) && eye.optics.is_none();
         if !one_layer {
             let kind = eye.kind;

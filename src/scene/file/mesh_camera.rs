@@ -108,7 +108,7 @@ fn read_triangle(field: &Field) -> Result<[u32; 3]> {
 
 fn read_pieces_file(field: &Field) -> Result<(Vec<CameraVertex>, Vec<[u32; 3]>)> {
     let path = field.path()?;
-    let bytes = std::fs::read(&path)
+    let bytes = crate::inputs::read(&path)
         .map_err(|e| field.error(format_args!("{} cannot be read: {e}; check the path", path.display())))?;
     parse_pieces(&bytes, &path)
 }

@@ -177,7 +177,7 @@ fn read_uri(uri: &str, folder: &Path) -> std::result::Result<Vec<u8>, String> {
         return Err("lies elsewhere on the net; put it beside the file".into());
     }
     let file = folder.join(decode_percent(uri));
-    std::fs::read(&file).map_err(|e| format!("{} cannot be read: {e}", file.display()))
+    crate::inputs::read(&file).map_err(|e| format!("{} cannot be read: {e}", file.display()))
 }
 
 /// The bytes of a `data:` URI, from behind the colon.

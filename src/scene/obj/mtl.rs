@@ -105,7 +105,11 @@ impl Mapped {
 /// [`Error::Input`] if a file cannot be read or is malformed.
 pub(super) fn load(folder: &Path, library: &str) -> Result<Option<Vec<Mapped>>> {
     let find = |name: &str| -> Option<PathBuf> {
-        [name.to_owned(), name.replace('\\', "/")].iter().map(|name| folder.join(name)).find(|path| path.is_file())
+        let is_there = |path: &PathBuf| {
+            crate::inputs::note(path);
+            path.is_file()
+        };
+        [name.to_owned(), name.replace('\\', "/")].iter().map(|name| folder.join(name)).find(is_there)
     };
     let files: Vec<PathBuf> = match find(library) {
         Some(file) => vec![file],
@@ -117,7 +121,7 @@ pub(super) fn load(folder: &Path, library: &str) -> Result<Option<Vec<Mapped>>> 
     let mut materials = Vec::new();
     for file in files {
         let name = file.display().to_string();
-        let text = std::fs::read(&file).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
+        let text = crate::inputs::read(&file).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
         materials.extend(parse(&text, &file)?);
     }
     Ok(Some(materials))

@@ -41,7 +41,8 @@ struct Matrix {
 /// [`Error::Input`] naming the file: it cannot be read, is not such a file, or its matrices have another form.
 pub fn read(path: &Path) -> Result<Intrinsics> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|e| refuse(format!("cannot be read: {e}; check the path")))?;
+    let text =
+        crate::inputs::read_to_string(path).map_err(|e| refuse(format!("cannot be read: {e}; check the path")))?;
     parse(&text).map_err(refuse)
 }
 

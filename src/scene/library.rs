@@ -1,0 +1,181 @@
+//! Parts of scenes that are kept for the next ones, as long as the files that they came from stay what they were.
+
+use super::file::{CameraSpec, CausticsSpec, MeshSpec, SceneFile, SkySpec};
+use super::mesh::Mesh;
+use super::sky::Sky;
+use super::texture::Images;
+use super::{Object, Scene, load_unplaced, named_apart, place};
+use crate::camera::Camera;
+use crate::camera::recipe::Looked;
+use crate::caustics::Caustics;
+use crate::error::{Error, Result};
+use crate::inputs::{Inputs, note_all, noted};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Where the scenes of many frames come from.
+#[derive(Default)]
+pub struct Library {
+    /// Nothing is kept.
+    is_for_once: bool,
+    /// In their own places.
+    meshes: Shelf<MeshSpec, Mesh>,
+    /// All meshes of a scene, placed.
+    merged: Shelf<Vec<MeshSpec>, (Arc<Mesh>, Vec<Object>)>,
+    skies: Shelf<SkySpec, Sky>,
+    caustics: Shelf<CausticsSpec, (Arc<Caustics>, Arc<Mesh>)>,
+    cameras: Shelf<(CameraSpec, Option<(u32, u32)>), (Arc<Camera>, Around)>,
+}
+
+/// What a camera was built for.
+struct Around {
+    looked: Looked,
+    mesh: Arc<Mesh>,
+}
+
+/// Parts by what was asked for.
+struct Shelf<K, V> {
+    kept: Mutex<Vec<Kept<K, V>>>,
+}
+
+struct Kept<K, V> {
+    key: K,
+    value: Arc<V>,
+    inputs: Inputs,
+    /// Parts that were asked for since this one was.
+    age: usize,
+}
+
+/// Parts that are asked for before one of them is given up that is none of them.
+const MESHES_KEPT: usize = 64;
+const OTHERS_KEPT: usize = 2;
+
+impl<K, V> Default for Shelf<K, V> {
+    fn default() -> Self {
+        Shelf { kept: Mutex::new(Vec::new()) }
+    }
+}
+
+impl<K: PartialEq + Clone, V> Shelf<K, V> {
+    /// The part that is there, if it would be the same now and `suits`; else as `make` makes it. At most `most` are kept.
+    fn get(
+        &self,
+        key: &K,
+        most: usize,
+        suits: impl Fn(&V) -> bool,
+        make: impl FnOnce() -> Result<V>,
+    ) -> Result<Arc<V>> {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.iter_mut().for_each(|k| k.age += 1);
+        kept.retain(|k| k.age <= most);
+        if let Some(known) = kept.iter_mut().find(|k| k.key == *key && suits(&k.value)) {
+            if known.inputs.are_current() {
+                known.age = 0;
+                note_all(&known.inputs);
+                return Ok(known.value.clone());
+            }
+        }
+        // others may look for theirs meanwhile
+        drop(kept);
+        let (value, inputs) = noted(make);
+        let value = Arc::new(value?);
+        if most == 0 {
+            return Ok(value);
+        }
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.retain(|k| k.key != *key);
+        kept.push(Kept { key: key.clone(), value: value.clone(), inputs, age: 0 });
+        Ok(value)
+    }
+}
+
+impl Library {
+    /// Of one scene.
+    pub fn for_once() -> Library {
+        Library { is_for_once: true, ..Library::default() }
+    }
+
+    fn kept(&self, most: usize) -> usize {
+        if self.is_for_once { 0 } else { most }
+    }
+
+    /// A scene with everything that its file names.
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming the file or the key that is wrong.
+    pub fn scene(&self, file: SceneFile) -> Result<Scene> {
+        let mut images = Images::default();
+        let merged = self.merged.get(
+            &file.meshes,
+            self.kept(OTHERS_KEPT),
+            |_| true,
+            || {
+                let meshes = file.meshes.iter().map(|m| self.placed(m, &mut images)).collect::<Result<Vec<Mesh>>>()?;
+                let objects = named_apart(file.meshes.iter().map(|m| m.called()), &meshes);
+                let mesh = place::merge(meshes)?;
+                if let Some(v) = mesh.positions.par_iter().find_any(|p| !p.is_finite()) {
+                    return Err(Error::input(format!(
+                        "mesh: a vertex lies at {v} after its transform; use finite numbers"
+                    )));
+                }
+                Ok((Arc::new(mesh), objects))
+            },
+        )?;
+        let (mesh, objects) = (merged.0.clone(), merged.1.clone());
+        let size = match (file.image.width, file.image.height) {
+            (Some(w), Some(h)) => Some((w, h)),
+            (None, None) => None,
+            _ => return Err(Error::input("image: give both width and height")),
+        };
+        let is_of = |known: &(Arc<Caustics>, Arc<Mesh>)| Arc::ptr_eq(&known.1, &mesh);
+        let lit = |spec: &CausticsSpec| {
+            self.caustics
+                .get(spec, self.kept(OTHERS_KEPT), is_of, || Ok((Arc::new(Caustics::new(spec, &mesh)?), mesh.clone())))
+        };
+        let caustics = file.caustics.as_ref().map(lit).transpose()?;
+        let sky =
+            |spec: &SkySpec| self.skies.get(spec, self.kept(OTHERS_KEPT), |_| true, || Sky::new(spec, &mut images));
+        let sky = file.sky.as_ref().map(sky).transpose()?;
+        Ok(Scene {
+            mesh: mesh.clone(),
+            objects,
+            lights: file.lights,
+            ambient_occlusion: file.ambient_occlusion,
+            style: file.style,
+            sky,
+            background: file.image.background,
+            tone: file.image.tone,
+            size,
+            camera: file.camera,
+            caustics: caustics.map(|c| c.0.clone()),
+            output: file.output,
+        })
+    }
+
+    /// The scene's camera for an image of `size`, or of the scene's own.
+    ///
+    /// # Errors
+    /// Those of [`Camera::in_scene`].
+    pub fn camera(&self, scene: &Scene, size: Option<(u32, u32)>) -> Result<Arc<Camera>> {
+        let key = (scene.camera.clone(), size.or(scene.size));
+        let suits = |(_, around): &(Arc<Camera>, Around)| match around.looked {
+            Looked::Nowhere => true,
+            Looked::AtBounds => around.mesh.bounds() == scene.mesh.bounds(),
+            Looked::AtMesh => Arc::ptr_eq(&around.mesh, &scene.mesh),
+        };
+        let make = || {
+            let (camera, looked) = Camera::looking(&key.0, key.1, &scene.mesh)?;
+            Ok((Arc::new(camera), Around { looked, mesh: scene.mesh.clone() }))
+        };
+        Ok(self.cameras.get(&key, self.kept(OTHERS_KEPT), suits, make)?.0.clone())
+    }
+
+    /// A mesh where it is in the scene.
+    fn placed(&self, spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
+        let own = MeshSpec { scale: DVec3::ONE, rotate: DVec3::ZERO, translate: DVec3::ZERO, ..spec.clone() };
+        let mesh = self.meshes.get(&own, self.kept(MESHES_KEPT), |_| true, || load_unplaced(&own, images))?;
+        let mesh = Arc::try_unwrap(mesh).unwrap_or_else(|kept| (*kept).clone());
+        Ok(place::place(mesh, spec.scale, spec.rotate, spec.translate))
+    }
+}
