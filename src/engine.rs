@@ -20,6 +20,7 @@ use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
+use crate::gpu::device::GpuOptions;
 use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::Recorder;
 use crate::plan::{LeftOut, Plan, Wanted};
@@ -136,8 +137,22 @@ impl Engine {
         Engine { gpu: Arc::new(gpu), stages: Vec::new(), gathers: Vec::new(), lit: None, pages: Arc::default() }
     }
 
+    /// On the adapter asked for; `None` on a machine without any.
+    ///
+    /// # Errors
+    /// Those of [`Gpu::open`].
+    pub fn open(options: &GpuOptions) -> Result<Option<Engine>> {
+        Ok(Gpu::open(options)?.map(Engine::new))
+    }
+
     /// Renders `scene` through `camera`.
-    pub fn render(&mut self, scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Result<Rendered> {
+    pub fn render(
+        &mut self,
+        scene: &Scene,
+        camera: impl Into<Arc<Camera>>,
+        wanted: &Wanted,
+        run: &RunOptions,
+    ) -> Result<Rendered> {
         let mut frames = self.prepare(scene, camera, wanted, run)?;
         for _ in 0..run.repeat {
             frames.frame()?;
@@ -147,7 +162,7 @@ impl Engine {
 
     /// Works out what frames of a scene take on this adapter; see [`Planner::plan`].
     pub fn planner(&self) -> Planner {
-        Planner { has: self.gpu.has, limit: self.gpu.binding_limit() }
+        Planner { name: self.gpu.info.name.clone(), has: self.gpu.has, limit: self.gpu.binding_limit() }
     }
 
     /// Puts everything on the device that frames of `scene` through `camera` need, and runs a first one. Of `run` all counts but

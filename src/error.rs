@@ -9,6 +9,9 @@ pub enum Error {
     /// The work itself failed (an output cannot be written, a device was lost): exit code 1.
     #[error("{0}")]
     Work(String),
+    /// So it did, as there is no room to write to: what comes after it will fail too. Exit code 1.
+    #[error("{0}")]
+    Full(String),
 }
 
 pub type Result<T> = std::result::Result<T, Error>;
@@ -27,13 +30,14 @@ impl Error {
         match self {
             Error::Input(m) => Error::Input(format!("{place}: {m}")),
             Error::Work(m) => Error::Work(format!("{place}: {m}")),
+            Error::Full(m) => Error::Full(format!("{place}: {m}")),
         }
     }
 
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Input(_) => 2,
-            Error::Work(_) => 1,
+            Error::Work(_) | Error::Full(_) => 1,
         }
     }
 }

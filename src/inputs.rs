@@ -18,7 +18,7 @@ pub struct Inputs {
 }
 
 /// When a file was last written, and its bytes; `None` of one that is not there.
-type Stamp = Option<(SystemTime, u64)>;
+pub type Stamp = Option<(SystemTime, u64)>;
 
 /// The bytes of a file.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
@@ -62,8 +62,9 @@ pub fn noted<T>(work: impl FnOnce() -> T) -> (T, Inputs) {
 }
 
 impl Inputs {
-    pub fn paths(&self) -> impl Iterator<Item = &Path> {
-        self.files.iter().map(|(path, _)| path.as_path())
+    /// Each as it was found.
+    pub fn files(&self) -> impl Iterator<Item = (&Path, &Stamp)> {
+        self.files.iter().map(|(path, found)| (path.as_path(), found))
     }
 
     /// All files are as they were found.
@@ -80,7 +81,8 @@ impl Inputs {
     }
 }
 
-fn stamp(path: &Path) -> Stamp {
+/// How a file is found now.
+pub fn stamp(path: &Path) -> Stamp {
     let found = fs::metadata(path).ok()?;
     Some((found.modified().ok()?, found.len()))
 }
@@ -99,7 +101,7 @@ mod tests {
             let (_, inner) = noted(|| (open(&path("a")).unwrap(), read(&path("missing")).unwrap_err()));
             inner
         });
-        assert_eq!(outer.paths().collect::<Vec<_>>(), [path("a"), path("missing")]);
+        assert_eq!(outer.files().map(|f| f.0).collect::<Vec<_>>(), [path("a"), path("missing")]);
         assert_eq!(inner, outer);
         assert!(outer.are_current());
         fs::write(path("missing"), "").unwrap();

@@ -15,4 +15,4 @@ pub use ply::write_ply;
 pub use png::{srgb8, toned8, write_png};
 pub use points::read_points;
 pub use vectors::{read_pairs, read_vectors};
-pub use whole::{check_writable, write_lines, write_text};
+pub use whole::{check_writable, clear_up, is_full, write_lines, write_text};

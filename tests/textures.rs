@@ -283,7 +283,7 @@ fn texture_coordinates_come_out_of_an_atlas() {
     };
     let wanted = Wanted::of(vec![Channel::TextureU, Channel::TextureV, Channel::MirrorId, Channel::TriangleId]);
     let [direct, atlas] =
-        ["", "atlas = 64"].map(|a| engine.render(&scene, &through(a), &wanted, &RunOptions::default()).unwrap().frame);
+        ["", "atlas = 64"].map(|a| engine.render(&scene, through(a), &wanted, &RunOptions::default()).unwrap().frame);
     let uv = |frame: &Frame, k: usize| [Channel::TextureU, Channel::TextureV].map(|c| frame.f32(c).unwrap()[k]);
     let mirrored = |k: &usize| {
         let is_turned = |f: &Frame| f.u32(Channel::MirrorId).unwrap()[*k] != NO_ID;

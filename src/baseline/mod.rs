@@ -24,7 +24,7 @@ use crate::stage::Scopes;
 use glam::DVec3;
 
 /// A way to find what is seen, ready for one scene and camera.
-pub trait Rival {
+pub trait Rival: Send {
     /// Builds what it needs over the triangles of the scene, anew where they moved, beside those that are on the device anyway.
     fn upload(&mut self, _gpu: &Gpu, _scene: &Scene) -> Result<()> {
         Ok(())

@@ -3,7 +3,7 @@
 use crate::engine::Engine;
 use serde::{Deserialize, Serialize};
 use std::process::Command;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::SystemTime;
 
 /// What a row cannot be understood without.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -65,40 +65,6 @@ fn commit() -> Option<String> {
 }
 
 fn today() -> String {
-    const DAY_S: u64 = 86_400;
-    let days = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs() / DAY_S);
-    let (year, month, day) = civil(days);
-    format!("{year:04}-{month:02}-{day:02}")
-}
-
-/// Year, month and day of a number of days after 1970-01-01, by the Gregorian calendar.
-fn civil(days: u64) -> (u64, u64, u64) {
-    let is_leap = |y: u64| (y.is_multiple_of(4) && !y.is_multiple_of(100)) || y.is_multiple_of(400);
-    let (mut year, mut left) = (1970, days);
-    while left >= 365 + u64::from(is_leap(year)) {
-        left -= 365 + u64::from(is_leap(year));
-        year += 1;
-    }
-    let february = 28 + u64::from(is_leap(year));
-    let mut month = 1;
-    for length in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31] {
-        if left < length {
-            break;
-        }
-        left -= length;
-        month += 1;
-    }
-    (year, month, left + 1)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn days_are_dates() {
-        for (days, date) in [(0, (1970, 1, 1)), (59, (1970, 3, 1)), (11_016, (2000, 2, 29)), (20_779, (2026, 11, 22))] {
-            assert_eq!(civil(days), date);
-        }
-    }
+    // the date before the time of day
+    humantime::format_rfc3339_seconds(SystemTime::now()).to_string().chars().take_while(|c| *c != 'T').collect()
 }

@@ -4,7 +4,7 @@ use crate::baseline::Choice;
 use crate::frame::Channel;
 use crate::output::cryptomatte::Apart;
 use crate::scene::file::check_size;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Renders triangles through cameras whose rays do not meet in a point.
@@ -50,7 +50,7 @@ pub struct Change {
     pub frame: f64,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct RenderArgs {
     /// Scene file, .toml or .json
     pub scene: PathBuf,
@@ -114,10 +114,58 @@ pub struct RenderArgs {
 #[derive(Debug, Args)]
 pub struct BatchArgs {
     /// List of jobs, .toml, .json or .jsonl
+    #[arg(value_name = "JOBS")]
     pub jobs: PathBuf,
+    /// Skip what is done, by the manifest beside the list, as long as nothing has changed that it was made from
+    #[arg(long)]
+    pub resume: bool,
+    /// Do the I-th of N parts of the list, of about equal cost, as 1/4
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub shard: Option<Shard>,
+    /// Frames that are written at once [default: one a core]
+    #[arg(long = "jobs", value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs_at_once: Option<u16>,
+    /// Adapters to use at once: parts of their names, or all
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub adapters: Option<Vec<String>>,
     /// Stop at the first frame that fails
     #[arg(long)]
     pub fail_fast: bool,
+    /// What is told meanwhile: auto (a bar on a terminal), json (a line an event on stdout), none
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    pub progress: ProgressName,
+    /// Append a line an event, with its time
+    #[arg(long, value_name = "FILE")]
+    pub log: Option<PathBuf>,
+    /// What the batch took, and each frame, as JSON
+    #[arg(long, value_name = "R.json")]
+    pub report: Option<PathBuf>,
+    /// A row a frame: what its job sweeps, times, and errors of those with check
+    #[arg(long, value_name = "T.csv")]
+    pub csv: Option<PathBuf>,
+}
+
+/// How a batch tells of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ProgressName {
+    Auto,
+    Json,
+    None,
+}
+
+impl ProgressName {
+    /// All of stdout is JSON.
+    pub fn is_for_programs(self) -> bool {
+        self == ProgressName::Json
+    }
+}
+
+/// A part of a list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// From 0.
+    pub index: u32,
+    pub count: u32,
 }
 
 /// What renders.
@@ -230,6 +278,14 @@ pub struct BenchArgs {
     /// Adapter to use: a part of its name
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse::<u32>().ok()?, n.parse::<u32>().ok()?)));
+    match numbers {
+        Some((i, n)) if 1 <= i && i <= n => Ok(Shard { index: i - 1, count: n }),
+        _ => Err("write it as I/N with I from 1 to N, for example 1/4".into()),
+    }
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {

@@ -1,37 +1,313 @@
-//! `anamorph batch`: many frames of many scenes, one after the other. What goes wrong with one is said, and the rest go on.
+//! `anamorph batch`: many frames of many scenes. Frames are read, rendered and written at once by threads of their own; what is done is
+//! kept in a manifest, and what goes wrong with one frame is said, and the rest go on.
 
+mod board;
 mod jobs;
+mod manifest;
 mod names;
+mod results;
+mod room;
+mod shard;
+mod station;
 
 use super::args::BatchArgs;
-use super::{complain, print, render};
+use super::print;
+use crate::engine::Rendered;
 use crate::error::{Error, Result};
-use jobs::Jobs;
+use crate::gpu::device::GpuOptions;
+use crate::output::clear_up;
+use crate::scene::library::Library;
+use board::{Board, Counts};
+use crossbeam_channel::{Receiver, bounded};
+use jobs::{Jobs, Task};
+use manifest::{Costs, Manifest, Standing};
+use results::Summary;
+use room::Room;
+use station::{Picture, Station, Taken};
+use std::collections::BTreeSet;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// Frames that the last line names where more have failed.
+/// Frames that the last line names where more have failed, and that the report does.
 const NAMED: usize = 10;
+const REPORTED: usize = 1000;
+
+/// Threads that read for a device: one plans while the other reads.
+const READERS: usize = 2;
 
 pub fn run(args: &BatchArgs) -> Result<()> {
-    let jobs = Jobs::read(&args.jobs)?;
-    let (mut done, mut failed) = (0, Vec::new());
-    for task in jobs.tasks() {
-        match task.args().and_then(|args| render::run(&args, Instant::now())) {
-            Ok(()) => done += 1,
-            Err(e) => {
-                complain(&e.at(&task.name));
-                failed.push(task.name);
-                if args.fail_fast {
-                    break;
+    let list = &args.jobs;
+    let jobs = Jobs::read(list)?;
+    let paths = Paths::of(args);
+    let earlier = paths.others();
+    let costs = || Costs::read(&paths.whole);
+    let own = args.shard.map(|shard| shard::share(&jobs, shard, &costs()?)).transpose()?;
+    let all = own.as_ref().map_or_else(|| jobs.count(), |own| own.iter().filter(|own| **own).count());
+    let manifest = Manifest::open(&paths.own, &earlier, args.resume)?;
+    if args.resume {
+        for folder in folders(&jobs)? {
+            clear_up(&folder)?;
+        }
+    }
+    let mut stations = stations(args)?;
+    let board = Board::new(args.progress, args.log.as_deref(), all)?;
+    let started = Instant::now();
+    let batch = Batch {
+        list,
+        tasks: Mutex::new(shard::tasks(&jobs, own.clone())),
+        manifest: &manifest,
+        board: &board,
+        library: Library::default(),
+        room: Room::of_this_machine(),
+        resumes: args.resume,
+        fail_fast: args.fail_fast,
+        is_stopped: AtomicBool::new(false),
+        stopped_by: Mutex::default(),
+        failures: Mutex::default(),
+    };
+    let writers = args.jobs_at_once.map_or_else(cores, usize::from);
+    work(&batch, &mut stations, writers);
+    let wall_s = started.elapsed().as_secs_f64();
+    let counts = board.end();
+    let (stopped_by, failures) = (taken(batch.stopped_by), taken(batch.failures));
+    let tasks = || shard::tasks(&jobs, own.clone());
+    if let Some(path) = &args.csv {
+        results::write_csv(path, tasks, &manifest)?;
+    }
+    if let Some(path) = &args.report {
+        let devices = stations.iter().map(|station| station.worked(wall_s)).collect();
+        let summary = Summary::new(counts, wall_s, devices, failures.clone());
+        results::write_report(path, &summary, tasks(), &manifest)?;
+    }
+    outcome(args, counts, stopped_by, &failures)
+}
+
+/// Has all threads work until there is nothing left to do.
+fn work(batch: &Batch, stations: &mut [Station], writers: usize) {
+    std::thread::scope(|scope| {
+        let (to_write, taken) = bounded(1);
+        for station in stations {
+            let (to_render, ready) = bounded(1);
+            let (reader, mut driver) = station.parts();
+            for _ in 0..READERS {
+                let to_render = to_render.clone();
+                scope.spawn(move || reader.run(batch, &to_render));
+            }
+            let to_write = to_write.clone();
+            scope.spawn(move || driver.run(batch, &ready, &to_write));
+        }
+        for _ in 0..writers {
+            let taken = taken.clone();
+            scope.spawn(move || write(batch, &taken));
+        }
+    });
+}
+
+/// Writes frames until none come any more.
+fn write<'a>(batch: &Batch<'a>, taken: &Receiver<Taken<'a>>) {
+    for Taken { ready, picture, device, ms } in taken {
+        let written = guarded(|| {
+            let seen = match picture {
+                // from its start others were before it
+                Picture::Landed(landed) => ready.work.seen(Rendered { frame_ms: vec![ms], ..landed.rendered() }),
+                Picture::Seen(seen) => *seen,
+            };
+            let written = ready.work.write(seen, &device, ready.started, |_| ())?;
+            batch.manifest.add(&ready.task, &ready.inputs, &written, ms)
+        });
+        match written {
+            Ok(_) => batch.board.done(&ready.task, ms),
+            Err(e) => batch.failed(&ready.task, &e),
+        }
+    }
+}
+
+/// What all threads of a batch share.
+pub struct Batch<'a> {
+    list: &'a Path,
+    tasks: Mutex<Box<dyn Iterator<Item = Task<'a>> + Send + 'a>>,
+    manifest: &'a Manifest,
+    board: &'a Board,
+    library: Library,
+    /// For frames that are read and not written yet.
+    room: Arc<Room>,
+    resumes: bool,
+    fail_fast: bool,
+    is_stopped: AtomicBool,
+    stopped_by: Mutex<Option<Error>>,
+    /// The first of them.
+    failures: Mutex<Vec<(String, String)>>,
+}
+
+impl<'a> Batch<'a> {
+    /// The next frame that is to be done.
+    fn next(&self) -> Option<Task<'a>> {
+        loop {
+            if self.is_stopped() {
+                return None;
+            }
+            let task = lock(&self.tasks).next()?;
+            if !self.resumes {
+                return Some(task);
+            }
+            match self.manifest.standing(&task) {
+                Ok(Standing::New) => return Some(task),
+                Ok(Standing::Changed(why)) => {
+                    self.board.again(&task, &why);
+                    return Some(task);
                 }
+                Ok(Standing::Done) => self.board.skipped(&task),
+                Err(e) => self.failed(&task, &e),
             }
         }
     }
-    if failed.is_empty() {
-        return print(&format!("{}: {done} frames\n", args.jobs.display()));
+
+    fn library(&self) -> &Library {
+        &self.library
     }
-    let (all, count) = (jobs.count(), failed.len());
-    let more = if count > NAMED { format!(" and {} more", count - NAMED) } else { String::new() };
-    failed.truncate(NAMED);
-    Err(Error::work(format!("{done} of {all} frames done, {count} failed: {}{more}", failed.join("; "))))
+
+    fn room(&self) -> &Arc<Room> {
+        &self.room
+    }
+
+    /// A frame has failed; so will others where there is no room to write to.
+    fn failed(&self, task: &Task, error: &Error) {
+        self.board.failed(task, self.list, error);
+        let mut failures = lock(&self.failures);
+        if failures.len() < REPORTED {
+            failures.push((task.name.clone(), error.to_string()));
+        }
+        drop(failures);
+        if matches!(error, Error::Full(_)) {
+            self.stop(Error::Full("there is no room to write to".into()));
+        } else if self.fail_fast {
+            self.is_stopped.store(true, Ordering::SeqCst);
+        }
+    }
+
+    /// Begins no frame any more.
+    fn stop(&self, why: Error) {
+        lock(&self.stopped_by).get_or_insert(why);
+        self.is_stopped.store(true, Ordering::SeqCst);
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.is_stopped.load(Ordering::SeqCst)
+    }
+
+    fn note(&self, line: &str) {
+        self.board.note(line);
+    }
+}
+
+/// The manifests of a list.
+struct Paths {
+    /// Of the whole list.
+    whole: PathBuf,
+    /// That of this run.
+    own: PathBuf,
+}
+
+/// What their names end with.
+const ENDING: &str = ".manifest.jsonl";
+
+impl Paths {
+    fn of(args: &BatchArgs) -> Paths {
+        let name = args.jobs.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let whole = args.jobs.with_file_name(format!("{name}{ENDING}"));
+        let own = match args.shard {
+            Some(shard) => args.jobs.with_file_name(format!("{name}.{}-of-{}{ENDING}", shard.index + 1, shard.count)),
+            None => whole.clone(),
+        };
+        Paths { whole, own }
+    }
+
+    /// Those that are there, of the whole list and of its shards.
+    fn others(&self) -> Vec<PathBuf> {
+        let folder = self.whole.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let name = self.whole.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let start = name.trim_end_matches(ENDING).to_owned() + ".";
+        let is_of_shard = |path: &PathBuf| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let shard = name.strip_prefix(&start).and_then(|rest| rest.strip_suffix(ENDING));
+            let numbers = shard.and_then(|shard| shard.split_once("-of-"));
+            numbers.is_some_and(|(i, n)| i.parse::<u32>().is_ok() && n.parse::<u32>().is_ok())
+        };
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        let mut all: Vec<PathBuf> = entries.filter(is_of_shard).collect();
+        all.sort();
+        all.insert(0, self.whole.clone());
+        all
+    }
+}
+
+/// Where the frames of a list go to.
+fn folders(jobs: &Jobs) -> Result<BTreeSet<PathBuf>> {
+    let mut all = BTreeSet::new();
+    for task in jobs.tasks() {
+        for path in task.outputs()? {
+            let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned();
+            if folder.is_dir() {
+                all.insert(folder);
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn stations(args: &BatchArgs) -> Result<Vec<Station>> {
+    let options = |adapter: Option<&String>| GpuOptions { adapter: adapter.cloned(), ..GpuOptions::default() };
+    match args.adapters.as_deref() {
+        None | Some([]) => Ok(vec![Station::open(options(None))?]),
+        Some([all]) if all == "all" => {
+            let names = crate::gpu::device::adapters().iter().map(|a| a.get_info().name).collect::<Vec<_>>();
+            names.iter().map(|name| Station::open(options(Some(name)))).collect()
+        }
+        Some(names) => names.iter().map(|name| Station::open(options(Some(name)))).collect(),
+    }
+}
+
+/// The last line, or what all that went wrong comes to.
+fn outcome(args: &BatchArgs, counts: Counts, stopped_by: Option<Error>, failures: &[(String, String)]) -> Result<()> {
+    let Counts { all, done, skipped, failed, .. } = counts;
+    let before = if skipped > 0 { format!(", {skipped} before") } else { String::new() };
+    if failed == 0 && stopped_by.is_none() {
+        let line = format!("{}: {done} frames{before}\n", args.jobs.display());
+        return if args.progress.is_for_programs() { Ok(()) } else { print(&line) };
+    }
+    let left = all - done - skipped - failed;
+    let more = if failed > NAMED { format!(" and {} more", failed - NAMED) } else { String::new() };
+    let named: Vec<&str> = failures.iter().take(NAMED).map(|(name, _)| name.as_str()).collect();
+    let mut text = format!("{}: {done} of {all} frames done{before}", args.jobs.display());
+    if failed > 0 {
+        text += &format!(", {failed} failed: {}{more}", named.join("; "));
+    }
+    if left > 0 {
+        text += &format!("; {left} not begun, which --resume does");
+    }
+    Err(match stopped_by {
+        Some(why) => Error::work(format!("stopped: {why}: {text}")),
+        None => Error::work(text),
+    })
+}
+
+/// Work that may panic, which is no reason for the rest to stop.
+fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    let failed = |_| Err(Error::work("a defect of this program; the line before says where"));
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(failed)
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn taken<T>(mutex: Mutex<T>) -> T {
+    mutex.into_inner().unwrap_or_else(PoisonError::into_inner)
 }

@@ -19,9 +19,13 @@ pub fn check(width: u32, height: u32, channels: usize, more: u64) -> Result<()> 
     }
 }
 
+/// Bytes that such an image takes.
+pub fn need((width, height): (u32, u32), channels: usize, more: u64) -> u64 {
+    u64::from(width) * u64::from(height) * (FIXED_BYTES + 4 * COPIES * channels as u64 + more)
+}
+
 fn fits((width, height): (u32, u32), channels: usize, more: u64, free: u64) -> Result<()> {
-    let pixels = u64::from(width) * u64::from(height);
-    let need = pixels * (FIXED_BYTES + 4 * COPIES * channels as u64 + more);
+    let need = need((width, height), channels, more);
     if need <= free {
         return Ok(());
     }
@@ -35,7 +39,7 @@ fn fits((width, height): (u32, u32), channels: usize, more: u64, free: u64) -> R
 }
 
 /// Free memory in bytes, the process group's own limit included; `None` where the system does not say.
-fn free() -> Option<u64> {
+pub fn free() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
     let machine = 1024 * line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?;

@@ -1,8 +1,8 @@
 //! What frames take, worked out before a device is touched; what did not change since an earlier frame is taken from there.
 
 use super::{Arithmetic, RunOptions};
-use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
+use crate::camera::{Camera, Rays};
 use crate::error::{Error, Result};
 use crate::frame::Channel;
 use crate::gpu::device::Abilities;
@@ -14,8 +14,10 @@ use crate::scene::style::Style;
 use std::sync::Arc;
 
 /// Plans for an adapter.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Planner {
+    /// The adapter's name.
+    pub name: String,
     pub has: Abilities,
     /// Bytes that a kernel can see at once.
     pub limit: u64,
@@ -38,7 +40,38 @@ pub struct Planned {
     pub(super) wanted: Wanted,
 }
 
+/// Bytes that the widest table of a band has a pixel and sample: a ray of a ray map, hi or lo, or by what it differs.
+const FIELD_BYTES: u64 = 24;
+
+/// And a row of samples for each of them, and one more.
+const KEY_BYTES: u64 = 8;
+
 impl Planner {
+    /// Refuses an image whose smallest band does not fit the adapter.
+    ///
+    /// # Errors
+    /// [`Error::Input`] that names the limit.
+    pub fn check_size(&self, camera: &Camera, wanted: &Wanted) -> Result<()> {
+        let is_field = camera.layers.iter().any(|l| matches!(l, Rays::Field(_)));
+        let samples = match u64::from(wanted.samples) {
+            1 => 0,
+            n if is_field => FIELD_BYTES * n,
+            n => KEY_BYTES * (n + 1),
+        };
+        let pixel = (4 * (wanted.channels.len() as u64 + 3)).max(FIELD_BYTES).max(samples);
+        // one tile's rows and one more, one column more
+        let row = u64::from(crate::TILE + 1) * pixel;
+        let widest = (self.limit / row).saturating_sub(1);
+        if u64::from(camera.width) <= widest {
+            return Ok(());
+        }
+        let (width, name, limit) = (camera.width, &self.name, self.limit);
+        Err(Error::input(format!(
+            "the image is {width} pixels wide; adapter {name} binds at most {limit} bytes of storage \
+             (max_storage_buffer_binding_size), which holds {widest}; make it narrower or use --engine reference"
+        )))
+    }
+
     /// Plans frames of `scene` through `camera`. Of `run` all counts but how often it is repeated. Parts of `last` are taken over
     /// where they are the same: the plan for the same [`Arc`] of a camera, and the clusters for that of a mesh.
     ///

@@ -1,6 +1,6 @@
 //! Output files that are whole or not there: a temporary file beside the target, then a rename.
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 
@@ -17,8 +17,14 @@ pub(super) fn write_whole(path: &Path, fill: impl FnOnce(&mut File) -> io::Resul
     target.write(fill).map_err(|e| {
         // A full disk has no path of its own in the error, a missing one has the temporary file's.
         let why = e.raw_os_error().map_or(e.to_string(), |code| io::Error::from_raw_os_error(code).to_string());
-        Error::work(format!("{}: cannot be written: {why}; free the space or choose another path", path.display()))
+        let text = format!("{}: cannot be written: {why}; free the space or choose another path", path.display());
+        if is_full(&e) { Error::Full(text) } else { Error::Work(text) }
     })
+}
+
+/// There is no room for more.
+pub fn is_full(e: &io::Error) -> bool {
+    matches!(e.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded)
 }
 
 /// Finds, before any work is done, that `path` cannot be written: its folder is missing or refuses
@@ -30,9 +36,10 @@ pub fn check_writable(path: &Path) -> Result<()> {
     match Target::of(path)? {
         Target::Renamed { folder, .. } => {
             let created = new_file_in(&folder).map(drop);
-            created.map_err(|_| {
+            created.map_err(|e| {
                 let place = format!("the folder {} refuses new files", folder.display());
-                Error::work(format!("{}: cannot be written: {place}; choose another path", path.display()))
+                let text = format!("{}: cannot be written: {place}; choose another path", path.display());
+                if is_full(&e) { Error::Full(text) } else { Error::Work(text) }
             })
         }
         Target::Stream(_) => Ok(()),
@@ -108,11 +115,44 @@ impl Target {
     }
 }
 
+/// What the names of temporary files begin and end with.
+const NAME: [&str; 2] = [".anamorph-", ".tmp"];
+
+/// Locked as long as it is open, where the file system can.
 fn new_file_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".anamorph-").suffix(".tmp");
+    builder.prefix(NAME[0]).suffix(NAME[1]);
     ordinary_permissions(&mut builder);
-    builder.tempfile_in(folder)
+    loop {
+        let file = builder.tempfile_in(folder)?;
+        // whoever clears up may have taken it before it was locked
+        match file.as_file().try_lock() {
+            Err(TryLockError::WouldBlock) => {}
+            _ if file.path().exists() => return Ok(file),
+            _ => {}
+        }
+    }
+}
+
+/// Removes temporary files that nobody writes any more from a folder: those of programs that were killed.
+///
+/// # Errors
+/// [`Error::Work`] where the folder cannot be read or changed.
+pub fn clear_up(folder: &Path) -> Result<()> {
+    let failed = |e: io::Error| Error::work(format!("{}: cannot be cleared up: {e}", folder.display()));
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        let name = entry.file_name();
+        let is_ours = name.to_str().is_some_and(|n| n.starts_with(NAME[0]) && n.ends_with(NAME[1]));
+        let is_left = || File::open(entry.path()).is_ok_and(|f| f.try_lock().is_ok());
+        if is_ours && is_left() {
+            match fs::remove_file(entry.path()) {
+                Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(failed(e)),
+                _ => {}
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Read and write for all, from which the system takes the umask away as for any new file.
@@ -143,9 +183,27 @@ mod tests {
             Err(io::Error::from(io::ErrorKind::StorageFull))
         });
         let message = failed.clone().unwrap_err().to_string();
-        assert!(matches!(failed, Err(Error::Work(_))) && message.contains("a.txt"), "{message}");
+        assert!(matches!(failed, Err(Error::Full(_))) && message.contains("a.txt"), "{message}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(names_in(dir.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn only_files_that_nobody_writes_are_cleared_up() {
+        let dir = tempfile::tempdir().unwrap();
+        for name in [".anamorph-old.tmp", "a.tmp", ".anamorph-b"] {
+            fs::write(dir.path().join(name), "x").unwrap();
+        }
+        let open = new_file_in(dir.path()).unwrap();
+        clear_up(dir.path()).unwrap();
+        let name = open.path().file_name().unwrap().to_string_lossy().into_owned();
+        let mut left = names_in(dir.path());
+        left.sort();
+        let mut expected = vec![name, "a.tmp".to_owned(), ".anamorph-b".to_owned()];
+        expected.sort();
+        assert_eq!(left, expected);
+        drop(open);
+        assert!(clear_up(&dir.path().join("no")).is_err());
     }
 
     #[cfg(unix)]

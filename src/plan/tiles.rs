@@ -196,12 +196,12 @@ impl Cutting<'_> {
         let pixels = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
         let bit = |(x, y): (u32, u32)| 1u64 << (y * TILE + x);
         let layer = &self.camera.layers[at.layer];
-        if let (Rays::Pieces(p), None) = (layer, self.curves) {
-            if p.pieces[0].corners_px.is_none() {
-                // one piece over the whole image
-                let mask = pixels.map(bit).fold(0, |m, b| m | b);
-                return vec![Share { piece: 0, mask, samples: vec![mask; self.places.len()] }];
-            }
+        if let (Rays::Pieces(p), None) = (layer, self.curves)
+            && p.pieces[0].corners_px.is_none()
+        {
+            // one piece over the whole image
+            let mask = pixels.map(bit).fold(0, |m, b| m | b);
+            return vec![Share { piece: 0, mask, samples: vec![mask; self.places.len()] }];
         }
         let mut cells: Owned = Vec::new();
         let none = |piece: u32| Share { piece, mask: 0, samples: vec![0; self.places.len()] };

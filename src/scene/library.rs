@@ -69,12 +69,12 @@ impl<K: PartialEq + Clone, V> Shelf<K, V> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.iter_mut().for_each(|k| k.age += 1);
         kept.retain(|k| k.age <= most);
-        if let Some(known) = kept.iter_mut().find(|k| k.key == *key && suits(&k.value)) {
-            if known.inputs.are_current() {
-                known.age = 0;
-                note_all(&known.inputs);
-                return Ok(known.value.clone());
-            }
+        if let Some(known) = kept.iter_mut().find(|k| k.key == *key && suits(&k.value))
+            && known.inputs.are_current()
+        {
+            known.age = 0;
+            note_all(&known.inputs);
+            return Ok(known.value.clone());
         }
         // others may look for theirs meanwhile
         drop(kept);

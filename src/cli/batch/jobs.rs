@@ -10,13 +10,17 @@ use clap::Parser;
 use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub struct Jobs {
     all: Vec<Job>,
+    /// Folder of the file, which paths start from.
+    dir: PathBuf,
 }
 
 struct Job {
+    /// Its number in the list.
+    name: String,
     /// Where it stands in the file.
     key: String,
     scene: String,
@@ -33,11 +37,16 @@ struct Swept {
 }
 
 /// One frame that is to be rendered.
+#[derive(Clone)]
 pub struct Task<'a> {
+    /// Among all frames of the list.
+    pub index: usize,
     pub name: String,
+    /// What the job sweeps, by key.
+    pub values: Vec<(&'a str, &'a str)>,
+    pub frame: f64,
     job: &'a Job,
-    values: Vec<(&'a str, &'a str)>,
-    frame: f64,
+    dir: &'a Path,
 }
 
 /// Files that a job writes, by key and flag; their names differ from frame to frame.
@@ -66,7 +75,7 @@ impl Jobs {
             let list = table.need("job", "[{ scene = \"scene.toml\", color = \"out-{frame:04}.png\" }]")?;
             list.items("a list of jobs, as [[job]]")?.enumerate().map(|(k, job)| read_job(k, &job, path)).collect()
         })?;
-        let jobs = Jobs { all };
+        let jobs = Jobs { all, dir: path.parent().unwrap_or(Path::new("")).to_owned() };
         jobs.check(path)?;
         Ok(jobs)
     }
@@ -78,31 +87,38 @@ impl Jobs {
 
     /// In the order of the file; of a job the last swept key changes first, and frames before that.
     pub fn tasks(&self) -> impl Iterator<Item = Task<'_>> {
-        self.all.iter().flat_map(|job| (0..job.count()).map(move |k| job.task(k)))
+        let each = |job| (0..Job::count(job)).map(move |k| (job, k));
+        self.all.iter().flat_map(each).enumerate().map(|(index, (job, k))| self.task(index, job, k))
+    }
+
+    fn task<'a>(&'a self, index: usize, job: &'a Job, k: usize) -> Task<'a> {
+        let (mut rest, frame) = (k / job.frames.len(), job.frames[k % job.frames.len()]);
+        let mut values = Vec::new();
+        for swept in job.sweep.iter().rev() {
+            values.push((swept.key.as_str(), swept.values[rest % swept.values.len()].as_str()));
+            rest /= swept.values.len();
+        }
+        values.reverse();
+        let sets: String = values.iter().map(|(key, value)| format!(", {key}={value}")).collect();
+        Task { index, name: format!("{}{sets}, frame {frame}", job.name), values, frame, job, dir: &self.dir }
     }
 
     /// All that is to be seen before anything is rendered.
     fn check(&self, path: &Path) -> Result<()> {
-        for job in &self.all {
-            if job.count() > 0 {
-                job.task(0).args()?;
-            }
+        for job in self.all.iter().filter(|job| job.count() > 0) {
+            self.task(0, job, 0).args()?;
         }
         // by hashes: a list may be of millions
-        let mut written: HashMap<u64, (usize, usize)> = HashMap::new();
-        for (j, job) in self.all.iter().enumerate() {
-            for k in 0..job.count() {
-                let task = job.task(k);
-                for (flag, file) in job.flags.iter().filter(|(flag, _)| OUTPUTS.iter().any(|o| o.1 == *flag)) {
-                    let file = task.filled(flag, file.as_deref().unwrap_or_default())?;
-                    let mut hasher = DefaultHasher::new();
-                    file.hash(&mut hasher);
-                    if let Some((a, b)) = written.insert(hasher.finish(), (j, k)) {
-                        let (first, second) = (self.all[a].task(b).name, &task.name);
-                        let hint = "name what differs, as in {frame:04}";
-                        let path = path.display();
-                        return Err(Error::input(format!("{path}: {first} and {second} both write {file}; {hint}")));
-                    }
+        let mut written: HashMap<u64, usize> = HashMap::new();
+        for task in self.tasks() {
+            for file in task.outputs()? {
+                let mut hasher = DefaultHasher::new();
+                file.hash(&mut hasher);
+                if let Some(first) = written.insert(hasher.finish(), task.index) {
+                    let first = self.tasks().nth(first).map(|t| t.name).unwrap_or_default();
+                    let (second, path, file) = (&task.name, path.display(), file.display());
+                    let hint = "name what differs, as in {frame:04}";
+                    return Err(Error::input(format!("{path}: {first} and {second} both write {file}; {hint}")));
                 }
             }
         }
@@ -114,18 +130,6 @@ impl Job {
     fn count(&self) -> usize {
         self.sweep.iter().map(|s| s.values.len()).product::<usize>() * self.frames.len()
     }
-
-    fn task(&self, k: usize) -> Task<'_> {
-        let (mut rest, frame) = (k / self.frames.len(), self.frames[k % self.frames.len()]);
-        let mut values = Vec::new();
-        for swept in self.sweep.iter().rev() {
-            values.push((swept.key.as_str(), swept.values[rest % swept.values.len()].as_str()));
-            rest /= swept.values.len();
-        }
-        values.reverse();
-        let sets: String = values.iter().map(|(key, value)| format!(", {key}={value}")).collect();
-        Task { name: format!("{}{sets}, frame {frame}", self.key), job: self, values, frame }
-    }
 }
 
 impl Task<'_> {
@@ -134,29 +138,68 @@ impl Task<'_> {
     /// # Errors
     /// [`Error::Input`] where it would not take that.
     pub fn args(&self) -> Result<RenderArgs> {
-        let mut words = vec!["anamorph".to_owned(), "render".to_owned(), self.job.scene.clone()];
-        for (flag, value) in &self.job.flags {
-            words.push((*flag).to_owned());
-            words.extend(value.as_ref().map(|v| self.filled(flag, v)).transpose()?);
-        }
-        words.extend(self.values.iter().flat_map(|(key, value)| ["--set".to_owned(), format!("{key}={value}")]));
-        words.extend(["--frame".to_owned(), self.frame.to_string()]);
-        match Cli::try_parse_from(words).map(|cli| cli.command) {
+        let words = self.words(Path::to_owned)?;
+        match Cli::try_parse_from(["anamorph".to_owned()].into_iter().chain(words)).map(|cli| cli.command) {
             Ok(Command::Render(args)) => Ok(*args),
             Ok(_) => Err(Error::input(format!("{}: no render", self.name))),
             Err(e) => Err(Error::input(refusal(&e)).at(&self.job.key)),
         }
     }
 
+    /// As job.0.
+    pub fn job_name(&self) -> &str {
+        &self.job.name
+    }
+
+    /// The command line that says all that the frame depends on but for what is in files, as if typed in the folder of the list.
+    pub fn settings(&self) -> Result<Vec<String>> {
+        self.words(|path| self.short(path))
+    }
+
+    /// A path as from the folder of the list, where it is in there.
+    pub fn short(&self, path: &Path) -> PathBuf {
+        path.strip_prefix(self.dir).unwrap_or(path).to_owned()
+    }
+
+    /// And back.
+    pub fn whole(&self, path: &Path) -> PathBuf {
+        self.dir.join(path)
+    }
+
+    /// The files that it writes; at least one.
+    pub fn outputs(&self) -> Result<Vec<PathBuf>> {
+        let outputs = self.job.flags.iter().filter(|(flag, _)| is_output(flag));
+        outputs.map(|(flag, file)| self.filled(flag, file.as_deref().unwrap_or_default()).map(PathBuf::from)).collect()
+    }
+
+    fn words(&self, path: impl Fn(&Path) -> PathBuf) -> Result<Vec<String>> {
+        let shown = |text: String| path(Path::new(&text)).display().to_string();
+        let mut words = vec!["render".to_owned(), shown(self.job.scene.clone())];
+        for (flag, value) in &self.job.flags {
+            words.push((*flag).to_owned());
+            if let Some(value) = value {
+                let filled = self.filled(flag, value)?;
+                words.push(if is_output(flag) { shown(filled) } else { filled });
+            }
+        }
+        words.extend(self.values.iter().flat_map(|(key, value)| ["--set".to_owned(), format!("{key}={value}")]));
+        words.extend(["--frame".to_owned(), self.frame.to_string()]);
+        Ok(words)
+    }
+
     /// The value of a flag: names of files have those of this task in them.
     fn filled(&self, flag: &str, text: &str) -> Result<String> {
-        if !OUTPUTS.iter().any(|o| o.1 == flag) {
+        if !is_output(flag) {
             return Ok(text.to_owned());
         }
         let swept = |key: &str| self.values.iter().find(|v| v.0 == key).map(|v| plain(v.1));
         let value = |key: &str| if key == "frame" { Some(self.frame.to_string()) } else { swept(key) };
         fill(text, value).map_err(|e| Error::input(format!("{}: {e}", self.job.key)))
     }
+}
+
+fn is_output(flag: &str) -> bool {
+    OUTPUTS.iter().any(|o| o.1 == flag)
 }
 
 fn read_job(k: usize, field: &Field, path: &Path) -> Result<Job> {
@@ -192,6 +235,7 @@ fn read_job(k: usize, field: &Field, path: &Path) -> Result<Job> {
         read_sweep(&field.table()?, "", &mut sweep)?;
     }
     Ok(Job {
+        name: format!("job.{k}"),
         key: format!("{}: job.{k}", path.display()),
         scene: table.need("scene", "\"scene.toml\"")?.path()?.display().to_string(),
         flags,

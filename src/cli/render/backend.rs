@@ -1,14 +1,13 @@
 //! What renders: the compute engine on an adapter, or the reference on the CPU.
 
 use crate::baseline::Choice;
-use crate::camera::{Camera, Rays};
+use crate::camera::Camera;
 use crate::caustics::Account;
 use crate::cli::args::{EngineName, RenderArgs};
 use crate::engine::{Counts, Engine, Rendered, RunOptions};
 use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame};
-use crate::gpu::Gpu;
-use crate::gpu::device::{GpuOptions, NO_ADAPTER};
+use crate::gpu::device::NO_ADAPTER;
 use crate::output::toned8;
 use crate::plan::Wanted;
 use crate::reference;
@@ -16,88 +15,73 @@ use crate::report::Device;
 use crate::scene::Scene;
 use crate::scene::tone::Tone;
 use std::io::Write;
+use std::sync::Arc;
 use std::time::Instant;
 
-pub enum Backend {
+pub enum Backend<'e> {
     /// With what a rival is asked for.
-    Compute(Box<Engine>, Option<Choice>),
+    Compute(&'e mut Engine, Option<Choice>),
     Reference,
 }
 
-/// Bytes that the widest table of a band has a pixel and sample: a ray of a ray map, hi or lo, or by what it differs.
-const FIELD_BYTES: u64 = 24;
-
-/// And a row of samples for each of them, and one more.
-const KEY_BYTES: u64 = 8;
-
-impl Backend {
-    /// The engine asked for; without any adapter the reference, and a line on stderr that says so.
-    pub fn open(args: &RenderArgs) -> Result<Backend> {
+impl<'e> Backend<'e> {
+    /// What is asked for, with the engine that is there; without any adapter the reference.
+    ///
+    /// # Errors
+    /// [`Error::Work`] where only an adapter would do.
+    pub fn of(engine: Option<&'e mut Engine>, args: &RenderArgs) -> Result<Backend<'e>> {
         if matches!(args.engine, Some(EngineName::Reference)) {
             return Ok(Backend::Reference);
         }
-        let options = GpuOptions { adapter: args.adapter.clone(), no_int64: args.no_int64, no_f64: args.no_f64 };
-        if let Some(gpu) = Gpu::open(&options)? {
-            let by = match args.engine {
-                Some(EngineName::Rival(choice)) => Some(choice),
-                _ => None,
-            };
-            return Ok(Backend::Compute(Box::new(Engine::new(gpu)), by));
+        if let Some(engine) = engine {
+            return Ok(Backend::Compute(engine, rival(args)));
         }
-        if let Some(EngineName::Rival(choice)) = args.engine {
-            return Err(Error::work(format!("--engine {} needs an adapter: {NO_ADAPTER}", choice.label())));
-        }
-        if args.moving {
-            return Err(Error::work(format!("--moving needs an adapter: {NO_ADAPTER}")));
-        }
-        if args.analytic {
-            return Err(Error::work(format!("--analytic needs an adapter: {NO_ADAPTER}")));
-        }
+        let flag = match args.engine {
+            Some(EngineName::Rival(choice)) => format!("--engine {}", choice.label()),
+            _ if args.moving => "--moving".into(),
+            _ if args.analytic => "--analytic".into(),
+            _ => return Ok(Backend::Reference),
+        };
+        Err(Error::work(format!("{flag} needs an adapter: {NO_ADAPTER}")))
+    }
+
+    /// Says that the reference stands in for an adapter that is not there.
+    pub fn say_reference() {
         // a closed stderr is no reason not to render
         let _ = writeln!(std::io::stderr(), "{NO_ADAPTER}; rendering on the CPU as --engine reference does");
-        Ok(Backend::Reference)
     }
 
     /// Refuses an image whose smallest band does not fit the adapter.
     pub fn check_size(&self, camera: &Camera, wanted: &Wanted) -> Result<()> {
-        let Backend::Compute(engine, _) = self else { return Ok(()) };
-        let limit = engine.gpu.binding_limit();
-        let is_field = camera.layers.iter().any(|l| matches!(l, Rays::Field(_)));
-        let samples = match u64::from(wanted.samples) {
-            1 => 0,
-            n if is_field => FIELD_BYTES * n,
-            n => KEY_BYTES * (n + 1),
-        };
-        let pixel = (4 * (wanted.channels.len() as u64 + 3)).max(FIELD_BYTES).max(samples);
-        // one tile's rows and one more, one column more
-        let row = u64::from(crate::TILE + 1) * pixel;
-        let widest = (limit / row).saturating_sub(1);
-        if u64::from(camera.width) <= widest {
-            return Ok(());
+        match self {
+            Backend::Compute(engine, _) => engine.planner().check_size(camera, wanted),
+            Backend::Reference => Ok(()),
         }
-        let (width, name) = (camera.width, &engine.gpu.info.name);
-        Err(Error::input(format!(
-            "the image is {width} pixels wide; adapter {name} binds at most {limit} bytes of storage \
-             (max_storage_buffer_binding_size), which holds {widest}; make it narrower or use --engine reference"
-        )))
     }
 
-    pub fn device(&self) -> Device {
-        match self {
-            Backend::Compute(engine, by) => {
+    /// What renders by these flags, with the engine that is there.
+    pub fn device_of(engine: Option<&Engine>, args: &RenderArgs) -> Device {
+        match engine.filter(|_| !matches!(args.engine, Some(EngineName::Reference))) {
+            Some(engine) => {
                 let info = &engine.gpu.info;
                 let driver = format!("{} {}", info.driver, info.driver_info).trim().to_owned();
-                let engine = by.map_or("compute".into(), |choice| choice.label());
+                let engine = rival(args).map_or("compute".into(), |choice| choice.label());
                 Device { adapter: info.name.clone(), driver, engine }
             }
-            Backend::Reference => Device { adapter: "cpu".into(), driver: String::new(), engine: "reference".into() },
+            None => Device { adapter: "cpu".into(), driver: String::new(), engine: "reference".into() },
         }
     }
 
-    pub fn render(&mut self, scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Result<Rendered> {
+    pub fn render(
+        &mut self,
+        scene: &Scene,
+        camera: &Arc<Camera>,
+        wanted: &Wanted,
+        run: &RunOptions,
+    ) -> Result<Rendered> {
         match self {
             Backend::Compute(engine, by) => {
-                engine.render(scene, camera, wanted, &RunOptions { by: *by, ..run.clone() })
+                engine.render(scene, camera.clone(), wanted, &RunOptions { by: *by, ..run.clone() })
             }
             Backend::Reference if wanted.channels.contains(&Channel::Certified) => Err(Error::input(
                 "certified is a channel of --engine compute; the reference has margins: see --check and --pixel",
@@ -109,6 +93,13 @@ impl Backend {
                 Ok(by_reference(scene, camera, wanted, run))
             }
         }
+    }
+}
+
+fn rival(args: &RenderArgs) -> Option<Choice> {
+    match args.engine {
+        Some(EngineName::Rival(choice)) => Some(choice),
+        _ => None,
     }
 }
 

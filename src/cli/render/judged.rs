@@ -11,9 +11,15 @@ use crate::plan::Wanted;
 use crate::reference::image;
 use crate::report::Judged;
 use crate::scene::Scene;
+use std::sync::Arc;
 
 /// One more frame where a report or a check needs it: counted, and with all channels for a check.
-pub fn render(args: &RenderArgs, backend: &mut Backend, scene: &Scene, camera: &Camera) -> Result<Option<Rendered>> {
+pub fn render(
+    args: &RenderArgs,
+    backend: &mut Backend,
+    scene: &Scene,
+    camera: &Arc<Camera>,
+) -> Result<Option<Rendered>> {
     let counting = args.report.is_some() && matches!(backend, Backend::Compute(..));
     if !counting && !args.check {
         return Ok(None);

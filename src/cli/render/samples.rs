@@ -10,6 +10,7 @@ use crate::output::cryptomatte::Matte;
 use crate::plan::Wanted;
 use crate::plan::samples::{at_once, places};
 use crate::scene::Scene;
+use std::sync::Arc;
 
 /// The channels that are averaged.
 const MEANS: [Channel; 4] = [Channel::R, Channel::G, Channel::B, Channel::A];
@@ -18,32 +19,16 @@ const MEANS: [Channel; 4] = [Channel::R, Channel::G, Channel::B, Channel::A];
 pub fn render(
     backend: &mut Backend,
     scene: &Scene,
-    camera: &Camera,
+    camera: &Arc<Camera>,
     wanted: &Wanted,
     samples: u32,
     run: &RunOptions,
     mattes: &mut [Matte],
 ) -> Result<Rendered> {
     let ids = (!mattes.is_empty()).then_some(Channel::TriangleId);
-    let mut count = |frame: &Frame| {
-        let ids = frame.u32(Channel::TriangleId).unwrap_or_default();
-        mattes.iter_mut().for_each(|matte| matte.add(ids));
-    };
-    let at_once = matches!(backend, Backend::Compute(_, None)) && at_once(scene, camera, samples);
-    if at_once && samples > 1 {
-        let sample_ids = !mattes.is_empty();
-        let mut rendered = backend.render(scene, camera, &Wanted { samples, sample_ids, ..wanted.clone() }, run)?;
-        for ids in std::mem::take(&mut rendered.sample_ids) {
-            mattes.iter_mut().for_each(|matte| matte.add(&ids));
-        }
-        return Ok(rendered);
-    }
-    if samples == 1 {
-        let mut channels: Vec<Channel> = wanted.channels.iter().copied().chain(ids).collect();
-        channels.sort_unstable();
-        channels.dedup();
-        let rendered = backend.render(scene, camera, &Wanted { channels, ..wanted.clone() }, run)?;
-        count(&rendered.frame);
+    if samples == 1 || at_once_on(backend, scene, camera, samples) {
+        let mut rendered = backend.render(scene, camera, &in_one_frame(wanted, samples, ids.is_some()), run)?;
+        count(&mut rendered, mattes);
         return Ok(rendered);
     }
     let is_mean = |c: &Channel| MEANS.contains(c);
@@ -54,8 +39,9 @@ pub fn render(
         let channels = means.into_iter().chain(ids).collect();
         let each = Wanted { counting: wanted.counting, frames: samples, ..Wanted::of(channels) };
         for place in places(samples) {
-            let rendered = backend.render(scene, &camera.with_sample_offset(place.x, place.y), &each, run)?;
-            count(&rendered.frame);
+            let moved = Arc::new(camera.with_sample_offset(place.x, place.y));
+            let rendered = backend.render(scene, &moved, &each, run)?;
+            count_centres(&rendered.frame, mattes);
             all.add(rendered);
         }
     }
@@ -73,6 +59,38 @@ pub fn render(
     let mut rendered = all.costs.ok_or_else(|| Error::work("no frame was asked for"))?;
     (rendered.frame, rendered.srgb8) = (frame, srgb8);
     Ok(rendered)
+}
+
+/// All samples come of one frame.
+pub fn at_once_on(backend: &Backend, scene: &Scene, camera: &Camera, samples: u32) -> bool {
+    matches!(backend, Backend::Compute(_, None)) && at_once(scene, camera, samples)
+}
+
+/// What that frame is asked for.
+pub fn in_one_frame(wanted: &Wanted, samples: u32, has_mattes: bool) -> Wanted {
+    if samples > 1 {
+        return Wanted { samples, sample_ids: has_mattes, ..wanted.clone() };
+    }
+    let mut channels: Vec<Channel> =
+        wanted.channels.iter().copied().chain(has_mattes.then_some(Channel::TriangleId)).collect();
+    channels.sort_unstable();
+    channels.dedup();
+    Wanted { channels, ..wanted.clone() }
+}
+
+/// Counts what all samples of that frame see.
+pub fn count(rendered: &mut Rendered, mattes: &mut [Matte]) {
+    if rendered.sample_ids.is_empty() {
+        return count_centres(&rendered.frame, mattes);
+    }
+    for ids in std::mem::take(&mut rendered.sample_ids) {
+        mattes.iter_mut().for_each(|matte| matte.add(&ids));
+    }
+}
+
+fn count_centres(frame: &Frame, mattes: &mut [Matte]) {
+    let ids = frame.u32(Channel::TriangleId).unwrap_or_default();
+    mattes.iter_mut().for_each(|matte| matte.add(ids));
 }
 
 /// Sums of planes in f64, and of what they cost.

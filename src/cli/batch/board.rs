@@ -1,0 +1,171 @@
+//! What a batch tells while it works: a bar on a terminal, lines of JSON for programs, lines of a log.
+
+use super::jobs::Task;
+use crate::cli::args::ProgressName;
+use crate::cli::{complain, print};
+use crate::error::{Error, Result};
+use crate::gpu::device::one_line;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::{Value, json};
+use std::fs::File;
+use std::io::{IsTerminal, Write};
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Instant, SystemTime};
+
+pub struct Board {
+    is_json: bool,
+    bar: Option<ProgressBar>,
+    log: Option<Mutex<File>>,
+    started: Instant,
+    counts: Mutex<Counts>,
+}
+
+/// Frames, by how they stand.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Counts {
+    /// All that are to be done here.
+    pub all: usize,
+    pub done: usize,
+    /// Done before.
+    pub skipped: usize,
+    pub failed: usize,
+    /// Done before, and done again as something has changed.
+    pub again: usize,
+}
+
+/// Changed frames that are told one by one, but for the log.
+const TOLD: usize = 10;
+
+impl Board {
+    /// # Errors
+    /// [`Error::Work`] where the log cannot be written.
+    pub fn new(progress: ProgressName, log: Option<&Path>, all: usize) -> Result<Board> {
+        let open = |path: &Path| {
+            let file = File::options().create(true).append(true).open(path);
+            file.map_err(|e| Error::work(format!("{}: the log cannot be written: {e}", path.display())))
+        };
+        let log = log.map(open).transpose()?.map(Mutex::new);
+        let has_bar = progress == ProgressName::Auto && std::io::stderr().is_terminal();
+        let counts = Mutex::new(Counts { all, ..Counts::default() });
+        let is_json = progress == ProgressName::Json;
+        let board = Board { is_json, bar: has_bar.then(|| bar(all)), log, started: Instant::now(), counts };
+        board.tell(json!({ "event": "start", "frames": all }), &format!("start: {all} frames"));
+        Ok(board)
+    }
+
+    pub fn counts(&self) -> Counts {
+        *self.counts.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A frame is done.
+    pub fn done(&self, task: &Task, ms: f64) {
+        let counts = self.count(|c| c.done += 1);
+        let rate = counts.done as f64 / self.started.elapsed().as_secs_f64();
+        let left = (counts.all - counts.done - counts.skipped - counts.failed) as f64 / rate;
+        let value = json!({
+            "event": "done", "frame": task.name, "outputs": outputs(task), "ms": ms, "done": counts.done,
+            "skipped": counts.skipped, "failed": counts.failed, "frames": counts.all, "per_s": rate, "left_s": left,
+        });
+        self.tell(value, &format!("done: {}: {ms:.1} ms: {}", task.name, outputs(task).join(", ")));
+    }
+
+    /// A frame was done before.
+    pub fn skipped(&self, task: &Task) {
+        self.count(|c| c.skipped += 1);
+        self.tell(json!({ "event": "skipped", "frame": task.name }), &format!("skipped: {}", task.name));
+    }
+
+    /// A frame that was done before is done again.
+    pub fn again(&self, task: &Task, why: &str) {
+        let counts = self.count(|c| c.again += 1);
+        let line = format!("again: {}: {why}", task.name);
+        if counts.again <= TOLD {
+            self.say(&line);
+        }
+        self.tell(json!({ "event": "again", "frame": task.name, "why": why }), &line);
+    }
+
+    /// A frame cannot be done.
+    pub fn failed(&self, task: &Task, at: &Path, error: &Error) {
+        self.count(|c| c.failed += 1);
+        let said = error.clone().at(format_args!("{}: {}", at.display(), task.name));
+        match &self.bar {
+            Some(bar) => bar.suspend(|| complain(&said)),
+            None => complain(&said),
+        }
+        let why = one_line(error);
+        let value = json!({ "event": "failed", "frame": task.name, "why": why });
+        self.tell(value, &format!("failed: {}: {why}", task.name));
+    }
+
+    /// Something that a person should know.
+    pub fn note(&self, line: &str) {
+        self.say(line);
+        self.tell(json!({ "event": "note", "text": line }), line);
+    }
+
+    /// All has been tried.
+    pub fn end(&self) -> Counts {
+        let counts = self.counts();
+        let Counts { all, done, skipped, failed, again } = counts;
+        let wall_s = self.started.elapsed().as_secs_f64();
+        let value = json!({
+            "event": "end", "frames": all, "done": done, "skipped": skipped, "failed": failed, "again": again,
+            "wall_s": wall_s,
+        });
+        self.tell(value, &format!("end: {done} of {all} done, {skipped} skipped, {failed} failed in {wall_s:.1} s"));
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+        if again > TOLD {
+            self.say(&format!("again: {} more frames", again - TOLD));
+        }
+        counts
+    }
+
+    fn count(&self, change: impl FnOnce(&mut Counts)) -> Counts {
+        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
+        change(&mut counts);
+        if let Some(bar) = &self.bar {
+            bar.set_position((counts.done + counts.skipped + counts.failed) as u64);
+        }
+        *counts
+    }
+
+    /// On stderr, for a person; programs have it as JSON.
+    fn say(&self, line: &str) {
+        let write = || {
+            // with stderr gone there is nobody left to tell
+            let _ = writeln!(std::io::stderr(), "{}", one_line(line));
+        };
+        match &self.bar {
+            Some(bar) => bar.suspend(write),
+            None if !self.is_json => write(),
+            None => {}
+        }
+    }
+
+    fn tell(&self, value: Value, line: &str) {
+        if self.is_json {
+            // whoever went away hears no more
+            let _ = print(&format!("{value}\n"));
+        }
+        if let Some(log) = &self.log {
+            let now = humantime::format_rfc3339_millis(SystemTime::now());
+            let mut log = log.lock().unwrap_or_else(PoisonError::into_inner);
+            // frames are worth more than a line about them
+            let _ = log.write_all(format!("{now} {}\n", one_line(line)).as_bytes());
+        }
+    }
+}
+
+fn outputs(task: &Task) -> Vec<String> {
+    task.outputs().unwrap_or_default().iter().map(|path| path.display().to_string()).collect()
+}
+
+fn bar(all: usize) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(all as u64), ProgressDrawTarget::stderr());
+    let style = ProgressStyle::with_template("{wide_bar} {pos} of {len}, {per_sec}, {eta} left");
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

@@ -1,0 +1,312 @@
+//! A device that is kept busy: while it renders one frame the next one is read, planned and sent, and the one before is written.
+
+use super::jobs::Task;
+use super::results::Worked;
+use super::room::Held;
+use super::{Batch, guarded};
+use crate::cli::render::{Backend, Seen, Work};
+use crate::engine::landed::{Flight, Landed};
+use crate::engine::planned::{Planned, Planner};
+use crate::engine::{Engine, Frames, RunOptions};
+use crate::error::{Error, Result};
+use crate::gpu::device::GpuOptions;
+use crate::inputs::Inputs;
+use crate::report::Device;
+use crossbeam_channel::{Receiver, Sender, TryRecvError};
+use std::collections::VecDeque;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// A frame that is read.
+pub struct Ready<'a> {
+    pub task: Task<'a>,
+    pub work: Work,
+    /// Of a frame that others may overlap.
+    pub planned: Option<Planned>,
+    pub inputs: Inputs,
+    pub started: Instant,
+    /// How often the device was lost with it.
+    pub losses: u32,
+    _held: Held,
+}
+
+/// A frame that the device is done with.
+pub struct Taken<'a> {
+    pub ready: Ready<'a>,
+    pub picture: Picture,
+    pub device: Device,
+    /// For how long it kept the device busy, ms.
+    pub ms: f64,
+}
+
+pub enum Picture {
+    Landed(Box<Landed>),
+    Seen(Box<Seen>),
+}
+
+/// One device and what is on it.
+pub struct Station {
+    options: GpuOptions,
+    /// None on a machine without any.
+    engine: Option<Engine>,
+    frames: Option<Frames>,
+    /// What was last planned for it.
+    last: Mutex<Option<Planned>>,
+    planner: Option<Planner>,
+    /// Until when it was last busy, and for how long in all.
+    until: Instant,
+    busy: Duration,
+    reopened: u32,
+}
+
+/// Frames may lose the device so often before they are given up.
+const LOSSES_MAX: u32 = 2;
+
+/// How often, and after what pauses, a lost device is looked for.
+const REOPEN: u32 = 5;
+const REOPEN_PAUSE: Duration = Duration::from_millis(500);
+
+impl Station {
+    pub fn open(options: GpuOptions) -> Result<Station> {
+        let engine = Engine::open(&options)?;
+        let planner = engine.as_ref().map(Engine::planner);
+        let (last, until) = (Mutex::default(), Instant::now());
+        Ok(Station { options, engine, frames: None, last, planner, until, busy: Duration::ZERO, reopened: 0 })
+    }
+
+    /// The parts that threads share: one that reads for it, and the device itself.
+    pub fn parts(&mut self) -> (Reader<'_>, Driver<'_>) {
+        let Station { options, engine, frames, last, planner, until, busy, reopened } = self;
+        *until = Instant::now();
+        let driver = Driver { options, engine, frames, until, busy, reopened };
+        (Reader { last, planner: planner.as_ref() }, driver)
+    }
+
+    /// What it did in a time, s.
+    pub fn worked(&self, wall_s: f64) -> Worked {
+        let adapter = self.engine.as_ref().map_or("cpu".into(), |engine| engine.gpu.info.name.clone());
+        let busy_s = self.busy.as_secs_f64();
+        Worked { adapter, busy_s, busy_share: busy_s / wall_s, reopened: self.reopened }
+    }
+}
+
+/// Reads frames for a station.
+#[derive(Clone, Copy)]
+pub struct Reader<'s> {
+    last: &'s Mutex<Option<Planned>>,
+    planner: Option<&'s Planner>,
+}
+
+impl Reader<'_> {
+    /// Reads frames until there are none.
+    pub fn run<'a>(self, batch: &Batch<'a>, ready: &Sender<Ready<'a>>) {
+        while let Some(task) = batch.next() {
+            match guarded(|| self.read(batch, task.clone())) {
+                Ok(read) => {
+                    if ready.send(read).is_err() {
+                        return;
+                    }
+                }
+                Err(e) => batch.failed(&task, &e),
+            }
+        }
+    }
+
+    fn read<'a>(self, batch: &Batch<'a>, task: Task<'a>) -> Result<Ready<'a>> {
+        let started = Instant::now();
+        let args = task.args()?;
+        let (work, inputs) = crate::inputs::noted(|| Work::read_of_many(args, batch.library()));
+        let work = work?;
+        let held = batch.room().hold(work.bytes());
+        let planned = match self.planner {
+            Some(planner) => {
+                let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).clone();
+                let planned = work.plan(planner, last.as_ref())?;
+                if let Some(planned) = &planned {
+                    *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(planned.clone());
+                }
+                planned
+            }
+            None => None,
+        };
+        Ok(Ready { task, work, planned, inputs, started, losses: 0, _held: held })
+    }
+}
+
+/// The device of a station.
+pub struct Driver<'s> {
+    options: &'s GpuOptions,
+    engine: &'s mut Option<Engine>,
+    frames: &'s mut Option<Frames>,
+    until: &'s mut Instant,
+    busy: &'s mut Duration,
+    reopened: &'s mut u32,
+}
+
+impl Driver<'_> {
+    /// Renders what is ready until nothing comes any more.
+    pub fn run<'a>(&mut self, batch: &Batch<'a>, ready: &Receiver<Ready<'a>>, taken: &Sender<Taken<'a>>) {
+        let mut flying: Option<(Ready<'a>, Flight)> = None;
+        let mut again: VecDeque<Ready<'a>> = VecDeque::new();
+        loop {
+            // what lost the device goes alone
+            let next = match again.pop_front() {
+                Some(next) => Ok(next),
+                None if flying.is_some() => ready.try_recv(),
+                None => ready.recv().map_err(|_| TryRecvError::Disconnected),
+            };
+            let next = match next {
+                Ok(next) => Some(next),
+                Err(TryRecvError::Disconnected) if flying.is_none() => return,
+                Err(_) => None,
+            };
+            let is_alone = next.as_ref().is_none_or(|next| next.planned.is_none() || next.losses > 0);
+            let mut lost = Vec::new();
+            let mut launched = None;
+            if let Some(next) = next.filter(|_| !batch.is_stopped()) {
+                if is_alone {
+                    self.finish(batch, flying.take(), taken, &mut lost);
+                }
+                match guarded(|| self.launch(&next, &mut flying, batch, taken, &mut lost)) {
+                    Ok(Launched::Flight(flight)) => launched = Some((next, flight)),
+                    Ok(Launched::Seen(seen, ms)) => self.hand_on(next, Picture::Seen(seen), ms, taken),
+                    Err(e) => self.fault(batch, next, e, &mut lost),
+                }
+            }
+            let landing = flying.take();
+            self.finish(batch, landing, taken, &mut lost);
+            flying = launched;
+            if !lost.is_empty() || self.has_lost() {
+                lost.extend(flying.take().map(|(ready, _)| ready));
+                again.extend(lost);
+                if let Err(e) = self.reopen(batch) {
+                    batch.stop(e);
+                }
+            }
+        }
+    }
+
+    /// Gives a frame to the device: so that others overlap it, or in all its parts.
+    fn launch<'a>(
+        &mut self,
+        next: &Ready<'a>,
+        flying: &mut Option<(Ready<'a>, Flight)>,
+        batch: &Batch<'a>,
+        taken: &Sender<Taken<'a>>,
+        lost: &mut Vec<Ready<'a>>,
+    ) -> Result<Launched> {
+        let (Some(planned), Some(_)) = (&next.planned, self.engine.as_ref()) else {
+            let started = Instant::now();
+            let mut backend = Backend::of(self.engine.as_mut(), next.work.args())?;
+            let seen = next.work.render(&mut backend)?;
+            let ms = self.was_busy(started);
+            return Ok(Launched::Seen(Box::new(seen), ms));
+        };
+        let is_shown = match &mut self.frames {
+            Some(frames) => frames.show(planned)?,
+            None => false,
+        };
+        if !is_shown {
+            // those that fly are of what was there
+            self.finish(batch, flying.take(), taken, lost);
+            *self.frames = None;
+            let Some(engine) = self.engine.as_mut() else { return Err(Error::work("no adapter")) };
+            *self.frames = Some(engine.place(planned.clone(), &RunOptions::default())?);
+        }
+        match self.frames.as_mut() {
+            Some(frames) => Ok(Launched::Flight(frames.start()?)),
+            None => Err(Error::work("no frames")),
+        }
+    }
+
+    /// Waits for a frame and hands it on; again and alone where its lists were too small.
+    fn finish<'a>(
+        &mut self,
+        batch: &Batch<'a>,
+        flying: Option<(Ready<'a>, Flight)>,
+        taken: &Sender<Taken<'a>>,
+        lost: &mut Vec<Ready<'a>>,
+    ) {
+        let Some((ready, flight)) = flying else { return };
+        let started = flight.started;
+        match guarded(|| self.land(&ready, flight)) {
+            Ok(landed) => {
+                let ms = self.was_busy(started);
+                self.hand_on(ready, Picture::Landed(Box::new(landed)), ms, taken);
+            }
+            Err(e) => self.fault(batch, ready, e, lost),
+        }
+    }
+
+    fn land(&mut self, ready: &Ready, flight: Flight) -> Result<Landed> {
+        let (Some(frames), Some(planned)) = (self.frames.as_mut(), &ready.planned) else {
+            return Err(Error::work("no frames"));
+        };
+        let mut landed = frames.land(flight)?;
+        loop {
+            if let Some(landed) = landed {
+                return Ok(landed);
+            }
+            if !frames.show(planned)? {
+                return Err(Error::work("a frame cannot be shown again"));
+            }
+            let flight = frames.start()?;
+            landed = frames.land(flight)?;
+        }
+    }
+
+    fn hand_on<'a>(&self, ready: Ready<'a>, picture: Picture, ms: f64, taken: &Sender<Taken<'a>>) {
+        let device = Backend::device_of(self.engine.as_ref(), ready.work.args());
+        // who writes is there as long as this is
+        let _ = taken.send(Taken { ready, picture, device, ms });
+    }
+
+    /// A frame has failed, unless it was the device that did.
+    fn fault<'a>(&self, batch: &Batch<'a>, mut ready: Ready<'a>, error: Error, lost: &mut Vec<Ready<'a>>) {
+        ready.losses += 1;
+        if self.has_lost() && ready.losses < LOSSES_MAX {
+            lost.push(ready);
+        } else {
+            batch.failed(&ready.task, &error);
+        }
+    }
+
+    /// The device has reported an error; it may answer no more.
+    fn has_lost(&self) -> bool {
+        self.engine.as_ref().is_some_and(|engine| engine.gpu.failure().is_err())
+    }
+
+    fn reopen(&mut self, batch: &Batch) -> Result<()> {
+        let why = self.engine.as_ref().and_then(|engine| engine.gpu.failure().err());
+        (*self.frames, *self.engine) = (None, None);
+        *self.reopened += 1;
+        batch.note(&format!("the device is opened again: {}", why.map(|e| e.to_string()).unwrap_or_default()));
+        let mut opened = Engine::open(self.options);
+        for _ in 1..REOPEN {
+            if matches!(&opened, Ok(Some(_))) {
+                break;
+            }
+            std::thread::sleep(REOPEN_PAUSE);
+            opened = Engine::open(self.options);
+        }
+        *self.engine = opened?;
+        match self.engine {
+            Some(_) => Ok(()),
+            None => Err(Error::work("the device was lost, and there is none any more; resume where there is one")),
+        }
+    }
+
+    /// Counts the time from a start, or the end of the last busy one, until now; ms.
+    fn was_busy(&mut self, started: Instant) -> f64 {
+        let now = Instant::now();
+        let own = now.duration_since(started.max(*self.until));
+        *self.busy += own;
+        *self.until = now;
+        own.as_secs_f64() * 1e3
+    }
+}
+
+enum Launched {
+    Flight(Flight),
+    Seen(Box<Seen>, f64),
+}

@@ -1,0 +1,276 @@
+//! A render as its steps: what it takes is read and checked, rendered on a device, and written. Only the second needs the device.
+
+use super::backend::Backend;
+use super::files::{self, Files};
+use super::{check_combination, judged, load_from, points, samples};
+use crate::camera::{Camera, Rays};
+use crate::cli::args::{Change, EngineName, Named, RenderArgs};
+use crate::cli::memory;
+use crate::engine::planned::{Planned, Planner};
+use crate::engine::{Rendered, RunOptions};
+use crate::error::{Error, Result};
+use crate::frame::Channel;
+use crate::motion;
+use crate::output::cryptomatte::{Apart, Matte};
+use crate::plan::Wanted;
+use crate::plan::samples::at_once;
+use crate::report::{Device, FrameMs, Judged, Report};
+use crate::scene::Scene;
+use crate::scene::library::Library;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A render, read and checked.
+pub struct Work {
+    args: RenderArgs,
+    scene: Scene,
+    pub camera: Arc<Camera>,
+    files: Files,
+    /// The channels that are written.
+    asked: Vec<Channel>,
+    /// What is rendered for them.
+    wanted: Wanted,
+    apart: Vec<Apart>,
+    /// Where motion goes to.
+    next: Option<(Scene, Arc<Camera>)>,
+    bytes: u64,
+}
+
+/// What a device made of it.
+pub struct Seen {
+    rendered: Rendered,
+    /// A frame beside the timed ones, for counts and checks.
+    extra: Option<Rendered>,
+    mattes: Vec<Matte>,
+}
+
+/// What came of it, once its files are there.
+#[derive(Debug, Clone)]
+pub struct Written {
+    pub frame_ms: FrameMs,
+    /// Of each stage on the device; empty without timestamps.
+    pub stages: Vec<(&'static str, f64)>,
+    pub error: Option<Judged>,
+    pub triangles: usize,
+    pub pieces: usize,
+    pub adapter: String,
+}
+
+impl Work {
+    /// Reads the scene, with parts that the library has, and checks everything that needs no device.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for what is wrong with the scene or the flags; [`Error::Work`] where a file cannot be written or the image does not
+    /// fit this machine's memory.
+    pub fn read(args: RenderArgs, library: &Library) -> Result<Work> {
+        check_combination(&args)?;
+        let (scene, camera) = load_from(library, &args.scene, &args.change)?;
+        Work::of(args, scene, camera, library)
+    }
+
+    /// The same without the files that the scene itself names.
+    pub fn read_of_many(args: RenderArgs, library: &Library) -> Result<Work> {
+        check_combination(&args)?;
+        let (scene, camera) = load_from(library, &args.scene, &args.change)?;
+        Work::of(args, Scene { output: Default::default(), ..scene }, camera, library)
+    }
+
+    fn of(args: RenderArgs, scene: Scene, camera: Arc<Camera>, library: &Library) -> Result<Work> {
+        if args.moving && scene.caustics.is_some() {
+            let what = "the scene has caustics, whose light is followed once for all frames";
+            return Err(Error::input(format!("--moving: {what}; use --repeat alone")));
+        }
+        let files = Files::new(&args, &scene)?;
+        let asked = asked(&args, &files, &camera);
+        let apart: Vec<Apart> = apart(&args).collect();
+        if !apart.is_empty() && files.exr.is_none() {
+            return Err(Error::input("--channels: cryptomattes are layers of an EXR; add --exr OUT.exr"));
+        }
+        if args.moving && asks_for_motion(&args) {
+            return Err(Error::input("--moving: motion is to the next frame of the scene file; use --frame alone"));
+        }
+        let next = if asks_for_motion(&args) { Some(next_frame(&args, &files, library)?) } else { None };
+        let mut wanted = wanted(&asked, &files, apart.is_empty() && next.is_none());
+        if next.is_some() {
+            wanted.channels.extend(motion::NEEDED);
+            wanted.channels.sort_unstable();
+            wanted.channels.dedup();
+        }
+        points::check(&files, &camera)?;
+        let is_compute = matches!(args.engine, None | Some(EngineName::Compute));
+        let samples = if is_compute && at_once(&scene, &camera, args.samples) { args.samples } else { 1 };
+        wanted.analytic = args.analytic;
+        if args.analytic && samples == 1 {
+            let what =
+                if args.samples == 1 { "one sees one triangle; add --samples N" } else { "here each takes a frame" };
+            return Err(Error::input(format!(
+                "--analytic is of what several samples of a pixel see in a frame; {what}"
+            )));
+        }
+        let (size, channels) = ((camera.width, camera.height), wanted.channels.len() + 3);
+        let more = sample_bytes(&camera, samples, !apart.is_empty());
+        memory::check(size.0, size.1, channels, more)?;
+        let bytes = memory::need(size, channels, more);
+        Ok(Work { args, scene, camera, files, asked, wanted, apart, next, bytes })
+    }
+
+    pub fn args(&self) -> &RenderArgs {
+        &self.args
+    }
+
+    /// Memory that it takes until it is written, about.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Renders it, and what a report or a check needs beside it.
+    pub fn render(&self, backend: &mut Backend) -> Result<Seen> {
+        let Work { args, scene, camera, wanted, .. } = self;
+        let at_once = samples::at_once_on(backend, scene, camera, args.samples);
+        let samples = if at_once { args.samples } else { 1 };
+        backend.check_size(camera, &Wanted { samples, ..wanted.clone() })?;
+        let mut mattes = self.mattes();
+        let (repeat, moving, no_cull) = (args.repeat.unwrap_or(0), args.moving, args.no_cull);
+        let run = RunOptions { repeat, moving, no_cull, ..Default::default() };
+        let rendered = samples::render(backend, scene, camera, wanted, args.samples, &run, &mut mattes)?;
+        let extra = judged::render(args, backend, scene, camera)?;
+        Ok(Seen { rendered, extra, mattes })
+    }
+
+    /// Plans the one frame that it takes, for an engine that is kept; `None` where it takes more than one, or another engine.
+    pub fn plan(&self, planner: &Planner, last: Option<&Planned>) -> Result<Option<Planned>> {
+        let Work { args, scene, camera, wanted, .. } = self;
+        let is_compute = matches!(args.engine, None | Some(EngineName::Compute));
+        let is_timed = args.repeat.is_some() || args.report.is_some() || args.check;
+        let is_one = args.samples == 1 || at_once(scene, camera, args.samples);
+        if !is_compute || is_timed || !is_one || scene.caustics.is_some() || camera.optics.is_some() {
+            return Ok(None);
+        }
+        let wanted = samples::in_one_frame(wanted, args.samples, !self.apart.is_empty());
+        planner.check_size(camera, &wanted)?;
+        let run = RunOptions { no_cull: args.no_cull, ..Default::default() };
+        planner.plan(scene, camera.clone(), &wanted, &run, last).map(Some)
+    }
+
+    /// What was seen in the one frame that [`Work::plan`] planned.
+    pub fn seen(&self, mut rendered: Rendered) -> Seen {
+        let mut mattes = self.mattes();
+        samples::count(&mut rendered, &mut mattes);
+        Seen { rendered, extra: None, mattes }
+    }
+
+    /// Writes all files; `say` hears what is being done.
+    pub fn write(&self, seen: Seen, device: &Device, started: Instant, say: impl Fn(&str)) -> Result<Written> {
+        let Work { args, scene, camera, files, .. } = self;
+        let Seen { mut rendered, extra, mattes } = seen;
+        let error = match &extra {
+            Some(extra) if args.check => {
+                say("checking against the reference");
+                Some(judged::judge(scene, camera, &rendered, extra, args.samples)?)
+            }
+            _ => None,
+        };
+        let mut more = Vec::new();
+        if let Some((next_scene, next_camera)) = &self.next {
+            say("finding where all of it is in the next frame");
+            let planes = motion::motion((scene, camera), (next_scene, next_camera), &rendered.frame)?;
+            more.extend(motion::NAMES.map(String::from).into_iter().zip(planes));
+        }
+        say("writing");
+        files.write(scene, camera, &rendered, &self.asked, (mattes, more))?;
+        if let Some(path) = &files.report {
+            if extra.is_some() {
+                rendered.left_out.retain(|l| l.what != "fragment counters");
+            }
+            let counts = extra.filter(|_| device.engine == "compute").map(|e| e.counts);
+            let mut report = Report::new(device.clone(), scene, camera, &rendered, counts);
+            report.samples = args.samples;
+            report.error = error.clone();
+            report.total_ms = started.elapsed().as_secs_f64() * 1e3;
+            files::write_report(path, &report)?;
+        }
+        Ok(Written {
+            frame_ms: FrameMs::of(&rendered.frame_ms),
+            stages: rendered.stages,
+            error,
+            triangles: scene.mesh.triangles.len(),
+            pieces: camera.piece_count(),
+            adapter: device.adapter.clone(),
+        })
+    }
+
+    /// One line for a person.
+    pub fn summary(&self, written: &Written) -> String {
+        let Written { frame_ms, error, adapter, .. } = written;
+        let of_error = |e: &Judged| format!(" | check: {}, {} not near", e.comparison, e.not_near);
+        let check = error.as_ref().map(of_error).unwrap_or_default();
+        let (names, counted) = (self.files.names(), counted(&self.scene, &self.camera));
+        let (width, height, ms) = (self.camera.width, self.camera.height, milliseconds(frame_ms.median));
+        format!("{names}{width}x{height} | {counted} | frame {ms} | {adapter}{check}")
+    }
+
+    fn mattes(&self) -> Vec<Matte> {
+        self.apart.iter().map(|apart| Matte::new(*apart, &self.scene, &self.camera)).collect()
+    }
+}
+
+/// Bytes a pixel that several samples of it take: by what their rays differ, here and on the device, and the ids that mattes count, in
+/// a read-back row and by themselves. The rows of pixels that hold an edge are few.
+fn sample_bytes(camera: &Camera, samples: u32, has_mattes: bool) -> u64 {
+    let is_field = camera.layers.iter().any(|l| matches!(l, Rays::Field(_)));
+    let each = if is_field { 2 * 24 } else { 0 } + if has_mattes { 8 + 4 } else { 0 };
+    if samples > 1 { each * u64::from(samples) } else { 0 }
+}
+
+/// The channels that are written.
+fn asked(args: &RenderArgs, files: &Files, camera: &Camera) -> Vec<Channel> {
+    match &args.channels {
+        Some(list) => list.iter().flat_map(Named::channels).copied().collect(),
+        None if files.exr.is_some() => Channel::of(camera),
+        None => Vec::new(),
+    }
+}
+
+fn asks_for_motion(args: &RenderArgs) -> bool {
+    args.channels.iter().flatten().any(|named| matches!(named, Named::Motion))
+}
+
+/// The scene and its camera one frame later.
+fn next_frame(args: &RenderArgs, files: &Files, library: &Library) -> Result<(Scene, Arc<Camera>)> {
+    if files.exr.is_none() {
+        return Err(Error::input("--channels: motion is two channels of an EXR; add --exr OUT.exr"));
+    }
+    load_from(library, &args.scene, &Change { frame: args.change.frame + 1.0, ..args.change.clone() })
+}
+
+/// What cryptomattes tell apart.
+fn apart(args: &RenderArgs) -> impl Iterator<Item = Apart> {
+    [Apart::Objects, Apart::Materials].into_iter().filter(|own| {
+        let is_own = |named: &Named| matches!(named, Named::Matte(apart) if apart == own);
+        args.channels.iter().flatten().any(is_own)
+    })
+}
+
+/// What the outputs need: the picture unless only channels or mattes are asked for; points come from triangles.
+fn wanted(asked: &[Channel], files: &Files, has_no_matte: bool) -> Wanted {
+    let ids = files.points.is_some().then_some(Channel::TriangleId);
+    let mut channels: Vec<Channel> = asked.iter().copied().chain(ids).collect();
+    channels.sort_unstable();
+    channels.dedup();
+    let srgb8 = files.color.is_some() || (channels.is_empty() && has_no_matte);
+    Wanted { srgb8, ..Wanted::of(channels) }
+}
+
+fn counted(scene: &Scene, camera: &Camera) -> String {
+    let of = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let triangles = of(scene.mesh.triangles.len(), "triangle");
+    match camera.piece_count() {
+        0 if camera.is_curved() => format!("{triangles}, a curve a pixel"),
+        0 => format!("{triangles}, a ray a pixel"),
+        n => format!("{triangles}, {}", of(n, "piece")),
+    }
+}
+
+fn milliseconds(ms: f64) -> String {
+    if ms < 1000.0 { format!("{ms:.1} ms") } else { format!("{:.2} s", ms / 1e3) }
+}
