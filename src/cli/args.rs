@@ -114,14 +114,20 @@ pub struct RenderArgs {
 #[derive(Debug, Args)]
 pub struct BatchArgs {
     /// List of jobs, .toml, .json or .jsonl
-    #[arg(value_name = "JOBS")]
-    pub jobs: PathBuf,
+    #[arg(value_name = "JOBS", required_unless_present = "write_driver")]
+    pub jobs: Option<PathBuf>,
     /// Skip what is done, by the manifest beside the list, as long as nothing has changed that it was made from
     #[arg(long)]
     pub resume: bool,
     /// Do the I-th of N parts of the list, of about equal cost, as 1/4
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<Shard>,
+    /// Render nothing: join the manifests of all shards to that of the list, and say what is not done
+    #[arg(long, conflicts_with_all = ["shard", "resume", "jobs_at_once", "adapters", "fail_fast", "progress", "log"])]
+    pub gather: bool,
+    /// Write a program that renders lists on a Ray cluster, shard by shard
+    #[arg(long, value_name = "FILE.py", exclusive = true)]
+    pub write_driver: Option<PathBuf>,
     /// Frames that are written at once [default: one a core]
     #[arg(long = "jobs", value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs_at_once: Option<u16>,

@@ -10,12 +10,12 @@ mod room;
 mod shard;
 mod station;
 
-use super::args::BatchArgs;
+use super::args::{BatchArgs, ProgressName, Shard};
 use super::print;
 use crate::engine::Rendered;
 use crate::error::{Error, Result};
 use crate::gpu::device::GpuOptions;
-use crate::output::clear_up;
+use crate::output::{clear_up, write_text};
 use crate::scene::library::Library;
 use board::{Board, Counts};
 use crossbeam_channel::{Receiver, bounded};
@@ -29,6 +29,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{Builder, Scope};
 use std::time::Instant;
 
 /// Frames that the last line names where more have failed, and that the report does.
@@ -38,11 +39,20 @@ const REPORTED: usize = 1000;
 /// Threads that read for a device: one plans while the other reads.
 const READERS: usize = 2;
 
+/// What `--write-driver` writes.
+const RAY_DRIVER: &str = include_str!("batch/ray_driver.py");
+
 pub fn run(args: &BatchArgs) -> Result<()> {
-    let list = &args.jobs;
+    if let Some(path) = &args.write_driver {
+        return write_text(path, RAY_DRIVER);
+    }
+    let Some(list) = &args.jobs else { return Err(Error::input("no list of jobs")) };
     let jobs = Jobs::read(list)?;
-    let paths = Paths::of(args);
+    let paths = Paths::of(list, args.shard);
     let earlier = paths.others();
+    if args.gather {
+        return gather(args, list, &jobs, &Manifest::open(&paths.whole, &earlier, true)?);
+    }
     let costs = || Costs::read(&paths.whole);
     let own = args.shard.map(|shard| shard::share(&jobs, shard, &costs()?)).transpose()?;
     let all = own.as_ref().map_or_else(|| jobs.count(), |own| own.iter().filter(|own| **own).count());
@@ -69,7 +79,7 @@ pub fn run(args: &BatchArgs) -> Result<()> {
         failures: Mutex::default(),
     };
     let writers = args.jobs_at_once.map_or_else(cores, usize::from);
-    work(&batch, &mut stations, writers);
+    work(&batch, &mut stations, writers)?;
     let wall_s = started.elapsed().as_secs_f64();
     let counts = board.end();
     let (stopped_by, failures) = (taken(batch.stopped_by), taken(batch.failures));
@@ -82,11 +92,41 @@ pub fn run(args: &BatchArgs) -> Result<()> {
         let summary = Summary::new(counts, wall_s, devices, failures.clone());
         results::write_report(path, &summary, tasks(), &manifest)?;
     }
-    outcome(args, counts, stopped_by, &failures)
+    outcome(list, args.progress, counts, stopped_by, &failures)
+}
+
+/// Has the manifest of the list know of all that is done by its shards.
+fn gather(args: &BatchArgs, list: &Path, jobs: &Jobs, manifest: &Manifest) -> Result<()> {
+    let (mut all, mut missing, mut named) = (0, 0, Vec::new());
+    for task in jobs.tasks() {
+        all += 1;
+        if manifest.standing(&task)? == Standing::Done {
+            manifest.adopt(&task)?;
+            continue;
+        }
+        missing += 1;
+        if named.len() < NAMED {
+            named.push(task.name);
+        }
+    }
+    let tasks = || shard::tasks(jobs, None);
+    if let Some(path) = &args.csv {
+        results::write_csv(path, tasks, manifest)?;
+    }
+    if let Some(path) = &args.report {
+        let counts = Counts { all, done: all - missing, ..Counts::default() };
+        results::write_report(path, &Summary::new(counts, 0.0, Vec::new(), Vec::new()), tasks(), manifest)?;
+    }
+    if missing == 0 {
+        return print(&format!("{}: {all} frames\n", list.display()));
+    }
+    let more = if missing > NAMED { format!(" and {} more", missing - NAMED) } else { String::new() };
+    let (list, named) = (list.display(), named.join("; "));
+    Err(Error::work(format!("{list}: {missing} of {all} frames are not done, which --resume does: {named}{more}")))
 }
 
 /// Has all threads work until there is nothing left to do.
-fn work(batch: &Batch, stations: &mut [Station], writers: usize) {
+fn work(batch: &Batch, stations: &mut [Station], writers: usize) -> Result<()> {
     std::thread::scope(|scope| {
         let (to_write, taken) = bounded(1);
         for station in stations {
@@ -94,16 +134,23 @@ fn work(batch: &Batch, stations: &mut [Station], writers: usize) {
             let (reader, mut driver) = station.parts();
             for _ in 0..READERS {
                 let to_render = to_render.clone();
-                scope.spawn(move || reader.run(batch, &to_render));
+                named(scope, "read", move || reader.run(batch, &to_render))?;
             }
             let to_write = to_write.clone();
-            scope.spawn(move || driver.run(batch, &ready, &to_write));
+            named(scope, "device", move || driver.run(batch, &ready, &to_write))?;
         }
         for _ in 0..writers {
             let taken = taken.clone();
-            scope.spawn(move || write(batch, &taken));
+            named(scope, "write", move || write(batch, &taken))?;
         }
-    });
+        Ok(())
+    })
+}
+
+/// A thread that debuggers and profilers know.
+fn named<'s>(scope: &'s Scope<'s, '_>, name: &str, work: impl FnOnce() + Send + 's) -> Result<()> {
+    let spawned = Builder::new().name(name.into()).spawn_scoped(scope, work);
+    spawned.map(drop).map_err(|e| Error::work(format!("no thread to {name} with: {e}")))
 }
 
 /// Writes frames until none come any more.
@@ -215,11 +262,11 @@ struct Paths {
 const ENDING: &str = ".manifest.jsonl";
 
 impl Paths {
-    fn of(args: &BatchArgs) -> Paths {
-        let name = args.jobs.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let whole = args.jobs.with_file_name(format!("{name}{ENDING}"));
-        let own = match args.shard {
-            Some(shard) => args.jobs.with_file_name(format!("{name}.{}-of-{}{ENDING}", shard.index + 1, shard.count)),
+    fn of(list: &Path, shard: Option<Shard>) -> Paths {
+        let name = list.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let whole = list.with_file_name(format!("{name}{ENDING}"));
+        let own = match shard {
+            Some(shard) => list.with_file_name(format!("{name}.{}-of-{}{ENDING}", shard.index + 1, shard.count)),
             None => whole.clone(),
         };
         Paths { whole, own }
@@ -271,17 +318,23 @@ fn stations(args: &BatchArgs) -> Result<Vec<Station>> {
 }
 
 /// The last line, or what all that went wrong comes to.
-fn outcome(args: &BatchArgs, counts: Counts, stopped_by: Option<Error>, failures: &[(String, String)]) -> Result<()> {
+fn outcome(
+    list: &Path,
+    progress: ProgressName,
+    counts: Counts,
+    stopped_by: Option<Error>,
+    failures: &[(String, String)],
+) -> Result<()> {
     let Counts { all, done, skipped, failed, .. } = counts;
     let before = if skipped > 0 { format!(", {skipped} before") } else { String::new() };
     if failed == 0 && stopped_by.is_none() {
-        let line = format!("{}: {done} frames{before}\n", args.jobs.display());
-        return if args.progress.is_for_programs() { Ok(()) } else { print(&line) };
+        let line = format!("{}: {done} frames{before}\n", list.display());
+        return if progress.is_for_programs() { Ok(()) } else { print(&line) };
     }
     let left = all - done - skipped - failed;
     let more = if failed > NAMED { format!(" and {} more", failed - NAMED) } else { String::new() };
     let named: Vec<&str> = failures.iter().take(NAMED).map(|(name, _)| name.as_str()).collect();
-    let mut text = format!("{}: {done} of {all} frames done{before}", args.jobs.display());
+    let mut text = format!("{}: {done} of {all} frames done{before}", list.display());
     if failed > 0 {
         text += &format!(", {failed} failed: {}{more}", named.join("; "));
     }

@@ -1,6 +1,7 @@
 //! A frame as one submission: for every band the passes of its rays, each cull, split, bin, raster, recheck and shade of all jobs.
 
 use super::frames::{Due, Frames, Submitted};
+use super::landed::is_read;
 use super::passes::Pass;
 use super::resident::Job;
 use crate::baseline::{ChunkScopes, Target};
@@ -65,6 +66,15 @@ impl Frames {
             }
             self.keep(&mut recorder, index);
             if read {
+                let own = 4 * u64::from(pixels);
+                let wanted = self.read_planes().collect::<Vec<_>>();
+                let to = readback(gpu, own * wanted.len() as u64);
+                for (n, k) in (0u64..).zip(wanted) {
+                    if let Some(planes) = resident.shared.get("planes") {
+                        recorder.encoder.copy_buffer_to_buffer(planes, k as u64 * own, &to, n * own, own);
+                    }
+                }
+                planes.push(to);
                 let mut copy = |name: &str, bytes: u64| {
                     let to = readback(gpu, bytes);
                     if let Some(from) = resident.shared.get(name) {
@@ -72,7 +82,6 @@ impl Frames {
                     }
                     to
                 };
-                planes.push(copy("planes", 4 * pixels as u64 * self.plan.planes.len() as u64));
                 if self.wanted.srgb8 {
                     srgb8.push(copy("srgb8", 4 * pixels as u64));
                 }
@@ -83,6 +92,12 @@ impl Frames {
             }
         }
         Ok(Submitted { status, planes, srgb8, edge_of, samples, recorded: recorder.submit(gpu)? })
+    }
+
+    /// Which planes are read: those that are wanted, and what samples see that hold no edge.
+    fn read_planes(&self) -> impl Iterator<Item = usize> {
+        let planes = self.plan.planes.iter().enumerate();
+        planes.filter(|(_, channel)| is_read(&self.wanted, **channel)).map(|(k, _)| k)
     }
 
     /// The kernels of a pass.

@@ -44,6 +44,7 @@ pub struct Landed {
 /// Everything of a frame that is being read.
 pub(super) struct Readings {
     status: Reading,
+    /// Those of [`is_read`].
     planes: Vec<Reading>,
     srgb8: Vec<Reading>,
     edge_of: Vec<Reading>,
@@ -59,6 +60,11 @@ pub(super) struct Words {
     pub edge_of: Vec<Vec<u32>>,
     pub samples: Vec<Vec<u32>>,
     pub stages: Vec<(&'static str, f64)>,
+}
+
+/// A plane is brought to the host.
+pub(super) fn is_read(wanted: &Wanted, channel: Channel) -> bool {
+    wanted.channels.contains(&channel) || wanted.sample_ids && channel == Channel::TriangleId
 }
 
 impl Readings {
@@ -103,7 +109,8 @@ impl Sight {
     fn frame(&self, words: &Words) -> Frame {
         let Sight { camera, plan, wanted, .. } = self;
         let mut planes = Vec::new();
-        for (k, &channel) in plan.planes.iter().enumerate() {
+        let read = plan.planes.iter().copied().filter(|channel| is_read(wanted, *channel));
+        for (k, channel) in read.enumerate() {
             if !wanted.channels.contains(&channel) {
                 continue;
             }
@@ -140,7 +147,8 @@ impl Sight {
         }
         let samples = plan.variant.samples as usize;
         let mut all = vec![Vec::new(); samples];
-        let plane = plan.planes.iter().position(|c| *c == Channel::TriangleId).unwrap_or_default();
+        let mut read = plan.planes.iter().filter(|channel| is_read(wanted, **channel));
+        let plane = read.position(|c| *c == Channel::TriangleId).unwrap_or_default();
         let id_mask = (1 << plan.id_bits) - 1;
         for (k, (band, planes)) in plan.bands.iter().zip(&words.planes).enumerate() {
             let pixels = band.rows as usize * camera.width as usize;

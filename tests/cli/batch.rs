@@ -1,6 +1,7 @@
 //! Lists of jobs.
 
 use super::program::Place;
+use std::process::Stdio;
 
 const JOBS: &str = r#"
 [[job]]
@@ -32,7 +33,7 @@ fn every_frame_of_every_product_is_rendered() {
     let place = Place::new();
     place.write("jobs.toml", JOBS);
     let lines = place.works(&["batch", "jobs.toml"]);
-    assert!(lines.ends_with("jobs.toml: 11 frames\n") && lines.lines().count() == 12, "{lines}");
+    assert_eq!(lines, "jobs.toml: 11 frames\n");
     assert_eq!(files(&place, ".png"), ["a-00.png", "a-01.png", "a-02.png"]);
     let expected = [
         "b-1-20-1.exr",
@@ -86,11 +87,14 @@ fn what_goes_wrong_with_one_is_said_and_the_rest_go_on() {
     let ran = place.run(&["batch", "jobs.toml"]);
     assert_eq!(ran.code, 1);
     assert!(ran.err.contains("jobs.toml: job.1, frame 0: ") && ran.err.contains("corrupt.toml:1"), "{}", ran.err);
-    assert!(ran.err.trim_end().ends_with("2 of 3 frames done, 1 failed: jobs.toml: job.1, frame 0"), "{}", ran.err);
+    assert!(ran.err.trim_end().ends_with("jobs.toml: 2 of 3 frames done, 1 failed: job.1, frame 0"), "{}", ran.err);
     assert_eq!(files(&place, ".png"), ["0.png", "2.png"]);
-    std::fs::remove_file(place.path().join("2.png")).unwrap();
-    place.run(&["batch", "jobs.toml", "--fail-fast"]);
-    assert_eq!(files(&place, ".png"), ["0.png"]);
+    let many: String = (0..200).map(|k| job(if k == 3 { "corrupt.toml" } else { "scene.toml" }, 10 + k)).collect();
+    place.write("jobs.toml", many);
+    let ran = place.run(&["batch", "jobs.toml", "--fail-fast"]);
+    assert!(ran.code == 1 && ran.err.contains("not begun, which --resume does"), "{}", ran.err);
+    // those that were begun by then are done
+    assert!(files(&place, ".png").len() < 100, "{}", ran.err);
 }
 
 #[test]
@@ -113,4 +117,264 @@ fn wrong_lists_are_refused_before_anything_is_rendered() {
     place.write("jobs.txt", "");
     place.refuses(&["batch", "jobs.txt"], 2, "jobs.txt");
     assert!(files(&place, ".png").is_empty());
+}
+
+/// Two scenes, of which the second has a camera that moves, in turn.
+fn frames(last: u32) -> String {
+    format!(
+        r#"
+[[job]]
+scene = "scene.toml"
+color = "a-{{frame}}.png"
+exr = "a-{{frame}}.exr"
+channels = ["R", "G", "B", "Z", "triangle.id"]
+frames = {{ last = {last} }}
+set = ["mesh.0.rotate=[{{frame = 0, value = [0, 0, 0]}}, {{frame = 9, value = [0, 90, 0]}}]"]
+size = "40x30"
+
+[[job]]
+scene = "scene.toml"
+color = "b-{{camera.vfov}}-{{frame}}.png"
+frames = {{ last = {last} }}
+samples = 4
+set = ["camera.eye=[{{frame = 0, value = [0, 0.5, 4]}}, {{frame = 9, value = [4, 0.5, 0]}}]"]
+sweep.camera.vfov = [30, 50]
+size = "48x32"
+"#
+    )
+}
+
+/// What a list wrote: names and bytes.
+fn written(place: &Place) -> Vec<(String, Vec<u8>)> {
+    let names = place.names().into_iter().filter(|name| name.ends_with(".png") || name.ends_with(".exr"));
+    names.map(|name| (name.clone(), std::fs::read(place.path().join(&name)).unwrap())).collect()
+}
+
+fn clear(place: &Place) {
+    for name in place.names() {
+        let ends = [".png", ".exr", ".jsonl", ".tmp"];
+        if ends.iter().any(|end| name.ends_with(end)) {
+            std::fs::remove_file(place.path().join(name)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn frames_that_overlap_are_those_of_render() {
+    let place = Place::new();
+    if !place.has_adapter() {
+        return;
+    }
+    place.write("jobs.toml", frames(3));
+    place.works(&["batch", "jobs.toml"]);
+    let all = written(&place);
+    assert_eq!(all.len(), 4 * 2 + 4 * 2);
+    for k in 0..4 {
+        let rotate = "mesh.0.rotate=[{frame = 0, value = [0, 0, 0]}, {frame = 9, value = [0, 90, 0]}]";
+        let frame = k.to_string();
+        let alone = ["render", "scene.toml", "-o", "alone.png", "--exr", "alone.exr", "--size", "40x30"];
+        let more = ["--channels", "R,G,B,Z,triangle.id", "--set", rotate, "--frame", &frame];
+        place.works(&[&alone[..], &more].concat());
+        for ending in ["png", "exr"] {
+            let read = |name: String| std::fs::read(place.path().join(name)).unwrap();
+            assert!(read(format!("alone.{ending}")) == read(format!("a-{k}.{ending}")), "frame {k}, {ending}");
+        }
+        let eye = "camera.eye=[{frame = 0, value = [0, 0.5, 4]}, {frame = 9, value = [4, 0.5, 0]}]";
+        let alone = ["render", "scene.toml", "-o", "alone.png", "--size", "48x32", "--samples", "4", "--set", eye];
+        place.works(&[&alone[..], &["--set", "camera.vfov=50", "--frame", &frame]].concat());
+        let read = |name: String| std::fs::read(place.path().join(name)).unwrap();
+        assert!(read("alone.png".into()) == read(format!("b-50-{k}.png")), "frame {k}");
+    }
+}
+
+#[test]
+fn resume_skips_what_is_done_and_says_what_has_changed() {
+    let place = Place::new();
+    let list = |fov: u32| {
+        let job = "[[job]]\nscene = \"scene.toml\"\ncolor = \"{frame}.png\"\nframes = { last = 3 }\nsize = \"8x6\"\n";
+        format!("{job}engine = \"reference\"\nset = [\"camera.vfov={fov}\"]\n")
+    };
+    place.write("jobs.toml", list(40));
+    let resume = || place.run(&["batch", "jobs.toml", "--resume"]);
+    let expects = |done: &str, says: &str| {
+        let ran = resume();
+        assert_eq!((ran.code, ran.out.as_str()), (0, done), "{}", ran.err);
+        let said = if says.is_empty() { ran.err.is_empty() } else { ran.err.contains(says) };
+        assert!(said, "{says:?} not in {:?}", ran.err);
+    };
+    expects("jobs.toml: 4 frames\n", "");
+    expects("jobs.toml: 0 frames, 4 before\n", "");
+    std::fs::remove_file(place.path().join("2.png")).unwrap();
+    expects("jobs.toml: 1 frames, 3 before\n", "again: job.0, frame 2: 2.png is not there");
+    place.write("1.png", "broken");
+    expects("jobs.toml: 1 frames, 3 before\n", "again: job.0, frame 1: 1.png is not what was written");
+    place.write("jobs.toml", list(41));
+    expects("jobs.toml: 4 frames\n", "its settings were camera.vfov=40");
+    let scene = std::fs::read_to_string(place.path().join("scene.toml")).unwrap();
+    place.write("scene.toml", scene + "# another\n");
+    expects("jobs.toml: 4 frames\n", "again: job.0, frame 0: scene.toml is another");
+    // what was being written when the program was killed is no line; the one before it was of the other scene
+    let manifest = place.path().join("jobs.toml.manifest.jsonl");
+    let whole = std::fs::read_to_string(&manifest).unwrap();
+    place.write("jobs.toml.manifest.jsonl", &whole[..whole.len() - 20]);
+    expects("jobs.toml: 1 frames, 3 before\n", "scene.toml is another");
+    expects("jobs.toml: 0 frames, 4 before\n", "");
+    // without --resume all is done again
+    assert_eq!(place.works(&["batch", "jobs.toml"]), "jobs.toml: 4 frames\n");
+}
+
+#[test]
+fn shards_are_the_whole_list_and_are_gathered() {
+    let place = Place::new();
+    place.write("jobs.toml", JOBS);
+    for shard in ["1/3", "2/3"] {
+        place.works(&["batch", "jobs.toml", "--shard", shard]);
+    }
+    let ran = place.run(&["batch", "jobs.toml", "--gather"]);
+    assert!(
+        ran.code == 1 && ran.err.contains("3 of 11 frames are not done, which --resume does: job.0"),
+        "{}",
+        ran.err
+    );
+    place.works(&["batch", "jobs.toml", "--shard", "3/3"]);
+    assert_eq!(place.works(&["batch", "jobs.toml", "--gather", "--csv", "all.csv"]), "jobs.toml: 11 frames\n");
+    let table = std::fs::read_to_string(place.path().join("all.csv")).unwrap();
+    assert_eq!(table.lines().filter(|line| line.contains(",true,")).count(), 11, "{table}");
+    // by what frames took the same again, and nothing is left to do
+    let mut all = 0;
+    for shard in ["1/2", "2/2"] {
+        let line = place.works(&["batch", "jobs.toml", "--shard", shard, "--resume"]);
+        let before = line.trim_end().strip_prefix("jobs.toml: 0 frames, ").and_then(|l| l.strip_suffix(" before"));
+        all += before.unwrap_or_else(|| panic!("{line}")).parse::<u32>().unwrap();
+    }
+    assert_eq!(all, 11);
+    place.refuses(&["batch", "jobs.toml", "--shard", "3/2"], 2, "write it as I/N");
+}
+
+#[test]
+fn a_sweep_with_checks_is_a_table() {
+    let place = Place::new();
+    if !place.has_adapter() {
+        return;
+    }
+    let job = "[[job]]\nscene = \"scene.toml\"\ncolor = \"{camera.vfov}-{mesh.0.level}.png\"\nsize = \"16x12\"\n";
+    place.write(
+        "jobs.toml",
+        format!("{job}check = true\nrepeat = 3\nsweep.camera.vfov = [20, 40]\nsweep.\"mesh.0.level\" = [1, 2]\n"),
+    );
+    let out = place.works(&[
+        "batch",
+        "jobs.toml",
+        "--csv",
+        "t.csv",
+        "--report",
+        "r.json",
+        "--log",
+        "log.txt",
+        "--progress",
+        "json",
+    ]);
+    let events: Vec<serde_json::Value> = out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let of = |name: &str| events.iter().filter(|e| e["event"] == name).count();
+    assert_eq!((of("start"), of("done"), of("end"), events.len()), (1, 4, 1, 6), "{out}");
+    let mut table = csv::Reader::from_path(place.path().join("t.csv")).unwrap();
+    let names = table.headers().unwrap().clone();
+    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    let column = |name: &str| {
+        let k = names.iter().position(|n| n == name).unwrap_or_else(|| panic!("{name} not in {names:?}"));
+        rows.iter().map(|row| row[k].to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(column("camera.vfov"), ["20", "20", "40", "40"]);
+    assert_eq!(column("triangles"), ["80", "320", "80", "320"]);
+    assert_eq!(column("runs"), ["3"; 4]);
+    assert_eq!(column("error.wrong_safe"), ["0"; 4]);
+    assert!(column("frame_ms").iter().all(|ms| ms.parse::<f64>().unwrap() > 0.0));
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path().join("r.json")).unwrap()).unwrap();
+    assert_eq!((report["done"].as_u64(), report["each"].as_array().map(Vec::len)), (Some(4), Some(4)));
+    let log = std::fs::read_to_string(place.path().join("log.txt")).unwrap();
+    assert!(log.lines().count() == 6 && log.lines().all(|line| line.contains("Z ")), "{log}");
+}
+
+/// Kills the program at moments spread over its run, goes on, and ends with the files of a run that nobody disturbed.
+#[test]
+fn what_is_killed_goes_on_and_ends_with_the_same_files() {
+    let place = Place::new();
+    if !place.has_adapter() {
+        return;
+    }
+    place.write("jobs.toml", frames(15));
+    let started = std::time::Instant::now();
+    place.works(&["batch", "jobs.toml"]);
+    let whole = started.elapsed();
+    let expected = written(&place);
+    assert_eq!(expected.len(), 16 * 2 + 16 * 2);
+    clear(&place);
+    let mut cut_short = 0;
+    for k in 0..20u32 {
+        let mut command = place.command(&["batch", "jobs.toml", "--resume"]);
+        let mut child = command.stdout(Stdio::null()).spawn().unwrap();
+        // a golden ratio of its run, so that no two moments are near
+        let share = (f64::from(k) * 0.618_034).fract();
+        std::thread::sleep(whole.mul_f64(share));
+        cut_short += u32::from(child.try_wait().unwrap().is_none());
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let done = written(&place);
+        // whatever is there is whole
+        assert!(done.iter().all(|file| expected.contains(file)), "moment {k}");
+        if done.len() == expected.len() {
+            clear(&place);
+        }
+    }
+    assert!(cut_short >= 5, "{cut_short} of 20 runs were cut short");
+    let ran = place.run(&["batch", "jobs.toml", "--resume"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    assert!(written(&place) == expected);
+    assert!(place.names().iter().all(|name| !name.ends_with(".tmp")), "{:?}", place.names());
+}
+
+/// A small disk is full before all is written; with more room the rest is done.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_stops_with_what_is_done() {
+    use std::process::Command;
+    let place = Place::new();
+    let disk = place.path().join("disk");
+    std::fs::create_dir(&disk).unwrap();
+    let mount = |options: &str| {
+        Command::new("mount")
+            .args(["-t", "tmpfs", "-o", options, "tmpfs"])
+            .arg(&disk)
+            .output()
+            .is_ok_and(|o| o.status.success())
+    };
+    if !mount("size=256k") {
+        println!("skipped: a disk of its own cannot be mounted here");
+        return;
+    }
+    struct Mounted(std::path::PathBuf);
+    impl Drop for Mounted {
+        fn drop(&mut self) {
+            let _ = Command::new("umount").arg(&self.0).status();
+        }
+    }
+    let _mounted = Mounted(disk.clone());
+    let job = "[[job]]\nscene = \"scene.toml\"\nexr = \"disk/{frame}.exr\"\nframes = { last = 29 }\nsize = \"64x48\"\n";
+    place.write("jobs.toml", format!("{job}engine = \"reference\"\n"));
+    let ran = place.run(&["batch", "jobs.toml"]);
+    assert_eq!(ran.code, 1, "{}", ran.err);
+    assert!(
+        ran.err.contains("No space left") && ran.err.contains("stopped: there is no room to write to"),
+        "{}",
+        ran.err
+    );
+    let done = std::fs::read_dir(&disk).unwrap().count();
+    assert!((1..30).contains(&done) && ran.err.contains(&format!(": {done} of 30 frames done")), "{done}: {}", ran.err);
+    assert!(mount("remount,size=16m"));
+    let line = place.works(&["batch", "jobs.toml", "--resume"]);
+    assert_eq!(line, format!("jobs.toml: {} frames, {done} before\n", 30 - done));
+    let first = std::fs::read(disk.join("0.exr")).unwrap();
+    place.works(&["render", "scene.toml", "--exr", "alone.exr", "--size", "64x48", "--engine", "reference"]);
+    assert!(std::fs::read(place.path().join("alone.exr")).unwrap() == first);
 }

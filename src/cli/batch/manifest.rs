@@ -206,8 +206,7 @@ impl Manifest {
         Ok(done)
     }
 
-    /// Appends a line as it is.
-    pub fn append(&self, task: &Task, done: &Done) -> Result<()> {
+    fn append(&self, task: &Task, done: &Done) -> Result<()> {
         let failed = |e: io::Error| failure(&self.path, &e);
         let text = serde_json::to_string(done).map_err(|e| Error::work(format!("manifest as JSON: {e}")))? + "\n";
         let mut own = lock(&self.own);
@@ -220,6 +219,15 @@ impl Manifest {
         let line = Line { file: self.files.len() - 1, start, ms: done.ms as f32 };
         lock(&self.lines).insert(key(task)?, line);
         Ok(())
+    }
+
+    /// Has the own manifest say what another one does of a frame.
+    pub fn adopt(&self, task: &Task) -> Result<()> {
+        let is_own = self.line(task)?.is_some_and(|line| line.file + 1 == self.files.len());
+        match self.done(task)? {
+            Some(done) if !is_own => self.append(task, &done),
+            _ => Ok(()),
+        }
     }
 
     fn line(&self, task: &Task) -> Result<Option<Line>> {

@@ -7,7 +7,8 @@ use crate::error::Result;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Of each frame whether the shard has it. `costs` knows what frames took before; where it knows none, every N-th is the shard's.
+/// Of each frame whether the shard has it. `costs` knows what frames took before; unless it knows all, every N-th is the shard's: what
+/// is gathered while other shards are still to come must not change theirs.
 pub fn share(jobs: &Jobs, shard: Shard, costs: &Costs) -> Result<Vec<bool>> {
     let known: Vec<Option<f64>> = jobs.tasks().map(|task| costs.of(&task)).collect::<Result<_>>()?;
     Ok(shared(&known, shard))
@@ -22,14 +23,11 @@ pub fn tasks(jobs: &Jobs, own: Option<Vec<bool>>) -> Box<dyn Iterator<Item = Tas
 }
 
 fn shared(costs: &[Option<f64>], shard: Shard) -> Vec<bool> {
-    let known: Vec<f64> = costs.iter().copied().flatten().collect();
-    if known.is_empty() {
+    let Some(known) = costs.iter().copied().collect::<Option<Vec<f64>>>() else {
         return (0..costs.len()).map(|k| k % shard.count as usize == shard.index as usize).collect();
-    }
-    let mean = known.iter().sum::<f64>() / known.len() as f64;
+    };
     // the dearest first, each to whom has least; in whole microseconds, which have an order
-    let mut dearest: Vec<(u64, usize)> =
-        costs.iter().enumerate().map(|(k, cost)| ((cost.unwrap_or(mean) * 1e3) as u64, k)).collect();
+    let mut dearest: Vec<(u64, usize)> = known.iter().enumerate().map(|(k, cost)| ((cost * 1e3) as u64, k)).collect();
     dearest.sort_by_key(|&(cost, k)| (Reverse(cost), k));
     let mut loads: BinaryHeap<Reverse<(u64, u32)>> = (0..shard.count).map(|shard| Reverse((0, shard))).collect();
     let mut own = vec![false; costs.len()];
@@ -51,16 +49,17 @@ mod tests {
     proptest! {
         #[test]
         fn every_frame_is_of_one_shard_and_loads_differ_by_one_frame(
-            costs in prop::collection::vec(prop::option::of(0.1f64..1000.0), 0..60),
+            costs in prop::collection::vec(0.1f64..1000.0, 0..60),
+            has_all in any::<bool>(),
             count in 1u32..7,
         ) {
-            let all: Vec<Vec<bool>> = (0..count).map(|index| shared(&costs, Shard { index, count })).collect();
+            let is_known = |k: usize| has_all || k % 5 != 3;
+            let known: Vec<Option<f64>> = costs.iter().enumerate().map(|(k, c)| is_known(k).then_some(*c)).collect();
+            let all: Vec<Vec<bool>> = (0..count).map(|index| shared(&known, Shard { index, count })).collect();
             for k in 0..costs.len() {
                 prop_assert_eq!(all.iter().filter(|own| own[k]).count(), 1);
             }
-            let known: Vec<f64> = costs.iter().copied().flatten().collect();
-            let mean = if known.is_empty() { 1.0 } else { known.iter().sum::<f64>() / known.len() as f64 };
-            let cost = |k: usize| if known.is_empty() { 1.0 } else { costs[k].unwrap_or(mean) };
+            let cost = |k: usize| if known.iter().all(Option::is_some) { costs[k] } else { 1.0 };
             let load = |own: &Vec<bool>| (0..costs.len()).filter(|k| own[*k]).map(cost).sum::<f64>();
             let loads: Vec<f64> = all.iter().map(load).collect();
             let dearest = (0..costs.len()).map(cost).fold(0.0, f64::max);
