@@ -9,6 +9,7 @@ mod points;
 mod vectors;
 mod whole;
 
+pub use exr::tiled::{TILE as EXR_TILE, write_exr_tiled};
 pub use exr::{read_exr, write_exr, write_exr_with};
 pub use npy::{read_npy_rows, write_npy_f64};
 pub use ply::write_ply;

@@ -28,6 +28,7 @@ pub trait RayMap: Debug + Send + Sync {
 pub struct Field {
     pub width: u32,
     pub height: u32,
+    /// None of a formula over so many pixels that it is asked for each anew.
     rays: Vec<Option<(DVec3, DVec3)>>,
     /// The formula behind the rays, where there is one.
     map: Option<Sampled>,
@@ -42,7 +43,15 @@ struct Sampled {
     sample: DVec2,
 }
 
+/// Pixels whose rays are kept at most, 56 bytes each: where a formula has them.
+const STORED_MAX: usize = 1 << 24;
+
 impl Field {
+    /// The formula is asked for each ray anew.
+    pub fn is_computed(&self) -> bool {
+        self.rays.is_empty()
+    }
+
     /// A field from `width * height` origins and directions. A non-finite ray or a zero direction is no ray.
     pub fn new(width: u32, height: u32, origins: &[DVec3], directions: &[DVec3]) -> Result<Field> {
         let ray = |(p, d): (&DVec3, &DVec3)| (p.is_finite() && d.is_finite() && *d != DVec3::ZERO).then_some((*p, *d));
@@ -59,7 +68,8 @@ impl Field {
     /// The rays of a formula at the centres of `width x height` pixels.
     pub fn of_map(width: u32, height: u32, map: Arc<dyn RayMap>) -> Result<Field> {
         let field = Field::sampled(width, height, Sampled { map, sample: DVec2::splat(0.5) });
-        if field.rays.iter().all(Option::is_none) {
+        let has_ray = |k: usize| field.ray((k % width as usize) as u32, (k / width as usize) as u32).is_some();
+        if !(0..width as usize * height as usize).into_par_iter().any(has_ray) {
             return Err(Error::input("camera: no pixel has a ray; make the image or its angles larger"));
         }
         Ok(field)
@@ -67,7 +77,11 @@ impl Field {
 
     fn sampled(width: u32, height: u32, map: Sampled) -> Field {
         let size = DVec2::new(width as f64, height as f64);
-        let pixels = (0..width as usize * height as usize).into_par_iter();
+        let count = width as usize * height as usize;
+        if count > STORED_MAX {
+            return Field { width, height, rays: Vec::new(), map: Some(map), is_sorted: false };
+        }
+        let pixels = (0..count).into_par_iter();
         let place = |k: usize| DVec2::new((k % width as usize) as f64, (k / width as usize) as f64);
         let rays = pixels.map(|k| map.ray(place(k) + map.sample, size)).collect();
         Field { width, height, rays, map: Some(map), is_sorted: false }
@@ -75,7 +89,8 @@ impl Field {
 
     /// A field whose pixel k has the ray of this one's pixel `source[k]`, numbered row by row.
     pub(super) fn rearranged(&self, source: &[u32]) -> Field {
-        Field { rays: source.iter().map(|k| self.rays[*k as usize]).collect(), map: None, is_sorted: true, ..*self }
+        let ray = |k: &u32| self.ray(k % self.width, k / self.width);
+        Field { rays: source.iter().map(ray).collect(), map: None, is_sorted: true, ..*self }
     }
 
     /// The formula behind the rays, where there is one.
@@ -125,7 +140,13 @@ impl Field {
         if i < 0 || j < 0 || i >= self.width as i64 || j >= self.height as i64 {
             return None;
         }
-        self.rays[j as usize * self.width as usize + i as usize]
+        match &self.map {
+            Some(map) if self.rays.is_empty() => {
+                let place = DVec2::new(i as f64, j as f64);
+                map.ray(place + map.sample, DVec2::new(f64::from(self.width), f64::from(self.height)))
+            }
+            _ => self.rays[j as usize * self.width as usize + i as usize],
+        }
     }
 
     /// How P and D change one pixel along `(sx, sy)`: the difference to that neighbour, zero where it has no ray;

@@ -144,6 +144,10 @@ fn rays(h: &mut Fnv, camera: &Camera) {
                 }
             }
         }
+        // far too many to be looked at one by one
+        Rays::Field(field) if field.is_computed() => {
+            format!("{:?}", field.map()).bytes().for_each(|byte| h.word(u64::from(byte)));
+        }
         Rays::Field(field) => {
             for (i, j) in (0..field.height).flat_map(|j| (0..field.width).map(move |i| (i, j))) {
                 let (p, d) = field.ray(i, j).unwrap_or_default();

@@ -5,6 +5,7 @@ mod files;
 mod judged;
 mod points;
 mod samples;
+mod strips;
 mod work;
 
 use super::args::{Change, EngineName, RenderArgs};

@@ -323,7 +323,8 @@ impl Frames {
         let kind = |plan: &Plan, camera: &Camera| (plan.variant, plan.sheets.count(), camera.width, plan.rows_max());
         let is_as_large = kind(plan, camera) == kind(&self.plan, &self.camera) && plan.planes == self.plan.planes;
         let is_turned = camera.optics.is_some() || self.camera.optics.is_some();
-        if !is_plain || is_turned || scene.caustics.is_some() || !is_as_large || *wanted != self.wanted {
+        let is_wanted = Wanted { rows: self.wanted.rows, ..wanted.clone() } == self.wanted;
+        if !is_plain || is_turned || scene.caustics.is_some() || !is_as_large || !is_wanted {
             return Ok(false);
         }
         let has_triangles = self.shown.ptr_eq(&Arc::downgrade(clustered));
@@ -345,7 +346,7 @@ impl Frames {
             self.resident.upload_look(&self.gpu, &self.pages, scene, plan)?;
         }
         (self.scene, self.camera) = (scene.clone(), camera.clone());
-        (self.plan, self.arrangement) = (plan.clone(), arrangement.clone());
+        (self.plan, self.arrangement, self.wanted) = (plan.clone(), arrangement.clone(), wanted.clone());
         self.due = Due::All;
         Ok(true)
     }
@@ -375,6 +376,21 @@ impl Frames {
         Ok(Some(Landed { sight, words, rest }))
     }
 
+    /// As [`Frames::land`], of a frame of `planned`, which is shown and started again until its lists hold everything.
+    pub fn settle(&mut self, planned: &Planned, flight: Flight) -> Result<Landed> {
+        let mut landed = self.land(flight)?;
+        loop {
+            if let Some(landed) = landed {
+                return Ok(landed);
+            }
+            if !self.show(planned)? {
+                return Err(Error::work("a frame cannot be shown again"));
+            }
+            let flight = self.start()?;
+            landed = self.land(flight)?;
+        }
+    }
+
     fn sight(&self) -> Sight {
         Sight {
             camera: self.camera.clone(),
@@ -392,7 +408,7 @@ impl Frames {
             left_out.push(LeftOut { what, why: "they have no area".into() });
         }
         Rendered {
-            frame: Frame { width: self.camera.width, height: self.camera.height, planes: Vec::new() },
+            frame: Frame { width: self.camera.width, height: self.plan.rows(), planes: Vec::new() },
             sample_ids: Vec::new(),
             srgb8: None,
             frame_ms: Vec::new(),

@@ -96,6 +96,11 @@ impl Readings {
 }
 
 impl Landed {
+    /// What it took; no picture.
+    pub fn took(&self) -> &Rendered {
+        &self.rest
+    }
+
     /// The frame with its picture.
     pub fn rendered(self) -> Rendered {
         let Landed { sight, words, rest } = self;
@@ -114,7 +119,7 @@ impl Sight {
             if !wanted.channels.contains(&channel) {
                 continue;
             }
-            let mut all: Vec<u32> = Vec::with_capacity(camera.width as usize * camera.height as usize);
+            let mut all: Vec<u32> = Vec::with_capacity(camera.width as usize * plan.rows() as usize);
             for (band, data) in plan.bands.iter().zip(&words.planes) {
                 let pixels = band.rows as usize * camera.width as usize;
                 all.extend_from_slice(&data[k * pixels..(k + 1) * pixels]);
@@ -126,7 +131,7 @@ impl Sight {
             };
             planes.push((channel, plane));
         }
-        Frame { width: camera.width, height: camera.height, planes }
+        Frame { width: camera.width, height: plan.rows(), planes }
     }
 
     /// Four bytes a pixel.

@@ -97,6 +97,10 @@ impl Planner {
         };
         let planned = self.plan_in_order(scene, camera, wanted, run, last)?;
         check_outlines(&planned.plan, arrangement.as_deref())?;
+        if wanted.rows.is_some() && (planned.plan.variant.outlined || arrangement.is_some()) {
+            let what = "rows by themselves are of cameras that do not look all over, without outlines and borders";
+            return Err(Error::input(what));
+        }
         Ok(Planned { asked, arrangement, ..planned })
     }
 

@@ -1,5 +1,7 @@
 //! OpenEXR files: one layer, one channel a plane, 32-bit values kept bit for bit.
 
+pub mod tiled;
+
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -44,14 +46,7 @@ pub fn write_exr_with(
     let more = more.into_iter().map(|(name, values)| (name, Plane::F32(values)));
     let channels = own.chain(more).map(|(name, plane)| channel_from(&name, plane, size.0 * size.1));
     let channels = channels.collect::<std::result::Result<_, _>>().map_err(refuse)?;
-    let mut header = LayerAttributes::default();
-    for (name, text) in attributes {
-        if name.is_empty() || name.contains('\0') {
-            return Err(refuse(format!("{name:?} is no name for an attribute")));
-        }
-        let name = Text::from_slice_unchecked(name.as_bytes());
-        header.other.insert(name, AttributeValue::Text(Text::from_slice_unchecked(text.as_bytes())));
-    }
+    let header = layer_attributes(attributes).map_err(refuse)?;
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let image = Image::from_layer(Layer::new(size, header, encoding, AnyChannels::sort(channels)));
@@ -65,6 +60,18 @@ pub fn write_exr_with(
         drop(writer);
         sort_attributes(file)
     })
+}
+
+fn layer_attributes(attributes: &[(String, String)]) -> std::result::Result<LayerAttributes, String> {
+    let mut header = LayerAttributes::default();
+    for (name, text) in attributes {
+        if name.is_empty() || name.contains('\0') {
+            return Err(format!("{name:?} is no name for an attribute"));
+        }
+        let name = Text::from_slice_unchecked(name.as_bytes());
+        header.other.insert(name, AttributeValue::Text(Text::from_slice_unchecked(text.as_bytes())));
+    }
+    Ok(header)
 }
 
 fn channel_from(name: &str, plane: Plane, pixels: usize) -> std::result::Result<AnyChannel<FlatSamples>, String> {

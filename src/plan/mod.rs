@@ -98,12 +98,30 @@ pub struct Wanted {
     pub sample_ids: bool,
     /// A picture is the mean of so many frames of which this is one: images on triangles are filtered as much less.
     pub frames: u32,
+    /// Only these rows of the image, the first a multiple of [`crate::TILE`].
+    pub rows: Option<Rows>,
+}
+
+/// Rows of an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rows {
+    pub first: u32,
+    pub count: u32,
 }
 
 impl Wanted {
     /// These planes, by pixel centres alone.
     pub fn of(channels: Vec<Channel>) -> Wanted {
-        Wanted { channels, srgb8: false, counting: false, samples: 1, analytic: false, sample_ids: false, frames: 1 }
+        Wanted {
+            channels,
+            srgb8: false,
+            counting: false,
+            samples: 1,
+            analytic: false,
+            sample_ids: false,
+            frames: 1,
+            rows: None,
+        }
     }
 
     /// Some colour is asked for.
@@ -253,7 +271,8 @@ impl Plan {
         let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes);
         let places = if variant.samples_edges() { samples::places(variant.samples) } else { Vec::new() };
         let view = View { camera, sheets, around, places: &places };
-        let bands = bands(view, pixel_bytes, binding_limit);
+        let rows = wanted.rows.unwrap_or(Rows { first: 0, count: camera.height });
+        let bands = bands(view, rows, pixel_bytes, binding_limit);
         let smooth = camera.optics.as_ref().map_or(0, |o| o.smooth_count());
         let id_bits = usize::BITS - (contents.triangles + smooth).saturating_sub(1).leading_zeros();
         let left_out = left_out(camera, sheets, &bands, &planes, wanted, contents, has);
@@ -274,6 +293,11 @@ impl Plan {
 }
 
 impl Plan {
+    /// Rows of pixels in all.
+    pub fn rows(&self) -> u32 {
+        self.bands.iter().map(|b| b.rows).sum()
+    }
+
     /// Rows of pixels of the largest band.
     pub fn rows_max(&self) -> u32 {
         self.bands.iter().map(|b| b.rows).max().unwrap_or(0)
@@ -289,8 +313,8 @@ struct View<'a> {
     places: &'a [DVec2],
 }
 
-/// Cuts the image into bands whose every buffer fits a binding.
-fn bands(view: View, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
+/// Cuts rows of the image into bands whose every buffer fits a binding.
+fn bands(view: View, own: Rows, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
     let View { camera, sheets, .. } = view;
     let tile = crate::TILE as u64;
     let row_bytes = (camera.width as u64 + 1) * pixel_bytes;
@@ -298,7 +322,7 @@ fn bands(view: View, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
     let fit = ((binding_limit / row_bytes).saturating_sub(1) / tile * tile).max(tile) as u32;
     let rows = fit.min(TILE_ROWS_MAX / sheets.count() / BRANCH * BRANCH * crate::TILE);
     let mut todo: Vec<(u32, u32)> =
-        (0..camera.height).step_by(rows as usize).map(|r| (r, rows.min(camera.height - r))).rev().collect();
+        (0..own.count).step_by(rows as usize).map(|r| (own.first + r, rows.min(own.count - r))).rev().collect();
     let mut bands = Vec::new();
     while let Some((row, rows)) = todo.pop() {
         let band = Band::new(view, row, rows);

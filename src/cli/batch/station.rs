@@ -242,17 +242,7 @@ impl Driver<'_> {
         let (Some(frames), Some(planned)) = (self.frames.as_mut(), &ready.planned) else {
             return Err(Error::work("no frames"));
         };
-        let mut landed = frames.land(flight)?;
-        loop {
-            if let Some(landed) = landed {
-                return Ok(landed);
-            }
-            if !frames.show(planned)? {
-                return Err(Error::work("a frame cannot be shown again"));
-            }
-            let flight = frames.start()?;
-            landed = frames.land(flight)?;
-        }
+        frames.settle(planned, flight)
     }
 
     fn hand_on<'a>(&self, ready: Ready<'a>, picture: Picture, ms: f64, taken: &Sender<Taken<'a>>) {

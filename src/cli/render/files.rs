@@ -103,7 +103,7 @@ fn named_as(path: Option<&Path>, extension: &str, remedy: &str) -> Result<()> {
 }
 
 /// What an EXR's header says about its channels and where they come from.
-fn attributes(scene: &Scene, camera: &Camera) -> Result<Vec<(String, String)>> {
+pub fn attributes(scene: &Scene, camera: &Camera) -> Result<Vec<(String, String)>> {
     let description = Description::of(camera);
     let described = serde_json::to_string(&description).map_err(|e| Error::work(format!("camera as JSON: {e}")))?;
     let texts = [

@@ -2,6 +2,7 @@
 
 use super::backend::Backend;
 use super::files::{self, Files};
+use super::strips::{self, Strips};
 use super::{check_combination, judged, load_from, points, samples};
 use crate::camera::{Camera, Rays};
 use crate::cli::args::{Change, EngineName, Named, RenderArgs};
@@ -34,6 +35,8 @@ pub struct Work {
     /// Where motion goes to.
     next: Option<(Scene, Arc<Camera>)>,
     bytes: u64,
+    /// Too large to be held at once; bytes of a row.
+    strips: Option<u64>,
 }
 
 /// What a device made of it.
@@ -42,6 +45,8 @@ pub struct Seen {
     /// A frame beside the timed ones, for counts and checks.
     extra: Option<Rendered>,
     mattes: Vec<Matte>,
+    /// Its image is in its file.
+    is_written: bool,
 }
 
 /// What came of it, once its files are there.
@@ -109,9 +114,19 @@ impl Work {
         }
         let (size, channels) = ((camera.width, camera.height), wanted.channels.len() + 3);
         let more = sample_bytes(&camera, samples, !apart.is_empty());
-        memory::check(size.0, size.1, channels, more)?;
-        let bytes = memory::need(size, channels, more);
-        Ok(Work { args, scene, camera, files, asked, wanted, apart, next, bytes })
+        let mut bytes = memory::need(size, channels, more);
+        let is_plain = files.exr.is_some() && files.color.is_none() && files.points.is_none() && !wanted.srgb8;
+        let is_of_one_frame = is_compute && !args.check && args.repeat.is_none() && samples == args.samples;
+        let is_alone = apart.is_empty() && next.is_none() && !scene.style.is_between_pixels();
+        let is_in_strips = bytes > strips::WHOLE_MAX && is_plain && is_of_one_frame && is_alone;
+        if is_in_strips {
+            bytes = strips::WHOLE_MAX;
+        } else {
+            memory::check(size.0, size.1, channels, more)?;
+        }
+        let row_bytes = strips::row_bytes(&camera, channels, more);
+        let strips = is_in_strips.then_some(row_bytes);
+        Ok(Work { args, scene, camera, files, asked, wanted, apart, next, bytes, strips })
     }
 
     pub fn args(&self) -> &RenderArgs {
@@ -129,12 +144,23 @@ impl Work {
         let at_once = samples::at_once_on(backend, scene, camera, args.samples);
         let samples = if at_once { args.samples } else { 1 };
         backend.check_size(camera, &Wanted { samples, ..wanted.clone() })?;
+        if let (Some(row_bytes), Backend::Compute(engine, None), Some(path)) =
+            (self.strips, &mut *backend, &self.files.exr)
+        {
+            let run = RunOptions { no_cull: args.no_cull, ..Default::default() };
+            let wanted = &Wanted { samples, ..wanted.clone() };
+            let rendered = Strips { scene, camera, wanted, run, row_bytes, path }.render(engine)?;
+            return Ok(Seen { rendered, extra: None, mattes: Vec::new(), is_written: true });
+        }
+        if self.strips.is_some() {
+            memory::check(camera.width, camera.height, wanted.channels.len() + 3, 0)?;
+        }
         let mut mattes = self.mattes();
         let (repeat, moving, no_cull) = (args.repeat.unwrap_or(0), args.moving, args.no_cull);
         let run = RunOptions { repeat, moving, no_cull, ..Default::default() };
         let rendered = samples::render(backend, scene, camera, wanted, args.samples, &run, &mut mattes)?;
         let extra = judged::render(args, backend, scene, camera)?;
-        Ok(Seen { rendered, extra, mattes })
+        Ok(Seen { rendered, extra, mattes, is_written: false })
     }
 
     /// Plans the one frame that it takes, for an engine that is kept; `None` where it takes more than one, or another engine.
@@ -143,7 +169,13 @@ impl Work {
         let is_compute = matches!(args.engine, None | Some(EngineName::Compute));
         let is_timed = args.repeat.is_some() || args.report.is_some() || args.check;
         let is_one = args.samples == 1 || at_once(scene, camera, args.samples);
-        if !is_compute || is_timed || !is_one || scene.caustics.is_some() || camera.optics.is_some() {
+        if !is_compute
+            || is_timed
+            || self.strips.is_some()
+            || !is_one
+            || scene.caustics.is_some()
+            || camera.optics.is_some()
+        {
             return Ok(None);
         }
         let wanted = samples::in_one_frame(wanted, args.samples, !self.apart.is_empty());
@@ -156,13 +188,13 @@ impl Work {
     pub fn seen(&self, mut rendered: Rendered) -> Seen {
         let mut mattes = self.mattes();
         samples::count(&mut rendered, &mut mattes);
-        Seen { rendered, extra: None, mattes }
+        Seen { rendered, extra: None, mattes, is_written: false }
     }
 
     /// Writes all files; `say` hears what is being done.
     pub fn write(&self, seen: Seen, device: &Device, started: Instant, say: impl Fn(&str)) -> Result<Written> {
         let Work { args, scene, camera, files, .. } = self;
-        let Seen { mut rendered, extra, mattes } = seen;
+        let Seen { mut rendered, extra, mattes, is_written } = seen;
         let error = match &extra {
             Some(extra) if args.check => {
                 say("checking against the reference");
@@ -177,7 +209,9 @@ impl Work {
             more.extend(motion::NAMES.map(String::from).into_iter().zip(planes));
         }
         say("writing");
-        files.write(scene, camera, &rendered, &self.asked, (mattes, more))?;
+        if !is_written {
+            files.write(scene, camera, &rendered, &self.asked, (mattes, more))?;
+        }
         if let Some(path) = &files.report {
             if extra.is_some() {
                 rendered.left_out.retain(|l| l.what != "fragment counters");

@@ -175,3 +175,44 @@ proptest! {
         });
     }
 }
+
+/// A frame's rows `first .. first + count`.
+fn strip(frame: &Frame, first: u32, count: u32) -> Frame {
+    let range = (first * frame.width) as usize..((first + count) * frame.width) as usize;
+    let cut = |plane: &Plane| match plane {
+        Plane::F32(values) => Plane::F32(values[range.clone()].to_vec()),
+        Plane::U32(values) => Plane::U32(values[range.clone()].to_vec()),
+    };
+    Frame { width: frame.width, height: count, planes: frame.planes.iter().map(|(c, p)| (*c, cut(p))).collect() }
+}
+
+#[test]
+fn strips_make_the_whole_image_as_tiles() {
+    use super::tiled::{TILE, write_exr_tiled};
+    let attributes = [("anamorph.a".to_owned(), "b".to_owned())];
+    for (width, height, rows) in [(70, 150, TILE), (64, 64, TILE), (3, 200, 2 * TILE), (130, 10, TILE)] {
+        let whole = sample(width, height);
+        let channels: Vec<Channel> = whole.planes.iter().map(|(channel, _)| *channel).collect();
+        let write = |path: &Path| {
+            let mut first = 0;
+            write_exr_tiled(path, (width, height), &channels, &attributes, || {
+                let own = strip(&whole, first, rows.min(height - first));
+                first += rows;
+                Ok(own)
+            })
+        };
+        in_folder(|path| {
+            write(path).unwrap();
+            assert_eq!(bits(&read_exr(path).unwrap()), bits(&whole));
+            let bytes = std::fs::read(path).unwrap();
+            write(path).unwrap();
+            assert!(std::fs::read(path).unwrap() == bytes);
+            // what goes wrong with a strip leaves the file as it was
+            let failed = write_exr_tiled(path, (width, height), &channels, &[], || Err(Error::work("lost")));
+            assert_eq!(failed, Err(Error::work("lost")));
+            let other = write_exr_tiled(path, (width, height), &channels, &[], || Ok(sample(width + 1, TILE)));
+            assert!(other.unwrap_err().to_string().contains("is none of this image"));
+            assert!(std::fs::read(path).unwrap() == bytes);
+        });
+    }
+}

@@ -1,0 +1,157 @@
+//! An image that is too large to be held at once: strip by strip from the plan to the file, while one is planned the one before is
+//! rendered and the one before that is written.
+
+use super::files::attributes;
+use crate::camera::Camera;
+use crate::cli::memory;
+use crate::engine::landed::{Flight, Landed};
+use crate::engine::planned::{Planned, Planner};
+use crate::engine::{Engine, Frames, Rendered, RunOptions};
+use crate::error::{Error, Result};
+use crate::frame::{Channel, Frame};
+use crate::output::{EXR_TILE, write_exr_tiled};
+use crate::plan::{Rows, Wanted};
+use crate::scene::Scene;
+use crossbeam_channel::{Receiver, Sender, bounded};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Images that take more memory are rendered in strips.
+pub const WHOLE_MAX: u64 = 1 << 30;
+
+/// Memory of one strip, of which some four are on their way at once.
+const STRIP_BYTES: u64 = 256 << 20;
+
+/// What is rendered in strips, and where to.
+pub struct Strips<'a> {
+    pub scene: &'a Scene,
+    pub camera: &'a Arc<Camera>,
+    /// The channels of the file, and no more.
+    pub wanted: &'a Wanted,
+    pub run: RunOptions,
+    /// Memory of a row of the image.
+    pub row_bytes: u64,
+    pub path: &'a Path,
+}
+
+/// Memory of a row, as [`memory::need`] says.
+pub fn row_bytes(camera: &Camera, channels: usize, more: u64) -> u64 {
+    memory::need((camera.width, 1), channels, more)
+}
+
+impl Strips<'_> {
+    /// Renders and writes the file: what it took, without a picture.
+    ///
+    /// # Errors
+    /// Those of the engine, and of the file.
+    pub fn render(&self, engine: &mut Engine) -> Result<Rendered> {
+        let started = Instant::now();
+        let planner = engine.planner();
+        let took = std::thread::scope(|scope| {
+            let (to_render, planned) = bounded(1);
+            let (to_write, landed) = bounded(1);
+            scope.spawn(move || self.plan(&planner, &to_render));
+            let writer = scope.spawn(move || self.write(&landed));
+            let rendered = self.draw(engine, &planned, &to_write);
+            // the other threads end with these
+            drop((planned, to_write));
+            let written = writer.join().unwrap_or_else(|_| Err(Error::work("a defect in what writes the image")));
+            match (rendered, written) {
+                // what is written lacks what was not rendered
+                (Err(e), _) | (Ok(_), Err(e)) => Err(e),
+                (Ok(took), Ok(())) => Ok(took),
+            }
+        });
+        let frame = Frame { width: self.camera.width, height: self.camera.height, planes: Vec::new() };
+        let frame_ms = vec![started.elapsed().as_secs_f64() * 1e3];
+        Ok(Rendered { frame, frame_ms, ..took? })
+    }
+
+    fn rows(&self) -> impl Iterator<Item = Rows> {
+        let tiles = (STRIP_BYTES / (self.row_bytes * u64::from(EXR_TILE))).max(1) as u32;
+        let (rows, height) = (tiles.saturating_mul(EXR_TILE).min(self.camera.height), self.camera.height);
+        (0..height).step_by(rows as usize).map(move |first| Rows { first, count: rows.min(height - first) })
+    }
+
+    fn plan(&self, planner: &Planner, to_render: &Sender<Result<Planned>>) {
+        let mut last: Option<Planned> = None;
+        for rows in self.rows() {
+            let wanted = Wanted { rows: Some(rows), ..self.wanted.clone() };
+            let planned = planner.plan(self.scene, self.camera.clone(), &wanted, &self.run, last.as_ref());
+            last = planned.as_ref().ok().cloned();
+            if to_render.send(planned).is_err() || last.is_none() {
+                return;
+            }
+        }
+    }
+
+    fn draw(
+        &self,
+        engine: &mut Engine,
+        planned: &Receiver<Result<Planned>>,
+        to_write: &Sender<Landed>,
+    ) -> Result<Rendered> {
+        let mut frames: Option<Frames> = None;
+        let mut flying: Option<(Planned, Flight)> = None;
+        let mut took: Option<Rendered> = None;
+        let mut land = |frames: &mut Option<Frames>, flying: Option<(Planned, Flight)>| -> Result<()> {
+            let (Some(frames), Some((planned, flight))) = (frames.as_mut(), flying) else { return Ok(()) };
+            let landed = frames.settle(&planned, flight)?;
+            add(&mut took, landed.took());
+            to_write.send(landed).map_err(|_| Error::work("the image cannot be written"))
+        };
+        for planned in planned {
+            let planned = planned?;
+            let is_shown = match &mut frames {
+                Some(frames) => frames.show(&planned)?,
+                None => false,
+            };
+            if !is_shown {
+                land(&mut frames, flying.take())?;
+                drop(frames.take());
+                frames = Some(engine.place(planned.clone(), &self.run)?);
+            }
+            let flight = frames.as_ref().map(Frames::start).transpose()?;
+            let before = flying.take();
+            flying = flight.map(|flight| (planned, flight));
+            land(&mut frames, before)?;
+        }
+        land(&mut frames, flying)?;
+        took.ok_or_else(|| Error::work("no strip was rendered"))
+    }
+
+    fn write(&self, landed: &Receiver<Landed>) -> Result<()> {
+        let size = (self.camera.width, self.camera.height);
+        let next = || {
+            let landed = landed.recv().map_err(|_| Error::work("a strip of the image is missing"))?;
+            Ok(landed.rendered().frame)
+        };
+        let channels: &[Channel] = &self.wanted.channels;
+        write_exr_tiled(self.path, size, channels, &attributes(self.scene, self.camera)?, next)
+    }
+}
+
+/// Adds what a strip took to what those before did.
+fn add(all: &mut Option<Rendered>, own: &Rendered) {
+    let Some(all) = all else {
+        *all = Some(own.clone());
+        return;
+    };
+    for (name, ms) in &own.stages {
+        match all.stages.iter_mut().find(|stage| stage.0 == *name) {
+            Some(stage) => stage.1 += ms,
+            None => all.stages.push((name, *ms)),
+        }
+    }
+    let (a, b) = (&mut all.counts, own.counts);
+    a.pairs_tested += b.pairs_tested;
+    a.pairs_kept += b.pairs_kept;
+    a.fragments_tested += b.fragments_tested;
+    a.fragments_kept += b.fragments_kept;
+    a.rechecked += b.rechecked;
+    a.edges += b.edges;
+    all.bytes = all.bytes.max(own.bytes);
+    all.grown = all.grown.max(own.grown);
+    all.passes += own.passes;
+}
