@@ -118,6 +118,9 @@ impl Field {
     pub fn ray_or_beyond(&self, i: u32, j: u32) -> Option<(DVec3, DVec3)> {
         let inside = (i.min(self.width - 1), j.min(self.height - 1));
         let ray = self.ray(inside.0, inside.1)?;
+        if inside == (i, j) {
+            return Some(ray);
+        }
         let (x, y) = ((i - inside.0) as i64, (j - inside.1) as i64);
         let (at_i, at_j) = (inside.0 as i64, inside.1 as i64);
         let right = self.slope(at_i, at_j, (x, 0), ray);

@@ -65,19 +65,8 @@ pub fn run(args: &BatchArgs) -> Result<()> {
     let mut stations = stations(args)?;
     let board = Board::new(args.progress, args.log.as_deref(), all)?;
     let started = Instant::now();
-    let batch = Batch {
-        list,
-        tasks: Mutex::new(shard::tasks(&jobs, own.clone())),
-        manifest: &manifest,
-        board: &board,
-        library: Library::default(),
-        room: Room::of_this_machine(),
-        resumes: args.resume,
-        fail_fast: args.fail_fast,
-        is_stopped: AtomicBool::new(false),
-        stopped_by: Mutex::default(),
-        failures: Mutex::default(),
-    };
+    let todo = shard::tasks(&jobs, own.clone());
+    let batch = Batch { fail_fast: args.fail_fast, resumes: args.resume, ..Batch::new(list, todo, &manifest, &board) };
     let writers = args.jobs_at_once.map_or_else(cores, usize::from);
     work(&batch, &mut stations, writers)?;
     let wall_s = started.elapsed().as_secs_f64();
@@ -190,6 +179,27 @@ pub struct Batch<'a> {
 }
 
 impl<'a> Batch<'a> {
+    fn new(
+        list: &'a Path,
+        tasks: Box<dyn Iterator<Item = Task<'a>> + Send + 'a>,
+        manifest: &'a Manifest,
+        board: &'a Board,
+    ) -> Batch<'a> {
+        Batch {
+            list,
+            tasks: Mutex::new(tasks),
+            manifest,
+            board,
+            library: Library::default(),
+            room: Room::of_this_machine(),
+            resumes: false,
+            fail_fast: false,
+            is_stopped: AtomicBool::new(false),
+            stopped_by: Mutex::default(),
+            failures: Mutex::default(),
+        }
+    }
+
     /// The next frame that is to be done.
     fn next(&self) -> Option<Task<'a>> {
         loop {
@@ -363,4 +373,62 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 fn taken<T>(mutex: Mutex<T>) -> T {
     mutex.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    const SCENE: &str = r#"
+[[mesh]]
+builtin = "icosphere"
+rotate = [{ frame = 0, value = [0, 0, 0] }, { frame = 29, value = [0, 90, 0] }]
+[camera]
+kind = "pinhole"
+eye = [0, 0.5, 4]
+target = [0, 0, 0]
+vfov = 40
+"#;
+    const FRAMES: usize = 30;
+
+    /// Does a list on one device, and more beside it; what it wrote, and how often the device was opened again.
+    fn done(beside: impl FnOnce(&Board, &crate::gpu::Gpu) + Send) -> Option<(Vec<Vec<u8>>, u32)> {
+        let dir = tempfile::tempdir().unwrap();
+        let list = dir.path().join("jobs.toml");
+        std::fs::write(dir.path().join("scene.toml"), SCENE).unwrap();
+        let job = "[[job]]\nscene = \"scene.toml\"\ncolor = \"{frame}.png\"\nsize = \"320x240\"\n";
+        std::fs::write(&list, format!("{job}frames = {{ last = {} }}\n", FRAMES - 1)).unwrap();
+        let mut stations = vec![Station::open(GpuOptions::default()).unwrap()];
+        let Some(gpu) = stations[0].gpu() else {
+            println!("skipped: no adapter on this machine");
+            return None;
+        };
+        let jobs = Jobs::read(&list).unwrap();
+        let manifest = Manifest::open(&dir.path().join("m.jsonl"), &[], false).unwrap();
+        let board = Board::new(ProgressName::None, None, FRAMES).unwrap();
+        let batch = Batch::new(&list, shard::tasks(&jobs, None), &manifest, &board);
+        std::thread::scope(|scope| {
+            scope.spawn(|| beside(&board, &gpu));
+            work(&batch, &mut stations, 2).unwrap();
+        });
+        let Counts { done, failed, .. } = board.counts();
+        assert_eq!((done, failed), (FRAMES, 0));
+        let read = |k: usize| std::fs::read(dir.path().join(format!("{k}.png"))).unwrap();
+        Some(((0..FRAMES).map(read).collect(), stations[0].worked(1.0).reopened))
+    }
+
+    #[test]
+    fn a_lost_device_is_opened_again_and_all_frames_are_as_without() {
+        let Some((expected, 0)) = done(|_, _| ()) else { return };
+        let lose = |board: &Board, gpu: &crate::gpu::Gpu| {
+            while board.counts().done < 3 {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            gpu.device.destroy();
+        };
+        let (seen, reopened) = done(lose).unwrap();
+        assert_eq!(reopened, 1);
+        assert!(seen == expected);
+    }
 }

@@ -28,14 +28,18 @@ impl RayTable {
     /// The rays of rows `row ..= row + rows`, one column and row more than the band; beyond the image and beside a pixel
     /// without a ray, the place that leaves the slope of [`Field::bundle`].
     pub fn of_field(field: &Field, anchor: DVec3, row: u32, rows: u32) -> RayTable {
-        let mut table = RayTable::default();
-        for j in row..=row + rows {
-            for i in 0..=field.width {
+        let numbers = 6 * (field.width as usize + 1);
+        let count = numbers * (rows as usize + 1);
+        let mut table = RayTable { hi: vec![0.0; count], lo: vec![0.0; count] };
+        let halves = table.hi.par_chunks_exact_mut(numbers).zip(table.lo.par_chunks_exact_mut(numbers));
+        halves.zip(row..row + rows + 1).for_each(|((hi, lo), j)| {
+            let pixels = hi.chunks_exact_mut(6).zip(lo.chunks_exact_mut(6)).zip(0..=field.width);
+            for ((hi, lo), i) in pixels {
                 let (p, d) = field.ray_or_beyond(i, j).unwrap_or((anchor, DVec3::ZERO));
-                table.push(p - anchor);
-                table.push(d);
+                let ray = (p - anchor).to_array().into_iter().chain(d.to_array());
+                hi.iter_mut().zip(lo).zip(ray).for_each(|((hi, lo), v)| [*hi, *lo] = split2(v));
             }
-        }
+        });
         table
     }
 }

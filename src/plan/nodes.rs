@@ -69,11 +69,8 @@ impl Nodes {
     /// From the rays of each tile, row by row, and of its cells where they are several. At least two levels; the top one
     /// at most 2 x 2 nodes.
     pub fn new(tiles: &[Bounds], (tiles_x, tiles_y): (u32, u32), depth: Depth) -> Nodes {
-        let cells: Vec<Vec<Fit>> = tiles.par_iter().map(|tile| tile.each.iter().map(Fit::of).collect()).collect();
-        let tile = |(tile, cells): (&Bounds, &Vec<Fit>)| {
-            depth.square(Fit::of(&tile.whole), cells.iter().map(|cell| depth.width(cell)))
-        };
-        let mut squares: Vec<Square> = tiles.par_iter().zip(&cells).map(tile).collect();
+        let tile = |tile: &Bounds| depth.square(tile.whole, tile.each.iter().map(|cell| depth.width(cell)));
+        let mut squares: Vec<Square> = tiles.par_iter().map(tile).collect();
         let mut nodes = Nodes { nodes: Vec::new(), levels: levels(tiles_x, tiles_y), exact: true, torn: false };
         for (k, Level { width, height, .. }) in nodes.levels.iter().enumerate() {
             if k > 0 {
@@ -86,7 +83,7 @@ impl Nodes {
             nodes.torn |= k == 1 && all().any(|f| f.rays == RAYS_TORN);
             nodes.nodes.extend(all().map(|f| f.row()));
         }
-        nodes.nodes.extend(cells.iter().flatten().map(Fit::row));
+        nodes.nodes.extend(tiles.iter().flat_map(|tile| &tile.each).map(Fit::row));
         nodes
     }
 

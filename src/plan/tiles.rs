@@ -1,6 +1,7 @@
 //! Tiles of 8 x 8 pixels, cut into cells: the pixels of one tile that one piece owns. Each sheet has its own tiles.
 
 use super::curves::{CurveTable, Net, nets};
+use super::fit::Fit;
 use super::nodes::above_cells;
 use super::sheets::Sheets;
 use super::tear::{Part, tear};
@@ -84,8 +85,8 @@ type Owned = Vec<Share>;
 /// What bounds all rays of a tile, and, where straight ones are in several cells, each cell's.
 #[derive(Debug, Default)]
 pub struct Bounds {
-    pub whole: Sampled,
-    pub each: Vec<Sampled>,
+    pub whole: Fit,
+    pub each: Vec<Fit>,
 }
 
 /// Rows `row .. row + rows` of an image to be cut.
@@ -130,7 +131,7 @@ impl Cutting<'_> {
             };
             let tile = (place.layer as u32 * self.rows.div_ceil(TILE) + place.y - self.row / TILE) * tiles_x + place.x;
             let over = |net: &Net| net.over(place.span, self.anchor);
-            let whole = nets[tile as usize].as_ref().map_or_else(Sampled::default, over);
+            let whole = nets[tile as usize].as_ref().map_or_else(Fit::default, |net| Fit::of(&over(net)));
             (self.owned(*place), Bounds { whole, each: Vec::new() })
         };
         let (owned, bounds): (Vec<Owned>, Vec<Bounds>) = places.par_iter().map(cut).unzip();
@@ -164,16 +165,21 @@ impl Cutting<'_> {
     /// The cells of a tile of straight rays, and what bounds them.
     fn straight(&self, at: Place) -> (Owned, Bounds) {
         let owned = self.owned(at);
-        let sampled = |samples| Sampled { samples, ..Sampled::default() };
-        let samples = self.samples(at, &owned);
+        let fit = |owned: &[Share]| Fit::of(&Sampled { samples: self.samples(at, owned), ..Sampled::default() });
+        let whole = fit(&owned);
         let owned = match (&self.camera.layers[at.layer], owned.as_slice()) {
+            // all rays bounded well enough together are so by themselves; samples beside the centres may be torn where those are not
+            (Rays::Field(_), [_]) if self.places.is_empty() && !whole.strays() => owned,
             (Rays::Field(field), [share]) if !field.is_sorted => self.torn(at, share, field),
             // of sorted rays no cut leaves any nearer to each other
             _ => owned,
         };
-        let of = |share: &Share| sampled(self.samples(at, std::slice::from_ref(share)));
-        let each = if owned.len() > 1 { owned.iter().map(of).collect() } else { Vec::new() };
-        (owned, Bounds { whole: sampled(samples), each })
+        let each = if owned.len() > 1 {
+            owned.iter().map(|share| fit(std::slice::from_ref(share))).collect()
+        } else {
+            Vec::new()
+        };
+        (owned, Bounds { whole, each })
     }
 
     /// The pixels of a tile of a field in parts, each pixel where a ray of it belongs.

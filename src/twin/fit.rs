@@ -4,6 +4,7 @@ use super::Input;
 use super::cull::Address;
 use crate::TILE;
 use crate::gpu::rows::{BRANCH, Cell, Node};
+use crate::plan::fit::Fit;
 use crate::plan::nodes::{Depth, Nodes};
 use crate::plan::tiles::{Bounds, Sample, Sampled};
 use glam::{DVec2, DVec3};
@@ -30,7 +31,7 @@ pub fn fit(input: &Input) -> Fitted {
         let rays = rays_below(input, at);
         let mask = |r: &PixelRay| 1u64 << (r.pixel.1 % TILE * TILE + r.pixel.0 % TILE);
         let samples = rays.iter().map(|r| Sample { place: place_in(at, r.pixel), p: r.p, d: r.d });
-        let whole = Sampled { samples: samples.collect(), ..Sampled::default() };
+        let whole = Fit::of(&Sampled { samples: samples.collect(), ..Sampled::default() });
         (Bounds { whole, each: Vec::new() }, rays.iter().fold(0, |all, r| all | mask(r)))
     };
     let (bounds, masks): (Vec<Bounds>, Vec<u64>) = (0..p.tiles_x * p.tiles_y).map(tile).unzip();

@@ -82,6 +82,11 @@ impl Station {
         (Reader { last, planner: planner.as_ref() }, driver)
     }
 
+    #[cfg(test)]
+    pub fn gpu(&self) -> Option<std::sync::Arc<crate::gpu::Gpu>> {
+        self.engine.as_ref().map(|engine| engine.gpu.clone())
+    }
+
     /// What it did in a time, s.
     pub fn worked(&self, wall_s: f64) -> Worked {
         let adapter = self.engine.as_ref().map_or("cpu".into(), |engine| engine.gpu.info.name.clone());
