@@ -378,3 +378,38 @@ fn a_full_disk_stops_with_what_is_done() {
     place.works(&["render", "scene.toml", "--exr", "alone.exr", "--size", "64x48", "--engine", "reference"]);
     assert!(std::fs::read(place.path().join("alone.exr")).unwrap() == first);
 }
+
+/// A list on a cluster of two nodes, of which one is killed with a shard half done: all files are those of one machine.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_killed_node_of_a_ray_cluster_costs_no_frame() {
+    use std::process::Command;
+    let has_ray = Command::new("python3").args(["-c", "import ray"]).output().is_ok_and(|o| o.status.success());
+    if !has_ray {
+        println!("skipped: no Ray on this machine; pip install ray");
+        return;
+    }
+    let place = Place::new();
+    let rotate = "mesh.0.rotate=[{frame = 0, value = [0, 0, 0]}, {frame = 79, value = [0, 90, 0]}]";
+    let job = "[[job]]\nscene = \"scene.toml\"\ncolor = \"{frame}.png\"\nframes = { last = 79 }\nsize = \"640x480\"\n";
+    // slow enough for a node to be killed in the middle
+    place.write("jobs.toml", format!("{job}samples = 16\nset = [\"{rotate}\"]\n"));
+    place.works(&["batch", "jobs.toml"]);
+    let expected = written(&place);
+    assert_eq!(expected.len(), 80);
+    clear(&place);
+    place.works(&["batch", "--write-driver", "driver.py"]);
+    let nodes = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/ray/two_nodes.py");
+    let mut command = Command::new("python3");
+    command.args([nodes, "driver.py", env!("CARGO_BIN_EXE_anamorph")]).arg(place.path().join("jobs.toml"));
+    let ran = command.current_dir(place.path()).output().unwrap();
+    let (out, err) = (String::from_utf8_lossy(&ran.stdout), String::from_utf8_lossy(&ran.stderr));
+    assert!(ran.status.success(), "{out}{err}");
+    assert!(out.contains("killed a node with 2 shards begun"), "{out}{err}");
+    // what the killed node had done of its shard was not done again
+    let again = out.lines().any(|line| line.starts_with("shard") && !line.contains(" 0 skipped"));
+    assert!(again, "{out}");
+    assert!(written(&place) == expected);
+    let table = std::fs::read_to_string(place.path().join("jobs.csv")).unwrap();
+    assert_eq!(table.lines().filter(|line| line.contains(",true,")).count(), 80);
+}
