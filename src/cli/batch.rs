@@ -14,8 +14,8 @@ use super::args::{BatchArgs, ProgressName, Shard};
 use super::print;
 use crate::engine::Rendered;
 use crate::error::{Error, Result};
-use crate::gpu::device::GpuOptions;
-use crate::output::{clear_up, write_text};
+use crate::gpu::device::{GpuOptions, NO_ADAPTER, adapters};
+use crate::output::{check_writable, clear_up, write_text};
 use crate::scene::library::Library;
 use board::{Board, Counts};
 use crossbeam_channel::{Receiver, bounded};
@@ -54,16 +54,20 @@ pub fn run(args: &BatchArgs) -> Result<()> {
         return gather(args, list, &jobs, &Manifest::open(&paths.whole, &earlier, true)?);
     }
     let costs = || Costs::read(&paths.whole);
+    [&args.report, &args.csv].into_iter().flatten().try_for_each(|path| check_writable(path))?;
     let own = args.shard.map(|shard| shard::share(&jobs, shard, &costs()?)).transpose()?;
     let all = own.as_ref().map_or_else(|| jobs.count(), |own| own.iter().filter(|own| **own).count());
+    let mut stations = stations(args)?;
     let manifest = Manifest::open(&paths.own, &earlier, args.resume)?;
     if args.resume {
         for folder in folders(&jobs)? {
             clear_up(&folder)?;
         }
     }
-    let mut stations = stations(args)?;
     let board = Board::new(args.progress, args.log.as_deref(), all)?;
+    if stations.iter().any(|station| !station.has_adapter()) && jobs.need_adapter()? {
+        board.note(&format!("{NO_ADAPTER}; frames are rendered on the CPU as --engine reference does"));
+    }
     let started = Instant::now();
     let todo = shard::tasks(&jobs, own.clone());
     let batch = Batch { fail_fast: args.fail_fast, resumes: args.resume, ..Batch::new(list, todo, &manifest, &board) };
@@ -316,15 +320,23 @@ fn folders(jobs: &Jobs) -> Result<BTreeSet<PathBuf>> {
 }
 
 fn stations(args: &BatchArgs) -> Result<Vec<Station>> {
-    let options = |adapter: Option<&String>| GpuOptions { adapter: adapter.cloned(), ..GpuOptions::default() };
-    match args.adapters.as_deref() {
-        None | Some([]) => Ok(vec![Station::open(options(None))?]),
-        Some([all]) if all == "all" => {
-            let names = crate::gpu::device::adapters().iter().map(|a| a.get_info().name).collect::<Vec<_>>();
-            names.iter().map(|name| Station::open(options(Some(name)))).collect()
-        }
-        Some(names) => names.iter().map(|name| Station::open(options(Some(name)))).collect(),
-    }
+    let named = |name: &String| GpuOptions { adapter: Some(name.clone()), ..GpuOptions::default() };
+    let options = match args.adapters.as_deref() {
+        None | Some([]) => vec![GpuOptions::default()],
+        Some([all]) if all == "all" => all_adapters(),
+        Some(names) => names.iter().map(named).collect(),
+    };
+    options.into_iter().map(Station::open).collect()
+}
+
+/// Those that are no software, unless all are.
+fn all_adapters() -> Vec<GpuOptions> {
+    let all: Vec<_> = adapters().iter().map(wgpu::Adapter::get_info).collect();
+    let is_hard = |info: &&wgpu::AdapterInfo| info.device_type != wgpu::DeviceType::Cpu;
+    let count = all.iter().filter(is_hard).count();
+    // the fastest kinds come first
+    let own = 0..if count > 0 { count } else { all.len().max(1) };
+    own.map(|passed_over| GpuOptions { passed_over, ..GpuOptions::default() }).collect()
 }
 
 /// The last line, or what all that went wrong comes to.

@@ -34,7 +34,12 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     let work = Work::read(args.clone(), &Library::for_once())?;
     progress.now("opening the adapter");
     let is_reference = matches!(args.engine, Some(EngineName::Reference));
-    let options = GpuOptions { adapter: args.adapter.clone(), no_int64: args.no_int64, no_f64: args.no_f64 };
+    let options = GpuOptions {
+        adapter: args.adapter.clone(),
+        no_int64: args.no_int64,
+        no_f64: args.no_f64,
+        ..Default::default()
+    };
     let mut engine = if is_reference { None } else { Engine::open(&options)? };
     let mut backend = Backend::of(engine.as_mut(), args)?;
     if matches!(backend, Backend::Reference) && !is_reference {

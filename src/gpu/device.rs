@@ -10,6 +10,8 @@ use std::sync::{Arc, Mutex};
 pub struct GpuOptions {
     /// Part of the wanted adapter's name, any case.
     pub adapter: Option<String>,
+    /// How many of these to pass over: a machine may have several of one name.
+    pub passed_over: usize,
     /// Do without 64-bit atomics even where there are some.
     pub no_int64: bool,
     /// Do without f64 even where there is some: its work is done in 32-bit words.
@@ -100,9 +102,10 @@ impl Gpu {
         let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
         let wanted = options.adapter.as_deref().map(str::to_lowercase);
         let adapter = match &wanted {
-            None => adapters.into_iter().next(),
+            None => adapters.into_iter().nth(options.passed_over),
             Some(w) => {
-                let found = adapters.into_iter().find(|a| a.get_info().name.to_lowercase().contains(w));
+                let named = |a: &wgpu::Adapter| a.get_info().name.to_lowercase().contains(w);
+                let found = adapters.into_iter().filter(named).nth(options.passed_over);
                 if found.is_none() {
                     let names = if names.is_empty() { "none".into() } else { names.join(", ") };
                     return Err(Error::input(format!("--adapter {w}: no such adapter; there is: {names}")));

@@ -25,8 +25,11 @@ pub struct Library {
     merged: Shelf<Vec<MeshSpec>, (Arc<Mesh>, Vec<Object>)>,
     skies: Shelf<SkySpec, Sky>,
     caustics: Shelf<CausticsSpec, (Arc<Caustics>, Arc<Mesh>)>,
-    cameras: Shelf<(CameraSpec, Option<(u32, u32)>), (Arc<Camera>, Around)>,
+    cameras: Shelf<CameraKey, (Arc<Camera>, Around)>,
 }
+
+/// A camera, and the size of its image.
+type CameraKey = (CameraSpec, Option<(u32, u32)>);
 
 /// What a camera was built for.
 struct Around {
@@ -177,5 +180,52 @@ impl Library {
         let mesh = self.meshes.get(&own, self.kept(MESHES_KEPT), |_| true, || load_unplaced(&own, images))?;
         let mesh = Arc::try_unwrap(mesh).unwrap_or_else(|kept| (*kept).clone());
         Ok(place::place(mesh, spec.scale, spec.rotate, spec.translate))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::file;
+    use std::path::Path;
+
+    fn scene(keys: &str) -> String {
+        let camera = "kind = \"panorama\"\nradius = 4\nheight = 3";
+        format!("[image]\nwidth = 8\nheight = 6\n[[mesh]]\nfile = \"a.obj\"\n{keys}\n[camera]\n{camera}\n")
+    }
+
+    fn load(library: &Library, folder: &Path, keys: &str) -> (Scene, Arc<Camera>, Inputs) {
+        let path = folder.join("scene.toml");
+        std::fs::write(&path, scene(keys)).unwrap();
+        let (loaded, inputs) = noted(|| {
+            let scene = library.scene(file::load(&path, &[], 0.0).unwrap()).unwrap();
+            let camera = library.camera(&scene, None).unwrap();
+            (scene, camera)
+        });
+        (loaded.0, loaded.1, inputs)
+    }
+
+    #[test]
+    fn what_is_the_same_is_kept_and_what_has_changed_is_made_anew() {
+        let dir = tempfile::tempdir().unwrap();
+        let obj = |x: f64| format!("v {x} 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        std::fs::write(dir.path().join("a.obj"), obj(0.0)).unwrap();
+        let library = Library::default();
+        let first = load(&library, dir.path(), "");
+        let again = load(&library, dir.path(), "");
+        assert!(Arc::ptr_eq(&first.0.mesh, &again.0.mesh) && Arc::ptr_eq(&first.1, &again.1));
+        // files count for what is kept too
+        let names = |inputs: &Inputs| inputs.files().map(|(path, _)| path.to_owned()).collect::<Vec<_>>();
+        assert_eq!(names(&first.2), [dir.path().join("scene.toml"), dir.path().join("a.obj")]);
+        assert_eq!(names(&again.2), names(&first.2));
+        // a panorama does not look at the scene
+        let turned = load(&library, dir.path(), "rotate = [0, 30, 0]");
+        assert!(!Arc::ptr_eq(&first.0.mesh, &turned.0.mesh) && Arc::ptr_eq(&first.1, &turned.1));
+        let alone = Scene::load(&dir.path().join("scene.toml"), &[], 0.0).unwrap();
+        assert!(*turned.0.mesh == *alone.mesh);
+        // the file is another one
+        std::fs::write(dir.path().join("a.obj"), obj(-0.25)).unwrap();
+        let other = load(&library, dir.path(), "");
+        assert_eq!(other.0.mesh.positions[0].x, -0.25);
     }
 }

@@ -116,6 +116,11 @@ fn wrong_lists_are_refused_before_anything_is_rendered() {
     }
     place.write("jobs.txt", "");
     place.refuses(&["batch", "jobs.txt"], 2, "jobs.txt");
+    place.write("jobs.toml", "[[job]]\nscene = \"scene.toml\"\ncolor = \"a.png\"\n");
+    place.refuses(&["batch", "jobs.toml", "--csv", "no/t.csv"], 1, "does not exist; create it first");
+    place.refuses(&["batch", "jobs.toml", "--progress", "fast"], 2, "auto, json, none");
+    place.refuses(&["batch", "jobs.toml", "--adapters", "nothing"], 2, "no such adapter");
+    place.refuses(&["batch"], 2, "JOBS");
     assert!(files(&place, ".png").is_empty());
 }
 
@@ -169,6 +174,15 @@ fn frames_that_overlap_are_those_of_render() {
     place.works(&["batch", "jobs.toml"]);
     let all = written(&place);
     assert_eq!(all.len(), 4 * 2 + 4 * 2);
+    // and on two devices at once
+    clear(&place);
+    let info: serde_json::Value = serde_json::from_str(&place.works(&["info", "--json"])).unwrap();
+    let name = info["adapters"][0]["name"].as_str().and_then(|name| name.split_whitespace().next()).unwrap();
+    place.works(&["batch", "jobs.toml", "--adapters", &format!("{name},{name}"), "--report", "r.json"]);
+    assert!(written(&place) == all);
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path().join("r.json")).unwrap()).unwrap();
+    assert_eq!(report["devices"].as_array().map(Vec::len), Some(2));
     for k in 0..4 {
         let rotate = "mesh.0.rotate=[{frame = 0, value = [0, 0, 0]}, {frame = 9, value = [0, 90, 0]}]";
         let frame = k.to_string();

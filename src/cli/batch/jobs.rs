@@ -1,7 +1,7 @@
 //! The list of jobs: each is a `render` with its flags, for each of its frames and all products of what it sweeps.
 
 use super::names::{fill, plain};
-use crate::cli::args::{Cli, Command, RenderArgs};
+use crate::cli::args::{Cli, Command, EngineName, RenderArgs};
 use crate::cli::refusal;
 use crate::error::{Error, Result};
 use crate::scene::file::reader::{Field, Table};
@@ -83,6 +83,16 @@ impl Jobs {
     /// Frames of all jobs.
     pub fn count(&self) -> usize {
         self.all.iter().map(Job::count).sum()
+    }
+
+    /// Some of them are not by the reference.
+    pub fn need_adapter(&self) -> Result<bool> {
+        for job in self.all.iter().filter(|job| job.count() > 0) {
+            if !matches!(self.task(0, job, 0).args()?.engine, Some(EngineName::Reference)) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// In the order of the file; of a job the last swept key changes first, and frames before that.

@@ -243,10 +243,10 @@ impl Manifest {
     /// Of what a file holds; it is read again once its stamp is another.
     fn hash(&self, path: &Path) -> String {
         let Some(found) = stamp(path) else { return ABSENT.into() };
-        if let Some((known, hash)) = lock(&self.hashes).get(path) {
-            if *known == Some(found) {
-                return hash.clone();
-            }
+        if let Some((known, hash)) = lock(&self.hashes).get(path)
+            && *known == Some(found)
+        {
+            return hash.clone();
         }
         let hashed = File::open(path).and_then(|f| murmur3::murmur3_x64_128(&mut BufReader::new(f), 0));
         let hash = hashed.map_or(ABSENT.into(), |h| format!("{h:032x}"));

@@ -82,6 +82,10 @@ impl Station {
         (Reader { last, planner: planner.as_ref() }, driver)
     }
 
+    pub fn has_adapter(&self) -> bool {
+        self.engine.is_some()
+    }
+
     #[cfg(test)]
     pub fn gpu(&self) -> Option<std::sync::Arc<crate::gpu::Gpu>> {
         self.engine.as_ref().map(|engine| engine.gpu.clone())
@@ -173,7 +177,7 @@ impl Driver<'_> {
                     self.finish(batch, flying.take(), taken, &mut lost);
                 }
                 match guarded(|| self.launch(&next, &mut flying, batch, taken, &mut lost)) {
-                    Ok(Launched::Flight(flight)) => launched = Some((next, flight)),
+                    Ok(Launched::Flight(flight)) => launched = Some((next, *flight)),
                     Ok(Launched::Seen(seen, ms)) => self.hand_on(next, Picture::Seen(seen), ms, taken),
                     Err(e) => self.fault(batch, next, e, &mut lost),
                 }
@@ -219,7 +223,7 @@ impl Driver<'_> {
             *self.frames = Some(engine.place(planned.clone(), &RunOptions::default())?);
         }
         match self.frames.as_mut() {
-            Some(frames) => Ok(Launched::Flight(frames.start()?)),
+            Some(frames) => Ok(Launched::Flight(Box::new(frames.start()?))),
             None => Err(Error::work("no frames")),
         }
     }
@@ -302,6 +306,6 @@ impl Driver<'_> {
 }
 
 enum Launched {
-    Flight(Flight),
+    Flight(Box<Flight>),
     Seen(Box<Seen>, f64),
 }
