@@ -229,6 +229,7 @@ impl Engine {
             kept: None,
             shown: Arc::downgrade(&clustered),
             moving: run.moving.then(|| Arc::unwrap_or_clone(clustered)),
+            is_torn: false,
             is_aimed: false,
             due: Due::All,
             timed: Timed::default(),

@@ -131,7 +131,7 @@ pub struct BatchArgs {
     /// Frames that are written at once [default: one a core]
     #[arg(long = "jobs", value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs_at_once: Option<u16>,
-    /// Adapters to use at once: parts of their names, or all (of software only where there is nothing else)
+    /// Adapters to use at once: parts of their names, their numbers in info from 0, or all (software only where there is nothing else)
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub adapters: Option<Vec<String>>,
     /// Stop at the first frame that fails

@@ -60,9 +60,8 @@ pub fn run(args: &BatchArgs) -> Result<()> {
     let mut stations = stations(args)?;
     let manifest = Manifest::open(&paths.own, &earlier, args.resume)?;
     if args.resume {
-        for folder in folders(&jobs)? {
-            clear_up(&folder)?;
-        }
+        let more = [&args.report, &args.csv].into_iter().flatten().filter_map(|path| folder_of(path));
+        folders(&jobs)?.into_iter().chain(more).try_for_each(|folder| clear_up(&folder))?;
     }
     let board = Board::new(args.progress, args.log.as_deref(), all)?;
     if stations.iter().any(|station| !station.has_adapter()) && jobs.need_adapter()? {
@@ -97,6 +96,7 @@ fn gather(args: &BatchArgs, list: &Path, jobs: &Jobs, manifest: &Manifest) -> Re
             manifest.adopt(&task)?;
             continue;
         }
+        manifest.forget(&task)?;
         missing += 1;
         if named.len() < NAMED {
             named.push(task.name);
@@ -218,7 +218,10 @@ impl<'a> Batch<'a> {
                 Ok(Standing::New) => return Some(task),
                 Ok(Standing::Changed(why)) => {
                     self.board.again(&task, &why);
-                    return Some(task);
+                    match self.manifest.forget(&task) {
+                        Ok(()) => return Some(task),
+                        Err(e) => self.failed(&task, &e),
+                    }
                 }
                 Ok(Standing::Done) => self.board.skipped(&task),
                 Err(e) => self.failed(&task, &e),
@@ -310,17 +313,23 @@ fn folders(jobs: &Jobs) -> Result<BTreeSet<PathBuf>> {
     let mut all = BTreeSet::new();
     for task in jobs.tasks() {
         for path in task.outputs()? {
-            let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned();
-            if folder.is_dir() {
-                all.insert(folder);
-            }
+            all.extend(folder_of(&path));
         }
     }
     Ok(all)
 }
 
+/// The folder that a file goes to, if it is there.
+fn folder_of(path: &Path) -> Option<PathBuf> {
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    folder.is_dir().then(|| folder.to_owned())
+}
+
 fn stations(args: &BatchArgs) -> Result<Vec<Station>> {
-    let named = |name: &String| GpuOptions { adapter: Some(name.clone()), ..GpuOptions::default() };
+    let named = |name: &String| match name.parse() {
+        Ok(passed_over) => GpuOptions { passed_over, ..GpuOptions::default() },
+        Err(_) => GpuOptions { adapter: Some(name.clone()), ..GpuOptions::default() },
+    };
     let options = match args.adapters.as_deref() {
         None | Some([]) => vec![GpuOptions::default()],
         Some([all]) if all == "all" => all_adapters(),

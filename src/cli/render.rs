@@ -32,6 +32,7 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
         return explain_pixel(&scene, &camera, x, y);
     }
     let work = Work::read(args.clone(), &Library::for_once())?;
+    work.check_memory()?;
     progress.now("opening the adapter");
     let is_reference = matches!(args.engine, Some(EngineName::Reference));
     let options = GpuOptions {

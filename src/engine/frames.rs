@@ -56,6 +56,8 @@ pub struct Frames {
     pub(super) shown: Weak<Clustered>,
     /// The same as they are now, where every vertex is new in each timed frame.
     pub(super) moving: Option<Clustered>,
+    /// Something failed while another frame was shown, of which a part may be there.
+    pub(super) is_torn: bool,
     /// The camera is not that of the first frame any more.
     pub(super) is_aimed: bool,
     /// What the picture does not show yet.
@@ -306,8 +308,9 @@ impl Frames {
         if let Some(rival) = &self.rival {
             rival.check(&self.gpu)?;
         }
-        let took = Rendered { frame_ms, stages: medians(stages), grown, ..self.took(&first, &words) };
-        let own = Landed { sight: self.sight(), words, rest: took }.rendered();
+        let sight = self.sight();
+        let rest = Rendered { frame_ms, stages: medians(stages), grown, ..self.took(&sight.plan, &first, &words) };
+        let own = Landed { sight, words, rest }.rendered();
         match painter {
             Some(painter) => painter.joined(own),
             None => Ok(own),
@@ -327,9 +330,11 @@ impl Frames {
         if !is_plain || is_turned || scene.caustics.is_some() || !is_as_large || !is_wanted {
             return Ok(false);
         }
-        let has_triangles = self.shown.ptr_eq(&Arc::downgrade(clustered));
-        let has_plan = Arc::ptr_eq(plan, &self.plan);
-        let is_placed_alike = Arc::ptr_eq(&scene.mesh, &self.scene.mesh) && plan.anchor == self.plan.anchor;
+        // until all is there nothing counts as the same
+        let is_whole = !std::mem::replace(&mut self.is_torn, true);
+        let has_triangles = is_whole && self.shown.ptr_eq(&Arc::downgrade(clustered));
+        let has_plan = is_whole && Arc::ptr_eq(plan, &self.plan);
+        let is_placed_alike = is_whole && Arc::ptr_eq(&scene.mesh, &self.scene.mesh) && plan.anchor == self.plan.anchor;
         if !has_triangles {
             self.resident.upload_scene(&self.gpu, clustered)?;
             self.shown = Arc::downgrade(clustered);
@@ -347,7 +352,7 @@ impl Frames {
         }
         (self.scene, self.camera) = (scene.clone(), camera.clone());
         (self.plan, self.arrangement, self.wanted) = (plan.clone(), arrangement.clone(), wanted.clone());
-        self.due = Due::All;
+        (self.due, self.is_torn) = (Due::All, false);
         Ok(true)
     }
 
@@ -361,34 +366,38 @@ impl Frames {
         Ok(Flight { submitted, readings, sight: self.sight(), capacities, raster_rounds, started })
     }
 
-    /// Waits for a frame, of whatever was shown then. `None`: the lists between the stages did not hold everything, and are larger now;
-    /// show it again and start again.
-    pub fn land(&mut self, flight: Flight) -> Result<Option<Landed>> {
+    /// Waits for a frame of `planned`, whatever is shown by now. Where the lists between the stages did not hold everything it is shown and
+    /// started again with larger ones.
+    pub fn settle(&mut self, planned: &Planned, flight: Flight) -> Result<Landed> {
+        let mut flight = flight;
+        loop {
+            match self.land(flight)? {
+                Ok(landed) => return Ok(landed),
+                Err(short) => {
+                    // what there is to be room for is this frame's
+                    if !self.show(planned)? {
+                        return Err(Error::work("a frame cannot be shown again"));
+                    }
+                    self.make_room(short)?;
+                    flight = self.start()?;
+                }
+            }
+        }
+    }
+
+    /// Waits for a frame; or what its lists lacked.
+    fn land(&mut self, flight: Flight) -> Result<std::result::Result<Landed, Shortage>> {
         let Flight { submitted, readings, sight, capacities, raster_rounds, started } = flight;
         wait_for(&self.gpu, &submitted.recorded.submission)?;
         let words = readings.words(&self.gpu, &submitted)?;
-        if !self.held(&words.status, capacities, raster_rounds)? {
-            return Ok(None);
+        if let Some(short) = self.shortage(&words.status, capacities, raster_rounds) {
+            return Ok(Err(short));
         }
         let frame_ms = vec![started.elapsed().as_secs_f64() * 1e3];
         let stages = words.stages.clone();
-        let rest = Rendered { frame_ms, stages, grown: self.timed.grown, ..self.took(&submitted, &words) };
-        Ok(Some(Landed { sight, words, rest }))
-    }
-
-    /// As [`Frames::land`], of a frame of `planned`, which is shown and started again until its lists hold everything.
-    pub fn settle(&mut self, planned: &Planned, flight: Flight) -> Result<Landed> {
-        let mut landed = self.land(flight)?;
-        loop {
-            if let Some(landed) = landed {
-                return Ok(landed);
-            }
-            if !self.show(planned)? {
-                return Err(Error::work("a frame cannot be shown again"));
-            }
-            let flight = self.start()?;
-            landed = self.land(flight)?;
-        }
+        let grown = self.timed.grown;
+        let rest = Rendered { frame_ms, stages, grown, ..self.took(&sight.plan, &submitted, &words) };
+        Ok(Ok(Landed { sight, words, rest }))
     }
 
     fn sight(&self) -> Sight {
@@ -400,15 +409,15 @@ impl Frames {
         }
     }
 
-    /// What a frame counted and what is held for it; no picture and no times.
-    fn took(&self, submitted: &Submitted, words: &Words) -> Rendered {
-        let mut left_out = self.plan.left_out.clone();
+    /// What a frame of a plan counted and what is held now; no picture and no times.
+    fn took(&self, plan: &Plan, submitted: &Submitted, words: &Words) -> Rendered {
+        let mut left_out = plan.left_out.clone();
         if self.resident.without_area > 0 {
             let what = format!("{} triangles", self.resident.without_area);
             left_out.push(LeftOut { what, why: "they have no area".into() });
         }
         Rendered {
-            frame: Frame { width: self.camera.width, height: self.plan.rows(), planes: Vec::new() },
+            frame: Frame { width: self.camera.width, height: plan.rows(), planes: Vec::new() },
             sample_ids: Vec::new(),
             srgb8: None,
             frame_ms: Vec::new(),
@@ -436,11 +445,14 @@ impl Frames {
 
     /// Makes room for what the counters of a frame demanded; whether there was enough.
     fn fits(&mut self, status: &[u32]) -> Result<bool> {
-        self.held(status, self.resident.capacities, self.resident.raster_rounds)
+        match self.shortage(status, self.resident.capacities, self.resident.raster_rounds) {
+            Some(short) => self.make_room(short).map(|()| false),
+            None => Ok(true),
+        }
     }
 
-    /// The same of a frame whose lists held so much.
-    fn held(&mut self, status: &[u32], have: Capacities, raster_rounds: u32) -> Result<bool> {
+    /// What a frame lacked whose lists held so much.
+    fn shortage(&self, status: &[u32], have: Capacities, raster_rounds: u32) -> Option<Shortage> {
         let most = |counter: u32| {
             status.chunks_exact(COUNTERS as usize).map(|s| s[counter as usize]).max().unwrap_or(0) as u64
         };
@@ -456,16 +468,24 @@ impl Frames {
             need.queue <= have.queue && need.work <= have.work && need.tasks <= have.tasks && need.pairs <= have.pairs;
         let is_left = |job: &[u32]| job[COUNT_BUSY as usize] > job[COUNT_BUSY_END as usize];
         let is_done = !self.plan.variant.by_tile || !status.chunks_exact(COUNTERS as usize).any(is_left);
-        if fits && need.doubts <= have.doubts && need.edges <= have.edges && is_done {
-            return Ok(true);
-        }
-        self.timed.grown += 1;
-        if !is_done && raster_rounds == self.resident.raster_rounds {
-            self.resident.raster_rounds *= 2;
-        }
-        self.resident.grow(&self.gpu, &self.camera, &self.plan, need)?;
-        Ok(false)
+        let has_all = fits && need.doubts <= have.doubts && need.edges <= have.edges && is_done;
+        (!has_all).then_some(Shortage { need, rounds: (!is_done).then_some(2 * raster_rounds) })
     }
+
+    fn make_room(&mut self, short: Shortage) -> Result<()> {
+        self.timed.grown += 1;
+        if let Some(rounds) = short.rounds {
+            self.resident.raster_rounds = self.resident.raster_rounds.max(rounds);
+        }
+        self.resident.grow(&self.gpu, &self.camera, &self.plan, short.need)
+    }
+}
+
+/// What the lists of a frame lacked.
+struct Shortage {
+    need: Capacities,
+    /// How often raster is to go over the busy tiles, where it left some.
+    rounds: Option<u32>,
 }
 
 fn counts(status: &[u32]) -> Counts {

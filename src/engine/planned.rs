@@ -14,7 +14,7 @@ use crate::scene::style::Style;
 use std::sync::Arc;
 
 /// Plans for an adapter.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Planner {
     /// The adapter's name.
     pub name: String,

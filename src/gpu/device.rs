@@ -102,6 +102,13 @@ impl Gpu {
         let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
         let wanted = options.adapter.as_deref().map(str::to_lowercase);
         let adapter = match &wanted {
+            None if options.passed_over >= adapters.len() && !adapters.is_empty() => {
+                let (number, count) = (options.passed_over, adapters.len());
+                return Err(Error::input(format!(
+                    "no adapter number {number}: there are {count}, from 0: {}",
+                    names.join(", ")
+                )));
+            }
             None => adapters.into_iter().nth(options.passed_over),
             Some(w) => {
                 let named = |a: &wgpu::Adapter| a.get_info().name.to_lowercase().contains(w);

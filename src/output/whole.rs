@@ -144,8 +144,9 @@ pub fn clear_up(folder: &Path) -> Result<()> {
         let entry = entry.map_err(failed)?;
         let name = entry.file_name();
         let is_ours = name.to_str().is_some_and(|n| n.starts_with(NAME[0]) && n.ends_with(NAME[1]));
-        let is_left = || File::open(entry.path()).is_ok_and(|f| f.try_lock().is_ok());
-        if is_ours && is_left() {
+        let locked = || File::open(entry.path()).ok().filter(|file| file.try_lock().is_ok());
+        // held until it is gone, so that nobody takes it for its own
+        if let Some(_locked) = is_ours.then(locked).flatten() {
             match fs::remove_file(entry.path()) {
                 Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(failed(e)),
                 _ => {}

@@ -125,7 +125,7 @@ pub fn nets(table: &CurveTable, tiles_x: u32) -> Vec<Option<Net>> {
             Some((place_in_tile(i, j), table.get(layer, x * TILE + i, table.row + y * TILE + j)?.1))
         };
         let (places, curves): (Vec<DVec2>, Vec<Curve>) = pixels.filter_map(at).unzip();
-        let point = |m: usize| affine(&places, &curves.iter().map(|c| c.points()[m]).collect::<Vec<_>>());
+        let point = |m: usize| affine(places.iter().zip(&curves).map(|(place, c)| (*place, c.points()[m])));
         (!places.is_empty()).then(|| Net { points: (0..=table.degree as usize).map(point).collect() })
     };
     (0..layers as u32 * tiles_y * tiles_x).into_par_iter().map(net).collect()

@@ -1,6 +1,6 @@
 //! Rays of a part of the image as one affine bundle, and how far they may lie from it.
 
-use super::tiles::{Sample, Sampled};
+use super::tiles::Sampled;
 use crate::gpu::rows::{self, RAYS_AFFINE, RAYS_LOOSE};
 use glam::{DVec2, DVec3};
 
@@ -28,17 +28,17 @@ pub const STRAY_SIZE: f64 = 1.0 / (1u64 << 12) as f64;
 
 /// The affine function nearest to values at places, by least squares: value in the middle and slopes; and the largest
 /// distance that remains. At least one place.
-pub fn affine(places: &[DVec2], values: &[DVec3]) -> ([DVec3; 3], f64) {
-    let n = places.len() as f64;
-    let middle = places.iter().sum::<DVec2>() / n;
-    let mean = values.iter().sum::<DVec3>() / n;
+pub fn affine(pairs: impl Iterator<Item = (DVec2, DVec3)> + Clone) -> ([DVec3; 3], f64) {
+    let n = pairs.clone().count() as f64;
+    let middle = pairs.clone().map(|(place, _)| place).sum::<DVec2>() / n;
+    let mean = pairs.clone().map(|(_, value)| value).sum::<DVec3>() / n;
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
     let mut right = [DVec3::ZERO; 2];
-    for (place, value) in places.iter().zip(values) {
-        let q = *place - middle;
+    for (place, value) in pairs.clone() {
+        let q = place - middle;
         (xx, xy, yy) = (xx + q.x * q.x, xy + q.x * q.y, yy + q.y * q.y);
-        right[0] += q.x * (*value - mean);
-        right[1] += q.y * (*value - mean);
+        right[0] += q.x * (value - mean);
+        right[1] += q.y * (value - mean);
     }
     let det = xx * yy - xy * xy;
     // places on a line fix no plane: the mean alone, and honest radii
@@ -46,8 +46,8 @@ pub fn affine(places: &[DVec2], values: &[DVec3]) -> ([DVec3; 3], f64) {
     let x = inverse[0] * right[0] + inverse[1] * right[1];
     let y = inverse[1] * right[0] + inverse[2] * right[1];
     let fit = [mean - middle.x * x - middle.y * y, x, y];
-    let far = |(q, v): (&DVec2, &DVec3)| (fit[0] + q.x * fit[1] + q.y * fit[2] - *v).length();
-    (fit, places.iter().zip(values).map(far).fold(0.0, f64::max))
+    let far = |(q, v): (DVec2, DVec3)| (fit[0] + q.x * fit[1] + q.y * fit[2] - v).length();
+    (fit, pairs.map(far).fold(0.0, f64::max))
 }
 
 impl Fit {
@@ -56,10 +56,8 @@ impl Fit {
         if sampled.samples.is_empty() {
             return Fit::default();
         }
-        let list = |f: fn(&Sample) -> DVec3| sampled.samples.iter().map(f).collect::<Vec<_>>();
-        let places: Vec<DVec2> = sampled.samples.iter().map(|s| s.place).collect();
-        let (p, off_p) = affine(&places, &list(|s| s.p));
-        let (d, off_d) = affine(&places, &list(|s| s.d));
+        let (p, off_p) = affine(sampled.samples.iter().map(|s| (s.place, s.p)));
+        let (d, off_d) = affine(sampled.samples.iter().map(|s| (s.place, s.d)));
         let (r_p, r_d) = (off_p + sampled.r_p, off_d + sampled.r_d);
         let mut fit = Fit { p, d, r_p, r_d, rays: RAYS_LOOSE };
         let (size_p, size_d) = fit.sizes();

@@ -164,12 +164,13 @@ impl Cutting<'_> {
 
     /// The cells of a tile of straight rays, and what bounds them.
     fn straight(&self, at: Place) -> (Owned, Bounds) {
+        if let (Rays::Field(field), true) = (&self.camera.layers[at.layer], self.places.is_empty()) {
+            return self.of_field(at, field);
+        }
         let owned = self.owned(at);
         let fit = |owned: &[Share]| Fit::of(&Sampled { samples: self.samples(at, owned), ..Sampled::default() });
         let whole = fit(&owned);
         let owned = match (&self.camera.layers[at.layer], owned.as_slice()) {
-            // all rays bounded well enough together are so by themselves; samples beside the centres may be torn where those are not
-            (Rays::Field(_), [_]) if self.places.is_empty() && !whole.strays() => owned,
             (Rays::Field(field), [share]) if !field.is_sorted => self.torn(at, share, field),
             // of sorted rays no cut leaves any nearer to each other
             _ => owned,
@@ -179,6 +180,35 @@ impl Cutting<'_> {
         } else {
             Vec::new()
         };
+        (owned, Bounds { whole, each })
+    }
+
+    /// The same of a field's rays through pixel centres alone, each of which is asked for once.
+    fn of_field(&self, at: Place, field: &Field) -> (Owned, Bounds) {
+        let (left, top) = (at.x * TILE, at.y * TILE);
+        let (columns, rows) = ((self.camera.width - left).min(TILE), (self.row + self.rows - top).min(TILE));
+        let mut mask = 0;
+        let mut samples = Vec::with_capacity((TILE * TILE) as usize);
+        for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {
+            if let Some((p, d)) = field.ray(left + x, top + y) {
+                mask |= 1u64 << (y * TILE + x);
+                samples.push(Sample { place: place_in_tile(x, y), p: p - self.anchor, d });
+            }
+        }
+        if mask == 0 {
+            return Default::default();
+        }
+        let share = Share { piece: 0, mask, samples: Vec::new() };
+        let sampled = Sampled { samples, ..Sampled::default() };
+        let whole = Fit::of(&sampled);
+        // of sorted rays no cut leaves any nearer to each other
+        if field.is_sorted || !whole.strays() {
+            return (vec![share], Bounds { whole, each: Vec::new() });
+        }
+        let parts = tear(Part { mask, samples: sampled.samples });
+        let owned = parts.iter().map(|part| share.within(part.mask)).collect();
+        let fit = |part: Part| Fit::of(&Sampled { samples: part.samples, ..Sampled::default() });
+        let each = if parts.len() > 1 { parts.into_iter().map(fit).collect() } else { Vec::new() };
         (owned, Bounds { whole, each })
     }
 

@@ -46,13 +46,12 @@ struct Kept<K, V> {
     key: K,
     value: Arc<V>,
     inputs: Inputs,
-    /// Parts that were asked for since this one was.
+    /// Scenes that were asked for since one had it.
     age: usize,
 }
 
-/// Parts that are asked for before one of them is given up that is none of them.
-const MESHES_KEPT: usize = 64;
-const OTHERS_KEPT: usize = 2;
+/// Scenes that come before a part is given up that none of them has: frames of two jobs may come in turn.
+const SCENES: usize = 2;
 
 impl<K, V> Default for Shelf<K, V> {
     fn default() -> Self {
@@ -61,17 +60,22 @@ impl<K, V> Default for Shelf<K, V> {
 }
 
 impl<K: PartialEq + Clone, V> Shelf<K, V> {
-    /// The part that is there, if it would be the same now and `suits`; else as `make` makes it. At most `most` are kept.
+    /// Another scene comes.
+    fn turn(&self) {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.iter_mut().for_each(|k| k.age += 1);
+        kept.retain(|k| k.age <= SCENES);
+    }
+
+    /// The part that is there, if it would be the same now and `suits`; else as `make` makes it, which is kept if `keeps`.
     fn get(
         &self,
         key: &K,
-        most: usize,
+        keeps: bool,
         suits: impl Fn(&V) -> bool,
         make: impl FnOnce() -> Result<V>,
     ) -> Result<Arc<V>> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.iter_mut().for_each(|k| k.age += 1);
-        kept.retain(|k| k.age <= most);
         if let Some(known) = kept.iter_mut().find(|k| k.key == *key && suits(&k.value))
             && known.inputs.are_current()
         {
@@ -83,7 +87,7 @@ impl<K: PartialEq + Clone, V> Shelf<K, V> {
         drop(kept);
         let (value, inputs) = noted(make);
         let value = Arc::new(value?);
-        if most == 0 {
+        if !keeps {
             return Ok(value);
         }
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
@@ -99,19 +103,20 @@ impl Library {
         Library { is_for_once: true, ..Library::default() }
     }
 
-    fn kept(&self, most: usize) -> usize {
-        if self.is_for_once { 0 } else { most }
-    }
-
     /// A scene with everything that its file names.
     ///
     /// # Errors
     /// [`Error::Input`] naming the file or the key that is wrong.
     pub fn scene(&self, file: SceneFile) -> Result<Scene> {
+        self.meshes.turn();
+        self.merged.turn();
+        self.skies.turn();
+        self.caustics.turn();
+        self.cameras.turn();
         let mut images = Images::default();
         let merged = self.merged.get(
             &file.meshes,
-            self.kept(OTHERS_KEPT),
+            !self.is_for_once,
             |_| true,
             || {
                 let meshes = file.meshes.iter().map(|m| self.placed(m, &mut images)).collect::<Result<Vec<Mesh>>>()?;
@@ -134,11 +139,10 @@ impl Library {
         let is_of = |known: &(Arc<Caustics>, Arc<Mesh>)| Arc::ptr_eq(&known.1, &mesh);
         let lit = |spec: &CausticsSpec| {
             self.caustics
-                .get(spec, self.kept(OTHERS_KEPT), is_of, || Ok((Arc::new(Caustics::new(spec, &mesh)?), mesh.clone())))
+                .get(spec, !self.is_for_once, is_of, || Ok((Arc::new(Caustics::new(spec, &mesh)?), mesh.clone())))
         };
         let caustics = file.caustics.as_ref().map(lit).transpose()?;
-        let sky =
-            |spec: &SkySpec| self.skies.get(spec, self.kept(OTHERS_KEPT), |_| true, || Sky::new(spec, &mut images));
+        let sky = |spec: &SkySpec| self.skies.get(spec, !self.is_for_once, |_| true, || Sky::new(spec, &mut images));
         let sky = file.sky.as_ref().map(sky).transpose()?;
         Ok(Scene {
             mesh: mesh.clone(),
@@ -171,13 +175,13 @@ impl Library {
             let (camera, looked) = Camera::looking(&key.0, key.1, &scene.mesh)?;
             Ok((Arc::new(camera), Around { looked, mesh: scene.mesh.clone() }))
         };
-        Ok(self.cameras.get(&key, self.kept(OTHERS_KEPT), suits, make)?.0.clone())
+        Ok(self.cameras.get(&key, !self.is_for_once, suits, make)?.0.clone())
     }
 
     /// A mesh where it is in the scene.
     fn placed(&self, spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
         let own = MeshSpec { scale: DVec3::ONE, rotate: DVec3::ZERO, translate: DVec3::ZERO, ..spec.clone() };
-        let mesh = self.meshes.get(&own, self.kept(MESHES_KEPT), |_| true, || load_unplaced(&own, images))?;
+        let mesh = self.meshes.get(&own, !self.is_for_once, |_| true, || load_unplaced(&own, images))?;
         let mesh = Arc::try_unwrap(mesh).unwrap_or_else(|kept| (*kept).clone());
         Ok(place::place(mesh, spec.scale, spec.rotate, spec.translate))
     }

@@ -262,6 +262,18 @@ fn shards_are_the_whole_list_and_are_gathered() {
         all += before.unwrap_or_else(|| panic!("{line}")).parse::<u32>().unwrap();
     }
     assert_eq!(all, 11);
+    // what the shards did last counts, not what was gathered before
+    let scene = std::fs::read_to_string(place.path().join("scene.toml")).unwrap();
+    place.write("scene.toml", scene + "# another\n");
+    let ran = place.run(&["batch", "jobs.toml", "--gather"]);
+    assert!(ran.code == 1 && ran.err.contains("11 of 11 frames are not done"), "{}", ran.err);
+    for shard in ["1/2", "2/2"] {
+        let ran = place.run(&["batch", "jobs.toml", "--shard", shard, "--resume"]);
+        assert!(ran.code == 0 && ran.err.contains("scene.toml is another"), "{}", ran.err);
+    }
+    // by another spelling of the list's name too
+    let list = place.path().join("jobs.toml");
+    assert!(place.works(&["batch", list.to_str().unwrap(), "--gather"]).ends_with("jobs.toml: 11 frames\n"));
     place.refuses(&["batch", "jobs.toml", "--shard", "3/2"], 2, "write it as I/N");
 }
 

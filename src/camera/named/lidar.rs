@@ -9,6 +9,8 @@ use crate::output::read_npy_rows;
 use crate::scene::file::check_size;
 use crate::scene::file::reader::{Field, Table};
 use glam::DVec3;
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash, Hasher};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -52,6 +54,14 @@ fn read_list(file: &Field) -> Result<Arc<dyn Recipe>> {
     Ok(Arc::new(List { path, rays: rows.into_iter().map(ray).collect() }))
 }
 
+/// Of all numbers of rays.
+fn hash_of(rays: &[Ray]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    let numbers = rays.iter().flat_map(|ray| ray.origin.to_array().into_iter().chain(ray.direction.to_array()));
+    numbers.for_each(|v| v.to_bits().hash(&mut hasher));
+    hasher.finish()
+}
+
 /// Rays in no order but their own.
 struct List {
     path: PathBuf,
@@ -59,9 +69,9 @@ struct List {
 }
 
 impl std::fmt::Debug for List {
-    /// The file stands for its rays.
+    /// The file, and a hash of its rays: too many to be shown.
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(f, "List {:?}", self.path)
+        write!(f, "List {:?} {:016x}", self.path, hash_of(&self.rays))
     }
 }
 
@@ -103,7 +113,7 @@ struct Pixels {
 
 impl std::fmt::Debug for Pixels {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(f, "{} rays in {:?}", self.rays.len(), self.size)
+        write!(f, "{} rays {:016x} in {:?}", self.rays.len(), hash_of(&self.rays), self.size)
     }
 }
 

@@ -75,7 +75,8 @@ impl Jobs {
             let list = table.need("job", "[{ scene = \"scene.toml\", color = \"out-{frame:04}.png\" }]")?;
             list.items("a list of jobs, as [[job]]")?.enumerate().map(|(k, job)| read_job(k, &job, path)).collect()
         })?;
-        let jobs = Jobs { all, dir: path.parent().unwrap_or(Path::new("")).to_owned() };
+        let dir = absolute(path).parent().unwrap_or(Path::new("")).to_owned();
+        let jobs = Jobs { all, dir };
         jobs.check(path)?;
         Ok(jobs)
     }
@@ -168,7 +169,8 @@ impl Task<'_> {
 
     /// A path as from the folder of the list, where it is in there.
     pub fn short(&self, path: &Path) -> PathBuf {
-        path.strip_prefix(self.dir).unwrap_or(path).to_owned()
+        let whole = absolute(path);
+        whole.strip_prefix(self.dir).map_or(whole.clone(), Path::to_owned)
     }
 
     /// And back.
@@ -206,6 +208,11 @@ impl Task<'_> {
         let value = |key: &str| if key == "frame" { Some(self.frame.to_string()) } else { swept(key) };
         fill(text, value).map_err(|e| Error::input(format!("{}: {e}", self.job.key)))
     }
+}
+
+/// However it is spelled; not where links lead.
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 fn is_output(flag: &str) -> bool {

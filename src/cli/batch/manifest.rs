@@ -15,6 +15,7 @@ use std::hash::{Hash, Hasher};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// What is known of the frames of a list.
 pub struct Manifest {
@@ -33,6 +34,16 @@ struct Line {
     file: usize,
     start: u64,
     ms: f32,
+    made_ms: u64,
+}
+
+/// Which of two lines of a frame counts.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Counts {
+    /// The one that was made last.
+    Newest,
+    /// The one that was read first.
+    First,
 }
 
 /// What frames took when they were last done.
@@ -44,7 +55,8 @@ impl Costs {
     pub fn read(path: &Path) -> Result<Costs> {
         let mut lines = HashMap::new();
         if let Ok(file) = File::open(path) {
-            read_lines(0, &file, &mut lines).map_err(|e| failure(path, &e))?;
+            // what is gathered later must not change what shards there are
+            read_lines(0, &file, &mut lines, Counts::First).map_err(|e| failure(path, &e))?;
         }
         Ok(Costs(lines))
     }
@@ -66,6 +78,8 @@ pub struct Done {
     /// The hash of each file that was looked for.
     inputs: BTreeMap<PathBuf, String>,
     outputs: BTreeMap<PathBuf, Output>,
+    /// When it was done, milliseconds after 1970.
+    made_ms: u64,
     /// For how long it kept the device busy.
     pub ms: f64,
     pub adapter: String,
@@ -131,7 +145,7 @@ impl Manifest {
         }
         files.push(Mutex::new(File::open(path).map_err(failed)?));
         for (k, file) in files.iter().enumerate() {
-            read_lines(k, &lock(file), &mut lines).map_err(failed)?;
+            read_lines(k, &lock(file), &mut lines, Counts::Newest).map_err(failed)?;
         }
         let (lines, hashes) = (Mutex::new(lines), Mutex::default());
         Ok(Manifest { own: Mutex::new(own), path: path.to_owned(), files, lines, hashes })
@@ -187,12 +201,21 @@ impl Manifest {
                 outputs.insert(task.short(&path), Output { bytes, modified_ns, hash: self.hash(&path) });
             }
         }
+        let mut found: BTreeMap<PathBuf, String> = BTreeMap::new();
+        for (path, stamp) in inputs.files() {
+            let hash = self.hash_as_found(path, stamp);
+            let first = found.entry(task.short(path)).or_insert_with(|| hash.clone());
+            if *first != hash {
+                *first = CHANGED.into();
+            }
+        }
         let done = Done {
             frame: task.name.clone(),
             version: env!("CARGO_PKG_VERSION").into(),
             settings: task.settings()?,
-            inputs: inputs.files().map(|(path, found)| (task.short(path), self.hash_as_found(path, found))).collect(),
+            inputs: found,
             outputs,
+            made_ms: nanoseconds(SystemTime::now()) / 1_000_000,
             ms,
             adapter: written.adapter.clone(),
             triangles: written.triangles,
@@ -216,8 +239,14 @@ impl Manifest {
             let _ = own.set_len(start);
             return Err(failed(e));
         }
-        let line = Line { file: self.files.len() - 1, start, ms: done.ms as f32 };
+        let line = Line { file: self.files.len() - 1, start, ms: done.ms as f32, made_ms: done.made_ms };
         lock(&self.lines).insert(key(task)?, line);
+        Ok(())
+    }
+
+    /// Knows nothing of a frame any more, until it is done again.
+    pub fn forget(&self, task: &Task) -> Result<()> {
+        lock(&self.lines).remove(&key(task)?);
         Ok(())
     }
 
@@ -305,22 +334,27 @@ fn whole_lines(file: &File) -> io::Result<u64> {
 }
 
 /// Adds the lines of file number `k`; what is no line of a frame is none.
-fn read_lines(k: usize, file: &File, lines: &mut HashMap<u64, Line>) -> io::Result<()> {
+fn read_lines(k: usize, file: &File, lines: &mut HashMap<u64, Line>, counts: Counts) -> io::Result<()> {
     /// As much of a line as tells its frame.
     #[derive(Deserialize)]
     struct Head {
         outputs: BTreeMap<PathBuf, serde::de::IgnoredAny>,
         settings: Vec<String>,
+        made_ms: u64,
         ms: f64,
     }
     let mut reader = BufReader::new(file);
     let (mut start, mut text) = (0, Vec::new());
     while reader.read_until(b'\n', &mut text)? > 0 {
-        if let Ok(Head { outputs, settings, ms }) = serde_json::from_slice(&text) {
+        if let Ok(Head { outputs, settings, made_ms, ms }) = serde_json::from_slice(&text) {
             // outputs are words of the settings, in their order
             let first = settings.iter().map(Path::new).find(|word| outputs.contains_key(*word));
             if let Some(first) = first {
-                lines.insert(key_of(first), Line { file: k, start, ms: ms as f32 });
+                let own = Line { file: k, start, ms: ms as f32, made_ms };
+                let kept = lines.entry(key_of(first)).or_insert(own);
+                if counts == Counts::Newest && kept.made_ms <= made_ms {
+                    *kept = own;
+                }
             }
         }
         start += text.len() as u64;
@@ -330,8 +364,8 @@ fn read_lines(k: usize, file: &File, lines: &mut HashMap<u64, Line>) -> io::Resu
 }
 
 /// Nanoseconds after 1970.
-fn nanoseconds(time: std::time::SystemTime) -> u64 {
-    time.duration_since(std::time::UNIX_EPOCH).map_or(0, |d| d.as_nanos() as u64)
+fn nanoseconds(time: SystemTime) -> u64 {
+    time.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos() as u64)
 }
 
 /// The words of a command line that another one does not have, or has in other places.

@@ -38,6 +38,10 @@ def with_parent():
 def shard(program, jobs, index, count):
     """Renders one shard: its exit code, the counts of its last line, and what it said on stderr."""
     command = [program, "batch", jobs, "--shard", f"{index}/{count}", "--resume", "--progress", "json"]
+    gpus = ray.get_gpu_ids()
+    if gpus:
+        # Vulkan takes no notice of CUDA_VISIBLE_DEVICES; the numbers of a node's GPUs stand for its adapters'
+        command += ["--adapters", ",".join(str(gpu) for gpu in gpus)]
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=with_parent
     )

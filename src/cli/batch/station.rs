@@ -78,7 +78,7 @@ impl Station {
     pub fn parts(&mut self) -> (Reader<'_>, Driver<'_>) {
         let Station { options, engine, frames, last, planner, until, busy, reopened } = self;
         *until = Instant::now();
-        let driver = Driver { options, engine, frames, until, busy, reopened };
+        let driver = Driver { options, engine, frames, until, busy, reopened, is_doubtful: false };
         (Reader { last, planner: planner.as_ref() }, driver)
     }
 
@@ -127,6 +127,7 @@ impl Reader<'_> {
         let (work, inputs) = crate::inputs::noted(|| Work::read_of_many(args, batch.library()));
         let work = work?;
         let held = batch.room().hold(work.bytes());
+        work.check_memory()?;
         let planned = match self.planner {
             Some(planner) => {
                 let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).clone();
@@ -150,6 +151,8 @@ pub struct Driver<'s> {
     until: &'s mut Instant,
     busy: &'s mut Duration,
     reopened: &'s mut u32,
+    /// Something failed in the middle: what is on the device may be of two frames.
+    is_doubtful: bool,
 }
 
 impl Driver<'_> {
@@ -176,15 +179,25 @@ impl Driver<'_> {
                 if is_alone {
                     self.finish(batch, flying.take(), taken, &mut lost);
                 }
-                match guarded(|| self.launch(&next, &mut flying, batch, taken, &mut lost)) {
-                    Ok(Launched::Flight(flight)) => launched = Some((next, *flight)),
-                    Ok(Launched::Seen(seen, ms)) => self.hand_on(next, Picture::Seen(seen), ms, taken),
-                    Err(e) => self.fault(batch, next, e, &mut lost),
+                if self.has_lost() {
+                    // no fault of this one
+                    lost.push(next);
+                } else {
+                    match guarded(|| self.launch(&next, &mut flying, batch, taken, &mut lost)) {
+                        Ok(Launched::Flight(flight)) => launched = Some((next, *flight)),
+                        Ok(Launched::Seen(seen, ms)) => self.hand_on(next, Picture::Seen(seen), ms, taken),
+                        Ok(Launched::Not) => lost.push(next),
+                        Err(e) => self.fault(batch, next, e, &mut lost),
+                    }
                 }
             }
             let landing = flying.take();
             self.finish(batch, landing, taken, &mut lost);
             flying = launched;
+            if self.is_doubtful && !self.has_lost() {
+                self.finish(batch, flying.take(), taken, &mut lost);
+                (*self.frames, self.is_doubtful) = (None, false);
+            }
             if !lost.is_empty() || self.has_lost() {
                 lost.extend(flying.take().map(|(ready, _)| ready));
                 again.extend(lost);
@@ -218,6 +231,9 @@ impl Driver<'_> {
         if !is_shown {
             // those that fly are of what was there
             self.finish(batch, flying.take(), taken, lost);
+            if self.has_lost() {
+                return Ok(Launched::Not);
+            }
             *self.frames = None;
             let Some(engine) = self.engine.as_mut() else { return Err(Error::work("no adapter")) };
             *self.frames = Some(engine.place(planned.clone(), &RunOptions::default())?);
@@ -254,15 +270,18 @@ impl Driver<'_> {
         frames.settle(planned, flight)
     }
 
-    fn hand_on<'a>(&self, ready: Ready<'a>, picture: Picture, ms: f64, taken: &Sender<Taken<'a>>) {
+    fn hand_on<'a>(&self, mut ready: Ready<'a>, picture: Picture, ms: f64, taken: &Sender<Taken<'a>>) {
         let device = Backend::device_of(self.engine.as_ref(), ready.work.args());
+        // what was sent is not needed any more
+        ready.planned = None;
         // who writes is there as long as this is
         let _ = taken.send(Taken { ready, picture, device, ms });
     }
 
     /// A frame has failed, unless it was the device that did.
-    fn fault<'a>(&self, batch: &Batch<'a>, mut ready: Ready<'a>, error: Error, lost: &mut Vec<Ready<'a>>) {
+    fn fault<'a>(&mut self, batch: &Batch<'a>, mut ready: Ready<'a>, error: Error, lost: &mut Vec<Ready<'a>>) {
         ready.losses += 1;
+        self.is_doubtful = true;
         if self.has_lost() && ready.losses < LOSSES_MAX {
             lost.push(ready);
         } else {
@@ -276,8 +295,9 @@ impl Driver<'_> {
     }
 
     fn reopen(&mut self, batch: &Batch) -> Result<()> {
+        let planner = self.engine.as_ref().map(Engine::planner);
         let why = self.engine.as_ref().and_then(|engine| engine.gpu.failure().err());
-        (*self.frames, *self.engine) = (None, None);
+        (*self.frames, *self.engine, self.is_doubtful) = (None, None, false);
         *self.reopened += 1;
         batch.note(&format!("the device is opened again: {}", why.map(|e| e.to_string()).unwrap_or_default()));
         let mut opened = Engine::open(self.options);
@@ -289,8 +309,9 @@ impl Driver<'_> {
             opened = Engine::open(self.options);
         }
         *self.engine = opened?;
-        match self.engine {
-            Some(_) => Ok(()),
+        match &*self.engine {
+            Some(engine) if Some(engine.planner()) == planner => Ok(()),
+            Some(_) => Err(Error::work("the device was lost, and another one is there now; resume on it")),
             None => Err(Error::work("the device was lost, and there is none any more; resume where there is one")),
         }
     }
@@ -308,4 +329,6 @@ impl Driver<'_> {
 enum Launched {
     Flight(Box<Flight>),
     Seen(Box<Seen>, f64),
+    /// The device was lost with the frame before.
+    Not,
 }

@@ -60,7 +60,7 @@ impl Strips<'_> {
             match (rendered, written) {
                 // what is written lacks what was not rendered
                 (Err(e), _) | (Ok(_), Err(e)) => Err(e),
-                (Ok(took), Ok(())) => Ok(took),
+                (Ok(took), Ok(())) => took.ok_or_else(|| Error::work("no strip was rendered")),
             }
         });
         let frame = Frame { width: self.camera.width, height: self.camera.height, planes: Vec::new() };
@@ -86,20 +86,21 @@ impl Strips<'_> {
         }
     }
 
+    /// `None` where nobody takes what is rendered any more.
     fn draw(
         &self,
         engine: &mut Engine,
         planned: &Receiver<Result<Planned>>,
         to_write: &Sender<Landed>,
-    ) -> Result<Rendered> {
+    ) -> Result<Option<Rendered>> {
         let mut frames: Option<Frames> = None;
         let mut flying: Option<(Planned, Flight)> = None;
         let mut took: Option<Rendered> = None;
-        let mut land = |frames: &mut Option<Frames>, flying: Option<(Planned, Flight)>| -> Result<()> {
-            let (Some(frames), Some((planned, flight))) = (frames.as_mut(), flying) else { return Ok(()) };
+        let mut land = |frames: &mut Option<Frames>, flying: Option<(Planned, Flight)>| -> Result<bool> {
+            let (Some(frames), Some((planned, flight))) = (frames.as_mut(), flying) else { return Ok(true) };
             let landed = frames.settle(&planned, flight)?;
             add(&mut took, landed.took());
-            to_write.send(landed).map_err(|_| Error::work("the image cannot be written"))
+            Ok(to_write.send(landed).is_ok())
         };
         for planned in planned {
             let planned = planned?;
@@ -108,17 +109,21 @@ impl Strips<'_> {
                 None => false,
             };
             if !is_shown {
-                land(&mut frames, flying.take())?;
+                if !land(&mut frames, flying.take())? {
+                    return Ok(None);
+                }
                 drop(frames.take());
                 frames = Some(engine.place(planned.clone(), &self.run)?);
             }
             let flight = frames.as_ref().map(Frames::start).transpose()?;
             let before = flying.take();
             flying = flight.map(|flight| (planned, flight));
-            land(&mut frames, before)?;
+            if !land(&mut frames, before)? {
+                return Ok(None);
+            }
         }
         land(&mut frames, flying)?;
-        took.ok_or_else(|| Error::work("no strip was rendered"))
+        Ok(took)
     }
 
     fn write(&self, landed: &Receiver<Landed>) -> Result<()> {

@@ -4,6 +4,7 @@ use super::backend::Backend;
 use super::files::{self, Files};
 use super::strips::{self, Strips};
 use super::{check_combination, judged, load_from, points, samples};
+use crate::camera::arranged::is_scattered;
 use crate::camera::{Camera, Rays};
 use crate::cli::args::{Change, EngineName, Named, RenderArgs};
 use crate::cli::memory;
@@ -37,6 +38,7 @@ pub struct Work {
     bytes: u64,
     /// Too large to be held at once; bytes of a row.
     strips: Option<u64>,
+    is_sampled_at_once: bool,
 }
 
 /// What a device made of it.
@@ -61,12 +63,15 @@ pub struct Written {
     pub adapter: String,
 }
 
+/// Of the scene, and of what is made of it for the device, about.
+const VERTEX_BYTES: u64 = 64;
+const TRIANGLE_BYTES: u64 = 128;
+
 impl Work {
     /// Reads the scene, with parts that the library has, and checks everything that needs no device.
     ///
     /// # Errors
-    /// [`Error::Input`] for what is wrong with the scene or the flags; [`Error::Work`] where a file cannot be written or the image does not
-    /// fit this machine's memory.
+    /// [`Error::Input`] for what is wrong with the scene or the flags; [`Error::Work`] where a file cannot be written.
     pub fn read(args: RenderArgs, library: &Library) -> Result<Work> {
         check_combination(&args)?;
         let (scene, camera) = load_from(library, &args.scene, &args.change)?;
@@ -114,23 +119,49 @@ impl Work {
         }
         let (size, channels) = ((camera.width, camera.height), wanted.channels.len() + 3);
         let more = sample_bytes(&camera, samples, !apart.is_empty());
+        let mesh = &scene.mesh;
         let mut bytes = memory::need(size, channels, more);
         let is_plain = files.exr.is_some() && files.color.is_none() && files.points.is_none() && !wanted.srgb8;
         let is_of_one_frame = is_compute && !args.check && args.repeat.is_none() && samples == args.samples;
         let is_alone = apart.is_empty() && next.is_none() && !scene.style.is_between_pixels();
-        let is_in_strips = bytes > strips::WHOLE_MAX && is_plain && is_of_one_frame && is_alone;
+        let is_direct = camera.optics.is_none() && scene.caustics.is_none() && !is_scattered(&camera);
+        let is_in_strips = bytes > strips::WHOLE_MAX && is_plain && is_of_one_frame && is_alone && is_direct;
         if is_in_strips {
             bytes = strips::WHOLE_MAX;
-        } else {
-            memory::check(size.0, size.1, channels, more)?;
         }
+        bytes += VERTEX_BYTES * mesh.positions.len() as u64 + TRIANGLE_BYTES * mesh.triangles.len() as u64;
         let row_bytes = strips::row_bytes(&camera, channels, more);
         let strips = is_in_strips.then_some(row_bytes);
-        Ok(Work { args, scene, camera, files, asked, wanted, apart, next, bytes, strips })
+        Ok(Work {
+            args,
+            scene,
+            camera,
+            files,
+            asked,
+            wanted,
+            apart,
+            next,
+            bytes,
+            strips,
+            is_sampled_at_once: samples > 1,
+        })
     }
 
     pub fn args(&self) -> &RenderArgs {
         &self.args
+    }
+
+    /// Refuses an image that does not fit this machine's free memory.
+    ///
+    /// # Errors
+    /// [`Error::Work`] that names the limit.
+    pub fn check_memory(&self) -> Result<()> {
+        if self.strips.is_some() {
+            return Ok(());
+        }
+        let samples = if self.is_sampled_at_once { self.args.samples } else { 1 };
+        let more = sample_bytes(&self.camera, samples, !self.apart.is_empty());
+        memory::check(self.camera.width, self.camera.height, self.wanted.channels.len() + 3, more)
     }
 
     /// Memory that it takes until it is written, about.
