@@ -158,7 +158,9 @@ impl Pipeline {
         if kernel.f64 && !gpu.has.f64 {
             match lowered(&kernel.source) {
                 Ok(module) => source = wgpu::ShaderSource::Naga(Cow::Owned(module)),
-                Err(text) => gpu.fail(format!("kernel {}: {text}", kernel.name)),
+                Err(text) => {
+                    gpu.failed(format!("kernel {}: {text}", kernel.name));
+                }
             }
         }
         let module = gpu.compile(kernel.name, source);
@@ -256,16 +258,14 @@ pub fn readback(gpu: &Gpu, bytes: u64) -> wgpu::Buffer {
 
 /// Waits until everything submitted is done.
 pub fn wait(gpu: &Gpu) -> Result<()> {
-    gpu.device
-        .poll(wgpu::PollType::wait_indefinitely())
-        .map_err(|e| Error::work(format!("adapter {}: {}", gpu.info.name, one_line(e))))?;
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| gpu.failed(one_line(e)))?;
     gpu.failure()
 }
 
 /// Waits until a submission is done, and with it the [`Reading`]s of what it wrote that were started before.
 pub fn wait_for(gpu: &Gpu, submission: &wgpu::SubmissionIndex) -> Result<()> {
     let until = wgpu::PollType::Wait { submission_index: Some(submission.clone()), timeout: None };
-    gpu.device.poll(until).map_err(|e| Error::work(format!("adapter {}: {}", gpu.info.name, one_line(e))))?;
+    gpu.device.poll(until).map_err(|e| gpu.failed(one_line(e)))?;
     gpu.failure()
 }
 
@@ -294,7 +294,7 @@ impl Reading {
 
     /// Its words, after waiting for the submission.
     pub fn words(self, gpu: &Gpu) -> Result<Vec<u32>> {
-        let failed = |e: String| Error::work(format!("adapter {}: cannot read back: {e}", gpu.info.name));
+        let failed = |e: String| gpu.failed(format!("cannot read back: {e}"));
         self.done.try_recv().map_err(|e| failed(one_line(e)))?.map_err(|e| failed(one_line(e)))?;
         let view = self.buffer.get_mapped_range(..).map_err(|e| failed(one_line(e)))?;
         let words = bytemuck::pod_collect_to_vec::<u8, u32>(&view);

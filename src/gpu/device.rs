@@ -178,14 +178,20 @@ impl Gpu {
     /// The first error that the device reported, if any.
     pub fn failure(&self) -> Result<()> {
         match self.failed.lock().unwrap_or_else(|e| e.into_inner()).clone() {
-            Some(text) => Err(Error::work(format!("adapter {}: {text}", self.info.name))),
+            Some(text) => Err(self.error(&text)),
             None => Ok(()),
         }
     }
 
-    /// Has [`Gpu::failure`] report this, unless something failed before.
-    pub(crate) fn fail(&self, text: String) {
+    /// The device has failed: has [`Gpu::failure`] report this too, unless something failed before.
+    pub(crate) fn failed(&self, text: String) -> Error {
+        let error = self.error(&text);
         note(&self.failed, text);
+        error
+    }
+
+    fn error(&self, text: &str) -> Error {
+        Error::work(format!("adapter {}: {text}", self.info.name))
     }
 
     /// The largest buffer that one kernel can see whole, bytes.
