@@ -5,6 +5,7 @@ mod board;
 mod jobs;
 mod manifest;
 mod names;
+mod queue;
 mod results;
 mod room;
 mod shard;
@@ -21,13 +22,14 @@ use board::{Board, Counts};
 use crossbeam_channel::{Receiver, bounded};
 use jobs::{Jobs, Task};
 use manifest::{Costs, Manifest, Standing};
+use queue::Queue;
 use results::Summary;
 use room::Room;
 use station::{Picture, Station, Taken};
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, Scope};
 use std::time::Instant;
@@ -120,6 +122,7 @@ fn gather(args: &BatchArgs, list: &Path, jobs: &Jobs, manifest: &Manifest) -> Re
 
 /// Has all threads work until there is nothing left to do.
 fn work(batch: &Batch, stations: &mut [Station], writers: usize) -> Result<()> {
+    batch.stations.store(stations.len(), Ordering::SeqCst);
     std::thread::scope(|scope| {
         let (to_write, taken) = bounded(1);
         for station in stations {
@@ -159,7 +162,7 @@ fn write<'a>(batch: &Batch<'a>, taken: &Receiver<Taken<'a>>) {
             batch.manifest.add(&ready.task, &ready.inputs, &written, ms)
         });
         match written {
-            Ok(_) => batch.board.done(&ready.task, ms),
+            Ok(_) => batch.done(&ready.task, ms),
             Err(e) => batch.failed(&ready.task, &e),
         }
     }
@@ -168,7 +171,7 @@ fn write<'a>(batch: &Batch<'a>, taken: &Receiver<Taken<'a>>) {
 /// What all threads of a batch share.
 pub struct Batch<'a> {
     list: &'a Path,
-    tasks: Mutex<Box<dyn Iterator<Item = Task<'a>> + Send + 'a>>,
+    queue: Queue<'a>,
     manifest: &'a Manifest,
     board: &'a Board,
     library: Library,
@@ -176,7 +179,8 @@ pub struct Batch<'a> {
     room: Arc<Room>,
     resumes: bool,
     fail_fast: bool,
-    is_stopped: AtomicBool,
+    /// Those that have a device.
+    stations: AtomicUsize,
     stopped_by: Mutex<Option<Error>>,
     /// The first of them.
     failures: Mutex<Vec<(String, String)>>,
@@ -191,14 +195,14 @@ impl<'a> Batch<'a> {
     ) -> Batch<'a> {
         Batch {
             list,
-            tasks: Mutex::new(tasks),
+            queue: Queue::new(tasks),
             manifest,
             board,
             library: Library::default(),
             room: Room::of_this_machine(),
             resumes: false,
             fail_fast: false,
-            is_stopped: AtomicBool::new(false),
+            stations: AtomicUsize::new(0),
             stopped_by: Mutex::default(),
             failures: Mutex::default(),
         }
@@ -207,10 +211,7 @@ impl<'a> Batch<'a> {
     /// The next frame that is to be done.
     fn next(&self) -> Option<Task<'a>> {
         loop {
-            if self.is_stopped() {
-                return None;
-            }
-            let task = lock(&self.tasks).next()?;
+            let task = self.queue.next()?;
             if !self.resumes {
                 return Some(task);
             }
@@ -223,10 +224,17 @@ impl<'a> Batch<'a> {
                         Err(e) => self.failed(&task, &e),
                     }
                 }
-                Ok(Standing::Done) => self.board.skipped(&task),
+                Ok(Standing::Done) => {
+                    self.board.skipped(&task);
+                    self.queue.settle();
+                }
                 Err(e) => self.failed(&task, &e),
             }
         }
+    }
+
+    fn queue(&self) -> &Queue<'a> {
+        &self.queue
     }
 
     fn library(&self) -> &Library {
@@ -235,6 +243,11 @@ impl<'a> Batch<'a> {
 
     fn room(&self) -> &Arc<Room> {
         &self.room
+    }
+
+    fn done(&self, task: &Task, ms: f64) {
+        self.board.done(task, ms);
+        self.queue.settle();
     }
 
     /// A frame has failed; so will others where there is no room to write to.
@@ -248,18 +261,24 @@ impl<'a> Batch<'a> {
         if matches!(error, Error::Full(_)) {
             self.stop(Error::Full("there is no room to write to".into()));
         } else if self.fail_fast {
-            self.is_stopped.store(true, Ordering::SeqCst);
+            self.queue.stop();
+        }
+        self.queue.settle();
+    }
+
+    /// A station has no device any more: others do what it has not, if there are any.
+    fn lose_station(&self, why: Error) {
+        if self.stations.fetch_sub(1, Ordering::SeqCst) > 1 {
+            self.note(&format!("{why}; the others go on"));
+        } else {
+            self.stop(why);
         }
     }
 
     /// Begins no frame any more.
     fn stop(&self, why: Error) {
         lock(&self.stopped_by).get_or_insert(why);
-        self.is_stopped.store(true, Ordering::SeqCst);
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.is_stopped.load(Ordering::SeqCst)
+        self.queue.stop();
     }
 
     fn note(&self, line: &str) {
@@ -413,18 +432,34 @@ vfov = 40
 "#;
     const FRAMES: usize = 30;
 
-    /// Does a list on one device, and more beside it; what it wrote, and how often the device was opened again.
-    fn done(beside: impl FnOnce(&Board, &crate::gpu::Gpu) + Send) -> Option<(Vec<Vec<u8>>, u32)> {
+    /// What a list came to.
+    struct Ran {
+        counts: Counts,
+        stopped_by: Option<String>,
+        /// How often the first device was opened again.
+        reopened: u32,
+        /// What was written, in the order of frames.
+        files: Vec<Option<Vec<u8>>>,
+    }
+
+    /// Does a list on so many devices, and more beside it with the first of them.
+    fn run_list(
+        devices: usize,
+        prepare: impl FnOnce(&mut Station),
+        beside: impl FnOnce(&Board, &crate::gpu::Gpu) + Send,
+    ) -> Option<Ran> {
         let dir = tempfile::tempdir().unwrap();
         let list = dir.path().join("jobs.toml");
         std::fs::write(dir.path().join("scene.toml"), SCENE).unwrap();
         let job = "[[job]]\nscene = \"scene.toml\"\ncolor = \"{frame}.png\"\nsize = \"320x240\"\n";
         std::fs::write(&list, format!("{job}frames = {{ last = {} }}\n", FRAMES - 1)).unwrap();
-        let mut stations = vec![Station::open(GpuOptions::default()).unwrap()];
+        let open = |_| Station::open(GpuOptions::default()).unwrap();
+        let mut stations: Vec<Station> = (0..devices).map(open).collect();
         let Some(gpu) = stations[0].gpu() else {
             println!("skipped: no adapter on this machine");
             return None;
         };
+        prepare(&mut stations[0]);
         let jobs = Jobs::read(&list).unwrap();
         let manifest = Manifest::open(&dir.path().join("m.jsonl"), &[], false).unwrap();
         let board = Board::new(ProgressName::None, None, FRAMES).unwrap();
@@ -433,23 +468,45 @@ vfov = 40
             scope.spawn(|| beside(&board, &gpu));
             work(&batch, &mut stations, 2).unwrap();
         });
-        let Counts { done, failed, .. } = board.counts();
-        assert_eq!((done, failed), (FRAMES, 0));
-        let read = |k: usize| std::fs::read(dir.path().join(format!("{k}.png"))).unwrap();
-        Some(((0..FRAMES).map(read).collect(), stations[0].worked(1.0).reopened))
+        Some(Ran {
+            counts: board.counts(),
+            stopped_by: taken(batch.stopped_by).map(|e| e.to_string()),
+            reopened: stations[0].worked(1.0).reopened,
+            files: (0..FRAMES).map(|k| std::fs::read(dir.path().join(format!("{k}.png"))).ok()).collect(),
+        })
+    }
+
+    fn lose_after_three(board: &Board, gpu: &crate::gpu::Gpu) {
+        while board.counts().done < 3 {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        gpu.device.destroy();
     }
 
     #[test]
     fn a_lost_device_is_opened_again_and_all_frames_are_as_without() {
-        let Some((expected, 0)) = done(|_, _| ()) else { return };
-        let lose = |board: &Board, gpu: &crate::gpu::Gpu| {
-            while board.counts().done < 3 {
-                std::thread::sleep(Duration::from_millis(1));
-            }
-            gpu.device.destroy();
-        };
-        let (seen, reopened) = done(lose).unwrap();
-        assert_eq!(reopened, 1);
-        assert!(seen == expected);
+        let Some(expected) = run_list(1, |_| (), |_, _| ()) else { return };
+        assert_eq!((expected.counts.done, expected.reopened), (FRAMES, 0));
+        assert!(expected.files.iter().all(Option::is_some));
+        let seen = run_list(1, |_| (), lose_after_three).unwrap();
+        assert_eq!((seen.counts.done, seen.counts.failed, seen.reopened), (FRAMES, 0, 1));
+        assert!(seen.files == expected.files);
+    }
+
+    #[test]
+    fn others_do_what_a_device_has_not_that_is_gone_for_good() {
+        let Some(expected) = run_list(1, |_| (), |_, _| ()) else { return };
+        let seen = run_list(2, Station::lose_adapter, lose_after_three).unwrap();
+        assert_eq!((seen.counts.done, seen.counts.failed, seen.stopped_by), (FRAMES, 0, None));
+        assert!(seen.files == expected.files);
+    }
+
+    #[test]
+    fn a_batch_stops_with_its_last_device_and_keeps_what_is_done() {
+        let Some(seen) = run_list(1, Station::lose_adapter, lose_after_three) else { return };
+        let Counts { done, failed, .. } = seen.counts;
+        assert!((3..FRAMES).contains(&done) && failed == 0);
+        assert_eq!(seen.files.iter().flatten().count(), done);
+        assert!(seen.stopped_by.is_some_and(|why| why.contains("none that is there")));
     }
 }

@@ -45,6 +45,8 @@ pub struct Task<'a> {
     /// What the job sweeps, by key.
     pub values: Vec<(&'a str, &'a str)>,
     pub frame: f64,
+    /// How often a device was lost with it.
+    pub losses: u32,
     job: &'a Job,
     dir: &'a Path,
 }
@@ -111,7 +113,15 @@ impl Jobs {
         }
         values.reverse();
         let sets: String = values.iter().map(|(key, value)| format!(", {key}={value}")).collect();
-        Task { index, name: format!("{}{sets}, frame {frame}", job.name), values, frame, job, dir: &self.dir }
+        Task {
+            index,
+            name: format!("{}{sets}, frame {frame}", job.name),
+            values,
+            frame,
+            losses: 0,
+            job,
+            dir: &self.dir,
+        }
     }
 
     /// All that is to be seen before anything is rendered.

@@ -14,6 +14,7 @@ use crate::inputs::Inputs;
 use crate::report::Device;
 use crossbeam_channel::{Receiver, Sender, TryRecvError};
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -25,8 +26,6 @@ pub struct Ready<'a> {
     pub planned: Option<Planned>,
     pub inputs: Inputs,
     pub started: Instant,
-    /// How often the device was lost with it.
-    pub losses: u32,
     _held: Held,
 }
 
@@ -47,6 +46,8 @@ pub enum Picture {
 /// One device and what is on it.
 pub struct Station {
     options: GpuOptions,
+    /// Its adapter.
+    name: String,
     /// None on a machine without any.
     engine: Option<Engine>,
     frames: Option<Frames>,
@@ -57,6 +58,8 @@ pub struct Station {
     until: Instant,
     busy: Duration,
     reopened: u32,
+    /// It has no device any more.
+    is_gone: AtomicBool,
 }
 
 /// Frames may lose the device so often before they are given up.
@@ -70,16 +73,26 @@ impl Station {
     pub fn open(options: GpuOptions) -> Result<Station> {
         let engine = Engine::open(&options)?;
         let planner = engine.as_ref().map(Engine::planner);
-        let (last, until) = (Mutex::default(), Instant::now());
-        Ok(Station { options, engine, frames: None, last, planner, until, busy: Duration::ZERO, reopened: 0 })
+        Ok(Station {
+            options,
+            name: engine.as_ref().map_or("cpu".into(), |engine| engine.gpu.info.name.clone()),
+            engine,
+            frames: None,
+            last: Mutex::default(),
+            planner,
+            until: Instant::now(),
+            busy: Duration::ZERO,
+            reopened: 0,
+            is_gone: AtomicBool::new(false),
+        })
     }
 
     /// The parts that threads share: one that reads for it, and the device itself.
     pub fn parts(&mut self) -> (Reader<'_>, Driver<'_>) {
-        let Station { options, engine, frames, last, planner, until, busy, reopened } = self;
+        let Station { options, name: _, engine, frames, last, planner, until, busy, reopened, is_gone } = self;
         *until = Instant::now();
-        let driver = Driver { options, engine, frames, until, busy, reopened, is_doubtful: false };
-        (Reader { last, planner: planner.as_ref() }, driver)
+        let driver = Driver { options, engine, frames, until, busy, reopened, is_gone, is_doubtful: false };
+        (Reader { last, planner: planner.as_ref(), is_gone }, driver)
     }
 
     pub fn has_adapter(&self) -> bool {
@@ -91,11 +104,16 @@ impl Station {
         self.engine.as_ref().map(|engine| engine.gpu.clone())
     }
 
+    /// From now on none like its device will be found.
+    #[cfg(test)]
+    pub fn lose_adapter(&mut self) {
+        self.options.adapter = Some("none that is there".into());
+    }
+
     /// What it did in a time, s.
     pub fn worked(&self, wall_s: f64) -> Worked {
-        let adapter = self.engine.as_ref().map_or("cpu".into(), |engine| engine.gpu.info.name.clone());
         let busy_s = self.busy.as_secs_f64();
-        Worked { adapter, busy_s, busy_share: busy_s / wall_s, reopened: self.reopened }
+        Worked { adapter: self.name.clone(), busy_s, busy_share: busy_s / wall_s, reopened: self.reopened }
     }
 }
 
@@ -104,18 +122,18 @@ impl Station {
 pub struct Reader<'s> {
     last: &'s Mutex<Option<Planned>>,
     planner: Option<&'s Planner>,
+    is_gone: &'s AtomicBool,
 }
 
 impl Reader<'_> {
-    /// Reads frames until there are none.
+    /// Reads frames until there are none, or no device for them.
     pub fn run<'a>(self, batch: &Batch<'a>, ready: &Sender<Ready<'a>>) {
-        while let Some(task) = batch.next() {
+        while !self.is_gone.load(Ordering::SeqCst)
+            && let Some(task) = batch.next()
+        {
             match guarded(|| self.read(batch, task.clone())) {
-                Ok(read) => {
-                    if ready.send(read).is_err() {
-                        return;
-                    }
-                }
+                // who drives the device takes them until readers have ended
+                Ok(read) => drop(ready.send(read)),
                 Err(e) => batch.failed(&task, &e),
             }
         }
@@ -139,7 +157,7 @@ impl Reader<'_> {
             }
             None => None,
         };
-        Ok(Ready { task, work, planned, inputs, started, losses: 0, _held: held })
+        Ok(Ready { task, work, planned, inputs, started, _held: held })
     }
 }
 
@@ -151,6 +169,7 @@ pub struct Driver<'s> {
     until: &'s mut Instant,
     busy: &'s mut Duration,
     reopened: &'s mut u32,
+    is_gone: &'s AtomicBool,
     /// Something failed in the middle: what is on the device may be of two frames.
     is_doubtful: bool,
 }
@@ -172,10 +191,10 @@ impl Driver<'_> {
                 Err(TryRecvError::Disconnected) if flying.is_none() => return,
                 Err(_) => None,
             };
-            let is_alone = next.as_ref().is_none_or(|next| next.planned.is_none() || next.losses > 0);
+            let is_alone = next.as_ref().is_none_or(|next| next.planned.is_none() || next.task.losses > 0);
             let mut lost = Vec::new();
             let mut launched = None;
-            if let Some(next) = next.filter(|_| !batch.is_stopped()) {
+            if let Some(next) = next.filter(|_| !batch.queue().is_stopped()) {
                 if is_alone {
                     self.finish(batch, flying.take(), taken, &mut lost);
                 }
@@ -202,7 +221,10 @@ impl Driver<'_> {
                 lost.extend(flying.take().map(|(ready, _)| ready));
                 again.extend(lost);
                 if let Err(e) = self.reopen(batch) {
-                    batch.stop(e);
+                    self.is_gone.store(true, Ordering::SeqCst);
+                    batch.lose_station(e);
+                    again.into_iter().chain(ready).for_each(|ready| batch.queue().give_back(ready.task));
+                    return;
                 }
             }
         }
@@ -280,9 +302,9 @@ impl Driver<'_> {
 
     /// A frame has failed, unless it was the device that did.
     fn fault<'a>(&mut self, batch: &Batch<'a>, mut ready: Ready<'a>, error: Error, lost: &mut Vec<Ready<'a>>) {
-        ready.losses += 1;
+        ready.task.losses += 1;
         self.is_doubtful = true;
-        if self.has_lost() && ready.losses < LOSSES_MAX {
+        if self.has_lost() && ready.task.losses < LOSSES_MAX {
             lost.push(ready);
         } else {
             batch.failed(&ready.task, &error);
@@ -308,11 +330,15 @@ impl Driver<'_> {
             std::thread::sleep(REOPEN_PAUSE);
             opened = Engine::open(self.options);
         }
-        *self.engine = opened?;
-        match &*self.engine {
-            Some(engine) if Some(engine.planner()) == planner => Ok(()),
-            Some(_) => Err(Error::work("the device was lost, and another one is there now; resume on it")),
-            None => Err(Error::work("the device was lost, and there is none any more; resume where there is one")),
+        let failed = |why: &str| Err(Error::work(format!("the device was lost, and {why}")));
+        match opened {
+            Ok(Some(engine)) if Some(engine.planner()) == planner => {
+                *self.engine = Some(engine);
+                Ok(())
+            }
+            Ok(Some(_)) => failed("another one is there now"),
+            Ok(None) => failed("there is none any more"),
+            Err(e) => failed(&format!("cannot be opened again: {e}")),
         }
     }
 

@@ -1,0 +1,65 @@
+//! Frames that are still to be taken up: each by one thread, and by another one where it is given back.
+
+use super::jobs::Task;
+use super::lock;
+use std::sync::{Condvar, Mutex, PoisonError};
+
+pub struct Queue<'a> {
+    state: Mutex<State<'a>>,
+    changed: Condvar,
+}
+
+struct State<'a> {
+    tasks: Box<dyn Iterator<Item = Task<'a>> + Send + 'a>,
+    given_back: Vec<Task<'a>>,
+    /// Frames that were taken up, and are neither settled nor given back.
+    under_way: usize,
+    is_stopped: bool,
+}
+
+impl<'a> Queue<'a> {
+    pub fn new(tasks: Box<dyn Iterator<Item = Task<'a>> + Send + 'a>) -> Queue<'a> {
+        let state = State { tasks, given_back: Vec::new(), under_way: 0, is_stopped: false };
+        Queue { state: Mutex::new(state), changed: Condvar::new() }
+    }
+
+    /// The next frame; where there is none, but others may give one back, waits until they have not.
+    pub fn next(&self) -> Option<Task<'a>> {
+        let mut state = lock(&self.state);
+        while !state.is_stopped {
+            if let Some(task) = state.given_back.pop().or_else(|| state.tasks.next()) {
+                state.under_way += 1;
+                return Some(task);
+            }
+            if state.under_way == 0 {
+                return None;
+            }
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        None
+    }
+
+    /// A frame that was taken up is done, or has failed.
+    pub fn settle(&self) {
+        lock(&self.state).under_way -= 1;
+        self.changed.notify_all();
+    }
+
+    /// A frame that was taken up is for others.
+    pub fn give_back(&self, task: Task<'a>) {
+        let mut state = lock(&self.state);
+        state.under_way -= 1;
+        state.given_back.push(task);
+        self.changed.notify_all();
+    }
+
+    /// No frame is taken up any more.
+    pub fn stop(&self) {
+        lock(&self.state).is_stopped = true;
+        self.changed.notify_all();
+    }
+
+    pub fn is_stopped(&self) -> bool {
+        lock(&self.state).is_stopped
+    }
+}
