@@ -13,7 +13,7 @@ pub use exr::tiled::{TILE as EXR_TILE, write_exr_tiled};
 pub use exr::{read_exr, write_exr, write_exr_with};
 pub use npy::{read_npy_rows, write_npy_f64};
 pub use ply::write_ply;
-pub use png::{srgb8, toned8, write_png};
+pub use png::{rgb8, srgb8, toned8, write_png, write_png_strips};
 pub use points::read_points;
 pub use vectors::{read_pairs, read_vectors};
 pub use whole::{check_writable, clear_up, is_full, write_lines, write_text};

@@ -7,7 +7,7 @@ use anamorph::camera::Camera;
 use anamorph::engine::planned::Planned;
 use anamorph::engine::{Capacities, Engine, Rendered, RunOptions};
 use anamorph::frame::Channel;
-use anamorph::output::read_exr;
+use anamorph::output::{read_exr, rgb8};
 use anamorph::plan::samples::at_once;
 use anamorph::plan::{Rows, Wanted};
 use anamorph::scene::Scene;
@@ -167,9 +167,9 @@ radius = 4
 height = 3
 "#;
 
-/// An image over a gigabyte goes to its file strip by strip, as tiles; the file holds what the engine renders at once.
+/// An image over a gigabyte goes to its files strip by strip; they hold what the engine renders at once.
 #[test]
-fn a_large_image_is_a_tiled_file() {
+fn a_large_image_is_a_tiled_file_and_a_streamed_one() {
     let Some(mut engine) = engine_on(|_| ()) else { return };
     let (width, height) = (16_384, 720);
     let dir = tempfile::tempdir().unwrap();
@@ -177,6 +177,7 @@ fn a_large_image_is_a_tiled_file() {
     std::fs::write(path("scene.toml"), LARGE).unwrap();
     let mut program = Command::new(env!("CARGO_BIN_EXE_anamorph"));
     program.current_dir(dir.path()).args(["render", "scene.toml", "--exr", "large.exr", "--channels", "Z"]);
+    program.args(["-o", "large.png"]);
     let ran = program.args(["--size", &format!("{width}x{height}")]).output().unwrap();
     assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
     let bytes = std::fs::read(path("large.exr")).unwrap();
@@ -185,7 +186,11 @@ fn a_large_image_is_a_tiled_file() {
     let file = read_exr(&path("large.exr")).unwrap();
     let scene = Scene::load(&path("scene.toml"), &[], 0.0).unwrap();
     let camera = Camera::in_scene(&scene.camera, Some((width, height)), &scene.mesh).unwrap();
-    let at_once = engine.render(&scene, camera, &Wanted::of(vec![Channel::Z]), &RunOptions::default()).unwrap();
+    let wanted = Wanted { srgb8: true, ..Wanted::of(vec![Channel::Z]) };
+    let at_once = engine.render(&scene, camera, &wanted, &RunOptions::default()).unwrap();
     assert_eq!((file.width, file.height), (width, height));
     assert!(words(&file) == words(&at_once.frame));
+    let shown = image::open(path("large.png")).unwrap();
+    assert_eq!((shown.width(), shown.height()), (width, height));
+    assert!(shown.as_bytes() == rgb8(&at_once.srgb8.unwrap()));
 }

@@ -36,6 +36,58 @@ pub fn write_png(path: &Path, width: u32, height: u32, srgb8: &[u8]) -> Result<(
     })
 }
 
+/// Writes an image of `size` from its strips of whole rows, top to bottom: three bytes (RGB) a pixel.
+///
+/// # Errors
+/// Those of `next`; [`Error::Work`] where strips are not those of the image, or `path` cannot be written.
+pub fn write_png_strips(
+    path: &Path,
+    (width, height): (u32, u32),
+    mut next: impl FnMut() -> Result<Vec<u8>>,
+) -> Result<()> {
+    // what goes wrong with a strip, not with the file
+    let mut failed = None;
+    let written = write_whole(path, |file| {
+        let mut encoder = png::Encoder::new(BufWriter::new(file), width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_compression(png::Compression::Fast);
+        encoder.set_filter(png::Filter::Adaptive);
+        let mut writer = encoder.write_header()?;
+        let mut rows = writer.stream_writer_with_size(STREAMED)?;
+        let row = 3 * width as usize;
+        let mut left = height as usize;
+        while left > 0 {
+            let strip = next().and_then(|strip| match strip.len() / row {
+                count if (1..=left).contains(&count) && strip.len() == count * row => Ok(strip),
+                _ => {
+                    let (path, bytes) = (path.display(), strip.len());
+                    Err(Error::work(format!("{path}: {bytes} bytes are no rows of {width} x {height} pixels")))
+                }
+            });
+            let strip = strip.map_err(|e| {
+                failed = Some(e);
+                io::Error::other("a strip failed")
+            })?;
+            rows.write_all(&strip)?;
+            left -= strip.len() / row;
+        }
+        rows.finish()?;
+        Ok(writer.finish()?)
+    });
+    match failed {
+        Some(e) => Err(e),
+        None => written,
+    }
+}
+
+/// Bytes of a chunk of a file that is written strip by strip.
+const STREAMED: usize = 1 << 16;
+
+/// Without the fourth of each four bytes.
+pub fn rgb8(rgba: &[u8]) -> Vec<u8> {
+    rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect()
+}
+
 /// [`srgb8`] of what a tone shows of a linear value.
 pub fn toned8(tone: Tone, linear: f32) -> u8 {
     srgb8(tone.shown(f64::from(linear)) as f32)
@@ -94,5 +146,32 @@ mod tests {
         }
         assert!(matches!(write_png(&path, 5, 7, &[0; 5]), Err(Error::Work(_))));
         assert!(matches!(write_png(&path, 0, 0, &[]), Err(Error::Work(_))));
+    }
+
+    #[test]
+    fn strips_read_back_as_the_image_that_they_are_of() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        let row = |y: usize| (0..15).map(move |i| ((15 * y + i) * 37 % 251) as u8);
+        let strip = |rows: std::ops::Range<usize>| Ok(rows.flat_map(row).collect::<Vec<u8>>());
+        let mut strips = [strip(0..3), strip(3..4), strip(4..7)].into_iter();
+        write_png_strips(&path, (5, 7), || strips.next().unwrap()).unwrap();
+        let back = image::open(&path).unwrap();
+        assert_eq!((back.width(), back.height()), (5, 7));
+        assert_eq!(back.as_bytes(), strip(0..7).unwrap());
+    }
+
+    #[test]
+    fn strips_that_are_not_the_image_s_leave_the_file_as_it_was() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        std::fs::write(&path, "before").unwrap();
+        for bytes in [0, 14, 16, 15 * 8] {
+            let refused = write_png_strips(&path, (5, 7), || Ok(vec![0; bytes]));
+            assert!(matches!(&refused, Err(Error::Work(text)) if text.contains("are no rows of 5 x 7")));
+        }
+        let failed = write_png_strips(&path, (5, 7), || Err(Error::input("it failed")));
+        assert!(matches!(failed, Err(Error::Input(text)) if text == "it failed"));
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "before");
     }
 }

@@ -10,7 +10,7 @@ use crate::engine::Rendered;
 use crate::error::{Error, Result};
 use crate::frame::Channel;
 use crate::output::cryptomatte::Matte;
-use crate::output::{write_exr_with, write_png, write_text};
+use crate::output::{rgb8, write_exr_with, write_png, write_text};
 use crate::report::Report;
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -72,8 +72,7 @@ impl Files {
         (mattes, mut more): (Vec<Matte>, Vec<(String, Vec<f32>)>),
     ) -> Result<()> {
         if let (Some(path), Some(rgba)) = (&self.color, &rendered.srgb8) {
-            let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
-            write_png(path, camera.width, camera.height, &rgb)?;
+            write_png(path, camera.width, camera.height, &rgb8(rgba))?;
         }
         if let Some(path) = &self.exr {
             let mut frame = rendered.frame.clone();

@@ -9,7 +9,7 @@ use crate::engine::planned::{Planned, Planner};
 use crate::engine::{Engine, Frames, Rendered, RunOptions};
 use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame};
-use crate::output::{EXR_TILE, write_exr_tiled};
+use crate::output::{EXR_TILE, rgb8, write_exr_tiled, write_png_strips};
 use crate::plan::{Rows, Wanted};
 use crate::scene::Scene;
 use crossbeam_channel::{Receiver, Sender, bounded};
@@ -27,12 +27,14 @@ const STRIP_BYTES: u64 = 256 << 20;
 pub struct Strips<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Arc<Camera>,
-    /// The channels of the file, and no more.
+    /// The channels of the EXR, and no more.
     pub wanted: &'a Wanted,
     pub run: RunOptions,
     /// Memory of a row of the image.
     pub row_bytes: u64,
-    pub path: &'a Path,
+    /// Where colour goes to, and the channels.
+    pub color: Option<&'a Path>,
+    pub exr: Option<&'a Path>,
 }
 
 /// Memory of a row, as [`memory::need`] says.
@@ -41,10 +43,10 @@ pub fn row_bytes(camera: &Camera, channels: usize, more: u64) -> u64 {
 }
 
 impl Strips<'_> {
-    /// Renders and writes the file: what it took, without a picture.
+    /// Renders and writes the files: what it took, without a picture.
     ///
     /// # Errors
-    /// Those of the engine, and of the file.
+    /// Those of the engine, and of the files.
     pub fn render(&self, engine: &mut Engine) -> Result<Rendered> {
         let started = Instant::now();
         let planner = engine.planner();
@@ -128,12 +130,37 @@ impl Strips<'_> {
 
     fn write(&self, landed: &Receiver<Landed>) -> Result<()> {
         let size = (self.camera.width, self.camera.height);
-        let next = || {
-            let landed = landed.recv().map_err(|_| Error::work("a strip of the image is missing"))?;
-            Ok(landed.rendered().frame)
-        };
-        let channels: &[Channel] = &self.wanted.channels;
-        write_exr_tiled(self.path, size, channels, &attributes(self.scene, self.camera)?, next)
+        let missing = || Error::work("a strip of the image is missing");
+        std::thread::scope(|scope| {
+            let (to_color, rows) = bounded(1);
+            let color = self
+                .color
+                .map(|path| scope.spawn(move || write_png_strips(path, size, || rows.recv().map_err(|_| missing()))));
+            let mut is_refused = false;
+            let mut next = || {
+                let Rendered { frame, srgb8, .. } = landed.recv().map_err(|_| missing())?.rendered();
+                if let Some(rgba) = srgb8.filter(|_| color.is_some()) {
+                    is_refused = to_color.send(rgb8(&rgba)).is_err();
+                    if is_refused {
+                        return Err(missing());
+                    }
+                }
+                Ok(frame)
+            };
+            let channels: &[Channel] = &self.wanted.channels;
+            let written = match self.exr {
+                Some(path) => attributes(self.scene, self.camera)
+                    .and_then(|attributes| write_exr_tiled(path, size, channels, &attributes, &mut next)),
+                None => self.rows().map(|_| next()).try_for_each(|frame| frame.map(drop)),
+            };
+            // who writes colour ends with these
+            drop(to_color);
+            let colored = color.map_or(Ok(()), |color| {
+                color.join().unwrap_or_else(|_| Err(Error::work("a defect in what writes the image")))
+            });
+            // the file that failed says why, not the one that lacks strips then
+            if is_refused || written.is_ok() { colored.and(written) } else { written }
+        })
     }
 }
 

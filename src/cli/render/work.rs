@@ -121,7 +121,7 @@ impl Work {
         let more = sample_bytes(&camera, samples, !apart.is_empty());
         let mesh = &scene.mesh;
         let mut bytes = memory::need(size, channels, more);
-        let is_plain = files.exr.is_some() && files.color.is_none() && files.points.is_none() && !wanted.srgb8;
+        let is_plain = (files.exr.is_some() || files.color.is_some()) && files.points.is_none();
         let is_of_one_frame = is_compute && !args.check && args.repeat.is_none() && samples == args.samples;
         let is_alone = apart.is_empty() && next.is_none() && !scene.style.is_between_pixels();
         let is_direct = camera.optics.is_none() && scene.caustics.is_none() && !is_scattered(&camera);
@@ -175,12 +175,11 @@ impl Work {
         let at_once = samples::at_once_on(backend, scene, camera, args.samples);
         let samples = if at_once { args.samples } else { 1 };
         backend.check_size(camera, &Wanted { samples, ..wanted.clone() })?;
-        if let (Some(row_bytes), Backend::Compute(engine, None), Some(path)) =
-            (self.strips, &mut *backend, &self.files.exr)
-        {
+        if let (Some(row_bytes), Backend::Compute(engine, None)) = (self.strips, &mut *backend) {
             let run = RunOptions { no_cull: args.no_cull, ..Default::default() };
             let wanted = &Wanted { samples, ..wanted.clone() };
-            let rendered = Strips { scene, camera, wanted, run, row_bytes, path }.render(engine)?;
+            let (color, exr) = (self.files.color.as_deref(), self.files.exr.as_deref());
+            let rendered = Strips { scene, camera, wanted, run, row_bytes, color, exr }.render(engine)?;
             return Ok(Seen { rendered, extra: None, mattes: Vec::new(), is_written: true });
         }
         if self.strips.is_some() {
