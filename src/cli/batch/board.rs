@@ -5,7 +5,7 @@ use crate::cli::args::ProgressName;
 use crate::cli::{complain, print};
 use crate::error::{Error, Result};
 use crate::gpu::device::one_line;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
 use std::fs::File;
 use std::io::{IsTerminal, Write};
@@ -166,6 +166,15 @@ fn outputs(task: &Task) -> Vec<String> {
 
 fn bar(all: usize) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(all as u64), ProgressDrawTarget::stderr());
-    let style = ProgressStyle::with_template("{wide_bar} {pos} of {len}, {per_sec}, {eta} left");
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    let style = ProgressStyle::with_template("{wide_bar} {pos} of {len}, {rate}, {eta} left");
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.with_style(style.with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+        // a bar without its rate is one still
+        let _ = text.write_str(&rate(state.per_sec()));
+    }))
+}
+
+/// Frames a second, or seconds a frame.
+fn rate(per_s: f64) -> String {
+    if per_s >= 1.0 || per_s <= 0.0 { format!("{per_s:.1}/s") } else { format!("{:.1} s each", 1.0 / per_s) }
 }
