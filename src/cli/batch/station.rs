@@ -132,8 +132,11 @@ impl Reader<'_> {
             && let Some(task) = batch.next()
         {
             match guarded(|| self.read(batch, task.clone())) {
-                // who drives the device takes them until readers have ended
-                Ok(read) => drop(ready.send(read)),
+                Ok(read) => {
+                    if let Err(unsent) = ready.send(read) {
+                        return batch.queue().give_back(unsent.0.task);
+                    }
+                }
                 Err(e) => batch.failed(&task, &e),
             }
         }
@@ -220,7 +223,7 @@ impl Driver<'_> {
             if !lost.is_empty() || self.has_lost() {
                 lost.extend(flying.take().map(|(ready, _)| ready));
                 again.extend(lost);
-                if let Err(e) = self.reopen(batch) {
+                if let Err(e) = guarded(|| self.reopen(batch)) {
                     self.is_gone.store(true, Ordering::SeqCst);
                     batch.lose_station(e);
                     again.into_iter().chain(ready).for_each(|ready| batch.queue().give_back(ready.task));
