@@ -5,13 +5,16 @@ mod board;
 mod jobs;
 mod manifest;
 mod names;
+mod paths;
 mod queue;
 mod results;
 mod room;
 mod shard;
 mod station;
+#[cfg(test)]
+mod tests;
 
-use super::args::{BatchArgs, ProgressName, Shard};
+use super::args::{BatchArgs, ProgressName};
 use super::print;
 use crate::engine::Rendered;
 use crate::error::{Error, Result};
@@ -22,13 +25,13 @@ use board::{Board, Counts};
 use crossbeam_channel::{Receiver, bounded};
 use jobs::{Jobs, Task};
 use manifest::{Costs, Manifest, Standing};
+use paths::{Paths, folder_of, folders};
 use queue::Queue;
 use results::Summary;
 use room::Room;
 use station::{Picture, Station, Taken};
-use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, Scope};
@@ -286,64 +289,6 @@ impl<'a> Batch<'a> {
     }
 }
 
-/// The manifests of a list.
-struct Paths {
-    /// Of the whole list.
-    whole: PathBuf,
-    /// That of this run.
-    own: PathBuf,
-}
-
-/// What their names end with.
-const ENDING: &str = ".manifest.jsonl";
-
-impl Paths {
-    fn of(list: &Path, shard: Option<Shard>) -> Paths {
-        let name = list.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let whole = list.with_file_name(format!("{name}{ENDING}"));
-        let own = match shard {
-            Some(shard) => list.with_file_name(format!("{name}.{}-of-{}{ENDING}", shard.index + 1, shard.count)),
-            None => whole.clone(),
-        };
-        Paths { whole, own }
-    }
-
-    /// Those that are there, of the whole list and of its shards.
-    fn others(&self) -> Vec<PathBuf> {
-        let folder = self.whole.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let name = self.whole.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let start = name.trim_end_matches(ENDING).to_owned() + ".";
-        let is_of_shard = |path: &PathBuf| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let shard = name.strip_prefix(&start).and_then(|rest| rest.strip_suffix(ENDING));
-            let numbers = shard.and_then(|shard| shard.split_once("-of-"));
-            numbers.is_some_and(|(i, n)| i.parse::<u32>().is_ok() && n.parse::<u32>().is_ok())
-        };
-        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-        let mut all: Vec<PathBuf> = entries.filter(is_of_shard).collect();
-        all.sort();
-        all.insert(0, self.whole.clone());
-        all
-    }
-}
-
-/// Where the frames of a list go to.
-fn folders(jobs: &Jobs) -> Result<BTreeSet<PathBuf>> {
-    let mut all = BTreeSet::new();
-    for task in jobs.tasks() {
-        for path in task.outputs()? {
-            all.extend(folder_of(&path));
-        }
-    }
-    Ok(all)
-}
-
-/// The folder that a file goes to, if it is there.
-fn folder_of(path: &Path) -> Option<PathBuf> {
-    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    folder.is_dir().then(|| folder.to_owned())
-}
-
 fn stations(args: &BatchArgs) -> Result<Vec<Station>> {
     let named = |name: &String| match name.parse() {
         Ok(passed_over) => GpuOptions { passed_over, ..GpuOptions::default() },
@@ -413,100 +358,4 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 fn taken<T>(mutex: Mutex<T>) -> T {
     mutex.into_inner().unwrap_or_else(PoisonError::into_inner)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::time::Duration;
-
-    const SCENE: &str = r#"
-[[mesh]]
-builtin = "icosphere"
-rotate = [{ frame = 0, value = [0, 0, 0] }, { frame = 29, value = [0, 90, 0] }]
-[camera]
-kind = "pinhole"
-eye = [0, 0.5, 4]
-target = [0, 0, 0]
-vfov = 40
-"#;
-    const FRAMES: usize = 30;
-
-    /// What a list came to.
-    struct Ran {
-        counts: Counts,
-        stopped_by: Option<String>,
-        /// How often the first device was opened again.
-        reopened: u32,
-        /// What was written, in the order of frames.
-        files: Vec<Option<Vec<u8>>>,
-    }
-
-    /// Does a list on so many devices, and more beside it with the first of them.
-    fn run_list(
-        devices: usize,
-        prepare: impl FnOnce(&mut Station),
-        beside: impl FnOnce(&Board, &crate::gpu::Gpu) + Send,
-    ) -> Option<Ran> {
-        let dir = tempfile::tempdir().unwrap();
-        let list = dir.path().join("jobs.toml");
-        std::fs::write(dir.path().join("scene.toml"), SCENE).unwrap();
-        let job = "[[job]]\nscene = \"scene.toml\"\ncolor = \"{frame}.png\"\nsize = \"320x240\"\n";
-        std::fs::write(&list, format!("{job}frames = {{ last = {} }}\n", FRAMES - 1)).unwrap();
-        let open = |_| Station::open(GpuOptions::default()).unwrap();
-        let mut stations: Vec<Station> = (0..devices).map(open).collect();
-        let Some(gpu) = stations[0].gpu() else {
-            println!("skipped: no adapter on this machine");
-            return None;
-        };
-        prepare(&mut stations[0]);
-        let jobs = Jobs::read(&list).unwrap();
-        let manifest = Manifest::open(&dir.path().join("m.jsonl"), &[], false).unwrap();
-        let board = Board::new(ProgressName::None, None, FRAMES).unwrap();
-        let batch = Batch::new(&list, shard::tasks(&jobs, None), &manifest, &board);
-        std::thread::scope(|scope| {
-            scope.spawn(|| beside(&board, &gpu));
-            work(&batch, &mut stations, 2).unwrap();
-        });
-        Some(Ran {
-            counts: board.counts(),
-            stopped_by: taken(batch.stopped_by).map(|e| e.to_string()),
-            reopened: stations[0].worked(1.0).reopened,
-            files: (0..FRAMES).map(|k| std::fs::read(dir.path().join(format!("{k}.png"))).ok()).collect(),
-        })
-    }
-
-    fn lose_after_three(board: &Board, gpu: &crate::gpu::Gpu) {
-        while board.counts().done < 3 {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        gpu.device.destroy();
-    }
-
-    #[test]
-    fn a_lost_device_is_opened_again_and_all_frames_are_as_without() {
-        let Some(expected) = run_list(1, |_| (), |_, _| ()) else { return };
-        assert_eq!((expected.counts.done, expected.reopened), (FRAMES, 0));
-        assert!(expected.files.iter().all(Option::is_some));
-        let seen = run_list(1, |_| (), lose_after_three).unwrap();
-        assert_eq!((seen.counts.done, seen.counts.failed, seen.reopened), (FRAMES, 0, 1));
-        assert!(seen.files == expected.files);
-    }
-
-    #[test]
-    fn others_do_what_a_device_has_not_that_is_gone_for_good() {
-        let Some(expected) = run_list(1, |_| (), |_, _| ()) else { return };
-        let seen = run_list(2, Station::lose_adapter, lose_after_three).unwrap();
-        assert_eq!((seen.counts.done, seen.counts.failed, seen.stopped_by), (FRAMES, 0, None));
-        assert!(seen.files == expected.files);
-    }
-
-    #[test]
-    fn a_batch_stops_with_its_last_device_and_keeps_what_is_done() {
-        let Some(seen) = run_list(1, Station::lose_adapter, lose_after_three) else { return };
-        let Counts { done, failed, .. } = seen.counts;
-        assert!((3..FRAMES).contains(&done) && failed == 0);
-        assert_eq!(seen.files.iter().flatten().count(), done);
-        assert!(seen.stopped_by.is_some_and(|why| why.contains("none that is there")));
-    }
 }

@@ -52,14 +52,19 @@ pub fn write_exr_with(
     let image = Image::from_layer(Layer::new(size, header, encoding, AnyChannels::sort(channels)));
     write_whole(path, |file| {
         let mut writer = BufWriter::new(&mut *file);
-        image.write().to_buffered(&mut writer).map_err(|e| match e {
-            ::exr::error::Error::Io(e) => e,
-            other => io::Error::other(other.to_string()),
-        })?;
+        image.write().to_buffered(&mut writer).map_err(of_file)?;
         writer.flush()?;
         drop(writer);
         sort_attributes(file)
     })
+}
+
+/// What the file itself refused, as it said it.
+fn of_file(e: ::exr::error::Error) -> io::Error {
+    match e {
+        ::exr::error::Error::Io(e) => e,
+        other => io::Error::other(other.to_string()),
+    }
 }
 
 fn layer_attributes(attributes: &[(String, String)]) -> std::result::Result<LayerAttributes, String> {

@@ -38,7 +38,8 @@ pub struct Work {
     bytes: u64,
     /// Too large to be held at once; bytes of a row.
     strips: Option<u64>,
-    is_sampled_at_once: bool,
+    /// As [`sample_bytes`] says.
+    sample_bytes: u64,
 }
 
 /// What a device made of it.
@@ -132,19 +133,7 @@ impl Work {
         bytes += VERTEX_BYTES * mesh.positions.len() as u64 + TRIANGLE_BYTES * mesh.triangles.len() as u64;
         let row_bytes = strips::row_bytes(&camera, channels, more);
         let strips = is_in_strips.then_some(row_bytes);
-        Ok(Work {
-            args,
-            scene,
-            camera,
-            files,
-            asked,
-            wanted,
-            apart,
-            next,
-            bytes,
-            strips,
-            is_sampled_at_once: samples > 1,
-        })
+        Ok(Work { args, scene, camera, files, asked, wanted, apart, next, bytes, strips, sample_bytes: more })
     }
 
     pub fn args(&self) -> &RenderArgs {
@@ -156,12 +145,12 @@ impl Work {
     /// # Errors
     /// [`Error::Work`] that names the limit.
     pub fn check_memory(&self) -> Result<()> {
-        if self.strips.is_some() {
-            return Ok(());
-        }
-        let samples = if self.is_sampled_at_once { self.args.samples } else { 1 };
-        let more = sample_bytes(&self.camera, samples, !self.apart.is_empty());
-        memory::check(self.camera.width, self.camera.height, self.wanted.channels.len() + 3, more)
+        if self.strips.is_some() { Ok(()) } else { self.check_whole() }
+    }
+
+    fn check_whole(&self) -> Result<()> {
+        let Camera { width, height, .. } = *self.camera;
+        memory::check(width, height, self.wanted.channels.len() + 3, self.sample_bytes)
     }
 
     /// Memory that it takes until it is written, about.
@@ -183,7 +172,7 @@ impl Work {
             return Ok(Seen { rendered, extra: None, mattes: Vec::new(), is_written: true });
         }
         if self.strips.is_some() {
-            memory::check(camera.width, camera.height, wanted.channels.len() + 3, 0)?;
+            self.check_whole()?;
         }
         let mut mattes = self.mattes();
         let (repeat, moving, no_cull) = (args.repeat.unwrap_or(0), args.moving, args.no_cull);

@@ -1,6 +1,6 @@
 //! EXR files of tiles, written strip by strip: of images that are too large to be held at once.
 
-use std::io::{self, BufWriter, Write};
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use ::exr::block::writer::{ChunksWriter, write_chunks_with};
@@ -12,7 +12,7 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::{Compression, Text, Vec2};
 use rayon::prelude::*;
 
-use super::{layer_attributes, sort_attributes};
+use super::{layer_attributes, of_file, sort_attributes};
 use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame, Plane};
 use crate::output::whole::write_whole;
@@ -72,10 +72,7 @@ pub fn write_exr_tiled(
             }
             Ok(())
         });
-        done.map_err(|e| match e {
-            ::exr::error::Error::Io(e) => e,
-            other => io::Error::other(other.to_string()),
-        })?;
+        done.map_err(of_file)?;
         writer.flush()?;
         drop(writer);
         sort_attributes(file)
