@@ -116,7 +116,7 @@ fn gather(args: &BatchArgs, list: &Path, jobs: &Jobs, manifest: &Manifest) -> Re
         results::write_report(path, &Summary::new(counts, 0.0, Vec::new(), Vec::new()), tasks(), manifest)?;
     }
     if missing == 0 {
-        return print(&format!("{}: {all} frames\n", list.display()));
+        return print(&format!("{}: {}\n", list.display(), frames(all)));
     }
     let more = if missing > NAMED { format!(" and {} more", missing - NAMED) } else { String::new() };
     let (list, named) = (list.display(), named.join("; "));
@@ -312,6 +312,10 @@ fn all_adapters() -> Vec<GpuOptions> {
     own.map(|passed_over| GpuOptions { passed_over, ..GpuOptions::default() }).collect()
 }
 
+fn frames(count: usize) -> String {
+    format!("{count} frame{}", if count == 1 { "" } else { "s" })
+}
+
 /// The last line, or what all that went wrong comes to.
 fn outcome(
     list: &Path,
@@ -323,7 +327,7 @@ fn outcome(
     let Counts { all, done, skipped, failed, .. } = counts;
     let before = if skipped > 0 { format!(", {skipped} before") } else { String::new() };
     if failed == 0 && stopped_by.is_none() {
-        let line = format!("{}: {done} frames{before}\n", list.display());
+        let line = format!("{}: {}{before}\n", list.display(), frames(done));
         return if progress.is_for_programs() { Ok(()) } else { print(&line) };
     }
     let left = all - done - skipped - failed;

@@ -219,9 +219,9 @@ fn resume_skips_what_is_done_and_says_what_has_changed() {
     expects("jobs.toml: 4 frames\n", "");
     expects("jobs.toml: 0 frames, 4 before\n", "");
     std::fs::remove_file(place.path().join("2.png")).unwrap();
-    expects("jobs.toml: 1 frames, 3 before\n", "again: job.0, frame 2: 2.png is not there");
+    expects("jobs.toml: 1 frame, 3 before\n", "again: job.0, frame 2: 2.png is not there");
     place.write("1.png", "broken");
-    expects("jobs.toml: 1 frames, 3 before\n", "again: job.0, frame 1: 1.png is not what was written");
+    expects("jobs.toml: 1 frame, 3 before\n", "again: job.0, frame 1: 1.png is not what was written");
     place.write("jobs.toml", list(41));
     expects("jobs.toml: 4 frames\n", "its settings were camera.vfov=40");
     let scene = std::fs::read_to_string(place.path().join("scene.toml")).unwrap();
@@ -231,7 +231,7 @@ fn resume_skips_what_is_done_and_says_what_has_changed() {
     let manifest = place.path().join("jobs.toml.manifest.jsonl");
     let whole = std::fs::read_to_string(&manifest).unwrap();
     place.write("jobs.toml.manifest.jsonl", &whole[..whole.len() - 20]);
-    expects("jobs.toml: 1 frames, 3 before\n", "scene.toml is another");
+    expects("jobs.toml: 1 frame, 3 before\n", "scene.toml is another");
     expects("jobs.toml: 0 frames, 4 before\n", "");
     // without --resume all is done again
     assert_eq!(place.works(&["batch", "jobs.toml"]), "jobs.toml: 4 frames\n");
