@@ -214,6 +214,8 @@ impl Engine {
         }
         Ok(Frames {
             gpu: self.gpu.clone(),
+            planner: self.planner(),
+            run: run.clone(),
             pages: self.pages.clone(),
             stages,
             turned,

@@ -4,9 +4,9 @@ use super::atlas::Painter;
 use super::illumination::Illuminated;
 use super::landed::{Flight, Landed, Readings, Sight, Words};
 use super::pages::PageStore;
-use super::planned::{Planned, check_outlines, check_samples, outlined_by};
+use super::planned::{Planned, Planner, check_outlines, check_samples, outlined_by};
 use super::resident::Resident;
-use super::{Capacities, Counts, Rendered, setup};
+use super::{Capacities, Counts, Rendered, RunOptions, setup};
 use crate::baseline::Rival;
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
@@ -32,6 +32,9 @@ use std::time::Instant;
 /// Everything that is on the device for frames of one scene; as many of them may be kept as it has memory for.
 pub struct Frames {
     pub(super) gpu: Arc<Gpu>,
+    /// What their plans follow from, beside what is shown.
+    pub(super) planner: Planner,
+    pub(super) run: RunOptions,
     /// Where the images on triangles come from.
     pub(super) pages: Arc<PageStore>,
     pub(super) stages: Arc<Stages>,
@@ -168,9 +171,7 @@ impl Frames {
         let arrangement = Arrangement::of(camera, around.middle).map(Arc::new);
         let camera = Arc::new(arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
         let wanted = Wanted { channels: self.plan.planes.clone(), ..self.wanted.clone() };
-        let limit = self.gpu.binding_limit();
-        let mut plan = Plan::new(&camera, Contents::of(&self.scene), around, &wanted, self.gpu.has, limit);
-        (plan.variant.culling, plan.variant.by_tile) = (self.plan.variant.culling, self.plan.variant.by_tile);
+        let plan = self.planner.plan_by(&self.run, &camera, Contents::of(&self.scene), around, &wanted);
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
         if plan.variant != self.plan.variant || !is_as_large || camera.optics.is_some() {
             let (old, new) = (self.camera.kind, camera.kind);

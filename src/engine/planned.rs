@@ -6,6 +6,7 @@ use crate::camera::{Camera, Rays};
 use crate::error::{Error, Result};
 use crate::frame::Channel;
 use crate::gpu::device::Abilities;
+use crate::gpu::kernels::Variant;
 use crate::plan::samples::at_once;
 use crate::plan::{Contents, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
@@ -172,21 +173,39 @@ impl Planner {
                 && (l.plan.anchor, l.plan.middle) == (around.anchor, around.middle)
                 && (Contents::of(&l.scene), &l.wanted) == (contents, wanted)
                 && (&l.scene.style, l.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
-                && (l.plan.variant.culling, l.plan.variant.f64) == (!run.no_cull, run.arithmetic != Arithmetic::Single)
-                && l.plan.variant.doubting == (run.arithmetic == Arithmetic::Double)
+                && l.plan.variant == self.variant(l.plan.variant, run)
         };
         if let Some(last) = last.filter(is_as_planned) {
             return last.plan.clone();
         }
         let planned = Wanted { channels, ..wanted.clone() };
-        let mut plan = Plan::new(camera, contents, around, &planned, self.has, self.limit);
-        plan.variant.f64 = run.arithmetic != Arithmetic::Single;
-        plan.variant.culling = !run.no_cull;
-        plan.variant.doubting = run.arithmetic == Arithmetic::Double;
-        if self.has.lanes && self.has.f64 {
-            plan.variant = plan.variant.with_tiles();
-        }
-        Arc::new(plan)
+        Arc::new(self.plan_by(run, camera, contents, around, &planned))
+    }
+
+    /// The plan of frames that are run like this, with no other channels than those wanted.
+    pub(super) fn plan_by(
+        &self,
+        run: &RunOptions,
+        camera: &Camera,
+        contents: Contents,
+        around: Surroundings,
+        wanted: &Wanted,
+    ) -> Plan {
+        let mut plan = Plan::new(camera, contents, around, wanted, self.has, self.limit);
+        plan.variant = self.variant(plan.variant, run);
+        plan
+    }
+
+    /// The kernels of `run` for what those of `planned` show. All that follows from the run and the adapter is set here, and only here.
+    fn variant(&self, planned: Variant, run: &RunOptions) -> Variant {
+        let variant = Variant {
+            f64: run.arithmetic != Arithmetic::Single,
+            culling: !run.no_cull,
+            doubting: run.arithmetic == Arithmetic::Double,
+            by_tile: false,
+            ..planned
+        };
+        if self.has.lanes && self.has.f64 { variant.with_tiles() } else { variant }
     }
 }
 
