@@ -1,6 +1,7 @@
 //! The compute engine: plan, upload, stages, status, grow, image.
 
 mod atlas;
+mod counts;
 mod encode;
 mod frames;
 mod illumination;
@@ -22,11 +23,12 @@ use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
 use crate::gpu::device::GpuOptions;
 use crate::gpu::kernels::Variant;
-use crate::gpu::recorder::Recorder;
+use crate::gpu::recorder::{Passes, Recorder};
 use crate::plan::{LeftOut, Plan, Wanted};
 use crate::scene::Scene;
 use crate::stage::Stages;
 use crate::stage::gather::Gather;
+pub use counts::Counts;
 pub use frames::Frames;
 use frames::{Due, Timed};
 use illumination::Illuminated;
@@ -85,18 +87,6 @@ pub struct RunOptions {
     pub capacities: Option<Capacities>,
 }
 
-/// What the stages counted in one frame.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Counts {
-    pub pairs_tested: u64,
-    pub pairs_kept: u64,
-    pub fragments_tested: u64,
-    pub fragments_kept: u64,
-    pub rechecked: u64,
-    /// Pixels that hold an edge, where they have several samples.
-    pub edges: u64,
-}
-
 /// A frame and what it took.
 #[derive(Debug, Clone)]
 pub struct Rendered {
@@ -116,8 +106,8 @@ pub struct Rendered {
     pub left_out: Vec<LeftOut>,
     /// How many times the lists had to grow.
     pub grown: u32,
-    /// Compute passes of one frame.
-    pub passes: u32,
+    /// Passes of one frame.
+    pub passes: Passes,
     /// Where the light of the scene's caustics went, where the frame shows them.
     pub caustics: Option<Account>,
 }

@@ -36,6 +36,26 @@ pub struct StageMs {
     pub ms: f64,
 }
 
+/// Passes of one stage in a frame.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct StagePasses {
+    pub name: &'static str,
+    pub passes: u32,
+}
+
+/// How many items the stages took in a frame, or in all frames whose mean is the picture; see [`Counts`].
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Operations {
+    pub cull_items: u64,
+    pub split_items: u64,
+    pub bin_items: u64,
+    pub raster_items: u64,
+    pub recheck_items: u64,
+    pub recheck_pixels: u64,
+    pub edge_pixels: u64,
+    pub settle_items: u64,
+}
+
 /// The error against the reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Judged {
@@ -62,12 +82,20 @@ pub struct Report {
     pub total_ms: f64,
     /// Empty without timestamps.
     pub stages: Vec<StageMs>,
+    /// Compute and render passes of a frame.
+    pub passes: Option<u32>,
+    /// The same by stage.
+    pub stage_passes: Vec<StagePasses>,
+    /// What the stages of a frame took and left.
+    pub operations: Option<Operations>,
     pub pairs_tested: Option<u64>,
     pub pairs_kept: Option<u64>,
     pub fragments_tested: Option<u64>,
     pub fragments_kept: Option<u64>,
-    /// Decisions taken again in f64.
+    /// Of the tested fragments those whose signs f32 did not prove.
     pub rechecked: Option<u64>,
+    /// Their share.
+    pub rechecked_share: Option<f64>,
     /// Device memory held.
     pub bytes: Option<u64>,
     pub left_out: Vec<LeftOut>,
@@ -78,6 +106,21 @@ pub struct Report {
     pub caustics: Option<Account>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<Judged>,
+}
+
+impl Operations {
+    fn of(counts: Counts) -> Operations {
+        Operations {
+            cull_items: counts.cull_items,
+            split_items: counts.split_items,
+            bin_items: counts.bin_items,
+            raster_items: counts.pairs,
+            recheck_items: counts.recheck_items,
+            recheck_pixels: counts.rechecked,
+            edge_pixels: counts.edges,
+            settle_items: counts.settle_items,
+        }
+    }
 }
 
 impl FrameMs {
@@ -107,11 +150,20 @@ impl Report {
             frame_ms: FrameMs::of(&rendered.frame_ms),
             total_ms: 0.0,
             stages: rendered.stages.iter().map(|&(name, ms)| StageMs { name, ms }).collect(),
+            passes: Some(rendered.passes.total()).filter(|passes| *passes > 0),
+            stage_passes: rendered
+                .passes
+                .by_stage()
+                .iter()
+                .map(|&(name, passes)| StagePasses { name, passes })
+                .collect(),
+            operations: has_device.then(|| Operations::of(rendered.counts)),
             pairs_tested: counts.map(|c| c.pairs_tested),
             pairs_kept: counts.map(|c| c.pairs_kept),
             fragments_tested: counts.map(|c| c.fragments_tested),
             fragments_kept: counts.map(|c| c.fragments_kept),
             rechecked: counts.map(|c| c.rechecked),
+            rechecked_share: counts.map(|c| c.rechecked as f64 / c.fragments_tested.max(1) as f64),
             bytes: has_device.then_some(rendered.bytes),
             left_out: rendered.left_out.clone(),
             grown: has_device.then_some(rendered.grown),

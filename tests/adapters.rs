@@ -9,7 +9,10 @@ use anamorph::gpu::Gpu;
 use anamorph::plan::Wanted;
 use common::any::any;
 use common::gpu::engine_on;
+use common::needs::skip;
 use common::rng::Rng;
+use std::path::Path;
+use std::process::{Command, Output};
 
 const SIZE: (u32, u32) = (40, 30);
 
@@ -69,8 +72,7 @@ fn frames_are_the_same_by_tile_and_by_pair() {
         return;
     };
     if !by_tile.gpu.has.lanes {
-        println!("skipped: subgroups are not as wide as a tile");
-        return;
+        return skip("subgroups are not as wide as a tile");
     }
     for (number, (a, b)) in SCENES.zip(frames(&mut by_tile).iter().zip(&frames(&mut by_pair))) {
         let (Some(a), Some(b)) = (a, b) else { continue };
@@ -130,6 +132,51 @@ fn a_lost_device_is_an_error_and_another_goes_on() {
     let Some(mut other) = engine_on(|_| {}) else { return };
     let after = render(&mut other).unwrap();
     assert!(before.frame == after.frame && before.srgb8 == after.srgb8);
+}
+
+/// Tests open adapters by the one function that says so, or fails, where there is none.
+#[test]
+fn tests_do_not_go_without_an_adapter_unnoticed() {
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("tests")];
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            let opens = ["Gpu", "Engine"].iter().any(|name| text.contains(&format!("{name}::open(")));
+            assert_eq!(opens, path.ends_with("common/needs.rs"), "{}", path.display());
+        }
+    }
+}
+
+/// This program's own test of a lost device, run where no driver is found.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_an_adapter_tests_say_so_or_fail() {
+    let name = "a_lost_device_is_an_error_and_another_goes_on";
+    let run = |needed: Option<(&str, &str)>| {
+        let mut command = Command::new(std::env::current_exe().unwrap());
+        command.args(["--exact", name, "--test-threads", "2"]).env_remove("CI").env_remove("ANAMORPH_NEED_GPU");
+        command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent").envs(needed);
+        let Output { status, stdout, stderr } = command.output().unwrap();
+        let [out, err] = [stdout, stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        assert!(out.contains("running 1 test"), "{out}");
+        (status.success(), out + &err)
+    };
+    for needed in [None, Some(("CI", "false")), Some(("ANAMORPH_NEED_GPU", ""))] {
+        let (passed, told) = run(needed);
+        let line = format!("skipped 1: {name}: no Vulkan adapter found");
+        assert!(passed && told.lines().any(|l| l.starts_with(&line)), "{needed:?}: {told}");
+    }
+    for needed in [("CI", "true"), ("ANAMORPH_NEED_GPU", "1")] {
+        let (passed, told) = run(Some(needed));
+        assert!(
+            !passed && told.contains("no Vulkan adapter found") && !told.contains("skipped 1"),
+            "{needed:?}: {told}"
+        );
+    }
 }
 
 /// Memory that the device does not have is an error of the frame, in a line that says so.

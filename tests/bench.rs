@@ -1,8 +1,11 @@
 //! `anamorph bench` as a user runs it: a quick suite, its files, and the page in a browser. Nothing to do without an adapter.
 
+#[path = "common/needs.rs"]
+mod needs;
+
 use anamorph::bench::Run;
 use anamorph::bench::row::Row;
-use anamorph::gpu::device::{NO_ADAPTER, adapters};
+use anamorph::gpu::device::adapters;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -18,8 +21,7 @@ fn text(path: &Path) -> String {
 #[test]
 fn a_quick_run_leaves_every_file_and_a_page_over_all_runs() {
     if adapters().is_empty() {
-        println!("skipped: {NO_ADAPTER}");
-        return;
+        return needs::no_adapter();
     }
     let out = tempfile::tempdir().unwrap();
     let yardstick = yardstick(out.path());
@@ -107,8 +109,7 @@ fn open_in_a_browser(page: &Path, says: &str) {
     let names = ["chromium", "chromium-browser", "google-chrome"];
     let asked = |name: &&&str| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success());
     let Some(browser) = names.iter().find(asked) else {
-        println!("skipped: no browser; install chromium");
-        return;
+        return needs::skip("no browser; install chromium");
     };
     let profile = tempfile::tempdir().unwrap();
     let opened = Command::new(browser)

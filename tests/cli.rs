@@ -1,5 +1,8 @@
 //! The program as a user runs it: good runs leave whole files, bad ones one line on stderr and nothing else.
 
+#[path = "common/needs.rs"]
+mod needs;
+
 mod cli {
     pub mod bad;
     pub mod batch;

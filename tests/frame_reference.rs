@@ -275,7 +275,7 @@ fn models() -> PathBuf {
 fn load(name: &str) -> Option<Mesh> {
     let path = models().join(name);
     if !path.exists() {
-        println!("skipped: no model {name}");
+        common::needs::skip(&format!("no model {name}"));
         return None;
     }
     Some(

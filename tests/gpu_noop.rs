@@ -2,8 +2,9 @@
 //! small adapter and no feature that the variant does not ask for.
 
 use anamorph::frame::Channel;
+use anamorph::gpu::buffers::Pipeline;
 use anamorph::gpu::device::{Abilities, STORAGE_BUFFERS};
-use anamorph::gpu::kernels::{Access, Variant};
+use anamorph::gpu::kernels::{Access, Binding, Kernel, Variant};
 use anamorph::gpu::rows::LANES;
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::stage::Stages;
@@ -87,6 +88,55 @@ fn a_variant_that_the_device_cannot_run_is_reported() {
     let gpu = open(Features::empty(), limits(), &GpuOptions::default()).unwrap();
     let built = Stages::new(&gpu, Variant::every(true, true)[0], &Channel::every().collect::<Vec<_>>());
     assert!(built.is_err() || gpu.failure().is_err());
+}
+
+/// A kernel that was broken by hand, on a device that runs nothing.
+fn fault(source: &str) -> String {
+    let gpu = open(Features::empty(), limits(), &GpuOptions::default()).unwrap();
+    let binding = Binding { name: "given", access: Access::Read, wgsl_type: "array<u32>" };
+    let source = format!("@group(0) @binding(0) var<storage, read> given: array<u32>;\n{source}");
+    Pipeline::new(&gpu, Kernel { name: "broken", bindings: vec![binding], source, constants: Vec::new(), f64: false });
+    gpu.failure().unwrap_err().to_string()
+}
+
+#[test]
+fn a_broken_kernel_is_an_error_with_its_name_its_place_and_its_line() {
+    let kernel = |body: &str| format!("@compute @workgroup_size(64)\nfn broken() {{\n    {body}\n}}\n");
+    // what does not parse, and what does not validate
+    for (body, column, says) in [("let x = missing + 1u;", 13, "missing"), ("given[0] = 1u;", 5, "")] {
+        let text = fault(&kernel(body));
+        let place = format!("kernel broken, line 4, column {column}: ");
+        assert!(text.contains(&place) && text.contains(says) && text.contains(body), "{text}");
+        assert!(text.contains("--dump-kernels DIR") && !text.contains('\n'), "{text}");
+    }
+    // a long line is cut
+    let long = format!("let x = missing + {}1u;", "1u + ".repeat(100));
+    assert!(fault(&kernel(&long)).len() < 400, "{}", fault(&kernel(&long)));
+    // and what has no place in the source
+    let text = fault("@compute @workgroup_size(64) fn other() {}");
+    assert!(text.contains("kernel broken") && !text.contains('\n'), "{text}");
+}
+
+#[test]
+fn kernels_are_written_as_they_are_compiled() {
+    let folder = tempfile::tempdir().unwrap();
+    let into = folder.path().join("new");
+    let options = GpuOptions { dump_kernels: Some(into.clone()), ..Default::default() };
+    let gpu = open(Features::empty(), limits(), &options).unwrap();
+    let variants = Variant::every(false, false);
+    let planes: Vec<Channel> = Channel::every().collect();
+    for variant in [variants[0], variants[0], variants[2]] {
+        Stages::new(&gpu, variant, &planes).unwrap();
+    }
+    let text = |name: &str| std::fs::read_to_string(into.join(name)).unwrap();
+    let [first, second] = [variants[0], variants[2]].map(|variant| anamorph::gpu::kernels::raster(variant));
+    assert!(text("raster.wgsl").starts_with(&first.source) && text("raster.wgsl").contains("// override COUNTING = 0"));
+    assert!(first.source != second.source && text("raster-2.wgsl").starts_with(&second.source));
+    assert!(!into.join("raster-3.wgsl").exists() && !into.join("args-2.wgsl").exists());
+    // a folder that cannot be made
+    let options = GpuOptions { dump_kernels: Some(into.join("raster.wgsl")), ..Default::default() };
+    let error = open(Features::empty(), limits(), &options).err().expect("an error");
+    assert!(error.exit_code() == 1 && error.to_string().contains("raster.wgsl"), "{error}");
 }
 
 #[test]

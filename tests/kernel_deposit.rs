@@ -4,25 +4,16 @@ mod common;
 
 use anamorph::caustics::shares::LINE_WIDTH;
 use anamorph::gpu::buffers::Buffers;
-use anamorph::gpu::device::NO_ADAPTER;
 use anamorph::gpu::kernels;
 use anamorph::gpu::rows::{Cast, Receiver};
-use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::stage::deposit::{Casts, Deposit};
 use anamorph::twin::deposit::{corners, deposit};
+use common::needs::adapter;
 use common::rng::Rng;
 use glam::DVec2;
 
 const SIZES: [[u32; 2]; 3] = [[37, 21], [1, 1], [64, 90]];
 const MOST: u32 = 1 << 30;
-
-fn gpu() -> Option<Gpu> {
-    let gpu = Gpu::open(&GpuOptions::default()).unwrap();
-    if gpu.is_none() {
-        println!("skipped: {NO_ADAPTER}");
-    }
-    gpu
-}
 
 fn receivers() -> Vec<Receiver> {
     let mut first = 0;
@@ -172,7 +163,7 @@ fn total(words: &[u32], k: usize) -> u64 {
 
 #[test]
 fn the_kernel_deposits_what_its_twin_does_and_loses_nothing() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = adapter() else { return };
     let kernel = Deposit::new(&gpu);
     let mut rng = Rng(11);
     for count in [1, 20, 300, 5000] {
@@ -189,7 +180,7 @@ fn the_kernel_deposits_what_its_twin_does_and_loses_nothing() {
 
 #[test]
 fn sums_carry_into_their_high_words_and_do_not_depend_on_the_order() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = adapter() else { return };
     let kernel = Deposit::new(&gpu);
     let mut rng = Rng(12);
     let mut rows = any(&mut rng, 2000);

@@ -3,14 +3,14 @@
 mod common;
 
 use anamorph::frame::Channel;
+use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, read_words, readback};
-use anamorph::gpu::device::NO_ADAPTER;
 use anamorph::gpu::kernels::{LightsKind, OpticsKind, RaysKind, Variant};
 use anamorph::gpu::rows::{Landing, NONE, Optic, Params, Receiver, Way};
-use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::stage::gather::Gather;
 use anamorph::twin::gather::{gather, place, units};
 use bytemuck::Zeroable;
+use common::needs::adapter;
 use common::rng::Rng;
 use glam::DVec2;
 
@@ -39,6 +39,7 @@ fn variant(optics: bool) -> Variant {
         atomics64: false,
         by_tile: false,
         rays: RaysKind::Pieces,
+        scattered: false,
         sheeted: false,
         counting: false,
         culling: true,
@@ -166,10 +167,7 @@ fn compare(words: &[u32], case: &Case, optics: bool) -> (Vec<String>, usize) {
 
 #[test]
 fn the_kernel_adds_what_its_twin_does() {
-    let Some(gpu) = Gpu::open(&GpuOptions::default()).unwrap() else {
-        println!("skipped: {NO_ADAPTER}");
-        return;
-    };
+    let Some(gpu) = adapter() else { return };
     let mut rng = Rng(21);
     for optics in [false, true] {
         let case = case(&mut rng);

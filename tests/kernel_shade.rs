@@ -6,13 +6,19 @@ mod stages;
 #[path = "common/turned.rs"]
 mod turned;
 
+use anamorph::engine::pages::PageStore;
 use anamorph::frame::Channel;
+use anamorph::gpu::kernels::Variant;
+use anamorph::scene::mesh::NO_UV;
 use anamorph::twin::bin::bin;
 use anamorph::twin::cull::{Bound, cull};
 use anamorph::twin::raster::{Visibility, raster};
 use anamorph::twin::shade::{Pixel, shade, word};
 use anamorph::twin::{Input, Real};
+use common::rng::Rng;
+use glam::Vec2;
 use stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, random_case, read, run, seeds, upload};
+use std::collections::BTreeSet;
 
 /// Colour agrees this well in f32 where nothing is ill-conditioned: some 80 roundings of 2^-24. The twin's own bound is
 /// wider where a triangle is small beside its distance from the anchor.
@@ -39,8 +45,14 @@ fn run_kernel(
     visibility: &Visibility,
     planes: &[Channel],
 ) -> Vec<u32> {
-    let (gpu, stages) = bench.stages(turned::variant(case, input, real, false), planes);
+    let textured = !input.uvs.is_empty();
+    let variant = Variant { textured, ..turned::variant(case, input, real, false) };
+    let (gpu, stages) = bench.stages(variant, planes);
     let mut buffers = upload(gpu, input);
+    if textured {
+        // where no material has an image
+        PageStore::default().place(gpu, &[], &mut buffers).unwrap();
+    }
     buffers.upload(gpu, "visibility", &visibility.words).unwrap();
     let words = visibility.words.len() * planes.len();
     let start = planes.iter().flat_map(|&c| vec![before(c, input); visibility.words.len()]);
@@ -69,8 +81,10 @@ struct Compared {
     z_ulp: f64,
     weight: f64,
     colour: f64,
-    /// Largest shares of what t, Z, weights, colours, normals and positions may be off.
-    shares: [f64; 6],
+    /// Largest shares of what t, Z, weights, colours, normals, positions and texture coordinates may be off.
+    shares: [f64; 7],
+    /// All words of texture coordinates.
+    uvs: BTreeSet<u32>,
 }
 
 fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &Input, background: [f32; 3]) -> Compared {
@@ -99,6 +113,8 @@ fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &Input, b
                 (Pixel::Hit(s), Channel::PositionX) => (s.position.x, s.error.position),
                 (Pixel::Hit(s), Channel::PositionY) => (s.position.y, s.error.position),
                 (Pixel::Hit(s), Channel::PositionZ) => (s.position.z, s.error.position),
+                (Pixel::Hit(s), Channel::TextureU) => (s.uv[0], s.error.uv),
+                (Pixel::Hit(s), Channel::TextureV) => (s.uv[1], s.error.uv),
                 // ids, coverage, background and pixels of other chunks: the very word
                 _ => {
                     if got != want {
@@ -121,7 +137,11 @@ fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &Input, b
                 Channel::BaryU | Channel::BaryV => 2,
                 Channel::R | Channel::G | Channel::B => 3,
                 Channel::NormalX | Channel::NormalY | Channel::NormalZ => 4,
-                _ => 5,
+                Channel::PositionX | Channel::PositionY | Channel::PositionZ => 5,
+                _ => {
+                    seen.uvs.insert(got);
+                    6
+                }
             };
             if most > 0.0 {
                 seen.shares[kind] = seen.shares[kind].max(off / most);
@@ -191,8 +211,59 @@ fn the_kernel_shades_what_optics_show() {
     }
 }
 
+/// Cases of every kind of rays whose triangles have texture coordinates, each corner its own, and some none.
+fn mapped() -> impl Iterator<Item = Case> {
+    const NAMES: [&str; 7] = [
+        "pieces",
+        "weighted chain",
+        "curves of degree 3, bent by 0.3",
+        "ray field",
+        "both ways",
+        "vertices on rays, pinhole",
+        "bands and chunks",
+    ];
+    let mapped = |mut case: Case| {
+        let (mut mesh, mut rng) = ((*case.scene.mesh).clone(), Rng(91));
+        let count = mesh.triangles.len() as u32;
+        mesh.uvs = (0..3 * count).map(|_| Vec2::new(4.0 * rng.signed() as f32, rng.unit() as f32)).collect();
+        mesh.corner_uvs = (0..count).map(|k| [3 * k, 3 * k + 1, if k % 9 == 0 { NO_UV } else { 3 * k + 2 }]).collect();
+        case.scene.mesh = mesh.into();
+        case
+    };
+    let all = cases().into_iter().filter(|c| NAMES.contains(&c.name.as_str()));
+    let all: Vec<Case> = all.map(mapped).collect();
+    assert_eq!(all.len(), NAMES.len());
+    all.into_iter()
+}
+
+#[test]
+fn the_kernel_places_texture_coordinates_as_its_twin_does() {
+    let Some(mut bench) = Bench::open() else { return };
+    let reals: Vec<Real> = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0).collect();
+    for case in mapped() {
+        let tables = case.mapped_tables();
+        let (mut uvs, mut hits) = (BTreeSet::new(), 0);
+        for band in case.bands(&tables) {
+            for (visibility, &real) in visibility_of(&band, &reals).iter().zip(&reals) {
+                for input in &band {
+                    let seen = compared(&mut bench, &case, input, visibility, real);
+                    hits += seen.hits;
+                    uvs.extend(seen.uvs);
+                }
+            }
+        }
+        // all but those of triangles without, and the same in both arithmetics
+        let least = 2 * hits / reals.len() * 3 / 4;
+        assert!(hits > 500 && uvs.len() > least, "{}: {} numbers of {hits} hits", case.name, uvs.len());
+    }
+}
+
 /// Holds the kernel's planes against the twin's; the number of pixels that are hits of the chunk.
 fn check(bench: &mut Bench, case: &Case, input: &Input, visibility: &Visibility, real: Real) -> usize {
+    compared(bench, case, input, visibility, real).hits
+}
+
+fn compared(bench: &mut Bench, case: &Case, input: &Input, visibility: &Visibility, real: Real) -> Compared {
     let name = format!("{}, row {}, ids from {}, {real:?}", case.name, input.params.band_row, input.params.id_first);
     let words = run_kernel(bench, case, real, input, visibility, &all());
     let pixels = shade(input, visibility, real);
@@ -204,14 +275,14 @@ fn check(bench: &mut Bench, case: &Case, input: &Input, visibility: &Visibility,
     assert!(seen.wrong.is_empty(), "{name}: {} words differ, the first: {}", seen.wrong.len(), seen.wrong[0]);
     // what is typical holds of ordinary cameras; random ones have rays that cancel and images a pixel wide
     if case.name.starts_with("seed") {
-        return seen.hits;
+        return seen;
     }
     let share = |count: usize| count as f64 / seen.hits.max(1) as f64;
     assert!(share(seen.edge_on) <= EDGE_ON_MAX, "{name}: {} edge-on", seen.edge_on);
     assert!(share(seen.ill_conditioned) <= ILL_CONDITIONED_MAX, "{name}: {}", seen.ill_conditioned);
     assert!(real == Real::F32 || seen.weight <= WEIGHT_TYPICAL, "{name}: weights {}", seen.weight);
     assert!(seen.z_ulp <= Z_TYPICAL_ULP, "{name}: Z {} ulp", seen.z_ulp);
-    seen.hits
+    seen
 }
 
 #[test]

@@ -48,7 +48,7 @@ fn has_povray() -> bool {
     let found =
         told.is_ok_and(|told| String::from_utf8_lossy(&[told.stdout, told.stderr].concat()).contains("POV-Ray 3.7"));
     if !found {
-        println!("skipped: no povray 3.7 on this machine");
+        common::needs::skip("no povray 3.7 on this machine");
     }
     found
 }

@@ -2,10 +2,10 @@
 
 mod common;
 
+use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, read_words, readback};
-use anamorph::gpu::device::NO_ADAPTER;
 use anamorph::gpu::soft_f64::lowered;
-use anamorph::gpu::{Gpu, GpuOptions};
+use common::needs::{adapter, skip};
 use common::rng::Rng;
 
 /// Reads two numbers a row, three words each: an f64 and an f32. Writes what every operation makes of them.
@@ -185,17 +185,9 @@ fn soft(source: &str) -> wgpu::ShaderSource<'static> {
 
 const REAL: &str = include_str!("../wgsl/shared/real_f64.wgsl");
 
-fn gpu() -> Option<Gpu> {
-    let gpu = Gpu::open(&GpuOptions::default()).unwrap();
-    if gpu.is_none() {
-        println!("skipped: {NO_ADAPTER}");
-    }
-    gpu
-}
-
 #[test]
 fn every_operation_gives_the_hosts_number() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = adapter() else { return };
     let pairs = pairs();
     let found = run(&gpu, soft(&[REAL, PROBE].concat()), &pairs, NAMES.len());
     for (k, (pair, row)) in pairs.iter().zip(found.chunks_exact(NAMES.len())).enumerate() {
@@ -289,7 +281,10 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
 
 #[test]
 fn every_shape_gives_the_numbers_of_the_adapters_own_f64() {
-    let Some(gpu) = gpu().filter(|gpu| gpu.has.f64 && gpu.info.device_type == wgpu::DeviceType::Cpu) else { return };
+    let Some(gpu) = adapter() else { return };
+    if !gpu.has.f64 || gpu.info.device_type != wgpu::DeviceType::Cpu {
+        return skip("no software adapter with f64");
+    }
     let mut rng = Rng(7);
     let numbers: Vec<[f64; 2]> = (0..4096).map(|_| [rng.signed(), 3.0 * rng.signed()]).collect();
     let source = [REAL, SHAPES].concat();

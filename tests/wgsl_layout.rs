@@ -34,6 +34,7 @@ const PLAIN: Variant = Variant {
     atomics64: false,
     by_tile: false,
     rays: RaysKind::Pieces,
+    scattered: false,
     sheeted: false,
     counting: false,
     culling: true,

@@ -231,3 +231,44 @@ fn the_scan_sees_a_planted_sine_in_functions_and_entry_points() {
     let info = validate(&module, Capabilities::FLOAT64).unwrap();
     assert_eq!(forbidden_f64(&module, &info), [MathFunction::Sin, MathFunction::Exp, MathFunction::Normalize]);
 }
+
+/// Differences between a number of f64 and itself, taken to f32 and back: a driver may leave out the rounding, so that 0 is left.
+fn rounded_by_f32(module: &Module, info: &ModuleInfo) -> usize {
+    let scan = |function: &Function, info: &naga::valid::FunctionInfo| {
+        let width = |handle: naga::Handle<Expression>| match info[handle].ty.inner_with(&module.types) {
+            TypeInner::Scalar(s) | TypeInner::Vector { scalar: s, .. } if s.kind == ScalarKind::Float => s.width,
+            _ => 0,
+        };
+        let of = |handle: naga::Handle<Expression>| match function.expressions[handle] {
+            Expression::As { expr, kind: ScalarKind::Float, convert: Some(_) } => Some(expr),
+            _ => None,
+        };
+        let there_and_back = |handle: naga::Handle<Expression>| {
+            let inner = of(handle).filter(|inner| width(handle) == 8 && width(*inner) == 4);
+            inner.and_then(of).filter(|number| width(*number) == 8)
+        };
+        let is_rest = |expression: &Expression| match *expression {
+            Expression::Binary { op: naga::BinaryOperator::Subtract, left, right } => {
+                there_and_back(right) == Some(left)
+            }
+            _ => false,
+        };
+        function.expressions.iter().filter(|(_, expression)| is_rest(expression)).count()
+    };
+    let functions = module.functions.iter().map(|(handle, function)| scan(function, &info[handle]));
+    let entries = module.entry_points.iter().enumerate().map(|(k, e)| scan(&e.function, info.get_entry_point(k)));
+    functions.chain(entries).sum()
+}
+
+#[test]
+fn no_kernel_relies_on_a_driver_to_round_f64_to_f32_and_back() {
+    each_kernel(|kernel, variant| {
+        let module = parse(&kernel.source).unwrap();
+        let info = validate(&module, allowed(kernel, variant)).unwrap();
+        assert_eq!(rounded_by_f32(&module, &info), 0, "{} {variant:?}", kernel.name);
+    });
+    let planted = "fn deep(x: f64) -> f64 { let hi = f32(x); return x - f64(hi); }
+        @compute @workgroup_size(1) fn main() { let v = vec3<f64>(deep(1.0lf)); let w = v - vec3<f64>(vec3<f32>(v)); }";
+    let module = parse(planted).unwrap();
+    assert_eq!(rounded_by_f32(&module, &validate(&module, Capabilities::FLOAT64).unwrap()), 2);
+}

@@ -6,8 +6,10 @@
 const SIZE_MAX: f32 = 65536.0;
 
 fn store_number(at: u32, value: real) {
-    turned_hi[at] = f32(value);
-    turned_lo[at] = f32(value - real(f32(value)));
+    // rounded by its bits: a driver may leave out a conversion to f32 and back
+    let head = head_of(value);
+    turned_hi[at] = f32(head);
+    turned_lo[at] = f32(value - head);
 }
 
 fn store_vector(at: u32, v: real3) {

@@ -54,7 +54,7 @@ fn cull(
     var place = vec2<u32>(0u);
     loop {
         let child = node_index(level - 1u, x + place.x, y + place.y);
-        if !CULLING || node_meets(nodes[child], centre, half) {
+        if !CULLING || child_meets(level - 1u, x + place.x, y + place.y, nodes[child], centre, half) {
             let bit = 1u << (place.y * BRANCH + place.x);
             kept |= bit;
             torn |= select(0u, bit, nodes[child].rays == RAYS_TORN);
@@ -107,6 +107,10 @@ fn cull(
         }
         at++;
     }
+}
+
+fn child_meets(level: u32, x: u32, y: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
+    return node_meets(node, centre, half) && (level > 0u || tile_meets(x, y, node, centre, half));
 }
 
 // The cells of a torn tile whose rays the cluster may meet.

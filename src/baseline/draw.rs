@@ -53,10 +53,7 @@ impl Draw {
     ) -> Draw {
         let device = &gpu.device;
         let name = kernel.name;
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(name),
-            source: wgpu::ShaderSource::Wgsl(kernel.source.as_str().into()),
-        });
+        let module = gpu.compile(&kernel);
         let constants = kernel.constants.clone();
         let binder = Binder::new(device, kernel, wgpu::ShaderStages::VERTEX_FRAGMENT);
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {

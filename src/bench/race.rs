@@ -422,7 +422,7 @@ impl Runner {
             }
             Runner::Apart(frames) => {
                 let rendered: Vec<Rendered> = frames.into_iter().map(Frames::finish).collect::<Result<_>>()?;
-                row.passes = rendered.iter().map(|r| r.passes).sum();
+                row.passes = rendered.iter().map(|r| r.passes.total()).sum();
                 row.bytes = rendered.iter().map(|r| r.bytes).sum();
                 Ok(mean(rendered.into_iter().map(|r| r.frame)))
             }

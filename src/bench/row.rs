@@ -221,7 +221,7 @@ impl Row {
 
     pub fn took(&mut self, rendered: &Rendered) {
         self.stages = rendered.stages.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
-        self.passes = rendered.passes;
+        self.passes = rendered.passes.total();
         self.bytes = rendered.bytes;
     }
 
@@ -246,7 +246,7 @@ impl Row {
 
 impl Counted {
     pub fn of(counts: Counts, covered: u64) -> Counted {
-        let Counts { pairs_tested, pairs_kept, fragments_tested, fragments_kept, rechecked, edges: _ } = counts;
+        let Counts { pairs_tested, pairs_kept, fragments_tested, fragments_kept, rechecked, .. } = counts;
         Counted { pairs_tested, pairs_kept, fragments_tested, fragments_kept, rechecked, covered }
     }
 

@@ -76,8 +76,12 @@ impl Arrangement {
 
 /// Neighbouring pixels look all over the scene, or did before they were sorted.
 pub fn is_scattered(camera: &Camera) -> bool {
-    let is_sorted = matches!(camera.layers.as_slice(), [Rays::Field(field)] if field.is_sorted);
-    is_sorted || scattered(camera).is_some()
+    is_sorted(camera) || scattered(camera).is_some()
+}
+
+/// Its pixels are in the order of their rays.
+pub fn is_sorted(camera: &Camera) -> bool {
+    matches!(camera.layers.as_slice(), [Rays::Field(field)] if field.is_sorted)
 }
 
 /// The camera's one field of scattered rays.
@@ -88,12 +92,15 @@ fn scattered(camera: &Camera) -> Option<&Field> {
 
 /// Directions differ within tiles nearly as much as between them.
 fn strays(field: &Field) -> bool {
-    let (tiles_x, tiles_y) = (field.width / TILE, field.height / TILE);
+    // whole ones, but of an image that is narrower than a tile
+    let (tiles_x, tiles_y) = ((field.width / TILE).max(1), (field.height / TILE).max(1));
     let tiles = tiles_x * tiles_y;
     if tiles < 4 {
         return false;
     }
-    let direction = |i: u32, j: u32| field.ray(i, j).map(|(_, d)| d.normalize());
+    let is_inside = |i: u32, j: u32| i < field.width && j < field.height;
+    let ray = |i: u32, j: u32| is_inside(i, j).then(|| field.ray(i, j)).flatten();
+    let direction = |i: u32, j: u32| ray(i, j).map(|(_, d)| d.normalize());
     let step = tiles.div_ceil(LOOKS);
     let spread = |list: &[DVec3]| {
         let mean = list.iter().sum::<DVec3>() / list.len().max(1) as f64;
@@ -173,5 +180,25 @@ mod tests {
         assert!(!strays(&field.rearranged(&arrangement.source)));
         // one lens over all of the image: an ordinary camera
         assert!(!strays(&lenslets(128, 128, 128)));
+    }
+
+    #[test]
+    fn images_of_one_row_or_column_may_be_scattered_too() {
+        // directions in another order than their own
+        let list = |n: usize| {
+            let directions: Vec<DVec3> = (0..n).map(|k| DVec3::new((k * 37 % n) as f64 / n as f64, 0.3, 1.0)).collect();
+            (vec![DVec3::ZERO; n], directions)
+        };
+        for size in [(256, 1), (1, 256), (64, 4)] {
+            let (p, d) = list((size.0 * size.1) as usize);
+            let field = Field::new(size.0, size.1, &p, &d).unwrap();
+            assert!(strays(&field), "{size:?}");
+            let arrangement = Arrangement::new(&field, DVec3::new(0.0, 0.0, 9.0));
+            assert!(!strays(&field.rearranged(&arrangement.source)), "{size:?}");
+            let mut turning = d.clone();
+            turning.sort_by(|a, b| a.x.total_cmp(&b.x));
+            // in their order they are an ordinary camera, but in few columns, a column after the other
+            assert!(size == (64, 4) || !strays(&Field::new(size.0, size.1, &p, &turning).unwrap()), "{size:?}");
+        }
     }
 }

@@ -103,10 +103,13 @@ pub struct RenderArgs {
     /// Do without the adapter's f64: do its work in 32-bit words
     #[arg(long)]
     pub no_f64: bool,
+    /// Write the source of every kernel that is compiled to this folder, NAME.wgsl
+    #[arg(long, value_name = "DIR")]
+    pub dump_kernels: Option<PathBuf>,
     /// Print one pixel's ray, hit, candidates and margins instead
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = pixel, conflicts_with_all = [
         "output", "exr", "points", "engine", "samples", "analytic", "channels", "report", "check", "repeat", "no_cull",
-        "adapter", "no_int64", "no_f64",
+        "adapter", "no_int64", "no_f64", "dump_kernels",
     ])]
     pub pixel: Option<(u32, u32)>,
 }

@@ -39,6 +39,7 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
         adapter: args.adapter.clone(),
         no_int64: args.no_int64,
         no_f64: args.no_f64,
+        dump_kernels: args.dump_kernels.clone(),
         ..Default::default()
     };
     let mut engine = if is_reference { None } else { Engine::open(&options)? };
@@ -63,6 +64,7 @@ fn check_combination(args: &RenderArgs) -> Result<()> {
         (args.adapter.is_some(), "--adapter"),
         (args.no_int64, "--no-int64"),
         (args.no_f64, "--no-f64"),
+        (args.dump_kernels.is_some(), "--dump-kernels"),
         (args.moving, "--moving"),
         (args.no_cull, "--no-cull"),
     ];

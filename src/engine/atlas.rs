@@ -76,21 +76,9 @@ impl Painter {
                 None => stages.push((name, ms)),
             }
         }
-        let (a, b) = (own.counts, frame.counts);
-        Ok(Rendered {
-            stages,
-            counts: super::Counts {
-                pairs_tested: a.pairs_tested + b.pairs_tested,
-                pairs_kept: a.pairs_kept + b.pairs_kept,
-                fragments_tested: a.fragments_tested + b.fragments_tested,
-                fragments_kept: a.fragments_kept + b.fragments_kept,
-                rechecked: a.rechecked + b.rechecked,
-                edges: a.edges + b.edges,
-            },
-            bytes: own.bytes + frame.bytes,
-            grown: own.grown + frame.grown,
-            passes: own.passes + frame.passes,
-            ..frame
-        })
+        let (mut counts, mut passes) = (own.counts, own.passes);
+        counts += frame.counts;
+        passes.add(&frame.passes);
+        Ok(Rendered { stages, counts, bytes: own.bytes + frame.bytes, grown: own.grown + frame.grown, passes, ..frame })
     }
 }

@@ -17,8 +17,8 @@ use crate::gpu::buffers::{read_words, wait, wait_for};
 use crate::gpu::kernels::LightsKind;
 use crate::gpu::recorder::Recorded;
 use crate::gpu::rows::{
-    COUNT_BUSY, COUNT_BUSY_END, COUNT_DOUBTS, COUNT_EDGES, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS,
-    COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_SAMPLE_DOUBTS, COUNT_TASKS, COUNT_WORK, COUNTERS,
+    COUNT_BUSY, COUNT_BUSY_END, COUNT_DOUBTS, COUNT_EDGES, COUNT_PAIRS, COUNT_SAMPLE_DOUBTS, COUNT_TASKS, COUNT_WORK,
+    COUNTERS,
 };
 use crate::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
@@ -239,7 +239,7 @@ impl Frames {
         if self.due == Due::All {
             // makes the atlas too
             self.warm_up()?;
-            return Ok(self.timed.first.as_ref().map_or(0, |first| first.recorded.passes));
+            return Ok(self.timed.first.as_ref().map_or(0, |first| first.recorded.passes.total()));
         }
         let painted = self.painter.as_mut().map_or(Ok(0), |p| p.frames.refresh())?;
         if self.due == Due::Look {
@@ -249,7 +249,7 @@ impl Frames {
                 (first.planes, first.srgb8) = (drawn.planes, drawn.srgb8);
             }
             self.due = Due::Nothing;
-            return Ok(painted + drawn.recorded.passes);
+            return Ok(painted + drawn.recorded.passes.total());
         }
         Ok(painted)
     }
@@ -423,13 +423,13 @@ impl Frames {
             srgb8: None,
             frame_ms: Vec::new(),
             stages: Vec::new(),
-            counts: counts(&words.status),
+            counts: Counts::of(&words.status),
             bytes: self.resident.bytes()
                 + self.rival.as_ref().map_or(0, |r| r.bytes())
                 + self.caustics.as_ref().map_or(0, |(lit, _)| lit.buffers.bytes()),
             left_out,
             grown: 0,
-            passes: submitted.recorded.passes,
+            passes: submitted.recorded.passes.clone(),
             caustics: self.caustics.as_ref().map(|(lit, _)| lit.account),
         }
     }
@@ -487,18 +487,6 @@ struct Shortage {
     need: Capacities,
     /// How often raster is to go over the busy tiles, where it left some.
     rounds: Option<u32>,
-}
-
-fn counts(status: &[u32]) -> Counts {
-    let sum = |counter: u32| status.chunks_exact(COUNTERS as usize).map(|s| s[counter as usize] as u64).sum();
-    Counts {
-        pairs_tested: sum(COUNT_PAIRS_TESTED),
-        pairs_kept: sum(COUNT_PAIRS_KEPT),
-        fragments_tested: sum(COUNT_FRAGMENTS_TESTED),
-        fragments_kept: sum(COUNT_FRAGMENTS_KEPT),
-        rechecked: sum(COUNT_RECHECKED),
-        edges: sum(COUNT_EDGES),
-    }
 }
 
 /// Both are lit and drawn alike, what their triangles are made of aside.

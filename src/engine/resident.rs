@@ -16,7 +16,7 @@ use crate::plan::hierarchy::Hierarchy;
 use crate::plan::pages::Pages;
 use crate::plan::{Band, Plan, Wanted};
 use crate::scene::Scene;
-use crate::scene::clusters::{Chunk, Clustered};
+use crate::scene::clusters::{Chunk, Clustered, mapped_rows};
 use wgpu::BufferUsages;
 
 pub struct Resident {
@@ -362,22 +362,12 @@ fn chunk_on_device(gpu: &Gpu, chunk: &Chunk, mut buffers: Buffers) -> Result<Chu
     if chunk.uvs.is_empty() {
         buffers.upload(gpu, "surfaces", &chunk.surfaces)?;
     } else {
-        buffers.upload(gpu, "surfaces", &mapped_surfaces(chunk))?;
+        buffers.upload(gpu, "surfaces", &mapped_rows(&chunk.surfaces, &chunk.uvs))?;
     }
     buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
     let clusters = chunk.clusters.len() as u32;
     let slots = chunk.triangles.len() as u32;
     Ok(ChunkOnDevice { buffers, id_first: chunk.id_first, id_count: chunk.id_count, clusters, slots })
-}
-
-/// Three rows a slot: its own; and the texture coordinates of its corners, and whether it has some.
-fn mapped_surfaces(chunk: &Chunk) -> Vec<[[u32; 4]; 3]> {
-    let row = |(own, uv): (&[u32; 4], &[f32; 6])| {
-        let is_mapped = u32::from(uv.iter().all(|v| v.is_finite()));
-        let [a, b, c, d, e, f] = uv.map(f32::to_bits);
-        [*own, [a, b, c, d], [e, f, is_mapped, 0]]
-    };
-    chunk.surfaces.iter().zip(&chunk.uvs).map(row).collect()
 }
 
 /// What depends on positions.

@@ -2,9 +2,7 @@
 
 use super::device::{Gpu, one_line};
 use super::kernels::{Access, Binding, Kernel, Variant};
-use super::soft_f64::lowered;
 use crate::error::{Error, Result};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, channel};
@@ -154,16 +152,7 @@ impl Pipeline {
     pub fn new(gpu: &Gpu, kernel: Kernel) -> Pipeline {
         let device = &gpu.device;
         let label = Some(kernel.name);
-        let mut source = wgpu::ShaderSource::Wgsl(kernel.source.as_str().into());
-        if kernel.f64 && !gpu.has.f64 {
-            match lowered(&kernel.source) {
-                Ok(module) => source = wgpu::ShaderSource::Naga(Cow::Owned(module)),
-                Err(text) => {
-                    gpu.failed(format!("kernel {}: {text}", kernel.name));
-                }
-            }
-        }
-        let module = gpu.compile(kernel.name, source);
+        let module = gpu.compile(&kernel);
         let (name, constants) = (kernel.name, kernel.constants.clone());
         let binder = Binder::new(device, kernel, wgpu::ShaderStages::COMPUTE);
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -171,6 +160,7 @@ impl Pipeline {
             bind_group_layouts: &[Some(&binder.layout)],
             immediate_size: 0,
         });
+        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label,
             layout: Some(&layout),
@@ -179,6 +169,9 @@ impl Pipeline {
             compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
         });
+        if let Some(error) = pollster::block_on(scope.pop()) {
+            gpu.failed(format!("kernel {name}: {}", one_line(error)));
+        }
         Pipeline { binder, pipeline }
     }
 

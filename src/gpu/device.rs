@@ -1,8 +1,10 @@
 //! The adapter: which one, what it can do, and what that selects.
 
+use super::compile::Dump;
 use super::rows::LANES;
 use crate::error::{Error, Result};
 use serde::Serialize;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 /// What a person may ask of the adapter.
@@ -16,6 +18,8 @@ pub struct GpuOptions {
     pub no_int64: bool,
     /// Do without f64 even where there is some: its work is done in 32-bit words.
     pub no_f64: bool,
+    /// Where the source of every kernel is written once it is compiled.
+    pub dump_kernels: Option<PathBuf>,
 }
 
 /// An open device and what its adapter offers.
@@ -27,6 +31,8 @@ pub struct Gpu {
     pub has: Abilities,
     /// Kernels are compiled with wgpu's checks, see [`Gpu::without_checks`].
     checked: bool,
+    /// Where kernels are written.
+    pub(super) dump: Option<Dump>,
     /// The first error that the device reported outside a call.
     failed: Arc<Mutex<Option<String>>>,
 }
@@ -153,7 +159,8 @@ impl Gpu {
                 note(&lost, format!("device lost: {}", one_line(text)));
             }
         });
-        Ok(Gpu { device, queue, info, limits, has, checked: true, failed })
+        let dump = options.dump_kernels.as_deref().map(Dump::new).transpose()?;
+        Ok(Gpu { device, queue, info, limits, has, checked: true, dump, failed })
     }
 
     /// Compiles kernels from here on as they stand: without the bounds of indices and loops that wgpu adds to them. No kernel
@@ -166,8 +173,8 @@ impl Gpu {
         self.checked = false;
     }
 
-    pub(crate) fn compile(&self, label: &str, source: wgpu::ShaderSource<'_>) -> wgpu::ShaderModule {
-        let descriptor = wgpu::ShaderModuleDescriptor { label: Some(label), source };
+    /// A module, checked or as it stands.
+    pub(super) fn create_module(&self, descriptor: wgpu::ShaderModuleDescriptor<'_>) -> wgpu::ShaderModule {
         if self.checked {
             return self.device.create_shader_module(descriptor);
         }

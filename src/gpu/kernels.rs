@@ -38,6 +38,8 @@ pub struct Variant {
     /// `raster` goes tile by tile, not pair by pair.
     pub by_tile: bool,
     pub rays: RaysKind,
+    /// They were sorted, and those of a tile have still little to do with each other: what they meet is told one by one.
+    pub scattered: bool,
     /// The tiles of several layers, or of several spans of t, are stacked below each other.
     pub sheeted: bool,
     /// Count tested and kept fragments.
@@ -168,6 +170,7 @@ impl Variant {
                 atomics64,
                 by_tile: false,
                 rays: RaysKind::Pieces,
+                scattered: false,
                 sheeted: false,
                 counting,
                 culling: true,
@@ -185,7 +188,10 @@ impl Variant {
                 samples: 1,
                 analytic: false,
             };
-            let variant = |rays, sheeted, optics| Variant { rays, sheeted, optics, ..of_camera };
+            let variant = |rays, sheeted, optics| {
+                let scattered = more && rays == RaysKind::Field;
+                Variant { rays, scattered, sheeted, optics, ..of_camera }
+            };
             let curves = [1, 2, 3].map(|degree| RaysKind::Curves { degree });
             for rays in [RaysKind::Pieces, RaysKind::Field].into_iter().chain(curves) {
                 list.extend([false, true].map(|sheeted| variant(rays, sheeted, None)));
@@ -237,7 +243,7 @@ impl Variant {
     fn camera(self) -> &'static str {
         match self.rays {
             RaysKind::Pieces => concat!(snippet!("camera/piece.wgsl"), snippet!("camera/pieces.wgsl")),
-            RaysKind::Field => snippet!("camera/field.wgsl"),
+            RaysKind::Field => concat!(snippet!("camera/field_rays.wgsl"), snippet!("camera/field.wgsl")),
             RaysKind::Curves { .. } => snippet!("camera/curves.wgsl"),
         }
     }
@@ -282,6 +288,15 @@ impl Variant {
     /// The snippets with which rays are found pixel by pixel.
     pub(crate) fn pixel_snippets(self) -> Vec<&'static str> {
         [&[self.real(), BUNDLE, self.camera()][..], self.pixel()].concat()
+    }
+
+    /// How it is told what the rays of a tile meet, and what that binds.
+    fn apart(self) -> (&'static str, Vec<Binding>) {
+        if self.scattered {
+            let own = concat!(snippet!("camera/field_rays.wgsl"), snippet!("shared/rays_apart.wgsl"));
+            return (own, vec![read("rays_hi", "array<f32>")]);
+        }
+        (snippet!("shared/rays_together.wgsl"), Vec::new())
     }
 
     /// How a kernel sees a list of structs: as it is, or as rows that the lanes of a subgroup load together.
@@ -378,7 +393,7 @@ pub fn args() -> Kernel {
 }
 
 pub fn cull(variant: Variant) -> Kernel {
-    let bindings = vec![
+    let mut bindings = vec![
         params(),
         step(),
         read("clusters", "array<Cluster>"),
@@ -390,13 +405,15 @@ pub fn cull(variant: Variant) -> Kernel {
         write("work", "array<vec2<u32>>"),
         counters(),
     ];
-    let mut kernel = kernel("cull", bindings, &[PARAMS, ITEMS, INDEX, WITHIN, MEETS, snippet!("cull.wgsl")]);
+    let (apart, rays) = variant.apart();
+    bindings.extend(rays);
+    let mut kernel = kernel("cull", bindings, &[PARAMS, ITEMS, INDEX, WITHIN, MEETS, apart, snippet!("cull.wgsl")]);
     kernel.constants.push(("CULLING", variant.culling as u32 as f64));
     kernel
 }
 
 pub fn split(variant: Variant) -> Kernel {
-    let bindings = vec![
+    let mut bindings = vec![
         params(),
         read("bunches", "array<Cluster>"),
         read("nodes", variant.rows("array<Node>")),
@@ -405,7 +422,9 @@ pub fn split(variant: Variant) -> Kernel {
         write("tasks", "array<vec2<u32>>"),
         counters(),
     ];
-    let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, MEETS, variant.item_node(), snippet!("split.wgsl")];
+    let (apart, rays) = variant.apart();
+    bindings.extend(rays);
+    let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, MEETS, apart, variant.item_node(), snippet!("split.wgsl")];
     let mut kernel = kernel("split", bindings, &snippets);
     kernel.constants.push(("CULLING", variant.culling as u32 as f64));
     kernel

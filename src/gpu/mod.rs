@@ -2,6 +2,7 @@
 //! rows they read, and buffers.
 
 pub mod buffers;
+mod compile;
 pub mod device;
 pub mod kernels;
 pub mod recorder;

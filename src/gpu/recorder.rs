@@ -8,15 +8,19 @@ use crate::error::Result;
 pub struct Recorder {
     pub encoder: wgpu::CommandEncoder,
     times: Option<Times>,
-    passes: u32,
+    passes: Passes,
 }
 
 /// What is left to read once a submission is done.
 pub struct Recorded {
     times: Option<Times>,
     pub submission: wgpu::SubmissionIndex,
-    pub passes: u32,
+    pub passes: Passes,
 }
+
+/// How many passes each stage took, in the order of their first ones.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Passes(Vec<(&'static str, u32)>);
 
 /// Timestamps at the start and end of every pass.
 struct Times {
@@ -36,6 +40,33 @@ fn first(pass: usize) -> u32 {
     2 * pass as u32
 }
 
+impl Passes {
+    pub fn by_stage(&self) -> &[(&'static str, u32)] {
+        &self.0
+    }
+
+    pub fn total(&self) -> u32 {
+        self.0.iter().map(|stage| stage.1).sum()
+    }
+
+    /// Those of another submission too.
+    pub fn add(&mut self, other: &Passes) {
+        other.0.iter().for_each(|(name, count)| *self.of(name) += count);
+    }
+
+    fn count(&mut self, name: &'static str) {
+        *self.of(name) += 1;
+    }
+
+    fn of(&mut self, name: &'static str) -> &mut u32 {
+        let at = self.0.iter().position(|stage| stage.0 == name).unwrap_or_else(|| {
+            self.0.push((name, 0));
+            self.0.len() - 1
+        });
+        &mut self.0[at].1
+    }
+}
+
 impl Recorder {
     /// Times all of at most `passes_max` passes, or none where they are too many.
     pub fn new(gpu: &Gpu, passes_max: u32) -> Recorder {
@@ -50,7 +81,7 @@ impl Recorder {
             room: passes_max,
             resolved: readback(gpu, 8 * u64::from(count)),
         });
-        Recorder { encoder: gpu.device.create_command_encoder(&Default::default()), times, passes: 0 }
+        Recorder { encoder: gpu.device.create_command_encoder(&Default::default()), times, passes: Passes::default() }
     }
 
     pub fn compute(&mut self, name: &'static str) -> wgpu::ComputePass<'_> {
@@ -87,7 +118,7 @@ impl Recorder {
 
     /// The first timestamp of the next pass.
     fn count(&mut self, name: &'static str) -> Option<u32> {
-        self.passes += 1;
+        self.passes.count(name);
         let times = self.times.as_mut().filter(|t| t.names.len() < t.room as usize)?;
         times.names.push(name);
         Some(first(times.names.len() - 1))

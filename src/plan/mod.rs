@@ -17,6 +17,7 @@ pub mod sheets;
 pub mod tear;
 pub mod tiles;
 
+use crate::camera::arranged::is_sorted;
 use crate::camera::{Camera, Rays};
 use crate::frame::Channel;
 use crate::gpu::device::Abilities;
@@ -227,6 +228,7 @@ impl Plan {
             atomics64: has.atomics64,
             by_tile: false,
             rays: sheets::kind(camera),
+            scattered: is_sorted(camera),
             sheeted: sheets.count() > 1,
             counting: wanted.counting,
             culling: true,
@@ -360,7 +362,7 @@ impl Band {
         let nodes = nodes::Nodes::new(
             &sampled,
             (tiles.tiles_x, tiles.tiles_y),
-            nodes::Depth { middle: around.middle - anchor, t_range: camera.t_range },
+            nodes::Depth { middle: around.middle - anchor, t_range: camera.t_range, scattered: is_sorted(camera) },
         );
         let rays = match (&curves, camera.layers.as_slice()) {
             (Some(table), _) => Some(table.rays(anchor)),

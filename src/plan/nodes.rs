@@ -39,6 +39,8 @@ pub struct Depth {
     /// Of the scene, relative to the anchor.
     pub middle: DVec3,
     pub t_range: [f64; 2],
+    /// The rays of a tile have little to do with each other: cull descends to every tile.
+    pub scattered: bool,
 }
 
 impl Depth {
@@ -51,12 +53,13 @@ impl Depth {
         half(&fit.p, fit.r_p) + t * half(&fit.d, fit.r_d)
     }
 
-    /// A node above bundles of these widths: torn where they are bounded much better than it.
+    /// A node above bundles of these widths: torn where they are bounded much better than it, or one by one.
     fn square(&self, fit: Fit, below: impl ExactSizeIterator<Item = f64>) -> Square {
         let (width, count) = (self.width(&fit), below.len() as f64);
         let below = below.sum::<f64>() / count;
-        // nothing below: NaN, and not torn
-        let torn = fit.rays == RAYS_LOOSE && fit.strays() && below < TORN_WIDTH * width;
+        // of nothing below a mean is NaN, and never narrower
+        let is_narrower = fit.strays() && below < TORN_WIDTH * width;
+        let torn = fit.rays == RAYS_LOOSE && (is_narrower || self.scattered && count > 0.0);
         if torn { Square { fit: Fit { rays: RAYS_TORN, ..fit }, width: below } } else { Square { fit, width } }
     }
 }

@@ -256,6 +256,17 @@ fn uv_row(mesh: &Mesh, id: u32) -> [f32; 6] {
     [a.x, 1.0 - a.y, b.x, 1.0 - b.y, c.x, 1.0 - c.y]
 }
 
+/// What kernels read of surfaces with texture coordinates, three rows a slot: its own; and the coordinates of its corners, and whether it
+/// has some.
+pub fn mapped_rows(surfaces: &[[u32; 4]], uvs: &[[f32; 6]]) -> Vec<[[u32; 4]; 3]> {
+    let row = |(own, uv): (&[u32; 4], &[f32; 6])| {
+        let is_mapped = u32::from(uv.iter().all(|v| v.is_finite()));
+        let [a, b, c, d, e, f] = uv.map(f32::to_bits);
+        [*own, [a, b, c, d], [e, f, is_mapped, 0]]
+    };
+    surfaces.iter().zip(uvs).map(row).collect()
+}
+
 /// A box of positions.
 #[derive(Clone, Copy)]
 struct Bounds {

@@ -43,7 +43,11 @@ pub fn fit(input: &Input) -> Fitted {
         ..bytemuck::Zeroable::zeroed()
     };
     Fitted {
-        nodes: Nodes::new(&bounds, (p.tiles_x, p.tiles_y), Depth { middle, t_range: input.t_range() }),
+        nodes: Nodes::new(
+            &bounds,
+            (p.tiles_x, p.tiles_y),
+            Depth { middle, t_range: input.t_range(), scattered: false },
+        ),
         cells: (0..).zip(masks).map(cell).collect(),
     }
 }

@@ -69,6 +69,8 @@ pub struct Input<'a> {
     pub vertices_lo: &'a [f32],
     pub slot_of_id: &'a [u32],
     pub surfaces: &'a [[u32; 4]],
+    /// Texture coordinates of each slot's corners, v downwards; none where nothing asks for them.
+    pub uvs: &'a [[f32; 6]],
     pub look: &'a Look,
     pub optics: Option<OpticsInput<'a>>,
 }
@@ -133,8 +135,8 @@ impl Tables {
         let plan = Plan::new(camera, Contents::of(scene), around, wanted, has, binding_limit);
         Tables {
             optics: Optics::new(scene, camera, &plan),
+            clustered: cluster(&scene.mesh, around.anchor, plan.variant.textured, binding_limit),
             plan,
-            clustered: cluster(&scene.mesh, around.anchor, false, binding_limit),
             look: Look::new(scene, around.anchor, &Pages::default(), Hidden::NOT),
         }
     }
@@ -161,6 +163,7 @@ impl Tables {
             vertices_lo: &chunk.vertices_lo,
             slot_of_id: &chunk.slot_of_id,
             surfaces: &chunk.surfaces,
+            uvs: &chunk.uvs,
             look: &self.look,
             optics: self.optics.as_ref().map(|o| o.input(None)),
         }

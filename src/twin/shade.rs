@@ -36,6 +36,8 @@ pub struct Shaded {
     /// World units.
     pub position: DVec3,
     pub albedo: [f32; 3],
+    /// Texture coordinates, 0 without any.
+    pub uv: [f64; 2],
     pub error: Errors,
 }
 
@@ -50,6 +52,7 @@ pub struct Errors {
     /// The same.
     pub normal: f64,
     pub position: f64,
+    pub uv: f64,
 }
 
 /// Rounding of one f32 operation, relative.
@@ -124,6 +127,7 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
         _ => cell.piece,
     };
     let (mirror, piece) = behind.first.unwrap_or((NO_ID, own_piece));
+    let (uv, uv_error) = hit.uv();
     let error = Errors {
         t: T_UNITS * UNIT * t.abs(),
         z: z.abs() * (Z_UNITS * UNIT + direction_error) + UNIT * before,
@@ -131,9 +135,10 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
         colour: colour_error,
         normal: normal_error,
         position: position_error(input, point, point_size),
+        uv: uv_error,
     };
     let (position, albedo) = (point + input.anchor(), input.base(id).unwrap_or_else(|| hit.albedo()));
-    Pixel::Hit(Shaded { triangle: id, piece, mirror, t, z, weights, colour, normal, position, albedo, error })
+    Pixel::Hit(Shaded { triangle: id, piece, mirror, t, z, weights, colour, normal, position, albedo, uv, error })
 }
 
 /// How far a kernel's position may be from a point that is relative to the anchor, from numbers so large.
@@ -158,10 +163,11 @@ fn end_on_smooth(input: &Input, behind: &Behind, (id, t): (u32, f64), (x, y): (u
         colour: colour_error,
         normal: 0.0,
         position: position_error(input, point, p.length() + t.abs() * d.length()),
+        uv: 0.0,
     };
     let position = point + input.anchor();
-    let (weights, normal) = ([0.0; 3], DVec3::ZERO);
-    Pixel::Hit(Shaded { triangle: id, piece, mirror, t, z, weights, colour, normal, position, albedo, error })
+    let (weights, normal, uv) = ([0.0; 3], DVec3::ZERO, [0.0; 2]);
+    Pixel::Hit(Shaded { triangle: id, piece, mirror, t, z, weights, colour, normal, position, albedo, uv, error })
 }
 
 impl Behind {
@@ -212,7 +218,7 @@ pub fn word(pixel: &Pixel, channel: Channel, background: [f32; 3]) -> Option<u32
         (Pixel::Hit(s), Channel::AlbedoR) => s.albedo[0].to_bits(),
         (Pixel::Hit(s), Channel::AlbedoG) => s.albedo[1].to_bits(),
         (Pixel::Hit(s), Channel::AlbedoB) => s.albedo[2].to_bits(),
-        // twins see no images
-        (Pixel::Hit(_), Channel::TextureU | Channel::TextureV) => 0,
+        (Pixel::Hit(s), Channel::TextureU) => bits(s.uv[0]),
+        (Pixel::Hit(s), Channel::TextureV) => bits(s.uv[1]),
     })
 }

@@ -20,6 +20,8 @@ const LIGHT_UNITS: f64 = 8.0;
 const EDGE_UNITS: f64 = 8.0;
 /// A vertex less an origin: a product, a difference, and the origin's own sums.
 const OFFSET_UNITS: f64 = 3.0;
+/// Texture coordinates: three products and sums, and a rounding.
+const UV_UNITS: f64 = 6.0;
 /// A sum of three weighted normals.
 const SUM_UNITS: f64 = 5.0;
 
@@ -71,6 +73,17 @@ impl Surface<'_> {
         let stored = if real == Real::F32 { STORED_UNITS } else { 0.0 };
         let (w, error) = self.row_weights(real.rounding(), stored);
         (self.in_file_order(w), error + UNIT)
+    }
+
+    /// Texture coordinates, 0 without any. Kernels take their weights from rays and corners that are rounded to f32.
+    pub fn uv(&self) -> ([f64; 2], f64) {
+        let own = self.input.uvs.get(self.slot as usize).filter(|uv| uv.iter().all(|v| v.is_finite()));
+        let Some(uv) = own else { return ([0.0; 2], 0.0) };
+        let (w, error) = self.row_weights(UNIT, STORED_UNITS);
+        let w = self.in_file_order(w);
+        let [u, down] = [0, 1].map(|k| (0..3).map(|corner| w[corner] * f64::from(uv[2 * corner + k])).sum::<f64>());
+        let size: f64 = uv.iter().map(|v| f64::from(v.abs())).sum();
+        ([u, 1.0 - down], error * size + UNIT * UV_UNITS * (1.0 + size))
     }
 
     /// Lambert from every light, or one headlight along the ray, and a small ambient term.

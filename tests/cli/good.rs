@@ -58,6 +58,10 @@ fn renders_with(place: &Place, engine: &str) {
         "bytes",
         "left_out",
         "grown",
+        "passes",
+        "stage_passes",
+        "operations",
+        "rechecked_share",
         "error",
     ] {
         assert!(report.get(key).is_some(), "{key} is missing");
@@ -74,8 +78,20 @@ fn renders_with(place: &Place, engine: &str) {
     if engine == "compute" {
         assert!(count("pairs_kept") > Some(0) && count("fragments_kept") > Some(0) && count("bytes") > Some(0));
         assert!(report["left_out"].as_array().unwrap().iter().all(|l| l["what"] != "fragment counters"));
+        let stages = report["stage_passes"].as_array().unwrap();
+        let passes = |name: &str| stages.iter().find(|s| s["name"] == name).and_then(|s| s["passes"].as_u64());
+        assert_eq!((passes("cull"), passes("shade"), passes("write")), (Some(1), Some(1), Some(1)));
+        assert_eq!(stages.iter().filter_map(|s| s["passes"].as_u64()).sum::<u64>(), report["passes"]);
+        // each step takes a part of what the one before may hand on
+        let of = |key: &str| report["operations"][key].as_u64().unwrap();
+        assert!(of("split_items") > 0 && of("bin_items") <= 8 * of("split_items"), "{report}");
+        assert!(of("raster_items") > 0 && of("recheck_items") <= of("recheck_pixels"), "{report}");
+        assert_eq!((of("edge_pixels"), of("settle_items")), (0, 0));
+        let share = report["rechecked"].as_f64().unwrap() / report["fragments_tested"].as_f64().unwrap();
+        assert!(report["rechecked_share"] == share && share < 0.1, "{report}");
     } else {
         assert!(report["pairs_kept"].is_null() && report["bytes"].is_null() && report["adapter"] == "cpu");
+        assert!(report["passes"].is_null() && report["operations"].is_null() && report["rechecked_share"].is_null());
     }
 }
 
@@ -96,6 +112,24 @@ fn the_compute_engine_renders_what_the_reference_does() {
     let compared = json(&place.works(&["compare", "all.exr", "truth.exr", "--scene", "demo.toml", "--json"]));
     assert_eq!((&compared["wrong_safe"], &compared["not_near"]), (&0.into(), &0.into()));
     assert_eq!(compared["pixels"], 64 * 48);
+    // several samples in one frame, and a frame each
+    for (samples, frames) in [(&["--samples", "4"][..], 1), (&["--samples", "4", "--engine", "raytrace"], 4)] {
+        let common = ["render", "demo.toml", "--size", "64x48", "-o", "s.png", "--report", "s.json"];
+        place.works(&[&common[..], samples].concat());
+        let report = json_file(&place, "s.json");
+        let shade = report["stage_passes"].as_array().unwrap().iter().find(|s| s["name"] == "shade").unwrap().clone();
+        assert_eq!(shade["passes"], frames);
+        let edges = report["operations"]["edge_pixels"].as_u64();
+        assert!(if frames == 1 { edges > Some(0) } else { edges.is_none() }, "{report}");
+    }
+    let dump = ["render", "demo.toml", "--size", "64x48", "-o", "d.png", "--dump-kernels", "kernels"];
+    place.works(&dump);
+    let names: Vec<_> =
+        std::fs::read_dir(place.path().join("kernels")).unwrap().map(|f| f.unwrap().file_name()).collect();
+    assert!(
+        ["cull.wgsl", "raster.wgsl", "shade.wgsl"].iter().all(|own| names.iter().any(|name| name == own)),
+        "{names:?}"
+    );
     let moving = ["render", "demo.toml", "--size", "64x48", "--repeat", "2", "--moving", "--no-int64"];
     place.works(&moving);
 }

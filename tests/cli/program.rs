@@ -1,5 +1,6 @@
 //! Runs the built program in a folder of its own.
 
+use crate::needs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
@@ -85,12 +86,12 @@ impl Place {
         assert_eq!(self.names(), before, "{args:?}");
     }
 
-    /// There is an adapter to render on; says so where there is none.
+    /// There is an adapter to render on; where there is none, as [`needs::no_adapter`] says.
     pub fn has_adapter(&self) -> bool {
         let info: serde_json::Value = serde_json::from_str(&self.works(&["info", "--json"])).unwrap();
         let found = info["adapters"].as_array().is_some_and(|a| !a.is_empty());
         if !found {
-            println!("skipped: no adapter on this machine");
+            needs::no_adapter();
         }
         found
     }

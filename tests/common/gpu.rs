@@ -1,11 +1,11 @@
 //! The engine on this machine's adapter, and judgement of its frames by the reference.
 
+use super::needs;
 use anamorph::camera::{Camera, Rays};
 use anamorph::compare::{Comparison, compare};
 use anamorph::engine::{Engine, Rendered, RunOptions};
 use anamorph::frame::{Channel, Frame, NO_ID, Plane};
-use anamorph::gpu::device::NO_ADAPTER;
-use anamorph::gpu::{Gpu, GpuOptions};
+use anamorph::gpu::Gpu;
 use anamorph::plan::Wanted;
 use anamorph::reference::image::{Judgement, judge};
 use anamorph::scene::Scene;
@@ -26,7 +26,7 @@ type Slot = OnceLock<Option<Mutex<Engine>>>;
 /// An engine for each kind of kernels, so that none is compiled twice.
 static ENGINES: [Slot; 8] = [const { OnceLock::new() }; 8];
 
-/// An engine whose kernels suit the camera; `None`, with the reason printed, where the machine has no adapter.
+/// An engine whose kernels suit the camera; `None`, as [`needs::no_adapter`] says, where the machine has no adapter.
 pub fn engine(camera: &Camera, without: Without) -> Option<MutexGuard<'static, Engine>> {
     let field = matches!(camera.layers[0], Rays::Field(_));
     let less = |gpu: &mut Gpu| {
@@ -35,15 +35,16 @@ pub fn engine(camera: &Camera, without: Without) -> Option<MutexGuard<'static, E
         gpu.has.lanes &= without != Without::Lanes;
     };
     let slot = ENGINES[2 * without as usize + usize::from(field)].get_or_init(|| engine_on(less).map(Mutex::new));
+    if slot.is_none() {
+        // for each test that asks
+        needs::no_adapter();
+    }
     slot.as_ref().map(|e| e.lock().unwrap_or_else(|e| e.into_inner()))
 }
 
-/// An engine of its own on an adapter that is made to look smaller; `None`, with the reason printed, without one.
+/// An engine of its own on an adapter that is made to look smaller; `None` as [`engine`] without one.
 pub fn engine_on(less: impl FnOnce(&mut Gpu)) -> Option<Engine> {
-    let Some(mut gpu) = Gpu::open(&GpuOptions::default()).unwrap() else {
-        println!("skipped: {NO_ADAPTER}");
-        return None;
-    };
+    let mut gpu = needs::adapter()?;
     less(&mut gpu);
     Some(Engine::new(gpu))
 }

@@ -9,6 +9,7 @@ pub mod continuity;
 pub mod file;
 pub mod gpu;
 pub mod layered;
+pub mod needs;
 pub mod projection;
 pub mod rng;
 pub mod written;

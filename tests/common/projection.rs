@@ -1,11 +1,12 @@
 //! Projection against coverage: images see their points, and pixels are images of what they see; with the GPU's help
 //! the same.
 
+use super::needs;
 use super::rng::Rng;
 use super::soup;
 use anamorph::camera::project::{Image, Images, Projector};
 use anamorph::camera::{Camera, Ray, Rays};
-use anamorph::gpu::{Gpu, GpuOptions};
+use anamorph::gpu::Gpu;
 use anamorph::reference::{Path, Reference};
 use anamorph::stage::sift::Sift;
 use glam::{DVec2, DVec3};
@@ -111,12 +112,12 @@ fn has_rays_about(camera: &Camera, i: u32, j: u32) -> bool {
     f.map().is_some() || [(-1, -1), (-1, 1), (1, -1), (1, 1)].iter().any(|&(x, y)| has(x, 0) && has(0, y) && has(x, y))
 }
 
-/// This machine's adapter; `None`, with the reason printed, where there is none.
+/// This machine's adapter; `None`, as [`needs::no_adapter`] says, where there is none.
 pub fn gpu() -> Option<&'static Gpu> {
     static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
-    let gpu = GPU.get_or_init(|| Gpu::open(&GpuOptions::default()).unwrap()).as_ref();
+    let gpu = GPU.get_or_init(needs::adapter).as_ref();
     if gpu.is_none() {
-        println!("skipped: {}", anamorph::gpu::device::NO_ADAPTER);
+        needs::no_adapter();
     }
     gpu
 }

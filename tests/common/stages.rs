@@ -4,21 +4,21 @@
 #![allow(dead_code)]
 
 use super::common::cameras::{self, MeshLook};
-use super::common::layered;
 use super::common::rng::Rng;
 use super::common::{self, ALL_T, FORWARD};
+use super::common::{layered, needs};
 use anamorph::camera::{Camera, Rays};
 use anamorph::engine::Capacities;
 use anamorph::frame::Channel;
+use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, read_words, readback, wait};
-use anamorph::gpu::device::{Abilities, NO_ADAPTER};
+use anamorph::gpu::device::Abilities;
 use anamorph::gpu::kernels::{LightsKind, OpticsKind, Variant};
 use anamorph::gpu::rows::COUNTERS;
-use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::plan::Wanted;
 use anamorph::plan::sheets::{self, Sheets};
 use anamorph::scene::Scene;
-use anamorph::scene::clusters::cluster;
+use anamorph::scene::clusters::{cluster, mapped_rows};
 use anamorph::scene::file::CameraKind;
 use anamorph::scene::generate::{icosphere, plane, teapot};
 use anamorph::scene::light::Light;
@@ -61,6 +61,14 @@ impl Case {
         tables
     }
 
+    /// The same with texture coordinates.
+    pub fn mapped_tables(&self) -> Tables {
+        let mut tables = self.tables();
+        tables.plan.variant.textured = true;
+        tables.clustered = cluster(&self.scene.mesh, tables.plan.anchor, true, self.chunk_limit);
+        tables
+    }
+
     /// Every band under every chunk, its lists as large as `capacities`.
     pub fn inputs<'a>(&self, tables: &'a Tables, capacities: Capacities) -> Vec<Input<'a>> {
         let chunks = tables.clustered.chunks.len();
@@ -82,6 +90,7 @@ impl Case {
             atomics64,
             by_tile: false,
             rays,
+            scattered: false,
             sheeted,
             counting: true,
             culling: true,
@@ -287,13 +296,9 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// `None`, with the reason printed, on a machine without an adapter.
+    /// `None`, as [`needs::no_adapter`] says, on a machine without an adapter.
     pub fn open() -> Option<Bench> {
-        let gpu = Gpu::open(&GpuOptions::default()).unwrap();
-        if gpu.is_none() {
-            println!("skipped: {NO_ADAPTER}");
-        }
-        gpu.map(|gpu| Bench { gpu, stages: Vec::new() })
+        needs::adapter().map(|gpu| Bench { gpu, stages: Vec::new() })
     }
 
     /// The arithmetics and atomics that the adapter can run.
@@ -368,7 +373,11 @@ pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
     b.upload(gpu, "vertices_hi", input.vertices_hi).unwrap();
     b.upload(gpu, "vertices_lo", input.vertices_lo).unwrap();
     b.upload(gpu, "slot_of_id", input.slot_of_id).unwrap();
-    b.upload(gpu, "surfaces", input.surfaces).unwrap();
+    if input.uvs.is_empty() {
+        b.upload(gpu, "surfaces", input.surfaces).unwrap();
+    } else {
+        b.upload(gpu, "surfaces", &mapped_rows(input.surfaces, input.uvs)).unwrap();
+    }
     b.upload(gpu, "normals", &input.look.normals).unwrap();
     b.upload(gpu, "materials", &input.look.materials).unwrap();
     b.upload(gpu, "lights", &input.look.lights).unwrap();

@@ -22,6 +22,11 @@ fn of_words(w: vec2<u32>) -> real {
     return bitcast<f32>((w.y & 0x80000000u) | select(size, 0u, exponent <= 896u));
 }
 
+// All of it.
+fn head_of(t: real) -> real {
+    return t;
+}
+
 // The bits of a number such that larger numbers have larger bits, high word second; +0 and -0 alike.
 fn ordered_bits(t: real) -> vec2<u32> {
     var w = bitcast<u32>(t);

@@ -25,6 +25,13 @@ fn of_words(w: vec2<u32>) -> real {
     return bitcast<f64>((u64(w.y) << 32u) | u64(w.x));
 }
 
+// Rounded to the 24 bits that f32 holds, ties away from 0.
+fn head_of(t: real) -> real {
+    let w = words_of(t);
+    let low = w.x + 0x10000000u;
+    return of_words(vec2<u32>(low & 0xe0000000u, w.y + select(0u, 1u, low < w.x)));
+}
+
 // The bits of a number such that larger numbers have larger bits, high word second; +0 and -0 alike.
 fn ordered_bits(t: real) -> vec2<u32> {
     var w = words_of(t);

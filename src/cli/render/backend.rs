@@ -136,7 +136,7 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
         bytes: 0,
         left_out: Vec::new(),
         grown: 0,
-        passes: 0,
+        passes: Default::default(),
         caustics: lit.map(|lit| Account { budget: lit.budget, ms }),
     }
 }

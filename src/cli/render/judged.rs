@@ -26,7 +26,8 @@ pub fn render(
     }
     let channels = if args.check { Channel::of(camera) } else { vec![Channel::TriangleId] };
     let wanted = Wanted { counting, ..Wanted::of(channels) };
-    backend.render(scene, camera, &wanted, &RunOptions::default()).map(Some)
+    let run = RunOptions { no_cull: args.no_cull, ..Default::default() };
+    backend.render(scene, camera, &wanted, &run).map(Some)
 }
 
 /// The error against the reference. Each channel that was asked for is judged as it was rendered (averaged ones

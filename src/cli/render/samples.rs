@@ -127,6 +127,8 @@ impl Sum {
         }
         sum.bytes = sum.bytes.max(next.bytes);
         sum.grown += next.grown;
+        sum.counts += next.counts;
+        sum.passes.add(&next.passes);
     }
 
     fn mean(&self, camera: &Camera, samples: u32) -> Frame {

@@ -176,14 +176,8 @@ fn add(all: &mut Option<Rendered>, own: &Rendered) {
             None => all.stages.push((name, *ms)),
         }
     }
-    let (a, b) = (&mut all.counts, own.counts);
-    a.pairs_tested += b.pairs_tested;
-    a.pairs_kept += b.pairs_kept;
-    a.fragments_tested += b.fragments_tested;
-    a.fragments_kept += b.fragments_kept;
-    a.rechecked += b.rechecked;
-    a.edges += b.edges;
+    all.counts += own.counts;
     all.bytes = all.bytes.max(own.bytes);
     all.grown = all.grown.max(own.grown);
-    all.passes += own.passes;
+    all.passes.add(&own.passes);
 }

@@ -44,7 +44,7 @@ impl Variant {
 
     /// The rays of the pass after this one's.
     pub fn after_turn(self) -> Variant {
-        Variant { rays: RaysKind::Field, sheeted: false, turned: true, ..self }
+        Variant { rays: RaysKind::Field, scattered: false, sheeted: false, turned: true, ..self }
     }
 
     /// A smooth surface is to be met.

@@ -1,0 +1,104 @@
+//! Kernels' sources on their way to the device: checked with the place of what is wrong, and written to files where a developer asks.
+
+use super::device::{Gpu, one_line};
+use super::kernels::Kernel;
+use super::soft_f64::lowered;
+use crate::error::{Error, Result};
+use std::borrow::Cow;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// A folder that holds every kernel that was compiled.
+pub(super) struct Dump {
+    folder: PathBuf,
+    /// Names and texts, in the order of compilation.
+    written: Mutex<Vec<(&'static str, String)>>,
+}
+
+impl Dump {
+    /// Makes the folder.
+    ///
+    /// # Errors
+    /// [`Error::Work`] where it cannot be made.
+    pub fn new(folder: &Path) -> Result<Dump> {
+        let told = |e| Error::work(format!("{}: cannot make a folder for kernels: {e}", folder.display()));
+        std::fs::create_dir_all(folder).map_err(told)?;
+        Ok(Dump { folder: folder.into(), written: Mutex::default() })
+    }
+
+    /// Writes NAME.wgsl, and NAME-2.wgsl and so on for its further variants. Lines are numbered as in errors, so that what the source
+    /// does not say stands behind it.
+    fn write(&self, kernel: &Kernel, is_lowered: bool) -> std::io::Result<()> {
+        let mut text = kernel.source.clone();
+        for (name, value) in &kernel.constants {
+            // writing to a String cannot fail
+            let _ = writeln!(text, "// override {name} = {value}");
+        }
+        if is_lowered {
+            text.push_str("// compiled with f64 in 32-bit words\n");
+        }
+        let mut written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
+        let variants = || written.iter().filter(|(name, _)| *name == kernel.name);
+        if variants().any(|(_, there)| *there == text) {
+            return Ok(());
+        }
+        let file = match variants().count() {
+            0 => format!("{}.wgsl", kernel.name),
+            n => format!("{}-{}.wgsl", kernel.name, n + 1),
+        };
+        std::fs::write(self.folder.join(file), &text)?;
+        written.push((kernel.name, text));
+        Ok(())
+    }
+}
+
+impl Gpu {
+    /// Compiles a kernel, without f64 of the adapter's own where it has none. What is wrong with it is the device's failure.
+    pub(crate) fn compile(&self, kernel: &Kernel) -> wgpu::ShaderModule {
+        let is_lowered = kernel.f64 && !self.has.f64;
+        if let Some(Err(e)) = self.dump.as_ref().map(|dump| dump.write(kernel, is_lowered)) {
+            self.failed(format!("kernel {} cannot be written to a file: {e}", kernel.name));
+        }
+        let mut source = wgpu::ShaderSource::Wgsl(kernel.source.as_str().into());
+        if is_lowered {
+            match lowered(&kernel.source) {
+                Ok(module) => source = wgpu::ShaderSource::Naga(Cow::Owned(module)),
+                Err(text) => {
+                    self.failed(format!("kernel {}: {}", kernel.name, one_line(text)));
+                }
+            }
+        }
+        let descriptor = wgpu::ShaderModuleDescriptor { label: Some(kernel.name), source };
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let module = self.create_module(descriptor);
+        if let Some(error) = pollster::block_on(scope.pop()) {
+            let info = pollster::block_on(module.get_compilation_info());
+            let message = info.messages.into_iter().find(|m| m.message_type == wgpu::CompilationMessageType::Error);
+            self.failed(match message {
+                Some(message) => fault(kernel, &message),
+                None => format!("kernel {}: {}", kernel.name, one_line(error)),
+            });
+        }
+        module
+    }
+}
+
+/// Columns of a source line that an error shows.
+const SHOWN: usize = 100;
+
+/// What is wrong with a kernel, and where, on one line.
+fn fault(kernel: &Kernel, message: &wgpu::CompilationMessage) -> String {
+    let lines = || message.message.lines().map(str::trim);
+    // a headline, the source with marks, notes
+    let headline =
+        lines().find_map(|l| l.split_once("error: ")).map_or_else(|| one_line(&message.message), |l| l.1.into());
+    let notes = lines().filter_map(|l| l.strip_prefix("= ")).map(|note| format!(", {note}"));
+    let what: String = std::iter::once(headline).chain(notes).collect();
+    let name = kernel.name;
+    let Some(at) = message.location else { return format!("kernel {name}: {what}") };
+    let (line, column) = (at.line_number, at.line_position);
+    let source = kernel.source.lines().nth((line as usize).saturating_sub(1)).unwrap_or_default().trim();
+    let shown: String = source.chars().take(SHOWN).collect();
+    format!("kernel {name}, line {line}, column {column}: {what}: {shown} (--dump-kernels DIR writes the whole source)")
+}

@@ -1,0 +1,98 @@
+//! Rays that have little to do with each other: what their tiles leave out changes no pixel.
+
+mod common;
+
+use anamorph::camera::{Camera, Field, Rays};
+use anamorph::engine::{Rendered, RunOptions};
+use anamorph::frame::{Channel, NO_ID};
+use anamorph::plan::Wanted;
+use anamorph::scene::generate::icosphere;
+use anamorph::scene::mesh::Mesh;
+use anamorph::scene::place::merge;
+use common::gpu::{check, engine_on, ids, wanted, words};
+use common::rng::Rng;
+use common::{ALL_T, FORWARD, moved, scene, soup};
+use glam::DVec3;
+
+/// A ray each through vertices, middles of edges and of triangles, and past everything, from anywhere, in any order.
+fn rays(mesh: &Mesh, count: usize, rng: &mut Rng) -> Vec<(DVec3, DVec3)> {
+    let (lo, hi) = mesh.bounds().unwrap();
+    let (middle, reach) = ((lo + hi) / 2.0, (hi - lo).length());
+    let ray = |k: usize| {
+        let corners = mesh.triangles[rng.below(mesh.triangles.len())].map(|v| mesh.positions[v as usize]);
+        let through = match k % 8 {
+            0..3 => corners[0],
+            3 | 4 => (corners[0] + corners[1]) / 2.0,
+            5 | 6 => (corners[0] + corners[1] + corners[2]) / 3.0,
+            _ => middle + reach * rng.vector(),
+        };
+        let from = middle + (0.7 + rng.unit()) * reach * rng.vector().normalize();
+        // near and far ends of the ray, of any length
+        (from, (through - from) * (0.2 + rng.unit()))
+    };
+    (0..count).map(ray).collect()
+}
+
+fn camera(rays: &[(DVec3, DVec3)], (width, height): (u32, u32), t_range: [f64; 2]) -> Camera {
+    let (origins, directions): (Vec<_>, Vec<_>) = rays.iter().copied().unzip();
+    let field = Field::new(width, height, &origins, &directions).unwrap();
+    Camera::of("raymap", (width, height), t_range, Rays::Field(field))
+}
+
+fn things(level: u32) -> Mesh {
+    merge(vec![icosphere(level), soup(&mut Rng(4), 200, 0.1)]).unwrap()
+}
+
+#[test]
+fn scattered_rays_see_what_they_see_when_nothing_is_left_out() {
+    for lanes in [true, false] {
+        let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
+        for (by, t_range) in [(DVec3::ZERO, FORWARD), (DVec3::new(300.0, -20.0, 7.0), ALL_T), (DVec3::X, [0.4, 1.1])] {
+            let mesh = moved(things(5), by);
+            let camera = camera(&rays(&mesh, 61 * 47, &mut Rng(8)), (61, 47), t_range);
+            let scene = scene(mesh);
+            let [culled, all] = [false, true].map(|no_cull| {
+                let run = RunOptions { no_cull, ..Default::default() };
+                engine.render(&scene, &camera, &wanted(), &run).unwrap()
+            });
+            assert!(words(&culled.frame) == words(&all.frame), "{by}, {t_range:?}, lanes {lanes}");
+            let share = culled.counts.pairs as f64 / all.counts.pairs as f64;
+            println!("{by}, {t_range:?}, lanes {lanes}: {share:.2} of all pairs");
+            assert!(share < 0.5, "{by}, {t_range:?}, lanes {lanes}: {share:.2} of all pairs");
+        }
+    }
+}
+
+#[test]
+fn scattered_rays_see_what_the_reference_does() {
+    let mesh = things(3);
+    let camera = camera(&rays(&mesh, 48 * 40, &mut Rng(9)), (48, 40), FORWARD);
+    let Some((_, _, seen)) = check("scattered rays", &scene(mesh), &camera) else { return };
+    assert!(seen.pixels == 48 * 40);
+}
+
+#[test]
+fn a_row_of_scattered_rays_is_no_other_picture() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let mesh = things(3);
+    let rays = rays(&mesh, 40 * 25, &mut Rng(10));
+    let scene = scene(mesh);
+    let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);
+    let mut render = |size| {
+        let camera = camera(&rays, size, FORWARD);
+        engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap()
+    };
+    let square = render((40, 25));
+    for size in [(1000, 1), (1, 1000), (250, 4)] {
+        let line = render(size);
+        // which triangle at a vertex or an edge it is follows from the rays beside
+        let hits = |r: &Rendered| ids(&r.frame).iter().map(|id| *id != NO_ID).collect::<Vec<_>>();
+        assert!(hits(&line) == hits(&square), "{size:?}");
+        let t = |r: &Rendered| r.frame.f32(Channel::T).unwrap().to_vec();
+        let off = |(a, b): (&f32, &f32)| if a == b { 0.0 } else { (a / b - 1.0).abs() };
+        let worst = t(&line).iter().zip(&t(&square)).map(off).fold(0.0, f32::max);
+        assert!(worst <= 2.0 * f32::EPSILON, "{size:?}: {worst:e}");
+        // fewer rays a tile, in more tiles: no more than eight times as many pairs
+        assert!(line.counts.pairs < 8 * square.counts.pairs, "{size:?}: {} pairs", line.counts.pairs);
+    }
+}
