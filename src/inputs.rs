@@ -1,8 +1,9 @@
 //! The files that work is done from. All are read here, and noted for whoever asks which they were.
 
+use indexmap::IndexSet;
 use std::cell::RefCell;
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -14,33 +15,79 @@ thread_local! {
 /// Files as they were found, each once.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Inputs {
-    files: Vec<(PathBuf, Stamp)>,
+    files: IndexSet<(PathBuf, Stamp)>,
 }
 
 /// When a file was last written, and its bytes; `None` of one that is not there.
 pub type Stamp = Option<(SystemTime, u64)>;
 
+/// Bytes that are read from a pipe at most.
+const PIPE_MAX: u64 = 1 << 30;
+
 /// The bytes of a file.
+///
+/// # Errors
+/// Where it cannot be read, or is no regular file: devices may have no end, and pipes nobody who writes to them.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The bytes of a file, or of a pipe that the program was started with: `/dev/stdin`, or `/dev/fd/N`, which is what a shell
+/// makes of `<(command)`.
+///
+/// # Errors
+/// Those of [`read`], and 1 GiB or more from a pipe.
+pub fn read_or_pipe(path: &Path) -> io::Result<Vec<u8>> {
+    if !is_own_pipe(path) {
+        return read(path);
+    }
     note(path);
-    fs::read(path)
+    let mut bytes = Vec::new();
+    File::open(path)?.take(PIPE_MAX).read_to_end(&mut bytes)?;
+    match bytes.len() as u64 {
+        PIPE_MAX => {
+            Err(io::Error::other("the pipe gives 1 GiB or more, which is more than is read of one; use a file"))
+        }
+        _ => Ok(bytes),
+    }
 }
 
 /// The text of a file.
 pub fn read_to_string(path: &Path) -> io::Result<String> {
-    note(path);
-    fs::read_to_string(path)
+    let mut text = String::new();
+    open(path)?.read_to_string(&mut text)?;
+    Ok(text)
 }
 
 /// A file, open to be read.
+///
+/// # Errors
+/// Those of [`read`].
 pub fn open(path: &Path) -> io::Result<File> {
     note(path);
-    File::open(path)
+    let kind = fs::metadata(path)?.file_type();
+    if kind.is_file() {
+        return File::open(path);
+    }
+    let what = if kind.is_dir() { "it is a folder" } else { "it is a pipe or a device, not a regular file" };
+    Err(io::Error::other(what))
+}
+
+/// One of the program's own open files, and a pipe: somebody writes to it, or has, and it has an end.
+fn is_own_pipe(path: &Path) -> bool {
+    #[cfg(unix)]
+    let is_pipe = |found: fs::Metadata| std::os::unix::fs::FileTypeExt::is_fifo(&found.file_type());
+    #[cfg(not(unix))]
+    let is_pipe = |_: fs::Metadata| false;
+    let is_own = path == Path::new("/dev/stdin") || path.starts_with("/dev/fd") || path.starts_with("/proc/self/fd");
+    is_own && fs::metadata(path).is_ok_and(is_pipe)
 }
 
 /// Notes a file that was looked for.
 pub fn note(path: &Path) {
-    note_all(&Inputs { files: vec![(path.to_owned(), stamp(path))] });
+    note_all(&Inputs { files: IndexSet::from([(path.to_owned(), stamp(path))]) });
 }
 
 /// Notes what something that is kept was made from.
@@ -73,11 +120,7 @@ impl Inputs {
     }
 
     fn add(&mut self, more: &Inputs) {
-        for own in &more.files {
-            if !self.files.contains(own) {
-                self.files.push(own.clone());
-            }
-        }
+        self.files.extend(more.files.iter().cloned());
     }
 }
 
@@ -109,6 +152,35 @@ mod tests {
         // nobody asks
         read(&path("a")).unwrap();
         assert_eq!(noted(|| ()).1, Inputs::default());
+    }
+
+    /// As many as a large scene may have: looking each up among all others would take minutes.
+    #[test]
+    fn many_files_are_noted_in_little_time() {
+        let ((), found) = noted(|| (0..200_000).for_each(|k| note(&PathBuf::from(format!("no/such/{}", k % 100_000)))));
+        assert_eq!(found.files().count(), 100_000);
+    }
+
+    /// None of these is opened: a pipe that nobody writes to would be waited for.
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_regular_file_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let pipe = dir.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let link = dir.path().join("link");
+        std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
+        for (path, says) in [
+            (pipe.as_path(), "it is a pipe or a device, not a regular file"),
+            (&link, "it is a pipe or a device, not a regular file"),
+            (Path::new("/dev/zero"), "it is a pipe or a device, not a regular file"),
+            (dir.path(), "it is a folder"),
+        ] {
+            assert_eq!(open(path).unwrap_err().to_string(), says);
+            assert_eq!(read(path).unwrap_err().to_string(), says);
+            assert_eq!(read_or_pipe(path).unwrap_err().to_string(), says);
+            assert_eq!(read_to_string(path).unwrap_err().to_string(), says);
+        }
     }
 
     #[test]

@@ -139,6 +139,7 @@ impl Report {
     /// only a device has.
     pub fn new(device: Device, scene: &Scene, camera: &Camera, rendered: &Rendered, counts: Option<Counts>) -> Report {
         let has_device = counts.is_some();
+        let missing = scene.mesh.missing.iter().map(|m| LeftOut { what: m.what.clone(), why: m.why.clone() });
         Report {
             version: env!("CARGO_PKG_VERSION"),
             device,
@@ -165,7 +166,7 @@ impl Report {
             rechecked: counts.map(|c| c.rechecked),
             rechecked_share: counts.map(|c| c.rechecked as f64 / c.fragments_tested.max(1) as f64),
             bytes: has_device.then_some(rendered.bytes),
-            left_out: rendered.left_out.clone(),
+            left_out: rendered.left_out.iter().cloned().chain(missing).collect(),
             grown: has_device.then_some(rendered.grown),
             caustics: rendered.caustics,
             error: None,

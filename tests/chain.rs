@@ -87,11 +87,18 @@ fn errors_name_the_layer_and_its_key() {
     );
     assert!(of(&good.replace("[1, 3, 2]", "[1, 3, 0]")).contains("camera.layers.1.triangles: 0 and 1 overlap"));
     assert!(of("3").contains("camera.layers.1: expected a table"));
+    let of_kind = |kind: &str| of(&good.replacen('{', &format!("{{ kind = {kind},"), 1));
+    let says = "camera.layers.1.kind: a layer of a chain is a mesh camera; write kind = \"mesh\", or leave it out";
+    assert!(of_kind("\"glc\"").contains(says) && of_kind("3").contains(says));
     assert!(refusal("", SIZE, "kind = \"chain\"").contains("layers is missing"));
     assert!(refusal("", SIZE, "kind = \"chain\"\nlayers = []\nt_range = [0, 1]").contains("unknown key \"t_range\""));
 }
 
 #[test]
 fn layers_are_of_pieces() {
-    assert!(matches!(camera(&[layer([(0.0, 2.0), (-1.0, 2.0)])]).layers[..], [Rays::Pieces(_)]));
+    let plain = layer([(0.0, 2.0), (-1.0, 2.0)]);
+    let kind = plain.replacen('{', "{ kind = \"mesh\",", 1);
+    for one in [plain, kind] {
+        assert!(matches!(camera(&[one]).layers[..], [Rays::Pieces(_)]));
+    }
 }

@@ -8,5 +8,6 @@ mod cli {
     pub mod batch;
     pub mod drawn;
     pub mod good;
+    pub mod inputs;
     pub mod program;
 }

@@ -15,7 +15,7 @@ struct Chain {
     layers: Vec<MeshCameraSpec>,
 }
 
-/// Reads `layers`, a list of tables with the keys of a `mesh` camera.
+/// Reads `layers`, a list of tables with the keys of a `mesh` camera, its kind too if it is there.
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&["kind", "layers"])?;
     let field = table.need("layers", "[{ file = \"near.json\" }, { file = \"far.json\" }]")?;
@@ -28,7 +28,10 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 
 fn read_layer(field: &Field) -> Result<MeshCameraSpec> {
     let table = field.table()?;
-    table.allow(&MESH_CAMERA_KEYS)?;
+    if let Some(kind) = table.get("kind").filter(|kind| kind.text() != Ok("mesh")) {
+        return Err(kind.error("a layer of a chain is a mesh camera; write kind = \"mesh\", or leave it out"));
+    }
+    table.allow(&[&["kind"], &MESH_CAMERA_KEYS[..]].concat())?;
     read_mesh_camera(&table)
 }
 

@@ -78,6 +78,9 @@ pub struct RenderArgs {
     /// Channels to compute and write, as in R,G,B,Z [default with --exr: what a pixel sees]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = channels)]
     pub channels: Option<Vec<Named>>,
+    /// Refuse a scene whose mesh files name images, normals or texture coordinates that are not there
+    #[arg(long)]
+    pub strict: bool,
     /// Times and counts as JSON
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,

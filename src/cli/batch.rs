@@ -16,11 +16,13 @@ mod tests;
 
 use super::args::{BatchArgs, ProgressName};
 use super::print;
+use super::render::missing_line;
 use crate::engine::Rendered;
 use crate::error::{Error, Result};
 use crate::gpu::device::{GpuOptions, NO_ADAPTER, adapters};
 use crate::output::{check_writable, clear_up, write_text};
 use crate::scene::library::Library;
+use crate::scene::mesh::Missing;
 use board::{Board, Counts};
 use crossbeam_channel::{Receiver, bounded};
 use jobs::{Jobs, Task};
@@ -30,6 +32,7 @@ use queue::Queue;
 use results::Summary;
 use room::Room;
 use station::{Picture, Station, Taken};
+use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -187,6 +190,8 @@ pub struct Batch<'a> {
     stopped_by: Mutex<Option<Error>>,
     /// The first of them.
     failures: Mutex<Vec<(String, String)>>,
+    /// What is missing from mesh files and has been told.
+    missing: Mutex<HashSet<String>>,
 }
 
 impl<'a> Batch<'a> {
@@ -208,6 +213,7 @@ impl<'a> Batch<'a> {
             stations: AtomicUsize::new(0),
             stopped_by: Mutex::default(),
             failures: Mutex::default(),
+            missing: Mutex::default(),
         }
     }
 
@@ -286,6 +292,16 @@ impl<'a> Batch<'a> {
 
     fn note(&self, line: &str) {
         self.board.note(line);
+    }
+
+    /// Tells what mesh files lack, once for all frames that are without it.
+    fn say_missing(&self, missing: &[Missing]) {
+        let mut told = lock(&self.missing);
+        let new: Vec<Missing> = missing.iter().filter(|m| told.insert(m.what.clone())).cloned().collect();
+        drop(told);
+        if let Some(line) = missing_line(&new) {
+            self.note(&line);
+        }
     }
 }
 

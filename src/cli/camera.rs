@@ -2,7 +2,7 @@
 
 use super::args::{CameraArgs, Cli};
 use super::describe::Description;
-use super::render::load;
+use super::render::load_shape;
 use super::{diagram, export, kinds, memory, outputs, povray, print};
 use crate::error::{Error, Result};
 use clap::CommandFactory;
@@ -16,7 +16,7 @@ pub fn run(args: &CameraArgs) -> Result<()> {
         return help(kind.as_deref());
     }
     let Some(path) = &args.scene else { return Err(Error::input("no scene given; see anamorph camera --help")) };
-    let (scene, camera) = load(path, &args.change)?;
+    let (scene, camera) = load_shape(path, &args.change)?;
     let files = args.export.iter().chain(&args.export_povray).chain(&args.rays).chain(&args.diagram);
     outputs::check(path, files.map(PathBuf::as_path))?;
     if args.rays.is_some() || args.export_povray.is_some() {

@@ -25,8 +25,8 @@ impl Fnv {
     }
 }
 
-/// The same for the same triangles, normals, materials and their images, lights, background, image size and rays, however the scene
-/// file spells them; also across machines.
+/// The same for the same triangles, normals, materials, images that cut holes, lights, background, image size and rays, however the
+/// scene file spells them; also across machines. Other images on triangles do not count: they are not read where no colour is asked for.
 pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     let mut h = Fnv(0xcbf2_9ce4_8422_2325);
     let mesh = &scene.mesh;
@@ -45,7 +45,7 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
                 material.specular.iter().chain(&material.emissive).chain([&material.roughness, &material.metallic]);
             numbers.for_each(|v| h.number(f64::from(*v)));
         }
-        if let Some(texture) = &material.texture {
+        if let Some(texture) = material.texture.as_ref().filter(|texture| texture.cuts()) {
             image(&mut h, texture);
         }
         if let Some(pattern) = material.pattern {
@@ -54,7 +54,7 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
             pattern.light.iter().chain(&pattern.dark).for_each(|c| h.number(f64::from(*c)));
         }
     }
-    if mesh.is_textured() {
+    if mesh.has_holes() {
         mesh.uvs.iter().flat_map(|uv| uv.to_array()).for_each(|v| h.number(f64::from(v)));
         mesh.corner_uvs.iter().flatten().for_each(|k| h.word(u64::from(*k)));
     }

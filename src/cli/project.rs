@@ -4,7 +4,7 @@
 //! image to look at, a chunk ahead.
 
 use super::args::{EngineName, ProjectArgs};
-use super::render::load;
+use super::render::load_shape;
 use super::{outputs, print};
 use crate::camera::project::{Images, Projector};
 use crate::error::{Error, Result};
@@ -37,7 +37,7 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
         return Err(Error::input("--adapter is for --engine compute; the reference runs on the CPU"));
     }
     let points = read_points(&args.points)?;
-    let (_, camera) = load(&args.scene, &args.change)?;
+    let (_, camera) = load_shape(&args.scene, &args.change)?;
     if camera.optics.is_some() {
         let kind = camera.kind;
         return Err(Error::input(format!(

@@ -14,11 +14,15 @@ use super::progress::Progress;
 use crate::camera::Camera;
 use crate::engine::Engine;
 use crate::error::{Error, Result};
-use crate::gpu::device::GpuOptions;
+use crate::gpu::device::{GpuOptions, one_line};
 use crate::reference;
+use crate::scene::file::OutputSpec;
 use crate::scene::library::Library;
+use crate::scene::mesh::Missing;
+use crate::scene::texture::ImagesRead;
 use crate::scene::{Scene, file};
 pub use backend::Backend;
+use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -28,7 +32,10 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     let progress = Progress::start("reading the scene");
     if let Some((x, y)) = args.pixel {
         check_combination(args)?;
-        let (scene, camera) = load(&args.scene, &args.change)?;
+        let (scene, camera) = load_shape(&args.scene, &args.change)?;
+        if args.strict {
+            refuse_missing(&scene)?;
+        }
         return explain_pixel(&scene, &camera, x, y);
     }
     let work = Work::read(args.clone(), &Library::for_once())?;
@@ -52,7 +59,31 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     let device = Backend::device_of(engine.as_ref(), args);
     let written = work.write(seen, &device, started, |doing| progress.now(doing))?;
     drop(progress);
+    if let Some(line) = missing_line(work.missing()) {
+        // a closed stderr is no reason not to render
+        let _ = writeln!(std::io::stderr(), "{}", one_line(line));
+    }
     print(&format!("{}\n", work.summary(&written)))
+}
+
+/// What is left out, for a person.
+pub(super) fn missing_line(missing: &[Missing]) -> Option<String> {
+    let first = missing.first()?;
+    let more = match missing.len() {
+        1 => String::new(),
+        n => format!(", and {} more, which --report lists", n - 1),
+    };
+    Some(format!("left out: {} ({}){more}; --strict refuses this", first.what, first.why))
+}
+
+fn refuse_missing(scene: &Scene) -> Result<()> {
+    match &scene.mesh.missing[..] {
+        [] => Ok(()),
+        [first, rest @ ..] => {
+            let more = if rest.is_empty() { String::new() } else { format!(", and {} more", rest.len()) };
+            Err(Error::input(format!("{}: {}{more}; --strict refuses this", first.what, first.why)))
+        }
+    }
 }
 
 /// Flags that make no sense together, beyond what the parser knows.
@@ -76,14 +107,25 @@ fn check_combination(args: &RenderArgs) -> Result<()> {
 
 /// The scene, changed, and its camera for an image of the size asked for, or of the scene's own.
 pub(super) fn load(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
-    load_from(&Library::for_once(), path, change)
+    load_from(&Library::for_once(), path, change, |_| ImagesRead::All)
 }
 
-/// The same with what the library has of them.
-fn load_from(library: &Library, path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
+/// The same without images that only colour it.
+pub(super) fn load_shape(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
+    load_from(&Library::for_once(), path, change, |_| ImagesRead::Cutting)
+}
+
+/// The same with what the library has of them, and those images that the scene's outputs say.
+fn load_from(
+    library: &Library,
+    path: &Path,
+    change: &Change,
+    images: impl FnOnce(&OutputSpec) -> ImagesRead,
+) -> Result<(Scene, Arc<Camera>)> {
     let file = file::load(path, &change.set, change.frame)?;
     let at = |e: Error| e.at(path.display());
-    let scene = library.scene(file).map_err(at)?;
+    let read = images(&file.output);
+    let scene = library.scene(file, read).map_err(at)?;
     let camera = library.camera(&scene, change.size).map_err(at)?;
     Ok((scene, camera))
 }

@@ -25,7 +25,7 @@ pub fn read_points(path: &Path) -> Result<Vec<DVec3>> {
 }
 
 fn open(path: &Path) -> std::result::Result<File, String> {
-    File::open(path).map_err(|e| format!("cannot be read: {e}; check the path"))
+    crate::inputs::open(path).map_err(|e| format!("cannot be read: {e}; check the path"))
 }
 
 fn read_npy(path: &Path) -> std::result::Result<Vec<DVec3>, String> {

@@ -17,15 +17,23 @@ use gltf::texture::{Info, WrappingMode};
 use gltf::{Document, Node, Primitive, Semantic};
 
 use crate::error::{Error, Result};
-use crate::scene::mesh::{DIELECTRIC, Material, Mesh, NO_NORMAL, NO_UV};
+use crate::scene::mesh::{DIELECTRIC, Material, Mesh, Missing, NO_NORMAL, NO_UV};
 use crate::scene::place::{turned, world_normal_from_object};
-use crate::scene::texture::{Images, Texels, Texture, Wrap, decode};
-use source::Source;
+use crate::scene::texture::{Images, ImagesRead, Texels, Texture, Wrap, decode};
+use source::{Beside, Found, Source};
 
 /// Most triangles a mesh may have.
 const MAX_TRIANGLES: usize = 1 << 28;
 
-/// Reads a `.gltf` file with its buffers (beside it, or `data:` URIs), or a `.glb` file.
+/// Where the files that a glTF file names may lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Files {
+    /// In its folder or below, also by their real paths, behind symbolic links.
+    Below,
+    Anywhere,
+}
+
+/// Reads a `.gltf` file with its buffers (in `files`, or `data:` URIs), or a `.glb` file.
 ///
 /// The default scene (or else the first, or else all nodes that are no other's child) is walked depth-first, in
 /// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each. Strips and
@@ -34,27 +42,26 @@ const MAX_TRIANGLES: usize = 1 << 28;
 /// is masked there is a surface from its cut-off on, and where it is blended from an opacity of one half on; without an image everywhere. It is as rough, metallic
 /// and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the inverse transpose. Vertices
 /// keep the file's order also where a node mirrors them. Skins, morph targets and animations are not
-/// applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read.
+/// applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that are not there are left out:
+/// [`Mesh::missing`] says which.
 ///
 /// # Errors
 /// [`Error::Input`] naming the file and the accessor, buffer, node or mesh: no glTF 2.0; a required extension
-/// that would change the triangles; a buffer that is missing, short or remote; an accessor or an index out of
+/// that would change the triangles; a buffer that is missing, short, remote or not in `files`; an accessor or an index out of
 /// range; a node that is its own ancestor or has two parents; no triangles, or more than 2^28.
-pub fn load(path: &Path, images: &Images) -> Result<Mesh> {
+pub fn load(path: &Path, files: Files, images: &Images) -> Result<Mesh> {
     let name = path.display().to_string();
     let bytes = crate::inputs::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    parse(&bytes, folder, images).map_err(|e| e.at(name))
+    parse(&bytes, Beside { folder, files }, images).map_err(|e| e.at(name))
 }
 
-/// As [`load`], from the file's bytes; `folder` is where its buffers lie.
-fn parse(bytes: &[u8], folder: &Path, images: &Images) -> Result<Mesh> {
-    let source = Source::parse(bytes, folder)?;
+/// As [`load`], from the file's bytes.
+fn parse(bytes: &[u8], beside: Beside, images: &Images) -> Result<Mesh> {
+    let source = Source::parse(bytes, beside)?;
     let mut builder = Builder::new(&source);
     builder.place_scene()?;
-    if !images.are_left_out() {
-        builder.hang_images(folder)?;
-    }
+    builder.hang_images(beside, images.read)?;
     builder.finish()
 }
 
@@ -124,7 +131,10 @@ impl<'a> Builder<'a> {
     }
 
     /// Puts their images on the materials that triangles have, each decoded once.
-    fn hang_images(&mut self, folder: &Path) -> Result<()> {
+    fn hang_images(&mut self, beside: Beside, read: ImagesRead) -> Result<()> {
+        if read == ImagesRead::None {
+            return Ok(());
+        }
         let mut decoded = HashMap::new();
         let mut is_used = vec![false; self.mesh.materials.len() + 1];
         self.mesh.material_of.iter().for_each(|&m| is_used[m as usize] = true);
@@ -134,8 +144,18 @@ impl<'a> Builder<'a> {
             if let Some(wrong) = &self.source.wrong_look {
                 return Err(Error::input(format!("{wrong}; texture = false shows none")));
             }
-            let texture = read_texture(self.source, folder, &from, &info, &mut decoded);
-            material.texture = Some(texture.map_err(|e| Error::input(format!("{e}; texture = false shows none")))?);
+            if !read.reads(from.alpha_mode() != AlphaMode::Opaque) {
+                continue;
+            }
+            let texture = read_texture(self.source, beside, &from, &info, &mut decoded);
+            match texture.map_err(|e| Error::input(format!("{e}; texture = false shows none")))? {
+                Found::Is(texture) => material.texture = Some(texture),
+                Found::Missing(file) => {
+                    let image = info.texture().source().index();
+                    let why = format!("image {image}: there is no such file; the material's own colour is used");
+                    self.mesh.missing.push(Missing { what: file.display().to_string(), why });
+                }
+            }
         }
         Ok(())
     }
@@ -308,17 +328,21 @@ impl<'a> Builder<'a> {
 /// The base colour's image, decoded once for all materials.
 fn read_texture(
     source: &Source,
-    folder: &Path,
+    beside: Beside,
     material: &gltf::Material,
     info: &Info,
     decoded: &mut HashMap<usize, Arc<Texels>>,
-) -> Result<Texture> {
+) -> Result<Found<Texture>> {
     let image = info.texture().source();
     let texels = match decoded.get(&image.index()) {
         Some(known) => known.clone(),
         None => {
-            let bytes = source.read_image(&image, folder).map_err(Error::input);
-            let texels = bytes.and_then(|b| decode(&b)).map_err(|e| e.at(format!("image {}", image.index())))?;
+            let at = |e: Error| e.at(format!("image {}", image.index()));
+            let bytes = match source.read_image(&image, beside).map_err(|e| at(Error::input(e)))? {
+                Found::Is(bytes) => bytes,
+                Found::Missing(file) => return Ok(Found::Missing(file)),
+            };
+            let texels = decode(&bytes).map_err(at)?;
             decoded.entry(image.index()).or_insert(Arc::new(texels)).clone()
         }
     };
@@ -336,7 +360,7 @@ fn read_texture(
     let factor = material.pbr_metallic_roughness().base_color_factor()[3];
     let cutoff = cutoff.map(|least| if factor > 0.0 { (least / factor).min(f32::MAX) } else { f32::MAX });
     let sampler = info.texture().sampler();
-    Ok(Texture { texels, wrap: [wrap(sampler.wrap_s()), wrap(sampler.wrap_t())], cutoff })
+    Ok(Found::Is(Texture { texels, wrap: [wrap(sampler.wrap_s()), wrap(sampler.wrap_t())], cutoff }))
 }
 
 /// Triangles from the corners of a primitive, in the order and winding of the glTF specification (3.7.2.1).

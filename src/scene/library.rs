@@ -3,7 +3,7 @@
 use super::file::{CameraSpec, CausticsSpec, MeshSpec, SceneFile, SkySpec};
 use super::mesh::Mesh;
 use super::sky::Sky;
-use super::texture::Images;
+use super::texture::{Images, ImagesRead};
 use super::{Object, Scene, load_unplaced, named_apart, place};
 use crate::camera::Camera;
 use crate::camera::recipe::Looked;
@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::inputs::{Inputs, note_all, noted};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::HashSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Where the scenes of many frames come from.
@@ -20,9 +21,9 @@ pub struct Library {
     /// Nothing is kept.
     is_for_once: bool,
     /// In their own places.
-    meshes: Shelf<MeshSpec, Mesh>,
+    meshes: Shelf<(MeshSpec, ImagesRead), Mesh>,
     /// All meshes of a scene, placed.
-    merged: Shelf<Vec<MeshSpec>, (Arc<Mesh>, Vec<Object>)>,
+    merged: Shelf<(Vec<MeshSpec>, ImagesRead), (Arc<Mesh>, Vec<Object>)>,
     skies: Shelf<SkySpec, Sky>,
     caustics: Shelf<CausticsSpec, (Arc<Caustics>, Arc<Mesh>)>,
     cameras: Shelf<CameraKey, (Arc<Camera>, Around)>,
@@ -103,25 +104,27 @@ impl Library {
         Library { is_for_once: true, ..Library::default() }
     }
 
-    /// A scene with everything that its file names.
+    /// A scene with everything that its file names, but for images on meshes that are not to be `read`.
     ///
     /// # Errors
     /// [`Error::Input`] naming the file or the key that is wrong.
-    pub fn scene(&self, file: SceneFile) -> Result<Scene> {
+    pub fn scene(&self, file: SceneFile, read: ImagesRead) -> Result<Scene> {
         self.meshes.turn();
         self.merged.turn();
         self.skies.turn();
         self.caustics.turn();
         self.cameras.turn();
-        let mut images = Images::default();
+        let mut images = Images::of(read);
         let merged = self.merged.get(
-            &file.meshes,
+            &(file.meshes.clone(), read),
             !self.is_for_once,
             |_| true,
             || {
                 let meshes = file.meshes.iter().map(|m| self.placed(m, &mut images)).collect::<Result<Vec<Mesh>>>()?;
                 let objects = named_apart(file.meshes.iter().map(|m| m.called()), &meshes);
-                let mesh = place::merge(meshes)?;
+                let mut mesh = place::merge(meshes)?;
+                let mut known = HashSet::new();
+                mesh.missing.retain(|missing| known.insert(missing.what.clone()));
                 if let Some(v) = mesh.positions.par_iter().find_any(|p| !p.is_finite()) {
                     return Err(Error::input(format!(
                         "mesh: a vertex lies at {v} after its transform; use finite numbers"
@@ -181,7 +184,8 @@ impl Library {
     /// A mesh where it is in the scene.
     fn placed(&self, spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
         let own = MeshSpec { scale: DVec3::ONE, rotate: DVec3::ZERO, translate: DVec3::ZERO, ..spec.clone() };
-        let mesh = self.meshes.get(&own, !self.is_for_once, |_| true, || load_unplaced(&own, images))?;
+        let key = (own, images.read);
+        let mesh = self.meshes.get(&key, !self.is_for_once, |_| true, || load_unplaced(&key.0, images))?;
         let mesh = Arc::try_unwrap(mesh).unwrap_or_else(|kept| (*kept).clone());
         Ok(place::place(mesh, spec.scale, spec.rotate, spec.translate))
     }
@@ -202,11 +206,21 @@ mod tests {
         let path = folder.join("scene.toml");
         std::fs::write(&path, scene(keys)).unwrap();
         let (loaded, inputs) = noted(|| {
-            let scene = library.scene(file::load(&path, &[], 0.0).unwrap()).unwrap();
+            let scene = library.scene(file::load(&path, &[], 0.0).unwrap(), ImagesRead::All).unwrap();
             let camera = library.camera(&scene, None).unwrap();
             (scene, camera)
         });
         (loaded.0, loaded.1, inputs)
+    }
+
+    /// Trying the numbers of each name from 1 on would take hours.
+    #[test]
+    fn many_meshes_of_one_name_are_named_apart_in_little_time() {
+        let names = ["box.3", "box"].into_iter().chain(std::iter::repeat_n("box", 200_000)).map(String::from);
+        let objects = named_apart(names, &vec![Mesh::default(); 200_002]);
+        let first: Vec<&str> = objects.iter().take(5).map(|o| o.name.as_str()).collect();
+        assert_eq!(first, ["box.3", "box", "box.2", "box.4", "box.5"]);
+        assert_eq!(objects[200_001].name, "box.200002");
     }
 
     #[test]

@@ -31,6 +31,16 @@ pub struct Mesh {
     pub materials: Vec<Material>,
     /// One index into `materials` a triangle.
     pub material_of: Vec<u32>,
+    /// What its file names and is not there.
+    pub missing: Vec<Missing>,
+}
+
+/// Something that a mesh's file names and that is not there: the mesh is without it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Missing {
+    pub what: String,
+    /// Where it is named, and what is there instead.
+    pub why: String,
 }
 
 impl Mesh {

@@ -26,11 +26,11 @@ use light::{AmbientOcclusion, Light};
 use mesh::Mesh;
 use sky::Sky;
 use std::borrow::Cow;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 use style::Style;
-use texture::{Images, Texture};
+use texture::{Images, ImagesRead, Texture};
 use tone::Tone;
 
 /// Consecutive triangles that have one name.
@@ -76,7 +76,7 @@ impl Scene {
     }
 
     pub fn from_file(file: SceneFile) -> Result<Scene> {
-        Library::for_once().scene(file)
+        Library::for_once().scene(file, ImagesRead::All)
     }
 
     /// The scene's camera for an image of its size.
@@ -118,11 +118,13 @@ impl Scene {
 /// Objects by these names; of several that have one, all but the first get the least number that makes theirs another's.
 fn named_apart(names: impl Iterator<Item = String>, meshes: &[Mesh]) -> Vec<Object> {
     let mut taken = HashSet::new();
+    // the last number that each name was given: those below it are taken
+    let mut numbers: HashMap<String, usize> = HashMap::new();
     let apart = |name: String| {
         let mut own = name.clone();
-        let mut number = 1;
         while !taken.insert(own.clone()) {
-            number += 1;
+            let number = numbers.entry(name.clone()).or_insert(1);
+            *number += 1;
             own = format!("{name}.{number}");
         }
         own
@@ -139,6 +141,7 @@ pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
 /// The same where its source has them.
 fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
     let mut none = Images::left_out();
+    let files = if spec.outside_files { gltf::Files::Anywhere } else { gltf::Files::Below };
     // what it says itself goes before what its file says
     let of_file = if spec.texture == TextureSpec::OfFile && spec.color.is_none() { &mut *images } else { &mut none };
 
@@ -148,7 +151,7 @@ fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
             let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
             match extension.as_str() {
                 "obj" => obj::load(path, of_file)?,
-                "gltf" | "glb" => gltf::load(path, of_file)?,
+                "gltf" | "glb" => gltf::load(path, files, of_file)?,
                 _ => {
                     let name = path.display();
                     return Err(Error::input(format!("{name}: unknown kind of mesh file; use .obj, .gltf or .glb")));
@@ -170,9 +173,12 @@ fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
             let name = spec.called();
             return Err(Error::input(format!("mesh {name}: has no texture coordinates; leave texture out")));
         }
-        let texture = Texture { cutoff: *cutoff, ..Texture::new(images.load(file)?) };
+        let texture = match images.read.reads(cutoff.is_some()) {
+            true => Some(Texture { cutoff: *cutoff, ..Texture::new(images.load(file)?) }),
+            false => None,
+        };
         for material in &mut mesh.materials {
-            material.texture = Some(texture.clone());
+            material.texture.clone_from(&texture);
             material.diffuse = spec.color.unwrap_or([1.0; 3]);
         }
         mesh.repeat_uvs(repeat.as_vec2());

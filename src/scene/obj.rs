@@ -17,9 +17,9 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::scene::mesh::{Material, Mesh, NO_NORMAL, NO_UV};
-use crate::scene::texture::Images;
-use chunk::{Chunk, Counts, Reader, Texcoords};
+use crate::scene::mesh::{Material, Mesh, Missing, NO_NORMAL, NO_UV};
+use crate::scene::texture::{Images, ImagesRead};
+use chunk::{Chunk, Counts, Lacking, Reader, Texcoords};
 pub use mtl::Mapped;
 
 /// Most triangles a mesh may have.
@@ -34,39 +34,42 @@ const CHUNK_BYTES: usize = 1 << 20;
 /// Faces are fan-triangulated from their first vertex; zero-area triangles stay, so that ids are file order.
 /// `Kd` is linear RGB. Faces whose material is unknown, or whose `.mtl` file is missing, get
 /// [`Material::default`]. Lines, points, curves, groups and smoothing are skipped. Images of the materials that faces have come from
-/// `images`, and texture coordinates lie as the MTL files' options place them.
+/// `images`, and texture coordinates lie as the MTL files' options place them. Images that are not there are left out, and so are
+/// normals and texture coordinates: [`Mesh::missing`] says which.
 ///
 /// # Errors
 /// [`Error::Input`] naming file and line: see [`parse`]; the file cannot be read; an MTL file is malformed, or an image of a material
-/// that faces have cannot be read.
+/// that faces have is there and cannot be read.
 pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
     let name = path.display().to_string();
     let text = read(path, &name)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let (mut mesh, mapped) = parse(&text, &name, |library| mtl::load(folder, library))?;
-    if !images.are_left_out() {
+    let (mut mesh, mapped) = parse(&text, &name, |libraries| mtl::load(folder, libraries))?;
+    if images.read != ImagesRead::None {
         let mut is_used = vec![false; mesh.materials.len()];
         mesh.material_of.iter().for_each(|&m| is_used[m as usize] = true);
         let materials = mesh.materials.iter_mut().zip(&mapped).zip(is_used);
         for ((material, map), _) in materials.filter(|(_, is_used)| *is_used) {
-            *material = map.with_images(|image| images.load(image))?;
+            *material = match images.read.reads(map.cuts()) {
+                true => map.with_images(|image| images.find(image), &mut mesh.missing)?,
+                false => map.without_images(),
+            };
         }
     }
     Ok(mesh)
 }
 
-/// Parses OBJ text. `name` stands for the file in messages; `load_mtl` is asked once per `mtllib` line, in file
-/// order, with the rest of that line, and answers `None` where there is no such file. The mesh has their materials, in order, without
-/// images.
+/// Parses OBJ text. `name` stands for the file in messages; `load_mtl` is asked once, with the rest of each `mtllib` line, in file
+/// order. The mesh has the materials that it answers, in order, without images.
 ///
 /// # Errors
 /// [`Error::Input`], always the one of the lowest line: an empty text, no OBJ statements, no faces; a coordinate
-/// that is missing, not a number or not finite; an index that is 0 or out of range; a face of fewer than 3
+/// that is missing, not a number or not finite; an index that is 0, or of a vertex out of range; a face of fewer than 3
 /// vertices; more than 2^28 triangles. Errors of `load_mtl` are passed on.
 pub fn parse(
     text: &[u8],
     name: &str,
-    load_mtl: impl FnMut(&str) -> Result<Option<Vec<Mapped>>>,
+    load_mtl: impl FnOnce(&[&str]) -> Result<Vec<Mapped>>,
 ) -> Result<(Mesh, Vec<Mapped>)> {
     parse_in_chunks(text, name, CHUNK_BYTES, load_mtl)
 }
@@ -75,10 +78,25 @@ fn parse_in_chunks(
     text: &[u8],
     name: &str,
     chunk_bytes: usize,
-    load_mtl: impl FnMut(&str) -> Result<Option<Vec<Mapped>>>,
+    load_mtl: impl FnOnce(&[&str]) -> Result<Vec<Mapped>>,
 ) -> Result<(Mesh, Vec<Mapped>)> {
     let (chunks, total) = read_chunks(text, name, chunk_bytes, Texcoords::Kept)?;
-    assemble(chunks, total, load_mtl)
+    let missing = missing(&chunks, name);
+    let (mesh, mapped) = assemble(chunks, total, load_mtl)?;
+    Ok((Mesh { missing, ..mesh }, mapped))
+}
+
+/// The normals and texture coordinates that faces name and the file has not.
+fn missing(chunks: &[Chunk], name: &str) -> Vec<Missing> {
+    let of = |what: &str, own: fn(&Chunk) -> &Lacking| {
+        let corners: usize = chunks.iter().map(|chunk| own(chunk).corners).sum();
+        let (line, first) = chunks.iter().find_map(|chunk| own(chunk).first.as_ref())?;
+        let plural = if corners == 1 { "" } else { "s" };
+        let why = format!("{corners} corner{plural} of faces without, the first one in line {line}: {first}");
+        Some(Missing { what: format!("{what} of {name}"), why })
+    };
+    let all = [of("normals", |c| &c.lacking_normals), of("texture coordinates", |c| &c.lacking_texcoords)];
+    all.into_iter().flatten().collect()
 }
 
 /// The triangles of an OBJ file with their texture coordinates: a map from the (u, v) plane to space.
@@ -162,7 +180,7 @@ fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, texcoords: Texcoords
 fn assemble(
     chunks: Vec<Chunk>,
     total: Counts,
-    mut load_mtl: impl FnMut(&str) -> Result<Option<Vec<Mapped>>>,
+    load_mtl: impl FnOnce(&[&str]) -> Result<Vec<Mapped>>,
 ) -> Result<(Mesh, Vec<Mapped>)> {
     let triangles: usize = chunks.iter().map(|c| c.triangles.len()).sum();
     let mut mesh = Mesh {
@@ -171,10 +189,8 @@ fn assemble(
         material_of: Vec::with_capacity(triangles),
         ..Mesh::default()
     };
-    let mut mapped = Vec::new();
-    for library in chunks.iter().flat_map(|c| &c.libraries) {
-        mapped.extend(load_mtl(library)?.unwrap_or_default());
-    }
+    let libraries: Vec<&str> = chunks.iter().flat_map(|c| &c.libraries).map(String::as_str).collect();
+    let mapped = load_mtl(&libraries)?;
     mesh.materials.extend(mapped.iter().map(|m| m.material.clone()));
     assign_materials(&chunks, &mut mesh.materials, &mut mesh.material_of);
     let with_normals = chunks.iter().any(|c| !c.corner_normals.is_empty());

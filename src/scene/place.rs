@@ -117,6 +117,7 @@ pub fn append(all: &mut Mesh, mesh: Mesh) {
     all.normals.extend_from_slice(&mesh.normals);
     all.uvs.extend_from_slice(&mesh.uvs);
     all.materials.extend(mesh.materials);
+    all.missing.extend(mesh.missing);
     all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + position)));
     all.material_of.extend(mesh.material_of.iter().map(|m| m + material));
     let shifted = |none: u32, by: u32| move |k: u32| if k == none { none } else { k + by };
@@ -148,6 +149,7 @@ mod tests {
             corner_uvs: vec![[0, NO_UV, 0]; normal],
             materials: vec![Material::default()],
             material_of: vec![0],
+            missing: Vec::new(),
         }
     }
 

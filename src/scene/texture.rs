@@ -122,21 +122,42 @@ fn wrapped(index: i64, count: i64, wrap: Wrap) -> i64 {
     }
 }
 
+/// Which images on meshes are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ImagesRead {
+    #[default]
+    All,
+    /// Those that cut holes into triangles: all that counts where no colour is asked for.
+    Cutting,
+    None,
+}
+
+impl ImagesRead {
+    /// An image is read, which cuts holes or does not.
+    pub fn reads(self, cuts: bool) -> bool {
+        match self {
+            ImagesRead::All => true,
+            ImagesRead::Cutting => cuts,
+            ImagesRead::None => false,
+        }
+    }
+}
+
 /// The images that mesh files name, each decoded once.
 #[derive(Default)]
 pub struct Images {
     known: HashMap<PathBuf, Arc<Texels>>,
-    are_left_out: bool,
+    pub read: ImagesRead,
 }
 
 impl Images {
     /// None of them is looked at.
     pub fn left_out() -> Images {
-        Images { are_left_out: true, ..Images::default() }
+        Images::of(ImagesRead::None)
     }
 
-    pub fn are_left_out(&self) -> bool {
-        self.are_left_out
+    pub fn of(read: ImagesRead) -> Images {
+        Images { read, ..Images::default() }
     }
 
     /// The texels of a PNG, JPEG or Radiance file.
@@ -144,16 +165,33 @@ impl Images {
     /// # Errors
     /// [`Error::Input`] naming the file where it cannot be read or is neither.
     pub fn load(&mut self, path: &Path) -> Result<Arc<Texels>> {
+        let missing = || Error::input(format!("{}: cannot be read: there is no such file", path.display()));
+        self.find(path)?.ok_or_else(missing)
+    }
+
+    /// The same; `None` where there is no such file.
+    ///
+    /// # Errors
+    /// Those of [`Images::load`] but for that one.
+    pub fn find(&mut self, path: &Path) -> Result<Option<Arc<Texels>>> {
         if let Some(known) = self.known.get(path) {
             crate::inputs::note(path);
-            return Ok(known.clone());
+            return Ok(Some(known.clone()));
         }
-        let wrong = |e: std::io::Error| Error::input(format!("{}: cannot be read: {e}", path.display()));
-        let bytes = crate::inputs::read(path).map_err(wrong)?;
+        let bytes = match crate::inputs::read(path) {
+            Ok(bytes) => bytes,
+            Err(e) if is_missing(&e) => return Ok(None),
+            Err(e) => return Err(Error::input(format!("{}: cannot be read: {e}", path.display()))),
+        };
         let texels = Arc::new(decode(&bytes).map_err(|e| e.at(path.display()))?);
         self.known.insert(path.to_owned(), texels.clone());
-        Ok(texels)
+        Ok(Some(texels))
     }
+}
+
+/// The error says that there is no such file.
+pub fn is_missing(e: &std::io::Error) -> bool {
+    matches!(e.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory)
 }
 
 /// The texels of a PNG or JPEG, whose colours are sRGB (IEC 61966-2-1), or of a Radiance picture, whose are light.

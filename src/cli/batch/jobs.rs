@@ -60,7 +60,8 @@ const VALUES: [(&str, &str); 4] =
     [("size", "--size"), ("engine", "--engine"), ("samples", "--samples"), ("repeat", "--repeat")];
 
 /// Flags without one.
-const SWITCHES: [(&str, &str); 3] = [("analytic", "--analytic"), ("check", "--check"), ("no_cull", "--no-cull")];
+const SWITCHES: [(&str, &str); 4] =
+    [("analytic", "--analytic"), ("check", "--check"), ("no_cull", "--no-cull"), ("strict", "--strict")];
 
 /// Frames of a job at most.
 const FRAMES_MAX: f64 = 1e8;

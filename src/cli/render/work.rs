@@ -3,7 +3,7 @@
 use super::backend::Backend;
 use super::files::{self, Files};
 use super::strips::{self, Strips};
-use super::{check_combination, judged, load_from, points, samples};
+use super::{check_combination, judged, load_from, points, refuse_missing, samples};
 use crate::camera::arranged::is_scattered;
 use crate::camera::{Camera, Rays};
 use crate::cli::args::{Change, EngineName, Named, RenderArgs};
@@ -18,7 +18,10 @@ use crate::plan::Wanted;
 use crate::plan::samples::at_once;
 use crate::report::{Device, FrameMs, Judged, Report};
 use crate::scene::Scene;
+use crate::scene::file::OutputSpec;
 use crate::scene::library::Library;
+use crate::scene::mesh::Missing;
+use crate::scene::texture::ImagesRead;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -75,14 +78,15 @@ impl Work {
     /// [`Error::Input`] for what is wrong with the scene or the flags; [`Error::Work`] where a file cannot be written.
     pub fn read(args: RenderArgs, library: &Library) -> Result<Work> {
         check_combination(&args)?;
-        let (scene, camera) = load_from(library, &args.scene, &args.change)?;
+        let (scene, camera) = load_from(library, &args.scene, &args.change, |own| images_read(&args, own))?;
         Work::of(args, scene, camera, library)
     }
 
     /// The same without the files that the scene itself names.
     pub fn read_of_many(args: RenderArgs, library: &Library) -> Result<Work> {
         check_combination(&args)?;
-        let (scene, camera) = load_from(library, &args.scene, &args.change)?;
+        let images = |_: &OutputSpec| images_read(&args, &OutputSpec::default());
+        let (scene, camera) = load_from(library, &args.scene, &args.change, images)?;
         Work::of(args, Scene { output: Default::default(), ..scene }, camera, library)
     }
 
@@ -90,6 +94,9 @@ impl Work {
         if args.moving && scene.caustics.is_some() {
             let what = "the scene has caustics, whose light is followed once for all frames";
             return Err(Error::input(format!("--moving: {what}; use --repeat alone")));
+        }
+        if args.strict {
+            refuse_missing(&scene)?;
         }
         let files = Files::new(&args, &scene)?;
         let asked = asked(&args, &files, &camera);
@@ -100,7 +107,8 @@ impl Work {
         if args.moving && asks_for_motion(&args) {
             return Err(Error::input("--moving: motion is to the next frame of the scene file; use --frame alone"));
         }
-        let next = if asks_for_motion(&args) { Some(next_frame(&args, &files, library)?) } else { None };
+        let read = images_read(&args, &scene.output);
+        let next = if asks_for_motion(&args) { Some(next_frame(&args, &files, library, read)?) } else { None };
         let mut wanted = wanted(&asked, &files, apart.is_empty() && next.is_none());
         if next.is_some() {
             wanted.channels.extend(motion::NEEDED);
@@ -138,6 +146,11 @@ impl Work {
 
     pub fn args(&self) -> &RenderArgs {
         &self.args
+    }
+
+    /// What the scene's mesh files name and is not there.
+    pub fn missing(&self) -> &[Missing] {
+        &self.scene.mesh.missing
     }
 
     /// Refuses an image that does not fit this machine's free memory.
@@ -289,11 +302,27 @@ fn asks_for_motion(args: &RenderArgs) -> bool {
 }
 
 /// The scene and its camera one frame later.
-fn next_frame(args: &RenderArgs, files: &Files, library: &Library) -> Result<(Scene, Arc<Camera>)> {
+fn next_frame(args: &RenderArgs, files: &Files, library: &Library, read: ImagesRead) -> Result<(Scene, Arc<Camera>)> {
     if files.exr.is_none() {
         return Err(Error::input("--channels: motion is two channels of an EXR; add --exr OUT.exr"));
     }
-    load_from(library, &args.scene, &Change { frame: args.change.frame + 1.0, ..args.change.clone() })
+    let change = Change { frame: args.change.frame + 1.0, ..args.change.clone() };
+    load_from(library, &args.scene, &change, |_| read)
+}
+
+/// The images that what is asked for needs: colours all of them, all else those that cut holes. `own` are the scene's outputs.
+fn images_read(args: &RenderArgs, own: &OutputSpec) -> ImagesRead {
+    use Channel::{AlbedoB, AlbedoG, AlbedoR, B, G, R};
+    let is_colour = |c: &Channel| matches!(c, R | G | B | AlbedoR | AlbedoG | AlbedoB);
+    let has_exr = args.exr.is_some() || own.exr.is_some();
+    let in_channels = match &args.channels {
+        Some(list) => list.iter().flat_map(Named::channels).any(is_colour),
+        None => has_exr || args.points.is_none(),
+    };
+    match args.output.is_some() || own.color.is_some() || args.check || in_channels {
+        true => ImagesRead::All,
+        false => ImagesRead::Cutting,
+    }
 }
 
 /// What cryptomattes tell apart.

@@ -31,6 +31,8 @@ pub struct MeshSpec {
     /// What its colour, white where none is given, is multiplied by too.
     pub pattern: Option<Pattern>,
     pub gloss: GlossSpec,
+    /// The files that its glTF file names may lie outside of that one's folder.
+    pub outside_files: bool,
 }
 
 /// How a mesh shines, where it says so: see [`crate::scene::mesh::Material`].
@@ -129,6 +131,7 @@ pub(crate) fn read_mesh(field: &Field, more: &[&str]) -> Result<MeshSpec> {
             metallic: table.optional("metallic", read_share)?,
             emissive: table.optional("emissive", read_radiance)?,
         },
+        outside_files: table.or("outside_files", false, Field::boolean)?,
     })
 }
 
@@ -155,7 +158,7 @@ fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
     match (table.get("file"), table.get("builtin")) {
         (Some(_), Some(builtin)) => Err(builtin.error("a mesh has either a file or a builtin; remove one of the two")),
         (Some(file), None) => {
-            allow(table, "file", more)?;
+            allow(table, "file", &[&["outside_files"], more].concat())?;
             Ok(MeshSource::File(file.path()?))
         }
         (None, Some(builtin)) => Ok(MeshSource::Builtin(read_builtin(table, &builtin, more)?)),
@@ -164,7 +167,18 @@ fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
             allow(
                 table,
                 "file",
-                &["builtin", "level", "sides", "steps", "size", "divisions", "seed", "blocks", "triangles"],
+                &[
+                    "builtin",
+                    "outside_files",
+                    "level",
+                    "sides",
+                    "steps",
+                    "size",
+                    "divisions",
+                    "seed",
+                    "blocks",
+                    "triangles",
+                ],
             )?;
             Err(table.error("a mesh needs file = \"NAME.obj\" or builtin = \"city\""))
         }

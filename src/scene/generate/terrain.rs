@@ -51,6 +51,7 @@ pub fn terrain(seed: u64, size: u32) -> Mesh {
         positions,
         triangles,
         normals,
+        missing: Vec::new(),
     }
 }
 

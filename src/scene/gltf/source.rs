@@ -1,17 +1,36 @@
 //! The parts of a glTF file: its checked JSON document and its buffers.
 
-use std::path::Path;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use gltf::json::validation::{Error as Wrong, Validate};
 use gltf::json::{Path as JsonPath, Root};
 use gltf::{Document, buffer};
 
+use super::Files;
 use crate::error::{Error, Result};
+use crate::scene::texture::is_missing;
+
+/// Where the files lie that a glTF file names.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Beside<'a> {
+    /// Its own.
+    pub folder: &'a Path,
+    pub files: Files,
+}
+
+/// What a file holds, unless it is not there.
+pub(super) enum Found<T> {
+    Is(T),
+    Missing(PathBuf),
+}
 
 /// A document whose indices are valid, and its buffers, each at least as long as it says.
 pub(super) struct Source {
     pub document: Document,
-    pub buffers: Vec<Vec<u8>>,
+    pub buffers: Vec<Arc<Vec<u8>>>,
     /// What is wrong with its textures, which not every reader looks at.
     pub wrong_look: Option<Error>,
 }
@@ -19,7 +38,7 @@ pub(super) struct Source {
 impl Source {
     /// # Errors
     /// [`Error::Input`]: see [`super::load`].
-    pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Source> {
+    pub(super) fn parse(bytes: &[u8], beside: Beside) -> Result<Source> {
         let (json, mut binary) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
         let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
         if json.is_empty() {
@@ -28,27 +47,35 @@ impl Source {
         let root = Root::from_slice(json).map_err(|e| Error::input(format!("is not glTF 2.0: {e}")))?;
         let wrong_look = check_root(&root)?;
         let document = Document::from_json_without_validation(root);
-        let mut buffers = Vec::new();
+        let (mut buffers, mut known) = (Vec::new(), HashMap::new());
         for buffer in document.buffers() {
-            let bytes = read_buffer(&buffer, folder, &mut binary)
+            let bytes = read_buffer(&buffer, beside, &mut binary, &mut known)
                 .map_err(|message| Error::input(format!("buffer {}: {message}", buffer.index())))?;
             buffers.push(bytes);
         }
+        drop(known);
         Ok(Source { document, buffers, wrong_look })
     }
 
     /// The bytes of an image's file.
-    pub(super) fn read_image(&self, image: &gltf::Image, folder: &Path) -> std::result::Result<Vec<u8>, String> {
+    pub(super) fn read_image(
+        &self,
+        image: &gltf::Image,
+        beside: Beside,
+    ) -> std::result::Result<Found<Cow<'_, [u8]>>, String> {
         let json = &self.document.as_json().images[image.index()];
         let view = json.buffer_view.and_then(|k| self.document.views().nth(k.value()));
         match (view, &json.uri) {
-            (None, Some(uri)) => read_uri(uri, folder),
+            (None, Some(uri)) => Ok(match read_uri(uri, beside)? {
+                Found::Is(bytes) => Found::Is(bytes.into()),
+                Found::Missing(file) => Found::Missing(file),
+            }),
             (None, None) => Err("has neither a uri nor a bufferView; export it again".into()),
             (Some(view), _) => {
                 let buffer = &self.buffers[view.buffer().index()];
                 let end = view.offset().checked_add(view.length());
                 let bytes = end.and_then(|end| buffer.get(view.offset()..end));
-                Ok(bytes.ok_or("exceeds its buffer; export it again")?.to_vec())
+                Ok(Found::Is(bytes.ok_or("exceeds its buffer; export it again")?.into()))
             }
         }
     }
@@ -152,14 +179,24 @@ fn keeps_triangles(extension: &str) -> bool {
     NAMES.contains(&extension) || PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
 }
 
-fn read_buffer(
-    buffer: &gltf::Buffer,
-    folder: &Path,
+/// The buffer's bytes; those of a URI that is `known` are not read again.
+fn read_buffer<'a>(
+    buffer: &gltf::Buffer<'a>,
+    beside: Beside,
     binary: &mut Option<&[u8]>,
-) -> std::result::Result<Vec<u8>, String> {
+    known: &mut HashMap<&'a str, Arc<Vec<u8>>>,
+) -> std::result::Result<Arc<Vec<u8>>, String> {
     let bytes = match buffer.source() {
-        buffer::Source::Bin => binary.take().ok_or("has no uri and no BIN chunk; export it again")?.to_vec(),
-        buffer::Source::Uri(uri) => read_uri(uri, folder)?,
+        buffer::Source::Bin => binary.take().ok_or("has no uri and no BIN chunk; export it again")?.to_vec().into(),
+        buffer::Source::Uri(uri) => match known.get(uri) {
+            Some(bytes) => bytes.clone(),
+            None => match read_uri(uri, beside)? {
+                Found::Is(bytes) => known.entry(uri).or_insert(bytes.into()).clone(),
+                Found::Missing(file) => {
+                    return Err(format!("{} cannot be read: there is no such file", file.display()));
+                }
+            },
+        },
     };
     if bytes.len() < buffer.length() {
         let (is, says) = (bytes.len(), buffer.length());
@@ -169,15 +206,43 @@ fn read_buffer(
 }
 
 /// What lies beside the file, or in the URI itself.
-fn read_uri(uri: &str, folder: &Path) -> std::result::Result<Vec<u8>, String> {
+fn read_uri(uri: &str, beside: Beside) -> std::result::Result<Found<Vec<u8>>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
-        return decode_data(data);
+        return decode_data(data).map(Found::Is);
     }
     if uri.contains("://") {
         return Err("lies elsewhere on the net; put it beside the file".into());
     }
-    let file = folder.join(decode_percent(uri));
-    crate::inputs::read(&file).map_err(|e| format!("{} cannot be read: {e}", file.display()))
+    let name = decode_percent(uri);
+    let file = beside.folder.join(&name);
+    if beside.files == Files::Below && !is_below(&name, beside.folder) {
+        return Err(format!(
+            "{name:?} lies outside of the file's folder; put it there, or give the mesh outside_files = true"
+        ));
+    }
+    match crate::inputs::read(&file) {
+        Ok(bytes) => Ok(Found::Is(bytes)),
+        Err(e) if is_missing(&e) => Ok(Found::Missing(file)),
+        Err(e) => Err(format!("{} cannot be read: {e}", file.display())),
+    }
+}
+
+/// The file of this name lies in the folder or below, as it is written and, if it is there, by its real path.
+fn is_below(name: &str, folder: &Path) -> bool {
+    let mut depth = 0i32;
+    for component in Path::new(name).components() {
+        match component {
+            Component::Normal(_) => depth += 1,
+            Component::ParentDir if depth > 0 => depth -= 1,
+            Component::CurDir => {}
+            _ => return false,
+        }
+    }
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    match (folder.join(name).canonicalize(), folder.canonicalize()) {
+        (Ok(file), Ok(folder)) => file.starts_with(folder),
+        _ => true,
+    }
 }
 
 /// The bytes of a `data:` URI, from behind the colon.

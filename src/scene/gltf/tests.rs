@@ -5,6 +5,10 @@ use proptest::prelude::*;
 
 use super::*;
 
+fn here() -> Beside<'static> {
+    Beside { folder: Path::new(""), files: Files::Below }
+}
+
 /// The bytes of a quad's four positions (f32), six u16 indices and a strip's four u8 indices: 64 bytes.
 fn quad_bytes() -> Vec<u8> {
     let mut bytes: Vec<u8> =
@@ -44,7 +48,7 @@ fn load_quad(edit: impl FnOnce(&mut serde_json::Value)) -> Result<Mesh> {
     std::fs::write(folder.path().join("quad.bin"), quad_bytes()).unwrap();
     let path = folder.path().join("quad.gltf");
     std::fs::write(&path, serde_json::to_vec(&json).unwrap()).unwrap();
-    load(&path, &Images::default())
+    load(&path, Files::Below, &Images::default())
 }
 
 fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
@@ -75,7 +79,7 @@ fn external_inline_and_binary_buffers_are_the_same() {
     let uri = "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAA\
                AAABAAIAAgABAAMAAAECAw==";
     assert_eq!(load_quad(|json| json["buffers"][0]["uri"] = uri.into()).unwrap(), external);
-    assert_eq!(parse(&quad_glb(), Path::new(""), &Images::default()).unwrap(), external);
+    assert_eq!(parse(&quad_glb(), here(), &Images::default()).unwrap(), external);
 }
 
 #[test]
@@ -191,10 +195,10 @@ fn wrong_documents_say_where() {
         assert!(!message.contains('\n'), "{message}");
     }
     for bytes in [&b""[..], b"glTF", b"glTF\x02\0\0\0\xff\0\0\0", b"{}", b"[1]", b"\xff\xfe"] {
-        assert!(matches!(parse(bytes, Path::new(""), &Images::default()), Err(Error::Input(_))));
+        assert!(matches!(parse(bytes, here(), &Images::default()), Err(Error::Input(_))));
     }
     assert!(
-        load(Path::new("no/such.glb"), &Images::default())
+        load(Path::new("no/such.glb"), Files::Below, &Images::default())
             .unwrap_err()
             .to_string()
             .starts_with("no/such.glb: cannot be read")
@@ -268,7 +272,77 @@ fn load_textured_quad(images: &Images, edit: impl FnOnce(&mut serde_json::Value)
     let binary = [quad_bytes(), uvs, two_texels()].concat();
     let mut text = serde_json::to_vec(&json).unwrap();
     text.resize(text.len().next_multiple_of(4), b' ');
-    parse(&glb(&text, &binary), Path::new(""), images)
+    parse(&glb(&text, &binary), here(), images)
+}
+
+#[test]
+fn an_image_that_is_not_there_is_named_and_left_out() {
+    let gone = |json: &mut serde_json::Value| json["images"] = serde_json::json!([{"uri": "no/gone%20.png"}]);
+    let mesh = load_textured_quad(&Images::default(), gone).unwrap();
+    assert_eq!((mesh.materials[0].diffuse, &mesh.materials[0].texture), ([1.0; 3], &None));
+    let why = "image 0: there is no such file; the material's own colour is used".into();
+    assert_eq!(mesh.missing, [Missing { what: "no/gone .png".into(), why }]);
+    let cutting = load_textured_quad(&Images::of(ImagesRead::Cutting), gone).unwrap();
+    assert!(cutting.missing.is_empty());
+    let cut = |json: &mut serde_json::Value| json["materials"][0]["alphaMode"] = "MASK".into();
+    let cutting =
+        |edit: fn(&mut serde_json::Value)| load_textured_quad(&Images::of(ImagesRead::Cutting), edit).unwrap();
+    assert!(cutting(cut).materials[0].texture.is_some() && cutting(|_| {}).materials[0].texture.is_none());
+}
+
+#[test]
+fn files_lie_below_the_folder_unless_told_otherwise() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("model");
+    std::fs::create_dir_all(folder.join("parts")).unwrap();
+    std::fs::write(place.path().join("quad.bin"), quad_bytes()).unwrap();
+    std::fs::write(folder.join("parts/quad.bin"), quad_bytes()).unwrap();
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("../quad.bin", folder.join("out.bin")).unwrap();
+        std::os::unix::fs::symlink("parts/quad.bin", folder.join("in.bin")).unwrap();
+        std::os::unix::fs::symlink("..", folder.join("up")).unwrap();
+    }
+    let path = folder.join("quad.gltf");
+    let load = |uri: &str, files: Files| {
+        let mut json = quad_json();
+        json["buffers"][0]["uri"] = uri.into();
+        std::fs::write(&path, serde_json::to_vec(&json).unwrap()).unwrap();
+        load(&path, files, &Images::default())
+    };
+    let absolute = place.path().join("quad.bin").display().to_string();
+    let mut outside =
+        vec!["../quad.bin", "%2e%2E/quad.bin", "parts/../../quad.bin", "../model/parts/quad.bin", &absolute];
+    let mut inside = vec!["parts/quad.bin", "./parts/../parts/quad.bin"];
+    if cfg!(unix) {
+        outside.extend(["out.bin", "up/quad.bin"]);
+        inside.push("in.bin");
+    }
+    for uri in outside {
+        let message = load(uri, Files::Below).unwrap_err().to_string();
+        assert!(
+            message.contains("buffer 0: ") && message.contains("lies outside of the file's folder"),
+            "{uri}: {message}"
+        );
+        load(uri, Files::Anywhere).unwrap();
+    }
+    inside.iter().for_each(|uri| drop(load(uri, Files::Below).unwrap()));
+    // what is no regular file is not read, whatever is told
+    let message = load("/dev/zero", Files::Anywhere).unwrap_err().to_string();
+    assert!(message.contains("/dev/zero cannot be read: it is a pipe or a device, not a regular file"), "{message}");
+}
+
+/// Of buffers over one file each reads it, and it is read once.
+#[test]
+fn buffers_share_their_file() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("quad.bin"), quad_bytes()).unwrap();
+    let mut json = quad_json();
+    let buffer = json["buffers"][0].clone();
+    json["buffers"] = vec![buffer; 3].into();
+    let bytes = serde_json::to_vec(&json).unwrap();
+    let source = Source::parse(&bytes, Beside { folder: folder.path(), files: Files::Below }).unwrap();
+    assert!(source.buffers.len() == 3 && source.buffers.iter().all(|b| Arc::ptr_eq(b, &source.buffers[0])));
 }
 
 #[test]
@@ -354,7 +428,7 @@ fn models_have_the_counts_and_bounds_of_their_list() {
         ("kaykit-city/gltf/building_H.gltf", 1885, [-1.003, 0.0, -1.0], [1.003, 3.05, 1.0]),
     ] {
         let Some(path) = model(name) else { continue };
-        let mesh = load(&path, &Images::default()).unwrap();
+        let mesh = load(&path, Files::Below, &Images::default()).unwrap();
         assert_eq!(mesh.triangles.len(), triangles, "{name}");
         assert_eq!((mesh.corner_normals.len(), mesh.material_of.len()), (triangles, triangles));
         assert!(mesh.normals.iter().all(|n| n.is_normalized()));
@@ -380,7 +454,7 @@ proptest! {
             bytes[place] = value;
         }
         bytes.truncate(if is_cut { cut.index(bytes.len()) } else { bytes.len() });
-        let _ = parse(&bytes, Path::new(""), &Images::default());
+        let _ = parse(&bytes, here(), &Images::default());
     }
 
     #[test]
@@ -390,6 +464,6 @@ proptest! {
         let place = place % numbers.len();
         let at = text.match_indices(|c: char| c.is_ascii_digit()).nth(place).unwrap().0;
         let changed = format!("{}{value}{}", &text[..at], &text[at + 1..]);
-        let _ = parse(&glb(changed.replace("\"uri\":\"quad.bin\",", "").as_bytes(), &quad_bytes()), Path::new(""), &Images::default());
+        let _ = parse(&glb(changed.replace("\"uri\":\"quad.bin\",", "").as_bytes(), &quad_bytes()), here(), &Images::default());
     }
 }

@@ -61,6 +61,16 @@ pub(super) struct Chunk {
     pub uses: Vec<(usize, String)>,
     /// The rest of each `mtllib` line.
     pub libraries: Vec<String>,
+    pub lacking_normals: Lacking,
+    pub lacking_texcoords: Lacking,
+}
+
+/// What corners of faces name and the file has not.
+#[derive(Debug, Default)]
+pub(super) struct Lacking {
+    pub corners: usize,
+    /// The line of the first one, from 1, and what it names.
+    pub first: Option<(usize, String)>,
 }
 
 /// One corner of a face: its position, its normal or [`NO_NORMAL`], its texture coordinate or [`NO_UV`].
@@ -80,6 +90,8 @@ pub(super) struct Reader<'a> {
     before: Counts,
     total: Counts,
     texcoords: Texcoords,
+    /// The line that is read, from 1.
+    line: usize,
     corners: Vec<Corner>,
     chunk: Chunk,
 }
@@ -87,7 +99,8 @@ pub(super) struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// `before`: what lies in the chunks before this one; `total`: in the whole file.
     pub(super) fn new(name: &'a str, before: Counts, total: Counts) -> Self {
-        Reader { name, before, total, texcoords: Texcoords::Kept, corners: Vec::new(), chunk: Chunk::default() }
+        let (texcoords, line, corners, chunk) = (Texcoords::Kept, 0, Vec::new(), Chunk::default());
+        Reader { name, before, total, texcoords, line, corners, chunk }
     }
 
     pub(super) fn texcoords(self, texcoords: Texcoords) -> Self {
@@ -101,9 +114,9 @@ impl<'a> Reader<'a> {
         self.chunk.normals.reserve_exact(own.normals);
         self.chunk.texcoords.reserve_exact(own.texcoords);
         for (number, line) in Lines::new(text) {
+            self.line = self.before.lines + number + 1;
             if let Err(message) = self.read_line(&line) {
-                let line_in_file = self.before.lines + number + 1;
-                return Err(Error::input(format!("{}:{line_in_file}: {message}", self.name)));
+                return Err(Error::input(format!("{}:{}: {message}", self.name, self.line)));
             }
         }
         Ok(self.chunk)
@@ -164,25 +177,49 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-    fn read_corner(&self, word: &[u8]) -> std::result::Result<Corner, String> {
+    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`. Texture coordinates that are not needed and normals may be missing.
+    fn read_corner(&mut self, word: &[u8]) -> std::result::Result<Corner, String> {
         let mut parts = word.splitn(3, |&b| b == b'/');
-        let index = |part: Option<&[u8]>, what: &str, seen: usize, total: usize| match part {
-            None | Some([]) => Ok(None),
-            Some(part) => resolve(part, what, seen, total).map(Some),
-        };
         let seen = self.before.positions + self.chunk.positions.len();
-        let position = resolve(parts.next().unwrap_or_default(), "vertex", seen, self.total.positions)?;
+        let position = resolve(parts.next().unwrap_or_default(), "vertex", seen, self.total.positions)??;
         let seen = self.before.texcoords + self.chunk.texcoords.len();
-        let texcoord = index(parts.next(), "texture coordinate", seen, self.total.texcoords)?;
+        let texcoord = match parts.next() {
+            None | Some([]) => NO_UV,
+            Some(part) => match resolve(part, "texture coordinate", seen, self.total.texcoords)? {
+                Err(missing) if self.texcoords == Texcoords::Kept => {
+                    self.chunk.lacking_texcoords.count(self.line, missing);
+                    NO_UV
+                }
+                found => found?,
+            },
+        };
         let seen = self.before.normals + self.chunk.normals.len();
-        let normal = index(parts.next(), "normal", seen, self.total.normals)?;
-        Ok((position, normal.unwrap_or(NO_NORMAL), texcoord.unwrap_or(NO_UV)))
+        let normal = match parts.next() {
+            None | Some([]) => NO_NORMAL,
+            Some(part) => resolve(part, "normal", seen, self.total.normals)?.unwrap_or_else(|missing| {
+                self.chunk.lacking_normals.count(self.line, missing);
+                NO_NORMAL
+            }),
+        };
+        Ok((position, normal, texcoord))
     }
 }
 
-/// The index from 0 that an OBJ index means: from 1 on, or, negative, back from the `seen` vertices so far.
-fn resolve(word: &[u8], what: &str, seen: usize, total: usize) -> std::result::Result<u32, String> {
+impl Lacking {
+    fn count(&mut self, line: usize, what: String) {
+        self.corners += 1;
+        self.first.get_or_insert((line, what));
+    }
+}
+
+/// The index from 0 that an OBJ index means: from 1 on, or, negative, back from the `seen` vertices so far; or, within, that there is
+/// none. The outer error is a word that is no index.
+fn resolve(
+    word: &[u8],
+    what: &str,
+    seen: usize,
+    total: usize,
+) -> std::result::Result<std::result::Result<u32, String>, String> {
     let Some(index) = parse_i64(word) else {
         return Err(format!("face's {what} index {} is not an integer", quoted(word)));
     };
@@ -193,12 +230,12 @@ fn resolve(word: &[u8], what: &str, seen: usize, total: usize) -> std::result::R
     let (from_zero, limit) = if index > 0 { (index - 1, total as i64) } else { (seen as i64 + index, seen as i64) };
     if !(0..limit).contains(&from_zero) {
         let (count, sign, so_far) = if index > 0 { (total, "", "") } else { (seen, "-", " up to here") };
-        return Err(match count {
+        return Ok(Err(match count {
             0 => format!("face's {what} index {index}, but there are none{so_far}"),
             _ => format!("face's {what} index {index} out of range; {sign}1 to {sign}{count} exist{so_far}"),
-        });
+        }));
     }
-    u32::try_from(from_zero).map_err(|_| format!("face's {what} index {index} is too large"))
+    Ok(u32::try_from(from_zero).map_err(|_| format!("face's {what} index {index} is too large")))
 }
 
 /// The first three words as numbers; more of them (a weight, a colour) are skipped.

@@ -1,5 +1,6 @@
 //! MTL: the diffuse colours of an OBJ's materials, and the images that these are multiplied by.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -7,7 +8,7 @@ use glam::Vec2;
 
 use super::lex::{Lines, Words, parse_f64, quoted};
 use crate::error::{Error, Result};
-use crate::scene::mesh::Material;
+use crate::scene::mesh::{Material, Missing};
 use crate::scene::texture::{Texels, Texture, Wrap, with_opacity};
 
 /// A material, and the images on it, which are not loaded yet.
@@ -54,24 +55,52 @@ impl Mapped {
         self.map.as_ref().or(self.mask.as_ref()).map_or((Vec2::ONE, Vec2::ZERO), |m| (m.scale, m.offset))
     }
 
-    /// The material with its images, from `load_image`.
+    /// Its images cut holes.
+    pub fn cuts(&self) -> bool {
+        self.mask.is_some()
+    }
+
+    /// The material where its images are not read, as none of them counts: it is white where one is what colours it.
+    pub fn without_images(&self) -> Material {
+        let is_there = |map: &Map| {
+            crate::inputs::note(&map.image);
+            map.image.is_file()
+        };
+        let is_white = self.is_white && self.map.as_ref().is_some_and(is_there);
+        let diffuse = if is_white { [1.0; 3] } else { self.material.diffuse };
+        Material { diffuse, ..self.material.clone() }
+    }
+
+    /// The material with its images, from `find_image`, which says `None` of those that are not there; these are told to `missing`.
     ///
     /// # Errors
-    /// [`Error::Input`] naming the line: those of `load_image`; a mask of another scale than the image, or that ends elsewhere.
-    pub fn with_images(&self, mut load_image: impl FnMut(&Path) -> Result<Arc<Texels>>) -> Result<Material> {
-        let mut load = |map: &Map| {
+    /// [`Error::Input`] naming the line: those of `find_image`; a mask of another scale than the image, or that ends elsewhere.
+    pub fn with_images(
+        &self,
+        mut find_image: impl FnMut(&Path) -> Result<Option<Arc<Texels>>>,
+        missing: &mut Vec<Missing>,
+    ) -> Result<Material> {
+        let mut find = |map: Option<&Map>, instead: &str| -> Result<Option<Arc<Texels>>> {
+            let Some(map) = map else { return Ok(None) };
             let wrong = |e| Error::input(format!("{}: {e}; texture = false shows none", map.line));
-            load_image(&map.image).map_err(wrong)
+            let found = find_image(&map.image).map_err(wrong)?;
+            if found.is_none() {
+                let why = format!("{}: there is no such file; {instead}", map.line);
+                missing.push(Missing { what: map.image.display().to_string(), why });
+            }
+            Ok(found)
         };
-        let colours = self.map.as_ref().map(&mut load).transpose()?;
-        let mask = self.mask.as_ref().map(|mask| Ok((mask, load(mask)?))).transpose()?;
+        let colours = find(self.map.as_ref(), "the material's own colour is used")?;
+        let opacity = find(self.mask.as_ref(), "nothing is cut out")?;
+        let mask = self.mask.as_ref().zip(opacity);
         let mut material = self.material.clone();
-        if self.is_white {
+        if self.is_white && colours.is_some() {
             material.diffuse = [1.0; 3];
         }
         let wrap = |map: &Map| [if map.clamp { Wrap::Clamp } else { Wrap::Repeat }; 2];
         let placed = self.map.as_ref().or(self.mask.as_ref());
         let Some(wrap_here) = placed.map(wrap) else { return Ok(material) };
+        let cutoff = mask.is_some().then_some(CUTOFF);
         let texels = match (colours, mask) {
             (colours, Some((mask, opacity))) => {
                 let offset = match &self.map {
@@ -92,18 +121,17 @@ impl Mapped {
             (Some(colours), None) => colours,
             (None, None) => return Ok(material),
         };
-        let cutoff = self.mask.is_some().then_some(CUTOFF);
         material.texture = Some(Texture { wrap: wrap_here, cutoff, ..Texture::new(texels) });
         Ok(material)
     }
 }
 
-/// Reads what a `mtllib` line names in `folder`: one file whose name may have blanks in it, or else several
-/// files. `None` where none of them exists.
+/// Reads what `mtllib` lines name in `folder`: each one file whose name may have blanks in it, or else several files. Those that do
+/// not exist are skipped; of one that is named more than once only the last time counts.
 ///
 /// # Errors
 /// [`Error::Input`] if a file cannot be read or is malformed.
-pub(super) fn load(folder: &Path, library: &str) -> Result<Option<Vec<Mapped>>> {
+pub(super) fn load(folder: &Path, libraries: &[&str]) -> Result<Vec<Mapped>> {
     let find = |name: &str| -> Option<PathBuf> {
         let is_there = |path: &PathBuf| {
             crate::inputs::note(path);
@@ -111,20 +139,24 @@ pub(super) fn load(folder: &Path, library: &str) -> Result<Option<Vec<Mapped>>> 
         };
         [name.to_owned(), name.replace('\\', "/")].iter().map(|name| folder.join(name)).find(is_there)
     };
-    let files: Vec<PathBuf> = match find(library) {
-        Some(file) => vec![file],
-        None => library.split_whitespace().filter_map(find).collect(),
-    };
-    if files.is_empty() {
-        return Ok(None);
+    let mut files = Vec::new();
+    for library in libraries {
+        match find(library) {
+            Some(file) => files.push(file),
+            None => files.extend(library.split_whitespace().filter_map(find)),
+        }
     }
+    let mut known = HashSet::new();
+    let mut last: Vec<PathBuf> =
+        files.into_iter().rev().filter(|f| known.insert(f.canonicalize().unwrap_or_else(|_| f.clone()))).collect();
+    last.reverse();
     let mut materials = Vec::new();
-    for file in files {
+    for file in last {
         let name = file.display().to_string();
         let text = crate::inputs::read(&file).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
         materials.extend(parse(&text, &file)?);
     }
-    Ok(Some(materials))
+    Ok(materials)
 }
 
 /// Parses MTL text: names; `Kd`, `Ks` and `Ke` as linear RGB, the first two clamped to [0, 1]; `Ns`, and `illum`, below 2 of which
@@ -289,11 +321,11 @@ mod tests {
             |v: f32| Arc::new(Texels { width: 1, height: 1, rgba: vec![[v, v, v, 1.0].map(half::f16::from_f32)] });
         let read = parse(text, Path::new("in/a.mtl")).unwrap();
         let mut asked = Vec::new();
-        let mut load = |image: &Path| {
+        let mut find = |image: &Path| {
             asked.push(image.to_owned());
-            Ok(grey(0.25))
+            Ok(Some(grey(0.25)))
         };
-        let materials: Vec<_> = read.iter().map(|m| m.with_images(&mut load).unwrap()).collect();
+        let materials: Vec<_> = read.iter().map(|m| m.with_images(&mut find, &mut Vec::new()).unwrap()).collect();
         assert_eq!(asked, [Path::new("in/my image.png"), Path::new("in/m.png")]);
         let [a, b, c] = &materials[..] else { panic!("three") };
         assert_eq!(read[0].placement(), (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.0)));
@@ -316,16 +348,41 @@ mod tests {
             Arc::new(Texels { width: greys.len() as u32, height: 1, rgba })
         };
         let image = |path: &Path| match path == Path::new("c.png") {
-            true => Ok(row(&[0.25])),
-            false => Ok(row(&[0.0, 0.0, 1.0, 1.0])),
+            true => Ok(Some(row(&[0.25]))),
+            false => Ok(Some(row(&[0.0, 0.0, 1.0, 1.0]))),
         };
-        let texels = read[0].with_images(image).unwrap().texture.unwrap().texels;
+        let texels = read[0].with_images(image, &mut Vec::new()).unwrap().texture.unwrap().texels;
         let seen: Vec<_> = texels.rgba.iter().map(|t| [t[0].to_f32(), t[3].to_f32()]).collect();
         assert_eq!(seen, [[0.25, 1.0], [0.25, 1.0], [0.25, 0.0], [0.25, 0.0]]);
 
         let other = parse(b"newmtl a\nmap_Kd c.png\nmap_d -s 2 2 m.png", Path::new("a.mtl")).unwrap();
-        let message = other[0].with_images(image).unwrap_err().to_string();
+        let message = other[0].with_images(image, &mut Vec::new()).unwrap_err().to_string();
         assert_eq!(message, "a.mtl:3: map_d: its -s and -clamp are not map_Kd's; give the same");
+    }
+
+    #[test]
+    fn an_image_that_is_not_there_leaves_the_rest_as_it_is() {
+        let text = b"newmtl a\nmap_Kd c.png\nmap_d m.png\nnewmtl b\nKd 1 0 0\nmap_Kd c.png";
+        let read = parse(text, Path::new("a.mtl")).unwrap();
+        let grey = || Arc::new(Texels { width: 1, height: 1, rgba: vec![[half::f16::from_f32(0.25); 4]] });
+        let with = |material: usize, there: &[&str]| {
+            let mut missing = Vec::new();
+            let find = |image: &Path| Ok(there.iter().any(|t| image == Path::new(t)).then(grey));
+            let material = read[material].with_images(find, &mut missing).unwrap();
+            let texture = material.texture.as_ref().map(|t| (t.texels.rgba[0].map(half::f16::to_f32), t.cutoff));
+            (
+                material.diffuse,
+                texture,
+                missing.into_iter().map(|m| format!("{}: {}", m.what, m.why)).collect::<Vec<_>>(),
+            )
+        };
+        let no_colour = "c.png: a.mtl:2: map_Kd: there is no such file; the material's own colour is used".to_owned();
+        let no_mask = "m.png: a.mtl:3: map_d: there is no such file; nothing is cut out".to_owned();
+        assert_eq!(with(0, &[]), ([0.8; 3], None, vec![no_colour.clone(), no_mask.clone()]));
+        assert_eq!(with(0, &["c.png"]), ([1.0; 3], Some(([0.25; 4], None)), vec![no_mask]));
+        assert_eq!(with(0, &["m.png"]), ([0.8; 3], Some(([1.0, 1.0, 1.0, 0.25], Some(CUTOFF))), vec![no_colour]));
+        let (diffuse, texture, missing) = with(1, &[]);
+        assert_eq!((diffuse, texture, missing.len()), ([1.0, 0.0, 0.0], None, 1));
     }
 
     #[test]
@@ -343,7 +400,7 @@ mod tests {
             assert!(message.starts_with(expected), "{message}");
         }
         let read = parse(b"newmtl a\n\nmap_Kd a.png", Path::new("a.mtl")).unwrap();
-        let message = read[0].with_images(|_| Err(Error::input("gone"))).unwrap_err().to_string();
+        let message = read[0].with_images(|_| Err(Error::input("gone")), &mut Vec::new()).unwrap_err().to_string();
         assert_eq!(message, "a.mtl:3: map_Kd: gone; texture = false shows none");
     }
 }

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::*;
 
 fn parse_text(text: &str) -> Result<Mesh> {
-    parse(text.as_bytes(), "cow.obj", |_| Ok(None)).map(|(mesh, _)| mesh)
+    parse(text.as_bytes(), "cow.obj", |_| Ok(Vec::new())).map(|(mesh, _)| mesh)
 }
 
 fn message_of(text: &str) -> String {
@@ -92,7 +92,7 @@ fn wrong_text_names_file_line_and_remedy() {
         ("f 0 1 2", "cow.obj:5: face's vertex index is 0; indices start at 1"),
         ("f 1 2 5", "cow.obj:5: face's vertex index 5 out of range; 1 to 4 exist"),
         ("f 1 2 -5", "cow.obj:5: face's vertex index -5 out of range; -1 to -4 exist up to here"),
-        ("f 1//1 2 3", "cow.obj:5: face's normal index 1, but there are none"),
+        ("f 1//0 2 3", "cow.obj:5: face's normal index is 0"),
         ("f 1/0 2 3", "cow.obj:5: face's texture coordinate index is 0"),
         ("f 1.5 2 3", "cow.obj:5: face's vertex index \"1.5\" is not an integer"),
         ("f 1 2 \\\n99", "cow.obj:5: face's vertex index 99 out of range"),
@@ -118,13 +118,13 @@ fn texture_coordinates_are_kept_and_lie_as_their_materials_say() {
     );
     let load = |text: &str| {
         parse(text.as_bytes(), "a.obj", |_| {
-            mtl::parse(b"newmtl plain\nnewmtl moved\nmap_Kd -s 2 4 -o 0.5 0.25 a.png", Path::new("a.mtl")).map(Some)
+            mtl::parse(b"newmtl plain\nnewmtl moved\nmap_Kd -s 2 4 -o 0.5 0.25 a.png", Path::new("a.mtl"))
         })
         .unwrap()
         .0
     };
     for bytes in [1, 20, 1 << 20] {
-        let mesh = parse_in_chunks(text.as_bytes(), "a", bytes, |_| Ok(None)).unwrap().0;
+        let mesh = parse_in_chunks(text.as_bytes(), "a", bytes, |_| Ok(Vec::new())).unwrap().0;
         let none = [NO_UV; 3];
         assert_eq!(mesh.corner_uvs, [none, [0, 1, 2], none, [0, 1, 2], none]);
         assert_eq!(mesh.uvs_of(1), Some([Vec2::ZERO, Vec2::X, Vec2::new(0.5, 1.0)]));
@@ -141,7 +141,7 @@ fn texture_coordinates_are_kept_and_lie_as_their_materials_say() {
 fn the_first_wrong_line_is_named_whatever_the_chunks() {
     let text = format!("{QUAD}f 1 2 3\nf 1 2 9\nf 1 2\nv 1\n");
     for bytes in 1..text.len() {
-        let message = parse_in_chunks(text.as_bytes(), "a", bytes, |_| Ok(None)).unwrap_err().to_string();
+        let message = parse_in_chunks(text.as_bytes(), "a", bytes, |_| Ok(Vec::new())).unwrap_err().to_string();
         assert!(message.starts_with("a:6: "), "{message}");
     }
 }
@@ -171,15 +171,15 @@ const GROUPED_MTL: &[u8] = b"newmtl wall\nKd 0.5 0.25 0.125\nnewmtl roof\nKd 1 0
 #[test]
 fn materials_run_across_groups_and_chunks() {
     for bytes in [1, 7, 20, 64, 1 << 20] {
-        let mesh = parse_in_chunks(GROUPED.as_bytes(), "a", bytes, |library| {
-            assert_eq!(library, "city.mtl");
-            mtl::parse(GROUPED_MTL, Path::new(library)).map(Some)
+        let mesh = parse_in_chunks(GROUPED.as_bytes(), "a", bytes, |libraries| {
+            assert_eq!(libraries, ["city.mtl"]);
+            mtl::parse(GROUPED_MTL, Path::new(libraries[0]))
         })
         .unwrap()
         .0;
         assert_eq!(mesh.material_of, [1, 1, 0, 0, 0, 1]);
         assert_eq!(mesh.materials.len(), 2);
-        let unknown = parse_in_chunks(GROUPED.as_bytes(), "a", bytes, |_| Ok(None)).unwrap().0;
+        let unknown = parse_in_chunks(GROUPED.as_bytes(), "a", bytes, |_| Ok(Vec::new())).unwrap().0;
         assert_eq!(unknown.materials, [Material::default()]);
     }
 }
@@ -187,7 +187,7 @@ fn materials_run_across_groups_and_chunks() {
 #[test]
 fn some_unknown_materials_are_the_default_one() {
     let text = format!("f 1 2 3\n{QUAD}mtllib a.mtl\nusemtl wall\nf 1 2 3\nusemtl other\nf 1 2 4\nusemtl\nf 1 2 4");
-    let mesh = parse(text.as_bytes(), "a", |_| mtl::parse(GROUPED_MTL, Path::new("a.mtl")).map(Some)).unwrap().0;
+    let mesh = parse(text.as_bytes(), "a", |_| mtl::parse(GROUPED_MTL, Path::new("a.mtl"))).unwrap().0;
     assert_eq!(mesh.material_of, [2, 0, 2, 2]);
     assert_eq!(mesh.materials[2], Material::default());
 }
@@ -207,25 +207,86 @@ fn material_files_lie_beside_the_obj() {
     assert!(message.contains("bad.mtl:4: Kd value \"y\""), "{message}");
 }
 
-/// An image that cannot be read counts only on faces, and only where images are looked at.
+/// An image that cannot be read counts only on faces, and only where images of its kind are looked at.
 #[test]
-fn images_of_materials_that_no_face_has_are_not_read() {
+fn images_that_nothing_asks_for_are_not_read() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("a.mtl"), "newmtl gone\nmap_Kd no.tga\nnewmtl plain\nKd 1 0 0").unwrap();
-    let load = |used: &str, images: &mut Images| {
+    std::fs::write(folder.path().join("bad.png"), "no image").unwrap();
+    let text = "newmtl bad\nmap_Kd bad.png\nnewmtl plain\nKd 1 0 0\nnewmtl cut\nKd 1 0 0\nmap_d bad.png";
+    std::fs::write(folder.path().join("a.mtl"), text).unwrap();
+    let load = |used: &str, read: ImagesRead| {
         let path = folder.path().join("a.obj");
         std::fs::write(&path, format!("mtllib a.mtl\n{QUAD}usemtl {used}\nf 1 2 3")).unwrap();
-        load(&path, images)
+        load(&path, &mut Images::of(read)).map(|mesh| mesh.materials[mesh.material_of[0] as usize].diffuse)
     };
-    load("plain", &mut Images::default()).unwrap();
-    load("gone", &mut Images::left_out()).unwrap();
-    let message = load("gone", &mut Images::default()).unwrap_err().to_string();
-    assert!(message.contains("a.mtl:2: map_Kd: ") && message.ends_with("; texture = false shows none"), "{message}");
+    for read in [ImagesRead::All, ImagesRead::Cutting, ImagesRead::None] {
+        load("plain", read).unwrap();
+    }
+    assert_eq!(load("bad", ImagesRead::Cutting), Ok([1.0; 3]));
+    assert_eq!(load("bad", ImagesRead::None), Ok([0.8; 3]));
+    load("cut", ImagesRead::None).unwrap();
+    for (used, read) in [("bad", ImagesRead::All), ("cut", ImagesRead::All), ("cut", ImagesRead::Cutting)] {
+        let message = load(used, read).unwrap_err().to_string();
+        let line = if used == "bad" { "a.mtl:2: map_Kd: " } else { "a.mtl:7: map_d: " };
+        assert!(message.contains(line) && message.ends_with("; texture = false shows none"), "{message}");
+    }
+}
+
+#[test]
+fn images_that_are_not_there_are_named_and_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.mtl"), "newmtl gone\nKd 0 0.5 1\nmap_Kd no.png").unwrap();
+    let path = folder.path().join("a.obj");
+    std::fs::write(&path, format!("mtllib a.mtl\n{QUAD}usemtl gone\nf 1 2 3")).unwrap();
+    let mesh = load(&path, &mut Images::default()).unwrap();
+    assert_eq!((mesh.materials[0].diffuse, &mesh.materials[0].texture), ([0.0, 0.5, 1.0], &None));
+    let [missing] = &mesh.missing[..] else { panic!("{:?}", mesh.missing) };
+    assert!(missing.what.ends_with("no.png"), "{missing:?}");
+    assert!(missing.why.contains("a.mtl:3: map_Kd: there is no such file; the material's own colour"), "{missing:?}");
+    let cutting = load(&path, &mut Images::of(ImagesRead::Cutting)).unwrap();
+    assert_eq!((cutting.missing, cutting.materials), (vec![], mesh.materials));
+}
+
+/// A file with some materials that is named often, also by other names, is read once: what it says last counts.
+#[test]
+fn a_library_that_is_named_often_is_read_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("a.mtl", "newmtl x\nKd 1 0 0\nnewmtl y\n");
+    write("b.mtl", "newmtl x\nKd 0 1 0\n");
+    let often = "mtllib a.mtl\nmtllib b.mtl ./a.mtl\n".repeat(1000);
+    for (last, diffuse) in [("", [1.0, 0.0, 0.0]), ("mtllib b.mtl\n", [0.0, 1.0, 0.0])] {
+        write("o.obj", &format!("{often}{last}{QUAD}usemtl x\nf 1 2 3"));
+        let mesh = load(&folder.path().join("o.obj"), &mut Images::default()).unwrap();
+        assert_eq!(mesh.materials.len(), 3);
+        assert_eq!(mesh.materials[mesh.material_of[0] as usize].diffuse, diffuse);
+    }
+}
+
+#[test]
+fn normals_and_texture_coordinates_that_are_not_there_are_left_out() {
+    let text = format!("{QUAD}vn 0 0 1\nvt 0 0\nf 1//1 2//2 3//1\nf 1/1 2/-2 3/1\nf 1/1 2/1 3/1\nf 1//-2 2//1 4//9");
+    for bytes in [1, 30, 1 << 20] {
+        let mesh = parse_in_chunks(text.as_bytes(), "a.obj", bytes, |_| Ok(Vec::new())).unwrap().0;
+        let none = NO_NORMAL;
+        assert_eq!(mesh.corner_normals, [[0, none, 0], [none; 3], [none; 3], [none, 0, none]]);
+        assert_eq!(mesh.corner_uvs, [[NO_UV; 3], [NO_UV; 3], [0; 3], [NO_UV; 3]]);
+        let said: Vec<_> = mesh.missing.iter().map(|m| format!("{}: {}", m.what, m.why)).collect();
+        let expected = [
+            "normals of a.obj: 3 corners of faces without, the first one in line 7: \
+             face's normal index 2 out of range; 1 to 1 exist",
+            "texture coordinates of a.obj: 1 corner of faces without, the first one in line 8: \
+             face's texture coordinate index -2 out of range; -1 to -1 exist up to here",
+        ];
+        assert_eq!(said, expected);
+    }
+    let mesh = parse_text(&format!("{QUAD}f 1/1/1 2/2/2 3/3/3")).unwrap();
+    assert!(mesh.corner_normals.is_empty() && mesh.corner_uvs.is_empty() && mesh.missing.len() == 2);
 }
 
 /// Compares with tobj, which splits by group and reads f32: triangle by triangle.
 fn assert_agrees_with_tobj(text: &[u8], mtl: &[u8]) {
-    let mesh = parse(text, "a", |_| mtl::parse(mtl, Path::new("a.mtl")).map(Some)).unwrap().0;
+    let mesh = parse(text, "a", |_| mtl::parse(mtl, Path::new("a.mtl"))).unwrap().0;
     let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
     let (models, materials) =
         tobj::load_obj_buf(&mut Cursor::new(text), &options, |_| tobj::load_mtl_buf(&mut Cursor::new(mtl))).unwrap();
@@ -285,7 +346,7 @@ fn models_have_the_counts_of_their_list() {
         assert!(mesh.normals.iter().all(|n| n.is_normalized()));
         let text = std::fs::read(&path).unwrap();
         let folder = path.parent().unwrap();
-        let (chunked, _) = parse_in_chunks(&text, "a", 1000, |library| mtl::load(folder, library)).unwrap();
+        let (chunked, _) = parse_in_chunks(&text, "a", 1000, |libraries| mtl::load(folder, libraries)).unwrap();
         let plain = load(&path, &mut Images::left_out()).unwrap();
         assert_eq!(plain, chunked, "{name}");
         assert_eq!((mesh.triangles, mesh.uvs), (chunked.triangles, chunked.uvs), "{name}");
@@ -312,7 +373,7 @@ proptest! {
         for f in &faces {
             text += &format!("f {} {} {}\n", f[0] + 1, i64::from(f[1]) - positions.len() as i64, f[2] + 1);
         }
-        let mesh = parse_in_chunks(text.as_bytes(), "a", chunk_bytes, |_| Ok(None)).unwrap().0;
+        let mesh = parse_in_chunks(text.as_bytes(), "a", chunk_bytes, |_| Ok(Vec::new())).unwrap().0;
         let bits = |p: [f64; 3]| p.map(f64::to_bits);
         let found: Vec<_> = mesh.positions.iter().map(|p| bits(p.to_array())).collect();
         prop_assert_eq!(found, positions.iter().copied().map(bits).collect::<Vec<_>>());
@@ -321,7 +382,7 @@ proptest! {
 
     #[test]
     fn no_bytes_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), chunk_bytes in 1usize..40) {
-        let _ = parse_in_chunks(&bytes, "a", chunk_bytes, |_| Ok(None));
+        let _ = parse_in_chunks(&bytes, "a", chunk_bytes, |_| Ok(Vec::new()));
         let _ = mtl::parse(&bytes, Path::new("a"));
     }
 
@@ -330,8 +391,8 @@ proptest! {
         text in "((v|vn|vt|f|fo|l|usemtl|mtllib|#)? ?(-?[0-9]{1,2}/?[ /]?){0,4}\\\\?\r?\n?){0,30}",
         chunk_bytes in 1usize..60,
     ) {
-        let one = parse(text.as_bytes(), "a", |_| Ok(None)).map(|(mesh, _)| mesh);
-        let chunked = parse_in_chunks(text.as_bytes(), "a", chunk_bytes, |_| Ok(None)).map(|(mesh, _)| mesh);
+        let one = parse(text.as_bytes(), "a", |_| Ok(Vec::new())).map(|(mesh, _)| mesh);
+        let chunked = parse_in_chunks(text.as_bytes(), "a", chunk_bytes, |_| Ok(Vec::new())).map(|(mesh, _)| mesh);
         prop_assert_eq!(chunked, one);
     }
 }

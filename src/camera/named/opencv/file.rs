@@ -46,8 +46,23 @@ pub fn read(path: &Path) -> Result<Intrinsics> {
     parse(&text).map_err(refuse)
 }
 
+/// Lists and tables in brackets that a YAML file may have: a calibration has some tens, and the parser takes the square of them in
+/// time where they are nested.
+const BRACKETS_MAX: usize = 10_000;
+
+fn check_brackets(text: &str) -> std::result::Result<(), String> {
+    let count = text.bytes().filter(|b| matches!(b, b'[' | b'{')).count();
+    if count <= BRACKETS_MAX {
+        return Ok(());
+    }
+    Err(format!(
+        "has {count} lists and tables in brackets, at most {BRACKETS_MAX} are read; leave out all but the camera's keys"
+    ))
+}
+
 fn parse(text: &str) -> std::result::Result<Intrinsics, String> {
     // OpenCV's first line is no directive of YAML; a comment keeps the numbers of the lines
+    check_brackets(text)?;
     let text = text.replacen("%YAML:1.0", "# YAML 1.0", 1);
     let keys: Keys = serde_norway::from_str(&text)
         .map_err(|e| format!("not a calibration as OpenCV writes it: {}", e.to_string().replace('\n', " ")))?;
