@@ -16,16 +16,21 @@ pub use quantiles::{Measure, Quantiles};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     pub pixels: u64,
+    /// The channels that both frames have, which is all that was compared.
+    pub channels: Vec<&'static str>,
     /// Pixels with different triangle ids, hit against miss included.
     pub wrong_triangle: Option<u64>,
-    /// Pixels that only one of the two frames hits.
+    /// Pixels that only one of the two frames hits, by the first of triangle.id, t, Z, object.id, material.id and piece.id that both
+    /// have.
     pub wrong_hit_miss: Option<u64>,
     /// Wrong-triangle pixels among the safe ones.
     pub wrong_safe: Option<u64>,
     pub unsafe_pixels: Option<u64>,
     /// `unsafe_pixels / pixels`.
     pub unsafe_share: Option<f64>,
-    /// |ta - tb| / max(|tb|, scale) over the pixels where both frames hit the same triangle.
+    /// The pixels over which t, Z and bary are compared.
+    pub where_both_hit: Option<Matched>,
+    /// |ta - tb| / max(|tb|, scale) there.
     pub t_relative: Option<Quantiles>,
     /// The same of Z, with scale * |D| for scale.
     pub z_relative: Option<Quantiles>,
@@ -34,8 +39,30 @@ pub struct Comparison {
     pub psnr: Option<f64>,
     /// The clamped colours are equal everywhere.
     pub identical: Option<bool>,
-    /// Largest error of a barycentric weight over the pixels where both frames hit the same triangle.
+    /// Largest error of a barycentric weight where both frames hit the same triangle.
     pub bary_max: Option<Measure>,
+    /// What all other channels differ by.
+    pub others: Vec<Difference>,
+}
+
+/// Which pixels are compared in depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Matched {
+    /// Both frames hit the same triangle.
+    SameTriangle,
+    /// Both frames hit something: one of them does not say which triangle.
+    BothHit,
+}
+
+/// How one channel differs, over all pixels.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Difference {
+    pub channel: &'static str,
+    /// Pixels whose values are not equal; NaN equals nothing.
+    pub pixels: u64,
+    /// The largest difference; `None` of whole numbers.
+    pub max: Option<Measure>,
 }
 
 /// Compares `a` against `b`. `safe` and `scales` have one value a pixel: whether every answer near the
@@ -43,28 +70,78 @@ pub struct Comparison {
 /// measured against it. NaN is never right, whatever the other frame holds: its error is infinite.
 ///
 /// # Errors
-/// [`Error::Input`] where the frames, `safe` or `scales` differ in size.
+/// [`Error::Input`] where the frames, `safe` or `scales` differ in size, or the frames have no channel in common.
 pub fn compare(a: &Frame, b: &Frame, safe: Option<&[bool]>, scales: Option<&[f32]>) -> Result<Comparison> {
     let pixels = check_sizes(a, b, safe, scales)?;
     let ids = a.u32(Channel::TriangleId).zip(b.u32(Channel::TriangleId));
     let wrong = |i: usize| ids.is_some_and(|(a, b)| a[i] != b[i]);
     let wrong_triangle = ids.map(|_| count(pixels, wrong));
     let unsafe_pixels = safe.map(|safe| count(pixels, |i| !safe[i]));
-    let same: Option<Vec<usize>> = ids.map(|(a, b)| (0..pixels).filter(|&i| a[i] == b[i] && a[i] != NO_ID).collect());
+    let channels = common(a, b)?;
+    let hits = hits(a, b);
+    let (matched, compared) = match (ids, &hits) {
+        (Some((a, b)), _) => (Some(Matched::SameTriangle), Box::new(move |i| a[i] == b[i] && a[i] != NO_ID) as Hits),
+        (None, Some((a, b))) => (Some(Matched::BothHit), Box::new(move |i| a(i) && b(i)) as Hits),
+        (None, None) => (None, Box::new(|_| false) as Hits),
+    };
+    let compared: Vec<usize> = (0..pixels).filter(|&i| compared(i)).collect();
     let mse = color_error(a, b);
+    let others = channels.iter().filter(|c| !is_measured(**c, mse.is_some(), ids.is_some()));
     Ok(Comparison {
         pixels: pixels as u64,
+        channels: channels.iter().map(|c| c.name()).collect(),
         wrong_triangle,
-        wrong_hit_miss: hits(a, b).map(|(a, b)| count(pixels, |i| a(i) != b(i))),
+        wrong_hit_miss: hits.as_ref().map(|(a, b)| count(pixels, |i| a(i) != b(i))),
         wrong_safe: safe.zip(ids).map(|(safe, _)| count(pixels, |i| safe[i] && wrong(i))),
         unsafe_pixels,
         unsafe_share: unsafe_pixels.map(|count| count as f64 / pixels as f64),
-        t_relative: same.as_deref().and_then(|same| t_errors(a, b, same, scales)).and_then(Quantiles::of),
-        z_relative: same.as_deref().and_then(|same| z_errors(a, b, same, scales)).and_then(Quantiles::of),
+        where_both_hit: matched,
+        t_relative: t_errors(a, b, &compared, scales).and_then(Quantiles::of),
+        z_relative: z_errors(a, b, &compared, scales).and_then(Quantiles::of),
         psnr: mse.map(|mse| -10.0 * mse.log10()),
         identical: mse.map(|mse| mse == 0.0),
-        bary_max: same.as_deref().and_then(|same| bary_max(a, b, same)),
+        bary_max: ids.and_then(|_| bary_max(a, b, &compared)),
+        others: others.filter_map(|c| difference(a, b, *c)).collect(),
     })
+}
+
+/// The channels that both frames have.
+fn common(a: &Frame, b: &Frame) -> Result<Vec<Channel>> {
+    let of = |frame: &Frame| frame.planes.iter().map(|(channel, _)| *channel).collect::<Vec<_>>();
+    let (of_a, of_b) = (of(a), of(b));
+    let both: Vec<Channel> = of_a.iter().copied().filter(|c| of_b.contains(c)).collect();
+    if both.is_empty() {
+        let names = |list: &[Channel]| list.iter().map(|c| c.name()).collect::<Vec<_>>().join(" ");
+        let (of_a, of_b) = (names(&of_a), names(&of_b));
+        return Err(Error::input(format!(
+            "nothing to compare: the first image has {of_a}, the second {of_b}; render both with a channel in common"
+        )));
+    }
+    Ok(both)
+}
+
+/// A channel whose error stands in a [`Comparison`] by itself.
+fn is_measured(channel: Channel, has_colour: bool, has_triangles: bool) -> bool {
+    match channel {
+        Channel::R | Channel::G | Channel::B => has_colour,
+        Channel::BaryU | Channel::BaryV => has_triangles,
+        Channel::TriangleId | Channel::T | Channel::Z => true,
+        _ => false,
+    }
+}
+
+fn difference(a: &Frame, b: &Frame, channel: Channel) -> Option<Difference> {
+    let name = channel.name();
+    if let (Some(a), Some(b)) = (a.u32(channel), b.u32(channel)) {
+        return Some(Difference { channel: name, pixels: count(a.len(), |i| a[i] != b[i]), max: None });
+    }
+    let (a, b) = (a.f32(channel)?, b.f32(channel)?);
+    let error = |i: usize| match (f64::from(a[i]), f64::from(b[i])) {
+        (a, b) if a == b => 0.0,
+        (a, b) => Some((a - b).abs()).filter(|e| !e.is_nan()).unwrap_or(f64::INFINITY),
+    };
+    let max = (0..a.len()).map(error).fold(0.0, f64::max);
+    Some(Difference { channel: name, pixels: count(a.len(), |i| a[i] != b[i]), max: Some(Measure(max)) })
 }
 
 /// The number of pixels of both frames, every plane checked to have that many.
@@ -95,15 +172,17 @@ type Hits<'a> = Box<dyn Fn(usize) -> bool + 'a>;
 
 /// Whether each frame hits something at a pixel, by the first channel of both that tells.
 fn hits<'a>(a: &'a Frame, b: &'a Frame) -> Option<(Hits<'a>, Hits<'a>)> {
-    for channel in [Channel::TriangleId, Channel::PieceId] {
+    // a mirror's piece is there where nothing is hit too
+    let telling =
+        [Channel::TriangleId, Channel::T, Channel::Z, Channel::ObjectId, Channel::MaterialId, Channel::PieceId];
+    telling.into_iter().find_map(|channel| {
         if let (Some(a), Some(b)) = (a.u32(channel), b.u32(channel)) {
-            return Some((Box::new(|i| a[i] != NO_ID), Box::new(|i| b[i] != NO_ID)));
+            return Some((Box::new(move |i| a[i] != NO_ID) as Hits, Box::new(move |i| b[i] != NO_ID) as Hits));
         }
-    }
-    let channel = [Channel::T, Channel::Z].into_iter().find(|&c| a.f32(c).is_some() && b.f32(c).is_some())?;
-    let (a, b) = (a.f32(channel)?, b.f32(channel)?);
-    // A miss is +inf; NaN is a hit with a wrong value.
-    Some((Box::new(|i| a[i] != f32::INFINITY), Box::new(|i| b[i] != f32::INFINITY)))
+        let (a, b) = (a.f32(channel)?, b.f32(channel)?);
+        // A miss is +inf; NaN is a hit with a wrong value.
+        Some((Box::new(move |i| a[i] != f32::INFINITY) as Hits, Box::new(move |i| b[i] != f32::INFINITY) as Hits))
+    })
 }
 
 fn t_errors(a: &Frame, b: &Frame, same: &[usize], scales: Option<&[f32]>) -> Option<Vec<f64>> {
@@ -169,7 +248,7 @@ fn color_error(a: &Frame, b: &Frame) -> Option<f64> {
 impl fmt::Display for Comparison {
     /// One line for a person; what could not be measured is left out.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{} pixels", self.pixels)?;
+        write!(f, "{} pixels of {}", self.pixels, self.channels.join(" "))?;
         if let Some(wrong) = self.wrong_triangle {
             write!(f, ", {wrong} with the wrong triangle")?;
         }
@@ -184,11 +263,19 @@ impl fmt::Display for Comparison {
         }
         for (name, quantiles) in [("t", &self.t_relative), ("Z", &self.z_relative)] {
             if let Some(quantiles) = quantiles {
-                write!(f, ", {name} error {quantiles}")?;
+                let of = if self.where_both_hit == Some(Matched::BothHit) { " where both hit" } else { "" };
+                write!(f, ", {name} error{of} {quantiles}")?;
             }
         }
         if let Some(bary) = self.bary_max {
             write!(f, ", barycentric error max {bary}")?;
+        }
+        for Difference { channel, pixels, max } in &self.others {
+            match max {
+                _ if *pixels == 0 => {}
+                Some(max) => write!(f, ", {channel} differs in {pixels} by at most {max}")?,
+                None => write!(f, ", {channel} differs in {pixels}")?,
+            }
         }
         match (self.identical, self.psnr) {
             (Some(true), _) => write!(f, ", colour identical"),

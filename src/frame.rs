@@ -1,8 +1,9 @@
 //! A rendered frame: planes of values, one a channel, row 0 on top.
 
 use crate::camera::Camera;
+use crate::scene::Scene;
 
-/// Triangle or piece id where nothing is hit.
+/// Id of a triangle, piece, object or material where nothing is hit.
 pub const NO_ID: u32 = u32::MAX;
 
 /// A channel of the contract's section 4, the facet of a mirror or lens that a pixel sees first, what is proven, and what the
@@ -39,6 +40,9 @@ pub enum Channel {
     /// Texture coordinates of the hit; 0 where nothing is hit, or what has none.
     TextureU,
     TextureV,
+    /// The object and the material of the triangle, as [`crate::scene::labels::Labels`] counts them.
+    ObjectId,
+    MaterialId,
 }
 
 impl Channel {
@@ -58,7 +62,7 @@ impl Channel {
     ];
 
     /// And what is computed where it is asked for by name.
-    pub const MORE: [Channel; 12] = [
+    pub const MORE: [Channel; 14] = [
         Channel::Certified,
         Channel::NormalX,
         Channel::NormalY,
@@ -71,6 +75,8 @@ impl Channel {
         Channel::AlbedoB,
         Channel::TextureU,
         Channel::TextureV,
+        Channel::ObjectId,
+        Channel::MaterialId,
     ];
 
     /// Both.
@@ -81,6 +87,16 @@ impl Channel {
     /// The channels that say something about pictures of this camera.
     pub fn of(camera: &Camera) -> Vec<Channel> {
         Channel::ALL.into_iter().filter(|c| *c != Channel::MirrorId || camera.optics.is_some()).collect()
+    }
+
+    /// All that a pixel sees of this scene through this camera, and what that is like. What is proven is asked for by name.
+    pub fn of_scene(scene: &Scene, camera: &Camera) -> Vec<Channel> {
+        let is_told = |c: &Channel| match c {
+            Channel::Certified => false,
+            Channel::TextureU | Channel::TextureV => !scene.mesh.corner_uvs.is_empty(),
+            _ => true,
+        };
+        Channel::of(camera).into_iter().chain(Channel::MORE.into_iter().filter(is_told)).collect()
     }
 
     /// The name in an EXR file and on the command line.
@@ -109,12 +125,20 @@ impl Channel {
             Channel::AlbedoB => "albedo.B",
             Channel::TextureU => "uv.U",
             Channel::TextureV => "uv.V",
+            Channel::ObjectId => "object.id",
+            Channel::MaterialId => "material.id",
         }
     }
 
     /// Its values are whole numbers.
     pub fn is_id(self) -> bool {
         matches!(self, Channel::TriangleId | Channel::PieceId | Channel::MirrorId | Channel::Certified)
+            || self.is_label()
+    }
+
+    /// It follows from the triangle id alone.
+    pub fn is_label(self) -> bool {
+        matches!(self, Channel::ObjectId | Channel::MaterialId)
     }
 
     /// The channel of this name, or all those of a vector or colour: `N`, `P`, `albedo` and `uv`.

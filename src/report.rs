@@ -99,6 +99,9 @@ pub struct Report {
     /// Device memory held.
     pub bytes: Option<u64>,
     pub left_out: Vec<LeftOut>,
+    /// What was asked of the camera and is not to be had in this scene.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unmet: Vec<String>,
     /// How many times lists had to grow.
     pub grown: Option<u32>,
     /// Where the light of the scene's caustics went.
@@ -167,6 +170,7 @@ impl Report {
             rechecked_share: counts.map(|c| c.rechecked as f64 / c.fragments_tested.max(1) as f64),
             bytes: has_device.then_some(rendered.bytes),
             left_out: rendered.left_out.iter().cloned().chain(missing).collect(),
+            unmet: camera.unmet.clone(),
             grown: has_device.then_some(rendered.grown),
             caustics: rendered.caustics,
             error: None,

@@ -377,6 +377,10 @@ fn bad_values_are_named() {
     refuses(&format!("{hinge}angle = 9\nside = \"top\""), "camera.side");
     refuses("kind = \"surround\"\nradius = 3\nlevel = 8", "camera.level");
     refuses("kind = \"surround\"\nfile = \"nowhere.obj\"", "camera.file");
+    refuses(
+        "kind = \"surround\"\nradius = 3\nlevel = 1\ncolumns = 41",
+        "camera.columns: expected a whole number from 1 to 40",
+    );
     let mcop = "kind = \"mcop\"\nvfov = 40\n";
     refuses(&format!("{mcop}path = [{{ eye = [0, 0, 1], target = [0, 0, 0] }}]"), "two cameras");
     refuses(

@@ -29,7 +29,7 @@ const WEIGHT_TYPICAL: f64 = 1e-6;
 const Z_TYPICAL_ULP: f64 = 4.0;
 /// All that `shade` writes.
 fn all() -> Vec<Channel> {
-    Channel::every().filter(|c| *c != Channel::Certified).collect()
+    Channel::every().filter(|c| *c != Channel::Certified && !c.is_label()).collect()
 }
 
 /// Share of hits whose face or normal towards the viewer is not certain, so that colour is not compared.

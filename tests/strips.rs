@@ -63,7 +63,8 @@ fn rows_by_themselves_are_those_of_the_whole_image() {
             if samples > 1 && !at_once(&scene, &camera, samples) {
                 continue;
             }
-            let whole = Wanted { samples, ..wanted() };
+            let mut whole = Wanted { samples, ..wanted() };
+            whole.channels.push(Channel::ObjectId);
             let run = RunOptions::default();
             let expected = engine.render(&scene, &camera, &whole, &run).unwrap();
             let (mut rows, mut srgb8) = (Vec::new(), Vec::new());

@@ -2,9 +2,11 @@
 
 mod common;
 
+use anamorph::baseline::Choice;
 use anamorph::engine::RunOptions;
 use anamorph::frame::{Channel, Frame, NO_ID};
 use anamorph::plan::Wanted;
+use anamorph::plan::samples::at_once;
 use anamorph::reference::image::image;
 use anamorph::scene::Scene;
 use common::file::load;
@@ -86,6 +88,10 @@ fn surfaces_are_the_reference_s_at_every_hit() {
             same.iter().map(|&k| (all[k].0 - all[k].1).length()).collect()
         };
         let largest = |off: &[f64]| off.iter().copied().fold(0.0, f64::max);
+        for label in [Channel::ObjectId, Channel::MaterialId] {
+            let [of_seen, of_truth] = [&seen, &truth].map(|frame| frame.u32(label).unwrap());
+            assert!(same.iter().all(|&k| of_seen[k] == of_truth[k]), "{label:?}: {text}");
+        }
         assert_eq!(largest(&off(ALBEDO)), 0.0, "{text}");
         let position = largest(&off(POSITION));
         assert!(position <= POINT_ERROR, "{position}: {text}");
@@ -100,4 +106,59 @@ fn surfaces_are_the_reference_s_at_every_hit() {
             (length - 1.0).abs() < 1e-6 || (length == 0.0 && ids(&seen)[k] >= scene.mesh.triangles.len() as u32)
         }));
     }
+}
+
+/// Objects and materials of these triangles, by counting them.
+fn labels(scene: &Scene, ids: &[u32]) -> [Vec<u32>; 2] {
+    let mut of_triangle = Vec::new();
+    for (number, object) in (0..).zip(&scene.objects) {
+        of_triangle.extend(vec![number; object.triangles]);
+    }
+    let of = |list: &[u32], behind: usize| {
+        let one =
+            |id: &u32| if *id == NO_ID { NO_ID } else { list.get(*id as usize).copied().unwrap_or(behind as u32) };
+        ids.iter().map(one).collect()
+    };
+    [of(&of_triangle, scene.objects.len()), of(&scene.mesh.material_of, scene.mesh.materials.len())]
+}
+
+#[test]
+fn labels_are_those_of_the_triangles_whatever_finds_them() {
+    let (object, material) = (Channel::ObjectId, Channel::MaterialId);
+    for text in cameras() {
+        let text = format!("image = {{ width = 64, height = 64 }}\n{THINGS}\n[camera]\n{text}");
+        let scene: Scene = load(&text).unwrap();
+        let camera = scene.camera().unwrap();
+        let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+        let mut rendered = |wanted: &Wanted, by: Option<&str>| {
+            let by = by.map(|name| Choice::parse(name).unwrap());
+            engine.render(&scene, &camera, wanted, &RunOptions { by, ..RunOptions::default() })
+        };
+        let all = Wanted::of(vec![Channel::TriangleId, object, material]);
+        for by in [None, Some("raytrace"), Some("raster-warp:1")] {
+            // what a rival cannot show it refuses
+            let Ok(seen) = rendered(&all, by) else { continue };
+            let expected = labels(&scene, ids(&seen.frame));
+            assert_eq!([object, material].map(|c| seen.frame.u32(c).unwrap().to_vec()), expected, "{by:?}: {text}");
+        }
+        let whole = rendered(&all, None).unwrap().frame;
+        let several = kinds(&labels(&scene, ids(&whole))[0]);
+        assert!(several >= 3, "{several} objects: {text}");
+        // by themselves no ids come along, and several samples leave them those of the centre
+        for samples in [1, 4] {
+            if samples > 1 && !at_once(&scene, &camera, samples) {
+                continue;
+            }
+            let alone = Wanted { samples, ..Wanted::of(vec![Channel::A, object]) };
+            let alone = rendered(&alone, None).unwrap().frame;
+            assert_eq!(alone.planes.iter().map(|p| p.0).collect::<Vec<_>>(), [Channel::A, object]);
+            assert_eq!(alone.u32(object), whole.u32(object), "{samples} samples: {text}");
+        }
+        let truth = image(&scene, &camera, &[Channel::TriangleId, object, material]);
+        assert_eq!([object, material].map(|c| truth.u32(c).unwrap().to_vec()), labels(&scene, ids(&truth)), "{text}");
+    }
+}
+
+fn kinds(labels: &[u32]) -> usize {
+    labels.iter().filter(|k| **k != NO_ID).collect::<std::collections::BTreeSet<_>>().len()
 }

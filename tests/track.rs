@@ -223,17 +223,41 @@ fn morphed_to_0_it_is_the_plain_view() {
 }
 
 #[test]
-fn targets_that_cannot_be_shown_are_errors() {
+fn wrong_targets_are_errors() {
     let says = |keys: &str| refusal(WALL, SIZE, &format!("kind = \"track\"\n{VIEW}\n{keys}"));
-    assert!(says("targets = [{ at = [0, 1, 30] }]").contains("camera.targets.0: the target lies behind"));
     assert!(says("targets = [{ at = [0, 1, 0], radius = -1 }]").contains("camera.targets.0.radius"));
     assert!(says("targets = [{ at = [0, 1, 0] }]\nbend = \"around\"").contains("camera.bend: use bend"));
-    // in a closed box there is no way in
+}
+
+#[test]
+fn a_target_that_cannot_be_reached_leaves_the_plain_view_and_the_others() {
+    // in a closed box there is no way in, and behind the eye there is no place in the picture
     let boxed = format!("{WALL}[[mesh]]\nbuiltin = \"box\"\nscale = 2\ntranslate = [0, 1.5, 0]\n");
-    let inside = refusal(
-        &boxed,
-        SIZE,
-        &format!("kind = \"track\"\n{VIEW}\ntargets = [{{ at = [9, 1, 9] }}, {{ at = [0, 1.5, 0] }}]"),
-    );
-    assert!(inside.contains("camera.targets.1: no access path"), "{inside}");
+    let (inside, behind, hidden) = ("{ at = [0, 1.5, 0] }", "{ at = [0, 1, 30] }", DVec3::new(-4.0, 0.5, 0.0));
+    let reached = "{ at = [-4, 0.5, 0], radius = 0.4 }";
+    let plain = plain();
+    for (targets, says) in [
+        (inside.to_owned(), vec!["target 0 is not tracked: every way around what hides it is barred"]),
+        (behind.to_owned(), vec!["target 0 is not tracked: it lies behind or around the eye"]),
+        (format!("{behind}, {inside}"), vec!["target 0 is not", "target 1 is not"]),
+    ] {
+        let camera = scene(&boxed, &format!("targets = [{targets}]")).camera().unwrap();
+        assert_eq!(camera.unmet.len(), says.len());
+        assert!(camera.unmet.iter().zip(says).all(|(unmet, says)| unmet.starts_with(says)), "{:?}", camera.unmet);
+        assert!(!camera.notes.iter().any(|note| note.contains("nothing hides")), "{:?}", camera.notes);
+        for (i, j) in (0..60).flat_map(|j| (0..80).map(move |i| (i, j))) {
+            assert_eq!(camera.ray(i, j), plain.ray(i, j));
+        }
+    }
+    // the target that can be reached is, as if the other were none
+    let all = scene(&boxed, &format!("targets = [{inside}, {reached}]"));
+    let alone = scene(&boxed, &format!("targets = [{reached}]"));
+    let (camera, other) = (all.camera().unwrap(), alone.camera().unwrap());
+    assert_seen(&all, &camera, hidden, 0.4);
+    assert!(camera.unmet.len() == 1 && other.unmet.is_empty());
+    for (i, j) in (0..60).flat_map(|j| (0..80).map(move |i| (i, j))) {
+        for layer in 0..camera.layers.len() {
+            assert_eq!(camera.curve(layer, i, j), other.curve(layer, i, j));
+        }
+    }
 }

@@ -1,8 +1,11 @@
 //! `pinhole` and `orthographic`: the two cameras every renderer has, as one-piece bundles.
 
+use super::Camera;
 use super::bundle::Bundle;
 use crate::error::{Error, Result};
-use glam::DVec3;
+use crate::scene::Scene;
+use crate::scene::file::CameraKind;
+use glam::{DVec3, DVec4};
 
 /// A view frame: forward, right and image-up unit vectors.
 #[derive(Debug, Clone, Copy)]
@@ -55,4 +58,44 @@ pub fn orthographic(eye: DVec3, target: DVec3, up: DVec3, height_world: f64, hei
     let v = view(eye, target, up)?;
     let step = height_world / height as f64;
     Ok(Bundle { p: [eye, step * v.right, -step * v.up], d: [v.forward, DVec3::ZERO, DVec3::ZERO], h: [1.0, 0.0, 0.0] })
+}
+
+/// OpenEXR's `worldToCamera` of a camera with an eye: for row vectors, row by row; x to the right, y up, z forward.
+pub fn world_to_camera(scene: &Scene) -> Option<[f32; 16]> {
+    let (eye, target, up) = scene.camera_keys.pose()?;
+    let v = view(eye, target, up).ok()?;
+    Some(matrix(eye, [v.right, v.up, v.forward, DVec3::ZERO], DVec4::W))
+}
+
+/// OpenEXR's `worldToNDC` of a pinhole or an orthographic camera: (0, 0) the image's upper left corner, (1, 1) its lower right one; what
+/// becomes of z means nothing.
+pub fn world_to_ndc(scene: &Scene, camera: &Camera) -> Option<[f32; 16]> {
+    let aspect = f64::from(camera.width) / f64::from(camera.height);
+    match scene.camera.kind {
+        CameraKind::Pinhole { eye, target, up, vfov } => {
+            let v = view(eye, target, up).ok()?;
+            // of the image on the plane at distance 1
+            let height = 2.0 * (vfov.to_radians() / 2.0).tan();
+            let middle = v.forward / 2.0;
+            let across = v.right / (height * aspect) + middle;
+            Some(matrix(eye, [across, middle - v.up / height, DVec3::ZERO, v.forward], DVec4::Z))
+        }
+        CameraKind::Orthographic { eye, target, up, height } => {
+            let v = view(eye, target, up).ok()?;
+            let columns = [v.right / (height * aspect), -v.up / height, v.forward, DVec3::ZERO];
+            Some(matrix(eye, columns, DVec4::new(0.5, 0.5, 0.0, 1.0)))
+        }
+        _ => None,
+    }
+}
+
+/// `(X - eye) . column + shift`, a column for each coordinate.
+fn matrix(eye: DVec3, columns: [DVec3; 4], shift: DVec4) -> [f32; 16] {
+    let row = |k: usize| columns.map(|c| c[k]);
+    let last = [0, 1, 2, 3].map(|k| shift[k] - eye.dot(columns[k]));
+    let mut all = [0.0; 16];
+    for (value, number) in all.iter_mut().zip([row(0), row(1), row(2), last].concat()) {
+        *value = number as f32;
+    }
+    all
 }

@@ -54,7 +54,7 @@ impl Recipe for Chain {
             notes.extend(gap_note(k, &pair[0], &pair[1], (width, height)));
         }
         let layers = layers.into_iter().map(Rays::Pieces).collect();
-        Ok(Built { size: (width, height), layers, unit_t: true, optics: None, notes })
+        Ok(Built { size: (width, height), layers, unit_t: true, optics: None, notes, unmet: Vec::new() })
     }
 }
 

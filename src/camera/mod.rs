@@ -58,6 +58,10 @@ pub struct Camera {
     pub optics: Option<Arc<Optics>>,
     /// What was left out of a partly degenerate camera, for a person to read.
     pub notes: Vec<String>,
+    /// What was asked of it and is not to be had in its scene: it falls back to less there.
+    pub unmet: Vec<String>,
+    /// What of the scene its rays depend on.
+    pub looked: Looked,
 }
 
 /// A copy of it.
@@ -82,33 +86,35 @@ impl Camera {
     /// Compiles `spec` for an image of `size` in the scene of `mesh`, which cameras that track a target look at. A ray
     /// map brings its own size, which `size` may only repeat.
     pub fn in_scene(spec: &CameraSpec, size: Option<(u32, u32)>, mesh: &Mesh) -> Result<Camera> {
-        Camera::compiled(spec, Setting::new(size, mesh, spec.t_range))
+        Camera::in_setting(spec, &Setting::new(size, mesh, spec.t_range))
     }
 
-    /// The same, and what of the scene it depends on.
-    pub fn looking(spec: &CameraSpec, size: Option<(u32, u32)>, mesh: &Mesh) -> Result<(Camera, Looked)> {
-        let looked = Cell::default();
-        let camera = Camera::compiled(spec, Setting::new(size, mesh, spec.t_range).noting(&looked))?;
-        Ok((camera, looked.get()))
+    /// Compiles a camera that is part of another, whose setting notes what it looks at.
+    pub(crate) fn in_setting(spec: &CameraSpec, setting: &Setting) -> Result<Camera> {
+        let own = Cell::default();
+        let built = Camera::build(spec, &setting.noting(spec.t_range, &own));
+        setting.look(own.get());
+        built.map(|camera| Camera { looked: own.get(), ..camera })
     }
 
-    fn compiled(spec: &CameraSpec, setting: Setting) -> Result<Camera> {
+    fn build(spec: &CameraSpec, setting: &Setting) -> Result<Camera> {
         let (kind, built) = match &spec.kind {
-            CameraKind::Named(named) => (named.name, named.recipe.build(&setting)?),
-            plain => build_plain(plain, &setting)?,
+            CameraKind::Named(named) => (named.name, named.recipe.build(setting)?),
+            plain => build_plain(plain, setting)?,
         };
-        let Built { size: (width, height), layers, unit_t, optics, notes } = built;
+        let Built { size: (width, height), layers, unit_t, optics, notes, unmet } = built;
         if layers.is_empty() || layers.len() > LAYERS_MAX {
             let n = layers.len();
             return Err(Error::input(format!("camera: {n} layers; a chain has 1 to {LAYERS_MAX}")));
         }
         let t_range = if unit_t { [0.0, 1.0] } else { spec.t_range };
-        Ok(Camera { kind, width, height, t_range, layers, optics, notes })
+        Ok(Camera { kind, width, height, t_range, layers, optics, notes, unmet, looked: Looked::Nowhere })
     }
 
     /// A camera of one layer.
     pub fn of(kind: &'static str, (width, height): (u32, u32), t_range: [f64; 2], rays: Rays) -> Camera {
-        Camera { kind, width, height, t_range, layers: vec![rays], optics: None, notes: Vec::new() }
+        let (layers, looked) = (vec![rays], Looked::Nowhere);
+        Camera { kind, width, height, t_range, layers, optics: None, notes: Vec::new(), unmet: Vec::new(), looked }
     }
 
     /// The same camera with every pixel's sample moved by `(dx, dy)` pixels from the pixel centre.

@@ -51,9 +51,12 @@ impl<'a> Setting<'a> {
         Setting { size, t_range, mesh, looked: None }
     }
 
-    /// The same, and notes how far it is looked at.
-    pub fn noting(self, looked: &'a Cell<Looked>) -> Setting<'a> {
-        Setting { looked: Some(looked), ..self }
+    /// The same for a camera of this range of t; `looked` notes how far it looks at the scene.
+    pub fn noting<'b>(&self, t_range: [f64; 2], looked: &'b Cell<Looked>) -> Setting<'b>
+    where
+        'a: 'b,
+    {
+        Setting { size: self.size, t_range, mesh: self.mesh, looked: Some(looked) }
     }
 
     /// The same for an image of another size.
@@ -78,7 +81,8 @@ impl<'a> Setting<'a> {
         self.mesh.bounds()
     }
 
-    fn look(&self, at: Looked) {
+    /// Notes how far it was looked at.
+    pub(crate) fn look(&self, at: Looked) {
         if let Some(looked) = self.looked {
             looked.set(looked.get().max(at));
         }
@@ -98,11 +102,13 @@ pub struct Built {
     pub optics: Option<Arc<Optics>>,
     /// What a person should know of the camera: what was left out of it, what it stands for.
     pub notes: Vec<String>,
+    /// What was asked of it and is not to be had in this scene: it falls back to less.
+    pub unmet: Vec<String>,
 }
 
 impl Built {
     /// A camera of one layer.
     pub fn new(size: (u32, u32), rays: Rays) -> Built {
-        Built { size, layers: vec![rays], unit_t: false, optics: None, notes: Vec::new() }
+        Built { size, layers: vec![rays], unit_t: false, optics: None, notes: Vec::new(), unmet: Vec::new() }
     }
 }

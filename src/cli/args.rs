@@ -75,7 +75,8 @@ pub struct RenderArgs {
     /// Triangles that some of --samples N see count in a pixel by their areas there, not by the number of these samples
     #[arg(long)]
     pub analytic: bool,
-    /// Channels to compute and write, as in R,G,B,Z [default with --exr: what a pixel sees]
+    /// Channels to compute and write, as in R,G,B,Z; all: those that the scene and its camera have, without certified, mattes and
+    /// motion, as in all,motion [default with --exr: what a pixel sees]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = channels)]
     pub channels: Option<Vec<Named>>,
     /// Refuse a scene whose mesh files name images, normals or texture coordinates that are not there
@@ -198,6 +199,12 @@ pub struct CompareArgs {
     /// Scene of both: tells which pixels are safe
     #[arg(long, value_name = "SCENE")]
     pub scene: Option<PathBuf>,
+    /// Change a value of the scene, as the images were rendered with
+    #[arg(long, value_name = "KEY=VALUE", requires = "scene")]
+    pub set: Vec<String>,
+    /// Frame of the scene that the images show
+    #[arg(long, value_name = "F", allow_hyphen_values = true, default_value_t = 0.0, value_parser = frame, requires = "scene")]
+    pub frame: f64,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -205,7 +212,7 @@ pub struct CompareArgs {
 
 #[derive(Debug, Args)]
 pub struct CameraArgs {
-    /// Scene file, .toml or .json
+    /// Scene file, .toml or .json, or an EXR, whose header holds its camera
     #[arg(required_unless_present = "help")]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
@@ -322,22 +329,16 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 #[derive(Debug, Clone)]
 pub enum Named {
     Channels(Vec<Channel>),
+    /// Those of the scene and the camera.
+    All,
     Matte(Apart),
     /// From this frame to the next.
     Motion,
 }
 
-impl Named {
-    pub fn channels(&self) -> &[Channel] {
-        match self {
-            Named::Channels(list) => list,
-            Named::Matte(_) | Named::Motion => &[],
-        }
-    }
-}
-
 fn channels(name: &str) -> Result<Named, String> {
     match name.trim() {
+        "all" => return Ok(Named::All),
         "crypto.object" => return Ok(Named::Matte(Apart::Objects)),
         "crypto.material" => return Ok(Named::Matte(Apart::Materials)),
         "motion" => return Ok(Named::Motion),
@@ -346,7 +347,7 @@ fn channels(name: &str) -> Result<Named, String> {
     let found = Channel::named(name.trim());
     if found.is_empty() {
         let known: Vec<&str> = Channel::every().map(Channel::name).collect();
-        let more = "N, P and albedo for three each, uv and motion for two, crypto.object and crypto.material";
+        let more = "N, P and albedo for three each, uv and motion for two, crypto.object and crypto.material, all";
         return Err(format!("no such channel; known: {}, {more}", known.join(", ")));
     }
     Ok(Named::Channels(found))
@@ -391,6 +392,7 @@ mod tests {
         assert_eq!(of("triangle.id"), [Channel::TriangleId]);
         assert_eq!(of(" N"), [Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
         assert!(matches!(channels("crypto.object"), Ok(Named::Matte(Apart::Objects))));
+        assert!(matches!(channels("all"), Ok(Named::All)));
         assert!(channels("q").is_err_and(|e| e.contains("bary.v") && e.contains("N, P and albedo")));
         assert!(engine("rastr").is_err_and(|e| e.contains("raytrace")) && engine("raytrace").is_ok());
     }

@@ -2,11 +2,16 @@
 
 use super::args::{CameraArgs, Cli};
 use super::describe::Description;
-use super::render::load_shape;
+use super::render::{CAMERA, load_shape};
 use super::{diagram, export, kinds, memory, outputs, povray, print};
+use crate::camera::Camera;
 use crate::error::{Error, Result};
+use crate::output::read_exr_texts;
+use crate::scene::library::Library;
+use crate::scene::{Scene, file};
 use clap::CommandFactory;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A number of a pixel's rays, 8 bytes, takes the memory of half a channel: 4 copies of 4 bytes each.
 const NUMBERS_A_CHANNEL: usize = 2;
@@ -16,7 +21,8 @@ pub fn run(args: &CameraArgs) -> Result<()> {
         return help(kind.as_deref());
     }
     let Some(path) = &args.scene else { return Err(Error::input("no scene given; see anamorph camera --help")) };
-    let (scene, camera) = load_shape(path, &args.change)?;
+    let is_picture = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    let (scene, camera) = if is_picture { load_picture(path, args)? } else { load_shape(path, &args.change)? };
     let files = args.export.iter().chain(&args.export_povray).chain(&args.rays).chain(&args.diagram);
     outputs::check(path, files.map(PathBuf::as_path))?;
     if args.rays.is_some() || args.export_povray.is_some() {
@@ -42,6 +48,30 @@ pub fn run(args: &CameraArgs) -> Result<()> {
         diagram::write(file, &scene.mesh, &camera)?;
     }
     print(&Description::of(&camera).to_string())
+}
+
+/// The camera that a picture's header holds, and the meshes that it looks at.
+fn load_picture(path: &Path, args: &CameraArgs) -> Result<(Scene, Arc<Camera>)> {
+    let name = path.display();
+    if args.change.frame != 0.0 {
+        return Err(Error::input(format!("--frame: {name} holds the camera of the frame that it shows; leave it out")));
+    }
+    if let Some(file) = &args.export_povray {
+        let file = file.display();
+        return Err(Error::input(format!(
+            "--export-povray {file}: {name} holds a camera but no scene; give the scene file"
+        )));
+    }
+    let texts = read_exr_texts(path)?;
+    let text = texts.into_iter().find(|(name, _)| name == CAMERA).map(|(_, text)| text);
+    let text =
+        text.ok_or_else(|| Error::input(format!("{name}: its header holds no camera; give an EXR of this program")))?;
+    let file = file::load_header(&text, path, &args.change.set)?;
+    let library = Library::for_once();
+    let at = |e: Error| e.at(path.display());
+    let scene = library.scene(file).map_err(at)?;
+    let camera = library.camera(&scene, args.change.size).map_err(at)?;
+    Ok((scene, camera))
 }
 
 /// The keys of one kind, or the command's own help.

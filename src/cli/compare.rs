@@ -1,13 +1,14 @@
 //! `anamorph compare`: the error of one EXR against another.
 
 use super::args::{Change, CompareArgs};
+use super::hash::{SCENE_HASH, scene_hash};
 use super::print;
 use super::progress::Progress;
 use super::render::load;
 use crate::compare::{Comparison, compare};
 use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame};
-use crate::output::read_exr;
+use crate::output::{read_exr, read_exr_texts};
 use crate::reference::image;
 use crate::report::Judged;
 use serde::Serialize;
@@ -16,34 +17,56 @@ use std::path::Path;
 pub fn run(args: &CompareArgs) -> Result<()> {
     let progress = Progress::start("comparing");
     let (a, b) = (read_exr(&args.a)?, read_exr(&args.b)?);
+    // sizes and channels first: judging takes long
+    let comparison = compare(&a, &b, None, None)?;
     let (text, json) = match &args.scene {
-        None => {
-            let comparison = compare(&a, &b, None, None)?;
-            (comparison.to_string(), to_json(&comparison)?)
-        }
+        None => (comparison.to_string(), to_json(&comparison)?),
         Some(scene) => {
-            // sizes first: judging takes long
-            compare(&a, &b, None, None)?;
-            let judged = with_scene(args, scene, &a, &b)?;
-            (format!("{}, {} not near", judged.comparison, judged.not_near), to_json(&judged)?)
+            let (judged, notes) = with_scene(args, scene, &a, &b)?;
+            let text = format!("{}, {} not near", judged.comparison, judged.not_near);
+            let text = notes.iter().fold(text, |text, note| format!("{text}\nnote: {note}"));
+            (text, to_json(&Noted { judged, notes })?)
         }
     };
     drop(progress);
     print(&format!("{}\n", if args.json { json } else { text }))
 }
 
+/// The error, and what a reader should know of it.
+#[derive(Serialize)]
+struct Noted {
+    #[serde(flatten)]
+    judged: Judged,
+    notes: Vec<String>,
+}
+
 /// A against B, with the reference's word on which pixels are safe and on the ids of A.
-fn with_scene(args: &CompareArgs, path: &Path, a: &Frame, b: &Frame) -> Result<Judged> {
+fn with_scene(args: &CompareArgs, path: &Path, a: &Frame, b: &Frame) -> Result<(Judged, Vec<String>)> {
     if a.u32(Channel::TriangleId).is_none() {
         let a = args.a.display();
         return Err(Error::input(format!(
             "{a}: no channel triangle.id, which --scene is about; render it with that channel"
         )));
     }
-    let (scene, camera) = load(path, &Change { size: Some((a.width, a.height)), ..Change::default() })?;
+    let change = Change { size: Some((a.width, a.height)), set: args.set.clone(), frame: args.frame };
+    let (scene, camera) = load(path, &change)?;
+    let own = format!("{:016x}", scene_hash(&scene, &camera));
+    let mut notes = Vec::new();
+    for file in [&args.a, &args.b] {
+        let texts = read_exr_texts(file)?;
+        let of_file = texts.iter().find(|(name, _)| name == SCENE_HASH).map(|(_, hash)| hash);
+        if of_file.is_some_and(|hash| *hash != own) {
+            let (file, scene) = (file.display(), path.display());
+            notes.push(format!(
+                "{file} was not rendered from {scene} as it is now, by the hashes of both: what is said of safe and near pixels is \
+                 of {scene}; give the file's own scene, with its --set and --frame"
+            ));
+        }
+    }
+    notes.dedup();
     let judgement = image::judge(&scene, &camera, a);
     let comparison: Comparison = compare(a, b, Some(&judgement.safe), Some(&judgement.scales))?;
-    Ok(Judged { comparison, not_near: judgement.not_near })
+    Ok((Judged { comparison, not_near: judgement.not_near }, notes))
 }
 
 fn to_json(value: &impl Serialize) -> Result<String> {

@@ -68,7 +68,7 @@ impl Description {
             t_range: camera.t_range.map(Bound),
             pieces: camera.piece_count(),
             layers: camera.layers.iter().map(Layer::of).collect(),
-            notes: camera.notes.clone(),
+            notes: camera.notes.iter().chain(&camera.unmet).cloned().collect(),
         }
     }
 }

@@ -8,6 +8,9 @@ use crate::scene::style::Style;
 use crate::scene::texture::{Texels, Texture};
 use glam::DVec3;
 
+/// The header's attribute that holds it, in hexadecimal.
+pub const SCENE_HASH: &str = "anamorph.scene_hash";
+
 /// FNV-1a over 64-bit words instead of bytes.
 struct Fnv(u64);
 

@@ -22,6 +22,7 @@ use crate::scene::mesh::Missing;
 use crate::scene::texture::ImagesRead;
 use crate::scene::{Scene, file};
 pub use backend::Backend;
+pub use files::CAMERA;
 use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;

@@ -154,3 +154,65 @@ fn different_sizes_are_input_errors() {
     short.planes[0].1 = Plane::F32(vec![0.0; 3]);
     assert!(compare(&short, &frame(), None, None).is_err());
 }
+
+/// Only these channels of a frame.
+fn only(frame: Frame, channels: &[Channel]) -> Frame {
+    let planes = frame.planes.into_iter().filter(|(c, _)| channels.contains(c)).collect();
+    Frame { planes, ..frame_of_nothing() }
+}
+
+fn frame_of_nothing() -> Frame {
+    Frame { width: WIDTH, height: HEIGHT, planes: Vec::new() }
+}
+
+#[test]
+fn depth_is_compared_where_no_ids_are() {
+    let mut near = frame();
+    (0..PIXELS).for_each(|i| set(&mut near, Channel::Z, i, if i < 40 { f32::INFINITY } else { 5.0 }));
+    let mut far = frame();
+    (0..PIXELS).for_each(|i| set(&mut far, Channel::Z, i, if i < 20 { f32::INFINITY } else { 50.0 }));
+    let z = [Channel::Z, Channel::R];
+    let got = compare(&only(near, &z), &only(far, &z), None, None).unwrap();
+    assert_eq!(got.channels, ["R", "Z"]);
+    // 20 pixels are hit in one alone, and the others are 45 of 50 too near
+    assert_eq!((got.wrong_triangle, got.wrong_hit_miss), (None, Some(20)));
+    assert_eq!((got.where_both_hit, max(got.z_relative)), (Some(Matched::BothHit), 0.9));
+    let text = got.to_string();
+    assert!(
+        text.starts_with("200 pixels of R Z, 20 wrong hit or miss, Z error where both hit median 9.0e-1"),
+        "{text}"
+    );
+}
+
+#[test]
+fn images_without_a_channel_in_common_are_not_compared() {
+    let (z, colour) = (only(frame(), &[Channel::Z]), only(frame(), &[Channel::R, Channel::G, Channel::B]));
+    let error = compare(&z, &colour, None, None).unwrap_err();
+    assert_eq!(error.exit_code(), 2);
+    assert!(error.to_string().contains("the first image has Z, the second R G B"), "{error}");
+}
+
+#[test]
+fn every_channel_that_both_have_is_compared() {
+    for (channel, value, largest) in [
+        (Channel::PieceId, 77.0, None),
+        (Channel::MirrorId, 77.0, None),
+        (Channel::A, 1.0 + HIT as f32 / PIXELS as f32, Some(1.0)),
+        (Channel::A, f32::NAN, Some(f64::INFINITY)),
+    ] {
+        let got = planted(channel, HIT, value);
+        let differs: Vec<&Difference> = got.others.iter().filter(|d| d.pixels > 0).collect();
+        assert!(matches!(differs[..], [d] if d.channel == channel.name() && d.pixels == 1), "{differs:?}");
+        let max = differs[0].max.map(|m| m.0);
+        assert!(max == largest || (max.unwrap() - largest.unwrap()).abs() < 1e-6, "{max:?}");
+        assert!(got.to_string().contains(&format!("{} differs in 1", channel.name())), "{got}");
+    }
+    // a part of the colour, or weights without the triangles that they are of, are compared as any other channel
+    for channel in [Channel::G, Channel::BaryU] {
+        let mut a = frame();
+        set(&mut a, channel, MISS, 0.25);
+        let got = compare(&only(a, &[channel]), &only(frame(), &[channel]), None, None).unwrap();
+        let expected = Difference { channel: channel.name(), pixels: 1, max: Some(Measure(0.25)) };
+        assert_eq!((got.others, got.psnr, got.bary_max), (vec![expected], None, None));
+    }
+}

@@ -23,6 +23,7 @@ use crate::gpu::rows::{
 use crate::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
 use crate::scene::Scene;
 use crate::scene::clusters::{Clustered, cluster};
+use crate::scene::labels::Labels;
 use crate::stage::Stages;
 use crate::stage::gather::Gather;
 use glam::{DMat3, DVec3};
@@ -407,6 +408,7 @@ impl Frames {
             plan: self.plan.clone(),
             arrangement: self.arrangement.clone(),
             wanted: self.wanted.clone(),
+            labels: self.wanted.has_labels().then(|| Labels::of(&self.scene)),
         }
     }
 

@@ -9,6 +9,7 @@ use crate::frame::{Channel, Frame, NO_ID, Plane};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Reading;
 use crate::plan::{Plan, Wanted};
+use crate::scene::labels::Labels;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -20,6 +21,8 @@ pub(super) struct Sight {
     /// The order of the camera's pixels, where it is not their own.
     pub arrangement: Option<Arc<Arrangement>>,
     pub wanted: Wanted,
+    /// Of the scene, where they are wanted.
+    pub labels: Option<Labels>,
 }
 
 /// A frame that was given to the device. Others may be given to it before this one is done.
@@ -64,7 +67,8 @@ pub(super) struct Words {
 
 /// A plane is brought to the host.
 pub(super) fn is_read(wanted: &Wanted, channel: Channel) -> bool {
-    wanted.channels.contains(&channel) || wanted.sample_ids && channel == Channel::TriangleId
+    let needs_ids = wanted.sample_ids || wanted.has_labels();
+    wanted.channels.contains(&channel) || needs_ids && channel == Channel::TriangleId
 }
 
 impl Readings {
@@ -116,7 +120,8 @@ impl Sight {
         let mut planes = Vec::new();
         let read = plan.planes.iter().copied().filter(|channel| is_read(wanted, *channel));
         for (k, channel) in read.enumerate() {
-            if !wanted.channels.contains(&channel) {
+            let is_of_labels = channel == Channel::TriangleId && self.labels.is_some();
+            if !wanted.channels.contains(&channel) && !is_of_labels {
                 continue;
             }
             let mut all: Vec<u32> = Vec::with_capacity(camera.width as usize * plan.rows() as usize);
@@ -131,7 +136,20 @@ impl Sight {
             };
             planes.push((channel, plane));
         }
+        self.label(&mut planes);
         Frame { width: camera.width, height: plan.rows(), planes }
+    }
+
+    /// Adds the labels of the triangles that are seen, and leaves out their ids where these are not wanted.
+    fn label(&self, planes: &mut Vec<(Channel, Plane)>) {
+        let ids = planes.iter().find(|(channel, _)| *channel == Channel::TriangleId);
+        let (Some(labels), Some((_, Plane::U32(ids)))) = (&self.labels, ids) else { return };
+        let of = |channel: &Channel| Some((*channel, Plane::U32(labels.plane(*channel, ids)?)));
+        let more: Vec<_> = self.wanted.channels.iter().filter_map(of).collect();
+        planes.extend(more);
+        planes.retain(|(channel, _)| self.wanted.channels.contains(channel));
+        planes.sort_by_key(|(channel, _)| *channel);
+        planes.dedup_by_key(|(channel, _)| *channel);
     }
 
     /// Four bytes a pixel.

@@ -114,7 +114,7 @@ impl Matte {
 }
 
 /// What a mirror or a lens is called, whose facets come after all triangles of the scene.
-const OPTICS: &str = "optics";
+pub const OPTICS: &str = "optics";
 
 /// Each name once, and of every one before the index of it now.
 fn merged(names: Vec<String>) -> (Vec<String>, Vec<u32>) {

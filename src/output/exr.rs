@@ -27,10 +27,20 @@ type Flat = AnyChannels<FlatSamples>;
 /// [`Error::Work`] where a plane does not fill the frame, an attribute has a reserved name, or `path`
 /// cannot be written.
 pub fn write_exr(path: &Path, frame: &Frame, attributes: &[(String, String)]) -> Result<()> {
-    write_exr_with(path, frame, Vec::new(), attributes)
+    write_exr_with(path, frame, Vec::new(), &Attributes { texts: attributes.to_vec(), ..Attributes::default() })
 }
 
-/// The same with `more` planes of floats beside the frame's, by their names.
+/// What an EXR's header says beside its channels.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Attributes {
+    pub texts: Vec<(String, String)>,
+    /// `worldToCamera` and `worldToNDC` as OpenEXR defines them, for row vectors, row by row: camera space has x to the right, y up and z
+    /// forward; in the image (0, 0) is the upper left corner and (1, 1) the lower right one.
+    pub world_to_camera: Option<[f32; 16]>,
+    pub world_to_ndc: Option<[f32; 16]>,
+}
+
+/// The same with `more` planes of floats beside the frame's, by their names, and all kinds of attributes.
 ///
 /// # Errors
 /// As [`write_exr`].
@@ -38,7 +48,7 @@ pub fn write_exr_with(
     path: &Path,
     frame: &Frame,
     more: Vec<(String, Vec<f32>)>,
-    attributes: &[(String, String)],
+    attributes: &Attributes,
 ) -> Result<()> {
     let refuse = |why: String| Error::work(format!("{}: cannot be written as EXR: {why}", path.display()));
     let size = (frame.width as usize, frame.height as usize);
@@ -67,9 +77,13 @@ fn of_file(e: ::exr::error::Error) -> io::Error {
     }
 }
 
-fn layer_attributes(attributes: &[(String, String)]) -> std::result::Result<LayerAttributes, String> {
-    let mut header = LayerAttributes::default();
-    for (name, text) in attributes {
+fn layer_attributes(attributes: &Attributes) -> std::result::Result<LayerAttributes, String> {
+    let mut header = LayerAttributes {
+        world_to_camera: attributes.world_to_camera,
+        world_to_normalized_device: attributes.world_to_ndc,
+        ..LayerAttributes::default()
+    };
+    for (name, text) in &attributes.texts {
         if name.is_empty() || name.contains('\0') {
             return Err(format!("{name:?} is no name for an attribute"));
         }
@@ -142,6 +156,24 @@ pub fn read_exr(path: &Path) -> Result<Frame> {
         )));
     }
     Ok(Frame { width, height, planes })
+}
+
+/// Texts of an EXR's header, by the names of their attributes; of several layers the first one's.
+///
+/// # Errors
+/// [`Error::Input`] naming the file: not there, or damaged.
+pub fn read_exr_texts(path: &Path) -> Result<Vec<(String, String)>> {
+    let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
+    let unreadable = |e: io::Error| refuse(format!("cannot be read: {e}; check the path"));
+    let file = inputs::open(path).map_err(unreadable)?;
+    let meta = MetaData::read_from_buffered(BufReader::new(&file), false)
+        .map_err(|e| refuse(format!("not an EXR image that can be read: {e}")))?;
+    let first = meta.headers.first().map(|header| &header.own_attributes.other);
+    let text = |(name, value): (&Text, &AttributeValue)| match value {
+        AttributeValue::Text(text) => Some((name.to_string(), text.to_string())),
+        _ => None,
+    };
+    Ok(first.into_iter().flatten().filter_map(text).collect())
 }
 
 /// Reads float channels: width, height and a plane each. `holds` says what they are for, as "R G B must hold x y z".

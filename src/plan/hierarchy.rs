@@ -158,6 +158,7 @@ mod tests {
             background: [0.0; 3],
             tone: Default::default(),
             size: None,
+            camera_keys: Arc::default(),
             camera: crate::scene::file::CameraSpec {
                 kind: crate::scene::file::CameraKind::Orthographic {
                     eye: DVec3::Z,

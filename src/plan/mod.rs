@@ -145,6 +145,11 @@ impl Wanted {
             || of.has_uvs && any(&[Channel::TextureU, Channel::TextureV])
     }
 
+    /// Objects or materials are told apart by their numbers.
+    pub fn has_labels(&self) -> bool {
+        self.channels.iter().any(|c| c.is_label())
+    }
+
     /// Samples of a pixel that something of this comes from.
     fn samples(&self) -> u32 {
         let of_samples = self.has_colour() || self.sample_ids || self.channels.contains(&Channel::A);
@@ -251,11 +256,11 @@ impl Plan {
             samples: wanted.samples(),
             analytic: wanted.analytic && wanted.samples() > 1,
         };
-        let mut planes = wanted.channels.clone();
+        let mut planes: Vec<Channel> = wanted.channels.iter().copied().filter(|c| !c.is_label()).collect();
         if wanted.srgb8 {
             planes.extend([Channel::R, Channel::G, Channel::B]);
         }
-        planes.extend(wanted.sample_ids.then_some(Channel::TriangleId));
+        planes.extend((wanted.sample_ids || wanted.has_labels()).then_some(Channel::TriangleId));
         planes.sort_unstable();
         planes.dedup();
         let table_bytes = match variant.rays {
@@ -417,7 +422,8 @@ fn left_out(
     if bands.len() == 1 {
         say("bands", "the whole image fits the adapter's bindings".into());
     }
-    let absent: Vec<&str> = Channel::every().filter(|c| !planes.contains(c)).map(Channel::name).collect();
+    let is_absent = |c: &Channel| !planes.contains(c) && !wanted.channels.contains(c);
+    let absent: Vec<&str> = Channel::every().filter(is_absent).map(Channel::name).collect();
     if !absent.is_empty() {
         say("channels", format!("not asked for: {}", absent.join(", ")));
     }

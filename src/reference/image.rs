@@ -8,6 +8,7 @@ use crate::camera::Camera;
 use crate::caustics::Illumination;
 use crate::frame::{Channel, Frame, NO_ID, Plane};
 use crate::scene::Scene;
+use crate::scene::labels::Labels;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -55,7 +56,7 @@ pub fn image_lit(scene: &Scene, camera: &Camera, channels: &[Channel], lit: Opti
         let path = Path::of_pixel(camera, i, j);
         pixel(scene, camera, &reference, &reference.shown(camera, path), (i, j), lit)
     });
-    frame(camera, &pixels, channels)
+    frame(scene, camera, &pixels, channels)
 }
 
 /// Holds `frame`'s triangle ids against the reference.
@@ -80,7 +81,7 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
     });
     let pixels: Vec<&Pixel> = judged.iter().map(|j| &j.0).collect();
     Judgement {
-        truth: frame(camera, &pixels, &Channel::ALL),
+        truth: frame(scene, camera, &pixels, &Channel::ALL),
         safe: judged.iter().map(|j| j.1).collect(),
         scales: judged.iter().map(|j| j.2).collect(),
         not_near: judged.iter().filter(|j| !j.3).count() as u64,
@@ -184,7 +185,14 @@ fn light_left(camera: &Camera, outcome: &Outcome) -> [f64; 3] {
     [0, 1, 2].map(|k| outcome.light * tint(k))
 }
 
-fn frame<P: std::borrow::Borrow<Pixel> + Sync>(camera: &Camera, pixels: &[P], channels: &[Channel]) -> Frame {
+fn frame<P: std::borrow::Borrow<Pixel> + Sync>(
+    scene: &Scene,
+    camera: &Camera,
+    pixels: &[P],
+    channels: &[Channel],
+) -> Frame {
+    let labels = Labels::of(scene);
+    let ids = || pixels.iter().map(|p| p.borrow().seen.map_or(NO_ID, |s| s.hit.triangle));
     let f32s = |f: fn(&Pixel) -> f32| Plane::F32(pixels.iter().map(|p| f(p.borrow())).collect());
     let u32s = |f: fn(&Pixel) -> u32| Plane::U32(pixels.iter().map(|p| f(p.borrow())).collect());
     let plane = |channel: Channel| match channel {
@@ -194,7 +202,7 @@ fn frame<P: std::borrow::Borrow<Pixel> + Sync>(camera: &Camera, pixels: &[P], ch
         Channel::A => f32s(|p| (p.seen.is_some() || p.mirror != NO_ID) as u32 as f32),
         Channel::Z => f32s(|p| p.z),
         Channel::T => f32s(|p| p.t),
-        Channel::TriangleId => u32s(|p| p.seen.map_or(NO_ID, |s| s.hit.triangle)),
+        Channel::TriangleId => Plane::U32(ids().collect()),
         Channel::PieceId => u32s(|p| p.piece),
         Channel::MirrorId => u32s(|p| p.mirror),
         // it has margins instead
@@ -212,6 +220,8 @@ fn frame<P: std::borrow::Borrow<Pixel> + Sync>(camera: &Camera, pixels: &[P], ch
         Channel::AlbedoB => f32s(|p| p.albedo[2]),
         Channel::TextureU => f32s(|p| p.uv.x as f32),
         Channel::TextureV => f32s(|p| p.uv.y as f32),
+        Channel::ObjectId => Plane::U32(ids().map(|id| labels.object(id)).collect()),
+        Channel::MaterialId => Plane::U32(ids().map(|id| labels.material(id)).collect()),
     };
     let mut channels = channels.to_vec();
     channels.sort_unstable();

@@ -2,6 +2,7 @@
 
 mod camera;
 mod caustics;
+mod header;
 mod keys;
 mod mesh;
 mod mesh_camera;
@@ -18,6 +19,7 @@ use std::path::{Path, PathBuf};
 pub use camera::{CameraKind, CameraSpec, Named};
 pub(crate) use camera::{read_camera, read_pose};
 pub use caustics::CausticsSpec;
+pub use header::{CameraKeys, load_header};
 pub(crate) use mesh::read_mesh;
 pub use mesh::{GlossSpec, MeshSource, MeshSpec, TextureSpec};
 pub use mesh_camera::{CameraVertex, MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera, read_triangles};
@@ -26,7 +28,9 @@ use super::light::{AmbientOcclusion, Light, Source as LightSource};
 use super::style::Style;
 use crate::error::{Error, Result};
 use crate::scene::tone::{Curve, Tone};
+use node::Node;
 use reader::{Field, Source};
+use std::sync::Arc;
 
 /// A scene as written: values checked one by one, files not yet opened (but for a camera's own).
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +44,8 @@ pub struct SceneFile {
     pub style: Style,
     pub sky: Option<SkySpec>,
     pub camera: CameraSpec,
+    /// The same as it is written.
+    pub camera_keys: Arc<CameraKeys>,
     pub caustics: Option<CausticsSpec>,
     pub output: OutputSpec,
     /// Folder of the scene file, which relative paths start from.
@@ -107,7 +113,7 @@ pub(crate) fn with_tree<T>(path: &Path, read: impl FnOnce(&Field) -> Result<T>) 
     } else {
         parse::parse(&text, parse::Format::of(path)?, path)?
     };
-    let source = Source { path, dir: path.parent().unwrap_or(Path::new("")) };
+    let source = Source::new(path, path.parent().unwrap_or(Path::new("")));
     read(&Field::new(&source, "", &root))
 }
 
@@ -142,9 +148,22 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
     let mut root = parse::parse(text, format, path)?;
     overrides::apply(&mut root, overrides)?;
     let dir = path.parent().unwrap_or(Path::new(""));
-    let source = Source { path, dir };
-    keys::pick(&mut root, "", &source, frame)?;
-    let table = Field::new(&source, "", &root).table()?;
+    keys::pick(&mut root, "", &Source::new(path, dir), frame)?;
+    read_tree(root, path, dir)
+}
+
+/// A scene of its tree; relative paths start from `dir`.
+fn read_tree(root: Node, path: &Path, dir: &Path) -> Result<SceneFile> {
+    let [source, of_camera, of_meshes] = [(); 3].map(|()| Source::new(path, dir));
+    let file = read_tables(&root, [&source, &of_camera, &of_meshes])?;
+    let names_files = [&of_camera, &of_meshes].map(Source::names_files);
+    Ok(SceneFile { camera_keys: Arc::new(CameraKeys::taken(root, names_files, dir)), ..file })
+}
+
+/// The tables, the camera's and the meshes' read from sources of their own.
+fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'a>; 3]) -> Result<SceneFile> {
+    let dir = source.dir;
+    let table = Field::new(source, "", root).table()?;
     table.allow(&[
         "image",
         "mesh",
@@ -157,13 +176,13 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
         "output",
     ])?;
     let image = ImageSpec { width: None, height: None, background: [0.0; 3], tone: Tone::default() };
-    let Some(camera) = table.get("camera") else {
+    let Some(camera) = table.get("camera").map(|f| f.of(of_camera)) else {
         return Err(table.error("there is no camera; add a [camera] table with its kind"));
     };
     Ok(SceneFile {
         image: table.or("image", image, read_image)?,
         meshes: table.or("mesh", Vec::new(), |f| {
-            f.items("meshes, each a table [[mesh]]")?.map(|m| mesh::read_mesh(&m, &[])).collect()
+            f.clone().of(of_meshes).items("meshes, each a table [[mesh]]")?.map(|m| mesh::read_mesh(&m, &[])).collect()
         })?,
         lights: table.or("light", Vec::new(), |f| {
             f.items("lights, each a table [[light]]")?.map(|l| read_light(&l)).collect()
@@ -172,6 +191,7 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
         style: table.or("style", Style::default(), style::read_style)?,
         sky: table.optional("environment", read_sky)?,
         camera: camera::read_camera(&camera)?,
+        camera_keys: Arc::default(),
         caustics: table.optional("caustics", caustics::read_caustics)?,
         output: table.or("output", OutputSpec::default(), read_output)?,
         dir: if dir.as_os_str().is_empty() { PathBuf::from(".") } else { dir.into() },

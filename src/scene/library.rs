@@ -158,6 +158,7 @@ impl Library {
             tone: file.image.tone,
             size,
             camera: file.camera,
+            camera_keys: file.camera_keys,
             caustics: caustics.map(|c| c.0.clone()),
             output: file.output,
         })
@@ -175,7 +176,8 @@ impl Library {
             Looked::AtMesh => Arc::ptr_eq(&around.mesh, &scene.mesh),
         };
         let make = || {
-            let (camera, looked) = Camera::looking(&key.0, key.1, &scene.mesh)?;
+            let camera = Camera::in_scene(&key.0, key.1, &scene.mesh)?;
+            let looked = camera.looked;
             Ok((Arc::new(camera), Around { looked, mesh: scene.mesh.clone() }))
         };
         Ok(self.cameras.get(&key, !self.is_for_once, suits, make)?.0.clone())

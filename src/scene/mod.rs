@@ -4,6 +4,7 @@ pub mod clusters;
 pub mod file;
 pub mod generate;
 pub mod gltf;
+pub mod labels;
 pub mod library;
 pub mod light;
 pub mod mesh;
@@ -19,7 +20,7 @@ use crate::camera::Camera;
 use crate::caustics::Caustics;
 use crate::error::{Error, Result};
 use crate::optics::Surface;
-use file::{CameraSpec, MeshSource, MeshSpec, SceneFile, TextureSpec};
+use file::{CameraKeys, CameraSpec, MeshSource, MeshSpec, SceneFile, TextureSpec};
 use glam::DVec3;
 use library::Library;
 use light::{AmbientOcclusion, Light};
@@ -63,6 +64,8 @@ pub struct Scene {
     /// The image's size in pixels, unless the camera brings its own.
     pub size: Option<(u32, u32)>,
     pub camera: CameraSpec,
+    /// The same as the scene file gives it; empty where none does.
+    pub camera_keys: Arc<CameraKeys>,
     /// Light that comes by way of a mirror or a lens.
     pub caustics: Option<Arc<Caustics>>,
     pub output: file::OutputSpec,

@@ -31,7 +31,17 @@ pub fn chain(seed: u64, layers: usize, (columns, rows): (u32, u32), look: MeshLo
 pub fn of_layers(layers: Vec<MeshCameraSpec>, (width, height): (u32, u32)) -> Camera {
     let compiled = |spec: &MeshCameraSpec| mesh::compile(spec, width, height, &mut Vec::new()).unwrap();
     let layers = layers.iter().map(|spec| Rays::Pieces(compiled(spec))).collect::<Vec<_>>();
-    Camera { kind: "chain", width, height, t_range: [0.0, 1.0], layers, optics: None, notes: Vec::new() }
+    Camera {
+        kind: "chain",
+        width,
+        height,
+        t_range: [0.0, 1.0],
+        layers,
+        optics: None,
+        notes: Vec::new(),
+        unmet: Vec::new(),
+        looked: Default::default(),
+    }
 }
 
 /// Curves from z = 2 to z = -2 that swing sideways by `bend`, differently all over the image.

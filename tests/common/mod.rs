@@ -37,6 +37,7 @@ pub fn scene(mesh: Mesh) -> Scene {
         tone: Default::default(),
         size: Some((64, 64)),
         camera: CameraSpec { kind, t_range: FORWARD },
+        camera_keys: Default::default(),
         caustics: None,
         output: OutputSpec::default(),
     }

@@ -146,7 +146,9 @@ impl Recipe for TopDown {
         let graph = rails::with_leaves(&plain, [leaf(leaf_depth, self.near), leaf(far, far)], depths);
         let folds = graph.folds(setting.bounds());
         let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;
-        built.notes.extend(fold_note(folds));
+        built.notes.extend(
+            fold_note(folds).map(|note| note + "; make band wider, or put the regions' eyes nearer to the root's"),
+        );
         Ok(built)
     }
 }

@@ -16,7 +16,7 @@ use super::view::{POSE_KEYS, Pose, View, beyond};
 use super::{Graph, rails};
 use crate::camera::Rays;
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::scene::file::reader::{Field, Table};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -72,37 +72,45 @@ impl Recipe for Track {
         let size = setting.size()?;
         let view = View::new(&self.pose, size.1, rails::middle(size))?;
         let occluders = Occluders::of(setting.mesh());
-        let mut notes = Vec::new();
-        let mut seen = self.seen(&view, size, &mut notes)?;
-        self.find_ways(setting, &view, &occluders, &mut seen)?;
+        let (mut notes, mut unmet) = (Vec::new(), Vec::new());
+        let mut seen = self.seen(&view, size, &mut notes, &mut unmet);
+        self.find_ways(setting, &view, &occluders, &mut seen, &mut unmet);
         if seen.iter().all(|s| s.way.is_none()) {
-            let plain = Built::new(size, Rays::Pieces(view.whole(size)));
-            notes.push("nothing hides a target: the plain view".into());
-            return Ok(Built { notes, ..plain });
+            return Ok(plain_view(&view, size, notes, unmet));
         }
         let deepest = seen.iter().map(|s| s.sight.front).fold(0.0, f64::max);
         let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &[view.eye()], deepest)).max(2.0 * deepest);
-        let (graph, plain) = self.free(&view, &occluders, seen, (size, far), &mut notes)?;
+        let Some((graph, plain)) = self.free(&view, &occluders, seen, (size, far), &mut notes, &mut unmet) else {
+            return Ok(plain_view(&view, size, notes, unmet));
+        };
         let folds = graph.folds(setting.bounds());
         let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;
         built.notes.extend(notes.into_iter().chain(fold_note(folds)));
-        Ok(built)
+        Ok(Built { unmet, ..built })
     }
+}
+
+/// What is shown where no ray is to run around anything.
+fn plain_view(view: &View, size: (u32, u32), mut notes: Vec<String>, unmet: Vec<String>) -> Built {
+    if unmet.is_empty() {
+        notes.push("nothing hides a target: the plain view".into());
+    }
+    Built { notes, unmet, ..Built::new(size, Rays::Pieces(view.whole(size))) }
 }
 
 impl Track {
     /// The targets that are in the picture.
-    fn seen(&self, view: &View, size: (u32, u32), notes: &mut Vec<String>) -> Result<Vec<Seen>> {
+    fn seen(&self, view: &View, size: (u32, u32), notes: &mut Vec<String>, unmet: &mut Vec<String>) -> Vec<Seen> {
         let [right, down] = view.steps().map(DVec3::normalize);
         let end = DVec2::new(size.0 as f64, size.1 as f64);
         let mut seen = Vec::new();
         for (index, target) in self.targets.iter().enumerate() {
             let front = view.depth(target.at) - target.radius;
             let place = view.place(target.at).filter(|_| front > 0.0);
-            let place_px = place.ok_or_else(|| {
-                let key = format!("camera.targets.{index}");
-                Error::input(format!("{key}: the target lies behind or around the eye; move it or the view"))
-            })?;
+            let Some(place_px) = place else {
+                unmet.push(format!("target {index} is not tracked: it lies behind or around the eye"));
+                continue;
+            };
             if place_px.cmplt(DVec2::ZERO).any() || place_px.cmpgt(end).any() {
                 notes.push(format!("target {index} is outside the picture"));
                 continue;
@@ -119,11 +127,19 @@ impl Track {
             let sight = Sight { places_px, front };
             seen.push(Seen { index, target: *target, place_px, sight, core_px, way: None });
         }
-        Ok(seen)
+        seen
     }
 
-    /// Gives every hidden target its way: all in one direction if one serves all, so that neighbours bend alike.
-    fn find_ways(&self, setting: &Setting, view: &View, occluders: &Occluders, seen: &mut [Seen]) -> Result<()> {
+    /// Gives every hidden target its way: all in one direction if one serves all, so that neighbours bend alike. Targets that have none
+    /// are left to the plain view.
+    fn find_ways(
+        &self,
+        setting: &Setting,
+        view: &View,
+        occluders: &Occluders,
+        seen: &mut Vec<Seen>,
+        unmet: &mut Vec<String>,
+    ) {
         let [right, down] = view.steps().map(DVec3::normalize);
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let all =
@@ -132,15 +148,19 @@ impl Track {
         let directions: Vec<DVec3> = chosen.iter().map(|(x, y)| *x * right - *y * down).collect();
         let largest = setting.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length());
         let mut found: Vec<(usize, Vec<Option<Way>>)> = Vec::new();
-        for (k, s) in seen.iter().enumerate() {
-            if self.is_hidden(view, occluders, s) {
+        let mut reached: Vec<Seen> = Vec::new();
+        for s in seen.drain(..) {
+            if self.is_hidden(view, occluders, &s) {
                 let ways = s.sight.ways(view, occluders, &directions, (self.joints.bend, largest));
                 if ways.iter().all(Option::is_none) {
-                    return Err(no_path(s.index, largest));
+                    unmet.push(no_path(s.index, largest));
+                    continue;
                 }
-                found.push((k, ways));
+                found.push((reached.len(), ways));
             }
+            reached.push(s);
         }
+        *seen = reached;
         let common = |d: usize| found.iter().map(|(_, ways)| ways[d].map(|w| w.slope())).sum::<Option<f64>>();
         let costs = (0..directions.len()).filter_map(|d| Some((d, common(d)?)));
         let best = costs.reduce(|a, b| if b.1 < a.1 { b } else { a }).map(|(d, _)| d);
@@ -148,7 +168,6 @@ impl Track {
             let flattest = ways.iter().flatten().copied().reduce(|a, b| if b.slope() < a.slope() { b } else { a });
             seen[k].way = best.map_or(flattest, |d| ways[d]);
         }
-        Ok(())
     }
 
     /// Something is before one of the target's places, or before its middle.
@@ -157,16 +176,42 @@ impl Track {
         s.sight.hidden(view, occluders).is_some() || !reaches(view, occluders, &straight, &s.target)
     }
 
-    /// The graph in which every target is seen, and the plain one.
+    /// The graph in which every target is seen that can be beside the others, and the plain one; `None` where that leaves none to run
+    /// around.
     fn free(
+        &self,
+        view: &View,
+        occluders: &Occluders,
+        mut seen: Vec<Seen>,
+        extent: ((u32, u32), f64),
+        notes: &mut Vec<String>,
+        unmet: &mut Vec<String>,
+    ) -> Option<(Graph, Graph)> {
+        while seen.iter().any(|s| s.way.is_some()) {
+            match self.free_beside(view, occluders, seen.clone(), extent, notes) {
+                Ok(graphs) => return Some(graphs),
+                Err(index) => {
+                    unmet.push(format!(
+                        "target {index} is not tracked: no access path beside those of the targets next to it in the picture"
+                    ));
+                    seen.retain(|s| s.index != index);
+                }
+            }
+        }
+        None
+    }
+
+    /// The graph in which every target is seen, and the plain one; or a target that no widening of the ways frees.
+    fn free_beside(
         &self,
         view: &View,
         occluders: &Occluders,
         mut seen: Vec<Seen>,
         (size, far): ((u32, u32), f64),
         notes: &mut Vec<String>,
-    ) -> Result<(Graph, Graph)> {
-        for _ in 0..WIDENINGS {
+    ) -> std::result::Result<(Graph, Graph), usize> {
+        let mut spoilt = 0;
+        for _ in 0..=WIDENINGS {
             let [graph, plain] = graphs(view, &seen, size, far);
             let free = |s: &Seen| {
                 let line = graph.line(s.place_px, self.joints.bend);
@@ -177,37 +222,29 @@ impl Track {
                 o.index != s.index && o.target.at != s.target.at && apart <= o.core_px && o.sight.front < s.sight.front
             };
             let hidden: Vec<usize> = (0..seen.len()).filter(|&k| !free(&seen[k])).collect();
-            let behind: Vec<usize> =
-                hidden.iter().copied().filter(|&k| seen.iter().any(|o| before(&seen[k], o))).collect();
-            if hidden.len() == behind.len() {
+            let is_behind = |k: &usize| seen.iter().any(|o| before(&seen[*k], o));
+            let (behind, barred): (Vec<usize>, Vec<usize>) = hidden.into_iter().partition(is_behind);
+            let Some(first) = barred.first() else {
                 let note = |k: usize| format!("target {} is behind another in the picture, which shows", seen[k].index);
                 notes.extend(behind.into_iter().map(note));
                 return Ok((graph, plain));
-            }
-            let spoilt: Vec<usize> = hidden.into_iter().filter(|k| !behind.contains(k)).collect();
-            for k in spoilt {
+            };
+            spoilt = seen[*first].index;
+            for k in barred {
                 if let Some(way) = &mut seen[k].way {
                     way.shift *= WIDENING;
                 }
             }
         }
-        let [graph, _] = graphs(view, &seen, size, far);
-        let bent = |s: &&Seen| {
-            let line = graph.line(s.place_px, self.joints.bend);
-            !line.is_some_and(|line| reaches(view, occluders, &line, &s.target))
-        };
-        let index = seen.iter().find(bent).map_or(0, |s| s.index);
-        Err(Error::input(format!(
-            "camera.targets.{index}: no access path beside those of the targets next to it in the picture; move one of them"
-        )))
+        Err(spoilt)
     }
 }
 
-fn no_path(index: usize, largest: f64) -> Error {
-    Error::input(format!(
-        "camera.targets.{index}: no access path: every way around what hides it is barred, up to {largest:.3} aside; move the \
-         target, make its radius smaller, or give another bend"
-    ))
+fn no_path(index: usize, largest: f64) -> String {
+    format!(
+        "target {index} is not tracked: every way around what hides it is barred, up to {largest:.3} aside; a smaller radius or \
+         another bend may help"
+    )
 }
 
 /// How far before its middle a target without a radius may be hit, as a part of its distance: its own surface.

@@ -80,6 +80,7 @@ impl Recipe for Occlusion {
             unit_t: true,
             optics: None,
             notes: vec!["layers: from the eye to near, on to far, and on to end".into()],
+            unmet: Vec::new(),
         })
     }
 }

@@ -206,7 +206,7 @@ impl Source {
 
 impl Recipe for Optical {
     fn build(&self, setting: &Setting) -> Result<Built> {
-        let eye = Camera::in_scene(&self.eye, setting.size, setting.mesh()).map_err(|e| e.at("camera.eye"))?;
+        let eye = Camera::in_setting(&self.eye, setting).map_err(|e| e.at("camera.eye"))?;
         let one_layer = matches!(eye.layers.as_slice(), [Rays::Pieces(_) | Rays::Field(_)]) && eye.optics.is_none();
         if !one_layer {
             let kind = eye.kind;
@@ -233,7 +233,8 @@ impl Recipe for Optical {
         let optics = self.optics.with(surface, atlas);
         let notes = [eye.notes, vec![note]].concat();
         let size = (eye.width, eye.height);
-        Ok(Built { size, layers: eye.layers, unit_t: false, optics: Some(Arc::new(optics)), notes })
+        let (optics, unmet) = (Some(Arc::new(optics)), eye.unmet);
+        Ok(Built { size, layers: eye.layers, unit_t: false, optics, notes, unmet })
     }
 }
 

@@ -31,6 +31,8 @@ struct Surround {
     /// Unit vectors into the mesh, one a vertex.
     inward: Vec<DVec3>,
     up: DVec3,
+    /// Cells in a row of the image; `None`: as many as make them near-square.
+    columns: Option<usize>,
     notes: Vec<String>,
 }
 
@@ -39,12 +41,12 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let up = table.or("up", DVec3::Y, super::values::direction)?;
     let (field, mesh, scale) = match table.get("file") {
         Some(file) => {
-            table.allow(&["kind", "t_range", "file", "center", "scale", "up"])?;
+            table.allow(&["kind", "t_range", "file", "center", "scale", "up", "columns"])?;
             let mesh = obj::load(&file.path()?, &mut Images::left_out()).map_err(|e| e.at("camera.file"))?;
             (file, mesh, table.or("scale", 1.0, length)?)
         }
         None => {
-            table.allow(&["kind", "t_range", "level", "center", "radius", "up"])?;
+            table.allow(&["kind", "t_range", "level", "center", "radius", "up", "columns"])?;
             let radius = table.need("radius", "8")?;
             let level = table.or("level", 2, |f| f.integer(0, LEVEL_MAX))?;
             let scale = length(&radius)?;
@@ -57,6 +59,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
             field.error(format_args!("{n} triangles are over the limit of {CAMERAS_MAX} cameras; use a coarser mesh"))
         );
     }
+    let columns = table.optional("columns", |f| f.integer(1, mesh.triangles.len().div_ceil(2).max(1) as u64))?;
+    let columns = columns.map(|n| n as usize);
     let (vertices, triangles) = welded(&mesh.positions, &mesh.triangles);
     let vertices: Vec<DVec3> = vertices.into_iter().map(|v| scale * v + center).collect();
     let mut notes = Vec::new();
@@ -69,7 +73,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let inward = inward_normals(&vertices, &triangles).map_err(|v| {
         field.error(format_args!("the mesh has no normal at {v}: triangles without area or back to back; mend it"))
     })?;
-    Ok(Arc::new(Surround { vertices, triangles, inward, up, notes }))
+    Ok(Arc::new(Surround { vertices, triangles, inward, up, columns, notes }))
 }
 
 /// Vertices at the same position made one, and triangles without three corners left out.
@@ -134,8 +138,8 @@ impl Recipe for Surround {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let (w, h) = setting.size()?;
         let cells = self.triangles.len().div_ceil(2);
-        // near-square cells
-        let columns = ((cells as f64 * w as f64 / h as f64).sqrt().ceil() as usize).clamp(1, cells.max(1));
+        let near_square = ((cells as f64 * w as f64 / h as f64).sqrt().ceil() as usize).clamp(1, cells.max(1));
+        let columns = self.columns.unwrap_or(near_square);
         let rows = cells.div_ceil(columns);
         let cell = DVec2::new(w as f64 / columns as f64, h as f64 / rows as f64);
         let piece = |(k, t): (usize, &[u32; 3])| {

@@ -2,15 +2,17 @@
 
 use super::points;
 use crate::camera::Camera;
+use crate::camera::central::{world_to_camera, world_to_ndc};
+use crate::camera::recipe::Looked;
 use crate::cli::args::RenderArgs;
 use crate::cli::describe::Description;
-use crate::cli::hash::scene_hash;
+use crate::cli::hash::{SCENE_HASH, scene_hash};
 use crate::cli::outputs;
 use crate::engine::Rendered;
 use crate::error::{Error, Result};
 use crate::frame::Channel;
-use crate::output::cryptomatte::Matte;
-use crate::output::{rgb8, write_exr_with, write_png, write_text};
+use crate::output::cryptomatte::{Matte, OPTICS};
+use crate::output::{Attributes, rgb8, write_exr_with, write_png, write_text};
 use crate::report::Report;
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -77,11 +79,11 @@ impl Files {
         if let Some(path) = &self.exr {
             let mut frame = rendered.frame.clone();
             frame.planes.retain(|(channel, _)| asked.contains(channel));
-            let mut attributes = attributes(scene, camera)?;
+            let mut attributes = attributes(path, scene, camera, asked)?;
             for matte in mattes {
                 let layers = matte.layers()?;
                 more.extend(layers.planes);
-                attributes.extend(layers.attributes);
+                attributes.texts.extend(layers.attributes);
             }
             write_exr_with(path, &frame, more, &attributes)?;
         }
@@ -102,17 +104,50 @@ fn named_as(path: Option<&Path>, extension: &str, remedy: &str) -> Result<()> {
 }
 
 /// What an EXR's header says about its channels and where they come from.
-pub fn attributes(scene: &Scene, camera: &Camera) -> Result<Vec<(String, String)>> {
-    let description = Description::of(camera);
-    let described = serde_json::to_string(&description).map_err(|e| Error::work(format!("camera as JSON: {e}")))?;
+pub fn attributes(path: &Path, scene: &Scene, camera: &Camera, channels: &[Channel]) -> Result<Attributes> {
     let texts = [
         ("anamorph.Z", "distance from P to the hit along the ray, world units; +inf where nothing is hit".to_owned()),
         ("anamorph.t", "ray parameter of the hit, X = P + t D; +inf where nothing is hit".into()),
-        ("anamorph.camera", described),
-        ("anamorph.scene_hash", format!("{:016x}", scene_hash(scene, camera))),
+        (CAMERA, described_camera(path, scene, camera)?),
+        (SCENE_HASH, format!("{:016x}", scene_hash(scene, camera))),
         ("anamorph.version", env!("CARGO_PKG_VERSION").into()),
     ];
-    Ok(texts.into_iter().map(|(name, text)| (name.into(), text)).collect())
+    let labels = names(scene, camera, channels)?;
+    let texts = texts.into_iter().map(|(name, text)| (name.into(), text)).chain(labels).collect();
+    Ok(Attributes { texts, world_to_camera: world_to_camera(scene), world_to_ndc: world_to_ndc(scene, camera) })
+}
+
+/// The header's attribute that holds the camera.
+pub const CAMERA: &str = "anamorph.camera";
+
+/// What the camera compiled to, and the keys that make its rays again, as JSON.
+fn described_camera(path: &Path, scene: &Scene, camera: &Camera) -> Result<String> {
+    let wrong = |e: serde_json::Error| Error::work(format!("camera as JSON: {e}"));
+    let mut described = serde_json::to_value(Description::of(camera)).map_err(wrong)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    if let Some(map) = described.as_object_mut() {
+        map.append(&mut scene.camera_keys.json(camera.looked != Looked::Nowhere, folder));
+    }
+    serde_json::to_string(&described).map_err(wrong)
+}
+
+/// The names that the numbers in `object.id` and `material.id` stand for, as JSON lists: number k is the k-th name from 0.
+fn names(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Result<Vec<(String, String)>> {
+    let objects = || scene.objects.iter().map(|o| o.name.as_str()).collect::<Vec<_>>();
+    let materials = || scene.mesh.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>();
+    let optics = camera.optics.as_ref().map(|_| OPTICS);
+    let list = |mut names: Vec<&str>| {
+        names.extend(optics);
+        serde_json::to_string(&names).map_err(|e| Error::work(format!("names as JSON: {e}")))
+    };
+    let mut all = Vec::new();
+    if channels.contains(&Channel::ObjectId) {
+        all.push(("anamorph.objects".into(), list(objects())?));
+    }
+    if channels.contains(&Channel::MaterialId) {
+        all.push(("anamorph.materials".into(), list(materials())?));
+    }
+    Ok(all)
 }
 
 pub fn write_report(path: &Path, report: &Report) -> Result<()> {

@@ -149,7 +149,7 @@ impl Strips<'_> {
             };
             let channels: &[Channel] = &self.wanted.channels;
             let written = match self.exr {
-                Some(path) => attributes(self.scene, self.camera)
+                Some(path) => attributes(path, self.scene, self.camera, channels)
                     .and_then(|attributes| write_exr_tiled(path, size, channels, &attributes, &mut next)),
                 None => self.rows().map(|_| next()).try_for_each(|frame| frame.map(drop)),
             };

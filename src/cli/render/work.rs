@@ -99,7 +99,7 @@ impl Work {
             refuse_missing(&scene)?;
         }
         let files = Files::new(&args, &scene)?;
-        let asked = asked(&args, &files, &camera);
+        let asked = asked(&args, &files, &scene, &camera);
         let apart: Vec<Apart> = apart(&args).collect();
         if !apart.is_empty() && files.exr.is_none() {
             return Err(Error::input("--channels: cryptomattes are layers of an EXR; add --exr OUT.exr"));
@@ -272,7 +272,8 @@ impl Work {
         let check = error.as_ref().map(of_error).unwrap_or_default();
         let (names, counted) = (self.files.names(), counted(&self.scene, &self.camera));
         let (width, height, ms) = (self.camera.width, self.camera.height, milliseconds(frame_ms.median));
-        format!("{names}{width}x{height} | {counted} | frame {ms} | {adapter}{check}")
+        let unmet: String = self.camera.unmet.iter().map(|what| format!(" | {what}")).collect();
+        format!("{names}{width}x{height} | {counted} | frame {ms} | {adapter}{check}{unmet}")
     }
 
     fn mattes(&self) -> Vec<Matte> {
@@ -289,9 +290,14 @@ fn sample_bytes(camera: &Camera, samples: u32, has_mattes: bool) -> u64 {
 }
 
 /// The channels that are written.
-fn asked(args: &RenderArgs, files: &Files, camera: &Camera) -> Vec<Channel> {
+fn asked(args: &RenderArgs, files: &Files, scene: &Scene, camera: &Camera) -> Vec<Channel> {
+    let of = |named: &Named| match named {
+        Named::Channels(list) => list.clone(),
+        Named::All => Channel::of_scene(scene, camera),
+        Named::Matte(_) | Named::Motion => Vec::new(),
+    };
     match &args.channels {
-        Some(list) => list.iter().flat_map(Named::channels).copied().collect(),
+        Some(list) => list.iter().flat_map(of).collect(),
         None if files.exr.is_some() => Channel::of(camera),
         None => Vec::new(),
     }

@@ -189,13 +189,14 @@ fn strip(frame: &Frame, first: u32, count: u32) -> Frame {
 #[test]
 fn strips_make_the_whole_image_as_tiles() {
     use super::tiled::{TILE, write_exr_tiled};
-    let attributes = [("anamorph.a".to_owned(), "b".to_owned())];
+    let texts = vec![("anamorph.a".to_owned(), "b".to_owned())];
+    let own = Attributes { texts, world_to_camera: Some([0.5; 16]), world_to_ndc: None };
     for (width, height, rows) in [(70, 150, TILE), (64, 64, TILE), (3, 200, 2 * TILE), (130, 10, TILE)] {
         let whole = sample(width, height);
         let channels: Vec<Channel> = whole.planes.iter().map(|(channel, _)| *channel).collect();
         let write = |path: &Path| {
             let mut first = 0;
-            write_exr_tiled(path, (width, height), &channels, &attributes, || {
+            write_exr_tiled(path, (width, height), &channels, &own, || {
                 let own = strip(&whole, first, rows.min(height - first));
                 first += rows;
                 Ok(own)
@@ -208,9 +209,12 @@ fn strips_make_the_whole_image_as_tiles() {
             write(path).unwrap();
             assert!(std::fs::read(path).unwrap() == bytes);
             // what goes wrong with a strip leaves the file as it was
-            let failed = write_exr_tiled(path, (width, height), &channels, &[], || Err(Error::work("lost")));
+            let failed =
+                write_exr_tiled(path, (width, height), &channels, &Attributes::default(), || Err(Error::work("lost")));
             assert_eq!(failed, Err(Error::work("lost")));
-            let other = write_exr_tiled(path, (width, height), &channels, &[], || Ok(sample(width + 1, TILE)));
+            let other = write_exr_tiled(path, (width, height), &channels, &Attributes::default(), || {
+                Ok(sample(width + 1, TILE))
+            });
             assert!(other.unwrap_err().to_string().contains("is none of this image"));
             assert!(std::fs::read(path).unwrap() == bytes);
         });

@@ -12,7 +12,7 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::{Compression, Text, Vec2};
 use rayon::prelude::*;
 
-use super::{layer_attributes, of_file, sort_attributes};
+use super::{Attributes, layer_attributes, of_file, sort_attributes};
 use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame, Plane};
 use crate::output::whole::write_whole;
@@ -29,7 +29,7 @@ pub fn write_exr_tiled(
     path: &Path,
     (width, height): (u32, u32),
     channels: &[Channel],
-    attributes: &[(String, String)],
+    attributes: &Attributes,
     mut next: impl FnMut() -> Result<Frame>,
 ) -> Result<()> {
     let refuse = |why: String| Error::work(format!("{}: cannot be written as EXR: {why}", path.display()));

@@ -118,7 +118,7 @@ mod tests {
     fn at(text: &str, frame: f64) -> Result<Value> {
         let path = Path::new("s.toml");
         let mut root = parse(&format!("[camera]\nkey = {text}\n"), Format::Toml, path)?;
-        pick(&mut root, "", &Source { path, dir: path }, frame)?;
+        pick(&mut root, "", &Source::new(path, path), frame)?;
         let Value::Table(mut entries) = root.value else { unreachable!() };
         let Value::Table(mut entries) = entries.remove(0).node.value else { unreachable!() };
         Ok(entries.remove(0).node.value)
@@ -173,7 +173,7 @@ mod tests {
             let path = Path::new("s.toml");
             let plain = parse(&format!("[camera]\nkey = {text}\n"), Format::Toml, path).unwrap();
             let mut picked = plain.clone();
-            pick(&mut picked, "", &Source { path, dir: path }, 1.0).unwrap();
+            pick(&mut picked, "", &Source::new(path, path), 1.0).unwrap();
             assert_eq!(plain, picked, "{text}");
         }
     }

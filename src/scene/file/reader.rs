@@ -1,5 +1,6 @@
 //! Typed reading of the value tree: every refusal is one line that says where, what, and what to write.
 
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -13,6 +14,19 @@ pub struct Source<'a> {
     pub path: &'a Path,
     /// Folder that relative paths start from.
     pub dir: &'a Path,
+    /// Some value was read as a file's name.
+    names_files: Cell<bool>,
+}
+
+impl<'a> Source<'a> {
+    pub fn new(path: &'a Path, dir: &'a Path) -> Source<'a> {
+        Source { path, dir, names_files: Cell::new(false) }
+    }
+
+    /// Some value that was read so far is a file's name.
+    pub fn names_files(&self) -> bool {
+        self.names_files.get()
+    }
 }
 
 /// One value and the dotted key that leads to it (`mesh.0.scale`).
@@ -34,6 +48,11 @@ impl<'a> Field<'a> {
     /// `key` leads to `node`; it is empty for the whole file.
     pub(super) fn new(source: &'a Source<'a>, key: &str, node: &'a Node) -> Self {
         Field { source, key: key.into(), place: node.place, node }
+    }
+
+    /// The same value, counted as one of another source.
+    pub(super) fn of(self, source: &'a Source<'a>) -> Self {
+        Field { source, ..self }
     }
 
     pub(super) fn node(&self) -> &'a Node {
@@ -120,7 +139,10 @@ impl<'a> Field<'a> {
         match self.text()? {
             "" => Err(self.error("the file name is empty; name a file")),
             text if text.contains('\0') => Err(self.error("a file name cannot hold a NUL character")),
-            text => Ok(self.source.dir.join(text)),
+            text => {
+                self.source.names_files.set(true);
+                Ok(self.source.dir.join(text))
+            }
         }
     }
 

@@ -1,0 +1,165 @@
+//! A camera's keys for the header of a picture, and back: what makes the same rays again without the scene file.
+
+use super::node::{Entry, Node, Value};
+use super::parse::{Format, parse};
+use super::reader::{Field, Source};
+use super::{SceneFile, overrides, read_pose, read_tree};
+use crate::error::{Error, Result};
+use glam::DVec3;
+use serde_json::{Map, Value as Json};
+use std::path::{Path, PathBuf};
+
+/// The camera's table as the scene file gives it, with overrides and keyframes applied, and the meshes, for cameras that look at them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CameraKeys {
+    camera: Option<Node>,
+    meshes: Option<Node>,
+    /// The camera, or a mesh, names files.
+    names_files: [bool; 2],
+    /// Where relative paths start from.
+    dir: PathBuf,
+}
+
+impl CameraKeys {
+    /// Takes the tables out of a scene file's tree.
+    pub(super) fn taken(root: Node, names_files: [bool; 2], dir: &Path) -> CameraKeys {
+        let Value::Table(mut entries) = root.value else { return CameraKeys::default() };
+        let mut take = |key: &str| {
+            let at = entries.iter().position(|e| e.key == key)?;
+            Some(entries.swap_remove(at).node)
+        };
+        CameraKeys { camera: take("camera"), meshes: take("mesh"), names_files, dir: dir.into() }
+    }
+
+    /// `keys`, with `mesh` where the camera looks at the scene, and `folder` where one of these names a file with a relative path: it leads
+    /// from `folder` to where these paths start from. Empty for a camera that no file has written.
+    pub fn json(&self, looks: bool, folder: &Path) -> Map<String, Json> {
+        let mut map = Map::new();
+        let Some(camera) = &self.camera else { return map };
+        map.insert("keys".into(), json(&camera.value));
+        if let Some(meshes) = self.meshes.as_ref().filter(|_| looks) {
+            map.insert("mesh".into(), json(&meshes.value));
+        }
+        if self.names_files[0] || (looks && self.names_files[1]) {
+            map.insert("folder".into(), way(folder, &self.dir).to_string_lossy().into_owned().into());
+        }
+        map
+    }
+
+    /// Eye, target and up of a camera that has these, or of the eye of its mirror or lens.
+    pub fn pose(&self) -> Option<(DVec3, DVec3, DVec3)> {
+        let path = Path::new("");
+        let source = Source::new(path, path);
+        let table = Field::new(&source, "camera", self.camera.as_ref()?).table().ok()?;
+        match table.get("eye").filter(Field::is_table) {
+            Some(eye) => read_pose(&eye.table().ok()?).ok(),
+            None => read_pose(&table).ok(),
+        }
+    }
+}
+
+/// The path that leads from one folder to another.
+fn way(from: &Path, to: &Path) -> PathBuf {
+    let here = |path: &Path| if path.as_os_str().is_empty() { PathBuf::from(".") } else { path.into() };
+    let (Ok(from), Ok(to)) = (here(from).canonicalize(), here(to).canonicalize()) else { return to.into() };
+    let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    if common == 0 {
+        return to;
+    }
+    let up = from.components().skip(common).map(|_| Path::new("..").as_os_str());
+    up.chain(to.components().skip(common).map(|c| c.as_os_str())).collect()
+}
+
+/// JSON that reads back to the same value, to the last bit.
+fn json(value: &Value) -> Json {
+    match value {
+        Value::Null => Json::Null,
+        Value::Bool(b) => (*b).into(),
+        Value::Int(i) => i64::try_from(*i)
+            .map(Json::from)
+            .or_else(|_| u64::try_from(*i).map(Json::from))
+            .unwrap_or(Json::from(*i as f64)),
+        Value::Float(x) if x.is_infinite() => (if *x > 0.0 { "inf" } else { "-inf" }).into(),
+        Value::Float(x) => (*x).into(),
+        Value::Text(text) => text.as_str().into(),
+        Value::List(items) => items.iter().map(|item| json(&item.value)).collect(),
+        Value::Table(entries) => Json::Object(entries.iter().map(|e| (e.key.clone(), json(&e.node.value))).collect()),
+    }
+}
+
+/// The scene of a camera in a picture's header, `text` as [`CameraKeys::json`] and the image's size gave it: the camera, and the meshes that
+/// it looks at. `overrides` are as for [`super::load`].
+///
+/// # Errors
+/// [`Error::Input`] that names the picture at `path` and the key.
+pub fn load_header(text: &str, path: &Path, overrides: &[String]) -> Result<SceneFile> {
+    let Node { value: Value::Table(mut entries), place } = parse(text, Format::Json, path)? else {
+        return Err(no_camera(path));
+    };
+    let mut take = |key: &str| {
+        let at = entries.iter().position(|e| e.key == key)?;
+        Some(entries.swap_remove(at).node)
+    };
+    let (Some(camera), Some(width), Some(height)) = (take("keys"), take("width"), take("height")) else {
+        return Err(no_camera(path));
+    };
+    let folder = match take("folder").map(|node| node.value) {
+        Some(Value::Text(folder)) => folder,
+        _ => String::new(),
+    };
+    let table = |entries: Vec<(&str, Node)>| {
+        let entry = |(key, node): (&str, Node)| Entry { key: key.into(), place, node };
+        Node { value: Value::Table(entries.into_iter().map(entry).collect()), place }
+    };
+    let image = table(vec![("width", width), ("height", height)]);
+    let meshes = take("mesh").map(|node| ("mesh", node));
+    let mut root = table([("image", image), ("camera", camera)].into_iter().chain(meshes).collect());
+    overrides::apply(&mut root, overrides)?;
+    read_tree(root, path, &path.parent().unwrap_or(Path::new("")).join(folder))
+}
+
+fn no_camera(path: &Path) -> Error {
+    let path = path.display();
+    Error::input(format!("{path}: its header holds no camera's keys; render it with this version of the program"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_leads_from_folder_to_folder() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = |name: &str| {
+            let path = dir.path().join(name);
+            std::fs::create_dir_all(&path).unwrap();
+            path
+        };
+        let (a, b) = (folder("one/two/a"), folder("one/b"));
+        assert_eq!(way(&a, &b), Path::new("../../b"));
+        assert_eq!(way(&b, &a), Path::new("../two/a"));
+        assert_eq!(way(&a, &a), Path::new(""));
+    }
+
+    #[test]
+    fn values_read_back_to_the_last_bit() {
+        let text = "{\"a\": [0.1, 2.0, -0.0, 5e-324, 18446744073709551615, -3, 1.7976931348623157e308], \"b\": {\"c\": \"inf\", \"d\": true}}";
+        let path = Path::new("x.json");
+        let tree = parse(text, Format::Json, path).unwrap();
+        let again = parse(&json(&tree.value).to_string(), Format::Json, path).unwrap();
+        assert_eq!(json(&tree.value).to_string(), json(&again.value).to_string());
+        let Value::Table(entries) = again.value else { panic!() };
+        let Value::List(items) = &entries[0].node.value else { panic!() };
+        let bits: Vec<u64> = items
+            .iter()
+            .map(|n| match n.value {
+                Value::Float(x) => x.to_bits(),
+                Value::Int(i) => (i as f64).to_bits(),
+                _ => 0,
+            })
+            .collect();
+        let expected = [0.1, 2.0, -0.0, 5e-324, 18446744073709551615.0, -3.0, f64::MAX];
+        assert_eq!(bits, expected.map(f64::to_bits));
+        assert_eq!(json(&Value::Float(f64::NEG_INFINITY)), "-inf");
+    }
+}

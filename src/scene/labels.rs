@@ -1,0 +1,86 @@
+//! Which object and which material a triangle belongs to: what the channels `object.id` and `material.id` hold.
+
+use super::Scene;
+use super::mesh::Mesh;
+use crate::frame::{Channel, NO_ID};
+use std::sync::Arc;
+
+/// Objects and materials by triangle id.
+///
+/// Objects count the entries of [`Scene::objects`], in order; materials those of [`Mesh::materials`]: the meshes in scene-file order, each
+/// mesh's materials in its own order. A mirror or lens of the camera, whose ids come after those of all triangles, has the number after the
+/// last object's, and the one after the last material's.
+#[derive(Debug, Clone)]
+pub struct Labels {
+    mesh: Arc<Mesh>,
+    /// The first triangle after each object.
+    ends: Vec<u32>,
+}
+
+impl Labels {
+    /// Of a scene with or without the facets of a camera's optics.
+    pub fn of(scene: &Scene) -> Labels {
+        let end = |end: &mut u32, object: &super::Object| {
+            // a scene has at most 2^28 triangles
+            *end += object.triangles as u32;
+            Some(*end)
+        };
+        Labels { mesh: scene.mesh.clone(), ends: scene.objects.iter().scan(0, end).collect() }
+    }
+
+    /// The object of a triangle; [`NO_ID`] where nothing is hit.
+    pub fn object(&self, triangle: u32) -> u32 {
+        match triangle {
+            NO_ID => NO_ID,
+            id => self.ends.partition_point(|end| *end <= id) as u32,
+        }
+    }
+
+    /// The material of a triangle; [`NO_ID`] where nothing is hit.
+    pub fn material(&self, triangle: u32) -> u32 {
+        match triangle {
+            NO_ID => NO_ID,
+            id => self.mesh.material_of.get(id as usize).copied().unwrap_or(self.mesh.materials.len() as u32),
+        }
+    }
+
+    /// The values of `channel` where these triangles are seen; `None` of a channel that is no label.
+    pub fn plane(&self, channel: Channel, triangles: &[u32]) -> Option<Vec<u32>> {
+        match channel {
+            Channel::ObjectId => Some(triangles.iter().map(|id| self.object(*id)).collect()),
+            Channel::MaterialId => Some(triangles.iter().map(|id| self.material(*id)).collect()),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    #[test]
+    fn ids_count_objects_and_their_materials_in_order() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
+        file("two.mtl", "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n");
+        file("two.obj", "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl blue\nf 1 2 3\nusemtl red\nf 1 2 3\n");
+        file("none.obj", "v 0 0 0\n");
+        let meshes =
+            "mesh = [{ builtin = \"box\" }, { file = \"none.obj\" }, { file = \"two.obj\" }, { builtin = \"box\" }]";
+        let camera = "camera = { kind = \"pinhole\", eye = [0, 0, 9], target = [0, 0, 0], vfov = 40 }";
+        file("scene.toml", &format!("{meshes}\n{camera}\n"));
+        let scene = Scene::load(&dir.path().join("scene.toml"), &[], 0.0).unwrap();
+        let labels = Labels::of(&scene);
+        let ids = [0, 11, 12, 13, 14, 25, 26, NO_ID];
+        assert_eq!(labels.plane(Channel::ObjectId, &ids).unwrap(), [0, 0, 2, 2, 3, 3, 4, NO_ID]);
+        let names: Vec<&str> = scene.mesh.materials.iter().map(|m| m.name.as_str()).collect();
+        let materials = labels.plane(Channel::MaterialId, &ids).unwrap();
+        assert_eq!(materials[6..], [names.len() as u32, NO_ID]);
+        let named: Vec<&str> = materials[..6].iter().map(|k| names[*k as usize]).collect();
+        assert_eq!(named, ["default", "default", "blue", "red", "default", "default"]);
+        // the boxes' materials are two, of one name
+        assert_ne!(materials[0], materials[4]);
+        assert_eq!(labels.plane(Channel::PieceId, &ids), None);
+    }
+}
