@@ -2,13 +2,14 @@
 
 use super::Camera;
 use super::bundle::Bundle;
+use super::pose::Pose;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::file::CameraKind;
 use glam::{DVec3, DVec4};
 
 /// A view frame: forward, right and image-up unit vectors.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct View {
     pub forward: DVec3,
     pub right: DVec3,
@@ -41,23 +42,31 @@ pub(super) fn view(eye: DVec3, target: DVec3, up: DVec3) -> Result<View> {
 }
 
 /// `P = eye`, `D = f + (2a-1) k (W/H) r + (1-2b) k u` with `k = tan(vfov/2)`; centred on the image's middle.
-pub fn pinhole(eye: DVec3, target: DVec3, up: DVec3, vfov_deg: f64, height: u32) -> Result<Bundle> {
+pub fn pinhole(pose: &Pose, vfov_deg: f64, height: u32) -> Result<Bundle> {
     if !(vfov_deg > 0.0 && vfov_deg < 180.0) {
         return Err(Error::input(format!("camera.vfov = {vfov_deg}: must lie between 0 and 180 degrees")));
     }
-    let v = view(eye, target, up)?;
+    let v = pose.view()?;
     let step = 2.0 * (vfov_deg.to_radians() / 2.0).tan() / height as f64;
-    Ok(Bundle { p: [eye, DVec3::ZERO, DVec3::ZERO], d: [v.forward, step * v.right, -step * v.up], h: [1.0, 0.0, 0.0] })
+    Ok(Bundle {
+        p: [pose.eye, DVec3::ZERO, DVec3::ZERO],
+        d: [v.forward, step * v.right, -step * v.up],
+        h: [1.0, 0.0, 0.0],
+    })
 }
 
 /// `P = eye + (2a-1)(height/2)(W/H) r + (1-2b)(height/2) u`, `D = f`; centred on the image's middle.
-pub fn orthographic(eye: DVec3, target: DVec3, up: DVec3, height_world: f64, height: u32) -> Result<Bundle> {
+pub fn orthographic(pose: &Pose, height_world: f64, height: u32) -> Result<Bundle> {
     if !(height_world > 0.0 && height_world.is_finite()) {
         return Err(Error::input(format!("camera.height = {height_world}: must be a positive length")));
     }
-    let v = view(eye, target, up)?;
+    let v = pose.view()?;
     let step = height_world / height as f64;
-    Ok(Bundle { p: [eye, step * v.right, -step * v.up], d: [v.forward, DVec3::ZERO, DVec3::ZERO], h: [1.0, 0.0, 0.0] })
+    Ok(Bundle {
+        p: [pose.eye, step * v.right, -step * v.up],
+        d: [v.forward, DVec3::ZERO, DVec3::ZERO],
+        h: [1.0, 0.0, 0.0],
+    })
 }
 
 /// OpenEXR's `worldToCamera` of a camera with an eye: for row vectors, row by row; x to the right, y up, z forward.

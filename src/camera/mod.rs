@@ -19,6 +19,7 @@ pub mod kinds;
 pub mod mesh;
 pub mod named;
 pub mod pieces;
+pub mod pose;
 pub mod project;
 pub mod projector;
 pub mod recipe;
@@ -32,6 +33,7 @@ pub use curve::{Curve, CurveMap, Curves};
 pub use field::{Field, RayMap};
 use glam::DVec3;
 pub use pieces::{Piece, Pieces};
+use pose::Pose;
 use recipe::{Built, Looked, Setting};
 use std::cell::Cell;
 use std::sync::Arc;
@@ -218,10 +220,10 @@ fn build_plain(kind: &CameraKind, setting: &Setting) -> Result<(&'static str, Bu
     let whole = |bundle| Pieces::whole(bundle, w, h);
     let (kind, pieces) = match kind {
         CameraKind::Pinhole { eye, target, up, vfov } => {
-            ("pinhole", whole(central::pinhole(*eye, *target, *up, *vfov, h)?))
+            ("pinhole", whole(central::pinhole(&Pose::look_at(*eye, *target, *up), *vfov, h)?))
         }
         CameraKind::Orthographic { eye, target, up, height } => {
-            ("orthographic", whole(central::orthographic(*eye, *target, *up, *height, h)?))
+            ("orthographic", whole(central::orthographic(&Pose::look_at(*eye, *target, *up), *height, h)?))
         }
         CameraKind::Glc { near, far } => ("glc", whole(glc::bundle(near, far, w, h)?)),
         CameraKind::Mesh(mesh) => ("mesh", mesh::compile(mesh, w, h, &mut notes)?),

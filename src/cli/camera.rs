@@ -77,7 +77,7 @@ fn load_picture(path: &Path, args: &CameraArgs) -> Result<(Scene, Arc<Camera>)> 
 /// The keys of one kind, or the command's own help.
 fn help(kind: Option<&str>) -> Result<()> {
     if let Some(kind) = kind {
-        return print(kinds::keys(kind)?);
+        return print(&kinds::keys(kind)?);
     }
     let mut command = Cli::command();
     command.build();

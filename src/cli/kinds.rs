@@ -3,16 +3,53 @@
 use crate::camera::kinds::{NAMED, PLAIN};
 use crate::error::{Error, Result};
 
+/// The other ways to say where a viewer stands, of all kinds that have an eye and a target.
+const POSE: &str = include_str!("../camera/help/pose.txt");
+
 pub fn names() -> Vec<&'static str> {
     PLAIN.iter().map(|k| k.0).chain(NAMED.iter().map(|k| k.name)).collect()
 }
 
 /// # Errors
 /// [`Error::Input`] that lists the known kinds.
-pub fn keys(kind: &str) -> Result<&'static str> {
+pub fn keys(kind: &str) -> Result<String> {
     let plain = PLAIN.iter().find(|k| k.0 == kind).map(|k| k.1);
     let found = plain.or_else(|| NAMED.iter().find(|k| k.name == kind).map(|k| k.help));
-    found.ok_or_else(|| {
+    found.map(with_pose).ok_or_else(|| {
         Error::input(format!("--help {kind}: no such kind of camera in this version; known: {}", names().join(", ")))
     })
+}
+
+/// A title, keys and formulas, each after an empty line; a pose's other keys come behind the keys.
+fn with_pose(help: &str) -> String {
+    let mut parts: Vec<&str> = help.splitn(3, "\n\n").collect();
+    let has = |key: &str| parts[1].split(|c: char| !c.is_alphanumeric()).any(|word| word == key);
+    if has("eye") && has("target") {
+        parts.insert(2, POSE.trim_end());
+    }
+    parts.join("\n\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::file;
+
+    #[test]
+    fn poses_are_in_the_help_of_the_kinds_that_read_them() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("scene.toml");
+        // in tables of their own
+        let nested = ["bottom_up", "graph_camera", "mcop"];
+        for kind in names() {
+            // cross_slit knows a plane instead, lidar a file
+            std::fs::write(&path, format!("[camera]\nkind = {kind:?}\nunknown = 1\n")).unwrap();
+            let refusal = file::load(&path, &[], 0.0).unwrap_err().to_string();
+            assert!(refusal.contains("unknown key \"unknown\""), "{refusal}");
+            let reads = refusal.contains("quaternion") || nested.contains(&kind);
+            let help = keys(kind).unwrap();
+            assert_eq!(help.matches(POSE.trim_end()).count(), usize::from(reads), "{help}");
+            assert!(help.ends_with('\n'));
+        }
+    }
 }

@@ -16,8 +16,8 @@ mod tests;
 
 use std::path::{Path, PathBuf};
 
+pub(crate) use camera::read_camera;
 pub use camera::{CameraKind, CameraSpec, Named};
-pub(crate) use camera::{read_camera, read_pose};
 pub use caustics::CausticsSpec;
 pub use header::{CameraKeys, load_header};
 pub(crate) use mesh::read_mesh;

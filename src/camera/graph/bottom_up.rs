@@ -3,9 +3,10 @@
 
 use super::joints::Joints;
 use super::rails::{self, Depths};
-use super::view::{POSE_KEYS, Pose, View, beyond};
+use super::view::{Pinhole, View, beyond};
 use super::volume::Volume;
 use super::{Graph, Net};
+use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::error::{Error, Result};
 use crate::scene::file::reader::{Field, Table};
@@ -14,14 +15,14 @@ use std::sync::Arc;
 
 #[derive(Debug)]
 struct BottomUp {
-    views: [Pose; 2],
+    views: [Pinhole; 2],
     /// Shares of the image's width: left view, what is between, right view.
     weights: [f64; 3],
     near: f64,
     far: Option<f64>,
     /// Strips that what is between is cut into; `None`: by the angle between the views.
     lateral: Option<u64>,
-    root: Option<Pose>,
+    root: Option<Pinhole>,
     cut: Option<f64>,
     foreground: bool,
     joints: Joints,
@@ -59,12 +60,12 @@ fn read_shared(table: &Table, joints: Joints) -> Result<BottomUp> {
     let near = table.or("near", 0.0, |f| least(f, 0.0))?;
     let far = table.optional("far", |f| least(f, near))?;
     Ok(BottomUp {
-        views: [read_pose(&left)?, read_pose(&right)?],
+        views: [read_pinhole(&left)?, read_pinhole(&right)?],
         weights,
         near,
         far,
         lateral: None,
-        root: table.optional("root", read_pose)?,
+        root: table.optional("root", read_pinhole)?,
         cut: table.optional("cut", |f| least(f, 0.0))?.filter(|cut| *cut > 0.0),
         foreground: false,
         joints,
@@ -72,10 +73,10 @@ fn read_shared(table: &Table, joints: Joints) -> Result<BottomUp> {
     })
 }
 
-fn read_pose(field: &Field) -> Result<Pose> {
+fn read_pinhole(field: &Field) -> Result<Pinhole> {
     let table = field.table()?;
-    table.allow(&POSE_KEYS)?;
-    Pose::read(&table)
+    table.allow(&[&["vfov"], &POSE[..]].concat())?;
+    Pinhole::read(&table)
 }
 
 fn read_weights(field: &Field) -> Result<[f64; 3]> {
@@ -139,18 +140,18 @@ impl BottomUp {
             View::new(&self.views[k], height, centres[k]).map_err(|e| Error::input(in_view(k, &e.to_string())))
         };
         let views = [view(0)?, view(1)?];
-        let pose = self.root.unwrap_or_else(|| self.default_root(&views, &centres));
-        let root = View::new(&pose, height, rails::middle((width, height)))?;
+        let pinhole = self.root.unwrap_or_else(|| self.default_root(&views, &centres));
+        let root = View::new(&pinhole, height, rails::middle((width, height)))?;
         let eyes = [views[0].eye(), views[1].eye(), root.eye()];
-        let reach = self.views.iter().map(|v| (v.target - v.eye).length()).fold(1000.0 * self.near, f64::max);
+        let reach = self.views.iter().map(|v| v.pose.distance()).fold(1000.0 * self.near, f64::max);
         let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &eyes, 1000.0 * reach).max(2.0 * self.near));
         Ok(Layout { between_px, views, root, far })
     }
 
     /// A view from before both: it sees the views' eyes where their middles land, and looks along both.
-    fn default_root(&self, views: &[View; 2], centres: &[DVec2; 2]) -> Pose {
+    fn default_root(&self, views: &[View; 2], centres: &[DVec2; 2]) -> Pinhole {
         let way = views[1].eye() - views[0].eye();
-        let up = self.views[0].up;
+        let up = self.views[0].pose.up;
         let vfov = self.views[0].vfov.max(self.views[1].vfov);
         // ahead is also what has the left view on its left: all that is left where the views look in opposite directions
         let along = views[0].forward() + views[1].forward() + up.cross(way).normalize_or_zero();
@@ -160,7 +161,7 @@ impl BottomUp {
         let step = views[0].steps()[0].length().max(views[1].steps()[0].length());
         let back = if way == DVec3::ZERO { 1.0 } else { way.length() / (px_per_unit * step) };
         let middle = (views[0].eye() + views[1].eye()) / 2.0;
-        Pose { eye: middle - back * forward, target: middle, up, vfov }
+        Pinhole { pose: Pose::look_at(middle - back * forward, middle, up), vfov }
     }
 
     /// Cut planes of the root: halfway to the views' near faces where no cut is given.

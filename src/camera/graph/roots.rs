@@ -2,7 +2,8 @@
 
 use super::outline::{self, Outline};
 use super::rails;
-use super::view::{Pose, View};
+use super::view::{Pinhole, View};
+use crate::camera::pose::Pose;
 use crate::error::{Error, Result};
 use glam::{DVec2, DVec3};
 
@@ -19,7 +20,7 @@ pub enum Layout {
 /// A view of the root, and the part of the image that it fills.
 pub struct Root {
     pub view: View,
-    pub pose: Pose,
+    pub pinhole: Pinhole,
     /// Pixels that its vfov spans.
     pub height: u32,
     pub middle_px: DVec2,
@@ -29,11 +30,11 @@ pub struct Root {
 
 /// The views of a root, in the order left, front, right, back, up, down where it is a cube. A plain root's outline is left
 /// empty.
-pub fn roots(pose: &Pose, layout: Layout, (width, height): (u32, u32)) -> Result<Vec<Root>> {
+pub fn roots(pinhole: &Pinhole, layout: Layout, (width, height): (u32, u32)) -> Result<Vec<Root>> {
     let middle = rails::middle((width, height));
     if layout == Layout::Plain {
-        let view = View::new(pose, height, middle)?;
-        return Ok(vec![Root { view, pose: *pose, height, middle_px: middle, outline: Outline::new() }]);
+        let view = View::new(pinhole, height, middle)?;
+        return Ok(vec![Root { view, pinhole: *pinhole, height, middle_px: middle, outline: Outline::new() }]);
     }
     let (columns, rows) = if layout == Layout::Cross { (4, 3) } else { (6, 1) };
     let side = (width / columns).min(height / rows);
@@ -43,7 +44,7 @@ pub fn roots(pose: &Pose, layout: Layout, (width, height): (u32, u32)) -> Result
         )));
     }
     let start = DVec2::new(((width - columns * side) / 2) as f64, ((height - rows * side) / 2) as f64);
-    let front = View::new(pose, side, middle)?;
+    let front = View::new(pinhole, side, middle)?;
     let [right, down] = front.steps().map(DVec3::normalize);
     let (f, r, u) = (front.forward(), right, -down);
     let around = [(-r, u), (f, u), (r, u), (-f, u), (u, -f), (-u, f)];
@@ -57,10 +58,11 @@ pub fn roots(pose: &Pose, layout: Layout, (width, height): (u32, u32)) -> Result
         let (column, row) = cell(k);
         let lo = start + DVec2::new(column as f64, row as f64) * side as f64;
         let hi = lo + side as f64;
-        let of_face = Pose { target: pose.eye + forward, up, ..*pose };
+        let eye = pinhole.pose.eye;
+        let of_face = Pinhole { pose: Pose::look_at(eye, eye + forward, up), ..*pinhole };
         let middle_px = (lo + hi) / 2.0;
         let view = View::new(&of_face, side, middle_px)?;
-        Ok(Root { view, pose: of_face, height: side, middle_px, outline: outline::rectangle(lo, hi) })
+        Ok(Root { view, pinhole: of_face, height: side, middle_px, outline: outline::rectangle(lo, hi) })
     };
     around.into_iter().enumerate().map(face).collect()
 }

@@ -8,18 +8,18 @@ use super::outline::{self, Outline};
 use super::path::Occluders;
 use super::rails::{self, Depths};
 use super::roots::{self, Layout, Root};
-use super::view::{POSE_KEYS, Pose, View, beyond};
+use super::view::{Pinhole, View, beyond};
 use crate::camera::named::values::length;
+use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::error::{Error, Result};
-use crate::scene::file::read_pose;
 use crate::scene::file::reader::{Field, Table};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
 #[derive(Debug)]
 struct TopDown {
-    root: Pose,
+    root: Pinhole,
     layout: Layout,
     regions: Vec<Region>,
     /// Width of the transitions, in parts of the root view's height.
@@ -35,16 +35,25 @@ struct TopDown {
 struct Region {
     /// Image coordinates (a, b).
     outline: Outline,
-    eye: DVec3,
-    target: Option<DVec3>,
-    up: Option<DVec3>,
+    viewpoint: Viewpoint,
     vfov: Option<f64>,
+}
+
+#[derive(Debug)]
+enum Viewpoint {
+    Posed(Pose),
+    /// What is not given is the root's: what it sees in the middle, and its up.
+    At {
+        eye: DVec3,
+        target: Option<DVec3>,
+        up: Option<DVec3>,
+    },
 }
 
 /// Reads the keys of help/top_down.txt.
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    let own = ["kind", "layout", "regions", "band", "near", "far", "foreground", "cut"];
-    table.allow(&[&own[..], &POSE_KEYS, &Joints::KEYS].concat())?;
+    let own = ["kind", "vfov", "layout", "regions", "band", "near", "far", "foreground", "cut"];
+    table.allow(&[&own[..], &POSE, &Joints::KEYS].concat())?;
     let layout = table.or("layout", Layout::Plain, |field| match field.text()? {
         "plain" => Ok(Layout::Plain),
         "cross" => Ok(Layout::Cross),
@@ -52,12 +61,9 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         _ => Err(field.error("use layout = \"plain\", \"cross\" or \"strip\"")),
     })?;
     let root = match (layout, table.get("vfov")) {
-        (Layout::Plain, _) => Pose::read(table)?,
+        (Layout::Plain, _) => Pinhole::read(table)?,
         (_, Some(vfov)) => return Err(vfov.error("a cube's faces are 90 degrees high; leave vfov out")),
-        _ => {
-            let (eye, target, up) = read_pose(table)?;
-            Pose { eye, target, up, vfov: 90.0 }
-        }
+        _ => Pinhole { pose: Pose::read(table)?, vfov: 90.0 },
     };
     let foreground = table.or("foreground", false, Field::boolean)?;
     for key in ["cut", "longitudinal", "join"] {
@@ -83,7 +89,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 
 fn read_region(field: &Field) -> Result<Region> {
     let table = field.table()?;
-    table.allow(&["rect", "polygon", "eye", "target", "up", "vfov"])?;
+    table.allow(&[&["rect", "polygon", "vfov"], &POSE[..]].concat())?;
     let outline = match (table.get("rect"), table.get("polygon")) {
         (Some(rect), None) => {
             let [a0, b0, a1, b1] = rect.numbers("four numbers, as [a0, b0, a1, b1]")?;
@@ -102,13 +108,15 @@ fn read_region(field: &Field) -> Result<Region> {
         }
         _ => return Err(table.error("a region has either rect = [a0, b0, a1, b1] or polygon = [[a, b], ...]")),
     };
-    Ok(Region {
-        outline,
-        eye: table.need("eye", "[0, 9, 0]")?.vec3()?,
-        target: table.optional("target", Field::vec3)?,
-        up: table.optional("up", Field::vec3)?,
-        vfov: table.optional("vfov", Field::number)?,
-    })
+    let viewpoint = match Pose::read_turned(&table)? {
+        Some(pose) => Viewpoint::Posed(pose),
+        None => Viewpoint::At {
+            eye: table.need("eye", "[0, 9, 0]")?.vec3()?,
+            target: table.optional("target", Field::vec3)?,
+            up: table.optional("up", Field::vec3)?,
+        },
+    };
+    Ok(Region { outline, viewpoint, vfov: table.optional("vfov", Field::number)? })
 }
 
 /// A region where it lands.
@@ -130,7 +138,7 @@ impl Recipe for TopDown {
         }
         let root = |k: usize| roots[mesh.root_of[k]].view;
         let eyes: Vec<DVec3> = roots.iter().map(|r| r.view.eye()).chain(patches.iter().map(|p| p.view.eye())).collect();
-        let reach = (self.root.target - self.root.eye).length().max(1000.0 * self.near);
+        let reach = self.root.pose.distance().max(1000.0 * self.near);
         let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &eyes, 1000.0 * reach).max(2.0 * self.near));
         let depths = self.foreground.then(|| self.depths(&mesh, &patches, &roots, far));
         let far = depths.map_or(far, |d| d[2]);
@@ -162,7 +170,8 @@ impl TopDown {
     /// The regions where they land; a plain root's outline is drawn around the image and all of them.
     fn patches(&self, setting: &Setting, roots: &mut [Root], (width, height): (u32, u32)) -> Result<Vec<Patch>> {
         let size = DVec2::new(width as f64, height as f64);
-        let occluders = self.regions.iter().any(|r| r.target.is_none()).then(|| Occluders::of(setting.mesh()));
+        let looks = |r: &Region| matches!(r.viewpoint, Viewpoint::At { target: None, .. });
+        let occluders = self.regions.iter().any(looks).then(|| Occluders::of(setting.mesh()));
         let mut patches: Vec<Patch> = Vec::new();
         for (k, region) in self.regions.iter().enumerate() {
             let error = |message: String| Error::input(format!("camera.regions.{k}: {message}"));
@@ -189,23 +198,24 @@ impl TopDown {
             if self.layout != Layout::Plain && !outer.iter().all(|q| q.cmpge(face_lo).all() && q.cmple(face_hi).all()) {
                 return Err(error("leaves its face of the cube, its band included; make it or band smaller".into()));
             }
-            let target = region.target.unwrap_or_else(|| {
+            let seen = || {
                 let ray = root.view.ray(middle);
                 let seen = occluders.as_ref().and_then(|o| o.first(ray.origin, ray.direction, f64::INFINITY));
-                ray.origin + seen.unwrap_or((root.pose.target - root.pose.eye).length()) * ray.direction
-            });
-            let pose = Pose {
-                eye: region.eye,
-                target,
-                up: region.up.unwrap_or(root.pose.up),
-                vfov: region.vfov.unwrap_or(root.pose.vfov),
+                ray.origin + seen.unwrap_or(root.pinhole.pose.distance()) * ray.direction
             };
+            let pose = match region.viewpoint {
+                Viewpoint::Posed(pose) => pose,
+                Viewpoint::At { eye, target, up } => {
+                    Pose::look_at(eye, target.unwrap_or_else(seen), up.unwrap_or(root.pinhole.pose.up))
+                }
+            };
+            let pinhole = Pinhole { pose, vfov: region.vfov.unwrap_or(root.pinhole.vfov) };
             // a whole number of pixels from the plain view's middle, so that their grids are one
             let centre = root.middle_px + (middle - root.middle_px).round();
-            let view = View::new(&pose, root.height, centre).map_err(|e| {
+            let view = View::new(&pinhole, root.height, centre).map_err(|e| {
                 let message = e.to_string();
                 let rest = message.strip_prefix("camera").unwrap_or(&message);
-                Error::input(format!("camera.regions.{k}{rest} (the region looks at {})", place(target)))
+                Error::input(format!("camera.regions.{k}{rest} (the region looks at {})", place(pose.target)))
             })?;
             patches.push(Patch { view, root: at, inner, outer });
         }

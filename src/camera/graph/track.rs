@@ -12,9 +12,10 @@ use super::blend::{Seen, Target, graphs};
 use super::joints::Joints;
 use super::path::{Occluders, Sight, Way};
 use super::top_down::fold_note;
-use super::view::{POSE_KEYS, Pose, View, beyond};
+use super::view::{Pinhole, View, beyond};
 use super::{Graph, rails};
 use crate::camera::Rays;
+use crate::camera::pose::KEYS as POSE;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::error::Result;
 use crate::scene::file::reader::{Field, Table};
@@ -23,7 +24,7 @@ use std::sync::Arc;
 
 #[derive(Debug)]
 struct Track {
-    pose: Pose,
+    pinhole: Pinhole,
     targets: Vec<Target>,
     /// Right and up, of the ways that rays may be moved; empty: any of eight.
     bend: Vec<(f64, f64)>,
@@ -33,7 +34,7 @@ struct Track {
 
 /// Reads the keys of help/track.txt.
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&[&["kind", "targets", "bend", "far"], &POSE_KEYS[..], &Joints::KEYS].concat())?;
+    table.allow(&[&["kind", "vfov", "targets", "bend", "far"], &POSE[..], &Joints::KEYS].concat())?;
     let targets = table.need("targets", "[{ at = [0, 1, 0], radius = 1 }]")?;
     let bend = table.or("bend", Vec::new(), |field| match field.text()? {
         "auto" => Ok(Vec::new()),
@@ -44,7 +45,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         _ => Err(field.error("use bend = \"auto\", \"up\", \"down\", \"left\" or \"right\"")),
     })?;
     Ok(Arc::new(Track {
-        pose: Pose::read(table)?,
+        pinhole: Pinhole::read(table)?,
         targets: targets.items("a list of targets")?.map(|t| read_target(&t)).collect::<Result<_>>()?,
         bend,
         far: table.optional("far", |f| super::bottom_up::least(f, 0.0))?,
@@ -70,7 +71,7 @@ const OUTLINE: usize = 8;
 impl Recipe for Track {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let size = setting.size()?;
-        let view = View::new(&self.pose, size.1, rails::middle(size))?;
+        let view = View::new(&self.pinhole, size.1, rails::middle(size))?;
         let occluders = Occluders::of(setting.mesh());
         let (mut notes, mut unmet) = (Vec::new(), Vec::new());
         let mut seen = self.seen(&view, size, &mut notes, &mut unmet);

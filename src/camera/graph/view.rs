@@ -3,28 +3,23 @@
 use super::super::bundle::{Bundle, Ray};
 use super::super::central;
 use super::super::pieces::{Piece, Pieces};
+use super::super::pose::Pose;
 use crate::error::Result;
-use crate::scene::file::read_pose;
 use crate::scene::file::reader::Table;
 use crate::scene::mesh::Mesh;
 use glam::{DVec2, DVec3};
 
 /// A pinhole camera as a scene file gives it; `vfov` in degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
-    pub eye: DVec3,
-    pub target: DVec3,
-    pub up: DVec3,
+pub struct Pinhole {
+    pub pose: Pose,
     pub vfov: f64,
 }
 
-/// The keys of a pose.
-pub const POSE_KEYS: [&str; 4] = ["eye", "target", "up", "vfov"];
-
-impl Pose {
-    pub fn read(table: &Table) -> Result<Pose> {
-        let (eye, target, up) = read_pose(table)?;
-        Ok(Pose { eye, target, up, vfov: table.need("vfov", "40")?.number()? })
+impl Pinhole {
+    /// Its keys are a pose's and `vfov`.
+    pub fn read(table: &Table) -> Result<Pinhole> {
+        Ok(Pinhole { pose: Pose::read(table)?, vfov: table.need("vfov", "40")?.number()? })
     }
 }
 
@@ -37,8 +32,8 @@ pub struct View {
 
 impl View {
     /// `vfov` spans `height` pixels; the view's axis is at `centre_px`.
-    pub fn new(pose: &Pose, height: u32, centre_px: DVec2) -> Result<View> {
-        Ok(View { bundle: central::pinhole(pose.eye, pose.target, pose.up, pose.vfov, height)?, centre_px })
+    pub fn new(pinhole: &Pinhole, height: u32, centre_px: DVec2) -> Result<View> {
+        Ok(View { bundle: central::pinhole(&pinhole.pose, pinhole.vfov, height)?, centre_px })
     }
 
     /// All of the view as a camera of one piece.

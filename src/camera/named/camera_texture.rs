@@ -2,7 +2,7 @@
 
 mod bilinear;
 
-use super::pose::Pose;
+use super::pose::{POSE, Pose};
 use super::strips::central;
 use crate::camera::Rays;
 use crate::camera::bundle::Bundle;
@@ -40,8 +40,8 @@ struct Offsets {
 const CROSSINGS_MAX: usize = 1 << 20;
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    let own = ["eye", "target", "up", "vfov", "file", "offsets", "scale", "mode"];
-    table.allow(&[&["kind", "t_range"], &own[..], &KEYS].concat())?;
+    let own = ["vfov", "file", "offsets", "scale", "mode"];
+    table.allow(&[&["kind", "t_range"], &POSE[..], &own, &KEYS].concat())?;
     let bilinear = table.or("mode", false, |field| match field.text()? {
         "affine" => Ok(false),
         "bilinear" => Ok(true),
@@ -104,11 +104,10 @@ fn read_inline(field: &Field) -> Result<Offsets> {
 impl Recipe for CameraTexture {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let (w, h) = setting.size()?;
-        let Pose { eye, target, up } = self.pose;
-        let base = Base { bundle: pinhole(eye, target, up, self.vfov, h)?, size: DVec2::new(w.into(), h.into()) };
+        let base = Base { bundle: pinhole(&self.pose, self.vfov, h)?, size: DVec2::new(w.into(), h.into()) };
         let cells = self.cells();
         if !self.bilinear {
-            return affine(&cells, &base, eye, (w, h));
+            return affine(&cells, &base, self.pose.eye, (w, h));
         }
         let inverse = Inverse::new(cells, base);
         let (folded, all) = (inverse.folded(), inverse.len());

@@ -3,7 +3,7 @@
 //! Zomet, Feldman, Peleg and Weinshall 2003, and Yu, Yu and McMillan 2009, section 3.1. Through the image place X goes one line
 //! that meets the slits `p1 + s d1` and `p2 + s d2`: the planes of X with each slit cut each other in it.
 
-use super::pose::Pose;
+use super::pose::{POSE, Pose};
 use super::values::{direction, length};
 use crate::camera::cut::{self, Cut};
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -71,7 +71,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         }
         Window::Plane(plane)
     } else {
-        table.allow(&[&["kind", "t_range", "eye", "target", "up", "height", "slits"][..], &cut::KEYS].concat())?;
+        table.allow(&[&["kind", "t_range", "height", "slits"][..], &POSE, &cut::KEYS].concat())?;
         Window::View { pose: Pose::read(table)?, height: length(&table.need("height", "3")?)? }
     };
     let expected = "two slits, as [{ distance = 8, angle = 90 }, { distance = 5, angle = 0 }]";

@@ -1,6 +1,6 @@
 //! `cylinder`: the horizontal angle and the tangent of elevation become image coordinates; exact, or in strips.
 
-use super::pose::{Central, Lens, Pose};
+use super::pose::{Central, Lens, POSE, Pose};
 use super::strips::{self, Grid};
 use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -23,7 +23,7 @@ struct Cylinder {
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&[&["kind", "t_range", "eye", "target", "up", "fov", "vfov", "tan", "strips"][..], &KEYS].concat())?;
+    table.allow(&[&["kind", "t_range", "fov", "vfov", "tan", "strips"][..], &POSE, &KEYS].concat())?;
     let fov = table.or("fov", 360.0, |field| match field.number()? {
         fov if fov > 0.0 && fov <= 360.0 => Ok(fov),
         fov => Err(field.error(format_args!("{fov} degrees; must be over 0 and at most 360"))),

@@ -1,6 +1,6 @@
 //! `fisheye`: the angle from the view direction becomes a distance from the image's middle.
 
-use super::pose::{Central, Lens, Pose};
+use super::pose::{Central, Lens, POSE, Pose};
 use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::error::Result;
@@ -73,7 +73,7 @@ struct Fisheye {
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&[&["kind", "t_range", "eye", "target", "up", "fov", "mapping", "frame"][..], &KEYS].concat())?;
+    table.allow(&[&["kind", "t_range", "fov", "mapping", "frame"][..], &POSE, &KEYS].concat())?;
     let mapping = table.or("mapping", Mapping::Equidistant, Mapping::read)?;
     let fov = table.need("fov", "180")?;
     let (widest, reached) = mapping.widest();

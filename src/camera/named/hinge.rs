@@ -3,7 +3,7 @@
 //! Yu, Yu and McMillan 2009, section 5.3 (faux animation): turning the second camera seems to turn what it sees, and the picture
 //! stays whole.
 
-use super::pose::Pose;
+use super::pose::{POSE, Pose};
 use super::values::{angle_within, half_tangent, length};
 use crate::camera::mesh::triangle;
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -29,7 +29,7 @@ struct Hinge {
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&["kind", "t_range", "eye", "target", "up", "vfov", "path", "column", "angle", "side"])?;
+    table.allow(&[&["kind", "t_range", "vfov", "path", "column", "angle", "side"], &POSE[..]].concat())?;
     Ok(Arc::new(Hinge {
         pose: Pose::read(table)?,
         k: half_tangent(&table.need("vfov", "40")?)?,
@@ -61,7 +61,7 @@ impl Recipe for Hinge {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let (w, h) = setting.size()?;
         let view = self.pose.view()?;
-        let (half_path, distance) = (self.path / 2.0, self.pose.eye.distance(self.pose.target));
+        let (half_path, distance) = (self.path / 2.0, self.pose.distance());
         let (half_width, half_height) = (self.k * distance * w as f64 / h as f64, self.k * distance);
         let (sin, cos) = self.angle.to_radians().sin_cos();
         let at_hinge = 2.0 * self.column - 1.0;

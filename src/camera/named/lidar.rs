@@ -1,6 +1,6 @@
 //! `lidar`: rays that make no picture: any list of them, or a spinning scanner's.
 
-use super::pose::Pose;
+use super::pose::{POSE, Pose};
 use crate::camera::central::View;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Ray, RayMap, Rays};
@@ -21,8 +21,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         table.allow(&LIST_KEYS)?;
         return read_list(&file);
     }
-    let own = ["eye", "target", "up", "beams", "columns", "start", "sweep", "velocity", "period"];
-    table.allow(&[&LIST_KEYS[..], &own[..]].concat())?;
+    let own = ["beams", "columns", "start", "sweep", "velocity", "period"];
+    table.allow(&[&LIST_KEYS[..], &POSE, &own].concat())?;
     let beams = table.need("beams", "[15, 0, -15], or file = \"rays.npy\"")?;
     let elevations: Vec<f64> =
         beams.items("the beams' elevations in degrees")?.map(|beam| beam.number()).collect::<Result<_>>()?;

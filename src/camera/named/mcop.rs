@@ -2,6 +2,7 @@
 //!
 //! Rademacher and Bishop 1998, sections 3 and 4.
 
+use super::pose::{POSE, Pose};
 use super::values::{direction, half_tangent, length};
 use crate::camera::central::view;
 use crate::camera::cut::{self, Cut};
@@ -65,12 +66,9 @@ fn read_keys(table: &Table) -> Result<Path> {
 
 fn read_key(field: &Field) -> Result<Key> {
     let table = field.table()?;
-    table.allow(&["eye", "target", "up"])?;
-    let key = [
-        table.need("eye", "[0, 1, 5]")?.vec3()?,
-        table.need("target", "[0, 0, 0]")?.vec3()?,
-        table.or("up", DVec3::Y, Field::vec3)?,
-    ];
+    table.allow(&POSE)?;
+    let pose = Pose::read(&table)?;
+    let key = [pose.eye, pose.target, pose.up];
     view(key[0], key[1], key[2])
         .map_err(|_| field.error("no view: eye and target coincide, or up lies along the view"))?;
     Ok(key)

@@ -1,6 +1,6 @@
 //! `ods`: an omni-directional stereo pair, the left eye's picture above the right eye's.
 
-use super::pose::Pose;
+use super::pose::{POSE, Pose};
 use crate::camera::central::View;
 use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -20,7 +20,7 @@ struct Ods {
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&[&["kind", "t_range", "eye", "target", "up", "ipd"][..], &KEYS].concat())?;
+    table.allow(&[&["kind", "t_range", "ipd"][..], &POSE, &KEYS].concat())?;
     let ipd = table.need("ipd", "0.064")?;
     let length = ipd.number()?;
     if length < 0.0 {

@@ -4,7 +4,7 @@ mod file;
 mod lens;
 mod roots;
 
-use super::pose::Pose;
+use super::pose::{POSE, Pose};
 use crate::camera::central::View;
 use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -37,8 +37,8 @@ struct Shutter {
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    let own = ["eye", "target", "up", "file", "model", "line_time", "velocity", "angular_velocity"];
-    table.allow(&[&["kind", "t_range"], &own[..], &KEYS].concat())?;
+    let own = ["file", "model", "line_time", "velocity", "angular_velocity"];
+    table.allow(&[&["kind", "t_range"], &POSE[..], &own, &KEYS].concat())?;
     let file = table.need("file", "\"camera.yml\"")?;
     let intrinsics = file::read(&file.path()?)?;
     let fisheye = table.or("model", false, |field| match field.text()? {

@@ -1,6 +1,6 @@
 //! `panini`: a cylinder seen from behind its axis, for wide pictures whose verticals stay straight.
 
-use super::pose::{Central, Lens, Pose};
+use super::pose::{Central, Lens, POSE, Pose};
 use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::error::Result;
@@ -21,7 +21,7 @@ struct Panini {
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&[&["kind", "t_range", "eye", "target", "up", "fov", "d", "s"][..], &KEYS].concat())?;
+    table.allow(&[&["kind", "t_range", "fov", "d", "s"][..], &POSE, &KEYS].concat())?;
     let d = table.or("d", 1.0, |field| match field.number()? {
         d if d >= 0.0 => Ok(d),
         d => Err(field.error(format_args!("{d} must not be under 0"))),

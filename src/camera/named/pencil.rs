@@ -3,7 +3,7 @@
 //! Yu and McMillan 2004, section 3; Yu, Yu and McMillan 2009, section 3.1: the two classes of general linear cameras whose
 //! characteristic equation has a double root, or none, and is no multiple of the identity there.
 
-use super::pose::Pose;
+use super::pose::{POSE, Pose};
 use super::values::{angle_within, half_tangent, length};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Bundle, Pieces, Rays};
@@ -24,7 +24,7 @@ struct Pencil {
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&["kind", "t_range", "eye", "target", "up", "vfov", "slit", "angle"])?;
+    table.allow(&[&["kind", "t_range", "vfov", "slit", "angle"], &POSE[..]].concat())?;
     Ok(Arc::new(Pencil {
         pose: Pose::read(table)?,
         k: half_tangent(&table.need("vfov", "40")?)?,
@@ -41,7 +41,7 @@ impl Recipe for Pencil {
         // the eye moves along the slit with the image place's distance from it
         let shift = self.slit / 2.0 * (cos * view.right + sin * view.up);
         let (px, py) = (-sin * aspect * shift, cos * shift);
-        let per_t = 1.0 / self.pose.eye.distance(self.pose.target);
+        let per_t = 1.0 / self.pose.distance();
         let d = [view.forward, self.k * aspect * view.right - per_t * px, self.k * view.up - per_t * py];
         let bundle = Bundle::over_image([self.pose.eye, px, py], d, size);
         Ok(Built::new(size, Rays::Pieces(Pieces::whole(bundle, size.0, size.1))))
@@ -58,7 +58,7 @@ struct Twisted {
 }
 
 pub fn read_twisted(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&["kind", "t_range", "eye", "target", "up", "height", "angle"])?;
+    table.allow(&[&["kind", "t_range", "height", "angle"], &POSE[..]].concat())?;
     Ok(Arc::new(Twisted {
         pose: Pose::read(table)?,
         height: length(&table.need("height", "10")?)?,
@@ -71,7 +71,7 @@ impl Recipe for Twisted {
         let size = setting.size()?;
         let (view, half) = (self.pose.view()?, self.height / 2.0);
         let turned = self.turn * view.right;
-        let distance = self.pose.eye.distance(self.pose.target);
+        let distance = self.pose.distance();
         let p = [self.pose.eye, half * size.0 as f64 / size.1 as f64 * view.right, half * view.up - distance * turned];
         let bundle = Bundle::over_image(p, [view.forward, DVec3::ZERO, turned], size);
         Ok(Built::new(size, Rays::Pieces(Pieces::whole(bundle, size.0, size.1))))

@@ -1,6 +1,6 @@
 //! `sphere`: longitude and latitude become image coordinates (equirectangular); exact, or in perspective cells.
 
-use super::pose::{Central, Lens, Pose};
+use super::pose::{Central, Lens, POSE, Pose};
 use super::strips::{self, Grid};
 use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -28,7 +28,7 @@ struct Angles {
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&[&["kind", "t_range", "eye", "target", "up", "lon", "lat", "strips"][..], &KEYS].concat())?;
+    table.allow(&[&["kind", "t_range", "lon", "lat", "strips"][..], &POSE, &KEYS].concat())?;
     let lon = table.or("lon", [-180.0, 180.0], |f| read_range(f, "two longitudes in degrees, as [-180, 180]"))?;
     if lon[1] - lon[0] > 360.0 {
         return Err(table.error("lon: the longitudes span over 360 degrees; no ray is wanted twice"));

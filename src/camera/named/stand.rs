@@ -1,7 +1,8 @@
 //! Where a viewer stands, and planes across the view at some depth: what the viewing volumes of Brosz et al. are built of.
 
+use super::pose::{POSE, Pose};
 use super::values::half_tangent;
-use crate::camera::central::{View, view};
+use crate::camera::central::View;
 use crate::camera::projector::surface::Plane;
 use crate::error::Result;
 use crate::scene::file::reader::{Field, Table};
@@ -19,16 +20,21 @@ pub struct Stand {
     pub far: f64,
 }
 
-/// The keys of [`Stand::read`].
-pub const KEYS: [&str; 7] = ["kind", "eye", "target", "up", "vfov", "near", "far"];
+/// The keys of [`Stand::read`] beside those of a pose.
+const KEYS: [&str; 4] = ["kind", "vfov", "near", "far"];
 
 impl Stand {
     /// Reads the viewer; near and far are `depths` times the target's distance where they are not given.
     pub fn read(table: &Table, depths: [f64; 2]) -> Result<Stand> {
-        let eye = table.or("eye", DVec3::new(0.0, 0.0, 4.0), Field::vec3)?;
-        let target = table.or("target", DVec3::ZERO, Field::vec3)?;
-        let view = view(eye, target, table.or("up", DVec3::Y, Field::vec3)?)?;
-        let distance = eye.distance(target);
+        let pose = match Pose::read_turned(table)? {
+            Some(pose) => pose,
+            None => {
+                let eye = table.or("eye", DVec3::new(0.0, 0.0, 4.0), Field::vec3)?;
+                let target = table.or("target", DVec3::ZERO, Field::vec3)?;
+                Pose::look_at(eye, target, table.or("up", DVec3::Y, Field::vec3)?)
+            }
+        };
+        let (eye, view, distance) = (pose.eye, pose.view()?, pose.distance());
         let near = table.or("near", depths[0] * distance, Field::number)?;
         let far = table.or("far", depths[1] * distance, Field::number)?;
         if !(near >= 0.0 && far > near) {
@@ -76,5 +82,5 @@ pub fn aspect((width, height): (u32, u32)) -> f64 {
 
 /// The keys of a viewer and `own` ones are all that the table may have.
 pub fn allow(table: &Table, own: &[&str]) -> Result<()> {
-    table.allow(&[&KEYS[..], own].concat())
+    table.allow(&[&KEYS[..], &POSE, own].concat())
 }

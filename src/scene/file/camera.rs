@@ -10,6 +10,7 @@ use super::mesh_camera::{MeshCameraSpec, read_mesh_camera};
 use super::node::{nearest, quote};
 use super::reader::{Field, Table};
 use crate::camera::kinds::NAMED;
+use crate::camera::pose::{self, Pose};
 use crate::camera::recipe::Recipe;
 use crate::error::Result;
 
@@ -19,6 +20,20 @@ pub struct CameraSpec {
     pub kind: CameraKind,
     /// The ends of t, inclusive; the first finite or -inf, the second finite or +inf, in order.
     pub t_range: [f64; 2],
+}
+
+impl CameraKind {
+    /// As a scene file says it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            CameraKind::Pinhole { .. } => "pinhole",
+            CameraKind::Orthographic { .. } => "orthographic",
+            CameraKind::Glc { .. } => "glc",
+            CameraKind::Mesh(_) => "mesh",
+            CameraKind::Raymap { .. } => "raymap",
+            CameraKind::Named(named) => named.name,
+        }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -101,22 +116,15 @@ fn unknown_kind(field: &Field, kind: &str) -> crate::error::Error {
 }
 
 fn read_pinhole(table: &Table) -> Result<CameraKind> {
-    table.allow(&["kind", "t_range", "eye", "target", "up", "vfov"])?;
-    let (eye, target, up) = read_pose(table)?;
+    table.allow(&[&["kind", "t_range"], &pose::KEYS[..], &["vfov"]].concat())?;
+    let (eye, target, up) = Pose::read(table)?.directed();
     Ok(CameraKind::Pinhole { eye, target, up, vfov: table.need("vfov", "40")?.number()? })
 }
 
 fn read_orthographic(table: &Table) -> Result<CameraKind> {
-    table.allow(&["kind", "t_range", "eye", "target", "up", "height"])?;
-    let (eye, target, up) = read_pose(table)?;
+    table.allow(&[&["kind", "t_range"], &pose::KEYS[..], &["height"]].concat())?;
+    let (eye, target, up) = Pose::read(table)?.directed();
     Ok(CameraKind::Orthographic { eye, target, up, height: table.need("height", "10")?.number()? })
-}
-
-/// The keys `eye`, `target` and `up`.
-pub(crate) fn read_pose(table: &Table) -> Result<(DVec3, DVec3, DVec3)> {
-    let eye = table.need("eye", "[0, 0, 5]")?.vec3()?;
-    let target = table.need("target", "[0, 0, 0]")?.vec3()?;
-    Ok((eye, target, table.or("up", DVec3::Y, Field::vec3)?))
 }
 
 fn read_glc(table: &Table) -> Result<CameraKind> {

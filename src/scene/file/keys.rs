@@ -1,8 +1,10 @@
-//! Keyframes: a list of `{ frame, value }` keys stands for the value at one frame, whatever it is the value of.
+//! Keyframes: a list of `{ frame, value }` keys stands for the value at one frame, whatever it is the value of; only
+//! quaternions are not interpolated number by number.
 
 use super::node::{Node, Value};
 use super::reader::{Field, Source};
 use crate::error::Result;
+use glam::{DQuat, DVec4};
 
 /// One key: its frame, and the number or list of numbers that holds there.
 struct Key<'a> {
@@ -17,7 +19,8 @@ struct Key<'a> {
 pub(super) fn pick(node: &mut Node, key: &str, source: &Source, frame: f64) -> Result<()> {
     match &mut node.value {
         Value::List(items) if is_keys(items) => {
-            node.value = value_at(&Field::new(source, key, node), frame)?;
+            let rule = if key.rsplit('.').next() == Some("quaternion") { turned } else { between };
+            node.value = value_at(&Field::new(source, key, node), frame, rule)?;
             Ok(())
         }
         Value::List(items) => {
@@ -46,12 +49,12 @@ fn is_keys(items: &[Node]) -> bool {
     !items.is_empty() && items.iter().all(is_key)
 }
 
-fn value_at(list: &Field, frame: f64) -> Result<Value> {
+fn value_at(list: &Field, frame: f64, rule: fn(&Key, &Key, f64) -> Value) -> Result<Value> {
     let keys = list.items("keys")?.map(|item| read_key(&item)).collect::<Result<Vec<Key>>>()?;
     keys.windows(2).try_for_each(|pair| check_order(&pair[0], &pair[1]))?;
     let next = keys.partition_point(|k| k.frame <= frame);
     let value = match (next.checked_sub(1).map(|k| &keys[k]), keys.get(next)) {
-        (Some(a), Some(b)) if a.frame < frame => between(a, b, frame),
+        (Some(a), Some(b)) if a.frame < frame => rule(a, b, frame),
         // as written: not all whole numbers are f64
         (Some(key), _) | (None, Some(key)) => key.value.node().value.clone(),
         (None, None) => unreachable!("is_keys: there is a key"),
@@ -62,6 +65,10 @@ fn value_at(list: &Field, frame: f64) -> Result<Value> {
 fn read_key<'a>(item: &Field<'a>) -> Result<Key<'a>> {
     let table = item.table()?;
     let value = table.need("value", "1")?;
+    if value.is_list() && value.items("rows")?.any(|row| row.is_list()) {
+        return Err(value
+            .error("lists of lists have no keyframes; to move a camera give eye and target, or eye and quaternion"));
+    }
     let numbers = match value.is_list() {
         true => value.items("numbers")?.map(|n| n.number()).collect::<Result<_>>()?,
         false => vec![value.number()?],
@@ -96,6 +103,24 @@ fn between(a: &Key, b: &Key, frame: f64) -> Value {
     }
 }
 
+/// From one quaternion (w, x, y, z) to the next by an even turn, the shorter way round; of unit length.
+fn turned(a: &Key, b: &Key, frame: f64) -> Value {
+    let unit = |key: &Key| {
+        let [w, x, y, z] = *<&[f64; 4]>::try_from(key.numbers.as_slice()).ok()?;
+        DVec4::new(x, y, z, w).try_normalize().map(DQuat::from_vec4)
+    };
+    // what is no quaternion is refused where its key is read
+    let (Some(from), Some(to)) = (unit(a), unit(b)) else { return a.value.node().value.clone() };
+    let turn = from.conjugate() * to;
+    let turn = if turn.w < 0.0 { -turn } else { turn };
+    let half_angle = turn.xyz().length().atan2(turn.w) * (frame - a.frame) / (b.frame - a.frame);
+    let (sin, cos) = half_angle.sin_cos();
+    let part = turn.xyz().normalize_or_zero() * sin;
+    let q = (from * DQuat::from_xyzw(part.x, part.y, part.z, cos)).normalize();
+    let place = a.value.node().place;
+    Value::List([q.w, q.x, q.y, q.z].map(|x| Node { value: Value::Float(x), place }).into())
+}
+
 /// Whole numbers as such, for the keys that want them.
 fn whole(value: Value) -> Value {
     /// All whole f64 up to here are exact.
@@ -119,9 +144,13 @@ mod tests {
         let path = Path::new("s.toml");
         let mut root = parse(&format!("[camera]\nkey = {text}\n"), Format::Toml, path)?;
         pick(&mut root, "", &Source::new(path, path), frame)?;
-        let Value::Table(mut entries) = root.value else { unreachable!() };
-        let Value::Table(mut entries) = entries.remove(0).node.value else { unreachable!() };
-        Ok(entries.remove(0).node.value)
+        Ok(entry(entry(root.value)))
+    }
+
+    /// The value of the first key.
+    fn entry(table: Value) -> Value {
+        let Value::Table(mut entries) = table else { unreachable!() };
+        entries.remove(0).node.value
     }
 
     fn numbers(value: Value) -> Vec<f64> {
@@ -179,6 +208,25 @@ mod tests {
     }
 
     #[test]
+    fn quaternions_turn_evenly_and_the_shorter_way() {
+        let about_y = |degrees: f64, sign: f64| {
+            let (sin, cos) = (degrees.to_radians() / 2.0).sin_cos();
+            format!("[{}, 0, {}, 0]", sign * cos, sign * sin)
+        };
+        let from = about_y(10.0, 3.0);
+        // -q is the same turn as q; and a longer q too
+        for to in [about_y(130.0, 1.0), about_y(130.0, -1.0), about_y(130.0, 7.0)] {
+            let text = format!("[{{ frame = 0, value = {from} }}, {{ frame = 4, value = {to} }}]");
+            let path = Path::new("s.toml");
+            let mut root = parse(&format!("quaternion = {text}"), Format::Toml, path).unwrap();
+            pick(&mut root, "", &Source::new(path, path), 1.0).unwrap();
+            let [w, x, y, z] = numbers(entry(root.value))[..] else { panic!() };
+            let (sin, cos) = 20f64.to_radians().sin_cos();
+            assert!((w - cos).abs() < 1e-15 && (y - sin).abs() < 1e-15 && x == 0.0 && z == 0.0, "{w} {x} {y} {z}");
+        }
+    }
+
+    #[test]
     fn wrong_keys_say_where_and_why() {
         for (text, says) in [
             ("[{ frame = 1, value = 1 }, { frame = 1, value = 2 }]", "key.1.value: frame 1 comes after frame 1; put"),
@@ -187,7 +235,7 @@ mod tests {
             ("[{ frame = \"a\", value = 1 }]", "key.0.frame: expected a finite number"),
             ("[{ frame = 0, value = nan }]", "key.0.value: expected a finite number"),
             ("[{ frame = 0, value = true }]", "key.0.value: expected a finite number, found true"),
-            ("[{ frame = 0, value = [1, [2]] }]", "key.0.value.1: expected a finite number, found a list of 1"),
+            ("[{ frame = 0, value = [1, [2]] }]", "key.0.value: lists of lists have no keyframes"),
             (
                 "[{ frame = 0, value = [1] }, { frame = 1, value = [1, 2] }]",
                 "key.1.value: a list of 2 after a list of 1",

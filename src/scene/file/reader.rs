@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::node::{Entry, Node, Place, Value, nearest, quote};
 use crate::error::{Error, Result};
@@ -158,6 +158,25 @@ impl<'a> Field<'a> {
             *number = item.number()?;
         }
         Ok(numbers)
+    }
+
+    /// A 3 x 4 or 4 x 4 matrix by its rows, of finite numbers.
+    pub fn affine(&self) -> Result<DAffine3> {
+        let expected = "a matrix of 3 or 4 rows, as [[1, 0, 0, x], [0, 1, 0, y], [0, 0, 1, z], [0, 0, 0, 1]]";
+        let rows: Vec<Field> = self.items(expected)?.collect();
+        let [a, b, c, last @ ..] = rows.as_slice() else { return Err(self.wrong(expected)) };
+        let row = |field: &Field| field.numbers::<4>("a row of four numbers");
+        match last {
+            [] => {}
+            [last] if row(last)? == [0.0, 0.0, 0.0, 1.0] => {}
+            [last] => {
+                return Err(last.error("the last row must be [0, 0, 0, 1]; the translation is the last column"));
+            }
+            _ => return Err(self.wrong(expected)),
+        }
+        let [a, b, c] = [row(a)?, row(b)?, row(c)?];
+        let [x, y, z, translation] = [0, 1, 2, 3].map(|k| DVec3::new(a[k], b[k], c[k]));
+        Ok(DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation })
     }
 
     /// A linear RGB colour, each in [0, 1].

@@ -145,7 +145,7 @@ fn unknown_keys_name_line_and_nearest() {
     assert_eq!(
         got,
         "dir/scene.toml:5: unknown key \"vfv\" in camera; nearest known key: \"vfov\" \
-         (known: kind, t_range, eye, target, up, vfov)"
+         (known: kind, t_range, eye, target, up, matrix, quaternion, convention, distance, vfov)"
     );
     let top = error("[camer]\nkind = 'glc'\n", &[]);
     assert!(top.starts_with("dir/scene.toml:1: unknown key \"camer\" here; nearest known key: \"camera\""), "{top}");
