@@ -12,8 +12,9 @@ use anamorph::frame::Channel;
 use anamorph::plan::Wanted;
 use anamorph::reference::image::judge;
 use anamorph::scene::file::{CameraKind, CameraSpec};
+use anamorph::scene::heights::HeightSpec;
 use anamorph::scene::texture::Images;
-use anamorph::scene::{file, gltf, obj};
+use anamorph::scene::{file, gltf, heights, obj};
 use common::gpu::Without;
 use glam::DVec3;
 
@@ -55,6 +56,16 @@ pub fn obj(data: &[u8]) {
 pub fn gltf(data: &[u8]) {
     let name = if data.starts_with(b"glTF") { "mesh.glb" } else { "mesh.gltf" };
     read(name, data, |path| gltf::load(path, &Images::default()));
+}
+
+/// A height image: a TIFF or a PNG where it begins as one, else text.
+pub fn heights(data: &[u8]) {
+    let name = match data {
+        [b'I', b'I', ..] | [b'M', b'M', ..] => "dem.tif",
+        [0x89, ..] => "dem.png",
+        _ => "dem.asc",
+    };
+    read(name, data, |path| heights::load(&HeightSpec { file: path.into(), height_scale: 1.0, cell: None }));
 }
 
 /// The keys of a camera, built for a small image, and its first and last ray.

@@ -10,5 +10,6 @@ mod cli {
     pub mod good;
     pub mod headers;
     pub mod inputs;
+    pub mod models;
     pub mod program;
 }

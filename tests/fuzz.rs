@@ -122,6 +122,11 @@ fn gltf_files() {
 }
 
 #[test]
+fn height_images() {
+    run("heights", targets::heights, rounds());
+}
+
+#[test]
 fn cameras() {
     run("camera", targets::camera, rounds());
 }

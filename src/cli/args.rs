@@ -28,7 +28,7 @@ pub enum Command {
     Batch(BatchArgs),
     /// Find every image of 3-D points
     Project(ProjectArgs),
-    /// Show the adapters of this machine and the code paths they select
+    /// Show the adapters of this machine and the code paths they select; of a model or a scene: its counts, bounds and a fitting eye
     Info(InfoArgs),
     /// Write a ready scene
     Example(ExampleArgs),
@@ -257,6 +257,8 @@ pub struct ProjectArgs {
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
+    /// A model (.obj, .gltf, .glb; .asc, .png, .tif of heights) or a scene (.toml, .json) to tell of instead
+    pub file: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

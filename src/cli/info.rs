@@ -1,5 +1,7 @@
 //! `anamorph info`: the adapters, what they can do, and which code paths that selects.
 
+mod contents;
+
 use super::args::InfoArgs;
 use super::print;
 use crate::error::{Error, Result};
@@ -50,6 +52,9 @@ struct Paths {
 }
 
 pub fn run(args: &InfoArgs) -> Result<()> {
+    if let Some(file) = &args.file {
+        return contents::run(file, args.json);
+    }
     let adapters: Vec<AdapterInfo> = adapters().iter().enumerate().map(|(k, a)| about(a, k == 0)).collect();
     let engine = if adapters.is_empty() { "reference" } else { "compute" };
     let info = Info { version: env!("CARGO_PKG_VERSION"), engine, adapters };

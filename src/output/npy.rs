@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
+use glam::DAffine3;
 use npyz::WriterBuilder;
 
 use super::whole::write_whole;
@@ -65,6 +66,30 @@ pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
     let file = inputs::open(path).map_err(|e| format!("cannot be read: {e}; check the path"));
     let rows = file.and_then(rows_of::<C>);
     rows.map_err(|why| Error::input(format!("{}: {why}", path.display())))
+}
+
+/// Reads an f32 or f64 array in C order, shape N x 4 x 4 or N x 3 x 4: matrices row by row, the last of four rows 0, 0, 0, 1.
+///
+/// # Errors
+/// [`Error::Input`] naming the file: not there, another shape or type, cut short, or with another last row.
+pub fn read_npy_affines(path: &Path) -> Result<Vec<DAffine3>> {
+    let file = inputs::open(path).map_err(|e| format!("cannot be read: {e}; check the path"));
+    file.and_then(affines_of).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+}
+
+fn affines_of(file: File) -> std::result::Result<Vec<DAffine3>, String> {
+    let (shape, numbers) = read_array(file, |shape| match *shape {
+        [n, rows @ (3 | 4), 4] if n <= MAX_ROWS => Ok(n * rows * 4),
+        _ => Err(format!("the array's shape is {shape:?}; it must be N x 4 x 4 or N x 3 x 4")),
+    })?;
+    let matrix = |(k, m): (usize, &[f64])| {
+        if m.len() == 16 && m[12..] != [0.0, 0.0, 0.0, 1.0] {
+            return Err(format!("matrix {k}: the last row must be 0, 0, 0, 1; the translation is the last column"));
+        }
+        Ok(DAffine3::from_cols_array(&std::array::from_fn(|i| m[4 * (i % 3) + i / 3])))
+    };
+    // 12 or 16, by the check above
+    numbers.chunks_exact(4 * shape[1] as usize).enumerate().map(matrix).collect()
 }
 
 /// As [`read_npy_rows`], without the file's name.

@@ -4,7 +4,7 @@ use super::file::{CameraSpec, CausticsSpec, MeshSpec, SceneFile, SkySpec};
 use super::mesh::Mesh;
 use super::sky::Sky;
 use super::texture::{Images, ImagesRead};
-use super::{Object, Scene, load_unplaced, named_apart, place};
+use super::{Object, Scene, load_unplaced, named_apart, place, placed};
 use crate::camera::Camera;
 use crate::camera::recipe::Looked;
 use crate::caustics::Caustics;
@@ -120,8 +120,9 @@ impl Library {
             !self.is_for_once,
             |_| true,
             || {
-                let meshes = file.meshes.iter().map(|m| self.placed(m, &mut images)).collect::<Result<Vec<Mesh>>>()?;
-                let objects = named_apart(file.meshes.iter().map(|m| m.called()), &meshes);
+                let placed = file.meshes.iter().map(|m| self.placed(m, &mut images)).collect::<Result<Vec<_>>>()?;
+                let (meshes, objects): (Vec<Mesh>, Vec<Vec<Object>>) = placed.into_iter().unzip();
+                let objects = named_apart(objects.into_iter().flatten());
                 let mut mesh = place::merge(meshes)?;
                 let mut known = HashSet::new();
                 mesh.missing.retain(|missing| known.insert(missing.what.clone()));
@@ -183,13 +184,14 @@ impl Library {
         Ok(self.cameras.get(&key, !self.is_for_once, suits, make)?.0.clone())
     }
 
-    /// A mesh where it is in the scene.
-    fn placed(&self, spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
-        let own = MeshSpec { scale: DVec3::ONE, rotate: DVec3::ZERO, translate: DVec3::ZERO, ..spec.clone() };
+    /// A mesh where it is in the scene, and the objects that it is there.
+    fn placed(&self, spec: &MeshSpec, images: &mut Images) -> Result<(Mesh, Vec<Object>)> {
+        let (scale, rotate, translate) = (DVec3::ONE, DVec3::ZERO, DVec3::ZERO);
+        let own = MeshSpec { scale, rotate, translate, places: None, ..spec.clone() };
         let key = (own, images.read);
         let mesh = self.meshes.get(&key, !self.is_for_once, |_| true, || load_unplaced(&key.0, images))?;
         let mesh = Arc::try_unwrap(mesh).unwrap_or_else(|kept| (*kept).clone());
-        Ok(place::place(mesh, spec.scale, spec.rotate, spec.translate))
+        placed(mesh, spec)
     }
 }
 

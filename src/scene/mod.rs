@@ -4,6 +4,7 @@ pub mod clusters;
 pub mod file;
 pub mod generate;
 pub mod gltf;
+pub mod heights;
 pub mod labels;
 pub mod library;
 pub mod light;
@@ -11,6 +12,7 @@ pub mod mesh;
 pub mod obj;
 pub mod pattern;
 pub mod place;
+pub mod places;
 pub mod sky;
 pub mod style;
 pub mod texture;
@@ -118,12 +120,13 @@ impl Scene {
     }
 }
 
-/// Objects by these names; of several that have one, all but the first get the least number that makes theirs another's.
-fn named_apart(names: impl Iterator<Item = String>, meshes: &[Mesh]) -> Vec<Object> {
+/// Objects by the names of what they come from; of several that have one, all but the first get the least number that makes theirs
+/// another's.
+fn named_apart(objects: impl Iterator<Item = Object>) -> Vec<Object> {
     let mut taken = HashSet::new();
     // the last number that each name was given: those below it are taken
     let mut numbers: HashMap<String, usize> = HashMap::new();
-    let apart = |name: String| {
+    let mut apart = |name: String| {
         let mut own = name.clone();
         while !taken.insert(own.clone()) {
             let number = numbers.entry(name.clone()).or_insert(1);
@@ -132,16 +135,25 @@ fn named_apart(names: impl Iterator<Item = String>, meshes: &[Mesh]) -> Vec<Obje
         }
         own
     };
-    let sizes = meshes.iter().map(|m| m.triangles.len());
-    names.map(apart).zip(sizes).map(|(name, triangles)| Object { name, triangles }).collect()
+    objects.map(|object| Object { name: apart(object.name), ..object }).collect()
 }
 
 /// The triangles of a mesh in the world; its images come from `images`.
 pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
-    Ok(place::place(load_unplaced(spec, images)?, spec.scale, spec.rotate, spec.translate))
+    Ok(placed(load_unplaced(spec, images)?, spec)?.0)
 }
 
-/// The same where its source has them.
+/// A mesh where it is in the scene, and as the objects that it is there: itself, or its copies, name#0, name#1 and so on.
+fn placed(mesh: Mesh, spec: &MeshSpec) -> Result<(Mesh, Vec<Object>)> {
+    let (name, triangles) = (spec.called(), mesh.triangles.len());
+    let mesh = place::place(mesh, spec.scale, spec.rotate, spec.translate);
+    let Some(places) = &spec.places else { return Ok((mesh, vec![Object { name, triangles }])) };
+    let places = places.load()?;
+    let mesh = place::copies(mesh, &places).map_err(|e| e.at(format_args!("mesh {name}")))?;
+    Ok((mesh, (0..places.len()).map(|k| Object { name: format!("{name}#{k}"), triangles }).collect()))
+}
+
+/// The triangles of a mesh where its source has them.
 fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
     let mut none = Images::left_out();
     let files = if spec.outside_files { gltf::Files::Anywhere } else { gltf::Files::Below };
@@ -150,6 +162,7 @@ fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
 
     let mut mesh = match &spec.source {
         MeshSource::Builtin(builtin) => generate::generate(builtin)?,
+        MeshSource::Heights(heights) => heights::load(heights)?,
         MeshSource::File(path) => {
             let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
             match extension.as_str() {
@@ -157,7 +170,9 @@ fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
                 "gltf" | "glb" => gltf::load(path, files, of_file)?,
                 _ => {
                     let name = path.display();
-                    return Err(Error::input(format!("{name}: unknown kind of mesh file; use .obj, .gltf or .glb")));
+                    return Err(Error::input(format!(
+                        "{name}: unknown kind of mesh file; use .obj, .gltf or .glb, or .asc, .png or .tif of heights"
+                    )));
                 }
             }
         }

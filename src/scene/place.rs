@@ -1,6 +1,6 @@
 //! Meshes into the world: scale, rotation, translation; and many meshes into one.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -25,6 +25,48 @@ pub fn place(mut mesh: Mesh, scale: DVec3, rotate_deg: DVec3, translate: DVec3) 
         }
     }
     mesh
+}
+
+/// `mesh` once at each of `places`, in order; texture coordinates and materials are shared. The places' matrices have inverses, or
+/// their normals stay as they are.
+///
+/// # Errors
+/// [`Error::Input`] if there are more than 2^28 triangles, or 2^32 - 1 or more vertices or normals.
+pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
+    let n = places.len();
+    let total = |count: usize| count.saturating_mul(n);
+    let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len().max(mesh.normals.len()));
+    if total(triangles) > MAX_TRIANGLES || total(vertices) >= u32::MAX as usize {
+        return Err(Error::input(format!(
+            "{n} places of {triangles} triangles and {vertices} vertices; at most 2^28 triangles and 2^32 - 2 vertices are possible: use fewer"
+        )));
+    }
+    // indices fit by the check above
+    let shifted = |list: &[[u32; 3]], none: Option<u32>, by: usize| -> Vec<[u32; 3]> {
+        let of =
+            |k: usize| list[k % list.len()].map(|i| if Some(i) == none { i } else { i + (k / list.len() * by) as u32 });
+        (0..total(list.len())).into_par_iter().map(of).collect()
+    };
+    let at = |k: usize| (&places[k / mesh.positions.len()], mesh.positions[k % mesh.positions.len()]);
+    let normal_from: Vec<Option<DMat3>> = places.iter().map(|p| world_normal_from_object(p.matrix3)).collect();
+    let normal = |k: usize| {
+        let normal = mesh.normals[k % mesh.normals.len()];
+        normal_from[k / mesh.normals.len()].map_or(normal, |m| turned(m, normal))
+    };
+    Ok(Mesh {
+        positions: (0..total(mesh.positions.len()))
+            .into_par_iter()
+            .map(at)
+            .map(|(p, v)| p.transform_point3(v))
+            .collect(),
+        triangles: shifted(&mesh.triangles, None, mesh.positions.len()),
+        normals: (0..total(mesh.normals.len())).into_par_iter().map(normal).collect(),
+        corner_normals: shifted(&mesh.corner_normals, Some(NO_NORMAL), mesh.normals.len()),
+        corner_uvs: shifted(&mesh.corner_uvs, Some(NO_UV), 0),
+        material_of: mesh.material_of.repeat(n),
+        uvs: mesh.uvs,
+        materials: mesh.materials,
+    })
 }
 
 /// Rz Ry Rx for angles in degrees.
@@ -174,6 +216,35 @@ mod tests {
         assert_eq!(flat.triangles.len(), 1);
         let tiny = place(triangle(true), DVec3::splat(-1e-200), DVec3::ZERO, DVec3::ZERO);
         assert_eq!(tiny.normals, [-Vec3::Z]);
+    }
+
+    #[test]
+    fn copies_follow_one_another_and_share_what_does_not_move() {
+        let turn = DMat3::from_cols(DVec3::Y, -DVec3::X, 2.0 * DVec3::Z);
+        let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+        let shear = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(1.0, 0.0, 1.0));
+        let places = [turn, mirror, shear].map(|m| DAffine3 { matrix3: m, translation: DVec3::new(0.0, 0.0, 5.0) });
+        let slanted = Mesh { normals: vec![Vec3::X], ..triangle(true) };
+        let mesh = copies(slanted.clone(), &places).unwrap();
+        let at = |x: f64, y: f64| DVec3::new(x, y, 5.0);
+        let corners = [[at(0.0, 0.0), at(0.0, 1.0), at(-1.0, 0.0)], [at(0.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0)]];
+        assert_eq!(mesh.positions[..6], corners.concat());
+        assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
+        // a mirrored copy keeps its corners' order, so that it shows its other face
+        let cross = |t: [u32; 3]| {
+            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+            (b - a).cross(c - a).z
+        };
+        assert_eq!([cross(mesh.triangles[0]), cross(mesh.triangles[1])], [1.0, -1.0]);
+        // the inverse transpose: a shear along x moves the normal of x = 0 out of its plane
+        let third = Vec3::new(1.0, 0.0, -1.0).normalize();
+        assert_eq!(mesh.normals[..2], [Vec3::Y, Vec3::NEG_X]);
+        assert!((mesh.normals[2] - third).length() < 1e-7);
+        assert_eq!(mesh.corner_normals, [0, 1, 2].map(|k| [k, k, NO_NORMAL]));
+        assert_eq!((&mesh.uvs, &mesh.materials), (&slanted.uvs, &slanted.materials));
+        assert_eq!((mesh.corner_uvs, mesh.material_of), (vec![[0, NO_UV, 0]; 3], vec![0; 3]));
+        assert!(copies(triangle(true), &[]).unwrap().triangles.is_empty());
+        assert_eq!(copies(Mesh::default(), &places).unwrap(), Mesh::default());
     }
 
     #[test]

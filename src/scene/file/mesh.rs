@@ -9,8 +9,10 @@ use super::reader::{Field, Table};
 use super::style::read_pattern;
 use crate::error::Result;
 use crate::scene::generate::Builtin;
+use crate::scene::heights::{HeightSpec, is_height_image};
 use crate::scene::mesh::{DIELECTRIC, Material};
 use crate::scene::pattern::Pattern;
+use crate::scene::places::Places;
 
 /// One `[[mesh]]`: a source of triangles, placed by scale, then rotation, then translation.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +25,8 @@ pub struct MeshSpec {
     /// Degrees about x, then y, then z (world axes).
     pub rotate: DVec3,
     pub scale: DVec3,
+    /// Once at each of these, after that; `None`: once.
+    pub places: Option<Places>,
     /// Both faces are visible.
     pub two_sided: bool,
     /// Linear RGB in [0, 1] for the whole mesh, without the images of its file; `None` keeps the source's materials.
@@ -78,26 +82,48 @@ pub enum TextureSpec {
 pub enum MeshSource {
     /// An .obj, .gltf or .glb file, already relative to the working directory.
     File(PathBuf),
+    /// An .asc, .png or .tif file.
+    Heights(HeightSpec),
     Builtin(Builtin),
 }
 
 impl MeshSpec {
+    /// As it is, where it is, once.
+    pub fn of(source: MeshSource) -> MeshSpec {
+        MeshSpec {
+            source,
+            name: None,
+            translate: DVec3::ZERO,
+            rotate: DVec3::ZERO,
+            scale: DVec3::ONE,
+            places: None,
+            two_sided: true,
+            color: None,
+            texture: TextureSpec::OfFile,
+            pattern: None,
+            gloss: GlossSpec::default(),
+        }
+    }
+
     /// Its name, its file's without folder and extension, or its builtin's.
     pub fn called(&self) -> String {
         match (&self.name, &self.source) {
             (Some(name), _) => name.clone(),
-            (None, MeshSource::File(path)) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            (None, MeshSource::File(path) | MeshSource::Heights(HeightSpec { file: path, .. })) => {
+                path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+            }
             (None, MeshSource::Builtin(builtin)) => builtin.name().into(),
         }
     }
 }
 
 /// The keys that every mesh may have, whatever its source.
-const PLACING: [&str; 12] = [
+const PLACING: [&str; 13] = [
     "name",
     "translate",
     "rotate",
     "scale",
+    "places",
     "two_sided",
     "color",
     "texture",
@@ -121,6 +147,7 @@ pub(crate) fn read_mesh(field: &Field, more: &[&str]) -> Result<MeshSpec> {
         translate: table.or("translate", DVec3::ZERO, Field::vec3)?,
         rotate: table.or("rotate", DVec3::ZERO, Field::vec3)?,
         scale: table.or("scale", DVec3::ONE, read_scale)?,
+        places: table.optional("places", Places::read)?,
         two_sided: table.or("two_sided", true, Field::boolean)?,
         color: table.optional("color", Field::color)?,
         texture: table.or("texture", TextureSpec::OfFile, read_texture)?,
@@ -158,8 +185,17 @@ fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
     match (table.get("file"), table.get("builtin")) {
         (Some(_), Some(builtin)) => Err(builtin.error("a mesh has either a file or a builtin; remove one of the two")),
         (Some(file), None) => {
-            allow(table, "file", &[&["outside_files"], more].concat())?;
-            Ok(MeshSource::File(file.path()?))
+            let path = file.path()?;
+            if !is_height_image(&path) {
+                allow(table, "file", &[&["outside_files"], more].concat())?;
+                return Ok(MeshSource::File(path));
+            }
+            allow(table, "file", &[&["height_scale", "cell"], more].concat())?;
+            Ok(MeshSource::Heights(HeightSpec {
+                file: path,
+                height_scale: table.or("height_scale", 1.0, Field::number)?,
+                cell: table.optional("cell", read_cell)?,
+            }))
         }
         (None, Some(builtin)) => Ok(MeshSource::Builtin(read_builtin(table, &builtin, more)?)),
         (None, None) => {
@@ -170,6 +206,8 @@ fn read_source(table: &Table, more: &[&str]) -> Result<MeshSource> {
                 &[
                     "builtin",
                     "outside_files",
+                    "height_scale",
+                    "cell",
                     "level",
                     "sides",
                     "steps",
@@ -238,6 +276,15 @@ fn unknown_builtin(builtin: &Field, name: &str) -> crate::error::Error {
 /// One number for all axes, or one an axis.
 fn read_scale(field: &Field) -> Result<DVec3> {
     if field.is_list() { field.vec3() } else { Ok(DVec3::splat(field.number()?)) }
+}
+
+/// One size for both directions, or one for x and one for z.
+fn read_cell(field: &Field) -> Result<DVec2> {
+    let cell = match field.is_list() {
+        true => DVec2::from(field.numbers::<2>("the size of a cell, as [x, z]")?),
+        false => DVec2::splat(field.number()?),
+    };
+    if cell.min_element() > 0.0 { Ok(cell) } else { Err(field.error("a cell has a size above 0")) }
 }
 
 /// From 0 to 1.
