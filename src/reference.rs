@@ -5,6 +5,7 @@
 //! * `intersect`: one ray and one triangle; signs are those of exact arithmetic (`exact`).
 //! * `curve`, `length`: one curve and one triangle, every root ([`crate::bernstein`]); arc lengths.
 //! * `bvh`, `beam`: which triangles a ray, a curve, or all rays of a small box about one can meet.
+//! * `lens`: rays of calibrated lenses by an inversion of its own.
 //! * `path`, `answer`: a pixel's segments through all layers, and what they first meet.
 //! * `place`: what of the mesh is near a place.
 //! * `margin`, `verdict`: whether the answer changes within 1/16 px of the centre, and what it may be.
@@ -26,6 +27,7 @@ mod finding;
 pub mod image;
 mod intersect;
 mod length;
+mod lens;
 mod light;
 mod margin;
 mod path;

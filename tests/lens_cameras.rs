@@ -3,7 +3,9 @@
 mod common;
 
 use anamorph::Result;
-use anamorph::camera::Camera;
+use anamorph::camera::project::Projector;
+use anamorph::camera::{Camera, Rays};
+use anamorph::reference::image::explain;
 use common::written::{assert_refused, camera, camera_in};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -43,8 +45,8 @@ fn project(m: [f64; 9], k: &[f64], d: DVec3) -> DVec2 {
     let r2 = x * x + y * y;
     let g = (1.0 + c(0) * r2 + c(1) * r2 * r2 + c(4) * r2 * r2 * r2)
         / (1.0 + c(5) * r2 + c(6) * r2 * r2 + c(7) * r2 * r2 * r2);
-    let xd = x * g + 2.0 * c(2) * x * y + c(3) * (r2 + 2.0 * x * x);
-    let yd = y * g + c(2) * (r2 + 2.0 * y * y) + 2.0 * c(3) * x * y;
+    let xd = x * g + 2.0 * c(2) * x * y + c(3) * (r2 + 2.0 * x * x) + c(8) * r2 + c(9) * r2 * r2;
+    let yd = y * g + c(2) * (r2 + 2.0 * y * y) + 2.0 * c(3) * x * y + c(10) * r2 + c(11) * r2 * r2;
     DVec2::new(m[0] * xd + m[2], m[4] * yd + m[5])
 }
 
@@ -73,6 +75,13 @@ fn every_ray_is_seen_at_its_pixel_by_the_brown_model() {
         &[-0.28, 0.09, 1.2e-3, -8e-4],
         &[-0.418, 0.507, 1e-4, 2e-4, -0.578],
         &[0.3, 0.1, -4e-3, 2e-3, 0.02, 0.1, 0.05, 0.01],
+        // zero tails, as calibrateCamera returns them
+        &[-0.28, 0.09, 1.2e-3, -8e-4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        &[-0.28, 0.09, 1.2e-3, -8e-4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        // a pole at a radius of 1.954, ten times as far as the picture's corners
+        &[0.0, 0.0, 0.0, 0.0, 0.0, -0.08, -0.04, -0.002],
+        &[0.0, 0.0, 0.0, 0.0, 0.0, -0.071, 0.017, -0.001],
+        &[-0.28, 0.09, 1.2e-3, -8e-4, 0.0, 0.1, 0.0, 0.0, 3e-3, -1e-3, 2e-3, 1e-3],
     ] {
         let camera = opencv(&yaml(MATRIX, k), POSE, None).unwrap();
         assert_eq!((camera.width, camera.height), SIZE);
@@ -127,6 +136,70 @@ fn no_pixel_beyond_the_fold_has_a_ray() {
     }
 }
 
+/// A pole outside the picture changes nothing in it: what is near the middle is seen near the middle.
+#[test]
+fn poles_outside_the_picture_leave_it_alone() {
+    let matrix = [40.0, 0.0, 31.5, 0.0, 40.0, 23.5, 0.0, 0.0, 1.0];
+    let text =
+        |k: &[f64]| yaml(matrix, k).replace("image_width: 128", "image_width: 64").replace("height: 96", "height: 48");
+    for k in [[0.0, 0.0, 0.0, 0.0, 0.0, -0.08, -0.04, -0.002], [0.0, 0.0, 0.0, 0.0, 0.0, -0.071, 0.017, -0.001]] {
+        let camera = opencv(&text(&k), POSE, None).unwrap();
+        let middle = camera.ray(31, 23).unwrap().direction;
+        assert!((middle - DVec3::new(-0.0125, 0.0125, -1.0)).length() < 1e-4, "{k:?}: {middle}");
+        let radii: Vec<f64> = (31..64).map(|i| camera.ray(i, 23).unwrap().direction.truncate().length()).collect();
+        assert!(radii.windows(2).skip(1).all(|w| w[0] < w[1]), "{k:?}: {radii:?}");
+    }
+}
+
+/// Tangential terms that fold a lens whose radial part grows everywhere: each pixel's ray is seen at that pixel, points of rays
+/// are found at their pixels up to the border, and the border is one line, not a mix of two sheets.
+#[test]
+fn one_sheet_up_to_the_fold() {
+    let (matrix, k) = ([40.0, 0.0, 63.5, 0.0, 40.0, 47.5, 0.0, 0.0, 1.0], [-0.4095, 0.0777, -0.0080, 0.0038]);
+    let camera = opencv(&yaml(matrix, &k), POSE, None).unwrap();
+    let projector = Projector::new(&camera);
+    let (mut with, mut without) = (0, 0);
+    for (i, j) in all_pixels(&camera) {
+        let place = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
+        let Some(ray) = camera.ray(i, j) else {
+            without += 1;
+            continue;
+        };
+        with += 1;
+        let off = (project(matrix, &k, ray.direction) + 0.5).distance(place);
+        assert!(off <= PIXEL_ROUNDING, "{i},{j}: {off}");
+        let images = projector.project(2.5 * ray.direction).images;
+        let [image] = images[..] else { panic!("{i},{j}: {images:?}") };
+        assert!(
+            DVec2::new(image.x, image.y).distance(place) <= 1e-9 && (image.t - 2.5).abs() < 1e-15,
+            "{i},{j}: {image:?}"
+        );
+        // halfway to the middle there is a ray as well, nearer to the axis
+        let Rays::Field(field) = &camera.layers[0] else { unreachable!() };
+        let inner = field.ray_at(DVec2::new(64.0, 48.0).midpoint(place)).unwrap().direction;
+        assert!(inner.truncate().length() <= ray.direction.truncate().length(), "{i},{j}");
+    }
+    assert!(with > 3000 && without > 3000, "{with} {without}");
+}
+
+/// `--check` can see a lens that is inverted wrongly: the reference makes its rays itself.
+#[test]
+fn the_reference_has_rays_of_its_own() {
+    let k = [-0.28, 0.09, 1.2e-3, -8e-4, 0.0, 0.1, 0.0, 0.0, 3e-3, -1e-3, 2e-3, 1e-3, 0.05, -0.03];
+    let mut scene =
+        common::file::load("[camera]\nkind = 'pinhole'\neye = [0, 0, 0]\ntarget = [0, 0, -1]\nvfov = 40\n").unwrap();
+    let camera = opencv(&yaml(MATRIX, &k), POSE, None).unwrap();
+    scene.size = Some(SIZE);
+    let text = explain(&scene, &camera, 20, 30);
+    let direction = text.lines().find_map(|l| l.strip_prefix("D: [")).unwrap().trim_end_matches(']');
+    let own: Vec<f64> = direction.split(", ").map(|x| x.parse().unwrap()).collect();
+    let off = DVec3::from_slice(&own) - camera.ray(20, 30).unwrap().direction;
+    assert!(off.length() < 1e-14, "{text}");
+    // the wrong rays of a wrong lens, handed on as the camera's own, are not the reference's
+    let wrong = opencv(&yaml(MATRIX, &k.map(|k| 1.01 * k)), POSE, None).unwrap();
+    assert_ne!(explain(&scene, &wrong, 20, 30), text);
+}
+
 #[test]
 fn a_rolling_shutter_moves_and_turns_row_by_row() {
     let matrix = [100.0, 0.0, 63.5, 0.0, 100.0, 47.5, 0.0, 0.0, 1.0];
@@ -153,7 +226,14 @@ fn wrong_calibrations_say_why() {
         assert!(error.exit_code() == 2 && said.contains(expected) && !said.contains('\n'), "{expected}: {said}");
     };
     let good = yaml(MATRIX, &[0.1, 0.0, 0.0, 0.0]);
-    refused(&yaml(MATRIX, &[0.1; 14]), "", "camera.file: 14 distortion coefficients");
+    refused(
+        &yaml(MATRIX, &[0.1; 6]),
+        "",
+        "camera.file: 6 distortion coefficients; the Brown model has 0, 4, 5, 8, 12 or 14",
+    );
+    let mut fallen = [0.0; 14];
+    fallen[12] = 1.6;
+    refused(&yaml(MATRIX, &fallen), "", "camera.file: tau_x = 1.6, tau_y = 0: a sensor is tilted by less than pi / 2");
     refused(&yaml(MATRIX, &[0.1; 5]), "model = 'fisheye'", "the fisheye model has 4");
     let mut skewed = MATRIX;
     skewed[1] = 0.5;
@@ -170,6 +250,89 @@ fn wrong_calibrations_say_why() {
     refused(&good, "model = 'tilted'", "camera.model");
     refused(&good, "velocity = [1, 0, 0]", "camera.velocity");
     assert_refused(&format!("{POSE}kind = 'opencv'\nfile = 'none.yml'"), "cannot be read");
+}
+
+/// The same lens in all three forms of `FileStorage`, as OpenCV 5 writes them.
+#[test]
+fn xml_and_json_are_read_as_yaml_is() {
+    let k = [-0.28, 0.09, 1.2e-3, -8e-4, 0.0];
+    let data = |n: &[f64], between: &str| n.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(between);
+    let matrix = |name: &str, rows: usize, n: &[f64]| {
+        let (cols, data) = (n.len() / rows, data(n, " "));
+        format!(
+            "<{name} type_id=\"opencv-matrix\">\n  <rows>{rows}</rows>\n  <cols>{cols}</cols>\n  <dt>d</dt>\n  <data>\n    {data}</data></{name}>\n"
+        )
+    };
+    let xml = format!(
+        "<?xml version=\"1.0\"?>\n<opencv_storage>\n<calibration_time>\"now &amp; then\"</calibration_time>\n<image_width>128</image_width>\n\
+         <image_height>96</image_height>\n{}{}</opencv_storage>\n",
+        matrix("camera_matrix", 3, &MATRIX),
+        matrix("distortion_coefficients", 5, &k)
+    );
+    let table = |rows: usize, n: &[f64]| {
+        let (cols, data) = (n.len() / rows, data(n, ", "));
+        format!(
+            "{{ \"type_id\": \"opencv-matrix\", \"rows\": {rows}, \"cols\": {cols}, \"dt\": \"d\", \"data\": [ {data} ] }}"
+        )
+    };
+    let json = format!(
+        "{{\n    \"image_width\": 128,\n    \"image_height\": 96,\n    \"camera_matrix\": {},\n    \"distortion_coefficients\": {}\n}}\n",
+        table(3, &MATRIX),
+        table(5, &k)
+    );
+    let expected = opencv(&yaml(MATRIX, &k), POSE, None).unwrap();
+    for text in [&xml, &json, &yaml(MATRIX, &k).replace("%YAML:1.0", "%YAML 1.2")] {
+        let camera = opencv(text, POSE, None).unwrap_or_else(|e| panic!("{e}: {text}"));
+        for (i, j) in all_pixels(&expected) {
+            assert_eq!(camera.ray(i, j), expected.ray(i, j));
+        }
+    }
+    let wrong = |text: String, expected: &str| {
+        let error = opencv(&text, POSE, None).unwrap_err();
+        let said = error.to_string();
+        assert!(error.exit_code() == 2 && said.contains(expected) && !said.contains('\n'), "{expected}: {said}");
+    };
+    wrong(xml.replace("opencv_storage", "storage"), "its outer element is <storage>");
+    wrong(xml.replace("image_width", "width"), "<opencv_storage> has no <image_width>");
+    wrong(xml.replace("</data>", " x</data>"), "<data>: \"x\" is no number");
+    wrong(xml.replace("<rows>5", "<rows>4"), "distortion_coefficients: 5 numbers in 4 x 1");
+    wrong(xml.replace("<dt>", "<rows>1</rows><dt>"), "<rows> is there twice");
+    wrong(xml.replace("</opencv_storage>", ""), "not a calibration");
+    wrong(json.replace("\"rows\"", "\"row\""), "missing field `rows`");
+    wrong(format!("<a>{}", "<b>".repeat(100_000)), "not a calibration");
+}
+
+/// ROS's `camera_info` says which model its numbers are of.
+#[test]
+fn the_model_that_a_file_names_is_read() {
+    let k = [0.02, -0.003, 1e-3, 0.0];
+    let text = |key: &str, k: &[f64]| format!("{}{key}\n", yaml(MATRIX, k));
+    let plain = |model: &str| opencv(&yaml(MATRIX, &k), &format!("{POSE}model = '{model}'"), None).unwrap();
+    let same = |a: &Camera, b: &Camera| all_pixels(a).all(|(i, j)| a.ray(i, j) == b.ray(i, j));
+    for (key, model) in [
+        ("distortion_model: equidistant", "fisheye"),
+        ("distortion_model: plumb_bob", "brown"),
+        ("distortion_model: rational_polynomial", "brown"),
+        ("fisheye_model: 1", "fisheye"),
+        ("fisheye_model: 0", "brown"),
+    ] {
+        let read = opencv(&text(key, &k), POSE, None).unwrap();
+        assert!(same(&read, &plain(model)), "{key}");
+        assert!(same(&opencv(&text(key, &k), &format!("{POSE}model = '{model}'"), None).unwrap(), &read), "{key}");
+        let other = if model == "brown" { "fisheye" } else { "brown" };
+        assert!(!same(&read, &plain(other)), "{key}");
+        let error = opencv(&text(key, &k), &format!("{POSE}model = '{other}'"), None).unwrap_err().to_string();
+        assert!(error.contains("camera.model") && error.contains(&format!("the file says {key}")), "{error}");
+    }
+    for (key, expected) in [
+        ("distortion_model: fov", "distortion_model: \"fov\" is not known"),
+        ("distortion_model: equidistant\nfisheye_model: 0", "contradict each other"),
+    ] {
+        let error = opencv(&text(key, &k), POSE, None).unwrap_err();
+        assert!(error.exit_code() == 2 && error.to_string().contains(expected), "{error}");
+    }
+    let error = opencv(&text("distortion_model: equidistant", &[0.1; 5]), POSE, None).unwrap_err().to_string();
+    assert!(error.contains("the fisheye model has 4"), "{error}");
 }
 
 /// Sharpless's forward formula, equations 1 and 2 with the vertical compression.

@@ -55,6 +55,28 @@ fn a_fisheye_sees_known_angles_at_known_pixels() {
 }
 
 #[test]
+fn pixels_exactly_on_the_rim_have_rays() {
+    let mut on_rim = 0;
+    // a rim through pixel centres needs an odd and an even side: its radius and their distances are Pythagorean triples
+    for (w, h) in
+        [(6, 5), (5, 6), (14, 13), (13, 40), (26, 25), (24, 25), (65, 100), (66, 65), (85, 86), (126, 125), (325, 330)]
+    {
+        let camera = camera(&format!("{POSE}kind = 'fisheye'\nfov = 180"), (w, h));
+        for (i, j) in (0..h).flat_map(|j| (0..w).map(move |i| (i, j))) {
+            // in half pixels
+            let (x, y) = (2 * i64::from(i) + 1 - i64::from(w), 2 * i64::from(j) + 1 - i64::from(h));
+            let outside = x * x + y * y - i64::from(w.min(h)).pow(2);
+            assert_eq!(camera.ray(i, j).is_some(), outside <= 0, "{i},{j} of {w}x{h}");
+            if outside == 0 {
+                on_rim += 1;
+                assert!(direction(&camera, i, j).z.abs() <= ROUNDING, "{i},{j} of {w}x{h}: 90 degrees aside");
+            }
+        }
+    }
+    assert!(on_rim > 100, "{on_rim}");
+}
+
+#[test]
 fn a_full_frame_fisheye_has_its_field_of_view_along_the_diagonal() {
     // the diagonal of 40 x 30 is 50 px: 20 px from the middle is 0.8 of half of it
     let wide = camera(&format!("{POSE}kind = 'fisheye'\nfov = 200\nframe = 'full'"), (41, 31));

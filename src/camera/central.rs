@@ -10,7 +10,7 @@ use glam::{DVec3, DVec4};
 
 /// A view frame: forward, right and image-up unit vectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct View {
+pub struct View {
     pub forward: DVec3,
     pub right: DVec3,
     pub up: DVec3,

@@ -3,6 +3,7 @@
 use super::SAFE_RADIUS_PX;
 use super::bundle::{Bundle, Ray};
 use super::cut::bend::Bend;
+use super::named::opencv::Calibrated;
 use crate::error::{Error, Result};
 use crate::output::read_vectors;
 use glam::{DVec2, DVec3};
@@ -20,6 +21,16 @@ pub trait RayMap: Debug + Send + Sync {
     /// where a ray is missing. What is not overridden is sampled, and not proven.
     fn bend(&self, lo: DVec2, hi: DVec2, weights: &[(f64, f64)]) -> Option<Bend> {
         Bend::sampled(|a, b| self.ray(a, b), lo, hi, weights)
+    }
+
+    /// All (a, b) whose rays pass through `point`, inside the image and beyond, each with its t; `None`: they must be searched for.
+    fn images(&self, _point: DVec3) -> Option<Vec<(DVec2, f64)>> {
+        None
+    }
+
+    /// The calibrated lens whose rays these are.
+    fn calibrated(&self) -> Option<&Calibrated> {
+        None
     }
 }
 
@@ -96,6 +107,20 @@ impl Field {
     /// The formula behind the rays, where there is one.
     pub fn map(&self) -> Option<&Arc<dyn RayMap>> {
         self.map.as_ref().map(|m| &m.map)
+    }
+
+    /// A field of the same pixels and samples by another formula, which is asked for each ray anew.
+    pub fn by_map(&self, map: Arc<dyn RayMap>) -> Field {
+        let sample = self.map.as_ref().map_or(DVec2::splat(0.5), |m| m.sample);
+        Field { rays: Vec::new(), map: Some(Sampled { map, sample }), is_sorted: false, ..*self }
+    }
+
+    /// The same, its rays kept where there are not too many.
+    pub fn kept(self) -> Field {
+        match self.map {
+            Some(map) if self.rays.is_empty() => Field::sampled(self.width, self.height, map),
+            _ => self,
+        }
     }
 
     /// Reads origins and directions from .npy or EXR files of one size.

@@ -1,5 +1,6 @@
 //! One pixel in words.
 
+use super::lens::own_for_few;
 use super::path::{Path, Segment};
 use super::{Finding, Reference};
 use crate::camera::Camera;
@@ -9,6 +10,7 @@ use std::fmt::Write;
 /// Text for a person about one pixel: its ray or its segments layer by layer, the visible hit, and what else the answer
 /// may be.
 pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> String {
+    let camera = &*own_for_few(camera);
     let path = Path::of_pixel(camera, i, j);
     let finding = Reference::build(&scene.mesh).finding(camera, &path, (i, j));
     let mut text = format!("pixel {i},{j}\n");

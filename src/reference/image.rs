@@ -2,6 +2,7 @@
 
 use super::caustics::{caustics, shown_by};
 pub use super::explain::explain;
+use super::lens::own;
 use super::light::{Obstacles, albedo, light, normal};
 use super::{Finding, Outcome, Path, Reference, Seen};
 use crate::camera::Camera;
@@ -50,6 +51,7 @@ pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
 
 /// The same under caustics that are known already.
 pub fn image_lit(scene: &Scene, camera: &Camera, channels: &[Channel], lit: Option<&Illumination>) -> Frame {
+    let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
     let reference = Reference::build(&scene.mesh);
     let pixels = each_pixel(camera, |i, j| {
@@ -62,6 +64,7 @@ pub fn image_lit(scene: &Scene, camera: &Camera, channels: &[Channel], lit: Opti
 /// Holds `frame`'s triangle ids against the reference.
 pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
     let lit = caustics(scene);
+    let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
     let reference = Reference::build(&scene.mesh);
     let extent = scene.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length());

@@ -122,7 +122,7 @@ impl Lens for Circle {
     fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
         let q = DVec2::new(2.0 * a - 1.0, 1.0 - 2.0 * b) * self.half;
         let rho = q.length();
-        if self.circular && rho > 1.0 {
+        if self.circular && rho > 1.0 + RIM_ROUNDING * self.half.max_element() {
             return None;
         }
         // the corners of a full frame are at 1 but for rounding
@@ -131,3 +131,8 @@ impl Lens for Circle {
         Some(across.extend(cos))
     }
 }
+
+/// How far rounding may take a place on the rim outward, in radii and against the image's longer side in diameters: a and b are
+/// rounded (half an epsilon), doubled, and then two roundings each in q and its length, under 5 epsilons in all. No pixel centre is as
+/// near outside the rim: its distance squared, in half pixels, is a whole number.
+const RIM_ROUNDING: f64 = 8.0 * f64::EPSILON;

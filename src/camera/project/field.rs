@@ -79,6 +79,11 @@ impl<'a> Search<'a> {
     /// At and below the nodes `from` of the tree.
     pub fn images(&self, point: DVec3, from: &[u32]) -> Shown {
         let mut shown = Shown::default();
+        if let Some(all) = self.field.map().and_then(|map| map.images(point)) {
+            let size = DVec2::new(self.field.width.into(), self.field.height.into());
+            all.into_iter().for_each(|(place, t)| self.add(place * size, t, &mut shown));
+            return shown;
+        }
         self.tree.walk(point, from, |k| {
             for at in self.squares(k) {
                 self.search(point, at, 1.0, HALVINGS, &mut shown);
@@ -128,7 +133,6 @@ impl<'a> Search<'a> {
 
     /// Newton's method from the square's middle and its corners.
     fn solve(&self, point: DVec3, at: DVec2, side: f64, shown: &mut Shown) {
-        let end = self.start + DVec2::new(self.cells[0].into(), self.cells[1].into());
         for from in samples(at, side) {
             if !shown.may_spend(NEWTON_WORK) {
                 return;
@@ -136,14 +140,28 @@ impl<'a> Search<'a> {
             let Some(ray) = self.field.ray_at(from) else { continue };
             let t = (point - ray.origin).dot(ray.direction) / ray.direction.length_squared();
             let Some(root) = newton::solve(self.field, point, from, t) else { continue };
-            let slack = DVec2::splat(BORDER_PX);
-            if root.place.cmplt(self.start - slack).any() || root.place.cmpgt(end + slack).any() {
-                continue;
-            }
             match root.degenerate {
-                None => shown.found.push(Found { place: root.place.clamp(self.start, end), t: root.t, piece: 0 }),
-                degenerate => shown.degenerate = shown.degenerate.max(degenerate),
+                None => self.add(root.place, root.t, shown),
+                degenerate if self.holds(root.place) => shown.degenerate = shown.degenerate.max(degenerate),
+                _ => {}
             }
+        }
+    }
+
+    fn end(&self) -> DVec2 {
+        self.start + DVec2::new(self.cells[0].into(), self.cells[1].into())
+    }
+
+    /// The image holds the place, px.
+    fn holds(&self, place: DVec2) -> bool {
+        let slack = DVec2::splat(BORDER_PX);
+        place.cmpge(self.start - slack).all() && place.cmple(self.end() + slack).all()
+    }
+
+    /// A place that shows the point, as far as it is in the image.
+    fn add(&self, place: DVec2, t: f64, shown: &mut Shown) {
+        if self.holds(place) {
+            shown.found.push(Found { place: place.clamp(self.start, self.end()), t, piece: 0 });
         }
     }
 }

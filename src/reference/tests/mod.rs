@@ -2,6 +2,7 @@
 
 mod chains;
 mod curves;
+mod lenses;
 mod make;
 mod verdicts;
 

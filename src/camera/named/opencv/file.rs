@@ -1,4 +1,7 @@
-//! The YAML file that OpenCV's `FileStorage` writes after a calibration.
+//! The file that OpenCV's `FileStorage` writes after a calibration, YAML, XML or JSON; and that of ROS's `camera_info`, which has
+//! the same keys.
+
+mod xml;
 
 use crate::error::{Error, Result};
 use glam::DVec2;
@@ -16,6 +19,8 @@ pub struct Intrinsics {
     pub centre: DVec2,
     /// As in the file: `k1, k2, p1, p2, ...`, or the fisheye's four.
     pub coefficients: Vec<f64>,
+    /// Whether the file says that they are of the fisheye model, and its words.
+    pub fisheye: Option<(bool, String)>,
 }
 
 /// The keys that are read; a calibration holds many more.
@@ -25,6 +30,10 @@ struct Keys {
     image_height: u64,
     camera_matrix: Matrix,
     distortion_coefficients: Matrix,
+    /// ROS's name for the model.
+    distortion_model: Option<String>,
+    /// 1 or 0, as OpenCV's calibration program writes it.
+    fisheye_model: Option<i64>,
 }
 
 /// An `!!opencv-matrix`, row by row.
@@ -35,7 +44,8 @@ struct Matrix {
     data: Vec<f64>,
 }
 
-/// Reads `image_width`, `image_height`, `camera_matrix` and `distortion_coefficients`.
+/// Reads `image_width`, `image_height`, `camera_matrix` and `distortion_coefficients`, and of which model these are if the file says
+/// so (`distortion_model`, `fisheye_model`).
 ///
 /// # Errors
 /// [`Error::Input`] naming the file: it cannot be read, is not such a file, or its matrices have another form.
@@ -61,11 +71,9 @@ fn check_brackets(text: &str) -> std::result::Result<(), String> {
 }
 
 fn parse(text: &str) -> std::result::Result<Intrinsics, String> {
-    // OpenCV's first line is no directive of YAML; a comment keeps the numbers of the lines
     check_brackets(text)?;
-    let text = text.replacen("%YAML:1.0", "# YAML 1.0", 1);
-    let keys: Keys = serde_norway::from_str(&text)
-        .map_err(|e| format!("not a calibration as OpenCV writes it: {}", e.to_string().replace('\n', " ")))?;
+    let keys = keys(text).map_err(|e| format!("not a calibration as OpenCV writes it: {}", e.replace('\n', " ")))?;
+    let fisheye = said_model(&keys)?;
     crate::scene::file::check_size(keys.image_width, keys.image_height).map_err(|e| e.to_string())?;
     let Matrix { rows, cols, data } = keys.camera_matrix;
     let [fx, skew, cx, zero, fy, cy, zero_x, zero_y, one] = data[..] else {
@@ -88,5 +96,38 @@ fn parse(text: &str) -> std::result::Result<Intrinsics, String> {
         focal: DVec2::new(fx, fy),
         centre: DVec2::new(cx, cy),
         coefficients: data,
+        fisheye,
     })
+}
+
+/// The keys of a file in any of the three forms, told apart by how it starts.
+fn keys(text: &str) -> std::result::Result<Keys, String> {
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    if text.starts_with('<') {
+        return xml::keys(text);
+    }
+    if text.starts_with('{') {
+        return serde_json::from_str(text).map_err(|e| e.to_string());
+    }
+    // OpenCV's first line is no directive of YAML; a comment keeps the numbers of the lines
+    serde_norway::from_str(&text.replacen("%YAML:1.0", "# YAML 1.0", 1)).map_err(|e| e.to_string())
+}
+
+/// Whether the file says that its model is the fisheye's, and in what words.
+fn said_model(keys: &Keys) -> std::result::Result<Option<(bool, String)>, String> {
+    let named = match keys.distortion_model.as_deref() {
+        None => None,
+        Some(name @ ("plumb_bob" | "rational_polynomial")) => Some((false, format!("distortion_model: {name}"))),
+        Some(name @ "equidistant") => Some((true, format!("distortion_model: {name}"))),
+        Some(name) => {
+            return Err(format!(
+                "distortion_model: {name:?} is not known here; use plumb_bob or rational_polynomial (Brown), or equidistant (fisheye)"
+            ));
+        }
+    };
+    let flagged = keys.fisheye_model.map(|flag| (flag != 0, format!("fisheye_model: {flag}")));
+    match (named, flagged) {
+        (Some(a), Some(b)) if a.0 != b.0 => Err(format!("{} and {} contradict each other; correct one", a.1, b.1)),
+        (named, flagged) => Ok(named.or(flagged)),
+    }
 }

@@ -1,4 +1,4 @@
-//! The least positive root of a polynomial, which no step may jump over.
+//! The least positive root of a polynomial, which no step may jump over; the root of a function in a bracket.
 
 /// The value at `x` of the polynomial with these coefficients, constant first.
 pub fn value(c: &[f64], x: f64) -> f64 {
@@ -18,6 +18,51 @@ pub fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
         }
     }
     c
+}
+
+/// Bounds of the polynomial's value for x in [lo, hi], 0 <= lo, but for rounding: Horner's scheme in intervals.
+pub fn bounds(c: &[f64], (lo, hi): (f64, f64)) -> (f64, f64) {
+    c.iter().rev().fold((0.0, 0.0), |(least, most), c| {
+        let least = least * if least >= 0.0 { lo } else { hi };
+        let most = most * if most >= 0.0 { hi } else { lo };
+        (least + c, most + c)
+    })
+}
+
+/// A bracket this narrow, relative to its ends, is a root: four roundings. The step that closes it is half of that.
+const BRACKET: f64 = 4.0 * f64::EPSILON;
+
+/// The only place in [0, hi] where the sign of `f(x) = (value, derivative)` changes, f(0) <= 0 <= f(hi), from a guess.
+///
+/// Newton's method, and halving of the bracket where that does not halve its own steps. The sign changes within four
+/// roundings of what is returned: no step's size decides.
+pub fn in_bracket(guess: f64, mut hi: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let (mut lo, mut x, mut last) = (0.0, guess.clamp(0.0, hi), hi);
+    let mut best = (f64::INFINITY, x);
+    loop {
+        let (value, slope) = f(x);
+        if value.abs() < best.0 {
+            best = (value.abs(), x);
+        }
+        if value > 0.0 {
+            hi = x
+        } else {
+            lo = x
+        }
+        if value == 0.0 || hi - lo <= BRACKET * hi {
+            return best.1;
+        }
+        // never so short that it stays on its side of the root for rounding alone
+        let step = value / slope;
+        let step = step.signum() * step.abs().max(0.5 * BRACKET * x);
+        let newton = x - step;
+        let next = if lo < newton && newton < hi && step.abs() <= 0.5 * last { newton } else { lo + (hi - lo) / 2.0 };
+        if next <= lo || next >= hi {
+            return best.1;
+        }
+        last = (next - x).abs();
+        x = next;
+    }
 }
 
 /// The least place over 0 where the polynomial changes its sign; infinite where there is none.
@@ -57,6 +102,35 @@ fn bisect(c: &[f64], mut lo: f64, mut hi: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_root_in_a_bracket_is_found_from_any_guess() {
+        let cubic = |x: f64| (x * x * x - 2.0, 3.0 * x * x);
+        for guess in [0.0, 1e-300, 1.0, 1.26, 5.0, 1e6] {
+            let root = in_bracket(guess, 1e6, cubic);
+            assert!((root - 2f64.cbrt()).abs() <= 4.0 * f64::EPSILON, "{guess}: {root}");
+        }
+        // flat at the end of the bracket, and with a slope of no use
+        let barrel = |x: f64| (x - x * x * x / 3.0 - 2.0 / 3.0, 1.0 - x * x);
+        assert!((in_bracket(0.5, 1.0, barrel) - 1.0).abs() < 1e-7);
+        assert!((in_bracket(0.5, 8.0, |x| (x - 3.0, 0.0)) - 3.0).abs() <= 4.0 * f64::EPSILON);
+        assert_eq!(in_bracket(0.0, 2.0, |x| (x, 1.0)), 0.0);
+    }
+
+    #[test]
+    fn bounds_hold_all_values_and_close_in() {
+        let c = [1.0, -3.0, 0.5, 0.25];
+        for k in 0..40 {
+            let (lo, hi) = (0.1 * f64::from(k), 0.1 * f64::from(k + 1));
+            let (least, most) = bounds(&c, (lo, hi));
+            for s in 0..=10 {
+                let v = value(&c, lo + 0.1 * (hi - lo) * f64::from(s));
+                assert!(least - 1e-12 <= v && v <= most + 1e-12, "{lo}: {least} {v} {most}");
+            }
+        }
+        let (least, most) = bounds(&c, (2.0, 2.0));
+        assert_eq!((least, most), (value(&c, 2.0), value(&c, 2.0)));
+    }
 
     #[test]
     fn the_first_root_is_found_however_close_the_next() {

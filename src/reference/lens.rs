@@ -1,0 +1,78 @@
+//! Rays of calibrated lenses, made of the models' definitions by a method of the reference's own: nothing of the camera's inversion
+//! is used, so that a fault there shows.
+//!
+//! The rule is the camera's: a place has the ray that the straight line to it from the middle leads to, up to the first fold or
+//! pole. Here the way that is seen as the line is walked through the plane of rays by its arc length, ahead along
+//! `adj(J) q`, which needs no inverse and goes on smoothly to the fold. Where the model is radial, intervals prove that it grows,
+//! and halving finds the radius.
+
+pub mod dual;
+mod radial;
+mod walk;
+
+use crate::camera::named::opencv::lens::Model;
+use crate::camera::named::opencv::{Calibrated, file::Intrinsics};
+use crate::camera::{Camera, Field, Ray, RayMap, Rays};
+use glam::{DQuat, DVec2, DVec3};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// The camera with the reference's own rays where there is a calibrated lens.
+pub fn own(camera: &Camera) -> Cow<'_, Camera> {
+    with(camera, Field::kept)
+}
+
+/// The same for few pixels: rays are made as they are asked for.
+pub fn own_for_few(camera: &Camera) -> Cow<'_, Camera> {
+    with(camera, |field| field)
+}
+
+fn with(camera: &Camera, finish: fn(Field) -> Field) -> Cow<'_, Camera> {
+    let own = |rays: &Rays| match rays {
+        Rays::Field(field) => {
+            let lens = field.map()?.calibrated()?;
+            Some(Rays::Field(finish(field.by_map(Arc::new(Own(lens.clone()))))))
+        }
+        _ => None,
+    };
+    let layers: Vec<Option<Rays>> = camera.layers.iter().map(own).collect();
+    if layers.iter().all(Option::is_none) {
+        return Cow::Borrowed(camera);
+    }
+    let layers = layers.into_iter().zip(&camera.layers).map(|(own, rays)| own.unwrap_or_else(|| rays.clone()));
+    Cow::Owned(Camera { layers: layers.collect(), ..camera.clone() })
+}
+
+#[derive(Debug)]
+struct Own(Calibrated);
+
+impl RayMap for Own {
+    fn ray(&self, a: f64, b: f64) -> Option<Ray> {
+        let Calibrated { eye, view, intrinsics, model, shutter } = &self.0;
+        let Intrinsics { size: (w, h), focal, centre, .. } = intrinsics;
+        let (u, v) = (a * f64::from(*w) - 0.5, b * f64::from(*h) - 0.5);
+        let d = direction(model, DVec2::new((u - centre.x) / focal.x, (v - centre.y) / focal.y))?;
+        let time = v * shutter.line_time;
+        let turn = DQuat::from_scaled_axis(time * shutter.angular);
+        // x right, y down, z forward
+        let direction = turn * (d.x * view.right - d.y * view.up + d.z * view.forward);
+        Some(Ray { origin: *eye + time * shutter.velocity, direction })
+    }
+}
+
+/// The direction that is seen at `q` = ((u - cx) / fx, (v - cy) / fy).
+pub fn direction(model: &Model, q: DVec2) -> Option<DVec3> {
+    let radius = q.length();
+    match model {
+        _ if radius == 0.0 => Some(DVec3::Z),
+        Model::Brown(k) if k[2] == 0.0 && k[3] == 0.0 && k[8..].iter().all(|k| *k == 0.0) => {
+            let r = radial::brown(k, radius)?;
+            Some(DVec3::new(q.x * r / radius, q.y * r / radius, 1.0))
+        }
+        Model::Brown(k) => walk::to(k, q).map(|p| p.extend(1.0)),
+        Model::Fisheye(k) => {
+            let theta = radial::fisheye(k, radius)?;
+            Some(DVec3::new(q.x / radius * theta.sin(), q.y / radius * theta.sin(), theta.cos()))
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Radial models: the radius from the middle to where the model first stops growing.
+
+use std::ops::{Add, Div, Mul};
+
+/// All numbers between two.
+#[derive(Debug, Clone, Copy)]
+struct Interval(f64, f64);
+
+impl Add for Interval {
+    type Output = Interval;
+    fn add(self, b: Interval) -> Interval {
+        Interval(self.0 + b.0, self.1 + b.1)
+    }
+}
+
+impl Mul for Interval {
+    type Output = Interval;
+    fn mul(self, b: Interval) -> Interval {
+        let all = [self.0 * b.0, self.0 * b.1, self.1 * b.0, self.1 * b.1];
+        Interval(all.iter().fold(f64::INFINITY, |m, v| m.min(*v)), all.iter().fold(f64::NEG_INFINITY, |m, v| m.max(*v)))
+    }
+}
+
+/// By what is over 0.
+impl Div for Interval {
+    type Output = Interval;
+    fn div(self, b: Interval) -> Interval {
+        self * Interval(1.0 / b.1, 1.0 / b.0)
+    }
+}
+
+fn exactly(x: f64) -> Interval {
+    Interval(x, x)
+}
+
+/// 1 + c1 q + c2 q^2 + ..., and its derivative.
+fn series<const N: usize>(c: [f64; N], q: Interval) -> (Interval, Interval) {
+    let (mut power, mut value, mut slope) = (exactly(1.0), exactly(1.0), exactly(0.0));
+    for (n, c) in c.iter().enumerate() {
+        slope = slope + exactly((n + 1) as f64 * c) * power;
+        power = power * q;
+        value = value + exactly(*c) * power;
+    }
+    (value, slope)
+}
+
+/// The radius on the plane z = 1 that Brown's model shows at `radius`.
+pub fn brown(k: &[f64; 14], radius: f64) -> Option<f64> {
+    let (above, below) = ([k[0], k[1], k[4]], [k[5], k[6], k[7]]);
+    // d(r A / B)/dr = ((A + 2 q A') B - 2 q A B') / B^2, as far as B is over 0
+    let grows = |r: Interval| {
+        let q = r * r;
+        let ((a, da), (b, db)) = (series(above, q), series(below, q));
+        let slope = (a + exactly(2.0) * q * da) * b + exactly(-2.0) * q * a * db;
+        if b.0 > 0.0 { slope } else { Interval(b.0, slope.1) }
+    };
+    let seen = |r: f64| {
+        let q = exactly(r * r);
+        r * (series(above, q).0 / series(below, q).0).0
+    };
+    let mut start = 0.0;
+    let mut end = 1.0;
+    while end < f64::MAX.sqrt() {
+        match first(&grows, &seen, [start, end], radius) {
+            Found::At(r) => return Some(r),
+            Found::Folded => return None,
+            Found::Beyond => (start, end) = (end, 2.0 * end),
+        }
+    }
+    None
+}
+
+/// The angle from the axis, up to 180 degrees, that the fisheye model shows at `radius`.
+pub fn fisheye(k: &[f64; 4], radius: f64) -> Option<f64> {
+    let grows = |theta: Interval| {
+        let q = theta * theta;
+        let (value, slope) = series(*k, q);
+        value + exactly(2.0) * q * slope
+    };
+    let seen = |theta: f64| theta * series(*k, exactly(theta * theta)).0.0;
+    match first(&grows, &seen, [0.0, std::f64::consts::PI], radius) {
+        Found::At(theta) => Some(theta),
+        Found::Folded | Found::Beyond => None,
+    }
+}
+
+enum Found {
+    At(f64),
+    Folded,
+    /// The model grows up to the end, and shows less there.
+    Beyond,
+}
+
+/// A stretch this short, relative to its end, is not divided further: 2^-28. A fold in it is at most 2^-56 off in what is seen.
+const NARROW: f64 = 1.0 / (1u64 << 28) as f64;
+
+/// Where the model first shows `radius` in [lo, hi]; it shows less at `lo`, and grows up to there.
+fn first(grows: &impl Fn(Interval) -> Interval, seen: &impl Fn(f64) -> f64, [lo, hi]: [f64; 2], radius: f64) -> Found {
+    if grows(Interval(lo, hi)).0 > 0.0 {
+        if seen(hi) < radius {
+            return Found::Beyond;
+        }
+        return Found::At(halved(seen, [lo, hi], radius));
+    }
+    if hi - lo <= NARROW * hi {
+        // it may stand still for a moment
+        let grows_on = grows(exactly(hi)).0 > 0.0 && seen(hi) < radius;
+        return if grows_on { Found::Beyond } else { Found::Folded };
+    }
+    let middle = lo + (hi - lo) / 2.0;
+    match first(grows, seen, [lo, middle], radius) {
+        Found::Beyond => first(grows, seen, [middle, hi], radius),
+        found => found,
+    }
+}
+
+/// Where what grows over [lo, hi] shows `radius`: the bracket is cut where its chord does, and in halves each third time.
+fn halved(seen: &impl Fn(f64) -> f64, [mut lo, mut hi]: [f64; 2], radius: f64) -> f64 {
+    let (mut below, mut above) = (seen(lo) - radius, seen(hi) - radius);
+    for k in 0.. {
+        let middle = lo + (hi - lo) * if k % 3 == 2 { 0.5 } else { -below / (above - below) };
+        let off = seen(middle) - radius;
+        if off == 0.0 || middle <= lo || middle >= hi {
+            return middle;
+        }
+        if off < 0.0 { (lo, below) = (middle, off) } else { (hi, above) = (middle, off) }
+    }
+    hi
+}

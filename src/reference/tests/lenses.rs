@@ -1,0 +1,139 @@
+//! The reference's rays against the camera's: two methods that share nothing.
+
+use super::make::Rng;
+use crate::camera::named::opencv::lens::{Distortion, Model};
+use crate::reference::lens::{direction, dual};
+use glam::DVec2;
+
+/// Largest sizes of k1, k2, k3, of k4 to k6, of p1 and p2, of s1 to s4, and of the tilt.
+const KINDS: [[f64; 5]; 7] = [
+    [0.5, 0.0, 0.0, 0.0, 0.0],
+    [0.5, 0.3, 0.0, 0.0, 0.0],
+    [0.5, 0.0, 0.005, 0.0, 0.0],
+    [0.5, 0.0, 0.05, 0.0, 0.0],
+    [0.5, 0.3, 0.005, 0.0, 0.0],
+    [0.5, 0.3, 0.005, 0.02, 0.0],
+    [0.5, 0.3, 0.05, 0.02, 0.3],
+];
+
+fn lens(rng: &mut Rng, [radial, rational, tangential, prism, tilt]: [f64; 5]) -> [f64; 14] {
+    let sizes = [
+        radial,
+        0.6 * radial,
+        tangential,
+        tangential,
+        0.2 * radial,
+        rational,
+        0.7 * rational,
+        0.3 * rational,
+        prism,
+        prism,
+        prism,
+        prism,
+        tilt,
+        tilt,
+    ];
+    sizes.map(|size| size * rng.signed())
+}
+
+/// Places up to 1.3 to the side, far beyond most pictures.
+fn places() -> impl Iterator<Item = DVec2> {
+    (0..24).flat_map(|j| (0..32).map(move |i| DVec2::new(f64::from(i) - 15.4, f64::from(j) - 11.3) / 12.0))
+}
+
+#[test]
+fn both_methods_find_the_same_rays() {
+    let mut rng = Rng(11);
+    let (mut with, mut without) = (0, 0);
+    for (kind, sizes) in KINDS.iter().enumerate() {
+        for number in 0..40 {
+            let k = lens(&mut rng, *sizes);
+            let (model, name) = (Model::Brown(k), format!("{kind}, lens {number}: {k:?}"));
+            let camera = Distortion::new(&model).unwrap();
+            for q in places() {
+                let (a, b) = (camera.direction(q), direction(&model, q));
+                assert_eq!(a.is_some(), b.is_some(), "{name}: {q}: {a:?} {b:?}");
+                let (Some(a), Some(b)) = (a, b) else {
+                    without += 1;
+                    continue;
+                };
+                with += 1;
+                let [u, v] = dual::seen(&k, [a.x, a.y]).unwrap().map(|d| d.0);
+                let off = DVec2::new(u[0], v[0]).distance(q);
+                // a thousandth of what a picture of 1000 px may be off, 1e-9 px
+                assert!(off <= 1e-15 * (1.0 + q.length()) * 16.0, "{name}: {q} is seen at {off}");
+                // the rounding of the place, and that of the ray itself, over the least stretch
+                let determinant = u[1] * v[2] - u[2] * v[1];
+                let room = 1e-14 * (1.0 + a.length()) * (1.0 + determinant.recip());
+                assert!((a - b).length() <= room, "{name}: {q}: {a} {b}, determinant {determinant}");
+                let back = camera.places(3.0 * a).unwrap();
+                let [(place, t)] = back[..] else { panic!("{name}: {q}: {back:?}") };
+                // the ray's rounding, times the largest stretch
+                let stretch = [u, v].iter().map(|d| d[1].hypot(d[2])).sum::<f64>();
+                assert!(
+                    place.distance(q) <= 1e-15 * (1.0 + a.length()) * (4.0 + stretch) && t == 3.0,
+                    "{name}: {q}: {back:?}"
+                );
+            }
+        }
+    }
+    assert!(with > 100_000 && without > 30_000, "{with} {without}");
+}
+
+#[test]
+fn both_methods_find_the_same_fisheye() {
+    let (mut rng, mut missing) = (Rng(5), 0);
+    for _ in 0..40 {
+        let k = [0.2, 0.1, 0.05, 0.02].map(|size| size * rng.signed());
+        let model = Model::Fisheye(k);
+        let camera = Distortion::new(&model).unwrap();
+        for q in places().map(|q| 3.0 * q) {
+            let (a, b) = (camera.direction(q), direction(&model, q));
+            assert_eq!(a.is_some(), b.is_some(), "{k:?}: {q}: {a:?} {b:?}");
+            let (Some(a), Some(b)) = (a, b) else {
+                missing += 1;
+                continue;
+            };
+            let theta = a.truncate().length().atan2(a.z);
+            let slope = 1.0
+                + [0, 1, 2, 3].map(|n| (2 * n + 3) as f64 * k[n] * theta.powi(2 * n as i32 + 2)).iter().sum::<f64>();
+            assert!((a - b).length() <= 1e-13 * (1.0 + slope.recip()), "{k:?}: {q}: {a} {b}");
+            let back = camera.places(2.0 * a).unwrap();
+            assert!(
+                back.iter().any(|(place, t)| place.distance(q) <= 1e-12 && (t - 2.0).abs() < 1e-15),
+                "{k:?}: {q}: {back:?}"
+            );
+        }
+    }
+    assert!(missing > 1000, "{missing}");
+}
+
+/// The straight line to a place is followed to the first fold and not beyond: small steps along it, from the middle.
+#[test]
+fn a_ray_is_where_the_line_from_the_middle_leads() {
+    // the radial part grows everywhere, and the tangential terms fold it at a radius of some 1.2 on one side
+    let k = [-0.4095, 0.0777, -0.0080, 0.0038, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let camera = Distortion::new(&Model::Brown(k)).unwrap();
+    let mut counts = [0, 0];
+    for q in places() {
+        let along = |s: f64| camera.direction(s * q).map(|d| d.truncate());
+        let steps: Vec<Option<DVec2>> = (0..=400).map(|s| along(f64::from(s) / 400.0)).collect();
+        // once beyond a fold, for good
+        let end = steps.iter().position(Option::is_none).unwrap_or(steps.len());
+        assert!(steps[end..].iter().all(Option::is_none), "{q}");
+        // and up to it without a jump, however fast the ray moves beside a fold
+        for (n, pair) in steps[..end].windows(2).enumerate() {
+            let mut parts = vec![[(n as f64 / 400.0, pair[0].unwrap()), ((n + 1) as f64 / 400.0, pair[1].unwrap())]];
+            while let Some([a, b]) = parts.pop() {
+                if a.1.distance(b.1) > 0.01 {
+                    assert!(b.0 - a.0 > 1e-9, "{q}: {} and {} at {}", a.1, b.1, a.0);
+                    let middle = 0.5 * (a.0 + b.0);
+                    let between = (middle, along(middle).unwrap());
+                    parts.extend([[a, between], [between, b]]);
+                }
+            }
+        }
+        counts[usize::from(end == steps.len())] += 1;
+    }
+    assert!(counts.iter().all(|n| *n > 50), "{counts:?}");
+}
