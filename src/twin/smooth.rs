@@ -1,7 +1,7 @@
 //! Where rays meet smooth surfaces and how they are turned there, with bounds on what a kernel may find.
 
 use super::near::{Near, Near3};
-use super::turn::{Bent, NearRay, Turned, bent};
+use super::turn::{Bent, NearRay, Turned, bent_at};
 use super::{Real, quadric, torus, wave};
 use crate::engine::surface::SurfaceRows;
 use crate::gpu::rows::{Optic, Params};
@@ -56,7 +56,7 @@ impl Part<'_> {
         let t = root.t.filter(|_| !root.doubtful).unwrap_or(Near::exact(0.0, real).lost());
         let place = ray.p + ray.d * t;
         let normal = self.normal(place, real);
-        let Bent { d, share } = bent(optic, ray.d.unit(), normal, normal, real);
+        let Bent { d, share, .. } = bent_at(optic, ray.d.unit(), normal, normal, real);
         Turned { place, d, share }
     }
 }

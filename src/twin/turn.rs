@@ -50,6 +50,8 @@ impl Input<'_> {
 pub struct Bent {
     pub d: Near3,
     pub share: Near,
+    /// To the other side of the surface.
+    passes: bool,
 }
 
 /// A unit normal tilted in its tangent plane, in the frame of Duff et al. 2017.
@@ -79,7 +81,7 @@ pub fn bent(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Real) 
     let along = d.dot(n);
     let reflected = d - n * (along + along);
     if optic.ior_hi == 0.0 {
-        return Bent { d: reflected, share: one };
+        return Bent { d: reflected, share: one, passes: false };
     }
     let ior = Near::pair(optic.ior_hi, optic.ior_lo, real);
     let enters = d.dot(outside).is_negative();
@@ -93,7 +95,7 @@ pub fn bent(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Real) 
     let nothing = Near::exact(0.0, real);
     let bent = if total.yes {
         let (d, share) = if is_main { (reflected, one) } else { (Near3([nothing; 3]), nothing) };
-        Bent { d, share }
+        Bent { d, share, passes: false }
     } else {
         let inner = square.sqrt();
         let refracted = d * eta + against * (eta * cosine - inner);
@@ -101,13 +103,28 @@ pub fn bent(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Real) 
         let within = (cosine - eta * inner) / (cosine + eta * inner);
         let back = (across * across + within * within) / (one + one);
         match (optic.fresnel == 1, is_main) {
-            (false, _) => Bent { d: refracted, share: one },
-            (true, true) => Bent { d: refracted, share: one - back },
-            (true, false) => Bent { d: reflected, share: back },
+            (false, _) => Bent { d: refracted, share: one, passes: true },
+            (true, true) => Bent { d: refracted, share: one - back, passes: true },
+            (true, false) => Bent { d: reflected, share: back, passes: false },
         }
     };
     let sure = enters.sure && total.sure && (total.yes || faces.sure);
-    if sure { bent } else { Bent { d: bent.d.lost(), share: bent.share.lost() } }
+    if sure { bent } else { Bent { d: bent.d.lost(), share: bent.share.lost(), ..bent } }
+}
+
+/// The same, and never to the wrong side of the surface as it is.
+pub fn bent_at(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Real) -> Bent {
+    let after = bent(optic, d, normal, outside, real);
+    let up = outside.unit();
+    let height = after.d.dot(up);
+    let crosses = (height * d.dot(up)).is_negative();
+    let is_wrong = height.v != 0.0 && crosses.yes == after.passes;
+    let back = after.d - up * (height + height);
+    let bent = if is_wrong { back } else { after.d };
+    // on which side it is makes no difference where it runs along the plane, but for twice its height
+    let off = 2.0 * (height.v.abs() + height.e);
+    let widened = Near3(bent.0.map(|c| c.off_by(c.e + off)));
+    Bent { d: if crosses.sure { bent } else { widened }, ..after }
 }
 
 /// The turn of a ray at the facet of these corners, which it meets.
@@ -122,7 +139,7 @@ pub fn at_facet(optic: &Optic, corners: &[Corner], ray: &NearRay, real: Real) ->
     let w = e.map(|own| own / (e[0] + e[1] + e[2]));
     let place = Near3::mixed(w, v);
     if optic.law == LAW_NORMALS {
-        let Bent { d, share } = bent(optic, ray.d.unit(), Near3::mixed(w, n), outside, real);
+        let Bent { d, share, .. } = bent_at(optic, ray.d.unit(), Near3::mixed(w, n), outside, real);
         return Turned { place, d, share };
     }
 

@@ -54,7 +54,7 @@ fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
     let w = facet_weights(surface, p, d);
     let place = facet_place(surface, w);
     if optic.law == LAW_NORMALS {
-        let after = bent(d / norm(d), w.x * n0 + w.y * n1 + w.z * n2, outside);
+        let after = bent_at(d / norm(d), w.x * n0 + w.y * n1 + w.z * n2, outside);
         return Turned(place, after.d, after.share);
     }
 

@@ -20,6 +20,6 @@ fn camera_of(surface: u32) -> u32 {
 fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
     let place = p + meeting_with(surface, p, d, last).t * d;
     let normal = smooth_normal(surface, place);
-    let after = bent(d / norm(d), normal, normal);
+    let after = bent_at(d / norm(d), normal, normal);
     return Turned(place, after.d, after.share);
 }

@@ -10,6 +10,7 @@ struct Turned {
 struct Bent {
     d: real3,
     share: real,
+    passes: bool,   // to the other side of the surface
 }
 
 fn norm(v: real3) -> real {
@@ -42,7 +43,7 @@ fn bent(d: real3, normal: real3, outside: real3) -> Bent {
     let reflected = d - (along + along) * n;
     let ior = real(optic.ior_hi) + real(optic.ior_lo);
     if ior == real(0.0) {
-        return Bent(reflected, one);
+        return Bent(reflected, one, false);
     }
     let eta = select(ior, one / ior, dot(d, outside) < real(0.0));
     let against = select(-n, n, along < real(0.0));
@@ -50,21 +51,33 @@ fn bent(d: real3, normal: real3, outside: real3) -> Bent {
     let square = one - eta * eta * (one - cosine * cosine);
     if square < real(0.0) {
         if optic.branch == 1u {
-            return Bent(real3(real(0.0)), real(0.0));
+            return Bent(real3(real(0.0)), real(0.0), false);
         }
-        return Bent(reflected, one);
+        return Bent(reflected, one, false);
     }
     let inner = sqrt(square);
     let refracted = eta * d + (eta * cosine - inner) * against;
     if optic.fresnel == 0u {
-        return Bent(refracted, one);
+        return Bent(refracted, one, true);
     }
     // Fresnel's equations for light without polarization
     let across = (eta * cosine - inner) / (eta * cosine + inner);
     let within = (cosine - eta * inner) / (cosine + eta * inner);
     let back = (across * across + within * within) / (one + one);
     if optic.branch == 1u {
-        return Bent(reflected, back);
+        return Bent(reflected, back, false);
     }
-    return Bent(refracted, one - back);
+    return Bent(refracted, one - back, true);
+}
+
+// The same, and never to the wrong side of the surface as it is: where the normal is not its own, a direction that it would send there is
+// reflected by the surface's plane.
+fn bent_at(d: real3, normal: real3, outside: real3) -> Bent {
+    var after = bent(d, normal, outside);
+    let up = outside / norm(outside);
+    let height = dot(after.d, up);
+    if height != real(0.0) && (height * dot(d, up) < real(0.0)) == after.passes {
+        after.d -= (height + height) * up;
+    }
+    return after;
 }
