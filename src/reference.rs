@@ -46,12 +46,13 @@ pub use place::as_near;
 pub use turns::Outcome;
 pub use verdict::Verdict;
 
+use crate::camera::beside::reach;
 use crate::camera::bundle::Bundle;
 use crate::scene::mesh::{Material, Mesh};
 use crate::scene::texture::Texture;
 use beam::Beam;
 use bvh::{Bvh, Item};
-use intersect::{Corners, T_ROUNDING};
+use intersect::{Aim, Corners, T_ROUNDING};
 use rayon::prelude::*;
 
 /// Where a ray first meets the mesh.
@@ -70,6 +71,8 @@ pub struct Hit {
 pub struct Reference<'a> {
     mesh: &'a Mesh,
     bvh: Bvh,
+    /// The mesh's size, by which rays go beside their pixel's centre: [`crate::camera::beside`].
+    reach: f64,
 }
 
 impl<'a> Reference<'a> {
@@ -82,7 +85,7 @@ impl<'a> Reference<'a> {
             (!corners.is_degenerate()).then_some(Item { lo, hi, id: id as u32 })
         };
         let items = mesh.triangles.par_iter().enumerate().filter_map(item).collect();
-        Reference { mesh, bvh: Bvh::build(items) }
+        Reference { mesh, bvh: Bvh::build(items), reach: reach(mesh.bounds()) }
     }
 
     /// The visible hit of the bundle's central ray: the smallest `t` in `t_range` (ends inclusive), the
@@ -104,7 +107,7 @@ impl<'a> Reference<'a> {
         let mut nearest = far;
         let mut is_met = false;
         self.bvh.walk(&beam, [0.0, far], |id| {
-            let met = (id < count).then(|| intersect::meet(&bundle, &self.corners(id))).flatten();
+            let met = (id < count).then(|| intersect::meet(&Aim::straight(bundle), &self.corners(id))).flatten();
             if let Some(m) = met.filter(|m| (0.0..=nearest).contains(&m.t)) {
                 (nearest, is_met) = (m.t, true);
             }
@@ -116,12 +119,14 @@ impl<'a> Reference<'a> {
     /// Every visible hit of the bundle's central ray in `t_range`, near ones first as a rule. `visit` returns the
     /// largest `t` that still matters.
     fn each_hit_of_ray(&self, bundle: &Bundle, t_range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {
-        let Some((bundle, beam)) = upright(bundle).and_then(|b| Beam::over(&b, 0.0).map(|beam| (b, beam))) else {
-            return;
+        let aimed = |b: Bundle| {
+            let aim = Aim::new(b, self.reach);
+            Beam::over(&aim.centre, aim.px).map(|beam| (aim, beam))
         };
+        let Some((aim, beam)) = upright(bundle).and_then(aimed) else { return };
         let mut limit = f64::INFINITY;
         self.bvh.walk(&beam, widened(t_range), |id| {
-            if let Some(hit) = self.hit_of(&bundle, id, t_range) {
+            if let Some(hit) = self.hit_of(&aim, id, t_range) {
                 limit = limit.min(visit(hit));
             }
             limit
@@ -129,8 +134,8 @@ impl<'a> Reference<'a> {
     }
 
     /// The central ray against one triangle, as far as it is visible and in range.
-    fn hit_of(&self, bundle: &Bundle, id: u32, t_range: [f64; 2]) -> Option<Hit> {
-        let m = intersect::meet(bundle, &self.corners(id))?;
+    fn hit_of(&self, aim: &Aim, id: u32, t_range: [f64; 2]) -> Option<Hit> {
+        let m = intersect::meet(aim, &self.corners(id))?;
         let seen = m.sign < 0 || self.two_sided(id);
         let in_range = t_range[0] <= m.t && m.t <= t_range[1];
         let hit = Hit { t: m.t, triangle: id, bary: m.bary };

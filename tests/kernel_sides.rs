@@ -32,8 +32,8 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
         order_of_products(u.x, v.y, u.y, v.x),
         side_of(u, v),
         side_of(v, u),
-        i32(is_between(b, shear_of(b), about)),
-        i32(is_between(b, shear_of(b), edge_on)),
+        i32(is_between(b, about)),
+        i32(is_between(b, edge_on)),
     );
 }
 ";

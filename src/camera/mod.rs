@@ -7,6 +7,7 @@
 //! [`kinds`] lists what a scene file may name; each named kind is a [`recipe::Recipe`] that builds such layers.
 
 pub mod arranged;
+pub mod beside;
 pub mod bundle;
 pub mod central;
 pub mod chain;

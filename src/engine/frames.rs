@@ -168,7 +168,7 @@ impl Frames {
     /// [`Error::Input`] where the camera is not of the same kind and size as the one before, or turns rays.
     pub fn aim(&mut self, camera: &Camera) -> Result<()> {
         check_samples(&self.scene, camera, &self.wanted, self.rival.is_some())?;
-        let around = Surroundings { anchor: self.plan.anchor, middle: self.plan.middle };
+        let around = Surroundings { anchor: self.plan.anchor, middle: self.plan.middle, reach: self.plan.reach };
         let arrangement = Arrangement::of(camera, around.middle).map(Arc::new);
         let camera = Arc::new(arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
         let wanted = Wanted { channels: self.plan.planes.clone(), ..self.wanted.clone() };

@@ -170,7 +170,7 @@ impl Planner {
         }
         let is_as_planned = |l: &&Planned| {
             Arc::ptr_eq(&l.camera, camera)
-                && (l.plan.anchor, l.plan.middle) == (around.anchor, around.middle)
+                && (l.plan.anchor, l.plan.middle, l.plan.reach) == (around.anchor, around.middle, around.reach)
                 && (Contents::of(&l.scene), &l.wanted) == (contents, wanted)
                 && (&l.scene.style, l.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
                 && l.plan.variant == self.variant(l.plan.variant, run)

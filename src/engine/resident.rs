@@ -3,7 +3,7 @@
 use super::Capacities;
 use super::pages::PageStore;
 use super::passes::{Pass, passes};
-use super::tables::{Hidden, Look, Span, TURNED_T_RANGE, looks, params, places};
+use super::tables::{Hidden, Look, Span, looks, params, places, turned};
 use super::turns::Turns;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
@@ -11,7 +11,7 @@ use crate::frame::Channel;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::kernels::LightsKind;
-use crate::gpu::rows::{COUNTERS, LANES};
+use crate::gpu::rows::{COUNTERS, LANES, Params};
 use crate::plan::hierarchy::Hierarchy;
 use crate::plan::pages::Pages;
 use crate::plan::{Band, Plan, Wanted};
@@ -268,16 +268,15 @@ impl Resident {
                     let ids = Span { first: chunk.id_first, count: chunk.id_count };
                     let (first, count) = self.batch(chunk, batch);
                     let clusters = Span { first, count };
-                    let row = |t_range: [f64; 2]| {
-                        let rays = (camera, t_range);
-                        let row = params(rays, plan, band, ids, clusters, self.capacities);
+                    let uniform = |row: Params| {
                         let mut buffers = Buffers::default();
                         buffers.upload_uniform(gpu, "params", &row)?;
                         Ok(buffers)
                     };
-                    self.params.push(row(camera.t_range)?);
+                    let own = params(camera, plan, band, ids, clusters, self.capacities);
+                    self.params.push(uniform(own)?);
                     if self.turns.is_some() {
-                        self.turned_params.push(row(TURNED_T_RANGE)?);
+                        self.turned_params.push(uniform(turned(own))?);
                     }
                 }
             }

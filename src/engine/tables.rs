@@ -139,9 +139,9 @@ pub fn looks(scene: &Scene) -> Cow<'_, [Material]> {
     Cow::Owned([&scene.mesh.materials[..], &[sky]].concat())
 }
 
-/// The parameters of a job: `clusters` of the chunk whose triangles are `ids`, over `band`, for rays with `t_range`.
+/// The parameters of a job: `clusters` of the chunk whose triangles are `ids`, over `band`, for the camera's own rays.
 pub fn params(
-    (camera, t_range): (&Camera, [f64; 2]),
+    camera: &Camera,
     plan: &Plan,
     band: &Band,
     ids: Span,
@@ -174,9 +174,13 @@ pub fn params(
         origin_lost: (ORIGIN_UNITS * f64::EPSILON * plan.anchor.abs().element_sum()) as f32,
         task_capacity: capacities.tasks as u32,
         edge_capacity: capacities.edges as u32,
-        t_min: split3(t_range[0]),
-        t_max: split3(t_range[1]),
-        t_words: words(t_range),
+        reach: plan.reach as f32,
+        pad0: 0,
+        pad1: 0,
+        pad2: 0,
+        t_min: split3(camera.t_range[0]),
+        t_max: split3(camera.t_range[1]),
+        t_words: words(camera.t_range),
         level_start: level(|l| l.start),
         level_width: level(|l| l.width),
         level_height: level(|l| l.height),
@@ -197,7 +201,13 @@ pub fn places(list: &[DVec2]) -> rows::Places {
 const ORIGIN_UNITS: f64 = 8.0;
 
 /// t of rays that were turned.
-pub const TURNED_T_RANGE: [f64; 2] = [0.0, f64::INFINITY];
+const TURNED_T_RANGE: [f64; 2] = [0.0, f64::INFINITY];
+
+/// The parameters for rays that were turned. No ray is beside them: next to that of their pixel another may have been turned elsewhere.
+pub fn turned(own: rows::Params) -> rows::Params {
+    let [t_min, t_max] = TURNED_T_RANGE.map(split3);
+    rows::Params { t_min, t_max, t_words: words(TURNED_T_RANGE), reach: 0.0, ..own }
+}
 
 /// The optics for a pass, in the scene with their facets.
 pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass: &Pass) -> rows::Optic {

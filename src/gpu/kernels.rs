@@ -136,7 +136,7 @@ const WITHIN: &str =
     concat!(snippet!("shared/node_conics.wgsl"), snippet!("shared/extent.wgsl"), snippet!("shared/within.wgsl"),);
 /// Whether rays of a node may meet a triangle's box.
 const BOX_MET: &str = concat!(snippet!("shared/meets.wgsl"), snippet!("shared/box_met.wgsl"));
-const SIDES: &str = snippet!("shared/sides.wgsl");
+const SIDES: &str = concat!(snippet!("shared/sides.wgsl"), snippet!("shared/beside.wgsl"));
 const NEARNESS: &str = snippet!("shared/nearness.wgsl");
 /// The cell of a pixel.
 const CELLS: &str = snippet!("shared/cells.wgsl");
@@ -268,7 +268,7 @@ impl Variant {
     }
 
     fn proof(self) -> &'static [&'static str] {
-        const STRAIGHT: &str = snippet!("camera/straight_proof.wgsl");
+        const STRAIGHT: &str = concat!(snippet!("shared/beside.wgsl"), snippet!("camera/straight_proof.wgsl"));
         match self.rays {
             RaysKind::Pieces => &[STRAIGHT, snippet!("camera/pieces_proof.wgsl")],
             RaysKind::Field => &[STRAIGHT, snippet!("camera/field_proof.wgsl")],

@@ -1,6 +1,7 @@
 //! Rays of a part of the image as one affine bundle, and how far they may lie from it.
 
 use super::tiles::Sampled;
+use crate::camera::beside::BESIDE;
 use crate::gpu::rows::{self, RAYS_AFFINE, RAYS_LOOSE};
 use glam::{DVec2, DVec3};
 
@@ -88,15 +89,16 @@ impl Fit {
         (size(&self.p), size(&self.d))
     }
 
-    /// As kernels read it.
-    pub fn row(&self) -> rows::Node {
+    /// As kernels read it: around the rays, and those beside them in a scene of this size.
+    pub fn row(&self, reach: f64) -> rows::Node {
         let (size_p, size_d) = self.sizes();
+        let (r_p, r_d) = (self.r_p + BESIDE * reach, self.r_d + BESIDE * size_d);
         let v = |v: DVec3| v.as_vec3().to_array();
         rows::Node {
             p: v(self.p[0]),
-            r_p: (self.r_p + NODE_SLACK * (size_p + self.r_p)) as f32,
+            r_p: (r_p + NODE_SLACK * (size_p + r_p)) as f32,
             px: v(self.p[1]),
-            r_d: (self.r_d + NODE_SLACK * (size_d + self.r_d)) as f32,
+            r_d: (r_d + NODE_SLACK * (size_d + r_d)) as f32,
             py: v(self.p[2]),
             rays: self.rays,
             d: v(self.d[0]),

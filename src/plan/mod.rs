@@ -18,6 +18,7 @@ pub mod tear;
 pub mod tiles;
 
 use crate::camera::arranged::is_sorted;
+use crate::camera::beside::reach;
 use crate::camera::{Camera, Rays};
 use crate::frame::Channel;
 use crate::gpu::device::Abilities;
@@ -186,6 +187,7 @@ pub struct Plan {
     pub anchor: DVec3,
     /// Of the scene, see [`Surroundings`].
     pub middle: DVec3,
+    pub reach: f64,
     /// How wide images on triangles are filtered, in pixels.
     pub spread: f32,
     pub left_out: Vec<LeftOut>,
@@ -198,6 +200,8 @@ pub struct Surroundings {
     pub anchor: DVec3,
     /// Of the scene: how far bundles spread is compared as far along their rays.
     pub middle: DVec3,
+    /// The scene's size, by which rays go beside their pixel's centre: [`crate::camera::beside`].
+    pub reach: f64,
 }
 
 impl Surroundings {
@@ -206,14 +210,16 @@ impl Surroundings {
         let middle = (camera.width / 2, camera.height / 2);
         let start = camera.ray(middle.0, middle.1).map_or(DVec3::ZERO, |r| r.origin);
         match bounds {
-            Some((lo, hi)) => Surroundings { anchor: start.clamp(lo, hi), middle: (lo + hi) / 2.0 },
+            Some((lo, hi)) => {
+                Surroundings { anchor: start.clamp(lo, hi), middle: (lo + hi) / 2.0, reach: reach(bounds) }
+            }
             None => Surroundings::point(start),
         }
     }
 
     /// Of a scene that is one point.
     pub fn point(at: DVec3) -> Surroundings {
-        Surroundings { anchor: at, middle: at }
+        Surroundings { anchor: at, middle: at, reach: 0.0 }
     }
 }
 
@@ -292,6 +298,7 @@ impl Plan {
             id_bits: id_bits.max(1),
             anchor: around.anchor,
             middle: around.middle,
+            reach: around.reach,
             // so many boxes of this width tile the pixel
             spread: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
             left_out,
@@ -367,7 +374,12 @@ impl Band {
         let nodes = nodes::Nodes::new(
             &sampled,
             (tiles.tiles_x, tiles.tiles_y),
-            nodes::Depth { middle: around.middle - anchor, t_range: camera.t_range, scattered: is_sorted(camera) },
+            nodes::Depth {
+                middle: around.middle - anchor,
+                t_range: camera.t_range,
+                scattered: is_sorted(camera),
+                reach: around.reach,
+            },
         );
         let rays = match (&curves, camera.layers.as_slice()) {
             (Some(table), _) => Some(table.rays(anchor)),

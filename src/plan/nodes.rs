@@ -41,6 +41,8 @@ pub struct Depth {
     pub t_range: [f64; 2],
     /// The rays of a tile have little to do with each other: cull descends to every tile.
     pub scattered: bool,
+    /// The scene's size, by which rays go beside their pixel's centre; 0 where they stay.
+    pub reach: f64,
 }
 
 impl Depth {
@@ -84,9 +86,9 @@ impl Nodes {
             let all = || squares.iter().map(|s| s.fit);
             nodes.exact &= all().all(|f| f.rays == RAYS_AFFINE || f.rays == RAYS_NONE);
             nodes.torn |= k == 1 && all().any(|f| f.rays == RAYS_TORN);
-            nodes.nodes.extend(all().map(|f| f.row()));
+            nodes.nodes.extend(all().map(|f| f.row(depth.reach)));
         }
-        nodes.nodes.extend(tiles.iter().flat_map(|tile| &tile.each).map(Fit::row));
+        nodes.nodes.extend(tiles.iter().flat_map(|tile| &tile.each).map(|f| f.row(depth.reach)));
         nodes
     }
 

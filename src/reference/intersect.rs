@@ -3,10 +3,13 @@
 //! With `E_ij = ((v_i h - p) x (v_j - v_i)) . d` for the edge from `v_i` to `v_j`, a ray hits where `E_01`,
 //! `E_12` and `E_20` have one sign. Each edge is evaluated from its smaller to its larger end (by position),
 //! so that both triangles at an edge see one value. Signs are those of exact arithmetic: f64 where its
-//! rounding bound proves them, [`exact`](super::exact) sums elsewhere. A ray that meets an edge line is
-//! moved by one infinitesimal step of its pixel: dx, far smaller dy, with dx >> dy >> dx^2 >> dx dy >> dy^2
-//! (say dy = dx^1.5), so the first non-zero derivative in that order decides, for all triangles alike. Signs
-//! so found belong to one true configuration: no ray slips through a closed fan, none hits it twice.
+//! rounding bound proves them, [`exact`](super::exact) sums elsewhere.
+//!
+//! The signs are those of the ray beside the pixel's centre ([`crate::camera::beside`]): what should be met exactly at the centre is
+//! decided alike here and in the kernels, however either rounds. Where that ray meets an edge line too, it is moved by one
+//! infinitesimal step of its pixel: dx, far smaller dy, with dx >> dy >> dx^2 >> dx dy >> dy^2 (say dy = dx^1.5), so the
+//! first non-zero derivative in that order decides, for all triangles alike. Signs so found belong to one true
+//! configuration: no ray slips through a closed fan, none hits it twice.
 
 use super::exact::{self, Exact};
 use crate::camera::bundle::Bundle;
@@ -111,6 +114,28 @@ fn edge_in_f64(b: &Bundle, from: DVec3, to: DVec3) -> (f64, i8) {
     (value, if value > bound { 1 } else { -i8::from(value < -bound) })
 }
 
+/// A pixel's rays: for depths and weights about its centre, for sides of edges about the place beside it.
+#[derive(Debug, Clone, Copy)]
+pub struct Aim {
+    pub centre: Bundle,
+    pub beside: Bundle,
+    /// How far apart they are at most in x or y, px.
+    pub px: f64,
+}
+
+impl Aim {
+    /// In a scene of this size.
+    pub fn new(centre: Bundle, reach: f64) -> Aim {
+        let (beside, px) = centre.beside(reach);
+        Aim { centre: centre.sloping(), beside, px }
+    }
+
+    /// One ray alone.
+    pub fn straight(centre: Bundle) -> Aim {
+        Aim { centre, beside: centre, px: 0.0 }
+    }
+}
+
 /// The exact coefficients of `E(x, y)`: `F(a, b)` pairs the `a`-th part of `(p, h)` with the `b`-th of `d`.
 struct ExactEdge<'b> {
     bundle: &'b Bundle,
@@ -142,42 +167,44 @@ impl ExactEdge<'_> {
     }
 }
 
-/// `E` opposite each sorted corner in the cycle 0 -> 1 -> 2, with their common sign; `None` when they differ.
-fn sides(b: &Bundle, c: &Corners) -> Option<([f64; 3], i8)> {
-    let mut value = [0.0; 3];
-    let mut sign = [0_i8; 3];
-    for (k, (i, j, turn)) in OPPOSITE.into_iter().enumerate() {
-        let (e, s) = edge_in_f64(b, c.v[i], c.v[j]);
-        (value[k], sign[k]) = (e * f64::from(turn), s * turn);
+/// `E` of an edge for the bundle's central ray, and its sign, never 0.
+fn edge_side(b: &Bundle, from: DVec3, to: DVec3) -> (f64, i8) {
+    match edge_in_f64(b, from, to) {
+        (_, 0) => ExactEdge { bundle: b, from, to }.value_and_sign(),
+        proven => proven,
     }
-    let differ = |sign: &[i8; 3]| sign.contains(&1) && sign.contains(&-1);
+}
+
+/// The sign of a triangle's `E`s, of its own winding, for the bundle's central ray; 0 where they differ: outside.
+pub fn sign_of(b: &Bundle, c: &Corners) -> i8 {
+    let mut sign = OPPOSITE.map(|(i, j, turn)| edge_in_f64(b, c.v[i], c.v[j]).1 * turn);
     for (k, (i, j, turn)) in OPPOSITE.into_iter().enumerate() {
-        if differ(&sign) {
-            return None;
+        if sign.contains(&1) && sign.contains(&-1) {
+            return 0;
         }
         if sign[k] == 0 {
-            let (e, s) = ExactEdge { bundle: b, from: c.v[i], to: c.v[j] }.value_and_sign();
-            (value[k], sign[k]) = (e * f64::from(turn), s * turn);
+            sign[k] = edge_side(b, c.v[i], c.v[j]).1 * turn;
         }
     }
-    (!differ(&sign)).then_some((value, sign[0]))
+    if sign == [sign[0]; 3] { sign[0] * c.parity } else { 0 }
 }
 
-/// The sign of the triangle's `E`s, of its own winding, at the pixel's centre; 0 outside.
-pub fn sign_at_centre(b: &Bundle, c: &Corners) -> i8 {
-    sides(b, c).map_or(0, |(_, s)| s * c.parity)
-}
-
-/// The central ray of the bundle against the triangle, any `t`. `h > 0`.
-pub fn meet(b: &Bundle, c: &Corners) -> Option<Meeting> {
-    let (e, sign) = sides(b, c)?;
-    let t = depth(b, c)?;
+/// The ray of a pixel against the triangle, any `t`. `h > 0`.
+pub fn meet(aim: &Aim, c: &Corners) -> Option<Meeting> {
+    let sign = sign_of(&aim.beside, c);
+    if sign == 0 {
+        return None;
+    }
+    let t = depth(&aim.centre, c)?;
+    let inside = f64::from(sign * c.parity);
+    // the centre may lie outside by as much as the two rays are apart
+    let e = OPPOSITE.map(|(i, j, turn)| (inside * f64::from(turn) * edge_side(&aim.centre, c.v[i], c.v[j]).0).max(0.0));
     let sum = e[0] + e[1] + e[2];
     let mut weight = [0.0; 3];
     for (k, e) in e.into_iter().enumerate() {
         weight[c.slot(k)] = if sum == 0.0 { 1.0 / 3.0 } else { e / sum };
     }
-    Some(Meeting { t, sign: sign * c.parity, bary: [weight[1], weight[2]] })
+    Some(Meeting { t, sign, bary: [weight[1], weight[2]] })
 }
 
 /// `t = N . (v_0 h - p) / (N . d)` of the sorted corners, within [`T_ROUNDING`] of itself; `None` where the
@@ -213,11 +240,15 @@ mod tests {
         }
     }
 
+    fn looking(x: f64, y: f64) -> Aim {
+        Aim::straight(looking_down_z(x, y))
+    }
+
     #[test]
     fn weights_and_depth_are_of_the_vertices_as_given() {
         let v = [DVec3::new(4.0, 0.0, 3.0), DVec3::new(0.0, 0.0, 1.0), DVec3::new(0.0, 4.0, 5.0)];
         for (order, sign) in [([0, 1, 2], -1), ([1, 2, 0], -1), ([0, 2, 1], 1), ([2, 1, 0], 1)] {
-            let m = meet(&looking_down_z(1.0, 2.0), &Corners::new(order.map(|k| v[k]))).unwrap();
+            let m = meet(&looking(1.0, 2.0), &Corners::new(order.map(|k| v[k]))).unwrap();
             let weight = [0.25, 0.25, 0.5];
             assert_eq!(m.bary, [weight[order[1]], weight[order[2]]]);
             assert_eq!(m.t, 0.25 * 3.0 + 0.25 * 1.0 + 0.5 * 5.0);
@@ -276,9 +307,9 @@ mod tests {
         let left = Corners::new([DVec3::ZERO, DVec3::new(-1.0, 0.0, 0.0), DVec3::new(0.0, 1.0, 0.0)]);
         let right = Corners::new([DVec3::ZERO, DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 1.0, 0.0)]);
         let on = looking_down_z(0.0, 0.5);
-        assert!(meet(&on, &left).is_none());
-        assert_eq!(meet(&on, &right).unwrap().bary, [0.0, 0.5]);
-        assert!(meet(&looking_down_z(1.0, 0.0), &right).is_none());
+        assert!(meet(&Aim::straight(on), &left).is_none());
+        assert_eq!(meet(&Aim::straight(on), &right).unwrap().bary, [0.0, 0.5]);
+        assert!(meet(&looking(1.0, 0.0), &right).is_none());
     }
 
     #[test]
@@ -309,12 +340,12 @@ mod tests {
     #[test]
     fn an_edge_on_triangle_and_one_without_area_are_never_hit() {
         let upright = Corners::new([DVec3::ZERO, DVec3::X, DVec3::new(0.5, 0.0, 1.0)]);
-        assert!(meet(&looking_down_z(0.5, 0.0), &upright).is_none());
+        assert!(meet(&looking(0.5, 0.0), &upright).is_none());
         let line = [DVec3::new(0.1, 0.1, 0.1), DVec3::splat(0.3), DVec3::splat(0.7)];
-        assert!(meet(&looking_down_z(0.2, 0.2), &Corners::new(line)).is_none());
+        assert!(meet(&looking(0.2, 0.2), &Corners::new(line)).is_none());
         assert!(Corners::new([DVec3::X, DVec3::ZERO, DVec3::X]).is_degenerate());
         // The ray through a nearly edge-on triangle still has an exact depth.
         let tilted = Corners::new([DVec3::ZERO, DVec3::X, DVec3::new(0.5, 2.0_f64.powi(-60), 1.0)]);
-        assert_eq!(meet(&looking_down_z(0.5, 2.0_f64.powi(-61)), &tilted).unwrap().t, 0.5);
+        assert_eq!(meet(&looking(0.5, 2.0_f64.powi(-61)), &tilted).unwrap().t, 0.5);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::beam::Beam;
 use super::finding::PLACES;
-use super::intersect::Corners;
+use super::intersect::{Aim, Corners};
 use super::margin::{Depth, MARGIN_PX, Sides, beyond, clears};
 use super::{Hit, Reference, cover, nearer, upright, widened};
 use crate::camera::bundle::Bundle;
@@ -73,7 +73,8 @@ impl Reference<'_> {
             return Verdict { hit, safe: false, candidates, may_miss: true };
         };
         let candidates = self.candidates(&bundle, &beam, t_range);
-        let hit = candidates.iter().filter_map(|c| self.hit_of(&bundle, c.id, t_range)).fold(None, nearer);
+        let aim = Aim::new(bundle, self.reach);
+        let hit = candidates.iter().filter_map(|c| self.hit_of(&aim, c.id, t_range)).fold(None, nearer);
         let covered = candidates.iter().any(|c| c.covers);
         let ids: Vec<u32> = candidates.iter().map(|c| c.id).collect();
         let may_miss = !covered && (ids.is_empty() || !cover::is_proven(self, &bundle, t_range));

@@ -3,6 +3,7 @@
 use super::Real;
 use super::rays::PixelRays;
 use crate::camera::Bundle;
+use crate::camera::beside::BESIDE_PX;
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
 /// A side, and whether another correct evaluation of the same rule may find the other one.
@@ -26,10 +27,6 @@ const STORED_UNITS: f64 = 2.0;
 /// A corner in the plane: a product and a difference for m, a quotient, a product and a difference, of what is up to
 /// twice as large.
 const PLANE_UNITS: f64 = 16.0;
-/// As sides.wgsl has them.
-const STEP_X: f64 = 8.3;
-const STEP_Y: f64 = 2.1;
-const NO_STEP: f64 = 1e-30;
 
 fn size(v: DVec3) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
@@ -80,19 +77,11 @@ impl Edge<'_> {
 fn in_plane(rays: &PixelRays, v: DVec3, real: Real) -> (DVec2, f64) {
     let (b, axis) = (&rays.bundle, rays.bundle.d[0].abs().max_position());
     let turned = |v: DVec3| DVec3::from_array([1, 2, 3].map(|k| v[(axis + k) % 3]));
-    let d = b.d.map(turned);
-    let m = [0, 1, 2].map(|k| turned(v * b.h[k] - b.p[k]));
-    let aside = d[0].xy() / d[0].z;
-    let place = m[0].xy() - aside * m[0].z;
-    let step_unit = if real == Real::F64 { real.unit() } else { 0.0 };
-    let off = step_unit * (size(v) * b.h[0].abs() + size(b.p[0]));
-    let step = |k: usize, units: f64| {
-        let aside_moved = (d[k].xy() - aside * d[k].z) / d[0].z;
-        let pixel = m[k].xy() - aside * m[k].z - aside_moved * m[0].z;
-        pixel * (units * off / pixel.abs().element_sum().max(NO_STEP)).min(real.unit().sqrt())
-    };
-    let sizes = size(v) * rays.size_h + rays.size_p + size(m[0]) * (rays.size_d / d[0].z.abs());
-    (place + step(1, STEP_X) + step(2, STEP_Y), PLANE_UNITS * real.rounding() * sizes)
+    let (d, m) = (turned(b.d[0]), turned(v * b.h[0] - b.p[0]));
+    let aside = d.xy() / d.z;
+    let place = m.xy() - aside * m.z;
+    let sizes = size(v) * rays.size_h + rays.size_p + size(m) * (rays.size_d / d.z.abs());
+    (place, PLANE_UNITS * real.rounding() * sizes)
 }
 
 /// The side of the bundle's middle ray with respect to the edge from `v` to `w`, in the plane. Places of another adapter may be
@@ -105,8 +94,10 @@ pub fn side(rays: &PixelRays, v: DVec3, w: DVec3, real: Real) -> Side {
     Side { sign: first.map_or(1, |s| s.signum() as i32), doubtful: value.abs() <= doubt }
 }
 
-/// The side on which all rays within `r` px of the bundle's middle pass beyond any doubt of [`side`]; 0: not proven.
+/// The side on which all rays within `r` px of the bundle's middle pass, and those beside them, beyond any doubt of [`side`]; 0: not
+/// proven.
 pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, real: Real, r: f64) -> i32 {
+    let r = r + 2.0 * BESIDE_PX;
     // bounds from either end
     let ends = [Edge::new(b, v, w, real), Edge::new(b, w, v, real)];
     let step = |terms| {
@@ -122,19 +113,5 @@ pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, real: Real, r: f64) -> i32 {
     if value.abs() > room { value.signum() as i32 } else { 0 }
 }
 
-/// Room for the step aside and for [`side`]'s own doubts, twice for the sizes' growth over the square.
-const DOUBT_BOUNDS: f64 = 2.0 * (STEP_X + STEP_Y);
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn steps_are_the_kernel_s() {
-        let source = include_str!("../../wgsl/shared/sides.wgsl");
-        for (name, value) in [("STEP_X", STEP_X), ("STEP_Y", STEP_Y), ("NO_STEP", NO_STEP)] {
-            let value = format!("{value:?}").replace("1e-30", "1.0e-30");
-            assert!(source.contains(&format!("const {name}: real = {value};")), "{name}");
-        }
-    }
-}
+/// Room for [`side`]'s own doubts, which are smaller than the bound, and for the sizes' growth over the square: twice each.
+const DOUBT_BOUNDS: f64 = 4.0;

@@ -35,11 +35,11 @@ pub use key::{KeyForm, Real};
 
 use crate::camera::Camera;
 use crate::engine::Capacities;
-use crate::engine::tables::{Hidden, Look, Span, TURNED_T_RANGE, params};
+use crate::engine::tables::{Hidden, Look, Span, params, turned};
 use crate::frame::{Channel, Frame, Plane};
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::RaysKind;
-use crate::gpu::rows::{Cell, Cluster, Node, ONE_SIDED, Params, Piece, split3, words};
+use crate::gpu::rows::{Cell, Cluster, Node, ONE_SIDED, Params, Piece};
 use crate::plan::curves::RayTable;
 use crate::plan::pages::Pages;
 use crate::plan::{Contents, Plan, Surroundings, Wanted};
@@ -147,7 +147,7 @@ impl Tables {
         let ids = Span { first: chunk.id_first, count: chunk.id_count };
         let clusters = Span { first: 0, count: chunk.clusters.len() as u32 };
         Input {
-            params: params((camera, camera.t_range), &self.plan, band, ids, clusters, capacities),
+            params: params(camera, &self.plan, band, ids, clusters, capacities),
             clusters: &chunk.clusters,
             bunches: &chunk.bunches,
             nodes: &band.nodes.nodes,
@@ -172,9 +172,7 @@ impl Tables {
     /// The same for rays that were turned.
     pub fn turned_input<'a>(&'a self, camera: &Camera, band: usize, chunk: usize, turn: &'a Turn) -> Input<'a> {
         let mut input = self.input(camera, band, chunk, ROOMY);
-        let [t_min, t_max] = TURNED_T_RANGE.map(split3);
-        (input.params.t_min, input.params.t_max) = (t_min, t_max);
-        input.params.t_words = words(TURNED_T_RANGE);
+        input.params = turned(input.params);
         Input {
             nodes: &turn.nodes,
             // where turned rays are torn is not known beforehand

@@ -104,7 +104,9 @@ pub fn test(input: &Input, cast: &Cast, c: &Corners, real: Real) -> Tested {
 }
 
 fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested {
-    let covered = ray_coverage(rays, c, real);
+    // in f32 sides are those of the pixel's centre
+    let reach = if real == Real::F64 { f64::from(input.params.reach) } else { 0.0 };
+    let covered = ray_coverage(&rays.beside(reach), c, real);
     if !covered.inside && !covered.doubtful {
         return NOTHING;
     }

@@ -18,6 +18,11 @@ pub struct PixelRays {
 }
 
 impl PixelRays {
+    /// About where sides are decided in a scene of this size.
+    pub fn beside(&self, reach: f64) -> PixelRays {
+        PixelRays { bundle: self.bundle.beside(reach).0, ..*self }
+    }
+
     /// The ray's direction.
     pub fn direction(&self) -> DVec3 {
         self.bundle.d[0] / self.bundle.h[0]

@@ -1,6 +1,6 @@
 // What may be lost of the ray of a pixel of a field: the rounding of what is stored.
 fn weighed(cell: Cell, whole: Bundle, x: u32, y: u32) -> Weighed {
     let corner = tile_corner(cell.tile);
-    let b = cell_bundle_at(field_at(corner.x + x, corner.y + y));
+    let b = field_bundle(corner.x + x, corner.y + y);
     return Weighed(b, REAL_UNIT * size3(b.p) + real(params.origin_lost), REAL_UNIT * size3(b.d), 0.0);
 }

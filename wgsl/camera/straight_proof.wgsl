@@ -39,6 +39,17 @@ fn proven_side(q: Weighed, from_v: Offset, v: real3, w: real3) -> i32 {
     return sign_beyond(dot(e, g), bound);
 }
 
+// 1: the ray passes between all edges, -1: it does not; 0: not proven.
+fn proven_inside(q: Weighed, from_v: Offset, v: array<real3, 3>) -> i32 {
+    let a = proven_side(q, from_v, v[0], v[1]);
+    let b = -proven_side(q, from_v, v[0], v[2]);
+    let c = proven_side(q, offset_of(q, v[1]), v[1], v[2]);
+    if min(a, min(b, c)) < 0 && max(a, max(b, c)) > 0 {
+        return -1;
+    }
+    return select(0, 1, a != 0 && a == b && a == c);
+}
+
 // t = N . m / N . d lies in [near, far] where the sign of N . d is proven, which is `facing`; else anywhere. An end of a chain's
 // segment holds what is `room` beyond it.
 struct OnPlane {
@@ -72,13 +83,14 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hi
     let from_v = offset_of(q, v[0]);
     var inside = is_inside;
     if !is_inside {
-        let a = proven_side(q, from_v, v[0], v[1]);
-        let b = -proven_side(q, from_v, v[0], v[2]);
-        let c = proven_side(q, offset_of(q, v[1]), v[1], v[2]);
-        if min(a, min(b, c)) < 0 && max(a, max(b, c)) > 0 {
+        // that of the centre, and that by which it was decided
+        let aside = Weighed(beside(q.b, real(params.reach)), q.lost_p, q.lost_d, q.lost_h);
+        let centre = proven_inside(q, from_v, v);
+        let decided = proven_inside(aside, offset_of(aside, v[0]), v);
+        if centre < 0 && decided < 0 {
             return MISSED;
         }
-        inside = a != 0 && a == b && a == c;
+        inside = centre > 0 && decided > 0;
     }
     let met = on_plane(q, from_v, normal_of(v), reach3(v));
     let t_min = of_words(params.t_words.xy);

@@ -50,6 +50,10 @@ struct Params {
     origin_lost: f32,       // what origins of rays may have lost before they were stored
     task_capacity: u32,
     edge_capacity: u32,     // items
+    reach: f32,             // the scene's size by which rays go beside their pixel's centre; 0 where they stay
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
     t_min: vec4<f32>,       // ends of t_range, each the exact sum of three
     t_max: vec4<f32>,
     t_words: vec4<u32>,     // both as f64, low words first
@@ -57,6 +61,10 @@ struct Params {
     level_width: array<vec4<u32>, 2>,   // nodes a row
     level_height: array<vec4<u32>, 2>,  // rows
 }
+
+// What a ray beside its pixel's centre (beside.wgsl) differs by: origins at most 2^-42 of the scene's size, directions at most that of their own;
+// twice that, for sums of components instead of lengths.
+const BESIDE_LOST: f32 = 1.0 / 2199023255552.0;
 
 // Where samples lie about their pixel's centre, px right and down: two a row.
 struct Places {

@@ -9,8 +9,8 @@ const REAL_UNIT: real = 5.9604645e-8;
 // Its square root: how far a double root is off, 2^-12.
 const REAL_UNIT_ROOT: real = 2.44140625e-4;
 
-// Corners are not stepped aside: raster's own proofs in f32 leave no room for it.
-const STEP_UNIT: real = 0.0;
+// Sides are decided at a pixel's centre: what is far less than rounding leaves no trace in f32.
+const BESIDE: real = 0.0;
 
 // Rounding of one operation, relative: 2^-24.
 const REAL_ROUNDING: real = 5.9604645e-8;

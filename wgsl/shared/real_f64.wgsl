@@ -9,8 +9,8 @@ const REAL_UNIT: real = 3.5527136788005009e-15;
 // Its square root: how far a double root is off, 2^-24.
 const REAL_UNIT_ROOT: real = 5.9604644775390625e-8;
 
-// What corners are stepped aside by, relative.
-const STEP_UNIT: real = REAL_UNIT;
+// How far beside a pixel's centre sides are decided, relative to the scene's size: 2^-42.
+const BESIDE: real = 2.2737367544323206e-13;
 
 // Rounding of one operation, relative: 2^-53.
 const REAL_ROUNDING: real = 1.1102230246251565e-16;

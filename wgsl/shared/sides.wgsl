@@ -2,12 +2,10 @@
 // rounded once and for all its triangles alike; in the plane the sign of every edge is exact. So triangles that share an edge or a
 // corner leave no hole, however near the ray passes, and overlap only where roundings fold one of them over.
 
-// The axis along which a ray goes farthest, and how far it goes aside for each step along that; how that changes over a pixel.
+// The axis along which a ray goes farthest, and how far it goes aside for each step along that.
 struct Shear {
     axis: u32,
     aside: vec2<real>,
-    aside_x: vec2<real>,
-    aside_y: vec2<real>,
 }
 
 // The components of a vector from the one after the axis on, so that the axis is last.
@@ -29,36 +27,14 @@ fn shear_of(b: Bundle) -> Shear {
         axis = 1u;
     }
     let d = turned_to(axis, b.d);
-    let dx = turned_to(axis, b.dx);
-    let dy = turned_to(axis, b.dy);
-    let aside = d.xy / d.z;
-    return Shear(axis, aside, (dx.xy - aside * dx.z) / d.z, (dy.xy - aside * dy.z) / d.z);
+    return Shear(axis, d.xy / d.z);
 }
-
-// Every corner is moved as if the ray went so far along x and along y of its pixel, in units of the rounding of stored numbers: more
-// than those commonly add up to, so that a ray that should meet an edge exactly passes on one side. No simple fraction, lest the
-// two together run along the edges of a grid.
-const STEP_X: real = 8.3;
-const STEP_Y: real = 2.1;
 
 // Where a corner lies in the plane, the ray at (0, 0).
 fn in_plane(b: Bundle, s: Shear, v: real3) -> vec2<real> {
     let m = turned_to(s.axis, v * b.h - b.p);
-    let mx = turned_to(s.axis, v * b.hx - b.px);
-    let my = turned_to(s.axis, v * b.hy - b.py);
-    let off = STEP_UNIT * (size3(v) * abs(b.h) + size3(b.p));
-    return m.xy - s.aside * m.z
-        + step_of(mx.xy - s.aside * mx.z - s.aside_x * m.z, STEP_X * off)
-        + step_of(my.xy - s.aside * my.z - s.aside_y * m.z, STEP_Y * off);
+    return m.xy - s.aside * m.z;
 }
-
-// A step of this length in the direction of the pixel's, at most REAL_UNIT_ROOT of it.
-fn step_of(pixel: vec2<real>, long: real) -> vec2<real> {
-    let size = abs(pixel.x) + abs(pixel.y);
-    return pixel * min(long / max(size, NO_STEP), REAL_UNIT_ROOT);
-}
-
-const NO_STEP: real = 1.0e-30;
 
 // 1 where the ray has the edge from u to v on one hand, -1 on the other. Where it meets the edge still, as that of a ray an
 // infinitesimal step away in the plane.
@@ -79,7 +55,8 @@ fn side_of(u: vec2<real>, v: vec2<real>) -> i32 {
 }
 
 // Never where all corners fall into one place: the last edge is taken from the first corner too.
-fn is_between(b: Bundle, s: Shear, v: array<real3, 3>) -> bool {
+fn is_between(b: Bundle, v: array<real3, 3>) -> bool {
+    let s = shear_of(b);
     let p0 = in_plane(b, s, v[0]);
     let p1 = in_plane(b, s, v[1]);
     let p2 = in_plane(b, s, v[2]);
