@@ -58,7 +58,10 @@ fn scattered_rays_see_what_they_see_when_nothing_is_left_out() {
             assert!(words(&culled.frame) == words(&all.frame), "{by}, {t_range:?}, lanes {lanes}");
             let share = culled.counts.pairs as f64 / all.counts.pairs as f64;
             println!("{by}, {t_range:?}, lanes {lanes}: {share:.2} of all pairs");
-            assert!(share < 0.5, "{by}, {t_range:?}, lanes {lanes}: {share:.2} of all pairs");
+            assert!(
+                share < if engine.gpu.has.lanes { 0.25 } else { 0.5 },
+                "{by}, {t_range:?}, lanes {lanes}: {share:.2} of all pairs"
+            );
         }
     }
 }
@@ -74,7 +77,8 @@ fn scattered_rays_see_what_the_reference_does() {
 #[test]
 fn a_row_of_scattered_rays_is_no_other_picture() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
-    let mesh = things(3);
+    // closed: a ray through a vertex hits one of the triangles there
+    let mesh = icosphere(3);
     let rays = rays(&mesh, 40 * 25, &mut Rng(10));
     let scene = scene(mesh);
     let wanted = Wanted::of(vec![Channel::T, Channel::TriangleId]);

@@ -19,6 +19,7 @@ fn bin(
     let address = tasks[index].y;
     let level = node_level(address);
     let node = item_node(address_node(address), lane);
+    let rays = item_rays(address, node, bunch.centre, bunch.half, true, lane);
     if lane % BUNCH >= bunch.count {
         return;
     }
@@ -27,6 +28,15 @@ fn bin(
     let v0 = vertex(triangle.x);
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);
+
+    // where rays are told one by one, leave out those of the item's tile that do not meet its box
+    let lo = min(v0, min(v1, v2));
+    let hi = max(v0, max(v1, v2));
+    let half = 0.5 * (hi - lo) + BOUND_SLACK * max(abs(lo), abs(hi));
+    let met = item_pixels(address, rays, node, 0.5 * (lo + hi), half);
+    if is_empty(met) {
+        return;
+    }
 
     // bound the pixels it may cover, of a node's square or of the tile of one cell
     var corner = vec2<u32>(node_x(address), node_y(address)) << vec2<u32>(2u * level);
@@ -57,7 +67,8 @@ fn bin(
             let from_px = (tile - corner) * TILE;
             let pixels = vec4<u32>(max(within.xy, from_px), min(within.zw, from_px + TILE)) - from_px.xyxy;
             let tile_index = tile.y * params.tiles_x + tile.x;
-            list(slot, tile_index, tile_pixels(tile_index, node, v0, v1, v2, pixels));
+            let left = tile_pixels(tile_index, node, v0, v1, v2, pixels);
+            list(slot, tile_index, vec4<u32>(max(left.xy, met.xy), min(left.zw, met.zw)));
         }
         tile.x++;
         if tile.x == tile_end.x {

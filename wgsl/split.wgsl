@@ -24,17 +24,12 @@ fn split(
     let bunch = bunches[index];
 
     // test its box against the rays of the node
-    if bunch.count > 0u && (!CULLING || item_meets(address, node, bunch.centre, bunch.half)) {
+    let is_met = bunch.count > 0u && (!CULLING || node_meets(node, bunch.centre, bunch.half));
+    let rays = item_rays(address, node, bunch.centre, bunch.half, is_met, lane);
+    if is_met && item_meets(address, rays, node, bunch.centre, bunch.half) {
         let at = atomicAdd(&counters[COUNT_TASKS], 1u);
         if at < params.task_capacity {
             tasks[at] = vec2<u32>(index, address);
         }
     }
-}
-
-fn item_meets(address: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
-    if !node_meets(node, centre, half) {
-        return false;
-    }
-    return node_level(address) != 0u || tile_meets(node_x(address), node_y(address), node, centre, half);
 }

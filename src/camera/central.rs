@@ -71,9 +71,9 @@ pub fn orthographic(pose: &Pose, height_world: f64, height: u32) -> Result<Bundl
 
 /// OpenEXR's `worldToCamera` of a camera with an eye: for row vectors, row by row; x to the right, y up, z forward.
 pub fn world_to_camera(scene: &Scene) -> Option<[f32; 16]> {
-    let (eye, target, up) = scene.camera_keys.pose()?;
-    let v = view(eye, target, up).ok()?;
-    Some(matrix(eye, [v.right, v.up, v.forward, DVec3::ZERO], DVec4::W))
+    let pose = scene.camera_keys.pose()?;
+    let v = pose.view().ok()?;
+    Some(matrix(pose.eye, [v.right, v.up, v.forward, DVec3::ZERO], DVec4::W))
 }
 
 /// OpenEXR's `worldToNDC` of a pinhole or an orthographic camera: (0, 0) the image's upper left corner, (1, 1) its lower right one; what

@@ -8,6 +8,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::output::read_exr_texts;
 use crate::scene::library::Library;
+use crate::scene::texture::ImagesRead;
 use crate::scene::{Scene, file};
 use clap::CommandFactory;
 use std::path::{Path, PathBuf};
@@ -69,7 +70,7 @@ fn load_picture(path: &Path, args: &CameraArgs) -> Result<(Scene, Arc<Camera>)> 
     let file = file::load_header(&text, path, &args.change.set)?;
     let library = Library::for_once();
     let at = |e: Error| e.at(path.display());
-    let scene = library.scene(file).map_err(at)?;
+    let scene = library.scene(file, ImagesRead::Cutting).map_err(at)?;
     let camera = library.camera(&scene, args.change.size).map_err(at)?;
     Ok((scene, camera))
 }

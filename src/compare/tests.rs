@@ -84,7 +84,7 @@ fn one_flipped_hit_or_miss_is_counted() {
     let mut a = frame();
     set(&mut a, Channel::T, MISS, 1.0);
     let got = compare(&only_t(a), &only_t(frame()), None, None).unwrap();
-    assert_eq!((got.wrong_triangle, got.wrong_hit_miss, got.t_relative, got.psnr), (None, Some(1), None, None));
+    assert_eq!((got.wrong_triangle, got.wrong_hit_miss, max(got.t_relative), got.psnr), (None, Some(1), 0.0, None));
 }
 
 #[test]

@@ -290,13 +290,35 @@ impl Variant {
         [&[self.real(), BUNDLE, self.camera()][..], self.pixel()].concat()
     }
 
-    /// How it is told what the rays of a tile meet, and what that binds.
-    fn apart(self) -> (&'static str, Vec<Binding>) {
-        if self.scattered {
-            let own = concat!(snippet!("camera/field_rays.wgsl"), snippet!("shared/rays_apart.wgsl"));
-            return (own, vec![read("rays_hi", "array<f32>")]);
+    /// How it is told what the rays of a tile meet, one by one.
+    fn tile_rays(self) -> &'static str {
+        match self.scattered {
+            true => concat!(snippet!("camera/field_rays.wgsl"), snippet!("shared/rays_apart.wgsl")),
+            false => snippet!("shared/rays_together.wgsl"),
         }
-        (snippet!("shared/rays_together.wgsl"), Vec::new())
+    }
+
+    /// And what those of an item.
+    fn item_rays(self) -> &'static str {
+        match (self.scattered && self.culling, self.by_tile) {
+            (true, true) => concat!(
+                snippet!("camera/field_rays.wgsl"),
+                snippet!("shared/rays_apart.wgsl"),
+                snippet!("shared/lanes.wgsl"),
+                snippet!("shared/items_by_lanes.wgsl"),
+            ),
+            (true, false) => concat!(
+                snippet!("camera/field_rays.wgsl"),
+                snippet!("shared/rays_apart.wgsl"),
+                snippet!("shared/items_apart.wgsl"),
+            ),
+            (false, _) => snippet!("shared/items_together.wgsl"),
+        }
+    }
+
+    /// What they bind for that.
+    fn scattered_rays(self, asks: bool) -> Option<Binding> {
+        (self.scattered && asks).then(|| read("rays_hi", "array<f32>"))
     }
 
     /// How a kernel sees a list of structs: as it is, or as rows that the lanes of a subgroup load together.
@@ -405,9 +427,9 @@ pub fn cull(variant: Variant) -> Kernel {
         write("work", "array<vec2<u32>>"),
         counters(),
     ];
-    let (apart, rays) = variant.apart();
-    bindings.extend(rays);
-    let mut kernel = kernel("cull", bindings, &[PARAMS, ITEMS, INDEX, WITHIN, MEETS, apart, snippet!("cull.wgsl")]);
+    bindings.extend(variant.scattered_rays(true));
+    let snippets = [PARAMS, ITEMS, INDEX, WITHIN, MEETS, variant.tile_rays(), snippet!("cull.wgsl")];
+    let mut kernel = kernel("cull", bindings, &snippets);
     kernel.constants.push(("CULLING", variant.culling as u32 as f64));
     kernel
 }
@@ -422,9 +444,9 @@ pub fn split(variant: Variant) -> Kernel {
         write("tasks", "array<vec2<u32>>"),
         counters(),
     ];
-    let (apart, rays) = variant.apart();
-    bindings.extend(rays);
-    let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, MEETS, apart, variant.item_node(), snippet!("split.wgsl")];
+    bindings.extend(variant.scattered_rays(variant.culling));
+    let own = [variant.item_rays(), variant.item_node(), snippet!("split.wgsl")];
+    let snippets = [&[PARAMS, ITEMS, INDEX, ADDRESS, MEETS][..], &own].concat();
     let mut kernel = kernel("split", bindings, &snippets);
     kernel.constants.push(("CULLING", variant.culling as u32 as f64));
     kernel
@@ -450,7 +472,8 @@ pub fn bin(variant: Variant) -> Kernel {
         bindings.push(write("pairs", "array<vec2<u32>>"));
     }
     let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, SHEETS, VERTEX, PAIR, WITHIN, BOX_MET, variant.item_node()];
-    let snippets = [&snippets[..], &[own, snippet!("bin.wgsl")]].concat();
+    bindings.extend(variant.scattered_rays(variant.culling));
+    let snippets = [&snippets[..], &[variant.item_rays(), own, snippet!("bin.wgsl")]].concat();
     let mut kernel = kernel("bin", bindings, &snippets);
     kernel.constants.push(("SHEETED", variant.sheeted as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));

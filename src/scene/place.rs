@@ -66,6 +66,7 @@ pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
         material_of: mesh.material_of.repeat(n),
         uvs: mesh.uvs,
         materials: mesh.materials,
+        missing: mesh.missing,
     })
 }
 

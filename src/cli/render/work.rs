@@ -321,8 +321,13 @@ fn images_read(args: &RenderArgs, own: &OutputSpec) -> ImagesRead {
     use Channel::{AlbedoB, AlbedoG, AlbedoR, B, G, R};
     let is_colour = |c: &Channel| matches!(c, R | G | B | AlbedoR | AlbedoG | AlbedoB);
     let has_exr = args.exr.is_some() || own.exr.is_some();
+    let has_colour = |named: &Named| match named {
+        Named::Channels(list) => list.iter().any(is_colour),
+        Named::All => true,
+        Named::Matte(_) | Named::Motion => false,
+    };
     let in_channels = match &args.channels {
-        Some(list) => list.iter().flat_map(Named::channels).any(is_colour),
+        Some(list) => list.iter().any(has_colour),
         None => has_exr || args.points.is_none(),
     };
     match args.output.is_some() || own.color.is_some() || args.check || in_channels {

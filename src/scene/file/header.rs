@@ -3,14 +3,14 @@
 use super::node::{Entry, Node, Value};
 use super::parse::{Format, parse};
 use super::reader::{Field, Source};
-use super::{SceneFile, overrides, read_pose, read_tree};
+use super::{SceneFile, overrides, read_tree};
+use crate::camera::pose::Pose;
 use crate::error::{Error, Result};
-use glam::DVec3;
 use serde_json::{Map, Value as Json};
 use std::path::{Path, PathBuf};
 
 /// The camera's table as the scene file gives it, with overrides and keyframes applied, and the meshes, for cameras that look at them.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default)]
 pub struct CameraKeys {
     camera: Option<Node>,
     meshes: Option<Node>,
@@ -18,6 +18,15 @@ pub struct CameraKeys {
     names_files: [bool; 2],
     /// Where relative paths start from.
     dir: PathBuf,
+}
+
+impl PartialEq for CameraKeys {
+    /// By what is written, wherever in the file that is.
+    fn eq(&self, other: &CameraKeys) -> bool {
+        let written =
+            |keys: &CameraKeys| [&keys.camera, &keys.meshes].map(|node| node.as_ref().map(|n| json(&n.value)));
+        (&self.dir, written(self)) == (&other.dir, written(other))
+    }
 }
 
 impl CameraKeys {
@@ -46,14 +55,14 @@ impl CameraKeys {
         map
     }
 
-    /// Eye, target and up of a camera that has these, or of the eye of its mirror or lens.
-    pub fn pose(&self) -> Option<(DVec3, DVec3, DVec3)> {
+    /// The pose of a camera that has one, or of the eye of its mirror or lens.
+    pub fn pose(&self) -> Option<Pose> {
         let path = Path::new("");
         let source = Source::new(path, path);
         let table = Field::new(&source, "camera", self.camera.as_ref()?).table().ok()?;
         match table.get("eye").filter(Field::is_table) {
-            Some(eye) => read_pose(&eye.table().ok()?).ok(),
-            None => read_pose(&table).ok(),
+            Some(eye) => Pose::read(&eye.table().ok()?).ok(),
+            None => Pose::read(&table).ok(),
         }
     }
 }

@@ -98,6 +98,7 @@ impl MeshSpec {
             scale: DVec3::ONE,
             places: None,
             two_sided: true,
+            outside_files: false,
             color: None,
             texture: TextureSpec::OfFile,
             pattern: None,
