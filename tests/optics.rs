@@ -674,3 +674,20 @@ fn adapters_without_64_bit_atomics_or_f64_see_the_same() {
         }
     }
 }
+
+/// All of a convex mirror lies behind each of its facets' planes, so that what one reflects never meets it again. The facets' normals lean
+/// over by up to 20 degrees: at the silhouette many a ray meets them from behind.
+#[test]
+fn what_a_convex_mirror_of_facets_reflects_never_meets_it_again() {
+    for mesh in ["builtin = \"icosphere\", level = 1", "builtin = \"icosphere\", level = 2"] {
+        let mirror = format!("kind = \"reflection\"\ndepth = 2\n{EYE}\nmirror = {{ {mesh} }}");
+        let (scene, camera) = scene((120, 90), THINGS, &mirror);
+        let frame = image(&scene, &camera, &[Channel::TriangleId, Channel::MirrorId]);
+        let (ids, mirrors) = (frame.u32(Channel::TriangleId).unwrap(), frame.u32(Channel::MirrorId).unwrap());
+        let own = scene.mesh.triangles.len() as u32;
+        let met = mirrors.iter().filter(|m| **m != NO_ID).count();
+        let inside = ids.iter().filter(|id| **id != NO_ID && **id >= own).count();
+        assert!(met > 500, "{mesh}: {met} pixels see the mirror");
+        assert_eq!(inside, 0, "{mesh}: rays of {inside} pixels end on the mirror");
+    }
+}
