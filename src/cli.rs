@@ -20,13 +20,17 @@ mod povray;
 mod progress;
 mod project;
 mod render;
+mod say;
+#[cfg(unix)]
+mod signals;
 
 use crate::error::{Error, Result};
 use crate::gpu::device::one_line;
 use args::{Cli, Command};
+use clap::CommandFactory;
 use clap::Parser;
-use clap::error::ErrorKind;
-use std::io::{self, Write};
+use clap::error::{ContextKind, ErrorKind};
+use say::{complain, print};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -35,6 +39,8 @@ use std::time::Instant;
 pub fn main() -> ExitCode {
     let started = Instant::now();
     say_panics_on_one_line();
+    #[cfg(unix)]
+    signals::clear_up_when_ended();
     match std::panic::catch_unwind(|| run(started)) {
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(error)) => {
@@ -74,13 +80,13 @@ fn refusal(e: &clap::Error) -> String {
     let text = e.render().to_string();
     let text = text.strip_prefix("error: ").unwrap_or(&text);
     let said = text.split("\n\n").filter(|p| !p.starts_with("Usage:") && !p.starts_with("For more information"));
-    said.map(one_line).filter(|p| !p.is_empty()).collect::<Vec<_>>().join("; ")
-}
-
-/// Puts an error on stderr as one line, whatever line breaks the names in it hold.
-fn complain(error: &Error) {
-    // with stderr gone there is nobody left to tell
-    let _ = writeln!(io::stderr(), "error: {}", one_line(error));
+    let mut said: Vec<String> = said.map(one_line).filter(|p| !p.is_empty()).collect();
+    if e.kind() == ErrorKind::InvalidSubcommand && e.get(ContextKind::SuggestedSubcommand).is_none() {
+        let cli = Cli::command();
+        let known: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
+        said.push(format!("use one of {}; see anamorph --help", known.join(", ")));
+    }
+    said.join("; ")
 }
 
 /// Any panic is a defect of this program: one line, no backtrace, and only the first where several threads fall.
@@ -96,13 +102,4 @@ fn say_panics_on_one_line() {
         let place = panic.location().map(|l| format!(" at {}:{}", l.file(), l.line())).unwrap_or_default();
         complain(&Error::work(format!("internal error: {what}{place}; please report it")));
     }));
-}
-
-/// Writes `text` to stdout. A reader that has gone away is no error.
-fn print(text: &str) -> Result<()> {
-    let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Error::work(format!("cannot write to stdout: {e}"))),
-        _ => Ok(()),
-    }
 }

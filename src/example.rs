@@ -4,7 +4,7 @@
 mod make;
 
 use crate::error::Result;
-use crate::output::{write_npy_f64, write_text};
+use crate::output::{put_npy_f64, write_npy_f64, write_text};
 use std::path::{Path, PathBuf};
 
 /// A scene, and the files that its camera reads.
@@ -28,6 +28,21 @@ pub enum Part {
         shape: [u64; 3],
         numbers: Vec<f64>,
     },
+}
+
+impl Part {
+    /// What a file of it holds.
+    pub fn bytes(&self) -> Vec<u8> {
+        match self {
+            Part::Text(text) => text.clone().into_bytes(),
+            Part::Numbers { shape, numbers } => {
+                let mut bytes = Vec::new();
+                // memory refuses nothing
+                let _ = put_npy_f64(&mut bytes, shape, numbers);
+                bytes
+            }
+        }
+    }
 }
 
 impl Example {

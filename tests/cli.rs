@@ -11,5 +11,7 @@ mod cli {
     pub mod headers;
     pub mod inputs;
     pub mod models;
+    pub mod outputs;
     pub mod program;
+    pub mod told;
 }

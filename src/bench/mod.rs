@@ -127,6 +127,9 @@ impl Run {
     }
 }
 
+/// The page over all runs.
+pub const INDEX: &str = "index.html";
+
 /// Writes index.html over all runs in a folder; returns its path.
 ///
 /// # Errors
@@ -147,7 +150,7 @@ pub fn write_index(folder: &Path) -> Result<PathBuf> {
         Ok((folder, run, plots))
     };
     let runs = names.iter().map(with_plots).collect::<Result<Vec<_>>>()?;
-    let path = folder.join("index.html");
+    let path = folder.join(INDEX);
     write_text(&path, &page::page(&runs))?;
     Ok(path)
 }

@@ -29,9 +29,15 @@ pub(super) const UP_SINE_MIN: f64 = 1.0 / (1u64 << 32) as f64;
 
 /// The frame of a viewer at `eye` who looks at `target`.
 pub(super) fn view(eye: DVec3, target: DVec3, up: DVec3) -> Result<View> {
-    let forward = (target - eye)
-        .try_normalize()
-        .ok_or_else(|| Error::input("camera: eye and target are the same point; move one of them"))?;
+    let forward = (target - eye).try_normalize().ok_or_else(|| {
+        let what = match eye == target {
+            true => "are the same point",
+            // the square of their distance is infinite, or 0
+            false if (target - eye).length() > 1.0 => "are too far apart",
+            false => "are too close together",
+        };
+        Error::input(format!("camera: eye and target {what}; move one of them"))
+    })?;
     let up = up.try_normalize().ok_or_else(|| Error::input("camera: up is zero; give a direction"))?;
     let right = forward.cross(up);
     if right.length() < UP_SINE_MIN {

@@ -82,6 +82,9 @@ pub struct RenderArgs {
     /// Refuse a scene whose mesh files name images, normals or texture coordinates that are not there
     #[arg(long)]
     pub strict: bool,
+    /// Let the scene's own [output] name files outside of its folder
+    #[arg(long)]
+    pub outputs_anywhere: bool,
     /// Times and counts as JSON
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,

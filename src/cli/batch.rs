@@ -2,6 +2,7 @@
 //! kept in a manifest, and what goes wrong with one frame is said, and the rest go on.
 
 mod board;
+mod checks;
 mod jobs;
 mod manifest;
 mod names;
@@ -15,15 +16,18 @@ mod station;
 mod tests;
 
 use super::args::{BatchArgs, ProgressName};
-use super::print;
+use super::outputs;
 use super::render::missing_line;
+use super::say::print;
 use crate::engine::Rendered;
 use crate::error::{Error, Result};
 use crate::gpu::device::{GpuOptions, NO_ADAPTER, adapters};
-use crate::output::{check_writable, clear_up, write_text};
+use crate::inputs::{Inputs, noted};
+use crate::output::{clear_up, write_text};
 use crate::scene::library::Library;
 use crate::scene::mesh::Missing;
 use board::{Board, Counts};
+use checks::Checks;
 use crossbeam_channel::{Receiver, bounded};
 use jobs::{Jobs, Task};
 use manifest::{Costs, Manifest, Standing};
@@ -48,21 +52,25 @@ const REPORTED: usize = 1000;
 const READERS: usize = 2;
 
 /// What `--write-driver` writes.
-const RAY_DRIVER: &str = include_str!("batch/ray_driver.py");
+pub const RAY_DRIVER: &str = include_str!("batch/ray_driver.py");
 
 pub fn run(args: &BatchArgs) -> Result<()> {
     if let Some(path) = &args.write_driver {
+        outputs::check(&Inputs::default(), std::iter::once((path.as_path(), outputs::DRIVER)))?;
         return write_text(path, RAY_DRIVER);
     }
     let Some(list) = &args.jobs else { return Err(Error::input("no list of jobs")) };
-    let jobs = Jobs::read(list)?;
+    let (jobs, inputs) = noted(|| Jobs::read(list));
+    let jobs = jobs?;
     let paths = Paths::of(list, args.shard);
     let earlier = paths.others();
+    let library = Library::default();
+    let checks = Checks { args, list, jobs: &jobs, paths: &paths, earlier: &earlier, inputs: &inputs };
+    checks.run(&library)?;
     if args.gather {
         return gather(args, list, &jobs, &Manifest::open(&paths.whole, &earlier, true)?);
     }
     let costs = || Costs::read(&paths.whole);
-    [&args.report, &args.csv].into_iter().flatten().try_for_each(|path| check_writable(path))?;
     let own = args.shard.map(|shard| shard::share(&jobs, shard, &costs()?)).transpose()?;
     let all = own.as_ref().map_or_else(|| jobs.count(), |own| own.iter().filter(|own| **own).count());
     let mut stations = stations(args)?;
@@ -77,7 +85,8 @@ pub fn run(args: &BatchArgs) -> Result<()> {
     }
     let started = Instant::now();
     let todo = shard::tasks(&jobs, own.clone());
-    let batch = Batch { fail_fast: args.fail_fast, resumes: args.resume, ..Batch::new(list, todo, &manifest, &board) };
+    let batch = Batch::new(list, todo, &manifest, &board);
+    let batch = Batch { fail_fast: args.fail_fast, resumes: args.resume, library, ..batch };
     let writers = args.jobs_at_once.map_or_else(cores, usize::from);
     work(&batch, &mut stations, writers)?;
     let wall_s = started.elapsed().as_secs_f64();

@@ -1,12 +1,14 @@
 //! `anamorph bench`: suites of measurements, and the page that shows all of them.
 
 use super::args::BenchArgs;
-use super::print;
+use super::outputs;
+use super::say::print;
 use crate::bench::race::{Engines, Rules};
 use crate::bench::suites::{SUITES, Suite};
-use crate::bench::{self, Selection, write_index};
+use crate::bench::{self, INDEX, Selection, write_index};
 use crate::error::{Error, Result};
 use crate::gpu::device::GpuOptions;
+use crate::inputs::Inputs;
 
 pub fn run(args: &BenchArgs) -> Result<()> {
     let asked: Vec<&Suite> = SUITES.iter().filter(|s| args.suite.as_ref().is_none_or(|name| name == s.name)).collect();
@@ -20,6 +22,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         started.map_err(|e| Error::input(format!("--yardstick {}: cannot start it: {e}", program.display())))?;
     }
     std::fs::create_dir_all(&args.out).map_err(|e| Error::work(format!("{}: {e}", args.out.display())))?;
+    outputs::check(&Inputs::default(), std::iter::once((args.out.join(INDEX).as_path(), outputs::PAGE)))?;
     let options = GpuOptions { adapter: args.adapter.clone(), ..Default::default() };
     let mut engines = Engines::open(&options)?;
     let is_software = engines.computing.gpu.info.device_type == wgpu::DeviceType::Cpu;

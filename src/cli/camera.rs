@@ -3,15 +3,17 @@
 use super::args::{CameraArgs, Cli};
 use super::describe::Description;
 use super::render::{CAMERA, load_shape};
-use super::{diagram, export, kinds, memory, outputs, povray, print};
+use super::say::print;
+use super::{diagram, export, kinds, memory, outputs, povray};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
+use crate::inputs::noted;
 use crate::output::read_exr_texts;
 use crate::scene::library::Library;
 use crate::scene::texture::ImagesRead;
 use crate::scene::{Scene, file};
 use clap::CommandFactory;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A number of a pixel's rays, 8 bytes, takes the memory of half a channel: 4 copies of 4 bytes each.
@@ -23,9 +25,16 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     }
     let Some(path) = &args.scene else { return Err(Error::input("no scene given; see anamorph camera --help")) };
     let is_picture = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-    let (scene, camera) = if is_picture { load_picture(path, args)? } else { load_shape(path, &args.change)? };
-    let files = args.export.iter().chain(&args.export_povray).chain(&args.rays).chain(&args.diagram);
-    outputs::check(path, files.map(PathBuf::as_path))?;
+    let load = || if is_picture { load_picture(path, args) } else { load_shape(path, &args.change) };
+    let (loaded, inputs) = noted(load);
+    let (scene, camera) = loaded?;
+    let files = [
+        (&args.export, outputs::PIECES),
+        (&args.export_povray, outputs::POVRAY),
+        (&args.rays, outputs::RAYS),
+        (&args.diagram, outputs::DIAGRAM),
+    ];
+    outputs::check(&inputs, files.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind))))?;
     if args.rays.is_some() || args.export_povray.is_some() {
         let numbers: usize = export::pixel_shape(&camera).iter().product();
         memory::check(camera.width, camera.height, numbers.div_ceil(NUMBERS_A_CHANNEL), 0)?;

@@ -2,9 +2,9 @@
 
 use super::args::{Change, CompareArgs};
 use super::hash::{SCENE_HASH, scene_hash};
-use super::print;
 use super::progress::Progress;
 use super::render::load;
+use super::say::print;
 use crate::compare::{Comparison, compare};
 use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame};

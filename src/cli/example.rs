@@ -1,7 +1,7 @@
 //! `anamorph example`: ready scenes, written where a person can change them.
 
 use super::args::ExampleArgs;
-use super::print;
+use super::say::print;
 use crate::error::{Error, Result};
 use crate::example::{EXAMPLES, Example, Part};
 use crate::output::check_writable;
@@ -28,15 +28,13 @@ pub fn run(args: &ExampleArgs) -> Result<()> {
     print(&format!("{}\n", scene.display()))
 }
 
-/// Refuses to write over a text that somebody changed.
+/// Refuses to write over a file that is another, or that somebody changed.
 fn may_write(path: &Path, part: &Part) -> Result<()> {
     check_writable(path)?;
-    let there = std::fs::read(path).ok();
-    match (part, there) {
-        (Part::Text(text), Some(there)) if there != text.as_bytes() => {
-            let name = path.display();
-            Err(Error::work(format!("{name}: there is another text already; remove it or choose another --out")))
-        }
-        _ => Ok(()),
+    if path.is_file() && std::fs::read(path).ok() != Some(part.bytes()) {
+        let what = if matches!(part, Part::Text(_)) { "text" } else { "array" };
+        let name = path.display();
+        return Err(Error::work(format!("{name}: there is another {what} already; remove it or choose another --out")));
     }
+    Ok(())
 }

@@ -3,7 +3,7 @@
 mod contents;
 
 use super::args::InfoArgs;
-use super::print;
+use super::say::print;
 use crate::error::{Error, Result};
 use crate::gpu::device::{Abilities, NO_ADAPTER, STORAGE_BUFFERS, adapters};
 use serde::Serialize;

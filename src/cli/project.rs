@@ -4,19 +4,19 @@
 //! image to look at, a chunk ahead.
 
 use super::args::{EngineName, ProjectArgs};
+use super::outputs;
 use super::render::load_shape;
-use super::{outputs, print};
+use super::say::{note, print};
 use crate::camera::project::{Images, Projector};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER, adapters};
+use crate::inputs::noted;
 use crate::output::{read_points, write_text};
 use crate::stage::sift::Sift;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::io::Write;
-use std::path::PathBuf;
 
 /// Points that are projected side by side before their lines are printed.
 const CHUNK: usize = 1 << 14;
@@ -36,15 +36,16 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
     if let (Some(EngineName::Reference), Some(_)) = (args.engine, &args.adapter) {
         return Err(Error::input("--adapter is for --engine compute; the reference runs on the CPU"));
     }
-    let points = read_points(&args.points)?;
-    let (_, camera) = load_shape(&args.scene, &args.change)?;
+    let read = || Ok::<_, Error>((read_points(&args.points)?, load_shape(&args.scene, &args.change)?));
+    let (read, inputs) = noted(read);
+    let (points, (_, camera)) = read?;
     if camera.optics.is_some() {
         let kind = camera.kind;
         return Err(Error::input(format!(
             "camera: {kind} turns rays, and points are not sought behind them; use another kind"
         )));
     }
-    outputs::check(&args.scene, args.output.iter().map(PathBuf::as_path))?;
+    outputs::check(&inputs, args.output.iter().map(|path| (path.as_path(), outputs::IMAGES)))?;
     let gpu = open(args, points.len())?;
     let projector = Projector::new(&camera);
     let mut whole = String::new();
@@ -75,8 +76,7 @@ fn open(args: &ProjectArgs, points: usize) -> Result<Option<Gpu>> {
     }
     let gpu = Gpu::open(&GpuOptions { adapter: args.adapter.clone(), ..Default::default() })?;
     if gpu.is_none() {
-        // a closed stderr is no reason not to project
-        let _ = writeln!(std::io::stderr(), "{NO_ADAPTER}; projecting on the CPU as --engine reference does");
+        note(format_args!("{NO_ADAPTER}; projecting on the CPU as --engine reference does"));
     }
     Ok(gpu)
 }

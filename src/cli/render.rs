@@ -9,8 +9,8 @@ mod strips;
 mod work;
 
 use super::args::{Change, EngineName, RenderArgs};
-use super::print;
 use super::progress::Progress;
+use super::say::print;
 use crate::camera::Camera;
 use crate::engine::Engine;
 use crate::error::{Error, Result};
@@ -117,7 +117,7 @@ pub(super) fn load_shape(path: &Path, change: &Change) -> Result<(Scene, Arc<Cam
 }
 
 /// The same with what the library has of them, and those images that the scene's outputs say.
-fn load_from(
+pub(super) fn load_from(
     library: &Library,
     path: &Path,
     change: &Change,

@@ -153,7 +153,7 @@ impl Gpu {
             .map_err(|e| Error::work(format!("adapter {}: cannot open it: {}", info.name, one_line(e))))?;
         let failed = Arc::new(Mutex::new(None));
         let (uncaptured, lost) = (failed.clone(), failed.clone());
-        device.on_uncaptured_error(Arc::new(move |e| note(&uncaptured, one_line(e))));
+        device.on_uncaptured_error(Arc::new(move |e| note(&uncaptured, described(&e))));
         device.set_device_lost_callback(move |reason, text| {
             if reason != wgpu::DeviceLostReason::Destroyed {
                 note(&lost, format!("device lost: {}", one_line(text)));
@@ -214,6 +214,17 @@ fn note(failed: &Mutex<Option<String>>, text: String) {
 
 /// Storage buffers of the kernels that bind most: `shade`, `resolve` and others.
 pub const STORAGE_BUFFERS: u32 = 14;
+
+/// What the device reported, and what to do where it does not say.
+fn described(e: &wgpu::Error) -> String {
+    match e {
+        wgpu::Error::OutOfMemory { .. } => {
+            "its memory is full; make the image smaller, ask for fewer --channels, or end other programs that use it"
+                .into()
+        }
+        other => one_line(other),
+    }
+}
 
 /// An error's text on one line.
 pub fn one_line(e: impl std::fmt::Display) -> String {

@@ -2,7 +2,6 @@
 
 pub mod tiled;
 
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -109,7 +108,7 @@ const ATTRIBUTES_START: u64 = 8;
 
 /// Puts the header's attributes in the order of their names, in place: the library keeps them in a
 /// hash table, so they would come in another order at every run.
-fn sort_attributes(file: &mut File) -> io::Result<()> {
+fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> io::Result<()> {
     file.seek(SeekFrom::Start(ATTRIBUTES_START))?;
     let mut reader = BufReader::new(&mut *file);
     let mut attributes: Vec<Vec<u8>> = Vec::new();

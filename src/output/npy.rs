@@ -23,11 +23,19 @@ pub fn write_npy_f64(path: &Path, shape: &[u64], data: &[f64]) -> Result<()> {
     }
     write_whole(path, |file| {
         let mut writer = BufWriter::new(file);
-        let mut array = npyz::WriteOptions::new().default_dtype().shape(shape).writer(&mut writer).begin_nd()?;
-        array.extend(data)?;
-        array.finish()?;
+        put_npy_f64(&mut writer, shape, data)?;
         writer.flush()
     })
+}
+
+/// The same to a writer.
+///
+/// # Errors
+/// Those of the writer.
+pub fn put_npy_f64(writer: impl Write, shape: &[u64], data: &[f64]) -> io::Result<()> {
+    let mut array = npyz::WriteOptions::new().default_dtype().shape(shape).writer(writer).begin_nd()?;
+    array.extend(data)?;
+    array.finish()
 }
 
 /// The header of an array that can be read.

@@ -2,6 +2,7 @@
 
 use super::npy::rows_of;
 use crate::error::{Error, Result};
+use crate::inputs;
 use glam::DVec3;
 use std::fs::File;
 use std::path::Path;
@@ -25,7 +26,7 @@ pub fn read_points(path: &Path) -> Result<Vec<DVec3>> {
 }
 
 fn open(path: &Path) -> std::result::Result<File, String> {
-    crate::inputs::open(path).map_err(|e| format!("cannot be read: {e}; check the path"))
+    inputs::open(path).map_err(|e| format!("cannot be read: {e}; check the path"))
 }
 
 fn read_npy(path: &Path) -> std::result::Result<Vec<DVec3>, String> {

@@ -1,9 +1,12 @@
 //! Output files that are whole or not there: a temporary file beside the target, then a rename.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{self, BufWriter, Seek, Write};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use super::place::{folder_of, real_path};
+use super::stream::{self, PIPE_WAIT};
+use super::unfinished::Unfinished;
 use crate::error::{Error, Result};
 
 /// Fills a temporary file with `fill` and renames it to `path`, replacing what was there. Where `path`
@@ -12,12 +15,13 @@ use crate::error::{Error, Result};
 ///
 /// # Errors
 /// [`Error::Work`] naming `path`; the target is then untouched and nothing is left beside it.
-pub(super) fn write_whole(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
+pub(super) fn write_whole(path: &Path, fill: impl FnOnce(&mut Filled) -> io::Result<()>) -> Result<()> {
     let target = Target::of(path)?;
     target.write(fill).map_err(|e| {
         // A full disk has no path of its own in the error, a missing one has the temporary file's.
         let why = e.raw_os_error().map_or(e.to_string(), |code| io::Error::from_raw_os_error(code).to_string());
-        let text = format!("{}: cannot be written: {why}; free the space or choose another path", path.display());
+        let advice = if is_full(&e) { "free the space or choose another path" } else { "choose another path" };
+        let text = format!("{}: cannot be written: {why}; {advice}", path.display());
         if is_full(&e) { Error::Full(text) } else { Error::Work(text) }
     })
 }
@@ -66,6 +70,55 @@ pub fn write_lines(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<
     })
 }
 
+/// A file that is being filled. It keeps the first error that writing to it gave: encoders wrap it in errors of their own,
+/// which no longer say that the disk is full, and a writer that is dropped says nothing.
+pub(super) struct Filled<'f> {
+    file: &'f mut File,
+    refused: Option<io::Error>,
+}
+
+impl Filled<'_> {
+    fn fill(file: &mut File, fill: impl FnOnce(&mut Filled) -> io::Result<()>) -> io::Result<()> {
+        let mut filled = Filled { file, refused: None };
+        let done = fill(&mut filled);
+        filled.refused.map_or(done, Err)
+    }
+
+    fn keep<T>(&mut self, done: io::Result<T>) -> io::Result<T> {
+        if let Err(e) = &done
+            && e.kind() != io::ErrorKind::Interrupted
+            && self.refused.is_none()
+        {
+            self.refused = Some(e.raw_os_error().map_or(e.kind().into(), io::Error::from_raw_os_error));
+        }
+        done
+    }
+}
+
+impl Write for Filled<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let done = self.file.write(bytes);
+        self.keep(done)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let done = self.file.flush();
+        self.keep(done)
+    }
+}
+
+impl Read for Filled<'_> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        self.file.read(bytes)
+    }
+}
+
+impl Seek for Filled<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
 /// How bytes reach a path.
 enum Target {
     /// By a rename in `folder` to `file`, links resolved.
@@ -77,18 +130,18 @@ enum Target {
 impl Target {
     fn of(path: &Path) -> Result<Target> {
         let wrong = |why: String| Error::work(format!("{}: cannot be written: {why}", path.display()));
-        let resolved = match fs::metadata(path) {
+        match fs::metadata(path) {
             Ok(there) if there.is_dir() => return Err(wrong("it is a folder; name a file in it".into())),
             Ok(there) if !there.is_file() => return Ok(Target::Stream(path.into())),
-            Ok(_) => fs::canonicalize(path).unwrap_or_else(|_| path.into()),
-            Err(_) => path.into(),
-        };
-        let (Some(parent), Some(_)) = (resolved.parent(), resolved.file_name()) else {
+            _ => {}
+        }
+        let file = real_path(path);
+        if file.file_name().is_none() {
             return Err(wrong("it names no file; give a file name".into()));
-        };
-        let folder = if parent.as_os_str().is_empty() { PathBuf::from(".") } else { parent.into() };
+        }
+        let folder = folder_of(&file).to_owned();
         match fs::metadata(&folder) {
-            Ok(there) if there.is_dir() => Ok(Target::Renamed { folder, file: resolved }),
+            Ok(there) if there.is_dir() => Ok(Target::Renamed { folder, file }),
             Ok(_) => Err(wrong(format!("{} is not a folder; choose another path", folder.display()))),
             Err(e) if e.kind() == io::ErrorKind::NotFound => {
                 Err(wrong(format!("the folder {} does not exist; create it first", folder.display())))
@@ -97,21 +150,33 @@ impl Target {
         }
     }
 
-    fn write(&self, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    fn write(&self, fill: impl FnOnce(&mut Filled) -> io::Result<()>) -> io::Result<()> {
         match self {
             Target::Renamed { folder, file } => {
                 let mut temporary = new_file_in(folder)?;
-                fill(temporary.as_file_mut())?;
-                temporary.persist(file).map_err(|e| e.error)?;
+                Filled::fill(temporary.file(), fill)?;
+                // or a machine that stops now may keep the new name and lose the bytes
+                temporary.file().sync_data()?;
+                temporary.persist(file)
             }
             Target::Stream(path) => {
                 let mut temporary = tempfile::tempfile()?;
-                fill(&mut temporary)?;
+                Filled::fill(&mut temporary, fill)?;
                 temporary.rewind()?;
-                io::copy(&mut temporary, &mut File::options().write(true).open(path)?)?;
+                io::copy(&mut temporary, &mut stream::open(path, PIPE_WAIT)?).map(drop)
             }
         }
-        Ok(())
+    }
+}
+
+/// Opens a file to append to, and makes it where there is none.
+///
+/// # Errors
+/// That of the system; one that says so where `path` is a pipe that nobody reads.
+pub fn open_to_append(path: &Path) -> io::Result<File> {
+    match fs::metadata(path) {
+        Ok(there) if !there.is_file() && !there.is_dir() => stream::open(path, PIPE_WAIT),
+        _ => File::options().create(true).append(true).open(path),
     }
 }
 
@@ -119,14 +184,14 @@ impl Target {
 const NAME: [&str; 2] = [".anamorph-", ".tmp"];
 
 /// Locked as long as it is open, where the file system can.
-fn new_file_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+fn new_file_in(folder: &Path) -> io::Result<Unfinished> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(NAME[0]).suffix(NAME[1]);
     ordinary_permissions(&mut builder);
     loop {
-        let file = builder.tempfile_in(folder)?;
+        let mut file = Unfinished::new(&builder, folder)?;
         // whoever clears up may have taken it before it was locked
-        match file.as_file().try_lock() {
+        match file.file().try_lock() {
             Err(TryLockError::WouldBlock) => {}
             _ if file.path().exists() => return Ok(file),
             _ => {}
@@ -143,7 +208,8 @@ pub fn clear_up(folder: &Path) -> Result<()> {
     for entry in fs::read_dir(folder).map_err(failed)? {
         let entry = entry.map_err(failed)?;
         let name = entry.file_name();
-        let is_ours = name.to_str().is_some_and(|n| n.starts_with(NAME[0]) && n.ends_with(NAME[1]));
+        let is_named = name.to_str().is_some_and(|n| n.starts_with(NAME[0]) && n.ends_with(NAME[1]));
+        let is_ours = is_named && entry.file_type().is_ok_and(|kind| kind.is_file());
         let locked = || File::open(entry.path()).ok().filter(|file| file.try_lock().is_ok());
         // held until it is gone, so that nobody takes it for its own
         if let Some(_locked) = is_ours.then(locked).flatten() {
@@ -207,6 +273,23 @@ mod tests {
         assert!(clear_up(&dir.path().join("no")).is_err());
     }
 
+    /// Encoders wrap what the disk says in errors of their own, and dropped writers say nothing.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn what_the_file_refused_is_told_whatever_its_encoder_says() {
+        let mut full = File::options().write(true).open("/dev/full").unwrap();
+        let wrapped = Filled::fill(&mut full, |file| {
+            file.write_all(b"x").map_err(|e| io::Error::other(format!("an encoder failed: {e}")))
+        });
+        let swallowed = Filled::fill(&mut full, |file| {
+            let _ = BufWriter::new(file).write_all(b"x");
+            Ok(())
+        });
+        assert!(is_full(&wrapped.unwrap_err()) && is_full(&swallowed.unwrap_err()));
+        let own = Filled::fill(&mut full, |_| Err(io::Error::other("its own"))).unwrap_err();
+        assert_eq!(own.to_string(), "its own");
+    }
+
     #[cfg(unix)]
     #[test]
     fn permissions_are_those_of_any_new_file() {
@@ -229,6 +312,11 @@ mod tests {
         write_text(&link, "new").unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read_to_string(&real).unwrap(), "new");
+        // also where they lead to a file that is not there yet
+        let (new, to_new) = (dir.path().join("new"), dir.path().join("to-new"));
+        std::os::unix::fs::symlink("new", &to_new).unwrap();
+        write_text(&to_new, "new").unwrap();
+        assert!(fs::symlink_metadata(&to_new).unwrap().is_symlink() && new.is_file());
         let sink = Path::new("/dev/null");
         check_writable(sink).unwrap();
         write_text(sink, "gone").unwrap();

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use glam::DVec2;
 use half::f16;
-use image::{DynamicImage, ImageReader};
+use image::{DynamicImage, ImageError, ImageReader, Limits};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -201,7 +201,13 @@ pub fn is_missing(e: &std::io::Error) -> bool {
 pub fn decode(bytes: &[u8]) -> Result<Texels> {
     let wrong = |e: String| Error::input(format!("is no PNG, JPEG or HDR that can be read: {e}"));
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| wrong(e.to_string()))?;
-    let image = reader.decode().map_err(|e| wrong(e.to_string()))?;
+    let image = reader.decode().map_err(|e| match e {
+        ImageError::Limits(_) => {
+            let most = Limits::default().max_alloc.unwrap_or(u64::MAX) >> 20;
+            Error::input(format!("is an image that takes more than the {most} MiB that are allowed; make it smaller"))
+        }
+        other => wrong(other.to_string()),
+    })?;
     let (width, height) = (image.width(), image.height());
     if width == 0 || height == 0 {
         return Err(Error::input("is an image without pixels"));
@@ -355,6 +361,14 @@ mod tests {
                 assert!((0.0..=1.0).contains(&t.at(DVec2::new(far, -far))[0]));
             }
         }
+    }
+
+    #[test]
+    fn an_image_over_the_limit_says_so() {
+        let mut head = Vec::new();
+        png::Encoder::new(&mut head, 60_000, 60_000).write_header().unwrap();
+        let message = decode(&head).unwrap_err().to_string();
+        assert_eq!(message, "is an image that takes more than the 512 MiB that are allowed; make it smaller");
     }
 
     #[test]

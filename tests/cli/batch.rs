@@ -114,6 +114,12 @@ fn wrong_lists_are_refused_before_anything_is_rendered() {
         place.write("jobs.toml", format!("[[job]]\n{job}\n"));
         place.refuses(&["batch", "jobs.toml"], 2, says);
     }
+    for (name, content) in [("none.toml", "job = []"), ("none.json", "{\"job\": []}"), ("none.jsonl", "\n\n")] {
+        place.write(name, content);
+        place.refuses(&["batch", name], 2, "there are no jobs in it");
+    }
+    place.write("none.toml", "");
+    place.refuses(&["batch", "none.toml"], 2, "job is missing");
     place.write("jobs.txt", "");
     place.refuses(&["batch", "jobs.txt"], 2, "jobs.txt");
     place.write("jobs.toml", "[[job]]\nscene = \"scene.toml\"\ncolor = \"a.png\"\n");
@@ -219,14 +225,28 @@ fn resume_skips_what_is_done_and_says_what_has_changed() {
     expects("jobs.toml: 4 frames\n", "");
     expects("jobs.toml: 0 frames, 4 before\n", "");
     std::fs::remove_file(place.path().join("2.png")).unwrap();
-    expects("jobs.toml: 1 frame, 3 before\n", "again: job.0, frame 2: 2.png is not there");
+    expects("jobs.toml: 1 frame, 3 before\n", "again: 1 frame: 2.png is not there\n");
     place.write("1.png", "broken");
-    expects("jobs.toml: 1 frame, 3 before\n", "again: job.0, frame 1: 1.png is not what was written");
+    expects("jobs.toml: 1 frame, 3 before\n", "again: 1 frame: 1.png is not what was written\n");
+    // neither its size nor its time tells
+    let path = place.path().join("1.png");
+    let written = std::fs::metadata(&path).unwrap().modified().unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    *bytes.last_mut().unwrap() ^= 1;
+    std::fs::write(&path, bytes).unwrap();
+    std::fs::File::options().append(true).open(&path).unwrap().set_modified(written).unwrap();
+    expects("jobs.toml: 1 frame, 3 before\n", "again: 1 frame: 1.png is not what was written\n");
+    // several reasons are told with their frames, on one line
+    std::fs::remove_file(place.path().join("2.png")).unwrap();
+    place.write("3.png", "broken");
+    let ran = resume();
+    let told = "again: 2 frames: 2.png is not there (1 frame); 3.png is not what was written (1 frame)\n";
+    assert_eq!((ran.code, ran.err.as_str()), (0, told));
     place.write("jobs.toml", list(41));
-    expects("jobs.toml: 4 frames\n", "its settings were camera.vfov=40");
+    expects("jobs.toml: 4 frames\n", "again: 4 frames: its settings were camera.vfov=40\n");
     let scene = std::fs::read_to_string(place.path().join("scene.toml")).unwrap();
     place.write("scene.toml", scene + "# another\n");
-    expects("jobs.toml: 4 frames\n", "again: job.0, frame 0: scene.toml is another");
+    expects("jobs.toml: 4 frames\n", "again: 4 frames: scene.toml is another\n");
     // what was being written when the program was killed is no line; the one before it was of the other scene
     let manifest = place.path().join("jobs.toml.manifest.jsonl");
     let whole = std::fs::read_to_string(&manifest).unwrap();
@@ -364,45 +384,59 @@ fn what_is_killed_goes_on_and_ends_with_the_same_files() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_stops_with_what_is_done() {
-    use std::process::Command;
-    let place = Place::new();
-    let disk = place.path().join("disk");
-    std::fs::create_dir(&disk).unwrap();
-    let mount = |options: &str| {
-        Command::new("mount")
-            .args(["-t", "tmpfs", "-o", options, "tmpfs"])
-            .arg(&disk)
-            .output()
-            .is_ok_and(|o| o.status.success())
-    };
-    if !mount("size=256k") {
-        println!("skipped: a disk of its own cannot be mounted here");
-        return;
+    for (key, ending, flag) in [("exr", "exr", "--exr"), ("color", "png", "-o"), ("points", "ply", "--points")] {
+        let place = Place::new();
+        let disk = place.path().join("disk");
+        std::fs::create_dir(&disk).unwrap();
+        let Some(_mounted) = Mounted::new(&disk, "size=128k") else { return };
+        let job = format!("[[job]]\nscene = \"scene.toml\"\n{key} = \"disk/{{frame}}.{ending}\"\n");
+        let rest = "frames = { last = 79 }\nsize = \"64x48\"\nengine = \"reference\"\n";
+        place.write("jobs.toml", job + rest);
+        let ran = place.run(&["batch", "jobs.toml"]);
+        assert_eq!(ran.code, 1, "{}", ran.err);
+        let says = ["No space left", "stopped: there is no room to write to"];
+        assert!(says.iter().all(|text| ran.err.contains(text)), "{key}: {}", ran.err);
+        let done = std::fs::read_dir(&disk).unwrap().count();
+        let told = format!(": {done} of 80 frames done");
+        assert!((1..80).contains(&done) && ran.err.contains(&told), "{key}: {done}: {}", ran.err);
+        // those that were under way, and no more
+        assert!(ran.err.matches("No space left").count() <= 20, "{key}: {}", ran.err);
+        assert!(Mounted::mount(&disk, "remount,size=16m"));
+        let line = place.works(&["batch", "jobs.toml", "--resume"]);
+        assert_eq!(line, format!("jobs.toml: {} frames, {done} before\n", 80 - done));
+        let first = std::fs::read(disk.join(format!("0.{ending}"))).unwrap();
+        let alone = format!("alone.{ending}");
+        place.works(&["render", "scene.toml", flag, &alone, "--size", "64x48", "--engine", "reference"]);
+        assert!(std::fs::read(place.path().join(alone)).unwrap() == first);
     }
-    struct Mounted(std::path::PathBuf);
-    impl Drop for Mounted {
-        fn drop(&mut self) {
-            let _ = Command::new("umount").arg(&self.0).status();
+}
+
+/// A disk of its own in a folder, until it is dropped.
+#[cfg(target_os = "linux")]
+struct Mounted(std::path::PathBuf);
+
+#[cfg(target_os = "linux")]
+impl Mounted {
+    fn new(folder: &std::path::Path, options: &str) -> Option<Mounted> {
+        if !Mounted::mount(folder, options) {
+            println!("skipped: a disk of its own cannot be mounted here");
+            return None;
         }
+        Some(Mounted(folder.to_owned()))
     }
-    let _mounted = Mounted(disk.clone());
-    let job = "[[job]]\nscene = \"scene.toml\"\nexr = \"disk/{frame}.exr\"\nframes = { last = 29 }\nsize = \"64x48\"\n";
-    place.write("jobs.toml", format!("{job}engine = \"reference\"\n"));
-    let ran = place.run(&["batch", "jobs.toml"]);
-    assert_eq!(ran.code, 1, "{}", ran.err);
-    assert!(
-        ran.err.contains("No space left") && ran.err.contains("stopped: there is no room to write to"),
-        "{}",
-        ran.err
-    );
-    let done = std::fs::read_dir(&disk).unwrap().count();
-    assert!((1..30).contains(&done) && ran.err.contains(&format!(": {done} of 30 frames done")), "{done}: {}", ran.err);
-    assert!(mount("remount,size=16m"));
-    let line = place.works(&["batch", "jobs.toml", "--resume"]);
-    assert_eq!(line, format!("jobs.toml: {} frames, {done} before\n", 30 - done));
-    let first = std::fs::read(disk.join("0.exr")).unwrap();
-    place.works(&["render", "scene.toml", "--exr", "alone.exr", "--size", "64x48", "--engine", "reference"]);
-    assert!(std::fs::read(place.path().join("alone.exr")).unwrap() == first);
+
+    fn mount(folder: &std::path::Path, options: &str) -> bool {
+        let mut command = std::process::Command::new("mount");
+        let ran = command.args(["-t", "tmpfs", "-o", options, "tmpfs"]).arg(folder).output();
+        ran.is_ok_and(|o| o.status.success())
+    }
+}
+
+#[cfg(target_os = "linux")]
+impl Drop for Mounted {
+    fn drop(&mut self) {
+        let _ = std::process::Command::new("umount").arg(&self.0).status();
+    }
 }
 
 /// A list on a cluster of two nodes, of which one is killed with a shard half done: all files are those of one machine.

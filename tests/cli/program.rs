@@ -14,6 +14,7 @@ pub struct Place {
 pub struct Ran {
     pub code: i32,
     pub out: String,
+    /// Without the lines of progress, which a slow machine has more of.
     pub err: String,
 }
 
@@ -65,7 +66,9 @@ impl Place {
     pub fn run(&self, args: &[&str]) -> Ran {
         let Output { status, stdout, stderr } = self.command(args).output().unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
-        Ran { code: status.code().expect("no signal"), out: text(stdout), err: text(stderr) }
+        let is_told = |line: &&str| !line.starts_with("progress: ");
+        let err = text(stderr).split_inclusive('\n').filter(is_told).collect();
+        Ran { code: status.code().expect("no signal"), out: text(stdout), err }
     }
 
     /// Runs and expects success, with nothing on stderr.

@@ -16,13 +16,19 @@ use std::sync::Arc;
 
 const LIST_KEYS: [&str; 3] = ["kind", "t_range", "file"];
 
+/// Those of a spinning scanner.
+const SCANNER_KEYS: [&str; 9] = ["eye", "target", "up", "beams", "columns", "start", "sweep", "velocity", "period"];
+
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     if let Some(file) = table.get("file") {
+        if let Some(key) = SCANNER_KEYS.iter().find(|key| table.has(key)) {
+            let what = "is of a scanner, and file is a list of its rays; leave one of them out";
+            return Err(table.error(format_args!("{key} {what}")));
+        }
         table.allow(&LIST_KEYS)?;
         return read_list(&file);
     }
-    let own = ["beams", "columns", "start", "sweep", "velocity", "period"];
-    table.allow(&[&LIST_KEYS[..], &POSE, &own].concat())?;
+    table.allow(&[&LIST_KEYS[..], &POSE, &SCANNER_KEYS].concat())?;
     let beams = table.need("beams", "[15, 0, -15], or file = \"rays.npy\"")?;
     let elevations: Vec<f64> =
         beams.items("the beams' elevations in degrees")?.map(|beam| beam.number()).collect::<Result<_>>()?;

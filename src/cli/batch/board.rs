@@ -1,16 +1,19 @@
 //! What a batch tells while it works: a bar on a terminal, lines of JSON for programs, lines of a log.
 
 use super::jobs::Task;
+use super::{frames, lock};
 use crate::cli::args::ProgressName;
-use crate::cli::{complain, print};
+use crate::cli::progress::Lines;
+use crate::cli::say::{complain, line_of, note, print};
 use crate::error::{Error, Result};
-use crate::gpu::device::one_line;
+use crate::output::open_to_append;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Instant, SystemTime};
 
 pub struct Board {
@@ -18,7 +21,10 @@ pub struct Board {
     bar: Option<ProgressBar>,
     log: Option<Mutex<File>>,
     started: Instant,
-    counts: Mutex<Counts>,
+    counts: Arc<Mutex<Counts>>,
+    /// How many frames are done again, by what has changed; of the first so many reasons.
+    reasons: Mutex<BTreeMap<String, usize>>,
+    _lines: Option<Lines>,
 }
 
 /// Frames, by how they stand.
@@ -34,28 +40,38 @@ pub struct Counts {
     pub again: usize,
 }
 
-/// Changed frames that are told one by one, but for the log.
-const TOLD: usize = 10;
+/// Reasons that are counted, and those that are told in the end; the log has all.
+const REASONS: usize = 1000;
+const TOLD: usize = 3;
 
 impl Board {
     /// # Errors
     /// [`Error::Work`] where the log cannot be written.
     pub fn new(progress: ProgressName, log: Option<&Path>, all: usize) -> Result<Board> {
         let open = |path: &Path| {
-            let file = File::options().create(true).append(true).open(path);
-            file.map_err(|e| Error::work(format!("{}: the log cannot be written: {e}", path.display())))
+            open_to_append(path).map_err(|e| Error::work(format!("{}: the log cannot be written: {e}", path.display())))
         };
         let log = log.map(open).transpose()?.map(Mutex::new);
-        let has_bar = progress == ProgressName::Auto && std::io::stderr().is_terminal();
-        let counts = Mutex::new(Counts { all, ..Counts::default() });
-        let is_json = progress == ProgressName::Json;
-        let board = Board { is_json, bar: has_bar.then(|| bar(all)), log, started: Instant::now(), counts };
+        let is_auto = progress == ProgressName::Auto;
+        let has_bar = is_auto && std::io::stderr().is_terminal();
+        let (counts, started) = (Arc::new(Mutex::new(Counts { all, ..Counts::default() })), Instant::now());
+        let counted = counts.clone();
+        let line = move || lock(&counted).line(started);
+        let board = Board {
+            is_json: progress == ProgressName::Json,
+            bar: has_bar.then(|| bar(all)),
+            log,
+            started,
+            counts,
+            reasons: Mutex::default(),
+            _lines: (is_auto && !has_bar).then(|| Lines::start(line)),
+        };
         board.tell(json!({ "event": "start", "frames": all }), &format!("start: {all} frames"));
         Ok(board)
     }
 
     pub fn counts(&self) -> Counts {
-        *self.counts.lock().unwrap_or_else(PoisonError::into_inner)
+        *lock(&self.counts)
     }
 
     /// A frame is done.
@@ -78,11 +94,13 @@ impl Board {
 
     /// A frame that was done before is done again.
     pub fn again(&self, task: &Task, why: &str) {
-        let counts = self.count(|c| c.again += 1);
+        self.count(|c| c.again += 1);
         let line = format!("again: {}: {why}", task.name);
-        if counts.again <= TOLD {
-            self.say(&line);
+        let mut reasons = lock(&self.reasons);
+        if reasons.len() < REASONS || reasons.contains_key(why) {
+            *reasons.entry(why.to_owned()).or_default() += 1;
         }
+        drop(reasons);
         self.tell(json!({ "event": "again", "frame": task.name, "why": why }), &line);
     }
 
@@ -94,7 +112,7 @@ impl Board {
             Some(bar) => bar.suspend(|| complain(&said)),
             None => complain(&said),
         }
-        let why = one_line(error);
+        let why = line_of(error);
         let value = json!({ "event": "failed", "frame": task.name, "why": why });
         self.tell(value, &format!("failed: {}: {why}", task.name));
     }
@@ -118,14 +136,14 @@ impl Board {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
-        if again > TOLD {
-            self.say(&format!("again: {} more frames", again - TOLD));
+        if again > 0 {
+            self.say(&again_line(again, &lock(&self.reasons)));
         }
         counts
     }
 
     fn count(&self, change: impl FnOnce(&mut Counts)) -> Counts {
-        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut counts = lock(&self.counts);
         change(&mut counts);
         if let Some(bar) = &self.bar {
             bar.set_position((counts.done + counts.skipped + counts.failed) as u64);
@@ -135,10 +153,7 @@ impl Board {
 
     /// On stderr, for a person; programs have it as JSON.
     fn say(&self, line: &str) {
-        let write = || {
-            // with stderr gone there is nobody left to tell
-            let _ = writeln!(std::io::stderr(), "{}", one_line(line));
-        };
+        let write = || note(line);
         match &self.bar {
             Some(bar) => bar.suspend(write),
             None if !self.is_json => write(),
@@ -153,11 +168,39 @@ impl Board {
         }
         if let Some(log) = &self.log {
             let now = humantime::format_rfc3339_millis(SystemTime::now());
-            let mut log = log.lock().unwrap_or_else(PoisonError::into_inner);
             // frames are worth more than a line about them
-            let _ = log.write_all(format!("{now} {}\n", one_line(line)).as_bytes());
+            let _ = lock(log).write_all(format!("{now} {}\n", line_of(line)).as_bytes());
         }
     }
+}
+
+impl Counts {
+    /// How far a batch is, for a person; `None` of one that is at its end.
+    fn line(&self, started: Instant) -> Option<String> {
+        let Counts { all, done, skipped, failed, .. } = *self;
+        let tried = done + skipped + failed;
+        let per_s = done as f64 / started.elapsed().as_secs_f64();
+        let rest = match done {
+            0 => String::new(),
+            _ => format!(", {}, {:.0} s left", rate(per_s), (all - tried) as f64 / per_s),
+        };
+        (tried < all).then(|| format!("{tried} of {all} frames{rest}"))
+    }
+}
+
+/// What was done again and why: the most frequent reasons first.
+fn again_line(again: usize, reasons: &BTreeMap<String, usize>) -> String {
+    if let (Some((why, _)), 1) = (reasons.first_key_value(), reasons.len()) {
+        return format!("again: {}: {why}", frames(again));
+    }
+    let mut sorted: Vec<(&String, &usize)> = reasons.iter().collect();
+    // stable: equal counts stay in the order of their texts
+    sorted.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+    let told: usize = sorted.iter().take(TOLD).map(|(_, count)| **count).sum();
+    let named = sorted.iter().take(TOLD).map(|(why, count)| format!("{why} ({})", frames(**count)));
+    let more = (told < again).then(|| format!("other reasons ({})", frames(again - told)));
+    let each: Vec<String> = named.chain(more).collect();
+    format!("again: {}: {}", frames(again), each.join("; "))
 }
 
 fn outputs(task: &Task) -> Vec<String> {

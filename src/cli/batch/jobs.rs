@@ -1,15 +1,14 @@
 //! The list of jobs: each is a `render` with its flags, for each of its frames and all products of what it sweeps.
 
+use super::manifest::key_of;
 use super::names::{fill, plain};
 use crate::cli::args::{Cli, Command, EngineName, RenderArgs};
+use crate::cli::outputs::{EXR, Kind, PICTURE, POINTS, REPORT};
 use crate::cli::refusal;
 use crate::error::{Error, Result};
 use crate::scene::file::reader::{Field, Table};
 use crate::scene::file::with_tree;
 use clap::Parser;
-use std::collections::HashMap;
-use std::collections::hash_map::DefaultHasher;
-use std::hash::{Hash, Hasher};
 use std::path::{Path, PathBuf};
 
 pub struct Jobs {
@@ -52,8 +51,12 @@ pub struct Task<'a> {
 }
 
 /// Files that a job writes, by key and flag; their names differ from frame to frame.
-const OUTPUTS: [(&str, &str); 4] =
-    [("color", "--output"), ("exr", "--exr"), ("points", "--points"), ("report", "--report")];
+const OUTPUTS: [(&str, &str, Kind); 4] = [
+    ("color", "--output", PICTURE),
+    ("exr", "--exr", EXR),
+    ("points", "--points", POINTS),
+    ("report", "--report", REPORT),
+];
 
 /// Other flags with a value.
 const VALUES: [(&str, &str); 4] =
@@ -70,17 +73,23 @@ impl Jobs {
     /// Reads a list: `[[job]]` tables of a .toml, `{ "job": [...] }` of a .json, or a job a line of a .jsonl.
     ///
     /// # Errors
-    /// [`Error::Input`] where it is not one, flags are wrong, or two frames would write one file.
+    /// [`Error::Input`] where it is not one, is empty, or flags are wrong.
     pub fn read(path: &Path) -> Result<Jobs> {
-        let all = with_tree(path, |root| {
+        let all: Vec<Job> = with_tree(path, |root| {
             let table = root.table()?;
             table.allow(&["job"])?;
             let list = table.need("job", "[{ scene = \"scene.toml\", color = \"out-{frame:04}.png\" }]")?;
             list.items("a list of jobs, as [[job]]")?.enumerate().map(|(k, job)| read_job(k, &job, path)).collect()
         })?;
+        if all.is_empty() {
+            let hint = "a .toml has [[job]] tables, a .json { \"job\": [...] }, a .jsonl a job a line";
+            return Err(Error::input(format!("{}: there are no jobs in it; {hint}", path.display())));
+        }
         let dir = absolute(path).parent().unwrap_or(Path::new("")).to_owned();
         let jobs = Jobs { all, dir };
-        jobs.check(path)?;
+        for job in jobs.all.iter().filter(|job| job.count() > 0) {
+            jobs.task(0, job, 0).args()?;
+        }
         Ok(jobs)
     }
 
@@ -125,30 +134,24 @@ impl Jobs {
         }
     }
 
-    /// All that is to be seen before anything is rendered.
-    fn check(&self, path: &Path) -> Result<()> {
-        for job in self.all.iter().filter(|job| job.count() > 0) {
-            self.task(0, job, 0).args()?;
-        }
-        // by hashes: a list may be of millions
-        let mut written: HashMap<u64, usize> = HashMap::new();
-        for task in self.tasks() {
-            for file in task.outputs()? {
-                let mut hasher = DefaultHasher::new();
-                file.hash(&mut hasher);
-                if let Some(first) = written.insert(hasher.finish(), task.index) {
-                    let first = self.tasks().nth(first).map(|t| t.name).unwrap_or_default();
-                    let (second, path, file) = (&task.name, path.display(), file.display());
-                    let hint = "name what differs, as in {frame:04}";
-                    return Err(Error::input(format!("{path}: {first} and {second} both write {file}; {hint}")));
-                }
-            }
-        }
-        Ok(())
+    /// The first frame of each product of what jobs sweep: all that may be read from other files than the rest.
+    pub fn products(&self) -> impl Iterator<Item = Task<'_>> {
+        let each = |job| (0..Job::count(job)).step_by(Job::frames(job)).map(move |k| (job, k));
+        self.all.iter().flat_map(each).map(|(job, k)| self.task(0, job, k))
+    }
+
+    /// The scenes of all jobs.
+    pub fn scenes(&self) -> impl Iterator<Item = &Path> {
+        self.all.iter().map(|job| Path::new(&job.scene))
     }
 }
 
 impl Job {
+    /// At least one, so that it is a step.
+    fn frames(&self) -> usize {
+        self.frames.len().max(1)
+    }
+
     fn count(&self) -> usize {
         self.sweep.iter().map(|s| s.values.len()).product::<usize>() * self.frames.len()
     }
@@ -195,6 +198,17 @@ impl Task<'_> {
         outputs.map(|(flag, file)| self.filled(flag, file.as_deref().unwrap_or_default()).map(PathBuf::from)).collect()
     }
 
+    /// What each of them is.
+    pub fn kinds(&self) -> Vec<Kind> {
+        let kind = |flag: &str| OUTPUTS.iter().find(|own| own.1 == flag).map(|own| own.2);
+        self.job.flags.iter().filter_map(|(flag, _)| kind(flag)).collect()
+    }
+
+    /// By what the manifest knows a file of this frame.
+    pub fn output_key(&self, path: &Path) -> u64 {
+        key_of(&self.short(path))
+    }
+
     fn words(&self, path: impl Fn(&Path) -> PathBuf) -> Result<Vec<String>> {
         let shown = |text: String| path(Path::new(&text)).display().to_string();
         let mut words = vec!["render".to_owned(), shown(self.job.scene.clone())];
@@ -232,11 +246,12 @@ fn is_output(flag: &str) -> bool {
 
 fn read_job(k: usize, field: &Field, path: &Path) -> Result<Job> {
     let table = field.table()?;
-    let known = [("scene", ""), ("frames", ""), ("set", ""), ("sweep", ""), ("channels", "")];
-    let all = [&known[..], &OUTPUTS, &VALUES, &SWITCHES].concat();
-    table.allow(&all.iter().map(|(key, _)| *key).collect::<Vec<_>>())?;
+    let mut known = vec!["scene", "frames", "set", "sweep", "channels"];
+    known.extend(OUTPUTS.iter().map(|own| own.0));
+    known.extend(VALUES.iter().chain(&SWITCHES).map(|own| own.0));
+    table.allow(&known)?;
     let mut flags = Vec::new();
-    for (key, flag) in OUTPUTS {
+    for (key, flag, _) in OUTPUTS {
         flags.extend(table.optional(key, |f| f.path())?.map(|file| (flag, Some(file.display().to_string()))));
     }
     if flags.iter().all(|(flag, _)| *flag == "--report") {

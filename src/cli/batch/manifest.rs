@@ -9,7 +9,7 @@ use crate::output::is_full;
 use crate::report::Judged;
 use serde::{Deserialize, Serialize};
 use std::collections::hash_map::DefaultHasher;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fs::{File, TryLockError};
 use std::hash::{Hash, Hasher};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -21,9 +21,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 pub struct Manifest {
     /// Appended to, and locked against others.
     own: Mutex<File>,
-    path: PathBuf,
     /// The files that lines are in, the own one last.
-    files: Vec<Mutex<File>>,
+    files: Vec<(PathBuf, Mutex<File>)>,
     /// The last line of a frame, by its first output.
     lines: Mutex<HashMap<u64, Line>>,
     hashes: Mutex<HashMap<PathBuf, (Stamp, String)>>,
@@ -54,6 +53,7 @@ impl Costs {
     /// By a manifest, if there is one.
     pub fn read(path: &Path) -> Result<Costs> {
         let mut lines = HashMap::new();
+        check_file(path)?;
         if let Ok(file) = File::open(path) {
             // what is gathered later must not change what shards there are
             read_lines(0, &file, &mut lines, Counts::First).map_err(|e| failure(path, &e))?;
@@ -99,7 +99,6 @@ pub struct Done {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Output {
     bytes: u64,
-    modified_ns: u64,
     hash: String,
 }
 
@@ -119,6 +118,7 @@ impl Manifest {
     /// [`Error::Work`] where it cannot be written, or another program is at it.
     pub fn open(path: &Path, others: &[PathBuf], keeps: bool) -> Result<Manifest> {
         let failed = |e: io::Error| failure(path, &e);
+        others.iter().map(PathBuf::as_path).chain([path]).try_for_each(check_file)?;
         let own = File::options().create(true).append(true).read(true).open(path).map_err(failed)?;
         match own.try_lock() {
             Err(TryLockError::WouldBlock) => {
@@ -139,16 +139,16 @@ impl Manifest {
         if keeps {
             for other in others.iter().filter(|other| *other != path) {
                 if let Ok(file) = File::open(other) {
-                    files.push(Mutex::new(file));
+                    files.push((other.clone(), Mutex::new(file)));
                 }
             }
         }
-        files.push(Mutex::new(File::open(path).map_err(failed)?));
-        for (k, file) in files.iter().enumerate() {
-            read_lines(k, &lock(file), &mut lines, Counts::Newest).map_err(failed)?;
+        files.push((path.to_owned(), Mutex::new(File::open(path).map_err(failed)?)));
+        for (k, (path, file)) in files.iter().enumerate() {
+            read_lines(k, &lock(file), &mut lines, Counts::Newest).map_err(|e| failure(path, &e))?;
         }
         let (lines, hashes) = (Mutex::new(lines), Mutex::default());
-        Ok(Manifest { own: Mutex::new(own), path: path.to_owned(), files, lines, hashes })
+        Ok(Manifest { own: Mutex::new(own), files, lines, hashes })
     }
 
     /// Whether a frame is done as the list and its files say now.
@@ -163,15 +163,16 @@ impl Manifest {
             return changed(format!("its settings were {}", told_apart(&done.settings, &settings)));
         }
         for (path, hash) in &done.inputs {
-            if self.hash(&task.whole(path)) != *hash {
+            if self.hash(&task.whole(path)).as_ref() != Some(hash) {
                 return changed(format!("{} is another", path.display()));
             }
         }
         for (path, written) in &done.outputs {
-            match stamp(&task.whole(path)) {
+            let whole = task.whole(path);
+            match stamp(&whole) {
                 None => return changed(format!("{} is not there", path.display())),
-                Some((modified, bytes)) if (bytes, nanoseconds(modified)) == (written.bytes, written.modified_ns) => {}
-                Some(_) if self.hash(&task.whole(path)) == written.hash => {}
+                // not by its time, which anybody can set
+                Some((_, bytes)) if bytes == written.bytes && self.hash(&whole).as_ref() == Some(&written.hash) => {}
                 Some(_) => return changed(format!("{} is not what was written", path.display())),
             }
         }
@@ -181,10 +182,11 @@ impl Manifest {
     /// The last line of a frame.
     pub fn done(&self, task: &Task) -> Result<Option<Done>> {
         let Some(line) = self.line(task)? else { return Ok(None) };
-        let mut file = lock(&self.files[line.file]);
+        let (path, file) = &self.files[line.file];
+        let mut file = lock(file);
         let mut text = String::new();
         let read = file.seek(SeekFrom::Start(line.start)).and_then(|_| BufReader::new(&mut *file).read_line(&mut text));
-        read.map_err(|e| failure(&self.path, &e))?;
+        read.map_err(|e| failure(path, &e))?;
         Ok(serde_json::from_str(&text).ok())
     }
 
@@ -196,9 +198,8 @@ impl Manifest {
         let mut outputs = BTreeMap::new();
         for path in task.outputs()? {
             // devices keep nothing
-            if let Some((modified, bytes)) = stamp(&path).filter(|_| path.is_file()) {
-                let modified_ns = nanoseconds(modified);
-                outputs.insert(task.short(&path), Output { bytes, modified_ns, hash: self.hash(&path) });
+            if let (Some((_, bytes)), Some(hash)) = (stamp(&path), self.hash(&path)) {
+                outputs.insert(task.short(&path), Output { bytes, hash });
             }
         }
         let mut found: BTreeMap<PathBuf, String> = BTreeMap::new();
@@ -230,7 +231,7 @@ impl Manifest {
     }
 
     fn append(&self, task: &Task, done: &Done) -> Result<()> {
-        let failed = |e: io::Error| failure(&self.path, &e);
+        let failed = |e: io::Error| failure(&self.files[self.files.len() - 1].0, &e);
         let text = serde_json::to_string(done).map_err(|e| Error::work(format!("manifest as JSON: {e}")))? + "\n";
         let mut own = lock(&self.own);
         let start = own.seek(SeekFrom::End(0)).map_err(failed)?;
@@ -265,33 +266,37 @@ impl Manifest {
 
     /// Of what a file held when it was looked for.
     fn hash_as_found(&self, path: &Path, found: &Stamp) -> String {
-        let hash = self.hash(path);
-        if stamp(path) == *found { hash } else { CHANGED.into() }
+        let hash = self.hash(path).filter(|_| stamp(path) == *found);
+        hash.unwrap_or_else(|| CHANGED.into())
     }
 
-    /// Of what a file holds; it is read again once its stamp is another.
-    fn hash(&self, path: &Path) -> String {
-        let Some(found) = stamp(path) else { return ABSENT.into() };
+    /// Of what a file holds; it is read again once its stamp is another. `None` of a folder, a pipe or a device, which may have no end.
+    fn hash(&self, path: &Path) -> Option<String> {
+        let Some(found) = stamp(path) else { return Some(ABSENT.into()) };
+        if !path.is_file() {
+            return None;
+        }
         if let Some((known, hash)) = lock(&self.hashes).get(path)
             && *known == Some(found)
         {
-            return hash.clone();
+            return Some(hash.clone());
         }
-        let hashed = File::open(path).and_then(|f| murmur3::murmur3_x64_128(&mut BufReader::new(f), 0));
+        let (_, bytes) = found;
+        let hashed = File::open(path).and_then(|f| murmur3::murmur3_x64_128(&mut BufReader::new(f.take(bytes)), 0));
         let hash = hashed.map_or(ABSENT.into(), |h| format!("{h:032x}"));
         let mut hashes = lock(&self.hashes);
         if hashes.len() >= HASHES_MAX {
             hashes.clear();
         }
         hashes.insert(path.to_owned(), (Some(found), hash.clone()));
-        hash
+        Some(hash)
     }
 }
 
 /// In place of the hash of a file that is not there.
 const ABSENT: &str = "absent";
 
-/// And of one that was written while it was read: nothing agrees with it.
+/// And of one that was written while it was read, or that has no end: nothing agrees with it.
 const CHANGED: &str = "changed";
 
 /// Hashes that are kept at most.
@@ -299,6 +304,26 @@ const HASHES_MAX: usize = 4096;
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The files that any line of these manifests says were written, by [`key_of`].
+pub fn outputs(paths: &[PathBuf]) -> HashSet<u64> {
+    #[derive(Deserialize)]
+    struct Head {
+        outputs: BTreeMap<PathBuf, serde::de::IgnoredAny>,
+    }
+    let files = paths.iter().filter(|path| path.is_file()).filter_map(|path| File::open(path).ok());
+    let lines = files.flat_map(|file| BufReader::new(file).lines().map_while(io::Result::ok));
+    let heads = lines.filter_map(|line| serde_json::from_str::<Head>(&line).ok());
+    heads.flat_map(|head| head.outputs.into_keys()).map(|path| key_of(&path)).collect()
+}
+
+/// Refuses a folder, a pipe or a device, which may have no end.
+fn check_file(path: &Path) -> Result<()> {
+    if path.is_file() || !path.exists() {
+        return Ok(());
+    }
+    Err(Error::input(format!("{}: it is no file, so no manifest; remove it", path.display())))
 }
 
 fn failure(path: &Path, e: &io::Error) -> Error {
@@ -315,7 +340,7 @@ fn key(task: &Task) -> Result<u64> {
     Ok(task.outputs()?.first().map_or(0, |path| key_of(&task.short(path))))
 }
 
-fn key_of(path: &Path) -> u64 {
+pub fn key_of(path: &Path) -> u64 {
     let mut hasher = DefaultHasher::new();
     path.hash(&mut hasher);
     hasher.finish()

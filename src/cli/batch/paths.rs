@@ -3,7 +3,9 @@
 use super::jobs::Jobs;
 use crate::cli::args::Shard;
 use crate::error::Result;
+use crate::output;
 use std::collections::BTreeSet;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// The manifests of a list.
@@ -30,17 +32,19 @@ impl Paths {
 
     /// Those that are there, of the whole list and of its shards.
     pub fn others(&self) -> Vec<PathBuf> {
-        let folder = self.whole.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = output::folder_of(&self.whole);
         let name = self.whole.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let start = name.trim_end_matches(ENDING).to_owned() + ".";
-        let is_of_shard = |path: &PathBuf| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let is_of_shard = |name: &OsString| {
+            let name = name.to_string_lossy();
             let shard = name.strip_prefix(&start).and_then(|rest| rest.strip_suffix(ENDING));
             let numbers = shard.and_then(|shard| shard.split_once("-of-"));
             numbers.is_some_and(|(i, n)| i.parse::<u32>().is_ok() && n.parse::<u32>().is_ok())
         };
-        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-        let mut all: Vec<PathBuf> = entries.filter(is_of_shard).collect();
+        let names = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name());
+        let shards = names.filter(is_of_shard);
+        // spelled as the others are
+        let mut all: Vec<PathBuf> = shards.map(|name| self.whole.with_file_name(name)).collect();
         all.sort();
         all.insert(0, self.whole.clone());
         all
@@ -60,6 +64,6 @@ pub fn folders(jobs: &Jobs) -> Result<BTreeSet<PathBuf>> {
 
 /// The folder that a file goes to, if it is there.
 pub fn folder_of(path: &Path) -> Option<PathBuf> {
-    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = output::folder_of(path);
     folder.is_dir().then(|| folder.to_owned())
 }

@@ -4,18 +4,19 @@ use crate::baseline::Choice;
 use crate::camera::Camera;
 use crate::caustics::Account;
 use crate::cli::args::{EngineName, RenderArgs};
+use crate::cli::say::note;
 use crate::engine::{Counts, Engine, Rendered, RunOptions};
 use crate::error::{Error, Result};
 use crate::frame::{Channel, Frame};
 use crate::gpu::device::NO_ADAPTER;
 use crate::output::toned8;
-use crate::plan::Wanted;
+use crate::plan::{LeftOut, Wanted};
 use crate::reference;
 use crate::report::Device;
 use crate::scene::Scene;
+use crate::scene::style::Style;
 use crate::scene::tone::Tone;
-use std::io::Write;
-use std::sync::Arc;
+use std::sync::{Arc, Once};
 use std::time::Instant;
 
 pub enum Backend<'e> {
@@ -47,8 +48,7 @@ impl<'e> Backend<'e> {
 
     /// Says that the reference stands in for an adapter that is not there.
     pub fn say_reference() {
-        // a closed stderr is no reason not to render
-        let _ = writeln!(std::io::stderr(), "{NO_ADAPTER}; rendering on the CPU as --engine reference does");
+        note(format_args!("{NO_ADAPTER}; rendering on the CPU as --engine reference does"));
     }
 
     /// Refuses an image whose smallest band does not fit the adapter.
@@ -134,11 +134,22 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
         stages: Vec::new(),
         counts: Counts::default(),
         bytes: 0,
-        left_out: Vec::new(),
+        left_out: without_style(scene, wanted).into_iter().collect(),
         grown: 0,
         passes: Default::default(),
         caustics: lit.map(|lit| Account { budget: lit.budget, ms }),
     }
+}
+
+/// The reference draws no lines over a picture; says so once.
+fn without_style(scene: &Scene, wanted: &Wanted) -> Option<LeftOut> {
+    static SAID: Once = Once::new();
+    if scene.style == Style::default() || !wanted.has_colour() {
+        return None;
+    }
+    let why = "the reference draws no wireframe, outline, borders or hatching";
+    SAID.call_once(|| note(format_args!("[style] is left out: {why}")));
+    Some(LeftOut { what: "style".into(), why: why.into() })
 }
 
 /// The frame's colour as opaque 8-bit sRGB, four bytes a pixel; `None` without colour.

@@ -7,10 +7,11 @@ use crate::camera::recipe::Looked;
 use crate::cli::args::RenderArgs;
 use crate::cli::describe::Description;
 use crate::cli::hash::{SCENE_HASH, scene_hash};
-use crate::cli::outputs;
+use crate::cli::outputs::{self, Kind};
 use crate::engine::Rendered;
 use crate::error::{Error, Result};
 use crate::frame::Channel;
+use crate::inputs::Inputs;
 use crate::output::cryptomatte::{Matte, OPTICS};
 use crate::output::{Attributes, rgb8, write_exr_with, write_png, write_text};
 use crate::report::Report;
@@ -30,15 +31,22 @@ pub struct Files {
 const IMAGES: [&str; 10] = ["png", "exr", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "webp", "hdr"];
 
 impl Files {
-    /// The command line's files, and the scene's where it names none; each one found to be writable.
+    /// The command line's files, and the scene's where it names none; each one found to be writable. `inputs` are the files that the
+    /// scene was read from.
     ///
     /// # Errors
-    /// [`Error::Input`] where nothing would come of the render, or where two files are one; [`Error::Work`]
+    /// [`Error::Input`] where nothing would come of the render, or where a file must not be replaced; [`Error::Work`]
     /// where a file cannot be written.
-    pub fn new(args: &RenderArgs, scene: &Scene) -> Result<Files> {
+    pub fn new(args: &RenderArgs, scene: &Scene, inputs: &Inputs) -> Result<Files> {
+        let own = |asked: &Option<PathBuf>, own: &Option<PathBuf>| match (asked, own) {
+            (None, Some(own)) if !args.outputs_anywhere => {
+                outputs::check_inside(&args.scene, own).map(|()| Some(own.clone()))
+            }
+            _ => Ok(asked.clone().or_else(|| own.clone())),
+        };
         let files = Files {
-            color: args.output.clone().or_else(|| scene.output.color.clone()),
-            exr: args.exr.clone().or_else(|| scene.output.exr.clone()),
+            color: own(&args.output, &scene.output.color)?,
+            exr: own(&args.exr, &scene.output.exr)?,
             points: args.points.clone(),
             report: args.report.clone(),
         };
@@ -49,12 +57,18 @@ impl Files {
         }
         named_as(files.color.as_deref(), "png", "colour is written as PNG; name it .png, or use --exr")?;
         named_as(files.exr.as_deref(), "exr", "this output is written as EXR; name it .exr, or use -o for a PNG")?;
-        outputs::check(&args.scene, files.all())?;
+        outputs::check(inputs, files.all())?;
         Ok(files)
     }
 
-    fn all(&self) -> impl Iterator<Item = &Path> {
-        [&self.color, &self.exr, &self.points, &self.report].into_iter().flatten().map(PathBuf::as_path)
+    fn all(&self) -> impl Iterator<Item = (&Path, Kind)> + Clone {
+        let all = [
+            (&self.color, outputs::PICTURE),
+            (&self.exr, outputs::EXR),
+            (&self.points, outputs::POINTS),
+            (&self.report, outputs::REPORT),
+        ];
+        all.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind)))
     }
 
     /// The images' and points' names and a space, for the summary.

@@ -12,6 +12,7 @@ use crate::engine::planned::{Planned, Planner};
 use crate::engine::{Rendered, RunOptions};
 use crate::error::{Error, Result};
 use crate::frame::Channel;
+use crate::inputs::{Inputs, noted};
 use crate::motion;
 use crate::output::cryptomatte::{Apart, Matte};
 use crate::plan::Wanted;
@@ -78,19 +79,21 @@ impl Work {
     /// [`Error::Input`] for what is wrong with the scene or the flags; [`Error::Work`] where a file cannot be written.
     pub fn read(args: RenderArgs, library: &Library) -> Result<Work> {
         check_combination(&args)?;
-        let (scene, camera) = load_from(library, &args.scene, &args.change, |own| images_read(&args, own))?;
-        Work::of(args, scene, camera, library)
+        let (loaded, inputs) = noted(|| load_from(library, &args.scene, &args.change, |own| images_read(&args, own)));
+        let (scene, camera) = loaded?;
+        Work::of(args, scene, camera, &inputs, library)
     }
 
     /// The same without the files that the scene itself names.
     pub fn read_of_many(args: RenderArgs, library: &Library) -> Result<Work> {
         check_combination(&args)?;
         let images = |_: &OutputSpec| images_read(&args, &OutputSpec::default());
-        let (scene, camera) = load_from(library, &args.scene, &args.change, images)?;
-        Work::of(args, Scene { output: Default::default(), ..scene }, camera, library)
+        let (loaded, inputs) = noted(|| load_from(library, &args.scene, &args.change, images));
+        let (scene, camera) = loaded?;
+        Work::of(args, Scene { output: Default::default(), ..scene }, camera, &inputs, library)
     }
 
-    fn of(args: RenderArgs, scene: Scene, camera: Arc<Camera>, library: &Library) -> Result<Work> {
+    fn of(args: RenderArgs, scene: Scene, camera: Arc<Camera>, inputs: &Inputs, library: &Library) -> Result<Work> {
         if args.moving && scene.caustics.is_some() {
             let what = "the scene has caustics, whose light is followed once for all frames";
             return Err(Error::input(format!("--moving: {what}; use --repeat alone")));
@@ -98,7 +101,7 @@ impl Work {
         if args.strict {
             refuse_missing(&scene)?;
         }
-        let files = Files::new(&args, &scene)?;
+        let files = Files::new(&args, &scene, inputs)?;
         let asked = asked(&args, &files, &scene, &camera);
         let apart: Vec<Apart> = apart(&args).collect();
         if !apart.is_empty() && files.exr.is_none() {

@@ -1,0 +1,93 @@
+//! Pipes and devices that bytes are sent to.
+
+use std::fs::File;
+use std::io;
+use std::path::Path;
+use std::time::Duration;
+
+/// How long a pipe is waited for that nobody reads yet.
+pub const PIPE_WAIT: Duration = Duration::from_secs(10);
+
+/// Opens a pipe or a device to be written to; a pipe once somebody reads it.
+///
+/// # Errors
+/// That of the system; one that says so where nobody reads a pipe for so long.
+#[cfg(unix)]
+pub fn open(path: &Path, patience: Duration) -> io::Result<File> {
+    use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
+    use rustix::io::Errno;
+    use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
+    use std::time::Instant;
+
+    const PAUSE: Duration = Duration::from_millis(20);
+    let mut options = File::options();
+    options.write(true);
+    if !std::fs::metadata(path)?.file_type().is_fifo() {
+        return options.open(path);
+    }
+    // without this it would wait for a reader without end
+    options.custom_flags(OFlags::NONBLOCK.bits() as i32);
+    let started = Instant::now();
+    loop {
+        match options.open(path) {
+            Ok(file) => {
+                // from here on it waits for the reader as any pipe does
+                fcntl_setfl(&file, fcntl_getfl(&file)? - OFlags::NONBLOCK)?;
+                return Ok(file);
+            }
+            Err(e) if e.raw_os_error() != Some(Errno::NXIO.raw_os_error()) => return Err(e),
+            Err(_) if started.elapsed() < patience => std::thread::sleep(PAUSE),
+            Err(_) => {
+                let why = format!("it is a pipe, and nobody has read it for {} s", patience.as_secs_f64());
+                return Err(io::Error::other(why));
+            }
+        }
+    }
+}
+
+#[cfg(not(unix))]
+pub fn open(path: &Path, _: Duration) -> io::Result<File> {
+    File::options().write(true).open(path)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::io::{Read, Write};
+    use std::process::Command;
+
+    fn pipe_in(folder: &Path) -> std::path::PathBuf {
+        let path = folder.join("pipe");
+        assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
+        path
+    }
+
+    #[test]
+    fn a_pipe_that_nobody_reads_is_given_up() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = pipe_in(dir.path());
+        let error = open(&path, Duration::from_millis(100)).unwrap_err();
+        assert_eq!(error.to_string(), "it is a pipe, and nobody has read it for 0.1 s");
+    }
+
+    #[test]
+    fn a_pipe_waits_for_its_reader_and_takes_more_than_it_holds() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = pipe_in(dir.path());
+        let bytes: Vec<u8> = (0..1 << 20).map(|k: u32| (k % 251) as u8).collect();
+        std::thread::scope(|scope| {
+            let reader = scope.spawn(|| {
+                std::thread::sleep(Duration::from_millis(100));
+                let mut file = File::open(&path).unwrap();
+                std::thread::sleep(Duration::from_millis(100));
+                let mut read = Vec::new();
+                file.read_to_end(&mut read).unwrap();
+                read
+            });
+            let mut file = open(&path, PIPE_WAIT).unwrap();
+            file.write_all(&bytes).unwrap();
+            drop(file);
+            assert!(reader.join().unwrap() == bytes);
+        });
+    }
+}

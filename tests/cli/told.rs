@@ -1,0 +1,81 @@
+//! What is told on stderr beside errors, and how names are shown.
+
+use super::program::{Place, SCENE, assert_one_line};
+use std::io::{BufRead, BufReader};
+use std::process::Stdio;
+
+#[test]
+fn names_do_not_command_the_terminal() {
+    let place = Place::new();
+    let name = "\u{1b}[31mred\u{7}\u{9b}1m";
+    let ran = place.run(&["render", &format!("{name}.toml"), "-o", "a.png"]);
+    assert_one_line(&ran, "a name");
+    assert!(ran.code == 2 && ran.err.contains("\\u001b[31mred\\u0007\\u009b1m.toml: cannot be read"), "{:?}", ran.err);
+    place.write("s.toml", SCENE.replace("kind = \"pinhole\"", "kind = \"pin\\u0000\\u001b[2J\""));
+    let ran = place.run(&["render", "s.toml", "-o", "a.png"]);
+    assert_one_line(&ran, "a value");
+    assert!(!ran.err.contains(['\0', '\u{1b}']), "{:?}", ran.err);
+    // on stdout too
+    let out = place.works(&["render", "scene.toml", "-o", &format!("{name}.png"), "--engine", "reference"]);
+    assert!(out.starts_with("\\u001b[31mred\\u0007\\u009b1m.png 64x48"), "{out:?}");
+}
+
+#[test]
+fn long_lines_are_shortened() {
+    let place = Place::new();
+    place.write("s.toml", format!("{SCENE}[output]\n{} = 1\n", "x".repeat(100_000)));
+    let ran = place.run(&["render", "s.toml"]);
+    assert_one_line(&ran, "a long key");
+    assert!(ran.code == 2 && ran.err.len() < 3000, "{}", ran.err.len());
+    let name = "y".repeat(100_000);
+    let ran = place.run(&["render", "scene.toml", "--set", &format!("{name}=1"), "-o", "a.png"]);
+    assert_one_line(&ran, "a long flag");
+    assert!(ran.code == 2 && ran.err.len() < 3000, "{}", ran.err.len());
+}
+
+/// Reads stderr up to the first line of progress, and ends the program.
+fn progress_of(place: &Place, args: &[&str]) -> String {
+    let mut child = place.command(args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
+    let line = lines.into_iter().next();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    line.expect("it ended without a line")
+}
+
+#[test]
+fn long_work_is_told_now_and_then_where_no_terminal_is() {
+    let place = Place::new();
+    let line =
+        progress_of(&place, &["render", "scene.toml", "--engine", "reference", "--check", "--repeat", "1000000"]);
+    let seconds = line.strip_prefix("progress: rendering, ").and_then(|rest| rest.strip_suffix(" s"));
+    assert!(seconds.is_some_and(|s| s.parse::<u32>().is_ok_and(|s| s >= 5)), "{line}");
+    let job = "[[job]]\nscene = \"scene.toml\"\ncolor = \"{frame}.png\"\nengine = \"reference\"\n";
+    place.write("j.toml", format!("{job}frames = {{ last = 99999 }}\n"));
+    let line = progress_of(&place, &["batch", "j.toml"]);
+    let is_told = line.starts_with("progress: ") && line.contains(" of 100000 frames, ") && line.ends_with(" s left");
+    assert!(is_told, "{line}");
+}
+
+#[test]
+fn a_style_that_the_reference_leaves_out_is_told() {
+    let place = Place::new();
+    place.write("s.toml", format!("{SCENE}[style]\nwireframe = {{ width = 1 }}\n"));
+    let render = ["render", "s.toml", "--engine", "reference", "--size", "8x6"];
+    let ran = place.run(&[&render[..], &["-o", "a.png", "--report", "r.json"]].concat());
+    let says = "[style] is left out: the reference draws no wireframe, outline, borders or hatching\n";
+    assert_eq!((ran.code, ran.err.as_str()), (0, says));
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path().join("r.json")).unwrap()).unwrap();
+    assert_eq!(report["left_out"][0]["what"], "style");
+    // without colour there is nothing to leave out
+    place.works(&[&render[..], &["--exr", "z.exr", "--channels", "Z"]].concat());
+}
+
+#[test]
+fn a_manifest_that_cannot_be_read_is_named() {
+    let place = Place::new();
+    place.write("j.toml", "[[job]]\nscene = \"scene.toml\"\ncolor = \"a.png\"\nengine = \"reference\"\n");
+    std::fs::create_dir(place.path().join("j.toml.1-of-2.manifest.jsonl")).unwrap();
+    place.refuses(&["batch", "j.toml", "--gather"], 2, "j.toml.1-of-2.manifest.jsonl: it is no file");
+}
