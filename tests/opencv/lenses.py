@@ -99,14 +99,22 @@ def slopes(k, p):
 
 
 def sheet_radius(k):
-    """Of a disc on which the symmetric part of dF/dp is well over 0 in all samples: there F is one to one."""
+    """Of a disc without a pole on which the symmetric part of dF/dp is well over 0 in all samples: there F is one to one."""
+    full = np.concatenate([k, np.zeros(14 - len(k))])
+    # the radial part may have narrow places
+    radii = np.linspace(0, 1, 20001)[1:]
+    q = radii**2
+    below = 1 + full[5] * q + full[6] * q**2 + full[7] * q**3
+    radial = radii * (1 + full[0] * q + full[1] * q**2 + full[4] * q**3) / below
+    good = (below > 0) & (np.diff(radial, prepend=0) > 0.2 * radii[0])
+    end = 1.0 if good.all() else radii[np.argmin(good)]
     angles = np.linspace(0, 2 * np.pi, 24, endpoint=False)
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
-    radii = np.arange(0.05, 1.01, 0.05)
+    radii = np.arange(0.05, 1.01, 0.05) * 0.95 * end
     j = slopes(k, np.concatenate([r * circle for r in radii]))
     least = np.linalg.eigvalsh(0.5 * (j + np.swapaxes(j, 1, 2)))[:, 0].reshape(len(radii), -1).min(1)
     good = least > 0.2
-    return radii[: np.argmin(good)].max(initial=0.04) if not good.all() else 1.0
+    return radii[: np.argmin(good)].max(initial=0.04) if not good.all() else radii[-1]
 
 
 def make(folder, count, calibrated):

@@ -44,6 +44,29 @@ fn series<const N: usize>(c: [f64; N], q: Interval) -> (Interval, Interval) {
     (value, slope)
 }
 
+/// d(r g)/dr of Brown's radial part at `r`, and the most by which it may change for each unit of r in [lo, hi]; `None` where there may
+/// be a pole.
+pub fn slope(k: &[f64; 14], r: f64, [lo, hi]: [f64; 2]) -> Option<[f64; 2]> {
+    // g = 1 + n, n = N / B with N = A - B: little where a calibration has A almost B
+    let (above, below) = ([k[0] - k[5], k[1] - k[6], k[4] - k[7]], [k[5], k[6], k[7]]);
+    let derivatives = |q: Interval| {
+        let ((n, dn), (b, db)) = (series(above, q), series(below, q));
+        let second = |c: [f64; 3]| exactly(2.0 * c[1]) + exactly(6.0 * c[2]) * q;
+        let minus = exactly(-1.0);
+        let n = (n + minus) / b;
+        let dn = (dn + minus * n * db) / b;
+        let ddn = (second(above) + exactly(-2.0) * dn * db + minus * n * second(below)) / b;
+        (n, dn, ddn, b.0 > 0.0)
+    };
+    let at = exactly(r * r);
+    let (n, dn, ..) = derivatives(at);
+    let range = Interval(lo, hi);
+    let (_, of_range, bend, is_free) = derivatives(range * range);
+    // d^2(r g)/dr^2 = 6 r n' + 4 r^3 n''
+    let Interval(least, most) = exactly(6.0) * range * of_range + exactly(4.0) * range * range * range * bend;
+    is_free.then_some([1.0 + (n + exactly(2.0) * at * dn).0, least.abs().max(most.abs())])
+}
+
 /// The radius on the plane z = 1 that Brown's model shows at `radius`.
 pub fn brown(k: &[f64; 14], radius: f64) -> Option<f64> {
     let (above, below) = ([k[0], k[1], k[4]], [k[5], k[6], k[7]]);

@@ -1,6 +1,7 @@
 //! The walk from the middle to a place, through the plane of rays.
 
 use super::dual::seen;
+use super::radial;
 use glam::DVec2;
 
 /// A place on the way: what is seen of it along the line and across, each with its slope, and det J.
@@ -65,8 +66,22 @@ pub fn to(k: &[f64; 14], q: DVec2) -> Option<DVec2> {
     None
 }
 
+/// How much the radial slope may change within a step, proven by intervals, against itself and the other terms' slopes: no pole and
+/// no fold beside one, however narrow, is stepped over.
+const CHANGE_OF_SLOPE: f64 = 0.5;
+
+/// The size of the slopes of the tangential and prism terms, which have no narrow places.
+fn slow(k: &[f64; 14], r: f64) -> f64 {
+    6.0 * k[2].hypot(k[3]) * r + 2.0 * k[8].hypot(k[10]) * r + 4.0 * k[9].hypot(k[11]) * r.powi(3)
+}
+
 /// Ahead by `length`: along the middle's direction, then aside onto the line.
 fn step(k: &[f64; 14], line: DVec2, at: &At, length: f64) -> Option<At> {
+    let (r, slow) = (at.p.length(), slow(k, at.p.length()));
+    let [here, bend] = radial::slope(k, r, [(r - length).max(0.0), r + length])?;
+    if !(length * bend <= CHANGE_OF_SLOPE * (here.abs() + slow)) {
+        return None;
+    }
     let is_like = |next: &At| {
         let change = next.determinant() / at.determinant();
         next.ahead().dot(at.ahead()) >= TURN && (CHANGE.recip()..CHANGE).contains(&change)
@@ -93,8 +108,10 @@ fn arrive(k: &[f64; 14], line: DVec2, from: &At, to: &At) -> Option<DVec2> {
         let off = DVec2::new(1.0 - at.along, -at.across);
         // no nearer for rounding
         if off.length() >= 0.5 * rest {
+            // of the place itself, which beside a pole is seen far aside
+            let rounding = 4.0 * f64::EPSILON * at.p.length() * at.along_slope.length().max(at.across_slope.length());
             let is_between = at.p.distance(from.p) <= 1.5 * stride && at.p.distance(to.p) <= 1.5 * stride;
-            return (is_between && at.determinant() > 0.0 && off.length() <= ARRIVED).then_some(at.p);
+            return (is_between && at.determinant() > 0.0 && off.length() <= ARRIVED + rounding).then_some(at.p);
         }
         rest = off.length();
         // Cramer's rule

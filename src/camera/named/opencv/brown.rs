@@ -129,32 +129,34 @@ impl Brown {
         ROUNDING * (p.length() * gain + bent)
     }
 
-    /// The largest `|d^2 F|` within `room` of p; not finite where that may hold a pole.
-    pub(super) fn bend(&self, p: DVec2, room: f64) -> f64 {
+    /// Bounds of `|d^2 F|` within `room` of p, in two parts: `(all ways, of what is along p / |p| alone)`; not finite where that may
+    /// hold a pole.
+    ///
+    /// The radial part is `d^2 F [h, k] = 2 g' ((p.k) h + (h.k) p + (p.h) k) + 4 g'' (p.h) (p.k) p`: beside a pole the last term, which
+    /// has one direction, is by far the largest.
+    pub(super) fn bend(&self, p: DVec2, room: f64) -> (f64, f64) {
         let r = p.length();
         let (least, most) = ((r - room).max(0.0), r + room);
         let q = (least * least, most * most);
-        let derivatives = |c: &[f64; 4]| {
+        let derivatives = |c: &[f64]| {
             [
                 roots::bounds(c, q),
                 roots::bounds(&[c[1], 2.0 * c[2], 3.0 * c[3]], q),
                 roots::bounds(&[2.0 * c[2], 6.0 * c[3]], q),
             ]
         };
-        let ([a, da, dda], [b, db, ddb]) = (derivatives(&self.above), derivatives(&self.below));
+        // of n = g - 1 = (A - B) / B, as calibrations have A almost B: n' = ((A - B)' - n B') / B, n'' = ((A - B)'' - 2 n' B' - n B'') / B
+        let rest: [f64; 4] = std::array::from_fn(|k| self.above[k] - self.below[k]);
+        let ([a, da, dda], [b, db, ddb]) = (derivatives(&rest), derivatives(&self.below));
         if !(b.0 > 0.0) {
-            return f64::INFINITY;
+            return (f64::INFINITY, f64::INFINITY);
         }
-        // g = A / B, g' = (A' - g B') / B, g'' = (A'' - 2 g' B' - g B'') / B
-        let g = over(a, b);
-        let dg = over(less(da, times(g, db)), b);
-        let ddg = over(less(less(dda, times(dg, (2.0 * db.0, 2.0 * db.1))), times(g, ddb)), b);
+        let n = over(a, b);
+        let dn = over(less(da, times(n, db)), b);
+        let ddn = over(less(less(dda, times(dn, (2.0 * db.0, 2.0 * db.1))), times(n, ddb)), b);
         let size = |v: (f64, f64)| v.0.abs().max(v.1.abs());
-        6.0 * most * size(dg)
-            + 4.0 * most * q.1 * size(ddg)
-            + 6.0 * self.tangential_size()
-            + 2.0 * self.prism[0].length()
-            + 12.0 * q.1 * self.prism[1].length()
+        let bent = 6.0 * self.tangential_size() + 2.0 * self.prism[0].length() + 12.0 * q.1 * self.prism[1].length();
+        (6.0 * most * size(dn) + bent, 4.0 * most * q.1 * size(ddn))
     }
 
     /// r in [0, r_max] with r g = `rd`; `None`: the branch does not reach that far.

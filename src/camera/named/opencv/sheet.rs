@@ -11,8 +11,8 @@ use glam::DVec2;
 /// Newton steps at most: within [`KANTOROVICH`] each doubles the digits, from two of them on.
 const STEPS: usize = 12;
 
-/// Newton's method finds a root, the only one around, on which dF/dp is regular as on all the way, where
-/// `|1 / dF| |d^2 F| |step|` is at most 1/2 (Kantorovich 1948); less is closer to the root from the start.
+/// Newton's method finds a root, the only one around, with dF/dp regular there and all the way to it, where `|1 / dF d^2 F| |step|`
+/// within twice the step is at most 1/2 (Kantorovich 1948); less is closer to the root from the start.
 const KANTOROVICH: f64 = 0.4;
 
 /// A line that comes this near to a fold, as det dF/dp, ends there: on a line that meets one that is within 2^-44 of the fold, far under
@@ -70,8 +70,15 @@ impl Brown {
             let step = (inverse * rest).length();
             // the norm of the inverse is at most that of its columns
             let steep = inverse.x_axis.length().hypot(inverse.y_axis.length());
+            let lengthwise = (inverse * p.normalize_or_zero()).length();
             share = f64::min(1.0, 4.0 * share);
-            while !(steep * self.bend(p, 2.0 * share * step) * share * step <= KANTOROVICH) {
+            // `|1 / dF d^2 F|` within `room`, where the direction from the middle turns by an angle of sine room / r at most
+            let bend = |room: f64| {
+                let (all, along) = self.bend(p, room);
+                let turn = f64::min(2.0, std::f64::consts::SQRT_2 * room / p.length());
+                steep * all + (lengthwise + steep * turn) * along
+            };
+            while !(bend(2.0 * share * step) * share * step <= KANTOROVICH) {
                 share *= 0.5;
                 // rounding alone is between here and a fold or pole
                 if !(share * rest.length() > self.rounding(p)) {
