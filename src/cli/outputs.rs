@@ -2,12 +2,12 @@
 
 use crate::error::{Error, Result};
 use crate::inputs::Inputs;
-use crate::output::{check_writable, identity, real_path};
+use crate::output::{check_writable, folder_of, identity, identity_of_new, real_path};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What is written to a file.
 #[derive(Debug, Clone, Copy)]
@@ -87,14 +87,18 @@ pub struct Outputs {
     owners: HashMap<u64, usize>,
     /// Some of them are there already.
     are_there: bool,
+    /// The real paths of the folders that new files go to.
+    folders: HashMap<PathBuf, PathBuf>,
 }
 
 impl Outputs {
     /// Takes up a file as output number `owner`.
     pub fn take(&mut self, path: &Path, owner: usize) -> Taken {
+        let is_there = path.symlink_metadata().is_ok();
+        let own = if is_there { identity(path) } else { Some(self.identity_of_new(path)) };
         // pipes and devices may take more than one
-        let Some(own) = identity(path) else { return Taken { first: None, is_there: false } };
-        let is_there = path.is_file();
+        let Some(own) = own else { return Taken { first: None, is_there: false } };
+        let is_there = is_there && path.is_file();
         self.are_there |= is_there;
         let first = match self.owners.entry(own) {
             Entry::Vacant(free) => {
@@ -104,6 +108,16 @@ impl Outputs {
             Entry::Occupied(taken) => Some(*taken.get()),
         };
         Taken { first, is_there }
+    }
+
+    fn identity_of_new(&mut self, path: &Path) -> u64 {
+        let (folder, Some(name)) = (folder_of(path), path.file_name()) else {
+            return identity_of_new(path);
+        };
+        if !self.folders.contains_key(folder) {
+            self.folders.insert(folder.to_owned(), folder.canonicalize().unwrap_or_else(|_| folder.to_owned()));
+        }
+        identity_of_new(&self.folders[folder].join(name))
     }
 
     /// The number of the output that a file is.

@@ -35,9 +35,16 @@ pub fn identity(path: &Path) -> Option<u64> {
     match fs::metadata(path) {
         Ok(there) if !there.is_file() => return None,
         Ok(there) => hash_file(&there, path, &mut hasher),
-        Err(_) => real_path(path).hash(&mut hasher),
+        Err(_) => return Some(identity_of_new(&real_path(path))),
     }
     Some(hasher.finish())
+}
+
+/// The same of a file that is not there, by its real path.
+pub fn identity_of_new(real_path: &Path) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    real_path.hash(&mut hasher);
+    hasher.finish()
 }
 
 /// Hard links have the same number on the same device.

@@ -62,15 +62,8 @@ fn what_is_read_is_never_replaced() {
         &["--report", "mesh.toml"],
         &["--points", "m.obj"],
     ] {
-        if args[0] == "-o" {
-            keeps(&place, &[&render[..4], args].concat(), "it is read too");
-        } else {
-            keeps(
-                &place,
-                &[&render[..], args].concat(),
-                if args[0] == "--points" { ".ply or .npy" } else { "it is read" },
-            );
-        }
+        let given = if args[0] == "-o" { &render[..4] } else { &render[..] };
+        keeps(&place, &[given, args].concat(), "it is read too");
     }
     let lidar = ["render", "ply.toml", "--engine", "reference", "--points"];
     keeps(&place, &[&lidar[..], &["l.npy"]].concat(), "l.npy: it is read too; choose another name for the output");
