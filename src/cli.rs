@@ -26,7 +26,7 @@ mod signals;
 
 use crate::error::{Error, Result};
 use crate::gpu::device::one_line;
-use args::{Cli, Command};
+use args::{Caps, Cli, Command};
 use clap::CommandFactory;
 use clap::Parser;
 use clap::error::{ContextKind, ErrorKind};
@@ -60,6 +60,7 @@ fn run(started: Instant) -> Result<()> {
         }
         Err(e) => return Err(Error::input(refusal(&e))),
     };
+    cli.command.caps().into_iter().for_each(Caps::apply);
     match &cli.command {
         Command::Render(args) => render::run(args, started),
         Command::Compare(args) => compare::run(args),

@@ -85,6 +85,7 @@ pub mod example;
 pub mod frame;
 pub mod gpu;
 pub mod inputs;
+pub mod limits;
 pub mod motion;
 pub mod optics;
 pub mod output;

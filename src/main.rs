@@ -1,5 +1,11 @@
 //! The program `anamorph`; all of it is in [`anamorph::cli`].
 
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::io::Write;
+
+#[global_allocator]
+static MEMORY: LastWord = LastWord;
+
 fn main() -> std::process::ExitCode {
     keep_window_system_quiet();
     anamorph::cli::main()
@@ -12,5 +18,43 @@ fn keep_window_system_quiet() {
     if std::env::var_os(VARIABLE).is_none_or(|v| !v.as_encoded_bytes().starts_with(b"/")) {
         // SAFETY: no other thread runs yet.
         unsafe { std::env::set_var(VARIABLE, "/nonexistent") };
+    }
+}
+
+/// The system's allocator; where it has no more memory the program ends with one line and exit code 1, not by a signal. Work
+/// that is known to be too large is refused before: see [`anamorph::limits`].
+struct LastWord;
+
+impl LastWord {
+    fn given(pointer: *mut u8, bytes: usize) -> *mut u8 {
+        if pointer.is_null() {
+            // neither allocates; nobody is left to tell where stderr is gone
+            let _ = writeln!(
+                std::io::stderr(),
+                "error: out of memory: {bytes} bytes more are not to be had; make the image or the scene smaller"
+            );
+            // SAFETY: ends the process. Handlers of drivers, which `exit` would run, may need memory or wait for a thread.
+            unsafe { libc::_exit(1) }
+        }
+        pointer
+    }
+}
+
+// SAFETY: every call goes to the system's allocator with the same arguments, and what it returns is returned.
+unsafe impl GlobalAlloc for LastWord {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        LastWord::given(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        LastWord::given(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        LastWord::given(unsafe { System.realloc(pointer, layout, size) }, size)
     }
 }

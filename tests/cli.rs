@@ -10,6 +10,7 @@ mod cli {
     pub mod good;
     pub mod headers;
     pub mod inputs;
+    pub mod limits;
     pub mod models;
     pub mod outputs;
     pub mod program;

@@ -15,6 +15,7 @@ use super::mesh::triangle;
 use super::pieces::Pieces;
 use super::recipe::{Built, Setting};
 use crate::error::{Error, Result};
+use crate::limits;
 use crate::scene::file::reader::Table;
 use bound::{Judge, Verdict};
 use glam::DVec2;
@@ -24,9 +25,6 @@ use std::sync::Arc;
 
 /// The keys that a kind whose rays may be cut allows besides its own.
 pub const KEYS: [&str; 2] = ["pieces", "error"];
-
-/// Pieces at most: each takes some 250 bytes.
-pub const PIECES_MAX: u32 = 1_000_000;
 
 /// The error of `"auto"` where none is given, px.
 const ERROR_PX: f64 = 0.25;
@@ -56,8 +54,12 @@ impl Cut {
                 Ok("exact") => Cut::Exact,
                 Ok("auto") => Cut::Auto { error_px: error_px.unwrap_or(ERROR_PX) },
                 Ok(_) => return Err(field.error("is \"exact\", \"auto\" or a number of pieces")),
-                // the range is under 2^32
-                Err(_) => Cut::Count(field.integer(1, PIECES_MAX.into())? as u32),
+                Err(_) => {
+                    // two triangles of each are numbered in 32 bits
+                    let pieces = field.integer(1, 1 << 30)?;
+                    limits::PIECES.check(pieces).map_err(|e| field.error(e))?;
+                    Cut::Count(pieces as u32)
+                }
             },
         };
         match table.get("error") {
@@ -94,10 +96,29 @@ impl Cut {
     }
 }
 
-/// The cells with what is known of each.
+/// Cells whose rays are looked at one by one; of more, neighbours are looked at together.
+const JUDGED_MAX: usize = 1 << 13;
+
+/// The cells with what is known of each: of many, by a bound over several of them at once, which holds for each.
 fn judged(judge: &Judge, mut cells: Cells) -> Cells {
-    let verdicts = cells.triangles.par_iter().map(|t| cells.judge(judge, t)).collect();
-    cells.verdicts = verdicts;
+    let (columns, rows) = cells.size;
+    let (mut wide, mut high) = (1, 1);
+    while columns.div_ceil(wide) * rows.div_ceil(high) > JUDGED_MAX {
+        if columns.div_ceil(wide) >= rows.div_ceil(high) { wide *= 2 } else { high *= 2 }
+    }
+    if wide * high == 1 {
+        cells.verdicts = cells.triangles.par_iter().map(|t| cells.judge(judge, t)).collect();
+        return cells;
+    }
+    let groups = (columns.div_ceil(wide), rows.div_ceil(high));
+    let of_group = |k: usize| cells.judge_group(judge, (k % groups.0 * wide, k / groups.0 * high), (wide, high));
+    let verdicts: Vec<Verdict> = (0..groups.0 * groups.1).into_par_iter().map(of_group).collect();
+    let of_triangle = |k: usize| {
+        let (i, j) = (k / 2 % columns, k / 2 / columns);
+        let has_rays = cells.triangles[k].iter().all(|&c| cells.rays[c as usize].is_some());
+        if has_rays { verdicts[j / high * groups.0 + i / wide] } else { Verdict::RIM }
+    };
+    cells.verdicts = (0..cells.triangles.len()).map(of_triangle).collect();
     cells
 }
 
@@ -118,7 +139,8 @@ fn notes(cells: &Cells, cut: Cut) -> Vec<String> {
     let mut notes = vec![format!("{} pieces, {error}", pieces.len())];
     if bound > error_px {
         notes.push(format!(
-            "the error asked for, {error_px} px, is not met: {PIECES_MAX} pieces are the most there are"
+            "the error asked for, {error_px} px, is not met: {} pieces are the most there are",
+            limits::PIECES.most
         ));
     }
     let count = |what: fn(&(bool, Verdict)) -> bool| pieces.iter().filter(|p| what(p)).count();

@@ -1,10 +1,14 @@
 //! The `mesh` camera: image triangles whose corners carry rays (Hou et al. 2006; Popescu's CGLC segments).
 
+mod overlap;
+
 use super::bundle::{Bundle, Ray};
 use super::pieces::{Piece, Pieces, side};
 use crate::error::{Error, Result};
+use crate::limits;
 use crate::scene::file::MeshCameraSpec;
 use glam::{DVec2, DVec3};
+pub(super) use overlap::first_overlap;
 use rayon::prelude::*;
 
 /// Compiles every image triangle to one piece.
@@ -15,6 +19,7 @@ pub fn compile(spec: &MeshCameraSpec, width: u32, height: u32, notes: &mut Vec<S
     if spec.triangles.is_empty() {
         return Err(Error::input("camera.triangles: the camera has no pieces; give at least one triangle"));
     }
+    limits::LISTED_PIECES.check(spec.triangles.len() as u64).map_err(|e| e.at("camera.triangles"))?;
     let size = DVec2::new(width as f64, height as f64);
     let pieces: Vec<Piece> =
         spec.triangles.par_iter().enumerate().map(|(k, t)| piece(spec, k, t, size)).collect::<Result<_>>()?;
@@ -73,37 +78,4 @@ pub(super) fn interpolated(corners: &[DVec2; 3], q: [DVec3; 3]) -> [DVec3; 3] {
     let (a, b) = (q[1] - q[0], q[2] - q[0]);
     let slope = |g1: f64, g2: f64| g1 * a + g2 * b;
     [q[0] + (a + b) / 3.0, slope(gradient[1].x, gradient[2].x), slope(gradient[1].y, gradient[2].y)]
-}
-
-/// The first pair of triangles whose interiors overlap, by a grid of about one cell a triangle.
-pub(super) fn first_overlap(corners: &[[DVec2; 3]]) -> Option<(usize, usize)> {
-    let boxes: Vec<(DVec2, DVec2)> = corners.iter().map(|[a, b, c]| (a.min(*b).min(*c), a.max(*b).max(*c))).collect();
-    let lo = boxes.iter().fold(DVec2::INFINITY, |m, b| m.min(b.0));
-    let hi = boxes.iter().fold(DVec2::NEG_INFINITY, |m, b| m.max(b.1));
-    let n = ((corners.len() as f64).sqrt().ceil() as usize).max(1);
-    let cell = (hi - lo).max(DVec2::splat(f64::MIN_POSITIVE)) / n as f64;
-    let column = |x: f64| (((x - lo.x) / cell.x) as usize).min(n - 1);
-    let row = |y: f64| (((y - lo.y) / cell.y) as usize).min(n - 1);
-    let mut cells = vec![Vec::new(); n * n];
-    for (k, (lo, hi)) in boxes.iter().enumerate() {
-        for y in row(lo.y)..=row(hi.y) {
-            for x in column(lo.x)..=column(hi.x) {
-                cells[y * n + x].push(k);
-            }
-        }
-    }
-    let in_cell = |list: &Vec<usize>| {
-        let pairs = list.iter().enumerate().flat_map(|(i, &j)| list[i + 1..].iter().map(move |&k| (j, k)));
-        pairs.filter(|&(j, k)| overlap(&corners[j], &corners[k])).min()
-    };
-    cells.par_iter().filter_map(in_cell).min()
-}
-
-/// The triangles' interiors overlap: no edge of either has the other wholly on its outer side.
-fn overlap(s: &[DVec2; 3], t: &[DVec2; 3]) -> bool {
-    let separates = |s: &[DVec2; 3], t: &[DVec2; 3]| {
-        let o = side(s[0], s[1], s[2]);
-        (0..3).any(|k| t.iter().all(|q| side(s[k], s[(k + 1) % 3], *q) * o <= 0.0))
-    };
-    !separates(s, t) && !separates(t, s)
 }

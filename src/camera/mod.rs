@@ -8,6 +8,7 @@
 
 pub mod arranged;
 pub mod beside;
+mod boxes;
 pub mod bundle;
 pub mod central;
 pub mod chain;
@@ -110,6 +111,7 @@ impl Camera {
             let n = layers.len();
             return Err(Error::input(format!("camera: {n} layers; a chain has 1 to {LAYERS_MAX}")));
         }
+        layers.iter().try_for_each(check_reach)?;
         let t_range = if unit_t { [0.0, 1.0] } else { spec.t_range };
         Ok(Camera { kind, width, height, t_range, layers, optics, notes, unmet, looked: Looked::Nowhere })
     }
@@ -200,6 +202,29 @@ impl Camera {
             _ => self.pixel(layer, i, j).map(|(_, b)| b.ray(0.0, 0.0)),
         })
     }
+}
+
+/// How far control points may lie from the origin, world units: as far as scenes may reach. Beyond, f32 holds none, and products of a few
+/// leave the range of f64.
+const REACH_MAX: f64 = 1e30;
+
+/// Places a side of the lattice on which curves are looked at, corner to corner.
+const REACH_PLACES: u32 = 17;
+
+/// Refuses curves that reach too far, at pixels all over the image.
+fn check_reach(rays: &Rays) -> Result<()> {
+    let Rays::Curves(curves) = rays else { return Ok(()) };
+    let pixel = |k: u32, side: u32| (u64::from(k) * u64::from(side - 1) / u64::from(REACH_PLACES - 1)) as u32;
+    let places = (0..REACH_PLACES).flat_map(|j| (0..REACH_PLACES).map(move |i| (i, j)));
+    let found = places.filter_map(|(i, j)| curves.near(pixel(i, curves.width), pixel(j, curves.height), (0.0, 0.0)));
+    let size = |curve: &Curve| curve.points().iter().fold(0f64, |m, p| m.max(p.abs().max_element()));
+    let reach = found.fold(0f64, |m, (_, curve)| m.max(size(&curve)));
+    if reach <= REACH_MAX {
+        return Ok(());
+    }
+    Err(Error::input(format!(
+        "camera: a control point lies {reach:.1e} away, of at most {REACH_MAX:.0e}; move it, or scale the scene and its camera"
+    )))
 }
 
 /// How far apart origins may be that are one point, against its size: sixteen roundings.

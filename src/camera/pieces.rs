@@ -3,10 +3,13 @@
 //! Borders are decided in f64 with one canonical order of every edge's end points, so two pieces that share
 //! an edge see the same number: a pixel exactly on a border lies in both, and the lowest-numbered piece owns it.
 
+use super::boxes::{Boxes, EMPTY, join};
 use super::bundle::Bundle;
 use crate::TILE;
 use glam::DVec2;
 use rayon::prelude::*;
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// One piece: rays, and the image triangle they hold for.
 #[derive(Debug, Clone)]
@@ -27,6 +30,8 @@ pub struct Pieces {
     /// `tile_pieces[tile_start[k]..tile_start[k + 1]]` are the pieces near tile k, ascending.
     tile_start: Vec<u32>,
     tile_pieces: Vec<u32>,
+    /// Boxes around the pieces of each tile that has [`MANY`] or more, by the tile's number.
+    crowded: Arc<HashMap<usize, Boxes>>,
     /// Where in a pixel its ray is taken, px from the pixel's top left corner.
     sample: DVec2,
 }
@@ -34,6 +39,14 @@ pub struct Pieces {
 /// Rounding bound of [`side`], in units of the sum of its absolute products: two differences, two products
 /// and one subtraction (5 u), and the rounding of the corners themselves to pixels (2 u): 8 u with u = 2^-53.
 const SIDE_ROUNDING: f64 = 8.0 / (1u64 << 53) as f64;
+
+/// From so many pieces in a tile on, boxes tell which may own a place; so many pieces have one together.
+const MANY: usize = 256;
+const RUN: usize = 8;
+
+/// How far a piece may hold places outside its corners' box by the rounding of [`side`], in parts of their coordinates: at a sharp
+/// corner far more than that rounding.
+const BOX_SLACK: f64 = 1e-9;
 
 /// How far beyond a tile a piece may lie and still be listed with it: the safe radius and a sample offset of half a pixel.
 const TILE_REACH_PX: f64 = super::SAFE_RADIUS_PX + 0.5;
@@ -84,7 +97,11 @@ impl Pieces {
     pub fn new(pieces: Vec<Piece>, width: u32, height: u32) -> Pieces {
         let (tiles_x, tiles_y) = (width.div_ceil(TILE), height.div_ceil(TILE));
         let (tile_start, tile_pieces) = pieces_near_tiles(&pieces, tiles_x, tiles_y);
-        Pieces { pieces, tiles_x, tile_start, tile_pieces, sample: DVec2::splat(0.5) }
+        let mut all =
+            Pieces { pieces, tiles_x, tile_start, tile_pieces, crowded: Default::default(), sample: DVec2::splat(0.5) };
+        let crowded = (0..all.tile_start.len() - 1).into_par_iter().filter_map(|k| Some((k, all.boxes_of_tile(k)?)));
+        all.crowded = Arc::new(crowded.collect());
+        all
     }
 
     pub(super) fn with_sample(&self, x: f64, y: f64) -> Pieces {
@@ -93,8 +110,23 @@ impl Pieces {
 
     /// The pieces that may own pixels of the tile, ascending.
     pub fn of_tile(&self, tile_x: u32, tile_y: u32) -> &[u32] {
-        let k = (tile_y * self.tiles_x + tile_x) as usize;
+        self.near_tile((tile_y * self.tiles_x + tile_x) as usize)
+    }
+
+    fn near_tile(&self, k: usize) -> &[u32] {
         &self.tile_pieces[self.tile_start[k] as usize..self.tile_start[k + 1] as usize]
+    }
+
+    /// The boxes of a tile of many pieces.
+    fn boxes_of_tile(&self, k: usize) -> Option<Boxes> {
+        let near = Some(self.near_tile(k)).filter(|near| near.len() >= MANY)?;
+        let bounds = |k: &u32| {
+            let corners = self.pieces[*k as usize].corners_px?;
+            let (lo, hi) = corners.iter().fold(EMPTY, |b, q| join(b, (*q, *q)));
+            let slack = BOX_SLACK * (1.0 + lo.abs().max(hi.abs()).max_element());
+            Some((lo - slack, hi + slack))
+        };
+        Some(Boxes::new(near.iter().map(|k| bounds(k).unwrap_or((DVec2::NEG_INFINITY, DVec2::INFINITY))), RUN))
     }
 
     /// The image place (px) of the ray of pixel `(i, j)`.
@@ -113,7 +145,13 @@ impl Pieces {
 
     /// The piece that owns an image place (px) up to [`super::SAFE_RADIUS_PX`] from the sample of pixel `(i, j)`.
     pub fn owner_of_place(&self, i: u32, j: u32, place_px: DVec2) -> Option<u32> {
-        self.of_tile(i / TILE, j / TILE).iter().copied().find(|&k| self.pieces[k as usize].holds(place_px))
+        let tile = (j / TILE * self.tiles_x + i / TILE) as usize;
+        let near = self.near_tile(tile);
+        let holds = |k: &u32| self.pieces[*k as usize].holds(place_px);
+        match self.crowded.get(&tile) {
+            Some(boxes) => boxes.first(place_px, &|n| Some(near[n]).filter(holds)),
+            _ => near.iter().copied().find(holds),
+        }
     }
 
     /// Piece `k`'s bundle, centred on the sample of pixel `(i, j)`.
@@ -203,13 +241,65 @@ fn pieces_near_tiles(pieces: &[Piece], tiles_x: u32, tiles_y: u32) -> (Vec<u32>,
 fn tiles_near(piece: &Piece, tiles_x: u32, tiles_y: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
     let side_px = TILE as f64;
     let half = DVec2::splat(side_px / 2.0 + TILE_REACH_PX);
-    let [a, b, c] = piece.corners_px.unwrap_or([DVec2::ZERO; 3]);
-    let (lo, hi) = (a.min(b).min(c) - TILE_REACH_PX, a.max(b).max(c) + TILE_REACH_PX);
+    let corners = piece.corners_px.unwrap_or([DVec2::ZERO; 3]);
     let range = move |lo: f64, hi: f64, n: u32| {
-        let first = (lo / side_px).floor().clamp(0.0, n as f64) as u32;
-        first..((hi / side_px).floor() + 1.0).clamp(first as f64, n as f64) as u32
+        let first = ((lo - TILE_REACH_PX) / side_px).floor().clamp(0.0, n as f64) as u32;
+        first..(((hi + TILE_REACH_PX) / side_px).floor() + 1.0).clamp(first as f64, n as f64) as u32
     };
-    let (xs, ys) = (range(lo.x, hi.x, tiles_x), range(lo.y, hi.y, tiles_y));
-    ys.flat_map(move |y| xs.clone().map(move |x| (x, y)))
-        .filter(move |&(x, y)| piece.reaches(DVec2::new(x as f64 + 0.5, y as f64 + 0.5) * side_px, half))
+    let ys = corners.map(|q| q.y);
+    let rows = range(
+        ys.iter().fold(f64::INFINITY, |m, y| m.min(*y)),
+        ys.iter().fold(f64::NEG_INFINITY, |m, y| m.max(*y)),
+        tiles_y,
+    );
+    rows.flat_map(move |y| {
+        // a long piece that runs askew has few tiles of the box around it
+        let top = y as f64 * side_px - TILE_REACH_PX;
+        let (lo, hi) = span_between(&corners, top, top + side_px + 2.0 * TILE_REACH_PX);
+        range(lo, hi, tiles_x).map(move |x| (x, y))
+    })
+    .filter(move |&(x, y)| piece.reaches(DVec2::new(x as f64 + 0.5, y as f64 + 0.5) * side_px, half))
+}
+
+/// Rounding of a place on an edge, in parts of the largest coordinate: seven roundings of half an epsilon.
+const SPAN_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// The least and the greatest x of a triangle between two heights, or beyond; infinite, the greater first, where it does not come
+/// there.
+fn span_between(corners: &[DVec2; 3], top: f64, bottom: f64) -> (f64, f64) {
+    let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut include = |x: f64| (lo, hi) = (lo.min(x), hi.max(x));
+    for k in 0..3 {
+        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        if top <= a.y && a.y <= bottom {
+            include(a.x);
+        }
+        for y in [top, bottom].into_iter().filter(|y| (a.y < *y) != (b.y < *y)) {
+            include(a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)));
+        }
+    }
+    let slack = SPAN_ROUNDING * corners.iter().fold(top.abs().max(bottom.abs()), |m, q| m.max(q.abs().max_element()));
+    (lo - slack, hi + slack)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn every_tile_that_a_piece_reaches_is_listed(corners in prop::array::uniform6(-40.0f64..140.0), thin in 0.0f64..1.0) {
+            let q = [0, 2, 4].map(|k| DVec2::new(corners[k], corners[k + 1]));
+            // down to slivers
+            let q = [q[0], q[1], q[1] + thin.powi(6) * (q[2] - q[1])];
+            let bundle = Bundle { p: [DVec3::ZERO; 3], d: [DVec3::Z; 3], h: [1.0, 0.0, 0.0] };
+            let piece = Piece { bundle, centre_px: DVec2::ZERO, corners_px: Some(q) };
+            let half = DVec2::splat(TILE as f64 / 2.0 + TILE_REACH_PX);
+            let reached = |x: u32, y: u32| piece.reaches(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) * TILE as f64, half);
+            let all: Vec<(u32, u32)> = (0..12).flat_map(|y| (0..13).map(move |x| (x, y))).filter(|t| reached(t.0, t.1)).collect();
+            prop_assert_eq!(tiles_near(&piece, 13, 12).collect::<Vec<_>>(), all);
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::baseline::Choice;
 use crate::frame::Channel;
+use crate::limits;
 use crate::output::cryptomatte::Apart;
 use crate::scene::file::check_size;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -18,15 +19,19 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Render one scene
+    #[command(after_help = limits::help())]
     Render(Box<RenderArgs>),
     /// Measure the error of one EXR against another
+    #[command(after_help = limits::help())]
     Compare(CompareArgs),
     /// Show what a scene's camera compiles to; `--help KIND`: the keys of a kind of camera
-    #[command(disable_help_flag = true)]
+    #[command(disable_help_flag = true, after_help = limits::help())]
     Camera(CameraArgs),
     /// Render a list of jobs
+    #[command(after_help = limits::help())]
     Batch(BatchArgs),
     /// Find every image of 3-D points
+    #[command(after_help = limits::help())]
     Project(ProjectArgs),
     /// Show the adapters of this machine and the code paths they select; of a model or a scene: its counts, bounds and a fitting eye
     Info(InfoArgs),
@@ -34,6 +39,43 @@ pub enum Command {
     Example(ExampleArgs),
     /// Measure error against run time, of this engine and of its rivals
     Bench(BenchArgs),
+}
+
+/// What a command may take.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Caps {
+    /// Do work beyond the caps on pieces, cells, corners, rays, frames and memory
+    #[arg(long)]
+    pub no_limits: bool,
+    /// Memory that the program may take, as in 8G or 500M [default: what is free]
+    #[arg(long, value_name = "SIZE", value_parser = bytes)]
+    pub memory: Option<u64>,
+}
+
+impl Caps {
+    /// Sets the limits of the process.
+    pub fn apply(&self) {
+        if self.no_limits {
+            limits::lift();
+        }
+        if let Some(bytes) = self.memory {
+            limits::memory::grant(bytes);
+        }
+    }
+}
+
+impl Command {
+    /// The caps of a command that takes some.
+    pub fn caps(&self) -> Option<&Caps> {
+        match self {
+            Command::Render(args) => Some(&args.caps),
+            Command::Compare(args) => Some(&args.caps),
+            Command::Camera(args) => Some(&args.caps),
+            Command::Batch(args) => Some(&args.caps),
+            Command::Project(args) => Some(&args.caps),
+            Command::Info(_) | Command::Example(_) | Command::Bench(_) => None,
+        }
+    }
 }
 
 /// What a command may ask of a scene beyond its file.
@@ -119,6 +161,8 @@ pub struct RenderArgs {
         "adapter", "no_int64", "no_f64", "dump_kernels",
     ])]
     pub pixel: Option<(u32, u32)>,
+    #[command(flatten)]
+    pub caps: Caps,
 }
 
 #[derive(Debug, Args)]
@@ -159,6 +203,8 @@ pub struct BatchArgs {
     /// A row a frame: what its job sweeps, times, and errors of those with check
     #[arg(long, value_name = "T.csv")]
     pub csv: Option<PathBuf>,
+    #[command(flatten)]
+    pub caps: Caps,
 }
 
 /// How a batch tells of itself.
@@ -211,6 +257,8 @@ pub struct CompareArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub caps: Caps,
 }
 
 #[derive(Debug, Args)]
@@ -235,6 +283,8 @@ pub struct CameraArgs {
     /// Print help; with a kind of camera, its keys
     #[arg(short, long, value_name = "KIND", num_args = 0..=1)]
     pub help: Option<Option<String>>,
+    #[command(flatten)]
+    pub caps: Caps,
 }
 
 #[derive(Debug, Args)]
@@ -256,6 +306,8 @@ pub struct ProjectArgs {
     /// Adapter to use: a part of its name
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
+    #[command(flatten)]
+    pub caps: Caps,
 }
 
 #[derive(Debug, Args)]
@@ -302,6 +354,25 @@ pub struct BenchArgs {
     /// Adapter to use: a part of its name
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
+}
+
+/// A number of bytes, with k, M, G or T for powers of 1024, and B or iB after them.
+fn bytes(text: &str) -> Result<u64, String> {
+    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let power = match text[number.len()..].to_ascii_lowercase().trim_end_matches('b').trim_end_matches('i') {
+        "" => Some(0),
+        "k" => Some(1),
+        "m" => Some(2),
+        "g" => Some(3),
+        "t" => Some(4),
+        _ => None,
+    };
+    let value = number.parse().ok().zip(power).map(|(n, power): (f64, i32)| n * 1024f64.powi(power));
+    match value {
+        // under 2^63 a float is a whole number of bytes, or is cut to one
+        Some(bytes) if (1.0..9e18).contains(&bytes) => Ok(bytes as u64),
+        _ => Err("write a number of bytes, as 500M or 8G".into()),
+    }
 }
 
 fn shard(text: &str) -> Result<Shard, String> {
@@ -387,6 +458,8 @@ mod tests {
             assert!(size(wrong).is_err(), "{wrong}");
         }
         assert_eq!((frame("-3"), frame("0.5")), (Ok(-3.0), Ok(0.5)));
+        assert_eq!([bytes("4096"), bytes("8G"), bytes("1.5MiB")], [Ok(4096), Ok(8 << 30), Ok(3 << 19)]);
+        assert!(["", "G", "-1G", "8X", "0", "nan", "1e30", "8é"].iter().all(|wrong| bytes(wrong).is_err()));
         assert!(["inf", "nan", "one", ""].iter().all(|wrong| frame(wrong).is_err()));
         assert_eq!(pixel("3, 4"), Ok((3, 4)));
         assert!(pixel("3").is_err() && pixel("-1,2").is_err());

@@ -2,6 +2,7 @@
 
 use super::args::{CameraArgs, Cli};
 use super::describe::Description;
+use super::progress::Progress;
 use super::render::{CAMERA, load_shape};
 use super::say::print;
 use super::{diagram, export, kinds, memory, outputs, povray};
@@ -25,9 +26,11 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     }
     let Some(path) = &args.scene else { return Err(Error::input("no scene given; see anamorph camera --help")) };
     let is_picture = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    let progress = Progress::start("building the camera");
     let load = || if is_picture { load_picture(path, args) } else { load_shape(path, &args.change) };
     let (loaded, inputs) = noted(load);
     let (scene, camera) = loaded?;
+    progress.now("writing");
     let files = [
         (&args.export, outputs::PIECES),
         (&args.export_povray, outputs::POVRAY),
@@ -57,7 +60,9 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     if let Some(file) = &args.diagram {
         diagram::write(file, &scene.mesh, &camera)?;
     }
-    print(&Description::of(&camera).to_string())
+    let description = Description::of(&camera).to_string();
+    drop(progress);
+    print(&description)
 }
 
 /// The camera that a picture's header holds, and the meshes that it looks at.

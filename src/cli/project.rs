@@ -5,6 +5,7 @@
 
 use super::args::{EngineName, ProjectArgs};
 use super::outputs;
+use super::progress::Progress;
 use super::render::load_shape;
 use super::say::{note, print};
 use crate::camera::project::{Images, Projector};
@@ -36,9 +37,11 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
     if let (Some(EngineName::Reference), Some(_)) = (args.engine, &args.adapter) {
         return Err(Error::input("--adapter is for --engine compute; the reference runs on the CPU"));
     }
+    let progress = Progress::start("building the camera");
     let read = || Ok::<_, Error>((read_points(&args.points)?, load_shape(&args.scene, &args.change)?));
     let (read, inputs) = noted(read);
     let (points, (_, camera)) = read?;
+    drop(progress);
     if camera.optics.is_some() {
         let kind = camera.kind;
         return Err(Error::input(format!(

@@ -47,6 +47,9 @@ const FIELD_BYTES: u64 = 24;
 /// And a row of samples for each of them, and one more.
 const KEY_BYTES: u64 = 8;
 
+/// Of a vertex's normal on the device.
+const NORMAL_BYTES: u64 = 12;
+
 impl Planner {
     /// Refuses an image whose smallest band does not fit the adapter.
     ///
@@ -129,6 +132,7 @@ impl Planner {
         let scene = scene.with_optics(&camera).into_owned();
         let around = Surroundings::of(&camera, scene.bounds());
         check_size(&scene, around)?;
+        self.check_normals(&scene)?;
         let plan = self.plan_of(&scene, &camera, around, wanted, run, last);
         let textured = plan.variant.textured;
         let is_as_clustered = |l: &&Planned| {
@@ -146,6 +150,19 @@ impl Planner {
         }
         let (asked, arrangement, wanted) = (camera.clone(), None, wanted.clone());
         Ok(Planned { given, asked, scene, camera, arrangement, plan, clustered, wanted })
+    }
+
+    /// The adapter sees all normals at once: found out before triangles are sorted.
+    fn check_normals(&self, scene: &Scene) -> Result<()> {
+        let (normals, limit, name) = (scene.mesh.normals.len(), self.limit, &self.name);
+        if NORMAL_BYTES * normals as u64 <= limit {
+            return Ok(());
+        }
+        Err(Error::input(format!(
+            "the scene has {normals} normals; adapter {name} binds at most {limit} bytes of storage \
+             (max_storage_buffer_binding_size), which holds {}; use a coarser mesh or --engine reference",
+            limit / NORMAL_BYTES
+        )))
     }
 
     fn plan_of(

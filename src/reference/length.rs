@@ -56,7 +56,9 @@ fn rule(curve: &Curve, a: f64, b: f64) -> f64 {
 fn refined(curve: &Curve, [a, b]: [f64; 2], whole: f64, allowed: f64, levels: u32) -> f64 {
     let m = 0.5 * (a + b);
     let (left, right) = (rule(curve, a, m), rule(curve, m, b));
-    if levels == 0 || (left + right - whole).abs() <= allowed {
+    let off = (left + right - whole).abs();
+    // what is no number is no nearer to one in its halves
+    if levels == 0 || off <= allowed || off.is_nan() {
         return left + right;
     }
     refined(curve, [a, m], left, allowed, levels - 1) + refined(curve, [m, b], right, allowed, levels - 1)
@@ -114,5 +116,11 @@ mod tests {
                 assert_length(&c, t, expected);
             }
         }
+    }
+
+    #[test]
+    fn a_curve_whose_length_no_number_holds_ends_at_once() {
+        let far = Curve::new(&[DVec3::ZERO, DVec3::splat(1e200), DVec3::X]);
+        assert!(!arc_length(&far, 1.0).is_finite());
     }
 }

@@ -15,6 +15,7 @@ mod terrain;
 mod testing;
 
 use crate::error::{Error, Result};
+use crate::limits::memory;
 use crate::scene::mesh::Mesh;
 
 pub use boxes::cube;
@@ -91,36 +92,78 @@ impl Builtin {
     }
 }
 
+/// Bytes of a triangle and of a vertex: the mesh, its placed copy, and what is made of it for rays or a device. Measured at 5 million
+/// triangles, as the largest resident set of a render, to within a fifth.
+const TRIANGLE_BYTES: u64 = 150;
+const VERTEX_BYTES: u64 = 80;
+
+impl Builtin {
+    /// How many triangles and about how many vertices it has, in `u64` whatever its parameters.
+    fn size(&self) -> (u64, u64) {
+        let spheres = |count: u64, level: u32| {
+            let triangles = (20 * count).saturating_mul(4u64.saturating_pow(level));
+            (triangles, triangles / 2)
+        };
+        let grid = |cells: u64| (2 * cells, cells);
+        match *self {
+            Builtin::Teapot { level } => grid(32 * u64::from(level).pow(2)),
+            Builtin::Icosphere { level } => spheres(1, level),
+            Builtin::Box => (12, 8),
+            Builtin::Cylinder { sides } => (4 * u64::from(sides), 2 * u64::from(sides)),
+            Builtin::Stairs { steps } => (12 * u64::from(steps), 8 * u64::from(steps)),
+            Builtin::Cow { level } => spheres(28, level),
+            Builtin::Walker { level } => spheres(22, level),
+            Builtin::Plane { divisions, .. } => grid(u64::from(divisions).pow(2)),
+            Builtin::City { triangles, .. } => (triangles, triangles / 2),
+            Builtin::Terrain { size, .. } => grid(u64::from(size).pow(2)),
+            Builtin::Soup { triangles, .. } => (triangles, 3 * triangles),
+        }
+    }
+
+    /// Refuses a mesh that does not fit the free memory, before it is made.
+    fn check_memory(&self) -> Result<()> {
+        let (triangles, vertices) = self.size();
+        let bytes = TRIANGLE_BYTES.saturating_mul(triangles).saturating_add(VERTEX_BYTES.saturating_mul(vertices));
+        memory::check(bytes, format_args!("{} of {triangles} triangles", self.name()), "make it coarser")
+    }
+}
+
 /// Makes a built-in mesh.
 ///
 /// # Errors
-/// [`Error::Input`] naming the key whose value gives no triangles, more than 2^28, or (`city`) fewer than the
+/// [`Error::Work`] where it does not fit the free memory, [`Error::Input`] naming the key whose value gives no triangles, more than 2^28, or (`city`) fewer than the
 /// plainest city has.
 pub fn generate(builtin: &Builtin) -> Result<Mesh> {
     match *builtin {
         Builtin::Teapot { level } => {
             check_range("level", level.into(), 1, MAX_TEAPOT_LEVEL.into())?;
+            builtin.check_memory()?;
             Ok(teapot(level))
         }
         Builtin::Icosphere { level } => {
             check_range("level", level.into(), 0, MAX_ICOSPHERE_LEVEL.into())?;
+            builtin.check_memory()?;
             Ok(icosphere(level))
         }
         Builtin::Box => Ok(cube()),
         Builtin::Cylinder { sides } => {
             check_range("sides", sides.into(), 3, MAX_SIDES.into())?;
+            builtin.check_memory()?;
             Ok(cylinder(sides))
         }
         Builtin::Stairs { steps } => {
             check_range("steps", steps.into(), 1, MAX_STEPS.into())?;
+            builtin.check_memory()?;
             Ok(stairs(steps))
         }
         Builtin::Cow { level } => {
             check_range("level", level.into(), 0, MAX_FIGURE_LEVEL.into())?;
+            builtin.check_memory()?;
             Ok(cow(level))
         }
         Builtin::Walker { level } => {
             check_range("level", level.into(), 0, MAX_FIGURE_LEVEL.into())?;
+            builtin.check_memory()?;
             Ok(walker(level))
         }
         Builtin::Plane { size, divisions } => {
@@ -128,6 +171,7 @@ pub fn generate(builtin: &Builtin) -> Result<Mesh> {
                 return Err(Error::input(format!("size = {size}: use a finite length above 0")));
             }
             check_range("divisions", divisions.into(), 1, MAX_CELLS.into())?;
+            builtin.check_memory()?;
             Ok(plane(size, divisions))
         }
         Builtin::City { seed, blocks, triangles } => {
@@ -135,14 +179,17 @@ pub fn generate(builtin: &Builtin) -> Result<Mesh> {
             if let Some(blocks) = blocks {
                 check_range("blocks", blocks.into(), 1, MAX_BLOCKS.into())?;
             }
+            builtin.check_memory()?;
             city(seed, blocks, triangles)
         }
         Builtin::Terrain { seed, size } => {
             check_range("size", size.into(), 1, MAX_CELLS.into())?;
+            builtin.check_memory()?;
             Ok(terrain(seed, size))
         }
         Builtin::Soup { seed, triangles } => {
             check_range("triangles", triangles, 1, MAX_TRIANGLES)?;
+            builtin.check_memory()?;
             Ok(soup(seed, triangles))
         }
     }
@@ -210,6 +257,9 @@ mod tests {
             let mesh = generate(&builtin).unwrap();
             testing::assert_sound(&mesh);
             assert_eq!(mesh.triangles.len(), triangles, "{builtin:?}");
+            let (count, vertices) = builtin.size();
+            assert!(count.abs_diff(triangles as u64) <= 4, "{builtin:?}: {count}");
+            assert!(mesh.positions.len() as u64 <= 4 * vertices, "{builtin:?}: {vertices}");
             assert_eq!(mesh, generate(&builtin).unwrap());
         }
     }

@@ -57,22 +57,44 @@ pub fn usable(ray: Option<Ray>) -> Option<Ray> {
 }
 
 fn largest_differences(rays: &Lattice, (p, d): (f64, f64), forward: DVec3, turn: f64) -> [f64; 3] {
-    let f = |i: usize, j: usize| p * rays[j][i].origin + d * rays[j][i].direction;
-    let size = |v: DVec3| (v - v.dot(forward) * forward).length() + turn * v.length();
-    let mut most = [0f64; 3];
+    let f = rays.each_ref().map(|row| row.each_ref().map(|r| p * r.origin + d * r.direction));
+    let mut most = [Largest { forward, turn, size: 0.0 }; 3];
     for j in 0..=STEPS {
         for i in 0..=STEPS {
             if (1..STEPS).contains(&i) {
-                most[0] = most[0].max(size(f(i - 1, j) - 2.0 * f(i, j) + f(i + 1, j)));
+                most[0].take(f[j][i - 1] - 2.0 * f[j][i] + f[j][i + 1]);
             }
             if (1..STEPS).contains(&j) {
-                most[2] = most[2].max(size(f(i, j - 1) - 2.0 * f(i, j) + f(i, j + 1)));
+                most[2].take(f[j - 1][i] - 2.0 * f[j][i] + f[j + 1][i]);
             }
             if i < STEPS && j < STEPS {
-                most[1] = most[1].max(size(f(i + 1, j + 1) - f(i + 1, j) - f(i, j + 1) + f(i, j)));
+                most[1].take(f[j + 1][i + 1] - f[j][i + 1] - f[j + 1][i] + f[j][i]);
             }
         }
     }
     // differences over 1/STEPS of the extents
-    most.map(|m| SAFETY * (STEPS * STEPS) as f64 * m)
+    most.map(|m| SAFETY * (STEPS * STEPS) as f64 * m.size)
+}
+
+/// The largest size of vectors, as any ray of a rectangle sees them: across `forward`, and `turn` of their length.
+#[derive(Clone, Copy)]
+struct Largest {
+    forward: DVec3,
+    turn: f64,
+    size: f64,
+}
+
+/// What a sum of two lengths is under, against the root of twice the sum of their squares; a little more for rounding.
+const ROOM: f64 = 2.0 + 1e-9;
+
+impl Largest {
+    fn take(&mut self, v: DVec3) {
+        let across = (v - v.dot(self.forward) * self.forward).length_squared();
+        let whole = v.length_squared();
+        // most are smaller, which is known without roots
+        if ROOM * (across + self.turn * self.turn * whole) < self.size * self.size {
+            return;
+        }
+        self.size = self.size.max(across.sqrt() + self.turn * whole.sqrt());
+    }
 }

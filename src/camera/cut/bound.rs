@@ -40,6 +40,12 @@ pub struct Verdict {
     pub rim: bool,
 }
 
+impl Verdict {
+    /// Nothing of the scene is in the piece's rays.
+    pub const NONE: Verdict = Verdict { error_px: 0.0, fold: false, rim: false };
+    pub const RIM: Verdict = Verdict { error_px: f64::INFINITY, fold: false, rim: true };
+}
+
 /// Intervals of t.
 const INTERVALS: usize = 16;
 
@@ -51,6 +57,7 @@ const NO_ERROR_PX: f64 = 1e-9;
 
 /// Intervals a side of the lattice on which slopes are taken.
 const STEPS: usize = 4;
+const CELLS: usize = STEPS * STEPS;
 
 /// How P and D change per px to the right and down, in the plane across the ray.
 struct Slope {
@@ -60,9 +67,10 @@ struct Slope {
 
 /// What is known at a weight.
 struct At {
-    /// dX / d(px) across the ray, and its smallest singular value, in each cell of the lattice.
-    columns: Vec<[DVec2; 2]>,
-    footprints: Vec<f64>,
+    /// dX / d(px) across the ray, its larger and its smaller singular value, in each cell of the lattice.
+    columns: [[DVec2; 2]; CELLS],
+    largest: [f64; CELLS],
+    footprints: [f64; CELLS],
     /// The bound e, world units.
     error: f64,
     /// How far a footprint inside a cell may be under the cell's.
@@ -89,16 +97,26 @@ impl<'a> Judge<'a> {
 
     /// The verdict on a piece, its box looked at in `parts` across and down.
     pub fn judge(&self, corners: &[DVec2; 3], rays: &[Ray; 3], parts: (u32, u32)) -> Verdict {
-        let none = Verdict { error_px: 0.0, fold: false, rim: false };
-        let rim = Verdict { error_px: f64::INFINITY, rim: true, ..none };
-        let Some(middle) = self.ray((corners[0] + corners[1] + corners[2]) / 3.0) else { return rim };
-        let Some(weights) = self.weights(&[rays[0], rays[1], rays[2], middle]) else { return none };
+        let Some(middle) = self.ray((corners[0] + corners[1] + corners[2]) / 3.0) else { return Verdict::RIM };
+        let Some(weights) = self.weights(&[rays[0], rays[1], rays[2], middle]) else { return Verdict::NONE };
         let (lo, hi) = (corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2]));
+        self.over([lo, hi], hi - lo, &weights, parts)
+    }
+
+    /// The verdict on every piece in a box of size `piece` within the box from `lo` to `hi` with the given rays at its corners.
+    pub fn judge_box(&self, [lo, hi]: [DVec2; 2], mut rays: Vec<Ray>, piece: DVec2, parts: (u32, u32)) -> Verdict {
+        let Some(middle) = self.ray((lo + hi) / 2.0) else { return Verdict::RIM };
+        rays.push(middle);
+        let Some(weights) = self.weights(&rays) else { return Verdict::NONE };
+        self.over([lo, hi], piece, &weights, parts)
+    }
+
+    fn over(&self, [lo, hi]: [DVec2; 2], piece: DVec2, weights: &[(f64, f64)], parts: (u32, u32)) -> Verdict {
         let part = (hi - lo) / DVec2::new(parts.0.into(), parts.1.into());
-        let mut verdict = none;
+        let mut verdict = Verdict::NONE;
         for (i, j) in (0..parts.1).flat_map(|j| (0..parts.0).map(move |i| (f64::from(i), f64::from(j)))) {
             let from = lo + part * DVec2::new(i, j);
-            let Some((error_px, fold)) = self.part(from, part, hi - lo, &weights) else { return rim };
+            let Some((error_px, fold)) = self.part(from, part, piece, weights) else { return Verdict::RIM };
             verdict = Verdict { error_px: verdict.error_px.max(error_px), fold: verdict.fold || fold, ..verdict };
         }
         verdict
@@ -113,15 +131,17 @@ impl<'a> Judge<'a> {
         let mut at: Vec<At> = Vec::with_capacity(weights.len());
         for (&(p, d), &[aa, ab, bb]) in weights.iter().zip(&bend.across) {
             let error = (aa * more.x * more.x + 2.0 * ab * more.x * more.y + bb * more.y * more.y) / 8.0;
-            let columns = slopes.iter().map(|s| s.columns(p, d)).collect::<Vec<_>>();
-            let footprints: Vec<f64> = columns.iter().map(smallest).collect();
-            at.push(At { doubt: largest_step(&footprints), footprints, columns, error });
+            let columns = slopes.each_ref().map(|s| s.columns(p, d));
+            let largest = columns.each_ref().map(largest);
+            // their product is the area that the columns span, which is no difference of near numbers
+            let footprints = std::array::from_fn(|k| smallest_between(&columns[k], &columns[k], largest[k]));
+            at.push(At { doubt: largest_step(&footprints), footprints, largest, columns, error });
         }
         Some(worst(&at))
     }
 
     /// The rays' slopes in each cell of a lattice over a box.
-    fn slopes(&self, from: DVec2, size: DVec2) -> Option<Vec<Slope>> {
+    fn slopes(&self, from: DVec2, size: DVec2) -> Option<[Slope; CELLS]> {
         let step = size / STEPS as f64;
         let place = |k: usize| from + step * DVec2::new((k % (STEPS + 1)) as f64, (k / (STEPS + 1)) as f64);
         let rays: Vec<Ray> = (0..(STEPS + 1) * (STEPS + 1)).map(|k| self.ray(place(k))).collect::<Option<_>>()?;
@@ -137,7 +157,7 @@ impl<'a> Judge<'a> {
                 ],
             }
         };
-        Some((0..STEPS).flat_map(|j| (0..STEPS).map(move |i| j * (STEPS + 1) + i)).map(slope).collect())
+        Some(std::array::from_fn(|k| slope(k / STEPS * (STEPS + 1) + k % STEPS)))
     }
 
     /// Weights of P and D at the ends of intervals of t in the range and the scene; `None` where that is empty. Rays from one
@@ -187,8 +207,8 @@ fn worst(at: &[At]) -> (f64, bool) {
             bounded = true;
             continue;
         }
-        let least = |k: usize| smallest_between(&a.columns[k], &b.columns[k]);
-        let footprint = (0..a.columns.len()).map(least).fold(f64::INFINITY, f64::min);
+        let least = |k: usize| smallest_between(&a.columns[k], &b.columns[k], a.largest[k].max(b.largest[k]));
+        let footprint = (0..CELLS).map(least).fold(f64::INFINITY, f64::min);
         if footprint < FOLD_SHARE * widest || footprint <= 0.0 {
             fold = true;
             continue;
@@ -214,18 +234,11 @@ fn largest(columns: &[DVec2; 2]) -> f64 {
     ((xx + yy) / 2.0 + ((xx - yy) / 2.0).hypot(xy)).sqrt()
 }
 
-/// The smaller singular value of two columns: their product is the area that the columns span, which is no difference of near
-/// numbers.
-fn smallest(columns: &[DVec2; 2]) -> f64 {
-    smallest_between(columns, columns)
-}
-
 /// A lower bound on the smaller singular value of all columns on the way from `a` to `b`: the area is quadratic, so it lies
-/// between its Bernstein coefficients; the larger value is convex.
-fn smallest_between(a: &[DVec2; 2], b: &[DVec2; 2]) -> f64 {
+/// between its Bernstein coefficients; the larger value is convex, so it is at most `most`, the larger of both ends'.
+fn smallest_between(a: &[DVec2; 2], b: &[DVec2; 2], most: f64) -> f64 {
     let middle = (a[0].perp_dot(b[1]) + b[0].perp_dot(a[1])) / 2.0;
     let areas = [a[0].perp_dot(a[1]), middle, b[0].perp_dot(b[1])];
     let least = areas.iter().fold(f64::INFINITY, |m, v| m.min(v * areas[0].signum()));
-    let most = largest(a).max(largest(b));
     if most > 0.0 { least.max(0.0) / most } else { 0.0 }
 }

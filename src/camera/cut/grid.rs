@@ -17,6 +17,8 @@ pub struct Cells {
     pub verdicts: Vec<Verdict>,
     /// In how many parts, across and down, a triangle's box is looked at.
     pub parts: (u32, u32),
+    /// Columns and rows as first made.
+    pub size: (usize, usize),
 }
 
 /// How the rays bend over the whole image.
@@ -39,7 +41,8 @@ const STRAIGHT: f64 = 1e-9;
 
 impl Cells {
     fn new(parts: (u32, u32)) -> Cells {
-        Cells { places: Vec::new(), rays: Vec::new(), triangles: Vec::new(), verdicts: Vec::new(), parts }
+        let (places, rays, triangles, verdicts) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Cells { places, rays, triangles, verdicts, parts, size: (0, 0) }
     }
 
     /// Triangles with a ray at each corner: places, rays, verdict.
@@ -54,9 +57,23 @@ impl Cells {
     pub fn judge(&self, judge: &Judge, t: &[u32; 3]) -> Verdict {
         let [a, b, c] = t.map(|i| self.rays[i as usize]);
         let (Some(a), Some(b), Some(c)) = (a, b, c) else {
-            return Verdict { error_px: f64::INFINITY, fold: false, rim: true };
+            return Verdict::RIM;
         };
         judge.judge(&t.map(|i| self.places[i as usize]), &[a, b, c], self.parts)
+    }
+
+    /// The verdict on each triangle of a rectangle of cells, from column and row `at` on, `span` of them or as many as there are.
+    pub fn judge_group(&self, judge: &Judge, at: (usize, usize), span: (usize, usize)) -> Verdict {
+        let (columns, rows) = self.size;
+        let (right, below) = ((at.0 + span.0).min(columns), (at.1 + span.1).min(rows));
+        let place = |i: usize, j: usize| j * (columns + 1) + i;
+        let corners = [place(at.0, at.1), place(right, at.1), place(at.0, below), place(right, below)];
+        let Some(rays) = corners.iter().map(|&k| self.rays[k]).collect::<Option<Vec<Ray>>>() else {
+            return Verdict::RIM;
+        };
+        let (lo, hi) = (self.places[corners[0]], self.places[corners[3]]);
+        let cell = (hi - lo) / DVec2::new((right - at.0) as f64, (below - at.1) as f64);
+        judge.judge_box([lo, hi], rays, cell, self.parts)
     }
 
     /// A new place with its ray.
@@ -75,6 +92,7 @@ impl Cells {
                 cells.add(judge, DVec2::new(*x, *y));
             }
         }
+        cells.size = (xs.len() - 1, ys.len() - 1);
         let n = xs.len() as u32;
         for k in (0..ys.len() as u32 - 1).flat_map(|j| (0..n - 1).map(move |i| j * n + i)) {
             cells.triangles.extend([[k, k + n, k + 1], [k + n + 1, k + 1, k + n]]);

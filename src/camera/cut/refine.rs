@@ -5,9 +5,9 @@
 //! beyond that edge is cut with it, after itself being cut until it has that edge to cut. So every edge has the same end points
 //! from both sides: no corner lies on another triangle's edge, and the rays are continuous across every border.
 
-use super::PIECES_MAX;
 use super::bound::{Judge, Verdict};
 use super::grid::{Bends, Cells, balanced, bends, even, strips};
+use crate::limits;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -38,7 +38,7 @@ fn refine_strips(judge: &Judge, error_px: f64, axis: Bends) -> Cells {
         let wide = |k: usize| borders[k + 1] - borders[k] > PIECE_MIN_PX;
         let cut = |k: usize| wide(k) && cells.verdicts[2 * k..2 * k + 2].iter().any(|v| asks(v, error_px));
         let halved: Vec<usize> = (0..borders.len() - 1).filter(|&k| cut(k)).collect();
-        if halved.is_empty() || cells.triangles.len() + 2 * halved.len() > PIECES_MAX as usize {
+        if halved.is_empty() || cells.triangles.len() + 2 * halved.len() > limits::PIECES.most as usize {
             return cells;
         }
         borders.extend(halved.iter().map(|&k| (borders[k] + borders[k + 1]) / 2.0).collect::<Vec<_>>());
@@ -59,7 +59,7 @@ fn refine_triangles(judge: &Judge, error_px: f64) -> Cells {
         let over: Vec<u32> =
             new.into_iter().filter(|&t| asks(&mesh.cells.verdicts[t as usize], error_px) && mesh.is_large(t)).collect();
         for t in over {
-            if mesh.cells.triangles.len() + 2 > PIECES_MAX as usize {
+            if mesh.cells.triangles.len() + 2 > limits::PIECES.most as usize {
                 break;
             }
             // it may have been cut with a neighbour already
@@ -97,7 +97,7 @@ fn edges([a, b, c]: [u32; 3]) -> [(u32, u32); 3] {
 impl Mesh {
     fn new(mut cells: Cells) -> Mesh {
         let n = cells.triangles.len();
-        cells.verdicts = vec![Verdict { error_px: 0.0, fold: false, rim: false }; n];
+        cells.verdicts = vec![Verdict::NONE; n];
         let new: Vec<u32> = (0..n as u32).collect();
         let mut mesh = Mesh { cells, beyond: HashMap::new(), new: new.clone(), is_new: vec![false; n] };
         new.into_iter().for_each(|t| mesh.join(t));

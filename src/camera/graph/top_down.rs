@@ -13,6 +13,7 @@ use crate::camera::named::values::length;
 use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::error::{Error, Result};
+use crate::limits;
 use crate::scene::file::reader::{Field, Table};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -101,6 +102,7 @@ fn read_region(field: &Field) -> Result<Region> {
         (None, Some(polygon)) => {
             let corner = |f: Field| f.numbers("two numbers, as [a, b]").map(DVec2::from_array);
             let corners: Vec<_> = polygon.items("a list of corners")?.map(corner).collect::<Result<_>>()?;
+            limits::CORNERS.check(corners.len() as u64).map_err(|e| polygon.error(e))?;
             if corners.len() < 3 || outline::is_tangled(&corners) {
                 return Err(polygon.error("give three or more corners in order, no side crossing another"));
             }

@@ -11,6 +11,7 @@ use crate::camera::cut::{Cut, KEYS};
 use crate::camera::pieces::{Piece, Pieces, side};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::error::{Error, Result};
+use crate::limits;
 use crate::output::read_pairs;
 use crate::scene::file::reader::{Field, Table};
 use bilinear::Inverse;
@@ -35,9 +36,6 @@ struct Offsets {
     rows: u32,
     at: Vec<DVec2>,
 }
-
-/// Crossings of a grid at most: two pieces of some 250 bytes for each fill half a gibibyte.
-const CROSSINGS_MAX: usize = 1 << 20;
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let own = ["vfov", "file", "offsets", "scale", "mode"];
@@ -76,9 +74,8 @@ fn read_offsets(table: &Table) -> Result<Offsets> {
     if grid.columns < 2 || grid.rows < 2 {
         return Err(field.error(format_args!("{size} make no cell; give at least 2 x 2")));
     }
-    if grid.at.len() > CROSSINGS_MAX {
-        return Err(field.error(format_args!("{size} are over the limit of {CROSSINGS_MAX}")));
-    }
+    let size = format!("{} x {}", grid.columns - 1, grid.rows - 1);
+    limits::CELLS.check_as(grid.at.len() as u64, size).map_err(|e| field.error(e))?;
     if grid.at.iter().any(|o| !o.is_finite()) {
         return Err(field.error("an offset is not finite; use finite numbers"));
     }

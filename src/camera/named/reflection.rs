@@ -6,6 +6,7 @@ use super::values::length;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Camera, Rays};
 use crate::error::{Error, Result};
+use crate::limits;
 use crate::optics::fineness::error_px;
 use crate::optics::shape::{COUNT_MAX, Shape};
 use crate::optics::{Atlas, Facets, Law, Optics, Surface, Turn};
@@ -213,6 +214,13 @@ impl Recipe for Optical {
             return Err(Error::input(format!("camera.eye: {kind} has no one straight ray a pixel; use another kind")));
         }
         let central = || centre(&eye);
+        let Common { rays, depth, .. } = self.optics;
+        if rays > 1 {
+            let turns = u64::from(eye.width) * u64::from(eye.height) * u64::from(rays) * u64::from(depth);
+            let shown =
+                format_args!("{} x {} pixels with {rays} rays to depth {depth}: {turns}", eye.width, eye.height);
+            limits::ROUGH_TURNS.check_as(turns, shown).map_err(|e| e.at("camera.rays"))?;
+        }
         let (surface, note) = match (self.facets, &self.source) {
             (Mode::Exact, Source::Shape(shape, _)) => {
                 let smooth = shape.smooth();

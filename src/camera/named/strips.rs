@@ -7,11 +7,12 @@ use crate::camera::pieces::{Piece, Pieces};
 use crate::camera::recipe::Built;
 use crate::camera::{RayMap, Rays};
 use crate::error::{Error, Result};
+use crate::limits;
 use crate::scene::file::reader::Table;
 use glam::{DVec2, DVec3};
 
-/// Cells of a camera at most: with two pieces of some 250 bytes each they fill half a gibibyte.
-const CELLS_MAX: u32 = 1 << 20;
+/// Two pieces each are numbered in 32 bits.
+const STRIPS_MAX: u64 = 1 << 30;
 
 /// The key `strips`, which leaves no room for `pieces`.
 pub fn read(table: &Table) -> Result<Option<u32>> {
@@ -19,8 +20,10 @@ pub fn read(table: &Table) -> Result<Option<u32>> {
     if table.has("pieces") || table.has("error") {
         return Err(field.error("strips and pieces are two ways to cut the image; give one of them"));
     }
-    // the range is under 2^32
-    Ok(Some(field.integer(1, CELLS_MAX.into())? as u32))
+    // the range is under 2^32, which two pieces a cell are too
+    let strips = field.integer(1, STRIPS_MAX)?;
+    limits::CELLS.check(strips).map_err(|e| field.error(e))?;
+    Ok(Some(strips as u32))
 }
 
 /// Equal cells over the whole image.
@@ -36,9 +39,13 @@ impl Grid {
     /// # Errors
     /// [`Error::Input`] for more cells than fit.
     pub fn new(columns: u32, rows: f64, (width, height): (u32, u32)) -> Result<Grid> {
-        if f64::from(columns) * rows > f64::from(CELLS_MAX) {
-            let limit = format!("{columns} x {rows} cells are over the limit of {CELLS_MAX}");
-            return Err(Error::input(format!("camera.strips = {columns}: {limit}; give fewer")));
+        let cells = f64::from(columns) * rows;
+        let at = |e: Error| e.at(format_args!("camera.strips = {columns}"));
+        limits::CELLS.check_as(cells as u64, format_args!("{columns} x {rows}")).map_err(at)?;
+        if cells > STRIPS_MAX as f64 {
+            return Err(at(Error::input(format!(
+                "{columns} x {rows} cells are more than can be numbered; give fewer"
+            ))));
         }
         Ok(Grid { columns, rows: rows as u32, size: DVec2::new(width.into(), height.into()) })
     }

@@ -8,6 +8,7 @@ use crate::camera::mesh::triangle;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Pieces, Ray, Rays};
 use crate::error::Result;
+use crate::limits;
 use crate::scene::file::reader::{Field, Table};
 use crate::scene::generate::icosphere;
 use crate::scene::obj;
@@ -17,8 +18,6 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Cameras at most: pieces of some 250 bytes each.
-const CAMERAS_MAX: usize = 1_000_000;
 /// 20 * 4^7 = 327,680 cameras.
 const LEVEL_MAX: u64 = 7;
 
@@ -53,12 +52,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
             (radius, icosphere(level as u32), scale)
         }
     };
-    if mesh.triangles.len() > CAMERAS_MAX {
-        let n = mesh.triangles.len();
-        return Err(
-            field.error(format_args!("{n} triangles are over the limit of {CAMERAS_MAX} cameras; use a coarser mesh"))
-        );
-    }
+    limits::CAMERAS.check(mesh.triangles.len() as u64).map_err(|e| field.error(e))?;
     let columns = table.optional("columns", |f| f.integer(1, mesh.triangles.len().div_ceil(2).max(1) as u64))?;
     let columns = columns.map(|n| n as usize);
     let (vertices, triangles) = welded(&mesh.positions, &mesh.triangles);

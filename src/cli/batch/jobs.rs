@@ -6,6 +6,7 @@ use crate::cli::args::{Cli, Command, EngineName, RenderArgs};
 use crate::cli::outputs::{EXR, Kind, PICTURE, POINTS, REPORT};
 use crate::cli::refusal;
 use crate::error::{Error, Result};
+use crate::limits;
 use crate::scene::file::reader::{Field, Table};
 use crate::scene::file::with_tree;
 use clap::Parser;
@@ -66,8 +67,8 @@ const VALUES: [(&str, &str); 4] =
 const SWITCHES: [(&str, &str); 4] =
     [("analytic", "--analytic"), ("check", "--check"), ("no_cull", "--no-cull"), ("strict", "--strict")];
 
-/// Frames of a job at most.
-const FRAMES_MAX: f64 = 1e8;
+/// Frames of a job at most, whatever caps are lifted: numbers of them are exact in f64.
+const FRAMES_MAX: f64 = 1e15;
 
 impl Jobs {
     /// Reads a list: `[[job]]` tables of a .toml, `{ "job": [...] }` of a .json, or a job a line of a .jsonl.
@@ -87,6 +88,8 @@ impl Jobs {
         }
         let dir = absolute(path).parent().unwrap_or(Path::new("")).to_owned();
         let jobs = Jobs { all, dir };
+        let frames = jobs.all.iter().fold(0, |sum: u64, job| sum.saturating_add(job.frames_in_all()));
+        limits::FRAMES.check(frames).map_err(|e| e.at(path.display()))?;
         for job in jobs.all.iter().filter(|job| job.count() > 0) {
             jobs.task(0, job, 0).args()?;
         }
@@ -147,6 +150,12 @@ impl Jobs {
 }
 
 impl Job {
+    /// As many as fit a number.
+    fn frames_in_all(&self) -> u64 {
+        let all = self.sweep.iter().map(|s| s.values.len()).chain([self.frames.len()]);
+        all.fold(1, |product: u64, n| product.saturating_mul(n as u64))
+    }
+
     /// At least one, so that it is a step.
     fn frames(&self) -> usize {
         self.frames.len().max(1)
@@ -322,5 +331,6 @@ fn read_frames(field: &Field) -> Result<Vec<f64>> {
     if !(0.0..FRAMES_MAX).contains(&steps) {
         return Err(field.error(format_args!("no frames from {first} to {last} by {step}, or too many")));
     }
+    limits::FRAMES.check(steps as u64 + 1).map_err(|e| field.error(e))?;
     Ok((0..=steps as u64).map(|k| first + step * k as f64).collect())
 }

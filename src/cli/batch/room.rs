@@ -1,6 +1,6 @@
 //! Memory for frames that are on their way: one always has room, more as long as all fit.
 
-use crate::cli::memory;
+use crate::limits::memory;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 pub struct Room {

@@ -21,7 +21,7 @@ use crate::report::{Device, FrameMs, Judged, Report};
 use crate::scene::Scene;
 use crate::scene::file::OutputSpec;
 use crate::scene::library::Library;
-use crate::scene::mesh::Missing;
+use crate::scene::mesh::{Mesh, Missing};
 use crate::scene::texture::ImagesRead;
 use std::sync::Arc;
 use std::time::Instant;
@@ -141,7 +141,7 @@ impl Work {
         if is_in_strips {
             bytes = strips::WHOLE_MAX;
         }
-        bytes += VERTEX_BYTES * mesh.positions.len() as u64 + TRIANGLE_BYTES * mesh.triangles.len() as u64;
+        bytes += mesh_bytes(mesh);
         let row_bytes = strips::row_bytes(&camera, channels, more);
         let strips = is_in_strips.then_some(row_bytes);
         Ok(Work { args, scene, camera, files, asked, wanted, apart, next, bytes, strips, sample_bytes: more })
@@ -156,11 +156,14 @@ impl Work {
         &self.scene.mesh.missing
     }
 
-    /// Refuses an image that does not fit this machine's free memory.
+    /// Refuses an image, and what is made of a scene's triangles, that do not fit this machine's free memory.
     ///
     /// # Errors
     /// [`Error::Work`] that names the limit.
     pub fn check_memory(&self) -> Result<()> {
+        let mesh = &self.scene.mesh;
+        let what = format_args!("rendering {} triangles", mesh.triangles.len());
+        crate::limits::memory::check(mesh_bytes(mesh), what, "use fewer")?;
         if self.strips.is_some() { Ok(()) } else { self.check_whole() }
     }
 
@@ -282,6 +285,10 @@ impl Work {
     fn mattes(&self) -> Vec<Matte> {
         self.apart.iter().map(|apart| Matte::new(*apart, &self.scene, &self.camera)).collect()
     }
+}
+
+fn mesh_bytes(mesh: &Mesh) -> u64 {
+    VERTEX_BYTES * mesh.positions.len() as u64 + TRIANGLE_BYTES * mesh.triangles.len() as u64
 }
 
 /// Bytes a pixel that several samples of it take: by what their rays differ, here and on the device, and the ids that mattes count, in

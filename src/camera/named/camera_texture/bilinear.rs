@@ -1,15 +1,16 @@
 //! The exact inverse of a grid of bilinear cells.
 
 use super::{Base, Cell};
+use crate::camera::boxes::{Boxes, EMPTY, join};
 use crate::camera::{Ray, RayMap};
 use glam::{DMat2, DVec2};
 
-/// Cells, each the bilinear map of its (u, v) in [0, 1]^2, and which of them may hold an image place.
+/// Cells, each the bilinear map of its (u, v) in [0, 1]^2, and boxes that tell which of them may hold an image place.
 #[derive(Debug)]
 pub struct Inverse {
     cells: Vec<Cell>,
     base: Base,
-    bins: Bins,
+    boxes: Boxes,
 }
 
 /// How far beyond 0 and 1 a cell's u and v may be by rounding: a place on the border of two cells is in one at least. The
@@ -19,8 +20,8 @@ const BORDER_ROUNDING: f64 = 1.0 / (1u64 << 30) as f64;
 
 impl Inverse {
     pub fn new(cells: Vec<Cell>, base: Base) -> Inverse {
-        let bins = Bins::new(&cells);
-        Inverse { cells, base, bins }
+        let boxes = Boxes::new(cells.iter().map(bounds), 1);
+        Inverse { cells, base, boxes }
     }
 
     pub fn len(&self) -> usize {
@@ -38,8 +39,8 @@ impl Inverse {
 
     /// The place in the undeformed view that is displaced to `q`, by the lowest-numbered cell.
     fn source(&self, q: DVec2) -> Option<DVec2> {
-        self.bins.near(q).iter().find_map(|&k| {
-            let cell = &self.cells[k as usize];
+        self.boxes.first(q, &|k| {
+            let cell = &self.cells[k];
             let uv = inverse(&cell.to, q)?;
             Some(cell.from[0] + uv * (cell.from[3] - cell.from[0]))
         })
@@ -82,51 +83,12 @@ fn quadratic_roots([c0, c1, c2]: [f64; 3]) -> [f64; 2] {
     if x > y { [y, x] } else { [x, y] }
 }
 
-/// The cells near each place, by a square grid of bins over their bounding box, of about one cell each.
-#[derive(Debug)]
-struct Bins {
-    lo: DVec2,
-    /// Sides of a bin.
-    step: DVec2,
-    side: usize,
-    /// Ascending cells.
-    cells: Vec<Vec<u32>>,
-}
-
-impl Bins {
-    fn new(cells: &[Cell]) -> Bins {
-        let bounds = |cell: &Cell| {
-            let (lo, hi) =
-                cell.to.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |b, q| (b.0.min(*q), b.1.max(*q)));
-            let room = (hi - lo) * BORDER_ROUNDING;
-            (lo - room, hi + room)
-        };
-        let (lo, hi) =
-            cells.iter().map(bounds).fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |b, c| (b.0.min(c.0), b.1.max(c.1)));
-        let side = (cells.len() as f64).sqrt().ceil() as usize;
-        let step = ((hi - lo) / side as f64).max(DVec2::splat(f64::MIN_POSITIVE));
-        let mut bins = Bins { lo, step, side, cells: vec![Vec::new(); side * side] };
-        for (k, cell) in (0..).zip(cells) {
-            let (from, to) = bounds(cell);
-            let ((x0, y0), (x1, y1)) = (bins.at(from), bins.at(to));
-            for (x, y) in (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| (x, y))) {
-                bins.cells[y * side + x].push(k);
-            }
-        }
-        bins
-    }
-
-    /// Column and row of a place's bin, the nearest one for a place outside.
-    fn at(&self, q: DVec2) -> (usize, usize) {
-        // a cast saturates
-        let bin = (q - self.lo) / self.step;
-        ((bin.x as usize).min(self.side - 1), (bin.y as usize).min(self.side - 1))
-    }
-
-    fn near(&self, q: DVec2) -> &[u32] {
-        let (x, y) = self.at(q);
-        &self.cells[y * self.side + x]
-    }
+/// The box around a displaced cell.
+fn bounds(cell: &Cell) -> (DVec2, DVec2) {
+    let (lo, hi) = cell.to.iter().fold(EMPTY, |b, q| join(b, (*q, *q)));
+    // u and v may be beyond at both ends
+    let slack = (hi - lo) * (4.0 * BORDER_ROUNDING);
+    (lo - slack, hi + slack)
 }
 
 #[cfg(test)]
@@ -161,5 +123,23 @@ mod tests {
         let c = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::splat(-0.5)];
         let found = inverse(&c, DVec2::splat(0.05)).unwrap();
         assert!(found.x < 0.3 && found.y < 0.3, "{found}");
+    }
+
+    #[test]
+    fn many_cells_in_one_place_take_no_memory_for_each_pair() {
+        // 90,000 cells that each cover half of the image
+        let cell = |k: usize| {
+            let by = DVec2::new((k % 300) as f64, (k / 300) as f64) / 600.0;
+            let to = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|c| 0.5 * c + by);
+            Cell { from: to, to }
+        };
+        let cells: Vec<Cell> = (0..90_000).map(cell).collect();
+        let boxes = Boxes::new(cells.iter().map(bounds), 1);
+        for q in [DVec2::splat(0.1), DVec2::new(0.55, 0.2), DVec2::new(0.2, 0.9)] {
+            let lowest = cells.iter().position(|c| inverse(&c.to, q).is_some());
+            assert_eq!(boxes.first(q, &|k| inverse(&cells[k].to, q).map(|_| k)), lowest);
+            assert!(lowest.is_some());
+        }
+        assert!(boxes.first(DVec2::splat(1.5), &Some).is_none());
     }
 }

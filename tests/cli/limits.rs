@@ -1,0 +1,162 @@
+//! Work beyond the caps and the memory is refused in one line, before it begins.
+
+use super::program::{Place, Ran, assert_one_line};
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+const BOX: &str = "[image]\nwidth = 64\nheight = 48\n[[mesh]]\nbuiltin = \"box\"\n";
+
+/// A refusal comes at once; on a busy machine within this.
+const AT_ONCE: Duration = Duration::from_secs(10);
+
+/// What takes its time takes no more than this on a busy machine; each took minutes when its time grew with a square.
+const BOUNDED: Duration = Duration::from_secs(120);
+
+fn timed<T>(most: Duration, what: &str, run: impl FnOnce() -> T) -> T {
+    let started = Instant::now();
+    let given = run();
+    assert!(started.elapsed() < most, "{what}: {:?}", started.elapsed());
+    given
+}
+
+fn mesh(keys: &str) -> String {
+    let camera = "[camera]\nkind = \"pinhole\"\neye = [0, 0, 6]\ntarget = [0, 0, 0]\nvfov = 40\n";
+    format!("[image]\nwidth = 64\nheight = 48\n[[mesh]]\n{keys}\n{camera}")
+}
+
+#[test]
+fn meshes_larger_than_the_memory_are_refused_before_they_are_made() {
+    let place = Place::new();
+    for (keys, what) in [
+        ("builtin = \"icosphere\"\nlevel = 11", "icosphere of 83886080 triangles"),
+        ("builtin = \"teapot\"\nlevel = 1000", "teapot of 64000000 triangles"),
+        ("builtin = \"soup\"\ntriangles = 100000000", "soup of 100000000 triangles"),
+        ("builtin = \"terrain\"\nsize = 8192", "terrain of 134217728 triangles"),
+    ] {
+        place.write("s.toml", mesh(keys));
+        let args = ["render", "s.toml", "-o", "o.png", "--memory", "8G"];
+        timed(AT_ONCE, what, || place.refuses(&args, 1, &format!("{what} takes about")));
+        if cfg!(target_os = "linux") {
+            // the process's own limit counts too
+            let mut shell = std::process::Command::new("sh");
+            let run = format!("ulimit -v 10000000; exec '{}' render s.toml -o o.png", env!("CARGO_BIN_EXE_anamorph"));
+            shell.args(["-c", &run]).current_dir(place.path()).stdin(Stdio::null());
+            let output = timed(AT_ONCE, what, || shell.output().unwrap());
+            let text = |bytes| String::from_utf8(bytes).unwrap();
+            let ran = Ran {
+                code: output.status.code().expect("no signal"),
+                out: text(output.stdout),
+                err: text(output.stderr),
+            };
+            assert_one_line(&ran, what);
+            assert!(ran.code == 1 && ran.err.contains("--memory"), "{}", ran.err);
+        }
+    }
+    place.refuses(&["render", "scene.toml", "-o", "o.png", "--memory", "64k"], 1, "grant more by --memory");
+    place.refuses(&["render", "scene.toml", "-o", "o.png", "--memory", "8X"], 2, "as 500M or 8G");
+    place.works(&["camera", "scene.toml", "--memory", "64k", "--no-limits", "--rays", "r.npy"]);
+}
+
+#[test]
+fn more_than_the_caps_is_refused_unless_they_are_lifted() {
+    let place = Place::new();
+    let fisheye = "[camera]\nkind = \"fisheye\"\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nfov = 90\n";
+    place.write("pieces.toml", format!("{BOX}{fisheye}pieces = 1000001\n"));
+    place.refuses(&["camera", "pieces.toml"], 2, "1000001 pieces are over the limit of 1000000");
+    place.works(&["camera", "pieces.toml", "--no-limits"]);
+    let polygon: Vec<String> = (0..10_001).map(|k| format!("[{k}, {}]", k * k)).collect();
+    let region = format!("{{ polygon = [{}], eye = [0, 9, 0] }}", polygon.join(", "));
+    let root = "[camera]\nkind = \"top_down\"\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nvfov = 40\n";
+    place.write("corners.toml", format!("{BOX}{root}regions = [{region}]\n"));
+    place.refuses(&["camera", "corners.toml"], 2, "10001 corners are over the limit of 10000");
+    let eye = "{ kind = \"pinhole\", eye = [0, 0, 6], target = [0, 0, 0], vfov = 40 }";
+    let keys = "mirror = { shape = \"sphere\", radius = 1 }\ndepth = 16\nroughness = 0.2\nrays = 256\n";
+    place.write("rough.toml", format!("{BOX}[camera]\nkind = \"reflection\"\neye = {eye}\n{keys}"));
+    place.works(&["camera", "rough.toml"]);
+    let args = ["render", "rough.toml", "-o", "o.png", "--size", "1024x1024"];
+    place.refuses(&args, 2, "4294967296 turns of rays are over the limit of 1073741824");
+    let values: Vec<String> = (0..1000).map(|k| k.to_string()).collect();
+    let swept: String = ["a", "b", "c"].map(|key| format!("\"camera.{key}\" = [{}]\n", values.join(", "))).concat();
+    place.write("jobs.toml", format!("[[job]]\nscene = \"scene.toml\"\ncolor = \"o.png\"\n[job.sweep]\n{swept}"));
+    timed(AT_ONCE, "sweeps", || {
+        place.refuses(&["batch", "jobs.toml"], 2, "1000000000 frames are over the limit of 4000000; split the list");
+    });
+    place.write("jobs.toml", "[[job]]\nscene = \"scene.toml\"\ncolor = \"o-{frame}.png\"\nframes = { last = 1e12 }\n");
+    place.refuses(&["batch", "jobs.toml"], 2, "1000000000001 frames are over the limit");
+    let help = place.works(&["render", "--help"]);
+    assert!(help.contains("1000000 pieces") && help.contains("--memory") && help.contains("--no-limits"), "{help}");
+}
+
+#[test]
+fn curves_reach_no_further_than_scenes() {
+    let place = Place::new();
+    let plane =
+        |x: &str, z: f64| format!("{{ kind = \"plane\", origin = [{x}, 2, {z}], u = [4, 0, 0], v = [0, -4, 0] }}");
+    let scene = |middle: &str| {
+        let surfaces = [plane("-2", 3.0), plane(middle, 0.0), plane("-2", -3.0)].join(", ");
+        format!("{BOX}[camera]\nkind = \"projector\"\nsurfaces = [{surfaces}]\n")
+    };
+    place.write("far.toml", scene("1e200"));
+    for engine in ["compute", "reference"] {
+        let args = ["render", "far.toml", "--exr", "o.exr", "--engine", engine];
+        timed(AT_ONCE, engine, || place.refuses(&args, 2, "a control point lies 1.0e200 away, of at most 1e30"));
+    }
+    place.write("far.toml", scene("1e29"));
+    timed(BOUNDED, "far", || place.works(&["render", "far.toml", "--exr", "o.exr", "--engine", "reference"]));
+}
+
+#[test]
+fn cameras_of_many_pieces_are_built_in_time_that_grows_with_their_number() {
+    let place = Place::new();
+    let fan = |n: usize| {
+        let at = |k: usize| std::f64::consts::TAU * (k % n) as f64 / n as f64;
+        let rim = |k: usize| {
+            format!(
+                "{{\"image\": [{}, {}], \"near\": [0, 0, 4], \"far\": [{k}, 1, 0]}}",
+                0.5 + 0.4 * at(k).cos(),
+                0.5 + 0.4 * at(k).sin()
+            )
+        };
+        let vertices: Vec<String> = (0..n).map(rim).collect();
+        let triangles: Vec<String> = (0..n).map(|k| format!("[0, {}, {}]", 1 + k, 1 + (k + 1) % n)).collect();
+        let middle = "{\"image\": [0.5, 0.5], \"near\": [0, 0, 4], \"far\": [0, 0, 0]}";
+        format!("{{\"vertices\": [{middle}, {}], \"triangles\": [{}]}}", vertices.join(", "), triangles.join(", "))
+    };
+    place.write("fan.json", fan(100_000));
+    place.write("offsets.npy", random_offsets(600));
+    let central = "eye = [0, 0, 4]\ntarget = [0, 0, 0]\n";
+    let texture = format!("{central}vfov = 40\nmode = \"bilinear\"\nfile = \"offsets.npy\"\n");
+    let polygon: Vec<String> = (0..1600)
+        .map(|k| std::f64::consts::TAU * f64::from(k) / 1600.0)
+        .map(|a| format!("[{:.9}, {:.9}]", 0.5 + 0.3 * a.cos(), 0.5 + 0.3 * a.sin()))
+        .collect();
+    let region = format!("regions = [{{ polygon = [{}], eye = [3, 3, 5] }}]\n", polygon.join(", "));
+    for (kind, keys) in [
+        ("mesh", "file = \"fan.json\"\n".to_owned()),
+        ("panorama", "radius = 8\nheight = 4\npieces = 100000\n".into()),
+        ("cylinder", format!("{central}strips = 1000000\n")),
+        ("camera_texture", texture),
+        ("top_down", format!("{central}vfov = 40\n{region}")),
+    ] {
+        place.write("s.toml", format!("{BOX}[camera]\nkind = \"{kind}\"\n{keys}"));
+        timed(BOUNDED, kind, || place.works(&["camera", "s.toml"]));
+    }
+}
+
+/// A .npy of n x n pairs in [-1, 1].
+fn random_offsets(n: usize) -> Vec<u8> {
+    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({n}, {n}, 2), }}");
+    while (10 + header.len() + 1) % 64 != 0 {
+        header.push(' ');
+    }
+    header.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    let mut state = 1u64;
+    for _ in 0..2 * n * n {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        bytes.extend(((state >> 11) as f64 / (1u64 << 52) as f64 - 1.0).to_le_bytes());
+    }
+    bytes
+}
