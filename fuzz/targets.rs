@@ -59,7 +59,7 @@ pub fn obj(data: &[u8]) {
 /// Text, or binary where it begins as that does.
 pub fn gltf(data: &[u8]) {
     let name = if data.starts_with(b"glTF") { "mesh.glb" } else { "mesh.gltf" };
-    read(name, data, |path| gltf::load(path, &Images::default()));
+    read(name, data, |path| gltf::load(path, gltf::Files::Below, &Images::default()));
 }
 
 /// A height image: a TIFF or a PNG where it begins as one, else text.

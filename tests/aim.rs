@@ -53,9 +53,12 @@ fn check(engine: &mut Engine, what: &str) {
     }
 }
 
+/// Takes abilities from an adapter.
+type Less = fn(&mut Gpu);
+
 #[test]
 fn frames_look_through_another_camera_in_every_arithmetic() {
-    let less: [(&str, fn(&mut Gpu)); 3] = [
+    let less: [(&str, Less); 3] = [
         ("all", |_| {}),
         ("pair by pair", |gpu| gpu.has.lanes = false),
         ("32-bit atomics", |gpu| (gpu.has.lanes, gpu.has.atomics64) = (false, false)),

@@ -282,7 +282,7 @@ fn load(name: &str) -> Option<Mesh> {
         if name.ends_with(".obj") {
             obj::load(&path, &mut Images::default())
         } else {
-            gltf::load(&path, &Images::default())
+            gltf::load(&path, gltf::Files::Below, &Images::default())
         }
         .unwrap(),
     )

@@ -129,7 +129,7 @@ fn kernels_are_written_as_they_are_compiled() {
         Stages::new(&gpu, variant, &planes).unwrap();
     }
     let text = |name: &str| std::fs::read_to_string(into.join(name)).unwrap();
-    let [first, second] = [variants[0], variants[2]].map(|variant| anamorph::gpu::kernels::raster(variant));
+    let [first, second] = [variants[0], variants[2]].map(anamorph::gpu::kernels::raster);
     assert!(text("raster.wgsl").starts_with(&first.source) && text("raster.wgsl").contains("// override COUNTING = 0"));
     assert!(first.source != second.source && text("raster-2.wgsl").starts_with(&second.source));
     assert!(!into.join("raster-3.wgsl").exists() && !into.join("args-2.wgsl").exists());

@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 /// A run at 64 x 48.
 const MOST: Duration = Duration::from_secs(20);
 
-/// Address space of a run, KiB: a run that wants more ends as a machine that is full ends it.
-const ADDRESSES_KIB: u64 = 12_000_000;
+/// Address space of a run, KiB: a run that wants more ends as on a machine that is full, and leaves room for the others.
+const ADDRESSES_KIB: u64 = 4_000_000;
 
 /// Every so many runs render on the adapter, which takes a while to open; the others by the reference.
 const COMPUTE: usize = 16;

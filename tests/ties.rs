@@ -171,13 +171,13 @@ fn what_is_certified_is_the_reference_s() {
         let truth = image(&sheet, &camera, &[Channel::TriangleId]);
         let share = proven.iter().filter(|p| **p > 0).count() as f64 / proven.len() as f64;
         println!("{name}: {share:.3} certified");
-        for k in 0..proven.len() {
+        for (k, proven) in proven.iter().enumerate() {
             let (i, j) = (k as u32 % SIZE.0, k as u32 / SIZE.0);
-            assert!(proven[k] == 0 || ids(&frame)[k] == ids(&truth)[k], "{name}: {i},{j} is certified");
+            assert!(*proven == 0 || ids(&frame)[k] == ids(&truth)[k], "{name}: {i},{j} is certified");
             let corner = j / 2 * SIZE.0.div_ceil(2) + i / 2;
             let sees_corner = |id: u32| id != NO_ID && sheet.mesh.triangles[id as usize].contains(&corner);
             let is_corner = i % 2 == 0 && j % 2 == 0 && sees_corner(ids(&truth)[k]);
-            assert!(proven[k] == 0 || !is_corner, "{name}: {i},{j} goes through a corner and is certified");
+            assert!(*proven == 0 || !is_corner, "{name}: {i},{j} goes through a corner and is certified");
         }
     }
 }

@@ -116,7 +116,7 @@ pub fn measure(engine: &mut Engine, scene: &Path) -> Result<(Figures, Vec<u8>)> 
         },
         layers: sheets.layers,
         spans: sheets.spans,
-        passes: rendered.passes,
+        passes: rendered.passes.total(),
         rechecked: engine.gpu.has.f64,
         frame_ms: rendered.frame_ms.clone(),
         coverage: covered(&rendered.frame) as f64 / compared.pixels as f64,

@@ -35,8 +35,11 @@ pub fn reach(bounds: Option<(DVec3, DVec3)>) -> f64 {
 
 impl Bundle {
     /// The bundle about the place where the sides of its centre are decided, in a scene of this size; and how far to the right that is,
-    /// px.
+    /// px. Without a size rays stay where they are.
     pub fn beside(&self, reach: f64) -> (Bundle, f64) {
+        if reach == 0.0 {
+            return (*self, 0.0);
+        }
         let b = self.sloping();
         let place = b.p[0] / b.h[0];
         let origins = (size(b.p[1] - b.h[1] * place) + size(b.p[2] - b.h[2] * place)) / b.h[0].abs();

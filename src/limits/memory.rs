@@ -50,7 +50,7 @@ fn free_here() -> Option<u64> {
     };
     let group = number("memory.max").zip(number("memory.current")).map(|(most, now)| most.saturating_sub(now));
     let own = address_space().zip(status("VmSize:")).map(|(most, now)| most.saturating_sub(now));
-    [group, own].into_iter().flatten().fold(Some(machine), |least, bytes| least.map(|l| l.min(bytes)))
+    Some([group, own].into_iter().flatten().fold(machine, u64::min))
 }
 
 /// The process's limit of address space (`ulimit -v`), bytes.

@@ -133,8 +133,7 @@ mod tests {
                         if d.dot(up) >= 0.0 {
                             continue;
                         }
-                        let n = ((1.0 - u - v) * facet.normals[0] + u * facet.normals[1] + v * facet.normals[2])
-                            .normalize();
+                        let n = (1.0 - u - v) * facet.normals[0] + u * facet.normals[1] + v * facet.normals[2];
                         let bent = bent((&optics, spin), d, n, up);
                         let (_, (after, share)) = at_facet((&optics, spin), Law::Normals, &facet, d, [u, v]);
                         let is_right = |way: DVec3| (way.dot(up) < 0.0) == bent.passes;

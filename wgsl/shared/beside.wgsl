@@ -8,8 +8,11 @@ const BESIDE_PX: real = 1.0 / 16777216.0;
 const BESIDE_DOWN: real = 47.0 / 83.0;
 
 // The bundle of a pixel about that place, in a scene of this size. A ray without a neighbour on the right or below goes
-// across the other slope instead, and without both anywhere.
+// across the other slope instead, and without both anywhere. Without a size rays stay where they are.
 fn beside(own: Bundle, reach: real) -> Bundle {
+    if reach == 0.0 {
+        return own;
+    }
     var b = own;
     let along = b.d / size3(b.d);
     let no_right = size3(b.px) + size3(b.dx) + abs(b.hx) == 0.0;

@@ -25,6 +25,7 @@ impl Sub for Dual {
 
 impl Mul for Dual {
     type Output = Dual;
+    #[allow(clippy::suspicious_arithmetic_impl, reason = "the product rule")]
     fn mul(self, b: Dual) -> Dual {
         let slope = |k: usize| self.0[k] * b.0[0] + self.0[0] * b.0[k];
         Dual([self.0[0] * b.0[0], slope(1), slope(2)])
@@ -33,6 +34,7 @@ impl Mul for Dual {
 
 impl Div for Dual {
     type Output = Dual;
+    #[allow(clippy::suspicious_arithmetic_impl, reason = "the quotient rule")]
     fn div(self, b: Dual) -> Dual {
         let value = self.0[0] / b.0[0];
         let slope = |k: usize| (self.0[k] - value * b.0[k]) / b.0[0];

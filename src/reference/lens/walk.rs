@@ -79,7 +79,8 @@ fn slow(k: &[f64; 14], r: f64) -> f64 {
 fn step(k: &[f64; 14], line: DVec2, at: &At, length: f64) -> Option<At> {
     let (r, slow) = (at.p.length(), slow(k, at.p.length()));
     let [here, bend] = radial::slope(k, r, [(r - length).max(0.0), r + length])?;
-    if !(length * bend <= CHANGE_OF_SLOPE * (here.abs() + slow)) {
+    let is_straight = length * bend <= CHANGE_OF_SLOPE * (here.abs() + slow);
+    if !is_straight {
         return None;
     }
     let is_like = |next: &At| {
@@ -90,7 +91,8 @@ fn step(k: &[f64; 14], line: DVec2, at: &At, length: f64) -> Option<At> {
     let mut next = At::new(k, line, at.p + length * middle.ahead())?;
     for _ in 0..3 {
         let aside = next.across / next.across_slope.length_squared() * next.across_slope;
-        if !(aside.length() <= 0.25 * length) {
+        let is_close = aside.length() <= 0.25 * length;
+        if !is_close {
             return None;
         }
         next = At::new(k, line, next.p - aside)?;

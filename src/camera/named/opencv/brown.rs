@@ -148,7 +148,9 @@ impl Brown {
         // of n = g - 1 = (A - B) / B, as calibrations have A almost B: n' = ((A - B)' - n B') / B, n'' = ((A - B)'' - 2 n' B' - n B'') / B
         let rest: [f64; 4] = std::array::from_fn(|k| self.above[k] - self.below[k]);
         let ([a, da, dda], [b, db, ddb]) = (derivatives(&rest), derivatives(&self.below));
-        if !(b.0 > 0.0) {
+        // NaN is no pole's absence
+        let has_no_pole = b.0 > 0.0;
+        if !has_no_pole {
             return (f64::INFINITY, f64::INFINITY);
         }
         let n = over(a, b);

@@ -17,6 +17,7 @@ pub enum Model {
 
 /// A model made ready to be inverted.
 #[derive(Debug, Clone, Copy)]
+#[allow(clippy::large_enum_variant, reason = "a camera has one")]
 pub enum Distortion {
     Brown(Brown),
     Fisheye(KannalaBrandt),

@@ -78,10 +78,16 @@ impl Brown {
                 let turn = f64::min(2.0, std::f64::consts::SQRT_2 * room / p.length());
                 steep * all + (lengthwise + steep * turn) * along
             };
-            while !(bend(2.0 * share * step) * share * step <= KANTOROVICH) {
+            // NaN proves nothing
+            loop {
+                let is_proven = bend(2.0 * share * step) * share * step <= KANTOROVICH;
+                if is_proven {
+                    break;
+                }
                 share *= 0.5;
                 // rounding alone is between here and a fold or pole
-                if !(share * rest.length() > self.rounding(p)) {
+                let is_known = share * rest.length() > self.rounding(p);
+                if !is_known {
                     return None;
                 }
             }
@@ -98,7 +104,8 @@ impl Brown {
             let next = p + seen.slope.inverse() * (q - seen.place);
             let there = self.seen(next);
             // the last step is the one that takes the place no nearer
-            if !(off(&there) < off(&seen)) {
+            let is_nearer = off(&there) < off(&seen);
+            if !is_nearer {
                 break;
             }
             (p, seen) = (next, there);
