@@ -67,9 +67,11 @@ fn what_is_read_is_never_replaced() {
     }
     let lidar = ["render", "ply.toml", "--engine", "reference", "--points"];
     keeps(&place, &[&lidar[..], &["l.npy"]].concat(), "l.npy: it is read too; choose another name for the output");
-    for (flag, file) in [("--rays", "l.npy"), ("--export", "m.obj"), ("--diagram", "ply.toml"), ("--rays", "t.png")] {
+    for (flag, file) in [("--rays", "l.npy"), ("--export", "m.obj"), ("--diagram", "ply.toml")] {
         keeps(&place, &["camera", "ply.toml", flag, file], "it is read too");
     }
+    // an image that gives no shape is not read for a camera
+    keeps(&place, &["camera", "ply.toml", "--rays", "t.png"], "t.png: is there already, and is not a NumPy array");
     keeps(&place, &["camera", "pieces.toml", "--export", "c.json"], "it is read too");
     keeps(&place, &["project", "scene.toml", "--points", "p.csv", "-o", "p.csv"], "it is read too");
     keeps(&place, &["project", "mesh.toml", "--points", "p.csv", "-o", "m.obj"], "it is read too");
