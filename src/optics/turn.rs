@@ -101,18 +101,8 @@ mod tests {
     use crate::scene::generate::icosphere;
 
     fn optics(turn: Turn) -> Optics {
-        Optics {
-            turn,
-            surface: Surface::Facets { facets: Facets::of_mesh(&icosphere(2)).unwrap(), law: Law::Normals },
-            depth: 2,
-            fresnel: false,
-            roughness: 0.0,
-            rays: 1,
-            environment: None,
-            atlas: None,
-            tint: [1.0; 3],
-            base: [0.0; 3],
-        }
+        let facets = Facets::of_mesh(&icosphere(2)).unwrap();
+        Optics::new(turn, Surface::Facets { facets, law: Law::Normals }, 2)
     }
 
     /// A ball of facets: interpolated normals lean over by up to half of what two facets differ, so that some that are seen at all are seen
