@@ -14,6 +14,7 @@ pub mod pattern;
 pub mod place;
 pub mod places;
 pub mod sky;
+mod smooth;
 pub mod style;
 pub mod texture;
 pub mod tone;
@@ -177,6 +178,9 @@ fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
             }
         }
     };
+    if spec.smooth {
+        smooth::smooth(&mut mesh);
+    }
     for material in &mut mesh.materials {
         material.two_sided = spec.two_sided;
         material.diffuse = spec.color.unwrap_or(material.diffuse);

@@ -83,6 +83,39 @@ fn mattes_tell_copies_apart() {
     assert!(!header.contains("\"tree\":"));
 }
 
+/// On an octahedron of radius 1 the weights of a place's corners are the sizes of its coordinates, and the vertex normals are the axes.
+#[test]
+fn smooth_meshes_have_the_mean_normals_of_their_vertices() {
+    let place = Place::new();
+    let vertices = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n";
+    let faces = ["1 3 5", "3 2 5", "2 4 5", "4 1 5", "3 1 6", "2 3 6", "4 2 6", "1 4 6"];
+    place.write("bare.obj", format!("{vertices}{}", faces.map(|f| format!("f {f}\n")).concat()));
+    let normals = vertices.replace("v ", "vn ");
+    let with = |f: &str| format!("f {}\n", f.split(' ').map(|k| format!("{k}//{k} ")).collect::<String>());
+    place.write("with.obj", format!("{vertices}{normals}{}", faces.map(with).concat()));
+
+    let given = seen(&place, "[[mesh]]\nfile = \"with.obj\"\n");
+    let smooth = seen(&place, "[[mesh]]\nfile = \"bare.obj\"\nsmooth = true\n");
+    let flat = seen(&place, "[[mesh]]\nfile = \"bare.obj\"\n");
+    // in a file's own normals nothing changes
+    assert!(seen(&place, "[[mesh]]\nfile = \"with.obj\"\nsmooth = true\n") == given);
+    assert!(smooth == given && smooth != flat);
+    let vectors = |name: &str| -> Vec<&[f32]> {
+        Channel::named(name).into_iter().map(|channel| smooth.f32(channel).unwrap()).collect()
+    };
+    let [normal, point] = ["N", "P"].map(vectors);
+    let mut hits = 0;
+    for k in 0..normal[0].len() {
+        let [n, p] = [&normal, &point].map(|v| glam::Vec3::new(v[0][k], v[1][k], v[2][k]));
+        if n.is_finite() {
+            hits += 1;
+            // f32 rounds the stored hit and normal by 2^-24 each, and the hit's length by as much
+            assert!((n - p.normalize()).length() < 8.0 * f32::EPSILON, "{k}: {n} at {p}");
+        }
+    }
+    assert!(hits > 100);
+}
+
 #[test]
 fn many_places_take_time_in_proportion() {
     let place = Place::new();

@@ -22,7 +22,7 @@ const SCANNER_KEYS: [&str; 9] = ["eye", "target", "up", "beams", "columns", "sta
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     if let Some(file) = table.get("file") {
         if let Some(key) = SCANNER_KEYS.iter().find(|key| table.has(key)) {
-            let what = "is of a scanner, and file is a list of its rays; leave one of them out";
+            let what = "describes a scanner, and file lists rays; leave one of the two out";
             return Err(table.error(format_args!("{key} {what}")));
         }
         table.allow(&LIST_KEYS)?;

@@ -29,6 +29,8 @@ pub struct MeshSpec {
     pub places: Option<Places>,
     /// Both faces are visible.
     pub two_sided: bool,
+    /// Corners without a normal get the mean of those of the triangles around them.
+    pub smooth: bool,
     /// Linear RGB in [0, 1] for the whole mesh, without the images of its file; `None` keeps the source's materials.
     pub color: Option<[f32; 3]>,
     pub texture: TextureSpec,
@@ -98,6 +100,7 @@ impl MeshSpec {
             scale: DVec3::ONE,
             places: None,
             two_sided: true,
+            smooth: false,
             outside_files: false,
             color: None,
             texture: TextureSpec::OfFile,
@@ -119,13 +122,14 @@ impl MeshSpec {
 }
 
 /// The keys that every mesh may have, whatever its source.
-const PLACING: [&str; 13] = [
+const PLACING: [&str; 14] = [
     "name",
     "translate",
     "rotate",
     "scale",
     "places",
     "two_sided",
+    "smooth",
     "color",
     "texture",
     "pattern",
@@ -150,6 +154,7 @@ pub(crate) fn read_mesh(field: &Field, more: &[&str]) -> Result<MeshSpec> {
         scale: table.or("scale", DVec3::ONE, read_scale)?,
         places: table.optional("places", Places::read)?,
         two_sided: table.or("two_sided", true, Field::boolean)?,
+        smooth: table.or("smooth", false, Field::boolean)?,
         color: table.optional("color", Field::color)?,
         texture: table.or("texture", TextureSpec::OfFile, read_texture)?,
         pattern: table.optional("pattern", read_pattern)?,
