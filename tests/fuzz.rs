@@ -15,7 +15,7 @@ const SHARED: u32 = 6;
 
 /// Changed texts a target; as many as `ANAMORPH_FUZZ` says.
 fn rounds() -> usize {
-    std::env::var("ANAMORPH_FUZZ").ok().and_then(|n| n.parse().ok()).unwrap_or(1500)
+    std::env::var("ANAMORPH_FUZZ").ok().and_then(|n| n.parse().ok()).unwrap_or(500)
 }
 
 fn run(target: &str, function: fn(&[u8]), rounds: usize) {

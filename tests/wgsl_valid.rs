@@ -8,6 +8,7 @@ use anamorph::gpu::rows::GROUP;
 use anamorph::gpu::soft_f64::lowered;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Expression, Function, MathFunction, Module, ScalarKind, ShaderStage, TypeInner};
+use std::collections::HashSet;
 
 /// All variants on all kinds of adapters.
 fn variants() -> impl Iterator<Item = Variant> {
@@ -60,66 +61,91 @@ fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
     }
 }
 
+/// All checks of a kernel in one test, since reading a kernel takes longer than most of them.
 #[test]
-fn every_kernel_validates_with_the_capabilities_of_its_variant_alone() {
+fn every_kernel_is_valid_and_portable() {
+    let mut wide = 0;
+    let mut checked = HashSet::new();
     each_kernel(|kernel, variant| {
-        let module = parse(&kernel.source).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
         let caps = allowed(kernel, variant);
-        validate(&module, caps).unwrap_or_else(|e| panic!("{} {variant:?} with {caps:?}: {e}", kernel.name));
+        wide += u32::from(caps.contains(Capabilities::FLOAT64));
+        // variants share kernels
+        let names: Vec<&str> = kernel.bindings.iter().map(|b| b.name).collect();
+        if !checked.insert((caps, kernel.source.clone(), format!("{names:?} {:?}", kernel.constants))) {
+            return;
+        }
+        let what = format!("{} {variant:?}", kernel.name);
+        let module = parse(&kernel.source).unwrap_or_else(|e| panic!("{what}: {e}"));
+        let info = validate(&module, caps).unwrap_or_else(|e| panic!("{what} with {caps:?}: {e}"));
+        for cap in caps.iter() {
+            assert!(validate(&module, caps.difference(cap)).is_err(), "{what} does not need {cap:?}");
+        }
+        assert_one_entry_point(kernel, &module, &what);
+        assert_globals_are_bindings(kernel, &module, &what);
+        assert_becomes_spirv(kernel, &module, &info, &what);
+        // SPIR-V's sine, exponential and the like take no f64
+        assert_eq!(forbidden_f64(&module, &info), [], "{what}");
+        // a driver need not round f64 to f32 and back
+        assert_eq!(rounded_by_f32(&module, &info), 0, "{what}");
     });
+    // of each kind of adapter with f64, with and without counting: ten cameras, one with lights in places, three with samples, three of each kind of surface, three
+    // kinds of which are smooth, and two with an atlas; six cameras have curves, which are not rechecked; rivals trace in two ways
+    let all = 10 + 1 + 3 + 12 + 2;
+    let (raster_certify_and_shade, recheck, bounce, meet, paste) = (3 * all, all - 6, 12, 9, 2);
+    let rivals = (10 + 1 + 3) * (2 + 1 + 1);
+    let sample_and_resolve = 3 * 2;
+    let by_pair = 4 * (raster_certify_and_shade + recheck + bounce + meet + paste + rivals + sample_and_resolve);
+    // and four cameras of triangles with holes, one of curves, and a mirror of facets with the rays that it turns
+    let cut = 2 * (4 * 3 + 3 + 4 * (2 + 1 + 1) + 2 * (3 + 1 + 1));
+    // with 64-bit atomics too: raster of what is rechecked; sample and settle where the camera is no chain
+    let by_tile = 2 * (all - 6 + 2 * 2);
+    assert_eq!(wide, by_pair + cut + by_tile);
+}
+
+/// It has the kernel's name and the common workgroup.
+fn assert_one_entry_point(kernel: &Kernel, module: &Module, what: &str) {
+    let [entry] = &module.entry_points[..] else { panic!("{what}: {} entries", module.entry_points.len()) };
+    let side = if kernel.name == "args" { 1 } else { GROUP };
+    assert_eq!((entry.name.as_str(), entry.stage), (kernel.name, ShaderStage::Compute), "{what}");
+    assert_eq!(entry.workgroup_size, [side, 1, 1], "{what}");
+}
+
+/// Each binding of the table is a global in its place.
+fn assert_globals_are_bindings(kernel: &Kernel, module: &Module, what: &str) {
+    let mut globals: Vec<(u32, String)> = module
+        .global_variables
+        .iter()
+        .filter_map(|(_, g)| g.binding.map(|b| (b.binding, g.name.clone().unwrap_or_default())))
+        .collect();
+    globals.sort();
+    let table: Vec<(u32, String)> = (0..).zip(kernel.bindings.iter().map(|b| b.name.to_string())).collect();
+    assert_eq!(globals, table, "{what}");
+}
+
+fn assert_becomes_spirv(kernel: &Kernel, module: &Module, info: &ModuleInfo, what: &str) {
+    let mut constants = naga::back::PipelineConstants::default();
+    constants.extend(kernel.constants.iter().map(|&(name, value)| (name.to_string(), value)));
+    let entry = Some((ShaderStage::Compute, kernel.name));
+    let (module, info) = naga::back::pipeline_constants::process_overrides(module, info, entry, &constants)
+        .unwrap_or_else(|e| panic!("{what}: {e}"));
+    let words = naga::back::spv::write_vec(&module, &info, &naga::back::spv::Options::default(), None)
+        .unwrap_or_else(|e| panic!("{what}: {e}"));
+    assert_eq!(words.first(), Some(&0x0723_0203), "{what}: the magic number of SPIR-V");
 }
 
 #[test]
 fn every_kernel_does_without_f64_once_it_is_lowered() {
+    let mut checked = HashSet::new();
     each_kernel(|kernel, variant| {
         assert_eq!(kernel.f64, kernel.source.contains("alias real = f64"), "{}", kernel.name);
-        if !kernel.f64 || variant.by_tile {
-            // tile by tile only where there is f64
+        // tile by tile only where there is f64
+        if !kernel.f64 || variant.by_tile || !checked.insert((variant.atomics64, kernel.source.clone())) {
             return;
         }
         let module = lowered(&kernel.source).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
         let mut caps = allowed(kernel, variant).difference(Capabilities::FLOAT64);
         caps.set(Capabilities::SHADER_INT64, caps.contains(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX));
         validate(&module, caps).unwrap_or_else(|e| panic!("{} {variant:?} with {caps:?}: {e}", kernel.name));
-    });
-}
-
-#[test]
-fn no_capability_is_allowed_that_the_kernel_does_without() {
-    each_kernel(|kernel, variant| {
-        let module = parse(&kernel.source).unwrap();
-        for cap in allowed(kernel, variant).iter() {
-            let less = allowed(kernel, variant).difference(cap);
-            assert!(validate(&module, less).is_err(), "{} {variant:?} does not need {cap:?}", kernel.name);
-        }
-    });
-}
-
-#[test]
-fn every_kernel_has_one_entry_point_of_its_name_and_the_common_workgroup() {
-    each_kernel(|kernel, _| {
-        let module = parse(&kernel.source).unwrap();
-        let [entry] = &module.entry_points[..] else {
-            panic!("{}: {} entries", kernel.name, module.entry_points.len())
-        };
-        let side = if kernel.name == "args" { 1 } else { GROUP };
-        assert_eq!((entry.name.as_str(), entry.stage), (kernel.name, ShaderStage::Compute));
-        assert_eq!(entry.workgroup_size, [side, 1, 1], "{}", kernel.name);
-    });
-}
-
-#[test]
-fn every_binding_of_the_table_is_a_global_in_its_place() {
-    each_kernel(|kernel, _| {
-        let module = parse(&kernel.source).unwrap();
-        let mut globals: Vec<(u32, String)> = module
-            .global_variables
-            .iter()
-            .filter_map(|(_, g)| g.binding.map(|b| (b.binding, g.name.clone().unwrap_or_default())))
-            .collect();
-        globals.sort();
-        let table: Vec<(u32, String)> = (0..).zip(kernel.bindings.iter().map(|b| b.name.to_string())).collect();
-        assert_eq!(globals, table, "{}", kernel.name);
     });
 }
 
@@ -144,22 +170,6 @@ fn every_draw_of_the_rivals_validates_becomes_spirv_and_binds_what_the_table_say
         naga::back::spv::write_vec(&module, &info, &naga::back::spv::Options::default(), None)
             .unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
     }
-}
-
-#[test]
-fn every_kernel_becomes_spirv() {
-    each_kernel(|kernel, variant| {
-        let module = parse(&kernel.source).unwrap();
-        let info = validate(&module, allowed(kernel, variant)).unwrap();
-        let mut constants = naga::back::PipelineConstants::default();
-        constants.extend(kernel.constants.iter().map(|&(name, value)| (name.to_string(), value)));
-        let entry = Some((ShaderStage::Compute, kernel.name));
-        let (module, info) = naga::back::pipeline_constants::process_overrides(&module, &info, entry, &constants)
-            .unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
-        let words = naga::back::spv::write_vec(&module, &info, &naga::back::spv::Options::default(), None)
-            .unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
-        assert_eq!(words.first(), Some(&0x0723_0203), "the magic number of SPIR-V");
-    });
 }
 
 /// f64 functions that SPIR-V has for 64 bits; its sin, exp and the like take 32 bits at most, and naga does not say so.
@@ -201,29 +211,6 @@ fn forbidden_f64(module: &Module, info: &ModuleInfo) -> Vec<MathFunction> {
 }
 
 #[test]
-fn f64_is_left_to_plain_arithmetic() {
-    let mut wide = 0;
-    each_kernel(|kernel, variant| {
-        let module = parse(&kernel.source).unwrap();
-        let info = validate(&module, allowed(kernel, variant)).unwrap();
-        assert_eq!(forbidden_f64(&module, &info), [], "{} {variant:?}", kernel.name);
-        wide += u32::from(allowed(kernel, variant).contains(Capabilities::FLOAT64));
-    });
-    // of each kind of adapter with f64, with and without counting: ten cameras, one with lights in places, three with samples, three of each kind of surface, three
-    // kinds of which are smooth, and two with an atlas; six cameras have curves, which are not rechecked; rivals trace in two ways
-    let all = 10 + 1 + 3 + 12 + 2;
-    let (raster_certify_and_shade, recheck, bounce, meet, paste) = (3 * all, all - 6, 12, 9, 2);
-    let rivals = (10 + 1 + 3) * (2 + 1 + 1);
-    let sample_and_resolve = 3 * 2;
-    let by_pair = 4 * (raster_certify_and_shade + recheck + bounce + meet + paste + rivals + sample_and_resolve);
-    // and four cameras of triangles with holes, one of curves, and a mirror of facets with the rays that it turns
-    let cut = 2 * (4 * 3 + 3 + 4 * (2 + 1 + 1) + 2 * (3 + 1 + 1));
-    // with 64-bit atomics too: raster of what is rechecked; sample and settle where the camera is no chain
-    let by_tile = 2 * (all - 6 + 2 * 2);
-    assert_eq!(wide, by_pair + cut + by_tile);
-}
-
-#[test]
 fn the_scan_sees_a_planted_sine_in_functions_and_entry_points() {
     let planted = "fn deep(x: f64) -> f64 { return sin(x) + abs(x); }
         @compute @workgroup_size(1) fn main() { var v = vec3<f64>(deep(1.0lf)); v = normalize(exp(v)); let w = sin(1.0f); }";
@@ -232,7 +219,7 @@ fn the_scan_sees_a_planted_sine_in_functions_and_entry_points() {
     assert_eq!(forbidden_f64(&module, &info), [MathFunction::Sin, MathFunction::Exp, MathFunction::Normalize]);
 }
 
-/// Differences between a number of f64 and itself, taken to f32 and back: a driver may leave out the rounding, so that 0 is left.
+/// Counts differences `x - f64(f32(x))`: a driver may optimize away the conversions, which makes them 0.
 fn rounded_by_f32(module: &Module, info: &ModuleInfo) -> usize {
     let scan = |function: &Function, info: &naga::valid::FunctionInfo| {
         let width = |handle: naga::Handle<Expression>| match info[handle].ty.inner_with(&module.types) {
@@ -261,12 +248,7 @@ fn rounded_by_f32(module: &Module, info: &ModuleInfo) -> usize {
 }
 
 #[test]
-fn no_kernel_relies_on_a_driver_to_round_f64_to_f32_and_back() {
-    each_kernel(|kernel, variant| {
-        let module = parse(&kernel.source).unwrap();
-        let info = validate(&module, allowed(kernel, variant)).unwrap();
-        assert_eq!(rounded_by_f32(&module, &info), 0, "{} {variant:?}", kernel.name);
-    });
+fn the_scan_sees_a_planted_rounding() {
     let planted = "fn deep(x: f64) -> f64 { let hi = f32(x); return x - f64(hi); }
         @compute @workgroup_size(1) fn main() { let v = vec3<f64>(deep(1.0lf)); let w = v - vec3<f64>(vec3<f32>(v)); }";
     let module = parse(planted).unwrap();
