@@ -5,7 +5,7 @@
 //! * `intersect`: one ray and one triangle; signs are those of exact arithmetic (`exact`).
 //! * `curve`, `length`: one curve and one triangle, every root ([`crate::bernstein`]); arc lengths.
 //! * `bvh`, `beam`: which triangles a ray, a curve, or all rays of a small box about one can meet.
-//! * `lens`: rays of calibrated lenses by an inversion of its own.
+//! * `lens`: rays of calibrated lenses, inverted independently of the camera.
 //! * `path`, `answer`: a pixel's segments through all layers, and what they first meet.
 //! * `place`: what of the mesh is near a place.
 //! * `margin`, `verdict`: whether the answer changes within 1/16 px of the centre, and what it may be.
@@ -46,8 +46,8 @@ pub use place::as_near;
 pub use turns::Outcome;
 pub use verdict::Verdict;
 
-use crate::camera::beside::reach;
 use crate::camera::bundle::Bundle;
+use crate::camera::perturb::scene_size;
 use crate::scene::mesh::{Material, Mesh};
 use crate::scene::texture::Texture;
 use beam::Beam;
@@ -71,8 +71,8 @@ pub struct Hit {
 pub struct Reference<'a> {
     mesh: &'a Mesh,
     bvh: Bvh,
-    /// The mesh's size, by which rays go beside their pixel's centre: [`crate::camera::beside`].
-    reach: f64,
+    /// The mesh's size, by which rays are perturbed: [`crate::camera::perturb`].
+    scene_size: f64,
 }
 
 impl<'a> Reference<'a> {
@@ -85,7 +85,7 @@ impl<'a> Reference<'a> {
             (!corners.is_degenerate()).then_some(Item { lo, hi, id: id as u32 })
         };
         let items = mesh.triangles.par_iter().enumerate().filter_map(item).collect();
-        Reference { mesh, bvh: Bvh::build(items), reach: reach(mesh.bounds()) }
+        Reference { mesh, bvh: Bvh::build(items), scene_size: scene_size(mesh.bounds()) }
     }
 
     /// The visible hit of the bundle's central ray: the smallest `t` in `t_range` (ends inclusive), the
@@ -120,7 +120,7 @@ impl<'a> Reference<'a> {
     /// largest `t` that still matters.
     fn each_hit_of_ray(&self, bundle: &Bundle, t_range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {
         let aimed = |b: Bundle| {
-            let aim = Aim::new(b, self.reach);
+            let aim = Aim::new(b, self.scene_size);
             Beam::over(&aim.centre, aim.px).map(|beam| (aim, beam))
         };
         let Some((aim, beam)) = upright(bundle).and_then(aimed) else { return };

@@ -1,4 +1,4 @@
-//! Rays that have little to do with each other: what their tiles leave out changes no pixel.
+//! Scattered (incoherent) rays: culling changes no pixel.
 
 mod common;
 
@@ -14,7 +14,7 @@ use common::rng::Rng;
 use common::{ALL_T, FORWARD, moved, scene, soup};
 use glam::DVec3;
 
-/// A ray each through vertices, middles of edges and of triangles, and past everything, from anywhere, in any order.
+/// Rays through vertices, through middles of edges and of triangles, and past everything, from anywhere and in random order.
 fn rays(mesh: &Mesh, count: usize, rng: &mut Rng) -> Vec<(DVec3, DVec3)> {
     let (lo, hi) = mesh.bounds().unwrap();
     let (middle, reach) = ((lo + hi) / 2.0, (hi - lo).length());
@@ -27,7 +27,7 @@ fn rays(mesh: &Mesh, count: usize, rng: &mut Rng) -> Vec<(DVec3, DVec3)> {
             _ => middle + reach * rng.vector(),
         };
         let from = middle + (0.7 + rng.unit()) * reach * rng.vector().normalize();
-        // near and far ends of the ray, of any length
+        // directions of any length
         (from, (through - from) * (0.2 + rng.unit()))
     };
     (0..count).map(ray).collect()
@@ -44,7 +44,7 @@ fn things(level: u32) -> Mesh {
 }
 
 #[test]
-fn scattered_rays_see_what_they_see_when_nothing_is_left_out() {
+fn scattered_rays_see_the_same_without_culling() {
     for lanes in [true, false] {
         let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
         for (by, t_range) in [(DVec3::ZERO, FORWARD), (DVec3::new(300.0, -20.0, 7.0), ALL_T), (DVec3::X, [0.4, 1.1])] {
@@ -75,7 +75,7 @@ fn scattered_rays_see_what_the_reference_does() {
 }
 
 #[test]
-fn a_row_of_scattered_rays_is_no_other_picture() {
+fn scattered_rays_see_the_same_in_images_of_every_shape() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let mesh = icosphere(3);
     let rays = rays(&mesh, 40 * 25, &mut Rng(10));
@@ -88,11 +88,11 @@ fn a_row_of_scattered_rays_is_no_other_picture() {
     let square = render((40, 25));
     for size in [(1000, 1), (1, 1000), (250, 4)] {
         let line = render(size);
-        // a ray through a vertex or an edge, or one that only touches there, is decided by the rays beside it: the others see the same
+        // on a vertex or an edge the perturbation decides, which depends on the neighbouring pixels: compare the other rays
         let plain: Vec<usize> = (0..rays.len()).filter(|k| k % 8 >= 5).collect();
         let seen = |r: &Rendered| plain.iter().map(|&k| ids(&r.frame)[k]).collect::<Vec<_>>();
         assert!(seen(&line) == seen(&square), "{size:?}");
-        // fewer rays a tile, in more tiles: no more than eight times as many pairs
+        // tiles have an eighth as many rays, so there are at most eight times as many pairs
         assert!(line.counts.pairs < 8 * square.counts.pairs, "{size:?}: {} pairs", line.counts.pairs);
     }
 }

@@ -123,7 +123,7 @@ fn host() -> Layouts {
             origin_lost,
             task_capacity,
             edge_capacity,
-            reach,
+            scene_size,
             pad0,
             pad1,
             pad2,
@@ -326,7 +326,7 @@ fn wgsl_constants(source: &str) -> Constants {
     let module = parse(source);
     let value = |e| match module.global_expressions[e] {
         Expression::Literal(Literal::U32(v)) => Some(v),
-        // tested where the host has it: camera/beside.rs
+        // tested in camera/perturb.rs
         Expression::Literal(Literal::F32(_)) => None,
         ref other => panic!("not a literal of u32 or f32: {other:?}"),
     };

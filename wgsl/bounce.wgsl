@@ -6,7 +6,7 @@
 const SIZE_MAX: f32 = 65536.0;
 
 fn store_number(at: u32, value: real) {
-    // rounded by its bits: a driver may leave out a conversion to f32 and back
+    // rounded by integer operations: a driver may optimize away a conversion to f32 and back
     let head = head_of(value);
     turned_hi[at] = f32(head);
     turned_lo[at] = f32(value - head);

@@ -36,7 +36,7 @@ fn recheck(
             }
             left = without_bit(left, bit);
             let b = pixel_bundle(whole, cell, bit % TILE, bit / TILE);
-            if is_between(beside(b, real(params.reach)), v) {
+            if is_between(perturbed(b, real(params.scene_size)), v) {
                 covered = with_bit(covered, bit);
             }
         }

@@ -7,7 +7,6 @@
 //! [`kinds`] lists what a scene file may name; each named kind is a [`recipe::Recipe`] that builds such layers.
 
 pub mod arranged;
-pub mod beside;
 mod boxes;
 pub mod bundle;
 pub mod central;
@@ -20,6 +19,7 @@ pub mod graph;
 pub mod kinds;
 pub mod mesh;
 pub mod named;
+pub mod perturb;
 pub mod pieces;
 pub mod pose;
 pub mod project;
@@ -62,9 +62,9 @@ pub struct Camera {
     pub optics: Option<Arc<Optics>>,
     /// What was left out of a partly degenerate camera, for a person to read.
     pub notes: Vec<String>,
-    /// What was asked of it and is not to be had in its scene: it falls back to less there.
+    /// What was asked for and cannot be done in this scene, for a person to read.
     pub unmet: Vec<String>,
-    /// What of the scene its rays depend on.
+    /// How far its rays depend on the scene.
     pub looked: Looked,
 }
 
@@ -93,7 +93,7 @@ impl Camera {
         Camera::in_setting(spec, &Setting::new(size, mesh, spec.t_range))
     }
 
-    /// Compiles a camera that is part of another, whose setting notes what it looks at.
+    /// Compiles a camera that may be part of another, and notes in `setting` how far it depends on the scene.
     pub(crate) fn in_setting(spec: &CameraSpec, setting: &Setting) -> Result<Camera> {
         let own = Cell::default();
         let built = Camera::build(spec, &setting.noting(spec.t_range, &own));
@@ -204,14 +204,13 @@ impl Camera {
     }
 }
 
-/// How far control points may lie from the origin, world units: as far as scenes may reach. Beyond, f32 holds none, and products of a few
-/// leave the range of f64.
+/// Largest coordinate of a control point, world units; as for scenes. Products of ten coordinates stay in the range of f64.
 const REACH_MAX: f64 = 1e30;
 
-/// Places a side of the lattice on which curves are looked at, corner to corner.
+/// Pixels a side of the lattice on which curves are checked, corner to corner.
 const REACH_PLACES: u32 = 17;
 
-/// Refuses curves that reach too far, at pixels all over the image.
+/// Refuses curves that reach too far, tested on a lattice of pixels.
 fn check_reach(rays: &Rays) -> Result<()> {
     let Rays::Curves(curves) = rays else { return Ok(()) };
     let pixel = |k: u32, side: u32| (u64::from(k) * u64::from(side - 1) / u64::from(REACH_PLACES - 1)) as u32;
@@ -223,7 +222,7 @@ fn check_reach(rays: &Rays) -> Result<()> {
         return Ok(());
     }
     Err(Error::input(format!(
-        "camera: a control point lies {reach:.1e} away, of at most {REACH_MAX:.0e}; move it, or scale the scene and its camera"
+        "camera: a control point lies {reach:.1e} from the origin, over the limit of {REACH_MAX:.0e}; move it, or scale the scene and its camera"
     )))
 }
 

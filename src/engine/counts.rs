@@ -1,4 +1,4 @@
-//! What the stages counted in one frame.
+//! What the stages of a frame counted.
 
 use crate::gpu::rows::{
     COUNT_DOUBTS, COUNT_EDGES, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT,
@@ -9,27 +9,29 @@ use std::ops::AddAssign;
 /// Sums over all jobs of a frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// (cluster, node) items that cull queued for its next steps.
+    /// (cluster, node) items that cull queued for itself.
     pub cull_items: u64,
-    /// (cluster, node) items that split took.
+    /// (cluster, node) items that split read.
     pub split_items: u64,
-    /// (bunch, node) items that bin took.
+    /// (bunch, node) items that bin read.
     pub bin_items: u64,
-    /// (triangle, tile) pairs that raster took.
+    /// (triangle, tile) pairs that raster read.
     pub pairs: u64,
-    /// Of these four the pairs that bin looked at, those with a pixel that the triangle may cover, and pixels of these that were tested and
-    /// that are covered: where frames count fragments.
+    /// Pairs that bin tested. This and the next three are counted only in frames that count fragments.
     pub pairs_tested: u64,
+    /// Those with a pixel that the triangle may cover.
     pub pairs_kept: u64,
+    /// Pixels of kept pairs that raster tested.
     pub fragments_tested: u64,
+    /// Those that the triangle covers.
     pub fragments_kept: u64,
-    /// Half tiles of pairs that recheck took.
+    /// Half tiles of pairs that recheck read.
     pub recheck_items: u64,
-    /// Pixels of pairs whose signs f32 did not prove.
+    /// Pixels of pairs whose coverage f32 did not prove.
     pub rechecked: u64,
-    /// Pixels that hold an edge, where they have several samples.
+    /// Pixels with an edge, in frames of several samples.
     pub edges: u64,
-    /// Samples of these that settle took.
+    /// Samples of these pixels that settle read.
     pub settle_items: u64,
 }
 
@@ -38,7 +40,7 @@ impl Counts {
     pub(super) fn of(status: &[u32]) -> Counts {
         let sum = |counter: u32| status.chunks_exact(COUNTERS as usize).map(|s| u64::from(s[counter as usize])).sum();
         Counts {
-            // the queues of the steps come first
+            // the first counters are those of cull's queues
             cull_items: (0..COUNT_WORK).map(sum).sum(),
             split_items: sum(COUNT_WORK),
             bin_items: sum(COUNT_TASKS),

@@ -33,7 +33,7 @@ use std::time::Instant;
 /// Everything that is on the device for frames of one scene; as many of them may be kept as it has memory for.
 pub struct Frames {
     pub(super) gpu: Arc<Gpu>,
-    /// What their plans follow from, beside what is shown.
+    /// The adapter's part of their plans, and the options of their run.
     pub(super) planner: Planner,
     pub(super) run: RunOptions,
     /// Where the images on triangles come from.
@@ -168,7 +168,8 @@ impl Frames {
     /// [`Error::Input`] where the camera is not of the same kind and size as the one before, or turns rays.
     pub fn aim(&mut self, camera: &Camera) -> Result<()> {
         check_samples(&self.scene, camera, &self.wanted, self.rival.is_some())?;
-        let around = Surroundings { anchor: self.plan.anchor, middle: self.plan.middle, reach: self.plan.reach };
+        let Plan { anchor, middle, scene_size, .. } = *self.plan;
+        let around = Surroundings { anchor, middle, scene_size };
         let arrangement = Arrangement::of(camera, around.middle).map(Arc::new);
         let camera = Arc::new(arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
         let wanted = Wanted { channels: self.plan.planes.clone(), ..self.wanted.clone() };

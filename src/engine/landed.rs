@@ -21,7 +21,7 @@ pub(super) struct Sight {
     /// The order of the camera's pixels, where it is not their own.
     pub arrangement: Option<Arc<Arrangement>>,
     pub wanted: Wanted,
-    /// Of the scene, where they are wanted.
+    /// The scene's labels, if they are wanted.
     pub labels: Option<Labels>,
 }
 
@@ -140,7 +140,7 @@ impl Sight {
         Frame { width: camera.width, height: plan.rows(), planes }
     }
 
-    /// Adds the labels of the triangles that are seen, and leaves out their ids where these are not wanted.
+    /// Adds the label planes, computed from the triangle ids, and removes the ids unless they are wanted.
     fn label(&self, planes: &mut Vec<(Channel, Plane)>) {
         let ids = planes.iter().find(|(channel, _)| *channel == Channel::TriangleId);
         let (Some(labels), Some((_, Plane::U32(ids)))) = (&self.labels, ids) else { return };

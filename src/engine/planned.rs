@@ -47,7 +47,7 @@ const FIELD_BYTES: u64 = 24;
 /// And a row of samples for each of them, and one more.
 const KEY_BYTES: u64 = 8;
 
-/// Of a vertex's normal on the device.
+/// Bytes of a normal on the device.
 const NORMAL_BYTES: u64 = 12;
 
 impl Planner {
@@ -152,7 +152,7 @@ impl Planner {
         Ok(Planned { given, asked, scene, camera, arrangement, plan, clustered, wanted })
     }
 
-    /// The adapter sees all normals at once: found out before triangles are sorted.
+    /// Refuses more normals than one binding holds, before any work on the triangles.
     fn check_normals(&self, scene: &Scene) -> Result<()> {
         let (normals, limit, name) = (scene.mesh.normals.len(), self.limit, &self.name);
         if NORMAL_BYTES * normals as u64 <= limit {
@@ -160,7 +160,7 @@ impl Planner {
         }
         Err(Error::input(format!(
             "the scene has {normals} normals; adapter {name} binds at most {limit} bytes of storage \
-             (max_storage_buffer_binding_size), which holds {}; use a coarser mesh or --engine reference",
+             (max_storage_buffer_binding_size), enough for {}; use a coarser mesh or --engine reference",
             limit / NORMAL_BYTES
         )))
     }
@@ -187,7 +187,8 @@ impl Planner {
         }
         let is_as_planned = |l: &&Planned| {
             Arc::ptr_eq(&l.camera, camera)
-                && (l.plan.anchor, l.plan.middle, l.plan.reach) == (around.anchor, around.middle, around.reach)
+                && (l.plan.anchor, l.plan.middle, l.plan.scene_size)
+                    == (around.anchor, around.middle, around.scene_size)
                 && (Contents::of(&l.scene), &l.wanted) == (contents, wanted)
                 && (&l.scene.style, l.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
                 && l.plan.variant == self.variant(l.plan.variant, run)
@@ -199,7 +200,7 @@ impl Planner {
         Arc::new(self.plan_by(run, camera, contents, around, &planned))
     }
 
-    /// The plan of frames that are run like this, with no other channels than those wanted.
+    /// The plan of frames with these options, with exactly the wanted channels.
     pub(super) fn plan_by(
         &self,
         run: &RunOptions,
@@ -213,7 +214,7 @@ impl Planner {
         plan
     }
 
-    /// The kernels of `run` for what those of `planned` show. All that follows from the run and the adapter is set here, and only here.
+    /// `planned` with everything that depends on the run's options and the adapter, which is set only here.
     fn variant(&self, planned: Variant, run: &RunOptions) -> Variant {
         let variant = Variant {
             f64: run.arithmetic != Arithmetic::Single,

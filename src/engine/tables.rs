@@ -174,7 +174,7 @@ pub fn params(
         origin_lost: (ORIGIN_UNITS * f64::EPSILON * plan.anchor.abs().element_sum()) as f32,
         task_capacity: capacities.tasks as u32,
         edge_capacity: capacities.edges as u32,
-        reach: plan.reach as f32,
+        scene_size: plan.scene_size as f32,
         pad0: 0,
         pad1: 0,
         pad2: 0,
@@ -203,10 +203,10 @@ const ORIGIN_UNITS: f64 = 8.0;
 /// t of rays that were turned.
 const TURNED_T_RANGE: [f64; 2] = [0.0, f64::INFINITY];
 
-/// The parameters for rays that were turned. No ray is beside them: next to that of their pixel another may have been turned elsewhere.
+/// The parameters for rays after a bounce. These are not perturbed: a perturbed ray may have met another surface.
 pub fn turned(own: rows::Params) -> rows::Params {
     let [t_min, t_max] = TURNED_T_RANGE.map(split3);
-    rows::Params { t_min, t_max, t_words: words(TURNED_T_RANGE), reach: 0.0, ..own }
+    rows::Params { t_min, t_max, t_words: words(TURNED_T_RANGE), scene_size: 0.0, ..own }
 }
 
 /// The optics for a pass, in the scene with their facets.

@@ -1,4 +1,4 @@
-//! Kernels' sources on their way to the device: checked with the place of what is wrong, and written to files where a developer asks.
+//! Compiles kernels: errors name the place in the source, and `--dump-kernels` writes the sources to files.
 
 use super::device::{Gpu, one_line};
 use super::kernels::Kernel;
@@ -9,10 +9,10 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// A folder that holds every kernel that was compiled.
+/// A folder for the sources of all compiled kernels.
 pub(super) struct Dump {
     folder: PathBuf,
-    /// Names and texts, in the order of compilation.
+    /// Kernel names and file texts, in the order of compilation.
     written: Mutex<Vec<(&'static str, String)>>,
 }
 
@@ -22,13 +22,12 @@ impl Dump {
     /// # Errors
     /// [`Error::Work`] where it cannot be made.
     pub fn new(folder: &Path) -> Result<Dump> {
-        let told = |e| Error::work(format!("{}: cannot make a folder for kernels: {e}", folder.display()));
-        std::fs::create_dir_all(folder).map_err(told)?;
+        let refused = |e| Error::work(format!("{}: cannot make a folder for kernels: {e}", folder.display()));
+        std::fs::create_dir_all(folder).map_err(refused)?;
         Ok(Dump { folder: folder.into(), written: Mutex::default() })
     }
 
-    /// Writes NAME.wgsl, and NAME-2.wgsl and so on for its further variants. Lines are numbered as in errors, so that what the source
-    /// does not say stands behind it.
+    /// Writes NAME.wgsl, then NAME-2.wgsl and so on for further variants. Overrides are appended, so that line numbers match those of errors.
     fn write(&self, kernel: &Kernel, is_lowered: bool) -> std::io::Result<()> {
         let mut text = kernel.source.clone();
         for (name, value) in &kernel.constants {
@@ -54,7 +53,7 @@ impl Dump {
 }
 
 impl Gpu {
-    /// Compiles a kernel, without f64 of the adapter's own where it has none. What is wrong with it is the device's failure.
+    /// Compiles a kernel, with f64 in 32-bit words on an adapter without f64. An error becomes the device's failure.
     pub(crate) fn compile(&self, kernel: &Kernel) -> wgpu::ShaderModule {
         let is_lowered = kernel.f64 && !self.has.f64;
         if let Some(Err(e)) = self.dump.as_ref().map(|dump| dump.write(kernel, is_lowered)) {
@@ -84,13 +83,13 @@ impl Gpu {
     }
 }
 
-/// Columns of a source line that an error shows.
+/// Most characters of a source line that an error shows.
 const SHOWN: usize = 100;
 
-/// What is wrong with a kernel, and where, on one line.
+/// A compiler error on one line: the kernel, the place, what is wrong, the source line.
 fn fault(kernel: &Kernel, message: &wgpu::CompilationMessage) -> String {
     let lines = || message.message.lines().map(str::trim);
-    // a headline, the source with marks, notes
+    // the message has a headline, the source with marks, and notes
     let headline =
         lines().find_map(|l| l.split_once("error: ")).map_or_else(|| one_line(&message.message), |l| l.1.into());
     let notes = lines().filter_map(|l| l.strip_prefix("= ")).map(|note| format!(", {note}"));

@@ -18,7 +18,7 @@ pub struct GpuOptions {
     pub no_int64: bool,
     /// Do without f64 even where there is some: its work is done in 32-bit words.
     pub no_f64: bool,
-    /// Where the source of every kernel is written once it is compiled.
+    /// A folder into which the source of every compiled kernel is written.
     pub dump_kernels: Option<PathBuf>,
 }
 
@@ -31,7 +31,7 @@ pub struct Gpu {
     pub has: Abilities,
     /// Kernels are compiled with wgpu's checks, see [`Gpu::without_checks`].
     checked: bool,
-    /// Where kernels are written.
+    /// Writes the kernels' sources.
     pub(super) dump: Option<Dump>,
     /// The first error that the device reported outside a call.
     failed: Arc<Mutex<Option<String>>>,
@@ -173,7 +173,7 @@ impl Gpu {
         self.checked = false;
     }
 
-    /// A module, checked or as it stands.
+    /// A module, with or without wgpu's checks.
     pub(super) fn create_module(&self, descriptor: wgpu::ShaderModuleDescriptor<'_>) -> wgpu::ShaderModule {
         if self.checked {
             return self.device.create_shader_module(descriptor);
@@ -215,7 +215,7 @@ fn note(failed: &Mutex<Option<String>>, text: String) {
 /// Storage buffers of the kernels that bind most: `shade`, `resolve` and others.
 pub const STORAGE_BUFFERS: u32 = 14;
 
-/// What the device reported, and what to do where it does not say.
+/// What the device reported, and what to do if its memory is full.
 fn described(e: &wgpu::Error) -> String {
     match e {
         wgpu::Error::OutOfMemory { .. } => {

@@ -38,7 +38,7 @@ pub struct Variant {
     /// `raster` goes tile by tile, not pair by pair.
     pub by_tile: bool,
     pub rays: RaysKind,
-    /// They were sorted, and those of a tile have still little to do with each other: what they meet is told one by one.
+    /// The rays are incoherent even after sorting: they are tested one by one against boxes.
     pub scattered: bool,
     /// The tiles of several layers, or of several spans of t, are stacked below each other.
     pub sheeted: bool,
@@ -136,7 +136,7 @@ const WITHIN: &str =
     concat!(snippet!("shared/node_conics.wgsl"), snippet!("shared/extent.wgsl"), snippet!("shared/within.wgsl"),);
 /// Whether rays of a node may meet a triangle's box.
 const BOX_MET: &str = concat!(snippet!("shared/meets.wgsl"), snippet!("shared/box_met.wgsl"));
-const SIDES: &str = concat!(snippet!("shared/sides.wgsl"), snippet!("shared/beside.wgsl"));
+const SIDES: &str = concat!(snippet!("shared/sides.wgsl"), snippet!("shared/perturb.wgsl"));
 const NEARNESS: &str = snippet!("shared/nearness.wgsl");
 /// The cell of a pixel.
 const CELLS: &str = snippet!("shared/cells.wgsl");
@@ -268,7 +268,7 @@ impl Variant {
     }
 
     fn proof(self) -> &'static [&'static str] {
-        const STRAIGHT: &str = concat!(snippet!("shared/beside.wgsl"), snippet!("camera/straight_proof.wgsl"));
+        const STRAIGHT: &str = concat!(snippet!("shared/perturb.wgsl"), snippet!("camera/straight_proof.wgsl"));
         match self.rays {
             RaysKind::Pieces => &[STRAIGHT, snippet!("camera/pieces_proof.wgsl")],
             RaysKind::Field => &[STRAIGHT, snippet!("camera/field_proof.wgsl")],
@@ -290,33 +290,33 @@ impl Variant {
         [&[self.real(), BUNDLE, self.camera()][..], self.pixel()].concat()
     }
 
-    /// How it is told what the rays of a tile meet, one by one.
+    /// Tests of a tile's rays against a box.
     fn tile_rays(self) -> &'static str {
         match self.scattered {
-            true => concat!(snippet!("camera/field_rays.wgsl"), snippet!("shared/rays_apart.wgsl")),
-            false => snippet!("shared/rays_together.wgsl"),
+            true => concat!(snippet!("camera/field_rays.wgsl"), snippet!("shared/rays_scattered.wgsl")),
+            false => snippet!("shared/rays_coherent.wgsl"),
         }
     }
 
-    /// And what those of an item.
+    /// Tests of an item's rays against a box.
     fn item_rays(self) -> &'static str {
         match (self.scattered && self.culling, self.by_tile) {
             (true, true) => concat!(
                 snippet!("camera/field_rays.wgsl"),
-                snippet!("shared/rays_apart.wgsl"),
+                snippet!("shared/rays_scattered.wgsl"),
                 snippet!("shared/lanes.wgsl"),
-                snippet!("shared/items_by_lanes.wgsl"),
+                snippet!("shared/items_scattered_by_lanes.wgsl"),
             ),
             (true, false) => concat!(
                 snippet!("camera/field_rays.wgsl"),
-                snippet!("shared/rays_apart.wgsl"),
-                snippet!("shared/items_apart.wgsl"),
+                snippet!("shared/rays_scattered.wgsl"),
+                snippet!("shared/items_scattered.wgsl"),
             ),
-            (false, _) => snippet!("shared/items_together.wgsl"),
+            (false, _) => snippet!("shared/items_coherent.wgsl"),
         }
     }
 
-    /// What they bind for that.
+    /// The binding of those tests.
     fn scattered_rays(self, asks: bool) -> Option<Binding> {
         (self.scattered && asks).then(|| read("rays_hi", "array<f32>"))
     }

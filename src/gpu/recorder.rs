@@ -18,7 +18,7 @@ pub struct Recorded {
     pub passes: Passes,
 }
 
-/// How many passes each stage took, in the order of their first ones.
+/// Number of passes of each stage, in the order of first use.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Passes(Vec<(&'static str, u32)>);
 
@@ -49,7 +49,7 @@ impl Passes {
         self.0.iter().map(|stage| stage.1).sum()
     }
 
-    /// Those of another submission too.
+    /// Adds the passes of another submission.
     pub fn add(&mut self, other: &Passes) {
         other.0.iter().for_each(|(name, count)| *self.of(name) += count);
     }

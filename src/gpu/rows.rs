@@ -76,7 +76,7 @@ pub struct Params {
     pub origin_lost: f32,
     pub task_capacity: u32,
     pub edge_capacity: u32,
-    pub reach: f32,
+    pub scene_size: f32,
     pub pad0: u32,
     pub pad1: u32,
     pub pad2: u32,

@@ -1,7 +1,7 @@
 //! Rays of a part of the image as one affine bundle, and how far they may lie from it.
 
 use super::tiles::Sampled;
-use crate::camera::beside::BESIDE;
+use crate::camera::perturb::PERTURB;
 use crate::gpu::rows::{self, RAYS_AFFINE, RAYS_LOOSE};
 use glam::{DVec2, DVec3};
 
@@ -89,10 +89,10 @@ impl Fit {
         (size(&self.p), size(&self.d))
     }
 
-    /// As kernels read it: around the rays, and those beside them in a scene of this size.
-    pub fn row(&self, reach: f64) -> rows::Node {
+    /// As kernels read it: a bound of the rays, perturbed or not, in a scene of this size.
+    pub fn row(&self, scene_size: f64) -> rows::Node {
         let (size_p, size_d) = self.sizes();
-        let (r_p, r_d) = (self.r_p + BESIDE * reach, self.r_d + BESIDE * size_d);
+        let (r_p, r_d) = (self.r_p + PERTURB * scene_size, self.r_d + PERTURB * size_d);
         let v = |v: DVec3| v.as_vec3().to_array();
         rows::Node {
             p: v(self.p[0]),

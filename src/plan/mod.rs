@@ -18,7 +18,7 @@ pub mod tear;
 pub mod tiles;
 
 use crate::camera::arranged::is_sorted;
-use crate::camera::beside::reach;
+use crate::camera::perturb::scene_size;
 use crate::camera::{Camera, Rays};
 use crate::frame::Channel;
 use crate::gpu::device::Abilities;
@@ -146,7 +146,7 @@ impl Wanted {
             || of.has_uvs && any(&[Channel::TextureU, Channel::TextureV])
     }
 
-    /// Objects or materials are told apart by their numbers.
+    /// Object or material ids are wanted.
     pub fn has_labels(&self) -> bool {
         self.channels.iter().any(|c| c.is_label())
     }
@@ -187,7 +187,7 @@ pub struct Plan {
     pub anchor: DVec3,
     /// Of the scene, see [`Surroundings`].
     pub middle: DVec3,
-    pub reach: f64,
+    pub scene_size: f64,
     /// How wide images on triangles are filtered, in pixels.
     pub spread: f32,
     pub left_out: Vec<LeftOut>,
@@ -200,8 +200,8 @@ pub struct Surroundings {
     pub anchor: DVec3,
     /// Of the scene: how far bundles spread is compared as far along their rays.
     pub middle: DVec3,
-    /// The scene's size, by which rays go beside their pixel's centre: [`crate::camera::beside`].
-    pub reach: f64,
+    /// By which rays are perturbed: [`crate::camera::perturb`].
+    pub scene_size: f64,
 }
 
 impl Surroundings {
@@ -211,7 +211,7 @@ impl Surroundings {
         let start = camera.ray(middle.0, middle.1).map_or(DVec3::ZERO, |r| r.origin);
         match bounds {
             Some((lo, hi)) => {
-                Surroundings { anchor: start.clamp(lo, hi), middle: (lo + hi) / 2.0, reach: reach(bounds) }
+                Surroundings { anchor: start.clamp(lo, hi), middle: (lo + hi) / 2.0, scene_size: scene_size(bounds) }
             }
             None => Surroundings::point(start),
         }
@@ -219,7 +219,7 @@ impl Surroundings {
 
     /// Of a scene that is one point.
     pub fn point(at: DVec3) -> Surroundings {
-        Surroundings { anchor: at, middle: at, reach: 0.0 }
+        Surroundings { anchor: at, middle: at, scene_size: 0.0 }
     }
 }
 
@@ -298,7 +298,7 @@ impl Plan {
             id_bits: id_bits.max(1),
             anchor: around.anchor,
             middle: around.middle,
-            reach: around.reach,
+            scene_size: around.scene_size,
             // so many boxes of this width tile the pixel
             spread: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
             left_out,
@@ -378,7 +378,7 @@ impl Band {
                 middle: around.middle - anchor,
                 t_range: camera.t_range,
                 scattered: is_sorted(camera),
-                reach: around.reach,
+                scene_size: around.scene_size,
             },
         );
         let rays = match (&curves, camera.layers.as_slice()) {

@@ -39,10 +39,10 @@ pub struct Depth {
     /// Of the scene, relative to the anchor.
     pub middle: DVec3,
     pub t_range: [f64; 2],
-    /// The rays of a tile have little to do with each other: cull descends to every tile.
+    /// The rays are incoherent: cull descends to every tile.
     pub scattered: bool,
-    /// The scene's size, by which rays go beside their pixel's centre; 0 where they stay.
-    pub reach: f64,
+    /// By which rays are perturbed; 0 for rays that are not.
+    pub scene_size: f64,
 }
 
 impl Depth {
@@ -55,11 +55,11 @@ impl Depth {
         half(&fit.p, fit.r_p) + t * half(&fit.d, fit.r_d)
     }
 
-    /// A node above bundles of these widths: torn where they are bounded much better than it, or one by one.
+    /// A node above bundles of these widths: torn where they are bounded much better than it, or where rays are incoherent.
     fn square(&self, fit: Fit, below: impl ExactSizeIterator<Item = f64>) -> Square {
         let (width, count) = (self.width(&fit), below.len() as f64);
         let below = below.sum::<f64>() / count;
-        // of nothing below a mean is NaN, and never narrower
+        // the mean of nothing is NaN, which is not narrower
         let is_narrower = fit.strays() && below < TORN_WIDTH * width;
         let torn = fit.rays == RAYS_LOOSE && (is_narrower || self.scattered && count > 0.0);
         if torn { Square { fit: Fit { rays: RAYS_TORN, ..fit }, width: below } } else { Square { fit, width } }
@@ -86,9 +86,9 @@ impl Nodes {
             let all = || squares.iter().map(|s| s.fit);
             nodes.exact &= all().all(|f| f.rays == RAYS_AFFINE || f.rays == RAYS_NONE);
             nodes.torn |= k == 1 && all().any(|f| f.rays == RAYS_TORN);
-            nodes.nodes.extend(all().map(|f| f.row(depth.reach)));
+            nodes.nodes.extend(all().map(|f| f.row(depth.scene_size)));
         }
-        nodes.nodes.extend(tiles.iter().flat_map(|tile| &tile.each).map(|f| f.row(depth.reach)));
+        nodes.nodes.extend(tiles.iter().flat_map(|tile| &tile.each).map(|f| f.row(depth.scene_size)));
         nodes
     }
 

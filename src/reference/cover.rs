@@ -45,13 +45,13 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
         let set = sets.root(k);
         open[set] |= t0 < t_range[0] || t1 > t_range[1] || reference.cut_by(n.id).is_some();
     }
-    let beside = bundle.beside(reference.reach).0;
+    let perturbed = bundle.perturbed(reference.scene_size).0;
     let mut count = vec![0_i32; near.len()];
     let mut all_two_sided = vec![true; near.len()];
     for (k, n) in near.iter().enumerate().filter(|(_, n)| n.may_hit) {
         let set = sets.root(k);
         if !open[set] {
-            count[set] += i32::from(sign_of(&beside, &n.corners));
+            count[set] += i32::from(sign_of(&perturbed, &n.corners));
             all_two_sided[set] &= reference.two_sided(n.id);
         }
     }

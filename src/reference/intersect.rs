@@ -5,10 +5,10 @@
 //! so that both triangles at an edge see one value. Signs are those of exact arithmetic: f64 where its
 //! rounding bound proves them, [`exact`](super::exact) sums elsewhere.
 //!
-//! The signs are those of the ray beside the pixel's centre ([`crate::camera::beside`]): what should be met exactly at the centre is
-//! decided alike here and in the kernels, however either rounds. Where that ray meets an edge line too, it is moved by one
-//! infinitesimal step of its pixel: dx, far smaller dy, with dx >> dy >> dx^2 >> dx dy >> dy^2 (say dy = dx^1.5), so the
-//! first non-zero derivative in that order decides, for all triangles alike. Signs so found belong to one true
+//! The signs are those of the perturbed ray ([`crate::camera::perturb`]), so that an exact edge hit at the pixel's centre is
+//! decided the same way here and in the kernels, however either rounds. Where the perturbed ray meets an edge line too, it is moved by
+//! one infinitesimal step of its pixel: dx, far smaller dy, with dx >> dy >> dx^2 >> dx dy >> dy^2 (say dy = dx^1.5), so
+//! the first non-zero derivative in that order decides, for all triangles alike. Signs so found belong to one true
 //! configuration: no ray slips through a closed fan, none hits it twice.
 
 use super::exact::{self, Exact};
@@ -114,25 +114,25 @@ fn edge_in_f64(b: &Bundle, from: DVec3, to: DVec3) -> (f64, i8) {
     (value, if value > bound { 1 } else { -i8::from(value < -bound) })
 }
 
-/// A pixel's rays: for depths and weights about its centre, for sides of edges about the place beside it.
+/// A pixel's rays: those about its centre for depths and weights, the perturbed ones for coverage.
 #[derive(Debug, Clone, Copy)]
 pub struct Aim {
     pub centre: Bundle,
-    pub beside: Bundle,
-    /// How far apart they are at most in x or y, px.
+    pub perturbed: Bundle,
+    /// Largest distance between the two in x or y, px.
     pub px: f64,
 }
 
 impl Aim {
     /// In a scene of this size.
-    pub fn new(centre: Bundle, reach: f64) -> Aim {
-        let (beside, px) = centre.beside(reach);
-        Aim { centre: centre.sloping(), beside, px }
+    pub fn new(centre: Bundle, scene_size: f64) -> Aim {
+        let (perturbed, px) = centre.perturbed(scene_size);
+        Aim { centre: centre.sloping(), perturbed, px }
     }
 
-    /// One ray alone.
+    /// One ray, not perturbed.
     pub fn straight(centre: Bundle) -> Aim {
-        Aim { centre, beside: centre, px: 0.0 }
+        Aim { centre, perturbed: centre, px: 0.0 }
     }
 }
 
@@ -191,13 +191,13 @@ pub fn sign_of(b: &Bundle, c: &Corners) -> i8 {
 
 /// The ray of a pixel against the triangle, any `t`. `h > 0`.
 pub fn meet(aim: &Aim, c: &Corners) -> Option<Meeting> {
-    let sign = sign_of(&aim.beside, c);
+    let sign = sign_of(&aim.perturbed, c);
     if sign == 0 {
         return None;
     }
     let t = depth(&aim.centre, c)?;
     let inside = f64::from(sign * c.parity);
-    // the centre may lie outside by as much as the two rays are apart
+    // the perturbed ray is inside; the centre's may be outside by the perturbation
     let e = OPPOSITE.map(|(i, j, turn)| (inside * f64::from(turn) * edge_side(&aim.centre, c.v[i], c.v[j]).0).max(0.0));
     let sum = e[0] + e[1] + e[2];
     let mut weight = [0.0; 3];

@@ -73,7 +73,7 @@ impl Reference<'_> {
             return Verdict { hit, safe: false, candidates, may_miss: true };
         };
         let candidates = self.candidates(&bundle, &beam, t_range);
-        let aim = Aim::new(bundle, self.reach);
+        let aim = Aim::new(bundle, self.scene_size);
         let hit = candidates.iter().filter_map(|c| self.hit_of(&aim, c.id, t_range)).fold(None, nearer);
         let covered = candidates.iter().any(|c| c.covers);
         let ids: Vec<u32> = candidates.iter().map(|c| c.id).collect();

@@ -3,7 +3,7 @@
 use super::Real;
 use super::rays::PixelRays;
 use crate::camera::Bundle;
-use crate::camera::beside::BESIDE_PX;
+use crate::camera::perturb::PERTURB_PX;
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
 /// A side, and whether another correct evaluation of the same rule may find the other one.
@@ -94,10 +94,9 @@ pub fn side(rays: &PixelRays, v: DVec3, w: DVec3, real: Real) -> Side {
     Side { sign: first.map_or(1, |s| s.signum() as i32), doubtful: value.abs() <= doubt }
 }
 
-/// The side on which all rays within `r` px of the bundle's middle pass, and those beside them, beyond any doubt of [`side`]; 0: not
-/// proven.
+/// The side on which all rays within `r` px of the bundle's middle pass, perturbed or not, beyond any doubt of [`side`]; 0: not proven.
 pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, real: Real, r: f64) -> i32 {
-    let r = r + 2.0 * BESIDE_PX;
+    let r = r + 2.0 * PERTURB_PX;
     // bounds from either end
     let ends = [Edge::new(b, v, w, real), Edge::new(b, w, v, real)];
     let step = |terms| {
@@ -113,5 +112,5 @@ pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, real: Real, r: f64) -> i32 {
     if value.abs() > room { value.signum() as i32 } else { 0 }
 }
 
-/// Room for [`side`]'s own doubts, which are smaller than the bound, and for the sizes' growth over the square: twice each.
+/// In units of the bound: the error of [`side`], which is smaller than one, and the growth of the sizes over the square; twice each.
 const DOUBT_BOUNDS: f64 = 4.0;

@@ -46,7 +46,7 @@ pub fn fit(input: &Input) -> Fitted {
         nodes: Nodes::new(
             &bounds,
             (p.tiles_x, p.tiles_y),
-            Depth { middle, t_range: input.t_range(), scattered: false, reach: 0.0 },
+            Depth { middle, t_range: input.t_range(), scattered: false, scene_size: 0.0 },
         ),
         cells: (0..).zip(masks).map(cell).collect(),
     }

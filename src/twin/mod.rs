@@ -69,7 +69,7 @@ pub struct Input<'a> {
     pub vertices_lo: &'a [f32],
     pub slot_of_id: &'a [u32],
     pub surfaces: &'a [[u32; 4]],
-    /// Texture coordinates of each slot's corners, v downwards; none where nothing asks for them.
+    /// Texture coordinates of each slot's corners, v downwards; empty if nothing needs them.
     pub uvs: &'a [[f32; 6]],
     pub look: &'a Look,
     pub optics: Option<OpticsInput<'a>>,

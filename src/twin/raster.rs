@@ -104,9 +104,9 @@ pub fn test(input: &Input, cast: &Cast, c: &Corners, real: Real) -> Tested {
 }
 
 fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested {
-    // in f32 sides are those of the pixel's centre
-    let reach = if real == Real::F64 { f64::from(input.params.reach) } else { 0.0 };
-    let covered = ray_coverage(&rays.beside(reach), c, real);
+    // f32 rays are not perturbed
+    let scene_size = if real == Real::F64 { f64::from(input.params.scene_size) } else { 0.0 };
+    let covered = ray_coverage(&rays.perturbed(scene_size), c, real);
     if !covered.inside && !covered.doubtful {
         return NOTHING;
     }

@@ -18,9 +18,9 @@ pub struct PixelRays {
 }
 
 impl PixelRays {
-    /// About where sides are decided in a scene of this size.
-    pub fn beside(&self, reach: f64) -> PixelRays {
-        PixelRays { bundle: self.bundle.beside(reach).0, ..*self }
+    /// Those on which coverage is decided in a scene of this size.
+    pub fn perturbed(&self, scene_size: f64) -> PixelRays {
+        PixelRays { bundle: self.bundle.perturbed(scene_size).0, ..*self }
     }
 
     /// The ray's direction.

@@ -195,7 +195,7 @@ pub fn word(pixel: &Pixel, channel: Channel, background: [f32; 3]) -> Option<u32
         (Pixel::Miss(m), Channel::PieceId) => m.first.map_or(NO_ID, |f| f.1),
         (Pixel::Miss(m), Channel::MirrorId) => m.first.map_or(NO_ID, |f| f.0),
         (Pixel::Miss(_), Channel::TriangleId) => NO_ID,
-        // what no kernel named shade writes
+        // `shade` does not write these
         (_, Channel::Certified | Channel::ObjectId | Channel::MaterialId) => 0,
         // weights, and what the surface is like
         (Pixel::Miss(_), _) => 0,

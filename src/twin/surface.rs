@@ -75,7 +75,7 @@ impl Surface<'_> {
         (self.in_file_order(w), error + UNIT)
     }
 
-    /// Texture coordinates, 0 without any. Kernels take their weights from rays and corners that are rounded to f32.
+    /// Texture coordinates and a bound on their error, 0 without any. Kernels compute the weights from rays and corners rounded to f32.
     pub fn uv(&self) -> ([f64; 2], f64) {
         let own = self.input.uvs.get(self.slot as usize).filter(|uv| uv.iter().all(|v| v.is_finite()));
         let Some(uv) = own else { return ([0.0; 2], 0.0) };

@@ -50,7 +50,7 @@ impl Input<'_> {
 pub struct Bent {
     pub d: Near3,
     pub share: Near,
-    /// To the other side of the surface.
+    /// It was refracted to the other side of the surface.
     passes: bool,
 }
 
@@ -112,7 +112,7 @@ pub fn bent(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Real) 
     if sure { bent } else { Bent { d: bent.d.lost(), share: bent.share.lost(), ..bent } }
 }
 
-/// The same, and never to the wrong side of the surface as it is.
+/// The same, but never to the wrong side of the surface: its plane then reflects the direction.
 pub fn bent_at(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Real) -> Bent {
     let after = bent(optic, d, normal, outside, real);
     let up = outside.unit();
@@ -121,7 +121,7 @@ pub fn bent_at(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Rea
     let is_wrong = height.v != 0.0 && crosses.yes == after.passes;
     let back = after.d - up * (height + height);
     let bent = if is_wrong { back } else { after.d };
-    // on which side it is makes no difference where it runs along the plane, but for twice its height
+    // where the side is uncertain, the direction is off by at most twice its height over the plane
     let off = 2.0 * (height.v.abs() + height.e);
     let widened = Near3(bent.0.map(|c| c.off_by(c.e + off)));
     Bent { d: if crosses.sure { bent } else { widened }, ..after }

@@ -1,4 +1,4 @@
-// The same rays in recheck arithmetic, and as bundles.
+// The rays of a field in recheck arithmetic, and as bundles.
 
 fn field_origin_real(at: u32) -> real3 {
     return real3(field_origin(at)) + real3(vec3<f32>(rays_lo[at], rays_lo[at + 1u], rays_lo[at + 2u]));

@@ -39,16 +39,15 @@ fn coverage(
         let p = field_origin(at);
         let d = field_direction(at);
         // m: stored v and p and a difference, 3 units of what was subtracted; d: 1 unit; cross product: 3 units;
-        // e: 2 units of both vertices and 1 of |e|; dot product: 3 units; and what the ray beside the pixel's centre, whose side it
-        // is, differs by
+        // e: 2 units of both vertices and 1 of |e|; dot product: 3 units; and the perturbation of the ray
         let m0 = v0 - p;
         let m1 = v1 - p;
         let g0 = cross(d, m0);
         let g1 = cross(d, m1);
-        let beside0 = BESIDE_LOST * length(d) * (length(m0) + params.reach);
-        let beside1 = BESIDE_LOST * length(d) * (length(m1) + params.reach);
-        let round0 = UNIT * length(d) * (6.0 * length(m0) + 4.0 * (r0 + length(p))) + beside0 + LEAST * (1.0 + length(d));
-        let round1 = UNIT * length(d) * (6.0 * length(m1) + 4.0 * (r1 + length(p))) + beside1 + LEAST * (1.0 + length(d));
+        let perturb0 = PERTURB_LOST * length(d) * (length(m0) + params.scene_size);
+        let perturb1 = PERTURB_LOST * length(d) * (length(m1) + params.scene_size);
+        let round0 = UNIT * length(d) * (6.0 * length(m0) + 4.0 * (r0 + length(p))) + perturb0 + LEAST * (1.0 + length(d));
+        let round1 = UNIT * length(d) * (6.0 * length(m1) + 4.0 * (r1 + length(p))) + perturb1 + LEAST * (1.0 + length(d));
         let b01 = field_bound(v1 - v0, r0 + r1, g0, round0);
         let b20 = field_bound(v0 - v2, r0 + r2, g0, round0);
         let b12 = field_bound(v2 - v1, r1 + r2, g1, round1);

@@ -43,8 +43,8 @@ fn moment(cell: Cell, piece: Piece, v: vec3<f32>) -> Moment {
     q.size = size(q.c) + TILE_REACH * (size(q.x) + size(q.y))
         + TILE_REACH * TILE_REACH * (size(q.xx) + size(q.xy) + size(q.yy));
     // m: stored v, h and p, a product and a difference, 4 units of what was subtracted; d: 1 unit as stored; the
-    // cross product and the sums of up to two of them: 8 units of |d| |m|; of the ray beside the pixel's centre, whose side it is,
-    // d and m differ by up to 2^-24 of a pixel's slopes, which is less than 1 unit of |d| |m|
+    // cross product and the sums of up to two of them: 8 units of |d| |m|; the perturbation of the ray, up to 2^-24 px:
+    // less than 1 unit of |d| |m|
     let reach_d = size(cell.d) + TILE_REACH * (size(piece.dx_hi) + size(piece.dy_hi));
     let reach_m = size(m) + TILE_REACH * (size(mx) + size(my));
     let reach_h = abs(cell.h) + TILE_REACH * (abs(piece.hx_hi) + abs(piece.hy_hi));

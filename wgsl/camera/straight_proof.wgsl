@@ -39,7 +39,7 @@ fn proven_side(q: Weighed, from_v: Offset, v: real3, w: real3) -> i32 {
     return sign_beyond(dot(e, g), bound);
 }
 
-// 1: the ray passes between all edges, -1: it does not; 0: not proven.
+// 1: the ray is proven inside all edges, -1: proven outside one; 0: neither.
 fn proven_inside(q: Weighed, from_v: Offset, v: array<real3, 3>) -> i32 {
     let a = proven_side(q, from_v, v[0], v[1]);
     let b = -proven_side(q, from_v, v[0], v[2]);
@@ -83,10 +83,10 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hi
     let from_v = offset_of(q, v[0]);
     var inside = is_inside;
     if !is_inside {
-        // that of the centre, and that by which it was decided
-        let aside = Weighed(beside(q.b, real(params.reach)), q.lost_p, q.lost_d, q.lost_h);
+        // the ray of the pixel's centre, and the perturbed one that decided coverage
+        let moved = Weighed(perturbed(q.b, real(params.scene_size)), q.lost_p, q.lost_d, q.lost_h);
         let centre = proven_inside(q, from_v, v);
-        let decided = proven_inside(aside, offset_of(aside, v[0]), v);
+        let decided = proven_inside(moved, offset_of(moved, v[0]), v);
         if centre < 0 && decided < 0 {
             return MISSED;
         }

@@ -10,7 +10,7 @@ struct Turned {
 struct Bent {
     d: real3,
     share: real,
-    passes: bool,   // to the other side of the surface
+    passes: bool,   // refracted to the other side of the surface
 }
 
 fn norm(v: real3) -> real {
@@ -70,8 +70,8 @@ fn bent(d: real3, normal: real3, outside: real3) -> Bent {
     return Bent(refracted, one - back, true);
 }
 
-// The same, and never to the wrong side of the surface as it is: where the normal is not its own, a direction that it would send there is
-// reflected by the surface's plane.
+// The same, but never to the wrong side of the surface. An interpolated or tilted normal may send a direction there; the surface's plane then
+// reflects it.
 fn bent_at(d: real3, normal: real3, outside: real3) -> Bent {
     var after = bent(d, normal, outside);
     let up = outside / norm(outside);

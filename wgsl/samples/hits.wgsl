@@ -20,7 +20,7 @@ fn settle_samples(
             continue;
         }
         let b = sample_bundle(whole, cell, at.x, at.y, n);
-        if is_between(beside(b, real(params.reach)), v) {
+        if is_between(perturbed(b, real(params.scene_size)), v) {
             let met = flat_meeting(flat, b);
             if met.visible {
                 merge(row * (SAMPLES + 1u) + 1u + n, ~visibility_key(tile_layer(cell.tile), met.t, triangle_id(triangle)));

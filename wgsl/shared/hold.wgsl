@@ -47,12 +47,12 @@ struct Edge {
 }
 
 // From the corner m along e, of triangles that reach so far. m and e as rounded 1 unit each, a cross product 4 of both sizes, d and q
-// 1 each, six products and five sums 8, and a unit for the scaling: 16 of |m| |e|, as |d| <= 1, and 12 of |e| |q|. The ray beside the
-// pixel's centre, whose side it is, has another d and another origin: (d x m)' differs by what they differ by times |m| and 1.
+// 1 each, six products and five sums 8, and a unit for the scaling: 16 of |m| |e|, as |d| <= 1, and 12 of |e| |q|. The side is that of the
+// perturbed ray: its d changes (d x m)' by |m| times d's change, its origin by the origin's change.
 fn edge_from(m: vec3<f32>, e: vec3<f32>, reach_q: f32, reach: f32) -> Edge {
     let size_m = size(m);
     let size_e = size(e);
-    let lost = STORED_UNIT * reach * (size_e + size_m + reach_q) + BESIDE_LOST * size_e * (size_m + params.reach);
+    let lost = STORED_UNIT * reach * (size_e + size_m + reach_q) + PERTURB_LOST * size_e * (size_m + params.scene_size);
     let bound = UNIT * size_e * (16.0 * size_m + 12.0 * reach_q) + lost + LEAST * (2.0 + size_m + reach_q);
     let fits = size_e * (size_m + reach_q) < MOST;
     let share = select(0.0, 1.0 / bound, fits);

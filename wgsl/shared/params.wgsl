@@ -50,7 +50,7 @@ struct Params {
     origin_lost: f32,       // what origins of rays may have lost before they were stored
     task_capacity: u32,
     edge_capacity: u32,     // items
-    reach: f32,             // the scene's size by which rays go beside their pixel's centre; 0 where they stay
+    scene_size: f32,        // by which rays are perturbed (perturb.wgsl); 0 for rays that are not
     pad0: u32,
     pad1: u32,
     pad2: u32,
@@ -62,9 +62,9 @@ struct Params {
     level_height: array<vec4<u32>, 2>,  // rows
 }
 
-// What a ray beside its pixel's centre (beside.wgsl) differs by: origins at most 2^-42 of the scene's size, directions at most that of their own;
-// twice that, for sums of components instead of lengths.
-const BESIDE_LOST: f32 = 1.0 / 2199023255552.0;
+// A perturbation (perturb.wgsl) moves origins by at most 2^-42 of the scene's size, and directions by 2^-42 of their own. This is twice that,
+// for sums of components instead of lengths.
+const PERTURB_LOST: f32 = 1.0 / 2199023255552.0;
 
 // Where samples lie about their pixel's centre, px right and down: two a row.
 struct Places {

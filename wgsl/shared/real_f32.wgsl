@@ -9,8 +9,8 @@ const REAL_UNIT: real = 5.9604645e-8;
 // Its square root: how far a double root is off, 2^-12.
 const REAL_UNIT_ROOT: real = 2.44140625e-4;
 
-// Sides are decided at a pixel's centre: what is far less than rounding leaves no trace in f32.
-const BESIDE: real = 0.0;
+// Rays are not perturbed: a perturbation is far below the rounding of f32.
+const PERTURB: real = 0.0;
 
 // Rounding of one operation, relative: 2^-24.
 const REAL_ROUNDING: real = 5.9604645e-8;
@@ -22,7 +22,7 @@ fn of_words(w: vec2<u32>) -> real {
     return bitcast<f32>((w.y & 0x80000000u) | select(size, 0u, exponent <= 896u));
 }
 
-// All of it.
+// f32 is its own head.
 fn head_of(t: real) -> real {
     return t;
 }

@@ -9,8 +9,8 @@ const REAL_UNIT: real = 3.5527136788005009e-15;
 // Its square root: how far a double root is off, 2^-24.
 const REAL_UNIT_ROOT: real = 5.9604644775390625e-8;
 
-// How far beside a pixel's centre sides are decided, relative to the scene's size: 2^-42.
-const BESIDE: real = 2.2737367544323206e-13;
+// Size of a perturbation, relative to the scene's: 2^-42.
+const PERTURB: real = 2.2737367544323206e-13;
 
 // Rounding of one operation, relative: 2^-53.
 const REAL_ROUNDING: real = 1.1102230246251565e-16;
@@ -25,7 +25,7 @@ fn of_words(w: vec2<u32>) -> real {
     return bitcast<f64>((u64(w.y) << 32u) | u64(w.x));
 }
 
-// Rounded to the 24 bits that f32 holds, ties away from 0.
+// Rounded to the 24 bits of f32, ties away from 0.
 fn head_of(t: real) -> real {
     let w = words_of(t);
     let low = w.x + 0x10000000u;

@@ -2,7 +2,7 @@
 // rounded once and for all its triangles alike; in the plane the sign of every edge is exact. So triangles that share an edge or a
 // corner leave no hole, however near the ray passes, and overlap only where roundings fold one of them over.
 
-// The axis along which a ray goes farthest, and how far it goes aside for each step along that.
+// The axis along which a ray goes farthest, and how far it goes along the other two for each step along that.
 struct Shear {
     axis: u32,
     aside: vec2<real>,

@@ -138,7 +138,7 @@ pub(super) fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
         Channel::AlbedoB => Some("PLANE_ALBEDO_B"),
         Channel::TextureU => Some("PLANE_UV_U"),
         Channel::TextureV => Some("PLANE_UV_V"),
-        // labels follow from the triangle, on the host
+        // the host computes labels from triangle ids
         Channel::Certified | Channel::ObjectId | Channel::MaterialId => None,
     };
     planes.iter().enumerate().filter_map(|(k, c)| constant(c).map(|name| (name, k as f64))).collect()

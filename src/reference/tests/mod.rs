@@ -8,8 +8,8 @@ mod verdicts;
 
 use super::intersect::{Aim, Corners, meet};
 use super::{Hit, Reference, nearer, upright};
-use crate::camera::beside::reach;
 use crate::camera::bundle::Bundle;
+use crate::camera::perturb::scene_size;
 use crate::scene::mesh::{Material, Mesh};
 use glam::DVec3;
 use make::{Rng, bundle, icosphere, mesh, soup};
@@ -28,7 +28,7 @@ fn all_hits(mesh: &Mesh, b: &Bundle, t_range: [f64; 2]) -> Vec<Hit> {
     let Some(b) = upright(b) else { return Vec::new() };
     let hit = |(k, t): (usize, &[u32; 3])| {
         let corners = Corners::new(t.map(|i| mesh.positions[i as usize]));
-        let m = meet(&Aim::new(b, reach(mesh.bounds())), &corners)?;
+        let m = meet(&Aim::new(b, scene_size(mesh.bounds())), &corners)?;
         let seen = mesh.materials[mesh.material_of[k] as usize].two_sided || m.sign < 0;
         let inside = !corners.is_degenerate() && seen && t_range[0] <= m.t && m.t <= t_range[1];
         inside.then_some(Hit { t: m.t, triangle: k as u32, bary: m.bary })

@@ -1,4 +1,4 @@
-// Neighbouring rays are near each other: a node says what they meet.
+// Coherent rays: what a node meets, its rays may meet.
 
 fn tile_meets(x: u32, y: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     return true;

@@ -1,7 +1,7 @@
-// What rays meet of an item, tile by tile where it has one: lanes tell for a column each which rays may meet what all of them have, and
-// each goes over these alone.
+// Items of scattered rays, by the lanes of a subgroup. An item of one tile is tested ray by ray: each lane tests a column of rays against
+// one box around the boxes of all lanes, then each lane tests only the rays left against its own box.
 
-// Those that may meet a box around the boxes of all lanes, of those that are met: bit 8 x + y, 32 a word. All lanes ask.
+// The rays that may meet a box around the lanes' boxes that are met: bit 8 x + y, 32 bits a word. All lanes call it.
 fn item_rays(address: u32, node: Node, centre: vec3<f32>, half: vec3<f32>, is_met: bool, thread: u32) -> vec2<u32> {
     let lane = thread % LANES;
     if node_level(address) != 0u || lanes_any(u32(is_met), lane) == 0u {
@@ -19,7 +19,7 @@ fn item_rays(address: u32, node: Node, centre: vec3<f32>, half: vec3<f32>, is_me
     );
 }
 
-// No box reaches as far.
+// Beyond every box.
 const ENDLESS: f32 = 3.0e38;
 
 fn column_rays(address: u32, node: Node, centre: vec3<f32>, half: vec3<f32>, lane: u32) -> u32 {
@@ -39,7 +39,7 @@ fn item_meets(address: u32, rays: vec2<u32>, node: Node, centre: vec3<f32>, half
     return all(pixels.xy < pixels.zw);
 }
 
-// The pixels about the rays of the item's tile that may meet a box: first column and row, and those behind the last.
+// Bounds of the pixels of the item's tile whose rays may meet a box: first column and row, and one past the last.
 fn item_pixels(address: u32, rays: vec2<u32>, node: Node, centre: vec3<f32>, half: vec3<f32>) -> vec4<u32> {
     if node_level(address) != 0u {
         return vec4<u32>(0u, 0u, TILE, TILE);

@@ -1,18 +1,17 @@
-// Rays that have little to do with each other: what a tile's rays meet is told ray by ray.
+// Scattered (incoherent) rays: each ray of a tile is tested by itself.
 
-// What f32 loses of a ray's numbers and a box's, of sums, products and a quotient of these, and of differences between rays: 16
-// roundings.
+// Relative error in f32 of a ray's and a box's numbers, their sums, products and quotient, and differences between rays: 16 roundings.
 const RAY_SLACK: f32 = 1.0 / 1048576.0;
 
-// No end of a range that is a number lies beyond.
+// Stands for an infinite t.
 const FARTHEST_T: f32 = 3.4e38;
 
 fn largest_of(v: vec3<f32>) -> f32 {
     return max(v.x, max(v.y, v.z));
 }
 
-// A pixel's ray may meet a box. Never false when it does, or when another ray does that differs from it by so little of what the
-// rays of its node differ by.
+// A pixel's ray may meet a box. Never false for a ray that meets it, nor for one that differs from such a ray by RAY_SLACK of the node's
+// spread.
 fn ray_meets(at: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let p = field_origin(at);
     let d = field_direction(at);
@@ -20,7 +19,7 @@ fn ray_meets(at: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let q = centre - p;
     let apart_p = vec3<f32>(node.r_p) + abs(node.px) + abs(node.py);
     var r = half + vec3<f32>(params.origin_lost) + RAY_SLACK * (abs(p) + abs(centre) + abs(q) + half + apart_p);
-    // where it meets, t times the largest of its direction is no larger than the way to the box's far side
+    // where they meet, t times the largest component of the direction is at most the distance to the box's far side
     let apart_d = vec3<f32>(node.r_d) + abs(node.dx) + abs(node.dy);
     r += RAY_SLACK * (largest_of(abs(q)) + largest_of(r)) / largest_of(size) * apart_d;
     let is_flat = size == vec3<f32>(0.0);
@@ -31,7 +30,7 @@ fn ray_meets(at: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let to_t = select(middle + reach, vec3<f32>(FARTHEST_T), is_flat);
     let first = max(largest_of(from_t), params.t_min.x - RAY_SLACK * abs(params.t_min.x));
     let last = min(-largest_of(-to_t), params.t_max.x + RAY_SLACK * abs(params.t_max.x));
-    // no number is no proof; no direction is no ray
+    // NaN proves nothing; a zero direction is no ray
     return !(first > last) && !any(is_flat & (abs(q) > r)) && any(size > vec3<f32>(0.0));
 }
 
