@@ -136,7 +136,7 @@ fn no_pixel_beyond_the_fold_has_a_ray() {
     }
 }
 
-/// A pole outside the picture changes nothing in it: what is near the middle is seen near the middle.
+/// A pole outside the picture changes nothing inside: directions near the axis are seen near the middle.
 #[test]
 fn poles_outside_the_picture_leave_it_alone() {
     let matrix = [40.0, 0.0, 31.5, 0.0, 40.0, 23.5, 0.0, 0.0, 1.0];
@@ -151,10 +151,10 @@ fn poles_outside_the_picture_leave_it_alone() {
     }
 }
 
-/// Tangential terms that fold a lens whose radial part grows everywhere: each pixel's ray is seen at that pixel, points of rays
-/// are found at their pixels up to the border, and the border is one line, not a mix of two sheets.
+/// Tangential terms that fold a lens whose radial part grows everywhere. Each pixel's ray is seen at that pixel; points on rays
+/// project to their pixels, up to the fold; and no pixel takes a ray of another branch.
 #[test]
-fn one_sheet_up_to_the_fold() {
+fn one_branch_up_to_the_fold() {
     let (matrix, k) = ([40.0, 0.0, 63.5, 0.0, 40.0, 47.5, 0.0, 0.0, 1.0], [-0.4095, 0.0777, -0.0080, 0.0038]);
     let camera = opencv(&yaml(matrix, &k), POSE, None).unwrap();
     let projector = Projector::new(&camera);
@@ -174,7 +174,7 @@ fn one_sheet_up_to_the_fold() {
             DVec2::new(image.x, image.y).distance(place) <= 1e-9 && (image.t - 2.5).abs() < 1e-15,
             "{i},{j}: {image:?}"
         );
-        // halfway to the middle there is a ray as well, nearer to the axis
+        // halfway to the middle there is a ray, nearer to the axis
         let Rays::Field(field) = &camera.layers[0] else { unreachable!() };
         let inner = field.ray_at(DVec2::new(64.0, 48.0).midpoint(place)).unwrap().direction;
         assert!(inner.truncate().length() <= ray.direction.truncate().length(), "{i},{j}");
@@ -182,9 +182,9 @@ fn one_sheet_up_to_the_fold() {
     assert!(with > 3000 && without > 3000, "{with} {without}");
 }
 
-/// `--check` can see a lens that is inverted wrongly: the reference makes its rays itself.
+/// `--check` can find a wrong inverse of a lens, because the reference computes its own rays.
 #[test]
-fn the_reference_has_rays_of_its_own() {
+fn the_reference_inverts_lenses_itself() {
     let k = [-0.28, 0.09, 1.2e-3, -8e-4, 0.0, 0.1, 0.0, 0.0, 3e-3, -1e-3, 2e-3, 1e-3, 0.05, -0.03];
     let mut scene =
         common::file::load("[camera]\nkind = 'pinhole'\neye = [0, 0, 0]\ntarget = [0, 0, -1]\nvfov = 40\n").unwrap();
@@ -195,7 +195,7 @@ fn the_reference_has_rays_of_its_own() {
     let own: Vec<f64> = direction.split(", ").map(|x| x.parse().unwrap()).collect();
     let off = DVec3::from_slice(&own) - camera.ray(20, 30).unwrap().direction;
     assert!(off.length() < 1e-14, "{text}");
-    // the wrong rays of a wrong lens, handed on as the camera's own, are not the reference's
+    // another lens has other rays in the reference too
     let wrong = opencv(&yaml(MATRIX, &k.map(|k| 1.01 * k)), POSE, None).unwrap();
     assert_ne!(explain(&scene, &wrong, 20, 30), text);
 }
@@ -231,9 +231,9 @@ fn wrong_calibrations_say_why() {
         "",
         "camera.file: 6 distortion coefficients; the Brown model has 0, 4, 5, 8, 12 or 14",
     );
-    let mut fallen = [0.0; 14];
-    fallen[12] = 1.6;
-    refused(&yaml(MATRIX, &fallen), "", "camera.file: tau_x = 1.6, tau_y = 0: a sensor is tilted by less than pi / 2");
+    let mut tilted = [0.0; 14];
+    tilted[12] = 1.6;
+    refused(&yaml(MATRIX, &tilted), "", "camera.file: tau_x = 1.6, tau_y = 0: a tilt must be under pi / 2");
     refused(&yaml(MATRIX, &[0.1; 5]), "model = 'fisheye'", "the fisheye model has 4");
     let mut skewed = MATRIX;
     skewed[1] = 0.5;
@@ -252,7 +252,7 @@ fn wrong_calibrations_say_why() {
     assert_refused(&format!("{POSE}kind = 'opencv'\nfile = 'none.yml'"), "cannot be read");
 }
 
-/// The same lens in all three forms of `FileStorage`, as OpenCV 5 writes them.
+/// The same lens in all three formats of `FileStorage`, as OpenCV 5 writes them.
 #[test]
 fn xml_and_json_are_read_as_yaml_is() {
     let k = [-0.28, 0.09, 1.2e-3, -8e-4, 0.0];
@@ -292,9 +292,9 @@ fn xml_and_json_are_read_as_yaml_is() {
         let said = error.to_string();
         assert!(error.exit_code() == 2 && said.contains(expected) && !said.contains('\n'), "{expected}: {said}");
     };
-    wrong(xml.replace("opencv_storage", "storage"), "its outer element is <storage>");
+    wrong(xml.replace("opencv_storage", "storage"), "its root element is <storage>");
     wrong(xml.replace("image_width", "width"), "<opencv_storage> has no <image_width>");
-    wrong(xml.replace("</data>", " x</data>"), "<data>: \"x\" is no number");
+    wrong(xml.replace("</data>", " x</data>"), "<data>: \"x\" is not a number");
     wrong(xml.replace("<rows>5", "<rows>4"), "distortion_coefficients: 5 numbers in 4 x 1");
     wrong(xml.replace("<dt>", "<rows>1</rows><dt>"), "<rows> is there twice");
     wrong(xml.replace("</opencv_storage>", ""), "not a calibration");
@@ -302,7 +302,7 @@ fn xml_and_json_are_read_as_yaml_is() {
     wrong(format!("<a>{}", "<b>".repeat(100_000)), "not a calibration");
 }
 
-/// ROS's `camera_info` says which model its numbers are of.
+/// ROS's `camera_info` names the model of its coefficients.
 #[test]
 fn the_model_that_a_file_names_is_read() {
     let k = [0.02, -0.003, 1e-3, 0.0];

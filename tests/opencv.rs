@@ -1,5 +1,5 @@
 //! Calibrated lenses against OpenCV itself: random ones of every model, and those that `calibrateCamera` finds with every
-//! combination of its flags. Nothing to do without a `python3` that has `cv2`.
+//! combination of its flags. Skipped without a `python3` that has `cv2` and `numpy`.
 
 mod common;
 
@@ -19,11 +19,11 @@ const CALIBRATED: usize = 200;
 /// Points for each lens, as `lenses.py` writes them: x and y at z = 1, and their pixel by OpenCV.
 const POINTS: usize = 16;
 
-/// What a pixel may be off.
+/// Largest error of a projected point, px.
 const PIXEL: f64 = 1e-9;
 
-/// What a ray may be off at places where a pixel sees more than a fifth of what it does in the middle (`lenses.py` takes points
-/// from there): the rounding of the pixel over that, with focal lengths of some 10 px.
+/// Largest error of a ray where dF/dp stretches by more than 0.2, as it does at the points of `lenses.py`: the rounding of a pixel (some
+/// 1e-14 px) over that stretch and a focal length of 10 px, with a hundredfold margin.
 const RAY: f64 = 1e-12;
 
 #[derive(Deserialize)]
@@ -36,7 +36,7 @@ fn has_opencv() -> bool {
     let asked = Command::new("python3").args(["-c", "import cv2, numpy"]).output();
     let found = asked.is_ok_and(|a| a.status.success());
     if !found {
-        println!("skipped: no python3 with cv2 and numpy on this machine (pip install opencv-python-headless)");
+        common::needs::skip("no python3 with cv2 and numpy on this machine; pip install opencv-python-headless");
     }
     found
 }
@@ -50,7 +50,7 @@ fn script(folder: &Path, args: &[&str]) -> String {
     told.into_owned()
 }
 
-/// OpenCV's pixel: its centre has whole numbers.
+/// OpenCV counts pixels from the centre of the first, this program from its corner.
 fn place_of(pixel: DVec2) -> DVec2 {
     pixel + 0.5
 }
@@ -78,8 +78,9 @@ fn rays(camera: &Camera) -> Vec<f64> {
     pixels.flat_map(ray).collect()
 }
 
-/// Points of the sheet come back: where OpenCV shows them are their rays, and there are their images. How many.
-fn come_back(lens: &Lens, camera: &Camera, points: &[f64]) -> usize {
+/// Checks points of the branch both ways: the ray at the pixel that OpenCV gives passes through the point, and the point projects to that pixel.
+/// Returns how many lie in the picture.
+fn check_points(lens: &Lens, camera: &Camera, points: &[f64]) -> usize {
     let Rays::Field(field) = &camera.layers[0] else { panic!("{}: no field", lens.file) };
     let projector = Projector::new(camera);
     let mut count = 0;
@@ -114,12 +115,12 @@ fn every_lens_is_opencvs() {
     let points: Vec<f64> = points.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect();
     let one = |(lens, points): (&Lens, &[f64])| {
         let camera = camera(folder, lens);
-        (rays(&camera), come_back(lens, &camera, points))
+        (rays(&camera), check_points(lens, &camera, points))
     };
     let made: Vec<(Vec<f64>, usize)> = lenses.par_iter().zip(points.par_chunks(4 * POINTS)).map(one).collect();
     let bytes: Vec<u8> = made.iter().flat_map(|(rays, _)| rays).flat_map(|x| x.to_le_bytes()).collect();
     std::fs::write(folder.join("rays.f64"), bytes).unwrap();
     let back: usize = made.iter().map(|m| m.1).sum();
-    println!("{} lenses; {back} points come back\n{}", lenses.len(), script(folder, &["check"]));
+    println!("{} lenses; {back} points checked\n{}", lenses.len(), script(folder, &["check"]));
     assert!(lenses.len() >= 5 * RANDOM + CALIBRATED * 9 / 10 && back > 8 * lenses.len(), "{} {back}", lenses.len());
 }

@@ -1,10 +1,10 @@
-//! Rays of calibrated lenses, made of the models' definitions by a method of the reference's own: nothing of the camera's inversion
-//! is used, so that a fault there shows.
+//! Rays of calibrated lenses, computed from the models' definitions. Nothing of the camera's inversion is used, so that `--check` finds
+//! its faults.
 //!
-//! The rule is the camera's: a place has the ray that the straight line to it from the middle leads to, up to the first fold or
-//! pole. Here the way that is seen as the line is walked through the plane of rays by its arc length, ahead along
-//! `adj(J) q`, which needs no inverse and goes on smoothly to the fold. Where the model is radial, intervals prove that it grows,
-//! and halving finds the radius.
+//! The rule is the camera's: a place has the ray on the branch of the middle, up to the first fold or pole on the straight line from
+//! the middle to it. Here the preimage of that line is traced through the plane of rays by arc length. Its tangent is `adj(J) q`,
+//! which needs no inverse and is smooth up to the fold. Where the model is radial, interval arithmetic proves that it grows, and
+//! bisection with secants finds the radius.
 
 pub mod dual;
 mod radial;
@@ -17,12 +17,12 @@ use glam::{DQuat, DVec2, DVec3};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// The camera with the reference's own rays where there is a calibrated lens.
+/// The camera, the rays of its calibrated lenses replaced by the reference's own.
 pub fn own(camera: &Camera) -> Cow<'_, Camera> {
     with(camera, Field::kept)
 }
 
-/// The same for few pixels: rays are made as they are asked for.
+/// The same for few pixels: rays are computed when they are needed.
 pub fn own_for_few(camera: &Camera) -> Cow<'_, Camera> {
     with(camera, |field| field)
 }

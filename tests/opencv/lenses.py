@@ -1,7 +1,7 @@
 """Lenses and their pictures by OpenCV, for tests/opencv.rs.
 
     lenses.py make FOLDER COUNT CALIBRATED   writes cam-N.yml, .xml or .json, points.f64 and lenses.json
-    lenses.py check FOLDER                   reads rays.f64, and holds each ray against OpenCV's forward models
+    lenses.py check FOLDER                   reads rays.f64, and compares each ray with OpenCV's forward models
 
 COUNT random lenses of each model, and CALIBRATED that calibrateCamera found, with every combination of its flags.
 """
@@ -17,7 +17,7 @@ import numpy as np
 WIDTH, HEIGHT, POINTS = 16, 12, 16
 FOCAL, CENTRE = (10.5, 9.75), (7.25, 5.875)
 MATRIX = np.array([[FOCAL[0], 0, CENTRE[0]], [0, FOCAL[1], CENTRE[1]], [0, 0, 1]])
-# what a pixel may be off
+# largest error of a pixel
 PIXEL = 1e-9
 
 
@@ -98,10 +98,10 @@ def slopes(k, p):
     return np.stack([(sides[0] - sides[1]) / (2 * step), (sides[2] - sides[3]) / (2 * step)], -1)
 
 
-def sheet_radius(k):
-    """Of a disc without a pole on which the symmetric part of dF/dp is well over 0 in all samples: there F is one to one."""
+def branch_radius(k):
+    """Radius of a disc without a pole on which the symmetric part of dF/dp is over 0.2 in all samples, so that F is one to one."""
     full = np.concatenate([k, np.zeros(14 - len(k))])
-    # the radial part may have narrow places
+    # the radial part may fall steeply in a narrow range
     radii = np.linspace(0, 1, 20001)[1:]
     q = radii**2
     below = 1 + full[5] * q + full[6] * q**2 + full[7] * q**3
@@ -128,7 +128,7 @@ def make(folder, count, calibrated):
         file = f"cam-{n}.{['yml', 'xml', 'json'][n % 3]}"
         write(folder / file, k, matrix)
         lenses.append({"name": name, "file": file, "k": k.tolist(), "matrix": matrix.tolist(), "fisheye": fisheye})
-        p = rng.uniform(-1, 1, (POINTS, 2)) * 0.6 * (0.5 if fisheye else sheet_radius(k))
+        p = rng.uniform(-1, 1, (POINTS, 2)) * 0.6 * (0.5 if fisheye else branch_radius(k))
         pixels = forward(fisheye, k, matrix, np.column_stack([p, np.ones(POINTS)]))
         points.append(np.column_stack([p, pixels]))
     np.stack(points).astype("<f8").tofile(folder / "points.f64")
@@ -159,9 +159,9 @@ def check(folder):
     for lens, own in zip(lenses, rays):
         k, matrix = np.array(lens["k"]), np.array(lens["matrix"])
         has = np.isfinite(own[..., 0])
-        # OpenCV's fisheye ends before 90 degrees
-        held = has & (own[..., 2] > 0.02) if lens["fisheye"] else has
-        off = np.linalg.norm(forward(lens["fisheye"], k, matrix, own[held]) - pixels[held], axis=-1) if held.any() else np.zeros(0)
+        # OpenCV's fisheye stops before 90 degrees
+        compared = has & (own[..., 2] > 0.02) if lens["fisheye"] else has
+        off = np.linalg.norm(forward(lens["fisheye"], k, matrix, own[compared]) - pixels[compared], axis=-1) if compared.any() else np.zeros(0)
         n, without, worst = told.get(lens["name"], (0, 0, 0.0))
         told[lens["name"]] = (n + len(off), without + int((~has).sum()), max(worst, off.max(initial=0)))
         if not (off <= PIXEL).all():

@@ -2,10 +2,10 @@
 
 mod brown;
 pub(crate) mod file;
+mod inverse;
 mod kannala_brandt;
 pub(crate) mod lens;
 mod roots;
-mod sheet;
 mod tilt;
 
 use super::pose::{POSE, Pose};
@@ -30,7 +30,7 @@ struct OpenCv {
     cut: Cut,
 }
 
-/// Everything that defines the rays: the reference makes them of this alone, by an inversion of its own.
+/// Everything that defines the rays. The reference computes its own rays from this alone.
 #[derive(Debug, Clone)]
 pub struct Calibrated {
     pub eye: DVec3,
@@ -78,7 +78,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     Ok(Arc::new(OpenCv { pose, intrinsics, model, distortion, shutter, cut }))
 }
 
-/// The scene's model or else the file's, with the file's coefficients.
+/// The model that the scene names, or else the file, with the file's coefficients.
 fn model(table: &Table, file: &Field, intrinsics: &Intrinsics) -> Result<Model> {
     let named = table.optional("model", |field| match field.text()? {
         "brown" => Ok(false),
@@ -139,7 +139,7 @@ impl RayMap for Sensor {
         Some(Ray { origin: *eye + time * shutter.velocity, direction: turn * direction })
     }
 
-    /// By the forward formula, as long as the camera stands still.
+    /// By the forward formula, if the camera stands still.
     fn images(&self, point: DVec3) -> Option<Vec<(DVec2, f64)>> {
         let Calibrated { eye, view, intrinsics: Intrinsics { size, focal, centre, .. }, shutter, .. } =
             &self.calibrated;

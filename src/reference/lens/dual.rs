@@ -1,4 +1,4 @@
-//! Brown's model with its derivatives, by numbers that carry them: value, d/dx and d/dy.
+//! Brown's model with its derivatives, by dual numbers: value, d/dx and d/dy.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -49,7 +49,7 @@ impl Mul<Dual> for f64 {
     }
 }
 
-/// Where (x, y) of the plane z = 1 is seen; `None` on a pole or beyond it.
+/// Where (x, y) of the plane z = 1 is seen; `None` on a pole or beyond.
 pub fn seen(
     [k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y]: &[f64; 14],
     [x, y]: [f64; 2],
@@ -70,7 +70,7 @@ pub fn seen(
     if (*tau_x, *tau_y) == (0.0, 0.0) {
         return Some([u, v]);
     }
-    // R = [cy 0 -sy; 0 1 0; sy 0 cy] [1 0 0; 0 cx sx; 0 -sx cx] of (u, v, 1), then along its z axis onto the sensor
+    // R = [cy 0 -sy; 0 1 0; sy 0 cy] [1 0 0; 0 cx sx; 0 -sx cx] of (u, v, 1), then projected onto the sensor along its z axis
     let ((sx, cx), (sy, cy)) = (tau_x.sin_cos(), tau_y.sin_cos());
     let (turned_y, depth) = (cx * v + constant(sx), constant(cx) - sx * v);
     let (turned_x, turned_z) = (cy * u - sy * depth, sy * u + cy * depth);

@@ -1,8 +1,8 @@
-//! Radial models: the radius from the middle to where the model first stops growing.
+//! Radial models: the radius that is seen at a given one, on the branch from the middle to where the model first stops growing.
 
 use std::ops::{Add, Div, Mul};
 
-/// All numbers between two.
+/// The numbers from the first to the second.
 #[derive(Debug, Clone, Copy)]
 struct Interval(f64, f64);
 
@@ -21,7 +21,7 @@ impl Mul for Interval {
     }
 }
 
-/// By what is over 0.
+/// The divisor must be over 0.
 impl Div for Interval {
     type Output = Interval;
     fn div(self, b: Interval) -> Interval {
@@ -44,10 +44,9 @@ fn series<const N: usize>(c: [f64; N], q: Interval) -> (Interval, Interval) {
     (value, slope)
 }
 
-/// d(r g)/dr of Brown's radial part at `r`, and the most by which it may change for each unit of r in [lo, hi]; `None` where there may
-/// be a pole.
+/// d(r g)/dr of Brown's radial part at `r`, and a bound on its derivative over [lo, hi]; `None` where there may be a pole.
 pub fn slope(k: &[f64; 14], r: f64, [lo, hi]: [f64; 2]) -> Option<[f64; 2]> {
-    // g = 1 + n, n = N / B with N = A - B: little where a calibration has A almost B
+    // g = 1 + n, n = N / B with N = A - B: A and B nearly cancel in calibrations
     let (above, below) = ([k[0] - k[5], k[1] - k[6], k[4] - k[7]], [k[5], k[6], k[7]]);
     let derivatives = |q: Interval| {
         let ((n, dn), (b, db)) = (series(above, q), series(below, q));
@@ -70,7 +69,7 @@ pub fn slope(k: &[f64; 14], r: f64, [lo, hi]: [f64; 2]) -> Option<[f64; 2]> {
 /// The radius on the plane z = 1 that Brown's model shows at `radius`.
 pub fn brown(k: &[f64; 14], radius: f64) -> Option<f64> {
     let (above, below) = ([k[0], k[1], k[4]], [k[5], k[6], k[7]]);
-    // d(r A / B)/dr = ((A + 2 q A') B - 2 q A B') / B^2, as far as B is over 0
+    // d(r A / B)/dr = ((A + 2 q A') B - 2 q A B') / B^2, while B is over 0
     let grows = |r: Interval| {
         let q = r * r;
         let ((a, da), (b, db)) = (series(above, q), series(below, q));
@@ -110,23 +109,24 @@ pub fn fisheye(k: &[f64; 4], radius: f64) -> Option<f64> {
 enum Found {
     At(f64),
     Folded,
-    /// The model grows up to the end, and shows less there.
+    /// The model grows up to the end, and its value there is smaller.
     Beyond,
 }
 
-/// A stretch this short, relative to its end, is not divided further: 2^-28. A fold in it is at most 2^-56 off in what is seen.
+/// An interval this short, relative to its end, is not divided further: 2^-28. Near a fold the model is flat, so it changes by some 2^-56
+/// over it.
 const NARROW: f64 = 1.0 / (1u64 << 28) as f64;
 
-/// Where the model first shows `radius` in [lo, hi]; it shows less at `lo`, and grows up to there.
+/// The first root of `seen = radius` in [lo, hi], for a model that grows up to `lo` and is smaller there.
 fn first(grows: &impl Fn(Interval) -> Interval, seen: &impl Fn(f64) -> f64, [lo, hi]: [f64; 2], radius: f64) -> Found {
     if grows(Interval(lo, hi)).0 > 0.0 {
         if seen(hi) < radius {
             return Found::Beyond;
         }
-        return Found::At(halved(seen, [lo, hi], radius));
+        return Found::At(root(seen, [lo, hi], radius));
     }
     if hi - lo <= NARROW * hi {
-        // it may stand still for a moment
+        // the model may be flat here and grow again
         let grows_on = grows(exactly(hi)).0 > 0.0 && seen(hi) < radius;
         return if grows_on { Found::Beyond } else { Found::Folded };
     }
@@ -137,8 +137,8 @@ fn first(grows: &impl Fn(Interval) -> Interval, seen: &impl Fn(f64) -> f64, [lo,
     }
 }
 
-/// Where what grows over [lo, hi] shows `radius`: the bracket is cut where its chord does, and in halves each third time.
-fn halved(seen: &impl Fn(f64) -> f64, [mut lo, mut hi]: [f64; 2], radius: f64) -> f64 {
+/// The root of `seen = radius` in [lo, hi], over which the model grows: the secant method in a bracket, every third step a bisection.
+fn root(seen: &impl Fn(f64) -> f64, [mut lo, mut hi]: [f64; 2], radius: f64) -> f64 {
     let (mut below, mut above) = (seen(lo) - radius, seen(hi) - radius);
     for k in 0.. {
         let middle = lo + (hi - lo) * if k % 3 == 2 { 0.5 } else { -below / (above - below) };

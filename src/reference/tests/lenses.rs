@@ -1,4 +1,4 @@
-//! The reference's rays against the camera's: two methods that share nothing.
+//! The reference's rays against the camera's: two independent methods.
 
 use super::make::Rng;
 use crate::camera::named::opencv::lens::{Distortion, Model};
@@ -60,12 +60,12 @@ fn both_methods_find_the_same_rays() {
                 with += 1;
                 let [u, v] = dual::seen(&k, [a.x, a.y]).unwrap().map(|d| d.0);
                 let off = DVec2::new(u[0], v[0]).distance(q);
-                // a thousandth of what a picture of 1000 px may be off, 1e-9 px
-                assert!(off <= 1e-15 * (1.0 + q.length()) * 16.0, "{name}: {q} is seen at {off}");
-                // the rounding of the place, and that of the ray itself, over the least stretch
+                // 1e-9 px in a picture of 1000 px are 1e-12; this is under a fiftieth of that
+                assert!(off <= 1e-15 * (1.0 + q.length()) * 16.0, "{name}: {q} is seen off by {off}");
+                // the rounding of the place over the smallest stretch, and of the ray itself
                 let determinant = u[1] * v[2] - u[2] * v[1];
-                let room = 1e-14 * (1.0 + a.length()) * (1.0 + determinant.recip());
-                assert!((a - b).length() <= room, "{name}: {q}: {a} {b}, determinant {determinant}");
+                let tolerance = 1e-14 * (1.0 + a.length()) * (1.0 + determinant.recip());
+                assert!((a - b).length() <= tolerance, "{name}: {q}: {a} {b}, determinant {determinant}");
                 let back = camera.places(3.0 * a).unwrap();
                 let [(place, t)] = back[..] else { panic!("{name}: {q}: {back:?}") };
                 // the ray's rounding, times the largest stretch
@@ -108,9 +108,9 @@ fn both_methods_find_the_same_fisheye() {
     assert!(missing > 1000, "{missing}");
 }
 
-/// The straight line to a place is followed to the first fold and not beyond: small steps along it, from the middle.
+/// Along a straight line from the middle rays change continuously up to the first fold, and end there.
 #[test]
-fn a_ray_is_where_the_line_from_the_middle_leads() {
+fn rays_are_continuous_along_lines_from_the_middle() {
     // the radial part grows everywhere, and the tangential terms fold it at a radius of some 1.2 on one side
     let k = [-0.4095, 0.0777, -0.0080, 0.0038, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     let camera = Distortion::new(&Model::Brown(k)).unwrap();
@@ -121,7 +121,7 @@ fn a_ray_is_where_the_line_from_the_middle_leads() {
         // once beyond a fold, for good
         let end = steps.iter().position(Option::is_none).unwrap_or(steps.len());
         assert!(steps[end..].iter().all(Option::is_none), "{q}");
-        // and up to it without a jump, however fast the ray moves beside a fold
+        // and up to it without a jump, however fast the ray moves near a fold
         for (n, pair) in steps[..end].windows(2).enumerate() {
             let mut parts = vec![[(n as f64 / 400.0, pair[0].unwrap()), ((n + 1) as f64 / 400.0, pair[1].unwrap())]];
             while let Some([a, b]) = parts.pop() {

@@ -1,8 +1,8 @@
 //! Brown and Conrady's model as OpenCV's `calib3d` has it, with a rational radial part, thin prism terms and a tilted
-//! sensor: from a place on the plane z = 1 to where it is seen.
+//! sensor: from a point on the plane z = 1 to its distorted place.
 //!
 //! `x'' = x' g + 2 p1 x'y' + p2 (r^2 + 2 x'^2) + s1 r^2 + s2 r^4`, `y'' = y' g + p1 (r^2 + 2 y'^2) + 2 p2 x'y' + s3 r^2 + s4 r^4`,
-//! `g = (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)`, then [`Tilt`]. [`super::sheet`] inverts it.
+//! `g = (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)`, then [`Tilt`]. [`super::inverse`] inverts it.
 
 use super::roots;
 use super::tilt::Tilt;
@@ -20,12 +20,12 @@ pub struct Brown {
     pub(super) tilt: Tilt,
     /// The radial part r g grows from 0 to here: to its first fold or pole.
     pub(super) r_max: f64,
-    /// Radius of a disc that the model maps one to one onto a region which holds the straight line from the middle to each of its
-    /// places; see [`Brown::tame_radius`].
-    pub(super) tame: f64,
+    /// Radius of a disc that the model maps one to one, onto a region that is star-shaped about the middle; see
+    /// [`Brown::injective_radius`].
+    pub(super) injective: f64,
 }
 
-/// A place that is seen, before the tilt.
+/// A distorted place, before the tilt.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
     pub place: DVec2,
@@ -36,7 +36,7 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    /// Neither on a fold nor on a pole, nor beyond an odd number of them.
+    /// Not on a fold or a pole, nor beyond an odd number of them.
     pub fn is_upright(&self) -> bool {
         self.below > 0.0 && self.slope.determinant() > 0.0
     }
@@ -46,7 +46,7 @@ impl Brown {
     /// From `k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y`, angles in radians.
     ///
     /// # Errors
-    /// A sensor that is tilted by 90 degrees or more.
+    /// A tilt of 90 degrees or more.
     pub fn new(k: [f64; 14]) -> Result<Brown, String> {
         let mut model = Brown {
             above: [1.0, k[0], k[1], k[4]],
@@ -55,15 +55,15 @@ impl Brown {
             prism: [DVec2::new(k[8], k[10]), DVec2::new(k[9], k[11])],
             tilt: Tilt::new(k[12], k[13])?,
             r_max: 0.0,
-            tame: 0.0,
+            injective: 0.0,
         };
         let pole = roots::first(&model.below);
         model.r_max = roots::first(&model.radial_slope()).min(pole).sqrt();
-        model.tame = model.tame_radius(pole.sqrt());
+        model.injective = model.injective_radius(pole.sqrt());
         Ok(model)
     }
 
-    /// Points are seen in the direction of the middle in which they are: no tangential and no prism terms.
+    /// Distortion moves points only towards or away from the middle: no tangential and no prism terms.
     pub(super) fn is_radial(&self) -> bool {
         self.tangential == [0.0; 2] && self.prism == [DVec2::ZERO; 2]
     }
@@ -76,20 +76,22 @@ impl Brown {
         difference(&roots::product(&first, &self.below), &minus)
     }
 
-    /// With J = dF/dp of F = p g + T(p), T the tangential and prism terms: `|dT| <= e = 6 |p12| r + 2 |s13| r + 4 |s24| r^3` and
-    /// `|T| <= r e / 2`. The symmetric part of J has no eigenvalue under `min(g, d(r g)/dr) - e`: where that is over 0 on a disc,
-    /// F is one to one there (it grows along every chord). `F x dF/dphi` along a circle is at least
-    /// `r^2 (g^2 - 3 g e / 2 - e^2 / 2)`, over 0 where g > 2 e: then each circle's image turns around the middle one way, so that the
-    /// disc's image holds the straight line from the middle to each of its places. Both hold up to the first root of
-    /// `A - 2 B e` and of `(A + 2 q A') B - 2 q A B' - B^2 e`, polynomials of r.
-    fn tame_radius(&self, pole: f64) -> f64 {
+    /// A radius up to which F is one to one and the image of the disc is star-shaped about the middle.
+    ///
+    /// Let F = p g + T(p) with T the tangential and prism terms, and J = dF/dp. Then `|dT| <= e = 6 |p12| r + 2 |s13| r + 4 |s24| r^3`
+    /// and `|T| <= r e / 2`. The eigenvalues of J's symmetric part are at least `min(g, d(r g)/dr) - e`. Where that is positive on a
+    /// disc, F is one to one there, because it grows along every chord. `F x dF/dphi` along a circle is at least
+    /// `r^2 (g^2 - 3 g e / 2 - e^2 / 2)`, which is positive where g > 2 e. Then the image of each circle turns around the middle in
+    /// one direction, so the image of the disc is star-shaped. Both conditions hold up to the first root of `A - 2 B e` and of
+    /// `(A + 2 q A') B - 2 q A B' - B^2 e`, polynomials of r.
+    fn injective_radius(&self, pole: f64) -> f64 {
         let of_r = |c: &[f64]| c.iter().flat_map(|c| [*c, 0.0]).collect::<Vec<_>>();
         let [p, s] = [6.0 * self.tangential_size() + 2.0 * self.prism[0].length(), 4.0 * self.prism[1].length()];
         let (below, e) = (of_r(&self.below), [0.0, p, 0.0, s]);
         let less = roots::product(&below, &e);
-        let turns = difference(&of_r(&self.above), &less.iter().map(|c| 2.0 * c).collect::<Vec<_>>());
-        let grows = difference(&of_r(&self.radial_slope()), &roots::product(&below, &less));
-        roots::first(&turns).min(roots::first(&grows)).min(pole)
+        let star_shaped = difference(&of_r(&self.above), &less.iter().map(|c| 2.0 * c).collect::<Vec<_>>());
+        let one_to_one = difference(&of_r(&self.radial_slope()), &roots::product(&below, &less));
+        roots::first(&star_shaped).min(roots::first(&one_to_one)).min(pole)
     }
 
     fn tangential_size(&self) -> f64 {
@@ -103,7 +105,7 @@ impl Brown {
         (a / b, (slope(&self.above) - a / b * slope(&self.below)) / b, b)
     }
 
-    /// Where `p` is seen, before the tilt.
+    /// The distorted place of `p`, before the tilt.
     pub(super) fn seen(&self, p: DVec2) -> Seen {
         let (q, [p1, p2], [s13, s24]) = (p.length_squared(), self.tangential, self.prism);
         let (g, dg, below) = self.gain(q);
@@ -119,7 +121,7 @@ impl Brown {
         Seen { place, slope: DMat2::from_cols(dx, dy), below }
     }
 
-    /// How far rounding may take the place of [`Brown::seen`] aside: [`ROUNDING`] of the sum of its terms' sizes.
+    /// Bound on the rounding error of the place of [`Brown::seen`]: [`ROUNDING`] times the sum of its terms' sizes.
     pub(super) fn rounding(&self, p: DVec2) -> f64 {
         let q = p.length_squared();
         let size = |c: &[f64; 4]| roots::value(&c.map(f64::abs), q);
@@ -129,14 +131,14 @@ impl Brown {
         ROUNDING * (p.length() * gain + bent)
     }
 
-    /// Bounds of `|d^2 F|` within `room` of p, in two parts: `(all ways, of what is along p / |p| alone)`; not finite where that may
-    /// hold a pole.
+    /// Bounds on `|d^2 F|` within `radius` of p, in two parts: of the terms in any direction, and of the term along p / |p|. Infinite
+    /// where a pole may lie within.
     ///
-    /// The radial part is `d^2 F [h, k] = 2 g' ((p.k) h + (h.k) p + (p.h) k) + 4 g'' (p.h) (p.k) p`: beside a pole the last term, which
-    /// has one direction, is by far the largest.
-    pub(super) fn bend(&self, p: DVec2, room: f64) -> (f64, f64) {
+    /// The radial part is `d^2 F [h, k] = 2 g' ((p.k) h + (h.k) p + (p.h) k) + 4 g'' (p.h) (p.k) p`. Near a pole its last term, which
+    /// is along p, is by far the largest.
+    pub(super) fn bend(&self, p: DVec2, radius: f64) -> (f64, f64) {
         let r = p.length();
-        let (least, most) = ((r - room).max(0.0), r + room);
+        let (least, most) = ((r - radius).max(0.0), r + radius);
         let q = (least * least, most * most);
         let derivatives = |c: &[f64]| {
             [
@@ -145,10 +147,10 @@ impl Brown {
                 roots::bounds(&[2.0 * c[2], 6.0 * c[3]], q),
             ]
         };
-        // of n = g - 1 = (A - B) / B, as calibrations have A almost B: n' = ((A - B)' - n B') / B, n'' = ((A - B)'' - 2 n' B' - n B'') / B
+        // A and B nearly cancel in calibrations, so bound n = g - 1 = (A - B) / B: n' = ((A - B)' - n B') / B, n'' = ((A - B)'' - 2 n' B' - n B'') / B
         let rest: [f64; 4] = std::array::from_fn(|k| self.above[k] - self.below[k]);
         let ([a, da, dda], [b, db, ddb]) = (derivatives(&rest), derivatives(&self.below));
-        // NaN is no pole's absence
+        // NaN proves nothing
         let has_no_pole = b.0 > 0.0;
         if !has_no_pole {
             return (f64::INFINITY, f64::INFINITY);
@@ -163,7 +165,7 @@ impl Brown {
 
     /// r in [0, r_max] with r g = `rd`; `None`: the branch does not reach that far.
     pub(super) fn radial_inverse(&self, rd: f64) -> Option<f64> {
-        // r g >= rd as r A - rd B >= 0, which has no pole
+        // r g >= rd is r A - rd B >= 0, which has no pole
         let f = |r: f64| {
             let (q, slope) = (r * r, |c: &[f64; 4], q: f64| c[1] + q * (2.0 * c[2] + 3.0 * q * c[3]));
             let a = roots::value(&self.above, q);
@@ -182,7 +184,7 @@ impl Brown {
     }
 }
 
-/// Relative to the sum of the terms' sizes: Horner's schemes, the quotient and the sum are at most 16 roundings of half an epsilon.
+/// Relative to the sum of the terms' sizes: Horner's schemes, the quotient and the sum are at most 16 roundings, each half an epsilon.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
@@ -194,16 +196,18 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     sum(a, &b.iter().map(|c| -c).collect::<Vec<_>>())
 }
 
-/// Products, quotients by what is over 0, and differences of intervals.
+/// The product of two intervals.
 fn times(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     let all = [a.0 * b.0, a.0 * b.1, a.1 * b.0, a.1 * b.1];
     all.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)))
 }
 
+/// The quotient, for b over 0.
 fn over(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     times(a, (b.1.recip(), b.0.recip()))
 }
 
+/// The difference.
 fn less(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     (a.0 - b.1, a.1 - b.0)
 }

@@ -1,5 +1,4 @@
-//! The file that OpenCV's `FileStorage` writes after a calibration, YAML, XML or JSON; and that of ROS's `camera_info`, which has
-//! the same keys.
+//! Calibration files: OpenCV's `FileStorage` as YAML, XML or JSON, and ROS's `camera_info`, which has the same keys.
 
 mod xml;
 
@@ -19,7 +18,7 @@ pub struct Intrinsics {
     pub centre: DVec2,
     /// As in the file: `k1, k2, p1, p2, ...`, or the fisheye's four.
     pub coefficients: Vec<f64>,
-    /// Whether the file says that they are of the fisheye model, and its words.
+    /// The file's model: whether it is the fisheye, and the line that says so.
     pub fisheye: Option<(bool, String)>,
 }
 
@@ -44,8 +43,8 @@ struct Matrix {
     data: Vec<f64>,
 }
 
-/// Reads `image_width`, `image_height`, `camera_matrix` and `distortion_coefficients`, and of which model these are if the file says
-/// so (`distortion_model`, `fisheye_model`).
+/// Reads `image_width`, `image_height`, `camera_matrix` and `distortion_coefficients`, and the model if the file names it
+/// (`distortion_model`, `fisheye_model`).
 ///
 /// # Errors
 /// [`Error::Input`] naming the file: it cannot be read, is not such a file, or its matrices have another form.
@@ -56,8 +55,7 @@ pub fn read(path: &Path) -> Result<Intrinsics> {
     parse(&text).map_err(refuse)
 }
 
-/// Lists and tables in brackets that a YAML file may have: a calibration has some tens, and the parser takes the square of them in
-/// time where they are nested.
+/// Most lists and tables in brackets. A calibration has some tens; the YAML parser's time grows with the square of nested ones.
 const BRACKETS_MAX: usize = 10_000;
 
 fn check_brackets(text: &str) -> std::result::Result<(), String> {
@@ -66,7 +64,7 @@ fn check_brackets(text: &str) -> std::result::Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "has {count} lists and tables in brackets, at most {BRACKETS_MAX} are read; leave out all but the camera's keys"
+        "has {count} lists and tables in brackets, over the limit of {BRACKETS_MAX}; remove all but the camera's keys"
     ))
 }
 
@@ -100,7 +98,7 @@ fn parse(text: &str) -> std::result::Result<Intrinsics, String> {
     })
 }
 
-/// The keys of a file in any of the three forms, told apart by how it starts.
+/// The keys of a file in any of the three formats, which its first character tells apart.
 fn keys(text: &str) -> std::result::Result<Keys, String> {
     let text = text.trim_start_matches('\u{feff}').trim_start();
     if text.starts_with('<') {
@@ -113,7 +111,7 @@ fn keys(text: &str) -> std::result::Result<Keys, String> {
     serde_norway::from_str(&text.replacen("%YAML:1.0", "# YAML 1.0", 1)).map_err(|e| e.to_string())
 }
 
-/// Whether the file says that its model is the fisheye's, and in what words.
+/// The model that the file names: whether it is the fisheye, and the line that says so.
 fn said_model(keys: &Keys) -> std::result::Result<Option<(bool, String)>, String> {
     let named = match keys.distortion_model.as_deref() {
         None => None,
@@ -121,7 +119,7 @@ fn said_model(keys: &Keys) -> std::result::Result<Option<(bool, String)>, String
         Some(name @ "equidistant") => Some((true, format!("distortion_model: {name}"))),
         Some(name) => {
             return Err(format!(
-                "distortion_model: {name:?} is not known here; use plumb_bob or rational_polynomial (Brown), or equidistant (fisheye)"
+                "distortion_model: {name:?} is not known; use plumb_bob or rational_polynomial (Brown), or equidistant (fisheye)"
             ));
         }
     };

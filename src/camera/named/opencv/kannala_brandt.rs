@@ -1,12 +1,12 @@
-//! Kannala and Brandt's fisheye model, as OpenCV's `fisheye` module has it.
+//! The fisheye model.
 
 use super::roots;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Kannala and Brandt's model, as in OpenCV's `fisheye`: seen at
-/// `theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)` from the middle. OpenCV itself sees less than 90
-/// degrees from ahead; the formula goes on to 180.
+/// Kannala and Brandt's model, as in OpenCV's `fisheye` module. A direction at angle theta from the axis is seen at radius
+/// `theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)`. OpenCV itself
+/// stops before 90 degrees; here theta goes up to 180.
 #[derive(Debug, Clone, Copy)]
 pub struct KannalaBrandt {
     /// theta_d / theta as a polynomial of theta^2.
@@ -52,13 +52,13 @@ impl KannalaBrandt {
         (theta < self.theta_max).then(|| across.normalize_or_zero() * self.distorted(theta).0)
     }
 
-    /// The point `v` lies straight ahead or behind, and the image shows a whole circle of what is straight behind.
+    /// `v` is on the axis, and the point straight behind the eye is seen on a whole circle.
     pub fn is_on_circle(&self, v: DVec3) -> bool {
         self.theta_max == PI && v.truncate().length() <= STRAIGHT * v.length()
     }
 }
 
-/// Sine of the angle up to which a direction counts as straight: what else counts as a degenerate image in projection, 2^-40.
+/// Sine of the largest angle at which a direction counts as on the axis: 2^-40, as for other degenerate images in projection.
 const STRAIGHT: f64 = 1.0 / (1u64 << 40) as f64;
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::brown::Brown;
 use super::kannala_brandt::KannalaBrandt;
 use glam::{DVec2, DVec3};
 
-/// A model and its numbers, as the file has them.
+/// A model and its coefficients, in the file's order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Model {
     /// `k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y`; angles in radians.
@@ -15,7 +15,7 @@ pub enum Model {
     Fisheye([f64; 4]),
 }
 
-/// A model made ready to be inverted.
+/// A model prepared for inversion.
 #[derive(Debug, Clone, Copy)]
 #[allow(clippy::large_enum_variant, reason = "a camera has one")]
 pub enum Distortion {
@@ -33,8 +33,8 @@ impl Distortion {
         })
     }
 
-    /// The direction that is seen at the place `q` = ((u - cx) / fx, (v - cy) / fy); `None`: the branch that holds the middle
-    /// does not reach there.
+    /// The direction that is seen at the place `q` = ((u - cx) / fx, (v - cy) / fy); `None`: the branch of the middle does not
+    /// reach there.
     pub fn direction(&self, q: DVec2) -> Option<DVec3> {
         match self {
             Distortion::Brown(model) => Some(model.undistorted(q)?.extend(1.0)),
@@ -42,7 +42,7 @@ impl Distortion {
         }
     }
 
-    /// All places at which the point `v` is seen, each with its t; `None` where there are too many to list.
+    /// All places at which the point `v` is seen, each with its t; `None` if there are infinitely many.
     pub fn places(&self, v: DVec3) -> Option<Vec<(DVec2, f64)>> {
         match self {
             _ if v == DVec3::ZERO => None,

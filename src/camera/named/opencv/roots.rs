@@ -1,4 +1,4 @@
-//! The least positive root of a polynomial, which no step may jump over; the root of a function in a bracket.
+//! The least positive root of a polynomial, found with certainty; the root of a function in a bracket.
 
 /// The value at `x` of the polynomial with these coefficients, constant first.
 pub fn value(c: &[f64], x: f64) -> f64 {
@@ -20,7 +20,7 @@ pub fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
     c
 }
 
-/// Bounds of the polynomial's value for x in [lo, hi], 0 <= lo, but for rounding: Horner's scheme in intervals.
+/// Bounds of the polynomial for x in [lo, hi], 0 <= lo, up to rounding: Horner's scheme in intervals.
 pub fn bounds(c: &[f64], (lo, hi): (f64, f64)) -> (f64, f64) {
     c.iter().rev().fold((0.0, 0.0), |(least, most), c| {
         let least = least * if least >= 0.0 { lo } else { hi };
@@ -29,13 +29,13 @@ pub fn bounds(c: &[f64], (lo, hi): (f64, f64)) -> (f64, f64) {
     })
 }
 
-/// A bracket this narrow, relative to its ends, is a root: four roundings. The step that closes it is half of that.
+/// A bracket this narrow, relative to its upper end, is a root: four epsilons. The smallest step is half of that.
 const BRACKET: f64 = 4.0 * f64::EPSILON;
 
-/// The only place in [0, hi] where the sign of `f(x) = (value, derivative)` changes, f(0) <= 0 <= f(hi), from a guess.
+/// The only root of `f(x) = (value, derivative)` in [0, hi], f(0) <= 0 <= f(hi), from a guess.
 ///
-/// Newton's method, and halving of the bracket where that does not halve its own steps. The sign changes within four
-/// roundings of what is returned: no step's size decides.
+/// Newton's method, with bisection where a Newton step is not half the one before. The iteration ends by the width of the bracket, never
+/// by the size of a step.
 pub fn in_bracket(guess: f64, mut hi: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
     let (mut lo, mut x, mut last) = (0.0, guess.clamp(0.0, hi), hi);
     let mut best = (f64::INFINITY, x);
@@ -52,7 +52,7 @@ pub fn in_bracket(guess: f64, mut hi: f64, f: impl Fn(f64) -> (f64, f64)) -> f64
         if value == 0.0 || hi - lo <= BRACKET * hi {
             return best.1;
         }
-        // never so short that it stays on its side of the root for rounding alone
+        // long enough to cross the root despite rounding
         let step = value / slope;
         let step = step.signum() * step.abs().max(0.5 * BRACKET * x);
         let newton = x - step;
@@ -110,7 +110,7 @@ mod tests {
             let root = in_bracket(guess, 1e6, cubic);
             assert!((root - 2f64.cbrt()).abs() <= 4.0 * f64::EPSILON, "{guess}: {root}");
         }
-        // flat at the end of the bracket, and with a slope of no use
+        // a zero slope at the end of the bracket, and everywhere
         let barrel = |x: f64| (x - x * x * x / 3.0 - 2.0 / 3.0, 1.0 - x * x);
         assert!((in_bracket(0.5, 1.0, barrel) - 1.0).abs() < 1e-7);
         assert!((in_bracket(0.5, 8.0, |x| (x - 3.0, 0.0)) - 3.0).abs() <= 4.0 * f64::EPSILON);
@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_hold_all_values_and_close_in() {
+    fn bounds_hold_all_values_and_are_tight_at_a_point() {
         let c = [1.0, -3.0, 0.5, 0.25];
         for k in 0..40 {
             let (lo, hi) = (0.1 * f64::from(k), 0.1 * f64::from(k + 1));

@@ -1,5 +1,4 @@
-//! A sensor that is tilted against the lens, as OpenCV's `tau_x` and `tau_y`: a projective map of the plane z = 1 that keeps the
-//! middle.
+//! A sensor tilted against the lens, as OpenCV's `tau_x` and `tau_y`: a projective map of the plane z = 1 that fixes the middle.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -13,15 +12,15 @@ impl Tilt {
     /// From the angles about x and y, radians.
     ///
     /// # Errors
-    /// An angle of 90 degrees or more, which no light reaches.
+    /// An angle of 90 degrees or more: no light reaches such a sensor.
     pub fn new(tau_x: f64, tau_y: f64) -> Result<Tilt, String> {
         if tau_x.abs().max(tau_y.abs()) >= std::f64::consts::FRAC_PI_2 {
-            return Err(format!("tau_x = {tau_x}, tau_y = {tau_y}: a sensor is tilted by less than pi / 2"));
+            return Err(format!("tau_x = {tau_x}, tau_y = {tau_y}: a tilt must be under pi / 2"));
         }
         if (tau_x, tau_y) == (0.0, 0.0) {
             return Ok(Tilt { maps: None });
         }
-        // OpenCV turns the other way round than glam
+        // OpenCV's angles have the opposite sign of glam's
         let turn = DMat3::from_rotation_y(-tau_y) * DMat3::from_rotation_x(-tau_x);
         let [x, y, z] = turn.z_axis.to_array();
         let project = DMat3::from_cols(DVec3::new(z, 0.0, 0.0), DVec3::new(0.0, z, 0.0), DVec3::new(-x, -y, 1.0));
@@ -29,12 +28,12 @@ impl Tilt {
         Ok(Tilt { maps: Some([onto, onto.inverse()]) })
     }
 
-    /// Where a place of the plane falls on the sensor; `None` where it falls beside or behind.
+    /// Where light from a place of the plane meets the sensor; `None` if it does not.
     pub fn onto(&self, place: DVec2) -> Option<DVec2> {
         self.maps.map_or(Some(place), |[onto, _]| projected(onto, place))
     }
 
-    /// The place of the plane that falls on this one of the sensor.
+    /// The place of the plane whose light meets the sensor here.
     pub fn back(&self, place: DVec2) -> Option<DVec2> {
         self.maps.map_or(Some(place), |[_, back]| projected(back, place))
     }
@@ -67,7 +66,7 @@ mod tests {
             assert!((tilt.back(onto).unwrap() - p).length() < 1e-14, "{p}");
         }
         assert_eq!(tilt.onto(DVec2::ZERO), Some(DVec2::ZERO));
-        // what is as far aside as the sensor is tilted falls on no place of it
+        // light along the tilted sensor's plane, or beyond, does not meet it
         assert_eq!(tilt.onto(DVec2::new(6.0, 6.0)), None);
         assert!(Tilt::new(1.6, 0.0).is_err() && Tilt::new(0.0, 0.0).unwrap().maps.is_none());
     }

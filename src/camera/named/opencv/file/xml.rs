@@ -1,4 +1,4 @@
-//! `FileStorage` as XML: elements of `<opencv_storage>`, lists as numbers with spaces between them.
+//! `FileStorage` as XML: elements of `<opencv_storage>`; lists are numbers separated by spaces.
 
 use super::{Keys, Matrix};
 use roxmltree::{Document, Node};
@@ -10,7 +10,7 @@ pub fn keys(text: &str) -> Result<Keys> {
     let document = Document::parse(text).map_err(|e| e.to_string())?;
     let root = document.root_element();
     if !root.has_tag_name("opencv_storage") {
-        return Err(format!("its outer element is <{}>, not <opencv_storage>", root.tag_name().name()));
+        return Err(format!("its root element is <{}>, not <opencv_storage>", root.tag_name().name()));
     }
     Ok(Keys {
         image_width: number(need(root, "image_width")?)?,
@@ -39,7 +39,7 @@ fn text_of<'a>(node: Node<'a, 'a>) -> &'a str {
 }
 
 fn read<T: FromStr>(node: Node, word: &str) -> Result<T> {
-    word.parse().map_err(|_| format!("<{}>: {word:?} is no number that fits", node.tag_name().name()))
+    word.parse().map_err(|_| format!("<{}>: {word:?} is not a number in range", node.tag_name().name()))
 }
 
 fn number<T: FromStr>(node: Node) -> Result<T> {

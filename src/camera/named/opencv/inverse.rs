@@ -1,29 +1,30 @@
-//! The inverse of [`Brown`]: the ray of a place, on the sheet that holds the middle.
+//! The inverse of [`Brown`]: the ray of a distorted place, on the branch of the middle.
 //!
-//! The rule: a place has the ray that is reached by the straight line to it from the middle (where the axis is seen) as long as
-//! the line meets neither a fold (det dF/dp = 0) nor a pole. So a place has one ray at most, neighbours on one side of a fold
-//! have neighbouring rays, and a point is seen where its own line, followed back, ends in the middle. Of radial lenses that is
-//! the branch from the middle outward to its first fold or pole. A tilt maps lines to lines and is undone beforehand.
+//! The inverse of a distortion has several branches, which meet at folds (det dF/dp = 0) and poles. The rule: follow the straight line
+//! from the middle, where the axis is seen, to the place. Its preimage starts at the axis and ends at the place's ray; if it
+//! meets a fold or a pole first, the place has no ray. So a place has at most one ray, and neighbours on one side of a fold have
+//! neighbouring rays. A point is seen if the line from its distorted place back to the middle ends at the axis. For a radial lens
+//! this is the branch from the middle outward to the first fold or pole. A tilt maps lines to lines and is undone first.
 
 use super::brown::{Brown, Seen};
 use glam::DVec2;
 
-/// Newton steps at most: within [`KANTOROVICH`] each doubles the digits, from two of them on.
+/// Most Newton steps. Within [`KANTOROVICH`] each doubles the digits, starting from two.
 const STEPS: usize = 12;
 
-/// Newton's method finds a root, the only one around, with dF/dp regular there and all the way to it, where `|1 / dF d^2 F| |step|`
-/// within twice the step is at most 1/2 (Kantorovich 1948); less is closer to the root from the start.
+/// Bound on `|1 / dF d^2 F| |step|` within twice the first step. At most 1/2, and Newton's method converges to the only root nearby, with
+/// dF/dp regular all the way (Kantorovich 1948). Less starts closer to the root.
 const KANTOROVICH: f64 = 0.4;
 
-/// A line that comes this near to a fold, as det dF/dp, ends there: on a line that meets one that is within 2^-44 of the fold, far under
-/// what rounding moves a pixel.
+/// A line ends at a fold where det dF/dp falls to this. The determinant falls with the square root of the distance to the fold, so
+/// that is within some 2^-44 of it: far less than a pixel.
 const FOLD: f64 = 1.0 / (1u64 << 22) as f64;
 
-/// Steps along a line at most. Some 50 lead to a fold, thousands past what is all but one; the number only sees to an end.
+/// Most steps along a line, so that it ends. Some 50 lead to a fold, and thousands past a near fold.
 const LINE_STEPS: usize = 1 << 15;
 
 impl Brown {
-    /// The place of the plane z = 1 that is seen at `q`.
+    /// The point of the plane z = 1 that is seen at `q`.
     pub fn undistorted(&self, q: DVec2) -> Option<DVec2> {
         let q = self.tilt.back(q)?;
         if q == DVec2::ZERO {
@@ -36,25 +37,25 @@ impl Brown {
         let guess = r.map(|r| q * (r / q.length()));
         guess
             .and_then(|p| self.newton(p, q))
-            .filter(|p| self.is_on_sheet(*p))
+            .filter(|p| self.is_on_branch(*p))
             .or_else(|| self.follow(DVec2::ZERO, q, |_| false))
     }
 
-    /// Where a place of the plane z = 1 is seen; `None` where it is not.
+    /// Where a point of the plane z = 1 is seen; `None` if it is not.
     pub fn distorted(&self, p: DVec2) -> Option<DVec2> {
-        let sees = if self.is_radial() { p.length() < self.r_max } else { self.is_on_sheet(p) };
+        let sees = if self.is_radial() { p.length() < self.r_max } else { self.is_on_branch(p) };
         self.tilt.onto(sees.then(|| self.seen(p).place)?)
     }
 
-    /// The line from where `p` is seen to the middle leads `p` there.
-    fn is_on_sheet(&self, p: DVec2) -> bool {
-        // of the image of the disc, all lines to the middle lie in it
-        let is_tame = |p: DVec2| p.length() < self.tame;
-        is_tame(p) || self.follow(p, DVec2::ZERO, is_tame).is_some_and(is_tame)
+    /// The preimage of the line from the distorted place of `p` to the middle leads from `p` to the axis.
+    fn is_on_branch(&self, p: DVec2) -> bool {
+        // the image of this disc holds all of its lines to the middle
+        let is_near = |p: DVec2| p.length() < self.injective;
+        is_near(p) || self.follow(p, DVec2::ZERO, is_near).is_some_and(is_near)
     }
 
-    /// From `p` along the way that is seen as the straight line from there to `end`: to its end, or to where `is_enough`. `None` where
-    /// it meets a fold or a pole.
+    /// Follows from `p` the preimage of the straight line from its distorted place to `end`, up to the end or until `is_enough`. `None` if it
+    /// meets a fold or a pole.
     fn follow(&self, mut p: DVec2, end: DVec2, is_enough: impl Fn(DVec2) -> bool) -> Option<DVec2> {
         let mut share = 1.0;
         for _ in 0..LINE_STEPS {
@@ -72,10 +73,10 @@ impl Brown {
             let steep = inverse.x_axis.length().hypot(inverse.y_axis.length());
             let lengthwise = (inverse * p.normalize_or_zero()).length();
             share = f64::min(1.0, 4.0 * share);
-            // `|1 / dF d^2 F|` within `room`, where the direction from the middle turns by an angle of sine room / r at most
-            let bend = |room: f64| {
-                let (all, along) = self.bend(p, room);
-                let turn = f64::min(2.0, std::f64::consts::SQRT_2 * room / p.length());
+            // `|1 / dF d^2 F|` within `radius`; the direction from the middle turns there by an angle of sine radius / r at most
+            let bend = |radius: f64| {
+                let (all, along) = self.bend(p, radius);
+                let turn = f64::min(2.0, std::f64::consts::SQRT_2 * radius / p.length());
                 steep * all + (lengthwise + steep * turn) * along
             };
             // NaN proves nothing
@@ -85,7 +86,7 @@ impl Brown {
                     break;
                 }
                 share *= 0.5;
-                // rounding alone is between here and a fold or pole
+                // a fold or pole lies within rounding
                 let is_known = share * rest.length() > self.rounding(p);
                 if !is_known {
                     return None;
@@ -96,14 +97,14 @@ impl Brown {
         None
     }
 
-    /// Newton's method from `p` to where `q` is seen, until only rounding is left; `None` where that fails.
+    /// Newton's method from `p` for the point that is seen at `q`, down to rounding; `None` if it fails.
     fn newton(&self, mut p: DVec2, q: DVec2) -> Option<DVec2> {
         let off = |seen: &Seen| (q - seen.place).length();
         let mut seen = self.seen(p);
         for _ in 0..STEPS {
             let next = p + seen.slope.inverse() * (q - seen.place);
             let there = self.seen(next);
-            // the last step is the one that takes the place no nearer
+            // stop where a step brings it no nearer
             let is_nearer = off(&there) < off(&seen);
             if !is_nearer {
                 break;
@@ -144,10 +145,10 @@ mod tests {
                 }
                 let q = model.distorted(p).unwrap_or_else(|| panic!("{k:?}: {p} is not seen"));
                 let found = model.undistorted(q).unwrap_or_else(|| panic!("{k:?}: nothing at {q}, seen from {p}"));
-                // the rounding of the place moves the ray by that over the least stretch, determinant over trace; a tilt rounds too
+                // the rounding of the place, and of a tilt, over the smallest stretch: at least the determinant over the columns' lengths
                 let stretch = seen.slope.determinant() / (seen.slope.x_axis.length() + seen.slope.y_axis.length());
-                let room = 4.0 * (model.rounding(p) + f64::EPSILON * (1.0 + q.length())) / stretch;
-                assert!((found - p).length() <= room, "{k:?}: {found}, not {p}, off {}", (found - p).length());
+                let tolerance = 4.0 * (model.rounding(p) + f64::EPSILON * (1.0 + q.length())) / stretch;
+                assert!((found - p).length() <= tolerance, "{k:?}: {found}, not {p}, off {}", (found - p).length());
             }
         }
     }
@@ -163,19 +164,19 @@ mod tests {
         assert!(inside.x < barrel.r_max && inside.x > barrel.r_max - 1e-4);
         assert!(barrel.distorted(DVec2::X * (barrel.r_max - 1e-9)).is_some());
         assert!(barrel.distorted(DVec2::X * (barrel.r_max + 1e-9)).is_none());
-        // with a tangential part as well: the fold is at most where 2 p r moves it
+        // tangential terms move the fold by some 2 p r
         let bent = brown(&[-1.0, 0.0, 1e-3, 1e-3]);
         assert!(bent.undistorted(DVec2::X * (edge + 0.1)).is_none());
         assert!(bent.undistorted(DVec2::X * (edge - 0.01)).is_some());
         assert!(bent.distorted(DVec2::X * 1.2).is_none());
     }
 
-    /// Distorted radii go to infinity before a pole: each has its ray, near the pole as well.
+    /// Distorted radii go to infinity towards a pole: each has its ray.
     #[test]
     fn the_branch_ends_at_the_pole() {
         for (k, pole) in [
             (&[0.0, 0.0, 0.0, 0.0, 0.0, -0.25][..], 2.0),
-            // far outside of any picture, where OpenCV's own calibrations have them
+            // far outside the picture, as in OpenCV's own calibrations
             (&[0.0, 0.0, 0.0, 0.0, 0.0, -0.08, -0.04, -0.002], 1.954_059_124_772_246_5),
             // of even order: the denominator is (1 - r^2 / 4)^2
             (&[0.0, 0.0, 0.0, 0.0, 0.0, -0.5, 0.0625], 2.0),
@@ -188,16 +189,16 @@ mod tests {
                 let p = model.undistorted(q).unwrap_or_else(|| panic!("{k:?}: {q}"));
                 assert!(p.length() < model.r_max && p.dot(q) > 0.0, "{k:?}: {q} is {p}");
                 // the ray's own rounding moves the place by the slope times that: q^2 near a pole, q^1.5 near a double one
-                let room = 8.0 * f64::EPSILON * (q.length() + q.length_squared());
-                assert!((model.seen(p).place - q).length() <= room, "{k:?}: {q} is {p}");
+                let tolerance = 8.0 * f64::EPSILON * (q.length() + q.length_squared());
+                assert!((model.seen(p).place - q).length() <= tolerance, "{k:?}: {q} is {p}");
             }
             assert!(model.distorted(DVec2::X * 1.001 * pole).is_none(), "{k:?}");
         }
     }
 
-    /// The disc that is known to be one to one holds only places that the line leads to; it is most of the sheet of a usual lens.
+    /// Every point of the injective disc is on the branch of the middle; for a usual lens the disc is most of it.
     #[test]
-    fn the_disc_is_part_of_the_sheet() {
+    fn the_injective_disc_is_part_of_the_branch() {
         for k in [
             &[-0.28, 0.09, 1.2e-3, -8e-4][..],
             &[-0.4095, 0.0777, -0.0080, 0.0038],
@@ -206,12 +207,12 @@ mod tests {
             let model = brown(k);
             for n in 0..64 {
                 for share in [0.1, 0.5, 0.9, 0.999] {
-                    let p = DVec2::from_angle(f64::from(n)) * model.tame.min(2.0) * share;
+                    let p = DVec2::from_angle(f64::from(n)) * model.injective.min(2.0) * share;
                     let led = model.follow(DVec2::ZERO, model.seen(p).place, |_| false).unwrap();
                     assert!((led - p).length() < 1e-9, "{k:?}: {p}, led to {led}");
                 }
             }
         }
-        assert!(brown(&[-0.28, 0.09, 1.2e-3, -8e-4]).tame > 1.2);
+        assert!(brown(&[-0.28, 0.09, 1.2e-3, -8e-4]).injective > 1.2);
     }
 }
