@@ -1,4 +1,4 @@
-//! Frames that look through another camera: the picture is that of frames that were prepared for it, in every arithmetic.
+//! Frames aimed through another camera equal frames prepared for it, in every arithmetic.
 
 mod common;
 
@@ -21,8 +21,8 @@ fn runs() -> impl Iterator<Item = RunOptions> {
     arithmetics.into_iter().flat_map(move |a| [false, true].map(|no_cull| run(a, no_cull)))
 }
 
-/// Two cameras each of pieces and of a field. Their rays start in the same places, so that positions are relative to the same one and
-/// pictures are the same to the byte.
+/// Pairs of cameras of pieces and of a field. The rays of a pair start at the same points, so that both have the same anchor and
+/// pictures are equal to the byte.
 fn pairs() -> [(&'static str, [Camera; 2]); 3] {
     let targets = [DVec3::ZERO, DVec3::new(0.3, -0.2, 0.1)];
     let eyes = targets.map(|target| camera(pinhole(DVec3::new(2.0, 1.0, 2.5), target, 60.0), SIZE, FORWARD));
@@ -53,7 +53,7 @@ fn check(engine: &mut Engine, what: &str) {
     }
 }
 
-/// Takes abilities from an adapter.
+/// Removes abilities of an adapter.
 type Less = fn(&mut Gpu);
 
 #[test]

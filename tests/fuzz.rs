@@ -1,5 +1,5 @@
-//! What `cargo fuzz` runs where there is a nightly toolchain, over a corpus and texts that are changed at random: nothing panics or takes
-//! long, and what is refused is refused in one line.
+//! The targets of `cargo fuzz` without a nightly toolchain, over a corpus and random mutations of it: nothing panics or takes long, and
+//! errors are one line.
 
 #[path = "../fuzz/mutations.rs"]
 mod mutations;
@@ -9,7 +9,7 @@ mod targets;
 use mutations::{Names, Rng, changed, corpus};
 use std::time::{Duration, Instant};
 
-/// Of processor time, a case; several tests and other programs share the processors.
+/// Most time of a case with a processor of its own, and how many tests and other programs may share one.
 const MOST: Duration = Duration::from_secs(20);
 const SHARED: u32 = 6;
 
@@ -67,7 +67,7 @@ fn calibrations() {
     run("yaml", targets::yaml, rounds());
 }
 
-/// Some are built to a million pieces.
+/// Fewer, since some have a million pieces.
 #[test]
 fn cameras() {
     run("camera", targets::camera, rounds() / 3);

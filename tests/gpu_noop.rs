@@ -90,7 +90,7 @@ fn a_variant_that_the_device_cannot_run_is_reported() {
     assert!(built.is_err() || gpu.failure().is_err());
 }
 
-/// A kernel that was broken by hand, on a device that runs nothing.
+/// The error of a broken kernel, on a device that runs nothing.
 fn fault(source: &str) -> String {
     let gpu = open(Features::empty(), limits(), &GpuOptions::default()).unwrap();
     let binding = Binding { name: "given", access: Access::Read, wgsl_type: "array<u32>" };
@@ -100,9 +100,9 @@ fn fault(source: &str) -> String {
 }
 
 #[test]
-fn a_broken_kernel_is_an_error_with_its_name_its_place_and_its_line() {
+fn errors_of_kernels_have_name_place_and_source_line() {
     let kernel = |body: &str| format!("@compute @workgroup_size(64)\nfn broken() {{\n    {body}\n}}\n");
-    // what does not parse, and what does not validate
+    // a parse error, and a validation error
     for (body, column, says) in [("let x = missing + 1u;", 13, "missing"), ("given[0] = 1u;", 5, "")] {
         let text = fault(&kernel(body));
         let place = format!("kernel broken, line 4, column {column}: ");
@@ -112,7 +112,7 @@ fn a_broken_kernel_is_an_error_with_its_name_its_place_and_its_line() {
     // a long line is cut
     let long = format!("let x = missing + {}1u;", "1u + ".repeat(100));
     assert!(fault(&kernel(&long)).len() < 400, "{}", fault(&kernel(&long)));
-    // and what has no place in the source
+    // an error without a place in the source
     let text = fault("@compute @workgroup_size(64) fn other() {}");
     assert!(text.contains("kernel broken") && !text.contains('\n'), "{text}");
 }

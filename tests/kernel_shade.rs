@@ -50,7 +50,7 @@ fn run_kernel(
     let (gpu, stages) = bench.stages(variant, planes);
     let mut buffers = upload(gpu, input);
     if textured {
-        // where no material has an image
+        // no material has an image
         PageStore::default().place(gpu, &[], &mut buffers).unwrap();
     }
     buffers.upload(gpu, "visibility", &visibility.words).unwrap();
@@ -81,9 +81,9 @@ struct Compared {
     z_ulp: f64,
     weight: f64,
     colour: f64,
-    /// Largest shares of what t, Z, weights, colours, normals, positions and texture coordinates may be off.
+    /// Largest errors of t, Z, weights, colours, normals, positions and texture coordinates, relative to their bounds.
     shares: [f64; 7],
-    /// All words of texture coordinates.
+    /// All different words of texture coordinates.
     uvs: BTreeSet<u32>,
 }
 
@@ -211,7 +211,7 @@ fn the_kernel_shades_what_optics_show() {
     }
 }
 
-/// Cases of every kind of rays whose triangles have texture coordinates, each corner its own, and some none.
+/// Cases of every kind of rays, with texture coordinates: every corner has its own, and every ninth triangle has none.
 fn mapped() -> impl Iterator<Item = Case> {
     const NAMES: [&str; 7] = [
         "pieces",
@@ -237,7 +237,7 @@ fn mapped() -> impl Iterator<Item = Case> {
 }
 
 #[test]
-fn the_kernel_places_texture_coordinates_as_its_twin_does() {
+fn the_kernel_interpolates_texture_coordinates_as_its_twin_does() {
     let Some(mut bench) = Bench::open() else { return };
     let reals: Vec<Real> = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0).collect();
     for case in mapped() {
@@ -252,7 +252,7 @@ fn the_kernel_places_texture_coordinates_as_its_twin_does() {
                 }
             }
         }
-        // all but those of triangles without, and the same in both arithmetics
+        // u and v of each hit in one arithmetic, less triangles without any and equal words
         let least = 2 * hits / reals.len() * 3 / 4;
         assert!(hits > 500 && uvs.len() > least, "{}: {} numbers of {hits} hits", case.name, uvs.len());
     }

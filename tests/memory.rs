@@ -10,12 +10,12 @@ use common::cameras::glc_of_each_class;
 use common::gpu::engine_on;
 use common::{FORWARD, camera, scene};
 
-/// Lists that follow how raster goes over pairs.
+/// Bytes in lists whose layout depends on how raster goes over pairs.
 #[derive(Clone, Copy)]
 struct Lists {
-    /// Of a pair: itself; tile by tile also where it is before it is sorted, and its rank.
+    /// A pair: itself; and for tile by tile its unsorted copy and its rank.
     pair: f64,
-    /// Of a tile: its run of pairs and its place among the busy ones.
+    /// A tile: its run of pairs and its entry among the busy tiles.
     tile: f64,
 }
 
@@ -35,7 +35,7 @@ fn pixel(lists: Lists) -> f64 {
     8.0 + (96.0 * 16.0 / 15.0 + 48.0 + 4.0 + lists.tile + 4.0 * lists.pair) / 64.0
 }
 
-/// An engine whose raster goes tile by tile where the adapter can, or pair by pair, and its lists.
+/// Engines with their lists: one whose raster goes tile by tile if the adapter can, and one that goes pair by pair.
 fn engines() -> Option<Vec<(Engine, Lists)>> {
     let (any, by_pair) = (engine_on(|_| {})?, engine_on(|gpu| gpu.has.lanes = false)?);
     let has = any.gpu.has;

@@ -1,7 +1,7 @@
-//! Changed files through the program itself: every run ends in time with exit code 0, 1 or 2, without a signal or a panic; an error is one line;
-//! what is written is whole, and nothing else is left.
+//! Mutated files given to the program: every run ends in time with exit code 0, 1 or 2, without a signal or a panic; an error is one line;
+//! outputs are complete, and no other files are left.
 //!
-//! `ANAMORPH_FUZZ=20000 cargo test --test mutated` runs as many; cases that fail are kept in `target/tmp/mutated`.
+//! `ANAMORPH_FUZZ=20000 cargo test --test mutated` runs that many cases; those that fail are kept in `target/tmp/mutated`.
 
 #[path = "../fuzz/mutations.rs"]
 mod mutations;
@@ -13,20 +13,20 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// A run at 64 x 48.
+/// Most time of a run at 64 x 48.
 const MOST: Duration = Duration::from_secs(20);
 
-/// Address space of a run, KiB: a run that wants more ends as on a machine that is full, and leaves room for the others.
+/// Address space of a run, KiB: one that needs more runs out of memory without taking it from the others.
 const ADDRESSES_KIB: u64 = 4_000_000;
 
-/// Every so many runs render on the adapter, which takes a while to open; the others by the reference.
+/// One run in this many renders on the adapter, which is slow to open; the others use the reference.
 const COMPUTE: usize = 16;
 
 fn rounds() -> usize {
     std::env::var("ANAMORPH_FUZZ").ok().and_then(|n| n.parse().ok()).unwrap_or(48)
 }
 
-/// A kind of file: the corpus that it is from, its name, and the command that reads it.
+/// A kind of file: its corpus, its name, the scene around it, and the command that reads it.
 struct Target {
     corpus: &'static str,
     file: &'static str,
@@ -70,10 +70,10 @@ const TARGETS: [Target; 9] = [
     },
 ];
 
-/// The list that manifests are of.
+/// The job list of the manifests.
 const LIST: &str = "[[job]]\nscene = \"scene.toml\"\ncolor = \"a-{frame}.png\"\nframes = { last = 1 }\nsize = \"16x12\"\nengine = \"reference\"\n";
 
-/// A case in a folder within `dir`, so that names that go up lead nowhere else; and the command line.
+/// Writes a case into a folder deep inside `dir`, so that `..` does not leave `dir`. Returns the folder and the command line.
 fn lay_out(dir: &Path, target: &Target, data: &[u8]) -> (PathBuf, Vec<String>) {
     let folder = dir.join("a/b/c");
     std::fs::create_dir_all(&folder).unwrap();
@@ -149,7 +149,7 @@ fn run(folder: &Path, args: &[String], most: Duration) -> Option<Output> {
     }
 }
 
-/// What is wrong with a run.
+/// What is wrong with a run, if anything.
 fn fault(folder: &Path, args: &[String], output: Option<Output>) -> Option<String> {
     let Some(output) = output else { return Some(format!("not done within {MOST:?}")) };
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -158,7 +158,7 @@ fn fault(folder: &Path, args: &[String], output: Option<Output>) -> Option<Strin
         return Some(said);
     }
     let is_batch = args[0] == "batch";
-    // a batch says each frame that fails, and what it redoes
+    // a batch prints a line for each frame that fails or is redone
     let lines = said.lines().count();
     if code != 0 && !is_batch && (lines != 1 || !said.starts_with("error: ")) {
         return Some(format!("exit code {code} with {lines} lines: {said}"));
@@ -187,7 +187,7 @@ fn fault(folder: &Path, args: &[String], output: Option<Output>) -> Option<Strin
     None
 }
 
-/// Runs a case, a slow one again by itself: a busy machine is no fault.
+/// Runs a case. One that is too slow runs again, such second runs one at a time, since the machine may be busy.
 fn judge(target: &Target, data: &[u8], on_adapter: bool, alone: &Mutex<()>) -> Option<String> {
     for attempt in 0..2 {
         let dir = tempfile::tempdir().unwrap();
@@ -213,7 +213,7 @@ fn keep(target: &Target, k: usize, data: &[u8]) -> PathBuf {
     path
 }
 
-/// Runs all cases on all processors; those that fail are kept and named.
+/// Runs all cases on all processors; keeps and names those that fail.
 fn run_all(cases: usize, case: impl Fn(usize) -> (usize, Vec<u8>) + Sync) {
     let (next, alone, faults) = (AtomicUsize::new(0), Mutex::new(()), Mutex::new(Vec::new()));
     let work = || {
@@ -238,14 +238,14 @@ fn run_all(cases: usize, case: impl Fn(usize) -> (usize, Vec<u8>) + Sync) {
 }
 
 #[test]
-fn every_case_that_once_failed_is_refused_or_done() {
+fn the_corpus_is_refused_or_rendered() {
     let all: Vec<(usize, Vec<u8>)> =
         (0..TARGETS.len()).flat_map(|n| corpus(TARGETS[n].corpus).into_iter().map(move |data| (n, data))).collect();
     run_all(all.len(), |k| all[k].clone());
 }
 
 #[test]
-fn changed_files_are_refused_or_done() {
+fn mutated_files_are_refused_or_rendered() {
     let all: Vec<Vec<Vec<u8>>> = TARGETS.iter().map(|target| corpus(target.corpus)).collect();
     run_all(rounds(), |k| {
         let mut rng = Rng(k as u64 ^ 0x5eed);

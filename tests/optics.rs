@@ -675,10 +675,10 @@ fn adapters_without_64_bit_atomics_or_f64_see_the_same() {
     }
 }
 
-/// All of a convex mirror lies behind each of its facets' planes, so that what one reflects never meets it again. The facets' normals lean
-/// over by up to 20 degrees: at the silhouette many a ray meets them from behind.
+/// A convex mirror lies behind the plane of each of its facets, so a reflected ray never meets it again. The interpolated normals lean by
+/// up to 20 degrees, and many rays near the silhouette meet them from behind.
 #[test]
-fn what_a_convex_mirror_of_facets_reflects_never_meets_it_again() {
+fn no_ray_meets_a_convex_mirror_of_facets_twice() {
     for mesh in ["builtin = \"icosphere\", level = 1", "builtin = \"icosphere\", level = 2"] {
         let mirror = format!("kind = \"reflection\"\ndepth = 2\n{EYE}\nmirror = {{ {mesh} }}");
         let (scene, camera) = scene((120, 90), THINGS, &mirror);

@@ -57,7 +57,7 @@ fn a_fisheye_sees_known_angles_at_known_pixels() {
 #[test]
 fn pixels_exactly_on_the_rim_have_rays() {
     let mut on_rim = 0;
-    // a rim through pixel centres needs an odd and an even side: its radius and their distances are Pythagorean triples
+    // a rim meets pixel centres if one side is odd and one even, and its radius is the hypotenuse of a Pythagorean triple
     for (w, h) in
         [(6, 5), (5, 6), (14, 13), (13, 40), (26, 25), (24, 25), (65, 100), (66, 65), (85, 86), (126, 125), (325, 330)]
     {
@@ -69,7 +69,7 @@ fn pixels_exactly_on_the_rim_have_rays() {
             assert_eq!(camera.ray(i, j).is_some(), outside <= 0, "{i},{j} of {w}x{h}");
             if outside == 0 {
                 on_rim += 1;
-                assert!(direction(&camera, i, j).z.abs() <= ROUNDING, "{i},{j} of {w}x{h}: 90 degrees aside");
+                assert!(direction(&camera, i, j).z.abs() <= ROUNDING, "{i},{j} of {w}x{h}: not at 90 degrees");
             }
         }
     }

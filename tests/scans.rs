@@ -89,7 +89,7 @@ fn wrong_scanners_name_their_keys() {
         ("beams = [1]\ncolumns = 0", "camera.columns"),
         ("beams = [1]\ncolumns = 100000", "camera.columns"),
         ("beams = [1]\ncolumns = 4\nvelocity = [1, 0, 0]", "camera.velocity"),
-        ("beams = [1]\ncolumns = 4\nfile = 'x.npy'", "eye describes a scanner, and file lists rays"),
+        ("beams = [1]\ncolumns = 4\nfile = 'x.npy'", "eye describes a scanner, but file lists the rays"),
         ("beams = [1]\ncolumns = 4", "image: the scan is 4 x 1"),
     ] {
         assert_refused(&format!("{SCANNER}{keys}"), expected);

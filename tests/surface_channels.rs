@@ -108,7 +108,7 @@ fn surfaces_are_the_reference_s_at_every_hit() {
     }
 }
 
-/// Objects and materials of these triangles, by counting them.
+/// Object and material ids of these triangles, from the meshes' triangle counts.
 fn labels(scene: &Scene, ids: &[u32]) -> [Vec<u32>; 2] {
     let mut of_triangle = Vec::new();
     for (number, object) in (0..).zip(&scene.objects) {
@@ -123,7 +123,7 @@ fn labels(scene: &Scene, ids: &[u32]) -> [Vec<u32>; 2] {
 }
 
 #[test]
-fn labels_are_those_of_the_triangles_whatever_finds_them() {
+fn labels_are_those_of_the_triangles_in_every_engine() {
     let (object, material) = (Channel::ObjectId, Channel::MaterialId);
     for text in cameras() {
         let text = format!("image = {{ width = 64, height = 64 }}\n{THINGS}\n[camera]\n{text}");
@@ -136,7 +136,7 @@ fn labels_are_those_of_the_triangles_whatever_finds_them() {
         };
         let all = Wanted::of(vec![Channel::TriangleId, object, material]);
         for by in [None, Some("raytrace"), Some("raster-warp:1")] {
-            // what a rival cannot show it refuses
+            // a rival refuses cameras that it cannot show
             let Ok(seen) = rendered(&all, by) else { continue };
             let expected = labels(&scene, ids(&seen.frame));
             assert_eq!([object, material].map(|c| seen.frame.u32(c).unwrap().to_vec()), expected, "{by:?}: {text}");
@@ -144,7 +144,7 @@ fn labels_are_those_of_the_triangles_whatever_finds_them() {
         let whole = rendered(&all, None).unwrap().frame;
         let several = kinds(&labels(&scene, ids(&whole))[0]);
         assert!(several >= 3, "{several} objects: {text}");
-        // by themselves no ids come along, and several samples leave them those of the centre
+        // alone they bring no triangle ids, and with several samples they are those of the pixel's centre
         for samples in [1, 4] {
             if samples > 1 && !at_once(&scene, &camera, samples) {
                 continue;

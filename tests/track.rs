@@ -230,14 +230,14 @@ fn wrong_targets_are_errors() {
 }
 
 #[test]
-fn a_target_that_cannot_be_reached_leaves_the_plain_view_and_the_others() {
-    // in a closed box there is no way in, and behind the eye there is no place in the picture
+fn unreachable_targets_leave_the_plain_view_and_the_other_targets() {
+    // nothing leads into a closed box, and what is behind the eye is not in the picture
     let boxed = format!("{WALL}[[mesh]]\nbuiltin = \"box\"\nscale = 2\ntranslate = [0, 1.5, 0]\n");
     let (inside, behind, hidden) = ("{ at = [0, 1.5, 0] }", "{ at = [0, 1, 30] }", DVec3::new(-4.0, 0.5, 0.0));
     let reached = "{ at = [-4, 0.5, 0], radius = 0.4 }";
     let plain = plain();
     for (targets, says) in [
-        (inside.to_owned(), vec!["target 0 is not tracked: every way around what hides it is barred"]),
+        (inside.to_owned(), vec!["target 0 is not tracked: every way around what hides it is blocked"]),
         (behind.to_owned(), vec!["target 0 is not tracked: it lies behind or around the eye"]),
         (format!("{behind}, {inside}"), vec!["target 0 is not", "target 1 is not"]),
     ] {
@@ -249,7 +249,7 @@ fn a_target_that_cannot_be_reached_leaves_the_plain_view_and_the_others() {
             assert_eq!(camera.ray(i, j), plain.ray(i, j));
         }
     }
-    // the target that can be reached is, as if the other were none
+    // a target that can be reached is tracked as if it were alone
     let all = scene(&boxed, &format!("targets = [{inside}, {reached}]"));
     let alone = scene(&boxed, &format!("targets = [{reached}]"));
     let (camera, other) = (all.camera().unwrap(), alone.camera().unwrap());

@@ -79,7 +79,7 @@ pub fn is_scattered(camera: &Camera) -> bool {
     is_sorted(camera) || scattered(camera).is_some()
 }
 
-/// Its pixels are in the order of their rays.
+/// The camera's pixels are sorted by their rays.
 pub fn is_sorted(camera: &Camera) -> bool {
     matches!(camera.layers.as_slice(), [Rays::Field(field)] if field.is_sorted)
 }
@@ -92,7 +92,7 @@ fn scattered(camera: &Camera) -> Option<&Field> {
 
 /// Directions differ within tiles nearly as much as between them.
 fn strays(field: &Field) -> bool {
-    // whole ones, but of an image that is narrower than a tile
+    // whole tiles, or one part of a tile where the image is narrower
     let (tiles_x, tiles_y) = ((field.width / TILE).max(1), (field.height / TILE).max(1));
     let tiles = tiles_x * tiles_y;
     if tiles < 4 {
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn images_of_one_row_or_column_may_be_scattered_too() {
-        // directions in another order than their own
+        // directions out of order
         let list = |n: usize| {
             let directions: Vec<DVec3> = (0..n).map(|k| DVec3::new((k * 37 % n) as f64 / n as f64, 0.3, 1.0)).collect();
             (vec![DVec3::ZERO; n], directions)
@@ -195,10 +195,10 @@ mod tests {
             assert!(strays(&field), "{size:?}");
             let arrangement = Arrangement::new(&field, DVec3::new(0.0, 0.0, 9.0));
             assert!(!strays(&field.rearranged(&arrangement.source)), "{size:?}");
-            let mut turning = d.clone();
-            turning.sort_by(|a, b| a.x.total_cmp(&b.x));
-            // in their order they are an ordinary camera, but in few columns, a column after the other
-            assert!(size == (64, 4) || !strays(&Field::new(size.0, size.1, &p, &turning).unwrap()), "{size:?}");
+            let mut sorted = d.clone();
+            sorted.sort_by(|a, b| a.x.total_cmp(&b.x));
+            // sorted they are an ordinary camera; but each of the four rows of 64 spans a quarter of all directions
+            assert!(size == (64, 4) || !strays(&Field::new(size.0, size.1, &p, &sorted).unwrap()), "{size:?}");
         }
     }
 }

@@ -1,9 +1,9 @@
-//! Boxes in the image in the order of what they are around: which of it comes first at a place.
+//! A hierarchy of boxes in the image over items in their order: finds the first item at a place.
 
 use glam::DVec2;
 
-/// Boxes as a binary tree over runs in order: box k is around boxes 2k and 2k + 1, and each of the last half around a run.
-/// However much they overlap, it takes memory by their number.
+/// A binary tree of boxes: box k bounds boxes 2k and 2k + 1; each box of the last half bounds a run of consecutive items. Its memory is
+/// linear in the number of items, however much they overlap.
 #[derive(Debug, Clone)]
 pub struct Boxes {
     run: usize,
@@ -11,7 +11,7 @@ pub struct Boxes {
     all: Vec<(DVec2, DVec2)>,
 }
 
-/// Around nothing.
+/// The box of nothing.
 pub const EMPTY: (DVec2, DVec2) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
 
 pub fn join(a: (DVec2, DVec2), b: (DVec2, DVec2)) -> (DVec2, DVec2) {
@@ -19,7 +19,7 @@ pub fn join(a: (DVec2, DVec2), b: (DVec2, DVec2)) -> (DVec2, DVec2) {
 }
 
 impl Boxes {
-    /// Around each of `boxes` (least and greatest corner), `run` of them together.
+    /// Over items with these boxes (least and greatest corner), `run` items a leaf.
     pub fn new(boxes: impl ExactSizeIterator<Item = (DVec2, DVec2)>, run: usize) -> Boxes {
         let count = boxes.len();
         let leaves = count.div_ceil(run).next_power_of_two();
@@ -29,7 +29,7 @@ impl Boxes {
         Boxes { run, count, all }
     }
 
-    /// What `give` makes of the first number whose run's box holds the place and of which it makes something.
+    /// The first `Some` of `give`, called in order with the numbers of the items whose run's box contains the place.
     pub fn first<T>(&self, q: DVec2, give: &impl Fn(usize) -> Option<T>) -> Option<T> {
         self.first_under(1, q, give)
     }

@@ -32,7 +32,7 @@ pub(super) fn view(eye: DVec3, target: DVec3, up: DVec3) -> Result<View> {
     let forward = (target - eye).try_normalize().ok_or_else(|| {
         let what = match eye == target {
             true => "are the same point",
-            // the square of their distance is infinite, or 0
+            // the square of their distance overflows, or underflows to 0
             false if (target - eye).length() > 1.0 => "are too far apart",
             false => "are too close together",
         };
@@ -75,21 +75,21 @@ pub fn orthographic(pose: &Pose, height_world: f64, height: u32) -> Result<Bundl
     })
 }
 
-/// OpenEXR's `worldToCamera` of a camera with an eye: for row vectors, row by row; x to the right, y up, z forward.
+/// OpenEXR's `worldToCamera`, for cameras with an eye: a matrix for row vectors, row by row; x right, y up, z forward.
 pub fn world_to_camera(scene: &Scene) -> Option<[f32; 16]> {
     let pose = scene.camera_keys.pose()?;
     let v = pose.view().ok()?;
     Some(matrix(pose.eye, [v.right, v.up, v.forward, DVec3::ZERO], DVec4::W))
 }
 
-/// OpenEXR's `worldToNDC` of a pinhole or an orthographic camera: (0, 0) the image's upper left corner, (1, 1) its lower right one; what
-/// becomes of z means nothing.
+/// OpenEXR's `worldToNDC`, for pinhole and orthographic cameras: (0, 0) is the image's upper left corner, (1, 1) its lower right one. The
+/// transformed z has no meaning.
 pub fn world_to_ndc(scene: &Scene, camera: &Camera) -> Option<[f32; 16]> {
     let aspect = f64::from(camera.width) / f64::from(camera.height);
     match scene.camera.kind {
         CameraKind::Pinhole { eye, target, up, vfov } => {
             let v = view(eye, target, up).ok()?;
-            // of the image on the plane at distance 1
+            // of the image, on the plane at distance 1
             let height = 2.0 * (vfov.to_radians() / 2.0).tan();
             let middle = v.forward / 2.0;
             let across = v.right / (height * aspect) + middle;
@@ -104,7 +104,7 @@ pub fn world_to_ndc(scene: &Scene, camera: &Camera) -> Option<[f32; 16]> {
     }
 }
 
-/// `(X - eye) . column + shift`, a column for each coordinate.
+/// The matrix of `(X - eye) . column + shift`, one column a coordinate.
 fn matrix(eye: DVec3, columns: [DVec3; 4], shift: DVec4) -> [f32; 16] {
     let row = |k: usize| columns.map(|c| c[k]);
     let last = [0, 1, 2, 3].map(|k| shift[k] - eye.dot(columns[k]));

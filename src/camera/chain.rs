@@ -15,7 +15,7 @@ struct Chain {
     layers: Vec<MeshCameraSpec>,
 }
 
-/// Reads `layers`, a list of tables with the keys of a `mesh` camera, its kind too if it is there.
+/// Reads `layers`, a list of tables with the keys of a `mesh` camera, and optionally its kind.
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&["kind", "layers"])?;
     let field = table.need("layers", "[{ file = \"near.json\" }, { file = \"far.json\" }]")?;

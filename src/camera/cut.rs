@@ -55,7 +55,7 @@ impl Cut {
                 Ok("auto") => Cut::Auto { error_px: error_px.unwrap_or(ERROR_PX) },
                 Ok(_) => return Err(field.error("is \"exact\", \"auto\" or a number of pieces")),
                 Err(_) => {
-                    // two triangles of each are numbered in 32 bits
+                    // pieces, and twice as many triangles while they are cut, are numbered in 32 bits
                     let pieces = field.integer(1, 1 << 30)?;
                     limits::PIECES.check(pieces).map_err(|e| field.error(e))?;
                     Cut::Count(pieces as u32)
@@ -96,10 +96,10 @@ impl Cut {
     }
 }
 
-/// Cells whose rays are looked at one by one; of more, neighbours are looked at together.
+/// Most cells that are judged one by one. More are judged in groups of neighbours.
 const JUDGED_MAX: usize = 1 << 13;
 
-/// The cells with what is known of each: of many, by a bound over several of them at once, which holds for each.
+/// The cells with their verdicts. Of many cells, those of a group share the bound over the group, which holds for each.
 fn judged(judge: &Judge, mut cells: Cells) -> Cells {
     let (columns, rows) = cells.size;
     let (mut wide, mut high) = (1, 1);

@@ -23,12 +23,12 @@ pub trait RayMap: Debug + Send + Sync {
         Bend::sampled(|a, b| self.ray(a, b), lo, hi, weights)
     }
 
-    /// All (a, b) whose rays pass through `point`, inside the image and beyond, each with its t; `None`: they must be searched for.
+    /// All places (a, b) whose rays pass through `point`, in the image or beyond, each with its t; `None`: there is no formula for them.
     fn images(&self, _point: DVec3) -> Option<Vec<(DVec2, f64)>> {
         None
     }
 
-    /// The calibrated lens whose rays these are.
+    /// The calibrated lens, if these are the rays of one.
     fn calibrated(&self) -> Option<&Calibrated> {
         None
     }
@@ -109,13 +109,13 @@ impl Field {
         self.map.as_ref().map(|m| &m.map)
     }
 
-    /// A field of the same pixels and samples by another formula, which is asked for each ray anew.
+    /// A field of the same pixels and samples by another formula, evaluated for each ray when it is needed.
     pub fn by_map(&self, map: Arc<dyn RayMap>) -> Field {
         let sample = self.map.as_ref().map_or(DVec2::splat(0.5), |m| m.sample);
         Field { rays: Vec::new(), map: Some(Sampled { map, sample }), is_sorted: false, ..*self }
     }
 
-    /// The same, its rays kept where there are not too many.
+    /// The same, its rays computed now and stored unless there are too many.
     pub fn kept(self) -> Field {
         match self.map {
             Some(map) if self.rays.is_empty() => Field::sampled(self.width, self.height, map),

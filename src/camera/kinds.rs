@@ -70,14 +70,14 @@ mod tests {
     use std::collections::HashSet;
 
     #[test]
-    fn help_tells_of_each_key_once() {
+    fn help_describes_each_key_once() {
         let helps = PLAIN.iter().copied().chain(NAMED.iter().map(|k| (k.name, k.help)));
         for (kind, help) in helps {
-            // a key's line starts after two spaces; lines that go on start further right
+            // a key's line has two leading spaces, its continuation lines more
             let keys = help.lines().filter_map(|line| line.strip_prefix("  ")).filter(|line| !line.starts_with(' '));
             let keys: Vec<&str> = keys.filter_map(|line| line.split("  ").next()).collect();
-            let mut once = HashSet::new();
-            let twice: Vec<&&str> = keys.iter().filter(|key| !once.insert(**key)).collect();
+            let mut known = HashSet::new();
+            let twice: Vec<&&str> = keys.iter().filter(|key| !known.insert(**key)).collect();
             assert!(!keys.is_empty() && twice.is_empty(), "{kind}: {twice:?}");
         }
     }

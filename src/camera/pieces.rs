@@ -30,7 +30,7 @@ pub struct Pieces {
     /// `tile_pieces[tile_start[k]..tile_start[k + 1]]` are the pieces near tile k, ascending.
     tile_start: Vec<u32>,
     tile_pieces: Vec<u32>,
-    /// Boxes around the pieces of each tile that has [`MANY`] or more, by the tile's number.
+    /// A hierarchy over the pieces of each tile that has [`MANY`] or more, by the tile's number.
     crowded: Arc<HashMap<usize, Boxes>>,
     /// Where in a pixel its ray is taken, px from the pixel's top left corner.
     sample: DVec2,
@@ -40,12 +40,12 @@ pub struct Pieces {
 /// and one subtraction (5 u), and the rounding of the corners themselves to pixels (2 u): 8 u with u = 2^-53.
 const SIDE_ROUNDING: f64 = 8.0 / (1u64 << 53) as f64;
 
-/// From so many pieces in a tile on, boxes tell which may own a place; so many pieces have one together.
+/// Tiles with at least this many pieces have a hierarchy of boxes, and this many pieces share a leaf.
 const MANY: usize = 256;
 const RUN: usize = 8;
 
-/// How far a piece may hold places outside its corners' box by the rounding of [`side`], in parts of their coordinates: at a sharp
-/// corner far more than that rounding.
+/// How far the box of a piece in the hierarchy extends beyond its corners, relative to their coordinates. [`side`] may be off by a distance of
+/// [`SIDE_ROUNDING`] times the square of the coordinates over the edge's length, so this covers edges over a millionth of the coordinates.
 const BOX_SLACK: f64 = 1e-9;
 
 /// How far beyond a tile a piece may lie and still be listed with it: the safe radius and a sample offset of half a pixel.
@@ -117,7 +117,7 @@ impl Pieces {
         &self.tile_pieces[self.tile_start[k] as usize..self.tile_start[k + 1] as usize]
     }
 
-    /// The boxes of a tile of many pieces.
+    /// The hierarchy of a tile with many pieces.
     fn boxes_of_tile(&self, k: usize) -> Option<Boxes> {
         let near = Some(self.near_tile(k)).filter(|near| near.len() >= MANY)?;
         let bounds = |k: &u32| {
@@ -253,7 +253,7 @@ fn tiles_near(piece: &Piece, tiles_x: u32, tiles_y: u32) -> impl Iterator<Item =
         tiles_y,
     );
     rows.flat_map(move |y| {
-        // a long piece that runs askew has few tiles of the box around it
+        // a long oblique piece reaches few tiles of its box
         let top = y as f64 * side_px - TILE_REACH_PX;
         let (lo, hi) = span_between(&corners, top, top + side_px + 2.0 * TILE_REACH_PX);
         range(lo, hi, tiles_x).map(move |x| (x, y))
@@ -261,11 +261,10 @@ fn tiles_near(piece: &Piece, tiles_x: u32, tiles_y: u32) -> impl Iterator<Item =
     .filter(move |&(x, y)| piece.reaches(DVec2::new(x as f64 + 0.5, y as f64 + 0.5) * side_px, half))
 }
 
-/// Rounding of a place on an edge, in parts of the largest coordinate: seven roundings of half an epsilon.
+/// Bound on the rounding of a place on an edge, relative to the largest coordinate: seven roundings, each half an epsilon.
 const SPAN_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// The least and the greatest x of a triangle between two heights, or beyond; infinite, the greater first, where it does not come
-/// there.
+/// Bounds on x of the part of a triangle between two heights; (inf, -inf) if there is none.
 fn span_between(corners: &[DVec2; 3], top: f64, bottom: f64) -> (f64, f64) {
     let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut include = |x: f64| (lo, hi) = (lo.min(x), hi.max(x));

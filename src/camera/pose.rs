@@ -1,4 +1,4 @@
-//! Where a viewer stands and looks: an eye, a target and what is up; or a matrix; or an eye and a quaternion.
+//! The pose of a viewer: an eye, a target and an up vector; or a matrix; or an eye and a quaternion.
 
 use super::central::{View, view};
 use crate::error::Result;
@@ -8,8 +8,8 @@ use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 /// The keys of [`Pose::read`].
 pub const KEYS: [&str; 7] = ["eye", "target", "up", "matrix", "quaternion", "convention", "distance"];
 
-/// Those that say how the others are meant.
-const MANNERS: [&str; 2] = ["convention", "distance"];
+/// Those that only a matrix or a quaternion takes.
+const WITH_ROTATION: [&str; 2] = ["convention", "distance"];
 
 /// A viewer. The frame is pinhole's: f = unit(target - eye), r = unit(f x up), u = r x f.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Pose {
     pub eye: DVec3,
     pub target: DVec3,
     pub up: DVec3,
-    /// As a matrix or a quaternion gives it; target and up follow from it.
+    /// The frame of a matrix or a quaternion, from which target and up follow.
     frame: Option<View>,
 }
 
@@ -26,9 +26,9 @@ impl Pose {
         Pose { eye, target, up, frame: None }
     }
 
-    /// Of a table that [`KEYS`] are allowed in.
+    /// Reads any of [`KEYS`].
     pub fn read(table: &Table) -> Result<Pose> {
-        match Pose::read_turned(table)? {
+        match Pose::read_rotation(table)? {
             Some(pose) => Ok(pose),
             None => {
                 let eye = table.need("eye", "[0, 0, 5]")?.vec3()?;
@@ -38,11 +38,11 @@ impl Pose {
         }
     }
 
-    /// The same where a matrix or a quaternion gives it; `None` without both.
-    pub fn read_turned(table: &Table) -> Result<Option<Pose>> {
+    /// Reads a pose given by a matrix or a quaternion; `None` if the table has neither.
+    pub fn read_rotation(table: &Table) -> Result<Option<Pose>> {
         let (eye, axes) = match (table.get("matrix"), table.get("quaternion")) {
             (None, None) => {
-                let alone = MANNERS.into_iter().find_map(|key| table.get(key));
+                let alone = WITH_ROTATION.into_iter().find_map(|key| table.get(key));
                 return match alone {
                     Some(key) => Err(key.error("goes with matrix or quaternion; leave it out")),
                     None => Ok(None),
@@ -60,7 +60,7 @@ impl Pose {
         let is_opencv = table.or("convention", false, read_convention)?;
         let distance = table.or("distance", 1.0, Field::above_zero)?;
         let (up, back) = if is_opencv { (-axes.y_axis, -axes.z_axis) } else { (axes.y_axis, axes.z_axis) };
-        // rounded entries are made a frame as target and up are
+        // makes rounded entries orthonormal, as for target and up
         let frame = view(DVec3::ZERO, -back, up)?;
         Ok(Some(Pose { eye, target: eye + distance * frame.forward, up: frame.up, frame: Some(frame) }))
     }
@@ -76,8 +76,8 @@ impl Pose {
         self.eye.distance(self.target)
     }
 
-    /// Eye, target and up of a camera to which it does not matter how far away the target is: a frame's is so far that rounding
-    /// the target turns no direction by more than its own rounding does.
+    /// Eye, target and up, for cameras that use the target's direction only. A frame's target is moved so far away that its
+    /// rounding turns the direction by no more than the direction's own rounding.
     pub fn directed(&self) -> (DVec3, DVec3, DVec3) {
         let far = self.eye.abs().max_element().max(1.0);
         (self.eye, self.frame.map_or(self.target, |f| self.eye + far * f.forward), self.up)
@@ -91,7 +91,7 @@ fn refuse(field: Option<Field>, beside: &str) -> Result<()> {
     }
 }
 
-/// y is down and z ahead.
+/// True for OpenCV's axes: y down, z forward.
 fn read_convention(field: &Field) -> Result<bool> {
     match field.text()? {
         "opengl" => Ok(false),
@@ -100,12 +100,12 @@ fn read_convention(field: &Field) -> Result<bool> {
     }
 }
 
-/// Entries of a matrix that was printed with four decimals, as Blender's console prints them, are off by as much.
+/// Largest error of a matrix entry that was printed with four decimals, as Blender's console prints them.
 const DECIMALS: f64 = 0.5e-4;
-/// So |e| <= sqrt(3) DECIMALS for the error e of a column, and products of two unit columns are off by up to 2 |e| + |e|^2.
+/// Then a column's error e has |e| <= sqrt(3) DECIMALS, and the dot product of two unit columns is off by up to 2 |e| + |e|^2.
 const GRAM_ERROR: f64 = 2.0 * 1.732_050_807_568_877_3 * DECIMALS + 3.0 * DECIMALS * DECIMALS;
 
-/// Where the camera is, and its axes in the world.
+/// The camera's position and its axes, in the world.
 fn read_matrix(field: &Field) -> Result<(DVec3, DMat3)> {
     let DAffine3 { matrix3: axes, translation: place } = field.affine()?;
     let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];
@@ -128,8 +128,8 @@ fn read_matrix(field: &Field) -> Result<(DVec3, DMat3)> {
 fn read_quaternion(field: &Field) -> Result<DMat3> {
     let [w, x, y, z] = field.numbers("a quaternion, as [w, x, y, z]")?;
     let unit = DVec4::new(x, y, z, w).try_normalize();
-    let unit =
-        unit.ok_or_else(|| field.error("is no rotation: its length is 0 or out of range; no turn is [1, 0, 0, 0]"))?;
+    let unit = unit
+        .ok_or_else(|| field.error("is no rotation: its length is 0 or out of range; the identity is [1, 0, 0, 0]"))?;
     Ok(DMat3::from_quat(DQuat::from_vec4(unit)))
 }
 
@@ -147,7 +147,7 @@ mod tests {
         Camera::new(&file::load(&path, &[], 0.0)?.camera, Some((8, 6)))
     }
 
-    /// Every kind of camera with an eye and a target at the top of its table, and its other keys.
+    /// Every kind of camera that takes a pose, and its other keys.
     const KINDS: [(&str, &str); 22] = [
         ("pinhole", "vfov = 40"),
         ("orthographic", "height = 3"),
@@ -176,7 +176,7 @@ mod tests {
         ("mcop", "path = [{ POSE }, { POSE }]\nvfov = 40"),
     ];
 
-    /// The keys of the camera of a kind whose pose is `pose`, lines of TOML.
+    /// The keys of a camera of this kind with the pose `pose`, as lines of TOML.
     fn keys(kind: &str, more: &str, pose: &str) -> String {
         let inside = more.replace("POSE", &pose.replace('\n', ", "));
         let own = if matches!(kind, "bottom_up" | "mcop") { "" } else { pose };
@@ -224,19 +224,15 @@ mod tests {
     }
 
     #[test]
-    fn eyes_far_from_the_origin_take_nothing_from_a_matrix() {
+    fn a_matrix_keeps_its_precision_far_from_the_origin() {
         let axes = DMat3::from_quat(DQuat::from_xyzw(0.1, 0.2, 0.3, 0.4).normalize());
         let eye = DVec3::new(4e6, 350.0, -6e5);
-        for kind in ["pinhole", "fisheye"] {
-            let matrix = rows(axes.x_axis, axes.y_axis, axes.z_axis, eye);
-            let camera = camera(
-                &format!("kind = {kind:?}\nmatrix = {matrix}\nvfov = 40")
-                    .replace(if kind == "fisheye" { "vfov = 40" } else { "nothing" }, "fov = 40"),
-            )
-            .unwrap();
+        let matrix = rows(axes.x_axis, axes.y_axis, axes.z_axis, eye);
+        for (kind, fov) in [("pinhole", "vfov"), ("fisheye", "fov")] {
+            let camera = camera(&format!("kind = {kind:?}\nmatrix = {matrix}\n{fov} = 40")).unwrap();
             let sum = (0..8).flat_map(|i| (0..6).map(move |j| (i, j))).filter_map(|(i, j)| camera.ray(i, j));
             let middle: DVec3 = sum.map(|ray| ray.direction).sum();
-            // the rays' mean is the view direction by symmetry, to some roundings
+            // by symmetry the rays' mean is the view direction, up to some roundings
             assert!((middle.normalize() + axes.z_axis).length() < 4e-15, "{kind}");
         }
     }
@@ -246,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_pose_is_refused_in_one_line() {
+    fn wrong_poses_are_refused_in_one_line() {
         let eye = "eye = [0, 0, 5]\n";
         for (pose, says) in [
             ("matrix = [[1, 0, 0, 0], [0, 1, 0, 0]]".into(), "matrix: expected a matrix of 3 or 4 rows"),
@@ -283,7 +279,7 @@ mod tests {
             let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis].map(round);
             let camera = pinhole(&format!("matrix = {}", rows(x, y, z, DVec3::ZERO)));
             prop_assert!(camera.is_ok(), "{:?}", camera.err());
-            // and the rays are perpendicular as those of a pinhole are
+            // and the steps right and down are perpendicular, as a pinhole's
             let Ok(camera) = camera else { unreachable!() };
             let d = |i, j| camera.ray(i, j).unwrap().direction;
             prop_assert!((d(1, 0) - d(0, 0)).dot(d(0, 1) - d(0, 0)).abs() < 1e-15);

@@ -51,7 +51,7 @@ impl<'a> Setting<'a> {
         Setting { size, t_range, mesh, looked: None }
     }
 
-    /// The same for a camera of this range of t; `looked` notes how far it looks at the scene.
+    /// The same for a camera with this range of t; `looked` records how far it looks at the scene.
     pub fn noting<'b>(&self, t_range: [f64; 2], looked: &'b Cell<Looked>) -> Setting<'b>
     where
         'a: 'b,
@@ -81,7 +81,7 @@ impl<'a> Setting<'a> {
         self.mesh.bounds()
     }
 
-    /// Notes how far it was looked at.
+    /// Records that a camera looked at the scene this far.
     pub(crate) fn look(&self, at: Looked) {
         if let Some(looked) = self.looked {
             looked.set(looked.get().max(at));
@@ -102,7 +102,7 @@ pub struct Built {
     pub optics: Option<Arc<Optics>>,
     /// What a person should know of the camera: what was left out of it, what it stands for.
     pub notes: Vec<String>,
-    /// What was asked of it and is not to be had in this scene: it falls back to less.
+    /// What was asked for and cannot be done in this scene.
     pub unmet: Vec<String>,
 }
 

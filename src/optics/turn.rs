@@ -38,9 +38,9 @@ pub fn at_facet(
     (mixed(facet.corners), turned)
 }
 
-/// The unit direction after a surface with a normal, and its share of the light; which side is met, `outside` says, the normal of the
-/// surface as it is. Never on the wrong side of that: a direction that an interpolated or tilted normal would send there is reflected by the
-/// surface's plane. Zero where nothing goes that way.
+/// The unit direction after a surface with a shading `normal`, and its share of the light; zero where no light goes that way. `outside` is
+/// the surface's own normal, and says which side is met. An interpolated or tilted normal may send a direction to the wrong side of the
+/// surface; the surface's plane then reflects it.
 pub fn after(by: (&Optics, Spin), direction: DVec3, normal: DVec3, outside: DVec3) -> (DVec3, f64) {
     let Bent { d, share, passes } = bent(by, direction, normal, outside);
     let up = outside.normalize();
@@ -49,11 +49,11 @@ pub fn after(by: (&Optics, Spin), direction: DVec3, normal: DVec3, outside: DVec
     (if is_wrong { d - 2.0 * height * up } else { d }, share)
 }
 
-/// What the normal makes of a direction.
+/// A direction reflected or refracted by a normal.
 struct Bent {
     d: DVec3,
     share: f64,
-    /// To the other side of the surface.
+    /// It was refracted to the other side of the surface.
     passes: bool,
 }
 
@@ -105,15 +105,14 @@ mod tests {
         Optics::new(turn, Surface::Facets { facets, law: Law::Normals }, 2)
     }
 
-    /// A ball of facets: interpolated normals lean over by up to half of what two facets differ, so that some that are seen at all are seen
-    /// from behind.
+    /// A ball of facets: interpolated normals lean away from the facets', so that some rays meet them from behind.
     #[test]
-    fn no_ray_is_turned_to_the_wrong_side_of_a_facet() {
+    fn no_ray_leaves_a_facet_on_the_wrong_side() {
         let spin = Spin { branch: Branch::Main, tilt: DVec2::ZERO };
         for (turn, passes) in [(Turn::Reflect, false), (Turn::Refract { ior: 1.5 }, true)] {
             let optics = optics(turn);
             let facets = optics.facets().unwrap();
-            let (mut seen, mut turned_back) = (0, 0);
+            let (mut seen, mut mended) = (0, 0);
             for k in 0..facets.triangles.len() {
                 let facet = facets.facet(k);
                 let [a, b, c] = facet.corners;
@@ -129,16 +128,16 @@ mod tests {
                         let is_right = |way: DVec3| (way.dot(up) < 0.0) == bent.passes;
                         assert!(is_right(after), "{turn:?} at facet {k}: {after}");
                         assert!((after.length() - 1.0).abs() < 1e-14 && share == 1.0);
-                        // what was right stays as it was
+                        // a right direction is not changed
                         assert!(!is_right(bent.d) || after == bent.d);
-                        assert!(bent.passes == passes || passes);
+                        assert_eq!(bent.passes, passes);
                         seen += 1;
-                        turned_back += usize::from(!is_right(bent.d));
+                        mended += usize::from(!is_right(bent.d));
                     }
                 }
             }
-            println!("{turn:?}: {turned_back} of {seen} turned back");
-            assert!(turned_back > 0 || passes);
+            println!("{turn:?}: {mended} of {seen} directions mended");
+            assert!(mended > 0 || passes);
         }
     }
 }

@@ -57,7 +57,7 @@ fn refined(curve: &Curve, [a, b]: [f64; 2], whole: f64, allowed: f64, levels: u3
     let m = 0.5 * (a + b);
     let (left, right) = (rule(curve, a, m), rule(curve, m, b));
     let off = (left + right - whole).abs();
-    // what is no number is no nearer to one in its halves
+    // halving does not mend NaN
     if levels == 0 || off <= allowed || off.is_nan() {
         return left + right;
     }
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn a_curve_whose_length_no_number_holds_ends_at_once() {
+    fn a_length_that_overflows_ends_at_once() {
         let far = Curve::new(&[DVec3::ZERO, DVec3::splat(1e200), DVec3::X]);
         assert!(!arc_length(&far, 1.0).is_finite());
     }

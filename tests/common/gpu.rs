@@ -36,7 +36,7 @@ pub fn engine(camera: &Camera, without: Without) -> Option<MutexGuard<'static, E
     };
     let slot = ENGINES[2 * without as usize + usize::from(field)].get_or_init(|| engine_on(less).map(Mutex::new));
     if slot.is_none() {
-        // for each test that asks
+        // each test says so
         needs::no_adapter();
     }
     slot.as_ref().map(|e| e.lock().unwrap_or_else(|e| e.into_inner()))

@@ -1,6 +1,7 @@
-//! What tests need of this machine. Without it a test says so and ends; without an adapter it fails where one is to be there.
+//! What tests need of this machine. A test whose need is missing is skipped and says so. Where an adapter is required, a missing one is a
+//! failure.
 
-// every test binary uses a part of it
+// each test binary uses a part of it
 #![allow(dead_code)]
 
 use anamorph::gpu::device::NO_ADAPTER;
@@ -8,7 +9,7 @@ use anamorph::gpu::{Gpu, GpuOptions};
 use std::io::Write;
 use std::sync::{Mutex, PoisonError};
 
-/// Where one of these is set, there is to be an adapter.
+/// If one of these is set, an adapter is required.
 const NEEDED: [&str; 2] = ["CI", "ANAMORPH_NEED_GPU"];
 
 /// The adapter; `None`, as [`no_adapter`] says, on a machine without any.
@@ -20,21 +21,21 @@ pub fn adapter() -> Option<Gpu> {
     gpu
 }
 
-/// There is no adapter: fails where one is to be there, and says elsewhere that the test is skipped.
+/// Reports a missing adapter: panics if one is required, and else says that the test is skipped.
 pub fn no_adapter() {
     let is_set = |name: &str| std::env::var(name).is_ok_and(|value| !["", "0", "false"].contains(&value.as_str()));
     if let Some(name) = NEEDED.iter().find(|name| is_set(name)) {
-        panic!("{NO_ADAPTER}; {name} is set, so that tests do not go without one");
+        panic!("{NO_ADAPTER}; {name} is set, so tests require one");
     }
     skip(NO_ADAPTER);
 }
 
-/// Says that the test that calls it is skipped, once, with the number of those in this program. The harness counts the test as passed,
-/// since it cannot ignore one that runs, and keeps to itself what tests print; so this writes to the standard error stream directly.
+/// Says once that the calling test is skipped, and counts skipped tests. The harness reports the test as passed and captures what it
+/// prints, so this writes to the standard error stream directly.
 pub fn skip(why: &str) {
     static SKIPPED: Mutex<Vec<String>> = Mutex::new(Vec::new());
     let thread = std::thread::current();
-    // the test's name, but where all tests run on the main thread
+    // the test's name, unless all tests run on the main thread
     let name = thread.name().unwrap_or_default();
     let said = format!("{name}: {why}");
     let mut skipped = SKIPPED.lock().unwrap_or_else(PoisonError::into_inner);

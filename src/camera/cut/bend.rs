@@ -76,7 +76,7 @@ fn largest_differences(rays: &Lattice, (p, d): (f64, f64), forward: DVec3, turn:
     most.map(|m| SAFETY * (STEPS * STEPS) as f64 * m.size)
 }
 
-/// The largest size of vectors, as any ray of a rectangle sees them: across `forward`, and `turn` of their length.
+/// The largest size of vectors as seen along the rays of a rectangle: their part across `forward`, plus `turn` times their length.
 #[derive(Clone, Copy)]
 struct Largest {
     forward: DVec3,
@@ -84,15 +84,15 @@ struct Largest {
     size: f64,
 }
 
-/// What a sum of two lengths is under, against the root of twice the sum of their squares; a little more for rounding.
-const ROOM: f64 = 2.0 + 1e-9;
+/// `(a + b)^2 <= 2 (a^2 + b^2)`, and a little more for rounding.
+const SQUARE_OF_SUM: f64 = 2.0 + 1e-9;
 
 impl Largest {
     fn take(&mut self, v: DVec3) {
         let across = (v - v.dot(self.forward) * self.forward).length_squared();
         let whole = v.length_squared();
-        // most are smaller, which is known without roots
-        if ROOM * (across + self.turn * self.turn * whole) < self.size * self.size {
+        // most vectors are smaller, which needs no roots to see
+        if SQUARE_OF_SUM * (across + self.turn * self.turn * whole) < self.size * self.size {
             return;
         }
         self.size = self.size.max(across.sqrt() + self.turn * whole.sqrt());

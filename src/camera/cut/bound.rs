@@ -41,8 +41,9 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// Nothing of the scene is in the piece's rays.
+    /// The piece's rays meet nothing of the scene.
     pub const NONE: Verdict = Verdict { error_px: 0.0, fold: false, rim: false };
+    /// A ray is missing.
     pub const RIM: Verdict = Verdict { error_px: f64::INFINITY, fold: false, rim: true };
 }
 
@@ -103,7 +104,7 @@ impl<'a> Judge<'a> {
         self.over([lo, hi], hi - lo, &weights, parts)
     }
 
-    /// The verdict on every piece in a box of size `piece` within the box from `lo` to `hi` with the given rays at its corners.
+    /// A verdict that holds for each piece of size `piece` in the box from `lo` to `hi`, whose corners have the given rays.
     pub fn judge_box(&self, [lo, hi]: [DVec2; 2], mut rays: Vec<Ray>, piece: DVec2, parts: (u32, u32)) -> Verdict {
         let Some(middle) = self.ray((lo + hi) / 2.0) else { return Verdict::RIM };
         rays.push(middle);

@@ -17,7 +17,7 @@ pub struct Cells {
     pub verdicts: Vec<Verdict>,
     /// In how many parts, across and down, a triangle's box is looked at.
     pub parts: (u32, u32),
-    /// Columns and rows as first made.
+    /// Columns and rows of cells before any refinement.
     pub size: (usize, usize),
 }
 
@@ -62,7 +62,8 @@ impl Cells {
         judge.judge(&t.map(|i| self.places[i as usize]), &[a, b, c], self.parts)
     }
 
-    /// The verdict on each triangle of a rectangle of cells, from column and row `at` on, `span` of them or as many as there are.
+    /// A verdict that holds for each triangle of a rectangle of equal cells: from column and row `at`, `span` cells each way or up to the
+    /// border.
     pub fn judge_group(&self, judge: &Judge, at: (usize, usize), span: (usize, usize)) -> Verdict {
         let (columns, rows) = self.size;
         let (right, below) = ((at.0 + span.0).min(columns), (at.1 + span.1).min(rows));

@@ -138,20 +138,21 @@ fn opens_to(before: DVec2, corner: DVec2, after: DVec2, q: DVec2) -> bool {
     }
 }
 
-/// Cuts off the first ear of the ring, again and again. A corner is looked at anew only once a neighbour of it, or the corner that was found
-/// within its triangle, is gone: nothing else can make it an ear.
+/// Cuts off the first ear of the ring, again and again. A corner that is no ear is tested again only after a neighbour of it, or the corner
+/// found inside its triangle, was cut off: nothing else can make it an ear.
 fn clip_ears(places: &[DVec2], ring: Vec<usize>) -> Vec<[u32; 3]> {
     let n = ring.len();
     let mut left = n;
-    // the ring by links, its corners by their numbers in it
+    // the ring as a linked list of its corners' numbers
     let mut next: Vec<usize> = (0..n).map(|k| (k + 1) % n).collect();
     let mut before: Vec<usize> = (0..n).map(|k| (k + n - 1) % n).collect();
     let mut is_left = vec![true; n];
-    let mut unknown: BTreeSet<usize> = (0..n).collect();
-    let mut waiting: Vec<Vec<usize>> = vec![Vec::new(); n];
+    // corners to be tested, and for each corner those that are no ears because it is inside their triangle
+    let mut untested: BTreeSet<usize> = (0..n).collect();
+    let mut blocked: Vec<Vec<usize>> = vec![Vec::new(); n];
     let mut triangles = Vec::new();
     while left > 2 {
-        let Some(k) = unknown.pop_first() else { break };
+        let Some(k) = untested.pop_first() else { break };
         let corners = [before[k], k, next[k]].map(|c| ring[c]);
         let t = corners.map(|c| places[c]);
         let side = |a: DVec2, b: DVec2, q: DVec2| (b - a).perp_dot(q - a);
@@ -159,16 +160,16 @@ fn clip_ears(places: &[DVec2], ring: Vec<usize>) -> Vec<[u32; 3]> {
         if side(t[0], t[1], t[2]) <= 0.0 {
             continue;
         }
-        let bars = |c: &usize| is_left[*c] && !t.contains(&places[ring[*c]]) && within(places[ring[*c]]);
-        if let Some(bar) = (0..n).find(bars) {
-            waiting[bar].push(k);
+        let is_inside = |c: &usize| is_left[*c] && !t.contains(&places[ring[*c]]) && within(places[ring[*c]]);
+        if let Some(inside) = (0..n).find(is_inside) {
+            blocked[inside].push(k);
             continue;
         }
         triangles.push(corners.map(|c| c as u32));
         (is_left[k], left) = (false, left - 1);
         (next[before[k]], before[next[k]]) = (next[k], before[k]);
-        unknown.extend([before[k], next[k]]);
-        unknown.extend(waiting[k].drain(..).filter(|c| is_left[*c]));
+        untested.extend([before[k], next[k]]);
+        untested.extend(blocked[k].drain(..).filter(|c| is_left[*c]));
     }
     triangles
 }
@@ -230,8 +231,8 @@ mod tests {
         assert!(overlap(&square(0.0), &rectangle(DVec2::splat(0.5), DVec2::splat(0.7))));
     }
 
-    /// The first ear of all, looked for anew each time.
-    fn clipped_plainly(places: &[DVec2], mut ring: Vec<usize>) -> Vec<[u32; 3]> {
+    /// Cuts off the first ear, testing all corners each time.
+    fn clip_ears_simply(places: &[DVec2], mut ring: Vec<usize>) -> Vec<[u32; 3]> {
         let mut triangles = Vec::new();
         while ring.len() > 2 {
             let n = ring.len();
@@ -250,7 +251,7 @@ mod tests {
         triangles
     }
 
-    /// A star of `n` corners, more or less deep, in a random order of depth.
+    /// A star of `n` corners at random distances from its middle.
     fn star(n: usize, seed: u64) -> Outline {
         let depth = |k: usize| 10.0 + (seed.wrapping_add(k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 60) as f64;
         (0..n)
@@ -259,11 +260,11 @@ mod tests {
     }
 
     #[test]
-    fn ears_are_cut_off_in_the_order_of_the_ring() {
+    fn ears_are_cut_off_in_the_order_of_the_simple_algorithm() {
         for seed in 0..40 {
             let outline = star(3 + seed as usize, seed);
             let ring: Vec<usize> = (0..outline.len()).collect();
-            assert_eq!(clip_ears(&outline, ring.clone()), clipped_plainly(&outline, ring), "{seed}");
+            assert_eq!(clip_ears(&outline, ring.clone()), clip_ears_simply(&outline, ring), "{seed}");
             let outer = rectangle(DVec2::ZERO, DVec2::splat(100.0));
             let triangles = triangulate(&outer, std::slice::from_ref(&outline));
             assert_eq!(triangles.len(), outline.len() + 4);
@@ -271,11 +272,11 @@ mod tests {
     }
 
     #[test]
-    fn an_outline_of_thousands_of_corners_is_cut_in_time_by_their_square() {
+    fn triangulation_takes_quadratic_time() {
         let started = std::time::Instant::now();
         let outer = rectangle(DVec2::ZERO, DVec2::splat(100.0));
         assert_eq!(triangulate(&outer, &[star(4000, 1)]).len(), 4004);
-        // by the cube it takes minutes
+        // cubic time would be minutes
         assert!(started.elapsed().as_secs() < 10, "{:?}", started.elapsed());
     }
 }

@@ -43,7 +43,7 @@ struct Region {
 #[derive(Debug)]
 enum Viewpoint {
     Posed(Pose),
-    /// What is not given is the root's: what it sees in the middle, and its up.
+    /// Without a target, what the root sees in the region's middle; without an up, the root's.
     At {
         eye: DVec3,
         target: Option<DVec3>,
@@ -110,7 +110,7 @@ fn read_region(field: &Field) -> Result<Region> {
         }
         _ => return Err(table.error("a region has either rect = [a0, b0, a1, b1] or polygon = [[a, b], ...]")),
     };
-    let viewpoint = match Pose::read_turned(&table)? {
+    let viewpoint = match Pose::read_rotation(&table)? {
         Some(pose) => Viewpoint::Posed(pose),
         None => Viewpoint::At {
             eye: table.need("eye", "[0, 9, 0]")?.vec3()?,
@@ -157,7 +157,7 @@ impl Recipe for TopDown {
         let folds = graph.folds(setting.bounds());
         let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;
         built.notes.extend(
-            fold_note(folds).map(|note| note + "; make band wider, or put the regions' eyes nearer to the root's"),
+            fold_note(folds).map(|note| note + "; make band wider, or move the regions' eyes nearer to the root's"),
         );
         Ok(built)
     }

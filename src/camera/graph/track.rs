@@ -91,7 +91,7 @@ impl Recipe for Track {
     }
 }
 
-/// What is shown where no ray is to run around anything.
+/// The camera where no ray has to be moved.
 fn plain_view(view: &View, size: (u32, u32), mut notes: Vec<String>, unmet: Vec<String>) -> Built {
     if unmet.is_empty() {
         notes.push("nothing hides a target: the plain view".into());
@@ -131,8 +131,8 @@ impl Track {
         seen
     }
 
-    /// Gives every hidden target its way: all in one direction if one serves all, so that neighbours bend alike. Targets that have none
-    /// are left to the plain view.
+    /// Gives every hidden target its way: all in one direction if one serves all, so that neighbours bend alike. Removes targets that
+    /// have none.
     fn find_ways(
         &self,
         setting: &Setting,
@@ -177,8 +177,8 @@ impl Track {
         s.sight.hidden(view, occluders).is_some() || !reaches(view, occluders, &straight, &s.target)
     }
 
-    /// The graph in which every target is seen that can be beside the others, and the plain one; `None` where that leaves none to run
-    /// around.
+    /// The graph in which the targets are seen, and the plain one. Drops targets whose ways conflict with others'; `None` if no hidden
+    /// target is left.
     fn free(
         &self,
         view: &View,
@@ -189,11 +189,11 @@ impl Track {
         unmet: &mut Vec<String>,
     ) -> Option<(Graph, Graph)> {
         while seen.iter().any(|s| s.way.is_some()) {
-            match self.free_beside(view, occluders, seen.clone(), extent, notes) {
+            match self.free_all(view, occluders, seen.clone(), extent, notes) {
                 Ok(graphs) => return Some(graphs),
                 Err(index) => {
                     unmet.push(format!(
-                        "target {index} is not tracked: no access path beside those of the targets next to it in the picture"
+                        "target {index} is not tracked: its access path conflicts with those of the targets next to it in the picture"
                     ));
                     seen.retain(|s| s.index != index);
                 }
@@ -202,8 +202,9 @@ impl Track {
         None
     }
 
-    /// The graph in which every target is seen, and the plain one; or a target that no widening of the ways frees.
-    fn free_beside(
+    /// The graph in which all targets are seen, and the plain one; the error is the index of a target that stays hidden however far the
+    /// ways are widened.
+    fn free_all(
         &self,
         view: &View,
         occluders: &Occluders,
@@ -211,7 +212,7 @@ impl Track {
         (size, far): ((u32, u32), f64),
         notes: &mut Vec<String>,
     ) -> std::result::Result<(Graph, Graph), usize> {
-        let mut spoilt = 0;
+        let mut still_hidden = 0;
         for _ in 0..=WIDENINGS {
             let [graph, plain] = graphs(view, &seen, size, far);
             let free = |s: &Seen| {
@@ -224,26 +225,26 @@ impl Track {
             };
             let hidden: Vec<usize> = (0..seen.len()).filter(|&k| !free(&seen[k])).collect();
             let is_behind = |k: &usize| seen.iter().any(|o| before(&seen[*k], o));
-            let (behind, barred): (Vec<usize>, Vec<usize>) = hidden.into_iter().partition(is_behind);
-            let Some(first) = barred.first() else {
+            let (behind, blocked): (Vec<usize>, Vec<usize>) = hidden.into_iter().partition(is_behind);
+            let Some(first) = blocked.first() else {
                 let note = |k: usize| format!("target {} is behind another in the picture, which shows", seen[k].index);
                 notes.extend(behind.into_iter().map(note));
                 return Ok((graph, plain));
             };
-            spoilt = seen[*first].index;
-            for k in barred {
+            still_hidden = seen[*first].index;
+            for k in blocked {
                 if let Some(way) = &mut seen[k].way {
                     way.shift *= WIDENING;
                 }
             }
         }
-        Err(spoilt)
+        Err(still_hidden)
     }
 }
 
 fn no_path(index: usize, largest: f64) -> String {
     format!(
-        "target {index} is not tracked: every way around what hides it is barred, up to {largest:.3} aside; a smaller radius or \
+        "target {index} is not tracked: every way around what hides it is blocked, up to a shift of {largest:.3}; a smaller radius or \
          another bend may help"
     )
 }

@@ -17,7 +17,7 @@ pub struct Pinhole {
 }
 
 impl Pinhole {
-    /// Its keys are a pose's and `vfov`.
+    /// Reads the keys of a pose, and `vfov`.
     pub fn read(table: &Table) -> Result<Pinhole> {
         Ok(Pinhole { pose: Pose::read(table)?, vfov: table.need("vfov", "40")?.number()? })
     }

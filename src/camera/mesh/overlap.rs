@@ -1,39 +1,40 @@
-//! Which triangles of an image overlap: a line parts them in two sets, again and again, until few are left to compare.
+//! Which triangles of an image overlap, by binary space partition: a line splits them into two sets, again and again, until few are left to
+//! compare.
 //!
-//! The line is along an edge of one of them, or along an axis. Triangles that it crosses go to both sides. Pieces that do
-//! not overlap always have such lines (Paterson and Yao 1990: binary space partitions of n segments have O(n log n) parts),
-//! however long and thin the pieces are and however many meet in a corner.
+//! The line runs along an edge of a triangle, or along an axis. Triangles that it crosses go to both sides. Triangles that do not
+//! overlap always have such lines (Paterson and Yao 1990: n segments have a partition of O(n log n) parts), however long and
+//! thin they are and however many meet in a corner.
 
 use super::side;
 use glam::DVec2;
 
-/// So few triangles are compared each with each.
+/// Sets up to this size are compared pair by pair.
 const FEW: usize = 16;
 
-/// Triangles of a set whose edges are tried as its line, and triangles by which a line is judged.
+/// Triangles of a set whose edges are candidates for its line, and triangles that a candidate is scored on.
 const TRIED: usize = 6;
-const JUDGES: usize = 48;
+const SCORED: usize = 48;
 
-/// Lines that are tried on the whole set, the best first.
+/// Candidates that are tried on the whole set, the best first.
 const BEST: usize = 3;
 
 type Triangle = [DVec2; 3];
 type Line = [DVec2; 2];
 
-/// The first pair of triangles whose interiors overlap, by numbers.
+/// The first pair of triangles whose interiors overlap, by their numbers.
 pub fn first_overlap(corners: &[Triangle]) -> Option<(usize, usize)> {
     within(corners, (0..corners.len() as u32).collect())
 }
 
-/// Of the triangles `set`, ascending.
+/// The same among the triangles `set`, which ascend.
 fn within(corners: &[Triangle], set: Vec<u32>) -> Option<(usize, usize)> {
-    let Some([left, right]) = parted(corners, &set) else { return first_pair(corners, &set) };
+    let Some([left, right]) = split(corners, &set) else { return first_pair(corners, &set) };
     drop(set);
     let (a, b) = rayon::join(|| within(corners, left), || within(corners, right));
     a.into_iter().chain(b).min()
 }
 
-/// Each with each.
+/// The same, pair by pair.
 fn first_pair(corners: &[Triangle], set: &[u32]) -> Option<(usize, usize)> {
     let boxes: Vec<(DVec2, DVec2)> = set.iter().map(|&k| bounds(&corners[k as usize])).collect();
     let apart = |i: usize, j: usize| boxes[i].0.cmpge(boxes[j].1).any() || boxes[j].0.cmpge(boxes[i].1).any();
@@ -49,21 +50,21 @@ fn bounds([a, b, c]: &Triangle) -> (DVec2, DVec2) {
     (a.min(*b).min(*c), a.max(*b).max(*c))
 }
 
-/// The triangles on either side of a line, those that it crosses on both; `None` where there are few, or no line that parts them
-/// well: where most of them overlap.
-fn parted(corners: &[Triangle], set: &[u32]) -> Option<[Vec<u32>; 2]> {
+/// The triangles on either side of a line; those that it crosses are on both. `None` if the set is small, or if no candidate splits it
+/// well, as where most triangles overlap.
+fn split(corners: &[Triangle], set: &[u32]) -> Option<[Vec<u32>; 2]> {
     if set.len() <= FEW {
         return None;
     }
     let spread = |count: usize| (0..count).map(move |k| set[(2 * k + 1) * set.len() / (2 * count)] as usize);
-    let judges: Vec<&Triangle> = spread(JUDGES).map(|k| &corners[k]).collect();
+    let sample: Vec<&Triangle> = spread(SCORED).map(|k| &corners[k]).collect();
     let edges = spread(TRIED).flat_map(|k| (0..3).map(move |e| [corners[k][e], corners[k][(e + 1) % 3]]));
     let mut lines: Vec<(usize, Line)> = edges
-        .chain(medians(&judges))
+        .chain(medians(&sample))
         .map(|line| {
-            let sides = judges.iter().map(|t| sides(line, t));
+            let sides = sample.iter().map(|t| sides(line, t));
             let (left, right) = sides.fold((0, 0), |n, s| (n.0 + usize::from(s[0]), n.1 + usize::from(s[1])));
-            // what both sides have, and the larger one once more
+            // fewer in all, and fewer on the larger side, is better
             (left + right + left.max(right), line)
         })
         .collect();
@@ -75,13 +76,13 @@ fn parted(corners: &[Triangle], set: &[u32]) -> Option<[Vec<u32>; 2]> {
             (0..2).filter(|s| is_on[*s]).for_each(|s| parts[s].push(k));
         }
         let [left, right] = parts.each_ref().map(Vec::len);
-        // a quarter more in all, and no side with nearly all: so the sets end, and grow slowly
+        // at most a quarter more in all, and nine tenths on one side, so that the recursion ends
         let is_good = 4 * (left + right) <= 5 * set.len() && 10 * left.max(right) <= 9 * set.len();
         is_good.then_some(parts)
     })
 }
 
-/// Lines along the axes through the middle of the triangles' middles.
+/// Lines along the axes through the median of the triangles' middles.
 fn medians(triangles: &[&Triangle]) -> [Line; 2] {
     let middle = |of: fn(DVec2) -> f64| {
         let mut all: Vec<f64> = triangles.iter().map(|t| of((t[0] + t[1] + t[2]) / 3.0)).collect();
@@ -92,7 +93,7 @@ fn medians(triangles: &[&Triangle]) -> [Line; 2] {
     [[at, at + DVec2::X], [at, at + DVec2::Y]]
 }
 
-/// Whether the triangle comes to the left and to the right of a line; to both if all of it lies on it.
+/// Whether the triangle reaches the left and the right side of a line; both if it lies on the line.
 fn sides([a, b]: Line, t: &Triangle) -> [bool; 2] {
     let at = t.map(|q| side(a, b, q));
     let (left, right) = (at.iter().all(|s| *s >= 0.0), at.iter().all(|s| *s <= 0.0));
@@ -114,7 +115,7 @@ mod tests {
     use proptest::prelude::*;
     use std::f64::consts::TAU;
 
-    fn each_with_each(corners: &[Triangle]) -> Option<(usize, usize)> {
+    fn by_all_pairs(corners: &[Triangle]) -> Option<(usize, usize)> {
         let pairs = (0..corners.len()).flat_map(|j| (j + 1..corners.len()).map(move |k| (j, k)));
         pairs.filter(|&(j, k)| overlap(&corners[j], &corners[k])).min()
     }
@@ -125,7 +126,7 @@ mod tests {
         (0..n).map(|k| [centre, rim(k), rim(k + 1)]).collect()
     }
 
-    /// Strips from end to end of a square, turned.
+    /// Strips across a square that is rotated by `turn`.
     fn strips(n: usize, turn: f64) -> Vec<Triangle> {
         let at = |x: usize, y: f64| 300.0 + DVec2::from_angle(turn).rotate(DVec2::new(200.0 * x as f64 / n as f64, y));
         (0..n)
@@ -136,8 +137,8 @@ mod tests {
     }
 
     #[test]
-    fn a_hundred_thousand_pieces_are_compared_in_time_that_grows_with_their_number() {
-        // each with each are 5e9 pairs, of some 10 ns
+    fn a_hundred_thousand_pieces_take_far_less_than_quadratic_time() {
+        // all pairs are 5e9, of some 10 ns each
         let n = 100_000;
         for pieces in [fan(n, DVec2::splat(50.0), 40.0), strips(n / 2, 0.0), strips(n / 2, 0.37)] {
             let started = std::time::Instant::now();
@@ -155,13 +156,13 @@ mod tests {
             pieces.push(pieces[k].map(|q| middle + 1e-3 * (q - middle)));
             assert_eq!(first_overlap(&pieces), Some((k, pieces.len() - 1)));
         }
-        // where all overlap nothing parts them
+        // no line splits triangles that all overlap
         assert_eq!(first_overlap(&vec![[DVec2::ZERO, DVec2::X, DVec2::Y]; 100_000]), Some((0, 1)));
     }
 
     proptest! {
         #[test]
-        fn random_triangles_overlap_as_each_with_each_says(
+        fn random_triangles_overlap_as_all_pairs_say(
             triangles in prop::collection::vec(prop::array::uniform6(0i32..40), 2..120),
             size in 0.05f64..1.0,
         ) {
@@ -171,7 +172,7 @@ mod tests {
                 .map(|t| t.map(|q| t[0] + (size * (q - t[0])).round()))
                 .filter(|t| side(t[0], t[1], t[2]) != 0.0)
                 .collect();
-            prop_assert_eq!(first_overlap(&pieces), each_with_each(&pieces));
+            prop_assert_eq!(first_overlap(&pieces), by_all_pairs(&pieces));
         }
     }
 }

@@ -132,7 +132,7 @@ impl Lens for Circle {
     }
 }
 
-/// How far rounding may take a place on the rim outward, in radii and against the image's longer side in diameters: a and b are
-/// rounded (half an epsilon), doubled, and then two roundings each in q and its length, under 5 epsilons in all. No pixel centre is as
-/// near outside the rim: its distance squared, in half pixels, is a whole number.
+/// Bound on the rounding of a place's radius, relative to the larger of `half`: a and b are rounded (half an epsilon) and doubled, and q
+/// and its length take two roundings each, under 5 epsilons in all. No pixel centre outside the rim is this near to it: the square
+/// of its distance from the middle, in half pixels, is a whole number.
 const RIM_ROUNDING: f64 = 8.0 * f64::EPSILON;

@@ -16,13 +16,13 @@ use std::sync::Arc;
 
 const LIST_KEYS: [&str; 3] = ["kind", "t_range", "file"];
 
-/// Those of a spinning scanner.
-const SCANNER_KEYS: [&str; 9] = ["eye", "target", "up", "beams", "columns", "start", "sweep", "velocity", "period"];
+/// The keys of a spinning scanner, besides its pose.
+const SCANNER_KEYS: [&str; 6] = ["beams", "columns", "start", "sweep", "velocity", "period"];
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     if let Some(file) = table.get("file") {
-        if let Some(key) = SCANNER_KEYS.iter().find(|key| table.has(key)) {
-            let what = "describes a scanner, and file lists rays; leave one of the two out";
+        if let Some(key) = POSE.iter().chain(&SCANNER_KEYS).find(|key| table.has(key)) {
+            let what = "describes a scanner, but file lists the rays; leave one of the two out";
             return Err(table.error(format_args!("{key} {what}")));
         }
         table.allow(&LIST_KEYS)?;

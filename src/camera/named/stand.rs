@@ -20,13 +20,13 @@ pub struct Stand {
     pub far: f64,
 }
 
-/// The keys of [`Stand::read`] beside those of a pose.
+/// The keys of [`Stand::read`] besides those of a pose.
 const KEYS: [&str; 4] = ["kind", "vfov", "near", "far"];
 
 impl Stand {
     /// Reads the viewer; near and far are `depths` times the target's distance where they are not given.
     pub fn read(table: &Table, depths: [f64; 2]) -> Result<Stand> {
-        let pose = match Pose::read_turned(table)? {
+        let pose = match Pose::read_rotation(table)? {
             Some(pose) => pose,
             None => {
                 let eye = table.or("eye", DVec3::new(0.0, 0.0, 4.0), Field::vec3)?;

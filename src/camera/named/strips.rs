@@ -11,7 +11,7 @@ use crate::limits;
 use crate::scene::file::reader::Table;
 use glam::{DVec2, DVec3};
 
-/// Two pieces each are numbered in 32 bits.
+/// Most cells: pieces, two a cell, are numbered in 32 bits.
 const STRIPS_MAX: u64 = 1 << 30;
 
 /// The key `strips`, which leaves no room for `pieces`.
@@ -20,9 +20,9 @@ pub fn read(table: &Table) -> Result<Option<u32>> {
     if table.has("pieces") || table.has("error") {
         return Err(field.error("strips and pieces are two ways to cut the image; give one of them"));
     }
-    // the range is under 2^32, which two pieces a cell are too
     let strips = field.integer(1, STRIPS_MAX)?;
     limits::CELLS.check(strips).map_err(|e| field.error(e))?;
+    // it is at most STRIPS_MAX, under 2^32
     Ok(Some(strips as u32))
 }
 

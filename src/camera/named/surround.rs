@@ -30,7 +30,7 @@ struct Surround {
     /// Unit vectors into the mesh, one a vertex.
     inward: Vec<DVec3>,
     up: DVec3,
-    /// Cells in a row of the image; `None`: as many as make them near-square.
+    /// Cells in a row of the image; `None`: as many as make cells near-square.
     columns: Option<usize>,
     notes: Vec<String>,
 }

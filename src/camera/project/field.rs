@@ -152,13 +152,13 @@ impl<'a> Search<'a> {
         self.start + DVec2::new(self.cells[0].into(), self.cells[1].into())
     }
 
-    /// The image holds the place, px.
+    /// The place (px) is in the image.
     fn holds(&self, place: DVec2) -> bool {
         let slack = DVec2::splat(BORDER_PX);
         place.cmpge(self.start - slack).all() && place.cmple(self.end() + slack).all()
     }
 
-    /// A place that shows the point, as far as it is in the image.
+    /// Adds a place that shows the point, if it is in the image.
     fn add(&self, place: DVec2, t: f64, shown: &mut Shown) {
         if self.holds(place) {
             shown.found.push(Found { place: place.clamp(self.start, self.end()), t, piece: 0 });

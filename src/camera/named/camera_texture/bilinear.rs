@@ -5,7 +5,7 @@ use crate::camera::boxes::{Boxes, EMPTY, join};
 use crate::camera::{Ray, RayMap};
 use glam::{DMat2, DVec2};
 
-/// Cells, each the bilinear map of its (u, v) in [0, 1]^2, and boxes that tell which of them may hold an image place.
+/// Cells, each the bilinear map of its (u, v) in [0, 1]^2, and the boxes around them, to find those that may hold an image place.
 #[derive(Debug)]
 pub struct Inverse {
     cells: Vec<Cell>,
@@ -86,7 +86,7 @@ fn quadratic_roots([c0, c1, c2]: [f64; 3]) -> [f64; 2] {
 /// The box around a displaced cell.
 fn bounds(cell: &Cell) -> (DVec2, DVec2) {
     let (lo, hi) = cell.to.iter().fold(EMPTY, |b, q| join(b, (*q, *q)));
-    // u and v may be beyond at both ends
+    // u and v may be outside [0, 1] at both ends
     let slack = (hi - lo) * (4.0 * BORDER_ROUNDING);
     (lo - slack, hi + slack)
 }
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn many_cells_in_one_place_take_no_memory_for_each_pair() {
+    fn memory_is_linear_in_cells_that_overlap() {
         // 90,000 cells that each cover half of the image
         let cell = |k: usize| {
             let by = DVec2::new((k % 300) as f64, (k / 300) as f64) / 600.0;
