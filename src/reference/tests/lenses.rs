@@ -108,6 +108,22 @@ fn both_methods_find_the_same_fisheye() {
     assert!(missing > 1000, "{missing}");
 }
 
+/// Far away det J is small against the square of the place's radius; that is no fold.
+#[test]
+fn both_methods_find_rays_thousands_of_focal_lengths_away() {
+    let mut k = [0.0; 14];
+    k[2] = 1e-8;
+    let model = Model::Brown(k);
+    let camera = Distortion::new(&model).unwrap();
+    for radius in [100.0, 3000.0, 1e5] {
+        let q = radius * DVec2::new(0.6, -0.8);
+        let (a, b) = (camera.direction(q), direction(&model, q));
+        let (Some(a), Some(b)) = (a, b) else { panic!("{q}: {a:?} {b:?}") };
+        // J is almost the identity, so the rays differ by some roundings of the place
+        assert!((a - b).length() <= 64.0 * f64::EPSILON * radius, "{q}: {a} {b}");
+    }
+}
+
 /// Along a straight line from the middle rays change continuously up to the first fold, and end there.
 #[test]
 fn rays_are_continuous_along_lines_from_the_middle() {
