@@ -22,7 +22,7 @@ use common::gpu::{Without, check, engine_on, hits, ids, render, render_with};
 use common::layered::chain;
 use common::rng::Rng;
 use common::{FORWARD, camera, mesh, scene, soup};
-use glam::{DVec3, Vec2};
+use glam::{DVec3, Vec2, Vec3};
 use half::f16;
 use pictures::{COLOUR, Colours, box_filtered, colours, flip, psnr};
 use std::sync::Arc;
@@ -201,6 +201,109 @@ fn images_of_one_colour_are_that_colour_everywhere() {
             // of up to 16 taps, each of 7 mixtures; and levels whose weights add up to 1 in f32, halves of f16 that round alike
             assert!(off <= 64.0 * f64::from(f32::EPSILON), "{name}, {samples} samples: {off} off");
         }
+    }
+}
+
+/// A ball of radius 1 with its own normals, and an image around it of 32 x 16 patches of random grey, uniform in [0, 1].
+fn patched_ball(columns: u32, rows: u32) -> Scene {
+    let mut rng = Rng(5);
+    let patches: Vec<f32> = (0..32 * 16).map(|_| rng.unit() as f32).collect();
+    let image = texels(256, 128, |x, y| grey(patches[(y / 8 * 32 + x / 8) as usize]));
+    let at = |i: u32, j: u32| {
+        let (u, v) = (f64::from(i) / f64::from(columns), f64::from(j) / f64::from(rows));
+        let ((sin, cos), (up, out)) =
+            ((std::f64::consts::TAU * u).sin_cos(), (std::f64::consts::PI * (v - 0.5)).sin_cos());
+        (DVec3::new(out * sin, up, out * cos), Vec2::new(u as f32, v as f32))
+    };
+    let places = || (0..=rows).flat_map(|j| (0..=columns).map(move |i| at(i, j)));
+    // without the two caps at the poles
+    let quads = (1..rows - 1).flat_map(|j| (0..columns).map(move |i| j * (columns + 1) + i));
+    let triangles = quads.flat_map(|k| [[k, k + 1, k + columns + 2], [k, k + columns + 2, k + columns + 1]]).collect();
+    let mut ball = mesh(places().map(|p| p.0).collect(), triangles);
+    (ball.uvs, ball.normals) = (places().map(|p| p.1).collect(), places().map(|p| p.0.as_vec3()).collect());
+    (ball.corner_uvs, ball.corner_normals) = (ball.triangles.clone(), ball.triangles.clone());
+    ball.materials = vec![Material { diffuse: [1.0; 3], texture: Some(Texture::new(image)), ..Material::default() }];
+    scene(ball)
+}
+
+/// The mean and the largest difference between a pixel's filtered albedo and the mean of those of 16 x 16 rays that hit the ball: first
+/// for pixels that see their triangle under a cosine below 0.1, then for those above 0.4.
+fn errors_near_and_far_from_the_horizon(engine: &mut Engine, ball: &Scene, keys: &str) -> [(f64, f64); 2] {
+    const FINE: u32 = 16;
+    let [camera, finer] = [1, FINE].map(|n| camera_of("", (n * SIZE.0, n * SIZE.1), keys).unwrap());
+    let channels = [Channel::A, Channel::AlbedoR, Channel::TriangleId];
+    let seen = engine.render(ball, &camera, &Wanted::of(channels.to_vec()), &RunOptions::default()).unwrap().frame;
+    let fine = image(ball, &finer, &channels);
+    let (covered, albedo) = (fine.f32(Channel::A).unwrap(), fine.f32(Channel::AlbedoR).unwrap());
+    let mut errors = [Vec::new(), Vec::new()];
+    for (k, &id) in ids(&seen).iter().enumerate().filter(|(_, id)| **id != NO_ID) {
+        let (i, j) = (k as u32 % SIZE.0, k as u32 / SIZE.0);
+        let [a, b, c] = ball.mesh.triangles[id as usize].map(|v| ball.mesh.positions[v as usize]);
+        let cosine = (b - a).cross(c - a).normalize().dot(camera.ray(i, j).unwrap().direction.normalize()).abs();
+        let at = |n: u32| ((FINE * j + n / FINE) * FINE * SIZE.0 + FINE * i + n % FINE) as usize;
+        let sum = |plane: &[f32]| (0..FINE * FINE).map(|n| f64::from(plane[at(n)])).sum::<f64>();
+        let error = (f64::from(seen.f32(Channel::AlbedoR).unwrap()[k]) - sum(albedo) / sum(covered)).abs();
+        if cosine < 0.1 || cosine > 0.4 {
+            errors[usize::from(cosine > 0.4)].push(error);
+        }
+    }
+    assert!(errors[0].len() > 10, "{} pixels at the horizon", errors[0].len());
+    errors.map(|e| (e.iter().sum::<f64>() / e.len() as f64, e.iter().copied().fold(0.0, f64::max)))
+}
+
+/// A pixel at the horizon of a curved surface covers what turns towards the viewer, and nothing beyond the horizon. There the filter may
+/// misplace a share q of its weights. The image is in [0, 1], so that changes a mean by q at most; two uniform numbers differ by 1/3 on
+/// average, so by q / 3 on average. The filter's other errors are measured far from the horizon. q adds up from
+/// * the pixel's shape: a square whose sides are at 45 degrees to the horizon is as wide as a triangle and is taken for a box; 0.172 of one
+///   lies outside the other, and 0.104 on average over all directions;
+/// * 16 taps: each blurs the footprint's end, where weights are twice the mean, by the deviation of a box of 1/16: 2 / 2 / 16 / sqrt(12);
+/// * triangles: their cosines are off by up to half of the angle between two, pi / COLUMNS, by half of that on average. The footprint's ends
+///   move by as much, on an arc of at least 1 / sqrt(R) with R px the ball's radius, 40 at most here. Again weights are twice the mean.
+#[test]
+fn images_on_curved_surfaces_are_filtered_up_to_the_horizon() {
+    const COLUMNS: u32 = 512;
+    let taps = 1.0 / 16.0 / 12f64.sqrt();
+    let triangles = 2.0 * std::f64::consts::PI / f64::from(COLUMNS) * 40f64.sqrt();
+    let q_mean = 0.104 + taps + 0.5 * triangles;
+    let q_most = 0.172 + taps + triangles;
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let ball = patched_ball(COLUMNS, COLUMNS / 2);
+    let look = "eye = [0.7, 1.1, 3.4]\ntarget = [0, 0, 0]";
+    let slits = "slits = [{ distance = 2.2, angle = 0 }, { distance = 3.5, angle = 90 }]";
+    for (name, keys) in [
+        ("pinhole", format!("kind = \"pinhole\"\n{look}\nvfov = 37")),
+        ("cross-slit", format!("kind = \"cross_slit\"\n{look}\nheight = 2.4\n{slits}")),
+        (
+            "fisheye",
+            "kind = \"fisheye\"\neye = [0.35, 0.55, 1.5]\ntarget = [0, 0, 0]\nfov = 110\nframe = \"full\"".into(),
+        ),
+    ] {
+        let [(mean, most), (far_mean, far_most)] = errors_near_and_far_from_the_horizon(&mut engine, &ball, &keys);
+        println!(
+            "{name}: {mean:.4} off on average, {most:.3} at most; {far_mean:.4} and {far_most:.3} far from the horizon"
+        );
+        assert!(mean <= q_mean / 3.0 + far_mean, "{name}: {mean} off on average");
+        assert!(most <= q_most + far_most, "{name}: {most} off at most");
+    }
+}
+
+/// Normals that do not turn change nothing.
+#[test]
+fn images_on_flat_surfaces_are_the_same_with_normals_and_without() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let plain = floor(4000.0, -1.0, 2000.0, checker());
+    let mut with_normals = plain.clone();
+    let mesh = Arc::make_mut(&mut with_normals.mesh);
+    mesh.normals = vec![Vec3::Y];
+    mesh.corner_normals = vec![[0; 3]; mesh.triangles.len()];
+    let albedo = [Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB];
+    for (name, camera) in families(SIZE) {
+        let [a, b] = [&plain, &with_normals].map(|scene| {
+            let frame =
+                engine.render(scene, &camera, &Wanted::of(albedo.to_vec()), &RunOptions::default()).unwrap().frame;
+            albedo.map(|c| frame.f32(c).unwrap().iter().map(|v| v.to_bits()).collect::<Vec<_>>())
+        });
+        assert!(a == b, "{name}");
     }
 }
 

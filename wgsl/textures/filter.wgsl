@@ -4,6 +4,12 @@
 // A tap at level l, 2^l texels wide, has a variance of (4^l - 1) / 12 from the means of the level's texels and of 4^l / 6 from
 // bilinear weights between them. A box w texels wide over bilinear weights between texels has w^2 / 12 + 1/6. They are equal
 // where 4^l = 1 + w^2 / 3: no level is sharper than the first, and none is blurred more than the pixel itself.
+//
+// The surface's cosine to the ray is taken to change linearly along the axis. With tau along the surface, in lengths of the footprint on
+// the flat triangle, and s across the pixel, from -1/2 to 1/2:
+//   ds = (1 + bend tau) dtau,  s = tau + bend tau^2 / 2,  tau = 2 s / (1 + sqrt(1 + 2 bend s))
+// The footprint ends at s = 1/2. It begins at s = -1/2, or at tau = -1 / bend if this horizon lies within the pixel: the cosine is 0 there.
+// Taps are evenly spaced in tau, so each has the weight 1 + bend tau.
 
 const TAPS_MAX: f32 = 16.0;
 
@@ -23,14 +29,22 @@ fn image_mean(m: Material, f: Footprint) -> vec3<f32> {
     let axis = select(vec2<f32>(1.0, 0.0), way / length(way), root > 0.0);
 
     // edge-on nothing is known but the whole
-    let is_known = major < 1e9;
-    let taps = select(1.0, clamp(ceil(major / max(minor, 1.0)), 1.0, TAPS_MAX), is_known);
-    let width = max(minor, major / taps);
+    let grows = dot(f.bend, vec2<f32>(dot(a, axis), dot(b, axis))) / max(major, 1e-30);
+    let is_known = major < 1e9 && abs(grows) < 1e9;
+    let bend = select(0.0, abs(grows), is_known);
+    let begin = -1.0 / (max(bend, 1.0) + sqrt(max(1.0 - bend, 0.0)));
+    let end = 1.0 / (1.0 + sqrt(1.0 + bend));
+    let long = major * (end - begin);
+    let taps = select(1.0, clamp(ceil(long / max(minor, 1.0)), 1.0, TAPS_MAX), is_known);
+    let width = max(minor, long / taps);
     let level = select(f32(m.levels - 1u), 0.5 * log2(1.0 + width * width / 3.0), is_known);
-    let step = select(vec2<f32>(0.0), axis * (major / taps) / size, is_known);
+    let upward = select(axis, -axis, grows < 0.0);
+    let step = select(vec2<f32>(0.0), upward * (long / taps) / size, is_known);
+    let first = taps * begin / (end - begin);
+    let weight_step = bend * (end - begin) / taps;
     var sum = vec4<f32>(0.0);
-    for (var k = 0.0; k < taps; k += 1.0) {
-        sum += trilinear(m, f.uv + (k - 0.5 * (taps - 1.0)) * step, level);
+    for (var k = 0.5; k < taps; k += 1.0) {
+        sum += (1.0 + (first + k) * weight_step) * trilinear(m, f.uv + (first + k) * step, level);
     }
     // colours are stored times their opacity
     return sum.xyz / max(sum.w, 1e-6 * taps);

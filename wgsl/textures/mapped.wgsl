@@ -38,6 +38,7 @@ struct Footprint {
     uv: vec2<f32>,
     right: vec2<f32>,   // for one pixel to the right, one downwards
     down: vec2<f32>,
+    bend: vec2<f32>,    // change of the surface's cosine to the ray, relative to the triangle's own cosine: 0 on flat surfaces
 }
 
 fn footprint(slot: u32, triangle: vec4<u32>, ray: Ray, spread: Spread, wraps: u32) -> Footprint {
@@ -50,5 +51,25 @@ fn footprint(slot: u32, triangle: vec4<u32>, ray: Ray, spread: Spread, wraps: u3
     let t2 = uv[2] - uv[0];
     f.right = shading.spread * (w.right.y * t1 + w.right.z * t2);
     f.down = shading.spread * (w.down.y * t1 + w.down.z * t2);
+
+    let change = cosine_change(slot, triangle, normalize(ray.d));
+    f.bend = shading.spread * vec2<f32>(dot(w.right.yz, change), dot(w.down.yz, change));
     return f;
+}
+
+// How the cosine between the corners' normals and a ray of unit direction changes from a row's first corner to its second and third,
+// relative to the cosine of the triangle itself.
+fn cosine_change(slot: u32, triangle: vec4<u32>, d: vec3<f32>) -> vec2<f32> {
+    let surface = surface_row(slot);
+    if !NORMALS || surface.x == NONE || surface.y == NONE || surface.z == NONE {
+        return vec2<f32>(0.0);
+    }
+    let order = corner_order(triangle_order(triangle));
+    var n: array<vec3<f32>, 3>;
+    n[order.x] = stored_normal(surface.x);
+    n[order.y] = stored_normal(surface.y);
+    n[order.z] = stored_normal(surface.z);
+    let flat = flat_normal(triangle, d);
+    let is_away = dot(n[0] + n[1] + n[2], flat) < 0.0;
+    return vec2<f32>(dot(n[1] - n[0], d), dot(n[2] - n[0], d)) / dot(select(flat, -flat, is_away), d);
 }
