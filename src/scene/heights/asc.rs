@@ -3,63 +3,63 @@
 use super::{Georeference, Grid, check_sides};
 use glam::DVec2;
 
-/// The numbers of the header, by their keys.
+/// The values in the header.
 #[derive(Default)]
 struct Header {
     columns: Option<u64>,
     rows: Option<u64>,
-    /// Of the lower left cell: easting and northing, and whether of its middle instead of its corner.
+    /// Easting and northing of the lower left cell; `true`: of its centre, `false`: of its corner.
     lower_left: [Option<(f64, bool)>; 2],
-    /// To the east and to the south.
+    /// Size to the east and to the south.
     cell: [Option<f64>; 2],
     no_data: Option<f64>,
 }
 
-/// What stands for no data where the header does not say.
+/// The value for no data if the header has none.
 const NO_DATA: f64 = -9999.0;
 
-/// Key and value on each line, then the heights, row by row from the north.
+/// Reads a header of lines `KEY VALUE`, then the heights, row by row from the north.
 ///
 /// # Errors
-/// What is wrong, without the file's name.
+/// What is wrong, without the name of the file.
 pub fn read(bytes: &[u8]) -> Result<Grid, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| "is no ASCII grid: it is not text".to_string())?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut header = Header::default();
     let mut lines = text.lines().enumerate().peekable();
-    while let Some((k, line)) = lines.next_if(|(_, line)| !line.trim_start().starts_with(starts_number)) {
-        header.take(line).map_err(|why| format!("line {}: {why}", k + 1))?;
+    while let Some((k, line)) = lines.next_if(|(_, line)| !starts_with_number(line)) {
+        header.read_line(line).map_err(|why| format!("line {}: {why}", k + 1))?;
     }
     let missing = |key: &str| format!("is no ASCII grid: {key} is missing at its beginning");
     let columns = header.columns.ok_or_else(|| missing("ncols"))?;
     let rows = header.rows.ok_or_else(|| missing("nrows"))?;
     check_sides(columns, rows)?;
-    let promised = columns * rows;
-    // a height and what parts it from the next take two bytes
-    if promised.saturating_sub(1) > bytes.len() as u64 / 2 {
-        return Err(format!("ends early: {columns} x {rows} heights are promised"));
+    let expected = columns * rows;
+    // checked before allocating: a height and the space after it take at least two bytes
+    if expected.saturating_sub(1) > bytes.len() as u64 / 2 {
+        return Err(format!("ends early: the header says {columns} x {rows} heights"));
     }
     let no_data = header.no_data.unwrap_or(NO_DATA);
-    let mut samples = Vec::with_capacity(promised as usize);
+    let mut samples = Vec::with_capacity(expected as usize);
     for (k, line) in lines {
         for word in line.split_ascii_whitespace() {
             let height = number(word).map_err(|why| format!("line {}: {why}", k + 1))?;
             samples.push(if height == no_data || !height.is_finite() { f64::NAN } else { height });
         }
-        if samples.len() as u64 > promised {
-            return Err(format!("line {}: more than the promised {columns} x {rows} heights", k + 1));
+        if samples.len() as u64 > expected {
+            return Err(format!("line {}: more than the {columns} x {rows} heights of the header", k + 1));
         }
     }
-    if (samples.len() as u64) < promised {
-        return Err(format!("ends early: {columns} x {rows} heights are promised, {} are there", samples.len()));
+    if (samples.len() as u64) < expected {
+        return Err(format!("ends early: the header says {columns} x {rows} heights, found {}", samples.len()));
     }
     let (columns, rows) = (columns as usize, rows as usize);
     Ok(Grid { columns, rows, samples, georeference: header.georeference(columns, rows)? })
 }
 
-/// Lines of heights begin so, keys do not.
-fn starts_number(c: char) -> bool {
-    c.is_ascii_digit() || matches!(c, '-' | '+' | '.')
+/// Lines of heights do, also with NaN; lines of the header start with a key.
+fn starts_with_number(line: &str) -> bool {
+    line.split_ascii_whitespace().next().is_some_and(|word| word.parse::<f64>().is_ok())
 }
 
 fn number(word: &str) -> Result<f64, String> {
@@ -71,7 +71,7 @@ fn shortened(text: &str) -> String {
 }
 
 impl Header {
-    fn take(&mut self, line: &str) -> Result<(), String> {
+    fn read_line(&mut self, line: &str) -> Result<(), String> {
         let mut words = line.split_ascii_whitespace();
         let Some(key) = words.next() else { return Ok(()) };
         let (Some(word), None) = (words.next(), words.next()) else {
@@ -80,7 +80,7 @@ impl Header {
         let whole = || word.parse().map_err(|_| format!("{key}: expected a whole number, found {word:?}"));
         let length = || match number(word)? {
             length if length > 0.0 && length.is_finite() => Ok(length),
-            length => Err(format!("{key}: {length} is no size; it must be above 0")),
+            length => Err(format!("{key}: {length} is not a size; it must be above 0")),
         };
         match key.to_ascii_lowercase().as_str() {
             "ncols" => self.columns = Some(whole()?),
@@ -90,7 +90,7 @@ impl Header {
             "xllcenter" => self.lower_left[0] = Some((number(word)?, true)),
             "yllcenter" => self.lower_left[1] = Some((number(word)?, true)),
             "cellsize" => self.cell = [Some(length()?); 2],
-            // as GDAL writes cells that are not square
+            // GDAL writes these for cells that are not square
             "dx" => self.cell[0] = Some(length()?),
             "dy" => self.cell[1] = Some(length()?),
             "nodata_value" => self.no_data = Some(number(word)?),
@@ -107,9 +107,9 @@ impl Header {
         };
         let middle = DVec2::new(middle(0, x, columns), middle(1, y, rows));
         if !middle.is_finite() {
-            return Err("the place of its lower left cell is not finite".into());
+            return Err("the position of its lower left cell is not finite".into());
         }
-        // the format does not say whether these are degrees
+        // the format has no unit
         Ok(Some(Georeference { cell: DVec2::new(x, y), middle, in_degrees: false }))
     }
 }

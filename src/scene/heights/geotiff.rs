@@ -1,4 +1,4 @@
-//! TIFFs of one band, with the tags of GeoTIFF (OGC 19-008r4) and GDAL where there are some.
+//! TIFFs with one band. Tags of GeoTIFF (OGC 19-008r4) and GDAL are used if present.
 
 use super::{Georeference, Grid, check_sides};
 use glam::DVec2;
@@ -10,20 +10,20 @@ use tiff::{ColorType, TiffError};
 
 type Tiff<'a> = Decoder<Cursor<&'a [u8]>>;
 
-/// Bytes of a value in a directory at most: the offsets of some millions of strips.
+/// Most bytes of one tag's value: the offsets of 8 million strips.
 const VALUE_BYTES_MAX: usize = 1 << 26;
 
-/// The first image of the file.
+/// Reads the first image of the file.
 ///
 /// # Errors
-/// What is wrong, without the file's name.
+/// What is wrong, without the name of the file.
 pub fn read(bytes: &[u8]) -> Result<Grid, String> {
     let mut tiff = Decoder::new(Cursor::new(bytes)).map_err(wrong)?;
     let (columns, rows) = tiff.dimensions().map_err(wrong)?;
     check_sides(columns.into(), rows.into())?;
     match tiff.colortype().map_err(wrong)? {
         ColorType::Gray(_) => {}
-        other => return Err(format!("is no height image: it has {other:?} where one band of heights is needed")),
+        other => return Err(format!("is no height image: its samples are {other:?}; one band of heights is needed")),
     }
     let no_data = no_data(&mut tiff);
     let georeference = georeference(&mut tiff, columns, rows)?;
@@ -32,12 +32,16 @@ pub fn read(bytes: &[u8]) -> Result<Grid, String> {
     limits.intermediate_buffer_size = limits.decoding_buffer_size.max(limits.intermediate_buffer_size);
     limits.ifd_value_size = VALUE_BYTES_MAX;
     let mut tiff = tiff.with_limits(limits);
-    let samples = numbers(tiff.read_image().map_err(wrong)?);
-    let samples: Vec<f64> =
-        samples.into_par_iter().map(|h| if Some(h) == no_data || !h.is_finite() { f64::NAN } else { h }).collect();
+    let image = tiff.read_image().map_err(wrong)?;
+    // some programs write too few digits for an f32, as in -3.40282346638529e+38
+    let no_data = no_data.map(|h| if matches!(image, DecodingResult::F32(_)) { f64::from(h as f32) } else { h });
+    let samples: Vec<f64> = numbers(image)
+        .into_par_iter()
+        .map(|h| if Some(h) == no_data || !h.is_finite() { f64::NAN } else { h })
+        .collect();
     let (columns, rows) = (columns as usize, rows as usize);
     if samples.len() != columns * rows {
-        return Err(format!("is no height image: {} numbers for {columns} x {rows} heights", samples.len()));
+        return Err(format!("is no height image: it has {} numbers for {columns} x {rows} heights", samples.len()));
     }
     Ok(Grid { columns, rows, samples, georeference })
 }
@@ -65,26 +69,26 @@ fn numbers(image: DecodingResult) -> Vec<f64> {
     }
 }
 
-/// As text, which of floats has the digits of the type: -3.4028234663852886e+38.
+/// The value for no data, which GDAL stores as text.
 fn no_data(tiff: &mut Tiff) -> Option<f64> {
     let text = tiff.get_tag_ascii_string(Tag::GdalNodata).ok()?;
     text.trim_matches(['\0', ' ']).parse().ok()
 }
 
-/// Keys of the GeoKey directory, and values of theirs.
+/// GeoKeys, and values of them.
 const MODEL_TYPE: u16 = 1024;
 const GEOGRAPHIC: u16 = 2;
 const RASTER_TYPE: u16 = 1025;
 const PIXEL_IS_POINT: u16 = 2;
 
-/// `None` of a plain TIFF.
+/// `None` if the TIFF has no tags of GeoTIFF.
 fn georeference(tiff: &mut Tiff, columns: u32, rows: u32) -> Result<Option<Georeference>, String> {
     let keys = tiff.get_tag_u16_vec(Tag::GeoKeyDirectoryTag).unwrap_or_default();
     let key = |id: u16| keys.chunks_exact(4).skip(1).find(|k| k[0] == id && k[1] == 0).map(|k| k[3]);
     let scale = tiff.get_tag_f64_vec(Tag::ModelPixelScaleTag).ok();
     let tie = tiff.get_tag_f64_vec(Tag::ModelTiepointTag).ok();
     let matrix = tiff.get_tag_f64_vec(Tag::ModelTransformationTag).ok();
-    // the map place of raster place (0, 0), and steps to the east and south
+    // the map coordinates of raster coordinates (0, 0), and the cell to the east and south
     let (origin, cell) = match (scale.as_deref(), tie.as_deref(), matrix.as_deref()) {
         (Some([sx, sy, ..]), Some([i, j, _, x, y, ..]), _) => {
             (DVec2::new(x - i * sx, y + j * sy), DVec2::new(*sx, *sy))
@@ -92,13 +96,13 @@ fn georeference(tiff: &mut Tiff, columns: u32, rows: u32) -> Result<Option<Geore
         (_, _, Some([xx, xy, _, x, yx, yy, _, y, ..])) if *xy == 0.0 && *yx == 0.0 => {
             (DVec2::new(*x, *y), DVec2::new(*xx, -yy))
         }
-        (_, _, Some(_)) => return Err("its rows do not run from west to east; warp it north up".into()),
+        (_, _, Some(_)) => return Err("its rows do not run from west to east; resample it with north up".into()),
         _ => return Ok(None),
     };
     if !(cell.is_finite() && origin.is_finite() && cell.min_element() > 0.0) {
-        return Err(format!("its cells of {} x {} are no sizes from west to east and north to south", cell.x, cell.y));
+        return Err(format!("its cells are {} x {}; both must be above 0, with north up", cell.x, cell.y));
     }
-    // places of whole numbers are pixels' corners, or else their middles
+    // whole raster coordinates are at the corners of pixels, or at their centres if pixels are points
     let inset = if key(RASTER_TYPE) == Some(PIXEL_IS_POINT) { 1.0 } else { 0.0 };
     let half = (DVec2::new(columns.into(), rows.into()) - inset) / 2.0;
     let middle = origin + cell * half * DVec2::new(1.0, -1.0);

@@ -6,7 +6,7 @@ fn spec(cell: Option<DVec2>) -> HeightSpec {
     HeightSpec { file: "dem.asc".into(), height_scale: 2.0, cell }
 }
 
-/// 3 x 2 samples, one of which has no data.
+/// 3 x 2 samples, one without data.
 const ASC: &str =
     "NCOLS 3\nnrows 2\nxllcorner 500000\nYLLCENTER 4000000\ncellsize 10\nNODATA_value -1\n1 2 3\n4 5 -1\n";
 
@@ -21,7 +21,7 @@ fn ascii_grids_are_read_from_the_north_west() {
     let at = |x, y, z| DVec3::new(x, y, z);
     let corners = [at(-10., 2., -5.), at(0., 4., -5.), at(10., 6., -5.), at(-10., 8., 5.), at(0., 10., 5.)];
     assert_eq!(mesh.positions, corners);
-    // of the second cell no triangle has all of its corners
+    // both triangles of the second cell lack a corner
     assert_eq!(mesh.triangles, [[0, 3, 4], [0, 4, 1]]);
     for [a, b, c] in mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize])) {
         assert!((b - a).cross(c - a).y > 0.0);
@@ -52,14 +52,17 @@ fn wrong_grids_say_what_is_wrong() {
         ("ncols 100000\nnrows 100000\n", "over 2^28 triangles"),
         ("ncols 18446744073709551615\nnrows 18446744073709551615\n", "over 2^28 triangles"),
         ("ncols 10000\nnrows 10000\n1 2\n", "ends early"),
-        ("ncols 2\nnrows 2\ncellsize 0\n", "cellsize: 0 is no size"),
-        (&format!("{header}1 2\n3\n"), "2 x 2 heights are promised, 3 are there"),
-        (&format!("{header}1 2\n3 4 5\n"), "line 5: more than the promised"),
+        ("ncols 2\nnrows 2\ncellsize 0\n", "cellsize: 0 is not a size"),
+        (&format!("{header}1 2\n3\n"), "the header says 2 x 2 heights, found 3"),
+        (&format!("{header}1 2\n3 4 5\n"), "line 5: more than the 2 x 2 heights of the header"),
         (&format!("{header}1 2\n3 x\n"), "line 5: expected a number, found \"x\""),
     ] {
         let error = asc::read(text.as_bytes()).unwrap_err();
         assert!(error.contains(says), "{text}: {error}");
     }
+    // a first height of NaN is no key
+    let nan = asc::read(format!("{header}NODATA_value nan\n  nan 2\n3 4\n").as_bytes()).unwrap();
+    assert!(nan.samples[0].is_nan() && nan.samples[1..] == [2.0, 3.0, 4.0]);
     let none = asc::read(format!("{header}1 2\n-9999 -9999\n").as_bytes()).unwrap();
     assert!(mesh(&none, &spec(None)).unwrap_err().to_string().contains("no surface"));
     assert!(read(Path::new("missing.asc")).unwrap_err().to_string().contains("missing.asc: cannot be read"));
@@ -83,8 +86,12 @@ fn gray_pngs_are_heights() {
     assert!(read(&path).unwrap_err().to_string().contains("no PNG"));
 }
 
-/// A TIFF of 3 x 2 floats with these GeoKeys, one of no data.
+/// A TIFF of 3 x 2 floats with these GeoKeys. One float has no data, with the digits that GDAL writes.
 fn geotiff(keys: &[u16], tie: &[f64]) -> std::result::Result<Grid, String> {
+    geotiff_without(keys, tie, "-3.4028234663852886e+38")
+}
+
+fn geotiff_without(keys: &[u16], tie: &[f64], no_data: &str) -> std::result::Result<Grid, String> {
     let mut bytes = Cursor::new(Vec::new());
     let mut tiff = TiffEncoder::new(&mut bytes).unwrap();
     let mut image = tiff.new_image::<colortype::Gray32Float>(3, 2).unwrap();
@@ -92,7 +99,7 @@ fn geotiff(keys: &[u16], tie: &[f64]) -> std::result::Result<Grid, String> {
     tags.write_tag(Tag::ModelPixelScaleTag, &[30.0, 20.0, 0.0][..]).unwrap();
     tags.write_tag(Tag::ModelTiepointTag, tie).unwrap();
     tags.write_tag(Tag::GeoKeyDirectoryTag, keys).unwrap();
-    tags.write_tag(Tag::GdalNodata, "-3.4028234663852886e+38").unwrap();
+    tags.write_tag(Tag::GdalNodata, no_data).unwrap();
     image.write_data(&[1.5, 2.0, f32::MIN, 4.0, f32::NAN, 6.0]).unwrap();
     geotiff::read(&bytes.into_inner())
 }
@@ -108,7 +115,9 @@ fn geotiffs_say_where_they_are() {
     assert!(grid.samples[2].is_nan() && grid.samples[4].is_nan());
     let place = grid.georeference.unwrap();
     assert_eq!((place.cell, place.middle), (DVec2::new(30.0, 20.0), DVec2::new(1045.0, 4980.0)));
-    // of a tie point between pixels, and of pixels that are points
+    // fewer digits than an f32 needs
+    assert!(geotiff_without(&area, &tie, "-3.40282346638529e+38").unwrap().samples[2].is_nan());
+    // a tie point inside the image, and pixels that are points
     let moved = [1.0, 2.0, 0.0, 1030.0, 4960.0, 0.0];
     assert_eq!(geotiff(&area, &moved).unwrap().georeference, Some(place));
     assert_eq!(geotiff(&point, &tie).unwrap().georeference.unwrap().middle, DVec2::new(1030.0, 4990.0));
