@@ -15,8 +15,7 @@ mod terrain;
 mod testing;
 
 use crate::error::{Error, Result};
-use crate::limits::memory;
-use crate::scene::mesh::Mesh;
+use crate::scene::mesh::{Mesh, check_memory};
 
 pub use boxes::cube;
 pub use city::city;
@@ -92,13 +91,8 @@ impl Builtin {
     }
 }
 
-/// Bytes of a triangle and of a vertex: the mesh, its placed copy, and what is made of it for rays or a device. Measured at 5 million
-/// triangles, as the largest resident set of a render, to within a fifth.
-const TRIANGLE_BYTES: u64 = 170;
-const VERTEX_BYTES: u64 = 80;
-
 impl Builtin {
-    /// How many triangles and about how many vertices it has, in `u64` whatever its parameters.
+    /// The number of triangles and about that of vertices. Does not overflow, whatever the parameters.
     fn size(&self) -> (u64, u64) {
         let spheres = |count: u64, level: u32| {
             let triangles = (20 * count).saturating_mul(4u64.saturating_pow(level));
@@ -123,16 +117,16 @@ impl Builtin {
     /// Refuses a mesh that does not fit the free memory, before it is made.
     fn check_memory(&self) -> Result<()> {
         let (triangles, vertices) = self.size();
-        let bytes = TRIANGLE_BYTES.saturating_mul(triangles).saturating_add(VERTEX_BYTES.saturating_mul(vertices));
-        memory::check(bytes, format_args!("{} of {triangles} triangles", self.name()), "make it coarser")
+        let what = format_args!("{} of {triangles} triangles", self.name());
+        check_memory(triangles, vertices, what, "make it coarser")
     }
 }
 
 /// Makes a built-in mesh.
 ///
 /// # Errors
-/// [`Error::Work`] where it does not fit the free memory, [`Error::Input`] naming the key whose value gives no triangles, more than 2^28, or (`city`) fewer than the
-/// plainest city has.
+/// [`Error::Work`] if it does not fit the free memory; [`Error::Input`] naming the key whose value gives no triangles, more than 2^28, or
+/// (`city`) fewer than the plainest city has.
 pub fn generate(builtin: &Builtin) -> Result<Mesh> {
     match *builtin {
         Builtin::Teapot { level } => {

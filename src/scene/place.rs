@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::scene::mesh::{Mesh, NO_NORMAL, NO_UV};
+use crate::scene::mesh::{Mesh, NO_NORMAL, NO_UV, check_memory};
 
 /// Most triangles a scene may have.
 const MAX_TRIANGLES: usize = 1 << 28;
@@ -27,11 +27,12 @@ pub fn place(mut mesh: Mesh, scale: DVec3, rotate_deg: DVec3, translate: DVec3) 
     mesh
 }
 
-/// `mesh` once at each of `places`, in order; texture coordinates and materials are shared. The places' matrices have inverses, or
-/// their normals stay as they are.
+/// A copy of `mesh` at each of `places`, in order. Texture coordinates and materials are shared. Where a matrix has no inverse, normals are
+/// not transformed.
 ///
 /// # Errors
-/// [`Error::Input`] if there are more than 2^28 triangles, or 2^32 - 1 or more vertices or normals.
+/// [`Error::Input`] if there are more than 2^28 triangles, or 2^32 - 1 or more vertices or normals; [`Error::Work`] if they do not fit the
+/// free memory.
 pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
     let n = places.len();
     let total = |count: usize| count.saturating_mul(n);
@@ -41,7 +42,9 @@ pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
             "{n} places of {triangles} triangles and {vertices} vertices; at most 2^28 triangles and 2^32 - 2 vertices are possible: use fewer"
         )));
     }
-    // indices fit by the check above
+    let what = format_args!("a mesh of {triangles} triangles in {n} places");
+    check_memory(total(triangles) as u64, total(vertices) as u64, what, "use fewer")?;
+    // indices fit by the first check
     let shifted = |list: &[[u32; 3]], none: Option<u32>, by: usize| -> Vec<[u32; 3]> {
         let of =
             |k: usize| list[k % list.len()].map(|i| if Some(i) == none { i } else { i + (k / list.len() * by) as u32 });
@@ -220,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn copies_follow_one_another_and_share_what_does_not_move() {
+    fn copies_are_in_order_and_share_texture_coordinates_and_materials() {
         let turn = DMat3::from_cols(DVec3::Y, -DVec3::X, 2.0 * DVec3::Z);
         let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
         let shear = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(1.0, 0.0, 1.0));
@@ -231,13 +234,13 @@ mod tests {
         let corners = [[at(0.0, 0.0), at(0.0, 1.0), at(-1.0, 0.0)], [at(0.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0)]];
         assert_eq!(mesh.positions[..6], corners.concat());
         assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
-        // a mirrored copy keeps its corners' order, so that it shows its other face
+        // a mirrored copy keeps the order of corners, so its front and back faces are swapped
         let cross = |t: [u32; 3]| {
             let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
             (b - a).cross(c - a).z
         };
         assert_eq!([cross(mesh.triangles[0]), cross(mesh.triangles[1])], [1.0, -1.0]);
-        // the inverse transpose: a shear along x moves the normal of x = 0 out of its plane
+        // normals go by the inverse transpose: a shear of z along x turns the normal of the plane x = 0 towards -z
         let third = Vec3::new(1.0, 0.0, -1.0).normalize();
         assert_eq!(mesh.normals[..2], [Vec3::Y, Vec3::NEG_X]);
         assert!((mesh.normals[2] - third).length() < 1e-7);

@@ -1,4 +1,4 @@
-//! The places of a mesh that stands in a scene many times.
+//! The transforms of the copies of a mesh.
 
 use super::file::reader::Field;
 use super::file::with_tree;
@@ -8,7 +8,7 @@ use glam::DAffine3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Where the copies of a mesh are: each a map from where scale, rotation and translation left it to the world.
+/// One transform for each copy of a mesh. It is applied after scale, rotation and translation.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Places {
     Given(Arc<[DAffine3]>),
@@ -33,7 +33,7 @@ impl Places {
             Places::File(path) => match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref() {
                 Some("npy") => read_npy(path),
                 Some("json") => with_tree(path, read_list),
-                _ => Err(Error::input(format!("{}: places are a .npy or .json file", path.display()))),
+                _ => Err(Error::input(format!("{}: places must be a .npy or .json file", path.display()))),
             },
         }
     }
@@ -57,22 +57,22 @@ fn read_npy(path: &Path) -> Result<Arc<[DAffine3]>> {
     }
 }
 
-/// A determinant of columns scaled to largest entries of 1 is a sum of 6 products of 3 numbers: at most 5 roundings each on the
-/// way to the sum, so that one below 6 * 5 * 2^-53 may be 0.
+/// Rounding error of the determinant if the largest entry of each column is 1. It is a sum of 6 products of 3 numbers, each at most 1, with
+/// at most 5 roundings each: 6 * 5 * 2^-53.
 const DETERMINANT_ERROR: f64 = 15.0 * f64::EPSILON;
 
 /// # Errors
-/// Why the matrix places nothing.
+/// Why the matrix cannot be used.
 fn check(place: &DAffine3) -> std::result::Result<(), &'static str> {
     if !place.is_finite() {
         return Err("an entry is not finite; use finite numbers");
     }
     let m = place.matrix3;
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis / axis.abs().max_element());
-    // of a column of zeros it is NaN
+    // NaN, and so not greater, if a column is zero
     match x.dot(y.cross(z)).abs() > DETERMINANT_ERROR {
         true => Ok(()),
-        false => Err("the matrix is singular, so it leaves no volume; its first three columns must be independent"),
+        false => Err("the matrix is singular; its first three columns must be linearly independent"),
     }
 }
 
@@ -82,13 +82,13 @@ mod tests {
     use glam::{DMat3, DVec3};
 
     #[test]
-    fn singular_matrices_are_told_from_small_and_thin_ones() {
+    fn singular_matrices_are_refused_and_small_or_thin_ones_are_not() {
         let of = |x, y, z| check(&DAffine3::from_mat3(DMat3::from_cols(x, y, z)));
         let (x, y, z) = (DVec3::new(1.0, 0.3, 0.7), DVec3::new(0.1, 0.9, -0.4), DVec3::new(-0.3, 0.2, 1.0));
         for scale in [1e-200, 1.0, -1e200] {
             assert_eq!(of(scale * x, y, z), Ok(()));
             assert_eq!(of(scale * x, scale * y, 1e-13 * z + x + y), Ok(()));
-            // dependent but for rounding
+            // dependent up to rounding
             assert!(of(scale * x, y, x / 3.0 + 0.7 * y).is_err());
         }
         assert!(of(x, DVec3::ZERO, z).is_err() && of(x, DVec3::INFINITY, z).is_err());
