@@ -256,8 +256,8 @@ fn uv_row(mesh: &Mesh, id: u32) -> [f32; 6] {
     [a.x, 1.0 - a.y, b.x, 1.0 - b.y, c.x, 1.0 - c.y]
 }
 
-/// What kernels read of surfaces with texture coordinates, three rows a slot: its own; and the coordinates of its corners, and whether it
-/// has some.
+/// The table that kernels read for surfaces with texture coordinates: per slot the row of `surfaces`, then two rows with the texture
+/// coordinates of the three corners and a flag, 1 if the triangle has any.
 pub fn mapped_rows(surfaces: &[[u32; 4]], uvs: &[[f32; 6]]) -> Vec<[[u32; 4]; 3]> {
     let row = |(own, uv): (&[u32; 4], &[f32; 6])| {
         let is_mapped = u32::from(uv.iter().all(|v| v.is_finite()));

@@ -44,7 +44,7 @@ pub struct SceneFile {
     pub style: Style,
     pub sky: Option<SkySpec>,
     pub camera: CameraSpec,
-    /// The same as it is written.
+    /// The keys of the camera, as written.
     pub camera_keys: Arc<CameraKeys>,
     pub caustics: Option<CausticsSpec>,
     pub output: OutputSpec,
@@ -152,7 +152,7 @@ fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[Strin
     read_tree(root, path, dir)
 }
 
-/// A scene of its tree; relative paths start from `dir`.
+/// Reads a scene from its tree of values. Relative paths start from `dir`.
 fn read_tree(root: Node, path: &Path, dir: &Path) -> Result<SceneFile> {
     let [source, of_camera, of_meshes] = [(); 3].map(|()| Source::new(path, dir));
     let file = read_tables(&root, [&source, &of_camera, &of_meshes])?;
@@ -160,7 +160,7 @@ fn read_tree(root: Node, path: &Path, dir: &Path) -> Result<SceneFile> {
     Ok(SceneFile { camera_keys: Arc::new(CameraKeys::taken(root, names_files, dir)), ..file })
 }
 
-/// The tables, the camera's and the meshes' read from sources of their own.
+/// Reads all tables. The camera and the meshes have sources of their own, which note whether they name files.
 fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'a>; 3]) -> Result<SceneFile> {
     let dir = source.dir;
     let table = Field::new(source, "", root).table()?;

@@ -20,20 +20,20 @@ use crate::error::{Error, Result};
 use crate::scene::mesh::{DIELECTRIC, Material, Mesh, Missing, NO_NORMAL, NO_UV};
 use crate::scene::place::{turned, world_normal_from_object};
 use crate::scene::texture::{Images, ImagesRead, Texels, Texture, Wrap, decode};
-use source::{Beside, Found, Source};
+use source::{FileAccess, Found, Source};
 
 /// Most triangles a mesh may have.
 const MAX_TRIANGLES: usize = 1 << 28;
 
-/// Where the files that a glTF file names may lie.
+/// Where the files that a glTF file names may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Files {
-    /// In its folder or below, also by their real paths, behind symbolic links.
+    /// In its folder or below, also after symbolic links are resolved.
     Below,
     Anywhere,
 }
 
-/// Reads a `.gltf` file with its buffers (in `files`, or `data:` URIs), or a `.glb` file.
+/// Reads a `.gltf` file with its buffers (files that `files` allows, or `data:` URIs), or a `.glb` file.
 ///
 /// The default scene (or else the first, or else all nodes that are no other's child) is walked depth-first, in
 /// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each. Strips and
@@ -42,26 +42,26 @@ pub enum Files {
 /// is masked there is a surface from its cut-off on, and where it is blended from an opacity of one half on; without an image everywhere. It is as rough, metallic
 /// and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the inverse transpose. Vertices
 /// keep the file's order also where a node mirrors them. Skins, morph targets and animations are not
-/// applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that are not there are left out:
-/// [`Mesh::missing`] says which.
+/// applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that do not exist are left out, and listed in
+/// [`Mesh::missing`].
 ///
 /// # Errors
 /// [`Error::Input`] naming the file and the accessor, buffer, node or mesh: no glTF 2.0; a required extension
-/// that would change the triangles; a buffer that is missing, short, remote or not in `files`; an accessor or an index out of
+/// that would change the triangles; a buffer that is missing, short, remote or where `files` does not allow it; an accessor or an index out of
 /// range; a node that is its own ancestor or has two parents; no triangles, or more than 2^28.
 pub fn load(path: &Path, files: Files, images: &Images) -> Result<Mesh> {
     let name = path.display().to_string();
     let bytes = crate::inputs::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    parse(&bytes, Beside { folder, files }, images).map_err(|e| e.at(name))
+    parse(&bytes, FileAccess { folder, files }, images).map_err(|e| e.at(name))
 }
 
 /// As [`load`], from the file's bytes.
-fn parse(bytes: &[u8], beside: Beside, images: &Images) -> Result<Mesh> {
-    let source = Source::parse(bytes, beside)?;
+fn parse(bytes: &[u8], access: FileAccess, images: &Images) -> Result<Mesh> {
+    let source = Source::parse(bytes, access)?;
     let mut builder = Builder::new(&source);
     builder.place_scene()?;
-    builder.hang_images(beside, images.read)?;
+    builder.hang_images(access, images.read)?;
     builder.finish()
 }
 
@@ -131,7 +131,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Puts their images on the materials that triangles have, each decoded once.
-    fn hang_images(&mut self, beside: Beside, read: ImagesRead) -> Result<()> {
+    fn hang_images(&mut self, access: FileAccess, read: ImagesRead) -> Result<()> {
         if read == ImagesRead::None {
             return Ok(());
         }
@@ -147,12 +147,12 @@ impl<'a> Builder<'a> {
             if !read.reads(from.alpha_mode() != AlphaMode::Opaque) {
                 continue;
             }
-            let texture = read_texture(self.source, beside, &from, &info, &mut decoded);
+            let texture = read_texture(self.source, access, &from, &info, &mut decoded);
             match texture.map_err(|e| Error::input(format!("{e}; texture = false shows none")))? {
-                Found::Is(texture) => material.texture = Some(texture),
+                Found::Present(texture) => material.texture = Some(texture),
                 Found::Missing(file) => {
                     let image = info.texture().source().index();
-                    let why = format!("image {image}: there is no such file; the material's own colour is used");
+                    let why = format!("image {image}: the file does not exist; the material's own colour is used");
                     self.mesh.missing.push(Missing { what: file.display().to_string(), why });
                 }
             }
@@ -328,7 +328,7 @@ impl<'a> Builder<'a> {
 /// The base colour's image, decoded once for all materials.
 fn read_texture(
     source: &Source,
-    beside: Beside,
+    access: FileAccess,
     material: &gltf::Material,
     info: &Info,
     decoded: &mut HashMap<usize, Arc<Texels>>,
@@ -338,8 +338,8 @@ fn read_texture(
         Some(known) => known.clone(),
         None => {
             let at = |e: Error| e.at(format!("image {}", image.index()));
-            let bytes = match source.read_image(&image, beside).map_err(|e| at(Error::input(e)))? {
-                Found::Is(bytes) => bytes,
+            let bytes = match source.read_image(&image, access).map_err(|e| at(Error::input(e)))? {
+                Found::Present(bytes) => bytes,
                 Found::Missing(file) => return Ok(Found::Missing(file)),
             };
             let texels = decode(&bytes).map_err(at)?;
@@ -360,7 +360,7 @@ fn read_texture(
     let factor = material.pbr_metallic_roughness().base_color_factor()[3];
     let cutoff = cutoff.map(|least| if factor > 0.0 { (least / factor).min(f32::MAX) } else { f32::MAX });
     let sampler = info.texture().sampler();
-    Ok(Found::Is(Texture { texels, wrap: [wrap(sampler.wrap_s()), wrap(sampler.wrap_t())], cutoff }))
+    Ok(Found::Present(Texture { texels, wrap: [wrap(sampler.wrap_s()), wrap(sampler.wrap_t())], cutoff }))
 }
 
 /// Triangles from the corners of a primitive, in the order and winding of the glTF specification (3.7.2.1).

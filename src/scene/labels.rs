@@ -1,4 +1,4 @@
-//! Which object and which material a triangle belongs to: what the channels `object.id` and `material.id` hold.
+//! The object and the material of each triangle: the values of the channels `object.id` and `material.id`.
 
 use super::Scene;
 use super::mesh::Mesh;
@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 /// Objects and materials by triangle id.
 ///
-/// Objects count the entries of [`Scene::objects`], in order; materials those of [`Mesh::materials`]: the meshes in scene-file order, each
-/// mesh's materials in its own order. A mirror or lens of the camera, whose ids come after those of all triangles, has the number after the
-/// last object's, and the one after the last material's.
+/// The number of an object is its index in [`Scene::objects`], that of a material its index in [`Mesh::materials`]: both in the order of the
+/// meshes in the scene file. A mirror or lens of the camera has the number after the last object, and after the last material; the ids of its
+/// facets come after those of all triangles.
 #[derive(Debug, Clone)]
 pub struct Labels {
     mesh: Arc<Mesh>,
@@ -18,7 +18,7 @@ pub struct Labels {
 }
 
 impl Labels {
-    /// Of a scene with or without the facets of a camera's optics.
+    /// The labels of a scene. Its mesh may have the facets of the camera's optics at its end.
     pub fn of(scene: &Scene) -> Labels {
         let end = |end: &mut u32, object: &super::Object| {
             // a scene has at most 2^28 triangles
@@ -44,7 +44,7 @@ impl Labels {
         }
     }
 
-    /// The values of `channel` where these triangles are seen; `None` of a channel that is no label.
+    /// The values of `channel` for these triangles; `None` if it is not a channel of labels.
     pub fn plane(&self, channel: Channel, triangles: &[u32]) -> Option<Vec<u32>> {
         match channel {
             Channel::ObjectId => Some(triangles.iter().map(|id| self.object(*id)).collect()),
@@ -69,7 +69,7 @@ mod tests {
         let camera = "camera = { kind = \"pinhole\", eye = [0, 0, 9], target = [0, 0, 0], vfov = 40 }";
         file("scene.toml", &format!("{meshes}\n{camera}\n"));
         let mut scene = Scene::load(&dir.path().join("scene.toml"), &[], 0.0).unwrap();
-        // an object may be without triangles
+        // an object without triangles
         scene.objects.insert(1, Object { name: "none".into(), triangles: 0 });
         let labels = Labels::of(&scene);
         let ids = [0, 11, 12, 13, 14, 25, 26, NO_ID];
@@ -79,7 +79,7 @@ mod tests {
         assert_eq!(materials[6..], [names.len() as u32, NO_ID]);
         let named: Vec<&str> = materials[..6].iter().map(|k| names[*k as usize]).collect();
         assert_eq!(named, ["default", "default", "blue", "red", "default", "default"]);
-        // the boxes' materials are two, of one name
+        // each box has a material of its own, though they have one name
         assert_ne!(materials[0], materials[4]);
         assert_eq!(labels.plane(Channel::PieceId, &ids), None);
     }

@@ -29,7 +29,7 @@ pub struct Library {
     cameras: Shelf<CameraKey, (Arc<Camera>, Around)>,
 }
 
-/// One mesh, and what its parts are called.
+/// One mesh, and the objects in it.
 type Merged = (Arc<Mesh>, Vec<Object>);
 
 /// A camera, and the size of its image.
@@ -107,7 +107,7 @@ impl Library {
         Library { is_for_once: true, ..Library::default() }
     }
 
-    /// A scene with everything that its file names, but for images on meshes that are not to be `read`.
+    /// A scene with everything that its file names, but of the images on meshes only those that `read` says.
     ///
     /// # Errors
     /// [`Error::Input`] naming the file or the key that is wrong.
@@ -187,7 +187,7 @@ impl Library {
         Ok(self.cameras.get(&key, !self.is_for_once, suits, make)?.0.clone())
     }
 
-    /// A mesh where it is in the scene, and the objects that it is there.
+    /// A mesh in the world, and its objects: one, or one for each copy.
     fn placed(&self, spec: &MeshSpec, images: &mut Images) -> Result<(Mesh, Vec<Object>)> {
         let (scale, rotate, translate) = (DVec3::ONE, DVec3::ZERO, DVec3::ZERO);
         let own = MeshSpec { scale, rotate, translate, places: None, ..spec.clone() };
@@ -220,9 +220,9 @@ mod tests {
         (loaded.0, loaded.1, inputs)
     }
 
-    /// Trying the numbers of each name from 1 on would take hours.
+    /// In quadratic time, with each name trying all numbers from 1, this would take hours.
     #[test]
-    fn many_meshes_of_one_name_are_named_apart_in_little_time() {
+    fn many_meshes_of_one_name_are_named_in_linear_time() {
         let names = ["box.3", "box"].into_iter().chain(std::iter::repeat_n("box", 200_000));
         let objects = named_apart(names.map(|name| Object { name: name.into(), triangles: 0 }));
         let first: Vec<&str> = objects.iter().take(5).map(|o| o.name.as_str()).collect();

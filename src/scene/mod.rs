@@ -67,7 +67,7 @@ pub struct Scene {
     /// The image's size in pixels, unless the camera brings its own.
     pub size: Option<(u32, u32)>,
     pub camera: CameraSpec,
-    /// The same as the scene file gives it; empty where none does.
+    /// The camera's keys as in the scene file; empty if the camera is not from a file.
     pub camera_keys: Arc<CameraKeys>,
     /// Light that comes by way of a mirror or a lens.
     pub caustics: Option<Arc<Caustics>>,
@@ -121,11 +121,10 @@ impl Scene {
     }
 }
 
-/// Objects by the names of what they come from; of several that have one, all but the first get the least number that makes theirs
-/// another's.
+/// Gives objects different names: of those with one name, all but the first get the least number that makes it unique, as in `box.2`.
 fn named_apart(objects: impl Iterator<Item = Object>) -> Vec<Object> {
     let mut taken = HashSet::new();
-    // the last number that each name was given: those below it are taken
+    // the last number given to each name: smaller ones are taken
     let mut numbers: HashMap<String, usize> = HashMap::new();
     let mut apart = |name: String| {
         let mut own = name.clone();
@@ -144,7 +143,7 @@ pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
     Ok(placed(load_unplaced(spec, images)?, spec)?.0)
 }
 
-/// A mesh where it is in the scene, and as the objects that it is there: itself, or its copies, name#0, name#1 and so on.
+/// A mesh in the world, and its objects: one, or one for each copy, named name#0, name#1 and so on.
 fn placed(mesh: Mesh, spec: &MeshSpec) -> Result<(Mesh, Vec<Object>)> {
     let (name, triangles) = (spec.called(), mesh.triangles.len());
     let mesh = place::place(mesh, spec.scale, spec.rotate, spec.translate);
@@ -154,7 +153,7 @@ fn placed(mesh: Mesh, spec: &MeshSpec) -> Result<(Mesh, Vec<Object>)> {
     Ok((mesh, (0..places.len()).map(|k| Object { name: format!("{name}#{k}"), triangles }).collect()))
 }
 
-/// The triangles of a mesh where its source has them.
+/// The triangles of a mesh, before they are placed in the world.
 fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
     let mut none = Images::left_out();
     let files = if spec.outside_files { gltf::Files::Anywhere } else { gltf::Files::Below };
@@ -172,7 +171,7 @@ fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
                 _ => {
                     let name = path.display();
                     return Err(Error::input(format!(
-                        "{name}: unknown kind of mesh file; use .obj, .gltf or .glb, or .asc, .png or .tif of heights"
+                        "{name}: unknown kind of mesh file; use .obj, .gltf or .glb, or .asc, .png or .tif with heights"
                     )));
                 }
             }

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::scene::mesh::{Material, Mesh, Missing, NO_NORMAL, NO_UV};
 use crate::scene::texture::{Images, ImagesRead};
-use chunk::{Chunk, Counts, Lacking, Reader, Texcoords};
+use chunk::{Chunk, Counts, DanglingIndices, Reader, Texcoords};
 pub use mtl::Mapped;
 
 /// Most triangles a mesh may have.
@@ -34,12 +34,12 @@ const CHUNK_BYTES: usize = 1 << 20;
 /// Faces are fan-triangulated from their first vertex; zero-area triangles stay, so that ids are file order.
 /// `Kd` is linear RGB. Faces whose material is unknown, or whose `.mtl` file is missing, get
 /// [`Material::default`]. Lines, points, curves, groups and smoothing are skipped. Images of the materials that faces have come from
-/// `images`, and texture coordinates lie as the MTL files' options place them. Images that are not there are left out, and so are
-/// normals and texture coordinates: [`Mesh::missing`] says which.
+/// `images`, and texture coordinates lie as the MTL files' options place them. Images, normals and texture coordinates that do not exist are
+/// left out, and listed in [`Mesh::missing`].
 ///
 /// # Errors
 /// [`Error::Input`] naming file and line: see [`parse`]; the file cannot be read; an MTL file is malformed, or an image of a material
-/// that faces have is there and cannot be read.
+/// that faces have exists and cannot be read.
 pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
     let name = path.display().to_string();
     let text = read(path, &name)?;
@@ -50,7 +50,7 @@ pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
         mesh.material_of.iter().for_each(|&m| is_used[m as usize] = true);
         let materials = mesh.materials.iter_mut().zip(&mapped).zip(is_used);
         for ((material, map), _) in materials.filter(|(_, is_used)| *is_used) {
-            *material = match images.read.reads(map.cuts()) {
+            *material = match images.read.reads(map.is_masked()) {
                 true => map.with_images(|image| images.find(image), &mut mesh.missing)?,
                 false => map.without_images(),
             };
@@ -59,12 +59,12 @@ pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// Parses OBJ text. `name` stands for the file in messages; `load_mtl` is asked once, with the rest of each `mtllib` line, in file
-/// order. The mesh has the materials that it answers, in order, without images.
+/// Parses OBJ text. `name` stands for the file in messages. `load_mtl` is called once, with the arguments of all `mtllib` lines in file order.
+/// The mesh has the materials that it returns, in order, without images.
 ///
 /// # Errors
 /// [`Error::Input`], always the one of the lowest line: an empty text, no OBJ statements, no faces; a coordinate
-/// that is missing, not a number or not finite; an index that is 0, or of a vertex out of range; a face of fewer than 3
+/// that is missing, not a number or not finite; an index that is 0, or a vertex index out of range; a face of fewer than 3
 /// vertices; more than 2^28 triangles. Errors of `load_mtl` are passed on.
 pub fn parse(
     text: &[u8],
@@ -86,16 +86,16 @@ fn parse_in_chunks(
     Ok((Mesh { missing, ..mesh }, mapped))
 }
 
-/// The normals and texture coordinates that faces name and the file has not.
+/// The normals and texture coordinates that faces refer to and the file does not have.
 fn missing(chunks: &[Chunk], name: &str) -> Vec<Missing> {
-    let of = |what: &str, own: fn(&Chunk) -> &Lacking| {
+    let of = |what: &str, own: fn(&Chunk) -> &DanglingIndices| {
         let corners: usize = chunks.iter().map(|chunk| own(chunk).corners).sum();
         let (line, first) = chunks.iter().find_map(|chunk| own(chunk).first.as_ref())?;
         let plural = if corners == 1 { "" } else { "s" };
-        let why = format!("{corners} corner{plural} of faces without, the first one in line {line}: {first}");
+        let why = format!("missing at {corners} corner{plural} of faces, first in line {line}: {first}");
         Some(Missing { what: format!("{what} of {name}"), why })
     };
-    let all = [of("normals", |c| &c.lacking_normals), of("texture coordinates", |c| &c.lacking_texcoords)];
+    let all = [of("normals", |c| &c.dangling_normals), of("texture coordinates", |c| &c.dangling_texcoords)];
     all.into_iter().flatten().collect()
 }
 

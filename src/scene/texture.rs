@@ -127,17 +127,17 @@ fn wrapped(index: i64, count: i64, wrap: Wrap) -> i64 {
 pub enum ImagesRead {
     #[default]
     All,
-    /// Those that cut holes into triangles: all that counts where no colour is asked for.
-    Cutting,
+    /// Alpha masks only: enough if no colour is asked for.
+    Masks,
     None,
 }
 
 impl ImagesRead {
-    /// An image is read, which cuts holes or does not.
-    pub fn reads(self, cuts: bool) -> bool {
+    /// Whether an image is read that is an alpha mask, or is none.
+    pub fn reads(self, is_mask: bool) -> bool {
         match self {
             ImagesRead::All => true,
-            ImagesRead::Cutting => cuts,
+            ImagesRead::Masks => is_mask,
             ImagesRead::None => false,
         }
     }
@@ -151,7 +151,7 @@ pub struct Images {
 }
 
 impl Images {
-    /// None of them is looked at.
+    /// No images are read.
     pub fn left_out() -> Images {
         Images::of(ImagesRead::None)
     }
@@ -165,14 +165,14 @@ impl Images {
     /// # Errors
     /// [`Error::Input`] naming the file where it cannot be read or is neither.
     pub fn load(&mut self, path: &Path) -> Result<Arc<Texels>> {
-        let missing = || Error::input(format!("{}: cannot be read: there is no such file", path.display()));
+        let missing = || Error::input(format!("{}: cannot be read: the file does not exist", path.display()));
         self.find(path)?.ok_or_else(missing)
     }
 
-    /// The same; `None` where there is no such file.
+    /// As [`Images::load`]; `None` if the file does not exist.
     ///
     /// # Errors
-    /// Those of [`Images::load`] but for that one.
+    /// [`Error::Input`] naming the file if it exists and cannot be read, or is no image.
     pub fn find(&mut self, path: &Path) -> Result<Option<Arc<Texels>>> {
         if let Some(known) = self.known.get(path) {
             crate::inputs::note(path);
@@ -189,7 +189,7 @@ impl Images {
     }
 }
 
-/// The error says that there is no such file.
+/// The error means that the file does not exist.
 pub fn is_missing(e: &std::io::Error) -> bool {
     matches!(e.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory)
 }
@@ -204,7 +204,9 @@ pub fn decode(bytes: &[u8]) -> Result<Texels> {
     let image = reader.decode().map_err(|e| match e {
         ImageError::Limits(_) => {
             let most = Limits::default().max_alloc.unwrap_or(u64::MAX) >> 20;
-            Error::input(format!("is an image that takes more than the {most} MiB that are allowed; make it smaller"))
+            Error::input(format!(
+                "is an image that takes more than {most} MiB of memory, the limit for one; make it smaller"
+            ))
         }
         other => wrong(other.to_string()),
     })?;
@@ -370,7 +372,7 @@ mod tests {
         writer.write_chunk(png::chunk::IDAT, &[0; 8]).unwrap();
         drop(writer);
         let message = decode(&head).unwrap_err().to_string();
-        assert_eq!(message, "is an image that takes more than the 512 MiB that are allowed; make it smaller");
+        assert_eq!(message, "is an image that takes more than 512 MiB of memory, the limit for one; make it smaller");
     }
 
     #[test]

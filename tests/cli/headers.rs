@@ -1,4 +1,4 @@
-//! What EXR headers say: names of objects and materials, the camera with all its keys, the scene's hash; and what is made of it again.
+//! EXR headers: names of objects and materials, the camera with all its keys, the hash of the scene; and cameras read back from them.
 
 use super::program::{Place, SCENE};
 use anamorph::frame::{Channel, NO_ID};
@@ -6,7 +6,7 @@ use anamorph::output::{read_exr, read_exr_texts, write_npy_f64};
 use exr::meta::MetaData;
 use serde_json::Value;
 
-/// A text of a header.
+/// A text attribute of a header.
 fn text(place: &Place, file: &str, name: &str) -> String {
     let texts = read_exr_texts(&place.path().join(file)).unwrap();
     texts.into_iter().find(|(own, _)| own == name).unwrap_or_else(|| panic!("{file}: no {name}")).1
@@ -31,11 +31,11 @@ fn rays(place: &Place, camera: &str, more: &[&str]) -> Vec<u8> {
 }
 
 #[test]
-fn a_header_s_camera_makes_the_same_rays_again() {
+fn the_camera_in_a_header_makes_the_same_rays() {
     let place = Place::new();
     std::fs::create_dir(place.path().join("out")).unwrap();
     let size = ["--size", "36x24"];
-    // cameras of all makes; those of files, and those that look at the scene
+    // some that read files, and some that look at the scene
     for name in [
         "pinhole",
         "mesh",
@@ -65,23 +65,27 @@ fn overrides_and_keyframes_are_in_the_header() {
     render(&place, "keyed.toml", "a.exr", &change);
     let camera = json(&text(&place, "a.exr", "anamorph.camera"));
     let keys = &camera["keys"];
-    // 30 + 3 / 7 of 20, to the last bit
+    // linear from 30 to 50, to the last bit
     assert_eq!(keys["vfov"], (30.0 * 4.0 + 50.0 * 3.0) / 7.0);
     assert_eq!((&keys["eye"][2], &keys["kind"]), (&4.123456789012345.into(), &"pinhole".into()));
     assert_eq!((&camera["width"], &camera["height"]), (&31.into(), &17.into()));
     assert_eq!((&camera["t_range"], &keys["t_range"]), (&json("[-1.0, \"inf\"]"), &json("[-1, \"inf\"]")));
-    // it needs no file, and so says of none where it is
+    // the camera reads no files, so the header holds no folder
     assert!(camera.get("folder").is_none() && camera.get("mesh").is_none());
     assert!(rays(&place, "a.exr", &[]) == rays(&place, "keyed.toml", &change));
-    // a header's camera may be changed as a scene's
+    // --set changes the camera of a header as that of a scene
     let wider = ["--set", "camera.vfov=80"];
     assert!(rays(&place, "a.exr", &wider) == rays(&place, "keyed.toml", &[&change[..], &wider].concat()));
-    place.refuses(&["camera", "a.exr", "--rays", "r.npy", "--frame", "2"], 2, "--frame: a.exr holds the camera of");
+    place.refuses(
+        &["camera", "a.exr", "--rays", "r.npy", "--frame", "2"],
+        2,
+        "--frame: a.exr holds the camera of one frame only",
+    );
     place.refuses(&["camera", "a.exr", "--export-povray", "r.pov"], 2, "a.exr holds a camera but no scene");
 }
 
 #[test]
-fn a_camera_of_files_needs_them_again() {
+fn a_camera_in_a_header_reads_its_files_again() {
     let place = Place::new();
     for folder in ["scenes", "maps", "out"] {
         std::fs::create_dir(place.path().join(folder)).unwrap();
@@ -97,7 +101,7 @@ fn a_camera_of_files_needs_them_again() {
     render(&place, "scenes/map.toml", "out/map.exr", &[]);
     assert!(rays(&place, "out/map.exr", &[]) == rays(&place, "scenes/map.toml", &[]));
     assert_eq!(json(&text(&place, "out/map.exr", "anamorph.camera"))["folder"], "../scenes");
-    // moved together they are found again
+    // picture and files are moved together
     std::fs::create_dir(place.path().join("moved")).unwrap();
     for folder in ["scenes", "maps", "out"] {
         std::fs::rename(place.path().join(folder), place.path().join("moved").join(folder)).unwrap();
@@ -108,7 +112,7 @@ fn a_camera_of_files_needs_them_again() {
 }
 
 #[test]
-fn pictures_without_a_camera_are_refused_as_one() {
+fn pictures_without_a_camera_are_refused() {
     let place = Place::new();
     let frame = anamorph::frame::Frame {
         width: 1,
@@ -119,13 +123,17 @@ fn pictures_without_a_camera_are_refused_as_one() {
     place.refuses(&["camera", "other.exr", "--rays", "r.npy"], 2, "other.exr: its header holds no camera");
     let old = [("anamorph.camera".to_owned(), "{\"kind\": \"pinhole\"}".to_owned())];
     anamorph::output::write_exr(&place.path().join("old.exr"), &frame, &old).unwrap();
-    place.refuses(&["camera", "old.exr", "--rays", "r.npy"], 2, "old.exr: its header holds no camera's keys");
+    place.refuses(
+        &["camera", "old.exr", "--rays", "r.npy"],
+        2,
+        "old.exr: its header does not hold the keys of the camera",
+    );
     place.write("no.exr", "no picture");
     place.refuses(&["camera", "no.exr", "--rays", "r.npy"], 2, "no.exr: not an EXR image");
     place.refuses(&["camera", "gone.exr", "--rays", "r.npy"], 2, "gone.exr: cannot be read");
 }
 
-/// A point times a matrix of OpenEXR, which is for row vectors, divided by its last coordinate.
+/// A point, as a row vector, times a matrix of OpenEXR, divided by the fourth coordinate.
 fn times(point: [f64; 3], m: [f32; 16]) -> [f64; 3] {
     let row = [point[0], point[1], point[2], 1.0];
     let sum = |column: usize| (0..4).map(|k| row[k] * f64::from(m[4 * k + column])).sum::<f64>();
@@ -152,14 +160,14 @@ fn matrices_are_those_of_openexr() {
     let near = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5);
     for name in ["pinhole", "parallel", "fisheye"] {
         render(&place, &format!("{name}.toml"), &format!("{name}.exr"), &[]);
-        // to the right, up, and forward, which is -z here
+        // relative to the eye: right, up, and forward, which is -z here
         let to_camera = header(&format!("{name}.exr")).0.unwrap();
         let got = times([1.5, 2.25, 5.0], to_camera);
         assert!(near(got, [0.5, 0.25, 3.0]), "{name}: {got:?}");
     }
     let flat = |p: [f64; 3]| [p[0], p[1], 0.0];
     let to_image = header("pinhole.exr").1.unwrap();
-    // 90 degrees high: at distance 3 the image's upper border is 3 above the middle, and its right border 6 beside
+    // vfov is 90 degrees: at distance 3 the image reaches 3 above its centre and 6 to the right
     for (point, place) in
         [([1.0, 2.0, 5.0], [0.5, 0.5]), ([7.0, 5.0, 5.0], [1.0, 0.0]), ([-2.0, 0.5, 5.0], [0.25, 0.75])]
     {
@@ -179,7 +187,7 @@ fn matrices_are_those_of_openexr() {
 }
 
 #[test]
-fn all_channels_and_the_names_of_what_they_number() {
+fn all_channels_and_the_names_of_objects_and_materials() {
     let place = Place::new();
     let box_at = |x: f64, more: &str| format!("[[mesh]]\nbuiltin = \"box\"\ntranslate = [{x}, 0, 0]\n{more}\n");
     let meshes = box_at(-1.2, "name = \"left\"") + &box_at(1.2, "color = [1, 0, 0]");
@@ -219,7 +227,7 @@ fn all_channels_and_the_names_of_what_they_number() {
 }
 
 #[test]
-fn a_scene_that_is_not_the_files_own_is_said() {
+fn a_scene_with_another_hash_than_the_picture_is_noted() {
     let place = Place::new();
     let exr = |name: &str, more: &[&str]| {
         place.works(&[&["render", "scene.toml", "--engine", "reference", "--exr", name][..], more].concat());
@@ -230,17 +238,18 @@ fn a_scene_that_is_not_the_files_own_is_said() {
     let own = with(&["a.exr", "a.exr", "--scene", "scene.toml"]);
     assert!(!own.contains("note:"), "{own}");
     let foreign = with(&["a.exr", "b.exr", "--scene", "scene.toml"]);
-    assert!(foreign.lines().nth(1).unwrap().starts_with("note: b.exr was not rendered from scene.toml"), "{foreign}");
+    let note = "note: b.exr has another scene hash than scene.toml";
+    assert!(foreign.lines().nth(1).unwrap().starts_with(note), "{foreign}");
     assert_eq!(foreign.lines().count(), 2);
     let notes = json(&with(&["a.exr", "b.exr", "--scene", "scene.toml", "--json"]))["notes"].clone();
     assert_eq!(notes.as_array().unwrap().len(), 1);
-    // the scene as it was changed is its own
+    // with the changes it was rendered with, the scene has the picture's hash
     let changed = with(&["b.exr", "b.exr", "--scene", "scene.toml", "--set", "mesh.0.scale=1.01"]);
     assert!(!changed.contains("note:"), "{changed}");
 }
 
 #[test]
-fn what_is_compared_is_said() {
+fn the_compared_channels_are_named() {
     let place = Place::new();
     let exr = |name: &str, channels: &str, eye: &str| {
         let eye = format!("camera.eye=[0, 0.5, {eye}]");
@@ -259,7 +268,7 @@ fn what_is_compared_is_said() {
 }
 
 #[test]
-fn a_target_that_cannot_be_tracked_is_said_and_the_frame_rendered() {
+fn a_target_that_cannot_be_tracked_is_reported_and_the_frame_rendered() {
     let place = Place::new();
     let boxed = SCENE.replace("kind = \"pinhole\"", "kind = \"track\"\ntargets = [{ at = [0, 0, 0] }]");
     place.write("track.toml", boxed);

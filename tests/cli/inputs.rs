@@ -1,8 +1,8 @@
-//! Files that a scene names and that are not there, are no regular files, or are made to take long.
+//! Files that a scene names and that do not exist, are not regular files, or are nested deeply.
 
 use super::program::{Place, SCENE};
 
-/// A quad of a material with an image that is not there, which faces the camera; one face names a normal too.
+/// A quad that faces the camera. Its image does not exist, nor the normal that one face names.
 const QUAD: &str =
     "mtllib q.mtl\nusemtl m\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nf 1/1/7 2/1 3/1\nf 1/1 3/1 4/1\n";
 
@@ -15,15 +15,16 @@ fn quad() -> Place {
 }
 
 #[test]
-fn what_mesh_files_lack_is_told_once_and_reported() {
+fn what_mesh_files_lack_is_noted_and_reported() {
     let place = quad();
     let all = ["render", "scene.toml", "--engine", "reference", "-o", "o.png", "--report", "r.json"];
     let ran = place.run(&all);
     assert_eq!(ran.code, 0, "{}", ran.err);
-    let image = "q.mtl:3: map_Kd: there is no such file; the material's own colour is used";
-    let normal = "1 corner of faces without, the first one in line 8: face's normal index 7, but there are none";
-    let line =
-        format!("left out: normals of q.obj ({normal}), and 1 more, which --report lists; --strict refuses this\n");
+    let image = "q.mtl:3: map_Kd: the file does not exist; the material's own colour is used";
+    let normal = "missing at 1 corner of faces, first in line 8: face's normal index 7, but there are none";
+    let line = format!(
+        "left out: normals of q.obj ({normal}), and 1 more, listed by --report; --strict makes this an error\n"
+    );
     assert_eq!(ran.err, line);
     let report: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(place.path().join("r.json")).unwrap()).unwrap();
@@ -33,14 +34,14 @@ fn what_mesh_files_lack_is_told_once_and_reported() {
     let pixel = image::open(place.path().join("o.png")).unwrap().into_rgb8()[(32, 24)];
     assert!(pixel[0] > 100 && pixel[1] == 0 && pixel[2] == 0, "{pixel:?}");
 
-    place.refuses(&[&all[..4], &["-o", "p.png", "--strict"]].concat(), 2, "normals of q.obj: 1 corner");
+    place.refuses(&[&all[..4], &["-o", "p.png", "--strict"]].concat(), 2, "normals of q.obj: missing at 1 corner");
     place.write("q.obj", QUAD.replace("/7", ""));
     place.refuses(&[&all[..4], &["-o", "p.png", "--strict"]].concat(), 2, image);
 }
 
-/// Images are looked at where colours are asked for; and where they cut holes in any case.
+/// Images are read if colour is asked for; alpha masks are always read.
 #[test]
-fn images_are_read_where_something_asks_for_them() {
+fn images_are_read_only_if_an_output_needs_them() {
     let place = quad();
     place.write("q.obj", QUAD.replace("/7", ""));
     place.write("no.png", "this is no image");
@@ -58,7 +59,7 @@ fn images_are_read_where_something_asks_for_them() {
 }
 
 #[test]
-fn a_batch_tells_what_is_missing_once() {
+fn a_batch_notes_what_is_missing_once() {
     let place = quad();
     let job = "scene = \"scene.toml\"\nengine = \"reference\"\nframes = 3\ncolor = \"o-{frame:01}.png\"\n";
     place.write("jobs.toml", format!("[[job]]\n{job}"));
@@ -66,13 +67,13 @@ fn a_batch_tells_what_is_missing_once() {
     assert_eq!((ran.code, ran.err.matches("left out: ").count(), ran.err.lines().count()), (0, 1, 1), "{}", ran.err);
     place.write("strict.toml", format!("[[job]]\n{}strict = true\n", job.replace("o-", "p-")));
     let ran = place.run(&["batch", "strict.toml"]);
-    assert!(ran.code == 1 && ran.err.contains("--strict refuses this"), "{}", ran.err);
+    assert!(ran.code == 1 && ran.err.contains("render without --strict"), "{}", ran.err);
 }
 
-/// A pipe that nobody writes to, and a device without an end, are refused wherever a file is read.
+/// A pipe without a writer and an endless device are refused wherever a file is read.
 #[cfg(unix)]
 #[test]
-fn what_is_no_regular_file_is_not_waited_for() {
+fn pipes_and_devices_are_refused_as_inputs() {
     let place = quad();
     let fifo = |name: &str| {
         assert!(std::process::Command::new("mkfifo").arg(place.path().join(name)).status().unwrap().success());
@@ -90,12 +91,12 @@ fn what_is_no_regular_file_is_not_waited_for() {
     place.refuses(&["render", "/dev/zero", "-o", "o.png"], 2, &format!("/dev/zero: cannot be read: {says}"));
     place.refuses(&["project", "scene.toml", "--points", "p.npy"], 2, &format!("p.npy: cannot be read: {says}"));
     place.write("q.obj", QUAD.replace("q.mtl", "p.mtl"));
-    // no library of this name that can be read: as one that is not there
+    // a material library that is not a regular file is skipped, as one that does not exist
     let ran = place.run(&[&render[..], &["--strict"]].concat());
     assert!(ran.code == 2 && ran.err.contains("normals of q.obj"), "{}", ran.err);
 }
 
-/// What a shell makes of `render <(command)`, and of `command | render /dev/stdin`.
+/// `anamorph camera <(command)` and `command | anamorph camera /dev/stdin`.
 #[cfg(unix)]
 #[test]
 fn scenes_come_through_pipes() {

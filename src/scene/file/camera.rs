@@ -23,7 +23,7 @@ pub struct CameraSpec {
 }
 
 impl CameraKind {
-    /// As a scene file says it.
+    /// The name in a scene file.
     pub fn name(&self) -> &'static str {
         match self {
             CameraKind::Pinhole { .. } => "pinhole",

@@ -1,4 +1,4 @@
-//! A camera's keys for the header of a picture, and back: what makes the same rays again without the scene file.
+//! A camera's keys in the header of a picture, which make the same rays without the scene file.
 
 use super::node::{Entry, Node, Value};
 use super::parse::{Format, parse};
@@ -9,19 +9,19 @@ use crate::error::{Error, Result};
 use serde_json::{Map, Value as Json};
 use std::path::{Path, PathBuf};
 
-/// The camera's table as the scene file gives it, with overrides and keyframes applied, and the meshes, for cameras that look at them.
+/// The tables of the camera and the meshes in a scene file, with overrides and keyframes applied. The meshes are for cameras that look at them.
 #[derive(Debug, Clone, Default)]
 pub struct CameraKeys {
     camera: Option<Node>,
     meshes: Option<Node>,
-    /// The camera, or a mesh, names files.
+    /// Whether the camera names files, and whether a mesh does.
     names_files: [bool; 2],
-    /// Where relative paths start from.
+    /// The folder that relative paths start from.
     dir: PathBuf,
 }
 
 impl PartialEq for CameraKeys {
-    /// By what is written, wherever in the file that is.
+    /// Compares values, not where in the file they are.
     fn eq(&self, other: &CameraKeys) -> bool {
         let written =
             |keys: &CameraKeys| [&keys.camera, &keys.meshes].map(|node| node.as_ref().map(|n| json(&n.value)));
@@ -33,15 +33,13 @@ impl CameraKeys {
     /// Takes the tables out of a scene file's tree.
     pub(super) fn taken(root: Node, names_files: [bool; 2], dir: &Path) -> CameraKeys {
         let Value::Table(mut entries) = root.value else { return CameraKeys::default() };
-        let mut take = |key: &str| {
-            let at = entries.iter().position(|e| e.key == key)?;
-            Some(entries.swap_remove(at).node)
-        };
-        CameraKeys { camera: take("camera"), meshes: take("mesh"), names_files, dir: dir.into() }
+        let (camera, meshes) = (take(&mut entries, "camera"), take(&mut entries, "mesh"));
+        CameraKeys { camera, meshes, names_files, dir: dir.into() }
     }
 
-    /// `keys`, with `mesh` where the camera looks at the scene, and `folder` where one of these names a file with a relative path: it leads
-    /// from `folder` to where these paths start from. Empty for a camera that no file has written.
+    /// For the header of a picture in `folder`: `keys` is the camera; `mesh` the meshes, if `looks`, that is, the camera looks at them; and
+    /// `folder`, if these name files, the path from the picture's folder to the folder that relative paths start from. Empty if the camera is
+    /// not from a file.
     pub fn json(&self, looks: bool, folder: &Path) -> Map<String, Json> {
         let mut map = Map::new();
         let Some(camera) = &self.camera else { return map };
@@ -50,12 +48,12 @@ impl CameraKeys {
             map.insert("mesh".into(), json(&meshes.value));
         }
         if self.names_files[0] || (looks && self.names_files[1]) {
-            map.insert("folder".into(), way(folder, &self.dir).to_string_lossy().into_owned().into());
+            map.insert("folder".into(), relative_path(folder, &self.dir).to_string_lossy().into_owned().into());
         }
         map
     }
 
-    /// The pose of a camera that has one, or of the eye of its mirror or lens.
+    /// The pose of the camera, or of the eye in front of its mirror or lens; `None` if it has none.
     pub fn pose(&self) -> Option<Pose> {
         let path = Path::new("");
         let source = Source::new(path, path);
@@ -67,8 +65,14 @@ impl CameraKeys {
     }
 }
 
-/// The path that leads from one folder to another.
-fn way(from: &Path, to: &Path) -> PathBuf {
+/// Removes an entry from a table.
+fn take(entries: &mut Vec<Entry>, key: &str) -> Option<Node> {
+    let at = entries.iter().position(|e| e.key == key)?;
+    Some(entries.swap_remove(at).node)
+}
+
+/// The path from one folder to another; absolute if they have no common root.
+fn relative_path(from: &Path, to: &Path) -> PathBuf {
     let here = |path: &Path| if path.as_os_str().is_empty() { PathBuf::from(".") } else { path.into() };
     let (Ok(from), Ok(to)) = (here(from).canonicalize(), here(to).canonicalize()) else { return to.into() };
     let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
@@ -79,7 +83,7 @@ fn way(from: &Path, to: &Path) -> PathBuf {
     up.chain(to.components().skip(common).map(|c| c.as_os_str())).collect()
 }
 
-/// JSON that reads back to the same value, to the last bit.
+/// The value as JSON. Numbers are read back to the last bit.
 fn json(value: &Value) -> Json {
     match value {
         Value::Null => Json::Null,
@@ -96,19 +100,16 @@ fn json(value: &Value) -> Json {
     }
 }
 
-/// The scene of a camera in a picture's header, `text` as [`CameraKeys::json`] and the image's size gave it: the camera, and the meshes that
-/// it looks at. `overrides` are as for [`super::load`].
+/// The scene of a camera in a picture's header: the camera, and the meshes that it looks at. `text` is a JSON object with the entries of
+/// [`CameraKeys::json`] and the image's `width` and `height`. `overrides` are as for [`super::load`].
 ///
 /// # Errors
-/// [`Error::Input`] that names the picture at `path` and the key.
+/// [`Error::Input`] naming the picture at `path` and the key.
 pub fn load_header(text: &str, path: &Path, overrides: &[String]) -> Result<SceneFile> {
     let Node { value: Value::Table(mut entries), place } = parse(text, Format::Json, path)? else {
         return Err(no_camera(path));
     };
-    let mut take = |key: &str| {
-        let at = entries.iter().position(|e| e.key == key)?;
-        Some(entries.swap_remove(at).node)
-    };
+    let mut take = |key: &str| take(&mut entries, key);
     let (Some(camera), Some(width), Some(height)) = (take("keys"), take("width"), take("height")) else {
         return Err(no_camera(path));
     };
@@ -129,7 +130,7 @@ pub fn load_header(text: &str, path: &Path, overrides: &[String]) -> Result<Scen
 
 fn no_camera(path: &Path) -> Error {
     let path = path.display();
-    Error::input(format!("{path}: its header holds no camera's keys; render it with this version of the program"))
+    Error::input(format!("{path}: its header does not hold the keys of the camera; render it again with this version"))
 }
 
 #[cfg(test)]
@@ -137,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_way_leads_from_folder_to_folder() {
+    fn relative_paths_lead_from_folder_to_folder() {
         let dir = tempfile::tempdir().unwrap();
         let folder = |name: &str| {
             let path = dir.path().join(name);
@@ -145,9 +146,9 @@ mod tests {
             path
         };
         let (a, b) = (folder("one/two/a"), folder("one/b"));
-        assert_eq!(way(&a, &b), Path::new("../../b"));
-        assert_eq!(way(&b, &a), Path::new("../two/a"));
-        assert_eq!(way(&a, &a), Path::new(""));
+        assert_eq!(relative_path(&a, &b), Path::new("../../b"));
+        assert_eq!(relative_path(&b, &a), Path::new("../two/a"));
+        assert_eq!(relative_path(&a, &a), Path::new(""));
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! Keyframes: a list of `{ frame, value }` keys stands for the value at one frame, whatever it is the value of; only
-//! quaternions are not interpolated number by number.
+//! Keyframes: any number or list of numbers may be a list of `{ frame, value }` keys. Numbers are interpolated linearly, quaternions on the
+//! sphere.
 
 use super::node::{Node, Value};
 use super::reader::{Field, Source};
@@ -103,13 +103,13 @@ fn between(a: &Key, b: &Key, frame: f64) -> Value {
     }
 }
 
-/// From one quaternion (w, x, y, z) to the next by an even turn, the shorter way round; of unit length.
+/// Spherical interpolation (slerp) from one quaternion (w, x, y, z) to the next, the shorter way; of unit length.
 fn turned(a: &Key, b: &Key, frame: f64) -> Value {
     let unit = |key: &Key| {
         let [w, x, y, z] = *<&[f64; 4]>::try_from(key.numbers.as_slice()).ok()?;
         DVec4::new(x, y, z, w).try_normalize().map(DQuat::from_vec4)
     };
-    // what is no quaternion is refused where its key is read
+    // a wrong quaternion is refused when the camera reads it
     let (Some(from), Some(to)) = (unit(a), unit(b)) else { return a.value.node().value.clone() };
     let turn = from.conjugate() * to;
     let turn = if turn.w < 0.0 { -turn } else { turn };
@@ -208,13 +208,13 @@ mod tests {
     }
 
     #[test]
-    fn quaternions_turn_evenly_and_the_shorter_way() {
+    fn quaternions_are_interpolated_on_the_sphere_the_shorter_way() {
         let about_y = |degrees: f64, sign: f64| {
             let (sin, cos) = (degrees.to_radians() / 2.0).sin_cos();
             format!("[{}, 0, {}, 0]", sign * cos, sign * sin)
         };
         let from = about_y(10.0, 3.0);
-        // -q is the same turn as q; and a longer q too
+        // -q and a multiple of q are the same rotation as q
         for to in [about_y(130.0, 1.0), about_y(130.0, -1.0), about_y(130.0, 7.0)] {
             let text = format!("[{{ frame = 0, value = {from} }}, {{ frame = 4, value = {to} }}]");
             let path = Path::new("s.toml");

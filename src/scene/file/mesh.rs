@@ -25,11 +25,11 @@ pub struct MeshSpec {
     /// Degrees about x, then y, then z (world axes).
     pub rotate: DVec3,
     pub scale: DVec3,
-    /// Once at each of these, after that; `None`: once.
+    /// Copies of the mesh, each with one of these transforms after the other three; `None`: no copies.
     pub places: Option<Places>,
     /// Both faces are visible.
     pub two_sided: bool,
-    /// Corners without a normal get the mean of those of the triangles around them.
+    /// Corners without a normal get vertex normals.
     pub smooth: bool,
     /// Linear RGB in [0, 1] for the whole mesh, without the images of its file; `None` keeps the source's materials.
     pub color: Option<[f32; 3]>,
@@ -37,7 +37,7 @@ pub struct MeshSpec {
     /// What its colour, white where none is given, is multiplied by too.
     pub pattern: Option<Pattern>,
     pub gloss: GlossSpec,
-    /// The files that its glTF file names may lie outside of that one's folder.
+    /// A glTF file may name files outside of its folder.
     pub outside_files: bool,
 }
 
@@ -84,13 +84,13 @@ pub enum TextureSpec {
 pub enum MeshSource {
     /// An .obj, .gltf or .glb file, already relative to the working directory.
     File(PathBuf),
-    /// An .asc, .png or .tif file.
+    /// An .asc, .png or .tif file of heights.
     Heights(HeightSpec),
     Builtin(Builtin),
 }
 
 impl MeshSpec {
-    /// As it is, where it is, once.
+    /// The mesh of a source, with no other keys.
     pub fn of(source: MeshSource) -> MeshSpec {
         MeshSpec {
             source,
@@ -284,13 +284,13 @@ fn read_scale(field: &Field) -> Result<DVec3> {
     if field.is_list() { field.vec3() } else { Ok(DVec3::splat(field.number()?)) }
 }
 
-/// One size for both directions, or one for x and one for z.
+/// A number for both directions, or [x, z].
 fn read_cell(field: &Field) -> Result<DVec2> {
     let cell = match field.is_list() {
         true => DVec2::from(field.numbers::<2>("the size of a cell, as [x, z]")?),
         false => DVec2::splat(field.number()?),
     };
-    if cell.min_element() > 0.0 { Ok(cell) } else { Err(field.error("a cell has a size above 0")) }
+    if cell.min_element() > 0.0 { Ok(cell) } else { Err(field.error("the size of a cell must be above 0")) }
 }
 
 /// From 0 to 1.

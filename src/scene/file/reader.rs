@@ -14,7 +14,7 @@ pub struct Source<'a> {
     pub path: &'a Path,
     /// Folder that relative paths start from.
     pub dir: &'a Path,
-    /// Some value was read as a file's name.
+    /// A value was read as a file name.
     names_files: Cell<bool>,
 }
 
@@ -23,7 +23,7 @@ impl<'a> Source<'a> {
         Source { path, dir, names_files: Cell::new(false) }
     }
 
-    /// Some value that was read so far is a file's name.
+    /// Whether a value was read as a file name so far.
     pub fn names_files(&self) -> bool {
         self.names_files.get()
     }
@@ -50,7 +50,7 @@ impl<'a> Field<'a> {
         Field { source, key: key.into(), place: node.place, node }
     }
 
-    /// The same value, counted as one of another source.
+    /// The same value in another source.
     pub(super) fn of(self, source: &'a Source<'a>) -> Self {
         Field { source, ..self }
     }
@@ -160,7 +160,7 @@ impl<'a> Field<'a> {
         Ok(numbers)
     }
 
-    /// A 3 x 4 or 4 x 4 matrix by its rows, of finite numbers.
+    /// A matrix of 3 or 4 rows of four finite numbers; the fourth row must be 0, 0, 0, 1.
     pub fn affine(&self) -> Result<DAffine3> {
         let expected = "a matrix of 3 or 4 rows, as [[1, 0, 0, x], [0, 1, 0, y], [0, 0, 1, z], [0, 0, 0, 1]]";
         let rows: Vec<Field> = self.items(expected)?.collect();

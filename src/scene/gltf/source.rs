@@ -13,17 +13,17 @@ use super::Files;
 use crate::error::{Error, Result};
 use crate::scene::texture::is_missing;
 
-/// Where the files lie that a glTF file names.
+/// How to find the files that a glTF file names.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Beside<'a> {
-    /// Its own.
+pub(super) struct FileAccess<'a> {
+    /// The folder of the glTF file.
     pub folder: &'a Path,
     pub files: Files,
 }
 
-/// What a file holds, unless it is not there.
+/// What was read from a file, or the path where it does not exist.
 pub(super) enum Found<T> {
-    Is(T),
+    Present(T),
     Missing(PathBuf),
 }
 
@@ -38,7 +38,7 @@ pub(super) struct Source {
 impl Source {
     /// # Errors
     /// [`Error::Input`]: see [`super::load`].
-    pub(super) fn parse(bytes: &[u8], beside: Beside) -> Result<Source> {
+    pub(super) fn parse(bytes: &[u8], access: FileAccess) -> Result<Source> {
         let (json, mut binary) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
         let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
         if json.is_empty() {
@@ -49,7 +49,7 @@ impl Source {
         let document = Document::from_json_without_validation(root);
         let (mut buffers, mut known) = (Vec::new(), HashMap::new());
         for buffer in document.buffers() {
-            let bytes = read_buffer(&buffer, beside, &mut binary, &mut known)
+            let bytes = read_buffer(&buffer, access, &mut binary, &mut known)
                 .map_err(|message| Error::input(format!("buffer {}: {message}", buffer.index())))?;
             buffers.push(bytes);
         }
@@ -61,13 +61,13 @@ impl Source {
     pub(super) fn read_image(
         &self,
         image: &gltf::Image,
-        beside: Beside,
+        access: FileAccess,
     ) -> std::result::Result<Found<Cow<'_, [u8]>>, String> {
         let json = &self.document.as_json().images[image.index()];
         let view = json.buffer_view.and_then(|k| self.document.views().nth(k.value()));
         match (view, &json.uri) {
-            (None, Some(uri)) => Ok(match read_uri(uri, beside)? {
-                Found::Is(bytes) => Found::Is(bytes.into()),
+            (None, Some(uri)) => Ok(match read_uri(uri, access)? {
+                Found::Present(bytes) => Found::Present(bytes.into()),
                 Found::Missing(file) => Found::Missing(file),
             }),
             (None, None) => Err("has neither a uri nor a bufferView; export it again".into()),
@@ -75,7 +75,7 @@ impl Source {
                 let buffer = &self.buffers[view.buffer().index()];
                 let end = view.offset().checked_add(view.length());
                 let bytes = end.and_then(|end| buffer.get(view.offset()..end));
-                Ok(Found::Is(bytes.ok_or("exceeds its buffer; export it again")?.into()))
+                Ok(Found::Present(bytes.ok_or("exceeds its buffer; export it again")?.into()))
             }
         }
     }
@@ -179,10 +179,10 @@ fn keeps_triangles(extension: &str) -> bool {
     NAMES.contains(&extension) || PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
 }
 
-/// The buffer's bytes; those of a URI that is `known` are not read again.
+/// The buffer's bytes. A file is read once: `known` holds the bytes by URI.
 fn read_buffer<'a>(
     buffer: &gltf::Buffer<'a>,
-    beside: Beside,
+    access: FileAccess,
     binary: &mut Option<&[u8]>,
     known: &mut HashMap<&'a str, Arc<Vec<u8>>>,
 ) -> std::result::Result<Arc<Vec<u8>>, String> {
@@ -190,10 +190,10 @@ fn read_buffer<'a>(
         buffer::Source::Bin => binary.take().ok_or("has no uri and no BIN chunk; export it again")?.to_vec().into(),
         buffer::Source::Uri(uri) => match known.get(uri) {
             Some(bytes) => bytes.clone(),
-            None => match read_uri(uri, beside)? {
-                Found::Is(bytes) => known.entry(uri).or_insert(bytes.into()).clone(),
+            None => match read_uri(uri, access)? {
+                Found::Present(bytes) => known.entry(uri).or_insert(bytes.into()).clone(),
                 Found::Missing(file) => {
-                    return Err(format!("{} cannot be read: there is no such file", file.display()));
+                    return Err(format!("{} cannot be read: the file does not exist", file.display()));
                 }
             },
         },
@@ -205,29 +205,29 @@ fn read_buffer<'a>(
     Ok(bytes)
 }
 
-/// What lies beside the file, or in the URI itself.
-fn read_uri(uri: &str, beside: Beside) -> std::result::Result<Found<Vec<u8>>, String> {
+/// The bytes of a file, or of a `data:` URI.
+fn read_uri(uri: &str, access: FileAccess) -> std::result::Result<Found<Vec<u8>>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
-        return decode_data(data).map(Found::Is);
+        return decode_data(data).map(Found::Present);
     }
     if uri.contains("://") {
         return Err("lies elsewhere on the net; put it beside the file".into());
     }
     let name = decode_percent(uri);
-    let file = beside.folder.join(&name);
-    if beside.files == Files::Below && !is_below(&name, beside.folder) {
+    let file = access.folder.join(&name);
+    if access.files == Files::Below && !is_below(&name, access.folder) {
         return Err(format!(
-            "{name:?} lies outside of the file's folder; put it there, or give the mesh outside_files = true"
+            "{name:?} is outside of the glTF's folder; move it there, or set outside_files = true in the [[mesh]]"
         ));
     }
     match crate::inputs::read(&file) {
-        Ok(bytes) => Ok(Found::Is(bytes)),
+        Ok(bytes) => Ok(Found::Present(bytes)),
         Err(e) if is_missing(&e) => Ok(Found::Missing(file)),
         Err(e) => Err(format!("{} cannot be read: {e}", file.display())),
     }
 }
 
-/// The file of this name lies in the folder or below, as it is written and, if it is there, by its real path.
+/// The file is in the folder or below, by its name and, if it exists, also by its real path.
 fn is_below(name: &str, folder: &Path) -> bool {
     let mut depth = 0i32;
     for component in Path::new(name).components() {

@@ -5,8 +5,8 @@ use proptest::prelude::*;
 
 use super::*;
 
-fn here() -> Beside<'static> {
-    Beside { folder: Path::new(""), files: Files::Below }
+fn here() -> FileAccess<'static> {
+    FileAccess { folder: Path::new(""), files: Files::Below }
 }
 
 /// The bytes of a quad's four positions (f32), six u16 indices and a strip's four u8 indices: 64 bytes.
@@ -276,22 +276,21 @@ fn load_textured_quad(images: &Images, edit: impl FnOnce(&mut serde_json::Value)
 }
 
 #[test]
-fn an_image_that_is_not_there_is_named_and_left_out() {
+fn a_missing_image_is_listed_and_left_out() {
     let gone = |json: &mut serde_json::Value| json["images"] = serde_json::json!([{"uri": "no/gone%20.png"}]);
     let mesh = load_textured_quad(&Images::default(), gone).unwrap();
     assert_eq!((mesh.materials[0].diffuse, &mesh.materials[0].texture), ([1.0; 3], &None));
-    let why = "image 0: there is no such file; the material's own colour is used".into();
+    let why = "image 0: the file does not exist; the material's own colour is used".into();
     assert_eq!(mesh.missing, [Missing { what: "no/gone .png".into(), why }]);
-    let cutting = load_textured_quad(&Images::of(ImagesRead::Cutting), gone).unwrap();
+    let cutting = load_textured_quad(&Images::of(ImagesRead::Masks), gone).unwrap();
     assert!(cutting.missing.is_empty());
     let cut = |json: &mut serde_json::Value| json["materials"][0]["alphaMode"] = "MASK".into();
-    let cutting =
-        |edit: fn(&mut serde_json::Value)| load_textured_quad(&Images::of(ImagesRead::Cutting), edit).unwrap();
+    let cutting = |edit: fn(&mut serde_json::Value)| load_textured_quad(&Images::of(ImagesRead::Masks), edit).unwrap();
     assert!(cutting(cut).materials[0].texture.is_some() && cutting(|_| {}).materials[0].texture.is_none());
 }
 
 #[test]
-fn files_lie_below_the_folder_unless_told_otherwise() {
+fn files_outside_of_the_folder_are_refused_unless_allowed() {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("model");
     std::fs::create_dir_all(folder.join("parts")).unwrap();
@@ -321,27 +320,26 @@ fn files_lie_below_the_folder_unless_told_otherwise() {
     for uri in outside {
         let message = load(uri, Files::Below).unwrap_err().to_string();
         assert!(
-            message.contains("buffer 0: ") && message.contains("lies outside of the file's folder"),
+            message.contains("buffer 0: ") && message.contains("is outside of the glTF's folder"),
             "{uri}: {message}"
         );
         load(uri, Files::Anywhere).unwrap();
     }
     inside.iter().for_each(|uri| drop(load(uri, Files::Below).unwrap()));
-    // what is no regular file is not read, whatever is told
+    // only regular files are read, even with `Files::Anywhere`
     let message = load("/dev/zero", Files::Anywhere).unwrap_err().to_string();
     assert!(message.contains("/dev/zero cannot be read: it is a pipe or a device, not a regular file"), "{message}");
 }
 
-/// Of buffers over one file each reads it, and it is read once.
 #[test]
-fn buffers_share_their_file() {
+fn buffers_of_one_file_share_its_bytes() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("quad.bin"), quad_bytes()).unwrap();
     let mut json = quad_json();
     let buffer = json["buffers"][0].clone();
     json["buffers"] = vec![buffer; 3].into();
     let bytes = serde_json::to_vec(&json).unwrap();
-    let source = Source::parse(&bytes, Beside { folder: folder.path(), files: Files::Below }).unwrap();
+    let source = Source::parse(&bytes, FileAccess { folder: folder.path(), files: Files::Below }).unwrap();
     assert!(source.buffers.len() == 3 && source.buffers.iter().all(|b| Arc::ptr_eq(b, &source.buffers[0])));
 }
 

@@ -61,15 +61,16 @@ pub(super) struct Chunk {
     pub uses: Vec<(usize, String)>,
     /// The rest of each `mtllib` line.
     pub libraries: Vec<String>,
-    pub lacking_normals: Lacking,
-    pub lacking_texcoords: Lacking,
+    pub dangling_normals: DanglingIndices,
+    pub dangling_texcoords: DanglingIndices,
 }
 
-/// What corners of faces name and the file has not.
+/// Indices in faces that are out of range.
 #[derive(Debug, Default)]
-pub(super) struct Lacking {
+pub(super) struct DanglingIndices {
+    /// How many corners have one.
     pub corners: usize,
-    /// The line of the first one, from 1, and what it names.
+    /// The line of the first one, from 1, and what is wrong.
     pub first: Option<(usize, String)>,
 }
 
@@ -90,7 +91,7 @@ pub(super) struct Reader<'a> {
     before: Counts,
     total: Counts,
     texcoords: Texcoords,
-    /// The line that is read, from 1.
+    /// The current line, from 1.
     line: usize,
     corners: Vec<Corner>,
     chunk: Chunk,
@@ -177,7 +178,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`. Texture coordinates that are not needed and normals may be missing.
+    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`. Normals may be missing, and texture coordinates unless the caller needs them.
     fn read_corner(&mut self, word: &[u8]) -> std::result::Result<Corner, String> {
         let mut parts = word.splitn(3, |&b| b == b'/');
         let seen = self.before.positions + self.chunk.positions.len();
@@ -187,7 +188,7 @@ impl<'a> Reader<'a> {
             None | Some([]) => NO_UV,
             Some(part) => match resolve(part, "texture coordinate", seen, self.total.texcoords)? {
                 Err(missing) if self.texcoords == Texcoords::Kept => {
-                    self.chunk.lacking_texcoords.count(self.line, missing);
+                    self.chunk.dangling_texcoords.add(self.line, missing);
                     NO_UV
                 }
                 found => found?,
@@ -197,7 +198,7 @@ impl<'a> Reader<'a> {
         let normal = match parts.next() {
             None | Some([]) => NO_NORMAL,
             Some(part) => resolve(part, "normal", seen, self.total.normals)?.unwrap_or_else(|missing| {
-                self.chunk.lacking_normals.count(self.line, missing);
+                self.chunk.dangling_normals.add(self.line, missing);
                 NO_NORMAL
             }),
         };
@@ -205,15 +206,17 @@ impl<'a> Reader<'a> {
     }
 }
 
-impl Lacking {
-    fn count(&mut self, line: usize, what: String) {
+impl DanglingIndices {
+    fn add(&mut self, line: usize, what: String) {
         self.corners += 1;
         self.first.get_or_insert((line, what));
     }
 }
 
-/// The index from 0 that an OBJ index means: from 1 on, or, negative, back from the `seen` vertices so far; or, within, that there is
-/// none. The outer error is a word that is no index.
+/// The index from 0 of an OBJ index: positive ones count from 1, negative ones back from the `seen` vertices so far.
+///
+/// # Errors
+/// The outer error: the word is not an index. The inner error: the index is out of range.
 fn resolve(
     word: &[u8],
     what: &str,

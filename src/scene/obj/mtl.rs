@@ -55,26 +55,26 @@ impl Mapped {
         self.map.as_ref().or(self.mask.as_ref()).map_or((Vec2::ONE, Vec2::ZERO), |m| (m.scale, m.offset))
     }
 
-    /// Its images cut holes.
-    pub fn cuts(&self) -> bool {
+    /// It has an alpha mask.
+    pub fn is_masked(&self) -> bool {
         self.mask.is_some()
     }
 
-    /// The material where its images are not read, as none of them counts: it is white where one is what colours it.
+    /// The material if its images are not read. As in [`Mapped::with_images`], it is white if only an image colours it.
     pub fn without_images(&self) -> Material {
-        let is_there = |map: &Map| {
+        let exists = |map: &Map| {
             crate::inputs::note(&map.image);
             map.image.is_file()
         };
-        let is_white = self.is_white && self.map.as_ref().is_some_and(is_there);
+        let is_white = self.is_white && self.map.as_ref().is_some_and(exists);
         let diffuse = if is_white { [1.0; 3] } else { self.material.diffuse };
         Material { diffuse, ..self.material.clone() }
     }
 
-    /// The material with its images, from `find_image`, which says `None` of those that are not there; these are told to `missing`.
+    /// The material with its images, from `find_image`. Those that do not exist, for which it returns `None`, are added to `missing`.
     ///
     /// # Errors
-    /// [`Error::Input`] naming the line: those of `find_image`; a mask of another scale than the image, or that ends elsewhere.
+    /// [`Error::Input`] naming the line: those of `find_image`; a mask with another `-s` or `-clamp` than the image.
     pub fn with_images(
         &self,
         mut find_image: impl FnMut(&Path) -> Result<Option<Arc<Texels>>>,
@@ -85,13 +85,13 @@ impl Mapped {
             let wrong = |e| Error::input(format!("{}: {e}; texture = false shows none", map.line));
             let found = find_image(&map.image).map_err(wrong)?;
             if found.is_none() {
-                let why = format!("{}: there is no such file; {instead}", map.line);
+                let why = format!("{}: the file does not exist; {instead}", map.line);
                 missing.push(Missing { what: map.image.display().to_string(), why });
             }
             Ok(found)
         };
         let colours = find(self.map.as_ref(), "the material's own colour is used")?;
-        let opacity = find(self.mask.as_ref(), "nothing is cut out")?;
+        let opacity = find(self.mask.as_ref(), "nothing is masked")?;
         let mask = self.mask.as_ref().zip(opacity);
         let mut material = self.material.clone();
         if self.is_white && colours.is_some() {
@@ -126,8 +126,8 @@ impl Mapped {
     }
 }
 
-/// Reads what `mtllib` lines name in `folder`: each one file whose name may have blanks in it, or else several files. Those that do
-/// not exist are skipped; of one that is named more than once only the last time counts.
+/// Reads the files in `folder` that `mtllib` lines name. A line names one file, whose name may contain spaces, or else several files. Files
+/// that do not exist are skipped. A file that is named several times is read once, at the place of the last.
 ///
 /// # Errors
 /// [`Error::Input`] if a file cannot be read or is malformed.
@@ -361,7 +361,7 @@ mod tests {
     }
 
     #[test]
-    fn an_image_that_is_not_there_leaves_the_rest_as_it_is() {
+    fn a_missing_image_does_not_affect_the_other() {
         let text = b"newmtl a\nmap_Kd c.png\nmap_d m.png\nnewmtl b\nKd 1 0 0\nmap_Kd c.png";
         let read = parse(text, Path::new("a.mtl")).unwrap();
         let grey = || Arc::new(Texels { width: 1, height: 1, rgba: vec![[half::f16::from_f32(0.25); 4]] });
@@ -376,8 +376,8 @@ mod tests {
                 missing.into_iter().map(|m| format!("{}: {}", m.what, m.why)).collect::<Vec<_>>(),
             )
         };
-        let no_colour = "c.png: a.mtl:2: map_Kd: there is no such file; the material's own colour is used".to_owned();
-        let no_mask = "m.png: a.mtl:3: map_d: there is no such file; nothing is cut out".to_owned();
+        let no_colour = "c.png: a.mtl:2: map_Kd: the file does not exist; the material's own colour is used".to_owned();
+        let no_mask = "m.png: a.mtl:3: map_d: the file does not exist; nothing is masked".to_owned();
         assert_eq!(with(0, &[]), ([0.8; 3], None, vec![no_colour.clone(), no_mask.clone()]));
         assert_eq!(with(0, &["c.png"]), ([1.0; 3], Some(([0.25; 4], None)), vec![no_mask]));
         assert_eq!(with(0, &["m.png"]), ([0.8; 3], Some(([1.0, 1.0, 1.0, 0.25], Some(CUTOFF))), vec![no_colour]));

@@ -207,9 +207,9 @@ fn material_files_lie_beside_the_obj() {
     assert!(message.contains("bad.mtl:4: Kd value \"y\""), "{message}");
 }
 
-/// An image that cannot be read counts only on faces, and only where images of its kind are looked at.
+/// An image that cannot be read is an error only if a face has it and images of its kind are read.
 #[test]
-fn images_that_nothing_asks_for_are_not_read() {
+fn images_that_are_not_needed_are_not_read() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bad.png"), "no image").unwrap();
     let text = "newmtl bad\nmap_Kd bad.png\nnewmtl plain\nKd 1 0 0\nnewmtl cut\nKd 1 0 0\nmap_d bad.png";
@@ -219,13 +219,13 @@ fn images_that_nothing_asks_for_are_not_read() {
         std::fs::write(&path, format!("mtllib a.mtl\n{QUAD}usemtl {used}\nf 1 2 3")).unwrap();
         load(&path, &mut Images::of(read)).map(|mesh| mesh.materials[mesh.material_of[0] as usize].diffuse)
     };
-    for read in [ImagesRead::All, ImagesRead::Cutting, ImagesRead::None] {
+    for read in [ImagesRead::All, ImagesRead::Masks, ImagesRead::None] {
         load("plain", read).unwrap();
     }
-    assert_eq!(load("bad", ImagesRead::Cutting), Ok([1.0; 3]));
+    assert_eq!(load("bad", ImagesRead::Masks), Ok([1.0; 3]));
     assert_eq!(load("bad", ImagesRead::None), Ok([0.8; 3]));
     load("cut", ImagesRead::None).unwrap();
-    for (used, read) in [("bad", ImagesRead::All), ("cut", ImagesRead::All), ("cut", ImagesRead::Cutting)] {
+    for (used, read) in [("bad", ImagesRead::All), ("cut", ImagesRead::All), ("cut", ImagesRead::Masks)] {
         let message = load(used, read).unwrap_err().to_string();
         let line = if used == "bad" { "a.mtl:2: map_Kd: " } else { "a.mtl:7: map_d: " };
         assert!(message.contains(line) && message.ends_with("; texture = false shows none"), "{message}");
@@ -233,7 +233,7 @@ fn images_that_nothing_asks_for_are_not_read() {
 }
 
 #[test]
-fn images_that_are_not_there_are_named_and_left_out() {
+fn missing_images_are_listed_and_left_out() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.mtl"), "newmtl gone\nKd 0 0.5 1\nmap_Kd no.png").unwrap();
     let path = folder.path().join("a.obj");
@@ -242,12 +242,12 @@ fn images_that_are_not_there_are_named_and_left_out() {
     assert_eq!((mesh.materials[0].diffuse, &mesh.materials[0].texture), ([0.0, 0.5, 1.0], &None));
     let [missing] = &mesh.missing[..] else { panic!("{:?}", mesh.missing) };
     assert!(missing.what.ends_with("no.png"), "{missing:?}");
-    assert!(missing.why.contains("a.mtl:3: map_Kd: there is no such file; the material's own colour"), "{missing:?}");
-    let cutting = load(&path, &mut Images::of(ImagesRead::Cutting)).unwrap();
+    assert!(missing.why.contains("a.mtl:3: map_Kd: the file does not exist; the material's own colour"), "{missing:?}");
+    let cutting = load(&path, &mut Images::of(ImagesRead::Masks)).unwrap();
     assert_eq!((cutting.missing, cutting.materials), (vec![], mesh.materials));
 }
 
-/// A file with some materials that is named often, also by other names, is read once: what it says last counts.
+/// Also if it is named by different paths. Its place among the libraries is that of the last time.
 #[test]
 fn a_library_that_is_named_often_is_read_once() {
     let folder = tempfile::tempdir().unwrap();
@@ -264,7 +264,7 @@ fn a_library_that_is_named_often_is_read_once() {
 }
 
 #[test]
-fn normals_and_texture_coordinates_that_are_not_there_are_left_out() {
+fn missing_normals_and_texture_coordinates_are_listed_and_left_out() {
     let text = format!("{QUAD}vn 0 0 1\nvt 0 0\nf 1//1 2//2 3//1\nf 1/1 2/-2 3/1\nf 1/1 2/1 3/1\nf 1//-2 2//1 4//9");
     for bytes in [1, 30, 1 << 20] {
         let mesh = parse_in_chunks(text.as_bytes(), "a.obj", bytes, |_| Ok(Vec::new())).unwrap().0;
@@ -273,9 +273,9 @@ fn normals_and_texture_coordinates_that_are_not_there_are_left_out() {
         assert_eq!(mesh.corner_uvs, [[NO_UV; 3], [NO_UV; 3], [0; 3], [NO_UV; 3]]);
         let said: Vec<_> = mesh.missing.iter().map(|m| format!("{}: {}", m.what, m.why)).collect();
         let expected = [
-            "normals of a.obj: 3 corners of faces without, the first one in line 7: \
+            "normals of a.obj: missing at 3 corners of faces, first in line 7: \
              face's normal index 2 out of range; 1 to 1 exist",
-            "texture coordinates of a.obj: 1 corner of faces without, the first one in line 8: \
+            "texture coordinates of a.obj: missing at 1 corner of faces, first in line 8: \
              face's texture coordinate index -2 out of range; -1 to -1 exist up to here",
         ];
         assert_eq!(said, expected);
