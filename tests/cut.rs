@@ -263,7 +263,7 @@ fn bad_keys_are_named() {
         ("pieces = 0", "camera.pieces: expected a whole number from 1 to"),
         (
             "pieces = 1000001",
-            "camera.pieces: 1000001 pieces are over the limit of 1000000; give fewer; --no-limits lifts this",
+            "camera.pieces: 1000001 pieces are over the limit of 1000000; give fewer, or use --no-limits",
         ),
         ("pieces = 1.5", "camera.pieces"),
         ("pieces = \"many\"", "is \"exact\", \"auto\" or a number"),

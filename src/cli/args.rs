@@ -33,7 +33,8 @@ pub enum Command {
     /// Find every image of 3-D points
     #[command(after_help = limits::help())]
     Project(ProjectArgs),
-    /// Show the adapters of this machine and the code paths they select; of a model or a scene: its counts, bounds and a fitting eye
+    /// Show the adapters of this machine and the code paths they select; or the counts and bounds of a model or scene, and a camera for it
+    #[command(after_help = limits::help())]
     Info(InfoArgs),
     /// Write a ready scene
     Example(ExampleArgs),
@@ -41,19 +42,19 @@ pub enum Command {
     Bench(BenchArgs),
 }
 
-/// What a command may take.
+/// Changes of the limits on work and memory.
 #[derive(Debug, Clone, Default, Args)]
 pub struct Caps {
-    /// Do work beyond the caps on pieces, cells, corners, rays, frames and memory
+    /// Remove the limits on pieces, cells, corners, bounces, frames and memory
     #[arg(long)]
     pub no_limits: bool,
-    /// Memory that the program may take, as in 8G or 500M [default: what is free]
+    /// Memory that the program may use, as in 8G or 500M [default: the free memory]
     #[arg(long, value_name = "SIZE", value_parser = bytes)]
     pub memory: Option<u64>,
 }
 
 impl Caps {
-    /// Sets the limits of the process.
+    /// Applies them to the process.
     pub fn apply(&self) {
         if self.no_limits {
             limits::lift();
@@ -65,7 +66,7 @@ impl Caps {
 }
 
 impl Command {
-    /// The caps of a command that takes some.
+    /// The limits of a command, if it has these flags.
     pub fn caps(&self) -> Option<&Caps> {
         match self {
             Command::Render(args) => Some(&args.caps),
@@ -73,7 +74,8 @@ impl Command {
             Command::Camera(args) => Some(&args.caps),
             Command::Batch(args) => Some(&args.caps),
             Command::Project(args) => Some(&args.caps),
-            Command::Info(_) | Command::Example(_) | Command::Bench(_) => None,
+            Command::Info(args) => Some(&args.caps),
+            Command::Example(_) | Command::Bench(_) => None,
         }
     }
 }
@@ -117,14 +119,14 @@ pub struct RenderArgs {
     /// Triangles that some of --samples N see count in a pixel by their areas there, not by the number of these samples
     #[arg(long)]
     pub analytic: bool,
-    /// Channels to compute and write, as in R,G,B,Z; all: those that the scene and its camera have, without certified, mattes and
-    /// motion, as in all,motion [default with --exr: what a pixel sees]
+    /// Channels to compute and write, as in R,G,B,Z; all: every channel of the scene and its camera except certified, mattes and
+    /// motion, which can be added, as in all,motion [default with --exr: what a pixel sees]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = channels)]
     pub channels: Option<Vec<Named>>,
-    /// Refuse a scene whose mesh files name images, normals or texture coordinates that are not there
+    /// Refuse a scene whose mesh files refer to images, normals or texture coordinates that do not exist
     #[arg(long)]
     pub strict: bool,
-    /// Let the scene's own [output] name files outside of its folder
+    /// Allow the scene's own [output] to name files outside of its folder
     #[arg(long)]
     pub outputs_anywhere: bool,
     /// Times and counts as JSON
@@ -152,7 +154,7 @@ pub struct RenderArgs {
     /// Do without the adapter's f64: do its work in 32-bit words
     #[arg(long)]
     pub no_f64: bool,
-    /// Write the source of every kernel that is compiled to this folder, NAME.wgsl
+    /// Write the source of every compiled kernel to this folder, as NAME.wgsl
     #[arg(long, value_name = "DIR")]
     pub dump_kernels: Option<PathBuf>,
     /// Print one pixel's ray, hit, candidates and margins instead
@@ -248,7 +250,7 @@ pub struct CompareArgs {
     /// Scene of both: tells which pixels are safe
     #[arg(long, value_name = "SCENE")]
     pub scene: Option<PathBuf>,
-    /// Change a value of the scene, as the images were rendered with
+    /// Change a value of the scene, as when the images were rendered
     #[arg(long, value_name = "KEY=VALUE", requires = "scene")]
     pub set: Vec<String>,
     /// Frame of the scene that the images show
@@ -263,7 +265,7 @@ pub struct CompareArgs {
 
 #[derive(Debug, Args)]
 pub struct CameraArgs {
-    /// Scene file, .toml or .json, or an EXR, whose header holds its camera
+    /// Scene file, .toml or .json; or a rendered EXR, whose header holds the camera
     #[arg(required_unless_present = "help")]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
@@ -312,11 +314,13 @@ pub struct ProjectArgs {
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// A model (.obj, .gltf, .glb; .asc, .png, .tif of heights) or a scene (.toml, .json) to tell of instead
+    /// Describe this model (.obj, .gltf, .glb; .asc, .png, .tif with heights) or scene (.toml, .json) instead of the adapters
     pub file: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub caps: Caps,
 }
 
 #[derive(Debug, Args)]
@@ -356,7 +360,7 @@ pub struct BenchArgs {
     pub adapter: Option<String>,
 }
 
-/// A number of bytes, with k, M, G or T for powers of 1024, and B or iB after them.
+/// A number of bytes: a number with an optional unit, k, M, G or T for powers of 1024, and optionally B or iB.
 fn bytes(text: &str) -> Result<u64, String> {
     let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let power = match text[number.len()..].to_ascii_lowercase().trim_end_matches('b').trim_end_matches('i') {
@@ -369,9 +373,9 @@ fn bytes(text: &str) -> Result<u64, String> {
     };
     let value = number.parse().ok().zip(power).map(|(n, power): (f64, i32)| n * 1024f64.powi(power));
     match value {
-        // under 2^63 a float is a whole number of bytes, or is cut to one
+        // fits u64; a fraction of a byte is dropped
         Some(bytes) if (1.0..9e18).contains(&bytes) => Ok(bytes as u64),
-        _ => Err("write a number of bytes, as 500M or 8G".into()),
+        _ => Err("give a number of bytes, as 500M or 8G".into()),
     }
 }
 
@@ -405,7 +409,7 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 #[derive(Debug, Clone)]
 pub enum Named {
     Channels(Vec<Channel>),
-    /// Those of the scene and the camera.
+    /// All of the scene and the camera.
     All,
     Matte(Apart),
     /// From this frame to the next.

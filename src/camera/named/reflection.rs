@@ -219,7 +219,7 @@ impl Recipe for Optical {
             let turns = u64::from(eye.width) * u64::from(eye.height) * u64::from(rays) * u64::from(depth);
             let shown =
                 format_args!("{} x {} pixels with {rays} rays to depth {depth}: {turns}", eye.width, eye.height);
-            limits::ROUGH_TURNS.check_as(turns, shown).map_err(|e| e.at("camera.rays"))?;
+            limits::ROUGH_BOUNCES.check_as(turns, shown).map_err(|e| e.at("camera.rays"))?;
         }
         let (surface, note) = match (self.facets, &self.source) {
             (Mode::Exact, Source::Shape(shape, _)) => {

@@ -67,14 +67,14 @@ const VALUES: [(&str, &str); 4] =
 const SWITCHES: [(&str, &str); 4] =
     [("analytic", "--analytic"), ("check", "--check"), ("no_cull", "--no-cull"), ("strict", "--strict")];
 
-/// Frames of a job at most, whatever caps are lifted: numbers of them are exact in f64.
+/// A list has fewer frames, even without limits: the numbers of frames must be exact in f64.
 const FRAMES_MAX: f64 = 1e15;
 
 impl Jobs {
     /// Reads a list: `[[job]]` tables of a .toml, `{ "job": [...] }` of a .json, or a job a line of a .jsonl.
     ///
     /// # Errors
-    /// [`Error::Input`] where it is not one, is empty, or flags are wrong.
+    /// [`Error::Input`] if it is no list, is empty, or has wrong flags.
     pub fn read(path: &Path) -> Result<Jobs> {
         let all: Vec<Job> = with_tree(path, |root| {
             let table = root.table()?;
@@ -83,13 +83,19 @@ impl Jobs {
             list.items("a list of jobs, as [[job]]")?.enumerate().map(|(k, job)| read_job(k, &job, path)).collect()
         })?;
         if all.is_empty() {
-            let hint = "a .toml has [[job]] tables, a .json { \"job\": [...] }, a .jsonl a job a line";
-            return Err(Error::input(format!("{}: there are no jobs in it; {hint}", path.display())));
+            let hint = "a .toml has [[job]] tables, a .json { \"job\": [...] }, a .jsonl one job per line";
+            return Err(Error::input(format!("{}: has no jobs; {hint}", path.display())));
         }
         let dir = absolute(path).parent().unwrap_or(Path::new("")).to_owned();
         let jobs = Jobs { all, dir };
         let frames = jobs.all.iter().fold(0, |sum: u64, job| sum.saturating_add(job.frames_in_all()));
         limits::FRAMES.check(frames).map_err(|e| e.at(path.display()))?;
+        if frames >= FRAMES_MAX as u64 {
+            return Err(Error::input(format!(
+                "{}: a list has fewer than {FRAMES_MAX:.0e} frames; sweep less",
+                path.display()
+            )));
+        }
         for job in jobs.all.iter().filter(|job| job.count() > 0) {
             jobs.task(0, job, 0).args()?;
         }
@@ -137,7 +143,7 @@ impl Jobs {
         }
     }
 
-    /// The first frame of each product of what jobs sweep: all that may be read from other files than the rest.
+    /// The first frame of each combination of swept values: the frames of one combination are read from the same files.
     pub fn products(&self) -> impl Iterator<Item = Task<'_>> {
         let each = |job| (0..Job::count(job)).step_by(Job::frames(job)).map(move |k| (job, k));
         self.all.iter().flat_map(each).map(|(job, k)| self.task(0, job, k))
@@ -150,19 +156,20 @@ impl Jobs {
 }
 
 impl Job {
-    /// As many as fit a number.
+    /// The number of frames, at most `u64::MAX`.
     fn frames_in_all(&self) -> u64 {
         let all = self.sweep.iter().map(|s| s.values.len()).chain([self.frames.len()]);
         all.fold(1, |product: u64, n| product.saturating_mul(n as u64))
     }
 
-    /// At least one, so that it is a step.
+    /// The number of frames of one combination of swept values, at least 1, as it is used as a step.
     fn frames(&self) -> usize {
         self.frames.len().max(1)
     }
 
     fn count(&self) -> usize {
-        self.sweep.iter().map(|s| s.values.len()).product::<usize>() * self.frames.len()
+        // fits: `Jobs::read` refuses lists of `FRAMES_MAX` and more
+        self.frames_in_all() as usize
     }
 }
 
@@ -207,13 +214,13 @@ impl Task<'_> {
         outputs.map(|(flag, file)| self.filled(flag, file.as_deref().unwrap_or_default()).map(PathBuf::from)).collect()
     }
 
-    /// What each of them is.
+    /// The kinds of the [`outputs`](Task::outputs), in their order.
     pub fn kinds(&self) -> Vec<Kind> {
         let kind = |flag: &str| OUTPUTS.iter().find(|own| own.1 == flag).map(|own| own.2);
         self.job.flags.iter().filter_map(|(flag, _)| kind(flag)).collect()
     }
 
-    /// By what the manifest knows a file of this frame.
+    /// The key of an output of this frame in [`manifest::outputs`](super::manifest::outputs).
     pub fn output_key(&self, path: &Path) -> u64 {
         key_of(&self.short(path))
     }
