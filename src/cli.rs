@@ -40,7 +40,7 @@ pub fn main() -> ExitCode {
     let started = Instant::now();
     say_panics_on_one_line();
     #[cfg(unix)]
-    signals::clear_up_when_ended();
+    signals::remove_temporary_files_at_end();
     match std::panic::catch_unwind(|| run(started)) {
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(error)) => {

@@ -4,7 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write;
 
 #[global_allocator]
-static MEMORY: LastWord = LastWord;
+static ALLOCATOR: ExitWhenFull = ExitWhenFull;
 
 fn main() -> std::process::ExitCode {
     keep_window_system_quiet();
@@ -21,29 +21,29 @@ fn keep_window_system_quiet() {
     }
 }
 
-/// The system's allocator; where it has no more memory the program ends with one line and exit code 1, not by a signal. Work
-/// that is known to be too large is refused before: see [`anamorph::limits`].
-struct LastWord;
+/// The system's allocator. If it has no more memory, the program prints one line and exits with code 1, instead of aborting by a
+/// signal. Work that is known to be too large is refused before it begins: see [`anamorph::limits`].
+struct ExitWhenFull;
 
-impl LastWord {
-    fn given(pointer: *mut u8, bytes: usize) -> *mut u8 {
+impl ExitWhenFull {
+    fn checked(pointer: *mut u8, bytes: usize) -> *mut u8 {
         if pointer.is_null() {
-            // neither allocates; nobody is left to tell where stderr is gone
+            // stderr is unbuffered and numbers are formatted in place: nothing here allocates
             let _ = writeln!(
                 std::io::stderr(),
-                "error: out of memory: {bytes} bytes more are not to be had; make the image or the scene smaller"
+                "error: out of memory: cannot allocate {bytes} bytes more; make the image or the scene smaller"
             );
-            // SAFETY: ends the process. Handlers of drivers, which `exit` would run, may need memory or wait for a thread.
+            // SAFETY: ends the process. Not `exit`: it runs handlers of drivers, which may allocate or wait for a thread.
             unsafe { libc::_exit(1) }
         }
         pointer
     }
 }
 
-// SAFETY: every call goes to the system's allocator with the same arguments, and what it returns is returned.
-unsafe impl GlobalAlloc for LastWord {
+// SAFETY: every call is passed to the system's allocator with the same arguments, and its result is returned.
+unsafe impl GlobalAlloc for ExitWhenFull {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        LastWord::given(unsafe { System.alloc(layout) }, layout.size())
+        ExitWhenFull::checked(unsafe { System.alloc(layout) }, layout.size())
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
@@ -51,10 +51,10 @@ unsafe impl GlobalAlloc for LastWord {
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        LastWord::given(unsafe { System.alloc_zeroed(layout) }, layout.size())
+        ExitWhenFull::checked(unsafe { System.alloc_zeroed(layout) }, layout.size())
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        LastWord::given(unsafe { System.realloc(pointer, layout, size) }, size)
+        ExitWhenFull::checked(unsafe { System.realloc(pointer, layout, size) }, size)
     }
 }

@@ -199,7 +199,7 @@ pub struct Batch<'a> {
     stopped_by: Mutex<Option<Error>>,
     /// The first of them.
     failures: Mutex<Vec<(String, String)>>,
-    /// What is missing from mesh files and has been told.
+    /// What mesh files lack and was already reported.
     missing: Mutex<HashSet<String>>,
 }
 
@@ -303,11 +303,11 @@ impl<'a> Batch<'a> {
         self.board.note(line);
     }
 
-    /// Tells what mesh files lack, once for all frames that are without it.
-    fn say_missing(&self, missing: &[Missing]) {
-        let mut told = lock(&self.missing);
-        let new: Vec<Missing> = missing.iter().filter(|m| told.insert(m.what.clone())).cloned().collect();
-        drop(told);
+    /// Reports what mesh files lack, once for all frames.
+    fn report_missing(&self, missing: &[Missing]) {
+        let mut reported = lock(&self.missing);
+        let new: Vec<Missing> = missing.iter().filter(|m| reported.insert(m.what.clone())).cloned().collect();
+        drop(reported);
         if let Some(line) = missing_line(&new) {
             self.note(&line);
         }

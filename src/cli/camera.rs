@@ -65,11 +65,11 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     print(&description)
 }
 
-/// The camera that a picture's header holds, and the meshes that it looks at.
+/// The camera in the header of an EXR, and the meshes that it looks at.
 fn load_picture(path: &Path, args: &CameraArgs) -> Result<(Scene, Arc<Camera>)> {
     let name = path.display();
     if args.change.frame != 0.0 {
-        return Err(Error::input(format!("--frame: {name} holds the camera of the frame that it shows; leave it out")));
+        return Err(Error::input(format!("--frame: {name} holds the camera of one frame only; leave --frame out")));
     }
     if let Some(file) = &args.export_povray {
         let file = file.display();
@@ -79,12 +79,12 @@ fn load_picture(path: &Path, args: &CameraArgs) -> Result<(Scene, Arc<Camera>)> 
     }
     let texts = read_exr_texts(path)?;
     let text = texts.into_iter().find(|(name, _)| name == CAMERA).map(|(_, text)| text);
-    let text =
-        text.ok_or_else(|| Error::input(format!("{name}: its header holds no camera; give an EXR of this program")))?;
+    let text = text
+        .ok_or_else(|| Error::input(format!("{name}: its header holds no camera; give an EXR that anamorph wrote")))?;
     let file = file::load_header(&text, path, &args.change.set)?;
     let library = Library::for_once();
     let at = |e: Error| e.at(path.display());
-    let scene = library.scene(file, ImagesRead::Cutting).map_err(at)?;
+    let scene = library.scene(file, ImagesRead::Masks).map_err(at)?;
     let camera = library.camera(&scene, args.change.size).map_err(at)?;
     Ok((scene, camera))
 }

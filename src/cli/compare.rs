@@ -17,7 +17,7 @@ use std::path::Path;
 pub fn run(args: &CompareArgs) -> Result<()> {
     let progress = Progress::start("comparing");
     let (a, b) = (read_exr(&args.a)?, read_exr(&args.b)?);
-    // sizes and channels first: judging takes long
+    // finds different sizes and channels before the slow judgement
     let comparison = compare(&a, &b, None, None)?;
     let (text, json) = match &args.scene {
         None => (comparison.to_string(), to_json(&comparison)?),
@@ -25,16 +25,16 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             let (judged, notes) = with_scene(args, scene, &a, &b)?;
             let text = format!("{}, {} not near", judged.comparison, judged.not_near);
             let text = notes.iter().fold(text, |text, note| format!("{text}\nnote: {note}"));
-            (text, to_json(&Noted { judged, notes })?)
+            (text, to_json(&JudgedWithNotes { judged, notes })?)
         }
     };
     drop(progress);
     print(&format!("{}\n", if args.json { json } else { text }))
 }
 
-/// The error, and what a reader should know of it.
+/// The error, and notes on what limits its meaning.
 #[derive(Serialize)]
-struct Noted {
+struct JudgedWithNotes {
     #[serde(flatten)]
     judged: Judged,
     notes: Vec<String>,
@@ -58,8 +58,8 @@ fn with_scene(args: &CompareArgs, path: &Path, a: &Frame, b: &Frame) -> Result<(
         if of_file.is_some_and(|hash| *hash != own) {
             let (file, scene) = (file.display(), path.display());
             notes.push(format!(
-                "{file} was not rendered from {scene} as it is now, by the hashes of both: what is said of safe and near pixels is \
-                 of {scene}; give the file's own scene, with its --set and --frame"
+                "{file} has another scene hash than {scene}: safe and near pixels are those of {scene}, and may be wrong for {file}; \
+                 give the scene, --set and --frame that it was rendered with"
             ));
         }
     }

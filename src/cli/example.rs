@@ -28,13 +28,12 @@ pub fn run(args: &ExampleArgs) -> Result<()> {
     print(&format!("{}\n", scene.display()))
 }
 
-/// Refuses to write over a file that is another, or that somebody changed.
+/// Refuses to replace a file with other content: it is another file, or somebody changed it.
 fn may_write(path: &Path, part: &Part) -> Result<()> {
     check_writable(path)?;
     if path.is_file() && std::fs::read(path).ok() != Some(part.bytes()) {
-        let what = if matches!(part, Part::Text(_)) { "text" } else { "array" };
         let name = path.display();
-        return Err(Error::work(format!("{name}: there is another {what} already; remove it or choose another --out")));
+        return Err(Error::work(format!("{name}: exists with other content; remove it or choose another --out")));
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use crate::scene::style::Style;
 use crate::scene::texture::{Texels, Texture};
 use glam::DVec3;
 
-/// The header's attribute that holds it, in hexadecimal.
+/// The EXR attribute with the [`scene_hash`], in hexadecimal.
 pub const SCENE_HASH: &str = "anamorph.scene_hash";
 
 /// FNV-1a over 64-bit words instead of bytes.
@@ -28,8 +28,8 @@ impl Fnv {
     }
 }
 
-/// The same for the same triangles, normals, materials, images that cut holes, lights, background, image size and rays, however the
-/// scene file spells them; also across machines. Other images on triangles do not count: they are not read where no colour is asked for.
+/// A hash of triangles, normals, materials, alpha masks, lights, background, image size and rays, however the scene file spells them. It is
+/// the same on all machines. Images that only colour triangles are left out, because they are not read if no colour is asked for.
 pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     let mut h = Fnv(0xcbf2_9ce4_8422_2325);
     let mesh = &scene.mesh;

@@ -3,7 +3,7 @@
 use crate::camera::kinds::{NAMED, PLAIN};
 use crate::error::{Error, Result};
 
-/// The other ways to say where a viewer stands, of all kinds that have an eye and a target.
+/// The keys that can replace eye, target and up, for the help of kinds that have these.
 const POSE: &str = include_str!("../camera/help/pose.txt");
 
 pub fn names() -> Vec<&'static str> {
@@ -20,7 +20,7 @@ pub fn keys(kind: &str) -> Result<String> {
     })
 }
 
-/// A title, keys and formulas, each after an empty line; a pose's other keys come behind the keys.
+/// The help of a kind has a title, keys and formulas, with an empty line between. [`POSE`] is put after the keys.
 fn with_pose(help: &str) -> String {
     let mut parts: Vec<&str> = help.splitn(3, "\n\n").collect();
     let has = |key: &str| parts[1].split(|c: char| !c.is_alphanumeric()).any(|word| word == key);
@@ -39,10 +39,10 @@ mod tests {
     fn poses_are_in_the_help_of_the_kinds_that_read_them() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("scene.toml");
-        // in tables of their own
+        // these have an eye and a target in tables of their own
         let nested = ["bottom_up", "graph_camera", "mcop"];
         for kind in names() {
-            // cross_slit knows a plane instead, lidar a file
+            // the error for an unknown key lists the known ones
             std::fs::write(&path, format!("[camera]\nkind = {kind:?}\nunknown = 1\n")).unwrap();
             let refusal = file::load(&path, &[], 0.0).unwrap_err().to_string();
             assert!(refusal.contains("unknown key \"unknown\""), "{refusal}");

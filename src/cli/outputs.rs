@@ -1,4 +1,4 @@
-//! Output files, looked at before any work is done: none may replace a file that is read, another output, or a file of another kind.
+//! Checks of output files, before any work is done: none may replace an input, another output, or a file of another kind.
 
 use crate::error::{Error, Result};
 use crate::inputs::Inputs;
@@ -9,14 +9,14 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// What is written to a file.
+/// A kind of output. It may replace an existing file of the same kind.
 #[derive(Debug, Clone, Copy)]
 pub struct Kind {
-    /// As in "this is not".
+    /// With an article, for messages.
     name: &'static str,
-    /// A file with one of these endings may be replaced.
+    /// Extensions of this kind. A file with one of them may be replaced.
     endings: &'static [&'static str],
-    /// So may one that begins as this program's own do.
+    /// Whether a file that begins with these bytes is one that this program wrote. It may be replaced, whatever its name.
     begins: fn(&[u8]) -> bool,
 }
 
@@ -36,11 +36,8 @@ pub const PIECES: Kind = Kind {
     endings: &["json"],
     begins: |head| head.starts_with(b"{\n  \"vertices\": [") || head.starts_with(b"{\n  \"layers\": ["),
 };
-pub const POVRAY: Kind = Kind {
-    name: "a scene of POV-Ray",
-    endings: &["pov", "inc"],
-    begins: |head| head.starts_with(b"// The rays of a "),
-};
+pub const POVRAY: Kind =
+    Kind { name: "a POV-Ray scene", endings: &["pov", "inc"], begins: |head| head.starts_with(b"// The rays of a ") };
 pub const DIAGRAM: Kind = Kind { name: "an SVG", endings: &["svg"], begins: |head| head.starts_with(b"<svg ") };
 pub const IMAGES: Kind = Kind {
     name: "a list of images",
@@ -51,7 +48,7 @@ pub const TABLE: Kind = Kind { name: "a table", endings: &["csv"], begins: |head
 pub const LOG: Kind = Kind {
     name: "a log",
     endings: &["log", "txt"],
-    // after a time of 24 characters
+    // after the time, whose last character is the Z
     begins: |head| head.get(23..).is_some_and(|rest| rest.starts_with(b"Z start: ")),
 };
 pub const DRIVER: Kind = Kind {
@@ -59,13 +56,14 @@ pub const DRIVER: Kind = Kind {
     endings: &["py"],
     begins: |head| head.starts_with(&super::batch::RAY_DRIVER.as_bytes()[..64]),
 };
-/// Its name is not asked for, so only one of ours is replaced; one that ends at once is of a program that was killed.
+/// The user does not choose its name, so only a manifest that this program wrote is replaced. One that ends within the first key was cut
+/// off when the program was killed.
 pub const MANIFEST: Kind = Kind {
     name: "a manifest",
     endings: &[],
     begins: |head| head.starts_with(b"{\"frame\":") || b"{\"frame\":".starts_with(head),
 };
-/// So it is with this one.
+/// The user does not choose its name either.
 pub const PAGE: Kind = Kind {
     name: "a page of anamorph bench",
     endings: &[],
@@ -77,37 +75,37 @@ pub const PAGE: Kind = Kind {
 
 const NUMPY: &[u8] = b"\x93NUMPY";
 
-/// As much of a file tells whose it is.
+/// Bytes of a file that [`Kind::begins`] is given: the title of a page ends before.
 const HEAD: u64 = 512;
 
-/// Files that are written, each by one output.
+/// The files that a command writes, and which output each of them is.
 #[derive(Default)]
 pub struct Outputs {
-    /// Which output each file is, by what tells it from others: a list may be of millions.
+    /// The number of the output, by the identity of its file: 16 bytes each, as a batch may have millions.
     owners: HashMap<u64, usize>,
-    /// Some of them are there already.
-    are_there: bool,
-    /// The real paths of the folders that new files go to.
+    /// At least one of the files exists.
+    any_exists: bool,
+    /// The real paths of the folders that new files are written to.
     folders: HashMap<PathBuf, PathBuf>,
 }
 
 impl Outputs {
-    /// Takes up a file as output number `owner`.
-    pub fn take(&mut self, path: &Path, owner: usize) -> Taken {
-        let is_there = path.symlink_metadata().is_ok();
-        let own = if is_there { identity(path) } else { Some(self.identity_of_new(path)) };
-        // pipes and devices may take more than one
-        let Some(own) = own else { return Taken { first: None, is_there: false } };
-        let is_there = is_there && path.is_file();
-        self.are_there |= is_there;
+    /// Adds the file of output number `owner`.
+    pub fn add(&mut self, path: &Path, owner: usize) -> Added {
+        let exists = path.symlink_metadata().is_ok();
+        let own = if exists { identity(path) } else { Some(self.identity_of_new(path)) };
+        // several outputs may go to one pipe or device
+        let Some(own) = own else { return Added { first: None, exists: false } };
+        let exists = exists && path.is_file();
+        self.any_exists |= exists;
         let first = match self.owners.entry(own) {
             Entry::Vacant(free) => {
                 free.insert(owner);
                 None
             }
-            Entry::Occupied(taken) => Some(*taken.get()),
+            Entry::Occupied(earlier) => Some(*earlier.get()),
         };
-        Taken { first, is_there }
+        Added { first, exists }
     }
 
     fn identity_of_new(&mut self, path: &Path) -> u64 {
@@ -120,40 +118,39 @@ impl Outputs {
         identity_of_new(&self.folders[folder].join(name))
     }
 
-    /// The number of the output that a file is.
+    /// The number of the output that is written to this file.
     pub fn owner(&self, path: &Path) -> Option<usize> {
         identity(path).and_then(|own| self.owners.get(&own).copied())
     }
 
-    /// The first of these files that is an output, and the number of that output.
-    pub fn among<'a>(&self, inputs: &'a Inputs) -> Option<(&'a Path, usize)> {
-        // a file that is there is none that is not
-        let mut asked = inputs.files().filter(|(_, found)| self.are_there || found.is_none());
-        asked.find_map(|(path, _)| Some((path, self.owner(path)?)))
+    /// The first input that is also an output, and the number of that output.
+    pub fn first_input<'a>(&self, inputs: &'a Inputs) -> Option<(&'a Path, usize)> {
+        // if no output exists, an input that exists cannot be one of them
+        let mut candidates = inputs.files().filter(|(_, found)| self.any_exists || found.is_none());
+        candidates.find_map(|(path, _)| Some((path, self.owner(path)?)))
     }
 }
 
-/// How a file stands that is taken up.
-pub struct Taken {
-    /// The number of an earlier output that is the same file.
+/// A file that was added to [`Outputs`].
+pub struct Added {
+    /// The number of an earlier output to the same file.
     pub first: Option<usize>,
-    pub is_there: bool,
+    pub exists: bool,
 }
 
-/// Finds that one of `outputs` cannot be written, is another one of them too, is a file that is read, or would replace a file of
-/// another kind.
+/// Refuses an output that cannot be written, goes to the same file as another, is an input, or would replace a file of another kind.
 ///
 /// # Errors
 /// [`Error::Input`] for a file that must not be replaced, [`Error::Work`] for one that cannot be written.
 pub fn check<'a>(inputs: &Inputs, outputs: impl Iterator<Item = (&'a Path, Kind)> + Clone) -> Result<()> {
-    let mut taken = Outputs::default();
+    let mut all = Outputs::default();
     for (k, (path, _)) in outputs.clone().enumerate() {
-        if taken.take(path, k).first.is_some() {
+        if all.add(path, k).first.is_some() {
             let name = path.display();
-            return Err(Error::input(format!("{name}: named twice; give each output a name of its own")));
+            return Err(Error::input(format!("{name}: named twice; give each output its own name")));
         }
     }
-    if let Some((input, k)) = taken.among(inputs) {
+    if let Some((input, k)) = all.first_input(inputs) {
         let output = outputs.clone().nth(k).map_or(input, |(path, _)| path);
         return Err(is_read(output, input));
     }
@@ -164,29 +161,31 @@ pub fn check<'a>(inputs: &Inputs, outputs: impl Iterator<Item = (&'a Path, Kind)
     Ok(())
 }
 
-/// That an output is a file that is read.
-pub fn is_read(output: &Path, input: &Path) -> Error {
-    let name = if output == input { String::new() } else { format!(", as {}", input.display()) };
-    Error::input(format!("{}: it is read too{name}; choose another name for the output", output.display()))
+/// The error for an output that is also an input.
+fn is_read(output: &Path, input: &Path) -> Error {
+    let name = if output == input { String::new() } else { format!(", {}", input.display()) };
+    Error::input(format!("{}: is also an input{name}; choose another name for the output", output.display()))
 }
 
-/// Refuses a file that a scene names outside of its own folder: whoever made the scene may have meant harm.
+/// Refuses an output that a scene names outside of its own folder: a scene from elsewhere must not replace files of the user.
 ///
 /// # Errors
 /// [`Error::Input`] naming the file.
 pub fn check_inside(scene: &Path, output: &Path) -> Result<()> {
     let own = real_path(scene);
     let folder = own.parent().unwrap_or(Path::new("/"));
-    if real_path(output).starts_with(folder) {
+    let real = real_path(output);
+    // in a folder that does not exist nothing can be replaced: `check` reports it
+    if real.starts_with(folder) || !folder_of(&real).exists() {
         return Ok(());
     }
     let (scene, output) = (scene.display(), output.display());
-    let advice = "name the output on the command line, or allow this by --outputs-anywhere";
-    Err(Error::input(format!("{scene}: its [output] is not in the scene's folder: {output}; {advice}")))
+    let advice = "name the output on the command line, or use --outputs-anywhere";
+    Err(Error::input(format!("{scene}: [output] names a file outside of the scene's folder: {output}; {advice}")))
 }
 
 impl Kind {
-    /// Refuses to replace a file that is not empty, has none of the endings of this kind, and does not begin as one of this kind.
+    /// Refuses to replace a file that is not empty, has no extension of this kind, and does not begin like a file of this kind.
     ///
     /// # Errors
     /// [`Error::Input`] naming the file.
@@ -200,10 +199,10 @@ impl Kind {
             Some(ending) => format!("choose a name that ends with .{ending}, or remove it first"),
             None => "remove it or move it elsewhere".into(),
         };
-        Err(Error::input(format!("{path}: is there already, and is not {kind}; {advice}")))
+        Err(Error::input(format!("{path}: exists and is not {kind}; {advice}")))
     }
 
-    /// A file is empty or begins as this program's own.
+    /// The file is empty, or begins like one of this kind that this program wrote.
     pub fn is_ours(&self, path: &Path) -> bool {
         let mut head = Vec::new();
         let read = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
@@ -242,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn what_this_program_wrote_begins_as_it_says() {
+    fn files_that_this_program_wrote_are_recognised() {
         use crate::output::{write_exr, write_npy_f64, write_ply, write_png};
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("file");
@@ -262,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_names_files_of_its_folder() {
+    fn a_scene_names_outputs_in_its_folder() {
         let dir = tempfile::tempdir().unwrap();
         let path = |name: &str| dir.path().join(name);
         fs::create_dir_all(path("own/in")).unwrap();
@@ -274,6 +273,8 @@ mod tests {
             ("own/../own/a.png", true),
             ("a.png", false),
             ("own/../a.png", false),
+            // its folder does not exist, which is reported when it is checked for writing
+            ("own/none/a.png", true),
         ] {
             assert_eq!(check_inside(&scene, &path(name)).is_ok(), is_inside, "{name}");
         }

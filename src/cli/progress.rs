@@ -1,4 +1,4 @@
-//! Progress on stderr: a line that changes where a person sits at a terminal, else a line now and then; only once the work takes long.
+//! Progress on stderr, if work takes long: a spinner on a terminal, otherwise a line every few seconds.
 
 use super::say::note;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -7,14 +7,14 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How long the work goes on in silence, on a terminal.
+/// How long work takes before the spinner appears.
 const SILENT: Duration = Duration::from_secs(1);
 /// Time between two pictures of the spinner.
 const TICK: Duration = Duration::from_millis(100);
-/// Time between two lines elsewhere; the first comes after as long.
+/// Time before the first line and between lines.
 const LINES: Duration = Duration::from_secs(5);
 
-/// What such a line starts with.
+/// Every progress line starts with this.
 const START: &str = "progress: ";
 
 /// A line that says what is being done; gone when this is dropped.
@@ -26,8 +26,8 @@ impl Progress {
     pub fn start(doing: &str) -> Progress {
         let (sender, receiver) = channel::<String>();
         let doing = doing.to_owned();
-        let shows = if std::io::stderr().is_terminal() { spin } else { tell };
-        let thread = std::thread::spawn(move || shows(doing, &receiver));
+        let show = if std::io::stderr().is_terminal() { show_spinner } else { print_lines };
+        let thread = std::thread::spawn(move || show(doing, &receiver));
         Progress { shown: Some((sender, thread)) }
     }
 
@@ -46,10 +46,11 @@ impl Drop for Progress {
     }
 }
 
-fn spin(mut doing: String, told: &Receiver<String>) {
+/// Shows a spinner until the sender is dropped. Messages replace `doing`.
+fn show_spinner(mut doing: String, messages: &Receiver<String>) {
     let started = Instant::now();
     loop {
-        match told.recv_timeout(SILENT.saturating_sub(started.elapsed())) {
+        match messages.recv_timeout(SILENT.saturating_sub(started.elapsed())) {
             Ok(next) => doing = next,
             Err(RecvTimeoutError::Timeout) => break,
             Err(RecvTimeoutError::Disconnected) => return,
@@ -60,27 +61,28 @@ fn spin(mut doing: String, told: &Receiver<String>) {
     let bar = bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
     bar.set_message(doing);
     bar.enable_steady_tick(TICK);
-    told.iter().for_each(|next| bar.set_message(next));
+    messages.iter().for_each(|next| bar.set_message(next));
     bar.finish_and_clear();
 }
 
-fn tell(mut doing: String, told: &Receiver<String>) {
+/// Prints lines until the sender is dropped. Messages replace `doing`.
+fn print_lines(mut doing: String, messages: &Receiver<String>) {
     let started = Instant::now();
-    now_and_then(told, |next| match next {
+    receive_and_tick(messages, |message| match message {
         Some(next) => doing = next,
-        None => say(format_args!("{doing}, {} s", started.elapsed().as_secs())),
+        None => print_line(format_args!("{doing}, {} s", started.elapsed().as_secs())),
     });
 }
 
-/// Hears what is told, and `None` each time that a line is due, until whoever tells is gone.
-fn now_and_then<T>(told: &Receiver<T>, mut hear: impl FnMut(Option<T>)) {
+/// Calls `handle` with each message, and with `None` each time that a line is due, until the sender is dropped.
+fn receive_and_tick<T>(messages: &Receiver<T>, mut handle: impl FnMut(Option<T>)) {
     let started = Instant::now();
     let mut due = LINES;
     loop {
-        match told.recv_timeout(due.saturating_sub(started.elapsed())) {
-            Ok(told) => hear(Some(told)),
+        match messages.recv_timeout(due.saturating_sub(started.elapsed())) {
+            Ok(message) => handle(Some(message)),
             Err(RecvTimeoutError::Timeout) => {
-                hear(None);
+                handle(None);
                 due = started.elapsed() + LINES;
             }
             Err(RecvTimeoutError::Disconnected) => return,
@@ -88,40 +90,39 @@ fn now_and_then<T>(told: &Receiver<T>, mut hear: impl FnMut(Option<T>)) {
     }
 }
 
-/// Puts such a line on stderr.
-fn say(line: impl std::fmt::Display) {
+fn print_line(line: impl std::fmt::Display) {
     note(format_args!("{START}{line}"));
 }
 
-/// Lines that are put on stderr until this is dropped.
-pub struct Lines {
+/// Prints progress lines to stderr until it is dropped.
+pub struct ProgressLines {
     shown: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
-impl Lines {
-    /// `line` makes one each time that it is due, if there is something to say.
-    pub fn start(line: impl Fn() -> Option<String> + Send + 'static) -> Lines {
+impl ProgressLines {
+    /// Calls `line` for the text of each line; `None` prints nothing.
+    pub fn start(line: impl Fn() -> Option<String> + Send + 'static) -> ProgressLines {
         let (sender, receiver) = channel();
         let thread = std::thread::spawn(move || {
-            now_and_then(&receiver, |_| {
-                line().into_iter().for_each(say);
+            receive_and_tick(&receiver, |_| {
+                line().into_iter().for_each(print_line);
             });
         });
-        Lines { shown: Some((sender, thread)) }
+        ProgressLines { shown: Some((sender, thread)) }
     }
 }
 
-impl Drop for Lines {
+impl Drop for ProgressLines {
     fn drop(&mut self) {
         end(self.shown.take());
     }
 }
 
-/// Waits for a thread that ends with its sender.
+/// Drops the sender, which ends the thread, and waits for it.
 fn end<T>(shown: Option<(Sender<T>, JoinHandle<()>)>) {
     if let Some((sender, thread)) = shown {
         drop(sender);
-        // a panic there has been said by the hook
+        // the panic hook has reported a panic there
         let _ = thread.join();
     }
 }

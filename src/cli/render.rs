@@ -10,11 +10,11 @@ mod work;
 
 use super::args::{Change, EngineName, RenderArgs};
 use super::progress::Progress;
-use super::say::print;
+use super::say::{note, print};
 use crate::camera::Camera;
 use crate::engine::Engine;
 use crate::error::{Error, Result};
-use crate::gpu::device::{GpuOptions, one_line};
+use crate::gpu::device::GpuOptions;
 use crate::reference;
 use crate::scene::file::OutputSpec;
 use crate::scene::library::Library;
@@ -23,7 +23,6 @@ use crate::scene::texture::ImagesRead;
 use crate::scene::{Scene, file};
 pub use backend::Backend;
 pub use files::CAMERA;
-use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -61,28 +60,28 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     let written = work.write(seen, &device, started, |doing| progress.now(doing))?;
     drop(progress);
     if let Some(line) = missing_line(work.missing()) {
-        // a closed stderr is no reason not to render
-        let _ = writeln!(std::io::stderr(), "{}", one_line(line));
+        note(line);
     }
     print(&format!("{}\n", work.summary(&written)))
 }
 
-/// What is left out, for a person.
+/// A line that says what mesh files lack; `None` if they lack nothing.
 pub(super) fn missing_line(missing: &[Missing]) -> Option<String> {
     let first = missing.first()?;
     let more = match missing.len() {
         1 => String::new(),
-        n => format!(", and {} more, which --report lists", n - 1),
+        n => format!(", and {} more, listed by --report", n - 1),
     };
-    Some(format!("left out: {} ({}){more}; --strict refuses this", first.what, first.why))
+    Some(format!("left out: {} ({}){more}; --strict makes this an error", first.what, first.why))
 }
 
+/// `--strict`: an error if mesh files lack something.
 fn refuse_missing(scene: &Scene) -> Result<()> {
     match &scene.mesh.missing[..] {
         [] => Ok(()),
         [first, rest @ ..] => {
             let more = if rest.is_empty() { String::new() } else { format!(", and {} more", rest.len()) };
-            Err(Error::input(format!("{}: {}{more}; --strict refuses this", first.what, first.why)))
+            Err(Error::input(format!("{}: {}{more}; render without --strict to leave this out", first.what, first.why)))
         }
     }
 }
@@ -111,12 +110,12 @@ pub(super) fn load(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)>
     load_from(&Library::for_once(), path, change, |_| ImagesRead::All)
 }
 
-/// The same without images that only colour it.
+/// As [`load`], without images that only colour triangles.
 pub(super) fn load_shape(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
-    load_from(&Library::for_once(), path, change, |_| ImagesRead::Cutting)
+    load_from(&Library::for_once(), path, change, |_| ImagesRead::Masks)
 }
 
-/// The same with what the library has of them, and those images that the scene's outputs say.
+/// As [`load`], with the meshes and cameras that `library` keeps. `images` says which images are needed, given the scene's own outputs.
 pub(super) fn load_from(
     library: &Library,
     path: &Path,

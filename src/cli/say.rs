@@ -1,57 +1,57 @@
-//! What reaches the terminal: text on stdout, errors and notes on stderr. Names of files and keys of scenes may hold anything, so control
-//! characters are shown as `\u001b`, never sent.
+//! Text to stdout, errors and notes to stderr. File names and scene keys may contain anything, so control characters are escaped, as in
+//! `\u001b`.
 
 use crate::error::{Error, Result};
 use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{self, Write};
 
-/// Characters of a line on stderr at most; of a longer one the middle is left out.
+/// The longest line on stderr, in characters: some 25 lines of a terminal. The middle of a longer one is left out.
 const LINE_MAX: usize = 2000;
 
-/// Of these, so many are its end.
+/// How many of these are kept from the end of the line, where the advice stands.
 const LINE_END: usize = 500;
 
-/// Puts an error on stderr, on one line.
+/// Prints an error to stderr, on one line.
 pub fn complain(error: &Error) {
     note(format_args!("error: {error}"));
 }
 
-/// Puts a line on stderr for a person.
+/// Prints a line to stderr.
 pub fn note(line: impl Display) {
-    // with stderr gone there is nobody left to tell
+    // a closed stderr is no reason to stop
     let _ = io::stderr().write_all((line_of(line) + "\n").as_bytes());
 }
 
-/// Writes `text` to stdout. A reader that has gone away is no error.
+/// Writes `text` to stdout. A closed pipe is not an error.
 pub fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
-    match out.write_all(shown(text).as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(escaped(text).as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Error::work(format!("cannot write to stdout: {e}"))),
         _ => Ok(()),
     }
 }
 
-/// As one line that is not too long, whatever line breaks and control characters it holds.
+/// The text on one line of at most [`LINE_MAX`] characters and a few, with control characters escaped.
 pub fn line_of(text: impl Display) -> String {
     let text = text.to_string();
     let words: Vec<&str> = text.split_whitespace().collect();
-    shortened(&shown(&words.join(" "))).into_owned()
+    shortened(&escaped(&words.join(" "))).into_owned()
 }
 
-/// Without characters that move the cursor, ring, or turn the direction of writing. They are spelled as JSON does, which stays the same JSON.
-fn shown(text: &str) -> Cow<'_, str> {
-    if !text.chars().any(is_hidden) {
+/// Escapes control characters, and those that change the direction of text, as JSON strings do: JSON text keeps its meaning.
+fn escaped(text: &str) -> Cow<'_, str> {
+    if !text.chars().any(is_escaped) {
         return text.into();
     }
-    let spelled =
-        |c: char| if is_hidden(c) { format!("\\u{:04x}", u32::from(c)).into() } else { Cow::from(String::from(c)) };
-    text.chars().map(spelled).collect::<String>().into()
+    let escape =
+        |c: char| if is_escaped(c) { format!("\\u{:04x}", u32::from(c)).into() } else { Cow::from(String::from(c)) };
+    text.chars().map(escape).collect::<String>().into()
 }
 
-fn is_hidden(c: char) -> bool {
-    let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{61c}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    turns || (c.is_control() && !matches!(c, '\n' | '\t'))
+fn is_escaped(c: char) -> bool {
+    let is_bidi = matches!(c, '\u{200e}' | '\u{200f}' | '\u{61c}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    is_bidi || (c.is_control() && !matches!(c, '\n' | '\t'))
 }
 
 fn shortened(line: &str) -> Cow<'_, str> {
@@ -69,15 +69,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_cannot_command_the_terminal() {
+    fn control_characters_are_escaped() {
         let line = line_of("a\u{1b}]0;owned\u{7}\n\r b\0\u{9b}31m\u{202e}c é\t日本");
         assert_eq!(line, "a\\u001b]0;owned\\u0007 b\\u0000\\u009b31m\\u202ec é 日本");
-        // as JSON it says the same
+        // JSON text keeps its meaning
         let json = serde_json::to_string("\u{7f}\u{9b}\u{1b}\u{202e}\"").unwrap();
-        let printed = shown(&json);
-        assert!(!printed.chars().any(is_hidden) && printed != json);
+        let printed = escaped(&json);
+        assert!(!printed.chars().any(is_escaped) && printed != json);
         assert_eq!(serde_json::from_str::<String>(&printed).unwrap(), "\u{7f}\u{9b}\u{1b}\u{202e}\"");
-        assert!(matches!(shown("two\nlines\t{}"), Cow::Borrowed("two\nlines\t{}")));
+        assert!(matches!(escaped("two\nlines\t{}"), Cow::Borrowed("two\nlines\t{}")));
     }
 
     #[test]

@@ -29,17 +29,18 @@ pub fn write_exr(path: &Path, frame: &Frame, attributes: &[(String, String)]) ->
     write_exr_with(path, frame, Vec::new(), &Attributes { texts: attributes.to_vec(), ..Attributes::default() })
 }
 
-/// What an EXR's header says beside its channels.
+/// Attributes of an EXR's header.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Attributes {
+    /// Name and value.
     pub texts: Vec<(String, String)>,
-    /// `worldToCamera` and `worldToNDC` as OpenEXR defines them, for row vectors, row by row: camera space has x to the right, y up and z
-    /// forward; in the image (0, 0) is the upper left corner and (1, 1) the lower right one.
+    /// OpenEXR's `worldToCamera`, for row vectors, row by row. Camera space has x to the right, y up and z forward.
     pub world_to_camera: Option<[f32; 16]>,
+    /// OpenEXR's `worldToNDC`. The image's upper left corner is (0, 0), its lower right corner (1, 1).
     pub world_to_ndc: Option<[f32; 16]>,
 }
 
-/// The same with `more` planes of floats beside the frame's, by their names, and all kinds of attributes.
+/// As [`write_exr`], with `more` named planes of floats beside the frame's, and attributes of all types.
 ///
 /// # Errors
 /// As [`write_exr`].
@@ -157,10 +158,10 @@ pub fn read_exr(path: &Path) -> Result<Frame> {
     Ok(Frame { width, height, planes })
 }
 
-/// Texts of an EXR's header, by the names of their attributes; of several layers the first one's.
+/// Names and values of the text attributes in an EXR's header; if it has several layers, those of the first.
 ///
 /// # Errors
-/// [`Error::Input`] naming the file: not there, or damaged.
+/// [`Error::Input`] naming the file: it does not exist, or is damaged.
 pub fn read_exr_texts(path: &Path) -> Result<Vec<(String, String)>> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
     let unreadable = |e: io::Error| refuse(format!("cannot be read: {e}; check the path"));

@@ -28,7 +28,7 @@ pub fn write_npy_f64(path: &Path, shape: &[u64], data: &[f64]) -> Result<()> {
     })
 }
 
-/// The same to a writer.
+/// As [`write_npy_f64`], to a writer.
 ///
 /// # Errors
 /// Those of the writer.
@@ -76,10 +76,10 @@ pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
     rows.map_err(|why| Error::input(format!("{}: {why}", path.display())))
 }
 
-/// Reads an f32 or f64 array in C order, shape N x 4 x 4 or N x 3 x 4: matrices row by row, the last of four rows 0, 0, 0, 1.
+/// Reads matrices, row by row, from an f32 or f64 array in C order of shape N x 3 x 4, or N x 4 x 4 with the last row 0, 0, 0, 1.
 ///
 /// # Errors
-/// [`Error::Input`] naming the file: not there, another shape or type, cut short, or with another last row.
+/// [`Error::Input`] naming the file: it does not exist, has another shape or type, ends early, or a fourth row is another.
 pub fn read_npy_affines(path: &Path) -> Result<Vec<DAffine3>> {
     let file = inputs::open(path).map_err(|e| format!("cannot be read: {e}; check the path"));
     file.and_then(affines_of).map_err(|why| Error::input(format!("{}: {why}", path.display())))
@@ -96,7 +96,7 @@ fn affines_of(file: File) -> std::result::Result<Vec<DAffine3>, String> {
         }
         Ok(DAffine3::from_cols_array(&std::array::from_fn(|i| m[4 * (i % 3) + i / 3])))
     };
-    // 12 or 16, by the check above
+    // chunks of 12 or 16 numbers, by the check above
     numbers.chunks_exact(4 * shape[1] as usize).enumerate().map(matrix).collect()
 }
 

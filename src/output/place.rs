@@ -1,14 +1,14 @@
-//! Which file a path leads to, however it is spelled, and also where there is no file yet.
+//! Identity of files: whether two paths lead to the same file, even if it does not exist yet.
 
 use std::collections::hash_map::DefaultHasher;
 use std::fs::{self, Metadata};
 use std::hash::{Hash, Hasher};
 use std::path::{Path, PathBuf};
 
-/// Links that are followed from one path to a file that is not there.
+/// Symbolic links that are followed from a path to a file that does not exist: as many as Linux follows.
 const LINKS_MAX: u32 = 40;
 
-/// The path with all links resolved. Where no file is there yet, links to it are resolved too, and those of its folder.
+/// The absolute path with symbolic links and `..` resolved. If its folder does not exist, the path as it is.
 pub fn real_path(path: &Path) -> PathBuf {
     let mut path = path.to_owned();
     for _ in 0..LINKS_MAX {
@@ -29,7 +29,7 @@ pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// What tells one file from all others; two names of one file have the same. `None` for folders, pipes and devices.
+/// A number that is the same for all paths to one file. `None` for folders, pipes and devices.
 pub fn identity(path: &Path) -> Option<u64> {
     let mut hasher = DefaultHasher::new();
     match fs::metadata(path) {
@@ -40,14 +40,14 @@ pub fn identity(path: &Path) -> Option<u64> {
     Some(hasher.finish())
 }
 
-/// The same of a file that is not there, by its real path.
+/// The identity of a file that does not exist yet, by its [`real_path`].
 pub fn identity_of_new(real_path: &Path) -> u64 {
     let mut hasher = DefaultHasher::new();
     real_path.hash(&mut hasher);
     hasher.finish()
 }
 
-/// Hard links have the same number on the same device.
+/// Hard links to one file have the same device and inode.
 #[cfg(unix)]
 fn hash_file(there: &Metadata, _: &Path, hasher: &mut impl Hasher) {
     use std::os::unix::fs::MetadataExt;
@@ -65,7 +65,7 @@ mod tests {
     use std::os::unix::fs::symlink;
 
     #[test]
-    fn a_file_is_one_by_all_its_names() {
+    fn all_paths_to_a_file_have_one_identity() {
         let dir = tempfile::tempdir().unwrap();
         let path = |name: &str| dir.path().join(name);
         fs::create_dir(path("in")).unwrap();
@@ -94,7 +94,7 @@ mod tests {
         assert_eq!((identity(dir.path()), identity(Path::new("/dev/null"))), (None, None));
         symlink("b", dir.path().join("a")).unwrap();
         symlink("a", dir.path().join("b")).unwrap();
-        // a ring of links leads nowhere, and ends
+        // a cycle of links
         assert!(identity(&dir.path().join("a")).is_some());
     }
 }

@@ -1,19 +1,19 @@
-//! Pipes and devices that bytes are sent to.
+//! Opening pipes and devices for writing.
 
 use std::fs::File;
 use std::io;
 use std::path::Path;
 use std::time::Duration;
 
-/// How long a pipe is waited for that nobody reads yet.
+/// How long to wait for a pipe to be opened for reading.
 pub const PIPE_WAIT: Duration = Duration::from_secs(10);
 
-/// Opens a pipe or a device to be written to; a pipe once somebody reads it.
+/// Opens a pipe or a device for writing. For a pipe, waits until another process opens it for reading, at most for `timeout`.
 ///
 /// # Errors
-/// That of the system; one that says so where nobody reads a pipe for so long.
+/// Those of the system, and the timeout.
 #[cfg(unix)]
-pub fn open(path: &Path, patience: Duration) -> io::Result<File> {
+pub fn open(path: &Path, timeout: Duration) -> io::Result<File> {
     use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
     use rustix::io::Errno;
     use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
@@ -25,20 +25,20 @@ pub fn open(path: &Path, patience: Duration) -> io::Result<File> {
     if !std::fs::metadata(path)?.file_type().is_fifo() {
         return options.open(path);
     }
-    // without this it would wait for a reader without end
+    // a blocking open would wait forever
     options.custom_flags(OFlags::NONBLOCK.bits() as i32);
     let started = Instant::now();
     loop {
         match options.open(path) {
             Ok(file) => {
-                // from here on it waits for the reader as any pipe does
+                // writes block, as usual
                 fcntl_setfl(&file, fcntl_getfl(&file)? - OFlags::NONBLOCK)?;
                 return Ok(file);
             }
             Err(e) if e.raw_os_error() != Some(Errno::NXIO.raw_os_error()) => return Err(e),
-            Err(_) if started.elapsed() < patience => std::thread::sleep(PAUSE),
+            Err(_) if started.elapsed() < timeout => std::thread::sleep(PAUSE),
             Err(_) => {
-                let why = format!("it is a pipe, and nobody has read it for {} s", patience.as_secs_f64());
+                let why = format!("it is a pipe, and no process opened it to read for {} s", timeout.as_secs_f64());
                 return Err(io::Error::other(why));
             }
         }
@@ -63,15 +63,15 @@ mod tests {
     }
 
     #[test]
-    fn a_pipe_that_nobody_reads_is_given_up() {
+    fn opening_a_pipe_without_a_reader_times_out() {
         let dir = tempfile::tempdir().unwrap();
         let path = pipe_in(dir.path());
         let error = open(&path, Duration::from_millis(100)).unwrap_err();
-        assert_eq!(error.to_string(), "it is a pipe, and nobody has read it for 0.1 s");
+        assert_eq!(error.to_string(), "it is a pipe, and no process opened it to read for 0.1 s");
     }
 
     #[test]
-    fn a_pipe_waits_for_its_reader_and_takes_more_than_it_holds() {
+    fn a_pipe_waits_for_its_reader_and_takes_more_than_its_buffer() {
         let dir = tempfile::tempdir().unwrap();
         let path = pipe_in(dir.path());
         let bytes: Vec<u8> = (0..1 << 20).map(|k: u32| (k % 251) as u8).collect();

@@ -1,4 +1,4 @@
-//! Temporary files that are being filled, which are removed when they are dropped, and when the program is ended from outside.
+//! Temporary files of unfinished outputs. They are removed when dropped, and by [`remove_unfinished`] when a signal ends the program.
 
 use std::fs::{self, File};
 use std::io;
@@ -7,24 +7,24 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{Builder, NamedTempFile};
 
-/// All of this program.
+/// The paths of all of them in this process.
 static PATHS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn paths() -> MutexGuard<'static, Vec<PathBuf>> {
     PATHS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// One of them.
+/// A temporary file whose path is in [`PATHS`].
 pub(super) struct Unfinished {
-    // dropped in this order: none is there that is not known
+    // dropped in this order: the file is removed before its path is
     file: NamedTempFile,
-    _known: Known,
+    _entry: Entry,
 }
 
-/// An entry of [`PATHS`].
-struct Known(PathBuf);
+/// An entry of [`PATHS`], removed when dropped.
+struct Entry(PathBuf);
 
-impl Drop for Known {
+impl Drop for Entry {
     fn drop(&mut self) {
         paths().retain(|path| *path != self.0);
     }
@@ -32,11 +32,11 @@ impl Drop for Known {
 
 impl Unfinished {
     pub fn new(builder: &Builder, folder: &Path) -> io::Result<Unfinished> {
-        // held meanwhile: none is made that is not known
+        // locked while the file is created, so that `remove_unfinished` misses none
         let mut paths = paths();
         let file = builder.tempfile_in(folder)?;
         paths.push(file.path().to_owned());
-        Ok(Unfinished { _known: Known(file.path().to_owned()), file })
+        Ok(Unfinished { _entry: Entry(file.path().to_owned()), file })
     }
 
     pub fn path(&self) -> &Path {
@@ -47,17 +47,17 @@ impl Unfinished {
         self.file.as_file_mut()
     }
 
-    /// Gives it its name.
+    /// Renames it to `path`, and replaces a file there.
     pub fn persist(self, path: &Path) -> io::Result<()> {
         self.file.persist(path).map(drop).map_err(|e| e.error)
     }
 }
 
-/// Removes all of them, as the program ends. None is made any more as long as the answer is held.
+/// Removes all temporary files before the process ends. No more are created while the returned guard is held.
 pub fn remove_unfinished() -> impl Sized {
     let paths = paths();
     for path in paths.iter() {
-        // there is nobody left to tell
+        // the process ends: nothing can be done about an error
         let _ = fs::remove_file(path);
     }
     paths
@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_are_known_until_they_are_dropped_or_have_their_names() {
+    fn paths_are_listed_until_files_are_dropped_or_renamed() {
         let dir = tempfile::tempdir().unwrap();
         let [kept, dropped] = [0, 1].map(|_| Unfinished::new(&Builder::new(), dir.path()).unwrap());
         let own = [kept.path().to_owned(), dropped.path().to_owned()];

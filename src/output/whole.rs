@@ -26,7 +26,7 @@ pub(super) fn write_whole(path: &Path, fill: impl FnOnce(&mut Filled) -> io::Res
     })
 }
 
-/// There is no room for more.
+/// The disk is full, or the user's quota.
 pub fn is_full(e: &io::Error) -> bool {
     matches!(e.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded)
 }
@@ -70,8 +70,8 @@ pub fn write_lines(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<
     })
 }
 
-/// A file that is being filled. It keeps the first error that writing to it gave: encoders wrap it in errors of their own,
-/// which no longer say that the disk is full, and a writer that is dropped says nothing.
+/// A file that is being written. It records the first write error, because encoders wrap it in their own errors, where "disk full"
+/// is lost, and buffered writers ignore it when dropped.
 pub(super) struct Filled<'f> {
     file: &'f mut File,
     refused: Option<io::Error>,
@@ -155,7 +155,7 @@ impl Target {
             Target::Renamed { folder, file } => {
                 let mut temporary = new_file_in(folder)?;
                 Filled::fill(temporary.file(), fill)?;
-                // or a machine that stops now may keep the new name and lose the bytes
+                // otherwise a crash of the machine may keep the rename and lose the bytes
                 temporary.file().sync_data()?;
                 temporary.persist(file)
             }
@@ -169,10 +169,10 @@ impl Target {
     }
 }
 
-/// Opens a file to append to, and makes it where there is none.
+/// Opens a file for appending, and creates it if it does not exist.
 ///
 /// # Errors
-/// That of the system; one that says so where `path` is a pipe that nobody reads.
+/// Those of the system, and a timeout if `path` is a pipe without a reader.
 pub fn open_to_append(path: &Path) -> io::Result<File> {
     match fs::metadata(path) {
         Ok(there) if !there.is_file() && !there.is_dir() => stream::open(path, PIPE_WAIT),
@@ -273,10 +273,9 @@ mod tests {
         assert!(clear_up(&dir.path().join("no")).is_err());
     }
 
-    /// Encoders wrap what the disk says in errors of their own, and dropped writers say nothing.
     #[test]
     #[cfg(target_os = "linux")]
-    fn what_the_file_refused_is_told_whatever_its_encoder_says() {
+    fn the_error_of_the_file_is_kept_whatever_its_encoder_returns() {
         let mut full = File::options().write(true).open("/dev/full").unwrap();
         let wrapped = Filled::fill(&mut full, |file| {
             file.write_all(b"x").map_err(|e| io::Error::other(format!("an encoder failed: {e}")))
@@ -312,7 +311,7 @@ mod tests {
         write_text(&link, "new").unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read_to_string(&real).unwrap(), "new");
-        // also where they lead to a file that is not there yet
+        // even if they lead to a file that does not exist yet
         let (new, to_new) = (dir.path().join("new"), dir.path().join("to-new"));
         std::os::unix::fs::symlink("new", &to_new).unwrap();
         write_text(&to_new, "new").unwrap();

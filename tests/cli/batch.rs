@@ -116,7 +116,7 @@ fn wrong_lists_are_refused_before_anything_is_rendered() {
     }
     for (name, content) in [("none.toml", "job = []"), ("none.json", "{\"job\": []}"), ("none.jsonl", "\n\n")] {
         place.write(name, content);
-        place.refuses(&["batch", name], 2, "there are no jobs in it");
+        place.refuses(&["batch", name], 2, "has no jobs");
     }
     place.write("none.toml", "");
     place.refuses(&["batch", "none.toml"], 2, "job is missing");
@@ -228,7 +228,7 @@ fn resume_skips_what_is_done_and_says_what_has_changed() {
     expects("jobs.toml: 1 frame, 3 before\n", "again: 1 frame: 2.png is not there\n");
     place.write("1.png", "broken");
     expects("jobs.toml: 1 frame, 3 before\n", "again: 1 frame: 1.png is not what was written\n");
-    // neither its size nor its time tells
+    // a change that keeps size and time is found by the hash
     let path = place.path().join("1.png");
     let written = std::fs::metadata(&path).unwrap().modified().unwrap();
     let mut bytes = std::fs::read(&path).unwrap();
@@ -236,12 +236,12 @@ fn resume_skips_what_is_done_and_says_what_has_changed() {
     std::fs::write(&path, bytes).unwrap();
     std::fs::File::options().append(true).open(&path).unwrap().set_modified(written).unwrap();
     expects("jobs.toml: 1 frame, 3 before\n", "again: 1 frame: 1.png is not what was written\n");
-    // several reasons are told with their frames, on one line
+    // several reasons are printed with their numbers of frames, on one line
     std::fs::remove_file(place.path().join("2.png")).unwrap();
     place.write("3.png", "broken");
     let ran = resume();
-    let told = "again: 2 frames: 2.png is not there (1 frame); 3.png is not what was written (1 frame)\n";
-    assert_eq!((ran.code, ran.err.as_str()), (0, told));
+    let line = "again: 2 frames: 2.png is not there (1 frame); 3.png is not what was written (1 frame)\n";
+    assert_eq!((ran.code, ran.err.as_str()), (0, line));
     place.write("jobs.toml", list(41));
     expects("jobs.toml: 4 frames\n", "again: 4 frames: its settings were camera.vfov=40\n");
     let scene = std::fs::read_to_string(place.path().join("scene.toml")).unwrap();
@@ -399,7 +399,7 @@ fn a_full_disk_stops_with_what_is_done() {
         let done = std::fs::read_dir(&disk).unwrap().count();
         let told = format!(": {done} of 80 frames done");
         assert!((1..80).contains(&done) && ran.err.contains(&told), "{key}: {done}: {}", ran.err);
-        // those that were under way, and no more
+        // only the frames in flight fail
         assert!(ran.err.matches("No space left").count() <= 20, "{key}: {}", ran.err);
         assert!(Mounted::mount(&disk, "remount,size=16m"));
         let line = place.works(&["batch", "jobs.toml", "--resume"]);
@@ -411,7 +411,7 @@ fn a_full_disk_stops_with_what_is_done() {
     }
 }
 
-/// A disk of its own in a folder, until it is dropped.
+/// A file system in memory, mounted on a folder until it is dropped.
 #[cfg(target_os = "linux")]
 struct Mounted(std::path::PathBuf);
 
@@ -419,7 +419,7 @@ struct Mounted(std::path::PathBuf);
 impl Mounted {
     fn new(folder: &std::path::Path, options: &str) -> Option<Mounted> {
         if !Mounted::mount(folder, options) {
-            println!("skipped: a disk of its own cannot be mounted here");
+            println!("skipped: no file system can be mounted here");
             return None;
         }
         Some(Mounted(folder.to_owned()))

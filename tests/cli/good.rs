@@ -82,7 +82,7 @@ fn renders_with(place: &Place, engine: &str) {
         let passes = |name: &str| stages.iter().find(|s| s["name"] == name).and_then(|s| s["passes"].as_u64());
         assert_eq!((passes("cull"), passes("shade"), passes("write")), (Some(1), Some(1), Some(1)));
         assert_eq!(stages.iter().filter_map(|s| s["passes"].as_u64()).sum::<u64>(), report["passes"]);
-        // each step takes a part of what the one before may hand on
+        // each stage processes at most what the one before may queue
         let of = |key: &str| report["operations"][key].as_u64().unwrap();
         assert!(of("split_items") > 0 && of("bin_items") <= 8 * of("split_items"), "{report}");
         assert!(of("raster_items") > 0 && of("recheck_items") <= of("recheck_pixels"), "{report}");
@@ -112,7 +112,7 @@ fn the_compute_engine_renders_what_the_reference_does() {
     let compared = json(&place.works(&["compare", "all.exr", "truth.exr", "--scene", "demo.toml", "--json"]));
     assert_eq!((&compared["wrong_safe"], &compared["not_near"]), (&0.into(), &0.into()));
     assert_eq!(compared["pixels"], 64 * 48);
-    // several samples in one frame, and a frame each
+    // all samples in one frame, and one frame per sample
     for (samples, frames) in [(&["--samples", "4"][..], 1), (&["--samples", "4", "--engine", "raytrace"], 4)] {
         let common = ["render", "demo.toml", "--size", "64x48", "-o", "s.png", "--report", "s.json"];
         place.works(&[&common[..], samples].concat());

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A mesh with a material and a picture, a camera with a ray a pixel, one of pieces, and points.
+/// A mesh with a material and an image, scenes with a lidar and with a camera of pieces, and a list of points.
 fn place() -> Place {
     let place = Place::new();
     place.write(
@@ -25,13 +25,13 @@ fn place() -> Place {
     place
 }
 
-/// All files and what they hold; links by where they lead.
+/// All files and what they hold; for a link, the file that it leads to.
 fn files(place: &Place) -> BTreeMap<String, Vec<u8>> {
     let read = |name: &String| std::fs::read(place.path().join(name)).unwrap_or_default();
     place.names().into_iter().map(|name| (name.clone(), read(&name))).collect()
 }
 
-/// Runs and expects exit code 2, one line that holds `says`, and all files as they were.
+/// Runs and expects exit code 2, one line with `says`, and all files unchanged.
 fn keeps(place: &Place, args: &[&str], says: &str) {
     let before = files(place);
     place.refuses(args, 2, says);
@@ -39,7 +39,7 @@ fn keeps(place: &Place, args: &[&str], says: &str) {
 }
 
 #[test]
-fn what_is_read_is_never_replaced() {
+fn inputs_are_never_replaced() {
     let place = place();
     #[cfg(unix)]
     {
@@ -63,18 +63,18 @@ fn what_is_read_is_never_replaced() {
         &["--points", "m.obj"],
     ] {
         let given = if args[0] == "-o" { &render[..4] } else { &render[..] };
-        keeps(&place, &[given, args].concat(), "it is read too");
+        keeps(&place, &[given, args].concat(), "is also an input");
     }
     let lidar = ["render", "ply.toml", "--engine", "reference", "--points"];
-    keeps(&place, &[&lidar[..], &["l.npy"]].concat(), "l.npy: it is read too; choose another name for the output");
+    keeps(&place, &[&lidar[..], &["l.npy"]].concat(), "l.npy: is also an input; choose another name for the output");
     for (flag, file) in [("--rays", "l.npy"), ("--export", "m.obj"), ("--diagram", "ply.toml")] {
-        keeps(&place, &["camera", "ply.toml", flag, file], "it is read too");
+        keeps(&place, &["camera", "ply.toml", flag, file], "is also an input");
     }
-    // an image that gives no shape is not read for a camera
-    keeps(&place, &["camera", "ply.toml", "--rays", "t.png"], "t.png: is there already, and is not a NumPy array");
-    keeps(&place, &["camera", "pieces.toml", "--export", "c.json"], "it is read too");
-    keeps(&place, &["project", "scene.toml", "--points", "p.csv", "-o", "p.csv"], "it is read too");
-    keeps(&place, &["project", "mesh.toml", "--points", "p.csv", "-o", "m.obj"], "it is read too");
+    // a camera does not read the images that colour meshes
+    keeps(&place, &["camera", "ply.toml", "--rays", "t.png"], "t.png: exists and is not a NumPy array");
+    keeps(&place, &["camera", "pieces.toml", "--export", "c.json"], "is also an input");
+    keeps(&place, &["project", "scene.toml", "--points", "p.csv", "-o", "p.csv"], "is also an input");
+    keeps(&place, &["project", "mesh.toml", "--points", "p.csv", "-o", "m.obj"], "is also an input");
 }
 
 #[test]
@@ -83,22 +83,22 @@ fn a_batch_replaces_nothing_that_it_reads() {
     let job = |keys: &str| format!("[[job]]\nscene = \"mesh.toml\"\nsize = \"8x6\"\nengine = \"reference\"\n{keys}\n");
     let other = "[[job]]\nscene = \"scene.toml\"\nsize = \"8x6\"\nengine = \"reference\"\n";
     place.write("my.json", "{}");
-    let reads = ", which is read; choose another name for the output";
+    let reads = ", an input; choose another name for the output";
     for (list, flags, says) in [
-        (job("color = \"j.toml\""), &[][..], "j.toml: is there already, and is not a PNG"),
-        (job("color = \"t.png\""), &[], "job.0, frame 0 writes over "),
-        (job("exr = \"m.obj\""), &[], "m.obj: is there already, and is not an EXR"),
-        (job("color = \"j.toml.manifest.jsonl\""), &[], "writes it too"),
-        // the picture of another job
+        (job("color = \"j.toml\""), &[][..], "j.toml: exists and is not a PNG"),
+        (job("color = \"t.png\""), &[], "job.0, frame 0 would replace "),
+        (job("exr = \"m.obj\""), &[], "m.obj: exists and is not an EXR"),
+        (job("color = \"j.toml.manifest.jsonl\""), &[], "writes this file too"),
+        // an input of another job
         (format!("{other}color = \"t.png\"\n{}", job("color = \"a.png\"")), &[], reads),
         (job("color = \"a.png\""), &["--csv", "j.toml"], reads),
         (job("color = \"a.png\""), &["--csv", "mesh.toml"], "is not a table"),
         (job("color = \"a.png\""), &["--report", "m.obj"], "is not a report"),
         (job("color = \"a.png\""), &["--log", "m.mtl"], "is not a log"),
-        (job("color = \"a.png\""), &["--log", "a.png"], "job.0, frame 0 writes it too"),
-        (job("color = \"a.png\""), &["--csv", "a", "--log", "./a"], "another output writes it too"),
-        (job("color = \"a.png\""), &["--csv", "a", "--report", "a"], "another output writes it too"),
-        (job("color = \"a.png\""), &["--csv", "j.toml.manifest.jsonl"], "another output writes it too"),
+        (job("color = \"a.png\""), &["--log", "a.png"], "job.0, frame 0 writes this file too"),
+        (job("color = \"a.png\""), &["--csv", "a", "--log", "./a"], "another output writes this file too"),
+        (job("color = \"a.png\""), &["--csv", "a", "--report", "a"], "another output writes this file too"),
+        (job("color = \"a.png\""), &["--csv", "j.toml.manifest.jsonl"], "another output writes this file too"),
         (job("color = \"a.png\""), &["--gather", "--csv", "j.toml"], reads),
         (job("color = \"a.png\""), &["--gather", "--report", "m.obj"], "is not a report"),
         (job("color = \"x.png\"\nexr = \"./x.png\""), &[], "both write"),
@@ -106,13 +106,13 @@ fn a_batch_replaces_nothing_that_it_reads() {
         place.write("j.toml", &list);
         keeps(&place, &[&["batch", "j.toml"], flags].concat(), says);
     }
-    // a report has the ending of the pieces that a scene reads
+    // a report and a file of pieces have the same extension
     place.write("j.toml", other.replace("scene.toml", "pieces.toml") + "color = \"a.png\"\n");
     keeps(&place, &["batch", "j.toml", "--report", "c.json"], reads);
     keeps(&place, &["batch", "--write-driver", "mesh.toml"], "is not a driver");
     place.write("mine.toml.manifest.jsonl", "{\"scene\": \"scene.toml\"}\n");
     place.write("mine.toml", job("color = \"a.png\""));
-    keeps(&place, &["batch", "mine.toml"], "mine.toml.manifest.jsonl: is there already, and is not a manifest");
+    keeps(&place, &["batch", "mine.toml"], "mine.toml.manifest.jsonl: exists and is not a manifest");
 }
 
 #[test]
@@ -123,20 +123,22 @@ fn a_scene_names_outputs_in_its_own_folder_only() {
     place.write("got/profile", "mine\n");
     let absolute = place.path().join("bashrc").display().to_string();
     let render = ["render", "got/s.toml", "--engine", "reference"];
-    let outside = "got/s.toml: its [output] is not in the scene's folder";
+    let outside = "got/s.toml: [output] names a file outside of the scene's folder";
     for (name, says) in [
         ("../bashrc", outside),
         (absolute.as_str(), outside),
         ("../new.png", outside),
         ("/dev/null", outside),
-        ("profile", "profile: is there already, and is not a PNG"),
+        ("profile", "profile: exists and is not a PNG"),
     ] {
         place.write("got/s.toml", format!("{SCENE}[output]\ncolor = \"{name}\"\n"));
         keeps(&place, &render, says);
-        // what the command line names comes first
+        // an output on the command line takes the place of the scene's
         place.works(&[&render[..], &["-o", "own.png"]].concat());
         std::fs::remove_file(place.path().join("own.png")).unwrap();
     }
+    place.write("got/s.toml", format!("{SCENE}[output]\ncolor = \"none/new.png\"\n"));
+    place.refuses(&render, 1, "does not exist; create it first");
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink("..", place.path().join("got/in")).unwrap();
@@ -147,7 +149,7 @@ fn a_scene_names_outputs_in_its_own_folder_only() {
     place.works(&[&render[..], &["--outputs-anywhere"]].concat());
     assert!(place.names().contains(&"new.png".to_owned()));
     place.write("got/s.toml", format!("{SCENE}[output]\ncolor = \"../bashrc\"\n"));
-    keeps(&place, &[&render[..], &["--outputs-anywhere"]].concat(), "bashrc: is there already, and is not a PNG");
+    keeps(&place, &[&render[..], &["--outputs-anywhere"]].concat(), "bashrc: exists and is not a PNG");
 }
 
 #[test]
@@ -178,20 +180,20 @@ fn outputs_of_an_earlier_run_are_replaced() {
         assert_eq!(place.works(&batch), "j.toml: 3 frames\n");
         assert_eq!(place.works(&[&batch[..], &["--resume"]].concat()), "j.toml: 0 frames, 3 before\n");
         assert_eq!(place.works(&["batch", "j.toml", "--gather", "--csv", "table"]), "j.toml: 3 frames\n");
-        // any file that ends fittingly may be replaced, and an empty one
+        // any file with the right extension may be replaced, and any empty file
         place.write("data.exr", "mine");
         place.write("picture", "");
         place.works(&["render", "mesh.toml", "--engine", "reference", "--exr", "data.exr", "-o", "picture"]);
     }
     assert_eq!(std::fs::read_to_string(place.path().join("log")).unwrap().matches("start: ").count(), 4);
-    // of examples all files are compared
+    // an example replaces only files that are the same
     place.works(&["example", "deformation"]);
     place.works(&["example", "deformation"]);
     place.write("deformation.npy", "mine");
-    place.refuses(&["example", "deformation"], 1, "there is another array already");
+    place.refuses(&["example", "deformation"], 1, "exists with other content");
 }
 
-/// Waits for a program that should end, and ends it where it does not.
+/// Waits for a program that should end, and kills it after `most`.
 fn waits(mut child: std::process::Child, most: Duration) -> Option<std::process::Output> {
     let started = Instant::now();
     while child.try_wait().unwrap().is_none() {
@@ -220,20 +222,20 @@ fn devices_and_pipes_are_written_to() {
     let reader = std::thread::spawn(move || std::fs::read(reader).unwrap());
     place.works(&[&render[..], &["-o", "pipe"]].concat());
     assert!(reader.join().unwrap() == own);
-    // and where nobody reads it the program ends
+    // without a reader the program ends too
     let mut command = place.command(&[&render[..], &["-o", "pipe"]].concat());
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let output = waits(child, Duration::from_secs(120)).expect("it does not end");
     let err = String::from_utf8(output.stderr).unwrap();
     assert!(
-        output.status.code() == Some(1) && err.contains("pipe: cannot be written: it is a pipe, and nobody"),
+        output.status.code() == Some(1) && err.contains("pipe: cannot be written: it is a pipe, and no process"),
         "{err}"
     );
 }
 
 #[cfg(unix)]
 #[test]
-fn a_manifest_that_names_what_has_no_end_is_read_to_its_end() {
+fn a_manifest_that_names_an_endless_file_does_not_hang() {
     let place = Place::new();
     let job = "[[job]]\nscene = \"scene.toml\"\ncolor = \"{frame}.png\"\nframes = { last = 1 }\nsize = \"8x6\"\n";
     place.write("j.toml", format!("{job}engine = \"reference\"\n"));
@@ -261,10 +263,10 @@ fn a_manifest_that_names_what_has_no_end_is_read_to_its_end() {
     std::fs::remove_file(place.path().join("j.toml.manifest.jsonl")).unwrap();
     std::os::unix::fs::symlink("/dev/zero", place.path().join("j.toml.manifest.jsonl")).unwrap();
     let (code, _, err) = resume();
-    assert!(code == Some(2) && err.contains("it is no file, so no manifest"), "{err}");
+    assert!(code == Some(2) && err.contains("is not a regular file, so it cannot be a manifest"), "{err}");
 }
 
-/// A manifest of an earlier version, with times in it, still holds.
+/// A manifest of an earlier version, which also has the times of outputs, is still valid.
 #[test]
 fn an_old_manifest_is_read() {
     let place = Place::new();
@@ -280,10 +282,10 @@ fn an_old_manifest_is_read() {
     assert_eq!(place.works(&["batch", "j.toml", "--resume"]), "j.toml: 0 frames, 1 before\n");
 }
 
-/// Ended in the middle of a file, the program leaves nothing behind and says by which signal.
+/// A program that is ended while it writes a file removes it, and its exit status names the signal.
 #[cfg(unix)]
 #[test]
-fn what_is_interrupted_leaves_no_temporary_file() {
+fn an_interrupted_program_leaves_no_temporary_file() {
     use std::os::unix::process::ExitStatusExt;
     let place = Place::new();
     if !place.has_adapter() {
@@ -295,7 +297,7 @@ fn what_is_interrupted_leaves_no_temporary_file() {
         let args = ["render", "scene.toml", "--exr", "large.exr", "--size", "16384x8192", "--channels", "Z"];
         let mut child = place.command(&args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         let started = Instant::now();
-        // longer than the moment in which it is tried whether the folder takes files
+        // five times in a row: the check that the folder is writable has a temporary file for a moment only
         let mut seen = 0;
         while seen < 5 {
             assert!(child.try_wait().unwrap().is_none(), "it ended before it was ended");

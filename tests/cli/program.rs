@@ -14,7 +14,7 @@ pub struct Place {
 pub struct Ran {
     pub code: i32,
     pub out: String,
-    /// Without the lines of progress, which a slow machine has more of.
+    /// Without progress lines, whose number depends on the machine.
     pub err: String,
 }
 
@@ -66,8 +66,8 @@ impl Place {
     pub fn run(&self, args: &[&str]) -> Ran {
         let Output { status, stdout, stderr } = self.command(args).output().unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
-        let is_told = |line: &&str| !line.starts_with("progress: ");
-        let err = text(stderr).split_inclusive('\n').filter(is_told).collect();
+        let is_kept = |line: &&str| !line.starts_with("progress: ");
+        let err = text(stderr).split_inclusive('\n').filter(is_kept).collect();
         Ran { code: status.code().expect("no signal"), out: text(stdout), err }
     }
 
@@ -89,7 +89,7 @@ impl Place {
         assert_eq!(self.names(), before, "{args:?}");
     }
 
-    /// There is an adapter to render on; where there is none, as [`needs::no_adapter`] says.
+    /// Whether there is an adapter to render on. If not, [`needs::no_adapter`] skips the test or fails it.
     pub fn has_adapter(&self) -> bool {
         let info: serde_json::Value = serde_json::from_str(&self.works(&["info", "--json"])).unwrap();
         let found = info["adapters"].as_array().is_some_and(|a| !a.is_empty());

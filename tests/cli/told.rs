@@ -1,11 +1,11 @@
-//! What is told on stderr beside errors, and how names are shown.
+//! Notes and progress on stderr, and how names are printed.
 
 use super::program::{Place, SCENE, assert_one_line};
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 
 #[test]
-fn names_do_not_command_the_terminal() {
+fn control_characters_in_names_are_escaped() {
     let place = Place::new();
     let name = "\u{1b}[31mred\u{7}\u{9b}1m";
     let ran = place.run(&["render", &format!("{name}.toml"), "-o", "a.png"]);
@@ -15,7 +15,13 @@ fn names_do_not_command_the_terminal() {
     let ran = place.run(&["render", "s.toml", "-o", "a.png"]);
     assert_one_line(&ran, "a value");
     assert!(!ran.err.contains(['\0', '\u{1b}']), "{:?}", ran.err);
-    // on stdout too
+    // also in notes
+    place.write("q.obj", "mtllib q.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
+    place.write("q.mtl", "newmtl m\nmap_Kd \u{1b}[31mno.png\n");
+    place.write("q.toml", SCENE.replace("builtin = \"icosphere\"\nlevel = 2", "file = \"q.obj\""));
+    let ran = place.run(&["render", "q.toml", "-o", "q.png", "--engine", "reference"]);
+    assert!(ran.code == 0 && ran.err.starts_with("left out: \\u001b[31mno.png ("), "{:?}", ran.err);
+    // and on stdout
     let out = place.works(&["render", "scene.toml", "-o", &format!("{name}.png"), "--engine", "reference"]);
     assert!(out.starts_with("\\u001b[31mred\\u0007\\u009b1m.png 64x48"), "{out:?}");
 }
@@ -33,7 +39,7 @@ fn long_lines_are_shortened() {
     assert!(ran.code == 2 && ran.err.len() < 3000, "{}", ran.err.len());
 }
 
-/// Reads stderr up to the first line of progress, and ends the program.
+/// Reads the first line of stderr, then kills the program.
 fn progress_of(place: &Place, args: &[&str]) -> String {
     let mut child = place.command(args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
@@ -44,7 +50,7 @@ fn progress_of(place: &Place, args: &[&str]) -> String {
 }
 
 #[test]
-fn long_work_is_told_now_and_then_where_no_terminal_is() {
+fn long_work_prints_progress_lines_without_a_terminal() {
     let place = Place::new();
     let line =
         progress_of(&place, &["render", "scene.toml", "--engine", "reference", "--check", "--repeat", "1000000"]);
@@ -58,7 +64,7 @@ fn long_work_is_told_now_and_then_where_no_terminal_is() {
 }
 
 #[test]
-fn a_style_that_the_reference_leaves_out_is_told() {
+fn a_style_that_the_reference_leaves_out_is_reported() {
     let place = Place::new();
     place.write("s.toml", format!("{SCENE}[style]\nwireframe = {{ width = 1 }}\n"));
     let render = ["render", "s.toml", "--engine", "reference", "--size", "8x6"];
@@ -68,7 +74,7 @@ fn a_style_that_the_reference_leaves_out_is_told() {
     let report: serde_json::Value =
         serde_json::from_slice(&std::fs::read(place.path().join("r.json")).unwrap()).unwrap();
     assert_eq!(report["left_out"][0]["what"], "style");
-    // without colour there is nothing to leave out
+    // without colour a style has no effect
     place.works(&[&render[..], &["--exr", "z.exr", "--channels", "Z"]].concat());
 }
 
@@ -77,5 +83,5 @@ fn a_manifest_that_cannot_be_read_is_named() {
     let place = Place::new();
     place.write("j.toml", "[[job]]\nscene = \"scene.toml\"\ncolor = \"a.png\"\nengine = \"reference\"\n");
     std::fs::create_dir(place.path().join("j.toml.1-of-2.manifest.jsonl")).unwrap();
-    place.refuses(&["batch", "j.toml", "--gather"], 2, "j.toml.1-of-2.manifest.jsonl: it is no file");
+    place.refuses(&["batch", "j.toml", "--gather"], 2, "j.toml.1-of-2.manifest.jsonl: is not a regular file");
 }

@@ -3,7 +3,7 @@
 use super::jobs::Task;
 use super::{frames, lock};
 use crate::cli::args::ProgressName;
-use crate::cli::progress::Lines;
+use crate::cli::progress::ProgressLines;
 use crate::cli::say::{complain, line_of, note, print};
 use crate::error::{Error, Result};
 use crate::output::open_to_append;
@@ -22,9 +22,9 @@ pub struct Board {
     log: Option<Mutex<File>>,
     started: Instant,
     counts: Arc<Mutex<Counts>>,
-    /// How many frames are done again, by what has changed; of the first so many reasons.
+    /// Frames that are done again, by what has changed: the first [`REASONS`] of the reasons.
     reasons: Mutex<BTreeMap<String, usize>>,
-    _lines: Option<Lines>,
+    _lines: Option<ProgressLines>,
 }
 
 /// Frames, by how they stand.
@@ -40,9 +40,11 @@ pub struct Counts {
     pub again: usize,
 }
 
-/// Reasons that are counted, and those that are told in the end; the log has all.
+/// Reasons that are counted, which bounds the memory for them. The log has all.
 const REASONS: usize = 1000;
-const TOLD: usize = 3;
+
+/// Reasons that are printed at the end.
+const REASONS_PRINTED: usize = 3;
 
 impl Board {
     /// # Errors
@@ -64,7 +66,7 @@ impl Board {
             started,
             counts,
             reasons: Mutex::default(),
-            _lines: (is_auto && !has_bar).then(|| Lines::start(line)),
+            _lines: (is_auto && !has_bar).then(|| ProgressLines::start(line)),
         };
         board.tell(json!({ "event": "start", "frames": all }), &format!("start: {all} frames"));
         Ok(board)
@@ -175,7 +177,7 @@ impl Board {
 }
 
 impl Counts {
-    /// How far a batch is, for a person; `None` of one that is at its end.
+    /// How far the batch is, as text; `None` at its end.
     fn line(&self, started: Instant) -> Option<String> {
         let Counts { all, done, skipped, failed, .. } = *self;
         let tried = done + skipped + failed;
@@ -188,17 +190,17 @@ impl Counts {
     }
 }
 
-/// What was done again and why: the most frequent reasons first.
+/// How many frames were done again and why, the most frequent reasons first.
 fn again_line(again: usize, reasons: &BTreeMap<String, usize>) -> String {
     if let (Some((why, _)), 1) = (reasons.first_key_value(), reasons.len()) {
         return format!("again: {}: {why}", frames(again));
     }
     let mut sorted: Vec<(&String, &usize)> = reasons.iter().collect();
-    // stable: equal counts stay in the order of their texts
+    // stable, so that equal counts stay in the order of their texts
     sorted.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
-    let told: usize = sorted.iter().take(TOLD).map(|(_, count)| **count).sum();
-    let named = sorted.iter().take(TOLD).map(|(why, count)| format!("{why} ({})", frames(**count)));
-    let more = (told < again).then(|| format!("other reasons ({})", frames(again - told)));
+    let explained: usize = sorted.iter().take(REASONS_PRINTED).map(|(_, count)| **count).sum();
+    let named = sorted.iter().take(REASONS_PRINTED).map(|(why, count)| format!("{why} ({})", frames(**count)));
+    let more = (explained < again).then(|| format!("other reasons ({})", frames(again - explained)));
     let each: Vec<String> = named.chain(more).collect();
     format!("again: {}: {}", frames(again), each.join("; "))
 }

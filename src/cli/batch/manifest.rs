@@ -171,7 +171,7 @@ impl Manifest {
             let whole = task.whole(path);
             match stamp(&whole) {
                 None => return changed(format!("{} is not there", path.display())),
-                // not by its time, which anybody can set
+                // its time is not compared, as any program can set it
                 Some((_, bytes)) if bytes == written.bytes && self.hash(&whole).as_ref() == Some(&written.hash) => {}
                 Some(_) => return changed(format!("{} is not what was written", path.display())),
             }
@@ -270,7 +270,8 @@ impl Manifest {
         hash.unwrap_or_else(|| CHANGED.into())
     }
 
-    /// Of what a file holds; it is read again once its stamp is another. `None` of a folder, a pipe or a device, which may have no end.
+    /// The hash of a file's content; it is read again if its size or time has changed. `None` for a folder, a pipe or a device, which may
+    /// have no end.
     fn hash(&self, path: &Path) -> Option<String> {
         let Some(found) = stamp(path) else { return Some(ABSENT.into()) };
         if !path.is_file() {
@@ -296,7 +297,7 @@ impl Manifest {
 /// In place of the hash of a file that is not there.
 const ABSENT: &str = "absent";
 
-/// And of one that was written while it was read, or that has no end: nothing agrees with it.
+/// In place of the hash of a file that changed while it was read, or is not a regular file. No file has this hash.
 const CHANGED: &str = "changed";
 
 /// Hashes that are kept at most.
@@ -306,7 +307,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The files that any line of these manifests says were written, by [`key_of`].
+/// The [`key_of`] every output in these manifests.
 pub fn outputs(paths: &[PathBuf]) -> HashSet<u64> {
     #[derive(Deserialize)]
     struct Head {
@@ -318,12 +319,12 @@ pub fn outputs(paths: &[PathBuf]) -> HashSet<u64> {
     heads.flat_map(|head| head.outputs.into_keys()).map(|path| key_of(&path)).collect()
 }
 
-/// Refuses a folder, a pipe or a device, which may have no end.
+/// Refuses a manifest that is a folder, or a pipe or a device, which may have no end.
 fn check_file(path: &Path) -> Result<()> {
     if path.is_file() || !path.exists() {
         return Ok(());
     }
-    Err(Error::input(format!("{}: it is no file, so no manifest; remove it", path.display())))
+    Err(Error::input(format!("{}: is not a regular file, so it cannot be a manifest; remove it", path.display())))
 }
 
 fn failure(path: &Path, e: &io::Error) -> Error {

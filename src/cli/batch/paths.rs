@@ -43,7 +43,7 @@ impl Paths {
         };
         let names = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name());
         let shards = names.filter(is_of_shard);
-        // spelled as the others are
+        // with the folder as in `self.whole`, so that paths can be compared
         let mut all: Vec<PathBuf> = shards.map(|name| self.whole.with_file_name(name)).collect();
         all.sort();
         all.insert(0, self.whole.clone());

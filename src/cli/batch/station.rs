@@ -147,7 +147,7 @@ impl Reader<'_> {
         let args = task.args()?;
         let (work, inputs) = crate::inputs::noted(|| Work::read_of_many(args, batch.library()));
         let work = work?;
-        batch.say_missing(work.missing());
+        batch.report_missing(work.missing());
         let held = batch.room().hold(work.bytes());
         work.check_memory()?;
         let planned = match self.planner {

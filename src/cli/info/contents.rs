@@ -1,6 +1,6 @@
-//! `anamorph info FILE`: what a model or a scene holds, where it is, and an eye that sees all of it.
+//! `anamorph info FILE`: the counts and bounds of a model or a scene, and a camera that sees all of it.
 
-use super::super::print;
+use crate::cli::say::print;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::file::{MeshSource, MeshSpec};
@@ -20,22 +20,23 @@ struct Contents {
     kind: &'static str,
     triangles: usize,
     vertices: usize,
-    /// Objects that have a name of their own.
+    /// Objects of a scene; 1 for a model.
     meshes: usize,
     materials: usize,
-    /// Some triangle has normals, or texture coordinates, at its corners.
+    /// At least one triangle has normals.
     normals: bool,
+    /// At least one triangle has texture coordinates.
     texture_coordinates: bool,
-    /// Of a scene.
+    /// The kind of a scene's camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     camera: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     heights: Option<Heights>,
-    /// `None` without vertices.
+    /// `None` if there are no vertices.
     bounds: Option<Bounds>,
 }
 
-/// The box around all vertices, world units.
+/// The box around all vertices, in world units.
 #[derive(Serialize)]
 struct Bounds {
     low: [f64; 3],
@@ -45,7 +46,7 @@ struct Bounds {
     fitting_camera: Fitting,
 }
 
-/// A pinhole that sees all of it in an image at least as wide as high.
+/// A pinhole that sees the whole box, if the image is at least as wide as high.
 #[derive(Serialize)]
 struct Fitting {
     kind: &'static str,
@@ -60,12 +61,12 @@ struct Heights {
     columns: usize,
     rows: usize,
     without_data: usize,
-    /// Easting and northing of the place that is x = z = 0 in the scene.
+    /// Easting and northing of the centre of the grid, which is at x = z = 0 in the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     middle: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     cell: Option<[f64; 2]>,
-    /// Of cells that are, or may be, degrees.
+    /// The size of a cell in metres, if `cell` is or may be in degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     cell_in_metres: Option<[f64; 2]>,
 }
@@ -88,7 +89,7 @@ fn read(path: &Path) -> Result<Contents> {
     }
     if heights::is_height_image(path) {
         let grid = heights::read(path)?;
-        // degrees are no lengths, but tell where it is
+        // a GeoTIFF in degrees has no size in world units: its mesh is described in degrees
         let cell = grid.georeference.filter(|g| g.in_degrees).map(|g| g.cell);
         let mesh = heights::mesh(&grid, &HeightSpec { file: path.into(), height_scale: 1.0, cell })?;
         return Ok(Contents { heights: Some(Heights::of(&grid)), ..Contents::of(path, "model", 1, &mesh) });
@@ -128,23 +129,24 @@ impl Heights {
     }
 }
 
-/// Degrees between the image's upper and lower border.
+/// Vertical field of view in degrees.
 const VFOV: f64 = 40.0;
-/// Where the eye is as seen from the middle: before it, a little to the right and above.
-const FROM: DVec3 = DVec3::new(0.4, 0.3, 1.0);
-/// The ball around all vertices takes so much less than the image's height: also when the eye is rounded.
+/// Direction from the centre to the eye: in front, a little to the right and above.
+const TO_EYE: DVec3 = DVec3::new(0.4, 0.3, 1.0);
+/// The eye is this much farther than where the sphere around the box touches the image's border. Rounding to four digits moves
+/// eye and target by less than a thousandth of their distance.
 const MARGIN: f64 = 1.05;
 
 impl Bounds {
     fn of(low: DVec3, high: DVec3) -> Bounds {
-        // halves first: the sum may leave the range of f64
+        // halved first, as the sum may overflow
         let (centre, extent) = (low / 2.0 + high / 2.0, high - low);
         let radius = extent.length() / 2.0;
         let distance = if radius > 0.0 { MARGIN * radius / (VFOV.to_radians() / 2.0).sin() } else { 1.0 };
-        // four digits of the distance
+        // the decimals of a number rounded to four digits of the distance
         let decimals = (3 - distance.log10().floor() as i32).max(0) as usize;
         let rounded = |v: DVec3| v.to_array().map(|x| format!("{x:.decimals$}").parse().unwrap_or(x) + 0.0);
-        let eye = centre + distance * FROM.normalize();
+        let eye = centre + distance * TO_EYE.normalize();
         Bounds {
             low: low.to_array(),
             high: high.to_array(),
@@ -184,9 +186,9 @@ impl fmt::Display for Heights {
         if let (Some([dx, dy]), Some([x, y])) = (self.cell, self.middle) {
             writeln!(f, "  cell                 {dx} x {dy} in the file")?;
             if let Some([mx, mz]) = self.cell_in_metres {
-                writeln!(f, "  if it is in degrees  cell = [{mx:.3}, {mz:.3}] makes metres of them")?;
+                writeln!(f, "  if it is in degrees  use cell = [{mx:.3}, {mz:.3}] for metres")?;
             }
-            writeln!(f, "  middle               x = z = 0 in a scene is easting {x}, northing {y}")?;
+            writeln!(f, "  centre of the grid   easting {x}, northing {y}; it is at x = z = 0 in a scene")?;
         }
         Ok(())
     }

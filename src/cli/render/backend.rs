@@ -141,7 +141,7 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
     }
 }
 
-/// The reference draws no lines over a picture; says so once.
+/// The reference does not draw a scene's [style]: says so on stderr, once, and for the report.
 fn without_style(scene: &Scene, wanted: &Wanted) -> Option<LeftOut> {
     static SAID: Once = Once::new();
     if scene.style == Style::default() || !wanted.has_colour() {

@@ -31,12 +31,10 @@ pub struct Files {
 const IMAGES: [&str; 10] = ["png", "exr", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "webp", "hdr"];
 
 impl Files {
-    /// The command line's files, and the scene's where it names none; each one found to be writable. `inputs` are the files that the
-    /// scene was read from.
+    /// The files that the command line names, or else the scene, after all checks. `inputs` are the files that the scene was read from.
     ///
     /// # Errors
-    /// [`Error::Input`] where nothing would come of the render, or where a file must not be replaced; [`Error::Work`]
-    /// where a file cannot be written.
+    /// [`Error::Input`] if the render has no output, or a file must not be replaced; [`Error::Work`] if a file cannot be written.
     pub fn new(args: &RenderArgs, scene: &Scene, inputs: &Inputs) -> Result<Files> {
         let own = |asked: &Option<PathBuf>, own: &Option<PathBuf>| match (asked, own) {
             (None, Some(own)) if !args.outputs_anywhere => {
@@ -131,10 +129,10 @@ pub fn attributes(path: &Path, scene: &Scene, camera: &Camera, channels: &[Chann
     Ok(Attributes { texts, world_to_camera: world_to_camera(scene), world_to_ndc: world_to_ndc(scene, camera) })
 }
 
-/// The header's attribute that holds the camera.
+/// The EXR attribute with the camera.
 pub const CAMERA: &str = "anamorph.camera";
 
-/// What the camera compiled to, and the keys that make its rays again, as JSON.
+/// The camera as JSON: what it compiled to, and its keys.
 fn described_camera(path: &Path, scene: &Scene, camera: &Camera) -> Result<String> {
     let wrong = |e: serde_json::Error| Error::work(format!("camera as JSON: {e}"));
     let mut described = serde_json::to_value(Description::of(camera)).map_err(wrong)?;
@@ -145,7 +143,7 @@ fn described_camera(path: &Path, scene: &Scene, camera: &Camera) -> Result<Strin
     serde_json::to_string(&described).map_err(wrong)
 }
 
-/// The names that the numbers in `object.id` and `material.id` stand for, as JSON lists: number k is the k-th name from 0.
+/// Attributes with the names of objects and materials, as JSON lists: number k in `object.id` or `material.id` is name k, from 0.
 fn names(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Result<Vec<(String, String)>> {
     let objects = || scene.objects.iter().map(|o| o.name.as_str()).collect::<Vec<_>>();
     let materials = || scene.mesh.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>();

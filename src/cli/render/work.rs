@@ -151,12 +151,12 @@ impl Work {
         &self.args
     }
 
-    /// What the scene's mesh files name and is not there.
+    /// What the scene's mesh files refer to and does not exist.
     pub fn missing(&self) -> &[Missing] {
         &self.scene.mesh.missing
     }
 
-    /// Refuses an image, and what is made of a scene's triangles, that do not fit this machine's free memory.
+    /// Refuses an image or a mesh that does not fit the free memory.
     ///
     /// # Errors
     /// [`Error::Work`] that names the limit.
@@ -326,7 +326,7 @@ fn next_frame(args: &RenderArgs, files: &Files, library: &Library, read: ImagesR
     load_from(library, &args.scene, &change, |_| read)
 }
 
-/// The images that what is asked for needs: colours all of them, all else those that cut holes. `own` are the scene's outputs.
+/// The images that the requested outputs need: all for colour, otherwise alpha masks only. `own` are the scene's outputs.
 fn images_read(args: &RenderArgs, own: &OutputSpec) -> ImagesRead {
     use Channel::{AlbedoB, AlbedoG, AlbedoR, B, G, R};
     let is_colour = |c: &Channel| matches!(c, R | G | B | AlbedoR | AlbedoG | AlbedoB);
@@ -342,7 +342,7 @@ fn images_read(args: &RenderArgs, own: &OutputSpec) -> ImagesRead {
     };
     match args.output.is_some() || own.color.is_some() || args.check || in_channels {
         true => ImagesRead::All,
-        false => ImagesRead::Cutting,
+        false => ImagesRead::Masks,
     }
 }
 
