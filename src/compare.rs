@@ -16,21 +16,21 @@ pub use quantiles::{Measure, Quantiles};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     pub pixels: u64,
-    /// The channels that both frames have, which is all that was compared.
+    /// The channels that both frames have. Only these are compared.
     pub channels: Vec<&'static str>,
     /// Pixels with different triangle ids, hit against miss included.
     pub wrong_triangle: Option<u64>,
-    /// Pixels that only one of the two frames hits, by the first of triangle.id, t, Z, object.id, material.id and piece.id that both
-    /// have.
+    /// Pixels where only one of the two frames hits something, by the first of triangle.id, t, Z, object.id, material.id and piece.id
+    /// that both have.
     pub wrong_hit_miss: Option<u64>,
     /// Wrong-triangle pixels among the safe ones.
     pub wrong_safe: Option<u64>,
     pub unsafe_pixels: Option<u64>,
     /// `unsafe_pixels / pixels`.
     pub unsafe_share: Option<f64>,
-    /// The pixels over which t, Z and bary are compared.
+    /// The pixels where t and Z are compared.
     pub where_both_hit: Option<Matched>,
-    /// |ta - tb| / max(|tb|, scale) there.
+    /// |ta - tb| / max(|tb|, scale) in these pixels.
     pub t_relative: Option<Quantiles>,
     /// The same of Z, with scale * |D| for scale.
     pub z_relative: Option<Quantiles>,
@@ -41,27 +41,27 @@ pub struct Comparison {
     pub identical: Option<bool>,
     /// Largest error of a barycentric weight where both frames hit the same triangle.
     pub bary_max: Option<Measure>,
-    /// What all other channels differ by.
+    /// The differences of all other channels.
     pub others: Vec<Difference>,
 }
 
-/// Which pixels are compared in depth.
+/// The pixels where depth is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Matched {
     /// Both frames hit the same triangle.
     SameTriangle,
-    /// Both frames hit something: one of them does not say which triangle.
+    /// Both frames hit something; at least one of them has no triangle ids.
     BothHit,
 }
 
-/// How one channel differs, over all pixels.
+/// The difference of one channel over all pixels.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Difference {
     pub channel: &'static str,
-    /// Pixels whose values are not equal; NaN equals nothing.
+    /// Pixels with different values; NaN is different from every value.
     pub pixels: u64,
-    /// The largest difference; `None` of whole numbers.
+    /// The largest difference; `None` for ids.
     pub max: Option<Measure>,
 }
 
@@ -120,7 +120,7 @@ fn common(a: &Frame, b: &Frame) -> Result<Vec<Channel>> {
     Ok(both)
 }
 
-/// A channel whose error stands in a [`Comparison`] by itself.
+/// Whether a [`Comparison`] has a field for the error of this channel.
 fn is_measured(channel: Channel, has_colour: bool, has_triangles: bool) -> bool {
     match channel {
         Channel::R | Channel::G | Channel::B => has_colour,
@@ -172,7 +172,7 @@ type Hits<'a> = Box<dyn Fn(usize) -> bool + 'a>;
 
 /// Whether each frame hits something at a pixel, by the first channel of both that tells.
 fn hits<'a>(a: &'a Frame, b: &'a Frame) -> Option<(Hits<'a>, Hits<'a>)> {
-    // a mirror's piece is there where nothing is hit too
+    // piece.id last: with a mirror, a pixel has a piece even if its ray hits nothing
     let telling =
         [Channel::TriangleId, Channel::T, Channel::Z, Channel::ObjectId, Channel::MaterialId, Channel::PieceId];
     telling.into_iter().find_map(|channel| {

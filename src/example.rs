@@ -31,13 +31,13 @@ pub enum Part {
 }
 
 impl Part {
-    /// What a file of it holds.
+    /// The content of its file.
     pub fn bytes(&self) -> Vec<u8> {
         match self {
             Part::Text(text) => text.clone().into_bytes(),
             Part::Numbers { shape, numbers } => {
                 let mut bytes = Vec::new();
-                // memory refuses nothing
+                // writing to a vector does not fail, and the numbers fill the shape
                 let _ = put_npy_f64(&mut bytes, shape, numbers);
                 bytes
             }
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn the_surrounded_walker_stays_in_one_piece_at_any_size() {
+    fn the_rays_of_surround_are_continuous_at_any_size() {
         let dir = tempfile::tempdir().unwrap();
         let path = EXAMPLES.iter().find(|e| e.name == "surround").unwrap().write(dir.path()).unwrap();
         for (width, height) in [(800, 400), (800, 600), (300, 500)] {
@@ -176,7 +176,7 @@ mod tests {
                 let (i, j) = (x.floor(), y.floor());
                 camera.with_sample_offset(x - i - 0.5, y - j - 0.5).ray(i as u32, j as u32).unwrap()
             };
-            // of 20 x 10 cells those of the sides: on either side of a border between two, rays are the same
+            // the image has 20 x 10 cells; rows 0 and 9 are the caps; rays on both sides of a border between cells are the same
             let cell = glam::DVec2::new(f64::from(width) / 20.0, f64::from(height) / 10.0);
             let apart = |a: glam::DVec2, b: glam::DVec2| (ray(a.x, a.y).origin - ray(b.x, b.y).origin).length();
             for (column, row) in (1..20).flat_map(|c| (1..9).map(move |r| (f64::from(c), f64::from(r)))) {
@@ -185,7 +185,7 @@ mod tests {
                 let below = cell * glam::DVec2::new(column - 0.4, row);
                 for (place, across) in [(beside, glam::DVec2::X), (below, glam::DVec2::Y)] {
                     let gap = apart(place - step * across, place + step * across);
-                    // a cell is some 0.3 wide
+                    // cells are about 0.3 wide, and a step crosses 2e-6 px
                     assert!(gap < 1e-6, "{width} x {height}: {gap} at {place}");
                 }
             }
@@ -206,7 +206,7 @@ mod tests {
             let says = example.figure.is_some() || camera.optics.is_some() || scene.style.borders.is_some();
             assert!(camera.notes.is_empty() || says, "{}: {:?}", example.name, camera.notes);
             assert!(camera.ray(camera.width / 2, camera.height / 2).is_some(), "{}", example.name);
-            // of views side by side no ray crosses another
+            // no rays of different views cross
             let crosses = camera.kind == "top_down" && camera.notes.iter().any(|note| note.contains("cross"));
             assert!(!crosses, "{}: {:?}", example.name, camera.notes);
         }

@@ -40,7 +40,7 @@ pub enum Channel {
     /// Texture coordinates of the hit; 0 where nothing is hit, or what has none.
     TextureU,
     TextureV,
-    /// The object and the material of the triangle, as [`crate::scene::labels::Labels`] counts them.
+    /// The number of the triangle's object or material: see [`crate::scene::labels::Labels`].
     ObjectId,
     MaterialId,
 }
@@ -89,14 +89,14 @@ impl Channel {
         Channel::ALL.into_iter().filter(|c| *c != Channel::MirrorId || camera.optics.is_some()).collect()
     }
 
-    /// All that a pixel sees of this scene through this camera, and what that is like. What is proven is asked for by name.
+    /// Every channel that this scene and camera have, except `certified`, which is requested by name.
     pub fn of_scene(scene: &Scene, camera: &Camera) -> Vec<Channel> {
-        let is_told = |c: &Channel| match c {
+        let is_available = |c: &Channel| match c {
             Channel::Certified => false,
             Channel::TextureU | Channel::TextureV => !scene.mesh.corner_uvs.is_empty(),
             _ => true,
         };
-        Channel::of(camera).into_iter().chain(Channel::MORE.into_iter().filter(is_told)).collect()
+        Channel::of(camera).into_iter().chain(Channel::MORE.into_iter().filter(is_available)).collect()
     }
 
     /// The name in an EXR file and on the command line.
@@ -136,7 +136,7 @@ impl Channel {
             || self.is_label()
     }
 
-    /// It follows from the triangle id alone.
+    /// It is a function of the triangle id: see [`crate::scene::labels`].
     pub fn is_label(self) -> bool {
         matches!(self, Channel::ObjectId | Channel::MaterialId)
     }

@@ -21,21 +21,21 @@ pub struct Inputs {
 /// When a file was last written, and its bytes; `None` of one that is not there.
 pub type Stamp = Option<(SystemTime, u64)>;
 
-/// Bytes that are read from a pipe at most.
+/// Most bytes that are read from a pipe: far more than any scene has.
 const PIPE_MAX: u64 = 1 << 30;
 
 /// The bytes of a file.
 ///
 /// # Errors
-/// Where it cannot be read, or is no regular file: devices may have no end, and pipes nobody who writes to them.
+/// If it cannot be read, or is not a regular file: a device may have no end, and a pipe no writer.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path)?.read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
-/// The bytes of a file, or of a pipe that the program was started with: `/dev/stdin`, or `/dev/fd/N`, which is what a shell
-/// makes of `<(command)`.
+/// The bytes of a file, or of a pipe that the program was started with: `/dev/stdin`, or `/dev/fd/N`, as a shell passes for
+/// `<(command)`.
 ///
 /// # Errors
 /// Those of [`read`], and 1 GiB or more from a pipe.
@@ -47,9 +47,7 @@ pub fn read_or_pipe(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(PIPE_MAX).read_to_end(&mut bytes)?;
     match bytes.len() as u64 {
-        PIPE_MAX => {
-            Err(io::Error::other("the pipe gives 1 GiB or more, which is more than is read of one; use a file"))
-        }
+        PIPE_MAX => Err(io::Error::other("the pipe holds 1 GiB or more, which is too much for a pipe; use a file")),
         _ => Ok(bytes),
     }
 }
@@ -75,7 +73,7 @@ pub fn open(path: &Path) -> io::Result<File> {
     Err(io::Error::other(what))
 }
 
-/// One of the program's own open files, and a pipe: somebody writes to it, or has, and it has an end.
+/// A pipe that the program was started with. Unlike a named pipe it has a writer, so reading it ends.
 fn is_own_pipe(path: &Path) -> bool {
     #[cfg(unix)]
     let is_pipe = |found: fs::Metadata| std::os::unix::fs::FileTypeExt::is_fifo(&found.file_type());
@@ -154,17 +152,17 @@ mod tests {
         assert_eq!(noted(|| ()).1, Inputs::default());
     }
 
-    /// As many as a large scene may have: looking each up among all others would take minutes.
+    /// In quadratic time this would take minutes.
     #[test]
-    fn many_files_are_noted_in_little_time() {
+    fn many_files_are_noted_in_linear_time() {
         let ((), found) = noted(|| (0..200_000).for_each(|k| note(&PathBuf::from(format!("no/such/{}", k % 100_000)))));
         assert_eq!(found.files().count(), 100_000);
     }
 
-    /// None of these is opened: a pipe that nobody writes to would be waited for.
+    /// None of these is opened: opening a pipe without a writer would hang.
     #[cfg(unix)]
     #[test]
-    fn what_is_no_regular_file_is_refused() {
+    fn only_regular_files_are_read() {
         let dir = tempfile::tempdir().unwrap();
         let pipe = dir.path().join("pipe");
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());

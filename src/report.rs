@@ -43,7 +43,7 @@ pub struct StagePasses {
     pub passes: u32,
 }
 
-/// How many items the stages took in a frame, or in all frames whose mean is the picture; see [`Counts`].
+/// How many items the stages processed in a frame, or in all frames whose mean is the picture; see [`Counts`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Operations {
     pub cull_items: u64,
@@ -84,22 +84,22 @@ pub struct Report {
     pub stages: Vec<StageMs>,
     /// Compute and render passes of a frame.
     pub passes: Option<u32>,
-    /// The same by stage.
+    /// The passes of each stage.
     pub stage_passes: Vec<StagePasses>,
-    /// What the stages of a frame took and left.
+    /// The items that the stages processed.
     pub operations: Option<Operations>,
     pub pairs_tested: Option<u64>,
     pub pairs_kept: Option<u64>,
     pub fragments_tested: Option<u64>,
     pub fragments_kept: Option<u64>,
-    /// Of the tested fragments those whose signs f32 did not prove.
+    /// Tested fragments whose signs f32 did not prove.
     pub rechecked: Option<u64>,
-    /// Their share.
+    /// Their share of `fragments_tested`.
     pub rechecked_share: Option<f64>,
     /// Device memory held.
     pub bytes: Option<u64>,
     pub left_out: Vec<LeftOut>,
-    /// What was asked of the camera and is not to be had in this scene.
+    /// What the camera's keys ask for and this scene does not allow.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unmet: Vec<String>,
     /// How many times lists had to grow.

@@ -166,7 +166,7 @@ fn frame_of_nothing() -> Frame {
 }
 
 #[test]
-fn depth_is_compared_where_no_ids_are() {
+fn depth_is_compared_without_ids() {
     let mut near = frame();
     (0..PIXELS).for_each(|i| set(&mut near, Channel::Z, i, if i < 40 { f32::INFINITY } else { 5.0 }));
     let mut far = frame();
@@ -174,7 +174,7 @@ fn depth_is_compared_where_no_ids_are() {
     let z = [Channel::Z, Channel::R];
     let got = compare(&only(near, &z), &only(far, &z), None, None).unwrap();
     assert_eq!(got.channels, ["R", "Z"]);
-    // 20 pixels are hit in one alone, and the others are 45 of 50 too near
+    // 20 pixels are hit in one frame only; the depth of the others is 5 instead of 50
     assert_eq!((got.wrong_triangle, got.wrong_hit_miss), (None, Some(20)));
     assert_eq!((got.where_both_hit, max(got.z_relative)), (Some(Matched::BothHit), 0.9));
     let text = got.to_string();
@@ -207,7 +207,7 @@ fn every_channel_that_both_have_is_compared() {
         assert!(max == largest || (max.unwrap() - largest.unwrap()).abs() < 1e-6, "{max:?}");
         assert!(got.to_string().contains(&format!("{} differs in 1", channel.name())), "{got}");
     }
-    // a part of the colour, or weights without the triangles that they are of, are compared as any other channel
+    // single colour channels, and weights without triangle ids, are compared as any other channel
     for channel in [Channel::G, Channel::BaryU] {
         let mut a = frame();
         set(&mut a, channel, MISS, 0.25);
