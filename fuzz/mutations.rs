@@ -1,10 +1,10 @@
-//! Changes of files: those at random that parsers stumble over, and those that once found something.
+//! Random mutations of files, of kinds that break parsers or once found a defect.
 
 #![allow(dead_code)]
 
 use std::path::Path;
 
-/// Every file of a folder of `fuzz/corpus`: what to begin with, and each case that once failed.
+/// The files of a folder of `fuzz/corpus`: files to start from, and cases that once failed.
 pub fn corpus(target: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target);
     let mut paths: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -13,7 +13,7 @@ pub fn corpus(target: &str) -> Vec<Vec<u8>> {
     paths.iter().map(|path| std::fs::read(path).unwrap()).collect()
 }
 
-/// What parsers stumble over.
+/// Tokens that break parsers.
 const TOKENS: [&[u8]; 24] = [
     b"nan",
     b"inf",
@@ -41,7 +41,7 @@ const TOKENS: [&[u8]; 24] = [
     b"/",
 ];
 
-/// In a number's place: what is far, near, many, or at the ends of ranges.
+/// Replacements of numbers: large, small, and at the ends of ranges.
 const NUMBERS: [&[u8]; 18] = [
     b"1e200",
     b"-1e200",
@@ -63,8 +63,8 @@ const NUMBERS: [&[u8]; 18] = [
     b"1e15",
 ];
 
-/// In a name's place: files that never end, wait, are no file, lie elsewhere, and names that a terminal obeys. `fifo` is a pipe that
-/// nobody writes to, where there is one beside the file.
+/// Replacements of names: endless files, files that block, folders, files elsewhere, and names with control characters. `fifo` may be a pipe
+/// without a writer beside the file.
 pub const NAMES: [&[u8]; 12] = [
     b"/dev/zero",
     b"/dev/null",
@@ -92,15 +92,15 @@ impl Rng {
     }
 }
 
-/// Of what a mutation may name files.
+/// Whether quoted names are replaced by [`NAMES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Names {
-    AsTheyAre,
-    Special,
+    Kept,
+    Replaced,
 }
 
-/// One to four changes: a byte, a token, a part left out, twice, or of another text; a number or a name that once found something;
-/// brackets in brackets, a long line, a line many times over.
+/// One of the files with one to four mutations: a byte or token changed or inserted, a part removed, repeated or taken from another file, a
+/// number or name replaced, brackets nested, a line made long or repeated.
 pub fn changed(all: &[Vec<u8>], names: Names, rng: &mut Rng) -> Vec<u8> {
     let mut text = all[rng.below(all.len())].clone();
     for _ in 0..1 + rng.below(4) {
@@ -116,7 +116,7 @@ pub fn changed(all: &[Vec<u8>], names: Names, rng: &mut Rng) -> Vec<u8> {
                 drop(text.splice(at..at, part));
             }
             5..=7 => replace_number(&mut text, at, NUMBERS[rng.below(NUMBERS.len())]),
-            8 if names == Names::Special => replace_quoted(&mut text, at, NAMES[rng.below(NAMES.len())]),
+            8 if names == Names::Replaced => replace_quoted(&mut text, at, NAMES[rng.below(NAMES.len())]),
             9 => nest(&mut text, at, rng),
             10 => {
                 let long = [b"x", b" ", b"9", b"/"][rng.below(4)].repeat(1 << (6 + rng.below(11)));
@@ -138,14 +138,14 @@ fn is_of_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'.'
 }
 
-/// The word at a place by another.
+/// Replaces the word at a position.
 fn replace_word(text: &mut Vec<u8>, at: usize, by: &[u8]) {
     let from = text[..at].iter().rposition(|b| !is_of_word(*b)).map_or(0, |k| k + 1);
     let to = text[at..].iter().position(|b| !is_of_word(*b)).map_or(text.len(), |k| at + k);
     drop(text.splice(from..to, by.iter().copied()));
 }
 
-/// The next number by another.
+/// Replaces the next number.
 fn replace_number(text: &mut Vec<u8>, at: usize, by: &[u8]) {
     let is_first = |k: &usize| text[*k].is_ascii_digit() && (*k == 0 || !is_of_word(text[*k - 1]));
     if let Some(from) = (at..text.len()).find(is_first).or_else(|| (0..text.len()).find(is_first)) {
@@ -153,7 +153,7 @@ fn replace_number(text: &mut Vec<u8>, at: usize, by: &[u8]) {
     }
 }
 
-/// The next text in quotes by another.
+/// Replaces the next quoted text.
 fn replace_quoted(text: &mut Vec<u8>, at: usize, by: &[u8]) {
     let quotes: Vec<usize> = (0..text.len()).filter(|k| text[*k] == b'"').collect();
     let n = quotes.iter().position(|k| *k >= at).unwrap_or(0) & !1;
@@ -162,7 +162,7 @@ fn replace_quoted(text: &mut Vec<u8>, at: usize, by: &[u8]) {
     }
 }
 
-/// Opening brackets of one kind, and as many closing ones, or none.
+/// Inserts opening brackets of one kind, and as many closing ones or none.
 fn nest(text: &mut Vec<u8>, at: usize, rng: &mut Rng) {
     let (open, close) =
         [(&b"["[..], &b"]"[..]), (b"{a = ", b"}"), (b"{\"a\":", b"}"), (b"(", b")"), (b"a.", b"")][rng.below(5)];

@@ -22,10 +22,10 @@ use glam::DVec3;
 /// Of `frame`'s pictures.
 const SIZE: (u32, u32) = (16, 16);
 
-/// Memory that a case may take: a built-in mesh of some million triangles.
+/// Memory limit: enough for a mesh of some million triangles.
 const BYTES: u64 = 1 << 30;
 
-/// Larger meshes are refused, whatever this machine has; before the first case.
+/// Sets the memory limit, so that the outcome does not depend on the free memory. To be called before the first case.
 pub fn grant_memory() {
     anamorph::limits::memory::grant(BYTES);
 }
@@ -33,7 +33,7 @@ pub fn grant_memory() {
 fn check_refused(error: &Error) {
     let text = error.to_string();
     assert!(!text.is_empty() && !text.contains('\n'), "{text:?}");
-    // what does not fit the memory is no fault of the file
+    // too little memory is not an error of the input
     let code = if text.contains("--memory") { 1 } else { 2 };
     assert_eq!(error.exit_code(), code, "{text}");
 }
@@ -62,7 +62,7 @@ pub fn gltf(data: &[u8]) {
     read(name, data, |path| gltf::load(path, gltf::Files::Below, &Images::default()));
 }
 
-/// A height image: a TIFF or a PNG where it begins as one, else text.
+/// A height image: a TIFF or a PNG if it begins like one, or else an ASCII grid.
 pub fn heights(data: &[u8]) {
     let name = match data {
         [b'I', b'I', ..] | [b'M', b'M', ..] => "dem.tif",
@@ -72,7 +72,7 @@ pub fn heights(data: &[u8]) {
     read(name, data, |path| heights::load(&HeightSpec { file: path.into(), height_scale: 1.0, cell: None }));
 }
 
-/// A library of materials, of an OBJ that names it.
+/// A material library, read through an OBJ that names it.
 pub fn mtl(data: &[u8]) {
     let obj = b"mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
     read("m.mtl", data, |path| {
@@ -82,7 +82,7 @@ pub fn mtl(data: &[u8]) {
     });
 }
 
-/// An array in each of its uses.
+/// An array, read by all readers of arrays.
 pub fn npy(data: &[u8]) {
     read("a.npy", data, output::read_vectors);
     read("a.npy", data, output::read_pairs);
@@ -90,7 +90,7 @@ pub fn npy(data: &[u8]) {
     read("a.npy", data, output::read_npy_rows::<3>);
 }
 
-/// The calibration of a lens, and the camera by it.
+/// The calibration of a lens, and the camera made from it.
 pub fn yaml(data: &[u8]) {
     read("lens.yml", data, |path| {
         let scene = path.with_file_name("scene.toml");

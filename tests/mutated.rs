@@ -1,7 +1,7 @@
-//! Mutated files given to the program: every run ends in time with exit code 0, 1 or 2, without a signal or a panic; an error is one line;
-//! outputs are complete, and no other files are left.
+//! Runs the program on mutated files: every run ends in time with exit code 0, 1 or 2, without a signal or a panic. An error is one line. Outputs
+//! are whole, and no other files are left.
 //!
-//! `ANAMORPH_FUZZ=20000 cargo test --test mutated` runs that many cases; those that fail are kept in `target/tmp/mutated`.
+//! `ANAMORPH_FUZZ=20000 cargo test --test mutated` runs 20,000 mutations. Cases that fail are kept in `target/tmp/mutated`.
 
 #[path = "../fuzz/mutations.rs"]
 mod mutations;
@@ -13,20 +13,20 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Most time of a run at 64 x 48.
+/// Most time of a run, at 64 x 48 pixels.
 const MOST: Duration = Duration::from_secs(20);
 
-/// Address space of a run, KiB: one that needs more runs out of memory without taking it from the others.
+/// Limit of the address space of a run in KiB: a run cannot take the memory of the others, and out-of-memory is tested.
 const ADDRESSES_KIB: u64 = 4_000_000;
 
-/// One run in this many renders on the adapter, which is slow to open; the others use the reference.
+/// One run in so many renders on the adapter, which is slow to open. The others use the reference.
 const COMPUTE: usize = 16;
 
 fn rounds() -> usize {
     std::env::var("ANAMORPH_FUZZ").ok().and_then(|n| n.parse().ok()).unwrap_or(48)
 }
 
-/// A kind of file: its corpus, its name, the scene around it, and the command that reads it.
+/// A kind of file: the folder of its corpus, its name, the scene that reads it, and the command.
 struct Target {
     corpus: &'static str,
     file: &'static str,
@@ -70,16 +70,16 @@ const TARGETS: [Target; 9] = [
     },
 ];
 
-/// The job list of the manifests.
+/// The list of the manifests in the corpus.
 const LIST: &str = "[[job]]\nscene = \"scene.toml\"\ncolor = \"a-{frame}.png\"\nframes = { last = 1 }\nsize = \"16x12\"\nengine = \"reference\"\n";
 
-/// Writes a case into a folder deep inside `dir`, so that `..` does not leave `dir`. Returns the folder and the command line.
+/// Writes a case to a folder three levels below `dir`, so that paths with `..` stay in `dir`. Returns the folder and the command line.
 fn lay_out(dir: &Path, target: &Target, data: &[u8]) -> (PathBuf, Vec<String>) {
     let folder = dir.join("a/b/c");
     std::fs::create_dir_all(&folder).unwrap();
     let write = |name: &str, text: &[u8]| std::fs::write(folder.join(name), text).unwrap();
     let camera = if target.scene.contains("[camera]") { "" } else { PINHOLE };
-    // a ray map and a lens bring their sizes
+    // a ray map and a lens have sizes of their own
     let size = if target.args == CAMERA { "" } else { "[image]\nwidth = 64\nheight = 48\n" };
     write("scene.toml", format!("{size}{}{camera}", target.scene).as_bytes());
     write("of_m.obj", b"mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
@@ -117,7 +117,7 @@ fn lay_out(dir: &Path, target: &Target, data: &[u8]) -> (PathBuf, Vec<String>) {
     (folder, args.collect())
 }
 
-/// Runs the program; `None`: not within `most`.
+/// Runs the program; `None` if it takes longer than `most`.
 fn run(folder: &Path, args: &[String], most: Duration) -> Option<Output> {
     let program = env!("CARGO_BIN_EXE_anamorph");
     let mut command = Command::new(if cfg!(unix) { "sh" } else { program });
@@ -149,7 +149,7 @@ fn run(folder: &Path, args: &[String], most: Duration) -> Option<Output> {
     }
 }
 
-/// What is wrong with a run, if anything.
+/// What is wrong with a run; `None` if nothing is.
 fn fault(folder: &Path, args: &[String], output: Option<Output>) -> Option<String> {
     let Some(output) = output else { return Some(format!("not done within {MOST:?}")) };
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -158,7 +158,7 @@ fn fault(folder: &Path, args: &[String], output: Option<Output>) -> Option<Strin
         return Some(said);
     }
     let is_batch = args[0] == "batch";
-    // a batch prints a line for each frame that fails or is redone
+    // a batch prints a line for each frame that fails
     let lines = said.lines().count();
     if code != 0 && !is_batch && (lines != 1 || !said.starts_with("error: ")) {
         return Some(format!("exit code {code} with {lines} lines: {said}"));
@@ -187,7 +187,7 @@ fn fault(folder: &Path, args: &[String], output: Option<Output>) -> Option<Strin
     None
 }
 
-/// Runs a case. One that is too slow runs again, such second runs one at a time, since the machine may be busy.
+/// Runs a case and returns its fault. A case that takes too long is run again, one at a time, in case the machine was busy.
 fn judge(target: &Target, data: &[u8], on_adapter: bool, alone: &Mutex<()>) -> Option<String> {
     for attempt in 0..2 {
         let dir = tempfile::tempdir().unwrap();
@@ -213,7 +213,7 @@ fn keep(target: &Target, k: usize, data: &[u8]) -> PathBuf {
     path
 }
 
-/// Runs all cases on all processors; keeps and names those that fail.
+/// Runs all cases on all processors. Those that fail are kept, and named at the end.
 fn run_all(cases: usize, case: impl Fn(usize) -> (usize, Vec<u8>) + Sync) {
     let (next, alone, faults) = (AtomicUsize::new(0), Mutex::new(()), Mutex::new(Vec::new()));
     let work = || {
@@ -238,7 +238,7 @@ fn run_all(cases: usize, case: impl Fn(usize) -> (usize, Vec<u8>) + Sync) {
 }
 
 #[test]
-fn the_corpus_is_refused_or_rendered() {
+fn cases_that_once_failed_pass() {
     let all: Vec<(usize, Vec<u8>)> =
         (0..TARGETS.len()).flat_map(|n| corpus(TARGETS[n].corpus).into_iter().map(move |data| (n, data))).collect();
     run_all(all.len(), |k| all[k].clone());
@@ -250,6 +250,6 @@ fn mutated_files_are_refused_or_rendered() {
     run_all(rounds(), |k| {
         let mut rng = Rng(k as u64 ^ 0x5eed);
         let n = rng.below(TARGETS.len());
-        (n, changed(&all[n], Names::Special, &mut rng))
+        (n, changed(&all[n], Names::Replaced, &mut rng))
     });
 }
