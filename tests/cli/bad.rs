@@ -144,7 +144,7 @@ fn wrong_scenes() {
         (pinhole("eye = [0, 0, 1e-200]\ntarget = [0, 0, 0]\nvfov = 40"), "eye and target are too close together"),
         (
             camera("kind = \"lidar\"\nfile = \"rays.npy\"\nbeams = [15, 0]"),
-            "beams is of a scanner, and file is a list of its rays; leave one of them out",
+            "beams describes a scanner, and file lists rays; leave one of the two out",
         ),
         (pinhole("eye = [0, 5, 0]\ntarget = [0, 0, 0]\nvfov = 40"), "parallel"),
         (pinhole("eye = [0, 0, 5]\ntarget = [0, 0, 0]\nup = [0, 0, 0]\nvfov = 40"), "up is zero"),
@@ -244,7 +244,7 @@ fn outputs_that_cannot_be_written() {
     }
     place.refuses(&["example", "pinhole", "--out", "scene.toml"], 1, "scene.toml");
     place.write("pinhole.toml", "mine");
-    place.refuses(&["example", "pinhole"], 1, "another text");
+    place.refuses(&["example", "pinhole"], 1, "other content");
 }
 
 #[cfg(target_os = "linux")]

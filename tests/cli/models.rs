@@ -108,13 +108,15 @@ fn a_smooth_octahedron_has_the_normals_of_a_sphere() {
     let mut hits = 0;
     for k in 0..normal[0].len() {
         let [n, p] = [&normal, &point].map(|v| glam::Vec3::new(v[0][k], v[1][k], v[2][k]));
-        if n.is_finite() {
+        // zero where nothing is hit
+        if n != glam::Vec3::ZERO {
             hits += 1;
             // f32 rounds the stored hit and normal by 2^-24 each, and the hit's length by as much
             assert!((n - p.normalize()).length() < 8.0 * f32::EPSILON, "{k}: {n} at {p}");
         }
     }
-    assert!(hits > 100);
+    // the silhouette of an octahedron is at least 3^(1/2) units^2, some 50 px here
+    assert!(hits > 40, "{hits}");
 }
 
 #[test]
