@@ -243,7 +243,7 @@ fn errors_near_and_far_from_the_horizon(engine: &mut Engine, ball: &Scene, keys:
         let at = |n: u32| ((FINE * j + n / FINE) * FINE * SIZE.0 + FINE * i + n % FINE) as usize;
         let sum = |plane: &[f32]| (0..FINE * FINE).map(|n| f64::from(plane[at(n)])).sum::<f64>();
         let error = (f64::from(seen.f32(Channel::AlbedoR).unwrap()[k]) - sum(albedo) / sum(covered)).abs();
-        if cosine < 0.1 || cosine > 0.4 {
+        if !(0.1..=0.4).contains(&cosine) {
             errors[usize::from(cosine > 0.4)].push(error);
         }
     }
