@@ -82,6 +82,12 @@ fn gray_pngs_are_heights() {
     assert!([samples[0], samples[1], samples[3]] == [1.0, 2.0, 4.0] && samples[2].is_nan());
     image::RgbImage::new(2, 2).save(&path).unwrap();
     assert!(read(&path).unwrap_err().to_string().contains("is in colour"));
+    // a decoder would turn heights of 0 to 15 into 0 to 255
+    let mut encoder = png::Encoder::new(std::fs::File::create(&path).unwrap(), 2, 2);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Four);
+    encoder.write_header().unwrap().write_image_data(&[0x12, 0x3f]).unwrap();
+    assert!(read(&path).unwrap_err().to_string().contains("fewer than 8 bits"));
     std::fs::write(&path, "P5").unwrap();
     assert!(read(&path).unwrap_err().to_string().contains("no PNG"));
 }
