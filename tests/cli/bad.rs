@@ -144,7 +144,7 @@ fn wrong_scenes() {
         (pinhole("eye = [0, 0, 1e-200]\ntarget = [0, 0, 0]\nvfov = 40"), "eye and target are too close together"),
         (
             camera("kind = \"lidar\"\nfile = \"rays.npy\"\nbeams = [15, 0]"),
-            "beams describes a scanner, and file lists rays; leave one of the two out",
+            "beams describes a scanner, but file lists the rays; leave one of the two out",
         ),
         (pinhole("eye = [0, 5, 0]\ntarget = [0, 0, 0]\nvfov = 40"), "parallel"),
         (pinhole("eye = [0, 0, 5]\ntarget = [0, 0, 0]\nup = [0, 0, 0]\nvfov = 40"), "up is zero"),

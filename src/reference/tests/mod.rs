@@ -26,9 +26,10 @@ fn ray(p: DVec3, d: DVec3) -> Bundle {
 /// Every visible hit of the central ray, any order: no hierarchy.
 fn all_hits(mesh: &Mesh, b: &Bundle, t_range: [f64; 2]) -> Vec<Hit> {
     let Some(b) = upright(b) else { return Vec::new() };
+    let aim = Aim::new(b, scene_size(mesh.bounds()));
     let hit = |(k, t): (usize, &[u32; 3])| {
         let corners = Corners::new(t.map(|i| mesh.positions[i as usize]));
-        let m = meet(&Aim::new(b, scene_size(mesh.bounds())), &corners)?;
+        let m = meet(&aim, &corners)?;
         let seen = mesh.materials[mesh.material_of[k] as usize].two_sided || m.sign < 0;
         let inside = !corners.is_degenerate() && seen && t_range[0] <= m.t && m.t <= t_range[1];
         inside.then_some(Hit { t: m.t, triangle: k as u32, bary: m.bary })
