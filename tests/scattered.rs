@@ -49,7 +49,7 @@ fn scattered_rays_see_the_same_without_culling() {
         let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
         for (by, t_range) in [(DVec3::ZERO, FORWARD), (DVec3::new(300.0, -20.0, 7.0), ALL_T), (DVec3::X, [0.4, 1.1])] {
             let mesh = moved(things(5), by);
-            let camera = camera(&rays(&mesh, 61 * 47, &mut Rng(8)), (61, 47), t_range);
+            let camera = camera(&rays(&mesh, 41 * 31, &mut Rng(8)), (41, 31), t_range);
             let scene = scene(mesh);
             let [culled, all] = [false, true].map(|no_cull| {
                 let run = RunOptions { no_cull, ..Default::default() };
