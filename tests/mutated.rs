@@ -152,7 +152,9 @@ fn run(folder: &Path, args: &[String], most: Duration) -> Option<Output> {
 /// What is wrong with a run; `None` if nothing is.
 fn fault(folder: &Path, args: &[String], output: Option<Output>) -> Option<String> {
     let Some(output) = output else { return Some(format!("not done within {MOST:?}")) };
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    // long work prints lines of progress too
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    let said = stderr.lines().filter(|line| !line.starts_with("progress: ")).collect::<Vec<_>>().join("\n");
     let Some(code @ 0..=2) = output.status.code() else { return Some(format!("{}: {said}", output.status)) };
     if ["panicked", "internal error", "backtrace", "stack overflow"].iter().any(|word| said.contains(word)) {
         return Some(said);
