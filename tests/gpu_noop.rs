@@ -8,6 +8,7 @@ use anamorph::gpu::kernels::{Access, Binding, Kernel, Variant};
 use anamorph::gpu::rows::LANES;
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::stage::Stages;
+use rayon::prelude::*;
 use wgpu::Features;
 
 /// wgpu's defaults (128 MiB bindings, 65,535 workgroups a side) and as many storage buffers as the kernels bind.
@@ -73,14 +74,14 @@ fn no_int64_leaves_the_64_bit_atomics_closed() {
 
 #[test]
 fn every_pipeline_builds_with_the_features_of_its_variant_alone() {
-    for (features, f64, atomics64) in feature_sets() {
+    feature_sets().into_par_iter().for_each(|(features, f64, atomics64)| {
         let gpu = open(features, limits(), &GpuOptions::default()).unwrap();
         // f64 that the adapter has not is done in 32-bit words
         for variant in [true, f64].into_iter().flat_map(|f64| Variant::every(f64, atomics64)) {
             Stages::new(&gpu, variant, &Channel::every().collect::<Vec<_>>()).unwrap();
             gpu.failure().unwrap_or_else(|e| panic!("{features:?} {variant:?}: {e}"));
         }
-    }
+    });
 }
 
 #[test]
