@@ -9,7 +9,7 @@ mod geotiff;
 use super::mesh::{Material, Mesh, check_memory};
 use crate::error::{Error, Result};
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageReader};
+use image::{DynamicImage, ImageReader};
 use rayon::prelude::*;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -210,15 +210,16 @@ fn check_sides(columns: u64, rows: u64) -> std::result::Result<(), String> {
 /// A gray PNG of 8 or 16 bits. Fully transparent samples have no data.
 fn read_png(bytes: &[u8]) -> std::result::Result<Grid, String> {
     let wrong = |e: &dyn std::fmt::Display| format!("is no PNG that can be read: {e}");
-    let reader = ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png);
-    let decoder = reader.into_decoder().map_err(|e| wrong(&e))?;
-    let (columns, rows) = decoder.dimensions();
+    let mut header = png::Decoder::new(Cursor::new(bytes));
+    let header = header.read_header_info().map_err(|e| wrong(&e))?;
+    let (columns, rows) = header.size();
     check_sides(columns.into(), rows.into())?;
     // decoding would scale these to 8 bits
-    if matches!(decoder.original_color_type(), ExtendedColorType::L1 | ExtendedColorType::L2 | ExtendedColorType::L4) {
+    if (header.bit_depth as u8) < 8 {
         return Err("has fewer than 8 bits a sample; a height image is a gray PNG of 8 or 16 bits".into());
     }
-    let samples: Vec<f64> = match DynamicImage::from_decoder(decoder).map_err(|e| wrong(&e))? {
+    let image = ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png).decode();
+    let samples: Vec<f64> = match image.map_err(|e| wrong(&e))? {
         DynamicImage::ImageLuma8(image) => image.into_raw().into_iter().map(f64::from).collect(),
         DynamicImage::ImageLuma16(image) => image.into_raw().into_iter().map(f64::from).collect(),
         DynamicImage::ImageLumaA8(image) => {
