@@ -1,7 +1,7 @@
 //! gather: the kernel against its twin, from the same bytes.
 
-mod common;
-
+use crate::common::needs::adapter;
+use crate::common::rng::Rng;
 use anamorph::frame::Channel;
 use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, read_words, readback};
@@ -10,8 +10,6 @@ use anamorph::gpu::rows::{Landing, NONE, Optic, Params, Receiver, Way};
 use anamorph::stage::gather::Gather;
 use anamorph::twin::gather::{gather, place, units};
 use bytemuck::Zeroable;
-use common::needs::adapter;
-use common::rng::Rng;
 use glam::DVec2;
 
 const WIDTH: u32 = 90;

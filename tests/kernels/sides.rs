@@ -1,14 +1,8 @@
 //! sides.wgsl: on which side of an edge a ray passes in the plane, against exact arithmetic.
 
-mod common;
-#[path = "common/exact.rs"]
-mod exact;
-#[path = "common/stages.rs"]
-mod stages;
-
+use crate::exact::{Dyadic, Rng};
+use crate::stages::Bench;
 use anamorph::twin::Real;
-use exact::{Dyadic, Rng};
-use stages::Bench;
 
 /// Reads two places as the words of f64, and writes which of two products is larger, the side of the edge either way round, and whether
 /// the ray is between three corners: these two and one opposite, and thrice the first, one behind the other.
@@ -85,10 +79,11 @@ fn sides_are_exact() {
     let reals = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0);
     for real in reals {
         let arithmetic = match real {
-            Real::F64 => include_str!("../wgsl/shared/real_f64.wgsl"),
-            Real::F32 => include_str!("../wgsl/shared/real_f32.wgsl"),
+            Real::F64 => include_str!("../../wgsl/shared/real_f64.wgsl"),
+            Real::F32 => include_str!("../../wgsl/shared/real_f32.wgsl"),
         };
-        let shared = [include_str!("../wgsl/shared/bundle.wgsl"), include_str!("../wgsl/shared/sides.wgsl")].concat();
+        let shared =
+            [include_str!("../../wgsl/shared/bundle.wgsl"), include_str!("../../wgsl/shared/sides.wgsl")].concat();
         let edges = edges(real);
         let words: Vec<[u64; 4]> = edges.iter().map(|e| e.map(f64::to_bits)).collect();
         let found = bench.probe(&[arithmetic, &shared, PROBE].concat(), &words, 5);

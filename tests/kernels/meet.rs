@@ -1,18 +1,12 @@
 //! meet: the kernel against its twin, from the same bytes.
 
-mod common;
-#[path = "common/stages.rs"]
-mod stages;
-#[path = "common/turned.rs"]
-mod turned;
-
+use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
+use crate::turned::{cases, delicate, turns, variant};
 use anamorph::gpu::kernels::{OpticsKind, Variant};
 use anamorph::twin::meet::{meet, meetings};
 use anamorph::twin::quadric::HEIGHT_UNITS;
 use anamorph::twin::raster::Visibility;
 use anamorph::twin::{Input, Real, along, torus, wave};
-use stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
-use turned::{cases, delicate, turns, variant};
 
 /// Share of pixels that may be excused because the twin's own bound leaves them undecided: rays that pass a rim or touch
 /// a surface within rounding.

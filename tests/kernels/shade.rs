@@ -1,11 +1,7 @@
 //! shade: the kernel against its twin, from the same bytes.
 
-mod common;
-#[path = "common/stages.rs"]
-mod stages;
-#[path = "common/turned.rs"]
-mod turned;
-
+use crate::common::rng::Rng;
+use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, random_case, read, run, seeds, upload};
 use anamorph::engine::pages::PageStore;
 use anamorph::frame::Channel;
 use anamorph::gpu::kernels::Variant;
@@ -15,9 +11,7 @@ use anamorph::twin::cull::{Bound, cull};
 use anamorph::twin::raster::{Visibility, raster};
 use anamorph::twin::shade::{Pixel, shade, word};
 use anamorph::twin::{Input, Real};
-use common::rng::Rng;
 use glam::Vec2;
-use stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, random_case, read, run, seeds, upload};
 use std::collections::BTreeSet;
 
 /// Colour agrees this well in f32 where nothing is ill-conditioned: some 80 roundings of 2^-24. The twin's own bound is
@@ -46,7 +40,7 @@ fn run_kernel(
     planes: &[Channel],
 ) -> Vec<u32> {
     let textured = !input.uvs.is_empty();
-    let variant = Variant { textured, ..turned::variant(case, input, real, false) };
+    let variant = Variant { textured, ..crate::turned::variant(case, input, real, false) };
     let (gpu, stages) = bench.stages(variant, planes);
     let mut buffers = upload(gpu, input);
     if textured {
@@ -199,7 +193,7 @@ fn the_kernel_shades_what_its_twin_shades() {
 fn the_kernel_shades_what_optics_show() {
     let Some(mut bench) = Bench::open() else { return };
     let reals: Vec<Real> = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0).collect();
-    for case in turned::cases() {
+    for case in crate::turned::cases() {
         let tables = case.tables();
         for (band, &real) in (0..tables.plan.bands.len()).flat_map(|b| reals.iter().map(move |r| (b, r))) {
             tables.follow(&case.camera, band, real, |inputs, visibility| {

@@ -1,15 +1,13 @@
 //! deposit: the kernel against its twin, from the same bytes.
 
-mod common;
-
+use crate::common::needs::adapter;
+use crate::common::rng::Rng;
 use anamorph::caustics::shares::LINE_WIDTH;
 use anamorph::gpu::buffers::Buffers;
 use anamorph::gpu::kernels;
 use anamorph::gpu::rows::{Cast, Receiver};
 use anamorph::stage::deposit::{Casts, Deposit};
 use anamorph::twin::deposit::{corners, deposit};
-use common::needs::adapter;
-use common::rng::Rng;
 use glam::DVec2;
 
 const SIZES: [[u32; 2]; 3] = [[37, 21], [1, 1], [64, 90]];

@@ -1,11 +1,9 @@
 //! raster and recheck: the kernels against their twin, from the same bytes.
 
-mod common;
-#[path = "common/stages.rs"]
-mod stages;
-#[path = "common/turned.rs"]
-mod turned;
-
+use crate::common::rng::Rng;
+use crate::stages::{
+    Bench, Case, POISON, SPARE, assert_poisoned, cases, counters, list, random_case, read, run, seeds, upload,
+};
 use anamorph::TILE;
 use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::Buffers;
@@ -19,10 +17,6 @@ use anamorph::twin::cull::{Bound, cull};
 use anamorph::twin::raster::{Tested, Visibility, raster, test};
 use anamorph::twin::rays::Cast;
 use anamorph::twin::{Input, Real};
-use common::rng::Rng;
-use stages::{
-    Bench, Case, POISON, SPARE, assert_poisoned, cases, counters, list, random_case, read, run, seeds, upload,
-};
 
 /// Share of pixels that may be excused because the twin's own bound leaves them undecided.
 /// Measured: 0.0006 in f32, none in f64.
@@ -74,7 +68,7 @@ fn ways(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Way> {
 
 /// Draws the jobs of one band into one buffer, as the engine does: every job in each step.
 fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, jobs: &[Job]) -> Drawn {
-    let by_pair = turned::variant(case, &jobs[0].0, real, atomics64);
+    let by_pair = crate::turned::variant(case, &jobs[0].0, real, atomics64);
     let (gpu, stages) = bench.stages(if by_tile { by_pair.with_tiles() } else { by_pair }, &[]);
     let owned = [COUNT_FRAGMENTS_TESTED, COUNT_FRAGMENTS_KEPT, COUNT_RECHECKED, COUNT_DOUBTS, COUNT_PAIRS_KEPT];
     let pixels = (jobs[0].0.params.width * jobs[0].0.params.height) as usize;
@@ -241,15 +235,16 @@ fn the_kernel_draws_what_its_twin_draws() {
 fn the_kernel_draws_what_turned_rays_meet() {
     let Some(mut bench) = Bench::open() else { return };
     let mut rng = Rng(78);
-    for case in turned::cases() {
+    for case in crate::turned::cases() {
         let tables = case.tables();
         for band in 0..tables.plan.bands.len() {
             tables.follow(&case.camera, band, Real::F64, |inputs, _| {
-                if turned::turns(&inputs[0]) == 0 {
+                if crate::turned::turns(&inputs[0]) == 0 {
                     return;
                 }
                 let jobs = jobs_of(inputs.to_vec(), &mut rng);
-                let variants = ways(&bench, |real, atomics64| turned::variant(&case, &jobs[0].0, real, atomics64));
+                let variants =
+                    ways(&bench, |real, atomics64| crate::turned::variant(&case, &jobs[0].0, real, atomics64));
                 for way in variants {
                     let real = way.0;
                     let mut twin = Visibility::new((jobs[0].0.params.width * jobs[0].0.params.height) as usize);

@@ -1,8 +1,10 @@
 //! sift: the kernel against its twin from the same bytes, its lists against the tree in f64, and the tree against its own
 //! leaves, for cameras of every kind.
 
-mod common;
-
+use crate::common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
+use crate::common::projection::gpu;
+use crate::common::rng::Rng;
+use crate::common::{ALL_T, FORWARD, camera};
 use anamorph::camera::project::Projector;
 use anamorph::camera::project::tree::{INNER, Tree, WHOLE};
 use anamorph::camera::{Camera, Curve, CurveMap, Curves, Field, Ray, RayMap, Rays};
@@ -10,10 +12,6 @@ use anamorph::plan::beams::Beams;
 use anamorph::scene::file::CameraKind;
 use anamorph::stage::sift::Sift;
 use anamorph::twin::sift::{Bound, sift};
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
-use common::projection::gpu;
-use common::rng::Rng;
-use common::{ALL_T, FORWARD, camera};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 

@@ -1,13 +1,8 @@
 //! fit: the kernel's nodes must hold the rays that it read, be little wider than the host's, and be torn by its rule.
 
-mod common;
-#[path = "common/nasty.rs"]
-mod nasty;
-#[path = "common/stages.rs"]
-mod stages;
-#[path = "common/turned.rs"]
-mod turned;
-
+use crate::nasty::{SIZE, nasty};
+use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
+use crate::turned::{case, cases, turns};
 use anamorph::gpu::rows::{BRANCH, Cell, Node, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
 use anamorph::plan::curves::RayTable;
 use anamorph::plan::fit::{STRAY, STRAY_SIZE};
@@ -16,9 +11,6 @@ use anamorph::twin::cull::Address;
 use anamorph::twin::fit::{fit, rays_below, reach};
 use anamorph::twin::{Input, Real};
 use glam::DVec3;
-use nasty::{SIZE, nasty};
-use stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
-use turned::{case, cases, turns};
 
 /// What kernels that read a node may lose of it, relative to its sizes: four roundings of 2^-24, for which the host's
 /// rows have room too.

@@ -1,15 +1,11 @@
 //! write: the kernel against its twin, from the same bytes.
 
-mod common;
-#[path = "common/stages.rs"]
-mod stages;
-
+use crate::common::rng::Rng;
+use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, read, run, upload};
 use anamorph::frame::Channel;
 use anamorph::scene::tone::{Curve, Tone};
 use anamorph::twin::write::{srgb, write};
 use anamorph::twin::{Input, ROOMY, Real};
-use common::rng::Rng;
-use stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, read, run, upload};
 
 /// How near to a rounding border the exact value lies where the byte may be the next one, in steps of a byte. WGSL's
 /// pow is exp2(y log2 x): log2 is right to 2^-21 near 1 and to 3 ulp elsewhere, exp2 to 3 + 2 |x| ulp, in all some

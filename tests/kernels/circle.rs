@@ -1,13 +1,9 @@
 //! circle.wgsl: cosines and sines by the adapter against the host's.
 
-mod common;
-#[path = "common/stages.rs"]
-mod stages;
-
+use crate::stages::Bench;
 use anamorph::gpu::rows::split2;
 use anamorph::twin::Real;
 use anamorph::twin::near::CIRCLE_UNITS;
-use stages::Bench;
 use std::f64::consts::TAU;
 
 /// Reads turns as pairs and writes cosine and sine, each as the exact sum of three f32.
@@ -42,10 +38,10 @@ fn turns() -> Vec<[f32; 2]> {
 
 fn found(bench: &Bench, real: Real, turns: &[[f32; 2]]) -> Vec<[f64; 2]> {
     let arithmetic = match real {
-        Real::F64 => include_str!("../wgsl/shared/real_f64.wgsl"),
-        Real::F32 => include_str!("../wgsl/shared/real_f32.wgsl"),
+        Real::F64 => include_str!("../../wgsl/shared/real_f64.wgsl"),
+        Real::F32 => include_str!("../../wgsl/shared/real_f32.wgsl"),
     };
-    let source = [arithmetic, include_str!("../wgsl/optics/circle.wgsl"), PROBE].concat();
+    let source = [arithmetic, include_str!("../../wgsl/optics/circle.wgsl"), PROBE].concat();
     let number = |w: &[u32], k: usize| [4, 2, 0].map(|part| f64::from(f32::from_bits(w[k + part]))).iter().sum();
     bench.probe(&source, turns, 6).chunks_exact(6).map(|w| [number(w, 0), number(w, 1)]).collect()
 }

@@ -1,9 +1,10 @@
 //! cull: the kernel against its twin, from the same bytes.
 
-mod common;
-#[path = "common/stages.rs"]
-mod stages;
-
+use crate::common::ALL_T;
+use crate::stages::{
+    Bench, Case, POISON, assert_poisoned, cases, counters, list, many_clusters, random_case, read, read_list, run,
+    seeds, upload,
+};
 use anamorph::engine::Capacities;
 use anamorph::gpu::kernels::Variant;
 use anamorph::gpu::rows::{COUNT_WORK, COUNTERS, RAYS_AFFINE};
@@ -11,11 +12,6 @@ use anamorph::twin::cull::{
     Address, Bound, Culled, HAND_ON, HAND_ON_LEVEL, REFINEMENTS, cull, hands_on, may_hand_on, node_meets,
 };
 use anamorph::twin::{Input, ROOMY, Real, bin};
-use common::ALL_T;
-use stages::{
-    Bench, Case, POISON, assert_poisoned, cases, counters, list, many_clusters, random_case, read, read_list, run,
-    seeds, upload,
-};
 use std::collections::HashMap;
 
 /// What the kernel left: its work items and its counters.

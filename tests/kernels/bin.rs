@@ -1,9 +1,8 @@
 //! bin: the kernel against its twin, from the same bytes.
 
-mod common;
-#[path = "common/stages.rs"]
-mod stages;
-
+use crate::stages::{
+    Bench, Case, POISON, assert_poisoned, cases, counters, list, random_case, read, read_list, run, seeds, upload,
+};
 use anamorph::engine::Capacities;
 use anamorph::gpu::kernels::Variant;
 use anamorph::gpu::rows::{
@@ -13,9 +12,6 @@ use anamorph::twin::bin::{Binned, Pair, beside, bin, covered};
 use anamorph::twin::cull::{Address, Bound, cull, node_meets};
 use anamorph::twin::rays::owned;
 use anamorph::twin::{Input, ROOMY, Real};
-use stages::{
-    Bench, Case, POISON, assert_poisoned, cases, counters, list, random_case, read, read_list, run, seeds, upload,
-};
 use std::collections::{HashMap, HashSet};
 
 /// Pairs that the kernel may list, where raster goes pair by pair, for each that truly covers a pixel. Measured over the cases below:

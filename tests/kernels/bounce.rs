@@ -1,18 +1,12 @@
 //! bounce: the kernel against its twin, from the same bytes.
 
-mod common;
-#[path = "common/stages.rs"]
-mod stages;
-#[path = "common/turned.rs"]
-mod turned;
-
+use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
+use crate::turned::{cases, delicate, turns, variant};
 use anamorph::gpu::kernels::OpticsKind;
 use anamorph::gpu::rows::{NONE, split2};
 use anamorph::twin::bounce::{Bounced, bounce};
 use anamorph::twin::raster::Visibility;
 use anamorph::twin::{Input, Real};
-use stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
-use turned::{cases, delicate, turns, variant};
 
 /// Share of turned rays that may be lost because rounding decides between two ways to turn them: total reflection, the
 /// rim of a quadric, grazing facets. Measured: none, but in f32 of rays along a wave 0.0009.
