@@ -1,11 +1,11 @@
 //! Times what comes before frames: reading a large OBJ file, and the whole program from its start to a PNG: `cargo bench --bench start`.
 //! `cargo test --benches` runs each once, on little.
 
-use anamorph::example::EXAMPLES;
+use anamorph::geometry::obj;
+use anamorph::geometry::texture::Images;
 use anamorph::gpu::device::NO_ADAPTER;
 use anamorph::gpu::{Gpu, GpuOptions};
-use anamorph::scene::obj;
-use anamorph::scene::texture::Images;
+use anamorph::tools::example::EXAMPLES;
 use criterion::{Criterion, Throughput};
 use std::fmt::Write;
 use std::process::Command;
@@ -16,10 +16,10 @@ const BYTES: usize = 100 << 20;
 /// Times that the program is started.
 const STARTS: usize = 10;
 
-fn main() -> anamorph::Result<()> {
+fn main() -> anamorph::input::Result<()> {
     let bench = std::env::args().any(|a| a == "--bench");
     let mut criterion = Criterion::default().sample_size(STARTS).configure_from_args();
-    let folder = tempfile::tempdir().map_err(|e| anamorph::Error::work(format!("no temporary folder: {e}")))?;
+    let folder = tempfile::tempdir().map_err(|e| anamorph::input::Error::work(format!("no temporary folder: {e}")))?;
     load(&mut criterion, folder.path(), if bench { BYTES } else { BYTES / 1000 })?;
     match Gpu::open(&GpuOptions::default())? {
         Some(_) => first_picture(&mut criterion, folder.path())?,
@@ -30,10 +30,10 @@ fn main() -> anamorph::Result<()> {
 }
 
 /// A file with texture coordinates, from the system's cache of it.
-fn load(criterion: &mut Criterion, folder: &std::path::Path, bytes: usize) -> anamorph::Result<()> {
+fn load(criterion: &mut Criterion, folder: &std::path::Path, bytes: usize) -> anamorph::input::Result<()> {
     let path = folder.join("terrain.obj");
     let text = terrain(bytes);
-    std::fs::write(&path, &text).map_err(|e| anamorph::Error::work(format!("{}: {e}", path.display())))?;
+    std::fs::write(&path, &text).map_err(|e| anamorph::input::Error::work(format!("{}: {e}", path.display())))?;
     let mut group = criterion.benchmark_group("load");
     group.throughput(Throughput::Bytes(text.len() as u64));
     group.bench_function("obj", |bencher| {
@@ -66,9 +66,9 @@ fn terrain(bytes: usize) -> String {
 }
 
 /// 15,000 triangles at 800 x 600.
-fn first_picture(criterion: &mut Criterion, folder: &std::path::Path) -> anamorph::Result<()> {
+fn first_picture(criterion: &mut Criterion, folder: &std::path::Path) -> anamorph::input::Result<()> {
     let Some(example) = EXAMPLES.iter().find(|e| e.name == "city-cross-slit") else {
-        return Err(anamorph::Error::input("there is no example city-cross-slit"));
+        return Err(anamorph::input::Error::input("there is no example city-cross-slit"));
     };
     let scene = example.write(folder)?;
     let start = || {

@@ -4,14 +4,14 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use anamorph::Result;
 use anamorph::camera::Camera;
-use anamorph::compare::compare;
+use anamorph::engine::plan::Wanted;
+use anamorph::engine::plan::samples::{at_once, places};
 use anamorph::engine::{Engine, RunOptions};
-use anamorph::frame::{Channel, Frame, Plane};
 use anamorph::gpu::{Gpu, GpuOptions};
-use anamorph::plan::Wanted;
-use anamorph::plan::samples::{at_once, places};
+use anamorph::image::compare::compare;
+use anamorph::image::frame::{Channel, Frame, Plane};
+use anamorph::input::Result;
 use anamorph::reference::image::{explain, judge};
 use anamorph::scene::Scene;
 use std::process::ExitCode;
@@ -64,7 +64,7 @@ fn main() -> ExitCode {
                 continue;
             }
         };
-        let ids = |f: &anamorph::frame::Frame| f.u32(Channel::TriangleId).unwrap_or_default().to_vec();
+        let ids = |f: &anamorph::image::frame::Frame| f.u32(Channel::TriangleId).unwrap_or_default().to_vec();
         let proven = frame.u32(Channel::Certified).unwrap_or_default();
         let same: Vec<bool> = ids(&frame).iter().zip(ids(&judged.truth)).map(|(a, b)| *a == b).collect();
         let certified_wrong = proven.iter().zip(&same).filter(|(p, same)| **p > 0 && !**same).count() as u64;

@@ -5,17 +5,18 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use anamorph::Error;
 use anamorph::camera::Camera;
+use anamorph::camera::spec::{CameraKind, CameraSpec};
 use anamorph::engine::RunOptions;
-use anamorph::frame::Channel;
-use anamorph::output;
-use anamorph::plan::Wanted;
+use anamorph::engine::plan::Wanted;
+use anamorph::geometry::heights::HeightSpec;
+use anamorph::geometry::texture::Images;
+use anamorph::geometry::{gltf, heights, obj};
+use anamorph::image;
+use anamorph::image::frame::Channel;
+use anamorph::input::Error;
 use anamorph::reference::image::judge;
-use anamorph::scene::file::{CameraKind, CameraSpec};
-use anamorph::scene::heights::HeightSpec;
-use anamorph::scene::texture::Images;
-use anamorph::scene::{file, gltf, heights, obj};
+use anamorph::scene::file;
 use common::gpu::Without;
 use glam::DVec3;
 
@@ -27,7 +28,7 @@ const BYTES: u64 = 1 << 30;
 
 /// Sets the memory limit, so that the outcome does not depend on the free memory. To be called before the first case.
 pub fn grant_memory() {
-    anamorph::limits::memory::grant(BYTES);
+    anamorph::input::limits::memory::grant(BYTES);
 }
 
 fn check_refused(error: &Error) {
@@ -84,10 +85,10 @@ pub fn mtl(data: &[u8]) {
 
 /// An array, read by all readers of arrays.
 pub fn npy(data: &[u8]) {
-    read("a.npy", data, output::read_vectors);
-    read("a.npy", data, output::read_pairs);
-    read("a.npy", data, output::read_points);
-    read("a.npy", data, output::read_npy_rows::<3>);
+    read("a.npy", data, image::read_vectors);
+    read("a.npy", data, image::read_pairs);
+    read("a.npy", data, image::read_points);
+    read("a.npy", data, image::read_npy_rows::<3>);
 }
 
 /// The calibration of a lens, and the camera made from it.
@@ -138,7 +139,7 @@ pub fn frame(data: &[u8]) {
     let Some(mut engine) = common::gpu::engine(&camera, Without::Nothing) else { return };
     let frame = engine.render(&scene, &camera, &wanted, &RunOptions::default()).expect("a frame").frame;
     let judged = judge(&scene, &camera, &frame);
-    let ids = |f: &anamorph::frame::Frame| f.u32(Channel::TriangleId).map(<[u32]>::to_vec).expect("ids");
+    let ids = |f: &anamorph::image::frame::Frame| f.u32(Channel::TriangleId).map(<[u32]>::to_vec).expect("ids");
     let (seen, truth) = (ids(&frame), ids(&judged.truth));
     let proven = frame.u32(Channel::Certified).expect("what is proven");
     let wrong = (0..seen.len()).filter(|&k| seen[k] != truth[k] && (judged.safe[k] || proven[k] > 0));

@@ -1,6 +1,7 @@
 //! The compute engine: plan, upload, stages, status, grow, image.
 
 mod atlas;
+pub mod clusters;
 mod counts;
 mod encode;
 mod frames;
@@ -8,26 +9,30 @@ mod illumination;
 pub mod landed;
 pub mod pages;
 pub mod passes;
+pub mod plan;
 pub mod planned;
+pub mod report;
 mod resident;
+pub mod rival;
+pub mod stage;
 pub mod surface;
 pub mod tables;
 mod turns;
 
-use crate::baseline::{Choice, Setup};
 use crate::camera::Camera;
-use crate::caustics::Account;
-use crate::error::{Error, Result};
-use crate::frame::{Channel, Frame};
+use crate::engine::plan::{LeftOut, Plan, Wanted};
+use crate::engine::rival::{Choice, Setup};
+use crate::engine::stage::Stages;
+use crate::engine::stage::gather::Gather;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
 use crate::gpu::device::GpuOptions;
 use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::{Passes, Recorder};
-use crate::plan::{LeftOut, Plan, Wanted};
+use crate::image::frame::{Channel, Frame};
+use crate::input::{Error, Result};
 use crate::scene::Scene;
-use crate::stage::Stages;
-use crate::stage::gather::Gather;
+use crate::scene::caustics::Account;
 pub use counts::Counts;
 pub use frames::Frames;
 use frames::{Due, Timed};

@@ -72,36 +72,21 @@
 //! # }
 //! ```
 
-pub mod baseline;
-pub mod bench;
-pub mod bernstein;
 pub mod camera;
-pub mod caustics;
-pub mod cli;
-pub mod compare;
 pub mod engine;
-pub mod error;
-pub mod example;
-pub mod frame;
+pub mod geometry;
 pub mod gpu;
-pub mod inputs;
-pub mod limits;
-pub mod motion;
-pub mod optics;
-pub mod output;
-pub mod plan;
+pub mod image;
+pub mod input;
 pub mod reference;
-pub mod report;
+pub mod rivals;
 pub mod scene;
-pub mod stage;
+pub mod tools;
 pub mod twin;
 
-pub use error::{Error, Result};
+pub use crate::input::{Error, Result};
 
 /// The README's example, compiled.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 mod readme {}
-
-/// Pixels a side of a tile.
-pub const TILE: u32 = 8;

@@ -3,7 +3,7 @@
 //! tricks or kernels.
 //!
 //! * `intersect`: one ray and one triangle; signs are those of exact arithmetic (`exact`).
-//! * `curve`, `length`: one curve and one triangle, every root ([`crate::bernstein`]); arc lengths.
+//! * `curve`, `length`: one curve and one triangle, every root ([`crate::geometry::bernstein`]); arc lengths.
 //! * `bvh`, `beam`: which triangles a ray, a curve, or all rays of a small box about one can meet.
 //! * `lens`: rays of calibrated lenses, inverted independently of the camera.
 //! * `path`, `answer`: a pixel's segments through all layers, and what they first meet.
@@ -21,7 +21,6 @@ mod bvh;
 pub mod caustics;
 mod cover;
 mod curve;
-mod exact;
 mod explain;
 mod finding;
 pub mod image;
@@ -31,8 +30,6 @@ mod lens;
 mod light;
 mod margin;
 mod path;
-mod place;
-mod smooth;
 mod turns;
 mod verdict;
 
@@ -42,14 +39,13 @@ mod tests;
 pub use finding::Finding;
 pub use margin::{GAP, MARGIN_PX};
 pub use path::{Path, Seen, Segment};
-pub use place::as_near;
 pub use turns::Outcome;
 pub use verdict::Verdict;
 
 use crate::camera::bundle::Bundle;
 use crate::camera::perturb::scene_size;
-use crate::scene::mesh::{Material, Mesh};
-use crate::scene::texture::Texture;
+use crate::geometry::mesh::{Material, Mesh};
+use crate::geometry::texture::Texture;
 use beam::Beam;
 use bvh::{Bvh, Item};
 use intersect::{Aim, Corners, T_ROUNDING};

@@ -3,10 +3,10 @@
 mod common;
 
 use anamorph::camera::Rays;
+use anamorph::engine::plan::Wanted;
 use anamorph::engine::{Engine, RunOptions};
-use anamorph::frame::{Channel, Frame};
 use anamorph::gpu::Gpu;
-use anamorph::plan::Wanted;
+use anamorph::image::frame::{Channel, Frame};
 use common::any::any;
 use common::gpu::engine_on;
 use common::needs::skip;

@@ -3,10 +3,10 @@
 mod common;
 
 use anamorph::camera::Camera;
+use anamorph::camera::spec::CameraKind;
 use anamorph::engine::{Arithmetic, Engine, RunOptions};
+use anamorph::geometry::generate::icosphere;
 use anamorph::gpu::Gpu;
-use anamorph::scene::file::CameraKind;
-use anamorph::scene::generate::icosphere;
 use common::cameras::{MeshLook, mesh_camera, pinhole, raymap};
 use common::gpu::{engine_on, hits, wanted, words};
 use common::{FORWARD, camera, scene};

@@ -3,9 +3,9 @@
 #[path = "common/needs.rs"]
 mod needs;
 
-use anamorph::bench::Run;
-use anamorph::bench::row::Row;
 use anamorph::gpu::device::adapters;
+use anamorph::tools::bench::Run;
+use anamorph::tools::bench::row::Row;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

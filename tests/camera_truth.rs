@@ -2,8 +2,9 @@
 
 mod common;
 
+use anamorph::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
+use anamorph::camera::spec::{CameraKind, CameraSpec};
 use anamorph::camera::{Camera, Field, Ray, glc};
-use anamorph::scene::file::{CameraKind, CameraSpec, CameraVertex, MeshCameraSpec};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::rng::Rng;
 use common::{FORWARD, camera};

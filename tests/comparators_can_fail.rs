@@ -4,10 +4,11 @@
 mod common;
 
 use anamorph::camera::Camera;
-use anamorph::compare::{Comparison, compare};
-use anamorph::frame::{Channel, Frame, NO_ID, Plane};
+use anamorph::geometry::generate;
+use anamorph::image::compare::{Comparison, compare};
+use anamorph::image::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::reference::image::{image, judge};
-use anamorph::scene::{Scene, generate};
+use anamorph::scene::Scene;
 use common::cameras::{MeshLook, mesh_camera, pinhole};
 use common::rng::Rng;
 use common::{FORWARD, camera, scene};

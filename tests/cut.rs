@@ -3,8 +3,8 @@
 use anamorph::camera::cut::Cut;
 use anamorph::camera::recipe::{Built, Setting};
 use anamorph::camera::{Pieces, Ray, RayMap, Rays};
+use anamorph::geometry::mesh::Mesh;
 use anamorph::scene::Scene;
-use anamorph::scene::mesh::Mesh;
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;

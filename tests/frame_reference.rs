@@ -3,14 +3,15 @@
 mod common;
 
 use anamorph::camera::glc;
-use anamorph::compare::compare;
-use anamorph::frame::{Channel, Frame, NO_ID, Plane};
-use anamorph::scene::file::CameraKind;
-use anamorph::scene::generate;
+use anamorph::camera::spec::CameraKind;
+use anamorph::geometry::generate;
+use anamorph::geometry::mesh::{Material, Mesh};
+use anamorph::geometry::texture::Images;
+use anamorph::geometry::{gltf, obj, place};
+use anamorph::image::compare::compare;
+use anamorph::image::frame::{Channel, Frame, NO_ID, Plane};
+use anamorph::scene::Scene;
 use anamorph::scene::light::Light;
-use anamorph::scene::mesh::{Material, Mesh};
-use anamorph::scene::texture::Images;
-use anamorph::scene::{Scene, gltf, obj, place};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
 use common::gpu::{Without, assert_right, assert_same_without_f64, check, hits, ids, render, render_with};
 use common::rng::Rng;

@@ -4,12 +4,12 @@
 mod common;
 
 use anamorph::camera::Camera;
+use anamorph::camera::optics::{Facets, Law, Optics, Surface, Turn};
 use anamorph::engine::RunOptions;
-use anamorph::frame::{Channel, NO_ID};
-use anamorph::optics::{Facets, Law, Optics, Surface, Turn};
-use anamorph::scene::generate;
-use anamorph::scene::mesh::Mesh;
-use anamorph::scene::place::merge;
+use anamorph::geometry::generate;
+use anamorph::geometry::mesh::Mesh;
+use anamorph::geometry::place::merge;
+use anamorph::image::frame::{Channel, NO_ID};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
 use common::gpu::{Without, assert_right, check, engine, hits, ids, render, wanted};
 use common::rng::Rng;

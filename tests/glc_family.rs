@@ -9,7 +9,7 @@ const SIZE: (u32, u32) = (80, 60);
 /// Some tens of roundings of numbers up to 100.
 const ROUNDING: f64 = 1e-11;
 
-fn load(keys: &str) -> anamorph::Result<Camera> {
+fn load(keys: &str) -> anamorph::input::Result<Camera> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
     let (w, h) = SIZE;

@@ -6,13 +6,13 @@ mod pictures;
 
 use anamorph::camera::Camera;
 use anamorph::engine::RunOptions;
-use anamorph::frame::{Channel, Frame};
-use anamorph::plan::Wanted;
-use anamorph::plan::samples::at_once;
+use anamorph::engine::plan::Wanted;
+use anamorph::engine::plan::samples::at_once;
+use anamorph::geometry::mesh::Material;
+use anamorph::image::frame::{Channel, Frame};
 use anamorph::reference::image::image;
 use anamorph::scene::Scene;
 use anamorph::scene::light::Light;
-use anamorph::scene::mesh::Material;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera};
 use common::file::{camera_of, load, refusal};
 use common::gpu::engine_on;

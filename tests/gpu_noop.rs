@@ -1,13 +1,13 @@
 //! Every pipeline and bind-group layout of every variant, built on a device without a driver that has the limits of a
 //! small adapter and no feature that the variant does not ask for.
 
-use anamorph::frame::Channel;
+use anamorph::engine::stage::Stages;
 use anamorph::gpu::buffers::Pipeline;
 use anamorph::gpu::device::{Abilities, STORAGE_BUFFERS};
 use anamorph::gpu::kernels::{Access, Binding, Kernel, Variant};
 use anamorph::gpu::rows::LANES;
 use anamorph::gpu::{Gpu, GpuOptions};
-use anamorph::stage::Stages;
+use anamorph::image::frame::Channel;
 use rayon::prelude::*;
 use wgpu::Features;
 
@@ -17,7 +17,7 @@ fn limits() -> wgpu::Limits {
 }
 
 /// A device on an adapter that has these features and limits and nothing else.
-fn open(features: Features, limits: wgpu::Limits, options: &GpuOptions) -> anamorph::Result<Gpu> {
+fn open(features: Features, limits: wgpu::Limits, options: &GpuOptions) -> anamorph::input::Result<Gpu> {
     let noop =
         wgpu::NoopBackendOptions { enable: true, features: Some(features), limits: Some(limits), ..Default::default() };
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {

@@ -9,7 +9,7 @@ mod bottom_up;
 mod top_down;
 
 use anamorph::camera::{Camera, Ray, Rays};
-use anamorph::frame::{Channel, Frame, NO_ID};
+use anamorph::image::frame::{Channel, Frame, NO_ID};
 use anamorph::reference::image;
 use common::continuity::{POINT_ROUNDING, assert_joined, assert_seamless, assert_smooth, borders};
 use common::file::{camera_of, refusal, scene_of};

@@ -2,11 +2,13 @@
 
 mod common;
 
+use anamorph::camera::mesh::spec::MeshCameraSpec;
+use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Rays};
 use anamorph::engine::RunOptions;
-use anamorph::frame::{Channel, NO_ID};
-use anamorph::scene::file::{CameraKind, MeshCameraSpec};
-use anamorph::scene::{Scene, generate, place};
+use anamorph::geometry::{generate, place};
+use anamorph::image::frame::{Channel, NO_ID};
+use anamorph::scene::Scene;
 use common::cameras::{MeshLook, mesh_camera};
 use common::gpu::{self, Without, check, hits, ids, render, words};
 use common::rng::Rng;
@@ -112,7 +114,7 @@ fn a_chain_of_straight_rays_is_the_camera_without_faces() {
 fn a_surface_in_a_shared_face_shows_no_crack() {
     let CameraKind::Mesh(whole) = mesh_camera(6, 4, 3, MeshLook::default()) else { unreachable!() };
     // the faces of the cells bend: two triangles each, in space as in the image
-    let middle = |v: &anamorph::scene::file::CameraVertex| {
+    let middle = |v: &anamorph::camera::mesh::spec::CameraVertex| {
         v.near.lerp(v.far, 0.4) + 0.1 * DVec3::new(v.near.y, v.near.z, v.near.x)
     };
     let (mut before, mut after) = (whole.clone(), whole.clone());

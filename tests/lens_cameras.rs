@@ -2,9 +2,9 @@
 
 mod common;
 
-use anamorph::Result;
 use anamorph::camera::project::Projector;
 use anamorph::camera::{Camera, Rays};
+use anamorph::input::Result;
 use anamorph::reference::image::explain;
 use common::written::{assert_refused, camera, camera_in};
 use glam::{DQuat, DVec2, DVec3};

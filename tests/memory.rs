@@ -2,10 +2,10 @@
 
 mod common;
 
+use anamorph::engine::plan::Wanted;
 use anamorph::engine::{Engine, RunOptions};
-use anamorph::frame::Channel;
-use anamorph::plan::Wanted;
-use anamorph::scene::generate::icosphere;
+use anamorph::geometry::generate::icosphere;
+use anamorph::image::frame::Channel;
 use common::cameras::glc_of_each_class;
 use common::gpu::engine_on;
 use common::{FORWARD, camera, scene};

@@ -4,7 +4,7 @@
 mod common;
 
 use anamorph::camera::Camera;
-use anamorph::frame::{Channel, Frame, NO_ID};
+use anamorph::image::frame::{Channel, Frame, NO_ID};
 use anamorph::reference::image::image;
 use anamorph::reference::{Path, Reference, Segment};
 use anamorph::scene::Scene;

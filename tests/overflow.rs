@@ -4,10 +4,10 @@
 mod common;
 
 use anamorph::camera::Camera;
+use anamorph::engine::plan::Wanted;
 use anamorph::engine::{Arithmetic, Capacities, Engine, RunOptions};
-use anamorph::error::Error;
-use anamorph::frame::Channel;
-use anamorph::plan::Wanted;
+use anamorph::image::frame::Channel;
+use anamorph::input::Error;
 use anamorph::scene::Scene;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;

@@ -2,14 +2,14 @@
 
 mod common;
 
-use anamorph::TILE;
+use anamorph::camera::TILE;
+use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Field, Ray, Rays};
-use anamorph::frame::Channel;
+use anamorph::engine::plan::sheets::Sheets;
+use anamorph::engine::plan::{Band, Contents, Plan, Surroundings, Wanted};
 use anamorph::gpu::device::Abilities;
 use anamorph::gpu::rows::{self, BRANCH};
-use anamorph::plan::sheets::Sheets;
-use anamorph::plan::{Band, Contents, Plan, Surroundings, Wanted};
-use anamorph::scene::file::CameraKind;
+use anamorph::image::frame::Channel;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::layered;

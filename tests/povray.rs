@@ -4,8 +4,8 @@
 mod common;
 
 use anamorph::camera::Camera;
-use anamorph::compare::{Comparison, compare};
-use anamorph::frame::{Channel, Frame, NO_ID, Plane};
+use anamorph::image::compare::{Comparison, compare};
+use anamorph::image::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::reference::image::judge;
 use anamorph::scene::Scene;
 use std::ops::Range;

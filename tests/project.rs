@@ -4,8 +4,8 @@
 mod common;
 
 use anamorph::camera::project::{Degenerate, Projector};
+use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Curve, CurveMap, Curves, Field, Ray, RayMap, Rays};
-use anamorph::scene::file::CameraKind;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap, two_plane};
 use common::projection::{Counts, PLACE_PX, check, images_see_their_points, pixels_are_images_of_what_they_see};
 use common::rng::Rng;

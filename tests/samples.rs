@@ -6,12 +6,12 @@ mod common;
 mod pictures;
 
 use anamorph::camera::Camera;
+use anamorph::engine::plan::Wanted;
+use anamorph::engine::plan::samples::{at_once, places};
 use anamorph::engine::{Capacities, Engine, Rendered, RunOptions};
-use anamorph::frame::{Channel, NO_ID};
-use anamorph::plan::Wanted;
-use anamorph::plan::samples::{at_once, places};
+use anamorph::geometry::generate::icosphere;
+use anamorph::image::frame::{Channel, NO_ID};
 use anamorph::scene::Scene;
-use anamorph::scene::generate::icosphere;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::gpu::{engine_on, ids};

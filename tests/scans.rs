@@ -3,7 +3,7 @@
 mod common;
 
 use anamorph::camera::Camera;
-use anamorph::output::{read_npy_rows, write_npy_f64};
+use anamorph::image::{read_npy_rows, write_npy_f64};
 use common::written::{assert_refused, camera as of_size, camera_in};
 use glam::DVec3;
 use std::path::Path;

@@ -3,12 +3,12 @@
 mod common;
 
 use anamorph::camera::{Camera, Field, Rays};
+use anamorph::engine::plan::Wanted;
 use anamorph::engine::{Rendered, RunOptions};
-use anamorph::frame::Channel;
-use anamorph::plan::Wanted;
-use anamorph::scene::generate::icosphere;
-use anamorph::scene::mesh::Mesh;
-use anamorph::scene::place::merge;
+use anamorph::geometry::generate::icosphere;
+use anamorph::geometry::mesh::Mesh;
+use anamorph::geometry::place::merge;
+use anamorph::image::frame::Channel;
 use common::gpu::{check, engine_on, ids, wanted, words};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, moved, scene, soup};

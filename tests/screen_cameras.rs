@@ -2,9 +2,9 @@
 
 mod common;
 
-use anamorph::Result;
 use anamorph::camera::Camera;
-use anamorph::output::write_npy_f64;
+use anamorph::image::write_npy_f64;
+use anamorph::input::Result;
 use common::written::{assert_refused, camera, camera_in, try_camera};
 use glam::{DVec2, DVec3};
 use std::fmt::Write;

@@ -6,10 +6,10 @@ mod common;
 mod pictures;
 
 use anamorph::camera::Camera;
+use anamorph::engine::plan::Wanted;
+use anamorph::engine::plan::samples::at_once;
 use anamorph::engine::{Engine, RunOptions};
-use anamorph::frame::Channel;
-use anamorph::plan::Wanted;
-use anamorph::plan::samples::at_once;
+use anamorph::image::frame::Channel;
 use anamorph::reference::image::image;
 use anamorph::scene::Scene;
 use anamorph::scene::light::{AmbientOcclusion, Light, Source};

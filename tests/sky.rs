@@ -6,14 +6,14 @@ mod common;
 mod pictures;
 
 use anamorph::camera::Camera;
+use anamorph::engine::plan::Wanted;
 use anamorph::engine::{Engine, RunOptions};
-use anamorph::plan::Wanted;
+use anamorph::geometry::generate::icosphere;
+use anamorph::geometry::mesh::{Material, Mesh};
+use anamorph::geometry::texture::Texels;
 use anamorph::scene::Scene;
-use anamorph::scene::generate::icosphere;
 use anamorph::scene::light::Light;
-use anamorph::scene::mesh::{Material, Mesh};
 use anamorph::scene::sky::Sky;
-use anamorph::scene::texture::Texels;
 use common::cameras::{MeshLook, mesh_camera, raymap};
 use common::file::{camera_of, load, refusal};
 use common::gpu::engine_on;
@@ -126,7 +126,7 @@ fn balls() -> Scene {
         ball.positions.iter_mut().for_each(|p| *p *= 0.5);
         ball.materials = vec![material];
         let ball = moved(ball, at);
-        if k == 0 { all = ball } else { anamorph::scene::place::append(&mut all, ball) }
+        if k == 0 { all = ball } else { anamorph::geometry::place::append(&mut all, ball) }
     }
     Scene { sky: Some(sky()), lights: vec![Light::distant(DVec3::new(-0.5, -1.0, -0.5))], ..scene(all) }
 }

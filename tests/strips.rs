@@ -4,12 +4,12 @@
 mod common;
 
 use anamorph::camera::Camera;
+use anamorph::engine::plan::samples::at_once;
+use anamorph::engine::plan::{Rows, Wanted};
 use anamorph::engine::planned::Planned;
 use anamorph::engine::{Capacities, Engine, Rendered, RunOptions};
-use anamorph::frame::Channel;
-use anamorph::output::{read_exr, rgb8};
-use anamorph::plan::samples::at_once;
-use anamorph::plan::{Rows, Wanted};
+use anamorph::image::frame::Channel;
+use anamorph::image::{read_exr, rgb8};
 use anamorph::scene::Scene;
 use anamorph::scene::light::Light;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};

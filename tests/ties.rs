@@ -7,11 +7,11 @@ mod common;
 
 use anamorph::camera::{Camera, Field, Rays};
 use anamorph::engine::RunOptions;
-use anamorph::frame::{Channel, Frame, NO_ID};
-use anamorph::plan::Wanted;
+use anamorph::engine::plan::Wanted;
+use anamorph::geometry::mesh::Mesh;
+use anamorph::image::frame::{Channel, Frame, NO_ID};
 use anamorph::reference::image::image;
 use anamorph::scene::Scene;
-use anamorph::scene::mesh::Mesh;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::file::{camera_of, scene_of};
 use common::gpu::{Without, engine, ids};

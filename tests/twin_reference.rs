@@ -7,12 +7,12 @@ mod stages;
 mod turned;
 
 use anamorph::camera::Camera;
-use anamorph::compare::compare;
-use anamorph::frame::{Channel, Frame, NO_ID, Plane};
-use anamorph::plan::Wanted;
+use anamorph::engine::plan::Wanted;
+use anamorph::geometry::generate::{icosphere, teapot};
+use anamorph::image::compare::compare;
+use anamorph::image::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::reference::image::judge;
 use anamorph::scene::Scene;
-use anamorph::scene::generate::{icosphere, teapot};
 use anamorph::scene::light::Light;
 use anamorph::twin::render;
 use common::cameras::{self, MeshLook};

@@ -3,8 +3,8 @@
 mod common;
 
 use anamorph::camera::glc::Class;
+use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Curve, Rays, glc};
-use anamorph::scene::file::CameraKind;
 use common::{FORWARD, camera, written};
 use glam::{DVec2, DVec3};
 

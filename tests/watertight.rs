@@ -4,10 +4,10 @@
 mod common;
 
 use anamorph::camera::Camera;
-use anamorph::frame::NO_ID;
-use anamorph::scene::file::CameraKind;
-use anamorph::scene::generate;
-use anamorph::scene::mesh::Mesh;
+use anamorph::camera::spec::CameraKind;
+use anamorph::geometry::generate;
+use anamorph::geometry::mesh::Mesh;
+use anamorph::image::frame::NO_ID;
 use common::cameras::{glc_of_each_class, pinhole};
 use common::gpu::{Without, ids, render_with};
 use common::rng::Rng;

@@ -1,10 +1,10 @@
 //! The rows that the host writes are the rows that the kernels read: every struct of `wgsl/shared/params.wgsl`,
 //! `shading.wgsl` and `beams.wgsl` against its twin in `src/gpu/rows.rs`, field by field, and every constant against its own.
 
-use anamorph::frame::Channel;
+use anamorph::engine::clusters::CORNER_ORDERS;
 use anamorph::gpu::kernels::{self, LightsKind, RaysKind, Variant};
 use anamorph::gpu::rows;
-use anamorph::scene::clusters::CORNER_ORDERS;
+use anamorph::image::frame::Channel;
 use naga::{Expression, Literal, Module, ScalarKind, Statement, SwitchValue, TypeInner};
 use std::collections::BTreeMap;
 
@@ -91,7 +91,7 @@ macro_rules! layout {
 }
 
 fn rivals() -> Layouts {
-    use anamorph::baseline::rows as own;
+    use anamorph::rivals::rows as own;
     Layouts::from([
         layout!(own, Outline { a, b, c, is_whole, layer }),
         layout!(own, Cube { eye, side }),
@@ -376,7 +376,7 @@ fn host_constants() -> Constants {
         LAW_NORMALS,
         LAW_FLAT,
     ];
-    constants.insert("TILE".into(), anamorph::TILE);
+    constants.insert("TILE".into(), anamorph::camera::TILE);
     constants
 }
 

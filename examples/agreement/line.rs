@@ -1,16 +1,16 @@
 //! One mesh through one camera: rendered, timed, and held against the reference.
 
 use anamorph::camera::Camera;
-use anamorph::compare::{Comparison, Quantiles, compare};
+use anamorph::engine::plan::Wanted;
+use anamorph::engine::plan::sheets::{Sheets, kind};
+use anamorph::engine::report::FrameMs;
 use anamorph::engine::{Engine, Rendered, RunOptions};
-use anamorph::frame::{Channel, Frame, NO_ID};
 use anamorph::gpu::kernels::RaysKind;
-use anamorph::plan::Wanted;
-use anamorph::plan::sheets::{Sheets, kind};
+use anamorph::image::compare::{Comparison, Quantiles, compare};
+use anamorph::image::frame::{Channel, Frame, NO_ID};
+use anamorph::input::{Error, Result};
 use anamorph::reference::image::judge;
-use anamorph::report::FrameMs;
 use anamorph::scene::Scene;
-use anamorph::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

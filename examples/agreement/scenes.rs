@@ -2,9 +2,9 @@
 //! for every two of them, for `anamorph render` to open.
 
 use anamorph::camera::kinds::{NAMED, PLAIN};
-use anamorph::output::{write_npy_f64, write_text};
+use anamorph::image::{write_npy_f64, write_text};
+use anamorph::input::{Error, Result};
 use anamorph::scene::Scene;
-use anamorph::{Error, Result};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};

@@ -1,12 +1,12 @@
 //! Scenes of the examples in good light: a sun and a sky, shadows, and surfaces that shine a little.
 
+use anamorph::geometry::mesh::DIELECTRIC;
+use anamorph::geometry::pattern::{Pattern, PatternKind};
+use anamorph::geometry::texture::Texels;
+use anamorph::image::tone::{Curve, Tone};
 use anamorph::scene::Scene;
 use anamorph::scene::light::{AmbientOcclusion, Light};
-use anamorph::scene::mesh::DIELECTRIC;
-use anamorph::scene::pattern::{Pattern, PatternKind};
 use anamorph::scene::sky::Sky;
-use anamorph::scene::texture::Texels;
-use anamorph::scene::tone::{Curve, Tone};
 use glam::DVec3;
 use half::f16;
 use std::sync::Arc;

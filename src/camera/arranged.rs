@@ -5,7 +5,7 @@
 //! frame is put back in order where it is read.
 
 use super::{Camera, Field, Rays};
-use crate::TILE;
+use crate::camera::TILE;
 use glam::DVec3;
 use rayon::prelude::*;
 

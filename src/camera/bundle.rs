@@ -1,13 +1,7 @@
 //! The rays about one pixel as one affine, homogeneous bundle.
 
+pub use crate::geometry::cast::Ray;
 use glam::DVec3;
-
-/// A ray `X(t) = origin + t * direction`, world units; the direction need not be unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
-    pub origin: DVec3,
-    pub direction: DVec3,
-}
 
 /// Rays that are affine over the image in homogeneous form: at the image place `(x, y)` pixels right of
 /// and below the bundle's centre, `P = p(x, y) / h(x, y)` and `D = d(x, y) / h(x, y)` with

@@ -1,12 +1,9 @@
 //! `pinhole` and `orthographic`: the two cameras every renderer has, as one-piece bundles.
 
-use super::Camera;
 use super::bundle::Bundle;
 use super::pose::Pose;
-use crate::error::{Error, Result};
-use crate::scene::Scene;
-use crate::scene::file::CameraKind;
-use glam::{DVec3, DVec4};
+use crate::input::{Error, Result};
+use glam::DVec3;
 
 /// A view frame: forward, right and image-up unit vectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +25,7 @@ impl View {
 pub(super) const UP_SINE_MIN: f64 = 1.0 / (1u64 << 32) as f64;
 
 /// The frame of a viewer at `eye` who looks at `target`.
-pub(super) fn view(eye: DVec3, target: DVec3, up: DVec3) -> Result<View> {
+pub(crate) fn view(eye: DVec3, target: DVec3, up: DVec3) -> Result<View> {
     let forward = (target - eye).try_normalize().ok_or_else(|| {
         let what = match eye == target {
             true => "are the same point",
@@ -73,44 +70,4 @@ pub fn orthographic(pose: &Pose, height_world: f64, height: u32) -> Result<Bundl
         d: [v.forward, DVec3::ZERO, DVec3::ZERO],
         h: [1.0, 0.0, 0.0],
     })
-}
-
-/// OpenEXR's `worldToCamera`, for cameras with an eye: a matrix for row vectors, row by row; x right, y up, z forward.
-pub fn world_to_camera(scene: &Scene) -> Option<[f32; 16]> {
-    let pose = scene.camera_keys.pose()?;
-    let v = pose.view().ok()?;
-    Some(matrix(pose.eye, [v.right, v.up, v.forward, DVec3::ZERO], DVec4::W))
-}
-
-/// OpenEXR's `worldToNDC`, for pinhole and orthographic cameras: (0, 0) is the image's upper left corner, (1, 1) its lower right one. The
-/// transformed z has no meaning.
-pub fn world_to_ndc(scene: &Scene, camera: &Camera) -> Option<[f32; 16]> {
-    let aspect = f64::from(camera.width) / f64::from(camera.height);
-    match scene.camera.kind {
-        CameraKind::Pinhole { eye, target, up, vfov } => {
-            let v = view(eye, target, up).ok()?;
-            // of the image, on the plane at distance 1
-            let height = 2.0 * (vfov.to_radians() / 2.0).tan();
-            let middle = v.forward / 2.0;
-            let across = v.right / (height * aspect) + middle;
-            Some(matrix(eye, [across, middle - v.up / height, DVec3::ZERO, v.forward], DVec4::Z))
-        }
-        CameraKind::Orthographic { eye, target, up, height } => {
-            let v = view(eye, target, up).ok()?;
-            let columns = [v.right / (height * aspect), -v.up / height, v.forward, DVec3::ZERO];
-            Some(matrix(eye, columns, DVec4::new(0.5, 0.5, 0.0, 1.0)))
-        }
-        _ => None,
-    }
-}
-
-/// The matrix of `(X - eye) . column + shift`, one column a coordinate.
-fn matrix(eye: DVec3, columns: [DVec3; 4], shift: DVec4) -> [f32; 16] {
-    let row = |k: usize| columns.map(|c| c[k]);
-    let last = [0, 1, 2, 3].map(|k| shift[k] - eye.dot(columns[k]));
-    let mut all = [0.0; 16];
-    for (value, number) in all.iter_mut().zip([row(0), row(1), row(2), last].concat()) {
-        *value = number as f32;
-    }
-    all
 }

@@ -3,9 +3,9 @@
 
 use super::recipe::{Built, Recipe, Setting};
 use super::{LAYERS_MAX, Pieces, Rays, mesh};
-use crate::error::{Error, Result};
-use crate::scene::file::reader::{Field, Table};
-use crate::scene::file::{MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera};
+use crate::camera::mesh::spec::{MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera};
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;

@@ -4,7 +4,7 @@
 //! `f0 f1 f2` give `P = n0 + a (n1-n0) + b (n2-n0)`, `Q` alike from the far points, `D = Q - P`.
 
 use super::bundle::Bundle;
-use crate::error::{Error, Result};
+use crate::input::{Error, Result};
 use glam::{DMat2, DVec2, DVec3};
 use serde::Serialize;
 

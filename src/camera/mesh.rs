@@ -1,12 +1,13 @@
 //! The `mesh` camera: image triangles whose corners carry rays (Hou et al. 2006; Popescu's CGLC segments).
 
 mod overlap;
+pub mod spec;
 
 use super::bundle::{Bundle, Ray};
 use super::pieces::{Piece, Pieces, side};
-use crate::error::{Error, Result};
-use crate::limits;
-use crate::scene::file::MeshCameraSpec;
+use crate::camera::mesh::spec::MeshCameraSpec;
+use crate::input::limits;
+use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
 pub(super) use overlap::first_overlap;
 use rayon::prelude::*;

@@ -6,6 +6,9 @@
 //!
 //! [`kinds`] lists what a scene file may name; each named kind is a [`recipe::Recipe`] that builds such layers.
 
+/// Pixels a side of a tile of the image.
+pub const TILE: u32 = 8;
+
 pub mod arranged;
 mod boxes;
 pub mod bundle;
@@ -19,17 +22,20 @@ pub mod graph;
 pub mod kinds;
 pub mod mesh;
 pub mod named;
+pub mod optics;
 pub mod perturb;
 pub mod pieces;
 pub mod pose;
 pub mod project;
 pub mod projector;
 pub mod recipe;
+pub mod spec;
 
-use crate::error::{Error, Result};
-use crate::optics::Optics;
-use crate::scene::file::{CameraKind, CameraSpec};
-use crate::scene::mesh::Mesh;
+use crate::camera::optics::Optics;
+use crate::camera::spec::{CameraKind, CameraSpec};
+use crate::geometry::mesh::Mesh;
+use crate::image::frame::Channel;
+use crate::input::{Error, Result};
 pub use bundle::{Bundle, Ray};
 pub use curve::{Curve, CurveMap, Curves};
 pub use field::{Field, RayMap};
@@ -145,6 +151,11 @@ impl Camera {
             Rays::Curves(c) => c.map.piece_count() as u32,
         };
         self.layers[..layer].iter().map(count).sum()
+    }
+
+    /// The channels of [`Channel::ALL`] that say something about pictures of this camera.
+    pub fn channels(&self) -> Vec<Channel> {
+        Channel::ALL.into_iter().filter(|c| *c != Channel::MirrorId || self.optics.is_some()).collect()
     }
 
     /// Some layer has curved rays.

@@ -6,7 +6,8 @@
 //! reference, the twins and the kernels (`wgsl/shared/perturb.wgsl`) perturb alike, so they agree about edges through pixel
 //! centres too. Depths and weights are those of the unperturbed ray.
 
-use super::bundle::Bundle;
+use super::bundle::{Bundle, Ray};
+use crate::geometry::cast::Aim;
 use glam::DVec3;
 
 /// How far a perturbation moves origins, relative to the scene's size, and directions, relative to their own: 2^-42. That is 64 roundings
@@ -46,6 +47,13 @@ impl Bundle {
         let directions = (size(b.d[1]) + size(b.d[2])) / size(b.d[0]);
         let step = (PERTURB * scene_size / (origins + scene_size * directions)).min(PERTURB_PX);
         (b.recentred(step, PERTURB_DOWN * step), step)
+    }
+
+    /// The bundle's central ray, to be cast at a mesh of this size; `None` if it is not finite or has no direction.
+    pub fn aim(&self, scene_size: f64) -> Option<Aim> {
+        let is_sound = |ray: &Ray| ray.origin.is_finite() && ray.direction.is_finite() && ray.direction != DVec3::ZERO;
+        let aim = Aim { ray: self.ray(0.0, 0.0), perturbed: self.perturbed(scene_size).0.ray(0.0, 0.0) };
+        (is_sound(&aim.ray) && is_sound(&aim.perturbed)).then_some(aim)
     }
 
     /// The bundle with slopes both ways. A ray without a neighbour on the right or below gets a slope across its other one; without

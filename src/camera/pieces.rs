@@ -5,7 +5,7 @@
 
 use super::boxes::{Boxes, EMPTY, join};
 use super::bundle::Bundle;
-use crate::TILE;
+use crate::camera::TILE;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::HashMap;

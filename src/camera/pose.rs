@@ -1,8 +1,8 @@
 //! The pose of a viewer: an eye, a target and an up vector; or a matrix; or an eye and a quaternion.
 
 use super::central::{View, view};
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 
 /// The keys of [`Pose::read`].
@@ -67,7 +67,7 @@ impl Pose {
 
     /// # Errors
     /// No frame: eye = target, or up along the view direction.
-    pub(super) fn view(&self) -> Result<View> {
+    pub(crate) fn view(&self) -> Result<View> {
         self.frame.map_or_else(|| view(self.eye, self.target, self.up), Ok)
     }
 
@@ -137,14 +137,16 @@ fn read_quaternion(field: &Field) -> Result<DMat3> {
 mod tests {
     use super::*;
     use crate::camera::Camera;
-    use crate::scene::file;
+    use crate::camera::spec::read_camera;
+    use crate::input::load::with_tree;
     use proptest::prelude::*;
 
     fn camera(keys: &str) -> Result<Camera> {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("scene.toml");
         std::fs::write(&path, format!("[camera]\n{keys}\n")).unwrap();
-        Camera::new(&file::load(&path, &[], 0.0)?.camera, Some((8, 6)))
+        let spec = with_tree(&path, |file| read_camera(&file.table()?.need("camera", "{}")?))?;
+        Camera::new(&spec, Some((8, 6)))
     }
 
     /// Every kind of camera that takes a pose, and its other keys.

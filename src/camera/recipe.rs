@@ -1,10 +1,10 @@
 //! What a scene file may ask for by name, and how that becomes rays: one row a kind of camera.
 
 use super::Rays;
-use crate::error::{Error, Result};
-use crate::optics::Optics;
-use crate::scene::file::reader::Table;
-use crate::scene::mesh::Mesh;
+use crate::camera::optics::Optics;
+use crate::geometry::mesh::Mesh;
+use crate::input::reader::Table;
+use crate::input::{Error, Result};
 use glam::DVec3;
 use std::cell::Cell;
 use std::fmt::Debug;

@@ -2,14 +2,14 @@
 
 use super::{Engine, Frames, Rendered, RunOptions};
 use crate::camera::Camera;
-use crate::error::Result;
-use crate::frame::Channel;
+use crate::camera::optics::atlas::{Layout, camera as atlas_camera};
+use crate::camera::optics::{Atlas, Facets, Law, Optics, Surface};
+use crate::engine::plan::Wanted;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::rows::AtlasLayout;
-use crate::optics::atlas::{Layout, camera as atlas_camera};
-use crate::optics::{Atlas, Facets, Law, Optics, Surface};
-use crate::plan::Wanted;
+use crate::image::frame::Channel;
+use crate::input::Result;
 use crate::scene::Scene;
 use std::sync::Arc;
 use wgpu::BufferUsages;

@@ -4,13 +4,13 @@ use super::frames::{Due, Frames, Submitted};
 use super::landed::is_read;
 use super::passes::Pass;
 use super::resident::Job;
-use crate::baseline::{ChunkScopes, Target};
-use crate::error::Result;
+use crate::engine::rival::{ChunkScopes, Target};
+use crate::engine::stage::Stages;
+use crate::engine::stage::certify::CERTIFY_STEPS;
 use crate::gpu::buffers::readback;
 use crate::gpu::recorder::Recorder;
 use crate::gpu::rows::{COUNT_DOUBTS, COUNT_EDGES, COUNT_SAMPLE_DOUBTS, COUNTERS};
-use crate::stage::Stages;
-use crate::stage::certify::CERTIFY_STEPS;
+use crate::input::Result;
 
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
 

@@ -7,11 +7,13 @@ use super::pages::PageStore;
 use super::planned::{Planned, Planner, check_outlines, check_samples, outlined_by};
 use super::resident::Resident;
 use super::{Capacities, Counts, Rendered, RunOptions, setup};
-use crate::baseline::Rival;
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
-use crate::error::{Error, Result};
-use crate::frame::Frame;
+use crate::engine::clusters::{Clustered, cluster};
+use crate::engine::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
+use crate::engine::rival::Rival;
+use crate::engine::stage::Stages;
+use crate::engine::stage::gather::Gather;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{read_words, wait, wait_for};
 use crate::gpu::kernels::LightsKind;
@@ -20,12 +22,10 @@ use crate::gpu::rows::{
     COUNT_BUSY, COUNT_BUSY_END, COUNT_DOUBTS, COUNT_EDGES, COUNT_PAIRS, COUNT_SAMPLE_DOUBTS, COUNT_TASKS, COUNT_WORK,
     COUNTERS,
 };
-use crate::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
+use crate::image::frame::Frame;
+use crate::input::{Error, Result};
 use crate::scene::Scene;
-use crate::scene::clusters::{Clustered, cluster};
 use crate::scene::labels::Labels;
-use crate::stage::Stages;
-use crate::stage::gather::Gather;
 use glam::{DMat3, DVec3};
 use std::sync::{Arc, Weak};
 use std::time::Instant;

@@ -1,16 +1,16 @@
 //! The caustics of a scene: photons by a frame of the light's camera, their triangles on the maps of the receivers.
 
 use super::{Engine, RunOptions};
-use crate::caustics::landing::{Landing, Landings};
-use crate::caustics::{Account, Caustics, Illumination, beams};
-use crate::error::Result;
+use crate::engine::plan::Wanted;
+use crate::engine::stage::deposit::{Casts, Deposit};
+use crate::geometry::mesh::Mesh;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::rows::{self, NONE};
-use crate::plan::Wanted;
+use crate::input::Result;
 use crate::scene::Scene;
-use crate::scene::mesh::Mesh;
-use crate::stage::deposit::{Casts, Deposit};
+use crate::scene::caustics::landing::{Landing, Landings};
+use crate::scene::caustics::{Account, Caustics, Illumination, beams};
 use std::sync::Arc;
 use std::time::Instant;
 

@@ -1,13 +1,13 @@
 //! The images on a scene's triangles, put on the device with all their levels.
 
-use crate::error::Result;
+use crate::engine::plan::pages::{PageLimits, Pages, Placed, level_place, level_size, levels};
+use crate::engine::stage::dispatch_items;
+use crate::geometry::mesh::Material;
+use crate::geometry::texture::Texels;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
 use crate::gpu::kernels;
-use crate::plan::pages::{PageLimits, Pages, Placed, level_place, level_size, levels};
-use crate::scene::mesh::Material;
-use crate::scene::texture::Texels;
-use crate::stage::dispatch_items;
+use crate::input::Result;
 use half::f16;
 use rayon::prelude::*;
 use std::borrow::Cow;

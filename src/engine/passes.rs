@@ -1,6 +1,6 @@
 //! The passes of a frame whose rays are turned: a tree of branches, each pass below the one whose rays it turns.
 
-use crate::optics::{Branch, Optics};
+use crate::camera::optics::{Branch, Optics};
 use glam::DVec2;
 
 /// One look along rays, after so many turns.
@@ -47,7 +47,7 @@ fn add_below(list: &mut Vec<Pass>, optics: &Optics, above: Pass) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optics::{Quadric, Smooth, Surface, Turn};
+    use crate::camera::optics::{Quadric, Smooth, Surface, Turn};
     use glam::DVec3;
 
     fn optics(depth: u32, fresnel: bool, rays: u32) -> Optics {

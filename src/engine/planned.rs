@@ -3,14 +3,14 @@
 use super::{Arithmetic, RunOptions};
 use crate::camera::arranged::Arrangement;
 use crate::camera::{Camera, Rays};
-use crate::error::{Error, Result};
-use crate::frame::Channel;
+use crate::engine::clusters::{Clustered, cluster};
+use crate::engine::plan::samples::at_once;
+use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::Variant;
-use crate::plan::samples::at_once;
-use crate::plan::{Contents, Plan, Surroundings, Wanted};
+use crate::image::frame::Channel;
+use crate::input::{Error, Result};
 use crate::scene::Scene;
-use crate::scene::clusters::{Clustered, cluster};
 use crate::scene::style::Style;
 use std::sync::Arc;
 
@@ -64,7 +64,7 @@ impl Planner {
         };
         let pixel = (4 * (wanted.channels.len() as u64 + 3)).max(FIELD_BYTES).max(samples);
         // one tile's rows and one more, one column more
-        let row = u64::from(crate::TILE + 1) * pixel;
+        let row = u64::from(crate::camera::TILE + 1) * pixel;
         let widest = (self.limit / row).saturating_sub(1);
         if u64::from(camera.width) <= widest {
             return Ok(());

@@ -6,17 +6,17 @@ use super::passes::{Pass, passes};
 use super::tables::{Hidden, Look, Span, looks, params, places, turned};
 use super::turns::Turns;
 use crate::camera::Camera;
-use crate::error::{Error, Result};
-use crate::frame::Channel;
+use crate::engine::clusters::{Chunk, Clustered, mapped_rows};
+use crate::engine::plan::hierarchy::Hierarchy;
+use crate::engine::plan::pages::Pages;
+use crate::engine::plan::{Band, Plan, Wanted};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::kernels::LightsKind;
 use crate::gpu::rows::{COUNTERS, LANES, Params};
-use crate::plan::hierarchy::Hierarchy;
-use crate::plan::pages::Pages;
-use crate::plan::{Band, Plan, Wanted};
+use crate::image::frame::Channel;
+use crate::input::{Error, Result};
 use crate::scene::Scene;
-use crate::scene::clusters::{Chunk, Clustered, mapped_rows};
 use wgpu::BufferUsages;
 
 pub struct Resident {

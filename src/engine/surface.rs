@@ -1,11 +1,11 @@
 //! Rows of the surfaces of mirrors and lenses, as `bounce` and `meet` read them.
 
 use super::tables::split_vector;
-use crate::error::Result;
+use crate::camera::optics::{Facets, Quadric, Smooth, Surface, Torus, Wave};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::rows::{self, split2};
-use crate::optics::{Facets, Quadric, Smooth, Surface, Torus, Wave};
+use crate::input::Result;
 use glam::DVec3;
 
 /// A surface about the anchor, each number a pair.

@@ -4,18 +4,18 @@
 use super::Capacities;
 use super::passes::Pass;
 use crate::camera::Camera;
+use crate::camera::optics::{Branch, Law, Optics, Surface, Turn};
+use crate::engine::plan::hierarchy::Words;
+use crate::engine::plan::nodes::Level;
+use crate::engine::plan::pages::Pages;
+use crate::engine::plan::{Band, Plan};
+use crate::geometry::mesh::Material;
 use crate::gpu::kernels::LightsKind;
 use crate::gpu::rows::{self, LAW_FLAT, LAW_NORMALS, split2, split3, words};
-use crate::optics::{Branch, Law, Optics, Surface, Turn};
-use crate::plan::hierarchy::Words;
-use crate::plan::nodes::Level;
-use crate::plan::pages::Pages;
-use crate::plan::{Band, Plan};
 use crate::scene::Scene;
+use crate::scene::light::AMBIENT;
 use crate::scene::light::{Light, Source};
-use crate::scene::mesh::Material;
 use crate::scene::style::{Hatching, Line, Outline, Style};
-use crate::stage::AMBIENT;
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 

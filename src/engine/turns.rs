@@ -4,13 +4,13 @@ use super::passes::Pass;
 use super::surface::SurfaceRows;
 use super::tables;
 use crate::camera::Camera;
-use crate::error::Result;
+use crate::camera::optics::Optics;
+use crate::engine::plan::nodes::above_cells;
+use crate::engine::plan::{Band, Plan};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::rows::{self, NONE};
-use crate::optics::Optics;
-use crate::plan::nodes::above_cells;
-use crate::plan::{Band, Plan};
+use crate::input::Result;
 use crate::scene::Scene;
 use wgpu::BufferUsages;
 

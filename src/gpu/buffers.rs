@@ -2,7 +2,7 @@
 
 use super::device::{Gpu, one_line};
 use super::kernels::{Access, Binding, Kernel, Variant};
-use crate::error::{Error, Result};
+use crate::input::{Error, Result};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, channel};

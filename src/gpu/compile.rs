@@ -3,7 +3,7 @@
 use super::device::{Gpu, one_line};
 use super::kernels::Kernel;
 use super::soft_f64::lowered;
-use crate::error::{Error, Result};
+use crate::input::{Error, Result};
 use std::borrow::Cow;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 use super::compile::Dump;
 use super::rows::LANES;
-use crate::error::{Error, Result};
+use crate::input::{Error, Result};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};

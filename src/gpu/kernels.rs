@@ -3,7 +3,7 @@
 //! A kernel's module is its bindings, generated from this table, and the plain concatenation of its snippets. Variants
 //! swap a snippet that defines the same functions, or set an `override` constant.
 
-use crate::frame::Channel;
+use crate::image::frame::Channel;
 use std::fmt::Write;
 
 /// How the kernels hold a camera's rays.

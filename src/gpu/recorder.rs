@@ -2,7 +2,7 @@
 
 use super::buffers::{Reading, readback, wait};
 use super::device::Gpu;
-use crate::error::Result;
+use crate::input::Result;
 
 /// Records passes, named after their stages.
 pub struct Recorder {

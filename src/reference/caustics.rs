@@ -4,11 +4,11 @@ use super::light::albedo;
 use super::path::{Path, Segment};
 use super::{Hit, Outcome, Reference};
 use crate::camera::Camera;
-use crate::caustics::beams::{Cast, Fate, Photon};
-use crate::caustics::landing::is_in_plane;
-use crate::caustics::shares::shares;
-use crate::caustics::{Budget, Caustics, Illumination, Map, mean};
 use crate::scene::Scene;
+use crate::scene::caustics::beams::{Cast, Fate, Photon};
+use crate::scene::caustics::landing::is_in_plane;
+use crate::scene::caustics::shares::shares;
+use crate::scene::caustics::{Budget, Caustics, Illumination, Map, mean};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -17,7 +17,7 @@ pub fn caustics(scene: &Scene) -> Option<Illumination> {
     let caustics = scene.caustics.as_deref()?;
     let photons = photons(scene, caustics);
     let (casts, mut budget) = caustics.casts(&photons);
-    let map = |r: &crate::caustics::Receiver| Map {
+    let map = |r: &crate::scene::caustics::Receiver| Map {
         receiver: *r,
         flux: vec![[0.0; 3]; r.texels[0] as usize * r.texels[1] as usize],
     };

@@ -1,7 +1,7 @@
 //! One curve against one triangle: every place where it passes or touches the triangle.
 //!
 //! With `N` the triangle's normal, `f(t) = N . (X(t) - v_0)` is a polynomial of the curve's degree, so at most 3; all its
-//! roots in [0, 1] are found ([`crate::bernstein`]), and at each the weights of the three vertices say whether the
+//! roots in [0, 1] are found ([`crate::geometry::bernstein`]), and at each the weights of the three vertices say whether the
 //! place is inside. Both are decided with a bound on their rounding, and a place that may be on an edge as far as the
 //! bound tells counts as inside: where triangles join, a curve that truly passes one of them is never lost between
 //! them. It may be found in both; their `t` then tie within rounding, and the lower id is as right as the other.
@@ -11,8 +11,8 @@
 use super::bvh::Probe;
 use super::intersect::{Corners, Meeting, OPPOSITE, TERM_ROUNDING, cross_size};
 use super::margin::GAP;
-use crate::bernstein::{Bernstein, Root, VALUE_ROUNDING};
 use crate::camera::curve::Curve;
+use crate::geometry::bernstein::{Bernstein, Root, VALUE_ROUNDING};
 use glam::DVec3;
 
 /// How exactly a camera gives a control point, against the largest coordinate of all: a Bezier patch of degree 5 in

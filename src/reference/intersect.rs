@@ -3,7 +3,7 @@
 //! With `E_ij = ((v_i h - p) x (v_j - v_i)) . d` for the edge from `v_i` to `v_j`, a ray hits where `E_01`,
 //! `E_12` and `E_20` have one sign. Each edge is evaluated from its smaller to its larger end (by position),
 //! so that both triangles at an edge see one value. Signs are those of exact arithmetic: f64 where its
-//! rounding bound proves them, [`exact`](super::exact) sums elsewhere.
+//! rounding bound proves them, [`exact`] sums elsewhere.
 //!
 //! The signs are those of the perturbed ray ([`crate::camera::perturb`]), so that an exact edge hit at the pixel's centre is
 //! decided the same way here and in the kernels, however either rounds. Where the perturbed ray meets an edge line too, it is moved by
@@ -11,8 +11,8 @@
 //! the first non-zero derivative in that order decides, for all triangles alike. Signs so found belong to one true
 //! configuration: no ray slips through a closed fan, none hits it twice.
 
-use super::exact::{self, Exact};
 use crate::camera::bundle::Bundle;
+use crate::geometry::exact::{self, Exact};
 use glam::DVec3;
 
 /// Bound of the error of an edge value, a numerator or a denominator, against the sum of its terms'

@@ -1,7 +1,7 @@
 //! Arc lengths of curves.
 
-use crate::bernstein::Bernstein;
 use crate::camera::curve::Curve;
+use crate::geometry::bernstein::Bernstein;
 use glam::DVec3;
 
 /// Nodes and weights of Gauss and Legendre's rule of 5 points on [-1, 1]: 0 and +-sqrt(5 -+ 2 sqrt(10/7)) / 3.

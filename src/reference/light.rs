@@ -1,15 +1,15 @@
 //! How bright a hit is, by the definition.
 
 use super::{Hit, Reference};
+use crate::geometry::mesh::NO_NORMAL;
 use crate::scene::Scene;
 use crate::scene::light::{AmbientOcclusion, Arriving, Light};
-use crate::scene::mesh::NO_NORMAL;
 use crate::scene::sky::Sky;
 use glam::{DVec3, DVec4, Vec3};
 use std::f64::consts::PI;
 
 /// Share of the light that comes from everywhere.
-const AMBIENT: f64 = crate::stage::AMBIENT as f64;
+const AMBIENT: f64 = crate::scene::light::AMBIENT as f64;
 
 /// The unit normal of a triangle's hit, turned against the unit vector `view`: the file's where it has them.
 pub fn normal(scene: &Scene, hit: &Hit, view: DVec3) -> DVec3 {

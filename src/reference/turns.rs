@@ -1,15 +1,15 @@
 //! Rays that a mirror or a lens turns, followed one by one: recursive ray tracing, by the definitions of
-//! [`crate::optics`] alone.
+//! [`crate::camera::optics`] alone.
 
 use super::finding::{Finding, PLACES};
 use super::margin::{MARGIN_PX, beyond, clears};
 use super::path::{Path, Seen, Segment};
-use super::smooth::first_meeting;
 use super::{Hit, Reference, nearer};
 use crate::camera::Camera;
 use crate::camera::bundle::Bundle;
-use crate::optics::turn::{Spin, after, at_facet};
-use crate::optics::{Branch, Optics, Surface};
+use crate::camera::optics::meeting::first_meeting;
+use crate::camera::optics::turn::{Spin, after, at_facet};
+use crate::camera::optics::{Branch, Optics, Surface};
 use glam::DVec3;
 
 /// What a pixel's path comes to.

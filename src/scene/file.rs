@@ -1,35 +1,27 @@
 //! The scene file: TOML or JSON text into typed values, with errors that name the place.
 
-mod camera;
-mod caustics;
 mod header;
-mod keys;
-mod mesh;
-mod mesh_camera;
-mod node;
-mod overrides;
-mod parse;
-pub mod reader;
 mod style;
 #[cfg(test)]
 mod tests;
 
 use std::path::{Path, PathBuf};
 
-pub(crate) use camera::read_camera;
-pub use camera::{CameraKind, CameraSpec, Named};
-pub use caustics::CausticsSpec;
 pub use header::{CameraKeys, load_header};
-pub(crate) use mesh::read_mesh;
-pub use mesh::{GlossSpec, MeshSource, MeshSpec, TextureSpec};
-pub use mesh_camera::{CameraVertex, MESH_CAMERA_KEYS, MeshCameraSpec, read_mesh_camera, read_triangles};
+
+use crate::camera::spec::{CameraSpec, read_camera};
+use crate::geometry::spec::{MeshSpec, read_mesh, read_radiance};
+use crate::image::size::{MAX_SIDE, check_size};
+use crate::input::load::read_text;
+use crate::input::{keyframes, overrides, parse};
+use crate::scene::caustics::spec::{CausticsSpec, read_caustics};
 
 use super::light::{AmbientOcclusion, Light, Source as LightSource};
 use super::style::Style;
-use crate::error::{Error, Result};
-use crate::scene::tone::{Curve, Tone};
-use node::Node;
-use reader::{Field, Source};
+use crate::image::tone::{Curve, Tone};
+use crate::input::Result;
+use crate::input::reader::{Field, Source};
+use crate::input::tree::Node;
 use std::sync::Arc;
 
 /// A scene as written: values checked one by one, files not yet opened (but for a camera's own).
@@ -85,70 +77,23 @@ pub struct OutputSpec {
     pub exr: Option<PathBuf>,
 }
 
-/// Largest width or height of an image, pixels.
-pub const MAX_SIDE: u64 = 65_536;
-/// Most pixels of an image.
-pub const MAX_PIXELS: u64 = 1 << 30;
-
 /// Reads a scene file (.toml or .json). `overrides` are `key=value` texts with dotted keys
 /// (`camera.vfov=40`, `mesh.0.scale=2`), applied in order before anything is checked. Then any list whose items are all
 /// tables of `frame` and `value` becomes its value at `frame`: linear between two keys, constant before the first and
 /// after the last; a value is a number or a list of numbers.
 ///
 /// # Errors
-/// [`Error::Input`], one line, with the file, the line and the key, and what to write instead.
+/// [`crate::input::error::Error::Input`], one line, with the file, the line and the key, and what to write instead.
 pub fn load(path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> {
     let format = parse::Format::of(path)?;
     read_scene(&read_text(path)?, format, path, overrides, frame)
-}
-
-/// The value tree of another file that is written like a scene: a .toml, a .json, or a .jsonl with a job a line.
-///
-/// # Errors
-/// [`Error::Input`], one line, with the file and the line; or those of `read`.
-pub(crate) fn with_tree<T>(path: &Path, read: impl FnOnce(&Field) -> Result<T>) -> Result<T> {
-    let text = read_text(path)?;
-    let root = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("jsonl")) {
-        parse::parse(&parse::listed("job", &text), parse::Format::Json, path)?
-    } else {
-        parse::parse(&text, parse::Format::of(path)?, path)?
-    };
-    let source = Source::new(path, path.parent().unwrap_or(Path::new("")));
-    read(&Field::new(&source, "", &root))
-}
-
-fn read_text(path: &Path) -> Result<String> {
-    let cannot = |why: &dyn std::fmt::Display| Error::input(format!("{}: cannot be read: {why}", path.display()));
-    let bytes = crate::inputs::read_or_pipe(path).map_err(|e| cannot(&format_args!("{e}; check the path")))?;
-    String::from_utf8(bytes).map_err(|e| {
-        let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
-        cannot(&format_args!("line {line} is not UTF-8 text; save it as UTF-8"))
-    })
-}
-
-/// Refuses an image without pixels or beyond the format's limits, naming the limit.
-///
-/// # Errors
-/// [`Error::Input`]; the caller adds where the size came from.
-pub fn check_size(width: u64, height: u64) -> Result<()> {
-    let size = format!("the image size {width} x {height}");
-    if width == 0 || height == 0 {
-        return Err(Error::input(format!("{size} has no pixels; both sides must be at least 1")));
-    }
-    if width > MAX_SIDE || height > MAX_SIDE {
-        return Err(Error::input(format!("{size} is over the limit of {MAX_SIDE} pixels a side; make it smaller")));
-    }
-    if width * height > MAX_PIXELS {
-        return Err(Error::input(format!("{size} is over the limit of {MAX_PIXELS} pixels in all; make it smaller")));
-    }
-    Ok(())
 }
 
 fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> {
     let mut root = parse::parse(text, format, path)?;
     overrides::apply(&mut root, overrides)?;
     let dir = path.parent().unwrap_or(Path::new(""));
-    keys::pick(&mut root, "", &Source::new(path, dir), frame)?;
+    keyframes::pick(&mut root, "", &Source::new(path, dir), frame)?;
     read_tree(root, path, dir)
 }
 
@@ -182,7 +127,7 @@ fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'
     Ok(SceneFile {
         image: table.or("image", image, read_image)?,
         meshes: table.or("mesh", Vec::new(), |f| {
-            f.clone().of(of_meshes).items("meshes, each a table [[mesh]]")?.map(|m| mesh::read_mesh(&m, &[])).collect()
+            f.clone().of(of_meshes).items("meshes, each a table [[mesh]]")?.map(|m| read_mesh(&m, &[])).collect()
         })?,
         lights: table.or("light", Vec::new(), |f| {
             f.items("lights, each a table [[light]]")?.map(|l| read_light(&l)).collect()
@@ -190,9 +135,9 @@ fn read_tables<'a>(root: &'a Node, [source, of_camera, of_meshes]: [&'a Source<'
         ambient_occlusion: table.optional("ambient_occlusion", read_occlusion)?,
         style: table.or("style", Style::default(), style::read_style)?,
         sky: table.optional("environment", read_sky)?,
-        camera: camera::read_camera(&camera)?,
+        camera: read_camera(&camera)?,
         camera_keys: Arc::default(),
-        caustics: table.optional("caustics", caustics::read_caustics)?,
+        caustics: table.optional("caustics", read_caustics)?,
         output: table.or("output", OutputSpec::default(), read_output)?,
         dir: if dir.as_os_str().is_empty() { PathBuf::from(".") } else { dir.into() },
     })
@@ -258,7 +203,7 @@ fn read_light(field: &Field) -> Result<Light> {
     };
     Ok(Light {
         source,
-        colour: table.or("color", [1.0; 3], mesh::read_radiance)?,
+        colour: table.or("color", [1.0; 3], read_radiance)?,
         casts_shadows: table.or("shadows", false, Field::boolean)?,
     })
 }

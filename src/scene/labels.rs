@@ -1,8 +1,11 @@
 //! The object and the material of each triangle: the values of the channels `object.id` and `material.id`.
 
 use super::Scene;
-use super::mesh::Mesh;
-use crate::frame::{Channel, NO_ID};
+use crate::camera::Camera;
+use crate::geometry::load::Object;
+use crate::geometry::mesh::Mesh;
+use crate::image::cryptomatte::{Apart, Matte};
+use crate::image::frame::{Channel, NO_ID};
 use std::sync::Arc;
 
 /// Objects and materials by triangle id.
@@ -20,7 +23,7 @@ pub struct Labels {
 impl Labels {
     /// The labels of a scene. Its mesh may have the facets of the camera's optics at its end.
     pub fn of(scene: &Scene) -> Labels {
-        let end = |end: &mut u32, object: &super::Object| {
+        let end = |end: &mut u32, object: &Object| {
             // a scene has at most 2^28 triangles
             *end += object.triangles as u32;
             Some(*end)
@@ -44,6 +47,22 @@ impl Labels {
         }
     }
 
+    /// An empty Cryptomatte for pictures of the scene through a camera, whose optics have the ids behind those of all triangles.
+    pub fn matte(scene: &Scene, camera: &Camera, apart: Apart) -> Matte {
+        let (names, name_of) = match apart {
+            Apart::Objects => {
+                let of = |(k, o): (u32, &Object)| std::iter::repeat_n(k, o.triangles);
+                let names = scene.objects.iter().map(|o| o.name.clone()).collect();
+                (names, (0..).zip(&scene.objects).flat_map(of).collect())
+            }
+            Apart::Materials => {
+                let names = scene.mesh.materials.iter().map(|m| m.name.clone()).collect();
+                (names, scene.mesh.material_of.clone())
+            }
+        };
+        Matte::new(apart, names, name_of, camera.optics.is_some())
+    }
+
     /// The values of `channel` for these triangles; `None` if it is not a channel of labels.
     pub fn plane(&self, channel: Channel, triangles: &[u32]) -> Option<Vec<u32>> {
         match channel {
@@ -57,7 +76,6 @@ impl Labels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Object;
 
     #[test]
     fn ids_count_objects_and_their_materials_in_order() {

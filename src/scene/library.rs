@@ -1,15 +1,20 @@
 //! Parts of scenes that are kept for the next ones, as long as the files that they came from stay what they were.
 
-use super::file::{CameraSpec, CausticsSpec, MeshSpec, SceneFile, SkySpec};
-use super::mesh::Mesh;
+use super::Scene;
+use super::file::{SceneFile, SkySpec};
 use super::sky::Sky;
-use super::texture::{Images, ImagesRead};
-use super::{Object, Scene, load_unplaced, named_apart, place, placed};
 use crate::camera::Camera;
 use crate::camera::recipe::Looked;
-use crate::caustics::Caustics;
-use crate::error::{Error, Result};
-use crate::inputs::{Inputs, note_all, noted};
+use crate::camera::spec::CameraSpec;
+use crate::geometry::load::{Object, load_unplaced, named_apart, placed};
+use crate::geometry::mesh::Mesh;
+use crate::geometry::place;
+use crate::geometry::spec::MeshSpec;
+use crate::geometry::texture::{Images, ImagesRead};
+use crate::input::files::{Inputs, note_all, noted};
+use crate::input::{Error, Result};
+use crate::scene::caustics::Caustics;
+use crate::scene::caustics::spec::CausticsSpec;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashSet;

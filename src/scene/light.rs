@@ -2,6 +2,9 @@
 
 use glam::DVec3;
 
+/// Share of the light that comes from everywhere alike.
+pub const AMBIENT: f32 = 0.1;
+
 /// A light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {

@@ -1,49 +1,35 @@
 //! Scenes: the file a user writes, and the triangles, lights and camera it stands for.
 
-pub mod clusters;
+pub mod caustics;
 pub mod file;
-pub mod generate;
-pub mod gltf;
-pub mod heights;
 pub mod labels;
 pub mod library;
 pub mod light;
-pub mod mesh;
-pub mod obj;
-pub mod pattern;
-pub mod place;
-pub mod places;
+pub mod matrices;
+pub mod motion;
 pub mod sky;
-mod smooth;
 pub mod style;
-pub mod texture;
-pub mod tone;
 
 use crate::camera::Camera;
-use crate::caustics::Caustics;
-use crate::error::{Error, Result};
-use crate::optics::Surface;
-use file::{CameraKeys, CameraSpec, MeshSource, MeshSpec, SceneFile, TextureSpec};
+use crate::camera::optics::Surface;
+use crate::camera::spec::CameraSpec;
+use crate::geometry::load::Object;
+use crate::geometry::mesh::Mesh;
+use crate::geometry::place;
+use crate::geometry::texture::ImagesRead;
+use crate::image::frame::Channel;
+use crate::image::tone::Tone;
+use crate::input::{Error, Result};
+use crate::scene::caustics::Caustics;
+use file::{CameraKeys, SceneFile};
 use glam::DVec3;
 use library::Library;
 use light::{AmbientOcclusion, Light};
-use mesh::Mesh;
 use sky::Sky;
 use std::borrow::Cow;
-use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 use style::Style;
-use texture::{Images, ImagesRead, Texture};
-use tone::Tone;
-
-/// Consecutive triangles that have one name.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Object {
-    /// Unlike any other's.
-    pub name: String,
-    pub triangles: usize,
-}
 
 /// Everything that a frame needs, loaded.
 #[derive(Debug, Clone)]
@@ -90,6 +76,16 @@ impl Scene {
         Camera::in_scene(&self.camera, self.size, &self.mesh)
     }
 
+    /// Every channel that pictures of the scene through a camera have, except `certified`, which is requested by name.
+    pub fn channels(&self, camera: &Camera) -> Vec<Channel> {
+        let is_available = |c: &Channel| match c {
+            Channel::Certified => false,
+            Channel::TextureU | Channel::TextureV => !self.mesh.corner_uvs.is_empty(),
+            _ => true,
+        };
+        camera.channels().into_iter().chain(Channel::MORE.into_iter().filter(is_available)).collect()
+    }
+
     /// The scene with the facets of the camera's optics as its last triangles; itself where there are none.
     pub fn with_optics(&self, camera: &Camera) -> Cow<'_, Scene> {
         let Some(Surface::Facets { facets, .. }) = camera.optics.as_ref().map(|o| &o.surface) else {
@@ -119,90 +115,4 @@ impl Scene {
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.mesh.bounds()
     }
-}
-
-/// Gives objects different names: of those with one name, all but the first get the least number that makes it unique, as in `box.2`.
-fn named_apart(objects: impl Iterator<Item = Object>) -> Vec<Object> {
-    let mut taken = HashSet::new();
-    // the last number given to each name: smaller ones are taken
-    let mut numbers: HashMap<String, usize> = HashMap::new();
-    let mut apart = |name: String| {
-        let mut own = name.clone();
-        while !taken.insert(own.clone()) {
-            let number = numbers.entry(name.clone()).or_insert(1);
-            *number += 1;
-            own = format!("{name}.{number}");
-        }
-        own
-    };
-    objects.map(|object| Object { name: apart(object.name), ..object }).collect()
-}
-
-/// The triangles of a mesh in the world; its images come from `images`.
-pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
-    Ok(placed(load_unplaced(spec, images)?, spec)?.0)
-}
-
-/// A mesh in the world, and its objects: one, or one for each copy, named name#0, name#1 and so on.
-fn placed(mesh: Mesh, spec: &MeshSpec) -> Result<(Mesh, Vec<Object>)> {
-    let (name, triangles) = (spec.called(), mesh.triangles.len());
-    let mesh = place::place(mesh, spec.scale, spec.rotate, spec.translate);
-    let Some(places) = &spec.places else { return Ok((mesh, vec![Object { name, triangles }])) };
-    let places = places.load()?;
-    let mesh = place::copies(mesh, &places).map_err(|e| e.at(format_args!("mesh {name}")))?;
-    Ok((mesh, (0..places.len()).map(|k| Object { name: format!("{name}#{k}"), triangles }).collect()))
-}
-
-/// The triangles of a mesh, before they are placed in the world.
-fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
-    let mut none = Images::left_out();
-    let files = if spec.outside_files { gltf::Files::Anywhere } else { gltf::Files::Below };
-    // what it says itself goes before what its file says
-    let of_file = if spec.texture == TextureSpec::OfFile && spec.color.is_none() { &mut *images } else { &mut none };
-
-    let mut mesh = match &spec.source {
-        MeshSource::Builtin(builtin) => generate::generate(builtin)?,
-        MeshSource::Heights(heights) => heights::load(heights)?,
-        MeshSource::File(path) => {
-            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-            match extension.as_str() {
-                "obj" => obj::load(path, of_file)?,
-                "gltf" | "glb" => gltf::load(path, files, of_file)?,
-                _ => {
-                    let name = path.display();
-                    return Err(Error::input(format!(
-                        "{name}: unknown kind of mesh file; use .obj, .gltf or .glb, or .asc, .png or .tif with heights"
-                    )));
-                }
-            }
-        }
-    };
-    if spec.smooth {
-        smooth::smooth(&mut mesh);
-    }
-    for material in &mut mesh.materials {
-        material.two_sided = spec.two_sided;
-        material.diffuse = spec.color.unwrap_or(material.diffuse);
-        spec.gloss.apply(material);
-        if let Some(pattern) = spec.pattern {
-            material.pattern = Some(pattern);
-            material.diffuse = spec.color.unwrap_or([1.0; 3]);
-        }
-    }
-    if let TextureSpec::Image { file, repeat, cutoff } = &spec.texture {
-        if mesh.corner_uvs.is_empty() {
-            let name = spec.called();
-            return Err(Error::input(format!("mesh {name}: has no texture coordinates; leave texture out")));
-        }
-        let texture = match images.read.reads(cutoff.is_some()) {
-            true => Some(Texture { cutoff: *cutoff, ..Texture::new(images.load(file)?) }),
-            false => None,
-        };
-        for material in &mut mesh.materials {
-            material.texture.clone_from(&texture);
-            material.diffuse = spec.color.unwrap_or([1.0; 3]);
-        }
-        mesh.repeat_uvs(repeat.as_vec2());
-    }
-    Ok(mesh)
 }

@@ -1,8 +1,8 @@
 //! Light from all around a scene, by an image of it.
 
 use super::file::SkySpec;
-use super::texture::{Images, Texels, Texture, Wrap};
-use crate::error::Result;
+use crate::geometry::texture::{Images, Texels, Texture, Wrap};
+use crate::input::Result;
 use glam::{DVec2, DVec3};
 use half::f16;
 use rayon::prelude::*;
@@ -31,7 +31,7 @@ const LOBE_SIDE: u32 = 16;
 
 impl Sky {
     /// # Errors
-    /// [`crate::Error::Input`] where its image cannot be read.
+    /// [`crate::input::Error::Input`] where its image cannot be read.
     pub fn new(spec: &SkySpec, images: &mut Images) -> Result<Sky> {
         let sky = Sky::of(images.load(&spec.file)?, spec.strength as f32, spec.rotate / 360.0);
         Ok(Sky { is_seen: spec.is_seen, ..sky })

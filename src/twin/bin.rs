@@ -5,7 +5,7 @@ use super::edge::side_over;
 use super::raster::{Corners, test};
 use super::rays::{Cast, owned};
 use super::{Input, Real};
-use crate::TILE;
+use crate::camera::TILE;
 use crate::gpu::rows::Cell;
 use glam::DVec3;
 use rayon::prelude::*;

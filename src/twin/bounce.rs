@@ -5,9 +5,9 @@ use super::raster::Visibility;
 use super::smooth::Part;
 use super::turn::{Turned, at_facet};
 use super::{Input, Real};
+use crate::engine::plan::curves::RayTable;
 use crate::engine::surface::SurfaceRows;
 use crate::gpu::rows::{NONE, Way, split2};
-use crate::plan::curves::RayTable;
 use rayon::prelude::*;
 
 /// A ray that was turned, and what lies behind it.

@@ -1,7 +1,7 @@
 //! deposit in f64: the flux of caustic triangles, as stored, by texel.
 
-use crate::caustics::shares::shares;
 use crate::gpu::rows::{Cast, Receiver};
+use crate::scene::caustics::shares::shares;
 use glam::DVec2;
 
 /// What one triangle brings, as parts of its flux.

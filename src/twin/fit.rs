@@ -2,11 +2,11 @@
 
 use super::Input;
 use super::cull::Address;
-use crate::TILE;
+use crate::camera::TILE;
+use crate::engine::plan::fit::Fit;
+use crate::engine::plan::nodes::{Depth, Nodes};
+use crate::engine::plan::tiles::{Bounds, Sample, Sampled};
 use crate::gpu::rows::{BRANCH, Cell, Node};
-use crate::plan::fit::Fit;
-use crate::plan::nodes::{Depth, Nodes};
-use crate::plan::tiles::{Bounds, Sample, Sampled};
 use glam::{DVec2, DVec3};
 
 /// Nodes, and one cell a tile.

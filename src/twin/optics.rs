@@ -5,11 +5,11 @@ use super::raster::Visibility;
 use super::{Input, Real};
 use crate::camera::Camera;
 use crate::engine::passes::passes;
+use crate::engine::plan::Plan;
+use crate::engine::plan::curves::RayTable;
 use crate::engine::surface::SurfaceRows;
 use crate::engine::tables;
 use crate::gpu::rows::{Cell, NONE, Node, Optic, Way};
-use crate::plan::Plan;
-use crate::plan::curves::RayTable;
 use crate::scene::Scene;
 
 /// What kernels of one pass read beside the rest.
@@ -117,7 +117,7 @@ pub struct Turn {
 impl Optics {
     /// Of the camera's optics, where it has them; `scene` holds their facets.
     pub fn new(scene: &Scene, camera: &Camera, plan: &Plan) -> Option<Optics> {
-        let optics = &crate::optics::Optics { atlas: None, ..camera.optics.as_deref()?.clone() };
+        let optics = &crate::camera::optics::Optics { atlas: None, ..camera.optics.as_deref()?.clone() };
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0);
         let nothing = Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
         Some(Optics {

@@ -1,11 +1,11 @@
 //! The rays of a pixel in f64, from the rows that the kernels read: a piece's row, or the table of a ray field.
 
 use super::Input;
-use crate::TILE;
+use crate::camera::TILE;
 use crate::camera::{Bundle, Curve};
+use crate::engine::plan::curves::RayTable;
 use crate::gpu::kernels::RaysKind;
 use crate::gpu::rows::{Cell, Piece};
-use crate::plan::curves::RayTable;
 use glam::DVec3;
 
 /// A pixel's bundle about its centre, and the sizes of what was summed up to get it: their rounding is the bundle's.

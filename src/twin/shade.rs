@@ -5,7 +5,7 @@ use super::raster::Visibility;
 use super::rays::{Cast, length};
 use super::surface::{NORMALIZE_UNITS, Surface};
 use super::{Input, Real};
-use crate::frame::{Channel, NO_ID};
+use crate::image::frame::{Channel, NO_ID};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -96,7 +96,7 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
     let here = id.wrapping_sub(p.id_first) < p.id_count;
     let (true, Some(cell)) = (here, input.pixel_cell(layer, x, y)) else { return Pixel::Untouched };
     let cell = input.cells[cell as usize];
-    let cast = input.cell_cast(&cell, (y % crate::TILE) * crate::TILE + x % crate::TILE);
+    let cast = input.cell_cast(&cell, (y % crate::camera::TILE) * crate::camera::TILE + x % crate::camera::TILE);
     let rays = cast.ray(t);
     let slot = input.slot_of_id[(id - p.id_first) as usize];
     let hit = Surface { input, rays: &rays, corners: input.corners(slot), slot };

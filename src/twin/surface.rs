@@ -4,8 +4,8 @@ use super::raster::Corners;
 use super::rays::PixelRays;
 use super::shade::UNIT;
 use super::{Input, Real};
+use crate::engine::clusters::CORNER_ORDERS;
 use crate::gpu::rows::NONE;
-use crate::scene::clusters::CORNER_ORDERS;
 use glam::DVec3;
 
 /// A unit vector from a given one: length 3, division 2.5 (as a Vulkan driver may).
@@ -37,7 +37,7 @@ impl Surface<'_> {
     /// Sizes that an f32 kernel sums up to a direction: those of the cell's bundle over half a tile, over h.
     pub fn direction_size(&self) -> f64 {
         let b = &self.rays.bundle;
-        let half = f64::from(crate::TILE);
+        let half = f64::from(crate::camera::TILE);
         let h = b.h[0].abs();
         let d = b.d[0].length() + half * (b.d[1].length() + b.d[2].length());
         let size_h = h + half * (b.h[1].abs() + b.h[2].abs());

@@ -1,6 +1,6 @@
 //! write in f64: linear colour to 8-bit sRGB.
 
-use crate::scene::tone::Tone;
+use crate::image::tone::Tone;
 
 /// The sRGB curve of IEC 61966-2-1 in steps of a byte, 0 to 255, not yet rounded; values outside [0, 1] are clamped.
 pub fn srgb(linear: f64) -> f64 {

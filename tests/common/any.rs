@@ -6,9 +6,9 @@ use super::layered::{chain, wavy};
 use super::rng::Rng;
 use super::{ALL_T, FORWARD, camera, mesh, scene};
 use anamorph::camera::Camera;
+use anamorph::camera::spec::CameraKind;
+use anamorph::geometry::mesh::{Material, Mesh};
 use anamorph::scene::Scene;
-use anamorph::scene::file::CameraKind;
-use anamorph::scene::mesh::{Material, Mesh};
 use glam::DVec3;
 
 type Triangle = [DVec3; 3];

@@ -1,8 +1,9 @@
 //! Cameras that see the ball of radius 1 about the origin.
 
 use super::rng::Rng;
+use anamorph::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
+use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Field, Rays};
-use anamorph::scene::file::{CameraKind, CameraVertex, MeshCameraSpec};
 use glam::{DMat2, DVec2, DVec3};
 
 /// Near and far points of a GLC with the maps `a` and `b` from the image, [-1/2, 1/2]^2 with y up, to the planes

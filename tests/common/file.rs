@@ -1,7 +1,7 @@
 //! Scenes written as a user writes them.
 
-use anamorph::Result;
 use anamorph::camera::Camera;
+use anamorph::input::Result;
 use anamorph::scene::Scene;
 
 /// The scene of a TOML text.

@@ -2,11 +2,11 @@
 
 use super::needs;
 use anamorph::camera::{Camera, Rays};
-use anamorph::compare::{Comparison, compare};
+use anamorph::engine::plan::Wanted;
 use anamorph::engine::{Engine, Rendered, RunOptions};
-use anamorph::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::gpu::Gpu;
-use anamorph::plan::Wanted;
+use anamorph::image::compare::{Comparison, compare};
+use anamorph::image::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::reference::image::{Judgement, judge};
 use anamorph::scene::Scene;
 use std::sync::{Mutex, MutexGuard, OnceLock};

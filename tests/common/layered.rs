@@ -2,8 +2,9 @@
 
 use super::cameras::{MeshLook, mesh_camera};
 use super::rng::Rng;
+use anamorph::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
+use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Curve, CurveMap, Curves, Ray, Rays, mesh};
-use anamorph::scene::file::{CameraKind, CameraVertex, MeshCameraSpec};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 

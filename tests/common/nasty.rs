@@ -1,9 +1,9 @@
 //! Tables of rays over one image.
 
 use super::common::rng::Rng;
-use anamorph::TILE;
+use anamorph::camera::TILE;
+use anamorph::engine::plan::curves::RayTable;
 use anamorph::gpu::rows::split2;
-use anamorph::plan::curves::RayTable;
 use glam::DVec3;
 
 /// Over this many pixels the tables below are made: three levels of nodes, and tiles that the image cuts.

@@ -3,9 +3,9 @@
 #![allow(dead_code)]
 
 use anamorph::camera::Camera;
-use anamorph::frame::{Channel, Frame};
-use anamorph::output::srgb8;
-use anamorph::plan::samples::places;
+use anamorph::engine::plan::samples::places;
+use anamorph::image::frame::{Channel, Frame};
+use anamorph::image::srgb8;
 use anamorph::reference::image::image;
 use anamorph::scene::Scene;
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};

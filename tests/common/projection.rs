@@ -6,9 +6,9 @@ use super::rng::Rng;
 use super::soup;
 use anamorph::camera::project::{Image, Images, Projector};
 use anamorph::camera::{Camera, Ray, Rays};
+use anamorph::engine::stage::sift::Sift;
 use anamorph::gpu::Gpu;
 use anamorph::reference::{Path, Reference};
-use anamorph::stage::sift::Sift;
 use glam::{DVec2, DVec3};
 use std::sync::OnceLock;
 

@@ -7,23 +7,24 @@ use super::common::cameras::{self, MeshLook};
 use super::common::rng::Rng;
 use super::common::{self, ALL_T, FORWARD};
 use super::common::{layered, needs};
+use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Rays};
 use anamorph::engine::Capacities;
-use anamorph::frame::Channel;
+use anamorph::engine::clusters::{cluster, mapped_rows};
+use anamorph::engine::plan::Wanted;
+use anamorph::engine::plan::sheets;
+use anamorph::engine::plan::sheets::Sheets;
+use anamorph::engine::stage::Stages;
+use anamorph::geometry::generate::{icosphere, plane, teapot};
+use anamorph::geometry::mesh::{Material, Mesh};
 use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, read_words, readback, wait};
 use anamorph::gpu::device::Abilities;
 use anamorph::gpu::kernels::{LightsKind, OpticsKind, Variant};
 use anamorph::gpu::rows::COUNTERS;
-use anamorph::plan::Wanted;
-use anamorph::plan::sheets::{self, Sheets};
+use anamorph::image::frame::Channel;
 use anamorph::scene::Scene;
-use anamorph::scene::clusters::{cluster, mapped_rows};
-use anamorph::scene::file::CameraKind;
-use anamorph::scene::generate::{icosphere, plane, teapot};
 use anamorph::scene::light::Light;
-use anamorph::scene::mesh::{Material, Mesh};
-use anamorph::stage::Stages;
 use anamorph::twin::{Input, ROOMY, Real, Tables};
 use glam::{DMat2, DVec2, DVec3};
 
@@ -405,7 +406,7 @@ pub fn counters(gpu: &Gpu, buffers: &mut Buffers, values: &[(u32, u32)]) {
 }
 
 /// Runs what `encode` puts into one pass, to its end.
-pub fn run(gpu: &Gpu, encode: impl FnOnce(&mut wgpu::ComputePass) -> anamorph::Result<()>) {
+pub fn run(gpu: &Gpu, encode: impl FnOnce(&mut wgpu::ComputePass) -> anamorph::input::Result<()>) {
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_compute_pass(&Default::default());
     encode(&mut pass).unwrap();

@@ -1,7 +1,7 @@
 //! Cameras as a person writes them: the text of a scene file's `[camera]`.
 
-use anamorph::Result;
 use anamorph::camera::Camera;
+use anamorph::input::Result;
 use anamorph::scene::Scene;
 use std::path::Path;
 

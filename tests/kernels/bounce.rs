@@ -233,7 +233,7 @@ fn the_comparison_sees_planted_errors() {
 fn the_kernel_has_the_rule_s_constant() {
     let case = cases().into_iter().next().unwrap();
     let source = anamorph::gpu::kernels::bounce(case.variant(Real::F64, false)).source;
-    assert!(source.contains(&format!("const FLAT_LEAST: real = {:?};", anamorph::optics::FLAT_LEAST)));
+    assert!(source.contains(&format!("const FLAT_LEAST: real = {:?};", anamorph::camera::optics::FLAT_LEAST)));
 }
 
 /// Turned by hand: a ray straight down on a mirror in the plane y = 0, and one that enters glass there at 45 degrees.

@@ -2,11 +2,11 @@
 
 use crate::common::needs::adapter;
 use crate::common::rng::Rng;
-use anamorph::caustics::shares::LINE_WIDTH;
+use anamorph::engine::stage::deposit::{Casts, Deposit};
 use anamorph::gpu::buffers::Buffers;
 use anamorph::gpu::kernels;
 use anamorph::gpu::rows::{Cast, Receiver};
-use anamorph::stage::deposit::{Casts, Deposit};
+use anamorph::scene::caustics::shares::LINE_WIDTH;
 use anamorph::twin::deposit::{corners, deposit};
 use glam::DVec2;
 

@@ -2,12 +2,12 @@
 
 use crate::common::needs::adapter;
 use crate::common::rng::Rng;
-use anamorph::frame::Channel;
+use anamorph::engine::stage::gather::Gather;
 use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, read_words, readback};
 use anamorph::gpu::kernels::{LightsKind, OpticsKind, RaysKind, Variant};
 use anamorph::gpu::rows::{Landing, NONE, Optic, Params, Receiver, Way};
-use anamorph::stage::gather::Gather;
+use anamorph::image::frame::Channel;
 use anamorph::twin::gather::{gather, place, units};
 use bytemuck::Zeroable;
 use glam::DVec2;

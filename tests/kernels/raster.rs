@@ -4,7 +4,7 @@ use crate::common::rng::Rng;
 use crate::stages::{
     Bench, Case, POISON, SPARE, assert_poisoned, cases, counters, list, random_case, read, run, seeds, upload,
 };
-use anamorph::TILE;
+use anamorph::camera::TILE;
 use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::Buffers;
 use anamorph::gpu::kernels::Variant;

@@ -3,9 +3,9 @@
 use crate::common::rng::Rng;
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, random_case, read, run, seeds, upload};
 use anamorph::engine::pages::PageStore;
-use anamorph::frame::Channel;
+use anamorph::geometry::mesh::NO_UV;
 use anamorph::gpu::kernels::Variant;
-use anamorph::scene::mesh::NO_UV;
+use anamorph::image::frame::Channel;
 use anamorph::twin::bin::bin;
 use anamorph::twin::cull::{Bound, cull};
 use anamorph::twin::raster::{Visibility, raster};

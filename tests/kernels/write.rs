@@ -2,8 +2,8 @@
 
 use crate::common::rng::Rng;
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, read, run, upload};
-use anamorph::frame::Channel;
-use anamorph::scene::tone::{Curve, Tone};
+use anamorph::image::frame::Channel;
+use anamorph::image::tone::{Curve, Tone};
 use anamorph::twin::write::{srgb, write};
 use anamorph::twin::{Input, ROOMY, Real};
 

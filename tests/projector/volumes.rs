@@ -2,8 +2,8 @@
 
 use super::make::*;
 use crate::common::{FORWARD, camera};
+use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Curve, Rays};
-use anamorph::scene::file::CameraKind;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 

@@ -7,7 +7,7 @@
 
 use super::bound::{Judge, Verdict};
 use super::grid::{Bends, Cells, balanced, bends, even, strips};
-use crate::limits;
+use crate::input::limits;
 use rayon::prelude::*;
 use std::collections::HashMap;
 

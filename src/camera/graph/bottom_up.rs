@@ -8,8 +8,8 @@ use super::volume::Volume;
 use super::{Graph, Net};
 use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::error::{Error, Result};
-use crate::scene::file::reader::{Field, Table};
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 

@@ -4,9 +4,9 @@ use super::super::curve::{Curve, CurveMap, Curves};
 use super::super::recipe::Built;
 use super::super::{LAYERS_MAX, Pieces, Rays, mesh};
 use super::{Graph, Leg, Net};
-use crate::error::{Error, Result};
-use crate::scene::file::reader::{Field, Table};
-use crate::scene::file::{CameraVertex, MeshCameraSpec};
+use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 

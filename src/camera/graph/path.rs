@@ -3,17 +3,21 @@
 use super::Bend;
 use super::view::View;
 use crate::camera::Bundle;
-use crate::reference::Reference;
-use crate::scene::mesh::Mesh;
+use crate::camera::perturb::scene_size;
+use crate::geometry::cast::Caster;
+use crate::geometry::mesh::Mesh;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// The scene's triangles, asked by exact rays.
-pub struct Occluders<'a>(Reference<'a>);
+pub struct Occluders<'a> {
+    caster: Caster<'a>,
+    scene_size: f64,
+}
 
 impl<'a> Occluders<'a> {
     pub fn of(mesh: &'a Mesh) -> Occluders<'a> {
-        Occluders(Reference::build(mesh))
+        Occluders { caster: Caster::new(mesh), scene_size: scene_size(mesh.bounds()) }
     }
 
     /// The smallest t in [0, end] at which the ray meets what is visible.
@@ -24,7 +28,7 @@ impl<'a> Occluders<'a> {
     fn between(&self, origin: DVec3, direction: DVec3, range: [f64; 2]) -> Option<f64> {
         let zero = DVec3::ZERO;
         let bundle = Bundle { p: [origin, zero, zero], d: [direction, zero, zero], h: [1.0, 0.0, 0.0] };
-        self.0.hit(&bundle, range).map(|hit| hit.t)
+        self.caster.first(&bundle.aim(self.scene_size)?, range).map(|hit| hit.t)
     }
 
     /// Where a polyline first meets something.

@@ -4,7 +4,7 @@ use super::outline::{self, Outline};
 use super::rails;
 use super::view::{Pinhole, View};
 use crate::camera::pose::Pose;
-use crate::error::{Error, Result};
+use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
 
 /// How the root lies in the image.

@@ -12,9 +12,9 @@ use super::view::{Pinhole, View, beyond};
 use crate::camera::named::values::length;
 use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::error::{Error, Result};
-use crate::limits;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::limits;
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 

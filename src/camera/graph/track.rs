@@ -17,8 +17,8 @@ use super::{Graph, rails};
 use crate::camera::Rays;
 use crate::camera::pose::KEYS as POSE;
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 

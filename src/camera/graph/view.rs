@@ -4,9 +4,9 @@ use super::super::bundle::{Bundle, Ray};
 use super::super::central;
 use super::super::pieces::{Piece, Pieces};
 use super::super::pose::Pose;
-use crate::error::Result;
-use crate::scene::file::reader::Table;
-use crate::scene::mesh::Mesh;
+use crate::geometry::mesh::Mesh;
+use crate::input::Result;
+use crate::input::reader::Table;
 use glam::{DVec2, DVec3};
 
 /// A pinhole camera as a scene file gives it; `vfov` in degrees.

@@ -8,8 +8,8 @@ use super::values::{direction, length};
 use crate::camera::cut::{self, Cut};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Bundle, Pieces, Ray, RayMap, Rays};
-use crate::error::{Error, Result};
-use crate::scene::file::reader::{Field, Table};
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
 use glam::DVec3;
 use std::sync::Arc;
 

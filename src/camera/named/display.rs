@@ -3,11 +3,11 @@
 
 use crate::camera::Rays;
 use crate::camera::mesh::compile;
+use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
-use crate::scene::file::{CameraVertex, MeshCameraSpec};
-use crate::scene::obj::{Textured, load_textured};
+use crate::geometry::obj::{Textured, load_textured};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::DVec3;
 use std::sync::Arc;
 

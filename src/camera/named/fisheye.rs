@@ -3,8 +3,8 @@
 use super::pose::{Central, Lens, POSE, Pose};
 use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 

@@ -8,8 +8,8 @@ use super::values::{angle_within, half_tangent, length};
 use crate::camera::mesh::triangle;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Pieces, Ray, Rays};
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::DVec2;
 use std::sync::Arc;
 

@@ -4,8 +4,8 @@ use crate::camera::central::{View, view};
 use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Ray, RayMap};
-use crate::error::{Error, Result};
-use crate::scene::file::reader::{Field, Table};
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 

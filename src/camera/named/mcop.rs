@@ -8,8 +8,8 @@ use crate::camera::central::view;
 use crate::camera::cut::{self, Cut};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Ray, RayMap};
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::DVec3;
 use std::sync::Arc;
 

@@ -14,8 +14,8 @@ use crate::camera::cut::Cut;
 use crate::camera::projector::Volume;
 use crate::camera::projector::surface::{Plane, Pulled, Surface};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::error::Result;
-use crate::scene::file::reader::Table;
+use crate::input::Result;
+use crate::input::reader::Table;
 use glam::DVec2;
 use std::sync::Arc;
 

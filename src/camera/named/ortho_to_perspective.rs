@@ -10,8 +10,8 @@ use crate::camera::projector::Volume;
 use crate::camera::projector::patch::Patch;
 use crate::camera::projector::surface::Surface;
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::{DMat2, DVec2};
 use std::sync::Arc;
 

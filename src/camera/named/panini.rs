@@ -3,8 +3,8 @@
 use super::pose::{Central, Lens, POSE, Pose};
 use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::error::Result;
-use crate::scene::file::reader::Table;
+use crate::input::Result;
+use crate::input::reader::Table;
 use glam::DVec3;
 use std::sync::Arc;
 

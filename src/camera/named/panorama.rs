@@ -8,8 +8,8 @@ use crate::camera::central::view;
 use crate::camera::cut::{self, Cut};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Ray, RayMap};
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -84,7 +84,7 @@ impl Recipe for Panorama {
         let keys = self.ring;
         // a viewer at `front` who looks at the axis has it upright
         let view = view(keys.front, DVec3::ZERO, keys.axis).map_err(|_| {
-            crate::Error::input("camera.front: it is parallel to axis; give a direction to a side of it")
+            crate::input::Error::input("camera.front: it is parallel to axis; give a direction to a side of it")
         })?;
         let ring = Ring { keys, w: keys.axis, e: keys.axis.cross(-view.right), side: view.right };
         self.cut.build(Arc::new(ring), setting)

@@ -7,8 +7,8 @@ use super::pose::{POSE, Pose};
 use super::values::{angle_within, half_tangent, length};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Bundle, Pieces, Rays};
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::DVec3;
 use std::sync::Arc;
 

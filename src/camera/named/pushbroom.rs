@@ -6,8 +6,8 @@ use super::values::{direction, half_tangent, length};
 use crate::camera::central::view;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::{Bundle, Pieces, Rays};
-use crate::error::{Error, Result};
-use crate::scene::file::reader::{Field, Table};
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
 use glam::DVec3;
 use std::sync::Arc;
 

@@ -3,17 +3,18 @@
 //! Hou, Wei, Shum and Guo 2006, sections 3.1 and 3.2; Yu, Yu and McMillan 2009, section 5.2.
 
 use super::values::length;
+use crate::camera::optics::fineness::error_px;
+use crate::camera::optics::shape::{COUNT_MAX, Shape};
+use crate::camera::optics::{Atlas, Facets, Law, Optics, Surface, Turn};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::spec::{CameraSpec, read_camera};
 use crate::camera::{Camera, Rays};
-use crate::error::{Error, Result};
-use crate::limits;
-use crate::optics::fineness::error_px;
-use crate::optics::shape::{COUNT_MAX, Shape};
-use crate::optics::{Atlas, Facets, Law, Optics, Surface, Turn};
-use crate::scene::file::reader::{Field, Table};
-use crate::scene::file::{CameraSpec, MeshSpec, read_camera, read_mesh};
-use crate::scene::load_mesh;
-use crate::scene::texture::Images;
+use crate::geometry::load::load_mesh;
+use crate::geometry::spec::{MeshSpec, read_mesh};
+use crate::geometry::texture::Images;
+use crate::input::limits;
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
 use glam::DVec3;
 use std::sync::Arc;
 

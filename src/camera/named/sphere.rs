@@ -4,8 +4,8 @@ use super::pose::{Central, Lens, POSE, Pose};
 use super::strips::{self, Grid};
 use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::error::{Error, Result};
-use crate::scene::file::reader::{Field, Table};
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
 use glam::DVec3;
 use std::sync::Arc;
 

@@ -4,8 +4,8 @@ use super::pose::{POSE, Pose};
 use super::values::half_tangent;
 use crate::camera::central::View;
 use crate::camera::projector::surface::Plane;
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::{DMat2, DVec2, DVec3};
 
 /// A viewer, and the depths between which the volume lies.

@@ -6,9 +6,9 @@ use crate::camera::mesh::interpolated;
 use crate::camera::pieces::{Piece, Pieces};
 use crate::camera::recipe::Built;
 use crate::camera::{RayMap, Rays};
-use crate::error::{Error, Result};
-use crate::limits;
-use crate::scene::file::reader::Table;
+use crate::input::limits;
+use crate::input::reader::Table;
+use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
 
 /// Most cells: pieces, two a cell, are numbered in 32 bits.

@@ -5,8 +5,8 @@ use super::stand::{Stand, allow, aspect, upright};
 use crate::camera::cut::Cut;
 use crate::camera::projector::Volume;
 use crate::camera::recipe::{Built, Recipe, Setting};
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::{DMat2, DVec2};
 use std::sync::Arc;
 

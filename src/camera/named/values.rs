@@ -1,7 +1,7 @@
 //! Values that several kinds of camera read alike.
 
-use crate::error::Result;
-use crate::scene::file::reader::Field;
+use crate::input::Result;
+use crate::input::reader::Field;
 use glam::DVec3;
 
 /// A length above 0.

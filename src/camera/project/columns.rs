@@ -8,8 +8,8 @@
 //!
 //! On a slit or an eye M(t) has rank 1 or 0: a line of places, or all, see the point.
 
-use crate::bernstein::{Bernstein, VALUE_ROUNDING};
 use crate::camera::bundle::Bundle;
+use crate::geometry::bernstein::{Bernstein, VALUE_ROUNDING};
 use glam::{DMat3, DVec2, DVec3};
 
 /// Columns are parallel, or nothing, within this of the terms they are sums of: some 2^12 roundings. It is also how

@@ -9,7 +9,7 @@ use super::newton::{self, Volume};
 use super::samples::{MARGIN, SMOOTH, corners, least_slope, samples};
 use super::tree::{KEY_BITS, Leaf, Tree, place_key};
 use super::{BORDER_PX, Degenerate, Found, NEWTON_WORK, Shown};
-use crate::TILE;
+use crate::camera::TILE;
 use crate::camera::curve::{Curve, Curves};
 use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;

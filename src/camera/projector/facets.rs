@@ -1,9 +1,9 @@
 //! The `pieces` surface: triangles over (u, v), linear on each, and nothing outside them.
 
+use crate::camera::mesh::spec::read_triangles;
 use crate::camera::pieces::side;
-use crate::error::Result;
-use crate::scene::file::read_triangles;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
 
 /// Triangles, and a grid over (u, v) to find them by.

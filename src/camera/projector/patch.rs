@@ -3,8 +3,8 @@
 //! A Bezier patch is the B-spline patch whose knots are 0 and 1 only; a NURBS patch is a B-spline patch in homogeneous
 //! coordinates (w x, w y, w z, w). (Brosz et al. 2007, section 5, on Glassner's and the magnification lens's surfaces.)
 
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3, DVec4};
 
 /// Degrees, knots and control points of a patch; (u, v) in [0, 1] is its whole extent, beyond which the outermost

@@ -1,9 +1,9 @@
 //! From image coordinates to surface coordinates: the projector's `reparam` (Brosz et al. 2007, section 3.4).
 
 use super::surface::{Reader, read_kind};
-use crate::error::Result;
-use crate::output::read_pairs;
-use crate::scene::file::reader::{Field, Table};
+use crate::image::read_pairs;
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::{DMat2, DVec2};
 use std::f64::consts::TAU;
 use std::fmt;

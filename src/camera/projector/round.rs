@@ -1,8 +1,8 @@
 //! Round control surfaces: cylinder, sphere, disc. The formulas are those of the `projector` camera's description.
 
 use crate::camera::named::values::direction;
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 

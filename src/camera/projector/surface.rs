@@ -3,8 +3,8 @@
 use super::facets::Facets;
 use super::patch::Patch;
 use super::round::{Cylinder, Disc, Sphere};
-use crate::error::Result;
-use crate::scene::file::reader::{Field, Table};
+use crate::input::Result;
+use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
 
 /// A surface, world units; u and v are [0, 1] over its natural extent, and it goes on beyond that.

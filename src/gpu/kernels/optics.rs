@@ -1,7 +1,7 @@
 //! The kernels of cameras with a mirror or a lens.
 
 use super::*;
-use crate::optics::{Optics, Smooth, Surface};
+use crate::camera::optics::{Optics, Smooth, Surface};
 
 /// What the surface of a camera's optics is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

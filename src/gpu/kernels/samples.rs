@@ -23,7 +23,7 @@ impl Variant {
         f64::from(self.samples.div_ceil(4))
     }
 
-    /// How far aside from a pixel's centre its samples lie at most, px: [`crate::plan::samples::places`].
+    /// How far aside from a pixel's centre its samples lie at most, px: [`crate::engine::plan::samples::places`].
     pub(super) fn aside(self) -> f64 {
         // rounded up
         f64::from(self.samples - 1) / f64::from(2 * self.samples) * (1.0 + f64::from(f32::EPSILON))

@@ -4,8 +4,8 @@
 use super::make::{Rng, icosphere, mesh, soup};
 use crate::camera::curve::{Curve, CurveMap, Curves};
 use crate::camera::{Bundle, Camera, Pieces, Rays};
+use crate::geometry::mesh::Mesh;
 use crate::reference::{Finding, Path, Reference, Segment};
-use crate::scene::mesh::Mesh;
 use glam::DVec3;
 use std::sync::Arc;
 

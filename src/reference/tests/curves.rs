@@ -3,10 +3,10 @@
 use super::make::{Rng, icosphere, mesh, soup};
 use crate::camera::curve::{Curve, CurveMap, Curves};
 use crate::camera::{Bundle, Camera, Rays};
+use crate::geometry::mesh::Mesh;
 use crate::reference::curve::meetings;
 use crate::reference::intersect::Corners;
 use crate::reference::{Finding, Hit, Path, Reference, Seen, Segment};
-use crate::scene::mesh::Mesh;
 use glam::DVec3;
 use std::sync::Arc;
 

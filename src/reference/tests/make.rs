@@ -1,7 +1,7 @@
 //! Random meshes and bundles, all from one seed.
 
 use crate::camera::bundle::Bundle;
-use crate::scene::mesh::{Material, Mesh};
+use crate::geometry::mesh::{Material, Mesh};
 use glam::DVec3;
 
 /// SplitMix64.

@@ -10,7 +10,7 @@ use super::intersect::{Aim, Corners, meet};
 use super::{Hit, Reference, nearer, upright};
 use crate::camera::bundle::Bundle;
 use crate::camera::perturb::scene_size;
-use crate::scene::mesh::{Material, Mesh};
+use crate::geometry::mesh::{Material, Mesh};
 use glam::DVec3;
 use make::{Rng, bundle, icosphere, mesh, soup};
 use proptest::prelude::*;

@@ -3,8 +3,8 @@
 use super::make::{Rng, bundle, icosphere, mesh, soup};
 use super::{ALL, FORWARD, ray};
 use crate::camera::bundle::Bundle;
+use crate::geometry::mesh::Mesh;
 use crate::reference::{MARGIN_PX, Reference};
-use crate::scene::mesh::Mesh;
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -135,7 +135,7 @@ fn twins_count_once_and_backs_of_one_sided_ones_not_at_all() {
     let mut twins = both(square(2.0, 5.0), &square(2.0, 5.0));
     assert_eq!(verdict(&twins, FORWARD), (true, vec![0], false));
     // N is +z as the ray: a one-sided triangle shows its back.
-    twins.materials.push(crate::scene::mesh::Material { two_sided: false, ..Default::default() });
+    twins.materials.push(crate::geometry::mesh::Material { two_sided: false, ..Default::default() });
     twins.material_of = vec![1, 0];
     assert_eq!(verdict(&twins, FORWARD), (true, vec![1], false));
     twins.material_of = vec![1, 1];

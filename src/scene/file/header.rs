@@ -1,11 +1,12 @@
 //! A camera's keys in the header of a picture, which make the same rays without the scene file.
 
-use super::node::{Entry, Node, Value};
-use super::parse::{Format, parse};
-use super::reader::{Field, Source};
-use super::{SceneFile, overrides, read_tree};
+use super::{SceneFile, read_tree};
 use crate::camera::pose::Pose;
-use crate::error::{Error, Result};
+use crate::input::overrides;
+use crate::input::parse::{Format, parse};
+use crate::input::reader::{Field, Source};
+use crate::input::tree::{Entry, Node, Value};
+use crate::input::{Error, Result};
 use serde_json::{Map, Value as Json};
 use std::path::{Path, PathBuf};
 

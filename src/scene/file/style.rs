@@ -1,8 +1,7 @@
 //! `[style]`: lines and strokes, and the patterns of meshes.
 
-use super::reader::Field;
-use crate::error::Result;
-use crate::scene::pattern::{Pattern, PatternKind};
+use crate::input::Result;
+use crate::input::reader::Field;
 use crate::scene::style::{Hatching, Line, Outline, Style};
 
 /// Pixels that a line may be wide.
@@ -56,23 +55,6 @@ fn read_hatching(field: &Field) -> Result<Hatching> {
         spacing: table.or("spacing", plain.spacing, Field::above_zero)?,
         ink: table.or("color", plain.ink, Field::color)?,
         paper: table.or("paper", plain.paper, Field::color)?,
-    })
-}
-
-/// `{ kind, size, light, dark }`.
-pub fn read_pattern(field: &Field) -> Result<Pattern> {
-    let table = field.table()?;
-    table.allow(&["kind", "size", "light", "dark"])?;
-    let key = table.need("kind", "\"checker\"")?;
-    let name = key.text()?;
-    let known = || PatternKind::ALL.map(|k| format!("{:?}", k.name())).join(", ");
-    let kind = PatternKind::ALL.into_iter().find(|k| k.name() == name);
-    let kind = kind.ok_or_else(|| key.error(format_args!("{name:?} is no pattern; known: {}", known())))?;
-    let plain = Pattern::new(kind, table.or("size", 1.0, Field::above_zero)?);
-    Ok(Pattern {
-        light: table.or("light", plain.light, Field::color)?,
-        dark: table.or("dark", plain.dark, Field::color)?,
-        ..plain
     })
 }
 

@@ -3,9 +3,12 @@
 use glam::DVec3;
 use proptest::prelude::*;
 
-use super::parse::Format;
 use super::*;
-use crate::scene::generate::Builtin;
+use crate::camera::spec::CameraKind;
+use crate::geometry::generate::Builtin;
+use crate::geometry::spec::MeshSource;
+use crate::image::size::MAX_PIXELS;
+use crate::input::parse::Format;
 
 const FULL: &str = r#"
 [image]

@@ -2,7 +2,7 @@
 
 mod xml;
 
-use crate::error::{Error, Result};
+use crate::input::{Error, Result};
 use glam::DVec2;
 use serde::Deserialize;
 use std::path::Path;
@@ -50,8 +50,8 @@ struct Matrix {
 /// [`Error::Input`] naming the file: it cannot be read, is not such a file, or its matrices have another form.
 pub fn read(path: &Path) -> Result<Intrinsics> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
-    let text =
-        crate::inputs::read_to_string(path).map_err(|e| refuse(format!("cannot be read: {e}; check the path")))?;
+    let text = crate::input::files::read_to_string(path)
+        .map_err(|e| refuse(format!("cannot be read: {e}; check the path")))?;
     parse(&text).map_err(refuse)
 }
 
@@ -72,7 +72,7 @@ fn parse(text: &str) -> std::result::Result<Intrinsics, String> {
     check_brackets(text)?;
     let keys = keys(text).map_err(|e| format!("not a calibration as OpenCV writes it: {}", e.replace('\n', " ")))?;
     let fisheye = said_model(&keys)?;
-    crate::scene::file::check_size(keys.image_width, keys.image_height).map_err(|e| e.to_string())?;
+    crate::image::size::check_size(keys.image_width, keys.image_height).map_err(|e| e.to_string())?;
     let Matrix { rows, cols, data } = keys.camera_matrix;
     let [fx, skew, cx, zero, fy, cy, zero_x, zero_y, one] = data[..] else {
         return Err(format!("camera_matrix: {} numbers in {rows} x {cols}; it must be 3 x 3", data.len()));

@@ -1,6 +1,7 @@
 use super::*;
 use crate::camera::Rays;
-use crate::scene::file::{CameraKind, CameraSpec, CameraVertex, MeshCameraSpec};
+use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
+use crate::camera::spec::{CameraKind, CameraSpec};
 
 fn unit(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -1,0 +1,370 @@
+//! Triangles made ready for the kernels: chunks that fit a binding, in an order that keeps neighbours together.
+//!
+//! Positions are rebased to an anchor in f64 and stored as f32 pairs. Every triangle row names its corners in the
+//! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
+
+use crate::geometry::mesh::{Mesh, NO_NORMAL};
+use crate::gpu::rows::{BUNCH, CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, split2};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Triangles `id_first .. id_first + id_count` of a scene, as the kernels read them.
+#[derive(Debug, Clone, Default)]
+pub struct Chunk {
+    pub id_first: u32,
+    pub id_count: u32,
+    /// Three numbers a vertex relative to the anchor: the f32 nearest, and what it leaves.
+    pub vertices_hi: Vec<f32>,
+    pub vertices_lo: Vec<f32>,
+    /// A row a slot: three vertices in the order of their positions; id, file order and sidedness.
+    pub triangles: Vec<[u32; 4]>,
+    /// A row a slot: the normals of the corners in file order, and the material.
+    pub surfaces: Vec<[u32; 4]>,
+    /// Where images lie on triangles, six numbers a slot: the texture coordinates of the corners in file order, v downwards; NaN
+    /// of one that has none.
+    pub uvs: Vec<[f32; 6]>,
+    /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit.
+    pub slot_of_id: Vec<u32>,
+    pub clusters: Vec<Cluster>,
+    /// A row for each bunch of each cluster; the last cluster's may be empty.
+    pub bunches: Vec<Cluster>,
+    /// The scene's vertices that it has, ascending; `None`: all.
+    used: Option<Vec<u32>>,
+    /// How large the boxes of its clusters were together when triangles were put in these.
+    clustered_size: f64,
+}
+
+/// Scene-wide facts about the chunks.
+#[derive(Debug, Clone)]
+pub struct Clustered {
+    pub chunks: Vec<Chunk>,
+    pub anchor: DVec3,
+    /// Triangles without area, left out.
+    pub without_area: usize,
+}
+
+/// Bytes of a triangle's rows and of a vertex in the largest single buffer that holds them.
+const TRIANGLE_BYTES: u64 = 16;
+const TEXTURED_BYTES: u64 = 48;
+const VERTEX_BYTES: u64 = 12;
+
+/// Cuts a mesh into chunks none of whose buffers exceeds `binding_limit` bytes; with texture coordinates where they are to be
+/// `textured`.
+pub fn cluster(mesh: &Mesh, anchor: DVec3, textured: bool, binding_limit: u64) -> Clustered {
+    let triangle_bytes = if textured { TEXTURED_BYTES } else { TRIANGLE_BYTES };
+    let whole = mesh.triangles.len() as u64 * triangle_bytes <= binding_limit
+        && mesh.positions.len() as u64 * VERTEX_BYTES <= binding_limit;
+    let per_chunk =
+        if whole { mesh.triangles.len() as u64 } else { binding_limit / triangle_bytes.max(3 * VERTEX_BYTES) };
+    let count = mesh.triangles.len() as u64;
+    let mut chunks: Vec<Chunk> = (0..count)
+        .step_by(per_chunk.max(1) as usize)
+        .map(|first| {
+            let ids = first as u32..(first + per_chunk).min(count) as u32;
+            chunk(mesh, anchor, ids, (whole, textured))
+        })
+        .collect();
+    if chunks.is_empty() {
+        // a scene without triangles still has a background to shade
+        chunks.push(Chunk::default());
+    }
+    let slots: usize = chunks.iter().map(|c| c.triangles.len()).sum();
+    Clustered { chunks, anchor, without_area: mesh.triangles.len() - slots }
+}
+
+fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, textured): (bool, bool)) -> Chunk {
+    let order = morton_order(mesh, ids.clone());
+    let mut chunk = Chunk { id_first: ids.start, id_count: ids.len() as u32, ..Default::default() };
+    if !whole {
+        let mut used: Vec<u32> = order.par_iter().flat_map_iter(|&id| mesh.triangles[id as usize]).collect();
+        used.par_sort_unstable();
+        used.dedup();
+        chunk.used = Some(used);
+    }
+    chunk.surfaces = order.par_iter().map(|&id| surface_row(mesh, id)).collect();
+    if textured {
+        chunk.uvs = order.par_iter().map(|&id| uv_row(mesh, id)).collect();
+    }
+    chunk.slot_of_id = vec![NONE; ids.len()];
+    for (slot, &id) in order.iter().enumerate() {
+        chunk.slot_of_id[(id - ids.start) as usize] = slot as u32;
+    }
+    chunk.triangles = order.par_iter().map(|&id| [0, 0, 0, id | side(mesh, id)]).collect();
+    chunk.place(mesh, anchor);
+    chunk.clustered_size = chunk.size();
+    chunk
+}
+
+impl Clustered {
+    /// The same triangles where their vertices are now, each in the cluster where it was. `false` where they are to be clustered anew:
+    /// a triangle has got or lost its area, or the boxes have grown by half.
+    pub fn refit(&mut self, mesh: &Mesh) -> bool {
+        let lies_flat = |chunk: &Chunk| {
+            let ids = chunk.slot_of_id.par_iter().zip(chunk.id_first..chunk.id_first + chunk.id_count);
+            ids.filter(|(slot, _)| **slot == NONE).all(|(_, id)| !has_area(&corners(mesh, id)))
+        };
+        self.chunks.iter_mut().all(|chunk| {
+            (self.without_area == 0 || lies_flat(chunk))
+                && chunk.place(mesh, self.anchor)
+                && chunk.size() <= GROWN_MAX * chunk.clustered_size
+        })
+    }
+}
+
+/// Bunches of a cluster.
+const BUNCHES: usize = (CLUSTER / BUNCH) as usize;
+
+const EMPTY: Cluster = Cluster { centre: [0.0; 3], first: 0, half: [0.0; 3], count: 0 };
+
+/// Beyond it, boxes have grown too much for triangles to stay in them.
+const GROWN_MAX: f64 = 1.5;
+
+impl Chunk {
+    /// All that depends on positions, of the triangles in their slots; whether each has an area.
+    fn place(&mut self, mesh: &Mesh, anchor: DVec3) -> bool {
+        let used = self.used.as_deref();
+        let count = used.map_or(mesh.positions.len(), <[u32]>::len);
+        self.vertices_hi.resize(3 * count, 0.0);
+        self.vertices_lo.resize(3 * count, 0.0);
+        let rows = self.vertices_hi.par_chunks_exact_mut(3).zip(self.vertices_lo.par_chunks_exact_mut(3));
+        rows.enumerate().for_each(|(k, (hi, lo))| {
+            let position = mesh.positions[used.map_or(k, |used| used[k] as usize)] - anchor;
+            for (axis, value) in position.to_array().into_iter().enumerate() {
+                [hi[axis], lo[axis]] = split2(value);
+            }
+        });
+        // every vertex of the chunk is in the sorted list
+        let index_of = |v: u32| used.map_or(v, |used| used.partition_point(|&u| u < v) as u32);
+        self.bunches.resize(self.triangles.len().div_ceil(CLUSTER as usize) * BUNCHES, EMPTY);
+        let groups = self.triangles.par_chunks_mut(CLUSTER as usize).zip(self.bunches.par_chunks_mut(BUNCHES));
+        let place = |(index, (rows, bunches)): (usize, (&mut [[u32; 4]], &mut [Cluster]))| {
+            let first = index * CLUSTER as usize;
+            let (count, mut whole, mut have_area) = (rows.len(), Bounds::NONE, true);
+            for (k, (bunch, rows)) in bunches.iter_mut().zip(rows.chunks_mut(BUNCH as usize)).enumerate() {
+                let mut own = Bounds::NONE;
+                for row in rows.iter_mut() {
+                    let corners = corners(mesh, row[3] & ID_MASK);
+                    let order = order_by_position(&corners);
+                    have_area &= has_area(&corners);
+                    own = own.with(&corners);
+                    *row = triangle_row(mesh, row[3], order, index_of);
+                }
+                *bunch = own.row(anchor, first + k * BUNCH as usize, rows.len());
+                whole = whole.joined(own);
+            }
+            (whole.row(anchor, first, count), have_area)
+        };
+        let (clusters, have_area): (Vec<Cluster>, Vec<bool>) = groups.enumerate().map(place).unzip();
+        self.clusters = clusters;
+        have_area.into_iter().all(|has| has)
+    }
+
+    /// Of all boxes together.
+    fn size(&self) -> f64 {
+        self.clusters.iter().map(|c| c.half.iter().map(|h| f64::from(*h)).sum::<f64>()).sum()
+    }
+}
+
+fn corners(mesh: &Mesh, id: u32) -> [DVec3; 3] {
+    mesh.triangles[id as usize].map(|v| mesh.positions[v as usize])
+}
+
+/// The triangles that have an area, along a Morton curve through their centroids.
+fn morton_order(mesh: &Mesh, ids: std::ops::Range<u32>) -> Vec<u32> {
+    let corners = |id: u32| corners(mesh, id);
+    let bounds = ids
+        .clone()
+        .into_par_iter()
+        .map(|id| corners(id).iter().sum::<DVec3>())
+        .map(|c| (c, c))
+        .reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let scale = ((1u64 << 21) as f64 - 1.0) / (bounds.1 - bounds.0).max_element().max(f64::MIN_POSITIVE);
+    let mut keyed: Vec<(u64, u32)> = ids
+        .into_par_iter()
+        .filter(|&id| has_area(&corners(id)))
+        .map(|id| {
+            let place = (corners(id).iter().sum::<DVec3>() - bounds.0) * scale;
+            (spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2, id)
+        })
+        .collect();
+    keyed.par_sort_unstable();
+    keyed.into_iter().map(|(_, id)| id).collect()
+}
+
+/// The low 21 bits of a number, two zero bits between each.
+fn spread(place: f64) -> u64 {
+    let mut x = place.max(0.0) as u64 & 0x1f_ffff;
+    x = (x | x << 32) & 0x1f00000000ffff;
+    x = (x | x << 16) & 0x1f0000ff0000ff;
+    x = (x | x << 8) & 0x100f00f00f00f00f;
+    x = (x | x << 4) & 0x10c30c30c30c30c3;
+    (x | x << 2) & 0x1249249249249249
+}
+
+/// Three different positions that are not on a line, as f64 sees it.
+fn has_area(corners: &[DVec3; 3]) -> bool {
+    let [a, b, c] = order_by_position(corners).map(|k| corners[k]);
+    a != b && b != c && (b - a).cross(c - a) != DVec3::ZERO
+}
+
+/// The corners' indices, ascending by x, then y, then z.
+fn order_by_position(corners: &[DVec3; 3]) -> [usize; 3] {
+    let less = |a: usize, b: usize| {
+        let (p, q) = (corners[a], corners[b]);
+        (p.x, p.y, p.z) < (q.x, q.y, q.z)
+    };
+    let mut k = [0, 1, 2];
+    if less(k[1], k[0]) {
+        k.swap(0, 1);
+    }
+    if less(k[2], k[1]) {
+        k.swap(1, 2);
+    }
+    if less(k[1], k[0]) {
+        k.swap(0, 1);
+    }
+    k
+}
+
+/// Where each file corner stands in a row, by order code: the table of `wgsl/shared/triangle.wgsl`.
+pub const CORNER_ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+
+/// Of the triangle with the id and the sidedness in `last`, whose corners are in this order.
+fn triangle_row(mesh: &Mesh, last: u32, sorted: [usize; 3], index_of: impl Fn(u32) -> u32) -> [u32; 4] {
+    let corners = mesh.triangles[(last & ID_MASK) as usize];
+    // the place of file corner c in the row
+    let place = [0, 1, 2].map(|c| sorted.iter().position(|&s| s == c).unwrap_or(0));
+    let order = CORNER_ORDERS.iter().position(|o| *o == place).unwrap_or(0) as u32;
+    let [a, b, c] = sorted.map(|s| index_of(corners[s]));
+    [a, b, c, last & (ID_MASK | ONE_SIDED) | order << ORDER_SHIFT]
+}
+
+/// [`ONE_SIDED`], or 0.
+fn side(mesh: &Mesh, id: u32) -> u32 {
+    debug_assert!(id <= ID_MASK);
+    let material = &mesh.materials[mesh.material_of[id as usize] as usize];
+    if material.two_sided { 0 } else { ONE_SIDED }
+}
+
+fn surface_row(mesh: &Mesh, id: u32) -> [u32; 4] {
+    let [a, b, c] = mesh.corner_normals.get(id as usize).copied().unwrap_or([NO_NORMAL; 3]);
+    [a, b, c, mesh.material_of[id as usize]]
+}
+
+fn uv_row(mesh: &Mesh, id: u32) -> [f32; 6] {
+    let Some([a, b, c]) = mesh.uvs_of(id as usize) else { return [f32::NAN; 6] };
+    [a.x, 1.0 - a.y, b.x, 1.0 - b.y, c.x, 1.0 - c.y]
+}
+
+/// The table that kernels read for surfaces with texture coordinates: per slot the row of `surfaces`, then two rows with the texture
+/// coordinates of the three corners and a flag, 1 if the triangle has any.
+pub fn mapped_rows(surfaces: &[[u32; 4]], uvs: &[[f32; 6]]) -> Vec<[[u32; 4]; 3]> {
+    let row = |(own, uv): (&[u32; 4], &[f32; 6])| {
+        let is_mapped = u32::from(uv.iter().all(|v| v.is_finite()));
+        let [a, b, c, d, e, f] = uv.map(f32::to_bits);
+        [*own, [a, b, c, d], [e, f, is_mapped, 0]]
+    };
+    surfaces.iter().zip(uvs).map(row).collect()
+}
+
+/// A box of positions.
+#[derive(Clone, Copy)]
+struct Bounds {
+    lo: DVec3,
+    hi: DVec3,
+}
+
+impl Bounds {
+    const NONE: Bounds = Bounds { lo: DVec3::INFINITY, hi: DVec3::NEG_INFINITY };
+
+    fn with(self, corners: &[DVec3; 3]) -> Bounds {
+        let [a, b, c] = *corners;
+        Bounds { lo: self.lo.min(a).min(b).min(c), hi: self.hi.max(a).max(b).max(c) }
+    }
+
+    fn joined(self, other: Bounds) -> Bounds {
+        Bounds { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
+
+    /// Of the slots from `first` on.
+    fn row(self, anchor: DVec3, first: usize, count: usize) -> Cluster {
+        let (lo, hi) = (self.lo - anchor, self.hi - anchor);
+        let (centre, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
+        // f32 rounding of the box and of what kernels compute from it: 2^-22 of the largest coordinate, 4 roundings
+        let slack = (centre.abs() + half).max_element() * CLUSTER_SLACK;
+        Cluster {
+            centre: centre.as_vec3().to_array(),
+            first: first as u32,
+            half: (half + slack).as_vec3().to_array(),
+            count: count as u32,
+        }
+    }
+}
+
+const CLUSTER_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::generate::soup;
+    use glam::DMat3;
+
+    const LIMITS: [u64; 2] = [1 << 27, 1 << 13];
+
+    fn mesh() -> Mesh {
+        soup(3, 700)
+    }
+
+    fn moved(mesh: &Mesh, to: impl Fn(DVec3) -> DVec3) -> Mesh {
+        Mesh { positions: mesh.positions.iter().map(|p| to(*p)).collect(), ..mesh.clone() }
+    }
+
+    /// What clusters hold of a triangle: its positions in the row's order, and the row's last word.
+    fn held(chunk: &Chunk, slot: u32) -> ([[f64; 3]; 3], u32) {
+        let row = chunk.triangles[slot as usize];
+        let at = |v: u32, axis: u32| {
+            let k = (3 * v + axis) as usize;
+            f64::from(chunk.vertices_hi[k]) + f64::from(chunk.vertices_lo[k])
+        };
+        ([0, 1, 2].map(|c| [0, 1, 2].map(|axis| at(row[c], axis))), row[3])
+    }
+
+    #[test]
+    fn triangles_that_moved_are_held_as_if_clustered_anew_in_boxes_that_hold_them() {
+        let mesh = mesh();
+        let turned = moved(&mesh, |p| DMat3::from_rotation_z(0.4) * p + DVec3::new(0.5, -1.0, 0.0));
+        for limit in LIMITS {
+            let mut refitted = cluster(&mesh, DVec3::ZERO, false, limit);
+            let slots: Vec<_> = refitted.chunks.iter().map(|c| c.slot_of_id.clone()).collect();
+            assert!(refitted.refit(&turned));
+            let anew = cluster(&turned, DVec3::ZERO, false, limit);
+            assert_eq!(refitted.chunks.len(), anew.chunks.len());
+            assert_eq!(anew.chunks.len() > 1, limit == LIMITS[1]);
+            for ((a, b), slots) in refitted.chunks.iter().zip(&anew.chunks).zip(slots) {
+                assert_eq!(a.slot_of_id, slots);
+                for (at, anew_at) in a.slot_of_id.iter().zip(&b.slot_of_id).filter(|s| *s.0 != NONE) {
+                    assert_eq!(held(a, *at), held(b, *anew_at));
+                    let cluster = &a.clusters[(at / CLUSTER) as usize];
+                    let within = |p: [f64; 3]| {
+                        (0..3).all(|k| (p[k] - f64::from(cluster.centre[k])).abs() <= f64::from(cluster.half[k]))
+                    };
+                    assert!(held(a, *at).0.into_iter().all(within));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn triangles_that_lost_their_area_or_went_apart_are_clustered_anew() {
+        let mesh = mesh();
+        let flat = moved(&mesh, |p| DVec3::new(p.x, 0.0, 0.0));
+        let scattered = moved(&mesh, |p| DVec3::new((40.0 * p.x).sin(), (40.0 * p.y).cos(), (40.0 * p.z).sin()) * 9.0);
+        for limit in LIMITS {
+            assert!(cluster(&mesh, DVec3::ZERO, false, limit).refit(&mesh));
+            for to in [&flat, &scattered] {
+                assert!(!cluster(&mesh, DVec3::ZERO, false, limit).refit(to));
+            }
+            assert!(!cluster(&flat, DVec3::ZERO, false, limit).refit(&mesh));
+        }
+    }
+}

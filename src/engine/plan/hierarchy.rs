@@ -1,0 +1,206 @@
+//! A bounding volume hierarchy over triangles, for straight ways: the light's, and a rival's rays. Built by a library for it, or
+//! fitted anew.
+
+use crate::gpu::rows::{BvhNode, LeafTriangle};
+use crate::input::{Error, Result};
+use crate::scene::Scene;
+use bytemuck::Zeroable;
+use glam::DVec3;
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::triangle::Triangle;
+use rayon::prelude::*;
+use std::time::Duration;
+
+/// Nodes that wait in the kernel at most.
+const DEPTH_MAX: usize = 96;
+
+/// The hierarchy over the triangles of a scene.
+pub struct Hierarchy {
+    tree: Bvh2,
+    anchor: DVec3,
+    /// Triangles, the mesh's first ones.
+    count: usize,
+    /// By which all numbers of the tree are multiplied: a power of two, so that areas and volumes of a scene of any size are numbers.
+    scale: f32,
+}
+
+impl Hierarchy {
+    /// Of the first `count` triangles.
+    ///
+    /// # Errors
+    /// [`Error::Work`] where it is deeper than the kernel can follow.
+    pub fn build(scene: &Scene, anchor: DVec3, count: usize) -> Result<Hierarchy> {
+        let scale = scale(scene, anchor);
+        let triangles = triangles(scene, anchor, count, scale);
+        let tree = build_bvh2_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
+        let depth = if count == 0 { 0 } else { tree.depth(0) };
+        if depth >= DEPTH_MAX {
+            return Err(Error::work(format!("the hierarchy is {depth} boxes deep; the kernel follows {DEPTH_MAX}")));
+        }
+        Ok(Hierarchy { tree, anchor, count, scale })
+    }
+
+    /// Fits the boxes to triangles that moved.
+    pub fn refit(&mut self, scene: &Scene) {
+        if self.count == 0 {
+            return;
+        }
+        let triangles = triangles(scene, self.anchor, self.count, self.scale);
+        let order = &self.tree.primitive_indices;
+        self.tree.nodes.par_iter_mut().filter(|n| n.is_leaf()).for_each(|node| {
+            let own = &order[node.first_index as usize..][..node.prim_count as usize];
+            let boxes = own.iter().map(|k| triangles[*k as usize].aabb());
+            if let Some(around) = boxes.reduce(|a, b| a.union(&b)) {
+                node.set_aabb(around);
+            }
+        });
+        self.tree.refit_all();
+    }
+
+    /// Those of all triangles that light may meet, from both sides, nodes and triangles as rows of four words each.
+    pub fn words(&self, scene: &Scene) -> Words {
+        let (nodes, mut leaves) = self.scaled_rows(scene, self.scale);
+        leaves.iter_mut().for_each(|leaf| leaf.one_sided = 0);
+        let [nodes, leaves] = [bytemuck::cast_slice(&nodes).to_vec(), bytemuck::cast_slice(&leaves).to_vec()];
+        Words { nodes, leaves, scale: self.scale }
+    }
+
+    /// The rows of the nodes, the root first, and of the triangles in the order of the leaves; of none, one that nothing meets.
+    pub fn rows(&self, scene: &Scene) -> (Vec<BvhNode>, Vec<LeafTriangle>) {
+        self.scaled_rows(scene, 1.0)
+    }
+
+    fn scaled_rows(&self, scene: &Scene, scale: f32) -> (Vec<BvhNode>, Vec<LeafTriangle>) {
+        if self.count == 0 {
+            return (vec![BvhNode { lo: [0.0; 3], first: 0, hi: [0.0; 3], count: 1 }], vec![LeafTriangle::zeroed()]);
+        }
+        let node = |n: &obvhs::bvh2::node::Bvh2Node| {
+            let around = n.aabb();
+            let [lo, hi] = [around.min, around.max].map(|corner| corner.to_array().map(|v| v / self.scale * scale));
+            BvhNode { lo, first: n.first_index, hi, count: n.prim_count }
+        };
+        let leaf = |id: &u32| {
+            let row = row(scene, self.anchor, *id);
+            let [v0, v1, v2] = [row.v0, row.v1, row.v2].map(|corner| corner.map(|v| v * scale));
+            LeafTriangle { v0, v1, v2, ..row }
+        };
+        (self.tree.nodes.par_iter().map(node).collect(), self.tree.primitive_indices.par_iter().map(leaf).collect())
+    }
+}
+
+/// A hierarchy as the kernels that light follow it in.
+#[derive(Debug, Clone)]
+pub struct Words {
+    pub nodes: Vec<[f32; 4]>,
+    pub leaves: Vec<[f32; 4]>,
+    pub scale: f32,
+}
+
+/// A triangle's row.
+pub fn row(scene: &Scene, anchor: DVec3, id: u32) -> LeafTriangle {
+    let mesh = &scene.mesh;
+    let [v0, v1, v2] = mesh.triangles[id as usize].map(|v| (mesh.positions[v as usize] - anchor).as_vec3().to_array());
+    let one_sided = u32::from(!mesh.materials[mesh.material_of[id as usize] as usize].two_sided);
+    LeafTriangle { v0, id, v1, one_sided, v2, pad0: 0 }
+}
+
+/// About the inverse of the largest number of a scene.
+fn scale(scene: &Scene, anchor: DVec3) -> f32 {
+    let (lo, hi) = scene.bounds().unwrap_or((anchor, anchor));
+    let largest = (lo - anchor).abs().max((hi - anchor).abs()).max_element();
+    largest.max(f64::from(f32::MIN_POSITIVE)).log2().ceil().exp2().recip() as f32
+}
+
+fn triangles(scene: &Scene, anchor: DVec3, count: usize, scale: f32) -> Vec<Triangle> {
+    let mesh = &scene.mesh;
+    let corner = |v: u32| ((mesh.positions[v as usize] - anchor).as_vec3() * scale).into();
+    let all = mesh.triangles[..count].par_iter();
+    all.map(|t| Triangle { v0: corner(t[0]), v1: corner(t[1]), v2: corner(t[2]) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::generate;
+    use std::sync::Arc;
+
+    #[test]
+    fn of_no_triangles_there_is_one_that_nothing_meets() {
+        let scene = scene();
+        let mut tree = Hierarchy::build(&scene, DVec3::ZERO, 0).unwrap();
+        tree.refit(&scene);
+        let words = tree.words(&scene);
+        assert_eq!((words.nodes.len(), words.leaves.len()), (2, 3));
+    }
+
+    #[test]
+    fn volumes_of_scenes_of_any_size_are_numbers() {
+        for size in [1e-12, 1.0, 3.7, 1e30] {
+            let mut scene = scene();
+            Arc::make_mut(&mut scene.mesh).positions.iter_mut().for_each(|p| *p *= size);
+            let words = Hierarchy::build(&scene, DVec3::ZERO, 20).unwrap().words(&scene);
+            let largest = words.leaves.iter().flat_map(|r| &r[..3]).fold(0.0, |most: f32, v| most.max(v.abs()));
+            assert!(largest > 0.25 && largest <= 1.0, "{size}: {largest}");
+        }
+    }
+
+    fn scene() -> Scene {
+        let mesh = generate::icosphere(3);
+        Scene {
+            mesh: mesh.into(),
+            objects: Vec::new(),
+            lights: Vec::new(),
+            ambient_occlusion: None,
+            style: Default::default(),
+            sky: None,
+            background: [0.0; 3],
+            tone: Default::default(),
+            size: None,
+            camera_keys: Arc::default(),
+            camera: crate::camera::spec::CameraSpec {
+                kind: crate::camera::spec::CameraKind::Orthographic {
+                    eye: DVec3::Z,
+                    target: DVec3::ZERO,
+                    up: DVec3::Y,
+                    height: 1.0,
+                },
+                t_range: [0.0, 1.0],
+            },
+            caustics: None,
+            output: Default::default(),
+        }
+    }
+
+    /// Every triangle lies once below the root, in every box above it.
+    fn assert_whole(nodes: &[BvhNode], leaves: &[LeafTriangle]) {
+        let mut seen = vec![0; leaves.len()];
+        let mut todo = vec![(0u32, [f32::NEG_INFINITY; 3], [f32::INFINITY; 3])];
+        while let Some((k, lo, hi)) = todo.pop() {
+            let node = &nodes[k as usize];
+            assert!((0..3).all(|a| node.lo[a] >= lo[a] && node.hi[a] <= hi[a]), "node {k} leaves its parent");
+            if node.count == 0 {
+                todo.extend([(node.first, node.lo, node.hi), (node.first + 1, node.lo, node.hi)]);
+            }
+            for t in &leaves[node.first as usize..][..node.count as usize] {
+                let inside = |v: [f32; 3]| (0..3).all(|a| node.lo[a] <= v[a] && v[a] <= node.hi[a]);
+                assert!([t.v0, t.v1, t.v2].into_iter().all(inside), "triangle {} leaves its leaf", t.id);
+                seen[t.id as usize] += 1;
+            }
+        }
+        assert!(seen.iter().all(|n| *n == 1));
+    }
+
+    #[test]
+    fn boxes_hold_what_is_below_them_also_after_it_moved() {
+        let mut scene = scene();
+        let mut tree = Hierarchy::build(&scene, DVec3::splat(0.25), scene.mesh.triangles.len()).unwrap();
+        let (nodes, leaves) = tree.rows(&scene);
+        assert_whole(&nodes, &leaves);
+        Arc::make_mut(&mut scene.mesh).positions.iter_mut().for_each(|p| *p = DVec3::new(p.y + 1.0, 2.0 * p.z, p.x));
+        tree.refit(&scene);
+        let (nodes, leaves) = tree.rows(&scene);
+        assert_whole(&nodes, &leaves);
+    }
+}

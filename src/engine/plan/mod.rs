@@ -1,0 +1,489 @@
+//! The plan: what a frame needs, worked out before the GPU is touched. Pure functions of camera, scene and limits.
+//!
+//! The image is cut into bands of whole tile rows that fit the adapter's bindings. Every band has its tiles ([`tiles`]:
+//! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square, affine
+//! ones by [`fit`]). Where a field's rays jump inside a tile, it is cut up ([`tear`]). The tiles of a chain's layers, and of
+//! the spans of curved rays, lie stacked as [`sheets`]. Of rays that a mirror or a lens turns the tree is made on the GPU,
+//! by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]).
+
+pub mod beams;
+pub mod curves;
+pub mod fit;
+pub mod hierarchy;
+pub mod nodes;
+pub mod pages;
+pub mod samples;
+pub mod sheets;
+pub mod tear;
+pub mod tiles;
+
+use crate::camera::arranged::is_sorted;
+use crate::camera::perturb::scene_size;
+use crate::camera::{Camera, Rays};
+use crate::geometry::mesh::Material;
+use crate::gpu::device::Abilities;
+use crate::gpu::kernels::{LightsKind, OpticsKind, RaysKind, Variant};
+use crate::gpu::rows::{self, BRANCH};
+use crate::image::frame::Channel;
+use crate::scene::Scene;
+use crate::scene::light::Light;
+use curves::{CurveTable, RayTable};
+use glam::{DVec2, DVec3};
+use serde::Serialize;
+use sheets::Sheets;
+
+/// Something that a frame does without.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    pub what: String,
+    pub why: String,
+}
+
+/// What there is in a scene, with the camera's optics.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Contents {
+    pub triangles: usize,
+    pub has_normals: bool,
+    pub has_uvs: bool,
+    /// Images lie on triangles.
+    pub has_images: bool,
+    /// Some of them cut holes into these.
+    pub has_holes: bool,
+    /// Some material is not matte.
+    pub has_gloss: bool,
+    /// Light comes from all around by an image of it.
+    pub has_sky: bool,
+    /// Some light has a colour or a place.
+    pub has_places: bool,
+    /// Things are in the way of light.
+    pub has_shadows: bool,
+    /// Patterns, lines or strokes are drawn on surfaces.
+    pub has_style: bool,
+    /// Lines are drawn between pixels.
+    pub has_outlines: bool,
+}
+
+impl Contents {
+    pub fn of(scene: &Scene) -> Contents {
+        let mesh = &scene.mesh;
+        Contents {
+            has_sky: scene.sky.is_some(),
+            has_places: !scene.lights.iter().all(Light::is_plain),
+            has_shadows: scene.has_shadows(),
+            has_style: scene.style.is_on_surfaces() || mesh.has_patterns(),
+            has_outlines: scene.style.is_between_pixels(),
+            triangles: mesh.triangles.len(),
+            has_normals: !mesh.normals.is_empty(),
+            has_uvs: !mesh.corner_uvs.is_empty(),
+            has_images: mesh.is_textured(),
+            has_holes: mesh.has_holes(),
+            has_gloss: mesh.materials.iter().any(Material::is_glossy),
+        }
+    }
+}
+
+/// What a caller wants of a frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Wanted {
+    /// Planes to read back, in the order of [`Channel`].
+    pub channels: Vec<Channel>,
+    /// 8-bit sRGB colour.
+    pub srgb8: bool,
+    /// Count tested and kept fragments (slower).
+    pub counting: bool,
+    /// Samples of a pixel: colour and coverage are their means, all else is that of its centre. Several are for cameras of which
+    /// [`samples::at_once`] says so.
+    pub samples: u32,
+    /// Triangles have shares of a pixel by the areas of what is seen of them, not by the number of samples that see them.
+    pub analytic: bool,
+    /// What triangles the samples see, by themselves.
+    pub sample_ids: bool,
+    /// A picture is the mean of so many frames of which this is one: images on triangles are filtered as much less.
+    pub frames: u32,
+    /// Only these rows of the image, the first a multiple of [`crate::camera::TILE`].
+    pub rows: Option<Rows>,
+}
+
+/// Rows of an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rows {
+    pub first: u32,
+    pub count: u32,
+}
+
+impl Wanted {
+    /// These planes, by pixel centres alone.
+    pub fn of(channels: Vec<Channel>) -> Wanted {
+        Wanted {
+            channels,
+            srgb8: false,
+            counting: false,
+            samples: 1,
+            analytic: false,
+            sample_ids: false,
+            frames: 1,
+            rows: None,
+        }
+    }
+
+    /// Some colour is asked for.
+    pub fn has_colour(&self) -> bool {
+        self.srgb8 || self.channels.iter().any(|c| matches!(c, Channel::R | Channel::G | Channel::B))
+    }
+
+    /// Colours of surfaces are part of it.
+    fn needs_look(&self) -> bool {
+        let albedo = [Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB];
+        self.has_colour() || self.channels.iter().any(|c| albedo.contains(c))
+    }
+
+    /// Images on triangles, or where they lie, are part of it.
+    fn is_textured(&self, of: Contents) -> bool {
+        let any = |which: &[Channel]| self.channels.iter().any(|c| which.contains(c));
+        of.has_holes
+            || of.has_images && self.needs_look()
+            || of.has_sky && self.has_colour()
+            || of.has_uvs && any(&[Channel::TextureU, Channel::TextureV])
+    }
+
+    /// Object or material ids are wanted.
+    pub fn has_labels(&self) -> bool {
+        self.channels.iter().any(|c| c.is_label())
+    }
+
+    /// Samples of a pixel that something of this comes from.
+    fn samples(&self) -> u32 {
+        let of_samples = self.has_colour() || self.sample_ids || self.channels.contains(&Channel::A);
+        if of_samples { self.samples } else { 1 }
+    }
+}
+
+/// Rows of the image that are rendered together, and their tables.
+#[derive(Debug, Clone)]
+pub struct Band {
+    /// First image row, a multiple of the tile size.
+    pub row: u32,
+    pub rows: u32,
+    pub tiles: tiles::Tiles,
+    pub nodes: nodes::Nodes,
+    /// What every pixel's ray or curve is, where the camera has no affine pieces.
+    pub rays: Option<RayTable>,
+    /// By what those of samples differ, where there are some: [`curves::rays_aside`].
+    pub rays_aside: Vec<f32>,
+}
+
+/// What one frame takes.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    pub variant: Variant,
+    pub sheets: Sheets,
+    pub bands: Vec<Band>,
+    /// Where samples lie about their pixel's centre, px; none where that is the only one.
+    pub places: Vec<DVec2>,
+    /// The channels that `shade` writes: those wanted, and colour where sRGB is.
+    pub planes: Vec<Channel>,
+    /// Bits of a visibility key that hold the triangle id.
+    pub id_bits: u32,
+    pub anchor: DVec3,
+    /// Of the scene, see [`Surroundings`].
+    pub middle: DVec3,
+    pub scene_size: f64,
+    /// How wide images on triangles are filtered, in pixels.
+    pub spread: f32,
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Where a camera meets a scene, world units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surroundings {
+    /// What all positions are relative to: near the camera's rays' start and the scene.
+    pub anchor: DVec3,
+    /// Of the scene: how far bundles spread is compared as far along their rays.
+    pub middle: DVec3,
+    /// By which rays are perturbed: [`crate::camera::perturb`].
+    pub scene_size: f64,
+}
+
+impl Surroundings {
+    /// The anchor is the middle ray's origin, clamped into the scene's box.
+    pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> Surroundings {
+        let middle = (camera.width / 2, camera.height / 2);
+        let start = camera.ray(middle.0, middle.1).map_or(DVec3::ZERO, |r| r.origin);
+        match bounds {
+            Some((lo, hi)) => {
+                Surroundings { anchor: start.clamp(lo, hi), middle: (lo + hi) / 2.0, scene_size: scene_size(bounds) }
+            }
+            None => Surroundings::point(start),
+        }
+    }
+
+    /// Of a scene that is one point.
+    pub fn point(at: DVec3) -> Surroundings {
+        Surroundings { anchor: at, middle: at, scene_size: 0.0 }
+    }
+}
+
+impl Plan {
+    /// Plans frames of `camera` over a scene.
+    pub fn new(
+        camera: &Camera,
+        contents: Contents,
+        around: Surroundings,
+        wanted: &Wanted,
+        has: Abilities,
+        binding_limit: u64,
+    ) -> Plan {
+        let sheets = Sheets::of(camera);
+        let variant = Variant {
+            f64: true,
+            atomics64: has.atomics64,
+            by_tile: false,
+            rays: sheets::kind(camera),
+            scattered: is_sorted(camera),
+            sheeted: sheets.count() > 1,
+            counting: wanted.counting,
+            culling: true,
+            doubting: false,
+            normals: contents.has_normals,
+            textured: wanted.is_textured(contents),
+            cut: contents.has_holes,
+            glossy: (contents.has_gloss || contents.has_sky) && wanted.has_colour(),
+            sky: contents.has_sky && wanted.has_colour(),
+            lights: match (contents.has_shadows, contents.has_places) {
+                _ if !wanted.has_colour() => LightsKind::Plain,
+                (true, _) => LightsKind::Hidden,
+                (false, true) => LightsKind::Placed,
+                (false, false) => LightsKind::Plain,
+            },
+            styled: contents.has_style && wanted.needs_look(),
+            outlined: contents.has_outlines && wanted.has_colour(),
+            optics: camera.optics.as_deref().map(OpticsKind::of),
+            turned: false,
+            samples: wanted.samples(),
+            analytic: wanted.analytic && wanted.samples() > 1,
+        };
+        let mut planes: Vec<Channel> = wanted.channels.iter().copied().filter(|c| !c.is_label()).collect();
+        if wanted.srgb8 {
+            planes.extend([Channel::R, Channel::G, Channel::B]);
+        }
+        planes.extend((wanted.sample_ids || wanted.has_labels()).then_some(Channel::TriangleId));
+        planes.sort_unstable();
+        planes.dedup();
+        let table_bytes = match variant.rays {
+            // a row of `ways`
+            RaysKind::Pieces | RaysKind::Field if variant.optics.is_some() => 32,
+            RaysKind::Pieces => 0,
+            RaysKind::Field => 24,
+            RaysKind::Curves { degree } => 12 * (degree as u64 + 1) * sheets.layers as u64,
+        };
+        let sample_bytes = match variant.rays {
+            _ if !variant.samples_edges() => 0,
+            RaysKind::Pieces => 8 * u64::from(variant.samples + 1),
+            RaysKind::Field | RaysKind::Curves { .. } => 24 * u64::from(variant.samples),
+        };
+        let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes);
+        let places = if variant.samples_edges() { samples::places(variant.samples) } else { Vec::new() };
+        let view = View { camera, sheets, around, places: &places };
+        let rows = wanted.rows.unwrap_or(Rows { first: 0, count: camera.height });
+        let bands = bands(view, rows, pixel_bytes, binding_limit);
+        let smooth = camera.optics.as_ref().map_or(0, |o| o.smooth_count());
+        let id_bits = usize::BITS - (contents.triangles + smooth).saturating_sub(1).leading_zeros();
+        let left_out = left_out(camera, sheets, &bands, &planes, wanted, contents, has);
+        Plan {
+            variant,
+            sheets,
+            bands,
+            places,
+            planes,
+            id_bits: id_bits.max(1),
+            anchor: around.anchor,
+            middle: around.middle,
+            scene_size: around.scene_size,
+            // so many boxes of this width tile the pixel
+            spread: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
+            left_out,
+        }
+    }
+}
+
+impl Plan {
+    /// Rows of pixels in all.
+    pub fn rows(&self) -> u32 {
+        self.bands.iter().map(|b| b.rows).sum()
+    }
+
+    /// Rows of pixels of the largest band.
+    pub fn rows_max(&self) -> u32 {
+        self.bands.iter().map(|b| b.rows).max().unwrap_or(0)
+    }
+}
+
+/// What is to be cut into bands.
+#[derive(Clone, Copy)]
+struct View<'a> {
+    camera: &'a Camera,
+    sheets: Sheets,
+    around: Surroundings,
+    places: &'a [DVec2],
+}
+
+/// Cuts rows of the image into bands whose every buffer fits a binding.
+fn bands(view: View, own: Rows, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
+    let View { camera, sheets, .. } = view;
+    let tile = crate::camera::TILE as u64;
+    let row_bytes = (camera.width as u64 + 1) * pixel_bytes;
+    // one row more than the band: the ray table's
+    let fit = ((binding_limit / row_bytes).saturating_sub(1) / tile * tile).max(tile) as u32;
+    let rows = fit.min(TILE_ROWS_MAX / sheets.count() / BRANCH * BRANCH * crate::camera::TILE);
+    let mut todo: Vec<(u32, u32)> =
+        (0..own.count).step_by(rows as usize).map(|r| (own.first + r, rows.min(own.count - r))).rev().collect();
+    let mut bands = Vec::new();
+    while let Some((row, rows)) = todo.pop() {
+        let band = Band::new(view, row, rows);
+        let fits = band.tiles.cells.len() <= CELLS_MAX
+            && band.tiles.cells.len() * size_of::<rows::Cell>() <= binding_limit as usize
+            && size_of_val(band.tiles.cell_samples.as_slice()) <= binding_limit as usize
+            && band.nodes.nodes.len() * size_of::<rows::Node>() <= binding_limit as usize
+            && band.tiles.pieces.len() * size_of::<rows::Piece>() <= binding_limit as usize;
+        if fits || rows <= crate::camera::TILE {
+            bands.push(band);
+            continue;
+        }
+        let upper = (rows / 2).next_multiple_of(crate::camera::TILE);
+        todo.push((row + upper, rows - upper));
+        todo.push((row, upper));
+    }
+    bands
+}
+
+/// Rows of tiles that a node's address can name: 14 bits.
+const TILE_ROWS_MAX: u32 = 1 << 14;
+
+/// Cells that a pair can name: 24 bits.
+const CELLS_MAX: usize = 1 << 24;
+
+impl Band {
+    fn new(View { camera, sheets, around, places }: View, row: u32, rows: u32) -> Band {
+        let anchor = around.anchor;
+        let curves = match sheets::kind(camera) {
+            RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
+            _ => None,
+        };
+        let cutting = tiles::Cutting { camera, sheets, curves: curves.as_ref(), places, anchor, row, rows };
+        let (tiles, sampled) = cutting.cut();
+        let nodes = nodes::Nodes::new(
+            &sampled,
+            (tiles.tiles_x, tiles.tiles_y),
+            nodes::Depth {
+                middle: around.middle - anchor,
+                t_range: camera.t_range,
+                scattered: is_sorted(camera),
+                scene_size: around.scene_size,
+            },
+        );
+        let rays = match (&curves, camera.layers.as_slice()) {
+            (Some(table), _) => Some(table.rays(anchor)),
+            (None, [Rays::Field(field)]) => Some(RayTable::of_field(field, anchor, row, rows)),
+            _ => None,
+        };
+        let rays_aside = match camera.layers.as_slice() {
+            [Rays::Field(field)] if !places.is_empty() => curves::rays_aside(field, places, anchor, row, rows),
+            _ => Vec::new(),
+        };
+        Band { row, rows, tiles, nodes, rays, rays_aside }
+    }
+}
+
+fn left_out(
+    camera: &Camera,
+    sheets: Sheets,
+    bands: &[Band],
+    planes: &[Channel],
+    wanted: &Wanted,
+    contents: Contents,
+    has: Abilities,
+) -> Vec<LeftOut> {
+    let mut list = Vec::new();
+    let mut say = |what: &str, why: String| list.push(LeftOut { what: what.into(), why });
+    match sheets::kind(camera) {
+        RaysKind::Pieces => say("per-pixel ray table", "every ray follows from its piece".into()),
+        RaysKind::Field => say("edge conics", "the camera is a ray field".into()),
+        RaysKind::Curves { .. } => say("edge conics", "the camera's rays are curved".into()),
+    }
+    match camera.is_curved() {
+        true => say("recheck", "where a curve meets a triangle is found in f64 at once".into()),
+        false => say("curves", "every ray is straight".into()),
+    }
+    if !planes.contains(&Channel::Certified) {
+        say("certify", "not asked what is proven".into());
+    }
+    if sheets.count() == 1 {
+        say("sheets", "the camera has one layer of straight rays".into());
+    }
+    if bands.iter().all(|b| b.nodes.exact) {
+        say("ray residuals", "every node holds one affine piece".into());
+    }
+    if !bands.iter().any(|b| b.nodes.torn) {
+        say("cells apart in cull", "no rays are torn".into());
+    }
+    match camera.optics.as_ref().map(|o| o.smooth_count()) {
+        None => say("bounce, fit and meet", "no mirror or lens turns rays".into()),
+        Some(0) => say("meet", "the mirror or lens is made of triangles".into()),
+        Some(_) => {}
+    }
+    if bands.len() == 1 {
+        say("bands", "the whole image fits the adapter's bindings".into());
+    }
+    let is_absent = |c: &Channel| !planes.contains(c) && !wanted.channels.contains(c);
+    let absent: Vec<&str> = Channel::every().filter(is_absent).map(Channel::name).collect();
+    if !absent.is_empty() {
+        say("channels", format!("not asked for: {}", absent.join(", ")));
+    }
+    if !contents.has_normals {
+        say("smooth normals", "the scene has none".into());
+    }
+    match (contents.has_images, wanted.is_textured(contents)) {
+        (false, false) => say("textures", "no image lies on the scene's triangles".into()),
+        (true, false) => say("textures", "no colour asked for".into()),
+        _ => {}
+    }
+    if !contents.has_holes {
+        say("holes", "no image cuts any into triangles".into());
+    }
+    if !contents.has_sky {
+        say("sky", "no image lights the scene from all around".into());
+    }
+    if !contents.has_shadows {
+        say("shadows", "no light is said to be hidden by what is in its way".into());
+    }
+    if !contents.has_style {
+        say("styles", "no patterns, wires or strokes are drawn on surfaces".into());
+    }
+    if !contents.has_outlines {
+        say("outline", "no lines are drawn between pixels".into());
+    }
+    if !contents.has_gloss {
+        say("gloss", "all materials are matte".into());
+    }
+    if wanted.samples() == 1 {
+        say("edges, sample and resolve", "one sample a pixel".into());
+    } else if !wanted.analytic {
+        say("areas of triangles in pixels", "samples are counted".into());
+    }
+    if !wanted.srgb8 {
+        say("write", "no 8-bit picture asked for".into());
+    }
+    if !wanted.counting {
+        say("fragment counters", "no report asked for".into());
+    }
+    if !has.f64 {
+        say("the adapter's f64", "it has none, or no 64-bit integers: f64 is done in 32-bit words".into());
+    }
+    if has.atomics64 {
+        say("second depth dispatch", "the adapter has 64-bit atomics".into());
+    }
+    for note in &camera.notes {
+        say("rays", note.clone());
+    }
+    list
+}

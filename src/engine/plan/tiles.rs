@@ -1,0 +1,379 @@
+//! Tiles of 8 x 8 pixels, cut into cells: the pixels of one tile that one piece owns. Each sheet has its own tiles.
+
+use super::curves::{CurveTable, Net, nets};
+use super::fit::Fit;
+use super::nodes::above_cells;
+use super::sheets::Sheets;
+use super::tear::{Part, tear};
+use crate::camera::TILE;
+use crate::camera::{Bundle, Camera, Field, Pieces, Rays};
+use crate::gpu::rows::{self, split2};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// The tiles of one band.
+#[derive(Debug, Clone, Default)]
+pub struct Tiles {
+    pub tiles_x: u32,
+    /// Rows of all sheets.
+    pub tiles_y: u32,
+    /// Rows from one sheet to the next.
+    pub sheet_rows: u32,
+    /// `cells[start[k] .. start[k + 1]]` are the cells of tile k.
+    pub start: Vec<u32>,
+    pub cells: Vec<rows::Cell>,
+    /// Where pixels have samples: of each cell the pixels that have any sample there, those that have all, and those that have
+    /// each; low word first.
+    pub cell_samples: Vec<[u32; 2]>,
+    /// The pieces of the band, in order of first use; each row carries its number in the camera.
+    pub pieces: Vec<rows::Piece>,
+}
+
+/// A ray of a tile: its place in [-1, 1]^2 over the tile, origin relative to the anchor and direction.
+#[derive(Debug, Clone, Copy)]
+pub struct Sample {
+    pub place: DVec2,
+    pub p: DVec3,
+    pub d: DVec3,
+}
+
+/// Rays by which a tile is bounded.
+#[derive(Debug, Clone, Default)]
+pub struct Sampled {
+    pub samples: Vec<Sample>,
+    /// How far the tile's rays may lie from what is affine between the samples: origins, and directions. A point of a
+    /// curve lies on a straight ray moved by at most its bend, which counts as the origins'.
+    pub r_p: f64,
+    pub r_d: f64,
+}
+
+/// Half of a tile from its middle to the outermost pixel centre, px.
+const TILE_REACH: f64 = (TILE as f64 - 1.0) / 2.0;
+
+/// A cell before its bundle is stored.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Share {
+    /// Of the layer.
+    piece: u32,
+    /// The pixels whose centres it owns.
+    mask: u64,
+    /// And those of which it owns each sample.
+    samples: Vec<u64>,
+}
+
+impl Share {
+    /// The part of it in some pixels.
+    fn within(&self, mask: u64) -> Share {
+        let samples = self.samples.iter().map(|s| s & mask).collect();
+        Share { piece: self.piece, mask: self.mask & mask, samples }
+    }
+
+    /// The pixels of which it owns any place.
+    fn any(&self) -> u64 {
+        self.samples.iter().fold(self.mask, |any, s| any | s)
+    }
+
+    /// And those of which it owns all.
+    fn all(&self) -> u64 {
+        self.samples.iter().fold(self.mask, |all, s| all & s)
+    }
+}
+
+/// The cells of a tile.
+type Owned = Vec<Share>;
+
+/// What bounds all rays of a tile, and, where straight ones are in several cells, each cell's.
+#[derive(Debug, Default)]
+pub struct Bounds {
+    pub whole: Fit,
+    pub each: Vec<Fit>,
+}
+
+/// Rows `row .. row + rows` of an image to be cut.
+#[derive(Clone, Copy)]
+pub struct Cutting<'a> {
+    pub camera: &'a Camera,
+    pub sheets: Sheets,
+    pub curves: Option<&'a CurveTable>,
+    /// Where samples lie about their pixel's centre, px.
+    pub places: &'a [DVec2],
+    pub anchor: DVec3,
+    pub row: u32,
+    pub rows: u32,
+}
+
+/// A tile of a layer, and the span of t that its sheet holds.
+#[derive(Clone, Copy)]
+struct Place {
+    layer: usize,
+    span: [f64; 2],
+    /// Column and row in the image, tiles.
+    x: u32,
+    y: u32,
+}
+
+impl Cutting<'_> {
+    /// The tiles; and the rays that bound each and its cells.
+    pub fn cut(&self) -> (Tiles, Vec<Bounds>) {
+        let tiles_x = self.camera.width.div_ceil(TILE);
+        let sheet_rows = self.sheets.tile_rows(self.rows);
+        let tiles_y = sheet_rows * self.sheets.count();
+        let place = |k: u32| {
+            let (sheet, y) = (k / tiles_x / sheet_rows, k / tiles_x % sheet_rows);
+            let (layer, span) = self.sheets.of_sheet(sheet);
+            (y < self.rows.div_ceil(TILE)).then(|| Place { layer, span, x: k % tiles_x, y: self.row / TILE + y })
+        };
+        let places: Vec<Option<Place>> = (0..tiles_x * tiles_y).map(place).collect();
+        let nets = self.curves.map(|table| nets(table, tiles_x));
+        let cut = |place: &Option<Place>| {
+            let (Some(place), Some(nets)) = (place, &nets) else {
+                return place.map_or_else(Default::default, |p| self.straight(p));
+            };
+            let tile = (place.layer as u32 * self.rows.div_ceil(TILE) + place.y - self.row / TILE) * tiles_x + place.x;
+            let over = |net: &Net| net.over(place.span, self.anchor);
+            let whole = nets[tile as usize].as_ref().map_or_else(Fit::default, |net| Fit::of(&over(net)));
+            (self.owned(*place), Bounds { whole, each: Vec::new() })
+        };
+        let (owned, bounds): (Vec<Owned>, Vec<Bounds>) = places.par_iter().map(cut).unzip();
+        let mut tiles = Tiles { tiles_x, tiles_y, sheet_rows, start: vec![0], ..Default::default() };
+        let mut node_of_cell = above_cells(tiles_x, tiles_y);
+        let mut local = std::collections::HashMap::new();
+        for (((k, place), owned), bounds) in (0u32..).zip(&places).zip(&owned).zip(&bounds) {
+            for (place, share) in place.iter().flat_map(|p| owned.iter().map(move |c| (p, c))) {
+                let piece = share.piece;
+                let number = self.camera.first_piece(place.layer) + piece;
+                let row_of = match &self.camera.layers[place.layer] {
+                    Rays::Pieces(pieces) if self.curves.is_none() => *local.entry(number).or_insert_with(|| {
+                        tiles.pieces.push(self.piece_row(pieces, (piece, number), *place));
+                        tiles.pieces.len() as u32 - 1
+                    }),
+                    _ => number,
+                };
+                let node = if bounds.each.is_empty() { k } else { node_of_cell };
+                node_of_cell += u32::from(node != k);
+                tiles.cells.push(rows::Cell { tile: k, node, ..self.cell_row(share, row_of, *place) });
+                if !self.places.is_empty() {
+                    let masks = [share.any(), share.all()].into_iter().chain(share.samples.iter().copied());
+                    tiles.cell_samples.extend(masks.map(|m| [m as u32, (m >> 32) as u32]));
+                }
+            }
+            tiles.start.push(tiles.cells.len() as u32);
+        }
+        (tiles, bounds)
+    }
+
+    /// The cells of a tile of straight rays, and what bounds them.
+    fn straight(&self, at: Place) -> (Owned, Bounds) {
+        if let (Rays::Field(field), true) = (&self.camera.layers[at.layer], self.places.is_empty()) {
+            return self.of_field(at, field);
+        }
+        let owned = self.owned(at);
+        let fit = |owned: &[Share]| Fit::of(&Sampled { samples: self.samples(at, owned), ..Sampled::default() });
+        let whole = fit(&owned);
+        let owned = match (&self.camera.layers[at.layer], owned.as_slice()) {
+            (Rays::Field(field), [share]) if !field.is_sorted => self.torn(at, share, field),
+            // of sorted rays no cut leaves any nearer to each other
+            _ => owned,
+        };
+        let each = if owned.len() > 1 {
+            owned.iter().map(|share| fit(std::slice::from_ref(share))).collect()
+        } else {
+            Vec::new()
+        };
+        (owned, Bounds { whole, each })
+    }
+
+    /// The same of a field's rays through pixel centres alone, each of which is asked for once.
+    fn of_field(&self, at: Place, field: &Field) -> (Owned, Bounds) {
+        let (left, top) = (at.x * TILE, at.y * TILE);
+        let (columns, rows) = ((self.camera.width - left).min(TILE), (self.row + self.rows - top).min(TILE));
+        let mut mask = 0;
+        let mut samples = Vec::with_capacity((TILE * TILE) as usize);
+        for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {
+            if let Some((p, d)) = field.ray(left + x, top + y) {
+                mask |= 1u64 << (y * TILE + x);
+                samples.push(Sample { place: place_in_tile(x, y), p: p - self.anchor, d });
+            }
+        }
+        if mask == 0 {
+            return Default::default();
+        }
+        let share = Share { piece: 0, mask, samples: Vec::new() };
+        let sampled = Sampled { samples, ..Sampled::default() };
+        let whole = Fit::of(&sampled);
+        // of sorted rays no cut leaves any nearer to each other
+        if field.is_sorted || !whole.strays() {
+            return (vec![share], Bounds { whole, each: Vec::new() });
+        }
+        let parts = tear(Part { mask, samples: sampled.samples });
+        let owned = parts.iter().map(|part| share.within(part.mask)).collect();
+        let fit = |part: Part| Fit::of(&Sampled { samples: part.samples, ..Sampled::default() });
+        let each = if parts.len() > 1 { parts.into_iter().map(fit).collect() } else { Vec::new() };
+        (owned, Bounds { whole, each })
+    }
+
+    /// The pixels of a tile of a field in parts, each pixel where a ray of it belongs.
+    fn torn(&self, at: Place, share: &Share, field: &Field) -> Owned {
+        let one_each = |bit: u32| {
+            let (x, y) = (bit % TILE, bit / TILE);
+            let (i, j) = (at.x * TILE + x, at.y * TILE + y);
+            let aside = || self.places.iter().find_map(|place| field.ray_aside(i, j, *place));
+            let (p, d) = field.ray(i, j).or_else(aside)?;
+            Some(Sample { place: place_in_tile(x, y), p: p - self.anchor, d })
+        };
+        let samples = bits(share.any()).filter_map(one_each).collect();
+        tear(Part { mask: share.any(), samples }).iter().map(|part| share.within(part.mask)).collect()
+    }
+
+    /// Which pixels of a tile each piece owns, by ascending piece.
+    fn owned(&self, at: Place) -> Owned {
+        let (left, top) = (at.x * TILE, at.y * TILE);
+        let (columns, rows) = ((self.camera.width - left).min(TILE), (self.row + self.rows - top).min(TILE));
+        let pixels = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
+        let bit = |(x, y): (u32, u32)| 1u64 << (y * TILE + x);
+        let layer = &self.camera.layers[at.layer];
+        if let (Rays::Pieces(p), None) = (layer, self.curves)
+            && p.pieces[0].corners_px.is_none()
+        {
+            // one piece over the whole image
+            let mask = pixels.map(bit).fold(0, |m, b| m | b);
+            return vec![Share { piece: 0, mask, samples: vec![mask; self.places.len()] }];
+        }
+        let mut cells: Owned = Vec::new();
+        let none = |piece: u32| Share { piece, mask: 0, samples: vec![0; self.places.len()] };
+        for (x, y) in pixels {
+            let (i, j) = (left + x, top + y);
+            let owner = match (self.curves, layer) {
+                (Some(table), _) => table.get(at.layer, i, j).map(|(piece, _)| piece),
+                (None, Rays::Pieces(p)) => p.owner(i, j),
+                (None, Rays::Field(f)) => f.ray(i, j).map(|_| 0),
+                (None, Rays::Curves(_)) => None,
+            };
+            if let Some(piece) = owner {
+                share_of(&mut cells, piece, none).mask |= bit((x, y));
+            }
+            for (n, place) in self.places.iter().enumerate() {
+                let owner = match layer {
+                    Rays::Pieces(p) => p.owner_aside(i, j, *place),
+                    Rays::Field(f) => f.ray_aside(i, j, *place).map(|_| 0),
+                    Rays::Curves(_) => None,
+                };
+                if let Some(piece) = owner {
+                    share_of(&mut cells, piece, none).samples[n] |= bit((x, y));
+                }
+            }
+        }
+        cells.sort_unstable_by_key(|c| c.piece);
+        cells
+    }
+
+    /// Rays that bound all straight rays of these cells: the corners of a lone affine one's tile, or every pixel's ray and its samples'.
+    fn samples(&self, at: Place, owned: &[Share]) -> Vec<Sample> {
+        let mut list = Vec::new();
+        for share in owned {
+            let piece = share.piece;
+            let centres = bits(share.mask).map(|bit| (bit, DVec2::ZERO));
+            let sampled = share.samples.iter().zip(self.places);
+            let asides = sampled.flat_map(|(mask, place)| bits(*mask).map(move |bit| (bit, *place)));
+            let all = centres.chain(asides).map(|(bit, aside)| (bit % TILE, bit / TILE, aside));
+            match &self.camera.layers[at.layer] {
+                Rays::Field(f) => list.extend(all.filter_map(|(x, y, aside)| {
+                    let (i, j) = (at.x * TILE + x, at.y * TILE + y);
+                    let (p, d) = if aside == DVec2::ZERO { f.ray(i, j)? } else { f.ray_aside(i, j, aside)? };
+                    let place = place_in_tile(x, y) + aside / (TILE as f64 / 2.0);
+                    Some(Sample { place, p: p - self.anchor, d })
+                })),
+                Rays::Pieces(pieces) => {
+                    let b = rebased(&pieces.bundle_at_place(piece, middle(pieces, at)), self.anchor);
+                    let at = |x: f64, y: f64| {
+                        let ray = b.ray(x, y);
+                        let place = DVec2::new(x, y) / (TILE as f64 / 2.0);
+                        Sample { place, p: ray.origin, d: ray.direction }
+                    };
+                    if owned.len() == 1 && b.h[1] == 0.0 && b.h[2] == 0.0 {
+                        let r = TILE as f64 / 2.0;
+                        list.extend([(-r, -r), (r, -r), (-r, r), (r, r)].map(|(x, y)| at(x, y)));
+                    } else {
+                        let place = |x: u32, aside: f64| f64::from(x) - TILE_REACH + aside;
+                        list.extend(all.map(|(x, y, aside)| at(place(x, aside.x), place(y, aside.y))));
+                    }
+                }
+                Rays::Curves(_) => {}
+            }
+        }
+        list
+    }
+
+    /// A cell of a tile and a node yet to be named.
+    fn cell_row(&self, &Share { piece, mask, .. }: &Share, row_of: u32, at: Place) -> rows::Cell {
+        let mut cell = rows::Cell {
+            p: [0.0; 3],
+            h: 1.0,
+            d: [0.0; 3],
+            piece: row_of,
+            tile: rows::NONE,
+            mask_lo: mask as u32,
+            mask_hi: (mask >> 32) as u32,
+            node: rows::NONE,
+        };
+        if let (Rays::Pieces(p), None) = (&self.camera.layers[at.layer], self.curves) {
+            let b = rebased(&p.bundle_at_place(piece, middle(p, at)), self.anchor);
+            (cell.p, cell.h, cell.d) = (b.p[0].as_vec3().to_array(), b.h[0] as f32, b.d[0].as_vec3().to_array());
+        }
+        cell
+    }
+
+    /// A piece's row about the first pixel of a tile.
+    fn piece_row(&self, pieces: &Pieces, (piece, number): (u32, u32), at: Place) -> rows::Piece {
+        let (x, y) = (at.x * TILE, at.y * TILE);
+        row_of(&pieces.bundle_at(piece, x, y), self.anchor, [x as f32, (y - self.row) as f32], number)
+    }
+}
+
+/// The row of a bundle that is centred on a pixel.
+pub fn row_of(bundle: &Bundle, anchor: DVec3, [origin_x, origin_y]: [f32; 2], number: u32) -> rows::Piece {
+    let mut row = rows::Piece { origin_x, origin_y, number, ..bytemuck::Zeroable::zeroed() };
+    let b = rebased(bundle, anchor);
+    let v = |v: DVec3| {
+        let s = v.to_array().map(split2);
+        (s.map(|s| s[0]), s.map(|s| s[1]))
+    };
+    (row.p_hi, row.p_lo) = v(b.p[0]);
+    (row.px_hi, row.px_lo) = v(b.p[1]);
+    (row.py_hi, row.py_lo) = v(b.p[2]);
+    (row.d_hi, row.d_lo) = v(b.d[0]);
+    (row.dx_hi, row.dx_lo) = v(b.d[1]);
+    (row.dy_hi, row.dy_lo) = v(b.d[2]);
+    [row.h_hi, row.h_lo] = split2(b.h[0]);
+    [row.hx_hi, row.hx_lo] = split2(b.h[1]);
+    [row.hy_hi, row.hy_lo] = split2(b.h[2]);
+    row
+}
+
+/// The middle of a tile: the mean of its pixels' sample places, image px.
+fn middle(pieces: &Pieces, at: Place) -> DVec2 {
+    pieces.place(at.x * TILE, at.y * TILE) + TILE_REACH
+}
+
+/// The bundle with its origins relative to the anchor.
+fn rebased(b: &Bundle, anchor: DVec3) -> Bundle {
+    Bundle { p: [0, 1, 2].map(|k| b.p[k] - b.h[k] * anchor), ..*b }
+}
+
+/// The share of a piece, at first `none`.
+fn share_of(cells: &mut Owned, piece: u32, none: impl Fn(u32) -> Share) -> &mut Share {
+    let k = cells.iter().position(|c| c.piece == piece).unwrap_or(cells.len());
+    if k == cells.len() {
+        cells.push(none(piece));
+    }
+    &mut cells[k]
+}
+
+/// The bits of a mask of pixels.
+fn bits(mask: u64) -> impl Iterator<Item = u32> {
+    (0..TILE * TILE).filter(move |bit| mask >> bit & 1 == 1)
+}
+
+pub(super) fn place_in_tile(x: u32, y: u32) -> DVec2 {
+    (DVec2::new(x as f64, y as f64) - TILE_REACH) / (TILE as f64 / 2.0)
+}

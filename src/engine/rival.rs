@@ -1,0 +1,140 @@
+//! Other ways to find what each pixel sees, in place of the stages from cull to recheck.
+
+use crate::camera::Camera;
+use crate::gpu::Gpu;
+use crate::gpu::buffers::Buffers;
+use crate::gpu::kernels::Variant;
+use crate::gpu::recorder::Recorder;
+use crate::input::{Error, Result};
+use crate::scene::Scene;
+use glam::DVec3;
+
+/// A way to find what is seen, ready for one scene and camera.
+pub trait Rival: Send {
+    /// Builds what it needs over the triangles of the scene, anew where they moved, beside those that are on the device anyway.
+    fn upload(&mut self, _gpu: &Gpu, _scene: &Scene) -> Result<()> {
+        Ok(())
+    }
+
+    /// Brings what it needs of the camera to that of `setup`, which is of the same kind and size.
+    fn aim(&mut self, gpu: &Gpu, setup: &Setup) -> Result<()>;
+
+    /// Triangles that it draws for a chunk of `slots` rows of triangles.
+    fn draws(&self, _slots: u32) -> u64 {
+        0
+    }
+
+    /// Passes over a band, at most.
+    fn passes(&self, band: &Target) -> u32;
+
+    /// Fills the visibility buffer of a band, which is clear.
+    fn encode(&self, gpu: &Gpu, recorder: &mut Recorder, band: &Target) -> Result<()>;
+
+    /// Whether the last frame is whole.
+    fn check(&self, _gpu: &Gpu) -> Result<()> {
+        Ok(())
+    }
+
+    /// Device memory held beside what all hold, bytes.
+    fn bytes(&self) -> u64;
+}
+
+/// A band of the image, and where the buffers of its jobs are found.
+pub struct Target<'a> {
+    /// Rows of pixels.
+    pub rows: u32,
+    pub chunks: Vec<ChunkScopes<'a>>,
+}
+
+/// The triangles of a chunk.
+pub struct ChunkScopes<'a> {
+    pub scopes: Vec<&'a Buffers>,
+    /// Rows of `triangles`.
+    pub slots: u32,
+}
+
+/// What a rival is made for.
+pub struct Setup<'a> {
+    pub camera: &'a Camera,
+    /// How the device holds the camera's rays.
+    pub variant: Variant,
+    /// Rows of pixels of the largest band.
+    pub rows: u32,
+    /// Of the scene's box.
+    pub middle: DVec3,
+    /// What positions on the device are relative to.
+    pub anchor: DVec3,
+    /// The number that trades the rival's error for its time.
+    pub knob: u32,
+}
+
+impl Setup<'_> {
+    /// Layers that a pixel may see.
+    pub fn layers(&self) -> u32 {
+        self.camera.layers.len() as u32
+    }
+}
+
+/// A rival by name.
+pub struct Technique {
+    pub name: &'static str,
+    /// What it is and whose, in a line.
+    pub about: &'static str,
+    /// What its number is; `None`: it has none.
+    pub knob: Option<Knob>,
+    /// It leaves out what a piece does not see, and may be told not to.
+    pub culls: bool,
+    /// It draws through the raster pipeline.
+    pub draws: bool,
+    pub make: fn(&Gpu, &Setup) -> Result<Box<dyn Rival>>,
+}
+
+/// The number that trades a rival's error for its time.
+pub struct Knob {
+    pub name: &'static str,
+    pub default: u32,
+    pub least: u32,
+    pub most: u32,
+}
+
+impl std::fmt::Debug for Technique {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+/// A rival and its number.
+#[derive(Debug, Clone, Copy)]
+pub struct Choice {
+    pub technique: &'static Technique,
+    pub knob: u32,
+}
+
+impl Choice {
+    /// `NAME` or `NAME:N`, as [`Choice::parse`] reads it.
+    pub fn label(&self) -> String {
+        match self.technique.knob {
+            Some(_) => format!("{}:{}", self.technique.name, self.knob),
+            None => self.technique.name.to_owned(),
+        }
+    }
+
+    /// The rival for a scene and a camera, with the scene's triangles.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where it cannot show them, with the reason.
+    pub fn make(&self, gpu: &Gpu, scene: &Scene, setup: Setup) -> Result<Box<dyn Rival>> {
+        let name = self.technique.name;
+        if setup.variant.turns_rays() {
+            return Err(Error::input(format!(
+                "{name} does not follow rays that are turned; give the camera an atlas, or use --engine compute"
+            )));
+        }
+        if !setup.variant.culling && !self.technique.culls {
+            return Err(Error::input(format!("{name} culls nothing; leave out --no-cull")));
+        }
+        let mut rival = (self.technique.make)(gpu, &Setup { knob: self.knob, ..setup }).map_err(|e| e.at(name))?;
+        rival.upload(gpu, scene).map_err(|e| e.at(name))?;
+        Ok(rival)
+    }
+}

@@ -1,0 +1,132 @@
+//! deposit: caustic triangles onto the maps of their receivers, once for all frames of a scene.
+
+use super::dispatch_items;
+use crate::gpu::Gpu;
+use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
+use crate::gpu::kernels;
+use crate::gpu::rows;
+use crate::input::{Error, Result};
+use crate::scene::caustics::beams::Cast;
+use crate::scene::caustics::{Caustics, Illumination, Map, mean};
+use rayon::prelude::*;
+use wgpu::BufferUsages;
+
+/// The kernel, compiled.
+pub struct Deposit<'g> {
+    gpu: &'g Gpu,
+    pipeline: Pipeline,
+}
+
+/// What `deposit` reads, ready to upload.
+#[derive(Debug, Clone)]
+pub struct Casts {
+    pub rows: Vec<rows::Cast>,
+    pub receivers: Vec<rows::Receiver>,
+    /// Of all receivers.
+    pub texels: u32,
+    /// Flux of a unit.
+    pub unit: f64,
+}
+
+/// Words of a texel's sums: low and high of R, G and B.
+pub const TEXEL_WORDS: u64 = 6;
+
+/// Units of the brightest triangle at most. 2^34 such triangles would not fill a sum, and rounding is far below f32's.
+const UNITS: f64 = (1u64 << 30) as f64;
+
+impl Casts {
+    /// # Errors
+    /// [`Error::Input`] for more texels than indices.
+    pub fn new(caustics: &Caustics, casts: &[Cast]) -> Result<Casts> {
+        let brightest = casts.iter().flat_map(|c| c.flux).fold(0.0, f64::max);
+        let unit = if brightest > 0.0 { brightest / UNITS } else { 1.0 };
+        let all: u64 = caustics.receivers.iter().map(|r| r.texels[0] as u64 * r.texels[1] as u64).sum();
+        if TEXEL_WORDS * (all + 2) > u64::from(u32::MAX) {
+            return Err(Error::input(format!("caustics.receivers: {all} texels are too many; use fewer")));
+        }
+        let firsts = caustics.first_texels();
+        let receiver = |(r, first): (&crate::scene::caustics::Receiver, &u32)| rows::Receiver {
+            columns: r.texels[0],
+            rows: r.texels[1],
+            first: *first,
+            scale: (unit / r.texel_area() / std::f64::consts::PI) as f32,
+        };
+        let row = |cast: &Cast| {
+            let [a, b, c] = cast.corners.map(|p| p.as_vec2().to_array());
+            let flux = cast.flux.map(|f| (f / unit).round() as u32);
+            rows::Cast { a, b, c, receiver: cast.receiver, pad0: 0, flux, pad1: 0 }
+        };
+        Ok(Casts {
+            rows: casts.par_iter().map(row).collect(),
+            receivers: caustics.receivers.iter().zip(&firsts).map(receiver).collect(),
+            texels: all as u32,
+            unit,
+        })
+    }
+}
+
+impl<'g> Deposit<'g> {
+    pub fn new(gpu: &'g Gpu) -> Deposit<'g> {
+        Deposit { gpu, pipeline: Pipeline::new(gpu, kernels::deposit()) }
+    }
+
+    /// Adds up the flux of all triangles in `sums`, which `buffers` gets together with `receivers`; returns the sums: 6
+    /// words a texel, as many of what missed, and the number of lines and points.
+    pub fn run(&self, casts: &Casts, buffers: &mut Buffers) -> Result<Vec<u32>> {
+        let gpu = self.gpu;
+        let bytes = 4 * (TEXEL_WORDS * (u64::from(casts.texels) + 1) + 1);
+        buffers.create(gpu, "sums", bytes, BufferUsages::empty())?;
+        buffers.upload(gpu, "receivers", &casts.receivers)?;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        if let Some(sums) = buffers.get("sums") {
+            encoder.clear_buffer(sums, 0, None);
+        }
+        let most = (gpu.binding_limit() as usize / size_of::<rows::Cast>()).max(1);
+        for chunk in casts.rows.chunks(most) {
+            let mut own = Buffers::default();
+            own.upload(gpu, "casts", chunk)?;
+            let row = rows::Casting { count: chunk.len() as u32, texels: casts.texels, pad0: 0, pad1: 0 };
+            own.upload_uniform(gpu, "casting", &row)?;
+            let group = self.pipeline.bind(gpu, &[&own, buffers])?;
+            let mut pass = encoder
+                .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("deposit"), timestamp_writes: None });
+            pass.set_pipeline(&self.pipeline.pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            dispatch_items(gpu, &mut pass, row.count);
+        }
+        let list = readback(gpu, bytes);
+        if let Some(sums) = buffers.get("sums") {
+            encoder.copy_buffer_to_buffer(sums, 0, &list, 0, bytes);
+        }
+        gpu.queue.submit([encoder.finish()]);
+        let mut words = read_words(gpu, &list)?;
+        words.truncate((bytes / 4) as usize);
+        Ok(words)
+    }
+}
+
+impl Casts {
+    /// The maps of the sums, and the budget completed.
+    pub fn illumination(
+        &self,
+        caustics: &Caustics,
+        mut budget: crate::scene::caustics::Budget,
+        sums: &[u32],
+    ) -> Illumination {
+        let texel = |words: &[u32]| {
+            [0, 1, 2].map(|k| (u64::from(words[2 * k]) | u64::from(words[2 * k + 1]) << 32) as f64 * self.unit)
+        };
+        let (texels, rest) = sums.split_at(TEXEL_WORDS as usize * self.texels as usize);
+        let flux: Vec<[f64; 3]> = texels.chunks_exact(TEXEL_WORDS as usize).map(texel).collect();
+        let firsts = caustics.first_texels();
+        let map = |(k, receiver): (usize, &crate::scene::caustics::Receiver)| Map {
+            receiver: *receiver,
+            flux: flux[firsts[k] as usize..firsts[k + 1] as usize].to_vec(),
+        };
+        let maps: Vec<Map> = caustics.receivers.iter().enumerate().map(map).collect();
+        budget.deposited = maps.iter().map(|m| mean(m.total())).sum();
+        budget.missed += mean(texel(rest));
+        budget.degenerate = rest.get(TEXEL_WORDS as usize).copied().unwrap_or(0).into();
+        Illumination { maps, budget }
+    }
+}

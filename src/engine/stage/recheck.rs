@@ -1,0 +1,19 @@
+//! recheck: what raster left in doubt, settled in recheck arithmetic.
+
+use super::{Scopes, Stages};
+use crate::gpu::Gpu;
+use crate::gpu::rows::COUNT_DOUBTS;
+use crate::input::Result;
+
+impl Stages {
+    /// Bounds in f32 do not prove everything.
+    pub fn rechecks(&self) -> bool {
+        self.recheck.is_some()
+    }
+
+    /// After every step of raster.
+    pub fn recheck(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, step: u32) -> Result<()> {
+        let Some(recheck) = &self.recheck else { return Ok(()) };
+        self.dispatch_counted(gpu, pass, scopes, recheck, (COUNT_DOUBTS, step))
+    }
+}

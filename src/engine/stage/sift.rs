@@ -1,0 +1,159 @@
+//! sift: points against the beams of a camera, chunk by chunk: which parts of the image may see each.
+//!
+//! A point has so many slots for what is found; of points with more the host walks the whole tree, and the next chunk
+//! has more slots. Nothing is run again, and nothing waits for a count.
+
+use super::dispatch_items;
+use crate::camera::project::Projector;
+use crate::camera::project::tree::WHOLE;
+use crate::engine::plan::beams::{BEAM_BYTES, Beams};
+use crate::gpu::Gpu;
+use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
+use crate::gpu::kernels;
+use crate::gpu::rows::Chunk;
+use crate::input::Result;
+use glam::DVec3;
+use rayon::prelude::*;
+use wgpu::BufferUsages;
+
+/// The kernel, compiled, and the beams of each layer on the device.
+pub struct Sift<'g> {
+    gpu: &'g Gpu,
+    pipeline: Pipeline,
+    layers: Vec<Layer>,
+}
+
+struct Layer {
+    beams: Beams,
+    /// `beams`: a row each, written by the host, read by the kernel.
+    tables: Buffers,
+    /// Of each point of the next chunk.
+    slots: u32,
+}
+
+/// A chunk that the device is at work on.
+pub struct Started {
+    points: usize,
+    /// Slots and list of each layer.
+    layers: Vec<(u32, wgpu::Buffer)>,
+}
+
+/// What was found for the points of a chunk.
+pub struct Sifted {
+    /// Of each layer: slots, and each point's count and slots.
+    layers: Vec<(u32, Vec<u32>)>,
+}
+
+/// Slots of a point at first, and at most; a power of 2 each.
+const SLOTS: u32 = 8;
+const SLOTS_MOST: u32 = 1024;
+
+/// Of so many points one may have more than its slots.
+const OVER: usize = 16;
+
+impl<'g> Sift<'g> {
+    /// For the points of one camera; the device holds 64 bytes a node of its trees.
+    pub fn new(gpu: &'g Gpu, projector: &Projector) -> Result<Sift<'g>> {
+        let pipeline = Pipeline::new(gpu, kernels::sift());
+        let most = (gpu.binding_limit() / BEAM_BYTES) as usize;
+        let layer = |tree| {
+            let beams = Beams::new(tree, most);
+            let mut tables = Buffers::default();
+            tables.upload(gpu, "beams", &beams.rows)?;
+            Ok(Layer { beams, tables, slots: SLOTS })
+        };
+        let layers = projector.trees().map(layer).collect::<Result<_>>()?;
+        Ok(Sift { gpu, pipeline, layers })
+    }
+
+    /// Points of a chunk at most: their lists must fit a binding with all slots.
+    pub fn points_most(&self) -> usize {
+        (self.gpu.binding_limit() / (4 * (u64::from(SLOTS_MOST) + 1))) as usize
+    }
+
+    /// Sends a chunk of at most [`Sift::points_most`] points on its way.
+    pub fn start(&self, points: &[DVec3]) -> Result<Started> {
+        let gpu = self.gpu;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut started = Started { points: points.len(), layers: Vec::new() };
+        for Layer { beams, tables, slots } in &self.layers {
+            let mut chunk = Buffers::default();
+            let rows: Vec<[f32; 4]> = points.par_iter().map(|p| beams.point(*p)).collect();
+            let bytes = list_bytes(points.len(), *slots);
+            chunk.upload(gpu, "points", &rows)?;
+            chunk.create(gpu, "found", bytes, BufferUsages::empty())?;
+            let row = Chunk {
+                points: points.len() as u32,
+                beams: beams.rows.len() as u32,
+                slots: *slots,
+                most: SLOTS_MOST,
+                t_min: beams.t_range[0],
+                t_max: beams.t_range[1],
+                pad0: 0,
+                pad1: 0,
+            };
+            chunk.upload_uniform(gpu, "chunk", &row)?;
+            let group = self.pipeline.bind(gpu, &[&chunk, tables])?;
+            let mut pass = encoder
+                .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("sift"), timestamp_writes: None });
+            pass.set_pipeline(&self.pipeline.pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            dispatch_items(gpu, &mut pass, row.points);
+            drop(pass);
+            let list = readback(gpu, bytes);
+            if let Some(found) = chunk.get("found") {
+                encoder.copy_buffer_to_buffer(found, 0, &list, 0, bytes);
+            }
+            started.layers.push((*slots, list));
+        }
+        gpu.queue.submit([encoder.finish()]);
+        gpu.failure()?;
+        Ok(started)
+    }
+
+    /// Waits for a chunk.
+    pub fn finish(&mut self, started: Started) -> Result<Sifted> {
+        let mut sifted = Sifted { layers: Vec::new() };
+        for (layer, (slots, list)) in self.layers.iter_mut().zip(started.layers) {
+            let mut words = read_words(self.gpu, &list)?;
+            words.truncate(started.points * (slots as usize + 1));
+            layer.slots = slots_for(&words, slots);
+            sifted.layers.push((slots, words));
+        }
+        Ok(sifted)
+    }
+}
+
+/// Bytes of the list of a layer: a count and the slots of each point, a word each.
+fn list_bytes(points: usize, slots: u32) -> u64 {
+    4 * points as u64 * (u64::from(slots) + 1)
+}
+
+/// Slots that suffice for all but one of [`OVER`] points like these.
+fn slots_for(words: &[u32], slots: u32) -> u32 {
+    let mut counts: Vec<u32> = words.chunks(slots as usize + 1).map(|list| list[0]).collect();
+    let last = (counts.len() - counts.len() / OVER).saturating_sub(1);
+    if counts.is_empty() {
+        return slots;
+    }
+    let (_, enough, _) = counts.select_nth_unstable(last);
+    (*enough).clamp(SLOTS, SLOTS_MOST).next_power_of_two()
+}
+
+impl Sifted {
+    /// The nodes of a layer's tree at or below which the chunk's `point` may be seen, ascending.
+    pub fn nodes(&self, layer: usize, point: usize) -> &[u32] {
+        let (slots, words) = &self.layers[layer];
+        let start = point * (*slots as usize + 1);
+        match words[start] {
+            count if count > *slots => WHOLE,
+            count => &words[start + 1..][..count as usize],
+        }
+    }
+
+    /// How many nodes a point was found in; `None` where they were not all counted.
+    pub fn count(&self, layer: usize, point: usize) -> Option<u32> {
+        let (slots, words) = &self.layers[layer];
+        Some(words[point * (*slots as usize + 1)]).filter(|count| *count <= SLOTS_MOST)
+    }
+}

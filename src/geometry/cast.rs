@@ -1,0 +1,373 @@
+//! Rays cast at a mesh, in f64: for cameras that look at the scene when they are built.
+//!
+//! Coverage is decided by the signs of exact arithmetic, so that no ray passes between two triangles that share an edge and none meets
+//! both; an exact 0 counts as positive for the edge from its smaller to its larger end. A ray that may meet a corner is to be covered by one beside
+//! it, as [`Aim`] has. Depths are within 1e-9 of themselves.
+
+use super::bvh::{Aabb, Bvh};
+use super::exact::{self, Exact};
+use super::mesh::Mesh;
+use super::texture::Texture;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// A ray `X(t) = origin + t * direction`, world units; the direction need not be unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    pub origin: DVec3,
+    pub direction: DVec3,
+}
+
+/// A ray whose coverage is decided by another one beside it.
+#[derive(Debug, Clone, Copy)]
+pub struct Aim {
+    /// Depths and weights are this ray's.
+    pub ray: Ray,
+    /// It decides which triangles are met.
+    pub perturbed: Ray,
+}
+
+/// Where a ray meets a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The ray parameter; or a distance, where that was asked for.
+    pub t: f64,
+    /// The triangle's index in the mesh.
+    pub triangle: u32,
+    /// Weights of the triangle's second and third vertex.
+    pub bary: [f64; 2],
+}
+
+/// A mesh made ready for rays.
+#[derive(Debug)]
+pub struct Caster<'a> {
+    mesh: &'a Mesh,
+    bvh: Bvh,
+}
+
+/// Error of an edge value or of a numerator of t, against the sum of its terms' magnitudes: at most seven roundings of half an epsilon
+/// (two differences, two of the cross product, the dot product's product and two sums), and less than half as much again because the
+/// magnitudes are rounded too.
+const TERM_ROUNDING: f64 = 5.0 * f64::EPSILON;
+/// Relative error of t.
+const T_ROUNDING: f64 = 1.0 / (1_u64 << 30) as f64;
+/// Relative error of a box's bounds of t: three roundings of half an epsilon, doubled.
+const SLAB_ROUNDING: f64 = 3.0 * f64::EPSILON;
+/// By how much a distance to a triangle may be off, against the coordinates: three products and two sums make a point of it, a
+/// difference and a length the distance.
+const DISTANCE_ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+impl<'a> Caster<'a> {
+    /// Indexes the mesh: finite positions, indices in range. A triangle with two corners in one place is never met.
+    pub fn new(mesh: &'a Mesh) -> Caster<'a> {
+        let boxed = |(id, t): (usize, &[u32; 3])| {
+            let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
+            (a != b && b != c && c != a).then(|| (id as u32, Aabb::around(&[a, b, c])))
+        };
+        let items: Vec<(u32, Aabb)> = mesh.triangles.par_iter().enumerate().filter_map(boxed).collect();
+        Caster { mesh, bvh: Bvh::build(&items) }
+    }
+
+    /// The first visible hit with t in `range` (ends included): the lowest id among equals.
+    pub fn first(&self, aim: &Aim, range: [f64; 2]) -> Option<Hit> {
+        let mut best = None;
+        self.each(aim, range, |hit| {
+            best = nearer(best, hit);
+            best.map_or(f64::INFINITY, |b: Hit| past(b.t))
+        });
+        best
+    }
+
+    /// Every visible hit with t in `range`, near ones first as a rule. `visit` returns the largest t that still matters.
+    fn each(&self, aim: &Aim, range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {
+        let mut limit = f64::INFINITY;
+        self.bvh.walk(
+            |b| span(aim, b, [-past(-range[0]), past(range[1])]),
+            |id| {
+                let hit = self.meet(aim, id).filter(|hit| range[0] <= hit.t && hit.t <= range[1]);
+                limit = hit.map_or(limit, |hit| limit.min(visit(hit)));
+                limit
+            },
+        );
+    }
+
+    /// The ray and one triangle, at any t, if it shows that face and has no hole there.
+    fn meet(&self, aim: &Aim, id: u32) -> Option<Hit> {
+        let corners = Corners::new(self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]));
+        let sign = corners.sign(&aim.perturbed)?;
+        let t = corners.depth(&aim.ray)?;
+        let hit = Hit { t, triangle: id, bary: corners.weights(&aim.ray, sign) };
+        let material = self.mesh.material_of.get(id as usize).and_then(|m| self.mesh.materials.get(*m as usize));
+        let shows = sign * corners.parity < 0.0 || material.is_none_or(|m| m.two_sided);
+        let mask = material.and_then(|m| m.texture.as_ref()).filter(|t| t.cuts());
+        let is_there = |mask: &Texture| self.mesh.uv_at(id, hit.bary).is_none_or(|uv| mask.is_there(uv));
+        (shows && mask.is_none_or(is_there)).then_some(hit)
+    }
+
+    /// Of all places `of` the mesh that a line meets on either side of its origin, the nearest; `t` is the distance. The two rays start
+    /// there, and their directions are opposite unit vectors.
+    pub fn on_line(&self, rays: [&Aim; 2], of: impl Fn(&Hit) -> bool) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        for aim in rays {
+            self.each(aim, [0.0, f64::INFINITY], |hit| {
+                if of(&hit) {
+                    best = nearer(best, hit);
+                }
+                best.map_or(f64::INFINITY, |b| past(b.t))
+            });
+        }
+        best
+    }
+
+    /// Of all triangles the places `of` the mesh that are nearest to `place`, by ascending id: several where it is nearest to an
+    /// edge or a corner. `t` is the distance.
+    pub fn nearest(&self, place: DVec3, of: impl Fn(&Hit) -> bool) -> Vec<Hit> {
+        let mut hits = Vec::new();
+        let mut limit = f64::INFINITY;
+        self.bvh.walk(
+            |b| Some(b.distance(place)),
+            |id| {
+                let hit = self.nearest_of(place, id);
+                if of(&hit) {
+                    limit = limit.min(as_near(place, hit.t));
+                    hits.push(hit);
+                }
+                limit
+            },
+        );
+        hits.retain(|hit| hit.t <= limit);
+        hits.sort_unstable_by_key(|hit| hit.triangle);
+        hits
+    }
+
+    fn nearest_of(&self, place: DVec3, id: u32) -> Hit {
+        let corners = self.mesh.triangles[id as usize].map(|k| self.mesh.positions[k as usize]);
+        let bary = nearest_weights(place, corners);
+        let [a, b, c] = corners;
+        let t = ((1.0 - bary[0] - bary[1]) * a + bary[0] * b + bary[1] * c - place).length();
+        Hit { t, triangle: id, bary }
+    }
+}
+
+/// The nearer hit; the lower id among equals.
+fn nearer(best: Option<Hit>, hit: Hit) -> Option<Hit> {
+    best.filter(|b| (b.t, b.triangle) <= (hit.t, hit.triangle)).or(Some(hit))
+}
+
+/// The largest exact t whose computed value may be as small as `t`.
+fn past(t: f64) -> f64 {
+    t + 2.0 * T_ROUNDING * t.abs()
+}
+
+/// Distances from `place` up to this are the same as `t`, by rounding.
+pub fn as_near(place: DVec3, t: f64) -> f64 {
+    past(t) + DISTANCE_ROUNDING * place.abs().max_element()
+}
+
+/// The least t of `range` at which either ray of `aim` may be in a box.
+fn span(aim: &Aim, b: &Aabb, range: [f64; 2]) -> Option<f64> {
+    let enter = |ray: &Ray| {
+        let inverse = ray.direction.recip();
+        let (a, b) = ((b.lo - ray.origin) * inverse, (b.hi - ray.origin) * inverse);
+        let mut span = range;
+        for k in 0..3 {
+            // a ray in the plane of a side divides 0 by 0, and is on it
+            let [near, far] = if a[k].is_nan() || b[k].is_nan() {
+                [f64::NEG_INFINITY, f64::INFINITY]
+            } else {
+                [a[k].min(b[k]), a[k].max(b[k])]
+            };
+            span = [span[0].max(near - SLAB_ROUNDING * near.abs()), span[1].min(far + SLAB_ROUNDING * far.abs())];
+        }
+        (span[0] <= span[1]).then_some(span[0])
+    };
+    match (enter(&aim.ray), enter(&aim.perturbed)) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    }
+}
+
+/// A triangle's corners in ascending order by x, y and z, so that both triangles at an edge compute one value.
+struct Corners {
+    v: [DVec3; 3],
+    /// Place of each in the triangle as given.
+    slot: [usize; 3],
+    /// -1 where the order is an odd permutation of the given one, else 1.
+    parity: f64,
+}
+
+/// The edge opposite to each corner, from its smaller to its larger end, and its sign in the cycle 0, 1, 2.
+const OPPOSITE: [(usize, usize, f64); 3] = [(1, 2, 1.0), (0, 2, -1.0), (0, 1, 1.0)];
+
+impl Corners {
+    fn new(given: [DVec3; 3]) -> Corners {
+        let mut slot = [0, 1, 2];
+        slot.sort_by(|a, b| given[*a].to_array().partial_cmp(&given[*b].to_array()).expect("positions are finite"));
+        let even = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].contains(&slot);
+        Corners { v: slot.map(|k| given[k]), slot, parity: if even { 1.0 } else { -1.0 } }
+    }
+
+    /// The sign of all edge values of a ray that meets the triangle.
+    fn sign(&self, ray: &Ray) -> Option<f64> {
+        let side = |k: usize| {
+            let (i, j, turn) = OPPOSITE[k];
+            let (value, bound) = edge(ray, self.v[i], self.v[j]);
+            if value.abs() > bound { turn * value.signum() } else { turn * exact_side(ray, self.v[i], self.v[j]) }
+        };
+        let first = side(0);
+        (side(1) == first && side(2) == first).then_some(first)
+    }
+
+    /// `t = N . (v - P) / (N . D)`; `None` where the ray is parallel to the plane.
+    fn depth(&self, ray: &Ray) -> Option<f64> {
+        let [a, b, c] = self.v;
+        let (e1, e2) = (b - a, c - a);
+        let normal = e1.cross(e2);
+        let size = cross_size(e1.abs(), e2.abs());
+        let (above, below) = (normal.dot(a - ray.origin), normal.dot(ray.direction));
+        let bounds = [size.dot((a - ray.origin).abs()), size.dot(ray.direction.abs())].map(|s| TERM_ROUNDING * s);
+        if bounds[0] < 0.25 * T_ROUNDING * above.abs() && bounds[1] < 0.25 * T_ROUNDING * below.abs() {
+            return Some(above / below);
+        }
+        let moment = exact::cross(b, c);
+        let volume = exact::dot(&moment, a);
+        let normal = exact::sum(exact::sum(exact::cross(a, b), &moment), &exact::cross(c, a));
+        let below = exact::dot(&normal, ray.direction).value();
+        (below != 0.0).then(|| volume.minus(&exact::dot(&normal, ray.origin)).value() / below)
+    }
+
+    /// Weights of the second and third corner as given. A perturbed ray may be inside where this one is outside, by rounding.
+    fn weights(&self, ray: &Ray, sign: f64) -> [f64; 2] {
+        let e = OPPOSITE.map(|(i, j, turn)| {
+            let (value, bound) = edge(ray, self.v[i], self.v[j]);
+            let value = if value.abs() > bound { value } else { exact_edge(ray, self.v[i], self.v[j]).value() };
+            (sign * turn * value).max(0.0)
+        });
+        let sum = e[0] + e[1] + e[2];
+        let mut weights = [0.0; 3];
+        (0..3).for_each(|k| weights[self.slot[k]] = if sum == 0.0 { 1.0 / 3.0 } else { e[k] / sum });
+        [weights[1], weights[2]]
+    }
+}
+
+/// `((from - P) x (to - from)) . D` and a bound of its error.
+fn edge(ray: &Ray, from: DVec3, to: DVec3) -> (f64, f64) {
+    let (p, edge) = (from - ray.origin, to - from);
+    (p.cross(edge).dot(ray.direction), TERM_ROUNDING * cross_size(p.abs(), edge.abs()).dot(ray.direction.abs()))
+}
+
+fn exact_edge(ray: &Ray, from: DVec3, to: DVec3) -> Exact {
+    let Ray { origin: p, direction: d } = *ray;
+    let moment = exact::dot(&exact::cross(from, to), d);
+    moment.minus(&exact::dot(&exact::cross(p, to), d)).plus(&exact::dot(&exact::cross(p, from), d))
+}
+
+/// The sign of an edge value, 1 for 0.
+fn exact_side(ray: &Ray, from: DVec3, to: DVec3) -> f64 {
+    if exact_edge(ray, from, to).sign() < 0 { -1.0 } else { 1.0 }
+}
+
+/// `a x b` with every term's magnitude added up.
+fn cross_size(a: DVec3, b: DVec3) -> DVec3 {
+    DVec3::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x)
+}
+
+/// The weights of the second and third corner where a triangle is nearest to a place.
+fn nearest_weights(place: DVec3, v: [DVec3; 3]) -> [f64; 2] {
+    let [a, b, c] = v.map(|v| v - place);
+    let normal = (b - a).cross(c - a);
+    let w = [b.cross(c), c.cross(a), a.cross(b)].map(|area| area.dot(normal));
+    let sum = w[0] + w[1] + w[2];
+    if sum > 0.0 && w.iter().all(|w| *w >= 0.0) {
+        return [w[1] / sum, w[2] / sum];
+    }
+    let along = |from: DVec3, to: DVec3| {
+        let s = (-from.dot(to - from) / (to - from).length_squared()).clamp(0.0, 1.0);
+        (from.lerp(to, s).length_squared(), s)
+    };
+    let ((ab, s), (bc, t), (ca, u)) = (along(a, b), along(b, c), along(c, a));
+    if ab <= bc && ab <= ca {
+        [s, 0.0]
+    } else if bc <= ca {
+        [1.0 - t, t]
+    } else {
+        [0.0, 1.0 - u]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::generate::{cube, icosphere};
+
+    /// Deterministic numbers from -1 to 1.
+    fn numbers(mut state: u64) -> impl FnMut() -> f64 {
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+    }
+
+    #[test]
+    fn no_place_of_a_triangle_is_nearer_than_the_nearest() {
+        let mut next = numbers(3);
+        let mut vector = || DVec3::new(next(), next(), next());
+        for _ in 0..500 {
+            let (v, place) = ([vector(), vector(), vector()], 2.0 * vector());
+            let at = |[s, t]: [f64; 2]| ((1.0 - s - t) * v[0] + s * v[1] + t * v[2] - place).length();
+            let found = nearest_weights(place, v);
+            assert!(found.iter().all(|w| *w >= 0.0) && found[0] + found[1] <= 1.0 + f64::EPSILON);
+            let steps = (0..=20).flat_map(|i| (0..=20 - i).map(move |j| [f64::from(i) / 20.0, f64::from(j) / 20.0]));
+            let least = steps.map(at).fold(f64::INFINITY, f64::min);
+            assert!(at(found) <= least + 1e-14, "{} {least}", at(found));
+        }
+    }
+
+    /// Both ways along a line, covered as if it passed a little aside.
+    fn line(origin: DVec3, direction: DVec3) -> [Aim; 2] {
+        let (e1, e2) = direction.any_orthonormal_pair();
+        let beside = origin + 1e-12 * (e1 + 0.6 * e2);
+        [direction, -direction]
+            .map(|d| Aim { ray: Ray { origin, direction: d }, perturbed: Ray { origin: beside, direction: d } })
+    }
+
+    #[test]
+    fn a_ball_is_met_on_the_radius_and_is_nearest_there() {
+        let ball = icosphere(3);
+        let caster = Caster::new(&ball);
+        let mut next = numbers(9);
+        for _ in 0..300 {
+            let out = DVec3::new(next(), next(), next()).normalize();
+            let outer = |hit: &Hit| {
+                let [a, b, c] = ball.triangles[hit.triangle as usize].map(|k| ball.positions[k as usize]);
+                (b - a).cross(c - a).dot(out) > 0.0
+            };
+            for away in [0.5, 1.5] {
+                let near = caster.nearest(away * out, |_| true);
+                let met = caster.on_line(line(away * out, out).each_ref(), outer).unwrap();
+                // the facets lie within 1 % of the sphere, and from inside the foot of another may be as near
+                assert!((met.t - 0.5).abs() < 0.01 && met.t >= near[0].t - 1e-12, "{met:?} {near:?}");
+                assert!((near[0].t - 0.5).abs() < 0.01);
+            }
+            // through the middle, both sides are as near but for their facets
+            assert!(caster.on_line(line(DVec3::ZERO, out).each_ref(), |_| true).unwrap().t > 0.99);
+        }
+    }
+
+    #[test]
+    fn a_corner_is_nearest_to_all_its_triangles() {
+        let cube = cube();
+        let caster = Caster::new(&cube);
+        let (lo, hi) = cube.bounds().unwrap();
+        for corner in [lo, hi] {
+            let out = corner - (lo + hi) / 2.0;
+            let near = caster.nearest(corner + 0.1 * out, |_| true);
+            let touching = |t: &&[u32; 3]| t.iter().any(|k| cube.positions[*k as usize] == corner);
+            assert_eq!(near.len(), cube.triangles.iter().filter(touching).count());
+            // the diagonal through it meets one of them there
+            let met = caster.on_line(line(corner + 0.1 * out, out.normalize()).each_ref(), |_| true).unwrap();
+            assert!((met.t - 0.1 * out.length()).abs() < 1e-12);
+            assert!(near.iter().any(|hit| hit.triangle == met.triangle));
+        }
+    }
+}

@@ -1,0 +1,378 @@
+//! glTF 2.0: the placed triangles of the default scene.
+
+mod accessor;
+mod source;
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{DMat3, DMat4, DQuat, DVec2, DVec3, Vec2};
+use gltf::material::AlphaMode;
+use gltf::mesh::Mode;
+use gltf::scene::Transform;
+use gltf::texture::{Info, WrappingMode};
+use gltf::{Document, Node, Primitive, Semantic};
+
+use crate::geometry::mesh::{DIELECTRIC, Material, Mesh, Missing, NO_NORMAL, NO_UV};
+use crate::geometry::place::{turned, world_normal_from_object};
+use crate::geometry::texture::{Images, ImagesRead, Texels, Texture, Wrap, decode};
+use crate::input::{Error, Result};
+use source::{FileAccess, Found, Source};
+
+/// Most triangles a mesh may have.
+const MAX_TRIANGLES: usize = 1 << 28;
+
+/// Where the files that a glTF file names may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Files {
+    /// In its folder or below, also after symbolic links are resolved.
+    Below,
+    Anywhere,
+}
+
+/// Reads a `.gltf` file with its buffers (files that `files` allows, or `data:` URIs), or a `.glb` file.
+///
+/// The default scene (or else the first, or else all nodes that are no other's child) is walked depth-first, in
+/// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each. Strips and
+/// fans become triangles as the glTF specification lists them; lines and points are skipped. The base colour
+/// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`; where a material
+/// is masked there is a surface from its cut-off on, and where it is blended from an opacity of one half on; without an image everywhere. It is as rough, metallic
+/// and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the inverse transpose. Vertices
+/// keep the file's order also where a node mirrors them. Skins, morph targets and animations are not
+/// applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that do not exist are left out, and listed in
+/// [`Mesh::missing`].
+///
+/// # Errors
+/// [`Error::Input`] naming the file and the accessor, buffer, node or mesh: no glTF 2.0; a required extension
+/// that would change the triangles; a buffer that is missing, short, remote or where `files` does not allow it; an accessor or an index out of
+/// range; a node that is its own ancestor or has two parents; no triangles, or more than 2^28.
+pub fn load(path: &Path, files: Files, images: &Images) -> Result<Mesh> {
+    let name = path.display().to_string();
+    let bytes = crate::input::files::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    parse(&bytes, FileAccess { folder, files }, images).map_err(|e| e.at(name))
+}
+
+/// As [`load`], from the file's bytes.
+fn parse(bytes: &[u8], access: FileAccess, images: &Images) -> Result<Mesh> {
+    let source = Source::parse(bytes, access)?;
+    let mut builder = Builder::new(&source);
+    builder.place_scene()?;
+    builder.hang_images(access, images.read)?;
+    builder.finish()
+}
+
+/// The node's own transform, in f64.
+fn parent_from_node(node: &Node) -> DMat4 {
+    match node.transform() {
+        Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),
+        Transform::Decomposed { translation, rotation, scale } => DMat4::from_scale_rotation_translation(
+            DVec3::from(scale.map(f64::from)),
+            DQuat::from_array(rotation.map(f64::from)).normalize(),
+            DVec3::from(translation.map(f64::from)),
+        ),
+    }
+}
+
+/// The nodes to start from, in order.
+fn roots(document: &Document) -> Vec<Node<'_>> {
+    match document.default_scene().or_else(|| document.scenes().next()) {
+        Some(scene) => scene.nodes().collect(),
+        None => {
+            let mut is_child = vec![false; document.nodes().len()];
+            for child in document.nodes().flat_map(|node| node.children()) {
+                is_child[child.index()] = true;
+            }
+            document.nodes().filter(|node| !is_child[node.index()]).collect()
+        }
+    }
+}
+
+/// Vertices already placed for the current node, by accessor: primitives often share them.
+#[derive(Default)]
+struct Placed {
+    /// The first position's index, and how many there are.
+    positions: HashMap<usize, (u32, u32)>,
+    /// The index of each normal, or [`NO_NORMAL`].
+    normals: HashMap<usize, Vec<u32>>,
+}
+
+struct Builder<'a> {
+    source: &'a Source,
+    mesh: Mesh,
+    default_is_used: bool,
+}
+
+impl<'a> Builder<'a> {
+    fn new(source: &'a Source) -> Self {
+        let read = |material: gltf::Material| {
+            let pbr = material.pbr_metallic_roughness();
+            let [r, g, b, _] = pbr.base_color_factor();
+            // what images say of these two is not read
+            let has_image = pbr.metallic_roughness_texture().is_some();
+            Material {
+                name: material.name().unwrap_or_default().to_owned(),
+                diffuse: [r, g, b].map(|c| c.clamp(0.0, 1.0)),
+                specular: [DIELECTRIC; 3],
+                roughness: pbr.roughness_factor().clamp(0.0, 1.0),
+                metallic: if has_image { 0.0 } else { pbr.metallic_factor().clamp(0.0, 1.0) },
+                emissive: match material.emissive_texture() {
+                    Some(_) => [0.0; 3],
+                    None => material.emissive_factor().map(|c| c.clamp(0.0, f32::MAX)),
+                },
+                ..Material::default()
+            }
+        };
+        let materials = source.document.materials().map(read).collect();
+        Builder { source, mesh: Mesh { materials, ..Mesh::default() }, default_is_used: false }
+    }
+
+    /// Puts their images on the materials that triangles have, each decoded once.
+    fn hang_images(&mut self, access: FileAccess, read: ImagesRead) -> Result<()> {
+        if read == ImagesRead::None {
+            return Ok(());
+        }
+        let mut decoded = HashMap::new();
+        let mut is_used = vec![false; self.mesh.materials.len() + 1];
+        self.mesh.material_of.iter().for_each(|&m| is_used[m as usize] = true);
+        let materials = self.source.document.materials().zip(&mut self.mesh.materials).zip(is_used);
+        for ((from, material), _) in materials.filter(|(_, is_used)| *is_used) {
+            let Some(info) = from.pbr_metallic_roughness().base_color_texture() else { continue };
+            if let Some(wrong) = &self.source.wrong_look {
+                return Err(Error::input(format!("{wrong}; texture = false shows none")));
+            }
+            if !read.reads(from.alpha_mode() != AlphaMode::Opaque) {
+                continue;
+            }
+            let texture = read_texture(self.source, access, &from, &info, &mut decoded);
+            match texture.map_err(|e| Error::input(format!("{e}; texture = false shows none")))? {
+                Found::Present(texture) => material.texture = Some(texture),
+                Found::Missing(file) => {
+                    let image = info.texture().source().index();
+                    let why = format!("image {image}: the file does not exist; the material's own colour is used");
+                    self.mesh.missing.push(Missing { what: file.display().to_string(), why });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<Mesh> {
+        if self.mesh.triangles.is_empty() {
+            return Err(Error::input("has no triangles in its scene; export one with triangle meshes"));
+        }
+        if self.default_is_used {
+            self.mesh.materials.push(Material::default());
+        }
+        if self.mesh.corner_normals.iter().flatten().all(|&n| n == NO_NORMAL) {
+            self.mesh.normals = Vec::new();
+            self.mesh.corner_normals = Vec::new();
+        }
+        if self.mesh.uvs.is_empty() {
+            self.mesh.corner_uvs = Vec::new();
+        }
+        Ok(self.mesh)
+    }
+
+    /// Walks the nodes depth-first, with a stack of its own: a chain of nodes may be long.
+    fn place_scene(&mut self) -> Result<()> {
+        let document = &self.source.document;
+        let mut is_placed = vec![false; document.nodes().len()];
+        let mut stack: Vec<(Node, DMat4)> = roots(document).into_iter().map(|root| (root, DMat4::IDENTITY)).collect();
+        stack.reverse();
+        while let Some((node, world_from_parent)) = stack.pop() {
+            if std::mem::replace(&mut is_placed[node.index()], true) {
+                let index = node.index();
+                return Err(Error::input(format!("node {index} is reached twice; nodes must form trees")));
+            }
+            let world_from_node = world_from_parent * parent_from_node(&node);
+            if let Some(mesh) = node.mesh() {
+                let mut placed = Placed::default();
+                for primitive in mesh.primitives() {
+                    self.place_primitive(&primitive, world_from_node, &mut placed).map_err(|e| {
+                        e.at(format!("node {}: mesh {}, primitive {}", node.index(), mesh.index(), primitive.index()))
+                    })?;
+                }
+            }
+            let first_child = stack.len();
+            stack.extend(node.children().map(|child| (child, world_from_node)));
+            stack[first_child..].reverse();
+        }
+        Ok(())
+    }
+
+    fn place_primitive(&mut self, primitive: &Primitive, world_from_node: DMat4, placed: &mut Placed) -> Result<()> {
+        let mode = primitive.mode();
+        let Some(positions) = primitive.get(&Semantic::Positions) else { return Ok(()) };
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            return Ok(());
+        }
+        // Instances can ask for far more triangles than the file has bytes: find that out first.
+        let corners = primitive.indices().map_or(positions.count(), |indices| indices.count());
+        let most_added = if mode == Mode::Triangles { corners / 3 } else { corners };
+        if self.mesh.triangles.len().saturating_add(most_added) > MAX_TRIANGLES {
+            return Err(Error::input("more than 2^28 triangles; split the file"));
+        }
+        let (base, count) = self.place_positions(&positions, world_from_node, placed)?;
+        let corners: Vec<u32> = match primitive.indices() {
+            Some(indices) => self.source.read_indices(&indices, count)?,
+            None => (0..count).collect(),
+        };
+        let triangles = triangles_of(mode, &corners)?;
+
+        let normals = match primitive.get(&Semantic::Normals) {
+            Some(normals) => self.place_normals(&normals, count, DMat3::from_mat4(world_from_node), placed)?,
+            None => &[],
+        };
+        let normal_of = |corner: u32| normals.get(corner as usize).copied().unwrap_or(NO_NORMAL);
+        self.mesh.corner_normals.extend(triangles.iter().map(|t| t.map(normal_of)));
+        self.mesh.triangles.extend(triangles.iter().map(|t| t.map(|corner| base + corner)));
+        let first_uv = self.place_uvs(primitive, count)?;
+        let uv_of = |corner: u32| match first_uv {
+            Some(first) if self.mesh.uvs[(first + corner) as usize].is_finite() => first + corner,
+            _ => NO_UV,
+        };
+        self.mesh.corner_uvs.extend(triangles.iter().map(|t| t.map(uv_of)));
+        let material = primitive.material().index().unwrap_or_else(|| {
+            self.default_is_used = true;
+            self.source.document.materials().len()
+        });
+        self.mesh.material_of.resize(self.mesh.triangles.len(), material as u32);
+        Ok(())
+    }
+
+    /// Appends the accessor's positions unless this node has them already; the first one's index, and the count.
+    fn place_positions(&mut self, from: &gltf::Accessor, world: DMat4, placed: &mut Placed) -> Result<(u32, u32)> {
+        if let Some(&known) = placed.positions.get(&from.index()) {
+            return Ok(known);
+        }
+        let base = self.mesh.positions.len();
+        if base.saturating_add(from.count()) >= u32::MAX as usize {
+            return Err(Error::input("more than 2^32 - 2 vertices; split the file"));
+        }
+        for p in self.source.read_vectors(from)? {
+            let p_world = world.transform_point3(p);
+            if !p_world.is_finite() {
+                return Err(Error::input("a placed vertex is not finite; check the node's transform and POSITION"));
+            }
+            self.mesh.positions.push(p_world);
+        }
+        let run = (base as u32, from.count() as u32);
+        placed.positions.insert(from.index(), run);
+        Ok(run)
+    }
+
+    /// Appends the texture coordinates of a primitive, as its base colour's image lies on them; the index of the first one.
+    fn place_uvs(&mut self, primitive: &Primitive, count: u32) -> Result<Option<u32>> {
+        let material = primitive.material();
+        let info = material.pbr_metallic_roughness().base_color_texture();
+        let transform = info.as_ref().and_then(Info::texture_transform);
+        let set = transform.as_ref().and_then(|t| t.tex_coord()).or(info.as_ref().map(Info::tex_coord)).unwrap_or(0);
+        let Some(accessor) = primitive.get(&Semantic::TexCoords(set)) else { return Ok(None) };
+        if accessor.count() != count as usize {
+            let pairs = accessor.count();
+            return Err(Error::input(format!("{pairs} texture coordinates for {count} positions; give one each")));
+        }
+        let first = self.mesh.uvs.len();
+        if first.saturating_add(count as usize) >= u32::MAX as usize {
+            return Err(Error::input("more than 2^32 - 2 texture coordinates; split the file"));
+        }
+        let placed = |uv: DVec2| {
+            let uv = transform.as_ref().map_or(uv, |t| {
+                let [scale, offset] = [t.scale(), t.offset()].map(|v| DVec2::from(v.map(f64::from)));
+                let (sin, cos) = f64::from(t.rotation()).sin_cos();
+                let scaled = scale * uv;
+                DVec2::new(cos * scaled.x + sin * scaled.y, cos * scaled.y - sin * scaled.x) + offset
+            });
+            // from the upper left corner to the lower left one
+            Vec2::new(uv.x as f32, (1.0 - uv.y) as f32)
+        };
+        self.mesh.uvs.extend(self.source.read_pairs(&accessor)?.into_iter().map(placed));
+        Ok(Some(first as u32))
+    }
+
+    /// Appends the accessor's normals unless this node has them already; the index of each.
+    fn place_normals<'p>(
+        &mut self,
+        from: &gltf::Accessor,
+        count: u32,
+        world_from_node: DMat3,
+        placed: &'p mut Placed,
+    ) -> Result<&'p [u32]> {
+        let known = placed.normals.entry(from.index()).or_default();
+        if from.count() != count as usize {
+            let normals = from.count();
+            return Err(Error::input(format!("{normals} normals for {count} positions; give one each")));
+        }
+        if known.is_empty() {
+            let matrix = world_normal_from_object(world_from_node);
+            for n in self.source.read_vectors(from)? {
+                let index = self.mesh.normals.len() as u32;
+                match (matrix, n.try_normalize()) {
+                    (Some(matrix), Some(n)) => self.mesh.normals.push(turned(matrix, n.as_vec3())),
+                    _ => {
+                        known.push(NO_NORMAL);
+                        continue;
+                    }
+                }
+                known.push(index);
+            }
+        }
+        Ok(known)
+    }
+}
+
+/// The base colour's image, decoded once for all materials.
+fn read_texture(
+    source: &Source,
+    access: FileAccess,
+    material: &gltf::Material,
+    info: &Info,
+    decoded: &mut HashMap<usize, Arc<Texels>>,
+) -> Result<Found<Texture>> {
+    let image = info.texture().source();
+    let texels = match decoded.get(&image.index()) {
+        Some(known) => known.clone(),
+        None => {
+            let at = |e: Error| e.at(format!("image {}", image.index()));
+            let bytes = match source.read_image(&image, access).map_err(|e| at(Error::input(e)))? {
+                Found::Present(bytes) => bytes,
+                Found::Missing(file) => return Ok(Found::Missing(file)),
+            };
+            let texels = decode(&bytes).map_err(at)?;
+            decoded.entry(image.index()).or_insert(Arc::new(texels)).clone()
+        }
+    };
+    let wrap = |mode: WrappingMode| match mode {
+        WrappingMode::Repeat => Wrap::Repeat,
+        WrappingMode::ClampToEdge => Wrap::Clamp,
+        WrappingMode::MirroredRepeat => Wrap::Mirror,
+    };
+    let cutoff = match material.alpha_mode() {
+        AlphaMode::Opaque => None,
+        AlphaMode::Mask => Some(material.alpha_cutoff().unwrap_or(0.5)),
+        AlphaMode::Blend => Some(0.5),
+    };
+    // of the image times the factor
+    let factor = material.pbr_metallic_roughness().base_color_factor()[3];
+    let cutoff = cutoff.map(|least| if factor > 0.0 { (least / factor).min(f32::MAX) } else { f32::MAX });
+    let sampler = info.texture().sampler();
+    Ok(Found::Present(Texture { texels, wrap: [wrap(sampler.wrap_s()), wrap(sampler.wrap_t())], cutoff }))
+}
+
+/// Triangles from the corners of a primitive, in the order and winding of the glTF specification (3.7.2.1).
+fn triangles_of(mode: Mode, corners: &[u32]) -> Result<Vec<[u32; 3]>> {
+    let triangles = match mode {
+        Mode::TriangleStrip => {
+            let turn = |(k, w): (usize, &[u32])| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
+            corners.windows(3).enumerate().map(turn).collect()
+        }
+        Mode::TriangleFan => corners.windows(2).skip(1).map(|w| [w[0], w[1], corners[0]]).collect(),
+        _ if corners.len().is_multiple_of(3) => corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+        _ => return Err(Error::input(format!("{} corners are not whole triangles; give three each", corners.len()))),
+    };
+    Ok(triangles)
+}

@@ -1,0 +1,169 @@
+//! Typed reading of buffers: every range is checked before it is read.
+
+use glam::{DVec2, DVec3};
+use gltf::Accessor;
+use gltf::accessor::sparse::{IndexType, Sparse};
+use gltf::accessor::{DataType, Dimensions};
+use gltf::buffer::View;
+
+use super::MAX_TRIANGLES;
+use super::source::Source;
+use crate::input::{Error, Result};
+
+impl Source {
+    /// The accessor's vectors of three.
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming the accessor: another shape, or out of its buffer's range.
+    pub(super) fn read_vectors(&self, accessor: &Accessor) -> Result<Vec<DVec3>> {
+        if accessor.dimensions() != Dimensions::Vec3 {
+            return Err(at(accessor, "must hold vectors of 3; export it again".into()));
+        }
+        let values = self.read(accessor).map_err(|message| at(accessor, message))?;
+        Ok(values.chunks_exact(3).map(|v| DVec3::new(v[0], v[1], v[2])).collect())
+    }
+
+    /// The accessor's vectors of two.
+    ///
+    /// # Errors
+    /// As [`Source::read_vectors`].
+    pub(super) fn read_pairs(&self, accessor: &Accessor) -> Result<Vec<DVec2>> {
+        if accessor.dimensions() != Dimensions::Vec2 {
+            return Err(at(accessor, "must hold vectors of 2; export it again".into()));
+        }
+        let values = self.read(accessor).map_err(|message| at(accessor, message))?;
+        Ok(values.chunks_exact(2).map(|v| DVec2::new(v[0], v[1])).collect())
+    }
+
+    /// The accessor's indices, each below `limit`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming the accessor: another shape, out of its buffer's range, or an index that is too
+    /// large.
+    pub(super) fn read_indices(&self, accessor: &Accessor, limit: u32) -> Result<Vec<u32>> {
+        let is_index = matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32);
+        if accessor.dimensions() != Dimensions::Scalar || !is_index || accessor.normalized() {
+            return Err(at(accessor, "must hold unsigned integers as indices; export it again".into()));
+        }
+        let values = self.read(accessor).map_err(|message| at(accessor, message))?;
+        match values.iter().find(|&&index| index >= f64::from(limit)) {
+            Some(index) => Err(at(accessor, format!("index {index} of {limit} vertices; export it again"))),
+            // Exact: they were u8, u16 or u32.
+            None => Ok(values.into_iter().map(|index| index as u32).collect()),
+        }
+    }
+
+    /// All components of all elements as f64, which holds each component type exactly; normalised ones divided.
+    fn read(&self, accessor: &Accessor) -> std::result::Result<Vec<f64>, String> {
+        let kind = accessor.data_type();
+        let components = accessor.dimensions().multiplicity();
+        let count = accessor.count();
+        let mut values = match accessor.view() {
+            Some(view) => {
+                let run = Run { offset: accessor.offset(), count, bytes: accessor.size() };
+                let elements = self.elements(&view, &run)?;
+                elements.flat_map(|e| e.chunks_exact(kind.size()).map(|c| component(kind, c))).collect()
+            }
+            None if accessor.sparse().is_none() => {
+                return Err("has no buffer view; if its mesh is compressed, export it without".into());
+            }
+            None if count > 3 * MAX_TRIANGLES => return Err(format!("{count} elements are too many; split the file")),
+            None => vec![0.0; count * components],
+        };
+        if let Some(sparse) = accessor.sparse() {
+            self.substitute(&sparse, accessor, &mut values)?;
+        }
+        if accessor.normalized() {
+            values.iter_mut().for_each(|value| *value = normalised(kind, *value));
+        }
+        Ok(values)
+    }
+
+    /// Writes a sparse accessor's values over the dense ones.
+    fn substitute(&self, sparse: &Sparse, accessor: &Accessor, values: &mut [f64]) -> std::result::Result<(), String> {
+        let (indices, kind, count) = (sparse.indices(), accessor.data_type(), sparse.count());
+        let index_kind = match indices.index_type() {
+            IndexType::U8 => DataType::U8,
+            IndexType::U16 => DataType::U16,
+            IndexType::U32 => DataType::U32,
+        };
+        let run = Run { offset: indices.offset(), count, bytes: index_kind.size() };
+        let places = self.elements(&indices.view(), &run)?.map(|bytes| component(index_kind, bytes) as usize);
+        let run = Run { offset: sparse.values().offset(), count, bytes: accessor.size() };
+        let elements = self.elements(&sparse.values().view(), &run)?;
+        let components = accessor.dimensions().multiplicity();
+        for (place, element) in places.zip(elements) {
+            let Some(target) = values.chunks_exact_mut(components).nth(place) else {
+                return Err(format!("sparse index {place} of {} elements; export it again", accessor.count()));
+            };
+            for (value, bytes) in target.iter_mut().zip(element.chunks_exact(kind.size())) {
+                *value = component(kind, bytes);
+            }
+        }
+        Ok(())
+    }
+
+    /// The elements of a run in a buffer view, in order.
+    fn elements(&self, view: &View, run: &Run) -> std::result::Result<impl Iterator<Item = &[u8]> + use<'_>, String> {
+        let buffer = &self.buffers[view.buffer().index()];
+        let stride = view.stride().unwrap_or(run.bytes);
+        let (index, length) = (view.index(), view.length());
+        let Some(bytes) = view.offset().checked_add(length).and_then(|end| buffer.get(view.offset()..end)) else {
+            return Err(format!("buffer view {index} exceeds its buffer of {} bytes; export it again", buffer.len()));
+        };
+        if stride < run.bytes {
+            let size = run.bytes;
+            return Err(format!(
+                "stride {stride} of buffer view {index} is less than its {size} bytes; export it again"
+            ));
+        }
+        let needed = match run.count {
+            0 => Some(0),
+            count => (count - 1).checked_mul(stride).and_then(|before_last| before_last.checked_add(run.bytes)),
+        };
+        let end = needed.and_then(|needed| needed.checked_add(run.offset)).filter(|&end| end <= length);
+        let Some(end) = end else {
+            return Err(format!("exceeds buffer view {index} of {length} bytes; export it again"));
+        };
+        let (count, size) = (run.count, run.bytes);
+        Ok(bytes[run.offset.min(end)..end].chunks(stride).take(count).map(move |element| &element[..size]))
+    }
+}
+
+/// A run of elements in a buffer view.
+struct Run {
+    /// Bytes before the first element.
+    offset: usize,
+    count: usize,
+    /// Bytes of one element.
+    bytes: usize,
+}
+
+fn at(accessor: &Accessor, message: String) -> Error {
+    Error::input(message).at(format!("accessor {}", accessor.index()))
+}
+
+/// One little-endian component; `bytes` has the size of its type.
+fn component(kind: DataType, bytes: &[u8]) -> f64 {
+    let mut word = [0; 4];
+    word[..bytes.len()].copy_from_slice(bytes);
+    match kind {
+        DataType::I8 => f64::from(word[0] as i8),
+        DataType::U8 => f64::from(word[0]),
+        DataType::I16 => f64::from(i16::from_le_bytes([word[0], word[1]])),
+        DataType::U16 => f64::from(u16::from_le_bytes([word[0], word[1]])),
+        DataType::U32 => f64::from(u32::from_le_bytes(word)),
+        DataType::F32 => f64::from(f32::from_le_bytes(word)),
+    }
+}
+
+/// A normalised integer's value: over the largest, from -1 (glTF specification 3.11).
+fn normalised(kind: DataType, value: f64) -> f64 {
+    match kind {
+        DataType::I8 => (value / f64::from(i8::MAX)).max(-1.0),
+        DataType::U8 => value / f64::from(u8::MAX),
+        DataType::I16 => (value / f64::from(i16::MAX)).max(-1.0),
+        DataType::U16 => value / f64::from(u16::MAX),
+        DataType::U32 | DataType::F32 => value,
+    }
+}

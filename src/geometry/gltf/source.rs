@@ -1,0 +1,315 @@
+//! The parts of a glTF file: its checked JSON document and its buffers.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+use gltf::json::validation::{Error as Wrong, Validate};
+use gltf::json::{Path as JsonPath, Root};
+use gltf::{Document, buffer};
+
+use super::Files;
+use crate::geometry::texture::is_missing;
+use crate::input::{Error, Result};
+
+/// How to find the files that a glTF file names.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FileAccess<'a> {
+    /// The folder of the glTF file.
+    pub folder: &'a Path,
+    pub files: Files,
+}
+
+/// What was read from a file, or the path where it does not exist.
+pub(super) enum Found<T> {
+    Present(T),
+    Missing(PathBuf),
+}
+
+/// A document whose indices are valid, and its buffers, each at least as long as it says.
+pub(super) struct Source {
+    pub document: Document,
+    pub buffers: Vec<Arc<Vec<u8>>>,
+    /// What is wrong with its textures, which not every reader looks at.
+    pub wrong_look: Option<Error>,
+}
+
+impl Source {
+    /// # Errors
+    /// [`Error::Input`]: see [`super::load`].
+    pub(super) fn parse(bytes: &[u8], access: FileAccess) -> Result<Source> {
+        let (json, mut binary) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
+        let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
+        if json.is_empty() {
+            return Err(Error::input("is empty; a glTF 2.0 file is needed"));
+        }
+        let root = Root::from_slice(json).map_err(|e| Error::input(format!("is not glTF 2.0: {e}")))?;
+        let wrong_look = check_root(&root)?;
+        let document = Document::from_json_without_validation(root);
+        let (mut buffers, mut known) = (Vec::new(), HashMap::new());
+        for buffer in document.buffers() {
+            let bytes = read_buffer(&buffer, access, &mut binary, &mut known)
+                .map_err(|message| Error::input(format!("buffer {}: {message}", buffer.index())))?;
+            buffers.push(bytes);
+        }
+        drop(known);
+        Ok(Source { document, buffers, wrong_look })
+    }
+
+    /// The bytes of an image's file.
+    pub(super) fn read_image(
+        &self,
+        image: &gltf::Image,
+        access: FileAccess,
+    ) -> std::result::Result<Found<Cow<'_, [u8]>>, String> {
+        let json = &self.document.as_json().images[image.index()];
+        let view = json.buffer_view.and_then(|k| self.document.views().nth(k.value()));
+        match (view, &json.uri) {
+            (None, Some(uri)) => Ok(match read_uri(uri, access)? {
+                Found::Present(bytes) => Found::Present(bytes.into()),
+                Found::Missing(file) => Found::Missing(file),
+            }),
+            (None, None) => Err("has neither a uri nor a bufferView; export it again".into()),
+            (Some(view), _) => {
+                let buffer = &self.buffers[view.buffer().index()];
+                let end = view.offset().checked_add(view.length());
+                let bytes = end.and_then(|end| buffer.get(view.offset()..end));
+                Ok(Found::Present(bytes.ok_or("exceeds its buffer; export it again")?.into()))
+            }
+        }
+    }
+}
+
+/// The JSON and BIN chunks of a GLB file; chunks of other types are skipped.
+fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
+    let truncated = || Error::input("GLB is cut short; copy or export it again");
+    let word = |at: usize| -> Result<u32> {
+        let word = bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).ok_or_else(truncated)?;
+        Ok(u32::from_le_bytes(word))
+    };
+    let (version, length) = (word(4)?, word(8)? as usize);
+    if version != 2 {
+        return Err(Error::input(format!("GLB version {version}, only 2 can be read; export it as glTF 2.0")));
+    }
+    if length > bytes.len() {
+        return Err(truncated());
+    }
+    let (mut json, mut binary) = (None, None);
+    let mut at = 12;
+    while at < length {
+        let (size, kind) = (word(at)? as usize, word(at + 4)?.to_le_bytes());
+        let chunk = bytes.get(at + 8..at + 8 + size).ok_or_else(truncated)?;
+        match &kind {
+            b"JSON" if json.is_none() => json = Some(chunk),
+            b"BIN\0" if binary.is_none() => binary = Some(chunk),
+            _ => {}
+        }
+        at += 8 + size.next_multiple_of(4);
+    }
+    let json = json.ok_or_else(|| Error::input("GLB has no JSON chunk; export it again"))?;
+    Ok((json, binary))
+}
+
+/// Version, required extensions, and every index and enumeration of the parts that are read; what is wrong with textures alone.
+fn check_root(root: &Root) -> Result<Option<Error>> {
+    let version = &root.asset.version;
+    if !version.starts_with("2.") {
+        return Err(Error::input(format!("glTF version {version:?}, only 2.x can be read; export it as glTF 2.0")));
+    }
+    if let Some(extension) = root.extensions_required.iter().find(|name| !keeps_triangles(name)) {
+        return Err(Error::input(format!("requires {extension}, which is not supported; export it without")));
+    }
+    check_attributes(root)?;
+    let (mut first, mut look) = (None, None);
+    root.validate(root, JsonPath::new, &mut |path, wrong| {
+        let path = path().0;
+        let is_in = |parts: &[&str]| parts.iter().any(|part| path.starts_with(part));
+        // the crate looks up a material's textures at once
+        let is_read = is_in(&["scene", "nodes", "meshes", "accessors", "bufferViews", "buffers"])
+            || (wrong == Wrong::IndexOutOfBounds && is_in(&["materials"]));
+        if !is_read && look.is_none() && is_in(&["materials", "textures", "images", "samplers"]) {
+            look = Some((path, wrong));
+            return;
+        }
+        // The required minimum and maximum of positions are often left out, and are not needed.
+        let is_bound = wrong == Wrong::Missing && (path.ends_with(".min") || path.ends_with(".max"));
+        if is_read && !is_bound && first.is_none() {
+            first = Some((path, wrong));
+        }
+    });
+    let error = |(path, wrong)| Error::input(format!("{path}: {}; export it again", reason(wrong)));
+    match first {
+        Some(first) => Err(error(first)),
+        None => Ok(look.map(error)),
+    }
+}
+
+/// The crate's own validation indexes the position accessors before it checks them.
+fn check_attributes(root: &Root) -> Result<()> {
+    for (mesh, primitives) in root.meshes.iter().map(|mesh| &mesh.primitives).enumerate() {
+        for (primitive, attributes) in primitives.iter().map(|primitive| &primitive.attributes).enumerate() {
+            if let Some(index) = attributes.values().find(|index| index.value() >= root.accessors.len()) {
+                let (index, count) = (index.value(), root.accessors.len());
+                return Err(Error::input(format!(
+                    "mesh {mesh}, primitive {primitive}: accessor {index} of {count}; export it again"
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn reason(wrong: Wrong) -> &'static str {
+    match wrong {
+        Wrong::IndexOutOfBounds => "index out of range",
+        Wrong::Invalid => "not a valid value",
+        Wrong::Missing => "missing",
+        Wrong::Oversize => "too large",
+        Wrong::Unsupported => "not supported",
+    }
+}
+
+/// Whether a file that requires the extension can be read without it: it is about looks, or it is handled.
+fn keeps_triangles(extension: &str) -> bool {
+    const PREFIXES: [&str; 6] =
+        ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp"];
+    const NAMES: [&str; 4] =
+        ["KHR_mesh_quantization", "KHR_animation_pointer", "MSFT_texture_dds", "MSFT_packing_normalRoughnessMetallic"];
+    NAMES.contains(&extension) || PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
+}
+
+/// The buffer's bytes. A file is read once: `known` holds the bytes by URI.
+fn read_buffer<'a>(
+    buffer: &gltf::Buffer<'a>,
+    access: FileAccess,
+    binary: &mut Option<&[u8]>,
+    known: &mut HashMap<&'a str, Arc<Vec<u8>>>,
+) -> std::result::Result<Arc<Vec<u8>>, String> {
+    let bytes = match buffer.source() {
+        buffer::Source::Bin => binary.take().ok_or("has no uri and no BIN chunk; export it again")?.to_vec().into(),
+        buffer::Source::Uri(uri) => match known.get(uri) {
+            Some(bytes) => bytes.clone(),
+            None => match read_uri(uri, access)? {
+                Found::Present(bytes) => known.entry(uri).or_insert(bytes.into()).clone(),
+                Found::Missing(file) => {
+                    return Err(format!("{} cannot be read: the file does not exist", file.display()));
+                }
+            },
+        },
+    };
+    if bytes.len() < buffer.length() {
+        let (is, says) = (bytes.len(), buffer.length());
+        return Err(format!("has {is} of its {says} bytes; copy or export it again"));
+    }
+    Ok(bytes)
+}
+
+/// The bytes of a file, or of a `data:` URI.
+fn read_uri(uri: &str, access: FileAccess) -> std::result::Result<Found<Vec<u8>>, String> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        return decode_data(data).map(Found::Present);
+    }
+    if uri.contains("://") {
+        return Err("lies elsewhere on the net; put it beside the file".into());
+    }
+    let name = decode_percent(uri);
+    let file = access.folder.join(&name);
+    if access.files == Files::Below && !is_below(&name, access.folder) {
+        return Err(format!(
+            "{name:?} is outside of the glTF's folder; move it there, or set outside_files = true in the [[mesh]]"
+        ));
+    }
+    match crate::input::files::read(&file) {
+        Ok(bytes) => Ok(Found::Present(bytes)),
+        Err(e) if is_missing(&e) => Ok(Found::Missing(file)),
+        Err(e) => Err(format!("{} cannot be read: {e}", file.display())),
+    }
+}
+
+/// The file is in the folder or below, by its name and, if it exists, also by its real path.
+fn is_below(name: &str, folder: &Path) -> bool {
+    let mut depth = 0i32;
+    for component in Path::new(name).components() {
+        match component {
+            Component::Normal(_) => depth += 1,
+            Component::ParentDir if depth > 0 => depth -= 1,
+            Component::CurDir => {}
+            _ => return false,
+        }
+    }
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    match (folder.join(name).canonicalize(), folder.canonicalize()) {
+        (Ok(file), Ok(folder)) => file.starts_with(folder),
+        _ => true,
+    }
+}
+
+/// The bytes of a `data:` URI, from behind the colon.
+fn decode_data(data: &str) -> std::result::Result<Vec<u8>, String> {
+    let Some((kind, payload)) = data.split_once(',') else {
+        return Err("data URI has no comma; export it again".into());
+    };
+    if !kind.ends_with(";base64") {
+        return Err("data URI is not base64; export it again".into());
+    }
+    decode_base64(payload.as_bytes()).ok_or_else(|| "data URI has wrong base64; export it again".into())
+}
+
+/// RFC 4648 base64, with or without padding at the end.
+fn decode_base64(text: &[u8]) -> Option<Vec<u8>> {
+    let end = text.iter().rposition(|&b| b != b'=').map_or(0, |last| last + 1);
+    let (digits, padding) = text.split_at(end);
+    if padding.len() > 2 || digits.len() % 4 == 1 {
+        return None;
+    }
+    let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
+    let (mut bits, mut held) = (0u32, 0);
+    for &digit in digits {
+        let value = match digit {
+            b'A'..=b'Z' => digit - b'A',
+            b'a'..=b'z' => digit - b'a' + 26,
+            b'0'..=b'9' => digit - b'0' + 52,
+            b'+' | b'-' => 62,
+            b'/' | b'_' => 63,
+            _ => return None,
+        };
+        bits = bits << 6 | u32::from(value);
+        held += 6;
+        if held >= 8 {
+            held -= 8;
+            bytes.push((bits >> held) as u8);
+            bits &= (1 << held) - 1;
+        }
+    }
+    Some(bytes)
+}
+
+/// A file name from a relative URI: `%20` is a blank. Other text stays as it is.
+fn decode_percent(uri: &str) -> String {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let [first, after @ ..] = rest {
+        let digits = after.get(..2).filter(|d| *first == b'%' && d.iter().all(u8::is_ascii_hexdigit));
+        let code = digits.and_then(|d| u8::from_str_radix(std::str::from_utf8(d).ok()?, 16).ok());
+        bytes.push(code.unwrap_or(*first));
+        rest = if code.is_some() { &after[2..] } else { after };
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_and_percent_signs() {
+        assert_eq!(decode_base64(b"aGVsbG8=").as_deref(), Some(&b"hello"[..]));
+        assert_eq!(decode_base64(b"aGVsbG8").as_deref(), Some(&b"hello"[..]));
+        assert_eq!(decode_base64(b"+/-_").as_deref(), Some(&[0xfb, 0xff, 0xbf][..]));
+        for wrong in [&b"a"[..], b"aGVs bG8=", b"a===", b"aGV\n"] {
+            assert_eq!(decode_base64(wrong), None);
+        }
+        assert_eq!(decode_percent("my%20box%2e%zz%"), "my box.%zz%");
+    }
+}

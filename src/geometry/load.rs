@@ -1,0 +1,102 @@
+//! Meshes as a scene asks for them: read or generated, with their materials, and placed in the world.
+
+use super::mesh::Mesh;
+use super::spec::{MeshSource, MeshSpec, TextureSpec};
+use super::texture::{Images, Texture};
+use super::{generate, gltf, heights, obj, place, smooth};
+use crate::input::{Error, Result};
+use std::collections::{HashMap, HashSet};
+
+/// Consecutive triangles that have one name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Object {
+    /// Unlike any other's.
+    pub name: String,
+    pub triangles: usize,
+}
+
+/// The triangles of a mesh in the world; its images come from `images`.
+pub(crate) fn load_mesh(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
+    Ok(placed(load_unplaced(spec, images)?, spec)?.0)
+}
+
+/// A mesh in the world, and its objects: one, or one for each copy, named name#0, name#1 and so on.
+pub(crate) fn placed(mesh: Mesh, spec: &MeshSpec) -> Result<(Mesh, Vec<Object>)> {
+    let (name, triangles) = (spec.called(), mesh.triangles.len());
+    let mesh = place::place(mesh, spec.scale, spec.rotate, spec.translate);
+    let Some(places) = &spec.places else { return Ok((mesh, vec![Object { name, triangles }])) };
+    let places = places.load()?;
+    let mesh = place::copies(mesh, &places).map_err(|e| e.at(format_args!("mesh {name}")))?;
+    Ok((mesh, (0..places.len()).map(|k| Object { name: format!("{name}#{k}"), triangles }).collect()))
+}
+
+/// The triangles of a mesh, before they are placed in the world.
+pub(crate) fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh> {
+    let mut none = Images::left_out();
+    let files = if spec.outside_files { gltf::Files::Anywhere } else { gltf::Files::Below };
+    // what it says itself goes before what its file says
+    let of_file = if spec.texture == TextureSpec::OfFile && spec.color.is_none() { &mut *images } else { &mut none };
+
+    let mut mesh = match &spec.source {
+        MeshSource::Builtin(builtin) => generate::generate(builtin)?,
+        MeshSource::Heights(heights) => heights::load(heights)?,
+        MeshSource::File(path) => {
+            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+            match extension.as_str() {
+                "obj" => obj::load(path, of_file)?,
+                "gltf" | "glb" => gltf::load(path, files, of_file)?,
+                _ => {
+                    let name = path.display();
+                    return Err(Error::input(format!(
+                        "{name}: unknown kind of mesh file; use .obj, .gltf or .glb, or .asc, .png or .tif with heights"
+                    )));
+                }
+            }
+        }
+    };
+    if spec.smooth {
+        smooth::smooth(&mut mesh);
+    }
+    for material in &mut mesh.materials {
+        material.two_sided = spec.two_sided;
+        material.diffuse = spec.color.unwrap_or(material.diffuse);
+        spec.gloss.apply(material);
+        if let Some(pattern) = spec.pattern {
+            material.pattern = Some(pattern);
+            material.diffuse = spec.color.unwrap_or([1.0; 3]);
+        }
+    }
+    if let TextureSpec::Image { file, repeat, cutoff } = &spec.texture {
+        if mesh.corner_uvs.is_empty() {
+            let name = spec.called();
+            return Err(Error::input(format!("mesh {name}: has no texture coordinates; leave texture out")));
+        }
+        let texture = match images.read.reads(cutoff.is_some()) {
+            true => Some(Texture { cutoff: *cutoff, ..Texture::new(images.load(file)?) }),
+            false => None,
+        };
+        for material in &mut mesh.materials {
+            material.texture.clone_from(&texture);
+            material.diffuse = spec.color.unwrap_or([1.0; 3]);
+        }
+        mesh.repeat_uvs(repeat.as_vec2());
+    }
+    Ok(mesh)
+}
+
+/// Gives objects different names: of those with one name, all but the first get the least number that makes it unique, as in `box.2`.
+pub(crate) fn named_apart(objects: impl Iterator<Item = Object>) -> Vec<Object> {
+    let mut taken = HashSet::new();
+    // the last number given to each name: smaller ones are taken
+    let mut numbers: HashMap<String, usize> = HashMap::new();
+    let mut apart = |name: String| {
+        let mut own = name.clone();
+        while !taken.insert(own.clone()) {
+            let number = numbers.entry(name.clone()).or_insert(1);
+            *number += 1;
+            own = format!("{name}.{number}");
+        }
+        own
+    };
+    objects.map(|object| Object { name: apart(object.name), ..object }).collect()
+}

@@ -1,0 +1,162 @@
+//! Triangles as every loader and generator returns them, in f64.
+
+use super::pattern::Pattern;
+use super::texture::Texture;
+use crate::input::Result;
+use crate::input::limits::memory;
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use rayon::prelude::*;
+use std::fmt;
+
+/// Marks a corner without a normal in [`Mesh::corner_normals`].
+pub const NO_NORMAL: u32 = u32::MAX;
+
+/// Marks a corner without a texture coordinate in [`Mesh::corner_uvs`].
+pub const NO_UV: u32 = u32::MAX;
+
+/// Triangles over shared positions. Triangle `k` of the mesh is triangle `k` in file order, so ids
+/// follow from the position in `triangles` alone.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Mesh {
+    /// Positions in f64: object space as loaded, world space once placed in a scene.
+    pub positions: Vec<DVec3>,
+    /// Three indices into `positions` a triangle.
+    pub triangles: Vec<[u32; 3]>,
+    /// Unit normals; empty when the source has none.
+    pub normals: Vec<Vec3>,
+    /// Three indices into `normals` a triangle ([`NO_NORMAL`]: none); empty when `normals` is.
+    pub corner_normals: Vec<[u32; 3]>,
+    /// Texture coordinates, (0, 0) an image's lower left corner; empty when the source has none.
+    pub uvs: Vec<Vec2>,
+    /// Three indices into `uvs` a triangle ([`NO_UV`]: none); empty when `uvs` is.
+    pub corner_uvs: Vec<[u32; 3]>,
+    /// At least one once there is a triangle.
+    pub materials: Vec<Material>,
+    /// One index into `materials` a triangle.
+    pub material_of: Vec<u32>,
+    /// What its file refers to and does not exist.
+    pub missing: Vec<Missing>,
+}
+
+/// Something that a mesh file refers to and that does not exist. The mesh is loaded without it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Missing {
+    pub what: String,
+    /// Where the file refers to it, and what is used instead.
+    pub why: String,
+}
+
+/// Bytes of a triangle and of a vertex: the mesh, its placed copy, and what is made of it for rays or a device. Measured with meshes of
+/// 5 million triangles, as the largest resident set of a render, to within a fifth.
+const TRIANGLE_BYTES: u64 = 170;
+const VERTEX_BYTES: u64 = 80;
+
+/// Refuses a mesh of this size if it does not fit the free memory. To be called before it is made; `what` and `advice` are for the error.
+///
+/// # Errors
+/// [`Error::Work`](crate::input::Error::Work) with both sizes.
+pub fn check_memory(triangles: u64, vertices: u64, what: impl fmt::Display, advice: &str) -> Result<()> {
+    let bytes = TRIANGLE_BYTES.saturating_mul(triangles).saturating_add(VERTEX_BYTES.saturating_mul(vertices));
+    memory::check(bytes, what, advice)
+}
+
+impl Mesh {
+    /// The corners of the box around all vertices; `None` without any.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let one = |p: &DVec3| (*p, *p);
+        self.positions.par_iter().map(one).reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    /// The texture coordinates of a triangle's corners, where all have some.
+    pub fn uvs_of(&self, triangle: usize) -> Option<[Vec2; 3]> {
+        let corners = self.corner_uvs.get(triangle).filter(|c| !c.contains(&NO_UV))?;
+        Some(corners.map(|k| self.uvs[k as usize]))
+    }
+
+    /// Those at weights of its second and third corner.
+    pub fn uv_at(&self, triangle: u32, [u, v]: [f64; 2]) -> Option<DVec2> {
+        let [a, b, c] = self.uvs_of(triangle as usize)?.map(|uv| uv.as_dvec2());
+        Some((1.0 - u - v) * a + u * b + v * c)
+    }
+
+    /// Multiplies all texture coordinates: an image repeats as often where one is.
+    pub fn repeat_uvs(&mut self, times: Vec2) {
+        self.uvs.iter_mut().for_each(|uv| *uv *= times);
+    }
+
+    /// Some material has a texture, and some triangle coordinates.
+    pub fn is_textured(&self) -> bool {
+        !self.corner_uvs.is_empty() && self.materials.iter().any(|m| m.texture.is_some())
+    }
+
+    /// Some material has a pattern.
+    pub fn has_patterns(&self) -> bool {
+        self.materials.iter().any(|m| m.pattern.is_some())
+    }
+
+    /// Some texture cuts holes into triangles.
+    pub fn has_holes(&self) -> bool {
+        let cuts = |m: &Material| m.texture.as_ref().is_some_and(Texture::cuts);
+        !self.corner_uvs.is_empty() && self.materials.iter().any(cuts)
+    }
+}
+
+/// What a triangle looks like.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    pub name: String,
+    /// Linear RGB reflectance in [0, 1].
+    pub diffuse: [f32; 3],
+    /// What it is multiplied by where a triangle has texture coordinates.
+    pub texture: Option<Texture>,
+    /// Linear RGB that is reflected straight on as by a mirror of microfacets; 0: a matte surface.
+    pub specular: [f32; 3],
+    /// From 0, the smoothest that there is, to 1, of these.
+    pub roughness: f32,
+    /// From 0 to 1: so much of the diffuse colour is the specular one of a metal instead.
+    pub metallic: f32,
+    /// Linear RGB that it sends out by itself.
+    pub emissive: [f32; 3],
+    /// What the diffuse colour is multiplied by too, wherever it lies.
+    pub pattern: Option<Pattern>,
+    /// Both faces are visible.
+    pub two_sided: bool,
+}
+
+/// What most that is no metal reflects straight on.
+pub const DIELECTRIC: f32 = 0.04;
+
+/// The least alpha of microfacets: a smoother surface shows a light of no size as a point of no size; it is a camera's mirror that
+/// shows anything else.
+const ALPHA_MIN: f32 = 0.01;
+
+impl Material {
+    /// Alpha of its microfacets (Burley 2012).
+    pub fn alpha(&self) -> f32 {
+        (self.roughness * self.roughness).max(ALPHA_MIN)
+    }
+
+    /// It sends out light other than as a matte surface does.
+    pub fn is_glossy(&self) -> bool {
+        self.specular != [0.0; 3] || self.metallic > 0.0 || self.emissive != [0.0; 3]
+    }
+}
+
+impl Default for Material {
+    /// Light grey and matte, both faces visible.
+    fn default() -> Self {
+        let (name, diffuse, black) = ("default".into(), [0.8; 3], [0.0; 3]);
+        let [roughness, metallic] = [1.0, 0.0];
+        Material {
+            name,
+            diffuse,
+            texture: None,
+            specular: black,
+            roughness,
+            metallic,
+            emissive: black,
+            pattern: None,
+            two_sided: true,
+        }
+    }
+}

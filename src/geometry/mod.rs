@@ -1,0 +1,18 @@
+//! Triangles in f64: meshes with their materials, readers, generators, rays cast at them, polynomials in Bernstein form and exact sums.
+
+pub mod bernstein;
+pub mod bvh;
+pub mod cast;
+pub mod exact;
+pub mod generate;
+pub mod gltf;
+pub mod heights;
+pub mod load;
+pub mod mesh;
+pub mod obj;
+pub mod pattern;
+pub mod place;
+pub mod places;
+mod smooth;
+pub mod spec;
+pub mod texture;

@@ -1,0 +1,280 @@
+//! Wavefront OBJ: exact f64 positions, triangle ids in file order, parsed in parallel.
+//!
+//! The text is cut at line ends into chunks. A first pass counts each chunk's lines, positions, texture
+//! coordinates and normals; with their running sums a second pass knows every line's number and every
+//! relative index's base, so the result does not depend on where the cuts lie.
+
+mod chunk;
+mod lex;
+mod mtl;
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use rayon::prelude::*;
+
+use crate::geometry::mesh::{Material, Mesh, Missing, NO_NORMAL, NO_UV};
+use crate::geometry::texture::{Images, ImagesRead};
+use crate::input::{Error, Result};
+use chunk::{Chunk, Counts, DanglingIndices, Reader, Texcoords};
+pub use mtl::Mapped;
+
+/// Most triangles a mesh may have.
+const MAX_TRIANGLES: usize = 1 << 28;
+
+/// Bytes a chunk has at least (but for the last one): small enough to balance cores, large enough that the cost
+/// of a chunk does not show. Results do not depend on it.
+const CHUNK_BYTES: usize = 1 << 20;
+
+/// Reads an OBJ file and the MTL files it names.
+///
+/// Faces are fan-triangulated from their first vertex; zero-area triangles stay, so that ids are file order.
+/// `Kd` is linear RGB. Faces whose material is unknown, or whose `.mtl` file is missing, get
+/// [`Material::default`]. Lines, points, curves, groups and smoothing are skipped. Images of the materials that faces have come from
+/// `images`, and texture coordinates lie as the MTL files' options place them. Images, normals and texture coordinates that do not exist are
+/// left out, and listed in [`Mesh::missing`].
+///
+/// # Errors
+/// [`Error::Input`] naming file and line: see [`parse`]; the file cannot be read; an MTL file is malformed, or an image of a material
+/// that faces have exists and cannot be read.
+pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
+    let name = path.display().to_string();
+    let text = read(path, &name)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (mut mesh, mapped) = parse(&text, &name, |libraries| mtl::load(folder, libraries))?;
+    if images.read != ImagesRead::None {
+        let mut is_used = vec![false; mesh.materials.len()];
+        mesh.material_of.iter().for_each(|&m| is_used[m as usize] = true);
+        let materials = mesh.materials.iter_mut().zip(&mapped).zip(is_used);
+        for ((material, map), _) in materials.filter(|(_, is_used)| *is_used) {
+            *material = match images.read.reads(map.is_masked()) {
+                true => map.with_images(|image| images.find(image), &mut mesh.missing)?,
+                false => map.without_images(),
+            };
+        }
+    }
+    Ok(mesh)
+}
+
+/// Parses OBJ text. `name` stands for the file in messages. `load_mtl` is called once, with the arguments of all `mtllib` lines in file order.
+/// The mesh has the materials that it returns, in order, without images.
+///
+/// # Errors
+/// [`Error::Input`], always the one of the lowest line: an empty text, no OBJ statements, no faces; a coordinate
+/// that is missing, not a number or not finite; an index that is 0, or a vertex index out of range; a face of fewer than 3
+/// vertices; more than 2^28 triangles. Errors of `load_mtl` are passed on.
+pub fn parse(
+    text: &[u8],
+    name: &str,
+    load_mtl: impl FnOnce(&[&str]) -> Result<Vec<Mapped>>,
+) -> Result<(Mesh, Vec<Mapped>)> {
+    parse_in_chunks(text, name, CHUNK_BYTES, load_mtl)
+}
+
+fn parse_in_chunks(
+    text: &[u8],
+    name: &str,
+    chunk_bytes: usize,
+    load_mtl: impl FnOnce(&[&str]) -> Result<Vec<Mapped>>,
+) -> Result<(Mesh, Vec<Mapped>)> {
+    let (chunks, total) = read_chunks(text, name, chunk_bytes, Texcoords::Kept)?;
+    let missing = missing(&chunks, name);
+    let (mesh, mapped) = assemble(chunks, total, load_mtl)?;
+    Ok((Mesh { missing, ..mesh }, mapped))
+}
+
+/// The normals and texture coordinates that faces refer to and the file does not have.
+fn missing(chunks: &[Chunk], name: &str) -> Vec<Missing> {
+    let of = |what: &str, own: fn(&Chunk) -> &DanglingIndices| {
+        let corners: usize = chunks.iter().map(|chunk| own(chunk).corners).sum();
+        let (line, first) = chunks.iter().find_map(|chunk| own(chunk).first.as_ref())?;
+        let plural = if corners == 1 { "" } else { "s" };
+        let why = format!("missing at {corners} corner{plural} of faces, first in line {line}: {first}");
+        Some(Missing { what: format!("{what} of {name}"), why })
+    };
+    let all = [of("normals", |c| &c.dangling_normals), of("texture coordinates", |c| &c.dangling_texcoords)];
+    all.into_iter().flatten().collect()
+}
+
+/// The triangles of an OBJ file with their texture coordinates: a map from the (u, v) plane to space.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Textured {
+    pub positions: Vec<DVec3>,
+    pub texcoords: Vec<DVec2>,
+    /// Each corner's position and texture coordinate.
+    pub triangles: Vec<[(u32, u32); 3]>,
+}
+
+/// Reads the positions and texture coordinates of an OBJ file; materials and normals are skipped.
+///
+/// # Errors
+/// Those of [`load`], and a face without texture coordinates.
+pub fn load_textured(path: &Path) -> Result<Textured> {
+    let name = path.display().to_string();
+    let text = read(path, &name)?;
+    let mut mesh = Textured::default();
+    for chunk in read_chunks(&text, &name, CHUNK_BYTES, Texcoords::Needed)?.0 {
+        mesh.positions.extend(chunk.positions);
+        mesh.texcoords.extend(chunk.texcoords);
+        let corners = chunk.triangles.iter().zip(&chunk.corner_texcoords);
+        mesh.triangles.extend(corners.map(|(p, t)| std::array::from_fn(|k| (p[k], t[k]))));
+    }
+    Ok(mesh)
+}
+
+fn read(path: &Path, name: &str) -> Result<Vec<u8>> {
+    crate::input::files::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))
+}
+
+/// The parsed chunks, with one triangle among them at least, and what is in the whole file.
+fn read_chunks(text: &[u8], name: &str, chunk_bytes: usize, texcoords: Texcoords) -> Result<(Vec<Chunk>, Counts)> {
+    let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
+    if text.is_empty() {
+        return Err(Error::input(format!("{name}: is empty; an OBJ file with faces is needed")));
+    }
+    if text.contains(&0) {
+        return Err(Error::input(format!("{name}: is binary, not OBJ text; use an OBJ, glTF or GLB file")));
+    }
+    if !text.contains(&b'\n') && text.contains(&b'\r') {
+        let lines = text.iter().map(|&b| if b == b'\r' { b'\n' } else { b }).collect::<Vec<_>>();
+        return read_chunks(&lines, name, chunk_bytes, texcoords);
+    }
+
+    // Count, then parse every chunk knowing what lies before it.
+    let pieces = lex::split_at_line_ends(text, chunk_bytes);
+    let counts: Vec<Counts> = pieces.par_iter().map(|piece| Counts::of(piece)).collect();
+    let mut before = Vec::with_capacity(counts.len());
+    let mut total = Counts::default();
+    for count in &counts {
+        before.push(total);
+        total = total.plus(count);
+    }
+    if total.positions.max(total.normals).max(total.texcoords) >= u32::MAX as usize {
+        return Err(Error::input(format!("{name}: more than 2^32 - 2 vertices; split the file")));
+    }
+    let chunks: Vec<Result<Chunk>> = pieces
+        .par_iter()
+        .zip(&counts)
+        .zip(&before)
+        .map(|((piece, own), before)| Reader::new(name, *before, total).texcoords(texcoords).read(piece, own))
+        .collect();
+    let chunks = chunks.into_iter().collect::<Result<Vec<_>>>()?;
+
+    let triangles: usize = chunks.iter().map(|c| c.triangles.len()).sum();
+    if triangles > MAX_TRIANGLES {
+        return Err(Error::input(format!("{name}: {triangles} triangles, at most 2^28 are possible; split the file")));
+    }
+    if total.positions == 0 && triangles == 0 {
+        return Err(Error::input(format!("{name}: has no OBJ statements (v, f); is it an OBJ file?")));
+    }
+    if triangles == 0 {
+        return Err(Error::input(format!("{name}: has no faces (f lines); export it as a mesh with faces")));
+    }
+    Ok((chunks, total))
+}
+
+/// Joins the chunks in order.
+fn assemble(
+    chunks: Vec<Chunk>,
+    total: Counts,
+    load_mtl: impl FnOnce(&[&str]) -> Result<Vec<Mapped>>,
+) -> Result<(Mesh, Vec<Mapped>)> {
+    let triangles: usize = chunks.iter().map(|c| c.triangles.len()).sum();
+    let mut mesh = Mesh {
+        positions: Vec::with_capacity(total.positions),
+        triangles: Vec::with_capacity(triangles),
+        material_of: Vec::with_capacity(triangles),
+        ..Mesh::default()
+    };
+    let libraries: Vec<&str> = chunks.iter().flat_map(|c| &c.libraries).map(String::as_str).collect();
+    let mapped = load_mtl(&libraries)?;
+    mesh.materials.extend(mapped.iter().map(|m| m.material.clone()));
+    assign_materials(&chunks, &mut mesh.materials, &mut mesh.material_of);
+    let with_normals = chunks.iter().any(|c| !c.corner_normals.is_empty());
+    let with_uvs = chunks.iter().any(|c| !c.corner_texcoords.is_empty());
+    for chunk in chunks {
+        mesh.positions.extend_from_slice(&chunk.positions);
+        if with_normals {
+            let first = mesh.triangles.len() + chunk.triangles.len();
+            mesh.normals.extend_from_slice(&chunk.normals);
+            mesh.corner_normals.extend_from_slice(&chunk.corner_normals);
+            mesh.corner_normals.resize(first, [NO_NORMAL; 3]);
+        }
+        if with_uvs {
+            let first = mesh.triangles.len() + chunk.triangles.len();
+            mesh.uvs.extend(chunk.texcoords.iter().map(|uv| uv.as_vec2()));
+            mesh.corner_uvs.extend_from_slice(&chunk.corner_texcoords);
+            mesh.corner_uvs.resize(first, [NO_UV; 3]);
+        }
+        mesh.triangles.extend_from_slice(&chunk.triangles);
+    }
+    drop_unusable_normals(&mut mesh);
+    place_uvs(&mut mesh, &mapped);
+    Ok((mesh, mapped))
+}
+
+/// Moves texture coordinates to where their triangles' materials have them in their images; those that are not finite go.
+fn place_uvs(mesh: &mut Mesh, mapped: &[Mapped]) {
+    let placements: Vec<_> = mapped.iter().map(Mapped::placement).collect();
+    let is_placed = |p: &(Vec2, Vec2)| *p != (Vec2::ONE, Vec2::ZERO);
+    if placements.iter().any(is_placed) {
+        let mut placed: HashMap<(u32, u32), u32> = HashMap::new();
+        for (corners, material) in mesh.corner_uvs.iter_mut().zip(&mesh.material_of) {
+            let placement = placements.get(*material as usize).filter(|p| is_placed(p));
+            let Some((scale, offset)) = placement else { continue };
+            for corner in corners.iter_mut().filter(|c| **c != NO_UV) {
+                *corner = *placed.entry((*corner, *material)).or_insert_with(|| {
+                    mesh.uvs.push(mesh.uvs[*corner as usize] * *scale + *offset);
+                    mesh.uvs.len() as u32 - 1
+                });
+            }
+        }
+    }
+    if mesh.uvs.iter().any(|uv| !uv.is_finite()) {
+        for corner in mesh.corner_uvs.iter_mut().flatten() {
+            if *corner != NO_UV && !mesh.uvs[*corner as usize].is_finite() {
+                *corner = NO_UV;
+            }
+        }
+    }
+}
+
+/// Appends one material index a triangle; the state of `usemtl` runs on from chunk to chunk. Of materials of
+/// one name the last counts. The default material is appended to `materials` if a triangle needs it.
+fn assign_materials(chunks: &[Chunk], materials: &mut Vec<Material>, material_of: &mut Vec<u32>) {
+    let index_of: HashMap<String, u32> = materials.iter().zip(0..).map(|(m, i)| (m.name.clone(), i)).collect();
+    let fallback = materials.len() as u32;
+    let mut current = fallback;
+    for chunk in chunks {
+        let start = material_of.len();
+        for (first_triangle, material) in &chunk.uses {
+            material_of.resize(start + first_triangle, current);
+            current = index_of.get(material).copied().unwrap_or(fallback);
+        }
+        material_of.resize(start + chunk.triangles.len(), current);
+    }
+    if material_of.contains(&fallback) {
+        materials.push(Material::default());
+    }
+}
+
+/// Points the corners of normals without a direction (which the reader left as zero) to [`NO_NORMAL`], and
+/// empties both lists when no corner has a normal.
+fn drop_unusable_normals(mesh: &mut Mesh) {
+    if mesh.normals.contains(&Vec3::ZERO) {
+        for corner in mesh.corner_normals.iter_mut().flatten() {
+            if *corner != NO_NORMAL && mesh.normals[*corner as usize] == Vec3::ZERO {
+                *corner = NO_NORMAL;
+            }
+        }
+        // No corner refers to these any more; every normal of a mesh has unit length.
+        mesh.normals.iter_mut().filter(|n| **n == Vec3::ZERO).for_each(|n| *n = Vec3::Y);
+    }
+    if mesh.corner_normals.iter().flatten().all(|&n| n == NO_NORMAL) {
+        mesh.normals = Vec::new();
+        mesh.corner_normals = Vec::new();
+    }
+}

@@ -1,0 +1,288 @@
+//! Meshes into the world: scale, rotation, translation; and many meshes into one.
+
+use glam::{DAffine3, DMat3, DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::geometry::mesh::{Mesh, NO_NORMAL, NO_UV, check_memory};
+use crate::input::{Error, Result};
+
+/// Most triangles a scene may have.
+const MAX_TRIANGLES: usize = 1 << 28;
+
+/// Places `mesh`: world = R (scale * p) + translate with R = Rz Ry Rx, right-handed, `rotate_deg` in degrees about
+/// the world's x, y and z axes; whole quarter turns are exact.
+///
+/// Normals go by the inverse transpose; a scale with a zero leaves no normals. Triangles keep their order and
+/// their vertices' order, also where a negative scale mirrors them. Positions that overflow become infinite.
+pub fn place(mut mesh: Mesh, scale: DVec3, rotate_deg: DVec3, translate: DVec3) -> Mesh {
+    let rotation = rotation_xyz(rotate_deg);
+    mesh.positions.par_iter_mut().for_each(|p| *p = rotation * (scale * *p) + translate);
+    match world_normal_from_object(rotation * DMat3::from_diagonal(scale)) {
+        Some(matrix) => mesh.normals.par_iter_mut().for_each(|n| *n = turned(matrix, *n)),
+        None => {
+            mesh.normals = Vec::new();
+            mesh.corner_normals = Vec::new();
+        }
+    }
+    mesh
+}
+
+/// A copy of `mesh` at each of `places`, in order. Texture coordinates and materials are shared. Where a matrix has no inverse, normals are
+/// not transformed.
+///
+/// # Errors
+/// [`Error::Input`] if there are more than 2^28 triangles, or 2^32 - 1 or more vertices or normals; [`Error::Work`] if they do not fit the
+/// free memory.
+pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
+    let n = places.len();
+    let total = |count: usize| count.saturating_mul(n);
+    let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len().max(mesh.normals.len()));
+    if total(triangles) > MAX_TRIANGLES || total(vertices) >= u32::MAX as usize {
+        return Err(Error::input(format!(
+            "{n} places of {triangles} triangles and {vertices} vertices; at most 2^28 triangles and 2^32 - 2 vertices are possible: use fewer"
+        )));
+    }
+    let what = format_args!("a mesh of {triangles} triangles in {n} places");
+    check_memory(total(triangles) as u64, total(vertices) as u64, what, "use fewer")?;
+    // indices fit by the first check
+    let shifted = |list: &[[u32; 3]], none: Option<u32>, by: usize| -> Vec<[u32; 3]> {
+        let of =
+            |k: usize| list[k % list.len()].map(|i| if Some(i) == none { i } else { i + (k / list.len() * by) as u32 });
+        (0..total(list.len())).into_par_iter().map(of).collect()
+    };
+    let at = |k: usize| (&places[k / mesh.positions.len()], mesh.positions[k % mesh.positions.len()]);
+    let normal_from: Vec<Option<DMat3>> = places.iter().map(|p| world_normal_from_object(p.matrix3)).collect();
+    let normal = |k: usize| {
+        let normal = mesh.normals[k % mesh.normals.len()];
+        normal_from[k / mesh.normals.len()].map_or(normal, |m| turned(m, normal))
+    };
+    Ok(Mesh {
+        positions: (0..total(mesh.positions.len()))
+            .into_par_iter()
+            .map(at)
+            .map(|(p, v)| p.transform_point3(v))
+            .collect(),
+        triangles: shifted(&mesh.triangles, None, mesh.positions.len()),
+        normals: (0..total(mesh.normals.len())).into_par_iter().map(normal).collect(),
+        corner_normals: shifted(&mesh.corner_normals, Some(NO_NORMAL), mesh.normals.len()),
+        corner_uvs: shifted(&mesh.corner_uvs, Some(NO_UV), 0),
+        material_of: mesh.material_of.repeat(n),
+        uvs: mesh.uvs,
+        materials: mesh.materials,
+        missing: mesh.missing,
+    })
+}
+
+/// Rz Ry Rx for angles in degrees.
+fn rotation_xyz(degrees: DVec3) -> DMat3 {
+    let [(sx, cx), (sy, cy), (sz, cz)] = degrees.to_array().map(sin_cos_deg);
+    let about_x = DMat3::from_cols(DVec3::X, DVec3::new(0.0, cx, sx), DVec3::new(0.0, -sx, cx));
+    let about_y = DMat3::from_cols(DVec3::new(cy, 0.0, -sy), DVec3::Y, DVec3::new(sy, 0.0, cy));
+    let about_z = DMat3::from_cols(DVec3::new(cz, sz, 0.0), DVec3::new(-sz, cz, 0.0), DVec3::Z);
+    about_z * about_y * about_x
+}
+
+/// Sine and cosine of an angle in degrees, exact at whole quarter turns. The remainder is exact in f64.
+fn sin_cos_deg(degrees: f64) -> (f64, f64) {
+    match degrees.rem_euclid(360.0) {
+        0.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
+        turn => turn.to_radians().sin_cos(),
+    }
+}
+
+/// The inverse transpose of `matrix` up to a positive factor; `None` if the matrix is singular or not finite.
+pub(crate) fn world_normal_from_object(matrix: DMat3) -> Option<DMat3> {
+    // Scaled first: a determinant of small or large scales leaves the range of f64.
+    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| {
+        let largest = axis.abs().max_element();
+        (axis / largest, largest)
+    });
+    // Column k of M^-T is that of the matrix of scaled columns, over the scale.
+    let cofactors = [y.0.cross(z.0) / x.1, z.0.cross(x.0) / y.1, x.0.cross(y.0) / z.1];
+    let determinant = x.0.dot(y.0.cross(z.0));
+    if determinant == 0.0 || !determinant.is_finite() {
+        return None;
+    }
+    let largest = cofactors.iter().map(|c| c.abs().max_element()).fold(0.0, f64::max);
+    let inverse_transpose = DMat3::from_cols_array_2d(&cofactors.map(|c| (c / largest * determinant.signum()).into()));
+    inverse_transpose.is_finite().then_some(inverse_transpose)
+}
+
+/// The unit normal `matrix * normal`.
+pub(crate) fn turned(matrix: DMat3, normal: Vec3) -> Vec3 {
+    let n = matrix * normal.as_dvec3();
+    let largest = n.abs().max_element();
+    if largest > 0.0 { (n / largest).normalize().as_vec3() } else { normal }
+}
+
+/// Joins meshes in order: triangle ids run on from mesh to mesh. Each keeps its own materials. Meshes without
+/// normals get [`NO_NORMAL`] corners where another has some.
+///
+/// # Errors
+/// [`Error::Input`] if there are more than 2^28 triangles, or 2^32 - 1 or more vertices, normals, texture coordinates or materials.
+pub fn merge(meshes: Vec<Mesh>) -> Result<Mesh> {
+    let total = |count: fn(&Mesh) -> usize| meshes.iter().map(count).sum::<usize>();
+    let triangles = total(|m| m.triangles.len());
+    if triangles > MAX_TRIANGLES {
+        return Err(Error::input(format!("the scene has {triangles} triangles, at most 2^28 are possible; use fewer")));
+    }
+    let with_normals = meshes.iter().any(|m| !m.corner_normals.is_empty());
+    let with_uvs = meshes.iter().any(|m| !m.corner_uvs.is_empty());
+    for (count, what) in [
+        (total(|m| m.positions.len()), "vertices"),
+        (total(|m| m.normals.len()), "normals"),
+        (total(|m| m.uvs.len()), "texture coordinates"),
+        (total(|m| m.materials.len()), "materials"),
+    ] {
+        if count >= u32::MAX as usize {
+            return Err(Error::input(format!("the scene has {count} {what}, under 2^32 - 1 are possible; use fewer")));
+        }
+    }
+    let mut meshes = meshes.into_iter();
+    let mut all = meshes.next().unwrap_or_default();
+    if with_normals {
+        all.corner_normals.resize(all.triangles.len(), [NO_NORMAL; 3]);
+    }
+    if with_uvs {
+        all.corner_uvs.resize(all.triangles.len(), [NO_UV; 3]);
+    }
+    meshes.for_each(|mesh| append(&mut all, mesh));
+    Ok(all)
+}
+
+/// Appends `mesh` to `all`: with normals and texture coordinates only where `all` has some. The caller made sure that all counts fit a u32.
+pub fn append(all: &mut Mesh, mesh: Mesh) {
+    let with_normals = !all.corner_normals.is_empty() || (all.triangles.is_empty() && !mesh.corner_normals.is_empty());
+    let with_uvs = !all.corner_uvs.is_empty() || (all.triangles.is_empty() && !mesh.corner_uvs.is_empty());
+    let [position, normal, uv, material] =
+        [all.positions.len(), all.normals.len(), all.uvs.len(), all.materials.len()].map(|count| count as u32);
+    all.positions.extend_from_slice(&mesh.positions);
+    all.normals.extend_from_slice(&mesh.normals);
+    all.uvs.extend_from_slice(&mesh.uvs);
+    all.materials.extend(mesh.materials);
+    all.missing.extend(mesh.missing);
+    all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + position)));
+    all.material_of.extend(mesh.material_of.iter().map(|m| m + material));
+    let shifted = |none: u32, by: u32| move |k: u32| if k == none { none } else { k + by };
+    all.corner_normals.extend(mesh.corner_normals.iter().map(|t| t.map(shifted(NO_NORMAL, normal))));
+    if with_normals {
+        all.corner_normals.resize(all.triangles.len(), [NO_NORMAL; 3]);
+    }
+    all.corner_uvs.extend(mesh.corner_uvs.iter().map(|t| t.map(shifted(NO_UV, uv))));
+    if with_uvs {
+        all.corner_uvs.resize(all.triangles.len(), [NO_UV; 3]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::mesh::Material;
+    use proptest::prelude::*;
+
+    fn triangle(with_normal: bool) -> Mesh {
+        let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+        let normal = if with_normal { 1 } else { 0 };
+        Mesh {
+            positions,
+            triangles: vec![[0, 1, 2]],
+            normals: vec![Vec3::Z; normal],
+            corner_normals: vec![[0, 0, NO_NORMAL]; normal],
+            uvs: vec![glam::Vec2::Y; normal],
+            corner_uvs: vec![[0, NO_UV, 0]; normal],
+            materials: vec![Material::default()],
+            material_of: vec![0],
+            missing: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn quarter_turns_are_exact_and_right_handed() {
+        let turn = |x, y, z, p| rotation_xyz(DVec3::new(x, y, z)) * p;
+        assert_eq!(turn(90.0, 0.0, 0.0, DVec3::Y), DVec3::Z);
+        assert_eq!(turn(0.0, 90.0, 0.0, DVec3::Z), DVec3::X);
+        assert_eq!(turn(0.0, 0.0, -270.0, DVec3::X), DVec3::Y);
+        // About x first: y -> z, then about y: z -> x, then about z: x -> y.
+        assert_eq!(turn(90.0, 90.0, 90.0, DVec3::Y), DVec3::Y);
+        assert_eq!(turn(0.0, 3600.0 + 180.0, 0.0, DVec3::X), -DVec3::X);
+    }
+
+    #[test]
+    fn scale_comes_first_translation_last() {
+        let mesh = place(triangle(true), DVec3::new(2.0, 3.0, 4.0), DVec3::new(0.0, 0.0, 90.0), DVec3::ONE);
+        assert_eq!(mesh.positions, [DVec3::ONE, DVec3::new(1.0, 3.0, 1.0), DVec3::new(-2.0, 1.0, 1.0)]);
+        assert_eq!(mesh.normals, [Vec3::Z]);
+        let flat = place(triangle(true), DVec3::new(1.0, 0.0, 1.0), DVec3::ZERO, DVec3::ZERO);
+        assert!(flat.normals.is_empty() && flat.corner_normals.is_empty());
+        assert_eq!(flat.triangles.len(), 1);
+        let tiny = place(triangle(true), DVec3::splat(-1e-200), DVec3::ZERO, DVec3::ZERO);
+        assert_eq!(tiny.normals, [-Vec3::Z]);
+    }
+
+    #[test]
+    fn copies_are_in_order_and_share_texture_coordinates_and_materials() {
+        let turn = DMat3::from_cols(DVec3::Y, -DVec3::X, 2.0 * DVec3::Z);
+        let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+        let shear = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(1.0, 0.0, 1.0));
+        let places = [turn, mirror, shear].map(|m| DAffine3 { matrix3: m, translation: DVec3::new(0.0, 0.0, 5.0) });
+        let slanted = Mesh { normals: vec![Vec3::X], ..triangle(true) };
+        let mesh = copies(slanted.clone(), &places).unwrap();
+        let at = |x: f64, y: f64| DVec3::new(x, y, 5.0);
+        let corners = [[at(0.0, 0.0), at(0.0, 1.0), at(-1.0, 0.0)], [at(0.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0)]];
+        assert_eq!(mesh.positions[..6], corners.concat());
+        assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
+        // a mirrored copy keeps the order of corners, so its front and back faces are swapped
+        let cross = |t: [u32; 3]| {
+            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+            (b - a).cross(c - a).z
+        };
+        assert_eq!([cross(mesh.triangles[0]), cross(mesh.triangles[1])], [1.0, -1.0]);
+        // normals go by the inverse transpose: a shear of z along x turns the normal of the plane x = 0 towards -z
+        let third = Vec3::new(1.0, 0.0, -1.0).normalize();
+        assert_eq!(mesh.normals[..2], [Vec3::Y, Vec3::NEG_X]);
+        assert!((mesh.normals[2] - third).length() < 1e-7);
+        assert_eq!(mesh.corner_normals, [0, 1, 2].map(|k| [k, k, NO_NORMAL]));
+        assert_eq!((&mesh.uvs, &mesh.materials), (&slanted.uvs, &slanted.materials));
+        assert_eq!((mesh.corner_uvs, mesh.material_of), (vec![[0, NO_UV, 0]; 3], vec![0; 3]));
+        assert!(copies(triangle(true), &[]).unwrap().triangles.is_empty());
+        assert_eq!(copies(Mesh::default(), &places).unwrap(), Mesh::default());
+    }
+
+    #[test]
+    fn merged_meshes_keep_order_normals_and_materials() {
+        let all = merge(vec![triangle(false), triangle(true), Mesh::default(), triangle(false)]).unwrap();
+        assert_eq!(all.triangles, [[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
+        let none = [NO_NORMAL; 3];
+        assert_eq!(all.corner_normals, [none, [0, 0, NO_NORMAL], none]);
+        assert_eq!(all.corner_uvs, [[NO_UV; 3], [0, NO_UV, 0], [NO_UV; 3]]);
+        assert_eq!(all.material_of, [0, 1, 2]);
+        assert!(merge(vec![triangle(false); 2]).unwrap().corner_normals.is_empty());
+        assert_eq!(merge(Vec::new()).unwrap(), Mesh::default());
+    }
+
+    proptest! {
+        #[test]
+        fn normals_stay_perpendicular_and_on_their_side(
+            edges in prop::array::uniform2(prop::array::uniform3(-1.0f64..1.0)),
+            scale in prop::array::uniform3(prop_oneof![0.1f64..10.0, -10.0f64..-0.1]),
+            rotate in prop::array::uniform3(-720.0f64..720.0),
+        ) {
+            let [a, b] = edges.map(DVec3::from);
+            let cross = a.cross(b);
+            // A sliver's f32 normal says too little about its edges.
+            prop_assume!(cross.length() > 0.05);
+            let normal = cross.normalize().as_vec3();
+            let mesh = Mesh { positions: vec![a, b, cross], normals: vec![normal], ..Mesh::default() };
+            let placed = place(mesh, scale.into(), rotate.into(), DVec3::ZERO);
+            let n = placed.normals[0].as_dvec3();
+            // f32 unit vectors are right to 2^-23 or so, times a slope of at most 100 : 0.05.
+            const PERPENDICULAR: f64 = 1e-3;
+            prop_assert!(n.dot(placed.positions[0].normalize()).abs() < PERPENDICULAR);
+            prop_assert!(n.dot(placed.positions[1].normalize()).abs() < PERPENDICULAR);
+            prop_assert!(n.dot(placed.positions[2]) > 0.0);
+        }
+    }
+}

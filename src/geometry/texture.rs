@@ -1,0 +1,386 @@
+//! Images on surfaces, decoded to linear light.
+
+use crate::input::{Error, Result};
+use glam::DVec2;
+use half::f16;
+use image::{DynamicImage, ImageError, ImageReader, Limits};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+/// Texels of an image, row 0 on top.
+#[derive(Debug, PartialEq)]
+pub struct Texels {
+    pub width: u32,
+    pub height: u32,
+    /// Linear RGB and opacity, as the kernels see them: half floats keep 11 bits, which is finer than 8-bit sRGB everywhere.
+    pub rgba: Vec<[f16; 4]>,
+}
+
+/// What texels are beyond an image's borders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum Wrap {
+    Repeat,
+    Clamp,
+    Mirror,
+}
+
+/// An image on surfaces: (0, 0) is its lower left corner, (1, 1) its upper right one.
+#[derive(Debug, Clone)]
+pub struct Texture {
+    pub texels: Arc<Texels>,
+    /// To the right and upwards.
+    pub wrap: [Wrap; 2],
+    /// The least opacity at which there is a surface; `None`: it is there everywhere.
+    pub cutoff: Option<f32>,
+}
+
+impl PartialEq for Texture {
+    fn eq(&self, other: &Texture) -> bool {
+        let same = Arc::ptr_eq(&self.texels, &other.texels) || self.texels == other.texels;
+        same && self.wrap == other.wrap && self.cutoff == other.cutoff
+    }
+}
+
+impl Texture {
+    /// Repeats, and is opaque.
+    pub fn new(texels: Arc<Texels>) -> Texture {
+        Texture { texels, wrap: [Wrap::Repeat; 2], cutoff: None }
+    }
+
+    /// Linear RGB and opacity at `uv`, of the image itself: between the middles of its texels bilinear, colours by their opacity
+    /// where that counts.
+    pub fn at(&self, uv: DVec2) -> [f64; 4] {
+        let Texels { width, height, .. } = *self.texels;
+        let u = into_image(uv.x, self.wrap[0]);
+        let v = into_image(1.0 - uv.y, self.wrap[1]);
+        let place = DVec2::new(u, v) * DVec2::new(width.into(), height.into()) - 0.5;
+        let (first, part) = (place.floor(), place - place.floor());
+        let mean = |a: [f64; 4], b: [f64; 4], part: f64| std::array::from_fn(|k| a[k] + part * (b[k] - a[k]));
+        let row = |dy: i64| {
+            let texel = |dx: i64| self.texel(first.x as i64 + dx, first.y as i64 + dy);
+            mean(texel(0), texel(1), part.x)
+        };
+        let [r, g, b, a] = mean(row(0), row(1), part.y);
+        if a > 0.0 { [r / a, g / a, b / a, a] } else { [0.0; 4] }
+    }
+
+    /// The same holes in white.
+    pub fn white(&self) -> Texture {
+        let Texels { width, height, rgba } = &*self.texels;
+        let rgba = rgba.par_iter().map(|t| [f16::ONE, f16::ONE, f16::ONE, t[3]]).collect();
+        Texture { texels: Arc::new(Texels { width: *width, height: *height, rgba }), ..self.clone() }
+    }
+
+    /// There may be no surface somewhere.
+    pub fn cuts(&self) -> bool {
+        self.least().is_some_and(|least| least > f16::ZERO)
+    }
+
+    /// There is a surface at `uv`: the opacity there reaches the cut-off.
+    pub fn is_there(&self, uv: DVec2) -> bool {
+        self.least().is_none_or(|least| self.at(uv)[3] >= f64::from(least))
+    }
+
+    /// The cut-off, rounded as opacities are: one that is meant to reach it does.
+    pub fn least(&self) -> Option<f16> {
+        self.cutoff.map(f16::from_f32)
+    }
+
+    /// Colours times their opacity, where that counts, and it.
+    fn texel(&self, column: i64, row: i64) -> [f64; 4] {
+        let Texels { width, height, rgba } = &*self.texels;
+        let x = wrapped(column, i64::from(*width), self.wrap[0]);
+        let y = wrapped(row, i64::from(*height), self.wrap[1]);
+        let [r, g, b, a] = rgba[(y * i64::from(*width) + x) as usize].map(f64::from);
+        let a = if self.cutoff.is_some() { a } else { 1.0 };
+        [r * a, g * a, b * a, a]
+    }
+}
+
+/// The same place of an image, near it.
+fn into_image(u: f64, wrap: Wrap) -> f64 {
+    match wrap {
+        Wrap::Repeat => u.rem_euclid(1.0),
+        Wrap::Clamp => u.clamp(0.0, 1.0),
+        Wrap::Mirror => u.rem_euclid(2.0),
+    }
+}
+
+/// A texel's index within `count`.
+fn wrapped(index: i64, count: i64, wrap: Wrap) -> i64 {
+    match wrap {
+        Wrap::Repeat => index.rem_euclid(count),
+        Wrap::Clamp => index.clamp(0, count - 1),
+        Wrap::Mirror => {
+            let place = index.rem_euclid(2 * count);
+            place.min(2 * count - 1 - place)
+        }
+    }
+}
+
+/// Which images on meshes are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ImagesRead {
+    #[default]
+    All,
+    /// Alpha masks only: enough if no colour is asked for.
+    Masks,
+    None,
+}
+
+impl ImagesRead {
+    /// Whether an image is read that is an alpha mask, or is none.
+    pub fn reads(self, is_mask: bool) -> bool {
+        match self {
+            ImagesRead::All => true,
+            ImagesRead::Masks => is_mask,
+            ImagesRead::None => false,
+        }
+    }
+}
+
+/// The images that mesh files name, each decoded once.
+#[derive(Default)]
+pub struct Images {
+    known: HashMap<PathBuf, Arc<Texels>>,
+    pub read: ImagesRead,
+}
+
+impl Images {
+    /// No images are read.
+    pub fn left_out() -> Images {
+        Images::of(ImagesRead::None)
+    }
+
+    pub fn of(read: ImagesRead) -> Images {
+        Images { read, ..Images::default() }
+    }
+
+    /// The texels of a PNG, JPEG or Radiance file.
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming the file where it cannot be read or is neither.
+    pub fn load(&mut self, path: &Path) -> Result<Arc<Texels>> {
+        let missing = || Error::input(format!("{}: cannot be read: the file does not exist", path.display()));
+        self.find(path)?.ok_or_else(missing)
+    }
+
+    /// As [`Images::load`]; `None` if the file does not exist.
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming the file if it exists and cannot be read, or is no image.
+    pub fn find(&mut self, path: &Path) -> Result<Option<Arc<Texels>>> {
+        if let Some(known) = self.known.get(path) {
+            crate::input::files::note(path);
+            return Ok(Some(known.clone()));
+        }
+        let bytes = match crate::input::files::read(path) {
+            Ok(bytes) => bytes,
+            Err(e) if is_missing(&e) => return Ok(None),
+            Err(e) => return Err(Error::input(format!("{}: cannot be read: {e}", path.display()))),
+        };
+        let texels = Arc::new(decode(&bytes).map_err(|e| e.at(path.display()))?);
+        self.known.insert(path.to_owned(), texels.clone());
+        Ok(Some(texels))
+    }
+}
+
+/// The error means that the file does not exist.
+pub fn is_missing(e: &std::io::Error) -> bool {
+    matches!(e.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory)
+}
+
+/// The texels of a PNG or JPEG, whose colours are sRGB (IEC 61966-2-1), or of a Radiance picture, whose are light.
+///
+/// # Errors
+/// [`Error::Input`] where it is neither, damaged, or too large for memory.
+pub fn decode(bytes: &[u8]) -> Result<Texels> {
+    let wrong = |e: String| Error::input(format!("is no PNG, JPEG or HDR that can be read: {e}"));
+    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| wrong(e.to_string()))?;
+    let image = reader.decode().map_err(|e| match e {
+        ImageError::Limits(_) => {
+            let most = Limits::default().max_alloc.unwrap_or(u64::MAX) >> 20;
+            Error::input(format!(
+                "is an image that takes more than {most} MiB of memory, the limit for one; make it smaller"
+            ))
+        }
+        other => wrong(other.to_string()),
+    })?;
+    let (width, height) = (image.width(), image.height());
+    if width == 0 || height == 0 {
+        return Err(Error::input("is an image without pixels"));
+    }
+    let rgba = match image {
+        DynamicImage::ImageLuma16(_)
+        | DynamicImage::ImageLumaA16(_)
+        | DynamicImage::ImageRgb16(_)
+        | DynamicImage::ImageRgba16(_) => {
+            let linear = |v: u16| f16::from_f64(linear_of_srgb(f64::from(v) / 65535.0));
+            let pixel =
+                |[r, g, b, a]: [u16; 4]| [linear(r), linear(g), linear(b), f16::from_f64(f64::from(a) / 65535.0)];
+            image.into_rgba16().par_chunks_exact(4).map(|p| pixel([p[0], p[1], p[2], p[3]])).collect()
+        }
+        // light as it is
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+            let held = |v: f32| f16::from_f32(v.clamp(0.0, f16::MAX.to_f32()));
+            image.into_rgba32f().par_chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]].map(held)).collect()
+        }
+        _ => {
+            let [linear, plain] = tables();
+            let pixel = |p: &[u8]| {
+                let [r, g, b] = [p[0], p[1], p[2]].map(|v| linear[usize::from(v)]);
+                [r, g, b, plain[usize::from(p[3])]]
+            };
+            image.into_rgba8().par_chunks_exact(4).map(pixel).collect()
+        }
+    };
+    Ok(Texels { width, height, rgba })
+}
+
+/// Colours, or white, with the opacities of another image that lies `offset` from them, as many texels as the larger of both: its
+/// alpha, or how light it is where that is 1 everywhere.
+pub fn with_opacity(colours: Option<Texture>, mask: Texture, offset: DVec2) -> Arc<Texels> {
+    let by_alpha = mask.texels.rgba.iter().any(|t| t[3] < f16::ONE);
+    let mask = Texture { cutoff: by_alpha.then_some(0.0), ..mask };
+    let size = |t: &Texture| [t.texels.width, t.texels.height];
+    let [width, height] = match &colours {
+        Some(colours) => [0, 1].map(|k| size(colours)[k].max(size(&mask)[k])),
+        None => size(&mask),
+    };
+    let texel = |k: usize| {
+        let (x, y) = (k % width as usize, k / width as usize);
+        let uv = DVec2::new((x as f64 + 0.5) / f64::from(width), 1.0 - (y as f64 + 0.5) / f64::from(height));
+        let [r, g, b, _] = colours.as_ref().map_or([1.0; 4], |c| c.at(uv));
+        let [light, _, _, alpha] = mask.at(uv + offset);
+        [r, g, b, if by_alpha { alpha } else { srgb_of_linear(light) }].map(f16::from_f64)
+    };
+    let rgba = (0..width as usize * height as usize).into_par_iter().map(texel).collect();
+    Arc::new(Texels { width, height, rgba })
+}
+
+/// Of each byte its linear value as sRGB, and as a share.
+fn tables() -> &'static [[f16; 256]; 2] {
+    static TABLES: OnceLock<[[f16; 256]; 2]> = OnceLock::new();
+    TABLES.get_or_init(|| {
+        let share = |k: usize| k as f64 / 255.0;
+        [
+            std::array::from_fn(|k| f16::from_f64(linear_of_srgb(share(k)))),
+            std::array::from_fn(|k| f16::from_f64(share(k))),
+        ]
+    })
+}
+
+fn linear_of_srgb(v: f64) -> f64 {
+    if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
+
+fn srgb_of_linear(v: f64) -> f64 {
+    if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::srgb8;
+
+    fn texture(width: u32, greys: &[f32]) -> Texture {
+        let rgba = greys.iter().map(|g| [*g, *g, *g, 1.0].map(f16::from_f32)).collect();
+        Texture::new(Arc::new(Texels { width, height: greys.len() as u32 / width, rgba }))
+    }
+
+    #[test]
+    fn every_byte_of_srgb_comes_back() {
+        let bytes: Vec<u8> = (0..=255).flat_map(|v| [v, v, v, 255]).collect();
+        let image = image::RgbaImage::from_raw(256, 1, bytes).unwrap();
+        let mut png = Cursor::new(Vec::new());
+        image.write_to(&mut png, image::ImageFormat::Png).unwrap();
+        let texels = decode(png.get_ref()).unwrap();
+        assert_eq!((texels.width, texels.height), (256, 1));
+        for (k, texel) in texels.rgba.iter().enumerate() {
+            assert_eq!(srgb8(texel[0].to_f32()), k as u8);
+        }
+    }
+
+    #[test]
+    fn the_first_row_is_on_top_and_values_between_are_bilinear() {
+        let t = texture(2, &[0.0, 1.0, 0.5, 0.25]);
+        for (uv, expected) in [
+            ((0.25, 0.75), 0.0),
+            ((0.75, 0.75), 1.0),
+            ((0.25, 0.25), 0.5),
+            ((0.75, 0.25), 0.25),
+            ((0.5, 0.75), 0.5),
+            ((0.5, 0.5), 0.4375),
+        ] {
+            assert_eq!(t.at(uv.into())[0], expected, "{uv:?}");
+        }
+    }
+
+    #[test]
+    fn borders_repeat_end_or_mirror() {
+        let seen = |wrap| (-3..6).map(|k| wrapped(k, 3, wrap)).collect::<Vec<_>>();
+        assert_eq!(seen(Wrap::Repeat), [0, 1, 2, 0, 1, 2, 0, 1, 2]);
+        assert_eq!(seen(Wrap::Clamp), [0, 0, 0, 0, 1, 2, 2, 2, 2]);
+        assert_eq!(seen(Wrap::Mirror), [2, 1, 0, 0, 1, 2, 2, 1, 0]);
+    }
+
+    #[test]
+    fn a_cut_out_keeps_the_colour_of_what_is_there() {
+        let opaque = [1.0, 0.5, 0.25, 1.0].map(f16::from_f32);
+        let nothing = [0.0; 4].map(f16::from_f32);
+        let texels = Arc::new(Texels { width: 2, height: 1, rgba: vec![opaque, nothing] });
+        let t = Texture { cutoff: Some(0.5), ..Texture::new(texels) };
+        let seen = t.at(DVec2::new(0.4, 0.5));
+        assert_eq!(&seen[..3], &[1.0, 0.5, 0.25]);
+        assert!((seen[3] - 0.7).abs() < 1e-12);
+        assert!(t.is_there(DVec2::new(0.4, 0.5)) && !t.is_there(DVec2::new(0.6, 0.5)));
+    }
+
+    /// An opacity of a byte reaches the cut-off of that byte, and opaque is as opaque between texels as in their middles.
+    #[test]
+    fn opacities_that_are_the_cut_off_reach_it() {
+        for byte in 1..=255u8 {
+            let opacity = f32::from(byte) / 255.0;
+            let texels =
+                Texels { width: 3, height: 3, rgba: vec![[f16::ONE, f16::ONE, f16::ONE, f16::from_f32(opacity)]; 9] };
+            let t = Texture { cutoff: Some(opacity), ..Texture::new(Arc::new(texels)) };
+            for k in 0..50 {
+                assert!(t.is_there(DVec2::new(0.37 * f64::from(k), 0.0123 * f64::from(k))), "{byte}, {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn far_coordinates_are_no_trouble() {
+        let mut t = texture(2, &[0.0, 1.0, 0.5, 0.25]);
+        for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+            t.wrap = [wrap; 2];
+            for far in [1e30, -1e30, 3e38] {
+                assert!((0.0..=1.0).contains(&t.at(DVec2::new(far, -far))[0]));
+            }
+        }
+    }
+
+    #[test]
+    fn an_image_over_the_limit_says_so() {
+        let mut head = Vec::new();
+        let mut writer = png::Encoder::new(&mut head, 60_000, 60_000).write_header().unwrap();
+        writer.write_chunk(png::chunk::IDAT, &[0; 8]).unwrap();
+        drop(writer);
+        let message = decode(&head).unwrap_err().to_string();
+        assert_eq!(message, "is an image that takes more than 512 MiB of memory, the limit for one; make it smaller");
+    }
+
+    #[test]
+    fn what_is_no_image_says_so() {
+        for bytes in [&b""[..], b"GIF89a", b"\x89PNG\r\n\x1a\nxx"] {
+            let message = decode(bytes).unwrap_err().to_string();
+            assert!(message.starts_with("is no PNG, JPEG or HDR that can be read: "), "{message}");
+            assert!(!message.contains('\n'));
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Cryptomatte: which objects or materials a pixel shows, and how much of it each (Friedman and Jones 2015, specification 1.2.0).
+
+use crate::image::frame::NO_ID;
+use crate::input::{Error, Result};
+use std::collections::BTreeMap;
+
+/// What is told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Apart {
+    Objects,
+    Materials,
+}
+
+impl Apart {
+    /// The name of the layers.
+    fn layer(self) -> &'static str {
+        match self {
+            Apart::Objects => "CryptoObject",
+            Apart::Materials => "CryptoMaterial",
+        }
+    }
+}
+
+/// Names a pixel holds at most: two a layer.
+const RANKS: usize = 6;
+
+/// What every pixel shows, as samples come in.
+#[derive(Debug)]
+pub struct Matte {
+    apart: Apart,
+    names: Vec<String>,
+    /// Of a triangle the index of its name.
+    name_of: Vec<u32>,
+    samples: u32,
+    /// Of a pixel the names in it, and of how many samples.
+    shares: Vec<Vec<(u32, u32)>>,
+}
+
+/// Planes and attributes of an EXR, by their names.
+pub struct Layers {
+    pub planes: Vec<(String, Vec<f32>)>,
+    pub attributes: Vec<(String, String)>,
+}
+
+impl Matte {
+    /// For triangles that have these names, each by the index of its name. Triangles beyond those are the camera's `optics`, if it has some.
+    pub fn new(apart: Apart, names: Vec<String>, mut name_of: Vec<u32>, optics: bool) -> Matte {
+        let (mut names, merged) = merged(names);
+        name_of.iter_mut().for_each(|k| *k = merged[*k as usize]);
+        if optics {
+            names.push(OPTICS.into());
+        }
+        Matte { apart, names, name_of, samples: 0, shares: Vec::new() }
+    }
+
+    /// One more sample of every pixel: the ids of the triangles that it shows.
+    pub fn add(&mut self, ids: &[u32]) {
+        self.shares.resize(ids.len(), Vec::new());
+        self.samples += 1;
+        for (shares, &id) in self.shares.iter_mut().zip(ids).filter(|(_, id)| **id != NO_ID) {
+            let name = self.name_of.get(id as usize).copied().unwrap_or(self.names.len() as u32 - 1);
+            match shares.iter_mut().find(|(own, _)| *own == name) {
+                Some((_, count)) => *count += 1,
+                None => shares.push((name, 1)),
+            }
+        }
+    }
+
+    /// Ranks by their share, two a layer, and what says how to read them.
+    pub fn layers(mut self) -> Result<Layers> {
+        let hashes: Vec<u32> = self.names.iter().map(|name| hash(name)).collect::<Result<_>>()?;
+        // of equal shares the smaller hash comes first
+        self.shares
+            .iter_mut()
+            .for_each(|s| s.sort_unstable_by_key(|&(k, n)| (std::cmp::Reverse(n), hashes[k as usize])));
+        let layer = self.apart.layer();
+        let mut planes = Vec::new();
+        for rank in 0..RANKS {
+            let number = rank / 2;
+            let [id, share] = if rank % 2 == 0 { ["R", "G"] } else { ["B", "A"] };
+            let of = |f: fn(&(u32, u32), &[u32], u32) -> f32| -> Vec<f32> {
+                let value = |s: &Vec<(u32, u32)>| s.get(rank).map_or(0.0, |held| f(held, &hashes, self.samples));
+                self.shares.iter().map(value).collect()
+            };
+            planes.push((format!("{layer}{number:02}.{id}"), of(|h, hashes, _| f32::from_bits(hashes[h.0 as usize]))));
+            planes.push((format!("{layer}{number:02}.{share}"), of(|h, _, samples| h.1 as f32 / samples as f32)));
+        }
+        let manifest: BTreeMap<&str, String> =
+            self.names.iter().zip(&hashes).map(|(name, hash)| (name.as_str(), format!("{hash:08x}"))).collect();
+        let manifest = serde_json::to_string(&manifest).map_err(|e| Error::work(format!("names as JSON: {e}")))?;
+        let own = format!("cryptomatte/{}", &format!("{:08x}", hash(layer)?)[..7]);
+        let attributes = [
+            ("name", layer.to_owned()),
+            ("hash", "MurmurHash3_32".into()),
+            ("conversion", "uint32_to_float32".into()),
+            ("manifest", manifest),
+        ];
+        let attributes = attributes.into_iter().map(|(key, text)| (format!("{own}/{key}"), text)).collect();
+        Ok(Layers { planes, attributes })
+    }
+}
+
+/// What a mirror or a lens is called, whose facets come after all triangles of the scene.
+pub const OPTICS: &str = "optics";
+
+/// Each name once, and of every one before the index of it now.
+fn merged(names: Vec<String>) -> (Vec<String>, Vec<u32>) {
+    let mut once: Vec<String> = Vec::new();
+    let mut places = BTreeMap::new();
+    let place = |name: String| {
+        *places.entry(name.clone()).or_insert_with(|| {
+            once.push(name);
+            once.len() as u32 - 1
+        })
+    };
+    let of = names.into_iter().map(place).collect();
+    (once, of)
+}
+
+/// A name's number: MurmurHash3 of 32 bits, with an exponent that makes a float of it that is a normal number.
+fn hash(name: &str) -> Result<u32> {
+    let hash = murmur3::murmur3_32(&mut name.as_bytes(), 0).map_err(|e| Error::work(format!("{name}: {e}")))?;
+    let exponent = hash >> 23 & 255;
+    Ok(if exponent == 0 || exponent == 255 { hash ^ 1 << 23 } else { hash })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hashes_are_the_specification_s() {
+        // published values of MurmurHash3
+        assert_eq!(hash("hello").unwrap(), 0x248b_fa47);
+        assert_eq!(hash("hello, world").unwrap(), 0x149b_bb7f);
+        // of nothing the hash is 0, and would be no normal number
+        assert_eq!(hash("").unwrap(), 1 << 23);
+        for name in (0..20_000).map(|k| k.to_string()) {
+            assert!(f32::from_bits(hash(&name).unwrap()).is_normal());
+        }
+    }
+
+    #[test]
+    fn shares_are_those_of_the_samples() {
+        // two balls of 20 triangles, one after the other, and a mirror
+        let names = vec!["left".into(), "icosphere".into()];
+        let mut objects = Matte::new(Apart::Objects, names, [[0; 20], [1; 20]].concat(), true);
+        let mut materials = Matte::new(Apart::Materials, vec!["default".into(); 2], [[0; 20], [1; 20]].concat(), true);
+        for ids in [[3, 25, NO_ID, 40], [25, 25, NO_ID, 7], [26, 39, NO_ID, 7], [NO_ID, 0, NO_ID, 7]] {
+            objects.add(&ids);
+            materials.add(&ids);
+        }
+        let layers = objects.layers().unwrap();
+        let plane = |name: &str| layers.planes.iter().find(|p| p.0 == name).unwrap().1.clone();
+        let [left, right, optics] = ["left", "icosphere", OPTICS].map(|name| f32::from_bits(hash(name).unwrap()));
+        assert_eq!(plane("CryptoObject00.R"), [right, right, 0.0, left]);
+        assert_eq!(plane("CryptoObject00.G"), [0.5, 0.75, 0.0, 0.75]);
+        assert_eq!(plane("CryptoObject00.B"), [left, left, 0.0, optics]);
+        assert_eq!(plane("CryptoObject00.A"), [0.25, 0.25, 0.0, 0.25]);
+        assert_eq!(layers.planes.len(), 12);
+        assert!(layers.planes[4..].iter().all(|p| p.1 == [0.0; 4]));
+        let layers = materials.layers().unwrap();
+        assert_eq!(layers.planes[1], ("CryptoMaterial00.G".into(), vec![0.75, 1.0, 0.0, 0.75]));
+        let manifest = &layers.attributes.iter().find(|a| a.0.ends_with("/manifest")).unwrap().1;
+        assert!(manifest.contains(&format!("\"default\":\"{:08x}\"", hash("default").unwrap())), "{manifest}");
+    }
+}

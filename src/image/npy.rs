@@ -1,0 +1,265 @@
+//! NumPy's .npy arrays: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
+
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::path::Path;
+
+use glam::DAffine3;
+use npyz::WriterBuilder;
+
+use crate::image::file::whole::write_whole;
+use crate::image::size::check_size;
+use crate::input::files;
+use crate::input::{Error, Result};
+
+/// Writes `data` in C order as little-endian f64.
+///
+/// # Errors
+/// [`Error::Work`] where `data` does not fill `shape` or `path` cannot be written.
+pub fn write_npy_f64(path: &Path, shape: &[u64], data: &[f64]) -> Result<()> {
+    let count = shape.iter().try_fold(1u64, |count, side| count.checked_mul(*side));
+    if count != Some(data.len() as u64) {
+        return Err(Error::work(format!("{}: {} numbers do not fill {shape:?}", path.display(), data.len())));
+    }
+    write_whole(path, |file| {
+        let mut writer = BufWriter::new(file);
+        put_npy_f64(&mut writer, shape, data)?;
+        writer.flush()
+    })
+}
+
+/// As [`write_npy_f64`], to a writer.
+///
+/// # Errors
+/// Those of the writer.
+pub fn put_npy_f64(writer: impl Write, shape: &[u64], data: &[f64]) -> io::Result<()> {
+    let mut array = npyz::WriteOptions::new().default_dtype().shape(shape).writer(writer).begin_nd()?;
+    array.extend(data)?;
+    array.finish()
+}
+
+/// The header of an array that can be read.
+#[derive(Debug, PartialEq)]
+struct Header {
+    shape: Vec<u64>,
+    /// Bytes of one number: 4 or 8.
+    size: usize,
+    big_endian: bool,
+}
+
+/// Reads an f32 or f64 array in C order, shape H x W x `each`, as (width, height, `each` W H numbers).
+///
+/// # Errors
+/// What is wrong, without the file's name.
+pub(super) fn read_npy_vectors(file: File, each: u64) -> std::result::Result<(u32, u32, Vec<f64>), String> {
+    let (shape, numbers) = read_array(file, |shape| match *shape {
+        [height, width, depth] if depth == each => {
+            check_size(width, height).map_err(|e| e.to_string())?;
+            Ok(width * height * each)
+        }
+        _ => Err(format!("the array's shape is {shape:?}; it must be height x width x {each}")),
+    })?;
+    // Both sides are far under 2^32 by the check above.
+    Ok((shape[1] as u32, shape[0] as u32, numbers))
+}
+
+/// Most rows of [`read_npy_rows`]: their numbers' bytes cannot overflow.
+const MAX_ROWS: u64 = 1 << 32;
+
+/// Reads an f32 or f64 array in C order, shape N x `C`, row by row.
+///
+/// # Errors
+/// [`Error::Input`] naming the file: not there, another shape or type, or cut short.
+pub fn read_npy_rows<const C: usize>(path: &Path) -> Result<Vec<[f64; C]>> {
+    let file = files::open(path).map_err(|e| format!("cannot be read: {e}; check the path"));
+    let rows = file.and_then(rows_of::<C>);
+    rows.map_err(|why| Error::input(format!("{}: {why}", path.display())))
+}
+
+/// Reads matrices, row by row, from an f32 or f64 array in C order of shape N x 3 x 4, or N x 4 x 4 with the last row 0, 0, 0, 1.
+///
+/// # Errors
+/// [`Error::Input`] naming the file: it does not exist, has another shape or type, ends early, or a fourth row is another.
+pub fn read_npy_affines(path: &Path) -> Result<Vec<DAffine3>> {
+    let file = files::open(path).map_err(|e| format!("cannot be read: {e}; check the path"));
+    file.and_then(affines_of).map_err(|why| Error::input(format!("{}: {why}", path.display())))
+}
+
+fn affines_of(file: File) -> std::result::Result<Vec<DAffine3>, String> {
+    let (shape, numbers) = read_array(file, |shape| match *shape {
+        [n, rows @ (3 | 4), 4] if n <= MAX_ROWS => Ok(n * rows * 4),
+        _ => Err(format!("the array's shape is {shape:?}; it must be N x 4 x 4 or N x 3 x 4")),
+    })?;
+    let matrix = |(k, m): (usize, &[f64])| {
+        if m.len() == 16 && m[12..] != [0.0, 0.0, 0.0, 1.0] {
+            return Err(format!("matrix {k}: the last row must be 0, 0, 0, 1; the translation is the last column"));
+        }
+        Ok(DAffine3::from_cols_array(&std::array::from_fn(|i| m[4 * (i % 3) + i / 3])))
+    };
+    // chunks of 12 or 16 numbers, by the check above
+    numbers.chunks_exact(4 * shape[1] as usize).enumerate().map(matrix).collect()
+}
+
+/// As [`read_npy_rows`], without the file's name.
+pub(super) fn rows_of<const C: usize>(file: File) -> std::result::Result<Vec<[f64; C]>, String> {
+    let count = |shape: &[u64]| match *shape {
+        [rows, columns] if columns == C as u64 && rows <= MAX_ROWS => Ok(rows * columns),
+        _ => Err(format!("the array's shape is {shape:?}; it must be N x {C}")),
+    };
+    let (_, numbers) = read_array(file, count)?;
+    Ok(numbers.chunks_exact(C).map(|row| std::array::from_fn(|k| row[k])).collect())
+}
+
+/// The shape of an array and its numbers, as many as `count` makes of the shape.
+fn read_array(
+    file: File,
+    count: impl FnOnce(&[u64]) -> std::result::Result<u64, String>,
+) -> std::result::Result<(Vec<u64>, Vec<f64>), String> {
+    let bytes_in_file = file.metadata().map_err(|e| e.to_string())?.len();
+    let mut reader = BufReader::with_capacity(1 << 16, file);
+    let (header, header_bytes) = read_header(&mut reader)?;
+    let count = count(&header.shape)?;
+    let bytes = count * header.size as u64;
+    if bytes_in_file < header_bytes + bytes {
+        return Err(format!("the file ends early: {bytes} bytes of numbers are promised; write it again"));
+    }
+    let numbers = read_numbers(&mut reader, &header, count as usize)?;
+    Ok((header.shape, numbers))
+}
+
+/// Reads `count` numbers; that many are known to be in the file.
+fn read_numbers(reader: &mut impl Read, header: &Header, count: usize) -> std::result::Result<Vec<f64>, String> {
+    let mut numbers = Vec::with_capacity(count);
+    let mut bytes = vec![0; header.size * 3 * 1024];
+    while numbers.len() < count {
+        let part = (header.size * (count - numbers.len())).min(bytes.len());
+        reader.read_exact(&mut bytes[..part]).map_err(|e| e.to_string())?;
+        numbers.extend(bytes[..part].chunks_exact(header.size).map(|number| number_from(number, header.big_endian)));
+    }
+    Ok(numbers)
+}
+
+/// The number in 4 or 8 bytes.
+fn number_from(bytes: &[u8], big_endian: bool) -> f64 {
+    let bits = |bytes: &mut dyn Iterator<Item = &u8>| bytes.fold(0u64, |bits, byte| bits << 8 | u64::from(*byte));
+    let bits = if big_endian { bits(&mut bytes.iter()) } else { bits(&mut bytes.iter().rev()) };
+    // Four bytes fill the low 32 bits.
+    if bytes.len() == 4 { f64::from(f32::from_bits(bits as u32)) } else { f64::from_bits(bits) }
+}
+
+/// NumPy's own limit on the header's text, bytes.
+const MAX_HEADER: usize = 10_000;
+
+/// Reads the magic number, the version and the header's text; also returns how many bytes these took.
+fn read_header(reader: &mut impl Read) -> std::result::Result<(Header, u64), String> {
+    let damaged = |_: io::Error| "the .npy header is damaged or cut short; write the file again".to_string();
+    let mut start = [0; 8];
+    reader.read_exact(&mut start).map_err(damaged)?;
+    if &start[..6] != b"\x93NUMPY" {
+        return Err("this is not a .npy file; write it with numpy.save".into());
+    }
+    let mut length = [0; 4];
+    let length_bytes = match start[6] {
+        1 => 2,
+        2 | 3 => 4,
+        version => return Err(format!("version {version} of .npy is not known; write version 1, 2 or 3")),
+    };
+    reader.read_exact(&mut length[..length_bytes]).map_err(damaged)?;
+    let length = u32::from_le_bytes(length) as usize;
+    if length > MAX_HEADER {
+        return Err(format!("the .npy header of {length} bytes is over the limit of {MAX_HEADER}"));
+    }
+    let mut text = vec![0; length];
+    reader.read_exact(&mut text).map_err(damaged)?;
+    let header = parse_header(&String::from_utf8_lossy(&text))?;
+    Ok((header, (start.len() + length_bytes + length) as u64))
+}
+
+/// Reads the header's text, a Python dictionary of exactly three known keys, for plain float arrays.
+/// (A general parser of Python literals would recurse as deep as a hostile header asks.)
+fn parse_header(text: &str) -> std::result::Result<Header, String> {
+    let value = |key: &str| {
+        let after = |quote: char| text.split_once(&format!("{quote}{key}{quote}")).map(|(_, after)| after);
+        let after = after('\'').or_else(|| after('"')).and_then(|after| after.trim_start().strip_prefix(':'));
+        after.map(str::trim_start).ok_or(format!("the .npy header has no {key}; write the file with numpy.save"))
+    };
+    let descr = value("descr")?;
+    let dtype = descr.trim_start_matches(['\'', '"']).split(['\'', '"', ',', ']']).next().unwrap_or_default();
+    let native_big = cfg!(target_endian = "big");
+    let (size, big_endian) = match dtype {
+        "<f4" => (4, false),
+        "<f8" => (8, false),
+        ">f4" => (4, true),
+        ">f8" => (8, true),
+        "=f4" => (4, native_big),
+        "=f8" => (8, native_big),
+        _ => return Err(format!("the numbers are of type {dtype:?}; they must be f4 or f8 (float32 or float64)")),
+    };
+    if !value("fortran_order")?.starts_with("False") {
+        return Err("the array is in Fortran order; save numpy.ascontiguousarray of it".into());
+    }
+    let shape = value("shape")?;
+    let inside = shape.strip_prefix('(').and_then(|s| s.split_once(')')).map(|(inside, _)| inside);
+    let sides = inside.unwrap_or("?").split(',').map(str::trim).filter(|side| !side.is_empty());
+    let shape: std::result::Result<_, _> = sides.map(|side| side.trim_end_matches('L').parse()).collect();
+    let shape = shape.map_err(|_| "the .npy header's shape cannot be read; write the file again".to_string())?;
+    Ok(Header { shape, size, big_endian })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(descr: &str, order: &str, shape: &str) -> std::result::Result<Header, String> {
+        parse_header(&format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}   \n"))
+    }
+
+    #[test]
+    fn headers_of_plain_float_arrays_are_read() {
+        let header = |shape: &[u64], size, big_endian| Ok(Header { shape: shape.into(), size, big_endian });
+        assert_eq!(parse("'<f8'", "False", "(2, 3, 3)"), header(&[2, 3, 3], 8, false));
+        assert_eq!(parse("'>f4'", "False", "(5,)"), header(&[5], 4, true));
+        assert_eq!(parse("'<f4'", "False", "()"), header(&[], 4, false));
+        assert_eq!(parse("'<f4'", "False", "(2L, 3L)"), header(&[2, 3], 4, false));
+    }
+
+    #[test]
+    fn other_headers_say_what_is_wrong() {
+        for (descr, order, shape, why) in [
+            ("'<i4'", "False", "(1, 1, 3)", "type \"<i4\""),
+            ("'<f2'", "False", "(1, 1, 3)", "type \"<f2\""),
+            ("[('x', '<f4')]", "False", "(1, 1, 3)", "must be f4 or f8"),
+            ("'<f4'", "True", "(1, 1, 3)", "Fortran order"),
+            ("'<f4'", "False", "(1, -1, 3)", "shape cannot be read"),
+            ("'<f4'", "False", "(1, 1, 3", "shape cannot be read"),
+            ("'<f4'", "False", "(99999999999999999999, 1, 3)", "shape cannot be read"),
+        ] {
+            let got = parse(descr, order, shape).unwrap_err();
+            assert!(got.contains(why), "{got}");
+        }
+        assert!(parse_header("{}").unwrap_err().contains("has no descr"));
+    }
+
+    #[test]
+    fn numbers_are_read_in_either_byte_order() {
+        for x in [0.0f64, -1.5, f64::INFINITY, f64::MIN_POSITIVE, 1.0 / 3.0] {
+            assert_eq!(number_from(&x.to_le_bytes(), false), x);
+            assert_eq!(number_from(&x.to_be_bytes(), true), x);
+            assert_eq!(number_from(&(x as f32).to_le_bytes(), false), f64::from(x as f32));
+            assert_eq!(number_from(&(x as f32).to_be_bytes(), true), f64::from(x as f32));
+        }
+    }
+
+    #[test]
+    fn written_arrays_are_what_npyz_reads() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.npy");
+        let data: Vec<f64> = vec![0.0, -0.0, f64::INFINITY, f64::NAN, 1e-310, 1.0 / 3.0];
+        write_npy_f64(&path, &[2, 1, 3], &data).unwrap();
+        let array = npyz::NpyFile::new(File::open(&path).unwrap()).unwrap();
+        assert_eq!((array.shape(), array.order()), (&[2, 1, 3][..], npyz::Order::C));
+        let back = array.into_vec::<f64>().unwrap();
+        assert!(back.iter().zip(&data).all(|(a, b)| a.to_bits() == b.to_bits()));
+        assert!(matches!(write_npy_f64(&path, &[2, 3], &data[1..]), Err(Error::Work(_))));
+    }
+}

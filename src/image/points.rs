@@ -1,0 +1,111 @@
+//! Lists of 3-D points: .npy of shape N x 3, or text with a point a line.
+
+use super::npy::rows_of;
+use crate::input::files;
+use crate::input::{Error, Result};
+use glam::DVec3;
+use std::fs::File;
+use std::path::Path;
+
+/// The largest text that is read, bytes: some 10^8 points.
+const MAX_TEXT: u64 = 1 << 33;
+
+/// Reads finite points: .npy of f32 or f64, N x 3 in C order; or .csv, .txt, .xyz with three numbers a line, parted by
+/// commas, semicolons or blanks. Empty lines, lines that start with `#` and a first line of names are skipped.
+///
+/// # Errors
+/// [`Error::Input`] naming the file and the line or row: not there, another format, or a value that is no finite number.
+pub fn read_points(path: &Path) -> Result<Vec<DVec3>> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    let points = match extension.as_deref() {
+        Some("npy") => read_npy(path),
+        Some("csv" | "txt" | "xyz") => read_text(path),
+        _ => Err("points are read from .npy, .csv, .txt or .xyz files only".into()),
+    };
+    points.map_err(|why| Error::input(format!("{}: {why}", path.display())))
+}
+
+fn open(path: &Path) -> std::result::Result<File, String> {
+    files::open(path).map_err(|e| format!("cannot be read: {e}; check the path"))
+}
+
+fn read_npy(path: &Path) -> std::result::Result<Vec<DVec3>, String> {
+    let points: Vec<DVec3> = rows_of::<3>(open(path)?)?.into_iter().map(DVec3::from_array).collect();
+    match points.iter().position(|p| !p.is_finite()) {
+        Some(row) => Err(format!("row {row} is not finite; leave it out")),
+        None => Ok(points),
+    }
+}
+
+fn read_text(path: &Path) -> std::result::Result<Vec<DVec3>, String> {
+    let bytes = open(path)?.metadata().map_err(|e| e.to_string())?.len();
+    if bytes > MAX_TEXT {
+        return Err(format!("{bytes} bytes are over the limit of {MAX_TEXT}; use .npy"));
+    }
+    let text = std::fs::read_to_string(path).map_err(|e| format!("cannot be read: {e}; write plain text"))?;
+    let lines = text.lines().enumerate().map(|(k, line)| (k + 1, line.trim()));
+    let mut points = Vec::new();
+    let mut first = true;
+    for (number, line) in lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
+        let is_part = |c: char| c == ',' || c == ';' || c.is_whitespace();
+        let values: Vec<Option<f64>> = line.split(is_part).filter(|v| !v.is_empty()).map(|v| v.parse().ok()).collect();
+        let names = first && values.iter().all(Option::is_none);
+        first = false;
+        match values[..] {
+            _ if names => {}
+            [Some(x), Some(y), Some(z)] if DVec3::new(x, y, z).is_finite() => points.push(DVec3::new(x, y, z)),
+            _ => return Err(format!("line {number}: {line:.40?} is not three finite numbers, as 1.5 2 -3")),
+        }
+    }
+    Ok(points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::write_npy_f64;
+    use super::*;
+
+    fn read(name: &str, text: &str) -> Result<Vec<DVec3>> {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        read_points(&path)
+    }
+
+    #[test]
+    fn text_in_the_usual_forms() {
+        let expected = vec![DVec3::new(1.0, -2.5, 3e4), DVec3::ZERO];
+        for text in ["1 -2.5 3e4\n0 0 0", "x,y,z\n1,-2.5,3e4\n0,0,0\n", "# a list\r\n\r\n 1;\t-2.5 ; 3e4 \r\n0\t0\t0"] {
+            assert_eq!(read("p.csv", text).unwrap(), expected, "{text:?}");
+        }
+        assert!(read("p.txt", "").unwrap().is_empty());
+    }
+
+    #[test]
+    fn wrong_text_is_refused_by_its_line() {
+        for (text, line) in
+            [("1 2 3\n1 2", "line 2"), ("1 2 3 4", "line 1"), ("x y z\na b c", "line 2"), ("1 2 nan", "line 1")]
+        {
+            let error = read("p.xyz", text).unwrap_err().to_string();
+            assert!(error.contains(line) && error.contains("three finite numbers"), "{error}");
+        }
+        assert!(read("p.obj", "").unwrap_err().to_string().contains(".npy, .csv"));
+        assert!(read_points(Path::new("no/such.txt")).unwrap_err().to_string().contains("cannot be read"));
+    }
+
+    #[test]
+    fn arrays_of_three_columns() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("p.npy");
+        write_npy_f64(&path, &[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
+        assert_eq!(read_points(&path).unwrap(), [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)]);
+        write_npy_f64(&path, &[1, 3], &[1.0, f64::NAN, 3.0]).unwrap();
+        assert!(read_points(&path).unwrap_err().to_string().contains("row 0 is not finite"));
+        write_npy_f64(&path, &[3, 2], &[0.0; 6]).unwrap();
+        assert!(read_points(&path).unwrap_err().to_string().contains("must be N x 3"));
+        let whole = std::fs::read(&path).unwrap();
+        write_npy_f64(&path, &[2, 3], &[0.0; 6]).unwrap();
+        std::fs::write(&path, &std::fs::read(&path).unwrap()[..whole.len() - 9]).unwrap();
+        assert!(read_points(&path).unwrap_err().to_string().contains("ends early"));
+    }
+}

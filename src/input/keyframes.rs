@@ -1,0 +1,252 @@
+//! Keyframes: any number or list of numbers may be a list of `{ frame, value }` keys. Numbers are interpolated linearly, quaternions on the
+//! sphere.
+
+use super::reader::{Field, Source};
+use crate::input::Result;
+use crate::input::tree::{Node, Value};
+use glam::{DQuat, DVec4};
+
+/// One key: its frame, and the number or list of numbers that holds there.
+struct Key<'a> {
+    frame: f64,
+    value: Field<'a>,
+    /// One, or those of a list.
+    numbers: Vec<f64>,
+}
+
+/// Replaces every list of keys below `node`, which `key` leads to, by its value at `frame`: the first key's before it,
+/// the last one's after it, and linear between two keys.
+pub(crate) fn pick(node: &mut Node, key: &str, source: &Source, frame: f64) -> Result<()> {
+    match &mut node.value {
+        Value::List(items) if is_keys(items) => {
+            let rule = if key.rsplit('.').next() == Some("quaternion") { turned } else { between };
+            node.value = value_at(&Field::new(source, key, node), frame, rule)?;
+            Ok(())
+        }
+        Value::List(items) => {
+            let mut inner = items.iter_mut().enumerate().filter(|(_, item)| item.value.holds_more());
+            inner.try_for_each(|(index, item)| pick(item, &format!("{key}.{index}"), source, frame))
+        }
+        Value::Table(entries) => {
+            let mut inner = entries.iter_mut().filter(|entry| entry.node.value.holds_more());
+            inner.try_for_each(|entry| {
+                let dotted = if key.is_empty() { entry.key.clone() } else { format!("{key}.{}", entry.key) };
+                pick(&mut entry.node, &dotted, source, frame)
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Every item is a table of `frame` and `value` and nothing else.
+fn is_keys(items: &[Node]) -> bool {
+    let is_key = |item: &Node| match &item.value {
+        Value::Table(entries) => {
+            entries.len() == 2 && ["frame", "value"].iter().all(|k| entries.iter().any(|e| e.key == *k))
+        }
+        _ => false,
+    };
+    !items.is_empty() && items.iter().all(is_key)
+}
+
+fn value_at(list: &Field, frame: f64, rule: fn(&Key, &Key, f64) -> Value) -> Result<Value> {
+    let keys = list.items("keys")?.map(|item| read_key(&item)).collect::<Result<Vec<Key>>>()?;
+    keys.windows(2).try_for_each(|pair| check_order(&pair[0], &pair[1]))?;
+    let next = keys.partition_point(|k| k.frame <= frame);
+    let value = match (next.checked_sub(1).map(|k| &keys[k]), keys.get(next)) {
+        (Some(a), Some(b)) if a.frame < frame => rule(a, b, frame),
+        // as written: not all whole numbers are f64
+        (Some(key), _) | (None, Some(key)) => key.value.node().value.clone(),
+        (None, None) => unreachable!("is_keys: there is a key"),
+    };
+    Ok(whole(value))
+}
+
+fn read_key<'a>(item: &Field<'a>) -> Result<Key<'a>> {
+    let table = item.table()?;
+    let value = table.need("value", "1")?;
+    if value.is_list() && value.items("rows")?.any(|row| row.is_list()) {
+        return Err(value
+            .error("lists of lists have no keyframes; to move a camera give eye and target, or eye and quaternion"));
+    }
+    let numbers = match value.is_list() {
+        true => value.items("numbers")?.map(|n| n.number()).collect::<Result<_>>()?,
+        false => vec![value.number()?],
+    };
+    Ok(Key { frame: table.need("frame", "0")?.number()?, value, numbers })
+}
+
+/// The second of two neighbours comes later and has as many numbers.
+fn check_order(a: &Key, b: &Key) -> Result<()> {
+    if a.frame >= b.frame {
+        let frames = format!("frame {} comes after frame {}", b.frame, a.frame);
+        return Err(b.value.error(format_args!("{frames}; put the keys in order, each frame once")));
+    }
+    if a.value.is_list() != b.value.is_list() || a.numbers.len() != b.numbers.len() {
+        let (found, first) = (b.value.node().value.describe(), a.value.node().value.describe());
+        return Err(b.value.error(format_args!("{found} after {first}; all keys need as many numbers")));
+    }
+    Ok(())
+}
+
+/// Linear between two keys. Whole frames and numbers give the exact value, rounded once.
+fn between(a: &Key, b: &Key, frame: f64) -> Value {
+    let number = |(&x, &y): (&f64, &f64)| match x == y {
+        true => Value::Float(x),
+        false => Value::Float((x * (b.frame - frame) + y * (frame - a.frame)) / (b.frame - a.frame)),
+    };
+    let place = a.value.node().place;
+    let mut values = a.numbers.iter().zip(&b.numbers).map(number);
+    match a.value.is_list() {
+        true => Value::List(values.map(|value| Node { value, place }).collect()),
+        false => values.next().unwrap_or(Value::Null),
+    }
+}
+
+/// Spherical interpolation (slerp) from one quaternion (w, x, y, z) to the next, the shorter way; of unit length.
+fn turned(a: &Key, b: &Key, frame: f64) -> Value {
+    let unit = |key: &Key| {
+        let [w, x, y, z] = *<&[f64; 4]>::try_from(key.numbers.as_slice()).ok()?;
+        DVec4::new(x, y, z, w).try_normalize().map(DQuat::from_vec4)
+    };
+    // a wrong quaternion is refused when the camera reads it
+    let (Some(from), Some(to)) = (unit(a), unit(b)) else { return a.value.node().value.clone() };
+    let turn = from.conjugate() * to;
+    let turn = if turn.w < 0.0 { -turn } else { turn };
+    let half_angle = turn.xyz().length().atan2(turn.w) * (frame - a.frame) / (b.frame - a.frame);
+    let (sin, cos) = half_angle.sin_cos();
+    let part = turn.xyz().normalize_or_zero() * sin;
+    let q = (from * DQuat::from_xyzw(part.x, part.y, part.z, cos)).normalize();
+    let place = a.value.node().place;
+    Value::List([q.w, q.x, q.y, q.z].map(|x| Node { value: Value::Float(x), place }).into())
+}
+
+/// Whole numbers as such, for the keys that want them.
+fn whole(value: Value) -> Value {
+    /// All whole f64 up to here are exact.
+    const EXACT: f64 = (1u64 << 53) as f64;
+    match value {
+        Value::Float(x) if x.fract() == 0.0 && x.abs() <= EXACT => Value::Int(x as i128),
+        Value::List(items) => Value::List(items.into_iter().map(|n| Node { value: whole(n.value), ..n }).collect()),
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parse::{Format, parse};
+    use super::*;
+    use crate::input::reader::Source;
+    use std::path::Path;
+
+    /// The value of `key = TEXT` on line 2 at a frame.
+    fn at(text: &str, frame: f64) -> Result<Value> {
+        let path = Path::new("s.toml");
+        let mut root = parse(&format!("[camera]\nkey = {text}\n"), Format::Toml, path)?;
+        pick(&mut root, "", &Source::new(path, path), frame)?;
+        Ok(entry(entry(root.value)))
+    }
+
+    /// The value of the first key.
+    fn entry(table: Value) -> Value {
+        let Value::Table(mut entries) = table else { unreachable!() };
+        entries.remove(0).node.value
+    }
+
+    fn numbers(value: Value) -> Vec<f64> {
+        match value {
+            Value::List(items) => items.into_iter().flat_map(|n| numbers(n.value)).collect(),
+            Value::Int(i) => vec![i as f64],
+            Value::Float(x) => vec![x],
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn numbers_go_straight_from_key_to_key() {
+        let keys = "[{ frame = -2, value = 1 }, { frame = 2, value = 4 }, { frame = 3.5, value = 4 }, { value = 0.5, frame = 4 }]";
+        for (frame, value) in
+            [(-1e300, 1.0), (-2.0, 1.0), (0.0, 2.5), (2.0, 4.0), (3.0, 4.0), (3.75, 2.25), (4.0, 0.5), (1e300, 0.5)]
+        {
+            assert_eq!(numbers(at(keys, frame).unwrap()), [value], "{frame}");
+        }
+    }
+
+    #[test]
+    fn lists_go_element_by_element_wherever_they_are() {
+        let keys = "[{ frame = 0, value = [0, 8, 1] }, { frame = 4, value = [4, 0, 1] }]";
+        assert_eq!(numbers(at(keys, 1.0).unwrap()), [1.0, 6.0, 1.0]);
+        let inside = format!("{{ deep = [[{keys}], 7] }}");
+        let Value::Table(entries) = at(&inside, 3.0).unwrap() else { panic!() };
+        assert_eq!(numbers(entries[0].node.value.clone()), [3.0, 2.0, 1.0, 7.0]);
+    }
+
+    #[test]
+    fn whole_numbers_stay_whole() {
+        let int = |text, frame| at(text, frame).unwrap();
+        for k in 0..=49 {
+            let keys = "[{ frame = 0, value = 7 }, { frame = 49, value = 105 }]";
+            assert_eq!(int(keys, f64::from(k)), Value::Int(7 + 2 * i128::from(k)), "{k}");
+        }
+        assert_eq!(int("[{ frame = 0, value = 4.0 }]", 9.0), Value::Int(4));
+        let large = "[{ frame = 0, value = 18446744073709551615 }]";
+        assert_eq!(int(large, 0.0), Value::Int(u64::MAX.into()));
+        assert_eq!(int("[{ frame = 0, value = 1 }, { frame = 2, value = 2 }]", 1.0), Value::Float(1.5));
+    }
+
+    #[test]
+    fn what_is_no_list_of_keys_stays() {
+        for text in
+            ["[]", "[1, 2]", "[{ frame = 1 }]", "[{ frame = 1, value = 2, more = 3 }]", "{ frame = 1, value = 2 }"]
+        {
+            let path = Path::new("s.toml");
+            let plain = parse(&format!("[camera]\nkey = {text}\n"), Format::Toml, path).unwrap();
+            let mut picked = plain.clone();
+            pick(&mut picked, "", &Source::new(path, path), 1.0).unwrap();
+            assert_eq!(plain, picked, "{text}");
+        }
+    }
+
+    #[test]
+    fn quaternions_are_interpolated_on_the_sphere_the_shorter_way() {
+        let about_y = |degrees: f64, sign: f64| {
+            let (sin, cos) = (degrees.to_radians() / 2.0).sin_cos();
+            format!("[{}, 0, {}, 0]", sign * cos, sign * sin)
+        };
+        let from = about_y(10.0, 3.0);
+        // -q and a multiple of q are the same rotation as q
+        for to in [about_y(130.0, 1.0), about_y(130.0, -1.0), about_y(130.0, 7.0)] {
+            let text = format!("[{{ frame = 0, value = {from} }}, {{ frame = 4, value = {to} }}]");
+            let path = Path::new("s.toml");
+            let mut root = parse(&format!("quaternion = {text}"), Format::Toml, path).unwrap();
+            pick(&mut root, "", &Source::new(path, path), 1.0).unwrap();
+            let [w, x, y, z] = numbers(entry(root.value))[..] else { panic!() };
+            let (sin, cos) = 20f64.to_radians().sin_cos();
+            assert!((w - cos).abs() < 1e-15 && (y - sin).abs() < 1e-15 && x == 0.0 && z == 0.0, "{w} {x} {y} {z}");
+        }
+    }
+
+    #[test]
+    fn wrong_keys_say_where_and_why() {
+        for (text, says) in [
+            ("[{ frame = 1, value = 1 }, { frame = 1, value = 2 }]", "key.1.value: frame 1 comes after frame 1; put"),
+            ("[{ frame = 2, value = 1 }, { frame = 1, value = 2 }]", "key.1.value: frame 1 comes after frame 2; put"),
+            ("[{ frame = inf, value = 1 }]", "key.0.frame: expected a finite number"),
+            ("[{ frame = \"a\", value = 1 }]", "key.0.frame: expected a finite number"),
+            ("[{ frame = 0, value = nan }]", "key.0.value: expected a finite number"),
+            ("[{ frame = 0, value = true }]", "key.0.value: expected a finite number, found true"),
+            ("[{ frame = 0, value = [1, [2]] }]", "key.0.value: lists of lists have no keyframes"),
+            (
+                "[{ frame = 0, value = [1] }, { frame = 1, value = [1, 2] }]",
+                "key.1.value: a list of 2 after a list of 1",
+            ),
+            (
+                "[{ frame = 0, value = 1 }, { frame = 1, value = [1] }]",
+                "key.1.value: a list of 1 after the whole number 1",
+            ),
+        ] {
+            let error = at(text, 0.0).unwrap_err();
+            assert!(error.to_string().starts_with(&format!("s.toml:2: camera.{says}")), "{text}: {error}");
+        }
+    }
+}

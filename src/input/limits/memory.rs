@@ -1,0 +1,94 @@
+//! The limit on memory: the free memory, or what the user grants. Work that needs more is refused before it allocates.
+
+use super::are_lifted;
+use crate::input::{Error, Result};
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Bytes that the user grants the process; 0 if the free memory is the limit.
+static GRANTED: AtomicU64 = AtomicU64::new(0);
+
+/// From now on the process may use this much memory in total, however much is free.
+pub fn grant(bytes: u64) {
+    GRANTED.store(bytes, Ordering::Relaxed);
+}
+
+/// Bytes that may still be allocated: the rest of what is granted; or else the least of what the machine, the control
+/// group and the process's address space have left. `None` if the system does not say.
+pub fn free() -> Option<u64> {
+    match GRANTED.load(Ordering::Relaxed) {
+        0 => free_here(),
+        granted => Some(granted.saturating_sub(status("VmRSS:").unwrap_or(0))),
+    }
+}
+
+/// Refuses work that takes about `bytes` if fewer are free. `what` is the work, and `advice` how to make it smaller.
+///
+/// # Errors
+/// [`Error::Work`] with both numbers.
+pub fn check(bytes: u64, what: impl std::fmt::Display, advice: &str) -> Result<()> {
+    match free() {
+        Some(free) if bytes > free && !are_lifted() => Err(too_large(bytes, free, what, advice)),
+        _ => Ok(()),
+    }
+}
+
+fn too_large(bytes: u64, free: u64, what: impl std::fmt::Display, advice: &str) -> Error {
+    let gib = |bytes: u64| bytes as f64 / f64::from(1u32 << 30);
+    let (need, free) = (gib(bytes), gib(free));
+    Error::work(format!(
+        "{what} takes about {need:.1} GiB of memory and {free:.1} GiB are free; {advice}, or use --memory or --no-limits"
+    ))
+}
+
+fn free_here() -> Option<u64> {
+    let machine = field(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
+    let number = |name: &str| {
+        let text = std::fs::read_to_string(Path::new("/sys/fs/cgroup").join(name)).ok()?;
+        text.trim().parse::<u64>().ok()
+    };
+    let group = number("memory.max").zip(number("memory.current")).map(|(most, now)| most.saturating_sub(now));
+    let own = address_space().zip(status("VmSize:")).map(|(most, now)| most.saturating_sub(now));
+    Some([group, own].into_iter().flatten().fold(machine, u64::min))
+}
+
+/// The limit of the process's address space in bytes (`ulimit -v`).
+fn address_space() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/self/limits").ok()?;
+    let line = text.lines().find_map(|l| l.strip_prefix("Max address space"))?;
+    line.split_whitespace().next()?.parse().ok()
+}
+
+fn status(key: &str) -> Option<u64> {
+    field(&std::fs::read_to_string("/proc/self/status").ok()?, key)
+}
+
+/// The value of the line `KEY N kB`, in bytes.
+fn field(text: &str, key: &str) -> Option<u64> {
+    let line = text.lines().find_map(|l| l.strip_prefix(key))?;
+    Some(1024 * line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_that_is_too_large_is_refused_with_both_numbers() {
+        let error = too_large(6 << 30, 4 << 30, "a mesh of 7 triangles", "use fewer");
+        assert_eq!(
+            error.to_string(),
+            "a mesh of 7 triangles takes about 6.0 GiB of memory and 4.0 GiB are free; use fewer, or use --memory or \
+             --no-limits"
+        );
+        assert_eq!(error.exit_code(), 1);
+    }
+
+    #[test]
+    fn linux_says_how_much_memory_is_free() {
+        if cfg!(target_os = "linux") {
+            assert!(free_here().is_some_and(|bytes| bytes > 1 << 20));
+            assert!(status("VmRSS:").is_some_and(|bytes| bytes > 1 << 20));
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The value tree that TOML, JSON and `--set` all become, each value with the place it came from.
+
+/// Where a value was written, for error messages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// Line of the scene file, counted from 1.
+    Line(u32),
+    /// A `--set` on the command line.
+    Set,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Node {
+    pub value: Value,
+    pub place: Place,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Value {
+    /// JSON only; no key accepts it.
+    Null,
+    Bool(bool),
+    /// Wide enough for every i64 and u64.
+    Int(i128),
+    Float(f64),
+    Text(String),
+    List(Vec<Node>),
+    /// Keys are unique.
+    Table(Vec<Entry>),
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Entry {
+    pub key: String,
+    /// Where the key stands; a table's own place is its header's.
+    pub place: Place,
+    pub node: Node,
+}
+
+/// Longest part of a text that an error message quotes, in characters.
+const QUOTED_CHARS: usize = 40;
+
+impl Value {
+    /// A list or a table.
+    pub fn holds_more(&self) -> bool {
+        matches!(self, Value::List(_) | Value::Table(_))
+    }
+
+    /// As TOML that `--set` reads back; `None` where a null is in it.
+    pub fn inline(&self) -> Option<String> {
+        // escapes of JSON are TOML's
+        let quoted = |text: &str| serde_json::Value::from(text).to_string();
+        Some(match self {
+            Value::Null => return None,
+            Value::Bool(b) => b.to_string(),
+            Value::Int(i) => i.to_string(),
+            Value::Float(x) => format!("{x:?}"),
+            Value::Text(t) => quoted(t),
+            Value::List(items) => {
+                let items: Vec<String> = items.iter().map(|item| item.value.inline()).collect::<Option<_>>()?;
+                format!("[{}]", items.join(", "))
+            }
+            Value::Table(entries) => {
+                let entry = |e: &Entry| Some(format!("{} = {}", quoted(&e.key), e.node.value.inline()?));
+                let entries: Vec<String> = entries.iter().map(entry).collect::<Option<_>>()?;
+                format!("{{ {} }}", entries.join(", "))
+            }
+        })
+    }
+
+    /// What a person would call this value, for "expected ..., found ...".
+    pub fn describe(&self) -> String {
+        match self {
+            Value::Null => "null".into(),
+            Value::Bool(b) => b.to_string(),
+            Value::Int(i) => format!("the whole number {i}"),
+            Value::Float(x) => format!("the number {x}"),
+            Value::Text(t) => format!("the text {}", quote(t)),
+            Value::List(items) => format!("a list of {}", items.len()),
+            Value::Table(_) => "a table".into(),
+        }
+    }
+}
+
+/// `text` in quotes on one line, cut where it is long.
+pub(crate) fn quote(text: &str) -> String {
+    match text.char_indices().nth(QUOTED_CHARS) {
+        Some((cut, _)) => format!("{:?}...", &text[..cut]),
+        None => format!("{text:?}"),
+    }
+}
+
+/// The candidate with the smallest edit distance to `word`; the first of several.
+pub(crate) fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
+    candidates.iter().copied().min_by_key(|candidate| edit_distance(word, candidate))
+}
+
+/// Levenshtein distance in characters; only the first [`QUOTED_CHARS`] of `a` count.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, ca) in a.chars().take(QUOTED_CHARS).enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, cb) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(ca != *cb);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edit_distance_counts_single_edits() {
+        assert_eq!(edit_distance("vfov", "vfov"), 0);
+        assert_eq!(edit_distance("vfv", "vfov"), 1);
+        assert_eq!(edit_distance("heigth", "height"), 2);
+        assert_eq!(edit_distance("", "up"), 2);
+        assert_eq!(edit_distance("kitten", "sitting"), 3);
+    }
+
+    #[test]
+    fn nearest_names_the_closest() {
+        assert_eq!(nearest("tagret", &["eye", "target", "up"]), Some("target"));
+        assert_eq!(nearest("x", &[]), None);
+    }
+
+    #[test]
+    fn quotes_stay_short_and_on_one_line() {
+        assert_eq!(quote("a\nb"), r#""a\nb""#);
+        assert!(quote(&"é".repeat(1000)).chars().count() < 50);
+    }
+}

@@ -1,0 +1,196 @@
+//! Triangles through the adapter's rasterizer: into a picture of ids and depths, and from there into the visibility buffer.
+
+use super::kernels;
+use crate::engine::rival::{Setup, Target};
+use crate::engine::stage::{Scopes, dispatch_items};
+use crate::gpu::Gpu;
+use crate::gpu::buffers::{Binder, Pipeline};
+use crate::gpu::kernels::Kernel;
+use crate::gpu::recorder::Recorder;
+use crate::input::{Error, Result};
+use wgpu::{Extent3d, LoadOp, Operations, StoreOp, TextureFormat, TextureUsages};
+
+/// Layer and id, and the bits of t.
+const SEEN: TextureFormat = TextureFormat::Rg32Uint;
+const DEPTH: TextureFormat = TextureFormat::Depth32Float;
+/// Bytes of a pixel of both.
+const PIXEL_BYTES: u64 = 12;
+
+/// A render pipeline whose buffers and textures are bound by name.
+pub struct Draw {
+    binder: Binder,
+    pub pipeline: wgpu::RenderPipeline,
+}
+
+impl Draw {
+    /// Onto a canvas, the nearest last. The entry points are NAME_corner and NAME_pixel.
+    pub fn new(gpu: &Gpu, kernel: Kernel) -> Draw {
+        let nearest = wgpu::DepthStencilState {
+            format: DEPTH,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: Default::default(),
+            bias: Default::default(),
+        };
+        Draw::onto(gpu, kernel, SEEN, Some(nearest))
+    }
+
+    /// The same of a kernel that clips.
+    ///
+    /// # Errors
+    /// [`Error::Work`] where the adapter cannot.
+    pub fn clipped(gpu: &Gpu, kernel: Kernel) -> Result<Draw> {
+        if gpu.has.clip_distances {
+            return Ok(Draw::new(gpu, kernel));
+        }
+        Err(Error::work(format!("adapter {} has no clip distances; use raytrace", gpu.info.name)))
+    }
+
+    pub fn onto(
+        gpu: &Gpu,
+        kernel: Kernel,
+        format: TextureFormat,
+        depth_stencil: Option<wgpu::DepthStencilState>,
+    ) -> Draw {
+        let device = &gpu.device;
+        let name = kernel.name;
+        let module = gpu.compile(&kernel);
+        let constants = kernel.constants.clone();
+        let binder = Binder::new(device, kernel, wgpu::ShaderStages::VERTEX_FRAGMENT);
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(name),
+            bind_group_layouts: &[Some(&binder.layout)],
+            immediate_size: 0,
+        });
+        let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+        let (corner, pixel) = (format!("{name}_corner"), format!("{name}_pixel"));
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(name),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some(&corner),
+                compilation_options: compilation_options.clone(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil,
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some(&pixel),
+                compilation_options,
+                targets: &[Some(format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        Draw { binder, pipeline }
+    }
+
+    pub fn bind(&self, gpu: &Gpu, scopes: Scopes) -> Result<wgpu::BindGroup> {
+        self.binder.bind(gpu, scopes, &[], &[])
+    }
+
+    /// With a texture.
+    pub fn bind_texture(
+        &self,
+        gpu: &Gpu,
+        scopes: Scopes,
+        texture: (&'static str, &wgpu::TextureView),
+    ) -> Result<wgpu::BindGroup> {
+        self.binder.bind(gpu, scopes, &[], &[texture])
+    }
+}
+
+/// What rivals draw on: a picture, and the depth of what is nearest.
+pub struct Canvas {
+    seen: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    size: (u32, u32),
+}
+
+/// A texture to draw on and to read.
+pub fn texture(gpu: &Gpu, (width, height): (u32, u32), format: TextureFormat) -> wgpu::TextureView {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("canvas"),
+        size: Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    texture.create_view(&Default::default())
+}
+
+impl Canvas {
+    pub fn new(gpu: &Gpu, size: (u32, u32)) -> Canvas {
+        Canvas { seen: texture(gpu, size, SEEN), depth: texture(gpu, size, DEPTH), size }
+    }
+
+    /// A render pass over it; the first clears it.
+    pub fn pass<'a>(&self, recorder: &'a mut Recorder, name: &'static str, is_first: bool) -> wgpu::RenderPass<'a> {
+        let nothing = wgpu::Color { r: f64::from(u32::MAX), g: 0.0, b: 0.0, a: 0.0 };
+        let seen = if is_first { LoadOp::Clear(nothing) } else { LoadOp::Load };
+        let depth = if is_first { LoadOp::Clear(0.0) } else { LoadOp::Load };
+        let colour = wgpu::RenderPassColorAttachment {
+            view: &self.seen,
+            depth_slice: None,
+            resolve_target: None,
+            ops: Operations { load: seen, store: StoreOp::Store },
+        };
+        let depth = wgpu::RenderPassDepthStencilAttachment {
+            view: &self.depth,
+            depth_ops: Some(Operations { load: depth, store: StoreOp::Store }),
+            stencil_ops: None,
+        };
+        recorder.render(name, &[Some(colour)], Some(depth))
+    }
+
+    pub fn seen(&self) -> &wgpu::TextureView {
+        &self.seen
+    }
+
+    pub fn bytes(&self) -> u64 {
+        PIXEL_BYTES * u64::from(self.size.0) * u64::from(self.size.1)
+    }
+}
+
+/// A canvas of the size of the largest band, whose picture becomes the band's visibility buffer.
+pub struct Easel {
+    pub canvas: Canvas,
+    take: Pipeline,
+    width: u32,
+}
+
+impl Easel {
+    pub fn new(gpu: &Gpu, setup: &Setup) -> Easel {
+        let width = setup.camera.width;
+        let take = Pipeline::new(gpu, kernels::take(setup.variant));
+        Easel { canvas: Canvas::new(gpu, (width, setup.rows)), take, width }
+    }
+
+    /// Brings a band from the picture to the visibility buffer.
+    pub fn take(&self, gpu: &Gpu, recorder: &mut Recorder, band: &Target) -> Result<()> {
+        let Some(chunk) = band.chunks.first() else { return Ok(()) };
+        run(gpu, recorder, "take", (&self.take, &chunk.scopes, self.canvas.seen()), self.width * band.rows)
+    }
+}
+
+/// A kernel that reads a picture, for so many pixels.
+pub fn run(
+    gpu: &Gpu,
+    recorder: &mut Recorder,
+    name: &'static str,
+    (pipeline, scopes, picture): (&Pipeline, Scopes, &wgpu::TextureView),
+    pixels: u32,
+) -> Result<()> {
+    let group = pipeline.bind_textures(gpu, scopes, &[("picture", picture)])?;
+    let mut pass = recorder.compute(name);
+    pass.set_pipeline(&pipeline.pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    dispatch_items(gpu, &mut pass, pixels);
+    Ok(())
+}

@@ -1,0 +1,161 @@
+//! The rivals: other ways to find what each pixel sees, each faithful to its paper, to be measured against.
+//!
+//! A rival takes the place of the stages from cull to recheck. It reads the same triangles, the same rays and the same parameters on
+//! the device as these do and fills the same visibility buffer, so that scene, camera, pixels and channels are the same in, and
+//! shading and reading back the same out: what differs is how what is seen is found, and how well.
+
+mod cubemap;
+mod draw;
+pub mod kernels;
+mod outline;
+mod replicated;
+pub mod rows;
+mod splat;
+mod through_pieces;
+mod trace;
+
+use crate::engine::rival::{Choice, Knob, Technique};
+use crate::engine::stage::Scopes;
+use crate::gpu::buffers::Buffers;
+
+/// All rivals.
+pub const TECHNIQUES: &[Technique] = &[
+    Technique {
+        name: "raytrace",
+        about: "a ray a pixel through a bounding volume hierarchy, built anew when triangles move",
+        knob: None,
+        culls: false,
+        draws: false,
+        make: trace::rebuilt,
+    },
+    Technique {
+        name: "raytrace-refit",
+        about: "the same, its hierarchy fitted to triangles that moved instead of built anew",
+        knob: None,
+        culls: false,
+        draws: false,
+        make: trace::refitted,
+    },
+    Technique {
+        name: "raytrace-brute",
+        about: "a ray a pixel against every triangle",
+        knob: None,
+        culls: false,
+        draws: false,
+        make: trace::brute,
+    },
+    Technique {
+        name: "raymarch-segments",
+        about: "curved projectors as so many straight segments, each traced (Brosz et al. 2007, section 4.3)",
+        knob: Some(Knob { name: "segments", default: 8, least: 1, most: 256 }),
+        culls: false,
+        draws: false,
+        make: trace::segments,
+    },
+    Technique {
+        name: "raster-warp",
+        about: "vertices projected exactly, straight edges between them (Brosz et al. 2007; Popescu et al., section 4.2)",
+        knob: Some(Knob { name: "levels of subdivision", default: 0, least: 0, most: 4 }),
+        culls: true,
+        draws: true,
+        make: through_pieces::warp,
+    },
+    Technique {
+        name: "raster-bound",
+        about: "a triangle around each image, the ray of each of its pixels against the plane (Hou et al. 2006, section 2)",
+        knob: None,
+        culls: true,
+        draws: true,
+        make: through_pieces::bound,
+    },
+    Technique {
+        name: "raster-bound-passes",
+        about: "the same, a pass for each camera",
+        knob: None,
+        culls: true,
+        draws: true,
+        make: through_pieces::bound_passes,
+    },
+    Technique {
+        name: "raster-splat",
+        about: "two passes by a texture of where the camera shows each triangle (Yu et al. 2009, section 3.3), of all GLCs at once",
+        knob: Some(SAMPLES),
+        culls: true,
+        draws: true,
+        make: splat::batched,
+    },
+    Technique {
+        name: "raster-splat-passes",
+        about: "the same, two passes for each GLC",
+        knob: Some(SAMPLES),
+        culls: true,
+        draws: true,
+        make: splat::each,
+    },
+    Technique {
+        name: "raster-pieces",
+        about: "a perspective matrix a piece, triangles replicated (Lorenz and Doellner 2009, section 2; graph cameras)",
+        knob: None,
+        culls: true,
+        draws: true,
+        make: replicated::replicated,
+    },
+    Technique {
+        name: "raster-cubemap",
+        about: "a picture of all six sides, and every pixel's nearest texel (Lorenz and Doellner 2009, section 1.1)",
+        knob: Some(Knob { name: "texels a side", default: 2048, least: 16, most: 8192 }),
+        culls: false,
+        draws: true,
+        make: cubemap::cubemap,
+    },
+];
+
+/// Texels that a triangle has a side.
+const SAMPLES: Knob = Knob { name: "texels a side", default: 10, least: 2, most: 256 };
+
+/// `NAME` or `NAME:N`.
+///
+/// # Errors
+/// One line that names what is there, where the name or the number is not.
+pub fn parse(text: &str) -> std::result::Result<Choice, String> {
+    let (name, number) = text.split_once(':').map_or((text, None), |(n, k)| (n, Some(k)));
+    let technique = TECHNIQUES.iter().find(|t| t.name == name).ok_or_else(|| {
+        let names: Vec<&str> = TECHNIQUES.iter().map(|t| t.name).collect();
+        format!("no such engine; use compute, reference, {}", names.join(", "))
+    })?;
+    let knob = match (&technique.knob, number) {
+        (Some(knob), Some(text)) => {
+            let Knob { name: what, least, most, .. } = knob;
+            text.parse()
+                .ok()
+                .filter(|n| (*least..=*most).contains(n))
+                .ok_or_else(|| format!("write {name}:N with {least} to {most} {what}"))?
+        }
+        (Some(knob), None) => knob.default,
+        (None, Some(_)) => return Err(format!("{name} takes no number; leave it out")),
+        (None, None) => 0,
+    };
+    Ok(Choice { technique, knob })
+}
+
+/// The buffers that a kernel of a rival binds: a chunk's, and its own.
+fn with<'a>(scopes: Scopes<'a>, own: &[&'a Buffers]) -> Vec<&'a Buffers> {
+    [own, scopes].concat()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_are_read_as_they_are_written() {
+        for text in ["raytrace", "raytrace-brute", "raymarch-segments:8"] {
+            assert_eq!(parse(text).unwrap().label(), text);
+        }
+        assert_eq!(parse("raymarch-segments").unwrap().knob, 8);
+        let refusal = |text: &str| parse(text).unwrap_err();
+        assert!(refusal("raytrace:3").contains("takes no number"));
+        assert!(refusal("raymarch-segments:0").contains("1 to 256 segments"));
+        assert!(refusal("rastr").contains("raytrace-brute"));
+    }
+}

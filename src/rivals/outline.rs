@@ -1,0 +1,60 @@
+//! The pieces of a camera as draws see them.
+
+use super::rows::Outline;
+use crate::camera::Rays;
+use crate::camera::pieces::{Piece, Pieces};
+use crate::engine::plan::tiles::row_of;
+use crate::engine::rival::Setup;
+use crate::gpu::Gpu;
+use crate::gpu::buffers::Buffers;
+use crate::gpu::rows;
+use crate::input::{Error, Result};
+
+/// All pieces of the camera, by their number, each with its layer and its own number there.
+///
+/// # Errors
+/// [`Error::Input`] where a layer is no pieces.
+pub fn pieces<'a>(setup: &Setup<'a>) -> Result<Vec<(u32, &'a Pieces, u32)>> {
+    let mut all = Vec::new();
+    for (layer, rays) in setup.camera.layers.iter().enumerate() {
+        let Rays::Pieces(pieces) = rays else {
+            let kind = setup.camera.kind;
+            return Err(Error::input(format!("{kind} is no camera of pieces; give it pieces = N, or use raytrace")));
+        };
+        all.extend((0..pieces.pieces.len() as u32).map(|k| (layer as u32, pieces, k)));
+    }
+    Ok(all)
+}
+
+/// Puts `pieces` and `outlines` in `buffers`: a row each for every piece, 192 and 32 bytes; returns how many. Origins of rows are
+/// pixels of the image.
+pub fn upload(gpu: &Gpu, setup: &Setup, buffers: &mut Buffers) -> Result<u32> {
+    let all = pieces(setup)?;
+    let order: Vec<u32> = (0..all.len() as u32).collect();
+    upload_in_order(gpu, setup, (&all, &order), buffers)?;
+    Ok(all.len() as u32)
+}
+
+/// The same, the rows of `pieces` in this order; `outlines` are by number.
+pub fn upload_in_order(
+    gpu: &Gpu,
+    setup: &Setup,
+    (all, order): (&[(u32, &Pieces, u32)], &[u32]),
+    buffers: &mut Buffers,
+) -> Result<()> {
+    let (w, h) = (setup.camera.width, setup.camera.height);
+    let outline = |(layer, pieces, k): &(u32, &Pieces, u32)| {
+        let corners = pieces.pieces[*k as usize].corners_px.map(|c| c.map(|q| q.as_vec2().to_array()));
+        let [a, b, c] = corners.unwrap_or([[0.0, 0.0], [2.0 * w as f32, 0.0], [0.0, 2.0 * h as f32]]);
+        Outline { a, b, c, is_whole: u32::from(corners.is_none()), layer: *layer }
+    };
+    let row = |&number: &u32| -> rows::Piece {
+        let (_, pieces, k) = all[number as usize];
+        let Piece { centre_px, .. } = &pieces.pieces[k as usize];
+        // far from an eye or not, a row is about a pixel of its own
+        let (i, j) = ((centre_px.x.max(0.0) as u32).min(w - 1), (centre_px.y.max(0.0) as u32).min(h - 1));
+        row_of(&pieces.bundle_at(k, i, j), setup.anchor, [i as f32, j as f32], number)
+    };
+    buffers.upload(gpu, "outlines", &all.iter().map(outline).collect::<Vec<_>>())?;
+    buffers.upload(gpu, "pieces", &order.iter().map(row).collect::<Vec<_>>())
+}

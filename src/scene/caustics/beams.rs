@@ -1,0 +1,180 @@
+//! From photons to caustic triangles: the flux of the beams between them, and what of it lands where.
+
+use super::landing::Landings;
+use super::{Budget, Caustics, Method, mean};
+use crate::geometry::mesh::Mesh;
+use crate::image::frame::{Channel, Frame, NO_ID};
+use crate::input::{Error, Result};
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// What the photon-location map is made of.
+pub const CHANNELS: [Channel; 6] =
+    [Channel::R, Channel::G, Channel::TriangleId, Channel::BaryU, Channel::BaryV, Channel::MirrorId];
+
+/// What became of a ray of the light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Photon {
+    pub fate: Fate,
+    /// What the turns left of its light, linear RGB.
+    pub left: [f64; 3],
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fate {
+    /// Never turned.
+    Direct,
+    /// Ended on the optics.
+    Absorbed,
+    /// Turned, and then on no receiver's plane.
+    Missed,
+    /// Turned so often, and then on this receiver's plane, there at a place in texels.
+    Landed { receiver: u32, turns: u32, place: DVec2 },
+}
+
+/// Light on a receiver, spread evenly over a triangle; a line or a point where corners coincide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cast {
+    pub receiver: u32,
+    /// Texels.
+    pub corners: [DVec2; 3],
+    /// Linear RGB.
+    pub flux: [f64; 3],
+}
+
+impl Caustics {
+    /// The photons of an image of [`Caustics::counting`] with the channels [`CHANNELS`], row by row.
+    pub fn photons(&self, mesh: &Mesh, landings: &Landings, frame: &Frame) -> Result<Vec<Photon>> {
+        let absent = || Error::work("the photon-location map lacks a channel");
+        let f32s = |channel| frame.f32(channel).ok_or_else(absent);
+        let u32s = |channel| frame.u32(channel).ok_or_else(absent);
+        let (ids, mirrors) = (u32s(Channel::TriangleId)?, u32s(Channel::MirrorId)?);
+        let (u, v) = (f32s(Channel::BaryU)?, f32s(Channel::BaryV)?);
+        let (r, g) = (f32s(Channel::R)?, f32s(Channel::G)?);
+        let triangles = mesh.triangles.len() as u32;
+        let photon = |k: usize| {
+            // halving is exact
+            let turns = (g[k] / r[k]).log2().round();
+            let left = self.optics.tint.map(|tint| f64::from(tint).powi(turns as i32) * f64::from(g[k]));
+            let fate = match (mirrors[k], ids[k], landings.of(ids[k])) {
+                (NO_ID, ..) => return Photon { fate: Fate::Direct, left: [1.0; 3] },
+                (_, NO_ID, _) => Fate::Missed,
+                (_, id, _) if id >= triangles => Fate::Absorbed,
+                (_, _, None) => Fate::Missed,
+                (_, _, Some(landing)) => {
+                    let place = landing.place([u[k], v[k]].map(f64::from));
+                    Fate::Landed { receiver: landing.receiver, turns: turns as u32, place }
+                }
+            };
+            // nothing is left of a light that was turned to nothing
+            let left = if left.iter().all(|l| l.is_finite()) { left } else { [0.0; 3] };
+            Photon { fate, left }
+        };
+        Ok((0..ids.len()).into_par_iter().map(photon).collect())
+    }
+
+    /// The caustic triangles of all beams, and a budget without what the receivers' maps alone know: `deposited`, and the
+    /// part of `missed` that lies beyond their borders.
+    ///
+    /// Photons of a beam that fare alike, equally often turned and on one receiver, stay together: three are a triangle, two
+    /// have two thirds of the flux, one a third, on triangles guessed from their neighbours.
+    pub fn casts(&self, photons: &[Photon]) -> (Vec<Cast>, Budget) {
+        let flux = self.beam_flux();
+        let mut budget = Budget { flux: self.flux, ..Budget::default() };
+        let mut casts = Vec::new();
+        let grid = Grid { photons, columns: self.light.width as usize };
+        for (corners, flux) in self.beams().zip(flux) {
+            let three = corners.map(|k| photons[k]);
+            for photon in three {
+                let third = flux / 3.0;
+                let left = third * mean(photon.left);
+                budget.absorbed += third - left;
+                match photon.fate {
+                    Fate::Direct => budget.direct += left,
+                    Fate::Absorbed => budget.absorbed += left,
+                    Fate::Missed => budget.missed += left,
+                    Fate::Landed { .. } => {}
+                }
+            }
+            for cast in grid.casts(corners, flux) {
+                match self.method {
+                    Method::Flux => casts.push(cast),
+                    Method::SolidAngle => {
+                        let ratio = self.solid_angle_ratio(&cast);
+                        match ratio {
+                            Some(ratio) => casts.push(Cast { flux: cast.flux.map(|f| f * ratio), ..cast }),
+                            None => budget.missed += mean(cast.flux),
+                        }
+                    }
+                }
+            }
+        }
+        budget.triangles = casts.len() as u64;
+        (casts, budget)
+    }
+}
+
+/// The way of a photon that landed, and where.
+fn landed(photon: &Photon) -> Option<((u32, u32), DVec2)> {
+    match photon.fate {
+        Fate::Landed { receiver, turns, place } => Some(((receiver, turns), place)),
+        _ => None,
+    }
+}
+
+/// Photons by their place in the grid.
+struct Grid<'a> {
+    photons: &'a [Photon],
+    columns: usize,
+}
+
+impl Grid<'_> {
+    /// The parts of a beam's light that stay together on a receiver.
+    fn casts(&self, corners: [usize; 3], flux: f64) -> Vec<Cast> {
+        let ways = corners.map(|k| landed(&self.photons[k]));
+        let mut casts = Vec::new();
+        for (k, found) in ways.iter().enumerate() {
+            let Some((way, _)) = found else { continue };
+            let is_of = |k: usize| ways[k].is_some_and(|w| w.0 == *way);
+            if (0..k).any(is_of) {
+                continue;
+            }
+            let part = |mine: bool| (0..3).filter(|k| is_of(*k) == mine).map(|k| corners[k]).collect::<Vec<_>>();
+            let (own, others) = (part(true), part(false));
+            let third = |c: usize| own.iter().map(|k| self.photons[*k].left[c] * flux / 3.0).sum();
+            let triangle = self.triangle(*way, &own, &others);
+            casts.extend(triangle.map(|t| Cast { receiver: way.0, corners: t, flux: [third(0), third(1), third(2)] }));
+        }
+        casts
+    }
+
+    /// Over what the light of a beam's photons `own` is spread. Where `others` fare otherwise their places are guessed from
+    /// the photons opposite, and the triangle is made smaller as its light is less.
+    fn triangle(&self, way: (u32, u32), own: &[usize], others: &[usize]) -> Option<[DVec2; 3]> {
+        let place = |k: usize| landed(&self.photons[k]).map(|l| l.1);
+        let first = place(*own.first()?)?;
+        let guess = |other: usize| own.iter().find_map(|k| self.opposite(way, *k, other));
+        Some(match (own, others) {
+            (&[_, b, c], _) => [first, place(b)?, place(c)?],
+            (&[_, b], &[other]) => {
+                let (b, middle) = (place(b)?, (first + place(b)?) / 2.0);
+                [first, b, guess(other).map_or(middle, |c| middle.lerp(c, 2.0 / 3.0))]
+            }
+            (_, &[b, c]) => {
+                let towards = |corner: DVec2| first.lerp(corner, (1.0f64 / 3.0).sqrt());
+                guess(b).zip(guess(c)).map_or([first; 3], |(b, c)| [first, towards(b), towards(c)])
+            }
+            _ => [first; 3],
+        })
+    }
+
+    /// Where photon `missing` would land if the map were linear from the photon on the other side of `k`.
+    fn opposite(&self, way: (u32, u32), k: usize, missing: usize) -> Option<DVec2> {
+        let cell = |k: usize| ((k % self.columns) as i64, (k / self.columns) as i64);
+        let ((x, y), (mx, my)) = (cell(k), cell(missing));
+        let (x, y) = (usize::try_from(2 * x - mx).ok()?, usize::try_from(2 * y - my).ok()?);
+        let beyond = self.photons.get(y * self.columns + x).filter(|_| x < self.columns)?;
+        let (_, from) = landed(beyond).filter(|l| l.0 == way)?;
+        Some(2.0 * landed(&self.photons[k])?.1 - from)
+    }
+}

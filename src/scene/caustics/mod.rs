@@ -1,0 +1,226 @@
+//! Caustics: light that a mirror or a lens turns onto receivers.
+//!
+//! A camera at the light, with the optics before it, sees where light goes: the photon-location map, a photon for every
+//! corner of a grid over the light's image. Three neighbouring photons span a beam of known flux, and on a receiver a
+//! caustic triangle, over which the flux is spread evenly. Maps of flux on the receivers are what comes of it; where a
+//! camera sees a receiver, the diffuse reflection of that light is added.
+//!
+//! [`flux`] and [`beams`] make the triangles of the photons, the kernel `deposit` adds up their flux, the kernel `gather` lights pixels;
+//! [`crate::reference`] does all of it by itself.
+//!
+//! Hou, Wei, Shum and Guo 2006, section 3.3.
+
+pub mod beams;
+pub mod flux;
+pub mod landing;
+pub mod shares;
+pub mod spec;
+
+use crate::camera::optics::Optics;
+use crate::camera::{Camera, Rays};
+use crate::geometry::mesh::{Material, Mesh};
+use crate::geometry::texture::Texture;
+use crate::input::{Error, Result};
+use crate::scene::Scene;
+use crate::scene::caustics::spec::CausticsSpec;
+use crate::scene::light::{Light, Source};
+use glam::{DVec2, DVec3};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// A light whose caustics are wanted, and where.
+#[derive(Debug, Clone)]
+pub struct Caustics {
+    /// The camera at the light: a pixel for each corner of the grid of `cells`, and its sample there.
+    pub light: Camera,
+    pub optics: Arc<Optics>,
+    /// Columns and rows of the grid over the light's image.
+    pub cells: [u32; 2],
+    /// Of all of the light's image.
+    pub flux: f64,
+    pub method: Method,
+    pub receivers: Vec<Receiver>,
+}
+
+/// How much light a caustic triangle brings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// The flux of its beam, spread over its area.
+    Flux,
+    /// What the light would send there without the optics, times the ratio of the solid angles of the beam and the
+    /// triangle, both seen from the light (Hou et al., section 3.3).
+    SolidAngle,
+}
+
+/// A parallelogram `origin + s u + t v`, s and t in [0, 1], in a plane of the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Receiver {
+    pub origin: DVec3,
+    pub u: DVec3,
+    pub v: DVec3,
+    /// Texels along u and along v.
+    pub texels: [u32; 2],
+}
+
+/// Flux on a receiver: linear RGB a texel, row by row along u from the origin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map {
+    pub receiver: Receiver,
+    pub flux: Vec<[f64; 3]>,
+}
+
+/// All maps, and where the rest of the light went.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Illumination {
+    pub maps: Vec<Map>,
+    pub budget: Budget,
+}
+
+/// Where a light's flux went; the mean of linear RGB.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Budget {
+    pub flux: f64,
+    /// On the receivers, by way of the optics.
+    pub deposited: f64,
+    /// Turned by the optics and gone elsewhere.
+    pub missed: f64,
+    /// Never turned: ordinary light, of which caustics know nothing.
+    pub direct: f64,
+    /// Kept by the optics' colour, and of rays that end on them.
+    pub absorbed: f64,
+    /// Caustic triangles on receivers, flat ones among them.
+    pub triangles: u64,
+    /// Those narrower than [`shares::LINE_WIDTH`]: lines and points.
+    pub degenerate: u64,
+}
+
+/// A budget, and what it took: wall time from the light's first ray until the maps are complete, ms.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Account {
+    #[serde(flatten)]
+    pub budget: Budget,
+    pub ms: f64,
+}
+
+impl Caustics {
+    /// # Errors
+    /// [`Error::Input`] where the light or a receiver makes no sense, or no triangle of the scene is in a receiver's plane.
+    pub fn new(spec: &CausticsSpec, mesh: &Mesh) -> Result<Caustics> {
+        let [columns, rows] = spec.map;
+        let camera = Camera::in_scene(&spec.light, Some((columns, rows)), mesh).map_err(|e| e.at("caustics.light"))?;
+        let ([Rays::Pieces(pieces)], Some(optics)) = (camera.layers.as_slice(), camera.optics.clone()) else {
+            return Err(Error::input("caustics.light: use a reflection or refraction whose eye is a pinhole"));
+        };
+        // one sample more each way, from the image's left and upper border to its right and lower one
+        let corners = crate::camera::Pieces::new(pieces.pieces.clone(), columns + 1, rows + 1);
+        let light = Camera { width: columns + 1, height: rows + 1, layers: vec![Rays::Pieces(corners)], ..camera };
+        let receivers = spec.receivers.clone();
+        landing::check(&receivers, mesh)?;
+        Ok(Caustics {
+            light: light.with_sample_offset(-0.5, -0.5),
+            optics,
+            cells: spec.map,
+            flux: spec.flux,
+            method: spec.method,
+            receivers,
+        })
+    }
+
+    /// The light's camera and a scene in which R and G say what became of a photon: every surface sends back all light, so
+    /// that G is the share that all turns but their colour left of it, and R that share once halved a turn.
+    pub fn counting(&self, scene: &Scene) -> (Scene, Camera) {
+        let optics = Optics { tint: COUNTING_TINT, base: [1.0; 3], ..(*self.optics).clone() };
+        let camera = Camera { optics: Some(Arc::new(optics)), ..self.light.clone() };
+        let mut white =
+            Scene { background: [1.0; 3], caustics: None, sky: None, style: Default::default(), ..scene.clone() };
+        // no light but that from everywhere
+        white.lights = vec![Light { source: Source::Distant(DVec3::ZERO), ..Light::distant(DVec3::X) }];
+        white.ambient_occlusion = None;
+        for material in &mut Arc::make_mut(&mut white.mesh).materials {
+            *material = Material {
+                diffuse: [1.0 / crate::scene::light::AMBIENT; 3],
+                two_sided: material.two_sided,
+                // light goes through its holes
+                texture: material.texture.as_ref().filter(|t| t.cuts()).map(Texture::white),
+                ..Material::default()
+            };
+        }
+        (white, camera)
+    }
+
+    /// Texels of the receivers before this one, and of all at the end.
+    pub fn first_texels(&self) -> Vec<u32> {
+        let mut sum = 0;
+        let mut firsts = vec![0];
+        firsts.extend(self.receivers.iter().map(|r| {
+            sum += r.texels[0] * r.texels[1];
+            sum
+        }));
+        firsts
+    }
+}
+
+/// R is halved at every turn.
+const COUNTING_TINT: [f32; 3] = [0.5, 1.0, 1.0];
+
+impl Receiver {
+    /// World area.
+    pub fn area(&self) -> f64 {
+        self.u.cross(self.v).length()
+    }
+
+    /// World area of one.
+    pub fn texel_area(&self) -> f64 {
+        self.area() / (self.texels[0] as f64 * self.texels[1] as f64)
+    }
+
+    fn size(&self) -> DVec2 {
+        DVec2::new(self.texels[0] as f64, self.texels[1] as f64)
+    }
+
+    /// Where a point of its plane lies, texels along u and v from the origin.
+    pub fn texels_of(&self, p: DVec3) -> DVec2 {
+        let n = self.u.cross(self.v);
+        let q = p - self.origin;
+        DVec2::new(q.cross(self.v).dot(n), self.u.cross(q).dot(n)) / n.length_squared() * self.size()
+    }
+
+    /// The point of a place in texels.
+    pub fn point(&self, place: DVec2) -> DVec3 {
+        let st = place / self.size();
+        self.origin + st.x * self.u + st.y * self.v
+    }
+}
+
+impl Map {
+    /// Flux an area at a place in texels, linear RGB: between the middles of texels bilinear, beyond the outermost ones
+    /// constant; `None` outside.
+    pub fn irradiance(&self, place: DVec2) -> Option<[f64; 3]> {
+        let [columns, rows] = self.receiver.texels;
+        let size = DVec2::new(columns as f64, rows as f64);
+        if !(place.cmpge(DVec2::ZERO).all() && place.cmple(size).all()) {
+            return None;
+        }
+        let p = (place - 0.5).clamp(DVec2::ZERO, size - 1.0);
+        let (x, y) = (p.x as u32, p.y as u32);
+        let (x1, y1) = ((x + 1).min(columns - 1), (y + 1).min(rows - 1));
+        let (s, t) = (p.x.fract(), p.y.fract());
+        let at = |x: u32, y: u32, k: usize| self.flux[(y * columns + x) as usize][k];
+        let mixed = |k: usize| {
+            let above = at(x, y, k) * (1.0 - s) + at(x1, y, k) * s;
+            let below = at(x, y1, k) * (1.0 - s) + at(x1, y1, k) * s;
+            above * (1.0 - t) + below * t
+        };
+        Some([0, 1, 2].map(|k| mixed(k) / self.receiver.texel_area()))
+    }
+
+    /// The sum of all texels.
+    pub fn total(&self) -> [f64; 3] {
+        [0, 1, 2].map(|k| self.flux.iter().map(|f| f[k]).sum())
+    }
+}
+
+/// The mean of linear RGB.
+pub fn mean(rgb: [f64; 3]) -> f64 {
+    rgb.iter().sum::<f64>() / 3.0
+}

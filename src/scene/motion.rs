@@ -1,0 +1,74 @@
+//! Image-space motion: where what a pixel shows now is seen in another frame, through any camera and as far as both may have moved.
+
+use crate::camera::Camera;
+use crate::camera::project::Projector;
+use crate::image::frame::{Channel, Frame, NO_ID};
+use crate::input::{Error, Result};
+use crate::scene::Scene;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// The channels that say what moves.
+pub const NEEDED: [Channel; 4] = [Channel::T, Channel::TriangleId, Channel::BaryU, Channel::BaryV];
+
+/// Names in an EXR file.
+pub const NAMES: [&str; 2] = ["motion.X", "motion.Y"];
+
+/// Of each pixel of `frame`, which shows `now`, how far to the right and downwards the same place of the same triangle lies in the
+/// image of `next`, px: the nearest of its places there, whether something hides it or not. 0 where nothing is hit; NaN where `next`
+/// sees it nowhere, or where that could not be found ([`crate::camera::project::Images::incomplete`]).
+///
+/// # Errors
+/// [`Error::Input`] where mirrors or lenses turn rays, the triangles are not the same, or the frame lacks one of [`NEEDED`].
+pub fn motion(now: (&Scene, &Camera), next: (&Scene, &Camera), frame: &Frame) -> Result<[Vec<f32>; 2]> {
+    let ((scene, camera), (next_scene, next_camera)) = (now, next);
+    if camera.optics.is_some() || next_camera.optics.is_some() {
+        let kind = camera.kind;
+        return Err(Error::input(format!("motion is not known by way of mirrors and lenses; {kind} has some")));
+    }
+    if scene.mesh.triangles != next_scene.mesh.triangles {
+        return Err(Error::input("motion is of triangles that are the same in both frames; these are not"));
+    }
+    let f32s = |channel: Channel| frame.f32(channel);
+    let needed = (f32s(Channel::T), frame.u32(Channel::TriangleId), f32s(Channel::BaryU), f32s(Channel::BaryV));
+    let (Some(t), Some(ids), Some(u), Some(v)) = needed else {
+        return Err(Error::input("motion needs t, triangle.id and bary"));
+    };
+    let projector = Projector::new(next_camera);
+    let width = camera.width as usize;
+    let moved = |k: usize| {
+        if ids[k] == NO_ID {
+            return DVec2::ZERO;
+        }
+        let (i, j) = ((k % width) as u32, (k / width) as u32);
+        let corners = |scene: &Scene| scene.mesh.triangles[ids[k] as usize].map(|c| scene.mesh.positions[c as usize]);
+        let found = weights(camera, (i, j), layer_of(t[k]), corners(scene));
+        let [u, v] = found.unwrap_or([u[k].into(), v[k].into()]);
+        let [a, b, c] = corners(next_scene);
+        let own = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
+        let places = projector.project(a + u * (b - a) + v * (c - a)).images;
+        let steps = places.iter().map(|image| DVec2::new(image.x, image.y) - own);
+        steps.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(DVec2::NAN)
+    };
+    let steps: Vec<DVec2> = (0..ids.len()).into_par_iter().map(moved).collect();
+    Ok([steps.iter().map(|s| s.x as f32).collect(), steps.iter().map(|s| s.y as f32).collect()])
+}
+
+/// The layer whose segment ends at or after t.
+fn layer_of(t: f32) -> usize {
+    (t.ceil() - 1.0).max(0.0) as usize
+}
+
+/// Weights of the second and third corner where a pixel's ray meets a triangle's plane, to f64; `None` of curves, and of rays that run
+/// along it.
+fn weights(camera: &Camera, (i, j): (u32, u32), layer: usize, [a, b, c]: [DVec3; 3]) -> Option<[f64; 2]> {
+    let layer = if camera.layers.len() > 1 { layer } else { 0 };
+    if camera.is_curved() {
+        return None;
+    }
+    let ray = camera.pixel(layer, i, j)?.1.ray(0.0, 0.0);
+    let side = |from: DVec3, to: DVec3| (from - ray.origin).cross(to - from).dot(ray.direction);
+    let e = [side(b, c), side(c, a), side(a, b)];
+    let sum = e[0] + e[1] + e[2];
+    (sum != 0.0).then(|| [e[1] / sum, e[2] / sum])
+}

@@ -1,0 +1,217 @@
+//! A case: one scene, seen by several techniques, each as an arm.
+
+use super::row::{Moving, Paper, Stiffness};
+use crate::engine::Arithmetic;
+use crate::engine::rival::Choice;
+use crate::image::write_text;
+use crate::input::Result;
+use crate::tools::example::EXAMPLES;
+use std::path::{Path, PathBuf};
+
+/// Where a case's scene comes from.
+#[derive(Debug, Clone)]
+pub enum Source {
+    /// A ready scene.
+    Example(&'static str),
+    /// A scene file's text.
+    Text(String),
+    /// Names and texts, the scene file's first.
+    Files(Vec<(&'static str, String)>),
+}
+
+/// One scene and all that look at it.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// What it is about, unique in its suite.
+    pub name: String,
+    pub source: Source,
+    /// KEY=VALUE of the scene for all arms.
+    pub set: Vec<String>,
+    /// KEY=VALUE of the scene that is the truth, beside these.
+    pub truth: Vec<String>,
+    pub moving: Moving,
+    /// What this engine tests and keeps is counted too, in a frame of its own.
+    pub counted: bool,
+    /// The truth are colours alone, the means of so many samples a pixel.
+    pub filtered: Option<u32>,
+    /// What makes the scene hard, where that is asked: what is proven is asked too.
+    pub stiffness: Option<Stiffness>,
+    pub arms: Vec<Arm>,
+    /// What a paper prints of it.
+    pub paper: Option<Paper>,
+}
+
+/// One way to show a case's scene.
+#[derive(Debug, Clone)]
+pub struct Arm {
+    /// A rival as `--engine` names it; `None`: this engine.
+    pub by: Option<String>,
+    /// KEY=VALUE of its own.
+    pub set: Vec<String>,
+    /// What sets it apart from others of the same technique.
+    pub way: Option<&'static str>,
+    /// The number that a sweep varies, where its choice has none, with its name.
+    pub knob: Option<(&'static str, f64)>,
+    /// As [`crate::engine::RunOptions::no_cull`].
+    pub no_cull: bool,
+    pub arithmetic: Arithmetic,
+    /// Asked for t and ids alone, as yardsticks find them, and for no colour.
+    pub bare: bool,
+    /// Of a pixel.
+    pub samples: Samples,
+}
+
+/// How many samples a pixel has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Samples {
+    /// In one frame.
+    AtOnce(u32),
+    /// In one frame, of which what they see has shares by areas.
+    Analytic(u32),
+    /// A frame each.
+    Apart(u32),
+}
+
+impl Case {
+    pub fn of(name: impl Into<String>, example: &'static str, arms: Vec<Arm>) -> Case {
+        Case::new(name, Source::Example(example), arms)
+    }
+
+    pub fn new(name: impl Into<String>, source: Source, arms: Vec<Arm>) -> Case {
+        Case {
+            name: name.into(),
+            source,
+            set: Vec::new(),
+            truth: Vec::new(),
+            moving: Moving::Nothing,
+            counted: false,
+            filtered: None,
+            stiffness: None,
+            arms,
+            paper: None,
+        }
+    }
+
+    pub fn set(mut self, set: &[impl AsRef<str>]) -> Case {
+        self.set.extend(set.iter().map(|s| s.as_ref().to_owned()));
+        self
+    }
+
+    /// The truth is the scene with these.
+    pub fn truth(mut self, set: &[&str]) -> Case {
+        self.truth.extend(set.iter().map(|s| (*s).to_owned()));
+        self
+    }
+
+    pub fn paper(self, paper: Paper) -> Case {
+        Case { paper: Some(paper), ..self }
+    }
+
+    pub fn moving(self, moving: Moving) -> Case {
+        Case { moving, ..self }
+    }
+
+    pub fn stiff(self, stiffness: Stiffness) -> Case {
+        Case { stiffness: Some(stiffness), ..self }
+    }
+
+    pub fn filtered(self, samples: u32) -> Case {
+        Case { filtered: Some(samples), ..self }
+    }
+
+    pub fn counted(self) -> Case {
+        Case { counted: true, ..self }
+    }
+
+    /// Writes the scene into a folder; returns its path.
+    pub(super) fn write(&self, folder: &Path) -> Result<PathBuf> {
+        match &self.source {
+            Source::Text(text) => {
+                let path = folder.join("scene.toml");
+                write_text(&path, text)?;
+                Ok(path)
+            }
+            Source::Files(files) => {
+                for (name, text) in files {
+                    write_text(&folder.join(name), text)?;
+                }
+                Ok(folder.join(files[0].0))
+            }
+            Source::Example(name) => match EXAMPLES.iter().find(|e| e.name == *name) {
+                Some(example) => example.write(folder),
+                None => Err(crate::input::Error::input(format!("there is no example {name}"))),
+            },
+        }
+    }
+}
+
+impl Arm {
+    pub fn ours() -> Arm {
+        Arm {
+            by: None,
+            set: Vec::new(),
+            way: None,
+            knob: None,
+            no_cull: false,
+            arithmetic: Arithmetic::default(),
+            bare: false,
+            samples: Samples::AtOnce(1),
+        }
+    }
+
+    /// A rival, as `--engine` names it.
+    pub fn rival(name: &str) -> Arm {
+        Arm { by: Some(name.to_owned()), ..Arm::ours() }
+    }
+
+    /// With so many samples a pixel.
+    pub fn samples(self, samples: Samples) -> Arm {
+        let (way, n) = match samples {
+            Samples::AtOnce(n) => (self.way, n),
+            Samples::Analytic(n) => (Some("areas"), n),
+            Samples::Apart(n) => (Some("a frame a sample"), n),
+        };
+        Arm { samples, way, knob: Some(("samples", f64::from(n))), ..self }
+    }
+
+    /// # Errors
+    /// [`crate::input::Error::Input`] where there is no such rival.
+    pub fn choice(&self) -> Result<Option<Choice>> {
+        self.by.as_deref().map(crate::rivals::parse).transpose().map_err(crate::input::Error::input)
+    }
+
+    pub fn set(mut self, set: &[&str]) -> Arm {
+        self.set.extend(set.iter().map(|s| (*s).to_owned()));
+        self
+    }
+
+    /// What sets it apart from others of the same technique.
+    pub fn way(self, way: &'static str) -> Arm {
+        Arm { way: Some(way), ..self }
+    }
+
+    /// Nothing is left out early.
+    pub fn no_cull(self) -> Arm {
+        Arm { no_cull: true, ..self.way("no culling") }
+    }
+
+    /// Asked for what yardsticks find.
+    pub fn bare(self) -> Arm {
+        Arm { bare: true, ..self.way("t and ids alone") }
+    }
+
+    /// All signs in this arithmetic.
+    pub fn arithmetic(self, arithmetic: Arithmetic, way: &'static str) -> Arm {
+        Arm { arithmetic, ..self.way(way) }
+    }
+
+    /// The number that a sweep varies.
+    pub fn knob(self, name: &'static str, value: f64) -> Arm {
+        Arm { knob: Some((name, value)), ..self }
+    }
+}
+
+/// This engine, then rivals by name.
+pub fn arms(rivals: &[&str]) -> Vec<Arm> {
+    [Arm::ours()].into_iter().chain(rivals.iter().map(|name| Arm::rival(name))).collect()
+}

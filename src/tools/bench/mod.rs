@@ -1,0 +1,156 @@
+//! `anamorph bench`: error against run time for every technique, as files that a person looks at.
+//!
+//! A [`suites::Suite`] is a list of [`case::Case`]s, each one scene and the arms that show it; a [`race`] of one gives [`row::Row`]s. A
+//! run is written as raw.csv, results.json, summary.md and plots; index.html beside all runs shows them together.
+
+pub mod case;
+mod closeups;
+mod page;
+mod plot;
+mod provenance;
+pub mod race;
+pub mod row;
+mod stiff;
+pub mod suites;
+mod table;
+mod yardstick;
+
+use crate::image::write_text;
+use crate::input::{Error, Result};
+use case::Case;
+pub use provenance::Provenance;
+use race::{Engines, Rules, race};
+use row::Row;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use suites::{Plot, Suite};
+
+/// A suite that was run.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Run {
+    pub suite: String,
+    pub provenance: Provenance,
+    pub rows: Vec<Row>,
+    /// Pictures beside each other.
+    #[serde(default)]
+    pub closeups: Vec<closeups::Drawn>,
+}
+
+/// Which cases of a suite are run.
+#[derive(Debug, Clone, Default)]
+pub struct Selection {
+    /// Small ones, for a look.
+    pub quick: bool,
+    /// Those alone whose name contains it; a run of the same day and suite keeps its other rows.
+    pub only: Option<String>,
+}
+
+/// Runs a suite, telling of each row as it is there; each case is written once it is run, to a folder of the run's own in `folder`.
+///
+/// # Errors
+/// [`Error::Work`] where a file cannot be written, [`Error::Input`] where no case is selected; what a technique cannot show is a row
+/// that says so.
+pub fn run(
+    engines: &mut Engines,
+    suite: &Suite,
+    selection: &Selection,
+    rules: &Rules,
+    folder: &Path,
+    mut tell: impl FnMut(&Row),
+) -> Result<PathBuf> {
+    let Selection { quick, only } = selection;
+    let cases = suite.cases(*quick);
+    let is_asked = |case: &Case| only.as_ref().is_none_or(|text| case.name.contains(text.as_str()));
+    let closeups = if *quick { &[] } else { suite.closeups };
+    let is_shown = |c: &&closeups::Closeups| only.as_ref().is_none_or(|text| c.name.contains(text.as_str()));
+    if !cases.iter().any(is_asked) && !closeups.iter().any(|c| is_shown(&c)) {
+        let names = cases.iter().map(|c| c.name.trim()).chain(closeups.iter().map(|c| c.name));
+        let names: Vec<&str> = names.collect();
+        return Err(Error::input(format!("{} has no such case; there is: {}", suite.name, names.join("; "))));
+    }
+    let provenance = Provenance::now(&engines.computing, *quick);
+    let mut run = Run { suite: suite.name.into(), provenance, rows: Vec::new(), closeups: Vec::new() };
+    let folder = folder.join(run.folder_name());
+    let results = folder.join(RESULTS);
+    if only.is_some() && results.is_file() {
+        Run { rows: run.rows, closeups: run.closeups, .. } = read(&results)?;
+    }
+    for case in cases.iter().filter(|case| is_asked(case)) {
+        let failed = |e: Error| case.arms.iter().map(|arm| Row::refused(suite.name, case, arm, &e)).collect();
+        let mut own = race(engines, suite.name, case, rules).unwrap_or_else(failed);
+        own.iter_mut().for_each(|row| row.commit = run.provenance.commit.clone());
+        own.iter().for_each(&mut tell);
+        run.rows.retain(|row| row.case != case.name);
+        run.rows.extend(own);
+        run.rows.sort_by_key(|row| cases.iter().position(|c| c.name == row.case));
+        run.write(&folder, suite.plot)?;
+    }
+    for closeup in closeups.iter().filter(is_shown) {
+        std::fs::create_dir_all(&folder).map_err(|e| Error::work(format!("{}: {e}", folder.display())))?;
+        let drawn = closeup.draw(&mut engines.computing, &folder)?;
+        run.closeups.retain(|c| c.name != drawn.name);
+        run.closeups.push(drawn);
+        run.write(&folder, suite.plot)?;
+    }
+    Ok(folder)
+}
+
+/// The file of a run that this program reads again.
+const RESULTS: &str = "results.json";
+
+fn read(results: &Path) -> Result<Run> {
+    let text = std::fs::read_to_string(results).map_err(|e| Error::work(format!("{}: {e}", results.display())))?;
+    let of_another = |e| Error::input(format!("{}: no results of this version: {e}; remove it", results.display()));
+    serde_json::from_str(&text).map_err(of_another)
+}
+
+impl Run {
+    fn folder_name(&self) -> String {
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+        let adapter: String =
+            self.provenance.adapter.split(['(', ',']).next().unwrap_or("").trim().chars().map(plain).collect();
+        let quick = if self.provenance.quick { "-quick" } else { "" };
+        format!("{}-{adapter}-{}{quick}", self.provenance.date, self.suite)
+    }
+
+    fn write(&self, folder: &Path, plot: Plot) -> Result<()> {
+        let failed = |e: &dyn std::fmt::Display| Error::work(format!("{}: {e}", folder.display()));
+        std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
+        let json = serde_json::to_string_pretty(self).map_err(|e| failed(&e))?;
+        write_text(&folder.join(RESULTS), &(json + "\n"))?;
+        write_text(&folder.join("raw.csv"), &table::csv(&self.rows)?)?;
+        let plots = plot::plots(&self.rows, plot)?;
+        for (name, _, svg) in &plots {
+            write_text(&folder.join(name), svg)?;
+        }
+        write_text(&folder.join("summary.md"), &table::markdown(self, &plots))
+    }
+}
+
+/// The page over all runs.
+pub const INDEX: &str = "index.html";
+
+/// Writes index.html over all runs in a folder; returns its path.
+///
+/// # Errors
+/// [`Error::Input`] where a results.json there is none of this program.
+pub fn write_index(folder: &Path) -> Result<PathBuf> {
+    let failed = |e: std::io::Error| Error::work(format!("{}: {e}", folder.display()));
+    let mut names: Vec<PathBuf> = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        names.extend(path.join(RESULTS).is_file().then_some(path));
+    }
+    names.sort();
+    let with_plots = |path: &PathBuf| {
+        let run = read(&path.join(RESULTS))?;
+        let plot = suites::SUITES.iter().find(|s| s.name == run.suite).map_or(Plot::Error, |s| s.plot);
+        let plots = plot::plots(&run.rows, plot)?;
+        let folder = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        Ok((folder, run, plots))
+    };
+    let runs = names.iter().map(with_plots).collect::<Result<Vec<_>>>()?;
+    let path = folder.join(INDEX);
+    write_text(&path, &page::page(&runs))?;
+    Ok(path)
+}

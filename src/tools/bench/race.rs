@@ -1,0 +1,432 @@
+//! Running a case: all arms in turn, A B A B, the order turned round every other time, with an empty kernel as a control; each
+//! frame is held against one truth.
+
+use super::case::{Arm, Case, Samples};
+use super::row::{Certified, Counted, Error, Moving, Row, Times};
+use super::yardstick::Yardstick;
+use crate::camera::Camera;
+use crate::engine::plan::Wanted;
+use crate::engine::plan::samples::places;
+use crate::engine::{Arithmetic, Engine, Frames, Rendered, RunOptions};
+use crate::gpu::Gpu;
+use crate::gpu::device::{GpuOptions, NO_ADAPTER};
+use crate::image::compare::compare;
+use crate::image::frame::{Channel, Frame, NO_ID, Plane};
+use crate::input::Result;
+use crate::reference::image::{Judgement, image, judge};
+use crate::scene::Scene;
+use glam::DVec2;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// This engine on two devices of an adapter: software adapters misplace the passes of a device in time once it has drawn.
+pub struct Engines {
+    /// Of compute kernels alone.
+    pub computing: Engine,
+    /// Of rivals that draw.
+    pub drawing: Engine,
+}
+
+impl Engines {
+    /// # Errors
+    /// [`crate::input::Error::Work`] where there is no adapter.
+    pub fn open(options: &GpuOptions) -> Result<Engines> {
+        let engine = || Ok(Engine::new(Gpu::open(options)?.ok_or_else(|| crate::input::Error::work(NO_ADAPTER))?));
+        Ok(Engines { computing: engine()?, drawing: engine()? })
+    }
+
+    /// The one that an arm runs on.
+    fn of(&mut self, arm: &Arm) -> &mut Engine {
+        let draws = arm.choice().ok().flatten().is_some_and(|c| c.technique.draws);
+        if draws { &mut self.drawing } else { &mut self.computing }
+    }
+}
+
+/// How cases are run.
+#[derive(Debug, Clone)]
+pub struct Rules {
+    /// Timed frames of each arm.
+    pub runs: u32,
+    /// A program that runs beside all arms of cases that it can show.
+    pub yardstick: Option<PathBuf>,
+    /// Triangles that a technique may draw a frame.
+    pub draws_max: Option<u64>,
+    /// How long a technique's first frame may take, ms, to be repeated, where it is not within twice this engine's.
+    pub first_ms_max: f64,
+}
+
+impl Rules {
+    /// Of a full run, or of one for a look: `quick`. A software adapter draws some millions of triangles a second.
+    pub fn new(quick: bool, is_software: bool) -> Rules {
+        Rules {
+            runs: if quick { 3 } else { 9 },
+            yardstick: None,
+            draws_max: is_software.then_some(if quick { 500_000 } else { 8_000_000 }),
+            first_ms_max: if quick { 1500.0 } else { 10_000.0 },
+        }
+    }
+}
+
+/// Frames of more pixels are not held against the reference: it takes minutes.
+const JUDGED_MAX: u64 = 1 << 20;
+
+/// What runs.
+enum Runner {
+    Frames(Box<Frames>),
+    /// Of a frame a sample, whose colours are averaged.
+    Apart(Vec<Frames>),
+    Yardstick(Yardstick),
+}
+
+/// The scenes of a case.
+struct Scenes<'a> {
+    case: &'a Case,
+    path: PathBuf,
+}
+
+impl Scenes<'_> {
+    /// With `more` KEY=VALUE, at a frame.
+    fn load(&self, more: &[String], frame: u32) -> Result<Scene> {
+        Scene::load(&self.path, &[&self.case.set[..], more].concat(), f64::from(frame))
+    }
+
+    fn with_camera(&self, more: &[String]) -> Result<(Scene, Camera)> {
+        let scene = self.load(more, 0)?;
+        let camera = scene.camera()?;
+        Ok((scene, camera))
+    }
+}
+
+/// Runs all arms of a case; what a technique cannot show is a row that says so.
+///
+/// # Errors
+/// [`crate::input::Error`] where the case's scene or the device fails.
+pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> Result<Vec<Row>> {
+    let folder = tempfile::tempdir().map_err(|e| crate::input::Error::work(format!("no temporary folder: {e}")))?;
+    let all = Scenes { case, path: case.write(folder.path())? };
+    let truth = all.with_camera(&case.truth)?;
+    let program = rules.yardstick.as_deref();
+    let yardstick = program.map(|p| Yardstick::new(p, &truth.0, &truth.1, case.moving)).transpose()?.flatten();
+    // what it finds is asked of this engine too
+    let bare = yardstick.as_ref().and(case.arms.first()).map(|ours| ours.clone().bare());
+    let arms: Vec<&Arm> = case.arms.iter().chain(&bare).collect();
+    let scenes: Vec<Result<(Scene, Camera)>> = arms.iter().map(|arm| all.with_camera(&arm.set)).collect();
+    let moved: Vec<Vec<Camera>> = arms.iter().zip(&scenes).map(|(arm, scene)| cameras_apart(arm, scene)).collect();
+    let mut entries: Vec<Entry> = Vec::new();
+    for ((&arm, scene), moved) in arms.iter().zip(&scenes).zip(&moved) {
+        let mut entry = Entry { row: Row::new(suite, case, arm), arm: Some(arm), runner: None, times: Vec::new() };
+        let with_culling = |e: &&Entry| arm.no_cull && e.row.technique == entry.row.technique;
+        match (entries.iter().find(with_culling).and_then(|e| e.row.refused.clone()), scene) {
+            (Some(refused), _) => entry.row.refused = Some(format!("with culling, {refused}")),
+            (None, Ok((scene, camera))) => {
+                let ours = entries.iter().find(|e| e.row.is_ours()).and_then(|e| e.runner.as_ref());
+                let first_ms_max = rules.first_ms_max.max(2.0 * ours.map_or(0.0, Runner::first_ms));
+                entry.prepare(
+                    engines.of(arm),
+                    scene,
+                    (camera, moved),
+                    &wanted(case, arm),
+                    &options(case, arm, rules),
+                    first_ms_max,
+                );
+            }
+            (None, Err(e)) => entry.row.refused = Some(e.to_string()),
+        }
+        entries.push(entry);
+    }
+    if let Some((program, yardstick)) = program.zip(yardstick) {
+        let mut row = Row::of_yardstick(suite, case, program);
+        row.describe(&truth.0, &truth.1);
+        entries.push(Entry { row, arm: None, runner: Some(Runner::Yardstick(yardstick)), times: Vec::new() });
+    }
+    let control_ms = time(&engines.computing, &all, &mut entries, rules.runs)?;
+
+    let mut judge = Judge { scene: &truth.0, camera: &truth.1, judgement: None, each: case.stiffness.is_some() };
+    let filtered = case.filtered.map(|samples| box_filtered(&truth.0, &truth.1, samples));
+    let mut rows = Vec::new();
+    for (at, mut entry) in entries.into_iter().enumerate() {
+        entry.row.control_ms = control_ms;
+        let scene = scenes.get(at).and_then(|s| s.as_ref().ok());
+        if let Some(frame) = entry.finish(scene.map(|s| &s.1)) {
+            entry.row.error = match &filtered {
+                Some(truth) => Some(Error::of(&compare(&frame, truth, None, None)?)),
+                None => judge.error(&frame)?,
+            };
+            if let (Some((scene, camera)), Some(arm), true) = (scene, entry.arm, entry.row.is_ours()) {
+                let options = options(case, arm, rules)?;
+                if case.counted && !arm.bare {
+                    entry.row.counted = Some(counted(&mut engines.computing, scene, camera, &options, &frame)?);
+                }
+                let is_provable = camera.optics.is_none() && arm.arithmetic == Arithmetic::Rechecked;
+                if let (true, true, Some(truth)) = (case.stiffness.is_some(), is_provable, judge.truth()) {
+                    entry.row.certified = Some(certified(&mut engines.computing, scene, camera, &options, truth)?);
+                }
+            }
+        }
+        rows.push(entry.row);
+    }
+    let median = |row: &Row| row.times.as_ref().map(|t| t.median);
+    let ours = rows.iter().find(|r| r.is_ours()).and_then(median);
+    // the arm for the program stands behind those of the case, and the program behind it
+    let bare = rows.get(case.arms.len()).and_then(median);
+    let related = rows.iter_mut().enumerate();
+    related.for_each(|(at, row)| row.relate(if at > case.arms.len() { bare } else { ours }));
+    Ok(rows)
+}
+
+/// Times all that run, in turn; the median time of an empty kernel between them, ms.
+fn time(engine: &Engine, scenes: &Scenes, entries: &mut [Entry], runs: u32) -> Result<f64> {
+    let mut control = Vec::new();
+    for k in 0..runs {
+        let mut order: Vec<usize> = (0..entries.len()).collect();
+        if k % 2 == 1 {
+            order.reverse();
+        }
+        control.push(engine.empty_frame()?);
+        order.into_iter().for_each(|at| entries[at].time(scenes, k + 1));
+    }
+    Ok(Times::of(&control).median)
+}
+
+/// An arm, or the program beside all, while it runs.
+struct Entry<'a> {
+    row: Row,
+    /// `None`: it is the program.
+    arm: Option<&'a Arm>,
+    runner: Option<Runner>,
+    times: Vec<f64>,
+}
+
+impl<'a> Entry<'a> {
+    /// Puts everything that the arm needs on the device, and runs a first frame.
+    fn prepare(
+        &mut self,
+        engine: &mut Engine,
+        scene: &'a Scene,
+        (camera, moved): (&'a Camera, &'a [Camera]),
+        wanted: &Wanted,
+        options: &Result<RunOptions>,
+        first_ms_max: f64,
+    ) {
+        self.row.describe(scene, camera);
+        let options = options.as_ref().map_err(Clone::clone);
+        if !moved.is_empty() {
+            let each = |camera| options.clone().and_then(|options| engine.prepare(scene, camera, wanted, options));
+            match moved.iter().map(each).collect() {
+                Ok(frames) => self.runner = Some(Runner::Apart(frames)),
+                Err(e) => self.row.refused = Some(e.to_string()),
+            }
+            return;
+        }
+        match options.and_then(|options| engine.prepare(scene, camera, wanted, options)) {
+            Ok(frames) => {
+                let first_ms = frames.first_ms();
+                if first_ms > first_ms_max && !self.row.is_ours() {
+                    let most = format!("those over {first_ms_max:.0} are not repeated");
+                    let why = format!("its first frame took {first_ms:.0} ms; {most}");
+                    self.row.refused = Some(why);
+                }
+                self.runner = Some(Runner::Frames(Box::new(frames)));
+            }
+            Err(e) => self.row.refused = Some(e.to_string()),
+        }
+    }
+
+    /// One more frame, unless it is not repeated.
+    fn time(&mut self, scenes: &Scenes, k: u32) {
+        let Some(runner) = self.runner.as_mut().filter(|_| self.row.refused.is_none()) else { return };
+        let set = self.arm.map_or(&[][..], |arm| &arm.set);
+        match runner.frame(scenes, set, k) {
+            Ok(ms) => self.times.push(ms),
+            Err(e) => {
+                self.row.refused = Some(e.to_string());
+                self.runner = None;
+            }
+        }
+    }
+
+    /// What it sees by the camera of the first frame; what all took goes to the row.
+    fn finish(&mut self, first: Option<&Camera>) -> Option<Frame> {
+        let runner = self.runner.take()?;
+        if self.row.refused.is_none() {
+            self.row.times = Some(Times::of(&self.times));
+        }
+        match runner.finish(first, &mut self.row) {
+            Ok(frame) => Some(frame),
+            Err(e) => {
+                self.row.refused = Some(e.to_string());
+                None
+            }
+        }
+    }
+}
+
+/// Holds frames against one truth, which is made for the first.
+struct Judge<'a> {
+    scene: &'a Scene,
+    camera: &'a Camera,
+    judgement: Option<Judgement>,
+    /// Every frame is held against what may be seen near each pixel, and not the first alone.
+    each: bool,
+}
+
+impl Judge<'_> {
+    /// `None` where the frame is too large to be held against the reference.
+    fn error(&mut self, frame: &Frame) -> Result<Option<Error>> {
+        if u64::from(self.camera.width) * u64::from(self.camera.height) > JUDGED_MAX {
+            return Ok(None);
+        }
+        if self.each {
+            self.judgement = None;
+        }
+        let truth = self.judgement.get_or_insert_with(|| judge(self.scene, self.camera, frame));
+        let error = Error::of(&compare(frame, &truth.truth, Some(&truth.safe), Some(&truth.scales))?);
+        Ok(Some(Error { wrong_not_near: self.each.then_some(truth.not_near), ..error }))
+    }
+
+    /// The reference's frame, once one was held against it.
+    fn truth(&self) -> Option<&Frame> {
+        self.judgement.as_ref().map(|j| &j.truth)
+    }
+}
+
+/// The cameras of an arm's samples, where each takes a frame.
+fn cameras_apart(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Vec<Camera> {
+    match (arm.samples, scene) {
+        (Samples::Apart(n), Ok((_, camera))) => {
+            places(n).into_iter().map(|place| camera.with_sample_offset(place.x, place.y)).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+pub(super) const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
+
+/// The colours of the reference, with so many samples a pixel.
+fn box_filtered(scene: &Scene, camera: &Camera, samples: u32) -> Frame {
+    let frame = |place: DVec2| image(scene, &camera.with_sample_offset(place.x, place.y), &COLOURS);
+    mean(places(samples).into_iter().map(frame))
+}
+
+/// The means of all frames' colours.
+fn mean(frames: impl Iterator<Item = Frame>) -> Frame {
+    let mut sums: Vec<Vec<f64>> = Vec::new();
+    let (mut size, mut count) = ((0, 0), 0.0);
+    for frame in frames {
+        let pixels = frame.width as usize * frame.height as usize;
+        sums.resize(COLOURS.len(), vec![0.0; pixels]);
+        for (sum, channel) in sums.iter_mut().zip(COLOURS) {
+            let values = frame.f32(channel).unwrap_or_default();
+            sum.iter_mut().zip(values).for_each(|(s, v)| *s += f64::from(*v));
+        }
+        (size, count) = ((frame.width, frame.height), count + 1.0);
+    }
+    let plane = |sum: &Vec<f64>| Plane::F32(sum.iter().map(|s| (s / count) as f32).collect());
+    let planes = COLOURS.into_iter().zip(&sums).map(|(channel, sum)| (channel, plane(sum))).collect();
+    Frame { width: size.0, height: size.1, planes }
+}
+
+/// What an arm is asked for.
+fn wanted(case: &Case, arm: &Arm) -> Wanted {
+    let seen = seen(case.stiffness.is_some(), arm.bare);
+    match (case.filtered, arm.samples) {
+        (Some(_), Samples::AtOnce(samples)) => Wanted { samples, ..Wanted::of(COLOURS.to_vec()) },
+        (Some(_), Samples::Analytic(samples)) => Wanted { samples, analytic: true, ..Wanted::of(COLOURS.to_vec()) },
+        (Some(_), Samples::Apart(frames)) => Wanted { frames, ..Wanted::of(COLOURS.to_vec()) },
+        (None, _) => seen,
+    }
+}
+
+/// `depth`: how far along the rays things are is asked for too; `bare`: no colour.
+fn seen(depth: bool, bare: bool) -> Wanted {
+    let mut channels = vec![Channel::T, Channel::TriangleId];
+    channels.extend([Channel::R, Channel::G, Channel::B].into_iter().filter(|_| !bare));
+    channels.extend(depth.then_some(Channel::Z));
+    Wanted::of(channels)
+}
+
+fn options(case: &Case, arm: &Arm, rules: &Rules) -> Result<RunOptions> {
+    let (moving, draws_max) = (case.moving == Moving::Triangles, rules.draws_max);
+    let (no_cull, arithmetic) = (arm.no_cull, arm.arithmetic);
+    Ok(RunOptions { by: arm.choice()?, moving, no_cull, arithmetic, draws_max, ..Default::default() })
+}
+
+/// What one frame tests and keeps.
+fn counted(
+    engine: &mut Engine,
+    scene: &Scene,
+    camera: &Camera,
+    options: &RunOptions,
+    frame: &Frame,
+) -> Result<Counted> {
+    let wanted = Wanted { counting: true, ..seen(false, false) };
+    let counts = engine.render(scene, camera, &wanted, options)?.counts;
+    let covered = frame.u32(Channel::TriangleId).map_or(0, |ids| ids.iter().filter(|id| **id != NO_ID).count());
+    Ok(Counted::of(counts, covered as u64))
+}
+
+/// What is proven of one frame.
+fn certified(
+    engine: &mut Engine,
+    scene: &Scene,
+    camera: &Camera,
+    options: &RunOptions,
+    truth: &Frame,
+) -> Result<Certified> {
+    let wanted = Wanted::of(vec![Channel::TriangleId, Channel::Certified]);
+    let frame = engine.render(scene, camera, &wanted, options)?.frame;
+    let ids = |frame: &Frame| frame.u32(Channel::TriangleId).map(<[u32]>::to_vec).unwrap_or_default();
+    let proven = frame.u32(Channel::Certified).unwrap_or_default();
+    let share = |how: u32| proven.iter().filter(|p| **p == how).count() as f64 / proven.len().max(1) as f64;
+    let differs = ids(&frame).iter().zip(&ids(truth)).map(|(a, b)| a != b).collect::<Vec<_>>();
+    let wrong = proven.iter().zip(differs).filter(|(p, differs)| **p > 0 && *differs).count() as u64;
+    Ok(Certified { by_f32: share(2), by_recheck: share(1), wrong })
+}
+
+impl Runner {
+    /// What the first frame took; 0 of a program that repeats its own.
+    fn first_ms(&self) -> f64 {
+        match self {
+            Runner::Frames(frames) => frames.first_ms(),
+            Runner::Apart(frames) => frames.iter().map(Frames::first_ms).sum(),
+            Runner::Yardstick(_) => 0.0,
+        }
+    }
+
+    /// Frame `k` of the scene with `set`, ms.
+    fn frame(&mut self, scenes: &Scenes, set: &[String], k: u32) -> Result<f64> {
+        match self {
+            Runner::Frames(frames) if scenes.case.moving == Moving::Camera => {
+                let scene = scenes.load(set, k)?;
+                let started = Instant::now();
+                frames.aim(&scene.camera()?)?;
+                let aimed_ms = started.elapsed().as_secs_f64() * 1e3;
+                Ok(aimed_ms + frames.frame()?)
+            }
+            Runner::Frames(frames) => frames.frame(),
+            Runner::Apart(frames) => frames.iter_mut().map(Frames::frame).sum(),
+            Runner::Yardstick(yardstick) => yardstick.frame(),
+        }
+    }
+
+    /// What it sees by the camera of the first frame; what all took goes to the row.
+    fn finish(self, first: Option<&Camera>, row: &mut Row) -> Result<Frame> {
+        match self {
+            Runner::Frames(mut frames) => {
+                if let Some(camera) = first.filter(|_| row.moving == Moving::Camera) {
+                    frames.aim(camera)?;
+                }
+                let rendered = frames.finish()?;
+                row.took(&rendered);
+                Ok(rendered.frame)
+            }
+            Runner::Apart(frames) => {
+                let rendered: Vec<Rendered> = frames.into_iter().map(Frames::finish).collect::<Result<_>>()?;
+                row.passes = rendered.iter().map(|r| r.passes.total()).sum();
+                row.bytes = rendered.iter().map(|r| r.bytes).sum();
+                Ok(mean(rendered.into_iter().map(|r| r.frame)))
+            }
+            Runner::Yardstick(yardstick) => yardstick.finish(),
+        }
+    }
+}

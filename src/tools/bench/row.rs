@@ -1,0 +1,303 @@
+//! One measured row: what was shown, how, how long it took and how wrong it is.
+
+use super::case::{Arm, Case};
+use crate::camera::Camera;
+use crate::engine::{Counts, Rendered};
+use crate::image::compare::Comparison;
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A row of raw.csv and results.json.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    pub suite: String,
+    /// Of the source that it was measured with, where it is known.
+    #[serde(default)]
+    pub commit: Option<String>,
+    pub case: String,
+    /// `anamorph`, or a rival as `--engine` names it.
+    pub technique: String,
+    /// What sets it apart from others of the same technique in the case.
+    pub way: Option<String>,
+    /// What a sweep varies, and its value.
+    pub knob: Option<(String, f64)>,
+    pub triangles: usize,
+    pub pieces: usize,
+    pub width: u32,
+    pub height: u32,
+    pub moving: Moving,
+    #[serde(default)]
+    pub stiffness: Option<Stiffness>,
+    pub times: Option<Times>,
+    /// Median time of an empty kernel, run in turn with the rest, ms.
+    pub control_ms: f64,
+    /// The time of this row over that of `anamorph` in the same case; of a yardstick, over that of `anamorph` asked for no more.
+    pub to_ours: Option<f64>,
+    /// Time on the device by stage, ms.
+    pub stages: Vec<(String, f64)>,
+    pub passes: u32,
+    pub bytes: u64,
+    pub counted: Option<Counted>,
+    pub error: Option<Error>,
+    #[serde(default)]
+    pub certified: Option<Certified>,
+    /// Why there is no time.
+    pub refused: Option<String>,
+    pub paper: Option<Paper>,
+}
+
+/// What is new in each frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Moving {
+    Nothing,
+    /// Every vertex.
+    Triangles,
+    /// The camera: it is compiled, planned and uploaded again.
+    Camera,
+}
+
+impl Moving {
+    pub fn name(self) -> &'static str {
+        match self {
+            Moving::Nothing => "nothing",
+            Moving::Triangles => "triangles",
+            Moving::Camera => "camera",
+        }
+    }
+}
+
+/// A scene of a family that one number makes stiffer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stiffness {
+    pub family: String,
+    /// What the number is.
+    pub knob: String,
+    pub value: f64,
+}
+
+/// What is proven of a frame, shares of its pixels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Certified {
+    /// By bounds in f32.
+    pub by_f32: f64,
+    /// By bounds on the recheck.
+    pub by_recheck: f64,
+    /// Pixels that are proven and have another triangle than the reference.
+    pub wrong: u64,
+}
+
+/// What a frame of this engine tests and keeps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Counted {
+    /// (triangle, tile) pairs.
+    pub pairs_tested: u64,
+    pub pairs_kept: u64,
+    /// Pixels tried for a triangle.
+    pub fragments_tested: u64,
+    /// Those that the triangle holds.
+    pub fragments_kept: u64,
+    /// Signs that f64 decided.
+    pub rechecked: u64,
+    /// Pixels that show a triangle.
+    pub covered: u64,
+}
+
+/// Wall times of frames, ms.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Times {
+    pub median: f64,
+    pub quartiles: [f64; 2],
+    pub runs: usize,
+}
+
+/// Against the f64 reference.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Error {
+    /// Pixels with another triangle, of all.
+    pub wrong_share: f64,
+    pub wrong_hit_miss: u64,
+    /// Wrong pixels whose answer no shift by 1/16 px changes.
+    pub wrong_safe: u64,
+    /// Wrong pixels that name no triangle that may be seen within 1/16 px.
+    #[serde(default)]
+    pub wrong_not_near: Option<u64>,
+    /// Half of the errors of t are not larger, relative.
+    #[serde(default)]
+    pub t_median: Option<f64>,
+    /// 99.9 % of them are not.
+    pub t_p999: Option<f64>,
+    /// None is; `None` where there is none, or one is not finite.
+    #[serde(default)]
+    pub t_max: Option<f64>,
+    /// The same of Z.
+    #[serde(default)]
+    pub z: Option<[f64; 3]>,
+    /// `None`: identical colours, or none to compare.
+    pub psnr: Option<f64>,
+    pub identical: bool,
+}
+
+/// What a paper prints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Paper {
+    pub paper: String,
+    pub figure: String,
+    /// Frames a second, where it prints them.
+    pub fps: Option<f64>,
+    /// The same with its culling switched off.
+    pub fps_no_cull: Option<f64>,
+    pub hardware: String,
+    /// What stands in for what the paper shows.
+    pub stand_in: String,
+}
+
+/// This engine's name among the techniques.
+const OURS: &str = "anamorph";
+
+/// Where the middle half of the times is wider than this share of the median, a row is not to be trusted.
+const SPREAD_MAX: f64 = 0.2;
+
+impl Row {
+    pub fn new(suite: &str, case: &Case, arm: &Arm) -> Row {
+        let own_knob = arm.knob.map(|(name, value)| (name.to_owned(), value));
+        // what is no rival is refused by name
+        let choice = arm.choice().ok().flatten();
+        let rivals_knob =
+            choice.and_then(|c| c.technique.knob.as_ref().map(|k| (k.name.to_owned(), f64::from(c.knob))));
+        let asked = || arm.by.clone().unwrap_or_else(|| OURS.to_owned());
+        Row {
+            suite: suite.to_owned(),
+            commit: None,
+            case: case.name.clone(),
+            technique: choice.map_or_else(asked, |c| c.technique.name.to_owned()),
+            way: arm.way.map(str::to_owned),
+            knob: own_knob.or(rivals_knob),
+            triangles: 0,
+            pieces: 0,
+            width: 0,
+            height: 0,
+            moving: case.moving,
+            stiffness: case.stiffness.clone(),
+            times: None,
+            control_ms: 0.0,
+            to_ours: None,
+            stages: Vec::new(),
+            passes: 0,
+            bytes: 0,
+            counted: None,
+            error: None,
+            certified: None,
+            refused: None,
+            paper: case.paper.clone(),
+        }
+    }
+
+    /// A row of a case that failed.
+    pub fn refused(suite: &str, case: &Case, arm: &Arm, why: &crate::input::Error) -> Row {
+        Row { refused: Some(why.to_string()), ..Row::new(suite, case, arm) }
+    }
+
+    /// A row of the program that runs beside the arms.
+    pub fn of_yardstick(suite: &str, case: &Case, program: &Path) -> Row {
+        let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy().into_owned();
+        let knob = case.arms.first().and_then(|arm| arm.knob);
+        Row { technique: name, ..Row::new(suite, case, &Arm { knob, ..Arm::ours() }) }
+    }
+
+    pub fn is_ours(&self) -> bool {
+        self.technique == OURS
+    }
+
+    pub fn describe(&mut self, scene: &Scene, camera: &Camera) {
+        self.triangles = scene.mesh.triangles.len();
+        self.pieces = match camera.optics.as_ref() {
+            Some(optics) => optics.surface_count(),
+            None => camera.first_piece(camera.layers.len()) as usize,
+        };
+        (self.width, self.height) = (camera.width, camera.height);
+    }
+
+    pub fn took(&mut self, rendered: &Rendered) {
+        self.stages = rendered.stages.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
+        self.passes = rendered.passes.total();
+        self.bytes = rendered.bytes;
+    }
+
+    /// Relates the time to `ours` ms.
+    pub fn relate(&mut self, ours: Option<f64>) {
+        self.to_ours = self.times.as_ref().zip(ours).map(|(t, ours)| t.median / ours);
+    }
+
+    /// The technique, with what sets it apart.
+    pub fn name(&self) -> String {
+        self.way.as_ref().map_or_else(|| self.technique.clone(), |way| format!("{}, {way}", self.technique))
+    }
+
+    /// The same with its number.
+    pub fn label(&self) -> String {
+        match &self.knob {
+            Some((name, value)) => format!("{} ({value} {name})", self.name()),
+            None => self.name(),
+        }
+    }
+}
+
+impl Counted {
+    pub fn of(counts: Counts, covered: u64) -> Counted {
+        let Counts { pairs_tested, pairs_kept, fragments_tested, fragments_kept, rechecked, .. } = counts;
+        Counted { pairs_tested, pairs_kept, fragments_tested, fragments_kept, rechecked, covered }
+    }
+
+    /// Fragments tested for each pixel that shows a triangle.
+    pub fn overdraw(&self) -> f64 {
+        self.fragments_tested as f64 / self.covered.max(1) as f64
+    }
+}
+
+impl Times {
+    pub fn of(times: &[f64]) -> Times {
+        let mut sorted = times.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        // nearest rank, the upper of two
+        let at = |share: f64| {
+            let last = sorted.len().saturating_sub(1);
+            sorted.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
+        };
+        Times { median: at(0.5), quartiles: [at(0.25), at(0.75)], runs: sorted.len() }
+    }
+
+    /// Half of the times lie within this share of the median.
+    pub fn spread(&self) -> f64 {
+        (self.quartiles[1] - self.quartiles[0]) / self.median
+    }
+
+    pub fn is_trusted(&self) -> bool {
+        self.spread() <= SPREAD_MAX
+    }
+}
+
+impl Error {
+    /// Colours alone were held against the truth: of these no pixel is said to be wrong.
+    pub fn is_of_colours(&self) -> bool {
+        self.t_median.is_none() && self.wrong_share == 0.0 && (self.psnr.is_some() || self.identical)
+    }
+
+    pub fn of(c: &Comparison) -> Error {
+        let share = |n: Option<u64>| n.unwrap_or(0) as f64 / c.pixels as f64;
+        let finite = |value: f64| Some(value).filter(|v| v.is_finite());
+        Error {
+            wrong_share: share(c.wrong_triangle),
+            wrong_hit_miss: c.wrong_hit_miss.unwrap_or(0),
+            wrong_safe: c.wrong_safe.unwrap_or(0),
+            wrong_not_near: None,
+            t_median: c.t_relative.and_then(|t| finite(t.median.0)),
+            t_p999: c.t_relative.and_then(|t| finite(t.p999.0)),
+            t_max: c.t_relative.and_then(|t| finite(t.max.0)),
+            z: c.z_relative.map(|z| [z.median.0, z.p999.0, z.max.0]).filter(|z| z.iter().all(|v| v.is_finite())),
+            psnr: c.psnr.and_then(finite),
+            identical: c.identical == Some(true),
+        }
+    }
+}

@@ -1,0 +1,481 @@
+//! Commands and flags, each value checked as far as it can be without the scene.
+
+use crate::engine::rival::Choice;
+use crate::image::cryptomatte::Apart;
+use crate::image::frame::Channel;
+use crate::image::size::check_size;
+use crate::input::limits;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Renders triangles through cameras whose rays do not meet in a point.
+#[derive(Debug, Parser)]
+#[command(name = "anamorph", version, disable_help_subcommand = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render one scene
+    #[command(after_help = limits::help())]
+    Render(Box<RenderArgs>),
+    /// Measure the error of one EXR against another
+    #[command(after_help = limits::help())]
+    Compare(CompareArgs),
+    /// Show what a scene's camera compiles to; `--help KIND`: the keys of a kind of camera
+    #[command(disable_help_flag = true, after_help = limits::help())]
+    Camera(CameraArgs),
+    /// Render a list of jobs
+    #[command(after_help = limits::help())]
+    Batch(BatchArgs),
+    /// Find every image of 3-D points
+    #[command(after_help = limits::help())]
+    Project(ProjectArgs),
+    /// Show the adapters of this machine and the code paths they select; or the counts and bounds of a model or scene, and a camera for it
+    #[command(after_help = limits::help())]
+    Info(InfoArgs),
+    /// Write a ready scene
+    Example(ExampleArgs),
+    /// Measure error against run time, of this engine and of its rivals
+    Bench(BenchArgs),
+}
+
+/// Changes of the limits on work and memory.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Caps {
+    /// Remove the limits on pieces, cells, corners, bounces, frames and memory
+    #[arg(long)]
+    pub no_limits: bool,
+    /// Memory that the program may use, as in 8G or 500M [default: the free memory]
+    #[arg(long, value_name = "SIZE", value_parser = bytes)]
+    pub memory: Option<u64>,
+}
+
+impl Caps {
+    /// Applies them to the process.
+    pub fn apply(&self) {
+        if self.no_limits {
+            limits::lift();
+        }
+        if let Some(bytes) = self.memory {
+            limits::memory::grant(bytes);
+        }
+    }
+}
+
+impl Command {
+    /// The limits of a command, if it has these flags.
+    pub fn caps(&self) -> Option<&Caps> {
+        match self {
+            Command::Render(args) => Some(&args.caps),
+            Command::Compare(args) => Some(&args.caps),
+            Command::Camera(args) => Some(&args.caps),
+            Command::Batch(args) => Some(&args.caps),
+            Command::Project(args) => Some(&args.caps),
+            Command::Info(args) => Some(&args.caps),
+            Command::Example(_) | Command::Bench(_) => None,
+        }
+    }
+}
+
+/// What a command may ask of a scene beyond its file.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Change {
+    /// Size of the image in pixels
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// Change a value of the scene, as in camera.vfov=40; may be given more than once
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Frame at which values given as lists of { frame, value } keys are taken
+    #[arg(long, value_name = "F", allow_hyphen_values = true, default_value_t = 0.0, value_parser = frame)]
+    pub frame: f64,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct RenderArgs {
+    /// Scene file, .toml or .json
+    pub scene: PathBuf,
+    /// Colour, 8-bit sRGB
+    #[arg(short, long, value_name = "OUT.png")]
+    pub output: Option<PathBuf>,
+    /// All asked-for channels, 32-bit
+    #[arg(long, value_name = "OUT.exr")]
+    pub exr: Option<PathBuf>,
+    /// Hit points in f64: a PLY with the hits and their triangles, or an N x 3 .npy, a row a pixel, NaN where nothing is hit
+    #[arg(long, value_name = "OUT.ply|OUT.npy")]
+    pub points: Option<PathBuf>,
+    #[command(flatten)]
+    pub change: Change,
+    /// What renders: compute (GPU), reference (CPU, f64), or a rival to measure against, as in raytrace (GPU)
+    #[arg(long, value_name = "NAME", value_parser = engine)]
+    pub engine: Option<EngineName>,
+    /// Rays a pixel, averaged in colour and coverage; other channels stay those of the pixel's centre
+    #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 1)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub samples: u32,
+    /// Triangles that some of --samples N see count in a pixel by their areas there, not by the number of these samples
+    #[arg(long)]
+    pub analytic: bool,
+    /// Channels to compute and write, as in R,G,B,Z; all: every channel of the scene and its camera except certified, mattes and
+    /// motion, which can be added, as in all,motion [default with --exr: what a pixel sees]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = channels)]
+    pub channels: Option<Vec<Named>>,
+    /// Refuse a scene whose mesh files refer to images, normals or texture coordinates that do not exist
+    #[arg(long)]
+    pub strict: bool,
+    /// Allow the scene's own [output] to name files outside of its folder
+    #[arg(long)]
+    pub outputs_anywhere: bool,
+    /// Times and counts as JSON
+    #[arg(long, value_name = "R.json")]
+    pub report: Option<PathBuf>,
+    /// Measure the error against the f64 reference
+    #[arg(long)]
+    pub check: bool,
+    /// Time N frames after a warm-up frame
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub repeat: Option<u32>,
+    /// Every vertex is new in each timed frame
+    #[arg(long, requires = "repeat")]
+    pub moving: bool,
+    /// Try every triangle in every part of the image: leave out nothing early
+    #[arg(long)]
+    pub no_cull: bool,
+    /// Adapter to use: a part of its name
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Do without 64-bit atomics
+    #[arg(long)]
+    pub no_int64: bool,
+    /// Do without the adapter's f64: do its work in 32-bit words
+    #[arg(long)]
+    pub no_f64: bool,
+    /// Write the source of every compiled kernel to this folder, as NAME.wgsl
+    #[arg(long, value_name = "DIR")]
+    pub dump_kernels: Option<PathBuf>,
+    /// Print one pixel's ray, hit, candidates and margins instead
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = pixel, conflicts_with_all = [
+        "output", "exr", "points", "engine", "samples", "analytic", "channels", "report", "check", "repeat", "no_cull",
+        "adapter", "no_int64", "no_f64", "dump_kernels",
+    ])]
+    pub pixel: Option<(u32, u32)>,
+    #[command(flatten)]
+    pub caps: Caps,
+}
+
+#[derive(Debug, Args)]
+pub struct BatchArgs {
+    /// List of jobs, .toml, .json or .jsonl
+    #[arg(value_name = "JOBS", required_unless_present = "write_driver")]
+    pub jobs: Option<PathBuf>,
+    /// Skip what is done, by the manifest beside the list, as long as nothing has changed that it was made from
+    #[arg(long)]
+    pub resume: bool,
+    /// Do the I-th of N parts of the list, of about equal cost, as 1/4
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub shard: Option<Shard>,
+    /// Render nothing: join the manifests of all shards to that of the list, and say what is not done
+    #[arg(long, conflicts_with_all = ["shard", "resume", "jobs_at_once", "adapters", "fail_fast", "progress", "log"])]
+    pub gather: bool,
+    /// Write a program that renders lists on a Ray cluster, shard by shard
+    #[arg(long, value_name = "FILE.py", exclusive = true)]
+    pub write_driver: Option<PathBuf>,
+    /// Frames that are written at once [default: one a core]
+    #[arg(long = "jobs", value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs_at_once: Option<u16>,
+    /// Adapters to use at once: parts of their names, their numbers in info from 0, or all (software only where there is nothing else)
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub adapters: Option<Vec<String>>,
+    /// Stop at the first frame that fails
+    #[arg(long)]
+    pub fail_fast: bool,
+    /// What is told meanwhile: auto (a bar on a terminal), json (a line an event on stdout), none
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    pub progress: ProgressName,
+    /// Append a line an event, with its time
+    #[arg(long, value_name = "FILE")]
+    pub log: Option<PathBuf>,
+    /// What the batch took, and each frame, as JSON
+    #[arg(long, value_name = "R.json")]
+    pub report: Option<PathBuf>,
+    /// A row a frame: what its job sweeps, times, and errors of those with check
+    #[arg(long, value_name = "T.csv")]
+    pub csv: Option<PathBuf>,
+    #[command(flatten)]
+    pub caps: Caps,
+}
+
+/// How a batch tells of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ProgressName {
+    Auto,
+    Json,
+    None,
+}
+
+impl ProgressName {
+    /// All of stdout is JSON.
+    pub fn is_for_programs(self) -> bool {
+        self == ProgressName::Json
+    }
+}
+
+/// A part of a list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// From 0.
+    pub index: u32,
+    pub count: u32,
+}
+
+/// What renders.
+#[derive(Debug, Clone, Copy)]
+pub enum EngineName {
+    Compute,
+    Reference,
+    /// The rest of the compute engine, with what each pixel sees found in another way.
+    Rival(Choice),
+}
+
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// The image to judge
+    pub a: PathBuf,
+    /// The image that it is held against
+    pub b: PathBuf,
+    /// Scene of both: tells which pixels are safe
+    #[arg(long, value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    /// Change a value of the scene, as when the images were rendered
+    #[arg(long, value_name = "KEY=VALUE", requires = "scene")]
+    pub set: Vec<String>,
+    /// Frame of the scene that the images show
+    #[arg(long, value_name = "F", allow_hyphen_values = true, default_value_t = 0.0, value_parser = frame, requires = "scene")]
+    pub frame: f64,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub caps: Caps,
+}
+
+#[derive(Debug, Args)]
+pub struct CameraArgs {
+    /// Scene file, .toml or .json; or a rendered EXR, whose header holds the camera
+    #[arg(required_unless_present = "help")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub change: Change,
+    /// Write the camera's pieces as the file of a mesh camera; several layers as the layers of a chain
+    #[arg(long, value_name = "FILE.json")]
+    pub export: Option<PathBuf>,
+    /// Write the scene for POV-Ray 3.7, with a ray for each pixel and the triangles' ids for colours
+    #[arg(long, value_name = "FILE.pov")]
+    pub export_povray: Option<PathBuf>,
+    /// Write each pixel's P and D: an array of H x W x 6; a curve's or projector's control points: H x W x (m+1) x 3
+    #[arg(long, value_name = "RAYS.npy")]
+    pub rays: Option<PathBuf>,
+    /// Draw the camera's pieces, and its volume with sample rays around the scene
+    #[arg(long, value_name = "D.svg")]
+    pub diagram: Option<PathBuf>,
+    /// Print help; with a kind of camera, its keys
+    #[arg(short, long, value_name = "KIND", num_args = 0..=1)]
+    pub help: Option<Option<String>>,
+    #[command(flatten)]
+    pub caps: Caps,
+}
+
+#[derive(Debug, Args)]
+pub struct ProjectArgs {
+    /// Scene file, .toml or .json
+    pub scene: PathBuf,
+    /// Points: .npy of N x 3, or .csv, .txt, .xyz with three numbers a line
+    #[arg(long, value_name = "FILE")]
+    pub points: PathBuf,
+    /// Write the lines there instead of to the screen
+    #[arg(short, long, value_name = "OUT.jsonl")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub change: Change,
+    /// What sifts the image for each point: compute (GPU) or reference (CPU); the lines are the same [default: the GPU
+    /// for many points, where there is a hardware one]
+    #[arg(long, value_name = "NAME", value_parser = sifting_engine)]
+    pub engine: Option<EngineName>,
+    /// Adapter to use: a part of its name
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    #[command(flatten)]
+    pub caps: Caps,
+}
+
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// Describe this model (.obj, .gltf, .glb; .asc, .png, .tif with heights) or scene (.toml, .json) instead of the adapters
+    pub file: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub caps: Caps,
+}
+
+#[derive(Debug, Args)]
+pub struct ExampleArgs {
+    /// Name of the example
+    #[arg(required_unless_present = "list")]
+    pub name: Option<String>,
+    /// Folder to write it to
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
+    /// Print all names
+    #[arg(long, conflicts_with_all = ["name", "out"])]
+    pub list: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// papers, pareto, glc, samples, stages, dynamic or stiff [default: all]
+    pub suite: Option<String>,
+    /// Small cases, under a minute each
+    #[arg(long)]
+    pub quick: bool,
+    /// Only cases whose name contains this; a run of the same day keeps its other rows
+    #[arg(long, value_name = "TEXT", requires = "suite")]
+    pub case: Option<String>,
+    /// Folder that a folder for each run, and index.html over all of them, go to
+    #[arg(long, value_name = "DIR", default_value = "bench_results")]
+    pub out: PathBuf,
+    /// Program that runs beside in cases of GLC pieces, called as `PATH MESH.tri W H pieces FILE`
+    #[arg(long, value_name = "PATH")]
+    pub yardstick: Option<PathBuf>,
+    /// Timed frames of each technique in each case [default: 9; 3 with --quick]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub runs: Option<u32>,
+    /// Adapter to use: a part of its name
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+/// A number of bytes: a number with an optional unit, k, M, G or T for powers of 1024, and optionally B or iB.
+fn bytes(text: &str) -> Result<u64, String> {
+    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let power = match text[number.len()..].to_ascii_lowercase().trim_end_matches('b').trim_end_matches('i') {
+        "" => Some(0),
+        "k" => Some(1),
+        "m" => Some(2),
+        "g" => Some(3),
+        "t" => Some(4),
+        _ => None,
+    };
+    let value = number.parse().ok().zip(power).map(|(n, power): (f64, i32)| n * 1024f64.powi(power));
+    match value {
+        // fits u64; a fraction of a byte is dropped
+        Some(bytes) if (1.0..9e18).contains(&bytes) => Ok(bytes as u64),
+        _ => Err("give a number of bytes, as 500M or 8G".into()),
+    }
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse::<u32>().ok()?, n.parse::<u32>().ok()?)));
+    match numbers {
+        Some((i, n)) if 1 <= i && i <= n => Ok(Shard { index: i - 1, count: n }),
+        _ => Err("write it as I/N with I from 1 to N, for example 1/4".into()),
+    }
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    let (width, height): (u64, u64) = sides.ok_or("write it as WIDTHxHEIGHT, for example 800x600")?;
+    check_size(width, height).map_err(|e| e.to_string())?;
+    // both sides are far under 2^32 by the check above
+    Ok((width as u32, height as u32))
+}
+
+fn frame(text: &str) -> Result<f64, String> {
+    let frame = text.parse().ok().filter(|f: &f64| f.is_finite());
+    frame.ok_or_else(|| "write a finite number, for example 12 or 12.5".into())
+}
+
+fn pixel(text: &str) -> Result<(u32, u32), String> {
+    let place = text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
+    place.ok_or_else(|| "write it as COLUMN,ROW, for example 400,300; row 0 is on top".into())
+}
+
+/// What a name of channels stands for.
+#[derive(Debug, Clone)]
+pub enum Named {
+    Channels(Vec<Channel>),
+    /// All of the scene and the camera.
+    All,
+    Matte(Apart),
+    /// From this frame to the next.
+    Motion,
+}
+
+fn channels(name: &str) -> Result<Named, String> {
+    match name.trim() {
+        "all" => return Ok(Named::All),
+        "crypto.object" => return Ok(Named::Matte(Apart::Objects)),
+        "crypto.material" => return Ok(Named::Matte(Apart::Materials)),
+        "motion" => return Ok(Named::Motion),
+        _ => {}
+    }
+    let found = Channel::named(name.trim());
+    if found.is_empty() {
+        let known: Vec<&str> = Channel::every().map(Channel::name).collect();
+        let more = "N, P and albedo for three each, uv and motion for two, crypto.object and crypto.material, all";
+        return Err(format!("no such channel; known: {}, {more}", known.join(", ")));
+    }
+    Ok(Named::Channels(found))
+}
+
+fn engine(name: &str) -> Result<EngineName, String> {
+    match name {
+        "compute" => Ok(EngineName::Compute),
+        "reference" => Ok(EngineName::Reference),
+        _ => crate::rivals::parse(name).map(EngineName::Rival),
+    }
+}
+
+fn sifting_engine(name: &str) -> Result<EngineName, String> {
+    engine(name).ok().filter(|e| !matches!(e, EngineName::Rival(_))).ok_or_else(|| "use compute or reference".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_flags_fit_together() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn values_are_read_or_refused() {
+        assert_eq!(size("800x600"), Ok((800, 600)));
+        for wrong in ["800", "x", "0x5", "5x0", "-1x5", "70000x1", "65536x65536", "99999999999999999999x1"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!((frame("-3"), frame("0.5")), (Ok(-3.0), Ok(0.5)));
+        assert_eq!([bytes("4096"), bytes("8G"), bytes("1.5MiB")], [Ok(4096), Ok(8 << 30), Ok(3 << 19)]);
+        assert!(["", "G", "-1G", "8X", "0", "nan", "1e30", "8é"].iter().all(|wrong| bytes(wrong).is_err()));
+        assert!(["inf", "nan", "one", ""].iter().all(|wrong| frame(wrong).is_err()));
+        assert_eq!(pixel("3, 4"), Ok((3, 4)));
+        assert!(pixel("3").is_err() && pixel("-1,2").is_err());
+        let of = |name: &str| match channels(name) {
+            Ok(Named::Channels(list)) => list,
+            other => panic!("{name}: {other:?}"),
+        };
+        assert_eq!(of("triangle.id"), [Channel::TriangleId]);
+        assert_eq!(of(" N"), [Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
+        assert!(matches!(channels("crypto.object"), Ok(Named::Matte(Apart::Objects))));
+        assert!(matches!(channels("all"), Ok(Named::All)));
+        assert!(channels("q").is_err_and(|e| e.contains("bary.v") && e.contains("N, P and albedo")));
+        assert!(engine("rastr").is_err_and(|e| e.contains("raytrace")) && engine("raytrace").is_ok());
+    }
+}

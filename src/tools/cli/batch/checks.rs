@@ -1,0 +1,121 @@
+//! Checks of all files that a batch writes, before it writes any: none may replace an input, another output, or a file of another kind.
+
+use super::jobs::{Jobs, Task};
+use super::manifest;
+use super::paths::Paths;
+use crate::geometry::texture::ImagesRead;
+use crate::image::check_writable;
+use crate::input::files::{Inputs, noted};
+use crate::input::{Error, Result};
+use crate::scene::library::Library;
+use crate::tools::cli::args::BatchArgs;
+use crate::tools::cli::outputs::{LOG, MANIFEST, Outputs, REPORT, TABLE};
+use crate::tools::cli::render::load_from;
+use std::cell::LazyCell;
+use std::path::{Path, PathBuf};
+
+/// A batch whose files are checked.
+pub struct Checks<'a> {
+    pub args: &'a BatchArgs,
+    pub list: &'a Path,
+    pub jobs: &'a Jobs,
+    pub paths: &'a Paths,
+    /// All manifests that exist.
+    pub earlier: &'a [PathBuf],
+    /// The files that the list was read from.
+    pub inputs: &'a Inputs,
+}
+
+impl Checks<'_> {
+    /// Checks all files. Scenes are read, into `library`, only if an output exists that may not be of an earlier run: it may be one of their
+    /// inputs.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a file that must not be replaced, [`Error::Work`] for one that cannot be written.
+    pub fn run(&self, library: &Library) -> Result<()> {
+        let mut outputs = Outputs::default();
+        let frames_are_known = self.add_frames(&mut outputs)?;
+        let own_are_known = self.add_own(&mut outputs)?;
+        self.refuse_inputs(&outputs, self.inputs)?;
+        let manifests = self.earlier.iter().filter(|path| **path != self.paths.own);
+        for path in manifests.map(PathBuf::as_path).chain(self.jobs.scenes()) {
+            outputs.owner(path).map_or(Ok(()), |owner| Err(self.is_read(path, owner)))?;
+        }
+        if frames_are_known && own_are_known {
+            return Ok(());
+        }
+        for task in self.jobs.products() {
+            let args = task.args()?;
+            // an error in the scene is reported when its frame is rendered
+            let (_, inputs) = noted(|| load_from(library, &args.scene, &args.change, |_| ImagesRead::All));
+            self.refuse_inputs(&outputs, &inputs)?;
+        }
+        Ok(())
+    }
+
+    /// Adds the files of all frames. Returns whether an earlier run wrote all that exist.
+    fn add_frames(&self, outputs: &mut Outputs) -> Result<bool> {
+        let known = LazyCell::new(|| manifest::outputs(self.earlier));
+        let mut are_known = true;
+        for task in self.jobs.tasks() {
+            for (kind, path) in task.kinds().into_iter().zip(task.outputs()?) {
+                let added = outputs.add(&path, task.index);
+                if let Some(first) = added.first {
+                    let (list, path, first, second) =
+                        (self.list.display(), path.display(), self.frame(first), &task.name);
+                    let hint = "name what differs, as in {frame:04}";
+                    return Err(Error::input(format!("{list}: {first} and {second} both write {path}; {hint}")));
+                }
+                if added.exists {
+                    kind.check(&path).map_err(|e| e.at(format_args!("{}: {}", self.list.display(), task.name)))?;
+                    are_known &= known.contains(&task.output_key(&path));
+                }
+            }
+        }
+        Ok(are_known)
+    }
+
+    /// Adds the files of the batch itself. Returns whether all that exist look like those of an earlier run.
+    fn add_own(&self, outputs: &mut Outputs) -> Result<bool> {
+        let log = self.args.log.as_ref();
+        let asked = [(self.args.csv.as_ref(), TABLE), (self.args.report.as_ref(), REPORT), (log, LOG)];
+        let asked = asked.into_iter().filter_map(|(path, kind)| Some((path?, kind)));
+        let mut are_known = true;
+        let frames = self.jobs.count();
+        for (k, (path, kind)) in asked.chain([(&self.paths.own, MANIFEST)]).enumerate() {
+            let added = outputs.add(path, frames + k);
+            if let Some(first) = added.first {
+                let (path, first) = (path.display(), self.owner(first));
+                return Err(Error::input(format!(
+                    "{path}: {first} writes this file too; give each output its own name"
+                )));
+            }
+            if added.exists && !kind.is_ours(path) {
+                are_known = false;
+                // first, as "is also an input" says more than "is not a table"
+                self.refuse_inputs(outputs, self.inputs)?;
+                kind.check(path)?;
+            }
+        }
+        // a log is appended to, so it need not be replaced
+        [&self.args.csv, &self.args.report].into_iter().flatten().try_for_each(|path| check_writable(path))?;
+        Ok(are_known)
+    }
+
+    fn refuse_inputs(&self, outputs: &Outputs, inputs: &Inputs) -> Result<()> {
+        outputs.first_input(inputs).map_or(Ok(()), |(input, owner)| Err(self.is_read(input, owner)))
+    }
+
+    fn is_read(&self, input: &Path, owner: usize) -> Error {
+        let (list, input, owner) = (self.list.display(), input.display(), self.owner(owner));
+        Error::input(format!("{list}: {owner} would replace {input}, an input; choose another name for the output"))
+    }
+
+    fn owner(&self, owner: usize) -> String {
+        if owner < self.jobs.count() { self.frame(owner) } else { "another output".into() }
+    }
+
+    fn frame(&self, index: usize) -> String {
+        self.jobs.tasks().nth(index).map(|task: Task| task.name).unwrap_or_default()
+    }
+}

@@ -1,0 +1,343 @@
+//! The list of jobs: each is a `render` with its flags, for each of its frames and all products of what it sweeps.
+
+use super::manifest::key_of;
+use super::names::{fill, plain};
+use crate::input::limits;
+use crate::input::load::with_tree;
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
+use crate::tools::cli::args::{Cli, Command, EngineName, RenderArgs};
+use crate::tools::cli::outputs::{EXR, Kind, PICTURE, POINTS, REPORT};
+use crate::tools::cli::refusal;
+use clap::Parser;
+use std::path::{Path, PathBuf};
+
+pub struct Jobs {
+    all: Vec<Job>,
+    /// Folder of the file, which paths start from.
+    dir: PathBuf,
+}
+
+struct Job {
+    /// Its number in the list.
+    name: String,
+    /// Where it stands in the file.
+    key: String,
+    scene: String,
+    /// Flags of `render`, and their values as they are written.
+    flags: Vec<(&'static str, Option<String>)>,
+    sweep: Vec<Swept>,
+    frames: Vec<f64>,
+}
+
+/// A value of the scene that takes several, as `--set` does.
+struct Swept {
+    key: String,
+    values: Vec<String>,
+}
+
+/// One frame that is to be rendered.
+#[derive(Clone)]
+pub struct Task<'a> {
+    /// Among all frames of the list.
+    pub index: usize,
+    pub name: String,
+    /// What the job sweeps, by key.
+    pub values: Vec<(&'a str, &'a str)>,
+    pub frame: f64,
+    /// How often a device was lost with it.
+    pub losses: u32,
+    job: &'a Job,
+    dir: &'a Path,
+}
+
+/// Files that a job writes, by key and flag; their names differ from frame to frame.
+const OUTPUTS: [(&str, &str, Kind); 4] = [
+    ("color", "--output", PICTURE),
+    ("exr", "--exr", EXR),
+    ("points", "--points", POINTS),
+    ("report", "--report", REPORT),
+];
+
+/// Other flags with a value.
+const VALUES: [(&str, &str); 4] =
+    [("size", "--size"), ("engine", "--engine"), ("samples", "--samples"), ("repeat", "--repeat")];
+
+/// Flags without one.
+const SWITCHES: [(&str, &str); 4] =
+    [("analytic", "--analytic"), ("check", "--check"), ("no_cull", "--no-cull"), ("strict", "--strict")];
+
+/// A list has fewer frames, even without limits: the numbers of frames must be exact in f64.
+const FRAMES_MAX: f64 = 1e15;
+
+impl Jobs {
+    /// Reads a list: `[[job]]` tables of a .toml, `{ "job": [...] }` of a .json, or a job a line of a .jsonl.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if it is no list, is empty, or has wrong flags.
+    pub fn read(path: &Path) -> Result<Jobs> {
+        let all: Vec<Job> = with_tree(path, |root| {
+            let table = root.table()?;
+            table.allow(&["job"])?;
+            let list = table.need("job", "[{ scene = \"scene.toml\", color = \"out-{frame:04}.png\" }]")?;
+            list.items("a list of jobs, as [[job]]")?.enumerate().map(|(k, job)| read_job(k, &job, path)).collect()
+        })?;
+        if all.is_empty() {
+            let hint = "a .toml has [[job]] tables, a .json { \"job\": [...] }, a .jsonl one job per line";
+            return Err(Error::input(format!("{}: has no jobs; {hint}", path.display())));
+        }
+        let dir = absolute(path).parent().unwrap_or(Path::new("")).to_owned();
+        let jobs = Jobs { all, dir };
+        let frames = jobs.all.iter().fold(0, |sum: u64, job| sum.saturating_add(job.frames_in_all()));
+        limits::FRAMES.check(frames).map_err(|e| e.at(path.display()))?;
+        if frames >= FRAMES_MAX as u64 {
+            return Err(Error::input(format!(
+                "{}: a list has fewer than {FRAMES_MAX:.0e} frames; sweep less",
+                path.display()
+            )));
+        }
+        for job in jobs.all.iter().filter(|job| job.count() > 0) {
+            jobs.task(0, job, 0).args()?;
+        }
+        Ok(jobs)
+    }
+
+    /// Frames of all jobs.
+    pub fn count(&self) -> usize {
+        self.all.iter().map(Job::count).sum()
+    }
+
+    /// Some of them are not by the reference.
+    pub fn need_adapter(&self) -> Result<bool> {
+        for job in self.all.iter().filter(|job| job.count() > 0) {
+            if !matches!(self.task(0, job, 0).args()?.engine, Some(EngineName::Reference)) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// In the order of the file; of a job the last swept key changes first, and frames before that.
+    pub fn tasks(&self) -> impl Iterator<Item = Task<'_>> {
+        let each = |job| (0..Job::count(job)).map(move |k| (job, k));
+        self.all.iter().flat_map(each).enumerate().map(|(index, (job, k))| self.task(index, job, k))
+    }
+
+    fn task<'a>(&'a self, index: usize, job: &'a Job, k: usize) -> Task<'a> {
+        let (mut rest, frame) = (k / job.frames.len(), job.frames[k % job.frames.len()]);
+        let mut values = Vec::new();
+        for swept in job.sweep.iter().rev() {
+            values.push((swept.key.as_str(), swept.values[rest % swept.values.len()].as_str()));
+            rest /= swept.values.len();
+        }
+        values.reverse();
+        let sets: String = values.iter().map(|(key, value)| format!(", {key}={value}")).collect();
+        Task {
+            index,
+            name: format!("{}{sets}, frame {frame}", job.name),
+            values,
+            frame,
+            losses: 0,
+            job,
+            dir: &self.dir,
+        }
+    }
+
+    /// The first frame of each combination of swept values: the frames of one combination are read from the same files.
+    pub fn products(&self) -> impl Iterator<Item = Task<'_>> {
+        let each = |job| (0..Job::count(job)).step_by(Job::frames(job)).map(move |k| (job, k));
+        self.all.iter().flat_map(each).map(|(job, k)| self.task(0, job, k))
+    }
+
+    /// The scenes of all jobs.
+    pub fn scenes(&self) -> impl Iterator<Item = &Path> {
+        self.all.iter().map(|job| Path::new(&job.scene))
+    }
+}
+
+impl Job {
+    /// The number of frames, at most `u64::MAX`.
+    fn frames_in_all(&self) -> u64 {
+        let all = self.sweep.iter().map(|s| s.values.len()).chain([self.frames.len()]);
+        all.fold(1, |product: u64, n| product.saturating_mul(n as u64))
+    }
+
+    /// The number of frames of one combination of swept values, at least 1, as it is used as a step.
+    fn frames(&self) -> usize {
+        self.frames.len().max(1)
+    }
+
+    fn count(&self) -> usize {
+        // fits: `Jobs::read` refuses lists of `FRAMES_MAX` and more
+        self.frames_in_all() as usize
+    }
+}
+
+impl Task<'_> {
+    /// What `render` is told.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where it would not take that.
+    pub fn args(&self) -> Result<RenderArgs> {
+        let words = self.words(Path::to_owned)?;
+        match Cli::try_parse_from(["anamorph".to_owned()].into_iter().chain(words)).map(|cli| cli.command) {
+            Ok(Command::Render(args)) => Ok(*args),
+            Ok(_) => Err(Error::input(format!("{}: no render", self.name))),
+            Err(e) => Err(Error::input(refusal(&e)).at(&self.job.key)),
+        }
+    }
+
+    /// As job.0.
+    pub fn job_name(&self) -> &str {
+        &self.job.name
+    }
+
+    /// The command line that says all that the frame depends on but for what is in files, as if typed in the folder of the list.
+    pub fn settings(&self) -> Result<Vec<String>> {
+        self.words(|path| self.short(path))
+    }
+
+    /// A path as from the folder of the list, where it is in there.
+    pub fn short(&self, path: &Path) -> PathBuf {
+        let whole = absolute(path);
+        whole.strip_prefix(self.dir).map_or(whole.clone(), Path::to_owned)
+    }
+
+    /// And back.
+    pub fn whole(&self, path: &Path) -> PathBuf {
+        self.dir.join(path)
+    }
+
+    /// The files that it writes; at least one.
+    pub fn outputs(&self) -> Result<Vec<PathBuf>> {
+        let outputs = self.job.flags.iter().filter(|(flag, _)| is_output(flag));
+        outputs.map(|(flag, file)| self.filled(flag, file.as_deref().unwrap_or_default()).map(PathBuf::from)).collect()
+    }
+
+    /// The kinds of the [`outputs`](Task::outputs), in their order.
+    pub fn kinds(&self) -> Vec<Kind> {
+        let kind = |flag: &str| OUTPUTS.iter().find(|own| own.1 == flag).map(|own| own.2);
+        self.job.flags.iter().filter_map(|(flag, _)| kind(flag)).collect()
+    }
+
+    /// The key of an output of this frame in [`manifest::outputs`](super::manifest::outputs).
+    pub fn output_key(&self, path: &Path) -> u64 {
+        key_of(&self.short(path))
+    }
+
+    fn words(&self, path: impl Fn(&Path) -> PathBuf) -> Result<Vec<String>> {
+        let shown = |text: String| path(Path::new(&text)).display().to_string();
+        let mut words = vec!["render".to_owned(), shown(self.job.scene.clone())];
+        for (flag, value) in &self.job.flags {
+            words.push((*flag).to_owned());
+            if let Some(value) = value {
+                let filled = self.filled(flag, value)?;
+                words.push(if is_output(flag) { shown(filled) } else { filled });
+            }
+        }
+        words.extend(self.values.iter().flat_map(|(key, value)| ["--set".to_owned(), format!("{key}={value}")]));
+        words.extend(["--frame".to_owned(), self.frame.to_string()]);
+        Ok(words)
+    }
+
+    /// The value of a flag: names of files have those of this task in them.
+    fn filled(&self, flag: &str, text: &str) -> Result<String> {
+        if !is_output(flag) {
+            return Ok(text.to_owned());
+        }
+        let swept = |key: &str| self.values.iter().find(|v| v.0 == key).map(|v| plain(v.1));
+        let value = |key: &str| if key == "frame" { Some(self.frame.to_string()) } else { swept(key) };
+        fill(text, value).map_err(|e| Error::input(format!("{}: {e}", self.job.key)))
+    }
+}
+
+/// However it is spelled; not where links lead.
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+fn is_output(flag: &str) -> bool {
+    OUTPUTS.iter().any(|o| o.1 == flag)
+}
+
+fn read_job(k: usize, field: &Field, path: &Path) -> Result<Job> {
+    let table = field.table()?;
+    let mut known = vec!["scene", "frames", "set", "sweep", "channels"];
+    known.extend(OUTPUTS.iter().map(|own| own.0));
+    known.extend(VALUES.iter().chain(&SWITCHES).map(|own| own.0));
+    table.allow(&known)?;
+    let mut flags = Vec::new();
+    for (key, flag, _) in OUTPUTS {
+        flags.extend(table.optional(key, |f| f.path())?.map(|file| (flag, Some(file.display().to_string()))));
+    }
+    if flags.iter().all(|(flag, _)| *flag == "--report") {
+        return Err(table.error("nothing to write; add color, exr or points"));
+    }
+    for (key, flag) in VALUES {
+        flags.extend(table.optional(key, Field::inline)?.map(|value| (flag, Some(value.trim_matches('"').to_owned()))));
+    }
+    for (key, flag) in SWITCHES {
+        flags.extend(table.or(key, false, Field::boolean)?.then_some((flag, None)));
+    }
+    if let Some(list) = table.get("channels") {
+        let names = list.items("a list of channels, as [\"R\", \"Z\"]")?;
+        let names: Vec<&str> = names.map(|name| name.text()).collect::<Result<_>>()?;
+        flags.push(("--channels", Some(names.join(","))));
+    }
+    if let Some(list) = table.get("set") {
+        for text in list.items("a list of texts, as [\"camera.vfov=40\"]")? {
+            flags.push(("--set", Some(text.text()?.to_owned())));
+        }
+    }
+    let mut sweep = Vec::new();
+    if let Some(field) = table.get("sweep") {
+        read_sweep(&field.table()?, "", &mut sweep)?;
+    }
+    Ok(Job {
+        name: format!("job.{k}"),
+        key: format!("{}: job.{k}", path.display()),
+        scene: table.need("scene", "\"scene.toml\"")?.path()?.display().to_string(),
+        flags,
+        sweep,
+        frames: table.or("frames", vec![0.0], read_frames)?,
+    })
+}
+
+/// Lists of values; tables are dotted keys.
+fn read_sweep(table: &Table, prefix: &str, all: &mut Vec<Swept>) -> Result<()> {
+    for (key, field) in table.fields() {
+        let key = format!("{prefix}{key}");
+        if field.is_table() {
+            read_sweep(&field.table()?, &format!("{key}."), all)?;
+            continue;
+        }
+        let values: Vec<String> =
+            field.items("a list of values, as [1, 16, 128]")?.map(|value| value.inline()).collect::<Result<_>>()?;
+        if values.is_empty() {
+            return Err(field.error("no values; write at least one, as [1, 16, 128]"));
+        }
+        all.push(Swept { key, values });
+    }
+    Ok(())
+}
+
+/// A number, a list of numbers, or `{ first, last, step }`.
+fn read_frames(field: &Field) -> Result<Vec<f64>> {
+    if field.is_list() {
+        return field.items("a list of frames")?.map(|frame| frame.number()).collect();
+    }
+    if !field.is_table() {
+        return Ok(vec![field.number()?]);
+    }
+    let table = field.table()?;
+    table.allow(&["first", "last", "step"])?;
+    let first = table.or("first", 0.0, Field::number)?;
+    let last = table.need("last", "1999")?.number()?;
+    let step = table.or("step", 1.0, Field::number)?;
+    let steps = ((last - first) / step + 1e-9).floor();
+    if !(0.0..FRAMES_MAX).contains(&steps) {
+        return Err(field.error(format_args!("no frames from {first} to {last} by {step}, or too many")));
+    }
+    limits::FRAMES.check(steps as u64 + 1).map_err(|e| field.error(e))?;
+    Ok((0..=steps as u64).map(|k| first + step * k as f64).collect())
+}

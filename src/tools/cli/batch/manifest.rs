@@ -1,0 +1,406 @@
+//! The manifest: a line of JSON for each frame that is done, with what it was made from and what came of it. Lines are appended as frames
+//! are done, so a program that is killed leaves whole lines and at most a torn one, which nobody reads.
+
+use super::jobs::Task;
+use crate::engine::report::Judged;
+use crate::image::is_full;
+use crate::input::files::{Inputs, Stamp, stamp};
+use crate::input::{Error, Result};
+use crate::tools::cli::render::Written;
+use serde::{Deserialize, Serialize};
+use std::collections::hash_map::DefaultHasher;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::fs::{File, TryLockError};
+use std::hash::{Hash, Hasher};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// What is known of the frames of a list.
+pub struct Manifest {
+    /// Appended to, and locked against others.
+    own: Mutex<File>,
+    /// The files that lines are in, the own one last.
+    files: Vec<(PathBuf, Mutex<File>)>,
+    /// The last line of a frame, by its first output.
+    lines: Mutex<HashMap<u64, Line>>,
+    hashes: Mutex<HashMap<PathBuf, (Stamp, String)>>,
+}
+
+#[derive(Clone, Copy)]
+struct Line {
+    file: usize,
+    start: u64,
+    ms: f32,
+    made_ms: u64,
+}
+
+/// Which of two lines of a frame counts.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Counts {
+    /// The one that was made last.
+    Newest,
+    /// The one that was read first.
+    First,
+}
+
+/// What frames took when they were last done.
+#[derive(Default)]
+pub struct Costs(HashMap<u64, Line>);
+
+impl Costs {
+    /// By a manifest, if there is one.
+    pub fn read(path: &Path) -> Result<Costs> {
+        let mut lines = HashMap::new();
+        check_file(path)?;
+        if let Ok(file) = File::open(path) {
+            // what is gathered later must not change what shards there are
+            read_lines(0, &file, &mut lines, Counts::First).map_err(|e| failure(path, &e))?;
+        }
+        Ok(Costs(lines))
+    }
+
+    /// For how long a frame kept a device busy, ms.
+    pub fn of(&self, task: &Task) -> Result<Option<f64>> {
+        Ok(self.0.get(&key(task)?).map(|line| f64::from(line.ms)))
+    }
+}
+
+/// A frame that is done.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Done {
+    pub frame: String,
+    /// Of the program.
+    version: String,
+    /// The command line that makes it.
+    settings: Vec<String>,
+    /// The hash of each file that was looked for.
+    inputs: BTreeMap<PathBuf, String>,
+    outputs: BTreeMap<PathBuf, Output>,
+    /// When it was done, milliseconds after 1970.
+    made_ms: u64,
+    /// For how long it kept the device busy.
+    pub ms: f64,
+    pub adapter: String,
+    pub triangles: usize,
+    pub pieces: usize,
+    /// The median of the timed frames, and how many these are.
+    pub frame_ms: f64,
+    pub runs: usize,
+    /// Of each stage on the device, ms.
+    pub stages: BTreeMap<String, f64>,
+    /// The error against the reference, where it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<serde_json::Value>,
+}
+
+/// A file as it was written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+struct Output {
+    bytes: u64,
+    hash: String,
+}
+
+/// How a frame of the list stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Standing {
+    New,
+    Done,
+    /// It was done, and something is another than then.
+    Changed(String),
+}
+
+impl Manifest {
+    /// Opens a manifest to be appended to, and reads it with `others` before it; without `keeps` it begins anew.
+    ///
+    /// # Errors
+    /// [`Error::Work`] where it cannot be written, or another program is at it.
+    pub fn open(path: &Path, others: &[PathBuf], keeps: bool) -> Result<Manifest> {
+        let failed = |e: io::Error| failure(path, &e);
+        others.iter().map(PathBuf::as_path).chain([path]).try_for_each(check_file)?;
+        let own = File::options().create(true).append(true).read(true).open(path).map_err(failed)?;
+        match own.try_lock() {
+            Err(TryLockError::WouldBlock) => {
+                let advice = "wait for it, or give each a --shard I/N";
+                return Err(Error::work(format!("{}: another batch is at it; {advice}", path.display())));
+            }
+            // a file system without locks
+            Err(TryLockError::Error(_)) | Ok(()) => {}
+        }
+        if keeps {
+            let torn = own.metadata().map_err(failed)?.len() - whole_lines(&own).map_err(failed)?;
+            own.set_len(own.metadata().map_err(failed)?.len() - torn).map_err(failed)?;
+        } else {
+            own.set_len(0).map_err(failed)?;
+        }
+        let mut files = Vec::new();
+        let mut lines = HashMap::new();
+        if keeps {
+            for other in others.iter().filter(|other| *other != path) {
+                if let Ok(file) = File::open(other) {
+                    files.push((other.clone(), Mutex::new(file)));
+                }
+            }
+        }
+        files.push((path.to_owned(), Mutex::new(File::open(path).map_err(failed)?)));
+        for (k, (path, file)) in files.iter().enumerate() {
+            read_lines(k, &lock(file), &mut lines, Counts::Newest).map_err(|e| failure(path, &e))?;
+        }
+        let (lines, hashes) = (Mutex::new(lines), Mutex::default());
+        Ok(Manifest { own: Mutex::new(own), files, lines, hashes })
+    }
+
+    /// Whether a frame is done as the list and its files say now.
+    pub fn standing(&self, task: &Task) -> Result<Standing> {
+        let Some(done) = self.done(task)? else { return Ok(Standing::New) };
+        let changed = |what: String| Ok(Standing::Changed(what));
+        if done.version != env!("CARGO_PKG_VERSION") {
+            return changed(format!("anamorph {} made it", done.version));
+        }
+        let settings = task.settings()?;
+        if done.settings != settings {
+            return changed(format!("its settings were {}", told_apart(&done.settings, &settings)));
+        }
+        for (path, hash) in &done.inputs {
+            if self.hash(&task.whole(path)).as_ref() != Some(hash) {
+                return changed(format!("{} is another", path.display()));
+            }
+        }
+        for (path, written) in &done.outputs {
+            let whole = task.whole(path);
+            match stamp(&whole) {
+                None => return changed(format!("{} is not there", path.display())),
+                // its time is not compared, as any program can set it
+                Some((_, bytes)) if bytes == written.bytes && self.hash(&whole).as_ref() == Some(&written.hash) => {}
+                Some(_) => return changed(format!("{} is not what was written", path.display())),
+            }
+        }
+        Ok(Standing::Done)
+    }
+
+    /// The last line of a frame.
+    pub fn done(&self, task: &Task) -> Result<Option<Done>> {
+        let Some(line) = self.line(task)? else { return Ok(None) };
+        let (path, file) = &self.files[line.file];
+        let mut file = lock(file);
+        let mut text = String::new();
+        let read = file.seek(SeekFrom::Start(line.start)).and_then(|_| BufReader::new(&mut *file).read_line(&mut text));
+        read.map_err(|e| failure(path, &e))?;
+        Ok(serde_json::from_str(&text).ok())
+    }
+
+    /// Appends that a frame is done.
+    ///
+    /// # Errors
+    /// [`Error::Work`] or [`Error::Full`] where the line cannot be written; it then counts for nothing.
+    pub fn add(&self, task: &Task, inputs: &Inputs, written: &Written, ms: f64) -> Result<Done> {
+        let mut outputs = BTreeMap::new();
+        for path in task.outputs()? {
+            // devices keep nothing
+            if let (Some((_, bytes)), Some(hash)) = (stamp(&path), self.hash(&path)) {
+                outputs.insert(task.short(&path), Output { bytes, hash });
+            }
+        }
+        let mut found: BTreeMap<PathBuf, String> = BTreeMap::new();
+        for (path, stamp) in inputs.files() {
+            let hash = self.hash_as_found(path, stamp);
+            let first = found.entry(task.short(path)).or_insert_with(|| hash.clone());
+            if *first != hash {
+                *first = CHANGED.into();
+            }
+        }
+        let done = Done {
+            frame: task.name.clone(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            settings: task.settings()?,
+            inputs: found,
+            outputs,
+            made_ms: nanoseconds(SystemTime::now()) / 1_000_000,
+            ms,
+            adapter: written.adapter.clone(),
+            triangles: written.triangles,
+            pieces: written.pieces,
+            frame_ms: written.frame_ms.median,
+            runs: written.frame_ms.runs,
+            stages: written.stages.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect(),
+            error: written.error.as_ref().map(as_json).transpose()?,
+        };
+        self.append(task, &done)?;
+        Ok(done)
+    }
+
+    fn append(&self, task: &Task, done: &Done) -> Result<()> {
+        let failed = |e: io::Error| failure(&self.files[self.files.len() - 1].0, &e);
+        let text = serde_json::to_string(done).map_err(|e| Error::work(format!("manifest as JSON: {e}")))? + "\n";
+        let mut own = lock(&self.own);
+        let start = own.seek(SeekFrom::End(0)).map_err(failed)?;
+        if let Err(e) = own.write_all(text.as_bytes()) {
+            // no torn line before the next one
+            let _ = own.set_len(start);
+            return Err(failed(e));
+        }
+        let line = Line { file: self.files.len() - 1, start, ms: done.ms as f32, made_ms: done.made_ms };
+        lock(&self.lines).insert(key(task)?, line);
+        Ok(())
+    }
+
+    /// Knows nothing of a frame any more, until it is done again.
+    pub fn forget(&self, task: &Task) -> Result<()> {
+        lock(&self.lines).remove(&key(task)?);
+        Ok(())
+    }
+
+    /// Has the own manifest say what another one does of a frame.
+    pub fn adopt(&self, task: &Task) -> Result<()> {
+        let is_own = self.line(task)?.is_some_and(|line| line.file + 1 == self.files.len());
+        match self.done(task)? {
+            Some(done) if !is_own => self.append(task, &done),
+            _ => Ok(()),
+        }
+    }
+
+    fn line(&self, task: &Task) -> Result<Option<Line>> {
+        Ok(lock(&self.lines).get(&key(task)?).copied())
+    }
+
+    /// Of what a file held when it was looked for.
+    fn hash_as_found(&self, path: &Path, found: &Stamp) -> String {
+        let hash = self.hash(path).filter(|_| stamp(path) == *found);
+        hash.unwrap_or_else(|| CHANGED.into())
+    }
+
+    /// The hash of a file's content; it is read again if its size or time has changed. `None` for a folder, a pipe or a device, which may
+    /// have no end.
+    fn hash(&self, path: &Path) -> Option<String> {
+        let Some(found) = stamp(path) else { return Some(ABSENT.into()) };
+        if !path.is_file() {
+            return None;
+        }
+        if let Some((known, hash)) = lock(&self.hashes).get(path)
+            && *known == Some(found)
+        {
+            return Some(hash.clone());
+        }
+        let (_, bytes) = found;
+        let hashed = File::open(path).and_then(|f| murmur3::murmur3_x64_128(&mut BufReader::new(f.take(bytes)), 0));
+        let hash = hashed.map_or(ABSENT.into(), |h| format!("{h:032x}"));
+        let mut hashes = lock(&self.hashes);
+        if hashes.len() >= HASHES_MAX {
+            hashes.clear();
+        }
+        hashes.insert(path.to_owned(), (Some(found), hash.clone()));
+        Some(hash)
+    }
+}
+
+/// In place of the hash of a file that is not there.
+const ABSENT: &str = "absent";
+
+/// In place of the hash of a file that changed while it was read, or is not a regular file. No file has this hash.
+const CHANGED: &str = "changed";
+
+/// Hashes that are kept at most.
+const HASHES_MAX: usize = 4096;
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The [`key_of`] every output in these manifests.
+pub fn outputs(paths: &[PathBuf]) -> HashSet<u64> {
+    #[derive(Deserialize)]
+    struct Head {
+        outputs: BTreeMap<PathBuf, serde::de::IgnoredAny>,
+    }
+    let files = paths.iter().filter(|path| path.is_file()).filter_map(|path| File::open(path).ok());
+    let lines = files.flat_map(|file| BufReader::new(file).lines().map_while(io::Result::ok));
+    let heads = lines.filter_map(|line| serde_json::from_str::<Head>(&line).ok());
+    heads.flat_map(|head| head.outputs.into_keys()).map(|path| key_of(&path)).collect()
+}
+
+/// Refuses a manifest that is a folder, or a pipe or a device, which may have no end.
+fn check_file(path: &Path) -> Result<()> {
+    if path.is_file() || !path.exists() {
+        return Ok(());
+    }
+    Err(Error::input(format!("{}: is not a regular file, so it cannot be a manifest; remove it", path.display())))
+}
+
+fn failure(path: &Path, e: &io::Error) -> Error {
+    let text = format!("{}: the manifest cannot be kept: {e}", path.display());
+    if is_full(e) { Error::Full(text) } else { Error::Work(text) }
+}
+
+fn as_json(error: &Judged) -> Result<serde_json::Value> {
+    serde_json::to_value(error).map_err(|e| Error::work(format!("an error as JSON: {e}")))
+}
+
+/// By what a frame is known: no other one writes its first file.
+fn key(task: &Task) -> Result<u64> {
+    Ok(task.outputs()?.first().map_or(0, |path| key_of(&task.short(path))))
+}
+
+pub fn key_of(path: &Path) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    path.hash(&mut hasher);
+    hasher.finish()
+}
+
+/// Bytes of a file up to the end of its last whole line.
+fn whole_lines(file: &File) -> io::Result<u64> {
+    let mut reader = BufReader::new(file);
+    reader.seek(SeekFrom::Start(0))?;
+    let (mut whole, mut line) = (0, Vec::new());
+    while reader.by_ref().read_until(b'\n', &mut line)? > 0 {
+        whole += if line.ends_with(b"\n") { line.len() as u64 } else { 0 };
+        line.clear();
+    }
+    Ok(whole)
+}
+
+/// Adds the lines of file number `k`; what is no line of a frame is none.
+fn read_lines(k: usize, file: &File, lines: &mut HashMap<u64, Line>, counts: Counts) -> io::Result<()> {
+    /// As much of a line as tells its frame.
+    #[derive(Deserialize)]
+    struct Head {
+        outputs: BTreeMap<PathBuf, serde::de::IgnoredAny>,
+        settings: Vec<String>,
+        made_ms: u64,
+        ms: f64,
+    }
+    let mut reader = BufReader::new(file);
+    let (mut start, mut text) = (0, Vec::new());
+    while reader.read_until(b'\n', &mut text)? > 0 {
+        if let Ok(Head { outputs, settings, made_ms, ms }) = serde_json::from_slice(&text) {
+            // outputs are words of the settings, in their order
+            let first = settings.iter().map(Path::new).find(|word| outputs.contains_key(*word));
+            if let Some(first) = first {
+                let own = Line { file: k, start, ms: ms as f32, made_ms };
+                let kept = lines.entry(key_of(first)).or_insert(own);
+                if counts == Counts::Newest && kept.made_ms <= made_ms {
+                    *kept = own;
+                }
+            }
+        }
+        start += text.len() as u64;
+        text.clear();
+    }
+    Ok(())
+}
+
+/// Nanoseconds after 1970.
+fn nanoseconds(time: SystemTime) -> u64 {
+    time.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos() as u64)
+}
+
+/// The words of a command line that another one does not have, or has in other places.
+fn told_apart(was: &[String], is: &[String]) -> String {
+    let own: Vec<&str> = was.iter().filter(|word| !is.contains(word)).map(String::as_str).collect();
+    let new: Vec<&str> = is.iter().filter(|word| !was.contains(word)).map(String::as_str).collect();
+    match (own.is_empty(), new.is_empty()) {
+        (true, true) => "in another order".into(),
+        (false, _) => own.join(" "),
+        (true, false) => format!("without {}", new.join(" ")),
+    }
+}

@@ -1,0 +1,137 @@
+//! What came of a batch: a table with a row a frame, and a report. Both are made from the manifest, so that frames done earlier or
+//! elsewhere are in them too.
+
+use super::board::Counts;
+use super::jobs::Task;
+use super::manifest::{Done, Manifest};
+use crate::image::write_lines;
+use crate::input::{Error, Result};
+use serde::Serialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::io;
+use std::path::Path;
+
+/// A device of the batch.
+#[derive(Debug, Clone, Serialize)]
+pub struct Worked {
+    pub adapter: String,
+    /// For how long frames were in flight, s, and what share of the time of the batch that is.
+    pub busy_s: f64,
+    pub busy_share: f64,
+    /// How often it was lost and opened again.
+    pub reopened: u32,
+}
+
+/// All but the frames.
+#[derive(Debug, Clone, Serialize)]
+pub struct Summary {
+    pub version: &'static str,
+    pub frames: usize,
+    pub done: usize,
+    pub skipped: usize,
+    pub failed: usize,
+    pub wall_s: f64,
+    pub devices: Vec<Worked>,
+    /// The first that failed, and why.
+    pub failures: Vec<(String, String)>,
+}
+
+impl Summary {
+    pub fn new(counts: Counts, wall_s: f64, devices: Vec<Worked>, failures: Vec<(String, String)>) -> Summary {
+        let Counts { all, done, skipped, failed, .. } = counts;
+        Summary { version: env!("CARGO_PKG_VERSION"), frames: all, done, skipped, failed, wall_s, devices, failures }
+    }
+}
+
+/// Writes the report: the summary, and `each`, a line a frame.
+///
+/// # Errors
+/// [`Error::Work`] where it cannot be written.
+pub fn write_report<'a>(
+    path: &Path,
+    summary: &Summary,
+    tasks: impl Iterator<Item = Task<'a>>,
+    manifest: &Manifest,
+) -> Result<()> {
+    let head = serde_json::to_string_pretty(summary).map_err(|e| Error::work(format!("report as JSON: {e}")))?;
+    let head = head.trim_end_matches("\n}").to_owned();
+    write_lines(path, |out| {
+        write!(out, "{head},\n  \"each\": [")?;
+        let mut gap = "\n";
+        for task in tasks {
+            if let Some(done) = found(manifest, &task)? {
+                write!(out, "{gap}    {}", serde_json::to_string(&done)?)?;
+                gap = ",\n";
+            }
+        }
+        writeln!(out, "\n  ]\n}}")
+    })
+}
+
+/// Writes the table: the frame and what its job sweeps; what it took; and its error, where that was asked for.
+///
+/// # Errors
+/// [`Error::Work`] where it cannot be written.
+pub fn write_csv<'a, T: Iterator<Item = Task<'a>>>(
+    path: &Path,
+    tasks: impl Fn() -> T,
+    manifest: &Manifest,
+) -> Result<()> {
+    let failed = |e: io::Error| Error::work(format!("{}: {e}", path.display()));
+    let mut columns: Vec<String> = Vec::new();
+    for task in tasks() {
+        let row = row(&task, found(manifest, &task).map_err(failed)?.as_ref());
+        for (name, _) in row {
+            if !columns.contains(&name) {
+                columns.push(name);
+            }
+        }
+    }
+    write_lines(path, |out| {
+        let mut table = csv::Writer::from_writer(out);
+        table.write_record(&columns)?;
+        for task in tasks() {
+            let row: BTreeMap<String, String> = row(&task, found(manifest, &task)?.as_ref()).into_iter().collect();
+            table.write_record(columns.iter().map(|name| row.get(name).map_or("", String::as_str)))?;
+        }
+        table.flush()
+    })
+}
+
+fn found(manifest: &Manifest, task: &Task) -> io::Result<Option<Done>> {
+    manifest.done(task).map_err(|e| io::Error::other(e.to_string()))
+}
+
+/// Names and values of a frame, in order.
+fn row(task: &Task, done: Option<&Done>) -> Vec<(String, String)> {
+    let mut row = vec![("job".to_owned(), task.job_name().to_owned()), ("frame".into(), task.frame.to_string())];
+    row.extend(task.values.iter().map(|(key, value)| ((*key).to_owned(), value.trim_matches('"').to_owned())));
+    row.push(("is_done".into(), done.is_some().to_string()));
+    let Some(done) = done else { return row };
+    let numbers = [
+        ("triangles", done.triangles.to_string()),
+        ("pieces", done.pieces.to_string()),
+        ("adapter", done.adapter.clone()),
+        ("frame_ms", done.frame_ms.to_string()),
+        ("runs", done.runs.to_string()),
+        ("device_ms", done.ms.to_string()),
+    ];
+    row.extend(numbers.map(|(name, value)| (name.to_owned(), value)));
+    row.extend(done.stages.iter().map(|(name, ms)| (format!("{name}_ms"), ms.to_string())));
+    if let Some(error) = &done.error {
+        flatten("error", error, &mut row);
+    }
+    row
+}
+
+/// Adds the leaves of a value by their dotted keys.
+fn flatten(key: &str, value: &Value, row: &mut Vec<(String, String)>) {
+    match value {
+        Value::Object(fields) => fields.iter().for_each(|(name, own)| flatten(&format!("{key}.{name}"), own, row)),
+        Value::Array(items) => items.iter().enumerate().for_each(|(k, own)| flatten(&format!("{key}.{k}"), own, row)),
+        Value::Null => row.push((key.to_owned(), String::new())),
+        Value::String(text) => row.push((key.to_owned(), text.clone())),
+        leaf => row.push((key.to_owned(), leaf.to_string())),
+    }
+}

@@ -1,0 +1,364 @@
+//! A device that is kept busy: while it renders one frame the next one is read, planned and sent, and the one before is written.
+
+use super::jobs::Task;
+use super::results::Worked;
+use super::room::Held;
+use super::{Batch, guarded};
+use crate::engine::landed::{Flight, Landed};
+use crate::engine::planned::{Planned, Planner};
+use crate::engine::report::Device;
+use crate::engine::{Engine, Frames, RunOptions};
+use crate::gpu::device::GpuOptions;
+use crate::input::files::Inputs;
+use crate::input::{Error, Result};
+use crate::tools::cli::render::{Backend, Seen, Work};
+use crossbeam_channel::{Receiver, Sender, TryRecvError};
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// A frame that is read.
+pub struct Ready<'a> {
+    pub task: Task<'a>,
+    pub work: Work,
+    /// Of a frame that others may overlap.
+    pub planned: Option<Planned>,
+    pub inputs: Inputs,
+    pub started: Instant,
+    _held: Held,
+}
+
+/// A frame that the device is done with.
+pub struct Taken<'a> {
+    pub ready: Ready<'a>,
+    pub picture: Picture,
+    pub device: Device,
+    /// For how long it kept the device busy, ms.
+    pub ms: f64,
+}
+
+pub enum Picture {
+    Landed(Box<Landed>),
+    Seen(Box<Seen>),
+}
+
+/// One device and what is on it.
+pub struct Station {
+    options: GpuOptions,
+    /// Its adapter.
+    name: String,
+    /// None on a machine without any.
+    engine: Option<Engine>,
+    frames: Option<Frames>,
+    /// What was last planned for it.
+    last: Mutex<Option<Planned>>,
+    planner: Option<Planner>,
+    /// Until when it was last busy, and for how long in all.
+    until: Instant,
+    busy: Duration,
+    reopened: u32,
+    /// It has no device any more.
+    is_gone: AtomicBool,
+}
+
+/// Frames may lose the device so often before they are given up.
+const LOSSES_MAX: u32 = 2;
+
+/// How often, and after what pauses, a lost device is looked for.
+const REOPEN: u32 = 5;
+const REOPEN_PAUSE: Duration = Duration::from_millis(500);
+
+impl Station {
+    pub fn open(options: GpuOptions) -> Result<Station> {
+        let engine = Engine::open(&options)?;
+        let planner = engine.as_ref().map(Engine::planner);
+        Ok(Station {
+            options,
+            name: engine.as_ref().map_or("cpu".into(), |engine| engine.gpu.info.name.clone()),
+            engine,
+            frames: None,
+            last: Mutex::default(),
+            planner,
+            until: Instant::now(),
+            busy: Duration::ZERO,
+            reopened: 0,
+            is_gone: AtomicBool::new(false),
+        })
+    }
+
+    /// The parts that threads share: one that reads for it, and the device itself.
+    pub fn parts(&mut self) -> (Reader<'_>, Driver<'_>) {
+        let Station { options, name: _, engine, frames, last, planner, until, busy, reopened, is_gone } = self;
+        *until = Instant::now();
+        let driver = Driver { options, engine, frames, until, busy, reopened, is_gone, is_doubtful: false };
+        (Reader { last, planner: planner.as_ref(), is_gone }, driver)
+    }
+
+    pub fn has_adapter(&self) -> bool {
+        self.engine.is_some()
+    }
+
+    #[cfg(test)]
+    pub fn gpu(&self) -> Option<std::sync::Arc<crate::gpu::Gpu>> {
+        self.engine.as_ref().map(|engine| engine.gpu.clone())
+    }
+
+    /// From now on none like its device will be found.
+    #[cfg(test)]
+    pub fn lose_adapter(&mut self) {
+        self.options.adapter = Some("none that is there".into());
+    }
+
+    /// What it did in a time, s.
+    pub fn worked(&self, wall_s: f64) -> Worked {
+        let busy_s = self.busy.as_secs_f64();
+        Worked { adapter: self.name.clone(), busy_s, busy_share: busy_s / wall_s, reopened: self.reopened }
+    }
+}
+
+/// Reads frames for a station.
+#[derive(Clone, Copy)]
+pub struct Reader<'s> {
+    last: &'s Mutex<Option<Planned>>,
+    planner: Option<&'s Planner>,
+    is_gone: &'s AtomicBool,
+}
+
+impl Reader<'_> {
+    /// Reads frames until there are none, or no device for them.
+    pub fn run<'a>(self, batch: &Batch<'a>, ready: &Sender<Ready<'a>>) {
+        while !self.is_gone.load(Ordering::SeqCst)
+            && let Some(task) = batch.next()
+        {
+            match guarded(|| self.read(batch, task.clone())) {
+                Ok(read) => {
+                    if let Err(unsent) = ready.send(read) {
+                        return batch.queue().give_back(unsent.0.task);
+                    }
+                }
+                Err(e) => batch.failed(&task, &e),
+            }
+        }
+    }
+
+    fn read<'a>(self, batch: &Batch<'a>, task: Task<'a>) -> Result<Ready<'a>> {
+        let started = Instant::now();
+        let args = task.args()?;
+        let (work, inputs) = crate::input::files::noted(|| Work::read_of_many(args, batch.library()));
+        let work = work?;
+        batch.report_missing(work.missing());
+        let held = batch.room().hold(work.bytes());
+        work.check_memory()?;
+        let planned = match self.planner {
+            Some(planner) => {
+                let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).clone();
+                let planned = work.plan(planner, last.as_ref())?;
+                if let Some(planned) = &planned {
+                    *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(planned.clone());
+                }
+                planned
+            }
+            None => None,
+        };
+        Ok(Ready { task, work, planned, inputs, started, _held: held })
+    }
+}
+
+/// The device of a station.
+pub struct Driver<'s> {
+    options: &'s GpuOptions,
+    engine: &'s mut Option<Engine>,
+    frames: &'s mut Option<Frames>,
+    until: &'s mut Instant,
+    busy: &'s mut Duration,
+    reopened: &'s mut u32,
+    is_gone: &'s AtomicBool,
+    /// Something failed in the middle: what is on the device may be of two frames.
+    is_doubtful: bool,
+}
+
+impl Driver<'_> {
+    /// Renders what is ready until nothing comes any more.
+    pub fn run<'a>(&mut self, batch: &Batch<'a>, ready: &Receiver<Ready<'a>>, taken: &Sender<Taken<'a>>) {
+        let mut flying: Option<(Ready<'a>, Flight)> = None;
+        let mut again: VecDeque<Ready<'a>> = VecDeque::new();
+        loop {
+            // what lost the device goes alone
+            let next = match again.pop_front() {
+                Some(next) => Ok(next),
+                None if flying.is_some() => ready.try_recv(),
+                None => ready.recv().map_err(|_| TryRecvError::Disconnected),
+            };
+            let next = match next {
+                Ok(next) => Some(next),
+                Err(TryRecvError::Disconnected) if flying.is_none() => return,
+                Err(_) => None,
+            };
+            let is_alone = next.as_ref().is_none_or(|next| next.planned.is_none() || next.task.losses > 0);
+            let mut lost = Vec::new();
+            let mut launched = None;
+            if let Some(next) = next.filter(|_| !batch.queue().is_stopped()) {
+                if is_alone {
+                    self.finish(batch, flying.take(), taken, &mut lost);
+                }
+                if self.has_lost() {
+                    // no fault of this one
+                    lost.push(next);
+                } else {
+                    match guarded(|| self.launch(&next, &mut flying, batch, taken, &mut lost)) {
+                        Ok(Launched::Flight(flight)) => launched = Some((next, *flight)),
+                        Ok(Launched::Seen(seen, ms)) => self.hand_on(next, Picture::Seen(seen), ms, taken),
+                        Ok(Launched::Not) => lost.push(next),
+                        Err(e) => self.fault(batch, next, e, &mut lost),
+                    }
+                }
+            }
+            let landing = flying.take();
+            self.finish(batch, landing, taken, &mut lost);
+            flying = launched;
+            if self.is_doubtful && !self.has_lost() {
+                self.finish(batch, flying.take(), taken, &mut lost);
+                (*self.frames, self.is_doubtful) = (None, false);
+            }
+            if !lost.is_empty() || self.has_lost() {
+                lost.extend(flying.take().map(|(ready, _)| ready));
+                again.extend(lost);
+                if let Err(e) = guarded(|| self.reopen(batch)) {
+                    self.is_gone.store(true, Ordering::SeqCst);
+                    batch.lose_station(e);
+                    again.into_iter().chain(ready).for_each(|ready| batch.queue().give_back(ready.task));
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Gives a frame to the device: so that others overlap it, or in all its parts.
+    fn launch<'a>(
+        &mut self,
+        next: &Ready<'a>,
+        flying: &mut Option<(Ready<'a>, Flight)>,
+        batch: &Batch<'a>,
+        taken: &Sender<Taken<'a>>,
+        lost: &mut Vec<Ready<'a>>,
+    ) -> Result<Launched> {
+        let (Some(planned), Some(_)) = (&next.planned, self.engine.as_ref()) else {
+            let started = Instant::now();
+            let mut backend = Backend::of(self.engine.as_mut(), next.work.args())?;
+            let seen = next.work.render(&mut backend)?;
+            let ms = self.was_busy(started);
+            return Ok(Launched::Seen(Box::new(seen), ms));
+        };
+        let is_shown = match &mut self.frames {
+            Some(frames) => frames.show(planned)?,
+            None => false,
+        };
+        if !is_shown {
+            // those that fly are of what was there
+            self.finish(batch, flying.take(), taken, lost);
+            if self.has_lost() {
+                return Ok(Launched::Not);
+            }
+            *self.frames = None;
+            let Some(engine) = self.engine.as_mut() else { return Err(Error::work("no adapter")) };
+            *self.frames = Some(engine.place(planned.clone(), &RunOptions::default())?);
+        }
+        match self.frames.as_mut() {
+            Some(frames) => Ok(Launched::Flight(Box::new(frames.start()?))),
+            None => Err(Error::work("no frames")),
+        }
+    }
+
+    /// Waits for a frame and hands it on; again and alone where its lists were too small.
+    fn finish<'a>(
+        &mut self,
+        batch: &Batch<'a>,
+        flying: Option<(Ready<'a>, Flight)>,
+        taken: &Sender<Taken<'a>>,
+        lost: &mut Vec<Ready<'a>>,
+    ) {
+        let Some((ready, flight)) = flying else { return };
+        let started = flight.started;
+        match guarded(|| self.land(&ready, flight)) {
+            Ok(landed) => {
+                let ms = self.was_busy(started);
+                self.hand_on(ready, Picture::Landed(Box::new(landed)), ms, taken);
+            }
+            Err(e) => self.fault(batch, ready, e, lost),
+        }
+    }
+
+    fn land(&mut self, ready: &Ready, flight: Flight) -> Result<Landed> {
+        let (Some(frames), Some(planned)) = (self.frames.as_mut(), &ready.planned) else {
+            return Err(Error::work("no frames"));
+        };
+        frames.settle(planned, flight)
+    }
+
+    fn hand_on<'a>(&self, mut ready: Ready<'a>, picture: Picture, ms: f64, taken: &Sender<Taken<'a>>) {
+        let device = Backend::device_of(self.engine.as_ref(), ready.work.args());
+        // what was sent is not needed any more
+        ready.planned = None;
+        // who writes is there as long as this is
+        let _ = taken.send(Taken { ready, picture, device, ms });
+    }
+
+    /// A frame has failed, unless it was the device that did.
+    fn fault<'a>(&mut self, batch: &Batch<'a>, mut ready: Ready<'a>, error: Error, lost: &mut Vec<Ready<'a>>) {
+        ready.task.losses += 1;
+        self.is_doubtful = true;
+        if self.has_lost() && ready.task.losses < LOSSES_MAX {
+            lost.push(ready);
+        } else {
+            batch.failed(&ready.task, &error);
+        }
+    }
+
+    /// The device has reported an error; it may answer no more.
+    fn has_lost(&self) -> bool {
+        self.engine.as_ref().is_some_and(|engine| engine.gpu.failure().is_err())
+    }
+
+    fn reopen(&mut self, batch: &Batch) -> Result<()> {
+        let planner = self.engine.as_ref().map(Engine::planner);
+        let why = self.engine.as_ref().and_then(|engine| engine.gpu.failure().err());
+        (*self.frames, *self.engine, self.is_doubtful) = (None, None, false);
+        *self.reopened += 1;
+        batch.note(&format!("the device is opened again: {}", why.map(|e| e.to_string()).unwrap_or_default()));
+        let mut opened = Engine::open(self.options);
+        for _ in 1..REOPEN {
+            if matches!(&opened, Ok(Some(_))) {
+                break;
+            }
+            std::thread::sleep(REOPEN_PAUSE);
+            opened = Engine::open(self.options);
+        }
+        let failed = |why: &str| Err(Error::work(format!("the device was lost, and {why}")));
+        match opened {
+            Ok(Some(engine)) if Some(engine.planner()) == planner => {
+                *self.engine = Some(engine);
+                Ok(())
+            }
+            Ok(Some(_)) => failed("another one is there now"),
+            Ok(None) => failed("there is none any more"),
+            Err(e) => failed(&format!("cannot be opened again: {e}")),
+        }
+    }
+
+    /// Counts the time from a start, or the end of the last busy one, until now; ms.
+    fn was_busy(&mut self, started: Instant) -> f64 {
+        let now = Instant::now();
+        let own = now.duration_since(started.max(*self.until));
+        *self.busy += own;
+        *self.until = now;
+        own.as_secs_f64() * 1e3
+    }
+}
+
+enum Launched {
+    Flight(Box<Flight>),
+    Seen(Box<Seen>, f64),
+    /// The device was lost with the frame before.
+    Not,
+}

@@ -1,0 +1,50 @@
+//! `anamorph bench`: suites of measurements, and the page that shows all of them.
+
+use super::args::BenchArgs;
+use super::outputs;
+use super::say::print;
+use crate::gpu::device::GpuOptions;
+use crate::input::files::Inputs;
+use crate::input::{Error, Result};
+use crate::tools::bench;
+use crate::tools::bench::race::{Engines, Rules};
+use crate::tools::bench::suites::{SUITES, Suite};
+use crate::tools::bench::{INDEX, Selection, write_index};
+
+pub fn run(args: &BenchArgs) -> Result<()> {
+    let asked: Vec<&Suite> = SUITES.iter().filter(|s| args.suite.as_ref().is_none_or(|name| name == s.name)).collect();
+    if asked.is_empty() {
+        let names: Vec<&str> = SUITES.iter().map(|s| s.name).collect();
+        return Err(Error::input(format!("there is no suite of this name; use {}, or none for all", names.join(", "))));
+    }
+    if let Some(program) = &args.yardstick {
+        // what it says without arguments does not matter
+        let started = std::process::Command::new(program).output();
+        started.map_err(|e| Error::input(format!("--yardstick {}: cannot start it: {e}", program.display())))?;
+    }
+    std::fs::create_dir_all(&args.out).map_err(|e| Error::work(format!("{}: {e}", args.out.display())))?;
+    outputs::check(&Inputs::default(), std::iter::once((args.out.join(INDEX).as_path(), outputs::PAGE)))?;
+    let options = GpuOptions { adapter: args.adapter.clone(), ..Default::default() };
+    let mut engines = Engines::open(&options)?;
+    let is_software = engines.computing.gpu.info.device_type == wgpu::DeviceType::Cpu;
+    let selection = Selection { quick: args.quick, only: args.case.clone() };
+    let mut rules = Rules { yardstick: args.yardstick.clone(), ..Rules::new(args.quick, is_software) };
+    rules.runs = args.runs.unwrap_or(rules.runs);
+    for suite in asked {
+        print(&format!("{}: {}\n", suite.name, suite.asks))?;
+        let mut told = Ok(());
+        let folder = bench::run(&mut engines, suite, &selection, &rules, &args.out, |row| {
+            let time = row.times.as_ref().map(|t| format!("{:>9.2} ms", t.median));
+            let wrong = row.error.as_ref().map(|e| match e.psnr.filter(|_| e.is_of_colours()) {
+                Some(psnr) => format!(", {psnr:.1} dB"),
+                None => format!(", {:.4} % wrong", 100.0 * e.wrong_share),
+            });
+            let time = time.or_else(|| row.refused.clone()).unwrap_or_default();
+            let line = format!("  {:<56} {:<40} {time}{}\n", row.case, row.label(), wrong.unwrap_or_default());
+            told = std::mem::replace(&mut told, Ok(())).and_then(|()| print(&line));
+        })?;
+        told?;
+        print(&format!("  -> {}\n", folder.display()))?;
+    }
+    print(&format!("{}\n", write_index(&args.out)?.display()))
+}

@@ -1,0 +1,102 @@
+//! `anamorph camera`: what a scene's camera compiled to, and the keys of each kind.
+
+use super::args::{CameraArgs, Cli};
+use super::describe::Description;
+use super::progress::Progress;
+use super::render::{CAMERA, load_shape};
+use super::say::print;
+use super::{diagram, export, kinds, memory, outputs, povray};
+use crate::camera::Camera;
+use crate::geometry::texture::ImagesRead;
+use crate::image::read_exr_texts;
+use crate::input::files::noted;
+use crate::input::{Error, Result};
+use crate::scene::library::Library;
+use crate::scene::{Scene, file};
+use clap::CommandFactory;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A number of a pixel's rays, 8 bytes, takes the memory of half a channel: 4 copies of 4 bytes each.
+const NUMBERS_A_CHANNEL: usize = 2;
+
+pub fn run(args: &CameraArgs) -> Result<()> {
+    if let Some(kind) = &args.help {
+        return help(kind.as_deref());
+    }
+    let Some(path) = &args.scene else { return Err(Error::input("no scene given; see anamorph camera --help")) };
+    let is_picture = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    let progress = Progress::start("building the camera");
+    let load = || if is_picture { load_picture(path, args) } else { load_shape(path, &args.change) };
+    let (loaded, inputs) = noted(load);
+    let (scene, camera) = loaded?;
+    progress.now("writing");
+    let files = [
+        (&args.export, outputs::PIECES),
+        (&args.export_povray, outputs::POVRAY),
+        (&args.rays, outputs::RAYS),
+        (&args.diagram, outputs::DIAGRAM),
+    ];
+    outputs::check(&inputs, files.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind))))?;
+    if args.rays.is_some() || args.export_povray.is_some() {
+        let numbers: usize = export::pixel_shape(&camera).iter().product();
+        memory::check(camera.width, camera.height, numbers.div_ceil(NUMBERS_A_CHANNEL), 0)?;
+    }
+    if let Some(file) = &args.export {
+        export::write_pieces(file, &scene.camera, &camera)?;
+    }
+    if let Some(file) = &args.export_povray {
+        povray::write(file, &scene, &camera)?;
+    }
+    if let Some(file) = &args.rays {
+        export::write_rays(file, &camera)?;
+    }
+    if let (Some(file), Some(_)) = (&args.diagram, &camera.optics) {
+        let (file, kind) = (file.display(), camera.kind);
+        return Err(Error::input(format!(
+            "--diagram {file}: {kind} turns rays, which is not drawn; use --rays RAYS.npy"
+        )));
+    }
+    if let Some(file) = &args.diagram {
+        diagram::write(file, &scene.mesh, &camera)?;
+    }
+    let description = Description::of(&camera).to_string();
+    drop(progress);
+    print(&description)
+}
+
+/// The camera in the header of an EXR, and the meshes that it looks at.
+fn load_picture(path: &Path, args: &CameraArgs) -> Result<(Scene, Arc<Camera>)> {
+    let name = path.display();
+    if args.change.frame != 0.0 {
+        return Err(Error::input(format!("--frame: {name} holds the camera of one frame only; leave --frame out")));
+    }
+    if let Some(file) = &args.export_povray {
+        let file = file.display();
+        return Err(Error::input(format!(
+            "--export-povray {file}: {name} holds a camera but no scene; give the scene file"
+        )));
+    }
+    let texts = read_exr_texts(path)?;
+    let text = texts.into_iter().find(|(name, _)| name == CAMERA).map(|(_, text)| text);
+    let text = text
+        .ok_or_else(|| Error::input(format!("{name}: its header holds no camera; give an EXR that anamorph wrote")))?;
+    let file = file::load_header(&text, path, &args.change.set)?;
+    let library = Library::for_once();
+    let at = |e: Error| e.at(path.display());
+    let scene = library.scene(file, ImagesRead::Masks).map_err(at)?;
+    let camera = library.camera(&scene, args.change.size).map_err(at)?;
+    Ok((scene, camera))
+}
+
+/// The keys of one kind, or the command's own help.
+fn help(kind: Option<&str>) -> Result<()> {
+    if let Some(kind) = kind {
+        return print(&kinds::keys(kind)?);
+    }
+    let mut command = Cli::command();
+    command.build();
+    let Some(command) = command.find_subcommand_mut("camera") else { return Err(Error::work("no such command")) };
+    let text = command.render_help();
+    print(&format!("{text}\nKinds of camera: {}\n", kinds::names().join(", ")))
+}

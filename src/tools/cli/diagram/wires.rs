@@ -1,0 +1,113 @@
+//! The lines that say what a scene's meshes look like: creases, borders and outlines.
+
+use super::view::View;
+use crate::geometry::mesh::Mesh;
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// Lines that are drawn at most, the longest ones.
+const LINES_MAX: usize = 10_000;
+/// Points that stand for meshes of more than [`TRIANGLES_MAX`].
+const POINTS_MAX: usize = 3000;
+const TRIANGLES_MAX: usize = 1 << 20;
+/// Faces that turn by less than 30 degrees make no crease: the cosine.
+const CREASE_COS: f64 = 0.866;
+
+/// What is drawn of a mesh.
+pub enum Wires {
+    /// Some of so many lines.
+    Lines(Vec<[DVec3; 2]>, usize),
+    /// Vertices, where there are too many triangles.
+    Points(Vec<DVec3>),
+}
+
+/// An edge and the third vertices of the triangles on it.
+struct Edge {
+    ends: [DVec3; 2],
+    thirds: Vec<DVec3>,
+}
+
+pub fn of(mesh: &Mesh, view: &View) -> Wires {
+    if mesh.triangles.len() > TRIANGLES_MAX {
+        let step = mesh.positions.len().div_ceil(POINTS_MAX);
+        return Wires::Points(mesh.positions.iter().step_by(step).copied().collect());
+    }
+    let length = |edge: &Edge| view.way(edge.ends[1] - edge.ends[0]).length();
+    let shown = edges(mesh).into_iter().filter(|e| is_crease(e) || is_outline(e, view));
+    let mut lines: Vec<(f64, [DVec3; 2])> = shown.map(|e| (length(&e), e.ends)).filter(|(l, _)| *l > 0.0).collect();
+    let count = lines.len();
+    // stable: equal lengths stay in the order of the triangles
+    lines.sort_by(|a, b| b.0.total_cmp(&a.0));
+    lines.truncate(LINES_MAX);
+    Wires::Lines(lines.into_iter().map(|(_, ends)| ends).collect(), count)
+}
+
+/// All edges in the order of their first triangles; vertices at one place are one.
+fn edges(mesh: &Mesh) -> Vec<Edge> {
+    let bits = |v: u32| (mesh.positions[v as usize] + 0.0).to_array().map(f64::to_bits);
+    let mut number = HashMap::new();
+    let same: Vec<u32> = (0..mesh.positions.len() as u32).map(|v| *number.entry(bits(v)).or_insert(v)).collect();
+    let mut index = HashMap::new();
+    let mut edges: Vec<Edge> = Vec::new();
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|v| same[v as usize]);
+        for (from, to, third) in [(a, b, c), (b, c, a), (c, a, b)] {
+            let (from, to) = (from.min(to), from.max(to));
+            let at = |v: u32| mesh.positions[v as usize];
+            let k = *index.entry((from, to)).or_insert_with(|| {
+                edges.push(Edge { ends: [at(from), at(to)], thirds: Vec::new() });
+                edges.len() - 1
+            });
+            edges[k].thirds.push(at(third));
+        }
+    }
+    edges
+}
+
+/// A border, or an edge where the surface turns sharply.
+fn is_crease(edge: &Edge) -> bool {
+    let [a, b] = edge.ends;
+    let [c, d] = edge.thirds.as_slice() else { return true };
+    // the faces' ways from the edge: opposite where they are one plane
+    let away = |p: DVec3| (p - a).reject_from_normalized((b - a).normalize_or(DVec3::X)).normalize_or_zero();
+    -away(*c).dot(away(*d)) < CREASE_COS
+}
+
+/// Both faces lie on one side of the edge as the viewer sees it.
+fn is_outline(edge: &Edge, view: &View) -> bool {
+    let [a, b] = edge.ends;
+    let side = |p: &DVec3| view.way(b - a).perp_dot(view.way(*p - a));
+    match edge.thirds.as_slice() {
+        [c, d] => side(c) * side(d) > 0.0,
+        _ => true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::generate::{Builtin, generate};
+
+    fn lines(builtin: Builtin) -> (usize, usize) {
+        let mesh = generate(&builtin).unwrap();
+        match of(&mesh, &View::beside(DVec3::new(1.0, 0.0, 0.3))) {
+            Wires::Lines(lines, count) => (lines.len(), count),
+            Wires::Points(_) => panic!("a small mesh"),
+        }
+    }
+
+    #[test]
+    fn a_box_has_twelve_edges_and_a_ball_an_outline() {
+        assert_eq!(lines(Builtin::Box), (12, 12));
+        assert_eq!(lines(Builtin::Plane { size: 4.0, divisions: 5 }), (20, 20));
+        // 1280 triangles; a closed outline crosses some 2 pi / 0.14 of the faces' sides
+        let (drawn, count) = lines(Builtin::Icosphere { level: 3 });
+        assert!(drawn == count && (30..100).contains(&count), "{count}");
+    }
+
+    #[test]
+    fn the_longest_lines_of_many_are_drawn() {
+        let (drawn, count) = lines(Builtin::City { seed: 1, blocks: None, triangles: 15_000 });
+        assert!(drawn == LINES_MAX && count > LINES_MAX, "{drawn} of {count}");
+    }
+}

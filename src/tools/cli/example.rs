@@ -1,0 +1,39 @@
+//! `anamorph example`: ready scenes, written where a person can change them.
+
+use super::args::ExampleArgs;
+use super::say::print;
+use crate::image::check_writable;
+use crate::input::{Error, Result};
+use crate::tools::example::{EXAMPLES, Example, Part};
+use std::path::Path;
+
+pub fn run(args: &ExampleArgs) -> Result<()> {
+    let Some(name) = args.name.as_deref().filter(|_| !args.list) else {
+        let after = |e: &Example| e.figure.map(|f| format!(" (after {f})")).unwrap_or_default();
+        let line = |e: &Example| format!("{:<22}{}{}\n", e.name, e.shows, after(e));
+        return print(&EXAMPLES.iter().map(line).collect::<String>());
+    };
+    let example = EXAMPLES.iter().find(|e| e.name == name).ok_or_else(|| {
+        let known: Vec<_> = EXAMPLES.iter().map(|e| e.name).collect();
+        Error::input(format!("no example {name:?}; known: {}", known.join(", ")))
+    })?;
+    // the folder's parts that are missing are made: it is asked for by name, and holds nothing else's files
+    std::fs::create_dir_all(&args.out).map_err(|e| {
+        Error::work(format!("{}: the folder cannot be made: {e}; choose another --out", args.out.display()))
+    })?;
+    for (file, part) in &example.parts() {
+        may_write(&args.out.join(file), part)?;
+    }
+    let scene = example.write(&args.out)?;
+    print(&format!("{}\n", scene.display()))
+}
+
+/// Refuses to replace a file with other content: it is another file, or somebody changed it.
+fn may_write(path: &Path, part: &Part) -> Result<()> {
+    check_writable(path)?;
+    if path.is_file() && std::fs::read(path).ok() != Some(part.bytes()) {
+        let name = path.display();
+        return Err(Error::work(format!("{name}: exists with other content; remove it or choose another --out")));
+    }
+    Ok(())
+}

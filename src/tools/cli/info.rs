@@ -1,0 +1,134 @@
+//! `anamorph info`: the adapters, what they can do, and which code paths that selects.
+
+mod contents;
+
+use super::args::InfoArgs;
+use super::say::print;
+use crate::gpu::device::{Abilities, NO_ADAPTER, STORAGE_BUFFERS, adapters};
+use crate::input::{Error, Result};
+use serde::Serialize;
+use std::fmt;
+
+#[derive(Serialize)]
+struct Info {
+    version: &'static str,
+    /// The engine that `render` takes by default.
+    engine: &'static str,
+    adapters: Vec<AdapterInfo>,
+}
+
+#[derive(Serialize)]
+struct AdapterInfo {
+    name: String,
+    driver: String,
+    kind: String,
+    /// `render` takes this one unless told otherwise.
+    chosen: bool,
+    abilities: Abilities,
+    limits: Limits,
+    paths: Paths,
+}
+
+/// Limits that decide how a frame is cut up.
+#[derive(Serialize)]
+struct Limits {
+    /// Bytes of one list or table, and of a band of the image.
+    max_storage_buffer_binding_size: u64,
+    max_buffer_size: u64,
+    max_storage_buffers_per_shader_stage: u32,
+    max_compute_workgroups_per_dimension: u32,
+    max_compute_workgroup_storage_size: u32,
+}
+
+/// What each ability selects.
+#[derive(Serialize)]
+struct Paths {
+    arithmetic: &'static str,
+    depth_test: &'static str,
+    mapping: &'static str,
+    stage_times: &'static str,
+    clipping: &'static str,
+    usable: &'static str,
+}
+
+pub fn run(args: &InfoArgs) -> Result<()> {
+    if let Some(file) = &args.file {
+        return contents::run(file, args.json);
+    }
+    let adapters: Vec<AdapterInfo> = adapters().iter().enumerate().map(|(k, a)| about(a, k == 0)).collect();
+    let engine = if adapters.is_empty() { "reference" } else { "compute" };
+    let info = Info { version: env!("CARGO_PKG_VERSION"), engine, adapters };
+    if !args.json {
+        return print(&info.to_string());
+    }
+    let text = serde_json::to_string_pretty(&info).map_err(|e| Error::work(format!("info as JSON: {e}")))?;
+    print(&(text + "\n"))
+}
+
+fn about(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
+    let (info, limits) = (adapter.get_info(), adapter.limits());
+    let has = Abilities::of(adapter.features(), &info);
+    let either = |ability: bool, yes: &'static str, no: &'static str| if ability { yes } else { no };
+    let enough = limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS;
+    AdapterInfo {
+        name: info.name,
+        driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+        kind: format!("{:?}", info.device_type),
+        chosen,
+        abilities: has,
+        limits: Limits {
+            max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size,
+            max_buffer_size: limits.max_buffer_size,
+            max_storage_buffers_per_shader_stage: limits.max_storage_buffers_per_shader_stage,
+            max_compute_workgroups_per_dimension: limits.max_compute_workgroups_per_dimension,
+            max_compute_workgroup_storage_size: limits.max_compute_workgroup_storage_size,
+        },
+        paths: Paths {
+            arithmetic: either(
+                has.f64,
+                "f32 with f64 where a sign is in doubt; depth and shading in f64 (--no-f64: as without)",
+                "f32 with f64 in 32-bit words where a sign is in doubt; so are depth and shading",
+            ),
+            depth_test: either(
+                has.atomics64,
+                "one dispatch, 64-bit atomics (--no-int64: two)",
+                "two dispatches, 32-bit atomics",
+            ),
+            mapping: either(has.lanes && has.f64 && has.atomics64, "tile by tile, a column a thread", "pair by pair"),
+            stage_times: either(has.timestamps, "GPU timestamps", "none"),
+            clipping: either(has.clip_distances, "yes", "none: raster-* are refused but raster-cubemap"),
+            usable: either(enough, "yes", "no: too few storage buffers a kernel; use --engine reference"),
+        },
+    }
+}
+
+impl fmt::Display for Info {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        writeln!(f, "anamorph {}", self.version)?;
+        if self.adapters.is_empty() {
+            return writeln!(f, "{NO_ADAPTER}\nrender uses the CPU: --engine reference");
+        }
+        self.adapters.iter().try_for_each(|a| a.fmt(f))
+    }
+}
+
+impl fmt::Display for AdapterInfo {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let chosen = if self.chosen { ", chosen by default" } else { "" };
+        let yes = |ability: bool| if ability { "yes" } else { "no" };
+        let (has, limits, paths) = (&self.abilities, &self.limits, &self.paths);
+        writeln!(f, "\n{} ({}{chosen})", self.name, self.kind)?;
+        writeln!(f, "  driver            {}", self.driver)?;
+        writeln!(f, "  usable            {}", paths.usable)?;
+        writeln!(f, "  f64               {:<4} -> {}", yes(has.f64), paths.arithmetic)?;
+        writeln!(f, "  64-bit atomics    {:<4} -> {}", yes(has.atomics64), paths.depth_test)?;
+        writeln!(f, "  lanes of a tile   {:<4} -> raster: {}", yes(has.lanes), paths.mapping)?;
+        writeln!(f, "  timestamps        {:<4} -> stage times: {}", yes(has.timestamps), paths.stage_times)?;
+        writeln!(f, "  clip distances    {:<4} -> rivals that clip: {}", yes(has.clip_distances), paths.clipping)?;
+        writeln!(f, "  storage binding   {} bytes at most", limits.max_storage_buffer_binding_size)?;
+        writeln!(f, "  buffer            {} bytes at most", limits.max_buffer_size)?;
+        writeln!(f, "  storage buffers   {} a kernel", limits.max_storage_buffers_per_shader_stage)?;
+        writeln!(f, "  workgroups        {} a dimension", limits.max_compute_workgroups_per_dimension)?;
+        writeln!(f, "  workgroup memory  {} bytes", limits.max_compute_workgroup_storage_size)
+    }
+}

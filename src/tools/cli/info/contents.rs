@@ -1,0 +1,207 @@
+//! `anamorph info FILE`: the counts and bounds of a model or a scene, and a camera that sees all of it.
+
+use crate::geometry::heights;
+use crate::geometry::heights::{Grid, HeightSpec};
+use crate::geometry::load::load_mesh;
+use crate::geometry::mesh::Mesh;
+use crate::geometry::spec::{MeshSource, MeshSpec};
+use crate::geometry::texture::Images;
+use crate::input::{Error, Result};
+use crate::scene::Scene;
+use crate::tools::cli::say::print;
+use glam::DVec3;
+use serde::Serialize;
+use std::fmt;
+use std::path::Path;
+
+#[derive(Serialize)]
+struct Contents {
+    file: String,
+    /// "model" or "scene".
+    kind: &'static str,
+    triangles: usize,
+    vertices: usize,
+    /// Objects of a scene; 1 for a model.
+    meshes: usize,
+    materials: usize,
+    /// At least one triangle has normals.
+    normals: bool,
+    /// At least one triangle has texture coordinates.
+    texture_coordinates: bool,
+    /// The kind of a scene's camera.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    camera: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heights: Option<Heights>,
+    /// `None` if there are no vertices.
+    bounds: Option<Bounds>,
+}
+
+/// The box around all vertices, in world units.
+#[derive(Serialize)]
+struct Bounds {
+    low: [f64; 3],
+    high: [f64; 3],
+    centre: [f64; 3],
+    extent: [f64; 3],
+    fitting_camera: Fitting,
+}
+
+/// A pinhole that sees the whole box, if the image is at least as wide as high.
+#[derive(Serialize)]
+struct Fitting {
+    kind: &'static str,
+    eye: [f64; 3],
+    target: [f64; 3],
+    vfov: f64,
+}
+
+/// The samples of a height image.
+#[derive(Serialize)]
+struct Heights {
+    columns: usize,
+    rows: usize,
+    without_data: usize,
+    /// Easting and northing of the centre of the grid, which is at x = z = 0 in the scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    middle: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cell: Option<[f64; 2]>,
+    /// The size of a cell in metres, if `cell` is or may be in degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cell_in_metres: Option<[f64; 2]>,
+}
+
+pub fn run(path: &Path, json: bool) -> Result<()> {
+    let contents = read(path)?;
+    if !json {
+        return print(&contents.to_string());
+    }
+    let text = serde_json::to_string_pretty(&contents).map_err(|e| Error::work(format!("info as JSON: {e}")))?;
+    print(&(text + "\n"))
+}
+
+fn read(path: &Path) -> Result<Contents> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    if matches!(extension.as_str(), "toml" | "json") {
+        let scene = Scene::load(path, &[], 0.0)?;
+        let kind = scene.camera.kind.name();
+        return Ok(Contents { camera: Some(kind), ..Contents::of(path, "scene", scene.objects.len(), &scene.mesh) });
+    }
+    if heights::is_height_image(path) {
+        let grid = heights::read(path)?;
+        // a GeoTIFF in degrees has no size in world units: its mesh is described in degrees
+        let cell = grid.georeference.filter(|g| g.in_degrees).map(|g| g.cell);
+        let mesh = heights::mesh(&grid, &HeightSpec { file: path.into(), height_scale: 1.0, cell })?;
+        return Ok(Contents { heights: Some(Heights::of(&grid)), ..Contents::of(path, "model", 1, &mesh) });
+    }
+    let mesh = load_mesh(&MeshSpec::of(MeshSource::File(path.into())), &mut Images::left_out())?;
+    Ok(Contents::of(path, "model", 1, &mesh))
+}
+
+impl Contents {
+    fn of(path: &Path, kind: &'static str, meshes: usize, mesh: &Mesh) -> Contents {
+        Contents {
+            file: path.display().to_string(),
+            kind,
+            triangles: mesh.triangles.len(),
+            vertices: mesh.positions.len(),
+            meshes,
+            materials: mesh.materials.len(),
+            normals: !mesh.corner_normals.is_empty(),
+            texture_coordinates: !mesh.corner_uvs.is_empty(),
+            camera: None,
+            heights: None,
+            bounds: mesh.bounds().map(|(low, high)| Bounds::of(low, high)),
+        }
+    }
+}
+
+impl Heights {
+    fn of(grid: &Grid) -> Heights {
+        Heights {
+            columns: grid.columns,
+            rows: grid.rows,
+            without_data: grid.samples.iter().filter(|h| h.is_nan()).count(),
+            middle: grid.georeference.map(|g| g.middle.to_array()),
+            cell: grid.georeference.map(|g| g.cell.to_array()),
+            cell_in_metres: grid.georeference.filter(|g| g.may_be_degrees()).map(|g| g.cell_in_metres().to_array()),
+        }
+    }
+}
+
+/// Vertical field of view in degrees.
+const VFOV: f64 = 40.0;
+/// Direction from the centre to the eye: in front, a little to the right and above.
+const TO_EYE: DVec3 = DVec3::new(0.4, 0.3, 1.0);
+/// The eye is this much farther than where the sphere around the box touches the image's border. Rounding to four digits moves
+/// eye and target by less than a thousandth of their distance.
+const MARGIN: f64 = 1.05;
+
+impl Bounds {
+    fn of(low: DVec3, high: DVec3) -> Bounds {
+        // halved first, as the sum may overflow
+        let (centre, extent) = (low / 2.0 + high / 2.0, high - low);
+        let radius = extent.length() / 2.0;
+        let distance = if radius > 0.0 { MARGIN * radius / (VFOV.to_radians() / 2.0).sin() } else { 1.0 };
+        // the decimals of a number rounded to four digits of the distance
+        let decimals = (3 - distance.log10().floor() as i32).max(0) as usize;
+        let rounded = |v: DVec3| v.to_array().map(|x| format!("{x:.decimals$}").parse().unwrap_or(x) + 0.0);
+        let eye = centre + distance * TO_EYE.normalize();
+        Bounds {
+            low: low.to_array(),
+            high: high.to_array(),
+            centre: centre.to_array(),
+            extent: extent.to_array(),
+            fitting_camera: Fitting { kind: "pinhole", eye: rounded(eye), target: rounded(centre), vfov: VFOV },
+        }
+    }
+}
+
+impl fmt::Display for Contents {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let yes = |there: bool| if there { "yes" } else { "no" };
+        writeln!(f, "{} ({})", self.file, self.kind)?;
+        writeln!(f, "  triangles            {}", self.triangles)?;
+        writeln!(f, "  vertices             {}", self.vertices)?;
+        writeln!(f, "  meshes               {}", self.meshes)?;
+        writeln!(f, "  materials            {}", self.materials)?;
+        writeln!(f, "  normals              {}", yes(self.normals))?;
+        writeln!(f, "  texture coordinates  {}", yes(self.texture_coordinates))?;
+        if let Some(camera) = self.camera {
+            writeln!(f, "  camera               {camera}")?;
+        }
+        if let Some(heights) = &self.heights {
+            heights.fmt(f)?;
+        }
+        match &self.bounds {
+            Some(bounds) => bounds.fmt(f),
+            None => writeln!(f, "  bounds               none: there are no vertices"),
+        }
+    }
+}
+
+impl fmt::Display for Heights {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        writeln!(f, "  heights              {} x {}, {} without data", self.columns, self.rows, self.without_data)?;
+        if let (Some([dx, dy]), Some([x, y])) = (self.cell, self.middle) {
+            writeln!(f, "  cell                 {dx} x {dy} in the file")?;
+            if let Some([mx, mz]) = self.cell_in_metres {
+                writeln!(f, "  if it is in degrees  use cell = [{mx:.3}, {mz:.3}] for metres")?;
+            }
+            writeln!(f, "  centre of the grid   easting {x}, northing {y}; it is at x = z = 0 in a scene")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Bounds {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        writeln!(f, "  low                  {:?}", self.low)?;
+        writeln!(f, "  high                 {:?}", self.high)?;
+        writeln!(f, "  centre               {:?}", self.centre)?;
+        writeln!(f, "  extent               {:?}", self.extent)?;
+        let Fitting { kind, eye, target, vfov } = &self.fitting_camera;
+        writeln!(f, "\n[camera]\nkind = {kind:?}\neye = {eye:?}\ntarget = {target:?}\nvfov = {vfov}")
+    }
+}

@@ -1,0 +1,25 @@
+//! Whether an image fits this machine's memory: found out before the work, not by falling over in it.
+
+use crate::input::Result;
+use crate::input::limits::memory;
+
+/// Bytes a pixel that do not depend on the channels: visibility, picture, tables of tiles and pieces.
+const FIXED_BYTES: u64 = 32;
+/// Copies of a channel's four bytes alive at once: on the device, in a read-back buffer, joined, and being encoded.
+const COPIES: u64 = 4;
+
+/// Refuses an image of `width x height` pixels with `channels` planes, and `more` bytes a pixel, that is larger than the free memory.
+///
+/// # Errors
+/// [`Error::Work`](crate::input::Error::Work) that names the limit.
+pub fn check(width: u32, height: u32, channels: usize, more: u64) -> Result<()> {
+    let (and, fewer) = if more > 0 { (" and its samples", " or --samples") } else { ("", "") };
+    let what = format!("an image of {width} x {height} with {channels} channels{and}");
+    let advice = format!("make it smaller or ask for fewer --channels{fewer}");
+    memory::check(need((width, height), channels, more), what, &advice)
+}
+
+/// Bytes that such an image takes.
+pub fn need((width, height): (u32, u32), channels: usize, more: u64) -> u64 {
+    u64::from(width) * u64::from(height) * (FIXED_BYTES + 4 * COPIES * channels as u64 + more)
+}

@@ -1,0 +1,161 @@
+//! What renders: the compute engine on an adapter, or the reference on the CPU.
+
+use crate::camera::Camera;
+use crate::engine::plan::{LeftOut, Wanted};
+use crate::engine::report::Device;
+use crate::engine::rival::Choice;
+use crate::engine::{Counts, Engine, Rendered, RunOptions};
+use crate::gpu::device::NO_ADAPTER;
+use crate::image::frame::{Channel, Frame};
+use crate::image::tone::Tone;
+use crate::image::toned8;
+use crate::input::{Error, Result};
+use crate::reference;
+use crate::scene::Scene;
+use crate::scene::caustics::Account;
+use crate::scene::style::Style;
+use crate::tools::cli::args::{EngineName, RenderArgs};
+use crate::tools::cli::say::note;
+use std::sync::{Arc, Once};
+use std::time::Instant;
+
+pub enum Backend<'e> {
+    /// With what a rival is asked for.
+    Compute(&'e mut Engine, Option<Choice>),
+    Reference,
+}
+
+impl<'e> Backend<'e> {
+    /// What is asked for, with the engine that is there; without any adapter the reference.
+    ///
+    /// # Errors
+    /// [`Error::Work`] where only an adapter would do.
+    pub fn of(engine: Option<&'e mut Engine>, args: &RenderArgs) -> Result<Backend<'e>> {
+        if matches!(args.engine, Some(EngineName::Reference)) {
+            return Ok(Backend::Reference);
+        }
+        if let Some(engine) = engine {
+            return Ok(Backend::Compute(engine, rival(args)));
+        }
+        let flag = match args.engine {
+            Some(EngineName::Rival(choice)) => format!("--engine {}", choice.label()),
+            _ if args.moving => "--moving".into(),
+            _ if args.analytic => "--analytic".into(),
+            _ => return Ok(Backend::Reference),
+        };
+        Err(Error::work(format!("{flag} needs an adapter: {NO_ADAPTER}")))
+    }
+
+    /// Says that the reference stands in for an adapter that is not there.
+    pub fn say_reference() {
+        note(format_args!("{NO_ADAPTER}; rendering on the CPU as --engine reference does"));
+    }
+
+    /// Refuses an image whose smallest band does not fit the adapter.
+    pub fn check_size(&self, camera: &Camera, wanted: &Wanted) -> Result<()> {
+        match self {
+            Backend::Compute(engine, _) => engine.planner().check_size(camera, wanted),
+            Backend::Reference => Ok(()),
+        }
+    }
+
+    /// What renders by these flags, with the engine that is there.
+    pub fn device_of(engine: Option<&Engine>, args: &RenderArgs) -> Device {
+        match engine.filter(|_| !matches!(args.engine, Some(EngineName::Reference))) {
+            Some(engine) => {
+                let info = &engine.gpu.info;
+                let driver = format!("{} {}", info.driver, info.driver_info).trim().to_owned();
+                let engine = rival(args).map_or("compute".into(), |choice| choice.label());
+                Device { adapter: info.name.clone(), driver, engine }
+            }
+            None => Device { adapter: "cpu".into(), driver: String::new(), engine: "reference".into() },
+        }
+    }
+
+    pub fn render(
+        &mut self,
+        scene: &Scene,
+        camera: &Arc<Camera>,
+        wanted: &Wanted,
+        run: &RunOptions,
+    ) -> Result<Rendered> {
+        match self {
+            Backend::Compute(engine, by) => {
+                engine.render(scene, camera.clone(), wanted, &RunOptions { by: *by, ..run.clone() })
+            }
+            Backend::Reference if wanted.channels.contains(&Channel::Certified) => Err(Error::input(
+                "certified is a channel of --engine compute; the reference has margins: see --check and --pixel",
+            )),
+            Backend::Reference => {
+                if wanted.has_colour() {
+                    scene.check_shadows()?;
+                }
+                Ok(by_reference(scene, camera, wanted, run))
+            }
+        }
+    }
+}
+
+fn rival(args: &RenderArgs) -> Option<Choice> {
+    match args.engine {
+        Some(EngineName::Rival(choice)) => Some(choice),
+        _ => None,
+    }
+}
+
+/// A frame as the engine gives it, by the reference.
+fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Rendered {
+    let mut channels = wanted.channels.clone();
+    if wanted.srgb8 {
+        channels.extend([Channel::R, Channel::G, Channel::B]);
+    }
+    channels.sort_unstable();
+    channels.dedup();
+    let started = Instant::now();
+    let lit = if wanted.has_colour() { reference::caustics::caustics(scene) } else { None };
+    let ms = started.elapsed().as_secs_f64() * 1e3;
+    let timed = || {
+        let started = Instant::now();
+        let frame = reference::image::image_lit(scene, camera, &channels, lit.as_ref());
+        (frame, started.elapsed().as_secs_f64() * 1e3)
+    };
+    let (mut frame, first_ms) = timed();
+    let frame_ms = match run.repeat {
+        0 => vec![first_ms],
+        n => (0..n).map(|_| timed().1).collect(),
+    };
+    let srgb8 = if wanted.srgb8 { picture(&frame, scene.tone) } else { None };
+    frame.planes.retain(|(c, _)| wanted.channels.contains(c));
+    Rendered {
+        frame,
+        sample_ids: Vec::new(),
+        srgb8,
+        frame_ms,
+        stages: Vec::new(),
+        counts: Counts::default(),
+        bytes: 0,
+        left_out: without_style(scene, wanted).into_iter().collect(),
+        grown: 0,
+        passes: Default::default(),
+        caustics: lit.map(|lit| Account { budget: lit.budget, ms }),
+    }
+}
+
+/// The reference does not draw a scene's [style]: says so on stderr, once, and for the report.
+fn without_style(scene: &Scene, wanted: &Wanted) -> Option<LeftOut> {
+    static SAID: Once = Once::new();
+    if scene.style == Style::default() || !wanted.has_colour() {
+        return None;
+    }
+    let why = "the reference draws no wireframe, outline, borders or hatching";
+    SAID.call_once(|| note(format_args!("[style] is left out: {why}")));
+    Some(LeftOut { what: "style".into(), why: why.into() })
+}
+
+/// The frame's colour as opaque 8-bit sRGB, four bytes a pixel; `None` without colour.
+pub fn picture(frame: &Frame, tone: Tone) -> Option<Vec<u8>> {
+    let (r, g, b) = (frame.f32(Channel::R)?, frame.f32(Channel::G)?, frame.f32(Channel::B)?);
+    let pixels = r.iter().zip(g).zip(b);
+    let byte = |linear: &f32| toned8(tone, *linear);
+    Some(pixels.flat_map(|((r, g), b)| [byte(r), byte(g), byte(b), u8::MAX]).collect())
+}

@@ -1,0 +1,169 @@
+//! The files of a render: which, whether they can be written, and what goes into them.
+
+use super::points;
+use crate::camera::Camera;
+use crate::camera::recipe::Looked;
+use crate::engine::Rendered;
+use crate::engine::report::Report;
+use crate::image::cryptomatte::{Matte, OPTICS};
+use crate::image::frame::Channel;
+use crate::image::{Attributes, rgb8, write_exr_with, write_png, write_text};
+use crate::input::files::Inputs;
+use crate::input::{Error, Result};
+use crate::scene::Scene;
+use crate::scene::matrices::{world_to_camera, world_to_ndc};
+use crate::tools::cli::args::RenderArgs;
+use crate::tools::cli::describe::Description;
+use crate::tools::cli::hash::{SCENE_HASH, scene_hash};
+use crate::tools::cli::outputs;
+use crate::tools::cli::outputs::Kind;
+use std::path::{Path, PathBuf};
+
+/// Where each output goes.
+#[derive(Debug)]
+pub struct Files {
+    pub color: Option<PathBuf>,
+    pub exr: Option<PathBuf>,
+    pub points: Option<PathBuf>,
+    pub report: Option<PathBuf>,
+}
+
+/// Extensions of other kinds of images, which a PNG or an EXR must not be called.
+const IMAGES: [&str; 10] = ["png", "exr", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "webp", "hdr"];
+
+impl Files {
+    /// The files that the command line names, or else the scene, after all checks. `inputs` are the files that the scene was read from.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if the render has no output, or a file must not be replaced; [`Error::Work`] if a file cannot be written.
+    pub fn new(args: &RenderArgs, scene: &Scene, inputs: &Inputs) -> Result<Files> {
+        let own = |asked: &Option<PathBuf>, own: &Option<PathBuf>| match (asked, own) {
+            (None, Some(own)) if !args.outputs_anywhere => {
+                outputs::check_inside(&args.scene, own).map(|()| Some(own.clone()))
+            }
+            _ => Ok(asked.clone().or_else(|| own.clone())),
+        };
+        let files = Files {
+            color: own(&args.output, &scene.output.color)?,
+            exr: own(&args.exr, &scene.output.exr)?,
+            points: args.points.clone(),
+            report: args.report.clone(),
+        };
+        if files.all().count() == 0 && !args.check {
+            return Err(Error::input(
+                "nothing to write; add -o OUT.png, --exr OUT.exr, --points OUT.ply or an [output] table to the scene",
+            ));
+        }
+        named_as(files.color.as_deref(), "png", "colour is written as PNG; name it .png, or use --exr")?;
+        named_as(files.exr.as_deref(), "exr", "this output is written as EXR; name it .exr, or use -o for a PNG")?;
+        outputs::check(inputs, files.all())?;
+        Ok(files)
+    }
+
+    fn all(&self) -> impl Iterator<Item = (&Path, Kind)> + Clone {
+        let all = [
+            (&self.color, outputs::PICTURE),
+            (&self.exr, outputs::EXR),
+            (&self.points, outputs::POINTS),
+            (&self.report, outputs::REPORT),
+        ];
+        all.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind)))
+    }
+
+    /// The images' and points' names and a space, for the summary.
+    pub fn names(&self) -> String {
+        let names: Vec<_> =
+            [&self.color, &self.exr, &self.points].into_iter().flatten().map(|p| p.display().to_string()).collect();
+        if names.is_empty() { String::new() } else { format!("{} ", names.join(", ")) }
+    }
+
+    /// Writes the images, of the channels in `asked`, the mattes and more by their names, and the points.
+    pub fn write(
+        &self,
+        scene: &Scene,
+        camera: &Camera,
+        rendered: &Rendered,
+        asked: &[Channel],
+        (mattes, mut more): (Vec<Matte>, Vec<(String, Vec<f32>)>),
+    ) -> Result<()> {
+        if let (Some(path), Some(rgba)) = (&self.color, &rendered.srgb8) {
+            write_png(path, camera.width, camera.height, &rgb8(rgba))?;
+        }
+        if let Some(path) = &self.exr {
+            let mut frame = rendered.frame.clone();
+            frame.planes.retain(|(channel, _)| asked.contains(channel));
+            let mut attributes = attributes(path, scene, camera, asked)?;
+            for matte in mattes {
+                let layers = matte.layers()?;
+                more.extend(layers.planes);
+                attributes.texts.extend(layers.attributes);
+            }
+            write_exr_with(path, &frame, more, &attributes)?;
+        }
+        if let Some(path) = &self.points {
+            points::write(path, scene, camera, &rendered.frame)?;
+        }
+        Ok(())
+    }
+}
+
+fn named_as(path: Option<&Path>, extension: &str, remedy: &str) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let found = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if found != extension && IMAGES.contains(&found.as_str()) {
+        return Err(Error::input(format!("{}: {remedy}", path.display())));
+    }
+    Ok(())
+}
+
+/// What an EXR's header says about its channels and where they come from.
+pub fn attributes(path: &Path, scene: &Scene, camera: &Camera, channels: &[Channel]) -> Result<Attributes> {
+    let texts = [
+        ("anamorph.Z", "distance from P to the hit along the ray, world units; +inf where nothing is hit".to_owned()),
+        ("anamorph.t", "ray parameter of the hit, X = P + t D; +inf where nothing is hit".into()),
+        (CAMERA, described_camera(path, scene, camera)?),
+        (SCENE_HASH, format!("{:016x}", scene_hash(scene, camera))),
+        ("anamorph.version", env!("CARGO_PKG_VERSION").into()),
+    ];
+    let labels = names(scene, camera, channels)?;
+    let texts = texts.into_iter().map(|(name, text)| (name.into(), text)).chain(labels).collect();
+    Ok(Attributes { texts, world_to_camera: world_to_camera(scene), world_to_ndc: world_to_ndc(scene, camera) })
+}
+
+/// The EXR attribute with the camera.
+pub const CAMERA: &str = "anamorph.camera";
+
+/// The camera as JSON: what it compiled to, and its keys.
+fn described_camera(path: &Path, scene: &Scene, camera: &Camera) -> Result<String> {
+    let wrong = |e: serde_json::Error| Error::work(format!("camera as JSON: {e}"));
+    let mut described = serde_json::to_value(Description::of(camera)).map_err(wrong)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    if let Some(map) = described.as_object_mut() {
+        map.append(&mut scene.camera_keys.json(camera.looked != Looked::Nowhere, folder));
+    }
+    serde_json::to_string(&described).map_err(wrong)
+}
+
+/// Attributes with the names of objects and materials, as JSON lists: number k in `object.id` or `material.id` is name k, from 0.
+fn names(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Result<Vec<(String, String)>> {
+    let objects = || scene.objects.iter().map(|o| o.name.as_str()).collect::<Vec<_>>();
+    let materials = || scene.mesh.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>();
+    let optics = camera.optics.as_ref().map(|_| OPTICS);
+    let list = |mut names: Vec<&str>| {
+        names.extend(optics);
+        serde_json::to_string(&names).map_err(|e| Error::work(format!("names as JSON: {e}")))
+    };
+    let mut all = Vec::new();
+    if channels.contains(&Channel::ObjectId) {
+        all.push(("anamorph.objects".into(), list(objects())?));
+    }
+    if channels.contains(&Channel::MaterialId) {
+        all.push(("anamorph.materials".into(), list(materials())?));
+    }
+    Ok(all)
+}
+
+pub fn write_report(path: &Path, report: &Report) -> Result<()> {
+    let text = serde_json::to_string_pretty(report).map_err(|e| Error::work(format!("report as JSON: {e}")))?;
+    write_text(path, &(text + "\n"))
+}

@@ -1,0 +1,47 @@
+//! The frame beside the timed ones: for the report's counters, which slow a frame down, and for `--check`.
+
+use super::backend::Backend;
+use crate::camera::Camera;
+use crate::engine::plan::Wanted;
+use crate::engine::report::Judged;
+use crate::engine::{Rendered, RunOptions};
+use crate::image::compare::compare;
+use crate::image::frame::Channel;
+use crate::input::Result;
+use crate::reference::image;
+use crate::scene::Scene;
+use crate::tools::cli::args::RenderArgs;
+use std::sync::Arc;
+
+/// One more frame where a report or a check needs it: counted, and with all channels for a check.
+pub fn render(
+    args: &RenderArgs,
+    backend: &mut Backend,
+    scene: &Scene,
+    camera: &Arc<Camera>,
+) -> Result<Option<Rendered>> {
+    let counting = args.report.is_some() && matches!(backend, Backend::Compute(..));
+    if !counting && !args.check {
+        return Ok(None);
+    }
+    let channels = if args.check { camera.channels() } else { vec![Channel::TriangleId] };
+    let wanted = Wanted { counting, ..Wanted::of(channels) };
+    let run = RunOptions { no_cull: args.no_cull, ..Default::default() };
+    backend.render(scene, camera, &wanted, &run).map(Some)
+}
+
+/// The error against the reference. Each channel that was asked for is judged as it was rendered (averaged ones
+/// apart: the reference has one ray a pixel), the others as in `extra`.
+pub fn judge(scene: &Scene, camera: &Camera, asked: &Rendered, extra: &Rendered, samples: u32) -> Result<Judged> {
+    let mut frame = extra.frame.clone();
+    let averaged = |c: Channel| samples > 1 && matches!(c, Channel::R | Channel::G | Channel::B | Channel::A);
+    for (channel, plane) in &mut frame.planes {
+        let as_rendered = asked.frame.planes.iter().find(|(c, _)| c == channel && !averaged(*c));
+        if let Some((_, rendered)) = as_rendered {
+            plane.clone_from(rendered);
+        }
+    }
+    let truth = image::judge(scene, camera, &frame);
+    let comparison = compare(&frame, &truth.truth, Some(&truth.safe), Some(&truth.scales))?;
+    Ok(Judged { comparison, not_near: truth.not_near })
+}

@@ -1,0 +1,61 @@
+//! `--points`: where each pixel's ray meets the triangle that the frame shows there.
+
+use super::files::Files;
+use crate::camera::Camera;
+use crate::image::frame::{Channel, Frame, NO_ID};
+use crate::image::{write_npy_f64, write_ply};
+use crate::input::{Error, Result};
+use crate::scene::Scene;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::path::Path;
+
+/// Finds, before any work is done, that the points cannot be written.
+///
+/// # Errors
+/// [`Error::Input`] for a file of another kind, or a camera whose rays are curved or have several segments.
+pub fn check(files: &Files, camera: &Camera) -> Result<()> {
+    let Some(path) = &files.points else { return Ok(()) };
+    if !has_extension(path, "ply") && !has_extension(path, "npy") {
+        return Err(Error::input(format!("{}: points are written as .ply or .npy; name the file so", path.display())));
+    }
+    if camera.is_curved() || camera.layers.len() > 1 {
+        return Err(Error::input("--points: the camera's rays are not straight; use --exr with Z and t"));
+    }
+    Ok(())
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
+/// Writes the points row by row: the hits and their triangles as PLY; or every pixel's as an array, NaN where there is none.
+///
+/// A point is `P + t D` of the camera's own f64 ray, t not from the frame, where it is f32, but again from the plane of the
+/// frame's triangle, in f64.
+pub fn write(path: &Path, scene: &Scene, camera: &Camera, frame: &Frame) -> Result<()> {
+    let ids = frame.u32(Channel::TriangleId).ok_or_else(|| Error::work("--points: the frame has no triangle ids"))?;
+    let width = camera.width as usize;
+    let points: Vec<Option<(DVec3, u32)>> = (0..ids.len())
+        .into_par_iter()
+        .map(|k| Some((point(scene, camera, (k % width) as u32, (k / width) as u32, ids[k])?, ids[k])))
+        .collect();
+    if has_extension(path, "ply") {
+        let hits: Vec<_> = points.into_iter().flatten().collect();
+        return write_ply(path, &hits);
+    }
+    let numbers: Vec<f64> = points.iter().flat_map(|p| p.map_or([f64::NAN; 3], |(at, _)| at.to_array())).collect();
+    write_npy_f64(path, &[ids.len() as u64, 3], &numbers)
+}
+
+/// Where the ray of pixel (i, j) meets the triangle's plane.
+fn point(scene: &Scene, camera: &Camera, i: u32, j: u32, id: u32) -> Option<DVec3> {
+    if id == NO_ID {
+        return None;
+    }
+    let ray = camera.ray(i, j)?;
+    let [a, b, c] = scene.mesh.triangles[id as usize].map(|v| scene.mesh.positions[v as usize]);
+    let normal = (b - a).cross(c - a);
+    let t = normal.dot(a - ray.origin) / normal.dot(ray.direction);
+    t.is_finite().then(|| ray.origin + t * ray.direction)
+}

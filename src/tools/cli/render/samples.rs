@@ -1,0 +1,140 @@
+//! Many rays a pixel: colour and coverage are means over the pixel, everything else stays that of its centre. The engine finds them in
+//! one frame where it can; else each takes a frame of its own.
+
+use super::backend::{Backend, picture};
+use crate::camera::Camera;
+use crate::engine::plan::Wanted;
+use crate::engine::plan::samples::{at_once, places};
+use crate::engine::{Rendered, RunOptions};
+use crate::image::cryptomatte::Matte;
+use crate::image::frame::{Channel, Frame, Plane};
+use crate::input::{Error, Result};
+use crate::scene::Scene;
+use std::sync::Arc;
+
+/// The channels that are averaged.
+const MEANS: [Channel; 4] = [Channel::R, Channel::G, Channel::B, Channel::A];
+
+/// Renders with `samples` rays a pixel; times, counts and stages are the sums over all frames. Every ray counts in the mattes.
+pub fn render(
+    backend: &mut Backend,
+    scene: &Scene,
+    camera: &Arc<Camera>,
+    wanted: &Wanted,
+    samples: u32,
+    run: &RunOptions,
+    mattes: &mut [Matte],
+) -> Result<Rendered> {
+    let ids = (!mattes.is_empty()).then_some(Channel::TriangleId);
+    if samples == 1 || at_once_on(backend, scene, camera, samples) {
+        let mut rendered = backend.render(scene, camera, &in_one_frame(wanted, samples, ids.is_some()), run)?;
+        count(&mut rendered, mattes);
+        return Ok(rendered);
+    }
+    let is_mean = |c: &Channel| MEANS.contains(c);
+    let is_colour = |c: &Channel| wanted.srgb8 && *c != Channel::A;
+    let means: Vec<Channel> = MEANS.into_iter().filter(|c| wanted.channels.contains(c) || is_colour(c)).collect();
+    let mut all = Sum::default();
+    if !means.is_empty() || ids.is_some() {
+        let channels = means.into_iter().chain(ids).collect();
+        let each = Wanted { counting: wanted.counting, frames: samples, ..Wanted::of(channels) };
+        for place in places(samples) {
+            let moved = Arc::new(camera.with_sample_offset(place.x, place.y));
+            let rendered = backend.render(scene, &moved, &each, run)?;
+            count_centres(&rendered.frame, mattes);
+            all.add(rendered);
+        }
+    }
+    let mut frame = all.mean(camera, samples);
+    let srgb8 = if wanted.srgb8 { picture(&frame, scene.tone) } else { None };
+    frame.planes.retain(|(c, _)| wanted.channels.contains(c));
+    let rest: Vec<Channel> = wanted.channels.iter().copied().filter(|c| !is_mean(c)).collect();
+    if !rest.is_empty() {
+        let each = Wanted { counting: wanted.counting, ..Wanted::of(rest) };
+        let mut centre = backend.render(scene, camera, &each, run)?;
+        frame.planes.append(&mut centre.frame.planes);
+        frame.planes.sort_by_key(|(c, _)| *c);
+        all.add_costs(centre);
+    }
+    let mut rendered = all.costs.ok_or_else(|| Error::work("no frame was asked for"))?;
+    (rendered.frame, rendered.srgb8) = (frame, srgb8);
+    Ok(rendered)
+}
+
+/// All samples come of one frame.
+pub fn at_once_on(backend: &Backend, scene: &Scene, camera: &Camera, samples: u32) -> bool {
+    matches!(backend, Backend::Compute(_, None)) && at_once(scene, camera, samples)
+}
+
+/// What that frame is asked for.
+pub fn in_one_frame(wanted: &Wanted, samples: u32, has_mattes: bool) -> Wanted {
+    if samples > 1 {
+        return Wanted { samples, sample_ids: has_mattes, ..wanted.clone() };
+    }
+    let mut channels: Vec<Channel> =
+        wanted.channels.iter().copied().chain(has_mattes.then_some(Channel::TriangleId)).collect();
+    channels.sort_unstable();
+    channels.dedup();
+    Wanted { channels, ..wanted.clone() }
+}
+
+/// Counts what all samples of that frame see.
+pub fn count(rendered: &mut Rendered, mattes: &mut [Matte]) {
+    if rendered.sample_ids.is_empty() {
+        return count_centres(&rendered.frame, mattes);
+    }
+    for ids in std::mem::take(&mut rendered.sample_ids) {
+        mattes.iter_mut().for_each(|matte| matte.add(&ids));
+    }
+}
+
+fn count_centres(frame: &Frame, mattes: &mut [Matte]) {
+    let ids = frame.u32(Channel::TriangleId).unwrap_or_default();
+    mattes.iter_mut().for_each(|matte| matte.add(ids));
+}
+
+/// Sums of planes in f64, and of what they cost.
+#[derive(Default)]
+struct Sum {
+    planes: Vec<(Channel, Vec<f64>)>,
+    costs: Option<Rendered>,
+}
+
+impl Sum {
+    fn add(&mut self, rendered: Rendered) {
+        for (channel, plane) in &rendered.frame.planes {
+            let Plane::F32(values) = plane else { continue };
+            match self.planes.iter_mut().find(|(c, _)| c == channel) {
+                Some((_, sum)) => sum.iter_mut().zip(values).for_each(|(s, v)| *s += f64::from(*v)),
+                None => self.planes.push((*channel, values.iter().map(|v| f64::from(*v)).collect())),
+            }
+        }
+        self.add_costs(rendered);
+    }
+
+    fn add_costs(&mut self, mut next: Rendered) {
+        next.frame.planes.clear();
+        let Some(sum) = &mut self.costs else {
+            self.costs = Some(next);
+            return;
+        };
+        sum.frame_ms.iter_mut().zip(&next.frame_ms).for_each(|(s, ms)| *s += ms);
+        for (name, ms) in next.stages {
+            match sum.stages.iter_mut().find(|s| s.0 == name) {
+                Some(stage) => stage.1 += ms,
+                None => sum.stages.push((name, ms)),
+            }
+        }
+        sum.bytes = sum.bytes.max(next.bytes);
+        sum.grown += next.grown;
+        sum.counts += next.counts;
+        sum.passes.add(&next.passes);
+    }
+
+    fn mean(&self, camera: &Camera, samples: u32) -> Frame {
+        let n = f64::from(samples);
+        let mean = |sum: &Vec<f64>| Plane::F32(sum.iter().map(|s| (s / n) as f32).collect());
+        let planes = self.planes.iter().map(|(c, sum)| (*c, mean(sum))).collect();
+        Frame { width: camera.width, height: camera.height, planes }
+    }
+}

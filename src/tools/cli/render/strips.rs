@@ -1,0 +1,183 @@
+//! An image that is too large to be held at once: strip by strip from the plan to the file, while one is planned the one before is
+//! rendered and the one before that is written.
+
+use super::files::attributes;
+use crate::camera::Camera;
+use crate::engine::landed::{Flight, Landed};
+use crate::engine::plan::{Rows, Wanted};
+use crate::engine::planned::{Planned, Planner};
+use crate::engine::{Engine, Frames, Rendered, RunOptions};
+use crate::image::frame::{Channel, Frame};
+use crate::image::{EXR_TILE, rgb8, write_exr_tiled, write_png_strips};
+use crate::input::{Error, Result};
+use crate::scene::Scene;
+use crate::tools::cli::memory;
+use crossbeam_channel::{Receiver, Sender, bounded};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Images that take more memory are rendered in strips.
+pub const WHOLE_MAX: u64 = 1 << 30;
+
+/// Memory of one strip, of which some four are on their way at once.
+const STRIP_BYTES: u64 = 256 << 20;
+
+/// What is rendered in strips, and where to.
+pub struct Strips<'a> {
+    pub scene: &'a Scene,
+    pub camera: &'a Arc<Camera>,
+    /// The channels of the EXR, and no more.
+    pub wanted: &'a Wanted,
+    pub run: RunOptions,
+    /// Memory of a row of the image.
+    pub row_bytes: u64,
+    /// Where colour goes to, and the channels.
+    pub color: Option<&'a Path>,
+    pub exr: Option<&'a Path>,
+}
+
+/// Memory of a row, as [`memory::need`] says.
+pub fn row_bytes(camera: &Camera, channels: usize, more: u64) -> u64 {
+    memory::need((camera.width, 1), channels, more)
+}
+
+impl Strips<'_> {
+    /// Renders and writes the files: what it took, without a picture.
+    ///
+    /// # Errors
+    /// Those of the engine, and of the files.
+    pub fn render(&self, engine: &mut Engine) -> Result<Rendered> {
+        let started = Instant::now();
+        let planner = engine.planner();
+        let took = std::thread::scope(|scope| {
+            let (to_render, planned) = bounded(1);
+            let (to_write, landed) = bounded(1);
+            scope.spawn(move || self.plan(&planner, &to_render));
+            let writer = scope.spawn(move || self.write(&landed));
+            let rendered = self.draw(engine, &planned, &to_write);
+            // the other threads end with these
+            drop((planned, to_write));
+            let written = writer.join().unwrap_or_else(|_| Err(Error::work("a defect in what writes the image")));
+            match (rendered, written) {
+                // what is written lacks what was not rendered
+                (Err(e), _) | (Ok(_), Err(e)) => Err(e),
+                (Ok(took), Ok(())) => took.ok_or_else(|| Error::work("no strip was rendered")),
+            }
+        });
+        let frame = Frame { width: self.camera.width, height: self.camera.height, planes: Vec::new() };
+        let frame_ms = vec![started.elapsed().as_secs_f64() * 1e3];
+        Ok(Rendered { frame, frame_ms, ..took? })
+    }
+
+    fn rows(&self) -> impl Iterator<Item = Rows> {
+        let tiles = (STRIP_BYTES / (self.row_bytes * u64::from(EXR_TILE))).max(1) as u32;
+        let (rows, height) = (tiles.saturating_mul(EXR_TILE).min(self.camera.height), self.camera.height);
+        (0..height).step_by(rows as usize).map(move |first| Rows { first, count: rows.min(height - first) })
+    }
+
+    fn plan(&self, planner: &Planner, to_render: &Sender<Result<Planned>>) {
+        let mut last: Option<Planned> = None;
+        for rows in self.rows() {
+            let wanted = Wanted { rows: Some(rows), ..self.wanted.clone() };
+            let planned = planner.plan(self.scene, self.camera.clone(), &wanted, &self.run, last.as_ref());
+            last = planned.as_ref().ok().cloned();
+            if to_render.send(planned).is_err() || last.is_none() {
+                return;
+            }
+        }
+    }
+
+    /// `None` where nobody takes what is rendered any more.
+    fn draw(
+        &self,
+        engine: &mut Engine,
+        planned: &Receiver<Result<Planned>>,
+        to_write: &Sender<Landed>,
+    ) -> Result<Option<Rendered>> {
+        let mut frames: Option<Frames> = None;
+        let mut flying: Option<(Planned, Flight)> = None;
+        let mut took: Option<Rendered> = None;
+        let mut land = |frames: &mut Option<Frames>, flying: Option<(Planned, Flight)>| -> Result<bool> {
+            let (Some(frames), Some((planned, flight))) = (frames.as_mut(), flying) else { return Ok(true) };
+            let landed = frames.settle(&planned, flight)?;
+            add(&mut took, landed.took());
+            Ok(to_write.send(landed).is_ok())
+        };
+        for planned in planned {
+            let planned = planned?;
+            let is_shown = match &mut frames {
+                Some(frames) => frames.show(&planned)?,
+                None => false,
+            };
+            if !is_shown {
+                if !land(&mut frames, flying.take())? {
+                    return Ok(None);
+                }
+                drop(frames.take());
+                frames = Some(engine.place(planned.clone(), &self.run)?);
+            }
+            let flight = frames.as_ref().map(Frames::start).transpose()?;
+            let before = flying.take();
+            flying = flight.map(|flight| (planned, flight));
+            if !land(&mut frames, before)? {
+                return Ok(None);
+            }
+        }
+        land(&mut frames, flying)?;
+        Ok(took)
+    }
+
+    fn write(&self, landed: &Receiver<Landed>) -> Result<()> {
+        let size = (self.camera.width, self.camera.height);
+        let missing = || Error::work("a strip of the image is missing");
+        std::thread::scope(|scope| {
+            let (to_color, rows) = bounded(1);
+            let color = self
+                .color
+                .map(|path| scope.spawn(move || write_png_strips(path, size, || rows.recv().map_err(|_| missing()))));
+            let mut is_refused = false;
+            let mut next = || {
+                let Rendered { frame, srgb8, .. } = landed.recv().map_err(|_| missing())?.rendered();
+                if let Some(rgba) = srgb8.filter(|_| color.is_some()) {
+                    is_refused = to_color.send(rgb8(&rgba)).is_err();
+                    if is_refused {
+                        return Err(missing());
+                    }
+                }
+                Ok(frame)
+            };
+            let channels: &[Channel] = &self.wanted.channels;
+            let written = match self.exr {
+                Some(path) => attributes(path, self.scene, self.camera, channels)
+                    .and_then(|attributes| write_exr_tiled(path, size, channels, &attributes, &mut next)),
+                None => self.rows().map(|_| next()).try_for_each(|frame| frame.map(drop)),
+            };
+            // who writes colour ends with these
+            drop(to_color);
+            let colored = color.map_or(Ok(()), |color| {
+                color.join().unwrap_or_else(|_| Err(Error::work("a defect in what writes the image")))
+            });
+            // the file that failed says why, not the one that lacks strips then
+            if is_refused || written.is_ok() { colored.and(written) } else { written }
+        })
+    }
+}
+
+/// Adds what a strip took to what those before did.
+fn add(all: &mut Option<Rendered>, own: &Rendered) {
+    let Some(all) = all else {
+        *all = Some(own.clone());
+        return;
+    };
+    for (name, ms) in &own.stages {
+        match all.stages.iter_mut().find(|stage| stage.0 == *name) {
+            Some(stage) => stage.1 += ms,
+            None => all.stages.push((name, *ms)),
+        }
+    }
+    all.counts += own.counts;
+    all.bytes = all.bytes.max(own.bytes);
+    all.grown = all.grown.max(own.grown);
+    all.passes.add(&own.passes);
+}

@@ -1,0 +1,380 @@
+//! A render as its steps: what it takes is read and checked, rendered on a device, and written. Only the second needs the device.
+
+use super::backend::Backend;
+use super::files::{self, Files};
+use super::strips::{self, Strips};
+use super::{check_combination, judged, load_from, points, refuse_missing, samples};
+use crate::camera::arranged::is_scattered;
+use crate::camera::{Camera, Rays};
+use crate::engine::plan::Wanted;
+use crate::engine::plan::samples::at_once;
+use crate::engine::planned::{Planned, Planner};
+use crate::engine::report::{Device, FrameMs, Judged, Report};
+use crate::engine::{Rendered, RunOptions};
+use crate::geometry::mesh::{Mesh, Missing};
+use crate::geometry::texture::ImagesRead;
+use crate::image::cryptomatte::{Apart, Matte};
+use crate::image::frame::Channel;
+use crate::input::files::{Inputs, noted};
+use crate::input::{Error, Result};
+use crate::scene::Scene;
+use crate::scene::file::OutputSpec;
+use crate::scene::labels::Labels;
+use crate::scene::library::Library;
+use crate::scene::motion;
+use crate::tools::cli::args::{Change, EngineName, Named, RenderArgs};
+use crate::tools::cli::memory;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A render, read and checked.
+pub struct Work {
+    args: RenderArgs,
+    scene: Scene,
+    pub camera: Arc<Camera>,
+    files: Files,
+    /// The channels that are written.
+    asked: Vec<Channel>,
+    /// What is rendered for them.
+    wanted: Wanted,
+    apart: Vec<Apart>,
+    /// Where motion goes to.
+    next: Option<(Scene, Arc<Camera>)>,
+    bytes: u64,
+    /// Too large to be held at once; bytes of a row.
+    strips: Option<u64>,
+    /// As [`sample_bytes`] says.
+    sample_bytes: u64,
+}
+
+/// What a device made of it.
+pub struct Seen {
+    rendered: Rendered,
+    /// A frame beside the timed ones, for counts and checks.
+    extra: Option<Rendered>,
+    mattes: Vec<Matte>,
+    /// Its image is in its file.
+    is_written: bool,
+}
+
+/// What came of it, once its files are there.
+#[derive(Debug, Clone)]
+pub struct Written {
+    pub frame_ms: FrameMs,
+    /// Of each stage on the device; empty without timestamps.
+    pub stages: Vec<(&'static str, f64)>,
+    pub error: Option<Judged>,
+    pub triangles: usize,
+    pub pieces: usize,
+    pub adapter: String,
+}
+
+/// Of the scene, and of what is made of it for the device, about.
+const VERTEX_BYTES: u64 = 64;
+const TRIANGLE_BYTES: u64 = 128;
+
+impl Work {
+    /// Reads the scene, with parts that the library has, and checks everything that needs no device.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for what is wrong with the scene or the flags; [`Error::Work`] where a file cannot be written.
+    pub fn read(args: RenderArgs, library: &Library) -> Result<Work> {
+        check_combination(&args)?;
+        let (loaded, inputs) = noted(|| load_from(library, &args.scene, &args.change, |own| images_read(&args, own)));
+        let (scene, camera) = loaded?;
+        Work::of(args, scene, camera, &inputs, library)
+    }
+
+    /// The same without the files that the scene itself names.
+    pub fn read_of_many(args: RenderArgs, library: &Library) -> Result<Work> {
+        check_combination(&args)?;
+        let images = |_: &OutputSpec| images_read(&args, &OutputSpec::default());
+        let (loaded, inputs) = noted(|| load_from(library, &args.scene, &args.change, images));
+        let (scene, camera) = loaded?;
+        Work::of(args, Scene { output: Default::default(), ..scene }, camera, &inputs, library)
+    }
+
+    fn of(args: RenderArgs, scene: Scene, camera: Arc<Camera>, inputs: &Inputs, library: &Library) -> Result<Work> {
+        if args.moving && scene.caustics.is_some() {
+            let what = "the scene has caustics, whose light is followed once for all frames";
+            return Err(Error::input(format!("--moving: {what}; use --repeat alone")));
+        }
+        if args.strict {
+            refuse_missing(&scene)?;
+        }
+        let files = Files::new(&args, &scene, inputs)?;
+        let asked = asked(&args, &files, &scene, &camera);
+        let apart: Vec<Apart> = apart(&args).collect();
+        if !apart.is_empty() && files.exr.is_none() {
+            return Err(Error::input("--channels: cryptomattes are layers of an EXR; add --exr OUT.exr"));
+        }
+        if args.moving && asks_for_motion(&args) {
+            return Err(Error::input("--moving: motion is to the next frame of the scene file; use --frame alone"));
+        }
+        let read = images_read(&args, &scene.output);
+        let next = if asks_for_motion(&args) { Some(next_frame(&args, &files, library, read)?) } else { None };
+        let mut wanted = wanted(&asked, &files, apart.is_empty() && next.is_none());
+        if next.is_some() {
+            wanted.channels.extend(motion::NEEDED);
+            wanted.channels.sort_unstable();
+            wanted.channels.dedup();
+        }
+        points::check(&files, &camera)?;
+        let is_compute = matches!(args.engine, None | Some(EngineName::Compute));
+        let samples = if is_compute && at_once(&scene, &camera, args.samples) { args.samples } else { 1 };
+        wanted.analytic = args.analytic;
+        if args.analytic && samples == 1 {
+            let what =
+                if args.samples == 1 { "one sees one triangle; add --samples N" } else { "here each takes a frame" };
+            return Err(Error::input(format!(
+                "--analytic is of what several samples of a pixel see in a frame; {what}"
+            )));
+        }
+        let (size, channels) = ((camera.width, camera.height), wanted.channels.len() + 3);
+        let more = sample_bytes(&camera, samples, !apart.is_empty());
+        let mesh = &scene.mesh;
+        let mut bytes = memory::need(size, channels, more);
+        let is_plain = (files.exr.is_some() || files.color.is_some()) && files.points.is_none();
+        let is_of_one_frame = is_compute && !args.check && args.repeat.is_none() && samples == args.samples;
+        let is_alone = apart.is_empty() && next.is_none() && !scene.style.is_between_pixels();
+        let is_direct = camera.optics.is_none() && scene.caustics.is_none() && !is_scattered(&camera);
+        let is_in_strips = bytes > strips::WHOLE_MAX && is_plain && is_of_one_frame && is_alone && is_direct;
+        if is_in_strips {
+            bytes = strips::WHOLE_MAX;
+        }
+        bytes += mesh_bytes(mesh);
+        let row_bytes = strips::row_bytes(&camera, channels, more);
+        let strips = is_in_strips.then_some(row_bytes);
+        Ok(Work { args, scene, camera, files, asked, wanted, apart, next, bytes, strips, sample_bytes: more })
+    }
+
+    pub fn args(&self) -> &RenderArgs {
+        &self.args
+    }
+
+    /// What the scene's mesh files refer to and does not exist.
+    pub fn missing(&self) -> &[Missing] {
+        &self.scene.mesh.missing
+    }
+
+    /// Refuses an image or a mesh that does not fit the free memory.
+    ///
+    /// # Errors
+    /// [`Error::Work`] that names the limit.
+    pub fn check_memory(&self) -> Result<()> {
+        let mesh = &self.scene.mesh;
+        let what = format_args!("rendering {} triangles", mesh.triangles.len());
+        crate::input::limits::memory::check(mesh_bytes(mesh), what, "use fewer")?;
+        if self.strips.is_some() { Ok(()) } else { self.check_whole() }
+    }
+
+    fn check_whole(&self) -> Result<()> {
+        let Camera { width, height, .. } = *self.camera;
+        memory::check(width, height, self.wanted.channels.len() + 3, self.sample_bytes)
+    }
+
+    /// Memory that it takes until it is written, about.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Renders it, and what a report or a check needs beside it.
+    pub fn render(&self, backend: &mut Backend) -> Result<Seen> {
+        let Work { args, scene, camera, wanted, .. } = self;
+        let at_once = samples::at_once_on(backend, scene, camera, args.samples);
+        let samples = if at_once { args.samples } else { 1 };
+        backend.check_size(camera, &Wanted { samples, ..wanted.clone() })?;
+        if let (Some(row_bytes), Backend::Compute(engine, None)) = (self.strips, &mut *backend) {
+            let run = RunOptions { no_cull: args.no_cull, ..Default::default() };
+            let wanted = &Wanted { samples, ..wanted.clone() };
+            let (color, exr) = (self.files.color.as_deref(), self.files.exr.as_deref());
+            let rendered = Strips { scene, camera, wanted, run, row_bytes, color, exr }.render(engine)?;
+            return Ok(Seen { rendered, extra: None, mattes: Vec::new(), is_written: true });
+        }
+        if self.strips.is_some() {
+            self.check_whole()?;
+        }
+        let mut mattes = self.mattes();
+        let (repeat, moving, no_cull) = (args.repeat.unwrap_or(0), args.moving, args.no_cull);
+        let run = RunOptions { repeat, moving, no_cull, ..Default::default() };
+        let rendered = samples::render(backend, scene, camera, wanted, args.samples, &run, &mut mattes)?;
+        let extra = judged::render(args, backend, scene, camera)?;
+        Ok(Seen { rendered, extra, mattes, is_written: false })
+    }
+
+    /// Plans the one frame that it takes, for an engine that is kept; `None` where it takes more than one, or another engine.
+    pub fn plan(&self, planner: &Planner, last: Option<&Planned>) -> Result<Option<Planned>> {
+        let Work { args, scene, camera, wanted, .. } = self;
+        let is_compute = matches!(args.engine, None | Some(EngineName::Compute));
+        let is_timed = args.repeat.is_some() || args.report.is_some() || args.check;
+        let is_one = args.samples == 1 || at_once(scene, camera, args.samples);
+        if !is_compute
+            || is_timed
+            || self.strips.is_some()
+            || !is_one
+            || scene.caustics.is_some()
+            || camera.optics.is_some()
+        {
+            return Ok(None);
+        }
+        let wanted = samples::in_one_frame(wanted, args.samples, !self.apart.is_empty());
+        planner.check_size(camera, &wanted)?;
+        let run = RunOptions { no_cull: args.no_cull, ..Default::default() };
+        planner.plan(scene, camera.clone(), &wanted, &run, last).map(Some)
+    }
+
+    /// What was seen in the one frame that [`Work::plan`] planned.
+    pub fn seen(&self, mut rendered: Rendered) -> Seen {
+        let mut mattes = self.mattes();
+        samples::count(&mut rendered, &mut mattes);
+        Seen { rendered, extra: None, mattes, is_written: false }
+    }
+
+    /// Writes all files; `say` hears what is being done.
+    pub fn write(&self, seen: Seen, device: &Device, started: Instant, say: impl Fn(&str)) -> Result<Written> {
+        let Work { args, scene, camera, files, .. } = self;
+        let Seen { mut rendered, extra, mattes, is_written } = seen;
+        let error = match &extra {
+            Some(extra) if args.check => {
+                say("checking against the reference");
+                Some(judged::judge(scene, camera, &rendered, extra, args.samples)?)
+            }
+            _ => None,
+        };
+        let mut more = Vec::new();
+        if let Some((next_scene, next_camera)) = &self.next {
+            say("finding where all of it is in the next frame");
+            let planes = motion::motion((scene, camera), (next_scene, next_camera), &rendered.frame)?;
+            more.extend(motion::NAMES.map(String::from).into_iter().zip(planes));
+        }
+        say("writing");
+        if !is_written {
+            files.write(scene, camera, &rendered, &self.asked, (mattes, more))?;
+        }
+        if let Some(path) = &files.report {
+            if extra.is_some() {
+                rendered.left_out.retain(|l| l.what != "fragment counters");
+            }
+            let counts = extra.filter(|_| device.engine == "compute").map(|e| e.counts);
+            let mut report = Report::new(device.clone(), scene, camera, &rendered, counts);
+            report.samples = args.samples;
+            report.error = error.clone();
+            report.total_ms = started.elapsed().as_secs_f64() * 1e3;
+            files::write_report(path, &report)?;
+        }
+        Ok(Written {
+            frame_ms: FrameMs::of(&rendered.frame_ms),
+            stages: rendered.stages,
+            error,
+            triangles: scene.mesh.triangles.len(),
+            pieces: camera.piece_count(),
+            adapter: device.adapter.clone(),
+        })
+    }
+
+    /// One line for a person.
+    pub fn summary(&self, written: &Written) -> String {
+        let Written { frame_ms, error, adapter, .. } = written;
+        let of_error = |e: &Judged| format!(" | check: {}, {} not near", e.comparison, e.not_near);
+        let check = error.as_ref().map(of_error).unwrap_or_default();
+        let (names, counted) = (self.files.names(), counted(&self.scene, &self.camera));
+        let (width, height, ms) = (self.camera.width, self.camera.height, milliseconds(frame_ms.median));
+        let unmet: String = self.camera.unmet.iter().map(|what| format!(" | {what}")).collect();
+        format!("{names}{width}x{height} | {counted} | frame {ms} | {adapter}{check}{unmet}")
+    }
+
+    fn mattes(&self) -> Vec<Matte> {
+        self.apart.iter().map(|apart| Labels::matte(&self.scene, &self.camera, *apart)).collect()
+    }
+}
+
+fn mesh_bytes(mesh: &Mesh) -> u64 {
+    VERTEX_BYTES * mesh.positions.len() as u64 + TRIANGLE_BYTES * mesh.triangles.len() as u64
+}
+
+/// Bytes a pixel that several samples of it take: by what their rays differ, here and on the device, and the ids that mattes count, in
+/// a read-back row and by themselves. The rows of pixels that hold an edge are few.
+fn sample_bytes(camera: &Camera, samples: u32, has_mattes: bool) -> u64 {
+    let is_field = camera.layers.iter().any(|l| matches!(l, Rays::Field(_)));
+    let each = if is_field { 2 * 24 } else { 0 } + if has_mattes { 8 + 4 } else { 0 };
+    if samples > 1 { each * u64::from(samples) } else { 0 }
+}
+
+/// The channels that are written.
+fn asked(args: &RenderArgs, files: &Files, scene: &Scene, camera: &Camera) -> Vec<Channel> {
+    let of = |named: &Named| match named {
+        Named::Channels(list) => list.clone(),
+        Named::All => scene.channels(camera),
+        Named::Matte(_) | Named::Motion => Vec::new(),
+    };
+    match &args.channels {
+        Some(list) => list.iter().flat_map(of).collect(),
+        None if files.exr.is_some() => camera.channels(),
+        None => Vec::new(),
+    }
+}
+
+fn asks_for_motion(args: &RenderArgs) -> bool {
+    args.channels.iter().flatten().any(|named| matches!(named, Named::Motion))
+}
+
+/// The scene and its camera one frame later.
+fn next_frame(args: &RenderArgs, files: &Files, library: &Library, read: ImagesRead) -> Result<(Scene, Arc<Camera>)> {
+    if files.exr.is_none() {
+        return Err(Error::input("--channels: motion is two channels of an EXR; add --exr OUT.exr"));
+    }
+    let change = Change { frame: args.change.frame + 1.0, ..args.change.clone() };
+    load_from(library, &args.scene, &change, |_| read)
+}
+
+/// The images that the requested outputs need: all for colour, otherwise alpha masks only. `own` are the scene's outputs.
+fn images_read(args: &RenderArgs, own: &OutputSpec) -> ImagesRead {
+    use Channel::{AlbedoB, AlbedoG, AlbedoR, B, G, R};
+    let is_colour = |c: &Channel| matches!(c, R | G | B | AlbedoR | AlbedoG | AlbedoB);
+    let has_exr = args.exr.is_some() || own.exr.is_some();
+    let has_colour = |named: &Named| match named {
+        Named::Channels(list) => list.iter().any(is_colour),
+        Named::All => true,
+        Named::Matte(_) | Named::Motion => false,
+    };
+    let in_channels = match &args.channels {
+        Some(list) => list.iter().any(has_colour),
+        None => has_exr || args.points.is_none(),
+    };
+    match args.output.is_some() || own.color.is_some() || args.check || in_channels {
+        true => ImagesRead::All,
+        false => ImagesRead::Masks,
+    }
+}
+
+/// What cryptomattes tell apart.
+fn apart(args: &RenderArgs) -> impl Iterator<Item = Apart> {
+    [Apart::Objects, Apart::Materials].into_iter().filter(|own| {
+        let is_own = |named: &Named| matches!(named, Named::Matte(apart) if apart == own);
+        args.channels.iter().flatten().any(is_own)
+    })
+}
+
+/// What the outputs need: the picture unless only channels or mattes are asked for; points come from triangles.
+fn wanted(asked: &[Channel], files: &Files, has_no_matte: bool) -> Wanted {
+    let ids = files.points.is_some().then_some(Channel::TriangleId);
+    let mut channels: Vec<Channel> = asked.iter().copied().chain(ids).collect();
+    channels.sort_unstable();
+    channels.dedup();
+    let srgb8 = files.color.is_some() || (channels.is_empty() && has_no_matte);
+    Wanted { srgb8, ..Wanted::of(channels) }
+}
+
+fn counted(scene: &Scene, camera: &Camera) -> String {
+    let of = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let triangles = of(scene.mesh.triangles.len(), "triangle");
+    match camera.piece_count() {
+        0 if camera.is_curved() => format!("{triangles}, a curve a pixel"),
+        0 => format!("{triangles}, a ray a pixel"),
+        n => format!("{triangles}, {}", of(n, "piece")),
+    }
+}
+
+fn milliseconds(ms: f64) -> String {
+    if ms < 1000.0 { format!("{ms:.1} ms") } else { format!("{:.2} s", ms / 1e3) }
+}

@@ -1,0 +1,35 @@
+//! Ctrl-C and `kill`: temporary files are removed before the signal ends the program.
+
+use crate::image::remove_unfinished;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use signal_hook::low_level::emulate_default_handler;
+use std::ffi::c_int;
+
+/// From now on, SIGHUP, SIGINT and SIGTERM remove temporary files before they end the program. A signal that was ignored when the program
+/// started, as SIGHUP under `nohup`, stays ignored.
+pub fn remove_temporary_files_at_end() {
+    let ignored = ignored();
+    let caught = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| ignored & bit(*signal) == 0);
+    // if the system refuses, signals end the program as usual
+    let Ok(mut signals) = Signals::new(caught) else { return };
+    let wait = move || {
+        for signal in signals.forever() {
+            let _no_more_are_created = remove_unfinished();
+            // so that the parent process sees which signal ended the program
+            let _ = emulate_default_handler(signal);
+        }
+    };
+    let _ = std::thread::Builder::new().name("signals".into()).spawn(wait);
+}
+
+/// The ignored signals, one bit each; 0 if the system does not say.
+fn ignored() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
+}
+
+fn bit(signal: c_int) -> u64 {
+    1 << (signal - 1)
+}
