@@ -1,5 +1,5 @@
 //! The truth that everything else is held against: every pixel's rays and curves against every triangle, in f64, by the
-//! definitions of the contract alone. It knows pixels, bundles and triangles, and nothing of tiles, pieces'
+//! definitions of `docs/reference/definitions.md` alone. It knows pixels, bundles and triangles, and nothing of tiles, pieces'
 //! tricks or kernels.
 //!
 //! * `intersect`: one ray and one triangle; signs are those of exact arithmetic (`exact`).

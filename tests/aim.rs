@@ -3,11 +3,10 @@
 mod common;
 
 use anamorph::camera::Camera;
-use anamorph::camera::spec::CameraKind;
 use anamorph::engine::{Arithmetic, Engine, RunOptions};
 use anamorph::geometry::generate::icosphere;
 use anamorph::gpu::Gpu;
-use common::cameras::{MeshLook, mesh_camera, pinhole, raymap};
+use common::cameras::{MeshLook, mesh_spec, pinhole, raymap};
 use common::gpu::{engine_on, hits, wanted, words};
 use common::{FORWARD, camera, scene};
 use glam::DVec3;
@@ -27,11 +26,9 @@ fn pairs() -> [(&'static str, [Camera; 2]); 3] {
     let targets = [DVec3::ZERO, DVec3::new(0.3, -0.2, 0.1)];
     let eyes = targets.map(|target| camera(pinhole(DVec3::new(2.0, 1.0, 2.5), target, 60.0), SIZE, FORWARD));
     let pieces = [0.0, 0.2].map(|by| {
-        let mut kind = mesh_camera(1, 3, 2, MeshLook::default());
-        if let CameraKind::Mesh(spec) = &mut kind {
-            spec.vertices.iter_mut().for_each(|v| v.far.x += by);
-        }
-        camera(kind, SIZE, FORWARD)
+        let mut spec = mesh_spec(1, 3, 2, MeshLook::default());
+        spec.vertices.iter_mut().for_each(|v| v.far.x += by);
+        camera(spec, SIZE, FORWARD)
     });
     // in front of the ball, and within it
     let fields = [FORWARD, [0.45, f64::INFINITY]].map(|t_range| raymap(SIZE.0, SIZE.1, t_range));

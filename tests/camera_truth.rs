@@ -1,11 +1,14 @@
-//! The contract's mappings, written down a second time and evaluated at many pixels; and who owns a border.
+//! The mappings of `docs/reference/definitions.md`, written down a second time and evaluated at many pixels; and who owns a border.
 
 mod common;
 
+use anamorph::camera::kinds::glc::Glc;
+use anamorph::camera::kinds::orthographic::Orthographic;
+use anamorph::camera::kinds::pinhole::Pinhole;
 use anamorph::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use anamorph::camera::spec::{CameraKind, CameraSpec};
 use anamorph::camera::{Camera, Field, Ray, glc};
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::cameras::{MeshLook, glc_of_each_class, mesh_spec, raymap};
 use common::rng::Rng;
 use common::{FORWARD, camera};
 use glam::{DVec2, DVec3};
@@ -44,7 +47,7 @@ fn pinhole() {
     for _ in 0..20 {
         let (eye, target, up) = (9.0 * rng.vector(), 9.0 * rng.vector(), rng.direction());
         let vfov = 5.0 + 160.0 * rng.unit();
-        let camera = camera(CameraKind::Pinhole { eye, target, up, vfov }, SIZE, FORWARD);
+        let camera = camera(CameraKind::from(Pinhole { eye, target, up, vfov }), SIZE, FORWARD);
         let f = (target - eye).normalize();
         let r = f.cross(up).normalize();
         let u = r.cross(f);
@@ -60,7 +63,7 @@ fn orthographic() {
     for _ in 0..20 {
         let (eye, target, up) = (9.0 * rng.vector(), 9.0 * rng.vector(), rng.direction());
         let height = 0.1 + 9.0 * rng.unit();
-        let camera = camera(CameraKind::Orthographic { eye, target, up, height }, SIZE, FORWARD);
+        let camera = camera(CameraKind::from(Orthographic { eye, target, up, height }), SIZE, FORWARD);
         let f = (target - eye).normalize();
         let r = f.cross(up).normalize();
         let u = r.cross(f);
@@ -75,9 +78,10 @@ fn orthographic() {
 #[test]
 fn what_is_up_and_to_the_right_is_up_and_to_the_right_in_the_picture() {
     let (eye, target, up) = (DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y);
-    for kind in
-        [CameraKind::Pinhole { eye, target, up, vfov: 60.0 }, CameraKind::Orthographic { eye, target, up, height: 4.0 }]
-    {
+    for kind in [
+        CameraKind::from(Pinhole { eye, target, up, vfov: 60.0 }),
+        CameraKind::from(Orthographic { eye, target, up, height: 4.0 }),
+    ] {
         let camera = camera(kind, SIZE, FORWARD);
         let at = |i: u32, j: u32| {
             let r = camera.ray(i, j).unwrap();
@@ -91,7 +95,7 @@ fn what_is_up_and_to_the_right_is_up_and_to_the_right_in_the_picture() {
 #[test]
 fn a_known_point_lands_on_its_pixel() {
     // 90 degrees high, 4:3: at distance 3 the picture is 8 x 6 wide, so (0.5, 1.5) is at a = 9/16, b = 1/4
-    let kind = CameraKind::Pinhole { eye: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y, vfov: 90.0 };
+    let kind = CameraKind::from(Pinhole { eye: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y, vfov: 90.0 });
     let camera = camera(kind, (80, 60), FORWARD);
     let point = DVec3::new(0.5, 1.5, -3.0);
     let miss = |i: u32, j: u32| {
@@ -110,7 +114,7 @@ fn general_linear_cameras_and_their_classes() {
     for _ in 0..20 {
         let mut three = || [5.0 * rng.vector(), 5.0 * rng.vector(), 5.0 * rng.vector()];
         let (n, f) = (three(), three());
-        assert_rays("glc", &camera(CameraKind::Glc { near: n, far: f }, SIZE, FORWARD), |a, b| {
+        assert_rays("glc", &camera(CameraKind::from(Glc { near: n, far: f }), SIZE, FORWARD), |a, b| {
             let p = n[0] + a * (n[1] - n[0]) + b * (n[2] - n[0]);
             let q = f[0] + a * (f[1] - f[0]) + b * (f[2] - f[0]);
             (p, q - p)
@@ -118,7 +122,7 @@ fn general_linear_cameras_and_their_classes() {
         assert_eq!(glc::classify(&n, &f).0, glc::Class::Cglc);
     }
     for (name, kind) in glc_of_each_class() {
-        let CameraKind::Glc { near, far } = kind else { unreachable!() };
+        let Some(&Glc { near, far }) = kind.recipe() else { unreachable!() };
         let (class, slits) = glc::classify(&near, &far);
         assert_eq!(class.name(), name);
         // at a slit's t all rays meet one line: the map from the image to that plane is singular
@@ -148,9 +152,8 @@ fn pieces_interpolate_by_weights() {
     .into_iter()
     .enumerate()
     {
-        let kind = mesh_camera(k as u64, 5, 4, look);
-        let CameraKind::Mesh(spec) = kind.clone() else { unreachable!() };
-        let camera = camera(kind, SIZE, FORWARD);
+        let spec = mesh_spec(k as u64, 5, 4, look);
+        let camera = camera(spec.clone(), SIZE, FORWARD);
         for (i, j) in pixels() {
             let (piece, bundle) = camera.pixel(0, i, j).unwrap();
             let v = spec.triangles[piece as usize].map(|k| spec.vertices[k as usize]);
@@ -194,7 +197,7 @@ fn halves(first: [u32; 3], second: [u32; 3]) -> CameraKind {
         CameraVertex { image: [a, b], near, far: near + DVec3::NEG_Z, w: 1.0 }
     };
     let vertices = vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(0.0, 1.0), vertex(1.0, 1.0)];
-    CameraKind::Mesh(MeshCameraSpec { vertices, triangles: vec![first, second], normalize: false })
+    CameraKind::from(MeshCameraSpec { vertices, triangles: vec![first, second], normalize: false })
 }
 
 #[test]
@@ -227,25 +230,25 @@ fn pieces_that_overlap_or_have_no_area_are_errors_that_name_the_triangles() {
     assert!(overlap.contains("0 and 1 overlap"), "{overlap}");
     let flat = error(halves([0, 1, 3], [2, 3, 2]));
     assert!(flat.contains("1 has no area"), "{flat}");
-    let CameraKind::Mesh(mut spec) = mesh_camera(1, 8, 8, MeshLook::default()) else { unreachable!() };
+    let mut spec = mesh_spec(1, 8, 8, MeshLook::default());
     // one vertex of the middle pulled over its neighbours
     spec.vertices[40].image = [0.9, 0.9];
-    let far = error(CameraKind::Mesh(spec.clone()));
+    let far = error(CameraKind::from(spec.clone()));
     assert!(far.contains("overlap"), "{far}");
     spec.triangles = Vec::new();
-    assert!(error(CameraKind::Mesh(spec)).contains("no pieces"));
+    assert!(error(CameraKind::from(spec)).contains("no pieces"));
 }
 
 #[test]
 fn cameras_without_a_picture_are_errors() {
-    let pinhole = |eye, target, up, vfov| error(CameraKind::Pinhole { eye, target, up, vfov });
+    let pinhole = |eye, target, up, vfov| error(CameraKind::from(Pinhole { eye, target, up, vfov }));
     assert!(pinhole(DVec3::X, DVec3::X, DVec3::Y, 40.0).contains("eye and target"));
     assert!(pinhole(DVec3::ZERO, DVec3::Y, DVec3::Y, 40.0).contains("parallel"));
     assert!(pinhole(DVec3::ZERO, DVec3::X, DVec3::ZERO, 40.0).contains("up"));
     for vfov in [0.0, -1.0, 180.0, f64::NAN] {
         assert!(pinhole(DVec3::ZERO, DVec3::X, DVec3::Y, vfov).contains("vfov"));
     }
-    let orthographic = CameraKind::Orthographic { eye: DVec3::ZERO, target: DVec3::X, up: DVec3::Y, height: 0.0 };
+    let orthographic = CameraKind::from(Orthographic { eye: DVec3::ZERO, target: DVec3::X, up: DVec3::Y, height: 0.0 });
     assert!(error(orthographic).contains("height"));
-    assert!(error(CameraKind::Glc { near: [DVec3::X; 3], far: [DVec3::X; 3] }).contains("direction"));
+    assert!(error(CameraKind::from(Glc { near: [DVec3::X; 3], far: [DVec3::X; 3] })).contains("direction"));
 }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use anamorph::camera::{Bundle, glc};
+use anamorph::camera::{Bundle, kinds};
 use anamorph::reference::Reference;
 use common::rng::Rng;
 use common::{ALL_T, mesh};
@@ -178,7 +178,7 @@ fn parallel_planes_by_the_rational_equation() {
         let (v, weights) = triangle(&mut rng);
         let x = (0..3).map(|k| weights[k] * v[k]).sum();
         let at = project_rational(&near, &far, n, x);
-        let bundle = glc::bundle(&near, &far, SIZE.0, SIZE.1).unwrap();
+        let bundle = kinds::glc::bundle(&near, &far, SIZE.0, SIZE.1).unwrap();
         let centred = bundle.recentred((at.a - 0.5) * SIZE.0 as f64, (at.b - 0.5) * SIZE.1 as f64);
         if is_well_seen(&near, &far, &centred, &v, at) {
             assert_covered(&format!("seed {seed}"), &bundle, &v, weights, at);
@@ -199,7 +199,7 @@ fn any_planes_by_the_cubic_equation_up_to_three_images() {
         let (near, far) = (three(), three());
         let (v, weights) = triangle(&mut rng);
         let x = (0..3).map(|k| weights[k] * v[k]).sum();
-        let bundle = glc::bundle(&near, &far, SIZE.0, SIZE.1).unwrap();
+        let bundle = kinds::glc::bundle(&near, &far, SIZE.0, SIZE.1).unwrap();
         let all = project_cubic(&near, &far, x);
         for (k, at) in all.iter().enumerate() {
             let centred = bundle.recentred((at.a - 0.5) * SIZE.0 as f64, (at.b - 0.5) * SIZE.1 as f64);
@@ -238,7 +238,7 @@ fn a_planted_error_is_seen() {
         [3.0 * rng.vector(), 3.0 * rng.vector(), 3.0 * rng.vector()],
         [3.0 * rng.vector(), 3.0 * rng.vector(), 3.0 * rng.vector()],
     );
-    let bundle = glc::bundle(&near, &far, SIZE.0, SIZE.1).unwrap();
+    let bundle = kinds::glc::bundle(&near, &far, SIZE.0, SIZE.1).unwrap();
     let (v, weights) = triangle(&mut rng);
     let x = (0..3).map(|k| weights[k] * v[k]).sum();
     let at = project_cubic(&near, &far, x)[0];

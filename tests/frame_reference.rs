@@ -3,6 +3,8 @@
 mod common;
 
 use anamorph::camera::glc;
+use anamorph::camera::kinds::glc::Glc;
+use anamorph::camera::kinds::orthographic::Orthographic;
 use anamorph::camera::spec::CameraKind;
 use anamorph::geometry::generate;
 use anamorph::geometry::mesh::{Material, Mesh};
@@ -12,7 +14,7 @@ use anamorph::image::compare::compare;
 use anamorph::image::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::scene::Scene;
 use anamorph::scene::light::Light;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
+use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, mesh_spec, pinhole, raymap};
 use common::gpu::{Without, assert_right, assert_same_without_f64, check, hits, ids, render, render_with};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, mesh, moved, scene};
@@ -23,7 +25,7 @@ use std::sync::Arc;
 /// Not a multiple of the tile size.
 const SIZE: (u32, u32) = (101, 77);
 
-/// Unsafe pixels of an ordinary scene at most (contract, section 5).
+/// Unsafe pixels of an ordinary scene at most (`docs/reference/definitions.md`, Safe).
 const UNSAFE_SHARE: f64 = 0.01;
 
 /// A ball in a cloud of small triangles, 1,520 in all.
@@ -38,8 +40,8 @@ fn ball_in_cloud() -> Scene {
 fn a_glc_of_each_class() {
     let scene = ball_in_cloud();
     for (name, kind) in glc_of_each_class() {
-        let CameraKind::Glc { near, far } = &kind else { unreachable!() };
-        assert_eq!(glc::classify(near, far).0.name(), name);
+        let Some(&Glc { near, far }) = &kind.recipe() else { unreachable!() };
+        assert_eq!(glc::classify(&near, &far).0.name(), name);
         let Some((frame, ..)) = check(name, &scene, &camera(kind, SIZE, FORWARD)) else { return };
         // the ball alone covers a fifth of each of these pictures
         assert!(hits(&frame) > 1000, "{name}: {} hits", hits(&frame));
@@ -51,7 +53,7 @@ fn pinhole_and_orthographic() {
     let scene = scene(generate::teapot(8));
     let target = DVec3::new(0.2, 1.2, 0.0);
     let eye = DVec3::new(4.0, 6.0, 9.0);
-    let orthographic = CameraKind::Orthographic { eye, target, up: DVec3::Y, height: 5.0 };
+    let orthographic = CameraKind::from(Orthographic { eye, target, up: DVec3::Y, height: 5.0 });
     for (name, kind) in [("pinhole", pinhole(eye, target, 35.0)), ("orthographic", orthographic)] {
         let Some((frame, _, seen)) = check(name, &scene, &camera(kind, SIZE, FORWARD)) else { return };
         assert!(hits(&frame) > 1000 && seen.wrong_hit_miss.unwrap() <= seen.unsafe_pixels.unwrap());
@@ -109,12 +111,12 @@ fn pieces_with_weights_unit_directions_and_tears() {
 
 #[test]
 fn pieces_that_leave_part_of_the_image_free() {
-    let CameraKind::Mesh(mut spec) = mesh_camera(7, 6, 5, MeshLook::default()) else { unreachable!() };
+    let mut spec = mesh_spec(7, 6, 5, MeshLook::default());
     spec.triangles.retain(|t| (t[0] + t[2]) % 3 != 0);
     // beyond the image on two sides, and turned the other way round
     spec.vertices.iter_mut().for_each(|v| v.image = [1.3 * v.image[0] - 0.4, 0.9 * v.image[1] + 0.2]);
     spec.triangles.iter_mut().step_by(2).for_each(|t| t.swap(1, 2));
-    let camera = camera(CameraKind::Mesh(spec), SIZE, FORWARD);
+    let camera = camera(CameraKind::from(spec), SIZE, FORWARD);
     let Some((frame, ..)) = check("holes", &ball_in_cloud(), &camera) else { return };
     let free = (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j))).filter(|&(i, j)| camera.ray(i, j).is_none());
     let background: Vec<usize> = free.map(|(i, j)| (j * SIZE.0 + i) as usize).collect();
@@ -183,8 +185,8 @@ fn no_pixel_is_wrong_however_near_an_edge() {
         let by = offset * DVec3::new(1.0, -0.7, 0.3);
         let scene = scene(moved(ball.clone(), by));
         for (name, kind) in glc_of_each_class() {
-            let CameraKind::Glc { near, far } = kind else { unreachable!() };
-            let kind = CameraKind::Glc { near: near.map(|p| by + p), far: far.map(|p| by + p) };
+            let Some(&Glc { near, far }) = kind.recipe() else { unreachable!() };
+            let kind = CameraKind::from(Glc { near: near.map(|p| by + p), far: far.map(|p| by + p) });
             let camera = camera(kind, (200, 150), FORWARD);
             let Some(rendered) = render_with(&scene, &camera, Without::Nothing, &Default::default()) else { return };
             let (_, seen) = assert_right(&format!("{name} at {offset}"), &scene, &camera, &rendered.frame);
@@ -301,9 +303,10 @@ fn models_of_other_people() {
         // cameras of the unit ball, put about the model
         let eye = middle + reach * DVec3::new(1.0, 1.1, 1.9);
         let mut kinds = vec![("pinhole", pinhole(eye, middle, 40.0))];
-        let (glc_name, CameraKind::Glc { near, far }) = glc_of_each_class().swap_remove(3) else { unreachable!() };
+        let (glc_name, kind) = glc_of_each_class().swap_remove(3);
+        let Some(&Glc { near, far }) = kind.recipe() else { unreachable!() };
         let placed = |v: [DVec3; 3]| v.map(|p| middle + reach * p);
-        kinds.push((glc_name, CameraKind::Glc { near: placed(near), far: placed(far) }));
+        kinds.push((glc_name, CameraKind::from(Glc { near: placed(near), far: placed(far) })));
         for (kind_name, kind) in kinds {
             let Some((frame, ..)) = check(&format!("{name} {kind_name}"), &scene, &camera(kind, SIZE, FORWARD)) else {
                 return;

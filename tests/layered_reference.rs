@@ -9,7 +9,7 @@ use anamorph::engine::RunOptions;
 use anamorph::geometry::{generate, place};
 use anamorph::image::frame::{Channel, NO_ID};
 use anamorph::scene::Scene;
-use common::cameras::{MeshLook, mesh_camera};
+use common::cameras::{MeshLook, mesh_spec};
 use common::gpu::{self, Without, check, hits, ids, render, words};
 use common::rng::Rng;
 use common::{layered, scene};
@@ -80,7 +80,7 @@ fn without_f64_chains_are_right_too() {
 /// Rays that go on straight through every face are those of one camera: the same triangles, the same lengths.
 #[test]
 fn a_chain_of_straight_rays_is_the_camera_without_faces() {
-    let CameraKind::Mesh(whole) = mesh_camera(6, 4, 3, MeshLook::default()) else { unreachable!() };
+    let whole = mesh_spec(6, 4, 3, MeshLook::default());
     let part = |from: f64, to: f64| {
         let mut spec = whole.clone();
         for v in &mut spec.vertices {
@@ -112,7 +112,7 @@ fn a_chain_of_straight_rays_is_the_camera_without_faces() {
 /// What lies exactly in a face between two segments is found once, by the lower layer.
 #[test]
 fn a_surface_in_a_shared_face_shows_no_crack() {
-    let CameraKind::Mesh(whole) = mesh_camera(6, 4, 3, MeshLook::default()) else { unreachable!() };
+    let whole = mesh_spec(6, 4, 3, MeshLook::default());
     // the faces of the cells bend: two triangles each, in space as in the image
     let middle = |v: &anamorph::camera::mesh::spec::CameraVertex| {
         v.near.lerp(v.far, 0.4) + 0.1 * DVec3::new(v.near.y, v.near.z, v.near.x)
@@ -144,7 +144,7 @@ fn a_surface_in_a_shared_face_shows_no_crack() {
 /// Degree elevation changes no curve: straight rays as cubics are straight rays.
 #[test]
 fn straight_curves_are_rays() {
-    let CameraKind::Mesh(spec) = mesh_camera(6, 1, 1, MeshLook::default()) else { unreachable!() };
+    let spec = mesh_spec(6, 1, 1, MeshLook::default());
     let camera = layered::of_layers(vec![spec], SIZE);
     let mut curved = camera.clone();
     let map = std::sync::Arc::new(layered::Elevated { of: camera.clone(), degree: 3 });

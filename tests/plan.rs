@@ -3,6 +3,7 @@
 mod common;
 
 use anamorph::camera::TILE;
+use anamorph::camera::kinds::glc::Glc;
 use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Field, Ray, Rays};
 use anamorph::engine::plan::sheets::Sheets;
@@ -10,7 +11,7 @@ use anamorph::engine::plan::{Band, Contents, Plan, Surroundings, Wanted};
 use anamorph::gpu::device::Abilities;
 use anamorph::gpu::rows::{self, BRANCH};
 use anamorph::image::frame::Channel;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, mesh_spec, raymap};
 use common::file::camera_of;
 use common::layered;
 use common::rng::Rng;
@@ -40,7 +41,7 @@ fn plan(camera: &Camera, binding_limit: u64) -> Plan {
 fn random_glc(rng: &mut Rng) -> CameraKind {
     let offset = [0.0, 1.0, 1e3, 1e6][rng.below(4)] * rng.vector();
     let mut three = || [offset + 5.0 * rng.vector(), offset + 5.0 * rng.vector(), offset + 5.0 * rng.vector()];
-    CameraKind::Glc { near: three(), far: three() }
+    CameraKind::from(Glc { near: three(), far: three() })
 }
 
 /// Rays with nothing in common.
@@ -63,9 +64,9 @@ fn cameras() -> Vec<(String, Camera)> {
             list.push((format!("{columns} x {rows} {look:?}"), mesh_camera(bits, columns, rows, look)));
         }
     }
-    let CameraKind::Mesh(mut holes) = mesh_camera(9, 12, 9, MeshLook::default()) else { unreachable!() };
+    let mut holes = mesh_spec(9, 12, 9, MeshLook::default());
     holes.triangles.retain(|t| (t[0] + t[2]) % 5 != 0);
-    list.push(("holes".into(), CameraKind::Mesh(holes)));
+    list.push(("holes".into(), CameraKind::from(holes)));
     let mut list: Vec<(String, Camera)> =
         list.into_iter().map(|(name, kind)| (name, camera(kind, SIZE, FORWARD))).collect();
     list.push(("ray map".into(), raymap(SIZE.0, SIZE.1, FORWARD)));

@@ -1,4 +1,4 @@
-//! The projector: each surface and each reparametrisation by the contract's formulas written down a second time, what it
+//! The projector: each surface and each reparametrisation by the formulas of `docs/reference/definitions.md` written down a second time, what it
 //! compiles to, and curves through their control points.
 
 mod common;

@@ -56,7 +56,7 @@ fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
             kernels.iter().for_each(|k| check(&k(by_tile), by_tile));
         }
         if variant.optics.is_none() {
-            baseline::kernels::all(variant).iter().for_each(|k| check(k, variant));
+            rivals::kernels::all(variant).iter().for_each(|k| check(k, variant));
         }
     }
 }
@@ -151,7 +151,7 @@ fn every_kernel_does_without_f64_once_it_is_lowered() {
 
 #[test]
 fn every_draw_of_the_rivals_validates_becomes_spirv_and_binds_what_the_table_says() {
-    for kernel in [1, 3].into_iter().flat_map(baseline::kernels::draws) {
+    for kernel in [1, 3].into_iter().flat_map(rivals::kernels::draws) {
         let module = parse(&kernel.source).unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
         let mut caps = Capabilities::empty();
         caps.set(Capabilities::CLIP_DISTANCES, ["warp", "bound", "perspective", "splat_move"].contains(&kernel.name));

@@ -1,7 +1,7 @@
 //! The scenes: meshes moved into the ball of radius 1 about the origin, and the cameras that look at it, one scene file
 //! for every two of them, for `anamorph render` to open.
 
-use anamorph::camera::kinds::{NAMED, PLAIN};
+use anamorph::camera::kinds::KINDS;
 use anamorph::image::{write_npy_f64, write_text};
 use anamorph::input::{Error, Result};
 use anamorph::scene::Scene;
@@ -73,7 +73,7 @@ pub fn views() -> Result<Vec<View>> {
         views.push(View { name, size, camera });
     }
     let seen = |kind: &str| views.iter().any(|v| v.camera.get("kind").and_then(Value::as_str) == Some(kind));
-    match PLAIN.iter().map(|k| k.0).chain(NAMED.iter().map(|k| k.name)).find(|kind| !seen(kind)) {
+    match KINDS.iter().map(|k| k.name).find(|kind| !seen(kind)) {
         Some(kind) => Err(broken(&format_args!("no camera of kind {kind}"))),
         None => Ok(views),
     }

@@ -10,7 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 struct Chain {
     layers: Vec<MeshCameraSpec>,
 }

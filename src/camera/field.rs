@@ -3,7 +3,7 @@
 use super::SAFE_RADIUS_PX;
 use super::bundle::{Bundle, Ray};
 use super::cut::bend::Bend;
-use super::named::opencv::Calibrated;
+use super::kinds::opencv::Calibrated;
 use crate::image::read_vectors;
 use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};

@@ -4,16 +4,8 @@
 //! `f0 f1 f2` give `P = n0 + a (n1-n0) + b (n2-n0)`, `Q` alike from the far points, `D = Q - P`.
 
 use super::bundle::Bundle;
-use crate::input::{Error, Result};
 use glam::{DMat2, DVec2, DVec3};
 use serde::Serialize;
-
-/// The bundle of a GLC over the whole image, centred on the image's middle.
-pub fn bundle(near: &[DVec3; 3], far: &[DVec3; 3], width: u32, height: u32) -> Result<Bundle> {
-    let affine = |n: &[DVec3; 3]| [n[0], n[1] - n[0], n[2] - n[0]];
-    of_planes(&affine(near), &affine(far), width, height)
-        .ok_or_else(|| Error::input("camera: near and far are the same three points, so no ray has a direction"))
-}
 
 /// The bundle between two planes `q[0] + a q[1] + b q[2]`; `None` where they are the same.
 pub(super) fn of_planes(near: &[DVec3; 3], far: &[DVec3; 3], width: u32, height: u32) -> Option<Bundle> {

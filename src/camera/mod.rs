@@ -4,7 +4,7 @@
 //! with a ray ([`field`]) or a Bezier curve ([`curve`]) for each pixel. A chain stacks several of these as layers: its
 //! rays go on from one layer to the next. Everything after this module knows only these.
 //!
-//! [`kinds`] lists what a scene file may name; each named kind is a [`recipe::Recipe`] that builds such layers.
+//! [`kinds`] lists what a scene file may name; each kind is a [`recipe::Recipe`] that builds such layers.
 
 /// Pixels a side of a tile of the image.
 pub const TILE: u32 = 8;
@@ -12,7 +12,6 @@ pub const TILE: u32 = 8;
 pub mod arranged;
 mod boxes;
 pub mod bundle;
-pub mod central;
 pub mod chain;
 pub mod curve;
 pub mod cut;
@@ -21,7 +20,6 @@ pub mod glc;
 pub mod graph;
 pub mod kinds;
 pub mod mesh;
-pub mod named;
 pub mod optics;
 pub mod perturb;
 pub mod pieces;
@@ -30,9 +28,10 @@ pub mod project;
 pub mod projector;
 pub mod recipe;
 pub mod spec;
+pub mod view;
 
 use crate::camera::optics::Optics;
-use crate::camera::spec::{CameraKind, CameraSpec};
+use crate::camera::spec::CameraSpec;
 use crate::geometry::mesh::Mesh;
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
@@ -41,7 +40,6 @@ pub use curve::{Curve, CurveMap, Curves};
 pub use field::{Field, RayMap};
 use glam::DVec3;
 pub use pieces::{Piece, Pieces};
-use pose::Pose;
 use recipe::{Built, Looked, Setting};
 use std::cell::Cell;
 use std::sync::Arc;
@@ -81,7 +79,7 @@ impl From<&Camera> for Arc<Camera> {
     }
 }
 
-/// How far from a pixel's centre an answer must hold for the pixel to be safe (contract, section 5), px.
+/// How far from a pixel's centre an answer must hold for the pixel to be safe (`docs/reference/definitions.md`, Safe), px.
 pub const SAFE_RADIUS_PX: f64 = 1.0 / 16.0;
 
 /// Layers of a chain at most: a visibility key has 4 bits for them.
@@ -108,11 +106,8 @@ impl Camera {
     }
 
     fn build(spec: &CameraSpec, setting: &Setting) -> Result<Camera> {
-        let (kind, built) = match &spec.kind {
-            CameraKind::Named(named) => (named.name, named.recipe.build(setting)?),
-            plain => build_plain(plain, setting)?,
-        };
-        let Built { size: (width, height), layers, unit_t, optics, notes, unmet } = built;
+        let kind = spec.kind.name;
+        let Built { size: (width, height), layers, unit_t, optics, notes, unmet } = spec.kind.recipe.build(setting)?;
         if layers.is_empty() || layers.len() > LAYERS_MAX {
             let n = layers.len();
             return Err(Error::input(format!("camera: {n} layers; a chain has 1 to {LAYERS_MAX}")));
@@ -239,31 +234,3 @@ fn check_reach(rays: &Rays) -> Result<()> {
 
 /// How far apart origins may be that are one point, against its size: sixteen roundings.
 const CENTRE_ROUNDING: f64 = 16.0 * f64::EPSILON;
-
-/// The cameras that the scene file reads itself.
-fn build_plain(kind: &CameraKind, setting: &Setting) -> Result<(&'static str, Built)> {
-    if let CameraKind::Raymap { origins, directions } = kind {
-        let field = Field::load(origins, directions)?;
-        let size = (field.width, field.height);
-        if setting.size.is_some_and(|s| s != size) {
-            let (w, h) = size;
-            return Err(Error::input(format!("image: the ray map is {w}x{h}; leave the size out or make it that")));
-        }
-        return Ok(("raymap", Built::new(size, Rays::Field(field))));
-    }
-    let (w, h) = setting.size()?;
-    let mut notes = Vec::new();
-    let whole = |bundle| Pieces::whole(bundle, w, h);
-    let (kind, pieces) = match kind {
-        CameraKind::Pinhole { eye, target, up, vfov } => {
-            ("pinhole", whole(central::pinhole(&Pose::look_at(*eye, *target, *up), *vfov, h)?))
-        }
-        CameraKind::Orthographic { eye, target, up, height } => {
-            ("orthographic", whole(central::orthographic(&Pose::look_at(*eye, *target, *up), *height, h)?))
-        }
-        CameraKind::Glc { near, far } => ("glc", whole(glc::bundle(near, far, w, h)?)),
-        CameraKind::Mesh(mesh) => ("mesh", mesh::compile(mesh, w, h, &mut notes)?),
-        CameraKind::Raymap { .. } | CameraKind::Named(_) => unreachable!("handled above and by the caller"),
-    };
-    Ok((kind, Built { notes, ..Built::new((w, h), Rays::Pieces(pieces)) }))
-}

@@ -1,6 +1,6 @@
 //! The pose of a viewer: an eye, a target and an up vector; or a matrix; or an eye and a quaternion.
 
-use super::central::{View, view};
+use super::view::{View, view};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};

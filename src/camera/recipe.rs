@@ -6,6 +6,7 @@ use crate::geometry::mesh::Mesh;
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
 use glam::DVec3;
+use std::any::Any;
 use std::cell::Cell;
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -21,8 +22,19 @@ pub struct Kind {
 }
 
 /// A camera as asked for, its values checked one by one. What they mean together is checked by [`Recipe::build`].
-pub trait Recipe: Debug + Send + Sync {
+pub trait Recipe: Any + Debug + Equal + Send + Sync {
     fn build(&self, setting: &Setting) -> Result<Built>;
+}
+
+/// Equality of recipes whose types are not known: those of one type are compared by `==`.
+pub trait Equal {
+    fn equals(&self, other: &dyn Any) -> bool;
+}
+
+impl<T: Any + PartialEq> Equal for T {
+    fn equals(&self, other: &dyn Any) -> bool {
+        other.downcast_ref::<T>() == Some(self)
+    }
 }
 
 /// What a recipe may look at.

@@ -1,4 +1,4 @@
-//! The report of a render: what the contract's section 4 lists, as JSON.
+//! The report of a render, as JSON: `docs/reference/commands.md`, Reports.
 
 use crate::camera::Camera;
 use crate::engine::plan::LeftOut;

@@ -10,8 +10,8 @@ pub mod dual;
 mod radial;
 mod walk;
 
-use crate::camera::named::opencv::lens::Model;
-use crate::camera::named::opencv::{Calibrated, file::Intrinsics};
+use crate::camera::kinds::opencv::lens::Model;
+use crate::camera::kinds::opencv::{Calibrated, file::Intrinsics};
 use crate::camera::{Camera, Field, Ray, RayMap, Rays};
 use glam::{DQuat, DVec2, DVec3};
 use std::borrow::Cow;

@@ -6,10 +6,10 @@ use super::intersect::{Corners, OPPOSITE, TERM_ROUNDING, cross_size, offset_size
 use crate::camera::bundle::Bundle;
 use glam::DVec3;
 
-/// Half the side of the box in which a safe pixel's answer may not change, px (the contract's section 5).
+/// Half the side of the box in which a safe pixel's answer may not change, px (`docs/reference/definitions.md`, Safe).
 pub const MARGIN_PX: f64 = 1.0 / 16.0;
 
-/// Two depths closer than this, relative to the larger magnitude, tie (the contract's section 5).
+/// Two depths closer than this, relative to the larger magnitude, tie (`docs/reference/definitions.md`, Safe).
 pub const GAP: f64 = 1e-6;
 
 /// As [`TERM_ROUNDING`], with five more roundings for the sums over the box.

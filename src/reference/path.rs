@@ -43,7 +43,7 @@ fn face_allowance(place_error: f64, direction: DVec3) -> f64 {
 }
 
 impl Seen {
-    /// The contract's t: that of the layer, and 1 for each layer before it.
+    /// The channel `t`: that of the layer, and 1 for each layer before it.
     pub fn t(&self) -> f64 {
         self.layer as f64 + self.hit.t
     }
@@ -166,7 +166,7 @@ impl Path {
         ((a.origin + a.direction - b.origin).length() <= error).then_some(error)
     }
 
-    /// The contract's Z: the lengths of the segments before, and the way to the hit on its own.
+    /// The channel `Z`: the lengths of the segments before, and the way to the hit on its own.
     pub fn depth(&self, seen: &Seen) -> f64 {
         let before: f64 = self.segments[..seen.layer].iter().flatten().map(|(_, s)| s.length(1.0)).sum();
         before + self.of(seen).length(seen.hit.t)

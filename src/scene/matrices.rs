@@ -2,8 +2,9 @@
 
 use super::Scene;
 use crate::camera::Camera;
-use crate::camera::central::view;
-use crate::camera::spec::CameraKind;
+use crate::camera::kinds::orthographic::Orthographic;
+use crate::camera::kinds::pinhole::Pinhole;
+use crate::camera::view::view;
 use glam::{DVec3, DVec4};
 
 /// OpenEXR's `worldToCamera`, for cameras with an eye: a matrix for row vectors, row by row; x right, y up, z forward.
@@ -17,22 +18,19 @@ pub fn world_to_camera(scene: &Scene) -> Option<[f32; 16]> {
 /// transformed z has no meaning.
 pub fn world_to_ndc(scene: &Scene, camera: &Camera) -> Option<[f32; 16]> {
     let aspect = f64::from(camera.width) / f64::from(camera.height);
-    match scene.camera.kind {
-        CameraKind::Pinhole { eye, target, up, vfov } => {
-            let v = view(eye, target, up).ok()?;
-            // of the image, on the plane at distance 1
-            let height = 2.0 * (vfov.to_radians() / 2.0).tan();
-            let middle = v.forward / 2.0;
-            let across = v.right / (height * aspect) + middle;
-            Some(matrix(eye, [across, middle - v.up / height, DVec3::ZERO, v.forward], DVec4::Z))
-        }
-        CameraKind::Orthographic { eye, target, up, height } => {
-            let v = view(eye, target, up).ok()?;
-            let columns = [v.right / (height * aspect), -v.up / height, v.forward, DVec3::ZERO];
-            Some(matrix(eye, columns, DVec4::new(0.5, 0.5, 0.0, 1.0)))
-        }
-        _ => None,
+    let kind = &scene.camera.kind;
+    if let Some(&Pinhole { eye, target, up, vfov }) = kind.recipe() {
+        let v = view(eye, target, up).ok()?;
+        // of the image, on the plane at distance 1
+        let height = 2.0 * (vfov.to_radians() / 2.0).tan();
+        let middle = v.forward / 2.0;
+        let across = v.right / (height * aspect) + middle;
+        return Some(matrix(eye, [across, middle - v.up / height, DVec3::ZERO, v.forward], DVec4::Z));
     }
+    let &Orthographic { eye, target, up, height } = kind.recipe()?;
+    let v = view(eye, target, up).ok()?;
+    let columns = [v.right / (height * aspect), -v.up / height, v.forward, DVec3::ZERO];
+    Some(matrix(eye, columns, DVec4::new(0.5, 0.5, 0.0, 1.0)))
 }
 
 /// The matrix of `(X - eye) . column + shift`, one column a coordinate.

@@ -1,6 +1,8 @@
 //! Cameras that see the ball of radius 1 about the origin.
 
 use super::rng::Rng;
+use anamorph::camera::kinds::glc::Glc;
+use anamorph::camera::kinds::pinhole::Pinhole;
 use anamorph::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Field, Rays};
@@ -30,20 +32,20 @@ pub fn glc_of_each_class() -> Vec<(&'static str, CameraKind)> {
     .into_iter()
     .map(|(name, a, b)| {
         let (near, far) = two_plane(a, b);
-        (name, CameraKind::Glc { near, far })
+        (name, CameraKind::from(Glc { near, far }))
     })
     .collect();
     let (near, mut far) = two_plane(m(2.0, 0.1, -0.2, 2.2), m(3.5, 0.3, 0.0, 3.2));
     far[1].z -= 0.7;
     far[2].z += 0.4;
-    list.push(("cglc", CameraKind::Glc { near, far }));
+    list.push(("cglc", CameraKind::from(Glc { near, far })));
     list
 }
 
 /// A pinhole at `eye` that looks at `target`.
 pub fn pinhole(eye: DVec3, target: DVec3, vfov: f64) -> CameraKind {
     let up = if (target - eye).normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
-    CameraKind::Pinhole { eye, target, up, vfov }
+    CameraKind::from(Pinhole { eye, target, up, vfov })
 }
 
 /// How the pieces of [`mesh_camera`] differ from a plain, continuous one.
@@ -58,7 +60,7 @@ pub struct MeshLook {
 
 /// Two pieces for each of `columns` x `rows` cells of the image, over rays that bend smoothly, each corner a little
 /// off by `seed`.
-pub fn mesh_camera(seed: u64, columns: u32, rows: u32, look: MeshLook) -> CameraKind {
+pub fn mesh_spec(seed: u64, columns: u32, rows: u32, look: MeshLook) -> MeshCameraSpec {
     let mut rng = Rng(seed);
     let mut vertex = |i: u32, j: u32| {
         let image = DVec2::new(i as f64 / columns as f64, j as f64 / rows as f64);
@@ -88,7 +90,12 @@ pub fn mesh_camera(seed: u64, columns: u32, rows: u32, look: MeshLook) -> Camera
             triangles.extend([[k, k + 1, below], [below + 1, k + 1, below]]);
         }
     }
-    CameraKind::Mesh(MeshCameraSpec { vertices, triangles, normalize: look.normalize })
+    MeshCameraSpec { vertices, triangles, normalize: look.normalize }
+}
+
+/// The camera of [`mesh_spec`].
+pub fn mesh_camera(seed: u64, columns: u32, rows: u32, look: MeshLook) -> CameraKind {
+    mesh_spec(seed, columns, rows, look).into()
 }
 
 /// A ray map of `width` x `height` over a wavy lens; every 17th pixel has no ray.

@@ -1,16 +1,15 @@
 //! Chains and curved cameras that see the ball of radius 1 about the origin.
 
-use super::cameras::{MeshLook, mesh_camera};
+use super::cameras::{MeshLook, mesh_spec};
 use super::rng::Rng;
 use anamorph::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
-use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Curve, CurveMap, Curves, Ray, Rays, mesh};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
 /// A chain of `layers` layers over `columns` x `rows` cells: its rays bend at every face, by `seed`, and go on there.
 pub fn chain(seed: u64, layers: usize, (columns, rows): (u32, u32), look: MeshLook, size: (u32, u32)) -> Camera {
-    let CameraKind::Mesh(first) = mesh_camera(seed, columns, rows, look) else { unreachable!() };
+    let first = mesh_spec(seed, columns, rows, look);
     let mut rng = Rng(seed + 77);
     // faces between the first vertex of each ray and its last, each moved about
     let faces: Vec<Vec<DVec3>> = (0..=layers)

@@ -5,6 +5,7 @@ use crate::common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, 
 use crate::common::projection::gpu;
 use crate::common::rng::Rng;
 use crate::common::{ALL_T, FORWARD, camera};
+use anamorph::camera::mesh::spec::MeshCameraSpec;
 use anamorph::camera::project::Projector;
 use anamorph::camera::project::tree::{INNER, Tree, WHOLE};
 use anamorph::camera::spec::CameraKind;
@@ -47,11 +48,11 @@ impl CurveMap for Bent {
 
 /// The same rays somewhere else, and everything larger.
 fn far_off(kind: CameraKind, by: DVec3, scale: f64) -> CameraKind {
-    let CameraKind::Mesh(mut mesh) = kind else { return kind };
+    let Some(mut mesh) = kind.recipe::<MeshCameraSpec>().cloned() else { return kind };
     for v in &mut mesh.vertices {
         (v.near, v.far) = (scale * v.near + by, scale * v.far + by);
     }
-    CameraKind::Mesh(mesh)
+    CameraKind::from(mesh)
 }
 
 /// Cameras, and the cube that their points are in: its middle and half its side.

@@ -6,7 +6,7 @@ use super::{Bend, Graph, Leg, Net};
 use glam::{DVec2, DVec3};
 
 /// A ball to be seen.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
     pub at: DVec3,
     pub radius: f64,

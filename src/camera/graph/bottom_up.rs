@@ -13,7 +13,7 @@ use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 struct BottomUp {
     views: [Pinhole; 2],
     /// Shares of the image's width: left view, what is between, right view.

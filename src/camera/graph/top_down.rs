@@ -9,7 +9,7 @@ use super::path::Occluders;
 use super::rails::{self, Depths};
 use super::roots::{self, Layout, Root};
 use super::view::{Pinhole, View, beyond};
-use crate::camera::named::values::length;
+use crate::camera::kinds::values::length;
 use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::input::limits;
@@ -18,7 +18,7 @@ use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 struct TopDown {
     root: Pinhole,
     layout: Layout,
@@ -32,7 +32,7 @@ struct TopDown {
     joints: Joints,
 }
 
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 struct Region {
     /// Image coordinates (a, b).
     outline: Outline,
@@ -40,7 +40,7 @@ struct Region {
     vfov: Option<f64>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 enum Viewpoint {
     Posed(Pose),
     /// Without a target, what the root sees in the region's middle; without an up, the root's.

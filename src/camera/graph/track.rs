@@ -22,7 +22,7 @@ use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 struct Track {
     pinhole: Pinhole,
     targets: Vec<Target>,

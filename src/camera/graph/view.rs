@@ -1,7 +1,7 @@
 //! A pinhole view that lands somewhere in the image.
 
 use super::super::bundle::{Bundle, Ray};
-use super::super::central;
+use super::super::kinds::pinhole;
 use super::super::pieces::{Piece, Pieces};
 use super::super::pose::Pose;
 use crate::geometry::mesh::Mesh;
@@ -24,7 +24,7 @@ impl Pinhole {
 }
 
 /// The rays of a pinhole over the image: those of the plain camera of its pose at pixels `centre_px` from its middle.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     bundle: Bundle,
     centre_px: DVec2,
@@ -33,7 +33,7 @@ pub struct View {
 impl View {
     /// `vfov` spans `height` pixels; the view's axis is at `centre_px`.
     pub fn new(pinhole: &Pinhole, height: u32, centre_px: DVec2) -> Result<View> {
-        Ok(View { bundle: central::pinhole(&pinhole.pose, pinhole.vfov, height)?, centre_px })
+        Ok(View { bundle: pinhole::bundle(&pinhole.pose, pinhole.vfov, height)?, centre_px })
     }
 
     /// All of the view as a camera of one piece.

@@ -5,7 +5,7 @@ use super::view::View;
 use glam::{DMat3, DVec2, DVec3};
 
 /// A bounded convex volume: points with `normal . x <= limit` for all its planes, normals of unit length.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Volume(Vec<(DVec3, f64)>);
 
 impl Volume {

@@ -27,7 +27,7 @@ use std::sync::Arc;
 use surface::{Plane, Surface};
 
 /// A viewing volume: 2 to 4 surfaces, and where on them an image place lies.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Volume {
     surfaces: Vec<Surface>,
     reparam: Reparam,
@@ -38,7 +38,7 @@ pub struct Volume {
 }
 
 /// The camera as read.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 struct Projector {
     volume: Volume,
     cut: Cut,

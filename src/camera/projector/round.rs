@@ -1,6 +1,6 @@
 //! Round control surfaces: cylinder, sphere, disc. The formulas are those of the `projector` camera's description.
 
-use crate::camera::named::values::direction;
+use crate::camera::kinds::values::direction;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
@@ -97,7 +97,7 @@ impl Disc {
         let normal = direction(&table.need("normal", "[0, 0, 1]")?)?;
         let up = table.or("up", DVec3::Y, direction)?;
         let e1 = up.reject_from_normalized(normal);
-        if e1.length() < super::super::central::UP_SINE_MIN {
+        if e1.length() < super::super::view::UP_SINE_MIN {
             return Err(table.error("up is parallel to normal; give another up"));
         }
         let e1 = e1.normalize();

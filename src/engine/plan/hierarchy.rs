@@ -123,6 +123,7 @@ fn triangles(scene: &Scene, anchor: DVec3, count: usize, scale: f32) -> Vec<Tria
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::kinds::orthographic::Orthographic;
     use crate::geometry::generate;
     use std::sync::Arc;
 
@@ -160,12 +161,7 @@ mod tests {
             size: None,
             camera_keys: Arc::default(),
             camera: crate::camera::spec::CameraSpec {
-                kind: crate::camera::spec::CameraKind::Orthographic {
-                    eye: DVec3::Z,
-                    target: DVec3::ZERO,
-                    up: DVec3::Y,
-                    height: 1.0,
-                },
+                kind: Orthographic { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, height: 1.0 }.into(),
                 t_range: [0.0, 1.0],
             },
             caustics: None,

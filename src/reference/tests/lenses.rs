@@ -1,7 +1,7 @@
 //! The reference's rays against the camera's: two independent methods.
 
 use super::make::Rng;
-use crate::camera::named::opencv::lens::{Distortion, Model};
+use crate::camera::kinds::opencv::lens::{Distortion, Model};
 use crate::reference::lens::{direction, dual};
 use glam::DVec2;
 

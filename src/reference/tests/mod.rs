@@ -1,4 +1,4 @@
-//! The whole reference: hits against brute force, watertight fans and shells, the contract's special cases.
+//! The whole reference: hits against brute force, watertight fans and shells, special cases of the definitions.
 
 mod chains;
 mod curves;

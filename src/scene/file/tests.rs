@@ -4,6 +4,9 @@ use glam::DVec3;
 use proptest::prelude::*;
 
 use super::*;
+use crate::camera::kinds::glc::Glc;
+use crate::camera::kinds::pinhole::Pinhole;
+use crate::camera::mesh::spec::MeshCameraSpec;
 use crate::camera::spec::CameraKind;
 use crate::geometry::generate::Builtin;
 use crate::geometry::spec::MeshSource;
@@ -81,7 +84,7 @@ fn reads_every_key() {
     assert_eq!(scene.lights, [Light::distant(DVec3::new(-1.0, -2.0, -1.0))]);
     assert_eq!(scene.camera.t_range, [-1.0, f64::INFINITY]);
     let (eye, target, up) = (DVec3::new(0.0, 1.0, 5.0), DVec3::ZERO, DVec3::Y);
-    assert_eq!(scene.camera.kind, CameraKind::Pinhole { eye, target, up, vfov: 40.0 });
+    assert_eq!(scene.camera.kind, CameraKind::from(Pinhole { eye, target, up, vfov: 40.0 }));
     assert_eq!(scene.output.color, Some("dir/out.png".into()));
     assert_eq!(scene.output.exr, Some("dir/out.exr".into()));
     assert_eq!(scene.dir, Path::new("dir"));
@@ -97,14 +100,14 @@ fn json_reads_as_toml_does() {
 }
 
 #[test]
-fn defaults_are_the_contracts() {
+fn defaults_are_as_documented() {
     let scene =
         read("[camera]\nkind='glc'\nnear=[[0,0,0],[1,0,0],[0,1,0]]\nfar=[[0,0,1],[1,0,1],[0,1,1]]", &[]).unwrap();
     assert_eq!(scene.image, ImageSpec { width: None, height: None, background: [0.0; 3], tone: Tone::default() });
     assert!(scene.meshes.is_empty() && scene.lights.is_empty());
     assert_eq!(scene.camera.t_range, [0.0, f64::INFINITY]);
     assert_eq!(scene.output, OutputSpec::default());
-    let CameraKind::Glc { near, far } = scene.camera.kind else { panic!("not a glc") };
+    let Some(&Glc { near, far }) = scene.camera.kind.recipe() else { panic!("not a glc") };
     assert_eq!((near[1], far[2]), (DVec3::X, DVec3::new(0.0, 1.0, 1.0)));
 }
 
@@ -220,7 +223,7 @@ fn camera_kinds_say_what_is_known() {
 #[test]
 fn overrides_win_and_errors_say_set() {
     let scene = read(FULL, &["camera.vfov=50", "mesh.0.scale=3", "image.width=64", "output.color=a.png"]).unwrap();
-    assert!(matches!(scene.camera.kind, CameraKind::Pinhole { vfov: 50.0, .. }));
+    assert_eq!(scene.camera.kind.recipe::<Pinhole>().unwrap().vfov, 50.0);
     assert_eq!(scene.meshes[0].scale, DVec3::splat(3.0));
     assert_eq!(scene.image.width, Some(64));
     assert_eq!(scene.output.color, Some("dir/a.png".into()));
@@ -248,12 +251,14 @@ fn load_pieces(pieces: &str) -> Result<SceneFile> {
 
 #[test]
 fn mesh_camera_reads_alike_inline_and_from_a_file() {
-    let CameraKind::Mesh(from_file) = load_pieces(PIECES).unwrap().camera.kind else { panic!("not a mesh") };
+    let Some(from_file) = load_pieces(PIECES).unwrap().camera.kind.recipe::<MeshCameraSpec>().cloned() else {
+        panic!("not a mesh")
+    };
     assert_eq!((from_file.vertices[1].w, from_file.vertices[2].w), (2.0, 1.0));
     assert_eq!((from_file.triangles[0], from_file.normalize), ([0, 1, 2], true));
     let inline = format!(r#"{{"camera": {{"kind": "mesh", "normalize": true, {}}}"#, &PIECES[1..]);
     let scene = read_scene(&inline, Format::Json, Path::new("scene.json"), &[], 0.0).unwrap();
-    assert_eq!(scene.camera.kind, CameraKind::Mesh(from_file));
+    assert_eq!(scene.camera.kind, CameraKind::from(from_file));
 }
 
 #[test]

@@ -4,6 +4,7 @@
 use super::case::{Case, Source};
 use super::race::COLOURS;
 use crate::camera::Camera;
+use crate::camera::kinds::pinhole::Pinhole;
 use crate::camera::spec::{CameraKind, CameraSpec};
 use crate::engine::plan::Wanted;
 use crate::engine::plan::samples::{at_once, places};
@@ -152,7 +153,7 @@ fn image_based(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Result<Ve
     let eye = middle.ok_or_else(|| Error::input("the camera's middle pixel has no ray"))?.origin;
     let mut faces = Vec::new();
     for (forward, up) in FACES {
-        let kind = CameraKind::Pinhole { eye, target: eye + forward, up, vfov: 90.0 };
+        let kind = CameraKind::from(Pinhole { eye, target: eye + forward, up, vfov: 90.0 });
         let spec = CameraSpec { kind, t_range: camera.t_range };
         let face = Camera::in_scene(&spec, Some((SIDE, SIDE)), &scene.mesh)?;
         faces.push(frame(engine, scene, &face, FACE_SAMPLES, 1)?);

@@ -1,7 +1,7 @@
 //! A compiled camera as files: the pieces of a mesh camera, or every pixel's ray.
 
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
-use crate::camera::spec::{CameraKind, CameraSpec};
+use crate::camera::spec::CameraSpec;
 use crate::camera::{Bundle, Camera, Pieces, Rays, mesh};
 use crate::image::{write_npy_f64, write_text};
 use crate::input::{Error, Result};
@@ -50,10 +50,10 @@ pub fn write_pieces(path: &FilePath, spec: &CameraSpec, camera: &Camera) -> Resu
             "--export: {kind} turns rays at a surface, which no mesh camera does; use --rays RAYS.npy"
         )));
     }
-    let mut layers = match &spec.kind {
+    let mut layers = match spec.kind.recipe::<MeshCameraSpec>() {
         // as written, without the rounding of a way there and back
-        CameraKind::Mesh(mesh) => vec![PiecesFile::of(&plain(mesh))],
-        _ => camera.layers.iter().map(|layer| layer_file(camera, layer)).collect::<Result<_>>()?,
+        Some(mesh) => vec![PiecesFile::of(&plain(mesh))],
+        None => camera.layers.iter().map(|layer| layer_file(camera, layer)).collect::<Result<_>>()?,
     };
     let text = match layers.len() {
         1 => serde_json::to_string_pretty(&layers.remove(0)),

@@ -85,7 +85,7 @@ fn read(path: &Path) -> Result<Contents> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     if matches!(extension.as_str(), "toml" | "json") {
         let scene = Scene::load(path, &[], 0.0)?;
-        let kind = scene.camera.kind.name();
+        let kind = scene.camera.kind.name;
         return Ok(Contents { camera: Some(kind), ..Contents::of(path, "scene", scene.objects.len(), &scene.mesh) });
     }
     if heights::is_height_image(path) {

@@ -1,0 +1,109 @@
+//! `lightfield`: a ray for each sub-pixel of a display under lenslets, which shows another view to each direction.
+
+use crate::camera::cut::{Cut, KEYS};
+use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::view::{View, view};
+use crate::camera::{Ray, RayMap};
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
+use glam::{DVec2, DVec3};
+use std::sync::Arc;
+
+#[derive(Debug, PartialEq)]
+struct Lightfield {
+    centre: DVec3,
+    /// Towards the viewer.
+    normal: DVec3,
+    up: DVec3,
+    /// Of the display, world units.
+    size: DVec2,
+    /// Pixels under a lenslet.
+    views: [u32; 2],
+    /// Tangents of half the angles through which a lenslet sends its pixels.
+    tan: DVec2,
+    cut: Cut,
+}
+
+/// Pixels under a lenslet at most, each way: as many as an image can have.
+const VIEWS_MAX: u64 = 1 << 16;
+
+pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
+    let own = ["center", "normal", "up", "width", "height", "views", "fov"];
+    table.allow(&[&["kind", "t_range"], &own[..], &KEYS].concat())?;
+    let length = |key: &str| {
+        let field = table.need(key, "1")?;
+        match field.number()? {
+            x if x > 0.0 => Ok(x),
+            x => Err(field.error(format_args!("{x} must be over 0"))),
+        }
+    };
+    let views = table.need("views", "[5, 5]")?.array::<2>("the pixels of a lenslet, as [across, down]")?;
+    Ok(Arc::new(Lightfield {
+        centre: table.need("center", "[0, 0, 0]")?.vec3()?,
+        normal: table.need("normal", "[0, 0, 1]")?.vec3()?,
+        up: table.or("up", DVec3::Y, Field::vec3)?,
+        size: DVec2::new(length("width")?, length("height")?),
+        // the range is under 2^32
+        views: [views[0].integer(1, VIEWS_MAX)? as u32, views[1].integer(1, VIEWS_MAX)? as u32],
+        tan: read_fov(&table.need("fov", "40")?)?,
+        cut: Cut::read(table)?,
+    }))
+}
+
+/// One angle for both ways, or two.
+fn read_fov(field: &Field) -> Result<DVec2> {
+    let degrees = if field.is_list() {
+        DVec2::from(field.numbers::<2>("one or two angles in degrees, as [across, down]")?)
+    } else {
+        DVec2::splat(field.number()?)
+    };
+    if degrees.cmple(DVec2::ZERO).any() || degrees.cmpge(DVec2::splat(180.0)).any() {
+        return Err(field.error("the angles must lie between 0 and 180 degrees"));
+    }
+    Ok((degrees / 2.0).map(|x| x.to_radians().tan()))
+}
+
+impl Recipe for Lightfield {
+    fn build(&self, setting: &Setting) -> Result<Built> {
+        let (w, h) = setting.size()?;
+        let [nx, ny] = self.views;
+        if w % nx != 0 || h % ny != 0 {
+            let (w, h) = (w.next_multiple_of(nx), h.next_multiple_of(ny));
+            return Err(Error::input(format!("camera.views: the image is no whole number of lenslets; use {w} x {h}")));
+        }
+        // the display's own frame is that of a viewer who looks at it
+        let frame = view(self.centre + self.normal, self.centre, self.up).map_err(|_| {
+            Error::input("camera: normal is zero, or up is zero or parallel to it; give other directions")
+        })?;
+        let lenslets = DVec2::new((w / nx).into(), (h / ny).into());
+        self.cut
+            .build(Arc::new(Lenslets { centre: self.centre, frame, size: self.size, lenslets, tan: self.tan }), setting)
+    }
+}
+
+/// Rays from the middles of lenslets into the display, against the light that leaves them: a pixel to the right of its
+/// lenslet's middle shines to the left, where one sees what lies to the right.
+#[derive(Debug)]
+struct Lenslets {
+    centre: DVec3,
+    frame: View,
+    size: DVec2,
+    /// Across and down.
+    lenslets: DVec2,
+    tan: DVec2,
+}
+
+impl RayMap for Lenslets {
+    fn ray(&self, a: f64, b: f64) -> Option<Ray> {
+        let place = DVec2::new(a, b) * self.lenslets;
+        // the image's last border belongs to the last lenslet
+        let lenslet = place.floor().min(self.lenslets - 1.0).max(DVec2::ZERO);
+        let within = (place - lenslet) * 2.0 - 1.0;
+        let at = ((lenslet + 0.5) / self.lenslets - 0.5) * self.size;
+        let slope = within * self.tan;
+        Some(Ray {
+            origin: self.centre + self.frame.vector(at.x, -at.y, 0.0),
+            direction: self.frame.vector(slope.x, -slope.y, 1.0),
+        })
+    }
+}

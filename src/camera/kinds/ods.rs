@@ -1,0 +1,63 @@
+//! `ods`: an omni-directional stereo pair, the left eye's picture above the right eye's.
+
+use super::pose::{POSE, Pose};
+use crate::camera::cut::{Cut, KEYS};
+use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::view::View;
+use crate::camera::{Ray, RayMap};
+use crate::input::reader::Table;
+use crate::input::{Error, Result};
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+#[derive(Debug, PartialEq)]
+struct Ods {
+    pose: Pose,
+    /// World units between the eyes.
+    ipd: f64,
+    cut: Cut,
+}
+
+pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
+    table.allow(&[&["kind", "t_range", "ipd"][..], &POSE, &KEYS].concat())?;
+    let ipd = table.need("ipd", "0.064")?;
+    let length = ipd.number()?;
+    if length < 0.0 {
+        return Err(ipd.error(format_args!("{length} is less than 0, which would swap the eyes")));
+    }
+    Ok(Arc::new(Ods { pose: Pose::read(table)?, ipd: length, cut: Cut::read(table)? }))
+}
+
+impl Recipe for Ods {
+    fn build(&self, setting: &Setting) -> Result<Built> {
+        let (_, h) = setting.size()?;
+        if h % 2 == 1 {
+            return Err(Error::input(format!(
+                "image: {h} rows are not two pictures of equal height; give an even height"
+            )));
+        }
+        let map = Circle { eye: self.pose.eye, view: self.pose.view()?, radius: self.ipd / 2.0 };
+        self.cut.build(Arc::new(map), setting)
+    }
+}
+
+/// Rays that touch a horizontal circle about the eye.
+#[derive(Debug)]
+struct Circle {
+    eye: DVec3,
+    view: View,
+    radius: f64,
+}
+
+impl RayMap for Circle {
+    fn ray(&self, a: f64, b: f64) -> Option<Ray> {
+        let (side, b) = if b < 0.5 { (-1.0, 2.0 * b) } else { (1.0, 2.0 * b - 1.0) };
+        let (sin, cos) = ((a - 0.5) * TAU).sin_cos();
+        let (up, level) = ((0.5 - b) * PI).sin_cos();
+        Some(Ray {
+            origin: self.eye + self.view.vector(side * self.radius * cos, 0.0, -side * self.radius * sin),
+            direction: self.view.vector(level * sin, up, level * cos),
+        })
+    }
+}

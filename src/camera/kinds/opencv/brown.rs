@@ -1,0 +1,213 @@
+//! Brown and Conrady's model as OpenCV's `calib3d` has it, with a rational radial part, thin prism terms and a tilted
+//! sensor: from a point on the plane z = 1 to its distorted place.
+//!
+//! `x'' = x' g + 2 p1 x'y' + p2 (r^2 + 2 x'^2) + s1 r^2 + s2 r^4`, `y'' = y' g + p1 (r^2 + 2 y'^2) + 2 p2 x'y' + s3 r^2 + s4 r^4`,
+//! `g = (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)`, then [`Tilt`]. [`super::inverse`] inverts it.
+
+use super::roots;
+use super::tilt::Tilt;
+use glam::{DMat2, DVec2};
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Brown {
+    /// Numerator and denominator of g as polynomials of r^2.
+    above: [f64; 4],
+    below: [f64; 4],
+    /// p1, p2.
+    tangential: [f64; 2],
+    /// (s1, s3) and (s2, s4).
+    prism: [DVec2; 2],
+    pub(super) tilt: Tilt,
+    /// The radial part r g grows from 0 to here: to its first fold or pole.
+    pub(super) r_max: f64,
+    /// Radius of a disc that the model maps one to one, onto a region that is star-shaped about the middle; see
+    /// [`Brown::injective_radius`].
+    pub(super) injective: f64,
+}
+
+/// A distorted place, before the tilt.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seen {
+    pub place: DVec2,
+    /// Derivatives by x' and y'.
+    pub slope: DMat2,
+    /// The denominator of g: 0 at a pole.
+    pub below: f64,
+}
+
+impl Seen {
+    /// Not on a fold or a pole, nor beyond an odd number of them.
+    pub fn is_upright(&self) -> bool {
+        self.below > 0.0 && self.slope.determinant() > 0.0
+    }
+}
+
+impl Brown {
+    /// From `k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y`, angles in radians.
+    ///
+    /// # Errors
+    /// A tilt of 90 degrees or more.
+    pub fn new(k: [f64; 14]) -> Result<Brown, String> {
+        let mut model = Brown {
+            above: [1.0, k[0], k[1], k[4]],
+            below: [1.0, k[5], k[6], k[7]],
+            tangential: [k[2], k[3]],
+            prism: [DVec2::new(k[8], k[10]), DVec2::new(k[9], k[11])],
+            tilt: Tilt::new(k[12], k[13])?,
+            r_max: 0.0,
+            injective: 0.0,
+        };
+        let pole = roots::first(&model.below);
+        model.r_max = roots::first(&model.radial_slope()).min(pole).sqrt();
+        model.injective = model.injective_radius(pole.sqrt());
+        Ok(model)
+    }
+
+    /// Distortion moves points only towards or away from the middle: no tangential and no prism terms.
+    pub(super) fn is_radial(&self) -> bool {
+        self.tangential == [0.0; 2] && self.prism == [DVec2::ZERO; 2]
+    }
+
+    /// The numerator of d(r g)/dr as a polynomial of q = r^2: `(A + 2 q A') B - 2 q A B'`; the denominator is B^2.
+    fn radial_slope(&self) -> Vec<f64> {
+        let twice_q = |c: &[f64]| roots::product(&[0.0, 2.0], &roots::derivative(c));
+        let first = sum(&self.above, &twice_q(&self.above));
+        let minus = roots::product(&self.above, &twice_q(&self.below));
+        difference(&roots::product(&first, &self.below), &minus)
+    }
+
+    /// A radius up to which F is one to one and the image of the disc is star-shaped about the middle.
+    ///
+    /// Let F = p g + T(p) with T the tangential and prism terms, and J = dF/dp. Then `|dT| <= e = 6 |p12| r + 2 |s13| r + 4 |s24| r^3`
+    /// and `|T| <= r e / 2`. The eigenvalues of J's symmetric part are at least `min(g, d(r g)/dr) - e`. Where that is positive on a
+    /// disc, F is one to one there, because it grows along every chord. `F x dF/dphi` along a circle is at least
+    /// `r^2 (g^2 - 3 g e / 2 - e^2 / 2)`, which is positive where g > 2 e. Then the image of each circle turns around the middle in
+    /// one direction, so the image of the disc is star-shaped. Both conditions hold up to the first root of `A - 2 B e` and of
+    /// `(A + 2 q A') B - 2 q A B' - B^2 e`, polynomials of r.
+    fn injective_radius(&self, pole: f64) -> f64 {
+        let of_r = |c: &[f64]| c.iter().flat_map(|c| [*c, 0.0]).collect::<Vec<_>>();
+        let [p, s] = [6.0 * self.tangential_size() + 2.0 * self.prism[0].length(), 4.0 * self.prism[1].length()];
+        let (below, e) = (of_r(&self.below), [0.0, p, 0.0, s]);
+        let less = roots::product(&below, &e);
+        let star_shaped = difference(&of_r(&self.above), &less.iter().map(|c| 2.0 * c).collect::<Vec<_>>());
+        let one_to_one = difference(&of_r(&self.radial_slope()), &roots::product(&below, &less));
+        roots::first(&star_shaped).min(roots::first(&one_to_one)).min(pole)
+    }
+
+    fn tangential_size(&self) -> f64 {
+        DVec2::from(self.tangential).length()
+    }
+
+    /// `g`, its derivative by r^2, and its denominator.
+    fn gain(&self, q: f64) -> (f64, f64, f64) {
+        let slope = |c: &[f64; 4]| c[1] + q * (2.0 * c[2] + 3.0 * q * c[3]);
+        let (a, b) = (roots::value(&self.above, q), roots::value(&self.below, q));
+        (a / b, (slope(&self.above) - a / b * slope(&self.below)) / b, b)
+    }
+
+    /// The distorted place of `p`, before the tilt.
+    pub(super) fn seen(&self, p: DVec2) -> Seen {
+        let (q, [p1, p2], [s13, s24]) = (p.length_squared(), self.tangential, self.prism);
+        let (g, dg, below) = self.gain(q);
+        let bent = DVec2::new(
+            2.0 * p1 * p.x * p.y + p2 * (q + 2.0 * p.x * p.x),
+            p1 * (q + 2.0 * p.y * p.y) + 2.0 * p2 * p.x * p.y,
+        );
+        let place = p * g + bent + q * (s13 + q * s24);
+        let cross = 2.0 * (p.x * p.y * dg + p1 * p.x + p2 * p.y);
+        let prism = 2.0 * s13 + 4.0 * q * s24;
+        let dx = DVec2::new(g + 2.0 * p.x * p.x * dg + 2.0 * p1 * p.y + 6.0 * p2 * p.x, cross) + p.x * prism;
+        let dy = DVec2::new(cross, g + 2.0 * p.y * p.y * dg + 6.0 * p1 * p.y + 2.0 * p2 * p.x) + p.y * prism;
+        Seen { place, slope: DMat2::from_cols(dx, dy), below }
+    }
+
+    /// Bound on the rounding error of the place of [`Brown::seen`]: [`ROUNDING`] times the sum of its terms' sizes.
+    pub(super) fn rounding(&self, p: DVec2) -> f64 {
+        let q = p.length_squared();
+        let size = |c: &[f64; 4]| roots::value(&c.map(f64::abs), q);
+        let (a, b, below) = (size(&self.above), size(&self.below), roots::value(&self.below, q).abs());
+        let gain = (a + roots::value(&self.above, q).abs() / below * b) / below;
+        let bent = 3.0 * self.tangential_size() * q + q * (self.prism[0].length() + q * self.prism[1].length());
+        ROUNDING * (p.length() * gain + bent)
+    }
+
+    /// Bounds on `|d^2 F|` within `radius` of p, in two parts: of the terms in any direction, and of the term along p / |p|. Infinite
+    /// where a pole may lie within.
+    ///
+    /// The radial part is `d^2 F [h, k] = 2 g' ((p.k) h + (h.k) p + (p.h) k) + 4 g'' (p.h) (p.k) p`. Near a pole its last term, which
+    /// is along p, is by far the largest.
+    pub(super) fn bend(&self, p: DVec2, radius: f64) -> (f64, f64) {
+        let r = p.length();
+        let (least, most) = ((r - radius).max(0.0), r + radius);
+        let q = (least * least, most * most);
+        let derivatives = |c: &[f64]| {
+            [
+                roots::bounds(c, q),
+                roots::bounds(&[c[1], 2.0 * c[2], 3.0 * c[3]], q),
+                roots::bounds(&[2.0 * c[2], 6.0 * c[3]], q),
+            ]
+        };
+        // A and B nearly cancel in calibrations, so bound n = g - 1 = (A - B) / B: n' = ((A - B)' - n B') / B, n'' = ((A - B)'' - 2 n' B' - n B'') / B
+        let rest: [f64; 4] = std::array::from_fn(|k| self.above[k] - self.below[k]);
+        let ([a, da, dda], [b, db, ddb]) = (derivatives(&rest), derivatives(&self.below));
+        // NaN proves nothing
+        let has_no_pole = b.0 > 0.0;
+        if !has_no_pole {
+            return (f64::INFINITY, f64::INFINITY);
+        }
+        let n = over(a, b);
+        let dn = over(less(da, times(n, db)), b);
+        let ddn = over(less(less(dda, times(dn, (2.0 * db.0, 2.0 * db.1))), times(n, ddb)), b);
+        let size = |v: (f64, f64)| v.0.abs().max(v.1.abs());
+        let bent = 6.0 * self.tangential_size() + 2.0 * self.prism[0].length() + 12.0 * q.1 * self.prism[1].length();
+        (6.0 * most * size(dn) + bent, 4.0 * most * q.1 * size(ddn))
+    }
+
+    /// r in [0, r_max] with r g = `rd`; `None`: the branch does not reach that far.
+    pub(super) fn radial_inverse(&self, rd: f64) -> Option<f64> {
+        // r g >= rd is r A - rd B >= 0, which has no pole
+        let f = |r: f64| {
+            let (q, slope) = (r * r, |c: &[f64; 4], q: f64| c[1] + q * (2.0 * c[2] + 3.0 * q * c[3]));
+            let a = roots::value(&self.above, q);
+            let da = 2.0 * q * slope(&self.above, q);
+            (r * a - rd * roots::value(&self.below, q), a + da - rd * 2.0 * r * slope(&self.below, q))
+        };
+        // the end of the branch, or some r with r g >= rd
+        let mut hi = self.r_max;
+        if hi == f64::INFINITY {
+            hi = rd.max(1.0);
+            while f(hi).0 < 0.0 {
+                hi *= 2.0;
+            }
+        }
+        (f(hi).0 >= 0.0).then(|| roots::in_bracket(rd, hi, f))
+    }
+}
+
+/// Relative to the sum of the terms' sizes: Horner's schemes, the quotient and the sum are at most 16 roundings, each half an epsilon.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let of = |c: &[f64], k: usize| c.get(k).copied().unwrap_or(0.0);
+    (0..a.len().max(b.len())).map(|k| of(a, k) + of(b, k)).collect()
+}
+
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    sum(a, &b.iter().map(|c| -c).collect::<Vec<_>>())
+}
+
+/// The product of two intervals.
+fn times(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    let all = [a.0 * b.0, a.0 * b.1, a.1 * b.0, a.1 * b.1];
+    all.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)))
+}
+
+/// The quotient, for b over 0.
+fn over(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    times(a, (b.1.recip(), b.0.recip()))
+}
+
+/// The difference.
+fn less(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0 - b.1, a.1 - b.0)
+}

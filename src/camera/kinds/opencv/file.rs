@@ -1,0 +1,131 @@
+//! Calibration files: OpenCV's `FileStorage` as YAML, XML or JSON, and ROS's `camera_info`, which has the same keys.
+
+mod xml;
+
+use crate::input::{Error, Result};
+use glam::DVec2;
+use serde::Deserialize;
+use std::path::Path;
+
+/// A calibrated camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Intrinsics {
+    /// Width and height of the calibrated image, px.
+    pub size: (u32, u32),
+    /// `fx`, `fy`, px.
+    pub focal: DVec2,
+    /// `cx`, `cy`, px; the centre of OpenCV's pixel (i, j) is at (i, j).
+    pub centre: DVec2,
+    /// As in the file: `k1, k2, p1, p2, ...`, or the fisheye's four.
+    pub coefficients: Vec<f64>,
+    /// The file's model: whether it is the fisheye, and the line that says so.
+    pub fisheye: Option<(bool, String)>,
+}
+
+/// The keys that are read; a calibration holds many more.
+#[derive(Deserialize, PartialEq)]
+struct Keys {
+    image_width: u64,
+    image_height: u64,
+    camera_matrix: Matrix,
+    distortion_coefficients: Matrix,
+    /// ROS's name for the model.
+    distortion_model: Option<String>,
+    /// 1 or 0, as OpenCV's calibration program writes it.
+    fisheye_model: Option<i64>,
+}
+
+/// An `!!opencv-matrix`, row by row.
+#[derive(Deserialize, PartialEq)]
+struct Matrix {
+    rows: usize,
+    cols: usize,
+    data: Vec<f64>,
+}
+
+/// Reads `image_width`, `image_height`, `camera_matrix` and `distortion_coefficients`, and the model if the file names it
+/// (`distortion_model`, `fisheye_model`).
+///
+/// # Errors
+/// [`Error::Input`] naming the file: it cannot be read, is not such a file, or its matrices have another form.
+pub fn read(path: &Path) -> Result<Intrinsics> {
+    let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
+    let text = crate::input::files::read_to_string(path)
+        .map_err(|e| refuse(format!("cannot be read: {e}; check the path")))?;
+    parse(&text).map_err(refuse)
+}
+
+/// Most lists and tables in brackets. A calibration has some tens; the YAML parser's time grows with the square of nested ones.
+const BRACKETS_MAX: usize = 10_000;
+
+fn check_brackets(text: &str) -> std::result::Result<(), String> {
+    let count = text.bytes().filter(|b| matches!(b, b'[' | b'{')).count();
+    if count <= BRACKETS_MAX {
+        return Ok(());
+    }
+    Err(format!(
+        "has {count} lists and tables in brackets, over the limit of {BRACKETS_MAX}; remove all but the camera's keys"
+    ))
+}
+
+fn parse(text: &str) -> std::result::Result<Intrinsics, String> {
+    check_brackets(text)?;
+    let keys = keys(text).map_err(|e| format!("not a calibration as OpenCV writes it: {}", e.replace('\n', " ")))?;
+    let fisheye = said_model(&keys)?;
+    crate::image::size::check_size(keys.image_width, keys.image_height).map_err(|e| e.to_string())?;
+    let Matrix { rows, cols, data } = keys.camera_matrix;
+    let [fx, skew, cx, zero, fy, cy, zero_x, zero_y, one] = data[..] else {
+        return Err(format!("camera_matrix: {} numbers in {rows} x {cols}; it must be 3 x 3", data.len()));
+    };
+    if (rows, cols) != (3, 3) || [skew, zero, zero_x, zero_y] != [0.0; 4] || one != 1.0 {
+        return Err("camera_matrix: must be [fx, 0, cx; 0, fy, cy; 0, 0, 1]".into());
+    }
+    if !(fx > 0.0 && fy > 0.0 && (fx * fy).is_finite() && cx.is_finite() && cy.is_finite()) {
+        return Err("camera_matrix: fx and fy must be over 0, and all numbers finite".into());
+    }
+    let Matrix { rows, cols, data } = keys.distortion_coefficients;
+    if rows.checked_mul(cols) != Some(data.len()) || data.iter().any(|k| !k.is_finite()) {
+        let count = data.len();
+        return Err(format!("distortion_coefficients: {count} numbers in {rows} x {cols}; each must be finite"));
+    }
+    Ok(Intrinsics {
+        // checked above to be far under 2^32
+        size: (keys.image_width as u32, keys.image_height as u32),
+        focal: DVec2::new(fx, fy),
+        centre: DVec2::new(cx, cy),
+        coefficients: data,
+        fisheye,
+    })
+}
+
+/// The keys of a file in any of the three formats, which its first character tells apart.
+fn keys(text: &str) -> std::result::Result<Keys, String> {
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    if text.starts_with('<') {
+        return xml::keys(text);
+    }
+    if text.starts_with('{') {
+        return serde_json::from_str(text).map_err(|e| e.to_string());
+    }
+    // OpenCV's first line is no directive of YAML; a comment keeps the numbers of the lines
+    serde_norway::from_str(&text.replacen("%YAML:1.0", "# YAML 1.0", 1)).map_err(|e| e.to_string())
+}
+
+/// The model that the file names: whether it is the fisheye, and the line that says so.
+fn said_model(keys: &Keys) -> std::result::Result<Option<(bool, String)>, String> {
+    let named = match keys.distortion_model.as_deref() {
+        None => None,
+        Some(name @ ("plumb_bob" | "rational_polynomial")) => Some((false, format!("distortion_model: {name}"))),
+        Some(name @ "equidistant") => Some((true, format!("distortion_model: {name}"))),
+        Some(name) => {
+            return Err(format!(
+                "distortion_model: {name:?} is not known; use plumb_bob or rational_polynomial (Brown), or equidistant (fisheye)"
+            ));
+        }
+    };
+    let flagged = keys.fisheye_model.map(|flag| (flag != 0, format!("fisheye_model: {flag}")));
+    match (named, flagged) {
+        (Some(a), Some(b)) if a.0 != b.0 => Err(format!("{} and {} contradict each other; correct one", a.1, b.1)),
+        (named, flagged) => Ok(named.or(flagged)),
+    }
+}

@@ -1,0 +1,82 @@
+//! `panini`: a cylinder seen from behind its axis, for wide pictures whose verticals stay straight.
+
+use super::pose::{Central, Lens, POSE, Pose};
+use crate::camera::cut::{Cut, KEYS};
+use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::input::Result;
+use crate::input::reader::Table;
+use glam::DVec3;
+use std::sync::Arc;
+
+#[derive(Debug, PartialEq)]
+struct Panini {
+    pose: Pose,
+    /// Radians, left to right.
+    fov: f64,
+    /// From the axis of the cylinder back to the centre of projection, radii.
+    d: f64,
+    /// Vertical compression, 0 to 1.
+    s: f64,
+    cut: Cut,
+}
+
+pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
+    table.allow(&[&["kind", "t_range", "fov", "d", "s"][..], &POSE, &KEYS].concat())?;
+    let d = table.or("d", 1.0, |field| match field.number()? {
+        d if d >= 0.0 => Ok(d),
+        d => Err(field.error(format_args!("{d} must not be under 0"))),
+    })?;
+    let s = table.or("s", 0.0, |field| match field.number()? {
+        s if (0.0..=1.0).contains(&s) => Ok(s),
+        s => Err(field.error(format_args!("{s} must be from 0 to 1"))),
+    })?;
+    let fov = table.need("fov", "150")?;
+    let degrees = fov.number()?;
+    let widest = widest(d, s).to_degrees();
+    if !(degrees > 0.0 && degrees < widest) {
+        let with = format!("with d = {d} and s = {s} it must lie between 0 and {widest}");
+        return Err(fov.error(format_args!("{degrees} degrees; {with}")));
+    }
+    Ok(Arc::new(Panini { pose: Pose::read(table)?, fov: degrees.to_radians(), d, s, cut: Cut::read(table)? }))
+}
+
+/// Under this angle the distance from the middle is finite and grows: `d + cos > 0` and `1 + d cos > 0`; with vertical
+/// compression also `cos > 0`.
+fn widest(d: f64, s: f64) -> f64 {
+    if s > 0.0 { std::f64::consts::PI } else { 2.0 * (-d.min(1.0 / d)).acos() }
+}
+
+impl Recipe for Panini {
+    fn build(&self, setting: &Setting) -> Result<Built> {
+        let (w, h) = setting.size()?;
+        let (sin, cos) = (self.fov / 2.0).sin_cos();
+        let across = sin * (self.d + 1.0) / (self.d + cos);
+        let lens = Screen { across, aspect: f64::from(h) / f64::from(w), d: self.d, s: self.s };
+        let map = Central { eye: self.pose.eye, view: self.pose.view()?, lens };
+        self.cut.build(Arc::new(map), setting)
+    }
+}
+
+/// Directions over the image, their horizontal part a unit vector.
+#[derive(Debug)]
+struct Screen {
+    /// Half the image's width in radii of the cylinder.
+    across: f64,
+    /// Height over width of the image.
+    aspect: f64,
+    d: f64,
+    s: f64,
+}
+
+impl Lens for Screen {
+    fn direction(&self, a: f64, b: f64) -> Option<DVec3> {
+        let (x, y) = ((2.0 * a - 1.0) * self.across, (1.0 - 2.0 * b) * self.across * self.aspect);
+        // x = S sin(phi), S = (d + 1) / (d + cos(phi)): a quadratic equation in cos(phi)
+        let d = self.d;
+        let k = (x / (d + 1.0)).powi(2);
+        let cos = ((1.0 + k - k * d * d).max(0.0).sqrt() - k * d) / (k + 1.0);
+        let stretch = (d + 1.0) / (d + cos);
+        let high = (1.0 - self.s) * stretch + if self.s > 0.0 { self.s / cos } else { 0.0 };
+        Some(DVec3::new(x / stretch, y / high, cos))
+    }
+}

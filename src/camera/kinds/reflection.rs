@@ -1,0 +1,305 @@
+//! `reflection` and `refraction`: a central camera that looks at a mirror, or at and through a lens.
+//!
+//! Hou, Wei, Shum and Guo 2006, sections 3.1 and 3.2; Yu, Yu and McMillan 2009, section 5.2.
+
+use super::values::length;
+use crate::camera::optics::fineness::error_px;
+use crate::camera::optics::shape::{COUNT_MAX, Shape};
+use crate::camera::optics::{Atlas, Facets, Law, Optics, Surface, Turn};
+use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::spec::{CameraSpec, read_camera};
+use crate::camera::{Camera, Rays};
+use crate::geometry::load::load_mesh;
+use crate::geometry::spec::{MeshSpec, read_mesh};
+use crate::geometry::texture::Images;
+use crate::input::limits;
+use crate::input::reader::{Field, Table};
+use crate::input::{Error, Result};
+use glam::DVec3;
+use std::sync::Arc;
+
+#[derive(Debug, PartialEq)]
+struct Optical {
+    eye: CameraSpec,
+    source: Source,
+    /// Facets of the coarser copy that turns rays.
+    cameras: Option<usize>,
+    facets: Mode,
+    /// By how many pixels facets may be off; their number follows from it.
+    facets_error: Option<f64>,
+    optics: Common,
+}
+
+/// What does not depend on the surface.
+#[derive(Debug, PartialEq)]
+struct Common {
+    turn: Turn,
+    depth: u32,
+    fresnel: bool,
+    roughness: f64,
+    rays: u32,
+    environment: Option<DVec3>,
+    atlas: Option<u32>,
+    tint: [f32; 3],
+    base: [f32; 3],
+}
+
+/// Where the surface comes from.
+#[derive(Debug, PartialEq)]
+enum Source {
+    /// With how many facets.
+    Shape(Shape, usize),
+    /// With about how many, or as many as it has.
+    Mesh(MeshSpec, Option<usize>),
+}
+
+/// The key `facets`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Mode {
+    Flat,
+    Normals,
+    Exact,
+}
+
+/// The keys of both kinds.
+const SHARED: [&str; 12] = [
+    "kind",
+    "t_range",
+    "eye",
+    "facets",
+    "facets_error",
+    "depth",
+    "roughness",
+    "rays",
+    "environment",
+    "atlas",
+    "color",
+    "base",
+];
+
+/// Facets with which the search for their number begins.
+const COUNT_LEAST: usize = 32;
+
+/// Turns of a ray at most; and where each splits it in two, which doubles the work.
+const DEPTH_MAX: u64 = 16;
+const FRESNEL_DEPTH_MAX: u64 = 8;
+
+/// Texels a side of a facet's triangle in an atlas, at most.
+const ATLAS_MAX: u64 = 4096;
+
+/// Rays of a pixel on a rough surface, and at most.
+const RAYS: u64 = 16;
+const RAYS_MAX: u64 = 256;
+
+pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
+    table.allow(&[&SHARED[..], &["mirror"]].concat())?;
+    let mirror = table.need("mirror", "{ shape = \"sphere\", radius = 1 }")?;
+    read_optical(table, &mirror, Turn::Reflect)
+}
+
+pub fn read_refraction(table: &Table) -> Result<Arc<dyn Recipe>> {
+    table.allow(&[&SHARED[..], &["lens", "ior", "fresnel"]].concat())?;
+    let key = table.need("ior", "1.5")?;
+    let ior = key.number()?;
+    if ior <= 0.0 {
+        return Err(key.error(format_args!("{ior} is no index of refraction; give one above 0")));
+    }
+    let lens = table.need("lens", "{ shape = \"sphere\", radius = 1 }")?;
+    read_optical(table, &lens, Turn::Refract { ior })
+}
+
+fn read_optical(table: &Table, surface: &Field, turn: Turn) -> Result<Arc<dyn Recipe>> {
+    let eye = table.need("eye", "{ kind = \"pinhole\", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }")?;
+    if let Some(range) = eye.table()?.get("t_range") {
+        return Err(range.error("belongs beside the kind, not in the eye; move it there"));
+    }
+    let eye = read_camera(&eye)?;
+    let own = surface.table()?;
+    let source = match own.get("shape") {
+        Some(shape) => {
+            let (shape, count) = Shape::read(&own, &shape)?;
+            Source::Shape(shape, count)
+        }
+        None => {
+            let count = own.optional("count", |f| f.integer(4, COUNT_MAX))?.map(|n| n as usize);
+            Source::Mesh(read_mesh(surface, &["count", "cameras"])?, count)
+        }
+    };
+    let cameras = own.optional("cameras", |f| f.integer(4, COUNT_MAX))?.map(|n| n as usize);
+    let facets = match table.get("facets") {
+        Some(key) => read_mode(&key, &source)?,
+        None if matches!(source, Source::Shape(..)) && cameras.is_none() => Mode::Exact,
+        None => Mode::Normals,
+    };
+    let depth = table.or("depth", 1, |f| f.integer(1, DEPTH_MAX))? as u32;
+    if let (Mode::Flat, Some(key)) = (facets, table.get("depth").filter(|_| depth > 1)) {
+        let why = "flat facets turn the rays from the eye to their corners, once";
+        return Err(key.error(format_args!("{why}; use depth = 1 or facets = \"normals\"")));
+    }
+    let (tint, base) = (table.or("color", [1.0; 3], Field::color)?, table.or("base", [0.0; 3], Field::color)?);
+    let fresnel = table.or("fresnel", false, Field::boolean)?;
+    if let (true, Some(key)) = (fresnel && u64::from(depth) > FRESNEL_DEPTH_MAX, table.get("depth")) {
+        return Err(key.error(format_args!(
+            "{depth} turns split a ray into {} with fresnel; use {FRESNEL_DEPTH_MAX} at most",
+            1u64 << depth
+        )));
+    }
+    let roughness = table.or("roughness", 0.0, |f| {
+        let value = f.number()?;
+        if value >= 0.0 { Ok(value) } else { Err(f.error(format_args!("{value} is below 0; use a tangent from 0"))) }
+    })?;
+    let rays = if roughness > 0.0 { table.or("rays", RAYS, |f| f.integer(1, RAYS_MAX))? as u32 } else { 1 };
+    if let (true, Some(key)) = (roughness == 0.0, table.get("rays")) {
+        return Err(key.error("several rays need a roughness above 0; add it or leave this out"));
+    }
+    let environment = table.optional("environment", Field::vec3)?;
+    if let (true, Some(key)) = (environment.is_some() && depth > 1, table.get("depth")) {
+        return Err(key.error("an environment map knows nothing of the mirror; use depth = 1 or leave environment out"));
+    }
+    let atlas = table.optional("atlas", |f| f.integer(2, ATLAS_MAX))?.map(|r| r as u32);
+    if let (true, Some(key)) = (depth > 1 || fresnel || rays > 1 || facets == Mode::Exact, table.get("atlas")) {
+        return Err(key.error(
+            "an atlas holds one ray of every facet's texel; use flat facets or normals, depth 1, no fresnel, no roughness",
+        ));
+    }
+    let optics = Common { turn, depth, fresnel, roughness, rays, environment, atlas, tint, base };
+    let facets_error = table.optional("facets_error", length)?;
+    if let (true, Some(key)) = (facets == Mode::Exact, table.get("facets_error")) {
+        return Err(key.error("this surface is met exactly; leave it out, or use facets = \"normals\" or \"flat\""));
+    }
+    if let (Some(_), Some(key)) = (cameras, own.get("cameras")) {
+        check_cameras(&key, facets, facets_error.is_some())?;
+    }
+    Ok(Arc::new(Optical { eye, source, cameras, facets, facets_error, optics }))
+}
+
+/// Errors where camera facets contradict other keys.
+fn check_cameras(key: &Field, facets: Mode, has_error: bool) -> Result<()> {
+    let why = match (facets, has_error) {
+        (Mode::Exact, ..) => "this surface is met exactly; leave it out, or use facets = \"normals\" or \"flat\"",
+        (_, true) => "facets_error is of facets with their own normals; leave one of the two out",
+        _ => return Ok(()),
+    };
+    Err(key.error(why))
+}
+
+fn read_mode(key: &Field, source: &Source) -> Result<Mode> {
+    match key.text()? {
+        "flat" => Ok(Mode::Flat),
+        "normals" => Ok(Mode::Normals),
+        "exact" if matches!(source, Source::Shape(..)) => Ok(Mode::Exact),
+        "exact" => Err(key.error("a mesh is flat triangles; use \"normals\", or a shape, which is smooth")),
+        _ => Err(key.error("use \"flat\", \"normals\" or \"exact\"")),
+    }
+}
+
+impl Source {
+    /// The surface cut into facets, about `count` where that is given.
+    fn facets(&self, count: Option<usize>) -> Result<Facets> {
+        match self {
+            Source::Shape(shape, own) => Ok(shape.facets(count.unwrap_or(*own))),
+            Source::Mesh(spec, own) => {
+                let facets = Facets::of_mesh(&load_mesh(spec, &mut Images::left_out())?)?;
+                Ok(count.or(*own).map_or(facets.clone(), |n| facets.resampled(n)))
+            }
+        }
+    }
+}
+
+impl Recipe for Optical {
+    fn build(&self, setting: &Setting) -> Result<Built> {
+        let eye = Camera::in_setting(&self.eye, setting).map_err(|e| e.at("camera.eye"))?;
+        let one_layer = matches!(eye.layers.as_slice(), [Rays::Pieces(_) | Rays::Field(_)]) && eye.optics.is_none();
+        if !one_layer {
+            let kind = eye.kind;
+            return Err(Error::input(format!("camera.eye: {kind} has no one straight ray a pixel; use another kind")));
+        }
+        let central = || centre(&eye);
+        let Common { rays, depth, .. } = self.optics;
+        if rays > 1 {
+            let turns = u64::from(eye.width) * u64::from(eye.height) * u64::from(rays) * u64::from(depth);
+            let shown =
+                format_args!("{} x {} pixels with {rays} rays to depth {depth}: {turns}", eye.width, eye.height);
+            limits::ROUGH_BOUNCES.check_as(turns, shown).map_err(|e| e.at("camera.rays"))?;
+        }
+        let (surface, note) = match (self.facets, &self.source) {
+            (Mode::Exact, Source::Shape(shape, _)) => {
+                let smooth = shape.smooth();
+                let note = format!("the surface is met exactly: {}", smooth.name());
+                (Surface::Smooth(smooth), note)
+            }
+            (mode, _) => {
+                let law = if mode == Mode::Flat { Law::Flat { eye: central()? } } else { Law::Normals };
+                let (facets, off) = self.cut(&eye, law, setting)?;
+                let n = facets.triangles.len();
+                let off = off.map(|px| format!(", off by {px:.3} px (95th percentile)")).unwrap_or_default();
+                let (facets, as_of) = self.matched(facets)?;
+                let note = format!("the surface is cut into {n} facet{}{off}{as_of}", plural(n));
+                (Surface::Facets { facets, law }, note)
+            }
+        };
+        let atlas = self.optics.atlas.map(|texels| Ok::<_, Error>(Atlas { texels, eye: central()? })).transpose()?;
+        let optics = self.optics.with(surface, atlas);
+        let notes = [eye.notes, vec![note]].concat();
+        let size = (eye.width, eye.height);
+        let (optics, unmet) = (Some(Arc::new(optics)), eye.unmet);
+        Ok(Built { size, layers: eye.layers, unit_t: false, optics, notes, unmet })
+    }
+}
+
+impl Optical {
+    /// The facets with the normals of the coarser copy, where there is one; and what to say of it.
+    fn matched(&self, facets: Facets) -> Result<(Facets, String)> {
+        let Some(count) = self.cameras else { return Ok((facets, String::new())) };
+        let coarse = self.source.facets(Some(count)).map_err(|e| e.at("camera"))?;
+        let n = coarse.triangles.len();
+        Ok((facets.shot_at(&coarse), format!(" that turn rays as {n} camera facet{} would", plural(n))))
+    }
+
+    /// The facets; and where their number follows from it, by how many pixels they are off.
+    fn cut(&self, eye: &Camera, law: Law, setting: &Setting) -> Result<(Facets, Option<f64>)> {
+        let at = |e: Error| e.at("camera");
+        let Some(most) = self.facets_error else { return Ok((self.source.facets(None).map_err(at)?, None)) };
+        let once = |surface| Optics { depth: 1, ..self.optics.with(surface, None) };
+        let truth = match &self.source {
+            Source::Shape(shape, _) => Surface::Smooth(shape.smooth()),
+            // a mesh is what it is
+            Source::Mesh(spec, _) => Surface::Facets {
+                facets: Facets::of_mesh(&load_mesh(spec, &mut Images::left_out())?).map_err(at)?,
+                law: Law::Normals,
+            },
+        };
+        let truth = once(truth);
+        let middle = setting.bounds().map_or(DVec3::ZERO, |(lo, hi)| (lo + hi) / 2.0);
+        let mut count = COUNT_LEAST;
+        loop {
+            let facets = self.source.facets(Some(count)).map_err(at)?;
+            let off = error_px(eye, &truth, &once(Surface::Facets { facets: facets.clone(), law }), middle);
+            if off.is_none_or(|px| px <= most) || 2 * count > COUNT_MAX as usize {
+                return Ok((facets, off));
+            }
+            count *= 2;
+        }
+    }
+}
+
+impl Common {
+    fn with(&self, surface: Surface, atlas: Option<Atlas>) -> Optics {
+        let Common { turn, depth, fresnel, roughness, rays, environment, tint, base, .. } = *self;
+        Optics { turn, surface, depth, fresnel, roughness, rays, environment, atlas, tint, base }
+    }
+}
+
+fn plural(n: usize) -> &'static str {
+    if n == 1 { "" } else { "s" }
+}
+
+/// Where all rays of a central camera start.
+fn centre(eye: &Camera) -> Result<DVec3> {
+    eye.centre().ok_or_else(|| {
+        Error::input(format!(
+            "camera.eye: the rays of {} do not start in one point, which flat facets and an atlas need; use facets = \"normals\"",
+            eye.kind
+        ))
+    })
+}
