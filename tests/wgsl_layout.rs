@@ -451,7 +451,7 @@ fn every_channel_has_an_override_that_defaults_to_no_plane() {
 
 #[test]
 fn the_last_word_of_a_triangle_row_is_cut_alike() {
-    let raster = kernels::raster(PLAIN).source;
+    let raster = kernels::raster(PLAIN).source();
     let module = parse(&raster);
     let constant = |name: &str| {
         let (_, c) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
@@ -494,8 +494,8 @@ fn corner_orders(source: &str) -> Vec<[usize; 3]> {
 
 #[test]
 fn the_six_corner_orders_are_the_same_table() {
-    let source = kernels::raster(PLAIN).source;
-    let shade = kernels::shade(PLAIN, &Channel::ALL).source;
+    let source = kernels::raster(PLAIN).source();
+    let shade = kernels::shade(PLAIN, &Channel::ALL).source();
     assert_eq!((corner_orders(&source), corner_orders(&shade)), (CORNER_ORDERS.to_vec(), CORNER_ORDERS.to_vec()));
     let planted = source.replace("vec3<u32>(2u, 0u, 1u)", "vec3<u32>(0u, 2u, 1u)");
     assert_ne!(corner_orders(&planted), CORNER_ORDERS);

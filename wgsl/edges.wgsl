@@ -6,6 +6,10 @@
 // their centres see.
 // `edge_of` has a word a pixel: how near all must be that is seen instead, HELD where an edge is held; in the end 1 more than its row, 0 of none. Rows may
 // overflow: the counter keeps counting.
+// Needs: ASIDE, COUNT_EDGES, COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SHEETED, TILE, bit_mask, box_mask, conic_sign, conics, depths,
+//   first_bit, item_index, key_id, key_layer, may_cover, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_cell, pixels_in_part,
+//   pixels_whole, plane, tile_corner, tile_layer, triangle_id, vertex, without_bit
+// Binds: cells, counters, edge_of, nodes, pairs, params, samples, slot_of_id, step, tile_start, triangles, visibility
 
 const STEP_SEEN: u32 = 0u;
 const STEP_PAIRS: u32 = 1u;
