@@ -177,6 +177,31 @@ const OPTICS_ROWS: Parts = snippets!("optics/rows.wgsl");
 const CAUSTICS: Parts = snippets!("caustics/rows.wgsl");
 
 impl Variant {
+    /// A scene without normals, images, lines or samples, through pieces, on an adapter without f64 and 64-bit atomics.
+    pub const PLAIN: Variant = Variant {
+        f64: false,
+        atomics64: false,
+        by_tile: false,
+        rays: RaysKind::Pieces,
+        scattered: false,
+        sheeted: false,
+        counting: false,
+        culling: true,
+        doubting: false,
+        normals: false,
+        textured: false,
+        cut: false,
+        glossy: false,
+        sky: false,
+        lights: LightsKind::Plain,
+        styled: false,
+        outlined: false,
+        optics: None,
+        turned: false,
+        samples: 1,
+        analytic: false,
+    };
+
     /// Every variant that some camera needs on an adapter with these abilities.
     pub fn every(f64: bool, atomics64: bool) -> Vec<Variant> {
         let mut list = Vec::new();
@@ -187,25 +212,15 @@ impl Variant {
             let of_camera = Variant {
                 f64,
                 atomics64,
-                by_tile: false,
-                rays: RaysKind::Pieces,
-                scattered: false,
-                sheeted: false,
                 counting,
-                culling: true,
-                doubting: false,
                 normals,
                 textured,
-                cut: false,
                 glossy,
                 sky,
                 lights,
                 styled,
                 outlined,
-                optics: None,
-                turned: false,
-                samples: 1,
-                analytic: false,
+                ..Variant::PLAIN
             };
             let variant = |rays, sheeted, optics| {
                 let scattered = more && rays == RaysKind::Field;

@@ -13,7 +13,7 @@ use anamorph::frame::Channel;
 use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, read_words, readback, wait};
 use anamorph::gpu::device::Abilities;
-use anamorph::gpu::kernels::{LightsKind, OpticsKind, Variant};
+use anamorph::gpu::kernels::{OpticsKind, Variant};
 use anamorph::gpu::rows::COUNTERS;
 use anamorph::plan::Wanted;
 use anamorph::plan::sheets::{self, Sheets};
@@ -88,25 +88,12 @@ impl Case {
         Variant {
             f64: real == Real::F64,
             atomics64,
-            by_tile: false,
             rays,
-            scattered: false,
             sheeted,
             counting: true,
-            culling: true,
-            doubting: false,
             normals: !self.scene.mesh.normals.is_empty(),
-            textured: false,
-            cut: false,
-            glossy: false,
-            sky: false,
-            lights: LightsKind::Plain,
-            styled: false,
-            outlined: false,
             optics,
-            turned: false,
-            samples: 1,
-            analytic: false,
+            ..Variant::PLAIN
         }
     }
 }
