@@ -1,7 +1,7 @@
 // raster, tile by tile: one subgroup of LANES threads per busy tile, one thread per column of it.
 // Reads what raster reads pair by pair, the run of pairs of each tile and the busy tiles; merges one visibility key a pixel, the nearest
 // of all pairs of its tile, and leaves what f32 does not prove to recheck. A tile of more than ROUNDS times LANES pairs is listed as
-// busy again, with what is left of its run.
+// busy again, with what is left of its run. The list of doubts may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 // Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, FARTHEST,
 //   GROUP, INFINITE, LANES, LOWER, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, hold, in_line, is_apart, is_behind,

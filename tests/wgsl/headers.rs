@@ -199,6 +199,25 @@ fn every_snippet_is_part_of_a_kernel_and_needed_there() {
     assert_eq!(joined.idle, BTreeSet::from(IDLE), "kernels, and snippets of which some variant uses nothing");
 }
 
+/// What an opening comment lacks: which threads there are, what they read, what they write.
+fn lacks(text: &str) -> Vec<&'static str> {
+    let opening: String = text.lines().map_while(|l| l.strip_prefix("//")).collect();
+    let says = |words: &[&str]| words.iter().any(|w| opening.contains(w));
+    let threads = says(&["one thread per ", "one subgroup of LANES threads per ", "one thread in all"]);
+    let writes = says(&["writes", "Writes", "adds", "merges", "mixes", "copies"]);
+    let said = [("threads", threads), ("reads", says(&["Reads "])), ("writes", writes)];
+    said.into_iter().filter(|s| !s.1).map(|s| s.0).collect()
+}
+
+#[test]
+fn every_kernel_says_what_its_threads_read_and_write() {
+    for name in Joined::all().scanned.keys() {
+        let text = text_of(name);
+        assert!(!text.contains("@compute") || lacks(&text).is_empty(), "{name} lacks {:?}", lacks(&text));
+    }
+    assert_eq!(lacks("// sort: one thread per pair.\n// Reads pairs.\n\n// writes"), ["writes"]);
+}
+
 /// The types of a function's parameters and of what it returns.
 fn signature(text: &str, function: &str) -> Option<String> {
     let (_, rest) = text.split_once(&format!("fn {function}("))?;
