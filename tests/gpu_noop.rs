@@ -4,7 +4,7 @@
 use anamorph::engine::stage::Stages;
 use anamorph::gpu::buffers::Pipeline;
 use anamorph::gpu::device::{Abilities, STORAGE_BUFFERS};
-use anamorph::gpu::kernels::{Access, Binding, Kernel, Variant};
+use anamorph::gpu::kernels::{Access, Binding, Kernel, Snippet, Variant};
 use anamorph::gpu::rows::LANES;
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::image::frame::Channel;
@@ -91,31 +91,83 @@ fn a_variant_that_the_device_cannot_run_is_reported() {
     assert!(built.is_err() || gpu.failure().is_err());
 }
 
-/// The error of a broken kernel, on a device that runs nothing.
-fn fault(source: &str) -> String {
+/// A snippet of that text; tests may leak a few bytes.
+fn snippet(name: &'static str, text: &str) -> &'static Snippet {
+    Box::leak(Box::new(Snippet { name, text: text.to_string().leak() }))
+}
+
+/// The error of a broken kernel, joined from a helper and the entry point, on a device that runs nothing.
+fn fault(helper: &str, source: &str) -> String {
     let gpu = open(Features::empty(), limits(), &GpuOptions::default()).unwrap();
-    let binding = Binding { name: "given", access: Access::Read, wgsl_type: "array<u32>" };
-    let source = format!("@group(0) @binding(0) var<storage, read> given: array<u32>;\n{source}");
-    Pipeline::new(&gpu, Kernel { name: "broken", bindings: vec![binding], source, constants: Vec::new(), f64: false });
+    let bindings = vec![Binding { name: "given", access: Access::Read, wgsl_type: "array<u32>" }];
+    let parts = vec![snippet("shared/helper.wgsl", helper), snippet("broken.wgsl", source)];
+    let kernel = Kernel { name: "broken", bindings, parts, enables: "", constants: Vec::new(), f64: false };
+    Pipeline::new(&gpu, kernel);
     gpu.failure().unwrap_err().to_string()
 }
 
 #[test]
-fn errors_of_kernels_have_name_place_and_source_line() {
+fn errors_of_kernels_name_the_snippet_its_line_and_that_line() {
+    let helper = |body: &str| format!("// A helper.\nfn helper() {{\n    {body}\n}}\n");
     let kernel = |body: &str| format!("@compute @workgroup_size(64)\nfn broken() {{\n    {body}\n}}\n");
-    // a parse error, and a validation error
-    for (body, column, says) in [("let x = missing + 1u;", 13, "missing"), ("given[0] = 1u;", 5, "")] {
-        let text = fault(&kernel(body));
-        let place = format!("kernel broken, line 4, column {column}: ");
-        assert!(text.contains(&place) && text.contains(says) && text.contains(body), "{text}");
+    let (missing, stored) = ("let x = missing + 1u;", "given[0] = 1u;");
+    let faults = [
+        // what cannot be parsed, and what is not valid
+        (fault(&helper("return;"), &kernel(missing)), "broken.wgsl:3:13", missing),
+        (fault(&helper("return;"), &kernel(stored)), "broken.wgsl:3:5", stored),
+        (fault(&helper(missing), &kernel("helper();")), "shared/helper.wgsl:3:13", missing),
+        // of functions that are not valid the compiler names the first line
+        (fault(&helper(stored), &kernel("helper();")), "shared/helper.wgsl:2:1", "fn helper() {"),
+    ];
+    for (text, place, line) in faults {
+        assert!(text.contains(&format!("kernel broken, {place}: ")) && text.contains(&format!(": {line} (")), "{text}");
         assert!(text.contains("--dump-kernels DIR") && !text.contains('\n'), "{text}");
     }
     // a long line is cut
-    let long = format!("let x = missing + {}1u;", "1u + ".repeat(100));
-    assert!(fault(&kernel(&long)).len() < 400, "{}", fault(&kernel(&long)));
+    let long = kernel(&format!("let x = missing + {}1u;", "1u + ".repeat(100)));
+    assert!(fault("", &long).len() < 400, "{}", fault("", &long));
     // an error without a place in the source
-    let text = fault("@compute @workgroup_size(64) fn other() {}");
+    let text = fault("", "@compute @workgroup_size(64) fn other() {}\n");
     assert!(text.contains("kernel broken") && !text.contains('\n'), "{text}");
+}
+
+/// The errors of all kernels of a variant on a device with these features, with `from` of a snippet replaced.
+fn planted(features: Features, f64: bool, name: &'static str, from: &str, to: &str) -> String {
+    let mut gpu = open(features, limits(), &GpuOptions::default()).unwrap();
+    let variant = Variant::every(f64, false)[0];
+    let raster = anamorph::gpu::kernels::raster(variant);
+    let there = raster.parts.iter().find(|p| p.name == name).expect("a snippet of raster");
+    assert!(there.text.contains(from), "{name} has no {from:?}");
+    gpu.replaced = vec![snippet(name, &there.text.replacen(from, to, 1))];
+    Pipeline::new(&gpu, raster);
+    gpu.failure().unwrap_err().to_string()
+}
+
+#[test]
+fn an_error_planted_in_a_snippet_is_found_there() {
+    let (name, from) = ("shared/bundle.wgsl", "fn size3(v: real3) -> real {");
+    let text =
+        std::fs::read_to_string(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("wgsl").join(name)).unwrap();
+    let line = 1 + text.lines().position(|l| l == from).expect("the line of size3");
+    // f32; f64; and f64 in 32-bit words
+    for (features, f64) in [(Features::empty(), false), (F64, true), (Features::empty(), true)] {
+        let error = planted(features, f64, name, from, "fn size3(v: reel3) -> real {");
+        assert!(error.contains(&format!("kernel raster, {name}:{line}:")) && error.contains("reel3"), "{error}");
+    }
+}
+
+/// A file holds a kernel's source, and above the first line of each snippet a line with its name.
+fn assert_labelled(text: &str, kernel: &Kernel) {
+    let label =
+        |line: &str| line.strip_prefix("// ").and_then(|l| l.strip_suffix(".wgsl:1")).map(|n| format!("{n}.wgsl"));
+    let plain: String = text.lines().filter(|l| label(l).is_none()).map(|l| format!("{l}\n")).collect();
+    assert!(plain.starts_with(&kernel.source()));
+    assert!(text.lines().filter_map(label).eq(kernel.parts.iter().map(|p| p.name)));
+    // the n-th line after a label is the snippet's n-th
+    for part in &kernel.parts {
+        let (_, after) = text.split_once(&format!("// {}:1\n", part.name)).expect("a label");
+        assert!(after.starts_with(part.text), "{}", part.name);
+    }
 }
 
 #[test]
@@ -131,8 +183,10 @@ fn kernels_are_written_as_they_are_compiled() {
     }
     let text = |name: &str| std::fs::read_to_string(into.join(name)).unwrap();
     let [first, second] = [variants[0], variants[2]].map(anamorph::gpu::kernels::raster);
-    assert!(text("raster.wgsl").starts_with(&first.source) && text("raster.wgsl").contains("// override COUNTING = 0"));
-    assert!(first.source != second.source && text("raster-2.wgsl").starts_with(&second.source));
+    assert!(first.source() != second.source() && text("raster.wgsl").contains("// override COUNTING = 0"));
+    for (file, kernel) in [("raster.wgsl", first), ("raster-2.wgsl", second)] {
+        assert_labelled(&text(file), &kernel);
+    }
     assert!(!into.join("raster-3.wgsl").exists() && !into.join("args-2.wgsl").exists());
     // a folder that cannot be made
     let options = GpuOptions { dump_kernels: Some(into.join("raster.wgsl")), ..Default::default() };

@@ -11,6 +11,7 @@ mod stages;
 mod turned;
 
 mod kernels {
+    mod args;
     mod bin;
     mod bounce;
     mod circle;
@@ -19,6 +20,7 @@ mod kernels {
     mod fit;
     mod gather;
     mod meet;
+    mod planted;
     mod raster;
     mod shade;
     mod sides;

@@ -3,7 +3,6 @@
 mod common;
 
 use anamorph::camera::mesh::spec::MeshCameraSpec;
-use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Rays};
 use anamorph::engine::RunOptions;
 use anamorph::geometry::{generate, place};

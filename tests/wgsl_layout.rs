@@ -2,7 +2,7 @@
 //! `shading.wgsl` and `beams.wgsl` against its twin in `src/gpu/rows.rs`, field by field, and every constant against its own.
 
 use anamorph::engine::clusters::CORNER_ORDERS;
-use anamorph::gpu::kernels::{self, LightsKind, RaysKind, Variant};
+use anamorph::gpu::kernels::{self, Variant};
 use anamorph::gpu::rows;
 use anamorph::image::frame::Channel;
 use naga::{Expression, Literal, Module, ScalarKind, Statement, SwitchValue, TypeInner};
@@ -27,31 +27,6 @@ struct Field {
     size: usize,
     kind: ScalarKind,
 }
-
-/// The variant that needs nothing.
-const PLAIN: Variant = Variant {
-    f64: false,
-    atomics64: false,
-    by_tile: false,
-    rays: RaysKind::Pieces,
-    scattered: false,
-    sheeted: false,
-    counting: false,
-    culling: true,
-    doubting: false,
-    normals: false,
-    textured: false,
-    cut: false,
-    glossy: false,
-    sky: false,
-    lights: LightsKind::Plain,
-    styled: false,
-    outlined: false,
-    optics: None,
-    turned: false,
-    samples: 1,
-    analytic: false,
-};
 
 /// Structs by name: size and fields in order.
 type Layouts = BTreeMap<String, (usize, Vec<Field>)>;
@@ -439,19 +414,19 @@ fn every_channel_has_an_override_that_defaults_to_no_plane() {
     for ((name, default), &channel) in overrides().into_iter().zip(&shaded) {
         let word = channel.name().trim_end_matches(".id").trim_start_matches("bary.").replace('.', "_").to_uppercase();
         assert_eq!((name.as_str(), default), (format!("PLANE_{word}").as_str(), rows::NONE));
-        for kernel in [kernels::shade(PLAIN, &[channel]), kernels::write_srgb(&[channel])] {
+        for kernel in [kernels::shade(Variant::PLAIN, &[channel]), kernels::write_srgb(&[channel])] {
             assert_eq!(plane_constants(&kernel), [(name.as_str(), 0.0)]);
         }
     }
     assert_eq!(overrides().len(), shaded.len());
-    let kernel = kernels::shade(PLAIN, &shaded);
+    let kernel = kernels::shade(Variant::PLAIN, &shaded);
     let places: Vec<f64> = plane_constants(&kernel).iter().map(|c| c.1).collect();
     assert_eq!(places, (0..shaded.len()).map(|k| k as f64).collect::<Vec<_>>());
 }
 
 #[test]
 fn the_last_word_of_a_triangle_row_is_cut_alike() {
-    let raster = kernels::raster(PLAIN).source;
+    let raster = kernels::raster(Variant::PLAIN).source();
     let module = parse(&raster);
     let constant = |name: &str| {
         let (_, c) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
@@ -494,8 +469,8 @@ fn corner_orders(source: &str) -> Vec<[usize; 3]> {
 
 #[test]
 fn the_six_corner_orders_are_the_same_table() {
-    let source = kernels::raster(PLAIN).source;
-    let shade = kernels::shade(PLAIN, &Channel::ALL).source;
+    let source = kernels::raster(Variant::PLAIN).source();
+    let shade = kernels::shade(Variant::PLAIN, &Channel::ALL).source();
     assert_eq!((corner_orders(&source), corner_orders(&shade)), (CORNER_ORDERS.to_vec(), CORNER_ORDERS.to_vec()));
     let planted = source.replace("vec3<u32>(2u, 0u, 1u)", "vec3<u32>(0u, 2u, 1u)");
     assert_ne!(corner_orders(&planted), CORNER_ORDERS);

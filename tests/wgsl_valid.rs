@@ -10,6 +10,12 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Expression, Function, MathFunction, Module, ScalarKind, ShaderStage, TypeInner};
 use std::collections::HashSet;
 
+mod wgsl {
+    mod headers;
+    mod scan;
+    pub use headers::assert_scanned_right;
+}
+
 /// All variants on all kinds of adapters.
 fn variants() -> impl Iterator<Item = Variant> {
     [false, true].into_iter().flat_map(|f64| [false, true].map(|atomics64| Variant::every(f64, atomics64))).flatten()
@@ -32,7 +38,8 @@ fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
         variant.atomics64 && (merges || kernel.name == "sample" && !variant.by_tile),
     );
     caps.set(Capabilities::SHADER_INT64, !caps.is_empty());
-    caps.set(Capabilities::SUBGROUP, variant.by_tile && kernel.name != "settle");
+    let has_lanes = !["allot", "sort", "settle"].contains(&kernel.name);
+    caps.set(Capabilities::SUBGROUP, variant.by_tile && has_lanes);
     caps
 }
 
@@ -49,7 +56,8 @@ fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
         kernels::all(variant, &Channel::every().collect::<Vec<_>>()).iter().for_each(|k| check(k, variant));
         let by_tile = variant.with_tiles();
         if by_tile.by_tile {
-            [kernels::bin(by_tile), kernels::raster(by_tile)].iter().for_each(|k| check(k, by_tile));
+            let kernels = [kernels::bin(by_tile), kernels::allot(), kernels::sort(), kernels::raster(by_tile)];
+            kernels.iter().for_each(|k| check(k, by_tile));
         }
         if by_tile.samples_by_tile() {
             let kernels = [kernels::edges_by_tile, kernels::sample_by_tile, kernels::settle];
@@ -59,6 +67,11 @@ fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
             rivals::kernels::all(variant).iter().for_each(|k| check(k, variant));
         }
     }
+}
+
+/// The draws of the rivals.
+fn each_draw() -> Vec<Kernel> {
+    [1, 3].into_iter().flat_map(rivals::kernels::draws).collect()
 }
 
 /// All checks of a kernel in one test, since reading a kernel takes longer than most of them.
@@ -71,17 +84,19 @@ fn every_kernel_is_valid_and_portable() {
         wide += u32::from(caps.contains(Capabilities::FLOAT64));
         // variants share kernels
         let names: Vec<&str> = kernel.bindings.iter().map(|b| b.name).collect();
-        if !checked.insert((caps.bits(), kernel.source.clone(), format!("{names:?} {:?}", kernel.constants))) {
+        let source = kernel.source();
+        if !checked.insert((caps.bits(), source.clone(), format!("{names:?} {:?}", kernel.constants))) {
             return;
         }
         let what = format!("{} {variant:?}", kernel.name);
-        let module = parse(&kernel.source).unwrap_or_else(|e| panic!("{what}: {e}"));
+        let module = parse(&source).unwrap_or_else(|e| panic!("{what}: {e}"));
         let info = validate(&module, caps).unwrap_or_else(|e| panic!("{what} with {caps:?}: {e}"));
         for cap in caps.iter() {
             assert!(validate(&module, caps.difference(cap)).is_err(), "{what} does not need {cap:?}");
         }
         assert_one_entry_point(kernel, &module, &what);
         assert_globals_are_bindings(kernel, &module, &what);
+        wgsl::assert_scanned_right(kernel, &module, &what);
         assert_becomes_spirv(kernel, &module, &info, &what);
         // SPIR-V's sine, exponential and the like take no f64
         assert_eq!(forbidden_f64(&module, &info), [], "{what}");
@@ -137,12 +152,12 @@ fn assert_becomes_spirv(kernel: &Kernel, module: &Module, info: &ModuleInfo, wha
 fn every_kernel_does_without_f64_once_it_is_lowered() {
     let mut checked = HashSet::new();
     each_kernel(|kernel, variant| {
-        assert_eq!(kernel.f64, kernel.source.contains("alias real = f64"), "{}", kernel.name);
+        assert_eq!(kernel.f64, kernel.source().contains("alias real = f64"), "{}", kernel.name);
         // tile by tile only where there is f64
-        if !kernel.f64 || variant.by_tile || !checked.insert((variant.atomics64, kernel.source.clone())) {
+        if !kernel.f64 || variant.by_tile || !checked.insert((variant.atomics64, kernel.source())) {
             return;
         }
-        let module = lowered(&kernel.source).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
+        let module = lowered(&kernel.source()).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", kernel.name));
         let mut caps = allowed(kernel, variant).difference(Capabilities::FLOAT64);
         caps.set(Capabilities::SHADER_INT64, caps.contains(Capabilities::SHADER_INT64_ATOMIC_MIN_MAX));
         validate(&module, caps).unwrap_or_else(|e| panic!("{} {variant:?} with {caps:?}: {e}", kernel.name));
@@ -151,8 +166,8 @@ fn every_kernel_does_without_f64_once_it_is_lowered() {
 
 #[test]
 fn every_draw_of_the_rivals_validates_becomes_spirv_and_binds_what_the_table_says() {
-    for kernel in [1, 3].into_iter().flat_map(rivals::kernels::draws) {
-        let module = parse(&kernel.source).unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
+    for kernel in each_draw() {
+        let module = parse(&kernel.source()).unwrap_or_else(|e| panic!("{}: {e}", kernel.name));
         let mut caps = Capabilities::empty();
         caps.set(Capabilities::CLIP_DISTANCES, ["warp", "bound", "perspective", "splat_move"].contains(&kernel.name));
         let info = validate(&module, caps).unwrap_or_else(|e| panic!("{}: {e}", kernel.name));

@@ -1,5 +1,8 @@
 // args: one thread in all. Reads the count that a stage left in `counters` and the capacity behind it; writes the
 // indirect arguments of the next dispatch, in two dimensions and never over the list's end.
+// Needs: BUNCH, CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_DOUBTS, COUNT_EDGES, COUNT_PAIRS,
+//   COUNT_SAMPLE_DOUBTS, COUNT_TASKS, COUNT_WORK, GROUP, LANES
+// Binds: counters, indirect, params, step
 
 const GROUPS_A_SIDE: u32 = 65535u;
 

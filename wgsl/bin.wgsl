@@ -1,6 +1,10 @@
 // bin: one thread per triangle of a (bunch, node) item of `tasks`.
 // Reads triangles, vertices and nodes; writes (slot, tile) pairs of the tiles under the node that the triangle may cover, by its extent
 // and its three edge conics there, or of the one tile of the cell that the item names. `pairs` may overflow: the counter keeps counting.
+// Needs: ASIDE, BOUND_SLACK, BUNCH, CENTRES, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_TASKS, LEVEL_CELL, NODE_PX, TILE, address_node,
+//   box_met, close_extent, conics, is_empty, item_index, item_node, item_pixels, item_rays, may_cover, node_cell, node_level, node_x,
+//   node_y, pair_pack, pixels_within, store, task_bunch, tile_pixels, vertex
+// Binds: cells, counters, params, tasks, triangles
 
 override COUNTING: bool = false;
 

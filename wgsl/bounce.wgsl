@@ -1,6 +1,8 @@
 // bounce: one thread per pixel of the band.
 // Reads the visibility buffer, the pixel's ray and way and the surface that it meets first; writes the ray that goes on
 // from there and its way, or neither.
+// Needs: NONE, Way, camera_of, head_of, item_index, key_id, norm, ray_bundle, real, real3, turn_at
+// Binds: optic, params, turned_hi, turned_lo, turned_ways, visibility, ways
 
 // Squared length of a direction at most: corners' rays are scaled to 64 times unit length at most.
 const SIZE_MAX: f32 = 65536.0;

@@ -3,6 +3,10 @@
 // is proven to be met; the second holds every triangle that may be met before it against the one that was found; the third writes
 // the plane: 2 proven by f32, 1 by recheck arithmetic, 0 not.
 // `proofs` has two words a pixel: the complement of that bound, so that 0 is none, and flags.
+// Needs: COUNT_PAIRS, COVERAGE_PROVES, Cell, ENDLESS, NONE, ONE_SIDED, TILE, bit_mask, box_mask, cell_bundle, coverage, first_bit,
+//   item_index, key_id, key_layer, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_proof, real, real3, tile_corner, tile_layer,
+//   triangle_id, triangle_reversed, vertex, vertex_real, without_bit
+// Binds: cells, counters, pairs, params, planes, proofs, step, tile_start, triangles, visibility
 
 const PROOF_SURE: u32 = 1u;        // what was found is proven to be met
 const PROOF_CONTESTED: u32 = 2u;   // something else may be met first

@@ -4,6 +4,9 @@
 // extent says at once where in the bundle it is seen.
 // Torn nodes of level 1 are queued once more: their tiles go to `work`, and of torn tiles the cells.
 // `queue_out` and `work` may overflow: counters keep counting.
+// Needs: BRANCH, COUNT_WORK, Node, RAYS_AFFINE, RAYS_TORN, cell_pack, extent, item_index, level_height, level_width, node_index,
+//   node_level, node_meets, node_pack, node_x, node_y, tile_meets
+// Binds: cells, clusters, counters, nodes, params, queue_in, queue_out, step, tile_start, work
 
 // Children met by which a cluster is handed on undivided: descending costs every triangle of the cluster a set-up a
 // child, handing on costs 16 tests; a set-up is worth about four tests.

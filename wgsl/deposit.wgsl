@@ -2,6 +2,8 @@
 // Reads its corners on a receiver and its flux; adds to each texel the share of the flux that the texel's share of the
 // triangle is, and to what missed the flux beyond the map's border. Sums are whole units in two words each, so no order of
 // threads changes them; the host's unit is so large that high words do not run over.
+// Needs: item_index
+// Binds: casting, casts, receivers, sums
 
 // A triangle narrower than this is a line, texels; as caustics/shares.rs has it.
 const LINE_WIDTH: f32 = 1.0 / 256.0;

@@ -1,11 +1,14 @@
 // edges: one thread per pixel of the band, then one per (slot, tile) pair, then one per pixel again, once all is in the visibility buffer.
-// Reads what raster reads, the nodes, the visibility buffer and which cells samples lie in; finds the pixels that hold an edge: those of
-// whose samples not all are proven to see one triangle first, or nothing. The first dispatch finds in each pixel how far from the eye the
-// triangle seen at its centre may lie at any sample, if it covers all; the second holds every triangle against that which may
-// cover one before it; the third lists the pixels that hold an edge, in the rows of `samples`, with what
-// their centres see.
+// Reads what raster reads, the nodes, the visibility buffer and which cells samples lie in; writes a row of `samples` for each pixel that
+// holds an edge, with what its centre sees, and the row's number into `edge_of`. A pixel holds an edge unless all its samples are proven to
+// see one triangle first, or nothing. The first dispatch finds in each pixel how far from the eye the triangle seen at its centre may lie
+// at any sample, if it covers all; the second tests every triangle that may cover a sample before that; the third writes the rows.
 // `edge_of` has a word a pixel: how near all must be that is seen instead, HELD where an edge is held; in the end 1 more than its row, 0 of none. Rows may
 // overflow: the counter keeps counting.
+// Needs: ASIDE, COUNT_EDGES, COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SHEETED, TILE, bit_mask, box_mask, conic_sign, conics, depths,
+//   first_bit, item_index, key_id, key_layer, may_cover, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_cell, pixels_in_part,
+//   pixels_whole, plane, tile_corner, tile_layer, triangle_id, vertex, without_bit
+// Binds: cells, counters, edge_of, nodes, pairs, params, samples, slot_of_id, step, tile_start, triangles, visibility
 
 const STEP_SEEN: u32 = 0u;
 const STEP_PAIRS: u32 = 1u;

@@ -4,6 +4,10 @@
 // all others may be that may cover any of its samples. Writes a row of `samples` for each such pixel, its number into `edge_of`, of
 // each pair the pixels that it may cover and its slot into `touches`, and `blocks` of LANES strips, four samples each, of the rows of one tile.
 // Rows and blocks may overflow: the counter of rows keeps counting, and blocks have room for all rows.
+// Needs: ASIDE, Bounds, CENTRES, COUNT_BLOCKS, COUNT_EDGES, GROUP, LANES, NODE_PX, NONE, SAMPLES, STRIPS, TILE, bit_mask, bound, conics,
+//   extent, four, given_bounds, group_index, holding, is_empty, item_node, key_id, lanes_any, may_cover, pair_slot, pixels_in_part,
+//   pixels_whole, pixels_within, plane, rows_mask, side, tile_corner, triangle_id, vertex
+// Binds: blocks, counters, edge_of, ends, pairs, params, samples, starts, tile_start, touches, triangles, visibility
 
 @compute @workgroup_size(64)
 fn edges(

@@ -1,6 +1,9 @@
 // gather: one thread per pixel of the band.
 // Reads the visibility buffer, where on a receiver the pixel's hit lies, and the flux of the four texels around it; adds
 // what a diffuse surface sends back of it to the colour planes.
+// Needs: Landing, NONE, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_G, PLANE_R, PLANE_U, PLANE_V, Receiver, ends_here,
+//   item_index, key_id, light_kept
+// Binds: landing_of, landings, params, planes, receivers, sums, visibility
 
 fn received(receiver: Receiver, x: u32, y: u32) -> vec3<f32> {
     let at = 6u * (receiver.first + y * receiver.columns + x);

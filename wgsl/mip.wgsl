@@ -1,5 +1,7 @@
 // mip: one thread per texel of a level of an image.
 // Reads the level before it, writes the means of what each of its texels covers of that.
+// Needs: item_index
+// Binds: coarser, finer
 
 @compute @workgroup_size(64)
 fn mip(

@@ -1,6 +1,9 @@
 // outline: one thread per pixel of the band, after shade and resolve.
 // Reads the planes of what is seen, around each pixel; mixes the colours of lines between what differs into the colour planes: where one
 // thing hides another, or a surface has a crease, and where pieces of the camera meet.
+// Needs: NONE, PLANE_B, PLANE_G, PLANE_MIRROR, PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R,
+//   PLANE_TRIANGLE, PLANE_Z, covered, item_index, narrowed
+// Binds: params, planes, style
 
 fn word(plane: u32, pixel: u32) -> u32 {
     return planes[plane * params.width * params.height + pixel];

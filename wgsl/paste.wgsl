@@ -1,6 +1,10 @@
 // paste: one thread per pixel of the band.
 // Reads the visibility buffer, the pixel's ray and the facet that it meets first; copies to the planes what the atlas has at
 // the nearest texel of the facet's camera.
+// Needs: NONE, PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_G, PLANE_MIRROR, PLANE_N_X, PLANE_N_Y, PLANE_N_Z,
+//   PLANE_PIECE, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE, PLANE_U, PLANE_UV_U, PLANE_UV_V, PLANE_V, PLANE_Z,
+//   camera_of, camera_place, facet_place, facet_weights, item_index, key_id, norm, ray_bundle, real3
+// Binds: atlas, atlas_layout, optic, params, planes, visibility
 
 fn copied(plane: u32, pixel: u32, texel: u32) {
     if plane != NONE {

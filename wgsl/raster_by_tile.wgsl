@@ -1,8 +1,13 @@
 // raster, tile by tile: one subgroup of LANES threads per busy tile, one thread per column of it.
 // Reads what raster reads pair by pair, the run of pairs of each tile and the busy tiles; merges one visibility key a pixel, the nearest
 // of all pairs of its tile, and leaves what f32 does not prove to recheck. A tile of more than ROUNDS times LANES pairs is listed as
-// busy again, with what is left of its run.
+// busy again, with what is left of its run. The list of doubts may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
+// Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, FARTHEST,
+//   GROUP, INFINITE, LANES, LOWER, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, hold, in_line, is_apart, is_behind,
+//   is_empty, item_node, lanes_any, lanes_max, leave_to_recheck, lines_of, may_cover, merge, pair_slot, pixels_within, reach_of, real3,
+//   real4, row_bits, rows_mask, settled, shared_of, size, start_of, tile_column, tile_corner, tile_layer, triangle_id, vertex, vertex_lo
+// Binds: busy, counters, ends, pairs, params, starts, triangles
 
 // Rounds of LANES pairs that a subgroup looks at, at most: software adapters end a thread's loops after 65535 rounds in all. Of what a
 // round leaves, LANES pairs at most, each is held against either half and may be left to recheck: 28 rounds, with those of the loop

@@ -1,6 +1,9 @@
 // recheck: one thread per doubt that raster left.
 // Reads doubts, pairs, triangles, vertices, cells and the camera's rays; settles in recheck arithmetic which of a doubt's pixels
 // the triangle covers, and merges their keys.
+// Needs: COUNT_DOUBTS, COUNT_RECHECKED, NONE, TILE, cell_bundle, first_bit, is_between, item_index, merge_hits, pair_slot, pair_tile,
+//   perturbed, pixel_bundle, real, real3, vertex_real, with_bit, without_bit
+// Binds: cells, counters, doubts, pairs, params, step, tile_start, triangles
 
 @compute @workgroup_size(64)
 fn recheck(

@@ -1,7 +1,12 @@
 // sample, tile by tile: one subgroup of LANES threads per block, one thread per strip of it: four samples of a pixel that holds an edge.
 // Reads triangles, vertices, nodes, the camera's rays, the blocks, the rows of `samples` and what pixels pairs may cover; writes the nearest key of
 // each sample into its row, and leaves what f32 does not prove to settle, two items a doubt: the pair, the strip and its rays as bits; the pixel.
+// The list of doubts may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
+// Needs: COUNT_BLOCKS, COUNT_SAMPLE_DOUBTS, FARTHEST, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, given, group_index,
+//   hold, in_line, item_node, lanes_any, lanes_max, lines_of, reach_of, real3, real4, row_bits, sample_strip, settled, shared_of, size,
+//   vertex, vertex_lo
+// Binds: blocks, counters, doubts, params, samples, touches, triangles
 
 @compute @workgroup_size(64)
 fn sample(

@@ -1,6 +1,8 @@
 // settle: one thread per doubt that sample left, tile by tile.
 // Reads doubts, pairs, triangles, vertices, cells and the samples' rays; settles in recheck arithmetic which of a doubt's samples the
 // triangle covers, and merges their keys into the rows of `samples`.
+// Needs: COUNT_SAMPLE_DOUBTS, STRIPS, TILE, flat_of, item_index, pair_slot, pair_tile, real3, settle_samples, vertex_real
+// Binds: cells, counters, doubts, pairs, params, tile_start, triangles
 
 @compute @workgroup_size(64)
 fn settle(

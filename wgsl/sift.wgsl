@@ -2,6 +2,8 @@
 // Reads beams and points; writes to `found`, for each point: how many nodes may see it, then their numbers, ascending, as
 // far as there are slots. Lists overflow where the number is larger than `slots`; it is true up to `most`, and NONE for
 // points that are too far away for f32.
+// Needs: NONE, item_index
+// Binds: beams, chunk, found, points
 
 // Rounding of the difference of a point and an end, relative to both, 2^-24 each of the point, of the difference and of
 // adding the slack: room for four.

@@ -1,5 +1,8 @@
 // sort: one thread per pair.
-// Reads `unsorted` pairs and their places among those of their tile; writes `pairs`, those of a tile side by side.
+// Reads `unsorted` pairs, their places among those of their tile, and where the run of each tile starts; writes `pairs`, those of a
+// tile side by side.
+// Needs: COUNT_PAIRS, item_index, pair_tile
+// Binds: counters, pairs, params, ranks, starts, unsorted
 
 @compute @workgroup_size(64)
 fn sort(

@@ -1,6 +1,8 @@
 // split: one thread per bunch of the cluster of an item of `work`.
 // Reads bunches and nodes; writes (bunch, node) items where a ray of the node may meet the bunch's box. `tasks` may overflow: the
 // counter keeps counting.
+// Needs: BUNCH, CLUSTER, COUNT_TASKS, COUNT_WORK, address_node, item_index, item_meets, item_node, item_rays, node_meets
+// Binds: bunches, counters, params, tasks, work
 
 const BUNCHES: u32 = CLUSTER / BUNCH;
 

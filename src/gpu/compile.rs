@@ -1,7 +1,7 @@
 //! Compiles kernels: errors name the place in the source, and `--dump-kernels` writes the sources to files.
 
 use super::device::{Gpu, one_line};
-use super::kernels::Kernel;
+use super::kernels::{Kernel, Snippet};
 use super::soft_f64::lowered;
 use crate::input::{Error, Result};
 use std::borrow::Cow;
@@ -27,9 +27,10 @@ impl Dump {
         Ok(Dump { folder: folder.into(), written: Mutex::default() })
     }
 
-    /// Writes NAME.wgsl, then NAME-2.wgsl and so on for further variants. Overrides are appended, so that line numbers match those of errors.
+    /// Writes NAME.wgsl, then NAME-2.wgsl and so on for further variants. Each snippet stands below a line with its name; overrides
+    /// come last.
     fn write(&self, kernel: &Kernel, is_lowered: bool) -> std::io::Result<()> {
-        let mut text = kernel.source.clone();
+        let mut text = kernel.labelled_source();
         for (name, value) in &kernel.constants {
             // writing to a String cannot fail
             let _ = writeln!(text, "// override {name} = {value}");
@@ -53,16 +54,26 @@ impl Dump {
 }
 
 impl Gpu {
+    /// The kernel with [`Gpu::replaced`] snippets.
+    fn with_replaced(&self, kernel: &Kernel) -> Kernel {
+        let other = |part: &&'static Snippet| *self.replaced.iter().find(|r| r.name == part.name).unwrap_or(part);
+        Kernel { parts: kernel.parts.iter().map(other).collect(), ..kernel.clone() }
+    }
+
     /// Compiles a kernel, with f64 in 32-bit words on an adapter without f64. An error becomes the device's failure.
     pub(crate) fn compile(&self, kernel: &Kernel) -> wgpu::ShaderModule {
+        let kernel = &self.with_replaced(kernel);
+        let text = kernel.source();
         let is_lowered = kernel.f64 && !self.has.f64;
         if let Some(Err(e)) = self.dump.as_ref().map(|dump| dump.write(kernel, is_lowered)) {
             self.failed(format!("kernel {} cannot be written to a file: {e}", kernel.name));
         }
-        let mut source = wgpu::ShaderSource::Wgsl(kernel.source.as_str().into());
+        let mut source = wgpu::ShaderSource::Wgsl(text.as_str().into());
         if is_lowered {
-            match lowered(&kernel.source) {
+            match lowered(&text) {
                 Ok(module) => source = wgpu::ShaderSource::Naga(Cow::Owned(module)),
+                // the device reports below what cannot be parsed, and where
+                Err(_) if wgpu::naga::front::wgsl::parse_str(&text).is_err() => (),
                 Err(text) => {
                     self.failed(format!("kernel {}: {}", kernel.name, one_line(text)));
                 }
@@ -96,8 +107,10 @@ fn fault(kernel: &Kernel, message: &wgpu::CompilationMessage) -> String {
     let what: String = std::iter::once(headline).chain(notes).collect();
     let name = kernel.name;
     let Some(at) = message.location else { return format!("kernel {name}: {what}") };
-    let (line, column) = (at.line_number, at.line_position);
-    let source = kernel.source.lines().nth((line as usize).saturating_sub(1)).unwrap_or_default().trim();
-    let shown: String = source.chars().take(SHOWN).collect();
-    format!("kernel {name}, line {line}, column {column}: {what}: {shown} (--dump-kernels DIR writes the whole source)")
+    let (line, column) = (at.line_number as usize, at.line_position);
+    let source = kernel.source();
+    let shown: String =
+        source.lines().nth(line.saturating_sub(1)).unwrap_or_default().trim().chars().take(SHOWN).collect();
+    let (snippet, line) = kernel.place(line);
+    format!("kernel {name}, {snippet}:{line}:{column}: {what}: {shown} (--dump-kernels DIR writes the whole source)")
 }

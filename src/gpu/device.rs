@@ -1,6 +1,7 @@
 //! The adapter: which one, what it can do, and what that selects.
 
 use super::compile::Dump;
+use super::kernels::Snippet;
 use super::rows::LANES;
 use crate::input::{Error, Result};
 use serde::Serialize;
@@ -29,6 +30,8 @@ pub struct Gpu {
     pub info: wgpu::AdapterInfo,
     pub limits: wgpu::Limits,
     pub has: Abilities,
+    /// Snippets that kernels are compiled with instead of those of the same names: tests plant errors by them.
+    pub replaced: Vec<&'static Snippet>,
     /// Kernels are compiled with wgpu's checks, see [`Gpu::without_checks`].
     checked: bool,
     /// Writes the kernels' sources.
@@ -160,7 +163,7 @@ impl Gpu {
             }
         });
         let dump = options.dump_kernels.as_deref().map(Dump::new).transpose()?;
-        Ok(Gpu { device, queue, info, limits, has, checked: true, dump, failed })
+        Ok(Gpu { device, queue, info, limits, has, replaced: Vec::new(), checked: true, dump, failed })
     }
 
     /// Compiles kernels from here on as they stand: without the bounds of indices and loops that wgpu adds to them. No kernel

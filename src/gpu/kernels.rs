@@ -1,7 +1,8 @@
 //! The one table of kernels: from which snippets each is joined, and which buffers it binds.
 //!
-//! A kernel's module is its bindings, generated from this table, and the plain concatenation of its snippets. Variants
-//! swap a snippet that defines the same functions, or set an `override` constant.
+//! A kernel's module is its bindings, generated from this table, and the plain concatenation of its snippets. Each snippet names
+//! at its top what it provides, and what it needs of the others and of the bindings. Variants swap a snippet that provides the same
+//! functions, or set an `override` constant.
 
 use crate::image::frame::Channel;
 use std::fmt::Write;
@@ -99,17 +100,36 @@ pub struct Kernel {
     /// The stage's name, the entry point's and the file's.
     pub name: &'static str,
     pub bindings: Vec<Binding>,
-    pub source: String,
+    pub parts: Vec<&'static Snippet>,
+    /// A line before all others.
+    pub enables: &'static str,
     pub constants: Vec<(&'static str, f64)>,
     /// It uses f64, and is lowered to 32-bit words where an adapter has none.
     pub f64: bool,
 }
 
-macro_rules! snippet {
-    ($path:literal) => {
-        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/wgsl/", $path))
-    };
+/// A part of kernels: a file under `wgsl/`.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Snippet {
+    /// The file's path under `wgsl/`.
+    pub name: &'static str,
+    pub text: &'static str,
 }
+
+/// Snippets in the order in which they are joined.
+pub type Parts = &'static [&'static Snippet];
+
+/// [`Parts`] by their names.
+macro_rules! snippets {
+    ($($name:literal),+) => {{
+        use $crate::gpu::kernels::{Parts, Snippet};
+        const PARTS: Parts = &[
+            $(&Snippet { name: $name, text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/wgsl/", $name)) }),+
+        ];
+        PARTS
+    }};
+}
+pub(crate) use snippets;
 
 mod optics;
 mod samples;
@@ -119,45 +139,69 @@ pub use samples::{edges, edges_by_tile, resolve, sample, sample_by_tile, settle}
 use surfaces::plane_constants;
 pub use surfaces::{mip, outline, shade, write_srgb};
 
-pub(crate) const PARAMS: &str = snippet!("shared/params.wgsl");
-pub(crate) const ITEMS: &str = snippet!("shared/items.wgsl");
-const INDEX: &str = snippet!("shared/index.wgsl");
-const ADDRESS: &str = snippet!("shared/address.wgsl");
-pub(crate) const SHEETS: &str = snippet!("shared/sheets.wgsl");
-pub(crate) const VERTEX: &str = snippet!("shared/vertex.wgsl");
-pub(crate) const TRIANGLE_ROW: &str = snippet!("shared/triangle.wgsl");
-const TRIANGLE: &str = concat!(snippet!("shared/triangle.wgsl"), snippet!("shared/vertex_real.wgsl"));
-pub(crate) const RAY: &str = snippet!("shared/ray.wgsl");
-const BUNDLE: &str = concat!(snippet!("shared/ray.wgsl"), snippet!("shared/bundle.wgsl"));
-const SHADING: &str = snippet!("shared/shading.wgsl");
-const MEETS: &str = snippet!("shared/meets.wgsl");
+pub(crate) const PARAMS: Parts = snippets!("shared/params.wgsl");
+pub(crate) const ITEMS: Parts = snippets!("shared/items.wgsl");
+const INDEX: Parts = snippets!("shared/index.wgsl");
+const ADDRESS: Parts = snippets!("shared/address.wgsl");
+pub(crate) const SHEETS: Parts = snippets!("shared/sheets.wgsl");
+pub(crate) const VERTEX: Parts = snippets!("shared/vertex.wgsl");
+pub(crate) const TRIANGLE_ROW: Parts = snippets!("shared/triangle.wgsl");
+const TRIANGLE: Parts = snippets!("shared/triangle.wgsl", "shared/vertex_real.wgsl");
+pub(crate) const RAY: Parts = snippets!("shared/ray.wgsl");
+const BUNDLE: Parts = snippets!("shared/ray.wgsl", "shared/bundle.wgsl");
+const SHADING: Parts = snippets!("shared/shading.wgsl");
+const MEETS: Parts = snippets!("shared/meets.wgsl");
 /// Which pixels of a node's square a triangle may cover.
-const WITHIN: &str =
-    concat!(snippet!("shared/node_conics.wgsl"), snippet!("shared/extent.wgsl"), snippet!("shared/within.wgsl"),);
+const WITHIN: Parts = snippets!("shared/node_conics.wgsl", "shared/extent.wgsl", "shared/within.wgsl");
 /// Whether rays of a node may meet a triangle's box.
-const BOX_MET: &str = concat!(snippet!("shared/meets.wgsl"), snippet!("shared/box_met.wgsl"));
-const SIDES: &str = concat!(snippet!("shared/sides.wgsl"), snippet!("shared/perturb.wgsl"));
-const NEARNESS: &str = snippet!("shared/nearness.wgsl");
+const BOX_MET: Parts = snippets!("shared/meets.wgsl", "shared/box_met.wgsl");
+const SIDES: Parts = snippets!("shared/sides.wgsl", "shared/perturb.wgsl");
+const NEARNESS: Parts = snippets!("shared/nearness.wgsl");
 /// The cell of a pixel.
-const CELLS: &str = snippet!("shared/cells.wgsl");
-const LANES: &str = snippet!("shared/lanes.wgsl");
-const NODE_BY_LANES: &str = snippet!("shared/node_by_lanes.wgsl");
-const COLUMN: &str = snippet!("shared/column.wgsl");
+const CELLS: Parts = snippets!("shared/cells.wgsl");
+const LANES: Parts = snippets!("shared/lanes.wgsl");
+const NODE_BY_LANES: Parts = snippets!("shared/node_by_lanes.wgsl");
+const COLUMN: Parts = snippets!("shared/column.wgsl");
 /// No triangle has holes.
-const SOLID: &str = snippet!("textures/solid.wgsl");
-const SURFACE: &str = snippet!("shared/surface.wgsl");
-const DOUBTS: &str = snippet!("shared/doubts.wgsl");
-const PAIR: &str = snippet!("shared/pair.wgsl");
-const BITS: &str = snippet!("shared/bits.wgsl");
-const MEETING: &str = snippet!("shared/meeting.wgsl");
-const MEETING_OF_RAYS: &str = snippet!("shared/meeting_of_rays.wgsl");
-pub(crate) const KEY: &str = snippet!("shared/key.wgsl");
-const REAL_F64: &str = snippet!("shared/real_f64.wgsl");
-const REAL_F32: &str = snippet!("shared/real_f32.wgsl");
-const OPTICS_ROWS: &str = snippet!("optics/rows.wgsl");
-const CAUSTICS: &str = snippet!("caustics/rows.wgsl");
+const SOLID: Parts = snippets!("textures/solid.wgsl");
+const SURFACE: Parts = snippets!("shared/surface.wgsl");
+const DOUBTS: Parts = snippets!("shared/doubts.wgsl");
+const PAIR: Parts = snippets!("shared/pair.wgsl");
+const BITS: Parts = snippets!("shared/bits.wgsl");
+const MEETING: Parts = snippets!("shared/meeting.wgsl");
+const MEETING_OF_RAYS: Parts = snippets!("shared/meeting_of_rays.wgsl");
+pub(crate) const KEY: Parts = snippets!("shared/key.wgsl");
+const REAL_F64: Parts = snippets!("shared/real_f64.wgsl");
+const REAL_F32: Parts = snippets!("shared/real_f32.wgsl");
+const OPTICS_ROWS: Parts = snippets!("optics/rows.wgsl");
+const CAUSTICS: Parts = snippets!("caustics/rows.wgsl");
 
 impl Variant {
+    /// A scene without normals, images, lines or samples, through pieces, on an adapter without f64 and 64-bit atomics.
+    pub const PLAIN: Variant = Variant {
+        f64: false,
+        atomics64: false,
+        by_tile: false,
+        rays: RaysKind::Pieces,
+        scattered: false,
+        sheeted: false,
+        counting: false,
+        culling: true,
+        doubting: false,
+        normals: false,
+        textured: false,
+        cut: false,
+        glossy: false,
+        sky: false,
+        lights: LightsKind::Plain,
+        styled: false,
+        outlined: false,
+        optics: None,
+        turned: false,
+        samples: 1,
+        analytic: false,
+    };
+
     /// Every variant that some camera needs on an adapter with these abilities.
     pub fn every(f64: bool, atomics64: bool) -> Vec<Variant> {
         let mut list = Vec::new();
@@ -168,25 +212,15 @@ impl Variant {
             let of_camera = Variant {
                 f64,
                 atomics64,
-                by_tile: false,
-                rays: RaysKind::Pieces,
-                scattered: false,
-                sheeted: false,
                 counting,
-                culling: true,
-                doubting: false,
                 normals,
                 textured,
-                cut: false,
                 glossy,
                 sky,
                 lights,
                 styled,
                 outlined,
-                optics: None,
-                turned: false,
-                samples: 1,
-                analytic: false,
+                ..Variant::PLAIN
             };
             let variant = |rays, sheeted, optics| {
                 let scattered = more && rays == RaysKind::Field;
@@ -227,12 +261,12 @@ impl Variant {
         Variant { by_tile, ..self }
     }
 
-    pub(crate) fn real(self) -> &'static str {
+    pub(crate) fn real(self) -> Parts {
         if self.f64 { REAL_F64 } else { REAL_F32 }
     }
 
-    fn merge(self) -> &'static str {
-        if self.atomics64 { snippet!("shared/merge_u64.wgsl") } else { snippet!("shared/merge_u32.wgsl") }
+    fn merge(self) -> Parts {
+        if self.atomics64 { snippets!("shared/merge_u64.wgsl") } else { snippets!("shared/merge_u32.wgsl") }
     }
 
     /// The type of a buffer of visibility keys that are merged.
@@ -240,39 +274,39 @@ impl Variant {
         if self.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" }
     }
 
-    fn camera(self) -> &'static str {
+    fn camera(self) -> Parts {
         match self.rays {
-            RaysKind::Pieces => concat!(snippet!("camera/piece.wgsl"), snippet!("camera/pieces.wgsl")),
-            RaysKind::Field => concat!(snippet!("camera/field_rays.wgsl"), snippet!("camera/field.wgsl")),
-            RaysKind::Curves { .. } => snippet!("camera/curves.wgsl"),
+            RaysKind::Pieces => snippets!("camera/piece.wgsl", "camera/pieces.wgsl"),
+            RaysKind::Field => snippets!("camera/field_rays.wgsl", "camera/field.wgsl"),
+            RaysKind::Curves { .. } => snippets!("camera/curves.wgsl"),
         }
     }
 
     /// The camera's rays pixel by pixel, after they were found by tiles and cells.
-    fn pixel(self) -> &'static [&'static str] {
+    fn pixel(self) -> &'static [Parts] {
         match self.rays {
-            RaysKind::Pieces => &[CELLS, snippet!("camera/pieces_pixel.wgsl")],
-            RaysKind::Field => &[snippet!("camera/field_pixel.wgsl")],
-            RaysKind::Curves { .. } => &[CELLS, snippet!("camera/curves_pixel.wgsl")],
+            RaysKind::Pieces => &[CELLS, snippets!("camera/pieces_pixel.wgsl")],
+            RaysKind::Field => &[snippets!("camera/field_pixel.wgsl")],
+            RaysKind::Curves { .. } => &[CELLS, snippets!("camera/curves_pixel.wgsl")],
         }
     }
 
-    fn coverage(self) -> &'static [&'static str] {
+    fn coverage(self) -> &'static [Parts] {
         match self.rays {
-            RaysKind::Pieces => &[MEETING_OF_RAYS, snippet!("camera/pieces_coverage.wgsl")],
-            RaysKind::Field => &[MEETING_OF_RAYS, snippet!("camera/field_coverage.wgsl")],
+            RaysKind::Pieces => &[MEETING_OF_RAYS, snippets!("camera/pieces_coverage.wgsl")],
+            RaysKind::Field => &[MEETING_OF_RAYS, snippets!("camera/field_coverage.wgsl")],
             RaysKind::Curves { .. } => {
-                &[snippet!("camera/curves_coverage.wgsl"), snippet!("camera/curves_meeting.wgsl")]
+                &[snippets!("camera/curves_coverage.wgsl"), snippets!("camera/curves_meeting.wgsl")]
             }
         }
     }
 
-    fn proof(self) -> &'static [&'static str] {
-        const STRAIGHT: &str = concat!(snippet!("shared/perturb.wgsl"), snippet!("camera/straight_proof.wgsl"));
+    fn proof(self) -> &'static [Parts] {
+        const STRAIGHT: Parts = snippets!("shared/perturb.wgsl", "camera/straight_proof.wgsl");
         match self.rays {
-            RaysKind::Pieces => &[STRAIGHT, snippet!("camera/pieces_proof.wgsl")],
-            RaysKind::Field => &[STRAIGHT, snippet!("camera/field_proof.wgsl")],
-            RaysKind::Curves { .. } => &[snippet!("camera/curves_proof.wgsl")],
+            RaysKind::Pieces => &[STRAIGHT, snippets!("camera/pieces_proof.wgsl")],
+            RaysKind::Field => &[STRAIGHT, snippets!("camera/field_proof.wgsl")],
+            RaysKind::Curves { .. } => &[snippets!("camera/curves_proof.wgsl")],
         }
     }
 
@@ -286,33 +320,31 @@ impl Variant {
     }
 
     /// The snippets with which rays are found pixel by pixel.
-    pub(crate) fn pixel_snippets(self) -> Vec<&'static str> {
+    pub(crate) fn pixel_snippets(self) -> Vec<Parts> {
         [&[self.real(), BUNDLE, self.camera()][..], self.pixel()].concat()
     }
 
     /// Tests of a tile's rays against a box.
-    fn tile_rays(self) -> &'static str {
+    fn tile_rays(self) -> Parts {
         match self.scattered {
-            true => concat!(snippet!("camera/field_rays.wgsl"), snippet!("shared/rays_scattered.wgsl")),
-            false => snippet!("shared/rays_coherent.wgsl"),
+            true => snippets!("camera/field_rays.wgsl", "shared/rays_scattered.wgsl"),
+            false => snippets!("shared/rays_coherent.wgsl"),
         }
     }
 
     /// Tests of an item's rays against a box.
-    fn item_rays(self) -> &'static str {
+    fn item_rays(self) -> Parts {
         match (self.scattered && self.culling, self.by_tile) {
-            (true, true) => concat!(
-                snippet!("camera/field_rays.wgsl"),
-                snippet!("shared/rays_scattered.wgsl"),
-                snippet!("shared/lanes.wgsl"),
-                snippet!("shared/items_scattered_by_lanes.wgsl"),
+            (true, true) => snippets!(
+                "camera/field_rays.wgsl",
+                "shared/rays_scattered.wgsl",
+                "shared/lanes.wgsl",
+                "shared/items_scattered_by_lanes.wgsl"
             ),
-            (true, false) => concat!(
-                snippet!("camera/field_rays.wgsl"),
-                snippet!("shared/rays_scattered.wgsl"),
-                snippet!("shared/items_scattered.wgsl"),
-            ),
-            (false, _) => snippet!("shared/items_coherent.wgsl"),
+            (true, false) => {
+                snippets!("camera/field_rays.wgsl", "shared/rays_scattered.wgsl", "shared/items_scattered.wgsl")
+            }
+            (false, _) => snippets!("shared/items_coherent.wgsl"),
         }
     }
 
@@ -327,8 +359,8 @@ impl Variant {
     }
 
     /// How a kernel loads the node of its item.
-    fn item_node(self) -> &'static str {
-        if self.by_tile { NODE_BY_LANES } else { snippet!("shared/node_rows.wgsl") }
+    fn item_node(self) -> Parts {
+        if self.by_tile { NODE_BY_LANES } else { snippets!("shared/node_rows.wgsl") }
     }
 
     /// The buffers that hold the camera's rays.
@@ -372,21 +404,59 @@ pub(crate) fn write_texture(name: &'static str, wgsl_type: &'static str) -> Bind
     Binding { name, access: Access::WriteTexels, wgsl_type }
 }
 
-pub(crate) fn kernel(name: &'static str, bindings: Vec<Binding>, snippets: &[&str]) -> Kernel {
-    let mut source = String::new();
-    for (k, b) in bindings.iter().enumerate() {
-        let space = match b.access {
-            Access::Uniform => "<uniform>",
-            Access::Read => "<storage, read>",
-            Access::Write => "<storage, read_write>",
-            Access::Texels | Access::WriteTexels => "",
-        };
-        // writing to a String cannot fail
-        let _ = writeln!(source, "@group(0) @binding({k}) var{space} {}: {};", b.name, b.wgsl_type);
-    }
-    snippets.iter().for_each(|s| source.push_str(s));
-    Kernel { name, bindings, source, constants: Vec::new(), f64: snippets.contains(&REAL_F64) }
+pub(crate) fn kernel(name: &'static str, bindings: Vec<Binding>, parts: &[Parts]) -> Kernel {
+    let parts = parts.concat();
+    let f64 = parts.iter().any(|p| p.name == REAL_F64[0].name);
+    Kernel { name, bindings, parts, enables: "", constants: Vec::new(), f64 }
 }
+
+impl Kernel {
+    /// What precedes the snippets.
+    fn head(&self) -> String {
+        let mut head = self.enables.to_string();
+        for (k, b) in self.bindings.iter().enumerate() {
+            let space = match b.access {
+                Access::Uniform => "<uniform>",
+                Access::Read => "<storage, read>",
+                Access::Write => "<storage, read_write>",
+                Access::Texels | Access::WriteTexels => "",
+            };
+            // writing to a String cannot fail
+            let _ = writeln!(head, "@group(0) @binding({k}) var{space} {}: {};", b.name, b.wgsl_type);
+        }
+        head
+    }
+
+    /// What is compiled: the bindings, then the snippets.
+    pub fn source(&self) -> String {
+        self.head() + &self.parts.iter().map(|p| p.text).collect::<String>()
+    }
+
+    /// The same, each snippet below a line that names it.
+    pub fn labelled_source(&self) -> String {
+        let part = |p: &&Snippet| format!("// {}:1\n{}", p.name, p.text);
+        self.head() + &self.parts.iter().map(part).collect::<String>()
+    }
+
+    /// The snippet that holds a line of [`Kernel::source`], and the line's number there, both from 1. The bindings come before all snippets.
+    pub fn place(&self, line: usize) -> (&'static str, usize) {
+        let mut before = self.head().lines().count();
+        if line <= before {
+            return (BINDINGS, line);
+        }
+        for part in &self.parts {
+            let lines = part.text.lines().count();
+            if line <= before + lines {
+                return (part.name, line - before);
+            }
+            before += lines;
+        }
+        (self.name, line)
+    }
+}
+
+/// Stands for a snippet's name in front of the first one.
+const BINDINGS: &str = "bindings";
 
 pub(crate) fn params() -> Binding {
     uniform("params", "Params")
@@ -411,7 +481,7 @@ fn counters() -> Binding {
 /// Lays out the next indirect dispatch.
 pub fn args() -> Kernel {
     let bindings = vec![params(), step(), counters(), write("indirect", "array<u32>")];
-    kernel("args", bindings, &[PARAMS, snippet!("args.wgsl")])
+    kernel("args", bindings, &[PARAMS, snippets!("args.wgsl")])
 }
 
 pub fn cull(variant: Variant) -> Kernel {
@@ -428,7 +498,7 @@ pub fn cull(variant: Variant) -> Kernel {
         counters(),
     ];
     bindings.extend(variant.scattered_rays(true));
-    let snippets = [PARAMS, ITEMS, INDEX, WITHIN, MEETS, variant.tile_rays(), snippet!("cull.wgsl")];
+    let snippets = [PARAMS, ITEMS, INDEX, WITHIN, MEETS, variant.tile_rays(), snippets!("cull.wgsl")];
     let mut kernel = kernel("cull", bindings, &snippets);
     kernel.constants.push(("CULLING", variant.culling as u32 as f64));
     kernel
@@ -445,7 +515,7 @@ pub fn split(variant: Variant) -> Kernel {
         counters(),
     ];
     bindings.extend(variant.scattered_rays(variant.culling));
-    let own = [variant.item_rays(), variant.item_node(), snippet!("split.wgsl")];
+    let own = [variant.item_rays(), variant.item_node(), snippets!("split.wgsl")];
     let snippets = [&[PARAMS, ITEMS, INDEX, ADDRESS, MEETS][..], &own].concat();
     let mut kernel = kernel("split", bindings, &snippets);
     kernel.constants.push(("CULLING", variant.culling as u32 as f64));
@@ -463,17 +533,17 @@ pub fn bin(variant: Variant) -> Kernel {
         read("cells", "array<Cell>"),
         counters(),
     ];
-    let mut own = concat!(snippet!("shared/bunch_rows.wgsl"), snippet!("shared/by_pair.wgsl"));
+    let mut own = snippets!("shared/bunch_rows.wgsl", "shared/by_pair.wgsl");
     if variant.by_tile {
         let unsorted = write("unsorted", "array<vec2<u32>>");
         bindings.extend([unsorted, write("ranks", "array<u32>"), write("ends", "array<atomic<u32>>")]);
-        own = concat!(snippet!("shared/bunch_by_lanes.wgsl"), snippet!("shared/by_tile.wgsl"));
+        own = snippets!("shared/bunch_by_lanes.wgsl", "shared/by_tile.wgsl");
     } else {
         bindings.push(write("pairs", "array<vec2<u32>>"));
     }
     let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, SHEETS, VERTEX, PAIR, WITHIN, BOX_MET, variant.item_node()];
     bindings.extend(variant.scattered_rays(variant.culling));
-    let snippets = [&snippets[..], &[variant.item_rays(), own, snippet!("bin.wgsl")]].concat();
+    let snippets = [&snippets[..], &[variant.item_rays(), own, snippets!("bin.wgsl")]].concat();
     let mut kernel = kernel("bin", bindings, &snippets);
     kernel.constants.push(("SHEETED", variant.sheeted as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
@@ -490,7 +560,7 @@ pub fn allot() -> Kernel {
         write("busy", "array<u32>"),
         counters(),
     ];
-    kernel("allot", bindings, &[PARAMS, ITEMS, snippet!("allot.wgsl")])
+    kernel("allot", bindings, &[PARAMS, ITEMS, snippets!("allot.wgsl")])
 }
 
 pub fn sort() -> Kernel {
@@ -502,14 +572,14 @@ pub fn sort() -> Kernel {
         write("pairs", "array<vec2<u32>>"),
         counters(),
     ];
-    kernel("sort", bindings, &[PARAMS, ITEMS, PAIR, snippet!("sort.wgsl")])
+    kernel("sort", bindings, &[PARAMS, ITEMS, PAIR, snippets!("sort.wgsl")])
 }
 
 pub fn raster(variant: Variant) -> Kernel {
     if variant.by_tile {
         return raster_by_tile(variant);
     }
-    let mut kernel = into_visibility("raster", variant, &[DOUBTS, snippet!("raster.wgsl")]);
+    let mut kernel = into_visibility("raster", variant, &[DOUBTS, snippets!("raster.wgsl")]);
     kernel.constants.push(("DOUBTING", f64::from(u8::from(variant.doubting && variant.rechecks()))));
     kernel
 }
@@ -532,12 +602,12 @@ fn raster_by_tile(variant: Variant) -> Kernel {
     let column = match variant.rays {
         RaysKind::Field => {
             bindings.extend([read("rays_hi", "array<vec2<f32>>"), read("rays_lo", "array<vec2<f32>>")]);
-            snippet!("camera/field_column.wgsl")
+            snippets!("camera/field_column.wgsl")
         }
         _ => {
             let pieces = read("pieces", "array<vec4<f32>>");
             bindings.extend([pieces, read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
-            concat!(snippet!("camera/piece.wgsl"), snippet!("camera/pieces_column.wgsl"))
+            snippets!("camera/piece.wgsl", "camera/pieces_column.wgsl")
         }
     };
     if variant.turned {
@@ -552,9 +622,9 @@ fn raster_by_tile(variant: Variant) -> Kernel {
         NODE_BY_LANES,
         COLUMN,
         column,
-        snippet!("shared/waiting.wgsl"),
-        snippet!("shared/hold.wgsl"),
-        snippet!("raster_by_tile.wgsl"),
+        snippets!("shared/waiting.wgsl"),
+        snippets!("shared/hold.wgsl"),
+        snippets!("raster_by_tile.wgsl"),
     ];
     let mut kernel = kernel("raster", bindings, &[&snippets[..], &own, variant.start()].concat());
     kernel.constants = variant.constants();
@@ -564,7 +634,7 @@ fn raster_by_tile(variant: Variant) -> Kernel {
 
 /// What bounds in f32 may leave to be settled.
 pub fn recheck(variant: Variant) -> Kernel {
-    into_visibility("recheck", variant, &[SIDES, snippet!("recheck.wgsl")])
+    into_visibility("recheck", variant, &[SIDES, snippets!("recheck.wgsl")])
 }
 
 /// What is proven of what raster and recheck found.
@@ -584,8 +654,8 @@ pub fn certify(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend(variant.rays());
     bindings.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    let shared = [PAIR, BITS, MEETING, variant.camera(), snippet!("shared/proof.wgsl")];
-    let own = [NEARNESS, SOLID, snippet!("certify.wgsl")];
+    let shared = [PAIR, BITS, MEETING, variant.camera(), snippets!("shared/proof.wgsl")];
+    let own = [NEARNESS, SOLID, snippets!("certify.wgsl")];
     let all = [&snippets[..], &shared[..], variant.coverage(), variant.proof(), &own].concat();
     let mut kernel = kernel("certify", bindings, &all);
     kernel.constants = variant.constants();
@@ -595,7 +665,7 @@ pub fn certify(variant: Variant, planes: &[Channel]) -> Kernel {
 }
 
 /// A kernel from pairs to the visibility buffer.
-fn into_visibility(name: &'static str, variant: Variant, own: &[&str]) -> Kernel {
+fn into_visibility(name: &'static str, variant: Variant, own: &[Parts]) -> Kernel {
     let mut bindings = vec![
         params(),
         step(),
@@ -617,7 +687,7 @@ fn into_visibility(name: &'static str, variant: Variant, own: &[&str]) -> Kernel
         bindings.extend(variant.pages());
     }
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, variant.holes()];
-    let shared = [PAIR, BITS, variant.merge(), MEETING, snippet!("shared/hits.wgsl"), variant.camera()];
+    let shared = [PAIR, BITS, variant.merge(), MEETING, snippets!("shared/hits.wgsl"), variant.camera()];
     let all = [&snippets[..], &shared[..], own, variant.coverage(), variant.start()].concat();
     let mut kernel = kernel(name, bindings, &all);
     kernel.constants = variant.constants();
@@ -633,7 +703,7 @@ pub fn sift() -> Kernel {
         read("points", "array<vec4<f32>>"),
         write("found", "array<u32>"),
     ];
-    kernel("sift", bindings, &[PARAMS, ITEMS, snippet!("shared/beams.wgsl"), snippet!("sift.wgsl")])
+    kernel("sift", bindings, &[PARAMS, ITEMS, snippets!("shared/beams.wgsl"), snippets!("sift.wgsl")])
 }
 
 /// Caustic triangles onto the maps of receivers; no part of a frame.
@@ -644,7 +714,7 @@ pub fn deposit() -> Kernel {
         read("receivers", "array<Receiver>"),
         write("sums", "array<atomic<u32>>"),
     ];
-    kernel("deposit", bindings, &[PARAMS, ITEMS, CAUSTICS, snippet!("deposit.wgsl")])
+    kernel("deposit", bindings, &[PARAMS, ITEMS, CAUSTICS, snippets!("deposit.wgsl")])
 }
 
 /// Caustics into the colour planes, after `shade`.
@@ -659,12 +729,12 @@ pub fn gather(variant: Variant, planes: &[Channel]) -> Kernel {
         write("planes", "array<u32>"),
     ];
     // of keys the ids alone are read
-    let snippets = [PARAMS, ITEMS, SHEETS, REAL_F32, KEY, SHADING, CAUSTICS, snippet!("gather.wgsl")];
-    let seen: &[&str] = if variant.optics.is_some() {
+    let snippets = [PARAMS, ITEMS, SHEETS, REAL_F32, KEY, SHADING, CAUSTICS, snippets!("gather.wgsl")];
+    let seen: &[Parts] = if variant.optics.is_some() {
         bindings.extend([optic(), ways()]);
-        &[OPTICS_ROWS, snippet!("caustics/turned.wgsl")]
+        &[OPTICS_ROWS, snippets!("caustics/turned.wgsl")]
     } else {
-        &[snippet!("caustics/plain.wgsl")]
+        &[snippets!("caustics/plain.wgsl")]
     };
     let mut kernel = kernel("gather", bindings, &[&snippets[..], seen].concat());
     kernel.constants = [vec![("SHEETED", variant.sheeted as u32 as f64)], plane_constants(planes)].concat();

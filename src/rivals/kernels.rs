@@ -1,27 +1,21 @@
 //! The rivals' kernels and draws, in the manner of [`crate::gpu::kernels`].
 
 use crate::gpu::kernels::{
-    Binding, ITEMS, KEY, Kernel, PARAMS, RAY, RaysKind, SHEETS, TRIANGLE_ROW, VERTEX, Variant, kernel, params, read,
-    texture, uniform, write,
+    Binding, ITEMS, KEY, Kernel, PARAMS, Parts, RAY, RaysKind, SHEETS, TRIANGLE_ROW, VERTEX, Variant, kernel, params,
+    read, snippets, texture, uniform, write,
 };
 use glam::DVec3;
 
-macro_rules! snippet {
-    ($path:literal) => {
-        include_str!(concat!("../../wgsl/baseline/", $path))
-    };
-}
-
-const SEGMENT: &str = include_str!("../../wgsl/shared/segment.wgsl");
-const ROWS: &str = snippet!("rows.wgsl");
-const SEEN_THROUGH: &str = snippet!("seen_through.wgsl");
-const RANGE: &str = snippet!("range.wgsl");
-const DRAWN: &str = snippet!("drawn.wgsl");
-const OUTLINE: &str = snippet!("outline.wgsl");
-const PROJECT: &str = snippet!("project.wgsl");
-const FACE: &str = snippet!("cube_face.wgsl");
-const CELLS: &str = snippet!("splat_cells.wgsl");
-const PERSPECTIVE: &str = snippet!("perspective_image.wgsl");
+const SEGMENT: Parts = snippets!("shared/segment.wgsl");
+const ROWS: Parts = snippets!("baseline/rows.wgsl");
+const SEEN_THROUGH: Parts = snippets!("baseline/seen_through.wgsl");
+const RANGE: Parts = snippets!("baseline/range.wgsl");
+const DRAWN: Parts = snippets!("baseline/drawn.wgsl");
+const OUTLINE: Parts = snippets!("baseline/outline.wgsl");
+const PROJECT: Parts = snippets!("baseline/project.wgsl");
+const FACE: Parts = snippets!("baseline/cube_face.wgsl");
+const CELLS: Parts = snippets!("baseline/splat_cells.wgsl");
+const PERSPECTIVE: Parts = snippets!("baseline/perspective_image.wgsl");
 
 /// A ray a pixel and segment, `brute` against every triangle.
 pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kernel {
@@ -30,15 +24,12 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
     bindings.push(write("visibility", "array<vec2<u32>>"));
     bindings.extend(variant.pixel_rays());
     let way = match variant.rays {
-        RaysKind::Curves { .. } => snippet!("curved_way.wgsl"),
-        _ => snippet!("straight_way.wgsl"),
+        RaysKind::Curves { .. } => snippets!("baseline/curved_way.wgsl"),
+        _ => snippets!("baseline/straight_way.wgsl"),
     };
-    let search = if brute {
-        snippet!("brute.wgsl")
-    } else {
-        concat!(snippet!("hierarchy.wgsl"), include_str!("../../wgsl/shared/bvh.wgsl"))
-    };
-    let own = [SEGMENT, search, way, snippet!("trace.wgsl")];
+    let search =
+        if brute { snippets!("baseline/brute.wgsl") } else { snippets!("baseline/hierarchy.wgsl", "shared/bvh.wgsl") };
+    let own = [SEGMENT, search, way, snippets!("baseline/trace.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SHEETS, KEY][..], &variant.pixel_snippets(), &own].concat();
     let mut kernel = kernel("trace", bindings, &snippets);
     kernel.constants = variant.constants();
@@ -49,7 +40,7 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
 /// A picture that the rasterizer made, into the visibility buffer.
 pub fn take(variant: Variant) -> Kernel {
     let bindings = vec![params(), texture("picture", "texture_2d<u32>"), write("visibility", "array<vec2<u32>>")];
-    let snippets = [PARAMS, ITEMS, SHEETS, KEY, TRIANGLE_ROW, variant.real(), snippet!("take.wgsl")];
+    let snippets = [PARAMS, ITEMS, SHEETS, KEY, TRIANGLE_ROW, variant.real(), snippets!("baseline/take.wgsl")];
     let mut kernel = kernel("take", bindings, &snippets);
     kernel.constants = vec![("SHEETED", f64::from(u8::from(variant.sheeted)))];
     kernel
@@ -61,7 +52,7 @@ fn triangles() -> [Binding; 2] {
 }
 
 /// A draw of triangles through pieces.
-fn pieces_draw(name: &'static str, layers: u32, more: &[Binding], own: &[&str]) -> Kernel {
+fn pieces_draw(name: &'static str, layers: u32, more: &[Binding], own: &[Parts]) -> Kernel {
     let rays = [read("pieces", "array<Piece>"), read("outlines", "array<Outline>")];
     let bindings = [&[params()][..], &triangles(), &rays, more].concat();
     let mut kernel =
@@ -71,23 +62,24 @@ fn pieces_draw(name: &'static str, layers: u32, more: &[Binding], own: &[&str]) 
 }
 
 /// The same, clipped at the pieces' edges where `culling`.
-fn clipped_draw(name: &'static str, (layers, culling): (u32, bool), more: &[Binding], own: &[&str]) -> Kernel {
+fn clipped_draw(name: &'static str, (layers, culling): (u32, bool), more: &[Binding], own: &[Parts]) -> Kernel {
     let mut kernel = pieces_draw(name, layers, more, own);
     kernel.constants.push(("CULLING", f64::from(u8::from(culling))));
-    kernel.source.insert_str(0, "enable clip_distances;\n");
+    kernel.enables = "enable clip_distances;\n";
     kernel
 }
 
 /// Vertices projected; each triangle cut in four so often.
 pub fn warp(layers: u32, culling: bool, levels: u32) -> Kernel {
-    let mut kernel = clipped_draw("warp", (layers, culling), &[], &[PROJECT, SEEN_THROUGH, snippet!("warp.wgsl")]);
+    let mut kernel =
+        clipped_draw("warp", (layers, culling), &[], &[PROJECT, SEEN_THROUGH, snippets!("baseline/warp.wgsl")]);
     kernel.constants.push(("LEVELS", f64::from(levels)));
     kernel
 }
 
 /// Triangles around images, in the planes through the scene's middle.
 pub fn bound(layers: u32, culling: bool, middle: DVec3) -> Kernel {
-    let mut kernel = clipped_draw("bound", (layers, culling), &[], &[snippet!("bound.wgsl")]);
+    let mut kernel = clipped_draw("bound", (layers, culling), &[], &[snippets!("baseline/bound.wgsl")]);
     kernel.constants.extend([("MIDDLE_X", middle.x), ("MIDDLE_Y", middle.y), ("MIDDLE_Z", middle.z)]);
     kernel
 }
@@ -99,7 +91,7 @@ pub fn perspective(layers: u32, culling: bool) -> Kernel {
         "perspective",
         (layers, culling),
         &replicas,
-        &[PERSPECTIVE, SEEN_THROUGH, snippet!("perspective.wgsl")],
+        &[PERSPECTIVE, SEEN_THROUGH, snippets!("baseline/perspective.wgsl")],
     )
 }
 
@@ -108,7 +100,7 @@ pub fn replicate(culling: bool) -> Kernel {
     let rays = [read("cones", "array<Cone>"), read("pieces", "array<Piece>"), read("outlines", "array<Outline>")];
     let own = [write("replicas", "array<vec2<u32>>"), write("draw_args", "array<atomic<u32>>")];
     let bindings = [&[params()][..], &triangles(), &rays, &own].concat();
-    let own = [OUTLINE, PERSPECTIVE, snippet!("replicate.wgsl")];
+    let own = [OUTLINE, PERSPECTIVE, snippets!("baseline/replicate.wgsl")];
     let mut kernel = kernel("replicate", bindings, &[&[PARAMS, ITEMS, VERTEX, RAY, ROWS][..], &own].concat());
     kernel.constants = vec![("CULLING", f64::from(u8::from(culling)))];
     kernel
@@ -117,7 +109,7 @@ pub fn replicate(culling: bool) -> Kernel {
 /// Triangles onto a cube around the eye.
 pub fn cube() -> Kernel {
     let bindings = [&[params(), uniform("cube", "Cube")][..], &triangles()].concat();
-    kernel("cube", bindings, &[PARAMS, VERTEX, TRIANGLE_ROW, ROWS, DRAWN, FACE, snippet!("cube.wgsl")])
+    kernel("cube", bindings, &[PARAMS, VERTEX, TRIANGLE_ROW, ROWS, DRAWN, FACE, snippets!("baseline/cube.wgsl")])
 }
 
 /// The cube map to the camera's picture.
@@ -125,7 +117,7 @@ pub fn unfold(variant: Variant) -> Kernel {
     let mut bindings = vec![params(), uniform("cube", "Cube"), texture("picture", "texture_2d<u32>")];
     bindings.push(write("visibility", "array<vec2<u32>>"));
     bindings.extend(variant.pixel_rays());
-    let own = [TRIANGLE_ROW, ROWS, RANGE, FACE, snippet!("unfold.wgsl")];
+    let own = [TRIANGLE_ROW, ROWS, RANGE, FACE, snippets!("baseline/unfold.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SHEETS, KEY][..], &variant.pixel_snippets(), &own].concat();
     let mut kernel = kernel("unfold", bindings, &snippets);
     kernel.constants = variant.constants();
@@ -135,7 +127,8 @@ pub fn unfold(variant: Variant) -> Kernel {
 /// Triangles into the texture S, `samples` texels a side each.
 pub fn splat_project(samples: u32) -> Kernel {
     let more = [uniform("splat", "Splat")];
-    let mut kernel = pieces_draw("splat_project", 1, &more, &[CELLS, PROJECT, snippet!("splat_project.wgsl")]);
+    let mut kernel =
+        pieces_draw("splat_project", 1, &more, &[CELLS, PROJECT, snippets!("baseline/splat_project.wgsl")]);
     kernel.constants.push(("SAMPLES", f64::from(samples)));
     kernel
 }
@@ -143,7 +136,8 @@ pub fn splat_project(samples: u32) -> Kernel {
 /// S to where the camera shows it.
 pub fn splat_move(layers: u32, culling: bool, samples: u32) -> Kernel {
     let more = [uniform("splat", "Splat"), texture("s", "texture_2d<f32>")];
-    let mut kernel = clipped_draw("splat_move", (layers, culling), &more, &[CELLS, snippet!("splat_move.wgsl")]);
+    let mut kernel =
+        clipped_draw("splat_move", (layers, culling), &more, &[CELLS, snippets!("baseline/splat_move.wgsl")]);
     kernel.constants.push(("SAMPLES", f64::from(samples)));
     kernel
 }

@@ -21,7 +21,7 @@ use anamorph::geometry::mesh::{Material, Mesh};
 use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, read_words, readback, wait};
 use anamorph::gpu::device::Abilities;
-use anamorph::gpu::kernels::{LightsKind, OpticsKind, Variant};
+use anamorph::gpu::kernels::{OpticsKind, Variant};
 use anamorph::gpu::rows::COUNTERS;
 use anamorph::image::frame::Channel;
 use anamorph::scene::Scene;
@@ -90,25 +90,12 @@ impl Case {
         Variant {
             f64: real == Real::F64,
             atomics64,
-            by_tile: false,
             rays,
-            scattered: false,
             sheeted,
             counting: true,
-            culling: true,
-            doubting: false,
             normals: !self.scene.mesh.normals.is_empty(),
-            textured: false,
-            cut: false,
-            glossy: false,
-            sky: false,
-            lights: LightsKind::Plain,
-            styled: false,
-            outlined: false,
             optics,
-            turned: false,
-            samples: 1,
-            analytic: false,
+            ..Variant::PLAIN
         }
     }
 }

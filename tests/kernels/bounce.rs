@@ -232,7 +232,7 @@ fn the_comparison_sees_planted_errors() {
 #[test]
 fn the_kernel_has_the_rule_s_constant() {
     let case = cases().into_iter().next().unwrap();
-    let source = anamorph::gpu::kernels::bounce(case.variant(Real::F64, false)).source;
+    let source = anamorph::gpu::kernels::bounce(case.variant(Real::F64, false)).source();
     assert!(source.contains(&format!("const FLAT_LEAST: real = {:?};", anamorph::camera::optics::FLAT_LEAST)));
 }
 

@@ -196,7 +196,7 @@ fn sums_carry_into_their_high_words_and_do_not_depend_on_the_order() {
 #[test]
 fn the_kernel_calls_lines_what_its_twin_does() {
     let constant = format!("const LINE_WIDTH: f32 = 1.0 / {:.1};", 1.0 / LINE_WIDTH);
-    assert!(kernels::deposit().source.contains(&constant), "{constant}");
+    assert!(kernels::deposit().source().contains(&constant), "{constant}");
 }
 
 #[test]

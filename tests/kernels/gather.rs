@@ -5,7 +5,7 @@ use crate::common::rng::Rng;
 use anamorph::engine::stage::gather::Gather;
 use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, read_words, readback};
-use anamorph::gpu::kernels::{LightsKind, OpticsKind, RaysKind, Variant};
+use anamorph::gpu::kernels::{OpticsKind, Variant};
 use anamorph::gpu::rows::{Landing, NONE, Optic, Params, Receiver, Way};
 use anamorph::image::frame::Channel;
 use anamorph::twin::gather::{gather, place, units};
@@ -32,29 +32,7 @@ struct Case {
 }
 
 fn variant(optics: bool) -> Variant {
-    Variant {
-        f64: false,
-        atomics64: false,
-        by_tile: false,
-        rays: RaysKind::Pieces,
-        scattered: false,
-        sheeted: false,
-        counting: false,
-        culling: true,
-        doubting: false,
-        normals: false,
-        textured: false,
-        cut: false,
-        glossy: false,
-        sky: false,
-        lights: LightsKind::Plain,
-        styled: false,
-        outlined: false,
-        optics: optics.then_some(OpticsKind::Facets),
-        turned: false,
-        samples: 1,
-        analytic: false,
-    }
+    Variant { optics: optics.then_some(OpticsKind::Facets), ..Variant::PLAIN }
 }
 
 fn case(rng: &mut Rng) -> Case {

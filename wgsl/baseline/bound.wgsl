@@ -1,5 +1,8 @@
 // bound: a triangle around the image of each, and the ray of each pixel of it against the triangle's plane (Hou et al. 2006,
 // sections 2.1 and 2.2). An instance is a piece, the camera triangle.
+// Needs: Drawn, ID_MASK, Piece, clip_place, drawn, file_normal, in_range, is_hidden, outline_corners, outline_distances, outline_holds,
+//   outline_ray, piece_origin, vertex, winding
+// Binds: outlines, pieces, triangles
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

@@ -1,4 +1,7 @@
 // What a segment meets first, by testing every triangle.
+// Provides: traced
+// Needs: Found, Segment, nearer, nothing
+// Binds: leaves
 
 fn traced(segment: Segment) -> Found {
     var found = nothing();

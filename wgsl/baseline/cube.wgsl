@@ -1,4 +1,6 @@
 // cube: triangles onto the six faces of a cube around the eye, three beside each other in two rows.
+// Needs: Drawn, ID_MASK, drawn, file_normal, is_hidden, on_face, vertex
+// Binds: cube, triangles
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

@@ -1,4 +1,5 @@
 // The faces of a cube map: +x, -x, +y, -y, +z, -z.
+// Provides: face_of, on_face
 
 // A vector from the eye: two coordinates across the face, [-1, 1] of it where they are as large as the third, which is above 0
 // before the face.

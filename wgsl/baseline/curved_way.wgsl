@@ -1,4 +1,7 @@
 // The way of a pixel in a layer: its curve, cut into straight segments at equal steps of t (Brosz et al. 2007, section 4.3).
+// Provides: way_segment, way_t
+// Needs: SEGMENTS, Segment, curve_point, pixel_curve, real
+// Binds: params
 
 fn way_segment(layer: u32, x: u32, y: u32, k: u32) -> Segment {
     let c = pixel_curve(layer, x, y);

@@ -1,4 +1,7 @@
 // What a fragment leaves in the picture that take reads.
+// Provides: Drawn, clip_place, drawn, file_normal, is_hidden
+// Needs: ONE_SIDED, triangle_reversed
+// Binds: params
 
 struct Drawn {
     @location(0) seen: vec2<u32>,       // layer and id, and the bits of t

@@ -1,4 +1,7 @@
 // The hierarchy in buffers of its own.
+// Provides: leaf_at, node_at
+// Needs: BvhNode, LeafTriangle
+// Binds: bvh, leaves
 
 fn node_at(k: u32) -> BvhNode {
     return bvh[k];

@@ -1,4 +1,7 @@
 // Pieces, and their outlines in the image.
+// Provides: CULLING, outline_corners, outline_distances, outline_holds, outline_ray, piece_origin, winding
+// Needs: Outline, Piece, Ray
+// Binds: params
 
 // An outline in band pixels, centres at whole numbers.
 fn outline_corners(o: Outline) -> array<vec2<f32>, 3> {

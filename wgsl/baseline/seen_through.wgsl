@@ -1,4 +1,7 @@
 // A triangle that was projected by its corners, seen through a piece.
+// Provides: Clipped, Corner, seen_through
+// Needs: Drawn, ID_MASK, drawn, in_range, is_hidden, outline_holds, outline_ray, piece_origin
+// Binds: outlines, pieces
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

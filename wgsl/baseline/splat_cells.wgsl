@@ -1,4 +1,6 @@
 // Cells of the texture S: squares of SAMPLES texels a side, row by row, of which the half above the diagonal is used.
+// Provides: SAMPLES, cell_piece, cell_slot, cell_texel
+// Binds: splat
 
 override SAMPLES: u32 = 10u;
 

@@ -1,5 +1,8 @@
 // splat_move: the second pass of Yu et al. 2009, section 3.3: every three neighbours of S are rendered as a triangle where the
 // camera shows them, so that no holes are left.
+// Needs: Drawn, ID_MASK, SAMPLES, cell_piece, cell_slot, cell_texel, clip_place, drawn, file_normal, in_range, is_hidden,
+//   outline_distances, outline_holds, outline_ray, piece_origin, vertex
+// Binds: outlines, pieces, s, triangles
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

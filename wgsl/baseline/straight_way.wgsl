@@ -1,4 +1,7 @@
 // The way of a pixel in a layer: its one straight ray.
+// Provides: way_segment, way_t
+// Needs: Segment, pixel_ray
+// Binds: params
 
 fn way_segment(layer: u32, x: u32, y: u32, k: u32) -> Segment {
     let ray = pixel_ray(layer, x, y, 0.0);

@@ -1,5 +1,7 @@
 // take: one thread per pixel of the band.
 // Reads a picture of ids and depths that the rasterizer made; writes visibility keys.
+// Needs: ID_MASK, NONE, item_index, real, visibility_key
+// Binds: params, picture, visibility
 
 @compute @workgroup_size(64)
 fn take(

@@ -1,6 +1,9 @@
 // trace: one thread per pixel of the band.
 // Reads the pixel's rays, segment by segment, and triangles in a bounding volume hierarchy, or one after the other; writes the
 // visibility key of the nearest triangle of the first segment that meets one.
+// Provides: SEGMENTS
+// Needs: NONE, TILE, has_ray, item_index, real, traced, visibility_key, way_segment, way_t
+// Binds: params, visibility
 
 override LAYERS: u32 = 1u;
 override SEGMENTS: u32 = 1u;      // of a layer

@@ -1,5 +1,7 @@
 // unfold: one thread per pixel of the band.
 // Reads the pixel's ray and the nearest texel of the cube map that it goes through; writes the visibility key of what is there.
+// Needs: ID_MASK, NONE, face_of, has_ray, in_range, item_index, on_face, pixel_ray, real, visibility_key
+// Binds: cube, params, picture, visibility
 
 @compute @workgroup_size(64)
 fn unfold(

@@ -1,4 +1,7 @@
 // Curved rays: Bezier curves of one degree, a net of control points a pixel and layer, relative to the anchor.
+// Provides: Curve, DEGREE, bernstein, control_point, curve_place, curve_point, curve_stored, curve_tangent
+// Needs: real, real3, real4
+// Binds: params, rays_hi, rays_lo
 
 override DEGREE: u32 = 3u;
 

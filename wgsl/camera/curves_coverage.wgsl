@@ -1,4 +1,7 @@
 // Which pixels' curves may meet a triangle over a span of t, by their control nets.
+// Provides: COVERAGE_PROVES, coverage, span_of
+// Needs: Cell, DEGREE, TILE, control_point, curve_place, first_bit, tile_corner, tile_layer, tile_sheet, with_bit, without_bit
+// Binds: params
 
 // What is covered is proven to be; else it may be covered.
 const COVERAGE_PROVES: bool = false;

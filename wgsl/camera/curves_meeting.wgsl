@@ -1,5 +1,9 @@
 // Where a pixel's curve meets a triangle first: the roots of N . (X(t) - v) over a span of t, which is a polynomial of
 // the curve's degree, that lie inside.
+// Provides: BEND, cell_bundle, cell_depth, critical_points, pixel_depth, polynomial, root_between
+// Needs: Bundle, Cell, Curve, DEGREE, Meeting, REAL_ROUNDING, REAL_UNIT, REAL_UNIT_ROOT, bernstein, curve_place, curve_point, curve_stored,
+//   curve_tangent, is_there, reach3, real, real3, real4, size3, span_of, tile_corner, tile_layer
+// Binds: params
 
 // Curves have no bundle.
 fn cell_bundle(cell: Cell) -> Bundle {

@@ -1,4 +1,8 @@
 // Curved rays pixel by pixel: at a hit a curve is its tangent.
+// Provides: has_ray, piece_number, pixel_curve, pixel_ray, point_at, ray_bundle, ray_spread, reached, segment_length
+// Needs: Bundle, Curve, DEGREE, NONE, Ray, Spread, both_sides, curve_place, curve_point, curve_stored, curve_tangent, pixel_cell, real,
+//   real3, size3
+// Binds: cells, params
 
 fn pixel_curve(layer: u32, x: u32, y: u32) -> Curve {
     return curve_stored(curve_place(layer, x, y));

@@ -1,4 +1,9 @@
 // What recheck arithmetic proves of where a pixel's curve meets a triangle first, over a span of t.
+// Provides: pixel_proof
+// Needs: BEND, Bundle, Cell, Curve, DEGREE, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, critical_points, curve_place,
+//   curve_point, curve_stored, curve_tangent, normal_of, polynomial, reach3, real, real3, real4, root_between, sign_beyond, size3, span_of,
+//   tile_corner, tile_layer
+// Binds: params
 
 // A polynomial over the control net is off by what N and the net lost; so is its extreme where a critical point is off by the root
 // of a unit, at which it is off by BEND units of its sizes: in all under twice this bound.

@@ -1,4 +1,7 @@
 // The rays of a field in recheck arithmetic, and as bundles.
+// Provides: cell_bundle, cell_bundle_at, field_bundle, field_spread, pixel_bundle
+// Needs: Bundle, Cell, Spread, both_sides, field_at, field_direction, field_origin, real, real3, size3, tile_corner
+// Binds: params, rays_lo
 
 fn field_origin_real(at: u32) -> real3 {
     return real3(field_origin(at)) + real3(vec3<f32>(rays_lo[at], rays_lo[at + 1u], rays_lo[at + 2u]));

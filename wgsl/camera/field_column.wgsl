@@ -1,4 +1,7 @@
 // The rays of a column of a tile, from the field's table as pairs of numbers.
+// Provides: FieldRay, field_ray, field_strip, tile_column
+// Needs: Column, Strip, real3, real4, tile_corner
+// Binds: params, rays_hi, rays_lo
 
 // The ray of a pixel of the band, with the origin less a point; the last number tells whether there is one.
 struct FieldRay {

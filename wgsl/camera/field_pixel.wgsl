@@ -1,4 +1,6 @@
 // Rays of a ray field, pixel by pixel: it has one layer and one piece.
+// Provides: has_ray, piece_number, pixel_ray, point_at, ray_bundle, ray_spread, reached, segment_length
+// Needs: Bundle, Ray, Spread, field_at, field_bundle, field_direction, field_origin, field_spread
 
 fn ray_bundle(layer: u32, x: u32, y: u32, t: f32) -> Bundle {
     return field_bundle(x, y);

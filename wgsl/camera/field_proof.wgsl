@@ -1,4 +1,8 @@
 // What may be lost of the ray of a pixel of a field: the rounding of what is stored.
+// Provides: weighed
+// Needs: Bundle, Cell, REAL_UNIT, Weighed, field_bundle, real, size3, tile_corner
+// Binds: params
+
 fn weighed(cell: Cell, whole: Bundle, x: u32, y: u32) -> Weighed {
     let corner = tile_corner(cell.tile);
     let b = field_bundle(corner.x + x, corner.y + y);

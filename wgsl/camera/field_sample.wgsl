@@ -1,4 +1,7 @@
 // Rays of the samples of a ray field: by what each differs from its pixel's own, six numbers P and D, sample by sample.
+// Provides: sample_bundle, sample_ray, sample_spread
+// Needs: Bundle, Cell, Ray, SAMPLES, Spread, field_at, field_bundle, field_direction, field_origin, field_spread, real3, tile_corner
+// Binds: params, rays_aside
 
 fn field_sample(x: u32, y: u32, sample: u32) -> u32 {
     return 6u * ((y * params.width + x) * SAMPLES + sample);

@@ -1,4 +1,7 @@
 // The rays of four samples of a pixel of a ray field, from its table and by what they differ.
+// Provides: sample_strip
+// Needs: FieldRay, SAMPLES, Strip, TILE, bit_mask, field_ray, field_strip, pixels_of_sample, real3
+// Binds: params, rays_aside, tile_start
 
 struct SampleStrip {
     strip: Strip,

@@ -1,4 +1,6 @@
 // The bundle of a piece about its origin, in recheck arithmetic.
+// Provides: piece_bundle
+// Needs: Bundle, Piece, real, real3
 
 fn piece_bundle(q: Piece) -> Bundle {
     return Bundle(

@@ -1,4 +1,7 @@
 // The rays of a column of a tile, from the pieces that own its pixels.
+// Provides: tile_column
+// Needs: Bundle, Column, NO_STRIP, Piece, Strip, TILE, either, piece_bundle, real, real3, real4, tile_corner
+// Binds: cells, pieces, tile_start
 
 // A piece, whose rows all lanes load together.
 fn lanes_piece(index: u32, lane: u32) -> Piece {

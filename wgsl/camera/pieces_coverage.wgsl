@@ -1,4 +1,7 @@
 // What a triangle covers of a cell, by its edge conics over the tile, and how deep.
+// Provides: COVERAGE_PROVES, cell_depth, coverage, pixel_depth
+// Needs: Bundle, Cell, Meeting, Piece, SHEETED, TILE_REACH, bundle_at, end_rounding, is_there, ray_meeting, reach3, real, real3
+// Binds: pieces
 
 // What is covered is proven to be; else it may be covered.
 const COVERAGE_PROVES: bool = true;

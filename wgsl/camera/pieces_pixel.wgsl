@@ -1,4 +1,7 @@
 // Rays of a camera made of pieces, pixel by pixel; the piece is looked up.
+// Provides: cell_ray_at, cell_spread, has_ray, piece_number, pixel_ray, point_at, ray_bundle, ray_spread, reached, segment_length
+// Needs: Bundle, Cell, NONE, Ray, Spread, TILE, TILE_REACH, bundle_at, piece_bundle, pixel_cell, real
+// Binds: cells, pieces
 
 // The bundle of a pixel of the band in a layer.
 fn ray_bundle(layer: u32, x: u32, y: u32, t: f32) -> Bundle {

@@ -1,4 +1,7 @@
 // The rays of samples of a camera made of pieces.
+// Provides: sample_ray, sample_spread
+// Needs: Ray, SHEETED, Spread, TILE, TILE_REACH, bit_mask, cell_ray_at, cell_spread, pixels_of_sample, sample_place
+// Binds: cells, params, tile_start
 
 fn sample_ray(layer: u32, x: u32, y: u32, sample: u32) -> Ray {
     return cell_ray_at(cells[sample_cell(layer, x, y, sample)], place_in_tile(x, y, sample));

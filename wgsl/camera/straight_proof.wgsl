@@ -3,6 +3,10 @@
 // REAL_UNIT is the rounding of stored numbers and no less than that of one operation. The size of a vector is the sum of its absolute
 // components, so that a product is at most the product of the sizes. Every bound is of the same form: what is lost of each factor
 // times the size of the other, and PRODUCT_UNITS of both sizes.
+// Provides: Weighed, pixel_proof
+// Needs: Bundle, Cell, ENDLESS, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, SHEETED, end_rounding, normal_of, of_words,
+//   perturbed, reach3, real, real3, sign_beyond, size3, weighed
+// Binds: params
 
 // A ray, and what may be lost of its parts.
 struct Weighed {

@@ -1,4 +1,5 @@
 // What gather adds to where no ray is turned.
+// Provides: ends_here, light_kept
 
 fn ends_here(id: u32) -> bool {
     return true;

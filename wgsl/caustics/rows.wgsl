@@ -1,4 +1,5 @@
 // Rows of caustics; src/gpu/rows.rs holds the same structs, and a test holds the two equal.
+// Provides: Cast, Casting, Landing, Receiver
 
 // A dispatch of deposit.
 struct Casting {

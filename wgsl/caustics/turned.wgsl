@@ -1,4 +1,6 @@
 // What gather adds to where a mirror or a lens turns rays: nothing to a surface that the ray goes on from.
+// Provides: ends_here, light_kept
+// Binds: optic, ways
 
 fn ends_here(id: u32) -> bool {
     return id < optic.first_id;

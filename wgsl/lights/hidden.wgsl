@@ -1,4 +1,7 @@
 // What is in the way of light: straight segments through the hierarchy of the scene's triangles, whose rows follow those of the lights.
+// Provides: leaf_at, node_at, openness, reaches
+// Needs: BvhNode, Found, LeafTriangle, Lit, NONE, Segment, flat_normal, largest, traced
+// Binds: lights, shading, triangles
 
 // How far above a surface segments start, of the largest coordinate that its place was found with.
 const ABOVE: f32 = 4e-6;

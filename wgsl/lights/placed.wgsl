@@ -1,5 +1,8 @@
 // Lights of any colour, far away or in a place: two rows each. The first is the way that its light travels, or where it is and the
 // distance at which it is as bright as one far away; the second its colour, and 1 where things hide it.
+// Provides: arriving
+// Needs: Arriving, Lit, largest, reaches
+// Binds: lights
 
 fn arriving(k: u32, lit: Lit) -> Arriving {
     let from_there = lights[2u * k];

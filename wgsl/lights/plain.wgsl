@@ -1,4 +1,7 @@
 // Lights far away that are white and that nothing hides: a row each, the way that their light travels.
+// Provides: arriving, openness
+// Needs: Arriving, Lit
+// Binds: lights
 
 fn arriving(k: u32, lit: Lit) -> Arriving {
     return Arriving(-lights[k].xyz, vec3<f32>(1.0));

@@ -1,4 +1,6 @@
 // Nothing is in the way of light.
+// Provides: openness, reaches
+// Needs: Lit
 
 fn reaches(lit: Lit, l: vec3<f32>, far: f32) -> bool {
     return true;

@@ -1,5 +1,8 @@
 // Light that surfaces send back by the microfacets of Trowbridge and Reitz (GGX; Walter et al. 2007), seen along the ray, and light of
 // their own.
+// Provides: sent_back
+// Needs: Lit, SKY, arriving, from_around, openness, surface_row
+// Binds: materials, shading
 
 const PI: f32 = 3.14159265;
 

@@ -1,4 +1,6 @@
 // What a triangle looks like.
+// Provides: Material
+
 struct Material {
     diffuse: vec3<f32>,
     texture: u32,           // how its image goes on beyond its borders, two bits each way: repeat, clamp, mirror; NONE: it has no image

@@ -1,4 +1,6 @@
 // Light from everywhere alike, and one colour behind all.
+// Provides: beyond
+// Binds: shading
 
 const SKY: bool = false;
 

@@ -1,4 +1,7 @@
 // Light from all around, by an image of it: longitudes from left to right, -z in the middle, and latitudes from +y on top.
+// Provides: SKY, beyond, from_around
+// Needs: Footprint, SHEETED, both_sides, has_ray, image_mean, pixel_ray
+// Binds: materials, params, shading
 
 const SKY: bool = true;
 

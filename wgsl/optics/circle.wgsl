@@ -1,4 +1,6 @@
 // Cosine and sine, of f64 too, for which WGSL's own are not to be had.
+// Provides: TURN, circle
+// Needs: real
 
 const TURN: real = 6.283185307179586;
 

@@ -1,4 +1,7 @@
 // Turns at flat facets.
+// Provides: camera_of, camera_place, facet_place, facet_weights, turn_at
+// Needs: LAW_NORMALS, Turned, bent, bent_at, norm, real, real3
+// Binds: corners, optic
 
 // Sine of the angle with the facet's plane at which its corners' rays must leave to be scaled to one height.
 const FLAT_LEAST: real = 0.015625;

@@ -1,5 +1,7 @@
 // The first root of a function along a ray, in steps that are proved to be free of roots. A snippet of each surface has the
 // function, `along`, bounds of its second derivative, and how many steps it takes at most.
+// Provides: first_crossing
+// Needs: Along, Root, along, real
 
 // A step is that much of what is proved: the rest outweighs what rounding of slope and bend may add to it. Only where the
 // function is 0 within its own rounding may a step pass two roots.

@@ -1,4 +1,7 @@
 // Where rays meet quadrics.
+// Provides: first_root, smooth_normal
+// Needs: Quadric, REAL_UNIT, Root, real, real3, size3
+// Binds: quadrics
 
 fn quadric_times(q: Quadric, v: real3) -> real3 {
     let a = real3(q.diagonal_hi) + real3(q.diagonal_lo);

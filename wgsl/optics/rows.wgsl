@@ -1,4 +1,5 @@
 // Rows of cameras with a mirror or a lens; src/gpu/rows.rs holds the same structs, and a test holds the two equal.
+// Provides: AtlasLayout, Corner, LAW_NORMALS, Optic, Quadric, Torus, Wave, Way
 
 const LAW_NORMALS: u32 = 0u;   // rays are turned about the corners' normals, interpolated
 const LAW_FLAT: u32 = 1u;      // the corners' turned rays are interpolated

@@ -1,4 +1,8 @@
 // What a pixel shows where a mirror or a lens turns rays: what the last of them meets.
+// Provides: colour_of, ends_on_smooth, first_piece, first_surface, goes_on, is_under_way, light_before, light_left, says_what_is_seen,
+//   way_length
+// Needs: NONE, Place
+// Binds: optic, params, planes, ways
 
 fn is_under_way(x: u32, y: u32) -> bool {
     return optic.turns == 0u || ways[y * params.width + x].last != NONE;

@@ -1,5 +1,8 @@
 // Turns at surfaces that rays meet where they are. A snippet of each kind says where, `first_root`, and which way the surface
 // faces there, `smooth_normal`.
+// Provides: Root, camera_of, meeting_with, turn_at
+// Needs: Turned, bent_at, first_root, norm, of_words, real, real3, smooth_normal
+// Binds: optic, params
 
 struct Root {
     t: real,

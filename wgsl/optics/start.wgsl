@@ -1,4 +1,6 @@
 // Rays that start on a surface, which they do not meet there.
+// Provides: is_apart, start_of
+// Binds: optic, ways
 
 // No turned ray meets the triangle.
 fn is_apart(id: u32) -> bool {

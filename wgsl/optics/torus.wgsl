@@ -1,4 +1,7 @@
 // Where rays meet a torus.
+// Provides: Along, along, first_root, smooth_normal
+// Needs: Root, Torus, first_crossing, norm, real, real3
+// Binds: tori
 
 fn torus_place(g: Torus, place: real3) -> real3 {
     return place - real3(g.centre_hi) - real3(g.centre_lo);

@@ -1,4 +1,7 @@
 // What a surface makes of a ray's direction.
+// Provides: Turned, bent, bent_at, norm
+// Needs: real, real3
+// Binds: optic
 
 // Where a ray is turned, where to (0: nowhere), and with what share of its light.
 struct Turned {

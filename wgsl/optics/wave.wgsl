@@ -1,4 +1,7 @@
 // Where rays meet a wave.
+// Provides: Along, along, first_root, smooth_normal
+// Needs: Root, TURN, Wave, circle, first_crossing, real, real3
+// Binds: waves
 
 struct WaveTerms {
     half: real,

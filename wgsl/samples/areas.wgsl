@@ -2,6 +2,10 @@
 // E / |grad E| from the pixel's centre. Exact where edges are straight and two surfaces lie behind each other; of three, what two hide alike
 // is left out twice. Samples are counted where they contradict the lines: edges are bent, or something but an edge ends a triangle;
 // and where more triangles are seen than are held.
+// Provides: measure, seen_next, share_of, whole
+// Needs: SAMPLES, all_samples, key_id, key_layer, key_of, key_t, middle_of, nearest_to, point_at, sample_place, sample_ray, sample_spread,
+//   seen_alike, weights_at
+// Binds: params, slot_of_id, triangles
 
 // Triangles, or nothing, that are held of a pixel.
 const HELD: u32 = 6u;

@@ -1,5 +1,7 @@
 // Whose ray a sample has. Of each cell: the pixels that have any sample in it, those that have all, and of each sample the pixels
 // that have it there.
+// Provides: SAMPLES, STRIPS, all_samples, pixels_in_part, pixels_of_sample, pixels_whole
+// Binds: cell_samples
 
 // Samples of a pixel.
 override SAMPLES: u32 = 1u;

@@ -1,4 +1,6 @@
 // What share of a pixel triangles have: the number of its samples that see them.
+// Provides: measure, seen_next, share_of, whole
+// Needs: SAMPLES, seen_alike
 
 fn measure(pixel: u32, row: u32) {}
 

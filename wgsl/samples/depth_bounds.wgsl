@@ -1,4 +1,6 @@
 // Where a triangle's plane lies over places of a node, with bounds.
+// Provides: ENDLESS, depths, plane
+// Needs: BOUND_SLACK, LEAST, MOST, Node, size1
 
 // N . (v - P) and N . D as affine functions over a node, in node units, and what each may be off.
 struct Plane {

@@ -1,4 +1,7 @@
 // Four pixels of a column of a tile against a triangle: whether it may cover any of their samples, and how far off.
+// Provides: Bounds, bound, four, given_bounds, holding, side
+// Needs: ASIDE, BOUND_SLACK, Conic, ENDLESS, LEAST, MOST, NODE_PX, TILE, key_id, row_bits, tile_corner
+// Binds: params, visibility
 
 // No t at all, beyond that of bounds.
 const NOWHERE: f32 = 3.3e38;

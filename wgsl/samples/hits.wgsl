@@ -1,4 +1,8 @@
 // What samples of one pixel see of a triangle, in recheck arithmetic.
+// Provides: flat_of, settle_samples
+// Needs: Bundle, Cell, Meeting, ONE_SIDED, SAMPLES, SHEETED, TILE, bit_mask, cell_bundle, end_rounding, is_between, merge, perturbed,
+//   pixels_of_sample, ray_meeting, reach3, real, real3, sample_bundle, tile_layer, triangle_id, triangle_reversed, visibility_key
+// Binds: params
 
 // Merges the keys of those of the samples from `first` on, bit by bit of `some`, that lie in the cell and that the triangle covers.
 fn settle_samples(

@@ -1,4 +1,8 @@
 // The index of the node of a square, or of a cell.
+// Provides: address_node
+// Needs: LEVEL_CELL, node_cell, node_index, node_level, node_x, node_y
+// Binds: cells
+
 fn address_node(address: u32) -> u32 {
     let level = node_level(address);
     if level == LEVEL_CELL {

@@ -1,4 +1,6 @@
 // Rays that start on no triangle: all that are not turned.
+// Provides: is_apart, start_of
+// Needs: NONE
 
 fn is_apart(id: u32) -> bool {
     return false;

@@ -1,4 +1,5 @@
 // Rows of `sift`; src/gpu/rows.rs holds the same structs, and a test holds the two equal.
+// Provides: Beam, Chunk
 
 // A chunk of points, and the tree of beams that they are held against.
 struct Chunk {

@@ -1,4 +1,7 @@
 // A ray of the node may meet the triangle's box.
+// Provides: box_met
+// Needs: BOUND_SLACK, Node, node_meets
+
 fn box_met(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> bool {
     let lo = min(v0, min(v1, v2));
     let hi = max(v0, max(v1, v2));

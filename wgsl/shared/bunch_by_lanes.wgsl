@@ -1,4 +1,8 @@
 // The bunch of a task, whose rows all lanes load together.
+// Provides: task_bunch
+// Needs: Cluster
+// Binds: bunches
+
 fn task_bunch(index: u32, thread: u32) -> Cluster {
     let row = bunches[2u * index + (thread & 1u)];
     let a = subgroupShuffle(row, 0u);

@@ -1,3 +1,7 @@
+// Affine bundles of rays, in recheck arithmetic.
+// Provides: Bundle, bundle_at, reach3, sign_beyond, size3
+// Needs: real, real3
+
 // An affine homogeneous bundle about a point, in recheck arithmetic: P = p / h, D = d / h, and slopes per pixel.
 struct Bundle {
     p: real3,

@@ -1,4 +1,6 @@
 // What a segment meets first, by a bounding volume hierarchy.
+// Provides: traced
+// Needs: BvhNode, Found, NONE, Segment, leaf_at, nearer, node_at, nothing
 
 // Nodes that wait at most; the host refuses hierarchies that are as deep.
 const STACK: u32 = 96u;

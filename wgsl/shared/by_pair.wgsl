@@ -1,4 +1,7 @@
 // Raster takes pairs one by one, in any order, and what a tile's own bounds leave out is left out here.
+// Provides: store, tile_pixels
+// Needs: ASIDE, CENTRES, NODE_PX, Node, RAYS_AFFINE, RAYS_NONE, SHEETED, TILE, box_met, conics, extent, is_empty, may_cover, pixels_within
+// Binds: nodes, pairs
 
 // The pixels of a tile that the triangle may cover, of those that the bounds of a node above it leave.
 fn tile_pixels(tile: u32, above: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>, pixels: vec4<u32>) -> vec4<u32> {

@@ -1,4 +1,7 @@
 // Raster takes tiles one by one, and leaves out what their own bounds do. Pairs are sorted by tile before.
+// Provides: store, tile_pixels
+// Needs: Node
+// Binds: ends, ranks, unsorted
 
 fn tile_pixels(tile: u32, above: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>, pixels: vec4<u32>) -> vec4<u32> {
     return pixels;

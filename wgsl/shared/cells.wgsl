@@ -1,4 +1,7 @@
 // From a pixel to its cell.
+// Provides: pixel_cell
+// Needs: NONE, SHEETED, TILE
+// Binds: cells, params, tile_start
 
 // The cell of a pixel of the band in a layer's first sheet; NONE: no piece owns it.
 fn pixel_cell(layer: u32, x: u32, y: u32) -> u32 {

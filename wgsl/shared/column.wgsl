@@ -1,4 +1,6 @@
 // The rays of one column of a tile: of its four upper pixels, then of its four lower ones.
+// Provides: Column, NO_STRIP, Strip, either, row_bits
+// Needs: real4
 
 // Origins, less a point, and directions of four pixels below each other.
 struct Strip {

@@ -1,4 +1,7 @@
 // What f32 does not prove, left to recheck.
+// Provides: leave_to_recheck
+// Needs: COUNT_DOUBTS
+// Binds: counters, doubts, params
 
 // A doubt: twice the pair's index, 1 more for the tile's lower half; and the pixels there.
 fn leave_to_recheck(half: u32, doubtful: u32) {

@@ -1,3 +1,7 @@
+// The part of a node in which a triangle may be seen.
+// Provides: Extent, close_extent, extent, size1
+// Needs: BOUND_SLACK, LEAST, MOST, Node
+
 // Where in a node a triangle may be seen, in node units, at which t, and whether that is more than a guess.
 struct Extent {
     lo: vec2<f32>,

@@ -1,4 +1,8 @@
 // The hits of a pair's triangle, merged into the visibility buffer.
+// Provides: COUNTING, merge_hits
+// Needs: Bundle, COUNT_FRAGMENTS_KEPT, Cell, ONE_SIDED, TILE, cell_depth, first_bit, merge, pixel_depth, real, real3, start_of,
+//   tile_corner, tile_layer, triangle_id, triangle_reversed, visibility_key, without_bit
+// Binds: counters, params, step
 
 override COUNTING: bool = false;
 

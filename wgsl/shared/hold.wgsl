@@ -1,4 +1,8 @@
 // A triangle against four rays at once: which it covers, proven by f32, and how deep, in recheck arithmetic.
+// Provides: FARTHEST, INFINITE, farthest, given, hold, is_behind, lines_of, reach_of, settled, shared_of, size
+// Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_LOST, REAL_UNIT, SHEETED, Strip, of_words, ordered_bits, real, real3, real4, size3,
+//   triangle_id, triangle_reversed, words_of
+// Binds: params
 
 // Rounding of one f32 operation, relative.
 const UNIT: f32 = 1.0 / 16777216.0;

@@ -1,3 +1,8 @@
+// Addresses and indices of nodes and cells.
+// Provides: cell_pack, level_height, level_width, node_cell, node_index, node_level, node_pack, node_x, node_y
+// Needs: LEVEL_CELL
+// Binds: params
+
 // A node's address: level, column and row in one word; or LEVEL_CELL and a cell.
 fn node_pack(level: u32, x: u32, y: u32) -> u32 {
     return (level << 28u) | (y << 14u) | x;

@@ -1,4 +1,6 @@
 // Items of coherent rays: what a node meets, its rays may meet.
+// Provides: item_meets, item_pixels, item_rays
+// Needs: Node, TILE
 
 fn item_rays(address: u32, node: Node, centre: vec3<f32>, half: vec3<f32>, is_met: bool, thread: u32) -> vec2<u32> {
     return vec2<u32>(0xffffffffu);

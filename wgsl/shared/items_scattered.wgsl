@@ -1,4 +1,6 @@
 // Items of scattered rays, by single threads. An item of one tile is tested ray by ray.
+// Provides: item_meets, item_pixels, item_rays
+// Needs: Node, TILE, node_level, node_x, node_y, tile_meets
 
 // The rays that may meet the boxes of all threads: here all, untested.
 fn item_rays(address: u32, node: Node, centre: vec3<f32>, half: vec3<f32>, is_met: bool, thread: u32) -> vec2<u32> {

@@ -1,5 +1,8 @@
 // Items of scattered rays, by the lanes of a subgroup. An item of one tile is tested ray by ray: each lane tests a column of rays against
 // one box around the boxes of all lanes, then each lane tests only the rays left against its own box.
+// Provides: item_pixels, item_rays
+// Needs: LANES, Node, RAY_SLACK, TILE, field_at, lanes_any, lanes_max, node_level, node_x, node_y, ray_meets
+// Binds: params
 
 // The rays that may meet a box around the lanes' boxes that are met: bit 8 x + y, 32 bits a word. All lanes call it.
 fn item_rays(address: u32, node: Node, centre: vec3<f32>, half: vec3<f32>, is_met: bool, thread: u32) -> vec2<u32> {

@@ -1,5 +1,8 @@
 // A visibility key, low word first: the ordered bits of t, cut off where the triangle id begins. The smaller key is
 // the nearer hit, and of equal ones the smaller id. With sheets the layer comes before t, in the top 4 bits.
+// Provides: key_id, key_layer, key_t, visibility_key
+// Needs: SHEETED, from_ordered_bits, ordered_bits, real
+// Binds: params
 
 fn visibility_key(layer: u32, t: real, id: u32) -> vec2<u32> {
     var bits = ordered_bits(t);

@@ -1,4 +1,6 @@
 // Where a ray, a segment of a chain or a curve meets a triangle.
+// Provides: Meeting
+// Needs: real
 
 struct Meeting {
     t: real,

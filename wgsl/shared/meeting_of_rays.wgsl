@@ -1,4 +1,7 @@
 // Straight rays against a triangle's plane.
+// Provides: end_rounding, ray_meeting
+// Needs: Bundle, Meeting, REAL_UNIT, SHEETED, of_words, real, real3, size3
+// Binds: params
 
 // t = along / across of a ray; `across` of the sign of `hidden` is a face that does not show. In a chain a hit within
 // `rounding` (of `along`) beyond an end of its segment counts as on that end: the next segment starts there, up to

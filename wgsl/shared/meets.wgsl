@@ -1,4 +1,7 @@
 // Does any ray of a node meet a box? Never false when one does.
+// Provides: node_meets
+// Needs: Node, RAYS_NONE
+// Binds: params
 
 // Relative slack on t for the rounding of two additions and a division, 2^-24 each.
 const T_SLACK: f32 = 1e-6;

@@ -1,4 +1,7 @@
 // The order of hits in f32: one step more or less holds its rounding. Never 0.
+// Provides: nearness
+// Needs: SHEETED
+
 fn nearness(layer: u32, t: f32) -> u32 {
     let bits = bitcast<u32>(t);
     let ordered = select(bits | 0x80000000u, ~bits, (bits & 0x80000000u) != 0u);

@@ -1,4 +1,8 @@
 // The node of a work item, whose rows all lanes load together.
+// Provides: item_node
+// Needs: LANES, Node
+// Binds: nodes
+
 fn item_node(index: u32, thread: u32) -> Node {
     let lane = thread % LANES;
     let row = nodes[6u * index + min(lane, 5u)];

@@ -1,4 +1,6 @@
 // The three edges of a triangle over a node, with bounds: which places of the node it cannot cover.
+// Provides: ASIDE, BOUND_SLACK, CENTRES, Conic, Conics, LEAST, MOST, NODE_PX, conic_sign, conics, may_cover
+// Needs: Node, TILE
 
 // Relative rounding allowed for a bound: some 12 operations of 2^-24 each.
 const BOUND_SLACK: f32 = 1.0 / 1048576.0;

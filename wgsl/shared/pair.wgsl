@@ -1,5 +1,6 @@
 // A pair: the triangle's slot (28 bits), the tile (24 bits), and the first and last column and row there that the triangle
 // may cover (3 bits each).
+// Provides: pair_from, pair_pack, pair_slot, pair_tile, pair_to
 
 fn pair_pack(slot: u32, tile: u32, from_px: vec2<u32>, to_px: vec2<u32>) -> vec2<u32> {
     return vec2<u32>(

@@ -1,4 +1,8 @@
 // Rows that the host writes and kernels read; src/gpu/rows.rs holds the same structs, and a test holds the two equal.
+// Provides: BRANCH, BUNCH, CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_DOUBTS, COUNT_EDGES,
+//   COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_SAMPLE_DOUBTS,
+//   COUNT_SORTED, COUNT_TASKS, COUNT_WORK, Cell, Cluster, GROUP, LANES, LEVEL_CELL, NONE, Node, PERTURB_LOST, Params, Piece, Places,
+//   RAYS_AFFINE, RAYS_LOOSE, RAYS_NONE, RAYS_TORN, Step, TILE
 
 const GROUP: u32 = 64u;        // threads a workgroup, everywhere
 const TILE: u32 = 8u;          // px a side of a tile

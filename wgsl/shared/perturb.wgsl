@@ -1,5 +1,7 @@
 // The perturbed ray of a pixel, on which coverage is decided: an exact edge hit is decided the same way for all triangles, in
 // the reference and the twins too (src/camera/perturb.rs).
+// Provides: perturbed
+// Needs: Bundle, PERTURB, bundle_at, real, real3, size3
 
 // Largest perturbation to the right, px.
 const PERTURB_PX: real = 1.0 / 16777216.0;

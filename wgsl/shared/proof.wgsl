@@ -1,3 +1,7 @@
+// What f32 and recheck arithmetic prove of the first triangle of a ray or curve.
+// Provides: ENDLESS, MISSED, Normal, PRODUCT_UNITS, Proof, normal_of
+// Needs: REAL_UNIT, reach3, real, real3, size3
+
 // What is proven of where a pixel's ray or curve meets a triangle first.
 struct Proof {
     may: bool,              // it is not proven to miss

@@ -1,3 +1,6 @@
+// Rays in f32, and how their points move from pixel to pixel.
+// Provides: Ray, Spread, both_sides
+
 // A ray in f32, relative to the anchor.
 struct Ray {
     p: vec3<f32>,

@@ -1,4 +1,7 @@
 // Scattered (incoherent) rays: each ray of a tile is tested by itself.
+// Provides: RAY_SLACK, ray_meets, tile_meets
+// Needs: Node, TILE, field_at, field_direction, field_origin
+// Binds: params
 
 // Relative error in f32 of a ray's and a box's numbers, their sums, products and quotient, and differences between rays: 16 roundings.
 const RAY_SLACK: f32 = 1.0 / 1048576.0;

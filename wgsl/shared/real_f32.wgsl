@@ -1,4 +1,7 @@
 // The arithmetic of rechecks, depths and shading: f32, of frames in f32 alone.
+// Provides: PERTURB, REAL_ROUNDING, REAL_UNIT, REAL_UNIT_ROOT, from_ordered_bits, head_of, of_words, order_of_products, ordered_bits, real,
+//   real3, real4
+
 alias real = f32;
 alias real3 = vec3<f32>;
 alias real4 = vec4<f32>;

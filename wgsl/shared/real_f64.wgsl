@@ -1,4 +1,7 @@
 // The arithmetic of rechecks, depths and shading: f64.
+// Provides: PERTURB, REAL_ROUNDING, REAL_UNIT, REAL_UNIT_ROOT, from_ordered_bits, head_of, of_words, order_of_products, ordered_bits, real,
+//   real3, real4, words_of
+
 alias real = f64;
 alias real3 = vec3<f64>;
 alias real4 = vec4<f64>;

@@ -1,4 +1,7 @@
 // What a pixel shows where no ray is turned: what its own ray meets.
+// Provides: colour_of, ends_on_smooth, first_piece, first_surface, goes_on, is_under_way, light_before, light_left, says_what_is_seen,
+//   way_length
+// Needs: NONE, Place
 
 // The pixel has a ray in this pass.
 fn is_under_way(x: u32, y: u32) -> bool {

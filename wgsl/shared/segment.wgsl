@@ -1,3 +1,7 @@
+// Segments of paths, and the triangle that a segment meets first.
+// Provides: BvhNode, Found, LeafTriangle, Segment, nearer, nothing
+// Needs: NONE
+
 // A part of a pixel's way, or of light's: p + s d for s in [first, last].
 struct Segment {
     p: vec3<f32>,

@@ -1,4 +1,7 @@
 // What to light with; and the plane of each channel, NONE where it was not asked for.
+// Provides: PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_G, PLANE_MIRROR, PLANE_N_X, PLANE_N_Y, PLANE_N_Z,
+//   PLANE_PIECE, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE, PLANE_U, PLANE_UV_U, PLANE_UV_V, PLANE_V, PLANE_Z,
+//   Shading
 
 override PLANE_R: u32 = 0xffffffffu;
 override PLANE_G: u32 = 0xffffffffu;

@@ -1,5 +1,8 @@
 // Sheets: copies of the band's tiles stacked below each other, one for each layer of a chain, or for each span of t of a
 // layer of curves.
+// Provides: SHEETED, tile_corner, tile_layer, tile_sheet
+// Needs: TILE
+// Binds: params
 
 override SHEETED: bool = false;
 

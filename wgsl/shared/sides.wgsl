@@ -1,6 +1,8 @@
 // On which side of an edge a ray passes, after Woop, Benthin and Wald 2013: corners go along the ray onto a plane, where each is
 // rounded once and for all its triangles alike; in the plane the sign of every edge is exact. So triangles that share an edge or a
 // corner leave no hole, however near the ray passes, and overlap only where roundings fold one of them over.
+// Provides: is_between
+// Needs: Bundle, REAL_ROUNDING, order_of_products, real, real3, sign_beyond
 
 // The axis along which a ray goes farthest, and how far it goes along the other two for each step along that.
 struct Shear {

@@ -1,4 +1,7 @@
 // What a surface looks like: its normal, and the light that it takes in.
+// Provides: Arriving, Lit, NORMALS, flat_normal, in_file_order, largest, reach_of, received, stored_normal, surface_normal
+// Needs: NONE, Ray, arriving, corner_order, openness, surface_row, triangle_order, vertex
+// Binds: normals, shading
 
 // The scene has normals of its own.
 override NORMALS: bool = true;

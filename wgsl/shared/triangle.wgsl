@@ -1,5 +1,6 @@
 // A triangle's row: three vertices in the order of their positions, so that every edge is the same from both sides;
 // the last word holds what that order hides.
+// Provides: ID_MASK, ONE_SIDED, corner_order, triangle_id, triangle_order, triangle_reversed
 
 const ID_MASK: u32 = 0x0fffffffu;
 const ONE_SIDED: u32 = 0x80000000u;

@@ -1,4 +1,6 @@
 // Pairs that wait until every lane of a subgroup has one.
+// Provides: LOWER, UPPER, Waiting, in_line
+// Needs: LANES
 
 const UPPER: u32 = 1u;
 const LOWER: u32 = 2u;

@@ -1,3 +1,7 @@
+// Weights of a triangle's corners at a hit, and how they change from pixel to pixel.
+// Provides: weights_at
+// Needs: Spread, largest, vertex
+
 // Weights of a triangle's corners where its plane is met, and how they change for one pixel to the right, and downwards.
 struct Weights {
     at: vec3<f32>,

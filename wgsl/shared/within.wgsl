@@ -1,4 +1,7 @@
 // The pixels that a triangle may cover in a node's square.
+// Provides: is_empty, pixels_within
+// Needs: ASIDE, Extent
+// Binds: params
 
 // Rounding of a place in node units on its way to pixels: 4 roundings of values up to 2.
 const CENTRE_SLACK: f32 = 1.0 / 2097152.0;

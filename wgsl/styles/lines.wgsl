@@ -1,5 +1,8 @@
 // Lines on surfaces, as wide in pixels as they shall be through any camera: distances in world or weights, over how these change from
 // pixel to pixel.
+// Provides: drawn
+// Needs: Look, Spread, covered, narrowed, tangents, weights_at
+// Binds: shading, style, triangles
 
 fn drawn(look: Look, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
     var seen = colour;

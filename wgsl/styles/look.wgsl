@@ -1,4 +1,7 @@
 // A hit that is drawn.
+// Provides: Look
+// Needs: Spread
+
 struct Look {
     slot: u32,
     p: vec3<f32>,           // relative to the anchor

@@ -1,4 +1,6 @@
 // Surfaces as they are lit.
+// Provides: STYLED, drawn, pattern_at
+// Needs: Look
 
 const STYLED: bool = false;
 

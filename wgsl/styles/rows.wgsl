@@ -1,4 +1,6 @@
 // Lines and strokes.
+// Provides: Style, covered, narrowed
+
 struct Style {
     wire: vec3<f32>,        // colour of the triangles' edges
     wire_width: f32,        // px; 0: none

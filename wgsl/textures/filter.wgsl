@@ -10,6 +10,8 @@
 //   ds = (1 + bend tau) dtau,  s = tau + bend tau^2 / 2,  tau = 2 s / (1 + sqrt(1 + 2 bend s))
 // The footprint ends at s = 1/2. It begins at s = -1/2, or at tau = -1 / bend if this horizon lies within the pixel: the cosine is 0 there.
 // Taps are evenly spaced in tau, so each has the weight 1 + bend tau.
+// Provides: image_mean
+// Needs: Footprint, Material, bilinear, into_image, wrap_u, wrap_v
 
 const TAPS_MAX: f32 = 16.0;
 

@@ -1,4 +1,7 @@
 // Levels of images.
+// Provides: bilinear, into_image
+// Needs: Material, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, wrap_u, wrap_v
+// Binds: pages
 
 // Where in [0, 1] an image shows what lies at u.
 fn into_image(u: f32, wrap: u32) -> f32 {

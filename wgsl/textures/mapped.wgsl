@@ -1,4 +1,8 @@
 // Colours of surfaces with images on them.
+// Provides: Footprint, TEXTURED, surface_albedo, surface_uv
+// Needs: NONE, NORMALS, Ray, Spread, corner_order, corner_uv, flat_normal, has_uv, image_mean, image_place, on_triangle, real, real3,
+//   stored_normal, surface_row, triangle_order, vertex, weights_at
+// Binds: materials, shading
 
 const TEXTURED: bool = true;
 

@@ -1,4 +1,7 @@
 // Surfaces without images.
+// Provides: TEXTURED, surface_albedo, surface_row, surface_uv
+// Needs: Ray, Spread
+// Binds: materials, surfaces
 
 const TEXTURED: bool = false;
 

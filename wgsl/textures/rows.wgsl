@@ -1,5 +1,8 @@
 // Surfaces with images on them: each slot's row has two more rows with the texture coordinates of its corners in file order.
 // An image hangs downwards from its first texel, so v runs downwards here.
+// Provides: WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, corner_uv, has_uv, image_place, on_triangle, surface_row, wrap_u, wrap_v
+// Needs: corner_order, real, real3, triangle_order
+// Binds: surfaces
 
 const SURFACE_ROWS: u32 = 3u;
 

@@ -14,7 +14,7 @@ pub enum OpticsKind {
     Wave,
 }
 
-const TURN: &str = snippet!("optics/turn.wgsl");
+const TURN: Parts = snippets!("optics/turn.wgsl");
 
 impl OpticsKind {
     pub const ALL: [OpticsKind; 5] =
@@ -53,33 +53,33 @@ impl Variant {
     }
 
     /// Which triangles rays do not meet because they start there.
-    pub(super) fn start(self) -> &'static [&'static str] {
-        if self.turned { &[OPTICS_ROWS, snippet!("optics/start.wgsl")] } else { &[snippet!("shared/any_start.wgsl")] }
+    pub(super) fn start(self) -> &'static [Parts] {
+        if self.turned { &[OPTICS_ROWS, snippets!("optics/start.wgsl")] } else { &[snippets!("shared/any_start.wgsl")] }
     }
 
     /// What a pixel shows, and what lies behind its ray.
-    pub(super) fn seen(self) -> &'static [&'static str] {
+    pub(super) fn seen(self) -> &'static [Parts] {
         if self.optics.is_some() {
-            &[OPTICS_ROWS, snippet!("optics/seen.wgsl")]
+            &[OPTICS_ROWS, snippets!("optics/seen.wgsl")]
         } else {
-            &[snippet!("shared/seen.wgsl")]
+            &[snippets!("shared/seen.wgsl")]
         }
     }
 
     /// The surface of the optics: its rows, and how rays meet it and are turned there.
-    fn surface(self) -> (Binding, &'static [&'static str]) {
-        const SMOOTH: &str = snippet!("optics/smooth.wgsl");
-        const MARCH: &str = snippet!("optics/march.wgsl");
+    fn surface(self) -> (Binding, &'static [Parts]) {
+        const SMOOTH: Parts = snippets!("optics/smooth.wgsl");
+        const MARCH: Parts = snippets!("optics/march.wgsl");
         match self.optics {
             Some(OpticsKind::Quadrics) => {
-                (read("quadrics", "array<Quadric>"), &[SMOOTH, snippet!("optics/quadrics.wgsl")])
+                (read("quadrics", "array<Quadric>"), &[SMOOTH, snippets!("optics/quadrics.wgsl")])
             }
-            Some(OpticsKind::Torus) => (read("tori", "array<Torus>"), &[SMOOTH, MARCH, snippet!("optics/torus.wgsl")]),
+            Some(OpticsKind::Torus) => (read("tori", "array<Torus>"), &[SMOOTH, MARCH, snippets!("optics/torus.wgsl")]),
             Some(OpticsKind::Wave) => {
-                const CIRCLE: &str = snippet!("optics/circle.wgsl");
-                (read("waves", "array<Wave>"), &[SMOOTH, MARCH, CIRCLE, snippet!("optics/wave.wgsl")])
+                const CIRCLE: Parts = snippets!("optics/circle.wgsl");
+                (read("waves", "array<Wave>"), &[SMOOTH, MARCH, CIRCLE, snippets!("optics/wave.wgsl")])
             }
-            _ => (read("corners", "array<Corner>"), &[snippet!("optics/facets.wgsl")]),
+            _ => (read("corners", "array<Corner>"), &[snippets!("optics/facets.wgsl")]),
         }
     }
 }
@@ -91,7 +91,7 @@ pub fn meet(variant: Variant) -> Kernel {
     let mut bindings = vec![params(), step(), optic(), ways(), surface, write("visibility", visibility)];
     bindings.extend(variant.pixel_rays());
     let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, variant.merge(), OPTICS_ROWS, TURN];
-    let own = [variant.camera(), snippet!("meet.wgsl")];
+    let own = [variant.camera(), snippets!("meet.wgsl")];
     let mut kernel = kernel("meet", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = variant.constants();
     kernel
@@ -112,7 +112,7 @@ pub fn bounce(variant: Variant) -> Kernel {
     ];
     bindings.extend(variant.pixel_rays());
     let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN];
-    let own = [variant.camera(), snippet!("bounce.wgsl")];
+    let own = [variant.camera(), snippets!("bounce.wgsl")];
     let mut kernel = kernel("bounce", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = variant.constants();
     kernel
@@ -132,7 +132,7 @@ pub fn paste(variant: Variant, planes: &[Channel]) -> Kernel {
     ];
     bindings.extend(variant.pixel_rays());
     let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN, SHADING];
-    let own = [variant.camera(), snippet!("paste.wgsl")];
+    let own = [variant.camera(), snippets!("paste.wgsl")];
     let mut kernel = kernel("paste", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
     kernel
@@ -145,7 +145,7 @@ pub fn fit(variant: Variant) -> Kernel {
     bindings.extend(variant.rays());
     // bounds are f32
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, BITS, REAL_F32, BUNDLE, OPTICS_ROWS];
-    let mut kernel = kernel("fit", bindings, &[&snippets[..], &[variant.camera(), snippet!("fit.wgsl")]].concat());
+    let mut kernel = kernel("fit", bindings, &[&snippets[..], &[variant.camera(), snippets!("fit.wgsl")]].concat());
     kernel.constants = variant.constants();
     kernel
 }

@@ -2,10 +2,10 @@
 
 use super::*;
 
-const CELL_SAMPLES: &str = snippet!("samples/cells.wgsl");
-const SAMPLE_PLACES: &str = snippet!("samples/places.wgsl");
-const SAMPLE_HITS: &str = snippet!("samples/hits.wgsl");
-const DEPTH_BOUNDS: &str = snippet!("samples/depth_bounds.wgsl");
+const CELL_SAMPLES: Parts = snippets!("samples/cells.wgsl");
+const SAMPLE_PLACES: Parts = snippets!("samples/places.wgsl");
+const SAMPLE_HITS: Parts = snippets!("samples/hits.wgsl");
+const DEPTH_BOUNDS: Parts = snippets!("samples/depth_bounds.wgsl");
 
 impl Variant {
     /// Pixels that hold an edge have several samples.
@@ -30,13 +30,13 @@ impl Variant {
     }
 
     /// The rays of samples in recheck arithmetic, and what they bind beside the pixels' own.
-    fn sample_rays(self, bindings: &mut Vec<Binding>) -> &'static [&'static str] {
+    fn sample_rays(self, bindings: &mut Vec<Binding>) -> &'static [Parts] {
         if self.rays == RaysKind::Pieces {
             bindings.push(uniform("places", "Places"));
-            return &[SAMPLE_PLACES, snippet!("camera/pieces_sample.wgsl")];
+            return &[SAMPLE_PLACES, snippets!("camera/pieces_sample.wgsl")];
         }
         bindings.push(read("rays_aside", "array<f32>"));
-        &[snippet!("camera/field_sample.wgsl")]
+        &[snippets!("camera/field_sample.wgsl")]
     }
 }
 
@@ -61,8 +61,8 @@ pub fn edges_by_tile(variant: Variant) -> Kernel {
     ];
     // of keys the ids alone are read
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, TRIANGLE_ROW, REAL_F32, KEY, PAIR, BITS, WITHIN, COLUMN];
-    let four = snippet!("samples/four.wgsl");
-    let own = [DEPTH_BOUNDS, LANES, NODE_BY_LANES, CELL_SAMPLES, four, snippet!("edges_by_tile.wgsl")];
+    let four = snippets!("samples/four.wgsl");
+    let own = [DEPTH_BOUNDS, LANES, NODE_BY_LANES, CELL_SAMPLES, four, snippets!("edges_by_tile.wgsl")];
     let mut kernel = kernel("edges", bindings, &[&snippets[..], &own].concat());
     kernel.constants = sample_constants(variant);
     kernel.constants.push(("STRIPS", variant.strips()));
@@ -85,11 +85,11 @@ pub fn sample_by_tile(variant: Variant) -> Kernel {
         read("tile_start", "array<u32>"),
         read("cell_samples", "array<vec2<u32>>"),
     ];
-    let rays: &[&str] = match variant.rays {
+    let rays: &[Parts] = match variant.rays {
         RaysKind::Field => {
             bindings.extend([read("rays_hi", "array<vec2<f32>>"), read("rays_lo", "array<vec2<f32>>")]);
             bindings.push(read("rays_aside", "array<vec2<f32>>"));
-            &[snippet!("camera/field_column.wgsl"), snippet!("camera/field_strip.wgsl")]
+            &[snippets!("camera/field_column.wgsl"), snippets!("camera/field_strip.wgsl")]
         }
         _ => {
             bindings.extend([
@@ -97,12 +97,12 @@ pub fn sample_by_tile(variant: Variant) -> Kernel {
                 read("cells", "array<Cell>"),
                 uniform("places", "Places"),
             ]);
-            &[snippet!("camera/piece.wgsl"), SAMPLE_PLACES, snippet!("camera/pieces_strip.wgsl")]
+            &[snippets!("camera/piece.wgsl"), SAMPLE_PLACES, snippets!("camera/pieces_strip.wgsl")]
         }
     };
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
     let own = [LANES, NODE_BY_LANES, COLUMN, CELL_SAMPLES];
-    let hold = [snippet!("shared/waiting.wgsl"), snippet!("shared/hold.wgsl"), snippet!("sample_by_tile.wgsl")];
+    let hold = [snippets!("shared/waiting.wgsl"), snippets!("shared/hold.wgsl"), snippets!("sample_by_tile.wgsl")];
     let mut kernel = kernel("sample", bindings, &[&snippets[..], &own, rays, &hold].concat());
     kernel.constants = variant.constants();
     kernel.constants.extend([("SAMPLES", f64::from(variant.samples)), ("STRIPS", variant.strips())]);
@@ -129,7 +129,7 @@ pub fn settle(variant: Variant) -> Kernel {
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
     let own = [variant.merge(), MEETING, MEETING_OF_RAYS, SIDES, variant.camera(), CELL_SAMPLES, SAMPLE_HITS];
     let rays = variant.sample_rays(&mut bindings);
-    let mut kernel = kernel("settle", bindings, &[&snippets[..], &own, rays, &[snippet!("settle.wgsl")]].concat());
+    let mut kernel = kernel("settle", bindings, &[&snippets[..], &own, rays, &[snippets!("settle.wgsl")]].concat());
     kernel.constants = variant.constants();
     kernel.constants.extend([("SAMPLES", f64::from(variant.samples)), ("STRIPS", variant.strips())]);
     kernel
@@ -155,7 +155,7 @@ pub fn edges(variant: Variant) -> Kernel {
     ];
     // of keys the ids and layers alone are read
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, TRIANGLE_ROW, REAL_F32, KEY, PAIR, BITS, CELLS, WITHIN];
-    let own = [DEPTH_BOUNDS, NEARNESS, CELL_SAMPLES, snippet!("edges.wgsl")];
+    let own = [DEPTH_BOUNDS, NEARNESS, CELL_SAMPLES, snippets!("edges.wgsl")];
     let mut kernel = kernel("edges", bindings, &[&snippets[..], &own].concat());
     kernel.constants = sample_constants(variant);
     kernel
@@ -182,7 +182,7 @@ pub fn sample(variant: Variant) -> Kernel {
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
     let own = [WITHIN, variant.merge(), MEETING, MEETING_OF_RAYS, SIDES, variant.camera(), CELL_SAMPLES, SAMPLE_HITS];
     let rays = variant.sample_rays(&mut bindings);
-    let all = [&snippets[..], &own, rays, &[snippet!("sample.wgsl")]].concat();
+    let all = [&snippets[..], &own, rays, &[snippets!("sample.wgsl")]].concat();
     let mut kernel = kernel("sample", bindings, &all);
     kernel.constants = sample_constants(variant);
     kernel
@@ -213,15 +213,15 @@ pub fn resolve(variant: Variant, planes: &[Channel]) -> Kernel {
     let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_PLACES];
     own.push(variant.style());
     own.extend(variant.weights());
-    own.push(if variant.analytic { snippet!("samples/areas.wgsl") } else { snippet!("samples/counted.wgsl") });
+    own.push(if variant.analytic { snippets!("samples/areas.wgsl") } else { snippets!("samples/counted.wgsl") });
     own.extend(variant.light());
     own.extend(variant.pixel());
     if variant.rays == RaysKind::Pieces {
-        own.push(snippet!("camera/pieces_sample_ray.wgsl"));
+        own.push(snippets!("camera/pieces_sample_ray.wgsl"));
     } else {
         own.extend(variant.sample_rays(&mut bindings));
     }
-    own.push(snippet!("resolve.wgsl"));
+    own.push(snippets!("resolve.wgsl"));
     let mut kernel = kernel("resolve", bindings, &[&snippets[..], &own].concat());
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
     kernel.constants.push(("SAMPLES", f64::from(variant.samples)));

@@ -4,8 +4,8 @@ use super::*;
 
 impl Variant {
     /// How weights of a triangle's corners change from pixel to pixel, where something follows from that.
-    pub(super) fn weights(self) -> Option<&'static str> {
-        (self.textured || self.styled || self.analytic).then_some(snippet!("shared/weights.wgsl"))
+    pub(super) fn weights(self) -> Option<Parts> {
+        (self.textured || self.styled || self.analytic).then_some(snippets!("shared/weights.wgsl"))
     }
 
     /// The images that lie on triangles.
@@ -14,50 +14,42 @@ impl Variant {
     }
 
     /// How these are looked up.
-    pub(super) fn images(self) -> &'static str {
+    pub(super) fn images(self) -> Parts {
         if self.textured {
-            return concat!(
-                snippet!("materials/material.wgsl"),
-                snippet!("textures/rows.wgsl"),
-                snippet!("textures/levels.wgsl"),
-                snippet!("textures/mapped.wgsl"),
-                snippet!("textures/filter.wgsl"),
+            return snippets!(
+                "materials/material.wgsl",
+                "textures/rows.wgsl",
+                "textures/levels.wgsl",
+                "textures/mapped.wgsl",
+                "textures/filter.wgsl"
             );
         }
-        concat!(snippet!("materials/material.wgsl"), snippet!("textures/plain.wgsl"))
+        snippets!("materials/material.wgsl", "textures/plain.wgsl")
     }
 
     /// What light arrives at a surface, and what it sends back.
-    pub(super) fn light(self) -> [&'static str; 2] {
+    pub(super) fn light(self) -> [Parts; 2] {
         let lights = match self.lights {
-            LightsKind::Plain => snippet!("lights/plain.wgsl"),
-            LightsKind::Placed => concat!(snippet!("lights/placed.wgsl"), snippet!("lights/unhidden.wgsl")),
-            LightsKind::Hidden => concat!(
-                snippet!("lights/placed.wgsl"),
-                snippet!("lights/hidden.wgsl"),
-                snippet!("shared/segment.wgsl"),
-                snippet!("shared/bvh.wgsl"),
-            ),
+            LightsKind::Plain => snippets!("lights/plain.wgsl"),
+            LightsKind::Placed => snippets!("lights/placed.wgsl", "lights/unhidden.wgsl"),
+            LightsKind::Hidden => {
+                snippets!("lights/placed.wgsl", "lights/hidden.wgsl", "shared/segment.wgsl", "shared/bvh.wgsl")
+            }
         };
         let materials = match (self.glossy, self.sky) {
-            (_, true) => concat!(snippet!("materials/glossy.wgsl"), snippet!("materials/sky.wgsl")),
-            (true, false) => concat!(snippet!("materials/glossy.wgsl"), snippet!("materials/no_sky.wgsl")),
-            (false, false) => concat!(snippet!("materials/matte.wgsl"), snippet!("materials/no_sky.wgsl")),
+            (_, true) => snippets!("materials/glossy.wgsl", "materials/sky.wgsl"),
+            (true, false) => snippets!("materials/glossy.wgsl", "materials/no_sky.wgsl"),
+            (false, false) => snippets!("materials/matte.wgsl", "materials/no_sky.wgsl"),
         };
         [lights, materials]
     }
 
     /// What is drawn on surfaces.
-    pub(super) fn style(self) -> &'static str {
+    pub(super) fn style(self) -> Parts {
         if self.styled {
-            return concat!(
-                snippet!("styles/rows.wgsl"),
-                snippet!("styles/look.wgsl"),
-                snippet!("styles/patterns.wgsl"),
-                snippet!("styles/lines.wgsl"),
-            );
+            return snippets!("styles/rows.wgsl", "styles/look.wgsl", "styles/patterns.wgsl", "styles/lines.wgsl");
         }
-        concat!(snippet!("styles/look.wgsl"), snippet!("styles/plain.wgsl"))
+        snippets!("styles/look.wgsl", "styles/plain.wgsl")
     }
 
     /// How that is drawn.
@@ -66,13 +58,13 @@ impl Variant {
     }
 
     /// Where their holes are.
-    pub(super) fn holes(self) -> &'static str {
+    pub(super) fn holes(self) -> Parts {
         if self.cut {
-            return concat!(
-                snippet!("materials/material.wgsl"),
-                snippet!("textures/rows.wgsl"),
-                snippet!("textures/levels.wgsl"),
-                snippet!("textures/cut.wgsl"),
+            return snippets!(
+                "materials/material.wgsl",
+                "textures/rows.wgsl",
+                "textures/levels.wgsl",
+                "textures/cut.wgsl"
             );
         }
         SOLID
@@ -101,7 +93,7 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     }
     let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     bindings.extend(variant.style_row());
-    let own = [variant.camera(), SHADING, SURFACE, variant.images(), variant.style(), snippet!("shade.wgsl")];
+    let own = [variant.camera(), SHADING, SURFACE, variant.images(), variant.style(), snippets!("shade.wgsl")];
     let mut all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();
     all.extend(variant.weights());
     let mut kernel = kernel("shade", bindings, &all);
@@ -147,7 +139,7 @@ pub(super) fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
 /// Lines between pixels, into the colour planes.
 pub fn outline(planes: &[Channel]) -> Kernel {
     let bindings = vec![params(), uniform("style", "Style"), write("planes", "array<u32>")];
-    let snippets = [PARAMS, ITEMS, SHADING, snippet!("styles/rows.wgsl"), snippet!("outline.wgsl")];
+    let snippets = [PARAMS, ITEMS, SHADING, snippets!("styles/rows.wgsl"), snippets!("outline.wgsl")];
     let mut kernel = kernel("outline", bindings, &snippets);
     kernel.constants = plane_constants(planes);
     kernel
@@ -156,7 +148,7 @@ pub fn outline(planes: &[Channel]) -> Kernel {
 pub fn write_srgb(planes: &[Channel]) -> Kernel {
     let bindings =
         vec![params(), uniform("shading", "Shading"), read("planes", "array<u32>"), write("srgb8", "array<u32>")];
-    let mut kernel = kernel("write", bindings, &[PARAMS, ITEMS, SHADING, snippet!("write.wgsl")]);
+    let mut kernel = kernel("write", bindings, &[PARAMS, ITEMS, SHADING, snippets!("write.wgsl")]);
     kernel.constants = plane_constants(planes);
     kernel
 }
@@ -165,5 +157,5 @@ pub fn write_srgb(planes: &[Channel]) -> Kernel {
 pub fn mip() -> Kernel {
     let coarser = write_texture("coarser", "texture_storage_2d<rgba16float, write>");
     let bindings = vec![texture("finer", "texture_2d<f32>"), coarser];
-    kernel("mip", bindings, &[PARAMS, ITEMS, snippet!("mip.wgsl")])
+    kernel("mip", bindings, &[PARAMS, ITEMS, snippets!("mip.wgsl")])
 }

@@ -1,0 +1,108 @@
+//! args: the workgroups of the next dispatch, for every list and counts up to the largest.
+
+use crate::common::needs::adapter;
+use crate::stages::{assert_poisoned, counters, read, run};
+use anamorph::gpu::Gpu;
+use anamorph::gpu::buffers::{Buffers, Pipeline};
+use anamorph::gpu::kernels;
+use anamorph::gpu::rows::*;
+use bytemuck::Zeroable;
+
+/// Workgroups a side of a dispatch at most.
+const SIDE: u64 = 65_535;
+
+/// A list's counter, its capacity, and how many threads take an item.
+type List = (u32, u32, u32);
+
+fn params() -> Params {
+    Params {
+        queue_capacity: 1000,
+        work_capacity: 900_000_000,
+        pair_capacity: 70_000_000,
+        doubt_capacity: 801,
+        task_capacity: 100_000_000,
+        edge_capacity: 600,
+        ..Params::zeroed()
+    }
+}
+
+fn lists() -> [List; 8] {
+    let p = params();
+    [
+        (0, p.queue_capacity, 1),
+        (COUNT_WORK, p.work_capacity, CLUSTER / BUNCH),
+        (COUNT_TASKS, p.task_capacity, BUNCH),
+        (COUNT_PAIRS, p.pair_capacity, 1),
+        (COUNT_DOUBTS, p.doubt_capacity, 1),
+        (COUNT_EDGES, p.edge_capacity, 1),
+        (COUNT_SAMPLE_DOUBTS, p.doubt_capacity / 2, 1),
+        // blocks have room for all, which memory keeps far below this
+        (COUNT_BLOCKS, u32::MAX - GROUP, LANES),
+    ]
+}
+
+/// What the kernel writes, and the counters after it.
+fn args(gpu: &Gpu, pipeline: &Pipeline, counter: u32, given: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
+    let mut b = Buffers::default();
+    b.upload_uniform(gpu, "params", &params()).unwrap();
+    b.upload_uniform(gpu, "step", &Step { value: counter }).unwrap();
+    b.upload(gpu, "indirect", &[crate::stages::POISON; 8]).unwrap();
+    counters(gpu, &mut b, given);
+    let group = pipeline.bind(gpu, &[&b]).unwrap();
+    run(gpu, |pass| {
+        pass.set_pipeline(&pipeline.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(1, 1, 1);
+        Ok(())
+    });
+    let indirect = read(gpu, &b, "indirect");
+    assert_poisoned(&indirect[..8], 3, "indirect");
+    (indirect[..3].to_vec(), read(gpu, &b, "counters"))
+}
+
+/// Whether these workgroups are enough for the items, and less than a row more than that.
+fn suit(indirect: &[u32], items: u32, threads: u32) -> bool {
+    let [columns, rows, deep] = [0, 1, 2].map(|k| u64::from(indirect[k]));
+    let needed = (u64::from(items) * u64::from(threads)).div_ceil(u64::from(GROUP));
+    let fewest_rows = needed.div_ceil(SIDE);
+    deep == 1 && rows == fewest_rows && columns <= SIDE && (needed..needed + rows.max(1)).contains(&(columns * rows))
+}
+
+#[test]
+fn dispatches_hold_all_items_of_a_list_and_end_with_it() {
+    let Some(gpu) = adapter() else { return };
+    let pipeline = Pipeline::new(&gpu, kernels::args());
+    for (counter, capacity, threads) in lists() {
+        let counts = [
+            0,
+            1,
+            7,
+            8,
+            9,
+            64,
+            65,
+            4_194_240,
+            4_194_241,
+            9_999_999,
+            capacity.saturating_sub(1),
+            capacity,
+            u32::MAX - GROUP,
+        ];
+        for count in counts {
+            let (indirect, after) = args(&gpu, &pipeline, counter, &[(counter, count)]);
+            assert!(suit(&indirect, count.min(capacity), threads), "counter {counter} of {count}: {indirect:?}");
+            assert_eq!(after[counter as usize], count);
+        }
+    }
+    // busy tiles: those listed since the last time
+    for (count, end) in [(0, 0), (5, 0), (5, 5), (900, 64), (9_000_000, 1)] {
+        let given = [(COUNT_BUSY, count), (COUNT_BUSY_END, end)];
+        let (indirect, after) = args(&gpu, &pipeline, COUNT_BUSY, &given);
+        assert!(suit(&indirect, count - end, LANES), "busy tiles from {end} to {count}: {indirect:?}");
+        assert_eq!([COUNT_BUSY_FIRST, COUNT_BUSY_END].map(|k| after[k as usize]), [end, count]);
+    }
+    // planted: one workgroup too few, one row too many, a dispatch into the depth
+    assert!(
+        suit(&[2, 1, 1], 128, 1) && !suit(&[1, 1, 1], 128, 1) && !suit(&[2, 2, 1], 128, 1) && !suit(&[2, 1, 2], 128, 1)
+    );
+}

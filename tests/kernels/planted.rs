@@ -1,0 +1,393 @@
+//! Kernels that no other test here runs alone: whole frames are right, and an error planted in each of these kernels is noticed in them.
+
+use crate::common::cameras::pinhole;
+use crate::common::file::camera_of;
+use crate::common::gpu::{engine_on, ids};
+use crate::common::needs::skip;
+use crate::common::rng::Rng;
+use crate::common::{FORWARD, camera, mesh, scene, soup};
+use crate::stages::sheet_on_rays;
+use anamorph::camera::Camera;
+use anamorph::engine::plan::Wanted;
+use anamorph::engine::plan::samples::places;
+use anamorph::engine::{Engine, Rendered, RunOptions};
+use anamorph::geometry::mesh::{Material, Mesh};
+use anamorph::geometry::place;
+use anamorph::geometry::texture::{Texels, Texture};
+use anamorph::gpu::kernels::Snippet;
+use anamorph::image::frame::{Channel, Frame, NO_ID};
+use anamorph::reference::image::{image, judge};
+use anamorph::scene::Scene;
+use anamorph::scene::light::Light;
+use anamorph::scene::style::{Line, Outline, Style};
+use glam::{DVec3, Vec2};
+use half::f16;
+use std::sync::Arc;
+
+const SIZE: (u32, u32) = (40, 29);
+
+/// Compares frames with what they must be; the error says how they differ.
+type Check = fn(&mut Engine) -> Result<(), String>;
+
+fn demand(holds: bool, what: &str) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(what.into()) }
+}
+
+fn eye() -> Camera {
+    camera(pinhole(DVec3::new(0.1, 0.2, 3.0), DVec3::ZERO, 40.0), SIZE, FORWARD)
+}
+
+fn frame(engine: &mut Engine, scene: &Scene, camera: &Camera, wanted: &Wanted) -> Rendered {
+    engine.render(scene, camera, wanted, &RunOptions::default()).unwrap()
+}
+
+fn centres(channels: &[Channel]) -> Wanted {
+    Wanted::of(channels.to_vec())
+}
+
+/// Triangles before a large one, and the background. The light is the same everywhere, and all triangles are flat.
+fn crowd() -> Scene {
+    let wall =
+        mesh([(-2.0, -1.6), (2.0, -1.5), (0.1, 2.0)].map(|(x, y)| DVec3::new(x, y, -1.5)).to_vec(), vec![[0, 1, 2]]);
+    let all = place::merge(vec![wall, soup(&mut Rng(3), 400, 0.25)]).unwrap();
+    Scene { lights: vec![Light::distant(DVec3::new(-0.4, -0.5, -1.0))], ..scene(all) }
+}
+
+/// Every pixel, by the reference.
+fn seen(engine: &mut Engine) -> Result<(), String> {
+    let (scene, camera) = (crowd(), eye());
+    let seen = frame(engine, &scene, &camera, &centres(&Channel::ALL)).frame;
+    let judged = judge(&scene, &camera, &seen);
+    let truth = ids(&judged.truth);
+    let wrong = (0..truth.len()).filter(|&k| judged.safe[k] && truth[k] != ids(&seen)[k]).count();
+    demand(
+        wrong == 0 && judged.not_near == 0,
+        &format!("{wrong} safe pixels are wrong, {} name none near", judged.not_near),
+    )
+}
+
+/// A sheet whose vertices lie on rays has no holes; rays of samples, where there are several.
+fn no_holes(engine: &mut Engine, samples: u32) -> Result<(), String> {
+    const STEP: u32 = 4;
+    let camera = eye();
+    for place in places(samples) {
+        let scene = scene(sheet_on_rays(&camera.with_sample_offset(place.x, place.y), STEP));
+        let wanted = Wanted { samples, sample_ids: true, ..centres(&[Channel::TriangleId]) };
+        let seen = frame(engine, &scene, &camera, &wanted);
+        // with a pixel's border that other samples may look beyond
+        let inside = |k: usize| {
+            let [x, y] = [k as u32 % SIZE.0, k as u32 / SIZE.0];
+            let ends = [SIZE.0, SIZE.1].map(|n| (n - 1) / STEP * STEP - 1);
+            (1..ends[0]).contains(&x) && (1..ends[1]).contains(&y)
+        };
+        let hole = |ids: &[u32]| (0..ids.len()).any(|k| inside(k) && ids[k] == NO_ID);
+        demand(!seen.sample_ids.iter().any(|ids| hole(ids)), "the sheet has holes")?;
+    }
+    Ok(())
+}
+
+fn no_holes_at_centres(engine: &mut Engine) -> Result<(), String> {
+    no_holes(engine, 1)
+}
+
+fn no_holes_at_samples(engine: &mut Engine) -> Result<(), String> {
+    no_holes(engine, 4)
+}
+
+/// Relative error of a sum of some ten numbers in f32.
+const SUM_ERROR: f64 = 10.0 / 16_777_216.0;
+
+/// Every sample sees what a frame of its own sees, and colour and coverage are the means of those frames.
+fn sampled(engine: &mut Engine) -> Result<(), String> {
+    const COLOUR: [Channel; 4] = [Channel::R, Channel::G, Channel::B, Channel::A];
+    const SAMPLES: u32 = 4;
+    let (scene, camera) = (crowd(), eye());
+    let wanted =
+        Wanted { samples: SAMPLES, sample_ids: true, ..centres(&[&COLOUR[..], &[Channel::TriangleId]].concat()) };
+    let seen = frame(engine, &scene, &camera, &wanted);
+    demand(seen.counts.edges > 100, "few pixels hold an edge")?;
+    let wanted = centres(&[&COLOUR[..], &[Channel::TriangleId]].concat());
+    let own: Vec<Frame> = places(SAMPLES)
+        .into_iter()
+        .map(|p| frame(engine, &scene, &camera.with_sample_offset(p.x, p.y), &wanted).frame)
+        .collect();
+    for (n, own) in own.iter().enumerate() {
+        demand(seen.sample_ids[n] == ids(own), &format!("sample {n} sees other triangles"))?;
+    }
+    for channel in COLOUR {
+        let found = seen.frame.f32(channel).unwrap();
+        for (k, found) in found.iter().map(|v| f64::from(*v)).enumerate() {
+            let mean = own.iter().map(|f| f64::from(f.f32(channel).unwrap()[k])).sum::<f64>() / f64::from(SAMPLES);
+            demand(
+                (found - mean).abs() <= SUM_ERROR * mean,
+                &format!("{channel:?} of pixel {k}: {found}, not {mean}"),
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// What is proven is right and is most of a picture; two walls as good as in one place prove nothing.
+fn proven(engine: &mut Engine) -> Result<(), String> {
+    let wanted = centres(&[Channel::TriangleId, Channel::Certified]);
+    let certified = |f: &Frame| f.u32(Channel::Certified).unwrap().to_vec();
+    let (scene_seen, camera) = (crowd(), eye());
+    let seen = frame(engine, &scene_seen, &camera, &wanted).frame;
+    let truth = image(&scene_seen, &camera, &[Channel::TriangleId]);
+    let proven = certified(&seen);
+    let wrong = (0..proven.len()).filter(|&k| proven[k] > 0 && ids(&seen)[k] != ids(&truth)[k]).count();
+    let share = proven.iter().filter(|p| **p > 0).count() as f64 / proven.len() as f64;
+    demand(wrong == 0 && share > 0.99, &format!("{wrong} proven pixels are wrong, {share} are proven"))?;
+    let wall = |z: f64| [(-9.0, -9.0), (9.0, -9.5), (0.5, 12.0)].map(|(x, y)| DVec3::new(x, y, z));
+    let walls = scene(mesh([wall(0.0), wall(1e-16)].concat(), vec![[0, 1, 2], [3, 4, 5]]));
+    let proven = certified(&frame(engine, &walls, &camera, &wanted).frame);
+    demand(proven.iter().all(|p| *p == 0), "an order is proven that none can tell")
+}
+
+/// Lines lie between pixels of different triangles that do not go on in each other: here all but two halves of a square.
+fn outlined(engine: &mut Engine) -> Result<(), String> {
+    const WIDTH: f64 = 1.5;
+    const INK: [f32; 3] = [0.6, 0.0, 0.1];
+    let square = |x: f64, y: f64, z: f64| {
+        [(0.0, 0.0), (0.8, 0.1), (0.7, 0.9), (-0.1, 0.8)].map(|(a, b)| DVec3::new(x + a, y + b, z))
+    };
+    let corners = [square(-0.9, -0.8, 0.0), square(-0.3, -0.4, 0.6)].concat();
+    let squares = mesh(corners, vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]);
+    let plain = scene(squares);
+    let line = Line { width: WIDTH, colour: INK, depth: f64::INFINITY };
+    let style = Style { outline: Some(Outline { line, crease: 30.0 }), ..Style::default() };
+    let styled = Scene { style, ..plain.clone() };
+    let camera = eye();
+    let channels = [Channel::R, Channel::G, Channel::B, Channel::TriangleId];
+    let [under, seen] = [&plain, &styled].map(|s| frame(engine, s, &camera, &centres(&channels)).frame);
+    // the square that a pixel shows
+    let thing = |x: u32, y: u32| ids(&under)[(y * SIZE.0 + x) as usize].checked_div(2).filter(|t| *t < 2);
+    let mut lines = 0;
+    for (x, y) in (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
+        // the nearest of the sides between pixels that differ: how far it is from the pixel's middle
+        let mut nearest = f64::INFINITY;
+        for (i, j) in (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j))) {
+            for (k, l) in [(i + 1, j), (i, j + 1)].into_iter().filter(|(k, l)| *k < SIZE.0 && *l < SIZE.1) {
+                if thing(i, j) != thing(k, l) {
+                    let middle = [f64::from(i + k) / 2.0 - f64::from(x), f64::from(j + l) / 2.0 - f64::from(y)];
+                    let along = [f64::from(l - j) / 2.0, f64::from(k - i) / 2.0];
+                    let past = [0, 1].map(|c| (middle[c].abs() - along[c]).max(0.0));
+                    nearest = nearest.min(past[0].hypot(past[1]));
+                }
+            }
+        }
+        // the part of a pixel's width that a line there covers
+        let part = (nearest + 0.5).min(WIDTH / 2.0) - (nearest - 0.5).max(-WIDTH / 2.0);
+        let share = part.clamp(0.0, 1.0);
+        lines += u32::from(share > 0.0);
+        let k = (y * SIZE.0 + x) as usize;
+        for (channel, ink) in channels.into_iter().zip(INK) {
+            let [before, found] = [&under, &seen].map(|f| f64::from(f.f32(channel).unwrap()[k]));
+            let expected = before + share * (f64::from(ink) - before);
+            demand(
+                (found - expected).abs() <= SUM_ERROR,
+                &format!("{channel:?} of {x}, {y}: {found}, not {expected}"),
+            )?;
+        }
+    }
+    demand(lines > 50, "few pixels show a line")
+}
+
+/// From far away an image is the mean of its texels, also where no side halves evenly.
+fn averaged(engine: &mut Engine) -> Result<(), String> {
+    const SIDES: [u32; 2] = [13, 7];
+    let mut rng = Rng(8);
+    let rgba: Vec<[f16; 4]> = (0..SIDES[0] * SIDES[1])
+        .map(|_| [0, 1, 2, 3].map(|c| f16::from_f32(if c == 3 { 1.0 } else { rng.unit() as f32 })))
+        .collect();
+    let mean = [0, 1, 2].map(|c| rgba.iter().map(|t| f64::from(t[c])).sum::<f64>() / rgba.len() as f64);
+    let texture = Texture::new(Arc::new(Texels { width: SIDES[0], height: SIDES[1], rgba }));
+    let corners = [(-9.0, 9.0), (9.0, 9.0), (9.0, -9.0), (-9.0, -9.0)];
+    let mut wall: Mesh = mesh(corners.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
+    // many images a pixel
+    wall.uvs = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y].map(|uv| uv * 10_000.0).to_vec();
+    wall.corner_uvs = wall.triangles.clone();
+    wall.materials = vec![Material { diffuse: [1.0; 3], texture: Some(texture), ..Material::default() }];
+    let wall = Scene { lights: vec![Light::distant(DVec3::NEG_Z)], ..scene(wall) };
+    let plain = [Channel::R, Channel::G, Channel::B];
+    let albedo = [Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB];
+    let seen = frame(engine, &wall, &eye(), &centres(&[plain, albedo].concat())).frame;
+    for (channel, mean) in albedo.into_iter().zip(mean) {
+        // each of three levels, and the image itself, is rounded to 11 bits
+        let off = seen.f32(channel).unwrap().iter().map(|v| (f64::from(*v) - mean).abs()).fold(0.0, f64::max);
+        demand(off <= 4.0 / 2048.0 * mean, &format!("{channel:?} is {off} off the mean, {mean}"))?;
+    }
+    Ok(())
+}
+
+/// Facets that are looked up in an atlas show nearly what they show by rays of their own.
+fn pasted(engine: &mut Engine) -> Result<(), String> {
+    let ball =
+        "mirror = { builtin = \"icosphere\", level = 1, scale = 0.8 }\nfacets = \"flat\"\ncolor = [0.9, 0.8, 0.7]";
+    let eye = "eye = { kind = \"pinhole\", eye = [0.3, 0.9, 4], target = [0, 0, 0], vfov = 32 }";
+    let through = |atlas: &str| {
+        camera_of("", SIZE, &format!("kind = \"reflection\"\ndepth = 1\n{eye}\n{ball}\n{atlas}")).unwrap()
+    };
+    let corners = [(-3.0, 3.0), (3.0, 3.0), (3.0, -3.0), (-3.0, -3.0)];
+    let floor = mesh(corners.map(|(x, z)| DVec3::new(x, -1.0, z)).to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
+    let floor = Scene { lights: vec![Light::distant(DVec3::NEG_Y)], ..scene(floor) };
+    let position = [Channel::PositionX, Channel::PositionY, Channel::PositionZ];
+    let channels =
+        [&position[..], &[Channel::R, Channel::A, Channel::Z, Channel::TriangleId, Channel::MirrorId]].concat();
+    let [direct, atlas] = ["", "atlas = 64"].map(|a| frame(engine, &floor, &through(a), &centres(&channels)).frame);
+    let words = |f: &Frame, c: Channel| f.u32(c).unwrap().to_vec();
+    demand(words(&direct, Channel::MirrorId) == words(&atlas, Channel::MirrorId), "other facets")?;
+    let facets = words(&direct, Channel::MirrorId);
+    let mirrored: Vec<usize> = (0..facets.len()).filter(|&k| facets[k] != NO_ID && ids(&direct)[k] < 2).collect();
+    let same: Vec<usize> = mirrored.iter().copied().filter(|&k| ids(&atlas)[k] == ids(&direct)[k]).collect();
+    demand(
+        mirrored.len() > 50 && 10 * same.len() > 9 * mirrored.len(),
+        &format!("{} of {} are alike", same.len(), mirrored.len()),
+    )?;
+    let point = |f: &Frame, k: usize| DVec3::from(position.map(|c| f64::from(f.f32(c).unwrap()[k])));
+    let value = |f: &Frame, c: Channel, k: usize| f64::from(f.f32(c).unwrap()[k]);
+    let median = |off: &dyn Fn(usize) -> f64| {
+        let mut off: Vec<f64> = same.iter().map(|&k| off(k)).collect();
+        off.sort_by(f64::total_cmp);
+        off[off.len() / 2]
+    };
+    // half a texel of a facet, which shows a part of the floor
+    let off = median(&|k| (point(&direct, k) - point(&atlas, k)).length());
+    let depth = median(&|k| (value(&direct, Channel::Z, k) - value(&atlas, Channel::Z, k)).abs());
+    demand(off < 0.05 && depth < 0.05, &format!("points are {off} apart, depths {depth}"))?;
+    let colours = same.iter().all(|&k| (value(&direct, Channel::R, k) - value(&atlas, Channel::R, k)).abs() < 1e-5);
+    demand(colours && mirrored.iter().all(|&k| value(&atlas, Channel::A, k) == 1.0), "other colours or coverage")
+}
+
+/// What an adapter has for a check, where the kernels differ.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    ByPair,
+    ByTile,
+}
+
+/// A snippet, its text, what is planted, and what notices it.
+type Planted = (&'static str, &'static str, &'static str, Way, Check);
+
+const PLANTED: [Planted; 29] = [
+    ("args.wgsl", "items = GROUP / BUNCH;", "items = GROUP;", Way::ByPair, seen),
+    ("args.wgsl", "count = min(count, params.pair_capacity);", "count = count / 2u;", Way::ByPair, seen),
+    ("args.wgsl", "count -= first;", "count = first;", Way::ByTile, seen),
+    ("split.wgsl", "lane % BUNCHES;", "(lane % BUNCHES) / 2u;", Way::ByPair, seen),
+    ("split.wgsl", "vec2<u32>(index, address)", "vec2<u32>(index, work[0].y)", Way::ByPair, seen),
+    ("allot.wgsl", "ends[tile] = first + count;", "ends[tile] = first + count - 1u;", Way::ByTile, seen),
+    ("allot.wgsl", "starts[tile] = first;", "starts[tile] = 0u;", Way::ByTile, seen),
+    ("sort.wgsl", "+ ranks[index]]", "+ ranks[index] / 2u]", Way::ByTile, seen),
+    (
+        "recheck.wgsl",
+        "covered = with_bit(covered, bit);",
+        "covered = with_bit(covered, 0u);",
+        Way::ByPair,
+        no_holes_at_centres,
+    ),
+    (
+        "recheck.wgsl",
+        "vec2<u32>(0u, doubt.y), (doubt.x",
+        "vec2<u32>(0u, 0u), (doubt.x",
+        Way::ByPair,
+        no_holes_at_centres,
+    ),
+    (
+        "certify.wgsl",
+        "select(PROOF_CONTESTED, PROOF_SURE, is_found",
+        "select(PROOF_SURE, PROOF_SURE, is_found",
+        Way::ByPair,
+        proven,
+    ),
+    ("certify.wgsl", "- 1u <= ~atomicLoad", "- 1u > ~atomicLoad", Way::ByPair, proven),
+    ("certify.wgsl", "select(0u, PROOF_SURE, is_hit)", "0u", Way::ByPair, proven),
+    ("edges.wgsl", "nearness(layer, near) - 1u > reach", "nearness(layer, near) - 1u < reach", Way::ByPair, sampled),
+    ("edges.wgsl", "s01 == s20 && s01 == s12", "s01 == s20", Way::ByPair, sampled),
+    ("sample.wgsl", "0u, all_samples(), number", "0u, 7u, number", Way::ByPair, sampled),
+    ("sample.wgsl", "let y = bit / TILE;", "let y = bit / TILE / 2u;", Way::ByPair, sampled),
+    (
+        "edges_by_tile.wgsl",
+        "may_cover(sides, 0.0, 0.0, CENTRES",
+        "may_cover(sides, 0.0, 0.0, 0.1 * CENTRES",
+        Way::ByTile,
+        sampled,
+    ),
+    ("edges_by_tile.wgsl", "edge_of[pixel] = row + 1u;", "edge_of[pixel] = row;", Way::ByTile, sampled),
+    ("sample_by_tile.wgsl", "touches[index].xy & pixels", "touches[index].yx & pixels", Way::ByTile, sampled),
+    ("sample_by_tile.wgsl", "settled(0u, nearest[k])", "settled(0u, nearest[0])", Way::ByTile, sampled),
+    ("settle.wgsl", "doubt.y & 15u, row", "doubt.y & 8u, row", Way::ByTile, no_holes_at_samples),
+    ("resolve.wgsl", "coverage += share;", "coverage += 0.5 * share;", Way::ByPair, sampled),
+    ("resolve.wgsl", "colour += share * beyond", "colour += 0.0 * share * beyond", Way::ByPair, sampled),
+    (
+        "outline.wgsl",
+        "if id_a == NONE || id_b == NONE {\n        return true;",
+        "if id_a == NONE || id_b == NONE {\n        return false;",
+        Way::ByPair,
+        outlined,
+    ),
+    (
+        "outline.wgsl",
+        "0.5 * vec2<f32>(f32(k), f32(1 - k))",
+        "0.5 * vec2<f32>(f32(1 - k), f32(k))",
+        Way::ByPair,
+        outlined,
+    ),
+    ("mip.wgsl", "sum += covered.x * covered.y *", "sum += covered.x *", Way::ByPair, averaged),
+    ("paste.wgsl", "texel = vec2<u32>(last) - texel;", "texel = texel;", Way::ByPair, pasted),
+    (
+        "paste.wgsl",
+        "tinted(PLANE_R, pixel, from_texel, optic.tint.x);",
+        "tinted(PLANE_R, pixel, from_texel, 1.0);",
+        Way::ByPair,
+        pasted,
+    ),
+];
+
+/// An engine whose kernels have this in place of a snippet; `None` where the adapter has not what it takes.
+fn engine(way: Way, replaced: Option<&'static Snippet>) -> Option<Engine> {
+    let engine = engine_on(|gpu| {
+        gpu.has.lanes &= way == Way::ByTile;
+        gpu.replaced.extend(replaced);
+    })?;
+    if way == Way::ByTile && !engine.gpu.has.lanes {
+        skip("subgroups are not as wide as a tile");
+        return None;
+    }
+    Some(engine)
+}
+
+/// Frames are right, and what is planted in the kernels of this way is noticed.
+fn check_planted(way: Way) {
+    let mut checked: Vec<Check> = Vec::new();
+    let mut unnoticed = Vec::new();
+    for (name, from, to, _, check) in PLANTED.into_iter().filter(|p| p.3 == way) {
+        if !checked.iter().any(|c| std::ptr::fn_addr_eq(*c, check)) {
+            checked.push(check);
+            let Some(mut whole) = engine(way, None) else { return };
+            check(&mut whole).unwrap_or_else(|e| panic!("for {name}, with nothing planted: {e}"));
+        }
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("wgsl");
+        let text = std::fs::read_to_string(folder.join(name)).unwrap();
+        assert_eq!(text.matches(from).count(), 1, "{name} has {from:?} once");
+        let snippet = Box::leak(Box::new(Snippet { name, text: text.replacen(from, to, 1).leak() }));
+        let Some(mut planted) = engine(way, Some(snippet)) else { return };
+        let noticed = check(&mut planted);
+        // it compiles
+        planted.gpu.failure().unwrap_or_else(|e| panic!("{name}, {to:?}: {e}"));
+        println!("{name}, {to:?}: {noticed:?}");
+        if noticed.is_ok() {
+            unnoticed.push(format!("{name}: {to}"));
+        }
+    }
+    assert_eq!(unnoticed, [""; 0], "nothing notices these");
+}
+
+#[test]
+fn frames_by_pair_are_right_and_planted_errors_are_noticed() {
+    check_planted(Way::ByPair);
+}
+
+#[test]
+fn frames_by_tile_are_right_and_planted_errors_are_noticed() {
+    check_planted(Way::ByTile);
+}
