@@ -40,7 +40,7 @@ fn ball_in_cloud() -> Scene {
 fn a_glc_of_each_class() {
     let scene = ball_in_cloud();
     for (name, kind) in glc_of_each_class() {
-        let Some(&Glc { near, far }) = &kind.recipe() else { unreachable!() };
+        let Some(&Glc { near, far }) = kind.recipe() else { unreachable!() };
         assert_eq!(glc::classify(&near, &far).0.name(), name);
         let Some((frame, ..)) = check(name, &scene, &camera(kind, SIZE, FORWARD)) else { return };
         // the ball alone covers a fifth of each of these pictures
