@@ -50,12 +50,12 @@ pub struct Capacities {
     pub queue: u64,
     /// (cluster, node) items that `split` takes.
     pub work: u64,
-    /// (bunch, node) items that `bin` takes.
+    /// (triangle group, node) items that `bin` takes.
     pub tasks: u64,
     /// (triangle, tile) pairs.
     pub pairs: u64,
-    /// Half tiles of pixels of a pair that `recheck` takes; `settle` takes two items a doubt.
-    pub doubts: u64,
+    /// Half tiles of pixels of a pair that `recheck` takes; `recheck_samples` takes two for each.
+    pub recheck_items: u64,
     /// Pixels that hold an edge, of which `sample` takes a closer look.
     pub edges: u64,
 }

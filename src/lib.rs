@@ -6,14 +6,14 @@
 //!                         |
 //!            camera: layers, each an image cut into pieces with an affine bundle of rays; or a ray or curve a pixel
 //!                         |
-//!            plan: bands of the image, sheets (layers, spans of curves) of tiles, cells (piece x tile), a tree of
+//!            plan: bands of the image, slabs (layers, spans of curves) of tiles, cells (piece x tile), a tree of
 //!                  nodes with bounds on their rays
 //!                         |                                                          host, f64
 //! ------------------------+-----------------------------------------------------------------
 //!                         |                                                          GPU, one submission
 //!            cull:   clusters of triangles x nodes          -> work items
 //!            bin:    triangles of a cluster x tiles         -> (triangle, tile) pairs
-//!            raster: pairs, one by one or tile by tile      -> visibility buffer: (layer, t, id) a pixel; doubts
+//!            raster: pairs, one by one or tile by tile      -> visibility buffer: (layer, t, id) a pixel; items to recheck
 //!            recheck: what f32 did not prove, in f64        -> visibility buffer
 //!            (certify: what is proven of it, where asked)
 //!            shade:  visible triangle of each pixel         -> planes: colour, depth, ids

@@ -170,7 +170,7 @@ fn the_map_is_the_same_however_the_frame_is_cut() {
         let Some(whole) = certified(&scene, &camera, Without::Nothing) else { return };
         let cut = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 16);
         let small = RunOptions {
-            capacities: Some(Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, doubts: 1, edges: 1 }),
+            capacities: Some(Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, recheck_items: 1, edges: 1 }),
             ..Default::default()
         };
         let frame = cut.unwrap().render(&scene, &camera, &wanted(), &small).unwrap().frame;

@@ -10,7 +10,7 @@ use anamorph::camera::curve::{Curve, CurveMap, Curves};
 use anamorph::camera::{Camera, Rays};
 use anamorph::engine::RunOptions;
 use anamorph::engine::plan::Wanted;
-use anamorph::gpu::rows::split2;
+use anamorph::gpu::layout::split2;
 use anamorph::image::frame::{Channel, NO_ID};
 use common::gpu::{Without, engine};
 use exact::{Powers, Rng, beyond, count, polynomial};

@@ -5,7 +5,7 @@ use anamorph::engine::stage::Stages;
 use anamorph::gpu::buffers::Pipeline;
 use anamorph::gpu::device::{Abilities, STORAGE_BUFFERS};
 use anamorph::gpu::kernels::{Access, Binding, Kernel, Snippet, Variant};
-use anamorph::gpu::rows::LANES;
+use anamorph::gpu::layout::LANES;
 use anamorph::gpu::{Gpu, GpuOptions};
 use anamorph::image::frame::Channel;
 use rayon::prelude::*;

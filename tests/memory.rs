@@ -23,8 +23,8 @@ struct Lists {
 const BY_TILE: Lists = Lists { pair: 8.0 + 8.0 + 4.0, tile: 8.0 + 8.0 };
 const BY_PAIR: Lists = Lists { pair: 8.0, tile: 0.0 };
 
-/// Rows of a triangle and of its cluster and bunch, and its share of the lists as they are at first: 2 pairs, 28 items of 8 for 64
-/// triangles in the lists before these, and a doubt of 8 for 16. A vertex has 24 bytes, a normal 12.
+/// Rows of a triangle and of its cluster and triangle group, and its share of the lists as they are at first: 2 pairs, 28 items of 8 for 64
+/// triangles in the lists before these, and an item to recheck of 8 bytes for 16. A vertex has 24 bytes, a normal 12.
 fn triangle(lists: Lists) -> f64 {
     40.5 + 2.0 * lists.pair + 3.5 + 0.5
 }

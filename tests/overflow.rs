@@ -56,16 +56,16 @@ fn lists_of_one_item_grow_to_the_identical_image() {
                 work: 1 << 20,
                 tasks: 1 << 20,
                 pairs: 1 << 20,
-                doubts: 1 << 20,
+                recheck_items: 1 << 20,
                 edges: 1 << 20,
             };
             for start in [
-                Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, doubts: 1, edges: 1 },
+                Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, recheck_items: 1, edges: 1 },
                 Capacities { queue: 1, ..large },
                 Capacities { work: 1, ..large },
                 Capacities { tasks: 1, ..large },
                 Capacities { pairs: 1, ..large },
-                Capacities { doubts: 1, ..large },
+                Capacities { recheck_items: 1, ..large },
             ] {
                 let run = RunOptions { capacities: Some(start), ..Default::default() };
                 let grown = render_with(&scene, &camera, without, &run).unwrap();
@@ -140,7 +140,7 @@ fn error_of(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -
 }
 
 #[test]
-fn doubts_of_one_cluster_that_no_list_can_hold_are_an_error_with_stage_need_and_capacity() {
+fn recheck_items_of_one_cluster_that_no_list_can_hold_are_an_error_with_stage_need_and_capacity() {
     // one cluster of 64 triangles over all of some 100 tiles: twice 64 halves of each are left to recheck, and a list holds 8,192
     let wall = |k: u32| {
         let z = k as f64 / 64.0;

@@ -6,10 +6,10 @@ use anamorph::camera::TILE;
 use anamorph::camera::kinds::glc::Glc;
 use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Field, Ray, Rays};
-use anamorph::engine::plan::sheets::Sheets;
+use anamorph::engine::plan::slabs::Slabs;
 use anamorph::engine::plan::{Band, Contents, Plan, Surroundings, Wanted};
 use anamorph::gpu::device::Abilities;
-use anamorph::gpu::rows::{self, BRANCH};
+use anamorph::gpu::layout::{self, BRANCH};
 use anamorph::image::frame::Channel;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, mesh_spec, raymap};
 use common::file::camera_of;
@@ -81,8 +81,8 @@ fn claims(band: &Band, i: u32, j: u32) -> Vec<u32> {
     let bit = y % TILE * TILE + i % TILE;
     let cells = &band.tiles.cells[band.tiles.start[tile] as usize..band.tiles.start[tile + 1] as usize];
     assert!(cells.iter().all(|c| c.tile as usize == tile));
-    let owns = |c: &&rows::Cell| (c.mask_lo as u64 | (c.mask_hi as u64) << 32) >> bit & 1 == 1;
-    let number = |c: &rows::Cell| band.tiles.pieces.get(c.piece as usize).map_or(c.piece, |p| p.number);
+    let owns = |c: &&layout::Cell| (c.mask_lo as u64 | (c.mask_hi as u64) << 32) >> bit & 1 == 1;
+    let number = |c: &layout::Cell| band.tiles.pieces.get(c.piece as usize).map_or(c.piece, |p| p.number);
     cells.iter().filter(owns).map(number).collect()
 }
 
@@ -98,7 +98,7 @@ fn cells_cut_the_image_as_the_camera_does() {
                     assert_eq!(claims(band, i, j), owner.into_iter().collect::<Vec<_>>(), "{name} at {i},{j}");
                     owned += owner.is_some() as u32;
                 }
-                let bits = |c: &rows::Cell| c.mask_lo.count_ones() + c.mask_hi.count_ones();
+                let bits = |c: &layout::Cell| c.mask_lo.count_ones() + c.mask_hi.count_ones();
                 let all: u32 = band.tiles.cells.iter().map(bits).sum();
                 assert_eq!(all, owned, "{name}: cells own pixels beyond the image");
                 assert!(band.tiles.cells.iter().all(|c| bits(c) > 0), "{name}: a cell without pixels");
@@ -175,35 +175,35 @@ fn a_limit_too_small_for_a_row_of_tiles_gives_bands_of_one_row() {
 }
 
 /// Asserts that every node bounds the rays of the pixels below it, and that a node without rays has none.
-fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, sheets: Sheets, band: &Band) {
-    let sheet_rows = band.tiles.sheet_rows;
-    let all_rows = sheet_rows * sheets.count();
-    assert_eq!(sheet_rows, sheets.tile_rows(band.rows));
+fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, slabs: Slabs, band: &Band) {
+    let slab_rows = band.tiles.slab_rows;
+    let all_rows = slab_rows * slabs.count();
+    assert_eq!(slab_rows, slabs.tile_rows(band.rows));
     for (depth, level) in band.nodes.levels.iter().enumerate() {
         let side = TILE * BRANCH.pow(depth as u32);
         let expected = (SIZE.0.div_ceil(side), (all_rows * TILE).div_ceil(side));
         assert_eq!((level.width, level.height), expected, "{name}");
         let mut seen = vec![false; (level.width * level.height) as usize];
         let pixels = (0..band.rows).flat_map(|y| (0..SIZE.0).map(move |x| (x, y)));
-        for (sheet, (i, row)) in pixels.flat_map(|p| (0..sheets.count()).map(move |s| (s, p))) {
-            let Some((ray, bend)) = sheet_ray(camera, sheets, sheet, i, band.row + row) else { continue };
-            let y = sheet * sheet_rows * TILE + row;
+        for (slab, (i, row)) in pixels.flat_map(|p| (0..slabs.count()).map(move |s| (s, p))) {
+            let Some((ray, bend)) = slab_ray(camera, slabs, slab, i, band.row + row) else { continue };
+            let y = slab * slab_rows * TILE + row;
             let k = y / side * level.width + i / side;
             seen[k as usize] = true;
             let node = &band.nodes.nodes[(level.start + k) as usize];
             let held = holds(node, (i % side, y % side), side, (ray.origin - anchor, ray.direction), bend);
-            assert!(held, "{name}, level {depth}, sheet {sheet}, pixel {i},{row}: beyond {node:?}");
+            assert!(held, "{name}, level {depth}, slab {slab}, pixel {i},{row}: beyond {node:?}");
             if depth > 0 {
                 continue;
             }
             let bit = y % TILE * TILE + i % TILE;
             let cells =
                 &band.tiles.cells[band.tiles.start[k as usize] as usize..band.tiles.start[k as usize + 1] as usize];
-            let owns = |c: &&rows::Cell| (u64::from(c.mask_hi) << 32 | u64::from(c.mask_lo)) >> bit & 1 == 1;
+            let owns = |c: &&layout::Cell| (u64::from(c.mask_hi) << 32 | u64::from(c.mask_lo)) >> bit & 1 == 1;
             let cell = cells.iter().find(owns).unwrap();
             let node = &band.nodes.nodes[cell.node as usize];
             let held = holds(node, (i % TILE, y % TILE), TILE, (ray.origin - anchor, ray.direction), bend);
-            assert!(held, "{name}, sheet {sheet}, pixel {i},{row}: beyond its cell's {node:?}");
+            assert!(held, "{name}, slab {slab}, pixel {i},{row}: beyond its cell's {node:?}");
             assert!(cells.len() > 1 || cell.node == k, "{name}: a lone cell has its tile's node");
         }
         for (k, seen) in seen.iter().enumerate() {
@@ -214,7 +214,7 @@ fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, sheets: Sheets, ba
 }
 
 /// A node over `side` pixels a side bounds a ray (origin, direction) that bends so far, of its pixel (x, y).
-fn holds(node: &rows::Node, (x, y): (u32, u32), side: u32, ray: (DVec3, DVec3), bend: f64) -> bool {
+fn holds(node: &layout::Node, (x, y): (u32, u32), side: u32, ray: (DVec3, DVec3), bend: f64) -> bool {
     let q = (DVec2::new(x as f64, y as f64) + 0.5) / (side as f64 / 2.0) - 1.0;
     let at = |c: [[f32; 3]; 3]| {
         let c = c.map(|v| Vec3::from(v).as_dvec3());
@@ -222,12 +222,12 @@ fn holds(node: &rows::Node, (x, y): (u32, u32), side: u32, ray: (DVec3, DVec3), 
     };
     let off_p = (at([node.p, node.px, node.py]) - ray.0).length();
     let off_d = (at([node.d, node.dx, node.dy]) - ray.1).length();
-    node.rays != rows::RAYS_NONE && off_p + bend <= node.r_p as f64 && off_d <= node.r_d as f64
+    node.rays != layout::RAYS_NONE && off_p + bend <= node.r_p as f64 && off_d <= node.r_d as f64
 }
 
-/// The ray of a pixel over its sheet's span of t, and how far the true one leaves it at the same part of the span.
-fn sheet_ray(camera: &Camera, sheets: Sheets, sheet: u32, i: u32, j: u32) -> Option<(Ray, f64)> {
-    let (layer, [from, to]) = sheets.of_sheet(sheet);
+/// The ray of a pixel over its slab's span of t, and how far the true one leaves it at the same part of the span.
+fn slab_ray(camera: &Camera, slabs: Slabs, slab: u32, i: u32, j: u32) -> Option<(Ray, f64)> {
+    let (layer, [from, to]) = slabs.of_slab(slab);
     if !camera.is_curved() {
         return camera.pixel(layer, i, j).map(|(_, b)| (b.ray(0.0, 0.0), 0.0));
     }
@@ -258,7 +258,7 @@ fn nodes_bound_every_ray_of_their_squares() {
         for around in [Surroundings::of(&camera, None), Surroundings::point(DVec3::new(3.0, -200.0, 0.1))] {
             for limit in [LAVAPIPE_BINDING, 1 << 17] {
                 let plan = Plan::new(&camera, of(1), around, &wanted(&Channel::ALL), HAS_ALL, limit);
-                plan.bands.iter().for_each(|b| assert_bounded(&name, &camera, plan.anchor, plan.sheets, b));
+                plan.bands.iter().for_each(|b| assert_bounded(&name, &camera, plan.anchor, plan.slabs, b));
             }
         }
     }
@@ -296,7 +296,7 @@ fn the_key_has_room_for_every_id() {
             LAVAPIPE_BINDING,
         );
         assert_eq!(plan.id_bits, bits, "{triangles} triangles");
-        assert!(triangles as u64 <= 1 << bits && bits <= rows::ID_BITS_MAX);
+        assert!(triangles as u64 <= 1 << bits && bits <= layout::ID_BITS_MAX);
     }
 }
 
@@ -346,7 +346,7 @@ fn what_is_left_out_is_said() {
         [
             "per-pixel ray table",
             "curves",
-            "sheets",
+            "slabs",
             "ray residuals",
             "cells apart in cull",
             "bounce, fit and meet",
@@ -389,9 +389,9 @@ fn what_is_left_out_is_said() {
     let pieces = camera(mesh_camera(1, 4, 4, MeshLook::default()), SIZE, FORWARD);
     assert!(!whats(&pieces, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"ray residuals".into()));
     let chain = whats(&layered::chain(1, 2, (2, 2), MeshLook::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
-    assert!(!chain.contains(&"sheets".into()) && chain.contains(&"curves".into()));
+    assert!(!chain.contains(&"slabs".into()) && chain.contains(&"curves".into()));
     let curves = whats(&layered::wavy(2, 0.5, false, SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
-    assert!(!curves.contains(&"sheets".into()) && !curves.contains(&"curves".into()));
+    assert!(!curves.contains(&"slabs".into()) && !curves.contains(&"curves".into()));
     assert!(curves.contains(&"recheck".into()) && !chain.contains(&"recheck".into()));
 }
 

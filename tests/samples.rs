@@ -155,7 +155,7 @@ fn ball() -> Scene {
     let first = all.positions.len() as u32;
     all.positions.extend(walls.positions.iter().map(|p| *p - DVec3::Z));
     all.triangles.extend(walls.triangles.iter().map(|t| t.map(|v| v + first)));
-    all.corner_normals.extend(vec![[anamorph::gpu::rows::NONE; 3]; walls.triangles.len()]);
+    all.corner_normals.extend(vec![[anamorph::gpu::layout::NONE; 3]; walls.triangles.len()]);
     all.material_of.extend(vec![0; walls.triangles.len()]);
     scene(all)
 }
@@ -349,7 +349,7 @@ fn lists_grow_and_bands_and_chunks_join_to_the_same_samples() {
     for (camera, limit) in [(camera(kind, SIZE, FORWARD), 1 << 15), (raymap(SIZE.0, SIZE.1, FORWARD), 1 << 16)] {
         let Some(mut whole) = engine_on(|_| {}) else { return };
         let roomy = sampled(&mut whole, &scene, &camera, 4, &RunOptions::default());
-        let few = Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, doubts: 1, edges: 1 };
+        let few = Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, recheck_items: 1, edges: 1 };
         let run = RunOptions { capacities: Some(few), ..Default::default() };
         let small = |limit: u64| engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = limit);
         let without = |int64: bool| engine_on(|gpu| gpu.has.atomics64 &= int64);

@@ -109,7 +109,7 @@ fn frames_on_their_way_at_once_are_those_of_fresh_engines() {
     let Some(mut engine) = engine_on(|_| ()) else { return };
     let Some(mut fresh) = engine_on(|_| ()) else { return };
     let (wanted, run) = (wanted(), RunOptions::default());
-    let least = Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, doubts: 1, edges: 1 };
+    let least = Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, recheck_items: 1, edges: 1 };
     // lists that hold next to nothing, so that frames are found to lack room when the next is on its way
     for capacities in [None, Some(least)] {
         let run = RunOptions { capacities, ..run.clone() };
@@ -129,9 +129,9 @@ fn frames_on_their_way_at_once_are_those_of_fresh_engines() {
             assert!(frames.show(&planned).unwrap());
             let next = (planned, frames.start().unwrap());
             let (planned, flight) = std::mem::replace(&mut flying, next);
-            seen.push(frames.settle(&planned, flight).unwrap().rendered());
+            seen.push(frames.recheck_samples(&planned, flight).unwrap().rendered());
         }
-        seen.push(frames.settle(&flying.0, flying.1).unwrap().rendered());
+        seen.push(frames.recheck_samples(&flying.0, flying.1).unwrap().rendered());
         for (k, ((scene, camera), seen)) in shows.iter().zip(&seen).enumerate() {
             let expected = fresh.render(scene, camera.clone(), &wanted, &RunOptions::default()).unwrap();
             assert!(words(&seen.frame) == words(&expected.frame), "frame {k}");
@@ -153,7 +153,7 @@ fn what_is_of_another_kind_is_to_be_placed_anew() {
     assert!(!frames.show(&planned(&all[0].1, &Wanted::of(vec![Channel::T]))).unwrap());
     let own = planned(&all[0].1, &wanted);
     let flight = frames.start().unwrap();
-    let seen = frames.settle(&own, flight).unwrap().rendered();
+    let seen = frames.recheck_samples(&own, flight).unwrap().rendered();
     let expected = engine.render(&scene, &all[0].1, &wanted, &run).unwrap();
     assert!(words(&seen.frame) == words(&expected.frame));
 }

@@ -87,13 +87,13 @@ fn ray_fields() {
 fn vertices_on_rays() {
     for (name, kind) in cameras::glc_of_each_class() {
         let camera = camera(kind, (43, 37), FORWARD);
-        let scene = scene(stages::sheet_on_rays(&camera, 3));
+        let scene = scene(stages::slab_on_rays(&camera, 3));
         let frame = draw(&scene, &camera, WHOLE);
         let judged = judge(&scene, &camera, &frame);
         let seen = compare(&frame, &judged.truth, Some(&judged.safe), None).unwrap();
         println!("{name}: {seen}");
         assert_eq!((seen.wrong_safe, judged.not_near), (Some(0), 0), "{name}: {seen}");
-        // the sheet has no holes, so only its own border may differ
+        // the slab has no holes, so only its own border may differ
         let border = 2 * (43 + 37);
         assert!(seen.wrong_hit_miss.unwrap() <= border, "{name}: {seen}");
         let ids = frame.u32(Channel::TriangleId).unwrap();

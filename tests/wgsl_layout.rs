@@ -1,9 +1,9 @@
 //! The rows that the host writes are the rows that the kernels read: every struct of `wgsl/shared/params.wgsl`,
-//! `shading.wgsl` and `beams.wgsl` against its twin in `src/gpu/rows.rs`, field by field, and every constant against its own.
+//! `shading.wgsl` and `beams.wgsl` against its twin in `src/gpu/layout.rs`, field by field, and every constant against its own.
 
 use anamorph::engine::clusters::CORNER_ORDERS;
 use anamorph::gpu::kernels::{self, Variant};
-use anamorph::gpu::rows;
+use anamorph::gpu::layout;
 use anamorph::image::frame::Channel;
 use naga::{Expression, Literal, Module, ScalarKind, Statement, SwitchValue, TypeInner};
 use std::collections::BTreeMap;
@@ -16,8 +16,8 @@ const SEGMENT: &str = include_str!("../wgsl/shared/segment.wgsl");
 const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
 const OPTICS: &str = include_str!("../wgsl/optics/rows.wgsl");
 const CAUSTICS: &str = include_str!("../wgsl/caustics/rows.wgsl");
-const RIVALS: &str = include_str!("../wgsl/baseline/rows.wgsl");
-const ROWS: &str = include_str!("../src/gpu/rows.rs");
+const RIVALS: &str = include_str!("../wgsl/rivals/rows.wgsl");
+const ROWS: &str = include_str!("../src/gpu/layout.rs");
 
 /// One field as bytes: name, offset, size, kind of its numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,12 +89,12 @@ fn host() -> Layouts {
             queue_capacity,
             work_capacity,
             pair_capacity,
-            sheet_rows,
+            slab_rows,
             id_first,
             id_count,
             band_row,
             spans,
-            doubt_capacity,
+            recheck_capacity,
             origin_lost,
             task_capacity,
             edge_capacity,
@@ -323,7 +323,7 @@ fn host_constants() -> Constants {
         GROUP,
         BRANCH,
         CLUSTER,
-        BUNCH,
+        TRIANGLE_GROUP,
         NONE,
         RAYS_NONE,
         RAYS_LOOSE,
@@ -336,7 +336,7 @@ fn host_constants() -> Constants {
         COUNT_PAIRS_KEPT,
         COUNT_FRAGMENTS_TESTED,
         COUNT_FRAGMENTS_KEPT,
-        COUNT_DOUBTS,
+        COUNT_RECHECK_ITEMS,
         COUNT_BUSY,
         COUNT_BUSY_FIRST,
         COUNT_BUSY_END,
@@ -345,7 +345,7 @@ fn host_constants() -> Constants {
         COUNT_SORTED,
         COUNT_EDGES,
         COUNT_BLOCKS,
-        COUNT_SAMPLE_DOUBTS,
+        COUNT_RECHECK_SAMPLES,
         LANES,
         COUNTERS,
         LAW_NORMALS,
@@ -413,7 +413,7 @@ fn every_channel_has_an_override_that_defaults_to_no_plane() {
     let shaded: Vec<Channel> = Channel::every().filter(|c| *c != Channel::Certified && !c.is_label()).collect();
     for ((name, default), &channel) in overrides().into_iter().zip(&shaded) {
         let word = channel.name().trim_end_matches(".id").trim_start_matches("bary.").replace('.', "_").to_uppercase();
-        assert_eq!((name.as_str(), default), (format!("PLANE_{word}").as_str(), rows::NONE));
+        assert_eq!((name.as_str(), default), (format!("PLANE_{word}").as_str(), layout::NONE));
         for kernel in [kernels::shade(Variant::PLAIN, &[channel]), kernels::write_srgb(&[channel])] {
             assert_eq!(plane_constants(&kernel), [(name.as_str(), 0.0)]);
         }
@@ -433,11 +433,11 @@ fn the_last_word_of_a_triangle_row_is_cut_alike() {
         module.global_expressions[c.init].clone()
     };
     let is = |name: &str, value: u32| matches!(constant(name), Expression::Literal(Literal::U32(v)) if v == value);
-    assert!(is("ID_MASK", rows::ID_MASK));
-    assert!(is("ONE_SIDED", rows::ONE_SIDED));
-    assert_eq!(rows::ORDER_SHIFT, rows::ID_BITS_MAX);
-    assert!(raster.contains(&format!("(row.w >> {}u) & 7u", rows::ORDER_SHIFT)));
-    const { assert!(rows::ONE_SIDED >> rows::ORDER_SHIFT > 7, "the order's three bits end below the side's") };
+    assert!(is("ID_MASK", layout::ID_MASK));
+    assert!(is("ONE_SIDED", layout::ONE_SIDED));
+    assert_eq!(layout::ORDER_SHIFT, layout::ID_BITS_MAX);
+    assert!(raster.contains(&format!("(row.w >> {}u) & 7u", layout::ORDER_SHIFT)));
+    const { assert!(layout::ONE_SIDED >> layout::ORDER_SHIFT > 7, "the order's three bits end below the side's") };
 }
 
 /// The vectors that `corner_order` of `source` returns, by case; the default last.

@@ -2,7 +2,7 @@
 //! and keeps f64 to the operations that every driver translates right.
 
 use anamorph::gpu::kernels::{self, Kernel, Variant};
-use anamorph::gpu::rows::GROUP;
+use anamorph::gpu::layout::GROUP;
 use anamorph::gpu::soft_f64::lowered;
 use anamorph::image::frame::Channel;
 use anamorph::rivals;
@@ -23,7 +23,7 @@ fn variants() -> impl Iterator<Item = Variant> {
 
 /// Kernels that have variants of arithmetic; rivals' among them, which hand on keys of f64.
 const WIDE: [&str; 13] = [
-    "raster", "recheck", "certify", "sample", "settle", "resolve", "shade", "meet", "bounce", "paste", "trace", "take",
+    "raster", "recheck", "certify", "sample", "recheck_samples", "resolve", "shade", "meet", "bounce", "paste", "trace", "take",
     "unfold",
 ];
 
@@ -32,13 +32,13 @@ const WIDE: [&str; 13] = [
 fn allowed(kernel: &Kernel, variant: Variant) -> Capabilities {
     let mut caps = Capabilities::empty();
     caps.set(Capabilities::FLOAT64, variant.f64 && WIDE.contains(&kernel.name));
-    let merges = ["raster", "recheck", "meet", "settle"].contains(&kernel.name);
+    let merges = ["raster", "recheck", "meet", "recheck_samples"].contains(&kernel.name);
     caps.set(
         Capabilities::SHADER_INT64_ATOMIC_MIN_MAX,
         variant.atomics64 && (merges || kernel.name == "sample" && !variant.by_tile),
     );
     caps.set(Capabilities::SHADER_INT64, !caps.is_empty());
-    let has_lanes = !["allot", "sort", "settle"].contains(&kernel.name);
+    let has_lanes = !["allot", "sort", "recheck_samples"].contains(&kernel.name);
     caps.set(Capabilities::SUBGROUP, variant.by_tile && has_lanes);
     caps
 }
@@ -60,7 +60,7 @@ fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
             kernels.iter().for_each(|k| check(k, by_tile));
         }
         if by_tile.samples_by_tile() {
-            let kernels = [kernels::edges_by_tile, kernels::sample_by_tile, kernels::settle];
+            let kernels = [kernels::edges_by_tile, kernels::sample_by_tile, kernels::recheck_samples];
             kernels.iter().for_each(|k| check(&k(by_tile), by_tile));
         }
         if variant.optics.is_none() {
@@ -112,7 +112,7 @@ fn every_kernel_is_valid_and_portable() {
     let by_pair = 4 * (raster_certify_and_shade + recheck + bounce + meet + paste + rivals + sample_and_resolve);
     // and four cameras of triangles with holes, one of curves, and a mirror of facets with the rays that it turns
     let cut = 2 * (4 * 3 + 3 + 4 * (2 + 1 + 1) + 2 * (3 + 1 + 1));
-    // with 64-bit atomics too: raster of what is rechecked; sample and settle where the camera is no chain
+    // with 64-bit atomics too: raster of what is rechecked; sample and recheck_samples where the camera is no chain
     let by_tile = 2 * (all - 6 + 2 * 2);
     assert_eq!(wide, by_pair + cut + by_tile);
 }

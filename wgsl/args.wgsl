@@ -1,7 +1,7 @@
 // args: one thread in all. Reads the count that a stage left in `counters` and the capacity behind it; writes the
 // indirect arguments of the next dispatch, in two dimensions and never over the list's end.
-// Needs: BUNCH, CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_DOUBTS, COUNT_EDGES, COUNT_PAIRS,
-//   COUNT_SAMPLE_DOUBTS, COUNT_TASKS, COUNT_WORK, GROUP, LANES
+// Needs: CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_PAIRS, COUNT_RECHECK_ITEMS,
+//   COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_WORK, GROUP, LANES, TRIANGLE_GROUP
 // Binds: counters, indirect, params, step
 
 const GROUPS_A_SIDE: u32 = 65535u;
@@ -13,18 +13,18 @@ fn args() {
     var items = GROUP;
     if step.value == COUNT_WORK {
         count = min(count, params.work_capacity);
-        items = GROUP / (CLUSTER / BUNCH);
+        items = GROUP / (CLUSTER / TRIANGLE_GROUP);
     } else if step.value == COUNT_TASKS {
         count = min(count, params.task_capacity);
-        items = GROUP / BUNCH;
+        items = GROUP / TRIANGLE_GROUP;
     } else if step.value == COUNT_PAIRS {
         count = min(count, params.pair_capacity);
-    } else if step.value == COUNT_DOUBTS {
-        count = min(count, params.doubt_capacity);
+    } else if step.value == COUNT_RECHECK_ITEMS {
+        count = min(count, params.recheck_capacity);
     } else if step.value == COUNT_EDGES {
         count = min(count, params.edge_capacity);
-    } else if step.value == COUNT_SAMPLE_DOUBTS {
-        count = min(count, params.doubt_capacity / 2u);
+    } else if step.value == COUNT_RECHECK_SAMPLES {
+        count = min(count, params.recheck_capacity / 2u);
     } else if step.value == COUNT_BLOCKS {
         items = GROUP / LANES;
     } else if step.value == COUNT_BUSY {

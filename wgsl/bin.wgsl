@@ -1,9 +1,9 @@
-// bin: one thread per triangle of a (bunch, node) item of `tasks`.
+// bin: one thread per triangle of a (triangle group, node) item of `tasks`.
 // Reads triangles, vertices and nodes; writes (slot, tile) pairs of the tiles under the node that the triangle may cover, by its extent
 // and its three edge conics there, or of the one tile of the cell that the item names. `pairs` may overflow: the counter keeps counting.
-// Needs: ASIDE, BOUND_SLACK, BUNCH, CENTRES, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_TASKS, LEVEL_CELL, NODE_PX, TILE, address_node,
-//   box_met, close_extent, conics, is_empty, item_index, item_node, item_pixels, item_rays, may_cover, node_cell, node_level, node_x,
-//   node_y, pair_pack, pixels_within, store, task_bunch, tile_pixels, vertex
+// Needs: ASIDE, BOUND_SLACK, CENTRES, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_TASKS, LEVEL_CELL, NODE_PX, TILE, TRIANGLE_GROUP,
+//   address_node, box_met, close_extent, conics, is_empty, item_index, item_node, item_pixels, item_rays, may_cover, node_cell, node_level,
+//   node_x, node_y, pair_pack, pixels_within, store, task_triangle_group, tile_pixels, vertex
 // Binds: cells, counters, params, tasks, triangles
 
 override COUNTING: bool = false;
@@ -15,19 +15,19 @@ fn bin(
     @builtin(local_invocation_index) lane: u32,
 ) {
     // take a triangle of a task
-    let index = item_index(group, groups, lane) / BUNCH;
+    let index = item_index(group, groups, lane) / TRIANGLE_GROUP;
     if index >= min(atomicLoad(&counters[COUNT_TASKS]), params.task_capacity) {
         return;
     }
-    let bunch = task_bunch(tasks[index].x, lane);
+    let triangle_group = task_triangle_group(tasks[index].x, lane);
     let address = tasks[index].y;
     let level = node_level(address);
     let node = item_node(address_node(address), lane);
-    let rays = item_rays(address, node, bunch.centre, bunch.half, true, lane);
-    if lane % BUNCH >= bunch.count {
+    let rays = item_rays(address, node, triangle_group.centre, triangle_group.half, true, lane);
+    if lane % TRIANGLE_GROUP >= triangle_group.count {
         return;
     }
-    let slot = bunch.first + lane % BUNCH;
+    let slot = triangle_group.first + lane % TRIANGLE_GROUP;
     let triangle = triangles[slot];
     let v0 = vertex(triangle.x);
     let v1 = vertex(triangle.y);

@@ -5,7 +5,7 @@
 // at any sample, if it covers all; the second tests every triangle that may cover a sample before that; the third writes the rows.
 // `edge_of` has a word a pixel: how near all must be that is seen instead, HELD where an edge is held; in the end 1 more than its row, 0 of none. Rows may
 // overflow: the counter keeps counting.
-// Needs: ASIDE, COUNT_EDGES, COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SHEETED, TILE, bit_mask, box_mask, conic_sign, conics, depths,
+// Needs: ASIDE, COUNT_EDGES, COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SLABBED, TILE, bit_mask, box_mask, conic_sign, conics, depths,
 //   first_bit, item_index, key_id, key_layer, may_cover, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_cell, pixels_in_part,
 //   pixels_whole, plane, tile_corner, tile_layer, triangle_id, vertex, without_bit
 // Binds: cells, counters, edge_of, nodes, pairs, params, samples, slot_of_id, step, tile_start, triangles, visibility
@@ -121,7 +121,7 @@ fn hold_pair(pair: vec2<u32>) {
             let met = depths(own, place.x, place.y, ASIDE * NODE_PX);
             let near = clamp(met.near, params.t_min.x, params.t_max.x);
             let is_out_of_range = met.far < params.t_min.x || met.near > params.t_max.x;
-            if reach == HELD || (!SHEETED && is_out_of_range) || nearness(layer, near) - 1u > reach {
+            if reach == HELD || (!SLABBED && is_out_of_range) || nearness(layer, near) - 1u > reach {
                 continue;
             }
             let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);

@@ -1,13 +1,13 @@
 // raster: one thread per (slot, tile) pair.
 // Reads pairs, triangles, vertices, cells and the camera's rays; merges the visibility key of every pixel that the
-// triangle covers at a t in range, and leaves those whose coverage f32 does not prove to recheck, as doubts. Keys are complemented,
-// so that the nearest hit is the largest and 0 is no hit. The list of doubts may overflow: the counter keeps counting.
+// triangle covers at a t in range, and leaves those whose coverage f32 does not prove to recheck. Keys are complemented,
+// so that the nearest hit is the largest and 0 is no hit. The list recheck_items may overflow: the counter keeps counting.
 // Needs: COUNTING, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, box_mask, cell_bundle, coverage, is_apart, item_index,
 //   leave_to_recheck, merge_hits, pair_from, pair_slot, pair_tile, pair_to, real3, triangle_id, vertex, vertex_real
 // Binds: cells, counters, pairs, params, step, tile_start, triangles
 
 // Nothing is proven.
-override DOUBTING: bool = false;
+override ALL_UNCERTAIN: bool = false;
 
 @compute @workgroup_size(64)
 fn raster(
@@ -41,7 +41,7 @@ fn raster(
             continue;
         }
         var found = vec4<u32>(0u, 0u, owned);
-        if !DOUBTING {
+        if !ALL_UNCERTAIN {
             found = coverage(cell, owned, pair_from(pair), pair_to(pair), vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
         }
         if COUNTING && step.value == 0u {

@@ -1,7 +1,7 @@
 // raster, tile by tile: one subgroup of LANES threads per busy tile, one thread per column of it.
 // Reads what raster reads pair by pair, the run of pairs of each tile and the busy tiles; merges one visibility key a pixel, the nearest
 // of all pairs of its tile, and leaves what f32 does not prove to recheck. A tile of more than ROUNDS times LANES pairs is listed as
-// busy again, with what is left of its run. The list of doubts may overflow: the counter keeps counting.
+// busy again, with what is left of its run. The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 // Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, FARTHEST,
 //   GROUP, INFINITE, LANES, LOWER, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, hold, in_line, is_apart, is_behind,
@@ -102,15 +102,15 @@ fn raster(
         let own = shared_of(triangle, v0, v1, v2, middle, reach, reach_q, size(node.d));
 
         // hold each against the pixels of either half
-        var doubts_upper = 0u;
-        var doubts_lower = 0u;
+        var uncertain_upper = 0u;
+        var uncertain_lower = 0u;
         loop {
             let is_left = vec4<bool>(left_upper != 0u);
             let k = firstTrailingBit(left_upper) % LANES;
             left_upper &= left_upper - 1u;
             let found = hold(given(own, k), upper, column.upper, column.has_upper & is_left, starts_upper, nearest_upper);
             nearest_upper = found.nearest;
-            doubts_upper |= row_bits(found.doubtful) << (4u * k);
+            uncertain_upper |= row_bits(found.uncertain) << (4u * k);
             if COUNTING {
                 kept += countOneBits(row_bits(found.met));
             }
@@ -124,7 +124,7 @@ fn raster(
             left_lower &= left_lower - 1u;
             let found = hold(given(own, k), lower, column.lower, column.has_lower & is_left, starts_lower, nearest_lower);
             nearest_lower = found.nearest;
-            doubts_lower |= row_bits(found.doubtful) << (4u * k);
+            uncertain_lower |= row_bits(found.uncertain) << (4u * k);
             if COUNTING {
                 kept += countOneBits(row_bits(found.met));
             }
@@ -136,18 +136,18 @@ fn raster(
         far_upper = lanes_max(farthest(nearest_upper, column.has_upper), lane);
         far_lower = lanes_max(farthest(nearest_lower, column.has_lower), lane);
 
-        // leave doubts, pair by pair
-        let all = vec2<u32>(lanes_any(doubts_upper, lane), lanes_any(doubts_lower, lane));
-        var doubtful = all.x | all.y;
+        // leave items to recheck, pair by pair
+        let all = vec2<u32>(lanes_any(uncertain_upper, lane), lanes_any(uncertain_lower, lane));
+        var uncertain = all.x | all.y;
         loop {
-            if doubtful == 0u {
+            if uncertain == 0u {
                 break;
             }
-            let k = firstTrailingBit(doubtful) / 4u;
-            doubtful &= ~(15u << (4u * k));
+            let k = firstTrailingBit(uncertain) / 4u;
+            uncertain &= ~(15u << (4u * k));
             let half = vec2<u32>(
-                lanes_any(rows_mask(1u << lane, (doubts_upper >> (4u * k)) & 15u), lane),
-                lanes_any(rows_mask(1u << lane, (doubts_lower >> (4u * k)) & 15u), lane),
+                lanes_any(rows_mask(1u << lane, (uncertain_upper >> (4u * k)) & 15u), lane),
+                lanes_any(rows_mask(1u << lane, (uncertain_lower >> (4u * k)) & 15u), lane),
             );
             let index = subgroupShuffle(pair.index, k);
             leave_to_recheck(2u * index + (lane & 1u), select(0u, select(half.x, half.y, lane == 1u), lane < 2u));

@@ -3,7 +3,7 @@
 // means of its samples', each triangle's share of them by its samples' number or by areas; where these and the centre see one triangle they are what shade has written. Each triangle is shaded once, at the sample nearest to the middle of those that see it.
 // Triangles in another chunk of the scene are left to that chunk's dispatch, which adds its share.
 // Provides: key_of, middle_of, nearest_to, seen_alike
-// Needs: COUNT_EDGES, Lit, Look, NONE, PLANE_A, PLANE_B, PLANE_G, PLANE_R, SAMPLES, SHEETED, STYLED, Spread, TEXTURED, all_samples, beyond,
+// Needs: COUNT_EDGES, Lit, Look, NONE, PLANE_A, PLANE_B, PLANE_G, PLANE_R, SAMPLES, SLABBED, STYLED, Spread, TEXTURED, all_samples, beyond,
 //   drawn, item_index, key_id, key_layer, key_t, measure, pattern_at, point_at, reach_of, reached, sample_place, sample_ray, sample_spread,
 //   seen_next, segment_length, sent_back, share_of, surface_albedo, surface_normal, whole
 // Binds: counters, params, planes, samples, shading, slot_of_id, triangles
@@ -122,7 +122,7 @@ fn seen_by(pixel: u32, row: u32, sample: u32, some: u32) -> vec3<f32> {
         return sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d), share), albedo);
     }
     var z = 0.0;
-    for (var k = 0u; SHEETED && k < key_layer(key); k++) {
+    for (var k = 0u; SLABBED && k < key_layer(key); k++) {
         z += segment_length(k, x, y);
     }
     let whole = Look(slot, p, z, ray.d, spread, shading.spread);

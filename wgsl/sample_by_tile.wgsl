@@ -1,12 +1,12 @@
 // sample, tile by tile: one subgroup of LANES threads per block, one thread per strip of it: four samples of a pixel that holds an edge.
 // Reads triangles, vertices, nodes, the camera's rays, the blocks, the rows of `samples` and what pixels pairs may cover; writes the nearest key of
-// each sample into its row, and leaves what f32 does not prove to settle, two items a doubt: the pair, the strip and its rays as bits; the pixel.
-// The list of doubts may overflow: the counter keeps counting.
+// each sample into its row, and leaves what f32 does not prove to recheck_samples, two words each: the pair, the strip and its rays as bits; the pixel.
+// The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
-// Needs: COUNT_BLOCKS, COUNT_SAMPLE_DOUBTS, FARTHEST, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, given, group_index,
+// Needs: COUNT_BLOCKS, COUNT_RECHECK_SAMPLES, FARTHEST, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, given, group_index,
 //   hold, in_line, item_node, lanes_any, lanes_max, lines_of, reach_of, real3, real4, row_bits, sample_strip, settled, shared_of, size,
 //   vertex, vertex_lo
-// Binds: blocks, counters, doubts, params, samples, touches, triangles
+// Binds: blocks, counters, params, recheck_items, samples, touches, triangles
 
 @compute @workgroup_size(64)
 fn sample(
@@ -72,28 +72,28 @@ fn sample(
         let own = shared_of(triangle, v0, v1, v2, middle, reach, reach_q, size(node.d));
 
         // hold each against the strips
-        var doubts = 0u;
+        var left = 0u;
         loop {
             let is_left = vec4<bool>(left != 0u);
             let k = firstTrailingBit(left) % LANES;
             left &= left - 1u;
             let found = hold(given(own, k), lines, rays.strip, exists & is_left, vec4<u32>(NONE), nearest);
             nearest = found.nearest;
-            doubts |= row_bits(found.doubtful) << (4u * k);
+            left |= row_bits(found.uncertain) << (4u * k);
             if left == 0u {
                 break;
             }
         }
 
-        // leave doubts, pair by pair
-        var doubtful = lanes_any(doubts, lane);
+        // leave items to recheck, pair by pair
+        var uncertain = lanes_any(left, lane);
         loop {
-            if doubtful == 0u {
+            if uncertain == 0u {
                 break;
             }
-            let k = firstTrailingBit(doubtful) / 4u;
-            doubtful &= ~(15u << (4u * k));
-            leave_to_settle(pixel, subgroupShuffle(pair.index, k), strip, (doubts >> (4u * k)) & 15u);
+            let k = firstTrailingBit(uncertain) / 4u;
+            uncertain &= ~(15u << (4u * k));
+            leave_to_recheck_samples(pixel, subgroupShuffle(pair.index, k), strip, (left >> (4u * k)) & 15u);
         }
         if waiting == 0u && at >= end {
             break;
@@ -110,12 +110,12 @@ fn sample(
     }
 }
 
-fn leave_to_settle(pixel: u32, pair: u32, strip: u32, rays: u32) {
+fn leave_to_recheck_samples(pixel: u32, pair: u32, strip: u32, rays: u32) {
     if rays != 0u {
-        let at = atomicAdd(&counters[COUNT_SAMPLE_DOUBTS], 1u);
-        if at < params.doubt_capacity / 2u {
-            doubts[2u * at] = vec2<u32>(pair, (strip << 4u) | rays);
-            doubts[2u * at + 1u] = vec2<u32>(pixel, 0u);
+        let at = atomicAdd(&counters[COUNT_RECHECK_SAMPLES], 1u);
+        if at < params.recheck_capacity / 2u {
+            recheck_items[2u * at] = vec2<u32>(pair, (strip << 4u) | rays);
+            recheck_items[2u * at + 1u] = vec2<u32>(pixel, 0u);
         }
     }
 }

@@ -4,7 +4,7 @@
 // Provides: Place
 // Needs: Bundle, Lit, Look, NONE, PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_G, PLANE_MIRROR, PLANE_N_X,
 //   PLANE_N_Y, PLANE_N_Z, PLANE_PIECE, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE, PLANE_U, PLANE_UV_U, PLANE_UV_V,
-//   PLANE_V, PLANE_Z, SHEETED, STYLED, Spread, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece, first_surface, goes_on,
+//   PLANE_V, PLANE_Z, SLABBED, STYLED, Spread, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece, first_surface, goes_on,
 //   in_file_order, is_under_way, item_index, key_id, key_layer, key_t, light_before, light_left, pattern_at, piece_number, pixel_ray,
 //   point_at, ray_bundle, ray_spread, reach_of, reached, real3, says_what_is_seen, segment_length, sent_back, surface_albedo,
 //   surface_normal, surface_uv, vertex_real, way_length
@@ -82,7 +82,7 @@ fn shade(
     if PLANE_Z != NONE || STYLED {
         // all of the segments in lower layers, of the rays before, and a part of the last
         z = way_length(pixel) + reached(ray, layer, x, y, t);
-        for (var k = 0u; SHEETED && k < layer; k++) {
+        for (var k = 0u; SLABBED && k < layer; k++) {
             z += segment_length(k, x, y);
         }
     }

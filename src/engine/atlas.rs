@@ -7,7 +7,7 @@ use crate::camera::optics::{Atlas, Facets, Law, Optics, Surface};
 use crate::engine::plan::Wanted;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
-use crate::gpu::rows::AtlasLayout;
+use crate::gpu::layout::AtlasLayout;
 use crate::image::frame::Channel;
 use crate::input::Result;
 use crate::scene::Scene;

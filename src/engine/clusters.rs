@@ -4,7 +4,7 @@
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
 use crate::geometry::mesh::{Mesh, NO_NORMAL};
-use crate::gpu::rows::{BUNCH, CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, split2};
+use crate::gpu::layout::{TRIANGLE_GROUP, CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, split2};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -26,8 +26,8 @@ pub struct Chunk {
     /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit.
     pub slot_of_id: Vec<u32>,
     pub clusters: Vec<Cluster>,
-    /// A row for each bunch of each cluster; the last cluster's may be empty.
-    pub bunches: Vec<Cluster>,
+    /// A row for each triangle group of each cluster; the last cluster's may be empty.
+    pub triangle_groups: Vec<Cluster>,
     /// The scene's vertices that it has, ascending; `None`: all.
     used: Option<Vec<u32>>,
     /// How large the boxes of its clusters were together when triangles were put in these.
@@ -111,8 +111,8 @@ impl Clustered {
     }
 }
 
-/// Bunches of a cluster.
-const BUNCHES: usize = (CLUSTER / BUNCH) as usize;
+/// Triangle groups of a cluster.
+const TRIANGLE_GROUPS: usize = (CLUSTER / TRIANGLE_GROUP) as usize;
 
 const EMPTY: Cluster = Cluster { centre: [0.0; 3], first: 0, half: [0.0; 3], count: 0 };
 
@@ -135,12 +135,12 @@ impl Chunk {
         });
         // every vertex of the chunk is in the sorted list
         let index_of = |v: u32| used.map_or(v, |used| used.partition_point(|&u| u < v) as u32);
-        self.bunches.resize(self.triangles.len().div_ceil(CLUSTER as usize) * BUNCHES, EMPTY);
-        let groups = self.triangles.par_chunks_mut(CLUSTER as usize).zip(self.bunches.par_chunks_mut(BUNCHES));
-        let place = |(index, (rows, bunches)): (usize, (&mut [[u32; 4]], &mut [Cluster]))| {
+        self.triangle_groups.resize(self.triangles.len().div_ceil(CLUSTER as usize) * TRIANGLE_GROUPS, EMPTY);
+        let groups = self.triangles.par_chunks_mut(CLUSTER as usize).zip(self.triangle_groups.par_chunks_mut(TRIANGLE_GROUPS));
+        let place = |(index, (rows, triangle_groups)): (usize, (&mut [[u32; 4]], &mut [Cluster]))| {
             let first = index * CLUSTER as usize;
             let (count, mut whole, mut have_area) = (rows.len(), Bounds::NONE, true);
-            for (k, (bunch, rows)) in bunches.iter_mut().zip(rows.chunks_mut(BUNCH as usize)).enumerate() {
+            for (k, (triangle_group, rows)) in triangle_groups.iter_mut().zip(rows.chunks_mut(TRIANGLE_GROUP as usize)).enumerate() {
                 let mut own = Bounds::NONE;
                 for row in rows.iter_mut() {
                     let corners = corners(mesh, row[3] & ID_MASK);
@@ -149,7 +149,7 @@ impl Chunk {
                     own = own.with(&corners);
                     *row = triangle_row(mesh, row[3], order, index_of);
                 }
-                *bunch = own.row(anchor, first + k * BUNCH as usize, rows.len());
+                *triangle_group = own.row(anchor, first + k * TRIANGLE_GROUP as usize, rows.len());
                 whole = whole.joined(own);
             }
             (whole.row(anchor, first, count), have_area)

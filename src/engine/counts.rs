@@ -1,8 +1,8 @@
 //! What the stages of a frame counted.
 
-use crate::gpu::rows::{
-    COUNT_DOUBTS, COUNT_EDGES, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT,
-    COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_SAMPLE_DOUBTS, COUNT_TASKS, COUNT_WORK, COUNTERS,
+use crate::gpu::layout::{
+    COUNT_RECHECK_ITEMS, COUNT_EDGES, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT,
+    COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_WORK, COUNTERS,
 };
 use std::ops::AddAssign;
 
@@ -13,7 +13,7 @@ pub struct Counts {
     pub cull_items: u64,
     /// (cluster, node) items that split read.
     pub split_items: u64,
-    /// (bunch, node) items that bin read.
+    /// (triangle group, node) items that bin read.
     pub bin_items: u64,
     /// (triangle, tile) pairs that raster read.
     pub pairs: u64,
@@ -31,8 +31,8 @@ pub struct Counts {
     pub rechecked: u64,
     /// Pixels with an edge, in frames of several samples.
     pub edges: u64,
-    /// Samples of these pixels that settle read.
-    pub settle_items: u64,
+    /// Samples of these pixels that recheck_samples reads.
+    pub recheck_sample_items: u64,
 }
 
 impl Counts {
@@ -49,10 +49,10 @@ impl Counts {
             pairs_kept: sum(COUNT_PAIRS_KEPT),
             fragments_tested: sum(COUNT_FRAGMENTS_TESTED),
             fragments_kept: sum(COUNT_FRAGMENTS_KEPT),
-            recheck_items: sum(COUNT_DOUBTS),
+            recheck_items: sum(COUNT_RECHECK_ITEMS),
             rechecked: sum(COUNT_RECHECKED),
             edges: sum(COUNT_EDGES),
-            settle_items: sum(COUNT_SAMPLE_DOUBTS),
+            recheck_sample_items: sum(COUNT_RECHECK_SAMPLES),
         }
     }
 }
@@ -70,6 +70,6 @@ impl AddAssign for Counts {
         self.recheck_items += other.recheck_items;
         self.rechecked += other.rechecked;
         self.edges += other.edges;
-        self.settle_items += other.settle_items;
+        self.recheck_sample_items += other.recheck_sample_items;
     }
 }

@@ -9,7 +9,7 @@ use crate::engine::stage::Stages;
 use crate::engine::stage::certify::CERTIFY_STEPS;
 use crate::gpu::buffers::readback;
 use crate::gpu::recorder::Recorder;
-use crate::gpu::rows::{COUNT_DOUBTS, COUNT_EDGES, COUNT_SAMPLE_DOUBTS, COUNTERS};
+use crate::gpu::layout::{COUNT_RECHECK_ITEMS, COUNT_EDGES, COUNT_RECHECK_SAMPLES, COUNTERS};
 use crate::input::Result;
 
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
@@ -150,10 +150,10 @@ impl Frames {
         for step in 0..stages.raster_steps() {
             for job in resident.jobs(band, pass).filter(|j| j.clusters > 0) {
                 let scopes = resident.scopes(&job, band, pass);
-                // the pairs of a lone job are still there for the second step, which leaves its doubts again
+                // the pairs of a lone job are still there for the second step, which leaves its items to recheck again
                 match resident.shared.get("counters") {
                     Some(counters) if step > 0 && alone => {
-                        recorder.encoder.clear_buffer(counters, 4 * u64::from(COUNT_DOUBTS), Some(4));
+                        recorder.encoder.clear_buffer(counters, 4 * u64::from(COUNT_RECHECK_ITEMS), Some(4));
                     }
                     _ => self.encode_pairs(recorder, band, pass, &job)?,
                 }
@@ -237,7 +237,7 @@ impl Frames {
             stages.sample_by_tile(gpu, &mut encoded, &scopes)?;
             drop(encoded);
             count(recorder, COUNT_EDGES);
-            count(recorder, COUNT_SAMPLE_DOUBTS);
+            count(recorder, COUNT_RECHECK_SAMPLES);
             return Ok(());
         }
         recorder.encoder.clear_buffer(samples, 0, None);

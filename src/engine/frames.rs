@@ -18,8 +18,8 @@ use crate::gpu::Gpu;
 use crate::gpu::buffers::{read_words, wait, wait_for};
 use crate::gpu::kernels::LightsKind;
 use crate::gpu::recorder::Recorded;
-use crate::gpu::rows::{
-    COUNT_BUSY, COUNT_BUSY_END, COUNT_DOUBTS, COUNT_EDGES, COUNT_PAIRS, COUNT_SAMPLE_DOUBTS, COUNT_TASKS, COUNT_WORK,
+use crate::gpu::layout::{
+    COUNT_BUSY, COUNT_BUSY_END, COUNT_RECHECK_ITEMS, COUNT_EDGES, COUNT_PAIRS, COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_WORK,
     COUNTERS,
 };
 use crate::image::frame::Frame;
@@ -326,7 +326,7 @@ impl Frames {
         let Planned { scene, camera, arrangement, plan, clustered, wanted, .. } = planned;
         let is_plain =
             self.painter.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();
-        let kind = |plan: &Plan, camera: &Camera| (plan.variant, plan.sheets.count(), camera.width, plan.rows_max());
+        let kind = |plan: &Plan, camera: &Camera| (plan.variant, plan.slabs.count(), camera.width, plan.rows_max());
         let is_as_large = kind(plan, camera) == kind(&self.plan, &self.camera) && plan.planes == self.plan.planes;
         let is_turned = camera.optics.is_some() || self.camera.optics.is_some();
         let is_wanted = Wanted { rows: self.wanted.rows, ..wanted.clone() } == self.wanted;
@@ -371,7 +371,7 @@ impl Frames {
 
     /// Waits for a frame of `planned`, whatever is shown by now. Where the lists between the stages did not hold everything it is shown and
     /// started again with larger ones.
-    pub fn settle(&mut self, planned: &Planned, flight: Flight) -> Result<Landed> {
+    pub fn recheck_samples(&mut self, planned: &Planned, flight: Flight) -> Result<Landed> {
         let mut flight = flight;
         loop {
             match self.land(flight)? {
@@ -465,14 +465,14 @@ impl Frames {
             work: most(COUNT_WORK),
             tasks: most(COUNT_TASKS),
             pairs: most(COUNT_PAIRS),
-            doubts: most(COUNT_DOUBTS).max(2 * most(COUNT_SAMPLE_DOUBTS)),
+            recheck_items: most(COUNT_RECHECK_ITEMS).max(2 * most(COUNT_RECHECK_SAMPLES)),
             edges: most(COUNT_EDGES),
         };
         let fits =
             need.queue <= have.queue && need.work <= have.work && need.tasks <= have.tasks && need.pairs <= have.pairs;
         let is_left = |job: &[u32]| job[COUNT_BUSY as usize] > job[COUNT_BUSY_END as usize];
         let is_done = !self.plan.variant.by_tile || !status.chunks_exact(COUNTERS as usize).any(is_left);
-        let has_all = fits && need.doubts <= have.doubts && need.edges <= have.edges && is_done;
+        let has_all = fits && need.recheck_items <= have.recheck_items && need.edges <= have.edges && is_done;
         (!has_all).then_some(Shortage { need, rounds: (!is_done).then_some(2 * raster_rounds) })
     }
 

@@ -6,7 +6,7 @@ use crate::engine::stage::deposit::{Casts, Deposit};
 use crate::geometry::mesh::Mesh;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
-use crate::gpu::rows::{self, NONE};
+use crate::gpu::layout::{self, NONE};
 use crate::input::Result;
 use crate::scene::Scene;
 use crate::scene::caustics::landing::{Landing, Landings};
@@ -70,7 +70,7 @@ fn upload(gpu: &Gpu, landings: &Landings, buffers: &mut Buffers) -> Result<()> {
     let row = |l: &Landing| {
         let [a, b, c] = l.corners;
         let [a, ab, ac] = [a, b - a, c - a].map(|v| v.as_vec2().to_array());
-        rows::Landing { a, ab, ac, receiver: l.receiver, pad0: 0, diffuse: l.diffuse, pad1: 0 }
+        layout::Landing { a, ab, ac, receiver: l.receiver, pad0: 0, diffuse: l.diffuse, pad1: 0 }
     };
     // the smallest buffer is larger than the list of a few triangles
     let mut of_triangle = landings.of_triangle.clone();

@@ -219,7 +219,7 @@ impl Planner {
         let variant = Variant {
             f64: run.arithmetic != Arithmetic::Single,
             culling: !run.no_cull,
-            doubting: run.arithmetic == Arithmetic::Double,
+            all_uncertain: run.arithmetic == Arithmetic::Double,
             by_tile: false,
             ..planned
         };

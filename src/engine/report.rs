@@ -53,7 +53,7 @@ pub struct Operations {
     pub recheck_items: u64,
     pub recheck_pixels: u64,
     pub edge_pixels: u64,
-    pub settle_items: u64,
+    pub recheck_sample_items: u64,
 }
 
 /// The error against the reference.
@@ -121,7 +121,7 @@ impl Operations {
             recheck_items: counts.recheck_items,
             recheck_pixels: counts.rechecked,
             edge_pixels: counts.edges,
-            settle_items: counts.settle_items,
+            recheck_sample_items: counts.recheck_sample_items,
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::engine::plan::{Band, Plan, Wanted};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::kernels::LightsKind;
-use crate::gpu::rows::{COUNTERS, LANES, Params};
+use crate::gpu::layout::{COUNTERS, LANES, Params};
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -91,7 +91,7 @@ impl Resident {
             chunks: Vec::new(),
             bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
             shared: Buffers::default(),
-            capacities: Capacities { queue: 0, work: 0, tasks: 0, pairs: 0, doubts: 0, edges: 0 },
+            capacities: Capacities { queue: 0, work: 0, tasks: 0, pairs: 0, recheck_items: 0, edges: 0 },
             batches: 1,
             raster_rounds: 1,
             pairs_by_tile: gpu.binding_limit() / ROW_BYTES,
@@ -204,7 +204,7 @@ impl Resident {
             work: 4 * clusters + 1024,
             tasks: 16 * clusters + 4096,
             pairs: 2 * scene.mesh.triangles.len() as u64 + 4 * cells + 1024,
-            doubts: scene.mesh.triangles.len() as u64 / 16 + 1024,
+            recheck_items: scene.mesh.triangles.len() as u64 / 16 + 1024,
             edges: pixels / 8 + 1024,
         }
     }
@@ -213,11 +213,11 @@ impl Resident {
     fn create_lists(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
         let most = gpu.binding_limit() / ITEM_BYTES;
         let c = &mut self.capacities;
-        [&mut c.queue, &mut c.work, &mut c.tasks, &mut c.pairs, &mut c.doubts]
+        [&mut c.queue, &mut c.work, &mut c.tasks, &mut c.pairs, &mut c.recheck_items]
             .into_iter()
             .for_each(|items| *items = (*items).min(most));
         let queues = [("queue_even", c.queue), ("queue_odd", c.queue)];
-        let lists = [("work", c.work), ("tasks", c.tasks), ("pairs", c.pairs), ("doubts", c.doubts)];
+        let lists = [("work", c.work), ("tasks", c.tasks), ("pairs", c.pairs), ("recheck_items", c.recheck_items)];
         for (name, items) in queues.into_iter().chain(lists) {
             self.shared.create(gpu, name, items * ITEM_BYTES, BufferUsages::empty())?;
         }
@@ -322,12 +322,12 @@ impl Resident {
     /// Makes room for what the counters demanded: larger lists, or more batches where a list is as large as a binding.
     pub fn grow(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, need: Capacities) -> Result<()> {
         let most = gpu.binding_limit() / ITEM_BYTES;
-        if need.queue.max(need.work).max(need.tasks).max(need.pairs).max(need.doubts) > most {
+        if need.queue.max(need.work).max(need.tasks).max(need.pairs).max(need.recheck_items) > most {
             let largest = self.chunks.iter().map(|c| c.clusters).max().unwrap_or(0);
             if self.batches >= largest {
-                let Capacities { queue, work, tasks, pairs, doubts, .. } = need;
+                let Capacities { queue, work, tasks, pairs, recheck_items, .. } = need;
                 let needed =
-                    format!("cull {queue}, split {work}, bin {tasks}, raster {pairs}, recheck {doubts} items needed");
+                    format!("cull {queue}, split {work}, bin {tasks}, raster {pairs}, recheck {recheck_items} items needed");
                 let lists = format!("{needed}, {most} fit a binding");
                 return Err(Error::work(format!("lists between the stages overflow: {lists}; make the image smaller")));
             }
@@ -341,7 +341,7 @@ impl Resident {
             work: grown(c.work, need.work),
             tasks: grown(c.tasks, need.tasks),
             pairs: grown(c.pairs, need.pairs),
-            doubts: grown(c.doubts, need.doubts),
+            recheck_items: grown(c.recheck_items, need.recheck_items),
             edges: grown(c.edges, need.edges),
         };
         self.create_lists(gpu, camera, plan)
@@ -375,7 +375,7 @@ fn place(gpu: &Gpu, buffers: &mut Buffers, chunk: &Chunk) -> Result<()> {
     buffers.upload(gpu, "vertices_lo", &chunk.vertices_lo)?;
     buffers.upload(gpu, "triangles", &chunk.triangles)?;
     buffers.upload(gpu, "clusters", &chunk.clusters)?;
-    buffers.upload(gpu, "bunches", &chunk.bunches)
+    buffers.upload(gpu, "triangle_groups", &chunk.triangle_groups)
 }
 
 fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {

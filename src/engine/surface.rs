@@ -4,7 +4,7 @@ use super::tables::split_vector;
 use crate::camera::optics::{Facets, Quadric, Smooth, Surface, Torus, Wave};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
-use crate::gpu::rows::{self, split2};
+use crate::gpu::layout::{self, split2};
 use crate::input::Result;
 use glam::DVec3;
 
@@ -12,10 +12,10 @@ use glam::DVec3;
 #[derive(Debug, Clone, PartialEq)]
 pub enum SurfaceRows {
     /// Three a facet.
-    Corners(Vec<rows::Corner>),
-    Quadrics(Vec<rows::Quadric>),
-    Torus(rows::Torus),
-    Wave(rows::Wave),
+    Corners(Vec<layout::Corner>),
+    Quadrics(Vec<layout::Quadric>),
+    Torus(layout::Torus),
+    Wave(layout::Wave),
 }
 
 impl SurfaceRows {
@@ -47,10 +47,10 @@ impl SurfaceRows {
 }
 
 /// Three corners a facet.
-fn corners(facets: &Facets, anchor: DVec3) -> Vec<rows::Corner> {
+fn corners(facets: &Facets, anchor: DVec3) -> Vec<layout::Corner> {
     let corner = |camera: u32, [u, v]: [f64; 2], (p, n): (DVec3, DVec3)| {
         let ([p_hi, p_lo], [n_hi, n_lo]) = (split_vector(p - anchor), split_vector(n));
-        rows::Corner { p_hi, camera, p_lo, camera_u: u as f32, n_hi, camera_v: v as f32, n_lo, pad0: 0.0 }
+        layout::Corner { p_hi, camera, p_lo, camera_u: u as f32, n_hi, camera_v: v as f32, n_lo, pad0: 0.0 }
     };
     let facet = |k: usize| {
         let facet = facets.facet(k);
@@ -60,7 +60,7 @@ fn corners(facets: &Facets, anchor: DVec3) -> Vec<rows::Corner> {
     (0..facets.triangles.len()).flat_map(facet).collect()
 }
 
-fn quadric(q: &Quadric, anchor: DVec3) -> rows::Quadric {
+fn quadric(q: &Quadric, anchor: DVec3) -> layout::Quadric {
     // without an end: the largest finite number
     let number = |v: f64| split2(v.clamp(-f32::MAX as f64, f32::MAX as f64));
     let a = q.a;
@@ -70,7 +70,7 @@ fn quadric(q: &Quadric, anchor: DVec3) -> rows::Quadric {
     let ([b_hi, b_lo], [axis_hi, axis_lo]) = (split_vector(q.b), split_vector(q.axis));
     let ([c_hi, c_lo], [rim2_hi, rim2_lo]) = (number(q.c), number(q.rim * q.rim));
     let ([low_hi, low_lo], [high_hi, high_lo]) = (number(q.heights[0]), number(q.heights[1]));
-    rows::Quadric {
+    layout::Quadric {
         centre_hi,
         c_hi,
         centre_lo,
@@ -94,15 +94,15 @@ fn quadric(q: &Quadric, anchor: DVec3) -> rows::Quadric {
     }
 }
 
-fn torus(torus: &Torus, anchor: DVec3) -> rows::Torus {
+fn torus(torus: &Torus, anchor: DVec3) -> layout::Torus {
     let ([centre_hi, centre_lo], [axis_hi, axis_lo]) = (split_vector(torus.centre - anchor), split_vector(torus.axis));
     let ([size_hi, size_lo], [ring_hi, ring_lo]) = (split2(torus.size()), split2(torus.radius / torus.size()));
-    rows::Torus { centre_hi, size_hi, centre_lo, size_lo, axis_hi, ring_hi, axis_lo, ring_lo }
+    layout::Torus { centre_hi, size_hi, centre_lo, size_lo, axis_hi, ring_hi, axis_lo, ring_lo }
 }
 
-fn wave(wave: &Wave, anchor: DVec3) -> rows::Wave {
+fn wave(wave: &Wave, anchor: DVec3) -> layout::Wave {
     let ([centre_hi, centre_lo], [half_hi, half_lo]) = (split_vector(wave.centre - anchor), split2(wave.size / 2.0));
     let [amplitude_hi, amplitude_lo] = split2(wave.amplitude);
     let [frequency_hi, frequency_lo] = split2(1.0 / wave.wavelength);
-    rows::Wave { centre_hi, half_hi, centre_lo, half_lo, amplitude_hi, amplitude_lo, frequency_hi, frequency_lo }
+    layout::Wave { centre_hi, half_hi, centre_lo, half_lo, amplitude_hi, amplitude_lo, frequency_hi, frequency_lo }
 }

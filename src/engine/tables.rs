@@ -11,7 +11,7 @@ use crate::engine::plan::pages::Pages;
 use crate::engine::plan::{Band, Plan};
 use crate::geometry::mesh::Material;
 use crate::gpu::kernels::LightsKind;
-use crate::gpu::rows::{self, LAW_FLAT, LAW_NORMALS, split2, split3, words};
+use crate::gpu::layout::{self, LAW_FLAT, LAW_NORMALS, split2, split3, words};
 use crate::scene::Scene;
 use crate::scene::light::AMBIENT;
 use crate::scene::light::{Light, Source};
@@ -29,12 +29,12 @@ pub struct Span {
 /// Lights, materials and normals as `shade` reads them.
 #[derive(Debug, Clone)]
 pub struct Look {
-    pub shading: rows::Shading,
+    pub shading: layout::Shading,
     /// Of a plain light the way that it travels; else two rows each, see `lights/placed.wgsl`, and what hides them.
     pub lights: Vec<[f32; 4]>,
-    pub materials: Vec<rows::Material>,
+    pub materials: Vec<layout::Material>,
     pub normals: Vec<[f32; 3]>,
-    pub style: rows::Style,
+    pub style: layout::Style,
 }
 
 impl Look {
@@ -53,7 +53,7 @@ impl Look {
             }
         }
         Look {
-            shading: rows::Shading {
+            shading: layout::Shading {
                 background: scene.background,
                 ambient: if scene.sky.is_some() { 0.0 } else { AMBIENT },
                 anchor: anchor.as_vec3().to_array(),
@@ -62,7 +62,7 @@ impl Look {
                 curve: scene.tone.curve.number(),
                 spread: 1.0,
                 hidden_scale: hidden.by.map_or(1.0, |by| by.scale),
-                sky: scene.sky.as_ref().map_or(rows::NONE, |_| mesh.materials.len() as u32),
+                sky: scene.sky.as_ref().map_or(layout::NONE, |_| mesh.materials.len() as u32),
                 sky_strength: scene.sky.as_ref().map_or(0.0, |s| s.strength),
                 sky_turn: scene.sky.as_ref().map_or(0.0, |s| s.turn as f32),
                 sky_is_seen: scene.sky.as_ref().map_or(0, |s| s.is_seen.into()),
@@ -84,14 +84,14 @@ impl Look {
 /// normals by half of it.
 const FACET_TURN: f64 = 40.0;
 
-fn style_row(style: &Style) -> rows::Style {
+fn style_row(style: &Style) -> layout::Style {
     let none = Line { width: 0.0, colour: [0.0; 3], depth: f64::INFINITY };
     let (wire, border) = (style.wireframe.unwrap_or(none), style.borders.unwrap_or(none));
     let outline = style.outline.unwrap_or(Outline { line: none, crease: 180.0 });
     let hatching = style.hatching.unwrap_or(Hatching { spacing: 0.0, ink: [0.0; 3], paper: [0.0; 3] });
     // infinity is not to be had in every kernel
     let held = |depth: f64| depth.min(f64::from(f32::MAX)) as f32;
-    rows::Style {
+    layout::Style {
         wire: wire.colour,
         wire_width: wire.width as f32,
         ink: hatching.ink,
@@ -147,13 +147,13 @@ pub fn params(
     ids: Span,
     clusters: Span,
     capacities: Capacities,
-) -> rows::Params {
+) -> layout::Params {
     let level = |f: fn(&Level) -> u32| {
         let mut words = [0; 8];
         words.iter_mut().zip(&band.nodes.levels).for_each(|(w, l)| *w = f(l));
         words
     };
-    rows::Params {
+    layout::Params {
         width: camera.width,
         height: band.rows,
         tiles_x: band.tiles.tiles_x,
@@ -165,12 +165,12 @@ pub fn params(
         queue_capacity: capacities.queue as u32,
         work_capacity: capacities.work as u32,
         pair_capacity: capacities.pairs as u32,
-        sheet_rows: band.tiles.sheet_rows,
+        slab_rows: band.tiles.slab_rows,
         id_first: ids.first,
         id_count: ids.count,
         band_row: band.row,
-        spans: plan.sheets.spans,
-        doubt_capacity: capacities.doubts as u32,
+        spans: plan.slabs.spans,
+        recheck_capacity: capacities.recheck_items as u32,
         origin_lost: (ORIGIN_UNITS * f64::EPSILON * plan.anchor.abs().element_sum()) as f32,
         task_capacity: capacities.tasks as u32,
         edge_capacity: capacities.edges as u32,
@@ -188,8 +188,8 @@ pub fn params(
 }
 
 /// Where samples lie, as kernels read it.
-pub fn places(list: &[DVec2]) -> rows::Places {
-    let mut places = rows::Places { at: [[0.0; 4]; 16] };
+pub fn places(list: &[DVec2]) -> layout::Places {
+    let mut places = layout::Places { at: [[0.0; 4]; 16] };
     for (row, two) in places.at.iter_mut().zip(list.chunks(2)) {
         row.iter_mut().zip(two.iter().flat_map(|p| p.as_vec2().to_array())).for_each(|(to, from)| *to = from);
     }
@@ -204,13 +204,13 @@ const ORIGIN_UNITS: f64 = 8.0;
 const TURNED_T_RANGE: [f64; 2] = [0.0, f64::INFINITY];
 
 /// The parameters for rays after a bounce. These are not perturbed: a perturbed ray may have met another surface.
-pub fn turned(own: rows::Params) -> rows::Params {
+pub fn turned(own: layout::Params) -> layout::Params {
     let [t_min, t_max] = TURNED_T_RANGE.map(split3);
-    rows::Params { t_min, t_max, t_words: words(TURNED_T_RANGE), scene_size: 0.0, ..own }
+    layout::Params { t_min, t_max, t_words: words(TURNED_T_RANGE), scene_size: 0.0, ..own }
 }
 
 /// The optics for a pass, in the scene with their facets.
-pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass: &Pass) -> rows::Optic {
+pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass: &Pass) -> layout::Optic {
     let (law, eye) = match optics.surface {
         Surface::Facets { law: Law::Flat { eye }, .. } => (LAW_FLAT, eye - plan.anchor),
         _ => (LAW_NORMALS, DVec3::ZERO),
@@ -222,7 +222,7 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
     };
     let [from_hi, from_lo] = split_vector(optics.environment.map_or(DVec3::ZERO, |p| p - plan.anchor));
     let [[tilt_x_hi, tilt_x_lo], [tilt_y_hi, tilt_y_lo]] = pass.tilt.to_array().map(split2);
-    rows::Optic {
+    layout::Optic {
         eye_hi,
         first_id: optics.first_id(&scene.mesh),
         eye_lo,

@@ -9,7 +9,7 @@ use crate::engine::plan::nodes::above_cells;
 use crate::engine::plan::{Band, Plan};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
-use crate::gpu::rows::{self, NONE};
+use crate::gpu::layout::{self, NONE};
 use crate::input::Result;
 use crate::scene::Scene;
 use wgpu::BufferUsages;
@@ -49,7 +49,7 @@ impl Turns {
         let mut surface = Buffers::default();
         SurfaceRows::new(&optics.surface, plan.anchor).upload(gpu, &mut surface)?;
         let mut untouched = Buffers::default();
-        let nothing = rows::Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
+        let nothing = layout::Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
         untouched.upload(gpu, "ways", &vec![nothing; pixels])?;
         if is_split {
             untouched.create(gpu, "visibility", 8 * pixels as u64, BufferUsages::empty())?;
@@ -120,10 +120,10 @@ impl Turns {
 /// One cell a tile, whose pixels fit names, and room for the nodes.
 fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {
     let tiles = band.tiles.tiles_x * band.tiles.tiles_y;
-    let cell = |tile: u32| rows::Cell { tile, node: tile, ..bytemuck::Zeroable::zeroed() };
+    let cell = |tile: u32| layout::Cell { tile, node: tile, ..bytemuck::Zeroable::zeroed() };
     let nodes = above_cells(band.tiles.tiles_x, band.tiles.tiles_y) as u64;
     let mut buffers = Buffers::default();
-    buffers.create(gpu, "nodes", nodes * size_of::<rows::Node>() as u64, BufferUsages::empty())?;
+    buffers.create(gpu, "nodes", nodes * size_of::<layout::Node>() as u64, BufferUsages::empty())?;
     buffers.upload(gpu, "cells", &(0..tiles).map(cell).collect::<Vec<_>>())?;
     buffers.upload(gpu, "tile_start", &(0..=tiles).collect::<Vec<_>>())?;
     Ok(buffers)

@@ -2,7 +2,7 @@
 
 use super::compile::Dump;
 use super::kernels::Snippet;
-use super::rows::LANES;
+use super::layout::LANES;
 use crate::input::{Error, Result};
 use serde::Serialize;
 use std::path::PathBuf;

@@ -42,13 +42,13 @@ pub struct Variant {
     /// The rays are incoherent even after sorting: they are tested one by one against boxes.
     pub scattered: bool,
     /// The tiles of several layers, or of several spans of t, are stacked below each other.
-    pub sheeted: bool,
+    pub slabbed: bool,
     /// Count tested and kept fragments.
     pub counting: bool,
     /// `cull` leaves out what a node's rays do not meet.
     pub culling: bool,
     /// Bounds in f32 prove nothing: all is left to `recheck`.
-    pub doubting: bool,
+    pub all_uncertain: bool,
     /// The scene has normals of its own.
     pub normals: bool,
     /// Images lie on triangles, or their texture coordinates are asked for.
@@ -135,7 +135,7 @@ mod optics;
 mod samples;
 mod surfaces;
 pub use optics::{OpticsKind, bounce, fit, meet, paste};
-pub use samples::{edges, edges_by_tile, resolve, sample, sample_by_tile, settle};
+pub use samples::{edges, edges_by_tile, resolve, sample, sample_by_tile, recheck_samples};
 use surfaces::plane_constants;
 pub use surfaces::{mip, outline, shade, write_srgb};
 
@@ -143,7 +143,7 @@ pub(crate) const PARAMS: Parts = snippets!("shared/params.wgsl");
 pub(crate) const ITEMS: Parts = snippets!("shared/items.wgsl");
 const INDEX: Parts = snippets!("shared/index.wgsl");
 const ADDRESS: Parts = snippets!("shared/address.wgsl");
-pub(crate) const SHEETS: Parts = snippets!("shared/sheets.wgsl");
+pub(crate) const SLABS: Parts = snippets!("shared/slabs.wgsl");
 pub(crate) const VERTEX: Parts = snippets!("shared/vertex.wgsl");
 pub(crate) const TRIANGLE_ROW: Parts = snippets!("shared/triangle.wgsl");
 const TRIANGLE: Parts = snippets!("shared/triangle.wgsl", "shared/vertex_real.wgsl");
@@ -165,7 +165,7 @@ const COLUMN: Parts = snippets!("shared/column.wgsl");
 /// No triangle has holes.
 const SOLID: Parts = snippets!("textures/solid.wgsl");
 const SURFACE: Parts = snippets!("shared/surface.wgsl");
-const DOUBTS: Parts = snippets!("shared/doubts.wgsl");
+const UNCERTAIN: Parts = snippets!("shared/recheck_items.wgsl");
 const PAIR: Parts = snippets!("shared/pair.wgsl");
 const BITS: Parts = snippets!("shared/bits.wgsl");
 const MEETING: Parts = snippets!("shared/meeting.wgsl");
@@ -184,10 +184,10 @@ impl Variant {
         by_tile: false,
         rays: RaysKind::Pieces,
         scattered: false,
-        sheeted: false,
+        slabbed: false,
         counting: false,
         culling: true,
-        doubting: false,
+        all_uncertain: false,
         normals: false,
         textured: false,
         cut: false,
@@ -222,23 +222,23 @@ impl Variant {
                 outlined,
                 ..Variant::PLAIN
             };
-            let variant = |rays, sheeted, optics| {
+            let variant = |rays, slabbed, optics| {
                 let scattered = more && rays == RaysKind::Field;
-                Variant { rays, scattered, sheeted, optics, ..of_camera }
+                Variant { rays, scattered, slabbed, optics, ..of_camera }
             };
             let curves = [1, 2, 3].map(|degree| RaysKind::Curves { degree });
             for rays in [RaysKind::Pieces, RaysKind::Field].into_iter().chain(curves) {
-                list.extend([false, true].map(|sheeted| variant(rays, sheeted, None)));
+                list.extend([false, true].map(|slabbed| variant(rays, slabbed, None)));
             }
-            for (rays, sheeted) in [(RaysKind::Pieces, false), (RaysKind::Pieces, true), (RaysKind::Field, false)] {
-                list.push(Variant { samples: 4, analytic: more, ..variant(rays, sheeted, None) });
+            for (rays, slabbed) in [(RaysKind::Pieces, false), (RaysKind::Pieces, true), (RaysKind::Field, false)] {
+                list.push(Variant { samples: 4, analytic: more, ..variant(rays, slabbed, None) });
             }
             if textured {
                 let kinds = [RaysKind::Pieces, RaysKind::Field, RaysKind::Curves { degree: 3 }];
                 list.extend(kinds.map(|rays| Variant { cut: true, ..variant(rays, false, None) }));
-                let sheeted = Variant { cut: true, ..variant(RaysKind::Pieces, true, None) };
+                let slabbed = Variant { cut: true, ..variant(RaysKind::Pieces, true, None) };
                 let seen = Variant { cut: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
-                list.extend([sheeted, seen, seen.after_turn()]);
+                list.extend([slabbed, seen, seen.after_turn()]);
             }
             list.push(Variant { lights: LightsKind::Placed, ..variant(RaysKind::Pieces, false, None) });
             for optics in OpticsKind::ALL {
@@ -257,7 +257,7 @@ impl Variant {
 
     /// The same, with `raster` tile by tile where there is that.
     pub fn with_tiles(self) -> Variant {
-        let by_tile = self.f64 && self.atomics64 && !self.doubting && self.rechecks() && !self.cut;
+        let by_tile = self.f64 && self.atomics64 && !self.all_uncertain && self.rechecks() && !self.cut;
         Variant { by_tile, ..self }
     }
 
@@ -375,7 +375,7 @@ impl Variant {
 
     /// The constants of kernels that follow the camera's rays.
     pub(crate) fn constants(self) -> Vec<(&'static str, f64)> {
-        let mut constants = vec![("SHEETED", self.sheeted as u32 as f64)];
+        let mut constants = vec![("SLABBED", self.slabbed as u32 as f64)];
         if let RaysKind::Curves { degree } = self.rays {
             constants.push(("DEGREE", degree as f64));
         }
@@ -507,7 +507,7 @@ pub fn cull(variant: Variant) -> Kernel {
 pub fn split(variant: Variant) -> Kernel {
     let mut bindings = vec![
         params(),
-        read("bunches", "array<Cluster>"),
+        read("triangle_groups", "array<Cluster>"),
         read("nodes", variant.rows("array<Node>")),
         read("cells", "array<Cell>"),
         read("work", "array<vec2<u32>>"),
@@ -525,7 +525,7 @@ pub fn split(variant: Variant) -> Kernel {
 pub fn bin(variant: Variant) -> Kernel {
     let mut bindings = vec![
         params(),
-        read("bunches", variant.rows("array<Cluster>")),
+        read("triangle_groups", variant.rows("array<Cluster>")),
         read("nodes", variant.rows("array<Node>")),
         read("tasks", "array<vec2<u32>>"),
         read("triangles", "array<vec4<u32>>"),
@@ -533,19 +533,19 @@ pub fn bin(variant: Variant) -> Kernel {
         read("cells", "array<Cell>"),
         counters(),
     ];
-    let mut own = snippets!("shared/bunch_rows.wgsl", "shared/by_pair.wgsl");
+    let mut own = snippets!("shared/triangle_group_rows.wgsl", "shared/by_pair.wgsl");
     if variant.by_tile {
         let unsorted = write("unsorted", "array<vec2<u32>>");
         bindings.extend([unsorted, write("ranks", "array<u32>"), write("ends", "array<atomic<u32>>")]);
-        own = snippets!("shared/bunch_by_lanes.wgsl", "shared/by_tile.wgsl");
+        own = snippets!("shared/triangle_group_by_lanes.wgsl", "shared/by_tile.wgsl");
     } else {
         bindings.push(write("pairs", "array<vec2<u32>>"));
     }
-    let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, SHEETS, VERTEX, PAIR, WITHIN, BOX_MET, variant.item_node()];
+    let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, SLABS, VERTEX, PAIR, WITHIN, BOX_MET, variant.item_node()];
     bindings.extend(variant.scattered_rays(variant.culling));
     let snippets = [&snippets[..], &[variant.item_rays(), own, snippets!("bin.wgsl")]].concat();
     let mut kernel = kernel("bin", bindings, &snippets);
-    kernel.constants.push(("SHEETED", variant.sheeted as u32 as f64));
+    kernel.constants.push(("SLABBED", variant.slabbed as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
     kernel.constants.push(("ASIDE", variant.aside()));
     kernel
@@ -579,8 +579,8 @@ pub fn raster(variant: Variant) -> Kernel {
     if variant.by_tile {
         return raster_by_tile(variant);
     }
-    let mut kernel = into_visibility("raster", variant, &[DOUBTS, snippets!("raster.wgsl")]);
-    kernel.constants.push(("DOUBTING", f64::from(u8::from(variant.doubting && variant.rechecks()))));
+    let mut kernel = into_visibility("raster", variant, &[UNCERTAIN, snippets!("raster.wgsl")]);
+    kernel.constants.push(("ALL_UNCERTAIN", f64::from(u8::from(variant.all_uncertain && variant.rechecks()))));
     kernel
 }
 
@@ -591,7 +591,7 @@ fn raster_by_tile(variant: Variant) -> Kernel {
         write("starts", "array<u32>"),
         read("ends", "array<u32>"),
         write("busy", "array<u32>"),
-        write("doubts", "array<vec2<u32>>"),
+        write("recheck_items", "array<vec2<u32>>"),
         read("triangles", "array<vec4<u32>>"),
         read("vertices_hi", "array<f32>"),
         read("vertices_lo", "array<f32>"),
@@ -613,11 +613,11 @@ fn raster_by_tile(variant: Variant) -> Kernel {
     if variant.turned {
         bindings.extend([optic(), ways()]);
     }
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
     let own = [
         WITHIN,
         variant.merge(),
-        DOUBTS,
+        UNCERTAIN,
         LANES,
         NODE_BY_LANES,
         COLUMN,
@@ -632,7 +632,7 @@ fn raster_by_tile(variant: Variant) -> Kernel {
     kernel
 }
 
-/// What bounds in f32 may leave to be settled.
+/// What bounds in f32 may leave to be rechecked.
 pub fn recheck(variant: Variant) -> Kernel {
     into_visibility("recheck", variant, &[SIDES, snippets!("recheck.wgsl")])
 }
@@ -653,7 +653,7 @@ pub fn certify(variant: Variant, planes: &[Channel]) -> Kernel {
     ];
     bindings.extend(variant.rays());
     bindings.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     let shared = [PAIR, BITS, MEETING, variant.camera(), snippets!("shared/proof.wgsl")];
     let own = [NEARNESS, SOLID, snippets!("certify.wgsl")];
     let all = [&snippets[..], &shared[..], variant.coverage(), variant.proof(), &own].concat();
@@ -670,7 +670,7 @@ fn into_visibility(name: &'static str, variant: Variant, own: &[Parts]) -> Kerne
         params(),
         step(),
         read("pairs", "array<vec2<u32>>"),
-        write("doubts", "array<vec2<u32>>"),
+        write("recheck_items", "array<vec2<u32>>"),
         read("triangles", "array<vec4<u32>>"),
         read("vertices_hi", "array<f32>"),
         read("vertices_lo", "array<f32>"),
@@ -686,7 +686,7 @@ fn into_visibility(name: &'static str, variant: Variant, own: &[Parts]) -> Kerne
         bindings.extend([read("surfaces", "array<vec4<u32>>"), read("materials", "array<Material>")]);
         bindings.extend(variant.pages());
     }
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, variant.holes()];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, variant.holes()];
     let shared = [PAIR, BITS, variant.merge(), MEETING, snippets!("shared/hits.wgsl"), variant.camera()];
     let all = [&snippets[..], &shared[..], own, variant.coverage(), variant.start()].concat();
     let mut kernel = kernel(name, bindings, &all);
@@ -729,7 +729,7 @@ pub fn gather(variant: Variant, planes: &[Channel]) -> Kernel {
         write("planes", "array<u32>"),
     ];
     // of keys the ids alone are read
-    let snippets = [PARAMS, ITEMS, SHEETS, REAL_F32, KEY, SHADING, CAUSTICS, snippets!("gather.wgsl")];
+    let snippets = [PARAMS, ITEMS, SLABS, REAL_F32, KEY, SHADING, CAUSTICS, snippets!("gather.wgsl")];
     let seen: &[Parts] = if variant.optics.is_some() {
         bindings.extend([optic(), ways()]);
         &[OPTICS_ROWS, snippets!("caustics/turned.wgsl")]
@@ -737,7 +737,7 @@ pub fn gather(variant: Variant, planes: &[Channel]) -> Kernel {
         &[snippets!("caustics/plain.wgsl")]
     };
     let mut kernel = kernel("gather", bindings, &[&snippets[..], seen].concat());
-    kernel.constants = [vec![("SHEETED", variant.sheeted as u32 as f64)], plane_constants(planes)].concat();
+    kernel.constants = [vec![("SLABBED", variant.slabbed as u32 as f64)], plane_constants(planes)].concat();
     kernel
 }
 
@@ -754,7 +754,7 @@ pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
     if variant.samples_edges() {
         all.extend([edges(variant), sample(variant), resolve(variant, planes)]);
         if variant.samples_by_tile() {
-            all.extend([edges_by_tile(variant), sample_by_tile(variant), settle(variant)]);
+            all.extend([edges_by_tile(variant), sample_by_tile(variant), recheck_samples(variant)]);
         }
     }
     if variant.turns_rays() {

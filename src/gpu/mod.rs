@@ -6,7 +6,7 @@ mod compile;
 pub mod device;
 pub mod kernels;
 pub mod recorder;
-pub mod rows;
+pub mod layout;
 pub mod soft_f64;
 
 pub use device::{Gpu, GpuOptions};

@@ -1,5 +1,5 @@
 //! Kernels with f64, for adapters without: every f64 of a module becomes two u32, and every operation on it a call of
-//! `wgsl/shared/soft_f64.wgsl`, which rounds as IEEE 754 says. So rechecks settle what they settle on any adapter, and
+//! `wgsl/shared/soft_f64.wgsl`, which rounds as IEEE 754 says. So rechecks decide alike on every adapter, and
 //! depths differ by the order at most in which a driver takes sums of its own f64.
 //!
 //! What kernels use of f64 is what is lowered; anything else is an error, which a test over all kernels would meet first.

@@ -2,7 +2,7 @@
 //! the nearest texel there (Lorenz and Doellner 2009, section 1.1: image-based). For cameras whose rays start in one point.
 
 use super::draw::{Canvas, Draw, run};
-use super::rows::Cube;
+use super::layout::Cube;
 use super::{kernels, with};
 use crate::engine::rival::{Rival, Setup, Target};
 use crate::gpu::Gpu;

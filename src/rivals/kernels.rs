@@ -1,21 +1,21 @@
 //! The rivals' kernels and draws, in the manner of [`crate::gpu::kernels`].
 
 use crate::gpu::kernels::{
-    Binding, ITEMS, KEY, Kernel, PARAMS, Parts, RAY, RaysKind, SHEETS, TRIANGLE_ROW, VERTEX, Variant, kernel, params,
+    Binding, ITEMS, KEY, Kernel, PARAMS, Parts, RAY, RaysKind, SLABS, TRIANGLE_ROW, VERTEX, Variant, kernel, params,
     read, snippets, texture, uniform, write,
 };
 use glam::DVec3;
 
 const SEGMENT: Parts = snippets!("shared/segment.wgsl");
-const ROWS: Parts = snippets!("baseline/rows.wgsl");
-const SEEN_THROUGH: Parts = snippets!("baseline/seen_through.wgsl");
-const RANGE: Parts = snippets!("baseline/range.wgsl");
-const DRAWN: Parts = snippets!("baseline/drawn.wgsl");
-const OUTLINE: Parts = snippets!("baseline/outline.wgsl");
-const PROJECT: Parts = snippets!("baseline/project.wgsl");
-const FACE: Parts = snippets!("baseline/cube_face.wgsl");
-const CELLS: Parts = snippets!("baseline/splat_cells.wgsl");
-const PERSPECTIVE: Parts = snippets!("baseline/perspective_image.wgsl");
+const ROWS: Parts = snippets!("rivals/rows.wgsl");
+const SEEN_THROUGH: Parts = snippets!("rivals/seen_through.wgsl");
+const RANGE: Parts = snippets!("rivals/range.wgsl");
+const DRAWN: Parts = snippets!("rivals/drawn.wgsl");
+const OUTLINE: Parts = snippets!("rivals/outline.wgsl");
+const PROJECT: Parts = snippets!("rivals/project.wgsl");
+const FACE: Parts = snippets!("rivals/cube_face.wgsl");
+const CELLS: Parts = snippets!("rivals/splat_cells.wgsl");
+const PERSPECTIVE: Parts = snippets!("rivals/perspective_image.wgsl");
 
 /// A ray a pixel and segment, `brute` against every triangle.
 pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kernel {
@@ -24,13 +24,13 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
     bindings.push(write("visibility", "array<vec2<u32>>"));
     bindings.extend(variant.pixel_rays());
     let way = match variant.rays {
-        RaysKind::Curves { .. } => snippets!("baseline/curved_way.wgsl"),
-        _ => snippets!("baseline/straight_way.wgsl"),
+        RaysKind::Curves { .. } => snippets!("rivals/curved_way.wgsl"),
+        _ => snippets!("rivals/straight_way.wgsl"),
     };
     let search =
-        if brute { snippets!("baseline/brute.wgsl") } else { snippets!("baseline/hierarchy.wgsl", "shared/bvh.wgsl") };
-    let own = [SEGMENT, search, way, snippets!("baseline/trace.wgsl")];
-    let snippets = [&[PARAMS, ITEMS, SHEETS, KEY][..], &variant.pixel_snippets(), &own].concat();
+        if brute { snippets!("rivals/brute.wgsl") } else { snippets!("rivals/hierarchy.wgsl", "shared/bvh.wgsl") };
+    let own = [SEGMENT, search, way, snippets!("rivals/trace.wgsl")];
+    let snippets = [&[PARAMS, ITEMS, SLABS, KEY][..], &variant.pixel_snippets(), &own].concat();
     let mut kernel = kernel("trace", bindings, &snippets);
     kernel.constants = variant.constants();
     kernel.constants.extend([("LAYERS", f64::from(layers)), ("SEGMENTS", f64::from(segments))]);
@@ -40,9 +40,9 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
 /// A picture that the rasterizer made, into the visibility buffer.
 pub fn take(variant: Variant) -> Kernel {
     let bindings = vec![params(), texture("picture", "texture_2d<u32>"), write("visibility", "array<vec2<u32>>")];
-    let snippets = [PARAMS, ITEMS, SHEETS, KEY, TRIANGLE_ROW, variant.real(), snippets!("baseline/take.wgsl")];
+    let snippets = [PARAMS, ITEMS, SLABS, KEY, TRIANGLE_ROW, variant.real(), snippets!("rivals/take.wgsl")];
     let mut kernel = kernel("take", bindings, &snippets);
-    kernel.constants = vec![("SHEETED", f64::from(u8::from(variant.sheeted)))];
+    kernel.constants = vec![("SLABBED", f64::from(u8::from(variant.slabbed)))];
     kernel
 }
 
@@ -72,14 +72,14 @@ fn clipped_draw(name: &'static str, (layers, culling): (u32, bool), more: &[Bind
 /// Vertices projected; each triangle cut in four so often.
 pub fn warp(layers: u32, culling: bool, levels: u32) -> Kernel {
     let mut kernel =
-        clipped_draw("warp", (layers, culling), &[], &[PROJECT, SEEN_THROUGH, snippets!("baseline/warp.wgsl")]);
+        clipped_draw("warp", (layers, culling), &[], &[PROJECT, SEEN_THROUGH, snippets!("rivals/warp.wgsl")]);
     kernel.constants.push(("LEVELS", f64::from(levels)));
     kernel
 }
 
 /// Triangles around images, in the planes through the scene's middle.
 pub fn bound(layers: u32, culling: bool, middle: DVec3) -> Kernel {
-    let mut kernel = clipped_draw("bound", (layers, culling), &[], &[snippets!("baseline/bound.wgsl")]);
+    let mut kernel = clipped_draw("bound", (layers, culling), &[], &[snippets!("rivals/bound.wgsl")]);
     kernel.constants.extend([("MIDDLE_X", middle.x), ("MIDDLE_Y", middle.y), ("MIDDLE_Z", middle.z)]);
     kernel
 }
@@ -91,7 +91,7 @@ pub fn perspective(layers: u32, culling: bool) -> Kernel {
         "perspective",
         (layers, culling),
         &replicas,
-        &[PERSPECTIVE, SEEN_THROUGH, snippets!("baseline/perspective.wgsl")],
+        &[PERSPECTIVE, SEEN_THROUGH, snippets!("rivals/perspective.wgsl")],
     )
 }
 
@@ -100,7 +100,7 @@ pub fn replicate(culling: bool) -> Kernel {
     let rays = [read("cones", "array<Cone>"), read("pieces", "array<Piece>"), read("outlines", "array<Outline>")];
     let own = [write("replicas", "array<vec2<u32>>"), write("draw_args", "array<atomic<u32>>")];
     let bindings = [&[params()][..], &triangles(), &rays, &own].concat();
-    let own = [OUTLINE, PERSPECTIVE, snippets!("baseline/replicate.wgsl")];
+    let own = [OUTLINE, PERSPECTIVE, snippets!("rivals/replicate.wgsl")];
     let mut kernel = kernel("replicate", bindings, &[&[PARAMS, ITEMS, VERTEX, RAY, ROWS][..], &own].concat());
     kernel.constants = vec![("CULLING", f64::from(u8::from(culling)))];
     kernel
@@ -109,7 +109,7 @@ pub fn replicate(culling: bool) -> Kernel {
 /// Triangles onto a cube around the eye.
 pub fn cube() -> Kernel {
     let bindings = [&[params(), uniform("cube", "Cube")][..], &triangles()].concat();
-    kernel("cube", bindings, &[PARAMS, VERTEX, TRIANGLE_ROW, ROWS, DRAWN, FACE, snippets!("baseline/cube.wgsl")])
+    kernel("cube", bindings, &[PARAMS, VERTEX, TRIANGLE_ROW, ROWS, DRAWN, FACE, snippets!("rivals/cube.wgsl")])
 }
 
 /// The cube map to the camera's picture.
@@ -117,8 +117,8 @@ pub fn unfold(variant: Variant) -> Kernel {
     let mut bindings = vec![params(), uniform("cube", "Cube"), texture("picture", "texture_2d<u32>")];
     bindings.push(write("visibility", "array<vec2<u32>>"));
     bindings.extend(variant.pixel_rays());
-    let own = [TRIANGLE_ROW, ROWS, RANGE, FACE, snippets!("baseline/unfold.wgsl")];
-    let snippets = [&[PARAMS, ITEMS, SHEETS, KEY][..], &variant.pixel_snippets(), &own].concat();
+    let own = [TRIANGLE_ROW, ROWS, RANGE, FACE, snippets!("rivals/unfold.wgsl")];
+    let snippets = [&[PARAMS, ITEMS, SLABS, KEY][..], &variant.pixel_snippets(), &own].concat();
     let mut kernel = kernel("unfold", bindings, &snippets);
     kernel.constants = variant.constants();
     kernel
@@ -128,7 +128,7 @@ pub fn unfold(variant: Variant) -> Kernel {
 pub fn splat_project(samples: u32) -> Kernel {
     let more = [uniform("splat", "Splat")];
     let mut kernel =
-        pieces_draw("splat_project", 1, &more, &[CELLS, PROJECT, snippets!("baseline/splat_project.wgsl")]);
+        pieces_draw("splat_project", 1, &more, &[CELLS, PROJECT, snippets!("rivals/splat_project.wgsl")]);
     kernel.constants.push(("SAMPLES", f64::from(samples)));
     kernel
 }
@@ -137,14 +137,14 @@ pub fn splat_project(samples: u32) -> Kernel {
 pub fn splat_move(layers: u32, culling: bool, samples: u32) -> Kernel {
     let more = [uniform("splat", "Splat"), texture("s", "texture_2d<f32>")];
     let mut kernel =
-        clipped_draw("splat_move", (layers, culling), &more, &[CELLS, snippets!("baseline/splat_move.wgsl")]);
+        clipped_draw("splat_move", (layers, culling), &more, &[CELLS, snippets!("rivals/splat_move.wgsl")]);
     kernel.constants.push(("SAMPLES", f64::from(samples)));
     kernel
 }
 
 /// The compute kernels for cameras of a variant.
 pub fn all(variant: Variant) -> Vec<Kernel> {
-    let layers = if variant.sheeted { 2 } else { 1 };
+    let layers = if variant.slabbed { 2 } else { 1 };
     let mut all =
         vec![trace(variant, layers, 4, false), trace(variant, layers, 1, true), take(variant), unfold(variant)];
     all.push(replicate(true));

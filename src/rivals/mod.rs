@@ -9,7 +9,7 @@ mod draw;
 pub mod kernels;
 mod outline;
 mod replicated;
-pub mod rows;
+pub mod layout;
 mod splat;
 mod through_pieces;
 mod trace;

@@ -1,13 +1,13 @@
 //! The pieces of a camera as draws see them.
 
-use super::rows::Outline;
+use super::layout::Outline;
 use crate::camera::Rays;
 use crate::camera::pieces::{Piece, Pieces};
 use crate::engine::plan::tiles::row_of;
 use crate::engine::rival::Setup;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
-use crate::gpu::rows;
+use crate::gpu::layout;
 use crate::input::{Error, Result};
 
 /// All pieces of the camera, by their number, each with its layer and its own number there.
@@ -48,7 +48,7 @@ pub fn upload_in_order(
         let [a, b, c] = corners.unwrap_or([[0.0, 0.0], [2.0 * w as f32, 0.0], [0.0, 2.0 * h as f32]]);
         Outline { a, b, c, is_whole: u32::from(corners.is_none()), layer: *layer }
     };
-    let row = |&number: &u32| -> rows::Piece {
+    let row = |&number: &u32| -> layout::Piece {
         let (_, pieces, k) = all[number as usize];
         let Piece { centre_px, .. } = &pieces.pieces[k as usize];
         // far from an eye or not, a row is about a pixel of its own

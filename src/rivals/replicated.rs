@@ -5,7 +5,7 @@
 
 use super::draw::{Draw, Easel};
 use super::outline;
-use super::rows::Cone;
+use super::layout::Cone;
 use super::{kernels, with};
 use crate::camera::bundle::Bundle;
 use crate::camera::pieces::{Piece, Pieces};

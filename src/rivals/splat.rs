@@ -4,7 +4,7 @@
 
 use super::draw::{Draw, Easel, texture};
 use super::outline;
-use super::rows::Splat;
+use super::layout::Splat;
 use super::{kernels, with};
 use crate::engine::rival::{ChunkScopes, Rival, Setup, Target};
 use crate::gpu::Gpu;

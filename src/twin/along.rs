@@ -68,23 +68,23 @@ impl<F: Fn(f64) -> [f64; 2]> Along<F> {
         let off = (slope.abs() + steepest * from.e) * from.e;
         let unsure = value.abs() <= self.error(from.v) + off;
         if to.v <= from.v {
-            return Root { t: None, doubtful: unsure && to.v + to.e + from.e >= from.v };
+            return Root { t: None, uncertain: unsure && to.v + to.e + from.e >= from.v };
         }
         let side = value.signum();
         let end = to.v + to.e;
         let first = self.first_below(side, 1.0, from.v, end);
         let slow = 2 * first.steps > self.most;
-        let Some(first) = first.at else { return Root { t: None, doubtful: unsure || slow } };
+        let Some(first) = first.at else { return Root { t: None, uncertain: unsure || slow } };
         let root = self.first_below(side, 0.0, first, to.v).at;
         let last = self.first_below(side, -1.0, first, end).at;
         let (Some(s), Some(last)) = (root, last) else {
-            return Root { t: root.map(|s| to.like(s).lost()), doubtful: true };
+            return Root { t: root.map(|s| to.like(s).lost()), uncertain: true };
         };
         // it falls all the way from the one to the other
         let falls = -side * (self.function)(first)[1] > steepest * (last - first);
         // the steps end where no number is between two
         let e = (last - s).max(s - first) + 2.0 * to.unit() * s.abs();
-        let doubtful = unsure || slow || !falls || last > to.v - to.e;
-        Root { t: Some(to.like(s).off_by(e)), doubtful }
+        let uncertain = unsure || slow || !falls || last > to.v - to.e;
+        Root { t: Some(to.like(s).off_by(e)), uncertain }
     }
 }

@@ -6,7 +6,7 @@ use super::raster::{Corners, test};
 use super::rays::{Cast, owned};
 use super::{Input, Real};
 use crate::camera::TILE;
-use crate::gpu::rows::Cell;
+use crate::gpu::layout::Cell;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -55,7 +55,7 @@ impl Pair {
 pub struct Binned {
     pub slot: u32,
     pub tile: u32,
-    /// Pixels that it covers beyond doubt.
+    /// Pixels that it covers for certain.
     pub certain: u64,
     /// And those whose rays pass an edge within rounding.
     pub possible: u64,
@@ -114,13 +114,13 @@ fn bin_item(input: &Input, cluster: u32, node: Address, real: Real) -> Vec<Binne
     found
 }
 
-/// The pixels, each with its rays, that a triangle covers beyond doubt and that it may cover.
+/// The pixels, each with its rays, that a triangle covers for certain and that it may cover.
 pub fn covered(input: &Input, casts: &[(u32, Cast)], corners: &Corners, real: Real) -> (u64, u64) {
     let (mut certain, mut possible) = (0, 0);
     for (bit, cast) in casts {
         let tested = test(input, cast, corners, real);
-        certain |= u64::from(tested.hit.is_some() && !tested.doubtful) << bit;
-        possible |= u64::from(tested.hit.is_some() || tested.doubtful) << bit;
+        certain |= u64::from(tested.hit.is_some() && !tested.uncertain) << bit;
+        possible |= u64::from(tested.hit.is_some() || tested.uncertain) << bit;
     }
     (certain, possible)
 }

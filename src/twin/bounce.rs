@@ -7,7 +7,7 @@ use super::turn::{Turned, at_facet};
 use super::{Input, Real};
 use crate::engine::plan::curves::RayTable;
 use crate::engine::surface::SurfaceRows;
-use crate::gpu::rows::{NONE, Way, split2};
+use crate::gpu::layout::{NONE, Way, split2};
 use rayon::prelude::*;
 
 /// A ray that was turned, and what lies behind it.

@@ -1,7 +1,7 @@
 //! cull in f64: which clusters may be seen in which squares of the image.
 
 use super::Input;
-use crate::gpu::rows::{BRANCH, Cluster, LEVEL_CELL, Node, RAYS_AFFINE, RAYS_NONE, RAYS_TORN};
+use crate::gpu::layout::{BRANCH, Cluster, LEVEL_CELL, Node, RAYS_AFFINE, RAYS_NONE, RAYS_TORN};
 use glam::DVec3;
 
 /// How a node's bundle is bounded: all boxes and radii grow by `slack` times the sizes of what they are made of, and
@@ -162,7 +162,7 @@ impl Input<'_> {
     }
 }
 
-/// May any ray of the node meet the box of a cluster, or of a bunch, at a t in range?
+/// May any ray of the node meet the box of a cluster, or of a triangle group, at a t in range?
 pub fn node_meets(input: &Input, at: Address, cluster: &Cluster, bound: Bound) -> bool {
     let node = input.node(at);
     if node.rays == RAYS_NONE {

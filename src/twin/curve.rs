@@ -75,13 +75,13 @@ impl Poly {
 /// How a root lies in its triangle.
 struct Met {
     inside: bool,
-    doubtful: bool,
+    uncertain: bool,
     hidden: bool,
     fragment: Fragment,
 }
 
 /// A curve against a triangle over the curve's span, at whatever face: all meetings in order of t, with whether each is
-/// inside beyond doubt.
+/// inside for certain.
 fn meetings(c: &PixelCurve, corners: &Corners, real: Real) -> Vec<Met> {
     let [v0, v1, v2] = corners.v;
     let n = (v1 - v0).cross(v2 - v0);
@@ -102,13 +102,13 @@ fn meetings(c: &PixelCurve, corners: &Corners, real: Real) -> Vec<Met> {
             .map(|(v, w): (DVec3, DVec3)| ((w - v).cross(at - v).dot(n), (w - v).length() * room))
             .to_vec();
         let inside = sides.iter().all(|s| s.0 >= 0.0);
-        let doubtful = !certain || sides.iter().any(|s| s.0.abs() <= s.1);
+        let uncertain = !certain || sides.iter().any(|s| s.0.abs() <= s.1);
         let outside = sides.iter().any(|s| s.0 < -s.1);
         let edge_on = across.abs() <= size_n * real.rounding() * PLANE_UNITS * way.length();
         let hidden = corners.one_sided && (across > 0.0) != corners.reversed;
         let t_error = if across == 0.0 { f64::INFINITY } else { bound / across.abs() };
-        let doubtful = (doubtful && !outside) || (inside && corners.one_sided && edge_on);
-        Met { inside, doubtful, hidden, fragment: Fragment { t, t_error, id: corners.id } }
+        let uncertain = (uncertain && !outside) || (inside && corners.one_sided && edge_on);
+        Met { inside, uncertain, hidden, fragment: Fragment { t, t_error, id: corners.id } }
     };
     roots.into_iter().map(meet).collect()
 }
@@ -117,5 +117,5 @@ fn meetings(c: &PixelCurve, corners: &Corners, real: Real) -> Vec<Met> {
 pub fn test(c: &PixelCurve, corners: &Corners, real: Real) -> Tested {
     let met = meetings(c, corners, real);
     let hit = met.iter().find(|m| m.inside && !m.hidden).map(|m| m.fragment);
-    Tested { hit, doubtful: met.iter().any(|m| m.doubtful) }
+    Tested { hit, uncertain: met.iter().any(|m| m.uncertain) }
 }

@@ -1,6 +1,6 @@
 //! deposit in f64: the flux of caustic triangles, as stored, by texel.
 
-use crate::gpu::rows::{Cast, Receiver};
+use crate::gpu::layout::{Cast, Receiver};
 use crate::scene::caustics::shares::shares;
 use glam::DVec2;
 

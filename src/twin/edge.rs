@@ -1,4 +1,4 @@
-//! On which side of a scene edge a pixel's ray passes: the rule by which all kernels' doubts are settled.
+//! On which side of a scene edge a pixel's ray passes: the rule of every recheck.
 
 use super::Real;
 use super::rays::PixelRays;
@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3, Vec3Swizzles};
 pub struct Side {
     /// 1 or -1.
     pub sign: i32,
-    pub doubtful: bool,
+    pub uncertain: bool,
 }
 
 /// Terms (a, b) of `E = e . (d x m)` as it changes over a pixel, `d_a x m_b` with 0 the value, 1 the slope along x and 2
@@ -89,12 +89,12 @@ fn in_plane(rays: &PixelRays, v: DVec3, real: Real) -> (DVec2, f64) {
 pub fn side(rays: &PixelRays, v: DVec3, w: DVec3, real: Real) -> Side {
     let ((u, off_u), (v, off_v)) = (in_plane(rays, v, real), in_plane(rays, w, real));
     let value = u.perp_dot(v);
-    let doubt = off_u * (v.abs().element_sum() + off_v) + off_v * u.abs().element_sum();
+    let bound = off_u * (v.abs().element_sum() + off_v) + off_v * u.abs().element_sum();
     let first = [value, u.y - v.y, v.x - u.x].into_iter().find(|s| *s != 0.0);
-    Side { sign: first.map_or(1, |s| s.signum() as i32), doubtful: value.abs() <= doubt }
+    Side { sign: first.map_or(1, |s| s.signum() as i32), uncertain: value.abs() <= bound }
 }
 
-/// The side on which all rays within `r` px of the bundle's middle pass, perturbed or not, beyond any doubt of [`side`]; 0: not proven.
+/// The side on which all rays within `r` px of the bundle's middle pass, perturbed or not, for certain of [`side`]; 0: not proven.
 pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, real: Real, r: f64) -> i32 {
     let r = r + 2.0 * PERTURB_PX;
     // bounds from either end
@@ -104,13 +104,13 @@ pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, real: Real, r: f64) -> i32 {
         (value, from_v.max(from_w))
     };
     let (value, bound) = step(STEPS[0]);
-    let mut room = DOUBT_BOUNDS * bound;
+    let mut room = UNCERTAIN_BOUNDS * bound;
     for (terms, scale) in STEPS.iter().zip([0.0, r, r, r * r, r * r, r * r]) {
         let (value, bound) = step(terms);
-        room += scale * (value.abs() + DOUBT_BOUNDS * bound);
+        room += scale * (value.abs() + UNCERTAIN_BOUNDS * bound);
     }
     if value.abs() > room { value.signum() as i32 } else { 0 }
 }
 
 /// In units of the bound: the error of [`side`], which is smaller than one, and the growth of the sizes over the square; twice each.
-const DOUBT_BOUNDS: f64 = 4.0;
+const UNCERTAIN_BOUNDS: f64 = 4.0;

@@ -6,7 +6,7 @@ use crate::camera::TILE;
 use crate::engine::plan::fit::Fit;
 use crate::engine::plan::nodes::{Depth, Nodes};
 use crate::engine::plan::tiles::{Bounds, Sample, Sampled};
-use crate::gpu::rows::{BRANCH, Cell, Node};
+use crate::gpu::layout::{BRANCH, Cell, Node};
 use glam::{DVec2, DVec3};
 
 /// Nodes, and one cell a tile.

@@ -1,6 +1,6 @@
 //! gather in f64: what the receivers' maps, as stored, add to a pixel.
 
-use crate::gpu::rows::{Landing, Receiver};
+use crate::gpu::layout::{Landing, Receiver};
 use glam::DVec2;
 
 /// Where on its receiver's map a hit with these weights of its second and third corner lies, texels.

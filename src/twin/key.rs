@@ -32,32 +32,32 @@ pub struct KeyForm {
     /// Low bits that hold the triangle id.
     pub id_bits: u32,
     /// The layer stands in the top 4 bits.
-    pub sheeted: bool,
+    pub slabbed: bool,
 }
 
 impl KeyForm {
     /// Ordered bits of t above, id below. In f64 the id takes the place of t's lowest bits; an f32 has a word of its
-    /// own. With sheets t is in [0, 1], whose ordered bits begin with 10: the layer takes the place of these.
+    /// own. With slabs t is in [0, 1], whose ordered bits begin with 10: the layer takes the place of these.
     pub fn key(self, layer: u32, t: f64, id: u32) -> u64 {
         let mut bits = match self.real {
             Real::F64 => ordered((t + 0.0).to_bits(), 63),
             Real::F32 => ordered(u64::from((t as f32 + 0.0).to_bits()), 31) << 32,
         };
-        if self.sheeted {
+        if self.slabbed {
             bits = (bits << 2 >> 4) | u64::from(layer) << 60;
         }
         bits & !self.id_mask() | u64::from(id)
     }
 
     pub fn layer(self, key: u64) -> u32 {
-        if self.sheeted { (key >> 60) as u32 } else { 0 }
+        if self.slabbed { (key >> 60) as u32 } else { 0 }
     }
 
     /// The t of a key: the middle of those that the id cut off.
     pub fn t(self, key: u64) -> f64 {
         let mask = self.id_mask();
         let mut bits = key & !mask | (mask ^ mask >> 1);
-        if self.sheeted {
+        if self.slabbed {
             bits = bits << 4 >> 2 | 1 << 63;
         }
         match self.real {
@@ -73,7 +73,7 @@ impl KeyForm {
     /// Relative distance of two neighbouring ts that keys tell apart.
     pub fn step(self) -> f64 {
         match self.real {
-            Real::F64 => f64::EPSILON * (1u64 << (self.id_bits + if self.sheeted { 2 } else { 0 })) as f64,
+            Real::F64 => f64::EPSILON * (1u64 << (self.id_bits + if self.slabbed { 2 } else { 0 })) as f64,
             Real::F32 => f64::from(f32::EPSILON),
         }
     }
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     fn form(real: Real, id_bits: u32) -> KeyForm {
-        KeyForm { real, id_bits, sheeted: false }
+        KeyForm { real, id_bits, slabbed: false }
     }
 
     #[test]
@@ -116,9 +116,9 @@ mod tests {
     }
 
     #[test]
-    fn keys_with_sheets_order_by_layer_first() {
+    fn keys_with_slabs_order_by_layer_first() {
         for real in [Real::F64, Real::F32] {
-            let form = KeyForm { sheeted: true, ..form(real, 3) };
+            let form = KeyForm { slabbed: true, ..form(real, 3) };
             let hits = [(0, 0.0), (0, 1e-30), (0, 0.5), (0, 1.0), (1, 0.0), (1, 1.0), (15, 0.0), (15, 1.0)];
             for pair in hits.windows(2) {
                 assert!(form.key(pair[0].0, pair[0].1, 7) < form.key(pair[1].0, pair[1].1, 0), "{pair:?}");

@@ -11,7 +11,7 @@ pub fn meet(input: &Input, real: Real, visibility: &mut Visibility) {
     let pixels = input.params.width * input.params.height;
     let met: Vec<_> = (0..pixels).into_par_iter().map(|pixel| meetings(input, pixel, real)).collect();
     for (pixel, meetings) in met.iter().enumerate() {
-        visibility.doubtful[pixel] |= meetings.iter().any(|m| m.1.doubtful);
+        visibility.uncertain[pixel] |= meetings.iter().any(|m| m.1.uncertain);
         for (id, root) in meetings {
             if let Some(t) = root.t {
                 visibility.merge(pixel, !keys.key(0, t.v, *id));
@@ -34,5 +34,5 @@ pub fn meetings(input: &Input, pixel: u32, real: Real) -> Vec<(u32, Root)> {
         (id, Part { rows: optics.surface, number }.first_root(&ray, starts, &input.params, real))
     };
     let roots = (0..optics.optic.count).map(root);
-    roots.filter(|(_, root)| root.t.is_some() || root.doubtful).collect()
+    roots.filter(|(_, root)| root.t.is_some() || root.uncertain).collect()
 }

@@ -42,7 +42,7 @@ use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
 use crate::engine::tables::{Hidden, Look, Span, params, turned};
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::RaysKind;
-use crate::gpu::rows::{Cell, Cluster, Node, ONE_SIDED, Params, Piece};
+use crate::gpu::layout::{Cell, Cluster, Node, ONE_SIDED, Params, Piece};
 use crate::image::frame::{Channel, Frame, Plane};
 use crate::scene::Scene;
 use glam::DVec3;
@@ -54,7 +54,7 @@ use raster::{Corners, Visibility};
 pub struct Input<'a> {
     pub params: Params,
     pub clusters: &'a [Cluster],
-    pub bunches: &'a [Cluster],
+    pub triangle_groups: &'a [Cluster],
     pub nodes: &'a [Node],
     pub cull_steps: u32,
     pub tile_start: &'a [u32],
@@ -63,7 +63,7 @@ pub struct Input<'a> {
     pub kind: RaysKind,
     pub rays: Option<&'a RayTable>,
     /// Keys begin with a layer.
-    pub sheeted: bool,
+    pub slabbed: bool,
     pub triangles: &'a [[u32; 4]],
     pub vertices_hi: &'a [f32],
     pub vertices_lo: &'a [f32],
@@ -100,7 +100,7 @@ impl Input<'_> {
 
     /// How the frame's keys are laid out.
     pub fn keys(&self, real: Real) -> KeyForm {
-        KeyForm { real, id_bits: self.params.id_bits, sheeted: self.sheeted }
+        KeyForm { real, id_bits: self.params.id_bits, slabbed: self.slabbed }
     }
 
     /// The ends of t, inclusive.
@@ -123,7 +123,7 @@ pub const ROOMY: Capacities = Capacities {
     work: u32::MAX as u64,
     tasks: u32::MAX as u64,
     pairs: u32::MAX as u64,
-    doubts: u32::MAX as u64,
+    recheck_items: u32::MAX as u64,
     edges: u32::MAX as u64,
 };
 
@@ -149,7 +149,7 @@ impl Tables {
         Input {
             params: params(camera, &self.plan, band, ids, clusters, capacities),
             clusters: &chunk.clusters,
-            bunches: &chunk.bunches,
+            triangle_groups: &chunk.triangle_groups,
             nodes: &band.nodes.nodes,
             cull_steps: band.nodes.cull_steps(),
             tile_start: &band.tiles.start,
@@ -157,7 +157,7 @@ impl Tables {
             pieces: &band.tiles.pieces,
             kind: self.plan.variant.rays,
             rays: band.rays.as_ref(),
-            sheeted: self.plan.variant.sheeted,
+            slabbed: self.plan.variant.slabbed,
             triangles: &chunk.triangles,
             vertices_hi: &chunk.vertices_hi,
             vertices_lo: &chunk.vertices_lo,

@@ -9,7 +9,7 @@ use crate::engine::plan::Plan;
 use crate::engine::plan::curves::RayTable;
 use crate::engine::surface::SurfaceRows;
 use crate::engine::tables;
-use crate::gpu::rows::{Cell, NONE, Node, Optic, Way};
+use crate::gpu::layout::{Cell, NONE, Node, Optic, Way};
 use crate::scene::Scene;
 
 /// What kernels of one pass read beside the rest.

@@ -4,7 +4,7 @@ use super::Real;
 use super::near::{Judged, Near, Near3};
 use super::smooth::Root;
 use super::turn::NearRay;
-use crate::gpu::rows::Quadric;
+use crate::gpu::layout::Quadric;
 
 /// Rounding of a place's height along the axis, in units of what is summed up to get the place: that much a cap counts
 /// beyond its heights.
@@ -87,11 +87,11 @@ fn first(roots: Vec<(Near, Judged)>) -> Root {
     let t = there.reduce(|a, b| if b.v < a.v { b } else { a });
     // another one that is not surely behind it
     let behind = |r: &Near, t: &Near| r.v - r.e > t.v + t.e;
-    let doubtful = match &t {
+    let uncertain = match &t {
         Some(t) => roots.iter().any(|(r, there)| if r == t { !there.sure } else { !behind(r, t) }),
         None => !roots.is_empty(),
     };
-    Root { t, doubtful }
+    Root { t, uncertain }
 }
 
 /// At `place`, of any length; points out.

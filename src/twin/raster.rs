@@ -28,7 +28,7 @@ impl Corners {
 pub struct Tested {
     pub hit: Option<Fragment>,
     /// Another correct evaluation may find a hit where this one finds none, or none where it does.
-    pub doubtful: bool,
+    pub uncertain: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,10 +43,10 @@ pub struct Fragment {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Coverage {
     pub inside: bool,
-    pub doubtful: bool,
+    pub uncertain: bool,
 }
 
-const NOTHING: Tested = Tested { hit: None, doubtful: false };
+const NOTHING: Tested = Tested { hit: None, uncertain: false };
 
 /// The sides of the three edges, taken from the smaller end to the larger, hold the ray between them.
 fn ray_coverage(rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
@@ -55,16 +55,16 @@ fn ray_coverage(rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
     let turned = |s: Side| Side { sign: -s.sign, ..s };
     let first = of(v0, v1);
     let second = of(v1, v2);
-    let apart = |a: Side, b: Side| a.sign != b.sign && !a.doubtful && !b.doubtful;
+    let apart = |a: Side, b: Side| a.sign != b.sign && !a.uncertain && !b.uncertain;
     if apart(first, second) {
-        return Coverage { inside: false, doubtful: false };
+        return Coverage { inside: false, uncertain: false };
     }
     let third = turned(of(v0, v2));
     if apart(first, third) || apart(second, third) {
-        return Coverage { inside: false, doubtful: false };
+        return Coverage { inside: false, uncertain: false };
     }
     let inside = first.sign == second.sign && first.sign == third.sign;
-    Coverage { inside, doubtful: first.doubtful || second.doubtful || third.doubtful }
+    Coverage { inside, uncertain: first.uncertain || second.uncertain || third.uncertain }
 }
 
 /// How far `N . (v h - p)` and `N . d` of another correct evaluation may be off, in units of its arithmetic.
@@ -107,7 +107,7 @@ fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested 
     // f32 rays are not perturbed
     let scene_size = if real == Real::F64 { f64::from(input.params.scene_size) } else { 0.0 };
     let covered = ray_coverage(&rays.perturbed(scene_size), c, real);
-    if !covered.inside && !covered.doubtful {
+    if !covered.inside && !covered.uncertain {
         return NOTHING;
     }
     let [v0, v1, v2] = c.v;
@@ -123,20 +123,20 @@ fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested 
     let facing_away = (across > 0.0) != c.reversed;
     let hidden = c.one_sided && facing_away;
     if across == 0.0 || (hidden && !edge_on) {
-        return Tested { hit: None, doubtful: edge_on };
+        return Tested { hit: None, uncertain: edge_on };
     }
     let [t_min, t_max] = input.t_range();
     // an end of a chain's segment holds what lies beyond it within the rounding of stored numbers
-    let room = if input.sheeted { end_room(rays, c, real) / across.abs() } else { 0.0 };
+    let room = if input.slabbed { end_room(rays, c, real) / across.abs() } else { 0.0 };
     let in_range = t >= t_min - room && t <= t_max + room;
     let at_end = (t - t_min).abs() <= t_error + 2.0 * room || (t - t_max).abs() <= t_error + 2.0 * room;
-    let t = if input.sheeted { t.clamp(t_min, t_max) } else { t };
+    let t = if input.slabbed { t.clamp(t_min, t_max) } else { t };
     if !in_range && !at_end {
         return NOTHING;
     }
-    let doubtful = covered.doubtful || at_end || (c.one_sided && edge_on);
+    let uncertain = covered.uncertain || at_end || (c.one_sided && edge_on);
     let hit = (covered.inside && in_range && !hidden).then_some(Fragment { t, t_error, id: c.id });
-    Tested { hit, doubtful }
+    Tested { hit, uncertain }
 }
 
 /// Rounding of `N . (v h - p)` as stored, in units of what is summed up.
@@ -156,7 +156,7 @@ fn end_room(rays: &PixelRays, c: &Corners, real: Real) -> f64 {
 pub struct Visibility {
     pub words: Vec<[u32; 2]>,
     /// Pixels where another correct evaluation of some pair may decide otherwise.
-    pub doubtful: Vec<bool>,
+    pub uncertain: Vec<bool>,
     /// Owned pixels inside the pairs' boxes, and hits among them.
     pub tested: u64,
     pub kept: u64,
@@ -164,7 +164,7 @@ pub struct Visibility {
 
 impl Visibility {
     pub fn new(pixels: usize) -> Visibility {
-        Visibility { words: vec![[0; 2]; pixels], doubtful: vec![false; pixels], tested: 0, kept: 0 }
+        Visibility { words: vec![[0; 2]; pixels], uncertain: vec![false; pixels], tested: 0, kept: 0 }
     }
 
     pub fn key(&self, pixel: usize) -> Option<u64> {
@@ -188,7 +188,7 @@ pub fn raster(input: &Input, pairs: &[[u32; 2]], real: Real, visibility: &mut Vi
         pairs.par_iter().flat_map_iter(|&pair| test_pair(input, pair, real)).collect();
     visibility.tested += tested.len() as u64;
     for (pixel, layer, tested) in tested {
-        visibility.doubtful[pixel] |= tested.doubtful;
+        visibility.uncertain[pixel] |= tested.uncertain;
         if let Some(hit) = tested.hit {
             visibility.kept += 1;
             visibility.merge(pixel, !keys.key(layer, hit.t, hit.id));

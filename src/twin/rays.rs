@@ -5,7 +5,7 @@ use crate::camera::TILE;
 use crate::camera::{Bundle, Curve};
 use crate::engine::plan::curves::RayTable;
 use crate::gpu::kernels::RaysKind;
-use crate::gpu::rows::{Cell, Piece};
+use crate::gpu::layout::{Cell, Piece};
 use glam::DVec3;
 
 /// A pixel's bundle about its centre, and the sizes of what was summed up to get it: their rounding is the bundle's.
@@ -65,17 +65,17 @@ impl Cast {
 impl Input<'_> {
     /// Column and row in the band of a pixel of a tile.
     pub fn pixel_of(&self, tile: u32, bit: u32) -> (u32, u32) {
-        let (tx, ty) = (tile % self.params.tiles_x, tile / self.params.tiles_x % self.params.sheet_rows);
+        let (tx, ty) = (tile % self.params.tiles_x, tile / self.params.tiles_x % self.params.slab_rows);
         (tx * TILE + bit % TILE, ty * TILE + bit / TILE)
     }
 
-    /// The sheet of a tile.
-    fn sheet_of(&self, tile: u32) -> u32 {
-        tile / self.params.tiles_x / self.params.sheet_rows
+    /// The slab of a tile.
+    fn slab_of(&self, tile: u32) -> u32 {
+        tile / self.params.tiles_x / self.params.slab_rows
     }
 
     pub fn layer_of(&self, tile: u32) -> u32 {
-        self.sheet_of(tile) / self.params.spans
+        self.slab_of(tile) / self.params.spans
     }
 
     /// What a cell has at its pixel `bit`.
@@ -84,7 +84,7 @@ impl Input<'_> {
         match (self.kind, self.rays) {
             (RaysKind::Field, Some(table)) => Cast::Ray(field_rays(table, self.params.width, x, y)),
             (RaysKind::Curves { degree }, Some(table)) => {
-                let span = self.sheet_of(cell.tile) % self.params.spans;
+                let span = self.slab_of(cell.tile) % self.params.spans;
                 let at = |k: u32| f64::from(k) / f64::from(self.params.spans);
                 let span = [at(span), at(span + 1)];
                 Cast::Curve(PixelCurve { span, ..self.stored_curve(table, degree, self.layer_of(cell.tile), (x, y)) })
@@ -117,9 +117,9 @@ impl Input<'_> {
         }
     }
 
-    /// The cell that owns a pixel of the band in a layer's first sheet.
+    /// The cell that owns a pixel of the band in a layer's first slab.
     pub fn pixel_cell(&self, layer: u32, x: u32, y: u32) -> Option<u32> {
-        let row = y / TILE + layer * self.params.spans * self.params.sheet_rows;
+        let row = y / TILE + layer * self.params.spans * self.params.slab_rows;
         let tile = (row * self.params.tiles_x + x / TILE) as usize;
         let bit = (y % TILE) * TILE + x % TILE;
         (self.tile_start[tile]..self.tile_start[tile + 1]).find(|&k| owned(&self.cells[k as usize]) >> bit & 1 == 1)

@@ -1,6 +1,6 @@
 //! sift in f64: which beams may see a point.
 
-use crate::gpu::rows::{Beam, NONE};
+use crate::gpu::layout::{Beam, NONE};
 
 /// How wide beams are taken: each end of an origin is moved outwards by `slack` of it and of the point's largest
 /// coordinate, quotients by the relative `quotient`.

@@ -4,18 +4,18 @@ use super::near::{Near, Near3};
 use super::turn::{Bent, NearRay, Turned, bent_at};
 use super::{Real, quadric, torus, wave};
 use crate::engine::surface::SurfaceRows;
-use crate::gpu::rows::{Optic, Params};
+use crate::gpu::layout::{Optic, Params};
 
 /// Where a ray first meets a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct Root {
     pub t: Option<Near>,
     /// Another correct evaluation finds none, or finds one, where this one does not; or another root.
-    pub doubtful: bool,
+    pub uncertain: bool,
 }
 
 impl Root {
-    pub const NONE: Root = Root { t: None, doubtful: false };
+    pub const NONE: Root = Root { t: None, uncertain: false };
 }
 
 /// One part of a smooth surface.
@@ -53,7 +53,7 @@ impl Part<'_> {
     /// The turn of a ray where it meets it.
     pub fn turn(&self, optic: &Optic, ray: &NearRay, starts: bool, params: &Params, real: Real) -> Turned {
         let root = self.first_root(ray, starts, params, real);
-        let t = root.t.filter(|_| !root.doubtful).unwrap_or(Near::exact(0.0, real).lost());
+        let t = root.t.filter(|_| !root.uncertain).unwrap_or(Near::exact(0.0, real).lost());
         let place = ray.p + ray.d * t;
         let normal = self.normal(place, real);
         let Bent { d, share, .. } = bent_at(optic, ray.d.unit(), normal, normal, real);

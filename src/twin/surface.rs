@@ -5,7 +5,7 @@ use super::rays::PixelRays;
 use super::shade::UNIT;
 use super::{Input, Real};
 use crate::engine::clusters::CORNER_ORDERS;
-use crate::gpu::rows::NONE;
+use crate::gpu::layout::NONE;
 use glam::DVec3;
 
 /// A unit vector from a given one: length 3, division 2.5 (as a Vulkan driver may).

@@ -5,7 +5,7 @@ use super::along::Along;
 use super::near::{Near, Near3};
 use super::smooth::Root;
 use super::turn::NearRay;
-use crate::gpu::rows::Torus;
+use crate::gpu::layout::Torus;
 
 /// Square of the radius of the ball that is searched, in units of the size.
 pub const ROOM: f64 = 1.125;

@@ -5,7 +5,7 @@ use super::near::{Judged, Near, Near3};
 use super::{Input, Real};
 use crate::camera::optics::FLAT_LEAST;
 use crate::gpu::kernels::RaysKind;
-use crate::gpu::rows::{Corner, LAW_NORMALS, Optic};
+use crate::gpu::layout::{Corner, LAW_NORMALS, Optic};
 
 /// A pixel's ray, relative to the anchor.
 #[derive(Debug, Clone, Copy)]

@@ -5,7 +5,7 @@ use super::along::Along;
 use super::near::{CIRCLE_UNITS, Near, Near3};
 use super::smooth::Root;
 use super::turn::NearRay;
-use crate::gpu::rows::Wave;
+use crate::gpu::layout::Wave;
 use std::f64::consts::{PI, TAU};
 
 /// The height that is searched, in amplitudes.

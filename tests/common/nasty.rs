@@ -3,7 +3,7 @@
 use super::common::rng::Rng;
 use anamorph::camera::TILE;
 use anamorph::engine::plan::curves::RayTable;
-use anamorph::gpu::rows::split2;
+use anamorph::gpu::layout::split2;
 use glam::DVec3;
 
 /// Over this many pixels the tables below are made: three levels of nodes, and tiles that the image cuts.

@@ -13,8 +13,8 @@ use anamorph::camera::{Camera, Rays};
 use anamorph::engine::Capacities;
 use anamorph::engine::clusters::{cluster, mapped_rows};
 use anamorph::engine::plan::Wanted;
-use anamorph::engine::plan::sheets;
-use anamorph::engine::plan::sheets::Sheets;
+use anamorph::engine::plan::slabs;
+use anamorph::engine::plan::slabs::Slabs;
 use anamorph::engine::stage::Stages;
 use anamorph::geometry::generate::{icosphere, plane, teapot};
 use anamorph::geometry::mesh::{Material, Mesh};
@@ -22,7 +22,7 @@ use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, read_words, readback, wait};
 use anamorph::gpu::device::Abilities;
 use anamorph::gpu::kernels::{OpticsKind, Variant};
-use anamorph::gpu::rows::COUNTERS;
+use anamorph::gpu::layout::COUNTERS;
 use anamorph::image::frame::Channel;
 use anamorph::scene::Scene;
 use anamorph::scene::light::Light;
@@ -84,14 +84,14 @@ impl Case {
     }
 
     pub fn variant(&self, real: Real, atomics64: bool) -> Variant {
-        let sheets = Sheets::of(&self.camera);
-        let (rays, sheeted) = (sheets::kind(&self.camera), sheets.count() > 1);
+        let slabs = Slabs::of(&self.camera);
+        let (rays, slabbed) = (slabs::kind(&self.camera), slabs.count() > 1);
         let optics = self.camera.optics.as_deref().map(OpticsKind::of);
         Variant {
             f64: real == Real::F64,
             atomics64,
             rays,
-            sheeted,
+            slabbed,
             counting: true,
             normals: !self.scene.mesh.normals.is_empty(),
             optics,
@@ -122,8 +122,8 @@ fn with_twins(mut mesh: Mesh, count: usize) -> Mesh {
     mesh
 }
 
-/// A sheet of triangles whose every vertex lies on the ray of a pixel, each `step` pixels, up to rounding.
-pub fn sheet_on_rays(camera: &Camera, step: u32) -> Mesh {
+/// A slab of triangles whose every vertex lies on the ray of a pixel, each `step` pixels, up to rounding.
+pub fn slab_on_rays(camera: &Camera, step: u32) -> Mesh {
     let (columns, rows) = ((camera.width - 1) / step, (camera.height - 1) / step);
     let mut rng = Rng(31);
     let mut positions = Vec::new();
@@ -208,14 +208,14 @@ pub fn cases() -> Vec<Case> {
     let straight = cameras::two_plane(DMat2::from_diagonal(DVec2::splat(2.0)), DMat2::from_diagonal(DVec2::splat(2.0)));
     let straight = common::camera(CameraKind::from(Glc { near: straight.0, far: straight.1 }), (64, 64), FORWARD);
     let upright = |p: DVec3| DVec3::new(p.x + 1.0 / 64.0, p.z + 1.0 / 64.0, 0.25 * p.x);
-    let mut sheet = plane(2.0, 16);
-    sheet.normals.clear();
-    sheet.corner_normals.clear();
-    sheet.positions.iter_mut().for_each(|p| *p = upright(*p));
-    list.push(Case::new("edges on pixel centres", sheet, straight));
+    let mut slab = plane(2.0, 16);
+    slab.normals.clear();
+    slab.corner_normals.clear();
+    slab.positions.iter_mut().for_each(|p| *p = upright(*p));
+    list.push(Case::new("edges on pixel centres", slab, straight));
     for class in ["bilinear", "pinhole", "cglc"] {
         let camera = common::camera(glc(class), (61, 47), FORWARD);
-        list.push(Case::new(&format!("vertices on rays, {class}"), sheet_on_rays(&camera, 3), camera));
+        list.push(Case::new(&format!("vertices on rays, {class}"), slab_on_rays(&camera, 3), camera));
     }
     list.push(Case::new("a slice", part_one_sided(icosphere(2)), inside([-0.3, 0.45])));
     let mut cut = Case::new(
@@ -347,7 +347,7 @@ pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
     b.upload_uniform(gpu, "params", &input.params).unwrap();
     b.upload_uniform(gpu, "shading", &input.look.shading).unwrap();
     b.upload(gpu, "clusters", input.clusters).unwrap();
-    b.upload(gpu, "bunches", input.bunches).unwrap();
+    b.upload(gpu, "triangle_groups", input.triangle_groups).unwrap();
     b.upload(gpu, "nodes", input.nodes).unwrap();
     b.upload(gpu, "tile_start", input.tile_start).unwrap();
     b.upload(gpu, "cells", input.cells).unwrap();

@@ -5,7 +5,7 @@ use crate::stages::{assert_poisoned, counters, read, run};
 use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, Pipeline};
 use anamorph::gpu::kernels;
-use anamorph::gpu::rows::*;
+use anamorph::gpu::layout::*;
 use bytemuck::Zeroable;
 
 /// Workgroups a side of a dispatch at most.
@@ -19,7 +19,7 @@ fn params() -> Params {
         queue_capacity: 1000,
         work_capacity: 900_000_000,
         pair_capacity: 70_000_000,
-        doubt_capacity: 801,
+        recheck_capacity: 801,
         task_capacity: 100_000_000,
         edge_capacity: 600,
         ..Params::zeroed()
@@ -30,12 +30,12 @@ fn lists() -> [List; 8] {
     let p = params();
     [
         (0, p.queue_capacity, 1),
-        (COUNT_WORK, p.work_capacity, CLUSTER / BUNCH),
-        (COUNT_TASKS, p.task_capacity, BUNCH),
+        (COUNT_WORK, p.work_capacity, CLUSTER / TRIANGLE_GROUP),
+        (COUNT_TASKS, p.task_capacity, TRIANGLE_GROUP),
         (COUNT_PAIRS, p.pair_capacity, 1),
-        (COUNT_DOUBTS, p.doubt_capacity, 1),
+        (COUNT_RECHECK_ITEMS, p.recheck_capacity, 1),
         (COUNT_EDGES, p.edge_capacity, 1),
-        (COUNT_SAMPLE_DOUBTS, p.doubt_capacity / 2, 1),
+        (COUNT_RECHECK_SAMPLES, p.recheck_capacity / 2, 1),
         // blocks have room for all, which memory keeps far below this
         (COUNT_BLOCKS, u32::MAX - GROUP, LANES),
     ]

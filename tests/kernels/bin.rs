@@ -5,7 +5,7 @@ use crate::stages::{
 };
 use anamorph::engine::Capacities;
 use anamorph::gpu::kernels::Variant;
-use anamorph::gpu::rows::{
+use anamorph::gpu::layout::{
     COUNT_BUSY, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_SORTED, COUNT_TASKS, COUNT_WORK, COUNTERS,
 };
 use anamorph::twin::bin::{Binned, Pair, beside, bin, covered};
@@ -33,7 +33,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &Input, work: &[[u32; 2]]) 
 
 fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &Input, work: &[[u32; 2]]) -> Listed {
     let (gpu, stages) = bench.stages(variant, &[]);
-    // of each cluster its bunches
+    // of each cluster its triangle groups
     let mut input = *input;
     input.params.task_capacity = 8 * work.len() as u32;
     input.params.work_capacity = work.len() as u32;
@@ -90,17 +90,17 @@ fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &Input, 
     Listed { pairs, demand }
 }
 
-/// Split leaves no bunch out that a ray of its item's node meets, and leaves no other in.
+/// Split leaves no triangle group out that a ray of its item's node meets, and leaves no other in.
 fn assert_tasks(case: &Case, input: &Input, work: &[[u32; 2]], tasks: &[[u32; 2]]) {
     let listed: HashSet<[u32; 2]> = tasks.iter().copied().collect();
     assert_eq!(listed.len(), tasks.len(), "{}: a task twice", case.name);
     let mut allowed = HashSet::new();
     for &[cluster, node] in work {
-        for index in (8 * cluster..8 * cluster + 8).filter(|b| input.bunches[*b as usize].count > 0) {
-            let meets = |bound| node_meets(input, Address::unpack(node), &input.bunches[index as usize], bound);
+        for index in (8 * cluster..8 * cluster + 8).filter(|b| input.triangle_groups[*b as usize].count > 0) {
+            let meets = |bound| node_meets(input, Address::unpack(node), &input.triangle_groups[index as usize], bound);
             let is_listed = listed.contains(&[index, node]);
-            assert!(is_listed || !meets(Bound::NEEDED), "{}: bunch {index}, node {node:x}: missing", case.name);
-            assert!(!is_listed || meets(Bound::ALLOWED), "{}: bunch {index}, node {node:x}: no ray near", case.name);
+            assert!(is_listed || !meets(Bound::NEEDED), "{}: triangle_group {index}, node {node:x}: missing", case.name);
+            assert!(!is_listed || meets(Bound::ALLOWED), "{}: triangle_group {index}, node {node:x}: no ray near", case.name);
             allowed.insert([index, node]);
         }
     }

@@ -3,7 +3,7 @@
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use crate::turned::{cases, delicate, turns, variant};
 use anamorph::gpu::kernels::OpticsKind;
-use anamorph::gpu::rows::{NONE, split2};
+use anamorph::gpu::layout::{NONE, split2};
 use anamorph::twin::bounce::{Bounced, bounce};
 use anamorph::twin::raster::Visibility;
 use anamorph::twin::{Input, Real};
@@ -239,7 +239,7 @@ fn the_kernel_has_the_rule_s_constant() {
 /// Turned by hand: a ray straight down on a mirror in the plane y = 0, and one that enters glass there at 45 degrees.
 #[test]
 fn the_twin_turns_rays_by_the_law() {
-    use anamorph::gpu::rows::{Corner, LAW_NORMALS, Optic};
+    use anamorph::gpu::layout::{Corner, LAW_NORMALS, Optic};
     use anamorph::twin::near::Near3;
     use anamorph::twin::turn::{NearRay, at_facet};
     let real = Real::F64;

@@ -1,7 +1,7 @@
 //! circle.wgsl: cosines and sines by the adapter against the host's.
 
 use crate::stages::Bench;
-use anamorph::gpu::rows::split2;
+use anamorph::gpu::layout::split2;
 use anamorph::twin::Real;
 use anamorph::twin::near::CIRCLE_UNITS;
 use std::f64::consts::TAU;

@@ -7,7 +7,7 @@ use crate::stages::{
 };
 use anamorph::engine::Capacities;
 use anamorph::gpu::kernels::Variant;
-use anamorph::gpu::rows::{COUNT_WORK, COUNTERS, RAYS_AFFINE};
+use anamorph::gpu::layout::{COUNT_WORK, COUNTERS, RAYS_AFFINE};
 use anamorph::twin::cull::{
     Address, Bound, Culled, HAND_ON, HAND_ON_LEVEL, REFINEMENTS, cull, hands_on, may_hand_on, node_meets,
 };

@@ -5,7 +5,7 @@ use crate::common::rng::Rng;
 use anamorph::engine::stage::deposit::{Casts, Deposit};
 use anamorph::gpu::buffers::Buffers;
 use anamorph::gpu::kernels;
-use anamorph::gpu::rows::{Cast, Receiver};
+use anamorph::gpu::layout::{Cast, Receiver};
 use anamorph::scene::caustics::shares::LINE_WIDTH;
 use anamorph::twin::deposit::{corners, deposit};
 use glam::DVec2;

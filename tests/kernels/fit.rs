@@ -6,7 +6,7 @@ use crate::turned::{case, cases, turns};
 use anamorph::engine::plan::curves::RayTable;
 use anamorph::engine::plan::fit::{STRAY, STRAY_SIZE};
 use anamorph::engine::plan::nodes::{Level, TORN_WIDTH};
-use anamorph::gpu::rows::{BRANCH, Cell, Node, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
+use anamorph::gpu::layout::{BRANCH, Cell, Node, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
 use anamorph::twin::cull::Address;
 use anamorph::twin::fit::{fit, rays_below, reach};
 use anamorph::twin::{Input, Real};

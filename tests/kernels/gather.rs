@@ -6,7 +6,7 @@ use anamorph::engine::stage::gather::Gather;
 use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, read_words, readback};
 use anamorph::gpu::kernels::{OpticsKind, Variant};
-use anamorph::gpu::rows::{Landing, NONE, Optic, Params, Receiver, Way};
+use anamorph::gpu::layout::{Landing, NONE, Optic, Params, Receiver, Way};
 use anamorph::image::frame::Channel;
 use anamorph::twin::gather::{gather, place, units};
 use bytemuck::Zeroable;

@@ -63,7 +63,7 @@ fn compare(input: &Input, real: Real, kernel: &[[u32; 2]], twin: &Visibility) ->
             }
             _ => a == b,
         };
-        if !right && twin.doubtful[pixel] {
+        if !right && twin.uncertain[pixel] {
             seen.excused += 1;
         } else if !right {
             seen.wrong.push(format!("pixel {pixel}: {a:x?} for {b:x?}"));

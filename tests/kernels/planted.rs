@@ -6,7 +6,7 @@ use crate::common::gpu::{engine_on, ids};
 use crate::common::needs::skip;
 use crate::common::rng::Rng;
 use crate::common::{FORWARD, camera, mesh, scene, soup};
-use crate::stages::sheet_on_rays;
+use crate::stages::slab_on_rays;
 use anamorph::camera::Camera;
 use anamorph::engine::plan::Wanted;
 use anamorph::engine::plan::samples::places;
@@ -66,12 +66,12 @@ fn seen(engine: &mut Engine) -> Result<(), String> {
     )
 }
 
-/// A sheet whose vertices lie on rays has no holes; rays of samples, where there are several.
+/// A slab whose vertices lie on rays has no holes; rays of samples, where there are several.
 fn no_holes(engine: &mut Engine, samples: u32) -> Result<(), String> {
     const STEP: u32 = 4;
     let camera = eye();
     for place in places(samples) {
-        let scene = scene(sheet_on_rays(&camera.with_sample_offset(place.x, place.y), STEP));
+        let scene = scene(slab_on_rays(&camera.with_sample_offset(place.x, place.y), STEP));
         let wanted = Wanted { samples, sample_ids: true, ..centres(&[Channel::TriangleId]) };
         let seen = frame(engine, &scene, &camera, &wanted);
         // with a pixel's border that other samples may look beyond
@@ -81,7 +81,7 @@ fn no_holes(engine: &mut Engine, samples: u32) -> Result<(), String> {
             (1..ends[0]).contains(&x) && (1..ends[1]).contains(&y)
         };
         let hole = |ids: &[u32]| (0..ids.len()).any(|k| inside(k) && ids[k] == NO_ID);
-        demand(!seen.sample_ids.iter().any(|ids| hole(ids)), "the sheet has holes")?;
+        demand(!seen.sample_ids.iter().any(|ids| hole(ids)), "the slab has holes")?;
     }
     Ok(())
 }
@@ -270,10 +270,10 @@ enum Way {
 type Planted = (&'static str, &'static str, &'static str, Way, Check);
 
 const PLANTED: [Planted; 29] = [
-    ("args.wgsl", "items = GROUP / BUNCH;", "items = GROUP;", Way::ByPair, seen),
+    ("args.wgsl", "items = GROUP / TRIANGLE_GROUP;", "items = GROUP;", Way::ByPair, seen),
     ("args.wgsl", "count = min(count, params.pair_capacity);", "count = count / 2u;", Way::ByPair, seen),
     ("args.wgsl", "count -= first;", "count = first;", Way::ByTile, seen),
-    ("split.wgsl", "lane % BUNCHES;", "(lane % BUNCHES) / 2u;", Way::ByPair, seen),
+    ("split.wgsl", "lane % TRIANGLE_GROUPS;", "(lane % TRIANGLE_GROUPS) / 2u;", Way::ByPair, seen),
     ("split.wgsl", "vec2<u32>(index, address)", "vec2<u32>(index, work[0].y)", Way::ByPair, seen),
     ("allot.wgsl", "ends[tile] = first + count;", "ends[tile] = first + count - 1u;", Way::ByTile, seen),
     ("allot.wgsl", "starts[tile] = first;", "starts[tile] = 0u;", Way::ByTile, seen),
@@ -287,8 +287,8 @@ const PLANTED: [Planted; 29] = [
     ),
     (
         "recheck.wgsl",
-        "vec2<u32>(0u, doubt.y), (doubt.x",
-        "vec2<u32>(0u, 0u), (doubt.x",
+        "vec2<u32>(0u, item.y), (item.x",
+        "vec2<u32>(0u, 0u), (item.x",
         Way::ByPair,
         no_holes_at_centres,
     ),
@@ -315,7 +315,7 @@ const PLANTED: [Planted; 29] = [
     ("edges_by_tile.wgsl", "edge_of[pixel] = row + 1u;", "edge_of[pixel] = row;", Way::ByTile, sampled),
     ("sample_by_tile.wgsl", "touches[index].xy & pixels", "touches[index].yx & pixels", Way::ByTile, sampled),
     ("sample_by_tile.wgsl", "settled(0u, nearest[k])", "settled(0u, nearest[0])", Way::ByTile, sampled),
-    ("settle.wgsl", "doubt.y & 15u, row", "doubt.y & 8u, row", Way::ByTile, no_holes_at_samples),
+    ("recheck_samples.wgsl", "item.y & 15u, row", "item.y & 8u, row", Way::ByTile, no_holes_at_samples),
     ("resolve.wgsl", "coverage += share;", "coverage += 0.5 * share;", Way::ByPair, sampled),
     ("resolve.wgsl", "colour += share * beyond", "colour += 0.0 * share * beyond", Way::ByPair, sampled),
     (

@@ -8,8 +8,8 @@ use anamorph::camera::TILE;
 use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::Buffers;
 use anamorph::gpu::kernels::Variant;
-use anamorph::gpu::rows::{
-    COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_DOUBTS, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED,
+use anamorph::gpu::layout::{
+    COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_RECHECK_ITEMS, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED,
     COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_RECHECKED, COUNTERS, Params,
 };
 use anamorph::twin::bin::{Pair, bin};
@@ -70,7 +70,7 @@ fn ways(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Way> {
 fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, jobs: &[Job]) -> Drawn {
     let by_pair = crate::turned::variant(case, &jobs[0].0, real, atomics64);
     let (gpu, stages) = bench.stages(if by_tile { by_pair.with_tiles() } else { by_pair }, &[]);
-    let owned = [COUNT_FRAGMENTS_TESTED, COUNT_FRAGMENTS_KEPT, COUNT_RECHECKED, COUNT_DOUBTS, COUNT_PAIRS_KEPT];
+    let owned = [COUNT_FRAGMENTS_TESTED, COUNT_FRAGMENTS_KEPT, COUNT_RECHECKED, COUNT_RECHECK_ITEMS, COUNT_PAIRS_KEPT];
     let pixels = (jobs[0].0.params.width * jobs[0].0.params.height) as usize;
     let mut visibility = vec![[0u32; 2]; pixels];
     visibility.resize(pixels + SPARE, [POISON; 2]);
@@ -81,8 +81,8 @@ fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, j
         for (input, pairs) in jobs {
             let mut buffers = upload(gpu, input);
             list(gpu, &mut buffers, "pairs", pairs, pairs.len());
-            let room = input.params.doubt_capacity as usize;
-            list(gpu, &mut buffers, "doubts", &[], room);
+            let room = input.params.recheck_capacity as usize;
+            list(gpu, &mut buffers, "recheck_items", &[], room);
             let zeros = owned.map(|k| (k, 0));
             let mut given = [&zeros[..], &[(COUNT_PAIRS, pairs.len() as u32)]].concat();
             if by_tile {
@@ -94,7 +94,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, j
                 stages.raster(gpu, pass, &[&buffers, &shared], step, 1)?;
                 stages.recheck(gpu, pass, &[&buffers, &shared], step)
             });
-            assert_poisoned(&read(gpu, &buffers, "doubts"), 2 * room, &format!("{}, doubts", case.name));
+            assert_poisoned(&read(gpu, &buffers, "recheck_items"), 2 * room, &format!("{}, recheck_items", case.name));
             let counters = read(gpu, &buffers, "counters");
             for (k, &value) in counters.iter().take(COUNTERS as usize).enumerate() {
                 let is_given = given.iter().any(|g| g.0 == k as u32);
@@ -145,10 +145,10 @@ fn compare(jobs: &[Job], real: Real, kernel: &[[u32; 2]], twin: &Visibility) -> 
                 if !same {
                     // another hit no farther than the ts are known, or one that rounding may find
                     let close = other.hit.is_some() && off <= may;
-                    seen.judge(close || twin.doubtful[pixel], pixel, format!("{a:x} for {b:x}, t {t} for {twin_t}"));
+                    seen.judge(close || twin.uncertain[pixel], pixel, format!("{a:x} for {b:x}, t {t} for {twin_t}"));
                 }
             }
-            _ => seen.judge(twin.doubtful[pixel], pixel, format!("{kernel:x?} for {twin_key:x?}")),
+            _ => seen.judge(twin.uncertain[pixel], pixel, format!("{kernel:x?} for {twin_key:x?}")),
         }
     }
     seen
@@ -166,7 +166,7 @@ impl Compared {
 
 /// The twin's test of one triangle at one pixel of a layer.
 fn hit(jobs: &[Job], pixel: usize, (layer, id): (u32, u32), real: Real) -> Tested {
-    let nothing = Tested { hit: None, doubtful: false };
+    let nothing = Tested { hit: None, uncertain: false };
     let here = |p: &Params| id.wrapping_sub(p.id_first) < p.id_count;
     let Some((input, _)) = jobs.iter().find(|j| here(&j.0.params)) else { return nothing };
     let slot = input.slot_of_id.get(id.wrapping_sub(input.params.id_first) as usize);
@@ -204,7 +204,7 @@ fn jobs_of<'a>(band: Vec<Input<'a>>, rng: &mut Rng) -> Vec<Job<'a>> {
         input.params.pair_capacity = pairs.len() as u32;
         // two halves of each cell of a tile
         let cells = input.tile_start.windows(2).map(|w| w[1] - w[0]).max().unwrap_or(0);
-        input.params.doubt_capacity = 2 * cells * pairs.len() as u32;
+        input.params.recheck_capacity = 2 * cells * pairs.len() as u32;
         (input, pairs)
     };
     band.into_iter().map(job).collect()
@@ -265,9 +265,9 @@ fn check(case: &Case, jobs: &[Job], (real, atomics64, by_tile): Way, kernel: &Dr
         jobs.len()
     );
     let seen = compare(jobs, real, &kernel.words, twin);
-    let doubtful = twin.doubtful.iter().filter(|d| **d).count();
+    let uncertain = twin.uncertain.iter().filter(|d| **d).count();
     println!(
-        "{name}: {} hits, {doubtful} doubtful, {} excused, rechecked {}, t within {:.1e}, {:.3} of its bound",
+        "{name}: {} hits, {uncertain} uncertain, {} excused, rechecked {}, t within {:.1e}, {:.3} of its bound",
         twin.kept, seen.excused, kernel.rechecked, seen.t_relative, seen.t_share
     );
     assert!(seen.wrong.is_empty(), "{name}: {} pixels differ, the first: {}", seen.wrong.len(), seen.wrong[0]);
@@ -299,9 +299,9 @@ fn check(case: &Case, jobs: &[Job], (real, atomics64, by_tile): Way, kernel: &Dr
             places.collect::<std::collections::HashSet<_>>().len() == pairs.len()
         };
         let least = kernel.words.iter().filter(|w| **w != [0; 2]).count() as u64;
-        let most = if doubtful == 0 && jobs.iter().all(is_once) { twin.kept } else { u64::MAX };
+        let most = if uncertain == 0 && jobs.iter().all(is_once) { twin.kept } else { u64::MAX };
         assert!((least..=most).contains(&u64::from(kernel.kept)), "{name}: fragments kept");
-    } else if doubtful == 0 {
+    } else if uncertain == 0 {
         assert_eq!(u64::from(kernel.kept), twin.kept, "{name}: fragments kept");
     }
 }

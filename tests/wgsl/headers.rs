@@ -12,7 +12,7 @@ const ALONE: &str = "shared/soft_f64.wgsl";
 
 /// Snippets of which some variant of a kernel uses nothing.
 const IDLE: [(&str, &str); 23] = [
-    ("bin", "shared/sheets.wgsl"),
+    ("bin", "shared/slabs.wgsl"),
     ("certify", "shared/index.wgsl"),
     ("certify", "shared/ray.wgsl"),
     ("cull", "shared/within.wgsl"),
@@ -30,11 +30,11 @@ const IDLE: [(&str, &str); 23] = [
     ("sample", "shared/key.wgsl"),
     ("sample", "shared/ray.wgsl"),
     ("sample", "shared/within.wgsl"),
-    ("settle", "shared/index.wgsl"),
-    ("settle", "shared/ray.wgsl"),
+    ("recheck_samples", "shared/index.wgsl"),
+    ("recheck_samples", "shared/ray.wgsl"),
     ("shade", "shared/index.wgsl"),
-    ("splat_project", "baseline/drawn.wgsl"),
-    ("splat_project", "baseline/range.wgsl"),
+    ("splat_project", "rivals/drawn.wgsl"),
+    ("splat_project", "rivals/range.wgsl"),
 ];
 
 /// Longest line of a header, characters.

@@ -1,6 +1,6 @@
 // Which pixels' curves may meet a triangle over a span of t, by their control nets.
 // Provides: COVERAGE_PROVES, coverage, span_of
-// Needs: Cell, DEGREE, TILE, control_point, curve_place, first_bit, tile_corner, tile_layer, tile_sheet, with_bit, without_bit
+// Needs: Cell, DEGREE, TILE, control_point, curve_place, first_bit, tile_corner, tile_layer, tile_slab, with_bit, without_bit
 // Binds: params
 
 // What is covered is proven to be; else it may be covered.
@@ -16,7 +16,7 @@ const LEAST: f32 = 1.0e-35;
 const MOST: f32 = 1.0e36;
 
 fn span_of(tile: u32) -> vec2<u32> {
-    let span = tile_sheet(tile) % params.spans;
+    let span = tile_slab(tile) % params.spans;
     return vec2<u32>(span, span + 1u);
 }
 

@@ -27,7 +27,7 @@ fn coverage(
     v2: vec3<f32>,
 ) -> vec4<u32> {
     var covered = vec2<u32>(0u);
-    var doubtful = vec2<u32>(0u);
+    var uncertain = vec2<u32>(0u);
     let corner = tile_corner(cell.tile);
     let r0 = length(v0);
     let r1 = length(v1);
@@ -64,10 +64,10 @@ fn coverage(
         if all_in {
             covered = with_bit(covered, bit);
         } else if !(some_up && some_down) {
-            doubtful = with_bit(doubtful, bit);
+            uncertain = with_bit(uncertain, bit);
         }
     }
-    return vec4<u32>(covered, doubtful);
+    return vec4<u32>(covered, uncertain);
 }
 
 fn field_bound(e: vec3<f32>, sizes: f32, g: vec3<f32>, rounding: f32) -> f32 {

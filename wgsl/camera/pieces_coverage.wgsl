@@ -1,6 +1,6 @@
 // What a triangle covers of a cell, by its edge conics over the tile, and how deep.
 // Provides: COVERAGE_PROVES, cell_depth, coverage, pixel_depth
-// Needs: Bundle, Cell, Meeting, Piece, SHEETED, TILE_REACH, bundle_at, end_rounding, is_there, ray_meeting, reach3, real, real3
+// Needs: Bundle, Cell, Meeting, Piece, SLABBED, TILE_REACH, bundle_at, end_rounding, is_there, ray_meeting, reach3, real, real3
 // Binds: pieces
 
 // What is covered is proven to be; else it may be covered.
@@ -102,14 +102,14 @@ fn coverage(
     let e20 = conic(v2, v0, q0);
     let e12 = conic(v1, v2, q1);
     var covered = vec2<u32>(0u);
-    var doubtful = vec2<u32>(0u);
+    var uncertain = vec2<u32>(0u);
     for (var j = from_px.y; j <= to_px.y; j++) {
         let y = f32(j) - TILE_REACH;
         let r01 = conic_row(e01, y);
         let r20 = conic_row(e20, y);
         let r12 = conic_row(e12, y);
         var in_bits = 0u;
-        var doubt_bits = 0u;
+        var uncertain_bits = 0u;
         for (var i = from_px.x; i <= to_px.x; i++) {
             let x = f32(i) - TILE_REACH;
             let a = row_at(r01, x);
@@ -120,18 +120,18 @@ fn coverage(
             let some_up = a > e01.bound || b > e20.bound || c > e12.bound;
             let some_down = a < -e01.bound || b < -e20.bound || c < -e12.bound;
             in_bits |= select(0u, 1u << i, all_in);
-            doubt_bits |= select(1u << i, 0u, all_in || (some_up && some_down));
+            uncertain_bits |= select(1u << i, 0u, all_in || (some_up && some_down));
         }
         let shift = 8u * (j & 3u);
         if j < 4u {
             covered.x |= in_bits << shift;
-            doubtful.x |= doubt_bits << shift;
+            uncertain.x |= uncertain_bits << shift;
         } else {
             covered.y |= in_bits << shift;
-            doubtful.y |= doubt_bits << shift;
+            uncertain.y |= uncertain_bits << shift;
         }
     }
-    return vec4<u32>(covered & owned, doubtful & owned);
+    return vec4<u32>(covered & owned, uncertain & owned);
 }
 
 // N . (v h - p) and N . d over a tile: their ratio is t.
@@ -155,7 +155,7 @@ fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real, sl
     q.hidden = hidden;
     q.slot = slot;
     q.whole = whole;
-    if SHEETED {
+    if SLABBED {
         q.rounding = end_rounding(whole, normal, reach3(v));
     }
     return q;

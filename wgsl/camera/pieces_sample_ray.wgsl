@@ -1,6 +1,6 @@
 // The rays of samples of a camera made of pieces.
 // Provides: sample_ray, sample_spread
-// Needs: Ray, SHEETED, Spread, TILE, TILE_REACH, bit_mask, cell_ray_at, cell_spread, pixels_of_sample, sample_place
+// Needs: Ray, SLABBED, Spread, TILE, TILE_REACH, bit_mask, cell_ray_at, cell_spread, pixels_of_sample, sample_place
 // Binds: cells, params, tile_start
 
 fn sample_ray(layer: u32, x: u32, y: u32, sample: u32) -> Ray {
@@ -18,8 +18,8 @@ fn place_in_tile(x: u32, y: u32, sample: u32) -> vec2<f32> {
 // The cell whose piece a sample belongs to.
 fn sample_cell(layer: u32, x: u32, y: u32, sample: u32) -> u32 {
     var row = y / TILE;
-    if SHEETED {
-        row += layer * params.spans * params.sheet_rows;
+    if SLABBED {
+        row += layer * params.spans * params.slab_rows;
     }
     let tile = row * params.tiles_x + x / TILE;
     let own = bit_mask((y % TILE) * TILE + x % TILE);

@@ -4,7 +4,7 @@
 // components, so that a product is at most the product of the sizes. Every bound is of the same form: what is lost of each factor
 // times the size of the other, and PRODUCT_UNITS of both sizes.
 // Provides: Weighed, pixel_proof
-// Needs: Bundle, Cell, ENDLESS, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, SHEETED, end_rounding, normal_of, of_words,
+// Needs: Bundle, Cell, ENDLESS, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, SLABBED, end_rounding, normal_of, of_words,
 //   perturbed, reach3, real, real3, sign_beyond, size3, weighed
 // Binds: params
 
@@ -78,7 +78,7 @@ fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane 
     let t = along / across;
     let off = (lost_along + abs(t) * lost_across) / least + 4.0 * REAL_ROUNDING * abs(t);
     // that of the tile's middle, whose numbers are of the same size
-    let room = select(0.0, 2.0 * end_rounding(q.b, normal.n, reach) / least, SHEETED);
+    let room = select(0.0, 2.0 * end_rounding(q.b, normal.n, reach) / least, SLABBED);
     return OnPlane(t - off, t + off, facing, room);
 }
 

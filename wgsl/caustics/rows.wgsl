@@ -1,4 +1,4 @@
-// Rows of caustics; src/gpu/rows.rs holds the same structs, and a test holds the two equal.
+// Rows of caustics; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
 // Provides: Cast, Casting, Landing, Receiver
 
 // A dispatch of deposit.

@@ -1,6 +1,6 @@
 // Light from all around, by an image of it: longitudes from left to right, -z in the middle, and latitudes from +y on top.
 // Provides: SKY, beyond, from_around
-// Needs: Footprint, SHEETED, both_sides, has_ray, image_mean, pixel_ray
+// Needs: Footprint, SLABBED, both_sides, has_ray, image_mean, pixel_ray
 // Binds: materials, params, shading
 
 const SKY: bool = true;
@@ -56,8 +56,8 @@ fn sky_mean(d: vec3<f32>, right: vec3<f32>, down: vec3<f32>) -> vec3<f32> {
 // What a pixel shows that hits nothing: what comes from where its ray goes in the end.
 fn beyond(x: u32, y: u32) -> vec3<f32> {
     var layer = 0u;
-    if SHEETED {
-        layer = params.tiles_y / (params.spans * params.sheet_rows) - 1u;
+    if SLABBED {
+        layer = params.tiles_y / (params.spans * params.slab_rows) - 1u;
         while layer > 0u && !has_ray(layer, x, y) {
             layer--;
         }

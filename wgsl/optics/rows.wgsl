@@ -1,4 +1,4 @@
-// Rows of cameras with a mirror or a lens; src/gpu/rows.rs holds the same structs, and a test holds the two equal.
+// Rows of cameras with a mirror or a lens; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
 // Provides: AtlasLayout, Corner, LAW_NORMALS, Optic, Quadric, Torus, Wave, Way
 
 const LAW_NORMALS: u32 = 0u;   // rays are turned about the corners' normals, interpolated

@@ -1,11 +1,11 @@
 // What samples of one pixel see of a triangle, in recheck arithmetic.
-// Provides: flat_of, settle_samples
-// Needs: Bundle, Cell, Meeting, ONE_SIDED, SAMPLES, SHEETED, TILE, bit_mask, cell_bundle, end_rounding, is_between, merge, perturbed,
+// Provides: flat_of, recheck_hits
+// Needs: Bundle, Cell, Meeting, ONE_SIDED, SAMPLES, SLABBED, TILE, bit_mask, cell_bundle, end_rounding, is_between, merge, perturbed,
 //   pixels_of_sample, ray_meeting, reach3, real, real3, sample_bundle, tile_layer, triangle_id, triangle_reversed, visibility_key
 // Binds: params
 
 // Merges the keys of those of the samples from `first` on, bit by bit of `some`, that lie in the cell and that the triangle covers.
-fn settle_samples(
+fn recheck_hits(
     cell: Cell,
     number: u32,
     at: vec2<u32>,
@@ -49,7 +49,7 @@ fn flat_of(triangle: vec4<u32>, v: array<real3, 3>) -> Flat {
 
 fn flat_meeting(q: Flat, b: Bundle) -> Meeting {
     var rounding = real(0.0);
-    if SHEETED {
+    if SLABBED {
         rounding = end_rounding(b, q.normal, q.reach);
     }
     return ray_meeting(dot(q.normal, q.v * b.h - b.p), dot(q.normal, b.d), rounding, q.hidden);

@@ -1,4 +1,4 @@
-// Rows of `sift`; src/gpu/rows.rs holds the same structs, and a test holds the two equal.
+// Rows of `sift`; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
 // Provides: Beam, Chunk
 
 // A chunk of points, and the tree of beams that they are held against.

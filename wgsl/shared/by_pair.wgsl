@@ -1,6 +1,6 @@
 // Raster takes pairs one by one, in any order, and what a tile's own bounds leave out is left out here.
 // Provides: store, tile_pixels
-// Needs: ASIDE, CENTRES, NODE_PX, Node, RAYS_AFFINE, RAYS_NONE, SHEETED, TILE, box_met, conics, extent, is_empty, may_cover, pixels_within
+// Needs: ASIDE, CENTRES, NODE_PX, Node, RAYS_AFFINE, RAYS_NONE, SLABBED, TILE, box_met, conics, extent, is_empty, may_cover, pixels_within
 // Binds: nodes, pairs
 
 // The pixels of a tile that the triangle may cover, of those that the bounds of a node above it leave.
@@ -15,8 +15,8 @@ fn tile_pixels(tile: u32, above: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f3
     if leaf.rays == RAYS_NONE || is_empty(left) || !may_cover(conics(leaf, v0, v1, v2), 0.0, 0.0, CENTRES + ASIDE * NODE_PX) {
         return vec4<u32>(0u);
     }
-    // in a sheet t ends soon: the triangle may lie before its start or beyond its end
-    if SHEETED && !seen.tight && !box_met(leaf, v0, v1, v2) {
+    // in a slab t ends soon: the triangle may lie before its start or beyond its end
+    if SLABBED && !seen.tight && !box_met(leaf, v0, v1, v2) {
         return vec4<u32>(0u);
     }
     return left;

@@ -1,13 +1,13 @@
 // From a pixel to its cell.
 // Provides: pixel_cell
-// Needs: NONE, SHEETED, TILE
+// Needs: NONE, SLABBED, TILE
 // Binds: cells, params, tile_start
 
-// The cell of a pixel of the band in a layer's first sheet; NONE: no piece owns it.
+// The cell of a pixel of the band in a layer's first slab; NONE: no piece owns it.
 fn pixel_cell(layer: u32, x: u32, y: u32) -> u32 {
     var row = y / TILE;
-    if SHEETED {
-        row += layer * params.spans * params.sheet_rows;
+    if SLABBED {
+        row += layer * params.spans * params.slab_rows;
     }
     let tile = row * params.tiles_x + x / TILE;
     let bit = (y % TILE) * TILE + x % TILE;

@@ -1,6 +1,6 @@
 // A triangle against four rays at once: which it covers, proven by f32, and how deep, in recheck arithmetic.
 // Provides: FARTHEST, INFINITE, farthest, given, hold, is_behind, lines_of, reach_of, settled, shared_of, size
-// Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_LOST, REAL_UNIT, SHEETED, Strip, of_words, ordered_bits, real, real3, real4, size3,
+// Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_LOST, REAL_UNIT, SLABBED, Strip, of_words, ordered_bits, real, real3, real4, size3,
 //   triangle_id, triangle_reversed, words_of
 // Binds: params
 
@@ -101,7 +101,7 @@ fn given(own: Shared, k: u32) -> Shared {
 
 struct Found {
     nearest: real4,
-    doubtful: vec4<bool>,
+    uncertain: vec4<bool>,
     met: vec4<bool>,
 }
 
@@ -120,14 +120,14 @@ fn hold(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u32>, be
     var t = (f.height - (f.normal.x * s.px + f.normal.y * s.py + f.normal.z * s.pz)) / across;
     var from_t = real4(t_min);
     var to_t = real4(t_max);
-    if SHEETED {
+    if SLABBED {
         let room = f.room / abs(across);
         from_t -= room;
         to_t += room;
     }
     // NaN of 0 / 0 fails these comparisons
     let met = inside & exists & (across * f.hidden <= real4(0.0)) & (t >= from_t) & (t <= to_t) & (starts != vec4<u32>(f.id));
-    if SHEETED {
+    if SLABBED {
         t = min(max(t, real4(t_min)), real4(t_max));
     }
     let keys = real4(depth_key(t.x, f.id), depth_key(t.y, f.id), depth_key(t.z, f.id), depth_key(t.w, f.id));
@@ -136,7 +136,7 @@ fn hold(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u32>, be
 
 // Low bits of t that an id takes.
 fn key_mask() -> u64 {
-    return (1lu << select(params.id_bits, params.id_bits + 2u, SHEETED)) - 1lu;
+    return (1lu << select(params.id_bits, params.id_bits + 2u, SLABBED)) - 1lu;
 }
 
 // t with the id in place of its last bits, as a number: of what is equal but for these the smaller id is the nearer.
@@ -159,7 +159,7 @@ const INFINITE: f32 = 3.0e38;
 
 // All that is seen of a triangle lies beyond t. Not said of segments, at whose ends several t are one.
 fn is_behind(seen: Extent, t: f32) -> bool {
-    return !SHEETED && seen.tight && seen.t_lo > t;
+    return !SLABBED && seen.tight && seen.t_lo > t;
 }
 
 // The complemented visibility key of a depth key, 0 of none.
@@ -167,7 +167,7 @@ fn settled(layer: u32, key: real) -> vec2<u32> {
     var bits = ordered_bits(key);
     let mask = vec2<u32>(u32(key_mask() & 0xfffffffflu), u32(key_mask() >> 32u));
     let id = bits.x & mask.x;
-    if SHEETED {
+    if SLABBED {
         bits = vec2<u32>((bits.x >> 2u) | (bits.y << 30u), ((bits.y & 0x3fffffffu) >> 2u) | (layer << 28u));
     }
     return select(vec2<u32>(0u), ~vec2<u32>((bits.x & ~((1u << params.id_bits) - 1u)) | id, bits.y), key < FARTHEST);
@@ -181,7 +181,7 @@ fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, middle: real3
     let normal = cross(v1 - v0, v2 - v0);
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
     var room = real(0.0);
-    if SHEETED {
+    if SLABBED {
         room = 16.0 * REAL_UNIT * size3(normal) * (real(reach) + real(reach_d));
     }
     return Shared(

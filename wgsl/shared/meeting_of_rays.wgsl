@@ -1,6 +1,6 @@
 // Straight rays against a triangle's plane.
 // Provides: end_rounding, ray_meeting
-// Needs: Bundle, Meeting, REAL_UNIT, SHEETED, of_words, real, real3, size3
+// Needs: Bundle, Meeting, REAL_UNIT, SLABBED, of_words, real, real3, size3
 // Binds: params
 
 // t = along / across of a ray; `across` of the sign of `hidden` is a face that does not show. In a chain a hit within
@@ -13,7 +13,7 @@ fn ray_meeting(along: real, across: real, rounding: real, hidden: real) -> Meeti
     let t_min = of_words(params.t_words.xy);
     let t_max = of_words(params.t_words.zw);
     let t = along / across;
-    if SHEETED {
+    if SLABBED {
         let room = rounding / abs(across);
         return Meeting(min(max(t, t_min), t_max), t >= t_min - room && t <= t_max + room);
     }

@@ -1,15 +1,15 @@
-// Rows that the host writes and kernels read; src/gpu/rows.rs holds the same structs, and a test holds the two equal.
-// Provides: BRANCH, BUNCH, CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_DOUBTS, COUNT_EDGES,
-//   COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_SAMPLE_DOUBTS,
+// Rows that the host writes and kernels read; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
+// Provides: BRANCH, CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_FRAGMENTS_KEPT,
+//   COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_RECHECK_ITEMS, COUNT_RECHECK_SAMPLES,
 //   COUNT_SORTED, COUNT_TASKS, COUNT_WORK, Cell, Cluster, GROUP, LANES, LEVEL_CELL, NONE, Node, PERTURB_LOST, Params, Piece, Places,
-//   RAYS_AFFINE, RAYS_LOOSE, RAYS_NONE, RAYS_TORN, Step, TILE
+//   RAYS_AFFINE, RAYS_LOOSE, RAYS_NONE, RAYS_TORN, Step, TILE, TRIANGLE_GROUP
 
 const GROUP: u32 = 64u;        // threads a workgroup, everywhere
 const TILE: u32 = 8u;          // px a side of a tile
 const LANES: u32 = 8u;         // threads a subgroup where raster goes tile by tile: a column of the tile each
 const BRANCH: u32 = 4u;        // children a side of a node
 const CLUSTER: u32 = 64u;      // triangles a cluster at most
-const BUNCH: u32 = 8u;         // triangles a bunch, of which a cluster has eight
+const TRIANGLE_GROUP: u32 = 8u;         // triangles a triangle group, of which a cluster has eight
 const NONE: u32 = 0xffffffffu;
 
 // Indices into `counters`. Queues of the cull steps come first.
@@ -19,7 +19,7 @@ const COUNT_RECHECKED: u32 = 10u;
 const COUNT_PAIRS_KEPT: u32 = 11u;
 const COUNT_FRAGMENTS_TESTED: u32 = 12u;
 const COUNT_FRAGMENTS_KEPT: u32 = 13u;
-const COUNT_DOUBTS: u32 = 14u;
+const COUNT_RECHECK_ITEMS: u32 = 14u;
 const COUNT_BUSY: u32 = 15u;
 const COUNT_BUSY_FIRST: u32 = 16u;     // of the busy tiles that raster takes in this step
 const COUNT_BUSY_END: u32 = 17u;       // behind the last of them
@@ -29,7 +29,7 @@ const COUNT_SORTED: u32 = 20u;         // pairs in runs of tiles
 // These stay while pairs are listed anew, and so are the last.
 const COUNT_EDGES: u32 = 21u;          // pixels that hold an edge
 const COUNT_BLOCKS: u32 = 22u;         // of strips of four of their samples
-const COUNT_SAMPLE_DOUBTS: u32 = 23u;
+const COUNT_RECHECK_SAMPLES: u32 = 23u;
 const COUNTERS: u32 = 24u;
 
 // One band of the image and one batch of clusters.
@@ -37,7 +37,7 @@ struct Params {
     width: u32,             // px of the band
     height: u32,
     tiles_x: u32,
-    tiles_y: u32,           // of all sheets
+    tiles_y: u32,           // of all slabs
     levels: u32,            // levels of nodes; level 0 are the tiles
     cluster_first: u32,     // of the batch
     cluster_count: u32,
@@ -45,12 +45,12 @@ struct Params {
     queue_capacity: u32,    // items
     work_capacity: u32,
     pair_capacity: u32,
-    sheet_rows: u32,        // tile rows from one sheet to the next
+    slab_rows: u32,        // tile rows from one slab to the next
     id_first: u32,          // of the chunk of triangles that is bound
     id_count: u32,
     band_row: u32,          // image row of the band's first row
-    spans: u32,             // sheets a layer
-    doubt_capacity: u32,    // items
+    spans: u32,             // slabs a layer
+    recheck_capacity: u32,    // items
     origin_lost: f32,       // what origins of rays may have lost before they were stored
     task_capacity: u32,
     edge_capacity: u32,     // items
@@ -80,7 +80,7 @@ struct Step {
     value: u32,
 }
 
-// Up to CLUSTER triangles near each other, and their box; or those of a bunch.
+// Up to CLUSTER triangles near each other, and their box; or those of a triangle group.
 struct Cluster {
     centre: vec3<f32>,
     first: u32,             // slot of the first triangle

@@ -75,7 +75,7 @@ struct At {
     /// The bound e, world units.
     error: f64,
     /// How far a footprint inside a cell may be under the cell's.
-    doubt: f64,
+    uncertainty: f64,
 }
 
 impl Slope {
@@ -136,7 +136,7 @@ impl<'a> Judge<'a> {
             let largest = columns.each_ref().map(largest);
             // their product is the area that the columns span, which is no difference of near numbers
             let footprints = std::array::from_fn(|k| smallest_between(&columns[k], &columns[k], largest[k]));
-            at.push(At { doubt: largest_step(&footprints), footprints, largest, columns, error });
+            at.push(At { uncertainty: largest_step(&footprints), footprints, largest, columns, error });
         }
         Some(worst(&at))
     }
@@ -215,7 +215,7 @@ fn worst(at: &[At]) -> (f64, bool) {
             continue;
         }
         bounded = true;
-        let sure = footprint - a.doubt.max(b.doubt);
+        let sure = footprint - a.uncertainty.max(b.uncertainty);
         error_px = error_px.max(if sure > 0.0 { error / sure } else { f64::INFINITY });
     }
     // a bound that holds nowhere is none

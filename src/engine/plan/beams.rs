@@ -1,12 +1,12 @@
 //! A tree of beams as rows in f32 that are never narrower than it, and points in the same units.
 
 use crate::camera::project::tree::{INNER, Node, Tree};
-use crate::gpu::rows::{self, NONE};
+use crate::gpu::layout::{self, NONE};
 use glam::DVec3;
 
 /// What `sift` knows of a tree.
 pub struct Beams {
-    pub rows: Vec<rows::Beam>,
+    pub rows: Vec<layout::Beam>,
     /// Ends of t_range in the rows' units.
     pub t_range: [f32; 2],
     anchor: DVec3,
@@ -15,7 +15,7 @@ pub struct Beams {
 }
 
 /// Bytes of a row.
-pub const BEAM_BYTES: u64 = size_of::<rows::Beam>() as u64;
+pub const BEAM_BYTES: u64 = size_of::<layout::Beam>() as u64;
 
 /// Nothing but 0 is nearer to 0 in a row, so that no quotient overflows and nothing is flushed to 0.
 const LEAST: f64 = 1.0 / (1u64 << 60) as f64;
@@ -52,7 +52,7 @@ impl Beams {
             let node = &tree.nodes[k as usize];
             let ([p_lo, p_hi], [d_lo, d_hi]) = (node.beam.p, node.beam.d);
             let v = |v: DVec3, round: fn(f64) -> f32| v.to_array().map(|v| round(v.clamp(-ENDLESS, ENDLESS)));
-            rows::Beam {
+            layout::Beam {
                 p_lo: v(p_lo / unit, down),
                 next: kept.partition_point(|&other| other < node.next) as u32,
                 p_hi: v(p_hi / unit, up),

@@ -1,11 +1,11 @@
 //! Tables of what a camera without affine pieces has at every pixel: a ray, or the control points of curves.
 
 use super::fit::affine;
-use super::sheets::bend;
+use super::slabs::bend;
 use super::tiles::{Sample, Sampled, place_in_tile};
 use crate::camera::TILE;
 use crate::camera::{Camera, Curve, Field};
-use crate::gpu::rows::split2;
+use crate::gpu::layout::split2;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 

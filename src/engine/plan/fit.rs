@@ -2,7 +2,7 @@
 
 use super::tiles::Sampled;
 use crate::camera::perturb::PERTURB;
-use crate::gpu::rows::{self, RAYS_AFFINE, RAYS_LOOSE};
+use crate::gpu::layout::{self, RAYS_AFFINE, RAYS_LOOSE};
 use glam::{DVec2, DVec3};
 
 /// An affine fit of rays over a square, (x, y) in [-1, 1]^2, and how far the rays may lie from it.
@@ -90,11 +90,11 @@ impl Fit {
     }
 
     /// As kernels read it: a bound of the rays, perturbed or not, in a scene of this size.
-    pub fn row(&self, scene_size: f64) -> rows::Node {
+    pub fn row(&self, scene_size: f64) -> layout::Node {
         let (size_p, size_d) = self.sizes();
         let (r_p, r_d) = (self.r_p + PERTURB * scene_size, self.r_d + PERTURB * size_d);
         let v = |v: DVec3| v.as_vec3().to_array();
-        rows::Node {
+        layout::Node {
             p: v(self.p[0]),
             r_p: (r_p + NODE_SLACK * (size_p + r_p)) as f32,
             px: v(self.p[1]),

@@ -1,7 +1,7 @@
 //! A bounding volume hierarchy over triangles, for straight ways: the light's, and a rival's rays. Built by a library for it, or
 //! fitted anew.
 
-use crate::gpu::rows::{BvhNode, LeafTriangle};
+use crate::gpu::layout::{BvhNode, LeafTriangle};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use bytemuck::Zeroable;

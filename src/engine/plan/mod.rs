@@ -3,7 +3,7 @@
 //! The image is cut into bands of whole tile rows that fit the adapter's bindings. Every band has its tiles ([`tiles`]:
 //! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square, affine
 //! ones by [`fit`]). Where a field's rays jump inside a tile, it is cut up ([`tear`]). The tiles of a chain's layers, and of
-//! the spans of curved rays, lie stacked as [`sheets`]. Of rays that a mirror or a lens turns the tree is made on the GPU,
+//! the spans of curved rays, lie stacked as [`slabs`]. Of rays that a mirror or a lens turns the tree is made on the GPU,
 //! by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]).
 
 pub mod beams;
@@ -13,7 +13,7 @@ pub mod hierarchy;
 pub mod nodes;
 pub mod pages;
 pub mod samples;
-pub mod sheets;
+pub mod slabs;
 pub mod tear;
 pub mod tiles;
 
@@ -23,14 +23,14 @@ use crate::camera::{Camera, Rays};
 use crate::geometry::mesh::Material;
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::{LightsKind, OpticsKind, RaysKind, Variant};
-use crate::gpu::rows::{self, BRANCH};
+use crate::gpu::layout::{self, BRANCH};
 use crate::image::frame::Channel;
 use crate::scene::Scene;
 use crate::scene::light::Light;
 use curves::{CurveTable, RayTable};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
-use sheets::Sheets;
+use slabs::Slabs;
 
 /// Something that a frame does without.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -176,7 +176,7 @@ pub struct Band {
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub variant: Variant,
-    pub sheets: Sheets,
+    pub slabs: Slabs,
     pub bands: Vec<Band>,
     /// Where samples lie about their pixel's centre, px; none where that is the only one.
     pub places: Vec<DVec2>,
@@ -233,17 +233,17 @@ impl Plan {
         has: Abilities,
         binding_limit: u64,
     ) -> Plan {
-        let sheets = Sheets::of(camera);
+        let slabs = Slabs::of(camera);
         let variant = Variant {
             f64: true,
             atomics64: has.atomics64,
             by_tile: false,
-            rays: sheets::kind(camera),
+            rays: slabs::kind(camera),
             scattered: is_sorted(camera),
-            sheeted: sheets.count() > 1,
+            slabbed: slabs.count() > 1,
             counting: wanted.counting,
             culling: true,
-            doubting: false,
+            all_uncertain: false,
             normals: contents.has_normals,
             textured: wanted.is_textured(contents),
             cut: contents.has_holes,
@@ -274,7 +274,7 @@ impl Plan {
             RaysKind::Pieces | RaysKind::Field if variant.optics.is_some() => 32,
             RaysKind::Pieces => 0,
             RaysKind::Field => 24,
-            RaysKind::Curves { degree } => 12 * (degree as u64 + 1) * sheets.layers as u64,
+            RaysKind::Curves { degree } => 12 * (degree as u64 + 1) * slabs.layers as u64,
         };
         let sample_bytes = match variant.rays {
             _ if !variant.samples_edges() => 0,
@@ -283,15 +283,15 @@ impl Plan {
         };
         let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes);
         let places = if variant.samples_edges() { samples::places(variant.samples) } else { Vec::new() };
-        let view = View { camera, sheets, around, places: &places };
+        let view = View { camera, slabs, around, places: &places };
         let rows = wanted.rows.unwrap_or(Rows { first: 0, count: camera.height });
         let bands = bands(view, rows, pixel_bytes, binding_limit);
         let smooth = camera.optics.as_ref().map_or(0, |o| o.smooth_count());
         let id_bits = usize::BITS - (contents.triangles + smooth).saturating_sub(1).leading_zeros();
-        let left_out = left_out(camera, sheets, &bands, &planes, wanted, contents, has);
+        let left_out = left_out(camera, slabs, &bands, &planes, wanted, contents, has);
         Plan {
             variant,
-            sheets,
+            slabs,
             bands,
             places,
             planes,
@@ -322,29 +322,29 @@ impl Plan {
 #[derive(Clone, Copy)]
 struct View<'a> {
     camera: &'a Camera,
-    sheets: Sheets,
+    slabs: Slabs,
     around: Surroundings,
     places: &'a [DVec2],
 }
 
 /// Cuts rows of the image into bands whose every buffer fits a binding.
 fn bands(view: View, own: Rows, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
-    let View { camera, sheets, .. } = view;
+    let View { camera, slabs, .. } = view;
     let tile = crate::camera::TILE as u64;
     let row_bytes = (camera.width as u64 + 1) * pixel_bytes;
     // one row more than the band: the ray table's
     let fit = ((binding_limit / row_bytes).saturating_sub(1) / tile * tile).max(tile) as u32;
-    let rows = fit.min(TILE_ROWS_MAX / sheets.count() / BRANCH * BRANCH * crate::camera::TILE);
+    let rows = fit.min(TILE_ROWS_MAX / slabs.count() / BRANCH * BRANCH * crate::camera::TILE);
     let mut todo: Vec<(u32, u32)> =
         (0..own.count).step_by(rows as usize).map(|r| (own.first + r, rows.min(own.count - r))).rev().collect();
     let mut bands = Vec::new();
     while let Some((row, rows)) = todo.pop() {
         let band = Band::new(view, row, rows);
         let fits = band.tiles.cells.len() <= CELLS_MAX
-            && band.tiles.cells.len() * size_of::<rows::Cell>() <= binding_limit as usize
+            && band.tiles.cells.len() * size_of::<layout::Cell>() <= binding_limit as usize
             && size_of_val(band.tiles.cell_samples.as_slice()) <= binding_limit as usize
-            && band.nodes.nodes.len() * size_of::<rows::Node>() <= binding_limit as usize
-            && band.tiles.pieces.len() * size_of::<rows::Piece>() <= binding_limit as usize;
+            && band.nodes.nodes.len() * size_of::<layout::Node>() <= binding_limit as usize
+            && band.tiles.pieces.len() * size_of::<layout::Piece>() <= binding_limit as usize;
         if fits || rows <= crate::camera::TILE {
             bands.push(band);
             continue;
@@ -363,13 +363,13 @@ const TILE_ROWS_MAX: u32 = 1 << 14;
 const CELLS_MAX: usize = 1 << 24;
 
 impl Band {
-    fn new(View { camera, sheets, around, places }: View, row: u32, rows: u32) -> Band {
+    fn new(View { camera, slabs, around, places }: View, row: u32, rows: u32) -> Band {
         let anchor = around.anchor;
-        let curves = match sheets::kind(camera) {
+        let curves = match slabs::kind(camera) {
             RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
             _ => None,
         };
-        let cutting = tiles::Cutting { camera, sheets, curves: curves.as_ref(), places, anchor, row, rows };
+        let cutting = tiles::Cutting { camera, slabs, curves: curves.as_ref(), places, anchor, row, rows };
         let (tiles, sampled) = cutting.cut();
         let nodes = nodes::Nodes::new(
             &sampled,
@@ -396,7 +396,7 @@ impl Band {
 
 fn left_out(
     camera: &Camera,
-    sheets: Sheets,
+    slabs: Slabs,
     bands: &[Band],
     planes: &[Channel],
     wanted: &Wanted,
@@ -405,7 +405,7 @@ fn left_out(
 ) -> Vec<LeftOut> {
     let mut list = Vec::new();
     let mut say = |what: &str, why: String| list.push(LeftOut { what: what.into(), why });
-    match sheets::kind(camera) {
+    match slabs::kind(camera) {
         RaysKind::Pieces => say("per-pixel ray table", "every ray follows from its piece".into()),
         RaysKind::Field => say("edge conics", "the camera is a ray field".into()),
         RaysKind::Curves { .. } => say("edge conics", "the camera's rays are curved".into()),
@@ -417,8 +417,8 @@ fn left_out(
     if !planes.contains(&Channel::Certified) {
         say("certify", "not asked what is proven".into());
     }
-    if sheets.count() == 1 {
-        say("sheets", "the camera has one layer of straight rays".into());
+    if slabs.count() == 1 {
+        say("slabs", "the camera has one layer of straight rays".into());
     }
     if bands.iter().all(|b| b.nodes.exact) {
         say("ray residuals", "every node holds one affine piece".into());

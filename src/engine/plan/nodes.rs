@@ -3,14 +3,14 @@
 
 use super::fit::Fit;
 use super::tiles::{Bounds, Sample, Sampled};
-use crate::gpu::rows::{self, BRANCH, RAYS_AFFINE, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
+use crate::gpu::layout::{self, BRANCH, RAYS_AFFINE, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// All levels of nodes, tiles first; behind them those of cells.
 #[derive(Debug, Clone, Default)]
 pub struct Nodes {
-    pub nodes: Vec<rows::Node>,
+    pub nodes: Vec<layout::Node>,
     /// Of each level: index of its first node, nodes a row, rows.
     pub levels: Vec<Level>,
     /// Every node's rays are one affine bundle.

@@ -5,7 +5,7 @@
 
 use crate::geometry::mesh::Material;
 use crate::geometry::texture::{Texels, Texture};
-use crate::gpu::rows;
+use crate::gpu::layout;
 use crate::input::{Error, Result};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -116,10 +116,10 @@ impl Pages {
     }
 
     /// A material as kernels read it; `index` is its own.
-    pub fn row(&self, index: usize, material: &Material) -> rows::Material {
-        let plain = rows::Material {
+    pub fn row(&self, index: usize, material: &Material) -> layout::Material {
+        let plain = layout::Material {
             diffuse: material.diffuse,
-            texture: rows::NONE,
+            texture: layout::NONE,
             origin: [0; 2],
             size: [0; 2],
             page: 0,
@@ -139,7 +139,7 @@ impl Pages {
         let (Some(placed), Some(texture)) = (placed, &material.texture) else { return plain };
         let Texels { width, height, .. } = *placed.texels;
         let [right, down] = texture.wrap.map(|w| w as u32);
-        rows::Material {
+        layout::Material {
             texture: right | down << 2,
             origin: placed.origin,
             size: [width, height],

@@ -1,6 +1,6 @@
 //! Samples of a pixel: where they lie, and which cameras find those of all pixels in one frame.
 
-use super::sheets::kind;
+use super::slabs::kind;
 use crate::camera::Camera;
 use crate::camera::arranged::is_scattered;
 use crate::gpu::kernels::RaysKind;

@@ -1,13 +1,13 @@
-//! Tiles of 8 x 8 pixels, cut into cells: the pixels of one tile that one piece owns. Each sheet has its own tiles.
+//! Tiles of 8 x 8 pixels, cut into cells: the pixels of one tile that one piece owns. Each slab has its own tiles.
 
 use super::curves::{CurveTable, Net, nets};
 use super::fit::Fit;
 use super::nodes::above_cells;
-use super::sheets::Sheets;
+use super::slabs::Slabs;
 use super::tear::{Part, tear};
 use crate::camera::TILE;
 use crate::camera::{Bundle, Camera, Field, Pieces, Rays};
-use crate::gpu::rows::{self, split2};
+use crate::gpu::layout::{self, split2};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -15,18 +15,18 @@ use rayon::prelude::*;
 #[derive(Debug, Clone, Default)]
 pub struct Tiles {
     pub tiles_x: u32,
-    /// Rows of all sheets.
+    /// Rows of all slabs.
     pub tiles_y: u32,
-    /// Rows from one sheet to the next.
-    pub sheet_rows: u32,
+    /// Rows from one slab to the next.
+    pub slab_rows: u32,
     /// `cells[start[k] .. start[k + 1]]` are the cells of tile k.
     pub start: Vec<u32>,
-    pub cells: Vec<rows::Cell>,
+    pub cells: Vec<layout::Cell>,
     /// Where pixels have samples: of each cell the pixels that have any sample there, those that have all, and those that have
     /// each; low word first.
     pub cell_samples: Vec<[u32; 2]>,
     /// The pieces of the band, in order of first use; each row carries its number in the camera.
-    pub pieces: Vec<rows::Piece>,
+    pub pieces: Vec<layout::Piece>,
 }
 
 /// A ray of a tile: its place in [-1, 1]^2 over the tile, origin relative to the anchor and direction.
@@ -93,7 +93,7 @@ pub struct Bounds {
 #[derive(Clone, Copy)]
 pub struct Cutting<'a> {
     pub camera: &'a Camera,
-    pub sheets: Sheets,
+    pub slabs: Slabs,
     pub curves: Option<&'a CurveTable>,
     /// Where samples lie about their pixel's centre, px.
     pub places: &'a [DVec2],
@@ -102,7 +102,7 @@ pub struct Cutting<'a> {
     pub rows: u32,
 }
 
-/// A tile of a layer, and the span of t that its sheet holds.
+/// A tile of a layer, and the span of t that its slab holds.
 #[derive(Clone, Copy)]
 struct Place {
     layer: usize,
@@ -116,11 +116,11 @@ impl Cutting<'_> {
     /// The tiles; and the rays that bound each and its cells.
     pub fn cut(&self) -> (Tiles, Vec<Bounds>) {
         let tiles_x = self.camera.width.div_ceil(TILE);
-        let sheet_rows = self.sheets.tile_rows(self.rows);
-        let tiles_y = sheet_rows * self.sheets.count();
+        let slab_rows = self.slabs.tile_rows(self.rows);
+        let tiles_y = slab_rows * self.slabs.count();
         let place = |k: u32| {
-            let (sheet, y) = (k / tiles_x / sheet_rows, k / tiles_x % sheet_rows);
-            let (layer, span) = self.sheets.of_sheet(sheet);
+            let (slab, y) = (k / tiles_x / slab_rows, k / tiles_x % slab_rows);
+            let (layer, span) = self.slabs.of_slab(slab);
             (y < self.rows.div_ceil(TILE)).then(|| Place { layer, span, x: k % tiles_x, y: self.row / TILE + y })
         };
         let places: Vec<Option<Place>> = (0..tiles_x * tiles_y).map(place).collect();
@@ -135,7 +135,7 @@ impl Cutting<'_> {
             (self.owned(*place), Bounds { whole, each: Vec::new() })
         };
         let (owned, bounds): (Vec<Owned>, Vec<Bounds>) = places.par_iter().map(cut).unzip();
-        let mut tiles = Tiles { tiles_x, tiles_y, sheet_rows, start: vec![0], ..Default::default() };
+        let mut tiles = Tiles { tiles_x, tiles_y, slab_rows, start: vec![0], ..Default::default() };
         let mut node_of_cell = above_cells(tiles_x, tiles_y);
         let mut local = std::collections::HashMap::new();
         for (((k, place), owned), bounds) in (0u32..).zip(&places).zip(&owned).zip(&bounds) {
@@ -151,7 +151,7 @@ impl Cutting<'_> {
                 };
                 let node = if bounds.each.is_empty() { k } else { node_of_cell };
                 node_of_cell += u32::from(node != k);
-                tiles.cells.push(rows::Cell { tile: k, node, ..self.cell_row(share, row_of, *place) });
+                tiles.cells.push(layout::Cell { tile: k, node, ..self.cell_row(share, row_of, *place) });
                 if !self.places.is_empty() {
                     let masks = [share.any(), share.all()].into_iter().chain(share.samples.iter().copied());
                     tiles.cell_samples.extend(masks.map(|m| [m as u32, (m >> 32) as u32]));
@@ -305,16 +305,16 @@ impl Cutting<'_> {
     }
 
     /// A cell of a tile and a node yet to be named.
-    fn cell_row(&self, &Share { piece, mask, .. }: &Share, row_of: u32, at: Place) -> rows::Cell {
-        let mut cell = rows::Cell {
+    fn cell_row(&self, &Share { piece, mask, .. }: &Share, row_of: u32, at: Place) -> layout::Cell {
+        let mut cell = layout::Cell {
             p: [0.0; 3],
             h: 1.0,
             d: [0.0; 3],
             piece: row_of,
-            tile: rows::NONE,
+            tile: layout::NONE,
             mask_lo: mask as u32,
             mask_hi: (mask >> 32) as u32,
-            node: rows::NONE,
+            node: layout::NONE,
         };
         if let (Rays::Pieces(p), None) = (&self.camera.layers[at.layer], self.curves) {
             let b = rebased(&p.bundle_at_place(piece, middle(p, at)), self.anchor);
@@ -324,15 +324,15 @@ impl Cutting<'_> {
     }
 
     /// A piece's row about the first pixel of a tile.
-    fn piece_row(&self, pieces: &Pieces, (piece, number): (u32, u32), at: Place) -> rows::Piece {
+    fn piece_row(&self, pieces: &Pieces, (piece, number): (u32, u32), at: Place) -> layout::Piece {
         let (x, y) = (at.x * TILE, at.y * TILE);
         row_of(&pieces.bundle_at(piece, x, y), self.anchor, [x as f32, (y - self.row) as f32], number)
     }
 }
 
 /// The row of a bundle that is centred on a pixel.
-pub fn row_of(bundle: &Bundle, anchor: DVec3, [origin_x, origin_y]: [f32; 2], number: u32) -> rows::Piece {
-    let mut row = rows::Piece { origin_x, origin_y, number, ..bytemuck::Zeroable::zeroed() };
+pub fn row_of(bundle: &Bundle, anchor: DVec3, [origin_x, origin_y]: [f32; 2], number: u32) -> layout::Piece {
+    let mut row = layout::Piece { origin_x, origin_y, number, ..bytemuck::Zeroable::zeroed() };
     let b = rebased(bundle, anchor);
     let v = |v: DVec3| {
         let s = v.to_array().map(split2);

@@ -1,8 +1,8 @@
-//! bin: the triangles of each kept bunch against the tiles below its node.
+//! bin: the triangles of each kept triangle group against the tiles below its node.
 
 use super::{Scopes, Stages};
 use crate::gpu::Gpu;
-use crate::gpu::rows::COUNT_TASKS;
+use crate::gpu::layout::COUNT_TASKS;
 use crate::input::Result;
 
 impl Stages {

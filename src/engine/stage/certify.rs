@@ -2,7 +2,7 @@
 
 use super::{STEPS, Scopes, Stages, dispatch_items, with};
 use crate::gpu::Gpu;
-use crate::gpu::rows::COUNT_PAIRS;
+use crate::gpu::layout::COUNT_PAIRS;
 use crate::input::Result;
 
 /// How many times all pairs must pass `certify`, after all steps of raster.

@@ -4,7 +4,7 @@ use super::dispatch_items;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
 use crate::gpu::kernels;
-use crate::gpu::rows;
+use crate::gpu::layout;
 use crate::input::{Error, Result};
 use crate::scene::caustics::beams::Cast;
 use crate::scene::caustics::{Caustics, Illumination, Map, mean};
@@ -20,8 +20,8 @@ pub struct Deposit<'g> {
 /// What `deposit` reads, ready to upload.
 #[derive(Debug, Clone)]
 pub struct Casts {
-    pub rows: Vec<rows::Cast>,
-    pub receivers: Vec<rows::Receiver>,
+    pub rows: Vec<layout::Cast>,
+    pub receivers: Vec<layout::Receiver>,
     /// Of all receivers.
     pub texels: u32,
     /// Flux of a unit.
@@ -45,7 +45,7 @@ impl Casts {
             return Err(Error::input(format!("caustics.receivers: {all} texels are too many; use fewer")));
         }
         let firsts = caustics.first_texels();
-        let receiver = |(r, first): (&crate::scene::caustics::Receiver, &u32)| rows::Receiver {
+        let receiver = |(r, first): (&crate::scene::caustics::Receiver, &u32)| layout::Receiver {
             columns: r.texels[0],
             rows: r.texels[1],
             first: *first,
@@ -54,7 +54,7 @@ impl Casts {
         let row = |cast: &Cast| {
             let [a, b, c] = cast.corners.map(|p| p.as_vec2().to_array());
             let flux = cast.flux.map(|f| (f / unit).round() as u32);
-            rows::Cast { a, b, c, receiver: cast.receiver, pad0: 0, flux, pad1: 0 }
+            layout::Cast { a, b, c, receiver: cast.receiver, pad0: 0, flux, pad1: 0 }
         };
         Ok(Casts {
             rows: casts.par_iter().map(row).collect(),
@@ -81,11 +81,11 @@ impl<'g> Deposit<'g> {
         if let Some(sums) = buffers.get("sums") {
             encoder.clear_buffer(sums, 0, None);
         }
-        let most = (gpu.binding_limit() as usize / size_of::<rows::Cast>()).max(1);
+        let most = (gpu.binding_limit() as usize / size_of::<layout::Cast>()).max(1);
         for chunk in casts.rows.chunks(most) {
             let mut own = Buffers::default();
             own.upload(gpu, "casts", chunk)?;
-            let row = rows::Casting { count: chunk.len() as u32, texels: casts.texels, pad0: 0, pad1: 0 };
+            let row = layout::Casting { count: chunk.len() as u32, texels: casts.texels, pad0: 0, pad1: 0 };
             own.upload_uniform(gpu, "casting", &row)?;
             let group = self.pipeline.bind(gpu, &[&own, buffers])?;
             let mut pass = encoder

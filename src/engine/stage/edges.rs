@@ -3,7 +3,7 @@
 use super::{STEPS, Scopes, Stages, dispatch_items, with};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Pipeline;
-use crate::gpu::rows::{COUNT_PAIRS, LANES};
+use crate::gpu::layout::{COUNT_PAIRS, LANES};
 use crate::input::Result;
 
 /// The steps of the kernel, pair by pair.

@@ -29,7 +29,7 @@ pub mod write;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Later, Pipeline};
 use crate::gpu::kernels::{self, OpticsKind, Variant};
-use crate::gpu::rows::{COUNTERS, GROUP, Step};
+use crate::gpu::layout::{COUNTERS, GROUP, Step};
 use crate::image::frame::Channel;
 use crate::input::Result;
 
@@ -52,7 +52,7 @@ pub struct Stages {
     certify: Option<Pipeline>,
     /// Edges and sample, pair by pair.
     by_pair: Option<[Later; 2]>,
-    /// Edges, sample and settle, tile by tile.
+    /// Edges, sample and recheck_samples, tile by tile.
     by_tile: Option<[Later; 3]>,
     resolve: Option<Pipeline>,
     shade: Pipeline,
@@ -91,7 +91,7 @@ impl Stages {
                 .samples_edges()
                 .then(|| [kernels::edges, kernels::sample].map(|kernel| Later::new(kernel, variant))),
             by_tile: variant.samples_by_tile().then(|| {
-                [kernels::edges_by_tile, kernels::sample_by_tile, kernels::settle]
+                [kernels::edges_by_tile, kernels::sample_by_tile, kernels::recheck_samples]
                     .map(|kernel| Later::new(kernel, variant))
             }),
             resolve: variant.samples_edges().then(|| compile(kernels::resolve(variant, planes))),

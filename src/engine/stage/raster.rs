@@ -2,7 +2,7 @@
 
 use super::{Scopes, Stages};
 use crate::gpu::Gpu;
-use crate::gpu::rows::{COUNT_BUSY, COUNT_PAIRS};
+use crate::gpu::layout::{COUNT_BUSY, COUNT_PAIRS};
 use crate::input::Result;
 
 impl Stages {

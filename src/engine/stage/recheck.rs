@@ -1,8 +1,8 @@
-//! recheck: what raster left in doubt, settled in recheck arithmetic.
+//! recheck: what raster left uncertain, in recheck arithmetic.
 
 use super::{Scopes, Stages};
 use crate::gpu::Gpu;
-use crate::gpu::rows::COUNT_DOUBTS;
+use crate::gpu::layout::COUNT_RECHECK_ITEMS;
 use crate::input::Result;
 
 impl Stages {
@@ -14,6 +14,6 @@ impl Stages {
     /// After every step of raster.
     pub fn recheck(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, step: u32) -> Result<()> {
         let Some(recheck) = &self.recheck else { return Ok(()) };
-        self.dispatch_counted(gpu, pass, scopes, recheck, (COUNT_DOUBTS, step))
+        self.dispatch_counted(gpu, pass, scopes, recheck, (COUNT_RECHECK_ITEMS, step))
     }
 }

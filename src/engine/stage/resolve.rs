@@ -2,7 +2,7 @@
 
 use super::{Scopes, Stages};
 use crate::gpu::Gpu;
-use crate::gpu::rows::COUNT_EDGES;
+use crate::gpu::layout::COUNT_EDGES;
 use crate::input::Result;
 
 impl Stages {

@@ -1,9 +1,9 @@
-//! sample: the samples of the pixels that hold an edge against every triangle; pair by pair, or tile by tile, what that leaves settled.
+//! sample: the samples of the pixels that hold an edge against every triangle; pair by pair, or tile by tile, and the recheck of what that leaves uncertain.
 
 use super::{STEPS, Scopes, Stages, with};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Later;
-use crate::gpu::rows::{COUNT_BLOCKS, COUNT_PAIRS, COUNT_SAMPLE_DOUBTS};
+use crate::gpu::layout::{COUNT_BLOCKS, COUNT_PAIRS, COUNT_RECHECK_SAMPLES};
 use crate::input::Result;
 
 /// Keys go into the rows of samples.
@@ -33,12 +33,12 @@ impl Stages {
 
     /// What [`Stages::edges_by_tile`] has listed.
     pub fn sample_by_tile(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes) -> Result<()> {
-        let Some([_, sample, settle]) = &self.by_tile else { return Ok(()) };
-        let settle = settle.get(gpu);
+        let Some([_, sample, recheck]) = &self.by_tile else { return Ok(()) };
+        let recheck = recheck.get(gpu);
         self.dispatch_counted(gpu, pass, scopes, sample.get(gpu), (COUNT_BLOCKS, 0))?;
-        self.lay_out(gpu, pass, scopes, COUNT_SAMPLE_DOUBTS)?;
-        let group = settle.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[0]), KEYS])?;
-        self.dispatch_laid_out(pass, scopes, settle, &group);
+        self.lay_out(gpu, pass, scopes, COUNT_RECHECK_SAMPLES)?;
+        let group = recheck.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[0]), KEYS])?;
+        self.dispatch_laid_out(pass, scopes, recheck, &group);
         Ok(())
     }
 }

@@ -10,7 +10,7 @@ use crate::engine::plan::beams::{BEAM_BYTES, Beams};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
 use crate::gpu::kernels;
-use crate::gpu::rows::Chunk;
+use crate::gpu::layout::Chunk;
 use crate::input::Result;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -2,7 +2,7 @@
 
 use super::{Scopes, Stages, dispatch_items};
 use crate::gpu::Gpu;
-use crate::gpu::rows::COUNT_PAIRS;
+use crate::gpu::layout::COUNT_PAIRS;
 use crate::input::Result;
 
 impl Stages {

@@ -1,8 +1,8 @@
-//! split: the bunches of each kept cluster against the rays of its node.
+//! split: the triangle groups of each kept cluster against the rays of its node.
 
 use super::{Scopes, Stages};
 use crate::gpu::Gpu;
-use crate::gpu::rows::COUNT_WORK;
+use crate::gpu::layout::COUNT_WORK;
 use crate::input::Result;
 
 impl Stages {

@@ -44,7 +44,7 @@ impl Variant {
 
     /// The rays of the pass after this one's.
     pub fn after_turn(self) -> Variant {
-        Variant { rays: RaysKind::Field, scattered: false, sheeted: false, turned: true, ..self }
+        Variant { rays: RaysKind::Field, scattered: false, slabbed: false, turned: true, ..self }
     }
 
     /// A smooth surface is to be met.
@@ -90,7 +90,7 @@ pub fn meet(variant: Variant) -> Kernel {
     let (surface, surface_snippets) = variant.surface();
     let mut bindings = vec![params(), step(), optic(), ways(), surface, write("visibility", visibility)];
     bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, variant.merge(), OPTICS_ROWS, TURN];
+    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, variant.merge(), OPTICS_ROWS, TURN];
     let own = [variant.camera(), snippets!("meet.wgsl")];
     let mut kernel = kernel("meet", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = variant.constants();
@@ -111,7 +111,7 @@ pub fn bounce(variant: Variant) -> Kernel {
         write("turned_ways", "array<Way>"),
     ];
     bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN];
+    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN];
     let own = [variant.camera(), snippets!("bounce.wgsl")];
     let mut kernel = kernel("bounce", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = variant.constants();
@@ -131,7 +131,7 @@ pub fn paste(variant: Variant, planes: &[Channel]) -> Kernel {
         write("planes", "array<u32>"),
     ];
     bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, SHEETS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN, SHADING];
+    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN, SHADING];
     let own = [variant.camera(), snippets!("paste.wgsl")];
     let mut kernel = kernel("paste", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();
@@ -144,7 +144,7 @@ pub fn fit(variant: Variant) -> Kernel {
     let mut bindings = vec![params(), step(), optic(), write("nodes", "array<Node>"), write("cells", "array<Cell>")];
     bindings.extend(variant.rays());
     // bounds are f32
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, BITS, REAL_F32, BUNDLE, OPTICS_ROWS];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, BITS, REAL_F32, BUNDLE, OPTICS_ROWS];
     let mut kernel = kernel("fit", bindings, &[&snippets[..], &[variant.camera(), snippets!("fit.wgsl")]].concat());
     kernel.constants = variant.constants();
     kernel

@@ -15,7 +15,7 @@ impl Variant {
 
     /// The edges of pixels are found tile by tile where there is one tile to each.
     pub fn samples_by_tile(self) -> bool {
-        self.by_tile && self.samples_edges() && !self.sheeted
+        self.by_tile && self.samples_edges() && !self.slabbed
     }
 
     /// Strips of four that the samples of a pixel take.
@@ -60,7 +60,7 @@ pub fn edges_by_tile(variant: Variant) -> Kernel {
         counters(),
     ];
     // of keys the ids alone are read
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, TRIANGLE_ROW, REAL_F32, KEY, PAIR, BITS, WITHIN, COLUMN];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, TRIANGLE_ROW, REAL_F32, KEY, PAIR, BITS, WITHIN, COLUMN];
     let four = snippets!("samples/four.wgsl");
     let own = [DEPTH_BOUNDS, LANES, NODE_BY_LANES, CELL_SAMPLES, four, snippets!("edges_by_tile.wgsl")];
     let mut kernel = kernel("edges", bindings, &[&snippets[..], &own].concat());
@@ -80,7 +80,7 @@ pub fn sample_by_tile(variant: Variant) -> Kernel {
         read("vertices_lo", "array<f32>"),
         read("nodes", "array<vec4<f32>>"),
         write("samples", "array<vec2<u32>>"),
-        write("doubts", "array<vec2<u32>>"),
+        write("recheck_items", "array<vec2<u32>>"),
         counters(),
         read("tile_start", "array<u32>"),
         read("cell_samples", "array<vec2<u32>>"),
@@ -100,7 +100,7 @@ pub fn sample_by_tile(variant: Variant) -> Kernel {
             &[snippets!("camera/piece.wgsl"), SAMPLE_PLACES, snippets!("camera/pieces_strip.wgsl")]
         }
     };
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
     let own = [LANES, NODE_BY_LANES, COLUMN, CELL_SAMPLES];
     let hold = [snippets!("shared/waiting.wgsl"), snippets!("shared/hold.wgsl"), snippets!("sample_by_tile.wgsl")];
     let mut kernel = kernel("sample", bindings, &[&snippets[..], &own, rays, &hold].concat());
@@ -109,13 +109,13 @@ pub fn sample_by_tile(variant: Variant) -> Kernel {
     kernel
 }
 
-/// What that leaves in doubt.
-pub fn settle(variant: Variant) -> Kernel {
+/// What that leaves uncertain.
+pub fn recheck_samples(variant: Variant) -> Kernel {
     let mut bindings = vec![
         params(),
         step(),
         read("pairs", "array<vec2<u32>>"),
-        read("doubts", "array<vec2<u32>>"),
+        read("recheck_items", "array<vec2<u32>>"),
         read("triangles", "array<vec4<u32>>"),
         read("vertices_hi", "array<f32>"),
         read("vertices_lo", "array<f32>"),
@@ -126,10 +126,10 @@ pub fn settle(variant: Variant) -> Kernel {
         read("cell_samples", "array<vec2<u32>>"),
     ];
     bindings.extend(variant.rays());
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
     let own = [variant.merge(), MEETING, MEETING_OF_RAYS, SIDES, variant.camera(), CELL_SAMPLES, SAMPLE_HITS];
     let rays = variant.sample_rays(&mut bindings);
-    let mut kernel = kernel("settle", bindings, &[&snippets[..], &own, rays, &[snippets!("settle.wgsl")]].concat());
+    let mut kernel = kernel("recheck_samples", bindings, &[&snippets[..], &own, rays, &[snippets!("recheck_samples.wgsl")]].concat());
     kernel.constants = variant.constants();
     kernel.constants.extend([("SAMPLES", f64::from(variant.samples)), ("STRIPS", variant.strips())]);
     kernel
@@ -154,7 +154,7 @@ pub fn edges(variant: Variant) -> Kernel {
         counters(),
     ];
     // of keys the ids and layers alone are read
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, TRIANGLE_ROW, REAL_F32, KEY, PAIR, BITS, CELLS, WITHIN];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, TRIANGLE_ROW, REAL_F32, KEY, PAIR, BITS, CELLS, WITHIN];
     let own = [DEPTH_BOUNDS, NEARNESS, CELL_SAMPLES, snippets!("edges.wgsl")];
     let mut kernel = kernel("edges", bindings, &[&snippets[..], &own].concat());
     kernel.constants = sample_constants(variant);
@@ -179,7 +179,7 @@ pub fn sample(variant: Variant) -> Kernel {
         read("edge_of", "array<u32>"),
     ];
     bindings.extend(variant.rays());
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
     let own = [WITHIN, variant.merge(), MEETING, MEETING_OF_RAYS, SIDES, variant.camera(), CELL_SAMPLES, SAMPLE_HITS];
     let rays = variant.sample_rays(&mut bindings);
     let all = [&snippets[..], &own, rays, &[snippets!("sample.wgsl")]].concat();
@@ -209,7 +209,7 @@ pub fn resolve(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend(variant.pages());
     bindings.extend(variant.style_row());
     bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE_ROW, BUNDLE, KEY, SHADING, SURFACE];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE_ROW, BUNDLE, KEY, SHADING, SURFACE];
     let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_PLACES];
     own.push(variant.style());
     own.extend(variant.weights());

@@ -91,7 +91,7 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     if variant.optics.is_some() {
         bindings.extend([optic(), ways()]);
     }
-    let snippets = [PARAMS, ITEMS, INDEX, SHEETS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     bindings.extend(variant.style_row());
     let own = [variant.camera(), SHADING, SURFACE, variant.images(), variant.style(), snippets!("shade.wgsl")];
     let mut all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();

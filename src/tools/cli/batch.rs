@@ -244,7 +244,7 @@ impl<'a> Batch<'a> {
                 }
                 Ok(Standing::Done) => {
                     self.board.skipped(&task);
-                    self.queue.settle();
+                    self.queue.recheck_samples();
                 }
                 Err(e) => self.failed(&task, &e),
             }
@@ -265,7 +265,7 @@ impl<'a> Batch<'a> {
 
     fn done(&self, task: &Task, ms: f64) {
         self.board.done(task, ms);
-        self.queue.settle();
+        self.queue.recheck_samples();
     }
 
     /// A frame has failed; so will others where there is no room to write to.
@@ -281,7 +281,7 @@ impl<'a> Batch<'a> {
         } else if self.fail_fast {
             self.queue.stop();
         }
-        self.queue.settle();
+        self.queue.recheck_samples();
     }
 
     /// A station has no device any more: others do what it has not, if there are any.

@@ -86,8 +86,8 @@ fn about(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
         paths: Paths {
             arithmetic: either(
                 has.f64,
-                "f32 with f64 where a sign is in doubt; depth and shading in f64 (--no-f64: as without)",
-                "f32 with f64 in 32-bit words where a sign is in doubt; so are depth and shading",
+                "f32 with f64 where a sign is uncertain; depth and shading in f64 (--no-f64: as without)",
+                "f32 with f64 in 32-bit words where a sign is uncertain; so are depth and shading",
             ),
             depth_test: either(
                 has.atomics64,

@@ -12,7 +12,7 @@ pub struct Queue<'a> {
 struct State<'a> {
     tasks: Box<dyn Iterator<Item = Task<'a>> + Send + 'a>,
     given_back: Vec<Task<'a>>,
-    /// Frames that were taken up, and are neither settled nor given back.
+    /// Frames that were taken up, and are neither done nor given back.
     under_way: usize,
     is_stopped: bool,
 }
@@ -40,7 +40,7 @@ impl<'a> Queue<'a> {
     }
 
     /// A frame that was taken up is done, or has failed.
-    pub fn settle(&self) {
+    pub fn recheck_samples(&self) {
         lock(&self.state).under_way -= 1;
         self.changed.notify_all();
     }

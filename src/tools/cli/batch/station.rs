@@ -91,7 +91,7 @@ impl Station {
     pub fn parts(&mut self) -> (Reader<'_>, Driver<'_>) {
         let Station { options, name: _, engine, frames, last, planner, until, busy, reopened, is_gone } = self;
         *until = Instant::now();
-        let driver = Driver { options, engine, frames, until, busy, reopened, is_gone, is_doubtful: false };
+        let driver = Driver { options, engine, frames, until, busy, reopened, is_gone, is_uncertain: false };
         (Reader { last, planner: planner.as_ref(), is_gone }, driver)
     }
 
@@ -175,7 +175,7 @@ pub struct Driver<'s> {
     reopened: &'s mut u32,
     is_gone: &'s AtomicBool,
     /// Something failed in the middle: what is on the device may be of two frames.
-    is_doubtful: bool,
+    is_uncertain: bool,
 }
 
 impl Driver<'_> {
@@ -217,9 +217,9 @@ impl Driver<'_> {
             let landing = flying.take();
             self.finish(batch, landing, taken, &mut lost);
             flying = launched;
-            if self.is_doubtful && !self.has_lost() {
+            if self.is_uncertain && !self.has_lost() {
                 self.finish(batch, flying.take(), taken, &mut lost);
-                (*self.frames, self.is_doubtful) = (None, false);
+                (*self.frames, self.is_uncertain) = (None, false);
             }
             if !lost.is_empty() || self.has_lost() {
                 lost.extend(flying.take().map(|(ready, _)| ready));
@@ -293,7 +293,7 @@ impl Driver<'_> {
         let (Some(frames), Some(planned)) = (self.frames.as_mut(), &ready.planned) else {
             return Err(Error::work("no frames"));
         };
-        frames.settle(planned, flight)
+        frames.recheck_samples(planned, flight)
     }
 
     fn hand_on<'a>(&self, mut ready: Ready<'a>, picture: Picture, ms: f64, taken: &Sender<Taken<'a>>) {
@@ -307,7 +307,7 @@ impl Driver<'_> {
     /// A frame has failed, unless it was the device that did.
     fn fault<'a>(&mut self, batch: &Batch<'a>, mut ready: Ready<'a>, error: Error, lost: &mut Vec<Ready<'a>>) {
         ready.task.losses += 1;
-        self.is_doubtful = true;
+        self.is_uncertain = true;
         if self.has_lost() && ready.task.losses < LOSSES_MAX {
             lost.push(ready);
         } else {
@@ -323,7 +323,7 @@ impl Driver<'_> {
     fn reopen(&mut self, batch: &Batch) -> Result<()> {
         let planner = self.engine.as_ref().map(Engine::planner);
         let why = self.engine.as_ref().and_then(|engine| engine.gpu.failure().err());
-        (*self.frames, *self.engine, self.is_doubtful) = (None, None, false);
+        (*self.frames, *self.engine, self.is_uncertain) = (None, None, false);
         *self.reopened += 1;
         batch.note(&format!("the device is opened again: {}", why.map(|e| e.to_string()).unwrap_or_default()));
         let mut opened = Engine::open(self.options);

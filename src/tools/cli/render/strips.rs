@@ -100,7 +100,7 @@ impl Strips<'_> {
         let mut took: Option<Rendered> = None;
         let mut land = |frames: &mut Option<Frames>, flying: Option<(Planned, Flight)>| -> Result<bool> {
             let (Some(frames), Some((planned, flight))) = (frames.as_mut(), flying) else { return Ok(true) };
-            let landed = frames.settle(&planned, flight)?;
+            let landed = frames.recheck_samples(&planned, flight)?;
             add(&mut took, landed.took());
             Ok(to_write.send(landed).is_ok())
         };

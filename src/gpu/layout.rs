@@ -13,7 +13,7 @@ pub const LANES: u32 = 8;
 pub const BRANCH: u32 = 4;
 /// Triangles a cluster at most.
 pub const CLUSTER: u32 = 64;
-pub const BUNCH: u32 = 8;
+pub const TRIANGLE_GROUP: u32 = 8;
 /// No index.
 pub const NONE: u32 = u32::MAX;
 
@@ -34,7 +34,7 @@ pub const COUNT_RECHECKED: u32 = 10;
 pub const COUNT_PAIRS_KEPT: u32 = 11;
 pub const COUNT_FRAGMENTS_TESTED: u32 = 12;
 pub const COUNT_FRAGMENTS_KEPT: u32 = 13;
-pub const COUNT_DOUBTS: u32 = 14;
+pub const COUNT_RECHECK_ITEMS: u32 = 14;
 pub const COUNT_BUSY: u32 = 15;
 pub const COUNT_BUSY_FIRST: u32 = 16;
 pub const COUNT_BUSY_END: u32 = 17;
@@ -43,7 +43,7 @@ pub const COUNT_TASKS: u32 = 19;
 pub const COUNT_SORTED: u32 = 20;
 pub const COUNT_EDGES: u32 = 21;
 pub const COUNT_BLOCKS: u32 = 22;
-pub const COUNT_SAMPLE_DOUBTS: u32 = 23;
+pub const COUNT_RECHECK_SAMPLES: u32 = 23;
 pub const COUNTERS: u32 = 24;
 
 /// Bits of a triangle row's last word: id below, file order above, one-sidedness on top.
@@ -67,12 +67,12 @@ pub struct Params {
     pub queue_capacity: u32,
     pub work_capacity: u32,
     pub pair_capacity: u32,
-    pub sheet_rows: u32,
+    pub slab_rows: u32,
     pub id_first: u32,
     pub id_count: u32,
     pub band_row: u32,
     pub spans: u32,
-    pub doubt_capacity: u32,
+    pub recheck_capacity: u32,
     pub origin_lost: f32,
     pub task_capacity: u32,
     pub edge_capacity: u32,
@@ -102,7 +102,7 @@ pub struct Step {
     pub value: u32,
 }
 
-/// Up to [`CLUSTER`] triangles near each other, and their box about the anchor; or [`BUNCH`] of them.
+/// Up to [`CLUSTER`] triangles near each other, and their box about the anchor; or [`TRIANGLE_GROUP`] of them.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Cluster {

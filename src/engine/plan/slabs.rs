@@ -1,49 +1,49 @@
-//! Sheets: the copies of the image's tiles that one tree bounds, stacked below each other.
+//! Slabs: the copies of the image's tiles that one tree bounds, stacked below each other.
 //!
-//! Every layer of a chain is a sheet, and so is every span of t of a layer of curves: over one span a curve is a
-//! segment, give or take its bend. An ordinary camera has one sheet.
+//! Every layer of a chain is a slab, and so is every span of t of a layer of curves: over one span a curve is a
+//! segment, give or take its bend. An ordinary camera has one slab.
 
 use crate::camera::TILE;
 use crate::camera::{Camera, Curve, Rays};
 use crate::gpu::kernels::RaysKind;
-use crate::gpu::rows::BRANCH;
+use crate::gpu::layout::BRANCH;
 
-/// The sheets of a camera.
+/// The slabs of a camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sheets {
+pub struct Slabs {
     pub layers: u32,
     /// Into how many equal spans of t each layer is cut.
     pub spans: u32,
 }
 
-/// Spans of a curve at most: beyond, each sheet's own cost outweighs what its tighter bound culls.
+/// Spans of a curve at most: beyond, each slab's own cost outweighs what its tighter bound culls.
 const SPANS_MAX: u32 = 64;
 
 /// Every how many pixels a curve is looked at to choose the spans.
 const LOOK_PX: u32 = 16;
 
-impl Sheets {
-    pub fn of(camera: &Camera) -> Sheets {
+impl Slabs {
+    pub fn of(camera: &Camera) -> Slabs {
         let layers = camera.layers.len() as u32;
-        Sheets { layers, spans: if camera.is_curved() { spans(camera) } else { 1 } }
+        Slabs { layers, spans: if camera.is_curved() { spans(camera) } else { 1 } }
     }
 
     pub fn count(&self) -> u32 {
         self.layers * self.spans
     }
 
-    /// Tile rows from one sheet to the next over a band of `rows` pixels. Of several sheets a whole number of nodes, so that
+    /// Tile rows from one slab to the next over a band of `rows` pixels. Of several slabs a whole number of nodes, so that
     /// no node above a tile's has rays of two.
     pub fn tile_rows(&self, rows: u32) -> u32 {
         let tiles = rows.div_ceil(TILE);
         if self.count() == 1 { tiles } else { tiles.next_multiple_of(BRANCH) }
     }
 
-    /// Layer, and the ends of the span of its t, of a sheet.
-    pub fn of_sheet(&self, sheet: u32) -> (usize, [f64; 2]) {
-        let span = sheet % self.spans;
+    /// Layer, and the ends of the span of its t, of a slab.
+    pub fn of_slab(&self, slab: u32) -> (usize, [f64; 2]) {
+        let span = slab % self.spans;
         let at = |k: u32| f64::from(k) / f64::from(self.spans);
-        ((sheet / self.spans) as usize, [at(span), at(span + 1)])
+        ((slab / self.spans) as usize, [at(span), at(span + 1)])
     }
 }
 

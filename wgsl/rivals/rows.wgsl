@@ -1,4 +1,4 @@
-// Rows of the rivals; src/baseline/rows.rs holds the same structs, and a test holds the two equal.
+// Rows of the rivals; src/rivals/rows.rs holds the same structs, and a test holds the two equal.
 // Provides: Cone, Cube, Outline, Splat
 
 // Corners of a piece in pixels of the image. A piece of the whole image has a triangle that holds all of it.

@@ -1,4 +1,4 @@
-//! Rows of the rivals' kernels; `wgsl/baseline/rows.wgsl` holds the same structs, and a test holds the two equal.
+//! Rows of the rivals' kernels; `wgsl/rivals/rows.wgsl` holds the same structs, and a test holds the two equal.
 
 use bytemuck::{Pod, Zeroable};
 

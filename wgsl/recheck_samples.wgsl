@@ -1,0 +1,35 @@
+// recheck_samples: one thread per item that sample left, tile by tile.
+// Reads recheck_items, pairs, triangles, vertices, cells and the samples' rays; finds in recheck arithmetic which of an item's samples the
+// triangle covers, and merges their keys into the rows of `samples`.
+// Needs: COUNT_RECHECK_SAMPLES, STRIPS, TILE, flat_of, item_index, pair_slot, pair_tile, real3, recheck_hits, vertex_real
+// Binds: cells, counters, pairs, params, recheck_items, tile_start, triangles
+
+@compute @workgroup_size(64)
+fn recheck_samples(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    // take an item
+    let index = item_index(group, groups, lane);
+    if index >= min(atomicLoad(&counters[COUNT_RECHECK_SAMPLES]), params.recheck_capacity / 2u) {
+        return;
+    }
+    let item = recheck_items[2u * index];
+    let pair = pairs[item.x];
+    let tile = pair_tile(pair);
+    let triangle = triangles[pair_slot(pair)];
+    let strip = item.y >> 4u;
+    let row = strip / STRIPS;
+    let pixel = recheck_items[2u * index + 1u].x;
+    let x = (pixel % params.width) % TILE;
+    let y = (pixel / params.width) % TILE;
+    let v = array<real3, 3>(vertex_real(triangle.x), vertex_real(triangle.y), vertex_real(triangle.z));
+    let flat = flat_of(triangle, v);
+
+    // recheck it, piece by piece
+    for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
+        let cell = cells[k];
+        recheck_hits(cell, k, vec2<u32>(x, y), 4u * (strip % STRIPS), item.y & 15u, row, triangle, flat, v);
+    }
+}
