@@ -1,23 +1,23 @@
 //! The compute engine: plan, upload, stages, status, grow, image.
 
 mod atlas;
+mod bounce_tables;
+pub mod bounces;
 pub mod clusters;
 mod counts;
 mod encode;
 mod frames;
 mod illumination;
-pub mod landed;
 pub mod pages;
-pub mod passes;
 pub mod plan;
 pub mod planned;
+pub mod readback;
 pub mod report;
 mod resident;
 pub mod rival;
 pub mod stage;
 pub mod surface;
 pub mod tables;
-mod turns;
 
 use crate::camera::Camera;
 use crate::engine::plan::{LeftOut, Plan, Wanted};
@@ -35,7 +35,7 @@ use crate::scene::Scene;
 use crate::scene::caustics::Account;
 pub use counts::Counts;
 pub use frames::Frames;
-use frames::{Due, Timed};
+use frames::{Dirty, Timed};
 use illumination::Illuminated;
 use pages::PageStore;
 use planned::{Planned, Planner};
@@ -195,7 +195,7 @@ impl Engine {
         let lit = if wanted.has_colour() { self.illuminated(&given)? } else { None };
         let stages = self.stages(plan.variant, &plan.planes)?;
         let turned =
-            plan.variant.turns_rays().then(|| self.stages(plan.variant.after_turn(), &plan.planes)).transpose()?;
+            plan.variant.bounces_rays().then(|| self.stages(plan.variant.after_bounce(), &plan.planes)).transpose()?;
         let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup(&camera, &plan))).transpose()?;
         let caustics = lit.map(|lit| (lit, self.gather(plan.variant, &plan.planes)));
         let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, &wanted, run.capacities)?;
@@ -228,7 +228,7 @@ impl Engine {
             moving: run.moving.then(|| Arc::unwrap_or_clone(clustered)),
             is_torn: false,
             is_aimed: false,
-            due: Due::All,
+            dirty: Dirty::All,
             timed: Timed::default(),
         })
     }

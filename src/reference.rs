@@ -11,12 +11,13 @@
 //! * `margin`, `verdict`: whether the answer changes within 1/16 px of the centre, and what it may be.
 //! * `cover`: proof that triangles which join without gaps leave no miss.
 //! * `finding`: the same for whole paths: chains by the verdicts of their layers, curves by samples.
-//! * `turns`: rays that mirrors and lenses turn, followed one by one; judged by samples too.
+//! * `bounces`: rays that mirrors and lenses turn, followed one by one; judged by samples too.
 //! * `caustics`: where a light's photons land, and what that adds to a hit.
 //! * `image`, `light`, `explain`: whole frames, judgement of other frames, one pixel in words.
 
 mod answer;
 mod beam;
+mod bounces;
 mod bvh;
 pub mod caustics;
 mod cover;
@@ -30,16 +31,15 @@ mod lens;
 mod light;
 mod margin;
 mod path;
-mod turns;
 mod verdict;
 
 #[cfg(test)]
 mod tests;
 
+pub use bounces::Outcome;
 pub use finding::Finding;
 pub use margin::{GAP, MARGIN_PX};
 pub use path::{Path, Seen, Segment};
-pub use turns::Outcome;
 pub use verdict::Verdict;
 
 use crate::camera::bundle::Bundle;

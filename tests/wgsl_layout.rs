@@ -54,7 +54,7 @@ fn field<S, T: Words>(name: &str, offset: usize, _: fn(&S) -> &T) -> Field {
 
 /// The layout of a row of `rows`; a field that is left out does not compile.
 macro_rules! layout {
-    ($name:ident $body:tt) => { layout!(rows, $name $body) };
+    ($name:ident $body:tt) => { layout!(layout, $name $body) };
     ($rows:ident, $name:ident { $($field:ident),* $(,)? }) => {{
         let every_field = |row: $rows::$name| {
             let $rows::$name { $($field: _),* } = row;
@@ -66,7 +66,7 @@ macro_rules! layout {
 }
 
 fn rivals() -> Layouts {
-    use anamorph::rivals::rows as own;
+    use anamorph::rivals::layout as own;
     Layouts::from([
         layout!(own, Outline { a, b, c, is_whole, layer }),
         layout!(own, Cube { eye, side }),
@@ -171,7 +171,7 @@ fn host() -> Layouts {
             pad0,
         }),
         layout!(AtlasLayout { side, columns, width, texel_count }),
-        layout!(Way { light, length, first, last, camera, pad0 }),
+        layout!(PathState { light, length, first, last, camera, pad0 }),
         layout!(Corner { p_hi, camera, p_lo, camera_u, n_hi, camera_v, n_lo, pad0 }),
         layout!(Quadric {
             centre_hi,
@@ -315,7 +315,7 @@ fn rust_constants(source: &str) -> Vec<&str> {
 }
 
 macro_rules! constants {
-    ($($name:ident),* $(,)?) => { Constants::from([$((stringify!($name).to_string(), rows::$name)),*]) };
+    ($($name:ident),* $(,)?) => { Constants::from([$((stringify!($name).to_string(), layout::$name)),*]) };
 }
 
 fn host_constants() -> Constants {

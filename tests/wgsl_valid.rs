@@ -23,7 +23,18 @@ fn variants() -> impl Iterator<Item = Variant> {
 
 /// Kernels that have variants of arithmetic; rivals' among them, which hand on keys of f64.
 const WIDE: [&str; 13] = [
-    "raster", "recheck", "certify", "sample", "recheck_samples", "resolve", "shade", "meet", "bounce", "paste", "trace", "take",
+    "raster",
+    "recheck",
+    "certify",
+    "sample",
+    "recheck_samples",
+    "resolve",
+    "shade",
+    "meet",
+    "bounce",
+    "paste",
+    "trace",
+    "take",
     "unfold",
 ];
 

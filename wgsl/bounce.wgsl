@@ -1,8 +1,8 @@
 // bounce: one thread per pixel of the band.
 // Reads the visibility buffer, the pixel's ray and way and the surface that it meets first; writes the ray that goes on
 // from there and its way, or neither.
-// Needs: NONE, Way, camera_of, head_of, item_index, key_id, norm, ray_bundle, real, real3, turn_at
-// Binds: optic, params, turned_hi, turned_lo, turned_ways, visibility, ways
+// Needs: NONE, PathState, camera_of, head_of, item_index, key_id, norm, ray_bundle, real, real3, turn_at
+// Binds: bounced_paths, optic, params, paths, turned_hi, turned_lo, visibility
 
 // Squared length of a direction at most: corners' rays are scaled to 64 times unit length at most.
 const SIZE_MAX: f32 = 65536.0;
@@ -39,16 +39,16 @@ fn bounce(
     if all(won == vec2<u32>(0u)) || id < optic.first_id {
         store_vector(at, real3(real(0.0)));
         store_vector(at + 3u, real3(real(0.0)));
-        turned_ways[pixel] = Way(vec3<f32>(0.0), 0.0, NONE, NONE, 0u, 0u);
+        bounced_paths[pixel] = PathState(vec3<f32>(0.0), 0.0, NONE, NONE, 0u, 0u);
         return;
     }
 
     // turn its ray
     let b = ray_bundle(0u, x, y, 0.0);
     let p = b.p / b.h;
-    let way = ways[pixel];
+    let path = paths[pixel];
     let surface = id - optic.first_id;
-    var turned = turn_at(surface, p, b.d / b.h, way.last);
+    var turned = turn_at(surface, p, b.d / b.h, path.last);
     // corners' rays that cancel leave no direction, and no number where they cannot be scaled
     let size = f32(dot(turned.d, turned.d));
     if !(size > 0.0 && size < SIZE_MAX) {
@@ -56,9 +56,9 @@ fn bounce(
     }
     store_vector(at, select(turned.place, real3(optic.from_hi) + real3(optic.from_lo), optic.is_environment == 1u));
     store_vector(at + 3u, turned.d);
-    let first = select(way.first, surface, way.first == NONE);
-    let camera = select(way.camera, camera_of(surface), way.first == NONE);
-    let length = way.length + f32(norm(turned.place - p));
-    let light = way.light * optic.tint * optic.scale * f32(turned.share);
-    turned_ways[pixel] = Way(light, length, first, id, camera, 0u);
+    let first = select(path.first, surface, path.first == NONE);
+    let camera = select(path.camera, camera_of(surface), path.first == NONE);
+    let length = path.length + f32(norm(turned.place - p));
+    let light = path.light * optic.tint * optic.scale * f32(turned.share);
+    bounced_paths[pixel] = PathState(light, length, first, id, camera, 0u);
 }

@@ -2,7 +2,7 @@
 // Reads the pixel's ray and way; merges the visibility key of the nearest smooth surface that the ray meets, whose id is behind
 // those of all triangles.
 // Needs: NONE, Root, has_ray, item_index, meeting_with, merge, ray_bundle, real, visibility_key
-// Binds: optic, params, ways
+// Binds: optic, params, paths
 
 @compute @workgroup_size(64)
 fn meet(
@@ -28,7 +28,7 @@ fn meet(
     var nearest = Root(real(0.0), false);
     var id = NONE;
     for (var k = 0u; k < optic.count; k++) {
-        let root = meeting_with(k, p, d, ways[pixel].last);
+        let root = meeting_with(k, p, d, paths[pixel].last);
         if root.found && (!nearest.found || root.t < nearest.t) {
             nearest = root;
             id = optic.first_id + k;

@@ -2,7 +2,7 @@
 // Reads pairs, triangles, vertices, cells and the camera's rays; merges the visibility key of every pixel that the
 // triangle covers at a t in range, and leaves those whose coverage f32 does not prove to recheck. Keys are complemented,
 // so that the nearest hit is the largest and 0 is no hit. The list recheck_items may overflow: the counter keeps counting.
-// Needs: COUNTING, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, box_mask, cell_bundle, coverage, is_apart, item_index,
+// Needs: COUNTING, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, box_mask, cell_bundle, coverage, is_excluded, item_index,
 //   leave_to_recheck, merge_hits, pair_from, pair_slot, pair_tile, pair_to, real3, triangle_id, vertex, vertex_real
 // Binds: cells, counters, pairs, params, step, tile_start, triangles
 
@@ -24,7 +24,7 @@ fn raster(
     let tile = pair_tile(pair);
     let triangle = triangles[pair_slot(pair)];
     let id = triangle_id(triangle);
-    if is_apart(id) {
+    if is_excluded(id) {
         return;
     }
     if COUNTING && step.value == 0u {

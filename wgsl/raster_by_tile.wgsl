@@ -4,8 +4,8 @@
 // busy again, with what is left of its run. The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 // Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, FARTHEST,
-//   GROUP, INFINITE, LANES, LOWER, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, hold, in_line, is_apart, is_behind,
-//   is_empty, item_node, lanes_any, lanes_max, leave_to_recheck, lines_of, may_cover, merge, pair_slot, pixels_within, reach_of, real3,
+//   GROUP, INFINITE, LANES, LOWER, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, hold, in_line, is_behind, is_empty,
+//   is_excluded, item_node, lanes_any, lanes_max, leave_to_recheck, lines_of, may_cover, merge, pair_slot, pixels_within, reach_of, real3,
 //   real4, row_bits, rows_mask, settled, shared_of, size, start_of, tile_column, tile_corner, tile_layer, triangle_id, vertex, vertex_lo
 // Binds: busy, counters, ends, pairs, params, starts, triangles
 
@@ -67,7 +67,7 @@ fn raster(
             // leave one where the tile's bounds do, and where all pixels show what is nearer
             let seen = extent(node, v0, v1, v2);
             let within = pixels_within(seen, TILE);
-            let may = at + lane < end && !is_apart(triangle_id(triangle)) && !is_empty(within)
+            let may = at + lane < end && !is_excluded(triangle_id(triangle)) && !is_empty(within)
                 && may_cover(conics(node, v0, v1, v2), 0.0, 0.0, CENTRES);
             let may_upper = may && within.y < 4u && !is_behind(seen, far_upper);
             let may_lower = may && within.w > 4u && !is_behind(seen, far_lower);

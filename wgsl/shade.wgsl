@@ -113,7 +113,7 @@ fn shade(
     }
 }
 
-// What lies at t of the last ray, z along the whole way.
+// What lies at t of the last ray, z along the whole path.
 fn store_place(at: Place, id: u32, t: f32, z: f32) {
     store(PLANE_T, at, bitcast<u32>(t));
     store(PLANE_Z, at, bitcast<u32>(z));

@@ -2,7 +2,7 @@
 
 use anamorph::camera::Camera;
 use anamorph::engine::plan::Wanted;
-use anamorph::engine::plan::sheets::{Sheets, kind};
+use anamorph::engine::plan::slabs::{Slabs, kind};
 use anamorph::engine::report::FrameMs;
 use anamorph::engine::{Engine, Rendered, RunOptions};
 use anamorph::gpu::kernels::RaysKind;
@@ -104,7 +104,7 @@ pub fn measure(engine: &mut Engine, scene: &Path) -> Result<(Figures, Vec<u8>)> 
     let rendered = render(engine, &scene, &camera)?;
     let judged = judge(&scene, &camera, &rendered.frame);
     let compared = compare(&rendered.frame, &judged.truth, Some(&judged.safe), Some(&judged.scales))?;
-    let sheets = Sheets::of(&camera);
+    let slabs = Slabs::of(&camera);
     let mut figures = Figures {
         size: [camera.width, camera.height],
         triangles: scene.mesh.triangles.len(),
@@ -114,8 +114,8 @@ pub fn measure(engine: &mut Engine, scene: &Path) -> Result<(Figures, Vec<u8>)> 
             RaysKind::Field => "field".into(),
             RaysKind::Curves { degree } => format!("curves of degree {degree}"),
         },
-        layers: sheets.layers,
-        spans: sheets.spans,
+        layers: slabs.layers,
+        spans: slabs.spans,
         passes: rendered.passes.total(),
         rechecked: engine.gpu.has.f64,
         frame_ms: rendered.frame_ms.clone(),
@@ -199,12 +199,12 @@ impl Figures {
     /// Which of the engine's ways the frame took.
     pub fn passes_used(&self) -> String {
         let of = |n: u32, one: &str, more: &str| format!("{n} {}", if n == 1 { one } else { more });
-        let sheets = match (self.layers, self.spans) {
+        let slabs = match (self.layers, self.spans) {
             (1, 1) => String::new(),
             (layers, 1) => format!(", {}", of(layers, "layer", "layers")),
             (layers, spans) => format!(", {} x {}", of(layers, "layer", "layers"), of(spans, "span", "spans")),
         };
         let recheck = if self.rechecked { ", f64" } else { "" };
-        format!("{}{sheets}, {}{recheck}", self.rays, of(self.passes, "pass", "passes"))
+        format!("{}{slabs}, {}{recheck}", self.rays, of(self.passes, "pass", "passes"))
     }
 }

@@ -40,7 +40,7 @@ pub use curve::{Curve, CurveMap, Curves};
 pub use field::{Field, RayMap};
 use glam::DVec3;
 pub use pieces::{Piece, Pieces};
-use recipe::{Built, Looked, Setting};
+use recipe::{Built, SceneUse, Setting};
 use std::cell::Cell;
 use std::sync::Arc;
 
@@ -69,7 +69,7 @@ pub struct Camera {
     /// What was asked for and cannot be done in this scene, for a person to read.
     pub unmet: Vec<String>,
     /// How far its rays depend on the scene.
-    pub looked: Looked,
+    pub looked: SceneUse,
 }
 
 /// A copy of it.
@@ -114,12 +114,12 @@ impl Camera {
         }
         layers.iter().try_for_each(check_reach)?;
         let t_range = if unit_t { [0.0, 1.0] } else { spec.t_range };
-        Ok(Camera { kind, width, height, t_range, layers, optics, notes, unmet, looked: Looked::Nowhere })
+        Ok(Camera { kind, width, height, t_range, layers, optics, notes, unmet, looked: SceneUse::Nothing })
     }
 
     /// A camera of one layer.
     pub fn of(kind: &'static str, (width, height): (u32, u32), t_range: [f64; 2], rays: Rays) -> Camera {
-        let (layers, looked) = (vec![rays], Looked::Nowhere);
+        let (layers, looked) = (vec![rays], SceneUse::Nothing);
         Camera { kind, width, height, t_range, layers, optics: None, notes: Vec::new(), unmet: Vec::new(), looked }
     }
 

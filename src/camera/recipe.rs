@@ -45,16 +45,16 @@ pub struct Setting<'a> {
     /// The ends of t as the scene file gives them.
     pub t_range: [f64; 2],
     mesh: &'a Mesh,
-    looked: Option<&'a Cell<Looked>>,
+    looked: Option<&'a Cell<SceneUse>>,
 }
 
 /// How far a recipe looked at the scene.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Looked {
+pub enum SceneUse {
     #[default]
-    Nowhere,
-    AtBounds,
-    AtMesh,
+    Nothing,
+    Bounds,
+    Mesh,
 }
 
 impl<'a> Setting<'a> {
@@ -64,7 +64,7 @@ impl<'a> Setting<'a> {
     }
 
     /// The same for a camera with this range of t; `looked` records how far it looks at the scene.
-    pub fn noting<'b>(&self, t_range: [f64; 2], looked: &'b Cell<Looked>) -> Setting<'b>
+    pub fn noting<'b>(&self, t_range: [f64; 2], looked: &'b Cell<SceneUse>) -> Setting<'b>
     where
         'a: 'b,
     {
@@ -83,18 +83,18 @@ impl<'a> Setting<'a> {
 
     /// The scene's triangles, world units.
     pub fn mesh(&self) -> &'a Mesh {
-        self.look(Looked::AtMesh);
+        self.look(SceneUse::Mesh);
         self.mesh
     }
 
     /// The corners of the box around all vertices; `None` without any.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        self.look(Looked::AtBounds);
+        self.look(SceneUse::Bounds);
         self.mesh.bounds()
     }
 
     /// Records that a camera looked at the scene this far.
-    pub(crate) fn look(&self, at: Looked) {
+    pub(crate) fn look(&self, at: SceneUse) {
         if let Some(looked) = self.looked {
             looked.set(looked.get().max(at));
         }

@@ -4,7 +4,7 @@
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
 use crate::geometry::mesh::{Mesh, NO_NORMAL};
-use crate::gpu::layout::{TRIANGLE_GROUP, CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, split2};
+use crate::gpu::layout::{CLUSTER, Cluster, ID_MASK, NONE, ONE_SIDED, ORDER_SHIFT, TRIANGLE_GROUP, split2};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -136,11 +136,14 @@ impl Chunk {
         // every vertex of the chunk is in the sorted list
         let index_of = |v: u32| used.map_or(v, |used| used.partition_point(|&u| u < v) as u32);
         self.triangle_groups.resize(self.triangles.len().div_ceil(CLUSTER as usize) * TRIANGLE_GROUPS, EMPTY);
-        let groups = self.triangles.par_chunks_mut(CLUSTER as usize).zip(self.triangle_groups.par_chunks_mut(TRIANGLE_GROUPS));
+        let groups =
+            self.triangles.par_chunks_mut(CLUSTER as usize).zip(self.triangle_groups.par_chunks_mut(TRIANGLE_GROUPS));
         let place = |(index, (rows, triangle_groups)): (usize, (&mut [[u32; 4]], &mut [Cluster]))| {
             let first = index * CLUSTER as usize;
             let (count, mut whole, mut have_area) = (rows.len(), Bounds::NONE, true);
-            for (k, (triangle_group, rows)) in triangle_groups.iter_mut().zip(rows.chunks_mut(TRIANGLE_GROUP as usize)).enumerate() {
+            for (k, (triangle_group, rows)) in
+                triangle_groups.iter_mut().zip(rows.chunks_mut(TRIANGLE_GROUP as usize)).enumerate()
+            {
                 let mut own = Bounds::NONE;
                 for row in rows.iter_mut() {
                     let corners = corners(mesh, row[3] & ID_MASK);

@@ -1,15 +1,15 @@
 //! A frame as one submission: for every band the passes of its rays, each cull, split, bin, raster, recheck and shade of all jobs.
 
-use super::frames::{Due, Frames, Submitted};
-use super::landed::is_read;
-use super::passes::Pass;
+use super::bounces::Bounce;
+use super::frames::{Dirty, Frames, Submitted};
+use super::readback::is_read;
 use super::resident::Job;
 use crate::engine::rival::{ChunkScopes, Target};
 use crate::engine::stage::Stages;
 use crate::engine::stage::certify::CERTIFY_STEPS;
 use crate::gpu::buffers::readback;
+use crate::gpu::layout::{COUNT_EDGES, COUNT_RECHECK_ITEMS, COUNT_RECHECK_SAMPLES, COUNTERS};
 use crate::gpu::recorder::Recorder;
-use crate::gpu::layout::{COUNT_RECHECK_ITEMS, COUNT_EDGES, COUNT_RECHECK_SAMPLES, COUNTERS};
 use crate::input::Result;
 
 const STATUS_BYTES: u64 = 4 * COUNTERS as u64;
@@ -21,8 +21,8 @@ const PASSES_EACH: u32 = 19;
 const PASSES_OF_SAMPLES: u32 = 22;
 
 impl Frames {
-    /// Encodes and submits the stages of one frame that are due; with `read`, also the copies that bring its image to the host.
-    pub(super) fn submit(&self, read: bool, due: Due) -> Result<Submitted> {
+    /// Encodes and submits the stages of one frame that are to run again; with `read`, also the copies that bring its image to the host.
+    pub(super) fn submit(&self, read: bool, dirty: Dirty) -> Result<Submitted> {
         let (gpu, resident) = (&*self.gpu, &self.resident);
         let passes = self.plan.bands.len() * resident.passes.len();
         let by_rival = |band| self.rival.as_ref().map_or(0, |r| r.passes(&self.target(band)));
@@ -38,11 +38,11 @@ impl Frames {
                 // what passes share adds up
                 recorder.encoder.clear_buffer(planes, 0, None);
             }
-            for (pass, Pass { turns, .. }) in resident.passes.iter().enumerate() {
+            for (pass, Bounce { count: turns, .. }) in resident.passes.iter().enumerate() {
                 if *turns > 0 {
                     self.encode_turn(&mut recorder, index, pass)?;
                 }
-                if due == Due::All {
+                if dirty == Dirty::All {
                     self.encode_visibility(&mut recorder, &status, index, pass)?;
                     if self.stages_of(pass).samples_edges() {
                         self.encode_samples(&mut recorder, &status, index, pass)?;
@@ -102,18 +102,18 @@ impl Frames {
 
     /// The kernels of a pass.
     fn stages_of(&self, pass: usize) -> &Stages {
-        self.turned.as_ref().filter(|_| self.resident.passes[pass].turns > 0).unwrap_or(&self.stages)
+        self.turned.as_ref().filter(|_| self.resident.passes[pass].count > 0).unwrap_or(&self.stages)
     }
 
     fn pixels(&self, band: usize) -> u32 {
         self.plan.bands[band].rows * self.camera.width
     }
 
-    /// Turns the rays of a band that meet the optics to those of a pass, and bounds what comes of it.
+    /// BounceTables the rays of a band that meet the optics to those of a pass, and bounds what comes of it.
     fn encode_turn(&self, recorder: &mut Recorder, band: usize, pass: usize) -> Result<()> {
         let (gpu, resident) = (&*self.gpu, &self.resident);
-        let turns = resident.passes[pass].turns;
-        let Some(before) = resident.passes[..pass].iter().rposition(|p| p.turns + 1 == turns) else { return Ok(()) };
+        let turns = resident.passes[pass].count;
+        let Some(before) = resident.passes[..pass].iter().rposition(|p| p.count + 1 == turns) else { return Ok(()) };
         let (Some(own), Some(job)) = (&resident.turns, resident.jobs(band, before).next()) else { return Ok(()) };
         let scopes = [vec![own.pass(pass), own.target(turns)], resident.scopes(&job, band, before)].concat();
         let mut encoded = recorder.compute("bounce");
@@ -190,7 +190,7 @@ impl Frames {
         }
         // where turned rays are torn is not known beforehand
         let nodes = &self.plan.bands[band].nodes;
-        let is_turned = resident.passes[pass].turns > 0;
+        let is_turned = resident.passes[pass].count > 0;
         let steps = if is_turned { nodes.levels.len() as u32 } else { nodes.cull_steps() };
         let mut encoded = recorder.compute("cull");
         stages.cull(gpu, &mut encoded, &scopes, job.clusters, steps)?;
@@ -329,7 +329,7 @@ impl Frames {
         Ok(())
     }
 
-    /// Turns a band's colour planes into sRGB.
+    /// BounceTables a band's colour planes into sRGB.
     fn encode_srgb(&self, recorder: &mut Recorder, band: usize) -> Result<()> {
         let Some(job) = self.resident.jobs(band, 0).next() else { return Ok(()) };
         let mut pass = recorder.compute("write");

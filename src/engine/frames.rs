@@ -2,9 +2,9 @@
 
 use super::atlas::Painter;
 use super::illumination::Illuminated;
-use super::landed::{Flight, Landed, Readings, Sight, Words};
 use super::pages::PageStore;
 use super::planned::{Planned, Planner, check_outlines, check_samples, outlined_by};
+use super::readback::{FrameLayout, InFlight, PendingReads, RawFrame, Readback};
 use super::resident::Resident;
 use super::{Capacities, Counts, Rendered, RunOptions, setup};
 use crate::camera::Camera;
@@ -17,11 +17,11 @@ use crate::engine::stage::gather::Gather;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{read_words, wait, wait_for};
 use crate::gpu::kernels::LightsKind;
-use crate::gpu::recorder::Recorded;
 use crate::gpu::layout::{
-    COUNT_BUSY, COUNT_BUSY_END, COUNT_RECHECK_ITEMS, COUNT_EDGES, COUNT_PAIRS, COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_WORK,
-    COUNTERS,
+    COUNT_BUSY, COUNT_BUSY_END, COUNT_EDGES, COUNT_PAIRS, COUNT_RECHECK_ITEMS, COUNT_RECHECK_SAMPLES, COUNT_TASKS,
+    COUNT_WORK, COUNTERS,
 };
+use crate::gpu::recorder::Recorded;
 use crate::image::frame::Frame;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -65,16 +65,16 @@ pub struct Frames {
     /// The camera is not that of the first frame any more.
     pub(super) is_aimed: bool,
     /// What the picture does not show yet.
-    pub(super) due: Due,
+    pub(super) dirty: Dirty,
     pub(super) timed: Timed,
 }
 
 /// What changed since the picture was made, and so which stages are to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Due {
+pub(super) enum Dirty {
     Nothing,
     /// Lights or materials: what follows the visibility buffer.
-    Look,
+    Appearance,
     All,
 }
 
@@ -111,14 +111,14 @@ impl Frames {
         loop {
             self.compile_samples();
             let started = Instant::now();
-            let submitted = self.submit(true, Due::All)?;
+            let submitted = self.submit(true, Dirty::All)?;
             wait(&self.gpu)?;
             let painted_ms = self.painter.as_ref().map_or(0.0, |p| p.frames.timed.first_ms);
             self.timed.first_ms = painted_ms + started.elapsed().as_secs_f64() * 1e3;
             let fits = self.fits(&read_words(&self.gpu, &submitted.status)?)?;
             self.timed.first = Some(submitted);
             if fits {
-                self.due = Due::Nothing;
+                self.dirty = Dirty::Nothing;
                 return Ok(());
             }
         }
@@ -185,7 +185,7 @@ impl Frames {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
         (self.camera, self.plan, self.arrangement, self.is_aimed) = (camera, Arc::new(plan), arrangement, true);
-        self.due = Due::All;
+        self.dirty = Dirty::All;
         Ok(())
     }
 
@@ -231,26 +231,26 @@ impl Frames {
         };
         // of bands and passes, and of moving triangles, only the last ones are still there
         let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
-        self.due = self.due.max(if is_there && keeps_holes { Due::Look } else { Due::All });
+        self.dirty = self.dirty.max(if is_there && keeps_holes { Dirty::Appearance } else { Dirty::All });
         Ok(())
     }
 
     /// Brings the picture up to date, by the stages alone that follow what changed since it was made: none, `shade` and `resolve` after
     /// [`Frames::light`], all after [`Frames::aim`]. How many compute passes it took.
     pub fn refresh(&mut self) -> Result<u32> {
-        if self.due == Due::All {
+        if self.dirty == Dirty::All {
             // makes the atlas too
             self.warm_up()?;
             return Ok(self.timed.first.as_ref().map_or(0, |first| first.recorded.passes.total()));
         }
         let painted = self.painter.as_mut().map_or(Ok(0), |p| p.frames.refresh())?;
-        if self.due == Due::Look {
-            let drawn = self.submit(true, Due::Look)?;
+        if self.dirty == Dirty::Appearance {
+            let drawn = self.submit(true, Dirty::Appearance)?;
             wait(&self.gpu)?;
             if let Some(first) = &mut self.timed.first {
                 (first.planes, first.srgb8) = (drawn.planes, drawn.srgb8);
             }
-            self.due = Due::Nothing;
+            self.dirty = Dirty::Nothing;
             return Ok(painted + drawn.recorded.passes.total());
         }
         Ok(painted)
@@ -277,7 +277,7 @@ impl Frames {
                 rival.upload(&self.gpu, &moved)?;
             }
         }
-        self.submit(false, Due::All)
+        self.submit(false, Dirty::All)
     }
 
     /// The triangles of a scene that has moved, in their clusters as long as these hold them well.
@@ -301,9 +301,9 @@ impl Frames {
         let painter = self.painter.take();
         let Timed { first, first_ms, mut frame_ms, mut stages, grown, .. } = std::mem::take(&mut self.timed);
         let Some(first) = first else { return Err(Error::work("no frame was taken")) };
-        let readings = Readings::start(&first);
+        let reads = PendingReads::start(&first);
         wait(&self.gpu)?;
-        let mut words = readings.words(&self.gpu, &first)?;
+        let mut words = reads.words(&self.gpu, &first)?;
         if frame_ms.is_empty() {
             frame_ms.push(first_ms);
             stages = vec![std::mem::take(&mut words.stages)];
@@ -311,9 +311,10 @@ impl Frames {
         if let Some(rival) = &self.rival {
             rival.check(&self.gpu)?;
         }
-        let sight = self.sight();
-        let rest = Rendered { frame_ms, stages: medians(stages), grown, ..self.took(&sight.plan, &first, &words) };
-        let own = Landed { sight, words, rest }.rendered();
+        let frame_layout = self.frame_layout();
+        let rest =
+            Rendered { frame_ms, stages: medians(stages), grown, ..self.took(&frame_layout.plan, &first, &words) };
+        let own = Readback { frame_layout, words, rest }.rendered();
         match painter {
             Some(painter) => painter.joined(own),
             None => Ok(own),
@@ -355,23 +356,23 @@ impl Frames {
         }
         (self.scene, self.camera) = (scene.clone(), camera.clone());
         (self.plan, self.arrangement, self.wanted) = (plan.clone(), arrangement.clone(), wanted.clone());
-        (self.due, self.is_torn) = (Due::All, false);
+        (self.dirty, self.is_torn) = (Dirty::All, false);
         Ok(true)
     }
 
     /// Gives the device a frame of what is shown, by all stages, and does not wait for it.
-    pub fn start(&self) -> Result<Flight> {
+    pub fn start(&self) -> Result<InFlight> {
         self.compile_samples();
         let started = Instant::now();
-        let submitted = self.submit(true, Due::All)?;
-        let readings = Readings::start(&submitted);
+        let submitted = self.submit(true, Dirty::All)?;
+        let reads = PendingReads::start(&submitted);
         let (capacities, raster_rounds) = (self.resident.capacities, self.resident.raster_rounds);
-        Ok(Flight { submitted, readings, sight: self.sight(), capacities, raster_rounds, started })
+        Ok(InFlight { submitted, reads, frame_layout: self.frame_layout(), capacities, raster_rounds, started })
     }
 
     /// Waits for a frame of `planned`, whatever is shown by now. Where the lists between the stages did not hold everything it is shown and
     /// started again with larger ones.
-    pub fn recheck_samples(&mut self, planned: &Planned, flight: Flight) -> Result<Landed> {
+    pub fn recheck_samples(&mut self, planned: &Planned, flight: InFlight) -> Result<Readback> {
         let mut flight = flight;
         loop {
             match self.land(flight)? {
@@ -389,22 +390,22 @@ impl Frames {
     }
 
     /// Waits for a frame; or what its lists lacked.
-    fn land(&mut self, flight: Flight) -> Result<std::result::Result<Landed, Shortage>> {
-        let Flight { submitted, readings, sight, capacities, raster_rounds, started } = flight;
+    fn land(&mut self, flight: InFlight) -> Result<std::result::Result<Readback, Shortage>> {
+        let InFlight { submitted, reads, frame_layout, capacities, raster_rounds, started } = flight;
         wait_for(&self.gpu, &submitted.recorded.submission)?;
-        let words = readings.words(&self.gpu, &submitted)?;
+        let words = reads.words(&self.gpu, &submitted)?;
         if let Some(short) = self.shortage(&words.status, capacities, raster_rounds) {
             return Ok(Err(short));
         }
         let frame_ms = vec![started.elapsed().as_secs_f64() * 1e3];
         let stages = words.stages.clone();
         let grown = self.timed.grown;
-        let rest = Rendered { frame_ms, stages, grown, ..self.took(&sight.plan, &submitted, &words) };
-        Ok(Ok(Landed { sight, words, rest }))
+        let rest = Rendered { frame_ms, stages, grown, ..self.took(&frame_layout.plan, &submitted, &words) };
+        Ok(Ok(Readback { frame_layout, words, rest }))
     }
 
-    fn sight(&self) -> Sight {
-        Sight {
+    fn frame_layout(&self) -> FrameLayout {
+        FrameLayout {
             camera: self.camera.clone(),
             plan: self.plan.clone(),
             arrangement: self.arrangement.clone(),
@@ -414,7 +415,7 @@ impl Frames {
     }
 
     /// What a frame of a plan counted and what is held now; no picture and no times.
-    fn took(&self, plan: &Plan, submitted: &Submitted, words: &Words) -> Rendered {
+    fn took(&self, plan: &Plan, submitted: &Submitted, words: &RawFrame) -> Rendered {
         let mut left_out = plan.left_out.clone();
         if self.resident.without_area > 0 {
             let what = format!("{} triangles", self.resident.without_area);

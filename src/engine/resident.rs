@@ -1,10 +1,10 @@
 //! What lies on the device between frames: the scene's chunks, the bands' tables, and the lists between the stages.
 
 use super::Capacities;
+use super::bounce_tables::BounceTables;
+use super::bounces::{Bounce, bounces};
 use super::pages::PageStore;
-use super::passes::{Pass, passes};
 use super::tables::{Hidden, Look, Span, looks, params, places, turned};
-use super::turns::Turns;
 use crate::camera::Camera;
 use crate::engine::clusters::{Chunk, Clustered, mapped_rows};
 use crate::engine::plan::hierarchy::Hierarchy;
@@ -37,9 +37,9 @@ pub struct Resident {
     /// The same for rays that were turned.
     turned_params: Vec<Buffers>,
     /// All passes of a frame.
-    pub passes: Vec<Pass>,
+    pub passes: Vec<Bounce>,
     /// What rays are turned by.
-    pub turns: Option<Turns>,
+    pub turns: Option<BounceTables>,
     /// Triangles without area.
     pub without_area: usize,
     /// What may be in the way of light: all triangles but the camera's own, which are the last ones.
@@ -86,7 +86,7 @@ impl Resident {
         wanted: &Wanted,
         capacities: Option<Capacities>,
     ) -> Result<Resident> {
-        let passes = passes(camera.optics.as_deref());
+        let passes = bounces(camera.optics.as_deref());
         let mut resident = Resident {
             chunks: Vec::new(),
             bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
@@ -97,7 +97,11 @@ impl Resident {
             pairs_by_tile: gpu.binding_limit() / ROW_BYTES,
             params: Vec::new(),
             turned_params: Vec::new(),
-            turns: camera.optics.as_ref().map(|o| Turns::new(gpu, scene, camera, o, plan, &passes)).transpose()?,
+            turns: camera
+                .optics
+                .as_ref()
+                .map(|o| BounceTables::new(gpu, scene, camera, o, plan, &passes))
+                .transpose()?,
             passes,
             without_area: 0,
             obstacles: None,
@@ -292,7 +296,7 @@ impl Resident {
 
     /// Every batch of every chunk over band `band`, in a pass by its number.
     pub fn jobs(&self, band: usize, pass: usize) -> impl Iterator<Item = Job<'_>> {
-        let all = if self.passes[pass].turns == 0 { &self.params } else { &self.turned_params };
+        let all = if self.passes[pass].count == 0 { &self.params } else { &self.turned_params };
         let per_band = self.chunks.len() * self.batches as usize;
         (0..per_band).map(move |k| {
             let chunk = &self.chunks[k / self.batches as usize];
@@ -315,7 +319,7 @@ impl Resident {
     /// Where kernels find the buffers of a job over a band in a pass.
     pub fn scopes<'a>(&'a self, job: &Job<'a>, band: usize, pass: usize) -> Vec<&'a Buffers> {
         let own =
-            self.turns.iter().flat_map(|t| [vec![t.pass(pass)], t.scopes(self.passes[pass].turns, band)].concat());
+            self.turns.iter().flat_map(|t| [vec![t.pass(pass)], t.scopes(self.passes[pass].count, band)].concat());
         [job.params].into_iter().chain(own).chain([&job.chunk.buffers, &self.bands[band], &self.shared]).collect()
     }
 
@@ -326,8 +330,9 @@ impl Resident {
             let largest = self.chunks.iter().map(|c| c.clusters).max().unwrap_or(0);
             if self.batches >= largest {
                 let Capacities { queue, work, tasks, pairs, recheck_items, .. } = need;
-                let needed =
-                    format!("cull {queue}, split {work}, bin {tasks}, raster {pairs}, recheck {recheck_items} items needed");
+                let needed = format!(
+                    "cull {queue}, split {work}, bin {tasks}, raster {pairs}, recheck {recheck_items} items needed"
+                );
                 let lists = format!("{needed}, {most} fit a binding");
                 return Err(Error::work(format!("lists between the stages overflow: {lists}; make the image smaller")));
             }
@@ -351,7 +356,7 @@ impl Resident {
         let chunks: u64 = self.chunks.iter().map(|c| c.buffers.bytes()).sum();
         let params = self.params.iter().chain(&self.turned_params);
         let rest: u64 = self.bands.iter().chain(params).chain([&self.shared]).map(Buffers::bytes).sum();
-        chunks + rest + self.turns.as_ref().map_or(0, Turns::bytes)
+        chunks + rest + self.turns.as_ref().map_or(0, BounceTables::bytes)
     }
 }
 

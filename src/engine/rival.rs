@@ -125,7 +125,7 @@ impl Choice {
     /// [`Error::Input`] where it cannot show them, with the reason.
     pub fn make(&self, gpu: &Gpu, scene: &Scene, setup: Setup) -> Result<Box<dyn Rival>> {
         let name = self.technique.name;
-        if setup.variant.turns_rays() {
+        if setup.variant.bounces_rays() {
             return Err(Error::input(format!(
                 "{name} does not follow rays that are turned; give the camera an atlas, or use --engine compute"
             )));

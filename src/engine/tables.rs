@@ -2,10 +2,10 @@
 //! of the scene.
 
 use super::Capacities;
-use super::passes::Pass;
+use super::bounces::Bounce;
 use crate::camera::Camera;
 use crate::camera::optics::{Branch, Law, Optics, Surface, Turn};
-use crate::engine::plan::hierarchy::Words;
+use crate::engine::plan::hierarchy::RawFrame;
 use crate::engine::plan::nodes::Level;
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::{Band, Plan};
@@ -113,7 +113,7 @@ fn style_row(style: &Style) -> layout::Style {
 #[derive(Debug, Clone, Copy)]
 pub struct Hidden<'a> {
     pub kind: LightsKind,
-    pub by: Option<&'a Words>,
+    pub by: Option<&'a RawFrame>,
 }
 
 impl Hidden<'_> {
@@ -210,7 +210,7 @@ pub fn turned(own: layout::Params) -> layout::Params {
 }
 
 /// The optics for a pass, in the scene with their facets.
-pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass: &Pass) -> layout::Optic {
+pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass: &Bounce) -> layout::Optic {
     let (law, eye) = match optics.surface {
         Surface::Facets { law: Law::Flat { eye }, .. } => (LAW_FLAT, eye - plan.anchor),
         _ => (LAW_NORMALS, DVec3::ZERO),
@@ -228,9 +228,9 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
         eye_lo,
         count: optics.surface_count() as u32,
         tint: optics.tint,
-        turns: pass.turns,
+        turns: pass.count,
         base: optics.base,
-        ends: (pass.turns == optics.depth && optics.atlas.is_none()) as u32,
+        ends: (pass.count == optics.depth && optics.atlas.is_none()) as u32,
         middle: (plan.middle - plan.anchor).as_vec3().to_array(),
         law,
         ior_hi,

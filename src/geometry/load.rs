@@ -85,7 +85,7 @@ pub(crate) fn load_unplaced(spec: &MeshSpec, images: &mut Images) -> Result<Mesh
 }
 
 /// Gives objects different names: of those with one name, all but the first get the least number that makes it unique, as in `box.2`.
-pub(crate) fn named_apart(objects: impl Iterator<Item = Object>) -> Vec<Object> {
+pub(crate) fn with_unique_names(objects: impl Iterator<Item = Object>) -> Vec<Object> {
     let mut taken = HashSet::new();
     // the last number given to each name: smaller ones are taken
     let mut numbers: HashMap<String, usize> = HashMap::new();

@@ -54,7 +54,7 @@ pub struct Variant {
     /// Images lie on triangles, or their texture coordinates are asked for.
     pub textured: bool,
     /// These images cut holes into triangles.
-    pub cut: bool,
+    pub masked: bool,
     /// Some material is not matte.
     pub glossy: bool,
     /// Light comes from all around by an image of it.
@@ -67,7 +67,7 @@ pub struct Variant {
     /// A mirror or a lens turns rays.
     pub optics: Option<OpticsKind>,
     /// The rays are those that it turned, and start on it.
-    pub turned: bool,
+    pub bounced: bool,
     /// Samples of a pixel that holds an edge, 32 at most; 1: its centre alone, and no pixel is looked at for edges.
     pub samples: u32,
     /// Of such a pixel triangles have shares by their areas, not by their samples' number.
@@ -135,7 +135,7 @@ mod optics;
 mod samples;
 mod surfaces;
 pub use optics::{OpticsKind, bounce, fit, meet, paste};
-pub use samples::{edges, edges_by_tile, resolve, sample, sample_by_tile, recheck_samples};
+pub use samples::{edges, edges_by_tile, recheck_samples, resolve, sample, sample_by_tile};
 use surfaces::plane_constants;
 pub use surfaces::{mip, outline, shade, write_srgb};
 
@@ -190,14 +190,14 @@ impl Variant {
         all_uncertain: false,
         normals: false,
         textured: false,
-        cut: false,
+        masked: false,
         glossy: false,
         sky: false,
         lights: LightsKind::Plain,
         styled: false,
         outlined: false,
         optics: None,
-        turned: false,
+        bounced: false,
         samples: 1,
         analytic: false,
     };
@@ -235,16 +235,16 @@ impl Variant {
             }
             if textured {
                 let kinds = [RaysKind::Pieces, RaysKind::Field, RaysKind::Curves { degree: 3 }];
-                list.extend(kinds.map(|rays| Variant { cut: true, ..variant(rays, false, None) }));
-                let slabbed = Variant { cut: true, ..variant(RaysKind::Pieces, true, None) };
-                let seen = Variant { cut: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
-                list.extend([slabbed, seen, seen.after_turn()]);
+                list.extend(kinds.map(|rays| Variant { masked: true, ..variant(rays, false, None) }));
+                let slabbed = Variant { masked: true, ..variant(RaysKind::Pieces, true, None) };
+                let seen = Variant { masked: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
+                list.extend([slabbed, seen, seen.after_bounce()]);
             }
             list.push(Variant { lights: LightsKind::Placed, ..variant(RaysKind::Pieces, false, None) });
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
                 list.extend(seen);
-                list.extend(seen[0].turns_rays().then(|| seen[0].after_turn()));
+                list.extend(seen[0].bounces_rays().then(|| seen[0].after_bounce()));
             }
         }
         list
@@ -257,7 +257,7 @@ impl Variant {
 
     /// The same, with `raster` tile by tile where there is that.
     pub fn with_tiles(self) -> Variant {
-        let by_tile = self.f64 && self.atomics64 && !self.all_uncertain && self.rechecks() && !self.cut;
+        let by_tile = self.f64 && self.atomics64 && !self.all_uncertain && self.rechecks() && !self.masked;
         Variant { by_tile, ..self }
     }
 
@@ -470,8 +470,8 @@ fn optic() -> Binding {
     uniform("optic", "Optic")
 }
 
-fn ways() -> Binding {
-    read("ways", "array<Way>")
+fn paths() -> Binding {
+    read("paths", "array<PathState>")
 }
 
 fn counters() -> Binding {
@@ -610,8 +610,8 @@ fn raster_by_tile(variant: Variant) -> Kernel {
             snippets!("camera/piece.wgsl", "camera/pieces_column.wgsl")
         }
     };
-    if variant.turned {
-        bindings.extend([optic(), ways()]);
+    if variant.bounced {
+        bindings.extend([optic(), paths()]);
     }
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
     let own = [
@@ -679,10 +679,10 @@ fn into_visibility(name: &'static str, variant: Variant, own: &[Parts]) -> Kerne
     ];
     bindings.extend(variant.rays());
     bindings.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
-    if variant.turned {
-        bindings.extend([optic(), ways()]);
+    if variant.bounced {
+        bindings.extend([optic(), paths()]);
     }
-    if variant.cut {
+    if variant.masked {
         bindings.extend([read("surfaces", "array<vec4<u32>>"), read("materials", "array<Material>")]);
         bindings.extend(variant.pages());
     }
@@ -731,8 +731,8 @@ pub fn gather(variant: Variant, planes: &[Channel]) -> Kernel {
     // of keys the ids alone are read
     let snippets = [PARAMS, ITEMS, SLABS, REAL_F32, KEY, SHADING, CAUSTICS, snippets!("gather.wgsl")];
     let seen: &[Parts] = if variant.optics.is_some() {
-        bindings.extend([optic(), ways()]);
-        &[OPTICS_ROWS, snippets!("caustics/turned.wgsl")]
+        bindings.extend([optic(), paths()]);
+        &[OPTICS_ROWS, snippets!("caustics/bounced.wgsl")]
     } else {
         &[snippets!("caustics/plain.wgsl")]
     };
@@ -757,7 +757,7 @@ pub fn all(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
             all.extend([edges_by_tile(variant), sample_by_tile(variant), recheck_samples(variant)]);
         }
     }
-    if variant.turns_rays() {
+    if variant.bounces_rays() {
         all.extend([bounce(variant), fit(variant)]);
     }
     if variant.meets() {

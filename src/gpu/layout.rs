@@ -313,7 +313,7 @@ pub struct AtlasLayout {
 /// What lies behind a pixel's ray, see the WGSL.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Way {
+pub struct PathState {
     pub light: [f32; 3],
     pub length: f32,
     pub first: u32,

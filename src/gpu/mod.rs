@@ -5,8 +5,8 @@ pub mod buffers;
 mod compile;
 pub mod device;
 pub mod kernels;
-pub mod recorder;
 pub mod layout;
+pub mod recorder;
 pub mod soft_f64;
 
 pub use device::{Gpu, GpuOptions};

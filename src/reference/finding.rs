@@ -48,7 +48,7 @@ impl Reference<'_> {
     /// Judges pixel `(i, j)`, whose path is `path`; with optics, that of its first ray.
     pub fn finding(&self, camera: &Camera, path: &Path, (i, j): (u32, u32)) -> Finding {
         match &camera.optics {
-            Some(optics) => self.finding_of_turns(camera, optics, (i, j)),
+            Some(optics) => self.finding_of_bounces(camera, optics, (i, j)),
             None if camera.is_curved() => self.sampled(camera, path, (i, j)),
             None => self.proven(camera, path, (i, j)),
         }

@@ -127,8 +127,7 @@ pub fn unfold(variant: Variant) -> Kernel {
 /// Triangles into the texture S, `samples` texels a side each.
 pub fn splat_project(samples: u32) -> Kernel {
     let more = [uniform("splat", "Splat")];
-    let mut kernel =
-        pieces_draw("splat_project", 1, &more, &[CELLS, PROJECT, snippets!("rivals/splat_project.wgsl")]);
+    let mut kernel = pieces_draw("splat_project", 1, &more, &[CELLS, PROJECT, snippets!("rivals/splat_project.wgsl")]);
     kernel.constants.push(("SAMPLES", f64::from(samples)));
     kernel
 }

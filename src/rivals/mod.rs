@@ -7,9 +7,9 @@
 mod cubemap;
 mod draw;
 pub mod kernels;
+pub mod layout;
 mod outline;
 mod replicated;
-pub mod layout;
 mod splat;
 mod through_pieces;
 mod trace;

@@ -4,8 +4,8 @@
 //! cone that the triangle is not in. The cameras of a graph camera (Popescu et al., section 2) are such pieces.
 
 use super::draw::{Draw, Easel};
-use super::outline;
 use super::layout::Cone;
+use super::outline;
 use super::{kernels, with};
 use crate::camera::bundle::Bundle;
 use crate::camera::pieces::{Piece, Pieces};

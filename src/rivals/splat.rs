@@ -3,8 +3,8 @@
 //! each GLC as in the paper, or for as many as fit S.
 
 use super::draw::{Draw, Easel, texture};
-use super::outline;
 use super::layout::Splat;
+use super::outline;
 use super::{kernels, with};
 use crate::engine::rival::{ChunkScopes, Rival, Setup, Target};
 use crate::gpu::Gpu;

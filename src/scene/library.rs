@@ -4,9 +4,9 @@ use super::Scene;
 use super::file::{SceneFile, SkySpec};
 use super::sky::Sky;
 use crate::camera::Camera;
-use crate::camera::recipe::Looked;
+use crate::camera::recipe::SceneUse;
 use crate::camera::spec::CameraSpec;
-use crate::geometry::load::{Object, load_unplaced, named_apart, placed};
+use crate::geometry::load::{Object, load_unplaced, placed, with_unique_names};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::place;
 use crate::geometry::spec::MeshSpec;
@@ -42,7 +42,7 @@ type CameraKey = (CameraSpec, Option<(u32, u32)>);
 
 /// What a camera was built for.
 struct Around {
-    looked: Looked,
+    looked: SceneUse,
     mesh: Arc<Mesh>,
 }
 
@@ -130,7 +130,7 @@ impl Library {
             || {
                 let placed = file.meshes.iter().map(|m| self.placed(m, &mut images)).collect::<Result<Vec<_>>>()?;
                 let (meshes, objects): (Vec<Mesh>, Vec<Vec<Object>>) = placed.into_iter().unzip();
-                let objects = named_apart(objects.into_iter().flatten());
+                let objects = with_unique_names(objects.into_iter().flatten());
                 let mut mesh = place::merge(meshes)?;
                 let mut known = HashSet::new();
                 mesh.missing.retain(|missing| known.insert(missing.what.clone()));
@@ -180,9 +180,9 @@ impl Library {
     pub fn camera(&self, scene: &Scene, size: Option<(u32, u32)>) -> Result<Arc<Camera>> {
         let key = (scene.camera.clone(), size.or(scene.size));
         let suits = |(_, around): &(Arc<Camera>, Around)| match around.looked {
-            Looked::Nowhere => true,
-            Looked::AtBounds => around.mesh.bounds() == scene.mesh.bounds(),
-            Looked::AtMesh => Arc::ptr_eq(&around.mesh, &scene.mesh),
+            SceneUse::Nothing => true,
+            SceneUse::Bounds => around.mesh.bounds() == scene.mesh.bounds(),
+            SceneUse::Mesh => Arc::ptr_eq(&around.mesh, &scene.mesh),
         };
         let make = || {
             let camera = Camera::in_scene(&key.0, key.1, &scene.mesh)?;
@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn many_meshes_of_one_name_are_named_in_linear_time() {
         let names = ["box.3", "box"].into_iter().chain(std::iter::repeat_n("box", 200_000));
-        let objects = named_apart(names.map(|name| Object { name: name.into(), triangles: 0 }));
+        let objects = with_unique_names(names.map(|name| Object { name: name.into(), triangles: 0 }));
         let first: Vec<&str> = objects.iter().take(5).map(|o| o.name.as_str()).collect();
         assert_eq!(first, ["box.3", "box", "box.2", "box.4", "box.5"]);
         assert_eq!(objects[200_001].name, "box.200002");

@@ -1,7 +1,7 @@
 //! The first root of a function along a ray, and how far a kernel's may be from it: the kernel's own function is another one,
 //! never farther from this than its error. Its first root lies where this one is no larger than that.
 
-use super::near::Near;
+use super::bounded::Bounded;
 use super::smooth::Root;
 
 /// A function of s along a ray.
@@ -13,7 +13,7 @@ pub struct Along<F> {
     /// What a kernel's value may lose: that much, and that much times s.
     pub error: [f64; 2],
     /// From where to where it is followed.
-    pub span: [Near; 2],
+    pub span: [Bounded; 2],
     /// Steps of a kernel at most.
     pub most: u32,
 }

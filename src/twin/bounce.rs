@@ -1,20 +1,20 @@
 //! bounce in f64: the ray that goes on from where a pixel's ray meets the optics.
 
-use super::near::{Near, Near3};
+use super::bounded::{Bounded, Near3};
 use super::raster::Visibility;
 use super::smooth::Part;
 use super::turn::{Turned, at_facet};
 use super::{Input, Real};
 use crate::engine::plan::curves::RayTable;
 use crate::engine::surface::SurfaceRows;
-use crate::gpu::layout::{NONE, Way, split2};
+use crate::gpu::layout::{NONE, PathState, split2};
 use rayon::prelude::*;
 
 /// A ray that was turned, and what lies behind it.
 #[derive(Debug, Clone, Copy)]
 pub struct Bounced {
     pub turned: Turned,
-    pub way: Way,
+    pub way: PathState,
     /// How far the way's length may be off.
     pub length_error: f64,
 }
@@ -46,11 +46,11 @@ fn bounce_pixel(input: &Input, key: u64, pixel: u32, real: Real) -> Option<Bounc
     };
     let size = turned.d.value().length_squared();
     if !(size > 0.0 && size < SIZE_MAX) {
-        turned.d = Near3([Near::exact(0.0, real); 3]);
+        turned.d = Near3([Bounded::exact(0.0, real); 3]);
     }
-    let before = Near::exact(f64::from(way.length), real);
+    let before = Bounded::exact(f64::from(way.length), real);
     let length = before + (turned.place - ray.p).norm();
-    let way = Way {
+    let way = PathState {
         light: [0, 1, 2].map(|k| way.light[k] * optic.tint[k] * optic.scale * turned.share.v as f32),
         length: length.v as f32,
         first: if way.first == NONE { surface } else { way.first },

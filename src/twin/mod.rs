@@ -9,6 +9,7 @@
 pub mod along;
 pub mod bin;
 pub mod bounce;
+pub mod bounded;
 pub mod cull;
 pub mod curve;
 pub mod deposit;
@@ -17,7 +18,6 @@ pub mod fit;
 pub mod gather;
 pub mod key;
 pub mod meet;
-pub mod near;
 pub mod optics;
 pub mod quadric;
 pub mod raster;

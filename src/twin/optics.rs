@@ -4,12 +4,12 @@ use super::bounce::{bounce, table};
 use super::raster::Visibility;
 use super::{Input, Real};
 use crate::camera::Camera;
-use crate::engine::passes::passes;
+use crate::engine::bounces::bounces;
 use crate::engine::plan::Plan;
 use crate::engine::plan::curves::RayTable;
 use crate::engine::surface::SurfaceRows;
 use crate::engine::tables;
-use crate::gpu::layout::{Cell, NONE, Node, Optic, Way};
+use crate::gpu::layout::{Cell, NONE, Node, Optic, PathState};
 use crate::scene::Scene;
 
 /// What kernels of one pass read beside the rest.
@@ -19,7 +19,7 @@ pub struct OpticsInput<'a> {
     /// That of the pass behind it.
     pub next: Option<Optic>,
     /// One a pixel of the band.
-    pub ways: &'a [Way],
+    pub ways: &'a [PathState],
     pub surface: &'a SurfaceRows,
 }
 
@@ -55,7 +55,7 @@ impl OpticsInput<'_> {
 
 impl Input<'_> {
     /// No ray of this pass meets the triangle.
-    pub fn is_apart(&self, id: u32) -> bool {
+    pub fn is_excluded(&self, id: u32) -> bool {
         self.optics.is_some_and(|o| id >= o.optic.first_id && !o.is_seen())
     }
 
@@ -101,14 +101,14 @@ pub struct Optics {
     passes: Vec<Optic>,
     surface: SurfaceRows,
     /// Ways of rays that were not turned.
-    untouched: Vec<Way>,
+    untouched: Vec<PathState>,
 }
 
 /// Rays of a band after a turn or more.
 pub struct Turn {
     pub turns: u32,
     pub rays: RayTable,
-    pub ways: Vec<Way>,
+    pub ways: Vec<PathState>,
     pub nodes: Vec<Node>,
     pub tile_start: Vec<u32>,
     pub cells: Vec<Cell>,
@@ -119,10 +119,10 @@ impl Optics {
     pub fn new(scene: &Scene, camera: &Camera, plan: &Plan) -> Option<Optics> {
         let optics = &crate::camera::optics::Optics { atlas: None, ..camera.optics.as_deref()?.clone() };
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0);
-        let nothing = Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
+        let nothing = PathState { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
         Some(Optics {
             depth: optics.depth,
-            passes: passes(Some(optics))
+            passes: bounces(Some(optics))
                 .iter()
                 .filter(|p| p.is_main)
                 .map(|p| tables::optic(scene, camera, optics, plan, p))
@@ -145,7 +145,7 @@ impl Turn {
     pub fn new(input: &Input, visibility: &Visibility, real: Real) -> Turn {
         let bounced = bounce(input, visibility, real);
         let tiles = input.params.tiles_x * input.params.tiles_y;
-        let nowhere = Way { first: NONE, last: NONE, ..bytemuck::Zeroable::zeroed() };
+        let nowhere = PathState { first: NONE, last: NONE, ..bytemuck::Zeroable::zeroed() };
         Turn {
             turns: input.optics.map_or(0, |o| o.optic.turns) + 1,
             rays: table(input, &bounced),

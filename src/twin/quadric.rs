@@ -1,7 +1,7 @@
 //! Where rays meet quadrics, with bounds on what a kernel may find.
 
 use super::Real;
-use super::near::{Judged, Near, Near3};
+use super::bounded::{Bounded, Judged, Near3};
 use super::smooth::Root;
 use super::turn::NearRay;
 use crate::gpu::layout::Quadric;
@@ -17,15 +17,15 @@ struct Terms {
     /// yz, xz, xy.
     beside: Near3,
     b: Near3,
-    c: Near,
+    c: Bounded,
     axis: Near3,
-    heights: [Near; 2],
-    rim2: Near,
+    heights: [Bounded; 2],
+    rim2: Bounded,
 }
 
 impl Terms {
     fn new(q: &Quadric, real: Real) -> Terms {
-        let (v, s) = (|hi, lo| Near3::pair(hi, lo, real), |hi, lo| Near::pair(hi, lo, real));
+        let (v, s) = (|hi, lo| Near3::pair(hi, lo, real), |hi, lo| Bounded::pair(hi, lo, real));
         Terms {
             centre: v(q.centre_hi, q.centre_lo),
             diagonal: v(q.diagonal_hi, q.diagonal_lo),
@@ -50,7 +50,7 @@ impl Terms {
     }
 
     /// The part of the surface at `v` from the centre is there, its height known up to `lost`.
-    fn holds(&self, v: Near3, lost: Near) -> Judged {
+    fn holds(&self, v: Near3, lost: Bounded) -> Judged {
         let z = v.dot(self.axis);
         let away = v - self.axis * z;
         let within = (self.heights[0] - lost).at_most(z).and(z.at_most(self.heights[1] + lost));
@@ -59,9 +59,9 @@ impl Terms {
 }
 
 /// Where the ray first meets the quadric at a t in range; of a ray that starts on it, the other place.
-pub fn first_root(q: &Quadric, ray: &NearRay, starts: bool, [t_min, t_max]: [Near; 2], real: Real) -> Root {
+pub fn first_root(q: &Quadric, ray: &NearRay, starts: bool, [t_min, t_max]: [Bounded; 2], real: Real) -> Root {
     let terms = Terms::new(q, real);
-    let zero = Near::exact(0.0, real);
+    let zero = Bounded::exact(0.0, real);
     let v = ray.p - terms.centre;
     let n = terms.normal(v);
     let a = ray.d.dot(terms.times(ray.d));
@@ -73,20 +73,20 @@ pub fn first_root(q: &Quadric, ray: &NearRay, starts: bool, [t_min, t_max]: [Nea
     let far = if b.v < 0.0 { root - b } else { -root - b };
     let list = if starts { vec![-(b + b) / a] } else { vec![far / a, c / far] };
     let real_roots = if starts { Judged { yes: true, sure: true } } else { zero.at_most(square) };
-    let judge = |t: Near| {
+    let judge = |t: Bounded| {
         let in_range = t_min.at_most(t).and(t.at_most(t_max));
-        let lost = Near::exact(HEIGHT_UNITS * real.unit() * (v.size() + t.v.abs() * ray.d.size()), real);
+        let lost = Bounded::exact(HEIGHT_UNITS * real.unit() * (v.size() + t.v.abs() * ray.d.size()), real);
         (t, real_roots.and(in_range).and(terms.holds(v + ray.d * t, lost)))
     };
     first(list.into_iter().map(judge).filter(|(_, there)| !there.surely_not()).collect())
 }
 
 /// The first of the roots that are there.
-fn first(roots: Vec<(Near, Judged)>) -> Root {
+fn first(roots: Vec<(Bounded, Judged)>) -> Root {
     let there = roots.iter().filter(|r| r.1.yes).map(|r| r.0);
     let t = there.reduce(|a, b| if b.v < a.v { b } else { a });
     // another one that is not surely behind it
-    let behind = |r: &Near, t: &Near| r.v - r.e > t.v + t.e;
+    let behind = |r: &Bounded, t: &Bounded| r.v - r.e > t.v + t.e;
     let uncertain = match &t {
         Some(t) => roots.iter().any(|(r, there)| if r == t { !there.sure } else { !behind(r, t) }),
         None => !roots.is_empty(),

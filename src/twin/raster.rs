@@ -200,7 +200,7 @@ pub fn raster(input: &Input, pairs: &[[u32; 2]], real: Real, visibility: &mut Vi
 fn test_pair(input: &Input, pair: [u32; 2], real: Real) -> Vec<(usize, u32, Tested)> {
     let pair = bin::Pair::unpack(pair);
     let corners = input.corners(pair.slot);
-    if input.is_apart(corners.id) {
+    if input.is_excluded(corners.id) {
         return Vec::new();
     }
     let tile = pair.tile as usize;

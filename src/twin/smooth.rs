@@ -1,6 +1,6 @@
 //! Where rays meet smooth surfaces and how they are turned there, with bounds on what a kernel may find.
 
-use super::near::{Near, Near3};
+use super::bounded::{Bounded, Near3};
 use super::turn::{Bent, NearRay, Turned, bent_at};
 use super::{Real, quadric, torus, wave};
 use crate::engine::surface::SurfaceRows;
@@ -9,7 +9,7 @@ use crate::gpu::layout::{Optic, Params};
 /// Where a ray first meets a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct Root {
-    pub t: Option<Near>,
+    pub t: Option<Bounded>,
     /// Another correct evaluation finds none, or finds one, where this one does not; or another root.
     pub uncertain: bool,
 }
@@ -28,8 +28,8 @@ pub struct Part<'a> {
 impl Part<'_> {
     /// Where the ray first meets it at a t in range; of a ray that starts on it, another place.
     pub fn first_root(&self, ray: &NearRay, starts: bool, params: &Params, real: Real) -> Root {
-        let zero = Near::exact(0.0, real);
-        let end = |t: [f32; 4]| t.iter().fold(zero, |sum, part| sum + Near::exact(f64::from(*part), real));
+        let zero = Bounded::exact(0.0, real);
+        let end = |t: [f32; 4]| t.iter().fold(zero, |sum, part| sum + Bounded::exact(f64::from(*part), real));
         let range = [end(params.t_min), end(params.t_max)];
         match self.rows {
             SurfaceRows::Corners(_) => Root::NONE,
@@ -53,7 +53,7 @@ impl Part<'_> {
     /// The turn of a ray where it meets it.
     pub fn turn(&self, optic: &Optic, ray: &NearRay, starts: bool, params: &Params, real: Real) -> Turned {
         let root = self.first_root(ray, starts, params, real);
-        let t = root.t.filter(|_| !root.uncertain).unwrap_or(Near::exact(0.0, real).lost());
+        let t = root.t.filter(|_| !root.uncertain).unwrap_or(Bounded::exact(0.0, real).lost());
         let place = ray.p + ray.d * t;
         let normal = self.normal(place, real);
         let Bent { d, share, .. } = bent_at(optic, ray.d.unit(), normal, normal, real);

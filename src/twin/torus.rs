@@ -2,7 +2,7 @@
 
 use super::Real;
 use super::along::Along;
-use super::near::{Near, Near3};
+use super::bounded::{Bounded, Near3};
 use super::smooth::Root;
 use super::turn::NearRay;
 use crate::gpu::layout::Torus;
@@ -19,14 +19,14 @@ const HORNER_UNITS: f64 = 8.0;
 /// A torus's row, its pairs summed up.
 struct Terms {
     centre: Near3,
-    size: Near,
+    size: Bounded,
     axis: Near3,
-    ring: Near,
+    ring: Bounded,
 }
 
 impl Terms {
     fn new(g: &Torus, real: Real) -> Terms {
-        let (v, s) = (|hi, lo| Near3::pair(hi, lo, real), |hi, lo| Near::pair(hi, lo, real));
+        let (v, s) = (|hi, lo| Near3::pair(hi, lo, real), |hi, lo| Bounded::pair(hi, lo, real));
         Terms {
             centre: v(g.centre_hi, g.centre_lo),
             size: s(g.size_hi, g.size_lo),
@@ -37,8 +37,8 @@ impl Terms {
 }
 
 /// Where the ray first meets the torus at a t in range; of a ray that starts on it, the next place.
-pub fn first_root(row: &Torus, ray: &NearRay, starts: bool, [t_min, t_max]: [Near; 2], real: Real) -> Root {
-    let number = |v: f64| Near::exact(v, real);
+pub fn first_root(row: &Torus, ray: &NearRay, starts: bool, [t_min, t_max]: [Bounded; 2], real: Real) -> Root {
+    let number = |v: f64| Bounded::exact(v, real);
     let g = Terms::new(row, real);
     let o = ray.p - g.centre;
     // a place on the ray, and a scale; those of another kernel are others of the same ray
@@ -69,7 +69,7 @@ pub fn first_root(row: &Torus, ray: &NearRay, starts: bool, [t_min, t_max]: [Nea
 
     // a value's terms are no larger than at the farther end
     let reach = from.v.abs().max(to.v.abs());
-    let loss = |c: Near| c.e + HORNER_UNITS * c.unit() * c.v.abs();
+    let loss = |c: Bounded| c.e + HORNER_UNITS * c.unit() * c.v.abs();
     let beyond = loss(c1) + reach * (loss(c2) + reach * (loss(c3) + reach * HORNER_UNITS * one.unit()));
     let error = if starts { [0.0, beyond] } else { [loss(c0) + reach * beyond, 0.0] };
     let function = |s: f64| {
@@ -85,5 +85,5 @@ pub fn normal(row: &Torus, place: Near3, real: Real) -> Near3 {
     let g = Terms::new(row, real);
     let q = (place - g.centre) / g.size;
     let away = q - g.axis * q.dot(g.axis);
-    q * (q.dot(q) + g.ring + g.ring - Near::exact(1.0, real)) - away * ((g.ring + g.ring) * g.ring)
+    q * (q.dot(q) + g.ring + g.ring - Bounded::exact(1.0, real)) - away * ((g.ring + g.ring) * g.ring)
 }

@@ -1,7 +1,7 @@
 //! What a surface makes of a ray, with bounds on what a kernel may make of it: facets here, smooth surfaces in
 //! [`super::smooth`].
 
-use super::near::{Judged, Near, Near3};
+use super::bounded::{Bounded, Judged, Near3};
 use super::{Input, Real};
 use crate::camera::optics::FLAT_LEAST;
 use crate::gpu::kernels::RaysKind;
@@ -19,7 +19,7 @@ pub struct NearRay {
 pub struct Turned {
     pub place: Near3,
     pub d: Near3,
-    pub share: Near,
+    pub share: Bounded,
 }
 
 impl Input<'_> {
@@ -32,15 +32,15 @@ impl Input<'_> {
             return (three(&table.hi, 3) != [0.0; 3]).then(|| NearRay { p: v(0), d: v(3) });
         }
         let q = self.pieces[self.cells[self.pixel_cell(0, x, y)? as usize].piece as usize];
-        let exact = |v: f64| Near::exact(v, real);
+        let exact = |v: f64| Bounded::exact(v, real);
         let x = exact(f64::from(x) - f64::from(q.origin_x));
         let y = exact(f64::from(y) - f64::from(q.origin_y));
         let v = |hi, lo| Near3::pair(hi, lo, real);
         let p = v(q.p_hi, q.p_lo) + v(q.px_hi, q.px_lo) * x + v(q.py_hi, q.py_lo) * y;
         let d = v(q.d_hi, q.d_lo) + v(q.dx_hi, q.dx_lo) * x + v(q.dy_hi, q.dy_lo) * y;
-        let h = Near::pair(q.h_hi, q.h_lo, real)
-            + Near::pair(q.hx_hi, q.hx_lo, real) * x
-            + Near::pair(q.hy_hi, q.hy_lo, real) * y;
+        let h = Bounded::pair(q.h_hi, q.h_lo, real)
+            + Bounded::pair(q.hx_hi, q.hx_lo, real) * x
+            + Bounded::pair(q.hy_hi, q.hy_lo, real) * y;
         Some(NearRay { p: p / h, d: d / h })
     }
 }
@@ -49,22 +49,22 @@ impl Input<'_> {
 #[derive(Debug, Clone, Copy)]
 pub struct Bent {
     pub d: Near3,
-    pub share: Near,
+    pub share: Bounded,
     /// It was refracted to the other side of the surface.
     passes: bool,
 }
 
 /// A unit normal tilted in its tangent plane, in the frame of Duff et al. 2017.
 fn tilted(optic: &Optic, n: Near3, real: Real) -> Near3 {
-    let x = Near::pair(optic.tilt_x_hi, optic.tilt_x_lo, real);
-    let y = Near::pair(optic.tilt_y_hi, optic.tilt_y_lo, real);
+    let x = Bounded::pair(optic.tilt_x_hi, optic.tilt_x_lo, real);
+    let y = Bounded::pair(optic.tilt_y_hi, optic.tilt_y_lo, real);
     if x.v == 0.0 && y.v == 0.0 {
         return n;
     }
     let [nx, ny, nz] = n.0;
     let below = nz.is_negative();
-    let side = Near::exact(if below.yes { -1.0 } else { 1.0 }, real);
-    let one = Near::exact(1.0, real);
+    let side = Bounded::exact(if below.yes { -1.0 } else { 1.0 }, real);
+    let one = Bounded::exact(1.0, real);
     let a = -one / (side + nz);
     let b = nx * ny * a;
     let e1 = Near3([one + side * nx * nx * a, side * b, -side * nx]);
@@ -76,14 +76,14 @@ fn tilted(optic: &Optic, n: Near3, real: Real) -> Near3 {
 /// The unit direction `d` after a surface with this normal, of any length; `outside` says which side is met: Snell's law,
 /// and total reflection where that has no answer. Lost where rounding decides which of them.
 pub fn bent(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Real) -> Bent {
-    let one = Near::exact(1.0, real);
+    let one = Bounded::exact(1.0, real);
     let n = tilted(optic, normal.unit(), real);
     let along = d.dot(n);
     let reflected = d - n * (along + along);
     if optic.ior_hi == 0.0 {
         return Bent { d: reflected, share: one, passes: false };
     }
-    let ior = Near::pair(optic.ior_hi, optic.ior_lo, real);
+    let ior = Bounded::pair(optic.ior_hi, optic.ior_lo, real);
     let enters = d.dot(outside).is_negative();
     let faces = along.is_negative();
     let eta = if enters.yes { one / ior } else { ior };
@@ -92,7 +92,7 @@ pub fn bent(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Real) 
     let square = one - eta * eta * (one - cosine * cosine);
     let total = square.is_negative();
     let is_main = optic.branch == 0;
-    let nothing = Near::exact(0.0, real);
+    let nothing = Bounded::exact(0.0, real);
     let bent = if total.yes {
         let (d, share) = if is_main { (reflected, one) } else { (Near3([nothing; 3]), nothing) };
         Bent { d, share, passes: false }
@@ -149,10 +149,10 @@ pub fn at_facet(optic: &Optic, corners: &[Corner], ray: &NearRay, real: Real) ->
     let d = bent.map(|b| b.d);
     let share = bent[0].share * w[0] + bent[1].share * w[1] + bent[2].share * w[2];
     let heights = d.map(|d| d.dot(outside.unit()));
-    let least = Near::exact(FLAT_LEAST, real);
-    let all = |leaves: &dyn Fn(Near) -> Judged| leaves(heights[0]).and(leaves(heights[1])).and(leaves(heights[2]));
+    let least = Bounded::exact(FLAT_LEAST, real);
+    let all = |leaves: &dyn Fn(Bounded) -> Judged| leaves(heights[0]).and(leaves(heights[1])).and(leaves(heights[2]));
     let (up, down) = (all(&|h| least.at_most(h)), all(&|h| h.at_most(-least)));
-    let one = Near::exact(1.0, real);
+    let one = Bounded::exact(1.0, real);
     let scaled = if up.yes || down.yes { [0, 1, 2].map(|k| d[k] * (one / heights[k].abs())) } else { d };
     let mixed = Near3::mixed(w, scaled);
     Turned { place, d: if up.sure && down.sure { mixed } else { mixed.lost() }, share }

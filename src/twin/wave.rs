@@ -2,7 +2,7 @@
 
 use super::Real;
 use super::along::Along;
-use super::near::{CIRCLE_UNITS, Near, Near3};
+use super::bounded::{Bounded, CIRCLE_UNITS, Near3};
 use super::smooth::Root;
 use super::turn::NearRay;
 use crate::gpu::layout::Wave;
@@ -18,14 +18,14 @@ pub const WAVE_STEPS: f64 = 64.0;
 /// A wave's row, its pairs summed up.
 struct Terms {
     centre: Near3,
-    half: Near,
-    amplitude: Near,
-    frequency: Near,
+    half: Bounded,
+    amplitude: Bounded,
+    frequency: Bounded,
 }
 
 impl Terms {
     fn new(w: &Wave, real: Real) -> Terms {
-        let pair = |hi, lo| Near::pair(hi, lo, real);
+        let pair = |hi, lo| Bounded::pair(hi, lo, real);
         Terms {
             centre: Near3::pair(w.centre_hi, w.centre_lo, real),
             half: pair(w.half_hi, w.half_lo),
@@ -36,11 +36,11 @@ impl Terms {
 }
 
 /// The part of a span in which p + t d is at most `half`.
-fn clipped(part: [Near; 2], p: Near, d: Near, half: Near) -> [Near; 2] {
+fn clipped(part: [Bounded; 2], p: Bounded, d: Bounded, half: Bounded) -> [Bounded; 2] {
     if d.v == 0.0 {
         let within = p.abs().at_most(half);
         let sure = within.sure && d.e == 0.0;
-        let end = if within.yes { part[1] } else { part[0] - Near::exact(1.0, Real::F64) };
+        let end = if within.yes { part[1] } else { part[0] - Bounded::exact(1.0, Real::F64) };
         return if sure { [part[0], end] } else { [part[0].lost(), end.lost()] };
     }
     let (a, b) = ((-half - p) / d, (half - p) / d);
@@ -48,8 +48,8 @@ fn clipped(part: [Near; 2], p: Near, d: Near, half: Near) -> [Near; 2] {
 }
 
 /// Where the ray first meets the wave at a t in range; of a ray that starts on it, the next place.
-pub fn first_root(row: &Wave, ray: &NearRay, starts: bool, range: [Near; 2], real: Real) -> Root {
-    let number = |v: f64| Near::exact(v, real);
+pub fn first_root(row: &Wave, ray: &NearRay, starts: bool, range: [Bounded; 2], real: Real) -> Root {
+    let number = |v: f64| Bounded::exact(v, real);
     let w = Terms::new(row, real);
     let o = ray.p - w.centre;
     let ([ox, oy, oz], [dx, dy, dz]) = (o.0, ray.d.0);
@@ -68,7 +68,7 @@ pub fn first_root(row: &Wave, ray: &NearRay, starts: bool, range: [Near; 2], rea
     let c = if starts { number(0.0) } else { y - w.amplitude * sine_x * sine_z };
     let function = |s: f64| {
         // a cosine's change over -2, and half of the sine behind it
-        let swing = |u: Near, ku: Near| {
+        let swing = |u: Bounded, ku: Bounded| {
             let ((m, _), (h, _)) = ((TAU * (u.v + 0.5 * ku.v * s)).sin_cos(), (PI * ku.v * s).sin_cos());
             (m * h, 0.5 * (TAU * (u.v + ku.v * s)).sin())
         };
@@ -90,7 +90,7 @@ pub fn first_root(row: &Wave, ray: &NearRay, starts: bool, range: [Near; 2], rea
 
     // what goes with s: the place in both waves, how fast these pass, and the products
     let unit = c.unit();
-    let swing_loss = |u: Near, ku: Near| {
+    let swing_loss = |u: Bounded, ku: Bounded| {
         let (speed, turns) = (PI * ku.v.abs(), u.v.abs() + ku.v.abs() * length.abs());
         speed * (TAU * u.e + unit * (3.0 * CIRCLE_UNITS + TAU * turns)) + PI * ku.e
     };
@@ -108,6 +108,6 @@ pub fn normal(row: &Wave, place: Near3, real: Real) -> Near3 {
     let w = Terms::new(row, real);
     let [x, _, z] = (place - w.centre).0;
     let ([cx, sx], [cz, sz]) = ((w.frequency * x).circle(), (w.frequency * z).circle());
-    let steep = Near::exact(-TAU, real) * w.frequency * w.amplitude;
-    Near3([steep * cx * sz, Near::exact(1.0, real), steep * sx * cz])
+    let steep = Bounded::exact(-TAU, real) * w.frequency * w.amplitude;
+    Near3([steep * cx * sz, Bounded::exact(1.0, real), steep * sx * cz])
 }

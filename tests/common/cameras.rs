@@ -8,7 +8,7 @@ use anamorph::camera::spec::CameraKind;
 use anamorph::camera::{Camera, Field, Rays};
 use glam::{DMat2, DVec2, DVec3};
 
-/// Near and far points of a GLC with the maps `a` and `b` from the image, [-1/2, 1/2]^2 with y up, to the planes
+/// Bounded and far points of a GLC with the maps `a` and `b` from the image, [-1/2, 1/2]^2 with y up, to the planes
 /// z = 2 and z = -2.
 pub fn two_plane(a: DMat2, b: DMat2) -> ([DVec3; 3], [DVec3; 3]) {
     let corners = [DVec2::new(-0.5, 0.5), DVec2::new(0.5, 0.5), DVec2::new(-0.5, -0.5)];

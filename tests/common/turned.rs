@@ -138,7 +138,7 @@ pub fn delicate() -> Vec<Case> {
 /// The kernels for the rays of an input.
 pub fn variant(case: &Case, input: &Input, real: Real, atomics64: bool) -> Variant {
     let first = case.variant(real, atomics64);
-    if turns(input) > 0 { first.after_turn() } else { first }
+    if turns(input) > 0 { first.after_bounce() } else { first }
 }
 
 /// How many turns lie behind the rays of an input.

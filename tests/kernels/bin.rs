@@ -99,8 +99,16 @@ fn assert_tasks(case: &Case, input: &Input, work: &[[u32; 2]], tasks: &[[u32; 2]
         for index in (8 * cluster..8 * cluster + 8).filter(|b| input.triangle_groups[*b as usize].count > 0) {
             let meets = |bound| node_meets(input, Address::unpack(node), &input.triangle_groups[index as usize], bound);
             let is_listed = listed.contains(&[index, node]);
-            assert!(is_listed || !meets(Bound::NEEDED), "{}: triangle_group {index}, node {node:x}: missing", case.name);
-            assert!(!is_listed || meets(Bound::ALLOWED), "{}: triangle_group {index}, node {node:x}: no ray near", case.name);
+            assert!(
+                is_listed || !meets(Bound::NEEDED),
+                "{}: triangle_group {index}, node {node:x}: missing",
+                case.name
+            );
+            assert!(
+                !is_listed || meets(Bound::ALLOWED),
+                "{}: triangle_group {index}, node {node:x}: no ray near",
+                case.name
+            );
             allowed.insert([index, node]);
         }
     }

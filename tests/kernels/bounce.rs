@@ -47,14 +47,14 @@ fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &Input, visibil
     buffers.upload(gpu, "visibility", &visibility.words).unwrap();
     buffers.upload(gpu, "turned_hi", &vec![POISON; numbers + SPARE]).unwrap();
     buffers.upload(gpu, "turned_lo", &vec![POISON; numbers + SPARE]).unwrap();
-    buffers.upload(gpu, "turned_ways", &vec![[POISON; 8]; w * h + SPARE]).unwrap();
+    buffers.upload(gpu, "bounced_paths", &vec![[POISON; 8]; w * h + SPARE]).unwrap();
     run(gpu, |pass| stages.bounce(gpu, pass, &[&buffers], (w * h) as u32));
     let words = |name: &str, from: usize| {
         let words = read(gpu, &buffers, name);
         assert_poisoned(&words, from, &format!("{}, {name}", case.name));
         words[..from].to_vec()
     };
-    let ways = words("turned_ways", 8 * w * h);
+    let ways = words("bounced_paths", 8 * w * h);
     let way = |k: usize| [0, 1, 2, 3, 4, 5, 6, 7].map(|i| ways[8 * k + i]);
     Left { hi: words("turned_hi", numbers), lo: words("turned_lo", numbers), ways: (0..w * h).map(way).collect() }
 }
@@ -240,7 +240,7 @@ fn the_kernel_has_the_rule_s_constant() {
 #[test]
 fn the_twin_turns_rays_by_the_law() {
     use anamorph::gpu::layout::{Corner, LAW_NORMALS, Optic};
-    use anamorph::twin::near::Near3;
+    use anamorph::twin::bounded::Near3;
     use anamorph::twin::turn::{NearRay, at_facet};
     let real = Real::F64;
     let v = |v: [f32; 3]| Near3::pair(v, [0.0; 3], real);

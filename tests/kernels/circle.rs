@@ -3,7 +3,7 @@
 use crate::stages::Bench;
 use anamorph::gpu::layout::split2;
 use anamorph::twin::Real;
-use anamorph::twin::near::CIRCLE_UNITS;
+use anamorph::twin::bounded::CIRCLE_UNITS;
 use std::f64::consts::TAU;
 
 /// Reads turns as pairs and writes cosine and sine, each as the exact sum of three f32.

@@ -28,7 +28,7 @@ struct Left {
 }
 
 fn run_kernel(bench: &mut Bench, case: &Case, input: &Input, levels: &[Level]) -> Left {
-    let (gpu, stages) = bench.stages(case.variant(Real::F32, false).after_turn(), &[]);
+    let (gpu, stages) = bench.stages(case.variant(Real::F32, false).after_bounce(), &[]);
     let mut buffers = upload(gpu, input);
     let count = levels.iter().map(|l| l.width * l.height).sum::<u32>() as usize;
     let node_words = size_of::<Node>() / 4;

@@ -6,7 +6,7 @@ use anamorph::engine::stage::gather::Gather;
 use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::{Buffers, read_words, readback};
 use anamorph::gpu::kernels::{OpticsKind, Variant};
-use anamorph::gpu::layout::{Landing, NONE, Optic, Params, Receiver, Way};
+use anamorph::gpu::layout::{Landing, NONE, Optic, Params, PathState, Receiver};
 use anamorph::image::frame::Channel;
 use anamorph::twin::gather::{gather, place, units};
 use bytemuck::Zeroable;
@@ -28,7 +28,7 @@ struct Case {
     receivers: Vec<Receiver>,
     sums: Vec<u32>,
     optic: Optic,
-    ways: Vec<Way>,
+    ways: Vec<PathState>,
 }
 
 fn variant(optics: bool) -> Variant {
@@ -64,7 +64,10 @@ fn case(rng: &mut Rng) -> Case {
         _ => [!((rng.word() as u32) << ID_BITS | rng.below(TRIANGLES + 10) as u32), rng.word() as u32],
     };
     let numbers = |rng: &mut Rng| (0..PIXELS).map(|_| (rng.unit() as f32).to_bits()).collect::<Vec<_>>();
-    let way = |rng: &mut Rng| Way { light: [rng.unit(), rng.unit(), rng.unit()].map(|l| l as f32), ..Way::zeroed() };
+    let way = |rng: &mut Rng| PathState {
+        light: [rng.unit(), rng.unit(), rng.unit()].map(|l| l as f32),
+        ..PathState::zeroed()
+    };
     Case {
         visibility: (0..PIXELS).flat_map(|_| key(rng)).collect(),
         planes: (0..PLANES.len()).flat_map(|_| numbers(rng)).collect(),

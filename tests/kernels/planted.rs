@@ -285,13 +285,7 @@ const PLANTED: [Planted; 29] = [
         Way::ByPair,
         no_holes_at_centres,
     ),
-    (
-        "recheck.wgsl",
-        "vec2<u32>(0u, item.y), (item.x",
-        "vec2<u32>(0u, 0u), (item.x",
-        Way::ByPair,
-        no_holes_at_centres,
-    ),
+    ("recheck.wgsl", "vec2<u32>(0u, item.y), (item.x", "vec2<u32>(0u, 0u), (item.x", Way::ByPair, no_holes_at_centres),
     (
         "certify.wgsl",
         "select(PROOF_CONTESTED, PROOF_SURE, is_found",

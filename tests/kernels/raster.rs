@@ -9,8 +9,8 @@ use anamorph::gpu::Gpu;
 use anamorph::gpu::buffers::Buffers;
 use anamorph::gpu::kernels::Variant;
 use anamorph::gpu::layout::{
-    COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_RECHECK_ITEMS, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED,
-    COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_RECHECKED, COUNTERS, Params,
+    COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS,
+    COUNT_PAIRS_KEPT, COUNT_RECHECK_ITEMS, COUNT_RECHECKED, COUNTERS, Params,
 };
 use anamorph::twin::bin::{Pair, bin};
 use anamorph::twin::cull::{Bound, cull};

@@ -1,5 +1,5 @@
 // Rows of cameras with a mirror or a lens; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
-// Provides: AtlasLayout, Corner, LAW_NORMALS, Optic, Quadric, Torus, Wave, Way
+// Provides: AtlasLayout, Corner, LAW_NORMALS, Optic, PathState, Quadric, Torus, Wave
 
 const LAW_NORMALS: u32 = 0u;   // rays are turned about the corners' normals, interpolated
 const LAW_FLAT: u32 = 1u;      // the corners' turned rays are interpolated
@@ -43,7 +43,7 @@ struct AtlasLayout {
 }
 
 // What lies behind a pixel's ray.
-struct Way {
+struct PathState {
     light: vec3<f32>,       // what is seen counts this much
     length: f32,            // of all rays before
     first: u32,             // surface that was met first; NONE before any

@@ -2,10 +2,10 @@
 // Provides: colour_of, ends_on_smooth, first_piece, first_surface, goes_on, is_under_way, light_before, light_left, says_what_is_seen,
 //   way_length
 // Needs: NONE, Place
-// Binds: optic, params, planes, ways
+// Binds: optic, params, paths, planes
 
 fn is_under_way(x: u32, y: u32) -> bool {
-    return optic.turns == 0u || ways[y * params.width + x].last != NONE;
+    return optic.turns == 0u || paths[y * params.width + x].last != NONE;
 }
 
 fn goes_on(id: u32) -> bool {
@@ -21,7 +21,7 @@ fn colour_of(id: u32, lit: vec3<f32>) -> vec3<f32> {
 }
 
 fn light_left(pixel: u32) -> vec3<f32> {
-    return ways[pixel].light;
+    return paths[pixel].light;
 }
 
 // Passes that share a pixel's light add up; the planes start at 0.
@@ -34,16 +34,16 @@ fn says_what_is_seen() -> bool {
 }
 
 fn way_length(pixel: u32) -> f32 {
-    return ways[pixel].length;
+    return paths[pixel].length;
 }
 
 fn first_surface(pixel: u32) -> u32 {
-    return ways[pixel].first;
+    return paths[pixel].first;
 }
 
 // The piece that the first surface belongs to.
 fn first_piece(pixel: u32) -> u32 {
-    return optic.piece_first + ways[pixel].camera;
+    return optic.piece_first + paths[pixel].camera;
 }
 
 override SMOOTH: bool = false;

@@ -1,13 +1,13 @@
 // Rays that start on a surface, which they do not meet there.
-// Provides: is_apart, start_of
-// Binds: optic, ways
+// Provides: is_excluded, start_of
+// Binds: optic, paths
 
 // No turned ray meets the triangle.
-fn is_apart(id: u32) -> bool {
+fn is_excluded(id: u32) -> bool {
     return id >= optic.first_id && optic.sees_itself == 0u;
 }
 
 // The triangle that the pixel's ray starts on.
 fn start_of(pixel: u32) -> u32 {
-    return ways[pixel].last;
+    return paths[pixel].last;
 }

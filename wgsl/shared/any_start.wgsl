@@ -1,8 +1,8 @@
 // Rays that start on no triangle: all that are not turned.
-// Provides: is_apart, start_of
+// Provides: is_excluded, start_of
 // Needs: NONE
 
-fn is_apart(id: u32) -> bool {
+fn is_excluded(id: u32) -> bool {
     return false;
 }
 

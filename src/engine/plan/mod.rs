@@ -246,7 +246,7 @@ impl Plan {
             all_uncertain: false,
             normals: contents.has_normals,
             textured: wanted.is_textured(contents),
-            cut: contents.has_holes,
+            masked: contents.has_holes,
             glossy: (contents.has_gloss || contents.has_sky) && wanted.has_colour(),
             sky: contents.has_sky && wanted.has_colour(),
             lights: match (contents.has_shadows, contents.has_places) {
@@ -258,7 +258,7 @@ impl Plan {
             styled: contents.has_style && wanted.needs_look(),
             outlined: contents.has_outlines && wanted.has_colour(),
             optics: camera.optics.as_deref().map(OpticsKind::of),
-            turned: false,
+            bounced: false,
             samples: wanted.samples(),
             analytic: wanted.analytic && wanted.samples() > 1,
         };

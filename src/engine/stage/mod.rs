@@ -98,8 +98,8 @@ impl Stages {
             shade: compile(kernels::shade(variant, planes)),
             outline: variant.outlined.then(|| compile(kernels::outline(planes))),
             write: compile(kernels::write_srgb(planes)),
-            bounce: variant.turns_rays().then(|| compile(kernels::bounce(variant))),
-            fit: variant.turns_rays().then(|| compile(kernels::fit(variant))),
+            bounce: variant.bounces_rays().then(|| compile(kernels::bounce(variant))),
+            fit: variant.bounces_rays().then(|| compile(kernels::fit(variant))),
             meet: variant.meets().then(|| compile(kernels::meet(variant))),
             paste: (variant.optics == Some(OpticsKind::Atlas)).then(|| compile(kernels::paste(variant, planes))),
             steps,
@@ -108,7 +108,7 @@ impl Stages {
         })
     }
 
-    /// Turns the count with index `counter` into the arguments of the next indirect dispatch.
+    /// BounceTables the count with index `counter` into the arguments of the next indirect dispatch.
     fn lay_out(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, counter: u32) -> Result<()> {
         let scopes = with(scopes, &self.steps);
         let group = self.args.bind_renamed(gpu, &scopes, &[("step", STEPS[counter as usize])])?;

@@ -38,13 +38,13 @@ impl OpticsKind {
 
 impl Variant {
     /// There are passes after the eye's.
-    pub fn turns_rays(self) -> bool {
+    pub fn bounces_rays(self) -> bool {
         self.optics.is_some_and(|o| o != OpticsKind::Atlas)
     }
 
     /// The rays of the pass after this one's.
-    pub fn after_turn(self) -> Variant {
-        Variant { rays: RaysKind::Field, scattered: false, slabbed: false, turned: true, ..self }
+    pub fn after_bounce(self) -> Variant {
+        Variant { rays: RaysKind::Field, scattered: false, slabbed: false, bounced: true, ..self }
     }
 
     /// A smooth surface is to be met.
@@ -54,7 +54,11 @@ impl Variant {
 
     /// Which triangles rays do not meet because they start there.
     pub(super) fn start(self) -> &'static [Parts] {
-        if self.turned { &[OPTICS_ROWS, snippets!("optics/start.wgsl")] } else { &[snippets!("shared/any_start.wgsl")] }
+        if self.bounced {
+            &[OPTICS_ROWS, snippets!("optics/start.wgsl")]
+        } else {
+            &[snippets!("shared/any_start.wgsl")]
+        }
     }
 
     /// What a pixel shows, and what lies behind its ray.
@@ -88,7 +92,7 @@ impl Variant {
 pub fn meet(variant: Variant) -> Kernel {
     let visibility = if variant.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" };
     let (surface, surface_snippets) = variant.surface();
-    let mut bindings = vec![params(), step(), optic(), ways(), surface, write("visibility", visibility)];
+    let mut bindings = vec![params(), step(), optic(), paths(), surface, write("visibility", visibility)];
     bindings.extend(variant.pixel_rays());
     let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, variant.merge(), OPTICS_ROWS, TURN];
     let own = [variant.camera(), snippets!("meet.wgsl")];
@@ -104,11 +108,11 @@ pub fn bounce(variant: Variant) -> Kernel {
         params(),
         optic(),
         read("visibility", "array<u32>"),
-        ways(),
+        paths(),
         surface,
         write("turned_hi", "array<f32>"),
         write("turned_lo", "array<f32>"),
-        write("turned_ways", "array<Way>"),
+        write("bounced_paths", "array<PathState>"),
     ];
     bindings.extend(variant.pixel_rays());
     let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN];
@@ -140,7 +144,7 @@ pub fn paste(variant: Variant, planes: &[Channel]) -> Kernel {
 
 /// Bounds on the rays that were turned, node by node.
 pub fn fit(variant: Variant) -> Kernel {
-    let variant = variant.after_turn();
+    let variant = variant.after_bounce();
     let mut bindings = vec![params(), step(), optic(), write("nodes", "array<Node>"), write("cells", "array<Cell>")];
     bindings.extend(variant.rays());
     // bounds are f32

@@ -129,7 +129,11 @@ pub fn recheck_samples(variant: Variant) -> Kernel {
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
     let own = [variant.merge(), MEETING, MEETING_OF_RAYS, SIDES, variant.camera(), CELL_SAMPLES, SAMPLE_HITS];
     let rays = variant.sample_rays(&mut bindings);
-    let mut kernel = kernel("recheck_samples", bindings, &[&snippets[..], &own, rays, &[snippets!("recheck_samples.wgsl")]].concat());
+    let mut kernel = kernel(
+        "recheck_samples",
+        bindings,
+        &[&snippets[..], &own, rays, &[snippets!("recheck_samples.wgsl")]].concat(),
+    );
     kernel.constants = variant.constants();
     kernel.constants.extend([("SAMPLES", f64::from(variant.samples)), ("STRIPS", variant.strips())]);
     kernel

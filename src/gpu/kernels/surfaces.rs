@@ -59,12 +59,12 @@ impl Variant {
 
     /// Where their holes are.
     pub(super) fn holes(self) -> Parts {
-        if self.cut {
+        if self.masked {
             return snippets!(
                 "materials/material.wgsl",
                 "textures/rows.wgsl",
                 "textures/levels.wgsl",
-                "textures/cut.wgsl"
+                "textures/masked.wgsl"
             );
         }
         SOLID
@@ -89,7 +89,7 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend(variant.pages());
     bindings.extend(variant.pixel_rays());
     if variant.optics.is_some() {
-        bindings.extend([optic(), ways()]);
+        bindings.extend([optic(), paths()]);
     }
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
     bindings.extend(variant.style_row());

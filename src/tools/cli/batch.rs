@@ -9,11 +9,11 @@ mod names;
 mod paths;
 mod queue;
 mod results;
-mod room;
 mod shard;
-mod station;
+mod slots;
 #[cfg(test)]
 mod tests;
+mod worker;
 
 use super::args::{BatchArgs, ProgressName};
 use super::outputs;
@@ -34,8 +34,7 @@ use manifest::{Costs, Manifest, Standing};
 use paths::{Paths, folder_of, folders};
 use queue::Queue;
 use results::Summary;
-use room::Room;
-use station::{Picture, Station, Taken};
+use slots::Slots;
 use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -43,6 +42,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, Scope};
 use std::time::Instant;
+use worker::{Picture, Taken, Worker};
 
 /// Frames that the last line names where more have failed, and that the report does.
 const NAMED: usize = 10;
@@ -73,14 +73,14 @@ pub fn run(args: &BatchArgs) -> Result<()> {
     let costs = || Costs::read(&paths.whole);
     let own = args.shard.map(|shard| shard::share(&jobs, shard, &costs()?)).transpose()?;
     let all = own.as_ref().map_or_else(|| jobs.count(), |own| own.iter().filter(|own| **own).count());
-    let mut stations = stations(args)?;
+    let mut workers = workers(args)?;
     let manifest = Manifest::open(&paths.own, &earlier, args.resume)?;
     if args.resume {
         let more = [&args.report, &args.csv].into_iter().flatten().filter_map(|path| folder_of(path));
         folders(&jobs)?.into_iter().chain(more).try_for_each(|folder| clear_up(&folder))?;
     }
     let board = Board::new(args.progress, args.log.as_deref(), all)?;
-    if stations.iter().any(|station| !station.has_adapter()) && jobs.need_adapter()? {
+    if workers.iter().any(|worker| !worker.has_adapter()) && jobs.need_adapter()? {
         board.note(&format!("{NO_ADAPTER}; frames are rendered on the CPU as --engine reference does"));
     }
     let started = Instant::now();
@@ -88,7 +88,7 @@ pub fn run(args: &BatchArgs) -> Result<()> {
     let batch = Batch::new(list, todo, &manifest, &board);
     let batch = Batch { fail_fast: args.fail_fast, resumes: args.resume, library, ..batch };
     let writers = args.jobs_at_once.map_or_else(cores, usize::from);
-    work(&batch, &mut stations, writers)?;
+    work(&batch, &mut workers, writers)?;
     let wall_s = started.elapsed().as_secs_f64();
     let counts = board.end();
     let (stopped_by, failures) = (taken(batch.stopped_by), taken(batch.failures));
@@ -97,7 +97,7 @@ pub fn run(args: &BatchArgs) -> Result<()> {
         results::write_csv(path, tasks, &manifest)?;
     }
     if let Some(path) = &args.report {
-        let devices = stations.iter().map(|station| station.worked(wall_s)).collect();
+        let devices = workers.iter().map(|worker| worker.worked(wall_s)).collect();
         let summary = Summary::new(counts, wall_s, devices, failures.clone());
         results::write_report(path, &summary, tasks(), &manifest)?;
     }
@@ -136,13 +136,13 @@ fn gather(args: &BatchArgs, list: &Path, jobs: &Jobs, manifest: &Manifest) -> Re
 }
 
 /// Has all threads work until there is nothing left to do.
-fn work(batch: &Batch, stations: &mut [Station], writers: usize) -> Result<()> {
-    batch.stations.store(stations.len(), Ordering::SeqCst);
+fn work(batch: &Batch, workers: &mut [Worker], writers: usize) -> Result<()> {
+    batch.workers.store(workers.len(), Ordering::SeqCst);
     std::thread::scope(|scope| {
         let (to_write, taken) = bounded(1);
-        for station in stations {
+        for worker in workers {
             let (to_render, ready) = bounded(1);
-            let (reader, mut driver) = station.parts();
+            let (reader, mut driver) = worker.parts();
             for _ in 0..READERS {
                 let to_render = to_render.clone();
                 named(scope, "read", move || reader.run(batch, &to_render))?;
@@ -170,7 +170,7 @@ fn write<'a>(batch: &Batch<'a>, taken: &Receiver<Taken<'a>>) {
         let written = guarded(|| {
             let seen = match picture {
                 // from its start others were before it
-                Picture::Landed(landed) => ready.work.seen(Rendered { frame_ms: vec![ms], ..landed.rendered() }),
+                Picture::Readback(landed) => ready.work.seen(Rendered { frame_ms: vec![ms], ..landed.rendered() }),
                 Picture::Seen(seen) => *seen,
             };
             let written = ready.work.write(seen, &device, ready.started, |_| ())?;
@@ -191,11 +191,11 @@ pub struct Batch<'a> {
     board: &'a Board,
     library: Library,
     /// For frames that are read and not written yet.
-    room: Arc<Room>,
+    room: Arc<Slots>,
     resumes: bool,
     fail_fast: bool,
     /// Those that have a device.
-    stations: AtomicUsize,
+    workers: AtomicUsize,
     stopped_by: Mutex<Option<Error>>,
     /// The first of them.
     failures: Mutex<Vec<(String, String)>>,
@@ -216,10 +216,10 @@ impl<'a> Batch<'a> {
             manifest,
             board,
             library: Library::default(),
-            room: Room::of_this_machine(),
+            room: Slots::of_this_machine(),
             resumes: false,
             fail_fast: false,
-            stations: AtomicUsize::new(0),
+            workers: AtomicUsize::new(0),
             stopped_by: Mutex::default(),
             failures: Mutex::default(),
             missing: Mutex::default(),
@@ -259,7 +259,7 @@ impl<'a> Batch<'a> {
         &self.library
     }
 
-    fn room(&self) -> &Arc<Room> {
+    fn room(&self) -> &Arc<Slots> {
         &self.room
     }
 
@@ -284,9 +284,9 @@ impl<'a> Batch<'a> {
         self.queue.recheck_samples();
     }
 
-    /// A station has no device any more: others do what it has not, if there are any.
+    /// A worker has no device any more: others do what it has not, if there are any.
     fn lose_station(&self, why: Error) {
-        if self.stations.fetch_sub(1, Ordering::SeqCst) > 1 {
+        if self.workers.fetch_sub(1, Ordering::SeqCst) > 1 {
             self.note(&format!("{why}; the others go on"));
         } else {
             self.stop(why);
@@ -314,7 +314,7 @@ impl<'a> Batch<'a> {
     }
 }
 
-fn stations(args: &BatchArgs) -> Result<Vec<Station>> {
+fn workers(args: &BatchArgs) -> Result<Vec<Worker>> {
     let named = |name: &String| match name.parse() {
         Ok(passed_over) => GpuOptions { passed_over, ..GpuOptions::default() },
         Err(_) => GpuOptions { adapter: Some(name.clone()), ..GpuOptions::default() },
@@ -324,7 +324,7 @@ fn stations(args: &BatchArgs) -> Result<Vec<Station>> {
         Some([all]) if all == "all" => all_adapters(),
         Some(names) => names.iter().map(named).collect(),
     };
-    options.into_iter().map(Station::open).collect()
+    options.into_iter().map(Worker::open).collect()
 }
 
 /// Those that are no software, unless all are.

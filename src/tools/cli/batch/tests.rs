@@ -28,7 +28,7 @@ struct Ran {
 /// Does a list on so many devices, and more beside it with the first of them.
 fn run_list(
     devices: usize,
-    prepare: impl FnOnce(&mut Station),
+    prepare: impl FnOnce(&mut Worker),
     beside: impl FnOnce(&Board, &crate::gpu::Gpu) + Send,
 ) -> Option<Ran> {
     let dir = tempfile::tempdir().unwrap();
@@ -36,25 +36,25 @@ fn run_list(
     std::fs::write(dir.path().join("scene.toml"), SCENE).unwrap();
     let job = "[[job]]\nscene = \"scene.toml\"\ncolor = \"{frame}.png\"\nsize = \"320x240\"\n";
     std::fs::write(&list, format!("{job}frames = {{ last = {} }}\n", FRAMES - 1)).unwrap();
-    let open = |_| Station::open(GpuOptions::default()).unwrap();
-    let mut stations: Vec<Station> = (0..devices).map(open).collect();
-    let Some(gpu) = stations[0].gpu() else {
+    let open = |_| Worker::open(GpuOptions::default()).unwrap();
+    let mut workers: Vec<Worker> = (0..devices).map(open).collect();
+    let Some(gpu) = workers[0].gpu() else {
         println!("skipped: no adapter on this machine");
         return None;
     };
-    prepare(&mut stations[0]);
+    prepare(&mut workers[0]);
     let jobs = Jobs::read(&list).unwrap();
     let manifest = Manifest::open(&dir.path().join("m.jsonl"), &[], false).unwrap();
     let board = Board::new(ProgressName::None, None, FRAMES).unwrap();
     let batch = Batch::new(&list, shard::tasks(&jobs, None), &manifest, &board);
     std::thread::scope(|scope| {
         scope.spawn(|| beside(&board, &gpu));
-        work(&batch, &mut stations, 2).unwrap();
+        work(&batch, &mut workers, 2).unwrap();
     });
     Some(Ran {
         counts: board.counts(),
         stopped_by: taken(batch.stopped_by).map(|e| e.to_string()),
-        reopened: stations[0].worked(1.0).reopened,
+        reopened: workers[0].worked(1.0).reopened,
         files: (0..FRAMES).map(|k| std::fs::read(dir.path().join(format!("{k}.png"))).ok()).collect(),
     })
 }
@@ -79,14 +79,14 @@ fn a_lost_device_is_opened_again_and_all_frames_are_as_without() {
 #[test]
 fn others_do_what_a_device_has_not_that_is_gone_for_good() {
     let Some(expected) = run_list(1, |_| (), |_, _| ()) else { return };
-    let seen = run_list(2, Station::lose_adapter, lose_after_three).unwrap();
+    let seen = run_list(2, Worker::lose_adapter, lose_after_three).unwrap();
     assert_eq!((seen.counts.done, seen.counts.failed, seen.stopped_by), (FRAMES, 0, None));
     assert!(seen.files == expected.files);
 }
 
 #[test]
 fn a_batch_stops_with_its_last_device_and_keeps_what_is_done() {
-    let Some(seen) = run_list(1, Station::lose_adapter, lose_after_three) else { return };
+    let Some(seen) = run_list(1, Worker::lose_adapter, lose_after_three) else { return };
     let Counts { done, failed, .. } = seen.counts;
     assert!((3..FRAMES).contains(&done) && failed == 0);
     assert_eq!(seen.files.iter().flatten().count(), done);

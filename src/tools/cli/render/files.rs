@@ -2,7 +2,7 @@
 
 use super::points;
 use crate::camera::Camera;
-use crate::camera::recipe::Looked;
+use crate::camera::recipe::SceneUse;
 use crate::engine::Rendered;
 use crate::engine::report::Report;
 use crate::image::cryptomatte::{Matte, OPTICS};
@@ -139,7 +139,7 @@ fn described_camera(path: &Path, scene: &Scene, camera: &Camera) -> Result<Strin
     let mut described = serde_json::to_value(Description::of(camera)).map_err(wrong)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     if let Some(map) = described.as_object_mut() {
-        map.append(&mut scene.camera_keys.json(camera.looked != Looked::Nowhere, folder));
+        map.append(&mut scene.camera_keys.json(camera.looked != SceneUse::Nothing, folder));
     }
     serde_json::to_string(&described).map_err(wrong)
 }

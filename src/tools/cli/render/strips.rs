@@ -3,9 +3,9 @@
 
 use super::files::attributes;
 use crate::camera::Camera;
-use crate::engine::landed::{Flight, Landed};
 use crate::engine::plan::{Rows, Wanted};
 use crate::engine::planned::{Planned, Planner};
+use crate::engine::readback::{InFlight, Readback};
 use crate::engine::{Engine, Frames, Rendered, RunOptions};
 use crate::image::frame::{Channel, Frame};
 use crate::image::{EXR_TILE, rgb8, write_exr_tiled, write_png_strips};
@@ -93,12 +93,12 @@ impl Strips<'_> {
         &self,
         engine: &mut Engine,
         planned: &Receiver<Result<Planned>>,
-        to_write: &Sender<Landed>,
+        to_write: &Sender<Readback>,
     ) -> Result<Option<Rendered>> {
         let mut frames: Option<Frames> = None;
-        let mut flying: Option<(Planned, Flight)> = None;
+        let mut flying: Option<(Planned, InFlight)> = None;
         let mut took: Option<Rendered> = None;
-        let mut land = |frames: &mut Option<Frames>, flying: Option<(Planned, Flight)>| -> Result<bool> {
+        let mut land = |frames: &mut Option<Frames>, flying: Option<(Planned, InFlight)>| -> Result<bool> {
             let (Some(frames), Some((planned, flight))) = (frames.as_mut(), flying) else { return Ok(true) };
             let landed = frames.recheck_samples(&planned, flight)?;
             add(&mut took, landed.took());
@@ -128,7 +128,7 @@ impl Strips<'_> {
         Ok(took)
     }
 
-    fn write(&self, landed: &Receiver<Landed>) -> Result<()> {
+    fn write(&self, landed: &Receiver<Readback>) -> Result<()> {
         let size = (self.camera.width, self.camera.height);
         let missing = || Error::work("a strip of the image is missing");
         std::thread::scope(|scope| {

@@ -1,6 +1,6 @@
 //! What lies on the device for rays that a mirror or a lens turns: the surface, and for every turn the rays behind it.
 
-use super::passes::Pass;
+use super::bounces::Bounce;
 use super::surface::SurfaceRows;
 use super::tables;
 use crate::camera::Camera;
@@ -16,12 +16,12 @@ use wgpu::BufferUsages;
 
 /// The optics' buffers. The rays after k turns lie in table k - 1; where no ray is split, after an odd number of turns in the
 /// first of two, after an even one in the second.
-pub struct Turns {
+pub struct BounceTables {
     /// Of each pass the uniform `optic`.
     passes: Vec<Buffers>,
-    /// `ways` of rays that were not turned: nothing behind them. 32 bytes a pixel of the largest band, written by the host.
+    /// `paths` of rays that were not turned: nothing behind them. 32 bytes a pixel of the largest band, written by the host.
     untouched: Buffers,
-    /// `rays_hi` and `rays_lo`, 24 bytes each a pixel of the largest band with a column and a row more, and `ways`; written
+    /// `rays_hi` and `rays_lo`, 24 bytes each a pixel of the largest band with a column and a row more, and `paths`; written
     /// by bounce, read by all others. Where rays are split, also `visibility`, 8 bytes a pixel, for the other branches.
     tables: Vec<Buffers>,
     /// The same under the names by which bounce writes them.
@@ -32,16 +32,16 @@ pub struct Turns {
     surface: Buffers,
 }
 
-impl Turns {
+impl BounceTables {
     pub fn new(
         gpu: &Gpu,
         scene: &Scene,
         camera: &Camera,
         optics: &Optics,
         plan: &Plan,
-        passes: &[Pass],
-    ) -> Result<Turns> {
-        let depth = passes.iter().map(|p| p.turns).max().unwrap_or(0);
+        passes: &[Bounce],
+    ) -> Result<BounceTables> {
+        let depth = passes.iter().map(|p| p.count).max().unwrap_or(0);
         // of each number of turns there is one pass
         let is_split = passes.len() > depth as usize + 1;
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0) as usize;
@@ -49,12 +49,12 @@ impl Turns {
         let mut surface = Buffers::default();
         SurfaceRows::new(&optics.surface, plan.anchor).upload(gpu, &mut surface)?;
         let mut untouched = Buffers::default();
-        let nothing = layout::Way { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
-        untouched.upload(gpu, "ways", &vec![nothing; pixels])?;
+        let nothing = layout::PathState { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
+        untouched.upload(gpu, "paths", &vec![nothing; pixels])?;
         if is_split {
             untouched.create(gpu, "visibility", 8 * pixels as u64, BufferUsages::empty())?;
         }
-        let pass = |pass: &Pass| {
+        let pass = |pass: &Bounce| {
             let mut own = Buffers::default();
             own.upload_uniform(gpu, "optic", &tables::optic(scene, camera, optics, plan, pass))?;
             Ok(own)
@@ -64,7 +64,7 @@ impl Turns {
             let mut table = Buffers::default();
             table.create(gpu, "rays_hi", bytes, BufferUsages::empty())?;
             table.create(gpu, "rays_lo", bytes, BufferUsages::empty())?;
-            table.create(gpu, "ways", 32 * pixels as u64, BufferUsages::empty())?;
+            table.create(gpu, "paths", 32 * pixels as u64, BufferUsages::empty())?;
             if is_split {
                 table.create(gpu, "visibility", 8 * pixels as u64, BufferUsages::empty())?;
             }
@@ -76,10 +76,10 @@ impl Turns {
             let mut target = Buffers::default();
             target.share("turned_hi", table, "rays_hi");
             target.share("turned_lo", table, "rays_lo");
-            target.share("turned_ways", table, "ways");
+            target.share("bounced_paths", table, "paths");
             target
         };
-        Ok(Turns {
+        Ok(BounceTables {
             passes: passes.iter().map(pass).collect::<Result<_>>()?,
             untouched,
             targets: tables.iter().map(target).collect(),

@@ -3,42 +3,42 @@
 use crate::input::limits::memory;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
-pub struct Room {
+pub struct Slots {
     most: u64,
     used: Mutex<u64>,
     freed: Condvar,
 }
 
 /// Bytes of a frame, until this is dropped.
-pub struct Held {
-    room: Arc<Room>,
+pub struct Slot {
+    room: Arc<Slots>,
     bytes: u64,
 }
 
 /// What there is where the system does not say.
 const UNKNOWN: u64 = 1 << 30;
 
-impl Room {
+impl Slots {
     /// Half of what is free.
-    pub fn of_this_machine() -> Arc<Room> {
-        Room::new(memory::free().unwrap_or(UNKNOWN) / 2)
+    pub fn of_this_machine() -> Arc<Slots> {
+        Slots::new(memory::free().unwrap_or(UNKNOWN) / 2)
     }
 
-    fn new(most: u64) -> Arc<Room> {
-        Arc::new(Room { most, used: Mutex::new(0), freed: Condvar::new() })
+    fn new(most: u64) -> Arc<Slots> {
+        Arc::new(Slots { most, used: Mutex::new(0), freed: Condvar::new() })
     }
 
     /// Waits until there is room for so many bytes, or nothing else has any.
-    pub fn hold(self: &Arc<Room>, bytes: u64) -> Held {
+    pub fn hold(self: &Arc<Slots>, bytes: u64) -> Slot {
         let used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
         let is_taken = |used: &mut u64| *used > 0 && *used + bytes > self.most;
         let mut used = self.freed.wait_while(used, is_taken).unwrap_or_else(PoisonError::into_inner);
         *used += bytes;
-        Held { room: self.clone(), bytes }
+        Slot { room: self.clone(), bytes }
     }
 }
 
-impl Drop for Held {
+impl Drop for Slot {
     fn drop(&mut self) {
         *self.room.used.lock().unwrap_or_else(PoisonError::into_inner) -= self.bytes;
         self.room.freed.notify_all();
@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn frames_wait_until_they_fit_and_one_always_does() {
-        let room = Room::new(100);
+        let room = Slots::new(100);
         let (now, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
         std::thread::scope(|scope| {
             for _ in 0..12 {

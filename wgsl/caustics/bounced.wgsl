@@ -1,11 +1,11 @@
 // What gather adds to where a mirror or a lens turns rays: nothing to a surface that the ray goes on from.
 // Provides: ends_here, light_kept
-// Binds: optic, ways
+// Binds: optic, paths
 
 fn ends_here(id: u32) -> bool {
     return id < optic.first_id;
 }
 
 fn light_kept(pixel: u32) -> vec3<f32> {
-    return ways[pixel].light;
+    return paths[pixel].light;
 }

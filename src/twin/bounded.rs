@@ -8,7 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value in f64, and how far another correct evaluation of the same formula may be from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Near {
+pub struct Bounded {
     pub v: f64,
     pub e: f64,
     /// Rounding of one operation, relative: the kernel's and this one's own.
@@ -43,26 +43,26 @@ pub const CIRCLE_UNITS: f64 = 4.0;
 /// Smaller numbers than this may be flushed to 0.
 const TINY: f64 = f32::MIN_POSITIVE as f64;
 
-impl Near {
-    pub fn exact(v: f64, real: Real) -> Near {
-        Near { v, e: 0.0, unit: real.rounding() + Real::F64.rounding() }
+impl Bounded {
+    pub fn exact(v: f64, real: Real) -> Bounded {
+        Bounded { v, e: 0.0, unit: real.rounding() + Real::F64.rounding() }
     }
 
     /// A stored pair, summed up.
-    pub fn pair(hi: f32, lo: f32, real: Real) -> Near {
-        Near::exact(f64::from(hi), real) + Near::exact(f64::from(lo), real)
+    pub fn pair(hi: f32, lo: f32, real: Real) -> Bounded {
+        Bounded::exact(f64::from(hi), real) + Bounded::exact(f64::from(lo), real)
     }
 
     /// The same number with an error as large as any.
-    pub fn lost(self) -> Near {
-        Near { e: f64::INFINITY, ..self }
+    pub fn lost(self) -> Bounded {
+        Bounded { e: f64::INFINITY, ..self }
     }
 
     /// The result `v` of an operation that passes on the error `e` and rounds by so many units.
-    fn rounded(self, v: f64, e: f64, units: f64) -> Near {
+    fn rounded(self, v: f64, e: f64, units: f64) -> Bounded {
         let e = e + units * self.unit * (v.abs() + e);
         // what comes of infinite errors and results is no bound
-        Near { v, e: if e.is_nan() { f64::INFINITY } else { e }, unit: self.unit }
+        Bounded { v, e: if e.is_nan() { f64::INFINITY } else { e }, unit: self.unit }
     }
 
     /// Rounding of one operation, relative.
@@ -71,42 +71,42 @@ impl Near {
     }
 
     /// The same number with this error.
-    pub fn off_by(self, e: f64) -> Near {
-        Near { e, ..self }
+    pub fn off_by(self, e: f64) -> Bounded {
+        Bounded { e, ..self }
     }
 
     /// A number of the same arithmetic.
-    pub fn like(self, v: f64) -> Near {
-        Near { v, e: 0.0, ..self }
+    pub fn like(self, v: f64) -> Bounded {
+        Bounded { v, e: 0.0, ..self }
     }
 
     /// The smaller by its value.
-    pub fn min(self, o: Near) -> Near {
+    pub fn min(self, o: Bounded) -> Bounded {
         if o.v < self.v { o } else { self }
     }
 
     /// The larger by its value.
-    pub fn max(self, o: Near) -> Near {
+    pub fn max(self, o: Bounded) -> Bounded {
         if o.v > self.v { o } else { self }
     }
 
     /// Cosine and sine of so many turns.
-    pub fn circle(self) -> [Near; 2] {
+    pub fn circle(self) -> [Bounded; 2] {
         let (s, c) = (TAU * (self.v - self.v.round())).sin_cos();
         let e = TAU * self.e + CIRCLE_UNITS * self.unit;
-        [c, s].map(|v| Near { v, e, unit: self.unit })
+        [c, s].map(|v| Bounded { v, e, unit: self.unit })
     }
 
     fn is_zero(self) -> bool {
         self.v == 0.0 && self.e == 0.0
     }
 
-    pub fn abs(self) -> Near {
-        Near { v: self.v.abs(), ..self }
+    pub fn abs(self) -> Bounded {
+        Bounded { v: self.v.abs(), ..self }
     }
 
     /// The root; 0 of what is negative.
-    pub fn sqrt(self) -> Near {
+    pub fn sqrt(self) -> Bounded {
         let root = self.v.max(0.0).sqrt();
         let least = self.v - self.e;
         // roots of numbers that far apart are no farther apart than its own root
@@ -115,7 +115,7 @@ impl Near {
     }
 
     /// `self <= other`; a number that is none is not.
-    pub fn at_most(self, other: Near) -> Judged {
+    pub fn at_most(self, other: Bounded) -> Judged {
         let e = self.e + other.e;
         Judged { yes: self.v <= other.v, sure: e == 0.0 || (self.v - other.v).abs() > e }
     }
@@ -125,47 +125,47 @@ impl Near {
     }
 }
 
-impl Add for Near {
-    type Output = Near;
-    fn add(self, o: Near) -> Near {
+impl Add for Bounded {
+    type Output = Bounded;
+    fn add(self, o: Bounded) -> Bounded {
         // nothing is rounded where nothing is added
         let units = if self.is_zero() || o.is_zero() { 0.0 } else { 1.0 };
         self.rounded(self.v + o.v, self.e + o.e, units)
     }
 }
 
-impl Neg for Near {
-    type Output = Near;
-    fn neg(self) -> Near {
-        Near { v: -self.v, ..self }
+impl Neg for Bounded {
+    type Output = Bounded;
+    fn neg(self) -> Bounded {
+        Bounded { v: -self.v, ..self }
     }
 }
 
-impl Sub for Near {
-    type Output = Near;
-    fn sub(self, o: Near) -> Near {
+impl Sub for Bounded {
+    type Output = Bounded;
+    fn sub(self, o: Bounded) -> Bounded {
         self + -o
     }
 }
 
-impl Mul for Near {
-    type Output = Near;
-    fn mul(self, o: Near) -> Near {
+impl Mul for Bounded {
+    type Output = Bounded;
+    fn mul(self, o: Bounded) -> Bounded {
         if self.is_zero() || o.is_zero() {
-            return Near { v: 0.0, e: 0.0, unit: self.unit };
+            return Bounded { v: 0.0, e: 0.0, unit: self.unit };
         }
         let e = self.v.abs() * o.e + o.v.abs() * self.e + self.e * o.e;
         self.rounded(self.v * o.v, e + TINY, 1.0)
     }
 }
 
-impl Div for Near {
-    type Output = Near;
+impl Div for Bounded {
+    type Output = Bounded;
     /// By 0 it is no number, or infinite, for sure.
-    fn div(self, o: Near) -> Near {
+    fn div(self, o: Bounded) -> Bounded {
         let q = self.v / o.v;
         if o.is_zero() {
-            return Near { v: q, e: 0.0, unit: self.unit };
+            return Bounded { v: q, e: 0.0, unit: self.unit };
         }
         let least = o.v.abs() - o.e;
         let e = if least > 0.0 { (self.e + q.abs() * o.e) / least } else { f64::INFINITY };
@@ -175,11 +175,11 @@ impl Div for Near {
 
 /// A vector of such numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Near3(pub [Near; 3]);
+pub struct Near3(pub [Bounded; 3]);
 
 impl Near3 {
     pub fn pair(hi: [f32; 3], lo: [f32; 3], real: Real) -> Near3 {
-        Near3([0, 1, 2].map(|k| Near::pair(hi[k], lo[k], real)))
+        Near3([0, 1, 2].map(|k| Bounded::pair(hi[k], lo[k], real)))
     }
 
     pub fn value(self) -> DVec3 {
@@ -197,10 +197,10 @@ impl Near3 {
     }
 
     pub fn lost(self) -> Near3 {
-        Near3(self.0.map(Near::lost))
+        Near3(self.0.map(Bounded::lost))
     }
 
-    pub fn dot(self, o: Near3) -> Near {
+    pub fn dot(self, o: Near3) -> Bounded {
         let [x, y, z] = [0, 1, 2].map(|k| self.0[k] * o.0[k]);
         x + y + z
     }
@@ -210,7 +210,7 @@ impl Near3 {
         Near3([part(1, 2), part(2, 0), part(0, 1)])
     }
 
-    pub fn norm(self) -> Near {
+    pub fn norm(self) -> Bounded {
         self.dot(self).sqrt()
     }
 
@@ -220,7 +220,7 @@ impl Near3 {
 
     /// The sum of three vectors by weights whose own sum is 1 but for their rounding: only as far as the vectors differ do
     /// the weights' errors count.
-    pub fn mixed(w: [Near; 3], of: [Near3; 3]) -> Near3 {
+    pub fn mixed(w: [Bounded; 3], of: [Near3; 3]) -> Near3 {
         Near3([0, 1, 2].map(|k| {
             let c = of.map(|v| v.0[k]);
             let unit = w[0].unit;
@@ -229,7 +229,7 @@ impl Near3 {
             // each weight's own quotient and their sum's; a product and two sums
             let sizes: f64 = (0..3).map(|j| w[j].v.abs() * c[j].v.abs()).sum();
             let e = apart(0) + apart(1) + apart(2) + unit * (DIV_UNITS + 6.0) * (sizes + c[0].v.abs());
-            Near { v, e: if e.is_nan() { f64::INFINITY } else { e + TINY }, unit }
+            Bounded { v, e: if e.is_nan() { f64::INFINITY } else { e + TINY }, unit }
         }))
     }
 }
@@ -244,7 +244,7 @@ impl Add for Near3 {
 impl Neg for Near3 {
     type Output = Near3;
     fn neg(self) -> Near3 {
-        Near3(self.0.map(Near::neg))
+        Near3(self.0.map(Bounded::neg))
     }
 }
 
@@ -255,16 +255,16 @@ impl Sub for Near3 {
     }
 }
 
-impl Mul<Near> for Near3 {
+impl Mul<Bounded> for Near3 {
     type Output = Near3;
-    fn mul(self, s: Near) -> Near3 {
+    fn mul(self, s: Bounded) -> Near3 {
         Near3(self.0.map(|c| c * s))
     }
 }
 
-impl Div<Near> for Near3 {
+impl Div<Bounded> for Near3 {
     type Output = Near3;
-    fn div(self, s: Near) -> Near3 {
+    fn div(self, s: Bounded) -> Near3 {
         Near3(self.0.map(|c| c / s))
     }
 }
@@ -274,9 +274,9 @@ mod tests {
     use super::*;
 
     /// A formula with cancellation, a quotient and a root, in f32 and with its bound.
-    fn both(a: f32, b: f32, c: f32) -> (f64, Near) {
+    fn both(a: f32, b: f32, c: f32) -> (f64, Bounded) {
         let single = ((a * b - c) / (a + c)).max(0.0).sqrt() + b;
-        let n = |v: f32| Near::exact(f64::from(v), Real::F32);
+        let n = |v: f32| Bounded::exact(f64::from(v), Real::F32);
         (f64::from(single), ((n(a) * n(b) - n(c)) / (n(a) + n(c))).sqrt() + n(b))
     }
 
@@ -296,7 +296,7 @@ mod tests {
 
     #[test]
     fn what_rounding_may_turn_is_not_sure() {
-        let n = |v: f64| Near::exact(v, Real::F32);
+        let n = |v: f64| Bounded::exact(v, Real::F32);
         assert!(n(1.0).at_most(n(1.0)) == Judged { yes: true, sure: true });
         let third = n(1.0) / n(3.0);
         assert!(!(third * n(3.0)).at_most(n(1.0)).sure);

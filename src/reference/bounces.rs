@@ -183,7 +183,7 @@ impl Reference<'_> {
 
     /// Judges a pixel behind optics by samples of the box, as [`Reference::finding`] does curves: the way of each must
     /// have as many turns and the same end, without ties.
-    pub(super) fn finding_of_turns(&self, camera: &Camera, optics: &Optics, (i, j): (u32, u32)) -> Finding {
+    pub(super) fn finding_of_bounces(&self, camera: &Camera, optics: &Optics, (i, j): (u32, u32)) -> Finding {
         let near = |(x, y): &(f64, f64)| Path::near(camera, i, j, (x * MARGIN_PX, y * MARGIN_PX));
         let mut all = PLACES.iter().map(near).map(|path| self.outcomes(optics, path));
         let Some((centre, ties)) = all.next() else {

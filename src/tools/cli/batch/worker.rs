@@ -2,10 +2,10 @@
 
 use super::jobs::Task;
 use super::results::Worked;
-use super::room::Held;
+use super::slots::Slot;
 use super::{Batch, guarded};
-use crate::engine::landed::{Flight, Landed};
 use crate::engine::planned::{Planned, Planner};
+use crate::engine::readback::{InFlight, Readback};
 use crate::engine::report::Device;
 use crate::engine::{Engine, Frames, RunOptions};
 use crate::gpu::device::GpuOptions;
@@ -26,7 +26,7 @@ pub struct Ready<'a> {
     pub planned: Option<Planned>,
     pub inputs: Inputs,
     pub started: Instant,
-    _held: Held,
+    _held: Slot,
 }
 
 /// A frame that the device is done with.
@@ -39,12 +39,12 @@ pub struct Taken<'a> {
 }
 
 pub enum Picture {
-    Landed(Box<Landed>),
+    Readback(Box<Readback>),
     Seen(Box<Seen>),
 }
 
 /// One device and what is on it.
-pub struct Station {
+pub struct Worker {
     options: GpuOptions,
     /// Its adapter.
     name: String,
@@ -69,11 +69,11 @@ const LOSSES_MAX: u32 = 2;
 const REOPEN: u32 = 5;
 const REOPEN_PAUSE: Duration = Duration::from_millis(500);
 
-impl Station {
-    pub fn open(options: GpuOptions) -> Result<Station> {
+impl Worker {
+    pub fn open(options: GpuOptions) -> Result<Worker> {
         let engine = Engine::open(&options)?;
         let planner = engine.as_ref().map(Engine::planner);
-        Ok(Station {
+        Ok(Worker {
             options,
             name: engine.as_ref().map_or("cpu".into(), |engine| engine.gpu.info.name.clone()),
             engine,
@@ -89,7 +89,7 @@ impl Station {
 
     /// The parts that threads share: one that reads for it, and the device itself.
     pub fn parts(&mut self) -> (Reader<'_>, Driver<'_>) {
-        let Station { options, name: _, engine, frames, last, planner, until, busy, reopened, is_gone } = self;
+        let Worker { options, name: _, engine, frames, last, planner, until, busy, reopened, is_gone } = self;
         *until = Instant::now();
         let driver = Driver { options, engine, frames, until, busy, reopened, is_gone, is_uncertain: false };
         (Reader { last, planner: planner.as_ref(), is_gone }, driver)
@@ -117,7 +117,7 @@ impl Station {
     }
 }
 
-/// Reads frames for a station.
+/// Reads frames for a worker.
 #[derive(Clone, Copy)]
 pub struct Reader<'s> {
     last: &'s Mutex<Option<Planned>>,
@@ -165,7 +165,7 @@ impl Reader<'_> {
     }
 }
 
-/// The device of a station.
+/// The device of a worker.
 pub struct Driver<'s> {
     options: &'s GpuOptions,
     engine: &'s mut Option<Engine>,
@@ -181,7 +181,7 @@ pub struct Driver<'s> {
 impl Driver<'_> {
     /// Renders what is ready until nothing comes any more.
     pub fn run<'a>(&mut self, batch: &Batch<'a>, ready: &Receiver<Ready<'a>>, taken: &Sender<Taken<'a>>) {
-        let mut flying: Option<(Ready<'a>, Flight)> = None;
+        let mut flying: Option<(Ready<'a>, InFlight)> = None;
         let mut again: VecDeque<Ready<'a>> = VecDeque::new();
         loop {
             // what lost the device goes alone
@@ -207,7 +207,7 @@ impl Driver<'_> {
                     lost.push(next);
                 } else {
                     match guarded(|| self.launch(&next, &mut flying, batch, taken, &mut lost)) {
-                        Ok(Launched::Flight(flight)) => launched = Some((next, *flight)),
+                        Ok(Launched::InFlight(flight)) => launched = Some((next, *flight)),
                         Ok(Launched::Seen(seen, ms)) => self.hand_on(next, Picture::Seen(seen), ms, taken),
                         Ok(Launched::Not) => lost.push(next),
                         Err(e) => self.fault(batch, next, e, &mut lost),
@@ -238,7 +238,7 @@ impl Driver<'_> {
     fn launch<'a>(
         &mut self,
         next: &Ready<'a>,
-        flying: &mut Option<(Ready<'a>, Flight)>,
+        flying: &mut Option<(Ready<'a>, InFlight)>,
         batch: &Batch<'a>,
         taken: &Sender<Taken<'a>>,
         lost: &mut Vec<Ready<'a>>,
@@ -265,7 +265,7 @@ impl Driver<'_> {
             *self.frames = Some(engine.place(planned.clone(), &RunOptions::default())?);
         }
         match self.frames.as_mut() {
-            Some(frames) => Ok(Launched::Flight(Box::new(frames.start()?))),
+            Some(frames) => Ok(Launched::InFlight(Box::new(frames.start()?))),
             None => Err(Error::work("no frames")),
         }
     }
@@ -274,7 +274,7 @@ impl Driver<'_> {
     fn finish<'a>(
         &mut self,
         batch: &Batch<'a>,
-        flying: Option<(Ready<'a>, Flight)>,
+        flying: Option<(Ready<'a>, InFlight)>,
         taken: &Sender<Taken<'a>>,
         lost: &mut Vec<Ready<'a>>,
     ) {
@@ -283,13 +283,13 @@ impl Driver<'_> {
         match guarded(|| self.land(&ready, flight)) {
             Ok(landed) => {
                 let ms = self.was_busy(started);
-                self.hand_on(ready, Picture::Landed(Box::new(landed)), ms, taken);
+                self.hand_on(ready, Picture::Readback(Box::new(landed)), ms, taken);
             }
             Err(e) => self.fault(batch, ready, e, lost),
         }
     }
 
-    fn land(&mut self, ready: &Ready, flight: Flight) -> Result<Landed> {
+    fn land(&mut self, ready: &Ready, flight: InFlight) -> Result<Readback> {
         let (Some(frames), Some(planned)) = (self.frames.as_mut(), &ready.planned) else {
             return Err(Error::work("no frames"));
         };
@@ -357,7 +357,7 @@ impl Driver<'_> {
 }
 
 enum Launched {
-    Flight(Box<Flight>),
+    InFlight(Box<InFlight>),
     Seen(Box<Seen>, f64),
     /// The device was lost with the frame before.
     Not,

@@ -15,7 +15,7 @@ use std::time::Instant;
 
 /// What words become a picture by.
 #[derive(Clone)]
-pub(super) struct Sight {
+pub(super) struct FrameLayout {
     pub camera: Arc<Camera>,
     pub plan: Arc<Plan>,
     /// The order of the camera's pixels, where it is not their own.
@@ -26,10 +26,10 @@ pub(super) struct Sight {
 }
 
 /// A frame that was given to the device. Others may be given to it before this one is done.
-pub struct Flight {
+pub struct InFlight {
     pub(super) submitted: Submitted,
-    pub(super) readings: Readings,
-    pub(super) sight: Sight,
+    pub(super) reads: PendingReads,
+    pub(super) frame_layout: FrameLayout,
     /// What the lists held.
     pub(super) capacities: Capacities,
     pub(super) raster_rounds: u32,
@@ -37,15 +37,15 @@ pub struct Flight {
 }
 
 /// The words of a frame, on the host.
-pub struct Landed {
-    pub(super) sight: Sight,
-    pub(super) words: Words,
+pub struct Readback {
+    pub(super) frame_layout: FrameLayout,
+    pub(super) words: RawFrame,
     /// What it took; no picture.
     pub(super) rest: Rendered,
 }
 
 /// Everything of a frame that is being read.
-pub(super) struct Readings {
+pub(super) struct PendingReads {
     status: Reading,
     /// Those of [`is_read`].
     planes: Vec<Reading>,
@@ -56,7 +56,7 @@ pub(super) struct Readings {
 }
 
 /// And what was read: counters by job, and words by band.
-pub(super) struct Words {
+pub(super) struct RawFrame {
     pub status: Vec<u32>,
     pub planes: Vec<Vec<u32>>,
     pub srgb8: Vec<Vec<u32>>,
@@ -71,11 +71,11 @@ pub(super) fn is_read(wanted: &Wanted, channel: Channel) -> bool {
     wanted.channels.contains(&channel) || needs_ids && channel == Channel::TriangleId
 }
 
-impl Readings {
+impl PendingReads {
     /// Of a frame that was submitted.
-    pub fn start(frame: &Submitted) -> Readings {
+    pub fn start(frame: &Submitted) -> PendingReads {
         let all = |buffers: &[wgpu::Buffer]| buffers.iter().map(Reading::start).collect();
-        Readings {
+        PendingReads {
             status: Reading::start(&frame.status),
             planes: all(&frame.planes),
             srgb8: all(&frame.srgb8),
@@ -86,9 +86,9 @@ impl Readings {
     }
 
     /// Once it is done.
-    pub fn words(self, gpu: &Gpu, frame: &Submitted) -> Result<Words> {
-        let all = |readings: Vec<Reading>| readings.into_iter().map(|r| r.words(gpu)).collect::<Result<Vec<_>>>();
-        Ok(Words {
+    pub fn words(self, gpu: &Gpu, frame: &Submitted) -> Result<RawFrame> {
+        let all = |reads: Vec<Reading>| reads.into_iter().map(|r| r.words(gpu)).collect::<Result<Vec<_>>>();
+        Ok(RawFrame {
             status: self.status.words(gpu)?,
             planes: all(self.planes)?,
             srgb8: all(self.srgb8)?,
@@ -99,7 +99,7 @@ impl Readings {
     }
 }
 
-impl Landed {
+impl Readback {
     /// What it took; no picture.
     pub fn took(&self) -> &Rendered {
         &self.rest
@@ -107,16 +107,16 @@ impl Landed {
 
     /// The frame with its picture.
     pub fn rendered(self) -> Rendered {
-        let Landed { sight, words, rest } = self;
-        let srgb8 = sight.wanted.srgb8.then(|| sight.srgb8(&words));
-        Rendered { frame: sight.frame(&words), sample_ids: sight.sample_ids(&words), srgb8, ..rest }
+        let Readback { frame_layout, words, rest } = self;
+        let srgb8 = frame_layout.wanted.srgb8.then(|| frame_layout.srgb8(&words));
+        Rendered { frame: frame_layout.frame(&words), sample_ids: frame_layout.sample_ids(&words), srgb8, ..rest }
     }
 }
 
-impl Sight {
+impl FrameLayout {
     /// Joins the planes of all bands to the wanted channels of one frame, their pixels in the camera's own order.
-    fn frame(&self, words: &Words) -> Frame {
-        let Sight { camera, plan, wanted, .. } = self;
+    fn frame(&self, words: &RawFrame) -> Frame {
+        let FrameLayout { camera, plan, wanted, .. } = self;
         let mut planes = Vec::new();
         let read = plan.planes.iter().copied().filter(|channel| is_read(wanted, *channel));
         for (k, channel) in read.enumerate() {
@@ -153,7 +153,7 @@ impl Sight {
     }
 
     /// Four bytes a pixel.
-    fn srgb8(&self, words: &Words) -> Vec<u8> {
+    fn srgb8(&self, words: &RawFrame) -> Vec<u8> {
         let mut all: Vec<[u8; 4]> = Vec::new();
         for (words, band) in words.srgb8.iter().zip(&self.plan.bands) {
             let pixels = band.rows as usize * self.camera.width as usize;
@@ -163,8 +163,8 @@ impl Sight {
     }
 
     /// Of each sample the triangles that all pixels see there: those of the pixels that hold no edge are their centres'.
-    fn sample_ids(&self, words: &Words) -> Vec<Vec<u32>> {
-        let Sight { camera, plan, wanted, .. } = self;
+    fn sample_ids(&self, words: &RawFrame) -> Vec<Vec<u32>> {
+        let FrameLayout { camera, plan, wanted, .. } = self;
         if !wanted.sample_ids {
             return Vec::new();
         }
