@@ -87,7 +87,7 @@ fn paste(
     set_word(PLANE_PIECE, pixel, optic.piece_first + camera);
     set_word(PLANE_MIRROR, pixel, facet);
     if PLANE_Z != NONE {
-        let path = f32(norm(facet_place(facet, real3(w)) - b.p / b.h));
+        let way = f32(norm(facet_place(facet, real3(w)) - b.p / b.h));
         let z = bitcast<f32>(atlas[PLANE_Z * atlas_layout.texel_count + from_texel]);
         set_word(PLANE_Z, pixel, bitcast<u32>(way + z));
     }

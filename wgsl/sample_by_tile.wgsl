@@ -72,28 +72,28 @@ fn sample(
         let own = shared_of(triangle, v0, v1, v2, middle, reach, reach_q, size(node.d));
 
         // hold each against the strips
-        var left = 0u;
+        var unproven = 0u;
         loop {
             let is_left = vec4<bool>(left != 0u);
             let k = firstTrailingBit(left) % LANES;
             left &= left - 1u;
             let found = hold(given(own, k), lines, rays.strip, exists & is_left, vec4<u32>(NONE), nearest);
             nearest = found.nearest;
-            left |= row_bits(found.uncertain) << (4u * k);
+            unproven |= row_bits(found.uncertain) << (4u * k);
             if left == 0u {
                 break;
             }
         }
 
         // leave items to recheck, pair by pair
-        var uncertain = lanes_any(left, lane);
+        var uncertain = lanes_any(unproven, lane);
         loop {
             if uncertain == 0u {
                 break;
             }
             let k = firstTrailingBit(uncertain) / 4u;
             uncertain &= ~(15u << (4u * k));
-            leave_to_recheck_samples(pixel, subgroupShuffle(pair.index, k), strip, (left >> (4u * k)) & 15u);
+            leave_to_recheck_samples(pixel, subgroupShuffle(pair.index, k), strip, (unproven >> (4u * k)) & 15u);
         }
         if waiting == 0u && at >= end {
             break;

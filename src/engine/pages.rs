@@ -87,7 +87,7 @@ fn put(gpu: &Gpu, mip: &Pipeline, image: &Placed, target: &wgpu::Texture) -> Res
         let (finer, coarser) = (view(level - 1), view(level));
         let group = mip.bind_textures(gpu, &[], &[("finer", &finer), ("coarser", &coarser)])?;
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&mip.pipeline);
+        pass.set_pipeline(mip.raw());
         pass.set_bind_group(0, &group, &[]);
         let [w, h] = level_size(&image.texels, level);
         dispatch_items(gpu, &mut pass, w * h);

@@ -3,9 +3,9 @@
 use super::device::{Gpu, one_line};
 use super::kernels::{Access, Binding, Kernel, Variant};
 use crate::input::{Error, Result};
-use std::collections::BTreeMap;
-use std::sync::OnceLock;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
 /// Buffers and textures of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
 #[derive(Default)]
@@ -141,15 +141,64 @@ impl Binder {
     }
 }
 
-/// One compute kernel, compiled.
-pub struct Pipeline {
+/// One compute kernel, compiled. Clones are the same pipeline.
+#[derive(Clone)]
+pub struct Pipeline(Arc<Compiled>);
+
+struct Compiled {
     binder: Binder,
-    pub pipeline: wgpu::ComputePipeline,
+    pipeline: wgpu::ComputePipeline,
 }
 
+/// Pipelines that are in use somewhere, by what they were compiled from: variants that differ in one kernel share all others.
+#[derive(Default)]
+pub struct Pipelines(Mutex<HashMap<Key, Weak<Compiled>>>);
+
+/// The source of a kernel, its bindings and the bits of its constants.
+type Key = (String, Vec<Binding>, Vec<(&'static str, u64)>);
+
 impl Pipeline {
-    /// Without f64 of the adapter's own where it has none.
+    /// The pipeline of a kernel, without f64 of the adapter's own where it has none: compiled, if none of the same is in use.
     pub fn new(gpu: &Gpu, kernel: Kernel) -> Pipeline {
+        let constants = kernel.constants.iter().map(|(name, value)| (*name, value.to_bits())).collect();
+        let key = (gpu.with_replaced(&kernel).source(), kernel.bindings.clone(), constants);
+        let mut known = gpu.pipelines.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(compiled) = known.get(&key).and_then(Weak::upgrade) {
+            return Pipeline(compiled);
+        }
+        let pipeline = Pipeline(Arc::new(Compiled::new(gpu, kernel)));
+        known.retain(|_, other| other.strong_count() > 0);
+        known.insert(key, Arc::downgrade(&pipeline.0));
+        pipeline
+    }
+
+    pub fn raw(&self) -> &wgpu::ComputePipeline {
+        &self.0.pipeline
+    }
+
+    /// Binds every buffer by its name, from the first of `scopes` that has it.
+    pub fn bind(&self, gpu: &Gpu, scopes: &[&Buffers]) -> Result<wgpu::BindGroup> {
+        self.bind_renamed(gpu, scopes, &[])
+    }
+
+    /// A name on the left of `renamed` is looked up as the one on its right.
+    pub fn bind_renamed(&self, gpu: &Gpu, scopes: &[&Buffers], renamed: &[(&str, &str)]) -> Result<wgpu::BindGroup> {
+        self.0.binder.bind(gpu, scopes, renamed, &[])
+    }
+
+    /// With textures.
+    pub fn bind_textures(
+        &self,
+        gpu: &Gpu,
+        scopes: &[&Buffers],
+        textures: &[(&str, &wgpu::TextureView)],
+    ) -> Result<wgpu::BindGroup> {
+        self.0.binder.bind(gpu, scopes, &[], textures)
+    }
+}
+
+impl Compiled {
+    fn new(gpu: &Gpu, kernel: Kernel) -> Compiled {
         let device = &gpu.device;
         let label = Some(kernel.name);
         let module = gpu.compile(&kernel);
@@ -172,27 +221,7 @@ impl Pipeline {
         if let Some(error) = pollster::block_on(scope.pop()) {
             gpu.failed(format!("kernel {name}: {}", one_line(error)));
         }
-        Pipeline { binder, pipeline }
-    }
-
-    /// Binds every buffer by its name, from the first of `scopes` that has it.
-    pub fn bind(&self, gpu: &Gpu, scopes: &[&Buffers]) -> Result<wgpu::BindGroup> {
-        self.bind_renamed(gpu, scopes, &[])
-    }
-
-    /// A name on the left of `renamed` is looked up as the one on its right.
-    pub fn bind_renamed(&self, gpu: &Gpu, scopes: &[&Buffers], renamed: &[(&str, &str)]) -> Result<wgpu::BindGroup> {
-        self.binder.bind(gpu, scopes, renamed, &[])
-    }
-
-    /// With textures.
-    pub fn bind_textures(
-        &self,
-        gpu: &Gpu,
-        scopes: &[&Buffers],
-        textures: &[(&str, &wgpu::TextureView)],
-    ) -> Result<wgpu::BindGroup> {
-        self.binder.bind(gpu, scopes, &[], textures)
+        Compiled { binder, pipeline }
     }
 }
 

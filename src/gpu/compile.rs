@@ -55,7 +55,7 @@ impl Dump {
 
 impl Gpu {
     /// The kernel with [`Gpu::replaced`] snippets.
-    fn with_replaced(&self, kernel: &Kernel) -> Kernel {
+    pub(super) fn with_replaced(&self, kernel: &Kernel) -> Kernel {
         let other = |part: &&'static Snippet| *self.replaced.iter().find(|r| r.name == part.name).unwrap_or(part);
         Kernel { parts: kernel.parts.iter().map(other).collect(), ..kernel.clone() }
     }

@@ -1,5 +1,6 @@
 //! The adapter: which one, what it can do, and what that selects.
 
+use super::buffers::Pipelines;
 use super::compile::Dump;
 use super::kernels::Snippet;
 use super::layout::LANES;
@@ -36,6 +37,7 @@ pub struct Gpu {
     checked: bool,
     /// Writes the kernels' sources.
     pub(super) dump: Option<Dump>,
+    pub(super) pipelines: Pipelines,
     /// The first error that the device reported outside a call.
     failed: Arc<Mutex<Option<String>>>,
 }
@@ -163,7 +165,18 @@ impl Gpu {
             }
         });
         let dump = options.dump_kernels.as_deref().map(Dump::new).transpose()?;
-        Ok(Gpu { device, queue, info, limits, has, replaced: Vec::new(), checked: true, dump, failed })
+        Ok(Gpu {
+            device,
+            queue,
+            info,
+            limits,
+            has,
+            replaced: Vec::new(),
+            checked: true,
+            dump,
+            pipelines: Pipelines::default(),
+            failed,
+        })
     }
 
     /// Compiles kernels from here on as they stand: without the bounds of indices and loops that wgpu adds to them. No kernel

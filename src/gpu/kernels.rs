@@ -75,7 +75,7 @@ pub struct Variant {
 }
 
 /// How a kernel binds a buffer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Access {
     Uniform,
     Read,
@@ -87,7 +87,7 @@ pub enum Access {
 }
 
 /// One buffer of a kernel: its name is the buffer's name everywhere.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Binding {
     pub name: &'static str,
     pub access: Access,

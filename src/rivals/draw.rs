@@ -189,7 +189,7 @@ pub fn run(
 ) -> Result<()> {
     let group = pipeline.bind_textures(gpu, scopes, &[("picture", picture)])?;
     let mut pass = recorder.compute(name);
-    pass.set_pipeline(&pipeline.pipeline);
+    pass.set_pipeline(pipeline.raw());
     pass.set_bind_group(0, &group, &[]);
     dispatch_items(gpu, &mut pass, pixels);
     Ok(())

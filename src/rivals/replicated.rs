@@ -145,7 +145,7 @@ impl Rival for Replicated {
             recorder.encoder.copy_buffer_to_buffer(none, 0, args, 0, 16);
             let group = self.replicate.bind(gpu, &scopes)?;
             let mut pass = recorder.compute("replicate");
-            pass.set_pipeline(&self.replicate.pipeline);
+            pass.set_pipeline(self.replicate.raw());
             pass.set_bind_group(0, &group, &[]);
             dispatch_items(gpu, &mut pass, chunk.slots);
             drop(pass);

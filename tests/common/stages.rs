@@ -371,7 +371,7 @@ pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
     b.create(gpu, "indirect", 12, wgpu::BufferUsages::INDIRECT).unwrap();
     if let Some(optics) = &input.optics {
         b.upload_uniform(gpu, "optic", &optics.optic).unwrap();
-        b.upload(gpu, "ways", optics.ways).unwrap();
+        b.upload(gpu, "paths", optics.ways).unwrap();
         optics.surface.upload(gpu, &mut b).unwrap();
     }
     b

@@ -50,7 +50,7 @@ fn args(gpu: &Gpu, pipeline: &Pipeline, counter: u32, given: &[(u32, u32)]) -> (
     counters(gpu, &mut b, given);
     let group = pipeline.bind(gpu, &[&b]).unwrap();
     run(gpu, |pass| {
-        pass.set_pipeline(&pipeline.pipeline);
+        pass.set_pipeline(pipeline.raw());
         pass.set_bind_group(0, &group, &[]);
         pass.dispatch_workgroups(1, 1, 1);
         Ok(())

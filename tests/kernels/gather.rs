@@ -85,7 +85,7 @@ fn run(gpu: &Gpu, case: &Case, optics: bool) -> Vec<u32> {
     let params = Params { width: WIDTH, height: HEIGHT, id_bits: ID_BITS, ..Params::zeroed() };
     b.upload_uniform(gpu, "params", &params).unwrap();
     b.upload_uniform(gpu, "optic", &case.optic).unwrap();
-    b.upload(gpu, "ways", &case.ways).unwrap();
+    b.upload(gpu, "paths", &case.ways).unwrap();
     b.upload(gpu, "visibility", &case.visibility).unwrap();
     b.upload(gpu, "planes", &case.planes).unwrap();
     b.upload(gpu, "landing_of", &case.landing_of).unwrap();

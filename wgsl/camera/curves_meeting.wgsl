@@ -135,7 +135,7 @@ const BEND: real = 24.0;
 // or both at one t, but never none. Sides are those of the tangent there: along it a root may be off at no cost.
 fn meeting_at(q: CellDepth, c: Curve, t: real, sizes: real, bound: real) -> Meeting {
     let at = curve_point(c, t);
-    let path = curve_tangent(c, t);
+    let way = curve_tangent(c, t);
     let across = dot(q.normal, way);
     if across * q.hidden > 0.0 {
         return Meeting(t, false);

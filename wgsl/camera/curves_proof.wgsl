@@ -43,7 +43,7 @@ fn root_proof(
 ) -> Proof {
     let t = root_between(b, from_t, to_t, from_side < 0);
     let at = curve_point(c, t);
-    let path = curve_tangent(c, t);
+    let way = curve_tangent(c, t);
     let across = dot(normal.n, way);
     let size_way = size3(way);
     let lost_way = 2.0 * PRODUCT_UNITS * REAL_UNIT * sizes;

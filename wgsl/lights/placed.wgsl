@@ -12,7 +12,7 @@ fn arriving(k: u32, lit: Lit) -> Arriving {
     // infinity
     var far = bitcast<f32>(0x7f7fffffu);
     if from_there.w > 0.0 {
-        let path = from_there.xyz - lit.p;
+        let way = from_there.xyz - lit.p;
         let most = max(largest(way), 1e-30);
         far = most * max(length(way / most), 1e-30);
         l = way / far;

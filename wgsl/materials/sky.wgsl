@@ -36,7 +36,7 @@ fn irradiance(n: vec3<f32>) -> vec3<f32> {
     return max(first + second, vec3<f32>(0.0));
 }
 
-// The mean of what comes from about a unit direction, over the parallelogram of two paths across it.
+// The mean of what comes from about a unit direction, over the parallelogram of two ways across it.
 fn sky_mean(d: vec3<f32>, right: vec3<f32>, down: vec3<f32>) -> vec3<f32> {
     let level = max(d.x * d.x + d.z * d.z, 1e-6);
     // about a pole once around is all that there is

@@ -53,7 +53,7 @@ fn first_root(surface: u32, p: real3, d: real3, starts: bool, t_min: real, t_max
     let o = torus_place(g, p);
     let middle = select(-dot(o, d) / dot(d, d), real(0.0), starts);
     let q = (o + middle * d) / torus_size(g);
-    let path = norm(d);
+    let way = norm(d);
     let u = d / way;
     let speed = way / torus_size(g);
     let z = dot(q, axis);

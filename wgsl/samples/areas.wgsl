@@ -151,7 +151,7 @@ fn inside(k: u32) -> u32 {
 // Sides of the pixel, and of one triangle or two.
 fn side_of(i: u32, a: u32, b: u32) -> vec3<f32> {
     if i < 4u {
-        let path = select(1.0, -1.0, (i & 1u) == 1u);
+        let way = select(1.0, -1.0, (i & 1u) == 1u);
         return vec3<f32>(select(vec2<f32>(way, 0.0), vec2<f32>(0.0, way), i >= 2u), 0.5);
     }
     return edge_lines[select(3u * a + i - 4u, 3u * b + i - 7u, i >= 7u)];

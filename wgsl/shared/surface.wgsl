@@ -16,7 +16,7 @@ fn largest(v: vec3<f32>) -> f32 {
     return max(abs(v.x), max(abs(v.y), abs(v.z)));
 }
 
-// The unit normal of a triangle of any size, turned against a path.
+// The unit normal of a triangle of any size, turned against a direction.
 fn flat_normal(triangle: vec4<u32>, way: vec3<f32>) -> vec3<f32> {
     let v0 = vertex(triangle.x);
     let e1 = vertex(triangle.y) - v0;

@@ -8,7 +8,7 @@ impl Stages {
     pub fn bounce(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, pixels: u32) -> Result<()> {
         let Some(bounce) = &self.bounce else { return Ok(()) };
         let group = bounce.bind(gpu, scopes)?;
-        pass.set_pipeline(&bounce.pipeline);
+        pass.set_pipeline(bounce.raw());
         pass.set_bind_group(0, &group, &[]);
         dispatch_items(gpu, pass, pixels);
         Ok(())

@@ -26,7 +26,7 @@ impl Stages {
     pub fn write_certified(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, pixels: u32) -> Result<()> {
         let Some(certify) = &self.certify else { return Ok(()) };
         let group = certify.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[PIXELS])])?;
-        pass.set_pipeline(&certify.pipeline);
+        pass.set_pipeline(certify.raw());
         pass.set_bind_group(0, &group, &[]);
         dispatch_items(gpu, pass, pixels);
         Ok(())

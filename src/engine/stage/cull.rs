@@ -26,7 +26,7 @@ impl Stages {
             let (queue_in, queue_out) = (QUEUES[(step % 2) as usize], QUEUES[((step + 1) % 2) as usize]);
             let renamed = [("step", STEPS[step as usize]), ("queue_in", queue_in), ("queue_out", queue_out)];
             let group = self.cull.bind_renamed(gpu, &all, &renamed)?;
-            pass.set_pipeline(&self.cull.pipeline);
+            pass.set_pipeline(self.cull.raw());
             pass.set_bind_group(0, &group, &[]);
             match indirect {
                 Some(indirect) if step > 0 => pass.dispatch_workgroups_indirect(indirect, 0),

@@ -90,7 +90,7 @@ impl<'g> Deposit<'g> {
             let group = self.pipeline.bind(gpu, &[&own, buffers])?;
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("deposit"), timestamp_writes: None });
-            pass.set_pipeline(&self.pipeline.pipeline);
+            pass.set_pipeline(self.pipeline.raw());
             pass.set_bind_group(0, &group, &[]);
             dispatch_items(gpu, &mut pass, row.count);
         }

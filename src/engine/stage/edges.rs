@@ -50,7 +50,7 @@ impl Stages {
         (items, step): (u32, usize),
     ) -> Result<()> {
         let group = kernel.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[step])])?;
-        pass.set_pipeline(&kernel.pipeline);
+        pass.set_pipeline(kernel.raw());
         pass.set_bind_group(0, &group, &[]);
         dispatch_items(gpu, pass, items);
         Ok(())

@@ -9,7 +9,7 @@ impl Stages {
     pub fn fit(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, levels: &[Level]) -> Result<()> {
         let Some(fit) = &self.fit else { return Ok(()) };
         let all = with(scopes, &self.steps);
-        pass.set_pipeline(&fit.pipeline);
+        pass.set_pipeline(fit.raw());
         for (level, name) in levels.iter().zip(STEPS) {
             let group = fit.bind_renamed(gpu, &all, &[("step", name)])?;
             pass.set_bind_group(0, &group, &[]);

@@ -26,7 +26,7 @@ impl Gather {
 
     pub fn run(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, pixels: u32) -> Result<()> {
         let group = self.pipeline.bind(gpu, scopes)?;
-        pass.set_pipeline(&self.pipeline.pipeline);
+        pass.set_pipeline(self.pipeline.raw());
         pass.set_bind_group(0, &group, &[]);
         dispatch_items(gpu, pass, pixels);
         Ok(())

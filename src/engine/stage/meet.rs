@@ -15,7 +15,7 @@ impl Stages {
         let Some(meet) = &self.meet else { return Ok(()) };
         let all = with(scopes, &self.steps);
         let group = meet.bind_renamed(gpu, &all, &[("step", STEPS[step as usize])])?;
-        pass.set_pipeline(&meet.pipeline);
+        pass.set_pipeline(meet.raw());
         pass.set_bind_group(0, &group, &[]);
         dispatch_items(gpu, pass, pixels);
         Ok(())

@@ -112,7 +112,7 @@ impl Stages {
     fn lay_out(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, counter: u32) -> Result<()> {
         let scopes = with(scopes, &self.steps);
         let group = self.args.bind_renamed(gpu, &scopes, &[("step", STEPS[counter as usize])])?;
-        pass.set_pipeline(&self.args.pipeline);
+        pass.set_pipeline(self.args.raw());
         pass.set_bind_group(0, &group, &[]);
         pass.dispatch_workgroups(1, 1, 1);
         Ok(())
@@ -141,7 +141,7 @@ impl Stages {
         kernel: &Pipeline,
         group: &wgpu::BindGroup,
     ) {
-        pass.set_pipeline(&kernel.pipeline);
+        pass.set_pipeline(kernel.raw());
         pass.set_bind_group(0, group, &[]);
         if let Some(indirect) = scopes.iter().find_map(|s| s.get("indirect")) {
             pass.dispatch_workgroups_indirect(indirect, 0);

@@ -9,7 +9,7 @@ impl Stages {
     pub fn outline(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, pixels: u32) -> Result<()> {
         let Some(outline) = &self.outline else { return Ok(()) };
         let group = outline.bind(gpu, scopes)?;
-        pass.set_pipeline(&outline.pipeline);
+        pass.set_pipeline(outline.raw());
         pass.set_bind_group(0, &group, &[]);
         dispatch_items(gpu, pass, pixels);
         Ok(())

@@ -13,7 +13,7 @@ impl Stages {
     pub fn paste(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, pixels: u32) -> Result<()> {
         let Some(paste) = &self.paste else { return Ok(()) };
         let group = paste.bind(gpu, scopes)?;
-        pass.set_pipeline(&paste.pipeline);
+        pass.set_pipeline(paste.raw());
         pass.set_bind_group(0, &group, &[]);
         dispatch_items(gpu, pass, pixels);
         Ok(())

@@ -96,7 +96,7 @@ impl<'g> Sift<'g> {
             let group = self.pipeline.bind(gpu, &[&chunk, tables])?;
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("sift"), timestamp_writes: None });
-            pass.set_pipeline(&self.pipeline.pipeline);
+            pass.set_pipeline(self.pipeline.raw());
             pass.set_bind_group(0, &group, &[]);
             dispatch_items(gpu, &mut pass, row.points);
             drop(pass);

@@ -14,7 +14,7 @@ impl Stages {
     pub fn sort(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, tiles: u32) -> Result<()> {
         let Some([allot, sort]) = &self.sort else { return Ok(()) };
         let group = allot.bind(gpu, scopes)?;
-        pass.set_pipeline(&allot.pipeline);
+        pass.set_pipeline(allot.raw());
         pass.set_bind_group(0, &group, &[]);
         dispatch_items(gpu, pass, tiles);
         self.dispatch_counted(gpu, pass, scopes, sort, (COUNT_PAIRS, 0))
