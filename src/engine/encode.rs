@@ -109,7 +109,7 @@ impl Frames {
         self.plan.bands[band].rows * self.camera.width
     }
 
-    /// BounceTables the rays of a band that meet the optics to those of a pass, and bounds what comes of it.
+    /// Reflects or refracts the rays of a band that meet the optics, for a bounce, and bounds the rays after it.
     fn encode_turn(&self, recorder: &mut Recorder, band: usize, pass: usize) -> Result<()> {
         let (gpu, resident) = (&*self.gpu, &self.resident);
         let turns = resident.passes[pass].count;
@@ -329,7 +329,7 @@ impl Frames {
         Ok(())
     }
 
-    /// BounceTables a band's colour planes into sRGB.
+    /// Turns a band's colour planes into sRGB.
     fn encode_srgb(&self, recorder: &mut Recorder, band: usize) -> Result<()> {
         let Some(job) = self.resident.jobs(band, 0).next() else { return Ok(()) };
         let mut pass = recorder.compute("write");

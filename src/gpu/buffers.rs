@@ -162,11 +162,13 @@ impl Pipeline {
     pub fn new(gpu: &Gpu, kernel: Kernel) -> Pipeline {
         let constants = kernel.constants.iter().map(|(name, value)| (*name, value.to_bits())).collect();
         let key = (gpu.with_replaced(&kernel).source(), kernel.bindings.clone(), constants);
-        let mut known = gpu.pipelines.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(compiled) = known.get(&key).and_then(Weak::upgrade) {
+        let known = || gpu.pipelines.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(compiled) = known().get(&key).and_then(Weak::upgrade) {
             return Pipeline(compiled);
         }
+        // others may compile meanwhile
         let pipeline = Pipeline(Arc::new(Compiled::new(gpu, kernel)));
+        let mut known = known();
         known.retain(|_, other| other.strong_count() > 0);
         known.insert(key, Arc::downgrade(&pipeline.0));
         pipeline

@@ -108,7 +108,7 @@ impl Stages {
         })
     }
 
-    /// BounceTables the count with index `counter` into the arguments of the next indirect dispatch.
+    /// Turns the count with index `counter` into the arguments of the next indirect dispatch.
     fn lay_out(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, counter: u32) -> Result<()> {
         let scopes = with(scopes, &self.steps);
         let group = self.args.bind_renamed(gpu, &scopes, &[("step", STEPS[counter as usize])])?;
