@@ -20,16 +20,16 @@ demo: rust driver
 
 # Render every scene that is after a figure of a paper, and one contact sheet of all.
 gallery: rust driver
-	@cargo run --release --locked --quiet --example gallery out
+	@cargo run --release --locked --quiet --features internals --example gallery out
 	@echo "the contact sheet is out/gallery.png, the pictures and their scenes are in out/gallery"
 
 # Hold every camera against the reference on a city of 35,000 triangles and on the models in the folder MODELS: hours on a CPU.
 agreement: rust driver
-	@cargo run --release --locked --quiet --example agreement -- out/agreement $(MODELS)
+	@cargo run --release --locked --quiet --features internals --example agreement -- out/agreement $(MODELS)
 
 # All tests; installs a software Vulkan driver first where there is none and apt-get may.
 test: rust driver
-	cargo test --locked
+	cargo test --locked --features internals
 
 # What a change must pass.
 check: rust

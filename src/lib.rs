@@ -1,57 +1,138 @@
 //! A multi-perspective renderer: triangles through cameras whose rays do not meet in a point, exactly, by compute
 //! kernels alone.
 //!
-//! `docs/architecture.md` shows the layers, which are the modules of this crate, and how a frame flows through them;
-//! `docs/reference/definitions.md` has the ray of every pixel of every camera and says what the channels mean.
+//! A [`Scene`] comes from a file or from text, and takes [`Mesh`]es of arrays; its [`Camera`] gives each pixel a ray or a curve. A
+//! [`Renderer`] makes arrays of them, on a GPU or on the CPU; a [`Job`] goes from a scene file to picture files, and a [`Batch`] is a
+//! list of jobs. `docs/reference/definitions.md` has the ray of every pixel of every camera and says what the channels mean.
 //!
-//! The image of a triangle under a bilinear piece is bounded by three conics: `E_ij = ((v_i - P) x (v_j - v_i)) . D` is
-//! quadratic in the image place when P and D are affine. Coverage is three sign tests a pixel, without projecting
-//! anything. Signs that a rounding bound does not prove in f32 are computed again in f64. A curved ray meets a triangle's plane at the
-//! roots of a polynomial of its own degree, none of which is missed.
-//!
-//! A frame, on the GPU where there is one:
+//! Arrays of a scene:
 //!
 //! ```
-//! use anamorph::engine::{Engine, plan::Wanted};
-//! use anamorph::{gpu::Gpu, image::frame::Channel, reference, scene::Scene};
+//! use anamorph::{Channel, Mesh, RenderOptions, Renderer, Scene};
 //!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let folder = tempfile::tempdir()?;
+//! # fn main() -> anamorph::Result<()> {
+//! let mut scene = Scene::parse(r#"
+//!     image = { width = 40, height = 30 }
+//!     camera = { kind = "pinhole", eye = [0, 0, 4], target = [0, 0, 0], vfov = 30 }
+//! "#, ".")?;
+//! let square = vec![[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]];
+//! scene.add(Mesh::new(square, vec![[0, 1, 2], [0, 2, 3]])?)?;
+//! let camera = scene.camera()?;
+//! let options = RenderOptions { channels: vec![Channel::Z, Channel::TriangleId], ..Default::default() };
+//! let rendered = Renderer::new()?.render(&scene, &camera, &options)?;
+//! // row by row from the top
+//! let depth = rendered.frame.f32(Channel::Z).expect("asked for")[15 * 40 + 20];
+//! assert!((depth - 3.0).abs() < 0.01, "the square stands at z = 1, the eye at z = 4");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! One camera over many frames: what does not change from frame to frame stays on the device.
+//!
+//! ```
+//! # use anamorph::{RenderOptions, Renderer, Scene};
+//! # fn main() -> anamorph::Result<()> {
+//! # let folder = tempfile::tempdir().expect("a folder");
 //! # let path = folder.path().join("scene.toml");
 //! # std::fs::write(&path, r#"
 //! #   image = { width = 40, height = 30 }
 //! #   mesh = [{ builtin = "icosphere", level = 2 }]
-//! #   camera = { kind = "pinhole", eye = [0, 0, 4], target = [0, 0, 0], vfov = 40 }
-//! # "#)?;
-//! let scene = Scene::load(&path, &["camera.vfov=30".into()], 0.0)?;
-//! let camera = scene.camera()?;
-//! let channels = vec![Channel::T, Channel::TriangleId];
-//! let frame = match Gpu::open(&Default::default())? {
-//!     Some(gpu) => {
-//!         let wanted = Wanted::of(channels);
-//!         Engine::new(gpu).render(&scene, &camera, &wanted, &Default::default())?.frame
-//!     }
-//!     None => reference::image::image(&scene, &camera, &channels),
-//! };
-//! let middle = frame.f32(Channel::T).ok_or("asked for")?[15 * 40 + 20];
-//! assert!((middle - 3.0).abs() < 0.1, "the ball of radius 1 begins at z = 1");
+//! #   camera = { kind = "fisheye", fov = 180, target = [0, 0, 0],
+//! #              eye = [{ frame = 0, value = [0, 0, 4] }, { frame = 9, value = [4, 0, 0] }] }
+//! # "#).expect("written");
+//! let mut renderer = Renderer::new()?;
+//! let options = RenderOptions { color: true, ..Default::default() };
+//! for frame in 0..3 {
+//!     let scene = Scene::load(&path, &["camera.fov=170"], f64::from(frame))?;
+//!     let rendered = renderer.render(&scene, &scene.camera()?, &options)?;
+//!     rendered.write_png(folder.path().join(format!("{frame}.png")))?;
+//! }
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! Where a camera shows points, and the error of a frame against the reference:
+//!
+//! ```
+//! # use anamorph::{Channel, RenderOptions, Renderer, Scene};
+//! # fn main() -> anamorph::Result<()> {
+//! # let scene = Scene::parse(r#"
+//! #   image = { width = 40, height = 30 }
+//! #   mesh = [{ builtin = "icosphere", level = 2 }]
+//! #   camera = { kind = "panorama", eye = [0, 0, 4], radius = 0.5, height = 3 }
+//! # "#, ".")?;
+//! # let camera = scene.camera()?;
+//! let images = anamorph::project(&camera, &[[0.0, 0.0, 0.0], [1.0, 0.5, 0.0]]);
+//! assert!(images.iter().all(|of_point| !of_point.images.is_empty()));
+//!
+//! let options = RenderOptions { channels: camera.channels(), ..Default::default() };
+//! let rendered = Renderer::new()?.render(&scene, &camera, &options)?;
+//! let error = anamorph::check(&scene, &camera, &rendered.frame)?;
+//! assert_eq!(error.wrong_safe, Some(0), "pixels whose triangle rounding cannot change are all right");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Features
+//!
+//! `cli` (default): the program `anamorph`, with what only it needs. `simplify` (by `cli`): the key `facets` of mirrors and lenses, by
+//! meshoptimizer, which takes a C++ compiler. `internals`: for this project's own tests, with no promise that anything stays.
 
-pub mod camera;
-pub mod engine;
-pub mod geometry;
-pub mod gpu;
-pub mod image;
-pub mod input;
-pub mod reference;
-pub mod rivals;
-pub mod scene;
-pub mod tools;
-pub mod twin;
+#![cfg_attr(not(feature = "internals"), deny(missing_docs))]
+// with `internals` everything is used by what is public; without it some is there for tests, and without `cli` for the program
+#![cfg_attr(not(feature = "internals"), allow(dead_code, unused_imports))]
 
+mod api;
+
+/// The layers, from the bottom: `docs/architecture.md`.
+#[path = ""]
+mod layers {
+    pub mod input;
+
+    pub mod image;
+
+    pub mod geometry;
+
+    pub mod camera;
+
+    pub mod scene;
+
+    pub mod reference;
+
+    pub mod gpu;
+
+    pub mod engine;
+
+    pub mod rivals;
+
+    #[cfg(any(test, feature = "internals"))]
+    pub mod twin;
+
+    pub mod jobs;
+
+    #[cfg(feature = "cli")]
+    pub mod tools;
+}
+
+use layers::*;
+
+pub use crate::api::*;
 pub use crate::input::{Error, Result};
+
+/// Everything, for this project's own tests, benchmarks and examples.
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::layers::*;
+    pub use crate::{Error, Result};
+}
+
+/// Runs the program `anamorph` on the process's arguments.
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub fn program() -> std::process::ExitCode {
+    tools::cli::main()
+}
 
 /// The README's example, compiled.
 #[cfg(doctest)]

@@ -1,4 +1,4 @@
-//! The program `anamorph`; all of it is in [`anamorph::tools::cli`].
+//! The program `anamorph`; all of it is in `src/tools/cli`.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write;
@@ -8,7 +8,7 @@ static ALLOCATOR: ExitWhenFull = ExitWhenFull;
 
 fn main() -> std::process::ExitCode {
     keep_window_system_quiet();
-    anamorph::tools::cli::main()
+    anamorph::program()
 }
 
 /// Vulkan's device-select layer asks for a Wayland display, whose client library complains on stderr where this
@@ -22,7 +22,7 @@ fn keep_window_system_quiet() {
 }
 
 /// The system's allocator. If it has no more memory, the program prints one line and exits with code 1, instead of aborting by a
-/// signal. Work that is known to be too large is refused before it begins: see [`anamorph::input::limits`].
+/// signal. Work that is known to be too large is refused before it begins: see `src/input/limits.rs`.
 struct ExitWhenFull;
 
 impl ExitWhenFull {

@@ -2,11 +2,11 @@
 
 mod common;
 
-use anamorph::camera::Rays;
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::{Engine, RunOptions};
-use anamorph::gpu::Gpu;
-use anamorph::image::frame::{Channel, Frame};
+use anamorph::internals::camera::Rays;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::image::frame::{Channel, Frame};
 use common::any::any;
 use common::gpu::engine_on;
 use common::needs::skip;

@@ -2,10 +2,10 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::engine::{Arithmetic, Engine, RunOptions};
-use anamorph::geometry::generate::icosphere;
-use anamorph::gpu::Gpu;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::{Arithmetic, Engine, RunOptions};
+use anamorph::internals::geometry::generate::icosphere;
+use anamorph::internals::gpu::Gpu;
 use common::cameras::{MeshLook, mesh_spec, pinhole, raymap};
 use common::gpu::{engine_on, hits, wanted, words};
 use common::{FORWARD, camera, scene};

@@ -3,11 +3,11 @@
 
 mod common;
 
-use anamorph::engine::RunOptions;
-use anamorph::engine::rival::Choice;
-use anamorph::reference::image::judge;
-use anamorph::rivals::TECHNIQUES;
-use anamorph::scene::Scene;
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::rival::Choice;
+use anamorph::internals::reference::image::judge;
+use anamorph::internals::rivals::TECHNIQUES;
+use anamorph::internals::scene::Scene;
 use common::file::load;
 use common::gpu::{Without, engine, hits, wanted};
 
@@ -78,12 +78,13 @@ fn wrong(camera: &str, by: &str) -> Option<(u64, u64, u64)> {
     let scene = scene(camera);
     let camera = scene.camera().unwrap();
     let mut engine = engine(&camera, Without::Nothing)?;
-    let run = RunOptions { by: Some(anamorph::rivals::parse(by).unwrap()), ..Default::default() };
+    let run = RunOptions { by: Some(anamorph::internals::rivals::parse(by).unwrap()), ..Default::default() };
     let frame = engine.render(&scene, &camera, &wanted(), &run).unwrap().frame;
     assert!(hits(&frame) > 1000, "{by}: {} hits", hits(&frame));
     let judged = judge(&scene, &camera, &frame);
     let seen =
-        anamorph::image::compare::compare(&frame, &judged.truth, Some(&judged.safe), Some(&judged.scales)).unwrap();
+        anamorph::internals::image::compare::compare(&frame, &judged.truth, Some(&judged.safe), Some(&judged.scales))
+            .unwrap();
     println!("{by}: {seen}, {} not near", judged.not_near);
     Some((seen.wrong_triangle.unwrap(), seen.wrong_safe.unwrap(), judged.not_near))
 }
@@ -127,12 +128,15 @@ fn leaving_nothing_out_early_changes_no_pixel() {
         let camera = scene.camera().unwrap();
         let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
         let [with, without] = [false, true].map(|no_cull| {
-            let run =
-                RunOptions { by: by.map(|by| anamorph::rivals::parse(by).unwrap()), no_cull, ..Default::default() };
+            let run = RunOptions {
+                by: by.map(|by| anamorph::internals::rivals::parse(by).unwrap()),
+                no_cull,
+                ..Default::default()
+            };
             engine.render(&scene, &camera, &wanted(), &run).unwrap().frame
         });
         // what is not clipped has its t from other corners, rounded otherwise
-        let seen = anamorph::image::compare::compare(&without, &with, None, None).unwrap();
+        let seen = anamorph::internals::image::compare::compare(&without, &with, None, None).unwrap();
         println!("{by:?}: {seen}");
         assert_eq!(seen.wrong_triangle, Some(0), "{by:?}");
     }
@@ -155,7 +159,8 @@ fn cameras_may_move_between_frames() {
         for by in [None].into_iter().chain(rivals.iter().copied().map(Some)) {
             let (scene, then) = (scene(&first), self::scene(&then).camera().unwrap());
             let camera = scene.camera().unwrap();
-            let run = RunOptions { by: by.map(|by| anamorph::rivals::parse(by).unwrap()), ..Default::default() };
+            let run =
+                RunOptions { by: by.map(|by| anamorph::internals::rivals::parse(by).unwrap()), ..Default::default() };
             let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
             let alone = engine.render(&scene, &then, &wanted(), &run).unwrap().frame;
             let mut frames = engine.prepare(&scene, &camera, &wanted(), &run).unwrap();
@@ -166,7 +171,7 @@ fn cameras_may_move_between_frames() {
             assert!(hits(&alone) > 1000, "{by:?}: {first}");
             // positions are relative to where the first camera had them: other roundings, other ties
             let judged = judge(&scene, &then, &aimed);
-            let seen = anamorph::image::compare::compare(&aimed, &alone, Some(&judged.safe), None).unwrap();
+            let seen = anamorph::internals::image::compare::compare(&aimed, &alone, Some(&judged.safe), None).unwrap();
             println!("{by:?}: {seen}");
             assert_eq!(seen.wrong_safe, Some(0), "{by:?}: {first}");
         }
@@ -211,7 +216,7 @@ fn what_a_rival_cannot_show_it_refuses_in_a_line() {
     let refusal = |camera: &str, by: &str| {
         let scene = scene(camera);
         let camera = scene.camera().unwrap();
-        let run = RunOptions { by: Some(anamorph::rivals::parse(by).unwrap()), ..Default::default() };
+        let run = RunOptions { by: Some(anamorph::internals::rivals::parse(by).unwrap()), ..Default::default() };
         let error = engine(&camera, Without::Nothing)?.render(&scene, &camera, &wanted(), &run);
         let error = error.map(|_| ()).unwrap_err();
         assert_eq!(error.exit_code(), 2);
@@ -245,7 +250,7 @@ fn frames_of_moving_triangles_are_timed_with_what_is_built_over_them() {
         Some(engine(&camera, Without::Nothing)?.render(&scene, &camera, &wanted(), &run).unwrap())
     };
     for by in ["raytrace", "raytrace-refit", "raster-warp"] {
-        let Some(rendered) = frame(Some(anamorph::rivals::parse(by).unwrap())) else { return };
+        let Some(rendered) = frame(Some(anamorph::internals::rivals::parse(by).unwrap())) else { return };
         assert_eq!(rendered.frame_ms.len(), 2, "{by}");
     }
 }

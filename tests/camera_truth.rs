@@ -2,12 +2,12 @@
 
 mod common;
 
-use anamorph::camera::kinds::glc::Glc;
-use anamorph::camera::kinds::orthographic::Orthographic;
-use anamorph::camera::kinds::pinhole::Pinhole;
-use anamorph::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
-use anamorph::camera::spec::{CameraKind, CameraSpec};
-use anamorph::camera::{Camera, Field, Ray, glc};
+use anamorph::internals::camera::kinds::glc::Glc;
+use anamorph::internals::camera::kinds::orthographic::Orthographic;
+use anamorph::internals::camera::kinds::pinhole::Pinhole;
+use anamorph::internals::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
+use anamorph::internals::camera::spec::{CameraKind, CameraSpec};
+use anamorph::internals::camera::{Camera, Field, Ray, glc};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_spec, raymap};
 use common::rng::Rng;
 use common::{FORWARD, camera};

@@ -3,12 +3,12 @@
 
 mod common;
 
-use anamorph::camera::Bundle;
-use anamorph::camera::perturb::scene_size;
-use anamorph::geometry::cast::Caster;
-use anamorph::geometry::generate::{icosphere, soup};
-use anamorph::geometry::mesh::Mesh;
-use anamorph::reference::Reference;
+use anamorph::internals::camera::Bundle;
+use anamorph::internals::camera::perturb::scene_size;
+use anamorph::internals::geometry::cast::Caster;
+use anamorph::internals::geometry::generate::{icosphere, soup};
+use anamorph::internals::geometry::mesh::Mesh;
+use anamorph::internals::reference::Reference;
 use common::rng::Rng;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -3,16 +3,16 @@
 
 mod common;
 
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::{Engine, RunOptions};
-use anamorph::image::frame::Channel;
-use anamorph::reference::caustics::{caustics, photons};
-use anamorph::reference::image::image;
-use anamorph::scene::Scene;
-use anamorph::scene::caustics::beams::{CHANNELS, Fate};
-use anamorph::scene::caustics::landing::Landings;
-use anamorph::scene::caustics::shares::{LINE_WIDTH, shares};
-use anamorph::scene::caustics::{Illumination, Map};
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::reference::caustics::{caustics, photons};
+use anamorph::internals::reference::image::image;
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::caustics::beams::{CHANNELS, Fate};
+use anamorph::internals::scene::caustics::landing::Landings;
+use anamorph::internals::scene::caustics::shares::{LINE_WIDTH, shares};
+use anamorph::internals::scene::caustics::{Illumination, Map};
 use common::file::load;
 use common::gpu::{engine_on, words};
 use glam::DVec2;
@@ -289,7 +289,7 @@ fn pictures_show_what_falls_on_the_floor() {
     assert!(maps(&mut engine) == other, "two engines give the same maps");
     let mut shown = 0;
     for k in 0..80 * 60 {
-        let of = |f: &anamorph::image::frame::Frame, c| f64::from(f.f32(c).unwrap()[k]);
+        let of = |f: &anamorph::internals::image::frame::Frame, c| f64::from(f.f32(c).unwrap()[k]);
         let ray = camera.ray(k as u32 % 80, k as u32 / 80).unwrap();
         let p = ray.origin + of(&with, Channel::T) * ray.direction;
         for (channel, diffuse) in [(Channel::R, 0.8), (Channel::G, 0.6), (Channel::B, 0.4)] {
@@ -331,7 +331,7 @@ fn a_mirror_shows_the_caustic_too_as_much_as_it_leaves() {
         let dark = Scene { caustics: None, ..lit.clone() };
         let mut render = |scene: &Scene| engine.render(scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
         let (with, without) = (render(&lit), render(&dark));
-        let red = |f: &anamorph::image::frame::Frame| f.f32(Channel::R).unwrap().to_vec();
+        let red = |f: &anamorph::internals::image::frame::Frame| f.f32(Channel::R).unwrap().to_vec();
         let more: Vec<f32> = red(&with).iter().zip(red(&without)).map(|(a, b)| a - b).collect();
         let seen = with.u32(Channel::MirrorId).unwrap().to_vec();
         let truth = image(&lit, &camera, &wanted.channels);

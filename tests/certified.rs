@@ -2,13 +2,13 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::{Capacities, RunOptions};
-use anamorph::geometry::place;
-use anamorph::image::frame::{Channel, Frame, NO_ID};
-use anamorph::reference::image::image;
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::{Capacities, RunOptions};
+use anamorph::internals::geometry::place;
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
+use anamorph::internals::reference::image::image;
+use anamorph::internals::scene::Scene;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
 use common::file::camera_of;
 use common::gpu::{Without, engine, engine_on, ids, words};
@@ -70,7 +70,7 @@ fn cameras() -> Vec<(String, Camera)> {
 
 /// A ball among small triangles, turned so that no edge lies along a line of pixels.
 fn crowd() -> Scene {
-    let mut ball = anamorph::geometry::generate::icosphere(3);
+    let mut ball = anamorph::internals::geometry::generate::icosphere(3);
     let turn = DMat3::from_rotation_x(0.3) * DMat3::from_rotation_z(0.2);
     ball.positions.iter_mut().for_each(|p| *p = 0.7 * turn * *p);
     scene(place::merge(vec![ball, soup(&mut Rng(1), 240, 0.3)]).unwrap())
@@ -156,7 +156,7 @@ fn a_planted_error_is_wrong() {
     let Some(mut frame) = certified(&scene, &eye, Without::Nothing) else { return };
     let at = ids(&frame).iter().position(|id| *id != NO_ID).unwrap();
     let (_, plane) = frame.planes.iter_mut().find(|p| p.0 == Channel::TriangleId).unwrap();
-    if let anamorph::image::frame::Plane::U32(ids) = plane {
+    if let anamorph::internals::image::frame::Plane::U32(ids) = plane {
         ids[at] += 1;
     }
     assert_eq!(wrong(&scene, &eye, &frame), [at]);
@@ -184,7 +184,7 @@ fn what_proves_nothing_says_so_in_a_line() {
     let scene = crowd();
     let eye = camera(pinhole(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, 40.0), SIZE, FORWARD);
     let Some(mut engine) = engine(&eye, Without::Nothing) else { return };
-    let by = RunOptions { by: Some(anamorph::rivals::parse("raytrace").unwrap()), ..Default::default() };
+    let by = RunOptions { by: Some(anamorph::internals::rivals::parse("raytrace").unwrap()), ..Default::default() };
     let error = engine.render(&scene, &eye, &wanted(), &by).unwrap_err().to_string();
     assert!(error.contains("raytrace proves nothing") && !error.contains('\n'), "{error}");
     let mirror = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }\n\

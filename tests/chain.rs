@@ -2,7 +2,7 @@
 
 mod common;
 
-use anamorph::camera::{Camera, Rays};
+use anamorph::internals::camera::{Camera, Rays};
 use common::continuity::{assert_joined, assert_seamless};
 use common::file::{camera_of, refusal};
 use glam::DVec3;

@@ -3,12 +3,12 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::geometry::generate;
-use anamorph::image::compare::{Comparison, compare};
-use anamorph::image::frame::{Channel, Frame, NO_ID, Plane};
-use anamorph::reference::image::{image, judge};
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::geometry::generate;
+use anamorph::internals::image::compare::{Comparison, compare};
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
+use anamorph::internals::reference::image::{image, judge};
+use anamorph::internals::scene::Scene;
 use common::cameras::{MeshLook, mesh_camera, pinhole};
 use common::rng::Rng;
 use common::{FORWARD, camera, scene};

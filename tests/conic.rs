@@ -3,8 +3,8 @@
 
 mod common;
 
-use anamorph::camera::{Bundle, kinds};
-use anamorph::reference::Reference;
+use anamorph::internals::camera::{Bundle, kinds};
+use anamorph::internals::reference::Reference;
 use common::rng::Rng;
 use common::{ALL_T, mesh};
 use glam::{DMat3, DVec2, DVec3};

@@ -6,12 +6,12 @@ mod common;
 #[path = "common/exact.rs"]
 mod exact;
 
-use anamorph::camera::curve::{Curve, CurveMap, Curves};
-use anamorph::camera::{Camera, Rays};
-use anamorph::engine::RunOptions;
-use anamorph::engine::plan::Wanted;
-use anamorph::gpu::layout::split2;
-use anamorph::image::frame::{Channel, NO_ID};
+use anamorph::internals::camera::curve::{Curve, CurveMap, Curves};
+use anamorph::internals::camera::{Camera, Rays};
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::gpu::layout::split2;
+use anamorph::internals::image::frame::{Channel, NO_ID};
 use common::gpu::{Without, engine};
 use exact::{Powers, Rng, beyond, count, polynomial};
 use glam::DVec3;

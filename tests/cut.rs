@@ -1,10 +1,10 @@
 //! Ray maps cut into pieces: the bound that is told holds, is no more than ten times too large, and falls as it must.
 
-use anamorph::camera::cut::Cut;
-use anamorph::camera::recipe::{Built, Setting};
-use anamorph::camera::{Pieces, Ray, RayMap, Rays};
-use anamorph::geometry::mesh::Mesh;
-use anamorph::scene::Scene;
+use anamorph::internals::camera::cut::Cut;
+use anamorph::internals::camera::recipe::{Built, Setting};
+use anamorph::internals::camera::{Pieces, Ray, RayMap, Rays};
+use anamorph::internals::geometry::mesh::Mesh;
+use anamorph::internals::scene::Scene;
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;

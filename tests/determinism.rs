@@ -3,12 +3,12 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::engine::RunOptions;
-use anamorph::engine::plan::{Contents, Plan, Surroundings, Wanted};
-use anamorph::geometry::{generate, place};
-use anamorph::image::frame::Channel;
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::plan::{Contents, Plan, Surroundings, Wanted};
+use anamorph::internals::geometry::{generate, place};
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::scene::Scene;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::gpu::{Without, engine, engine_on, ids, render, render_with, wanted, words};
@@ -159,7 +159,9 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
         };
         let around = Surroundings::of(&camera, scene.bounds());
         let plan = Plan::new(&camera, Contents::of(&scene), around, &wanted(), small.gpu.has, SMALL_BINDING);
-        let chunks = anamorph::engine::clusters::cluster(&scene.mesh, around.anchor, false, SMALL_BINDING).chunks.len();
+        let chunks = anamorph::internals::engine::clusters::cluster(&scene.mesh, around.anchor, false, SMALL_BINDING)
+            .chunks
+            .len();
         assert!(plan.bands.len() > 5 && chunks > 1, "{name}");
         let parts = small.render(&scene, &camera, &wanted(), &RunOptions::default()).unwrap();
         assert!(words(&parts.frame) == words(&whole.frame) && parts.srgb8 == whole.srgb8, "{name}");

@@ -2,7 +2,7 @@
 
 mod common;
 
-use anamorph::camera::{Camera, Rays};
+use anamorph::internals::camera::{Camera, Rays};
 use common::rng::Rng;
 use glam::DVec3;
 use std::path::Path;
@@ -30,7 +30,7 @@ fn slenderness(corners: [glam::DVec2; 3]) -> f64 {
 fn bound(camera: &Camera) -> f64 {
     let of_layer = |layer: &Rays| {
         let Rays::Pieces(pieces) = layer else { panic!("pieces") };
-        let of_piece = |piece: &anamorph::camera::Piece| {
+        let of_piece = |piece: &anamorph::internals::camera::Piece| {
             let whole = [(0.0, 0.0), (SIZE.0 as f64, 0.0), (0.0, SIZE.1 as f64)].map(glam::DVec2::from);
             let corners = piece.corners_px.unwrap_or(whole);
             let largest = |q: &glam::DVec2| {
@@ -62,7 +62,7 @@ fn there_and_back(dir: &Path, table: &str) -> (Camera, Camera) {
             serde_json::from_str(&std::fs::read_to_string(dir.join("p.json")).unwrap()).unwrap();
         let camera = serde_json::json!({ "camera": { "kind": "chain", "layers": layers["layers"] } });
         std::fs::write(dir.join("chain.json"), camera.to_string()).unwrap();
-        let scene = anamorph::scene::Scene::load(&dir.join("chain.json"), &[], 0.0).unwrap();
+        let scene = anamorph::internals::scene::Scene::load(&dir.join("chain.json"), &[], 0.0).unwrap();
         Camera::in_scene(&scene.camera, Some(SIZE), &scene.mesh).unwrap()
     };
     (original, back)

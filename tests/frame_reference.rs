@@ -2,18 +2,18 @@
 
 mod common;
 
-use anamorph::camera::glc;
-use anamorph::camera::kinds::glc::Glc;
-use anamorph::camera::kinds::orthographic::Orthographic;
-use anamorph::camera::spec::CameraKind;
-use anamorph::geometry::generate;
-use anamorph::geometry::mesh::{Material, Mesh};
-use anamorph::geometry::texture::Images;
-use anamorph::geometry::{gltf, obj, place};
-use anamorph::image::compare::compare;
-use anamorph::image::frame::{Channel, Frame, NO_ID, Plane};
-use anamorph::scene::Scene;
-use anamorph::scene::light::Light;
+use anamorph::internals::camera::glc;
+use anamorph::internals::camera::kinds::glc::Glc;
+use anamorph::internals::camera::kinds::orthographic::Orthographic;
+use anamorph::internals::camera::spec::CameraKind;
+use anamorph::internals::geometry::generate;
+use anamorph::internals::geometry::mesh::{Material, Mesh};
+use anamorph::internals::geometry::texture::Images;
+use anamorph::internals::geometry::{gltf, obj, place};
+use anamorph::internals::image::compare::compare;
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::light::Light;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, mesh_spec, pinhole, raymap};
 use common::gpu::{Without, assert_right, assert_same_without_f64, check, hits, ids, render, render_with};
 use common::rng::Rng;

@@ -1,15 +1,15 @@
 //! The cameras made of general linear cameras, and the exact maps they are limits of: a known point lands at a known pixel.
 
-use anamorph::camera::glc::{Class, classify};
-use anamorph::camera::{Camera, Pieces, Ray, Rays};
-use anamorph::scene::Scene;
+use anamorph::internals::camera::glc::{Class, classify};
+use anamorph::internals::camera::{Camera, Pieces, Ray, Rays};
+use anamorph::internals::scene::Scene;
 use glam::DVec3;
 
 const SIZE: (u32, u32) = (80, 60);
 /// Some tens of roundings of numbers up to 100.
 const ROUNDING: f64 = 1e-11;
 
-fn load(keys: &str) -> anamorph::input::Result<Camera> {
+fn load(keys: &str) -> anamorph::internals::input::Result<Camera> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
     let (w, h) = SIZE;

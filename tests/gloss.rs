@@ -4,15 +4,15 @@ mod common;
 #[path = "common/pictures.rs"]
 mod pictures;
 
-use anamorph::camera::Camera;
-use anamorph::engine::RunOptions;
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::plan::samples::at_once;
-use anamorph::geometry::mesh::Material;
-use anamorph::image::frame::{Channel, Frame};
-use anamorph::reference::image::image;
-use anamorph::scene::Scene;
-use anamorph::scene::light::Light;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::plan::samples::at_once;
+use anamorph::internals::geometry::mesh::Material;
+use anamorph::internals::image::frame::{Channel, Frame};
+use anamorph::internals::reference::image::image;
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::light::Light;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera};
 use common::file::{camera_of, load, refusal};
 use common::gpu::engine_on;

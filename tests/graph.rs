@@ -8,9 +8,9 @@ mod bottom_up;
 #[path = "graph/top_down.rs"]
 mod top_down;
 
-use anamorph::camera::{Camera, Ray, Rays};
-use anamorph::image::frame::{Channel, Frame, NO_ID};
-use anamorph::reference::image;
+use anamorph::internals::camera::{Camera, Ray, Rays};
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
+use anamorph::internals::reference::image;
 use common::continuity::{POINT_ROUNDING, assert_joined, assert_seamless, assert_smooth, borders};
 use common::file::{camera_of, refusal, scene_of};
 use glam::{DVec2, DVec3};

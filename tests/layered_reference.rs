@@ -2,12 +2,12 @@
 
 mod common;
 
-use anamorph::camera::mesh::spec::MeshCameraSpec;
-use anamorph::camera::{Camera, Rays};
-use anamorph::engine::RunOptions;
-use anamorph::geometry::{generate, place};
-use anamorph::image::frame::{Channel, NO_ID};
-use anamorph::scene::Scene;
+use anamorph::internals::camera::mesh::spec::MeshCameraSpec;
+use anamorph::internals::camera::{Camera, Rays};
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::geometry::{generate, place};
+use anamorph::internals::image::frame::{Channel, NO_ID};
+use anamorph::internals::scene::Scene;
 use common::cameras::{MeshLook, mesh_spec};
 use common::gpu::{self, Without, check, hits, ids, render, words};
 use common::rng::Rng;
@@ -113,7 +113,7 @@ fn a_chain_of_straight_rays_is_the_camera_without_faces() {
 fn a_surface_in_a_shared_face_shows_no_crack() {
     let whole = mesh_spec(6, 4, 3, MeshLook::default());
     // the faces of the cells bend: two triangles each, in space as in the image
-    let middle = |v: &anamorph::camera::mesh::spec::CameraVertex| {
+    let middle = |v: &anamorph::internals::camera::mesh::spec::CameraVertex| {
         v.near.lerp(v.far, 0.4) + 0.1 * DVec3::new(v.near.y, v.near.z, v.near.x)
     };
     let (mut before, mut after) = (whole.clone(), whole.clone());
@@ -147,7 +147,7 @@ fn straight_curves_are_rays() {
     let camera = layered::of_layers(vec![spec], SIZE);
     let mut curved = camera.clone();
     let map = std::sync::Arc::new(layered::Elevated { of: camera.clone(), degree: 3 });
-    curved.layers = vec![Rays::Curves(anamorph::camera::Curves::new(SIZE.0, SIZE.1, map))];
+    curved.layers = vec![Rays::Curves(anamorph::internals::camera::Curves::new(SIZE.0, SIZE.1, map))];
     let scene = ball_in_cloud();
     let (Some(rays), Some(curves)) = (render(&scene, &camera), render(&scene, &curved)) else { return };
     let differ = (0..ids(&rays).len()).filter(|&k| ids(&rays)[k] != ids(&curves)[k]).count();

@@ -2,10 +2,10 @@
 
 mod common;
 
-use anamorph::camera::project::Projector;
-use anamorph::camera::{Camera, Rays};
-use anamorph::input::Result;
-use anamorph::reference::image::explain;
+use anamorph::internals::camera::project::Projector;
+use anamorph::internals::camera::{Camera, Rays};
+use anamorph::internals::input::Result;
+use anamorph::internals::reference::image::explain;
 use common::written::{assert_refused, camera, camera_in};
 use glam::{DQuat, DVec2, DVec3};
 

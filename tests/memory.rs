@@ -3,10 +3,10 @@
 
 mod common;
 
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::{Engine, RunOptions};
-use anamorph::geometry::generate::icosphere;
-use anamorph::image::frame::Channel;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::geometry::generate::icosphere;
+use anamorph::internals::image::frame::Channel;
 use common::cameras::glc_of_each_class;
 use common::gpu::engine_on;
 use common::{FORWARD, camera, scene};

@@ -2,11 +2,11 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::image::frame::{Channel, NO_ID};
-use anamorph::reference::image::image;
-use anamorph::scene::Scene;
-use anamorph::scene::motion::{NEEDED, motion};
+use anamorph::internals::camera::Camera;
+use anamorph::internals::image::frame::{Channel, NO_ID};
+use anamorph::internals::reference::image::image;
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::motion::{NEEDED, motion};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera};
 use common::file::camera_of;
 use common::layered::chain;
@@ -23,7 +23,8 @@ fn cameras() -> Vec<(&'static str, [Camera; 2])> {
     let view = |x: f64| format!("eye = [{x}, 0.3, 4]\ntarget = [0, 0, 0]");
     let both = |make: &dyn Fn(f64) -> Camera| [0.2, 0.25].map(make);
     let kinds = glc_of_each_class();
-    let still = |kind: &anamorph::camera::spec::CameraKind| [0, 1].map(|_| camera(kind.clone(), SIZE, FORWARD));
+    let still =
+        |kind: &anamorph::internals::camera::spec::CameraKind| [0, 1].map(|_| camera(kind.clone(), SIZE, FORWARD));
     vec![
         ("cross-slit", still(&kinds[3].1)),
         ("bilinear", still(&kinds[6].1)),

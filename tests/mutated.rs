@@ -1,7 +1,7 @@
 //! Runs the program on mutated files: every run ends in time with exit code 0, 1 or 2, without a signal or a panic. An error is one line. Outputs
 //! are whole, and no other files are left.
 //!
-//! `ANAMORPH_FUZZ=20000 cargo test --test mutated` runs 20,000 mutations. Cases that fail are kept in `target/tmp/mutated`.
+//! `ANAMORPH_FUZZ=20000 cargo test --features internals --test mutated` runs 20,000 mutations. Cases that fail are kept in `target/tmp/mutated`.
 
 #[path = "../fuzz/mutations.rs"]
 mod mutations;
@@ -179,7 +179,7 @@ fn fault(folder: &Path, args: &[String], output: Option<Output>) -> Option<Strin
         let bytes = std::fs::read(folder.join(&name)).unwrap();
         let is_whole = match name.as_str() {
             "out.png" => bytes.ends_with(b"IEND\xaeB`\x82"),
-            "out.exr" => anamorph::image::read_exr(&folder.join(&name)).is_ok(),
+            "out.exr" => anamorph::internals::image::read_exr(&folder.join(&name)).is_ok(),
             _ => bytes.starts_with(b"\x93NUMPY"),
         };
         if !is_whole {

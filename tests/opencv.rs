@@ -3,8 +3,8 @@
 
 mod common;
 
-use anamorph::camera::project::Projector;
-use anamorph::camera::{Camera, Rays};
+use anamorph::internals::camera::project::Projector;
+use anamorph::internals::camera::{Camera, Rays};
 use common::written::camera_in;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;

@@ -3,11 +3,11 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::image::frame::{Channel, Frame, NO_ID};
-use anamorph::reference::image::image;
-use anamorph::reference::{Path, Reference, Segment};
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
+use anamorph::internals::reference::image::image;
+use anamorph::internals::reference::{Path, Reference, Segment};
+use anamorph::internals::scene::Scene;
 use common::file::load;
 use common::gpu::{Without, assert_same_without_f64, check, render_with};
 use glam::DVec3;

@@ -3,12 +3,12 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::{Arithmetic, Capacities, Engine, RunOptions};
-use anamorph::image::frame::Channel;
-use anamorph::input::Error;
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::{Arithmetic, Capacities, Engine, RunOptions};
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::input::Error;
+use anamorph::internals::scene::Scene;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::gpu::{Without, engine_on, render_with, wanted, words};

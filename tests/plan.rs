@@ -2,15 +2,15 @@
 
 mod common;
 
-use anamorph::camera::TILE;
-use anamorph::camera::kinds::glc::Glc;
-use anamorph::camera::spec::CameraKind;
-use anamorph::camera::{Camera, Field, Ray, Rays};
-use anamorph::engine::plan::slabs::Slabs;
-use anamorph::engine::plan::{Band, Contents, Plan, Surroundings, Wanted};
-use anamorph::gpu::device::Abilities;
-use anamorph::gpu::layout::{self, BRANCH};
-use anamorph::image::frame::Channel;
+use anamorph::internals::camera::TILE;
+use anamorph::internals::camera::kinds::glc::Glc;
+use anamorph::internals::camera::spec::CameraKind;
+use anamorph::internals::camera::{Camera, Field, Ray, Rays};
+use anamorph::internals::engine::plan::slabs::Slabs;
+use anamorph::internals::engine::plan::{Band, Contents, Plan, Surroundings, Wanted};
+use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::gpu::layout::{self, BRANCH};
+use anamorph::internals::image::frame::Channel;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, mesh_spec, raymap};
 use common::file::camera_of;
 use common::layered;

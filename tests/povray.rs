@@ -3,11 +3,11 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::image::compare::{Comparison, compare};
-use anamorph::image::frame::{Channel, Frame, NO_ID, Plane};
-use anamorph::reference::image::judge;
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::image::compare::{Comparison, compare};
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
+use anamorph::internals::reference::image::judge;
+use anamorph::internals::scene::Scene;
 use std::ops::Range;
 use std::path::Path;
 use std::process::Command;

@@ -3,12 +3,12 @@
 
 mod common;
 
-use anamorph::camera::kinds::glc::Glc;
-use anamorph::camera::kinds::orthographic::Orthographic;
-use anamorph::camera::kinds::pinhole::Pinhole;
-use anamorph::camera::project::{Degenerate, Projector};
-use anamorph::camera::spec::CameraKind;
-use anamorph::camera::{Camera, Curve, CurveMap, Curves, Field, Ray, RayMap, Rays};
+use anamorph::internals::camera::kinds::glc::Glc;
+use anamorph::internals::camera::kinds::orthographic::Orthographic;
+use anamorph::internals::camera::kinds::pinhole::Pinhole;
+use anamorph::internals::camera::project::{Degenerate, Projector};
+use anamorph::internals::camera::spec::CameraKind;
+use anamorph::internals::camera::{Camera, Curve, CurveMap, Curves, Field, Ray, RayMap, Rays};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap, two_plane};
 use common::projection::{Counts, PLACE_PX, check, images_see_their_points, pixels_are_images_of_what_they_see};
 use common::rng::Rng;

@@ -2,8 +2,8 @@
 
 mod common;
 
-use anamorph::camera::kinds::KINDS;
-use anamorph::camera::project::{Degenerate, Projector};
+use anamorph::internals::camera::kinds::KINDS;
+use anamorph::internals::camera::project::{Degenerate, Projector};
 use common::file::camera_of;
 use common::projection::check;
 use common::written::camera_in;

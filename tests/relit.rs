@@ -2,10 +2,10 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::engine::{Engine, RunOptions};
-use anamorph::gpu::Gpu;
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::scene::Scene;
 use common::file::load;
 use common::gpu::{engine_on, hits, wanted, words};
 use std::sync::Arc;

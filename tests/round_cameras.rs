@@ -2,7 +2,7 @@
 
 mod common;
 
-use anamorph::camera::{Camera, Ray};
+use anamorph::internals::camera::{Camera, Ray};
 use common::written::{assert_refused, camera};
 use glam::DVec3;
 

@@ -5,13 +5,13 @@ mod common;
 #[path = "common/pictures.rs"]
 mod pictures;
 
-use anamorph::camera::Camera;
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::plan::samples::{at_once, places};
-use anamorph::engine::{Capacities, Engine, Rendered, RunOptions};
-use anamorph::geometry::generate::icosphere;
-use anamorph::image::frame::{Channel, NO_ID};
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::plan::samples::{at_once, places};
+use anamorph::internals::engine::{Capacities, Engine, Rendered, RunOptions};
+use anamorph::internals::geometry::generate::icosphere;
+use anamorph::internals::image::frame::{Channel, NO_ID};
+use anamorph::internals::scene::Scene;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::gpu::{engine_on, ids};
@@ -155,7 +155,7 @@ fn ball() -> Scene {
     let first = all.positions.len() as u32;
     all.positions.extend(walls.positions.iter().map(|p| *p - DVec3::Z));
     all.triangles.extend(walls.triangles.iter().map(|t| t.map(|v| v + first)));
-    all.corner_normals.extend(vec![[anamorph::gpu::layout::NONE; 3]; walls.triangles.len()]);
+    all.corner_normals.extend(vec![[anamorph::internals::gpu::layout::NONE; 3]; walls.triangles.len()]);
     all.material_of.extend(vec![0; walls.triangles.len()]);
     scene(all)
 }

@@ -2,8 +2,8 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::image::{read_npy_rows, write_npy_f64};
+use anamorph::internals::camera::Camera;
+use anamorph::internals::image::{read_npy_rows, write_npy_f64};
 use common::written::{assert_refused, camera as of_size, camera_in};
 use glam::DVec3;
 use std::path::Path;

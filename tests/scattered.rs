@@ -2,13 +2,13 @@
 
 mod common;
 
-use anamorph::camera::{Camera, Field, Rays};
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::{Rendered, RunOptions};
-use anamorph::geometry::generate::icosphere;
-use anamorph::geometry::mesh::Mesh;
-use anamorph::geometry::place::merge;
-use anamorph::image::frame::Channel;
+use anamorph::internals::camera::{Camera, Field, Rays};
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::{Rendered, RunOptions};
+use anamorph::internals::geometry::generate::icosphere;
+use anamorph::internals::geometry::mesh::Mesh;
+use anamorph::internals::geometry::place::merge;
+use anamorph::internals::image::frame::Channel;
 use common::gpu::{check, engine_on, ids, wanted, words};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, moved, scene, soup};

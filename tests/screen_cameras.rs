@@ -2,9 +2,9 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::image::write_npy_f64;
-use anamorph::input::Result;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::image::write_npy_f64;
+use anamorph::internals::input::Result;
 use common::written::{assert_refused, camera, camera_in, try_camera};
 use glam::{DVec2, DVec3};
 use std::fmt::Write;

@@ -5,14 +5,14 @@ mod common;
 #[path = "common/pictures.rs"]
 mod pictures;
 
-use anamorph::camera::Camera;
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::plan::samples::at_once;
-use anamorph::engine::{Engine, RunOptions};
-use anamorph::image::frame::Channel;
-use anamorph::reference::image::image;
-use anamorph::scene::Scene;
-use anamorph::scene::light::{AmbientOcclusion, Light, Source};
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::plan::samples::at_once;
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::reference::image::image;
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::light::{AmbientOcclusion, Light, Source};
 use common::cameras::{MeshLook, mesh_camera};
 use common::file::{camera_of, load};
 use common::gpu::engine_on;

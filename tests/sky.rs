@@ -5,15 +5,15 @@ mod common;
 #[path = "common/pictures.rs"]
 mod pictures;
 
-use anamorph::camera::Camera;
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::{Engine, RunOptions};
-use anamorph::geometry::generate::icosphere;
-use anamorph::geometry::mesh::{Material, Mesh};
-use anamorph::geometry::texture::Texels;
-use anamorph::scene::Scene;
-use anamorph::scene::light::Light;
-use anamorph::scene::sky::Sky;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::geometry::generate::icosphere;
+use anamorph::internals::geometry::mesh::{Material, Mesh};
+use anamorph::internals::geometry::texture::Texels;
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::light::Light;
+use anamorph::internals::scene::sky::Sky;
 use common::cameras::{MeshLook, mesh_camera, raymap};
 use common::file::{camera_of, load, refusal};
 use common::gpu::engine_on;
@@ -126,7 +126,7 @@ fn balls() -> Scene {
         ball.positions.iter_mut().for_each(|p| *p *= 0.5);
         ball.materials = vec![material];
         let ball = moved(ball, at);
-        if k == 0 { all = ball } else { anamorph::geometry::place::append(&mut all, ball) }
+        if k == 0 { all = ball } else { anamorph::internals::geometry::place::append(&mut all, ball) }
     }
     Scene { sky: Some(sky()), lights: vec![Light::distant(DVec3::new(-0.5, -1.0, -0.5))], ..scene(all) }
 }

@@ -3,15 +3,15 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::engine::plan::samples::at_once;
-use anamorph::engine::plan::{Rows, Wanted};
-use anamorph::engine::planned::Planned;
-use anamorph::engine::{Capacities, Engine, Rendered, RunOptions};
-use anamorph::image::frame::Channel;
-use anamorph::image::{read_exr, rgb8};
-use anamorph::scene::Scene;
-use anamorph::scene::light::Light;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::samples::at_once;
+use anamorph::internals::engine::plan::{Rows, Wanted};
+use anamorph::internals::engine::planned::Planned;
+use anamorph::internals::engine::{Capacities, Engine, Rendered, RunOptions};
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::image::{read_exr, rgb8};
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::light::Light;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::gpu::{engine_on, wanted, words};

@@ -5,17 +5,17 @@ mod common;
 #[path = "common/pictures.rs"]
 mod pictures;
 
-use anamorph::camera::Camera;
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::plan::samples::at_once;
-use anamorph::engine::{Engine, RunOptions};
-use anamorph::geometry::mesh::Material;
-use anamorph::geometry::pattern::{Pattern, PatternKind};
-use anamorph::image::frame::{Channel, NO_ID};
-use anamorph::reference::image::image;
-use anamorph::scene::Scene;
-use anamorph::scene::light::Light;
-use anamorph::scene::style::{Hatching, Line, Outline, Style};
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::plan::samples::at_once;
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::geometry::mesh::Material;
+use anamorph::internals::geometry::pattern::{Pattern, PatternKind};
+use anamorph::internals::image::frame::{Channel, NO_ID};
+use anamorph::internals::reference::image::image;
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::light::Light;
+use anamorph::internals::scene::style::{Hatching, Line, Outline, Style};
 use common::cameras::{MeshLook, mesh_camera};
 use common::file::{camera_of, load};
 use common::gpu::engine_on;

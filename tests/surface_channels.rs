@@ -2,12 +2,12 @@
 
 mod common;
 
-use anamorph::engine::RunOptions;
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::plan::samples::at_once;
-use anamorph::image::frame::{Channel, Frame, NO_ID};
-use anamorph::reference::image::image;
-use anamorph::scene::Scene;
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::plan::samples::at_once;
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
+use anamorph::internals::reference::image::image;
+use anamorph::internals::scene::Scene;
 use common::file::load;
 use common::gpu::{Without, engine, ids};
 use glam::DVec3;
@@ -130,7 +130,7 @@ fn labels_are_those_of_the_triangles_in_every_engine() {
         let camera = scene.camera().unwrap();
         let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
         let mut rendered = |wanted: &Wanted, by: Option<&str>| {
-            let by = by.map(|name| anamorph::rivals::parse(name).unwrap());
+            let by = by.map(|name| anamorph::internals::rivals::parse(name).unwrap());
             engine.render(&scene, &camera, wanted, &RunOptions { by, ..RunOptions::default() })
         };
         let all = Wanted::of(vec![Channel::TriangleId, object, material]);

@@ -5,16 +5,16 @@ mod common;
 #[path = "common/pictures.rs"]
 mod pictures;
 
-use anamorph::camera::{Camera, Rays};
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::plan::samples::{at_once, places};
-use anamorph::engine::{Engine, RunOptions};
-use anamorph::geometry::mesh::{Material, NO_UV};
-use anamorph::geometry::texture::{Texels, Texture, Wrap};
-use anamorph::image::frame::{Channel, Frame, NO_ID};
-use anamorph::reference::image::image;
-use anamorph::scene::Scene;
-use anamorph::scene::light::Light;
+use anamorph::internals::camera::{Camera, Rays};
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::plan::samples::{at_once, places};
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::geometry::mesh::{Material, NO_UV};
+use anamorph::internals::geometry::texture::{Texels, Texture, Wrap};
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
+use anamorph::internals::reference::image::image;
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::light::Light;
 use common::cameras::{MeshLook, mesh_camera};
 use common::file::camera_of;
 use common::gpu::{Without, check, engine_on, hits, ids, render, render_with};
@@ -565,7 +565,7 @@ fn what_knows_no_holes_says_so() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let (scene, (_, camera)) = (cut_outs(), families(SIZE).swap_remove(0));
     assert!(!at_once(&scene, &camera, 4));
-    let rival = RunOptions { by: anamorph::rivals::parse("raytrace").ok(), ..RunOptions::default() };
+    let rival = RunOptions { by: anamorph::internals::rivals::parse("raytrace").ok(), ..RunOptions::default() };
     for (channels, run, expected) in [
         (vec![Channel::Certified], RunOptions::default(), "nothing is proven where images cut holes"),
         (vec![Channel::R], rival, "raytrace sees no holes"),

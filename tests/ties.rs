@@ -5,13 +5,13 @@
 
 mod common;
 
-use anamorph::camera::{Camera, Field, Rays};
-use anamorph::engine::RunOptions;
-use anamorph::engine::plan::Wanted;
-use anamorph::geometry::mesh::Mesh;
-use anamorph::image::frame::{Channel, Frame, NO_ID};
-use anamorph::reference::image::image;
-use anamorph::scene::Scene;
+use anamorph::internals::camera::{Camera, Field, Rays};
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::geometry::mesh::Mesh;
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
+use anamorph::internals::reference::image::image;
+use anamorph::internals::scene::Scene;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::file::{camera_of, scene_of};
 use common::gpu::{Without, engine, ids};

@@ -3,9 +3,9 @@
 
 mod common;
 
-use anamorph::camera::{Camera, Curve};
-use anamorph::geometry::mesh::Mesh;
-use anamorph::scene::Scene;
+use anamorph::internals::camera::{Camera, Curve};
+use anamorph::internals::geometry::mesh::Mesh;
+use anamorph::internals::scene::Scene;
 use common::continuity::{POINT_ROUNDING, assert_joined, assert_seamless, assert_smooth};
 use common::file::{refusal, scene_of};
 use glam::{DMat3, DVec2, DVec3};

@@ -6,15 +6,15 @@ mod stages;
 #[path = "common/turned.rs"]
 mod turned;
 
-use anamorph::camera::Camera;
-use anamorph::engine::plan::Wanted;
-use anamorph::geometry::generate::{icosphere, teapot};
-use anamorph::image::compare::compare;
-use anamorph::image::frame::{Channel, Frame, NO_ID, Plane};
-use anamorph::reference::image::judge;
-use anamorph::scene::Scene;
-use anamorph::scene::light::Light;
-use anamorph::twin::render;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::geometry::generate::{icosphere, teapot};
+use anamorph::internals::image::compare::compare;
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
+use anamorph::internals::reference::image::judge;
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::light::Light;
+use anamorph::internals::twin::render;
 use common::cameras::{self, MeshLook};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, scene, soup};

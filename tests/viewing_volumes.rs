@@ -2,10 +2,10 @@
 
 mod common;
 
-use anamorph::camera::glc::Class;
-use anamorph::camera::kinds::pinhole::Pinhole;
-use anamorph::camera::spec::CameraKind;
-use anamorph::camera::{Camera, Curve, Rays, glc};
+use anamorph::internals::camera::glc::Class;
+use anamorph::internals::camera::kinds::pinhole::Pinhole;
+use anamorph::internals::camera::spec::CameraKind;
+use anamorph::internals::camera::{Camera, Curve, Rays, glc};
 use common::{FORWARD, camera, written};
 use glam::{DVec2, DVec3};
 

@@ -3,13 +3,13 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::camera::kinds::glc::Glc;
-use anamorph::camera::kinds::orthographic::Orthographic;
-use anamorph::camera::spec::CameraKind;
-use anamorph::geometry::generate;
-use anamorph::geometry::mesh::Mesh;
-use anamorph::image::frame::NO_ID;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::camera::kinds::glc::Glc;
+use anamorph::internals::camera::kinds::orthographic::Orthographic;
+use anamorph::internals::camera::spec::CameraKind;
+use anamorph::internals::geometry::generate;
+use anamorph::internals::geometry::mesh::Mesh;
+use anamorph::internals::image::frame::NO_ID;
 use common::cameras::{glc_of_each_class, pinhole};
 use common::gpu::{Without, ids, render_with};
 use common::rng::Rng;

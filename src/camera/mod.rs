@@ -15,6 +15,7 @@ pub mod bundle;
 pub mod chain;
 pub mod curve;
 pub mod cut;
+pub mod describe;
 pub mod field;
 pub mod glc;
 pub mod graph;

@@ -29,14 +29,17 @@ use tree::{Tree, WHOLE};
 /// One place where a point is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Image {
-    /// Pixels right of and below the image's top left corner.
+    /// Pixels right of the image's left side.
     pub x: f64,
+    /// Pixels below its top.
     pub y: f64,
-    /// Image coordinates: x over the width and y over the height.
+    /// x over the width.
     pub a: f64,
+    /// y over the height.
     pub b: f64,
     /// In a chain the layer's number plus the t in it.
     pub t: f64,
+    /// The layer of a chain, from 0.
     pub layer: usize,
     /// Numbered through all layers; 0 in a ray field.
     pub piece: u32,

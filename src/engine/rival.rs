@@ -78,8 +78,6 @@ impl Setup<'_> {
 /// A rival by name.
 pub struct Technique {
     pub name: &'static str,
-    /// What it is and whose, in a line.
-    pub about: &'static str,
     /// What its number is; `None`: it has none.
     pub knob: Option<Knob>,
     /// It leaves out what a piece does not see, and may be told not to.

@@ -46,6 +46,18 @@ pub struct Missing {
     pub why: String,
 }
 
+impl Missing {
+    /// A line that says what mesh files lack; `None` if they lack nothing.
+    pub fn line(all: &[Missing]) -> Option<String> {
+        let first = all.first()?;
+        let more = match all.len() {
+            1 => String::new(),
+            n => format!(", and {} more, listed by --report", n - 1),
+        };
+        Some(format!("left out: {} ({}){more}; --strict makes this an error", first.what, first.why))
+    }
+}
+
 /// Bytes of a triangle and of a vertex: the mesh, its placed copy, and what is made of it for rays or a device. Measured with meshes of
 /// 5 million triangles, as the largest resident set of a render, to within a fifth.
 const TRIANGLE_BYTES: u64 = 170;

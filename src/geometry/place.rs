@@ -118,19 +118,16 @@ pub(crate) fn turned(matrix: DMat3, normal: Vec3) -> Vec3 {
     if largest > 0.0 { (n / largest).normalize().as_vec3() } else { normal }
 }
 
-/// Joins meshes in order: triangle ids run on from mesh to mesh. Each keeps its own materials. Meshes without
-/// normals get [`NO_NORMAL`] corners where another has some.
+/// Refuses meshes that together have more than ids and indices can number.
 ///
 /// # Errors
 /// [`Error::Input`] if there are more than 2^28 triangles, or 2^32 - 1 or more vertices, normals, texture coordinates or materials.
-pub fn merge(meshes: Vec<Mesh>) -> Result<Mesh> {
-    let total = |count: fn(&Mesh) -> usize| meshes.iter().map(count).sum::<usize>();
+pub fn check_counts<'a>(meshes: impl IntoIterator<Item = &'a Mesh> + Clone) -> Result<()> {
+    let total = |count: fn(&Mesh) -> usize| meshes.clone().into_iter().map(count).sum::<usize>();
     let triangles = total(|m| m.triangles.len());
     if triangles > MAX_TRIANGLES {
         return Err(Error::input(format!("the scene has {triangles} triangles, at most 2^28 are possible; use fewer")));
     }
-    let with_normals = meshes.iter().any(|m| !m.corner_normals.is_empty());
-    let with_uvs = meshes.iter().any(|m| !m.corner_uvs.is_empty());
     for (count, what) in [
         (total(|m| m.positions.len()), "vertices"),
         (total(|m| m.normals.len()), "normals"),
@@ -141,16 +138,39 @@ pub fn merge(meshes: Vec<Mesh>) -> Result<Mesh> {
             return Err(Error::input(format!("the scene has {count} {what}, under 2^32 - 1 are possible; use fewer")));
         }
     }
+    Ok(())
+}
+
+/// Joins meshes in order: triangle ids run on from mesh to mesh. Each keeps its own materials. Meshes without
+/// normals get [`NO_NORMAL`] corners where another has some.
+///
+/// # Errors
+/// Those of [`check_counts`].
+pub fn merge(meshes: Vec<Mesh>) -> Result<Mesh> {
+    check_counts(&meshes)?;
+    let with_normals = meshes.iter().any(|m| !m.corner_normals.is_empty());
+    let with_uvs = meshes.iter().any(|m| !m.corner_uvs.is_empty());
     let mut meshes = meshes.into_iter();
     let mut all = meshes.next().unwrap_or_default();
-    if with_normals {
-        all.corner_normals.resize(all.triangles.len(), [NO_NORMAL; 3]);
-    }
-    if with_uvs {
-        all.corner_uvs.resize(all.triangles.len(), [NO_UV; 3]);
-    }
+    give_corners(&mut all, with_normals, with_uvs);
     meshes.for_each(|mesh| append(&mut all, mesh));
     Ok(all)
+}
+
+/// Appends `mesh` to `all` with all that it has, as [`merge`] does. The caller has seen to [`check_counts`].
+pub fn append_with_all(all: &mut Mesh, mesh: Mesh) {
+    give_corners(all, !mesh.corner_normals.is_empty(), !mesh.corner_uvs.is_empty());
+    append(all, mesh);
+}
+
+/// Corners without normals or texture coordinates say so where others have some.
+fn give_corners(mesh: &mut Mesh, normals: bool, uvs: bool) {
+    if normals {
+        mesh.corner_normals.resize(mesh.triangles.len(), [NO_NORMAL; 3]);
+    }
+    if uvs {
+        mesh.corner_uvs.resize(mesh.triangles.len(), [NO_UV; 3]);
+    }
 }
 
 /// Appends `mesh` to `all`: with normals and texture coordinates only where `all` has some. The caller made sure that all counts fit a u32.

@@ -15,6 +15,7 @@ pub use quantiles::{Measure, Quantiles};
 /// frames, where there is nothing to measure, or where the caller did not say what is safe.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
+    /// All pixels.
     pub pixels: u64,
     /// The channels that both frames have. Only these are compared.
     pub channels: Vec<&'static str>,
@@ -25,6 +26,7 @@ pub struct Comparison {
     pub wrong_hit_miss: Option<u64>,
     /// Wrong-triangle pixels among the safe ones.
     pub wrong_safe: Option<u64>,
+    /// Pixels whose answer is not the same within 1/16 px of their centre.
     pub unsafe_pixels: Option<u64>,
     /// `unsafe_pixels / pixels`.
     pub unsafe_share: Option<f64>,
@@ -58,6 +60,7 @@ pub enum Matched {
 /// The difference of one channel over all pixels.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Difference {
+    /// Its name.
     pub channel: &'static str,
     /// Pixels with different values; NaN is different from every value.
     pub pixels: u64,

@@ -14,13 +14,16 @@ pub enum Error {
     Full(String),
 }
 
+/// With this crate's [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
+    /// An [`Error::Input`].
     pub fn input(message: impl Into<String>) -> Self {
         Error::Input(message.into())
     }
 
+    /// An [`Error::Work`].
     pub fn work(message: impl Into<String>) -> Self {
         Error::Work(message.into())
     }
@@ -34,6 +37,7 @@ impl Error {
         }
     }
 
+    /// The exit code of a program that ends with it: 2 for input, else 1.
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Input(_) => 2,

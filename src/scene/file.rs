@@ -89,6 +89,14 @@ pub fn load(path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> 
     read_scene(&read_text(path)?, format, path, overrides, frame)
 }
 
+/// Reads the text of a scene file in TOML; relative paths start from `folder`.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse_text(text: &str, folder: &Path) -> Result<SceneFile> {
+    read_scene(text, parse::Format::Toml, &folder.join("scene"), &[], 0.0)
+}
+
 fn read_scene(text: &str, format: parse::Format, path: &Path, overrides: &[String], frame: f64) -> Result<SceneFile> {
     let mut root = parse::parse(text, format, path)?;
     overrides::apply(&mut root, overrides)?;

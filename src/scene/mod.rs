@@ -2,6 +2,7 @@
 
 pub mod caustics;
 pub mod file;
+pub mod hash;
 pub mod labels;
 pub mod library;
 pub mod light;

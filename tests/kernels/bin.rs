@@ -3,15 +3,15 @@
 use crate::stages::{
     Bench, Case, POISON, assert_poisoned, cases, counters, list, random_case, read, read_list, run, seeds, upload,
 };
-use anamorph::engine::Capacities;
-use anamorph::gpu::kernels::Variant;
-use anamorph::gpu::layout::{
+use anamorph::internals::engine::Capacities;
+use anamorph::internals::gpu::kernels::Variant;
+use anamorph::internals::gpu::layout::{
     COUNT_BUSY, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_SORTED, COUNT_TASKS, COUNT_WORK, COUNTERS,
 };
-use anamorph::twin::bin::{Binned, Pair, beside, bin, covered};
-use anamorph::twin::cull::{Address, Bound, cull, node_meets};
-use anamorph::twin::rays::owned;
-use anamorph::twin::{Input, ROOMY, Real};
+use anamorph::internals::twin::bin::{Binned, Pair, beside, bin, covered};
+use anamorph::internals::twin::cull::{Address, Bound, cull, node_meets};
+use anamorph::internals::twin::rays::owned;
+use anamorph::internals::twin::{Input, ROOMY, Real};
 use std::collections::{HashMap, HashSet};
 
 /// Pairs that the kernel may list, where raster goes pair by pair, for each that truly covers a pixel. Measured over the cases below:

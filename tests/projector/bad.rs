@@ -60,8 +60,8 @@ fn wrong_projectors_say_what_is_wrong() {
     map("{ kind = 'magnify', center = [0, 0], radius = 0, strength = 2 }", "reparam.radius", "not above 0");
     map("{ kind = 'magnify', center = [0, 0], radius = 1, strength = -2 }", "reparam.strength", "not above 0");
     map("{ kind = 'table', file = 'none.npy' }", "reparam.file", "cannot be read");
-    anamorph::image::write_npy_f64(&dir.path().join("three.npy"), &[1, 1, 3], &[0.0; 3]).unwrap();
+    anamorph::internals::image::write_npy_f64(&dir.path().join("three.npy"), &[1, 1, 3], &[0.0; 3]).unwrap();
     map("{ kind = 'table', file = 'three.npy' }", "reparam.file", "height x width x 2");
-    anamorph::image::write_npy_f64(&dir.path().join("nan.npy"), &[1, 1, 2], &[f64::NAN; 2]).unwrap();
+    anamorph::internals::image::write_npy_f64(&dir.path().join("nan.npy"), &[1, 1, 2], &[f64::NAN; 2]).unwrap();
     map("{ kind = 'table', file = 'nan.npy' }", "reparam.file", "no pair of finite numbers");
 }

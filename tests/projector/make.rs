@@ -1,8 +1,8 @@
 //! Projectors from scene files, and formulas that several tests share.
 
 use crate::common::written::camera_in;
-use anamorph::camera::Camera;
-use anamorph::input::Result;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::input::Result;
 use glam::DVec3;
 use std::path::Path;
 

@@ -55,14 +55,15 @@ fn tables_are_bilinear_between_the_centres_of_their_cells() {
         DVec2::new(x + 0.5 * y, 2.0 * y - x * y)
     };
     let table = "{ kind = 'table', file = 'uv.npy' }";
-    anamorph::image::write_npy_f64(&dir.path().join("uv.npy"), &[2, 3, 2], &numbers).unwrap();
+    anamorph::internals::image::write_npy_f64(&dir.path().join("uv.npy"), &[2, 3, 2], &numbers).unwrap();
     assert_reparam(dir.path(), table, |a, b| Some(expected(a, b)));
     numbers[10] = f64::NAN;
-    anamorph::image::write_npy_f64(&dir.path().join("uv.npy"), &[2, 3, 2], &numbers).unwrap();
+    anamorph::internals::image::write_npy_f64(&dir.path().join("uv.npy"), &[2, 3, 2], &numbers).unwrap();
     // the last cell of the second row has a say where x > 1 and y > 0
     assert_reparam(dir.path(), table, |a, b| (a <= 0.5 || b <= 0.25).then(|| expected(a, b)));
-    use anamorph::image::frame::{Channel, Frame, Plane};
+    use anamorph::internals::image::frame::{Channel, Frame, Plane};
     let planes = vec![(Channel::R, Plane::F32(vec![0.25; 4])), (Channel::G, Plane::F32(vec![0.75; 4]))];
-    anamorph::image::write_exr(&dir.path().join("uv.exr"), &Frame { width: 2, height: 2, planes }, &[]).unwrap();
+    anamorph::internals::image::write_exr(&dir.path().join("uv.exr"), &Frame { width: 2, height: 2, planes }, &[])
+        .unwrap();
     assert_reparam(dir.path(), "{ kind = 'table', file = 'uv.exr' }", |_, _| Some(DVec2::new(0.25, 0.75)));
 }

@@ -1,7 +1,7 @@
 //! Every surface by its formula: the first control point of a pixel is the surface's own point.
 
 use super::make::*;
-use anamorph::camera::Camera;
+use anamorph::internals::camera::Camera;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 

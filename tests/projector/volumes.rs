@@ -2,9 +2,9 @@
 
 use super::make::*;
 use crate::common::{FORWARD, camera};
-use anamorph::camera::kinds::glc::Glc;
-use anamorph::camera::spec::CameraKind;
-use anamorph::camera::{Camera, Curve, Rays};
+use anamorph::internals::camera::kinds::glc::Glc;
+use anamorph::internals::camera::spec::CameraKind;
+use anamorph::internals::camera::{Camera, Curve, Rays};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 

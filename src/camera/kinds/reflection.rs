@@ -200,7 +200,7 @@ impl Source {
             Source::Shape(shape, own) => Ok(shape.facets(count.unwrap_or(*own))),
             Source::Mesh(spec, own) => {
                 let facets = Facets::of_mesh(&load_mesh(spec, &mut Images::left_out())?)?;
-                Ok(count.or(*own).map_or(facets.clone(), |n| facets.resampled(n)))
+                count.or(*own).map_or_else(|| Ok(facets.clone()), |n| facets.resampled(n))
             }
         }
     }

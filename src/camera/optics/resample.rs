@@ -3,7 +3,9 @@
 //! Hou, Wei, Shum and Guo 2006, section 2.3, simplify the mirror to the camera triangles that a frame can afford.
 
 use super::facets::{Facet, Facets};
+use crate::input::Result;
 use glam::DVec3;
+#[cfg(feature = "simplify")]
 use meshopt::{SimplifyOptions, simplify_decoder};
 use std::collections::HashMap;
 
@@ -13,16 +15,28 @@ const ANY_ERROR: f32 = f32::MAX;
 impl Facets {
     /// About `count` facets: fewer by collapsing edges where that changes the surface least; more by splitting all in four, again
     /// and again, until there are as many, with normals between those of the corners. What does not close to fewer stays.
-    pub fn resampled(&self, count: usize) -> Facets {
-        let mut facets = if count < self.triangles.len() { self.simplified(count) } else { self.clone() };
+    ///
+    /// # Errors
+    /// [`Error::Input`](crate::input::Error::Input) for fewer in a library that was built without the feature `simplify`.
+    pub fn resampled(&self, count: usize) -> Result<Facets> {
+        let mut facets = if count < self.triangles.len() { self.simplified(count)? } else { self.clone() };
         while 4 * facets.triangles.len() <= count {
             facets = facets.quartered();
         }
-        facets
+        Ok(facets)
+    }
+
+    #[cfg(not(feature = "simplify"))]
+    fn simplified(&self, count: usize) -> Result<Facets> {
+        let facets = self.triangles.len();
+        Err(crate::input::Error::input(format!(
+            "camera: {count} facets of a mesh of {facets}: this library is built without the feature simplify"
+        )))
     }
 
     /// Vertices that are left keep their place; a vertex's normal is the mean of its corners' own.
-    fn simplified(&self, count: usize) -> Facets {
+    #[cfg(feature = "simplify")]
+    fn simplified(&self, count: usize) -> Result<Facets> {
         let (mut number_of, mut positions, mut sums) = (HashMap::new(), Vec::new(), Vec::<DVec3>::new());
         let mut indices = Vec::new();
         for k in 0..self.triangles.len() {
@@ -51,7 +65,7 @@ impl Facets {
         // normals that cancel out: the first corner's
         let normals = sums.iter().map(|n| n.try_normalize().unwrap_or(DVec3::Y)).collect();
         let simpler = Facets { positions, normals, corner_normals: triangles.clone(), triangles, ..Facets::default() };
-        if simpler.triangles.is_empty() { self.clone() } else { simpler }
+        Ok(if simpler.triangles.is_empty() { self.clone() } else { simpler })
     }
 
     /// Every facet in four, by the middles of its edges.
@@ -102,7 +116,7 @@ mod tests {
     fn a_ball_keeps_its_shape_with_fewer_and_with_more_facets() {
         let ball = Facets::of_mesh(&icosphere(4)).unwrap();
         for count in [100, 512, 1600] {
-            let fewer = ball.resampled(count);
+            let fewer = ball.resampled(count).unwrap();
             let n = fewer.triangles.len();
             assert!(n <= count && n + 8 >= count, "{n} for {count}");
             // inscribed polyhedra lose some 6 / n of the area
@@ -114,17 +128,17 @@ mod tests {
                 assert!(f.corners.iter().zip(f.normals).all(|(p, n)| (*p - n).length() < 1e-6));
             }
         }
-        let more = ball.resampled(100_000);
+        let more = ball.resampled(100_000).unwrap();
         assert_eq!(more.triangles.len(), 16 * ball.triangles.len());
         assert!((area(&more) / area(&ball) - 1.0).abs() < 1e-12);
-        assert_eq!(ball.resampled(ball.triangles.len()), ball);
+        assert_eq!(ball.resampled(ball.triangles.len()).unwrap(), ball);
     }
 
     #[test]
     fn the_papers_teapots_of_100_256_and_512_cameras() {
         let pot = Facets::of_mesh(&teapot(10)).unwrap();
         for count in [100, 256, 512] {
-            let n = pot.resampled(count).triangles.len();
+            let n = pot.resampled(count).unwrap().triangles.len();
             assert!(n <= count && n as f64 >= 0.9 * count as f64, "{n} for {count}");
         }
     }

@@ -168,7 +168,7 @@ mod tests {
             ("ball", ball().facets(400)),
             ("torus", torus().facets(600)),
             ("lens", lens().facets(500)),
-            ("teapot", pot.resampled(600)),
+            ("teapot", pot.resampled(600).unwrap()),
         ] {
             let shot = facets.shot_at(&facets);
             // a sum of three weighted normals and its length

@@ -37,7 +37,7 @@ const POINTS_MAX: usize = 4096;
 impl Patch {
     /// A B-spline patch of evenly spaced knots; `points` row by row, `columns` in a row. Needs more points than the degree
     /// each way.
-    pub(in crate::camera) fn uniform(degree: [usize; 2], columns: usize, points: &[DVec3]) -> Patch {
+    pub(crate) fn uniform(degree: [usize; 2], columns: usize, points: &[DVec3]) -> Patch {
         let rows = points.len() / columns;
         Patch {
             u: Basis::uniform(degree[0], columns),
@@ -91,7 +91,7 @@ impl Patch {
 
     /// Greville's abscissae of a uniform basis: a patch whose control points lie at these places of a plane is that plane, with
     /// its (u, v).
-    pub(in crate::camera) fn greville(degree: usize, count: usize) -> Vec<f64> {
+    pub(crate) fn greville(degree: usize, count: usize) -> Vec<f64> {
         let basis = Basis::uniform(degree, count);
         (0..count).map(|i| basis.knots[i + 1..=i + degree].iter().sum::<f64>() / degree as f64).collect()
     }

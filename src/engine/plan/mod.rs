@@ -39,6 +39,13 @@ pub struct LeftOut {
     pub why: String,
 }
 
+impl LeftOut {
+    /// A line that says so.
+    pub fn line(&self) -> String {
+        format!("[{}] is left out: {}", self.what, self.why)
+    }
+}
+
 /// What there is in a scene, with the camera's optics.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Contents {

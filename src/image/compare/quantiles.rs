@@ -7,9 +7,13 @@ use serde::{Serialize, Serializer};
 /// Nearest-rank quantiles of a set of errors: `p99` is the smallest error that 99 % do not exceed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Quantiles {
+    /// Half of the errors are at most this.
     pub median: Measure,
+    /// 99 % of them.
     pub p99: Measure,
+    /// 99.9 % of them.
     pub p999: Measure,
+    /// All of them.
     pub max: Measure,
 }
 

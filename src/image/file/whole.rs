@@ -15,7 +15,7 @@ use crate::input::{Error, Result};
 ///
 /// # Errors
 /// [`Error::Work`] naming `path`; the target is then untouched and nothing is left beside it.
-pub(in crate::image) fn write_whole(path: &Path, fill: impl FnOnce(&mut Filled) -> io::Result<()>) -> Result<()> {
+pub(crate) fn write_whole(path: &Path, fill: impl FnOnce(&mut Filled) -> io::Result<()>) -> Result<()> {
     let target = Target::of(path)?;
     target.write(fill).map_err(|e| {
         // A full disk has no path of its own in the error, a missing one has the temporary file's.
@@ -72,7 +72,7 @@ pub fn write_lines(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<
 
 /// A file that is being written. It records the first write error, because encoders wrap it in their own errors, where "disk full"
 /// is lost, and buffered writers ignore it when dropped.
-pub(in crate::image) struct Filled<'f> {
+pub(crate) struct Filled<'f> {
     file: &'f mut File,
     refused: Option<io::Error>,
 }

@@ -1,10 +1,9 @@
 //! Commands and flags, each value checked as far as it can be without the scene.
 
-use crate::engine::rival::Choice;
-use crate::image::cryptomatte::Apart;
-use crate::image::frame::Channel;
-use crate::image::size::check_size;
 use crate::input::limits;
+use crate::jobs::batch::Shard;
+use crate::jobs::words::{self, Named, REPEAT_MAX, SAMPLES_MAX};
+use crate::jobs::{self, EngineName, RenderJob};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -84,7 +83,7 @@ impl Command {
 #[derive(Debug, Clone, Default, Args)]
 pub struct Change {
     /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = size)]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = words::size)]
     pub size: Option<(u32, u32)>,
     /// Change a value of the scene, as in camera.vfov=40; may be given more than once
     #[arg(long, value_name = "KEY=VALUE")]
@@ -110,18 +109,18 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub change: Change,
     /// What renders: compute (GPU), reference (CPU, f64), or a rival to measure against, as in raytrace (GPU)
-    #[arg(long, value_name = "NAME", value_parser = engine)]
+    #[arg(long, value_name = "NAME", value_parser = words::engine)]
     pub engine: Option<EngineName>,
     /// Rays a pixel, averaged in colour and coverage; other channels stay those of the pixel's centre
     #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 1)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=64))]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(SAMPLES_MAX)))]
     pub samples: u32,
     /// Triangles that some of --samples N see count in a pixel by their areas there, not by the number of these samples
     #[arg(long)]
     pub analytic: bool,
     /// Channels to compute and write, as in R,G,B,Z; all: every channel of the scene and its camera except certified, mattes and
     /// motion, which can be added, as in all,motion [default with --exr: what a pixel sees]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = channels)]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = words::channels)]
     pub channels: Option<Vec<Named>>,
     /// Refuse a scene whose mesh files refer to images, normals or texture coordinates that do not exist
     #[arg(long)]
@@ -137,7 +136,7 @@ pub struct RenderArgs {
     pub check: bool,
     /// Time N frames after a warm-up frame
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(REPEAT_MAX)))]
     pub repeat: Option<u32>,
     /// Every vertex is new in each timed frame
     #[arg(long, requires = "repeat")]
@@ -167,6 +166,36 @@ pub struct RenderArgs {
     pub caps: Caps,
 }
 
+impl From<&Change> for jobs::Change {
+    fn from(Change { size, set, frame }: &Change) -> jobs::Change {
+        jobs::Change { size: *size, set: set.clone(), frame: *frame }
+    }
+}
+
+impl RenderArgs {
+    /// What the render is told.
+    pub fn job(&self) -> RenderJob {
+        RenderJob {
+            change: (&self.change).into(),
+            color: self.output.clone(),
+            exr: self.exr.clone(),
+            points: self.points.clone(),
+            report: self.report.clone(),
+            engine: self.engine,
+            samples: self.samples,
+            analytic: self.analytic,
+            channels: self.channels.clone(),
+            strict: self.strict,
+            outputs_anywhere: self.outputs_anywhere,
+            check: self.check,
+            repeat: self.repeat,
+            moving: self.moving,
+            no_cull: self.no_cull,
+            ..RenderJob::of(&self.scene)
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 pub struct BatchArgs {
     /// List of jobs, .toml, .json or .jsonl
@@ -176,7 +205,7 @@ pub struct BatchArgs {
     #[arg(long)]
     pub resume: bool,
     /// Do the I-th of N parts of the list, of about equal cost, as 1/4
-    #[arg(long, value_name = "I/N", value_parser = shard)]
+    #[arg(long, value_name = "I/N", value_parser = words::shard)]
     pub shard: Option<Shard>,
     /// Render nothing: join the manifests of all shards to that of the list, and say what is not done
     #[arg(long, conflicts_with_all = ["shard", "resume", "jobs_at_once", "adapters", "fail_fast", "progress", "log"])]
@@ -222,23 +251,6 @@ impl ProgressName {
     pub fn is_for_programs(self) -> bool {
         self == ProgressName::Json
     }
-}
-
-/// A part of a list.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shard {
-    /// From 0.
-    pub index: u32,
-    pub count: u32,
-}
-
-/// What renders.
-#[derive(Debug, Clone, Copy)]
-pub enum EngineName {
-    Compute,
-    Reference,
-    /// The rest of the compute engine, with what each pixel sees found in another way.
-    Rival(Choice),
 }
 
 #[derive(Debug, Args)]
@@ -379,22 +391,6 @@ fn bytes(text: &str) -> Result<u64, String> {
     }
 }
 
-fn shard(text: &str) -> Result<Shard, String> {
-    let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse::<u32>().ok()?, n.parse::<u32>().ok()?)));
-    match numbers {
-        Some((i, n)) if 1 <= i && i <= n => Ok(Shard { index: i - 1, count: n }),
-        _ => Err("write it as I/N with I from 1 to N, for example 1/4".into()),
-    }
-}
-
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-    let (width, height): (u64, u64) = sides.ok_or("write it as WIDTHxHEIGHT, for example 800x600")?;
-    check_size(width, height).map_err(|e| e.to_string())?;
-    // both sides are far under 2^32 by the check above
-    Ok((width as u32, height as u32))
-}
-
 fn frame(text: &str) -> Result<f64, String> {
     let frame = text.parse().ok().filter(|f: &f64| f.is_finite());
     frame.ok_or_else(|| "write a finite number, for example 12 or 12.5".into())
@@ -405,44 +401,11 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
     place.ok_or_else(|| "write it as COLUMN,ROW, for example 400,300; row 0 is on top".into())
 }
 
-/// What a name of channels stands for.
-#[derive(Debug, Clone)]
-pub enum Named {
-    Channels(Vec<Channel>),
-    /// All of the scene and the camera.
-    All,
-    Matte(Apart),
-    /// From this frame to the next.
-    Motion,
-}
-
-fn channels(name: &str) -> Result<Named, String> {
-    match name.trim() {
-        "all" => return Ok(Named::All),
-        "crypto.object" => return Ok(Named::Matte(Apart::Objects)),
-        "crypto.material" => return Ok(Named::Matte(Apart::Materials)),
-        "motion" => return Ok(Named::Motion),
-        _ => {}
-    }
-    let found = Channel::named(name.trim());
-    if found.is_empty() {
-        let known: Vec<&str> = Channel::every().map(Channel::name).collect();
-        let more = "N, P and albedo for three each, uv and motion for two, crypto.object and crypto.material, all";
-        return Err(format!("no such channel; known: {}, {more}", known.join(", ")));
-    }
-    Ok(Named::Channels(found))
-}
-
-fn engine(name: &str) -> Result<EngineName, String> {
-    match name {
-        "compute" => Ok(EngineName::Compute),
-        "reference" => Ok(EngineName::Reference),
-        _ => crate::rivals::parse(name).map(EngineName::Rival),
-    }
-}
-
 fn sifting_engine(name: &str) -> Result<EngineName, String> {
-    engine(name).ok().filter(|e| !matches!(e, EngineName::Rival(_))).ok_or_else(|| "use compute or reference".into())
+    words::engine(name)
+        .ok()
+        .filter(|e| !matches!(e, EngineName::Rival(_)))
+        .ok_or_else(|| "use compute or reference".into())
 }
 
 #[cfg(test)]
@@ -457,25 +420,11 @@ mod tests {
 
     #[test]
     fn values_are_read_or_refused() {
-        assert_eq!(size("800x600"), Ok((800, 600)));
-        for wrong in ["800", "x", "0x5", "5x0", "-1x5", "70000x1", "65536x65536", "99999999999999999999x1"] {
-            assert!(size(wrong).is_err(), "{wrong}");
-        }
         assert_eq!((frame("-3"), frame("0.5")), (Ok(-3.0), Ok(0.5)));
         assert_eq!([bytes("4096"), bytes("8G"), bytes("1.5MiB")], [Ok(4096), Ok(8 << 30), Ok(3 << 19)]);
         assert!(["", "G", "-1G", "8X", "0", "nan", "1e30", "8é"].iter().all(|wrong| bytes(wrong).is_err()));
         assert!(["inf", "nan", "one", ""].iter().all(|wrong| frame(wrong).is_err()));
         assert_eq!(pixel("3, 4"), Ok((3, 4)));
         assert!(pixel("3").is_err() && pixel("-1,2").is_err());
-        let of = |name: &str| match channels(name) {
-            Ok(Named::Channels(list)) => list,
-            other => panic!("{name}: {other:?}"),
-        };
-        assert_eq!(of("triangle.id"), [Channel::TriangleId]);
-        assert_eq!(of(" N"), [Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
-        assert!(matches!(channels("crypto.object"), Ok(Named::Matte(Apart::Objects))));
-        assert!(matches!(channels("all"), Ok(Named::All)));
-        assert!(channels("q").is_err_and(|e| e.contains("bary.v") && e.contains("N, P and albedo")));
-        assert!(engine("rastr").is_err_and(|e| e.contains("raytrace")) && engine("raytrace").is_ok());
     }
 }

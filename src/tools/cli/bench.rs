@@ -1,11 +1,11 @@
 //! `anamorph bench`: suites of measurements, and the page that shows all of them.
 
 use super::args::BenchArgs;
-use super::outputs;
 use super::say::print;
 use crate::gpu::device::GpuOptions;
 use crate::input::files::Inputs;
 use crate::input::{Error, Result};
+use crate::jobs::outputs;
 use crate::tools::bench;
 use crate::tools::bench::race::{Engines, Rules};
 use crate::tools::bench::suites::{SUITES, Suite};

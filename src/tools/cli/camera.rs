@@ -1,16 +1,17 @@
 //! `anamorph camera`: what a scene's camera compiled to, and the keys of each kind.
 
 use super::args::{CameraArgs, Cli};
-use super::describe::Description;
 use super::progress::Progress;
-use super::render::{CAMERA, load_shape};
 use super::say::print;
-use super::{diagram, export, kinds, memory, outputs, povray};
+use super::{diagram, export, kinds, povray};
 use crate::camera::Camera;
+use crate::camera::describe::Description;
 use crate::geometry::texture::ImagesRead;
 use crate::image::read_exr_texts;
 use crate::input::files::noted;
 use crate::input::{Error, Result};
+use crate::jobs::outputs;
+use crate::jobs::{CAMERA, check_memory, load_shape};
 use crate::scene::library::Library;
 use crate::scene::{Scene, file};
 use clap::CommandFactory;
@@ -27,7 +28,7 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     let Some(path) = &args.scene else { return Err(Error::input("no scene given; see anamorph camera --help")) };
     let is_picture = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
     let progress = Progress::start("building the camera");
-    let load = || if is_picture { load_picture(path, args) } else { load_shape(path, &args.change) };
+    let load = || if is_picture { load_picture(path, args) } else { load_shape(path, &(&args.change).into()) };
     let (loaded, inputs) = noted(load);
     let (scene, camera) = loaded?;
     progress.now("writing");
@@ -40,7 +41,7 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     outputs::check(&inputs, files.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind))))?;
     if args.rays.is_some() || args.export_povray.is_some() {
         let numbers: usize = export::pixel_shape(&camera).iter().product();
-        memory::check(camera.width, camera.height, numbers.div_ceil(NUMBERS_A_CHANNEL), 0)?;
+        check_memory(camera.width, camera.height, numbers.div_ceil(NUMBERS_A_CHANNEL), 0)?;
     }
     if let Some(file) = &args.export {
         export::write_pieces(file, &scene.camera, &camera)?;

@@ -1,16 +1,16 @@
 //! `anamorph compare`: the error of one EXR against another.
 
-use super::args::{Change, CompareArgs};
-use super::hash::{SCENE_HASH, scene_hash};
+use super::args::CompareArgs;
 use super::progress::Progress;
-use super::render::load;
 use super::say::print;
 use crate::engine::report::Judged;
 use crate::image::compare::{Comparison, compare};
 use crate::image::frame::{Channel, Frame};
 use crate::image::{read_exr, read_exr_texts};
 use crate::input::{Error, Result};
+use crate::jobs::{Change, load};
 use crate::reference::image;
+use crate::scene::hash::{SCENE_HASH, scene_hash};
 use serde::Serialize;
 use std::path::Path;
 

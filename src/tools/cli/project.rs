@@ -3,10 +3,8 @@
 //! On the GPU or not, places and lines are worked out in f64 on the CPU and are the same; the GPU finds the parts of the
 //! image to look at, a chunk ahead.
 
-use super::args::{EngineName, ProjectArgs};
-use super::outputs;
+use super::args::ProjectArgs;
 use super::progress::Progress;
-use super::render::load_shape;
 use super::say::{note, print};
 use crate::camera::project::{Images, Projector};
 use crate::engine::stage::sift::Sift;
@@ -15,6 +13,8 @@ use crate::gpu::device::{GpuOptions, NO_ADAPTER, adapters};
 use crate::image::{read_points, write_text};
 use crate::input::files::noted;
 use crate::input::{Error, Result};
+use crate::jobs::outputs;
+use crate::jobs::{EngineName, load_shape};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -38,7 +38,7 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
         return Err(Error::input("--adapter is for --engine compute; the reference runs on the CPU"));
     }
     let progress = Progress::start("building the camera");
-    let read = || Ok::<_, Error>((read_points(&args.points)?, load_shape(&args.scene, &args.change)?));
+    let read = || Ok::<_, Error>((read_points(&args.points)?, load_shape(&args.scene, &(&args.change).into())?));
     let (read, inputs) = noted(read);
     let (points, (_, camera)) = read?;
     drop(progress);

@@ -1,44 +1,35 @@
 //! `anamorph render`: read, render, write, each a step of its own; then the summary.
 
-mod backend;
-mod files;
-mod judged;
-mod points;
-mod samples;
-mod strips;
-mod work;
-
-use super::args::{Change, EngineName, RenderArgs};
+use super::args::RenderArgs;
 use super::progress::Progress;
 use super::say::{note, print};
 use crate::camera::Camera;
 use crate::engine::Engine;
+use crate::engine::plan::LeftOut;
 use crate::geometry::mesh::Missing;
-use crate::geometry::texture::ImagesRead;
-use crate::gpu::device::GpuOptions;
+use crate::gpu::device::{GpuOptions, NO_ADAPTER};
 use crate::input::{Error, Result};
+use crate::jobs::backend::STYLE;
+use crate::jobs::job::of_compute_only;
+use crate::jobs::{Backend, EngineName, Work, load_shape, refuse_missing};
 use crate::reference;
-use crate::scene::file::OutputSpec;
+use crate::scene::Scene;
 use crate::scene::library::Library;
-use crate::scene::{Scene, file};
-pub use backend::Backend;
-pub use files::CAMERA;
-use std::path::Path;
-use std::sync::Arc;
 use std::time::Instant;
-pub use work::{Seen, Work, Written};
 
 pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     let progress = Progress::start("reading the scene");
+    check_combination(args)?;
+    let job = args.job();
     if let Some((x, y)) = args.pixel {
-        check_combination(args)?;
-        let (scene, camera) = load_shape(&args.scene, &args.change)?;
-        if args.strict {
+        job.check_options()?;
+        let (scene, camera) = load_shape(&job.scene, &job.change)?;
+        if job.strict {
             refuse_missing(&scene)?;
         }
         return explain_pixel(&scene, &camera, x, y);
     }
-    let work = Work::read(args.clone(), &Library::for_once())?;
+    let work = Work::read(job, &Library::for_once())?;
     work.check_memory()?;
     progress.now("opening the adapter");
     let is_reference = matches!(args.engine, Some(EngineName::Reference));
@@ -50,40 +41,20 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
         ..Default::default()
     };
     let mut engine = if is_reference { None } else { Engine::open(&options)? };
-    let mut backend = Backend::of(engine.as_mut(), args)?;
+    let mut backend = Backend::of(engine.as_mut(), work.job())?;
     if matches!(backend, Backend::Reference) && !is_reference {
-        Backend::say_reference();
+        note(format_args!("{NO_ADAPTER}; rendering on the CPU as --engine reference does"));
     }
     progress.now("rendering");
     let seen = work.render(&mut backend)?;
-    let device = Backend::device_of(engine.as_ref(), args);
+    let device = Backend::device_of(engine.as_ref(), work.job());
     let written = work.write(seen, &device, started, |doing| progress.now(doing))?;
     drop(progress);
-    if let Some(line) = missing_line(work.missing()) {
+    written.left_out.iter().filter(|left| left.what == STYLE).map(LeftOut::line).for_each(note);
+    if let Some(line) = Missing::line(work.missing()) {
         note(line);
     }
     print(&format!("{}\n", work.summary(&written)))
-}
-
-/// A line that says what mesh files lack; `None` if they lack nothing.
-pub(super) fn missing_line(missing: &[Missing]) -> Option<String> {
-    let first = missing.first()?;
-    let more = match missing.len() {
-        1 => String::new(),
-        n => format!(", and {} more, listed by --report", n - 1),
-    };
-    Some(format!("left out: {} ({}){more}; --strict makes this an error", first.what, first.why))
-}
-
-/// `--strict`: an error if mesh files lack something.
-fn refuse_missing(scene: &Scene) -> Result<()> {
-    match &scene.mesh.missing[..] {
-        [] => Ok(()),
-        [first, rest @ ..] => {
-            let more = if rest.is_empty() { String::new() } else { format!(", and {} more", rest.len()) };
-            Err(Error::input(format!("{}: {}{more}; render without --strict to leave this out", first.what, first.why)))
-        }
-    }
 }
 
 /// Flags that make no sense together, beyond what the parser knows.
@@ -96,38 +67,8 @@ fn check_combination(args: &RenderArgs) -> Result<()> {
         (args.no_int64, "--no-int64"),
         (args.no_f64, "--no-f64"),
         (args.dump_kernels.is_some(), "--dump-kernels"),
-        (args.moving, "--moving"),
-        (args.no_cull, "--no-cull"),
     ];
-    match flags.iter().find(|f| f.0) {
-        Some((_, flag)) => Err(Error::input(format!("{flag} is for --engine compute; the reference runs on the CPU"))),
-        None => Ok(()),
-    }
-}
-
-/// The scene, changed, and its camera for an image of the size asked for, or of the scene's own.
-pub(super) fn load(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
-    load_from(&Library::for_once(), path, change, |_| ImagesRead::All)
-}
-
-/// As [`load`], without images that only colour triangles.
-pub(super) fn load_shape(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
-    load_from(&Library::for_once(), path, change, |_| ImagesRead::Masks)
-}
-
-/// As [`load`], with the meshes and cameras that `library` keeps. `images` says which images are needed, given the scene's own outputs.
-pub(super) fn load_from(
-    library: &Library,
-    path: &Path,
-    change: &Change,
-    images: impl FnOnce(&OutputSpec) -> ImagesRead,
-) -> Result<(Scene, Arc<Camera>)> {
-    let file = file::load(path, &change.set, change.frame)?;
-    let at = |e: Error| e.at(path.display());
-    let read = images(&file.output);
-    let scene = library.scene(file, read).map_err(at)?;
-    let camera = library.camera(&scene, change.size).map_err(at)?;
-    Ok((scene, camera))
+    flags.iter().find(|f| f.0).map_or(Ok(()), |(_, flag)| Err(of_compute_only(flag)))
 }
 
 fn explain_pixel(scene: &Scene, camera: &Camera, x: u32, y: u32) -> Result<()> {

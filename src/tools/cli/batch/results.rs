@@ -1,27 +1,14 @@
 //! What came of a batch: a table with a row a frame, and a report. Both are made from the manifest, so that frames done earlier or
 //! elsewhere are in them too.
 
-use super::board::Counts;
-use super::jobs::Task;
-use super::manifest::{Done, Manifest};
 use crate::image::write_lines;
 use crate::input::{Error, Result};
+use crate::jobs::batch::{Counts, Done, Task, Worked};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
-
-/// A device of the batch.
-#[derive(Debug, Clone, Serialize)]
-pub struct Worked {
-    pub adapter: String,
-    /// For how long frames were in flight, s, and what share of the time of the batch that is.
-    pub busy_s: f64,
-    pub busy_share: f64,
-    /// How often it was lost and opened again.
-    pub reopened: u32,
-}
 
 /// All but the frames.
 #[derive(Debug, Clone, Serialize)]
@@ -51,16 +38,15 @@ impl Summary {
 pub fn write_report<'a>(
     path: &Path,
     summary: &Summary,
-    tasks: impl Iterator<Item = Task<'a>>,
-    manifest: &Manifest,
+    frames: impl Iterator<Item = Result<(Task<'a>, Option<Done>)>>,
 ) -> Result<()> {
     let head = serde_json::to_string_pretty(summary).map_err(|e| Error::work(format!("report as JSON: {e}")))?;
     let head = head.trim_end_matches("\n}").to_owned();
     write_lines(path, |out| {
         write!(out, "{head},\n  \"each\": [")?;
         let mut gap = "\n";
-        for task in tasks {
-            if let Some(done) = found(manifest, &task)? {
+        for frame in frames {
+            if let (_, Some(done)) = frame.map_err(io::Error::other)? {
                 write!(out, "{gap}    {}", serde_json::to_string(&done)?)?;
                 gap = ",\n";
             }
@@ -73,16 +59,14 @@ pub fn write_report<'a>(
 ///
 /// # Errors
 /// [`Error::Work`] where it cannot be written.
-pub fn write_csv<'a, T: Iterator<Item = Task<'a>>>(
-    path: &Path,
-    tasks: impl Fn() -> T,
-    manifest: &Manifest,
-) -> Result<()> {
-    let failed = |e: io::Error| Error::work(format!("{}: {e}", path.display()));
+pub fn write_csv<'a, T>(path: &Path, frames: impl Fn() -> T) -> Result<()>
+where
+    T: Iterator<Item = Result<(Task<'a>, Option<Done>)>>,
+{
     let mut columns: Vec<String> = Vec::new();
-    for task in tasks() {
-        let row = row(&task, found(manifest, &task).map_err(failed)?.as_ref());
-        for (name, _) in row {
+    for frame in frames() {
+        let (task, done) = frame.map_err(|e| e.at(path.display()))?;
+        for (name, _) in row(&task, done.as_ref()) {
             if !columns.contains(&name) {
                 columns.push(name);
             }
@@ -91,16 +75,13 @@ pub fn write_csv<'a, T: Iterator<Item = Task<'a>>>(
     write_lines(path, |out| {
         let mut table = csv::Writer::from_writer(out);
         table.write_record(&columns)?;
-        for task in tasks() {
-            let row: BTreeMap<String, String> = row(&task, found(manifest, &task)?.as_ref()).into_iter().collect();
+        for frame in frames() {
+            let (task, done) = frame.map_err(io::Error::other)?;
+            let row: BTreeMap<String, String> = row(&task, done.as_ref()).into_iter().collect();
             table.write_record(columns.iter().map(|name| row.get(name).map_or("", String::as_str)))?;
         }
         table.flush()
     })
-}
-
-fn found(manifest: &Manifest, task: &Task) -> io::Result<Option<Done>> {
-    manifest.done(task).map_err(|e| io::Error::other(e.to_string()))
 }
 
 /// Names and values of a frame, in order.

@@ -3,9 +3,9 @@
 use super::image::{runs, spread};
 use super::svg::Svg;
 use super::view::View;
+use crate::camera::describe::piece_class;
 use crate::camera::glc::Class;
 use crate::camera::{Camera, Curve, Piece, Pieces, Rays};
-use crate::tools::cli::describe::piece_class;
 use glam::{DVec2, DVec3};
 
 /// Pixels between which surfaces are drawn, across and down; every [`STEP`]th has a line and a ray.

@@ -1,6 +1,9 @@
 //! Lists that lose their devices.
 
 use super::*;
+use crate::gpu::Gpu;
+use crate::gpu::device::GpuOptions;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 const SCENE: &str = r#"
@@ -25,11 +28,11 @@ struct Ran {
     files: Vec<Option<Vec<u8>>>,
 }
 
-/// Does a list on so many devices, and more beside it with the first of them.
+/// Does a list on so many devices, and more beside it with the number of frames done and the first device.
 fn run_list(
     devices: usize,
     prepare: impl FnOnce(&mut Worker),
-    beside: impl FnOnce(&Board, &crate::gpu::Gpu) + Send,
+    beside: impl FnOnce(&AtomicUsize, &Gpu) + Send,
 ) -> Option<Ran> {
     let dir = tempfile::tempdir().unwrap();
     let list = dir.path().join("jobs.toml");
@@ -43,24 +46,25 @@ fn run_list(
         return None;
     };
     prepare(&mut workers[0]);
-    let jobs = Jobs::read(&list).unwrap();
-    let manifest = Manifest::open(&dir.path().join("m.jsonl"), &[], false).unwrap();
-    let board = Board::new(ProgressName::None, None, FRAMES).unwrap();
-    let batch = Batch::new(&list, shard::tasks(&jobs, None), &manifest, &board);
-    std::thread::scope(|scope| {
-        scope.spawn(|| beside(&board, &gpu));
-        work(&batch, &mut workers, 2).unwrap();
+    let batch = Batch::open(&list, None, Vec::new()).unwrap();
+    let options = BatchOptions { writers: Some(2), ..BatchOptions::default() };
+    let manifest = Manifest::open(&batch.paths.own, &[], false).unwrap();
+    let mut started = Started { batch: &batch, options, own: None, workers, manifest };
+    let done = AtomicUsize::new(0);
+    let outcome = std::thread::scope(|scope| {
+        scope.spawn(|| beside(&done, &gpu));
+        started.run(&|_, counts| done.store(counts.done, Ordering::SeqCst)).unwrap()
     });
     Some(Ran {
-        counts: board.counts(),
-        stopped_by: taken(batch.stopped_by).map(|e| e.to_string()),
-        reopened: workers[0].worked(1.0).reopened,
+        counts: outcome.counts,
+        stopped_by: outcome.stopped_by.map(|e| e.to_string()),
+        reopened: outcome.devices[0].reopened,
         files: (0..FRAMES).map(|k| std::fs::read(dir.path().join(format!("{k}.png"))).ok()).collect(),
     })
 }
 
-fn lose_after_three(board: &Board, gpu: &crate::gpu::Gpu) {
-    while board.counts().done < 3 {
+fn lose_after_three(done: &AtomicUsize, gpu: &Gpu) {
+    while done.load(Ordering::SeqCst) < 3 {
         std::thread::sleep(Duration::from_millis(1));
     }
     gpu.device.destroy();

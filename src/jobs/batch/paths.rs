@@ -1,9 +1,9 @@
 //! Where the manifests of a list lie, and the folders that its frames go to.
 
-use super::jobs::Jobs;
+use super::list::Jobs;
+use super::shard::Shard;
 use crate::image;
 use crate::input::Result;
-use crate::tools::cli::args::Shard;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

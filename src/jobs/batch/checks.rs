@@ -1,22 +1,22 @@
 //! Checks of all files that a batch writes, before it writes any: none may replace an input, another output, or a file of another kind.
 
-use super::jobs::{Jobs, Task};
+use super::list::{Jobs, Task};
 use super::manifest;
 use super::paths::Paths;
 use crate::geometry::texture::ImagesRead;
 use crate::image::check_writable;
 use crate::input::files::{Inputs, noted};
 use crate::input::{Error, Result};
+use crate::jobs::job::load_from;
+use crate::jobs::outputs::{Kind, LOG, MANIFEST, Outputs};
 use crate::scene::library::Library;
-use crate::tools::cli::args::BatchArgs;
-use crate::tools::cli::outputs::{LOG, MANIFEST, Outputs, REPORT, TABLE};
-use crate::tools::cli::render::load_from;
 use std::cell::LazyCell;
 use std::path::{Path, PathBuf};
 
 /// A batch whose files are checked.
 pub struct Checks<'a> {
-    pub args: &'a BatchArgs,
+    /// Files that are written beside the frames, each whole at the end, but for a [`LOG`].
+    pub beside: &'a [(PathBuf, Kind)],
     pub list: &'a Path,
     pub jobs: &'a Jobs,
     pub paths: &'a Paths,
@@ -45,9 +45,9 @@ impl Checks<'_> {
             return Ok(());
         }
         for task in self.jobs.products() {
-            let args = task.args()?;
+            let job = task.job()?;
             // an error in the scene is reported when its frame is rendered
-            let (_, inputs) = noted(|| load_from(library, &args.scene, &args.change, |_| ImagesRead::All));
+            let (_, inputs) = noted(|| load_from(library, &job.scene, &job.change, |_| ImagesRead::All));
             self.refuse_inputs(&outputs, &inputs)?;
         }
         Ok(())
@@ -77,9 +77,7 @@ impl Checks<'_> {
 
     /// Adds the files of the batch itself. Returns whether all that exist look like those of an earlier run.
     fn add_own(&self, outputs: &mut Outputs) -> Result<bool> {
-        let log = self.args.log.as_ref();
-        let asked = [(self.args.csv.as_ref(), TABLE), (self.args.report.as_ref(), REPORT), (log, LOG)];
-        let asked = asked.into_iter().filter_map(|(path, kind)| Some((path?, kind)));
+        let asked = self.beside.iter().map(|(path, kind)| (path, *kind));
         let mut are_known = true;
         let frames = self.jobs.count();
         for (k, (path, kind)) in asked.chain([(&self.paths.own, MANIFEST)]).enumerate() {
@@ -98,7 +96,8 @@ impl Checks<'_> {
             }
         }
         // a log is appended to, so it need not be replaced
-        [&self.args.csv, &self.args.report].into_iter().flatten().try_for_each(|path| check_writable(path))?;
+        let whole = self.beside.iter().filter(|(_, kind)| *kind != LOG);
+        whole.map(|(path, _)| path).try_for_each(|path| check_writable(path))?;
         Ok(are_known)
     }
 

@@ -1,6 +1,7 @@
 //! The frame beside the timed ones: for the report's counters, which slow a frame down, and for `--check`.
 
 use super::backend::Backend;
+use super::job::RenderJob;
 use crate::camera::Camera;
 use crate::engine::plan::Wanted;
 use crate::engine::report::Judged;
@@ -10,23 +11,17 @@ use crate::image::frame::Channel;
 use crate::input::Result;
 use crate::reference::image;
 use crate::scene::Scene;
-use crate::tools::cli::args::RenderArgs;
 use std::sync::Arc;
 
 /// One more frame where a report or a check needs it: counted, and with all channels for a check.
-pub fn render(
-    args: &RenderArgs,
-    backend: &mut Backend,
-    scene: &Scene,
-    camera: &Arc<Camera>,
-) -> Result<Option<Rendered>> {
-    let counting = args.report.is_some() && matches!(backend, Backend::Compute(..));
-    if !counting && !args.check {
+pub fn render(job: &RenderJob, backend: &mut Backend, scene: &Scene, camera: &Arc<Camera>) -> Result<Option<Rendered>> {
+    let counting = job.report.is_some() && matches!(backend, Backend::Compute(..));
+    if !counting && !job.check {
         return Ok(None);
     }
-    let channels = if args.check { camera.channels() } else { vec![Channel::TriangleId] };
+    let channels = if job.check { camera.channels() } else { vec![Channel::TriangleId] };
     let wanted = Wanted { counting, ..Wanted::of(channels) };
-    let run = RunOptions { no_cull: args.no_cull, ..Default::default() };
+    let run = RunOptions { no_cull: job.no_cull, ..Default::default() };
     backend.render(scene, camera, &wanted, &run).map(Some)
 }
 

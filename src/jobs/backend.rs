@@ -1,5 +1,6 @@
 //! What renders: the compute engine on an adapter, or the reference on the CPU.
 
+use super::job::{EngineName, RenderJob};
 use crate::camera::Camera;
 use crate::engine::plan::{LeftOut, Wanted};
 use crate::engine::report::Device;
@@ -14,9 +15,7 @@ use crate::reference;
 use crate::scene::Scene;
 use crate::scene::caustics::Account;
 use crate::scene::style::Style;
-use crate::tools::cli::args::{EngineName, RenderArgs};
-use crate::tools::cli::say::note;
-use std::sync::{Arc, Once};
+use std::sync::Arc;
 use std::time::Instant;
 
 pub enum Backend<'e> {
@@ -30,25 +29,20 @@ impl<'e> Backend<'e> {
     ///
     /// # Errors
     /// [`Error::Work`] where only an adapter would do.
-    pub fn of(engine: Option<&'e mut Engine>, args: &RenderArgs) -> Result<Backend<'e>> {
-        if matches!(args.engine, Some(EngineName::Reference)) {
+    pub fn of(engine: Option<&'e mut Engine>, job: &RenderJob) -> Result<Backend<'e>> {
+        if matches!(job.engine, Some(EngineName::Reference)) {
             return Ok(Backend::Reference);
         }
         if let Some(engine) = engine {
-            return Ok(Backend::Compute(engine, rival(args)));
+            return Ok(Backend::Compute(engine, job.rival()));
         }
-        let flag = match args.engine {
+        let flag = match job.engine {
             Some(EngineName::Rival(choice)) => format!("--engine {}", choice.label()),
-            _ if args.moving => "--moving".into(),
-            _ if args.analytic => "--analytic".into(),
+            _ if job.moving => "--moving".into(),
+            _ if job.analytic => "--analytic".into(),
             _ => return Ok(Backend::Reference),
         };
         Err(Error::work(format!("{flag} needs an adapter: {NO_ADAPTER}")))
-    }
-
-    /// Says that the reference stands in for an adapter that is not there.
-    pub fn say_reference() {
-        note(format_args!("{NO_ADAPTER}; rendering on the CPU as --engine reference does"));
     }
 
     /// Refuses an image whose smallest band does not fit the adapter.
@@ -60,12 +54,12 @@ impl<'e> Backend<'e> {
     }
 
     /// What renders by these flags, with the engine that is there.
-    pub fn device_of(engine: Option<&Engine>, args: &RenderArgs) -> Device {
-        match engine.filter(|_| !matches!(args.engine, Some(EngineName::Reference))) {
+    pub fn device_of(engine: Option<&Engine>, job: &RenderJob) -> Device {
+        match engine.filter(|_| !matches!(job.engine, Some(EngineName::Reference))) {
             Some(engine) => {
                 let info = &engine.gpu.info;
                 let driver = format!("{} {}", info.driver, info.driver_info).trim().to_owned();
-                let engine = rival(args).map_or("compute".into(), |choice| choice.label());
+                let engine = job.rival().map_or("compute".into(), |choice| choice.label());
                 Device { adapter: info.name.clone(), driver, engine }
             }
             None => Device { adapter: "cpu".into(), driver: String::new(), engine: "reference".into() },
@@ -93,13 +87,6 @@ impl<'e> Backend<'e> {
                 Ok(by_reference(scene, camera, wanted, run))
             }
         }
-    }
-}
-
-fn rival(args: &RenderArgs) -> Option<Choice> {
-    match args.engine {
-        Some(EngineName::Rival(choice)) => Some(choice),
-        _ => None,
     }
 }
 
@@ -141,15 +128,16 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
     }
 }
 
-/// The reference does not draw a scene's [style]: says so on stderr, once, and for the report.
+/// What [`LeftOut`] calls a scene's `[style]`.
+pub const STYLE: &str = "style";
+
+/// The reference does not draw a scene's `[style]`.
 fn without_style(scene: &Scene, wanted: &Wanted) -> Option<LeftOut> {
-    static SAID: Once = Once::new();
     if scene.style == Style::default() || !wanted.has_colour() {
         return None;
     }
     let why = "the reference draws no wireframe, outline, borders or hatching";
-    SAID.call_once(|| note(format_args!("[style] is left out: {why}")));
-    Some(LeftOut { what: "style".into(), why: why.into() })
+    Some(LeftOut { what: STYLE.into(), why: why.into() })
 }
 
 /// The frame's colour as opaque 8-bit sRGB, four bytes a pixel; `None` without colour.

@@ -6,10 +6,8 @@ use crate::input::limits;
 use crate::input::load::with_tree;
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
-use crate::tools::cli::args::{Cli, Command, EngineName, RenderArgs};
-use crate::tools::cli::outputs::{EXR, Kind, PICTURE, POINTS, REPORT};
-use crate::tools::cli::refusal;
-use clap::Parser;
+use crate::jobs::outputs::{EXR, Kind, PICTURE, POINTS, REPORT};
+use crate::jobs::{Change, EngineName, RenderJob, words};
 use std::path::{Path, PathBuf};
 
 pub struct Jobs {
@@ -18,6 +16,7 @@ pub struct Jobs {
     dir: PathBuf,
 }
 
+#[derive(Debug)]
 struct Job {
     /// Its number in the list.
     name: String,
@@ -31,22 +30,25 @@ struct Job {
 }
 
 /// A value of the scene that takes several, as `--set` does.
+#[derive(Debug)]
 struct Swept {
     key: String,
     values: Vec<String>,
 }
 
 /// One frame that is to be rendered.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct Task<'a> {
-    /// Among all frames of the list.
+    /// Its number among all frames of the list, from 0.
     pub index: usize,
+    /// As `job.0, camera.vfov=40, frame 3`.
     pub name: String,
     /// What the job sweeps, by key.
     pub values: Vec<(&'a str, &'a str)>,
+    /// Where values given as keyframes are taken.
     pub frame: f64,
     /// How often a device was lost with it.
-    pub losses: u32,
+    pub(super) losses: u32,
     job: &'a Job,
     dir: &'a Path,
 }
@@ -97,7 +99,7 @@ impl Jobs {
             )));
         }
         for job in jobs.all.iter().filter(|job| job.count() > 0) {
-            jobs.task(0, job, 0).args()?;
+            jobs.task(0, job, 0).job()?;
         }
         Ok(jobs)
     }
@@ -110,7 +112,7 @@ impl Jobs {
     /// Some of them are not by the reference.
     pub fn need_adapter(&self) -> Result<bool> {
         for job in self.all.iter().filter(|job| job.count() > 0) {
-            if !matches!(self.task(0, job, 0).args()?.engine, Some(EngineName::Reference)) {
+            if !matches!(self.task(0, job, 0).job()?.engine, Some(EngineName::Reference)) {
                 return Ok(true);
             }
         }
@@ -174,37 +176,42 @@ impl Job {
 }
 
 impl Task<'_> {
-    /// What `render` is told.
+    /// What the render is told.
     ///
     /// # Errors
-    /// [`Error::Input`] where it would not take that.
-    pub fn args(&self) -> Result<RenderArgs> {
-        let words = self.words(Path::to_owned)?;
-        match Cli::try_parse_from(["anamorph".to_owned()].into_iter().chain(words)).map(|cli| cli.command) {
-            Ok(Command::Render(args)) => Ok(*args),
-            Ok(_) => Err(Error::input(format!("{}: no render", self.name))),
-            Err(e) => Err(Error::input(refusal(&e)).at(&self.job.key)),
+    /// [`Error::Input`] for a value that is none of its flag.
+    pub(crate) fn job(&self) -> Result<RenderJob> {
+        let mut job = RenderJob::of(&self.job.scene);
+        job.change = Change { frame: self.frame, ..Change::default() };
+        for (flag, value) in &self.job.flags {
+            let value = self.filled(flag, value.as_deref().unwrap_or_default())?;
+            set(&mut job, flag, value).map_err(|e| {
+                let key = flag.trim_start_matches('-').replace('-', "_");
+                Error::input(format!("{}: {}: {e}", self.job.key, if key == "output" { "color" } else { &key }))
+            })?;
         }
+        job.change.set.extend(self.values.iter().map(|(key, value)| format!("{key}={value}")));
+        Ok(job)
     }
 
     /// As job.0.
-    pub fn job_name(&self) -> &str {
+    pub(crate) fn job_name(&self) -> &str {
         &self.job.name
     }
 
     /// The command line that says all that the frame depends on but for what is in files, as if typed in the folder of the list.
-    pub fn settings(&self) -> Result<Vec<String>> {
+    pub(crate) fn settings(&self) -> Result<Vec<String>> {
         self.words(|path| self.short(path))
     }
 
     /// A path as from the folder of the list, where it is in there.
-    pub fn short(&self, path: &Path) -> PathBuf {
+    pub(crate) fn short(&self, path: &Path) -> PathBuf {
         let whole = absolute(path);
         whole.strip_prefix(self.dir).map_or(whole.clone(), Path::to_owned)
     }
 
     /// And back.
-    pub fn whole(&self, path: &Path) -> PathBuf {
+    pub(crate) fn whole(&self, path: &Path) -> PathBuf {
         self.dir.join(path)
     }
 
@@ -215,13 +222,13 @@ impl Task<'_> {
     }
 
     /// The kinds of the [`outputs`](Task::outputs), in their order.
-    pub fn kinds(&self) -> Vec<Kind> {
+    pub(crate) fn kinds(&self) -> Vec<Kind> {
         let kind = |flag: &str| OUTPUTS.iter().find(|own| own.1 == flag).map(|own| own.2);
         self.job.flags.iter().filter_map(|(flag, _)| kind(flag)).collect()
     }
 
     /// The key of an output of this frame in [`manifest::outputs`](super::manifest::outputs).
-    pub fn output_key(&self, path: &Path) -> u64 {
+    pub(crate) fn output_key(&self, path: &Path) -> u64 {
         key_of(&self.short(path))
     }
 
@@ -249,6 +256,30 @@ impl Task<'_> {
         let value = |key: &str| if key == "frame" { Some(self.frame.to_string()) } else { swept(key) };
         fill(text, value).map_err(|e| Error::input(format!("{}: {e}", self.job.key)))
     }
+}
+
+/// Sets what a flag of `render` stands for.
+fn set(job: &mut RenderJob, flag: &str, value: String) -> std::result::Result<(), String> {
+    match flag {
+        "--output" => job.color = Some(value.into()),
+        "--exr" => job.exr = Some(value.into()),
+        "--points" => job.points = Some(value.into()),
+        "--report" => job.report = Some(value.into()),
+        "--size" => job.change.size = Some(words::size(&value)?),
+        "--engine" => job.engine = Some(words::engine(&value)?),
+        "--samples" => job.samples = words::samples(&value)?,
+        "--repeat" => job.repeat = Some(words::repeat(&value)?),
+        "--channels" => {
+            job.channels = Some(value.split(',').map(words::channels).collect::<std::result::Result<_, _>>()?)
+        }
+        "--set" => job.change.set.push(value),
+        "--analytic" => job.analytic = true,
+        "--check" => job.check = true,
+        "--no-cull" => job.no_cull = true,
+        "--strict" => job.strict = true,
+        _ => return Err("no flag of a job".into()),
+    }
+    Ok(())
 }
 
 /// However it is spelled; not where links lead.

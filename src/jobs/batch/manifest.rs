@@ -1,12 +1,12 @@
 //! The manifest: a line of JSON for each frame that is done, with what it was made from and what came of it. Lines are appended as frames
 //! are done, so a program that is killed leaves whole lines and at most a torn one, which nobody reads.
 
-use super::jobs::Task;
+use super::list::Task;
 use crate::engine::report::Judged;
 use crate::image::is_full;
 use crate::input::files::{Inputs, Stamp, stamp};
 use crate::input::{Error, Result};
-use crate::tools::cli::render::Written;
+use crate::jobs::Written;
 use serde::{Deserialize, Serialize};
 use std::collections::hash_map::DefaultHasher;
 use std::collections::{BTreeMap, HashMap, HashSet};

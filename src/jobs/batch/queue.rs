@@ -1,6 +1,6 @@
 //! Frames that are still to be taken up: each by one thread, and by another one where it is given back.
 
-use super::jobs::Task;
+use super::list::Task;
 use super::lock;
 use std::sync::{Condvar, Mutex, PoisonError};
 
@@ -40,7 +40,7 @@ impl<'a> Queue<'a> {
     }
 
     /// A frame that was taken up is done, or has failed.
-    pub fn recheck_samples(&self) {
+    pub fn finished(&self) {
         lock(&self.state).under_way -= 1;
         self.changed.notify_all();
     }

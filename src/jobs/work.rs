@@ -2,12 +2,14 @@
 
 use super::backend::Backend;
 use super::files::{self, Files};
+use super::job::{Change, EngineName, RenderJob, load_from};
 use super::strips::{self, Strips};
-use super::{check_combination, judged, load_from, points, refuse_missing, samples};
+use super::words::Named;
+use super::{judged, memory, points, samples};
 use crate::camera::arranged::is_scattered;
 use crate::camera::{Camera, Rays};
-use crate::engine::plan::Wanted;
 use crate::engine::plan::samples::at_once;
+use crate::engine::plan::{LeftOut, Wanted};
 use crate::engine::planned::{Planned, Planner};
 use crate::engine::report::{Device, FrameMs, Judged, Report};
 use crate::engine::{Rendered, RunOptions};
@@ -22,14 +24,12 @@ use crate::scene::file::OutputSpec;
 use crate::scene::labels::Labels;
 use crate::scene::library::Library;
 use crate::scene::motion;
-use crate::tools::cli::args::{Change, EngineName, Named, RenderArgs};
-use crate::tools::cli::memory;
 use std::sync::Arc;
 use std::time::Instant;
 
 /// A render, read and checked.
 pub struct Work {
-    args: RenderArgs,
+    job: RenderJob,
     scene: Scene,
     pub camera: Arc<Camera>,
     files: Files,
@@ -67,6 +67,8 @@ pub struct Written {
     pub triangles: usize,
     pub pieces: usize,
     pub adapter: String,
+    /// What the scene asks for and the engine does not do.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// Of the scene, and of what is made of it for the device, about.
@@ -78,41 +80,41 @@ impl Work {
     ///
     /// # Errors
     /// [`Error::Input`] for what is wrong with the scene or the flags; [`Error::Work`] where a file cannot be written.
-    pub fn read(args: RenderArgs, library: &Library) -> Result<Work> {
-        check_combination(&args)?;
-        let (loaded, inputs) = noted(|| load_from(library, &args.scene, &args.change, |own| images_read(&args, own)));
+    pub fn read(job: RenderJob, library: &Library) -> Result<Work> {
+        job.check_options()?;
+        let (loaded, inputs) = noted(|| load_from(library, &job.scene, &job.change, |own| images_read(&job, own)));
         let (scene, camera) = loaded?;
-        Work::of(args, scene, camera, &inputs, library)
+        Work::of(job, scene, camera, &inputs, library)
     }
 
     /// The same without the files that the scene itself names.
-    pub fn read_of_many(args: RenderArgs, library: &Library) -> Result<Work> {
-        check_combination(&args)?;
-        let images = |_: &OutputSpec| images_read(&args, &OutputSpec::default());
-        let (loaded, inputs) = noted(|| load_from(library, &args.scene, &args.change, images));
+    pub fn read_of_many(job: RenderJob, library: &Library) -> Result<Work> {
+        job.check_options()?;
+        let images = |_: &OutputSpec| images_read(&job, &OutputSpec::default());
+        let (loaded, inputs) = noted(|| load_from(library, &job.scene, &job.change, images));
         let (scene, camera) = loaded?;
-        Work::of(args, Scene { output: Default::default(), ..scene }, camera, &inputs, library)
+        Work::of(job, Scene { output: Default::default(), ..scene }, camera, &inputs, library)
     }
 
-    fn of(args: RenderArgs, scene: Scene, camera: Arc<Camera>, inputs: &Inputs, library: &Library) -> Result<Work> {
-        if args.moving && scene.caustics.is_some() {
+    fn of(job: RenderJob, scene: Scene, camera: Arc<Camera>, inputs: &Inputs, library: &Library) -> Result<Work> {
+        if job.moving && scene.caustics.is_some() {
             let what = "the scene has caustics, whose light is followed once for all frames";
             return Err(Error::input(format!("--moving: {what}; use --repeat alone")));
         }
-        if args.strict {
+        if job.strict {
             refuse_missing(&scene)?;
         }
-        let files = Files::new(&args, &scene, inputs)?;
-        let asked = asked(&args, &files, &scene, &camera);
-        let apart: Vec<Apart> = apart(&args).collect();
+        let files = Files::new(&job, &scene, inputs)?;
+        let asked = asked(&job, &files, &scene, &camera);
+        let apart: Vec<Apart> = apart(&job).collect();
         if !apart.is_empty() && files.exr.is_none() {
             return Err(Error::input("--channels: cryptomattes are layers of an EXR; add --exr OUT.exr"));
         }
-        if args.moving && asks_for_motion(&args) {
+        if job.moving && asks_for_motion(&job) {
             return Err(Error::input("--moving: motion is to the next frame of the scene file; use --frame alone"));
         }
-        let read = images_read(&args, &scene.output);
-        let next = if asks_for_motion(&args) { Some(next_frame(&args, &files, library, read)?) } else { None };
+        let read = images_read(&job, &scene.output);
+        let next = if asks_for_motion(&job) { Some(next_frame(&job, &files, library, read)?) } else { None };
         let mut wanted = wanted(&asked, &files, apart.is_empty() && next.is_none());
         if next.is_some() {
             wanted.channels.extend(motion::NEEDED);
@@ -120,12 +122,12 @@ impl Work {
             wanted.channels.dedup();
         }
         points::check(&files, &camera)?;
-        let is_compute = matches!(args.engine, None | Some(EngineName::Compute));
-        let samples = if is_compute && at_once(&scene, &camera, args.samples) { args.samples } else { 1 };
-        wanted.analytic = args.analytic;
-        if args.analytic && samples == 1 {
+        let is_compute = matches!(job.engine, None | Some(EngineName::Compute));
+        let samples = if is_compute && at_once(&scene, &camera, job.samples) { job.samples } else { 1 };
+        wanted.analytic = job.analytic;
+        if job.analytic && samples == 1 {
             let what =
-                if args.samples == 1 { "one sees one triangle; add --samples N" } else { "here each takes a frame" };
+                if job.samples == 1 { "one sees one triangle; add --samples N" } else { "here each takes a frame" };
             return Err(Error::input(format!(
                 "--analytic is of what several samples of a pixel see in a frame; {what}"
             )));
@@ -135,7 +137,7 @@ impl Work {
         let mesh = &scene.mesh;
         let mut bytes = memory::need(size, channels, more);
         let is_plain = (files.exr.is_some() || files.color.is_some()) && files.points.is_none();
-        let is_of_one_frame = is_compute && !args.check && args.repeat.is_none() && samples == args.samples;
+        let is_of_one_frame = is_compute && !job.check && job.repeat.is_none() && samples == job.samples;
         let is_alone = apart.is_empty() && next.is_none() && !scene.style.is_between_pixels();
         let is_direct = camera.optics.is_none() && scene.caustics.is_none() && !is_scattered(&camera);
         let is_in_strips = bytes > strips::WHOLE_MAX && is_plain && is_of_one_frame && is_alone && is_direct;
@@ -145,11 +147,11 @@ impl Work {
         bytes += mesh_bytes(mesh);
         let row_bytes = strips::row_bytes(&camera, channels, more);
         let strips = is_in_strips.then_some(row_bytes);
-        Ok(Work { args, scene, camera, files, asked, wanted, apart, next, bytes, strips, sample_bytes: more })
+        Ok(Work { job, scene, camera, files, asked, wanted, apart, next, bytes, strips, sample_bytes: more })
     }
 
-    pub fn args(&self) -> &RenderArgs {
-        &self.args
+    pub fn job(&self) -> &RenderJob {
+        &self.job
     }
 
     /// What the scene's mesh files refer to and does not exist.
@@ -180,12 +182,12 @@ impl Work {
 
     /// Renders it, and what a report or a check needs beside it.
     pub fn render(&self, backend: &mut Backend) -> Result<Seen> {
-        let Work { args, scene, camera, wanted, .. } = self;
-        let at_once = samples::at_once_on(backend, scene, camera, args.samples);
-        let samples = if at_once { args.samples } else { 1 };
+        let Work { job, scene, camera, wanted, .. } = self;
+        let at_once = samples::at_once_on(backend, scene, camera, job.samples);
+        let samples = if at_once { job.samples } else { 1 };
         backend.check_size(camera, &Wanted { samples, ..wanted.clone() })?;
         if let (Some(row_bytes), Backend::Compute(engine, None)) = (self.strips, &mut *backend) {
-            let run = RunOptions { no_cull: args.no_cull, ..Default::default() };
+            let run = RunOptions { no_cull: job.no_cull, ..Default::default() };
             let wanted = &Wanted { samples, ..wanted.clone() };
             let (color, exr) = (self.files.color.as_deref(), self.files.exr.as_deref());
             let rendered = Strips { scene, camera, wanted, run, row_bytes, color, exr }.render(engine)?;
@@ -195,19 +197,19 @@ impl Work {
             self.check_whole()?;
         }
         let mut mattes = self.mattes();
-        let (repeat, moving, no_cull) = (args.repeat.unwrap_or(0), args.moving, args.no_cull);
+        let (repeat, moving, no_cull) = (job.repeat.unwrap_or(0), job.moving, job.no_cull);
         let run = RunOptions { repeat, moving, no_cull, ..Default::default() };
-        let rendered = samples::render(backend, scene, camera, wanted, args.samples, &run, &mut mattes)?;
-        let extra = judged::render(args, backend, scene, camera)?;
+        let rendered = samples::render(backend, scene, camera, wanted, job.samples, &run, &mut mattes)?;
+        let extra = judged::render(job, backend, scene, camera)?;
         Ok(Seen { rendered, extra, mattes, is_written: false })
     }
 
     /// Plans the one frame that it takes, for an engine that is kept; `None` where it takes more than one, or another engine.
     pub fn plan(&self, planner: &Planner, last: Option<&Planned>) -> Result<Option<Planned>> {
-        let Work { args, scene, camera, wanted, .. } = self;
-        let is_compute = matches!(args.engine, None | Some(EngineName::Compute));
-        let is_timed = args.repeat.is_some() || args.report.is_some() || args.check;
-        let is_one = args.samples == 1 || at_once(scene, camera, args.samples);
+        let Work { job, scene, camera, wanted, .. } = self;
+        let is_compute = matches!(job.engine, None | Some(EngineName::Compute));
+        let is_timed = job.repeat.is_some() || job.report.is_some() || job.check;
+        let is_one = job.samples == 1 || at_once(scene, camera, job.samples);
         if !is_compute
             || is_timed
             || self.strips.is_some()
@@ -217,9 +219,9 @@ impl Work {
         {
             return Ok(None);
         }
-        let wanted = samples::in_one_frame(wanted, args.samples, !self.apart.is_empty());
+        let wanted = samples::in_one_frame(wanted, job.samples, !self.apart.is_empty());
         planner.check_size(camera, &wanted)?;
-        let run = RunOptions { no_cull: args.no_cull, ..Default::default() };
+        let run = RunOptions { no_cull: job.no_cull, ..Default::default() };
         planner.plan(scene, camera.clone(), &wanted, &run, last).map(Some)
     }
 
@@ -232,12 +234,12 @@ impl Work {
 
     /// Writes all files; `say` hears what is being done.
     pub fn write(&self, seen: Seen, device: &Device, started: Instant, say: impl Fn(&str)) -> Result<Written> {
-        let Work { args, scene, camera, files, .. } = self;
+        let Work { job, scene, camera, files, .. } = self;
         let Seen { mut rendered, extra, mattes, is_written } = seen;
         let error = match &extra {
-            Some(extra) if args.check => {
+            Some(extra) if job.check => {
                 say("checking against the reference");
-                Some(judged::judge(scene, camera, &rendered, extra, args.samples)?)
+                Some(judged::judge(scene, camera, &rendered, extra, job.samples)?)
             }
             _ => None,
         };
@@ -257,7 +259,7 @@ impl Work {
             }
             let counts = extra.filter(|_| device.engine == "compute").map(|e| e.counts);
             let mut report = Report::new(device.clone(), scene, camera, &rendered, counts);
-            report.samples = args.samples;
+            report.samples = job.samples;
             report.error = error.clone();
             report.total_ms = started.elapsed().as_secs_f64() * 1e3;
             files::write_report(path, &report)?;
@@ -269,6 +271,7 @@ impl Work {
             triangles: scene.mesh.triangles.len(),
             pieces: camera.piece_count(),
             adapter: device.adapter.clone(),
+            left_out: rendered.left_out,
         })
     }
 
@@ -301,58 +304,69 @@ fn sample_bytes(camera: &Camera, samples: u32, has_mattes: bool) -> u64 {
 }
 
 /// The channels that are written.
-fn asked(args: &RenderArgs, files: &Files, scene: &Scene, camera: &Camera) -> Vec<Channel> {
+fn asked(job: &RenderJob, files: &Files, scene: &Scene, camera: &Camera) -> Vec<Channel> {
     let of = |named: &Named| match named {
         Named::Channels(list) => list.clone(),
         Named::All => scene.channels(camera),
         Named::Matte(_) | Named::Motion => Vec::new(),
     };
-    match &args.channels {
+    match &job.channels {
         Some(list) => list.iter().flat_map(of).collect(),
         None if files.exr.is_some() => camera.channels(),
         None => Vec::new(),
     }
 }
 
-fn asks_for_motion(args: &RenderArgs) -> bool {
-    args.channels.iter().flatten().any(|named| matches!(named, Named::Motion))
+fn asks_for_motion(job: &RenderJob) -> bool {
+    job.channels.iter().flatten().any(|named| matches!(named, Named::Motion))
 }
 
 /// The scene and its camera one frame later.
-fn next_frame(args: &RenderArgs, files: &Files, library: &Library, read: ImagesRead) -> Result<(Scene, Arc<Camera>)> {
+fn next_frame(job: &RenderJob, files: &Files, library: &Library, read: ImagesRead) -> Result<(Scene, Arc<Camera>)> {
     if files.exr.is_none() {
         return Err(Error::input("--channels: motion is two channels of an EXR; add --exr OUT.exr"));
     }
-    let change = Change { frame: args.change.frame + 1.0, ..args.change.clone() };
-    load_from(library, &args.scene, &change, |_| read)
+    let change = Change { frame: job.change.frame + 1.0, ..job.change.clone() };
+    load_from(library, &job.scene, &change, |_| read)
 }
 
 /// The images that the requested outputs need: all for colour, otherwise alpha masks only. `own` are the scene's outputs.
-fn images_read(args: &RenderArgs, own: &OutputSpec) -> ImagesRead {
+fn images_read(job: &RenderJob, own: &OutputSpec) -> ImagesRead {
     use Channel::{AlbedoB, AlbedoG, AlbedoR, B, G, R};
     let is_colour = |c: &Channel| matches!(c, R | G | B | AlbedoR | AlbedoG | AlbedoB);
-    let has_exr = args.exr.is_some() || own.exr.is_some();
+    let has_exr = job.exr.is_some() || own.exr.is_some();
     let has_colour = |named: &Named| match named {
         Named::Channels(list) => list.iter().any(is_colour),
         Named::All => true,
         Named::Matte(_) | Named::Motion => false,
     };
-    let in_channels = match &args.channels {
+    let in_channels = match &job.channels {
         Some(list) => list.iter().any(has_colour),
-        None => has_exr || args.points.is_none(),
+        None => has_exr || job.points.is_none(),
     };
-    match args.output.is_some() || own.color.is_some() || args.check || in_channels {
+    match job.color.is_some() || own.color.is_some() || job.check || in_channels {
         true => ImagesRead::All,
         false => ImagesRead::Masks,
     }
 }
 
 /// What cryptomattes tell apart.
-fn apart(args: &RenderArgs) -> impl Iterator<Item = Apart> {
+fn apart(job: &RenderJob) -> impl Iterator<Item = Apart> {
     [Apart::Objects, Apart::Materials].into_iter().filter(|own| {
         let is_own = |named: &Named| matches!(named, Named::Matte(apart) if apart == own);
-        args.channels.iter().flatten().any(is_own)
+        job.channels.iter().flatten().any(is_own)
     })
+}
+
+/// `strict`: an error if mesh files lack something.
+pub fn refuse_missing(scene: &Scene) -> Result<()> {
+    match &scene.mesh.missing[..] {
+        [] => Ok(()),
+        [first, rest @ ..] => {
+            let more = if rest.is_empty() { String::new() } else { format!(", and {} more", rest.len()) };
+            Err(Error::input(format!("{}: {}{more}; render without --strict to leave this out", first.what, first.why)))
+        }
+    }
 }
 
 /// What the outputs need: the picture unless only channels or mattes are asked for; points come from triangles.

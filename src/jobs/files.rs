@@ -1,7 +1,10 @@
 //! The files of a render: which, whether they can be written, and what goes into them.
 
-use super::points;
+use super::job::RenderJob;
+use super::outputs::Kind;
+use super::{outputs, points};
 use crate::camera::Camera;
+use crate::camera::describe::Description;
 use crate::camera::recipe::SceneUse;
 use crate::engine::Rendered;
 use crate::engine::report::Report;
@@ -11,12 +14,8 @@ use crate::image::{Attributes, rgb8, write_exr_with, write_png, write_text};
 use crate::input::files::Inputs;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
+use crate::scene::hash::{SCENE_HASH, scene_hash};
 use crate::scene::matrices::{world_to_camera, world_to_ndc};
-use crate::tools::cli::args::RenderArgs;
-use crate::tools::cli::describe::Description;
-use crate::tools::cli::hash::{SCENE_HASH, scene_hash};
-use crate::tools::cli::outputs;
-use crate::tools::cli::outputs::Kind;
 use std::path::{Path, PathBuf};
 
 /// Where each output goes.
@@ -36,20 +35,20 @@ impl Files {
     ///
     /// # Errors
     /// [`Error::Input`] if the render has no output, or a file must not be replaced; [`Error::Work`] if a file cannot be written.
-    pub fn new(args: &RenderArgs, scene: &Scene, inputs: &Inputs) -> Result<Files> {
+    pub fn new(job: &RenderJob, scene: &Scene, inputs: &Inputs) -> Result<Files> {
         let own = |asked: &Option<PathBuf>, own: &Option<PathBuf>| match (asked, own) {
-            (None, Some(own)) if !args.outputs_anywhere => {
-                outputs::check_inside(&args.scene, own).map(|()| Some(own.clone()))
+            (None, Some(own)) if !job.outputs_anywhere => {
+                outputs::check_inside(&job.scene, own).map(|()| Some(own.clone()))
             }
             _ => Ok(asked.clone().or_else(|| own.clone())),
         };
         let files = Files {
-            color: own(&args.output, &scene.output.color)?,
-            exr: own(&args.exr, &scene.output.exr)?,
-            points: args.points.clone(),
-            report: args.report.clone(),
+            color: own(&job.color, &scene.output.color)?,
+            exr: own(&job.exr, &scene.output.exr)?,
+            points: job.points.clone(),
+            report: job.report.clone(),
         };
-        if files.all().count() == 0 && !args.check {
+        if files.all().count() == 0 && !job.check {
             return Err(Error::input(
                 "nothing to write; add -o OUT.png, --exr OUT.exr, --points OUT.ply or an [output] table to the scene",
             ));

@@ -184,6 +184,13 @@ pub fn check_inside(scene: &Path, output: &Path) -> Result<()> {
     Err(Error::input(format!("{scene}: [output] names a file outside of the scene's folder: {output}; {advice}")))
 }
 
+impl PartialEq for Kind {
+    /// Kinds are told apart by their names.
+    fn eq(&self, other: &Kind) -> bool {
+        self.name == other.name
+    }
+}
+
 impl Kind {
     /// Refuses to replace a file that is not empty, has no extension of this kind, and does not begin like a file of this kind.
     ///

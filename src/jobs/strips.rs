@@ -2,6 +2,7 @@
 //! rendered and the one before that is written.
 
 use super::files::attributes;
+use super::memory;
 use crate::camera::Camera;
 use crate::engine::plan::{Rows, Wanted};
 use crate::engine::planned::{Planned, Planner};
@@ -11,10 +12,9 @@ use crate::image::frame::{Channel, Frame};
 use crate::image::{EXR_TILE, rgb8, write_exr_tiled, write_png_strips};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
-use crate::tools::cli::memory;
-use crossbeam_channel::{Receiver, Sender, bounded};
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Instant;
 
 /// Images that take more memory are rendered in strips.
@@ -51,8 +51,8 @@ impl Strips<'_> {
         let started = Instant::now();
         let planner = engine.planner();
         let took = std::thread::scope(|scope| {
-            let (to_render, planned) = bounded(1);
-            let (to_write, landed) = bounded(1);
+            let (to_render, planned) = sync_channel(1);
+            let (to_write, landed) = sync_channel(1);
             scope.spawn(move || self.plan(&planner, &to_render));
             let writer = scope.spawn(move || self.write(&landed));
             let rendered = self.draw(engine, &planned, &to_write);
@@ -76,7 +76,7 @@ impl Strips<'_> {
         (0..height).step_by(rows as usize).map(move |first| Rows { first, count: rows.min(height - first) })
     }
 
-    fn plan(&self, planner: &Planner, to_render: &Sender<Result<Planned>>) {
+    fn plan(&self, planner: &Planner, to_render: &SyncSender<Result<Planned>>) {
         let mut last: Option<Planned> = None;
         for rows in self.rows() {
             let wanted = Wanted { rows: Some(rows), ..self.wanted.clone() };
@@ -93,7 +93,7 @@ impl Strips<'_> {
         &self,
         engine: &mut Engine,
         planned: &Receiver<Result<Planned>>,
-        to_write: &Sender<Readback>,
+        to_write: &SyncSender<Readback>,
     ) -> Result<Option<Rendered>> {
         let mut frames: Option<Frames> = None;
         let mut flying: Option<(Planned, InFlight)> = None;
@@ -132,7 +132,7 @@ impl Strips<'_> {
         let size = (self.camera.width, self.camera.height);
         let missing = || Error::work("a strip of the image is missing");
         std::thread::scope(|scope| {
-            let (to_color, rows) = bounded(1);
+            let (to_color, rows) = sync_channel(1);
             let color = self
                 .color
                 .map(|path| scope.spawn(move || write_png_strips(path, size, || rows.recv().map_err(|_| missing()))));

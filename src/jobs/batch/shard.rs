@@ -1,11 +1,19 @@
 //! Which frames of a list are a shard's: the same for everybody who asks, and of about equal cost.
 
-use super::jobs::{Jobs, Task};
+use super::list::{Jobs, Task};
 use super::manifest::Costs;
 use crate::input::Result;
-use crate::tools::cli::args::Shard;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+
+/// A part of a list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// From 0.
+    pub index: u32,
+    /// How many parts there are.
+    pub count: u32,
+}
 
 /// Of each frame whether the shard has it. `costs` knows what frames took before; unless it knows all, every N-th is the shard's: what
 /// is gathered while other shards are still to come must not change theirs.

@@ -1,20 +1,20 @@
 //! A device that is kept busy: while it renders one frame the next one is read, planned and sent, and the one before is written.
 
-use super::jobs::Task;
-use super::results::Worked;
+use super::list::Task;
+use super::run::{Run, guarded};
 use super::slots::Slot;
-use super::{Batch, guarded};
 use crate::engine::planned::{Planned, Planner};
 use crate::engine::readback::{InFlight, Readback};
 use crate::engine::report::Device;
 use crate::engine::{Engine, Frames, RunOptions};
-use crate::gpu::device::GpuOptions;
+use crate::gpu::device::{GpuOptions, adapters};
 use crate::input::files::Inputs;
 use crate::input::{Error, Result};
-use crate::tools::cli::render::{Backend, Seen, Work};
-use crossbeam_channel::{Receiver, Sender, TryRecvError};
+use crate::jobs::{Backend, Seen, Work};
+use serde::Serialize;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -69,7 +69,34 @@ const LOSSES_MAX: u32 = 2;
 const REOPEN: u32 = 5;
 const REOPEN_PAUSE: Duration = Duration::from_millis(500);
 
+/// What a device did in a batch.
+#[derive(Debug, Clone, Serialize)]
+pub struct Worked {
+    /// The adapter's name, or cpu.
+    pub adapter: String,
+    /// For how long frames were in flight, s.
+    pub busy_s: f64,
+    /// That over the time of the batch.
+    pub busy_share: f64,
+    /// How often it was lost and opened again.
+    pub reopened: u32,
+}
+
 impl Worker {
+    /// One for each adapter that is named: by a part of its name, by its number from 0, or `all`.
+    pub fn open_all(adapters: Option<&[String]>) -> Result<Vec<Worker>> {
+        let named = |name: &String| match name.parse() {
+            Ok(passed_over) => GpuOptions { passed_over, ..GpuOptions::default() },
+            Err(_) => GpuOptions { adapter: Some(name.clone()), ..GpuOptions::default() },
+        };
+        let options = match adapters {
+            None | Some([]) => vec![GpuOptions::default()],
+            Some([all]) if all == "all" => all_adapters(),
+            Some(names) => names.iter().map(named).collect(),
+        };
+        options.into_iter().map(Worker::open).collect()
+    }
+
     pub fn open(options: GpuOptions) -> Result<Worker> {
         let engine = Engine::open(&options)?;
         let planner = engine.as_ref().map(Engine::planner);
@@ -127,28 +154,28 @@ pub struct Reader<'s> {
 
 impl Reader<'_> {
     /// Reads frames until there are none, or no device for them.
-    pub fn run<'a>(self, batch: &Batch<'a>, ready: &Sender<Ready<'a>>) {
+    pub fn run<'a>(self, run: &Run<'a>, ready: &SyncSender<Ready<'a>>) {
         while !self.is_gone.load(Ordering::SeqCst)
-            && let Some(task) = batch.next()
+            && let Some(task) = run.next()
         {
-            match guarded(|| self.read(batch, task.clone())) {
+            match guarded(|| self.read(run, task.clone())) {
                 Ok(read) => {
                     if let Err(unsent) = ready.send(read) {
-                        return batch.queue().give_back(unsent.0.task);
+                        return run.queue().give_back(unsent.0.task);
                     }
                 }
-                Err(e) => batch.failed(&task, &e),
+                Err(e) => run.failed(&task, &e),
             }
         }
     }
 
-    fn read<'a>(self, batch: &Batch<'a>, task: Task<'a>) -> Result<Ready<'a>> {
+    fn read<'a>(self, run: &Run<'a>, task: Task<'a>) -> Result<Ready<'a>> {
         let started = Instant::now();
-        let args = task.args()?;
-        let (work, inputs) = crate::input::files::noted(|| Work::read_of_many(args, batch.library()));
+        let job = task.job()?;
+        let (work, inputs) = crate::input::files::noted(|| Work::read_of_many(job, run.library()));
         let work = work?;
-        batch.report_missing(work.missing());
-        let held = batch.room().hold(work.bytes());
+        run.tell_missing(work.missing());
+        let held = run.slots().hold(work.bytes());
         work.check_memory()?;
         let planned = match self.planner {
             Some(planner) => {
@@ -180,7 +207,7 @@ pub struct Driver<'s> {
 
 impl Driver<'_> {
     /// Renders what is ready until nothing comes any more.
-    pub fn run<'a>(&mut self, batch: &Batch<'a>, ready: &Receiver<Ready<'a>>, taken: &Sender<Taken<'a>>) {
+    pub fn run<'a>(&mut self, run: &Run<'a>, ready: &Receiver<Ready<'a>>, taken: &SyncSender<Taken<'a>>) {
         let mut flying: Option<(Ready<'a>, InFlight)> = None;
         let mut again: VecDeque<Ready<'a>> = VecDeque::new();
         loop {
@@ -198,36 +225,36 @@ impl Driver<'_> {
             let is_alone = next.as_ref().is_none_or(|next| next.planned.is_none() || next.task.losses > 0);
             let mut lost = Vec::new();
             let mut launched = None;
-            if let Some(next) = next.filter(|_| !batch.queue().is_stopped()) {
+            if let Some(next) = next.filter(|_| !run.queue().is_stopped()) {
                 if is_alone {
-                    self.finish(batch, flying.take(), taken, &mut lost);
+                    self.finish(run, flying.take(), taken, &mut lost);
                 }
                 if self.has_lost() {
                     // no fault of this one
                     lost.push(next);
                 } else {
-                    match guarded(|| self.launch(&next, &mut flying, batch, taken, &mut lost)) {
+                    match guarded(|| self.launch(&next, &mut flying, run, taken, &mut lost)) {
                         Ok(Launched::InFlight(flight)) => launched = Some((next, *flight)),
                         Ok(Launched::Seen(seen, ms)) => self.hand_on(next, Picture::Seen(seen), ms, taken),
                         Ok(Launched::Not) => lost.push(next),
-                        Err(e) => self.fault(batch, next, e, &mut lost),
+                        Err(e) => self.fault(run, next, e, &mut lost),
                     }
                 }
             }
             let landing = flying.take();
-            self.finish(batch, landing, taken, &mut lost);
+            self.finish(run, landing, taken, &mut lost);
             flying = launched;
             if self.is_uncertain && !self.has_lost() {
-                self.finish(batch, flying.take(), taken, &mut lost);
+                self.finish(run, flying.take(), taken, &mut lost);
                 (*self.frames, self.is_uncertain) = (None, false);
             }
             if !lost.is_empty() || self.has_lost() {
                 lost.extend(flying.take().map(|(ready, _)| ready));
                 again.extend(lost);
-                if let Err(e) = guarded(|| self.reopen(batch)) {
+                if let Err(e) = guarded(|| self.reopen(run)) {
                     self.is_gone.store(true, Ordering::SeqCst);
-                    batch.lose_station(e);
-                    again.into_iter().chain(ready).for_each(|ready| batch.queue().give_back(ready.task));
+                    run.lose_device(e);
+                    again.into_iter().chain(ready).for_each(|ready| run.queue().give_back(ready.task));
                     return;
                 }
             }
@@ -239,13 +266,13 @@ impl Driver<'_> {
         &mut self,
         next: &Ready<'a>,
         flying: &mut Option<(Ready<'a>, InFlight)>,
-        batch: &Batch<'a>,
-        taken: &Sender<Taken<'a>>,
+        run: &Run<'a>,
+        taken: &SyncSender<Taken<'a>>,
         lost: &mut Vec<Ready<'a>>,
     ) -> Result<Launched> {
         let (Some(planned), Some(_)) = (&next.planned, self.engine.as_ref()) else {
             let started = Instant::now();
-            let mut backend = Backend::of(self.engine.as_mut(), next.work.args())?;
+            let mut backend = Backend::of(self.engine.as_mut(), next.work.job())?;
             let seen = next.work.render(&mut backend)?;
             let ms = self.was_busy(started);
             return Ok(Launched::Seen(Box::new(seen), ms));
@@ -256,7 +283,7 @@ impl Driver<'_> {
         };
         if !is_shown {
             // those that fly are of what was there
-            self.finish(batch, flying.take(), taken, lost);
+            self.finish(run, flying.take(), taken, lost);
             if self.has_lost() {
                 return Ok(Launched::Not);
             }
@@ -273,9 +300,9 @@ impl Driver<'_> {
     /// Waits for a frame and hands it on; again and alone where its lists were too small.
     fn finish<'a>(
         &mut self,
-        batch: &Batch<'a>,
+        run: &Run<'a>,
         flying: Option<(Ready<'a>, InFlight)>,
-        taken: &Sender<Taken<'a>>,
+        taken: &SyncSender<Taken<'a>>,
         lost: &mut Vec<Ready<'a>>,
     ) {
         let Some((ready, flight)) = flying else { return };
@@ -285,7 +312,7 @@ impl Driver<'_> {
                 let ms = self.was_busy(started);
                 self.hand_on(ready, Picture::Readback(Box::new(landed)), ms, taken);
             }
-            Err(e) => self.fault(batch, ready, e, lost),
+            Err(e) => self.fault(run, ready, e, lost),
         }
     }
 
@@ -296,8 +323,8 @@ impl Driver<'_> {
         frames.recheck_samples(planned, flight)
     }
 
-    fn hand_on<'a>(&self, mut ready: Ready<'a>, picture: Picture, ms: f64, taken: &Sender<Taken<'a>>) {
-        let device = Backend::device_of(self.engine.as_ref(), ready.work.args());
+    fn hand_on<'a>(&self, mut ready: Ready<'a>, picture: Picture, ms: f64, taken: &SyncSender<Taken<'a>>) {
+        let device = Backend::device_of(self.engine.as_ref(), ready.work.job());
         // what was sent is not needed any more
         ready.planned = None;
         // who writes is there as long as this is
@@ -305,13 +332,13 @@ impl Driver<'_> {
     }
 
     /// A frame has failed, unless it was the device that did.
-    fn fault<'a>(&mut self, batch: &Batch<'a>, mut ready: Ready<'a>, error: Error, lost: &mut Vec<Ready<'a>>) {
+    fn fault<'a>(&mut self, run: &Run<'a>, mut ready: Ready<'a>, error: Error, lost: &mut Vec<Ready<'a>>) {
         ready.task.losses += 1;
         self.is_uncertain = true;
         if self.has_lost() && ready.task.losses < LOSSES_MAX {
             lost.push(ready);
         } else {
-            batch.failed(&ready.task, &error);
+            run.failed(&ready.task, &error);
         }
     }
 
@@ -320,12 +347,12 @@ impl Driver<'_> {
         self.engine.as_ref().is_some_and(|engine| engine.gpu.failure().is_err())
     }
 
-    fn reopen(&mut self, batch: &Batch) -> Result<()> {
+    fn reopen(&mut self, run: &Run) -> Result<()> {
         let planner = self.engine.as_ref().map(Engine::planner);
         let why = self.engine.as_ref().and_then(|engine| engine.gpu.failure().err());
         (*self.frames, *self.engine, self.is_uncertain) = (None, None, false);
         *self.reopened += 1;
-        batch.note(&format!("the device is opened again: {}", why.map(|e| e.to_string()).unwrap_or_default()));
+        run.note(&format!("the device is opened again: {}", why.map(|e| e.to_string()).unwrap_or_default()));
         let mut opened = Engine::open(self.options);
         for _ in 1..REOPEN {
             if matches!(&opened, Ok(Some(_))) {
@@ -354,6 +381,16 @@ impl Driver<'_> {
         *self.until = now;
         own.as_secs_f64() * 1e3
     }
+}
+
+/// Those that are no software, unless all are.
+fn all_adapters() -> Vec<GpuOptions> {
+    let all: Vec<_> = adapters().iter().map(wgpu::Adapter::get_info).collect();
+    let is_hard = |info: &&wgpu::AdapterInfo| info.device_type != wgpu::DeviceType::Cpu;
+    let count = all.iter().filter(is_hard).count();
+    // the fastest kinds come first
+    let own = 0..if count > 0 { count } else { all.len().max(1) };
+    own.map(|passed_over| GpuOptions { passed_over, ..GpuOptions::default() }).collect()
 }
 
 enum Launched {

@@ -1,0 +1,142 @@
+//! One render from a scene file to files.
+
+use super::Renderer;
+use crate::input::{Error, Result};
+use crate::jobs::batch::Shard;
+use crate::jobs::{RenderJob, Work, words};
+use crate::scene::library::Library;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// One render from a scene file to files, as `anamorph render` does it: large images go strip by strip, and with several samples.
+///
+/// ```no_run
+/// use anamorph::{Job, Renderer};
+///
+/// # fn main() -> anamorph::Result<()> {
+/// let line = Job::new("fisheye.toml")
+///     .size(8000, 6000)
+///     .set("camera.fov=200")
+///     .samples(16)
+///     .channels("R,G,B,Z,crypto.object")?
+///     .exr("fisheye.exr")
+///     .run(&mut Renderer::new()?)?;
+/// println!("{line}");
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Job {
+    job: RenderJob,
+}
+
+impl Job {
+    /// A render of a scene file. It needs an output, its own or that of the scene.
+    pub fn new(scene: impl Into<PathBuf>) -> Job {
+        Job { job: RenderJob::of(scene) }
+    }
+
+    /// Changes a value of the scene, as in `camera.vfov=40`.
+    pub fn set(mut self, change: impl Into<String>) -> Job {
+        self.job.change.set.push(change.into());
+        self
+    }
+
+    /// The frame at which values given as keyframes are taken.
+    pub fn frame(mut self, frame: f64) -> Job {
+        self.job.change.frame = frame;
+        self
+    }
+
+    /// Pixels, in place of the scene's own.
+    pub fn size(mut self, width: u32, height: u32) -> Job {
+        self.job.change.size = Some((width, height));
+        self
+    }
+
+    /// Writes colour as an 8-bit sRGB PNG.
+    pub fn color(mut self, path: impl Into<PathBuf>) -> Job {
+        self.job.color = Some(path.into());
+        self
+    }
+
+    /// Writes the channels as a 32-bit EXR.
+    pub fn exr(mut self, path: impl Into<PathBuf>) -> Job {
+        self.job.exr = Some(path.into());
+        self
+    }
+
+    /// Writes the hit points in f64, as .ply or .npy.
+    pub fn points(mut self, path: impl Into<PathBuf>) -> Job {
+        self.job.points = Some(path.into());
+        self
+    }
+
+    /// Writes times and counts as JSON: `docs/reference/commands.md`, Reports.
+    pub fn report(mut self, path: impl Into<PathBuf>) -> Job {
+        self.job.report = Some(path.into());
+        self
+    }
+
+    /// Names of channels, as in `R,G,B,Z,crypto.object`; `all` for all of the scene and its camera.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a name that is none.
+    pub fn channels(mut self, names: &str) -> Result<Job> {
+        let names = names.split(',').map(words::channels).collect::<std::result::Result<_, _>>();
+        self.job.channels = Some(names.map_err(Error::Input)?);
+        Ok(self)
+    }
+
+    /// Rays a pixel, 1 to 64, averaged in colour and coverage.
+    pub fn samples(mut self, samples: u32) -> Job {
+        self.job.samples = samples;
+        self
+    }
+
+    /// Triangles count in a pixel by their areas there, not by the number of samples that see them.
+    pub fn analytic(mut self) -> Job {
+        self.job.analytic = true;
+        self
+    }
+
+    /// Measures the error against the reference, for the report.
+    pub fn check(mut self) -> Job {
+        self.job.check = true;
+        self
+    }
+
+    /// What renders: `compute`, `reference`, or a rival to measure against, as `raytrace`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a name that is none.
+    pub fn engine(mut self, name: &str) -> Result<Job> {
+        self.job.engine = Some(words::engine(name).map_err(Error::Input)?);
+        Ok(self)
+    }
+
+    /// Reads, renders and writes; returns a line that says what was done.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for what is wrong with the scene or the job, [`Error::Work`] where memory or the device does not do or a file cannot
+    /// be written.
+    pub fn run(&self, renderer: &mut Renderer) -> Result<String> {
+        let started = Instant::now();
+        words::samples(&self.job.samples.to_string()).map_err(Error::Input)?;
+        let work = Work::read(self.job.clone(), &Library::for_once())?;
+        work.check_memory()?;
+        let seen = work.render(&mut renderer.backend(work.job())?)?;
+        let written = work.write(seen, &renderer.device_of(work.job()), started, |_| ())?;
+        Ok(work.summary(&written))
+    }
+}
+
+impl Shard {
+    /// Part `number` of `count`, from 1.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where there is no such part.
+    pub fn new(number: u32, count: u32) -> Result<Shard> {
+        words::shard(&format!("{number}/{count}")).map_err(Error::Input)
+    }
+}

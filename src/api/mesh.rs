@@ -1,0 +1,109 @@
+//! Meshes.
+
+use crate::geometry::load::load_mesh;
+use crate::geometry::mesh::Material;
+use crate::geometry::spec::{MeshSource, MeshSpec};
+use crate::geometry::texture::{Images, ImagesRead};
+use crate::input::{Error, Result};
+use glam::{DVec3, Vec2, Vec3};
+use std::path::Path;
+
+/// Triangles, with normals, texture coordinates and materials where there are some.
+#[derive(Debug, Clone)]
+pub struct Mesh {
+    pub(super) mesh: crate::geometry::mesh::Mesh,
+    pub(super) name: String,
+}
+
+impl Mesh {
+    /// Triangles over shared vertices: positions in world units, and three indices of vertices a triangle. Both faces are visible, light
+    /// grey and matte.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a position that is not finite, or an index without a vertex.
+    pub fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
+        let count = positions.len();
+        if let Some(k) = positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            let [x, y, z] = positions[k];
+            return Err(Error::input(format!("vertex {k} lies at ({x}, {y}, {z}); use finite numbers")));
+        }
+        if let Some(k) = triangles.iter().position(|t| t.iter().any(|v| *v as usize >= count)) {
+            let triangle = triangles[k];
+            return Err(Error::input(format!("triangle {k} is {triangle:?}; there are {count} vertices, from 0")));
+        }
+        let material_of = vec![0; triangles.len()];
+        let materials = if triangles.is_empty() { Vec::new() } else { vec![Material::default()] };
+        let positions = positions.into_iter().map(DVec3::from_array).collect();
+        let mesh = crate::geometry::mesh::Mesh { positions, triangles, materials, material_of, ..Default::default() };
+        Ok(Mesh { mesh, name: "mesh".into() })
+    }
+
+    /// Reads a mesh file, .obj, .gltf or .glb, with its materials and images.
+    ///
+    /// # Errors
+    /// [`Error::Input`], one line with the file and what is wrong with it.
+    pub fn read(path: impl AsRef<Path>) -> Result<Mesh> {
+        let spec = MeshSpec::of(MeshSource::File(path.as_ref().to_owned()));
+        Ok(Mesh { mesh: load_mesh(&spec, &mut Images::of(ImagesRead::All))?, name: spec.called() })
+    }
+
+    /// The mesh under a name, by which Cryptomatte and the list of objects know it.
+    pub fn named(self, name: impl Into<String>) -> Mesh {
+        Mesh { name: name.into(), ..self }
+    }
+
+    /// The mesh with one colour, linear RGB in [0, 1], in place of its materials' own and their images.
+    pub fn with_color(mut self, color: [f32; 3]) -> Mesh {
+        for material in &mut self.mesh.materials {
+            (material.diffuse, material.texture) = (color, None);
+        }
+        self
+    }
+
+    /// The mesh with a normal a vertex, of any length, in place of those that it has.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where there are not as many as vertices, or one has no direction.
+    pub fn with_normals(mut self, normals: Vec<[f32; 3]>) -> Result<Mesh> {
+        self.check_count(normals.len(), "normals")?;
+        let unit = |(k, n): (usize, [f32; 3])| {
+            let unit = Vec3::from_array(n).try_normalize();
+            unit.ok_or_else(|| Error::input(format!("normal {k} is {n:?}, which has no direction")))
+        };
+        self.mesh.normals = normals.into_iter().enumerate().map(unit).collect::<Result<_>>()?;
+        self.mesh.corner_normals = self.mesh.triangles.clone();
+        Ok(self)
+    }
+
+    /// The mesh with texture coordinates a vertex; (0, 0) is an image's lower left corner.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where there are not as many as vertices, or one is not finite.
+    pub fn with_uvs(mut self, uvs: Vec<[f32; 2]>) -> Result<Mesh> {
+        self.check_count(uvs.len(), "texture coordinates")?;
+        if let Some(k) = uvs.iter().position(|uv| !uv.iter().all(|x| x.is_finite())) {
+            return Err(Error::input(format!("texture coordinate {k} is {:?}; use finite numbers", uvs[k])));
+        }
+        self.mesh.uvs = uvs.into_iter().map(Vec2::from_array).collect();
+        self.mesh.corner_uvs = self.mesh.triangles.clone();
+        Ok(self)
+    }
+
+    /// The vertices, world units.
+    pub fn positions(&self) -> impl ExactSizeIterator<Item = [f64; 3]> {
+        self.mesh.positions.iter().map(DVec3::to_array)
+    }
+
+    /// Three indices of vertices a triangle.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.mesh.triangles
+    }
+
+    fn check_count(&self, count: usize, what: &str) -> Result<()> {
+        let vertices = self.mesh.positions.len();
+        if count == vertices {
+            return Ok(());
+        }
+        Err(Error::input(format!("{count} {what} for {vertices} vertices; give one a vertex")))
+    }
+}

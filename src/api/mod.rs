@@ -1,0 +1,50 @@
+//! What users of the library see: few types over the layers below.
+
+mod batch;
+mod camera;
+mod job;
+mod mesh;
+mod renderer;
+mod scene;
+
+pub use self::batch::Batch;
+pub use self::camera::{Camera, project};
+pub use self::job::Job;
+pub use self::mesh::Mesh;
+pub use self::renderer::{RenderOptions, Rendered, Renderer, check, reference};
+pub use self::scene::Scene;
+pub use crate::camera::project::{Degenerate, Image, Images};
+pub use crate::image::compare::{Comparison, Difference, Matched, Measure, Quantiles};
+pub use crate::image::frame::{Channel, Frame, NO_ID, Plane};
+pub use crate::jobs::batch::{BatchOptions, Counts as BatchCounts, Event as BatchEvent, Outcome as BatchOutcome};
+pub use crate::jobs::batch::{Shard, Task as BatchFrame, Worked as DeviceUse};
+
+use crate::input::Result;
+use crate::input::limits;
+use std::path::Path;
+
+/// Removes the limits on pieces, cells, corners, bounces, frames and memory from the whole process, as `--no-limits` does.
+pub fn lift_limits() {
+    limits::lift();
+}
+
+/// Sets how many bytes of memory may be used, in place of what is free, as `--memory` does.
+pub fn limit_memory(bytes: u64) {
+    limits::memory::grant(bytes);
+}
+
+/// Reads the channels of an EXR that has names of [`Channel`]s.
+///
+/// # Errors
+/// [`Error::Input`](crate::Error::Input) if it cannot be read or is none.
+pub fn read_exr(path: impl AsRef<Path>) -> Result<Frame> {
+    crate::image::read_exr(path.as_ref())
+}
+
+/// The difference of `a` from `b`, over the channels that both have.
+///
+/// # Errors
+/// [`Error::Input`](crate::Error::Input) where they differ in size or have no channel in common.
+pub fn compare(a: &Frame, b: &Frame) -> Result<Comparison> {
+    crate::image::compare::compare(a, b, None, None)
+}

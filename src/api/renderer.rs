@@ -1,0 +1,226 @@
+//! Rendering to arrays.
+
+use super::{Camera, Scene};
+use crate::camera::Camera as Rays;
+use crate::engine::plan::Wanted;
+use crate::engine::plan::samples::at_once;
+use crate::engine::planned::Planned;
+use crate::engine::report::{Device, Report};
+use crate::engine::{self, Engine, Frames, RunOptions};
+use crate::gpu::device::GpuOptions;
+use crate::image::compare::{Comparison, compare};
+use crate::image::frame::{Channel, Frame};
+use crate::image::{rgb8, write_exr, write_png};
+use crate::input::{Error, Result};
+use crate::jobs::{Backend, EngineName, RenderJob, check_memory, samples, words};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What to compute of a scene.
+#[derive(Debug, Clone)]
+pub struct RenderOptions {
+    /// The channels of [`Rendered::frame`].
+    pub channels: Vec<Channel>,
+    /// 8-bit sRGB colour too: [`Rendered::rgba`].
+    pub color: bool,
+    /// Rays a pixel, 1 to 64: colour and coverage are their means, other channels stay those of the pixel's centre.
+    pub samples: u32,
+    /// Triangles count in a pixel by their areas there, not by the number of samples that see them.
+    pub analytic: bool,
+}
+
+impl Default for RenderOptions {
+    /// Nothing yet, with one ray a pixel.
+    fn default() -> RenderOptions {
+        RenderOptions { channels: Vec::new(), color: false, samples: 1, analytic: false }
+    }
+}
+
+/// A rendered image.
+#[derive(Debug, Clone)]
+pub struct Rendered {
+    /// The wanted channels.
+    pub frame: Frame,
+    /// Four bytes a pixel, 8-bit sRGB, row by row from the top, where colour was wanted.
+    pub rgba: Option<Vec<u8>>,
+    report: Report,
+}
+
+impl Rendered {
+    /// Writes the colour as PNG.
+    ///
+    /// # Errors
+    /// [`Error::Input`] without colour, [`Error::Work`] where the file cannot be written.
+    pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
+        let Some(rgba) = &self.rgba else {
+            return Err(Error::input("the image was rendered without colour; set RenderOptions::color"));
+        };
+        write_png(path.as_ref(), self.frame.width, self.frame.height, &rgb8(rgba))
+    }
+
+    /// Writes the channels as EXR.
+    ///
+    /// # Errors
+    /// [`Error::Work`] where the file cannot be written.
+    pub fn write_exr(&self, path: impl AsRef<Path>) -> Result<()> {
+        write_exr(path.as_ref(), &self.frame, &[])
+    }
+
+    /// Wall time of the frame, ms.
+    pub fn frame_ms(&self) -> f64 {
+        self.report.frame_ms.median
+    }
+
+    /// Times of the stages on the device, ms; none without timestamps.
+    pub fn stages_ms(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.report.stages.iter().map(|stage| (stage.name, stage.ms))
+    }
+
+    /// All times and counts, as JSON: `docs/reference/commands.md`, Reports.
+    pub fn report(&self) -> String {
+        serde_json::to_string_pretty(&self.report).unwrap_or_default()
+    }
+}
+
+/// An adapter with what is on it, or the reference on the CPU.
+///
+/// Between two images of one size and the same channels, what is the same for both stays on the device: meshes, cameras, images.
+pub struct Renderer {
+    engine: Option<Engine>,
+    is_reference: bool,
+    /// What is on the device.
+    shown: Option<(Frames, Planned)>,
+}
+
+impl Renderer {
+    /// On the fastest kind of adapter; by the reference, in f64 on the CPU, on a machine without any.
+    ///
+    /// # Errors
+    /// [`Error::Work`] where the adapter cannot be used.
+    pub fn new() -> Result<Renderer> {
+        Ok(Renderer { engine: Engine::open(&GpuOptions::default())?, is_reference: false, shown: None })
+    }
+
+    /// On an adapter by a part of its name, any case.
+    ///
+    /// # Errors
+    /// [`Error::Input`] without such an adapter, [`Error::Work`] where it cannot be used.
+    pub fn on(adapter: impl Into<String>) -> Result<Renderer> {
+        let options = GpuOptions { adapter: Some(adapter.into()), ..GpuOptions::default() };
+        Ok(Renderer { engine: Engine::open(&options)?, is_reference: false, shown: None })
+    }
+
+    /// By the reference: f64 on the CPU, by definitions alone, slower.
+    pub fn reference() -> Renderer {
+        Renderer { engine: None, is_reference: true, shown: None }
+    }
+
+    /// The adapter's name; `None` for the reference.
+    pub fn adapter(&self) -> Option<&str> {
+        self.engine.as_ref().map(|engine| engine.gpu.info.name.as_str())
+    }
+
+    /// Renders `scene` through `camera`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the scene, the camera and the options do not go together: `docs/reference/limits.md`; [`Error::Work`] where
+    /// memory does not suffice or the device was lost.
+    pub fn render(&mut self, scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result<Rendered> {
+        let RenderOptions { channels, color, samples, analytic } = options;
+        words::samples(&samples.to_string()).map_err(Error::Input)?;
+        let mut channels = channels.clone();
+        channels.sort_unstable();
+        channels.dedup();
+        if channels.is_empty() && !color {
+            return Err(Error::input("nothing to compute; name channels, or ask for color"));
+        }
+        let (scene, camera) = (&scene.scene, &camera.camera);
+        check_memory(camera.width, camera.height, channels.len() + 3, 0)?;
+        let wanted = Wanted { srgb8: *color, analytic: *analytic, ..Wanted::of(channels) };
+        let rendered = match self.render_in_place(scene, camera, &wanted, *samples)? {
+            Some(rendered) => rendered,
+            None if *analytic => {
+                return Err(Error::input(
+                    "analytic is of what several samples of a pixel see in one frame; leave it out",
+                ));
+            }
+            None => {
+                let mut backend = self.backend(&RenderJob::of(""))?;
+                samples::render(&mut backend, scene, camera, &wanted, *samples, &RunOptions::default(), &mut [])?
+            }
+        };
+        let device = self.device_of(&RenderJob::of(""));
+        let mut report = Report::new(device, scene, camera, &rendered, None);
+        (report.samples, report.total_ms) = (*samples, report.frame_ms.all.iter().sum());
+        Ok(Rendered { frame: rendered.frame, rgba: rendered.srgb8, report })
+    }
+
+    /// Renders what takes one frame of the compute engine, from what is on the device already; `None` for all else.
+    fn render_in_place(
+        &mut self,
+        scene: &crate::scene::Scene,
+        camera: &Arc<Rays>,
+        wanted: &Wanted,
+        samples: u32,
+    ) -> Result<Option<engine::Rendered>> {
+        let is_one_frame = samples == 1 && !wanted.analytic || samples > 1 && at_once(scene, camera, samples);
+        let Some(engine) = self.engine.as_mut().filter(|_| is_one_frame) else { return Ok(None) };
+        if scene.caustics.is_some() || camera.optics.is_some() {
+            return Ok(None);
+        }
+        let (wanted, run) = (samples::in_one_frame(wanted, samples, false), RunOptions::default());
+        let planner = engine.planner();
+        planner.check_size(camera, &wanted)?;
+        // what fails in the middle is not there for the next image
+        let last = self.shown.take();
+        let planned = planner.plan(scene, camera.clone(), &wanted, &run, last.as_ref().map(|(_, planned)| planned))?;
+        let mut frames = last.map(|(frames, _)| frames);
+        let is_shown = match &mut frames {
+            Some(frames) => frames.show(&planned)?,
+            None => false,
+        };
+        if !is_shown {
+            // its memory is free before more is taken
+            drop(frames.take());
+        }
+        let mut frames = match frames {
+            Some(frames) => frames,
+            None => engine.place(planned.clone(), &run)?,
+        };
+        let flight = frames.start()?;
+        let read = frames.recheck_samples(&planned, flight)?;
+        self.shown = Some((frames, planned));
+        Ok(Some(read.rendered()))
+    }
+
+    pub(super) fn backend(&mut self, job: &RenderJob) -> Result<Backend<'_>> {
+        if self.is_reference && !matches!(job.engine, None | Some(EngineName::Reference)) {
+            return Err(Error::input("the renderer is the reference; open one on an adapter for other engines"));
+        }
+        Backend::of(self.engine.as_mut(), job)
+    }
+
+    pub(super) fn device_of(&self, job: &RenderJob) -> Device {
+        Backend::device_of(self.engine.as_ref(), job)
+    }
+}
+
+/// The reference's channels, in f64 on the CPU: slow, and right by definition.
+pub fn reference(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
+    crate::reference::image::image(&scene.scene, &camera.camera, channels)
+}
+
+/// The error of a frame against the reference. [`Comparison::wrong_safe`] counts wrong pixels among the safe ones: those whose answer is
+/// the same within 1/16 px of their centre.
+///
+/// # Errors
+/// [`Error::Input`] where the frame is not of the camera's size.
+pub fn check(scene: &Scene, camera: &Camera, frame: &Frame) -> Result<Comparison> {
+    let (width, height) = (camera.width(), camera.height());
+    if (frame.width, frame.height) != (width, height) {
+        let of_frame = format!("{}x{}", frame.width, frame.height);
+        return Err(Error::input(format!("the frame has {of_frame} pixels, the camera {width}x{height}")));
+    }
+    let truth = crate::reference::image::judge(&scene.scene, &camera.camera, frame);
+    compare(frame, &truth.truth, Some(&truth.safe), Some(&truth.scales))
+}

@@ -1,0 +1,94 @@
+//! Scenes.
+
+use super::{Camera, Mesh};
+use crate::geometry::load::{Object, with_unique_names};
+use crate::geometry::place;
+use crate::input::{Error, Result};
+use crate::scene::file;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Triangles with materials, lights, and the camera that looks at them: `docs/reference/scene-file.md`.
+///
+/// World units are the user's own; coordinates are f64. Triangle ids number the triangles of all meshes in the order in which they were
+/// added, from 0.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    pub(crate) scene: crate::scene::Scene,
+}
+
+impl Scene {
+    /// Loads a scene file, .toml or .json, and all files that it names. `overrides` change values of it, as in `camera.vfov=40`; values
+    /// given as keyframes are taken at `frame`.
+    ///
+    /// # Errors
+    /// [`Error::Input`], one line with the file, the line and the key.
+    pub fn load(path: impl AsRef<Path>, overrides: &[&str], frame: f64) -> Result<Scene> {
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+        Ok(Scene { scene: crate::scene::Scene::load(path.as_ref(), &overrides, frame)? })
+    }
+
+    /// A scene from the text of a scene file in TOML, whose relative paths start from `folder`. It needs a camera, and may have no mesh.
+    ///
+    /// # Errors
+    /// [`Error::Input`], one line with the line and the key.
+    pub fn parse(toml: &str, folder: impl AsRef<Path>) -> Result<Scene> {
+        Ok(Scene { scene: crate::scene::Scene::from_file(file::parse_text(toml, folder.as_ref())?)? })
+    }
+
+    /// Adds a mesh after those that are there. Cameras that look at the scene, as `track` does, are to be made again.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there are too many triangles, or the scene has caustics, whose light met the meshes of its file; the scene
+    /// stays as it was.
+    pub fn add(&mut self, mesh: Mesh) -> Result<()> {
+        if self.scene.caustics.is_some() {
+            return Err(Error::input("a scene with caustics takes its meshes from its file; add this one there"));
+        }
+        place::check_counts([&*self.scene.mesh, &mesh.mesh])?;
+        let triangles = mesh.mesh.triangles.len();
+        place::append_with_all(Arc::make_mut(&mut self.scene.mesh), mesh.mesh);
+        let objects = std::mem::take(&mut self.scene.objects);
+        let added = Object { name: mesh.name, triangles };
+        self.scene.objects = with_unique_names(objects.into_iter().chain([added]));
+        Ok(())
+    }
+
+    /// The scene's camera for an image of the scene's own size.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the scene has no size, or the camera's values do not go together.
+    pub fn camera(&self) -> Result<Camera> {
+        Ok(Camera { camera: Arc::new(self.scene.camera()?) })
+    }
+
+    /// The same for an image of `width x height` pixels.
+    ///
+    /// # Errors
+    /// As [`Scene::camera`].
+    pub fn camera_of_size(&self, width: u32, height: u32) -> Result<Camera> {
+        let size = Some((width, height));
+        let camera = crate::camera::Camera::in_scene(&self.scene.camera, size, &self.scene.mesh)?;
+        Ok(Camera { camera: Arc::new(camera) })
+    }
+
+    /// The number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        self.scene.mesh.triangles.len()
+    }
+
+    /// The corners of the box around all vertices, world units; `None` without any.
+    pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        self.scene.bounds().map(|(lo, hi)| [lo.to_array(), hi.to_array()])
+    }
+
+    /// The names of the objects and how many triangles each has, in the order of their ids.
+    pub fn objects(&self) -> impl Iterator<Item = (&str, usize)> {
+        self.scene.objects.iter().map(|object| (object.name.as_str(), object.triangles))
+    }
+
+    /// What mesh files refer to and does not exist, a line each; the scene was loaded without it.
+    pub fn missing(&self) -> impl Iterator<Item = String> {
+        self.scene.mesh.missing.iter().map(|missing| format!("{}: {}", missing.what, missing.why))
+    }
+}

@@ -1,0 +1,242 @@
+//! The threads of a batch, and what they share: for each device two that read and plan and one that renders, and some that write.
+
+use super::list::Task;
+use super::manifest::{Manifest, Standing};
+use super::queue::Queue;
+use super::slots::Slots;
+use super::worker::{Picture, Taken, Worker};
+use super::{BatchOptions, Counts, Event, FAILURES_MAX, Watch, lock, taken};
+use crate::engine::Rendered;
+use crate::engine::plan::LeftOut;
+use crate::geometry::mesh::Missing;
+use crate::input::{Error, Result};
+use crate::jobs::backend::STYLE;
+use crate::scene::library::Library;
+use std::collections::HashSet;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::{Arc, Mutex};
+use std::thread::{Builder, Scope};
+
+/// Threads that read for a device: one plans while the other reads.
+const READERS: usize = 2;
+
+/// What all threads of a batch share.
+pub struct Run<'a> {
+    queue: Queue<'a>,
+    manifest: &'a Manifest,
+    library: &'a Library,
+    watch: &'a Watch<'a>,
+    counts: Mutex<Counts>,
+    /// Memory for frames that are read and not written yet.
+    slots: Arc<Slots>,
+    resumes: bool,
+    fail_fast: bool,
+    /// Those that have a device.
+    workers: AtomicUsize,
+    stopped_by: Mutex<Option<Error>>,
+    /// The first of them.
+    failures: Mutex<Vec<(String, String)>>,
+    /// What is missing or left out and was already told.
+    told: Mutex<HashSet<String>>,
+}
+
+impl<'a> Run<'a> {
+    pub fn new(
+        tasks: Box<dyn Iterator<Item = Task<'a>> + Send + 'a>,
+        frames: usize,
+        manifest: &'a Manifest,
+        library: &'a Library,
+        options: &BatchOptions,
+        watch: &'a Watch<'a>,
+    ) -> Run<'a> {
+        Run {
+            queue: Queue::new(tasks),
+            manifest,
+            library,
+            watch,
+            counts: Mutex::new(Counts { all: frames, ..Counts::default() }),
+            slots: Slots::of_this_machine(),
+            resumes: options.resume,
+            fail_fast: options.fail_fast,
+            workers: AtomicUsize::new(0),
+            stopped_by: Mutex::default(),
+            failures: Mutex::default(),
+            told: Mutex::default(),
+        }
+    }
+
+    /// Has all threads work until there is nothing left to do.
+    pub fn work(&self, workers: &mut [Worker], writers: usize) -> Result<()> {
+        self.workers.store(workers.len(), Ordering::SeqCst);
+        std::thread::scope(|scope| {
+            let (to_write, taken) = sync_channel(1);
+            let taken = Arc::new(Mutex::new(taken));
+            for worker in workers {
+                let (to_render, ready) = sync_channel(1);
+                let (reader, mut driver) = worker.parts();
+                for _ in 0..READERS {
+                    let to_render = to_render.clone();
+                    named(scope, "read", move || reader.run(self, &to_render))?;
+                }
+                let to_write = to_write.clone();
+                named(scope, "device", move || driver.run(self, &ready, &to_write))?;
+            }
+            for _ in 0..writers {
+                let taken = taken.clone();
+                named(scope, "write", move || self.write(&taken))?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Writes frames until none come any more.
+    fn write(&self, frames: &Mutex<Receiver<Taken<'a>>>) {
+        loop {
+            // the lock is free again before the frame is written
+            let next = lock(frames).recv();
+            let Ok(Taken { ready, picture, device, ms }) = next else { return };
+            let written = guarded(|| {
+                let seen = match picture {
+                    // from its start others were before it
+                    Picture::Readback(read) => ready.work.seen(Rendered { frame_ms: vec![ms], ..read.rendered() }),
+                    Picture::Seen(seen) => *seen,
+                };
+                let written = ready.work.write(seen, &device, ready.started, |_| ())?;
+                self.tell_left_out(&written.left_out);
+                self.manifest.add(&ready.task, &ready.inputs, &written, ms)
+            });
+            match written {
+                Ok(_) => self.done(&ready.task, ms),
+                Err(e) => self.failed(&ready.task, &e),
+            }
+        }
+    }
+
+    /// The next frame that is to be done.
+    pub fn next(&self) -> Option<Task<'a>> {
+        loop {
+            let task = self.queue.next()?;
+            if !self.resumes {
+                return Some(task);
+            }
+            match self.manifest.standing(&task) {
+                Ok(Standing::New) => return Some(task),
+                Ok(Standing::Changed(why)) => {
+                    self.tell(Event::Again(&task, &why));
+                    match self.manifest.forget(&task) {
+                        Ok(()) => return Some(task),
+                        Err(e) => self.failed(&task, &e),
+                    }
+                }
+                Ok(Standing::Done) => {
+                    self.tell(Event::Skipped(&task));
+                    self.queue.finished();
+                }
+                Err(e) => self.failed(&task, &e),
+            }
+        }
+    }
+
+    pub fn queue(&self) -> &Queue<'a> {
+        &self.queue
+    }
+
+    pub fn library(&self) -> &Library {
+        self.library
+    }
+
+    pub fn slots(&self) -> &Arc<Slots> {
+        &self.slots
+    }
+
+    fn done(&self, task: &Task, ms: f64) {
+        self.tell(Event::Done(task, ms));
+        self.queue.finished();
+    }
+
+    /// A frame has failed; so will others where the disk is full.
+    pub fn failed(&self, task: &Task, why: &Error) {
+        self.tell(Event::Failed(task, why));
+        let mut failures = lock(&self.failures);
+        if failures.len() < FAILURES_MAX {
+            failures.push((task.name.clone(), why.to_string()));
+        }
+        drop(failures);
+        if matches!(why, Error::Full(_)) {
+            self.stop(Error::Full("there is no room to write to".into()));
+        } else if self.fail_fast {
+            self.queue.stop();
+        }
+        self.queue.finished();
+    }
+
+    /// A worker has no device any more: others do what it has not, if there are any.
+    pub fn lose_device(&self, why: Error) {
+        if self.workers.fetch_sub(1, Ordering::SeqCst) > 1 {
+            self.note(&format!("{why}; the others go on"));
+        } else {
+            self.stop(why);
+        }
+    }
+
+    /// Begins no frame any more.
+    fn stop(&self, why: Error) {
+        lock(&self.stopped_by).get_or_insert(why);
+        self.queue.stop();
+    }
+
+    pub fn note(&self, line: &str) {
+        self.tell(Event::Note(line));
+    }
+
+    /// Tells what mesh files lack, once for all frames.
+    pub fn tell_missing(&self, missing: &[Missing]) {
+        let mut told = lock(&self.told);
+        let new: Vec<Missing> = missing.iter().filter(|m| told.insert(m.what.clone())).cloned().collect();
+        drop(told);
+        if let Some(line) = Missing::line(&new) {
+            self.note(&line);
+        }
+    }
+
+    /// Tells once that scenes ask for a style that the reference does not draw.
+    fn tell_left_out(&self, left_out: &[LeftOut]) {
+        for line in left_out.iter().filter(|left| left.what == STYLE).map(LeftOut::line) {
+            if lock(&self.told).insert(line.clone()) {
+                self.note(&line);
+            }
+        }
+    }
+
+    /// How the frames stand, which failed and why, and what ended the batch early.
+    pub fn end(self) -> (Counts, Vec<(String, String)>, Option<Error>) {
+        (taken(self.counts), taken(self.failures), taken(self.stopped_by))
+    }
+
+    fn tell(&self, event: Event) {
+        // held while it is told, so that events come one at a time and counts only grow
+        let mut counts = lock(&self.counts);
+        match event {
+            Event::Done(..) => counts.done += 1,
+            Event::Skipped(..) => counts.skipped += 1,
+            Event::Again(..) => counts.again += 1,
+            Event::Failed(..) => counts.failed += 1,
+            Event::Note(_) => {}
+        }
+        (self.watch)(event, &counts);
+    }
+}
+
+/// A thread that debuggers and profilers know.
+fn named<'s>(scope: &'s Scope<'s, '_>, name: &str, work: impl FnOnce() + Send + 's) -> Result<()> {
+    let spawned = Builder::new().name(name.into()).spawn_scoped(scope, work);
+    spawned.map(drop).map_err(|e| Error::work(format!("no thread to {name} with: {e}")))
+}
+
+/// Work that may panic, which is no reason for the rest to stop.
+pub fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    let failed = |_| Err(Error::work("a defect of this program; the line before says where"));
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(failed)
+}

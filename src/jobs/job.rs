@@ -1,0 +1,142 @@
+//! What one render is told.
+
+use super::words::Named;
+use crate::camera::Camera;
+use crate::engine::rival::Choice;
+use crate::geometry::texture::ImagesRead;
+use crate::input::{Error, Result};
+use crate::scene::Scene;
+use crate::scene::file::{self, OutputSpec};
+use crate::scene::library::Library;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What is asked of a scene beyond its file.
+#[derive(Debug, Clone, Default)]
+pub struct Change {
+    /// Width and height of the image in pixels; `None`: the scene's own.
+    pub size: Option<(u32, u32)>,
+    /// Values of the scene to change, as in `camera.vfov=40`.
+    pub set: Vec<String>,
+    /// The frame at which values given as keyframes are taken.
+    pub frame: f64,
+}
+
+/// What renders.
+#[derive(Debug, Clone, Copy)]
+pub enum EngineName {
+    Compute,
+    Reference,
+    /// The compute engine, with what each pixel sees found in another way.
+    Rival(Choice),
+}
+
+/// One render: a scene file, changes to it, what to compute and what to write.
+#[derive(Debug, Clone)]
+pub struct RenderJob {
+    /// The scene file, .toml or .json.
+    pub scene: PathBuf,
+    pub change: Change,
+    /// Colour, as 8-bit sRGB PNG.
+    pub color: Option<PathBuf>,
+    /// The channels, as 32-bit EXR.
+    pub exr: Option<PathBuf>,
+    /// The hit points, as PLY or NPY.
+    pub points: Option<PathBuf>,
+    /// Times and counts, as JSON.
+    pub report: Option<PathBuf>,
+    /// `None`: compute, or reference on a machine without an adapter.
+    pub engine: Option<EngineName>,
+    /// Rays a pixel, averaged in colour and coverage.
+    pub samples: u32,
+    /// Triangles count in a pixel by their areas there, not by the number of samples that see them.
+    pub analytic: bool,
+    /// The channels of the EXR; `None`: those of the camera.
+    pub channels: Option<Vec<Named>>,
+    /// Refuse a scene whose mesh files refer to what does not exist.
+    pub strict: bool,
+    /// Allow the scene's own `[output]` to name files outside of its folder.
+    pub outputs_anywhere: bool,
+    /// Measure the error against the reference.
+    pub check: bool,
+    /// Frames to time after the first.
+    pub repeat: Option<u32>,
+    /// Every vertex is new in each timed frame.
+    pub moving: bool,
+    /// Leave out nothing early.
+    pub no_cull: bool,
+}
+
+impl RenderJob {
+    /// A render of a scene with nothing to write yet.
+    pub fn of(scene: impl Into<PathBuf>) -> RenderJob {
+        RenderJob {
+            scene: scene.into(),
+            change: Change::default(),
+            color: None,
+            exr: None,
+            points: None,
+            report: None,
+            engine: None,
+            samples: 1,
+            analytic: false,
+            channels: None,
+            strict: false,
+            outputs_anywhere: false,
+            check: false,
+            repeat: None,
+            moving: false,
+            no_cull: false,
+        }
+    }
+
+    /// Refuses options of the compute engine for the reference.
+    ///
+    /// # Errors
+    /// [`Error::Input`] that names the flag.
+    pub fn check_options(&self) -> Result<()> {
+        if !matches!(self.engine, Some(EngineName::Reference)) {
+            return Ok(());
+        }
+        let flags = [(self.moving, "--moving"), (self.no_cull, "--no-cull")];
+        flags.iter().find(|f| f.0).map_or(Ok(()), |(_, flag)| Err(of_compute_only(flag)))
+    }
+
+    /// The rival that is asked for.
+    pub fn rival(&self) -> Option<Choice> {
+        match self.engine {
+            Some(EngineName::Rival(choice)) => Some(choice),
+            _ => None,
+        }
+    }
+}
+
+/// The error for an option of the compute engine that the reference is given.
+pub fn of_compute_only(flag: &str) -> Error {
+    Error::input(format!("{flag} is for --engine compute; the reference runs on the CPU"))
+}
+
+/// The scene, changed, and its camera for an image of the size asked for, or of the scene's own.
+pub fn load(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
+    load_from(&Library::for_once(), path, change, |_| ImagesRead::All)
+}
+
+/// As [`load`], without images that only colour triangles.
+pub fn load_shape(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
+    load_from(&Library::for_once(), path, change, |_| ImagesRead::Masks)
+}
+
+/// As [`load`], with the meshes and cameras that `library` keeps. `images` says which images are needed, given the scene's own outputs.
+pub fn load_from(
+    library: &Library,
+    path: &Path,
+    change: &Change,
+    images: impl FnOnce(&OutputSpec) -> ImagesRead,
+) -> Result<(Scene, Arc<Camera>)> {
+    let file = file::load(path, &change.set, change.frame)?;
+    let at = |e: Error| e.at(path.display());
+    let read = images(&file.output);
+    let scene = library.scene(file, read).map_err(at)?;
+    let camera = library.camera(&scene, change.size).map_err(at)?;
+    Ok((scene, camera))
+}

@@ -1,0 +1,108 @@
+//! The words that options are written in, on a command line and in a list of jobs.
+
+use super::batch::Shard;
+use super::job::EngineName;
+use crate::image::cryptomatte::Apart;
+use crate::image::frame::Channel;
+use crate::image::size::check_size;
+
+/// What a name of channels stands for.
+#[derive(Debug, Clone)]
+pub enum Named {
+    Channels(Vec<Channel>),
+    /// All of the scene and the camera.
+    All,
+    Matte(Apart),
+    /// From this frame to the next.
+    Motion,
+}
+
+/// `800x600`: width and height.
+pub fn size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    let (width, height): (u64, u64) = sides.ok_or("write it as WIDTHxHEIGHT, for example 800x600")?;
+    check_size(width, height).map_err(|e| e.to_string())?;
+    // both sides are far under 2^32 by the check above
+    Ok((width as u32, height as u32))
+}
+
+/// `1/4`: the first of four parts.
+pub fn shard(text: &str) -> Result<Shard, String> {
+    let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse::<u32>().ok()?, n.parse::<u32>().ok()?)));
+    match numbers {
+        Some((i, n)) if 1 <= i && i <= n => Ok(Shard { index: i - 1, count: n }),
+        _ => Err("write it as I/N with I from 1 to N, for example 1/4".into()),
+    }
+}
+
+/// A name of one or several channels.
+pub fn channels(name: &str) -> Result<Named, String> {
+    match name.trim() {
+        "all" => return Ok(Named::All),
+        "crypto.object" => return Ok(Named::Matte(Apart::Objects)),
+        "crypto.material" => return Ok(Named::Matte(Apart::Materials)),
+        "motion" => return Ok(Named::Motion),
+        _ => {}
+    }
+    let found = Channel::named(name.trim());
+    if found.is_empty() {
+        let known: Vec<&str> = Channel::every().map(Channel::name).collect();
+        let more = "N, P and albedo for three each, uv and motion for two, crypto.object and crypto.material, all";
+        return Err(format!("no such channel; known: {}, {more}", known.join(", ")));
+    }
+    Ok(Named::Channels(found))
+}
+
+/// compute, reference, or a rival.
+pub fn engine(name: &str) -> Result<EngineName, String> {
+    match name {
+        "compute" => Ok(EngineName::Compute),
+        "reference" => Ok(EngineName::Reference),
+        _ => crate::rivals::parse(name).map(EngineName::Rival),
+    }
+}
+
+/// 1 to 64 rays a pixel.
+pub fn samples(text: &str) -> Result<u32, String> {
+    number_from_to(text, 1, SAMPLES_MAX)
+}
+
+/// 1 to a million timed frames.
+pub fn repeat(text: &str) -> Result<u32, String> {
+    number_from_to(text, 1, REPEAT_MAX)
+}
+
+/// Rays a pixel at most, and timed frames.
+pub const SAMPLES_MAX: u32 = 64;
+pub const REPEAT_MAX: u32 = 1_000_000;
+
+fn number_from_to(text: &str, least: u32, most: u32) -> Result<u32, String> {
+    let number = text.parse().ok().filter(|n| (least..=most).contains(n));
+    number.ok_or_else(|| format!("{text:?} is not a whole number from {least} to {most}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_read_or_refused() {
+        assert_eq!(size("800x600"), Ok((800, 600)));
+        for wrong in ["800", "x", "0x5", "5x0", "-1x5", "70000x1", "65536x65536", "99999999999999999999x1"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!((samples("64"), repeat("1")), (Ok(64), Ok(1)));
+        assert!(["0", "65", "-1", "1.5", ""].iter().all(|wrong| samples(wrong).is_err()));
+        assert!(["0/4", "5/4", "1", "a/b"].iter().all(|wrong| shard(wrong).is_err()));
+        let of = |name: &str| match channels(name) {
+            Ok(Named::Channels(list)) => list,
+            other => panic!("{name}: {other:?}"),
+        };
+        assert_eq!(of("triangle.id"), [Channel::TriangleId]);
+        assert_eq!(of(" N"), [Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
+        assert!(matches!(channels("crypto.object"), Ok(Named::Matte(Apart::Objects))));
+        assert!(matches!(channels("all"), Ok(Named::All)));
+        assert!(channels("q").is_err_and(|e| e.contains("bary.v") && e.contains("N, P and albedo")));
+        assert!(engine("rastr").is_err_and(|e| e.contains("raytrace")) && engine("raytrace").is_ok());
+    }
+}
