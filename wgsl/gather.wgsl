@@ -1,8 +1,8 @@
 // gather: one thread per pixel of the band.
 // Reads the visibility buffer, where on a receiver the pixel's hit lies, and the flux of the four texels around it; adds
 // what a diffuse surface sends back of it to the colour planes.
-// Needs: Landing, NONE, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_G, PLANE_R, PLANE_U, PLANE_V, Receiver, ends_here,
-//   item_index, key_id, light_kept
+// Needs: Landing, NONE, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_BARY_U, PLANE_BARY_V, PLANE_G, PLANE_R, Receiver,
+//   ends_here, item_index, key_id, light_kept
 // Binds: landing_of, landings, params, planes, receivers, sums, visibility
 
 fn received(receiver: Receiver, x: u32, y: u32) -> vec3<f32> {
@@ -52,7 +52,7 @@ fn gather(
     let landing = landings[landing_of[id]];
     let receiver = receivers[landing.receiver];
     let size = vec2<f32>(f32(receiver.columns), f32(receiver.rows));
-    let at = landing.a + value(PLANE_U, pixel) * landing.ab + value(PLANE_V, pixel) * landing.ac;
+    let at = landing.a + value(PLANE_BARY_U, pixel) * landing.ab + value(PLANE_BARY_V, pixel) * landing.ac;
     if any(at < vec2<f32>(0.0)) || any(at > size) {
         return;
     }

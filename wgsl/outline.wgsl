@@ -1,8 +1,8 @@
 // outline: one thread per pixel of the band, after shade and resolve.
 // Reads the planes of what is seen, around each pixel; mixes the colours of lines between what differs into the colour planes: where one
 // thing hides another, or a surface has a crease, and where pieces of the camera meet.
-// Needs: NONE, PLANE_B, PLANE_G, PLANE_MIRROR, PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R,
-//   PLANE_TRIANGLE, PLANE_Z, covered, item_index, narrowed
+// Needs: NONE, PLANE_B, PLANE_G, PLANE_MIRROR_ID, PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE_ID, PLANE_P_X, PLANE_P_Y, PLANE_P_Z,
+//   PLANE_R, PLANE_TRIANGLE_ID, PLANE_Z, covered, item_index, narrowed
 // Binds: params, planes, style
 
 fn word(plane: u32, pixel: u32) -> u32 {
@@ -15,13 +15,13 @@ fn number(plane: u32, pixel: u32) -> f32 {
 
 // Between these pixels runs an outline: one sees nothing, or their surfaces do not go on in each other.
 fn differ(a: u32, b: u32) -> bool {
-    let id_a = word(PLANE_TRIANGLE, a);
-    let id_b = word(PLANE_TRIANGLE, b);
+    let id_a = word(PLANE_TRIANGLE_ID, a);
+    let id_b = word(PLANE_TRIANGLE_ID, b);
     if style.outline_width <= 0.0 {
         return false;
     }
     // what turned the rays first
-    if PLANE_MIRROR != NONE && word(PLANE_MIRROR, a) != word(PLANE_MIRROR, b) {
+    if PLANE_MIRROR_ID != NONE && word(PLANE_MIRROR_ID, a) != word(PLANE_MIRROR_ID, b) {
         return true;
     }
     if id_a == id_b {
@@ -82,7 +82,7 @@ fn outline(
                 if differ(own, next) {
                     line = max(line, covered(distance, width_at(own, next), 1.0));
                 }
-                if style.border_width > 0.0 && word(PLANE_PIECE, own) != word(PLANE_PIECE, next) {
+                if style.border_width > 0.0 && word(PLANE_PIECE_ID, own) != word(PLANE_PIECE_ID, next) {
                     border = max(border, covered(distance, style.border_width, 1.0));
                 }
             }

@@ -1,9 +1,9 @@
 // paste: one thread per pixel of the band.
 // Reads the visibility buffer, the pixel's ray and the facet that it meets first; copies to the planes what the atlas has at
 // the nearest texel of the facet's camera.
-// Needs: NONE, PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_G, PLANE_MIRROR, PLANE_N_X, PLANE_N_Y, PLANE_N_Z,
-//   PLANE_PIECE, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE, PLANE_U, PLANE_UV_U, PLANE_UV_V, PLANE_V, PLANE_Z,
-//   camera_of, camera_place, facet_place, facet_weights, item_index, key_id, norm, ray_bundle, real3
+// Needs: NONE, PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_BARY_U, PLANE_BARY_V, PLANE_G, PLANE_MIRROR_ID,
+//   PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE_ID, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE_ID, PLANE_UV_U,
+//   PLANE_UV_V, PLANE_Z, camera_of, camera_place, facet_place, facet_weights, item_index, key_id, norm, ray_bundle, real3
 // Binds: atlas, atlas_layout, optic, params, planes, visibility
 
 fn copied(plane: u32, pixel: u32, texel: u32) {
@@ -69,9 +69,9 @@ fn paste(
     tinted(PLANE_G, pixel, from_texel, optic.tint.y);
     tinted(PLANE_B, pixel, from_texel, optic.tint.z);
     copied(PLANE_T, pixel, from_texel);
-    copied(PLANE_TRIANGLE, pixel, from_texel);
-    copied(PLANE_U, pixel, from_texel);
-    copied(PLANE_V, pixel, from_texel);
+    copied(PLANE_TRIANGLE_ID, pixel, from_texel);
+    copied(PLANE_BARY_U, pixel, from_texel);
+    copied(PLANE_BARY_V, pixel, from_texel);
     copied(PLANE_N_X, pixel, from_texel);
     copied(PLANE_N_Y, pixel, from_texel);
     copied(PLANE_N_Z, pixel, from_texel);
@@ -84,8 +84,8 @@ fn paste(
     copied(PLANE_UV_U, pixel, from_texel);
     copied(PLANE_UV_V, pixel, from_texel);
     set_word(PLANE_A, pixel, bitcast<u32>(1.0));
-    set_word(PLANE_PIECE, pixel, optic.piece_first + camera);
-    set_word(PLANE_MIRROR, pixel, facet);
+    set_word(PLANE_PIECE_ID, pixel, optic.piece_first + camera);
+    set_word(PLANE_MIRROR_ID, pixel, facet);
     if PLANE_Z != NONE {
         let way = f32(norm(facet_place(facet, real3(w)) - b.p / b.h));
         let z = bitcast<f32>(atlas[PLANE_Z * atlas_layout.texel_count + from_texel]);

@@ -2,12 +2,12 @@
 // Reads the visibility buffer, the triangle that won and the pixel's ray; writes the planes that were asked for.
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 // Provides: Place
-// Needs: Bundle, Lit, Look, NONE, PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_G, PLANE_MIRROR, PLANE_N_X,
-//   PLANE_N_Y, PLANE_N_Z, PLANE_PIECE, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE, PLANE_U, PLANE_UV_U, PLANE_UV_V,
-//   PLANE_V, PLANE_Z, SLABBED, STYLED, Spread, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece, first_surface, goes_on,
-//   in_file_order, is_under_way, item_index, key_id, key_layer, key_t, light_before, light_left, pattern_at, piece_number, pixel_ray,
-//   point_at, ray_bundle, ray_spread, reach_of, reached, real3, says_what_is_seen, segment_length, sent_back, surface_albedo,
-//   surface_normal, surface_uv, vertex_real, way_length
+// Needs: Bundle, Lit, Look, NONE, PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_BARY_U, PLANE_BARY_V, PLANE_G,
+//   PLANE_MIRROR_ID, PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE_ID, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE_ID,
+//   PLANE_UV_U, PLANE_UV_V, PLANE_Z, SLABBED, STYLED, Spread, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece,
+//   first_surface, goes_on, in_file_order, is_under_way, item_index, key_id, key_layer, key_t, light_before, light_left, pattern_at,
+//   piece_number, pixel_ray, point_at, ray_bundle, ray_spread, reach_of, reached, real3, says_what_is_seen, segment_length, sent_back,
+//   surface_albedo, surface_normal, surface_uv, vertex_real, way_length
 // Binds: params, planes, shading, slot_of_id, triangles, visibility
 
 fn store(plane: u32, at: Place, word: u32) {
@@ -88,13 +88,13 @@ fn shade(
     }
     store(PLANE_A, at, bitcast<u32>(1.0));
     store_place(at, id, f32(layer) + t, z);
-    if PLANE_PIECE != NONE || PLANE_MIRROR != NONE {
+    if PLANE_PIECE_ID != NONE || PLANE_MIRROR_ID != NONE {
         store_piece(at, piece_number(layer, x, y));
     }
-    if PLANE_U != NONE || PLANE_V != NONE {
+    if PLANE_BARY_U != NONE || PLANE_BARY_V != NONE {
         let weights = weights_real(ray_bundle(layer, x, y, t), triangle);
-        store(PLANE_U, at, bitcast<u32>(weights.y));
-        store(PLANE_V, at, bitcast<u32>(weights.z));
+        store(PLANE_BARY_U, at, bitcast<u32>(weights.y));
+        store(PLANE_BARY_V, at, bitcast<u32>(weights.z));
     }
     var spread: Spread;
     if TEXTURED || STYLED {
@@ -117,19 +117,19 @@ fn shade(
 fn store_place(at: Place, id: u32, t: f32, z: f32) {
     store(PLANE_T, at, bitcast<u32>(t));
     store(PLANE_Z, at, bitcast<u32>(z));
-    store(PLANE_TRIANGLE, at, id);
+    store(PLANE_TRIANGLE_ID, at, id);
 }
 
 fn store_no_weights(at: Place) {
-    store(PLANE_U, at, 0u);
-    store(PLANE_V, at, 0u);
+    store(PLANE_BARY_U, at, 0u);
+    store(PLANE_BARY_V, at, 0u);
 }
 
 // The piece of the camera's own ray, or the surface by which it was turned first.
 fn store_piece(at: Place, piece: u32) {
     let surface = first_surface(at.pixel);
-    store(PLANE_PIECE, at, select(first_piece(at.pixel), piece, surface == NONE));
-    store(PLANE_MIRROR, at, surface);
+    store(PLANE_PIECE_ID, at, select(first_piece(at.pixel), piece, surface == NONE));
+    store(PLANE_MIRROR_ID, at, surface);
 }
 
 // What the surface is like: its normal, the hit, and its colour before it is lit.

@@ -3,142 +3,118 @@
 /// Id of a triangle, piece, object or material where nothing is hit.
 pub const NO_ID: u32 = u32::MAX;
 
-/// A channel of an image, one value a pixel: `docs/reference/definitions.md`, Channels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Channel {
-    /// Red, linear.
-    R,
-    /// Green, linear.
-    G,
-    /// Blue, linear.
-    B,
-    /// Coverage: 1 where something is hit, 0 elsewhere; between with several samples.
-    A,
-    /// Distance from the ray's origin P to the hit, world units; +inf where nothing is hit.
-    Z,
-    /// Ray parameter of the hit, X = P + t D; +inf where nothing is hit.
-    T,
-    /// The triangle that is hit, numbered through all meshes; [`NO_ID`] where nothing is.
-    TriangleId,
-    /// The camera's piece that the pixel belongs to; [`NO_ID`] where no ray is.
-    PieceId,
-    /// Weight of the triangle's second corner at the hit.
-    BaryU,
-    /// Weight of its third corner.
-    BaryV,
-    /// The facet of a mirror or lens that the pixel sees first; [`NO_ID`] where it sees none.
-    MirrorId,
-    /// 2 where bounds in f32 prove that the pixel's triangle, or the miss, is that of exact arithmetic; 1 where bounds on the
-    /// recheck do; 0 where nothing does.
-    Certified,
-    /// x of the unit normal of the surface as it is shaded, world axes, turned to the viewer; 0 where nothing is hit, or a surface
-    /// without triangles.
-    NormalX,
-    /// y of the normal.
-    NormalY,
-    /// z of the normal.
-    NormalZ,
-    /// x of the hit, world units; 0 where nothing is hit.
-    PositionX,
-    /// y of the hit.
-    PositionY,
-    /// z of the hit.
-    PositionZ,
-    /// Red of the material's diffuse colour, times its texture's, linear, before it is lit; 0 where nothing is hit.
-    AlbedoR,
-    /// Green of the diffuse colour.
-    AlbedoG,
-    /// Blue of the diffuse colour.
-    AlbedoB,
-    /// u of the texture coordinates of the hit; 0 where nothing is hit, or what has none.
-    TextureU,
-    /// v of the texture coordinates.
-    TextureV,
-    /// The number of the triangle's object.
-    ObjectId,
-    /// The number of the triangle's material.
-    MaterialId,
+/// What the values of a channel are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Values {
+    Number,
+    Id,
+    /// An id that follows from the triangle's: see [`crate::scene::labels`].
+    Label,
+}
+
+/// Makes of the table of channels the enum, its lists, and the names and values of each.
+macro_rules! channels {
+    ($($(#[$about:meta])* $list:ident: { $($(#[$doc:meta])* $channel:ident, $name:literal, $values:ident;)* })*) => {
+        /// A channel of an image, one value a pixel: `docs/reference/definitions.md`, Channels.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Channel {
+            $($($(#[$doc])* $channel,)*)*
+        }
+
+        impl Channel {
+            $($(#[$about])* pub const $list: [Channel; [$($name),*].len()] = [$(Channel::$channel),*];)*
+
+            /// The name in an EXR file and on the command line.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $($(Channel::$channel => $name,)*)*
+                }
+            }
+
+            fn values(self) -> Values {
+                match self {
+                    $($(Channel::$channel => Values::$values,)*)*
+                }
+            }
+        }
+    };
+}
+
+channels! {
+    /// Those that say what is seen.
+    ALL: {
+        /// Red, linear.
+        R, "R", Number;
+        /// Green, linear.
+        G, "G", Number;
+        /// Blue, linear.
+        B, "B", Number;
+        /// Coverage: 1 where something is hit, 0 elsewhere; between with several samples.
+        A, "A", Number;
+        /// Distance from the ray's origin P to the hit, world units; +inf where nothing is hit.
+        Z, "Z", Number;
+        /// Ray parameter of the hit, X = P + t D; +inf where nothing is hit.
+        T, "t", Number;
+        /// The triangle that is hit, numbered through all meshes; [`NO_ID`] where nothing is.
+        TriangleId, "triangle.id", Id;
+        /// The camera's piece that the pixel belongs to; [`NO_ID`] where no ray is.
+        PieceId, "piece.id", Id;
+        /// Weight of the triangle's second corner at the hit.
+        BaryU, "bary.u", Number;
+        /// Weight of its third corner.
+        BaryV, "bary.v", Number;
+        /// The facet of a mirror or lens that the pixel sees first; [`NO_ID`] where it sees none.
+        MirrorId, "mirror.id", Id;
+    }
+    /// And what is computed where it is asked for by name.
+    MORE: {
+        /// 2 where bounds in f32 prove that the pixel's triangle, or the miss, is that of exact arithmetic; 1 where bounds on the
+        /// recheck do; 0 where nothing does.
+        Certified, "certified", Id;
+        /// x of the unit normal of the surface as it is shaded, world axes, turned to the viewer; 0 where nothing is hit, or a surface
+        /// without triangles.
+        NormalX, "N.X", Number;
+        /// y of the normal.
+        NormalY, "N.Y", Number;
+        /// z of the normal.
+        NormalZ, "N.Z", Number;
+        /// x of the hit, world units; 0 where nothing is hit.
+        PositionX, "P.X", Number;
+        /// y of the hit.
+        PositionY, "P.Y", Number;
+        /// z of the hit.
+        PositionZ, "P.Z", Number;
+        /// Red of the material's diffuse colour, times its texture's, linear, before it is lit; 0 where nothing is hit.
+        AlbedoR, "albedo.R", Number;
+        /// Green of the diffuse colour.
+        AlbedoG, "albedo.G", Number;
+        /// Blue of the diffuse colour.
+        AlbedoB, "albedo.B", Number;
+        /// u of the texture coordinates of the hit; 0 where nothing is hit, or what has none.
+        TextureU, "uv.U", Number;
+        /// v of the texture coordinates.
+        TextureV, "uv.V", Number;
+        /// The number of the triangle's object.
+        ObjectId, "object.id", Label;
+        /// The number of the triangle's material.
+        MaterialId, "material.id", Label;
+    }
 }
 
 impl Channel {
-    /// Those that say what is seen.
-    pub const ALL: [Channel; 11] = [
-        Channel::R,
-        Channel::G,
-        Channel::B,
-        Channel::A,
-        Channel::Z,
-        Channel::T,
-        Channel::TriangleId,
-        Channel::PieceId,
-        Channel::BaryU,
-        Channel::BaryV,
-        Channel::MirrorId,
-    ];
-
-    /// And what is computed where it is asked for by name.
-    pub const MORE: [Channel; 14] = [
-        Channel::Certified,
-        Channel::NormalX,
-        Channel::NormalY,
-        Channel::NormalZ,
-        Channel::PositionX,
-        Channel::PositionY,
-        Channel::PositionZ,
-        Channel::AlbedoR,
-        Channel::AlbedoG,
-        Channel::AlbedoB,
-        Channel::TextureU,
-        Channel::TextureV,
-        Channel::ObjectId,
-        Channel::MaterialId,
-    ];
-
     /// Both.
     pub fn every() -> impl Iterator<Item = Channel> {
         Channel::ALL.into_iter().chain(Channel::MORE)
     }
 
-    /// The name in an EXR file and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Channel::R => "R",
-            Channel::G => "G",
-            Channel::B => "B",
-            Channel::A => "A",
-            Channel::Z => "Z",
-            Channel::T => "t",
-            Channel::TriangleId => "triangle.id",
-            Channel::PieceId => "piece.id",
-            Channel::BaryU => "bary.u",
-            Channel::BaryV => "bary.v",
-            Channel::MirrorId => "mirror.id",
-            Channel::Certified => "certified",
-            Channel::NormalX => "N.X",
-            Channel::NormalY => "N.Y",
-            Channel::NormalZ => "N.Z",
-            Channel::PositionX => "P.X",
-            Channel::PositionY => "P.Y",
-            Channel::PositionZ => "P.Z",
-            Channel::AlbedoR => "albedo.R",
-            Channel::AlbedoG => "albedo.G",
-            Channel::AlbedoB => "albedo.B",
-            Channel::TextureU => "uv.U",
-            Channel::TextureV => "uv.V",
-            Channel::ObjectId => "object.id",
-            Channel::MaterialId => "material.id",
-        }
-    }
-
     /// Its values are whole numbers.
     pub fn is_id(self) -> bool {
-        matches!(self, Channel::TriangleId | Channel::PieceId | Channel::MirrorId | Channel::Certified)
-            || self.is_label()
+        self.values() != Values::Number
     }
 
-    /// It is a function of the triangle id: see [`crate::scene::labels`].
+    /// It is a function of the triangle id.
     pub fn is_label(self) -> bool {
-        matches!(self, Channel::ObjectId | Channel::MaterialId)
+        self.values() == Values::Label
     }
 
     /// The channel of this name, or all those of a vector or colour: `N`, `P`, `albedo` and `uv`.

@@ -1,7 +1,7 @@
 // What to light with; and the plane of each channel, NONE where it was not asked for.
-// Provides: PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_G, PLANE_MIRROR, PLANE_N_X, PLANE_N_Y, PLANE_N_Z,
-//   PLANE_PIECE, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE, PLANE_U, PLANE_UV_U, PLANE_UV_V, PLANE_V, PLANE_Z,
-//   Shading
+// Provides: PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_BARY_U, PLANE_BARY_V, PLANE_G, PLANE_MIRROR_ID,
+//   PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE_ID, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE_ID, PLANE_UV_U,
+//   PLANE_UV_V, PLANE_Z, Shading
 
 override PLANE_R: u32 = 0xffffffffu;
 override PLANE_G: u32 = 0xffffffffu;
@@ -9,11 +9,11 @@ override PLANE_B: u32 = 0xffffffffu;
 override PLANE_A: u32 = 0xffffffffu;
 override PLANE_Z: u32 = 0xffffffffu;
 override PLANE_T: u32 = 0xffffffffu;
-override PLANE_TRIANGLE: u32 = 0xffffffffu;
-override PLANE_PIECE: u32 = 0xffffffffu;
-override PLANE_U: u32 = 0xffffffffu;
-override PLANE_V: u32 = 0xffffffffu;
-override PLANE_MIRROR: u32 = 0xffffffffu;
+override PLANE_TRIANGLE_ID: u32 = 0xffffffffu;
+override PLANE_PIECE_ID: u32 = 0xffffffffu;
+override PLANE_BARY_U: u32 = 0xffffffffu;
+override PLANE_BARY_V: u32 = 0xffffffffu;
+override PLANE_MIRROR_ID: u32 = 0xffffffffu;
 override PLANE_N_X: u32 = 0xffffffffu;
 override PLANE_N_Y: u32 = 0xffffffffu;
 override PLANE_N_Z: u32 = 0xffffffffu;

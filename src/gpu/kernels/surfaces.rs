@@ -1,6 +1,7 @@
 //! The kernels that say what surfaces look like: their images and holes, the light that they send back, and what is drawn on them.
 
 use super::*;
+use std::sync::LazyLock;
 
 impl Variant {
     /// How weights of a triangle's corners change from pixel to pixel, where something follows from that.
@@ -105,34 +106,18 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     kernel
 }
 
+/// The constant with the number of a channel's plane: `PLANE_BARY_U` for `bary.u`.
+static PLANE_NAMES: LazyLock<Vec<(Channel, String)>> = LazyLock::new(|| {
+    let name = |channel: Channel| format!("PLANE_{}", channel.name().to_uppercase().replace('.', "_"));
+    // the host computes labels from triangle ids, and `certify` writes a plane of its own
+    let written = Channel::every().filter(|channel| *channel != Channel::Certified && !channel.is_label());
+    written.map(|channel| (channel, name(channel))).collect()
+});
+
 /// Which plane each channel that was asked for is written to, by all but `certify`.
 pub(super) fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
-    let constant = |channel: &Channel| match channel {
-        Channel::R => Some("PLANE_R"),
-        Channel::G => Some("PLANE_G"),
-        Channel::B => Some("PLANE_B"),
-        Channel::A => Some("PLANE_A"),
-        Channel::Z => Some("PLANE_Z"),
-        Channel::T => Some("PLANE_T"),
-        Channel::TriangleId => Some("PLANE_TRIANGLE"),
-        Channel::PieceId => Some("PLANE_PIECE"),
-        Channel::BaryU => Some("PLANE_U"),
-        Channel::BaryV => Some("PLANE_V"),
-        Channel::MirrorId => Some("PLANE_MIRROR"),
-        Channel::NormalX => Some("PLANE_N_X"),
-        Channel::NormalY => Some("PLANE_N_Y"),
-        Channel::NormalZ => Some("PLANE_N_Z"),
-        Channel::PositionX => Some("PLANE_P_X"),
-        Channel::PositionY => Some("PLANE_P_Y"),
-        Channel::PositionZ => Some("PLANE_P_Z"),
-        Channel::AlbedoR => Some("PLANE_ALBEDO_R"),
-        Channel::AlbedoG => Some("PLANE_ALBEDO_G"),
-        Channel::AlbedoB => Some("PLANE_ALBEDO_B"),
-        Channel::TextureU => Some("PLANE_UV_U"),
-        Channel::TextureV => Some("PLANE_UV_V"),
-        // the host computes labels from triangle ids
-        Channel::Certified | Channel::ObjectId | Channel::MaterialId => None,
-    };
+    let constant =
+        |channel: &Channel| PLANE_NAMES.iter().find(|(own, _)| own == channel).map(|(_, name)| name.as_str());
     planes.iter().enumerate().filter_map(|(k, c)| constant(c).map(|name| (name, k as f64))).collect()
 }
 
