@@ -106,7 +106,7 @@ fn wrong_lists_are_refused_before_anything_is_rendered() {
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nframes = { last = 2 }", "both write"),
         ("scene = \"scene.toml\"\ncolor = \"{fram}.png\"", "names \"fram\", which is no swept key"),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nsize = \"8\"", "WIDTHxHEIGHT"),
-        ("scene = \"scene.toml\"\ncolor = \"a.png\"\nsamples = 65", "1..=64"),
+        ("scene = \"scene.toml\"\ncolor = \"a.png\"\nsamples = 65", "from 1 to 64"),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nsweep.camera.vfov = []", "no values"),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nframes = { last = -1 }", "no frames from 0 to -1 by 1"),
         ("scene = \"scene.toml\"\ncolor = \"a.png\"\nchannels = [\"Q\"]", "no such channel"),
