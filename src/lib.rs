@@ -59,7 +59,7 @@
 //! # let scene = Scene::parse(r#"
 //! #   image = { width = 40, height = 30 }
 //! #   mesh = [{ builtin = "icosphere", level = 2 }]
-//! #   camera = { kind = "panorama", eye = [0, 0, 4], radius = 0.5, height = 3 }
+//! #   camera = { kind = "fisheye", eye = [0, 0, 4], target = [0, 0, 0], fov = 120 }
 //! # "#, ".")?;
 //! # let camera = scene.camera()?;
 //! let images = anamorph::project(&camera, &[[0.0, 0.0, 0.0], [1.0, 0.5, 0.0]]);

@@ -12,7 +12,7 @@ fn layers(page: &str) -> Vec<Vec<&str>> {
     rows.map(|cell| cell.split(", ").map(|name| name.trim_matches('`')).collect()).collect()
 }
 
-/// All source files, by their paths below `src`.
+/// All source files, by their paths below `src`, but for the crate's root: it lists the layers and says what is public.
 fn sources() -> Vec<(PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut folders = vec![root.clone()];
@@ -22,7 +22,7 @@ fn sources() -> Vec<(PathBuf, String)> {
             let path = entry.unwrap().path();
             match path.extension() {
                 _ if path.is_dir() => folders.push(path),
-                Some(extension) if extension == "rs" => {
+                Some(extension) if extension == "rs" && path != root.join("lib.rs") => {
                     files.push((path.strip_prefix(&root).unwrap().to_owned(), fs::read_to_string(&path).unwrap()));
                 }
                 _ => {}

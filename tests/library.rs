@@ -1,0 +1,231 @@
+//! What users of the library see, used as they use it: by public names alone. Without an adapter all of it goes by the reference.
+
+use anamorph::{
+    Batch, BatchEvent, BatchOptions, Camera, Channel, Error, Job, Mesh, NO_ID, RenderOptions, Rendered, Renderer,
+    Result, Scene, Shard,
+};
+use std::fs;
+use std::path::Path;
+use std::sync::Mutex;
+
+const CAMERA: &str = r#"
+image = { width = 48, height = 36 }
+camera = { kind = "pinhole", eye = [0, 0.5, 4], target = [0, 0, 0], vfov = 40 }
+"#;
+
+/// A tetrahedron: no triangle of it is like another.
+fn tetrahedron() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let positions = vec![[-1.0, -0.7, 0.0], [1.0, -0.6, 0.2], [0.1, 1.0, -0.3], [0.0, 0.1, 1.1]];
+    (positions, vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]])
+}
+
+/// The same as a file.
+fn write_obj(path: &Path) {
+    let (positions, triangles) = tetrahedron();
+    let vertices = positions.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+    let faces = triangles.iter().map(|t| format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1));
+    fs::write(path, vertices.chain(faces).collect::<String>()).unwrap();
+}
+
+fn options() -> RenderOptions {
+    let channels = vec![Channel::T, Channel::TriangleId, Channel::NormalX];
+    RenderOptions { channels, color: true, ..Default::default() }
+}
+
+/// All values, by their bits.
+fn words(rendered: &Rendered) -> Vec<u32> {
+    let frame = &rendered.frame;
+    let mut words: Vec<u32> = frame.u32(Channel::TriangleId).unwrap().to_vec();
+    for channel in [Channel::T, Channel::NormalX] {
+        words.extend(frame.f32(channel).unwrap().iter().map(|v| v.to_bits()));
+    }
+    words.extend(rendered.rgba.as_ref().unwrap().iter().map(|byte| u32::from(*byte)));
+    words
+}
+
+#[test]
+fn a_mesh_of_arrays_is_that_of_a_file() {
+    let dir = tempfile::tempdir().unwrap();
+    write_obj(&dir.path().join("a.obj"));
+    let (positions, triangles) = tetrahedron();
+    let mut of_arrays = Scene::parse(CAMERA, ".").unwrap();
+    of_arrays.add(Mesh::new(positions, triangles).unwrap().named("a")).unwrap();
+    let of_file = Scene::parse(&format!("{}\nmesh = [{{ file = \"a.obj\" }}]", CAMERA), dir.path()).unwrap();
+    let mut read = Scene::parse(CAMERA, ".").unwrap();
+    read.add(Mesh::read(dir.path().join("a.obj")).unwrap()).unwrap();
+    let mut renderer = Renderer::new().unwrap();
+    let mut render = |scene: &Scene| words(&renderer.render(scene, &scene.camera().unwrap(), &options()).unwrap());
+    let expected = render(&of_file);
+    assert!(expected.iter().take(48 * 36).any(|id| *id != NO_ID));
+    assert_eq!([render(&of_arrays), render(&read)], [expected.clone(), expected]);
+    for scene in [&of_arrays, &of_file, &read] {
+        assert_eq!(scene.objects().collect::<Vec<_>>(), [("a", 4)]);
+        assert_eq!(scene.bounds(), Some([[-1.0, -0.7, -0.3], [1.0, 1.0, 1.1]]));
+    }
+    // a second one of that name gets one of its own, and its triangles follow
+    of_arrays.add(Mesh::read(dir.path().join("a.obj")).unwrap()).unwrap();
+    assert_eq!(of_arrays.objects().collect::<Vec<_>>(), [("a", 4), ("a.2", 4)]);
+    assert_eq!(of_arrays.triangle_count(), 8);
+}
+
+#[test]
+fn a_renderer_that_was_used_before_renders_the_same() {
+    let (positions, triangles) = tetrahedron();
+    let scene = |eye: f64, meshes: usize, keys: &str| {
+        let text = CAMERA.replace("eye = [0, 0.5, 4]", &format!("eye = [{eye}, 0.5, 4]"));
+        let mut scene = Scene::parse(&format!("{text}\n{keys}"), ".").unwrap();
+        for k in 0..meshes {
+            let beside = positions.iter().map(|[x, y, z]| [x + 0.4 * k as f64, *y, *z]).collect();
+            let mesh = Mesh::new(beside, triangles.clone()).unwrap();
+            scene.add(mesh.with_color([0.2, 0.9, 0.4])).unwrap();
+        }
+        scene
+    };
+    let light = "light = [{ direction = [-1, -2, -1] }]";
+    // another eye, more triangles, another light, more samples, and back
+    let steps = [
+        (scene(0.0, 1, ""), 1),
+        (scene(1.0, 1, ""), 1),
+        (scene(1.0, 2, ""), 1),
+        (scene(1.0, 2, light), 1),
+        (scene(1.0, 2, light), 8),
+        (scene(0.0, 1, ""), 1),
+    ];
+    let mut kept = Renderer::new().unwrap();
+    let mut seen = Vec::new();
+    for (scene, samples) in &steps {
+        let (camera, options) = (scene.camera().unwrap(), RenderOptions { samples: *samples, ..options() });
+        let render = |renderer: &mut Renderer| words(&renderer.render(scene, &camera, &options).unwrap());
+        let own = render(&mut kept);
+        assert_eq!(own, render(&mut Renderer::new().unwrap()));
+        // what is not changed between
+        assert_eq!(own, render(&mut kept));
+        seen.push(own);
+    }
+    assert_eq!(seen[0], seen[5]);
+    assert!(seen.windows(2).all(|pair| pair[0] != pair[1]));
+}
+
+#[test]
+fn the_reference_and_its_check_agree_with_the_engine() {
+    let (positions, triangles) = tetrahedron();
+    let mut scene = Scene::parse(CAMERA, ".").unwrap();
+    scene.add(Mesh::new(positions, triangles).unwrap()).unwrap();
+    let camera = scene.camera().unwrap();
+    let rendered = Renderer::new().unwrap().render(&scene, &camera, &options()).unwrap();
+    let error = anamorph::check(&scene, &camera, &rendered.frame).unwrap();
+    assert_eq!((error.wrong_safe, error.pixels), (Some(0), 48 * 36));
+    let truth = anamorph::reference(&scene, &camera, &[Channel::TriangleId]);
+    let mut wrong = rendered.frame.clone();
+    // a planted error in a pixel that is surely safe is found
+    let id = truth.u32(Channel::TriangleId).unwrap()[18 * 48 + 24];
+    for (channel, plane) in &mut wrong.planes {
+        if let (Channel::TriangleId, anamorph::Plane::U32(ids)) = (*channel, plane) {
+            ids[18 * 48 + 24] = id.wrapping_add(1) % 4;
+        }
+    }
+    assert_eq!(anamorph::check(&scene, &camera, &wrong).unwrap().wrong_safe, Some(1));
+    assert!(anamorph::compare(&wrong, &rendered.frame).unwrap().wrong_triangle == Some(1));
+    let other = scene.camera_of_size(8, 8).unwrap();
+    assert!(matches!(anamorph::check(&scene, &other, &rendered.frame), Err(Error::Input(_))));
+}
+
+#[test]
+fn a_point_is_shown_where_its_ray_is() {
+    let scene = Scene::parse(CAMERA, ".").unwrap();
+    let camera: Camera = scene.camera().unwrap();
+    let [origin, direction] = camera.ray(10, 20).unwrap();
+    let point = [0, 1, 2].map(|k| origin[k] + 3.0 * direction[k]);
+    let images = anamorph::project(&camera, &[point]);
+    let [image] = &images[0].images[..] else { panic!("{images:?}") };
+    // pixel centres; a few roundings of coordinates up to 48
+    assert!((image.x - 10.5).abs() < 1e-9 && (image.y - 20.5).abs() < 1e-9 && (image.t - 3.0).abs() < 1e-9);
+    assert_eq!((camera.ray(48, 0), camera.kind(), camera.width(), camera.height()), (None, "pinhole", 48, 36));
+}
+
+#[test]
+fn jobs_and_batches_write_what_the_program_does() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    write_obj(&path("a.obj"));
+    fs::write(path("scene.toml"), format!("{}\n[[mesh]]\nfile = \"a.obj\"\n", CAMERA)).unwrap();
+    let job = || Job::new(path("scene.toml")).set("camera.vfov=30").channels("Z,triangle.id").unwrap();
+    let line = job().exr(path("own.exr")).color(path("own.png")).run(&mut Renderer::new().unwrap()).unwrap();
+    assert!(line.contains("48x36") && line.contains("4 triangles"), "{line}");
+    let frame = anamorph::read_exr(path("own.exr")).unwrap();
+    assert_eq!(frame.planes.iter().map(|p| p.0).collect::<Vec<_>>(), [Channel::Z, Channel::TriangleId]);
+
+    let list = "[[job]]\nscene = \"scene.toml\"\nset = [\"camera.vfov=30\"]\nchannels = [\"Z\", \"triangle.id\"]\n\
+                exr = \"{frame}.exr\"\ncolor = \"{frame}.png\"\nframes = [0, 1, 2]\n";
+    fs::write(path("jobs.toml"), list).unwrap();
+    let run = |options: &BatchOptions| {
+        let told = Mutex::new(Vec::new());
+        let outcome = Batch::new(path("jobs.toml")).run(options, &|event, counts| {
+            let kind = match event {
+                BatchEvent::Done(..) => "done",
+                BatchEvent::Skipped(_) => "skipped",
+                BatchEvent::Again(..) => "again",
+                BatchEvent::Failed(..) => "failed",
+                BatchEvent::Note(_) => return,
+            };
+            told.lock().unwrap().push((kind, counts.done + counts.skipped + counts.failed));
+        });
+        (outcome.unwrap().counts, told.into_inner().unwrap())
+    };
+    let shard = BatchOptions { shard: Some(Shard::new(1, 3).unwrap()), ..Default::default() };
+    assert_eq!(run(&shard).1, [("done", 1)]);
+    assert_eq!(Batch::new(path("jobs.toml")).gather().unwrap().len(), 2);
+    let resumed = BatchOptions { resume: true, ..Default::default() };
+    let (counts, told) = run(&resumed);
+    assert_eq!((counts.all, counts.done, counts.skipped, counts.failed), (3, 2, 1, 0));
+    assert_eq!(told.iter().map(|t| t.1).collect::<Vec<_>>(), [1, 2, 3]);
+    for frame in 0..3 {
+        assert_eq!(fs::read(path(&format!("{frame}.png"))).unwrap(), fs::read(path("own.png")).unwrap());
+        let own = anamorph::read_exr(path(&format!("{frame}.exr"))).unwrap();
+        assert_eq!(
+            anamorph::compare(&own, &anamorph::read_exr(path("own.exr")).unwrap()).unwrap().wrong_triangle,
+            Some(0)
+        );
+    }
+    // one frame that fails does not end the others
+    fs::write(
+        path("jobs.toml"),
+        list.replace("\"scene.toml\"", "\"scene.toml\"\nsweep = { mesh.0.file = [\"a.obj\", \"b.obj\"] }")
+            .replace("{frame}", "{mesh.0.file}-{frame}"),
+    )
+    .unwrap();
+    let (counts, _) = run(&BatchOptions::default());
+    assert_eq!((counts.all, counts.done, counts.failed), (6, 3, 3));
+}
+
+#[test]
+fn what_is_wrong_is_said_in_one_line() {
+    let fails = |result: Result<()>, says: &str| {
+        let text = result.unwrap_err().to_string();
+        assert!(text.contains(says) && !text.contains('\n'), "{text}");
+    };
+    let (positions, triangles) = tetrahedron();
+    let mesh = || Mesh::new(positions.clone(), triangles.clone()).unwrap();
+    fails(Mesh::new(positions.clone(), vec![[0, 1, 4]]).map(drop), "4 vertices");
+    fails(Mesh::new(vec![[0.0, f64::NAN, 0.0]], Vec::new()).map(drop), "finite");
+    fails(mesh().with_normals(vec![[0.0; 3]; 4]).map(drop), "no direction");
+    fails(mesh().with_normals(vec![[0.0, 0.0, 1.0]; 3]).map(drop), "3 normals for 4 vertices");
+    fails(mesh().with_uvs(vec![[f32::INFINITY; 2]; 4]).map(drop), "finite");
+    fails(Scene::parse("image = { width = 8, height = 8 }", ".").map(drop), "no camera");
+    fails(Scene::parse("camera = { kind = \"pinhol\" }", ".").map(drop), "pinhole");
+    fails(Scene::load("none.toml", &[], 0.0).map(drop), "none.toml");
+    fails(Job::new("a.toml").channels("Q").map(drop), "no such channel");
+    fails(Job::new("a.toml").engine("rastr").map(drop), "raytrace");
+    fails(Shard::new(0, 3).map(drop), "I/N");
+    let scene = Scene::parse(CAMERA, ".").unwrap();
+    let camera = scene.camera().unwrap();
+    let mut renderer = Renderer::reference();
+    assert_eq!(renderer.adapter(), None);
+    let mut render = |options: RenderOptions| renderer.render(&scene, &camera, &options).map(drop);
+    fails(render(RenderOptions::default()), "nothing to compute");
+    fails(render(RenderOptions { samples: 65, ..options() }), "from 1 to 64");
+    fails(render(RenderOptions { analytic: true, ..options() }), "analytic");
+    let picture = renderer.render(&scene, &camera, &RenderOptions { color: false, ..options() }).unwrap();
+    fails(picture.write_png("never.png"), "without colour");
+    assert!(!Path::new("never.png").exists());
+}
