@@ -109,7 +109,7 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// `NAME` or `NAME:N`, as [`Choice::parse`] reads it.
+    /// `NAME` or `NAME:N`, as on the command line.
     pub fn label(&self) -> String {
         match self.technique.knob {
             Some(_) => format!("{}:{}", self.technique.name, self.knob),

@@ -92,7 +92,7 @@ pub struct Outcome {
     pub wall_s: f64,
     /// What each device did.
     pub devices: Vec<Worked>,
-    /// The first [`FAILURES_MAX`] frames that failed, and why.
+    /// The first 1,000 frames that failed, and why.
     pub failures: Vec<(String, String)>,
     /// Why frames were left that could have been begun.
     pub stopped_by: Option<Error>,
