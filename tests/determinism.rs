@@ -5,6 +5,7 @@ mod common;
 
 use anamorph::camera::Camera;
 use anamorph::engine::RunOptions;
+use anamorph::engine::plan::variant::variant;
 use anamorph::engine::plan::{Contents, Plan, Surroundings, Wanted};
 use anamorph::geometry::{generate, place};
 use anamorph::image::frame::Channel;
@@ -158,7 +159,9 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
             return;
         };
         let around = Surroundings::of(&camera, scene.bounds());
-        let plan = Plan::new(&camera, Contents::of(&scene), around, &wanted(), small.gpu.has, SMALL_BINDING);
+        let (contents, has) = (Contents::of(&scene), small.gpu.has);
+        let variant = variant(&camera, contents, &wanted(), has, &RunOptions::default());
+        let plan = Plan::new(variant, &camera, contents, around, &wanted(), has, SMALL_BINDING);
         let chunks = anamorph::engine::clusters::cluster(&scene.mesh, around.anchor, false, SMALL_BINDING).chunks.len();
         assert!(plan.bands.len() > 5 && chunks > 1, "{name}");
         let parts = small.render(&scene, &camera, &wanted(), &RunOptions::default()).unwrap();

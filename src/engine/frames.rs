@@ -3,7 +3,7 @@
 use super::atlas::Painter;
 use super::illumination::Illuminated;
 use super::pages::PageStore;
-use super::planned::{Planned, Planner, check_outlines, check_samples, outlined_by};
+use super::planned::{Planned, Planner, check_outlines, check_samples, outlined_by, written};
 use super::readback::{FrameLayout, InFlight, PendingReads, RawFrame, Readback};
 use super::resident::Resident;
 use super::{Capacities, Counts, Rendered, RunOptions, setup};
@@ -172,7 +172,7 @@ impl Frames {
         let around = Surroundings { anchor, middle, scene_size };
         let arrangement = Arrangement::of(camera, around.middle).map(Arc::new);
         let camera = Arc::new(arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
-        let wanted = Wanted { channels: self.plan.planes.clone(), ..self.wanted.clone() };
+        let wanted = written(&self.scene, &camera, &self.wanted);
         let plan = self.planner.plan_by(&self.run, &camera, Contents::of(&self.scene), around, &wanted);
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
         if plan.variant != self.plan.variant || !is_as_large || camera.optics.is_some() {

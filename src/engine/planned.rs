@@ -1,13 +1,13 @@
 //! What frames take, worked out before a device is touched; what did not change since an earlier frame is taken from there.
 
-use super::{Arithmetic, RunOptions};
+use super::RunOptions;
 use crate::camera::arranged::Arrangement;
 use crate::camera::{Camera, Rays};
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::samples::at_once;
+use crate::engine::plan::variant::variant;
 use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
 use crate::gpu::device::Abilities;
-use crate::gpu::kernels::Variant;
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -175,29 +175,19 @@ impl Planner {
         last: Option<&Planned>,
     ) -> Arc<Plan> {
         let contents = Contents::of(scene);
-        let mut channels = wanted.channels.clone();
-        if scene.caustics.is_some() && wanted.has_colour() {
-            channels.extend([Channel::BaryU, Channel::BaryV]);
-            if scene.mesh.is_textured() || scene.mesh.has_patterns() {
-                channels.extend([Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
-            }
-        }
-        if wanted.has_colour() {
-            channels.extend(outlined_by(&scene.style, camera));
-        }
+        let written = written(scene, camera, wanted);
         let is_as_planned = |l: &&Planned| {
             Arc::ptr_eq(&l.camera, camera)
                 && (l.plan.anchor, l.plan.middle, l.plan.scene_size)
                     == (around.anchor, around.middle, around.scene_size)
                 && (Contents::of(&l.scene), &l.wanted) == (contents, wanted)
                 && (&l.scene.style, l.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
-                && l.plan.variant == self.variant(l.plan.variant, run)
+                && l.plan.variant == variant(camera, contents, &written, self.has, run)
         };
-        if let Some(last) = last.filter(is_as_planned) {
-            return last.plan.clone();
+        match last.filter(is_as_planned) {
+            Some(last) => last.plan.clone(),
+            None => Arc::new(self.plan_by(run, camera, contents, around, &written)),
         }
-        let planned = Wanted { channels, ..wanted.clone() };
-        Arc::new(self.plan_by(run, camera, contents, around, &planned))
     }
 
     /// The plan of frames with these options, with exactly the wanted channels.
@@ -209,22 +199,24 @@ impl Planner {
         around: Surroundings,
         wanted: &Wanted,
     ) -> Plan {
-        let mut plan = Plan::new(camera, contents, around, wanted, self.has, self.limit);
-        plan.variant = self.variant(plan.variant, run);
-        plan
+        let variant = variant(camera, contents, wanted, self.has, run);
+        Plan::new(variant, camera, contents, around, wanted, self.has, self.limit)
     }
+}
 
-    /// `planned` with everything that depends on the run's options and the adapter, which is set only here.
-    fn variant(&self, planned: Variant, run: &RunOptions) -> Variant {
-        let variant = Variant {
-            f64: run.arithmetic != Arithmetic::Single,
-            culling: !run.no_cull,
-            all_uncertain: run.arithmetic == Arithmetic::Double,
-            by_tile: false,
-            ..planned
-        };
-        if self.has.lanes && self.has.f64 { variant.with_tiles() } else { variant }
+/// `wanted` with the channels that caustics and lines between pixels follow from.
+pub(super) fn written(scene: &Scene, camera: &Camera, wanted: &Wanted) -> Wanted {
+    let mut channels = wanted.channels.clone();
+    if scene.caustics.is_some() && wanted.has_colour() {
+        channels.extend([Channel::BaryU, Channel::BaryV]);
+        if scene.mesh.is_textured() || scene.mesh.has_patterns() {
+            channels.extend([Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
+        }
     }
+    if wanted.has_colour() {
+        channels.extend(outlined_by(&scene.style, camera));
+    }
+    Wanted { channels, ..wanted.clone() }
 }
 
 /// What lines between pixels follow from.

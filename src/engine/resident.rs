@@ -147,7 +147,8 @@ impl Resident {
     /// Puts the tables of another camera on the device, of a plan whose bands are as large.
     pub fn aim(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
         self.bands = plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?;
-        self.write_params(gpu, camera, plan)
+        // another camera may have more tiles
+        self.create_lists(gpu, camera, plan)
     }
 
     /// Lights, materials with their images, and normals; whether holes are where they were before.
@@ -223,7 +224,7 @@ impl Resident {
         let queues = [("queue_even", c.queue), ("queue_odd", c.queue)];
         let lists = [("work", c.work), ("tasks", c.tasks), ("pairs", c.pairs), ("recheck_items", c.recheck_items)];
         for (name, items) in queues.into_iter().chain(lists) {
-            self.shared.create(gpu, name, items * ITEM_BYTES, BufferUsages::empty())?;
+            self.shared.fit(gpu, name, items * ITEM_BYTES, BufferUsages::empty())?;
         }
         if plan.variant.by_tile {
             let tiles = plan.bands.iter().map(|b| b.tiles.tiles_x * b.tiles.tiles_y).max().unwrap_or(0);
@@ -238,7 +239,7 @@ impl Resident {
                 ("ranks", 4 * pairs),
             ];
             for (name, bytes) in lists {
-                self.shared.create(gpu, name, bytes, BufferUsages::empty())?;
+                self.shared.fit(gpu, name, bytes, BufferUsages::empty())?;
             }
         }
         if plan.variant.samples_edges() {
@@ -246,13 +247,13 @@ impl Resident {
             let row = ITEM_BYTES * u64::from(plan.variant.samples + 1);
             let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
             self.capacities.edges = self.capacities.edges.min(pixels);
-            self.shared.create(gpu, "samples", self.capacities.edges * row, BufferUsages::empty())?;
+            self.shared.fit(gpu, "samples", self.capacities.edges * row, BufferUsages::empty())?;
             if self.samples_by_tile(plan) {
                 let tiles = plan.bands.iter().map(|b| u64::from(b.tiles.tiles_x * b.tiles.tiles_y)).max().unwrap_or(0);
                 let strips = self.capacities.edges * u64::from(plan.variant.samples.div_ceil(4));
                 let blocks = strips.div_ceil(u64::from(LANES)) + tiles;
-                self.shared.create(gpu, "blocks", ROW_BYTES * blocks, BufferUsages::empty())?;
-                self.shared.create(gpu, "touches", ROW_BYTES * self.capacities.pairs, BufferUsages::empty())?;
+                self.shared.fit(gpu, "blocks", ROW_BYTES * blocks, BufferUsages::empty())?;
+                self.shared.fit(gpu, "touches", ROW_BYTES * self.capacities.pairs, BufferUsages::empty())?;
             }
         }
         self.write_params(gpu, camera, plan)

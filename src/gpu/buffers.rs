@@ -46,12 +46,18 @@ impl Buffers {
         Ok(())
     }
 
+    /// As [`Buffers::create`], unless the buffer that is there is as large.
+    pub fn fit(&mut self, gpu: &Gpu, name: &'static str, bytes: u64, more: wgpu::BufferUsages) -> Result<()> {
+        if self.get(name).is_some_and(|there| there.size() == held(bytes)) {
+            return Ok(());
+        }
+        self.create(gpu, name, bytes, more)
+    }
+
     /// A storage buffer that holds `rows`: the one that is there, if it is as large.
     pub fn upload<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, name: &'static str, rows: &[T]) -> Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(rows);
-        if self.get(name).is_none_or(|there| there.size() != held(bytes.len() as u64)) {
-            self.create(gpu, name, bytes.len() as u64, wgpu::BufferUsages::empty())?;
-        }
+        self.fit(gpu, name, bytes.len() as u64, wgpu::BufferUsages::empty())?;
         gpu.queue.write_buffer(&self.buffers[name], 0, bytes);
         Ok(())
     }

@@ -16,13 +16,14 @@ pub mod samples;
 pub mod slabs;
 pub mod tear;
 pub mod tiles;
+pub mod variant;
 
 use crate::camera::arranged::is_sorted;
 use crate::camera::perturb::scene_size;
 use crate::camera::{Camera, Rays};
 use crate::geometry::mesh::Material;
 use crate::gpu::device::Abilities;
-use crate::gpu::kernels::{LightsKind, OpticsKind, RaysKind, Variant};
+use crate::gpu::kernels::{RaysKind, Variant};
 use crate::gpu::layout::{self, BRANCH};
 use crate::image::frame::Channel;
 use crate::scene::Scene;
@@ -224,8 +225,9 @@ impl Surroundings {
 }
 
 impl Plan {
-    /// Plans frames of `camera` over a scene.
+    /// Plans frames of `camera` over a scene for the kernels of [`variant::variant`].
     pub fn new(
+        variant: Variant,
         camera: &Camera,
         contents: Contents,
         around: Surroundings,
@@ -234,34 +236,6 @@ impl Plan {
         binding_limit: u64,
     ) -> Plan {
         let slabs = Slabs::of(camera);
-        let variant = Variant {
-            f64: true,
-            atomics64: has.atomics64,
-            by_tile: false,
-            rays: slabs::kind(camera),
-            scattered: is_sorted(camera),
-            slabbed: slabs.count() > 1,
-            counting: wanted.counting,
-            culling: true,
-            all_uncertain: false,
-            normals: contents.has_normals,
-            textured: wanted.is_textured(contents),
-            masked: contents.has_holes,
-            glossy: (contents.has_gloss || contents.has_sky) && wanted.has_colour(),
-            sky: contents.has_sky && wanted.has_colour(),
-            lights: match (contents.has_shadows, contents.has_places) {
-                _ if !wanted.has_colour() => LightsKind::Plain,
-                (true, _) => LightsKind::Hidden,
-                (false, true) => LightsKind::Placed,
-                (false, false) => LightsKind::Plain,
-            },
-            styled: contents.has_style && wanted.needs_look(),
-            outlined: contents.has_outlines && wanted.has_colour(),
-            optics: camera.optics.as_deref().map(OpticsKind::of),
-            bounced: false,
-            samples: wanted.samples(),
-            analytic: wanted.analytic && wanted.samples() > 1,
-        };
         let mut planes: Vec<Channel> = wanted.channels.iter().copied().filter(|c| !c.is_label()).collect();
         if wanted.srgb8 {
             planes.extend([Channel::R, Channel::G, Channel::B]);
