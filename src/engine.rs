@@ -16,6 +16,7 @@ pub mod report;
 mod resident;
 pub mod rival;
 pub mod stage;
+pub mod steps;
 pub mod surface;
 pub mod tables;
 
@@ -23,7 +24,6 @@ use crate::camera::Camera;
 use crate::engine::plan::{LeftOut, Plan, Wanted};
 use crate::engine::rival::{Choice, Setup};
 use crate::engine::stage::Stages;
-use crate::engine::stage::gather::Gather;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
 use crate::gpu::device::GpuOptions;
@@ -35,13 +35,14 @@ use crate::scene::Scene;
 use crate::scene::caustics::Account;
 pub use counts::Counts;
 pub use frames::Frames;
-use frames::{Dirty, Timed};
+use frames::Timed;
 use illumination::Illuminated;
 use pages::PageStore;
 use planned::{Planned, Planner};
 use resident::Resident;
 use std::sync::Arc;
 use std::time::Instant;
+use steps::Dirty;
 
 /// Items that the lists between the stages can hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -121,7 +122,6 @@ pub struct Rendered {
 pub struct Engine {
     pub gpu: Arc<Gpu>,
     stages: Vec<Arc<Stages>>,
-    gathers: Vec<Arc<Gather>>,
     /// The caustics of the last scene that had some.
     lit: Option<Arc<Illuminated>>,
     pages: Arc<PageStore>,
@@ -129,7 +129,7 @@ pub struct Engine {
 
 impl Engine {
     pub fn new(gpu: Gpu) -> Engine {
-        Engine { gpu: Arc::new(gpu), stages: Vec::new(), gathers: Vec::new(), lit: None, pages: Arc::default() }
+        Engine { gpu: Arc::new(gpu), stages: Vec::new(), lit: None, pages: Arc::default() }
     }
 
     /// On the adapter asked for; `None` on a machine without any.
@@ -197,7 +197,6 @@ impl Engine {
         let turned =
             plan.variant.bounces_rays().then(|| self.stages(plan.variant.after_bounce(), &plan.planes)).transpose()?;
         let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup(&camera, &plan))).transpose()?;
-        let caustics = lit.map(|lit| (lit, self.gather(plan.variant, &plan.planes)));
         let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, &wanted, run.capacities)?;
         resident.upload_look(&self.gpu, &self.pages, &scene, &plan)?;
         let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());
@@ -219,7 +218,7 @@ impl Engine {
             plan,
             wanted,
             resident,
-            caustics,
+            caustics: lit,
             arrangement,
             painter,
             rival,
@@ -241,15 +240,6 @@ impl Engine {
         let stages = Arc::new(Stages::new(&self.gpu, variant, planes)?);
         self.stages.push(stages.clone());
         Ok(stages)
-    }
-
-    fn gather(&mut self, variant: Variant, planes: &[Channel]) -> Arc<Gather> {
-        if let Some(gather) = self.gathers.iter().find(|g| g.suits(variant, planes)) {
-            return gather.clone();
-        }
-        let gather = Arc::new(Gather::new(&self.gpu, variant, planes));
-        self.gathers.push(gather.clone());
-        gather
     }
 }
 

@@ -4,8 +4,9 @@ use super::atlas::Painter;
 use super::illumination::Illuminated;
 use super::pages::PageStore;
 use super::planned::{Planned, Planner, check_outlines, check_samples, outlined_by, written};
-use super::readback::{FrameLayout, InFlight, PendingReads, RawFrame, Readback};
+use super::readback::{Copies, FrameLayout, InFlight, PendingReads, RawFrame, Readback};
 use super::resident::Resident;
+use super::steps::Dirty;
 use super::{Capacities, Counts, Rendered, RunOptions, setup};
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
@@ -13,14 +14,10 @@ use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
 use crate::engine::rival::Rival;
 use crate::engine::stage::Stages;
-use crate::engine::stage::gather::Gather;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{read_words, wait, wait_for};
 use crate::gpu::kernels::LightsKind;
-use crate::gpu::layout::{
-    COUNT_BUSY, COUNT_BUSY_END, COUNT_EDGES, COUNT_PAIRS, COUNT_RECHECK_ITEMS, COUNT_RECHECK_SAMPLES, COUNT_TASKS,
-    COUNT_WORK, COUNTERS,
-};
+use crate::gpu::layout::{COUNTERS, CULL_QUEUES, Counter};
 use crate::gpu::recorder::Recorded;
 use crate::image::frame::Frame;
 use crate::input::{Error, Result};
@@ -47,7 +44,7 @@ pub struct Frames {
     pub(super) wanted: Wanted,
     pub(super) resident: Resident,
     /// The scene's caustics, where the frame shows them.
-    pub(super) caustics: Option<(Arc<Illuminated>, Arc<Gather>)>,
+    pub(super) caustics: Option<Arc<Illuminated>>,
     /// The order of the camera's pixels, where it is not their own.
     pub(super) arrangement: Option<Arc<Arrangement>>,
     /// Makes the atlas before each frame.
@@ -69,20 +66,11 @@ pub struct Frames {
     pub(super) timed: Timed,
 }
 
-/// What changed since the picture was made, and so which stages are to run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Dirty {
-    Nothing,
-    /// Lights or materials: what follows the visibility buffer.
-    Appearance,
-    All,
-}
-
 /// What frames took so far.
 #[derive(Default)]
 pub struct Timed {
     /// The picture, which is read in the end.
-    first: Option<Submitted>,
+    first: Option<Running>,
     first_ms: f64,
     frame_ms: Vec<f64>,
     stages: Vec<Vec<(&'static str, f64)>>,
@@ -91,32 +79,38 @@ pub struct Timed {
     moved: u32,
 }
 
-/// One submitted frame: its counters by job, and its image by band where it is read.
-pub(super) struct Submitted {
-    pub status: wgpu::Buffer,
-    pub planes: Vec<wgpu::Buffer>,
-    pub srgb8: Vec<wgpu::Buffer>,
-    /// Rows of the pixels that hold an edge, and what their samples see: where that is asked for.
-    pub edge_of: Vec<wgpu::Buffer>,
-    pub samples: Vec<wgpu::Buffer>,
+/// A frame that the device was given, and how large its lists were.
+pub(super) struct Running {
+    pub copies: Copies,
     pub recorded: Recorded,
+    capacities: Capacities,
+    raster_rounds: u32,
+    started: Instant,
 }
 
 impl Frames {
+    /// Gives the device the steps of a frame that show what is dirty, by which every frame runs; with `reads` its picture can be read.
+    fn begin(&self, dirty: Dirty, reads: bool) -> Result<Running> {
+        let steps = self.steps(reads, dirty);
+        self.compile(&steps)?;
+        let started = Instant::now();
+        let (copies, recorded) = self.submit(&steps)?;
+        let (capacities, raster_rounds) = (self.resident.capacities, self.resident.raster_rounds);
+        Ok(Running { copies, recorded, capacities, raster_rounds, started })
+    }
+
     /// The picture by all stages, again until its lists hold everything.
     pub(super) fn warm_up(&mut self) -> Result<()> {
         if let Some(painter) = &mut self.painter {
             painter.frames.warm_up()?;
         }
         loop {
-            self.compile_samples();
-            let started = Instant::now();
-            let submitted = self.submit(true, Dirty::All)?;
+            let running = self.begin(Dirty::All, true)?;
             wait(&self.gpu)?;
             let painted_ms = self.painter.as_ref().map_or(0.0, |p| p.frames.timed.first_ms);
-            self.timed.first_ms = painted_ms + started.elapsed().as_secs_f64() * 1e3;
-            let fits = self.fits(&read_words(&self.gpu, &submitted.status)?)?;
-            self.timed.first = Some(submitted);
+            self.timed.first_ms = painted_ms + running.ms();
+            let fits = self.fits(&running)?;
+            self.timed.first = Some(running);
             if fits {
                 self.dirty = Dirty::Nothing;
                 return Ok(());
@@ -127,7 +121,7 @@ impl Frames {
     /// One more frame by all stages, whatever changed; its wall time, from the first upload until its results are complete on the device, ms.
     pub fn frame(&mut self) -> Result<f64> {
         loop {
-            self.compile_samples();
+            self.compile(&self.steps(false, Dirty::All))?;
             let moved = [self.painter.as_mut().and_then(|p| p.frames.next_move()), self.next_move()];
             let started = Instant::now();
             let [painted, own] = moved;
@@ -136,10 +130,9 @@ impl Frames {
             wait(&self.gpu)?;
             let ms = started.elapsed().as_secs_f64() * 1e3;
             // only what moves may come to need more
-            let mut fits =
-                !(self.moving.is_some() || self.is_aimed) || self.fits(&read_words(&self.gpu, &drawn.status)?)?;
+            let mut fits = !(self.moving.is_some() || self.is_aimed) || self.fits(&drawn)?;
             if let (Some(painter), Some(painted)) = (&mut self.painter, &painted) {
-                fits &= self.moving.is_none() || painter.frames.fits(&read_words(&self.gpu, &painted.status)?)?;
+                fits &= self.moving.is_none() || painter.frames.fits(painted)?;
                 let stages = painted.recorded.stage_ms(&self.gpu)?;
                 painter.frames.timed.stages.push(stages);
             }
@@ -245,10 +238,10 @@ impl Frames {
         }
         let painted = self.painter.as_mut().map_or(Ok(0), |p| p.frames.refresh())?;
         if self.dirty == Dirty::Appearance {
-            let drawn = self.submit(true, Dirty::Appearance)?;
+            let drawn = self.begin(Dirty::Appearance, true)?;
             wait(&self.gpu)?;
             if let Some(first) = &mut self.timed.first {
-                (first.planes, first.srgb8) = (drawn.planes, drawn.srgb8);
+                (first.copies.planes, first.copies.srgb8) = (drawn.copies.planes, drawn.copies.srgb8);
             }
             self.dirty = Dirty::Nothing;
             return Ok(painted + drawn.recorded.passes.total());
@@ -270,14 +263,14 @@ impl Frames {
     }
 
     /// Submits a frame of a scene that has moved, or of that which is there.
-    fn draw(&mut self, moved: Option<Scene>) -> Result<Submitted> {
+    fn draw(&mut self, moved: Option<Scene>) -> Result<Running> {
         if let Some(moved) = moved {
             self.put(&moved)?;
             if let Some(rival) = &mut self.rival {
                 rival.upload(&self.gpu, &moved)?;
             }
         }
-        self.submit(false, Dirty::All)
+        self.begin(Dirty::All, false)
     }
 
     /// The triangles of a scene that has moved, in their clusters as long as these hold them well.
@@ -362,12 +355,9 @@ impl Frames {
 
     /// Gives the device a frame of what is shown, by all stages, and does not wait for it.
     pub fn start(&self) -> Result<InFlight> {
-        self.compile_samples();
-        let started = Instant::now();
-        let submitted = self.submit(true, Dirty::All)?;
-        let reads = PendingReads::start(&submitted);
-        let (capacities, raster_rounds) = (self.resident.capacities, self.resident.raster_rounds);
-        Ok(InFlight { submitted, reads, frame_layout: self.frame_layout(), capacities, raster_rounds, started })
+        let running = self.begin(Dirty::All, true)?;
+        let reads = PendingReads::start(&running);
+        Ok(InFlight { started: running.started, running, reads, frame_layout: self.frame_layout() })
     }
 
     /// Waits for a frame of `planned`, whatever is shown by now. Where the lists between the stages did not hold everything it is shown and
@@ -391,16 +381,15 @@ impl Frames {
 
     /// Waits for a frame; or what its lists lacked.
     fn land(&mut self, flight: InFlight) -> Result<std::result::Result<Readback, Shortage>> {
-        let InFlight { submitted, reads, frame_layout, capacities, raster_rounds, started } = flight;
-        wait_for(&self.gpu, &submitted.recorded.submission)?;
-        let words = reads.words(&self.gpu, &submitted)?;
-        if let Some(short) = self.shortage(&words.status, capacities, raster_rounds) {
+        let InFlight { running, reads, frame_layout, .. } = flight;
+        wait_for(&self.gpu, &running.recorded.submission)?;
+        let words = reads.words(&self.gpu, &running)?;
+        if let Some(short) = self.shortage(&words.status, &running) {
             return Ok(Err(short));
         }
-        let frame_ms = vec![started.elapsed().as_secs_f64() * 1e3];
-        let stages = words.stages.clone();
+        let (frame_ms, stages) = (vec![running.ms()], words.stages.clone());
         let grown = self.timed.grown;
-        let rest = Rendered { frame_ms, stages, grown, ..self.took(&frame_layout.plan, &submitted, &words) };
+        let rest = Rendered { frame_ms, stages, grown, ..self.took(&frame_layout.plan, &running, &words) };
         Ok(Ok(Readback { frame_layout, words, rest }))
     }
 
@@ -415,7 +404,7 @@ impl Frames {
     }
 
     /// What a frame of a plan counted and what is held now; no picture and no times.
-    fn took(&self, plan: &Plan, submitted: &Submitted, words: &RawFrame) -> Rendered {
+    fn took(&self, plan: &Plan, running: &Running, words: &RawFrame) -> Rendered {
         let mut left_out = plan.left_out.clone();
         if self.resident.without_area > 0 {
             let what = format!("{} triangles", self.resident.without_area);
@@ -430,51 +419,43 @@ impl Frames {
             counts: Counts::of(&words.status),
             bytes: self.resident.bytes()
                 + self.rival.as_ref().map_or(0, |r| r.bytes())
-                + self.caustics.as_ref().map_or(0, |(lit, _)| lit.buffers.bytes()),
+                + self.caustics.as_ref().map_or(0, |lit| lit.buffers.bytes()),
             left_out,
             grown: 0,
-            passes: submitted.recorded.passes.clone(),
-            caustics: self.caustics.as_ref().map(|(lit, _)| lit.account),
+            passes: running.recorded.passes.clone(),
+            caustics: self.caustics.as_ref().map(|lit| lit.account),
         }
     }
 
-    /// The kernels of samples that this frame takes, before its time is.
-    fn compile_samples(&self) {
-        for (band, pass) in
-            (0..self.plan.bands.len()).flat_map(|b| (0..self.resident.passes.len()).map(move |p| (b, p)))
-        {
-            let by_tile = self.resident.is_alone(band, pass) && self.resident.samples_by_tile(&self.plan);
-            self.stages.compile_samples(&self.gpu, by_tile);
-        }
-    }
-
-    /// Makes room for what the counters of a frame demanded; whether there was enough.
-    fn fits(&mut self, status: &[u32]) -> Result<bool> {
-        match self.shortage(status, self.resident.capacities, self.resident.raster_rounds) {
+    /// Makes room for what the counters of a frame that is done demanded; whether there was enough.
+    fn fits(&mut self, running: &Running) -> Result<bool> {
+        let status = read_words(&self.gpu, &running.copies.status)?;
+        match self.shortage(&status, running) {
             Some(short) => self.make_room(short).map(|()| false),
             None => Ok(true),
         }
     }
 
-    /// What a frame lacked whose lists held so much.
-    fn shortage(&self, status: &[u32], have: Capacities, raster_rounds: u32) -> Option<Shortage> {
-        let most = |counter: u32| {
-            status.chunks_exact(COUNTERS as usize).map(|s| s[counter as usize]).max().unwrap_or(0) as u64
-        };
+    /// What the lists of a frame lacked, by its counters.
+    fn shortage(&self, status: &[u32], running: &Running) -> Option<Shortage> {
+        let have = running.capacities;
+        let most =
+            |index: u32| status.chunks_exact(COUNTERS as usize).map(|s| s[index as usize]).max().unwrap_or(0) as u64;
+        let most_of = |counter: Counter| most(counter.index());
         let need = Capacities {
-            queue: (0..COUNT_WORK).map(most).max().unwrap_or(0),
-            work: most(COUNT_WORK),
-            tasks: most(COUNT_TASKS),
-            pairs: most(COUNT_PAIRS),
-            recheck_items: most(COUNT_RECHECK_ITEMS).max(2 * most(COUNT_RECHECK_SAMPLES)),
-            edges: most(COUNT_EDGES),
+            queue: (0..CULL_QUEUES).map(most).max().unwrap_or(0),
+            work: most_of(Counter::Work),
+            tasks: most_of(Counter::Tasks),
+            pairs: most_of(Counter::Pairs),
+            recheck_items: most_of(Counter::RecheckItems).max(2 * most_of(Counter::RecheckSamples)),
+            edges: most_of(Counter::Edges),
         };
         let fits =
             need.queue <= have.queue && need.work <= have.work && need.tasks <= have.tasks && need.pairs <= have.pairs;
-        let is_left = |job: &[u32]| job[COUNT_BUSY as usize] > job[COUNT_BUSY_END as usize];
+        let is_left = |job: &[u32]| job[Counter::Busy.index() as usize] > job[Counter::BusyEnd.index() as usize];
         let is_done = !self.plan.variant.by_tile || !status.chunks_exact(COUNTERS as usize).any(is_left);
         let has_all = fits && need.recheck_items <= have.recheck_items && need.edges <= have.edges && is_done;
-        (!has_all).then_some(Shortage { need, rounds: (!is_done).then_some(2 * raster_rounds) })
+        (!has_all).then_some(Shortage { need, rounds: (!is_done).then_some(2 * running.raster_rounds) })
     }
 
     fn make_room(&mut self, short: Shortage) -> Result<()> {
@@ -483,6 +464,13 @@ impl Frames {
             self.resident.raster_rounds = self.resident.raster_rounds.max(rounds);
         }
         self.resident.grow(&self.gpu, &self.camera, &self.plan, short.need)
+    }
+}
+
+impl Running {
+    /// Since it was given to the device.
+    fn ms(&self) -> f64 {
+        self.started.elapsed().as_secs_f64() * 1e3
     }
 }
 

@@ -295,22 +295,18 @@ impl Resident {
         (at(batch), at(batch + 1) - at(batch))
     }
 
-    /// Every batch of every chunk over band `band`, in a pass by its number.
-    pub fn jobs(&self, band: usize, pass: usize) -> impl Iterator<Item = Job<'_>> {
-        let all = if self.passes[pass].count == 0 { &self.params } else { &self.turned_params };
-        let per_band = self.chunks.len() * self.batches as usize;
-        (0..per_band).map(move |k| {
-            let chunk = &self.chunks[k / self.batches as usize];
-            let index = band * per_band + k;
-            let clusters = self.batch(chunk, k as u32 % self.batches).1;
-            let passed = pass * self.params.len();
-            Job { index: passed + index, chunk, params: &all[index], clusters }
-        })
+    /// Every batch of every chunk over band `band`, in a bounce by its number.
+    pub fn jobs(&self, band: usize, bounce: usize) -> impl Iterator<Item = Job<'_>> {
+        (0..).map_while(move |k| self.job(band, bounce, k))
     }
 
-    /// One job has all triangles, whose lists stay until they are needed again.
-    pub fn is_alone(&self, band: usize, pass: usize) -> bool {
-        self.jobs(band, pass).filter(|j| j.clusters > 0).count() == 1
+    /// The k-th of them.
+    pub fn job(&self, band: usize, bounce: usize, k: usize) -> Option<Job<'_>> {
+        let all = if self.passes[bounce].count == 0 { &self.params } else { &self.turned_params };
+        let chunk = self.chunks.get(k / self.batches as usize)?;
+        let index = band * self.chunks.len() * self.batches as usize + k;
+        let clusters = self.batch(chunk, k as u32 % self.batches).1;
+        Some(Job { index: bounce * self.params.len() + index, chunk, params: &all[index], clusters })
     }
 
     pub fn job_count(&self) -> usize {

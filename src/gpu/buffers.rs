@@ -1,11 +1,11 @@
 //! Buffers by name, pipelines by kernel, and the bind groups that join the two.
 
 use super::device::{Gpu, one_line};
-use super::kernels::{Access, Binding, Kernel, Variant};
+use super::kernels::{Access, Binding, Kernel};
 use crate::input::{Error, Result};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Buffers and textures of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
 #[derive(Default)]
@@ -230,23 +230,6 @@ impl Compiled {
             gpu.failed(format!("kernel {name}: {}", one_line(error)));
         }
         Compiled { binder, pipeline }
-    }
-}
-
-/// A kernel of a variant, compiled once it is needed.
-pub struct Later {
-    kernel: fn(Variant) -> Kernel,
-    variant: Variant,
-    made: OnceLock<Pipeline>,
-}
-
-impl Later {
-    pub fn new(kernel: fn(Variant) -> Kernel, variant: Variant) -> Later {
-        Later { kernel, variant, made: OnceLock::new() }
-    }
-
-    pub fn get(&self, gpu: &Gpu) -> &Pipeline {
-        self.made.get_or_init(|| Pipeline::new(gpu, (self.kernel)(self.variant)))
     }
 }
 

@@ -6,6 +6,7 @@ use crate::turned::{case, cases, turns};
 use anamorph::engine::plan::curves::RayTable;
 use anamorph::engine::plan::fit::{STRAY, STRAY_SIZE};
 use anamorph::engine::plan::nodes::{Level, TORN_WIDTH};
+use anamorph::engine::stage;
 use anamorph::gpu::layout::{BRANCH, Cell, Node, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
 use anamorph::twin::cull::Address;
 use anamorph::twin::fit::{fit, rays_below, reach};
@@ -47,7 +48,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &Input, levels: &[Level]) -
     };
     let before: Vec<Cell> = (0..tiles).map(cell).collect();
     buffers.upload(gpu, "cells", &before).unwrap();
-    run(gpu, |pass| stages.fit(gpu, pass, &[&buffers], levels));
+    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &stage::fit::fit(levels)));
     let words = read(gpu, &buffers, "nodes");
     assert_poisoned(&words, node_words * count, &format!("{}, nodes", case.name));
     let nodes = bytemuck::cast_slice(&words[..node_words * count]).to_vec();

@@ -177,6 +177,8 @@ pub struct Band {
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub variant: Variant,
+    /// Pixels of a row.
+    pub width: u32,
     pub slabs: Slabs,
     pub bands: Vec<Band>,
     /// Where samples lie about their pixel's centre, px; none where that is the only one.
@@ -265,6 +267,7 @@ impl Plan {
         let left_out = left_out(camera, slabs, &bands, &planes, wanted, contents, has);
         Plan {
             variant,
+            width: camera.width,
             slabs,
             bands,
             places,
