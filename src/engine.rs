@@ -3,7 +3,9 @@
 mod atlas;
 mod bounce_tables;
 pub mod bounces;
+pub mod buffer_table;
 pub mod clusters;
+pub mod combinations;
 mod counts;
 mod encode;
 mod frames;
@@ -189,15 +191,12 @@ impl Engine {
     pub fn place(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
         let Planned { given, scene, camera, arrangement, plan, clustered, wanted, .. } = planned;
         let mut painter = self.painter(&given, &camera, &wanted, run)?;
-        if plan.variant.outlined && painter.is_some() {
-            return Err(Error::input("outlines and borders are not drawn by way of an atlas; leave atlas out"));
-        }
         let lit = if wanted.has_colour() { self.illuminated(&given)? } else { None };
         let stages = self.stages(plan.variant, &plan.planes)?;
         let turned =
             plan.variant.bounces_rays().then(|| self.stages(plan.variant.after_bounce(), &plan.planes)).transpose()?;
         let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup(&camera, &plan))).transpose()?;
-        let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, &wanted, run.capacities)?;
+        let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, run.capacities)?;
         resident.upload_look(&self.gpu, &self.pages, &scene, &plan)?;
         let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());
         if let Some(most) = run.draws_max.filter(|most| draws > *most) {

@@ -26,7 +26,6 @@ impl Frames {
             samples_by_tile: resident.samples_by_tile(&self.plan),
             by_rival: self.rival.is_some(),
             gathers: self.caustics.is_some(),
-            writes: self.wanted.srgb8,
             keeps: self.kept.is_some(),
             reads,
         };

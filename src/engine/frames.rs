@@ -1,9 +1,10 @@
 //! Frames of one scene through one camera: the first, again until its lists hold everything; timed ones; and what they came to.
 
 use super::atlas::Painter;
+use super::combinations::{Asked, Feature};
 use super::illumination::Illuminated;
 use super::pages::PageStore;
-use super::planned::{Planned, Planner, check_outlines, check_samples, outlined_by, written};
+use super::planned::{Planned, Planner, outlined_by, written};
 use super::readback::{Copies, FrameLayout, InFlight, PendingReads, RawFrame, Readback};
 use super::resident::Resident;
 use super::steps::Dirty;
@@ -160,19 +161,21 @@ impl Frames {
     /// # Errors
     /// [`Error::Input`] where the camera is not of the same kind and size as the one before, or turns rays.
     pub fn aim(&mut self, camera: &Camera) -> Result<()> {
-        check_samples(&self.scene, camera, &self.wanted, self.rival.is_some())?;
+        let asked = self.changed(&self.scene, camera, Feature::Aimed);
+        asked.check()?;
         let Plan { anchor, middle, scene_size, .. } = *self.plan;
         let around = Surroundings { anchor, middle, scene_size };
         let arrangement = Arrangement::of(camera, around.middle).map(Arc::new);
-        let camera = Arc::new(arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
-        let wanted = written(&self.scene, &camera, &self.wanted);
-        let plan = self.planner.plan_by(&self.run, &camera, Contents::of(&self.scene), around, &wanted);
+        let shown = Arc::new(arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
+        let wanted = written(&self.scene, &shown, &self.wanted);
+        let plan = self.planner.plan_by(&self.run, &shown, Contents::of(&self.scene), around, &wanted);
+        Asked { planned: Some((&plan, self.resident.chunks.len())), ..asked }.check()?;
+        let camera = shown;
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
-        if plan.variant != self.plan.variant || !is_as_large || camera.optics.is_some() {
+        if plan.variant != self.plan.variant || !is_as_large {
             let (old, new) = (self.camera.kind, camera.kind);
             return Err(Error::input(format!("frames of {old} cannot be taken by this {new}; prepare them anew")));
         }
-        check_outlines(&plan, arrangement.as_deref())?;
         self.resident.aim(&self.gpu, &camera, &plan)?;
         if let Some(rival) = &mut self.rival {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
@@ -190,7 +193,7 @@ impl Frames {
     /// sky), or caustics are shown.
     pub fn light(&mut self, scene: &Scene) -> Result<()> {
         if self.caustics.is_some() {
-            return Err(Error::input("caustics follow the light; prepare the frames anew"));
+            self.changed(&self.scene, &self.camera, Feature::Relit).check()?;
         }
         if let Some(painter) = &mut self.painter {
             painter.frames.light(scene)?;
@@ -247,6 +250,12 @@ impl Frames {
             return Ok(painted + drawn.recorded.passes.total());
         }
         Ok(painted)
+    }
+
+    /// What these frames are asked for when something of them is changed.
+    fn changed<'a>(&'a self, scene: &'a Scene, camera: &'a Camera, change: Feature) -> Asked<'a> {
+        let RunOptions { by, no_cull, .. } = self.run;
+        Asked { by, no_cull, change: Some(change), ..Asked::new(scene, camera, &self.wanted) }
     }
 
     /// The next of the moving scenes.

@@ -43,8 +43,6 @@ pub struct Shape<'a> {
     pub by_rival: bool,
     /// Caustics are added.
     pub gathers: bool,
-    /// 8-bit colour is wanted.
-    pub writes: bool,
     /// Planes are kept on the device.
     pub keeps: bool,
     /// Planes go to the host.
@@ -165,7 +163,7 @@ impl List<'_> {
             if variant.outlined {
                 self.pass("outline", first, [outline(pixels)]);
             }
-            if shape.writes {
+            if shape.plan.srgb8 {
                 self.pass("write", first, [write(pixels)]);
             }
         }

@@ -185,6 +185,8 @@ pub struct Plan {
     pub places: Vec<DVec2>,
     /// The channels that `shade` writes: those wanted, and colour where sRGB is.
     pub planes: Vec<Channel>,
+    /// 8-bit sRGB colour is written.
+    pub srgb8: bool,
     /// Bits of a visibility key that hold the triangle id.
     pub id_bits: u32,
     pub anchor: DVec3,
@@ -272,6 +274,7 @@ impl Plan {
             bands,
             places,
             planes,
+            srgb8: wanted.srgb8,
             id_bits: id_bits.max(1),
             anchor: around.anchor,
             middle: around.middle,
