@@ -4,6 +4,7 @@ mod atlas;
 mod bounce_tables;
 pub mod bounces;
 pub mod buffer_table;
+pub mod changes;
 pub mod clusters;
 pub mod combinations;
 mod counts;
@@ -35,6 +36,7 @@ use crate::image::frame::{Channel, Frame};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::caustics::Account;
+use changes::Dirty;
 pub use counts::Counts;
 pub use frames::Frames;
 use frames::Timed;
@@ -44,7 +46,6 @@ use planned::{Planned, Planner};
 use resident::Resident;
 use std::sync::Arc;
 use std::time::Instant;
-use steps::Dirty;
 
 /// Items that the lists between the stages can hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,9 +1,10 @@
 //! A frame as one submission: its steps one by one.
 
+use super::changes::Dirty;
 use super::frames::Frames;
 use super::readback::{Copies, is_read};
 use super::resident::Job;
-use super::steps::{At, Dirty, Shape, Step, passes, steps};
+use super::steps::{At, Shape, Step, passes, steps};
 use crate::engine::rival::{ChunkScopes, Target};
 use crate::engine::stage::Stages;
 use crate::gpu::buffers::{Buffers, readback};

@@ -1,13 +1,13 @@
 //! Frames of one scene through one camera: the first, again until its lists hold everything; timed ones; and what they came to.
 
 use super::atlas::Painter;
+use super::changes::{Changes, Dirty, Shown};
 use super::combinations::{Asked, Feature};
 use super::illumination::Illuminated;
 use super::pages::PageStore;
 use super::planned::{Planned, Planner, outlined_by, written};
 use super::readback::{Copies, FrameLayout, InFlight, PendingReads, RawFrame, Readback};
 use super::resident::Resident;
-use super::steps::Dirty;
 use super::{Capacities, Counts, Rendered, RunOptions, setup};
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
@@ -181,8 +181,18 @@ impl Frames {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
         (self.camera, self.plan, self.arrangement, self.is_aimed) = (camera, Arc::new(plan), arrangement, true);
-        self.dirty = Dirty::All;
+        self.note(Changes { plan: true, ..Changes::default() });
         Ok(())
+    }
+
+    /// Notes what the picture does not show yet.
+    fn note(&mut self, changes: Changes) {
+        // of bands and bounces, and of moving triangles, only the last ones are still there
+        let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
+        self.dirty = self.dirty.max(match changes.dirty() {
+            Dirty::Appearance if !is_there => Dirty::All,
+            dirty => dirty,
+        });
     }
 
     /// Shows the triangles that are there in the lights, the materials, the normals and before the background of `scene` from the
@@ -225,9 +235,7 @@ impl Frames {
         } else {
             self.resident.upload_look(&self.gpu, &self.pages, &scene, &self.plan)?
         };
-        // of bands and passes, and of moving triangles, only the last ones are still there
-        let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
-        self.dirty = self.dirty.max(if is_there && keeps_holes { Dirty::Appearance } else { Dirty::All });
+        self.note(Changes { look: true, holes: !keeps_holes, ..Changes::default() });
         Ok(())
     }
 
@@ -336,29 +344,29 @@ impl Frames {
         if !is_plain || is_turned || scene.caustics.is_some() || !is_as_large || !is_wanted {
             return Ok(false);
         }
+        let shown = Shown { scene: &self.scene, plan: &self.plan, clustered: &self.shown };
         // until all is there nothing counts as the same
-        let is_whole = !std::mem::replace(&mut self.is_torn, true);
-        let has_triangles = is_whole && self.shown.ptr_eq(&Arc::downgrade(clustered));
-        let has_plan = is_whole && Arc::ptr_eq(plan, &self.plan);
-        let is_placed_alike = is_whole && Arc::ptr_eq(&scene.mesh, &self.scene.mesh) && plan.anchor == self.plan.anchor;
-        if !has_triangles {
+        let is_torn = std::mem::replace(&mut self.is_torn, true);
+        let changes = if is_torn { Changes::ALL } else { Changes::between(&shown, planned) };
+        if changes.triangles {
             self.resident.upload_scene(&self.gpu, clustered)?;
             self.shown = Arc::downgrade(clustered);
         }
-        match (has_plan, has_triangles) {
-            (false, _) => self.resident.aim(&self.gpu, camera, plan)?,
-            (true, false) => self.resident.write_params(&self.gpu, camera, plan)?,
-            (true, true) => {}
+        if changes.plan {
+            self.resident.aim(&self.gpu, camera, plan)?;
+        } else if changes.triangles {
+            self.resident.write_params(&self.gpu, camera, plan)?;
         }
-        if !is_placed_alike {
+        if changes.places {
             self.resident.forget_obstacles();
         }
-        if !(is_placed_alike && has_plan && looks_alike(scene, &self.scene)) {
+        if changes.needs_look() {
             self.resident.upload_look(&self.gpu, &self.pages, scene, plan)?;
         }
         (self.scene, self.camera) = (scene.clone(), camera.clone());
         (self.plan, self.arrangement, self.wanted) = (plan.clone(), arrangement.clone(), wanted.clone());
-        (self.dirty, self.is_torn) = (Dirty::All, false);
+        self.is_torn = false;
+        self.note(changes);
         Ok(true)
     }
 
@@ -488,17 +496,6 @@ struct Shortage {
     need: Capacities,
     /// How often raster is to go over the busy tiles, where it left some.
     rounds: Option<u32>,
-}
-
-/// Both are lit and drawn alike, what their triangles are made of aside.
-fn looks_alike(a: &Scene, b: &Scene) -> bool {
-    let is_same_sky = match (&a.sky, &b.sky) {
-        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-        (None, None) => true,
-        _ => false,
-    };
-    let look = |s: &Scene| (s.style, s.ambient_occlusion, s.background, s.tone);
-    is_same_sky && a.lights == b.lights && look(a) == look(b)
 }
 
 /// The median of every stage over the runs.

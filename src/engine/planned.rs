@@ -1,6 +1,7 @@
 //! What frames take, worked out before a device is touched; what did not change since an earlier frame is taken from there.
 
 use super::RunOptions;
+use super::changes::{PlannedBy, same_clusters};
 use super::combinations::Asked;
 use crate::camera::arranged::Arrangement;
 use crate::camera::{Camera, Rays};
@@ -120,14 +121,9 @@ impl Planner {
         check_size(&scene, around)?;
         self.check_normals(&scene)?;
         let plan = self.plan_of(&scene, &camera, around, wanted, run, last);
-        let textured = plan.variant.textured;
-        let is_as_clustered = |l: &&Planned| {
-            Arc::ptr_eq(&l.scene.mesh, &scene.mesh)
-                && (l.plan.anchor, l.plan.variant.textured) == (plan.anchor, textured)
-        };
-        let clustered = match last.filter(is_as_clustered) {
+        let clustered = match last.filter(|l| same_clusters(l, &scene, &plan)) {
             Some(last) => last.clustered.clone(),
-            None => Arc::new(cluster(&scene.mesh, plan.anchor, textured, self.limit)),
+            None => Arc::new(cluster(&scene.mesh, plan.anchor, plan.variant.textured, self.limit)),
         };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
         let (asked, arrangement, wanted) = (camera.clone(), None, wanted.clone());
@@ -158,15 +154,9 @@ impl Planner {
     ) -> Arc<Plan> {
         let contents = Contents::of(scene);
         let written = written(scene, camera, wanted);
-        let is_as_planned = |l: &&Planned| {
-            Arc::ptr_eq(&l.camera, camera)
-                && (l.plan.anchor, l.plan.middle, l.plan.scene_size)
-                    == (around.anchor, around.middle, around.scene_size)
-                && (Contents::of(&l.scene), &l.wanted) == (contents, wanted)
-                && (&l.scene.style, l.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
-                && l.plan.variant == variant(camera, contents, &written, self.has, run)
-        };
-        match last.filter(is_as_planned) {
+        let variant = variant(camera, contents, &written, self.has, run);
+        let by = PlannedBy { scene, camera, around, wanted, variant };
+        match last.filter(|last| by.is_that_of(last)) {
             Some(last) => last.plan.clone(),
             None => Arc::new(self.plan_by(run, camera, contents, around, &written)),
         }

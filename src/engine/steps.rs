@@ -2,6 +2,7 @@
 //! goes through it.
 
 use super::bounces::Bounce;
+use super::changes::Dirty;
 use super::stage::Dispatch;
 use super::stage::bin::bin;
 use super::stage::bounce::bounce;
@@ -47,15 +48,6 @@ pub struct Shape<'a> {
     pub keeps: bool,
     /// Planes go to the host.
     pub reads: bool,
-}
-
-/// What changed since the picture was made, and so which stages are to run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Dirty {
-    Nothing,
-    /// Lights or materials: what follows the visibility buffer.
-    Appearance,
-    All,
 }
 
 /// Where a step finds its buffers.
