@@ -1,13 +1,13 @@
 //! Times each kernel on the device, in scenes that ask for different ones: `cargo bench`. `cargo test --benches` runs each once, on a
 //! small image.
 
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::{Engine, RunOptions};
-use anamorph::gpu::device::NO_ADAPTER;
-use anamorph::gpu::{Gpu, GpuOptions};
-use anamorph::image::frame::Channel;
-use anamorph::scene::Scene;
-use anamorph::tools::example::EXAMPLES;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::gpu::device::NO_ADAPTER;
+use anamorph::internals::gpu::{Gpu, GpuOptions};
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::scene::Scene;
+use anamorph::internals::tools::example::EXAMPLES;
 use criterion::Criterion;
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ const SCENES: [&str; 7] =
 
 const FRAMES: usize = 10;
 
-fn main() -> anamorph::input::Result<()> {
+fn main() -> anamorph::internals::input::Result<()> {
     let bench = std::env::args().any(|a| a == "--bench");
     let size = if bench { ["image.width=800", "image.height=600"] } else { ["image.width=96", "image.height=72"] };
     let Some(gpu) = Gpu::open(&GpuOptions::default())? else {
@@ -38,11 +38,17 @@ fn main() -> anamorph::input::Result<()> {
 }
 
 /// Every kernel of a frame of an example, each by the time on the device of its own passes.
-fn kernels(criterion: &mut Criterion, engine: &mut Engine, name: &str, set: &[String]) -> anamorph::input::Result<()> {
+fn kernels(
+    criterion: &mut Criterion,
+    engine: &mut Engine,
+    name: &str,
+    set: &[String],
+) -> anamorph::internals::input::Result<()> {
     let Some(example) = EXAMPLES.iter().find(|e| e.name == name) else {
-        return Err(anamorph::input::Error::input(format!("there is no example {name}")));
+        return Err(anamorph::internals::input::Error::input(format!("there is no example {name}")));
     };
-    let folder = tempfile::tempdir().map_err(|e| anamorph::input::Error::work(format!("no temporary folder: {e}")))?;
+    let folder = tempfile::tempdir()
+        .map_err(|e| anamorph::internals::input::Error::work(format!("no temporary folder: {e}")))?;
     let scene = Scene::load(&example.write(folder.path())?, set, 0.0)?;
     let camera = scene.camera()?;
     let wanted = Wanted { srgb8: true, ..Wanted::of(vec![Channel::T, Channel::TriangleId]) };

@@ -1,11 +1,11 @@
 //! Times what comes before frames: reading a large OBJ file, and the whole program from its start to a PNG: `cargo bench --bench start`.
 //! `cargo test --benches` runs each once, on little.
 
-use anamorph::geometry::obj;
-use anamorph::geometry::texture::Images;
-use anamorph::gpu::device::NO_ADAPTER;
-use anamorph::gpu::{Gpu, GpuOptions};
-use anamorph::tools::example::EXAMPLES;
+use anamorph::internals::geometry::obj;
+use anamorph::internals::geometry::texture::Images;
+use anamorph::internals::gpu::device::NO_ADAPTER;
+use anamorph::internals::gpu::{Gpu, GpuOptions};
+use anamorph::internals::tools::example::EXAMPLES;
 use criterion::{Criterion, Throughput};
 use std::fmt::Write;
 use std::process::Command;
@@ -16,10 +16,11 @@ const BYTES: usize = 100 << 20;
 /// Times that the program is started.
 const STARTS: usize = 10;
 
-fn main() -> anamorph::input::Result<()> {
+fn main() -> anamorph::internals::input::Result<()> {
     let bench = std::env::args().any(|a| a == "--bench");
     let mut criterion = Criterion::default().sample_size(STARTS).configure_from_args();
-    let folder = tempfile::tempdir().map_err(|e| anamorph::input::Error::work(format!("no temporary folder: {e}")))?;
+    let folder = tempfile::tempdir()
+        .map_err(|e| anamorph::internals::input::Error::work(format!("no temporary folder: {e}")))?;
     load(&mut criterion, folder.path(), if bench { BYTES } else { BYTES / 1000 })?;
     match Gpu::open(&GpuOptions::default())? {
         Some(_) => first_picture(&mut criterion, folder.path())?,
@@ -30,10 +31,11 @@ fn main() -> anamorph::input::Result<()> {
 }
 
 /// A file with texture coordinates, from the system's cache of it.
-fn load(criterion: &mut Criterion, folder: &std::path::Path, bytes: usize) -> anamorph::input::Result<()> {
+fn load(criterion: &mut Criterion, folder: &std::path::Path, bytes: usize) -> anamorph::internals::input::Result<()> {
     let path = folder.join("terrain.obj");
     let text = terrain(bytes);
-    std::fs::write(&path, &text).map_err(|e| anamorph::input::Error::work(format!("{}: {e}", path.display())))?;
+    std::fs::write(&path, &text)
+        .map_err(|e| anamorph::internals::input::Error::work(format!("{}: {e}", path.display())))?;
     let mut group = criterion.benchmark_group("load");
     group.throughput(Throughput::Bytes(text.len() as u64));
     group.bench_function("obj", |bencher| {
@@ -66,9 +68,9 @@ fn terrain(bytes: usize) -> String {
 }
 
 /// 15,000 triangles at 800 x 600.
-fn first_picture(criterion: &mut Criterion, folder: &std::path::Path) -> anamorph::input::Result<()> {
+fn first_picture(criterion: &mut Criterion, folder: &std::path::Path) -> anamorph::internals::input::Result<()> {
     let Some(example) = EXAMPLES.iter().find(|e| e.name == "city-cross-slit") else {
-        return Err(anamorph::input::Error::input("there is no example city-cross-slit"));
+        return Err(anamorph::internals::input::Error::input("there is no example city-cross-slit"));
     };
     let scene = example.write(folder)?;
     let start = || {

@@ -8,17 +8,17 @@ mod sheet;
 #[path = "common/dress.rs"]
 mod dress;
 
-use anamorph::camera::Camera;
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::plan::samples::{at_once, places};
-use anamorph::engine::{Engine, RunOptions};
-use anamorph::gpu::Gpu;
-use anamorph::gpu::device::NO_ADAPTER;
-use anamorph::image::frame::Channel;
-use anamorph::image::{toned8, write_png};
-use anamorph::input::{Error, Result};
-use anamorph::scene::Scene;
-use anamorph::tools::example::{Example, gallery};
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::plan::samples::{at_once, places};
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::gpu::device::NO_ADAPTER;
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::image::{toned8, write_png};
+use anamorph::internals::input::{Error, Result};
+use anamorph::internals::scene::Scene;
+use anamorph::internals::tools::example::{Example, gallery};
 use dress::dressed;
 use image::RgbImage;
 use std::path::Path;

@@ -4,16 +4,16 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::plan::samples::{at_once, places};
-use anamorph::engine::{Engine, RunOptions};
-use anamorph::gpu::{Gpu, GpuOptions};
-use anamorph::image::compare::compare;
-use anamorph::image::frame::{Channel, Frame, Plane};
-use anamorph::input::Result;
-use anamorph::reference::image::{explain, judge};
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::plan::samples::{at_once, places};
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::gpu::{Gpu, GpuOptions};
+use anamorph::internals::image::compare::compare;
+use anamorph::internals::image::frame::{Channel, Frame, Plane};
+use anamorph::internals::input::Result;
+use anamorph::internals::reference::image::{explain, judge};
+use anamorph::internals::scene::Scene;
 use std::process::ExitCode;
 
 const SIZE: (u32, u32) = (32, 32);
@@ -64,7 +64,8 @@ fn main() -> ExitCode {
                 continue;
             }
         };
-        let ids = |f: &anamorph::image::frame::Frame| f.u32(Channel::TriangleId).unwrap_or_default().to_vec();
+        let ids =
+            |f: &anamorph::internals::image::frame::Frame| f.u32(Channel::TriangleId).unwrap_or_default().to_vec();
         let proven = frame.u32(Channel::Certified).unwrap_or_default();
         let same: Vec<bool> = ids(&frame).iter().zip(ids(&judged.truth)).map(|(a, b)| *a == b).collect();
         let certified_wrong = proven.iter().zip(&same).filter(|(p, same)| **p > 0 && !**same).count() as u64;

@@ -5,19 +5,19 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::camera::kinds::glc::Glc;
-use anamorph::camera::spec::{CameraKind, CameraSpec};
-use anamorph::engine::RunOptions;
-use anamorph::engine::plan::Wanted;
-use anamorph::geometry::heights::HeightSpec;
-use anamorph::geometry::texture::Images;
-use anamorph::geometry::{gltf, heights, obj};
-use anamorph::image;
-use anamorph::image::frame::Channel;
-use anamorph::input::Error;
-use anamorph::reference::image::judge;
-use anamorph::scene::file;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::camera::kinds::glc::Glc;
+use anamorph::internals::camera::spec::{CameraKind, CameraSpec};
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::geometry::heights::HeightSpec;
+use anamorph::internals::geometry::texture::Images;
+use anamorph::internals::geometry::{gltf, heights, obj};
+use anamorph::internals::image;
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::input::Error;
+use anamorph::internals::reference::image::judge;
+use anamorph::internals::scene::file;
 use common::gpu::Without;
 use glam::DVec3;
 
@@ -29,7 +29,7 @@ const BYTES: u64 = 1 << 30;
 
 /// Sets the memory limit, so that the outcome does not depend on the free memory. To be called before the first case.
 pub fn grant_memory() {
-    anamorph::input::limits::memory::grant(BYTES);
+    anamorph::internals::input::limits::memory::grant(BYTES);
 }
 
 fn check_refused(error: &Error) {
@@ -98,7 +98,7 @@ pub fn yaml(data: &[u8]) {
         let scene = path.with_file_name("scene.toml");
         let keys = "image = { width = 24, height = 16 }\n[camera]\nkind = \"opencv\"\nfile = \"lens.yml\"\n";
         std::fs::write(&scene, keys).expect("a temporary file");
-        anamorph::scene::Scene::load(&scene, &[], 0.0)?.camera()
+        anamorph::internals::scene::Scene::load(&scene, &[], 0.0)?.camera()
     });
 }
 
@@ -108,7 +108,7 @@ pub fn camera(data: &[u8]) {
     let scene =
         read("scene.toml", &text, |path| file::load(path, &["image.width=24".into(), "image.height=16".into()], 0.0));
     let Some(scene) = scene else { return };
-    match anamorph::scene::Scene::from_file(scene).and_then(|scene| scene.camera()) {
+    match anamorph::internals::scene::Scene::from_file(scene).and_then(|scene| scene.camera()) {
         Ok(camera) => assert!(camera.width <= 4096 && camera.height <= 4096),
         Err(e) => check_refused(&e),
     }
@@ -141,7 +141,8 @@ pub fn frame(data: &[u8]) {
     let Some(mut engine) = common::gpu::engine(&camera, Without::Nothing) else { return };
     let frame = engine.render(&scene, &camera, &wanted, &RunOptions::default()).expect("a frame").frame;
     let judged = judge(&scene, &camera, &frame);
-    let ids = |f: &anamorph::image::frame::Frame| f.u32(Channel::TriangleId).map(<[u32]>::to_vec).expect("ids");
+    let ids =
+        |f: &anamorph::internals::image::frame::Frame| f.u32(Channel::TriangleId).map(<[u32]>::to_vec).expect("ids");
     let (seen, truth) = (ids(&frame), ids(&judged.truth));
     let proven = frame.u32(Channel::Certified).expect("what is proven");
     let wrong = (0..seen.len()).filter(|&k| seen[k] != truth[k] && (judged.safe[k] || proven[k] > 0));

@@ -3,9 +3,9 @@
 #[path = "common/needs.rs"]
 mod needs;
 
-use anamorph::gpu::device::adapters;
-use anamorph::tools::bench::Run;
-use anamorph::tools::bench::row::Row;
+use anamorph::internals::gpu::device::adapters;
+use anamorph::internals::tools::bench::Run;
+use anamorph::internals::tools::bench::row::Row;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

@@ -3,21 +3,21 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::engine::combinations::{Feature, REFUSALS, Refusal};
-use anamorph::engine::plan::{Rows, Wanted};
-use anamorph::engine::planned::Planner;
-use anamorph::engine::rival::Choice;
-use anamorph::engine::{Engine, RunOptions};
-use anamorph::geometry::mesh::Material;
-use anamorph::geometry::texture::{Texels, Texture};
-use anamorph::gpu::device::Abilities;
-use anamorph::image::frame::Channel;
-use anamorph::input::{Error, Result};
-use anamorph::rivals::TECHNIQUES;
-use anamorph::scene::Scene;
-use anamorph::scene::light::AmbientOcclusion;
-use anamorph::scene::style::{Line, Style};
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::combinations::{Feature, REFUSALS, Refusal};
+use anamorph::internals::engine::plan::{Rows, Wanted};
+use anamorph::internals::engine::planned::Planner;
+use anamorph::internals::engine::rival::Choice;
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::geometry::mesh::Material;
+use anamorph::internals::geometry::texture::{Texels, Texture};
+use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::input::{Error, Result};
+use anamorph::internals::rivals::TECHNIQUES;
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::light::AmbientOcclusion;
+use anamorph::internals::scene::style::{Line, Style};
 use common::file::{camera_of, load};
 use common::gpu::engine_on;
 use common::rng::Rng;

@@ -2,8 +2,8 @@
 
 mod common;
 
-use anamorph::scene::Scene;
-use anamorph::tools::example::gallery;
+use anamorph::internals::scene::Scene;
+use anamorph::internals::tools::example::gallery;
 use common::gpu::{check, hits};
 
 /// Pixels across; the height follows each scene's own shape.

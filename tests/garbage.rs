@@ -3,13 +3,13 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::camera::optics::{Facets, Law, Optics, Surface, Turn};
-use anamorph::engine::RunOptions;
-use anamorph::geometry::generate;
-use anamorph::geometry::mesh::Mesh;
-use anamorph::geometry::place::merge;
-use anamorph::image::frame::{Channel, NO_ID};
+use anamorph::internals::camera::Camera;
+use anamorph::internals::camera::optics::{Facets, Law, Optics, Surface, Turn};
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::geometry::generate;
+use anamorph::internals::geometry::mesh::Mesh;
+use anamorph::internals::geometry::place::merge;
+use anamorph::internals::image::frame::{Channel, NO_ID};
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
 use common::gpu::{Without, assert_right, check, engine, hits, ids, render, wanted};
 use common::rng::Rng;

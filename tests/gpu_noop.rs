@@ -1,13 +1,13 @@
 //! Every pipeline and bind-group layout of every variant, built on a device without a driver that has the limits of a
 //! small adapter and no feature that the variant does not ask for.
 
-use anamorph::engine::stage::Stages;
-use anamorph::gpu::buffers::Pipeline;
-use anamorph::gpu::device::{Abilities, STORAGE_BUFFERS};
-use anamorph::gpu::kernels::{Access, Binding, Kernel, Snippet, Variant};
-use anamorph::gpu::layout::LANES;
-use anamorph::gpu::{Gpu, GpuOptions};
-use anamorph::image::frame::Channel;
+use anamorph::internals::engine::stage::Stages;
+use anamorph::internals::gpu::buffers::Pipeline;
+use anamorph::internals::gpu::device::{Abilities, STORAGE_BUFFERS};
+use anamorph::internals::gpu::kernels::{Access, Binding, Kernel, Snippet, Variant};
+use anamorph::internals::gpu::layout::LANES;
+use anamorph::internals::gpu::{Gpu, GpuOptions};
+use anamorph::internals::image::frame::Channel;
 use rayon::prelude::*;
 use wgpu::Features;
 
@@ -17,7 +17,7 @@ fn limits() -> wgpu::Limits {
 }
 
 /// A device on an adapter that has these features and limits and nothing else.
-fn open(features: Features, limits: wgpu::Limits, options: &GpuOptions) -> anamorph::input::Result<Gpu> {
+fn open(features: Features, limits: wgpu::Limits, options: &GpuOptions) -> anamorph::internals::input::Result<Gpu> {
     let noop =
         wgpu::NoopBackendOptions { enable: true, features: Some(features), limits: Some(limits), ..Default::default() };
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
@@ -135,7 +135,7 @@ fn errors_of_kernels_name_the_snippet_its_line_and_that_line() {
 fn planted(features: Features, f64: bool, name: &'static str, from: &str, to: &str) -> String {
     let mut gpu = open(features, limits(), &GpuOptions::default()).unwrap();
     let variant = Variant::every(f64, false)[0];
-    let raster = anamorph::gpu::kernels::raster(variant);
+    let raster = anamorph::internals::gpu::kernels::raster(variant);
     let there = raster.parts.iter().find(|p| p.name == name).expect("a snippet of raster");
     assert!(there.text.contains(from), "{name} has no {from:?}");
     gpu.replaced = vec![snippet(name, &there.text.replacen(from, to, 1))];
@@ -182,7 +182,7 @@ fn kernels_are_written_as_they_are_compiled() {
         Stages::new(&gpu, variant, &planes).unwrap();
     }
     let text = |name: &str| std::fs::read_to_string(into.join(name)).unwrap();
-    let [first, second] = [variants[0], variants[2]].map(anamorph::gpu::kernels::raster);
+    let [first, second] = [variants[0], variants[2]].map(anamorph::internals::gpu::kernels::raster);
     assert!(first.source() != second.source() && text("raster.wgsl").contains("// override COUNTING = 0"));
     for (file, kernel) in [("raster.wgsl", first), ("raster-2.wgsl", second)] {
         assert_labelled(&text(file), &kernel);
@@ -205,10 +205,14 @@ fn one_storage_buffer_fewer_is_an_error_that_names_it() {
 #[test]
 fn the_limit_on_storage_buffers_is_what_the_largest_kernel_binds() {
     let most = Variant::every(true, true).into_iter().map(|variant| {
-        let storage = |k: &anamorph::gpu::kernels::Kernel| {
+        let storage = |k: &anamorph::internals::gpu::kernels::Kernel| {
             k.bindings.iter().filter(|b| matches!(b.access, Access::Read | Access::Write)).count()
         };
-        anamorph::gpu::kernels::all(variant, &Channel::every().collect::<Vec<_>>()).iter().map(storage).max().unwrap()
+        anamorph::internals::gpu::kernels::all(variant, &Channel::every().collect::<Vec<_>>())
+            .iter()
+            .map(storage)
+            .max()
+            .unwrap()
     });
     assert_eq!(most.max(), Some(STORAGE_BUFFERS as usize));
 }

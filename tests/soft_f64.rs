@@ -2,9 +2,9 @@
 
 mod common;
 
-use anamorph::gpu::Gpu;
-use anamorph::gpu::buffers::{Buffers, read_words, readback};
-use anamorph::gpu::soft_f64::lowered;
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::gpu::buffers::{Buffers, read_words, readback};
+use anamorph::internals::gpu::soft_f64::lowered;
 use common::needs::{adapter, skip};
 use common::rng::Rng;
 

@@ -3,18 +3,18 @@
 
 mod common;
 
-use anamorph::camera::Camera;
-use anamorph::engine::RunOptions;
-use anamorph::engine::bounces::bounces;
-use anamorph::engine::buffer_table::{Bytes, Lasts, Row, table};
-use anamorph::engine::changes::Dirty;
-use anamorph::engine::plan::variant::variant;
-use anamorph::engine::plan::{Contents, Plan, Surroundings, Wanted};
-use anamorph::engine::stage::{Dispatch, KernelId, Number, Over};
-use anamorph::engine::steps::{At, Shape, Step, passes, steps};
-use anamorph::gpu::device::Abilities;
-use anamorph::gpu::kernels::{Access, Kernel, Variant};
-use anamorph::image::frame::Channel;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::bounces::bounces;
+use anamorph::internals::engine::buffer_table::{Bytes, Lasts, Row, table};
+use anamorph::internals::engine::changes::Dirty;
+use anamorph::internals::engine::plan::variant::variant;
+use anamorph::internals::engine::plan::{Contents, Plan, Surroundings, Wanted};
+use anamorph::internals::engine::stage::{Dispatch, KernelId, Number, Over};
+use anamorph::internals::engine::steps::{At, Shape, Step, passes, steps};
+use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::gpu::kernels::{Access, Kernel, Variant};
+use anamorph::internals::image::frame::Channel;
 use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::{FORWARD, camera, layered};

@@ -1,10 +1,10 @@
 //! The rows that the host writes are the rows that the kernels read: every struct of `wgsl/shared/params.wgsl`,
 //! `shading.wgsl` and `beams.wgsl` against its twin in `src/gpu/layout.rs`, field by field, and every constant against its own.
 
-use anamorph::engine::clusters::CORNER_ORDERS;
-use anamorph::gpu::kernels::{self, Variant};
-use anamorph::gpu::layout::{self, Counter};
-use anamorph::image::frame::Channel;
+use anamorph::internals::engine::clusters::CORNER_ORDERS;
+use anamorph::internals::gpu::kernels::{self, Variant};
+use anamorph::internals::gpu::layout::{self, Counter};
+use anamorph::internals::image::frame::Channel;
 use naga::{Expression, Literal, Module, ScalarKind, Statement, SwitchValue, TypeInner};
 use std::collections::BTreeMap;
 
@@ -66,7 +66,7 @@ macro_rules! layout {
 }
 
 fn rivals() -> Layouts {
-    use anamorph::rivals::layout as own;
+    use anamorph::internals::rivals::layout as own;
     Layouts::from([
         layout!(own, Outline { a, b, c, is_whole, layer }),
         layout!(own, Cube { eye, side }),
@@ -335,7 +335,7 @@ fn host_constants() -> Constants {
         LAW_NORMALS,
         LAW_FLAT,
     ];
-    constants.insert("TILE".into(), anamorph::camera::TILE);
+    constants.insert("TILE".into(), anamorph::internals::camera::TILE);
     constants.extend(Counter::ALL.iter().map(|c| (c.name().to_uppercase(), c.index())));
     constants
 }

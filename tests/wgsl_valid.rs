@@ -1,11 +1,11 @@
 //! Every kernel of every variant is valid WGSL with the least capabilities that the variant may use, becomes SPIR-V,
 //! and keeps f64 to the operations that every driver translates right.
 
-use anamorph::gpu::kernels::{self, Kernel, Variant};
-use anamorph::gpu::layout::GROUP;
-use anamorph::gpu::soft_f64::lowered;
-use anamorph::image::frame::Channel;
-use anamorph::rivals;
+use anamorph::internals::gpu::kernels::{self, Kernel, Variant};
+use anamorph::internals::gpu::layout::GROUP;
+use anamorph::internals::gpu::soft_f64::lowered;
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::rivals;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Expression, Function, MathFunction, Module, ScalarKind, ShaderStage, TypeInner};
 use std::collections::HashSet;

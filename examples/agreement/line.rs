@@ -1,16 +1,16 @@
 //! One mesh through one camera: rendered, timed, and held against the reference.
 
-use anamorph::camera::Camera;
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::plan::slabs::{Slabs, kind};
-use anamorph::engine::report::FrameMs;
-use anamorph::engine::{Engine, Rendered, RunOptions};
-use anamorph::gpu::kernels::RaysKind;
-use anamorph::image::compare::{Comparison, Quantiles, compare};
-use anamorph::image::frame::{Channel, Frame, NO_ID};
-use anamorph::input::{Error, Result};
-use anamorph::reference::image::judge;
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::plan::slabs::{Slabs, kind};
+use anamorph::internals::engine::report::FrameMs;
+use anamorph::internals::engine::{Engine, Rendered, RunOptions};
+use anamorph::internals::gpu::kernels::RaysKind;
+use anamorph::internals::image::compare::{Comparison, Quantiles, compare};
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
+use anamorph::internals::input::{Error, Result};
+use anamorph::internals::reference::image::judge;
+use anamorph::internals::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -7,11 +7,11 @@ mod scenes;
 mod sheet;
 mod table;
 
-use anamorph::engine::Engine;
-use anamorph::gpu::Gpu;
-use anamorph::gpu::device::NO_ADAPTER;
-use anamorph::image::write_png;
-use anamorph::input::{Error, Result};
+use anamorph::internals::engine::Engine;
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::gpu::device::NO_ADAPTER;
+use anamorph::internals::image::write_png;
+use anamorph::internals::input::{Error, Result};
 use clap::Parser;
 use line::{Line, Outcome};
 use scenes::{Subject, View};

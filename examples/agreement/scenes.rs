@@ -1,10 +1,10 @@
 //! The scenes: meshes moved into the ball of radius 1 about the origin, and the cameras that look at it, one scene file
 //! for every two of them, for `anamorph render` to open.
 
-use anamorph::camera::kinds::KINDS;
-use anamorph::image::{write_npy_f64, write_text};
-use anamorph::input::{Error, Result};
-use anamorph::scene::Scene;
+use anamorph::internals::camera::kinds::KINDS;
+use anamorph::internals::image::{write_npy_f64, write_text};
+use anamorph::internals::input::{Error, Result};
+use anamorph::internals::scene::Scene;
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};

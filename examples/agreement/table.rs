@@ -1,8 +1,8 @@
 //! The table of all lines, as JSON for programs and as Markdown for people.
 
 use crate::line::{Errors, Figures, Line, Outcome};
-use anamorph::image::write_text;
-use anamorph::input::{Error, Result};
+use anamorph::internals::image::write_text;
+use anamorph::internals::input::{Error, Result};
 use std::path::{Path, PathBuf};
 
 pub struct Table {

@@ -1,12 +1,12 @@
 //! Scenes of the examples in good light: a sun and a sky, shadows, and surfaces that shine a little.
 
-use anamorph::geometry::mesh::DIELECTRIC;
-use anamorph::geometry::pattern::{Pattern, PatternKind};
-use anamorph::geometry::texture::Texels;
-use anamorph::image::tone::{Curve, Tone};
-use anamorph::scene::Scene;
-use anamorph::scene::light::{AmbientOcclusion, Light};
-use anamorph::scene::sky::Sky;
+use anamorph::internals::geometry::mesh::DIELECTRIC;
+use anamorph::internals::geometry::pattern::{Pattern, PatternKind};
+use anamorph::internals::geometry::texture::Texels;
+use anamorph::internals::image::tone::{Curve, Tone};
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::light::{AmbientOcclusion, Light};
+use anamorph::internals::scene::sky::Sky;
 use glam::DVec3;
 use half::f16;
 use std::sync::Arc;

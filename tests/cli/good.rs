@@ -1,8 +1,8 @@
 //! Renders, comparisons, cameras and examples that work.
 
 use super::program::{Place, SCENE};
-use anamorph::image::frame::{Channel, Frame};
-use anamorph::image::read_exr;
+use anamorph::internals::image::frame::{Channel, Frame};
+use anamorph::internals::image::read_exr;
 use serde_json::Value;
 
 fn frame(place: &Place, name: &str) -> Frame {
@@ -206,7 +206,7 @@ fn cryptomattes_share_pixels_out() {
 }
 
 /// The ids of the reference's frame of `scene.toml`.
-fn frame_of_ids(place: &Place) -> anamorph::image::frame::Plane {
+fn frame_of_ids(place: &Place) -> anamorph::internals::image::frame::Plane {
     let args = ["render", "scene.toml", "--engine", "reference", "--channels", "triangle.id", "--exr", "ids.exr"];
     place.works(&args);
     frame(place, "ids.exr").planes.remove(0).1
@@ -365,7 +365,7 @@ fn texts_are_printed() {
     assert!(place.works(&["camera", "--help", "mesh"]).contains("normalize"));
     assert!(place.works(&["info"]).starts_with("anamorph "));
     let list = place.works(&["example", "--list"]);
-    assert_eq!(list.lines().count(), anamorph::tools::example::EXAMPLES.len(), "{list}");
+    assert_eq!(list.lines().count(), anamorph::internals::tools::example::EXAMPLES.len(), "{list}");
     let pixel = place.works(&["render", "scene.toml", "--pixel", "32,24"]);
     assert!(pixel.contains("hit: triangle") && pixel.contains("safe: "), "{pixel}");
 }

@@ -1,8 +1,8 @@
 //! EXR headers: names of objects and materials, the camera with all its keys, the hash of the scene; and cameras read back from them.
 
 use super::program::{Place, SCENE};
-use anamorph::image::frame::{Channel, NO_ID};
-use anamorph::image::{read_exr, read_exr_texts, write_npy_f64};
+use anamorph::internals::image::frame::{Channel, NO_ID};
+use anamorph::internals::image::{read_exr, read_exr_texts, write_npy_f64};
 use exr::meta::MetaData;
 use serde_json::Value;
 
@@ -114,15 +114,15 @@ fn a_camera_in_a_header_reads_its_files_again() {
 #[test]
 fn pictures_without_a_camera_are_refused() {
     let place = Place::new();
-    let frame = anamorph::image::frame::Frame {
+    let frame = anamorph::internals::image::frame::Frame {
         width: 1,
         height: 1,
-        planes: vec![(Channel::Z, anamorph::image::frame::Plane::F32(vec![1.0]))],
+        planes: vec![(Channel::Z, anamorph::internals::image::frame::Plane::F32(vec![1.0]))],
     };
-    anamorph::image::write_exr(&place.path().join("other.exr"), &frame, &[]).unwrap();
+    anamorph::internals::image::write_exr(&place.path().join("other.exr"), &frame, &[]).unwrap();
     place.refuses(&["camera", "other.exr", "--rays", "r.npy"], 2, "other.exr: its header holds no camera");
     let old = [("anamorph.camera".to_owned(), "{\"kind\": \"pinhole\"}".to_owned())];
-    anamorph::image::write_exr(&place.path().join("old.exr"), &frame, &old).unwrap();
+    anamorph::internals::image::write_exr(&place.path().join("old.exr"), &frame, &old).unwrap();
     place.refuses(
         &["camera", "old.exr", "--rays", "r.npy"],
         2,
@@ -197,8 +197,9 @@ fn all_channels_and_the_names_of_objects_and_materials() {
         place.works(&[&args[..], more].concat());
         read_exr(&place.path().join("a.exr")).unwrap()
     };
-    let names =
-        |frame: &anamorph::image::frame::Frame| frame.planes.iter().map(|p| p.0.name()).collect::<Vec<_>>().join(" ");
+    let names = |frame: &anamorph::internals::image::frame::Frame| {
+        frame.planes.iter().map(|p| p.0.name()).collect::<Vec<_>>().join(" ")
+    };
     let without_uv =
         "R G B A Z t triangle.id piece.id bary.u bary.v N.X N.Y N.Z P.X P.Y P.Z albedo.R albedo.G albedo.B";
     // boxes have texture coordinates, balls do not

@@ -55,7 +55,7 @@ fn meshes_larger_than_the_memory_are_refused() {
     // copies of meshes and height images too
     let places: Vec<f64> =
         std::iter::repeat_n([1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0.], 20_000).flatten().collect();
-    anamorph::image::write_npy_f64(&place.path().join("p.npy"), &[20_000, 3, 4], &places).unwrap();
+    anamorph::internals::image::write_npy_f64(&place.path().join("p.npy"), &[20_000, 3, 4], &places).unwrap();
     place.write("s.toml", mesh("builtin = \"box\"\nplaces = \"p.npy\""));
     place.refuses(&["info", "s.toml", "--memory", "40M"], 1, "a mesh of 12 triangles in 20000 places takes about");
     place.works(&["info", "s.toml", "--memory", "40M", "--no-limits"]);

@@ -1,8 +1,8 @@
 //! Copies of meshes, height images, smooth normals, and `anamorph info FILE`.
 
 use super::program::Place;
-use anamorph::image::frame::{Channel, Frame};
-use anamorph::image::{read_exr, write_npy_f64};
+use anamorph::internals::image::frame::{Channel, Frame};
+use anamorph::internals::image::{read_exr, write_npy_f64};
 use serde_json::Value;
 use std::path::Path;
 

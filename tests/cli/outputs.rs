@@ -20,7 +20,7 @@ fn place() -> Place {
     place.write("pieces.toml", format!("{head}[camera]\nkind = \"mesh\"\nfile = \"c.json\"\n"));
     place.write("ply.toml", "[[mesh]]\nfile = \"m.obj\"\n[camera]\nkind = \"lidar\"\nfile = \"l.npy\"\n");
     let numbers: Vec<f64> = (0..12).map(f64::from).collect();
-    anamorph::image::write_npy_f64(&place.path().join("l.npy"), &[2, 6], &numbers).unwrap();
+    anamorph::internals::image::write_npy_f64(&place.path().join("l.npy"), &[2, 6], &numbers).unwrap();
     place.write("p.csv", "0 0 0\n");
     place
 }

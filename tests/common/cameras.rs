@@ -1,11 +1,11 @@
 //! Cameras that see the ball of radius 1 about the origin.
 
 use super::rng::Rng;
-use anamorph::camera::kinds::glc::Glc;
-use anamorph::camera::kinds::pinhole::Pinhole;
-use anamorph::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
-use anamorph::camera::spec::CameraKind;
-use anamorph::camera::{Camera, Field, Rays};
+use anamorph::internals::camera::kinds::glc::Glc;
+use anamorph::internals::camera::kinds::pinhole::Pinhole;
+use anamorph::internals::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
+use anamorph::internals::camera::spec::CameraKind;
+use anamorph::internals::camera::{Camera, Field, Rays};
 use glam::{DMat2, DVec2, DVec3};
 
 /// Bounded and far points of a GLC with the maps `a` and `b` from the image, [-1/2, 1/2]^2 with y up, to the planes

@@ -1,7 +1,7 @@
 //! Whether a camera's rays hang together: from layer to layer, and from piece to piece.
 
 use super::rng::Rng;
-use anamorph::camera::{Camera, Pieces, Rays};
+use anamorph::internals::camera::{Camera, Pieces, Rays};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 

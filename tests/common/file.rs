@@ -1,8 +1,8 @@
 //! Scenes written as a user writes them.
 
-use anamorph::camera::Camera;
-use anamorph::input::Result;
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::input::Result;
+use anamorph::internals::scene::Scene;
 
 /// The scene of a TOML text.
 pub fn load(text: &str) -> Result<Scene> {

@@ -1,14 +1,14 @@
 //! The engine on this machine's adapter, and judgement of its frames by the reference.
 
 use super::needs;
-use anamorph::camera::{Camera, Rays};
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::{Engine, Rendered, RunOptions};
-use anamorph::gpu::Gpu;
-use anamorph::image::compare::{Comparison, compare};
-use anamorph::image::frame::{Channel, Frame, NO_ID, Plane};
-use anamorph::reference::image::{Judgement, judge};
-use anamorph::scene::Scene;
+use anamorph::internals::camera::{Camera, Rays};
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::{Engine, Rendered, RunOptions};
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::image::compare::{Comparison, compare};
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
+use anamorph::internals::reference::image::{Judgement, judge};
+use anamorph::internals::scene::Scene;
 use std::sync::{Mutex, MutexGuard, OnceLock};
 
 /// What an engine does without, that this machine's adapter may have.

@@ -2,8 +2,8 @@
 
 use super::cameras::{MeshLook, mesh_spec};
 use super::rng::Rng;
-use anamorph::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
-use anamorph::camera::{Camera, Curve, CurveMap, Curves, Ray, Rays, mesh};
+use anamorph::internals::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
+use anamorph::internals::camera::{Camera, Curve, CurveMap, Curves, Ray, Rays, mesh};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 

@@ -14,12 +14,12 @@ pub mod projection;
 pub mod rng;
 pub mod written;
 
-use anamorph::camera::Camera;
-use anamorph::camera::kinds::pinhole::Pinhole;
-use anamorph::camera::spec::{CameraKind, CameraSpec};
-use anamorph::geometry::mesh::{Material, Mesh};
-use anamorph::scene::Scene;
-use anamorph::scene::file::OutputSpec;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::camera::kinds::pinhole::Pinhole;
+use anamorph::internals::camera::spec::{CameraKind, CameraSpec};
+use anamorph::internals::geometry::mesh::{Material, Mesh};
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::file::OutputSpec;
 use glam::DVec3;
 
 pub const FORWARD: [f64; 2] = [0.0, f64::INFINITY];
@@ -29,7 +29,10 @@ pub const ALL_T: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 pub fn scene(mesh: Mesh) -> Scene {
     let kind = CameraKind::from(Pinhole { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, vfov: 40.0 });
     Scene {
-        objects: vec![anamorph::geometry::load::Object { name: "mesh".into(), triangles: mesh.triangles.len() }],
+        objects: vec![anamorph::internals::geometry::load::Object {
+            name: "mesh".into(),
+            triangles: mesh.triangles.len(),
+        }],
         mesh: mesh.into(),
         lights: Vec::new(),
         ambient_occlusion: None,

@@ -1,9 +1,9 @@
 //! Tables of rays over one image.
 
 use super::common::rng::Rng;
-use anamorph::camera::TILE;
-use anamorph::engine::plan::curves::RayTable;
-use anamorph::gpu::layout::split2;
+use anamorph::internals::camera::TILE;
+use anamorph::internals::engine::plan::curves::RayTable;
+use anamorph::internals::gpu::layout::split2;
 use glam::DVec3;
 
 /// Over this many pixels the tables below are made: three levels of nodes, and tiles that the image cuts.

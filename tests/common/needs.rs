@@ -4,8 +4,8 @@
 // each test binary uses a part of it
 #![allow(dead_code)]
 
-use anamorph::gpu::device::NO_ADAPTER;
-use anamorph::gpu::{Gpu, GpuOptions};
+use anamorph::internals::gpu::device::NO_ADAPTER;
+use anamorph::internals::gpu::{Gpu, GpuOptions};
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::sync::{Mutex, MutexGuard, PoisonError};

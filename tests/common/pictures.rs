@@ -2,12 +2,12 @@
 
 #![allow(dead_code)]
 
-use anamorph::camera::Camera;
-use anamorph::engine::plan::samples::places;
-use anamorph::image::frame::{Channel, Frame};
-use anamorph::image::srgb8;
-use anamorph::reference::image::image;
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::samples::places;
+use anamorph::internals::image::frame::{Channel, Frame};
+use anamorph::internals::image::srgb8;
+use anamorph::internals::reference::image::image;
+use anamorph::internals::scene::Scene;
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 
 pub const COLOUR: [Channel; 3] = [Channel::R, Channel::G, Channel::B];

@@ -4,11 +4,11 @@
 use super::needs;
 use super::rng::Rng;
 use super::soup;
-use anamorph::camera::project::{Image, Images, Projector};
-use anamorph::camera::{Camera, Ray, Rays};
-use anamorph::engine::stage::sift::Sift;
-use anamorph::gpu::Gpu;
-use anamorph::reference::{Path, Reference};
+use anamorph::internals::camera::project::{Image, Images, Projector};
+use anamorph::internals::camera::{Camera, Ray, Rays};
+use anamorph::internals::engine::stage::sift::Sift;
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::reference::{Path, Reference};
 use glam::{DVec2, DVec3};
 use std::sync::OnceLock;
 

@@ -7,26 +7,26 @@ use super::common::cameras::{self, MeshLook};
 use super::common::rng::Rng;
 use super::common::{self, ALL_T, FORWARD};
 use super::common::{layered, needs};
-use anamorph::camera::kinds::glc::Glc;
-use anamorph::camera::spec::CameraKind;
-use anamorph::camera::{Camera, Rays};
-use anamorph::engine::Capacities;
-use anamorph::engine::clusters::{cluster, mapped_rows};
-use anamorph::engine::plan::Wanted;
-use anamorph::engine::plan::slabs;
-use anamorph::engine::plan::slabs::Slabs;
-use anamorph::engine::stage::Stages;
-use anamorph::geometry::generate::{icosphere, plane, teapot};
-use anamorph::geometry::mesh::{Material, Mesh};
-use anamorph::gpu::Gpu;
-use anamorph::gpu::buffers::{Buffers, read_words, readback, wait};
-use anamorph::gpu::device::Abilities;
-use anamorph::gpu::kernels::{OpticsKind, Variant};
-use anamorph::gpu::layout::COUNTERS;
-use anamorph::image::frame::Channel;
-use anamorph::scene::Scene;
-use anamorph::scene::light::Light;
-use anamorph::twin::{Input, ROOMY, Real, Tables};
+use anamorph::internals::camera::kinds::glc::Glc;
+use anamorph::internals::camera::spec::CameraKind;
+use anamorph::internals::camera::{Camera, Rays};
+use anamorph::internals::engine::Capacities;
+use anamorph::internals::engine::clusters::{cluster, mapped_rows};
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::plan::slabs;
+use anamorph::internals::engine::plan::slabs::Slabs;
+use anamorph::internals::engine::stage::Stages;
+use anamorph::internals::geometry::generate::{icosphere, plane, teapot};
+use anamorph::internals::geometry::mesh::{Material, Mesh};
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::gpu::buffers::{Buffers, read_words, readback, wait};
+use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
+use anamorph::internals::gpu::layout::COUNTERS;
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::light::Light;
+use anamorph::internals::twin::{Input, ROOMY, Real, Tables};
 use glam::{DMat2, DVec2, DVec3};
 
 /// What every word that a kernel does not own must still hold.
@@ -392,7 +392,7 @@ pub fn counters(gpu: &Gpu, buffers: &mut Buffers, values: &[(u32, u32)]) {
 }
 
 /// Runs what `encode` puts into one pass, to its end.
-pub fn run(gpu: &Gpu, encode: impl FnOnce(&mut wgpu::ComputePass) -> anamorph::input::Result<()>) {
+pub fn run(gpu: &Gpu, encode: impl FnOnce(&mut wgpu::ComputePass) -> anamorph::internals::input::Result<()>) {
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_compute_pass(&Default::default());
     encode(&mut pass).unwrap();

@@ -5,8 +5,8 @@
 
 use super::common::file::load;
 use super::stages::Case;
-use anamorph::gpu::kernels::Variant;
-use anamorph::twin::{Input, Real};
+use anamorph::internals::gpu::kernels::Variant;
+use anamorph::internals::twin::{Input, Real};
 
 /// A floor, a ball and a box around the origin; the optics go into the middle.
 const THINGS: &str = r#"

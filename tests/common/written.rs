@@ -1,8 +1,8 @@
 //! Cameras as a person writes them: the text of a scene file's `[camera]`.
 
-use anamorph::camera::Camera;
-use anamorph::input::Result;
-use anamorph::scene::Scene;
+use anamorph::internals::camera::Camera;
+use anamorph::internals::input::Result;
+use anamorph::internals::scene::Scene;
 use std::path::Path;
 
 /// The camera of a `[camera]` table for an image of `size`, its files in `folder`.

@@ -2,10 +2,10 @@
 
 use crate::common::needs::adapter;
 use crate::stages::{assert_poisoned, counters, read, run};
-use anamorph::gpu::Gpu;
-use anamorph::gpu::buffers::{Buffers, Pipeline};
-use anamorph::gpu::kernels;
-use anamorph::gpu::layout::*;
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::gpu::buffers::{Buffers, Pipeline};
+use anamorph::internals::gpu::kernels;
+use anamorph::internals::gpu::layout::*;
 use bytemuck::Zeroable;
 
 /// Workgroups a side of a dispatch at most.

@@ -3,16 +3,16 @@
 use crate::stages::{
     Bench, Case, POISON, assert_poisoned, cases, counters, list, random_case, read, read_list, run, seeds, upload,
 };
-use anamorph::engine::Capacities;
-use anamorph::engine::stage;
-use anamorph::engine::stage::sort::sort;
-use anamorph::engine::stage::split::split;
-use anamorph::gpu::kernels::Variant;
-use anamorph::gpu::layout::{COUNTERS, Counter};
-use anamorph::twin::bin::{Binned, Pair, beside, bin, covered};
-use anamorph::twin::cull::{Address, Bound, cull, node_meets};
-use anamorph::twin::rays::owned;
-use anamorph::twin::{Input, ROOMY, Real};
+use anamorph::internals::engine::Capacities;
+use anamorph::internals::engine::stage;
+use anamorph::internals::engine::stage::sort::sort;
+use anamorph::internals::engine::stage::split::split;
+use anamorph::internals::gpu::kernels::Variant;
+use anamorph::internals::gpu::layout::{COUNTERS, Counter};
+use anamorph::internals::twin::bin::{Binned, Pair, beside, bin, covered};
+use anamorph::internals::twin::cull::{Address, Bound, cull, node_meets};
+use anamorph::internals::twin::rays::owned;
+use anamorph::internals::twin::{Input, ROOMY, Real};
 use std::collections::{HashMap, HashSet};
 
 /// Pairs that the kernel may list, where raster goes pair by pair, for each that truly covers a pixel. Measured over the cases below:

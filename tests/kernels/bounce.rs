@@ -2,12 +2,12 @@
 
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use crate::turned::{cases, delicate, turns, variant};
-use anamorph::engine::stage;
-use anamorph::gpu::kernels::OpticsKind;
-use anamorph::gpu::layout::{NONE, split2};
-use anamorph::twin::bounce::{Bounced, bounce};
-use anamorph::twin::raster::Visibility;
-use anamorph::twin::{Input, Real};
+use anamorph::internals::engine::stage;
+use anamorph::internals::gpu::kernels::OpticsKind;
+use anamorph::internals::gpu::layout::{NONE, split2};
+use anamorph::internals::twin::bounce::{Bounced, bounce};
+use anamorph::internals::twin::raster::Visibility;
+use anamorph::internals::twin::{Input, Real};
 
 /// Share of turned rays that may be lost because rounding decides between two ways to turn them: total reflection, the
 /// rim of a quadric, grazing facets. Measured: none, but in f32 of rays along a wave 0.0009.
@@ -233,16 +233,18 @@ fn the_comparison_sees_planted_errors() {
 #[test]
 fn the_kernel_has_the_rule_s_constant() {
     let case = cases().into_iter().next().unwrap();
-    let source = anamorph::gpu::kernels::bounce(case.variant(Real::F64, false)).source();
-    assert!(source.contains(&format!("const FLAT_LEAST: real = {:?};", anamorph::camera::optics::FLAT_LEAST)));
+    let source = anamorph::internals::gpu::kernels::bounce(case.variant(Real::F64, false)).source();
+    assert!(
+        source.contains(&format!("const FLAT_LEAST: real = {:?};", anamorph::internals::camera::optics::FLAT_LEAST))
+    );
 }
 
 /// Turned by hand: a ray straight down on a mirror in the plane y = 0, and one that enters glass there at 45 degrees.
 #[test]
 fn the_twin_turns_rays_by_the_law() {
-    use anamorph::gpu::layout::{Corner, LAW_NORMALS, Optic};
-    use anamorph::twin::bounded::Near3;
-    use anamorph::twin::turn::{NearRay, at_facet};
+    use anamorph::internals::gpu::layout::{Corner, LAW_NORMALS, Optic};
+    use anamorph::internals::twin::bounded::Near3;
+    use anamorph::internals::twin::turn::{NearRay, at_facet};
     let real = Real::F64;
     let v = |v: [f32; 3]| Near3::pair(v, [0.0; 3], real);
     let corner = |p_hi: [f32; 3]| Corner { p_hi, n_hi: [0.0, 1.0, 0.0], ..bytemuck::Zeroable::zeroed() };

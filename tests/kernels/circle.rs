@@ -1,9 +1,9 @@
 //! circle.wgsl: cosines and sines by the adapter against the host's.
 
 use crate::stages::Bench;
-use anamorph::gpu::layout::split2;
-use anamorph::twin::Real;
-use anamorph::twin::bounded::CIRCLE_UNITS;
+use anamorph::internals::gpu::layout::split2;
+use anamorph::internals::twin::Real;
+use anamorph::internals::twin::bounded::CIRCLE_UNITS;
 use std::f64::consts::TAU;
 
 /// Reads turns as pairs and writes cosine and sine, each as the exact sum of three f32.

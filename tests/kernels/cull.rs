@@ -5,14 +5,14 @@ use crate::stages::{
     Bench, Case, POISON, assert_poisoned, cases, counters, list, many_clusters, random_case, read, read_list, run,
     seeds, upload,
 };
-use anamorph::engine::Capacities;
-use anamorph::engine::stage;
-use anamorph::gpu::kernels::Variant;
-use anamorph::gpu::layout::{COUNTERS, Counter, RAYS_AFFINE};
-use anamorph::twin::cull::{
+use anamorph::internals::engine::Capacities;
+use anamorph::internals::engine::stage;
+use anamorph::internals::gpu::kernels::Variant;
+use anamorph::internals::gpu::layout::{COUNTERS, Counter, RAYS_AFFINE};
+use anamorph::internals::twin::cull::{
     Address, Bound, Culled, HAND_ON, HAND_ON_LEVEL, REFINEMENTS, cull, hands_on, may_hand_on, node_meets,
 };
-use anamorph::twin::{Input, ROOMY, Real, bin};
+use anamorph::internals::twin::{Input, ROOMY, Real, bin};
 use std::collections::HashMap;
 
 /// What the kernel left: its work items and its counters.
@@ -211,7 +211,7 @@ fn counters_keep_counting_past_the_end_of_full_lists() {
 /// Two rules are the same numbers on both sides; the other numbers of the kernel are its own.
 #[test]
 fn the_twin_s_constants_are_the_kernel_s() {
-    let source = anamorph::gpu::kernels::cull(Variant::every(true, true)[0]).source();
+    let source = anamorph::internals::gpu::kernels::cull(Variant::every(true, true)[0]).source();
     for (name, value) in [("HAND_ON", HAND_ON as u32), ("HAND_ON_LEVEL", HAND_ON_LEVEL), ("REFINEMENTS", REFINEMENTS)] {
         assert!(source.contains(&format!("const {name}: u32 = {value}u;")), "{name} is not {value}");
     }

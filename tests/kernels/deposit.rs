@@ -2,12 +2,12 @@
 
 use crate::common::needs::adapter;
 use crate::common::rng::Rng;
-use anamorph::engine::stage::deposit::{Casts, Deposit};
-use anamorph::gpu::buffers::Buffers;
-use anamorph::gpu::kernels;
-use anamorph::gpu::layout::{Cast, Receiver};
-use anamorph::scene::caustics::shares::LINE_WIDTH;
-use anamorph::twin::deposit::{corners, deposit};
+use anamorph::internals::engine::stage::deposit::{Casts, Deposit};
+use anamorph::internals::gpu::buffers::Buffers;
+use anamorph::internals::gpu::kernels;
+use anamorph::internals::gpu::layout::{Cast, Receiver};
+use anamorph::internals::scene::caustics::shares::LINE_WIDTH;
+use anamorph::internals::twin::deposit::{corners, deposit};
 use glam::DVec2;
 
 const SIZES: [[u32; 2]; 3] = [[37, 21], [1, 1], [64, 90]];

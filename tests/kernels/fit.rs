@@ -3,14 +3,14 @@
 use crate::nasty::{SIZE, nasty};
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use crate::turned::{case, cases, turns};
-use anamorph::engine::plan::curves::RayTable;
-use anamorph::engine::plan::fit::{STRAY, STRAY_SIZE};
-use anamorph::engine::plan::nodes::{Level, TORN_WIDTH};
-use anamorph::engine::stage;
-use anamorph::gpu::layout::{BRANCH, Cell, Node, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
-use anamorph::twin::cull::Address;
-use anamorph::twin::fit::{fit, rays_below, reach};
-use anamorph::twin::{Input, Real};
+use anamorph::internals::engine::plan::curves::RayTable;
+use anamorph::internals::engine::plan::fit::{STRAY, STRAY_SIZE};
+use anamorph::internals::engine::plan::nodes::{Level, TORN_WIDTH};
+use anamorph::internals::engine::stage;
+use anamorph::internals::gpu::layout::{BRANCH, Cell, Node, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
+use anamorph::internals::twin::cull::Address;
+use anamorph::internals::twin::fit::{fit, rays_below, reach};
+use anamorph::internals::twin::{Input, Real};
 use glam::DVec3;
 
 /// What kernels that read a node may lose of it, relative to its sizes: four roundings of 2^-24, for which the host's
@@ -246,7 +246,7 @@ fn nodes_hold_nasty_rays() {
 
 #[test]
 fn the_kernel_has_the_host_s_constants() {
-    let source = anamorph::gpu::kernels::fit(any_case().variant(Real::F32, false)).source();
+    let source = anamorph::internals::gpu::kernels::fit(any_case().variant(Real::F32, false)).source();
     for line in [
         format!("const STRAY: f32 = {STRAY:?};"),
         format!("const STRAY_SIZE: f32 = 1.0 / {:?};", 1.0 / STRAY_SIZE),

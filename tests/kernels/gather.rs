@@ -2,14 +2,14 @@
 
 use crate::common::needs::adapter;
 use crate::common::rng::Rng;
-use anamorph::engine::stage;
-use anamorph::engine::stage::Stages;
-use anamorph::gpu::Gpu;
-use anamorph::gpu::buffers::{Buffers, read_words, readback};
-use anamorph::gpu::kernels::{OpticsKind, Variant};
-use anamorph::gpu::layout::{Landing, NONE, Optic, Params, PathState, Receiver};
-use anamorph::image::frame::Channel;
-use anamorph::twin::gather::{gather, place, units};
+use anamorph::internals::engine::stage;
+use anamorph::internals::engine::stage::Stages;
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::gpu::buffers::{Buffers, read_words, readback};
+use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
+use anamorph::internals::gpu::layout::{Landing, NONE, Optic, Params, PathState, Receiver};
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::twin::gather::{gather, place, units};
 use bytemuck::Zeroable;
 use glam::DVec2;
 

@@ -2,13 +2,13 @@
 
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use crate::turned::{cases, delicate, turns, variant};
-use anamorph::engine::stage;
-use anamorph::engine::stage::raster::raster_steps;
-use anamorph::gpu::kernels::{OpticsKind, Variant};
-use anamorph::twin::meet::{meet, meetings};
-use anamorph::twin::quadric::HEIGHT_UNITS;
-use anamorph::twin::raster::Visibility;
-use anamorph::twin::{Input, Real, along, torus, wave};
+use anamorph::internals::engine::stage;
+use anamorph::internals::engine::stage::raster::raster_steps;
+use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
+use anamorph::internals::twin::meet::{meet, meetings};
+use anamorph::internals::twin::quadric::HEIGHT_UNITS;
+use anamorph::internals::twin::raster::Visibility;
+use anamorph::internals::twin::{Input, Real, along, torus, wave};
 
 /// Share of pixels that may be excused because the twin's own bound leaves them undecided: rays that pass a rim or touch
 /// a surface within rounding.
@@ -128,7 +128,7 @@ fn the_kernel_meets_what_its_twin_meets() {
 fn the_twin_s_rules_have_the_kernels_constants() {
     let of = |optics| {
         let plain = cases().remove(0).variant(Real::F64, false);
-        anamorph::gpu::kernels::meet(Variant { optics: Some(optics), ..plain }).source()
+        anamorph::internals::gpu::kernels::meet(Variant { optics: Some(optics), ..plain }).source()
     };
     let holds = |optics, line: &str| assert!(of(optics).contains(line), "{line}");
     holds(OpticsKind::Quadrics, &format!("const HEIGHT_UNITS: real = {HEIGHT_UNITS:?};"));

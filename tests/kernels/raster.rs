@@ -4,19 +4,19 @@ use crate::common::rng::Rng;
 use crate::stages::{
     Bench, Case, POISON, SPARE, assert_poisoned, cases, counters, list, random_case, read, run, seeds, upload,
 };
-use anamorph::camera::TILE;
-use anamorph::engine::stage;
-use anamorph::engine::stage::raster::raster_steps;
-use anamorph::engine::stage::recheck::recheck;
-use anamorph::gpu::Gpu;
-use anamorph::gpu::buffers::Buffers;
-use anamorph::gpu::kernels::Variant;
-use anamorph::gpu::layout::{COUNTERS, Counter, Params};
-use anamorph::twin::bin::{Pair, bin};
-use anamorph::twin::cull::{Bound, cull};
-use anamorph::twin::raster::{Tested, Visibility, raster, test};
-use anamorph::twin::rays::Cast;
-use anamorph::twin::{Input, Real};
+use anamorph::internals::camera::TILE;
+use anamorph::internals::engine::stage;
+use anamorph::internals::engine::stage::raster::raster_steps;
+use anamorph::internals::engine::stage::recheck::recheck;
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::gpu::buffers::Buffers;
+use anamorph::internals::gpu::kernels::Variant;
+use anamorph::internals::gpu::layout::{COUNTERS, Counter, Params};
+use anamorph::internals::twin::bin::{Pair, bin};
+use anamorph::internals::twin::cull::{Bound, cull};
+use anamorph::internals::twin::raster::{Tested, Visibility, raster, test};
+use anamorph::internals::twin::rays::Cast;
+use anamorph::internals::twin::{Input, Real};
 
 /// Share of pixels that may be excused because the twin's own bound leaves them undecided.
 /// Measured: 0.0006 in f32, none in f64.

@@ -2,16 +2,16 @@
 
 use crate::common::rng::Rng;
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, random_case, read, run, seeds, upload};
-use anamorph::engine::pages::PageStore;
-use anamorph::engine::stage;
-use anamorph::geometry::mesh::NO_UV;
-use anamorph::gpu::kernels::Variant;
-use anamorph::image::frame::Channel;
-use anamorph::twin::bin::bin;
-use anamorph::twin::cull::{Bound, cull};
-use anamorph::twin::raster::{Visibility, raster};
-use anamorph::twin::shade::{Pixel, shade, word};
-use anamorph::twin::{Input, Real};
+use anamorph::internals::engine::pages::PageStore;
+use anamorph::internals::engine::stage;
+use anamorph::internals::geometry::mesh::NO_UV;
+use anamorph::internals::gpu::kernels::Variant;
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::twin::bin::bin;
+use anamorph::internals::twin::cull::{Bound, cull};
+use anamorph::internals::twin::raster::{Visibility, raster};
+use anamorph::internals::twin::shade::{Pixel, shade, word};
+use anamorph::internals::twin::{Input, Real};
 use glam::Vec2;
 use std::collections::BTreeSet;
 

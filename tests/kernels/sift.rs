@@ -5,14 +5,14 @@ use crate::common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, 
 use crate::common::projection::gpu;
 use crate::common::rng::Rng;
 use crate::common::{ALL_T, FORWARD, camera};
-use anamorph::camera::mesh::spec::MeshCameraSpec;
-use anamorph::camera::project::Projector;
-use anamorph::camera::project::tree::{INNER, Tree, WHOLE};
-use anamorph::camera::spec::CameraKind;
-use anamorph::camera::{Camera, Curve, CurveMap, Curves, Field, Ray, RayMap, Rays};
-use anamorph::engine::plan::beams::Beams;
-use anamorph::engine::stage::sift::Sift;
-use anamorph::twin::sift::{Bound, sift};
+use anamorph::internals::camera::mesh::spec::MeshCameraSpec;
+use anamorph::internals::camera::project::Projector;
+use anamorph::internals::camera::project::tree::{INNER, Tree, WHOLE};
+use anamorph::internals::camera::spec::CameraKind;
+use anamorph::internals::camera::{Camera, Curve, CurveMap, Curves, Field, Ray, RayMap, Rays};
+use anamorph::internals::engine::plan::beams::Beams;
+use anamorph::internals::engine::stage::sift::Sift;
+use anamorph::internals::twin::sift::{Bound, sift};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 

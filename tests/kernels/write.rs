@@ -2,11 +2,11 @@
 
 use crate::common::rng::Rng;
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, read, run, upload};
-use anamorph::engine::stage;
-use anamorph::image::frame::Channel;
-use anamorph::image::tone::{Curve, Tone};
-use anamorph::twin::write::{srgb, write};
-use anamorph::twin::{Input, ROOMY, Real};
+use anamorph::internals::engine::stage;
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::image::tone::{Curve, Tone};
+use anamorph::internals::twin::write::{srgb, write};
+use anamorph::internals::twin::{Input, ROOMY, Real};
 
 /// How near to a rounding border the exact value lies where the byte may be the next one, in steps of a byte. WGSL's
 /// pow is exp2(y log2 x): log2 is right to 2^-21 near 1 and to 3 ulp elsewhere, exp2 to 3 + 2 |x| ulp, in all some

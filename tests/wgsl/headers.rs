@@ -2,12 +2,12 @@
 //! uses of theirs, and the buffers and textures that it reads or writes.
 
 use super::scan::{self, Names};
-use anamorph::gpu::kernels::Kernel;
+use anamorph::internals::gpu::kernels::Kernel;
 use naga::{Expression, Function, Module};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
-/// A snippet of a module of its own: [`anamorph::gpu::soft_f64::lowered`] calls its functions.
+/// A snippet of a module of its own: [`anamorph::internals::gpu::soft_f64::lowered`] calls its functions.
 const ALONE: &str = "shared/soft_f64.wgsl";
 
 /// Snippets of which some variant of a kernel uses nothing.
