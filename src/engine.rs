@@ -3,7 +3,10 @@
 mod atlas;
 mod bounce_tables;
 pub mod bounces;
+pub mod buffer_table;
+pub mod changes;
 pub mod clusters;
+pub mod combinations;
 mod counts;
 mod encode;
 mod frames;
@@ -16,6 +19,7 @@ pub mod report;
 mod resident;
 pub mod rival;
 pub mod stage;
+pub mod steps;
 pub mod surface;
 pub mod tables;
 
@@ -23,7 +27,6 @@ use crate::camera::Camera;
 use crate::engine::plan::{LeftOut, Plan, Wanted};
 use crate::engine::rival::{Choice, Setup};
 use crate::engine::stage::Stages;
-use crate::engine::stage::gather::Gather;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::wait;
 use crate::gpu::device::GpuOptions;
@@ -33,9 +36,10 @@ use crate::image::frame::{Channel, Frame};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::caustics::Account;
+use changes::Dirty;
 pub use counts::Counts;
 pub use frames::Frames;
-use frames::{Dirty, Timed};
+use frames::Timed;
 use illumination::Illuminated;
 use pages::PageStore;
 use planned::{Planned, Planner};
@@ -121,7 +125,6 @@ pub struct Rendered {
 pub struct Engine {
     pub gpu: Arc<Gpu>,
     stages: Vec<Arc<Stages>>,
-    gathers: Vec<Arc<Gather>>,
     /// The caustics of the last scene that had some.
     lit: Option<Arc<Illuminated>>,
     pages: Arc<PageStore>,
@@ -129,7 +132,7 @@ pub struct Engine {
 
 impl Engine {
     pub fn new(gpu: Gpu) -> Engine {
-        Engine { gpu: Arc::new(gpu), stages: Vec::new(), gathers: Vec::new(), lit: None, pages: Arc::default() }
+        Engine { gpu: Arc::new(gpu), stages: Vec::new(), lit: None, pages: Arc::default() }
     }
 
     /// On the adapter asked for; `None` on a machine without any.
@@ -189,16 +192,12 @@ impl Engine {
     pub fn place(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
         let Planned { given, scene, camera, arrangement, plan, clustered, wanted, .. } = planned;
         let mut painter = self.painter(&given, &camera, &wanted, run)?;
-        if plan.variant.outlined && painter.is_some() {
-            return Err(Error::input("outlines and borders are not drawn by way of an atlas; leave atlas out"));
-        }
         let lit = if wanted.has_colour() { self.illuminated(&given)? } else { None };
         let stages = self.stages(plan.variant, &plan.planes)?;
         let turned =
             plan.variant.bounces_rays().then(|| self.stages(plan.variant.after_bounce(), &plan.planes)).transpose()?;
         let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup(&camera, &plan))).transpose()?;
-        let caustics = lit.map(|lit| (lit, self.gather(plan.variant, &plan.planes)));
-        let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, &wanted, run.capacities)?;
+        let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, run.capacities)?;
         resident.upload_look(&self.gpu, &self.pages, &scene, &plan)?;
         let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());
         if let Some(most) = run.draws_max.filter(|most| draws > *most) {
@@ -219,7 +218,7 @@ impl Engine {
             plan,
             wanted,
             resident,
-            caustics,
+            caustics: lit,
             arrangement,
             painter,
             rival,
@@ -241,15 +240,6 @@ impl Engine {
         let stages = Arc::new(Stages::new(&self.gpu, variant, planes)?);
         self.stages.push(stages.clone());
         Ok(stages)
-    }
-
-    fn gather(&mut self, variant: Variant, planes: &[Channel]) -> Arc<Gather> {
-        if let Some(gather) = self.gathers.iter().find(|g| g.suits(variant, planes)) {
-            return gather.clone();
-        }
-        let gather = Arc::new(Gather::new(&self.gpu, variant, planes));
-        self.gathers.push(gather.clone());
-        gather
     }
 }
 

@@ -3,7 +3,7 @@
 
 use anamorph::internals::engine::clusters::CORNER_ORDERS;
 use anamorph::internals::gpu::kernels::{self, Variant};
-use anamorph::internals::gpu::layout;
+use anamorph::internals::gpu::layout::{self, Counter};
 use anamorph::internals::image::frame::Channel;
 use naga::{Expression, Literal, Module, ScalarKind, Statement, SwitchValue, TypeInner};
 use std::collections::BTreeMap;
@@ -330,33 +330,18 @@ fn host_constants() -> Constants {
         RAYS_AFFINE,
         RAYS_TORN,
         LEVEL_CELL,
-        COUNT_WORK,
-        COUNT_PAIRS,
-        COUNT_RECHECKED,
-        COUNT_PAIRS_KEPT,
-        COUNT_FRAGMENTS_TESTED,
-        COUNT_FRAGMENTS_KEPT,
-        COUNT_RECHECK_ITEMS,
-        COUNT_BUSY,
-        COUNT_BUSY_FIRST,
-        COUNT_BUSY_END,
-        COUNT_PAIRS_TESTED,
-        COUNT_TASKS,
-        COUNT_SORTED,
-        COUNT_EDGES,
-        COUNT_BLOCKS,
-        COUNT_RECHECK_SAMPLES,
         LANES,
         COUNTERS,
         LAW_NORMALS,
         LAW_FLAT,
     ];
     constants.insert("TILE".into(), anamorph::internals::camera::TILE);
+    constants.extend(Counter::ALL.iter().map(|c| (c.name().to_uppercase(), c.index())));
     constants
 }
 
 /// Constants of `rows` that the kernels hold in another file than `params.wgsl`, or in another form.
-const HELD_ELSEWHERE: [&str; 4] = ["ID_BITS_MAX", "ID_MASK", "ORDER_SHIFT", "ONE_SIDED"];
+const HELD_ELSEWHERE: [&str; 5] = ["CULL_QUEUES", "ID_BITS_MAX", "ID_MASK", "ORDER_SHIFT", "ONE_SIDED"];
 
 /// What two maps do not agree on, one line each, missing keys on either side included.
 fn differences<V: PartialEq + std::fmt::Debug>(a: &BTreeMap<String, V>, b: &BTreeMap<String, V>) -> Vec<String> {

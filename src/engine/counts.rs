@@ -1,9 +1,6 @@
 //! What the stages of a frame counted.
 
-use crate::gpu::layout::{
-    COUNT_EDGES, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED,
-    COUNT_RECHECK_ITEMS, COUNT_RECHECK_SAMPLES, COUNT_RECHECKED, COUNT_TASKS, COUNT_WORK, COUNTERS,
-};
+use crate::gpu::layout::{COUNTERS, Counter};
 use std::ops::AddAssign;
 
 /// Sums over all jobs of a frame.
@@ -41,18 +38,18 @@ impl Counts {
         let sum = |counter: u32| status.chunks_exact(COUNTERS as usize).map(|s| u64::from(s[counter as usize])).sum();
         Counts {
             // the first counters are those of cull's queues
-            cull_items: (0..COUNT_WORK).map(sum).sum(),
-            split_items: sum(COUNT_WORK),
-            bin_items: sum(COUNT_TASKS),
-            pairs: sum(COUNT_PAIRS),
-            pairs_tested: sum(COUNT_PAIRS_TESTED),
-            pairs_kept: sum(COUNT_PAIRS_KEPT),
-            fragments_tested: sum(COUNT_FRAGMENTS_TESTED),
-            fragments_kept: sum(COUNT_FRAGMENTS_KEPT),
-            recheck_items: sum(COUNT_RECHECK_ITEMS),
-            rechecked: sum(COUNT_RECHECKED),
-            edges: sum(COUNT_EDGES),
-            recheck_sample_items: sum(COUNT_RECHECK_SAMPLES),
+            cull_items: (0..Counter::Work.index()).map(sum).sum(),
+            split_items: sum(Counter::Work.index()),
+            bin_items: sum(Counter::Tasks.index()),
+            pairs: sum(Counter::Pairs.index()),
+            pairs_tested: sum(Counter::PairsTested.index()),
+            pairs_kept: sum(Counter::PairsKept.index()),
+            fragments_tested: sum(Counter::FragmentsTested.index()),
+            fragments_kept: sum(Counter::FragmentsKept.index()),
+            recheck_items: sum(Counter::RecheckItems.index()),
+            rechecked: sum(Counter::Rechecked.index()),
+            edges: sum(Counter::Edges.index()),
+            recheck_sample_items: sum(Counter::RecheckSamples.index()),
         }
     }
 }

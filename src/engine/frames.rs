@@ -1,10 +1,12 @@
 //! Frames of one scene through one camera: the first, again until its lists hold everything; timed ones; and what they came to.
 
 use super::atlas::Painter;
+use super::changes::{Changes, Dirty, Shown};
+use super::combinations::{Asked, Feature};
 use super::illumination::Illuminated;
 use super::pages::PageStore;
-use super::planned::{Planned, Planner, check_outlines, check_samples, outlined_by};
-use super::readback::{FrameLayout, InFlight, PendingReads, RawFrame, Readback};
+use super::planned::{Planned, Planner, outlined_by, written};
+use super::readback::{Copies, FrameLayout, InFlight, PendingReads, RawFrame, Readback};
 use super::resident::Resident;
 use super::{Capacities, Counts, Rendered, RunOptions, setup};
 use crate::camera::Camera;
@@ -13,14 +15,10 @@ use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
 use crate::engine::rival::Rival;
 use crate::engine::stage::Stages;
-use crate::engine::stage::gather::Gather;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{read_words, wait, wait_for};
 use crate::gpu::kernels::LightsKind;
-use crate::gpu::layout::{
-    COUNT_BUSY, COUNT_BUSY_END, COUNT_EDGES, COUNT_PAIRS, COUNT_RECHECK_ITEMS, COUNT_RECHECK_SAMPLES, COUNT_TASKS,
-    COUNT_WORK, COUNTERS,
-};
+use crate::gpu::layout::{COUNTERS, CULL_QUEUES, Counter};
 use crate::gpu::recorder::Recorded;
 use crate::image::frame::Frame;
 use crate::input::{Error, Result};
@@ -47,7 +45,7 @@ pub struct Frames {
     pub(super) wanted: Wanted,
     pub(super) resident: Resident,
     /// The scene's caustics, where the frame shows them.
-    pub(super) caustics: Option<(Arc<Illuminated>, Arc<Gather>)>,
+    pub(super) caustics: Option<Arc<Illuminated>>,
     /// The order of the camera's pixels, where it is not their own.
     pub(super) arrangement: Option<Arc<Arrangement>>,
     /// Makes the atlas before each frame.
@@ -69,20 +67,11 @@ pub struct Frames {
     pub(super) timed: Timed,
 }
 
-/// What changed since the picture was made, and so which stages are to run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Dirty {
-    Nothing,
-    /// Lights or materials: what follows the visibility buffer.
-    Appearance,
-    All,
-}
-
 /// What frames took so far.
 #[derive(Default)]
 pub struct Timed {
     /// The picture, which is read in the end.
-    first: Option<Submitted>,
+    first: Option<Running>,
     first_ms: f64,
     frame_ms: Vec<f64>,
     stages: Vec<Vec<(&'static str, f64)>>,
@@ -91,32 +80,38 @@ pub struct Timed {
     moved: u32,
 }
 
-/// One submitted frame: its counters by job, and its image by band where it is read.
-pub(super) struct Submitted {
-    pub status: wgpu::Buffer,
-    pub planes: Vec<wgpu::Buffer>,
-    pub srgb8: Vec<wgpu::Buffer>,
-    /// Rows of the pixels that hold an edge, and what their samples see: where that is asked for.
-    pub edge_of: Vec<wgpu::Buffer>,
-    pub samples: Vec<wgpu::Buffer>,
+/// A frame that the device was given, and how large its lists were.
+pub(super) struct Running {
+    pub copies: Copies,
     pub recorded: Recorded,
+    capacities: Capacities,
+    raster_rounds: u32,
+    started: Instant,
 }
 
 impl Frames {
+    /// Gives the device the steps of a frame that show what is dirty, by which every frame runs; with `reads` its picture can be read.
+    fn begin(&self, dirty: Dirty, reads: bool) -> Result<Running> {
+        let steps = self.steps(reads, dirty);
+        self.compile(&steps)?;
+        let started = Instant::now();
+        let (copies, recorded) = self.submit(&steps)?;
+        let (capacities, raster_rounds) = (self.resident.capacities, self.resident.raster_rounds);
+        Ok(Running { copies, recorded, capacities, raster_rounds, started })
+    }
+
     /// The picture by all stages, again until its lists hold everything.
     pub(super) fn warm_up(&mut self) -> Result<()> {
         if let Some(painter) = &mut self.painter {
             painter.frames.warm_up()?;
         }
         loop {
-            self.compile_samples();
-            let started = Instant::now();
-            let submitted = self.submit(true, Dirty::All)?;
+            let running = self.begin(Dirty::All, true)?;
             wait(&self.gpu)?;
             let painted_ms = self.painter.as_ref().map_or(0.0, |p| p.frames.timed.first_ms);
-            self.timed.first_ms = painted_ms + started.elapsed().as_secs_f64() * 1e3;
-            let fits = self.fits(&read_words(&self.gpu, &submitted.status)?)?;
-            self.timed.first = Some(submitted);
+            self.timed.first_ms = painted_ms + running.ms();
+            let fits = self.fits(&running)?;
+            self.timed.first = Some(running);
             if fits {
                 self.dirty = Dirty::Nothing;
                 return Ok(());
@@ -127,7 +122,7 @@ impl Frames {
     /// One more frame by all stages, whatever changed; its wall time, from the first upload until its results are complete on the device, ms.
     pub fn frame(&mut self) -> Result<f64> {
         loop {
-            self.compile_samples();
+            self.compile(&self.steps(false, Dirty::All))?;
             let moved = [self.painter.as_mut().and_then(|p| p.frames.next_move()), self.next_move()];
             let started = Instant::now();
             let [painted, own] = moved;
@@ -136,10 +131,9 @@ impl Frames {
             wait(&self.gpu)?;
             let ms = started.elapsed().as_secs_f64() * 1e3;
             // only what moves may come to need more
-            let mut fits =
-                !(self.moving.is_some() || self.is_aimed) || self.fits(&read_words(&self.gpu, &drawn.status)?)?;
+            let mut fits = !(self.moving.is_some() || self.is_aimed) || self.fits(&drawn)?;
             if let (Some(painter), Some(painted)) = (&mut self.painter, &painted) {
-                fits &= self.moving.is_none() || painter.frames.fits(&read_words(&self.gpu, &painted.status)?)?;
+                fits &= self.moving.is_none() || painter.frames.fits(painted)?;
                 let stages = painted.recorded.stage_ms(&self.gpu)?;
                 painter.frames.timed.stages.push(stages);
             }
@@ -167,26 +161,38 @@ impl Frames {
     /// # Errors
     /// [`Error::Input`] where the camera is not of the same kind and size as the one before, or turns rays.
     pub fn aim(&mut self, camera: &Camera) -> Result<()> {
-        check_samples(&self.scene, camera, &self.wanted, self.rival.is_some())?;
+        let asked = self.changed(&self.scene, camera, Feature::Aimed);
+        asked.check()?;
         let Plan { anchor, middle, scene_size, .. } = *self.plan;
         let around = Surroundings { anchor, middle, scene_size };
         let arrangement = Arrangement::of(camera, around.middle).map(Arc::new);
-        let camera = Arc::new(arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
-        let wanted = Wanted { channels: self.plan.planes.clone(), ..self.wanted.clone() };
-        let plan = self.planner.plan_by(&self.run, &camera, Contents::of(&self.scene), around, &wanted);
+        let shown = Arc::new(arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
+        let wanted = written(&self.scene, &shown, &self.wanted);
+        let plan = self.planner.plan_by(&self.run, &shown, Contents::of(&self.scene), around, &wanted);
+        Asked { planned: Some((&plan, self.resident.chunks.len())), ..asked }.check()?;
+        let camera = shown;
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
-        if plan.variant != self.plan.variant || !is_as_large || camera.optics.is_some() {
+        if plan.variant != self.plan.variant || !is_as_large {
             let (old, new) = (self.camera.kind, camera.kind);
             return Err(Error::input(format!("frames of {old} cannot be taken by this {new}; prepare them anew")));
         }
-        check_outlines(&plan, arrangement.as_deref())?;
         self.resident.aim(&self.gpu, &camera, &plan)?;
         if let Some(rival) = &mut self.rival {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
         (self.camera, self.plan, self.arrangement, self.is_aimed) = (camera, Arc::new(plan), arrangement, true);
-        self.dirty = Dirty::All;
+        self.note(Changes { plan: true, ..Changes::default() });
         Ok(())
+    }
+
+    /// Notes what the picture does not show yet.
+    fn note(&mut self, changes: Changes) {
+        // of bands and bounces, and of moving triangles, only the last ones are still there
+        let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
+        self.dirty = self.dirty.max(match changes.dirty() {
+            Dirty::Appearance if !is_there => Dirty::All,
+            dirty => dirty,
+        });
     }
 
     /// Shows the triangles that are there in the lights, the materials, the normals and before the background of `scene` from the
@@ -197,7 +203,7 @@ impl Frames {
     /// sky), or caustics are shown.
     pub fn light(&mut self, scene: &Scene) -> Result<()> {
         if self.caustics.is_some() {
-            return Err(Error::input("caustics follow the light; prepare the frames anew"));
+            self.changed(&self.scene, &self.camera, Feature::Relit).check()?;
         }
         if let Some(painter) = &mut self.painter {
             painter.frames.light(scene)?;
@@ -229,9 +235,7 @@ impl Frames {
         } else {
             self.resident.upload_look(&self.gpu, &self.pages, &scene, &self.plan)?
         };
-        // of bands and passes, and of moving triangles, only the last ones are still there
-        let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
-        self.dirty = self.dirty.max(if is_there && keeps_holes { Dirty::Appearance } else { Dirty::All });
+        self.note(Changes { look: true, holes: !keeps_holes, ..Changes::default() });
         Ok(())
     }
 
@@ -245,15 +249,21 @@ impl Frames {
         }
         let painted = self.painter.as_mut().map_or(Ok(0), |p| p.frames.refresh())?;
         if self.dirty == Dirty::Appearance {
-            let drawn = self.submit(true, Dirty::Appearance)?;
+            let drawn = self.begin(Dirty::Appearance, true)?;
             wait(&self.gpu)?;
             if let Some(first) = &mut self.timed.first {
-                (first.planes, first.srgb8) = (drawn.planes, drawn.srgb8);
+                (first.copies.planes, first.copies.srgb8) = (drawn.copies.planes, drawn.copies.srgb8);
             }
             self.dirty = Dirty::Nothing;
             return Ok(painted + drawn.recorded.passes.total());
         }
         Ok(painted)
+    }
+
+    /// What these frames are asked for when something of them is changed.
+    fn changed<'a>(&'a self, scene: &'a Scene, camera: &'a Camera, change: Feature) -> Asked<'a> {
+        let RunOptions { by, no_cull, .. } = self.run;
+        Asked { by, no_cull, change: Some(change), ..Asked::new(scene, camera, &self.wanted) }
     }
 
     /// The next of the moving scenes.
@@ -270,14 +280,14 @@ impl Frames {
     }
 
     /// Submits a frame of a scene that has moved, or of that which is there.
-    fn draw(&mut self, moved: Option<Scene>) -> Result<Submitted> {
+    fn draw(&mut self, moved: Option<Scene>) -> Result<Running> {
         if let Some(moved) = moved {
             self.put(&moved)?;
             if let Some(rival) = &mut self.rival {
                 rival.upload(&self.gpu, &moved)?;
             }
         }
-        self.submit(false, Dirty::All)
+        self.begin(Dirty::All, false)
     }
 
     /// The triangles of a scene that has moved, in their clusters as long as these hold them well.
@@ -334,40 +344,37 @@ impl Frames {
         if !is_plain || is_turned || scene.caustics.is_some() || !is_as_large || !is_wanted {
             return Ok(false);
         }
+        let shown = Shown { scene: &self.scene, plan: &self.plan, clustered: &self.shown };
         // until all is there nothing counts as the same
-        let is_whole = !std::mem::replace(&mut self.is_torn, true);
-        let has_triangles = is_whole && self.shown.ptr_eq(&Arc::downgrade(clustered));
-        let has_plan = is_whole && Arc::ptr_eq(plan, &self.plan);
-        let is_placed_alike = is_whole && Arc::ptr_eq(&scene.mesh, &self.scene.mesh) && plan.anchor == self.plan.anchor;
-        if !has_triangles {
+        let is_torn = std::mem::replace(&mut self.is_torn, true);
+        let changes = if is_torn { Changes::ALL } else { Changes::between(&shown, planned) };
+        if changes.triangles {
             self.resident.upload_scene(&self.gpu, clustered)?;
             self.shown = Arc::downgrade(clustered);
         }
-        match (has_plan, has_triangles) {
-            (false, _) => self.resident.aim(&self.gpu, camera, plan)?,
-            (true, false) => self.resident.write_params(&self.gpu, camera, plan)?,
-            (true, true) => {}
+        if changes.plan {
+            self.resident.aim(&self.gpu, camera, plan)?;
+        } else if changes.triangles {
+            self.resident.write_params(&self.gpu, camera, plan)?;
         }
-        if !is_placed_alike {
+        if changes.places {
             self.resident.forget_obstacles();
         }
-        if !(is_placed_alike && has_plan && looks_alike(scene, &self.scene)) {
+        if changes.needs_look() {
             self.resident.upload_look(&self.gpu, &self.pages, scene, plan)?;
         }
         (self.scene, self.camera) = (scene.clone(), camera.clone());
         (self.plan, self.arrangement, self.wanted) = (plan.clone(), arrangement.clone(), wanted.clone());
-        (self.dirty, self.is_torn) = (Dirty::All, false);
+        self.is_torn = false;
+        self.note(changes);
         Ok(true)
     }
 
     /// Gives the device a frame of what is shown, by all stages, and does not wait for it.
     pub fn start(&self) -> Result<InFlight> {
-        self.compile_samples();
-        let started = Instant::now();
-        let submitted = self.submit(true, Dirty::All)?;
-        let reads = PendingReads::start(&submitted);
-        let (capacities, raster_rounds) = (self.resident.capacities, self.resident.raster_rounds);
-        Ok(InFlight { submitted, reads, frame_layout: self.frame_layout(), capacities, raster_rounds, started })
+        let running = self.begin(Dirty::All, true)?;
+        let reads = PendingReads::start(&running);
+        Ok(InFlight { started: running.started, running, reads, frame_layout: self.frame_layout() })
     }
 
     /// Waits for a frame of `planned`, whatever is shown by now. Where the lists between the stages did not hold everything it is shown and
@@ -391,16 +398,15 @@ impl Frames {
 
     /// Waits for a frame; or what its lists lacked.
     fn land(&mut self, flight: InFlight) -> Result<std::result::Result<Readback, Shortage>> {
-        let InFlight { submitted, reads, frame_layout, capacities, raster_rounds, started } = flight;
-        wait_for(&self.gpu, &submitted.recorded.submission)?;
-        let words = reads.words(&self.gpu, &submitted)?;
-        if let Some(short) = self.shortage(&words.status, capacities, raster_rounds) {
+        let InFlight { running, reads, frame_layout, .. } = flight;
+        wait_for(&self.gpu, &running.recorded.submission)?;
+        let words = reads.words(&self.gpu, &running)?;
+        if let Some(short) = self.shortage(&words.status, &running) {
             return Ok(Err(short));
         }
-        let frame_ms = vec![started.elapsed().as_secs_f64() * 1e3];
-        let stages = words.stages.clone();
+        let (frame_ms, stages) = (vec![running.ms()], words.stages.clone());
         let grown = self.timed.grown;
-        let rest = Rendered { frame_ms, stages, grown, ..self.took(&frame_layout.plan, &submitted, &words) };
+        let rest = Rendered { frame_ms, stages, grown, ..self.took(&frame_layout.plan, &running, &words) };
         Ok(Ok(Readback { frame_layout, words, rest }))
     }
 
@@ -415,7 +421,7 @@ impl Frames {
     }
 
     /// What a frame of a plan counted and what is held now; no picture and no times.
-    fn took(&self, plan: &Plan, submitted: &Submitted, words: &RawFrame) -> Rendered {
+    fn took(&self, plan: &Plan, running: &Running, words: &RawFrame) -> Rendered {
         let mut left_out = plan.left_out.clone();
         if self.resident.without_area > 0 {
             let what = format!("{} triangles", self.resident.without_area);
@@ -430,51 +436,43 @@ impl Frames {
             counts: Counts::of(&words.status),
             bytes: self.resident.bytes()
                 + self.rival.as_ref().map_or(0, |r| r.bytes())
-                + self.caustics.as_ref().map_or(0, |(lit, _)| lit.buffers.bytes()),
+                + self.caustics.as_ref().map_or(0, |lit| lit.buffers.bytes()),
             left_out,
             grown: 0,
-            passes: submitted.recorded.passes.clone(),
-            caustics: self.caustics.as_ref().map(|(lit, _)| lit.account),
+            passes: running.recorded.passes.clone(),
+            caustics: self.caustics.as_ref().map(|lit| lit.account),
         }
     }
 
-    /// The kernels of samples that this frame takes, before its time is.
-    fn compile_samples(&self) {
-        for (band, pass) in
-            (0..self.plan.bands.len()).flat_map(|b| (0..self.resident.passes.len()).map(move |p| (b, p)))
-        {
-            let by_tile = self.resident.is_alone(band, pass) && self.resident.samples_by_tile(&self.plan);
-            self.stages.compile_samples(&self.gpu, by_tile);
-        }
-    }
-
-    /// Makes room for what the counters of a frame demanded; whether there was enough.
-    fn fits(&mut self, status: &[u32]) -> Result<bool> {
-        match self.shortage(status, self.resident.capacities, self.resident.raster_rounds) {
+    /// Makes room for what the counters of a frame that is done demanded; whether there was enough.
+    fn fits(&mut self, running: &Running) -> Result<bool> {
+        let status = read_words(&self.gpu, &running.copies.status)?;
+        match self.shortage(&status, running) {
             Some(short) => self.make_room(short).map(|()| false),
             None => Ok(true),
         }
     }
 
-    /// What a frame lacked whose lists held so much.
-    fn shortage(&self, status: &[u32], have: Capacities, raster_rounds: u32) -> Option<Shortage> {
-        let most = |counter: u32| {
-            status.chunks_exact(COUNTERS as usize).map(|s| s[counter as usize]).max().unwrap_or(0) as u64
-        };
+    /// What the lists of a frame lacked, by its counters.
+    fn shortage(&self, status: &[u32], running: &Running) -> Option<Shortage> {
+        let have = running.capacities;
+        let most =
+            |index: u32| status.chunks_exact(COUNTERS as usize).map(|s| s[index as usize]).max().unwrap_or(0) as u64;
+        let most_of = |counter: Counter| most(counter.index());
         let need = Capacities {
-            queue: (0..COUNT_WORK).map(most).max().unwrap_or(0),
-            work: most(COUNT_WORK),
-            tasks: most(COUNT_TASKS),
-            pairs: most(COUNT_PAIRS),
-            recheck_items: most(COUNT_RECHECK_ITEMS).max(2 * most(COUNT_RECHECK_SAMPLES)),
-            edges: most(COUNT_EDGES),
+            queue: (0..CULL_QUEUES).map(most).max().unwrap_or(0),
+            work: most_of(Counter::Work),
+            tasks: most_of(Counter::Tasks),
+            pairs: most_of(Counter::Pairs),
+            recheck_items: most_of(Counter::RecheckItems).max(2 * most_of(Counter::RecheckSamples)),
+            edges: most_of(Counter::Edges),
         };
         let fits =
             need.queue <= have.queue && need.work <= have.work && need.tasks <= have.tasks && need.pairs <= have.pairs;
-        let is_left = |job: &[u32]| job[COUNT_BUSY as usize] > job[COUNT_BUSY_END as usize];
+        let is_left = |job: &[u32]| job[Counter::Busy.index() as usize] > job[Counter::BusyEnd.index() as usize];
         let is_done = !self.plan.variant.by_tile || !status.chunks_exact(COUNTERS as usize).any(is_left);
         let has_all = fits && need.recheck_items <= have.recheck_items && need.edges <= have.edges && is_done;
-        (!has_all).then_some(Shortage { need, rounds: (!is_done).then_some(2 * raster_rounds) })
+        (!has_all).then_some(Shortage { need, rounds: (!is_done).then_some(2 * running.raster_rounds) })
     }
 
     fn make_room(&mut self, short: Shortage) -> Result<()> {
@@ -486,22 +484,18 @@ impl Frames {
     }
 }
 
+impl Running {
+    /// Since it was given to the device.
+    fn ms(&self) -> f64 {
+        self.started.elapsed().as_secs_f64() * 1e3
+    }
+}
+
 /// What the lists of a frame lacked.
 struct Shortage {
     need: Capacities,
     /// How often raster is to go over the busy tiles, where it left some.
     rounds: Option<u32>,
-}
-
-/// Both are lit and drawn alike, what their triangles are made of aside.
-fn looks_alike(a: &Scene, b: &Scene) -> bool {
-    let is_same_sky = match (&a.sky, &b.sky) {
-        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-        (None, None) => true,
-        _ => false,
-    };
-    let look = |s: &Scene| (s.style, s.ambient_occlusion, s.background, s.tone);
-    is_same_sky && a.lights == b.lights && look(a) == look(b)
 }
 
 /// The median of every stage over the runs.

@@ -1,13 +1,14 @@
 //! What frames take, worked out before a device is touched; what did not change since an earlier frame is taken from there.
 
-use super::{Arithmetic, RunOptions};
+use super::RunOptions;
+use super::changes::{PlannedBy, same_clusters};
+use super::combinations::Asked;
 use crate::camera::arranged::Arrangement;
 use crate::camera::{Camera, Rays};
 use crate::engine::clusters::{Clustered, cluster};
-use crate::engine::plan::samples::at_once;
+use crate::engine::plan::variant::variant;
 use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
 use crate::gpu::device::Abilities;
-use crate::gpu::kernels::Variant;
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -100,11 +101,6 @@ impl Planner {
             },
         };
         let planned = self.plan_in_order(scene, camera, wanted, run, last)?;
-        check_outlines(&planned.plan, arrangement.as_deref())?;
-        if wanted.rows.is_some() && (planned.plan.variant.outlined || arrangement.is_some()) {
-            let what = "rows by themselves are of cameras that do not look all over, without outlines and borders";
-            return Err(Error::input(what));
-        }
         Ok(Planned { asked, arrangement, ..planned })
     }
 
@@ -117,37 +113,19 @@ impl Planner {
         run: &RunOptions,
         last: Option<&Planned>,
     ) -> Result<Planned> {
-        if wanted.channels.contains(&Channel::Certified) {
-            check_provable(scene, &camera, run)?;
-        }
-        check_samples(scene, &camera, wanted, run.by.is_some())?;
-        if let Some(choice) = run.by.filter(|_| scene.mesh.has_holes()) {
-            let name = choice.technique.name;
-            return Err(Error::input(format!("{name} sees no holes that images cut into triangles; use compute")));
-        }
-        if wanted.has_colour() {
-            scene.check_shadows()?;
-        }
         let given = scene.clone();
+        let asked_for = Asked { by: run.by, no_cull: run.no_cull, ..Asked::new(&given, &camera, wanted) };
+        asked_for.check()?;
         let scene = scene.with_optics(&camera).into_owned();
         let around = Surroundings::of(&camera, scene.bounds());
         check_size(&scene, around)?;
         self.check_normals(&scene)?;
         let plan = self.plan_of(&scene, &camera, around, wanted, run, last);
-        let textured = plan.variant.textured;
-        let is_as_clustered = |l: &&Planned| {
-            Arc::ptr_eq(&l.scene.mesh, &scene.mesh)
-                && (l.plan.anchor, l.plan.variant.textured) == (plan.anchor, textured)
-        };
-        let clustered = match last.filter(is_as_clustered) {
+        let clustered = match last.filter(|l| same_clusters(l, &scene, &plan)) {
             Some(last) => last.clustered.clone(),
-            None => Arc::new(cluster(&scene.mesh, plan.anchor, textured, self.limit)),
+            None => Arc::new(cluster(&scene.mesh, plan.anchor, plan.variant.textured, self.limit)),
         };
-        if plan.variant.analytic && clustered.chunks.len() > 1 {
-            let lists = clustered.chunks.len();
-            let what = "analytic coverage needs all triangles in one list";
-            return Err(Error::input(format!("{what}, for which the adapter takes {lists}; count samples")));
-        }
+        Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
         let (asked, arrangement, wanted) = (camera.clone(), None, wanted.clone());
         Ok(Planned { given, asked, scene, camera, arrangement, plan, clustered, wanted })
     }
@@ -175,29 +153,13 @@ impl Planner {
         last: Option<&Planned>,
     ) -> Arc<Plan> {
         let contents = Contents::of(scene);
-        let mut channels = wanted.channels.clone();
-        if scene.caustics.is_some() && wanted.has_colour() {
-            channels.extend([Channel::BaryU, Channel::BaryV]);
-            if scene.mesh.is_textured() || scene.mesh.has_patterns() {
-                channels.extend([Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
-            }
+        let written = written(scene, camera, wanted);
+        let variant = variant(camera, contents, &written, self.has, run);
+        let by = PlannedBy { scene, camera, around, wanted, variant };
+        match last.filter(|last| by.is_that_of(last)) {
+            Some(last) => last.plan.clone(),
+            None => Arc::new(self.plan_by(run, camera, contents, around, &written)),
         }
-        if wanted.has_colour() {
-            channels.extend(outlined_by(&scene.style, camera));
-        }
-        let is_as_planned = |l: &&Planned| {
-            Arc::ptr_eq(&l.camera, camera)
-                && (l.plan.anchor, l.plan.middle, l.plan.scene_size)
-                    == (around.anchor, around.middle, around.scene_size)
-                && (Contents::of(&l.scene), &l.wanted) == (contents, wanted)
-                && (&l.scene.style, l.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
-                && l.plan.variant == self.variant(l.plan.variant, run)
-        };
-        if let Some(last) = last.filter(is_as_planned) {
-            return last.plan.clone();
-        }
-        let planned = Wanted { channels, ..wanted.clone() };
-        Arc::new(self.plan_by(run, camera, contents, around, &planned))
     }
 
     /// The plan of frames with these options, with exactly the wanted channels.
@@ -209,22 +171,24 @@ impl Planner {
         around: Surroundings,
         wanted: &Wanted,
     ) -> Plan {
-        let mut plan = Plan::new(camera, contents, around, wanted, self.has, self.limit);
-        plan.variant = self.variant(plan.variant, run);
-        plan
+        let variant = variant(camera, contents, wanted, self.has, run);
+        Plan::new(variant, camera, contents, around, wanted, self.has, self.limit)
     }
+}
 
-    /// `planned` with everything that depends on the run's options and the adapter, which is set only here.
-    fn variant(&self, planned: Variant, run: &RunOptions) -> Variant {
-        let variant = Variant {
-            f64: run.arithmetic != Arithmetic::Single,
-            culling: !run.no_cull,
-            all_uncertain: run.arithmetic == Arithmetic::Double,
-            by_tile: false,
-            ..planned
-        };
-        if self.has.lanes && self.has.f64 { variant.with_tiles() } else { variant }
+/// `wanted` with the channels that caustics and lines between pixels follow from.
+pub(super) fn written(scene: &Scene, camera: &Camera, wanted: &Wanted) -> Wanted {
+    let mut channels = wanted.channels.clone();
+    if scene.caustics.is_some() && wanted.has_colour() {
+        channels.extend([Channel::BaryU, Channel::BaryV]);
+        if scene.mesh.is_textured() || scene.mesh.has_patterns() {
+            channels.extend([Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB]);
+        }
     }
+    if wanted.has_colour() {
+        channels.extend(outlined_by(&scene.style, camera));
+    }
+    Wanted { channels, ..wanted.clone() }
 }
 
 /// What lines between pixels follow from.
@@ -254,56 +218,6 @@ fn check_size(scene: &Scene, around: Surroundings) -> Result<()> {
     if reach > 0.0 && !(least..=most).contains(&reach) {
         let advice = "scale the scene and its camera, or use --engine reference";
         return Err(Error::input(format!("the scene reaches {reach:.1e} far, of {least:.0e} to {most:.0e}: {advice}")));
-    }
-    Ok(())
-}
-
-/// What is certified are the engine's own hits of rays that nothing turned.
-fn check_provable(scene: &Scene, camera: &Camera, run: &RunOptions) -> Result<()> {
-    if let Some(choice) = run.by {
-        return Err(Error::input(format!(
-            "{} proves nothing; certified is a channel of --engine compute",
-            choice.technique.name
-        )));
-    }
-    if camera.optics.is_some() {
-        let kind = camera.kind;
-        return Err(Error::input(format!("{kind} turns rays without bounds; certified is a channel of other cameras")));
-    }
-    if scene.mesh.has_holes() {
-        return Err(Error::input("nothing is proven where images cut holes into triangles; leave certified out"));
-    }
-    Ok(())
-}
-
-/// Several samples are found by the engine's own stages, where these know the rays between pixel centres.
-pub(super) fn check_samples(scene: &Scene, camera: &Camera, wanted: &Wanted, by_rival: bool) -> Result<()> {
-    if wanted.samples == 0 {
-        return Err(Error::input("0 samples a pixel; at least 1"));
-    }
-    if wanted.analytic && wanted.samples == 1 {
-        return Err(Error::input("analytic coverage is of what several samples of a pixel see; take at least 2"));
-    }
-    let is_possible = !by_rival && at_once(scene, camera, wanted.samples);
-    if wanted.samples == 1 || is_possible {
-        return Ok(());
-    }
-    let (n, kind) = (wanted.samples, camera.kind);
-    Err(Error::input(format!("{n} samples a pixel of {kind} take a frame each")))
-}
-
-/// Outlines lie between pixels that are beside each other.
-pub(super) fn check_outlines(plan: &Plan, arrangement: Option<&Arrangement>) -> Result<()> {
-    if plan.variant.outlined && plan.bands.len() > 1 {
-        let rows = plan.rows_max();
-        return Err(Error::input(format!(
-            "outlines and borders need the whole image at once, of which the adapter holds {rows} rows; make it smaller"
-        )));
-    }
-    if plan.variant.outlined && arrangement.is_some() {
-        return Err(Error::input(
-            "outlines and borders are between pixels, of which this camera's look all over; leave them out",
-        ));
     }
     Ok(())
 }

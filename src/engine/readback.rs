@@ -1,7 +1,7 @@
 //! Frames on their way from the device, and the pictures that come of what it sent.
 
-use super::frames::Submitted;
-use super::{Capacities, Rendered};
+use super::Rendered;
+use super::frames::Running;
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
 use crate::engine::plan::{Plan, Wanted};
@@ -27,12 +27,9 @@ pub(super) struct FrameLayout {
 
 /// A frame that was given to the device. Others may be given to it before this one is done.
 pub struct InFlight {
-    pub(super) submitted: Submitted,
+    pub(super) running: Running,
     pub(super) reads: PendingReads,
     pub(super) frame_layout: FrameLayout,
-    /// What the lists held.
-    pub(super) capacities: Capacities,
-    pub(super) raster_rounds: u32,
     pub started: Instant,
 }
 
@@ -42,6 +39,24 @@ pub struct Readback {
     pub(super) words: RawFrame,
     /// What it took; no picture.
     pub(super) rest: Rendered,
+}
+
+/// Buffers that the host can read: a frame's counters by job, and its image by band where it is read.
+pub(super) struct Copies {
+    pub status: wgpu::Buffer,
+    /// Those of [`is_read`].
+    pub planes: Vec<wgpu::Buffer>,
+    pub srgb8: Vec<wgpu::Buffer>,
+    /// Rows of the pixels that hold an edge, and what their samples see: where that is asked for.
+    pub edge_of: Vec<wgpu::Buffer>,
+    pub samples: Vec<wgpu::Buffer>,
+}
+
+impl Copies {
+    /// No image yet.
+    pub fn new(status: wgpu::Buffer) -> Copies {
+        Copies { status, planes: Vec::new(), srgb8: Vec::new(), edge_of: Vec::new(), samples: Vec::new() }
+    }
 }
 
 /// Everything of a frame that is being read.
@@ -72,21 +87,22 @@ pub(super) fn is_read(wanted: &Wanted, channel: Channel) -> bool {
 }
 
 impl PendingReads {
-    /// Of a frame that was submitted.
-    pub fn start(frame: &Submitted) -> PendingReads {
+    /// Of a frame that runs.
+    pub fn start(frame: &Running) -> PendingReads {
+        let copies = &frame.copies;
         let all = |buffers: &[wgpu::Buffer]| buffers.iter().map(Reading::start).collect();
         PendingReads {
-            status: Reading::start(&frame.status),
-            planes: all(&frame.planes),
-            srgb8: all(&frame.srgb8),
-            edge_of: all(&frame.edge_of),
-            samples: all(&frame.samples),
+            status: Reading::start(&copies.status),
+            planes: all(&copies.planes),
+            srgb8: all(&copies.srgb8),
+            edge_of: all(&copies.edge_of),
+            samples: all(&copies.samples),
             times: frame.recorded.read(),
         }
     }
 
     /// Once it is done.
-    pub fn words(self, gpu: &Gpu, frame: &Submitted) -> Result<RawFrame> {
+    pub fn words(self, gpu: &Gpu, frame: &Running) -> Result<RawFrame> {
         let all = |reads: Vec<Reading>| reads.into_iter().map(|r| r.words(gpu)).collect::<Result<Vec<_>>>();
         Ok(RawFrame {
             status: self.status.words(gpu)?,

@@ -3,18 +3,18 @@
 use super::Capacities;
 use super::bounce_tables::BounceTables;
 use super::bounces::{Bounce, bounces};
+use super::buffer_table::{Bytes, FOUR, ITEM, Row, Sizes, table};
 use super::pages::PageStore;
 use super::tables::{Hidden, Look, Span, looks, params, places, turned};
 use crate::camera::Camera;
 use crate::engine::clusters::{Chunk, Clustered, mapped_rows};
 use crate::engine::plan::hierarchy::Hierarchy;
 use crate::engine::plan::pages::Pages;
-use crate::engine::plan::{Band, Plan, Wanted};
+use crate::engine::plan::{Band, Plan};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::kernels::LightsKind;
-use crate::gpu::layout::{COUNTERS, LANES, Params};
-use crate::image::frame::Channel;
+use crate::gpu::layout::Params;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
 use wgpu::BufferUsages;
@@ -69,12 +69,6 @@ pub struct Job<'a> {
     pub clusters: u32,
 }
 
-/// Bytes of an item of every list: two words.
-const ITEM_BYTES: u64 = 8;
-
-/// Bytes of a row of four words.
-const ROW_BYTES: u64 = 16;
-
 impl Resident {
     /// All but how the scene looks, which [`Resident::upload_look`] puts there.
     pub fn new(
@@ -83,7 +77,6 @@ impl Resident {
         clustered: &Clustered,
         camera: &Camera,
         plan: &Plan,
-        wanted: &Wanted,
         capacities: Option<Capacities>,
     ) -> Result<Resident> {
         let passes = bounces(camera.optics.as_deref());
@@ -94,7 +87,7 @@ impl Resident {
             capacities: Capacities { queue: 0, work: 0, tasks: 0, pairs: 0, recheck_items: 0, edges: 0 },
             batches: 1,
             raster_rounds: 1,
-            pairs_by_tile: gpu.binding_limit() / ROW_BYTES,
+            pairs_by_tile: gpu.binding_limit() / FOUR,
             params: Vec::new(),
             turned_params: Vec::new(),
             turns: camera
@@ -109,9 +102,11 @@ impl Resident {
             holes: Default::default(),
         };
         resident.upload_scene(gpu, clustered)?;
-        resident.create_frame(gpu, camera, plan, wanted)?;
+        if plan.variant.samples_edges() {
+            resident.shared.upload_uniform(gpu, "places", &places(&plan.places))?;
+        }
         resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, camera, plan));
-        resident.create_lists(gpu, camera, plan)?;
+        resident.make_room(gpu, camera, plan)?;
         Ok(resident)
     }
 
@@ -147,7 +142,8 @@ impl Resident {
     /// Puts the tables of another camera on the device, of a plan whose bands are as large.
     pub fn aim(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
         self.bands = plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?;
-        self.write_params(gpu, camera, plan)
+        // another camera may have more tiles
+        self.make_room(gpu, camera, plan)
     }
 
     /// Lights, materials with their images, and normals; whether holes are where they were before.
@@ -178,26 +174,6 @@ impl Resident {
         Ok(keeps_holes)
     }
 
-    /// Visibility and proofs (8 bytes a pixel of the largest band), planes (4 bytes a pixel and channel), sRGB and edges (4 bytes a pixel each).
-    fn create_frame(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, wanted: &Wanted) -> Result<()> {
-        let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
-        let plain = BufferUsages::empty();
-        self.shared.create(gpu, "visibility", 8 * pixels, plain)?;
-        self.shared.create(gpu, "planes", 4 * pixels * plan.planes.len() as u64, plain)?;
-        if plan.planes.contains(&Channel::Certified) {
-            self.shared.create(gpu, "proofs", 8 * pixels, plain)?;
-        }
-        if wanted.srgb8 {
-            self.shared.create(gpu, "srgb8", 4 * pixels, plain)?;
-        }
-        if plan.variant.samples_edges() {
-            self.shared.create(gpu, "edge_of", 4 * pixels, plain)?;
-            self.shared.upload_uniform(gpu, "places", &places(&plan.places))?;
-        }
-        self.shared.create(gpu, "counters", 4 * COUNTERS as u64, plain)?;
-        self.shared.create(gpu, "indirect", 12, BufferUsages::INDIRECT)
-    }
-
     /// A start from the scene's size: most clusters meet a few nodes, most triangles a few tiles.
     fn first_guess(&self, scene: &Scene, camera: &Camera, plan: &Plan) -> Capacities {
         let clusters: u64 = self.chunks.iter().map(|c| c.clusters as u64).sum();
@@ -213,46 +189,23 @@ impl Resident {
         }
     }
 
-    /// The lists between the stages at their present capacities, and the parameters that name these.
-    fn create_lists(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
-        let most = gpu.binding_limit() / ITEM_BYTES;
+    /// The buffers that kernels write, at the present capacities, and the parameters that name these.
+    fn make_room(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
+        let most = gpu.binding_limit() / ITEM;
         let c = &mut self.capacities;
         [&mut c.queue, &mut c.work, &mut c.tasks, &mut c.pairs, &mut c.recheck_items]
             .into_iter()
             .for_each(|items| *items = (*items).min(most));
-        let queues = [("queue_even", c.queue), ("queue_odd", c.queue)];
-        let lists = [("work", c.work), ("tasks", c.tasks), ("pairs", c.pairs), ("recheck_items", c.recheck_items)];
-        for (name, items) in queues.into_iter().chain(lists) {
-            self.shared.create(gpu, name, items * ITEM_BYTES, BufferUsages::empty())?;
-        }
-        if plan.variant.by_tile {
-            let tiles = plan.bands.iter().map(|b| b.tiles.tiles_x * b.tiles.tiles_y).max().unwrap_or(0);
-            let busy = 4 * u64::from(tiles) * u64::from(1 + self.raster_rounds);
-            let each = 4 * u64::from(tiles);
-            let pairs = self.capacities.pairs;
-            let lists = [
-                ("starts", each),
-                ("ends", each),
-                ("busy", busy),
-                ("unsorted", pairs * ITEM_BYTES),
-                ("ranks", 4 * pairs),
-            ];
-            for (name, bytes) in lists {
-                self.shared.create(gpu, name, bytes, BufferUsages::empty())?;
-            }
-        }
-        if plan.variant.samples_edges() {
-            // of each a pixel, and a key a sample; all pixels of a band fit: see its plan
-            let row = ITEM_BYTES * u64::from(plan.variant.samples + 1);
-            let pixels = u64::from(plan.rows_max()) * u64::from(camera.width);
-            self.capacities.edges = self.capacities.edges.min(pixels);
-            self.shared.create(gpu, "samples", self.capacities.edges * row, BufferUsages::empty())?;
-            if self.samples_by_tile(plan) {
-                let tiles = plan.bands.iter().map(|b| u64::from(b.tiles.tiles_x * b.tiles.tiles_y)).max().unwrap_or(0);
-                let strips = self.capacities.edges * u64::from(plan.variant.samples.div_ceil(4));
-                let blocks = strips.div_ceil(u64::from(LANES)) + tiles;
-                self.shared.create(gpu, "blocks", ROW_BYTES * blocks, BufferUsages::empty())?;
-                self.shared.create(gpu, "touches", ROW_BYTES * self.capacities.pairs, BufferUsages::empty())?;
+        // all pixels of a band fit: see its plan
+        c.edges = c.edges.min(u64::from(plan.rows_max()) * u64::from(plan.width));
+        let (capacities, raster_rounds) = (self.capacities, self.raster_rounds);
+        let sizes = Sizes { plan, capacities, raster_rounds, samples_by_tile: self.samples_by_tile(plan) };
+        for Row { name, bytes, .. } in table() {
+            if let Bytes::Room(bytes) = bytes
+                && let Some(bytes) = bytes(&sizes)
+            {
+                let usage = if name == "indirect" { BufferUsages::INDIRECT } else { BufferUsages::empty() };
+                self.shared.fit(gpu, name, bytes, usage)?;
             }
         }
         self.write_params(gpu, camera, plan)
@@ -294,22 +247,18 @@ impl Resident {
         (at(batch), at(batch + 1) - at(batch))
     }
 
-    /// Every batch of every chunk over band `band`, in a pass by its number.
-    pub fn jobs(&self, band: usize, pass: usize) -> impl Iterator<Item = Job<'_>> {
-        let all = if self.passes[pass].count == 0 { &self.params } else { &self.turned_params };
-        let per_band = self.chunks.len() * self.batches as usize;
-        (0..per_band).map(move |k| {
-            let chunk = &self.chunks[k / self.batches as usize];
-            let index = band * per_band + k;
-            let clusters = self.batch(chunk, k as u32 % self.batches).1;
-            let passed = pass * self.params.len();
-            Job { index: passed + index, chunk, params: &all[index], clusters }
-        })
+    /// Every batch of every chunk over band `band`, in a bounce by its number.
+    pub fn jobs(&self, band: usize, bounce: usize) -> impl Iterator<Item = Job<'_>> {
+        (0..).map_while(move |k| self.job(band, bounce, k))
     }
 
-    /// One job has all triangles, whose lists stay until they are needed again.
-    pub fn is_alone(&self, band: usize, pass: usize) -> bool {
-        self.jobs(band, pass).filter(|j| j.clusters > 0).count() == 1
+    /// The k-th of them.
+    pub fn job(&self, band: usize, bounce: usize, k: usize) -> Option<Job<'_>> {
+        let all = if self.passes[bounce].count == 0 { &self.params } else { &self.turned_params };
+        let chunk = self.chunks.get(k / self.batches as usize)?;
+        let index = band * self.chunks.len() * self.batches as usize + k;
+        let clusters = self.batch(chunk, k as u32 % self.batches).1;
+        Some(Job { index: bounce * self.params.len() + index, chunk, params: &all[index], clusters })
     }
 
     pub fn job_count(&self) -> usize {
@@ -325,7 +274,7 @@ impl Resident {
 
     /// Makes room for what the counters demanded: larger lists, or more batches where a list is as large as a binding.
     pub fn grow(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, need: Capacities) -> Result<()> {
-        let most = gpu.binding_limit() / ITEM_BYTES;
+        let most = gpu.binding_limit() / ITEM;
         if need.queue.max(need.work).max(need.tasks).max(need.pairs).max(need.recheck_items) > most {
             let largest = self.chunks.iter().map(|c| c.clusters).max().unwrap_or(0);
             if self.batches >= largest {
@@ -349,7 +298,7 @@ impl Resident {
             recheck_items: grown(c.recheck_items, need.recheck_items),
             edges: grown(c.edges, need.edges),
         };
-        self.create_lists(gpu, camera, plan)
+        self.make_room(gpu, camera, plan)
     }
 
     pub fn bytes(&self) -> u64 {

@@ -5,7 +5,7 @@ use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::kernels::Variant;
 use crate::gpu::recorder::Recorder;
-use crate::input::{Error, Result};
+use crate::input::Result;
 use crate::scene::Scene;
 use glam::DVec3;
 
@@ -123,14 +123,6 @@ impl Choice {
     /// [`Error::Input`] where it cannot show them, with the reason.
     pub fn make(&self, gpu: &Gpu, scene: &Scene, setup: Setup) -> Result<Box<dyn Rival>> {
         let name = self.technique.name;
-        if setup.variant.bounces_rays() {
-            return Err(Error::input(format!(
-                "{name} does not follow rays that are turned; give the camera an atlas, or use --engine compute"
-            )));
-        }
-        if !setup.variant.culling && !self.technique.culls {
-            return Err(Error::input(format!("{name} culls nothing; leave out --no-cull")));
-        }
         let mut rival = (self.technique.make)(gpu, &Setup { knob: self.knob, ..setup }).map_err(|e| e.at(name))?;
         rival.upload(gpu, scene).map_err(|e| e.at(name))?;
         Ok(rival)

@@ -1,11 +1,11 @@
 //! Buffers by name, pipelines by kernel, and the bind groups that join the two.
 
 use super::device::{Gpu, one_line};
-use super::kernels::{Access, Binding, Kernel, Variant};
+use super::kernels::{Access, Binding, Kernel};
 use crate::input::{Error, Result};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Buffers and textures of one lifetime (a scene's chunk, a band, a frame), by the names that kernels know them by.
 #[derive(Default)]
@@ -46,12 +46,18 @@ impl Buffers {
         Ok(())
     }
 
+    /// As [`Buffers::create`], unless the buffer that is there is as large.
+    pub fn fit(&mut self, gpu: &Gpu, name: &'static str, bytes: u64, more: wgpu::BufferUsages) -> Result<()> {
+        if self.get(name).is_some_and(|there| there.size() == held(bytes)) {
+            return Ok(());
+        }
+        self.create(gpu, name, bytes, more)
+    }
+
     /// A storage buffer that holds `rows`: the one that is there, if it is as large.
     pub fn upload<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, name: &'static str, rows: &[T]) -> Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(rows);
-        if self.get(name).is_none_or(|there| there.size() != held(bytes.len() as u64)) {
-            self.create(gpu, name, bytes.len() as u64, wgpu::BufferUsages::empty())?;
-        }
+        self.fit(gpu, name, bytes.len() as u64, wgpu::BufferUsages::empty())?;
         gpu.queue.write_buffer(&self.buffers[name], 0, bytes);
         Ok(())
     }
@@ -224,23 +230,6 @@ impl Compiled {
             gpu.failed(format!("kernel {name}: {}", one_line(error)));
         }
         Compiled { binder, pipeline }
-    }
-}
-
-/// A kernel of a variant, compiled once it is needed.
-pub struct Later {
-    kernel: fn(Variant) -> Kernel,
-    variant: Variant,
-    made: OnceLock<Pipeline>,
-}
-
-impl Later {
-    pub fn new(kernel: fn(Variant) -> Kernel, variant: Variant) -> Later {
-        Later { kernel, variant, made: OnceLock::new() }
-    }
-
-    pub fn get(&self, gpu: &Gpu) -> &Pipeline {
-        self.made.get_or_init(|| Pipeline::new(gpu, (self.kernel)(self.variant)))
     }
 }
 

@@ -27,24 +27,73 @@ pub const RAYS_TORN: u32 = 3;
 /// The level of a cell in the address of a node.
 pub const LEVEL_CELL: u32 = 15;
 
-/// Indices into the counters.
-pub const COUNT_WORK: u32 = 8;
-pub const COUNT_PAIRS: u32 = 9;
-pub const COUNT_RECHECKED: u32 = 10;
-pub const COUNT_PAIRS_KEPT: u32 = 11;
-pub const COUNT_FRAGMENTS_TESTED: u32 = 12;
-pub const COUNT_FRAGMENTS_KEPT: u32 = 13;
-pub const COUNT_RECHECK_ITEMS: u32 = 14;
-pub const COUNT_BUSY: u32 = 15;
-pub const COUNT_BUSY_FIRST: u32 = 16;
-pub const COUNT_BUSY_END: u32 = 17;
-pub const COUNT_PAIRS_TESTED: u32 = 18;
-pub const COUNT_TASKS: u32 = 19;
-pub const COUNT_SORTED: u32 = 20;
-pub const COUNT_EDGES: u32 = 21;
-pub const COUNT_BLOCKS: u32 = 22;
-pub const COUNT_RECHECK_SAMPLES: u32 = 23;
-pub const COUNTERS: u32 = 24;
+/// Counters of the queues of cull, which come first: the k-th counts the items that step k takes.
+pub const CULL_QUEUES: u32 = 8;
+
+/// Defines [`Counter`] with the name of each counter in its place.
+macro_rules! counters {
+    ($($(#[$about:meta])+ $counter:ident = $name:literal),+ $(,)?) => {
+        /// What stages count in `counters` behind the queues of cull, in this order.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum Counter {
+            $($(#[$about])+ $counter),+
+        }
+
+        impl Counter {
+            pub const ALL: &[Counter] = &[$(Counter::$counter),+];
+
+            /// The name of its index in WGSL, in lower case.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Counter::$counter => $name),+
+                }
+            }
+
+            /// Its place in `counters`.
+            pub const fn index(self) -> u32 {
+                CULL_QUEUES + self as u32
+            }
+        }
+    };
+}
+
+counters! {
+    /// (cluster, node) items for split.
+    Work = "count_work",
+    /// (triangle, tile) pairs.
+    Pairs = "count_pairs",
+    /// Pixels of pairs whose coverage f32 did not prove.
+    Rechecked = "count_rechecked",
+    /// Pairs with a pixel that the triangle may cover, where fragments are counted.
+    PairsKept = "count_pairs_kept",
+    /// Pixels of these that raster tested.
+    FragmentsTested = "count_fragments_tested",
+    /// Those that the triangle covers.
+    FragmentsKept = "count_fragments_kept",
+    /// Half tiles of pairs for recheck.
+    RecheckItems = "count_recheck_items",
+    /// Tiles with pairs that raster has not taken yet.
+    Busy = "count_busy",
+    /// The first of them that raster takes in this round.
+    BusyFirst = "count_busy_first",
+    /// The end of those that it has taken.
+    BusyEnd = "count_busy_end",
+    /// Pairs that bin tested, where fragments are counted.
+    PairsTested = "count_pairs_tested",
+    /// (triangle group, node) items for bin.
+    Tasks = "count_tasks",
+    /// Pairs in runs of tiles.
+    Sorted = "count_sorted",
+    /// Pixels with an edge. This and those that follow stay while pairs are listed anew.
+    Edges = "count_edges",
+    /// Blocks of strips of four samples of these.
+    Blocks = "count_blocks",
+    /// Samples for recheck_samples.
+    RecheckSamples = "count_recheck_samples",
+}
+
+/// Words of `counters`.
+pub const COUNTERS: u32 = CULL_QUEUES + Counter::ALL.len() as u32;
 
 /// Bits of a triangle row's last word: id below, file order above, one-sidedness on top.
 pub const ID_BITS_MAX: u32 = 28;

@@ -107,7 +107,7 @@ impl Scene {
     /// [`Error::Input`] where shadows would be of holes.
     pub fn check_shadows(&self) -> Result<()> {
         if self.has_shadows() && self.mesh.has_holes() {
-            return Err(Error::input("shadows know no holes that images cut into triangles; leave either out"));
+            return Err(Error::input(SHADOWS_AND_HOLES.join("; ")));
         }
         Ok(())
     }
@@ -117,3 +117,6 @@ impl Scene {
         self.mesh.bounds()
     }
 }
+
+/// Why there are no shadows where images cut holes, and what to do.
+pub const SHADOWS_AND_HOLES: [&str; 2] = ["shadows know no holes that images cut into triangles", "leave either out"];

@@ -34,12 +34,13 @@ pub mod write;
 pub use key::{KeyForm, Real};
 
 use crate::camera::Camera;
-use crate::engine::Capacities;
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::curves::RayTable;
 use crate::engine::plan::pages::Pages;
+use crate::engine::plan::variant::variant;
 use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
 use crate::engine::tables::{Hidden, Look, Span, params, turned};
+use crate::engine::{Capacities, RunOptions};
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::RaysKind;
 use crate::gpu::layout::{Cell, Cluster, Node, ONE_SIDED, Params, Piece};
@@ -132,7 +133,9 @@ impl Tables {
     pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: Abilities, binding_limit: u64) -> Tables {
         let scene = &*scene.with_optics(camera);
         let around = Surroundings::of(camera, scene.bounds());
-        let plan = Plan::new(camera, Contents::of(scene), around, wanted, has, binding_limit);
+        let contents = Contents::of(scene);
+        let variant = variant(camera, contents, wanted, has, &RunOptions::default());
+        let plan = Plan::new(variant, camera, contents, around, wanted, has, binding_limit);
         Tables {
             optics: Optics::new(scene, camera, &plan),
             clustered: cluster(&scene.mesh, around.anchor, plan.variant.textured, binding_limit),

@@ -3,12 +3,14 @@
 use crate::common;
 
 use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::{Arithmetic, Engine, RunOptions};
 use anamorph::internals::geometry::generate::icosphere;
 use anamorph::internals::gpu::Gpu;
+use anamorph::internals::image::frame::Channel;
 use common::cameras::{MeshLook, mesh_spec, pinhole, raymap};
 use common::gpu::{engine_on, hits, wanted, words};
-use common::{FORWARD, camera, scene};
+use common::{FORWARD, camera, layered, scene};
 use glam::DVec3;
 
 const SIZE: (u32, u32) = (61, 45);
@@ -20,9 +22,9 @@ fn runs() -> impl Iterator<Item = RunOptions> {
     arithmetics.into_iter().flat_map(move |a| [false, true].map(|no_cull| run(a, no_cull)))
 }
 
-/// Pairs of cameras of pieces and of a field. The rays of a pair start at the same points, so that both have the same anchor and
+/// Pairs of cameras of pieces, of layers of them and of a field. The rays of a pair start at the same points, so that both have the same anchor and
 /// pictures are equal to the byte.
-fn pairs() -> [(&'static str, [Camera; 2]); 3] {
+fn pairs() -> [(&'static str, [Camera; 2]); 4] {
     let targets = [DVec3::ZERO, DVec3::new(0.3, -0.2, 0.1)];
     let eyes = targets.map(|target| camera(pinhole(DVec3::new(2.0, 1.0, 2.5), target, 60.0), SIZE, FORWARD));
     let pieces = [0.0, 0.2].map(|by| {
@@ -32,20 +34,24 @@ fn pairs() -> [(&'static str, [Camera; 2]); 3] {
     });
     // in front of the ball, and within it
     let fields = [FORWARD, [0.45, f64::INFINITY]].map(|t_range| raymap(SIZE.0, SIZE.1, t_range));
-    [("pinhole", eyes), ("pieces", pieces), ("ray map", fields)]
+    // the tiles of more layers need larger lists
+    let chains = [2, 9].map(|layers| layered::chain(3, layers, (4, 3), MeshLook::default(), SIZE));
+    [("pinhole", eyes), ("pieces", pieces), ("chain", chains), ("ray map", fields)]
 }
 
 fn check(engine: &mut Engine, what: &str) {
     let scene = scene(icosphere(2));
+    let wanted = Wanted { channels: [wanted().channels, vec![Channel::ObjectId]].concat(), ..wanted() };
     for ((name, [first, second]), run) in pairs().iter().flat_map(|pair| runs().map(move |run| (pair, run))) {
         let name = format!("{name}, {what}, {:?}, no_cull {}", run.arithmetic, run.no_cull);
-        let alone = [first, second].map(|camera| engine.render(&scene, camera, &wanted(), &run).unwrap());
+        let alone = [first, second].map(|camera| engine.render(&scene, camera, &wanted, &run).unwrap());
         assert!(hits(&alone[1].frame) > 100 && words(&alone[0].frame) != words(&alone[1].frame), "{name}");
         for (there, expected) in [(&[second][..], &alone[1]), (&[second, first], &alone[0])] {
-            let mut frames = engine.prepare(&scene, first, &wanted(), &run).unwrap();
+            let mut frames = engine.prepare(&scene, first, &wanted, &run).unwrap();
             there.iter().for_each(|camera| frames.aim(camera).unwrap_or_else(|e| panic!("{name}: {e}")));
             let aimed = frames.finish().unwrap();
             assert!(words(&aimed.frame) == words(&expected.frame) && aimed.srgb8 == expected.srgb8, "{name}");
+            assert_eq!((&aimed.counts, &aimed.left_out), (&expected.counts, &expected.left_out), "{name}");
         }
     }
 }

@@ -5,6 +5,7 @@ use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::plan::{Contents, Plan, Surroundings, Wanted};
 use anamorph::internals::geometry::{generate, place};
 use anamorph::internals::image::frame::Channel;
@@ -158,7 +159,9 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
             return;
         };
         let around = Surroundings::of(&camera, scene.bounds());
-        let plan = Plan::new(&camera, Contents::of(&scene), around, &wanted(), small.gpu.has, SMALL_BINDING);
+        let (contents, has) = (Contents::of(&scene), small.gpu.has);
+        let variant = variant(&camera, contents, &wanted(), has, &RunOptions::default());
+        let plan = Plan::new(variant, &camera, contents, around, &wanted(), has, SMALL_BINDING);
         let chunks = anamorph::internals::engine::clusters::cluster(&scene.mesh, around.anchor, false, SMALL_BINDING)
             .chunks
             .len();

@@ -6,7 +6,9 @@ use anamorph::internals::camera::TILE;
 use anamorph::internals::camera::kinds::glc::Glc;
 use anamorph::internals::camera::spec::CameraKind;
 use anamorph::internals::camera::{Camera, Field, Ray, Rays};
+use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::slabs::Slabs;
+use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::plan::{Band, Contents, Plan, Surroundings, Wanted};
 use anamorph::internals::gpu::device::Abilities;
 use anamorph::internals::gpu::layout::{self, BRANCH};
@@ -33,8 +35,21 @@ fn of(triangles: usize) -> Contents {
     Contents { triangles, ..Contents::default() }
 }
 
+/// The plan of frames without options.
+fn new_plan(
+    camera: &Camera,
+    contents: Contents,
+    around: Surroundings,
+    wanted: &Wanted,
+    has: Abilities,
+    limit: u64,
+) -> Plan {
+    let variant = variant(camera, contents, wanted, has, &RunOptions::default());
+    Plan::new(variant, camera, contents, around, wanted, has, limit)
+}
+
 fn plan(camera: &Camera, binding_limit: u64) -> Plan {
-    Plan::new(camera, of(1000), Surroundings::point(DVec3::ZERO), &wanted(&Channel::ALL), HAS_ALL, binding_limit)
+    new_plan(camera, of(1000), Surroundings::point(DVec3::ZERO), &wanted(&Channel::ALL), HAS_ALL, binding_limit)
 }
 
 /// A GLC of random near and far points.
@@ -112,7 +127,7 @@ fn a_piece_row_gives_the_rays_of_its_pixels() {
     for (name, camera) in cameras() {
         let Rays::Pieces(_) = &camera.layers[0] else { continue };
         let around = Surroundings::of(&camera, None);
-        let plan = Plan::new(&camera, of(1), around, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
+        let plan = new_plan(&camera, of(1), around, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
         for band in &plan.bands {
             for (i, j) in (0..band.rows).step_by(5).flat_map(|y| (0..SIZE.0).step_by(7).map(move |x| (x, band.row + y)))
             {
@@ -257,7 +272,7 @@ fn nodes_bound_every_ray_of_their_squares() {
     for (name, camera) in cameras().into_iter().chain(layered_cameras()) {
         for around in [Surroundings::of(&camera, None), Surroundings::point(DVec3::new(3.0, -200.0, 0.1))] {
             for limit in [LAVAPIPE_BINDING, 1 << 17] {
-                let plan = Plan::new(&camera, of(1), around, &wanted(&Channel::ALL), HAS_ALL, limit);
+                let plan = new_plan(&camera, of(1), around, &wanted(&Channel::ALL), HAS_ALL, limit);
                 plan.bands.iter().for_each(|b| assert_bounded(&name, &camera, plan.anchor, plan.slabs, b));
             }
         }
@@ -287,7 +302,7 @@ fn the_key_has_room_for_every_id() {
     for (triangles, bits) in
         [(0, 1), (1, 1), (2, 1), (3, 2), (4, 2), (5, 3), (1 << 20, 20), ((1 << 20) + 1, 21), (1 << 28, 28)]
     {
-        let plan = Plan::new(
+        let plan = new_plan(
             &camera,
             of(triangles),
             Surroundings::point(DVec3::ZERO),
@@ -306,7 +321,7 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
     let camera = camera(kind, (16, 16), FORWARD);
     let planes = |channels: &[Channel], srgb8: bool| {
         let wanted = Wanted { srgb8, ..wanted(channels) };
-        Plan::new(&camera, of(9), Surroundings::point(DVec3::ZERO), &wanted, HAS_ALL, LAVAPIPE_BINDING).planes
+        new_plan(&camera, of(9), Surroundings::point(DVec3::ZERO), &wanted, HAS_ALL, LAVAPIPE_BINDING).planes
     };
     use Channel::{B, G, R, T, Z};
     assert_eq!(planes(&[T, Z, T], false), [Z, T]);
@@ -331,7 +346,7 @@ fn what_is_left_out_is_said() {
             ..of(9)
         };
         let contents = if normals { all } else { of(9) };
-        let plan = Plan::new(camera, contents, Surroundings::point(DVec3::ZERO), wanted, has, limit);
+        let plan = new_plan(camera, contents, Surroundings::point(DVec3::ZERO), wanted, has, limit);
         plan.left_out.into_iter().map(|l| l.what).collect::<Vec<_>>()
     };
     let (_, kind) = glc_of_each_class().swap_remove(3);

@@ -30,14 +30,14 @@ fn lists() -> [List; 8] {
     let p = params();
     [
         (0, p.queue_capacity, 1),
-        (COUNT_WORK, p.work_capacity, CLUSTER / TRIANGLE_GROUP),
-        (COUNT_TASKS, p.task_capacity, TRIANGLE_GROUP),
-        (COUNT_PAIRS, p.pair_capacity, 1),
-        (COUNT_RECHECK_ITEMS, p.recheck_capacity, 1),
-        (COUNT_EDGES, p.edge_capacity, 1),
-        (COUNT_RECHECK_SAMPLES, p.recheck_capacity / 2, 1),
+        (Counter::Work.index(), p.work_capacity, CLUSTER / TRIANGLE_GROUP),
+        (Counter::Tasks.index(), p.task_capacity, TRIANGLE_GROUP),
+        (Counter::Pairs.index(), p.pair_capacity, 1),
+        (Counter::RecheckItems.index(), p.recheck_capacity, 1),
+        (Counter::Edges.index(), p.edge_capacity, 1),
+        (Counter::RecheckSamples.index(), p.recheck_capacity / 2, 1),
         // blocks have room for all, which memory keeps far below this
-        (COUNT_BLOCKS, u32::MAX - GROUP, LANES),
+        (Counter::Blocks.index(), u32::MAX - GROUP, LANES),
     ]
 }
 
@@ -96,10 +96,10 @@ fn dispatches_hold_all_items_of_a_list_and_end_with_it() {
     }
     // busy tiles: those listed since the last time
     for (count, end) in [(0, 0), (5, 0), (5, 5), (900, 64), (9_000_000, 1)] {
-        let given = [(COUNT_BUSY, count), (COUNT_BUSY_END, end)];
-        let (indirect, after) = args(&gpu, &pipeline, COUNT_BUSY, &given);
+        let given = [(Counter::Busy.index(), count), (Counter::BusyEnd.index(), end)];
+        let (indirect, after) = args(&gpu, &pipeline, Counter::Busy.index(), &given);
         assert!(suit(&indirect, count - end, LANES), "busy tiles from {end} to {count}: {indirect:?}");
-        assert_eq!([COUNT_BUSY_FIRST, COUNT_BUSY_END].map(|k| after[k as usize]), [end, count]);
+        assert_eq!([Counter::BusyFirst.index(), Counter::BusyEnd.index()].map(|k| after[k as usize]), [end, count]);
     }
     // planted: one workgroup too few, one row too many, a dispatch into the depth
     assert!(

@@ -4,10 +4,11 @@ use crate::stages::{
     Bench, Case, POISON, assert_poisoned, cases, counters, list, random_case, read, read_list, run, seeds, upload,
 };
 use anamorph::internals::engine::Capacities;
+use anamorph::internals::engine::stage;
+use anamorph::internals::engine::stage::sort::sort;
+use anamorph::internals::engine::stage::split::split;
 use anamorph::internals::gpu::kernels::Variant;
-use anamorph::internals::gpu::layout::{
-    COUNT_BUSY, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_SORTED, COUNT_TASKS, COUNT_WORK, COUNTERS,
-};
+use anamorph::internals::gpu::layout::{COUNTERS, Counter};
 use anamorph::internals::twin::bin::{Binned, Pair, beside, bin, covered};
 use anamorph::internals::twin::cull::{Address, Bound, cull, node_meets};
 use anamorph::internals::twin::rays::owned;
@@ -48,42 +49,50 @@ fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &Input, 
     buffers.upload(gpu, "starts", &vec![POISON; tiles]).unwrap();
     buffers.upload(gpu, "ends", &vec![0u32; tiles]).unwrap();
     buffers.upload(gpu, "busy", &vec![POISON; tiles]).unwrap();
-    let zero_of_lists = if variant.by_tile { vec![(COUNT_BUSY, 0), (COUNT_SORTED, 0)] } else { Vec::new() };
-    let zeros = [(COUNT_WORK, work.len() as u32), (COUNT_TASKS, 0), (COUNT_PAIRS, 0), (COUNT_PAIRS_TESTED, 0)];
+    let zero_of_lists =
+        if variant.by_tile { vec![(Counter::Busy.index(), 0), (Counter::Sorted.index(), 0)] } else { Vec::new() };
+    let zeros = [
+        (Counter::Work.index(), work.len() as u32),
+        (Counter::Tasks.index(), 0),
+        (Counter::Pairs.index(), 0),
+        (Counter::PairsTested.index(), 0),
+    ];
     counters(gpu, &mut buffers, &[&zeros[..], &zero_of_lists].concat());
     run(gpu, |pass| {
-        stages.split(gpu, pass, &[&buffers])?;
-        stages.bin(gpu, pass, &[&buffers])?;
-        stages.sort(gpu, pass, &[&buffers], tiles as u32)
+        let mut dispatches = vec![split(), stage::bin::bin()];
+        dispatches.extend(variant.by_tile.then(|| sort(tiles as u32)).into_iter().flatten());
+        stages.encode(gpu, pass, &[&buffers], &dispatches)
     });
 
     let counters = read(gpu, &buffers, "counters");
     for (k, &value) in counters.iter().take(COUNTERS as usize).enumerate() {
-        let owned = [COUNT_WORK, COUNT_TASKS, COUNT_PAIRS, COUNT_PAIRS_TESTED].contains(&(k as u32))
-            || zero_of_lists.iter().any(|z| z.0 == k as u32);
+        let owned =
+            [Counter::Work.index(), Counter::Tasks.index(), Counter::Pairs.index(), Counter::PairsTested.index()]
+                .contains(&(k as u32))
+                || zero_of_lists.iter().any(|z| z.0 == k as u32);
         assert!(owned || value == POISON, "{}: counter {k} is {value}", case.name);
     }
     // a test for each pair at least; at most one for each tile below its node
-    let least = counters[COUNT_PAIRS as usize];
+    let least = counters[Counter::Pairs.index() as usize];
     let tiles_below = |w: &[u32; 2]| tiles_below(&input, Address::unpack(w[1])).len() as u32;
     let most: u32 = work.iter().map(|w| input.clusters[w[0] as usize].count * tiles_below(w)).sum();
-    let tested = counters[COUNT_PAIRS_TESTED as usize];
+    let tested = counters[Counter::PairsTested.index() as usize];
     assert!((least..=most).contains(&tested), "{}: {tested} pairs tested, {least} to {most} possible", case.name);
-    assert_eq!(counters[COUNT_WORK as usize], work.len() as u32, "{}", case.name);
+    assert_eq!(counters[Counter::Work.index() as usize], work.len() as u32, "{}", case.name);
     let groups = read(gpu, &buffers, "indirect");
-    let tasks = read_list(gpu, &buffers, "tasks")[..counters[COUNT_TASKS as usize] as usize].to_vec();
+    let tasks = read_list(gpu, &buffers, "tasks")[..counters[Counter::Tasks.index() as usize] as usize].to_vec();
     assert_tasks(case, &input, work, &tasks);
-    let listed = counters[COUNT_PAIRS as usize].min(input.params.pair_capacity) as usize;
+    let listed = counters[Counter::Pairs.index() as usize].min(input.params.pair_capacity) as usize;
     let last = if variant.by_tile { listed.div_ceil(64) } else { tasks.len().div_ceil(8) };
     assert_eq!(groups[..3], [last as u32, u32::from(last > 0), 1], "{}: groups", case.name);
     let items = read_list(gpu, &buffers, "pairs");
-    let demand = counters[COUNT_PAIRS as usize];
+    let demand = counters[Counter::Pairs.index() as usize];
     let count = (demand as usize).min(capacity);
     assert_poisoned(items.as_flattened(), 2 * count, &format!("{}, pairs", case.name));
     let pairs = items[..count].to_vec();
     if variant.by_tile {
-        let busy = read(gpu, &buffers, "busy")[..counters[COUNT_BUSY as usize] as usize].to_vec();
-        assert_eq!(counters[COUNT_SORTED as usize], pairs.len() as u32, "{}: pairs in runs", case.name);
+        let busy = read(gpu, &buffers, "busy")[..counters[Counter::Busy.index() as usize] as usize].to_vec();
+        assert_eq!(counters[Counter::Sorted.index() as usize], pairs.len() as u32, "{}: pairs in runs", case.name);
         let runs = [read(gpu, &buffers, "starts"), read(gpu, &buffers, "ends")];
         assert_sorted(&case.name, &pairs, &busy, &runs);
     }

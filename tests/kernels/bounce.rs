@@ -2,6 +2,7 @@
 
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use crate::turned::{cases, delicate, turns, variant};
+use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::kernels::OpticsKind;
 use anamorph::internals::gpu::layout::{NONE, split2};
 use anamorph::internals::twin::bounce::{Bounced, bounce};
@@ -48,7 +49,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &Input, visibil
     buffers.upload(gpu, "turned_hi", &vec![POISON; numbers + SPARE]).unwrap();
     buffers.upload(gpu, "turned_lo", &vec![POISON; numbers + SPARE]).unwrap();
     buffers.upload(gpu, "bounced_paths", &vec![[POISON; 8]; w * h + SPARE]).unwrap();
-    run(gpu, |pass| stages.bounce(gpu, pass, &[&buffers], (w * h) as u32));
+    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::bounce::bounce((w * h) as u32)]));
     let words = |name: &str, from: usize| {
         let words = read(gpu, &buffers, name);
         assert_poisoned(&words, from, &format!("{}, {name}", case.name));

@@ -6,8 +6,9 @@ use crate::stages::{
     seeds, upload,
 };
 use anamorph::internals::engine::Capacities;
+use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::kernels::Variant;
-use anamorph::internals::gpu::layout::{COUNT_WORK, COUNTERS, RAYS_AFFINE};
+use anamorph::internals::gpu::layout::{COUNTERS, Counter, RAYS_AFFINE};
 use anamorph::internals::twin::cull::{
     Address, Bound, Culled, HAND_ON, HAND_ON_LEVEL, REFINEMENTS, cull, hands_on, may_hand_on, node_meets,
 };
@@ -29,13 +30,13 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &Input) -> Kept {
     }
     list(gpu, &mut buffers, "work", &[], work);
     let steps = input.cull_steps;
-    let zeros: Vec<(u32, u32)> = (1..=steps).chain([COUNT_WORK]).map(|k| (k, 0)).collect();
+    let zeros: Vec<(u32, u32)> = (1..=steps).chain([Counter::Work.index()]).map(|k| (k, 0)).collect();
     counters(gpu, &mut buffers, &zeros);
-    run(gpu, |pass| stages.cull(gpu, pass, &[&buffers], input.params.cluster_count, steps));
+    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &stage::cull::cull(input.params.cluster_count, steps)));
 
     // nothing but the lists' own items and the counters of its steps may have changed
     let counters = read(gpu, &buffers, "counters");
-    let owned = |k: u32| (1..steps).contains(&k) || k == COUNT_WORK;
+    let owned = |k: u32| (1..steps).contains(&k) || k == Counter::Work.index();
     for k in (0..COUNTERS).filter(|&k| !owned(k) && k != steps) {
         assert_eq!(counters[k as usize], POISON, "{}: counter {k}", case.name);
     }
@@ -45,7 +46,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &Input) -> Kept {
         assert_poisoned(&read(gpu, &buffers, name), 2 * written as usize, &format!("{}, {name}", case.name));
     }
     let items = read_list(gpu, &buffers, "work");
-    let count = (counters[COUNT_WORK as usize] as usize).min(work);
+    let count = (counters[Counter::Work.index() as usize] as usize).min(work);
     assert_poisoned(items.as_flattened(), 2 * count, &format!("{}, work", case.name));
     Kept { work: items[..count].to_vec(), counters }
 }

@@ -6,6 +6,7 @@ use crate::turned::{case, cases, turns};
 use anamorph::internals::engine::plan::curves::RayTable;
 use anamorph::internals::engine::plan::fit::{STRAY, STRAY_SIZE};
 use anamorph::internals::engine::plan::nodes::{Level, TORN_WIDTH};
+use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::layout::{BRANCH, Cell, Node, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
 use anamorph::internals::twin::cull::Address;
 use anamorph::internals::twin::fit::{fit, rays_below, reach};
@@ -47,7 +48,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &Input, levels: &[Level]) -
     };
     let before: Vec<Cell> = (0..tiles).map(cell).collect();
     buffers.upload(gpu, "cells", &before).unwrap();
-    run(gpu, |pass| stages.fit(gpu, pass, &[&buffers], levels));
+    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &stage::fit::fit(levels)));
     let words = read(gpu, &buffers, "nodes");
     assert_poisoned(&words, node_words * count, &format!("{}, nodes", case.name));
     let nodes = bytemuck::cast_slice(&words[..node_words * count]).to_vec();

@@ -2,7 +2,8 @@
 
 use crate::common::needs::adapter;
 use crate::common::rng::Rng;
-use anamorph::internals::engine::stage::gather::Gather;
+use anamorph::internals::engine::stage;
+use anamorph::internals::engine::stage::Stages;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::{Buffers, read_words, readback};
 use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
@@ -94,7 +95,8 @@ fn run(gpu: &Gpu, case: &Case, optics: bool) -> Vec<u32> {
     b.upload(gpu, "sums", &case.sums).unwrap();
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_compute_pass(&Default::default());
-    Gather::new(gpu, variant(optics), &PLANES).run(gpu, &mut pass, &[&b], PIXELS as u32).unwrap();
+    let stages = Stages::new(gpu, variant(optics), &PLANES).unwrap();
+    stages.encode(gpu, &mut pass, &[&b], &[stage::gather::gather(PIXELS as u32)]).unwrap();
     drop(pass);
     let bytes = 4 * case.planes.len() as u64;
     let list = readback(gpu, bytes);

@@ -2,6 +2,8 @@
 
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use crate::turned::{cases, delicate, turns, variant};
+use anamorph::internals::engine::stage;
+use anamorph::internals::engine::stage::raster::raster_steps;
 use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
 use anamorph::internals::twin::meet::{meet, meetings};
 use anamorph::internals::twin::quadric::HEIGHT_UNITS;
@@ -26,8 +28,8 @@ fn run_kernel(
     let mut words = before.to_vec();
     words.resize(before.len() + SPARE, [POISON; 2]);
     buffers.upload(gpu, "visibility", &words).unwrap();
-    for step in 0..stages.raster_steps() {
-        run(gpu, |pass| stages.meet(gpu, pass, &[&buffers], before.len() as u32, step));
+    for step in 0..raster_steps(stages.variant) {
+        run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::meet::meet(before.len() as u32, step)]));
     }
     let words = read(gpu, &buffers, "visibility");
     assert_poisoned(&words, 2 * before.len(), &format!("{}, visibility", case.name));

@@ -5,13 +5,13 @@ use crate::stages::{
     Bench, Case, POISON, SPARE, assert_poisoned, cases, counters, list, random_case, read, run, seeds, upload,
 };
 use anamorph::internals::camera::TILE;
+use anamorph::internals::engine::stage;
+use anamorph::internals::engine::stage::raster::raster_steps;
+use anamorph::internals::engine::stage::recheck::recheck;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::Buffers;
 use anamorph::internals::gpu::kernels::Variant;
-use anamorph::internals::gpu::layout::{
-    COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS,
-    COUNT_PAIRS_KEPT, COUNT_RECHECK_ITEMS, COUNT_RECHECKED, COUNTERS, Params,
-};
+use anamorph::internals::gpu::layout::{COUNTERS, Counter, Params};
 use anamorph::internals::twin::bin::{Pair, bin};
 use anamorph::internals::twin::cull::{Bound, cull};
 use anamorph::internals::twin::raster::{Tested, Visibility, raster, test};
@@ -70,29 +70,41 @@ fn ways(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Way> {
 fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, jobs: &[Job]) -> Drawn {
     let by_pair = crate::turned::variant(case, &jobs[0].0, real, atomics64);
     let (gpu, stages) = bench.stages(if by_tile { by_pair.with_tiles() } else { by_pair }, &[]);
-    let owned = [COUNT_FRAGMENTS_TESTED, COUNT_FRAGMENTS_KEPT, COUNT_RECHECKED, COUNT_RECHECK_ITEMS, COUNT_PAIRS_KEPT];
+    let owned = [
+        Counter::FragmentsTested.index(),
+        Counter::FragmentsKept.index(),
+        Counter::Rechecked.index(),
+        Counter::RecheckItems.index(),
+        Counter::PairsKept.index(),
+    ];
     let pixels = (jobs[0].0.params.width * jobs[0].0.params.height) as usize;
     let mut visibility = vec![[0u32; 2]; pixels];
     visibility.resize(pixels + SPARE, [POISON; 2]);
     let mut shared = Buffers::default();
     shared.upload(gpu, "visibility", &visibility).unwrap();
     let mut sums = [0; 5];
-    for step in 0..stages.raster_steps() {
+    for step in 0..raster_steps(stages.variant) {
         for (input, pairs) in jobs {
             let mut buffers = upload(gpu, input);
             list(gpu, &mut buffers, "pairs", pairs, pairs.len());
             let room = input.params.recheck_capacity as usize;
             list(gpu, &mut buffers, "recheck_items", &[], room);
             let zeros = owned.map(|k| (k, 0));
-            let mut given = [&zeros[..], &[(COUNT_PAIRS, pairs.len() as u32)]].concat();
+            let mut given = [&zeros[..], &[(Counter::Pairs.index(), pairs.len() as u32)]].concat();
             if by_tile {
                 let busy = sorted(gpu, &mut buffers, input, pairs);
-                given.extend([(COUNT_BUSY, busy), (COUNT_BUSY_FIRST, 0), (COUNT_BUSY_END, 0)]);
+                given.extend([
+                    (Counter::Busy.index(), busy),
+                    (Counter::BusyFirst.index(), 0),
+                    (Counter::BusyEnd.index(), 0),
+                ]);
             }
             counters(gpu, &mut buffers, &given);
             run(gpu, |pass| {
-                stages.raster(gpu, pass, &[&buffers, &shared], step, 1)?;
-                stages.recheck(gpu, pass, &[&buffers, &shared], step)
+                let rechecked = stages.variant.rechecks().then(|| recheck(step));
+                let dispatches: Vec<_> =
+                    stage::raster::raster(stages.variant, step, 1).into_iter().chain(rechecked).collect();
+                stages.encode(gpu, pass, &[&buffers, &shared], &dispatches)
             });
             assert_poisoned(&read(gpu, &buffers, "recheck_items"), 2 * room, &format!("{}, recheck_items", case.name));
             let counters = read(gpu, &buffers, "counters");

@@ -2,6 +2,7 @@
 
 use crate::common::rng::Rng;
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, cases, read, run, upload};
+use anamorph::internals::engine::stage;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::image::tone::{Curve, Tone};
 use anamorph::internals::twin::write::{srgb, write};
@@ -103,7 +104,7 @@ fn check(bench: &mut Bench, rng: &mut Rng, case: &Case, input: &Input, planes: &
     let mut buffers = upload(gpu, input);
     buffers.upload(gpu, "planes", &words).unwrap();
     buffers.upload(gpu, "srgb8", &vec![POISON; pixels + SPARE]).unwrap();
-    run(gpu, |pass| stages.write(gpu, pass, &[&buffers], pixels as u32));
+    run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::write::write(pixels as u32)]));
     let out = read(gpu, &buffers, "srgb8");
     assert_poisoned(&out, pixels, "srgb8");
     assert_eq!(read(gpu, &buffers, "planes")[..words.len()], words, "write has changed what it reads");

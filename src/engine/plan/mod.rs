@@ -16,13 +16,14 @@ pub mod samples;
 pub mod slabs;
 pub mod tear;
 pub mod tiles;
+pub mod variant;
 
 use crate::camera::arranged::is_sorted;
 use crate::camera::perturb::scene_size;
 use crate::camera::{Camera, Rays};
 use crate::geometry::mesh::Material;
 use crate::gpu::device::Abilities;
-use crate::gpu::kernels::{LightsKind, OpticsKind, RaysKind, Variant};
+use crate::gpu::kernels::{RaysKind, Variant};
 use crate::gpu::layout::{self, BRANCH};
 use crate::image::frame::Channel;
 use crate::scene::Scene;
@@ -183,12 +184,16 @@ pub struct Band {
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub variant: Variant,
+    /// Pixels of a row.
+    pub width: u32,
     pub slabs: Slabs,
     pub bands: Vec<Band>,
     /// Where samples lie about their pixel's centre, px; none where that is the only one.
     pub places: Vec<DVec2>,
     /// The channels that `shade` writes: those wanted, and colour where sRGB is.
     pub planes: Vec<Channel>,
+    /// 8-bit sRGB colour is written.
+    pub srgb8: bool,
     /// Bits of a visibility key that hold the triangle id.
     pub id_bits: u32,
     pub anchor: DVec3,
@@ -231,8 +236,9 @@ impl Surroundings {
 }
 
 impl Plan {
-    /// Plans frames of `camera` over a scene.
+    /// Plans frames of `camera` over a scene for the kernels of [`variant::variant`].
     pub fn new(
+        variant: Variant,
         camera: &Camera,
         contents: Contents,
         around: Surroundings,
@@ -241,34 +247,6 @@ impl Plan {
         binding_limit: u64,
     ) -> Plan {
         let slabs = Slabs::of(camera);
-        let variant = Variant {
-            f64: true,
-            atomics64: has.atomics64,
-            by_tile: false,
-            rays: slabs::kind(camera),
-            scattered: is_sorted(camera),
-            slabbed: slabs.count() > 1,
-            counting: wanted.counting,
-            culling: true,
-            all_uncertain: false,
-            normals: contents.has_normals,
-            textured: wanted.is_textured(contents),
-            masked: contents.has_holes,
-            glossy: (contents.has_gloss || contents.has_sky) && wanted.has_colour(),
-            sky: contents.has_sky && wanted.has_colour(),
-            lights: match (contents.has_shadows, contents.has_places) {
-                _ if !wanted.has_colour() => LightsKind::Plain,
-                (true, _) => LightsKind::Hidden,
-                (false, true) => LightsKind::Placed,
-                (false, false) => LightsKind::Plain,
-            },
-            styled: contents.has_style && wanted.needs_look(),
-            outlined: contents.has_outlines && wanted.has_colour(),
-            optics: camera.optics.as_deref().map(OpticsKind::of),
-            bounced: false,
-            samples: wanted.samples(),
-            analytic: wanted.analytic && wanted.samples() > 1,
-        };
         let mut planes: Vec<Channel> = wanted.channels.iter().copied().filter(|c| !c.is_label()).collect();
         if wanted.srgb8 {
             planes.extend([Channel::R, Channel::G, Channel::B]);
@@ -298,10 +276,12 @@ impl Plan {
         let left_out = left_out(camera, slabs, &bands, &planes, wanted, contents, has);
         Plan {
             variant,
+            width: camera.width,
             slabs,
             bands,
             places,
             planes,
+            srgb8: wanted.srgb8,
             id_bits: id_bits.max(1),
             anchor: around.anchor,
             middle: around.middle,

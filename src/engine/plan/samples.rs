@@ -1,9 +1,8 @@
 //! Samples of a pixel: where they lie, and which cameras find those of all pixels in one frame.
 
-use super::slabs::kind;
+use super::Wanted;
 use crate::camera::Camera;
-use crate::camera::arranged::is_scattered;
-use crate::gpu::kernels::RaysKind;
+use crate::engine::combinations::Asked;
 use crate::scene::Scene;
 use glam::DVec2;
 
@@ -13,13 +12,8 @@ pub const AT_ONCE_MAX: u32 = 32;
 /// The camera's rays between pixel centres are known to the kernels, so that they find the pixels that hold an edge and these alone
 /// are looked at more closely; of others each sample takes a frame of its own.
 pub fn at_once(scene: &Scene, camera: &Camera, count: u32) -> bool {
-    // light gathered from caustics is known of centres, and where an image cuts holes into triangles no edge says so
-    scene.caustics.is_none()
-        && !scene.mesh.has_holes()
-        && !matches!(kind(camera), RaysKind::Curves { .. })
-        && camera.optics.is_none()
-        && !is_scattered(camera)
-        && count <= AT_ONCE_MAX
+    let wanted = Wanted { samples: count.max(2), ..Wanted::of(Vec::new()) };
+    Asked::new(scene, camera, &wanted).refusal().is_none()
 }
 
 /// Places of `count` samples about the pixel's centre, px, right and down, each in (-1/2, 1/2).

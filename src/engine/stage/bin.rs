@@ -1,12 +1,8 @@
 //! bin: the triangles of each kept triangle group against the tiles below its node.
 
-use super::{Scopes, Stages};
-use crate::gpu::Gpu;
-use crate::gpu::layout::COUNT_TASKS;
-use crate::input::Result;
+use super::{Dispatch, KernelId};
+use crate::gpu::layout::Counter;
 
-impl Stages {
-    pub fn bin(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes) -> Result<()> {
-        self.dispatch_counted(gpu, pass, scopes, &self.bin, (COUNT_TASKS, 0))
-    }
+pub fn bin() -> Dispatch {
+    Dispatch::counted(KernelId::Bin, Counter::Tasks)
 }

@@ -1,4 +1,4 @@
-//! The stages of a frame, one file each: what it binds and how it is dispatched.
+//! The stages of a frame, one file each: the dispatches of its kernels, as data, by pure functions.
 //!
 //! `cull -> split -> bin -> sort -> raster -> recheck -> shade -> write`, each the host's side of the kernel of that name. Where a mirror or a lens turns
 //! rays, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again, or [`paste`] from an atlas that was
@@ -27,41 +27,191 @@ pub mod split;
 pub mod write;
 
 use crate::gpu::Gpu;
-use crate::gpu::buffers::{Buffers, Later, Pipeline};
-use crate::gpu::kernels::{self, OpticsKind, Variant};
-use crate::gpu::layout::{COUNTERS, GROUP, Step};
+use crate::gpu::buffers::{Buffers, Pipeline};
+use crate::gpu::kernels::{self, Kernel, OpticsKind, Variant};
+use crate::gpu::layout::{CULL_QUEUES, Counter, GROUP, Step};
 use crate::image::frame::Channel;
-use crate::input::Result;
+use crate::input::{Error, Result};
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
-/// Names of the step buffers, by value: of a step, or of a counter.
-const STEPS: [&str; COUNTERS as usize] = [
-    "step0", "step1", "step2", "step3", "step4", "step5", "step6", "step7", "step8", "step9", "step10", "step11",
-    "step12", "step13", "step14", "step15", "step16", "step17", "step18", "step19", "step20", "step21", "step22",
-    "step23",
-];
+/// The kernels of frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum KernelId {
+    /// Lays out the dispatches of the others that follow a counter.
+    Args,
+    Cull,
+    Split,
+    Bin,
+    Allot,
+    Sort,
+    Raster,
+    Recheck,
+    Meet,
+    Certify,
+    /// Edges and samples, pair by pair.
+    Edges,
+    Sample,
+    /// The same tile by tile.
+    EdgesByTile,
+    SampleByTile,
+    RecheckSamples,
+    Shade,
+    Resolve,
+    Gather,
+    Bounce,
+    Fit,
+    Paste,
+    Outline,
+    Write,
+}
 
-/// The kernels of a variant, compiled, and the step buffers that number their dispatches.
+impl KernelId {
+    pub const ALL: [KernelId; 23] = {
+        use KernelId::*;
+        [
+            Args,
+            Cull,
+            Split,
+            Bin,
+            Allot,
+            Sort,
+            Raster,
+            Recheck,
+            Meet,
+            Certify,
+            Edges,
+            Sample,
+            EdgesByTile,
+            SampleByTile,
+            RecheckSamples,
+            Shade,
+            Resolve,
+            Gather,
+            Bounce,
+            Fit,
+            Paste,
+            Outline,
+            Write,
+        ]
+    };
+
+    /// The kernel of a variant whose frames have these planes; `None`: they do without.
+    pub fn kernel(self, variant: Variant, planes: &[Channel]) -> Option<Kernel> {
+        let (is_there, kernel): (bool, &dyn Fn() -> Kernel) = match self {
+            KernelId::Args => (true, &kernels::args),
+            KernelId::Cull => (true, &|| kernels::cull(variant)),
+            KernelId::Split => (true, &|| kernels::split(variant)),
+            KernelId::Bin => (true, &|| kernels::bin(variant)),
+            KernelId::Allot => (variant.by_tile, &kernels::allot),
+            KernelId::Sort => (variant.by_tile, &kernels::sort),
+            KernelId::Raster => (true, &|| kernels::raster(variant)),
+            KernelId::Recheck => (variant.rechecks(), &|| kernels::recheck(variant)),
+            KernelId::Meet => (variant.meets(), &|| kernels::meet(variant)),
+            KernelId::Certify => (planes.contains(&Channel::Certified), &|| kernels::certify(variant, planes)),
+            KernelId::Edges => (variant.samples_edges(), &|| kernels::edges(variant)),
+            KernelId::Sample => (variant.samples_edges(), &|| kernels::sample(variant)),
+            KernelId::EdgesByTile => (variant.samples_by_tile(), &|| kernels::edges_by_tile(variant)),
+            KernelId::SampleByTile => (variant.samples_by_tile(), &|| kernels::sample_by_tile(variant)),
+            KernelId::RecheckSamples => (variant.samples_by_tile(), &|| kernels::recheck_samples(variant)),
+            KernelId::Shade => (true, &|| kernels::shade(variant, planes)),
+            KernelId::Resolve => (variant.samples_edges(), &|| kernels::resolve(variant, planes)),
+            KernelId::Gather => (true, &|| kernels::gather(variant, planes)),
+            KernelId::Bounce => (variant.bounces_rays(), &|| kernels::bounce(variant)),
+            KernelId::Fit => (variant.bounces_rays(), &|| kernels::fit(variant)),
+            KernelId::Paste => (variant.optics == Some(OpticsKind::Atlas), &|| kernels::paste(variant, planes)),
+            KernelId::Outline => (variant.outlined, &|| kernels::outline(planes)),
+            KernelId::Write => (true, &|| kernels::write_srgb(planes)),
+        };
+        is_there.then(kernel)
+    }
+
+    /// Compiled once a frame takes it, not beforehand: of these a frame takes some or none.
+    fn waits(self) -> bool {
+        use KernelId::*;
+        matches!(self, Edges | Sample | EdgesByTile | SampleByTile | RecheckSamples | Gather)
+    }
+}
+
+/// What the uniform `step` tells a kernel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Number {
+    /// The n-th dispatch of the kernel; to `args`: the n-th queue of cull.
+    Nth(u32),
+    /// To `args`: a counter.
+    Of(Counter),
+}
+
+/// Names of the buffers of [`Number::Nth`]: levels of the tree and rounds, by number.
+const NTH: [&str; CULL_QUEUES as usize] = ["nth_0", "nth_1", "nth_2", "nth_3", "nth_4", "nth_5", "nth_6", "nth_7"];
+
+impl Number {
+    pub fn every() -> impl Iterator<Item = Number> {
+        (0..CULL_QUEUES).map(Number::Nth).chain(Counter::ALL.iter().copied().map(Number::Of))
+    }
+
+    /// The name of its buffer.
+    pub fn name(self) -> &'static str {
+        match self {
+            Number::Nth(n) => NTH[n as usize],
+            Number::Of(counter) => counter.name(),
+        }
+    }
+
+    fn value(self) -> u32 {
+        match self {
+            Number::Nth(n) => n,
+            Number::Of(counter) => counter.index(),
+        }
+    }
+}
+
+/// How many threads a dispatch has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// One for each of so many items.
+    Items(u32),
+    /// As many as `args` finds in a counter.
+    Counted(Number),
+}
+
+/// A dispatch of a kernel.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Dispatch {
+    pub kernel: KernelId,
+    /// Its `step`, where it has one.
+    pub step: Number,
+    pub over: Over,
+    /// What the kernel calls a buffer, and the buffer's name.
+    pub renamed: Vec<(&'static str, &'static str)>,
+}
+
+impl Dispatch {
+    /// Over so many items.
+    pub fn over(kernel: KernelId, items: u32) -> Dispatch {
+        Dispatch { kernel, step: Number::Nth(0), over: Over::Items(items), renamed: Vec::new() }
+    }
+
+    /// Over as many items as were counted.
+    pub fn counted(kernel: KernelId, counter: Counter) -> Dispatch {
+        Dispatch { over: Over::Counted(Number::Of(counter)), ..Dispatch::over(kernel, 0) }
+    }
+
+    /// The n-th of its kernel.
+    pub fn nth(self, n: u32) -> Dispatch {
+        Dispatch { step: Number::Nth(n), ..self }
+    }
+
+    /// With `buffer` where the kernel says `name`.
+    pub fn with(mut self, name: &'static str, buffer: &'static str) -> Dispatch {
+        self.renamed.push((name, buffer));
+        self
+    }
+}
+
+/// The kernels of a variant, compiled, and the buffers of [`Number`].
 pub struct Stages {
-    args: Pipeline,
-    cull: Pipeline,
-    split: Pipeline,
-    bin: Pipeline,
-    sort: Option<[Pipeline; 2]>,
-    raster: Pipeline,
-    recheck: Option<Pipeline>,
-    certify: Option<Pipeline>,
-    /// Edges and sample, pair by pair.
-    by_pair: Option<[Later; 2]>,
-    /// Edges, sample and recheck_samples, tile by tile.
-    by_tile: Option<[Later; 3]>,
-    resolve: Option<Pipeline>,
-    shade: Pipeline,
-    outline: Option<Pipeline>,
-    write: Pipeline,
-    bounce: Option<Pipeline>,
-    fit: Option<Pipeline>,
-    meet: Option<Pipeline>,
-    paste: Option<Pipeline>,
+    kernels: BTreeMap<KernelId, OnceLock<Pipeline>>,
     steps: Buffers,
     pub variant: Variant,
     /// The channels that `shade` writes.
@@ -73,84 +223,63 @@ pub type Scopes<'a> = &'a [&'a Buffers];
 
 impl Stages {
     pub fn new(gpu: &Gpu, variant: Variant, planes: &[Channel]) -> Result<Stages> {
-        let compile = |kernel| Pipeline::new(gpu, kernel);
         let mut steps = Buffers::default();
-        for (value, name) in STEPS.iter().enumerate() {
-            steps.upload_uniform(gpu, name, &Step { value: value as u32 })?;
+        for number in Number::every() {
+            steps.upload_uniform(gpu, number.name(), &Step { value: number.value() })?;
         }
-        Ok(Stages {
-            args: compile(kernels::args()),
-            cull: compile(kernels::cull(variant)),
-            split: compile(kernels::split(variant)),
-            bin: compile(kernels::bin(variant)),
-            sort: variant.by_tile.then(|| [compile(kernels::allot()), compile(kernels::sort())]),
-            raster: compile(kernels::raster(variant)),
-            recheck: variant.rechecks().then(|| compile(kernels::recheck(variant))),
-            certify: planes.contains(&Channel::Certified).then(|| compile(kernels::certify(variant, planes))),
-            by_pair: variant
-                .samples_edges()
-                .then(|| [kernels::edges, kernels::sample].map(|kernel| Later::new(kernel, variant))),
-            by_tile: variant.samples_by_tile().then(|| {
-                [kernels::edges_by_tile, kernels::sample_by_tile, kernels::recheck_samples]
-                    .map(|kernel| Later::new(kernel, variant))
-            }),
-            resolve: variant.samples_edges().then(|| compile(kernels::resolve(variant, planes))),
-            shade: compile(kernels::shade(variant, planes)),
-            outline: variant.outlined.then(|| compile(kernels::outline(planes))),
-            write: compile(kernels::write_srgb(planes)),
-            bounce: variant.bounces_rays().then(|| compile(kernels::bounce(variant))),
-            fit: variant.bounces_rays().then(|| compile(kernels::fit(variant))),
-            meet: variant.meets().then(|| compile(kernels::meet(variant))),
-            paste: (variant.optics == Some(OpticsKind::Atlas)).then(|| compile(kernels::paste(variant, planes))),
-            steps,
-            variant,
-            planes: planes.to_vec(),
-        })
+        let kernels = KernelId::ALL.into_iter().filter_map(|id| {
+            let kernel = id.kernel(variant, planes)?;
+            let pipeline = if id.waits() { OnceLock::new() } else { Pipeline::new(gpu, kernel).into() };
+            Some((id, pipeline))
+        });
+        Ok(Stages { kernels: kernels.collect(), steps, variant, planes: planes.to_vec() })
     }
 
-    /// Turns the count with index `counter` into the arguments of the next indirect dispatch.
-    fn lay_out(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass, scopes: Scopes, counter: u32) -> Result<()> {
-        let scopes = with(scopes, &self.steps);
-        let group = self.args.bind_renamed(gpu, &scopes, &[("step", STEPS[counter as usize])])?;
-        pass.set_pipeline(self.args.raw());
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(1, 1, 1);
-        Ok(())
+    /// Compiles what dispatches take, where it is not yet.
+    pub fn compile(&self, gpu: &Gpu, dispatches: &[Dispatch]) -> Result<()> {
+        dispatches.iter().try_for_each(|d| self.pipeline(gpu, d.kernel).map(|_| ()))
     }
 
-    /// Dispatches a kernel over as many items as the count with index `counter` says.
-    fn dispatch_counted(
+    /// Encodes dispatches in their order.
+    pub fn encode(
         &self,
         gpu: &Gpu,
         pass: &mut wgpu::ComputePass,
         scopes: Scopes,
-        kernel: &Pipeline,
-        (counter, step): (u32, u32),
+        dispatches: &[Dispatch],
     ) -> Result<()> {
-        self.lay_out(gpu, pass, scopes, counter)?;
-        let group = kernel.bind_renamed(gpu, &with(scopes, &self.steps), &[("step", STEPS[step as usize])])?;
-        self.dispatch_laid_out(pass, scopes, kernel, &group);
+        let scopes: Vec<&Buffers> = scopes.iter().copied().chain([&self.steps]).collect();
+        for Dispatch { kernel, step, over, renamed } in dispatches {
+            if let Over::Counted(number) = over {
+                let args = self.pipeline(gpu, KernelId::Args)?;
+                let group = args.bind_renamed(gpu, &scopes, &[("step", number.name())])?;
+                pass.set_pipeline(args.raw());
+                pass.set_bind_group(0, &group, &[]);
+                pass.dispatch_workgroups(1, 1, 1);
+            }
+            let kernel = self.pipeline(gpu, *kernel)?;
+            let renamed = [&[("step", step.name())][..], renamed].concat();
+            let group = kernel.bind_renamed(gpu, &scopes, &renamed)?;
+            pass.set_pipeline(kernel.raw());
+            pass.set_bind_group(0, &group, &[]);
+            match (over, scopes.iter().find_map(|s| s.get("indirect"))) {
+                (Over::Items(items), _) => dispatch_items(gpu, pass, *items),
+                (Over::Counted(_), Some(indirect)) => pass.dispatch_workgroups_indirect(indirect, 0),
+                (Over::Counted(_), None) => return Err(Error::work("no buffer indirect")),
+            }
+        }
         Ok(())
     }
 
-    /// Dispatches a kernel over what was laid out last.
-    fn dispatch_laid_out(
-        &self,
-        pass: &mut wgpu::ComputePass,
-        scopes: Scopes,
-        kernel: &Pipeline,
-        group: &wgpu::BindGroup,
-    ) {
-        pass.set_pipeline(kernel.raw());
-        pass.set_bind_group(0, group, &[]);
-        if let Some(indirect) = scopes.iter().find_map(|s| s.get("indirect")) {
-            pass.dispatch_workgroups_indirect(indirect, 0);
+    fn pipeline(&self, gpu: &Gpu, id: KernelId) -> Result<&Pipeline> {
+        let there = || self.kernels.get(&id).zip(id.kernel(self.variant, &self.planes));
+        match self.kernels.get(&id).and_then(OnceLock::get) {
+            Some(pipeline) => Ok(pipeline),
+            None => there()
+                .map(|(slot, kernel)| slot.get_or_init(|| Pipeline::new(gpu, kernel)))
+                .ok_or_else(|| Error::work(format!("a frame takes {id:?}, which its kernels lack"))),
         }
     }
-}
-
-fn with<'a>(scopes: Scopes<'a>, more: &'a Buffers) -> Vec<&'a Buffers> {
-    scopes.iter().copied().chain([more]).collect()
 }
 
 /// Workgroups for `items` threads, in two dimensions where one does not suffice.

@@ -1,29 +1,16 @@
 //! raster: every (triangle, tile) pair, pixel by pixel, into the visibility buffer; pair by pair, or tile by tile.
 
-use super::{Scopes, Stages};
-use crate::gpu::Gpu;
-use crate::gpu::layout::{COUNT_BUSY, COUNT_PAIRS};
-use crate::input::Result;
+use super::{Dispatch, KernelId};
+use crate::gpu::kernels::Variant;
+use crate::gpu::layout::Counter;
 
-impl Stages {
-    /// How many times all pairs must pass `raster`: without 64-bit atomics the words of a key go one after the other.
-    pub fn raster_steps(&self) -> u32 {
-        if self.variant.atomics64 { 1 } else { 2 }
-    }
+/// How many times all pairs must pass `raster`: without 64-bit atomics the words of a key go one after the other.
+pub fn raster_steps(variant: Variant) -> u32 {
+    if variant.atomics64 { 1 } else { 2 }
+}
 
-    /// Tile by tile, `rounds` times: each takes up what the one before has left.
-    pub fn raster(
-        &self,
-        gpu: &Gpu,
-        pass: &mut wgpu::ComputePass,
-        scopes: Scopes,
-        step: u32,
-        rounds: u32,
-    ) -> Result<()> {
-        if self.variant.by_tile {
-            let round = |_| self.dispatch_counted(gpu, pass, scopes, &self.raster, (COUNT_BUSY, step));
-            return (0..rounds).try_for_each(round);
-        }
-        self.dispatch_counted(gpu, pass, scopes, &self.raster, (COUNT_PAIRS, step))
-    }
+/// Tile by tile, `rounds` times: each takes up what the one before has left.
+pub fn raster(variant: Variant, step: u32, rounds: u32) -> Vec<Dispatch> {
+    let (counter, rounds) = if variant.by_tile { (Counter::Busy, rounds) } else { (Counter::Pairs, 1) };
+    vec![Dispatch::counted(KernelId::Raster, counter).nth(step); rounds as usize]
 }

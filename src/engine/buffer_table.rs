@@ -1,0 +1,313 @@
+//! Every buffer that the kernels of a frame bind: how large it is, who writes and who reads it, and how long its contents last.
+
+use super::Capacities;
+use super::stage::KernelId;
+use crate::engine::plan::Plan;
+use crate::gpu::layout::{self, COUNTERS, LANES};
+use crate::image::frame::Channel;
+
+/// A buffer.
+#[derive(Debug)]
+pub struct Row {
+    pub name: &'static str,
+    pub bytes: Bytes,
+    /// The kernels that write it; apart from them the host does, where [`Row::is_uploaded`].
+    pub written_by: &'static [KernelId],
+    pub read_by: &'static [KernelId],
+    pub lasts: Lasts,
+}
+
+/// How large a buffer is.
+#[derive(Debug, Clone, Copy)]
+pub enum Bytes {
+    /// The host uploads rows of so many bytes each.
+    Rows(usize),
+    /// The host makes room for what kernels write; `None`: these frames do without.
+    Room(fn(&Sizes) -> Option<u64>),
+    /// The host makes room for what kernels write, so many bytes for each pixel of the largest band: [`super::bounce_tables`].
+    EachPixel(usize),
+}
+
+/// How long kernels find in a buffer what was written there in a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lasts {
+    /// Until another scene, camera or look is uploaded.
+    Upload,
+    /// As long as the same band is rendered.
+    Band,
+    /// As long as the rays of the same bounce are followed.
+    Bounce,
+    /// As long as the same batch of triangles is.
+    Job,
+}
+
+/// What the sizes of buffers follow from.
+#[derive(Debug, Clone, Copy)]
+pub struct Sizes<'a> {
+    pub plan: &'a Plan,
+    pub capacities: Capacities,
+    /// As [`super::resident::Resident::raster_rounds`].
+    pub raster_rounds: u32,
+    /// As [`super::resident::Resident::samples_by_tile`].
+    pub samples_by_tile: bool,
+}
+
+impl Sizes<'_> {
+    /// Of the largest band.
+    fn pixels(&self) -> u64 {
+        u64::from(self.plan.rows_max()) * u64::from(self.plan.width)
+    }
+
+    /// Of the band with most, over all slabs.
+    fn tiles(&self) -> u64 {
+        let tiles = self.plan.bands.iter().map(|b| b.tiles.tiles_x * b.tiles.tiles_y);
+        tiles.max().unwrap_or(0).into()
+    }
+
+    fn by_tile(&self, bytes: u64) -> Option<u64> {
+        self.plan.variant.by_tile.then_some(bytes)
+    }
+
+    fn of_samples(&self, bytes: u64) -> Option<u64> {
+        self.plan.variant.samples_edges().then_some(bytes)
+    }
+}
+
+/// Bytes of an item of a list: two words.
+pub const ITEM: u64 = 8;
+
+/// Bytes of a row of four words.
+pub const FOUR: u64 = 16;
+
+/// Blocks of [`LANES`] strips of four samples: of each tile the last one may be partly empty.
+fn blocks(s: &Sizes) -> u64 {
+    let strips = s.capacities.edges * u64::from(s.plan.variant.samples.div_ceil(4));
+    strips.div_ceil(u64::from(LANES)) + s.tiles()
+}
+
+/// Every buffer, in the order of first use.
+pub fn table() -> Vec<Row> {
+    use KernelId::*;
+    use Lasts::{Band, Job, Upload};
+    const SAMPLED: &[KernelId] = &[Edges, Sample, EdgesByTile, SampleByTile, RecheckSamples, Resolve];
+    let uploaded = |name, row, read_by| Row { name, bytes: Bytes::Rows(row), written_by: &[], read_by, lasts: Upload };
+    let room = |name, lasts, bytes: fn(&Sizes) -> Option<u64>, written_by, read_by| Row {
+        name,
+        bytes: Bytes::Room(bytes),
+        written_by,
+        read_by,
+        lasts,
+    };
+    let each_pixel = |name, bytes, written_by| Row {
+        name,
+        bytes: Bytes::EachPixel(bytes),
+        written_by,
+        read_by: &[],
+        lasts: Lasts::Bounce,
+    };
+    vec![
+        // the scene
+        uploaded("clusters", size_of::<layout::Cluster>(), &[Cull]),
+        uploaded("triangle_groups", size_of::<layout::Cluster>(), &[Split, Bin]),
+        uploaded(
+            "triangles",
+            16,
+            &[Bin, Raster, Recheck, Certify, Edges, Sample, EdgesByTile, SampleByTile, RecheckSamples, Shade, Resolve],
+        ),
+        uploaded(
+            "vertices_hi",
+            4,
+            &[Bin, Raster, Recheck, Certify, Edges, Sample, EdgesByTile, SampleByTile, RecheckSamples, Shade, Resolve],
+        ),
+        uploaded("vertices_lo", 4, &[Raster, Recheck, Certify, Sample, SampleByTile, RecheckSamples, Shade]),
+        uploaded("slot_of_id", 4, &[Edges, Shade, Resolve]),
+        uploaded("surfaces", 16, &[Raster, Recheck, Shade, Resolve]),
+        uploaded("normals", 4, &[Shade, Resolve]),
+        uploaded("materials", size_of::<layout::Material>(), &[Raster, Recheck, Shade, Resolve]),
+        // texels
+        uploaded("pages", 8, &[Raster, Recheck, Shade, Resolve]),
+        uploaded("lights", 16, &[Shade, Resolve]),
+        uploaded("shading", size_of::<layout::Shading>(), &[Shade, Resolve, Write]),
+        uploaded("style", size_of::<layout::Style>(), &[Shade, Resolve, Outline]),
+        uploaded("landing_of", 4, &[Gather]),
+        uploaded("landings", size_of::<layout::Landing>(), &[Gather]),
+        uploaded("receivers", size_of::<layout::Receiver>(), &[Gather]),
+        uploaded("sums", 4, &[Gather]),
+        // the camera
+        uploaded("params", size_of::<layout::Params>(), &KernelId::ALL),
+        uploaded("places", size_of::<layout::Places>(), &[Sample, SampleByTile, RecheckSamples, Resolve]),
+        uploaded(
+            "tile_start",
+            4,
+            &[
+                Cull,
+                Raster,
+                Recheck,
+                Meet,
+                Certify,
+                Edges,
+                Sample,
+                EdgesByTile,
+                SampleByTile,
+                RecheckSamples,
+                Shade,
+                Resolve,
+                Bounce,
+                Paste,
+            ],
+        ),
+        uploaded(
+            "pieces",
+            size_of::<layout::Piece>(),
+            &[Raster, Recheck, Meet, Certify, Sample, SampleByTile, RecheckSamples, Shade, Resolve, Bounce, Paste],
+        ),
+        // a ray of a field; of curves 12 bytes a control point
+        uploaded(
+            "rays_hi",
+            24,
+            &[Raster, Recheck, Meet, Certify, Sample, SampleByTile, RecheckSamples, Shade, Resolve, Bounce, Fit],
+        ),
+        uploaded("rays_lo", 24, &[Raster, Recheck, Meet, Certify, Sample, SampleByTile, RecheckSamples, Shade, Bounce]),
+        uploaded("cell_samples", 8, SAMPLED),
+        uploaded("rays_aside", 24, &[Sample, SampleByTile, RecheckSamples, Resolve]),
+        Row {
+            written_by: &[Fit],
+            ..uploaded(
+                "nodes",
+                size_of::<layout::Node>(),
+                &[Cull, Split, Bin, Raster, Edges, Sample, EdgesByTile, SampleByTile, Fit],
+            )
+        },
+        Row {
+            written_by: &[Fit],
+            ..uploaded(
+                "cells",
+                size_of::<layout::Cell>(),
+                &[
+                    Cull,
+                    Split,
+                    Bin,
+                    Raster,
+                    Recheck,
+                    Meet,
+                    Certify,
+                    Edges,
+                    Sample,
+                    SampleByTile,
+                    RecheckSamples,
+                    Shade,
+                    Resolve,
+                    Bounce,
+                    Paste,
+                ],
+            )
+        },
+        // its optics
+        uploaded("optic", size_of::<layout::Optic>(), &[Raster, Meet, Shade, Gather, Bounce, Fit, Paste]),
+        uploaded("corners", size_of::<layout::Corner>(), &[Bounce, Paste]),
+        uploaded("quadrics", size_of::<layout::Quadric>(), &[Meet, Bounce]),
+        uploaded("tori", size_of::<layout::Torus>(), &[Meet, Bounce]),
+        uploaded("waves", size_of::<layout::Wave>(), &[Meet, Bounce]),
+        uploaded("paths", size_of::<layout::PathState>(), &[Raster, Recheck, Meet, Shade, Gather, Bounce]),
+        each_pixel("turned_hi", 24, &[Bounce]),
+        each_pixel("turned_lo", 24, &[Bounce]),
+        each_pixel("bounced_paths", size_of::<layout::PathState>(), &[Bounce]),
+        uploaded("atlas_layout", size_of::<layout::AtlasLayout>(), &[Paste]),
+        uploaded("atlas", 4, &[Paste]),
+        // what stages count, and the size of the next dispatch
+        room(
+            "counters",
+            Lasts::Bounce,
+            |_| Some(4 * u64::from(COUNTERS)),
+            &[Args, Cull, Split, Bin, Allot, Raster, Recheck, Edges, EdgesByTile, SampleByTile],
+            &[
+                Args,
+                Cull,
+                Split,
+                Bin,
+                Allot,
+                Sort,
+                Raster,
+                Recheck,
+                Certify,
+                Edges,
+                Sample,
+                EdgesByTile,
+                SampleByTile,
+                RecheckSamples,
+                Resolve,
+            ],
+        ),
+        room(
+            "indirect",
+            Job,
+            |_| Some(12),
+            &[Args],
+            &[Cull, Split, Bin, Sort, Raster, Recheck, Certify, Edges, Sample, SampleByTile, RecheckSamples, Resolve],
+        ),
+        // lists between the stages
+        room("queue_even", Job, |s| Some(ITEM * s.capacities.queue), &[Cull], &[Cull]),
+        room("queue_odd", Job, |s| Some(ITEM * s.capacities.queue), &[Cull], &[Cull]),
+        room("work", Job, |s| Some(ITEM * s.capacities.work), &[Cull], &[Split]),
+        room("tasks", Job, |s| Some(ITEM * s.capacities.tasks), &[Split], &[Bin]),
+        room("unsorted", Job, |s| s.by_tile(ITEM * s.capacities.pairs), &[Bin], &[Sort]),
+        room("ranks", Job, |s| s.by_tile(4 * s.capacities.pairs), &[Bin], &[Sort]),
+        room("starts", Job, |s| s.by_tile(4 * s.tiles()), &[Allot, Raster], &[Sort, Raster, EdgesByTile]),
+        room("ends", Job, |s| s.by_tile(4 * s.tiles()), &[Bin, Allot], &[Bin, Allot, Raster, EdgesByTile]),
+        room("busy", Job, |s| s.by_tile(4 * s.tiles() * u64::from(1 + s.raster_rounds)), &[Allot, Raster], &[Raster]),
+        room(
+            "pairs",
+            Job,
+            |s| Some(ITEM * s.capacities.pairs),
+            &[Bin, Sort],
+            &[Raster, Recheck, Certify, Edges, Sample, EdgesByTile, RecheckSamples],
+        ),
+        room(
+            "recheck_items",
+            Job,
+            |s| Some(ITEM * s.capacities.recheck_items),
+            &[Raster, SampleByTile],
+            &[Recheck, RecheckSamples],
+        ),
+        // of each pixel with an edge its place, and a key a sample
+        room(
+            "samples",
+            Lasts::Bounce,
+            |s| s.of_samples(ITEM * u64::from(s.plan.variant.samples + 1) * s.capacities.edges),
+            &[Edges, Sample, EdgesByTile, SampleByTile, RecheckSamples],
+            &[Sample, SampleByTile, RecheckSamples, Resolve],
+        ),
+        room("edge_of", Lasts::Bounce, |s| s.of_samples(4 * s.pixels()), &[Edges, EdgesByTile], &[Edges, Sample]),
+        room("blocks", Job, |s| s.samples_by_tile.then(|| FOUR * blocks(s)), &[EdgesByTile], &[SampleByTile]),
+        room(
+            "touches",
+            Job,
+            |s| s.samples_by_tile.then_some(FOUR * s.capacities.pairs),
+            &[EdgesByTile],
+            &[SampleByTile],
+        ),
+        // the image
+        room(
+            "visibility",
+            Lasts::Bounce,
+            |s| Some(8 * s.pixels()),
+            &[Raster, Recheck, Meet],
+            &[Raster, Recheck, Meet, Certify, Edges, EdgesByTile, Shade, Gather, Bounce, Paste],
+        ),
+        room(
+            "proofs",
+            Lasts::Bounce,
+            |s| s.plan.planes.contains(&Channel::Certified).then_some(8 * s.pixels()),
+            &[Certify],
+            &[Certify],
+        ),
+        room(
+            "planes",
+            Band,
+            |s| Some(4 * s.plan.planes.len() as u64 * s.pixels()),
+            &[Certify, Shade, Resolve, Gather, Paste, Outline],
+            &[Shade, Resolve, Gather, Outline, Write],
+        ),
+        room("srgb8", Band, |s| s.plan.srgb8.then_some(4 * s.pixels()), &[Write], &[]),
+    ]
+}

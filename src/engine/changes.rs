@@ -1,0 +1,139 @@
+//! What changed since the last frame: one answer, by which plans and clusters are taken over, uploads are left out, and the steps of
+//! a frame that are to run again are chosen.
+
+use super::planned::Planned;
+use crate::camera::Camera;
+use crate::engine::clusters::Clustered;
+use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
+use crate::gpu::kernels::Variant;
+use crate::scene::Scene;
+use std::sync::{Arc, Weak};
+
+/// What of a frame is not as it was in the last one.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Changes {
+    /// Rays, the size of the image, or what is wanted: all that a plan says.
+    pub plan: bool,
+    /// Triangles in their clusters.
+    pub triangles: bool,
+    /// Where triangles lie about the anchor.
+    pub places: bool,
+    /// Holes in triangles.
+    pub holes: bool,
+    /// Lights, materials, lines or the background.
+    pub look: bool,
+}
+
+/// What changed since the picture was made, and so which stages are to run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Dirty {
+    Nothing,
+    /// Lights or materials: what follows the visibility buffer.
+    Appearance,
+    All,
+}
+
+/// What is on the device.
+pub(super) struct Shown<'a> {
+    pub scene: &'a Scene,
+    pub plan: &'a Arc<Plan>,
+    pub clustered: &'a Weak<Clustered>,
+}
+
+impl Changes {
+    /// Nothing is known of what was there.
+    pub const ALL: Changes = Changes { plan: true, triangles: true, places: true, holes: true, look: true };
+
+    /// From what is shown to a frame that was planned.
+    pub(super) fn between(shown: &Shown, next: &Planned) -> Changes {
+        let Planned { scene, plan, clustered, .. } = next;
+        Changes {
+            plan: !Arc::ptr_eq(plan, shown.plan),
+            triangles: !shown.clustered.ptr_eq(&Arc::downgrade(clustered)),
+            places: !(same_mesh(scene, shown.scene) && plan.anchor == shown.plan.anchor),
+            // part of the mesh
+            holes: false,
+            look: !same_look(scene, shown.scene),
+        }
+    }
+
+    /// What the device has of lights and materials follows from something that changed.
+    pub fn needs_look(self) -> bool {
+        self.plan || self.places || self.look
+    }
+
+    /// Which stages are to run again.
+    pub fn dirty(self) -> Dirty {
+        let Changes { plan, triangles, places, holes, look } = self;
+        match (plan || triangles || places || holes, look) {
+            (true, _) => Dirty::All,
+            (false, true) => Dirty::Appearance,
+            (false, false) => Dirty::Nothing,
+        }
+    }
+}
+
+/// What a plan follows from.
+pub(super) struct PlannedBy<'a> {
+    pub scene: &'a Scene,
+    pub camera: &'a Arc<Camera>,
+    pub around: Surroundings,
+    pub wanted: &'a Wanted,
+    pub variant: Variant,
+}
+
+impl PlannedBy<'_> {
+    /// The plan of `last` is the plan for this.
+    pub fn is_that_of(&self, last: &Planned) -> bool {
+        let PlannedBy { scene, camera, around, wanted, variant } = self;
+        let Plan { anchor, middle, scene_size, .. } = *last.plan;
+        Arc::ptr_eq(&last.camera, camera)
+            && Surroundings { anchor, middle, scene_size } == *around
+            && Contents::of(&last.scene) == Contents::of(scene)
+            && last.wanted == **wanted
+            && (&last.scene.style, last.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
+            && last.plan.variant == *variant
+    }
+}
+
+/// The clusters of `last` are those of this scene for this plan.
+pub(super) fn same_clusters(last: &Planned, scene: &Scene, plan: &Plan) -> bool {
+    same_mesh(&last.scene, scene)
+        && (last.plan.anchor, last.plan.variant.textured) == (plan.anchor, plan.variant.textured)
+}
+
+/// Both are made of the same triangles, not of equal ones.
+fn same_mesh(a: &Scene, b: &Scene) -> bool {
+    Arc::ptr_eq(&a.mesh, &b.mesh)
+}
+
+/// Both are lit and drawn alike, what their triangles are made of aside.
+fn same_look(a: &Scene, b: &Scene) -> bool {
+    let is_same_sky = match (&a.sky, &b.sky) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (None, None) => true,
+        _ => false,
+    };
+    let look = |s: &Scene| (s.style, s.ambient_occlusion, s.background, s.tone);
+    is_same_sky && a.lights == b.lights && look(a) == look(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_alone_runs_what_follows_the_visibility_buffer() {
+        assert_eq!(Changes::default().dirty(), Dirty::Nothing);
+        assert_eq!(Changes { look: true, ..Changes::default() }.dirty(), Dirty::Appearance);
+        let none = Changes::default();
+        let whole = [
+            Changes { plan: true, ..none },
+            Changes { triangles: true, ..none },
+            Changes { places: true, ..none },
+            Changes { holes: true, ..none },
+            Changes::ALL,
+        ];
+        assert!(whole.iter().all(|changes| changes.dirty() == Dirty::All));
+    }
+}

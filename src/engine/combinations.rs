@@ -1,0 +1,255 @@
+//! What does not go together in a frame: one table. Errors are made from it, and `docs/reference/combinations.md` shows it.
+
+use crate::camera::Camera;
+use crate::camera::arranged::is_scattered;
+use crate::engine::plan::samples::AT_ONCE_MAX;
+use crate::engine::plan::slabs::kind;
+use crate::engine::plan::{Plan, Wanted};
+use crate::engine::rival::Choice;
+use crate::gpu::kernels::RaysKind;
+use crate::image::frame::Channel;
+use crate::input::{Error, Result};
+use crate::scene::{SHADOWS_AND_HOLES, Scene};
+
+/// What a frame has, or what is asked of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Feature {
+    NoSamples,
+    OneSample,
+    Samples,
+    ManySamples,
+    Analytic,
+    Certified,
+    Outlines,
+    Rows,
+    Rival,
+    RivalWithoutCulling,
+    NoCull,
+    Caustics,
+    Holes,
+    Shadows,
+    Curves,
+    Optics,
+    Bounces,
+    Atlas,
+    Scattered,
+    Bands,
+    Chunks,
+    Aimed,
+    Relit,
+}
+
+/// Features of which a frame cannot have all.
+#[derive(Debug)]
+pub struct Refusal {
+    pub features: &'static [Feature],
+    /// Why, in a line; `{rival}`, `{camera}`, `{samples}`, `{rows}` and `{chunks}` stand for the frame's own.
+    pub reason: &'static str,
+    /// What to do instead.
+    pub remedy: &'static str,
+}
+
+/// What was asked for.
+#[derive(Clone, Copy)]
+pub struct Asked<'a> {
+    pub scene: &'a Scene,
+    pub camera: &'a Camera,
+    pub wanted: &'a Wanted,
+    pub by: Option<Choice>,
+    pub no_cull: bool,
+    /// [`Feature::Aimed`] or [`Feature::Relit`], where frames that are there are changed.
+    pub change: Option<Feature>,
+    /// Once it is planned, with the number of its chunks of triangles.
+    pub planned: Option<(&'a Plan, usize)>,
+}
+
+/// All refusals, in the order in which they are looked for.
+pub const REFUSALS: &[Refusal] = {
+    use Feature::*;
+    const fn row(features: &'static [Feature], reason: &'static str, remedy: &'static str) -> Refusal {
+        Refusal { features, reason, remedy }
+    }
+    const CHANNEL_OF_COMPUTE: &str = "certified is a channel of --engine compute";
+    const WITHOUT_LINES: &str = "leave them out";
+    const ONE: &str = "take 1 a frame";
+    const ANEW: &str = "prepare the frames anew";
+    &[
+        row(&[Relit, Caustics], "caustics follow the light", ANEW),
+        row(&[Certified, Rival], "{rival} proves nothing", CHANNEL_OF_COMPUTE),
+        row(&[Certified, Optics], "{camera} turns rays without bounds", "certified is a channel of other cameras"),
+        row(&[Certified, Holes], "nothing is proven where images cut holes into triangles", "leave certified out"),
+        row(&[NoSamples], "0 samples a pixel", "take at least 1"),
+        row(&[Analytic, OneSample], "analytic coverage is of what several samples of a pixel see", "take at least 2"),
+        row(&[Samples, Rival], "{samples} samples a pixel of {camera} take a frame each with {rival}", ONE),
+        row(&[Samples, Caustics], "{samples} samples a pixel of {camera} take a frame each with caustics", ONE),
+        row(
+            &[Samples, Holes],
+            "{samples} samples a pixel of {camera} take a frame each where images cut holes into triangles",
+            ONE,
+        ),
+        row(
+            &[Samples, Curves],
+            "{samples} samples a pixel of {camera} take a frame each: its rays are curved or in layers",
+            ONE,
+        ),
+        row(&[Samples, Optics], "{samples} samples a pixel of {camera} take a frame each: it turns rays", ONE),
+        row(
+            &[Samples, Scattered],
+            "{samples} samples a pixel of {camera} take a frame each: its pixels look all over the scene",
+            ONE,
+        ),
+        row(&[ManySamples], "{samples} samples a pixel of {camera} take a frame each: 32 fit one frame", ONE),
+        row(&[Rival, Holes], "{rival} sees no holes that images cut into triangles", "use compute"),
+        row(&[Shadows, Holes], SHADOWS_AND_HOLES[0], SHADOWS_AND_HOLES[1]),
+        row(
+            &[Rival, Bounces],
+            "{rival} does not follow rays that are turned",
+            "give the camera an atlas, or use --engine compute",
+        ),
+        row(&[RivalWithoutCulling, NoCull], "{rival} culls nothing", "leave out --no-cull"),
+        row(&[Outlines, Atlas], "outlines and borders are not drawn by way of an atlas", "leave atlas out"),
+        row(
+            &[Outlines, Scattered],
+            "outlines and borders are between pixels, of which this camera's look all over",
+            WITHOUT_LINES,
+        ),
+        row(&[Rows, Outlines], "rows by themselves have no outlines and borders", WITHOUT_LINES),
+        row(
+            &[Rows, Scattered],
+            "rows by themselves are of cameras whose pixels do not look all over the scene",
+            "take all rows",
+        ),
+        row(
+            &[Outlines, Bands],
+            "outlines and borders need the whole image at once, of which the adapter holds {rows} rows",
+            "make it smaller",
+        ),
+        row(
+            &[Analytic, Chunks],
+            "analytic coverage needs all triangles in one list, for which the adapter takes {chunks}",
+            "count samples",
+        ),
+        row(&[Aimed, Optics], "frames of {camera} are not aimed: it turns rays", ANEW),
+    ]
+};
+
+impl Feature {
+    pub const ALL: [Feature; 23] = {
+        use Feature::*;
+        [
+            NoSamples,
+            OneSample,
+            Samples,
+            ManySamples,
+            Analytic,
+            Certified,
+            Outlines,
+            Rows,
+            Rival,
+            RivalWithoutCulling,
+            NoCull,
+            Caustics,
+            Holes,
+            Shadows,
+            Curves,
+            Optics,
+            Bounces,
+            Atlas,
+            Scattered,
+            Bands,
+            Chunks,
+            Aimed,
+            Relit,
+        ]
+    };
+
+    /// As the page calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Feature::NoSamples => "no samples",
+            Feature::OneSample => "one sample per pixel",
+            Feature::Samples => "several samples per pixel in one frame",
+            Feature::ManySamples => "more than 32 samples per pixel in one frame",
+            Feature::Analytic => "analytic coverage",
+            Feature::Certified => "the channel `certified`",
+            Feature::Outlines => "outlines or borders",
+            Feature::Rows => "some rows of the image (strips)",
+            Feature::Rival => "a rival",
+            Feature::RivalWithoutCulling => "a rival that culls nothing",
+            Feature::NoCull => "`--no-cull`",
+            Feature::Caustics => "caustics",
+            Feature::Holes => "textures that cut holes",
+            Feature::Shadows => "shadows or ambient occlusion",
+            Feature::Curves => "curved rays, or layers of rays",
+            Feature::Optics => "a mirror or lens",
+            Feature::Bounces => "a mirror or lens without an atlas",
+            Feature::Atlas => "a mirror or lens with an atlas",
+            Feature::Scattered => "rays that look all over the scene",
+            Feature::Bands => "an image larger than the adapter's bindings",
+            Feature::Chunks => "a scene larger than the adapter's bindings",
+            Feature::Aimed => "`Frames::aim`",
+            Feature::Relit => "`Frames::light`",
+        }
+    }
+
+    /// The frame has it.
+    pub fn is_in(self, asked: &Asked) -> bool {
+        let Asked { scene, camera, wanted, by, no_cull, change, planned } = asked;
+        match self {
+            Feature::NoSamples => wanted.samples == 0,
+            Feature::OneSample => wanted.samples == 1,
+            Feature::Samples => wanted.samples > 1,
+            Feature::ManySamples => wanted.samples > AT_ONCE_MAX,
+            Feature::Analytic => wanted.analytic,
+            Feature::Certified => wanted.channels.contains(&Channel::Certified),
+            Feature::Outlines => scene.style.is_between_pixels() && wanted.has_colour(),
+            Feature::Rows => wanted.rows.is_some(),
+            Feature::Rival => by.is_some(),
+            Feature::RivalWithoutCulling => by.is_some_and(|choice| !choice.technique.culls),
+            Feature::NoCull => *no_cull,
+            Feature::Caustics => scene.caustics.is_some(),
+            Feature::Holes => scene.mesh.has_holes(),
+            Feature::Shadows => scene.has_shadows() && wanted.has_colour(),
+            Feature::Curves => matches!(kind(camera), RaysKind::Curves { .. }),
+            Feature::Optics => camera.optics.is_some(),
+            Feature::Bounces => camera.optics.as_ref().is_some_and(|o| o.atlas.is_none()),
+            Feature::Atlas => camera.optics.as_ref().is_some_and(|o| o.atlas.is_some()),
+            Feature::Scattered => is_scattered(camera),
+            Feature::Bands => planned.is_some_and(|(plan, _)| plan.bands.len() > 1),
+            Feature::Chunks => planned.is_some_and(|(_, chunks)| chunks > 1),
+            Feature::Aimed | Feature::Relit => *change == Some(self),
+        }
+    }
+}
+
+impl Refusal {
+    /// The error, in a line.
+    pub fn text(&self, asked: &Asked) -> String {
+        let rival = asked.by.map_or("", |choice| choice.technique.name);
+        let (rows, chunks) = asked.planned.map_or((0, 0), |(plan, chunks)| (plan.rows_max(), chunks));
+        format!("{}; {}", self.reason, self.remedy)
+            .replace("{rival}", rival)
+            .replace("{camera}", asked.camera.kind)
+            .replace("{samples}", &asked.wanted.samples.to_string())
+            .replace("{rows}", &rows.to_string())
+            .replace("{chunks}", &chunks.to_string())
+    }
+}
+
+impl<'a> Asked<'a> {
+    /// Before it is planned.
+    pub fn new(scene: &'a Scene, camera: &'a Camera, wanted: &'a Wanted) -> Asked<'a> {
+        Asked { scene, camera, wanted, by: None, no_cull: false, change: None, planned: None }
+    }
+
+    /// The first row that refuses it.
+    pub fn refusal(&self) -> Option<&'static Refusal> {
+        REFUSALS.iter().find(|row| row.features.iter().all(|feature| feature.is_in(self)))
+    }
+
+    /// # Errors
+    /// [`Error::Input`] of the first row that refuses it.
+    pub fn check(&self) -> Result<()> {
+        self.refusal().map_or(Ok(()), |row| Err(Error::input(row.text(self))))
+    }
+}

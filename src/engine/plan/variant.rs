@@ -1,0 +1,43 @@
+//! Which variant of the kernels a frame takes: decided here alone, before anything is planned.
+
+use super::slabs::{self, Slabs};
+use super::{Contents, Wanted};
+use crate::camera::Camera;
+use crate::camera::arranged::is_sorted;
+use crate::engine::{Arithmetic, RunOptions};
+use crate::gpu::device::Abilities;
+use crate::gpu::kernels::{LightsKind, OpticsKind, Variant};
+
+/// The variant for a scene with these contents through `camera`, on an adapter with these abilities.
+pub fn variant(camera: &Camera, contents: Contents, wanted: &Wanted, has: Abilities, run: &RunOptions) -> Variant {
+    let has_colour = wanted.has_colour();
+    let variant = Variant {
+        f64: run.arithmetic != Arithmetic::Single,
+        atomics64: has.atomics64,
+        by_tile: false,
+        rays: slabs::kind(camera),
+        scattered: is_sorted(camera),
+        slabbed: Slabs::of(camera).count() > 1,
+        counting: wanted.counting,
+        culling: !run.no_cull,
+        all_uncertain: run.arithmetic == Arithmetic::Double,
+        normals: contents.has_normals,
+        textured: wanted.is_textured(contents),
+        masked: contents.has_holes,
+        glossy: (contents.has_gloss || contents.has_sky) && has_colour,
+        sky: contents.has_sky && has_colour,
+        lights: match (contents.has_shadows, contents.has_places) {
+            _ if !has_colour => LightsKind::Plain,
+            (true, _) => LightsKind::Hidden,
+            (false, true) => LightsKind::Placed,
+            (false, false) => LightsKind::Plain,
+        },
+        styled: contents.has_style && wanted.needs_look(),
+        outlined: contents.has_outlines && has_colour,
+        optics: camera.optics.as_deref().map(OpticsKind::of),
+        bounced: false,
+        samples: wanted.samples(),
+        analytic: wanted.analytic && wanted.samples() > 1,
+    };
+    if has.lanes && has.f64 { variant.with_tiles() } else { variant }
+}

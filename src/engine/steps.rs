@@ -1,0 +1,327 @@
+//! A frame as data: the list of its steps, made by a pure function of the plan and of how its lists are cut. [`super::encode`]
+//! goes through it.
+
+use super::bounces::Bounce;
+use super::changes::Dirty;
+use super::stage::Dispatch;
+use super::stage::bin::bin;
+use super::stage::bounce::bounce;
+use super::stage::certify::{CERTIFY_STEPS, certify, write_certified};
+use super::stage::cull::cull;
+use super::stage::edges::{edges, edges_by_tile, list_edges, look_for_edges};
+use super::stage::fit::fit;
+use super::stage::gather::gather;
+use super::stage::meet::meet;
+use super::stage::outline::outline;
+use super::stage::paste::paste;
+use super::stage::raster::{raster, raster_steps};
+use super::stage::recheck::recheck;
+use super::stage::resolve::resolve;
+use super::stage::sample::{sample, sample_by_tile};
+use super::stage::shade::shade;
+use super::stage::sort::sort;
+use super::stage::split::split;
+use super::stage::write::write;
+use crate::engine::plan::Plan;
+use crate::gpu::kernels::{OpticsKind, Variant};
+use crate::gpu::layout::{COUNTERS, Counter};
+use crate::image::frame::Channel;
+
+/// What the steps of a frame follow from.
+#[derive(Debug, Clone)]
+pub struct Shape<'a> {
+    pub plan: &'a Plan,
+    pub bounces: &'a [Bounce],
+    /// Clusters of each job over a band: batch by batch of each chunk of triangles.
+    pub jobs: Vec<u32>,
+    /// Batches of a chunk.
+    pub batches: usize,
+    /// As [`super::resident::Resident::raster_rounds`].
+    pub raster_rounds: u32,
+    /// As [`super::resident::Resident::samples_by_tile`].
+    pub samples_by_tile: bool,
+    /// A rival finds what is seen.
+    pub by_rival: bool,
+    /// Caustics are added.
+    pub gathers: bool,
+    /// Planes are kept on the device.
+    pub keeps: bool,
+    /// Planes go to the host.
+    pub reads: bool,
+}
+
+/// Where a step finds its buffers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct At {
+    pub band: usize,
+    /// By its number in [`Shape::bounces`].
+    pub bounce: usize,
+    /// By its number in [`Shape::jobs`].
+    pub job: usize,
+    /// The bounce whose rays are written.
+    pub into: Option<usize>,
+}
+
+/// A step of a frame, in the order of the list.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Step {
+    /// A compute pass.
+    Pass { name: &'static str, at: At, dispatches: Vec<Dispatch> },
+    /// A buffer becomes 0, from a byte on.
+    Clear { buffer: &'static str, at: At, from: u64, bytes: Option<u64> },
+    /// So many counters go to the host, to the job's part of them.
+    Count { at: At, first: u32, count: u32 },
+    /// The passes of a rival.
+    Rival { band: usize },
+    /// The planes go to where they are kept.
+    Keep { band: usize },
+    /// The planes and what else is wanted go to the host.
+    Read { band: usize },
+}
+
+/// The steps of a frame that shows what is dirty.
+pub fn steps(shape: &Shape, dirty: Dirty) -> Vec<Step> {
+    let mut list = List { shape, steps: Vec::new() };
+    for band in 0..shape.plan.bands.len() {
+        list.add_band(band, dirty);
+    }
+    list.steps
+}
+
+/// How many compute passes there are.
+pub fn passes(steps: &[Step]) -> u32 {
+    steps.iter().filter(|s| matches!(s, Step::Pass { .. })).count() as u32
+}
+
+impl Shape<'_> {
+    /// The kernels of a bounce.
+    pub fn variant(&self, bounce: usize) -> Variant {
+        let own = self.plan.variant;
+        if self.bounces[bounce].count > 0 { own.after_bounce() } else { own }
+    }
+
+    /// One job has all triangles, whose lists stay until they are needed again.
+    fn is_alone(&self) -> bool {
+        self.jobs.iter().filter(|clusters| **clusters > 0).count() == 1
+    }
+
+    fn pixels(&self, band: usize) -> u32 {
+        self.plan.bands[band].rows * self.plan.width
+    }
+
+    /// Over all slabs.
+    fn tiles(&self, band: usize) -> u32 {
+        let tiles = &self.plan.bands[band].tiles;
+        tiles.tiles_x * tiles.tiles_y
+    }
+}
+
+struct List<'a> {
+    shape: &'a Shape<'a>,
+    steps: Vec<Step>,
+}
+
+impl List<'_> {
+    fn add_band(&mut self, band: usize, dirty: Dirty) {
+        let shape = self.shape;
+        let variant = shape.plan.variant;
+        let first = At { band, bounce: 0, job: 0, into: None };
+        let pixels = shape.pixels(band);
+        let has_jobs = !shape.jobs.is_empty();
+        if variant.optics.is_some() {
+            // what bounces see adds up
+            self.clear("planes", first, 0, None);
+        }
+        for bounce in 0..shape.bounces.len() {
+            let at = At { bounce, ..first };
+            if shape.bounces[bounce].count > 0 && has_jobs {
+                self.add_bounce(at);
+            }
+            if dirty == Dirty::All {
+                self.add_visibility(at);
+                if shape.variant(bounce).samples_edges() && has_jobs {
+                    self.add_samples(at);
+                }
+                if shape.plan.planes.contains(&Channel::Certified) {
+                    self.add_proofs(at);
+                }
+            }
+            self.add_planes(at);
+        }
+        if has_jobs {
+            if variant.optics == Some(OpticsKind::Atlas) {
+                self.pass("paste", first, [paste(pixels)]);
+            }
+            if variant.outlined {
+                self.pass("outline", first, [outline(pixels)]);
+            }
+            if shape.plan.srgb8 {
+                self.pass("write", first, [write(pixels)]);
+            }
+        }
+        self.steps.extend(shape.keeps.then_some(Step::Keep { band }));
+        self.steps.extend(shape.reads.then_some(Step::Read { band }));
+    }
+
+    fn pass(&mut self, name: &'static str, at: At, dispatches: impl Into<Vec<Dispatch>>) {
+        self.steps.push(Step::Pass { name, at, dispatches: dispatches.into() });
+    }
+
+    fn clear(&mut self, buffer: &'static str, at: At, from: u64, bytes: Option<u64>) {
+        self.steps.push(Step::Clear { buffer, at, from, bytes });
+    }
+
+    /// Reflects or refracts the rays that meet the optics, for a bounce, and bounds the rays after it.
+    fn add_bounce(&mut self, at: At) {
+        let shape = self.shape;
+        let count = shape.bounces[at.bounce].count;
+        let Some(before) = shape.bounces[..at.bounce].iter().rposition(|b| b.count + 1 == count) else { return };
+        let from = At { bounce: before, into: Some(at.bounce), ..at };
+        self.pass("bounce", from, [bounce(shape.pixels(at.band))]);
+        self.pass("fit", at, fit(&shape.plan.bands[at.band].nodes.levels));
+    }
+
+    /// Those that have clusters.
+    fn jobs(&self, at: At) -> impl Iterator<Item = At> + use<> {
+        let full: Vec<usize> = (0..self.shape.jobs.len()).filter(|&job| self.shape.jobs[job] > 0).collect();
+        full.into_iter().map(move |job| At { job, ..at })
+    }
+
+    /// A job of every chunk: the batches of one share its ids.
+    fn chunks(&self, at: At) -> impl Iterator<Item = At> + use<> {
+        (0..self.shape.jobs.len()).step_by(self.shape.batches).map(move |job| At { job, ..at })
+    }
+
+    /// Fills the visibility buffer with what rays meet: cull to recheck of every job, and what is no triangle.
+    fn add_visibility(&mut self, at: At) {
+        let shape = self.shape;
+        let (pixels, variant, alone) = (shape.pixels(at.band), shape.variant(at.bounce), shape.is_alone());
+        if !shape.jobs.is_empty() {
+            self.clear("visibility", at, 0, Some(8 * u64::from(pixels)));
+            self.clear("counters", at, counter_at(LASTING), None);
+        }
+        if shape.by_rival {
+            self.steps.push(Step::Rival { band: at.band });
+            return;
+        }
+        for step in 0..raster_steps(variant) {
+            for at in self.jobs(at) {
+                if step > 0 && alone {
+                    // its pairs are still there, and it leaves its items to recheck again
+                    self.clear("counters", at, counter_at(Counter::RecheckItems), Some(4));
+                } else {
+                    self.add_pairs(at);
+                }
+                self.pass("raster", at, raster(variant, step, shape.raster_rounds));
+                if variant.rechecks() {
+                    self.pass("recheck", at, [recheck(step)]);
+                }
+                if step == 0 {
+                    self.steps.push(Step::Count { at, first: 0, count: COUNTERS });
+                }
+            }
+            if variant.meets() && !shape.jobs.is_empty() {
+                self.pass("meet", at, [meet(pixels, step)]);
+            }
+        }
+    }
+
+    /// Lists the pairs of a job: cull, split, bin and sort.
+    fn add_pairs(&mut self, at: At) {
+        let shape = self.shape;
+        let variant = shape.variant(at.bounce);
+        self.clear("counters", at, 0, Some(counter_at(LASTING)));
+        if variant.by_tile {
+            self.clear("ends", at, 0, None);
+        }
+        // where turned rays are torn is not known beforehand
+        let nodes = &shape.plan.bands[at.band].nodes;
+        let steps = if variant.bounced { nodes.levels.len() as u32 } else { nodes.cull_steps() };
+        self.pass("cull", at, cull(shape.jobs[at.job], steps));
+        self.pass("split", at, [split()]);
+        self.pass("bin", at, [bin()]);
+        if variant.by_tile {
+            self.pass("sort", at, sort(shape.tiles(at.band)));
+        }
+    }
+
+    /// Finds the pixels that hold an edge, of a visibility buffer that is complete, and what their samples see.
+    fn add_samples(&mut self, at: At) {
+        let shape = self.shape;
+        let (pixels, alone) = (shape.pixels(at.band), shape.is_alone());
+        let count = |counter: Counter| Step::Count { at, first: counter.index(), count: 1 };
+        if alone && shape.samples_by_tile {
+            self.clear("edge_of", at, 0, None);
+            for job in self.jobs(at) {
+                self.pass("edges", job, [edges_by_tile(shape.tiles(at.band))]);
+                self.pass("sample", job, sample_by_tile());
+                self.steps.extend([Counter::Edges, Counter::RecheckSamples].map(count));
+            }
+            return;
+        }
+        self.clear("samples", at, 0, None);
+        for chunk in self.chunks(at) {
+            self.pass("edges", chunk, [look_for_edges(pixels)]);
+        }
+        for job in self.jobs(at) {
+            if !alone {
+                self.add_pairs(job);
+            }
+            self.pass("edges", job, [edges()]);
+        }
+        self.pass("edges", at, [list_edges(pixels)]);
+        self.steps.push(count(Counter::Edges));
+        for step in 0..raster_steps(shape.variant(at.bounce)) {
+            for job in self.jobs(at) {
+                if !alone {
+                    self.add_pairs(job);
+                }
+                self.pass("sample", job, [sample(step)]);
+            }
+        }
+    }
+
+    /// Finds what is proven of a visibility buffer that is complete.
+    fn add_proofs(&mut self, at: At) {
+        let shape = self.shape;
+        self.clear("proofs", at, 0, None);
+        for step in 0..CERTIFY_STEPS {
+            for job in self.jobs(at) {
+                if !shape.is_alone() {
+                    self.add_pairs(job);
+                }
+                self.pass("certify", job, [certify(step)]);
+            }
+        }
+        if !shape.jobs.is_empty() {
+            self.pass("certify", at, [write_certified(shape.pixels(at.band))]);
+        }
+    }
+
+    /// Writes the planes where rays end in a bounce.
+    fn add_planes(&mut self, at: At) {
+        let shape = self.shape;
+        let pixels = shape.pixels(at.band);
+        for chunk in self.chunks(at) {
+            self.pass("shade", chunk, [shade(pixels)]);
+        }
+        // once all chunks have written what centres see
+        if shape.variant(at.bounce).samples_edges() {
+            for chunk in self.chunks(at) {
+                self.pass("resolve", chunk, [resolve()]);
+            }
+        }
+        // where on a receiver a hit lies is known of the rays that say what is seen
+        if shape.gathers && shape.bounces[at.bounce].is_main && !shape.jobs.is_empty() {
+            self.pass("gather", at, [gather(pixels)]);
+        }
+    }
+}
+
+/// The first of the counters that stay while pairs are listed anew.
+const LASTING: Counter = Counter::Edges;
+
+/// Where a counter lies, bytes.
+fn counter_at(counter: Counter) -> u64 {
+    4 * u64::from(counter.index())
+}

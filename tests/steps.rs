@@ -1,0 +1,434 @@
+//! Frames as data: what the steps of a frame bind is in the table of buffers, is written before it is read, and is read and written as
+//! the kernels say.
+
+mod common;
+
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::bounces::bounces;
+use anamorph::internals::engine::buffer_table::{Bytes, Lasts, Row, table};
+use anamorph::internals::engine::changes::Dirty;
+use anamorph::internals::engine::plan::variant::variant;
+use anamorph::internals::engine::plan::{Contents, Plan, Surroundings, Wanted};
+use anamorph::internals::engine::stage::{Dispatch, KernelId, Number, Over};
+use anamorph::internals::engine::steps::{At, Shape, Step, passes, steps};
+use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::gpu::kernels::{Access, Kernel, Variant};
+use anamorph::internals::image::frame::Channel;
+use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::file::camera_of;
+use common::{FORWARD, camera, layered};
+use glam::DVec3;
+use naga::valid::{Capabilities, GlobalUse, ValidationFlags, Validator};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+const SIZE: (u32, u32) = (61, 45);
+
+const MIRROR: &str = r#"kind = "reflection"
+eye = { kind = "pinhole", eye = [0.2, 0.4, 4], target = [0, 0, 0], vfov = 40 }
+mirror = { shape = "torus", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.4, count = 300 }
+facets = "normals"
+depth = 3"#;
+const TORUS: &str = "shape = \"torus\", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.4, count = 300";
+const WAVE: &str = "shape = \"wave\", center = [0, 0, 0], size = 4, amplitude = 0.1, wavelength = 1";
+const ATLAS: &str = r#"kind = "reflection"
+eye = { kind = "pinhole", eye = [0.2, 0.4, 4], target = [0, 0, 0], vfov = 40 }
+mirror = { shape = "torus", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.4, count = 300 }
+facets = "flat"
+atlas = 8"#;
+const LENS: &str = r#"kind = "refraction"
+eye = { kind = "pinhole", eye = [0.2, 0.4, 4], target = [0, 0, 0], vfov = 40 }
+lens = { shape = "lens", center = [0, 0, 1.5], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, curvatures = [0.5, -0.6] }
+ior = 1.5
+fresnel = true
+depth = 2"#;
+
+const HAS: Abilities = Abilities { f64: true, atomics64: true, lanes: true, timestamps: true, clip_distances: true };
+
+/// What frames are made of: a camera, an adapter, contents, and what is wanted of them.
+struct Case {
+    name: String,
+    camera: Camera,
+    has: Abilities,
+    contents: Contents,
+    wanted: Wanted,
+}
+
+fn cases() -> Vec<Case> {
+    let pinhole = camera(glc_of_each_class().swap_remove(3).1, SIZE, FORWARD);
+    let pieces = camera(mesh_camera(1, 4, 3, MeshLook::default()), SIZE, FORWARD);
+    let optics = |keys: &str| camera_of("", SIZE, keys).unwrap();
+    let cameras = [
+        ("one piece", pinhole),
+        ("pieces", pieces),
+        ("chain", layered::chain(3, 2, (4, 3), MeshLook::default(), SIZE)),
+        ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
+        ("curves", layered::wavy(2, 0.5, false, SIZE)),
+        ("mirror", optics(MIRROR)),
+        ("atlas", optics(ATLAS)),
+        ("lens", optics(LENS)),
+        ("torus", optics(&MIRROR.replace("facets = \"normals\"\n", ""))),
+        ("wave", optics(&MIRROR.replace("facets = \"normals\"\n", "").replace(TORUS, WAVE))),
+    ];
+    let adapters = [
+        ("all", HAS),
+        ("no lanes", Abilities { lanes: false, ..HAS }),
+        ("no 64 bits", Abilities { lanes: false, f64: false, atomics64: false, ..HAS }),
+    ];
+    let plain = Contents { triangles: 100, ..Contents::default() };
+    let rich = Contents {
+        has_normals: true,
+        has_uvs: true,
+        has_images: true,
+        has_gloss: true,
+        has_sky: true,
+        has_places: true,
+        has_shadows: true,
+        has_style: true,
+        has_outlines: true,
+        ..plain
+    };
+    let all = Wanted { srgb8: true, counting: true, ..Wanted::of(Channel::every().collect()) };
+    let mut list = Vec::new();
+    for ((name, camera), (adapter, has)) in cameras.iter().flat_map(|c| adapters.iter().map(move |a| (c, a))) {
+        let mut add = |what: &str, contents, wanted| {
+            let name = format!("{name}, {adapter}, {what}");
+            list.push(Case { name, camera: camera.clone(), has: *has, contents, wanted });
+        };
+        let shown: Vec<Channel> = Channel::every().filter(|c| *c != Channel::Certified).collect();
+        add("plain", plain, Wanted::of(vec![Channel::TriangleId]));
+        add("rich", rich, Wanted { channels: shown.clone(), ..all.clone() });
+        add("holes", Contents { has_holes: true, ..rich }, Wanted { channels: shown, ..all.clone() });
+        if camera.optics.is_none() {
+            add("certified", plain, all.clone());
+        }
+        if camera.optics.is_none() && !camera.is_curved() {
+            add("samples", plain, Wanted { samples: 4, ..all.clone() });
+            add("samples, rich", rich, Wanted { samples: 4, ..all.clone() });
+        }
+    }
+    list
+}
+
+/// Runs a check on the frames of every case: lists cut in several ways, with and without caustics.
+fn each_shape(mut check: impl FnMut(&str, &Shape)) {
+    for Case { name, camera, has, contents, wanted } in cases() {
+        let variant = variant(&camera, contents, &wanted, has, &RunOptions::default());
+        let around = Surroundings::point(DVec3::ZERO);
+        let plan = Plan::new(variant, &camera, contents, around, &wanted, has, 1 << 16);
+        let bounces = bounces(camera.optics.as_deref());
+        // one list; batches of one chunk of triangles; chunks, of which one is empty
+        for (jobs, batches) in [(vec![5], 1), (vec![5, 4], 2), (vec![5, 3, 0], 1)] {
+            for samples_by_tile in [false, variant.samples_by_tile()] {
+                let shape = Shape {
+                    plan: &plan,
+                    bounces: &bounces,
+                    jobs: jobs.clone(),
+                    batches,
+                    raster_rounds: 2,
+                    samples_by_tile,
+                    by_rival: false,
+                    gathers: wanted.srgb8,
+                    keeps: true,
+                    reads: true,
+                };
+                check(&format!("{name}, jobs {jobs:?}"), &shape);
+            }
+        }
+    }
+}
+
+/// What a kernel does to a buffer.
+#[derive(Debug, Clone, Copy)]
+struct Use {
+    reads: bool,
+    writes: bool,
+}
+
+/// By the names that the kernel knows buffers by.
+type Uses = BTreeMap<String, Use>;
+
+/// What a kernel does by its code, of which the bindings say no less.
+fn uses(kernel: &Kernel) -> Uses {
+    let module = naga::front::wgsl::parse_str(&kernel.source()).unwrap();
+    let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module).unwrap();
+    let point = info.get_entry_point(0);
+    let mut uses = Uses::new();
+    for (handle, global) in module.global_variables.iter().filter(|(_, global)| global.binding.is_some()) {
+        let name = global.name.clone().unwrap();
+        let binding = kernel.bindings.iter().find(|b| b.name == name).expect("a binding of that name");
+        let found = point[handle];
+        let does = Use { reads: found.contains(GlobalUse::READ), writes: found.contains(GlobalUse::WRITE) };
+        if let naga::AddressSpace::Storage { access } = global.space {
+            let may_store = access.contains(naga::StorageAccess::STORE);
+            assert_eq!(may_store, binding.access == Access::Write, "{}: {name}", kernel.name);
+            assert!(!does.writes || may_store, "{}: {name}", kernel.name);
+        }
+        uses.insert(name, does);
+    }
+    uses
+}
+
+/// The uses of kernels that were asked for.
+#[derive(Default)]
+struct Known(HashMap<String, Uses>);
+
+impl Known {
+    fn uses(&mut self, id: KernelId, variant: Variant, planes: &[Channel]) -> &Uses {
+        let kernel = id.kernel(variant, planes).unwrap_or_else(|| panic!("{id:?} is none of {variant:?}"));
+        self.0.entry(kernel.source()).or_insert_with(|| uses(&kernel))
+    }
+
+    /// What a dispatch does to each buffer, with what lays it out before.
+    fn of_dispatch(&mut self, d: &Dispatch, variant: Variant, planes: &[Channel]) -> Vec<(KernelId, String, Use)> {
+        let mut all = Vec::new();
+        if matches!(d.over, Over::Counted(_)) {
+            let own = self.uses(KernelId::Args, variant, planes).clone();
+            all.extend(own.into_iter().map(|(name, does)| (KernelId::Args, name, does)));
+            all.push((d.kernel, "indirect".into(), Use { reads: true, writes: false }));
+        }
+        for (name, does) in self.uses(d.kernel, variant, planes).clone() {
+            let buffer = d.renamed.iter().find(|r| r.0 == name).map_or(name, |r| r.1.into());
+            all.push((d.kernel, buffer, does));
+        }
+        // the buffers of step are the kernels' own
+        all.retain(|(_, name, _)| name != "step");
+        all
+    }
+}
+
+/// Under which names the rays after a bounce are read that `bounce` has written.
+const BOUNCED: [(&str, &str); 3] = [("turned_hi", "rays_hi"), ("turned_lo", "rays_lo"), ("bounced_paths", "paths")];
+
+/// Buffers of which each bounce has its own.
+const OF_BOUNCES: [&str; 5] = ["rays_hi", "rays_lo", "paths", "nodes", "cells"];
+
+/// What a frame has written so far.
+struct Written<'a> {
+    shape: &'a Shape<'a>,
+    rows: &'a [Row],
+    /// Where each buffer was written last.
+    at: HashMap<String, At>,
+    /// Of each number of bounces what was written for its rays.
+    bounced: BTreeSet<(u32, String)>,
+}
+
+impl Written<'_> {
+    fn lasts(&self, name: &str) -> Option<Lasts> {
+        self.rows.iter().find(|r| r.name == name).map(|r| r.lasts)
+    }
+
+    fn holds(&self, name: &str, at: At) -> bool {
+        let count = self.shape.bounces[at.bounce].count;
+        if count > 0 && OF_BOUNCES.contains(&name) {
+            return self.bounced.contains(&(count, name.into()));
+        }
+        // where rays are split each count has its own
+        if self.shape.bounces.len() > 1 && name == "visibility" {
+            return self.bounced.contains(&(count, name.into()));
+        }
+        let Some(then) = self.at.get(name) else { return self.lasts(name) == Some(Lasts::Upload) };
+        match self.lasts(name) {
+            None => false,
+            Some(Lasts::Upload) => true,
+            Some(Lasts::Band) => then.band == at.band,
+            Some(Lasts::Bounce) => (then.band, then.bounce) == (at.band, at.bounce),
+            Some(Lasts::Job) => (then.band, then.bounce, then.job) == (at.band, at.bounce, at.job),
+        }
+    }
+
+    fn write(&mut self, name: &str, at: At) {
+        let bounce = at.into.unwrap_or(at.bounce);
+        let read_as = BOUNCED.iter().find(|b| b.0 == name).map_or(name, |b| b.1);
+        self.bounced.insert((self.shape.bounces[bounce].count, read_as.into()));
+        self.at.insert(name.into(), at);
+    }
+}
+
+/// What a kernel reads, and not in this step of its own: cull takes clusters in its first and fit rays, edges goes over pixels in its
+/// first and third, and certify in its third.
+const IDLE: [(KernelId, u32, &str); 6] = [
+    (KernelId::Cull, 0, "queue_even"),
+    (KernelId::Fit, 0, "nodes"),
+    (KernelId::Edges, 0, "pairs"),
+    (KernelId::Edges, 0, "edge_of"),
+    (KernelId::Edges, 2, "pairs"),
+    (KernelId::Certify, 2, "pairs"),
+];
+
+/// What is wrong with the steps of a frame: buffers that are not in the table, or are read before anything is there. Adds what
+/// each kernel does.
+fn faults(shape: &Shape, steps: &[Step], rows: &[Row], known: &mut Known, done: &mut BTreeSet<Done>) -> Vec<String> {
+    let mut written = Written { shape, rows, at: HashMap::new(), bounced: BTreeSet::new() };
+    let mut faults = Vec::new();
+    for step in steps {
+        match step {
+            Step::Clear { buffer, at, .. } => written.write(buffer, *at),
+            Step::Pass { at, dispatches, .. } => {
+                for dispatch in dispatches {
+                    let uses = known.of_dispatch(dispatch, shape.variant(at.bounce), &shape.plan.planes);
+                    for (kernel, buffer, does) in &uses {
+                        if written.lasts(buffer).is_none() {
+                            faults.push(format!("{kernel:?} binds {buffer}, which is not in the table"));
+                        }
+                        let is_idle = IDLE
+                            .iter()
+                            .any(|i| (i.0, Number::Nth(i.1), i.2) == (*kernel, dispatch.step, buffer.as_str()));
+                        if does.reads && !is_idle && *buffer != "indirect" && !written.holds(buffer, *at) {
+                            faults.push(format!("{kernel:?} reads {buffer} before it is written, {at:?}"));
+                        }
+                        done.extend(does.reads.then(|| (buffer.clone(), *kernel, false)));
+                        done.extend(does.writes.then(|| (buffer.clone(), *kernel, true)));
+                    }
+                    for (_, buffer, _) in uses.iter().filter(|u| u.2.writes) {
+                        written.write(buffer, *at);
+                    }
+                }
+            }
+            Step::Keep { band } | Step::Read { band } => {
+                let at = At { band: *band, bounce: 0, job: 0, into: None };
+                let srgb8 = shape.plan.srgb8.then_some("srgb8");
+                for buffer in ["planes"].into_iter().chain(srgb8).filter(|b| !written.holds(b, at)) {
+                    faults.push(format!("the host reads {buffer} before it is written, {at:?}"));
+                }
+            }
+            Step::Count { .. } | Step::Rival { .. } => {}
+        }
+    }
+    faults
+}
+
+/// That a kernel reads a buffer, or that it writes it.
+type Done = (String, KernelId, bool);
+
+#[test]
+fn every_buffer_is_in_the_table_and_written_before_it_is_read() {
+    let (rows, mut known, mut done) = (table(), Known::default(), BTreeSet::new());
+    let mut all = Vec::new();
+    each_shape(|name, shape| {
+        let steps = steps(shape, Dirty::All);
+        let found = faults(shape, &steps, &rows, &mut known, &mut done);
+        all.extend(found.into_iter().map(|fault| format!("{name}: {fault}")));
+    });
+    assert!(all.is_empty(), "{all:#?}");
+    let kernels: BTreeSet<KernelId> = done.iter().map(|d| d.1).collect();
+    assert!(kernels == BTreeSet::from(KernelId::ALL), "of all kernels frames here take {kernels:?}");
+    let mut differ = Vec::new();
+    for row in &rows {
+        for (list, writes) in [(row.written_by, true), (row.read_by, false)] {
+            let found: BTreeSet<KernelId> =
+                done.iter().filter(|d| (d.0.as_str(), d.2) == (row.name, writes)).map(|d| d.1).collect();
+            if found != list.iter().copied().collect() || found.len() != list.len() {
+                let what = if writes { "written by" } else { "read by" };
+                differ.push(format!("{} is {what} {found:?}, the table says {list:?}", row.name));
+            }
+        }
+    }
+    assert!(differ.is_empty(), "{differ:#?}");
+}
+
+/// Removes some steps.
+type Less = (&'static str, fn(&Step) -> bool);
+
+fn clears(step: &Step, name: &str) -> bool {
+    matches!(step, Step::Clear { buffer, .. } if *buffer == name)
+}
+
+fn is_pass(step: &Step, pass: &str) -> bool {
+    matches!(step, Step::Pass { name, .. } if *name == pass)
+}
+
+#[test]
+fn a_step_that_is_missing_is_seen() {
+    let less: [Less; 13] = [
+        ("cull", |s| is_pass(s, "cull")),
+        ("split", |s| is_pass(s, "split")),
+        ("bin", |s| is_pass(s, "bin")),
+        ("sort", |s| is_pass(s, "sort")),
+        ("fit", |s| is_pass(s, "fit")),
+        ("bounce", |s| is_pass(s, "bounce")),
+        ("all that writes planes", |s| {
+            let names = ["shade", "resolve", "gather", "outline", "paste", "certify"];
+            names.iter().any(|name| is_pass(s, name)) || clears(s, "planes")
+        }),
+        ("write", |s| is_pass(s, "write")),
+        ("edges", |s| is_pass(s, "edges")),
+        ("the clearing of visibility", |s| clears(s, "visibility")),
+        ("the clearing of counters", |s| clears(s, "counters")),
+        ("the clearing of the ends of tiles", |s| clears(s, "ends")),
+        ("the clearing of proofs", |s| clears(s, "proofs")),
+    ];
+    let (rows, mut known) = (table(), Known::default());
+    let mut tried = [0; 13];
+    each_shape(|name, shape| {
+        let all = steps(shape, Dirty::All);
+        for ((what, is_removed), tried) in less.iter().zip(&mut tried) {
+            let rest: Vec<Step> = all.iter().filter(|s| !is_removed(s)).cloned().collect();
+            if rest.len() < all.len() {
+                let faults = faults(shape, &rest, &rows, &mut known, &mut BTreeSet::new());
+                assert!(!faults.is_empty(), "{name}: nothing misses {what}");
+                *tried += 1;
+            }
+        }
+    });
+    assert!(tried.iter().all(|n| *n > 0), "{tried:?}");
+}
+
+#[test]
+fn rows_are_as_large_as_the_kernels_take_them() {
+    let rows = table();
+    each_shape(|name, shape| {
+        for step in steps(shape, Dirty::All) {
+            let Step::Pass { at, dispatches, .. } = step else { continue };
+            for dispatch in dispatches {
+                let kernel = dispatch.kernel.kernel(shape.variant(at.bounce), &shape.plan.planes).unwrap();
+                for binding in &kernel.bindings {
+                    let buffer = dispatch.renamed.iter().find(|r| r.0 == binding.name).map_or(binding.name, |r| r.1);
+                    let Some(Row { bytes: Bytes::Rows(bytes), .. }) = rows.iter().find(|r| r.name == buffer) else {
+                        continue;
+                    };
+                    let item = binding.wgsl_type.strip_prefix("array<").and_then(|t| t.strip_suffix('>'));
+                    let taken = match item.unwrap_or(binding.wgsl_type) {
+                        "u32" | "f32" => 4,
+                        "vec2<u32>" | "vec2<f32>" => 8,
+                        "vec4<u32>" | "vec4<f32>" => 16,
+                        // structs are compared in wgsl_layout
+                        _ => continue,
+                    };
+                    assert_eq!(bytes % taken, 0, "{name}: {buffer} of {} as {}", kernel.name, binding.wgsl_type);
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn what_follows_from_light_alone_leaves_out_what_finds_triangles() {
+    each_shape(|name, shape| {
+        let [all, lit] = [Dirty::All, Dirty::Appearance].map(|dirty| steps(shape, dirty));
+        let names = |steps: &[Step]| -> BTreeSet<&str> {
+            steps.iter().filter_map(|s| if let Step::Pass { name, .. } = s { Some(*name) } else { None }).collect()
+        };
+        let found = ["cull", "split", "bin", "sort", "raster", "recheck", "meet", "edges", "sample", "certify"];
+        assert!(found[..3].iter().all(|n| names(&all).contains(n)), "{name}");
+        assert!(found.iter().all(|n| !names(&lit).contains(n)) && names(&lit).contains("shade"), "{name}");
+        assert!(passes(&lit) < passes(&all));
+        assert_eq!(passes(&all) as usize, all.iter().filter(|s| matches!(s, Step::Pass { .. })).count());
+    });
+}
+
+#[test]
+fn numbers_of_dispatches_have_a_buffer_each() {
+    let names: BTreeSet<&str> = Number::every().map(Number::name).collect();
+    assert_eq!(names.len(), Number::every().count());
+    each_shape(|name, shape| {
+        for step in steps(shape, Dirty::All) {
+            let Step::Pass { dispatches, .. } = step else { continue };
+            let numbers = dispatches.iter().flat_map(|d| {
+                let counted = if let Over::Counted(number) = d.over { Some(number) } else { None };
+                [Some(d.step), counted].into_iter().flatten()
+            });
+            assert!(numbers.into_iter().all(|n| Number::every().any(|known| known == n)), "{name}");
+        }
+    });
+}
