@@ -1,10 +1,10 @@
 //! The whole pipeline by its twins, on the host alone, against the reference: safe pixels right, near candidates elsewhere.
 
+#[path = "common/bounced.rs"]
+mod bounced;
 mod common;
 #[path = "common/stages.rs"]
 mod stages;
-#[path = "common/turned.rs"]
-mod turned;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
@@ -105,7 +105,7 @@ fn vertices_on_rays() {
 #[test]
 fn mirrors_and_lenses() {
     // from far away nothing of the scene is seen
-    for case in turned::cases().into_iter().filter(|c| !c.name.contains("10000")) {
+    for case in bounced::cases().into_iter().filter(|c| !c.name.contains("10000")) {
         check(&case.name, &case.scene, &case.camera, case.band_limit);
     }
 }

@@ -68,7 +68,7 @@ fn ways(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Way> {
 
 /// Draws the jobs of one band into one buffer, as the engine does: every job in each step.
 fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, jobs: &[Job]) -> Drawn {
-    let by_pair = crate::turned::variant(case, &jobs[0].0, real, atomics64);
+    let by_pair = crate::bounced::variant(case, &jobs[0].0, real, atomics64);
     let (gpu, stages) = bench.stages(if by_tile { by_pair.with_tiles() } else { by_pair }, &[]);
     let owned = [COUNT_FRAGMENTS_TESTED, COUNT_FRAGMENTS_KEPT, COUNT_RECHECKED, COUNT_RECHECK_ITEMS, COUNT_PAIRS_KEPT];
     let pixels = (jobs[0].0.params.width * jobs[0].0.params.height) as usize;
@@ -81,8 +81,8 @@ fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, j
         for (input, pairs) in jobs {
             let mut buffers = upload(gpu, input);
             list(gpu, &mut buffers, "pairs", pairs, pairs.len());
-            let room = input.params.recheck_capacity as usize;
-            list(gpu, &mut buffers, "recheck_items", &[], room);
+            let capacity = input.params.recheck_capacity as usize;
+            list(gpu, &mut buffers, "recheck_items", &[], capacity);
             let zeros = owned.map(|k| (k, 0));
             let mut given = [&zeros[..], &[(COUNT_PAIRS, pairs.len() as u32)]].concat();
             if by_tile {
@@ -94,7 +94,11 @@ fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, j
                 stages.raster(gpu, pass, &[&buffers, &shared], step, 1)?;
                 stages.recheck(gpu, pass, &[&buffers, &shared], step)
             });
-            assert_poisoned(&read(gpu, &buffers, "recheck_items"), 2 * room, &format!("{}, recheck_items", case.name));
+            assert_poisoned(
+                &read(gpu, &buffers, "recheck_items"),
+                2 * capacity,
+                &format!("{}, recheck_items", case.name),
+            );
             let counters = read(gpu, &buffers, "counters");
             for (k, &value) in counters.iter().take(COUNTERS as usize).enumerate() {
                 let is_given = given.iter().any(|g| g.0 == k as u32);
@@ -235,16 +239,16 @@ fn the_kernel_draws_what_its_twin_draws() {
 fn the_kernel_draws_what_turned_rays_meet() {
     let Some(mut bench) = Bench::open() else { return };
     let mut rng = Rng(78);
-    for case in crate::turned::cases() {
+    for case in crate::bounced::cases() {
         let tables = case.tables();
         for band in 0..tables.plan.bands.len() {
             tables.follow(&case.camera, band, Real::F64, |inputs, _| {
-                if crate::turned::turns(&inputs[0]) == 0 {
+                if crate::bounced::bounces(&inputs[0]) == 0 {
                     return;
                 }
                 let jobs = jobs_of(inputs.to_vec(), &mut rng);
                 let variants =
-                    ways(&bench, |real, atomics64| crate::turned::variant(&case, &jobs[0].0, real, atomics64));
+                    ways(&bench, |real, atomics64| crate::bounced::variant(&case, &jobs[0].0, real, atomics64));
                 for way in variants {
                     let real = way.0;
                     let mut twin = Visibility::new((jobs[0].0.params.width * jobs[0].0.params.height) as usize);
