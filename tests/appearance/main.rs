@@ -1,0 +1,17 @@
+//! What pictures look like: samples, images, lights, lines, and the channels of surfaces.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/pictures.rs"]
+mod pictures;
+
+mod caustics;
+mod gloss;
+mod motion;
+mod relit;
+mod samples;
+mod shadows;
+mod sky;
+mod styles;
+mod surface_channels;
+mod textures;

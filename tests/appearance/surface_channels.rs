@@ -1,0 +1,163 @@
+//! What surfaces are like at the hits, N, P and albedo: the engine against the reference, through every kind of rays.
+
+use crate::common;
+
+use anamorph::internals::engine::RunOptions;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::plan::samples::at_once;
+use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
+use anamorph::internals::reference::image::image;
+use anamorph::internals::scene::Scene;
+use common::file::load;
+use common::gpu::{Without, engine, ids};
+use glam::DVec3;
+
+/// Off the origin, so that the anchor is no round number.
+const THINGS: &str = r#"
+[[mesh]]
+builtin = "icosphere"
+level = 2
+translate = [10.3, 0.2, -4]
+color = [0.7, 0.3, 0.2]
+[[mesh]]
+builtin = "teapot"
+level = 3
+scale = 0.5
+translate = [11.9, -0.6, -4.4]
+color = [0.2, 0.5, 0.6]
+[[mesh]]
+builtin = "plane"
+size = 5
+translate = [11, -0.8, -4]
+"#;
+
+const EYE: &str = "eye = [10.7, 1.3, 1.2]\ntarget = [11, 0, -4]";
+
+fn cameras() -> [String; 6] {
+    [
+        format!(
+            "kind = \"cross_slit\"\nslits = [{{ distance = 9, angle = 90 }}, {{ distance = 5, angle = 0 }}]\n{EYE}\nheight = 3"
+        ),
+        format!("kind = \"fisheye\"\n{EYE}\nfov = 100\nframe = \"full\""),
+        format!("kind = \"fisheye\"\n{EYE}\nfov = 60\nframe = \"full\"\npieces = 9"),
+        format!("kind = \"twist\"\n{EYE}\nvfov = 45\ndegree = 3\nangle = 50"),
+        format!("kind = \"occlusion\"\n{EYE}\nvfov = 45\nnear = 4\nfar = 6\ndistortion = [0.05, 0.1]"),
+        format!(
+            "kind = \"reflection\"\neye = {{ kind = \"pinhole\", {}, vfov = 45 }}\n\
+             mirror = {{ shape = \"sphere\", center = [11.3, 0.9, -3.2], radius = 0.5 }}\ndepth = 1",
+            EYE.replace('\n', ", ")
+        ),
+    ]
+}
+
+fn asked() -> Vec<Channel> {
+    let surface = Channel::MORE.into_iter().filter(|c| *c != Channel::Certified);
+    [Channel::TriangleId, Channel::MirrorId].into_iter().chain(surface).collect()
+}
+
+fn vectors(frame: &Frame, channels: [Channel; 3]) -> Vec<DVec3> {
+    let [x, y, z] = channels.map(|c| frame.f32(c).unwrap());
+    (0..x.len()).map(|k| DVec3::new(x[k].into(), y[k].into(), z[k].into())).collect()
+}
+
+const NORMAL: [Channel; 3] = [Channel::NormalX, Channel::NormalY, Channel::NormalZ];
+const POSITION: [Channel; 3] = [Channel::PositionX, Channel::PositionY, Channel::PositionZ];
+const ALBEDO: [Channel; 3] = [Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB];
+
+/// Rounding of f32 of numbers up to 16, in a point's some ten operations.
+const POINT_ERROR: f64 = 10.0 * 16.0 / 16_777_216.0;
+
+#[test]
+fn surfaces_are_the_reference_s_at_every_hit() {
+    for text in cameras() {
+        let text = format!("image = {{ width = 64, height = 48 }}\n{THINGS}\n[camera]\n{text}");
+        let scene: Scene = load(&text).unwrap();
+        let camera = scene.camera().unwrap();
+        let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+        let wanted = Wanted::of(asked());
+        let seen = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
+        let truth = image(&scene, &camera, &asked());
+        let all = |channels| vectors(&seen, channels).into_iter().zip(vectors(&truth, channels));
+        let same: Vec<usize> = (0..ids(&seen).len()).filter(|&k| ids(&seen)[k] == ids(&truth)[k]).collect();
+        let hits = same.iter().filter(|&&k| ids(&seen)[k] != NO_ID).count();
+        assert!(hits > 800 && same.len() + 30 > ids(&seen).len(), "{hits} hits, {} alike: {text}", same.len());
+
+        let off = |channels: [Channel; 3]| -> Vec<f64> {
+            let all: Vec<(DVec3, DVec3)> = all(channels).collect();
+            same.iter().map(|&k| (all[k].0 - all[k].1).length()).collect()
+        };
+        let largest = |off: &[f64]| off.iter().copied().fold(0.0, f64::max);
+        for label in [Channel::ObjectId, Channel::MaterialId] {
+            let [of_seen, of_truth] = [&seen, &truth].map(|frame| frame.u32(label).unwrap());
+            assert!(same.iter().all(|&k| of_seen[k] == of_truth[k]), "{label:?}: {text}");
+        }
+        assert_eq!(largest(&off(ALBEDO)), 0.0, "{text}");
+        let position = largest(&off(POSITION));
+        assert!(position <= POINT_ERROR, "{position}: {text}");
+        // where a face is seen edge-on it may be turned either way
+        let normals = off(NORMAL);
+        let turned = normals.iter().filter(|&&d| d > 1e-4).count();
+        println!("{hits} hits, position off {position:.1e}, {turned} normals by more than 1e-4");
+        assert!(turned <= hits / 500, "{turned} normals of {hits}: {text}");
+        let units = vectors(&seen, NORMAL);
+        assert!(same.iter().all(|&k| {
+            let length = units[k].length();
+            (length - 1.0).abs() < 1e-6 || (length == 0.0 && ids(&seen)[k] >= scene.mesh.triangles.len() as u32)
+        }));
+    }
+}
+
+/// Object and material ids of these triangles, from the meshes' triangle counts.
+fn labels(scene: &Scene, ids: &[u32]) -> [Vec<u32>; 2] {
+    let mut of_triangle = Vec::new();
+    for (number, object) in (0..).zip(&scene.objects) {
+        of_triangle.extend(vec![number; object.triangles]);
+    }
+    let of = |list: &[u32], behind: usize| {
+        let one =
+            |id: &u32| if *id == NO_ID { NO_ID } else { list.get(*id as usize).copied().unwrap_or(behind as u32) };
+        ids.iter().map(one).collect()
+    };
+    [of(&of_triangle, scene.objects.len()), of(&scene.mesh.material_of, scene.mesh.materials.len())]
+}
+
+#[test]
+fn labels_are_those_of_the_triangles_in_every_engine() {
+    let (object, material) = (Channel::ObjectId, Channel::MaterialId);
+    for text in cameras() {
+        let text = format!("image = {{ width = 64, height = 64 }}\n{THINGS}\n[camera]\n{text}");
+        let scene: Scene = load(&text).unwrap();
+        let camera = scene.camera().unwrap();
+        let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
+        let mut rendered = |wanted: &Wanted, by: Option<&str>| {
+            let by = by.map(|name| anamorph::internals::rivals::parse(name).unwrap());
+            engine.render(&scene, &camera, wanted, &RunOptions { by, ..RunOptions::default() })
+        };
+        let all = Wanted::of(vec![Channel::TriangleId, object, material]);
+        for by in [None, Some("raytrace"), Some("raster-warp:1")] {
+            // a rival refuses cameras that it cannot show
+            let Ok(seen) = rendered(&all, by) else { continue };
+            let expected = labels(&scene, ids(&seen.frame));
+            assert_eq!([object, material].map(|c| seen.frame.u32(c).unwrap().to_vec()), expected, "{by:?}: {text}");
+        }
+        let whole = rendered(&all, None).unwrap().frame;
+        let several = kinds(&labels(&scene, ids(&whole))[0]);
+        assert!(several >= 3, "{several} objects: {text}");
+        // alone they bring no triangle ids, and with several samples they are those of the pixel's centre
+        for samples in [1, 4] {
+            if samples > 1 && !at_once(&scene, &camera, samples) {
+                continue;
+            }
+            let alone = Wanted { samples, ..Wanted::of(vec![Channel::A, object]) };
+            let alone = rendered(&alone, None).unwrap().frame;
+            assert_eq!(alone.planes.iter().map(|p| p.0).collect::<Vec<_>>(), [Channel::A, object]);
+            assert_eq!(alone.u32(object), whole.u32(object), "{samples} samples: {text}");
+        }
+        let truth = image(&scene, &camera, &[Channel::TriangleId, object, material]);
+        assert_eq!([object, material].map(|c| truth.u32(c).unwrap().to_vec()), labels(&scene, ids(&truth)), "{text}");
+    }
+}
+
+fn kinds(labels: &[u32]) -> usize {
+    labels.iter().filter(|k| **k != NO_ID).collect::<std::collections::BTreeSet<_>>().len()
+}

@@ -1,0 +1,26 @@
+//! Each kind of camera against its definition, and what cameras are turned into: rays, projected points, exported files.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/exact.rs"]
+mod exact;
+
+mod camera_truth;
+mod casting;
+mod chain;
+mod curve_roots;
+mod exported;
+mod glc_family;
+mod graph;
+mod lens_cameras;
+mod opencv;
+mod povray;
+mod project;
+mod project_named;
+mod projector;
+mod round_cameras;
+mod scans;
+mod scattered;
+mod screen_cameras;
+mod track;
+mod viewing_volumes;

@@ -1,0 +1,193 @@
+//! What an adapter has, or loses, changes no pixel and hides no failure.
+
+use crate::common;
+
+use anamorph::internals::camera::Rays;
+use anamorph::internals::engine::plan::Wanted;
+use anamorph::internals::engine::{Engine, RunOptions};
+use anamorph::internals::gpu::Gpu;
+use anamorph::internals::image::frame::{Channel, Frame};
+use common::any::any;
+use common::gpu::engine_on;
+use common::needs::skip;
+use common::rng::Rng;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const SIZE: (u32, u32) = (40, 30);
+
+/// Scenes of every kind, by their numbers.
+const SCENES: std::ops::Range<u64> = 0..60;
+
+/// The frames of all scenes; without f64 of its own an adapter leaves out certificates and all cameras but one kind, whose kernels
+/// with f64 in words a software adapter takes long to compile.
+fn frames(engine: &mut Engine) -> Vec<Option<Frame>> {
+    let channels = if engine.gpu.has.f64 { Channel::every().collect() } else { Channel::ALL.to_vec() };
+    let wanted = Wanted::of(channels);
+    let frame = |number| {
+        let (scene, camera) = any(&mut Rng(number), SIZE);
+        let is_seen = engine.gpu.has.f64 || (camera.layers.len() == 1 && matches!(camera.layers[0], Rays::Pieces(_)));
+        is_seen.then(|| engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap().frame)
+    };
+    SCENES.map(frame).collect()
+}
+
+/// Every plane that both have, as words.
+fn differs(a: &Frame, b: &Frame) -> bool {
+    let channels = Channel::ALL.iter();
+    channels.into_iter().any(|c| match (a.u32(*c), b.u32(*c)) {
+        (Some(a), Some(b)) => a != b,
+        _ => {
+            a.f32(*c).map(|v| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>())
+                != b.f32(*c).map(|v| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>())
+        }
+    })
+}
+
+/// Takes something from an adapter.
+type Less = fn(&mut Gpu);
+
+/// Depths that pairs and tiles may find of the same hit: f64 rounding of other sums, of which f32 keeps half a unit, and a step of
+/// what the key keeps.
+const DEPTH_UNITS: u32 = 2;
+
+/// Depths of tiles and of pairs are the same within [`DEPTH_UNITS`]; so is all else where the triangle is, and another one is as near.
+fn differs_beyond_rounding(a: &Frame, b: &Frame) -> bool {
+    let depths = [Channel::T, Channel::Z];
+    let bits = |f: &Frame, c: Channel| f.f32(c).map(|v| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
+    let near = |a: &[u32], b: &[u32]| a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= DEPTH_UNITS);
+    let [ids, other_ids] = [a, b].map(|f| f.u32(Channel::TriangleId).unwrap());
+    let same_triangles = |a: &[u32], b: &[u32]| (0..ids.len()).all(|k| ids[k] != other_ids[k] || a[k] == b[k]);
+    !Channel::ALL.into_iter().all(|c| match (bits(a, c), bits(b, c)) {
+        (Some(a), Some(b)) if depths.contains(&c) => near(&a, &b),
+        (Some(a), Some(b)) => same_triangles(&a, &b),
+        _ => a.u32(c).zip(b.u32(c)).is_none_or(|(a, b)| same_triangles(a, b)),
+    })
+}
+
+/// Raster goes pair by pair or tile by tile.
+#[test]
+fn frames_are_the_same_by_tile_and_by_pair() {
+    let (Some(mut by_tile), Some(mut by_pair)) = (engine_on(|_| {}), engine_on(|gpu| gpu.has.lanes = false)) else {
+        return;
+    };
+    if !by_tile.gpu.has.lanes {
+        return skip("subgroups are not as wide as a tile");
+    }
+    for (number, (a, b)) in SCENES.zip(frames(&mut by_tile).iter().zip(&frames(&mut by_pair))) {
+        let (Some(a), Some(b)) = (a, b) else { continue };
+        assert!(!differs_beyond_rounding(a, b), "scene {number}");
+    }
+}
+
+/// With and without 64-bit atomics, f64, and the checks that wgpu adds to kernels.
+#[test]
+fn frames_are_the_same_whatever_the_adapter_has() {
+    let less: [(&str, Less); 4] = [
+        ("64-bit atomics", |gpu| (gpu.has.lanes, gpu.has.atomics64) = (false, false)),
+        ("f64", |gpu| (gpu.has.lanes, gpu.has.f64) = (false, false)),
+        // SAFETY: what the kernels read and write is what this very test holds against checked ones
+        ("checks by pair", |gpu| unsafe {
+            gpu.has.lanes = false;
+            gpu.without_checks();
+        }),
+        // SAFETY: the same
+        ("checks by tile", |gpu| unsafe { gpu.without_checks() }),
+    ];
+    let (Some(mut by_tile), Some(mut by_pair)) = (engine_on(|_| {}), engine_on(|gpu| gpu.has.lanes = false)) else {
+        return;
+    };
+    let whole = [frames(&mut by_pair), frames(&mut by_tile)];
+    for (what, less) in less {
+        let Some(mut engine) = engine_on(less) else { return };
+        let expected = &whole[usize::from(engine.gpu.has.lanes)];
+        for (number, (frame, expected)) in SCENES.zip(frames(&mut engine).iter().zip(expected)) {
+            let (Some(frame), Some(expected)) = (frame, expected) else { continue };
+            // an adapter's own f64 may take sums and products in another order
+            let same = match engine.gpu.has.f64 {
+                true => !differs(frame, expected),
+                false => common::gpu::ids(frame) == common::gpu::ids(expected),
+            };
+            assert!(same, "scene {number} without {what}");
+        }
+    }
+}
+
+/// A device that is lost is an error, once and for every frame after; another device goes on.
+#[test]
+fn a_lost_device_is_an_error_and_another_goes_on() {
+    let Some(mut engine) = engine_on(|_| {}) else { return };
+    let (scene, camera) = any(&mut Rng(1), SIZE);
+    let wanted = Wanted { srgb8: true, ..Wanted::of(vec![Channel::TriangleId]) };
+    let render = |engine: &mut Engine| engine.render(&scene, &camera, &wanted, &RunOptions::default());
+    let before = render(&mut engine).unwrap();
+    engine.gpu.device.destroy();
+    for _ in 0..2 {
+        let text = match render(&mut engine) {
+            Err(e) => e.to_string(),
+            Ok(_) => panic!("a frame from a device that is gone"),
+        };
+        assert!(text.contains("adapter") && !text.contains('\n'), "{text}");
+    }
+    let Some(mut other) = engine_on(|_| {}) else { return };
+    let after = render(&mut other).unwrap();
+    assert!(before.frame == after.frame && before.srgb8 == after.srgb8);
+}
+
+/// Tests open adapters only by the function that reports a missing one.
+#[test]
+fn only_one_function_opens_adapters() {
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("tests")];
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            if path.extension().is_none_or(|e| e != "rs") {
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            let opens = ["Gpu", "Engine"].iter().any(|name| text.contains(&format!("{name}::open(")));
+            assert_eq!(opens, path.ends_with("common/needs.rs"), "{}", path.display());
+        }
+    }
+}
+
+/// Runs one test of this program in an environment without a driver.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_an_adapter_tests_are_skipped_or_fail() {
+    let name = "a_lost_device_is_an_error_and_another_goes_on";
+    let run = |needed: Option<(&str, &str)>| {
+        let mut command = Command::new(std::env::current_exe().unwrap());
+        command.args(["--exact", name, "--test-threads", "2"]).env_remove("CI").env_remove("ANAMORPH_REQUIRE_ADAPTER");
+        command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent").envs(needed);
+        let Output { status, stdout, stderr } = command.output().unwrap();
+        let [out, err] = [stdout, stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        assert!(out.contains("running 1 test"), "{out}");
+        (status.success(), out + &err)
+    };
+    for needed in [None, Some(("CI", "false")), Some(("ANAMORPH_REQUIRE_ADAPTER", ""))] {
+        let (passed, told) = run(needed);
+        let lines =
+            [format!("skipped: {name}: no Vulkan adapter found"), "tests skipped for lack of an adapter: 1".into()];
+        assert!(passed && lines.iter().all(|line| told.lines().any(|l| l.starts_with(line))), "{needed:?}: {told}");
+    }
+    for needed in [("CI", "true"), ("ANAMORPH_REQUIRE_ADAPTER", "1")] {
+        let (passed, told) = run(Some(needed));
+        assert!(!passed && told.contains("no Vulkan adapter found") && !told.contains("skipped"), "{needed:?}: {told}");
+    }
+}
+
+/// Memory that the device does not have is an error of the frame, in a line that says so.
+#[test]
+fn what_an_adapter_cannot_hold_is_an_error() {
+    let Some(mut engine) = engine_on(|gpu| gpu.limits.max_buffer_size = 1 << 12) else { return };
+    let (scene, camera) = any(&mut Rng(1), (400, 300));
+    let wanted = Wanted { srgb8: true, ..Wanted::of(vec![Channel::TriangleId]) };
+    match engine.render(&scene, &camera, &wanted, &RunOptions::default()) {
+        Err(e) => assert!(e.to_string().contains("bytes") && !e.to_string().contains('\n'), "{e}"),
+        Ok(_) => panic!("a frame of buffers that do not fit"),
+    }
+}

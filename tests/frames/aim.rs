@@ -1,0 +1,67 @@
+//! Frames aimed through another camera equal frames prepared for it, in every arithmetic.
+
+use crate::common;
+
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::{Arithmetic, Engine, RunOptions};
+use anamorph::internals::geometry::generate::icosphere;
+use anamorph::internals::gpu::Gpu;
+use common::cameras::{MeshLook, mesh_spec, pinhole, raymap};
+use common::gpu::{engine_on, hits, wanted, words};
+use common::{FORWARD, camera, scene};
+use glam::DVec3;
+
+const SIZE: (u32, u32) = (61, 45);
+
+/// Every arithmetic, with and without culling.
+fn runs() -> impl Iterator<Item = RunOptions> {
+    let arithmetics = [Arithmetic::Rechecked, Arithmetic::Single, Arithmetic::Double];
+    let run = |arithmetic, no_cull| RunOptions { arithmetic, no_cull, ..Default::default() };
+    arithmetics.into_iter().flat_map(move |a| [false, true].map(|no_cull| run(a, no_cull)))
+}
+
+/// Pairs of cameras of pieces and of a field. The rays of a pair start at the same points, so that both have the same anchor and
+/// pictures are equal to the byte.
+fn pairs() -> [(&'static str, [Camera; 2]); 3] {
+    let targets = [DVec3::ZERO, DVec3::new(0.3, -0.2, 0.1)];
+    let eyes = targets.map(|target| camera(pinhole(DVec3::new(2.0, 1.0, 2.5), target, 60.0), SIZE, FORWARD));
+    let pieces = [0.0, 0.2].map(|by| {
+        let mut spec = mesh_spec(1, 3, 2, MeshLook::default());
+        spec.vertices.iter_mut().for_each(|v| v.far.x += by);
+        camera(spec, SIZE, FORWARD)
+    });
+    // in front of the ball, and within it
+    let fields = [FORWARD, [0.45, f64::INFINITY]].map(|t_range| raymap(SIZE.0, SIZE.1, t_range));
+    [("pinhole", eyes), ("pieces", pieces), ("ray map", fields)]
+}
+
+fn check(engine: &mut Engine, what: &str) {
+    let scene = scene(icosphere(2));
+    for ((name, [first, second]), run) in pairs().iter().flat_map(|pair| runs().map(move |run| (pair, run))) {
+        let name = format!("{name}, {what}, {:?}, no_cull {}", run.arithmetic, run.no_cull);
+        let alone = [first, second].map(|camera| engine.render(&scene, camera, &wanted(), &run).unwrap());
+        assert!(hits(&alone[1].frame) > 100 && words(&alone[0].frame) != words(&alone[1].frame), "{name}");
+        for (there, expected) in [(&[second][..], &alone[1]), (&[second, first], &alone[0])] {
+            let mut frames = engine.prepare(&scene, first, &wanted(), &run).unwrap();
+            there.iter().for_each(|camera| frames.aim(camera).unwrap_or_else(|e| panic!("{name}: {e}")));
+            let aimed = frames.finish().unwrap();
+            assert!(words(&aimed.frame) == words(&expected.frame) && aimed.srgb8 == expected.srgb8, "{name}");
+        }
+    }
+}
+
+/// Removes abilities of an adapter.
+type Less = fn(&mut Gpu);
+
+#[test]
+fn frames_look_through_another_camera_in_every_arithmetic() {
+    let less: [(&str, Less); 3] = [
+        ("all", |_| {}),
+        ("pair by pair", |gpu| gpu.has.lanes = false),
+        ("32-bit atomics", |gpu| (gpu.has.lanes, gpu.has.atomics64) = (false, false)),
+    ];
+    for (what, less) in less {
+        let Some(mut engine) = engine_on(less) else { return };
+        check(&mut engine, what);
+    }
+}

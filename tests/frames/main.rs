@@ -1,0 +1,28 @@
+//! Whole frames of the engine against the reference, the twins and each other.
+
+#[path = "../common/bounced.rs"]
+mod bounced;
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/stages.rs"]
+mod stages;
+
+mod adapters;
+mod aim;
+mod baselines_agree;
+mod certified;
+mod comparators_can_fail;
+mod conic;
+mod determinism;
+mod frame_reference;
+mod layered_reference;
+mod memory;
+mod optics;
+mod overflow;
+mod plan;
+mod random_frames;
+mod strips;
+mod tessellate;
+mod ties;
+mod twin_reference;
+mod watertight;

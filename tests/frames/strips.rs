@@ -1,0 +1,197 @@
+//! Frames of some rows, frames that overlap, and frames that are shown one after the other are those of a fresh engine, bit for bit.
+//! Nothing to do without an adapter.
+
+use crate::common;
+
+use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::plan::samples::at_once;
+use anamorph::internals::engine::plan::{Rows, Wanted};
+use anamorph::internals::engine::planned::Planned;
+use anamorph::internals::engine::{Capacities, Engine, Rendered, RunOptions};
+use anamorph::internals::image::frame::Channel;
+use anamorph::internals::image::{read_exr, rgb8};
+use anamorph::internals::scene::Scene;
+use anamorph::internals::scene::light::Light;
+use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::file::camera_of;
+use common::gpu::{engine_on, wanted, words};
+use common::rng::Rng;
+use common::{FORWARD, camera, moved, scene, soup};
+use glam::DVec3;
+use std::process::Command;
+use std::sync::Arc;
+
+const SIZE: (u32, u32) = (101, 77);
+
+fn crowd() -> Scene {
+    scene(soup(&mut Rng(9), 1000, 0.8))
+}
+
+fn cameras() -> Vec<(&'static str, Camera)> {
+    let (name, kind) = glc_of_each_class().swap_remove(6);
+    let panorama = "kind = \"panorama\"\ncenter = [0, 0, 0]\nradius = 3\nheight = 3";
+    let twist =
+        "kind = \"twist\"\neye = [0, 0, 4]\ntarget = [0, 0, 0]\nvfov = 40\nnear = 2\nfar = 6\nangle = 60\ndegree = 3";
+    let named = |keys: &str| camera_of("", SIZE, keys).unwrap();
+    vec![
+        (name, camera(kind, SIZE, FORWARD)),
+        ("mesh", camera(mesh_camera(1, 16, 16, MeshLook::default()), SIZE, FORWARD)),
+        ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
+        ("panorama", named(panorama)),
+        ("twist", named(twist)),
+    ]
+}
+
+/// Every plane as words, row by row.
+fn rows_of(rendered: &Rendered) -> Vec<Vec<u32>> {
+    let frame = &rendered.frame;
+    let planes = words(frame);
+    let pixels = frame.width as usize * frame.height as usize;
+    let row = |k: usize| {
+        let own = |plane: &[u32]| plane[k * frame.width as usize..(k + 1) * frame.width as usize].to_vec();
+        planes.chunks_exact(pixels).flat_map(own).collect()
+    };
+    (0..frame.height as usize).map(row).collect()
+}
+
+#[test]
+fn rows_by_themselves_are_those_of_the_whole_image() {
+    let Some(mut engine) = engine_on(|_| ()) else { return };
+    let scene = crowd();
+    for (name, camera) in cameras() {
+        for samples in [1, 4] {
+            if samples > 1 && !at_once(&scene, &camera, samples) {
+                continue;
+            }
+            let mut whole = Wanted { samples, ..wanted() };
+            whole.channels.push(Channel::ObjectId);
+            let run = RunOptions::default();
+            let expected = engine.render(&scene, &camera, &whole, &run).unwrap();
+            let (mut rows, mut srgb8) = (Vec::new(), Vec::new());
+            for (first, count) in [(0, 32), (32, 32), (64, 13)] {
+                let own = Wanted { rows: Some(Rows { first, count }), ..whole.clone() };
+                let part = engine.render(&scene, &camera, &own, &run).unwrap();
+                assert_eq!((part.frame.width, part.frame.height), (SIZE.0, count));
+                rows.extend(rows_of(&part));
+                srgb8.extend(part.srgb8.unwrap());
+            }
+            assert!(rows == rows_of(&expected), "{name}, {samples} samples");
+            assert!(Some(srgb8) == expected.srgb8, "{name}, {samples} samples");
+        }
+    }
+}
+
+/// Scenes and cameras in turn: what moves, what is lit, what is seen through, and the same again.
+fn shows() -> Vec<(Scene, Arc<Camera>)> {
+    let first = crowd();
+    let light = |by: f64| vec![Light::distant(DVec3::new(by, -1.0, -0.5))];
+    let turned = Scene { mesh: moved((*first.mesh).clone(), DVec3::new(0.3, -0.1, 0.2)).into(), ..first.clone() };
+    let other = scene(soup(&mut Rng(4), 300, 0.5));
+    let lit = |scene: &Scene, by: f64| Scene { lights: light(by), ..scene.clone() };
+    let eye = |x: f64| {
+        let keys = format!("kind = \"panorama\"\ncenter = [{x}, 0, 0]\nradius = 3\nheight = 3");
+        Arc::new(camera_of("", SIZE, &keys).unwrap())
+    };
+    let (near, far) = (eye(0.0), eye(0.4));
+    vec![
+        (lit(&first, 0.2), near.clone()),
+        (lit(&turned, 0.2), near.clone()),
+        (lit(&turned, 0.9), near.clone()),
+        (lit(&turned, 0.9), far.clone()),
+        (lit(&other, 0.1), far.clone()),
+        (lit(&first, 0.2), near.clone()),
+        (lit(&first, 0.2), near),
+    ]
+}
+
+#[test]
+fn frames_on_their_way_at_once_are_those_of_fresh_engines() {
+    let Some(mut engine) = engine_on(|_| ()) else { return };
+    let Some(mut fresh) = engine_on(|_| ()) else { return };
+    let (wanted, run) = (wanted(), RunOptions::default());
+    let least = Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, recheck_items: 1, edges: 1 };
+    // lists that hold next to nothing, so that frames are found to lack room when the next is on its way
+    for capacities in [None, Some(least)] {
+        let run = RunOptions { capacities, ..run.clone() };
+        let mut last: Option<Planned> = None;
+        let mut plan = |engine: &Engine, (scene, camera): &(Scene, Arc<Camera>)| {
+            let planned = engine.planner().plan(scene, camera.clone(), &wanted, &run, last.as_ref()).unwrap();
+            last = Some(planned.clone());
+            planned
+        };
+        let shows = shows();
+        let first = plan(&engine, &shows[0]);
+        let mut frames = engine.place(first.clone(), &run).unwrap();
+        let mut in_flight = (first, frames.start().unwrap());
+        let mut seen = Vec::new();
+        for show in &shows[1..] {
+            let planned = plan(&engine, show);
+            assert!(frames.show(&planned).unwrap());
+            let next = (planned, frames.start().unwrap());
+            let (planned, pending) = std::mem::replace(&mut in_flight, next);
+            seen.push(frames.recheck_samples(&planned, pending).unwrap().rendered());
+        }
+        seen.push(frames.recheck_samples(&in_flight.0, in_flight.1).unwrap().rendered());
+        for (k, ((scene, camera), seen)) in shows.iter().zip(&seen).enumerate() {
+            let expected = fresh.render(scene, camera.clone(), &wanted, &RunOptions::default()).unwrap();
+            assert!(words(&seen.frame) == words(&expected.frame), "frame {k}");
+            assert!(seen.srgb8 == expected.srgb8, "frame {k}");
+        }
+    }
+}
+
+/// Another kind of frame is not shown, and leaves what is there.
+#[test]
+fn what_is_of_another_kind_is_to_be_placed_anew() {
+    let Some(mut engine) = engine_on(|_| ()) else { return };
+    let (scene, run) = (crowd(), RunOptions::default());
+    let (wanted, all) = (Wanted::of(vec![Channel::Z]), cameras());
+    let planner = engine.planner();
+    let planned = |camera: &Camera, wanted: &Wanted| planner.plan(&scene, camera, wanted, &run, None).unwrap();
+    let mut frames = engine.place(planned(&all[0].1, &wanted), &run).unwrap();
+    assert!(!frames.show(&planned(&all[2].1, &wanted)).unwrap());
+    assert!(!frames.show(&planned(&all[0].1, &Wanted::of(vec![Channel::T]))).unwrap());
+    let own = planned(&all[0].1, &wanted);
+    let pending = frames.start().unwrap();
+    let seen = frames.recheck_samples(&own, pending).unwrap().rendered();
+    let expected = engine.render(&scene, &all[0].1, &wanted, &run).unwrap();
+    assert!(words(&seen.frame) == words(&expected.frame));
+}
+
+const LARGE: &str = r#"
+[[mesh]]
+builtin = "icosphere"
+level = 2
+[camera]
+kind = "panorama"
+radius = 4
+height = 3
+"#;
+
+/// An image over a gigabyte goes to its files strip by strip; they hold what the engine renders at once.
+#[test]
+fn a_large_image_is_a_tiled_file_and_a_streamed_one() {
+    let Some(mut engine) = engine_on(|_| ()) else { return };
+    let (width, height) = (16_384, 720);
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    std::fs::write(path("scene.toml"), LARGE).unwrap();
+    let mut program = Command::new(env!("CARGO_BIN_EXE_anamorph"));
+    program.current_dir(dir.path()).args(["render", "scene.toml", "--exr", "large.exr", "--channels", "Z"]);
+    program.args(["-o", "large.png"]);
+    let ran = program.args(["--size", &format!("{width}x{height}")]).output().unwrap();
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    let bytes = std::fs::read(path("large.exr")).unwrap();
+    // bit 9 of the version: a single part of tiles
+    assert_eq!(u32::from_le_bytes([bytes[4], bytes[5], bytes[6], bytes[7]]) & 0x200, 0x200);
+    let file = read_exr(&path("large.exr")).unwrap();
+    let scene = Scene::load(&path("scene.toml"), &[], 0.0).unwrap();
+    let camera = Camera::in_scene(&scene.camera, Some((width, height)), &scene.mesh).unwrap();
+    let wanted = Wanted { srgb8: true, ..Wanted::of(vec![Channel::Z]) };
+    let at_once = engine.render(&scene, camera, &wanted, &RunOptions::default()).unwrap();
+    assert_eq!((file.width, file.height), (width, height));
+    assert!(words(&file) == words(&at_once.frame));
+    let shown = image::open(path("large.png")).unwrap();
+    assert_eq!((shown.width(), shown.height()), (width, height));
+    assert!(shown.as_bytes() == rgb8(&at_once.srgb8.unwrap()));
+}
