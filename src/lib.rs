@@ -1,9 +1,9 @@
 //! A multi-perspective renderer: triangles through cameras whose rays do not meet in a point, exactly, by compute
 //! kernels alone.
 //!
-//! A [`Scene`] comes from a file or from text, and takes [`Mesh`]es of arrays; its [`Camera`] gives each pixel a ray or a curve. A
-//! [`Renderer`] makes arrays of them, on a GPU or on the CPU; a [`Job`] goes from a scene file to picture files, and a [`Batch`] is a
-//! list of jobs. `docs/reference/definitions.md` has the ray of every pixel of every camera and says what the channels mean.
+//! A [`Scene`] is loaded from a file or parsed from text; [`Mesh`]es made from arrays can be added. Its [`Camera`] gives each pixel a
+//! ray or a curve. A [`Renderer`] renders it to arrays, on a GPU or on the CPU. A [`Job`] renders a scene file to image files, and a
+//! [`Batch`] runs a list of jobs. `docs/reference/definitions.md` defines the ray of every pixel of every camera, and the channels.
 //!
 //! Arrays of a scene:
 //!

@@ -1,19 +1,17 @@
-//! The truth that everything else is held against: every pixel's rays and curves against every triangle, in f64, by the
-//! definitions of `docs/reference/definitions.md` alone. It knows pixels, bundles and triangles, and nothing of tiles, pieces'
-//! tricks or kernels.
+//! The reference that everything else is compared with: every pixel's rays and curves against every triangle, in f64, by the
+//! definitions in `docs/reference/definitions.md`. It uses pixels, bundles and triangles only, no tiles and no kernels.
 //!
 //! * `intersect`: one ray and one triangle; signs are those of exact arithmetic (`exact`).
 //! * `curve`, `length`: one curve and one triangle, every root ([`crate::geometry::bernstein`]); arc lengths.
 //! * `bvh`, `beam`: which triangles a ray, a curve, or all rays of a small box about one can meet.
 //! * `lens`: rays of calibrated lenses, inverted independently of the camera.
 //! * `path`, `answer`: a pixel's segments through all layers, and what they first meet.
-//! * `place`: what of the mesh is near a place.
 //! * `margin`, `verdict`: whether the answer changes within 1/16 px of the centre, and what it may be.
 //! * `cover`: proof that triangles which join without gaps leave no miss.
 //! * `finding`: the same for whole paths: chains by the verdicts of their layers, curves by samples.
-//! * `bounces`: rays that mirrors and lenses turn, followed one by one; judged by samples too.
-//! * `caustics`: where a light's photons land, and what that adds to a hit.
-//! * `image`, `light`, `explain`: whole frames, judgement of other frames, one pixel in words.
+//! * `bounces`: rays through mirrors and lenses, by recursive ray tracing; also judged by samples.
+//! * `caustics`: where a light's photons fall, and the light that this adds to a hit.
+//! * `image`, `light`, `explain`: whole frames, comparison of other frames, one pixel as text.
 
 mod answer;
 mod beam;
@@ -51,18 +49,18 @@ use bvh::{Bvh, Item};
 use intersect::{Aim, Corners, T_ROUNDING};
 use rayon::prelude::*;
 
-/// Where a ray first meets the mesh.
+/// The first hit of a ray on the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// The ray parameter, within 1e-9 of itself.
+    /// The ray parameter; relative error at most 1e-9.
     pub t: f64,
     /// The triangle's id: its index in the mesh.
     pub triangle: u32,
-    /// Weights of the triangle's second and third vertex.
+    /// Barycentric weights of the triangle's second and third vertex.
     pub bary: [f64; 2],
 }
 
-/// A mesh made ready to be asked.
+/// A mesh indexed for ray queries.
 #[derive(Debug)]
 pub struct Reference<'a> {
     mesh: &'a Mesh,
@@ -73,7 +71,7 @@ pub struct Reference<'a> {
 
 impl<'a> Reference<'a> {
     /// Indexes the mesh: finite positions, indices in range. Triangles with two corners in one place are
-    /// left out, being never hit.
+    /// left out: they are never hit.
     pub fn build(mesh: &'a Mesh) -> Reference<'a> {
         let item = |(id, triangle): (usize, &[u32; 3])| {
             let corners = Corners::new(triangle.map(|k| mesh.positions[k as usize]));
@@ -85,7 +83,7 @@ impl<'a> Reference<'a> {
     }
 
     /// The visible hit of the bundle's central ray: the smallest `t` in `t_range` (ends inclusive), the
-    /// lowest id among equals. `None` as well where there is no ray: not finite, `d = 0` or `h = 0`.
+    /// lowest id among equals. `None` also if there is no ray: not finite, `d = 0` or `h = 0`.
     pub fn hit(&self, bundle: &Bundle, t_range: [f64; 2]) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.each_hit_of_ray(bundle, t_range, |hit| {
@@ -95,7 +93,7 @@ impl<'a> Reference<'a> {
         best
     }
 
-    /// How far along a unit way from `p` the nearest of the first `count` triangles is, from either side, up to `far`.
+    /// Distance from `p` along a unit direction to the nearest of the first `count` triangles, either face, up to `far`.
     fn blocked(&self, p: glam::DVec3, way: glam::DVec3, far: f64, count: u32) -> Option<f64> {
         let zero = glam::DVec3::ZERO;
         let bundle = Bundle { p: [p, zero, zero], d: [way, zero, zero], h: [1.0, 0.0, 0.0] };
@@ -112,8 +110,8 @@ impl<'a> Reference<'a> {
         is_met.then_some(nearest)
     }
 
-    /// Every visible hit of the bundle's central ray in `t_range`, near ones first as a rule. `visit` returns the
-    /// largest `t` that still matters.
+    /// Every visible hit of the bundle's central ray in `t_range`, mostly near to far. `visit` returns the
+    /// largest `t` still of interest.
     fn each_hit_of_ray(&self, bundle: &Bundle, t_range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {
         let aimed = |b: Bundle| {
             let aim = Aim::new(b, self.scene_size);
@@ -129,7 +127,7 @@ impl<'a> Reference<'a> {
         });
     }
 
-    /// The central ray against one triangle, as far as it is visible and in range.
+    /// The visible hit of the central ray on one triangle, in range.
     fn hit_of(&self, aim: &Aim, id: u32, t_range: [f64; 2]) -> Option<Hit> {
         let m = intersect::meet(aim, &self.corners(id))?;
         let seen = m.sign < 0 || self.two_sided(id);
@@ -151,12 +149,12 @@ impl<'a> Reference<'a> {
         self.material(id).is_none_or(|m| m.two_sided)
     }
 
-    /// The triangle's image, where that cuts holes into it.
+    /// The triangle's texture if it is an alpha mask.
     fn cut_by(&self, id: u32) -> Option<&Texture> {
         self.material(id)?.texture.as_ref().filter(|t| t.cuts() && self.mesh.uvs_of(id as usize).is_some())
     }
 
-    /// A hit's triangle has no hole there.
+    /// Whether the triangle has no hole at the hit.
     fn is_there(&self, hit: &Hit) -> bool {
         let uv = || self.mesh.uv_at(hit.triangle, hit.bary);
         self.cut_by(hit.triangle).is_none_or(|texture| uv().is_none_or(|uv| texture.is_there(uv)))
@@ -179,12 +177,12 @@ fn upright(b: &Bundle) -> Option<Bundle> {
     (finite && b.h[0] > 0.0 && b.d[0] != glam::DVec3::ZERO).then_some(b)
 }
 
-/// The largest exact `t` whose computed value may be as small as `t`, with room.
+/// An upper bound on the exact `t` whose computed value is `t`.
 fn past(t: f64) -> f64 {
     t + 2.0 * T_ROUNDING * t.abs()
 }
 
-/// A range that holds every exact `t` whose computed value is in the given one.
+/// A range that contains every exact `t` whose computed value is in the given one.
 fn widened([t0, t1]: [f64; 2]) -> [f64; 2] {
     [-past(-t0), past(t1)]
 }

@@ -40,13 +40,13 @@ fn a_quick_run_leaves_every_file_and_a_page_over_all_runs() {
     for row in others {
         assert_eq!((row.technique.as_str(), row.times.as_ref().map(|t| t.median)), ("yardstick", Some(1.5)));
         assert!(row.error.as_ref().unwrap().wrong_share > 0.9, "{row:?}");
-        // it is held against this engine's time for as much
-        let bare = ours.iter().find(|r| r.case == row.case && r.way.as_deref() == Some("t and ids alone"));
+        // it is compared with this engine's time for as much
+        let bare = ours.iter().find(|r| r.case == row.case && r.label.as_deref() == Some("t and ids alone"));
         let median = bare.and_then(|r| r.times.as_ref()).map(|t| t.median);
         assert_eq!(row.to_ours, median.map(|m| 1.5 / m), "{row:?}");
     }
     for row in ours {
-        if row.way.is_some() {
+        if row.label.is_some() {
             assert!(row.counted.is_none() && row.error.as_ref().unwrap().wrong_safe == 0, "{row:?}");
             continue;
         }

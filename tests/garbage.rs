@@ -4,7 +4,7 @@
 mod common;
 
 use anamorph::internals::camera::Camera;
-use anamorph::internals::camera::optics::{Facets, Law, Optics, Surface, Turn};
+use anamorph::internals::camera::optics::{Bounce, Facets, Law, Optics, Surface};
 use anamorph::internals::engine::RunOptions;
 use anamorph::internals::geometry::generate;
 use anamorph::internals::geometry::mesh::Mesh;
@@ -174,10 +174,10 @@ fn of_thousands_of_coincident_triangles_the_lowest_id_is_seen() {
 }
 
 /// A camera before a mirror or a lens of these facets.
-fn through(facets: Facets, law: Law, turn: Turn, eye: DVec3, depth: u32) -> Camera {
+fn through(facets: Facets, law: Law, bounce: Bounce, eye: DVec3, depth: u32) -> Camera {
     let mut camera = camera(pinhole(eye, DVec3::ZERO, 60.0), SIZE, FORWARD);
     let surface = Surface::Facets { facets, law };
-    camera.optics = Some(Optics { tint: [0.9; 3], base: [0.5; 3], ..Optics::new(turn, surface, depth) }.into());
+    camera.optics = Some(Optics { tint: [0.9; 3], base: [0.5; 3], ..Optics::new(bounce, surface, depth) }.into());
     camera
 }
 
@@ -193,10 +193,10 @@ fn optics_of_any_triangles_with_any_normals() {
         mesh.corner_normals = mesh.triangles.clone();
         let facets = Facets::of_mesh(&mesh).unwrap();
         let eye = DVec3::new(0.3, 0.2, 5.0);
-        for turn in [Turn::Reflect, Turn::Refract { ior: 1.4 }] {
+        for bounce in [Bounce::Reflect, Bounce::Refract { ior: 1.4 }] {
             for (law, depth) in [(Law::Normals, 3), (Law::Flat { eye }, 1)] {
-                let name = format!("{seed}, {turn:?}, {law:?}");
-                if check(&name, &scene, &through(facets.clone(), law, turn, eye, depth)).is_none() {
+                let name = format!("{seed}, {bounce:?}, {law:?}");
+                if check(&name, &scene, &through(facets.clone(), law, bounce, eye, depth)).is_none() {
                     return;
                 }
             }

@@ -1,5 +1,7 @@
 //! Kernels one by one: against their twins, or against what they compute. One program, since each takes seconds to link.
 
+#[path = "common/bounced.rs"]
+mod bounced;
 mod common;
 #[path = "common/exact.rs"]
 mod exact;
@@ -7,8 +9,6 @@ mod exact;
 mod nasty;
 #[path = "common/stages.rs"]
 mod stages;
-#[path = "common/turned.rs"]
-mod turned;
 
 mod kernels {
     mod args;

@@ -8,7 +8,7 @@ use anamorph::internals::gpu::soft_f64::lowered;
 use common::needs::{adapter, skip};
 use common::rng::Rng;
 
-/// Reads two numbers a row, three words each: an f64 and an f32. Writes what every operation makes of them.
+/// Reads two numbers per row, three words each: an f64 and an f32. Writes what every operation makes of them.
 const PROBE: &str = "
 @group(0) @binding(0) var<storage, read> given: array<vec4<u32>>;
 @group(0) @binding(1) var<storage, read_write> found: array<array<vec2<u32>, 24>>;

@@ -1,5 +1,5 @@
 // allot: one thread per tile.
-// Reads how many pairs bin has found in each tile, in `ends`; writes the tile's run of the sorted list, from `starts` to `ends`, and
+// Reads bin's pair count of each tile, in `ends`; writes the tile's run of the sorted list, from `starts` to `ends`, and
 // lists the tiles that have any pairs in `busy`.
 // Needs: COUNT_BUSY, COUNT_SORTED, item_index
 // Binds: busy, counters, ends, params, starts

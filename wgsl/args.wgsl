@@ -1,5 +1,5 @@
-// args: one thread in all. Reads the count that a stage left in `counters` and the capacity behind it; writes the
-// indirect arguments of the next dispatch, in two dimensions and never over the list's end.
+// args: a single thread. Reads a stage's count in `counters` and the capacity of its list; writes the indirect arguments
+// of the next dispatch, in two dimensions, clamped to the list's end.
 // Needs: CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_PAIRS, COUNT_RECHECK_ITEMS,
 //   COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_WORK, GROUP, LANES, TRIANGLE_GROUP
 // Binds: counters, indirect, params, step

@@ -1,7 +1,7 @@
 // bin: one thread per triangle of a (triangle group, node) item of `tasks`.
 // Reads triangles, vertices and nodes; writes (slot, tile) pairs of the tiles under the node that the triangle may cover, by its extent
 // and its three edge conics there, or of the one tile of the cell that the item names. `pairs` may overflow: the counter keeps counting.
-// Needs: ASIDE, BOUND_SLACK, CENTRES, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_TASKS, LEVEL_CELL, NODE_PX, TILE, TRIANGLE_GROUP,
+// Needs: ASIDE, BOUND_TOLERANCE, CENTRES, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_TASKS, LEVEL_CELL, NODE_PX, TILE, TRIANGLE_GROUP,
 //   address_node, box_met, close_extent, conics, is_empty, item_index, item_node, item_pixels, item_rays, may_cover, node_cell, node_level,
 //   node_x, node_y, pair_pack, pixels_within, store, task_triangle_group, tile_pixels, vertex
 // Binds: cells, counters, params, tasks, triangles
@@ -36,7 +36,7 @@ fn bin(
     // of scattered rays, keep the pixels of the item's tile whose rays may meet the triangle's box
     let lo = min(v0, min(v1, v2));
     let hi = max(v0, max(v1, v2));
-    let half = 0.5 * (hi - lo) + BOUND_SLACK * max(abs(lo), abs(hi));
+    let half = 0.5 * (hi - lo) + BOUND_TOLERANCE * max(abs(lo), abs(hi));
     let met = item_pixels(address, rays, node, 0.5 * (lo + hi), half);
     if is_empty(met) {
         return;
@@ -88,7 +88,7 @@ fn bin(
     }
 }
 
-// Lists a pair, if there is a pixel to look at.
+// Lists a pair if its box has a pixel.
 fn list(slot: u32, tile: u32, pixels: vec4<u32>) {
     if is_empty(pixels) {
         return;

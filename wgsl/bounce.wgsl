@@ -1,10 +1,10 @@
 // bounce: one thread per pixel of the band.
-// Reads the visibility buffer, the pixel's ray and way and the surface that it meets first; writes the ray that goes on
-// from there and its way, or neither.
-// Needs: NONE, PathState, camera_of, head_of, item_index, key_id, norm, ray_bundle, real, real3, turn_at
+// Reads the visibility buffer, the pixel's ray, its path state and the first surface hit; writes the bounced ray and its path
+// state, or zeros where the ray misses the optics.
+// Needs: NONE, PathState, bounce_at, camera_of, head_of, item_index, key_id, norm, ray_bundle, real, real3
 // Binds: bounced_paths, optic, params, paths, turned_hi, turned_lo, visibility
 
-// Squared length of a direction at most: corners' rays are scaled to 64 times unit length at most.
+// Maximum squared length of a direction: corners' rays are scaled to 64 times unit length at most.
 const SIZE_MAX: f32 = 65536.0;
 
 fn store_number(at: u32, value: real) {
@@ -43,22 +43,22 @@ fn bounce(
         return;
     }
 
-    // turn its ray
+    // reflect or refract its ray
     let b = ray_bundle(0u, x, y, 0.0);
     let p = b.p / b.h;
     let path = paths[pixel];
     let surface = id - optic.first_id;
-    var turned = turn_at(surface, p, b.d / b.h, path.last);
-    // corners' rays that cancel leave no direction, and no number where they cannot be scaled
-    let size = f32(dot(turned.d, turned.d));
+    var next = bounce_at(surface, p, b.d / b.h, path.last);
+    // interpolated corners' rays may cancel, or be NaN where they cannot be scaled: no ray then
+    let size = f32(dot(next.d, next.d));
     if !(size > 0.0 && size < SIZE_MAX) {
-        turned.d = real3(real(0.0));
+        next.d = real3(real(0.0));
     }
-    store_vector(at, select(turned.place, real3(optic.from_hi) + real3(optic.from_lo), optic.is_environment == 1u));
-    store_vector(at + 3u, turned.d);
+    store_vector(at, select(next.place, real3(optic.from_hi) + real3(optic.from_lo), optic.is_environment == 1u));
+    store_vector(at + 3u, next.d);
     let first = select(path.first, surface, path.first == NONE);
     let camera = select(path.camera, camera_of(surface), path.first == NONE);
-    let length = path.length + f32(norm(turned.place - p));
-    let light = path.light * optic.tint * optic.scale * f32(turned.share);
+    let length = path.length + f32(norm(next.place - p));
+    let light = path.light * optic.tint * optic.scale * f32(next.share);
     bounced_paths[pixel] = PathState(light, length, first, id, camera, 0u);
 }

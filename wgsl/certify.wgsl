@@ -1,8 +1,8 @@
 // certify: one thread per (slot, tile) pair, twice, after all pairs were rastered and rechecked; then one per pixel of the band.
 // Reads what raster reads, and the visibility buffer. The first dispatch finds in each pixel the nearest bound behind which some triangle
-// is proven to be met; the second holds every triangle that may be met before it against the one that was found; the third writes
+// is proven to be met; the second compares every triangle that may be met before it with the one that was found; the third writes
 // the plane: 2 proven by f32, 1 by recheck arithmetic, 0 not.
-// `proofs` has two words a pixel: the complement of that bound, so that 0 is none, and flags.
+// `proofs` has two words per pixel: the complement of that bound, so that 0 is none, and flags.
 // Needs: COUNT_PAIRS, COVERAGE_PROVES, Cell, ENDLESS, NONE, ONE_SIDED, TILE, bit_mask, box_mask, cell_bundle, coverage, first_bit,
 //   item_index, key_id, key_layer, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_proof, real, real3, tile_corner, tile_layer,
 //   triangle_id, triangle_reversed, vertex, vertex_real, without_bit

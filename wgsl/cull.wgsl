@@ -1,7 +1,7 @@
 // cull: one thread per (cluster, node) item of the step's queue; in step 0 per cluster, at a node above the top level.
 // Reads clusters and nodes; writes the children that the cluster may meet to the next queue, or to `work`: at level 1,
-// or where all children are one affine bundle and going on with single triangles is cheaper: the cluster meets many of them, or an
-// extent says at once where in the bundle it is seen.
+// or where all children are one affine bundle and continuing with single triangles is cheaper: the cluster meets many children, or an
+// extent bounds its position in the bundle.
 // Torn nodes of level 1 are queued once more: their tiles go to `work`, and of torn tiles the cells.
 // `queue_out` and `work` may overflow: counters keep counting.
 // Needs: BRANCH, COUNT_WORK, Node, RAYS_AFFINE, RAYS_TORN, cell_pack, extent, item_index, level_height, level_width, node_index,
@@ -19,7 +19,7 @@ const HAND_ON_LEVEL: u32 = 3u;
 // Of a node of size 2: how large the place may be where a cluster is seen. Beyond, an extent says little of single triangles too.
 const CLEAR: f32 = 1.0;
 
-// Without it everything may meet everything, and `bin` tells.
+// Without culling every cluster meets every node; `bin` then decides.
 override CULLING: bool = true;
 
 @compute @workgroup_size(64)

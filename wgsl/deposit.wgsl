@@ -1,6 +1,6 @@
 // deposit: one thread per caustic triangle.
-// Reads its corners on a receiver and its flux; adds to each texel the share of the flux that the texel's share of the
-// triangle is, and to what missed the flux beyond the map's border. Sums are whole units in two words each, so no order of
+// Reads its corners on a receiver and its flux; adds to each texel flux in proportion to the triangle's area in the texel,
+// and the flux beyond the map's border to the missed flux. Sums are whole units in two words each, so no order of
 // threads changes them; the host's unit is so large that high words do not run over.
 // Needs: item_index
 // Binds: casting, casts, receivers, sums

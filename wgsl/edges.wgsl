@@ -1,9 +1,9 @@
 // edges: one thread per pixel of the band, then one per (slot, tile) pair, then one per pixel again, once all is in the visibility buffer.
 // Reads what raster reads, the nodes, the visibility buffer and which cells samples lie in; writes a row of `samples` for each pixel that
-// holds an edge, with what its centre sees, and the row's number into `edge_of`. A pixel holds an edge unless all its samples are proven to
+// contains an edge, with the hit at its centre, and the row's number into `edge_of`. A pixel contains an edge unless all its samples are proven to
 // see one triangle first, or nothing. The first dispatch finds in each pixel how far from the eye the triangle seen at its centre may lie
 // at any sample, if it covers all; the second tests every triangle that may cover a sample before that; the third writes the rows.
-// `edge_of` has a word a pixel: how near all must be that is seen instead, HELD where an edge is held; in the end 1 more than its row, 0 of none. Rows may
+// `edge_of` has a word per pixel: the depth before which another triangle would be seen instead, KEPT once an edge is found; in the end 1 more than its row, 0 of none. Rows may
 // overflow: the counter keeps counting.
 // Needs: ASIDE, COUNT_EDGES, COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SLABBED, TILE, bit_mask, box_mask, conic_sign, conics, depths,
 //   first_bit, item_index, key_id, key_layer, may_cover, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_cell, pixels_in_part,
@@ -13,7 +13,7 @@
 const STEP_SEEN: u32 = 0u;
 const STEP_PAIRS: u32 = 1u;
 
-const HELD: u32 = 0u;
+const KEPT: u32 = 0u;
 
 @compute @workgroup_size(64)
 fn edges(
@@ -24,7 +24,7 @@ fn edges(
     let index = item_index(group, groups, lane);
     if step.value == STEP_PAIRS {
         if index < min(atomicLoad(&counters[COUNT_PAIRS]), params.pair_capacity) {
-            hold_pair(pairs[index]);
+            test_pair(pairs[index]);
         }
         return;
     }
@@ -43,7 +43,7 @@ fn place_of(bit: u32) -> vec2<f32> {
     return (vec2<f32>(f32(bit % TILE), f32(bit / TILE)) + 0.5) * NODE_PX - 1.0;
 }
 
-// How far off what is seen of a pixel may lie. The pixel's triangle may lie in another chunk of the scene, which then looks itself.
+// The farthest depth at which the pixel's triangle may lie. The pixel's triangle may lie in another chunk of the scene, which then looks itself.
 fn look(pixel: u32) {
     let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
     if all(won == vec2<u32>(0u)) {
@@ -63,7 +63,7 @@ fn look(pixel: u32) {
     let y = pixel / params.width;
     let cell = pixel_cell(layer, x, y);
     let bit = (y % TILE) * TILE + x % TILE;
-    var reach = HELD;
+    var reach = KEPT;
     if cell != NONE && any((pixels_whole(cell) & bit_mask(bit)) != vec2<u32>(0u)) {
         let triangle = triangles[slot_of_id[id - params.id_first]];
         let v0 = vertex(triangle.x);
@@ -80,7 +80,7 @@ fn look(pixel: u32) {
     atomicStore(&edge_of[pixel], reach);
 }
 
-// The triangle covers all of the box.
+// Whether the triangle covers the whole box.
 fn covers(q: Conics, x: f32, y: f32, s: f32) -> bool {
     let s01 = conic_sign(q.e01, x, y, s);
     let s20 = -conic_sign(q.e02, x, y, s);
@@ -88,8 +88,8 @@ fn covers(q: Conics, x: f32, y: f32, s: f32) -> bool {
     return s01 != 0 && s01 == s20 && s01 == s12;
 }
 
-// Finds the pixels that a pair's triangle may cover in part before what is seen there.
-fn hold_pair(pair: vec2<u32>) {
+// Finds the pixels that a pair's triangle may partly cover in front of the visible hit.
+fn test_pair(pair: vec2<u32>) {
     let tile = pair_tile(pair);
     let triangle = triangles[pair_slot(pair)];
     let v0 = vertex(triangle.x);
@@ -121,20 +121,20 @@ fn hold_pair(pair: vec2<u32>) {
             let met = depths(own, place.x, place.y, ASIDE * NODE_PX);
             let near = clamp(met.near, params.t_min.x, params.t_max.x);
             let is_out_of_range = met.far < params.t_min.x || met.near > params.t_max.x;
-            if reach == HELD || (!SLABBED && is_out_of_range) || nearness(layer, near) - 1u > reach {
+            if reach == KEPT || (!SLABBED && is_out_of_range) || nearness(layer, near) - 1u > reach {
                 continue;
             }
             let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
             let is_seen = key_id(~won) == triangle_id(triangle) && key_layer(~won) == layer;
             if all(won == vec2<u32>(0u)) || !is_seen {
-                atomicStore(&edge_of[pixel], HELD);
+                atomicStore(&edge_of[pixel], KEPT);
             }
         }
     }
 }
 
 fn list(pixel: u32) {
-    if atomicLoad(&edge_of[pixel]) != HELD {
+    if atomicLoad(&edge_of[pixel]) != KEPT {
         atomicStore(&edge_of[pixel], 0u);
         return;
     }

@@ -1,11 +1,11 @@
 // edges, tile by tile: one subgroup of LANES threads per tile, one thread per column of it, once all is in the visibility buffer.
-// Reads the runs of pairs of tiles, nodes, the visibility buffer and which cells samples lie in; finds the pixels that hold an edge,
+// Reads the runs of pairs of tiles, nodes, the visibility buffer and which cells samples lie in; finds the pixels that contain an edge,
 // as edges does pair by pair, in one pass over the pairs of a tile: what the triangle seen at a pixel's centre bounds, and how near
 // all others may be that may cover any of its samples. Writes a row of `samples` for each such pixel, its number into `edge_of`, of
 // each pair the pixels that it may cover and its slot into `touches`, and `blocks` of LANES strips, four samples each, of the rows of one tile.
-// Rows and blocks may overflow: the counter of rows keeps counting, and blocks have room for all rows.
+// Rows and blocks may overflow: the counter of rows keeps counting, and blocks have space for all rows.
 // Needs: ASIDE, Bounds, CENTRES, COUNT_BLOCKS, COUNT_EDGES, GROUP, LANES, NODE_PX, NONE, SAMPLES, STRIPS, TILE, bit_mask, bound, conics,
-//   extent, four, given_bounds, group_index, holding, is_empty, item_node, key_id, lanes_any, may_cover, pair_slot, pixels_in_part,
+//   edge_pixels, extent, four, given_bounds, group_index, is_empty, item_node, key_id, lanes_any, may_cover, pair_slot, pixels_in_part,
 //   pixels_whole, pixels_within, plane, rows_mask, side, tile_corner, triangle_id, vertex
 // Binds: blocks, counters, edge_of, ends, pairs, params, samples, starts, tile_start, touches, triangles, visibility
 
@@ -50,10 +50,10 @@ fn edges(
             && may_cover(sides, 0.0, 0.0, CENTRES + ASIDE * NODE_PX);
         let flat = plane(node, v0, v1, v2);
         let s = ASIDE * NODE_PX;
-        let room = s * vec2<f32>(abs(flat.along.y) + abs(flat.along.z), abs(flat.across.y) + abs(flat.across.z));
+        let margin = s * vec2<f32>(abs(flat.along.y) + abs(flat.along.z), abs(flat.across.y) + abs(flat.across.z));
         let own = Bounds(
             side(sides.e01, 1.0), side(sides.e02, -1.0), side(sides.e12, 1.0),
-            flat.along, flat.across, room + vec2<f32>(flat.lost_along, flat.lost_across),
+            flat.along, flat.across, margin + vec2<f32>(flat.lost_along, flat.lost_across),
             triangle_id(triangle),
         );
         var left = lanes_any(select(0u, 1u << lane, may), lane);
@@ -83,14 +83,14 @@ fn edges(
         }
     }
 
-    // list the pixels that hold an edge, and their strips
-    let held_upper = holding(upper);
-    let held_lower = holding(lower);
-    let held = vec2<u32>(
-        lanes_any(rows_mask(1u << lane, held_upper), lane),
-        lanes_any(rows_mask(1u << lane, held_lower), lane),
+    // list the pixels that contain an edge, and their strips
+    let edges_upper = edge_pixels(upper);
+    let edges_lower = edge_pixels(lower);
+    let edges = vec2<u32>(
+        lanes_any(rows_mask(1u << lane, edges_upper), lane),
+        lanes_any(rows_mask(1u << lane, edges_lower), lane),
     );
-    let count = countOneBits(held.x) + countOneBits(held.y);
+    let count = countOneBits(edges.x) + countOneBits(edges.y);
     var first = 0u;
     if lane == 0u {
         first = atomicAdd(&counters[COUNT_EDGES], count);
@@ -103,8 +103,8 @@ fn edges(
     for (var y = 0u; y < TILE; y++) {
         let bit = y * TILE + lane;
         let own = bit_mask(bit);
-        if any((held & own) != vec2<u32>(0u)) {
-            let below = vec2<u32>(select(held.x, held.x & (own.x - 1u), bit < 32u), select(held.y & (own.y - 1u), 0u, bit < 32u));
+        if any((edges & own) != vec2<u32>(0u)) {
+            let below = vec2<u32>(select(edges.x, edges.x & (own.x - 1u), bit < 32u), select(edges.y & (own.y - 1u), 0u, bit < 32u));
             let row = first + countOneBits(below.x) + countOneBits(below.y);
             let pixel = (corner.y + y) * params.width + corner.x + lane;
             let won = visibility[pixel];

@@ -5,7 +5,7 @@
 //   level_width, node_index, with_bit
 // Binds: cells, nodes, optic, params, step
 
-// A ray, and its place in [-1, 1]^2 over the node.
+// A ray, and its position in [-1, 1]^2 over the node.
 struct Sample {
     place: vec2<f32>,
     p: vec3<f32>,
@@ -19,7 +19,7 @@ const SAMPLES: u32 = 64u;
 // Rounding of what is summed up here and by the kernels that read the node, relative to the sizes: 2^-20. In units of
 // 2^-24: a stored ray 1, or a child's fit at its corner 4, where it is up to twice as large as the node's; the node's fit
 // at a place 3; a kernel's own use of the row 4. Of the radius: a difference 1, its length 4, and a sum 1.
-const FIT_SLACK: f32 = 1.0 / 1048576.0;
+const FIT_TOLERANCE: f32 = 1.0 / 1048576.0;
 
 // Places are on a line where their spread's determinant is this share of its square.
 const LINE_SHARE: f32 = 1e-4;
@@ -30,8 +30,7 @@ const STRAY: f32 = 0.25;
 const STRAY_SIZE: f32 = 1.0 / 4096.0;
 const TORN_WIDTH: f32 = 0.5;
 
-// Neither infinite nor no number: what a surface without a normal makes of a ray meets nothing, and must not widen the
-// bounds of those beside it.
+// Finite: a ray bounced by a surface without a normal hits nothing, and must not widen the bounds of its neighbours.
 fn is_finite(v: vec3<f32>) -> bool {
     return all((bitcast<vec3<u32>>(v) & vec3<u32>(0x7f800000u)) != vec3<u32>(0x7f800000u));
 }
@@ -63,7 +62,7 @@ fn sample_of(level: u32, x: u32, y: u32, k: u32) -> Sample {
     return s;
 }
 
-// Half-size of a bundle as far along its middle ray as the scene's middle is.
+// Half-size of a bundle at the distance of the scene's middle.
 fn width_of(node: Node) -> f32 {
     let t = min(length(optic.middle - node.p) / length(node.d), params.t_max.x);
     return length(node.px) + length(node.py) + node.r_p + t * (length(node.dx) + length(node.dy) + node.r_d);
@@ -161,8 +160,8 @@ fn fit(
         }
         let size_p = length(node.p) + length(node.px) + length(node.py);
         let size_d = length(node.d) + length(node.dx) + length(node.dy);
-        node.r_p += below.x + FIT_SLACK * (size_p + node.r_p + below.x);
-        node.r_d += below.y + FIT_SLACK * (size_d + node.r_d + below.y);
+        node.r_p += below.x + FIT_TOLERANCE * (size_p + node.r_p + below.x);
+        node.r_d += below.y + FIT_TOLERANCE * (size_d + node.r_d + below.y);
         node.rays = RAYS_LOOSE;
 
         // torn where what lies below is bounded much better

@@ -1,6 +1,6 @@
 // gather: one thread per pixel of the band.
-// Reads the visibility buffer, where on a receiver the pixel's hit lies, and the flux of the four texels around it; adds
-// what a diffuse surface sends back of it to the colour planes.
+// Reads the visibility buffer, the place of the pixel's hit on a receiver, and the flux of the four texels around it; adds
+// its diffuse reflection to the colour planes.
 // Needs: Landing, NONE, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_BARY_U, PLANE_BARY_V, PLANE_G, PLANE_R, Receiver,
 //   ends_here, item_index, key_id, light_kept
 // Binds: landing_of, landings, params, planes, receivers, sums, visibility
@@ -23,7 +23,7 @@ fn value(plane: u32, at: u32) -> f32 {
     return bitcast<f32>(planes[plane * params.width * params.height + at]);
 }
 
-// That of the triangle, or of its image there.
+// Diffuse colour of the triangle, from its texture if it has one.
 fn diffuse_of(landing: Landing, pixel: u32) -> vec3<f32> {
     if PLANE_ALBEDO_R == NONE || PLANE_ALBEDO_G == NONE || PLANE_ALBEDO_B == NONE {
         return landing.diffuse;

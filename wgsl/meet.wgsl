@@ -1,6 +1,6 @@
 // meet: one thread per pixel of the band.
-// Reads the pixel's ray and way; merges the visibility key of the nearest smooth surface that the ray meets, whose id is behind
-// those of all triangles.
+// Reads the pixel's ray and path state; merges the visibility key of the nearest smooth surface that the ray meets. Ids of smooth
+// surfaces follow those of all triangles.
 // Needs: NONE, Root, has_ray, item_index, meeting_with, merge, ray_bundle, real, visibility_key
 // Binds: optic, params, paths
 

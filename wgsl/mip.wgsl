@@ -1,5 +1,5 @@
 // mip: one thread per texel of a level of an image.
-// Reads the level before it, writes the means of what each of its texels covers of that.
+// Reads the next finer level; writes the mean of the texels that each texel covers there.
 // Needs: item_index
 // Binds: coarser, finer
 

@@ -1,6 +1,6 @@
 // outline: one thread per pixel of the band, after shade and resolve.
-// Reads the planes of what is seen, around each pixel; mixes the colours of lines between what differs into the colour planes: where one
-// thing hides another, or a surface has a crease, and where pieces of the camera meet.
+// Reads the planes around each pixel; blends line colours into the colour planes at silhouettes, at creases, and at borders of the
+// camera's pieces.
 // Needs: NONE, PLANE_B, PLANE_G, PLANE_MIRROR_ID, PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE_ID, PLANE_P_X, PLANE_P_Y, PLANE_P_Z,
 //   PLANE_R, PLANE_TRIANGLE_ID, PLANE_Z, covered, item_index, narrowed
 // Binds: params, planes, style
@@ -13,14 +13,14 @@ fn number(plane: u32, pixel: u32) -> f32 {
     return bitcast<f32>(word(plane, pixel));
 }
 
-// Between these pixels runs an outline: one sees nothing, or their surfaces do not go on in each other.
+// Whether an outline runs between these pixels: one hits nothing, or their surfaces are not continuous.
 fn differ(a: u32, b: u32) -> bool {
     let id_a = word(PLANE_TRIANGLE_ID, a);
     let id_b = word(PLANE_TRIANGLE_ID, b);
     if style.outline_width <= 0.0 {
         return false;
     }
-    // what turned the rays first
+    // the first surface that bounced the rays
     if PLANE_MIRROR_ID != NONE && word(PLANE_MIRROR_ID, a) != word(PLANE_MIRROR_ID, b) {
         return true;
     }
@@ -34,10 +34,10 @@ fn differ(a: u32, b: u32) -> bool {
     let n_b = vec3<f32>(number(PLANE_N_X, b), number(PLANE_N_Y, b), number(PLANE_N_Z, b));
     let step = vec3<f32>(number(PLANE_P_X, b), number(PLANE_P_Y, b), number(PLANE_P_Z, b))
         - vec3<f32>(number(PLANE_P_X, a), number(PLANE_P_Y, a), number(PLANE_P_Z, a));
-    // a step on a surface leaves neither side's plane by more than these are turned
+    // a step on a surface leaves neither side's plane by more than the angle between the normals
     let off = max(abs(dot(n_a, step)), abs(dot(n_b, step)));
-    let turned = max(length(cross(n_a, n_b)), style.jump_sine);
-    return dot(n_a, n_b) < style.crease_cosine || off > turned * length(step);
+    let sine = max(length(cross(n_a, n_b)), style.jump_sine);
+    return dot(n_a, n_b) < style.crease_cosine || off > sine * length(step);
 }
 
 fn width_at(a: u32, b: u32) -> f32 {

@@ -1,6 +1,6 @@
 // paste: one thread per pixel of the band.
-// Reads the visibility buffer, the pixel's ray and the facet that it meets first; copies to the planes what the atlas has at
-// the nearest texel of the facet's camera.
+// Reads the visibility buffer, the pixel's ray and the facet that it meets first; copies the nearest atlas
+// texel of the facet's camera to the planes.
 // Needs: NONE, PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_BARY_U, PLANE_BARY_V, PLANE_G, PLANE_MIRROR_ID,
 //   PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE_ID, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE_ID, PLANE_UV_U,
 //   PLANE_UV_V, PLANE_Z, camera_of, camera_place, facet_place, facet_weights, item_index, key_id, norm, ray_bundle, real3
@@ -45,7 +45,7 @@ fn paste(
     let facet = id - optic.first_id;
     let w = vec3<f32>(facet_weights(facet, b.p / b.h, b.d / b.h));
 
-    // find its texel on its camera: the second corner is below the first, the third beside it; in the lower half turned round
+    // find its texel on its camera: the second corner is below the first, the third beside it; in the lower half rotated by 180 degrees
     let camera = camera_of(facet);
     let on = camera_place(facet, w);
     let side = f32(atlas_layout.side);
@@ -87,8 +87,8 @@ fn paste(
     set_word(PLANE_PIECE_ID, pixel, optic.piece_first + camera);
     set_word(PLANE_MIRROR_ID, pixel, facet);
     if PLANE_Z != NONE {
-        let way = f32(norm(facet_place(facet, real3(w)) - b.p / b.h));
+        let path_length = f32(norm(facet_place(facet, real3(w)) - b.p / b.h));
         let z = bitcast<f32>(atlas[PLANE_Z * atlas_layout.texel_count + from_texel]);
-        set_word(PLANE_Z, pixel, bitcast<u32>(way + z));
+        set_word(PLANE_Z, pixel, bitcast<u32>(path_length + z));
     }
 }

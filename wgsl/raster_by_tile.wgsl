@@ -1,16 +1,17 @@
 // raster, tile by tile: one subgroup of LANES threads per busy tile, one thread per column of it.
-// Reads what raster reads pair by pair, the run of pairs of each tile and the busy tiles; merges one visibility key a pixel, the nearest
+// Reads what raster reads pair by pair, the run of pairs of each tile and the busy tiles; merges one visibility key per pixel, the nearest
 // of all pairs of its tile, and leaves what f32 does not prove to recheck. A tile of more than ROUNDS times LANES pairs is listed as
 // busy again, with what is left of its run. The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 // Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, FARTHEST,
-//   GROUP, INFINITE, LANES, LOWER, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, hold, in_line, is_behind, is_empty,
+//   GROUP, INFINITE, LANES, LOWER, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, in_line, is_behind, is_empty,
 //   is_excluded, item_node, lanes_any, lanes_max, leave_to_recheck, lines_of, may_cover, merge, pair_slot, pixels_within, reach_of, real3,
-//   real4, row_bits, rows_mask, settled, shared_of, size, start_of, tile_column, tile_corner, tile_layer, triangle_id, vertex, vertex_lo
+//   real4, row_bits, rows_mask, settled, shared_of, size, start_of, test_pixels, tile_column, tile_corner, tile_layer, triangle_id, vertex,
+//   vertex_lo
 // Binds: busy, counters, ends, pairs, params, starts, triangles
 
 // Rounds of LANES pairs that a subgroup looks at, at most: software adapters end a thread's loops after 65535 rounds in all. Of what a
-// round leaves, LANES pairs at most, each is held against either half and may be left to recheck: 28 rounds, with those of the loop
+// round leaves, LANES pairs at most, each is tested against either half and may be left to recheck: 28 rounds, with those of the loop
 // around them and of the last test of each.
 const ROUNDS: u32 = 2200u;
 
@@ -56,7 +57,7 @@ fn raster(
     var far_upper = INFINITE;
     var far_lower = INFINITE;
     loop {
-        // look at pairs, one a lane, until there is one for each to hold
+        // examine pairs, one per lane, until every lane has one to test
         loop {
             let index = min(at + lane, end - 1u);
             let triangle = triangles[pair_slot(vec2<u32>(pairs[index].x, 0u))];
@@ -101,14 +102,14 @@ fn raster(
         let reach = max(size(hi[0]), max(size(hi[1]), size(hi[2]))) + size(node.p);
         let own = shared_of(triangle, v0, v1, v2, middle, reach, reach_q, size(node.d));
 
-        // hold each against the pixels of either half
+        // test each against the pixels of either half
         var uncertain_upper = 0u;
         var uncertain_lower = 0u;
         loop {
             let is_left = vec4<bool>(left_upper != 0u);
             let k = firstTrailingBit(left_upper) % LANES;
             left_upper &= left_upper - 1u;
-            let found = hold(given(own, k), upper, column.upper, column.has_upper & is_left, starts_upper, nearest_upper);
+            let found = test_pixels(given(own, k), upper, column.upper, column.has_upper & is_left, starts_upper, nearest_upper);
             nearest_upper = found.nearest;
             uncertain_upper |= row_bits(found.uncertain) << (4u * k);
             if COUNTING {
@@ -122,7 +123,7 @@ fn raster(
             let is_left = vec4<bool>(left_lower != 0u);
             let k = firstTrailingBit(left_lower) % LANES;
             left_lower &= left_lower - 1u;
-            let found = hold(given(own, k), lower, column.lower, column.has_lower & is_left, starts_lower, nearest_lower);
+            let found = test_pixels(given(own, k), lower, column.lower, column.has_lower & is_left, starts_lower, nearest_lower);
             nearest_lower = found.nearest;
             uncertain_lower |= row_bits(found.uncertain) << (4u * k);
             if COUNTING {

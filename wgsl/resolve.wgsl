@@ -66,7 +66,7 @@ fn resolve(
     put(PLANE_B, pixel, colour.z / whole(), true);
 }
 
-// Of the samples left those that see what the first of them sees.
+// The remaining samples that see the same triangle as the first of them.
 fn seen_alike(row: u32, left: u32) -> u32 {
     let first = key_of(row, firstTrailingBit(left));
     let is_hit = any(first != vec2<u32>(0u));
@@ -88,7 +88,7 @@ fn middle_of(some: u32) -> vec2<f32> {
     return sum / f32(countOneBits(some));
 }
 
-// Of some samples the one nearest to a place.
+// The sample nearest to a place.
 fn nearest_to(place: vec2<f32>, some: u32) -> u32 {
     var nearest = 0u;
     var least = 4.0;

@@ -4,8 +4,8 @@
 // The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 // Needs: COUNT_BLOCKS, COUNT_RECHECK_SAMPLES, FARTHEST, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, given, group_index,
-//   hold, in_line, item_node, lanes_any, lanes_max, lines_of, reach_of, real3, real4, row_bits, sample_strip, settled, shared_of, size,
-//   vertex, vertex_lo
+//   in_line, item_node, lanes_any, lanes_max, lines_of, reach_of, real3, real4, row_bits, sample_strip, settled, shared_of, size, vertex,
+//   vertex_lo
 // Binds: blocks, counters, params, recheck_items, samples, touches, triangles
 
 @compute @workgroup_size(64)
@@ -46,7 +46,7 @@ fn sample(
     var after = Waiting(0u, 0u);
     var waiting = 0u;
     loop {
-        // look at pairs, one a lane, until there is one for each to hold
+        // examine pairs, one per lane, until every lane has one to test
         loop {
             let index = min(at + lane, end - 1u);
             let may = at + lane < end && any((touches[index].xy & pixels) != vec2<u32>(0u));
@@ -71,13 +71,13 @@ fn sample(
         let reach = max(size(hi[0]), max(size(hi[1]), size(hi[2]))) + size(node.p);
         let own = shared_of(triangle, v0, v1, v2, middle, reach, reach_q, size(node.d));
 
-        // hold each against the strips
+        // test each against the strips
         var unproven = 0u;
         loop {
             let is_left = vec4<bool>(left != 0u);
             let k = firstTrailingBit(left) % LANES;
             left &= left - 1u;
-            let found = hold(given(own, k), lines, rays.strip, exists & is_left, vec4<u32>(NONE), nearest);
+            let found = test_pixels(given(own, k), lines, rays.strip, exists & is_left, vec4<u32>(NONE), nearest);
             nearest = found.nearest;
             unproven |= row_bits(found.uncertain) << (4u * k);
             if left == 0u {

@@ -5,9 +5,9 @@
 // Needs: Bundle, Lit, Look, NONE, PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_BARY_U, PLANE_BARY_V, PLANE_G,
 //   PLANE_MIRROR_ID, PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE_ID, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE_ID,
 //   PLANE_UV_U, PLANE_UV_V, PLANE_Z, SLABBED, STYLED, Spread, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece,
-//   first_surface, goes_on, in_file_order, is_under_way, item_index, key_id, key_layer, key_t, light_before, light_left, pattern_at,
-//   piece_number, pixel_ray, point_at, ray_bundle, ray_spread, reach_of, reached, real3, says_what_is_seen, segment_length, sent_back,
-//   surface_albedo, surface_normal, surface_uv, vertex_real, way_length
+//   first_surface, goes_on, in_file_order, is_under_way, item_index, key_id, key_layer, key_t, light_before, light_left, path_length,
+//   pattern_at, piece_number, pixel_ray, point_at, ray_bundle, ray_spread, reach_of, reached, real3, says_what_is_seen, segment_length,
+//   sent_back, surface_albedo, surface_normal, surface_uv, vertex_real
 // Binds: params, planes, shading, slot_of_id, triangles, visibility
 
 fn store(plane: u32, at: Place, word: u32) {
@@ -22,7 +22,7 @@ fn add(plane: u32, at: Place, light: f32) {
     }
 }
 
-// A pixel, and how many a plane has.
+// A pixel's index, and the number of pixels in a plane.
 struct Place {
     pixel: u32,
     count: u32,
@@ -57,7 +57,7 @@ fn shade(
         if params.id_first == 0u {
             let t = key_t(~won);
             let ray = pixel_ray(0u, x, y, t);
-            store_place(at, id, t, way_length(pixel) + reached(ray, 0u, x, y, t));
+            store_place(at, id, t, path_length(pixel) + reached(ray, 0u, x, y, t));
             store(PLANE_A, at, bitcast<u32>(1.0));
             store_no_weights(at);
             store_piece(at, 0u);
@@ -81,7 +81,7 @@ fn shade(
     var z = 0.0;
     if PLANE_Z != NONE || STYLED {
         // all of the segments in lower layers, of the rays before, and a part of the last
-        z = way_length(pixel) + reached(ray, layer, x, y, t);
+        z = path_length(pixel) + reached(ray, layer, x, y, t);
         for (var k = 0u; SLABBED && k < layer; k++) {
             z += segment_length(k, x, y);
         }
@@ -113,7 +113,7 @@ fn shade(
     }
 }
 
-// What lies at t of the last ray, z along the whole path.
+// A hit at t of the last ray, and its depth z along the whole path.
 fn store_place(at: Place, id: u32, t: f32, z: f32) {
     store(PLANE_T, at, bitcast<u32>(t));
     store(PLANE_Z, at, bitcast<u32>(z));
@@ -125,14 +125,14 @@ fn store_no_weights(at: Place) {
     store(PLANE_BARY_V, at, 0u);
 }
 
-// The piece of the camera's own ray, or the surface by which it was turned first.
+// The piece of the camera's own ray, or the surface of its first bounce.
 fn store_piece(at: Place, piece: u32) {
     let surface = first_surface(at.pixel);
     store(PLANE_PIECE_ID, at, select(first_piece(at.pixel), piece, surface == NONE));
     store(PLANE_MIRROR_ID, at, surface);
 }
 
-// What the surface is like: its normal, the hit, and its colour before it is lit.
+// The surface: its normal, the hit, and its unlit colour.
 fn store_surface(at: Place, n: vec3<f32>, p: vec3<f32>, albedo: vec3<f32>) {
     store(PLANE_N_X, at, bitcast<u32>(n.x));
     store(PLANE_N_Y, at, bitcast<u32>(n.y));

@@ -1,15 +1,15 @@
 // sift: one thread per point, down the tree of beams.
-// Reads beams and points; writes to `found`, for each point: how many nodes may see it, then their numbers, ascending, as
-// far as there are slots. Lists overflow where the number is larger than `slots`; it is true up to `most`, and NONE for
+// Reads beams and points; writes to `found`, for each point: the number of nodes that may see it, then their indices, ascending, as
+// many as there are slots. Lists overflow where the number is larger than `slots`; it is true up to `most`, and NONE for
 // points that are too far away for f32.
 // Needs: NONE, item_index
 // Binds: beams, chunk, found, points
 
 // Rounding of the difference of a point and an end, relative to both, 2^-24 each of the point, of the difference and of
-// adding the slack: room for four.
-const POINT_SLACK: f32 = 2.4e-7;
-// Relative rounding of a quotient, 2.5 units in the last place, and of the product with this: room for eight units.
-const QUOTIENT_SLACK: f32 = 1e-6;
+// adding the tolerance: space for four.
+const POINT_TOLERANCE: f32 = 2.4e-7;
+// Relative rounding of a quotient, 2.5 units in the last place, and of the product with this: space for eight units.
+const QUOTIENT_TOLERANCE: f32 = 1e-6;
 
 fn least(v: vec3<f32>) -> f32 {
     return min(v.x, min(v.y, v.z));
@@ -32,17 +32,17 @@ fn half_meets(above: vec3<f32>, below: vec3<f32>, d_lo: vec3<f32>, d_hi: vec3<f3
     let near = vec3<f32>(range.x);
     let hi = min(least(select(far, t_lo, d_lo > zero)), least(select(far, t_hi, d_hi < zero)));
     let lo = max(most(select(near, t_lo, d_lo < zero)), most(select(near, t_hi, d_hi > zero)));
-    return max(lo, range.x) * (1.0 - QUOTIENT_SLACK) <= min(hi, range.y) * (1.0 + QUOTIENT_SLACK);
+    return max(lo, range.x) * (1.0 - QUOTIENT_TOLERANCE) <= min(hi, range.y) * (1.0 + QUOTIENT_TOLERANCE);
 }
 
-// Never false where a ray of the beam passes through the point at a t in range. `x.w` is the point's own slack.
+// Never false where a ray of the beam passes through the point at a t in range. `x.w` is the point's own tolerance.
 fn beam_meets(k: u32, x: vec4<f32>) -> bool {
     let p_lo = beams[k].p_lo;
     let p_hi = beams[k].p_hi;
     let d_lo = beams[k].d_lo;
     let d_hi = beams[k].d_hi;
-    let above = x.xyz - p_lo + (vec3<f32>(x.w) + POINT_SLACK * abs(p_lo));
-    let below = p_hi - x.xyz + (vec3<f32>(x.w) + POINT_SLACK * abs(p_hi));
+    let above = x.xyz - p_lo + (vec3<f32>(x.w) + POINT_TOLERANCE * abs(p_lo));
+    let below = p_hi - x.xyz + (vec3<f32>(x.w) + POINT_TOLERANCE * abs(p_hi));
     let ahead = vec2<f32>(max(chunk.t_min, 0.0), chunk.t_max);
     let behind = vec2<f32>(max(-chunk.t_max, 0.0), -chunk.t_min);
     return (chunk.t_max >= 0.0 && half_meets(above, below, d_lo, d_hi, ahead))

@@ -4,10 +4,10 @@ use crate::input::Result;
 use crate::jobs::batch::{self, BatchOptions, Counts, Event, Outcome};
 use std::path::{Path, PathBuf};
 
-/// A list of jobs, as `anamorph batch` does it: `docs/reference/batches.md`.
+/// A list of jobs, as run by `anamorph batch`: `docs/reference/batches.md`.
 ///
-/// Frames are read, rendered and written side by side. What is done is kept in a manifest beside the list, so that a batch that was
-/// interrupted can go on.
+/// Frames are read, rendered and written in parallel. Finished frames are recorded in a manifest beside the list, so that an
+/// interrupted batch can be resumed.
 ///
 /// ```no_run
 /// use anamorph::{Batch, BatchEvent, BatchOptions};
@@ -34,17 +34,17 @@ impl Batch {
         Batch { list: list.into() }
     }
 
-    /// Does the frames of the list. `watch` is told each event and how the frames stand then, by several threads, one at a time. A frame
-    /// that fails is told, and the rest go on.
+    /// Renders the frames of the list. `watch` receives each event and the counts after it; several threads call it, one at a time. A
+    /// failed frame is reported as an event; the others continue.
     ///
     /// # Errors
-    /// [`Error::Input`](crate::Error::Input) for what is wrong with the list, before any work; [`Error::Work`](crate::Error::Work) where the
+    /// [`Error::Input`](crate::Error::Input) if the list is wrong, before any work; [`Error::Work`](crate::Error::Work) if the
     /// manifest or an adapter cannot be opened.
     pub fn run(&self, options: &BatchOptions, watch: &(dyn Fn(Event, &Counts) + Sync)) -> Result<Outcome> {
         batch::Batch::open(&self.list, options.shard, Vec::new())?.start(options)?.run(watch)
     }
 
-    /// Joins what shards have done to the list's own manifest; returns the names of frames that are not done.
+    /// Merges the manifests of all shards into that of the list; returns the names of frames that are not done.
     ///
     /// # Errors
     /// As [`Batch::run`].

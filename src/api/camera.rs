@@ -1,4 +1,4 @@
-//! Cameras, and where they show points.
+//! Cameras, and projection of points.
 
 use crate::camera::project::{Images, Projector};
 use crate::image::frame::Channel;
@@ -6,14 +6,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// A camera for one size of image: a ray or a curve for each pixel, or for some. `docs/reference/cameras.md` has the kinds.
+/// A camera for an image of one size: each pixel has a ray, a curve, or none. `docs/reference/cameras.md` lists the kinds.
 #[derive(Debug, Clone)]
 pub struct Camera {
     pub(super) camera: Arc<crate::camera::Camera>,
 }
 
 impl Camera {
-    /// Its kind, as in a scene file.
+    /// The `kind` key of a scene file.
     pub fn kind(&self) -> &str {
         self.camera.kind
     }
@@ -28,18 +28,18 @@ impl Camera {
         self.camera.height
     }
 
-    /// How many pieces (general linear cameras, or pieces of curves) its image is cut into; 0 where each pixel has a ray of its own.
+    /// Number of pieces (general linear cameras, or pieces of curves) of its image; 0 if each pixel has its own ray.
     pub fn piece_count(&self) -> usize {
         self.camera.piece_count()
     }
 
-    /// The channels that say something about its pictures: [`RenderOptions::channels`](super::RenderOptions::channels) may have these.
+    /// The channels of its images, for [`RenderOptions::channels`](super::RenderOptions::channels).
     pub fn channels(&self) -> Vec<Channel> {
         self.camera.channels()
     }
 
-    /// Origin P and direction D, world axes and units, of the ray `P + t D` through the centre of a pixel, row 0 on top; the chord of a
-    /// curved ray. `None` where the pixel has none, or lies outside.
+    /// Origin P and direction D of the ray `P + t D` through the centre of pixel (column, row), row 0 on top, in world axes and units; for a
+    /// curved ray its chord. `None` if the pixel has no ray or lies outside the image.
     pub fn ray(&self, column: u32, row: u32) -> Option<[[f64; 3]; 2]> {
         if column >= self.camera.width || row >= self.camera.height {
             return None;

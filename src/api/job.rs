@@ -8,7 +8,7 @@ use crate::scene::library::Library;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// One render from a scene file to files, as `anamorph render` does it: large images go strip by strip, and with several samples.
+/// One render from a scene file to files, as `anamorph render` does it, large images strip by strip.
 ///
 /// ```no_run
 /// use anamorph::{Job, Renderer};
@@ -31,7 +31,7 @@ pub struct Job {
 }
 
 impl Job {
-    /// A render of a scene file. It needs an output, its own or that of the scene.
+    /// A render of a scene file. It needs an output: its own, or one in the scene's `[output]`.
     pub fn new(scene: impl Into<PathBuf>) -> Job {
         Job { job: RenderJob::of(scene) }
     }
@@ -42,13 +42,13 @@ impl Job {
         self
     }
 
-    /// The frame at which values given as keyframes are taken.
+    /// The frame at which keyframed values are evaluated.
     pub fn frame(mut self, frame: f64) -> Job {
         self.job.change.frame = frame;
         self
     }
 
-    /// Pixels, in place of the scene's own.
+    /// Image size in pixels; replaces the scene's.
     pub fn size(mut self, width: u32, height: u32) -> Job {
         self.job.change.size = Some((width, height));
         self
@@ -81,20 +81,20 @@ impl Job {
     /// Names of channels, as in `R,G,B,Z,crypto.object`; `all` for all of the scene and its camera.
     ///
     /// # Errors
-    /// [`Error::Input`] for a name that is none.
+    /// [`Error::Input`] for an unknown name.
     pub fn channels(mut self, names: &str) -> Result<Job> {
         let names = names.split(',').map(words::channels).collect::<std::result::Result<_, _>>();
         self.job.channels = Some(names.map_err(Error::Input)?);
         Ok(self)
     }
 
-    /// Rays a pixel, 1 to 64, averaged in colour and coverage.
+    /// Rays per pixel, 1 to 64. Colour, coverage and mattes are averaged; other channels use the pixel centre.
     pub fn samples(mut self, samples: u32) -> Job {
         self.job.samples = samples;
         self
     }
 
-    /// Triangles count in a pixel by their areas there, not by the number of samples that see them.
+    /// Weights triangles by their exact area in the pixel, not by the number of samples that see them.
     pub fn analytic(mut self) -> Job {
         self.job.analytic = true;
         self
@@ -106,20 +106,20 @@ impl Job {
         self
     }
 
-    /// What renders: `compute`, `reference`, or a rival to measure against, as `raytrace`.
+    /// The engine: `compute`, `reference`, or a baseline such as `raytrace`.
     ///
     /// # Errors
-    /// [`Error::Input`] for a name that is none.
+    /// [`Error::Input`] for an unknown name.
     pub fn engine(mut self, name: &str) -> Result<Job> {
         self.job.engine = Some(words::engine(name).map_err(Error::Input)?);
         Ok(self)
     }
 
-    /// Reads, renders and writes; returns a line that says what was done.
+    /// Reads, renders and writes; returns the summary line.
     ///
     /// # Errors
-    /// [`Error::Input`] for what is wrong with the scene or the job, [`Error::Work`] where memory or the device does not do or a file cannot
-    /// be written.
+    /// [`Error::Input`] if the scene or the job is wrong, [`Error::Work`] if memory does not suffice, the device fails or a file cannot be
+    /// written.
     pub fn run(&self, renderer: &mut Renderer) -> Result<String> {
         let started = Instant::now();
         words::samples(&self.job.samples.to_string()).map_err(Error::Input)?;
@@ -135,7 +135,7 @@ impl Shard {
     /// Part `number` of `count`, from 1.
     ///
     /// # Errors
-    /// [`Error::Input`] where there is no such part.
+    /// [`Error::Input`] if there is no such part.
     pub fn new(number: u32, count: u32) -> Result<Shard> {
         words::shard(&format!("{number}/{count}")).map_err(Error::Input)
     }

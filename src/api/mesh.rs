@@ -8,7 +8,7 @@ use crate::input::{Error, Result};
 use glam::{DVec3, Vec2, Vec3};
 use std::path::Path;
 
-/// Triangles, with normals, texture coordinates and materials where there are some.
+/// Triangles, optionally with normals, texture coordinates and materials.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     pub(super) mesh: crate::geometry::mesh::Mesh,
@@ -16,8 +16,8 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Triangles over shared vertices: positions in world units, and three indices of vertices a triangle. Both faces are visible, light
-    /// grey and matte.
+    /// A mesh from vertex positions, world units, and three vertex indices per triangle. Both faces are visible; the colour is a matte light
+    /// grey.
     ///
     /// # Errors
     /// [`Error::Input`] for a position that is not finite, or an index without a vertex.
@@ -47,12 +47,12 @@ impl Mesh {
         Ok(Mesh { mesh: load_mesh(&spec, &mut Images::of(ImagesRead::All))?, name: spec.called() })
     }
 
-    /// The mesh under a name, by which Cryptomatte and the list of objects know it.
+    /// The mesh with a name, for Cryptomatte and the list of objects.
     pub fn named(self, name: impl Into<String>) -> Mesh {
         Mesh { name: name.into(), ..self }
     }
 
-    /// The mesh with one colour, linear RGB in [0, 1], in place of its materials' own and their images.
+    /// The mesh with one colour, linear RGB in [0, 1], which replaces its materials' colours and textures.
     pub fn with_color(mut self, color: [f32; 3]) -> Mesh {
         for material in &mut self.mesh.materials {
             (material.diffuse, material.texture) = (color, None);
@@ -60,10 +60,10 @@ impl Mesh {
         self
     }
 
-    /// The mesh with a normal a vertex, of any length, in place of those that it has.
+    /// The mesh with one normal per vertex, of any length, which replaces its own.
     ///
     /// # Errors
-    /// [`Error::Input`] where there are not as many as vertices, or one has no direction.
+    /// [`Error::Input`] if the count differs from that of the vertices, or a normal is zero or not finite.
     pub fn with_normals(mut self, normals: Vec<[f32; 3]>) -> Result<Mesh> {
         self.check_count(normals.len(), "normals")?;
         let unit = |(k, n): (usize, [f32; 3])| {
@@ -75,10 +75,10 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The mesh with texture coordinates a vertex; (0, 0) is an image's lower left corner.
+    /// The mesh with one pair of texture coordinates per vertex; (0, 0) is an image's lower left corner.
     ///
     /// # Errors
-    /// [`Error::Input`] where there are not as many as vertices, or one is not finite.
+    /// [`Error::Input`] if the count differs from that of the vertices, or one is not finite.
     pub fn with_uvs(mut self, uvs: Vec<[f32; 2]>) -> Result<Mesh> {
         self.check_count(uvs.len(), "texture coordinates")?;
         if let Some(k) = uvs.iter().position(|uv| !uv.iter().all(|x| x.is_finite())) {
@@ -89,12 +89,12 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The vertices, world units.
+    /// Vertex positions, world units.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = [f64; 3]> {
         self.mesh.positions.iter().map(DVec3::to_array)
     }
 
-    /// Three indices of vertices a triangle.
+    /// Three vertex indices per triangle.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.mesh.triangles
     }

@@ -1,4 +1,4 @@
-//! What users of the library see: few types over the layers below.
+//! The public API: a few types over the layers below.
 
 mod batch;
 mod camera;
@@ -28,23 +28,23 @@ pub fn lift_limits() {
     limits::lift();
 }
 
-/// Sets how many bytes of memory may be used, in place of what is free, as `--memory` does.
+/// Sets the memory budget in bytes, by default the free memory, as `--memory` does.
 pub fn limit_memory(bytes: u64) {
     limits::memory::grant(bytes);
 }
 
-/// Reads the channels of an EXR that has names of [`Channel`]s.
+/// Reads those channels of an EXR that are named like [`Channel`]s.
 ///
 /// # Errors
-/// [`Error::Input`](crate::Error::Input) if it cannot be read or is none.
+/// [`Error::Input`](crate::Error::Input) if the file cannot be read or is no EXR.
 pub fn read_exr(path: impl AsRef<Path>) -> Result<Frame> {
     crate::image::read_exr(path.as_ref())
 }
 
-/// The difference of `a` from `b`, over the channels that both have.
+/// Compares `a` with `b` in the channels that both have.
 ///
 /// # Errors
-/// [`Error::Input`](crate::Error::Input) where they differ in size or have no channel in common.
+/// [`Error::Input`](crate::Error::Input) if they differ in size or have no channel in common.
 pub fn compare(a: &Frame, b: &Frame) -> Result<Comparison> {
     crate::image::compare::compare(a, b, None, None)
 }

@@ -16,21 +16,21 @@ use crate::jobs::{Backend, EngineName, RenderJob, check_memory, samples, words};
 use std::path::Path;
 use std::sync::Arc;
 
-/// What to compute of a scene.
+/// Options of a render.
 #[derive(Debug, Clone)]
 pub struct RenderOptions {
     /// The channels of [`Rendered::frame`].
     pub channels: Vec<Channel>,
-    /// 8-bit sRGB colour too: [`Rendered::rgba`].
+    /// Also compute 8-bit sRGB colour: [`Rendered::rgba`].
     pub color: bool,
-    /// Rays a pixel, 1 to 64: colour and coverage are their means, other channels stay those of the pixel's centre.
+    /// Rays per pixel, 1 to 64. Colour and coverage are averaged; other channels use the pixel centre.
     pub samples: u32,
-    /// Triangles count in a pixel by their areas there, not by the number of samples that see them.
+    /// Weight triangles by their exact area in the pixel, not by the number of samples that see them.
     pub analytic: bool,
 }
 
 impl Default for RenderOptions {
-    /// Nothing yet, with one ray a pixel.
+    /// No channels, one ray per pixel.
     fn default() -> RenderOptions {
         RenderOptions { channels: Vec::new(), color: false, samples: 1, analytic: false }
     }
@@ -39,9 +39,9 @@ impl Default for RenderOptions {
 /// A rendered image.
 #[derive(Debug, Clone)]
 pub struct Rendered {
-    /// The wanted channels.
+    /// The channels of [`RenderOptions::channels`].
     pub frame: Frame,
-    /// Four bytes a pixel, 8-bit sRGB, row by row from the top, where colour was wanted.
+    /// 8-bit sRGB, four bytes (RGBA) per pixel, row by row from the top; `None` without [`RenderOptions::color`].
     pub rgba: Option<Vec<u8>>,
     report: Report,
 }
@@ -50,7 +50,7 @@ impl Rendered {
     /// Writes the colour as PNG.
     ///
     /// # Errors
-    /// [`Error::Input`] without colour, [`Error::Work`] where the file cannot be written.
+    /// [`Error::Input`] without colour, [`Error::Work`] if the file cannot be written.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
         let Some(rgba) = &self.rgba else {
             return Err(Error::input("the image was rendered without colour; set RenderOptions::color"));
@@ -61,7 +61,7 @@ impl Rendered {
     /// Writes the channels as EXR.
     ///
     /// # Errors
-    /// [`Error::Work`] where the file cannot be written.
+    /// [`Error::Work`] if the file cannot be written.
     pub fn write_exr(&self, path: impl AsRef<Path>) -> Result<()> {
         write_exr(path.as_ref(), &self.frame, &[])
     }
@@ -71,7 +71,7 @@ impl Rendered {
         self.report.frame_ms.median
     }
 
-    /// Times of the stages on the device, ms; none without timestamps.
+    /// Device times of the stages, ms; empty if the adapter has no timestamps.
     pub fn stages_ms(&self) -> impl Iterator<Item = (&str, f64)> {
         self.report.stages.iter().map(|stage| (stage.name, stage.ms))
     }
@@ -82,35 +82,35 @@ impl Rendered {
     }
 }
 
-/// An adapter with what is on it, or the reference on the CPU.
+/// Renders on a GPU adapter, or by the reference on the CPU.
 ///
-/// Between two images of one size and the same channels, what is the same for both stays on the device: meshes, cameras, images.
+/// Meshes, cameras and textures stay on the device between images of the same size and channels.
 pub struct Renderer {
     engine: Option<Engine>,
     is_reference: bool,
-    /// What is on the device.
+    /// The contents of the device.
     shown: Option<(Frames, Planned)>,
 }
 
 impl Renderer {
-    /// On the fastest kind of adapter; by the reference, in f64 on the CPU, on a machine without any.
+    /// Opens the fastest kind of adapter; on a machine without adapters, the reference on the CPU, in f64.
     ///
     /// # Errors
-    /// [`Error::Work`] where the adapter cannot be used.
+    /// [`Error::Work`] if the adapter cannot be used.
     pub fn new() -> Result<Renderer> {
         Ok(Renderer { engine: Engine::open(&GpuOptions::default())?, is_reference: false, shown: None })
     }
 
-    /// On an adapter by a part of its name, any case.
+    /// Opens an adapter by a part of its name, ignoring case.
     ///
     /// # Errors
-    /// [`Error::Input`] without such an adapter, [`Error::Work`] where it cannot be used.
+    /// [`Error::Input`] without such an adapter, [`Error::Work`] if it cannot be used.
     pub fn on(adapter: impl Into<String>) -> Result<Renderer> {
         let options = GpuOptions { adapter: Some(adapter.into()), ..GpuOptions::default() };
         Ok(Renderer { engine: Engine::open(&options)?, is_reference: false, shown: None })
     }
 
-    /// By the reference: f64 on the CPU, by definitions alone, slower.
+    /// The reference: f64 on the CPU, slow.
     pub fn reference() -> Renderer {
         Renderer { engine: None, is_reference: true, shown: None }
     }
@@ -123,8 +123,8 @@ impl Renderer {
     /// Renders `scene` through `camera`.
     ///
     /// # Errors
-    /// [`Error::Input`] where the scene, the camera and the options do not go together: `docs/reference/limits.md`; [`Error::Work`] where
-    /// memory does not suffice or the device was lost.
+    /// [`Error::Input`] if the scene, the camera and the options cannot be combined (`docs/reference/limits.md`), [`Error::Work`] if memory
+    /// does not suffice or the device is lost.
     pub fn render(&mut self, scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result<Rendered> {
         let RenderOptions { channels, color, samples, analytic } = options;
         words::samples(&samples.to_string()).map_err(Error::Input)?;
@@ -155,7 +155,7 @@ impl Renderer {
         Ok(Rendered { frame: rendered.frame, rgba: rendered.srgb8, report })
     }
 
-    /// Renders what takes one frame of the compute engine, from what is on the device already; `None` for all else.
+    /// Renders an image that takes one frame of the compute engine, with the contents of the device; `None` for all other images.
     fn render_in_place(
         &mut self,
         scene: &crate::scene::Scene,
@@ -187,8 +187,8 @@ impl Renderer {
             Some(frames) => frames,
             None => engine.place(planned.clone(), &run)?,
         };
-        let flight = frames.start()?;
-        let read = frames.recheck_samples(&planned, flight)?;
+        let pending = frames.start()?;
+        let read = frames.recheck_samples(&planned, pending)?;
         self.shown = Some((frames, planned));
         Ok(Some(read.rendered()))
     }
@@ -205,16 +205,16 @@ impl Renderer {
     }
 }
 
-/// The reference's channels, in f64 on the CPU: slow, and right by definition.
+/// Renders by the reference, in f64 on the CPU: slow, and correct by definition.
 pub fn reference(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
     crate::reference::image::image(&scene.scene, &camera.camera, channels)
 }
 
-/// The error of a frame against the reference. [`Comparison::wrong_safe`] counts wrong pixels among the safe ones: those whose answer is
-/// the same within 1/16 px of their centre.
+/// Compares a frame with the reference. [`Comparison::wrong_safe`] counts the wrong pixels among the safe ones, whose answer is the same
+/// within 1/16 px of their centre.
 ///
 /// # Errors
-/// [`Error::Input`] where the frame is not of the camera's size.
+/// [`Error::Input`] if the frame and the camera differ in size.
 pub fn check(scene: &Scene, camera: &Camera, frame: &Frame) -> Result<Comparison> {
     let (width, height) = (camera.width(), camera.height());
     if (frame.width, frame.height) != (width, height) {

@@ -10,16 +10,16 @@ use std::sync::Arc;
 
 /// Triangles with materials, lights, and the camera that looks at them: `docs/reference/scene-file.md`.
 ///
-/// World units are the user's own; coordinates are f64. Triangle ids number the triangles of all meshes in the order in which they were
-/// added, from 0.
+/// World units are the user's; coordinates are f64. Triangle ids count the triangles of all meshes from 0, in the order in which they
+/// were added.
 #[derive(Debug, Clone)]
 pub struct Scene {
     pub(crate) scene: crate::scene::Scene,
 }
 
 impl Scene {
-    /// Loads a scene file, .toml or .json, and all files that it names. `overrides` change values of it, as in `camera.vfov=40`; values
-    /// given as keyframes are taken at `frame`.
+    /// Loads a scene file, .toml or .json, and all files that it names. `overrides` change values, as in `camera.vfov=40`; keyframed
+    /// values are evaluated at `frame`.
     ///
     /// # Errors
     /// [`Error::Input`], one line with the file, the line and the key.
@@ -36,11 +36,11 @@ impl Scene {
         Ok(Scene { scene: crate::scene::Scene::from_file(file::parse_text(toml, folder.as_ref())?)? })
     }
 
-    /// Adds a mesh after those that are there. Cameras that look at the scene, as `track` does, are to be made again.
+    /// Adds a mesh after the existing ones. Cameras that depend on the scene, such as `track`, must be created again.
     ///
     /// # Errors
-    /// [`Error::Input`] if there are too many triangles, or the scene has caustics, whose light met the meshes of its file; the scene
-    /// stays as it was.
+    /// [`Error::Input`] if there are too many triangles, or the scene has caustics, which are computed from the meshes of its file; the
+    /// scene is then unchanged.
     pub fn add(&mut self, mesh: Mesh) -> Result<()> {
         if self.scene.caustics.is_some() {
             return Err(Error::input("a scene with caustics takes its meshes from its file; add this one there"));
@@ -54,10 +54,10 @@ impl Scene {
         Ok(())
     }
 
-    /// The scene's camera for an image of the scene's own size.
+    /// The scene's camera for an image of the scene's size.
     ///
     /// # Errors
-    /// [`Error::Input`] where the scene has no size, or the camera's values do not go together.
+    /// [`Error::Input`] if the scene has no size, or the camera's values contradict each other.
     pub fn camera(&self) -> Result<Camera> {
         Ok(Camera { camera: Arc::new(self.scene.camera()?) })
     }
@@ -77,17 +77,17 @@ impl Scene {
         self.scene.mesh.triangles.len()
     }
 
-    /// The corners of the box around all vertices, world units; `None` without any.
+    /// Least and greatest corner of the bounding box of all vertices, world units; `None` without vertices.
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         self.scene.bounds().map(|(lo, hi)| [lo.to_array(), hi.to_array()])
     }
 
-    /// The names of the objects and how many triangles each has, in the order of their ids.
+    /// Name and triangle count of each object, in id order.
     pub fn objects(&self) -> impl Iterator<Item = (&str, usize)> {
         self.scene.objects.iter().map(|object| (object.name.as_str(), object.triangles))
     }
 
-    /// What mesh files refer to and does not exist, a line each; the scene was loaded without it.
+    /// Missing files and attributes that mesh files refer to, one line each. The scene was loaded without them.
     pub fn missing(&self) -> impl Iterator<Item = String> {
         self.scene.mesh.missing.iter().map(|missing| format!("{}: {}", missing.what, missing.why))
     }

@@ -1,8 +1,7 @@
-//! Pixels in another order: those whose rays are near each other side by side.
+//! Reorders pixels so that neighbours have similar rays.
 //!
-//! A display of lenslets, or a list of a scanner's shots, has pixels beside each other that look all over the scene, so that no
-//! bound on the rays of a tile leaves anything out. Sorted by their rays they fill tiles that are as narrow as any camera's; the
-//! frame is put back in order where it is read.
+//! Neighbouring pixels of a lenslet display or of a scanner's shot list look in all directions, so bounds on the rays of a tile cull
+//! nothing. Sorted by their rays, they fill tiles as narrow as any camera's. The frame is put back in order after read-back.
 
 use super::{Camera, Field, Rays};
 use crate::camera::TILE;
@@ -11,15 +10,15 @@ use rayon::prelude::*;
 
 /// The camera's pixels in the order of their rays.
 pub struct Arrangement {
-    /// For each pixel of the arranged image the one of the camera's that it is.
+    /// For each pixel of the arranged image, the index of the camera's pixel.
     source: Vec<u32>,
 }
 
-/// Tiles that are looked at to tell whether rays are scattered.
+/// Number of tiles sampled to decide whether rays are scattered.
 const LOOKS: u32 = 64;
 
 /// Rays are scattered where those of a tile differ by this share of what those of the whole image do, on average. Of an image
-/// whose rays turn steadily it is some 8 pixels over its width.
+/// whose rays rotate steadily it is some 8 pixels over its width.
 const SCATTERED: f64 = 0.25;
 
 /// Bits of a coordinate in the key that rays are sorted by: six fill a word.
@@ -66,7 +65,7 @@ impl Arrangement {
         Camera { layers: camera.layers.iter().map(arranged).collect(), ..camera.clone() }
     }
 
-    /// Values of the arranged image's pixels in the camera's own order.
+    /// Reorders values from the arranged image to the camera's order.
     pub fn restored<T: Copy + Default>(&self, values: &[T]) -> Vec<T> {
         let mut own = vec![T::default(); values.len()];
         self.source.iter().zip(values).for_each(|(k, v)| own[*k as usize] = *v);
@@ -74,12 +73,12 @@ impl Arrangement {
     }
 }
 
-/// Neighbouring pixels look all over the scene, or did before they were sorted.
+/// Whether the rays are scattered, or were before sorting.
 pub fn is_scattered(camera: &Camera) -> bool {
     is_sorted(camera) || scattered(camera).is_some()
 }
 
-/// The camera's pixels are sorted by their rays.
+/// Whether the camera's pixels are sorted by their rays.
 pub fn is_sorted(camera: &Camera) -> bool {
     matches!(camera.layers.as_slice(), [Rays::Field(field)] if field.is_sorted)
 }
@@ -90,7 +89,7 @@ fn scattered(camera: &Camera) -> Option<&Field> {
     strays(field).then_some(field)
 }
 
-/// Directions differ within tiles nearly as much as between them.
+/// Whether directions differ within tiles nearly as much as between them.
 fn strays(field: &Field) -> bool {
     // whole tiles, or one part of a tile where the image is narrower
     let (tiles_x, tiles_y) = ((field.width / TILE).max(1), (field.height / TILE).max(1));
@@ -120,7 +119,7 @@ fn strays(field: &Field) -> bool {
     looked > 0.0 && within / looked > SCATTERED * spread(&all)
 }
 
-/// The bits of six coordinates in turn, each in [0, 2^KEY_BITS).
+/// Interleaves the bits of six coordinates, each in [0, 2^KEY_BITS).
 fn interleaved(points: [DVec3; 2]) -> u64 {
     let mut key = 0;
     for (k, x) in points.iter().flat_map(|p| p.to_array()).enumerate() {

@@ -11,7 +11,7 @@ pub struct Boxes {
     all: Vec<(DVec2, DVec2)>,
 }
 
-/// The box of nothing.
+/// The empty box.
 pub const EMPTY: (DVec2, DVec2) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
 
 pub fn join(a: (DVec2, DVec2), b: (DVec2, DVec2)) -> (DVec2, DVec2) {

@@ -1,4 +1,4 @@
-//! The `chain` camera: mesh cameras over one image, whose rays are run through one after the other (Popescu et al.,
+//! The `chain` camera: mesh cameras over one image, whose rays are traversed one after the other (Popescu et al.,
 //! section 3.1: segments, depth-indexed from the root to the leaves).
 
 use super::recipe::{Built, Recipe, Setting};
@@ -54,7 +54,7 @@ impl Recipe for Chain {
             notes.extend(gap_note(k, &pair[0], &pair[1], (width, height)));
         }
         let layers = layers.into_iter().map(Rays::Pieces).collect();
-        Ok(Built { size: (width, height), layers, unit_t: true, optics: None, notes, unmet: Vec::new() })
+        Ok(Built { size: (width, height), layers, unit_t: true, optics: None, notes, unfulfilled: Vec::new() })
     }
 }
 
@@ -62,7 +62,7 @@ impl Recipe for Chain {
 /// image, whose weights are larger than 1.
 const END_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// What to say where the rays of a layer do not start where those of the one before end.
+/// A note if the rays of a layer do not start where those of the previous one end.
 fn gap_note(k: usize, front: &Pieces, back: &Pieces, (width, height): (u32, u32)) -> Option<String> {
     let pixels = (0..width as usize * height as usize).into_par_iter();
     let at = |n: usize| ((n % width as usize) as u32, (n / width as usize) as u32);
@@ -75,7 +75,7 @@ fn gap_note(k: usize, front: &Pieces, back: &Pieces, (width, height): (u32, u32)
         .then(|| format!("layer {next} does not start where layer {k} ends: up to {gap:.6} apart, at pixel {i},{j}"))
 }
 
-/// How far the pixel's ray jumps between two layers, world units; 0 within rounding.
+/// Gap of the pixel's ray between two layers, world units; 0 within rounding.
 fn gap(front: &Pieces, back: &Pieces, (i, j): (u32, u32)) -> Option<f64> {
     let ray = |layer: &Pieces| layer.owner(i, j).map(|k| layer.bundle_at(k, i, j).ray(0.0, 0.0));
     let (a, b) = (ray(front)?, ray(back)?);

@@ -1,4 +1,4 @@
-//! Curved projectors: Bezier curves of degree 1 to 3, one a pixel (Brosz et al. 2007, section 3).
+//! Curved projectors: Bezier curves of degree 1 to 3, one per pixel (Brosz et al. 2007, section 3).
 
 use super::bundle::Ray;
 use glam::{DVec2, DVec3};
@@ -45,7 +45,7 @@ impl Curve {
         p[0]
     }
 
-    /// `X'(t)`, the way of the curve: what a highlight sees it come from (Brosz et al. 2007, section 4.3).
+    /// `X'(t)`, the tangent; it is the view direction of shading (Brosz et al. 2007, section 4.3).
     pub fn tangent(&self, t: f64) -> DVec3 {
         let mut p = self.points;
         for k in 0..self.degree {
@@ -104,11 +104,11 @@ impl Curve {
 
 /// A curve for every place of the image.
 pub trait CurveMap: Debug + Send + Sync {
-    /// Of every curve.
+    /// Degree of all curves.
     fn degree(&self) -> usize;
     /// The curve at image coordinates (a, b), and the number of the piece that it belongs to; `None`: no curve.
     fn curve(&self, a: f64, b: f64) -> Option<(u32, Curve)>;
-    /// How many pieces there are; 0 where the image is not cut into pieces.
+    /// Number of pieces; 0 if the image has none.
     fn piece_count(&self) -> usize {
         0
     }
@@ -120,7 +120,7 @@ pub struct Curves {
     pub width: u32,
     pub height: u32,
     pub map: Arc<dyn CurveMap>,
-    /// Where in a pixel its curve is taken, px from the pixel's top left corner.
+    /// Sample position, px from the pixel's top left corner.
     sample: DVec2,
 }
 

@@ -1,4 +1,4 @@
-//! What a camera compiled to, for a person and for the header of an EXR.
+//! A summary of a compiled camera, as text and for EXR headers.
 
 use crate::camera::glc::{Class, classify};
 use crate::camera::{Bundle, Camera, Rays};
@@ -6,14 +6,14 @@ use glam::DVec3;
 use serde::{Serialize, Serializer};
 use std::fmt;
 
-/// A compiled camera in short.
+/// Summary of a compiled camera.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Description {
     pub kind: &'static str,
     pub width: u32,
     pub height: u32,
     pub t_range: [Bound; 2],
-    /// Of all layers; 0 where each pixel has a ray or curve of its own.
+    /// In all layers; 0 if each pixel has its own ray or curve.
     pub pieces: usize,
     /// One, or those of a chain, first to last.
     pub layers: Vec<Layer>,
@@ -21,17 +21,17 @@ pub struct Description {
     pub notes: Vec<String>,
 }
 
-/// The rays of a layer in short.
+/// Summary of the rays of a layer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Layer {
-    /// 0 where each pixel has a ray or curve of its own.
+    /// 0 if each pixel has its own ray or curve.
     pub pieces: usize,
-    /// The degree of the curves that the rays are, where they are not straight.
+    /// The degree of curved rays.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub degree: Option<usize>,
     /// The classes of the pieces' general linear cameras, the most frequent first.
     pub classes: Vec<ClassCount>,
-    /// The rays, where the whole image is one piece.
+    /// The rays, if the whole image is one piece.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bundle: Option<BundleRecord>,
 }
@@ -40,12 +40,12 @@ pub struct Layer {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound(pub f64);
 
-/// How many pieces are of one class.
+/// Number of pieces of one class.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ClassCount {
     pub class: &'static str,
     pub pieces: usize,
-    /// Ray parameters of the slits, where there is one such piece.
+    /// Ray parameters of the slits if the image is one piece.
     pub slits: Vec<f64>,
 }
 
@@ -56,7 +56,7 @@ pub struct BundleRecord {
     pub d: [[f64; 3]; 3],
 }
 
-/// Rays whose weights differ over the piece are no affine functions of the image, so no GLC.
+/// Perspective pieces, whose weights vary, are not affine in the image, so no GLCs.
 const WEIGHTED: &str = "weighted (its corners' w differ)";
 
 impl Description {
@@ -68,7 +68,7 @@ impl Description {
             t_range: camera.t_range.map(Bound),
             pieces: camera.piece_count(),
             layers: camera.layers.iter().map(Layer::of).collect(),
-            notes: camera.notes.iter().chain(&camera.unmet).cloned().collect(),
+            notes: camera.notes.iter().chain(&camera.unfulfilled).cloned().collect(),
         }
     }
 }
@@ -121,7 +121,7 @@ pub fn piece_class(bundle: &Bundle) -> (&'static str, Vec<f64>) {
     (class.name(), slits.into_iter().map(shortened).collect())
 }
 
-/// The digits of a slit's t that rounding leaves: classes are told apart to 11 digits.
+/// Significant digits of a slit's t: classes are distinguished to 11 digits.
 fn shortened(t: f64) -> f64 {
     // a number as printed parses; a root of -0 is 0
     format!("{t:.10e}").parse().unwrap_or(t) + 0.0
@@ -140,7 +140,7 @@ impl Serialize for Bound {
 }
 
 impl fmt::Display for Description {
-    /// Some lines, each a word and its value; those of a chain's layers stand under its number.
+    /// Lines of text, each a word and its value; those of a chain's layers follow the layer's number.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         writeln!(f, "kind     {}", self.kind)?;
         writeln!(f, "image    {} x {}", self.width, self.height)?;

@@ -2,8 +2,8 @@
 
 use super::SAFE_RADIUS_PX;
 use super::bundle::{Bundle, Ray};
-use super::cut::bend::Bend;
 use super::kinds::opencv::Calibrated;
+use super::tessellate::bend::Bend;
 use crate::image::read_vectors;
 use crate::input::{Error, Result};
 use glam::{DVec2, DVec3};
@@ -12,18 +12,18 @@ use std::fmt::Debug;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A ray for every place of the image, by a formula.
+/// A formula for the ray of every place of the image.
 pub trait RayMap: Debug + Send + Sync {
     /// The ray at image coordinates (a, b); `None`: no ray there.
     fn ray(&self, a: f64, b: f64) -> Option<Ray>;
 
-    /// Bounds on how the rays bend over the rectangle from `lo` to `hi` of image coordinates, for weights of P and D; `None`
-    /// where a ray is missing. What is not overridden is sampled, and not proven.
+    /// Bounds on the curvature of the rays over the rectangle from `lo` to `hi` of image coordinates, for weights of P and D;
+    /// `None` if a ray is missing. The default samples, and proves nothing.
     fn bend(&self, lo: DVec2, hi: DVec2, weights: &[(f64, f64)]) -> Option<Bend> {
         Bend::sampled(|a, b| self.ray(a, b), lo, hi, weights)
     }
 
-    /// All places (a, b) whose rays pass through `point`, in the image or beyond, each with its t; `None`: there is no formula for them.
+    /// All image places (a, b), also outside the image, whose rays pass through `point`, each with its t; `None`: no closed form.
     fn images(&self, _point: DVec3) -> Option<Vec<(DVec2, f64)>> {
         None
     }
@@ -39,26 +39,26 @@ pub trait RayMap: Debug + Send + Sync {
 pub struct Field {
     pub width: u32,
     pub height: u32,
-    /// None of a formula over so many pixels that it is asked for each anew.
+    /// Empty if a formula is evaluated for each ray when needed.
     rays: Vec<Option<(DVec3, DVec3)>>,
-    /// The formula behind the rays, where there is one.
+    /// The formula of the rays, if any.
     map: Option<Sampled>,
-    /// Rays are sorted: those of a tile are near each other, though not from pixel to pixel.
+    /// Whether the pixels are sorted by their rays ([`super::arranged`]).
     pub is_sorted: bool,
 }
 
-/// A formula, and where in a pixel its ray is taken, px from the pixel's top left corner.
+/// A formula, and the sample position, px from the pixel's top left corner.
 #[derive(Debug, Clone)]
 struct Sampled {
     map: Arc<dyn RayMap>,
     sample: DVec2,
 }
 
-/// Pixels whose rays are kept at most, 56 bytes each: where a formula has them.
+/// Most pixels whose rays are stored, 56 bytes each, if there is a formula.
 const STORED_MAX: usize = 1 << 24;
 
 impl Field {
-    /// The formula is asked for each ray anew.
+    /// Whether the formula is evaluated for each ray when needed.
     pub fn is_computed(&self) -> bool {
         self.rays.is_empty()
     }
@@ -104,7 +104,7 @@ impl Field {
         Field { rays: source.iter().map(ray).collect(), map: None, is_sorted: true, ..*self }
     }
 
-    /// The formula behind the rays, where there is one.
+    /// The formula of the rays, if any.
     pub fn map(&self) -> Option<&Arc<dyn RayMap>> {
         self.map.as_ref().map(|m| &m.map)
     }
@@ -139,7 +139,7 @@ impl Field {
         self.get(i as i64, j as i64)
     }
 
-    /// The ray of a place up to one pixel right of or below the image too, where it goes on linearly.
+    /// The ray of a pixel, also of one column right of and one row below the image, extrapolated linearly.
     pub fn ray_or_beyond(&self, i: u32, j: u32) -> Option<(DVec3, DVec3)> {
         let inside = (i.min(self.width - 1), j.min(self.height - 1));
         let ray = self.ray(inside.0, inside.1)?;
@@ -153,14 +153,14 @@ impl Field {
         Some((ray.0 + right.0 + below.0, ray.1 + right.1 + below.1))
     }
 
-    /// The ray of a place aside from the centre of pixel `(i, j)`, px, within that pixel; see [`Field::with_sample_offset`].
-    pub fn ray_aside(&self, i: u32, j: u32, aside: DVec2) -> Option<(DVec3, DVec3)> {
+    /// The ray at `offset` px from the centre of pixel `(i, j)`, within that pixel; see [`Field::with_sample_offset`].
+    pub fn ray_at_offset(&self, i: u32, j: u32, offset: DVec2) -> Option<(DVec3, DVec3)> {
         let place = DVec2::new(f64::from(i), f64::from(j));
         match &self.map {
             Some(map) => {
-                map.ray(place + (map.sample + aside), DVec2::new(f64::from(self.width), f64::from(self.height)))
+                map.ray(place + (map.sample + offset), DVec2::new(f64::from(self.width), f64::from(self.height)))
             }
-            None => self.bilinear(place.x + aside.x, place.y + aside.y),
+            None => self.bilinear(place.x + offset.x, place.y + offset.y),
         }
     }
 
@@ -177,8 +177,8 @@ impl Field {
         }
     }
 
-    /// How P and D change one pixel along `(sx, sy)`: the difference to that neighbour, zero where it has no ray;
-    /// beyond the image the field goes on linearly.
+    /// Change of P and D from pixel to neighbour `(sx, sy)`; zero if that has no ray. Beyond the image the field is extrapolated
+    /// linearly.
     fn slope(&self, i: i64, j: i64, (sx, sy): (i64, i64), (p, d): (DVec3, DVec3)) -> (DVec3, DVec3) {
         if let Some((q, e)) = self.get(i + sx, j + sy) {
             return (q - p, e - d);
@@ -260,7 +260,7 @@ impl Field {
             let sample = DVec2::new(0.5 + dx, 0.5 + dy);
             return Field::sampled(self.width, self.height, Sampled { sample, ..map.clone() });
         }
-        let at = |i: u32, j: u32| self.ray_aside(i, j, DVec2::new(dx, dy));
+        let at = |i: u32, j: u32| self.ray_at_offset(i, j, DVec2::new(dx, dy));
         let rays = (0..self.height).flat_map(|j| (0..self.width).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();
         Field { width: self.width, height: self.height, rays, map: None, is_sorted: false }
     }

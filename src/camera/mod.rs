@@ -1,12 +1,12 @@
 //! Cameras: what a scene file asks for, compiled to rays and curves.
 //!
-//! A camera's image is cut into pieces, each an affine homogeneous [`Bundle`] of rays ([`pieces`]); or it is a field
-//! with a ray ([`field`]) or a Bezier curve ([`curve`]) for each pixel. A chain stacks several of these as layers: its
-//! rays go on from one layer to the next. Everything after this module knows only these.
+//! A camera's image consists of pieces, each an affine homogeneous [`Bundle`] of rays ([`pieces`]), or it is a field with one
+//! ray ([`field`]) or one Bezier curve ([`curve`]) per pixel. A chain stacks several of these as layers: its rays continue
+//! from one layer to the next. All other modules use these representations only.
 //!
-//! [`kinds`] lists what a scene file may name; each kind is a [`recipe::Recipe`] that builds such layers.
+//! [`kinds`] lists the kinds of cameras in scene files; each is a [`recipe::Recipe`] that builds such layers.
 
-/// Pixels a side of a tile of the image.
+/// Pixels per side of a tile of the image.
 pub const TILE: u32 = 8;
 
 pub mod arranged;
@@ -14,7 +14,6 @@ mod boxes;
 pub mod bundle;
 pub mod chain;
 pub mod curve;
-pub mod cut;
 pub mod describe;
 pub mod field;
 pub mod glc;
@@ -29,6 +28,7 @@ pub mod project;
 pub mod projector;
 pub mod recipe;
 pub mod spec;
+pub mod tessellate;
 pub mod view;
 
 use crate::camera::optics::Optics;
@@ -59,31 +59,31 @@ pub struct Camera {
     pub kind: &'static str,
     pub width: u32,
     pub height: u32,
-    /// Hits count for t in this closed range, in every layer.
+    /// Closed range of t for hits, in every layer.
     pub t_range: [f64; 2],
-    /// One; or the layers of a chain, first to last, with t in [0, 1] each: a pixel's hit in the lowest layer wins.
+    /// One layer, or those of a chain, first to last, each with t in [0, 1]. A pixel's hit in the lowest layer wins.
     pub layers: Vec<Rays>,
-    /// The mirror or lens that turns the rays of the one layer; these are of straight rays then.
+    /// The mirror or lens in view; the camera then has one layer of straight rays.
     pub optics: Option<Arc<Optics>>,
-    /// What was left out of a partly degenerate camera, for a person to read.
+    /// Notes for the user: what was left out or approximated.
     pub notes: Vec<String>,
-    /// What was asked for and cannot be done in this scene, for a person to read.
-    pub unmet: Vec<String>,
-    /// How far its rays depend on the scene.
-    pub looked: SceneUse,
+    /// Requests that cannot be fulfilled in this scene, for the user.
+    pub unfulfilled: Vec<String>,
+    /// How much of the scene its rays depend on.
+    pub scene_use: SceneUse,
 }
 
-/// A copy of it.
+/// Clones the camera.
 impl From<&Camera> for Arc<Camera> {
     fn from(camera: &Camera) -> Arc<Camera> {
         Arc::new(camera.clone())
     }
 }
 
-/// How far from a pixel's centre an answer must hold for the pixel to be safe (`docs/reference/definitions.md`, Safe), px.
+/// A pixel is safe if its answer is constant within this distance of its centre, px (`docs/reference/definitions.md`, Safe).
 pub const SAFE_RADIUS_PX: f64 = 1.0 / 16.0;
 
-/// Layers of a chain at most: a visibility key has 4 bits for them.
+/// Most layers of a chain: a visibility key has 4 bits for them.
 pub const LAYERS_MAX: usize = 16;
 
 impl Camera {
@@ -92,36 +92,47 @@ impl Camera {
         Camera::in_scene(spec, size, &Mesh::default())
     }
 
-    /// Compiles `spec` for an image of `size` in the scene of `mesh`, which cameras that track a target look at. A ray
-    /// map brings its own size, which `size` may only repeat.
+    /// Compiles `spec` for an image of `size` in the scene of `mesh`, which matters for cameras that depend on the scene,
+    /// such as `track`. A ray map has its own size; `size` must be equal or `None`.
     pub fn in_scene(spec: &CameraSpec, size: Option<(u32, u32)>, mesh: &Mesh) -> Result<Camera> {
         Camera::in_setting(spec, &Setting::new(size, mesh, spec.t_range))
     }
 
-    /// Compiles a camera that may be part of another, and notes in `setting` how far it depends on the scene.
+    /// Compiles a camera that may be part of another, and records in `setting` how much of the scene it depends on.
     pub(crate) fn in_setting(spec: &CameraSpec, setting: &Setting) -> Result<Camera> {
         let own = Cell::default();
         let built = Camera::build(spec, &setting.noting(spec.t_range, &own));
-        setting.look(own.get());
-        built.map(|camera| Camera { looked: own.get(), ..camera })
+        setting.note_use(own.get());
+        built.map(|camera| Camera { scene_use: own.get(), ..camera })
     }
 
     fn build(spec: &CameraSpec, setting: &Setting) -> Result<Camera> {
         let kind = spec.kind.name;
-        let Built { size: (width, height), layers, unit_t, optics, notes, unmet } = spec.kind.recipe.build(setting)?;
+        let Built { size: (width, height), layers, unit_t, optics, notes, unfulfilled } =
+            spec.kind.recipe.build(setting)?;
         if layers.is_empty() || layers.len() > LAYERS_MAX {
             let n = layers.len();
             return Err(Error::input(format!("camera: {n} layers; a chain has 1 to {LAYERS_MAX}")));
         }
         layers.iter().try_for_each(check_reach)?;
         let t_range = if unit_t { [0.0, 1.0] } else { spec.t_range };
-        Ok(Camera { kind, width, height, t_range, layers, optics, notes, unmet, looked: SceneUse::Nothing })
+        Ok(Camera { kind, width, height, t_range, layers, optics, notes, unfulfilled, scene_use: SceneUse::Nothing })
     }
 
     /// A camera of one layer.
     pub fn of(kind: &'static str, (width, height): (u32, u32), t_range: [f64; 2], rays: Rays) -> Camera {
-        let (layers, looked) = (vec![rays], SceneUse::Nothing);
-        Camera { kind, width, height, t_range, layers, optics: None, notes: Vec::new(), unmet: Vec::new(), looked }
+        let (layers, scene_use) = (vec![rays], SceneUse::Nothing);
+        Camera {
+            kind,
+            width,
+            height,
+            t_range,
+            layers,
+            optics: None,
+            notes: Vec::new(),
+            unfulfilled: Vec::new(),
+            scene_use,
+        }
     }
 
     /// The same camera with every pixel's sample moved by `(dx, dy)` pixels from the pixel centre.
@@ -134,7 +145,7 @@ impl Camera {
         Camera { layers: self.layers.iter().map(moved).collect(), ..self.clone() }
     }
 
-    /// How many pieces the image is cut into, in all layers, and those of its optics: cameras of facets, or quadrics; 0 for a ray field.
+    /// Number of pieces in all layers, plus those of its optics (facets or smooth parts); 0 for a ray field.
     pub fn piece_count(&self) -> usize {
         self.first_piece(self.layers.len()) as usize + self.optics.as_ref().map_or(0, |o| o.camera_count())
     }
@@ -149,12 +160,12 @@ impl Camera {
         self.layers[..layer].iter().map(count).sum()
     }
 
-    /// The channels of [`Channel::ALL`] that say something about pictures of this camera.
+    /// The channels of [`Channel::ALL`] that images of this camera can have.
     pub fn channels(&self) -> Vec<Channel> {
         Channel::ALL.into_iter().filter(|c| *c != Channel::MirrorId || self.optics.is_some()).collect()
     }
 
-    /// Some layer has curved rays.
+    /// Whether some layer has curved rays.
     pub fn is_curved(&self) -> bool {
         self.layers.iter().any(|l| matches!(l, Rays::Curves(_)))
     }
@@ -178,9 +189,8 @@ impl Camera {
         }
     }
 
-    /// The bundles of all pieces of a layer of straight rays that come within [`SAFE_RADIUS_PX`] of the centre of pixel
-    /// `(i, j)`, the owner's first; and whether some place that near lies outside every piece. Empty where the pixel has no
-    /// ray.
+    /// The bundles of all pieces of a layer of straight rays within [`SAFE_RADIUS_PX`] of the centre of pixel `(i, j)`, the
+    /// owner's first; and whether part of that disc lies outside every piece. Empty if the pixel has no ray.
     pub fn near(&self, layer: usize, i: u32, j: u32) -> (Vec<Bundle>, bool) {
         match &self.layers[layer] {
             Rays::Pieces(p) => p.near(i, j, SAFE_RADIUS_PX),
@@ -189,7 +199,7 @@ impl Camera {
         }
     }
 
-    /// Where all rays start, if that is one point; `None` also where no pixel has a ray.
+    /// The common origin of all rays; `None` if there are several, or no pixel has a ray.
     pub fn centre(&self) -> Option<DVec3> {
         let each = |k: u32| self.ray(k % self.width, k / self.width).map(|r| r.origin);
         let mut starts = (0..self.width * self.height).filter_map(each);
@@ -214,7 +224,7 @@ impl Camera {
 /// Largest coordinate of a control point, world units; as for scenes. Products of ten coordinates stay in the range of f64.
 const REACH_MAX: f64 = 1e30;
 
-/// Pixels a side of the lattice on which curves are checked, corner to corner.
+/// Pixels per side of the lattice on which curves are checked, corner to corner.
 const REACH_PLACES: u32 = 17;
 
 /// Refuses curves that reach too far, tested on a lattice of pixels.
@@ -233,5 +243,5 @@ fn check_reach(rays: &Rays) -> Result<()> {
     )))
 }
 
-/// How far apart origins may be that are one point, against its size: sixteen roundings.
+/// Tolerance for equal origins, relative to their size: sixteen roundings.
 const CENTRE_ROUNDING: f64 = 16.0 * f64::EPSILON;

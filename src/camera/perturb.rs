@@ -141,9 +141,9 @@ mod tests {
             [DVec3::X, DVec3::Y, DVec3::NEG_Z, DVec3::ONE, DVec3::new(-2.0, -2.0, -2.0), DVec3::new(1.0, -1.0, 1.0)]
         {
             let lone = Bundle { p: [DVec3::ZERO; 3], d: [d, DVec3::ZERO, DVec3::ZERO], h: [1.0, 0.0, 0.0] };
-            let turn = lone.perturbed(8.0).0.d[0].cross(d).length() / d.length_squared();
+            let angle = lone.perturbed(8.0).0.d[0].cross(d).length() / d.length_squared();
             // to the right and down by at most PERTURB together, and not much less
-            assert!((0.1 * PERTURB..=PERTURB).contains(&turn), "{d}: {turn:e}");
+            assert!((0.1 * PERTURB..=PERTURB).contains(&angle), "{d}: {angle:e}");
         }
     }
 

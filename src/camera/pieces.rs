@@ -1,4 +1,4 @@
-//! An image cut into pieces, each an affine homogeneous bundle of rays, and which piece owns a pixel.
+//! Images made of pieces, each an affine homogeneous bundle of rays; and the piece that owns a pixel.
 //!
 //! Borders are decided in f64 with one canonical order of every edge's end points, so two pieces that share
 //! an edge see the same number: a pixel exactly on a border lies in both, and the lowest-numbered piece owns it.
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// One piece: rays, and the image triangle they hold for.
+/// One piece: its rays, and its image triangle.
 #[derive(Debug, Clone)]
 pub struct Piece {
     /// Centred on `centre_px`.
@@ -46,7 +46,7 @@ const RUN: usize = 8;
 
 /// How far the box of a piece in the hierarchy extends beyond its corners, relative to their coordinates. [`side`] may be off by a distance of
 /// [`SIDE_ROUNDING`] times the square of the coordinates over the edge's length, so this covers edges over a millionth of the coordinates.
-const BOX_SLACK: f64 = 1e-9;
+const BOX_TOLERANCE: f64 = 1e-9;
 
 /// How far beyond a tile a piece may lie and still be listed with it: the safe radius and a sample offset of half a pixel.
 const TILE_REACH_PX: f64 = super::SAFE_RADIUS_PX + 0.5;
@@ -123,8 +123,8 @@ impl Pieces {
         let bounds = |k: &u32| {
             let corners = self.pieces[*k as usize].corners_px?;
             let (lo, hi) = corners.iter().fold(EMPTY, |b, q| join(b, (*q, *q)));
-            let slack = BOX_SLACK * (1.0 + lo.abs().max(hi.abs()).max_element());
-            Some((lo - slack, hi + slack))
+            let tolerance = BOX_TOLERANCE * (1.0 + lo.abs().max(hi.abs()).max_element());
+            Some((lo - tolerance, hi + tolerance))
         };
         Some(Boxes::new(near.iter().map(|k| bounds(k).unwrap_or((DVec2::NEG_INFINITY, DVec2::INFINITY))), RUN))
     }
@@ -138,9 +138,9 @@ impl Pieces {
         self.owner_of_place(i, j, self.place(i, j))
     }
 
-    /// The owner of a place aside from the sample of pixel `(i, j)`, px, within that pixel.
-    pub fn owner_aside(&self, i: u32, j: u32, aside: DVec2) -> Option<u32> {
-        self.owner_of_place(i, j, DVec2::new(i as f64, j as f64) + (self.sample + aside))
+    /// The owner of the place at `offset` px from the sample of pixel `(i, j)`, within that pixel.
+    pub fn owner_at_offset(&self, i: u32, j: u32, offset: DVec2) -> Option<u32> {
+        self.owner_of_place(i, j, DVec2::new(i as f64, j as f64) + (self.sample + offset))
     }
 
     /// The piece that owns an image place (px) up to [`super::SAFE_RADIUS_PX`] from the sample of pixel `(i, j)`.
@@ -277,8 +277,9 @@ fn span_between(corners: &[DVec2; 3], top: f64, bottom: f64) -> (f64, f64) {
             include(a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)));
         }
     }
-    let slack = SPAN_ROUNDING * corners.iter().fold(top.abs().max(bottom.abs()), |m, q| m.max(q.abs().max_element()));
-    (lo - slack, hi + slack)
+    let tolerance =
+        SPAN_ROUNDING * corners.iter().fold(top.abs().max(bottom.abs()), |m, q| m.max(q.abs().max_element()));
+    (lo - tolerance, hi + tolerance)
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
-//! Where a camera shows a 3-D point: all places of the image whose rays or curves pass through it.
+//! Projection of 3-D points: all image places whose rays or curves pass through a point.
 //!
 //! Beams, boxes around origins and directions, bound the rays of each part of the image, and a [`tree`] of them finds the
-//! parts that may see a point. The GPU may go down that tree instead (`sift`): what it lists is looked at here again, so
-//! that the images are the same.
+//! parts that may see a point. The GPU may traverse that tree instead (`sift`); its results are computed again here, so
+//! the images are the same.
 //!
 //! * [`pieces`]: in a piece the rays through a point are the roots of a cubic in t ([`columns`]); all are found.
 //! * [`field`], [`curved`]: formulas and tables have no such equation. The image is searched in cells of a quarter
@@ -26,18 +26,18 @@ use glam::{DVec2, DVec3};
 use serde::Serialize;
 use tree::{Tree, WHOLE};
 
-/// One place where a point is seen.
+/// One image of a point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Image {
     /// Pixels right of the image's left side.
     pub x: f64,
     /// Pixels below its top.
     pub y: f64,
-    /// x over the width.
+    /// x / width.
     pub a: f64,
-    /// y over the height.
+    /// y / height.
     pub b: f64,
-    /// In a chain the layer's number plus the t in it.
+    /// Ray parameter; in a chain the layer's index plus the t in it.
     pub t: f64,
     /// The layer of a chain, from 0.
     pub layer: usize,
@@ -58,17 +58,17 @@ pub enum Degenerate {
 /// All images of a point.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Images {
-    /// Single ones, by layer, piece and t.
+    /// The isolated images, sorted by layer, piece and t.
     pub images: Vec<Image>,
-    /// There are curves or areas of images beside them.
+    /// Set if there are also curves or areas of images.
     pub degenerate: Option<Degenerate>,
-    /// The search was given up, and there may be more: so many rays pass close to the point, or they jump so often.
+    /// The search was given up and there may be more images: too many rays pass close to the point, or they jump too often.
     /// Left out of JSON where it is false.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub incomplete: bool,
 }
 
-/// A camera made ready to project points.
+/// A camera indexed for projecting points.
 pub struct Projector<'a> {
     camera: &'a Camera,
     layers: Vec<Layer<'a>>,
@@ -88,23 +88,23 @@ struct Found {
     piece: u32,
 }
 
-/// What a layer shows of a point.
+/// The images of a point in one layer.
 #[derive(Debug, Default)]
 struct Shown {
     found: Vec<Found>,
     degenerate: Option<Degenerate>,
-    /// Boxes looked at, and searches from a guess, which count for [`NEWTON_WORK`] each.
+    /// Work: boxes tested, plus [`NEWTON_WORK`] for each Newton search.
     work: u32,
 }
 
-/// Work for one point in one layer at most: seconds.
+/// Most work for one point in one layer: a few seconds.
 const WORK: u32 = 1 << 18;
 
-/// What a search from a guess costs against a look at a box.
+/// Cost of a Newton search relative to a box test.
 const NEWTON_WORK: u32 = 4;
 
 impl Shown {
-    /// Counts work to be done; false where it is too much.
+    /// Adds work; false if the limit is exceeded.
     fn may_spend(&mut self, work: u32) -> bool {
         self.work = self.work.saturating_add(work);
         self.work <= WORK
@@ -119,7 +119,7 @@ const ONE_T: f64 = 1e-6;
 /// How far a place may lie beyond a border, px, and a t beyond its range, relative: both come from some 100 roundings
 /// of numbers up to 2^16 (px) and 1 (t), and pieces that share a border must not both refuse it.
 const BORDER_PX: f64 = 1e-9;
-const T_SLACK: f64 = 1e-12;
+const T_TOLERANCE: f64 = 1e-12;
 
 impl<'a> Projector<'a> {
     /// Bounds of the camera's rays are taken here, once for all points.
@@ -197,10 +197,10 @@ fn merged([t0, t1]: [f64; 2], mut found: Vec<Found>) -> Vec<Found> {
     found.sort_by_key(|f| f.piece);
     let mut kept: Vec<Found> = Vec::with_capacity(found.len());
     for f in found {
-        let slack = T_SLACK * f.t.abs().max(1.0);
+        let tolerance = T_TOLERANCE * f.t.abs().max(1.0);
         let one =
             |k: &Found| (k.place - f.place).length() <= ONE_PLACE_PX && (k.t - f.t).abs() <= ONE_T * f.t.abs().max(1.0);
-        if t0 - slack <= f.t && f.t <= t1 + slack && !kept.iter().any(one) {
+        if t0 - tolerance <= f.t && f.t <= t1 + tolerance && !kept.iter().any(one) {
             kept.push(Found { t: f.t.clamp(t0, t1), ..f });
         }
     }

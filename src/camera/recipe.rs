@@ -1,4 +1,4 @@
-//! What a scene file may ask for by name, and how that becomes rays: one row a kind of camera.
+//! The interface of camera kinds: reading the keys of a kind, and building its rays.
 
 use super::Rays;
 use crate::camera::optics::Optics;
@@ -15,18 +15,18 @@ use std::sync::Arc;
 pub struct Kind {
     /// The `kind` of a scene file.
     pub name: &'static str,
-    /// Its keys, their units and its formula, for a person.
+    /// Help text: its keys, their units and its formula.
     pub help: &'static str,
-    /// Reads its table; every key is checked to be known.
+    /// Reads its table; unknown keys are errors.
     pub read: fn(&Table) -> Result<Arc<dyn Recipe>>,
 }
 
-/// A camera as asked for, its values checked one by one. What they mean together is checked by [`Recipe::build`].
+/// A camera as written, its values checked one by one. [`Recipe::build`] checks that they fit together.
 pub trait Recipe: Any + Debug + Equal + Send + Sync {
     fn build(&self, setting: &Setting) -> Result<Built>;
 }
 
-/// Equality of recipes whose types are not known: those of one type are compared by `==`.
+/// Equality of recipes behind `dyn`: those of the same type are compared by `==`.
 pub trait Equal {
     fn equals(&self, other: &dyn Any) -> bool;
 }
@@ -37,18 +37,18 @@ impl<T: Any + PartialEq> Equal for T {
     }
 }
 
-/// What a recipe may look at.
+/// What a recipe may depend on.
 #[derive(Debug, Clone, Copy)]
 pub struct Setting<'a> {
-    /// The image's size in pixels, where one was given.
+    /// The image's size in pixels, if the scene gives one.
     pub size: Option<(u32, u32)>,
-    /// The ends of t as the scene file gives them.
+    /// The t range of the scene file.
     pub t_range: [f64; 2],
     mesh: &'a Mesh,
-    looked: Option<&'a Cell<SceneUse>>,
+    scene_use: Option<&'a Cell<SceneUse>>,
 }
 
-/// How far a recipe looked at the scene.
+/// How much of the scene a recipe reads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SceneUse {
     #[default]
@@ -60,15 +60,15 @@ pub enum SceneUse {
 impl<'a> Setting<'a> {
     /// Of an image of `size` in the scene of `mesh`.
     pub fn new(size: Option<(u32, u32)>, mesh: &'a Mesh, t_range: [f64; 2]) -> Setting<'a> {
-        Setting { size, t_range, mesh, looked: None }
+        Setting { size, t_range, mesh, scene_use: None }
     }
 
-    /// The same for a camera with this range of t; `looked` records how far it looks at the scene.
-    pub fn noting<'b>(&self, t_range: [f64; 2], looked: &'b Cell<SceneUse>) -> Setting<'b>
+    /// The same for a camera with this range of t; `scene_use` records how much of the scene it reads.
+    pub fn noting<'b>(&self, t_range: [f64; 2], scene_use: &'b Cell<SceneUse>) -> Setting<'b>
     where
         'a: 'b,
     {
-        Setting { size: self.size, t_range, mesh: self.mesh, looked: Some(looked) }
+        Setting { size: self.size, t_range, mesh: self.mesh, scene_use: Some(scene_use) }
     }
 
     /// The same for an image of another size.
@@ -83,20 +83,20 @@ impl<'a> Setting<'a> {
 
     /// The scene's triangles, world units.
     pub fn mesh(&self) -> &'a Mesh {
-        self.look(SceneUse::Mesh);
+        self.note_use(SceneUse::Mesh);
         self.mesh
     }
 
     /// The corners of the box around all vertices; `None` without any.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        self.look(SceneUse::Bounds);
+        self.note_use(SceneUse::Bounds);
         self.mesh.bounds()
     }
 
-    /// Records that a camera looked at the scene this far.
-    pub(crate) fn look(&self, at: SceneUse) {
-        if let Some(looked) = self.looked {
-            looked.set(looked.get().max(at));
+    /// Records that a camera reads this much of the scene.
+    pub(crate) fn note_use(&self, at: SceneUse) {
+        if let Some(scene_use) = self.scene_use {
+            scene_use.set(scene_use.get().max(at));
         }
     }
 }
@@ -108,19 +108,19 @@ pub struct Built {
     pub size: (u32, u32),
     /// One, or the layers of a chain, first to last.
     pub layers: Vec<Rays>,
-    /// t is in [0, 1] whatever the scene file says: chains and projectors.
+    /// t is in [0, 1], whatever `t_range` says: chains and projectors.
     pub unit_t: bool,
-    /// The mirror or lens that the rays meet.
+    /// The mirror or lens in view.
     pub optics: Option<Arc<Optics>>,
-    /// What a person should know of the camera: what was left out of it, what it stands for.
+    /// Notes for the user: what was left out or approximated.
     pub notes: Vec<String>,
-    /// What was asked for and cannot be done in this scene.
-    pub unmet: Vec<String>,
+    /// Requests that cannot be fulfilled in this scene, one sentence each.
+    pub unfulfilled: Vec<String>,
 }
 
 impl Built {
     /// A camera of one layer.
     pub fn new(size: (u32, u32), rays: Rays) -> Built {
-        Built { size, layers: vec![rays], unit_t: false, optics: None, notes: Vec::new(), unmet: Vec::new() }
+        Built { size, layers: vec![rays], unit_t: false, optics: None, notes: Vec::new(), unfulfilled: Vec::new() }
     }
 }

@@ -1,5 +1,5 @@
-//! `[camera]`: the kind's own keys, each checked to be a finite value of its type. What the values
-//! mean together (eye = target, overlapping pieces) is the camera's to check when it is built.
+//! `[camera]`: the keys of a kind, each checked to be a finite value of its type. Combinations (eye = target, overlapping
+//! pieces) are checked when the camera is built.
 
 use super::kinds::KINDS;
 use super::recipe::Recipe;
@@ -17,7 +17,7 @@ pub struct CameraSpec {
     pub t_range: [f64; 2],
 }
 
-/// A kind of camera, with the values of its keys.
+/// A kind of camera with the values of its keys.
 #[derive(Debug, Clone)]
 pub struct CameraKind {
     /// The name in a scene file.

@@ -48,13 +48,13 @@ fn add_below(list: &mut Vec<Bounce>, optics: &Optics, above: Bounce) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::optics::{Quadric, Smooth, Surface, Turn};
+    use crate::camera::optics::{self, Quadric, Smooth, Surface};
     use glam::DVec3;
 
     fn optics(depth: u32, fresnel: bool, rays: u32) -> Optics {
         let ball = Surface::Smooth(Smooth::Quadrics(vec![Quadric::sphere(DVec3::ZERO, 1.0)]));
         let roughness = if rays > 1 { 0.1 } else { 0.0 };
-        Optics { fresnel, roughness, rays, ..Optics::new(Turn::Refract { ior: 1.5 }, ball, depth) }
+        Optics { fresnel, roughness, rays, ..Optics::new(optics::Bounce::Refract { ior: 1.5 }, ball, depth) }
     }
 
     #[test]

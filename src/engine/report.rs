@@ -170,7 +170,7 @@ impl Report {
             rechecked_share: counts.map(|c| c.rechecked as f64 / c.fragments_tested.max(1) as f64),
             bytes: has_device.then_some(rendered.bytes),
             left_out: rendered.left_out.iter().cloned().chain(missing).collect(),
-            unmet: camera.unmet.clone(),
+            unmet: camera.unfulfilled.clone(),
             grown: has_device.then_some(rendered.grown),
             caustics: rendered.caustics,
             error: None,

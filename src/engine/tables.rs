@@ -4,7 +4,7 @@
 use super::Capacities;
 use super::bounces::Bounce;
 use crate::camera::Camera;
-use crate::camera::optics::{Branch, Law, Optics, Surface, Turn};
+use crate::camera::optics::{self, Branch, Law, Optics, Surface};
 use crate::engine::plan::hierarchy::RawFrame;
 use crate::engine::plan::nodes::Level;
 use crate::engine::plan::pages::Pages;
@@ -64,7 +64,7 @@ impl Look {
                 hidden_scale: hidden.by.map_or(1.0, |by| by.scale),
                 sky: scene.sky.as_ref().map_or(layout::NONE, |_| mesh.materials.len() as u32),
                 sky_strength: scene.sky.as_ref().map_or(0.0, |s| s.strength),
-                sky_turn: scene.sky.as_ref().map_or(0.0, |s| s.turn as f32),
+                sky_turn: scene.sky.as_ref().map_or(0.0, |s| s.rotation as f32),
                 sky_is_seen: scene.sky.as_ref().map_or(0, |s| s.is_seen.into()),
                 occlusion_rays: scene.ambient_occlusion.map_or(0, |o| o.rays),
                 occlusion_reach: scene.ambient_occlusion.map_or(1.0, |o| o.reach as f32),
@@ -216,9 +216,9 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
         _ => (LAW_NORMALS, DVec3::ZERO),
     };
     let [eye_hi, eye_lo] = split_vector(eye);
-    let [ior_hi, ior_lo] = match optics.turn {
-        Turn::Reflect => [0.0; 2],
-        Turn::Refract { ior } => split2(ior),
+    let [ior_hi, ior_lo] = match optics.bounce {
+        optics::Bounce::Reflect => [0.0; 2],
+        optics::Bounce::Refract { ior } => split2(ior),
     };
     let [from_hi, from_lo] = split_vector(optics.environment.map_or(DVec3::ZERO, |p| p - plan.anchor));
     let [[tilt_x_hi, tilt_x_lo], [tilt_y_hi, tilt_y_lo]] = pass.tilt.to_array().map(split2);

@@ -124,11 +124,11 @@ impl Bernstein {
     fn cuts(&self) -> Vec<f64> {
         let mut cuts = vec![0.0];
         let slope = self.derivative();
-        let turns = match slope.degree {
+        let extrema = match slope.degree {
             3 => slope.roots(0.0).iter().map(|r| r.t).collect(),
             _ => slope.roots_to_degree_2().into_iter().flatten().collect::<Vec<_>>(),
         };
-        cuts.extend(turns.into_iter().filter(|t| 0.0 < *t && *t < 1.0));
+        cuts.extend(extrema.into_iter().filter(|t| 0.0 < *t && *t < 1.0));
         cuts.push(1.0);
         cuts.sort_unstable_by(f64::total_cmp);
         cuts.dedup();

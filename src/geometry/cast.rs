@@ -18,19 +18,19 @@ pub struct Ray {
     pub direction: DVec3,
 }
 
-/// A ray whose coverage is decided by another one beside it.
+/// A ray, and the perturbed ray that decides its coverage.
 #[derive(Debug, Clone, Copy)]
 pub struct Aim {
     /// Depths and weights are this ray's.
     pub ray: Ray,
-    /// It decides which triangles are met.
+    /// Decides which triangles are hit.
     pub perturbed: Ray,
 }
 
-/// Where a ray meets a triangle.
+/// The hit of a ray on a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// The ray parameter; or a distance, where that was asked for.
+    /// The ray parameter, or a distance for distance queries.
     pub t: f64,
     /// The triangle's index in the mesh.
     pub triangle: u32,
@@ -38,7 +38,7 @@ pub struct Hit {
     pub bary: [f64; 2],
 }
 
-/// A mesh made ready for rays.
+/// A mesh indexed for ray queries.
 #[derive(Debug)]
 pub struct Caster<'a> {
     mesh: &'a Mesh,
@@ -78,7 +78,7 @@ impl<'a> Caster<'a> {
         best
     }
 
-    /// Every visible hit with t in `range`, near ones first as a rule. `visit` returns the largest t that still matters.
+    /// Every visible hit with t in `range`, mostly near to far. `visit` returns the largest t still of interest.
     fn each(&self, aim: &Aim, range: [f64; 2], mut visit: impl FnMut(Hit) -> f64) {
         let mut limit = f64::INFINITY;
         self.bvh.walk(
@@ -210,9 +210,9 @@ impl Corners {
     /// The sign of all edge values of a ray that meets the triangle.
     fn sign(&self, ray: &Ray) -> Option<f64> {
         let side = |k: usize| {
-            let (i, j, turn) = OPPOSITE[k];
+            let (i, j, sense) = OPPOSITE[k];
             let (value, bound) = edge(ray, self.v[i], self.v[j]);
-            if value.abs() > bound { turn * value.signum() } else { turn * exact_side(ray, self.v[i], self.v[j]) }
+            if value.abs() > bound { sense * value.signum() } else { sense * exact_side(ray, self.v[i], self.v[j]) }
         };
         let first = side(0);
         (side(1) == first && side(2) == first).then_some(first)
@@ -238,10 +238,10 @@ impl Corners {
 
     /// Weights of the second and third corner as given. A perturbed ray may be inside where this one is outside, by rounding.
     fn weights(&self, ray: &Ray, sign: f64) -> [f64; 2] {
-        let e = OPPOSITE.map(|(i, j, turn)| {
+        let e = OPPOSITE.map(|(i, j, sense)| {
             let (value, bound) = edge(ray, self.v[i], self.v[j]);
             let value = if value.abs() > bound { value } else { exact_edge(ray, self.v[i], self.v[j]).value() };
-            (sign * turn * value).max(0.0)
+            (sign * sense * value).max(0.0)
         });
         let sum = e[0] + e[1] + e[2];
         let mut weights = [0.0; 3];
@@ -323,7 +323,7 @@ mod tests {
         }
     }
 
-    /// Both ways along a line, covered as if it passed a little aside.
+    /// Both ways along a line, covered as if it were slightly perturbed.
     fn line(origin: DVec3, direction: DVec3) -> [Aim; 2] {
         let (e1, e2) = direction.any_orthonormal_pair();
         let beside = origin + 1e-12 * (e1 + 0.6 * e2);

@@ -17,7 +17,7 @@ use gltf::texture::{Info, WrappingMode};
 use gltf::{Document, Node, Primitive, Semantic};
 
 use crate::geometry::mesh::{DIELECTRIC, Material, Mesh, Missing, NO_NORMAL, NO_UV};
-use crate::geometry::place::{turned, world_normal_from_object};
+use crate::geometry::place::{transformed_normal, world_normal_from_object};
 use crate::geometry::texture::{Images, ImagesRead, Texels, Texture, Wrap, decode};
 use crate::input::{Error, Result};
 use source::{FileAccess, Found, Source};
@@ -312,7 +312,7 @@ impl<'a> Builder<'a> {
             for n in self.source.read_vectors(from)? {
                 let index = self.mesh.normals.len() as u32;
                 match (matrix, n.try_normalize()) {
-                    (Some(matrix), Some(n)) => self.mesh.normals.push(turned(matrix, n.as_vec3())),
+                    (Some(matrix), Some(n)) => self.mesh.normals.push(transformed_normal(matrix, n.as_vec3())),
                     _ => {
                         known.push(NO_NORMAL);
                         continue;

@@ -1,4 +1,4 @@
-//! Meshes as a scene asks for them: read or generated, with their materials, and placed in the world.
+//! Loading the meshes of a scene: read or generated, with their materials, and placed in the world.
 
 use super::mesh::Mesh;
 use super::spec::{MeshSource, MeshSpec, TextureSpec};
@@ -7,10 +7,10 @@ use super::{generate, gltf, heights, obj, place, smooth};
 use crate::input::{Error, Result};
 use std::collections::{HashMap, HashSet};
 
-/// Consecutive triangles that have one name.
+/// An object: consecutive triangles with one name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Object {
-    /// Unlike any other's.
+    /// Unique in the scene.
     pub name: String,
     pub triangles: usize,
 }

@@ -20,21 +20,21 @@ pub const NO_UV: u32 = u32::MAX;
 pub struct Mesh {
     /// Positions in f64: object space as loaded, world space once placed in a scene.
     pub positions: Vec<DVec3>,
-    /// Three indices into `positions` a triangle.
+    /// Three indices into `positions` per triangle.
     pub triangles: Vec<[u32; 3]>,
     /// Unit normals; empty when the source has none.
     pub normals: Vec<Vec3>,
-    /// Three indices into `normals` a triangle ([`NO_NORMAL`]: none); empty when `normals` is.
+    /// Three indices into `normals` per triangle ([`NO_NORMAL`]: none); empty when `normals` is.
     pub corner_normals: Vec<[u32; 3]>,
     /// Texture coordinates, (0, 0) an image's lower left corner; empty when the source has none.
     pub uvs: Vec<Vec2>,
-    /// Three indices into `uvs` a triangle ([`NO_UV`]: none); empty when `uvs` is.
+    /// Three indices into `uvs` per triangle ([`NO_UV`]: none); empty when `uvs` is.
     pub corner_uvs: Vec<[u32; 3]>,
     /// At least one once there is a triangle.
     pub materials: Vec<Material>,
-    /// One index into `materials` a triangle.
+    /// One index into `materials` per triangle.
     pub material_of: Vec<u32>,
-    /// What its file refers to and does not exist.
+    /// Missing files and attributes that its file refers to.
     pub missing: Vec<Missing>,
 }
 
@@ -42,12 +42,12 @@ pub struct Mesh {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Missing {
     pub what: String,
-    /// Where the file refers to it, and what is used instead.
+    /// The place of the reference in the file, and the replacement.
     pub why: String,
 }
 
 impl Missing {
-    /// A line that says what mesh files lack; `None` if they lack nothing.
+    /// A line that lists what mesh files lack; `None` if nothing.
     pub fn line(all: &[Missing]) -> Option<String> {
         let first = all.first()?;
         let more = match all.len() {
@@ -79,13 +79,13 @@ impl Mesh {
         self.positions.par_iter().map(one).reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
-    /// The texture coordinates of a triangle's corners, where all have some.
+    /// The texture coordinates of a triangle's corners; `None` if a corner has none.
     pub fn uvs_of(&self, triangle: usize) -> Option<[Vec2; 3]> {
         let corners = self.corner_uvs.get(triangle).filter(|c| !c.contains(&NO_UV))?;
         Some(corners.map(|k| self.uvs[k as usize]))
     }
 
-    /// Those at weights of its second and third corner.
+    /// The texture coordinates at barycentric weights of its second and third corner.
     pub fn uv_at(&self, triangle: u32, [u, v]: [f64; 2]) -> Option<DVec2> {
         let [a, b, c] = self.uvs_of(triangle as usize)?.map(|uv| uv.as_dvec2());
         Some((1.0 - u - v) * a + u * b + v * c)
@@ -96,46 +96,46 @@ impl Mesh {
         self.uvs.iter_mut().for_each(|uv| *uv *= times);
     }
 
-    /// Some material has a texture, and some triangle coordinates.
+    /// Whether some material has a texture, and some triangle coordinates.
     pub fn is_textured(&self) -> bool {
         !self.corner_uvs.is_empty() && self.materials.iter().any(|m| m.texture.is_some())
     }
 
-    /// Some material has a pattern.
+    /// Whether some material has a pattern.
     pub fn has_patterns(&self) -> bool {
         self.materials.iter().any(|m| m.pattern.is_some())
     }
 
-    /// Some texture cuts holes into triangles.
+    /// Whether some texture is an alpha mask.
     pub fn has_holes(&self) -> bool {
         let cuts = |m: &Material| m.texture.as_ref().is_some_and(Texture::cuts);
         !self.corner_uvs.is_empty() && self.materials.iter().any(cuts)
     }
 }
 
-/// What a triangle looks like.
+/// The material of a triangle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     pub name: String,
     /// Linear RGB reflectance in [0, 1].
     pub diffuse: [f32; 3],
-    /// What it is multiplied by where a triangle has texture coordinates.
+    /// Texture that multiplies the colour, on triangles with texture coordinates.
     pub texture: Option<Texture>,
-    /// Linear RGB that is reflected straight on as by a mirror of microfacets; 0: a matte surface.
+    /// Specular reflectance at normal incidence, linear RGB; 0: a matte surface.
     pub specular: [f32; 3],
-    /// From 0, the smoothest that there is, to 1, of these.
+    /// Roughness of the microfacets, in [0, 1].
     pub roughness: f32,
-    /// From 0 to 1: so much of the diffuse colour is the specular one of a metal instead.
+    /// Metalness in [0, 1]: the share of the colour that is a metal's specular reflectance.
     pub metallic: f32,
-    /// Linear RGB that it sends out by itself.
+    /// Emission, linear RGB.
     pub emissive: [f32; 3],
-    /// What the diffuse colour is multiplied by too, wherever it lies.
+    /// Procedural pattern that multiplies the diffuse colour.
     pub pattern: Option<Pattern>,
-    /// Both faces are visible.
+    /// Whether both faces are visible.
     pub two_sided: bool,
 }
 
-/// What most that is no metal reflects straight on.
+/// Reflectance of a typical dielectric at normal incidence.
 pub const DIELECTRIC: f32 = 0.04;
 
 /// The least alpha of microfacets: a smoother surface shows a light of no size as a point of no size; it is a camera's mirror that
@@ -148,7 +148,7 @@ impl Material {
         (self.roughness * self.roughness).max(ALPHA_MIN)
     }
 
-    /// It sends out light other than as a matte surface does.
+    /// Whether it is shinier than matte, or emits light.
     pub fn is_glossy(&self) -> bool {
         self.specular != [0.0; 3] || self.metallic > 0.0 || self.emissive != [0.0; 3]
     }

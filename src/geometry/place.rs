@@ -1,4 +1,4 @@
-//! Meshes into the world: scale, rotation, translation; and many meshes into one.
+//! Placing meshes in the world by scale, rotation and translation, and merging meshes.
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use crate::input::{Error, Result};
 const MAX_TRIANGLES: usize = 1 << 28;
 
 /// Places `mesh`: world = R (scale * p) + translate with R = Rz Ry Rx, right-handed, `rotate_deg` in degrees about
-/// the world's x, y and z axes; whole quarter turns are exact.
+/// the world's x, y and z axes; multiples of 90 degrees are exact.
 ///
 /// Normals go by the inverse transpose; a scale with a zero leaves no normals. Triangles keep their order and
 /// their vertices' order, also where a negative scale mirrors them. Positions that overflow become infinite.
@@ -18,7 +18,7 @@ pub fn place(mut mesh: Mesh, scale: DVec3, rotate_deg: DVec3, translate: DVec3) 
     let rotation = rotation_xyz(rotate_deg);
     mesh.positions.par_iter_mut().for_each(|p| *p = rotation * (scale * *p) + translate);
     match world_normal_from_object(rotation * DMat3::from_diagonal(scale)) {
-        Some(matrix) => mesh.normals.par_iter_mut().for_each(|n| *n = turned(matrix, *n)),
+        Some(matrix) => mesh.normals.par_iter_mut().for_each(|n| *n = transformed_normal(matrix, *n)),
         None => {
             mesh.normals = Vec::new();
             mesh.corner_normals = Vec::new();
@@ -54,7 +54,7 @@ pub fn copies(mesh: Mesh, places: &[DAffine3]) -> Result<Mesh> {
     let normal_from: Vec<Option<DMat3>> = places.iter().map(|p| world_normal_from_object(p.matrix3)).collect();
     let normal = |k: usize| {
         let normal = mesh.normals[k % mesh.normals.len()];
-        normal_from[k / mesh.normals.len()].map_or(normal, |m| turned(m, normal))
+        normal_from[k / mesh.normals.len()].map_or(normal, |m| transformed_normal(m, normal))
     };
     Ok(Mesh {
         positions: (0..total(mesh.positions.len()))
@@ -82,14 +82,14 @@ fn rotation_xyz(degrees: DVec3) -> DMat3 {
     about_z * about_y * about_x
 }
 
-/// Sine and cosine of an angle in degrees, exact at whole quarter turns. The remainder is exact in f64.
+/// Sine and cosine of an angle in degrees, exact at multiples of 90 degrees. The remainder is exact in f64.
 fn sin_cos_deg(degrees: f64) -> (f64, f64) {
     match degrees.rem_euclid(360.0) {
         0.0 => (0.0, 1.0),
         90.0 => (1.0, 0.0),
         180.0 => (0.0, -1.0),
         270.0 => (-1.0, 0.0),
-        turn => turn.to_radians().sin_cos(),
+        other => other.to_radians().sin_cos(),
     }
 }
 
@@ -112,7 +112,7 @@ pub(crate) fn world_normal_from_object(matrix: DMat3) -> Option<DMat3> {
 }
 
 /// The unit normal `matrix * normal`.
-pub(crate) fn turned(matrix: DMat3, normal: Vec3) -> Vec3 {
+pub(crate) fn transformed_normal(matrix: DMat3, normal: Vec3) -> Vec3 {
     let n = matrix * normal.as_dvec3();
     let largest = n.abs().max_element();
     if largest > 0.0 { (n / largest).normalize().as_vec3() } else { normal }
@@ -157,7 +157,7 @@ pub fn merge(meshes: Vec<Mesh>) -> Result<Mesh> {
     Ok(all)
 }
 
-/// Appends `mesh` to `all` with all that it has, as [`merge`] does. The caller has seen to [`check_counts`].
+/// Appends `mesh` to `all` with all that it has, as [`merge`] does. The caller has called [`check_counts`].
 pub fn append_with_all(all: &mut Mesh, mesh: Mesh) {
     give_corners(all, !mesh.corner_normals.is_empty(), !mesh.corner_uvs.is_empty());
     append(all, mesh);
@@ -221,13 +221,13 @@ mod tests {
 
     #[test]
     fn quarter_turns_are_exact_and_right_handed() {
-        let turn = |x, y, z, p| rotation_xyz(DVec3::new(x, y, z)) * p;
-        assert_eq!(turn(90.0, 0.0, 0.0, DVec3::Y), DVec3::Z);
-        assert_eq!(turn(0.0, 90.0, 0.0, DVec3::Z), DVec3::X);
-        assert_eq!(turn(0.0, 0.0, -270.0, DVec3::X), DVec3::Y);
+        let rotated = |x, y, z, p| rotation_xyz(DVec3::new(x, y, z)) * p;
+        assert_eq!(rotated(90.0, 0.0, 0.0, DVec3::Y), DVec3::Z);
+        assert_eq!(rotated(0.0, 90.0, 0.0, DVec3::Z), DVec3::X);
+        assert_eq!(rotated(0.0, 0.0, -270.0, DVec3::X), DVec3::Y);
         // About x first: y -> z, then about y: z -> x, then about z: x -> y.
-        assert_eq!(turn(90.0, 90.0, 90.0, DVec3::Y), DVec3::Y);
-        assert_eq!(turn(0.0, 3600.0 + 180.0, 0.0, DVec3::X), -DVec3::X);
+        assert_eq!(rotated(90.0, 90.0, 90.0, DVec3::Y), DVec3::Y);
+        assert_eq!(rotated(0.0, 3600.0 + 180.0, 0.0, DVec3::X), -DVec3::X);
     }
 
     #[test]
@@ -244,10 +244,10 @@ mod tests {
 
     #[test]
     fn copies_are_in_order_and_share_texture_coordinates_and_materials() {
-        let turn = DMat3::from_cols(DVec3::Y, -DVec3::X, 2.0 * DVec3::Z);
+        let rotated = DMat3::from_cols(DVec3::Y, -DVec3::X, 2.0 * DVec3::Z);
         let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
         let shear = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(1.0, 0.0, 1.0));
-        let places = [turn, mirror, shear].map(|m| DAffine3 { matrix3: m, translation: DVec3::new(0.0, 0.0, 5.0) });
+        let places = [rotated, mirror, shear].map(|m| DAffine3 { matrix3: m, translation: DVec3::new(0.0, 0.0, 5.0) });
         let slanted = Mesh { normals: vec![Vec3::X], ..triangle(true) };
         let mesh = copies(slanted.clone(), &places).unwrap();
         let at = |x: f64, y: f64| DVec3::new(x, y, 5.0);

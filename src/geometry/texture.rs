@@ -19,7 +19,7 @@ pub struct Texels {
     pub rgba: Vec<[f16; 4]>,
 }
 
-/// What texels are beyond an image's borders.
+/// Wrap modes beyond an image's borders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u32)]
 pub enum Wrap {
@@ -34,7 +34,7 @@ pub struct Texture {
     pub texels: Arc<Texels>,
     /// To the right and upwards.
     pub wrap: [Wrap; 2],
-    /// The least opacity at which there is a surface; `None`: it is there everywhere.
+    /// Alpha cut-off: the least opacity of the surface; `None`: opaque everywhere.
     pub cutoff: Option<f32>,
 }
 
@@ -75,12 +75,12 @@ impl Texture {
         Texture { texels: Arc::new(Texels { width: *width, height: *height, rgba }), ..self.clone() }
     }
 
-    /// There may be no surface somewhere.
+    /// Whether it may have holes.
     pub fn cuts(&self) -> bool {
         self.least().is_some_and(|least| least > f16::ZERO)
     }
 
-    /// There is a surface at `uv`: the opacity there reaches the cut-off.
+    /// Whether the surface exists at `uv`: its opacity reaches the cut-off.
     pub fn is_there(&self, uv: DVec2) -> bool {
         self.least().is_none_or(|least| self.at(uv)[3] >= f64::from(least))
     }
@@ -122,7 +122,7 @@ fn wrapped(index: i64, count: i64, wrap: Wrap) -> i64 {
     }
 }
 
-/// Which images on meshes are read.
+/// Which textures are loaded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ImagesRead {
     #[default]
@@ -143,7 +143,7 @@ impl ImagesRead {
     }
 }
 
-/// The images that mesh files name, each decoded once.
+/// The textures of mesh files, each decoded once.
 #[derive(Default)]
 pub struct Images {
     known: HashMap<PathBuf, Arc<Texels>>,
@@ -189,15 +189,15 @@ impl Images {
     }
 }
 
-/// The error means that the file does not exist.
+/// Whether the error means that the file does not exist.
 pub fn is_missing(e: &std::io::Error) -> bool {
     matches!(e.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory)
 }
 
-/// The texels of a PNG or JPEG, whose colours are sRGB (IEC 61966-2-1), or of a Radiance picture, whose are light.
+/// The texels of a PNG or JPEG, whose colours are sRGB (IEC 61966-2-1), or of a Radiance picture, which are linear light.
 ///
 /// # Errors
-/// [`Error::Input`] where it is neither, damaged, or too large for memory.
+/// [`Error::Input`] if it is neither, damaged, or too large for memory.
 pub fn decode(bytes: &[u8]) -> Result<Texels> {
     let wrong = |e: String| Error::input(format!("is no PNG, JPEG or HDR that can be read: {e}"));
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| wrong(e.to_string()))?;

@@ -20,7 +20,7 @@ impl Dump {
     /// Makes the folder.
     ///
     /// # Errors
-    /// [`Error::Work`] where it cannot be made.
+    /// [`Error::Work`] if it cannot be made.
     pub fn new(folder: &Path) -> Result<Dump> {
         let refused = |e| Error::work(format!("{}: cannot make a folder for kernels: {e}", folder.display()));
         std::fs::create_dir_all(folder).map_err(refused)?;

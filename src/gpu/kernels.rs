@@ -623,7 +623,7 @@ fn raster_by_tile(variant: Variant) -> Kernel {
         COLUMN,
         column,
         snippets!("shared/waiting.wgsl"),
-        snippets!("shared/hold.wgsl"),
+        snippets!("shared/pixel_test.wgsl"),
         snippets!("raster_by_tile.wgsl"),
     ];
     let mut kernel = kernel("raster", bindings, &[&snippets[..], &own, variant.start()].concat());

@@ -12,7 +12,7 @@ use crate::input::{Error, Result};
 pub use quantiles::{Measure, Quantiles};
 
 /// How frame `a` differs from frame `b`. A field is `None` where the channels it needs are not in both
-/// frames, where there is nothing to measure, or where the caller did not say what is safe.
+/// frames, if there is nothing to measure, or if the caller gave no safe pixels.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// All pixels.
@@ -26,7 +26,7 @@ pub struct Comparison {
     pub wrong_hit_miss: Option<u64>,
     /// Wrong-triangle pixels among the safe ones.
     pub wrong_safe: Option<u64>,
-    /// Pixels whose answer is not the same within 1/16 px of their centre.
+    /// Pixels that are not safe: their answer changes within 1/16 px of their centre.
     pub unsafe_pixels: Option<u64>,
     /// `unsafe_pixels / pixels`.
     pub unsafe_share: Option<f64>,
@@ -68,12 +68,11 @@ pub struct Difference {
     pub max: Option<Measure>,
 }
 
-/// Compares `a` against `b`. `safe` and `scales` have one value a pixel: whether every answer near the
-/// pixel's centre is the same, and the scene's extent over |D|, below which differences of t are
-/// measured against it. NaN is never right, whatever the other frame holds: its error is infinite.
+/// Compares `a` against `b`. `safe` and `scales` have one value per pixel: whether it is safe, and the
+/// scene's extent over |D|, the least scale for relative errors of t. NaN is always wrong: its error is infinite.
 ///
 /// # Errors
-/// [`Error::Input`] where the frames, `safe` or `scales` differ in size, or the frames have no channel in common.
+/// [`Error::Input`] if the frames, `safe` or `scales` differ in size, or the frames have no channel in common.
 pub fn compare(a: &Frame, b: &Frame, safe: Option<&[bool]>, scales: Option<&[f32]>) -> Result<Comparison> {
     let pixels = check_sizes(a, b, safe, scales)?;
     let ids = a.u32(Channel::TriangleId).zip(b.u32(Channel::TriangleId));
@@ -173,7 +172,7 @@ fn count(pixels: usize, holds: impl Fn(usize) -> bool) -> u64 {
 
 type Hits<'a> = Box<dyn Fn(usize) -> bool + 'a>;
 
-/// Whether each frame hits something at a pixel, by the first channel of both that tells.
+/// Whether each frame hits something at a pixel, by the first suitable channel of both.
 fn hits<'a>(a: &'a Frame, b: &'a Frame) -> Option<(Hits<'a>, Hits<'a>)> {
     // piece.id last: with a mirror, a pixel has a piece even if its ray hits nothing
     let telling =
@@ -202,7 +201,7 @@ fn z_errors(a: &Frame, b: &Frame, same: &[usize], scales: Option<&[f32]>) -> Opt
     Some(same.iter().map(|&i| relative(za[i].into(), zb[i].into(), floor(i))).collect())
 }
 
-/// |D| of a straight ray from Z = t |D|; 0 where these two do not tell.
+/// |D| of a straight ray from Z = t |D|; 0 if they do not determine it.
 fn ray_length(z: f32, t: f32) -> f64 {
     let length = (f64::from(z) / f64::from(t)).abs();
     if length.is_finite() { length } else { 0.0 }
@@ -249,7 +248,7 @@ fn color_error(a: &Frame, b: &Frame) -> Option<f64> {
 }
 
 impl fmt::Display for Comparison {
-    /// One line for a person; what could not be measured is left out.
+    /// A line of text; values that could not be measured are left out.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{} pixels of {}", self.pixels, self.channels.join(" "))?;
         if let Some(wrong) = self.wrong_triangle {

@@ -1,59 +1,59 @@
-//! Cryptomatte: which objects or materials a pixel shows, and how much of it each (Friedman and Jones 2015, specification 1.2.0).
+//! Cryptomatte: the objects or materials in a pixel and their shares (Friedman and Jones 2015, specification 1.2.0).
 
 use crate::image::frame::NO_ID;
 use crate::input::{Error, Result};
 use std::collections::BTreeMap;
 
-/// What is told apart.
+/// What a matte distinguishes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Apart {
+pub enum MatteKind {
     Objects,
     Materials,
 }
 
-impl Apart {
-    /// The name of the layers.
+impl MatteKind {
+    /// Prefix of the EXR layers.
     fn layer(self) -> &'static str {
         match self {
-            Apart::Objects => "CryptoObject",
-            Apart::Materials => "CryptoMaterial",
+            MatteKind::Objects => "CryptoObject",
+            MatteKind::Materials => "CryptoMaterial",
         }
     }
 }
 
-/// Names a pixel holds at most: two a layer.
+/// Most names per pixel: two per layer.
 const RANKS: usize = 6;
 
-/// What every pixel shows, as samples come in.
+/// Sample counts per pixel and name.
 #[derive(Debug)]
 pub struct Matte {
-    apart: Apart,
+    kind: MatteKind,
     names: Vec<String>,
-    /// Of a triangle the index of its name.
+    /// Index of each triangle's name.
     name_of: Vec<u32>,
     samples: u32,
-    /// Of a pixel the names in it, and of how many samples.
+    /// Per pixel: name indices and their sample counts.
     shares: Vec<Vec<(u32, u32)>>,
 }
 
-/// Planes and attributes of an EXR, by their names.
+/// Named planes and attributes of an EXR.
 pub struct Layers {
     pub planes: Vec<(String, Vec<f32>)>,
     pub attributes: Vec<(String, String)>,
 }
 
 impl Matte {
-    /// For triangles that have these names, each by the index of its name. Triangles beyond those are the camera's `optics`, if it has some.
-    pub fn new(apart: Apart, names: Vec<String>, mut name_of: Vec<u32>, optics: bool) -> Matte {
+    /// `name_of` gives each triangle's index into `names`. With `optics`, triangle ids beyond `name_of` get the name [`OPTICS`].
+    pub fn new(kind: MatteKind, names: Vec<String>, mut name_of: Vec<u32>, optics: bool) -> Matte {
         let (mut names, merged) = merged(names);
         name_of.iter_mut().for_each(|k| *k = merged[*k as usize]);
         if optics {
             names.push(OPTICS.into());
         }
-        Matte { apart, names, name_of, samples: 0, shares: Vec::new() }
+        Matte { kind, names, name_of, samples: 0, shares: Vec::new() }
     }
 
-    /// One more sample of every pixel: the ids of the triangles that it shows.
+    /// Adds one sample of every pixel: triangle ids, row by row, [`NO_ID`] for a miss.
     pub fn add(&mut self, ids: &[u32]) {
         self.shares.resize(ids.len(), Vec::new());
         self.samples += 1;
@@ -66,20 +66,20 @@ impl Matte {
         }
     }
 
-    /// Ranks by their share, two a layer, and what says how to read them.
+    /// The layers, names ranked by their share, and the manifest attributes of the specification.
     pub fn layers(mut self) -> Result<Layers> {
         let hashes: Vec<u32> = self.names.iter().map(|name| hash(name)).collect::<Result<_>>()?;
         // of equal shares the smaller hash comes first
         self.shares
             .iter_mut()
             .for_each(|s| s.sort_unstable_by_key(|&(k, n)| (std::cmp::Reverse(n), hashes[k as usize])));
-        let layer = self.apart.layer();
+        let layer = self.kind.layer();
         let mut planes = Vec::new();
         for rank in 0..RANKS {
             let number = rank / 2;
             let [id, share] = if rank % 2 == 0 { ["R", "G"] } else { ["B", "A"] };
             let of = |f: fn(&(u32, u32), &[u32], u32) -> f32| -> Vec<f32> {
-                let value = |s: &Vec<(u32, u32)>| s.get(rank).map_or(0.0, |held| f(held, &hashes, self.samples));
+                let value = |s: &Vec<(u32, u32)>| s.get(rank).map_or(0.0, |share| f(share, &hashes, self.samples));
                 self.shares.iter().map(value).collect()
             };
             planes.push((format!("{layer}{number:02}.{id}"), of(|h, hashes, _| f32::from_bits(hashes[h.0 as usize]))));
@@ -100,10 +100,10 @@ impl Matte {
     }
 }
 
-/// What a mirror or a lens is called, whose facets come after all triangles of the scene.
+/// Name of the camera's mirror or lens, whose facets follow the scene's triangles.
 pub const OPTICS: &str = "optics";
 
-/// Each name once, and of every one before the index of it now.
+/// The distinct names, and the new index of every old one.
 fn merged(names: Vec<String>) -> (Vec<String>, Vec<u32>) {
     let mut once: Vec<String> = Vec::new();
     let mut places = BTreeMap::new();
@@ -117,7 +117,7 @@ fn merged(names: Vec<String>) -> (Vec<String>, Vec<u32>) {
     (once, of)
 }
 
-/// A name's number: MurmurHash3 of 32 bits, with an exponent that makes a float of it that is a normal number.
+/// A name's id: 32-bit MurmurHash3, with the exponent changed where the float would not be a normal number.
 fn hash(name: &str) -> Result<u32> {
     let hash = murmur3::murmur3_32(&mut name.as_bytes(), 0).map_err(|e| Error::work(format!("{name}: {e}")))?;
     let exponent = hash >> 23 & 255;
@@ -133,7 +133,7 @@ mod tests {
         // published values of MurmurHash3
         assert_eq!(hash("hello").unwrap(), 0x248b_fa47);
         assert_eq!(hash("hello, world").unwrap(), 0x149b_bb7f);
-        // of nothing the hash is 0, and would be no normal number
+        // the hash of the empty name is 0, not a normal number
         assert_eq!(hash("").unwrap(), 1 << 23);
         for name in (0..20_000).map(|k| k.to_string()) {
             assert!(f32::from_bits(hash(&name).unwrap()).is_normal());
@@ -144,8 +144,9 @@ mod tests {
     fn shares_are_those_of_the_samples() {
         // two balls of 20 triangles, one after the other, and a mirror
         let names = vec!["left".into(), "icosphere".into()];
-        let mut objects = Matte::new(Apart::Objects, names, [[0; 20], [1; 20]].concat(), true);
-        let mut materials = Matte::new(Apart::Materials, vec!["default".into(); 2], [[0; 20], [1; 20]].concat(), true);
+        let mut objects = Matte::new(MatteKind::Objects, names, [[0; 20], [1; 20]].concat(), true);
+        let mut materials =
+            Matte::new(MatteKind::Materials, vec!["default".into(); 2], [[0; 20], [1; 20]].concat(), true);
         for ids in [[3, 25, NO_ID, 40], [25, 25, NO_ID, 7], [26, 39, NO_ID, 7], [NO_ID, 0, NO_ID, 7]] {
             objects.add(&ids);
             materials.add(&ids);

@@ -1,4 +1,4 @@
-//! OpenEXR files: one layer, one channel a plane, 32-bit values kept bit for bit.
+//! OpenEXR files: one layer, one channel per plane, 32-bit values kept bit for bit.
 
 pub mod tiled;
 
@@ -23,7 +23,7 @@ type Flat = AnyChannels<FlatSamples>;
 /// texts in the header. The same input gives the same bytes.
 ///
 /// # Errors
-/// [`Error::Work`] where a plane does not fill the frame, an attribute has a reserved name, or `path`
+/// [`Error::Work`] if a plane does not fill the frame, an attribute has a reserved name, or `path`
 /// cannot be written.
 pub fn write_exr(path: &Path, frame: &Frame, attributes: &[(String, String)]) -> Result<()> {
     write_exr_with(path, frame, Vec::new(), &Attributes { texts: attributes.to_vec(), ..Attributes::default() })
@@ -69,7 +69,7 @@ pub fn write_exr_with(
     })
 }
 
-/// What the file itself refused, as it said it.
+/// An error of the file, in its own words.
 fn of_file(e: ::exr::error::Error) -> io::Error {
     match e {
         ::exr::error::Error::Io(e) => e,
@@ -132,11 +132,11 @@ fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> io::Result<()> {
     file.write_all(&attributes.concat())
 }
 
-/// Reads the channels that a [`Frame`] knows from the first layer; others are left out. Half floats
+/// Reads the channels that a [`Frame`] knows from the first layer; others are ignored. Half floats
 /// become f32.
 ///
 /// # Errors
-/// [`Error::Input`] naming the file: not there, damaged, without a known channel, or a known channel
+/// [`Error::Input`] naming the file: missing, damaged, without a known channel, or a known channel
 /// of another type.
 pub fn read_exr(path: &Path) -> Result<Frame> {
     let refuse = |why: String| Error::input(format!("{}: {why}", path.display()));
@@ -176,7 +176,7 @@ pub fn read_exr_texts(path: &Path) -> Result<Vec<(String, String)>> {
     Ok(first.into_iter().flatten().filter_map(text).collect())
 }
 
-/// Reads float channels: width, height and a plane each. `holds` says what they are for, as "R G B must hold x y z".
+/// Reads float channels: width, height, and one plane each. `holds` describes them in errors, as in "R G B must hold x y z".
 pub(super) fn read_planes<const N: usize>(
     path: &Path,
     channels: [Channel; N],

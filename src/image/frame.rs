@@ -1,9 +1,9 @@
-//! A rendered frame: planes of values, one a channel, row 0 on top.
+//! A rendered frame: one plane of values per channel, row 0 on top.
 
 /// Id of a triangle, piece, object or material where nothing is hit.
 pub const NO_ID: u32 = u32::MAX;
 
-/// What the values of a channel are.
+/// The type of a channel's values.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Values {
     Number,
@@ -12,10 +12,10 @@ enum Values {
     Label,
 }
 
-/// Makes of the table of channels the enum, its lists, and the names and values of each.
+/// Generates the enum of channels, its lists, names and value types from one table.
 macro_rules! channels {
     ($($(#[$about:meta])* $list:ident: { $($(#[$doc:meta])* $channel:ident, $name:literal, $values:ident;)* })*) => {
-        /// A channel of an image, one value a pixel: `docs/reference/definitions.md`, Channels.
+        /// A channel of an image, one value per pixel: `docs/reference/definitions.md`, Channels.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Channel {
             $($($(#[$doc])* $channel,)*)*
@@ -24,7 +24,7 @@ macro_rules! channels {
         impl Channel {
             $($(#[$about])* pub const $list: [Channel; [$($name),*].len()] = [$(Channel::$channel),*];)*
 
-            /// The name in an EXR file and on the command line.
+            /// Its name in EXR files and on the command line.
             pub fn name(self) -> &'static str {
                 match self {
                     $($(Channel::$channel => $name,)*)*
@@ -41,7 +41,7 @@ macro_rules! channels {
 }
 
 channels! {
-    /// Those that say what is seen.
+    /// The default channels.
     ALL: {
         /// Red, linear.
         R, "R", Number;
@@ -57,21 +57,21 @@ channels! {
         T, "t", Number;
         /// The triangle that is hit, numbered through all meshes; [`NO_ID`] where nothing is.
         TriangleId, "triangle.id", Id;
-        /// The camera's piece that the pixel belongs to; [`NO_ID`] where no ray is.
+        /// The camera's piece that owns the pixel; [`NO_ID`] where there is no ray.
         PieceId, "piece.id", Id;
         /// Weight of the triangle's second corner at the hit.
         BaryU, "bary.u", Number;
         /// Weight of its third corner.
         BaryV, "bary.v", Number;
-        /// The facet of a mirror or lens that the pixel sees first; [`NO_ID`] where it sees none.
+        /// The first facet or smooth part of the mirror or lens on the pixel's path; [`NO_ID`] without one.
         MirrorId, "mirror.id", Id;
     }
-    /// And what is computed where it is asked for by name.
+    /// The channels computed only on request by name.
     MORE: {
-        /// 2 where bounds in f32 prove that the pixel's triangle, or the miss, is that of exact arithmetic; 1 where bounds on the
-        /// recheck do; 0 where nothing does.
+        /// 2 where bounds in f32 prove that the pixel's triangle, or its miss, is that of exact arithmetic; 1 where bounds on the
+        /// recheck prove it; else 0.
         Certified, "certified", Id;
-        /// x of the unit normal of the surface as it is shaded, world axes, turned to the viewer; 0 where nothing is hit, or a surface
+        /// x of the unit normal of the surface as shaded, world axes, on the viewer's side; 0 where nothing is hit, or a surface
         /// without triangles.
         NormalX, "N.X", Number;
         /// y of the normal.
@@ -90,7 +90,7 @@ channels! {
         AlbedoG, "albedo.G", Number;
         /// Blue of the diffuse colour.
         AlbedoB, "albedo.B", Number;
-        /// u of the texture coordinates of the hit; 0 where nothing is hit, or what has none.
+        /// u of the texture coordinates of the hit; 0 where nothing is hit, or the hit has none.
         TextureU, "uv.U", Number;
         /// v of the texture coordinates.
         TextureV, "uv.V", Number;
@@ -102,17 +102,17 @@ channels! {
 }
 
 impl Channel {
-    /// Both.
+    /// All channels.
     pub fn every() -> impl Iterator<Item = Channel> {
         Channel::ALL.into_iter().chain(Channel::MORE)
     }
 
-    /// Its values are whole numbers.
+    /// Whether its values are ids (u32).
     pub fn is_id(self) -> bool {
         self.values() != Values::Number
     }
 
-    /// It is a function of the triangle id.
+    /// Whether it is a function of the triangle id.
     pub fn is_label(self) -> bool {
         self.values() == Values::Label
     }
@@ -132,9 +132,9 @@ impl Channel {
 /// One channel's values, `width * height`, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Plane {
-    /// Of colours, depths, weights and vectors.
+    /// Colours, depths, weights and vectors.
     F32(Vec<f32>),
-    /// Of ids.
+    /// Ids.
     U32(Vec<u32>),
 }
 
@@ -150,7 +150,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The values of a channel of numbers; `None` where the frame does not have it.
+    /// The values of a channel of numbers; `None` if the frame does not have it.
     pub fn f32(&self, channel: Channel) -> Option<&[f32]> {
         self.planes.iter().find_map(|(c, p)| match p {
             Plane::F32(v) if *c == channel => Some(v.as_slice()),
@@ -158,7 +158,7 @@ impl Frame {
         })
     }
 
-    /// The values of a channel of ids; `None` where the frame does not have it.
+    /// The values of a channel of ids; `None` if the frame does not have it.
     pub fn u32(&self, channel: Channel) -> Option<&[u32]> {
         self.planes.iter().find_map(|(c, p)| match p {
             Plane::U32(v) if *c == channel => Some(v.as_slice()),

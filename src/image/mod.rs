@@ -1,4 +1,4 @@
-//! Images: their channels, and the files that they are written to and read from: PNG, EXR, NumPy arrays.
+//! Images: channels, and reading and writing of PNG, EXR and NumPy files.
 
 pub mod compare;
 pub mod cryptomatte;

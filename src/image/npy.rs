@@ -15,7 +15,7 @@ use crate::input::{Error, Result};
 /// Writes `data` in C order as little-endian f64.
 ///
 /// # Errors
-/// [`Error::Work`] where `data` does not fill `shape` or `path` cannot be written.
+/// [`Error::Work`] if `data` does not fill `shape` or `path` cannot be written.
 pub fn write_npy_f64(path: &Path, shape: &[u64], data: &[f64]) -> Result<()> {
     let count = shape.iter().try_fold(1u64, |count, side| count.checked_mul(*side));
     if count != Some(data.len() as u64) {

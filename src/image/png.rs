@@ -10,10 +10,10 @@ use crate::image::file::whole::write_whole;
 use crate::image::tone::Tone;
 use crate::input::{Error, Result};
 
-/// Writes `srgb8`, three (RGB) or four (RGBA) bytes a pixel, row 0 on top.
+/// Writes `srgb8`, three (RGB) or four (RGBA) bytes per pixel, row 0 on top.
 ///
 /// # Errors
-/// [`Error::Work`] where the bytes do not fit the size or `path` cannot be written.
+/// [`Error::Work`] if the bytes do not fit the size or `path` cannot be written.
 pub fn write_png(path: &Path, width: u32, height: u32, srgb8: &[u8]) -> Result<()> {
     let pixels = u64::from(width) * u64::from(height);
     let color = match srgb8.len() as u64 {
@@ -36,10 +36,10 @@ pub fn write_png(path: &Path, width: u32, height: u32, srgb8: &[u8]) -> Result<(
     })
 }
 
-/// Writes an image of `size` from its strips of whole rows, top to bottom: three bytes (RGB) a pixel.
+/// Writes an image of `size` from its strips of whole rows, top to bottom: three bytes (RGB) per pixel.
 ///
 /// # Errors
-/// Those of `next`; [`Error::Work`] where strips are not those of the image, or `path` cannot be written.
+/// Those of `next`; [`Error::Work`] if strips are not those of the image, or `path` cannot be written.
 pub fn write_png_strips(
     path: &Path,
     (width, height): (u32, u32),
@@ -88,7 +88,7 @@ pub fn rgb8(rgba: &[u8]) -> Vec<u8> {
     rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect()
 }
 
-/// [`srgb8`] of what a tone shows of a linear value.
+/// [`srgb8`] of a tone-mapped linear value.
 pub fn toned8(tone: Tone, linear: f32) -> u8 {
     srgb8(tone.shown(f64::from(linear)) as f32)
 }

@@ -1,4 +1,4 @@
-//! Lists of 3-D points: .npy of shape N x 3, or text with a point a line.
+//! Lists of 3-D points: .npy of shape N x 3, or text with one point per line.
 
 use super::npy::rows_of;
 use crate::input::files;
@@ -7,10 +7,10 @@ use glam::DVec3;
 use std::fs::File;
 use std::path::Path;
 
-/// The largest text that is read, bytes: some 10^8 points.
+/// Largest text file, bytes: about 10^8 points.
 const MAX_TEXT: u64 = 1 << 33;
 
-/// Reads finite points: .npy of f32 or f64, N x 3 in C order; or .csv, .txt, .xyz with three numbers a line, parted by
+/// Reads finite points: .npy of f32 or f64, N x 3 in C order; or .csv, .txt, .xyz with three numbers per line, separated by
 /// commas, semicolons or blanks. Empty lines, lines that start with `#` and a first line of names are skipped.
 ///
 /// # Errors

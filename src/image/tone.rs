@@ -1,17 +1,17 @@
-//! From linear light to what a display shows, channel by channel, before the sRGB curve.
+//! Tone mapping per channel, before the sRGB curve.
 
 /// An exposure and a tone curve.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tone {
-    /// Stops: light counts 2^exposure times.
+    /// Exposure in stops: light is multiplied by 2^exposure.
     pub exposure: f64,
     pub curve: Curve,
 }
 
-/// What becomes of light that a display cannot show.
+/// Tone curves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Curve {
-    /// It is cut off at 1.
+    /// Clamp to 1.
     #[default]
     Clip,
     /// x / (1 + x): Reinhard et al. 2002, equation 3.
@@ -42,12 +42,12 @@ impl Curve {
 pub const WHITE: f64 = 1e15;
 
 impl Tone {
-    /// By what light is multiplied.
+    /// Factor of the light.
     pub fn gain(self) -> f32 {
         self.exposure.exp2() as f32
     }
 
-    /// What is shown of linear light, in [0, 1]; of less than none, and of no number, 0.
+    /// The displayed value of linear light, in [0, 1]; 0 for negative values and NaN.
     pub fn shown(self, linear: f64) -> f64 {
         let light = linear * f64::from(self.gain());
         let x = if light > 0.0 { light.min(WHITE) } else { 0.0 };

@@ -1,4 +1,4 @@
-//! One vector a pixel from a .npy or an EXR file: a ray map's origins and directions, a table of places.
+//! One vector per pixel from a .npy or EXR file: a ray map's origins and directions, a table of places.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::image::frame::Channel;
 use crate::input::files;
 use crate::input::{Error, Result};
 
-/// Reads width, height and one vector a pixel, row by row from the top: .npy of f32 or f64 in C order
+/// Reads width, height and one vector per pixel, row by row from the top: .npy of f32 or f64 in C order
 /// with shape height x width x 3, or EXR with R G B = x y z. Values may be NaN or infinite.
 ///
 /// # Errors
@@ -21,7 +21,7 @@ pub fn read_vectors(path: &Path) -> Result<(u32, u32, Vec<DVec3>)> {
     Ok((width, height, numbers.into_iter().map(DVec3::from).collect()))
 }
 
-/// Reads width, height and two numbers a pixel: as [`read_vectors`], with shape height x width x 2, or EXR with R and G.
+/// Reads width, height and two numbers per pixel: as [`read_vectors`], with shape height x width x 2, or EXR with R and G.
 pub fn read_pairs(path: &Path) -> Result<(u32, u32, Vec<DVec2>)> {
     let (width, height, numbers) = read(path, [Channel::R, Channel::G], "R and G must hold the two numbers")?;
     Ok((width, height, numbers.into_iter().map(DVec2::from).collect()))

@@ -1,6 +1,6 @@
-//! The one error type: one line for a person, and the exit code it leads to.
+//! The error type: a one-line message, and its exit code.
 
-/// What went wrong, as one line that says what, where (file, key or line) and what to do.
+/// An error message of one line: what is wrong, where (file, key or line), and the remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The command line or an input file is wrong: exit code 2.
@@ -9,7 +9,7 @@ pub enum Error {
     /// The work itself failed (an output cannot be written, a device was lost): exit code 1.
     #[error("{0}")]
     Work(String),
-    /// So it did, as there is no room to write to: what comes after it will fail too. Exit code 1.
+    /// The work failed because the disk is full, so later work will fail too: exit code 1.
     #[error("{0}")]
     Full(String),
 }
@@ -28,7 +28,7 @@ impl Error {
         Error::Work(message.into())
     }
 
-    /// The same error with `place` (a file, a key, a mesh) said first.
+    /// The same error, prefixed with `place` (a file, a key, a mesh).
     pub fn at(self, place: impl std::fmt::Display) -> Self {
         match self {
             Error::Input(m) => Error::Input(format!("{place}: {m}")),
@@ -37,7 +37,7 @@ impl Error {
         }
     }
 
-    /// The exit code of a program that ends with it: 2 for input, else 1.
+    /// The program's exit code: 2 for input, else 1.
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Input(_) => 2,

@@ -1,4 +1,4 @@
-//! The files that work is done from. All are read here, and noted for whoever asks which they were.
+//! Input files. All are read here and recorded, so that callers can ask which files some work depended on.
 
 use indexmap::IndexSet;
 use std::cell::RefCell;
@@ -12,16 +12,16 @@ thread_local! {
     static NOTED: RefCell<Vec<Inputs>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Files as they were found, each once.
+/// Recorded files and their states, each once.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Inputs {
     files: IndexSet<(PathBuf, Stamp)>,
 }
 
-/// When a file was last written, and its bytes; `None` of one that is not there.
+/// Modification time and size of a file; `None` if it does not exist.
 pub type Stamp = Option<(SystemTime, u64)>;
 
-/// Most bytes that are read from a pipe: far more than any scene has.
+/// Most bytes read from a pipe: far more than any scene has.
 const PIPE_MAX: u64 = 1 << 30;
 
 /// The bytes of a file.
@@ -83,12 +83,12 @@ fn is_own_pipe(path: &Path) -> bool {
     is_own && fs::metadata(path).is_ok_and(is_pipe)
 }
 
-/// Notes a file that was looked for.
+/// Records a file, existing or not.
 pub fn note(path: &Path) {
     note_all(&Inputs { files: IndexSet::from([(path.to_owned(), stamp(path))]) });
 }
 
-/// Notes what something that is kept was made from.
+/// Records the input files of a cached result.
 pub fn note_all(inputs: &Inputs) {
     NOTED.with_borrow_mut(|noted| {
         if let Some(noted) = noted.last_mut() {
@@ -97,7 +97,7 @@ pub fn note_all(inputs: &Inputs) {
     });
 }
 
-/// Works, and says what files were looked for meanwhile on this thread.
+/// Calls `work`, and returns its result with the files recorded meanwhile on this thread.
 pub fn noted<T>(work: impl FnOnce() -> T) -> (T, Inputs) {
     NOTED.with_borrow_mut(|noted| noted.push(Inputs::default()));
     let done = work();
@@ -112,7 +112,7 @@ impl Inputs {
         self.files.iter().map(|(path, found)| (path.as_path(), found))
     }
 
-    /// All files are as they were found.
+    /// Whether all files are unchanged.
     pub fn are_current(&self) -> bool {
         self.files.iter().all(|(path, found)| stamp(path) == *found)
     }
@@ -122,7 +122,7 @@ impl Inputs {
     }
 }
 
-/// How a file is found now.
+/// The present state of a file.
 pub fn stamp(path: &Path) -> Stamp {
     let found = fs::metadata(path).ok()?;
     Some((found.modified().ok()?, found.len()))

@@ -6,7 +6,7 @@ use crate::input::Result;
 use crate::input::tree::{Node, Value};
 use glam::{DQuat, DVec4};
 
-/// One key: its frame, and the number or list of numbers that holds there.
+/// One key: its frame, and its number or list of numbers.
 struct Key<'a> {
     frame: f64,
     value: Field<'a>,
@@ -19,7 +19,7 @@ struct Key<'a> {
 pub(crate) fn pick(node: &mut Node, key: &str, source: &Source, frame: f64) -> Result<()> {
     match &mut node.value {
         Value::List(items) if is_keys(items) => {
-            let rule = if key.rsplit('.').next() == Some("quaternion") { turned } else { between };
+            let rule = if key.rsplit('.').next() == Some("quaternion") { rotated } else { between };
             node.value = value_at(&Field::new(source, key, node), frame, rule)?;
             Ok(())
         }
@@ -104,18 +104,18 @@ fn between(a: &Key, b: &Key, frame: f64) -> Value {
 }
 
 /// Spherical interpolation (slerp) from one quaternion (w, x, y, z) to the next, the shorter way; of unit length.
-fn turned(a: &Key, b: &Key, frame: f64) -> Value {
+fn rotated(a: &Key, b: &Key, frame: f64) -> Value {
     let unit = |key: &Key| {
         let [w, x, y, z] = *<&[f64; 4]>::try_from(key.numbers.as_slice()).ok()?;
         DVec4::new(x, y, z, w).try_normalize().map(DQuat::from_vec4)
     };
     // a wrong quaternion is refused when the camera reads it
     let (Some(from), Some(to)) = (unit(a), unit(b)) else { return a.value.node().value.clone() };
-    let turn = from.conjugate() * to;
-    let turn = if turn.w < 0.0 { -turn } else { turn };
-    let half_angle = turn.xyz().length().atan2(turn.w) * (frame - a.frame) / (b.frame - a.frame);
+    let rotation = from.conjugate() * to;
+    let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
+    let half_angle = rotation.xyz().length().atan2(rotation.w) * (frame - a.frame) / (b.frame - a.frame);
     let (sin, cos) = half_angle.sin_cos();
-    let part = turn.xyz().normalize_or_zero() * sin;
+    let part = rotation.xyz().normalize_or_zero() * sin;
     let q = (from * DQuat::from_xyzw(part.x, part.y, part.z, cos)).normalize();
     let place = a.value.node().place;
     Value::List([q.w, q.x, q.y, q.z].map(|x| Node { value: Value::Float(x), place }).into())

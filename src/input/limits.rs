@@ -1,9 +1,9 @@
 //! Limits on the work that a scene or a list of jobs may ask for.
 //!
 //! A file of a few lines can ask for days of work. Work over a limit is refused in one line, before it begins. The
-//! limits hold for the whole process. The program removes them for `--no-limits`; a user of the library calls [`lift`]
-//! before anything is read. What a format or a kernel cannot hold is refused even then: a triangle id has 28 bits, an
-//! image 65,536 pixels a side.
+//! limits apply to the whole process. The program removes them for `--no-limits`; a user of the library calls [`lift`]
+//! before anything is read. Limits of formats and kernels remain: a triangle id has 28 bits, an
+//! image 65,536 pixels per side.
 
 pub mod memory;
 

@@ -1,11 +1,11 @@
-//! The value tree of a file: TOML, JSON, or a job a line.
+//! The value tree of a file: TOML, JSON, or a job per line.
 
 use super::parse::{self, Format};
 use super::reader::{Field, Source};
 use super::{Error, Result, files};
 use std::path::Path;
 
-/// The value tree of another file that is written like a scene: a .toml, a .json, or a .jsonl with a job a line.
+/// The value tree of another file that is written like a scene: a .toml, a .json, or a .jsonl with a job per line.
 ///
 /// # Errors
 /// [`Error::Input`], one line, with the file and the line; or those of `read`.

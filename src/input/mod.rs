@@ -1,4 +1,4 @@
-//! What a user gives: files, values with the place they came from, limits, and the one error type.
+//! User input: files, values with their source positions, limits, and the error type.
 
 pub mod error;
 pub mod files;

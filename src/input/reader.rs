@@ -1,4 +1,4 @@
-//! Typed reading of the value tree: every refusal is one line that says where, what, and what to write.
+//! Typed reading of the value tree. Every error is one line: where, what is wrong, and what to write.
 
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use crate::input::{Error, Result};
 
 /// The file that is being read.
 pub struct Source<'a> {
-    /// As errors name it.
+    /// Its name in errors.
     pub path: &'a Path,
     /// Folder that relative paths start from.
     pub dir: &'a Path,
@@ -247,12 +247,12 @@ impl<'a> Table<'a> {
         self.get(key).ok_or_else(|| self.field.error(format_args!("{key} is missing; add e.g. {key} = {example}")))
     }
 
-    /// What `read` makes of `key`, or `default` where it is absent.
+    /// The value of `key` by `read`, or `default` if it is absent.
     pub fn or<T>(&self, key: &str, default: T, read: impl FnOnce(&Field<'a>) -> Result<T>) -> Result<T> {
         self.get(key).map_or(Ok(default), |field| read(&field))
     }
 
-    /// What `read` makes of `key`, or `None` where it is absent.
+    /// The value of `key` by `read`, or `None` if it is absent.
     pub fn optional<T>(&self, key: &str, read: impl FnOnce(&Field<'a>) -> Result<T>) -> Result<Option<T>> {
         self.get(key).map(|field| read(&field)).transpose()
     }

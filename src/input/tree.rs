@@ -1,4 +1,4 @@
-//! The value tree that TOML, JSON and `--set` all become, each value with the place it came from.
+//! The value tree of TOML, JSON and `--set`; each value knows its source position.
 
 /// Where a value was written, for error messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub(crate) enum Value {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Entry {
     pub key: String,
-    /// Where the key stands; a table's own place is its header's.
+    /// Position of the key; for a table that of its header.
     pub place: Place,
     pub node: Node,
 }
@@ -68,7 +68,7 @@ impl Value {
         })
     }
 
-    /// What a person would call this value, for "expected ..., found ...".
+    /// The name of this kind of value, for "expected ..., found ...".
     pub fn describe(&self) -> String {
         match self {
             Value::Null => "null".into(),
@@ -90,39 +90,15 @@ pub(crate) fn quote(text: &str) -> String {
     }
 }
 
-/// The candidate with the smallest edit distance to `word`; the first of several.
+/// The candidate with the smallest edit distance to the start of `word`; the first of several.
 pub(crate) fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
-    candidates.iter().copied().min_by_key(|candidate| edit_distance(word, candidate))
-}
-
-/// Levenshtein distance in characters; only the first [`QUOTED_CHARS`] of `a` count.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().take(QUOTED_CHARS).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, cb) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
+    let word: String = word.chars().take(QUOTED_CHARS).collect();
+    candidates.iter().copied().min_by_key(|candidate| strsim::levenshtein(&word, candidate))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn edit_distance_counts_single_edits() {
-        assert_eq!(edit_distance("vfov", "vfov"), 0);
-        assert_eq!(edit_distance("vfv", "vfov"), 1);
-        assert_eq!(edit_distance("heigth", "height"), 2);
-        assert_eq!(edit_distance("", "up"), 2);
-        assert_eq!(edit_distance("kitten", "sitting"), 3);
-    }
 
     #[test]
     fn nearest_names_the_closest() {

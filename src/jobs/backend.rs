@@ -1,4 +1,4 @@
-//! What renders: the compute engine on an adapter, or the reference on the CPU.
+//! The renderers: the compute engine on an adapter, and the reference on the CPU.
 
 use super::job::{EngineName, RenderJob};
 use crate::camera::Camera;
@@ -19,16 +19,16 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub enum Backend<'e> {
-    /// With what a rival is asked for.
+    /// A baseline, with its options.
     Compute(&'e mut Engine, Option<Choice>),
     Reference,
 }
 
 impl<'e> Backend<'e> {
-    /// What is asked for, with the engine that is there; without any adapter the reference.
+    /// The selected renderer on an existing engine; without an adapter, the reference.
     ///
     /// # Errors
-    /// [`Error::Work`] where only an adapter would do.
+    /// [`Error::Work`] if the render needs an adapter and there is none.
     pub fn of(engine: Option<&'e mut Engine>, job: &RenderJob) -> Result<Backend<'e>> {
         if matches!(job.engine, Some(EngineName::Reference)) {
             return Ok(Backend::Reference);
@@ -53,7 +53,7 @@ impl<'e> Backend<'e> {
         }
     }
 
-    /// What renders by these flags, with the engine that is there.
+    /// The renderer for these flags, on an existing engine.
     pub fn device_of(engine: Option<&Engine>, job: &RenderJob) -> Device {
         match engine.filter(|_| !matches!(job.engine, Some(EngineName::Reference))) {
             Some(engine) => {
@@ -90,7 +90,7 @@ impl<'e> Backend<'e> {
     }
 }
 
-/// A frame as the engine gives it, by the reference.
+/// A frame by the reference, in the engine's form.
 fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOptions) -> Rendered {
     let mut channels = wanted.channels.clone();
     if wanted.srgb8 {
@@ -128,7 +128,7 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
     }
 }
 
-/// What [`LeftOut`] calls a scene's `[style]`.
+/// The name of a scene's `[style]` in [`LeftOut`].
 pub const STYLE: &str = "style";
 
 /// The reference does not draw a scene's `[style]`.
@@ -140,7 +140,7 @@ fn without_style(scene: &Scene, wanted: &Wanted) -> Option<LeftOut> {
     Some(LeftOut { what: STYLE.into(), why: why.into() })
 }
 
-/// The frame's colour as opaque 8-bit sRGB, four bytes a pixel; `None` without colour.
+/// The frame's colour as opaque 8-bit sRGB, four bytes per pixel; `None` without colour.
 pub fn picture(frame: &Frame, tone: Tone) -> Option<Vec<u8>> {
     let (r, g, b) = (frame.f32(Channel::R)?, frame.f32(Channel::G)?, frame.f32(Channel::B)?);
     let pixels = r.iter().zip(g).zip(b);

@@ -1,5 +1,5 @@
-//! Many frames of many scenes: a list of jobs. Frames are read, rendered and written at once by threads of their own; what is done is
-//! kept in a manifest, and what goes wrong with one frame is told, and the rest go on.
+//! Batches: lists of jobs that render many frames of many scenes. Threads read, render and write frames in parallel. Finished frames are
+//! recorded in a manifest. If a frame fails, its error is reported and the others continue.
 
 mod checks;
 mod list;
@@ -24,7 +24,7 @@ use checks::Checks;
 use list::Jobs;
 pub use list::Task;
 pub use manifest::Done;
-use manifest::Standing;
+use manifest::Status;
 use manifest::{Costs, Manifest};
 use paths::{Paths, folder_of, folders};
 use run::Run;
@@ -35,14 +35,14 @@ use std::time::Instant;
 pub use worker::Worked;
 use worker::Worker;
 
-/// How a batch is done.
+/// Options of a batch.
 #[derive(Debug, Clone, Default)]
 pub struct BatchOptions {
-    /// Skip what is done, by the manifest beside the list, as long as nothing has changed that it was made from.
+    /// Skip frames that the manifest beside the list records as done and whose inputs have not changed.
     pub resume: bool,
-    /// Do this part of the list only.
+    /// Render only this part of the list.
     pub shard: Option<Shard>,
-    /// Frames that are written at once; `None`: one a core.
+    /// Number of threads that write frames; `None`: one per core.
     pub writers: Option<usize>,
     /// Parts of adapters' names, their numbers from 0, or `all`; `None`: the first.
     pub adapters: Option<Vec<String>>,
@@ -50,77 +50,76 @@ pub struct BatchOptions {
     pub fail_fast: bool,
 }
 
-/// Frames, by how they stand.
+/// Numbers of frames by status.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Counts {
-    /// All that are to be done here.
+    /// All frames of this run.
     pub all: usize,
-    /// Done now.
+    /// Rendered in this run.
     pub done: usize,
-    /// Done before.
+    /// Rendered by an earlier run.
     pub skipped: usize,
-    /// Tried, and not done.
+    /// Failed.
     pub failed: usize,
-    /// Done before, and done again as something has changed.
+    /// Rendered again because an input has changed.
     pub again: usize,
 }
 
-/// What happens while a batch works.
+/// An event of a running batch.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
-    /// A frame is written; for how long it kept the device busy, ms.
+    /// A frame is written; its time on the device, ms.
     Done(&'a Task<'a>, f64),
-    /// A frame was done before.
+    /// A frame was rendered by an earlier run.
     Skipped(&'a Task<'a>),
-    /// A frame that was done before is done again, and why.
+    /// A frame is rendered again, and the reason.
     Again(&'a Task<'a>, &'a str),
-    /// A frame cannot be done, and why.
+    /// A frame failed, and its error.
     Failed(&'a Task<'a>, &'a Error),
-    /// Something that a person should know.
+    /// A note for the user.
     Note(&'a str),
 }
 
-/// Is told each event, and how the frames stand then; by several threads, one at a time.
+/// Receives each event and the counts after it. Called by several threads, one at a time.
 pub type Watch<'a> = dyn Fn(Event, &Counts) + Sync + 'a;
 
-/// What a batch came to.
+/// The result of a batch.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// How the frames stand.
+    /// Numbers of frames by status.
     pub counts: Counts,
-    /// From the first frame to the last, s.
+    /// Wall time from the first frame to the last, s.
     pub wall_s: f64,
-    /// What each device did.
+    /// Statistics of each device.
     pub devices: Vec<Worked>,
-    /// The first 1,000 frames that failed, and why.
+    /// Names and errors of the first 1,000 frames that failed.
     pub failures: Vec<(String, String)>,
-    /// Why frames were left that could have been begun.
+    /// The error that stopped the batch early.
     pub stopped_by: Option<Error>,
 }
 
-/// Frames of which [`Outcome::failures`] says why they failed, at most.
+/// Most entries of [`Outcome::failures`].
 pub const FAILURES_MAX: usize = 1000;
 
 /// A program that renders lists on a Ray cluster, shard by shard.
 pub const RAY_DRIVER: &str = include_str!("batch/ray_driver.py");
 
-/// A list of jobs, read and checked: nothing is written yet.
+/// A list of jobs, read and checked. Nothing is written yet.
 pub struct Batch {
     jobs: Jobs,
     paths: Paths,
-    /// Manifests that are there.
+    /// Existing manifests.
     earlier: Vec<PathBuf>,
     library: Library,
-    /// Files that are written beside the frames.
+    /// Files written in addition to the frames.
     beside: Vec<(PathBuf, Kind)>,
 }
 
 impl Batch {
-    /// Reads a list of jobs, and checks all files that it writes. `beside` are more files that the caller writes.
+    /// Reads a list of jobs and checks all output files, including those of the caller in `beside`.
     ///
     /// # Errors
-    /// [`Error::Input`] for what is wrong with the list, or for a file that must not be replaced; [`Error::Work`] for one that cannot be
-    /// written.
+    /// [`Error::Input`] if the list is wrong or a file must not be replaced; [`Error::Work`] if a file cannot be written.
     pub fn open(list: &Path, shard: Option<Shard>, beside: Vec<(PathBuf, Kind)>) -> Result<Batch> {
         let (jobs, inputs) = noted(|| Jobs::read(list));
         let jobs = jobs?;
@@ -132,10 +131,10 @@ impl Batch {
         Ok(Batch { jobs, paths, earlier, library, beside })
     }
 
-    /// Takes up the frames of the list, or of a shard of it: opens the devices and the manifest.
+    /// Opens the devices and the manifest for the list, or for a shard of it.
     ///
     /// # Errors
-    /// [`Error::Work`] where an adapter or the manifest cannot be opened.
+    /// [`Error::Work`] if an adapter or the manifest cannot be opened.
     pub fn start(&self, options: &BatchOptions) -> Result<Started<'_>> {
         let costs = || Costs::read(&self.paths.whole);
         let own = options.shard.map(|shard| shard::share(&self.jobs, shard, &costs()?)).transpose()?;
@@ -148,16 +147,16 @@ impl Batch {
         Ok(Started { batch: self, options: options.clone(), own, workers, manifest })
     }
 
-    /// Has the manifest of the list know of all that is done by its shards.
+    /// Merges the manifests of all shards into that of the list.
     ///
     /// # Errors
-    /// [`Error::Work`] where the manifest cannot be opened.
+    /// [`Error::Work`] if the manifest cannot be opened.
     pub fn gather(&self) -> Result<Gathered<'_>> {
         let manifest = Manifest::open(&self.paths.whole, &self.earlier, true)?;
         let mut gathered = Gathered { batch: self, manifest, frames: 0, missing: Vec::new() };
         for task in self.jobs.tasks() {
             gathered.frames += 1;
-            if gathered.manifest.standing(&task)? == Standing::Done {
+            if gathered.manifest.status(&task)? == Status::Done {
                 gathered.manifest.adopt(&task)?;
             } else {
                 gathered.manifest.forget(&task)?;
@@ -168,18 +167,18 @@ impl Batch {
     }
 }
 
-/// What the shards of a list have done.
+/// A list with the merged manifest of its shards.
 pub struct Gathered<'a> {
     batch: &'a Batch,
     manifest: Manifest,
-    /// All frames of the list.
+    /// Number of frames in the list.
     pub frames: usize,
-    /// The names of those that are not done.
+    /// Names of the frames that are not done.
     pub missing: Vec<String>,
 }
 
 impl Gathered<'_> {
-    /// Each frame of the list, and what is known of it where it is done.
+    /// Each frame of the list, with its manifest entry if it is done.
     pub fn each(&self) -> impl Iterator<Item = Result<(Task<'_>, Option<Done>)>> {
         each(shard::tasks(&self.batch.jobs, None), &self.manifest)
     }
@@ -189,22 +188,22 @@ impl Gathered<'_> {
 pub struct Started<'a> {
     batch: &'a Batch,
     options: BatchOptions,
-    /// Of each frame of the list whether it is to be done here; `None`: all are.
+    /// For each frame of the list whether this run renders it; `None`: all.
     own: Option<Vec<bool>>,
     workers: Vec<Worker>,
     manifest: Manifest,
 }
 
 impl Started<'_> {
-    /// The number of frames that are to be done here.
+    /// Number of frames of this run.
     pub fn frames(&self) -> usize {
         self.own.as_ref().map_or_else(|| self.batch.jobs.count(), |own| own.iter().filter(|own| **own).count())
     }
 
-    /// Works until there is nothing left to do. A frame that fails is told to `watch`, and the rest go on.
+    /// Renders all frames. A failed frame is reported to `watch`; the others continue.
     ///
     /// # Errors
-    /// [`Error::Work`] where no thread can be had.
+    /// [`Error::Work`] if no thread can be started.
     pub fn run(&mut self, watch: &Watch) -> Result<Outcome> {
         let (jobs, own, frames) = (&self.batch.jobs, self.own.clone(), self.frames());
         let run = Run::new(shard::tasks(jobs, own), frames, &self.manifest, &self.batch.library, &self.options, watch);
@@ -219,7 +218,7 @@ impl Started<'_> {
         Ok(Outcome { counts, wall_s, devices, failures, stopped_by })
     }
 
-    /// Each frame that was to be done here, and what is known of it where it is done.
+    /// Each frame of this run, with its manifest entry if it is done.
     pub fn each(&self) -> impl Iterator<Item = Result<(Task<'_>, Option<Done>)>> {
         each(shard::tasks(&self.batch.jobs, self.own.clone()), &self.manifest)
     }

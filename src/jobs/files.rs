@@ -1,4 +1,4 @@
-//! The files of a render: which, whether they can be written, and what goes into them.
+//! The output files of a render: their paths, checks and contents.
 
 use super::job::RenderJob;
 use super::outputs::Kind;
@@ -18,7 +18,7 @@ use crate::scene::hash::{SCENE_HASH, scene_hash};
 use crate::scene::matrices::{world_to_camera, world_to_ndc};
 use std::path::{Path, PathBuf};
 
-/// Where each output goes.
+/// The path of each output.
 #[derive(Debug)]
 pub struct Files {
     pub color: Option<PathBuf>,
@@ -31,7 +31,7 @@ pub struct Files {
 const IMAGES: [&str; 10] = ["png", "exr", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "webp", "hdr"];
 
 impl Files {
-    /// The files that the command line names, or else the scene, after all checks. `inputs` are the files that the scene was read from.
+    /// The files named on the command line, or else in the scene, after all checks. `inputs` are the files that the scene was read from.
     ///
     /// # Errors
     /// [`Error::Input`] if the render has no output, or a file must not be replaced; [`Error::Work`] if a file cannot be written.
@@ -115,7 +115,7 @@ fn named_as(path: Option<&Path>, extension: &str, remedy: &str) -> Result<()> {
     Ok(())
 }
 
-/// What an EXR's header says about its channels and where they come from.
+/// Header attributes of an EXR: the meaning of its channels, and their origin.
 pub fn attributes(path: &Path, scene: &Scene, camera: &Camera, channels: &[Channel]) -> Result<Attributes> {
     let texts = [
         ("anamorph.Z", "distance from P to the hit along the ray, world units; +inf where nothing is hit".to_owned()),
@@ -138,7 +138,7 @@ fn described_camera(path: &Path, scene: &Scene, camera: &Camera) -> Result<Strin
     let mut described = serde_json::to_value(Description::of(camera)).map_err(wrong)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     if let Some(map) = described.as_object_mut() {
-        map.append(&mut scene.camera_keys.json(camera.looked != SceneUse::Nothing, folder));
+        map.append(&mut scene.camera_keys.json(camera.scene_use != SceneUse::Nothing, folder));
     }
     serde_json::to_string(&described).map_err(wrong)
 }

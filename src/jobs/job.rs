@@ -1,4 +1,4 @@
-//! What one render is told.
+//! The options of one render.
 
 use super::words::Named;
 use crate::camera::Camera;
@@ -11,23 +11,23 @@ use crate::scene::library::Library;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What is asked of a scene beyond its file.
+/// Options that change a scene.
 #[derive(Debug, Clone, Default)]
 pub struct Change {
     /// Width and height of the image in pixels; `None`: the scene's own.
     pub size: Option<(u32, u32)>,
-    /// Values of the scene to change, as in `camera.vfov=40`.
+    /// Overrides of scene values, as in `camera.vfov=40`.
     pub set: Vec<String>,
-    /// The frame at which values given as keyframes are taken.
+    /// The frame at which keyframed values are evaluated.
     pub frame: f64,
 }
 
-/// What renders.
+/// The engine.
 #[derive(Debug, Clone, Copy)]
 pub enum EngineName {
     Compute,
     Reference,
-    /// The compute engine, with what each pixel sees found in another way.
+    /// A baseline: the compute engine with another visibility algorithm.
     Rival(Choice),
 }
 
@@ -47,13 +47,13 @@ pub struct RenderJob {
     pub report: Option<PathBuf>,
     /// `None`: compute, or reference on a machine without an adapter.
     pub engine: Option<EngineName>,
-    /// Rays a pixel, averaged in colour and coverage.
+    /// Rays per pixel; colour, coverage and mattes are averaged.
     pub samples: u32,
-    /// Triangles count in a pixel by their areas there, not by the number of samples that see them.
+    /// Weight triangles by their exact area in the pixel, not by the number of samples that see them.
     pub analytic: bool,
     /// The channels of the EXR; `None`: those of the camera.
     pub channels: Option<Vec<Named>>,
-    /// Refuse a scene whose mesh files refer to what does not exist.
+    /// Refuse a scene whose mesh files refer to missing files or attributes.
     pub strict: bool,
     /// Allow the scene's own `[output]` to name files outside of its folder.
     pub outputs_anywhere: bool,
@@ -63,12 +63,12 @@ pub struct RenderJob {
     pub repeat: Option<u32>,
     /// Every vertex is new in each timed frame.
     pub moving: bool,
-    /// Leave out nothing early.
+    /// Disable culling.
     pub no_cull: bool,
 }
 
 impl RenderJob {
-    /// A render of a scene with nothing to write yet.
+    /// A render of a scene without outputs.
     pub fn of(scene: impl Into<PathBuf>) -> RenderJob {
         RenderJob {
             scene: scene.into(),
@@ -102,7 +102,7 @@ impl RenderJob {
         flags.iter().find(|f| f.0).map_or(Ok(()), |(_, flag)| Err(of_compute_only(flag)))
     }
 
-    /// The rival that is asked for.
+    /// The baseline, if one is selected.
     pub fn rival(&self) -> Option<Choice> {
         match self.engine {
             Some(EngineName::Rival(choice)) => Some(choice),
@@ -121,12 +121,12 @@ pub fn load(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
     load_from(&Library::for_once(), path, change, |_| ImagesRead::All)
 }
 
-/// As [`load`], without images that only colour triangles.
+/// As [`load`], without textures that only affect colour.
 pub fn load_shape(path: &Path, change: &Change) -> Result<(Scene, Arc<Camera>)> {
     load_from(&Library::for_once(), path, change, |_| ImagesRead::Masks)
 }
 
-/// As [`load`], with the meshes and cameras that `library` keeps. `images` says which images are needed, given the scene's own outputs.
+/// As [`load`], with the meshes and cameras cached in `library`. `images` selects the textures to load, given the scene's own outputs.
 pub fn load_from(
     library: &Library,
     path: &Path,

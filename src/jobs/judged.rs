@@ -26,7 +26,7 @@ pub fn render(job: &RenderJob, backend: &mut Backend, scene: &Scene, camera: &Ar
 }
 
 /// The error against the reference. Each channel that was asked for is judged as it was rendered (averaged ones
-/// apart: the reference has one ray a pixel), the others as in `extra`.
+/// apart: the reference has one ray per pixel), the others as in `extra`.
 pub fn judge(scene: &Scene, camera: &Camera, asked: &Rendered, extra: &Rendered, samples: u32) -> Result<Judged> {
     let mut frame = extra.frame.clone();
     let averaged = |c: Channel| samples > 1 && matches!(c, Channel::R | Channel::G | Channel::B | Channel::A);

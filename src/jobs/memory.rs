@@ -1,4 +1,4 @@
-//! Whether an image fits this machine's memory: found out before the work, not by falling over in it.
+//! Checks before the work that an image fits the machine's memory.
 
 use crate::input::Result;
 use crate::input::limits::memory;
@@ -8,7 +8,7 @@ const FIXED_BYTES: u64 = 32;
 /// Copies of a channel's four bytes alive at once: on the device, in a read-back buffer, joined, and being encoded.
 const COPIES: u64 = 4;
 
-/// Refuses an image of `width x height` pixels with `channels` planes, and `more` bytes a pixel, that is larger than the free memory.
+/// Refuses an image of `width x height` pixels with `channels` planes, and `more` bytes per pixel, that is larger than the free memory.
 ///
 /// # Errors
 /// [`Error::Work`](crate::input::Error::Work) that names the limit.
@@ -19,7 +19,7 @@ pub fn check(width: u32, height: u32, channels: usize, more: u64) -> Result<()> 
     memory::check(need((width, height), channels, more), what, &advice)
 }
 
-/// Bytes that such an image takes.
+/// Memory of such an image, bytes.
 pub fn need((width, height): (u32, u32), channels: usize, more: u64) -> u64 {
     u64::from(width) * u64::from(height) * (FIXED_BYTES + 4 * COPIES * channels as u64 + more)
 }

@@ -1,5 +1,5 @@
-//! Renders from a scene file to written files: one [`RenderJob`], as `anamorph render` describes it, and lists of them, which are
-//! [`batch`]es. A job is [`Work`]: read and checked, rendered on a device, written.
+//! Renders from scene files to output files: a [`RenderJob`] as described by the flags of `anamorph render`, and [`batch`]es, which are
+//! lists of them. [`Work`] performs a job: read and check, render on a device, write.
 
 pub mod backend;
 pub mod batch;

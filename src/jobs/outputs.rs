@@ -185,7 +185,7 @@ pub fn check_inside(scene: &Path, output: &Path) -> Result<()> {
 }
 
 impl PartialEq for Kind {
-    /// Kinds are told apart by their names.
+    /// Kinds are distinguished by their names.
     fn eq(&self, other: &Kind) -> bool {
         self.name == other.name
     }

@@ -1,4 +1,4 @@
-//! `--points`: where each pixel's ray meets the triangle that the frame shows there.
+//! `--points`: the point in f64 at which each pixel's ray hits the triangle that the frame shows.
 
 use super::files::Files;
 use crate::camera::Camera;
@@ -10,7 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Finds, before any work is done, that the points cannot be written.
+/// Checks, before any work, that the points can be written.
 ///
 /// # Errors
 /// [`Error::Input`] for a file of another kind, or a camera whose rays are curved or have several segments.
@@ -31,8 +31,7 @@ fn has_extension(path: &Path, extension: &str) -> bool {
 
 /// Writes the points row by row: the hits and their triangles as PLY; or every pixel's as an array, NaN where there is none.
 ///
-/// A point is `P + t D` of the camera's own f64 ray, t not from the frame, where it is f32, but again from the plane of the
-/// frame's triangle, in f64.
+/// A point is `P + t D` of the camera's f64 ray. t is computed again in f64, from the plane of the frame's triangle.
 pub fn write(path: &Path, scene: &Scene, camera: &Camera, frame: &Frame) -> Result<()> {
     let ids = frame.u32(Channel::TriangleId).ok_or_else(|| Error::work("--points: the frame has no triangle ids"))?;
     let width = camera.width as usize;
@@ -48,7 +47,7 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, frame: &Frame) -> Resu
     write_npy_f64(path, &[ids.len() as u64, 3], &numbers)
 }
 
-/// Where the ray of pixel (i, j) meets the triangle's plane.
+/// The intersection of the ray of pixel (i, j) with the triangle's plane.
 fn point(scene: &Scene, camera: &Camera, i: u32, j: u32, id: u32) -> Option<DVec3> {
     if id == NO_ID {
         return None;

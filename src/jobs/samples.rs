@@ -1,5 +1,5 @@
-//! Many rays a pixel: colour and coverage are means over the pixel, everything else stays that of its centre. The engine finds them in
-//! one frame where it can; else each takes a frame of its own.
+//! Multisampling: colour and coverage are averaged over several rays per pixel; all other channels use the pixel centre. The engine
+//! renders all samples in one frame if it can; else each takes its own frame.
 
 use super::backend::{Backend, picture};
 use crate::camera::Camera;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// The channels that are averaged.
 const MEANS: [Channel; 4] = [Channel::R, Channel::G, Channel::B, Channel::A];
 
-/// Renders with `samples` rays a pixel; times, counts and stages are the sums over all frames. Every ray counts in the mattes.
+/// Renders with `samples` rays per pixel; times, counts and stages are the sums over all frames. Every ray counts in the mattes.
 pub fn render(
     backend: &mut Backend,
     scene: &Scene,
@@ -61,12 +61,12 @@ pub fn render(
     Ok(rendered)
 }
 
-/// All samples come of one frame.
+/// Whether one frame renders all samples.
 pub fn at_once_on(backend: &Backend, scene: &Scene, camera: &Camera, samples: u32) -> bool {
     matches!(backend, Backend::Compute(_, None)) && at_once(scene, camera, samples)
 }
 
-/// What that frame is asked for.
+/// The options of that frame.
 pub fn in_one_frame(wanted: &Wanted, samples: u32, has_mattes: bool) -> Wanted {
     if samples > 1 {
         return Wanted { samples, sample_ids: has_mattes, ..wanted.clone() };
@@ -78,7 +78,7 @@ pub fn in_one_frame(wanted: &Wanted, samples: u32, has_mattes: bool) -> Wanted {
     Wanted { channels, ..wanted.clone() }
 }
 
-/// Counts what all samples of that frame see.
+/// Adds the ids of all samples of that frame to the mattes.
 pub fn count(rendered: &mut Rendered, mattes: &mut [Matte]) {
     if rendered.sample_ids.is_empty() {
         return count_centres(&rendered.frame, mattes);
@@ -93,7 +93,7 @@ fn count_centres(frame: &Frame, mattes: &mut [Matte]) {
     mattes.iter_mut().for_each(|matte| matte.add(ids));
 }
 
-/// Sums of planes in f64, and of what they cost.
+/// Sums of planes in f64, and of their costs.
 #[derive(Default)]
 struct Sum {
     planes: Vec<(Channel, Vec<f64>)>,

@@ -1,5 +1,5 @@
-//! An image that is too large to be held at once: strip by strip from the plan to the file, while one is planned the one before is
-//! rendered and the one before that is written.
+//! Images too large for memory are rendered strip by strip. While one strip is planned, the previous one is rendered and the one
+//! before that is written.
 
 use super::files::attributes;
 use super::memory;
@@ -20,10 +20,10 @@ use std::time::Instant;
 /// Images that take more memory are rendered in strips.
 pub const WHOLE_MAX: u64 = 1 << 30;
 
-/// Memory of one strip, of which some four are on their way at once.
+/// Memory of one strip; about four are in flight at once.
 const STRIP_BYTES: u64 = 256 << 20;
 
-/// What is rendered in strips, and where to.
+/// A render in strips, and its output files.
 pub struct Strips<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Arc<Camera>,
@@ -32,7 +32,7 @@ pub struct Strips<'a> {
     pub run: RunOptions,
     /// Memory of a row of the image.
     pub row_bytes: u64,
-    /// Where colour goes to, and the channels.
+    /// The files of colour and of the channels.
     pub color: Option<&'a Path>,
     pub exr: Option<&'a Path>,
 }
@@ -43,7 +43,7 @@ pub fn row_bytes(camera: &Camera, channels: usize, more: u64) -> u64 {
 }
 
 impl Strips<'_> {
-    /// Renders and writes the files: what it took, without a picture.
+    /// Renders and writes the files; returns times and counts, without pixels.
     ///
     /// # Errors
     /// Those of the engine, and of the files.
@@ -52,15 +52,15 @@ impl Strips<'_> {
         let planner = engine.planner();
         let took = std::thread::scope(|scope| {
             let (to_render, planned) = sync_channel(1);
-            let (to_write, landed) = sync_channel(1);
+            let (to_write, readback) = sync_channel(1);
             scope.spawn(move || self.plan(&planner, &to_render));
-            let writer = scope.spawn(move || self.write(&landed));
+            let writer = scope.spawn(move || self.write(&readback));
             let rendered = self.draw(engine, &planned, &to_write);
             // the other threads end with these
             drop((planned, to_write));
             let written = writer.join().unwrap_or_else(|_| Err(Error::work("a defect in what writes the image")));
             match (rendered, written) {
-                // what is written lacks what was not rendered
+                // strips are missing from the files
                 (Err(e), _) | (Ok(_), Err(e)) => Err(e),
                 (Ok(took), Ok(())) => took.ok_or_else(|| Error::work("no strip was rendered")),
             }
@@ -88,7 +88,7 @@ impl Strips<'_> {
         }
     }
 
-    /// `None` where nobody takes what is rendered any more.
+    /// `None` if the writer has stopped.
     fn draw(
         &self,
         engine: &mut Engine,
@@ -96,13 +96,13 @@ impl Strips<'_> {
         to_write: &SyncSender<Readback>,
     ) -> Result<Option<Rendered>> {
         let mut frames: Option<Frames> = None;
-        let mut flying: Option<(Planned, InFlight)> = None;
+        let mut in_flight: Option<(Planned, InFlight)> = None;
         let mut took: Option<Rendered> = None;
-        let mut land = |frames: &mut Option<Frames>, flying: Option<(Planned, InFlight)>| -> Result<bool> {
-            let (Some(frames), Some((planned, flight))) = (frames.as_mut(), flying) else { return Ok(true) };
-            let landed = frames.recheck_samples(&planned, flight)?;
-            add(&mut took, landed.took());
-            Ok(to_write.send(landed).is_ok())
+        let mut read_back = |frames: &mut Option<Frames>, in_flight: Option<(Planned, InFlight)>| -> Result<bool> {
+            let (Some(frames), Some((planned, pending))) = (frames.as_mut(), in_flight) else { return Ok(true) };
+            let readback = frames.recheck_samples(&planned, pending)?;
+            add(&mut took, readback.took());
+            Ok(to_write.send(readback).is_ok())
         };
         for planned in planned {
             let planned = planned?;
@@ -111,24 +111,24 @@ impl Strips<'_> {
                 None => false,
             };
             if !is_shown {
-                if !land(&mut frames, flying.take())? {
+                if !read_back(&mut frames, in_flight.take())? {
                     return Ok(None);
                 }
                 drop(frames.take());
                 frames = Some(engine.place(planned.clone(), &self.run)?);
             }
-            let flight = frames.as_ref().map(Frames::start).transpose()?;
-            let before = flying.take();
-            flying = flight.map(|flight| (planned, flight));
-            if !land(&mut frames, before)? {
+            let pending = frames.as_ref().map(Frames::start).transpose()?;
+            let before = in_flight.take();
+            in_flight = pending.map(|pending| (planned, pending));
+            if !read_back(&mut frames, before)? {
                 return Ok(None);
             }
         }
-        land(&mut frames, flying)?;
+        read_back(&mut frames, in_flight)?;
         Ok(took)
     }
 
-    fn write(&self, landed: &Receiver<Readback>) -> Result<()> {
+    fn write(&self, readback: &Receiver<Readback>) -> Result<()> {
         let size = (self.camera.width, self.camera.height);
         let missing = || Error::work("a strip of the image is missing");
         std::thread::scope(|scope| {
@@ -138,7 +138,7 @@ impl Strips<'_> {
                 .map(|path| scope.spawn(move || write_png_strips(path, size, || rows.recv().map_err(|_| missing()))));
             let mut is_refused = false;
             let mut next = || {
-                let Rendered { frame, srgb8, .. } = landed.recv().map_err(|_| missing())?.rendered();
+                let Rendered { frame, srgb8, .. } = readback.recv().map_err(|_| missing())?.rendered();
                 if let Some(rgba) = srgb8.filter(|_| color.is_some()) {
                     is_refused = to_color.send(rgb8(&rgba)).is_err();
                     if is_refused {
@@ -158,13 +158,13 @@ impl Strips<'_> {
             let colored = color.map_or(Ok(()), |color| {
                 color.join().unwrap_or_else(|_| Err(Error::work("a defect in what writes the image")))
             });
-            // the file that failed says why, not the one that lacks strips then
+            // report the file that failed, not the other one, which then lacks strips
             if is_refused || written.is_ok() { colored.and(written) } else { written }
         })
     }
 }
 
-/// Adds what a strip took to what those before did.
+/// Adds the times and counts of a strip to those of earlier ones.
 fn add(all: &mut Option<Rendered>, own: &Rendered) {
     let Some(all) = all else {
         *all = Some(own.clone());

@@ -2,7 +2,7 @@
 
 use super::batch::Shard;
 use super::job::EngineName;
-use crate::image::cryptomatte::Apart;
+use crate::image::cryptomatte::MatteKind;
 use crate::image::frame::Channel;
 use crate::image::size::check_size;
 
@@ -12,7 +12,7 @@ pub enum Named {
     Channels(Vec<Channel>),
     /// All of the scene and the camera.
     All,
-    Matte(Apart),
+    Matte(MatteKind),
     /// From this frame to the next.
     Motion,
 }
@@ -39,8 +39,8 @@ pub fn shard(text: &str) -> Result<Shard, String> {
 pub fn channels(name: &str) -> Result<Named, String> {
     match name.trim() {
         "all" => return Ok(Named::All),
-        "crypto.object" => return Ok(Named::Matte(Apart::Objects)),
-        "crypto.material" => return Ok(Named::Matte(Apart::Materials)),
+        "crypto.object" => return Ok(Named::Matte(MatteKind::Objects)),
+        "crypto.material" => return Ok(Named::Matte(MatteKind::Materials)),
         "motion" => return Ok(Named::Motion),
         _ => {}
     }
@@ -62,7 +62,7 @@ pub fn engine(name: &str) -> Result<EngineName, String> {
     }
 }
 
-/// 1 to 64 rays a pixel.
+/// 1 to 64 rays per pixel.
 pub fn samples(text: &str) -> Result<u32, String> {
     number_from_to(text, 1, SAMPLES_MAX)
 }
@@ -72,7 +72,7 @@ pub fn repeat(text: &str) -> Result<u32, String> {
     number_from_to(text, 1, REPEAT_MAX)
 }
 
-/// Rays a pixel at most, and timed frames.
+/// Rays per pixel at most, and timed frames.
 pub const SAMPLES_MAX: u32 = 64;
 pub const REPEAT_MAX: u32 = 1_000_000;
 
@@ -100,7 +100,7 @@ mod tests {
         };
         assert_eq!(of("triangle.id"), [Channel::TriangleId]);
         assert_eq!(of(" N"), [Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
-        assert!(matches!(channels("crypto.object"), Ok(Named::Matte(Apart::Objects))));
+        assert!(matches!(channels("crypto.object"), Ok(Named::Matte(MatteKind::Objects))));
         assert!(matches!(channels("all"), Ok(Named::All)));
         assert!(channels("q").is_err_and(|e| e.contains("bary.v") && e.contains("N, P and albedo")));
         assert!(engine("rastr").is_err_and(|e| e.contains("raytrace")) && engine("raytrace").is_ok());

@@ -1,4 +1,4 @@
-//! A render as its steps: what it takes is read and checked, rendered on a device, and written. Only the second needs the device.
+//! A render in three steps: read and check, render on a device, write. Only the second step needs the device.
 
 use super::backend::Backend;
 use super::files::{self, Files};
@@ -15,7 +15,7 @@ use crate::engine::report::{Device, FrameMs, Judged, Report};
 use crate::engine::{Rendered, RunOptions};
 use crate::geometry::mesh::{Mesh, Missing};
 use crate::geometry::texture::ImagesRead;
-use crate::image::cryptomatte::{Apart, Matte};
+use crate::image::cryptomatte::{Matte, MatteKind};
 use crate::image::frame::Channel;
 use crate::input::files::{Inputs, noted};
 use crate::input::{Error, Result};
@@ -33,53 +33,53 @@ pub struct Work {
     scene: Scene,
     pub camera: Arc<Camera>,
     files: Files,
-    /// The channels that are written.
+    /// The channels to write.
     asked: Vec<Channel>,
-    /// What is rendered for them.
+    /// The render options for them.
     wanted: Wanted,
-    apart: Vec<Apart>,
-    /// Where motion goes to.
+    matte_kinds: Vec<MatteKind>,
+    /// Scene and camera of the frame that motion points to.
     next: Option<(Scene, Arc<Camera>)>,
     bytes: u64,
-    /// Too large to be held at once; bytes of a row.
+    /// Set if the image is rendered in strips because it does not fit the memory: bytes per row.
     strips: Option<u64>,
-    /// As [`sample_bytes`] says.
+    /// The result of [`sample_bytes`].
     sample_bytes: u64,
 }
 
-/// What a device made of it.
+/// The rendered result.
 pub struct Seen {
     rendered: Rendered,
-    /// A frame beside the timed ones, for counts and checks.
+    /// An extra, untimed frame for counts and checks.
     extra: Option<Rendered>,
     mattes: Vec<Matte>,
-    /// Its image is in its file.
+    /// The image file is already written.
     is_written: bool,
 }
 
-/// What came of it, once its files are there.
+/// The result once all files are written.
 #[derive(Debug, Clone)]
 pub struct Written {
     pub frame_ms: FrameMs,
-    /// Of each stage on the device; empty without timestamps.
+    /// Device times of the stages, ms; empty without timestamps.
     pub stages: Vec<(&'static str, f64)>,
     pub error: Option<Judged>,
     pub triangles: usize,
     pub pieces: usize,
     pub adapter: String,
-    /// What the scene asks for and the engine does not do.
+    /// Features of the scene that the engine leaves out.
     pub left_out: Vec<LeftOut>,
 }
 
-/// Of the scene, and of what is made of it for the device, about.
+/// Approximate memory per vertex and per triangle, scene and device tables together.
 const VERTEX_BYTES: u64 = 64;
 const TRIANGLE_BYTES: u64 = 128;
 
 impl Work {
-    /// Reads the scene, with parts that the library has, and checks everything that needs no device.
+    /// Reads the scene, with cached parts from the library, and checks everything that needs no device.
     ///
     /// # Errors
-    /// [`Error::Input`] for what is wrong with the scene or the flags; [`Error::Work`] where a file cannot be written.
+    /// [`Error::Input`] if the scene or the flags are wrong; [`Error::Work`] if a file cannot be written.
     pub fn read(job: RenderJob, library: &Library) -> Result<Work> {
         job.check_options()?;
         let (loaded, inputs) = noted(|| load_from(library, &job.scene, &job.change, |own| images_read(&job, own)));
@@ -87,7 +87,7 @@ impl Work {
         Work::of(job, scene, camera, &inputs, library)
     }
 
-    /// The same without the files that the scene itself names.
+    /// The same, ignoring the output files that the scene names.
     pub fn read_of_many(job: RenderJob, library: &Library) -> Result<Work> {
         job.check_options()?;
         let images = |_: &OutputSpec| images_read(&job, &OutputSpec::default());
@@ -106,8 +106,8 @@ impl Work {
         }
         let files = Files::new(&job, &scene, inputs)?;
         let asked = asked(&job, &files, &scene, &camera);
-        let apart: Vec<Apart> = apart(&job).collect();
-        if !apart.is_empty() && files.exr.is_none() {
+        let matte_kinds: Vec<MatteKind> = matte_kinds(&job).collect();
+        if !matte_kinds.is_empty() && files.exr.is_none() {
             return Err(Error::input("--channels: cryptomattes are layers of an EXR; add --exr OUT.exr"));
         }
         if job.moving && asks_for_motion(&job) {
@@ -115,7 +115,7 @@ impl Work {
         }
         let read = images_read(&job, &scene.output);
         let next = if asks_for_motion(&job) { Some(next_frame(&job, &files, library, read)?) } else { None };
-        let mut wanted = wanted(&asked, &files, apart.is_empty() && next.is_none());
+        let mut wanted = wanted(&asked, &files, matte_kinds.is_empty() && next.is_none());
         if next.is_some() {
             wanted.channels.extend(motion::NEEDED);
             wanted.channels.sort_unstable();
@@ -133,12 +133,12 @@ impl Work {
             )));
         }
         let (size, channels) = ((camera.width, camera.height), wanted.channels.len() + 3);
-        let more = sample_bytes(&camera, samples, !apart.is_empty());
+        let more = sample_bytes(&camera, samples, !matte_kinds.is_empty());
         let mesh = &scene.mesh;
         let mut bytes = memory::need(size, channels, more);
         let is_plain = (files.exr.is_some() || files.color.is_some()) && files.points.is_none();
         let is_of_one_frame = is_compute && !job.check && job.repeat.is_none() && samples == job.samples;
-        let is_alone = apart.is_empty() && next.is_none() && !scene.style.is_between_pixels();
+        let is_alone = matte_kinds.is_empty() && next.is_none() && !scene.style.is_between_pixels();
         let is_direct = camera.optics.is_none() && scene.caustics.is_none() && !is_scattered(&camera);
         let is_in_strips = bytes > strips::WHOLE_MAX && is_plain && is_of_one_frame && is_alone && is_direct;
         if is_in_strips {
@@ -147,14 +147,14 @@ impl Work {
         bytes += mesh_bytes(mesh);
         let row_bytes = strips::row_bytes(&camera, channels, more);
         let strips = is_in_strips.then_some(row_bytes);
-        Ok(Work { job, scene, camera, files, asked, wanted, apart, next, bytes, strips, sample_bytes: more })
+        Ok(Work { job, scene, camera, files, asked, wanted, matte_kinds, next, bytes, strips, sample_bytes: more })
     }
 
     pub fn job(&self) -> &RenderJob {
         &self.job
     }
 
-    /// What the scene's mesh files refer to and does not exist.
+    /// Missing files and attributes that mesh files refer to.
     pub fn missing(&self) -> &[Missing] {
         &self.scene.mesh.missing
     }
@@ -175,12 +175,12 @@ impl Work {
         memory::check(width, height, self.wanted.channels.len() + 3, self.sample_bytes)
     }
 
-    /// Memory that it takes until it is written, about.
+    /// Approximate memory until it is written, bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// Renders it, and what a report or a check needs beside it.
+    /// Renders it, and the extra frame that a report or a check needs.
     pub fn render(&self, backend: &mut Backend) -> Result<Seen> {
         let Work { job, scene, camera, wanted, .. } = self;
         let at_once = samples::at_once_on(backend, scene, camera, job.samples);
@@ -204,7 +204,7 @@ impl Work {
         Ok(Seen { rendered, extra, mattes, is_written: false })
     }
 
-    /// Plans the one frame that it takes, for an engine that is kept; `None` where it takes more than one, or another engine.
+    /// Plans its frame for a reused engine; `None` if it takes several frames or another engine.
     pub fn plan(&self, planner: &Planner, last: Option<&Planned>) -> Result<Option<Planned>> {
         let Work { job, scene, camera, wanted, .. } = self;
         let is_compute = matches!(job.engine, None | Some(EngineName::Compute));
@@ -219,20 +219,20 @@ impl Work {
         {
             return Ok(None);
         }
-        let wanted = samples::in_one_frame(wanted, job.samples, !self.apart.is_empty());
+        let wanted = samples::in_one_frame(wanted, job.samples, !self.matte_kinds.is_empty());
         planner.check_size(camera, &wanted)?;
         let run = RunOptions { no_cull: job.no_cull, ..Default::default() };
         planner.plan(scene, camera.clone(), &wanted, &run, last).map(Some)
     }
 
-    /// What was seen in the one frame that [`Work::plan`] planned.
+    /// The result of the frame that [`Work::plan`] planned.
     pub fn seen(&self, mut rendered: Rendered) -> Seen {
         let mut mattes = self.mattes();
         samples::count(&mut rendered, &mut mattes);
         Seen { rendered, extra: None, mattes, is_written: false }
     }
 
-    /// Writes all files; `say` hears what is being done.
+    /// Writes all files; `say` receives progress messages.
     pub fn write(&self, seen: Seen, device: &Device, started: Instant, say: impl Fn(&str)) -> Result<Written> {
         let Work { job, scene, camera, files, .. } = self;
         let Seen { mut rendered, extra, mattes, is_written } = seen;
@@ -275,19 +275,19 @@ impl Work {
         })
     }
 
-    /// One line for a person.
+    /// The summary line.
     pub fn summary(&self, written: &Written) -> String {
         let Written { frame_ms, error, adapter, .. } = written;
         let of_error = |e: &Judged| format!(" | check: {}, {} not near", e.comparison, e.not_near);
         let check = error.as_ref().map(of_error).unwrap_or_default();
         let (names, counted) = (self.files.names(), counted(&self.scene, &self.camera));
         let (width, height, ms) = (self.camera.width, self.camera.height, milliseconds(frame_ms.median));
-        let unmet: String = self.camera.unmet.iter().map(|what| format!(" | {what}")).collect();
-        format!("{names}{width}x{height} | {counted} | frame {ms} | {adapter}{check}{unmet}")
+        let unfulfilled: String = self.camera.unfulfilled.iter().map(|what| format!(" | {what}")).collect();
+        format!("{names}{width}x{height} | {counted} | frame {ms} | {adapter}{check}{unfulfilled}")
     }
 
     fn mattes(&self) -> Vec<Matte> {
-        self.apart.iter().map(|apart| Labels::matte(&self.scene, &self.camera, *apart)).collect()
+        self.matte_kinds.iter().map(|matte_kinds| Labels::matte(&self.scene, &self.camera, *matte_kinds)).collect()
     }
 }
 
@@ -295,15 +295,15 @@ fn mesh_bytes(mesh: &Mesh) -> u64 {
     VERTEX_BYTES * mesh.positions.len() as u64 + TRIANGLE_BYTES * mesh.triangles.len() as u64
 }
 
-/// Bytes a pixel that several samples of it take: by what their rays differ, here and on the device, and the ids that mattes count, in
-/// a read-back row and by themselves. The rows of pixels that hold an edge are few.
+/// Bytes per pixel that multisampling adds: offsets of rays, here and on the device, and the ids that mattes count, in
+/// a read-back row and on their own. The rows of pixels that contain an edge are few.
 fn sample_bytes(camera: &Camera, samples: u32, has_mattes: bool) -> u64 {
     let is_field = camera.layers.iter().any(|l| matches!(l, Rays::Field(_)));
     let each = if is_field { 2 * 24 } else { 0 } + if has_mattes { 8 + 4 } else { 0 };
     if samples > 1 { each * u64::from(samples) } else { 0 }
 }
 
-/// The channels that are written.
+/// The channels to write.
 fn asked(job: &RenderJob, files: &Files, scene: &Scene, camera: &Camera) -> Vec<Channel> {
     let of = |named: &Named| match named {
         Named::Channels(list) => list.clone(),
@@ -350,10 +350,10 @@ fn images_read(job: &RenderJob, own: &OutputSpec) -> ImagesRead {
     }
 }
 
-/// What cryptomattes tell apart.
-fn apart(job: &RenderJob) -> impl Iterator<Item = Apart> {
-    [Apart::Objects, Apart::Materials].into_iter().filter(|own| {
-        let is_own = |named: &Named| matches!(named, Named::Matte(apart) if apart == own);
+/// The Cryptomattes asked for.
+fn matte_kinds(job: &RenderJob) -> impl Iterator<Item = MatteKind> {
+    [MatteKind::Objects, MatteKind::Materials].into_iter().filter(|own| {
+        let is_own = |named: &Named| matches!(named, Named::Matte(kind) if kind == own);
         job.channels.iter().flatten().any(is_own)
     })
 }

@@ -1,4 +1,4 @@
-//! What paths first meet, and what else is so near that either may be first.
+//! The first hits of paths, and the hits that tie with them.
 
 use super::bvh::Probe;
 use super::curve::{Sweep, is_flat, meetings};
@@ -7,31 +7,31 @@ use super::path::{Path, Seen, Segment};
 use super::{Hit, Reference, nearer, past};
 use crate::camera::curve::Curve;
 
-/// Everything that counts for an answer at one place.
+/// The answer at one image place.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Answer {
     pub seen: Option<Seen>,
-    /// Other triangles at a t so near that either may be first.
+    /// Other triangles that tie with the first hit.
     pub ties: Vec<u32>,
-    /// The curve touches the triangle that is seen, or passes it so flat that its t is not sure.
+    /// The curve touches the visible triangle, or crosses it at so small an angle that t is uncertain.
     pub touches: bool,
 }
 
-/// A path's way through one layer.
+/// A path's segment in one layer and its hits.
 struct Look<'a> {
     path: &'a Path,
     layer: usize,
     piece: u32,
     segment: &'a Segment,
     range: [f64; 2],
-    /// The largest t that still matters.
+    /// The largest t still of interest.
     limit: f64,
     /// Visible hits in range, in no order.
     near: Vec<Hit>,
 }
 
 impl Reference<'_> {
-    /// What a path first meets: the lowest layer with a visible hit, the smallest t there, the lowest id among equals.
+    /// A path's first hit: the lowest layer with a visible hit, the smallest t there, the lowest id among equals.
     pub fn first(&self, path: &Path) -> Option<Seen> {
         (0..path.segments.len()).find_map(|layer| {
             let (piece, segment) = path.segments[layer].as_ref()?;
@@ -49,7 +49,7 @@ impl Reference<'_> {
         })
     }
 
-    /// What each of some paths through neighbouring places first meets, and what else is so near that either may be first.
+    /// The first hits of several paths through neighbouring places, and the hits that tie with them.
     pub(super) fn answers(&self, paths: &[Path]) -> Vec<Answer> {
         let mut answers = vec![Answer::default(); paths.len()];
         let layers = paths.iter().map(|p| p.segments.len()).max().unwrap_or(0);
@@ -68,7 +68,7 @@ impl Reference<'_> {
         answers
     }
 
-    /// Finds what the segments meet.
+    /// Intersects the segments.
     fn look(&self, looks: &mut [Look]) {
         let (mut curves, mut ranges, mut curved) = (Vec::new(), Vec::new(), Vec::new());
         for look in looks {
@@ -84,12 +84,12 @@ impl Reference<'_> {
         self.each_hit_of_curves(&curves, &ranges, |k, hit| curved[k].take(hit));
     }
 
-    /// Both triangles have the same three corners: the one that is seen is met wherever the other is.
+    /// Both triangles have the same three corners: wherever one is hit, so is the other.
     fn hides_twin(&self, seen: u32, other: u32) -> bool {
         self.cut_by(seen).is_none() && self.corners(seen).v == self.corners(other).v
     }
 
-    /// The curve meets the seen triangle's plane so flat there that the place is not sure to [`super::GAP`].
+    /// The curve crosses the visible triangle's plane at so small an angle that t is uncertain by more than [`super::GAP`].
     fn touches(&self, path: &Path, seen: &Seen) -> bool {
         match path.of(seen) {
             Segment::Straight(_) => false,
@@ -97,9 +97,9 @@ impl Reference<'_> {
         }
     }
 
-    /// Every visible hit of curves of one degree, each in its range; each meeting of a triangle by itself. They are looked
-    /// for together, so they had better run side by side. `visit` takes a curve's number and returns the largest t that
-    /// still matters to it.
+    /// Every visible hit of curves of one degree, each in its range; each meeting of a triangle by itself. They are
+    /// searched together, which is fast if they are close. `visit` takes a curve's index and returns the largest t still of
+    /// interest to it.
     fn each_hit_of_curves(&self, curves: &[Curve], ranges: &[[f64; 2]], mut visit: impl FnMut(usize, Hit) -> f64) {
         let Some(sweep) = Sweep::around(curves) else { return };
         let start = ranges.iter().fold(f64::INFINITY, |m, r| m.min(r[0]));
@@ -140,7 +140,7 @@ impl<'a> Look<'a> {
         self.layer as f64
     }
 
-    /// Takes a hit; returns the largest t that still matters.
+    /// Adds a hit; returns the largest t still of interest.
     fn take(&mut self, hit: Hit) -> f64 {
         self.near.push(hit);
         self.limit = self.limit.min(beyond(self.base() + hit.t) - self.base());

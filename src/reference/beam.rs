@@ -47,8 +47,8 @@ impl Beam {
         }
         let origin = hull(&bundle.p, &bundle.h, r, h_size / (h_min * h_min))?;
         let direction = hull(&bundle.d, &bundle.h, r, h_size / (h_min * h_min))?;
-        let turned = Interval3 { lo: direction.hi.map(|v| -v), hi: direction.lo.map(|v| -v) };
-        Some(Beam { forward: Half::new(origin, direction), backward: Half::new(origin, turned) })
+        let reversed = Interval3 { lo: direction.hi.map(|v| -v), hi: direction.lo.map(|v| -v) };
+        Some(Beam { forward: Half::new(origin, direction), backward: Half::new(origin, reversed) })
     }
 }
 
@@ -79,8 +79,8 @@ fn hull(v: &[DVec3; 3], h: &[f64; 3], r: f64, spread: f64) -> Option<Interval3> 
         lo = lo.min(corner);
         hi = hi.max(corner);
     }
-    let slack = (v[0].abs() + r * (v[1].abs() + v[2].abs())) * (HULL_ROUNDING * spread);
-    let (lo, hi) = (lo - slack, hi + slack);
+    let tolerance = (v[0].abs() + r * (v[1].abs() + v[2].abs())) * (HULL_ROUNDING * spread);
+    let (lo, hi) = (lo - tolerance, hi + tolerance);
     (lo.is_finite() && hi.is_finite()).then(|| Interval3 { lo: lo.to_array(), hi: hi.to_array() })
 }
 
@@ -149,7 +149,7 @@ mod tests {
         assert!(near(flat.span(DVec3::new(1.0, 1.0, 2.0), DVec3::new(1.0, 1.0, 2.0), ALL), 7.0, 7.0));
     }
 
-    /// Fails without the slack for rounding in the hull and in the slabs.
+    /// Fails without the tolerance for rounding in the hull and in the slabs.
     #[test]
     fn a_point_exactly_on_a_ray_is_never_lost_to_rounding() {
         let mut state = 9_u64;

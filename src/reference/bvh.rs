@@ -2,15 +2,15 @@
 
 use glam::DVec3;
 
-/// Triangles in a leaf, at most.
+/// Most triangles in a leaf.
 const LEAF: usize = 4;
-/// Bins an axis for the surface area heuristic.
+/// Bins per axis for the surface area heuristic.
 const BINS: usize = 16;
 /// Deeper nodes split at the median, so that the depth stays under `MAX_SAH_DEPTH` + 31 for any u32 count.
 const MAX_SAH_DEPTH: u32 = 36;
-/// One pending sibling a level, and the node at hand.
+/// One pending sibling per level, and the current node.
 const STACK: usize = 72;
-/// Subtrees of at least this many triangles are built side by side.
+/// Subtrees of at least this many triangles are built in parallel.
 const PARALLEL: usize = 1 << 14;
 
 /// Nodes in depth-first order: the first child of `k` is `k + 1`.
@@ -21,13 +21,13 @@ pub struct Bvh {
     order: Vec<u32>,
 }
 
-/// What may meet a box: rays or curves.
+/// A query against boxes: rays or curves.
 pub trait Probe {
-    /// An interval that holds every `t` in `range` at which some of it is in the box `lo..hi`.
+    /// An interval that contains every `t` in `range` at which some ray or curve is in the box `lo..hi`.
     fn span(&self, lo: DVec3, hi: DVec3, range: [f64; 2]) -> Option<[f64; 2]>;
 }
 
-/// One triangle to be placed.
+/// One triangle to be inserted.
 #[derive(Debug, Clone, Copy)]
 pub struct Item {
     pub lo: DVec3,
@@ -54,8 +54,8 @@ impl Bvh {
         Bvh { nodes, order: items.iter().map(|i| i.id).collect() }
     }
 
-    /// Visits every triangle whose box the probe meets at a `t` in `range`, near ones first as a rule. `visit` returns
-    /// the largest `t` that still matters.
+    /// Visits every triangle whose box the probe meets at a `t` in `range`, mostly near to far. `visit` returns
+    /// the largest `t` still of interest.
     pub fn walk(&self, probe: &impl Probe, range: [f64; 2], mut visit: impl FnMut(u32) -> f64) {
         let [t_min, mut t_max] = range;
         let enter = |k: usize, t_max: f64| {
@@ -149,7 +149,7 @@ fn split(items: &mut [Item], depth: u32) -> usize {
 
 struct Binning {
     lo: DVec3,
-    /// Bins a unit of doubled centre; 0 on an axis without extent.
+    /// Bins per unit of doubled centre; 0 on an axis without extent.
     scale: DVec3,
 }
 

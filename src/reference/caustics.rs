@@ -1,4 +1,4 @@
-//! Caustics by the reference: every photon's way followed by itself, and triangles cut along the texels' borders.
+//! Caustics by the reference: every photon is traced by itself, and triangles are clipped to texels.
 
 use super::light::albedo;
 use super::path::{Path, Segment};
@@ -47,8 +47,8 @@ fn photon(caustics: &Caustics, first_id: u32, shown: &Outcome) -> Photon {
     if shown.first.is_none() {
         return Photon { fate: Fate::Direct, left: [1.0; 3] };
     }
-    let turns = shown.path.segments.len() as u32 - 1;
-    let left = caustics.optics.tint.map(|tint| f64::from(tint).powi(turns as i32));
+    let bounces = shown.path.segments.len() as u32 - 1;
+    let left = caustics.optics.tint.map(|tint| f64::from(tint).powi(bounces as i32));
     let fate = match shown.seen {
         None => Fate::Missed,
         Some(seen) if seen.hit.triangle >= first_id => Fate::Absorbed,
@@ -60,14 +60,14 @@ fn photon(caustics: &Caustics, first_id: u32, shown: &Outcome) -> Photon {
             let receiver = p.and_then(|p| Some((caustics.receivers.iter().position(|r| is_in_plane(r, p))?, p)));
             receiver.map_or(Fate::Missed, |(k, p)| {
                 let place = caustics.receivers[k].texels_of(p);
-                Fate::Landed { receiver: k as u32, turns, place }
+                Fate::OnReceiver { receiver: k as u32, bounces, place }
             })
         }
     };
     Photon { fate, left }
 }
 
-/// Spreads the flux of a triangle over a map, and what lies outside over the missed.
+/// Spreads the flux of a triangle over a map; the part outside counts as missed.
 fn add(map: &mut Map, cast: &Cast, budget: &mut Budget) {
     let shares = shares(&cast.corners, map.receiver.texels);
     let mut inside = 0.0;
@@ -79,7 +79,7 @@ fn add(map: &mut Map, cast: &Cast, budget: &mut Budget) {
     budget.degenerate += u64::from(shares.flat);
 }
 
-/// What the receivers add to the colour of a hit: diffuse reflection of the light that falls there.
+/// The light that a receiver adds to the colour of a hit: diffuse reflection of the caustic.
 pub fn reflected(scene: &Scene, lit: &Illumination, triangle: u32, bary: [f64; 2]) -> [f32; 3] {
     let corners = scene.mesh.triangles[triangle as usize].map(|k| scene.mesh.positions[k as usize]);
     let Some(map) = lit.maps.iter().find(|m| corners.iter().all(|p| is_in_plane(&m.receiver, *p))) else {
@@ -92,7 +92,7 @@ pub fn reflected(scene: &Scene, lit: &Illumination, triangle: u32, bary: [f64; 2
     [0, 1, 2].map(|k| (f64::from(diffuse[k]) * received[k] / std::f64::consts::PI) as f32)
 }
 
-/// A scene's camera shows caustics where it has some.
+/// The camera of a scene with caustics shows them.
 pub fn shown_by(scene: &Scene, camera: &Camera, shown: &Outcome, lit: &Illumination) -> [f32; 3] {
     let first = camera.optics.as_ref().map_or(u32::MAX, |o| o.first_id(&scene.mesh));
     match shown.seen.filter(|s| s.hit.triangle < first) {

@@ -64,11 +64,11 @@ fn join(near: &[Near]) -> (Sets, Vec<bool>) {
     let mut edges: Vec<(EdgeKey, usize, i32, bool)> = Vec::with_capacity(3 * near.len());
     for (k, n) in near.iter().enumerate() {
         let end = |c: usize| n.corners.v[c].to_array().map(|x| (x + 0.0).to_bits());
-        for (opposite, (i, j, turn)) in OPPOSITE.into_iter().enumerate() {
+        for (opposite, (i, j, sense)) in OPPOSITE.into_iter().enumerate() {
             // A triangle that is nowhere hit in the box proves that the edge does not pass there: beside
             // the edge it would be hit.
             if !n.may_hit || n.sides.0[opposite] == 0 {
-                edges.push(([end(i), end(j)], k, i32::from(turn * n.corners.parity), n.may_hit));
+                edges.push(([end(i), end(j)], k, i32::from(sense * n.corners.parity), n.may_hit));
             }
         }
     }

@@ -77,12 +77,12 @@ impl Plane {
             (curve.at((root.t + blur).min(1.0)) - at).length().max((curve.at((root.t - blur).max(0.0)) - at).length());
         let reach = 2.0 * way + 3.0 * (self.place_error + VALUE_ROUNDING * coordinate);
         let mut weight = [0.0; 3];
-        for (k, (i, j, turn)) in OPPOSITE.into_iter().enumerate() {
+        for (k, (i, j, sense)) in OPPOSITE.into_iter().enumerate() {
             let (from, edge) = (c.v[i] - at, c.v[j] - c.v[i]);
-            let area = from.cross(edge).dot(self.normal) * f64::from(turn);
-            let slack = reach * edge.length() * self.normal.length()
+            let area = from.cross(edge).dot(self.normal) * f64::from(sense);
+            let tolerance = reach * edge.length() * self.normal.length()
                 + 2.0 * TERM_ROUNDING * cross_size(from.abs(), edge.abs()).dot(self.normal_size);
-            if area < -slack {
+            if area < -tolerance {
                 return None;
             }
             weight[c.slot(k)] = area.max(0.0);
@@ -125,7 +125,7 @@ impl Sweep {
         let apart = points().fold(DVec3::ZERO, |m, (p, of_first)| m.max((p - of_first).abs()));
         // each halving has up to three halved sums (one rounding of the sum); and the points' own, and those of `apart`
         let coordinate = points().fold(0.0_f64, |m, (p, _)| m.max(p.abs().max_element()));
-        let slack = apart + ((3.0 * HALVINGS as f64 + 2.0) * f64::EPSILON + POINT_ROUNDING) * coordinate;
+        let tolerance = apart + ((3.0 * HALVINGS as f64 + 2.0) * f64::EPSILON + POINT_ROUNDING) * coordinate;
         let mut boxes = [(DVec3::ZERO, DVec3::ZERO); 2 * PARTS];
         for k in (1..2 * PARTS).rev() {
             boxes[k] = if k < PARTS {
@@ -134,7 +134,7 @@ impl Sweep {
             } else {
                 let points = parts[k].points();
                 let (lo, hi) = points.iter().fold((points[0], points[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-                (lo - slack, hi + slack)
+                (lo - tolerance, hi + tolerance)
             };
         }
         Some(Sweep(boxes))

@@ -1,4 +1,4 @@
-//! One pixel in words.
+//! One pixel as text.
 
 use super::lens::own_for_few;
 use super::path::{Path, Segment};
@@ -7,8 +7,7 @@ use crate::camera::Camera;
 use crate::scene::Scene;
 use std::fmt::Write;
 
-/// Text for a person about one pixel: its ray or its segments layer by layer, the visible hit, and what else the answer
-/// may be.
+/// Text for the user about one pixel: its ray or segments, layer by layer, the visible hit, and the other candidates.
 pub fn explain(scene: &Scene, camera: &Camera, i: u32, j: u32) -> String {
     let camera = &*own_for_few(camera);
     let path = Path::of_pixel(camera, i, j);

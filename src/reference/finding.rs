@@ -1,29 +1,29 @@
-//! What a pixel shows through all layers of its camera, and how sure that is.
+//! The answer for a pixel over all layers of its camera, and whether it is safe.
 //!
 //! Straight layers: the verdict of each layer is proven for the whole box about the centre; a layer that may miss
 //! hands over to the next. With a curved layer, and behind mirrors and lenses, the box is *sampled*, not bounded: at its centre, its corners, the
 //! middles of its edges and a ring inside. A feature that slips between the samples (thinner than they are apart) is
-//! not seen, so a pixel may be called safe that is not, and a candidate may be left out. That errs on the side of asking
-//! too much of others: it can raise a false alarm about a right frame, and never excuses a wrong pixel.
+//! missed, so an unsafe pixel may be called safe, and a candidate may be left out. This can raise a false alarm about a
+//! correct frame; it never excuses a wrong pixel.
 
 use super::path::{Path, Seen};
 use super::{GAP, Hit, MARGIN_PX, Reference, Verdict};
 use crate::camera::Camera;
 
-/// The answer for one pixel and how far it is from changing; see [`Verdict`].
+/// The answer for one pixel and whether it is safe; see [`Verdict`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// The visible hit at the centre.
     pub seen: Option<Seen>,
-    /// The same triangle is seen, or none, all over the box, without ties.
+    /// The same triangle, or none, is visible everywhere in the box, without ties.
     pub safe: bool,
-    /// Ascending ids of all triangles that may be the visible one somewhere in the box, ties included.
+    /// Ascending ids of all triangles that may be visible somewhere in the box, ties included.
     pub candidates: Vec<u32>,
-    /// Somewhere in the box nothing may be hit.
+    /// Some ray of the box may hit nothing.
     pub may_miss: bool,
 }
 
-/// Places in the box of half-size 1 where curves are looked along; the first is the centre. The inner four are as far
+/// Sample places in the box of half-size 1, for curves; the first is the centre. The inner four are as far
 /// out as an image's f32 arithmetic may be off (2^-8 px at 2^16 px), so that what passes there passes a sample too.
 pub(super) const PLACES: [(f64, f64); 13] = [
     (0.0, 0.0),
@@ -81,7 +81,7 @@ impl Reference<'_> {
         finding
     }
 
-    /// What one layer shows, by [`Reference::verdict`] over all its pieces near the pixel.
+    /// The answer of one layer, by [`Reference::verdict`] over all its pieces near the pixel.
     fn layer_verdict(&self, camera: &Camera, layer: usize, range: [f64; 2], (i, j): (u32, u32)) -> Verdict {
         let has_ray = camera.pixel(layer, i, j).is_some();
         let (bundles, outside) = camera.near(layer, i, j);

@@ -1,4 +1,4 @@
-//! Whole frames by the reference, and judgement of other frames by it.
+//! Whole frames by the reference, and comparison of other frames with it.
 
 use super::caustics::{caustics, shown_by};
 pub use super::explain::explain;
@@ -13,14 +13,14 @@ use crate::scene::labels::Labels;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// How a frame stands against the reference.
+/// The comparison of a frame with the reference.
 #[derive(Debug, Clone)]
 pub struct Judgement {
     /// The reference's own frame, all channels.
     pub truth: Frame,
-    /// Pixels whose answer holds within 1/16 px of their centres.
+    /// Safe pixels: their answer is the same within 1/16 px of their centres.
     pub safe: Vec<bool>,
-    /// Scene extent over |D|, of a curve |X'| at the hit: what an error of t is at least measured against.
+    /// Per pixel: scene extent over |D| (for curves |X'| at the hit), the least scale for relative errors of t.
     pub scales: Vec<f32>,
     /// Pixels whose id is neither the reference's nor a near candidate.
     pub not_near: u64,
@@ -30,7 +30,7 @@ pub struct Judgement {
 struct Pixel {
     colour: [f32; 3],
     seen: Option<Seen>,
-    /// Numbered through the camera.
+    /// Numbered through all layers.
     piece: u32,
     /// The first facet or smooth surface of the optics.
     mirror: u32,
@@ -49,7 +49,7 @@ pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
     image_lit(scene, camera, channels, lit.as_ref())
 }
 
-/// The same under caustics that are known already.
+/// The same with given caustics.
 pub fn image_lit(scene: &Scene, camera: &Camera, channels: &[Channel], lit: Option<&Illumination>) -> Frame {
     let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
@@ -61,7 +61,7 @@ pub fn image_lit(scene: &Scene, camera: &Camera, channels: &[Channel], lit: Opti
     frame(scene, camera, &pixels, channels)
 }
 
-/// Holds `frame`'s triangle ids against the reference.
+/// Compares `frame`'s triangle ids with the reference.
 pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
     let lit = caustics(scene);
     let camera = &*own(camera);
@@ -133,7 +133,7 @@ fn pixel(
         let (normal, albedo, uv) = (DVec3::ZERO, [0.0; 3], DVec2::ZERO);
         return Pixel { colour, seen: None, piece, mirror, t, z, normal, position, albedo, uv };
     };
-    // of turned rays t is that of the last alone
+    // t of a bounced path is that of its last ray
     let t = if camera.optics.is_some() { seen.hit.t } else { seen.t() };
     let z = shown.path.depth(&seen) as f32;
     let (segment, id) = (shown.path.of(&seen), seen.hit.triangle);
@@ -153,7 +153,7 @@ fn pixel(
     }
 }
 
-/// What an outcome adds to its pixel.
+/// The contribution of an outcome to its pixel.
 fn colour(scene: &Scene, camera: &Camera, reference: &Reference, outcome: &Outcome) -> [f64; 3] {
     let optics = camera.optics.as_ref();
     let count = optics.map_or(scene.mesh.triangles.len() as u32, |o| o.first_id(&scene.mesh));
@@ -172,7 +172,7 @@ fn colour(scene: &Scene, camera: &Camera, reference: &Reference, outcome: &Outco
     [0, 1, 2].map(|k| left[k] * f64::from(own[k]))
 }
 
-/// What a path shows that meets nothing: what comes from where it goes in the end.
+/// The colour of a path that hits nothing: background, or sky in its last direction.
 fn beyond(scene: &Scene, path: &Path) -> [f32; 3] {
     let last = path.segments.iter().rev().flatten().next();
     match (&scene.sky, last) {
@@ -181,10 +181,10 @@ fn beyond(scene: &Scene, path: &Path) -> [f32; 3] {
     }
 }
 
-/// What all turns leave of the light.
+/// The share of the light that the tints of all bounces leave.
 fn light_left(camera: &Camera, outcome: &Outcome) -> [f64; 3] {
-    let turns = outcome.path.segments.len() as i32 - 1;
-    let tint = |k: usize| camera.optics.as_ref().map_or(1.0, |o| f64::from(o.tint[k]).powi(turns));
+    let bounces = outcome.path.segments.len() as i32 - 1;
+    let tint = |k: usize| camera.optics.as_ref().map_or(1.0, |o| f64::from(o.tint[k]).powi(bounces));
     [0, 1, 2].map(|k| outcome.light * tint(k))
 }
 

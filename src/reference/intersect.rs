@@ -79,8 +79,8 @@ impl Corners {
 
     /// Weights of the second and third vertex as given where a ray meets the plane; NaN where it runs along it.
     pub fn weights_on_plane(&self, origin: DVec3, direction: DVec3) -> [f64; 2] {
-        let edge = |(i, j, turn): (usize, usize, i8)| {
-            f64::from(turn) * (self.v[i] - origin).cross(self.v[j] - self.v[i]).dot(direction)
+        let edge = |(i, j, sense): (usize, usize, i8)| {
+            f64::from(sense) * (self.v[i] - origin).cross(self.v[j] - self.v[i]).dot(direction)
         };
         let e = OPPOSITE.map(edge);
         let mut weights = [0.0; 3];
@@ -177,13 +177,13 @@ fn edge_side(b: &Bundle, from: DVec3, to: DVec3) -> (f64, i8) {
 
 /// The sign of a triangle's `E`s, of its own winding, for the bundle's central ray; 0 where they differ: outside.
 pub fn sign_of(b: &Bundle, c: &Corners) -> i8 {
-    let mut sign = OPPOSITE.map(|(i, j, turn)| edge_in_f64(b, c.v[i], c.v[j]).1 * turn);
-    for (k, (i, j, turn)) in OPPOSITE.into_iter().enumerate() {
+    let mut sign = OPPOSITE.map(|(i, j, sense)| edge_in_f64(b, c.v[i], c.v[j]).1 * sense);
+    for (k, (i, j, sense)) in OPPOSITE.into_iter().enumerate() {
         if sign.contains(&1) && sign.contains(&-1) {
             return 0;
         }
         if sign[k] == 0 {
-            sign[k] = edge_side(b, c.v[i], c.v[j]).1 * turn;
+            sign[k] = edge_side(b, c.v[i], c.v[j]).1 * sense;
         }
     }
     if sign == [sign[0]; 3] { sign[0] * c.parity } else { 0 }
@@ -198,7 +198,8 @@ pub fn meet(aim: &Aim, c: &Corners) -> Option<Meeting> {
     let t = depth(&aim.centre, c)?;
     let inside = f64::from(sign * c.parity);
     // the perturbed ray is inside; the centre's may be outside by the perturbation
-    let e = OPPOSITE.map(|(i, j, turn)| (inside * f64::from(turn) * edge_side(&aim.centre, c.v[i], c.v[j]).0).max(0.0));
+    let e =
+        OPPOSITE.map(|(i, j, sense)| (inside * f64::from(sense) * edge_side(&aim.centre, c.v[i], c.v[j]).0).max(0.0));
     let sum = e[0] + e[1] + e[2];
     let mut weight = [0.0; 3];
     for (k, e) in e.into_iter().enumerate() {

@@ -85,7 +85,7 @@ mod tests {
                 assert_length(&line.elevated(m), t, 1.3 * t);
             }
         }
-        // t^2 along the way, and there and back again: at t = 1/2 it turns
+        // t^2 along a line, and out and back: the curve reverses at t = 1/2
         assert_length(&Curve::new(&[p, p, p + d]), 0.5, 0.25 * 1.3);
         assert_length(&Curve::new(&[p, p + d, p]), 1.0, 1.3);
         assert_eq!(arc_length(&Curve::new(&[p, p, p]), 1.0), 0.0);

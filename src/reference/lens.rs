@@ -53,9 +53,9 @@ impl RayMap for Own {
         let (u, v) = (a * f64::from(*w) - 0.5, b * f64::from(*h) - 0.5);
         let d = direction(model, DVec2::new((u - centre.x) / focal.x, (v - centre.y) / focal.y))?;
         let time = v * shutter.line_time;
-        let turn = DQuat::from_scaled_axis(time * shutter.angular);
+        let rotation = DQuat::from_scaled_axis(time * shutter.angular);
         // x right, y down, z forward
-        let direction = turn * (d.x * view.right - d.y * view.up + d.z * view.forward);
+        let direction = rotation * (d.x * view.right - d.y * view.up + d.z * view.forward);
         Some(Ray { origin: *eye + time * shutter.velocity, direction })
     }
 }

@@ -1,4 +1,4 @@
-//! How bright a hit is, by the definition.
+//! Shading of a hit, by the definition.
 
 use super::{Hit, Reference};
 use crate::geometry::mesh::NO_NORMAL;
@@ -8,10 +8,10 @@ use crate::scene::sky::Sky;
 use glam::{DVec3, DVec4, Vec3};
 use std::f64::consts::PI;
 
-/// Share of the light that comes from everywhere.
+/// Share of ambient light.
 const AMBIENT: f64 = crate::scene::light::AMBIENT as f64;
 
-/// The unit normal of a triangle's hit, turned against the unit vector `view`: the file's where it has them.
+/// The unit normal of a triangle's hit on the side opposite the unit vector `view`: from the file, or else the triangle's.
 pub fn normal(scene: &Scene, hit: &Hit, view: DVec3) -> DVec3 {
     let mesh = &scene.mesh;
     let id = hit.triangle as usize;
@@ -28,7 +28,7 @@ pub fn normal(scene: &Scene, hit: &Hit, view: DVec3) -> DVec3 {
     if n.dot(seen) < 0.0 { -n } else { n }
 }
 
-/// The diffuse colour of a hit, by the texture's own texels at its very place: what filters approximate the mean of over a pixel.
+/// The diffuse colour of a hit, from the texture without filtering.
 pub fn albedo(scene: &Scene, hit: &Hit) -> [f32; 3] {
     let mesh = &scene.mesh;
     let material = &mesh.materials[mesh.material_of[hit.triangle as usize] as usize];
@@ -42,8 +42,8 @@ pub fn albedo(scene: &Scene, hit: &Hit) -> [f32; 3] {
     [(dr * r * pr) as f32, (dg * g * pg) as f32, (db * b * pb) as f32]
 }
 
-/// What a hit at `p` sends back along the unit vector `view`, of every light or one headlight along it and a small ambient term, and
-/// what it sends out by itself. Light goes straight, and meets the `obstacles`.
+/// The light that a hit at `p` reflects and emits towards the viewer, `view` being the unit direction of the ray: from all lights, or
+/// from a headlight and a small ambient term. `obstacles` cast shadows.
 pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3, DVec3)) -> [f32; 3] {
     let mesh = &scene.mesh;
     let material = &mesh.materials[mesh.material_of[hit.triangle as usize] as usize];
@@ -73,7 +73,7 @@ pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3,
     (rgb(material.emissive) + open * around + rest * direct).as_vec3().to_array()
 }
 
-/// What may be in the way of light: the triangles with the lowest ids.
+/// The shadow casters: the triangles with the lowest ids.
 pub struct Obstacles<'a> {
     pub all: &'a Reference<'a>,
     pub count: u32,
@@ -87,7 +87,7 @@ struct Above<'a> {
     flat: DVec3,
 }
 
-/// How far above its hit light is followed, of the largest coordinate of it or its triangle.
+/// Offset of shadow rays above the hit, relative to the largest coordinate of the hit and its triangle.
 const ABOVE: f64 = 1e-9;
 
 impl Obstacles<'_> {
@@ -101,7 +101,7 @@ impl Obstacles<'_> {
 }
 
 impl Above<'_> {
-    /// How far along a unit way something is, up to `far`.
+    /// Distance to the first obstacle along a unit direction, up to `far`.
     fn meets(&self, way: DVec3, far: f64) -> Option<f64> {
         self.of.all.blocked(self.p, way, far, self.of.count)
     }
@@ -110,7 +110,7 @@ impl Above<'_> {
         self.flat.dot(way) > 0.0 && self.meets(way, far).is_none()
     }
 
-    /// The share of directions about the normal, by their cosine, in which nothing is near; what is hides the less the farther it is.
+    /// Ambient visibility: the cosine-weighted share of directions about the normal without an obstacle; far obstacles count less.
     fn openness(&self, n: DVec3, occlusion: AmbientOcclusion) -> f64 {
         // a frame about the normal (Duff et al. 2017)
         let side = if n.z >= 0.0 { 1.0 } else { -1.0 };
@@ -130,13 +130,13 @@ impl Above<'_> {
 /// A surface of microfacets (GGX; Walter et al. 2007) over a matte one.
 struct Gloss {
     base: DVec3,
-    /// Of the facets, where light comes and goes straight on.
+    /// Reflectance of the facets at normal incidence.
     straight: DVec3,
     alpha: f64,
 }
 
 impl Gloss {
-    /// What goes towards `v` of the light from all around: the matte share by the irradiance, the rest by the mean over a lobe about the
+    /// The environment light reflected towards `v`: the matte share by the irradiance, the rest by the mean over a lobe about the
     /// mirrored view, times the share of it that microfacets reflect (Karis 2014).
     fn reflected_sky(&self, sky: &Sky, n: DVec3, v: DVec3) -> DVec3 {
         let cos_v = n.dot(v).max(1e-4);
@@ -144,13 +144,13 @@ impl Gloss {
         // normals deviate by alpha / sqrt(2), directions by twice that, a box by 1 / sqrt(12) of its width
         let width = (24.0f64.sqrt() * self.alpha).min(PI);
         let rough = self.alpha.sqrt() * DVec4::new(-1.0, -0.0275, -0.572, 0.022) + DVec4::new(1.0, 0.0425, 1.04, -0.04);
-        let turned = (rough.x * rough.x).min((-9.28 * cos_v).exp2()) * rough.x + rough.y;
-        let [share, of_grazing] = [-1.04 * turned + rough.z, 1.04 * turned + rough.w];
+        let falloff = (rough.x * rough.x).min((-9.28 * cos_v).exp2()) * rough.x + rough.y;
+        let [share, of_grazing] = [-1.04 * falloff + rough.z, 1.04 * falloff + rough.w];
         let grazing = (50.0 * self.straight.max_element()).min(1.0);
         self.base * sky.irradiance(n) + sky.lobe(mirrored, width) * (self.straight * share + grazing * of_grazing)
     }
 
-    /// What goes towards `v` of a light of irradiance pi from `l`.
+    /// The light reflected towards `v` from a light of irradiance pi in direction `l`.
     fn reflected(&self, n: DVec3, v: DVec3, l: DVec3) -> DVec3 {
         let Gloss { base, straight, alpha } = *self;
         let cos_l = n.dot(l);

@@ -1,4 +1,4 @@
-//! What may happen to one triangle anywhere in a small box about a pixel's centre: conservative bounds.
+//! Conservative bounds on one triangle's hits over a small box about a pixel's centre.
 
 use super::beam::Beam;
 use super::bvh::Probe;
@@ -6,7 +6,7 @@ use super::intersect::{Corners, OPPOSITE, TERM_ROUNDING, cross_size, offset_size
 use crate::camera::bundle::Bundle;
 use glam::DVec3;
 
-/// Half the side of the box in which a safe pixel's answer may not change, px (`docs/reference/definitions.md`, Safe).
+/// Half the side of the box in which a safe pixel's answer must be constant, px (`docs/reference/definitions.md`, Safe).
 pub const MARGIN_PX: f64 = 1.0 / 16.0;
 
 /// Two depths closer than this, relative to the larger magnitude, tie (`docs/reference/definitions.md`, Safe).
@@ -68,7 +68,7 @@ pub struct Sides(pub [i8; 3]);
 
 impl Sides {
     pub fn over_box(b: &Bundle, c: &Corners) -> Sides {
-        Sides(OPPOSITE.map(|(i, j, turn)| edge_over_box(b, c.v[i], c.v[j]) * turn * c.parity))
+        Sides(OPPOSITE.map(|(i, j, sense)| edge_over_box(b, c.v[i], c.v[j]) * sense * c.parity))
     }
 
     /// The triangle may be hit somewhere with its `E`s of this sign.
@@ -133,8 +133,8 @@ impl Depth {
         for (x, y) in [(-r, -r), (r, -r), (-r, r), (r, r)] {
             let below = self.d[0] + x * self.d[1] + y * self.d[2];
             let t = (self.n[0] + x * self.n[1] + y * self.n[2]) / below;
-            let room = (below.abs() - self.d_error).max(f64::MIN_POSITIVE);
-            let error = (self.n_error + t.abs() * self.d_error) / room + BOX_ROUNDING * t.abs();
+            let below_min = (below.abs() - self.d_error).max(f64::MIN_POSITIVE);
+            let error = (self.n_error + t.abs() * self.d_error) / below_min + BOX_ROUNDING * t.abs();
             span = [span[0].min(t - error), span[1].max(t + error)];
         }
         span

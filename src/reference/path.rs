@@ -1,4 +1,4 @@
-//! What one place of the image looks along: its segments, layer by layer.
+//! The path of one image place: its segments, layer by layer.
 
 use super::Hit;
 use super::curve::POINT_ROUNDING;
@@ -26,7 +26,7 @@ pub struct Path {
     t_range: [f64; 2],
 }
 
-/// What a path first meets.
+/// The first hit of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
     pub layer: usize,
@@ -36,7 +36,7 @@ pub struct Seen {
     pub hit: Hit,
 }
 
-/// Where one layer hands over to the next, both t count up to this much beyond the shared face: neither the rounding
+/// Tolerance on t at the face shared by two layers, on both sides: neither the rounding
 /// of t (of a number near 1; near 0 it is far smaller) nor that of the face's own place lets a surface slip through.
 fn face_allowance(place_error: f64, direction: DVec3) -> f64 {
     2.0 * T_ROUNDING + place_error / direction.length()
@@ -69,7 +69,7 @@ impl Segment {
         }
     }
 
-    /// The way from t = 0 to `t`; of negative t on a ray, negative.
+    /// Length from t = 0 to `t`, world units; negative for negative t.
     pub fn length(&self, t: f64) -> f64 {
         match self {
             Segment::Straight(b) => t * b.ray(0.0, 0.0).direction.length(),
@@ -77,7 +77,7 @@ impl Segment {
         }
     }
 
-    /// Unit vector of the way at `t`: where the curve stands still, of the way around it.
+    /// Unit tangent at `t`; where the derivative is 0, the direction of a short chord about it.
     pub fn view(&self, t: f64) -> DVec3 {
         let around = || match self {
             Segment::Straight(_) => DVec3::ZERO,
@@ -87,8 +87,7 @@ impl Segment {
     }
 }
 
-/// Half the stretch of t whose chord stands for the way of a curve that stands still: the root of f64's precision, so
-/// that neither the chord's rounding nor its bend shows.
+/// Half the interval of t of that chord: the square root of f64's precision, which balances rounding against curvature.
 const VIEW_STEP: f64 = 1.0 / (1 << 26) as f64;
 
 impl Path {
@@ -126,8 +125,8 @@ impl Path {
         Path { segments: (0..camera.layers.len()).map(segment).collect(), t_range: camera.t_range }
     }
 
-    /// The t that count in a layer of rays: the camera's, and a little more where the neighbouring layer's ray goes on
-    /// from the same place. A t beyond [0, 1] stands for the end that it is near ([`Path::within`]).
+    /// The range of t in a layer of rays: the camera's, plus a tolerance where the neighbouring layer's ray starts at the same
+    /// place. A t beyond [0, 1] is then clamped ([`Path::within`]).
     pub fn range(&self, layer: usize) -> [f64; 2] {
         let [mut t0, mut t1] = self.t_range;
         let Some(Segment::Straight(own)) = self.segment(layer) else { return self.t_range };
@@ -155,7 +154,7 @@ impl Path {
         self.segments.get(layer)?.as_ref().map(|s| &s.1)
     }
 
-    /// How exactly the end of this layer's ray and the start of the next are one place; `None` where they are not.
+    /// Error bound on the joint of this layer's ray and the next one's, world units; `None` if they do not join.
     fn joint(&self, layer: usize) -> Option<f64> {
         let (Segment::Straight(a), Segment::Straight(b)) = (self.segment(layer)?, self.segment(layer + 1)?) else {
             return None;
@@ -166,13 +165,13 @@ impl Path {
         ((a.origin + a.direction - b.origin).length() <= error).then_some(error)
     }
 
-    /// The channel `Z`: the lengths of the segments before, and the way to the hit on its own.
+    /// The channel `Z`: the lengths of the earlier segments plus that to the hit on its own, world units.
     pub fn depth(&self, seen: &Seen) -> f64 {
         let before: f64 = self.segments[..seen.layer].iter().flatten().map(|(_, s)| s.length(1.0)).sum();
         before + self.of(seen).length(seen.hit.t)
     }
 
-    /// |X'| where something was seen, else at the start of the first segment; 0 without one.
+    /// |X'| at the hit, else at the start of the first segment; 0 without one.
     pub fn speed(&self, seen: Option<&Seen>) -> f64 {
         let (segment, t) = match seen {
             Some(seen) => (Some(self.of(seen)), seen.hit.t),
@@ -181,7 +180,7 @@ impl Path {
         segment.map_or(0.0, |s| s.direction(t).length())
     }
 
-    /// The segment on which something was seen.
+    /// The segment of the hit.
     pub fn of(&self, seen: &Seen) -> &Segment {
         self.segment(seen.layer).expect("what is seen is seen along a segment")
     }

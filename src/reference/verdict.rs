@@ -1,4 +1,4 @@
-//! Whether a pixel's answer holds within 1/16 px of its centre, and what else it may be.
+//! Whether a pixel's answer is constant within 1/16 px of its centre, and the other candidates.
 
 use super::beam::Beam;
 use super::finding::PLACES;
@@ -8,17 +8,17 @@ use super::{Hit, Reference, cover, nearer, upright, widened};
 use crate::camera::bundle::Bundle;
 use glam::DVec3;
 
-/// The answer for one pixel and how far it is from changing.
+/// The answer for one pixel and whether it is proven safe.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
     /// The visible hit at the centre.
     pub hit: Option<Hit>,
-    /// The answer is proven the same for every ray of every bundle within [`MARGIN_PX`] of the centre, with
-    /// no other surface within a relative gap of [`GAP`](super::GAP) in `t`.
+    /// Proven: every ray of every bundle within [`MARGIN_PX`] of the centre has the same answer, and no other surface is within a
+    /// relative gap of [`GAP`](super::GAP) in `t`.
     pub safe: bool,
-    /// Ascending ids of all triangles that may be the visible one somewhere in the box, ties included.
+    /// Ascending ids of all triangles that may be visible somewhere in the box, ties included.
     pub candidates: Vec<u32>,
-    /// Somewhere in the box nothing may be hit.
+    /// Some ray of the box may hit nothing.
     pub may_miss: bool,
 }
 
@@ -28,13 +28,13 @@ struct Candidate {
     id: u32,
     corners: Corners,
     depth: Depth,
-    /// Visible, unless hidden, and in range all over the box.
+    /// Hit everywhere in the box, in range, on a visible face.
     covers: bool,
-    /// Its image cuts no hole into it there.
+    /// Its alpha mask has no hole there.
     solid: bool,
 }
 
-/// Where a triangle's image leaves something of it.
+/// Where a triangle's alpha mask leaves it opaque.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Presence {
     Everywhere,
@@ -127,7 +127,7 @@ impl Reference<'_> {
         (may_be_seen && in_reach).then_some(Candidate { id, corners, depth, covers, solid })
     }
 
-    /// What is left of a triangle in the box. Holes are *sampled*, as curves are, see [`super::finding`].
+    /// The opaque part of a triangle in the box. Holes are *sampled*, as curves are, see [`super::finding`].
     fn presence(&self, bundle: &Bundle, id: u32, corners: &Corners) -> Presence {
         let Some(texture) = self.cut_by(id) else { return Presence::Everywhere };
         let is_there = |(x, y): &&(f64, f64)| {

@@ -1,4 +1,4 @@
-//! The scene file: TOML or JSON text into typed values, with errors that name the place.
+//! The scene file: TOML or JSON text into typed values, with errors that name file, line and key.
 
 mod header;
 mod style;
@@ -24,13 +24,13 @@ use crate::input::reader::{Field, Source};
 use crate::input::tree::Node;
 use std::sync::Arc;
 
-/// A scene as written: values checked one by one, files not yet opened (but for a camera's own).
+/// A scene as written: values checked one by one; files not yet opened, except the camera's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneFile {
     pub image: ImageSpec,
-    /// In file order, which triangle ids follow.
+    /// In file order; triangle ids follow it.
     pub meshes: Vec<MeshSpec>,
-    /// Empty: one headlight along each pixel's own ray.
+    /// If empty, a headlight shines along each pixel's ray.
     pub lights: Vec<Light>,
     pub ambient_occlusion: Option<AmbientOcclusion>,
     pub style: Style,
@@ -62,11 +62,11 @@ pub struct ImageSpec {
 pub struct SkySpec {
     /// Already relative to the working directory.
     pub file: PathBuf,
-    /// What its light is multiplied by.
+    /// Factor of its light.
     pub strength: f64,
-    /// Degrees about +y, as seen from above against the clock.
+    /// Rotation about +y, degrees, counter-clockwise seen from above.
     pub rotate: f64,
-    /// Pixels that hit nothing show it.
+    /// Whether pixels that hit nothing show it.
     pub is_seen: bool,
 }
 

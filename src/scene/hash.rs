@@ -81,7 +81,7 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
     }
     if let Some(sky) = &scene.sky {
         image(&mut h, &sky.image);
-        [f64::from(sky.strength), sky.turn].into_iter().for_each(|v| h.number(v));
+        [f64::from(sky.strength), sky.rotation].into_iter().for_each(|v| h.number(v));
         h.word(u64::from(sky.is_seen));
     }
     if scene.style != Style::default() {

@@ -4,7 +4,7 @@ use super::Scene;
 use crate::camera::Camera;
 use crate::geometry::load::Object;
 use crate::geometry::mesh::Mesh;
-use crate::image::cryptomatte::{Apart, Matte};
+use crate::image::cryptomatte::{Matte, MatteKind};
 use crate::image::frame::{Channel, NO_ID};
 use std::sync::Arc;
 
@@ -47,20 +47,20 @@ impl Labels {
         }
     }
 
-    /// An empty Cryptomatte for pictures of the scene through a camera, whose optics have the ids behind those of all triangles.
-    pub fn matte(scene: &Scene, camera: &Camera, apart: Apart) -> Matte {
-        let (names, name_of) = match apart {
-            Apart::Objects => {
+    /// An empty Cryptomatte for images of the scene through a camera. The ids of the camera's optics follow those of all triangles.
+    pub fn matte(scene: &Scene, camera: &Camera, kind: MatteKind) -> Matte {
+        let (names, name_of) = match kind {
+            MatteKind::Objects => {
                 let of = |(k, o): (u32, &Object)| std::iter::repeat_n(k, o.triangles);
                 let names = scene.objects.iter().map(|o| o.name.clone()).collect();
                 (names, (0..).zip(&scene.objects).flat_map(of).collect())
             }
-            Apart::Materials => {
+            MatteKind::Materials => {
                 let names = scene.mesh.materials.iter().map(|m| m.name.clone()).collect();
                 (names, scene.mesh.material_of.clone())
             }
         };
-        Matte::new(apart, names, name_of, camera.optics.is_some())
+        Matte::new(kind, names, name_of, camera.optics.is_some())
     }
 
     /// The values of `channel` for these triangles; `None` if it is not a channel of labels.

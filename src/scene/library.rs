@@ -1,4 +1,4 @@
-//! Parts of scenes that are kept for the next ones, as long as the files that they came from stay what they were.
+//! A cache of scene parts, reused by later scenes while their input files are unchanged.
 
 use super::Scene;
 use super::file::{SceneFile, SkySpec};
@@ -20,14 +20,14 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Where the scenes of many frames come from.
+/// Loads scenes, and caches their parts across frames.
 #[derive(Default)]
 pub struct Library {
-    /// Nothing is kept.
+    /// Caching is off.
     is_for_once: bool,
-    /// In their own places.
+    /// Meshes in object space.
     meshes: Shelf<(MeshSpec, ImagesRead), Mesh>,
-    /// All meshes of a scene, placed.
+    /// All meshes of a scene in world space, merged.
     merged: Shelf<(Vec<MeshSpec>, ImagesRead), Merged>,
     skies: Shelf<SkySpec, Sky>,
     caustics: Shelf<CausticsSpec, (Arc<Caustics>, Arc<Mesh>)>,
@@ -40,13 +40,13 @@ type Merged = (Arc<Mesh>, Vec<Object>);
 /// A camera, and the size of its image.
 type CameraKey = (CameraSpec, Option<(u32, u32)>);
 
-/// What a camera was built for.
+/// The scene that a camera was built for.
 struct Around {
-    looked: SceneUse,
+    scene_use: SceneUse,
     mesh: Arc<Mesh>,
 }
 
-/// Parts by what was asked for.
+/// Cached parts by their keys.
 struct Shelf<K, V> {
     kept: Mutex<Vec<Kept<K, V>>>,
 }
@@ -55,11 +55,11 @@ struct Kept<K, V> {
     key: K,
     value: Arc<V>,
     inputs: Inputs,
-    /// Scenes that were asked for since one had it.
+    /// Number of scenes loaded since it was last used.
     age: usize,
 }
 
-/// Scenes that come before a part is given up that none of them has: frames of two jobs may come in turn.
+/// A part is dropped after this many scenes that do not use it: frames of two jobs may alternate.
 const SCENES: usize = 2;
 
 impl<K, V> Default for Shelf<K, V> {
@@ -69,14 +69,14 @@ impl<K, V> Default for Shelf<K, V> {
 }
 
 impl<K: PartialEq + Clone, V> Shelf<K, V> {
-    /// Another scene comes.
-    fn turn(&self) {
+    /// Ages all parts, and drops old ones.
+    fn next_scene(&self) {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.iter_mut().for_each(|k| k.age += 1);
         kept.retain(|k| k.age <= SCENES);
     }
 
-    /// The part that is there, if it would be the same now and `suits`; else as `make` makes it, which is kept if `keeps`.
+    /// The cached part if its inputs are unchanged and it `suits`; else the result of `make`, cached if `keeps`.
     fn get(
         &self,
         key: &K,
@@ -107,21 +107,21 @@ impl<K: PartialEq + Clone, V> Shelf<K, V> {
 }
 
 impl Library {
-    /// Of one scene.
+    /// Without a cache, for one scene.
     pub fn for_once() -> Library {
         Library { is_for_once: true, ..Library::default() }
     }
 
-    /// A scene with everything that its file names, but of the images on meshes only those that `read` says.
+    /// Loads a scene and all files that it names; `read` selects which textures are loaded.
     ///
     /// # Errors
     /// [`Error::Input`] naming the file or the key that is wrong.
     pub fn scene(&self, file: SceneFile, read: ImagesRead) -> Result<Scene> {
-        self.meshes.turn();
-        self.merged.turn();
-        self.skies.turn();
-        self.caustics.turn();
-        self.cameras.turn();
+        self.meshes.next_scene();
+        self.merged.next_scene();
+        self.skies.next_scene();
+        self.caustics.next_scene();
+        self.cameras.next_scene();
         let mut images = Images::of(read);
         let merged = self.merged.get(
             &(file.meshes.clone(), read),
@@ -179,15 +179,15 @@ impl Library {
     /// Those of [`Camera::in_scene`].
     pub fn camera(&self, scene: &Scene, size: Option<(u32, u32)>) -> Result<Arc<Camera>> {
         let key = (scene.camera.clone(), size.or(scene.size));
-        let suits = |(_, around): &(Arc<Camera>, Around)| match around.looked {
+        let suits = |(_, around): &(Arc<Camera>, Around)| match around.scene_use {
             SceneUse::Nothing => true,
             SceneUse::Bounds => around.mesh.bounds() == scene.mesh.bounds(),
             SceneUse::Mesh => Arc::ptr_eq(&around.mesh, &scene.mesh),
         };
         let make = || {
             let camera = Camera::in_scene(&key.0, key.1, &scene.mesh)?;
-            let looked = camera.looked;
-            Ok((Arc::new(camera), Around { looked, mesh: scene.mesh.clone() }))
+            let scene_use = camera.scene_use;
+            Ok((Arc::new(camera), Around { scene_use, mesh: scene.mesh.clone() }))
         };
         Ok(self.cameras.get(&key, !self.is_for_once, suits, make)?.0.clone())
     }
@@ -249,10 +249,10 @@ mod tests {
         assert_eq!(names(&first.2), [dir.path().join("scene.toml"), dir.path().join("a.obj")]);
         assert_eq!(names(&again.2), names(&first.2));
         // a panorama does not look at the scene
-        let turned = load(&library, dir.path(), "rotate = [0, 30, 0]");
-        assert!(!Arc::ptr_eq(&first.0.mesh, &turned.0.mesh) && Arc::ptr_eq(&first.1, &turned.1));
+        let rotated = load(&library, dir.path(), "rotate = [0, 30, 0]");
+        assert!(!Arc::ptr_eq(&first.0.mesh, &rotated.0.mesh) && Arc::ptr_eq(&first.1, &rotated.1));
         let alone = Scene::load(&dir.path().join("scene.toml"), &[], 0.0).unwrap();
-        assert!(*turned.0.mesh == *alone.mesh);
+        assert!(*rotated.0.mesh == *alone.mesh);
         // the file is another one
         std::fs::write(dir.path().join("a.obj"), obj(-0.25)).unwrap();
         let other = load(&library, dir.path(), "");

@@ -1,30 +1,30 @@
-//! Lights, and what hides them.
+//! Lights and ambient occlusion.
 
 use glam::DVec3;
 
-/// Share of the light that comes from everywhere alike.
+/// Share of ambient light.
 pub const AMBIENT: f32 = 0.1;
 
 /// A light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
     pub source: Source,
-    /// Linear RGB: irradiance over pi, where it falls straight on.
+    /// Linear RGB irradiance over pi, at normal incidence.
     pub colour: [f32; 3],
-    /// Triangles in the way hide it.
+    /// Whether triangles cast shadows.
     pub casts_shadows: bool,
 }
 
-/// Where light comes from.
+/// Position of a light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Source {
-    /// The unit way that the light travels, everywhere.
+    /// Distant: unit direction in which the light travels.
     Distant(DVec3),
-    /// A place, and how far from there the light has its colour: it falls off with the square of the distance.
+    /// Point light: position, and the distance at which it has its colour; inverse-square falloff.
     Point { position: DVec3, distance: f64 },
 }
 
-/// How light from all around is hidden by what is near: the directions that are looked along, and how far, world units.
+/// Ambient occlusion: number of directions, and maximum distance, world units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AmbientOcclusion {
     pub rays: u32,
@@ -34,16 +34,16 @@ pub struct AmbientOcclusion {
 /// Light at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arriving {
-    /// The unit way to where it comes from.
+    /// Unit direction to the light.
     pub way: DVec3,
-    /// How far that is.
+    /// Distance to the light, world units.
     pub far: f64,
-    /// Irradiance over pi of what it falls on straight.
+    /// Irradiance over pi at normal incidence.
     pub strength: DVec3,
 }
 
 impl Light {
-    /// White light from far away, which travels this way and shines through everything.
+    /// A white distant light with this direction of travel and without shadows.
     pub fn distant(travel: DVec3) -> Light {
         Light { source: Source::Distant(travel.normalize()), colour: [1.0; 3], casts_shadows: false }
     }
@@ -52,7 +52,7 @@ impl Light {
         matches!(self.source, Source::Distant(_)) && self.colour == [1.0; 3] && !self.casts_shadows
     }
 
-    /// What arrives at `p` where nothing is in the way.
+    /// The unshadowed light at `p`.
     pub fn arriving(&self, p: DVec3) -> Arriving {
         let colour = DVec3::from(self.colour.map(f64::from));
         match self.source {
@@ -71,13 +71,13 @@ impl Light {
 }
 
 impl AmbientOcclusion {
-    /// Directions by their cosine about +z: a spiral of Fibonacci's on the disc below them.
+    /// Cosine-weighted directions about +z: a Fibonacci spiral projected from the unit disc.
     pub fn directions(&self) -> impl Iterator<Item = DVec3> {
         let count = f64::from(self.rays);
-        let turn = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+        let golden_angle = std::f64::consts::PI * (3.0 - 5f64.sqrt());
         (0..self.rays).map(move |k| {
             let square = (f64::from(k) + 0.5) / count;
-            let (sin, cos) = (turn * f64::from(k)).sin_cos();
+            let (sin, cos) = (golden_angle * f64::from(k)).sin_cos();
             DVec3::new(square.sqrt() * cos, square.sqrt() * sin, (1.0 - square).sqrt())
         })
     }

@@ -1,4 +1,4 @@
-//! Scenes: the file a user writes, and the triangles, lights and camera it stands for.
+//! Scenes: loading a scene file into triangles, lights and a camera.
 
 pub mod caustics;
 pub mod file;
@@ -32,38 +32,38 @@ use std::path::Path;
 use std::sync::Arc;
 use style::Style;
 
-/// Everything that a frame needs, loaded.
+/// A loaded scene: everything that a frame needs.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// All meshes placed in the world, one after the other.
     pub mesh: Arc<Mesh>,
-    /// What the meshes are called, and how many triangles each has, in order.
+    /// Name and triangle count of each object, in id order.
     pub objects: Vec<Object>,
-    /// None: one headlight along each pixel's own ray.
+    /// If empty, a headlight shines along each pixel's ray.
     pub lights: Vec<Light>,
     /// Lines and strokes.
     pub style: Style,
-    /// How light from all around, and the headlight, is hidden by what is near.
+    /// Ambient occlusion, for ambient light and the headlight.
     pub ambient_occlusion: Option<AmbientOcclusion>,
-    /// Light from all around, instead of what comes from everywhere alike.
+    /// Environment light; replaces the constant ambient light.
     pub sky: Option<Arc<Sky>>,
     /// Linear RGB.
     pub background: [f32; 3],
-    /// How colours become an 8-bit picture.
+    /// Tone mapping of 8-bit images.
     pub tone: Tone,
     /// The image's size in pixels, unless the camera brings its own.
     pub size: Option<(u32, u32)>,
     pub camera: CameraSpec,
     /// The camera's keys as in the scene file; empty if the camera is not from a file.
     pub camera_keys: Arc<CameraKeys>,
-    /// Light that comes by way of a mirror or a lens.
+    /// Caustics of a mirror or lens.
     pub caustics: Option<Arc<Caustics>>,
     pub output: file::OutputSpec,
 }
 
 impl Scene {
-    /// Loads a scene file with every mesh that it names; `overrides` are `key=value` pairs, and `frame` is where values given
-    /// as keyframes are taken. See [`file::load`].
+    /// Loads a scene file with every mesh that it names; `overrides` are `key=value` pairs; keyframed values
+    /// are evaluated at `frame`. See [`file::load`].
     pub fn load(path: &Path, overrides: &[String], frame: f64) -> Result<Scene> {
         Scene::from_file(file::load(path, overrides, frame)?)
     }
@@ -77,7 +77,7 @@ impl Scene {
         Camera::in_scene(&self.camera, self.size, &self.mesh)
     }
 
-    /// Every channel that pictures of the scene through a camera have, except `certified`, which is requested by name.
+    /// All channels of the scene and a camera, except `certified`, which is requested by name.
     pub fn channels(&self, camera: &Camera) -> Vec<Channel> {
         let is_available = |c: &Channel| match c {
             Channel::Certified => false,
@@ -87,7 +87,7 @@ impl Scene {
         camera.channels().into_iter().chain(Channel::MORE.into_iter().filter(is_available)).collect()
     }
 
-    /// The scene with the facets of the camera's optics as its last triangles; itself where there are none.
+    /// The scene with the facets of the camera's optics as its last triangles; the scene itself if there are none.
     pub fn with_optics(&self, camera: &Camera) -> Cow<'_, Scene> {
         let Some(Surface::Facets { facets, .. }) = camera.optics.as_ref().map(|o| &o.surface) else {
             return Cow::Borrowed(self);
@@ -98,13 +98,13 @@ impl Scene {
         Cow::Owned(scene)
     }
 
-    /// Something may be in the way of light.
+    /// Whether any light or ambient occlusion needs shadow rays.
     pub fn has_shadows(&self) -> bool {
         self.ambient_occlusion.is_some() || self.lights.iter().any(|l| l.casts_shadows)
     }
 
     /// # Errors
-    /// [`Error::Input`] where shadows would be of holes.
+    /// [`Error::Input`] for shadows together with alpha masks.
     pub fn check_shadows(&self) -> Result<()> {
         if self.has_shadows() && self.mesh.has_holes() {
             return Err(Error::input(SHADOWS_AND_HOLES.join("; ")));
@@ -112,7 +112,7 @@ impl Scene {
         Ok(())
     }
 
-    /// The corners of the box around all vertices; `None` without any.
+    /// Least and greatest corner of the bounding box of all vertices, world units; `None` without vertices.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.mesh.bounds()
     }

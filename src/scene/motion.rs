@@ -1,4 +1,4 @@
-//! Image-space motion: where what a pixel shows now is seen in another frame, through any camera and as far as both may have moved.
+//! Motion vectors: the image position, in another frame, of the surface point that a pixel shows. Camera and scene may both move.
 
 use crate::camera::Camera;
 use crate::camera::project::Projector;
@@ -8,18 +8,18 @@ use crate::scene::Scene;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// The channels that say what moves.
+/// The channels that motion needs.
 pub const NEEDED: [Channel; 4] = [Channel::T, Channel::TriangleId, Channel::BaryU, Channel::BaryV];
 
 /// Names in an EXR file.
 pub const NAMES: [&str; 2] = ["motion.X", "motion.Y"];
 
-/// Of each pixel of `frame`, which shows `now`, how far to the right and downwards the same place of the same triangle lies in the
-/// image of `next`, px: the nearest of its places there, whether something hides it or not. 0 where nothing is hit; NaN where `next`
-/// sees it nowhere, or where that could not be found ([`crate::camera::project::Images::incomplete`]).
+/// Motion of each pixel of `frame`, rendered from `now`, to the image of `next`: right and down, px. The same point of the same
+/// triangle is projected; of several images the nearest counts, hidden or not. 0 where nothing is hit; NaN where `next` has no image of
+/// it, or the search was given up ([`crate::camera::project::Images::incomplete`]).
 ///
 /// # Errors
-/// [`Error::Input`] where mirrors or lenses turn rays, the triangles are not the same, or the frame lacks one of [`NEEDED`].
+/// [`Error::Input`] if the camera has a mirror or lens, the triangles are not the same, or the frame lacks one of [`NEEDED`].
 pub fn motion(now: (&Scene, &Camera), next: (&Scene, &Camera), frame: &Frame) -> Result<[Vec<f32>; 2]> {
     let ((scene, camera), (next_scene, next_camera)) = (now, next);
     if camera.optics.is_some() || next_camera.optics.is_some() {

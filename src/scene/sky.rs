@@ -1,4 +1,4 @@
-//! Light from all around a scene, by an image of it.
+//! Environment light from an image.
 
 use super::file::SkySpec;
 use crate::geometry::texture::{Images, Texels, Texture, Wrap};
@@ -9,55 +9,55 @@ use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, OnceLock};
 
-/// What comes from every direction: longitudes from left to right, -z in the middle, and latitudes from +y on top.
+/// An equirectangular environment image: longitude from left to right with -z in the middle, +y on top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sky {
-    /// Repeats to the right.
+    /// Repeats in longitude.
     pub image: Texture,
-    /// What its light is multiplied by.
+    /// Factor of its light.
     pub strength: f32,
-    /// By which it is turned about +y, as seen from above against the clock: turns.
-    pub turn: f64,
-    /// Pixels that hit nothing show it.
+    /// Rotation about +y in revolutions, counter-clockwise seen from above.
+    pub rotation: f64,
+    /// Whether pixels that hit nothing show it.
     pub is_seen: bool,
-    /// What arrives at a surface of normal n, over pi, linear RGB: weights of 1, y, z, x, xy, yz, 3 zz - 1, xz and xx - yy.
+    /// Irradiance over pi for a normal n, linear RGB: coefficients of 1, y, z, x, xy, yz, 3 zz - 1, xz and xx - yy.
     pub irradiance: [[f32; 3]; 9],
-    /// Its image, and each half as large as the one before: made once they are needed.
+    /// The image and its mip levels, computed on first use.
     coarser: OnceLock<Vec<Texture>>,
 }
 
-/// Directions a side that the mean over a lobe is taken of.
+/// Samples per side for the mean over a lobe.
 const LOBE_SIDE: u32 = 16;
 
 impl Sky {
     /// # Errors
-    /// [`crate::input::Error::Input`] where its image cannot be read.
+    /// [`crate::input::Error::Input`] if its image cannot be read.
     pub fn new(spec: &SkySpec, images: &mut Images) -> Result<Sky> {
         let sky = Sky::of(images.load(&spec.file)?, spec.strength as f32, spec.rotate / 360.0);
         Ok(Sky { is_seen: spec.is_seen, ..sky })
     }
 
-    /// One that is seen.
-    pub fn of(texels: Arc<Texels>, strength: f32, turn: f64) -> Sky {
+    /// A visible environment of these texels.
+    pub fn of(texels: Arc<Texels>, strength: f32, rotation: f64) -> Sky {
         let image = Texture { wrap: [Wrap::Repeat, Wrap::Clamp], ..Texture::new(texels) };
         let (irradiance, coarser) = ([[0.0; 3]; 9], OnceLock::new());
-        let mut sky = Sky { image, strength, turn, is_seen: true, irradiance, coarser };
+        let mut sky = Sky { image, strength, rotation, is_seen: true, irradiance, coarser };
         sky.irradiance = sky.harmonics();
         sky
     }
 
-    /// Where its image shows what comes from a unit direction.
+    /// The image place (u, v) of a unit direction.
     fn uv(&self, d: DVec3) -> DVec2 {
-        DVec2::new(0.5 + d.x.atan2(-d.z) / TAU + self.turn, 0.5 + d.y.clamp(-1.0, 1.0).asin() / PI)
+        DVec2::new(0.5 + d.x.atan2(-d.z) / TAU + self.rotation, 0.5 + d.y.clamp(-1.0, 1.0).asin() / PI)
     }
 
-    /// The direction that a place of its image shows.
+    /// The unit direction of an image place (u, v).
     fn direction(&self, uv: DVec2) -> DVec3 {
-        let (longitude, latitude) = ((uv.x - 0.5 - self.turn) * TAU, (uv.y - 0.5) * PI);
+        let (longitude, latitude) = ((uv.x - 0.5 - self.rotation) * TAU, (uv.y - 0.5) * PI);
         DVec3::new(latitude.cos() * longitude.sin(), latitude.sin(), -latitude.cos() * longitude.cos())
     }
 
-    /// What comes from a unit direction, linear RGB.
+    /// Radiance from a unit direction, linear RGB.
     pub fn radiance(&self, d: DVec3) -> DVec3 {
         self.radiance_of(&self.image, d)
     }
@@ -67,7 +67,7 @@ impl Sky {
         f64::from(self.strength) * DVec3::new(r, g, b)
     }
 
-    /// The mean of what comes from about a unit direction, over a square so wide, radians.
+    /// Mean radiance over a square of `width` radians about a unit direction.
     pub fn lobe(&self, d: DVec3, width: f64) -> DVec3 {
         // with texels no smaller than from one direction to the next, so that none is missed
         let step = width / f64::from(LOBE_SIDE) / (TAU / f64::from(self.image.texels.width));
@@ -77,15 +77,15 @@ impl Sky {
         let (across, along) = d.any_orthonormal_pair();
         let place = |k: u32| ((f64::from(k) + 0.5) / f64::from(LOBE_SIDE) - 0.5) * width;
         let side = || (0..LOBE_SIDE).map(place);
-        let turned = |x: f64, y: f64| {
+        let tilted = |x: f64, y: f64| {
             let angle = x.hypot(y);
             angle.cos() * d + angle.sin() / angle * (x * across + y * along)
         };
-        let sum: DVec3 = side().flat_map(|x| side().map(move |y| self.radiance_of(image, turned(x, y)))).sum();
+        let sum: DVec3 = side().flat_map(|x| side().map(move |y| self.radiance_of(image, tilted(x, y)))).sum();
         sum / f64::from(LOBE_SIDE * LOBE_SIDE)
     }
 
-    /// Its image, and means of two by two texels of each before.
+    /// The image and its mip levels, each the means of 2 x 2 texels.
     fn halved(&self) -> Vec<Texture> {
         let mut all = vec![self.image.clone()];
         while let Some(Texture { texels: finer, .. }) = all.last().filter(|t| t.texels.width.min(t.texels.height) >= 2)
@@ -104,8 +104,8 @@ impl Sky {
         all
     }
 
-    /// What arrives at a surface of unit normal `n`, over pi: spherical harmonics up to the second order (Ramamoorthi and Hanrahan
-    /// 2001), which are within 1 % of it on the average.
+    /// Irradiance over pi for the unit normal `n`: spherical harmonics of order 2 (Ramamoorthi and Hanrahan 2001), average error
+    /// under 1 %.
     pub fn irradiance(&self, n: DVec3) -> DVec3 {
         let sum: DVec3 = basis(n).iter().zip(self.irradiance).map(|(y, c)| *y * DVec3::from(c.map(f64::from))).sum();
         sum.max(DVec3::ZERO)
@@ -149,26 +149,26 @@ mod tests {
     use super::*;
 
     fn sky(light: impl Fn(DVec3) -> f64) -> Sky {
-        const TURN: f64 = 0.1;
+        const ROTATION: f64 = 0.1;
         let (width, height) = (256, 128);
         let texel = |k: u32| {
-            let longitude = TAU * ((f64::from(k % width) + 0.5) / f64::from(width) - 0.5 - TURN);
+            let longitude = TAU * ((f64::from(k % width) + 0.5) / f64::from(width) - 0.5 - ROTATION);
             let latitude = PI * (0.5 - (f64::from(k / width) + 0.5) / f64::from(height));
             let level = DVec3::new(longitude.sin(), 0.0, -longitude.cos());
             [light(latitude.cos() * level + latitude.sin() * DVec3::Y), 0.0, 0.0, 1.0].map(f16::from_f64)
         };
         let rgba = (0..width * height).map(texel).collect();
-        Sky::of(Arc::new(Texels { width, height, rgba }), 2.0, TURN)
+        Sky::of(Arc::new(Texels { width, height, rgba }), 2.0, ROTATION)
     }
 
     #[test]
     fn directions_come_back_and_the_middle_is_ahead() {
-        let sky = Sky { turn: 0.0, ..sky(|_| 1.0) };
+        let sky = Sky { rotation: 0.0, ..sky(|_| 1.0) };
         assert!((sky.direction(DVec2::splat(0.5)) - DVec3::NEG_Z).length() < 1e-12);
         assert!((sky.direction(DVec2::new(0.75, 0.5)) - DVec3::X).length() < 1e-12);
-        let turned = Sky { turn: 0.25, ..sky };
+        let rotated = Sky { rotation: 0.25, ..sky };
         for d in [DVec3::new(0.3, -0.5, 0.8), DVec3::new(-1.0, 0.1, -0.2)].map(DVec3::normalize) {
-            assert!((turned.direction(turned.uv(d)) - d).length() < 1e-12);
+            assert!((rotated.direction(rotated.uv(d)) - d).length() < 1e-12);
         }
     }
 

@@ -1,13 +1,13 @@
-//! How a picture is drawn beyond how things are lit: lines as wide in pixels as they shall be, and strokes of a pen.
+//! Non-photorealistic styles: lines of a given width in pixels, and pen strokes.
 
 /// Lines and strokes; none by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Style {
-    /// Along the edges of all triangles.
+    /// Wireframe: along the edges of all triangles.
     pub wireframe: Option<Line>,
-    /// Where one thing hides another, or a surface has a crease.
+    /// Silhouettes and creases.
     pub outline: Option<Outline>,
-    /// Where pieces of the camera meet.
+    /// Borders of the camera's pieces.
     pub borders: Option<Line>,
     pub hatching: Option<Hatching>,
 }
@@ -15,25 +15,25 @@ pub struct Style {
 /// A line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
-    /// Pixels.
+    /// Width, pixels.
     pub width: f64,
     /// Linear RGB.
     pub colour: [f32; 3],
-    /// World units along the ray beyond which lines grow narrower as what is there grows smaller; infinite: nowhere.
+    /// Distance along the ray, world units, beyond which lines narrow in proportion to the image scale; infinite: never.
     pub depth: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outline {
     pub line: Line,
-    /// Degrees between normals from which on an edge is a crease.
+    /// Least angle between normals at a crease, degrees.
     pub crease: f64,
 }
 
-/// Ink on paper: as much of it as a surface is dark.
+/// Pen strokes: their density follows the darkness of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hatching {
-    /// From stroke to stroke, pixels: once to twice as much.
+    /// Distance between strokes, pixels: between one and two times this.
     pub spacing: f64,
     /// Linear RGB.
     pub ink: [f32; 3],
@@ -41,12 +41,12 @@ pub struct Hatching {
 }
 
 impl Style {
-    /// Something is drawn on surfaces by themselves.
+    /// Whether wires or strokes are drawn on surfaces.
     pub fn is_on_surfaces(&self) -> bool {
         self.wireframe.is_some() || self.hatching.is_some()
     }
 
-    /// Something is drawn between pixels.
+    /// Whether lines between pixels are drawn.
     pub fn is_between_pixels(&self) -> bool {
         self.outline.is_some() || self.borders.is_some()
     }

@@ -59,7 +59,7 @@ impl Example {
     /// Writes every file into the folder, which is there; returns the scene's path.
     ///
     /// # Errors
-    /// [`crate::input::Error::Work`] where one cannot be written.
+    /// [`crate::input::Error::Work`] if one cannot be written.
     pub fn write(&self, folder: &Path) -> Result<PathBuf> {
         for (name, part) in self.parts() {
             match part {

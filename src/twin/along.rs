@@ -10,15 +10,15 @@ pub struct Along<F> {
     pub function: F,
     /// The least and the largest of its second derivative over the span.
     pub bends: [f64; 2],
-    /// What a kernel's value may lose: that much, and that much times s.
+    /// Error bound of a kernel's value: a constant, and a factor of s.
     pub error: [f64; 2],
-    /// From where to where it is followed.
+    /// The span that is searched.
     pub span: [Bounded; 2],
-    /// Steps of a kernel at most.
+    /// Most steps of a kernel.
     pub most: u32,
 }
 
-/// A kernel's step is that much of what is proved.
+/// A kernel's step as a share of the proven one.
 pub const STEP: f64 = 0.99609375;
 
 /// By how many times what a value loses a kernel's root may be off: where a step passes it, slope and bend may have lost as
@@ -51,7 +51,7 @@ impl<F: Fn(f64) -> [f64; 2]> Along<F> {
             if v <= 0.0 || next <= s {
                 return Reached { at: Some(s), steps };
             }
-            // also where it turns away for good, and the step is no number
+            // also where it curves away for good, and the step is NaN
             if next.is_nan() || next > to || steps > self.most {
                 return Reached { at: None, steps };
             }

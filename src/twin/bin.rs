@@ -11,7 +11,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// A pair as the lists hold it: a triangle's slot, a tile, and the box of its pixels to look at.
+/// A pair as stored in the lists: a triangle's slot, a tile, and the box of its pixels to test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
     pub slot: u32,
@@ -50,14 +50,14 @@ impl Pair {
     }
 }
 
-/// A triangle and a tile of which it covers pixels, at a t in range and with a face that shows.
+/// A triangle and a tile in which it covers pixels, at a t in range, on a visible face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Binned {
     pub slot: u32,
     pub tile: u32,
-    /// Pixels that it covers for certain.
+    /// Pixels that it certainly covers.
     pub certain: u64,
-    /// And those whose rays pass an edge within rounding.
+    /// Pixels that it may cover: their rays pass an edge within rounding.
     pub possible: u64,
 }
 

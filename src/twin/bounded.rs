@@ -1,12 +1,12 @@
-//! Numbers that know how far a kernel's may be from them: running error analysis (Higham, Accuracy and Stability of
-//! Numerical Algorithms, section 3.3). A formula written with them is the formula, and its bound.
+//! Numbers with bounds on the error of a kernel's value: running error analysis (Higham, Accuracy and Stability of
+//! Numerical Algorithms, section 3.3). A formula written with them yields its value and its error bound.
 
 use super::Real;
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value in f64, and how far another correct evaluation of the same formula may be from it.
+/// A value in f64, and a bound on its distance to any other correct evaluation of the same formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounded {
     pub v: f64,
@@ -15,7 +15,7 @@ pub struct Bounded {
     unit: f64,
 }
 
-/// Whether something holds, and whether another correct evaluation must agree.
+/// A truth value, and whether every correct evaluation must agree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Judged {
     pub yes: bool,
@@ -37,7 +37,7 @@ impl Judged {
 /// root; an ulp is up to two units.
 const DIV_UNITS: f64 = 5.0;
 const SQRT_UNITS: f64 = 9.0;
-/// Units of rounding of a cosine and of a sine, absolute: the turns' product with 2 pi, of an eighth at most, and the last
+/// Units of rounding of a cosine and of a sine, absolute: the product with 2 pi, of an eighth at most, and the last
 /// three operations of the series.
 pub const CIRCLE_UNITS: f64 = 4.0;
 /// Smaller numbers than this may be flushed to 0.
@@ -90,7 +90,7 @@ impl Bounded {
         if o.v > self.v { o } else { self }
     }
 
-    /// Cosine and sine of so many turns.
+    /// Cosine and sine of an angle in revolutions.
     pub fn circle(self) -> [Bounded; 2] {
         let (s, c) = (TAU * (self.v - self.v.round())).sin_cos();
         let e = TAU * self.e + CIRCLE_UNITS * self.unit;
@@ -105,7 +105,7 @@ impl Bounded {
         Bounded { v: self.v.abs(), ..self }
     }
 
-    /// The root; 0 of what is negative.
+    /// The square root; 0 for negative values.
     pub fn sqrt(self) -> Bounded {
         let root = self.v.max(0.0).sqrt();
         let least = self.v - self.e;
@@ -114,7 +114,7 @@ impl Bounded {
         self.rounded(root, e, SQRT_UNITS)
     }
 
-    /// `self <= other`; a number that is none is not.
+    /// `self <= other`; false for NaN.
     pub fn at_most(self, other: Bounded) -> Judged {
         let e = self.e + other.e;
         Judged { yes: self.v <= other.v, sure: e == 0.0 || (self.v - other.v).abs() > e }
@@ -161,7 +161,7 @@ impl Mul for Bounded {
 
 impl Div for Bounded {
     type Output = Bounded;
-    /// By 0 it is no number, or infinite, for sure.
+    /// Division by 0 certainly gives NaN or infinity.
     fn div(self, o: Bounded) -> Bounded {
         let q = self.v / o.v;
         if o.is_zero() {

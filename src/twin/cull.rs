@@ -4,23 +4,23 @@ use super::Input;
 use crate::gpu::layout::{BRANCH, Cluster, LEVEL_CELL, Node, RAYS_AFFINE, RAYS_NONE, RAYS_TORN};
 use glam::DVec3;
 
-/// How a node's bundle is bounded: all boxes and radii grow by `slack` times the sizes of what they are made of, and
-/// beyond `refine_to` in t only origins and directions apart are bounded.
+/// How a node's bundle is bounded: all boxes and radii grow by `tolerance` times the sizes of what they are made of, and
+/// beyond `refine_to` in t only origins and directions are bounded, separately.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
-    pub slack: f64,
+    pub tolerance: f64,
     pub refine_to: f64,
 }
 
 impl Bound {
     /// The rows' own bound.
-    pub const PLAIN: Bound = Bound { slack: 0.0, refine_to: f64::INFINITY };
-    /// What a kernel must keep: everything but what its rounding may lose. The rows' radii hold 2^-22 of the same
+    pub const PLAIN: Bound = Bound { tolerance: 0.0, refine_to: f64::INFINITY };
+    /// The pairs that a kernel must keep: all but those that its rounding may lose. The rows' radii hold 2^-22 of the same
     /// sizes for that (plan and clusters), and an f32 kernel sums at most four terms, 2^-24 each.
-    pub const NEEDED: Bound = Bound { slack: -1.0 / (1u64 << 22) as f64, refine_to: f64::INFINITY };
-    /// What a kernel may keep: 1e-6 of slack on t, taken three times, and its rounding; and no refinement beyond the t whose
+    pub const NEEDED: Bound = Bound { tolerance: -1.0 / (1u64 << 22) as f64, refine_to: f64::INFINITY };
+    /// What a kernel may keep: 1e-6 of tolerance on t, taken three times, and its rounding; and no refinement beyond the t whose
     /// product with a scene-sized number may overflow f32.
-    pub const ALLOWED: Bound = Bound { slack: 1.0 / (1u64 << 18) as f64, refine_to: 0.99e15 };
+    pub const ALLOWED: Bound = Bound { tolerance: 1.0 / (1u64 << 18) as f64, refine_to: 0.99e15 };
 }
 
 /// Children met by which a cluster is handed on undivided, where one affine bundle bounds the node's tiles too.
@@ -162,16 +162,16 @@ impl Input<'_> {
     }
 }
 
-/// May any ray of the node meet the box of a cluster, or of a triangle group, at a t in range?
+/// Whether any ray of the node may meet the box of a cluster, or of a triangle group, at a t in range?
 pub fn node_meets(input: &Input, at: Address, cluster: &Cluster, bound: Bound) -> bool {
     let node = input.node(at);
     if node.rays == RAYS_NONE {
         return false;
     }
-    let beam = Beam::new(node, cluster, bound.slack);
+    let beam = Beam::new(node, cluster, bound.tolerance);
     let [t_min, t_max] = input.t_range();
     let forward = t_max >= 0.0 && beam.meets([t_min.max(0.0), t_max], bound);
-    let backward = t_min < 0.0 && beam.turned().meets([(-t_max).max(0.0), -t_min], bound);
+    let backward = t_min < 0.0 && beam.reversed().meets([(-t_max).max(0.0), -t_min], bound);
     forward || backward
 }
 
@@ -191,7 +191,7 @@ struct Beam {
 }
 
 impl Beam {
-    fn new(node: &Node, cluster: &Cluster, slack: f64) -> Beam {
+    fn new(node: &Node, cluster: &Cluster, tolerance: f64) -> Beam {
         let (centre, half) = (v(cluster.centre), v(cluster.half));
         let (p, d) = ([node.p, node.px, node.py].map(v), [node.d, node.dx, node.dy].map(v));
         let sizes = |c: &[DVec3; 3], r: f32| c.iter().map(|v| v.abs()).sum::<DVec3>() + f64::from(r);
@@ -199,17 +199,17 @@ impl Beam {
         Beam {
             p: [p[0] - centre, p[1], p[2]],
             d,
-            half: half + f64::from(node.r_p) + slack * size_p,
-            half_a_t: DVec3::splat(f64::from(node.r_d)) + slack * size_d,
+            half: half + f64::from(node.r_p) + tolerance * size_p,
+            half_a_t: DVec3::splat(f64::from(node.r_d)) + tolerance * size_d,
         }
     }
 
     /// The same rays, run through the other way.
-    fn turned(&self) -> Beam {
+    fn reversed(&self) -> Beam {
         Beam { d: self.d.map(|d| -d), ..*self }
     }
 
-    /// Some t in the range (t >= 0) may lie in the box: first with origins and directions apart, then with both
+    /// Some t in the range (t >= 0) may lie in the box: first with origins and directions bounded separately, then with both
     /// together where the bundle is widest in what was left, and again in what that leaves. The width is convex in t, so
     /// largest at an end.
     fn meets(&self, range: [f64; 2], bound: Bound) -> bool {
@@ -235,12 +235,12 @@ impl Beam {
         for axis in 0..3 {
             for sign in [1.0, -1.0] {
                 // t (sign d - widening) <= still - sign p
-                let (slope, room) = (sign * self.d[0][axis] - widening[axis], still[axis] - sign * self.p[0][axis]);
+                let (slope, distance) = (sign * self.d[0][axis] - widening[axis], still[axis] - sign * self.p[0][axis]);
                 if slope > 0.0 {
-                    to = to.min(room / slope);
+                    to = to.min(distance / slope);
                 } else if slope < 0.0 {
-                    from = from.max(room / slope);
-                } else if room < 0.0 {
+                    from = from.max(distance / slope);
+                } else if distance < 0.0 {
                     return [1.0, 0.0];
                 }
             }

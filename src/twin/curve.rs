@@ -8,7 +8,7 @@ use glam::DVec3;
 /// Units that a control point less a vertex, along a normal, may lose: two stored points, a difference, two products.
 const PLANE_UNITS: f64 = 16.0;
 
-/// Halving beyond this leaves nothing between two ts.
+/// Most halvings: beyond this no f64 lies between two ts.
 const DEPTH_MAX: u32 = 52;
 
 /// A polynomial over a span of t, at most cubic.
@@ -72,7 +72,7 @@ impl Poly {
     }
 }
 
-/// How a root lies in its triangle.
+/// The position of a root relative to its triangle.
 struct Met {
     inside: bool,
     uncertain: bool,
@@ -85,7 +85,7 @@ struct Met {
 fn meetings(c: &PixelCurve, corners: &Corners, real: Real) -> Vec<Met> {
     let [v0, v1, v2] = corners.v;
     let n = (v1 - v0).cross(v2 - v0);
-    // edges of vertices read as f32 turn the normal itself
+    // edges of vertices read as f32 change the normal itself
     let lost = PLANE_UNITS * real.unit() * (corners.reach() + c.size);
     let size_n = 3.0 * ((v1 - v0).length() * (v2 - v0).length()).max(n.length());
     let bound = size_n * lost;
@@ -94,17 +94,17 @@ fn meetings(c: &PixelCurve, corners: &Corners, real: Real) -> Vec<Met> {
     let mut roots = Vec::new();
     poly.roots(bound, 0, &mut roots);
     let meet = |(t, certain): (f64, bool)| {
-        let (at, way) = (c.curve.at(t), c.curve.tangent(t));
-        let across = n.dot(way);
+        let (at, tangent) = (c.curve.at(t), c.curve.tangent(t));
+        let across = n.dot(tangent);
         let off = (bound / across.abs().max(bound)).min(real.unit().sqrt());
-        let room = 4.0 * size_n * (lost + off * way.length());
+        let error = 4.0 * size_n * (lost + off * tangent.length());
         let sides: Vec<(f64, f64)> = [(v0, v1), (v1, v2), (v2, v0)]
-            .map(|(v, w): (DVec3, DVec3)| ((w - v).cross(at - v).dot(n), (w - v).length() * room))
+            .map(|(v, w): (DVec3, DVec3)| ((w - v).cross(at - v).dot(n), (w - v).length() * error))
             .to_vec();
         let inside = sides.iter().all(|s| s.0 >= 0.0);
         let uncertain = !certain || sides.iter().any(|s| s.0.abs() <= s.1);
         let outside = sides.iter().any(|s| s.0 < -s.1);
-        let edge_on = across.abs() <= size_n * real.rounding() * PLANE_UNITS * way.length();
+        let edge_on = across.abs() <= size_n * real.rounding() * PLANE_UNITS * tangent.length();
         let hidden = corners.one_sided && (across > 0.0) != corners.reversed;
         let t_error = if across == 0.0 { f64::INFINITY } else { bound / across.abs() };
         let uncertain = (uncertain && !outside) || (inside && corners.one_sided && edge_on);

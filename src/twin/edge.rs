@@ -6,7 +6,7 @@ use crate::camera::Bundle;
 use crate::camera::perturb::PERTURB_PX;
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
-/// A side, and whether another correct evaluation of the same rule may find the other one.
+/// A side, and whether another correct evaluation of the same rule may differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Side {
     /// 1 or -1.
@@ -51,7 +51,7 @@ impl Seen {
 struct Edge<'a> {
     b: &'a Bundle,
     e: DVec3,
-    /// Where the edge starts.
+    /// The edge's start.
     v: Seen,
     size_d: [f64; 3],
     size_e: f64,
@@ -65,7 +65,7 @@ impl Edge<'_> {
         Edge { b, e, v: Seen::new(b, v), size_d: b.d.map(size), size_e, lost_e: STORED_UNITS * unit * sizes }
     }
 
-    /// One coefficient of `E` and what rounding may hide of it.
+    /// One coefficient of `E` and its error bound.
     fn step(&self, terms: &[(usize, usize)]) -> (f64, f64) {
         let g = terms.iter().map(|&(k, l)| self.b.d[k].cross(self.v.m[l])).sum::<DVec3>();
         let sizes = terms.iter().map(|&(k, l)| self.size_d[k] * self.v.size_m[l]).sum::<f64>();
@@ -76,8 +76,8 @@ impl Edge<'_> {
 /// A corner along the ray onto a plane, as `in_plane` of sides.wgsl has it, and how far another adapter's may be from it.
 fn in_plane(rays: &PixelRays, v: DVec3, real: Real) -> (DVec2, f64) {
     let (b, axis) = (&rays.bundle, rays.bundle.d[0].abs().max_position());
-    let turned = |v: DVec3| DVec3::from_array([1, 2, 3].map(|k| v[(axis + k) % 3]));
-    let (d, m) = (turned(b.d[0]), turned(v * b.h[0] - b.p[0]));
+    let rotated = |v: DVec3| DVec3::from_array([1, 2, 3].map(|k| v[(axis + k) % 3]));
+    let (d, m) = (rotated(b.d[0]), rotated(v * b.h[0] - b.p[0]));
     let aside = d.xy() / d.z;
     let place = m.xy() - aside * m.z;
     let sizes = size(v) * rays.size_h + rays.size_p + size(m) * (rays.size_d / d.z.abs());
@@ -104,12 +104,12 @@ pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, real: Real, r: f64) -> i32 {
         (value, from_v.max(from_w))
     };
     let (value, bound) = step(STEPS[0]);
-    let mut room = UNCERTAIN_BOUNDS * bound;
+    let mut error = UNCERTAIN_BOUNDS * bound;
     for (terms, scale) in STEPS.iter().zip([0.0, r, r, r * r, r * r, r * r]) {
         let (value, bound) = step(terms);
-        room += scale * (value.abs() + UNCERTAIN_BOUNDS * bound);
+        error += scale * (value.abs() + UNCERTAIN_BOUNDS * bound);
     }
-    if value.abs() > room { value.signum() as i32 } else { 0 }
+    if value.abs() > error { value.signum() as i32 } else { 0 }
 }
 
 /// In units of the bound: the error of [`side`], which is smaller than one, and the growth of the sizes over the square; twice each.

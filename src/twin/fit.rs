@@ -1,4 +1,4 @@
-//! fit in f64: the tree of nodes over rays that were turned, as the host makes it for a camera's own rays.
+//! fit in f64: the tree of nodes over bounced rays, as the host builds it for a camera's own rays.
 
 use super::Input;
 use super::cull::Address;
@@ -9,7 +9,7 @@ use crate::engine::plan::tiles::{Bounds, Sample, Sampled};
 use crate::gpu::layout::{BRANCH, Cell, Node};
 use glam::{DVec2, DVec3};
 
-/// Nodes, and one cell a tile.
+/// Nodes, and one cell per tile.
 pub struct Fitted {
     pub nodes: Nodes,
     pub cells: Vec<Cell>,
@@ -22,7 +22,7 @@ pub struct PixelRay {
     pub d: DVec3,
 }
 
-/// All levels over the rays of `input`, of which nothing else is read but its parameters and its optics.
+/// All levels over the rays of `input`. Besides these, only its parameters and optics are read.
 pub fn fit(input: &Input) -> Fitted {
     let p = &input.params;
     let middle = input.optics.map_or(DVec3::ZERO, |o| DVec3::from(o.optic.middle.map(f64::from)));
@@ -80,7 +80,7 @@ pub fn reach(node: &Node, at: Address, rays: &[PixelRay]) -> [f64; 2] {
     })
 }
 
-/// Pixels a side of a node.
+/// Pixels per side of a node.
 fn side_px(at: Address) -> u32 {
     TILE * BRANCH.pow(at.level)
 }

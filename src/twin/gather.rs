@@ -1,4 +1,4 @@
-//! gather in f64: what the receivers' maps, as stored, add to a pixel.
+//! gather in f64: the light that the receivers' maps, as stored, add to a pixel.
 
 use crate::gpu::layout::{Landing, Receiver};
 use glam::DVec2;
@@ -17,7 +17,7 @@ pub fn units(sums: &[u32], texel: usize) -> [f64; 3] {
     })
 }
 
-/// The diffuse reflection of what falls at a place, linear RGB; nothing outside the map.
+/// The diffuse reflection of the flux at a place, linear RGB; 0 outside the map.
 pub fn gather(landing: &Landing, receiver: &Receiver, sums: &[u32], place: DVec2) -> [f64; 3] {
     let size = DVec2::new(receiver.columns.into(), receiver.rows.into());
     if place.cmplt(DVec2::ZERO).any() || place.cmpgt(size).any() {

@@ -1,5 +1,5 @@
 //! The stages of a frame again, in f64 on the host: `cull -> bin -> raster -> shade -> write`, one file each; and where a
-//! mirror or a lens turns rays, `meet` beside raster, and after shade `bounce -> fit` and all of it again.
+//! mirror or lens is in view, `meet` beside raster, and after shade `bounce -> fit` and all of it again.
 //!
 //! A twin reads the very bytes that its kernel reads ([`Input`]) and makes the same lists and words, so that a frame can
 //! be followed stage by stage, and any stage be run from another's true output. It says what the stage should do, not
@@ -22,12 +22,12 @@ pub mod optics;
 pub mod quadric;
 pub mod raster;
 pub mod rays;
+pub mod refract;
 pub mod shade;
 pub mod sift;
 pub mod smooth;
 pub mod surface;
 pub mod torus;
-pub mod turn;
 pub mod wave;
 pub mod write;
 
@@ -47,7 +47,7 @@ use crate::gpu::layout::{Cell, Cluster, Node, ONE_SIDED, Params, Piece};
 use crate::image::frame::{Channel, Frame, Plane};
 use crate::scene::Scene;
 use glam::DVec3;
-use optics::{Optics, OpticsInput, Turn};
+use optics::{BouncedRays, Optics, OpticsInput};
 use raster::{Corners, Visibility};
 
 /// Everything that the kernels of one job read.
@@ -119,7 +119,7 @@ pub struct Tables {
 }
 
 /// Lists that never run over.
-pub const ROOMY: Capacities = Capacities {
+pub const LARGE: Capacities = Capacities {
     queue: u32::MAX as u64,
     work: u32::MAX as u64,
     tasks: u32::MAX as u64,
@@ -172,19 +172,25 @@ impl Tables {
         }
     }
 
-    /// The same for rays that were turned.
-    pub fn turned_input<'a>(&'a self, camera: &Camera, band: usize, chunk: usize, turn: &'a Turn) -> Input<'a> {
-        let mut input = self.input(camera, band, chunk, ROOMY);
+    /// The same for rays that were reflected or refracted.
+    pub fn bounced_input<'a>(
+        &'a self,
+        camera: &Camera,
+        band: usize,
+        chunk: usize,
+        bounced: &'a BouncedRays,
+    ) -> Input<'a> {
+        let mut input = self.input(camera, band, chunk, LARGE);
         input.params = turned(input.params);
         Input {
-            nodes: &turn.nodes,
-            // where turned rays are torn is not known beforehand
+            nodes: &bounced.nodes,
+            // where bounced rays are discontinuous is not known beforehand
             cull_steps: input.params.levels,
-            tile_start: &turn.tile_start,
-            cells: &turn.cells,
+            tile_start: &bounced.tile_start,
+            cells: &bounced.cells,
             kind: RaysKind::Field,
-            rays: Some(&turn.rays),
-            optics: self.optics.as_ref().map(|o| o.input(Some(turn))),
+            rays: Some(&bounced.rays),
+            optics: self.optics.as_ref().map(|o| o.input(Some(bounced))),
             ..input
         }
     }
@@ -192,26 +198,26 @@ impl Tables {
     /// Follows the rays of a band from pass to pass; `see` gets each pass under all chunks, and what is visible in it.
     pub fn follow(&self, camera: &Camera, band: usize, real: Real, mut see: impl FnMut(&[Input], &Visibility)) {
         let chunks = || 0..self.clustered.chunks.len();
-        let mut inputs: Vec<Input> = chunks().map(|c| self.input(camera, band, c, ROOMY)).collect();
+        let mut inputs: Vec<Input> = chunks().map(|c| self.input(camera, band, c, LARGE)).collect();
         let visibility = visible(&inputs, real);
         see(&inputs, &visibility);
         let depth = self.optics.as_ref().map_or(0, |o| o.depth);
-        let mut turn = (depth > 0).then(|| self.turned(camera, band, &inputs[0], &visibility, real));
-        while let Some(now) = turn.take() {
-            inputs = chunks().map(|c| self.turned_input(camera, band, c, &now)).collect();
+        let mut bounced = (depth > 0).then(|| self.bounced(camera, band, &inputs[0], &visibility, real));
+        while let Some(now) = bounced.take() {
+            inputs = chunks().map(|c| self.bounced_input(camera, band, c, &now)).collect();
             let visibility = visible(&inputs, real);
             see(&inputs, &visibility);
-            turn = (now.turns < depth).then(|| self.turned(camera, band, &inputs[0], &visibility, real));
+            bounced = (now.bounces < depth).then(|| self.bounced(camera, band, &inputs[0], &visibility, real));
             inputs.clear();
         }
     }
 
-    /// The rays that a pass of a band turns, and bounds on them.
-    fn turned(&self, camera: &Camera, band: usize, input: &Input, visibility: &Visibility, real: Real) -> Turn {
-        let mut turn = Turn::new(input, visibility, real);
-        let fitted = fit::fit(&self.turned_input(camera, band, 0, &turn));
-        (turn.nodes, turn.cells) = (fitted.nodes.nodes, fitted.cells);
-        turn
+    /// The rays of the next pass of a band, with the tree of their bounds.
+    fn bounced(&self, camera: &Camera, band: usize, input: &Input, visibility: &Visibility, real: Real) -> BouncedRays {
+        let mut bounced = BouncedRays::new(input, visibility, real);
+        let fitted = fit::fit(&self.bounced_input(camera, band, 0, &bounced));
+        (bounced.nodes, bounced.cells) = (fitted.nodes.nodes, fitted.cells);
+        bounced
     }
 }
 
@@ -259,7 +265,7 @@ pub fn render(scene: &Scene, camera: &Camera, wanted: &Wanted, binding_limit: u6
     (Frame { width: camera.width, height: camera.height, planes }, srgb8)
 }
 
-/// The pixels of a band, after all turns and under all chunks.
+/// The pixels of a band, after all bounces and under all chunks.
 fn render_band(tables: &Tables, camera: &Camera, band: usize) -> Vec<shade::Pixel> {
     let count = (tables.plan.bands[band].rows * camera.width) as usize;
     let mut pixels = vec![shade::Pixel::Untouched; count];

@@ -1,4 +1,4 @@
-//! What the kernels read of a camera's optics, pass by pass; and what a pixel shows where they turn rays.
+//! What the kernels read of a camera's optics in each pass, and what a pixel shows that sees a mirror or lens.
 
 use super::bounce::{bounce, table};
 use super::raster::Visibility;
@@ -12,23 +12,23 @@ use crate::engine::tables;
 use crate::gpu::layout::{Cell, NONE, Node, Optic, PathState};
 use crate::scene::Scene;
 
-/// What kernels of one pass read beside the rest.
+/// What the kernels of one pass read of the optics.
 #[derive(Debug, Clone, Copy)]
 pub struct OpticsInput<'a> {
     pub optic: Optic,
-    /// That of the pass behind it.
+    /// That of the next pass.
     pub next: Option<Optic>,
-    /// One a pixel of the band.
-    pub ways: &'a [PathState],
+    /// One per pixel of the band.
+    pub paths: &'a [PathState],
     pub surface: &'a SurfaceRows,
 }
 
-/// What lies behind a pixel's ray.
+/// What happened to a pixel's ray in earlier passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Behind {
-    /// What is seen counts this much.
+    /// Factor of the colour that the ray sees.
     pub light: [f32; 3],
-    /// Of all rays before.
+    /// Summed over the earlier rays, world units.
     pub length: f32,
     /// The surface of the optics that was met first, and the number of its camera among all pieces.
     pub first: Option<(u32, u32)>,
@@ -48,7 +48,7 @@ impl OpticsInput<'_> {
         self.optic.turns == 0 || self.optic.sees_itself == 1
     }
 
-    fn is_turned(&self) -> bool {
+    fn is_bounced(&self) -> bool {
         self.optic.turns > 0
     }
 }
@@ -61,13 +61,13 @@ impl Input<'_> {
 
     /// The pixel's ray starts on the triangle.
     pub fn starts_on(&self, pixel: usize, id: u32) -> bool {
-        self.optics.is_some_and(|o| o.is_turned() && o.ways[pixel].last == id)
+        self.optics.is_some_and(|o| o.is_bounced() && o.paths[pixel].last == id)
     }
 
     /// The pixel is shown by this pass, or by one to come, where its ray meets nothing.
     pub fn is_under_way(&self, x: u32, y: u32) -> bool {
         let pixel = (y * self.params.width + x) as usize;
-        self.optics.is_none_or(|o| !o.is_turned() || o.ways[pixel].last != NONE)
+        self.optics.is_none_or(|o| !o.is_bounced() || o.paths[pixel].last != NONE)
     }
 
     /// The ray goes on from this surface in the next pass.
@@ -87,28 +87,28 @@ impl Input<'_> {
 
     pub fn behind(&self, pixel: u32) -> Behind {
         let Some(optics) = &self.optics else { return Behind { light: [1.0; 3], length: 0.0, first: None } };
-        let way = &optics.ways[pixel as usize];
-        let first = (way.first != NONE).then(|| (way.first, optics.optic.piece_first + way.camera));
-        Behind { light: way.light, length: way.length, first }
+        let path = &optics.paths[pixel as usize];
+        let first = (path.first != NONE).then(|| (path.first, optics.optic.piece_first + path.camera));
+        Behind { light: path.light, length: path.length, first }
     }
 }
 
-/// The optics' rows, as the engine makes them. Of split rays the twin follows those that say what is seen, and with their
-/// share of the light alone; of an atlas it shows what that is a picture of.
+/// The optics as the engine lays them out. Of split rays the twin follows only the main branch, with its share of the light. It renders
+/// cameras with an atlas as if they had none.
 pub struct Optics {
     pub depth: u32,
-    /// By how many turns lie behind the rays.
+    /// By the number of bounces.
     passes: Vec<Optic>,
     surface: SurfaceRows,
-    /// Ways of rays that were not turned.
-    untouched: Vec<PathState>,
+    /// Path states before the first bounce.
+    unbounced: Vec<PathState>,
 }
 
-/// Rays of a band after a turn or more.
-pub struct Turn {
-    pub turns: u32,
+/// Rays of a band after one or more bounces.
+pub struct BouncedRays {
+    pub bounces: u32,
     pub rays: RayTable,
-    pub ways: Vec<PathState>,
+    pub paths: Vec<PathState>,
     pub nodes: Vec<Node>,
     pub tile_start: Vec<u32>,
     pub cells: Vec<Cell>,
@@ -128,28 +128,28 @@ impl Optics {
                 .map(|p| tables::optic(scene, camera, optics, plan, p))
                 .collect(),
             surface: SurfaceRows::new(&optics.surface, plan.anchor),
-            untouched: vec![nothing; (rows * camera.width) as usize],
+            unbounced: vec![nothing; (rows * camera.width) as usize],
         })
     }
 
-    /// Before any turn, or after one.
-    pub fn input<'a>(&'a self, turn: Option<&'a Turn>) -> OpticsInput<'a> {
-        let (turns, ways) = turn.map_or((0, &self.untouched), |t| (t.turns, &t.ways));
-        let next = self.passes.get(turns as usize + 1).copied();
-        OpticsInput { optic: self.passes[turns as usize], next, ways, surface: &self.surface }
+    /// The input of the first pass, or of the pass after `bounced`.
+    pub fn input<'a>(&'a self, bounced: Option<&'a BouncedRays>) -> OpticsInput<'a> {
+        let (bounces, paths) = bounced.map_or((0, &self.unbounced), |b| (b.bounces, &b.paths));
+        let next = self.passes.get(bounces as usize + 1).copied();
+        OpticsInput { optic: self.passes[bounces as usize], next, paths, surface: &self.surface }
     }
 }
 
-impl Turn {
-    /// The rays of a band that a pass turns, not yet bounded; `input` is any chunk of the pass.
-    pub fn new(input: &Input, visibility: &Visibility, real: Real) -> Turn {
+impl BouncedRays {
+    /// The rays that leave a pass of a band, without the tree of their bounds; `input` is any chunk of the pass.
+    pub fn new(input: &Input, visibility: &Visibility, real: Real) -> BouncedRays {
         let bounced = bounce(input, visibility, real);
         let tiles = input.params.tiles_x * input.params.tiles_y;
-        let nowhere = PathState { first: NONE, last: NONE, ..bytemuck::Zeroable::zeroed() };
-        Turn {
-            turns: input.optics.map_or(0, |o| o.optic.turns) + 1,
+        let no_ray = PathState { first: NONE, last: NONE, ..bytemuck::Zeroable::zeroed() };
+        BouncedRays {
+            bounces: input.optics.map_or(0, |o| o.optic.turns) + 1,
             rays: table(input, &bounced),
-            ways: bounced.iter().map(|b| b.map_or(nowhere, |b| b.way)).collect(),
+            paths: bounced.iter().map(|b| b.map_or(no_ray, |b| b.path)).collect(),
             nodes: Vec::new(),
             tile_start: (0..=tiles).collect(),
             cells: Vec::new(),

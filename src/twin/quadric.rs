@@ -2,8 +2,8 @@
 
 use super::Real;
 use super::bounded::{Bounded, Judged, Near3};
+use super::refract::NearRay;
 use super::smooth::Root;
-use super::turn::NearRay;
 use crate::gpu::layout::Quadric;
 
 /// Rounding of a place's height along the axis, in units of what is summed up to get the place: that much a cap counts

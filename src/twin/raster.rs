@@ -52,14 +52,14 @@ const NOTHING: Tested = Tested { hit: None, uncertain: false };
 fn ray_coverage(rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
     let [v0, v1, v2] = c.v;
     let of = |from: DVec3, to: DVec3| side(rays, from, to, real);
-    let turned = |s: Side| Side { sign: -s.sign, ..s };
+    let flipped = |s: Side| Side { sign: -s.sign, ..s };
     let first = of(v0, v1);
     let second = of(v1, v2);
     let apart = |a: Side, b: Side| a.sign != b.sign && !a.uncertain && !b.uncertain;
     if apart(first, second) {
         return Coverage { inside: false, uncertain: false };
     }
-    let third = turned(of(v0, v2));
+    let third = flipped(of(v0, v2));
     if apart(first, third) || apart(second, third) {
         return Coverage { inside: false, uncertain: false };
     }
@@ -127,9 +127,9 @@ fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested 
     }
     let [t_min, t_max] = input.t_range();
     // an end of a chain's segment holds what lies beyond it within the rounding of stored numbers
-    let room = if input.slabbed { end_room(rays, c, real) / across.abs() } else { 0.0 };
-    let in_range = t >= t_min - room && t <= t_max + room;
-    let at_end = (t - t_min).abs() <= t_error + 2.0 * room || (t - t_max).abs() <= t_error + 2.0 * room;
+    let margin = if input.slabbed { end_margin(rays, c, real) / across.abs() } else { 0.0 };
+    let in_range = t >= t_min - margin && t <= t_max + margin;
+    let at_end = (t - t_min).abs() <= t_error + 2.0 * margin || (t - t_max).abs() <= t_error + 2.0 * margin;
     let t = if input.slabbed { t.clamp(t_min, t_max) } else { t };
     if !in_range && !at_end {
         return NOTHING;
@@ -143,7 +143,7 @@ fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested 
 const END_UNITS: f64 = 16.0;
 
 /// What a chain's segment allows at its ends, times `N . d`.
-fn end_room(rays: &PixelRays, c: &Corners, real: Real) -> f64 {
+fn end_margin(rays: &PixelRays, c: &Corners, real: Real) -> f64 {
     let [v0, v1, v2] = c.v;
     let size = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
     let b = &rays.bundle;
@@ -151,7 +151,7 @@ fn end_room(rays: &PixelRays, c: &Corners, real: Real) -> f64 {
     END_UNITS * real.unit() * size((v1 - v0).cross(v2 - v0)) * sizes
 }
 
-/// The visibility buffer of a band: a complemented key a pixel, low word first; 0: no hit.
+/// The visibility buffer of a band: a complemented key per pixel, low word first; 0: no hit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Visibility {
     pub words: Vec<[u32; 2]>,

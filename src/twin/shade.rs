@@ -47,7 +47,7 @@ pub struct Errors {
     pub t: f64,
     pub z: f64,
     pub weight: f64,
-    /// Infinite where the face turned to the viewer is not certain.
+    /// Infinite if it is not certain which side faces the viewer.
     pub colour: f64,
     /// The same.
     pub normal: f64,

@@ -2,20 +2,20 @@
 
 use crate::gpu::layout::{Beam, NONE};
 
-/// How wide beams are taken: each end of an origin is moved outwards by `slack` of it and of the point's largest
+/// How wide beams are taken: each end of an origin is moved outwards by `tolerance` of it and of the point's largest
 /// coordinate, quotients by the relative `quotient`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
-    pub slack: f64,
+    pub tolerance: f64,
     pub quotient: f64,
 }
 
 impl Bound {
-    /// What a kernel must keep: the tree in f64 has room for 2^-34 of the point's coordinates.
-    pub const NEEDED: Bound = Bound { slack: 1.0 / (1u64 << 34) as f64, quotient: 0.0 };
-    /// What it may keep: its slack is 2^-22 of both, and it rounds it four times by 2^-24; quotients have 1e-6 twice and
+    /// What a kernel must keep: the tree in f64 has margin for 2^-34 of the point's coordinates.
+    pub const NEEDED: Bound = Bound { tolerance: 1.0 / (1u64 << 34) as f64, quotient: 0.0 };
+    /// What it may keep: its tolerance is 2^-22 of both, and it rounds it four times by 2^-24; quotients have 1e-6 twice and
     /// their own rounding.
-    pub const ALLOWED: Bound = Bound { slack: 1.0 / (1u64 << 20) as f64, quotient: 4e-6 };
+    pub const ALLOWED: Bound = Bound { tolerance: 1.0 / (1u64 << 20) as f64, quotient: 4e-6 };
 }
 
 /// The nodes listed for a point of the rows' units, ascending.
@@ -40,9 +40,9 @@ fn meets(beam: &Beam, [t0, t1]: [f64; 2], x: [f64; 3], bound: Bound) -> bool {
         for k in 0..3 {
             let [p_lo, p_hi, d_lo, d_hi] = [beam.p_lo, beam.p_hi, beam.d_lo, beam.d_hi].map(|v| f64::from(v[k]));
             let (d_lo, d_hi) = if s > 0.0 { (d_lo, d_hi) } else { (-d_hi, -d_lo) };
-            let room = |p: f64| bound.slack * (size + p.abs());
+            let margin = |p: f64| bound.tolerance * (size + p.abs());
             // t d_lo <= x - p_lo and t d_hi >= x - p_hi
-            for (a, b) in [(d_lo, x[k] - p_lo + room(p_lo)), (-d_hi, p_hi - x[k] + room(p_hi))] {
+            for (a, b) in [(d_lo, x[k] - p_lo + margin(p_lo)), (-d_hi, p_hi - x[k] + margin(p_hi))] {
                 match a {
                     _ if a > 0.0 => hi = hi.min(b / a),
                     _ if a < 0.0 => lo = lo.max(b / a),

@@ -1,7 +1,7 @@
-//! Where rays meet smooth surfaces and how they are turned there, with bounds on what a kernel may find.
+//! Where rays meet smooth surfaces and how they bounce there, with bounds on the values that a kernel computes.
 
 use super::bounded::{Bounded, Near3};
-use super::turn::{Bent, NearRay, Turned, bent_at};
+use super::refract::{Bent, BouncedRay, NearRay, bent_at};
 use super::{Real, quadric, torus, wave};
 use crate::engine::surface::SurfaceRows;
 use crate::gpu::layout::{Optic, Params};
@@ -42,7 +42,7 @@ impl Part<'_> {
     /// At `place`, of any length; points out.
     fn normal(&self, place: Near3, real: Real) -> Near3 {
         match self.rows {
-            // facets have a turn of their own
+            // facets have a law of their own
             SurfaceRows::Corners(_) => place.lost(),
             SurfaceRows::Quadrics(list) => quadric::normal(&list[self.number as usize], place, real),
             SurfaceRows::Torus(row) => torus::normal(row, place, real),
@@ -50,13 +50,13 @@ impl Part<'_> {
         }
     }
 
-    /// The turn of a ray where it meets it.
-    pub fn turn(&self, optic: &Optic, ray: &NearRay, starts: bool, params: &Params, real: Real) -> Turned {
+    /// The ray that leaves the point where `ray` meets the surface.
+    pub fn bounce(&self, optic: &Optic, ray: &NearRay, starts: bool, params: &Params, real: Real) -> BouncedRay {
         let root = self.first_root(ray, starts, params, real);
         let t = root.t.filter(|_| !root.uncertain).unwrap_or(Bounded::exact(0.0, real).lost());
         let place = ray.p + ray.d * t;
         let normal = self.normal(place, real);
         let Bent { d, share, .. } = bent_at(optic, ray.d.unit(), normal, normal, real);
-        Turned { place, d, share }
+        BouncedRay { place, d, share }
     }
 }

@@ -111,7 +111,7 @@ impl Surface<'_> {
         self.input.look.materials[material as usize].diffuse
     }
 
-    /// The normal turned to the viewer: the file's where it has them, else the triangle's.
+    /// The normal on the viewer's side: from the file, or else the triangle's.
     pub fn normal(&self, view: DVec3, view_error: f64) -> (DVec3, f64) {
         let [v0, v1, v2] = self.corners.v;
         let (e1, e2) = (v1 - v0, v2 - v0);
@@ -143,7 +143,7 @@ impl Surface<'_> {
         let normals = corners.map(|k| DVec3::from(look.normals[k as usize].map(f64::from)));
         let sum: DVec3 = (0..3).map(|k| w[k] * normals[k]).sum();
         let smooth = sum.try_normalize()?;
-        // weights add up to 1, so their errors turn the sum only as far as the normals differ
+        // weights add up to 1, so their errors change the sum only by the differences of the normals
         let apart: f64 = normals.iter().map(|n| (*n - normals[0]).length()).sum();
         Some((smooth, (error * apart + SUM_UNITS * UNIT) / sum.length() + NORMALIZE_UNITS * UNIT))
     }

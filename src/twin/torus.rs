@@ -3,12 +3,12 @@
 use super::Real;
 use super::along::Along;
 use super::bounded::{Bounded, Near3};
+use super::refract::NearRay;
 use super::smooth::Root;
-use super::turn::NearRay;
 use crate::gpu::layout::Torus;
 
 /// Square of the radius of the ball that is searched, in units of the size.
-pub const ROOM: f64 = 1.125;
+pub const MARGIN: f64 = 1.125;
 
 /// Steps of a kernel at most.
 pub const STEPS: u32 = 256;
@@ -43,10 +43,10 @@ pub fn first_root(row: &Torus, ray: &NearRay, starts: bool, [t_min, t_max]: [Bou
     let o = ray.p - g.centre;
     // a place on the ray, and a scale; those of another kernel are others of the same ray
     let middle = number(if starts { 0.0 } else { -o.dot(ray.d).v / ray.d.dot(ray.d).v });
-    let way = number(ray.d.norm().v);
+    let d_length = number(ray.d.norm().v);
     let q = (o + ray.d * middle) / g.size;
-    let u = ray.d / way;
-    let speed = way / g.size;
+    let u = ray.d / d_length;
+    let speed = d_length / g.size;
     let (z, w, b, qq) = (q.dot(g.axis), u.dot(g.axis), q.dot(u), q.dot(q));
     let one = number(1.0);
     let k = qq + g.ring + g.ring - one;
@@ -56,7 +56,7 @@ pub fn first_root(row: &Torus, ray: &NearRay, starts: bool, [t_min, t_max]: [Bou
     let c2 = number(4.0) * b * b + k + k - four * (one - w * w);
     let c3 = number(4.0) * b;
 
-    let square = b * b + number(ROOM) - qq;
+    let square = b * b + number(MARGIN) - qq;
     if square.v < 0.0 {
         return Root::NONE;
     }

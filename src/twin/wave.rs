@@ -3,13 +3,13 @@
 use super::Real;
 use super::along::Along;
 use super::bounded::{Bounded, CIRCLE_UNITS, Near3};
+use super::refract::NearRay;
 use super::smooth::Root;
-use super::turn::NearRay;
 use crate::gpu::layout::Wave;
 use std::f64::consts::{PI, TAU};
 
 /// The height that is searched, in amplitudes.
-pub const ROOM: f64 = 1.0625;
+pub const MARGIN: f64 = 1.0625;
 
 /// Steps of a kernel at most, and for every half wave along the ray.
 pub const STEPS: u32 = 256;
@@ -53,7 +53,7 @@ pub fn first_root(row: &Wave, ray: &NearRay, starts: bool, range: [Bounded; 2], 
     let w = Terms::new(row, real);
     let o = ray.p - w.centre;
     let ([ox, oy, oz], [dx, dy, dz]) = (o.0, ray.d.0);
-    let over = clipped(range, oy, dy, number(ROOM) * w.amplitude);
+    let over = clipped(range, oy, dy, number(MARGIN) * w.amplitude);
     let mut part = clipped(clipped(over, ox, dx, w.half), oz, dz, w.half);
     if starts {
         part[0] = number(0.0);
@@ -91,8 +91,8 @@ pub fn first_root(row: &Wave, ray: &NearRay, starts: bool, range: [Bounded; 2], 
     // what goes with s: the place in both waves, how fast these pass, and the products
     let unit = c.unit();
     let swing_loss = |u: Bounded, ku: Bounded| {
-        let (speed, turns) = (PI * ku.v.abs(), u.v.abs() + ku.v.abs() * length.abs());
-        speed * (TAU * u.e + unit * (3.0 * CIRCLE_UNITS + TAU * turns)) + PI * ku.e
+        let (speed, revolutions) = (PI * ku.v.abs(), u.v.abs() + ku.v.abs() * length.abs());
+        speed * (TAU * u.e + unit * (3.0 * CIRCLE_UNITS + TAU * revolutions)) + PI * ku.e
     };
     let swings = w.amplitude.v * (swing_loss(u, ku) + swing_loss(v, kv));
     let amplitude_loss = (w.amplitude.e + 3.0 * unit * w.amplitude.v) * PI * (ku.v.abs() + kv.v.abs());

@@ -91,7 +91,7 @@ fn a_tinted_lens_keeps_what_its_colour_says() {
     for (name, lit) in lit(&scene(FLOOR, &format!("map = [64, 64]\n{tinted}"))) {
         assert_conserved(name, &lit);
         let [r, g, b] = lit.maps[0].total();
-        // two turns; a unit is 2^-30 of the brightest beam, and there are some thousand beams
+        // two bounces; a unit is 2^-30 of the brightest beam, and there are some thousand beams
         assert!((g - 0.25 * r).abs() < 1e-6 * r && b == 0.0 && r > 0.05, "{name}: {r} {g} {b}");
         assert!((lit.budget.absorbed - (r + 0.75 * r / 1.0) / 3.0).abs() < 0.01 * r, "{name}: {:?}", lit.budget);
     }
@@ -201,10 +201,13 @@ fn photons_of_the_engine_are_where_the_reference_has_them() {
         let (mut landed, mut apart) = (0, 0);
         for (a, b) in found.iter().zip(&known) {
             match (a.fate, b.fate) {
-                (Fate::Landed { receiver, turns, place }, Fate::Landed { receiver: r, turns: n, place: p }) => {
+                (
+                    Fate::OnReceiver { receiver, bounces, place },
+                    Fate::OnReceiver { receiver: r, bounces: n, place: p },
+                ) => {
                     landed += 1;
                     let near = place.distance(p) <= size(r) / f64::from(1 << 24) + 1e-9 * p.length();
-                    apart += usize::from(!near || (receiver, turns) != (r, n) || a.left != b.left);
+                    apart += usize::from(!near || (receiver, bounces) != (r, n) || a.left != b.left);
                 }
                 (a, b) => apart += usize::from(a != b),
             }
@@ -229,7 +232,7 @@ fn maps_of_the_engine_are_sums_of_shares_texel_by_texel() {
         let lit = engine.illuminate(&scene).unwrap().unwrap().clone();
         assert_conserved("engine", &lit);
         for (r, map) in lit.maps.iter().enumerate() {
-            let (mut known, mut slack) = (vec![0.0; map.flux.len()], vec![0.0; map.flux.len()]);
+            let (mut known, mut tolerance) = (vec![0.0; map.flux.len()], vec![0.0; map.flux.len()]);
             for cast in casts.iter().filter(|c| c.receiver as usize == r) {
                 let list = shares(&cast.corners, map.receiver.texels).list;
                 let [a, b, c] = cast.corners;
@@ -244,15 +247,16 @@ fn maps_of_the_engine_are_sums_of_shares_texel_by_texel() {
                     known[*texel] += share * cast.flux[0];
                 }
                 for texel in beside(map, [a, b, c]) {
-                    slack[texel] += error * cast.flux[0];
+                    tolerance[texel] += error * cast.flux[0];
                 }
             }
             let bright = known.iter().fold(0.0, |s: f64, k| s.max(*k));
-            let wrong = (0..known.len()).filter(|k| (map.flux[*k][0] - known[*k]).abs() > slack[*k] + 1e-6 * bright);
+            let wrong =
+                (0..known.len()).filter(|k| (map.flux[*k][0] - known[*k]).abs() > tolerance[*k] + 1e-6 * bright);
             assert_eq!(wrong.count(), 0, "map {r}");
             // of small triangles the rounding of a corner is a larger part
             let lit = known.iter().filter(|k| **k > 0.0).count();
-            let tight = (0..known.len()).filter(|k| slack[*k] < 0.1 * known[*k]).count();
+            let tight = (0..known.len()).filter(|k| tolerance[*k] < 0.1 * known[*k]).count();
             println!("map {r}: {tight} of {lit} texels within a tenth");
             assert!(tight >= lit / 20, "the bound says something");
         }

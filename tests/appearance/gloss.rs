@@ -1,4 +1,4 @@
-//! Materials that shine, held against their definition by the reference, through every kind of rays. Nothing to do without an adapter.
+//! Materials that shine, compared with their definition by the reference, through every kind of rays. Nothing to do without an adapter.
 
 use crate::common;
 use crate::pictures;

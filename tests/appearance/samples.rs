@@ -1,4 +1,4 @@
-//! Several samples a pixel in one frame: each sees what a frame of its own sees, through every kind of straight rays. Nothing to do
+//! Several samples per pixel in one frame: each sees what a frame of its own sees, through every kind of straight rays. Nothing to do
 //! without an adapter.
 
 use crate::common;
@@ -99,7 +99,7 @@ fn every_sample_sees_what_a_frame_of_its_own_sees() {
     }
 }
 
-/// Several layers of rays a pixel are held as curves are.
+/// Several layers of rays per pixel are held as curves are.
 #[test]
 fn layers_of_rays_take_a_frame_a_sample() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
@@ -147,7 +147,7 @@ fn samples_follow_the_camera() {
     }
 }
 
-/// A ball before walls of large triangles: about a tenth of all pixels hold an edge.
+/// A ball before walls of large triangles: about a tenth of all pixels contain an edge.
 fn ball() -> Scene {
     let mut all = icosphere(3);
     let walls = soup(&mut Rng(11), 8, 1.5);
@@ -344,7 +344,7 @@ fn lists_grow_and_bands_and_chunks_join_to_the_same_samples() {
     // their rows take more than a small binding holds
     let scene = scene(soup(&mut Rng(5), 3000, 0.2));
     let (_, kind) = glc_of_each_class().swap_remove(3);
-    // a row of tiles of a ray map takes 24 bytes a sample
+    // a row of tiles of a ray map takes 24 bytes per sample
     for (camera, limit) in [(camera(kind, SIZE, FORWARD), 1 << 15), (raymap(SIZE.0, SIZE.1, FORWARD), 1 << 16)] {
         let Some(mut whole) = engine_on(|_| {}) else { return };
         let roomy = sampled(&mut whole, &scene, &camera, 4, &RunOptions::default());

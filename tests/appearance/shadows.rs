@@ -1,4 +1,4 @@
-//! Light of every colour and place, and what is in its way, held against the reference through every kind of rays. Nothing to do without
+//! Light of every colour and place, and what is in its way, compared with the reference through every kind of rays. Nothing to do without
 //! an adapter.
 
 use crate::common;

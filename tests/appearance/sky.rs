@@ -187,7 +187,7 @@ fn a_scene_says_what_is_around_it() {
     let text =
         |keys: &str| format!("image = {{ width = 4, height = 4 }}\n[environment]\nfile = {:?}\n{keys}\n{camera}", path);
     let sky = load(&text("strength = 3\nrotate = 90\nbackground = false")).unwrap().sky.unwrap();
-    assert_eq!((sky.strength, sky.turn, sky.is_seen), (3.0, 0.25, false));
+    assert_eq!((sky.strength, sky.rotation, sky.is_seen), (3.0, 0.25, false));
     assert_eq!(sky.image.texels.rgba[2].map(f16::to_f32), [2.0, 100.0, 0.5, 1.0]);
     for (keys, expected) in [
         ("strength = -1", "environment.strength: -1 is no strength"),

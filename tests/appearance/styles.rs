@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 const SIZE: (u32, u32) = (80, 60);
 
-/// What pictures may differ from many rays a pixel.
+/// What pictures may differ from many rays per pixel.
 const FLIP_MAX: f64 = 0.05;
 
 /// Every kind of rays, of things about the origin.
@@ -107,10 +107,10 @@ fn assert_is_filtered(kind: PatternKind, size: f64) {
     }
 }
 
-/// Places a side of a pixel.
+/// Places per side of a pixel.
 const FINE: usize = 8;
 
-/// What many rays a pixel see, row by row of a grid that is `FINE` times as fine as the image.
+/// What many rays per pixel see, row by row of a grid that is `FINE` times as fine as the image.
 struct Grid {
     width: usize,
     height: usize,

@@ -98,7 +98,7 @@ fn rendered(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Colours {
     colours(&engine.render(scene, camera, &Wanted::of(COLOUR.to_vec()), &RunOptions::default()).unwrap().frame)
 }
 
-/// What `--samples 1` may differ from 256 rays a pixel.
+/// What `--samples 1` may differ from 256 rays per pixel.
 const FLIP_MAX: f64 = 0.05;
 
 #[test]

@@ -242,8 +242,12 @@ fn unreachable_targets_leave_the_plain_view_and_the_other_targets() {
         (format!("{behind}, {inside}"), vec!["target 0 is not", "target 1 is not"]),
     ] {
         let camera = scene(&boxed, &format!("targets = [{targets}]")).camera().unwrap();
-        assert_eq!(camera.unmet.len(), says.len());
-        assert!(camera.unmet.iter().zip(says).all(|(unmet, says)| unmet.starts_with(says)), "{:?}", camera.unmet);
+        assert_eq!(camera.unfulfilled.len(), says.len());
+        assert!(
+            camera.unfulfilled.iter().zip(says).all(|(request, says)| request.starts_with(says)),
+            "{:?}",
+            camera.unfulfilled
+        );
         assert!(!camera.notes.iter().any(|note| note.contains("nothing hides")), "{:?}", camera.notes);
         for (i, j) in (0..60).flat_map(|j| (0..80).map(move |i| (i, j))) {
             assert_eq!(camera.ray(i, j), plain.ray(i, j));
@@ -254,7 +258,7 @@ fn unreachable_targets_leave_the_plain_view_and_the_other_targets() {
     let alone = scene(&boxed, &format!("targets = [{reached}]"));
     let (camera, other) = (all.camera().unwrap(), alone.camera().unwrap());
     assert_seen(&all, &camera, hidden, 0.4);
-    assert!(camera.unmet.len() == 1 && other.unmet.is_empty());
+    assert!(camera.unfulfilled.len() == 1 && other.unfulfilled.is_empty());
     for (i, j) in (0..60).flat_map(|j| (0..80).map(move |i| (i, j))) {
         for layer in 0..camera.layers.len() {
             assert_eq!(camera.curve(layer, i, j), other.curve(layer, i, j));

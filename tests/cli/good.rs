@@ -153,7 +153,7 @@ fn only_channels_that_are_asked_for_are_written() {
     }
 }
 
-/// The layers of a Cryptomatte hold every sample once, and its names are told apart.
+/// The layers of a Cryptomatte hold every sample once, and its names are distinguished.
 #[test]
 fn cryptomattes_share_pixels_out() {
     let place = Place::new();

@@ -39,8 +39,8 @@ pub fn of_layers(layers: Vec<MeshCameraSpec>, (width, height): (u32, u32)) -> Ca
         layers,
         optics: None,
         notes: Vec::new(),
-        unmet: Vec::new(),
-        looked: Default::default(),
+        unfulfilled: Vec::new(),
+        scene_use: Default::default(),
     }
 }
 

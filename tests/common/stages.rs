@@ -26,7 +26,7 @@ use anamorph::internals::gpu::layout::COUNTERS;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
-use anamorph::internals::twin::{Input, ROOMY, Real, Tables};
+use anamorph::internals::twin::{Input, LARGE, Real, Tables};
 use glam::{DMat2, DVec2, DVec3};
 
 /// What every word that a kernel does not own must still hold.
@@ -80,7 +80,7 @@ impl Case {
 
     /// The same, band by band.
     pub fn bands<'a>(&self, tables: &'a Tables) -> Vec<Vec<Input<'a>>> {
-        self.inputs(tables, ROOMY).chunks(tables.clustered.chunks.len()).map(<[Input]>::to_vec).collect()
+        self.inputs(tables, LARGE).chunks(tables.clustered.chunks.len()).map(<[Input]>::to_vec).collect()
     }
 
     pub fn variant(&self, real: Real, atomics64: bool) -> Variant {
@@ -371,16 +371,16 @@ pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
     b.create(gpu, "indirect", 12, wgpu::BufferUsages::INDIRECT).unwrap();
     if let Some(optics) = &input.optics {
         b.upload_uniform(gpu, "optic", &optics.optic).unwrap();
-        b.upload(gpu, "paths", optics.ways).unwrap();
+        b.upload(gpu, "paths", optics.paths).unwrap();
         optics.surface.upload(gpu, &mut b).unwrap();
     }
     b
 }
 
-/// A list of two-word items, room for `room` items in all and poison behind; the rest is poisoned too.
-pub fn list(gpu: &Gpu, buffers: &mut Buffers, name: &'static str, items: &[[u32; 2]], room: usize) {
+/// A list of two-word items, room for `capacity` items in all and poison behind; the rest is poisoned too.
+pub fn list(gpu: &Gpu, buffers: &mut Buffers, name: &'static str, items: &[[u32; 2]], capacity: usize) {
     let mut words = items.to_vec();
-    words.resize(room.max(items.len()) + SPARE, [POISON; 2]);
+    words.resize(capacity.max(items.len()) + SPARE, [POISON; 2]);
     buffers.upload(gpu, name, &words).unwrap();
 }
 

@@ -1,11 +1,11 @@
 //! Whole frames of the engine against the reference, the twins and each other.
 
+#[path = "../common/bounced.rs"]
+mod bounced;
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../common/stages.rs"]
 mod stages;
-#[path = "../common/turned.rs"]
-mod turned;
 
 mod adapters;
 mod aim;
@@ -13,7 +13,6 @@ mod baselines_agree;
 mod certified;
 mod comparators_can_fail;
 mod conic;
-mod cut;
 mod determinism;
 mod frame_reference;
 mod layered_reference;
@@ -23,6 +22,7 @@ mod overflow;
 mod plan;
 mod random_frames;
 mod strips;
+mod tessellate;
 mod ties;
 mod twin_reference;
 mod watertight;

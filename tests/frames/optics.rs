@@ -203,7 +203,7 @@ fn two_facing_mirrors_repeat_as_often_as_asked() {
 }
 
 /// The first ray's end and the second's direction, of the one pixel that a parallel eye of next to no height looks with.
-fn first_turn(from: [f64; 3], to: [f64; 3], optics: &str) -> (DVec3, DVec3) {
+fn first_bounce(from: [f64; 3], to: [f64; 3], optics: &str) -> (DVec3, DVec3) {
     let eye = format!(
         "eye = {{ kind = \"orthographic\", eye = {from:?}, target = {to:?}, up = [0.3, 0.5, 0.7], height = 1e-30 }}"
     );
@@ -221,26 +221,26 @@ fn rays_meet_a_torus_where_its_circles_are() {
     };
     let near = |seen: (DVec3, DVec3), place: [f64; 3], way: [f64; 3]| {
         // places of size 3 in f64, through a quartic of slope 0.3 and more
-        let (off, turned) = ((seen.0 - DVec3::from(place)).length(), (seen.1 - DVec3::from(way)).length());
-        assert!(off < 1e-13 && turned < 1e-12, "{seen:?} for {place:?} {way:?}");
+        let (off, rotated) = ((seen.0 - DVec3::from(place)).length(), (seen.1 - DVec3::from(way)).length());
+        assert!(off < 1e-13 && rotated < 1e-12, "{seen:?} for {place:?} {way:?}");
     };
     // down on its top, from the side on its outer equator, from within on its inner one
-    near(first_turn([3., 5., 0.], [3., 0., 0.], &ring(1)), [3., 0.5, 0.], [0., 1., 0.]);
-    near(first_turn([9., 0., 0.], [0., 0., 0.], &ring(1)), [3.5, 0., 0.], [1., 0., 0.]);
-    near(first_turn([1., 0., 0.], [5., 0., 0.], &ring(1)), [2.5, 0., 0.], [-1., 0., 0.]);
-    // at 45 degrees on the tube the ray is turned to the side
+    near(first_bounce([3., 5., 0.], [3., 0., 0.], &ring(1)), [3., 0.5, 0.], [0., 1., 0.]);
+    near(first_bounce([9., 0., 0.], [0., 0., 0.], &ring(1)), [3.5, 0., 0.], [1., 0., 0.]);
+    near(first_bounce([1., 0., 0.], [5., 0., 0.], &ring(1)), [2.5, 0., 0.], [-1., 0., 0.]);
+    // at 45 degrees on the tube the ray is rotated to the side
     let h = 0.5 * 0.5f64.sqrt();
-    near(first_turn([3. + h, 5., 0.], [3. + h, 0., 0.], &ring(1)), [3. + h, h, 0.], [1., 0., 0.]);
+    near(first_bounce([3. + h, 5., 0.], [3. + h, 0., 0.], &ring(1)), [3. + h, h, 0.], [1., 0., 0.]);
     // to and fro through the middle of the ring, as often as asked
     for (depth, place) in [(2, -0.5), (3, 2.5), (8, -0.5)] {
         near(
-            first_turn([1., 0., 0.], [5., 0., 0.], &ring(depth)),
+            first_bounce([1., 0., 0.], [5., 0., 0.], &ring(depth)),
             [place, 0., 0.],
             [if place < 0. { 1. } else { -1. }, 0., 0.],
         );
     }
     // from ten thousand away
-    let far = first_turn([3. + h, 1e4, 0.], [3. + h, 0., 0.], &ring(1));
+    let far = first_bounce([3. + h, 1e4, 0.], [3. + h, 0., 0.], &ring(1));
     assert!((far.0 - DVec3::new(3. + h, h, 0.)).length() < 1e-11 && (far.1 - DVec3::X).length() < 1e-11, "{far:?}");
 }
 
@@ -253,23 +253,23 @@ fn rays_meet_a_wave_at_crests_and_between() {
         )
     };
     let near = |seen: (DVec3, DVec3), place: [f64; 3], way: [f64; 3]| {
-        let (off, turned) = ((seen.0 - DVec3::from(place)).length(), (seen.1 - DVec3::from(way)).length());
-        assert!(off < 1e-14 && turned < 1e-14, "{seen:?} for {place:?} {way:?}");
+        let (off, rotated) = ((seen.0 - DVec3::from(place)).length(), (seen.1 - DVec3::from(way)).length());
+        assert!(off < 1e-14 && rotated < 1e-14, "{seen:?} for {place:?} {way:?}");
     };
-    near(first_turn([0.5, 5., 0.5], [0.5, 0., 0.5], &wave(1)), [0.5, 1.25, 0.5], [0., 1., 0.]);
-    near(first_turn([0.5, -5., -0.5], [0.5, 0., -0.5], &wave(1)), [0.5, 0.75, -0.5], [0., -1., 0.]);
-    near(first_turn([2., 5., 3.25], [2., 0., 3.25], &wave(1)), [2., 1., 3.25], {
+    near(first_bounce([0.5, 5., 0.5], [0.5, 0., 0.5], &wave(1)), [0.5, 1.25, 0.5], [0., 1., 0.]);
+    near(first_bounce([0.5, -5., -0.5], [0.5, 0., -0.5], &wave(1)), [0.5, 0.75, -0.5], [0., -1., 0.]);
+    near(first_bounce([2., 5., 3.25], [2., 0., 3.25], &wave(1)), [2., 1., 3.25], {
         // steepest along x, where sin(2 pi z / 2) is -sin(pi / 4)
         let slope = -0.25 * std::f64::consts::PI * 0.5f64.sqrt();
         let s = 1. + slope * slope;
         [-2. * slope / s, 2. / s - 1., 0.]
     });
     // between two crests a ray along x meets the first slope as high as it is
-    let along = first_turn([-9., 1.125, 0.5], [9., 1.125, 0.5], &wave(1));
+    let along = first_bounce([-9., 1.125, 0.5], [9., 1.125, 0.5], &wave(1));
     // sin(pi x) = 1 / 2 first behind the border at -4: at -4 + 1 / 6
     assert!((along.0 - DVec3::new(-4. + 1. / 6., 1.125, 0.5)).length() < 1e-14, "{along:?}");
     // a ray on the line that the surface holds at z = 0 meets it at once where it is over the square
-    let held = first_turn([-9., 1., 0.], [9., 1., 0.], &wave(1));
+    let held = first_bounce([-9., 1., 0.], [9., 1., 0.], &wave(1));
     assert!((held.0.x + 4.).abs() < 1e-9, "{held:?}");
     // nothing beside the square
     let (s, camera) = scene(
@@ -409,7 +409,7 @@ fn fresnel_shares_the_light_and_loses_none() {
     }
 }
 
-/// Colours that several rays a pixel make up, by engine and reference.
+/// Colours that several rays per pixel make up, by engine and reference.
 #[test]
 fn colours_of_split_rays_agree_with_the_reference() {
     let ball = "shape = \"sphere\", radius = 1";

@@ -228,7 +228,7 @@ fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, slabs: Slabs, band
     }
 }
 
-/// A node over `side` pixels a side bounds a ray (origin, direction) that bends so far, of its pixel (x, y).
+/// A node over `side` pixels per side bounds a ray (origin, direction) that bends so far, of its pixel (x, y).
 fn holds(node: &layout::Node, (x, y): (u32, u32), side: u32, ray: (DVec3, DVec3), bend: f64) -> bool {
     let q = (DVec2::new(x as f64, y as f64) + 0.5) / (side as f64 / 2.0) - 1.0;
     let at = |c: [[f32; 3]; 3]| {

@@ -122,16 +122,16 @@ fn frames_on_their_way_at_once_are_those_of_fresh_engines() {
         let shows = shows();
         let first = plan(&engine, &shows[0]);
         let mut frames = engine.place(first.clone(), &run).unwrap();
-        let mut flying = (first, frames.start().unwrap());
+        let mut in_flight = (first, frames.start().unwrap());
         let mut seen = Vec::new();
         for show in &shows[1..] {
             let planned = plan(&engine, show);
             assert!(frames.show(&planned).unwrap());
             let next = (planned, frames.start().unwrap());
-            let (planned, flight) = std::mem::replace(&mut flying, next);
-            seen.push(frames.recheck_samples(&planned, flight).unwrap().rendered());
+            let (planned, pending) = std::mem::replace(&mut in_flight, next);
+            seen.push(frames.recheck_samples(&planned, pending).unwrap().rendered());
         }
-        seen.push(frames.recheck_samples(&flying.0, flying.1).unwrap().rendered());
+        seen.push(frames.recheck_samples(&in_flight.0, in_flight.1).unwrap().rendered());
         for (k, ((scene, camera), seen)) in shows.iter().zip(&seen).enumerate() {
             let expected = fresh.render(scene, camera.clone(), &wanted, &RunOptions::default()).unwrap();
             assert!(words(&seen.frame) == words(&expected.frame), "frame {k}");
@@ -152,8 +152,8 @@ fn what_is_of_another_kind_is_to_be_placed_anew() {
     assert!(!frames.show(&planned(&all[2].1, &wanted)).unwrap());
     assert!(!frames.show(&planned(&all[0].1, &Wanted::of(vec![Channel::T]))).unwrap());
     let own = planned(&all[0].1, &wanted);
-    let flight = frames.start().unwrap();
-    let seen = frames.recheck_samples(&own, flight).unwrap().rendered();
+    let pending = frames.start().unwrap();
+    let seen = frames.recheck_samples(&own, pending).unwrap().rendered();
     let expected = engine.render(&scene, &all[0].1, &wanted, &run).unwrap();
     assert!(words(&seen.frame) == words(&expected.frame));
 }

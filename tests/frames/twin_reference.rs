@@ -1,8 +1,8 @@
 //! The whole pipeline by its twins, on the host alone, against the reference: safe pixels right, near candidates elsewhere.
 
+use crate::bounced;
 use crate::common;
 use crate::stages;
-use crate::turned;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
@@ -103,7 +103,7 @@ fn vertices_on_rays() {
 #[test]
 fn mirrors_and_lenses() {
     // from far away nothing of the scene is seen
-    for case in turned::cases().into_iter().filter(|c| !c.name.contains("10000")) {
+    for case in bounced::cases().into_iter().filter(|c| !c.name.contains("10000")) {
         check(&case.name, &case.scene, &case.camera, case.band_limit);
     }
 }

@@ -112,7 +112,7 @@ fn a_dented_ball_from_its_middle() {
     }
 }
 
-/// Pixels a side of the aligned pictures; halves and sixty-fourths make every number below exact.
+/// Pixels per side of the aligned pictures; halves and sixty-fourths make every number below exact.
 const ALIGNED: u32 = 64;
 
 /// Cameras whose pixel rays are exact in f64: steps of powers of two, no rotation.

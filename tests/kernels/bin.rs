@@ -12,7 +12,7 @@ use anamorph::internals::gpu::layout::{COUNTERS, Counter};
 use anamorph::internals::twin::bin::{Binned, Pair, beside, bin, covered};
 use anamorph::internals::twin::cull::{Address, Bound, cull, node_meets};
 use anamorph::internals::twin::rays::owned;
-use anamorph::internals::twin::{Input, ROOMY, Real};
+use anamorph::internals::twin::{Input, LARGE, Real};
 use std::collections::{HashMap, HashSet};
 
 /// Pairs that the kernel may list, where raster goes pair by pair, for each that truly covers a pixel. Measured over the cases below:
@@ -150,7 +150,7 @@ fn tiles_below(input: &Input, node: Address) -> HashSet<u32> {
 fn differences(input: &Input, work: &[[u32; 2]], kernel: &[[u32; 2]], required: &[Binned]) -> Vec<String> {
     let mut wrong = Vec::new();
     let mut boxes: HashMap<(u32, u32), u64> = HashMap::new();
-    // how many items a pair may come from: of a torn tile one a cell
+    // how many items a pair may come from: of a torn tile one per cell
     let mut below: HashMap<(u32, u32), usize> = HashMap::new();
     for &[cluster, node] in work {
         let row = &input.clusters[cluster as usize];
@@ -183,7 +183,7 @@ fn differences(input: &Input, work: &[[u32; 2]], kernel: &[[u32; 2]], required: 
 }
 
 fn roomy() -> Capacities {
-    Capacities { pairs: 1 << 18, ..ROOMY }
+    Capacities { pairs: 1 << 18, ..LARGE }
 }
 
 #[test]
@@ -232,7 +232,7 @@ fn the_counter_keeps_counting_past_the_end_of_a_full_list() {
     let input = case.inputs(&tables, roomy())[0];
     let work = cull(&input, Bound::PLAIN).work;
     let whole = run_kernel(&mut bench, &case, &input, &work);
-    let input = case.inputs(&tables, Capacities { pairs: 100, ..ROOMY })[0];
+    let input = case.inputs(&tables, Capacities { pairs: 100, ..LARGE })[0];
     let cut = run_kernel(&mut bench, &case, &input, &work);
     assert!(whole.demand > 100 && cut.demand == whole.demand && cut.pairs.len() == 100);
     assert!(cut.pairs.iter().all(|p| whole.pairs.contains(p)));
@@ -245,7 +245,7 @@ fn the_counter_keeps_counting_past_the_end_of_a_full_list() {
 fn the_twin_leaves_out_no_tile_that_a_triangle_may_cover() {
     for case in cases().iter().filter(|c| c.camera.width <= 72) {
         let tables = case.tables();
-        for input in case.inputs(&tables, ROOMY) {
+        for input in case.inputs(&tables, LARGE) {
             for cell in input.cells {
                 let pixels = (0..64).filter(|b| owned(cell) >> b & 1 == 1);
                 let rays: Vec<_> = pixels.map(|bit| (bit, input.cell_cast(cell, bit))).collect();
@@ -269,7 +269,7 @@ fn the_twin_leaves_out_no_tile_that_a_triangle_may_cover() {
 fn the_comparison_sees_planted_errors() {
     let case = cases().into_iter().find(|c| c.name == "pieces").expect("a case of that name");
     let tables = case.tables();
-    let input = case.inputs(&tables, ROOMY)[0];
+    let input = case.inputs(&tables, LARGE)[0];
     let work = cull(&input, Bound::PLAIN).work;
     let required = bin(&input, &work, Real::F64);
     let right: Vec<[u32; 2]> = required.iter().map(|b| b.pair().pack()).collect();

@@ -1,7 +1,7 @@
 //! bounce: the kernel against its twin, from the same bytes.
 
+use crate::bounced::{bounces, cases, delicate, variant};
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
-use crate::turned::{cases, delicate, turns, variant};
 use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::kernels::OpticsKind;
 use anamorph::internals::gpu::layout::{NONE, split2};
@@ -9,7 +9,7 @@ use anamorph::internals::twin::bounce::{Bounced, bounce};
 use anamorph::internals::twin::raster::Visibility;
 use anamorph::internals::twin::{Input, Real};
 
-/// Share of turned rays that may be lost because rounding decides between two ways to turn them: total reflection, the
+/// Share of bounced rays that may be lost because rounding decides between two directions: total reflection, the
 /// rim of a quadric, grazing facets. Measured: none, but in f32 of rays along a wave 0.0009.
 const LOST_MAX_F64: f64 = 0.0;
 const LOST_MAX_F32: f64 = 0.002;
@@ -17,9 +17,9 @@ const LOST_MAX_F32: f64 = 0.002;
 /// facets and of a ball seen from six radii away.
 const BOUND_TYPICAL_F64: f64 = 1e-12;
 const BOUND_TYPICAL_F32: f64 = 2e-4;
-/// By how many times more of tori and waves, whose many terms the bound takes to be lost apart. Measured: 15 and 20.
+/// Factor for tori and waves, where the bound adds the errors of many terms. Measured: 15 and 20.
 const BOUND_MARCHED: f64 = 40.0;
-/// And of the delicate ones. Measured: 9400, of a ring from 9400 of its radii away, and 2800, of a wire.
+/// And for the delicate cases. Measured: 9400, of a ring from 9400 of its radii away, and 2800, of a wire.
 const BOUND_DELICATE: f64 = 2e4;
 /// Rounding of one f32 operation, relative.
 const UNIT: f64 = f32::EPSILON as f64 / 2.0;
@@ -28,15 +28,15 @@ const PAIR: f64 = 1.0 / (1u64 << 48) as f64;
 /// A stored pair's second number may be flushed to 0.
 const FLUSHED: f64 = f32::MIN_POSITIVE as f64;
 
-/// The way of a pixel that is not turned.
-const NOWHERE: [u32; 8] = [0, 0, 0, 0, NONE, NONE, 0, 0];
+/// The path state of a pixel whose ray misses the optics.
+const NO_PATH: [u32; 8] = [0, 0, 0, 0, NONE, NONE, 0, 0];
 
 /// What the kernel left.
 #[derive(Clone)]
 struct Left {
     hi: Vec<u32>,
     lo: Vec<u32>,
-    ways: Vec<[u32; 8]>,
+    paths: Vec<[u32; 8]>,
 }
 
 fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &Input, visibility: &Visibility) -> Left {
@@ -55,16 +55,16 @@ fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &Input, visibil
         assert_poisoned(&words, from, &format!("{}, {name}", case.name));
         words[..from].to_vec()
     };
-    let ways = words("bounced_paths", 8 * w * h);
-    let way = |k: usize| [0, 1, 2, 3, 4, 5, 6, 7].map(|i| ways[8 * k + i]);
-    Left { hi: words("turned_hi", numbers), lo: words("turned_lo", numbers), ways: (0..w * h).map(way).collect() }
+    let paths = words("bounced_paths", 8 * w * h);
+    let path = |k: usize| [0, 1, 2, 3, 4, 5, 6, 7].map(|i| paths[8 * k + i]);
+    Left { hi: words("turned_hi", numbers), lo: words("turned_lo", numbers), paths: (0..w * h).map(path).collect() }
 }
 
-/// How turned rays stand against the twin's.
+/// Bounced rays compared with the twin's.
 #[derive(Debug, Default)]
 struct Compared {
     wrong: Vec<String>,
-    turned: usize,
+    bounced: usize,
     lost: usize,
     /// Largest share of its bound that a number is off by; ninth tenth of all bounds over the largest coordinate.
     share: f64,
@@ -84,25 +84,25 @@ fn compare(input: &Input, left: &Left, twin: &[Option<Bounced>]) -> Compared {
             }
             continue;
         }
-        let way = left.ways[y * w + x];
-        let Some(Bounced { turned, way: want, length_error }) = &twin[y * w + x] else {
-            if numbers().any(|n| n != (0, 0)) || way != NOWHERE {
-                seen.wrong.push(format!("({x}, {y}): a ray from where nothing is met"));
+        let path = left.paths[y * w + x];
+        let Some(Bounced { ray, path: want, length_error }) = &twin[y * w + x] else {
+            if numbers().any(|n| n != (0, 0)) || path != NO_PATH {
+                seen.wrong.push(format!("({x}, {y}): a ray although nothing is hit"));
             }
             continue;
         };
-        seen.turned += 1;
+        seen.bounced += 1;
         let words: [u32; 8] = bytemuck::cast(*want);
-        let length = f64::from(f32::from_bits(way[3])) - f64::from(want.length);
+        let length = f64::from(f32::from_bits(path[3])) - f64::from(want.length);
         let known = |w: [u32; 8]| [w[4], w[5], w[6], w[7]];
         // a share's own error, and its rounding, that of three products and of the twin's
-        let off = |k: usize| (f64::from(f32::from_bits(way[k])) - f64::from(f32::from_bits(words[k]))).abs();
-        let may = |k: usize| (turned.share.e + 8.0 * UNIT) * f64::from(f32::from_bits(words[k]));
+        let off = |k: usize| (f64::from(f32::from_bits(path[k])) - f64::from(f32::from_bits(words[k]))).abs();
+        let may = |k: usize| (ray.share.e + 8.0 * UNIT) * f64::from(f32::from_bits(words[k]));
         let is_light = |k: usize| off(k) <= may(k);
-        if known(way) != known(words) || !(0..3).all(is_light) {
-            seen.wrong.push(format!("({x}, {y}): the way {way:x?} for {words:x?}"));
+        if known(path) != known(words) || !(0..3).all(is_light) {
+            seen.wrong.push(format!("({x}, {y}): the path {path:x?} for {words:x?}"));
         }
-        let exact: Vec<_> = turned.place.0.into_iter().chain(turned.d.0).collect();
+        let exact: Vec<_> = ray.place.0.into_iter().chain(ray.d.0).collect();
         if exact.iter().any(|n| n.e.is_infinite()) {
             seen.lost += 1;
             continue;
@@ -128,7 +128,7 @@ fn compare(input: &Input, left: &Left, twin: &[Option<Bounced>]) -> Compared {
 }
 
 #[test]
-fn the_kernel_turns_rays_as_its_twin_does() {
+fn the_kernel_bounces_rays_as_its_twin_does() {
     let Some(mut bench) = Bench::open() else { return };
     let reals: Vec<Real> = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0).collect();
     let wide = |case: &Case| match case.variant(Real::F64, false).optics {
@@ -139,29 +139,29 @@ fn the_kernel_turns_rays_as_its_twin_does() {
     let plain = cases().into_iter().map(|case| (wide(&case), case)).map(|(wide, case)| (case, reals.clone(), wide));
     for (case, reals, wide) in plain.chain(delicate().into_iter().map(f64_alone)).collect::<Vec<(Case, Vec<_>, _)>>() {
         let tables = case.tables();
-        let mut turned = 0;
+        let mut bounced = 0;
         for (band, &real) in (0..tables.plan.bands.len()).flat_map(|b| reals.iter().map(move |r| (b, r))) {
             tables.follow(&case.camera, band, real, |inputs, visibility| {
                 let input = &inputs[0];
                 if input.optics.is_none_or(|o| o.optic.ends == 1) {
                     return;
                 }
-                let name = format!("{}, band {band}, after {}, {real:?}", case.name, turns(input));
+                let name = format!("{}, band {band}, after {}, {real:?}", case.name, bounces(input));
                 let left = run_kernel(&mut bench, &case, real, input, visibility);
                 let seen = compare(input, &left, &bounce(input, visibility, real));
                 let (lost, share, bound) = (seen.lost, seen.share, seen.bound);
-                println!("{name}: {} turned, {lost} lost, {share:.3} of bounds, mostly {bound:.1e}", seen.turned);
+                println!("{name}: {} bounced, {lost} lost, {share:.3} of bounds, mostly {bound:.1e}", seen.bounced);
                 assert!(seen.wrong.is_empty(), "{name}: {} differ, the first: {}", seen.wrong.len(), seen.wrong[0]);
                 let (most, typical) = match real {
                     Real::F64 => (LOST_MAX_F64, BOUND_TYPICAL_F64),
                     Real::F32 => (LOST_MAX_F32, BOUND_TYPICAL_F32),
                 };
-                assert!(lost as f64 <= most * seen.turned as f64, "{name}: {lost} of {} lost", seen.turned);
+                assert!(lost as f64 <= most * seen.bounced as f64, "{name}: {lost} of {} lost", seen.bounced);
                 assert!(bound <= wide * typical, "{name}: a bound of {bound:e}");
-                turned += seen.turned;
+                bounced += seen.bounced;
             });
         }
-        assert!(turned > 75 * reals.len(), "{}: {turned} rays turned", case.name);
+        assert!(bounced > 75 * reals.len(), "{}: {bounced} rays bounced", case.name);
     }
 }
 
@@ -169,18 +169,18 @@ fn the_kernel_turns_rays_as_its_twin_does() {
 fn left_by_twin(input: &Input, twin: &[Option<Bounced>]) -> Left {
     let (w, h) = (input.params.width as usize, input.params.height as usize);
     let numbers = 6 * (w + 1) * (h + 1);
-    let mut left = Left { hi: vec![POISON; numbers], lo: vec![POISON; numbers], ways: vec![NOWHERE; w * h] };
+    let mut left = Left { hi: vec![POISON; numbers], lo: vec![POISON; numbers], paths: vec![NO_PATH; w * h] };
     for (pixel, bounced) in twin.iter().enumerate() {
         let at = 6 * (pixel / w * (w + 1) + pixel % w);
         let values = bounced.map_or([0.0; 6], |b| {
-            let [p, d] = [b.turned.place, b.turned.d].map(|v| v.value());
+            let [p, d] = [b.ray.place, b.ray.d].map(|v| v.value());
             [p.x, p.y, p.z, d.x, d.y, d.z]
         });
         for (k, [hi, lo]) in values.map(split2).into_iter().enumerate() {
             (left.hi[at + k], left.lo[at + k]) = (hi.to_bits(), lo.to_bits());
         }
         if let Some(b) = bounced {
-            left.ways[pixel] = bytemuck::cast(b.way);
+            left.paths[pixel] = bytemuck::cast(b.path);
         }
     }
     left
@@ -215,16 +215,16 @@ fn the_comparison_sees_planted_errors() {
             let far = (0..6).max_by_key(|k| right.lo[at(hit) + k] & 0x7fff_ffff).unwrap();
             found("no second number", &|l| l.lo[at(hit) + far] = 0);
             found("a ray from nowhere", &|l| l.hi[at(miss) + 3] = 1.0_f32.to_bits());
-            found("a way from nowhere", &|l| l.ways[miss][0] = 1);
+            found("a path from nowhere", &|l| l.paths[miss][0] = 1);
             found("beside the band", &|l| l.hi[6 * w] = 0);
             for k in [4, 5, 6] {
-                found("another way", &|l| l.ways[hit][k] ^= 1);
+                found("another path", &|l| l.paths[hit][k] ^= 1);
             }
             for k in 0..3 {
-                found("less light", &|l| l.ways[hit][k] -= 64);
+                found("less light", &|l| l.paths[hit][k] -= 64);
             }
-            found("a longer way", &|l| {
-                l.ways[hit][3] = (f32::from_bits(l.ways[hit][3]) * (1.0 + 8.0 * f32::EPSILON)).to_bits();
+            found("a longer path", &|l| {
+                l.paths[hit][3] = (f32::from_bits(l.paths[hit][3]) * (1.0 + 8.0 * f32::EPSILON)).to_bits();
             });
         });
     }
@@ -239,12 +239,12 @@ fn the_kernel_has_the_rule_s_constant() {
     );
 }
 
-/// Turned by hand: a ray straight down on a mirror in the plane y = 0, and one that enters glass there at 45 degrees.
+/// Computed by hand: a ray straight down on a mirror in the plane y = 0, and one that enters glass there at 45 degrees.
 #[test]
-fn the_twin_turns_rays_by_the_law() {
+fn the_twin_bounces_rays_by_the_law() {
     use anamorph::internals::gpu::layout::{Corner, LAW_NORMALS, Optic};
     use anamorph::internals::twin::bounded::Near3;
-    use anamorph::internals::twin::turn::{NearRay, at_facet};
+    use anamorph::internals::twin::refract::{NearRay, at_facet};
     let real = Real::F64;
     let v = |v: [f32; 3]| Near3::pair(v, [0.0; 3], real);
     let corner = |p_hi: [f32; 3]| Corner { p_hi, n_hi: [0.0, 1.0, 0.0], ..bytemuck::Zeroable::zeroed() };

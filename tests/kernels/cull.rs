@@ -12,7 +12,7 @@ use anamorph::internals::gpu::layout::{COUNTERS, Counter, RAYS_AFFINE};
 use anamorph::internals::twin::cull::{
     Address, Bound, Culled, HAND_ON, HAND_ON_LEVEL, REFINEMENTS, cull, hands_on, may_hand_on, node_meets,
 };
-use anamorph::internals::twin::{Input, ROOMY, Real, bin};
+use anamorph::internals::twin::{Input, LARGE, Real, bin};
 use std::collections::HashMap;
 
 /// What the kernel left: its work items and its counters.
@@ -149,8 +149,8 @@ fn the_kernel_keeps_what_it_must_and_nothing_that_no_bound_allows() {
     let (mut multi_level, mut handed_on, mut cells) = (0, 0, 0);
     for case in cases().into_iter().chain([many_clusters()]).chain(seeds().map(random_case)) {
         let tables = case.tables();
-        let roomy = Capacities { queue: 4096, work: 16384, ..ROOMY };
-        for input in case.inputs(&tables, roomy) {
+        let large = Capacities { queue: 4096, work: 16384, ..LARGE };
+        for input in case.inputs(&tables, large) {
             let kernel = run_kernel(&mut bench, &case, &input);
             let needed = cull(&input, Bound::NEEDED);
             let wrong = differences(&input, &kernel.work, &needed);
@@ -178,7 +178,7 @@ fn every_cluster_that_is_truly_seen_in_a_node_is_kept() {
     let both_ways = |c: &Case| c.camera.t_range == ALL_T;
     for case in cases().into_iter().chain(seeds().map(random_case)).filter(both_ways) {
         let tables = case.tables();
-        for input in case.inputs(&tables, Capacities { queue: 4096, work: 16384, ..ROOMY }) {
+        for input in case.inputs(&tables, Capacities { queue: 4096, work: 16384, ..LARGE }) {
             let kernel = run_kernel(&mut bench, &case, &input);
             let items: HashMap<[u32; 2], usize> = kernel.work.iter().map(|w| (*w, 1)).collect();
             let seen = truly_met(&input);
@@ -195,15 +195,15 @@ fn counters_keep_counting_past_the_end_of_full_lists() {
     let Some(mut bench) = Bench::open() else { return };
     let case = cases().into_iter().find(|c| c.name == "large").expect("a large case");
     let tables = case.tables();
-    let input = case.inputs(&tables, Capacities { queue: 4096, work: 16384, ..ROOMY })[0];
+    let input = case.inputs(&tables, Capacities { queue: 4096, work: 16384, ..LARGE })[0];
     let whole = run_kernel(&mut bench, &case, &input);
-    let input = case.inputs(&tables, Capacities { queue: 4096, work: 10, ..ROOMY })[0];
+    let input = case.inputs(&tables, Capacities { queue: 4096, work: 10, ..LARGE })[0];
     let cut = run_kernel(&mut bench, &case, &input);
     assert!(whole.work.len() > 10 && cut.work.len() == 10);
     assert_eq!(cut.counters, whole.counters);
     assert!(cut.work.iter().all(|item| whole.work.contains(item)));
     // a queue that runs over loses items, but never writes behind its end (run_kernel asserts that)
-    let input = case.inputs(&tables, Capacities { queue: 3, work: 16384, ..ROOMY })[0];
+    let input = case.inputs(&tables, Capacities { queue: 3, work: 16384, ..LARGE })[0];
     let short = run_kernel(&mut bench, &case, &input);
     assert!(short.counters[1] == whole.counters[1] && short.work.len() < whole.work.len());
 }
@@ -221,7 +221,7 @@ fn the_twin_s_constants_are_the_kernel_s() {
 fn the_comparison_sees_planted_errors() {
     let case = cases().into_iter().find(|c| c.name == "large").expect("a large case");
     let tables = case.tables();
-    let input = case.inputs(&tables, ROOMY)[0];
+    let input = case.inputs(&tables, LARGE)[0];
     let needed = cull(&input, Bound::NEEDED);
     let right = cull(&input, Bound::PLAIN).work;
     assert_eq!(differences(&input, &right, &needed), Vec::<String>::new());

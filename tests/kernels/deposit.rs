@@ -97,7 +97,7 @@ fn share_error(cast: &Cast) -> f64 {
 /// Sums a texel and colour, and how far the kernel's may be off; what missed comes behind all texels.
 fn known(casts: &Casts) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, u32) {
     let mut sums = vec![[0.0; 3]; casts.texels as usize + 1];
-    let mut slack = vec![[0.0; 3]; casts.texels as usize + 1];
+    let mut tolerance = vec![[0.0; 3]; casts.texels as usize + 1];
     let mut lines = 0;
     for row in &casts.rows {
         let brought = deposit(row, &casts.receivers);
@@ -115,11 +115,11 @@ fn known(casts: &Casts) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, u32) {
                 sums[*texel][k] += share * flux;
             }
             for texel in beside.iter().chain([&missed.0]) {
-                slack[*texel][k] += if flux > 0.0 { wide } else { 0.0 };
+                tolerance[*texel][k] += if flux > 0.0 { wide } else { 0.0 };
             }
         }
     }
-    (sums, slack, lines)
+    (sums, tolerance, lines)
 }
 
 /// Texels in the box about a triangle.
@@ -137,14 +137,14 @@ fn around(cast: &Cast, receiver: &Receiver) -> Vec<usize> {
 
 /// Words that are not what the twin has.
 fn compare(words: &[u32], casts: &Casts) -> Vec<String> {
-    let (sums, slack, lines) = known(casts);
+    let (sums, tolerance, lines) = known(casts);
     let mut wrong = Vec::new();
-    for (texel, (sum, slack)) in sums.iter().zip(&slack).enumerate() {
+    for (texel, (sum, tolerance)) in sums.iter().zip(&tolerance).enumerate() {
         for k in 0..3 {
             let at = 6 * texel + 2 * k;
             let got = (u64::from(words[at]) | u64::from(words[at + 1]) << 32) as f64;
-            if (got - sum[k]).abs() > slack[k] {
-                wrong.push(format!("texel {texel}, colour {k}: {got} for {} +- {}", sum[k], slack[k]));
+            if (got - sum[k]).abs() > tolerance[k] {
+                wrong.push(format!("texel {texel}, colour {k}: {got} for {} +- {}", sum[k], tolerance[k]));
             }
         }
     }

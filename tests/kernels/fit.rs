@@ -1,8 +1,8 @@
 //! fit: the kernel's nodes must hold the rays that it read, be little wider than the host's, and be torn by its rule.
 
+use crate::bounced::{bounces, case, cases};
 use crate::nasty::{SIZE, nasty};
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
-use crate::turned::{case, cases, turns};
 use anamorph::internals::engine::plan::curves::RayTable;
 use anamorph::internals::engine::plan::fit::{STRAY, STRAY_SIZE};
 use anamorph::internals::engine::plan::nodes::{Level, TORN_WIDTH};
@@ -14,12 +14,12 @@ use anamorph::internals::twin::{Input, Real};
 use glam::DVec3;
 
 /// What kernels that read a node may lose of it, relative to its sizes: four roundings of 2^-24, for which the host's
-/// rows have room too.
-const READ_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
+/// rows have margin too.
+const READ_TOLERANCE: f64 = 1.0 / (1u64 << 22) as f64;
 /// Radii of the kernel over those of the host, and what its sums may lose beside that, relative to the node's sizes: the
-/// mean of 64 rays in f32, 2^-18; its own slack a level, 2^-20.
+/// mean of 64 rays in f32, 2^-18; its own tolerance a level, 2^-20.
 const LOOSER_MAX: f64 = 1.05;
-const LOOSER_SLACK: f64 = 1.0 / (1u64 << 17) as f64;
+const LOOSER_TOLERANCE: f64 = 1.0 / (1u64 << 17) as f64;
 
 /// What the kernel left.
 #[derive(Clone)]
@@ -82,13 +82,13 @@ fn addresses(levels: &[Level]) -> impl Iterator<Item = (usize, Address)> + '_ {
 struct Compared {
     wrong: Vec<String>,
     torn: usize,
-    /// Least room that a radius has beyond what it must hold, and largest excess over the host's, relative to its sizes.
-    room: f64,
+    /// Least margin that a radius has beyond what it must hold, and largest excess over the host's, relative to its sizes.
+    margin: f64,
     excess: f64,
 }
 
 fn compare(input: &Input, levels: &[Level], left: &Left) -> Compared {
-    let mut seen = Compared { room: f64::INFINITY, ..Compared::default() };
+    let mut seen = Compared { margin: f64::INFINITY, ..Compared::default() };
     let host = fit(input);
     for (tile, (mask, cell)) in left.masks.iter().zip(&host.cells).enumerate() {
         let want = u64::from(cell.mask_lo) | u64::from(cell.mask_hi) << 32;
@@ -112,16 +112,16 @@ fn compare(input: &Input, levels: &[Level], left: &Left) -> Compared {
         let radii = [node.r_p, node.r_d].map(f64::from);
         let host_radii = [host.r_p, host.r_d].map(f64::from);
         for k in 0..2 {
-            let room = (radii[k] - needed[k] - READ_SLACK * (sizes[k] + needed[k])) / sizes[k];
-            if room.is_nan() || room < 0.0 {
+            let margin = (radii[k] - needed[k] - READ_TOLERANCE * (sizes[k] + needed[k])) / sizes[k];
+            if margin.is_nan() || margin < 0.0 {
                 let off = needed[k];
                 seen.wrong.push(format!("{at:?}, radius {k}: {} does not hold {off}, sizes {}", radii[k], sizes[k]));
             }
             let excess = (radii[k] - LOOSER_MAX * host_radii[k]) / sizes[k];
-            if excess.is_nan() || excess > LOOSER_SLACK {
+            if excess.is_nan() || excess > LOOSER_TOLERANCE {
                 seen.wrong.push(format!("{at:?}, radius {k}: {} where the host has {}", radii[k], host_radii[k]));
             }
-            seen.room = seen.room.min(room);
+            seen.margin = seen.margin.min(margin);
             seen.excess = seen.excess.max(excess);
         }
     }
@@ -192,21 +192,21 @@ fn torn(input: &Input, levels: &[Level], nodes: &[Node], margin: f64) -> Vec<Opt
 
 fn check(bench: &mut Bench, case: &Case, name: &str, input: &Input, levels: &[Level]) -> Compared {
     let seen = compare(input, levels, &run_kernel(bench, case, input, levels));
-    println!("{name}: {} nodes torn, room {:.1e}, excess {:.1e}", seen.torn, seen.room, seen.excess);
+    println!("{name}: {} nodes torn, margin {:.1e}, excess {:.1e}", seen.torn, seen.margin, seen.excess);
     assert!(seen.wrong.is_empty(), "{name}: {} differ, the first: {}", seen.wrong.len(), seen.wrong[0]);
     seen
 }
 
 #[test]
-fn nodes_hold_the_rays_that_optics_turn() {
+fn nodes_contain_the_bounced_rays() {
     let Some(mut bench) = Bench::open() else { return };
     for case in cases() {
         let tables = case.tables();
         for band in 0..tables.plan.bands.len() {
             let levels = &tables.plan.bands[band].nodes.levels;
             tables.follow(&case.camera, band, Real::F64, |inputs, _| {
-                if turns(&inputs[0]) > 0 {
-                    let name = format!("{}, band {band}, after {}", case.name, turns(&inputs[0]));
+                if bounces(&inputs[0]) > 0 {
+                    let name = format!("{}, band {band}, after {}", case.name, bounces(&inputs[0]));
                     check(&mut bench, &case, &name, &inputs[0], levels);
                 }
             });
@@ -233,7 +233,7 @@ fn nodes_hold_nasty_rays() {
     let list = nasty();
     let mut torn = 0;
     tables.follow(&case.camera, 0, Real::F64, |inputs, _| {
-        if turns(&inputs[0]) == 0 {
+        if bounces(&inputs[0]) == 0 {
             return;
         }
         for (name, rays) in &list {
@@ -264,16 +264,16 @@ fn the_comparison_sees_planted_errors() {
     let list = nasty();
     tables.follow(&case.camera, 0, Real::F64, |inputs, _| {
         let (_, rays) = list.iter().find(|t| t.0 == "a silhouette").unwrap();
-        if turns(&inputs[0]) == 0 {
+        if bounces(&inputs[0]) == 0 {
             return;
         }
         let input = over(&inputs[0], rays);
-        // the host's own nodes, with the room that they have for kernels twice
+        // the host's own nodes, with the margin that they have for kernels twice
         let host = fit(&input);
         let mut nodes = host.nodes.nodes.clone();
         for node in &mut nodes {
-            node.r_p += (size([node.p, node.px, node.py]) * READ_SLACK) as f32;
-            node.r_d += (size([node.d, node.dx, node.dy]) * READ_SLACK) as f32;
+            node.r_p += (size([node.p, node.px, node.py]) * READ_TOLERANCE) as f32;
+            node.r_d += (size([node.d, node.dx, node.dy]) * READ_TOLERANCE) as f32;
             node.rays = node.rays.min(RAYS_LOOSE).max(if node.rays == RAYS_TORN { RAYS_TORN } else { 0 });
         }
         let masks = host.cells.iter().map(|c| u64::from(c.mask_lo) | u64::from(c.mask_hi) << 32).collect();
@@ -295,7 +295,7 @@ fn the_comparison_sees_planted_errors() {
             found("a fit beside the rays", &|l| l.nodes[k].d[1] += 0.01);
             found("no rays", &|l| l.nodes[k].rays = RAYS_NONE);
         }
-        found("no slack", &|l| (l.nodes[0].r_p, l.nodes[0].r_d) = (0.0, 0.0));
+        found("no tolerance", &|l| (l.nodes[0].r_p, l.nodes[0].r_d) = (0.0, 0.0));
         found("a node that is not torn", &|l| l.nodes[torn].rays = RAYS_LOOSE);
         found("a torn tile", &|l| l.nodes[0].rays = RAYS_TORN);
         found("a pixel too few", &|l| l.masks[3] ^= 1 << 17);

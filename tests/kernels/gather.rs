@@ -119,7 +119,7 @@ fn compare(words: &[u32], case: &Case, optics: bool) -> (Vec<String>, usize) {
         let [low, high] = [case.visibility[2 * pixel], case.visibility[2 * pixel + 1]];
         let id = !low & ((1 << ID_BITS) - 1);
         let landing = case.landing_of.get(id as usize).filter(|k| **k != NONE && [low, high] != [0, 0]);
-        let (mut known, mut slack, mut border) = ([0.0; 3], 0.0, false);
+        let (mut known, mut tolerance, mut border) = ([0.0; 3], 0.0, false);
         if let Some(landing) = landing.map(|k| &case.landings[*k as usize]) {
             let receiver = &case.receivers[landing.receiver as usize];
             let at = place(landing, [before(3), before(4)]);
@@ -128,7 +128,7 @@ fn compare(words: &[u32], case: &Case, optics: bool) -> (Vec<String>, usize) {
             // texel over one at most each way
             let size = [landing.a, landing.ab, landing.ac].iter().flatten().map(|v| f64::from(v.abs())).sum::<f64>();
             let off = 4.0 * size / f64::from(1 << 24);
-            slack = 2.0 * off * brightest * f64::from(receiver.scale);
+            tolerance = 2.0 * off * brightest * f64::from(receiver.scale);
             let end = DVec2::new(receiver.columns.into(), receiver.rows.into());
             border = at.abs().min((at - end).abs()).min_element() <= off;
         }
@@ -138,7 +138,7 @@ fn compare(words: &[u32], case: &Case, optics: bool) -> (Vec<String>, usize) {
             let sum = f64::from(before(k)) + left * known[k];
             let got = f64::from(f32::from_bits(words[k * PIXELS + pixel]));
             // some ten operations on f32
-            if (got - sum).abs() > slack + 10.0 * sum / f64::from(1 << 24) && !border {
+            if (got - sum).abs() > tolerance + 10.0 * sum / f64::from(1 << 24) && !border {
                 wrong.push(format!("pixel {pixel}, colour {k}: {got} for {sum}"));
             }
         }

@@ -1,7 +1,7 @@
 //! meet: the kernel against its twin, from the same bytes.
 
+use crate::bounced::{bounces, cases, delicate, variant};
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
-use crate::turned::{cases, delicate, turns, variant};
 use anamorph::internals::engine::stage;
 use anamorph::internals::engine::stage::raster::raster_steps;
 use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
@@ -112,7 +112,7 @@ fn the_kernel_meets_what_its_twin_meets() {
                 let (before, after) = buffers(input, real, atomics64);
                 let kernel = run_kernel(&mut bench, &case, (real, atomics64), input, &before.words);
                 let seen = compare(input, real, &kernel, &after);
-                let name = format!("{}, after {}, {real:?}, 64-bit atomics {atomics64}", case.name, turns(input));
+                let name = format!("{}, after {}, {real:?}, 64-bit atomics {atomics64}", case.name, bounces(input));
                 println!("{name}: {} met, {} excused, t {:.3} of its bound", seen.met, seen.excused, seen.share);
                 assert!(seen.wrong.is_empty(), "{name}: {} differ, the first: {}", seen.wrong.len(), seen.wrong[0]);
                 let most = if real == Real::F64 { EXCUSED_MAX_F64 } else { EXCUSED_MAX_F32 };
@@ -135,9 +135,9 @@ fn the_twin_s_rules_have_the_kernels_constants() {
     for optics in [OpticsKind::Torus, OpticsKind::Wave] {
         holds(optics, &format!("const STEP: real = {:?};", along::STEP));
     }
-    holds(OpticsKind::Torus, &format!("const ROOM: real = {:?};", torus::ROOM));
+    holds(OpticsKind::Torus, &format!("const MARGIN: real = {:?};", torus::MARGIN));
     holds(OpticsKind::Torus, &format!("const STEPS: u32 = {}u;", torus::STEPS));
-    holds(OpticsKind::Wave, &format!("const ROOM: real = {:?};", wave::ROOM));
+    holds(OpticsKind::Wave, &format!("const MARGIN: real = {:?};", wave::MARGIN));
     holds(OpticsKind::Wave, &format!("const STEPS: u32 = {}u;", wave::STEPS));
     holds(OpticsKind::Wave, &format!("const WAVE_STEPS: f32 = {:?};", wave::WAVE_STEPS));
 }
@@ -151,7 +151,7 @@ fn the_comparison_sees_planted_errors() {
         let (_, after) = buffers(input, Real::F64, true);
         let right = after.words.clone();
         assert!(compare(input, Real::F64, &right, &after).wrong.is_empty());
-        if turns(input) > 0 {
+        if bounces(input) > 0 {
             // a mirror of one ball is not seen in itself
             assert!(right.iter().all(|w| *w == [0; 2]));
             return;

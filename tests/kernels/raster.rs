@@ -68,7 +68,7 @@ fn ways(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Way> {
 
 /// Draws the jobs of one band into one buffer, as the engine does: every job in each step.
 fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, jobs: &[Job]) -> Drawn {
-    let by_pair = crate::turned::variant(case, &jobs[0].0, real, atomics64);
+    let by_pair = crate::bounced::variant(case, &jobs[0].0, real, atomics64);
     let (gpu, stages) = bench.stages(if by_tile { by_pair.with_tiles() } else { by_pair }, &[]);
     let owned = [
         Counter::FragmentsTested.index(),
@@ -87,8 +87,8 @@ fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, j
         for (input, pairs) in jobs {
             let mut buffers = upload(gpu, input);
             list(gpu, &mut buffers, "pairs", pairs, pairs.len());
-            let room = input.params.recheck_capacity as usize;
-            list(gpu, &mut buffers, "recheck_items", &[], room);
+            let capacity = input.params.recheck_capacity as usize;
+            list(gpu, &mut buffers, "recheck_items", &[], capacity);
             let zeros = owned.map(|k| (k, 0));
             let mut given = [&zeros[..], &[(Counter::Pairs.index(), pairs.len() as u32)]].concat();
             if by_tile {
@@ -106,7 +106,11 @@ fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, j
                     stage::raster::raster(stages.variant, step, 1).into_iter().chain(rechecked).collect();
                 stages.encode(gpu, pass, &[&buffers, &shared], &dispatches)
             });
-            assert_poisoned(&read(gpu, &buffers, "recheck_items"), 2 * room, &format!("{}, recheck_items", case.name));
+            assert_poisoned(
+                &read(gpu, &buffers, "recheck_items"),
+                2 * capacity,
+                &format!("{}, recheck_items", case.name),
+            );
             let counters = read(gpu, &buffers, "counters");
             for (k, &value) in counters.iter().take(COUNTERS as usize).enumerate() {
                 let is_given = given.iter().any(|g| g.0 == k as u32);
@@ -247,16 +251,16 @@ fn the_kernel_draws_what_its_twin_draws() {
 fn the_kernel_draws_what_turned_rays_meet() {
     let Some(mut bench) = Bench::open() else { return };
     let mut rng = Rng(78);
-    for case in crate::turned::cases() {
+    for case in crate::bounced::cases() {
         let tables = case.tables();
         for band in 0..tables.plan.bands.len() {
             tables.follow(&case.camera, band, Real::F64, |inputs, _| {
-                if crate::turned::turns(&inputs[0]) == 0 {
+                if crate::bounced::bounces(&inputs[0]) == 0 {
                     return;
                 }
                 let jobs = jobs_of(inputs.to_vec(), &mut rng);
                 let variants =
-                    ways(&bench, |real, atomics64| crate::turned::variant(&case, &jobs[0].0, real, atomics64));
+                    ways(&bench, |real, atomics64| crate::bounced::variant(&case, &jobs[0].0, real, atomics64));
                 for way in variants {
                     let real = way.0;
                     let mut twin = Visibility::new((jobs[0].0.params.width * jobs[0].0.params.height) as usize);

@@ -41,7 +41,7 @@ fn run_kernel(
     planes: &[Channel],
 ) -> Vec<u32> {
     let textured = !input.uvs.is_empty();
-    let variant = Variant { textured, ..crate::turned::variant(case, input, real, false) };
+    let variant = Variant { textured, ..crate::bounced::variant(case, input, real, false) };
     let (gpu, stages) = bench.stages(variant, planes);
     let mut buffers = upload(gpu, input);
     if textured {
@@ -194,7 +194,7 @@ fn the_kernel_shades_what_its_twin_shades() {
 fn the_kernel_shades_what_optics_show() {
     let Some(mut bench) = Bench::open() else { return };
     let reals: Vec<Real> = bench.variants().into_iter().filter(|v| !v.1).map(|v| v.0).collect();
-    for case in crate::turned::cases() {
+    for case in crate::bounced::cases() {
         let tables = case.tables();
         for (band, &real) in (0..tables.plan.bands.len()).flat_map(|b| reals.iter().map(move |r| (b, r))) {
             tables.follow(&case.camera, band, real, |inputs, visibility| {

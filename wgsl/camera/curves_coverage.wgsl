@@ -3,13 +3,13 @@
 // Needs: Cell, DEGREE, TILE, control_point, curve_place, first_bit, tile_corner, tile_layer, tile_slab, with_bit, without_bit
 // Binds: params
 
-// What is covered is proven to be; else it may be covered.
+// Coverage is proven if true; else it is possible.
 const COVERAGE_PROVES: bool = false;
 
 // Rounding of one f32 operation, relative.
 const UNIT: f32 = 1.0 / 16777216.0;
 
-// What is lost below the least normal number, where an adapter takes 0 instead: 2^-126 an operation, of hundreds of them.
+// Error of results below the least normal number, which an adapter may flush to 0: 2^-126 an operation, of hundreds of them.
 const LEAST: f32 = 1.0e-35;
 
 // Sums of products of sizes beyond this may overflow: a bound on them becomes infinite, and nothing is proven.

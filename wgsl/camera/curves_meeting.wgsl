@@ -1,5 +1,5 @@
-// Where a pixel's curve meets a triangle first: the roots of N . (X(t) - v) over a span of t, which is a polynomial of
-// the curve's degree, that lie inside.
+// The first hit of a pixel's curve with a triangle: the roots of N . (X(t) - v) over a span of t, a polynomial of the curve's
+// degree, whose points lie inside the triangle.
 // Provides: BEND, cell_bundle, cell_depth, critical_points, pixel_depth, polynomial, root_between
 // Needs: Bundle, Cell, Curve, DEGREE, Meeting, REAL_ROUNDING, REAL_UNIT, REAL_UNIT_ROOT, bernstein, curve_place, curve_point, curve_stored,
 //   curve_tangent, is_there, reach3, real, real3, real4, size3, span_of, tile_corner, tile_layer
@@ -22,7 +22,7 @@ fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real, sl
     return CellDepth(normal, v, hidden, slot);
 }
 
-// The first visible meeting over the span. Between its critical points the polynomial has one root or none.
+// The first visible hit over the span. Between its critical points the polynomial has one root or none.
 fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
     let corner = tile_corner(cell.tile);
     let c = curve_stored(curve_place(tile_layer(cell.tile), corner.x + x, corner.y + y));
@@ -38,10 +38,10 @@ fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
     let spans = real(f32(params.spans));
     let end = real(span.y) / spans;
     var from_t = real(span.x) / spans;
-    let turns = critical_points(b, from_t, end);
+    let extrema = critical_points(b, from_t, end);
     var from_value = polynomial(b, from_t);
     for (var k = 0u; k < DEGREE; k++) {
-        let to_t = select(turns[min(k, 1u)], end, k + 1u == DEGREE);
+        let to_t = select(extrema[min(k, 1u)], end, k + 1u == DEGREE);
         let to_value = polynomial(b, to_t);
         if abs(from_value) <= bound {
             let at = meeting_at(q, c, from_t, sizes, bound);
@@ -68,7 +68,7 @@ fn polynomial(b: real4, t: real) -> real {
     return dot(bernstein(DEGREE, t), b);
 }
 
-// The first DEGREE - 1 are where the polynomial may turn in (lo, hi), in order; those that do not exist are at an end.
+// The first DEGREE - 1 are the polynomial's extrema in (lo, hi), in order; missing ones are set to an end.
 fn critical_points(b: real4, lo: real, hi: real) -> array<real, 2> {
     if DEGREE == 1u {
         return array<real, 2>(lo, lo);
@@ -135,20 +135,20 @@ const BEND: real = 24.0;
 // or both at one t, but never none. Sides are those of the tangent there: along it a root may be off at no cost.
 fn meeting_at(q: CellDepth, c: Curve, t: real, sizes: real, bound: real) -> Meeting {
     let at = curve_point(c, t);
-    let way = curve_tangent(c, t);
-    let across = dot(q.normal, way);
+    let tangent = curve_tangent(c, t);
+    let across = dot(q.normal, tangent);
     if across * q.hidden > 0.0 {
         return Meeting(t, false);
     }
     // a root is off by the polynomial's rounding over its slope; a double one by the square root of it
     let off = min(bound / max(abs(across), bound), REAL_UNIT_ROOT);
-    let room = size3(way) * sizes * (16.0 * REAL_UNIT + BEND * off * off);
+    let margin = size3(tangent) * sizes * (16.0 * REAL_UNIT + BEND * off * off);
     let facing = select(real(1.0), real(-1.0), across < 0.0);
     var inside = true;
     for (var k = 0u; k < 3u; k++) {
         let e = q.v[(k + 1u) % 3u] - q.v[k];
-        inside = inside && facing * dot(e, cross(way, q.v[k] - at)) >= -size3(e) * room;
+        inside = inside && facing * dot(e, cross(tangent, q.v[k] - at)) >= -size3(e) * margin;
     }
     let z = real3(0.0);
-    return Meeting(t, inside && is_there(q.slot, Bundle(at, z, z, way, z, z, real(1.0), real(0.0), real(0.0))));
+    return Meeting(t, inside && is_there(q.slot, Bundle(at, z, z, tangent, z, z, real(1.0), real(0.0), real(0.0))));
 }

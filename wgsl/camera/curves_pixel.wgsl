@@ -12,7 +12,7 @@ fn has_ray(layer: u32, x: u32, y: u32) -> bool {
     return pixel_cell(layer, x, y) != NONE;
 }
 
-// The point at t with the way of the curve there; where it stands still, the way to its end.
+// The point at t and the tangent there; where the derivative is 0, the direction to the end.
 fn ray_bundle(layer: u32, x: u32, y: u32, t: f32) -> Bundle {
     let c = pixel_curve(layer, x, y);
     let z = real3(0.0);
@@ -37,7 +37,7 @@ fn ray_spread(layer: u32, x: u32, y: u32, t: f32) -> Spread {
     return Spread(both_sides(right, left), both_sides(below, above));
 }
 
-// From a point to that at t of another pixel's curve; 0 where there is none.
+// Vector from a point to that at t of another pixel's curve; 0 if the pixel has none.
 fn curve_step(own: vec3<f32>, layer: u32, x: u32, y: u32, t: f32) -> vec3<f32> {
     if x >= params.width || y >= params.height || !has_ray(layer, x, y) {
         return vec3<f32>(0.0);
@@ -45,18 +45,18 @@ fn curve_step(own: vec3<f32>, layer: u32, x: u32, y: u32, t: f32) -> vec3<f32> {
     return vec3<f32>(curve_point(pixel_curve(layer, x, y), real(t))) - own;
 }
 
-// Where on a pixel's ray t is: the tangent starts there.
+// Point at t of a pixel's curve, where the tangent starts.
 fn point_at(ray: Ray, t: f32) -> vec3<f32> {
     return ray.p;
 }
 
-// The number in the camera of the piece that owns the pixel.
+// The index of the piece that owns the pixel, through all layers.
 fn piece_number(layer: u32, x: u32, y: u32) -> u32 {
     return cells[pixel_cell(layer, x, y)].piece;
 }
 
-// Equal parts of t over each of which the length is summed up by Gauss and Legendre's rule of five points: of degree 9, so
-// that for a curve that turns by less than a right angle a part its error is under f32's rounding.
+// Number of equal parts of t; the length of each is integrated by the five-point Gauss-Legendre rule: of degree 9, so
+// that for a curve that bends by less than a right angle per part its error is under f32's rounding.
 const LENGTH_PARTS: u32 = 8u;
 
 // The length of the curve from 0 to t.
@@ -86,7 +86,7 @@ fn speed(leg0: vec3<f32>, leg1: vec3<f32>, leg2: vec3<f32>, t: f32) -> f32 {
     return 3.0 * length(mix(mix(leg0, leg1, t), mix(leg1, leg2, t), t));
 }
 
-// How far along its curve a hit lies in its layer.
+// Arc length from the start of its curve to a hit, in its layer.
 fn reached(ray: Ray, layer: u32, x: u32, y: u32, t: f32) -> f32 {
     return curve_length(pixel_curve(layer, x, y), t);
 }

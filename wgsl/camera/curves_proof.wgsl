@@ -1,4 +1,4 @@
-// What recheck arithmetic proves of where a pixel's curve meets a triangle first, over a span of t.
+// Proofs in recheck arithmetic about the first hit of a pixel's curve with a triangle, over a span of t.
 // Provides: pixel_proof
 // Needs: BEND, Bundle, Cell, Curve, DEGREE, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, critical_points, curve_place,
 //   curve_point, curve_stored, curve_tangent, normal_of, polynomial, reach3, real, real3, real4, root_between, sign_beyond, size3, span_of,
@@ -18,9 +18,9 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hi
     let spans = real(f32(params.spans));
     let end = real(span.y) / spans;
     var from_t = real(span.x) / spans;
-    let turns = critical_points(b, from_t, end);
+    let extrema = critical_points(b, from_t, end);
     for (var k = 0u; k < DEGREE; k++) {
-        let to_t = select(turns[min(k, 1u)], end, k + 1u == DEGREE);
+        let to_t = select(extrema[min(k, 1u)], end, k + 1u == DEGREE);
         let from_side = sign_beyond(polynomial(b, from_t), 2.0 * lost);
         let to_side = sign_beyond(polynomial(b, to_t), 2.0 * lost);
         if from_side == 0 || to_side == 0 {
@@ -43,11 +43,11 @@ fn root_proof(
 ) -> Proof {
     let t = root_between(b, from_t, to_t, from_side < 0);
     let at = curve_point(c, t);
-    let way = curve_tangent(c, t);
-    let across = dot(normal.n, way);
-    let size_way = size3(way);
+    let tangent = curve_tangent(c, t);
+    let across = dot(normal.n, tangent);
+    let size_tangent = size3(tangent);
     let lost_way = 2.0 * PRODUCT_UNITS * REAL_UNIT * sizes;
-    let facing = sign_beyond(across, size_way * (normal.lost + PRODUCT_UNITS * REAL_UNIT * normal.size) + normal.size * lost_way);
+    let facing = sign_beyond(across, size_tangent * (normal.lost + PRODUCT_UNITS * REAL_UNIT * normal.size) + normal.size * lost_way);
     let off = 2.0 * lost / max(abs(across), lost) + 4.0 * REAL_ROUNDING;
     let near = max(t - off, from_t);
     let far = min(t + off, to_t);
@@ -66,8 +66,8 @@ fn root_proof(
         let e = v[(k + 1u) % 3u] - v[k];
         let to_v = v[k] - at;
         let lost_e = REAL_UNIT * (2.0 * reach3(v) + size3(e));
-        let bound = size_way * (size3(e) * (sizes * way_off + real(params.origin_lost)) + lost_e * size3(to_v));
-        let side = facing * sign_beyond(dot(e, cross(way, to_v)), bound);
+        let bound = size_tangent * (size3(e) * (sizes * way_off + real(params.origin_lost)) + lost_e * size3(to_v));
+        let side = facing * sign_beyond(dot(e, cross(tangent, to_v)), bound);
         if side < 0 {
             return MISSED;
         }

@@ -11,7 +11,7 @@ fn field_direction_real(at: u32) -> real3 {
     return real3(field_direction(at)) + real3(vec3<f32>(rays_lo[at + 3u], rays_lo[at + 4u], rays_lo[at + 5u]));
 }
 
-// The bundle of a cell: a field has one a pixel.
+// The bundle of a cell: a field has one per pixel.
 fn cell_bundle(cell: Cell) -> Bundle {
     let z = real3(0.0);
     return Bundle(z, z, z, z, z, z, real(1.0), real(0.0), real(0.0));
@@ -48,7 +48,7 @@ fn field_spread(x: u32, y: u32, t: f32) -> Spread {
     return Spread(both_sides(right, left), both_sides(below, above));
 }
 
-// From a point of one ray to that of another at the same t; 0 where this is none.
+// Vector from a point of one ray to that of another at the same t; 0 if there is no other ray.
 fn field_step(own: u32, other: u32, t: f32) -> vec3<f32> {
     let d = field_direction(other);
     let step = field_origin(other) - field_origin(own) + t * (d - field_direction(own));

@@ -19,7 +19,7 @@ fn ray_spread(layer: u32, x: u32, y: u32, t: f32) -> Spread {
     return field_spread(x, y, t);
 }
 
-// Where on a pixel's ray t is.
+// Point at t of a pixel's ray.
 fn point_at(ray: Ray, t: f32) -> vec3<f32> {
     return ray.p + t * ray.d;
 }
@@ -28,7 +28,7 @@ fn piece_number(layer: u32, x: u32, y: u32) -> u32 {
     return 0u;
 }
 
-// How far along its ray a hit lies.
+// Distance along its ray to a hit.
 fn reached(ray: Ray, layer: u32, x: u32, y: u32, t: f32) -> f32 {
     return t * length(ray.d);
 }

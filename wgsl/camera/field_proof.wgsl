@@ -1,4 +1,4 @@
-// What may be lost of the ray of a pixel of a field: the rounding of what is stored.
+// Error bounds of the ray of a pixel of a field: the rounding of stored values.
 // Provides: weighed
 // Needs: Bundle, Cell, REAL_UNIT, Weighed, field_bundle, real, size3, tile_corner
 // Binds: params

@@ -1,4 +1,4 @@
-// Rays of a ray field: a ray a pixel, six numbers P and D, in a table one column and one row larger than the band so
+// Rays of a ray field: a ray per pixel, six numbers P and D, in a table one column and one row larger than the band so
 // that every pixel has a right and a lower neighbour. D = 0: no ray.
 // Provides: field_at, field_direction, field_origin
 // Binds: params, rays_hi

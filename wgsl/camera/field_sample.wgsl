@@ -1,4 +1,4 @@
-// Rays of the samples of a ray field: by what each differs from its pixel's own, six numbers P and D, sample by sample.
+// Rays of the samples of a ray field: differences from the pixel's own ray, six numbers P and D, sample by sample.
 // Provides: sample_bundle, sample_ray, sample_spread
 // Needs: Bundle, Cell, Ray, SAMPLES, Spread, field_at, field_bundle, field_direction, field_origin, field_spread, real3, tile_corner
 // Binds: params, rays_aside

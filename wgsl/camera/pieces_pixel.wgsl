@@ -50,17 +50,17 @@ fn cell_spread(cell: Cell, place: vec2<f32>, t: f32) -> Spread {
     return Spread(right / h, down / h);
 }
 
-// Where on a pixel's ray t is.
+// Point at t of a pixel's ray.
 fn point_at(ray: Ray, t: f32) -> vec3<f32> {
     return ray.p + t * ray.d;
 }
 
-// The number in the camera of the piece that owns the pixel.
+// The index of the piece that owns the pixel, through all layers.
 fn piece_number(layer: u32, x: u32, y: u32) -> u32 {
     return pieces[cells[pixel_cell(layer, x, y)].piece].number;
 }
 
-// How far along its ray a hit lies in its layer.
+// Distance along its ray to a hit, in its layer.
 fn reached(ray: Ray, layer: u32, x: u32, y: u32, t: f32) -> f32 {
     return t * length(ray.d);
 }

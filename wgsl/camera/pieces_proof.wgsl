@@ -1,4 +1,4 @@
-// What may be lost of the ray of a pixel of a piece.
+// Error bounds of the ray of a pixel of a piece.
 // Provides: weighed
 // Needs: Bundle, Cell, REAL_UNIT, Weighed, pixel_bundle, real, size3, tile_corner
 // Binds: params, pieces

@@ -15,7 +15,7 @@ fn place_in_tile(x: u32, y: u32, sample: u32) -> vec2<f32> {
     return vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH + sample_place(sample);
 }
 
-// The cell whose piece a sample belongs to.
+// The cell of a sample's piece.
 fn sample_cell(layer: u32, x: u32, y: u32, sample: u32) -> u32 {
     var row = y / TILE;
     if SLABBED {

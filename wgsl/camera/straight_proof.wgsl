@@ -1,14 +1,14 @@
-// What recheck arithmetic proves of where a straight ray meets a triangle.
+// Proofs in recheck arithmetic about where a straight ray meets a triangle.
 //
 // REAL_UNIT is the rounding of stored numbers and no less than that of one operation. The size of a vector is the sum of its absolute
-// components, so that a product is at most the product of the sizes. Every bound is of the same form: what is lost of each factor
-// times the size of the other, and PRODUCT_UNITS of both sizes.
+// components, so that a product is at most the product of the sizes. Every bound has the same form: the error of each factor
+// times the size of the other, plus PRODUCT_UNITS of both sizes.
 // Provides: Weighed, pixel_proof
 // Needs: Bundle, Cell, ENDLESS, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, SLABBED, end_rounding, normal_of, of_words,
 //   perturbed, reach3, real, real3, sign_beyond, size3, weighed
 // Binds: params
 
-// A ray, and what may be lost of its parts.
+// A ray, and error bounds of its parts.
 struct Weighed {
     b: Bundle,
     lost_p: real,
@@ -16,7 +16,7 @@ struct Weighed {
     lost_h: real,
 }
 
-// v h - p, and what may be lost of it.
+// v h - p, and its error bound.
 struct Offset {
     m: real3,
     size: real,
@@ -55,12 +55,12 @@ fn proven_inside(q: Weighed, from_v: Offset, v: array<real3, 3>) -> i32 {
 }
 
 // t = N . m / N . d lies in [near, far] where the sign of N . d is proven, which is `facing`; else anywhere. An end of a chain's
-// segment holds what is `room` beyond it.
+// segment includes hits up to `margin` beyond it.
 struct OnPlane {
     near: real,
     far: real,
     facing: i32,
-    room: real,
+    margin: real,
 }
 
 fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane {
@@ -78,8 +78,8 @@ fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane 
     let t = along / across;
     let off = (lost_along + abs(t) * lost_across) / least + 4.0 * REAL_ROUNDING * abs(t);
     // that of the tile's middle, whose numbers are of the same size
-    let room = select(0.0, 2.0 * end_rounding(q.b, normal.n, reach) / least, SLABBED);
-    return OnPlane(t - off, t + off, facing, room);
+    let margin = select(0.0, 2.0 * end_rounding(q.b, normal.n, reach) / least, SLABBED);
+    return OnPlane(t - off, t + off, facing, margin);
 }
 
 fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hidden: i32, is_inside: bool) -> Proof {
@@ -99,7 +99,7 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hi
     let met = on_plane(q, from_v, normal_of(v), reach3(v));
     let t_min = of_words(params.t_words.xy);
     let t_max = of_words(params.t_words.zw);
-    if met.facing * hidden > 0 || met.far < t_min - met.room || met.near > t_max + met.room {
+    if met.facing * hidden > 0 || met.far < t_min - met.margin || met.near > t_max + met.margin {
         return MISSED;
     }
     let is_in_range = met.near >= t_min && met.far <= t_max;

@@ -1,4 +1,4 @@
-// What gather adds to where a mirror or a lens turns rays: nothing to a surface that the ray goes on from.
+// Which hits gather lights in cameras with optics: none on a surface where the ray bounces.
 // Provides: ends_here, light_kept
 // Binds: optic, paths
 

@@ -1,4 +1,4 @@
-// What gather adds to where no ray is turned.
+// Which hits gather lights in cameras without optics: all.
 // Provides: ends_here, light_kept
 
 fn ends_here(id: u32) -> bool {

@@ -1,9 +1,9 @@
-// What is in the way of light: straight segments through the hierarchy of the scene's triangles, whose rows follow those of the lights.
+// Shadows and ambient occlusion: segments traced through the hierarchy of the scene's triangles, whose rows follow those of the lights.
 // Provides: leaf_at, node_at, openness, reaches
 // Needs: BvhNode, Found, LeafTriangle, Lit, NONE, Segment, flat_normal, largest, traced
 // Binds: lights, shading, triangles
 
-// How far above a surface segments start, of the largest coordinate that its place was found with.
+// Offset of segments above a surface, relative to the largest coordinate of the hit and its triangle.
 const ABOVE: f32 = 4e-6;
 
 fn node_at(k: u32) -> BvhNode {
@@ -24,20 +24,20 @@ fn start_above(lit: Lit, flat: vec3<f32>) -> vec3<f32> {
     return lit.p + ABOVE * max(largest(lit.p), lit.reach) * flat;
 }
 
-// What a segment of a unit way meets first.
-fn met(start: vec3<f32>, way: vec3<f32>, far: f32) -> Found {
-    let found = traced(Segment(start * shading.hidden_scale, way, 0.0, min(far * shading.hidden_scale, 3e38)));
+// The first hit of a segment with a unit direction.
+fn met(start: vec3<f32>, direction: vec3<f32>, far: f32) -> Found {
+    let found = traced(Segment(start * shading.hidden_scale, direction, 0.0, min(far * shading.hidden_scale, 3e38)));
     return Found(found.s / shading.hidden_scale, found.id);
 }
 
-// No triangle is between a hit and a light.
+// Whether no triangle lies between a hit and a light.
 fn reaches(lit: Lit, l: vec3<f32>, far: f32) -> bool {
     let flat = flat_normal(triangles[lit.slot], lit.view);
     return dot(flat, l) > 0.0 && met(start_above(lit, flat), l, far).id == NONE;
 }
 
-// The share of directions about the normal, by their cosine, in which nothing is near: what is hides the less the farther it is, up to
-// the reach. The directions are a spiral of Fibonacci's on the disc below them, and as few as the hit's share of its pixel.
+// Ambient visibility: the cosine-weighted share of directions about the normal without an obstacle within reach; far obstacles count
+// less. The directions are a Fibonacci spiral on the unit disc; their number is scaled by the hit's share of its pixel.
 fn openness(lit: Lit) -> f32 {
     if shading.occlusion_rays == 0u {
         return 1.0;
@@ -55,7 +55,7 @@ fn openness(lit: Lit) -> f32 {
     let count = max(u32(lit.share * f32(shading.occlusion_rays)), 1u);
     for (var k = 0u; k < count; k++) {
         let square = (f32(k) + 0.5) / f32(count);
-        // turns by the golden section, of 2^32 a turn
+        // angles by the golden section, 2^32 per revolution
         let angle = 6.2831853 / 4294967296.0 * f32(k * 1640531527u);
         let d = sqrt(square) * (cos(angle) * right + sin(angle) * up) + sqrt(1.0 - square) * n;
         if dot(d, flat) > 0.0 {

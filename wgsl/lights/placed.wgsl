@@ -1,5 +1,5 @@
-// Lights of any colour, far away or in a place: two rows each. The first is the way that its light travels, or where it is and the
-// distance at which it is as bright as one far away; the second its colour, and 1 where things hide it.
+// Distant and point lights of any colour: two rows each. The first is the direction of travel, or the position and the distance
+// at which its colour applies; the second the colour, and 1 if triangles cast shadows.
 // Provides: arriving
 // Needs: Arriving, Lit, largest, reaches
 // Binds: lights
@@ -12,10 +12,10 @@ fn arriving(k: u32, lit: Lit) -> Arriving {
     // infinity
     var far = bitcast<f32>(0x7f7fffffu);
     if from_there.w > 0.0 {
-        let way = from_there.xyz - lit.p;
-        let most = max(largest(way), 1e-30);
-        far = most * max(length(way / most), 1e-30);
-        l = way / far;
+        let to_light = from_there.xyz - lit.p;
+        let most = max(largest(to_light), 1e-30);
+        far = most * max(length(to_light / most), 1e-30);
+        l = to_light / far;
         let nearness = from_there.w / far;
         strength *= nearness * nearness;
     }

@@ -1,4 +1,4 @@
-// Lights far away that are white and that nothing hides: a row each, the way that their light travels.
+// White distant lights without shadows: one row each, the direction of travel.
 // Provides: arriving, openness
 // Needs: Arriving, Lit
 // Binds: lights

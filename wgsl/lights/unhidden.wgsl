@@ -1,4 +1,4 @@
-// Nothing is in the way of light.
+// No shadows.
 // Provides: openness, reaches
 // Needs: Lit
 

@@ -1,5 +1,4 @@
-// Light that surfaces send back by the microfacets of Trowbridge and Reitz (GGX; Walter et al. 2007), seen along the ray, and light of
-// their own.
+// Reflection by microfacets of Trowbridge and Reitz (GGX; Walter et al. 2007), and emission.
 // Provides: sent_back
 // Needs: Lit, SKY, arriving, from_around, openness, surface_row
 // Binds: materials, shading
@@ -24,8 +23,8 @@ fn sent_back(lit: Lit, albedo: vec3<f32>) -> vec3<f32> {
     return sum;
 }
 
-// Of a light of irradiance pi in the direction l, what goes in the direction v: a matte share, and a reflection that is
-// `straight` where light falls and leaves straight on.
+// The light reflected in direction v from a light of irradiance pi in direction l: a matte share, and a reflection with
+// reflectance `straight` at normal incidence.
 fn glossy(base: vec3<f32>, straight: vec3<f32>, alpha: f32, n: vec3<f32>, v: vec3<f32>, l: vec3<f32>) -> vec3<f32> {
     let nl = dot(n, l);
     if nl <= 0.0 {
@@ -42,8 +41,8 @@ fn glossy(base: vec3<f32>, straight: vec3<f32>, alpha: f32, n: vec3<f32>, v: vec
 
     // what reflects nothing straight on does not at grazing angles (Lagarde and de Rousiers 2014)
     let grazing = min(50.0 * max(straight.x, max(straight.y, straight.z)), 1.0);
-    let turned = 1.0 - clamp(dot(v, h), 0.0, 1.0);
-    let fresnel = straight + (grazing - straight) * (turned * turned * turned * turned * turned);
+    let slant = 1.0 - clamp(dot(v, h), 0.0, 1.0);
+    let fresnel = straight + (grazing - straight) * (slant * slant * slant * slant * slant);
 
     // facets' share about h, and how much of them light and viewer both see (Heitz 2014)
     let a2 = alpha * alpha;

@@ -1,4 +1,4 @@
-// What a triangle looks like.
+// Materials of triangles.
 // Provides: Material
 
 struct Material {

@@ -1,4 +1,4 @@
-// Light that matte surfaces send back.
+// Diffuse reflection.
 // Provides: sent_back
 // Needs: Lit, received
 

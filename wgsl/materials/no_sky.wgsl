@@ -1,4 +1,4 @@
-// Light from everywhere alike, and one colour behind all.
+// Constant ambient light and background.
 // Provides: beyond
 // Binds: shading
 
@@ -8,7 +8,7 @@ fn from_around(base: vec3<f32>, straight: vec3<f32>, alpha: f32, n: vec3<f32>, v
     return shading.ambient * (base + straight);
 }
 
-// What a pixel shows that hits nothing.
+// Colour of a pixel that hits nothing.
 fn beyond(x: u32, y: u32) -> vec3<f32> {
     return shading.background;
 }

@@ -1,11 +1,11 @@
-// Light from all around, by an image of it: longitudes from left to right, -z in the middle, and latitudes from +y on top.
+// Environment light from an equirectangular image: longitude from left to right with -z in the middle, +y on top.
 // Provides: SKY, beyond, from_around
 // Needs: Footprint, SLABBED, both_sides, has_ray, image_mean, pixel_ray
 // Binds: materials, params, shading
 
 const SKY: bool = true;
 
-// Of light from all around what goes towards v: the matte share by the irradiance, the rest by the mean over a lobe about the
+// The environment light reflected towards v: the matte share by the irradiance, the rest by the mean over a lobe about the
 // mirrored view, times the share of it that microfacets reflect (Karis 2014).
 fn from_around(base: vec3<f32>, straight: vec3<f32>, alpha: f32, n: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     let nv = max(dot(n, v), 1e-4);
@@ -15,8 +15,8 @@ fn from_around(base: vec3<f32>, straight: vec3<f32>, alpha: f32, n: vec3<f32>, v
     let width = lobe_width(alpha);
     let lobe = sky_mean(r, width * across, width * cross(r, across));
     let rough = sqrt(alpha) * vec4<f32>(-1.0, -0.0275, -0.572, 0.022) + vec4<f32>(1.0, 0.0425, 1.04, -0.04);
-    let turned = min(rough.x * rough.x, exp2(-9.28 * nv)) * rough.x + rough.y;
-    let share = vec2<f32>(-1.04, 1.04) * turned + rough.zw;
+    let falloff = min(rough.x * rough.x, exp2(-9.28 * nv)) * rough.x + rough.y;
+    let share = vec2<f32>(-1.04, 1.04) * falloff + rough.zw;
     let grazing = min(50.0 * max(straight.x, max(straight.y, straight.z)), 1.0);
     return base * irradiance(n) + lobe * (straight * share.x + grazing * share.y);
 }
@@ -27,7 +27,7 @@ fn lobe_width(alpha: f32) -> f32 {
     return min(4.8989795 * alpha, 3.14159265);
 }
 
-// What arrives at a surface, over pi: spherical harmonics up to the second order (Ramamoorthi and Hanrahan 2001).
+// Irradiance over pi: spherical harmonics of order 2 (Ramamoorthi and Hanrahan 2001).
 fn irradiance(n: vec3<f32>) -> vec3<f32> {
     let first = shading.irradiance[0].xyz + shading.irradiance[1].xyz * n.y + shading.irradiance[2].xyz * n.z + shading.irradiance[3].xyz * n.x;
     let second = shading.irradiance[4].xyz * (n.x * n.y) + shading.irradiance[5].xyz * (n.y * n.z)
@@ -36,7 +36,7 @@ fn irradiance(n: vec3<f32>) -> vec3<f32> {
     return max(first + second, vec3<f32>(0.0));
 }
 
-// The mean of what comes from about a unit direction, over the parallelogram of two ways across it.
+// Mean radiance about a unit direction, over the parallelogram of two vectors across it.
 fn sky_mean(d: vec3<f32>, right: vec3<f32>, down: vec3<f32>) -> vec3<f32> {
     let level = max(d.x * d.x + d.z * d.z, 1e-6);
     // about a pole once around is all that there is
@@ -53,7 +53,7 @@ fn sky_mean(d: vec3<f32>, right: vec3<f32>, down: vec3<f32>) -> vec3<f32> {
     return shading.sky_strength * image_mean(materials[shading.sky], f);
 }
 
-// What a pixel shows that hits nothing: what comes from where its ray goes in the end.
+// Colour of a pixel that hits nothing: the sky in its ray's last direction.
 fn beyond(x: u32, y: u32) -> vec3<f32> {
     var layer = 0u;
     if SLABBED {
@@ -62,7 +62,7 @@ fn beyond(x: u32, y: u32) -> vec3<f32> {
             layer--;
         }
     }
-    let d = way(layer, x, y);
+    let d = end_direction(layer, x, y);
     if shading.sky_is_seen == 0u || all(d == vec3<f32>(0.0)) {
         return shading.background;
     }
@@ -72,12 +72,12 @@ fn beyond(x: u32, y: u32) -> vec3<f32> {
 }
 
 fn way_step(own: vec3<f32>, layer: u32, x: u32, y: u32) -> vec3<f32> {
-    let d = way(layer, x, y);
+    let d = end_direction(layer, x, y);
     return select(d - own, vec3<f32>(0.0), all(d == vec3<f32>(0.0)));
 }
 
-// The unit direction of a pixel's ray at its end; 0: it has none.
-fn way(layer: u32, x: u32, y: u32) -> vec3<f32> {
+// The unit direction of a pixel's ray at its end; 0: no ray.
+fn end_direction(layer: u32, x: u32, y: u32) -> vec3<f32> {
     if x >= params.width || y >= params.height || !has_ray(layer, x, y) {
         return vec3<f32>(0.0);
     }

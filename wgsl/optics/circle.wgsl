@@ -1,16 +1,16 @@
-// Cosine and sine, of f64 too, for which WGSL's own are not to be had.
-// Provides: TURN, circle
+// Cosine and sine, also in f64, which WGSL's built-ins lack.
+// Provides: TWO_PI, circle
 // Needs: real
 
-const TURN: real = 6.283185307179586;
+const TWO_PI: real = 6.283185307179586;
 
-// Cosine and sine of so many turns, each within 4 roundings, and of few turns the sine within as many of itself: the nearest
+// Cosine and sine of an angle in revolutions, each within 4 roundings; for small angles the sine within 4 roundings of itself: the nearest
 // quarter is taken off without a rounding, and Taylor's series of what is left, an eighth at most, are cut off at 2^-60 and
-// 2^-58. Whole turns are counted in f32: up to 2^20.
-fn circle(turns: real) -> vec2<real> {
-    let part = turns - real(round(f32(turns)));
+// 2^-58. Whole revolutions are counted in f32: up to 2^20.
+fn circle(revolutions: real) -> vec2<real> {
+    let part = revolutions - real(round(f32(revolutions)));
     let quarter = round(4.0 * f32(part));
-    let x = TURN * (part - real(0.25) * real(quarter));
+    let x = TWO_PI * (part - real(0.25) * real(quarter));
     let xx = x * x;
     let c = 1.0 + xx * (-0.5 + xx * (0.041666666666666664 + xx * (-0.001388888888888889 + xx * (2.48015873015873e-05 + xx * (-2.755731922398589e-07 + xx * (2.08767569878681e-09 + xx * (-1.1470745597729725e-11 + xx * (4.779477332387385e-14))))))));
     let s = x + x * xx * (-0.16666666666666666 + xx * (0.008333333333333333 + xx * (-0.0001984126984126984 + xx * (2.7557319223985893e-06 + xx * (-2.505210838544172e-08 + xx * (1.6059043836821613e-10 + xx * (-7.647163731819816e-13)))))));

@@ -1,9 +1,9 @@
-// Turns at flat facets.
-// Provides: camera_of, camera_place, facet_place, facet_weights, turn_at
-// Needs: LAW_NORMALS, Turned, bent, bent_at, norm, real, real3
+// Reflection and refraction at flat facets.
+// Provides: bounce_at, camera_of, camera_place, facet_place, facet_weights
+// Needs: BouncedRay, LAW_NORMALS, bent, bent_at, norm, real, real3
 // Binds: corners, optic
 
-// Sine of the angle with the facet's plane at which its corners' rays must leave to be scaled to one height.
+// Least sine of the angle between the facet's plane and its corners' bounced rays for which they are scaled to one height.
 const FLAT_LEAST: real = 0.015625;
 
 fn corner_place(k: u32) -> real3 {
@@ -14,12 +14,12 @@ fn corner_normal(k: u32) -> real3 {
     return real3(corners[k].n_hi) + real3(corners[k].n_lo);
 }
 
-// The number of the facet's camera among the optics' pieces.
+// The index of the facet's piece among the optics' pieces.
 fn camera_of(surface: u32) -> u32 {
     return corners[3u * surface].camera;
 }
 
-// Where on that camera the place with these weights lies: weights of its second and third corner.
+// The position with weights w on that piece: weights of the piece's second and third corner.
 fn camera_place(surface: u32, w: vec3<f32>) -> vec2<f32> {
     let k = 3u * surface;
     return w.x * vec2<f32>(corners[k].camera_u, corners[k].camera_v)
@@ -43,8 +43,8 @@ fn facet_place(surface: u32, w: real3) -> real3 {
     return w.x * corner_place(k) + w.y * corner_place(k + 1u) + w.z * corner_place(k + 2u);
 }
 
-// The turn of the ray p + t d, d of any length, at the facet that it meets.
-fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
+// The bounce of the ray p + t d, d of any length, at the facet that it meets.
+fn bounce_at(surface: u32, p: real3, d: real3, last: u32) -> BouncedRay {
     let k = 3u * surface;
     let v0 = corner_place(k);
     let v1 = corner_place(k + 1u);
@@ -58,10 +58,10 @@ fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
     let place = facet_place(surface, w);
     if optic.law == LAW_NORMALS {
         let after = bent_at(d / norm(d), w.x * n0 + w.y * n1 + w.z * n2, outside);
-        return Turned(place, after.d, after.share);
+        return BouncedRay(place, after.d, after.share);
     }
 
-    // the corners' own turns, scaled to one height over the facet where all leave it
+    // bounce the corners' own rays; scale them to one height over the facet if all leave it
     let eye = real3(optic.eye_hi) + real3(optic.eye_lo);
     let d0 = bent((v0 - eye) / norm(v0 - eye), n0, outside);
     let d1 = bent((v1 - eye) / norm(v1 - eye), n1, outside);
@@ -75,5 +75,5 @@ fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
         scale = real3(real(1.0)) / abs(heights);
     }
     let share = w.x * d0.share + w.y * d1.share + w.z * d2.share;
-    return Turned(place, w.x * scale.x * d0.d + w.y * scale.y * d1.d + w.z * scale.z * d2.d, share);
+    return BouncedRay(place, w.x * scale.x * d0.d + w.y * scale.y * d1.d + w.z * scale.z * d2.d, share);
 }

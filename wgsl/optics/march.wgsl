@@ -1,4 +1,4 @@
-// The first root of a function along a ray, in steps that are proved to be free of roots. A snippet of each surface has the
+// The first root of a function along a ray, in steps proven free of roots. A snippet per surface provides the
 // function, `along`, bounds of its second derivative, and how many steps it takes at most.
 // Provides: first_crossing
 // Needs: Along, Root, along, real
@@ -9,7 +9,7 @@ const STEP: real = 0.99609375;
 
 // From `from`, where the function is not 0, to `to`. As long as its second derivative keeps within `bends`, a function that is
 // v and falls at the rate g is above 0 for v - g h - bend h^2 / 2 > 0. At a root these steps come nearer as Newton's do, and from
-// one side. After `most` of them, several times what any ray was seen to take, the rest is taken to hold none.
+// one side. After `most` of them, several times what any ray was seen to take, the rest is assumed to have none.
 fn first_crossing(a: Along, from_s: real, to_s: real, bends: vec2<real>, most: u32) -> Root {
     let zero = real(0.0);
     var s = from_s;

@@ -1,4 +1,4 @@
-// Where rays meet quadrics.
+// Intersection of rays with quadrics.
 // Provides: first_root, smooth_normal
 // Needs: Quadric, REAL_UNIT, Root, real, real3, size3
 // Binds: quadrics

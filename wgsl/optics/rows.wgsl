@@ -1,35 +1,35 @@
 // Rows of cameras with a mirror or a lens; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
 // Provides: AtlasLayout, Corner, LAW_NORMALS, Optic, PathState, Quadric, Torus, Wave
 
-const LAW_NORMALS: u32 = 0u;   // rays are turned about the corners' normals, interpolated
-const LAW_FLAT: u32 = 1u;      // the corners' turned rays are interpolated
+const LAW_NORMALS: u32 = 0u;   // rays bounce about the corners' normals, interpolated
+const LAW_FLAT: u32 = 1u;      // the corners' bounced rays are interpolated
 
-// The optics, and after how many turns the rays of a pass are.
+// The optics, as one pass sees them.
 struct Optic {
     eye_hi: vec3<f32>,      // what flat facets are seen from, relative to the anchor
     first_id: u32,          // of the surfaces: facets are triangles, smooth surfaces have ids behind all of these
     eye_lo: vec3<f32>,
     count: u32,             // surfaces
-    tint: vec3<f32>,        // what a turn leaves of the light
-    turns: u32,             // behind the rays of the pass
+    tint: vec3<f32>,        // factor of the light per bounce
+    turns: u32,             // bounces before the rays of the pass
     base: vec3<f32>,        // colour of the surface where rays end on it
-    ends: u32,              // 1: rays end on it, after the last turn
+    ends: u32,              // 1: rays end on it, after the last bounce
     middle: vec3<f32>,      // of the scene: how wide bundles are is compared as far along their rays
     law: u32,               // one of the LAW constants
     ior_hi: f32,            // index of refraction inside; 0: rays are reflected
     ior_lo: f32,
-    sees_itself: u32,       // 1: turned rays may meet the surface again
+    sees_itself: u32,       // 1: bounced rays may meet the surface again
     piece_first: u32,       // number of surface 0 among the camera's pieces
-    tilt_x_hi: f32,         // by which normals are tilted before the rays of the pass were turned
+    tilt_x_hi: f32,         // tilt of the normals at the bounce before the pass
     tilt_x_lo: f32,
     tilt_y_hi: f32,
     tilt_y_lo: f32,
     fresnel: u32,           // 1: light is shared out between refraction and reflection
     branch: u32,            // 0: refracted, or totally reflected; 1: the other part of the light
-    scale: f32,             // of the light, at the turn before the pass
+    scale: f32,             // of the light, at the bounce before the pass
     colour_only: u32,       // 1: another pass says what is seen
-    from_hi: vec3<f32>,     // where turned rays go on from
-    is_environment: u32,    // 1: from there, as an environment map has it; 0: from where they were turned
+    from_hi: vec3<f32>,     // origin of bounced rays, if is_environment
+    is_environment: u32,    // 1: they start there, as in an environment map; 0: at the bounce
     from_lo: vec3<f32>,
     pad0: u32,
 }
@@ -42,12 +42,12 @@ struct AtlasLayout {
     texel_count: u32,
 }
 
-// What lies behind a pixel's ray.
+// What happened to a pixel's ray in earlier passes.
 struct PathState {
-    light: vec3<f32>,       // what is seen counts this much
-    length: f32,            // of all rays before
+    light: vec3<f32>,       // factor of the colour that the ray sees
+    length: f32,            // summed over the earlier rays, world units
     first: u32,             // surface that was met first; NONE before any
-    last: u32,              // id of the surface that the ray starts on; NONE: the eye, or no turn
+    last: u32,              // id of the surface that the ray starts on; NONE: the eye, or no bounce
     camera: u32,            // of the surface that was met first
     pad0: u32,
 }

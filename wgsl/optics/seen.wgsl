@@ -1,6 +1,6 @@
-// What a pixel shows where a mirror or a lens turns rays: what the last of them meets.
-// Provides: colour_of, ends_on_smooth, first_piece, first_surface, goes_on, is_under_way, light_before, light_left, says_what_is_seen,
-//   way_length
+// What a pixel of a camera with a mirror or lens shows: the hit of its last ray.
+// Provides: colour_of, ends_on_smooth, first_piece, first_surface, goes_on, is_under_way, light_before, light_left, path_length,
+//   says_what_is_seen
 // Needs: NONE, Place
 // Binds: optic, params, paths, planes
 
@@ -33,7 +33,7 @@ fn says_what_is_seen() -> bool {
     return optic.colour_only == 0u;
 }
 
-fn way_length(pixel: u32) -> f32 {
+fn path_length(pixel: u32) -> f32 {
     return paths[pixel].length;
 }
 

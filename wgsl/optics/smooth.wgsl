@@ -1,7 +1,7 @@
-// Turns at surfaces that rays meet where they are. A snippet of each kind says where, `first_root`, and which way the surface
-// faces there, `smooth_normal`.
-// Provides: Root, camera_of, meeting_with, turn_at
-// Needs: Turned, bent_at, first_root, norm, of_words, real, real3, smooth_normal
+// Reflection and refraction at smooth surfaces, intersected exactly. A snippet per kind gives the intersection, `first_root`, and
+// the normal, `smooth_normal`.
+// Provides: Root, bounce_at, camera_of, meeting_with
+// Needs: BouncedRay, bent_at, first_root, norm, of_words, real, real3, smooth_normal
 // Binds: optic, params
 
 struct Root {
@@ -19,10 +19,10 @@ fn camera_of(surface: u32) -> u32 {
     return surface;
 }
 
-// The turn of the ray at the surface that it meets.
-fn turn_at(surface: u32, p: real3, d: real3, last: u32) -> Turned {
+// The bounce of the ray at the surface that it meets.
+fn bounce_at(surface: u32, p: real3, d: real3, last: u32) -> BouncedRay {
     let place = p + meeting_with(surface, p, d, last).t * d;
     let normal = smooth_normal(surface, place);
     let after = bent_at(d / norm(d), normal, normal);
-    return Turned(place, after.d, after.share);
+    return BouncedRay(place, after.d, after.share);
 }

@@ -1,8 +1,8 @@
-// Rays that start on a surface, which they do not meet there.
+// Rays that start on a surface and do not hit it at their origin.
 // Provides: is_excluded, start_of
 // Binds: optic, paths
 
-// No turned ray meets the triangle.
+// No bounced ray hits the triangle.
 fn is_excluded(id: u32) -> bool {
     return id >= optic.first_id && optic.sees_itself == 0u;
 }

@@ -1,4 +1,4 @@
-// Where rays meet a torus.
+// Intersection of rays with a torus.
 // Provides: Along, along, first_root, smooth_normal
 // Needs: Root, Torus, first_crossing, norm, real, real3
 // Binds: tori
@@ -29,7 +29,7 @@ struct Along {
     c3: real,
 }
 
-// Its value and its slope.
+// The quartic's value and slope.
 fn along(a: Along, s: real) -> vec2<real> {
     return vec2<real>(
         a.c0 + s * (a.c1 + s * (a.c2 + s * (a.c3 + s))),
@@ -38,9 +38,9 @@ fn along(a: Along, s: real) -> vec2<real> {
 }
 
 // Square of the radius of the ball that is searched, in units of the size: the torus lies well within.
-const ROOM: real = 1.125;
+const MARGIN: real = 1.125;
 
-// Steps at most; measured: 22, and 75 of rays that leave the torus along it.
+// Most steps; measured: 22, and 75 of rays that leave the torus along it.
 const STEPS: u32 = 256u;
 
 // Where the ray p + t d first meets the torus, t in [t_min, t_max]; of a ray that starts on it, the next place: the quartic
@@ -53,9 +53,9 @@ fn first_root(surface: u32, p: real3, d: real3, starts: bool, t_min: real, t_max
     let o = torus_place(g, p);
     let middle = select(-dot(o, d) / dot(d, d), real(0.0), starts);
     let q = (o + middle * d) / torus_size(g);
-    let way = norm(d);
-    let u = d / way;
-    let speed = way / torus_size(g);
+    let d_length = norm(d);
+    let u = d / d_length;
+    let speed = d_length / torus_size(g);
     let z = dot(q, axis);
     let w = dot(u, axis);
     let b = dot(q, u);
@@ -68,7 +68,7 @@ fn first_root(surface: u32, p: real3, d: real3, starts: bool, t_min: real, t_max
     let a = Along(c0, c1, c2, 4.0 * b);
 
     // the part within the ball and the range
-    let square = b * b + ROOM - qq;
+    let square = b * b + MARGIN - qq;
     if square < real(0.0) {
         return Root(real(0.0), false);
     }

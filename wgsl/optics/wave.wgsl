@@ -1,6 +1,6 @@
-// Where rays meet a wave.
+// Intersection of rays with a wave.
 // Provides: Along, along, first_root, smooth_normal
-// Needs: Root, TURN, Wave, circle, first_crossing, real, real3
+// Needs: Root, TWO_PI, Wave, circle, first_crossing, real, real3
 // Binds: waves
 
 struct WaveTerms {
@@ -27,12 +27,12 @@ fn smooth_normal(surface: u32, place: real3) -> real3 {
     let q = wave_place(w, place);
     let x = circle(k.frequency * q.x);
     let z = circle(k.frequency * q.z);
-    let steep = -TURN * k.frequency * k.amplitude;
+    let steep = -TWO_PI * k.frequency * k.amplitude;
     return real3(steep * x.x * z.y, real(1.0), steep * x.y * z.x);
 }
 
 // The height over the surface, which is a product of sines and so half of a difference of cosines, from a place on the ray:
-// c + dy s - amplitude / 2 ((cos(u + ku s) - cos u) - (cos(v + kv s) - cos v)), u and v in turns.
+// c + dy s - amplitude / 2 ((cos(u + ku s) - cos u) - (cos(v + kv s) - cos v)), u and v in revolutions.
 struct Along {
     c: real,
     dy: real,
@@ -50,13 +50,13 @@ fn swing(u: real, du: real) -> vec2<real> {
     return vec2<real>(m.y * h.y, 0.5 * (m.y * h.x + m.x * h.y));
 }
 
-// Its value and its slope.
+// The height and its slope.
 fn along(a: Along, s: real) -> vec2<real> {
     let u = swing(a.u, a.ku * s);
     let v = swing(a.v, a.kv * s);
     return vec2<real>(
         a.c + (a.dy * s + a.amplitude * (u.x - v.x)),
-        a.dy + a.amplitude * TURN * (a.ku * u.y - a.kv * v.y),
+        a.dy + a.amplitude * TWO_PI * (a.ku * u.y - a.kv * v.y),
     );
 }
 
@@ -71,9 +71,9 @@ fn clipped(part: vec2<real>, p: real, d: real, half: real) -> vec2<real> {
 }
 
 // The height that is searched, in amplitudes: crests lie well within.
-const ROOM: real = 1.0625;
+const MARGIN: real = 1.0625;
 
-// Steps at most, and more for every half wave along the ray; measured: 76, and 7 a half wave of rays that touch all crests.
+// Most steps, and more for every half wave along the ray; measured: 76, and 7 a half wave of rays that touch all crests.
 const STEPS: u32 = 256u;
 const WAVE_STEPS: f32 = 64.0;
 
@@ -82,7 +82,7 @@ const WAVE_STEPS: f32 = 64.0;
 fn first_root(surface: u32, p: real3, d: real3, starts: bool, t_min: real, t_max: real) -> Root {
     let k = wave_terms(waves[surface]);
     let o = wave_place(waves[surface], p);
-    var part = clipped(vec2<real>(t_min, t_max), o.y, d.y, ROOM * k.amplitude);
+    var part = clipped(vec2<real>(t_min, t_max), o.y, d.y, MARGIN * k.amplitude);
     part = clipped(clipped(part, o.x, d.x, k.half), o.z, d.z, k.half);
     if starts {
         part.x = real(0.0);
@@ -104,8 +104,8 @@ fn first_root(surface: u32, p: real3, d: real3, starts: bool, t_min: real, t_max
     let to_s = part.y - part.x;
     // the second derivative of the product of sines; it stays small along the lines where one of them is 0, which lie in the
     // surface: rays skim it there as far as they like
-    let x = TURN * k.frequency * abs(d.x);
-    let z = TURN * k.frequency * abs(d.z);
+    let x = TWO_PI * k.frequency * abs(d.x);
+    let z = TWO_PI * k.frequency * abs(d.z);
     let sines = min(abs(sine_x) + x * to_s, abs(sine_z) + z * to_s);
     let bend = k.amplitude * min(x * x + z * z, (x * x + z * z) * sines + (x + x) * z);
     var from_s = real(0.0);

@@ -1,28 +1,28 @@
 // What share of a pixel triangles have: the area of what is seen of each that some sample sees, whose edges are lines at a signed distance
 // E / |grad E| from the pixel's centre. Exact where edges are straight and two surfaces lie behind each other; of three, what two hide alike
 // is left out twice. Samples are counted where they contradict the lines: edges are bent, or something but an edge ends a triangle;
-// and where more triangles are seen than are held.
+// and where more triangles are seen than are kept.
 // Provides: measure, seen_next, share_of, whole
 // Needs: SAMPLES, all_samples, key_id, key_layer, key_of, key_t, middle_of, nearest_to, point_at, sample_place, sample_ray, sample_spread,
 //   seen_alike, weights_at
 // Binds: params, slot_of_id, triangles
 
-// Triangles, or nothing, that are held of a pixel.
-const HELD: u32 = 6u;
+// Most triangles kept per pixel, the background among them.
+const KEPT_MAX: u32 = 6u;
 
 // Of those seen in a pixel, in the order of their first samples: the samples that see each.
-var<private> groups: array<u32, HELD>;
+var<private> groups: array<u32, KEPT_MAX>;
 var<private> count: u32;
 
 // And the area of each; none where samples are counted.
-var<private> shares: array<f32, HELD>;
+var<private> shares: array<f32, KEPT_MAX>;
 var<private> measured: bool;
 
-// Of each edge, px right and down: the unit way inwards, and how far inside of it the pixel's centre is.
+// Per edge: the unit inward normal, px right and down, and the signed distance of the pixel's centre inside it.
 var<private> edge_lines: array<vec3<f32>, 18>;
 
 fn share_of(k: u32, some: u32) -> f32 {
-    return select(f32(countOneBits(some)), shares[min(k, HELD - 1u)], measured);
+    return select(f32(countOneBits(some)), shares[min(k, KEPT_MAX - 1u)], measured);
 }
 
 // The samples that see what the first of those left does, the k-th of all that is seen.
@@ -33,7 +33,7 @@ fn seen_next(k: u32, row: u32, left: u32) -> u32 {
     return seen_alike(row, left);
 }
 
-// That all shares come to.
+// The sum of all shares.
 fn whole() -> f32 {
     return select(f32(SAMPLES), 1.0, measured);
 }
@@ -41,10 +41,10 @@ fn whole() -> f32 {
 fn measure(pixel: u32, row: u32) {
     measured = false;
     count = 0u;
-    var nothing = HELD;
+    var nothing = KEPT_MAX;
     var left = all_samples();
     while left != 0u {
-        if count == HELD {
+        if count == KEPT_MAX {
             return;
         }
         let some = seen_alike(row, left);
@@ -62,12 +62,12 @@ fn measure(pixel: u32, row: u32) {
         }
     }
 
-    // hold the samples against all of them
-    var covered: array<u32, HELD>;
+    // test the samples against all of them
+    var covered: array<u32, KEPT_MAX>;
     for (var k = 0u; k < count; k++) {
         covered[k] = select(inside(k), 0u, k == nothing);
         let strays = select(groups[k] & ~covered[k], 0u, k == nothing);
-        if strays != 0u || (nothing != HELD && (covered[k] & groups[nothing]) != 0u) {
+        if strays != 0u || (nothing != KEPT_MAX && (covered[k] & groups[nothing]) != 0u) {
             return;
         }
     }
@@ -95,7 +95,7 @@ fn measure(pixel: u32, row: u32) {
         shares[k] = max(shares[k], 0.0);
         sum += shares[k];
     }
-    if nothing != HELD {
+    if nothing != KEPT_MAX {
         shares[nothing] = max(1.0 - sum, 0.0);
         sum += shares[nothing];
     }
@@ -112,12 +112,12 @@ fn measure(pixel: u32, row: u32) {
     measured = true;
 }
 
-// By how much more of a pixel's samples see a triangle than its area says.
+// Excess of the samples that see a triangle over its area.
 fn off_count(k: u32, some: u32) -> f32 {
     return f32(countOneBits(some)) / f32(SAMPLES) - shares[k];
 }
 
-// The lines of a triangle, about the pixel's centre; false where it is seen edge on.
+// The edge lines of a triangle about the pixel's centre; false if it is seen edge-on.
 fn find_lines(k: u32, pixel: u32, row: u32, sample: u32) -> bool {
     let key = ~key_of(row, sample);
     let x = pixel % params.width;
@@ -134,7 +134,7 @@ fn find_lines(k: u32, pixel: u32, row: u32, sample: u32) -> bool {
     return all(steep > vec3<f32>(0.0)) && all(steep < vec3<f32>(1e30));
 }
 
-// The samples that lie in a triangle.
+// The samples inside a triangle.
 fn inside(k: u32) -> u32 {
     let first = edge_lines[3u * k];
     let second = edge_lines[3u * k + 1u];
@@ -151,13 +151,13 @@ fn inside(k: u32) -> u32 {
 // Sides of the pixel, and of one triangle or two.
 fn side_of(i: u32, a: u32, b: u32) -> vec3<f32> {
     if i < 4u {
-        let way = select(1.0, -1.0, (i & 1u) == 1u);
-        return vec3<f32>(select(vec2<f32>(way, 0.0), vec2<f32>(0.0, way), i >= 2u), 0.5);
+        let sense = select(1.0, -1.0, (i & 1u) == 1u);
+        return vec3<f32>(select(vec2<f32>(sense, 0.0), vec2<f32>(0.0, sense), i >= 2u), 0.5);
     }
     return edge_lines[select(3u * a + i - 4u, 3u * b + i - 7u, i >= 7u)];
 }
 
-// Lines at a smaller angle are held parallel, which moves an area by less.
+// Lines at a smaller angle are treated as parallel, which moves an area by less.
 const PARALLEL: f32 = 1e-4;
 
 // The area that two triangles both have of the pixel, or that one has: half the sum over all sides of how long each is, inside of all

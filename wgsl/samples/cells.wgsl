@@ -1,15 +1,15 @@
-// Whose ray a sample has. Of each cell: the pixels that have any sample in it, those that have all, and of each sample the pixels
+// Which cell a sample's ray belongs to. Per cell: the pixels with any sample in it, those with all, and for each sample the pixels
 // that have it there.
 // Provides: SAMPLES, STRIPS, all_samples, pixels_in_part, pixels_of_sample, pixels_whole
 // Binds: cell_samples
 
-// Samples of a pixel.
+// Samples per pixel.
 override SAMPLES: u32 = 1u;
 
-// Strips of four samples that a pixel has.
+// Strips of four samples per pixel.
 override STRIPS: u32 = 1u;
 
-// All of them, a bit each.
+// All samples, one bit each.
 fn all_samples() -> u32 {
     return 0xffffffffu >> (32u - SAMPLES);
 }

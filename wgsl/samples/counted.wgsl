@@ -1,4 +1,4 @@
-// What share of a pixel triangles have: the number of its samples that see them.
+// Share of a triangle in a pixel: the number of samples that see it.
 // Provides: measure, seen_next, share_of, whole
 // Needs: SAMPLES, seen_alike
 
@@ -8,12 +8,12 @@ fn share_of(k: u32, some: u32) -> f32 {
     return f32(countOneBits(some));
 }
 
-// The samples that see what the first of those left does.
+// The samples that see the same triangle as the first one left.
 fn seen_next(k: u32, row: u32, left: u32) -> u32 {
     return seen_alike(row, left);
 }
 
-// That all shares come to.
+// The sum of all shares.
 fn whole() -> f32 {
     return f32(SAMPLES);
 }

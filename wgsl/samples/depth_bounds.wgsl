@@ -1,8 +1,8 @@
-// Where a triangle's plane lies over places of a node, with bounds.
+// Bounds on the depth of a triangle's plane over places of a node.
 // Provides: ENDLESS, depths, plane
-// Needs: BOUND_SLACK, LEAST, MOST, Node, size1
+// Needs: BOUND_TOLERANCE, LEAST, MOST, Node, size1
 
-// N . (v - P) and N . D as affine functions over a node, in node units, and what each may be off.
+// N . (v - P) and N . D as affine functions over a node, in node units, and their error bounds.
 struct Plane {
     along: vec3<f32>,       // in the middle, and slopes
     lost_along: f32,
@@ -10,7 +10,7 @@ struct Plane {
     lost_across: f32,
 }
 
-// t between two bounds; `facing` is the sign of N . D, 0 where it is not proven and t is bounded by nothing.
+// t between two bounds; `facing` is the sign of N . D, 0 where it is not proven and t is unbounded.
 struct Depths {
     near: f32,
     far: f32,
@@ -28,9 +28,9 @@ fn plane(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Plane {
     let reach_d = size1(node.d) + size1(node.dx) + size1(node.dy);
     // e: differences of two rounded vertices; N: three operations a component
     let size_n = size1(e1) * size1(e2);
-    let lost_n = BOUND_SLACK * (0.25 * reach * (size1(e1) + size1(e2)) + size_n) + LEAST * (1.0 + size_n);
-    let lost_m = node.r_p + BOUND_SLACK * (reach_m + reach + size1(node.p)) + LEAST;
-    let lost_d = node.r_d + BOUND_SLACK * reach_d + LEAST;
+    let lost_n = BOUND_TOLERANCE * (0.25 * reach * (size1(e1) + size1(e2)) + size_n) + LEAST * (1.0 + size_n);
+    let lost_m = node.r_p + BOUND_TOLERANCE * (reach_m + reach + size1(node.p)) + LEAST;
+    let lost_d = node.r_d + BOUND_TOLERANCE * reach_d + LEAST;
     let fits = size_n * reach_m < MOST && size_n * reach_d < MOST;
     let most = select(MOST, 1.0, fits);
     return Plane(
@@ -45,21 +45,21 @@ fn plane(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Plane {
 fn depths(q: Plane, x: f32, y: f32, s: f32) -> Depths {
     let along = q.along.x + x * q.along.y + y * q.along.z;
     let across = q.across.x + x * q.across.y + y * q.across.z;
-    let room_along = s * (abs(q.along.y) + abs(q.along.z)) + q.lost_along;
-    let room_across = s * (abs(q.across.y) + abs(q.across.z)) + q.lost_across;
-    let least = abs(across) - room_across;
+    let margin_along = s * (abs(q.along.y) + abs(q.along.z)) + q.lost_along;
+    let margin_across = s * (abs(q.across.y) + abs(q.across.z)) + q.lost_across;
+    let least = abs(across) - margin_across;
     let facing = select(-1.0, 1.0, across > 0.0);
-    let lo = facing * along - room_along;
-    let hi = facing * along + room_along;
-    let most = abs(across) + room_across;
+    let lo = facing * along - margin_along;
+    let hi = facing * along + margin_along;
+    let most = abs(across) + margin_across;
     let near = lo / select(least, most, lo > 0.0);
     let far = hi / select(most, least, hi > 0.0);
     // NaN and infinities fail these comparisons
     if !(least > LEAST && abs(near) < MOST && abs(far) < MOST) {
         return Depths(-ENDLESS, ENDLESS, 0);
     }
-    return Depths(near - BOUND_SLACK * abs(near), far + BOUND_SLACK * abs(far), i32(facing));
+    return Depths(near - BOUND_TOLERANCE * abs(near), far + BOUND_TOLERANCE * abs(far), i32(facing));
 }
 
-// Where t is bounded by nothing.
+// Unbounded t.
 const ENDLESS: f32 = 3.0e38;

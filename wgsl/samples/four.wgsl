@@ -1,12 +1,12 @@
-// Four pixels of a column of a tile against a triangle: whether it may cover any of their samples, and how far off.
-// Provides: Bounds, bound, four, given_bounds, holding, side
-// Needs: ASIDE, BOUND_SLACK, Conic, ENDLESS, LEAST, MOST, NODE_PX, TILE, key_id, row_bits, tile_corner
+// Four pixels of a column of a tile against a triangle: whether it may cover any of their samples, and its depth.
+// Provides: Bounds, bound, edge_pixels, four, given_bounds, side
+// Needs: ASIDE, BOUND_TOLERANCE, Conic, ENDLESS, LEAST, MOST, NODE_PX, TILE, key_id, row_bits, tile_corner
 // Binds: params, visibility
 
 // No t at all, beyond that of bounds.
 const NOWHERE: f32 = 3.3e38;
 
-// An edge over the tile, in units of how far it may be off or go over a pixel's samples, in node units.
+// An edge over the tile, in units of its error bound or go over a pixel's samples, in node units.
 struct Side {
     c: vec3<f32>,       // in the middle, and slopes
     q: vec3<f32>,       // x x, x y and y y
@@ -15,9 +15,9 @@ struct Side {
 fn side(k: Conic, sign: f32) -> Side {
     let s = ASIDE * NODE_PX;
     let slopes = abs(k.x) + abs(k.y) + 2.0 * (abs(k.xx) + abs(k.xy) + abs(k.yy));
-    let share = sign / (s * (slopes + s * (abs(k.xx) + abs(k.xy) + abs(k.yy))) + k.slack);
+    let share = sign / (s * (slopes + s * (abs(k.xx) + abs(k.xy) + abs(k.yy))) + k.tolerance);
     // of what may overflow nothing is proven
-    let fits = k.slack < MOST;
+    let fits = k.tolerance < MOST;
     return Side(
         select(vec3<f32>(0.0), share * vec3<f32>(k.c, k.x, k.y), fits),
         select(vec3<f32>(0.0), share * vec3<f32>(k.xx, k.xy, k.yy), fits),
@@ -28,14 +28,14 @@ fn side_at(k: Side, x: f32, y: vec4<f32>) -> vec4<f32> {
     return (k.c.x + x * (k.c.y + x * k.q.x)) + y * ((k.c.z + x * k.q.y) + y * k.q.z);
 }
 
-// What the lanes share of a triangle.
+// A triangle's values that all lanes share.
 struct Bounds {
     a: Side,
     b: Side,
     c: Side,
     along: vec3<f32>,       // N . (v - P), as in Plane
     across: vec3<f32>,
-    room: vec2<f32>,        // how far each may be off, or go over a pixel's samples
+    margin: vec2<f32>,        // how far each may be off, or go over a pixel's samples
     id: u32,
 }
 
@@ -46,7 +46,7 @@ fn given_side(own: Side, k: u32) -> Side {
 fn given_bounds(own: Bounds, k: u32) -> Bounds {
     return Bounds(
         given_side(own.a, k), given_side(own.b, k), given_side(own.c, k),
-        subgroupShuffle(own.along, k), subgroupShuffle(own.across, k), subgroupShuffle(own.room, k),
+        subgroupShuffle(own.along, k), subgroupShuffle(own.across, k), subgroupShuffle(own.margin, k),
         subgroupShuffle(own.id, k),
     );
 }
@@ -78,16 +78,16 @@ fn bound(q: Bounds, x: f32, before: Four) -> Four {
     let along = (q.along.x + x * q.along.y) + f.y * q.along.z;
     let across = (q.across.x + x * q.across.y) + f.y * q.across.z;
     let facing = select(vec4<f32>(-1.0), vec4<f32>(1.0), across > vec4<f32>(0.0));
-    let steep = abs(across) - q.room.y;
-    let flat = abs(across) + q.room.y;
-    let lo = facing * along - q.room.x;
-    let hi = facing * along + q.room.x;
+    let steep = abs(across) - q.margin.y;
+    let flat = abs(across) + q.margin.y;
+    let lo = facing * along - q.margin.x;
+    let hi = facing * along + q.margin.x;
     let t_near = lo / select(steep, flat, lo > vec4<f32>(0.0));
     let t_far = hi / select(flat, steep, hi > vec4<f32>(0.0));
     // NaN and infinities fail these comparisons
     let is_bounded = (steep > vec4<f32>(LEAST)) & (abs(t_near) < vec4<f32>(MOST)) & (abs(t_far) < vec4<f32>(MOST));
-    let near = select(vec4<f32>(-ENDLESS), t_near - BOUND_SLACK * abs(t_near), is_bounded);
-    let far = select(vec4<f32>(ENDLESS), t_far + BOUND_SLACK * abs(t_far), is_bounded);
+    let near = select(vec4<f32>(-ENDLESS), t_near - BOUND_TOLERANCE * abs(t_near), is_bounded);
+    let far = select(vec4<f32>(ENDLESS), t_far + BOUND_TOLERANCE * abs(t_far), is_bounded);
     let is_out_of_range = (far < vec4<f32>(params.t_min.x)) | (near > vec4<f32>(params.t_max.x));
     let is_in_range = (near > vec4<f32>(params.t_min.x)) & (far < vec4<f32>(params.t_max.x));
 
@@ -123,7 +123,7 @@ fn four(tile: u32, lane: u32, first: u32, part: vec2<u32>, whole: vec2<u32>) -> 
     );
 }
 
-// The pixels that hold an edge: what else may be seen there may lie before what is seen, or this does not cover all.
-fn holding(f: Four) -> u32 {
+// The pixels that contain an edge: what else may be seen there may lie before what is seen, or this does not cover all.
+fn edge_pixels(f: Four) -> u32 {
     return row_bits(f.part & ((f.near <= f.far) | (f.far < vec4<f32>(-ENDLESS))));
 }

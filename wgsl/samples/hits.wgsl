@@ -1,4 +1,4 @@
-// What samples of one pixel see of a triangle, in recheck arithmetic.
+// Coverage of one pixel's samples by a triangle, in recheck arithmetic.
 // Provides: flat_of, recheck_hits
 // Needs: Bundle, Cell, Meeting, ONE_SIDED, SAMPLES, SLABBED, TILE, bit_mask, cell_bundle, end_rounding, is_between, merge, perturbed,
 //   pixels_of_sample, ray_meeting, reach3, real, real3, sample_bundle, tile_layer, triangle_id, triangle_reversed, visibility_key
@@ -33,7 +33,7 @@ fn recheck_hits(
     }
 }
 
-// A triangle's plane, and of which side it does not show.
+// A triangle's plane, and its invisible side.
 struct Flat {
     normal: real3,
     v: real3,

@@ -1,4 +1,4 @@
-// Where samples lie about their pixel's centre, px right and down.
+// Offsets of samples from their pixel's centre, px right and down.
 // Provides: sample_place
 // Binds: places
 

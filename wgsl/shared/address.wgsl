@@ -1,4 +1,4 @@
-// The index of the node of a square, or of a cell.
+// The index of a square's node, or of a cell's.
 // Provides: address_node
 // Needs: LEVEL_CELL, node_cell, node_index, node_level, node_x, node_y
 // Binds: cells

@@ -1,4 +1,4 @@
-// Rays that start on no triangle: all that are not turned.
+// Rays that start on no triangle: the camera's own.
 // Provides: is_excluded, start_of
 // Needs: NONE
 

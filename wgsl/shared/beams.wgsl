@@ -1,7 +1,7 @@
 // Rows of `sift`; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
 // Provides: Beam, Chunk
 
-// A chunk of points, and the tree of beams that they are held against.
+// A chunk of points, and the tree of beams that they are tested against.
 struct Chunk {
     points: u32,
     beams: u32,             // rows of the tree

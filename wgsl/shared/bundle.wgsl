@@ -32,7 +32,7 @@ fn reach3(v: array<real3, 3>) -> real {
     return max(size3(v[0]), max(size3(v[1]), size3(v[2])));
 }
 
-// 1, -1, or 0 within the bound.
+// The sign of a number: 1 or -1, or 0 within the bound.
 fn sign_beyond(value: real, bound: real) -> i32 {
     return select(0, 1, value > bound) - select(0, 1, value < -bound);
 }

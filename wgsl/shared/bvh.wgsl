@@ -1,14 +1,14 @@
-// What a segment meets first, by a bounding volume hierarchy.
+// The first hit of a segment, by a bounding volume hierarchy.
 // Provides: traced
 // Needs: BvhNode, Found, NONE, Segment, leaf_at, nearer, node_at, nothing
 
-// Nodes that wait at most; the host refuses hierarchies that are as deep.
+// Stack size; the host refuses deeper hierarchies.
 const STACK: u32 = 96u;
 
 // Rounding of where a box is entered and left: 2 gamma_3 (Ize 2013).
-const ROOM: f32 = 1.0000004;
+const MARGIN: f32 = 1.0000004;
 
-// Where the segment enters a box, and whether it does before what was found.
+// Where the segment enters a box, and whether that is before the hit found so far.
 struct Entry {
     s: f32,
     enters: bool,
@@ -21,8 +21,8 @@ fn entry(node: BvhNode, segment: Segment, inverse: vec3<f32>, nearest: f32) -> E
     let far = max(a, b);
     let enters = max(max(near.x, near.y), max(near.z, segment.first));
     let leaves = min(min(far.x, far.y), min(far.z, min(nearest, segment.last)));
-    // ends of t below 0 have their room on the other side
-    return Entry(enters, enters <= max(leaves * ROOM, leaves / ROOM));
+    // ends of t below 0 have their margin on the other side
+    return Entry(enters, enters <= max(leaves * MARGIN, leaves / MARGIN));
 }
 
 fn traced(segment: Segment) -> Found {

@@ -1,4 +1,4 @@
-// Raster takes pairs one by one, in any order, and what a tile's own bounds leave out is left out here.
+// Raster by pair, in any order: bin culls by the tile's own bounds.
 // Provides: store, tile_pixels
 // Needs: ASIDE, CENTRES, NODE_PX, Node, RAYS_AFFINE, RAYS_NONE, SLABBED, TILE, box_met, conics, extent, is_empty, may_cover, pixels_within
 // Binds: nodes, pairs

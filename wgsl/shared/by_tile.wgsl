@@ -1,4 +1,4 @@
-// Raster takes tiles one by one, and leaves out what their own bounds do. Pairs are sorted by tile before.
+// Raster by tile: raster culls by the tile's own bounds. Pairs are sorted by tile first.
 // Provides: store, tile_pixels
 // Needs: Node
 // Binds: ends, ranks, unsorted
@@ -7,7 +7,7 @@ fn tile_pixels(tile: u32, above: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f3
     return pixels;
 }
 
-// Stores a pair, and its place among those of its tile.
+// Stores a pair, and its rank among those of its tile.
 fn store(at: u32, tile: u32, pair: vec2<u32>) {
     unsorted[at] = pair;
     ranks[at] = atomicAdd(&ends[tile], 1u);

@@ -1,8 +1,8 @@
 // The part of a node in which a triangle may be seen.
 // Provides: Extent, close_extent, extent, size1
-// Needs: BOUND_SLACK, LEAST, MOST, Node
+// Needs: BOUND_TOLERANCE, LEAST, MOST, Node
 
-// Where in a node a triangle may be seen, in node units, at which t, and whether that is more than a guess.
+// The part of a node in which a triangle may be seen, in node units; its range of t; and whether these are proven.
 struct Extent {
     lo: vec2<f32>,
     hi: vec2<f32>,
@@ -22,7 +22,7 @@ fn extent(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
     return narrowed(node, anywhere(node, v0, v1, v2), v0, v1, v2);
 }
 
-// By three, each about the middle of what the one before has left: for nodes of many tiles.
+// By three steps, each about the middle of the previous extent: for nodes of many tiles.
 fn close_extent(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
     let first = extent(node, v0, v1, v2);
     return narrowed(node, narrowed(node, first, v0, v1, v2), v0, v1, v2);
@@ -35,7 +35,7 @@ fn close_extent(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Exte
 // and t - t0 is bounded alike. The extent of the triangle is then that of its vertices.
 fn narrowed(node: Node, before: Extent, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
     let c = 0.5 * (before.lo + before.hi);
-    let s = 0.5 * (before.hi - before.lo) + BOUND_SLACK;
+    let s = 0.5 * (before.hi - before.lo) + BOUND_TOLERANCE;
     let t0 = 0.5 * (before.t_lo + before.t_hi);
     let p = node.p + c.x * node.px + c.y * node.py;
     let d = node.d + c.x * node.dx + c.y * node.dy;
@@ -61,10 +61,10 @@ fn narrowed(node: Node, before: Extent, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f
     let size_p = size1(node.p) + size1(node.px) + size1(node.py);
     let size_d = abs(t0) * (size1(node.d) + size1(node.dx) + size1(node.dy));
     let lost_m = node.r_p
-        + BOUND_SLACK * (size_m * (1.0 + condition) + size_a + max(size1(v0), max(size1(v1), size1(v2))) + size_p + size_d);
+        + BOUND_TOLERANCE * (size_m * (1.0 + condition) + size_a + max(size1(v0), max(size1(v1), size1(v2))) + size_p + size_d);
     let lost_t = size_wt * (lost_m + abs(t0) * node.r_d);
-    let room = 1.0 - bend_t - size_wt * node.r_d;
-    let reach_t = (max(abs(t.x), max(abs(t.y), abs(t.z))) + lost_t) / room;
+    let contraction = 1.0 - bend_t - size_wt * node.r_d;
+    let reach_t = (max(abs(t.x), max(abs(t.y), abs(t.z))) + lost_t) / contraction;
 
     // how far x and y go from the vertices' own
     let bend = vec2<f32>(
@@ -72,18 +72,18 @@ fn narrowed(node: Node, before: Extent, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f
         s.x * abs(dot(wy, node.dx)) + s.y * abs(dot(wy, node.dy)),
     );
     let lost = lost_m + (abs(t0) + reach_t) * node.r_d;
-    let slack = reach_t * bend + vec2<f32>(size1(wx), size1(wy)) * lost;
+    let tolerance = reach_t * bend + vec2<f32>(size1(wx), size1(wy)) * lost;
     let x = vec3<f32>(dot(wx, m0), dot(wx, m1), dot(wx, m2));
     let y = vec3<f32>(dot(wy, m0), dot(wy, m1), dot(wy, m2));
-    let lo = c + vec2<f32>(min(x.x, min(x.y, x.z)), min(y.x, min(y.y, y.z))) - slack;
-    let hi = c + vec2<f32>(max(x.x, max(x.y, x.z)), max(y.x, max(y.y, y.z))) + slack;
+    let lo = c + vec2<f32>(min(x.x, min(x.y, x.z)), min(y.x, min(y.y, y.z))) - tolerance;
+    let hi = c + vec2<f32>(max(x.x, max(x.y, x.z)), max(y.x, max(y.y, y.z))) + tolerance;
     // NaN and infinities of a singular step fail these comparisons
-    let sound = abs(det) > DET_MIN && abs(det) < MOST && room > ROOM_MIN && slack.x < SLACK_MAX && slack.y < SLACK_MAX;
+    let sound = abs(det) > DET_MIN && abs(det) < MOST && contraction > CONTRACTION_MIN && tolerance.x < TOLERANCE_MAX && tolerance.y < TOLERANCE_MAX;
     if !sound || any(before.lo > before.hi) {
         return before;
     }
-    let room_t = reach_t + BOUND_SLACK * abs(t0);
-    return Extent(max(lo, before.lo), min(hi, before.hi), t0 - room_t, t0 + room_t, true);
+    let error_t = reach_t + BOUND_TOLERANCE * abs(t0);
+    return Extent(max(lo, before.lo), min(hi, before.hi), t0 - error_t, t0 + error_t, true);
 }
 
 // Sum of the absolute components: at least the length, and cheaper.
@@ -91,9 +91,9 @@ fn size1(v: vec3<f32>) -> f32 {
     return abs(v.x) + abs(v.y) + abs(v.z);
 }
 
-// The step must contract, and its slack be worth having.
-const ROOM_MIN: f32 = 0.25;
-const SLACK_MAX: f32 = 4.0;
+// The step must contract, and its tolerance be worth having.
+const CONTRACTION_MIN: f32 = 0.25;
+const TOLERANCE_MAX: f32 = 4.0;
 
 // What is lost of a determinant below the least normal number is less than its rounding.
-const DET_MIN: f32 = LEAST / BOUND_SLACK;
+const DET_MIN: f32 = LEAST / BOUND_TOLERANCE;

@@ -6,7 +6,7 @@
 
 override COUNTING: bool = false;
 
-// Merges the visibility key of every covered pixel, of which there is one, that the triangle shows at a t in range.
+// Merges the visibility keys of all covered pixels (at least one) where the triangle is visible at a t in range.
 fn merge_hits(cell: Cell, slot: u32, triangle: vec4<u32>, whole: Bundle, v: array<real3, 3>, pixels: vec2<u32>) {
     let id = triangle_id(triangle);
     let normal = cross(v[1] - v[0], v[2] - v[0]);

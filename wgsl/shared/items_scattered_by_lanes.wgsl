@@ -1,7 +1,7 @@
 // Items of scattered rays, by the lanes of a subgroup. An item of one tile is tested ray by ray: each lane tests a column of rays against
 // one box around the boxes of all lanes, then each lane tests only the rays left against its own box.
 // Provides: item_pixels, item_rays
-// Needs: LANES, Node, RAY_SLACK, TILE, field_at, lanes_any, lanes_max, node_level, node_x, node_y, ray_meets
+// Needs: LANES, Node, RAY_TOLERANCE, TILE, field_at, lanes_any, lanes_max, node_level, node_x, node_y, ray_meets
 // Binds: params
 
 // The rays that may meet a box around the lanes' boxes that are met: bit 8 x + y, 32 bits a word. All lanes call it.
@@ -14,8 +14,8 @@ fn item_rays(address: u32, node: Node, centre: vec3<f32>, half: vec3<f32>, is_me
     let hi = select(vec3<f32>(-ENDLESS), centre + half, is_met);
     let from_all = -vec3<f32>(lanes_max(-lo.x, lane), lanes_max(-lo.y, lane), lanes_max(-lo.z, lane));
     let to_all = vec3<f32>(lanes_max(hi.x, lane), lanes_max(hi.y, lane), lanes_max(hi.z, lane));
-    let slack = RAY_SLACK * (abs(from_all) + abs(to_all));
-    let own = column_rays(address, node, 0.5 * (from_all + to_all), 0.5 * (to_all - from_all) + slack, lane);
+    let tolerance = RAY_TOLERANCE * (abs(from_all) + abs(to_all));
+    let own = column_rays(address, node, 0.5 * (from_all + to_all), 0.5 * (to_all - from_all) + tolerance, lane);
     return vec2<u32>(
         subgroupShuffle(own, 0u) | (subgroupShuffle(own, 1u) << 8u) | (subgroupShuffle(own, 2u) << 16u) | (subgroupShuffle(own, 3u) << 24u),
         subgroupShuffle(own, 4u) | (subgroupShuffle(own, 5u) << 8u) | (subgroupShuffle(own, 6u) << 16u) | (subgroupShuffle(own, 7u) << 24u),

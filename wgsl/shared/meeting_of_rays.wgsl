@@ -14,8 +14,8 @@ fn ray_meeting(along: real, across: real, rounding: real, hidden: real) -> Meeti
     let t_max = of_words(params.t_words.zw);
     let t = along / across;
     if SLABBED {
-        let room = rounding / abs(across);
-        return Meeting(min(max(t, t_min), t_max), t >= t_min - room && t <= t_max + room);
+        let margin = rounding / abs(across);
+        return Meeting(min(max(t, t_min), t_max), t >= t_min - margin && t <= t_max + margin);
     }
     return Meeting(t, t >= t_min && t <= t_max);
 }

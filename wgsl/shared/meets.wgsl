@@ -1,10 +1,10 @@
-// Does any ray of a node meet a box? Never false when one does.
+// Whether any ray of a node may meet a box. Conservative: never false when one does.
 // Provides: node_meets
 // Needs: Node, RAYS_NONE
 // Binds: params
 
-// Relative slack on t for the rounding of two additions and a division, 2^-24 each.
-const T_SLACK: f32 = 1e-6;
+// Relative tolerance on t for the rounding of two additions and a division, 2^-24 each.
+const T_TOLERANCE: f32 = 1e-6;
 
 // The part of [range.x, range.y] (t >= 0) where a t with q + t d within +-(r0 + t r1) in every component may lie;
 // empty when .x > .y.
@@ -18,9 +18,9 @@ fn slab(q: vec3<f32>, d: vec3<f32>, r0: vec3<f32>, r1: vec3<f32>, range: vec2<f3
             let a = flip * d[k] - r1[k];
             let b = r0[k] - flip * q[k];
             if a > 0.0 {
-                hi = min(hi, b / a * select(1.0 - T_SLACK, 1.0 + T_SLACK, b > 0.0));
+                hi = min(hi, b / a * select(1.0 - T_TOLERANCE, 1.0 + T_TOLERANCE, b > 0.0));
             } else if a < 0.0 {
-                lo = max(lo, b / a * select(1.0 + T_SLACK, 1.0 - T_SLACK, b < 0.0));
+                lo = max(lo, b / a * select(1.0 + T_TOLERANCE, 1.0 - T_TOLERANCE, b < 0.0));
             } else if b < 0.0 {
                 hi = -1.0;
             }

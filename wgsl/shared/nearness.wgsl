@@ -1,4 +1,4 @@
-// The order of hits in f32: one step more or less holds its rounding. Never 0.
+// The order of hits in f32; its rounding is at most one step. Never 0.
 // Provides: nearness
 // Needs: SLABBED
 

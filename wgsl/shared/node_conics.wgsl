@@ -1,9 +1,9 @@
 // The three edges of a triangle over a node, with bounds: which places of the node it cannot cover.
-// Provides: ASIDE, BOUND_SLACK, CENTRES, Conic, Conics, LEAST, MOST, NODE_PX, conic_sign, conics, may_cover
+// Provides: ASIDE, BOUND_TOLERANCE, CENTRES, Conic, Conics, LEAST, MOST, NODE_PX, conic_sign, conics, may_cover
 // Needs: Node, TILE
 
 // Relative rounding allowed for a bound: some 12 operations of 2^-24 each.
-const BOUND_SLACK: f32 = 1.0 / 1048576.0;
+const BOUND_TOLERANCE: f32 = 1.0 / 1048576.0;
 
 // What is lost below the least normal number, where an adapter takes 0 instead: 2^-126 an operation, of hundreds of them.
 const LEAST: f32 = 1.0e-35;
@@ -11,7 +11,7 @@ const LEAST: f32 = 1.0e-35;
 // Sums of products of sizes beyond this may overflow: a bound on them becomes infinite, and nothing is proven.
 const MOST: f32 = 1.0e36;
 
-// An edge conic over a node: value, slopes and second-order coefficients in node units, and its slack.
+// An edge conic over a node: value, slopes and second-order coefficients in node units, and its tolerance.
 struct Conic {
     c: f32,
     x: f32,
@@ -19,16 +19,16 @@ struct Conic {
     xx: f32,
     xy: f32,
     yy: f32,
-    slack: f32,
+    tolerance: f32,
 }
 
 // The conic of the edge from a vertex along e, from the vector quadratic d x m of that vertex.
 fn edge_conic(e: vec3<f32>, q: Moment, residual: f32, reach: f32) -> Conic {
     let size = length(q.c) + length(q.x) + length(q.y) + length(q.xx) + length(q.xy) + length(q.yy);
     // e is the difference of two rounded vertices: 2^-23 of the larger of error, taken twice for the difference's own
-    let slack = length(e) * (residual + BOUND_SLACK * size) + BOUND_SLACK * 0.25 * reach * size + LEAST * (1.0 + size);
+    let tolerance = length(e) * (residual + BOUND_TOLERANCE * size) + BOUND_TOLERANCE * 0.25 * reach * size + LEAST * (1.0 + size);
     let fits = length(e) * size < MOST;
-    return Conic(dot(e, q.c), dot(e, q.x), dot(e, q.y), dot(e, q.xx), dot(e, q.xy), dot(e, q.yy), slack * select(MOST, 1.0, fits));
+    return Conic(dot(e, q.c), dot(e, q.x), dot(e, q.y), dot(e, q.xx), dot(e, q.xy), dot(e, q.yy), tolerance * select(MOST, 1.0, fits));
 }
 
 // d x m as a quadratic over the node, m = v - P for one vertex v.
@@ -58,7 +58,7 @@ fn conic_sign(q: Conic, x: f32, y: f32, s: f32) -> i32 {
     let value = q.c + x * (q.x + x * q.xx + y * q.xy) + y * (q.y + y * q.yy);
     let gx = q.x + 2.0 * x * q.xx + y * q.xy;
     let gy = q.y + x * q.xy + 2.0 * y * q.yy;
-    let r = s * (abs(gx) + abs(gy) + s * (abs(q.xx) + abs(q.xy) + abs(q.yy))) + q.slack;
+    let r = s * (abs(gx) + abs(gy) + s * (abs(q.xx) + abs(q.xy) + abs(q.yy))) + q.tolerance;
     return select(0, 1, value > r) - select(0, 1, value < -r);
 }
 
@@ -86,7 +86,7 @@ fn conics(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Conics {
     let reach_m = max(length(v0 - node.p), length(v1 - node.p)) + reach_p;
     let reach = max(length(v0), max(length(v1), length(v2)));
     let residual = node.r_d * (reach_m + node.r_p) + reach_d * node.r_p
-        + BOUND_SLACK * reach_d * (reach_m + reach + length(node.p)) + LEAST * (1.0 + reach_d);
+        + BOUND_TOLERANCE * reach_d * (reach_m + reach + length(node.p)) + LEAST * (1.0 + reach_d);
     return Conics(
         edge_conic(v1 - v0, q0, residual, reach),
         edge_conic(v2 - v0, q0, residual, reach),

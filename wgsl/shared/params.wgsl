@@ -27,7 +27,7 @@ const COUNT_PAIRS_TESTED: u32 = 18u;
 const COUNT_TASKS: u32 = 19u;
 const COUNT_SORTED: u32 = 20u;         // pairs in runs of tiles
 // These stay while pairs are listed anew, and so are the last.
-const COUNT_EDGES: u32 = 21u;          // pixels that hold an edge
+const COUNT_EDGES: u32 = 21u;          // pixels that contain an edge
 const COUNT_BLOCKS: u32 = 22u;         // of strips of four of their samples
 const COUNT_RECHECK_SAMPLES: u32 = 23u;
 const COUNTERS: u32 = 24u;

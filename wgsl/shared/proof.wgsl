@@ -1,8 +1,8 @@
-// What f32 and recheck arithmetic prove of the first triangle of a ray or curve.
+// Proofs, in f32 and recheck arithmetic, about the first hit of a ray or curve.
 // Provides: ENDLESS, MISSED, Normal, PRODUCT_UNITS, Proof, normal_of
 // Needs: REAL_UNIT, reach3, real, real3, size3
 
-// What is proven of where a pixel's ray or curve meets a triangle first.
+// Proven bounds on the first hit of a pixel's ray or curve with a triangle.
 struct Proof {
     may: bool,              // it is not proven to miss
     sure: bool,             // it is proven to meet it, at a t in range and from a face that shows
@@ -12,7 +12,7 @@ struct Proof {
 
 const MISSED: Proof = Proof(false, false, 0.0, 0.0);
 
-// Where t is bounded by nothing.
+// Unbounded t.
 const ENDLESS: real = 3.0e38;
 
 // The normal of a triangle, a bound on its size, and on what may be lost of it. A difference of two stored vertices loses 2 units

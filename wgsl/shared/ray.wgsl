@@ -7,7 +7,7 @@ struct Ray {
     d: vec3<f32>,
 }
 
-// How a point that stays at its t moves with its ray for one pixel to the right, and downwards.
+// Derivatives of a point at constant t: per pixel to the right, and downwards.
 struct Spread {
     right: vec3<f32>,
     down: vec3<f32>,

@@ -1,10 +1,10 @@
 // Scattered (incoherent) rays: each ray of a tile is tested by itself.
-// Provides: RAY_SLACK, ray_meets, tile_meets
+// Provides: RAY_TOLERANCE, ray_meets, tile_meets
 // Needs: Node, TILE, field_at, field_direction, field_origin
 // Binds: params
 
 // Relative error in f32 of a ray's and a box's numbers, their sums, products and quotient, and differences between rays: 16 roundings.
-const RAY_SLACK: f32 = 1.0 / 1048576.0;
+const RAY_TOLERANCE: f32 = 1.0 / 1048576.0;
 
 // Stands for an infinite t.
 const FARTHEST_T: f32 = 3.4e38;
@@ -13,7 +13,7 @@ fn largest_of(v: vec3<f32>) -> f32 {
     return max(v.x, max(v.y, v.z));
 }
 
-// A pixel's ray may meet a box. Never false for a ray that meets it, nor for one that differs from such a ray by RAY_SLACK of the node's
+// A pixel's ray may meet a box. Never false for a ray that meets it, nor for one that differs from such a ray by RAY_TOLERANCE of the node's
 // spread.
 fn ray_meets(at: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let p = field_origin(at);
@@ -21,18 +21,18 @@ fn ray_meets(at: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let size = abs(d);
     let q = centre - p;
     let apart_p = vec3<f32>(node.r_p) + abs(node.px) + abs(node.py);
-    var r = half + vec3<f32>(params.origin_lost) + RAY_SLACK * (abs(p) + abs(centre) + abs(q) + half + apart_p);
+    var r = half + vec3<f32>(params.origin_lost) + RAY_TOLERANCE * (abs(p) + abs(centre) + abs(q) + half + apart_p);
     // where they meet, t times the largest component of the direction is at most the distance to the box's far side
     let apart_d = vec3<f32>(node.r_d) + abs(node.dx) + abs(node.dy);
-    r += RAY_SLACK * (largest_of(abs(q)) + largest_of(r)) / largest_of(size) * apart_d;
+    r += RAY_TOLERANCE * (largest_of(abs(q)) + largest_of(r)) / largest_of(size) * apart_d;
     let is_flat = size == vec3<f32>(0.0);
     let inverse = 1.0 / select(d, vec3<f32>(1.0), is_flat);
     let middle = q * inverse;
-    let reach = r * abs(inverse) + RAY_SLACK * abs(middle);
+    let reach = r * abs(inverse) + RAY_TOLERANCE * abs(middle);
     let from_t = select(middle - reach, vec3<f32>(-FARTHEST_T), is_flat);
     let to_t = select(middle + reach, vec3<f32>(FARTHEST_T), is_flat);
-    let first = max(largest_of(from_t), params.t_min.x - RAY_SLACK * abs(params.t_min.x));
-    let last = min(-largest_of(-to_t), params.t_max.x + RAY_SLACK * abs(params.t_max.x));
+    let first = max(largest_of(from_t), params.t_min.x - RAY_TOLERANCE * abs(params.t_min.x));
+    let last = min(-largest_of(-to_t), params.t_max.x + RAY_TOLERANCE * abs(params.t_max.x));
     // NaN proves nothing; a zero direction is no ray
     return !(first > last) && !any(is_flat & (abs(q) > r)) && any(size > vec3<f32>(0.0));
 }

@@ -1,19 +1,19 @@
-// What a pixel shows where no ray is turned: what its own ray meets.
-// Provides: colour_of, ends_on_smooth, first_piece, first_surface, goes_on, is_under_way, light_before, light_left, says_what_is_seen,
-//   way_length
+// What a pixel of a camera without optics shows: the hit of its own ray.
+// Provides: colour_of, ends_on_smooth, first_piece, first_surface, goes_on, is_under_way, light_before, light_left, path_length,
+//   says_what_is_seen
 // Needs: NONE, Place
 
-// The pixel has a ray in this pass.
+// Whether the pixel has a ray in this pass.
 fn is_under_way(x: u32, y: u32) -> bool {
     return true;
 }
 
-// The ray goes on from this surface in the next pass.
+// Whether the ray bounces on this surface and continues in the next pass.
 fn goes_on(id: u32) -> bool {
     return false;
 }
 
-// The ray ends on a surface that is no triangle.
+// Whether the ray ends on a smooth surface.
 fn ends_on_smooth(id: u32) -> bool {
     return false;
 }
@@ -30,16 +30,16 @@ fn light_before(plane: u32, at: Place) -> f32 {
     return 0.0;
 }
 
-// This pass writes the planes that are not colours.
+// Whether this pass writes the planes that are not colours.
 fn says_what_is_seen() -> bool {
     return true;
 }
 
-fn way_length(pixel: u32) -> f32 {
+fn path_length(pixel: u32) -> f32 {
     return 0.0;
 }
 
-// The surface of the optics that was met first.
+// The surface of the optics that was hit first.
 fn first_surface(pixel: u32) -> u32 {
     return NONE;
 }

@@ -1,8 +1,8 @@
-// Segments of paths, and the triangle that a segment meets first.
+// Segments of paths, and their first hits.
 // Provides: BvhNode, Found, LeafTriangle, Segment, nearer, nothing
 // Needs: NONE
 
-// A part of a pixel's way, or of light's: p + s d for s in [first, last].
+// A part of a pixel's path or of a shadow ray: p + s d for s in [first, last].
 struct Segment {
     p: vec3<f32>,
     d: vec3<f32>,
@@ -10,7 +10,7 @@ struct Segment {
     last: f32,
 }
 
-// The triangle that a segment meets first.
+// The first triangle that a segment hits.
 struct Found {
     s: f32,
     id: u32,
@@ -39,7 +39,7 @@ fn nothing() -> Found {
     return Found(bitcast<f32>(0x7f800000u), NONE);
 }
 
-// What is nearer of what was found and a triangle; of equals the smaller id.
+// The nearer of a previous hit and a triangle; of equals the smaller id.
 fn nearer(segment: Segment, found: Found, triangle: LeafTriangle) -> Found {
     let m0 = triangle.v0 - segment.p;
     let m1 = triangle.v1 - segment.p;

@@ -1,4 +1,4 @@
-// What to light with; and the plane of each channel, NONE where it was not asked for.
+// Lighting parameters; and the plane of each channel, NONE if it is not rendered.
 // Provides: PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_BARY_U, PLANE_BARY_V, PLANE_G, PLANE_MIRROR_ID,
 //   PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE_ID, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE_ID, PLANE_UV_U,
 //   PLANE_UV_V, PLANE_Z, Shading

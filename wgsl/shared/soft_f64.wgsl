@@ -87,7 +87,7 @@ fn f64_add(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
     let below = exponent_of(small);
     let sign = large.y & SIGN;
     let opposed = ((large.y ^ small.y) & SIGN) != 0u;
-    // first bits at 62: room for a carry
+    // first bits at 62: space for a carry
     let m = shifted_left(mantissa_of(large), 10u);
     let n = shifted_right(shifted_left(mantissa_of(small), 10u), u32(exponent - below));
     let total = select(sum(m, n), difference(m, n), opposed);

@@ -1,9 +1,9 @@
-// What a surface looks like: its normal, and the light that it takes in.
+// Surface normals, and the light that arrives at a surface.
 // Provides: Arriving, Lit, NORMALS, flat_normal, in_file_order, largest, reach_of, received, stored_normal, surface_normal
 // Needs: NONE, Ray, arriving, corner_order, openness, surface_row, triangle_order, vertex
 // Binds: normals, shading
 
-// The scene has normals of its own.
+// Whether the scene has vertex normals.
 override NORMALS: bool = true;
 
 // A row's weights as the file orders its corners.
@@ -16,17 +16,17 @@ fn largest(v: vec3<f32>) -> f32 {
     return max(abs(v.x), max(abs(v.y), abs(v.z)));
 }
 
-// The unit normal of a triangle of any size, turned against a direction.
-fn flat_normal(triangle: vec4<u32>, way: vec3<f32>) -> vec3<f32> {
+// The unit normal of a triangle of any size, on the side opposite a direction.
+fn flat_normal(triangle: vec4<u32>, direction: vec3<f32>) -> vec3<f32> {
     let v0 = vertex(triangle.x);
     let e1 = vertex(triangle.y) - v0;
     let e2 = vertex(triangle.z) - v0;
     let inverse = 1.0 / max(largest(e1), largest(e2));
     let flat = normalize(cross(inverse * e1, inverse * e2));
-    return select(flat, -flat, dot(flat, way) > 0.0);
+    return select(flat, -flat, dot(flat, direction) > 0.0);
 }
 
-// The unit normal, turned to the viewer: the file's where it has them.
+// The unit normal on the viewer's side: from the file, or else the triangle's.
 fn surface_normal(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
     let surface = surface_row(slot);
     let n = flat_normal(triangle, ray.d);
@@ -42,29 +42,29 @@ fn surface_normal(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
         let smooth_normal = weights.x * stored_normal(surface.x) + weights.y * stored_normal(surface.y)
             + weights.z * stored_normal(surface.z);
         if dot(smooth_normal, smooth_normal) > 0.0 {
-            let turned = normalize(smooth_normal);
-            return turned * select(1.0, -1.0, dot(turned, n) < 0.0);
+            let smooth_unit = normalize(smooth_normal);
+            return smooth_unit * select(1.0, -1.0, dot(smooth_unit, n) < 0.0);
         }
     }
     return n;
 }
 
-// A hit that is lit.
+// A hit to be lit.
 struct Lit {
     slot: u32,
     p: vec3<f32>,           // relative to the anchor
     reach: f32,             // the largest number that its place comes from
-    n: vec3<f32>,           // unit, turned to the viewer
+    n: vec3<f32>,           // unit, on the viewer's side
     view: vec3<f32>,        // unit, away from the viewer
     share: f32,             // of the pixel, that sees the same
 }
 
-// Of a place at t of a ray.
+// The hit at t of a ray.
 fn reach_of(ray: Ray, t: f32) -> f32 {
     return max(largest(ray.p), largest(t * ray.d));
 }
 
-// Light at a hit: the unit way to where it comes from, and its irradiance over pi there.
+// Light at a hit: the unit direction to the light, and its irradiance over pi.
 struct Arriving {
     l: vec3<f32>,
     strength: vec3<f32>,

@@ -14,7 +14,7 @@ fn triangle_order(row: vec4<u32>) -> u32 {
     return (row.w >> 28u) & 7u;
 }
 
-// For each corner in file order, where it stands in the row.
+// For each corner in file order, its position in the row.
 fn corner_order(order: u32) -> vec3<u32> {
     switch order {
         case 0u: { return vec3<u32>(0u, 1u, 2u); }
@@ -26,7 +26,7 @@ fn corner_order(order: u32) -> vec3<u32> {
     }
 }
 
-// The row's order runs against the file's.
+// Whether the row's order reverses the winding of the file.
 fn triangle_reversed(row: vec4<u32>) -> bool {
     return triangle_order(row) >= 3u;
 }

@@ -9,7 +9,7 @@ struct Weights {
     down: vec3<f32>,
 }
 
-// On a ray's way d, whose place p moves with its pixel, and along it so that it stays in the plane.
+// For a ray's direction d, whose point p moves with its pixel, and along it so that it stays in the plane.
 fn weights_at(triangle: vec4<u32>, p: vec3<f32>, d: vec3<f32>, spread: Spread) -> Weights {
     let v0 = vertex(triangle.x);
     var e1 = vertex(triangle.y) - v0;

@@ -4,7 +4,7 @@
 // Binds: params
 
 // Rounding of a place in node units on its way to pixels: 4 roundings of values up to 2.
-const CENTRE_SLACK: f32 = 1.0 / 2097152.0;
+const CENTRE_TOLERANCE: f32 = 1.0 / 2097152.0;
 
 // The first columns and rows, and the ends, of the pixels in a square of `side` pixels that an extent holds: pixel k has
 // its centre at k + 1/2, and its samples up to ASIDE from there. None where it ends before the range of t or begins behind.
@@ -12,7 +12,7 @@ fn pixels_within(seen: Extent, side: u32) -> vec4<u32> {
     if seen.tight && (seen.t_hi < params.t_min.x || seen.t_lo > params.t_max.x) {
         return vec4<u32>(0u);
     }
-    let aside = ASIDE + CENTRE_SLACK * f32(side);
+    let aside = ASIDE + CENTRE_TOLERANCE * f32(side);
     let first = ceil((seen.lo + 1.0) * 0.5 * f32(side) - 0.5 - aside);
     let last = floor((seen.hi + 1.0) * 0.5 * f32(side) - 0.5 + aside);
     let most = vec4<f32>(f32(side));

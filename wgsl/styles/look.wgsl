@@ -5,8 +5,8 @@
 struct Look {
     slot: u32,
     p: vec3<f32>,           // relative to the anchor
-    z: f32,                 // along the whole way
-    d: vec3<f32>,           // the ray's way
+    z: f32,                 // along the whole path
+    d: vec3<f32>,           // the ray's direction
     spread: Spread,
     share: f32,             // of the pixel's width, that it stands for
 }

@@ -58,8 +58,8 @@ fn stone_mean(p: vec3<f32>, right: vec3<f32>, down: vec3<f32>) -> f32 {
     let square = 0.5 * (dot(right, right) + dot(down, down));
     let major = sqrt(square + root);
     let minor = sqrt(max(square - root, 0.0));
-    let way = select(vec2<f32>(half + root, both), vec2<f32>(both, root - half), half < 0.0);
-    let axis = select(vec2<f32>(0.0), normalize(way), root > 0.0);
+    let vector = select(vec2<f32>(half + root, both), vec2<f32>(both, root - half), half < 0.0);
+    let axis = select(vec2<f32>(0.0), normalize(vector), root > 0.0);
     let taps = clamp(ceil(major / max(minor, 1e-20)), 1.0, STONE_TAPS);
     let step = (axis.x * right + axis.y * down) / taps;
     let width = max(minor, major / taps);

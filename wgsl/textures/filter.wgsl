@@ -27,8 +27,8 @@ fn image_mean(m: Material, f: Footprint) -> vec3<f32> {
     let root = sqrt(half * half + xy * xy);
     let major = sqrt(0.5 * (xx + yy) + root);
     let minor = abs(a.x * b.y - a.y * b.x) / max(major, 1e-30);
-    let way = select(vec2<f32>(half + root, xy), vec2<f32>(xy, root - half), xx < yy);
-    let axis = select(vec2<f32>(1.0, 0.0), way / length(way), root > 0.0);
+    let vector = select(vec2<f32>(half + root, xy), vec2<f32>(xy, root - half), xx < yy);
+    let axis = select(vec2<f32>(1.0, 0.0), vector / length(vector), root > 0.0);
 
     // edge-on nothing is known but the whole
     let grows = dot(f.bend, vec2<f32>(dot(a, axis), dot(b, axis))) / max(major, 1e-30);

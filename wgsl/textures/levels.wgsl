@@ -8,8 +8,8 @@ fn into_image(u: f32, wrap: u32) -> f32 {
     if wrap == WRAP_CLAMP {
         return clamp(u, 0.0, 1.0);
     }
-    let turn = 2.0 * fract(0.5 * u);
-    return select(fract(u), min(turn, 2.0 - turn), wrap == WRAP_MIRROR);
+    let mirrored = 2.0 * fract(0.5 * u);
+    return select(fract(u), min(mirrored, 2.0 - mirrored), wrap == WRAP_MIRROR);
 }
 
 fn bilinear(m: Material, place: vec2<f32>, level: u32) -> vec4<f32> {

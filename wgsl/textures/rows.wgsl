@@ -53,6 +53,6 @@ fn wrap_v(wraps: u32) -> u32 {
 
 // The same place of the image in [0, 2), where it comes again.
 fn near_zero(u: real, wrap: u32) -> f32 {
-    let turns = select(2.0 * floor(0.5 * f32(u)), 0.0, wrap == WRAP_CLAMP);
-    return f32(u - real(turns));
+    let periods = select(2.0 * floor(0.5 * f32(u)), 0.0, wrap == WRAP_CLAMP);
+    return f32(u - real(periods));
 }

@@ -1,11 +1,11 @@
 //! The rays of a view about several targets: one net over the image, and how the targets' shifts are blended on it.
 
-use super::path::{CURVE_PARTS, Sight, Way};
+use super::path::{CURVE_PARTS, Detour, SightLines};
 use super::view::View;
 use super::{Bend, Graph, Leg, Net};
 use glam::{DVec2, DVec3};
 
-/// A ball to be seen.
+/// A ball to track.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
     pub at: DVec3,
@@ -15,20 +15,20 @@ pub struct Target {
 /// A target in the picture.
 #[derive(Debug, Clone)]
 pub struct Seen {
-    /// In the list of targets.
+    /// Index in the list of targets.
     pub index: usize,
     pub target: Target,
     pub place_px: DVec2,
-    pub sight: Sight,
-    /// How far its own rays reach from its place, along x and y.
+    pub sight_lines: SightLines,
+    /// Half-size of its core, in which all rays have its full shift, along x and y, px.
     pub core_px: f64,
-    /// How its rays run; `None`: straight.
-    pub way: Option<Way>,
+    /// The detour of its rays; `None`: straight.
+    pub detour: Option<Detour>,
 }
 
 /// The least width of the band over which rays return to the plain view, px.
 const BAND_MIN_PX: f64 = 8.0;
-/// The band's width, in parts of the largest shift in the picture: over 1.125, the steepest `share / depth` of a way
+/// The band's width, in parts of the largest shift in the picture: over 1.125, the steepest `share / depth` of a detour
 /// against its end, rays do not cross.
 const BAND: f64 = 1.5;
 /// Lines of the net in each direction where targets share a part of the image.
@@ -39,22 +39,22 @@ const LINE_GAP_PX: f64 = 1.0 / 64.0;
 pub fn graphs(view: &View, seen: &[Seen], size: (u32, u32), far: f64) -> [Graph; 2] {
     let net = net(view, seen, size);
     let shares: Vec<Vec<f64>> = net.places_px.iter().map(|q| shares(view, seen, *q)).collect();
-    let ways: Vec<(usize, Way)> = seen.iter().enumerate().filter_map(|(k, s)| s.way.map(|w| (k, w))).collect();
-    let mut depths: Vec<f64> = ways.iter().flat_map(|(_, w)| [w.out, w.back, w.end]).chain([0.0, far]).collect();
+    let detours: Vec<(usize, Detour)> = seen.iter().enumerate().filter_map(|(k, s)| s.detour.map(|w| (k, w))).collect();
+    let mut depths: Vec<f64> = detours.iter().flat_map(|(_, w)| [w.out, w.back, w.end]).chain([0.0, far]).collect();
     depths.sort_by(f64::total_cmp);
     depths.dedup();
     let leg = |pair: &[f64], shifted: bool| {
         let (from, to) = (pair[0], pair[1]);
-        let of_ways: Vec<[f64; 4]> = ways.iter().map(|(_, w)| w.shares(from, to)).collect();
+        let of_detours: Vec<[f64; 4]> = detours.iter().map(|(_, w)| w.shares(from, to)).collect();
         let points = |i: usize| {
             let depth = from + (to - from) * i as f64 / 3.0;
             let shift = |v: usize| {
-                let parts = ways.iter().zip(&of_ways).map(|((k, w), s)| shares[v][*k] * s[i] * w.shift);
+                let parts = detours.iter().zip(&of_detours).map(|((k, w), s)| shares[v][*k] * s[i] * w.shift);
                 if shifted { parts.sum() } else { DVec3::ZERO }
             };
             (0..shares.len()).map(|v| view.point(net.places_px[v], depth) + shift(v)).collect::<Vec<_>>()
         };
-        if ways.iter().any(|(_, w)| w.is_sloped(to)) {
+        if detours.iter().any(|(_, w)| w.is_sloped(to)) {
             Leg::Connecting([points(0), points(1), points(2), points(3)])
         } else {
             Leg::Straight([points(0), points(3)])
@@ -64,9 +64,9 @@ pub fn graphs(view: &View, seen: &[Seen], size: (u32, u32), far: f64) -> [Graph;
 }
 
 impl Seen {
-    /// How far its shift reaches from its place, px.
+    /// Distance from its place at which its shift ends, px.
     fn reach_px(&self, view: &View) -> f64 {
-        let shift_px = self.way.map_or(0.0, |w| w.slope() / view.steps()[0].length());
+        let shift_px = self.detour.map_or(0.0, |w| w.slope() / view.steps()[0].length());
         self.core_px + (BAND * shift_px).max(BAND_MIN_PX)
     }
 
@@ -76,13 +76,13 @@ impl Seen {
     }
 }
 
-/// The part of each target's shift that the rays at an image place have: 1 in the target's own core, falling to 0 over
-/// its band; where bands meet, by how near the place is to each core.
+/// The share of each target's shift at an image place: 1 in the target's core, falling to 0 over its band; where bands
+/// overlap, weighted by the distance to each core.
 fn shares(view: &View, seen: &[Seen], place_px: DVec2) -> Vec<f64> {
     let in_core = |s: &&(usize, f64)| s.1 <= seen[s.0].core_px + LINE_GAP_PX;
     let distances: Vec<(usize, f64)> = seen.iter().map(|s| s.distance_px(place_px)).enumerate().collect();
     let nearer = |a: &&(usize, f64), b: &&(usize, f64)| {
-        a.1.total_cmp(&b.1).then(seen[a.0].sight.front.total_cmp(&seen[b.0].sight.front))
+        a.1.total_cmp(&b.1).then(seen[a.0].sight_lines.front.total_cmp(&seen[b.0].sight_lines.front))
     };
     if let Some((own, _)) = distances.iter().filter(in_core).min_by(nearer) {
         return (0..seen.len()).map(|k| if k == *own { 1.0 } else { 0.0 }).collect();
@@ -130,7 +130,7 @@ fn net(view: &View, seen: &[Seen], size: (u32, u32)) -> Net {
 fn share_a_part(view: &View, seen: &[Seen]) -> bool {
     let meet = |a: &Seen, b: &Seen| a.distance_px(b.place_px) < a.reach_px(view) + b.reach_px(view);
     (0..seen.len())
-        .any(|i| (0..i).any(|j| (seen[i].way.is_some() || seen[j].way.is_some()) && meet(&seen[i], &seen[j])))
+        .any(|i| (0..i).any(|j| (seen[i].detour.is_some() || seen[j].detour.is_some()) && meet(&seen[i], &seen[j])))
 }
 
 impl Graph {

@@ -1,4 +1,4 @@
-//! `bottom_up`: two given pinhole views side by side, the scene between them bridged by a segment whose rays turn from
+//! `bottom_up`: two given pinhole views side by side, the scene between them bridged by a segment whose rays rotate from
 //! the one to the other (Popescu et al., section 3.3, Fig. 4 and 7); and `graph_camera`, the same without bridges.
 
 use super::joints::Joints;
@@ -16,11 +16,11 @@ use std::sync::Arc;
 #[derive(Debug, PartialEq)]
 struct BottomUp {
     views: [Pinhole; 2],
-    /// Shares of the image's width: left view, what is between, right view.
+    /// Shares of the image's width: left view, bridge, right view.
     weights: [f64; 3],
     near: f64,
     far: Option<f64>,
-    /// Strips that what is between is cut into; `None`: by the angle between the views.
+    /// Number of strips between the views; `None`: by the angle between them.
     lateral: Option<u64>,
     root: Option<Pinhole>,
     cut: Option<f64>,
@@ -150,16 +150,16 @@ impl BottomUp {
 
     /// A view from before both: it sees the views' eyes where their middles land, and looks along both.
     fn default_root(&self, views: &[View; 2], centres: &[DVec2; 2]) -> Pinhole {
-        let way = views[1].eye() - views[0].eye();
+        let baseline = views[1].eye() - views[0].eye();
         let up = self.views[0].pose.up;
         let vfov = self.views[0].vfov.max(self.views[1].vfov);
         // ahead is also what has the left view on its left: all that is left where the views look in opposite directions
-        let along = views[0].forward() + views[1].forward() + up.cross(way).normalize_or_zero();
-        let across = along - along.project_onto_normalized(way.normalize_or(views[0].steps()[0].normalize()));
+        let along = views[0].forward() + views[1].forward() + up.cross(baseline).normalize_or_zero();
+        let across = along - along.project_onto_normalized(baseline.normalize_or(views[0].steps()[0].normalize()));
         let forward = across.normalize_or(views[0].forward());
         let px_per_unit = (centres[1] - centres[0]).length();
         let step = views[0].steps()[0].length().max(views[1].steps()[0].length());
-        let back = if way == DVec3::ZERO { 1.0 } else { way.length() / (px_per_unit * step) };
+        let back = if baseline == DVec3::ZERO { 1.0 } else { baseline.length() / (px_per_unit * step) };
         let middle = (views[0].eye() + views[1].eye()) / 2.0;
         Pinhole { pose: Pose::look_at(middle - back * forward, middle, up), vfov }
     }
@@ -168,8 +168,8 @@ impl BottomUp {
     fn depths(&self, net: &Net, layout: &Layout, near: &[DVec3]) -> Depths {
         let nearest = near.iter().map(|n| layout.root.depth(*n).abs()).fold(f64::INFINITY, f64::min);
         let cut = self.cut.unwrap_or(if nearest > 0.0 { nearest / 2.0 } else { layout.far / 1000.0 });
-        let way = rails::mean_way(net, |_| layout.root, cut, near);
-        let near = cut + if way > 0.0 { way } else { cut };
+        let length = rails::mean_length(net, |_| layout.root, cut, near);
+        let near = cut + if length > 0.0 { length } else { cut };
         [cut, near, layout.far.max(2.0 * near)]
     }
 
@@ -247,7 +247,7 @@ fn check_folds(setting: &Setting, graph: &Graph) -> Result<()> {
     }
 }
 
-/// The most that rays turn over one strip between the views: the chord of 15 degrees lies 1 % inside its circle.
+/// Largest rotation of the rays over one strip between the views: the chord of 15 degrees lies 1 % inside its circle.
 const STRIP_ANGLE: f64 = std::f64::consts::PI / 12.0;
 
 /// Rays at columns of the image, from left to right.
@@ -292,7 +292,7 @@ fn in_view(k: usize, message: &str) -> String {
     format!("camera.views.{k}{}", message.strip_prefix("camera").unwrap_or(message))
 }
 
-/// A point for a person to read.
+/// A point as text.
 pub(super) fn place(at: DVec3) -> String {
     format!("({:.3}, {:.3}, {:.3})", at.x, at.y, at.z)
 }

@@ -1,4 +1,4 @@
-//! Rays that cross: where a segment turns its inside out, things show mirrored, or twice.
+//! Rays that cross: where a segment is inside out, objects appear mirrored, or twice.
 
 use super::{Bend, Graph, Leg, Net};
 use glam::DVec3;
@@ -12,8 +12,8 @@ const ACROSS: usize = 4;
 const ROUNDING: f64 = 1.0 / (1u64 << 47) as f64;
 
 impl Graph {
-    /// How many pieces have rays that cross, within the box where there is one, and how many pieces there are. Connecting
-    /// legs are looked at as straight ones.
+    /// Number of pieces with rays that cross, inside the box if there is one, and number of all pieces. Connecting
+    /// legs are treated as straight.
     pub fn folds(&self, within: Option<(DVec3, DVec3)>) -> (usize, usize) {
         let counts = |x: DVec3| within.is_none_or(|(lo, hi)| x.cmpge(lo).all() && x.cmple(hi).all());
         let legs: Vec<Leg> = self.legs.iter().flat_map(|leg| leg.bent(Bend::Cuts(1))).collect();

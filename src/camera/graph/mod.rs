@@ -1,17 +1,17 @@
 //! Cameras of several views, joined by segments into one continuous picture (Popescu et al., section 3).
 //!
-//! A [`Graph`] is a triangulation of the image and, for every vertex of it, the points that the ray there runs through.
+//! A [`Graph`] is a triangulation of the image and, for each of its vertices, the points through which the ray there passes.
 //! Where a leg of the rays is straight, its points at the vertices are interpolated linearly over the image triangles:
 //! the leg is a layer of pieces, and the end of one is the start of the next at every place of the image. Pinhole views
 //! are cut by planes parallel to their own image planes, on which points are linear in the image; so pinhole and
-//! connecting (CGLC) segments are pieces alike, with weights of 1, and nothing can come apart.
+//! connecting (CGLC) segments are pieces alike, with weights of 1, so there are no gaps.
 //!
 //! * `view`: a pinhole view, wherever in the image it lands.
 //! * `joints`: how a graph becomes layers: straight, cut lengthwise, curved; `morph`.
 //! * `outline`: triangles for image regions of any shape.
 //! * `volume`, `fold`: segments that intersect, and rays that cross.
 //! * `rails`, `roots`: legs from a root view into others, and cubes of views.
-//! * `path`, `blend`: ways around what hides a target, and many of them on one net.
+//! * `path`, `blend`: detours around the occluders of a target, and several of them on one net.
 //! * [`bottom_up`], [`top_down`], [`track`]: the constructors.
 //!
 //! The piece of a pixel is found by its tile's own list, whose length does not grow with the graph.
@@ -75,7 +75,7 @@ impl Leg {
 }
 
 impl Graph {
-    /// The graph with every point on its straight way to that of `plain`: at 0 it is there (section 3.1, Fig. 6).
+    /// The graph with every point interpolated towards that of `plain`, which is reached at 0 (section 3.1, Fig. 6).
     fn morphed(mut self, plain: &Graph, morph: f64) -> Graph {
         for (leg, goal) in self.legs.iter_mut().zip(&plain.legs) {
             for (points, goals) in leg.points_mut().iter_mut().zip(goal.points()) {

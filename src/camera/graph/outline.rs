@@ -3,7 +3,7 @@
 use glam::DVec2;
 use std::collections::BTreeSet;
 
-/// Corners in order, either way round; no two sides cross.
+/// Corners in order, of either orientation; no two sides cross.
 pub type Outline = Vec<DVec2>;
 
 /// The rectangle between two corners.
@@ -16,7 +16,7 @@ pub fn bounds(outline: &[DVec2]) -> (DVec2, DVec2) {
     outline.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), q| (lo.min(*q), hi.max(*q)))
 }
 
-/// Twice the area, positive where the corners turn from x towards y.
+/// Twice the area, positive where the corners run from x towards y.
 pub fn area2(outline: &[DVec2]) -> f64 {
     let from = outline[0];
     outline.windows(2).map(|s| (s[0] - from).perp_dot(s[1] - from)).sum()
@@ -25,8 +25,8 @@ pub fn area2(outline: &[DVec2]) -> f64 {
 /// The outline with every side moved outwards by `by`, corner for corner; `None` where a corner is too sharp for that.
 pub fn widened(outline: &[DVec2], by: f64) -> Option<Outline> {
     let n = outline.len();
-    let turn = area2(outline).signum();
-    let outward = |k: usize| -turn * (outline[(k + 1) % n] - outline[k]).normalize().perp();
+    let sign = area2(outline).signum();
+    let outward = |k: usize| -sign * (outline[(k + 1) % n] - outline[k]).normalize().perp();
     let moved = |k: usize| {
         let (a, b) = (outward((k + n - 1) % n), outward(k));
         // the point on both moved sides: q . a = q . b = by
@@ -44,10 +44,10 @@ const SHARPEST: f64 = 8.0;
 pub fn is_tangled(outline: &[DVec2]) -> bool {
     let n = outline.len();
     let side = |k: usize| (outline[k], outline[(k + 1) % n]);
-    let apart = |i: usize, j: usize| j != i && j != (i + 1) % n && i != (j + 1) % n;
+    let is_other = |i: usize, j: usize| j != i && j != (i + 1) % n && i != (j + 1) % n;
     area2(outline) == 0.0
         || (0..n).any(|k| side(k).0 == side(k).1)
-        || (0..n).any(|i| (0..i).any(|j| apart(i, j) && touch(side(i), side(j))))
+        || (0..n).any(|i| (0..i).any(|j| is_other(i, j) && touch(side(i), side(j))))
 }
 
 /// The areas of two outlines have a point in common.
@@ -74,15 +74,15 @@ fn touch((a, b): (DVec2, DVec2), (c, d): (DVec2, DVec2)) -> bool {
     boxes && straddles(a, b, c, d) && straddles(c, d, a, b)
 }
 
-/// Triangles that cover `outer` without its `holes`, which lie inside it and apart from each other: indices into the
+/// Triangles that cover `outer` without its `holes`, which lie inside it and are disjoint: indices into the
 /// corners of all outlines one after the other. Every corner is a corner of each triangle that it touches.
 ///
 /// Ear clipping, the holes joined to the outside by bridges (Eberly, "Triangulation by ear clipping").
 pub fn triangulate(outer: &[DVec2], holes: &[Outline]) -> Vec<[u32; 3]> {
     let places: Vec<DVec2> = outer.iter().chain(holes.iter().flatten()).copied().collect();
-    let ring = |first: usize, outline: &[DVec2], turn: f64| {
+    let ring = |first: usize, outline: &[DVec2], sign: f64| {
         let mut ring: Vec<usize> = (first..first + outline.len()).collect();
-        if area2(outline) * turn < 0.0 {
+        if area2(outline) * sign < 0.0 {
             ring.reverse();
         }
         ring
@@ -104,31 +104,32 @@ pub fn triangulate(outer: &[DVec2], holes: &[Outline]) -> Vec<[u32; 3]> {
     clip_ears(&places, whole)
 }
 
-/// The shortest way from a corner of the outline to one of a hole that no side bars: place in the outline, hole, place in it.
+/// The shortest segment from a corner of the outline to a corner of a hole that crosses no side: place in the outline, hole, place in it.
 fn bridge(places: &[DVec2], whole: &[usize], holes: &[Vec<usize>]) -> Option<(usize, usize, usize)> {
     let sides: Vec<(usize, usize)> = std::iter::once(whole)
         .chain(holes.iter().map(Vec::as_slice))
         .flat_map(|r| (0..r.len()).map(move |k| (r[k], r[(k + 1) % r.len()])))
         .collect();
-    let mut ways: Vec<(f64, usize, usize, usize)> = Vec::new();
+    let mut bridges: Vec<(f64, usize, usize, usize)> = Vec::new();
     for (at, &from) in whole.iter().enumerate() {
         for (h, hole) in holes.iter().enumerate() {
-            ways.extend(hole.iter().enumerate().map(|(k, &to)| (places[from].distance_squared(places[to]), at, h, k)));
+            bridges
+                .extend(hole.iter().enumerate().map(|(k, &to)| (places[from].distance_squared(places[to]), at, h, k)));
         }
     }
-    ways.sort_by(|a, b| a.0.total_cmp(&b.0));
+    bridges.sort_by(|a, b| a.0.total_cmp(&b.0));
     let free = |&&(_, at, h, k): &&(f64, usize, usize, usize)| {
         let (from, to) = (whole[at], holes[h][k]);
         let n = whole.len();
         let (before, after) = (places[whole[(at + n - 1) % n]], places[whole[(at + 1) % n]]);
-        let apart = |s: &&(usize, usize)| ![s.0, s.1].iter().any(|c| *c == from || *c == to);
+        let is_other = |s: &&(usize, usize)| ![s.0, s.1].iter().any(|c| *c == from || *c == to);
         opens_to(before, places[from], after, places[to])
-            && !sides.iter().filter(apart).any(|s| touch((places[from], places[to]), (places[s.0], places[s.1])))
+            && !sides.iter().filter(is_other).any(|s| touch((places[from], places[to]), (places[s.0], places[s.1])))
     };
-    ways.iter().find(free).map(|&(_, at, h, k)| (at, h, k))
+    bridges.iter().find(free).map(|&(_, at, h, k)| (at, h, k))
 }
 
-/// `q` lies inside the angle of the outline at `corner`, which turns from x towards y.
+/// `q` lies inside the angle of the outline at `corner`, whose corners run from x towards y.
 fn opens_to(before: DVec2, corner: DVec2, after: DVec2, q: DVec2) -> bool {
     let left = |a: DVec2, b: DVec2| (b - a).perp_dot(q - a) > 0.0;
     if (corner - before).perp_dot(after - corner) > 0.0 {
@@ -214,8 +215,8 @@ mod tests {
     fn wider_outlines_are_wider_by_as_much_on_every_side() {
         let square = rectangle(DVec2::new(2.0, 3.0), DVec2::new(10.0, 5.0));
         assert_eq!(widened(&square, 1.0), Some(rectangle(DVec2::new(1.0, 2.0), DVec2::new(11.0, 6.0))));
-        let turned: Outline = square.into_iter().rev().collect();
-        assert_eq!(widened(&turned, 1.0).map(|w| area2(&w)), Some(-80.0));
+        let reversed: Outline = square.into_iter().rev().collect();
+        assert_eq!(widened(&reversed, 1.0).map(|w| area2(&w)), Some(-80.0));
         let needle = [DVec2::ZERO, DVec2::new(100.0, 1.0), DVec2::new(100.0, -1.0)];
         assert!(widened(&needle, 1.0).is_none());
     }

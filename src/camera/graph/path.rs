@@ -1,4 +1,4 @@
-//! Ways around what hides a target (Popescu et al., section 3.3, Fig. 8).
+//! Detours of rays around the occluders of a target (Popescu et al., section 3.3, Fig. 8).
 
 use super::Bend;
 use super::view::View;
@@ -9,7 +9,7 @@ use crate::geometry::mesh::Mesh;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// The scene's triangles, asked by exact rays.
+/// The scene's triangles, intersected exactly.
 pub struct Occluders<'a> {
     caster: Caster<'a>,
     scene_size: f64,
@@ -20,7 +20,7 @@ impl<'a> Occluders<'a> {
         Occluders { caster: Caster::new(mesh), scene_size: scene_size(mesh.bounds()) }
     }
 
-    /// The smallest t in [0, end] at which the ray meets what is visible.
+    /// The smallest t in [0, end] at which the ray hits a visible face.
     pub fn first(&self, origin: DVec3, direction: DVec3, end: f64) -> Option<f64> {
         self.between(origin, direction, [0.0, end])
     }
@@ -34,8 +34,8 @@ impl<'a> Occluders<'a> {
     /// Where a polyline first meets something.
     pub fn first_on(&self, line: &[DVec3]) -> Option<DVec3> {
         line.windows(2).find_map(|leg| {
-            let way = leg[1] - leg[0];
-            self.first(leg[0], way, 1.0).map(|t| leg[0] + t * way)
+            let direction = leg[1] - leg[0];
+            self.first(leg[0], direction, 1.0).map(|t| leg[0] + t * direction)
         })
     }
 
@@ -55,25 +55,25 @@ impl<'a> Occluders<'a> {
     }
 }
 
-/// Surfaces on one ray, at most; one more is behind the way that is then tried, and found to bar it.
+/// Most surfaces on one ray. If there are more, the detour is tried all the same and found blocked.
 const HITS_MAX: usize = 1000;
-/// How far behind a hit the next one is looked for, relative: a hit's t is within 1e-9 of itself.
+/// Relative distance behind a hit at which the search for the next one starts: a hit's t has relative error 1e-9.
 const T_STEP: f64 = 4e-9;
 
-/// A way around: rays are moved by `shift` (world units, parallel to the image) from depth `out` on, reached from the
-/// eye, until depth `back`; at depth `end` they are on their plain lines again.
+/// A detour: rays leave the eye, are shifted by `shift` (world units, parallel to the image) from depth `out` to depth `back`, and
+/// are on their straight lines again at depth `end`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Way {
+pub struct Detour {
     pub shift: DVec3,
     pub out: f64,
     pub back: f64,
     pub end: f64,
 }
 
-/// How many straight parts stand for a curve when it is tried.
+/// Straight parts that approximate a curve in the occlusion test.
 pub const CURVE_PARTS: usize = 16;
 
-impl Way {
+impl Detour {
     /// The share of the shift at a depth, as a smooth step up and down.
     pub fn share(&self, depth: f64) -> f64 {
         self.shares(depth, depth)[0]
@@ -121,62 +121,68 @@ fn smooth(x: f64, y: f64, z: f64) -> f64 {
     x * y + y * z + z * x - 2.0 * x * y * z
 }
 
-/// What is to be seen: image places, and the depth of the target's front.
+/// The lines of sight to a target: image places, px, and the depth of the target's front.
 #[derive(Debug, Clone)]
-pub struct Sight {
+pub struct SightLines {
     pub places_px: Vec<DVec2>,
     pub front: f64,
 }
 
-/// How far rays are moved, as parts of the largest: 2^(-k/4); each way is then shortened to within 2^-20 of that step.
+/// How far rays are moved, as parts of the largest: 2^(-k/4); each shift is then reduced to within 2^-20 of that step.
 const STEPS: i32 = 48;
 const HALVINGS: usize = 20;
 /// Clearance beside what hides the target, as a part of the shift.
 const CLEARANCE: f64 = 1.05;
-/// Where rays are moved out, as parts of the way to the first thing that hides the target; and where they begin to
-/// return, as parts of the way from the last such thing to the target.
+/// Where rays are moved out, as shares of the depth of the first occluder; and where they begin to
+/// return, as shares of the depth from the last occluder to the target.
 const OUT: [f64; 4] = [0.9, 0.7, 0.5, 0.3];
 const BACK: [f64; 4] = [0.1, 0.3, 0.6, 0.9];
 
-impl Sight {
-    /// The depths of the first and the last thing that hides any of the places.
+impl SightLines {
+    /// The depths of the first and the last occluder of any of the places.
     pub fn hidden(&self, view: &View, occluders: &Occluders) -> Option<[f64; 2]> {
         let spans = self.places_px.iter().filter_map(|q| occluders.span(view, *q, self.front));
         spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
-    /// For each direction (unit, parallel to the image) the way with the least slope, if there is one.
-    pub fn ways(
+    /// The detour of least slope for each direction (unit, parallel to the image); `None` if all are blocked.
+    pub fn detours(
         &self,
         view: &View,
         occluders: &Occluders,
         directions: &[DVec3],
         (bend, largest): (Bend, f64),
-    ) -> Vec<Option<Way>> {
+    ) -> Vec<Option<Detour>> {
         let Some([first, last]) = self.hidden(view, occluders) else { return vec![None; directions.len()] };
         let tries: Vec<(f64, f64)> = OUT.iter().flat_map(|o| BACK.map(|b| (*o, b))).collect();
         let of = |direction: &DVec3| {
-            let ways = tries.par_iter().filter_map(|&(out, back)| {
-                let way = Way {
+            let detours = tries.par_iter().filter_map(|&(out, back)| {
+                let detour = Detour {
                     shift: *direction,
                     out: out * first,
                     back: last + back * (self.front - last),
                     end: self.front,
                 };
-                // a thing that touches the target's front leaves no room to return
-                let room = way.out > 0.0 && way.out < way.back && way.back < way.end;
-                if room { self.shortest(view, occluders, way, (bend, largest)) } else { None }
+                // an occluder that touches the target's front leaves no depth to return
+                let fits = detour.out > 0.0 && detour.out < detour.back && detour.back < detour.end;
+                if fits { self.shortest(view, occluders, detour, (bend, largest)) } else { None }
             });
-            // the first of the flattest, whatever the order in which they are found
-            let ways: Vec<Way> = ways.collect();
-            ways.into_iter().reduce(|a, b| if b.slope() < a.slope() { b } else { a })
+            // the first of the flattest, in the order of `tries`: deterministic
+            let detours: Vec<Detour> = detours.collect();
+            detours.into_iter().reduce(|a, b| if b.slope() < a.slope() { b } else { a })
         };
         directions.iter().map(of).collect()
     }
 
-    /// The way with the least free shift along its own.
-    fn shortest(&self, view: &View, occluders: &Occluders, way: Way, (bend, largest): (Bend, f64)) -> Option<Way> {
-        let shifted = |by: f64| Way { shift: by * way.shift, ..way };
+    /// The detour with the least unoccluded shift in its direction.
+    fn shortest(
+        &self,
+        view: &View,
+        occluders: &Occluders,
+        detour: Detour,
+        (bend, largest): (Bend, f64),
+    ) -> Option<Detour> {
+        let shifted = |by: f64| Detour { shift: by * detour.shift, ..detour };
         let free = |by: f64| {
             let clear = |q: &DVec2| occluders.first_on(&shifted(by).line(view, *q, bend)).is_none();
             self.places_px.iter().all(clear)

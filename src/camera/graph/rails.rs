@@ -47,9 +47,9 @@ pub fn with_leaves(plain: &Graph, leaf: [Vec<DVec3>; 2], depths: Option<Depths>)
 }
 
 /// The mean length that connecting legs between `cut` and the near points of leaves have.
-pub fn mean_way(net: &Net, root: impl Fn(usize) -> View, cut: f64, near: &[DVec3]) -> f64 {
-    let ways = near.iter().enumerate().map(|(k, n)| (*n - root(k).point(net.places_px[k], cut)).length());
-    ways.sum::<f64>() / near.len() as f64
+pub fn mean_length(net: &Net, root: impl Fn(usize) -> View, cut: f64, near: &[DVec3]) -> f64 {
+    let lengths = near.iter().enumerate().map(|(k, n)| (*n - root(k).point(net.places_px[k], cut)).length());
+    lengths.sum::<f64>() / near.len() as f64
 }
 
 /// The image's middle.

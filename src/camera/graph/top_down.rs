@@ -1,4 +1,4 @@
-//! `top_down`: a root view, some regions of which are seen from viewpoints of their own (Popescu et al., section 3.3,
+//! `top_down`: a root view with regions that have their own viewpoints (Popescu et al., section 3.3,
 //! Fig. 1 and 6). The root is a pinhole, or the six faces of a cube around its eye (section 4.3).
 
 use super::Net;

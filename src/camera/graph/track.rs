@@ -1,8 +1,8 @@
 //! `track`: a pinhole view whose rays run around what hides the targets in the scene (Popescu et al., section 3.3,
 //! Fig. 8): each target is seen where it would be without occluders.
 //!
-//! All legs of the rays lie between planes parallel to the image. About a hidden target's place, rays are moved aside on
-//! the way to what hides it, pass it, and are back on their plain lines at the target's front, so that target and all
+//! All legs of the rays lie between planes parallel to the image. About a hidden target's place, rays are shifted on
+//! the detour to what hides it, pass it, and are back on their plain lines at the target's front, so that target and all
 //! behind it are where the plain view has them. Around that the shift falls to nothing, over a band wide enough for
 //! rays not to cross. The paper renders a camera a target and blends, vertex by vertex, where they project to: that is
 //! no map from pixels to rays. Here the shifts are blended instead, at the vertices of one net over the image; within a
@@ -10,7 +10,7 @@
 
 use super::blend::{Seen, Target, graphs};
 use super::joints::Joints;
-use super::path::{Occluders, Sight, Way};
+use super::path::{Detour, Occluders, SightLines};
 use super::top_down::fold_note;
 use super::view::{Pinhole, View, beyond};
 use super::{Graph, rails};
@@ -26,7 +26,7 @@ use std::sync::Arc;
 struct Track {
     pinhole: Pinhole,
     targets: Vec<Target>,
-    /// Right and up, of the ways that rays may be moved; empty: any of eight.
+    /// Directions (right, up) in which rays may be shifted; empty: any of eight.
     bend: Vec<(f64, f64)>,
     far: Option<f64>,
     joints: Joints,
@@ -60,9 +60,9 @@ fn read_target(field: &Field) -> Result<Target> {
     Ok(Target { at: table.need("at", "[0, 1, 0]")?.vec3()?, radius })
 }
 
-/// Pixels beyond a target's outline that its rays hold for: those that a picture's filter may look at.
+/// Pixels beyond a target's outline that share its detour: those that an image filter may read.
 const MARGIN_PX: f64 = 2.0;
-/// How often a way that others spoil is widened, and by how much.
+/// How often a detour disturbed by others is widened, and the factor.
 const WIDENINGS: usize = 12;
 const WIDENING: f64 = 1.25;
 /// Points on a target's outline that must be seen, and on one half as large.
@@ -73,35 +73,35 @@ impl Recipe for Track {
         let size = setting.size()?;
         let view = View::new(&self.pinhole, size.1, rails::middle(size))?;
         let occluders = Occluders::of(setting.mesh());
-        let (mut notes, mut unmet) = (Vec::new(), Vec::new());
-        let mut seen = self.seen(&view, size, &mut notes, &mut unmet);
-        self.find_ways(setting, &view, &occluders, &mut seen, &mut unmet);
-        if seen.iter().all(|s| s.way.is_none()) {
-            return Ok(plain_view(&view, size, notes, unmet));
+        let (mut notes, mut unfulfilled) = (Vec::new(), Vec::new());
+        let mut seen = self.seen(&view, size, &mut notes, &mut unfulfilled);
+        self.find_detours(setting, &view, &occluders, &mut seen, &mut unfulfilled);
+        if seen.iter().all(|s| s.detour.is_none()) {
+            return Ok(plain_view(&view, size, notes, unfulfilled));
         }
-        let deepest = seen.iter().map(|s| s.sight.front).fold(0.0, f64::max);
+        let deepest = seen.iter().map(|s| s.sight_lines.front).fold(0.0, f64::max);
         let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &[view.eye()], deepest)).max(2.0 * deepest);
-        let Some((graph, plain)) = self.free(&view, &occluders, seen, (size, far), &mut notes, &mut unmet) else {
-            return Ok(plain_view(&view, size, notes, unmet));
+        let Some((graph, plain)) = self.free(&view, &occluders, seen, (size, far), &mut notes, &mut unfulfilled) else {
+            return Ok(plain_view(&view, size, notes, unfulfilled));
         };
         let folds = graph.folds(setting.bounds());
         let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;
         built.notes.extend(notes.into_iter().chain(fold_note(folds)));
-        Ok(Built { unmet, ..built })
+        Ok(Built { unfulfilled, ..built })
     }
 }
 
-/// The camera where no ray has to be moved.
-fn plain_view(view: &View, size: (u32, u32), mut notes: Vec<String>, unmet: Vec<String>) -> Built {
-    if unmet.is_empty() {
+/// The camera without detours.
+fn plain_view(view: &View, size: (u32, u32), mut notes: Vec<String>, unfulfilled: Vec<String>) -> Built {
+    if unfulfilled.is_empty() {
         notes.push("nothing hides a target: the plain view".into());
     }
-    Built { notes, unmet, ..Built::new(size, Rays::Pieces(view.whole(size))) }
+    Built { notes, unfulfilled, ..Built::new(size, Rays::Pieces(view.whole(size))) }
 }
 
 impl Track {
-    /// The targets that are in the picture.
-    fn seen(&self, view: &View, size: (u32, u32), notes: &mut Vec<String>, unmet: &mut Vec<String>) -> Vec<Seen> {
+    /// The targets inside the image.
+    fn seen(&self, view: &View, size: (u32, u32), notes: &mut Vec<String>, unfulfilled: &mut Vec<String>) -> Vec<Seen> {
         let [right, down] = view.steps().map(DVec3::normalize);
         let end = DVec2::new(size.0 as f64, size.1 as f64);
         let mut seen = Vec::new();
@@ -109,7 +109,7 @@ impl Track {
             let front = view.depth(target.at) - target.radius;
             let place = view.place(target.at).filter(|_| front > 0.0);
             let Some(place_px) = place else {
-                unmet.push(format!("target {index} is not tracked: it lies behind or around the eye"));
+                unfulfilled.push(format!("target {index} is not tracked: it lies behind or around the eye"));
                 continue;
             };
             if place_px.cmplt(DVec2::ZERO).any() || place_px.cmpgt(end).any() {
@@ -125,21 +125,21 @@ impl Track {
             let places_px: Vec<DVec2> = std::iter::once(place_px).chain(places).collect();
             let reach = |q: &DVec2| (*q - place_px).abs().max_element();
             let core_px = places_px.iter().map(reach).fold(0.0, f64::max) + MARGIN_PX;
-            let sight = Sight { places_px, front };
-            seen.push(Seen { index, target: *target, place_px, sight, core_px, way: None });
+            let sight_lines = SightLines { places_px, front };
+            seen.push(Seen { index, target: *target, place_px, sight_lines, core_px, detour: None });
         }
         seen
     }
 
-    /// Gives every hidden target its way: all in one direction if one serves all, so that neighbours bend alike. Removes targets that
-    /// have none.
-    fn find_ways(
+    /// Gives every hidden target its detour: all in one direction if one works for all, so that neighbours bend alike. Removes targets
+    /// without a detour.
+    fn find_detours(
         &self,
         setting: &Setting,
         view: &View,
         occluders: &Occluders,
         seen: &mut Vec<Seen>,
-        unmet: &mut Vec<String>,
+        unfulfilled: &mut Vec<String>,
     ) {
         let [right, down] = view.steps().map(DVec3::normalize);
         let half = std::f64::consts::FRAC_1_SQRT_2;
@@ -148,36 +148,36 @@ impl Track {
         let chosen = if self.bend.is_empty() { &all[..] } else { &self.bend };
         let directions: Vec<DVec3> = chosen.iter().map(|(x, y)| *x * right - *y * down).collect();
         let largest = setting.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length());
-        let mut found: Vec<(usize, Vec<Option<Way>>)> = Vec::new();
+        let mut found: Vec<(usize, Vec<Option<Detour>>)> = Vec::new();
         let mut reached: Vec<Seen> = Vec::new();
         for s in seen.drain(..) {
             if self.is_hidden(view, occluders, &s) {
-                let ways = s.sight.ways(view, occluders, &directions, (self.joints.bend, largest));
-                if ways.iter().all(Option::is_none) {
-                    unmet.push(no_path(s.index, largest));
+                let detours = s.sight_lines.detours(view, occluders, &directions, (self.joints.bend, largest));
+                if detours.iter().all(Option::is_none) {
+                    unfulfilled.push(no_path(s.index, largest));
                     continue;
                 }
-                found.push((reached.len(), ways));
+                found.push((reached.len(), detours));
             }
             reached.push(s);
         }
         *seen = reached;
-        let common = |d: usize| found.iter().map(|(_, ways)| ways[d].map(|w| w.slope())).sum::<Option<f64>>();
+        let common = |d: usize| found.iter().map(|(_, detours)| detours[d].map(|w| w.slope())).sum::<Option<f64>>();
         let costs = (0..directions.len()).filter_map(|d| Some((d, common(d)?)));
         let best = costs.reduce(|a, b| if b.1 < a.1 { b } else { a }).map(|(d, _)| d);
-        for (k, ways) in found {
-            let flattest = ways.iter().flatten().copied().reduce(|a, b| if b.slope() < a.slope() { b } else { a });
-            seen[k].way = best.map_or(flattest, |d| ways[d]);
+        for (k, detours) in found {
+            let flattest = detours.iter().flatten().copied().reduce(|a, b| if b.slope() < a.slope() { b } else { a });
+            seen[k].detour = best.map_or(flattest, |d| detours[d]);
         }
     }
 
-    /// Something is before one of the target's places, or before its middle.
+    /// Whether one of the target's lines of sight, or that to its centre, is blocked.
     fn is_hidden(&self, view: &View, occluders: &Occluders, s: &Seen) -> bool {
         let straight = [view.eye(), s.target.at];
-        s.sight.hidden(view, occluders).is_some() || !reaches(view, occluders, &straight, &s.target)
+        s.sight_lines.hidden(view, occluders).is_some() || !reaches(view, occluders, &straight, &s.target)
     }
 
-    /// The graph in which the targets are seen, and the plain one. Drops targets whose ways conflict with others'; `None` if no hidden
+    /// The graph in which the targets are seen, and the plain one. Drops targets whose detours conflict with others'; `None` if no hidden
     /// target is left.
     fn free(
         &self,
@@ -186,13 +186,13 @@ impl Track {
         mut seen: Vec<Seen>,
         extent: ((u32, u32), f64),
         notes: &mut Vec<String>,
-        unmet: &mut Vec<String>,
+        unfulfilled: &mut Vec<String>,
     ) -> Option<(Graph, Graph)> {
-        while seen.iter().any(|s| s.way.is_some()) {
+        while seen.iter().any(|s| s.detour.is_some()) {
             match self.free_all(view, occluders, seen.clone(), extent, notes) {
                 Ok(graphs) => return Some(graphs),
                 Err(index) => {
-                    unmet.push(format!(
+                    unfulfilled.push(format!(
                         "target {index} is not tracked: its access path conflicts with those of the targets next to it in the picture"
                     ));
                     seen.retain(|s| s.index != index);
@@ -203,7 +203,7 @@ impl Track {
     }
 
     /// The graph in which all targets are seen, and the plain one; the error is the index of a target that stays hidden however far the
-    /// ways are widened.
+    /// detours are widened.
     fn free_all(
         &self,
         view: &View,
@@ -220,8 +220,11 @@ impl Track {
                 line.is_some_and(|line| reaches(view, occluders, &line, &s.target))
             };
             let before = |s: &Seen, o: &Seen| {
-                let apart = (s.place_px - o.place_px).abs().max_element();
-                o.index != s.index && o.target.at != s.target.at && apart <= o.core_px && o.sight.front < s.sight.front
+                let distance = (s.place_px - o.place_px).abs().max_element();
+                o.index != s.index
+                    && o.target.at != s.target.at
+                    && distance <= o.core_px
+                    && o.sight_lines.front < s.sight_lines.front
             };
             let hidden: Vec<usize> = (0..seen.len()).filter(|&k| !free(&seen[k])).collect();
             let is_behind = |k: &usize| seen.iter().any(|o| before(&seen[*k], o));
@@ -233,8 +236,8 @@ impl Track {
             };
             still_hidden = seen[*first].index;
             for k in blocked {
-                if let Some(way) = &mut seen[k].way {
-                    way.shift *= WIDENING;
+                if let Some(detour) = &mut seen[k].detour {
+                    detour.shift *= WIDENING;
                 }
             }
         }
@@ -252,11 +255,11 @@ fn no_path(index: usize, largest: f64) -> String {
 /// How far before its middle a target without a radius may be hit, as a part of its distance: its own surface.
 const OWN: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// The line meets nothing before the target's middle but what is inside the target's ball.
+/// Whether the line reaches the target's centre without a hit outside the target's ball.
 fn reaches(view: &View, occluders: &Occluders, line: &[DVec3], target: &Target) -> bool {
     let end = view.depth(target.at);
-    let mut cut: Vec<DVec3> = line.iter().copied().take_while(|p| view.depth(*p) < end).collect();
-    cut.push(target.at);
+    let mut line: Vec<DVec3> = line.iter().copied().take_while(|p| view.depth(*p) < end).collect();
+    line.push(target.at);
     let own = target.radius + OWN * (target.at - view.eye()).length();
-    occluders.first_on(&cut).is_none_or(|hit| (hit - target.at).length() <= own)
+    occluders.first_on(&line).is_none_or(|hit| (hit - target.at).length() <= own)
 }

@@ -58,9 +58,9 @@ impl Volume {
         self.holds(mean, -2.0 * ROUNDING).then_some(mean)
     }
 
-    /// The point is inside all planes, `slack` times its coordinates and the limits beyond them.
-    fn holds(&self, x: DVec3, slack: f64) -> bool {
-        self.0.iter().all(|(n, limit)| n.dot(x) - limit <= slack * (x.length() + limit.abs()))
+    /// The point is inside all planes, `tolerance` times its coordinates and the limits beyond them.
+    fn holds(&self, x: DVec3, tolerance: f64) -> bool {
+        self.0.iter().all(|(n, limit)| n.dot(x) - limit <= tolerance * (x.length() + limit.abs()))
     }
 }
 

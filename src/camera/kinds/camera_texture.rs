@@ -7,9 +7,9 @@ use super::pose::{POSE, Pose};
 use super::strips::central;
 use crate::camera::Rays;
 use crate::camera::bundle::Bundle;
-use crate::camera::cut::{Cut, KEYS};
 use crate::camera::pieces::{Piece, Pieces, side};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::image::read_pairs;
 use crate::input::limits;
 use crate::input::reader::{Field, Table};
@@ -26,7 +26,7 @@ struct CameraTexture {
     scale: f64,
     /// Each cell is a bilinear map instead of two affine ones.
     bilinear: bool,
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
 /// Offsets at the crossings of a grid that spans the image, corner to corner, row by row from the top; image coordinates.
@@ -54,7 +54,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         grid: read_offsets(table)?,
         scale: table.or("scale", 1.0, Field::number)?,
         bilinear,
-        cut: Cut::read(table)?,
+        tessellation: Tessellation::read(table)?,
     }))
 }
 
@@ -108,7 +108,7 @@ impl Recipe for CameraTexture {
         }
         let inverse = Inverse::new(cells, base);
         let (folded, all) = (inverse.folded(), inverse.len());
-        let built = self.cut.build(Arc::new(inverse), setting)?;
+        let built = self.tessellation.build(Arc::new(inverse), setting)?;
         Ok(Built { notes: fold_notes(folded, all, "cells"), ..built })
     }
 }

@@ -5,8 +5,8 @@
 
 use super::pose::{POSE, Pose};
 use super::values::{direction, length};
-use crate::camera::cut::{self, Cut};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{self, Tessellation};
 use crate::camera::{Bundle, Pieces, Ray, RayMap, Rays};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 struct CrossSlit {
     window: Window,
     slits: [SlitSpec; 2],
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
 /// Where the image lies in the world.
@@ -61,7 +61,7 @@ const PARALLEL_SINE: f64 = 1e-11;
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let window = if table.has("right") || table.has("center") {
-        table.allow(&[&["kind", "t_range", "center", "right", "up", "slits"][..], &cut::KEYS].concat())?;
+        table.allow(&[&["kind", "t_range", "center", "right", "up", "slits"][..], &tessellate::KEYS].concat())?;
         let vector = |key, example| table.need(key, example)?.vec3();
         let center = vector("center", "[0, 0, 0]")?;
         let plane = Plane { center, right: vector("right", "[4, 0, 0]")?, up: vector("up", "[0, 3, 0]")? };
@@ -71,13 +71,17 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         }
         Window::Plane(plane)
     } else {
-        table.allow(&[&["kind", "t_range", "height", "slits"][..], &POSE, &cut::KEYS].concat())?;
+        table.allow(&[&["kind", "t_range", "height", "slits"][..], &POSE, &tessellate::KEYS].concat())?;
         Window::View { pose: Pose::read(table)?, height: length(&table.need("height", "3")?)? }
     };
     let expected = "two slits, as [{ distance = 8, angle = 90 }, { distance = 5, angle = 0 }]";
     let slits = table.need("slits", "[{ distance = 8, angle = 90 }, { distance = 5, angle = 0 }]")?;
     let [first, second] = slits.array::<2>(expected)?;
-    Ok(Arc::new(CrossSlit { window, slits: [read_slit(&first)?, read_slit(&second)?], cut: Cut::read(table)? }))
+    Ok(Arc::new(CrossSlit {
+        window,
+        slits: [read_slit(&first)?, read_slit(&second)?],
+        tessellation: Tessellation::read(table)?,
+    }))
 }
 
 fn read_slit(field: &Field) -> Result<SlitSpec> {
@@ -124,7 +128,7 @@ impl Recipe for CrossSlit {
         let lines = self.lines(size)?;
         let side = |k: usize| lines.forward.dot(lines.plane.center - lines.slits[k].0);
         if lines.slits.iter().any(|s| s.1.dot(lines.forward).abs() > PARALLEL_SINE) {
-            return self.cut.build(Arc::new(lines), setting);
+            return self.tessellation.build(Arc::new(lines), setting);
         }
         if side(0) <= 0.0 {
             return Err(Error::input("camera.slits.0: rays start on it, so it must lie before the image plane"));

@@ -2,8 +2,8 @@
 
 use super::pose::{Central, Lens, POSE, Pose};
 use super::strips::{self, Grid};
-use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::input::reader::Table;
 use crate::input::{Error, Result};
 use glam::DVec3;
@@ -19,7 +19,7 @@ struct Cylinder {
     tan: Option<[f64; 2]>,
     /// Strips round the cylinder instead of exact rays.
     strips: Option<u32>,
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
@@ -28,8 +28,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         fov if fov > 0.0 && fov <= 360.0 => Ok(fov),
         fov => Err(field.error(format_args!("{fov} degrees; must be over 0 and at most 360"))),
     })?;
-    let (pose, strips, cut) = (Pose::read(table)?, strips::read(table)?, Cut::read(table)?);
-    Ok(Arc::new(Cylinder { pose, fov: fov.to_radians(), tan: read_tan(table)?, strips, cut }))
+    let (pose, strips, tessellation) = (Pose::read(table)?, strips::read(table)?, Tessellation::read(table)?);
+    Ok(Arc::new(Cylinder { pose, fov: fov.to_radians(), tan: read_tan(table)?, strips, tessellation }))
 }
 
 /// The height of the image: `vfov`, or `tan`, or neither.
@@ -57,7 +57,7 @@ impl Recipe for Cylinder {
         let lens = Wall { fov: self.fov, tan: self.tan.unwrap_or([-square, square]) };
         let map = Central { eye: self.pose.eye, view: self.pose.view()?, lens };
         match self.strips {
-            None => self.cut.build(Arc::new(map), setting),
+            None => self.tessellation.build(Arc::new(map), setting),
             Some(n) => build_strips(&map, n, setting),
         }
     }

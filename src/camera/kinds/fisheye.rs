@@ -1,8 +1,8 @@
 //! `fisheye`: the angle from the view direction becomes a distance from the image's middle.
 
 use super::pose::{Central, Lens, POSE, Pose};
-use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DVec2, DVec3};
@@ -69,7 +69,7 @@ struct Fisheye {
     fov: f64,
     /// The circle fits the shorter side of the image, and no ray lies outside.
     circular: bool,
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
@@ -87,8 +87,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         "full" => Ok(false),
         _ => Err(field.error("use \"circular\" or \"full\"")),
     })?;
-    let (pose, fov, cut) = (Pose::read(table)?, degrees.to_radians(), Cut::read(table)?);
-    Ok(Arc::new(Fisheye { pose, mapping, fov, circular, cut }))
+    let (pose, fov, tessellation) = (Pose::read(table)?, degrees.to_radians(), Tessellation::read(table)?);
+    Ok(Arc::new(Fisheye { pose, mapping, fov, circular, tessellation }))
 }
 
 impl Recipe for Fisheye {
@@ -103,7 +103,7 @@ impl Recipe for Fisheye {
             circular: self.circular,
         };
         let map = Central { eye: self.pose.eye, view: self.pose.view()?, lens };
-        self.cut.build(Arc::new(map), setting)
+        self.tessellation.build(Arc::new(map), setting)
     }
 }
 

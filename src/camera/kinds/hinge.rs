@@ -1,7 +1,7 @@
-//! `hinge`: two cross-slit cameras that share an image column, the second one turned about it.
+//! `hinge`: two cross-slit cameras that share an image column, the second one rotated about it.
 //!
-//! Yu, Yu and McMillan 2009, section 5.3 (faux animation): turning the second camera seems to turn what it sees, and the picture
-//! stays whole.
+//! Yu, Yu and McMillan 2009, section 5.3 (faux animation): rotating the second camera makes its part of the scene appear to rotate, and the
+//! picture stays continuous.
 
 use super::pose::{POSE, Pose};
 use super::values::{angle_within, half_tangent, length};
@@ -24,7 +24,7 @@ struct Hinge {
     column: f64,
     /// Degrees.
     angle: f64,
-    /// 1: what is right of the hinge turns; -1: what is left.
+    /// 1: the part right of the hinge rotates; -1: the left one.
     side: f64,
 }
 

@@ -8,10 +8,10 @@
 //! with less convergence across than up.
 
 use super::stand::{Stand, allow, aspect, upright};
-use crate::camera::cut::{self, Cut};
 use crate::camera::projector::Volume;
 use crate::camera::projector::surface::Surface;
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{self, Tessellation};
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DMat2, DVec2};
@@ -23,7 +23,7 @@ struct Irregular {
     /// Of the plane at the target, world units.
     height: f64,
     convergence: Convergence,
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
 #[derive(Debug, PartialEq)]
@@ -35,7 +35,7 @@ enum Convergence {
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    let [pieces, error] = cut::KEYS;
+    let [pieces, error] = tessellate::KEYS;
     allow(table, &["convergence", pieces, error])?;
     let stand = Stand::read(table, [0.1, 2.0])?;
     let convergence = table.or("convergence", Convergence::Even(DVec2::new(0.4, 1.0)), read_convergence)?;
@@ -48,7 +48,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         return Err(table.error("convergence: rays cross between near and far; make it smaller or bring them together"));
     }
     let height = 2.0 * stand.distance * Stand::half_height(table)?;
-    Ok(Arc::new(Irregular { stand, height, convergence, cut: Cut::read(table)? }))
+    Ok(Arc::new(Irregular { stand, height, convergence, tessellation: Tessellation::read(table)? }))
 }
 
 fn read_convergence(field: &Field) -> Result<Convergence> {
@@ -89,6 +89,6 @@ impl Recipe for Irregular {
                 }))
             }
         };
-        Volume::over(vec![surface(self.stand.near), surface(self.stand.far)])?.build(setting, self.cut)
+        Volume::over(vec![surface(self.stand.near), surface(self.stand.far)])?.build(setting, self.tessellation)
     }
 }

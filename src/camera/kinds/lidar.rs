@@ -1,4 +1,4 @@
-//! `lidar`: rays that make no picture: any list of them, or a spinning scanner's.
+//! `lidar`: rays that need not form a picture: a list of rays, or those of a spinning scanner.
 
 use super::pose::{POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -91,7 +91,7 @@ impl Recipe for List {
     }
 }
 
-/// One pixel a ray, row by row; the same ray all over a pixel, as its neighbours have nothing to do with it.
+/// One pixel per ray, row by row; the ray is constant over the pixel, because neighbours are unrelated.
 fn field(size: (u32, u32), rays: Arc<[Ray]>) -> Result<Built> {
     let map = Pixels { size, rays };
     let field = crate::camera::Field::of_map(size.0, size.1, Arc::new(map))?;
@@ -126,7 +126,7 @@ impl RayMap for Pixels {
     }
 }
 
-/// Beams at fixed elevations that turn around an axis.
+/// Beams at fixed elevations that rotate about an axis.
 #[derive(Debug, PartialEq)]
 struct Scanner {
     pose: Pose,
@@ -136,7 +136,7 @@ struct Scanner {
     /// Radians to the right of ahead where the sweep starts, and how far it goes.
     start: f64,
     sweep: f64,
-    /// What the scanner moves by during the sweep, world units.
+    /// Translation of the scanner during the sweep, world units.
     travel: DVec3,
 }
 

@@ -1,7 +1,7 @@
-//! `lightfield`: a ray for each sub-pixel of a display under lenslets, which shows another view to each direction.
+//! `lightfield`: one ray for each sub-pixel of a lenslet display, which shows a different view in each direction.
 
-use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::camera::view::{View, view};
 use crate::camera::{Ray, RayMap};
 use crate::input::reader::{Field, Table};
@@ -21,7 +21,7 @@ struct Lightfield {
     views: [u32; 2],
     /// Tangents of half the angles through which a lenslet sends its pixels.
     tan: DVec2,
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
 /// Pixels under a lenslet at most, each way: as many as an image can have.
@@ -46,7 +46,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         // the range is under 2^32
         views: [views[0].integer(1, VIEWS_MAX)? as u32, views[1].integer(1, VIEWS_MAX)? as u32],
         tan: read_fov(&table.need("fov", "40")?)?,
-        cut: Cut::read(table)?,
+        tessellation: Tessellation::read(table)?,
     }))
 }
 
@@ -76,7 +76,7 @@ impl Recipe for Lightfield {
             Error::input("camera: normal is zero, or up is zero or parallel to it; give other directions")
         })?;
         let lenslets = DVec2::new((w / nx).into(), (h / ny).into());
-        self.cut
+        self.tessellation
             .build(Arc::new(Lenslets { centre: self.centre, frame, size: self.size, lenslets, tan: self.tan }), setting)
     }
 }

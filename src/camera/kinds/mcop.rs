@@ -4,8 +4,8 @@
 
 use super::pose::{POSE, Pose};
 use super::values::{direction, half_tangent, length};
-use crate::camera::cut::{self, Cut};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{self, Tessellation};
 use crate::camera::view::view;
 use crate::camera::{Ray, RayMap};
 use crate::input::Result;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 #[derive(Debug, PartialEq)]
 struct Mcop {
     map: Columns,
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -39,14 +39,14 @@ type Key = [DVec3; 3];
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let own = ["kind", "t_range", "path", "circle", "vfov", "interpolation", "closed"];
-    table.allow(&[&own[..], &cut::KEYS].concat())?;
+    table.allow(&[&own[..], &tessellate::KEYS].concat())?;
     let path = match (table.get("path"), table.get("circle")) {
         (Some(_), Some(circle)) => return Err(circle.error("the camera has a path already; give one of the two")),
         (None, Some(circle)) => read_circle(table, &circle)?,
         (_, None) => read_keys(table)?,
     };
     let k = half_tangent(&table.need("vfov", "40")?)?;
-    Ok(Arc::new(Mcop { map: Columns { path, k }, cut: Cut::read(table)? }))
+    Ok(Arc::new(Mcop { map: Columns { path, k }, tessellation: Tessellation::read(table)? }))
 }
 
 fn read_keys(table: &Table) -> Result<Path> {
@@ -94,7 +94,7 @@ fn read_circle(table: &Table, field: &Field) -> Result<Path> {
 
 impl Recipe for Mcop {
     fn build(&self, setting: &Setting) -> Result<Built> {
-        self.cut.build(Arc::new(self.map.clone()), setting)
+        self.tessellation.build(Arc::new(self.map.clone()), setting)
     }
 }
 

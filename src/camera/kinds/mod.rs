@@ -1,5 +1,5 @@
-//! Every kind of camera that a scene file may name, one file a family. [`pinhole`] is the simplest, and shows how a kind is written: its keys,
-//! how they are read, and the rays that they make.
+//! The kinds of cameras in scene files, one file per family. [`pinhole`] is the simplest; read it to learn how a kind is written: its keys,
+//! how they are read, and its rays.
 
 pub mod camera_texture;
 pub mod cross_slit;

@@ -1,6 +1,6 @@
 //! `occlusion`: an occlusion camera (Mei, Popescu and Sacks 2005), as Brosz et al. 2007, section 5 and Figure 10, build it.
 //!
-//! A pinhole whose rays, from the depth `near` to `far`, are drawn towards a pole of the image: the ray of the image place
+//! A pinhole whose rays, from the depth `near` to `far`, are pulled towards a pole of the image: the ray of the image place
 //! q passes `q - d unit(q - pole)` there, with d = d_n at near and d_f at far, in heights of the image. So pixels just
 //! outside an occluder's silhouette see what lies behind it. In between d is linear in 1/z, which is a straight ray; beyond
 //! far d stays d_f. A place nearer to the pole than d goes to the pole itself, not past it: rays stay in order.
@@ -10,10 +10,10 @@
 //! eye on, so it sees less behind the silhouette for the same distortion. (The paper's volume ends at far.)
 
 use super::stand::{Stand, allow, aspect, upright};
-use crate::camera::cut::Cut;
 use crate::camera::projector::Volume;
 use crate::camera::projector::surface::{Plane, Pulled, Surface};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::Tessellation;
 use crate::input::Result;
 use crate::input::reader::Table;
 use glam::DVec2;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 struct Occlusion {
     stand: Stand,
     half_height: f64,
-    /// Depth where the rays end.
+    /// Depth at which the rays end.
     end: f64,
     /// (a, b).
     pole: DVec2,
@@ -70,9 +70,9 @@ impl Recipe for Occlusion {
         let eye = Surface::from(Plane::point(self.stand.eye));
         let stops = [eye, at(near, d_near), at(far, d_far), at(self.end, d_far)];
         if self.bezier {
-            return Volume::over(stops.to_vec())?.build(setting, Cut::Exact);
+            return Volume::over(stops.to_vec())?.build(setting, Tessellation::Exact);
         }
-        let segment = |two: &[Surface]| Volume::over(two.to_vec())?.build(setting, Cut::Exact);
+        let segment = |two: &[Surface]| Volume::over(two.to_vec())?.build(setting, Tessellation::Exact);
         let segments: Vec<Built> = stops.windows(2).map(segment).collect::<Result<_>>()?;
         Ok(Built {
             size,
@@ -80,7 +80,7 @@ impl Recipe for Occlusion {
             unit_t: true,
             optics: None,
             notes: vec!["layers: from the eye to near, on to far, and on to end".into()],
-            unmet: Vec::new(),
+            unfulfilled: Vec::new(),
         })
     }
 }

@@ -1,8 +1,8 @@
 //! `ods`: an omni-directional stereo pair, the left eye's picture above the right eye's.
 
 use super::pose::{POSE, Pose};
-use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::camera::view::View;
 use crate::camera::{Ray, RayMap};
 use crate::input::reader::Table;
@@ -16,7 +16,7 @@ struct Ods {
     pose: Pose,
     /// World units between the eyes.
     ipd: f64,
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
@@ -26,7 +26,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     if length < 0.0 {
         return Err(ipd.error(format_args!("{length} is less than 0, which would swap the eyes")));
     }
-    Ok(Arc::new(Ods { pose: Pose::read(table)?, ipd: length, cut: Cut::read(table)? }))
+    Ok(Arc::new(Ods { pose: Pose::read(table)?, ipd: length, tessellation: Tessellation::read(table)? }))
 }
 
 impl Recipe for Ods {
@@ -38,7 +38,7 @@ impl Recipe for Ods {
             )));
         }
         let map = Circle { eye: self.pose.eye, view: self.pose.view()?, radius: self.ipd / 2.0 };
-        self.cut.build(Arc::new(map), setting)
+        self.tessellation.build(Arc::new(map), setting)
     }
 }
 

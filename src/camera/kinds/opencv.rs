@@ -9,8 +9,8 @@ mod roots;
 mod tilt;
 
 use super::pose::{POSE, Pose};
-use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::camera::view::View;
 use crate::camera::{Ray, RayMap};
 use crate::input::Result;
@@ -27,7 +27,7 @@ struct OpenCv {
     model: Model,
     distortion: Distortion,
     shutter: Shutter,
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
 /// Everything that defines the rays. The reference computes its own rays from this alone.
@@ -74,8 +74,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
             return Err(field.error("the camera moves from row to row only with a line_time; add line_time = 3e-5"));
         }
     }
-    let (pose, cut) = (Pose::read(table)?, Cut::read(table)?);
-    Ok(Arc::new(OpenCv { pose, intrinsics, model, distortion, shutter, cut }))
+    let (pose, tessellation) = (Pose::read(table)?, Tessellation::read(table)?);
+    Ok(Arc::new(OpenCv { pose, intrinsics, model, distortion, shutter, tessellation }))
 }
 
 /// The model that the scene names, or else the file, with the file's coefficients.
@@ -114,7 +114,7 @@ impl Recipe for OpenCv {
             model: self.model,
             shutter: self.shutter,
         };
-        self.cut.build(Arc::new(Sensor { calibrated, distortion: self.distortion }), &setting.of_size(size))
+        self.tessellation.build(Arc::new(Sensor { calibrated, distortion: self.distortion }), &setting.of_size(size))
     }
 }
 
@@ -135,8 +135,8 @@ impl RayMap for Sensor {
         // OpenCV's camera has y down
         let direction = view.vector(d.x, -d.y, d.z);
         let time = pixel.y * shutter.line_time;
-        let turn = DQuat::from_scaled_axis(shutter.angular * time);
-        Some(Ray { origin: *eye + time * shutter.velocity, direction: turn * direction })
+        let rotation = DQuat::from_scaled_axis(shutter.angular * time);
+        Some(Ray { origin: *eye + time * shutter.velocity, direction: rotation * direction })
     }
 
     /// By the forward formula, if the camera stands still.

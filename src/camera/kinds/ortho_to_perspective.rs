@@ -5,11 +5,11 @@
 //! `blend` is the share of the pinhole in the far surface, in all of the image or at its corners.
 
 use super::stand::{Stand, allow, aspect, upright};
-use crate::camera::cut::Cut;
 use crate::camera::projector::Volume;
 use crate::camera::projector::patch::Patch;
 use crate::camera::projector::surface::Surface;
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::Tessellation;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DMat2, DVec2};
@@ -56,7 +56,8 @@ impl Recipe for OrthoToPerspective {
         let Stand { near, far, distance, .. } = self.stand;
         let m = upright(2.0 * distance * self.half_height, aspect(setting.size()?));
         let parallel = |depth: f64| Surface::from(self.stand.plane(depth, m, DVec2::ZERO));
-        Volume::over(vec![parallel(near), parallel(distance), self.far(m, far / distance)])?.build(setting, Cut::Exact)
+        Volume::over(vec![parallel(near), parallel(distance), self.far(m, far / distance)])?
+            .build(setting, Tessellation::Exact)
     }
 }
 

@@ -1,8 +1,8 @@
 //! `panini`: a cylinder seen from behind its axis, for wide pictures whose verticals stay straight.
 
 use super::pose::{Central, Lens, POSE, Pose};
-use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::input::Result;
 use crate::input::reader::Table;
 use glam::DVec3;
@@ -17,7 +17,7 @@ struct Panini {
     d: f64,
     /// Vertical compression, 0 to 1.
     s: f64,
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
@@ -37,7 +37,13 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         let with = format!("with d = {d} and s = {s} it must lie between 0 and {widest}");
         return Err(fov.error(format_args!("{degrees} degrees; {with}")));
     }
-    Ok(Arc::new(Panini { pose: Pose::read(table)?, fov: degrees.to_radians(), d, s, cut: Cut::read(table)? }))
+    Ok(Arc::new(Panini {
+        pose: Pose::read(table)?,
+        fov: degrees.to_radians(),
+        d,
+        s,
+        tessellation: Tessellation::read(table)?,
+    }))
 }
 
 /// Under this angle the distance from the middle is finite and grows: `d + cos > 0` and `1 + d cos > 0`; with vertical
@@ -53,7 +59,7 @@ impl Recipe for Panini {
         let across = sin * (self.d + 1.0) / (self.d + cos);
         let lens = Screen { across, aspect: f64::from(h) / f64::from(w), d: self.d, s: self.s };
         let map = Central { eye: self.pose.eye, view: self.pose.view()?, lens };
-        self.cut.build(Arc::new(map), setting)
+        self.tessellation.build(Arc::new(map), setting)
     }
 }
 

@@ -1,11 +1,11 @@
-//! `panorama`: an eye goes round an object, or round a centre looking out: a ring of cross-slit cameras.
+//! `panorama`: an eye on a circle, looking in at an object or out from a centre: a ring of cross-slit cameras.
 //!
 //! Yu, Yu and McMillan 2009, section 5.1: all share a slit through the circle's centre, its axis; the other slits are segments of
 //! the circle. The limit of many segments is the exact map: each column is seen from its own place of the circle.
 
 use super::values::{direction, length};
-use crate::camera::cut::{self, Cut};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{self, Tessellation};
 use crate::camera::view::view;
 use crate::camera::{Ray, RayMap};
 use crate::input::Result;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 #[derive(Debug, PartialEq)]
 struct Panorama {
     ring: Keys,
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
 /// As read.
@@ -49,7 +49,7 @@ struct Ring {
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let own = ["kind", "t_range", "center", "axis", "front", "radius", "elevation", "height", "sweep", "look"];
-    table.allow(&[&own[..], &cut::KEYS].concat())?;
+    table.allow(&[&own[..], &tessellate::KEYS].concat())?;
     let ring = Keys {
         center: table.or("center", DVec3::ZERO, Field::vec3)?,
         axis: table.or("axis", DVec3::Y, direction)?,
@@ -60,7 +60,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         sweep: table.or("sweep", 360.0, read_sweep)?,
         inward: table.or("look", 1.0, read_look)?,
     };
-    Ok(Arc::new(Panorama { ring, cut: Cut::read(table)? }))
+    Ok(Arc::new(Panorama { ring, tessellation: Tessellation::read(table)? }))
 }
 
 fn read_sweep(field: &Field) -> Result<f64> {
@@ -87,7 +87,7 @@ impl Recipe for Panorama {
             crate::input::Error::input("camera.front: it is parallel to axis; give a direction to a side of it")
         })?;
         let ring = Ring { keys, w: keys.axis, e: keys.axis.cross(-view.right), side: view.right };
-        self.cut.build(Arc::new(ring), setting)
+        self.tessellation.build(Arc::new(ring), setting)
     }
 }
 

@@ -54,7 +54,7 @@ struct Twisted {
     /// World units.
     height: f64,
     /// tan(angle).
-    turn: f64,
+    tan_angle: f64,
 }
 
 pub fn read_twisted(table: &Table) -> Result<Arc<dyn Recipe>> {
@@ -62,7 +62,7 @@ pub fn read_twisted(table: &Table) -> Result<Arc<dyn Recipe>> {
     Ok(Arc::new(Twisted {
         pose: Pose::read(table)?,
         height: length(&table.need("height", "10")?)?,
-        turn: angle_within(&table.need("angle", "30")?, -90.0, 90.0)?.to_radians().tan(),
+        tan_angle: angle_within(&table.need("angle", "30")?, -90.0, 90.0)?.to_radians().tan(),
     }))
 }
 
@@ -70,10 +70,10 @@ impl Recipe for Twisted {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let size = setting.size()?;
         let (view, half) = (self.pose.view()?, self.height / 2.0);
-        let turned = self.turn * view.right;
+        let slant = self.tan_angle * view.right;
         let distance = self.pose.distance();
-        let p = [self.pose.eye, half * size.0 as f64 / size.1 as f64 * view.right, half * view.up - distance * turned];
-        let bundle = Bundle::over_image(p, [view.forward, DVec3::ZERO, turned], size);
+        let p = [self.pose.eye, half * size.0 as f64 / size.1 as f64 * view.right, half * view.up - distance * slant];
+        let bundle = Bundle::over_image(p, [view.forward, DVec3::ZERO, slant], size);
         Ok(Built::new(size, Rays::Pieces(Pieces::whole(bundle, size.0, size.1))))
     }
 }

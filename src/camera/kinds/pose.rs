@@ -1,4 +1,4 @@
-//! What all cameras with one eye share.
+//! Cameras with one eye: rays from directions in the viewer's frame.
 
 pub use crate::camera::pose::{KEYS as POSE, Pose};
 use crate::camera::view::View;

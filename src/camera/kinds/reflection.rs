@@ -5,7 +5,7 @@
 use super::values::length;
 use crate::camera::optics::fineness::error_px;
 use crate::camera::optics::shape::{COUNT_MAX, Shape};
-use crate::camera::optics::{Atlas, Facets, Law, Optics, Surface, Turn};
+use crate::camera::optics::{Atlas, Bounce, Facets, Law, Optics, Surface};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::spec::{CameraSpec, read_camera};
 use crate::camera::{Camera, Rays};
@@ -22,18 +22,18 @@ use std::sync::Arc;
 struct Optical {
     eye: CameraSpec,
     source: Source,
-    /// Facets of the coarser copy that turns rays.
+    /// Number of facets of the coarser copy that defines the bounced rays.
     cameras: Option<usize>,
     facets: Mode,
-    /// By how many pixels facets may be off; their number follows from it.
+    /// Largest error of the facets, px; their number follows from it.
     facets_error: Option<f64>,
     optics: Common,
 }
 
-/// What does not depend on the surface.
+/// The settings that do not depend on the surface.
 #[derive(Debug, PartialEq)]
 struct Common {
-    turn: Turn,
+    bounce: Bounce,
     depth: u32,
     fresnel: bool,
     roughness: f64,
@@ -44,12 +44,12 @@ struct Common {
     base: [f32; 3],
 }
 
-/// Where the surface comes from.
+/// The source of the surface.
 #[derive(Debug, PartialEq)]
 enum Source {
-    /// With how many facets.
+    /// A shape with a number of facets.
     Shape(Shape, usize),
-    /// With about how many, or as many as it has.
+    /// A mesh, simplified to about this number of facets, or as it is.
     Mesh(MeshSpec, Option<usize>),
 }
 
@@ -77,24 +77,24 @@ const SHARED: [&str; 12] = [
     "base",
 ];
 
-/// Facets with which the search for their number begins.
+/// First number of facets in the search.
 const COUNT_LEAST: usize = 32;
 
-/// Turns of a ray at most; and where each splits it in two, which doubles the work.
+/// Most bounces of a ray; and most where each bounce splits it in two, which doubles the work.
 const DEPTH_MAX: u64 = 16;
 const FRESNEL_DEPTH_MAX: u64 = 8;
 
-/// Texels a side of a facet's triangle in an atlas, at most.
+/// Most texels per side of a facet's triangle in an atlas.
 const ATLAS_MAX: u64 = 4096;
 
-/// Rays of a pixel on a rough surface, and at most.
+/// Default and largest number of rays per pixel for a rough surface.
 const RAYS: u64 = 16;
 const RAYS_MAX: u64 = 256;
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&[&SHARED[..], &["mirror"]].concat())?;
     let mirror = table.need("mirror", "{ shape = \"sphere\", radius = 1 }")?;
-    read_optical(table, &mirror, Turn::Reflect)
+    read_optical(table, &mirror, Bounce::Reflect)
 }
 
 pub fn read_refraction(table: &Table) -> Result<Arc<dyn Recipe>> {
@@ -105,10 +105,10 @@ pub fn read_refraction(table: &Table) -> Result<Arc<dyn Recipe>> {
         return Err(key.error(format_args!("{ior} is no index of refraction; give one above 0")));
     }
     let lens = table.need("lens", "{ shape = \"sphere\", radius = 1 }")?;
-    read_optical(table, &lens, Turn::Refract { ior })
+    read_optical(table, &lens, Bounce::Refract { ior })
 }
 
-fn read_optical(table: &Table, surface: &Field, turn: Turn) -> Result<Arc<dyn Recipe>> {
+fn read_optical(table: &Table, surface: &Field, bounce: Bounce) -> Result<Arc<dyn Recipe>> {
     let eye = table.need("eye", "{ kind = \"pinhole\", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }")?;
     if let Some(range) = eye.table()?.get("t_range") {
         return Err(range.error("belongs beside the kind, not in the eye; move it there"));
@@ -133,14 +133,14 @@ fn read_optical(table: &Table, surface: &Field, turn: Turn) -> Result<Arc<dyn Re
     };
     let depth = table.or("depth", 1, |f| f.integer(1, DEPTH_MAX))? as u32;
     if let (Mode::Flat, Some(key)) = (facets, table.get("depth").filter(|_| depth > 1)) {
-        let why = "flat facets turn the rays from the eye to their corners, once";
+        let why = "flat facets reflect the rays from the eye to their corners, once";
         return Err(key.error(format_args!("{why}; use depth = 1 or facets = \"normals\"")));
     }
     let (tint, base) = (table.or("color", [1.0; 3], Field::color)?, table.or("base", [0.0; 3], Field::color)?);
     let fresnel = table.or("fresnel", false, Field::boolean)?;
     if let (true, Some(key)) = (fresnel && u64::from(depth) > FRESNEL_DEPTH_MAX, table.get("depth")) {
         return Err(key.error(format_args!(
-            "{depth} turns split a ray into {} with fresnel; use {FRESNEL_DEPTH_MAX} at most",
+            "{depth} bounces split a ray into {} with fresnel; use {FRESNEL_DEPTH_MAX} at most",
             1u64 << depth
         )));
     }
@@ -162,7 +162,7 @@ fn read_optical(table: &Table, surface: &Field, turn: Turn) -> Result<Arc<dyn Re
             "an atlas holds one ray of every facet's texel; use flat facets or normals, depth 1, no fresnel, no roughness",
         ));
     }
-    let optics = Common { turn, depth, fresnel, roughness, rays, environment, atlas, tint, base };
+    let optics = Common { bounce, depth, fresnel, roughness, rays, environment, atlas, tint, base };
     let facets_error = table.optional("facets_error", length)?;
     if let (true, Some(key)) = (facets == Mode::Exact, table.get("facets_error")) {
         return Err(key.error("this surface is met exactly; leave it out, or use facets = \"normals\" or \"flat\""));
@@ -217,10 +217,10 @@ impl Recipe for Optical {
         let central = || centre(&eye);
         let Common { rays, depth, .. } = self.optics;
         if rays > 1 {
-            let turns = u64::from(eye.width) * u64::from(eye.height) * u64::from(rays) * u64::from(depth);
+            let bounces = u64::from(eye.width) * u64::from(eye.height) * u64::from(rays) * u64::from(depth);
             let shown =
-                format_args!("{} x {} pixels with {rays} rays to depth {depth}: {turns}", eye.width, eye.height);
-            limits::ROUGH_BOUNCES.check_as(turns, shown).map_err(|e| e.at("camera.rays"))?;
+                format_args!("{} x {} pixels with {rays} rays to depth {depth}: {bounces}", eye.width, eye.height);
+            limits::ROUGH_BOUNCES.check_as(bounces, shown).map_err(|e| e.at("camera.rays"))?;
         }
         let (surface, note) = match (self.facets, &self.source) {
             (Mode::Exact, Source::Shape(shape, _)) => {
@@ -242,13 +242,13 @@ impl Recipe for Optical {
         let optics = self.optics.with(surface, atlas);
         let notes = [eye.notes, vec![note]].concat();
         let size = (eye.width, eye.height);
-        let (optics, unmet) = (Some(Arc::new(optics)), eye.unmet);
-        Ok(Built { size, layers: eye.layers, unit_t: false, optics, notes, unmet })
+        let (optics, unfulfilled) = (Some(Arc::new(optics)), eye.unfulfilled);
+        Ok(Built { size, layers: eye.layers, unit_t: false, optics, notes, unfulfilled })
     }
 }
 
 impl Optical {
-    /// The facets with the normals of the coarser copy, where there is one; and what to say of it.
+    /// The facets with the normals of the coarser copy, if any; and a note on it.
     fn matched(&self, facets: Facets) -> Result<(Facets, String)> {
         let Some(count) = self.cameras else { return Ok((facets, String::new())) };
         let coarse = self.source.facets(Some(count)).map_err(|e| e.at("camera"))?;
@@ -256,7 +256,7 @@ impl Optical {
         Ok((facets.shot_at(&coarse), format!(" that turn rays as {n} camera facet{} would", plural(n))))
     }
 
-    /// The facets; and where their number follows from it, by how many pixels they are off.
+    /// The facets; and their error in pixels if their number follows from it.
     fn cut(&self, eye: &Camera, law: Law, setting: &Setting) -> Result<(Facets, Option<f64>)> {
         let at = |e: Error| e.at("camera");
         let Some(most) = self.facets_error else { return Ok((self.source.facets(None).map_err(at)?, None)) };
@@ -285,8 +285,8 @@ impl Optical {
 
 impl Common {
     fn with(&self, surface: Surface, atlas: Option<Atlas>) -> Optics {
-        let Common { turn, depth, fresnel, roughness, rays, environment, tint, base, .. } = *self;
-        Optics { turn, surface, depth, fresnel, roughness, rays, environment, atlas, tint, base }
+        let Common { bounce, depth, fresnel, roughness, rays, environment, tint, base, .. } = *self;
+        Optics { bounce, surface, depth, fresnel, roughness, rays, environment, atlas, tint, base }
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::pose::{Central, Lens, POSE, Pose};
 use super::strips::{self, Grid};
-use crate::camera::cut::{Cut, KEYS};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
 use glam::DVec3;
@@ -15,7 +15,7 @@ struct Sphere {
     angles: Angles,
     /// Strips round the sphere instead of exact rays.
     strips: Option<u32>,
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
 /// Unit directions over the image.
@@ -38,8 +38,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         return Err(table.error("lat: latitudes lie from -90 to 90 degrees"));
     }
     let angles = Angles { lon: lon.map(f64::to_radians), lat: lat.map(f64::to_radians) };
-    let (pose, strips, cut) = (Pose::read(table)?, strips::read(table)?, Cut::read(table)?);
-    Ok(Arc::new(Sphere { pose, angles, strips, cut }))
+    let (pose, strips, tessellation) = (Pose::read(table)?, strips::read(table)?, Tessellation::read(table)?);
+    Ok(Arc::new(Sphere { pose, angles, strips, tessellation }))
 }
 
 fn read_range(field: &Field, expected: &str) -> Result<[f64; 2]> {
@@ -54,7 +54,7 @@ impl Recipe for Sphere {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let map = Central { eye: self.pose.eye, view: self.pose.view()?, lens: self.angles };
         match self.strips {
-            None => self.cut.build(Arc::new(map), setting),
+            None => self.tessellation.build(Arc::new(map), setting),
             Some(n) => build_cells(&map, n, setting),
         }
     }

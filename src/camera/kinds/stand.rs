@@ -1,4 +1,4 @@
-//! Where a viewer stands, and planes across the view at some depth: what the viewing volumes of Brosz et al. are built of.
+//! A viewer, and planes across the view at given depths: the parts of the viewing volumes of Brosz et al.
 
 use super::pose::{POSE, Pose};
 use super::values::half_tangent;

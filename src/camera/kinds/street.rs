@@ -5,16 +5,16 @@
 //! linear projectors). With `views` the projectors are curves of degree 2 over the line of the walk, the plane of the
 //! facades and a far surface, whose places are moved along the street by
 //! `(far - facade) tan(turn + q angle / 2) (1 - q^2)^2`, q = -1 .. 1 across the view: around the middle of a view they fan
-//! out by `angle`, turned by `turn`, and at its borders they join the others smoothly. Between views that lean to each other
+//! out by `angle`, rotated by `turn`, and at its borders they join the others smoothly. Between views that lean to each other
 //! the projectors cross, hidden by the facades. The far surface is a cubic B-spline along the street, so the moves are those
 //! of its control points.
 
 use super::values::{half_tangent, length};
-use crate::camera::cut::Cut;
 use crate::camera::projector::Volume;
 use crate::camera::projector::patch::Patch;
 use crate::camera::projector::surface::{Plane, Surface};
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::Tessellation;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::DVec3;
@@ -44,7 +44,7 @@ struct View {
     /// Image coordinate a of its middle, and its share of the image's width.
     at: f64,
     width: f64,
-    /// Radians, turn to the right.
+    /// Radians; `turn` is a rotation to the right.
     angle: f64,
     turn: f64,
 }
@@ -111,7 +111,7 @@ impl Recipe for Street {
         } else {
             vec![plane(0.0).into(), plane(self.facade).into(), self.fanned(plane(self.far))]
         };
-        Volume::over(surfaces)?.build(setting, Cut::Exact)
+        Volume::over(surfaces)?.build(setting, Tessellation::Exact)
     }
 }
 

@@ -27,7 +27,7 @@ struct Surround {
     vertices: Vec<DVec3>,
     /// Counter-clockwise seen from outside.
     triangles: Vec<[u32; 3]>,
-    /// Unit vectors into the mesh, one a vertex.
+    /// Unit vectors into the mesh, one per vertex.
     inward: Vec<DVec3>,
     up: DVec3,
     /// Cells in a row of the image; `None`: as many as make cells near-square.
@@ -117,8 +117,8 @@ fn inward_normals(vertices: &[DVec3], triangles: &[[u32; 3]]) -> std::result::Re
 
 impl Surround {
     /// The triangle's corners, in an order that keeps its sense: the first is the image triangle's right angle, and of the
-    /// three ways to turn it the one whose upright side goes up most.
-    fn turned(&self, t: &[u32; 3], upper: bool) -> [u32; 3] {
+    /// three rotations the one whose upright side points up most.
+    fn rotated(&self, t: &[u32; 3], upper: bool) -> [u32; 3] {
         let ways = [*t, [t[1], t[2], t[0]], [t[2], t[0], t[1]]];
         let rise = |w: &[u32; 3]| {
             let along = self.vertices[w[0] as usize] - self.vertices[w[1] as usize];
@@ -143,7 +143,7 @@ impl Recipe for Surround {
             let shape = if upper { [(0., 0.), (0., 1.), (1., 0.)] } else { [(1., 1.), (1., 0.), (0., 1.)] };
             let place = shape.map(|(x, y)| (corner + DVec2::new(x, y)) * cell);
             let ray = |i: u32| Ray { origin: self.vertices[i as usize], direction: self.inward[i as usize] };
-            triangle(place, self.turned(t, upper).map(ray))
+            triangle(place, self.rotated(t, upper).map(ray))
         };
         let pieces = self.triangles.par_iter().enumerate().map(piece).collect();
         let built = Built::new((w, h), Rays::Pieces(Pieces::new(pieces, w, h)));

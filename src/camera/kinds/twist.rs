@@ -1,19 +1,19 @@
-//! `twist`: the far surface turned against the near one (Brosz et al. 2007, Figure 7), and `curved_convergence`: the
-//! surface between them moved aside (Figure 9).
+//! `twist`: the far surface rotated against the near one (Brosz et al. 2007, Figure 7), and `curved_convergence`: the
+//! surface between them shifted sideways (Figure 9).
 
 use super::stand::{Stand, allow, aspect, upright};
-use crate::camera::cut::Cut;
 use crate::camera::projector::Volume;
 use crate::camera::recipe::{Built, Recipe, Setting};
+use crate::camera::tessellate::Tessellation;
 use crate::input::Result;
 use crate::input::reader::{Field, Table};
 use glam::{DMat2, DVec2};
 use std::sync::Arc;
 
-/// The volume of a pinhole between near and far, its picture turned by `angle` from near to far.
+/// The volume of a pinhole between near and far, its picture rotated by `angle` from near to far.
 ///
 /// Straight (degree 1), projectors come together by cos(angle / 2) in the middle, as strings of a twisted bundle do. Of
-/// degree 2 the middle surface is turned by half the angle and larger by `1 / cos(angle / 2)`: the projectors leave the near
+/// degree 2 the middle surface is rotated by half the angle and larger by `1 / cos(angle / 2)`: the projectors leave the near
 /// surface and reach the far one along circles about the axis. Of degree 3 their legs are those of the usual cubic arc,
 /// `4/3 tan(angle / 4)` of the radius, each at its surface's own: half-way they are as far from the axis as untwisted ones.
 #[derive(Debug, PartialEq)]
@@ -43,7 +43,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 impl Recipe for Twist {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let aspect = aspect(setting.size()?);
-        // at the share s of the way, turned by an angle, sheared along the circle by `leg` of the radius, enlarged
+        // at the share s of the way, rotated by an angle, sheared along the circle by `leg` of the radius, enlarged
         let surface = |s: f64, angle: f64, leg: f64, larger: f64| {
             let depth = self.stand.near + s * (self.stand.far - self.stand.near);
             let along = DMat2::from_cols(DVec2::new(1.0, leg), DVec2::new(-leg, 1.0));
@@ -60,7 +60,7 @@ impl Recipe for Twist {
                 vec![near, surface(1.0 / 3.0, 0.0, leg, 1.0), surface(2.0 / 3.0, angle, -leg, 1.0), far]
             }
         };
-        Volume::over(surfaces)?.build(setting, Cut::Exact)
+        Volume::over(surfaces)?.build(setting, Tessellation::Exact)
     }
 }
 
@@ -92,6 +92,6 @@ impl Recipe for CurvedConvergence {
         let Stand { near, far, .. } = self.stand;
         let middle = plane(0.5 * (near + far), self.bend);
         let surfaces = vec![plane(near, DVec2::ZERO), middle, plane(far, DVec2::ZERO)];
-        Volume::over(surfaces)?.build(setting, Cut::Exact)
+        Volume::over(surfaces)?.build(setting, Tessellation::Exact)
     }
 }

@@ -126,9 +126,9 @@ mod tests {
         (0..n).map(|k| [centre, rim(k), rim(k + 1)]).collect()
     }
 
-    /// Strips across a square that is rotated by `turn`.
-    fn strips(n: usize, turn: f64) -> Vec<Triangle> {
-        let at = |x: usize, y: f64| 300.0 + DVec2::from_angle(turn).rotate(DVec2::new(200.0 * x as f64 / n as f64, y));
+    /// Strips across a square that is rotated by `angle`.
+    fn strips(n: usize, angle: f64) -> Vec<Triangle> {
+        let at = |x: usize, y: f64| 300.0 + DVec2::from_angle(angle).rotate(DVec2::new(200.0 * x as f64 / n as f64, y));
         (0..n)
             .flat_map(|k| {
                 [[at(k, 0.0), at(k + 1, 0.0), at(k, 200.0)], [at(k + 1, 200.0), at(k + 1, 0.0), at(k, 200.0)]]

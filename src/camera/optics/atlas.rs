@@ -1,9 +1,9 @@
-//! An atlas of facets: a picture in which each is a camera over a right-angled triangle of one size.
+//! An atlas of facets: an image in which each facet's camera covers a right-angled triangle of one size.
 //!
 //! Hou, Wei, Shum and Guo 2006, sections 2 and 2.3; the rays of a facet's texels as Yu, Yu and McMillan 2009 (flat), or as
 //! Hou et al. in section 3.1 (interpolated normals).
 
-use super::turn::{Spin, at_facet};
+use super::bounce::{Split, at_facet};
 use super::{Atlas, Branch, Facet, Facets, Law, Optics};
 use crate::camera::mesh::triangle;
 use crate::camera::{Camera, Field, Pieces, Ray, Rays};
@@ -32,7 +32,7 @@ impl Layout {
         (self.columns * self.side, self.rows * self.side)
     }
 
-    /// The corners of a facet's triangle, texels: the right angle, below it and beside it; of odd facets turned round.
+    /// The corners of a facet's triangle, texels: the right angle, below it and beside it; of odd facets rotated by 180 degrees.
     pub fn corners(&self, facet: usize) -> [DVec2; 3] {
         let (cell, side) = (facet as u32 / 2, f64::from(self.side));
         let corner = UVec2::new(cell % self.columns, cell / self.columns).as_dvec2() * side;
@@ -45,15 +45,15 @@ impl Layout {
 /// The camera whose picture is the atlas.
 ///
 /// # Errors
-/// [`Error::Input`] where the picture is larger than any may be.
+/// [`Error::Input`] if the atlas exceeds the largest image size.
 pub fn camera(optics: &Optics, atlas: &Atlas, facets: &Facets, law: Law) -> Result<Camera> {
     let layout = Layout::new(facets.triangles.len(), atlas.texels);
     let (width, height) = layout.size();
     let n = facets.triangles.len();
     check_size(width.into(), height.into())
         .map_err(|e| Error::input(format!("camera.atlas: {n} facets of {} texels a side: {e}", atlas.texels)))?;
-    let spin = Spin { branch: Branch::Main, tilt: DVec2::ZERO };
-    let facet_rays = |k: usize| corner_rays((optics, spin), atlas.eye, &facets.facet(k));
+    let split = Split { branch: Branch::Main, tilt: DVec2::ZERO };
+    let facet_rays = |k: usize| corner_rays((optics, split), atlas.eye, &facets.facet(k));
     let rays = match law {
         Law::Flat { .. } => {
             let piece = |k: usize| triangle(layout.corners(k), facet_rays(k));
@@ -74,7 +74,7 @@ pub fn camera(optics: &Optics, atlas: &Atlas, facets: &Facets, law: Law) -> Resu
                     let weights = [place.y, place.x];
                     let on = |c: [DVec3; 3]| (1.0 - place.x - place.y) * c[0] + place.y * c[1] + place.x * c[2];
                     let (origin, (d, _)) =
-                        at_facet((optics, spin), law, &facet, on(facet.corners) - atlas.eye, weights);
+                        at_facet((optics, split), law, &facet, on(facet.corners) - atlas.eye, weights);
                     (optics.environment.unwrap_or(origin), d)
                 })
             };
@@ -87,7 +87,7 @@ pub fn camera(optics: &Optics, atlas: &Atlas, facets: &Facets, law: Law) -> Resu
 }
 
 /// The rays of a flat facet's corners, scaled as [`Law::Flat`] says.
-fn corner_rays(by: (&Optics, Spin), eye: DVec3, facet: &Facet) -> [Ray; 3] {
+fn corner_rays(by: (&Optics, Split), eye: DVec3, facet: &Facet) -> [Ray; 3] {
     let [a, b, c] = facet.corners;
     let outside = (b - a).cross(c - a);
     // at a corner the interpolated ray is the corner's own

@@ -13,21 +13,21 @@ pub struct Facets {
     pub triangles: Vec<[u32; 3]>,
     /// Three indices into `normals`.
     pub corner_normals: Vec<[u32; 3]>,
-    /// Where the normals are those of a coarser copy ([`super::shooting`]).
+    /// Set if the normals are those of a coarser copy ([`super::shooting`]).
     pub cameras: Option<Cameras>,
 }
 
-/// A coarser copy, whose facets are the cameras then.
+/// A coarser copy, whose facets are the optics' pieces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cameras {
     pub copy: Box<Facets>,
-    /// Which of its facets each belongs to.
+    /// For each fine facet, the index of its coarse one.
     pub of: Vec<u32>,
-    /// Where on that the corners lie: weights of its second and third corner, beyond it where they belong to its neighbours.
+    /// Positions of the corners on that facet: weights of its second and third corner, outside it where they belong to its neighbours.
     pub places: Vec<[[f64; 2]; 3]>,
 }
 
-/// What a facet is made of, in f64.
+/// One facet, in f64.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facet {
     pub corners: [DVec3; 3],
@@ -40,7 +40,7 @@ impl Facets {
     /// normals of all triangles at its position, each weighted by its angle there.
     ///
     /// # Errors
-    /// [`Error::Input`] where no triangle is left, or where a corner's normals cancel.
+    /// [`Error::Input`] if no triangle is left, or where a corner's normals cancel.
     pub fn of_mesh(mesh: &Mesh) -> Result<Facets> {
         let cross = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
@@ -107,17 +107,17 @@ impl Facets {
         }
     }
 
-    /// The number of the camera that turns the rays at a facet: one of a coarser copy, or its own.
+    /// The piece that defines the rays which leave a facet: a facet of a coarser copy, or the facet itself.
     pub fn camera_of(&self, k: usize) -> u32 {
         self.cameras.as_ref().map_or(k as u32, |c| c.of[k])
     }
 
-    /// Where a facet's corners lie on its camera, as [`Cameras::places`].
+    /// Positions of a facet's corners on its piece, as [`Cameras::places`].
     pub fn camera_places(&self, k: usize) -> [[f64; 2]; 3] {
         self.cameras.as_ref().map_or([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], |c| c.places[k])
     }
 
-    /// The facets that are cameras: those of the copy, or these.
+    /// The facets that are the optics' pieces: those of the copy, or these.
     pub fn copy(&self) -> &Facets {
         self.cameras.as_ref().map_or(self, |c| &c.copy)
     }
@@ -126,7 +126,7 @@ impl Facets {
         self.copy().triangles.len()
     }
 
-    /// As triangles of a scene, of one colour and visible from both sides.
+    /// The facets as scene triangles of one colour, visible from both sides.
     pub fn mesh(&self, base: [f32; 3]) -> Mesh {
         Mesh {
             positions: self.positions.clone(),

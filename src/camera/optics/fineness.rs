@@ -1,7 +1,7 @@
-//! How far what facets show lies from what the surface itself shows, in pixels.
+//! The image error of facets against the smooth surface, in pixels.
 
+use super::bounce::{Split, after, at_facet};
 use super::meeting::first_meeting;
-use super::turn::{Spin, after, at_facet};
 use super::{Branch, Optics, Surface};
 use crate::camera::perturb::scene_size;
 use crate::camera::{Camera, Ray};
@@ -9,15 +9,15 @@ use crate::geometry::cast::Caster;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Pixels that are looked at a row, about.
+/// Approximate number of sample pixels per row.
 const LOOKS: u32 = 64;
 
-/// Of the pixels that see both surfaces this share is off by no more than what is found: at a silhouette no number of facets
+/// Percentile of the error over the pixels that see both surfaces: at a silhouette no number of facets
 /// is enough.
 pub const SHARE: f64 = 0.95;
 
-/// By how many pixels what is seen once turned is off, at the distance of `middle` from the surface: of a grid of the pixels that
-/// see both, the 95th percentile. A pixel is how far the truth moves from it to its neighbours. `None` where none sees both.
+/// Image error, px, of points seen after one bounce, at the distance of `middle` from the surface: the 95th percentile over a grid of
+/// pixels that see both surfaces. The unit is the true change from a pixel to its neighbours. `None` if no pixel sees both.
 pub fn error_px(eye: &Camera, truth: &Optics, facets: &Optics, middle: DVec3) -> Option<f64> {
     let meshes = [truth, facets].map(|o| o.facets().map(|f| f.mesh(o.base)).unwrap_or_default());
     let [truth, facets] = [(truth, &meshes[0]), (facets, &meshes[1])].map(|(optics, mesh)| Alone {
@@ -31,20 +31,20 @@ pub fn error_px(eye: &Camera, truth: &Optics, facets: &Optics, middle: DVec3) ->
         .flat_map(|j| (0..eye.width - 1).step_by(step as usize).map(move |i| (i, j)))
         .collect();
     let off = |&(i, j): &(u32, u32)| {
-        let known = truth.turned(eye, i, j)?;
+        let known = truth.bounced(eye, i, j)?;
         let far = (middle - known.origin).length();
         let at = |ray: Ray| ray.origin + far * ray.direction.normalize();
         let here = at(known);
-        let (right, below) = (at(truth.turned(eye, i + 1, j)?) - here, at(truth.turned(eye, i, j + 1)?) - here);
+        let (right, below) = (at(truth.bounced(eye, i + 1, j)?) - here, at(truth.bounced(eye, i, j + 1)?) - here);
         let pixel = (right.length() * below.length()).sqrt();
-        Some((at(facets.turned(eye, i, j)?) - here).length() / pixel)
+        Some((at(facets.bounced(eye, i, j)?) - here).length() / pixel)
     };
     let mut list: Vec<f64> = places.par_iter().filter_map(off).filter(|e| e.is_finite()).collect();
     list.sort_unstable_by(f64::total_cmp);
     list.get((SHARE * list.len() as f64) as usize).copied()
 }
 
-/// Optics without anything to see in them.
+/// Optics in an empty scene.
 struct Alone<'a> {
     optics: &'a Optics,
     caster: Caster<'a>,
@@ -52,22 +52,22 @@ struct Alone<'a> {
 }
 
 impl Alone<'_> {
-    /// The ray of a pixel after its first turn.
-    fn turned(&self, eye: &Camera, i: u32, j: u32) -> Option<Ray> {
+    /// The ray of a pixel after its first bounce.
+    fn bounced(&self, eye: &Camera, i: u32, j: u32) -> Option<Ray> {
         let (_, bundle) = eye.pixel(0, i, j)?;
         let ray = bundle.ray(0.0, 0.0);
-        let spin = Spin { branch: Branch::Main, tilt: self.optics.tilts()[0] };
+        let split = Split { branch: Branch::Main, tilt: self.optics.tilts()[0] };
         let (place, (direction, _)) = match &self.optics.surface {
             Surface::Facets { facets, law } => {
                 let hit = self.caster.first(&bundle.aim(self.scene_size)?, eye.t_range)?;
-                at_facet((self.optics, spin), *law, &facets.facet(hit.triangle as usize), ray.direction, hit.bary)
+                at_facet((self.optics, split), *law, &facets.facet(hit.triangle as usize), ray.direction, hit.bary)
             }
             Surface::Smooth(smooth) => {
                 let meeting = |part| Some((first_meeting((smooth, part), &ray, false, eye.t_range)?, part));
                 let (t, part) = (0..smooth.count()).filter_map(meeting).min_by(|a, b| a.0.total_cmp(&b.0))?;
                 let place = ray.origin + t * ray.direction;
                 let normal = smooth.normal(part, place);
-                (place, after((self.optics, spin), ray.direction, normal, normal))
+                (place, after((self.optics, split), ray.direction, normal, normal))
             }
         };
         let goes_on = direction.is_finite() && direction != DVec3::ZERO;

@@ -1,5 +1,5 @@
-//! Where rays first meet smooth surfaces, each by its definition: quadrics by their two roots, a torus by those of a quartic
-//! in Bernstein form, a wave by halving what may hold a root.
+//! First intersections of rays with smooth surfaces: a quadric by its two roots, a torus by those of a quartic in Bernstein
+//! form, a wave by bisection of intervals that may contain a root.
 
 use crate::camera::bundle::Ray;
 use crate::camera::optics::{Quadric, Smooth, Torus, Wave};
@@ -7,7 +7,7 @@ use crate::geometry::bernstein::Bernstein;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// The first t in the range at which a ray meets a part of a surface; of a ray that starts on it, but there.
+/// The first t in the range at which a ray meets a part of a surface; for a ray that starts on it, the first one after its start.
 pub fn first_meeting((smooth, part): (&Smooth, usize), ray: &Ray, starts: bool, range: [f64; 2]) -> Option<f64> {
     match smooth {
         Smooth::Quadrics(list) => on_quadric(&list[part], ray, starts, range),
@@ -31,7 +31,7 @@ fn on_quadric(quadric: &Quadric, ray: &Ray, starts: bool, range: [f64; 2]) -> Op
     roots.into_iter().filter(there).reduce(f64::min)
 }
 
-/// Square of the radius of the ball in which a torus is looked for, which it fits in at 1.
+/// Squared radius of the ball that is searched for a torus of radius 1.
 const BALL: f64 = 1.01;
 
 /// Rounding of a quartic's value, against its largest coefficient: that of four levels of de Casteljau's construction, and
@@ -69,7 +69,7 @@ fn on_torus(torus: &Torus, ray: &Ray, starts: bool, range: [f64; 2]) -> Option<f
     t.map(|t| t.clamp(range[0], range[1])).next()
 }
 
-/// How far beyond its crests a wave is looked for, in amplitudes.
+/// Half-height of the slab that is searched for a wave, in amplitudes.
 const OVER: f64 = 1.0 / 128.0;
 
 fn on_wave(wave: &Wave, ray: &Ray, starts: bool, range: [f64; 2]) -> Option<f64> {
@@ -111,7 +111,7 @@ struct Over<'a> {
     wave: &'a Wave,
     q: DVec3,
     d: DVec3,
-    /// The height that counts as none.
+    /// Heights up to this count as 0.
     zero: f64,
     /// The second derivative is at most this.
     bend: f64,
@@ -219,7 +219,7 @@ mod tests {
                 let mut ray = Ray { origin: 4.0 * dice.vector(), direction: dice.vector() };
                 ray.direction = 0.3 * ray.direction - ray.origin;
                 let mut starts = false;
-                for turn in 0..3 {
+                for hit in 0..3 {
                     let found = first_meeting((&smooth, 0), &ray, starts, [0.0, f64::INFINITY]);
                     let end = found.unwrap_or(10.0 / ray.direction.length());
                     let at = |s: f64| outside(&smooth, ray.origin + s * end * ray.direction);
@@ -227,7 +227,7 @@ mod tests {
                     let places = (1..400).map(|k| f64::from(k) / 400.0);
                     let sides: Vec<f64> = places.filter_map(at).filter(|v| v.abs() > 1e-9).map(f64::signum).collect();
                     let alike = sides.windows(2).all(|s| s[0] == s[1]);
-                    assert!(alike, "turn {turn} of {ray:?} at {smooth:?}: {found:?}");
+                    assert!(alike, "hit {hit} of {ray:?} at {smooth:?}: {found:?}");
                     let Some(t) = found else { break };
                     let place = ray.origin + t * ray.direction;
                     assert!(outside(&smooth, place).is_none_or(|v| v.abs() < 1e-11), "{smooth:?}, {ray:?}: {t}");
@@ -239,7 +239,7 @@ mod tests {
                     let n = smooth.normal(0, place).normalize();
                     let d = ray.direction.normalize();
                     // through it and back by turns
-                    let direction = if turn == 0 { d - 2.0 * d.dot(n) * n } else { d + 0.3 * n };
+                    let direction = if hit == 0 { d - 2.0 * d.dot(n) * n } else { d + 0.3 * n };
                     (ray, starts) = (Ray { origin: place, direction }, true);
                 }
             }

@@ -1,12 +1,13 @@
-//! Optics: surfaces that turn rays, which a camera looks at and through.
+//! Optics: a mirror or lens in front of a camera.
 //!
-//! A ray that first meets the surface goes on from there: reflected, or refracted by Snell's law; up to `depth` times.
-//! Everything else of the scene hides, and is seen, as without the surface. The surface is flat facets ([`Facets`]) with
-//! a law of how a facet turns rays ([`Law`]), or a smooth one ([`Smooth`]) that is met exactly.
+//! A ray whose first hit is the surface is reflected there, or refracted by Snell's law, up to `depth` times. The rest of
+//! the scene is unaffected. The surface consists of flat facets ([`Facets`]) with
+//! a law of reflection ([`Law`]), or a smooth surface ([`Smooth`]) that is intersected exactly.
 //!
 //! Hou, Wei, Shum and Guo 2006, sections 2 and 3; Yu, Yu and McMillan 2009, section 5.2.
 
 pub mod atlas;
+pub mod bounce;
 pub mod facets;
 pub mod fineness;
 pub mod meeting;
@@ -16,7 +17,6 @@ pub mod shape;
 pub mod shooting;
 pub mod smooth;
 pub mod torus;
-pub mod turn;
 pub mod wave;
 
 use crate::geometry::mesh::Mesh;
@@ -31,34 +31,34 @@ pub use wave::Wave;
 /// A mirror or a lens in front of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Optics {
-    pub turn: Turn,
+    pub bounce: Bounce,
     pub surface: Surface,
-    /// How many times a ray may be turned, at least 1. A ray that was turned once sees the scene alone where this is 1;
-    /// where it is more, it sees the surface again, and ends on it after the last turn.
+    /// Most bounces of a ray, at least 1. With 1, a bounced ray does not see the surface again. With more it does, and ends
+    /// on it after the last bounce.
     pub depth: u32,
-    /// Where a ray is refracted, as much of its light as Fresnel's equations give it is reflected, and both are followed.
+    /// A refracted ray is split: a second ray is reflected with its share of the light by Fresnel's equations.
     pub fresnel: bool,
-    /// Normals are tilted by up to this much, the tangent of the angle.
+    /// Tangent of the largest angle by which normals are tilted.
     pub roughness: f64,
-    /// How many rays a pixel's is split into where it is first turned, each with a tilt of its own, for all its turns.
+    /// Number of rays into which a pixel's ray is split at its first bounce. Each has its own tilt, at all its bounces.
     pub rays: u32,
-    /// Turned rays go on from this point of the world, not from where they were turned: what an environment map that was
-    /// taken there shows, as finely as one likes (Blinn and Newell 1976). What is near is shown out of place.
+    /// Bounced rays start at this world point instead of the point of the bounce: an environment map of unlimited resolution
+    /// taken there (Blinn and Newell 1976). Near objects appear displaced.
     pub environment: Option<DVec3>,
-    /// Facets are rendered to an atlas first, and looked up there: one turn, unsplit.
+    /// Facets are rendered to an atlas first and looked up there: one bounce, unsplit rays.
     pub atlas: Option<Atlas>,
-    /// What is seen by way of the surface is multiplied by this at every turn, linear RGB.
+    /// Factor of the colour at every bounce, linear RGB.
     pub tint: [f32; 3],
-    /// What the surface looks like where rays end on it, linear RGB.
+    /// Colour of the surface where rays end on it, linear RGB.
     pub base: [f32; 3],
 }
 
-/// What becomes of a ray.
+/// How the surface changes a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Turn {
+pub enum Bounce {
     Reflect,
-    /// Snell's law; of a ray that meets the outside the index of refraction outside over that inside is 1 / ior, of one
-    /// that meets the inside ior. Total reflection where it leaves no direction.
+    /// Snell's law. `ior` is the index of refraction inside over that outside. Total reflection where the law has no
+    /// solution.
     Refract {
         ior: f64,
     },
@@ -70,45 +70,45 @@ pub enum Surface {
     Smooth(Smooth),
 }
 
-/// The papers' own way: every facet's camera has a right-angled triangle of one size in a joint picture (Hou et al., section 2;
-/// the layout is that of `surround`).
+/// Every facet's camera renders a right-angled triangle of one size in a joint image (Hou et al., section 2; laid out as in
+/// `surround`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Atlas {
-    /// A side of the triangles.
+    /// A short side of the triangles, texels.
     pub texels: u32,
-    /// What the surface is seen from.
+    /// The eye, world units.
     pub eye: DVec3,
 }
 
-/// How a facet turns rays.
+/// How a facet reflects or refracts rays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Law {
-    /// The rays from the eye to the facet's corners are turned about the corners' normals; between them the turned rays
-    /// are affine: each facet is one GLC (Yu et al., section 5.2). Directions are scaled to one height over the facet's
-    /// plane, which is their parametrization plane; where a corner's ray does not leave that plane by more than
-    /// [`FLAT_LEAST`] on the side of the others, to unit length instead (Hou et al., equation 1).
+    /// The rays from the eye to the facet's corners bounce about the corners' normals; between them the bounced rays are
+    /// interpolated: each facet is one GLC (Yu et al., section 5.2). Directions are scaled to one height over the facet's
+    /// plane. If a corner's ray leaves the plane at a sine below [`FLAT_LEAST`], or on the other side than the others, all
+    /// are scaled to unit length instead (Hou et al., equation 1).
     Flat { eye: DVec3 },
-    /// Every ray is turned about the corners' normals, interpolated over the facet (Hou et al., section 3.1).
+    /// Every ray bounces about the corners' normals, interpolated over the facet (Hou et al., section 3.1).
     Normals,
 }
 
 /// The parts of a ray's light that are followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Branch {
-    /// Reflected by a mirror; refracted, or totally reflected, by a lens. It says what is seen.
+    /// Reflected by a mirror; refracted, or totally reflected, by a lens. Ids and depths are its.
     Main,
-    /// Reflected where the rest is refracted.
+    /// The reflected part of a ray that is refracted.
     Reflected,
 }
 
-/// Sine of the angle with the facet's plane at which the corners' rays must leave to be scaled to one height.
+/// Least sine of the angle between the facet's plane and its corners' bounced rays for which they are scaled to one height.
 pub const FLAT_LEAST: f64 = 1.0 / 64.0;
 
 impl Optics {
-    /// Smooth, colourless, black where rays end on it; of unsplit rays that go on from where they are turned.
-    pub fn new(turn: Turn, surface: Surface, depth: u32) -> Optics {
+    /// Without roughness, tint or splitting; black where rays end on it.
+    pub fn new(bounce: Bounce, surface: Surface, depth: u32) -> Optics {
         Optics {
-            turn,
+            bounce,
             surface,
             depth,
             fresnel: false,
@@ -121,7 +121,7 @@ impl Optics {
         }
     }
 
-    /// The facets, where the surface is made of them.
+    /// The facets; `None` for a smooth surface.
     pub fn facets(&self) -> Option<&Facets> {
         match &self.surface {
             Surface::Facets { facets, .. } => Some(facets),
@@ -129,22 +129,22 @@ impl Optics {
         }
     }
 
-    /// Facets, or parts of a smooth surface.
+    /// Number of facets, or of parts of a smooth surface.
     pub fn surface_count(&self) -> usize {
         self.smooth_count() + self.facets().map_or(0, |f| f.triangles.len())
     }
 
-    /// Vertices of the facets.
+    /// Number of the facets' vertices.
     pub fn vertex_count(&self) -> usize {
         self.facets().map_or(0, |f| f.positions.len())
     }
 
-    /// Pieces of the optics: facets of a coarser copy, or the facets or smooth surfaces themselves.
+    /// Number of the optics' pieces: facets of a coarser copy, or the facets or smooth parts themselves.
     pub fn camera_count(&self) -> usize {
         self.facets().map_or(self.surface_count(), Facets::camera_count)
     }
 
-    /// Which of them turns the rays that meet a facet or smooth surface.
+    /// The piece that defines the rays which leave a facet or smooth part.
     pub fn camera_of(&self, surface: u32) -> u32 {
         self.facets().map_or(surface, |f| f.camera_of(surface as usize))
     }
@@ -156,29 +156,29 @@ impl Optics {
         }
     }
 
-    /// Id of the first facet or part: facets are the last triangles of `mesh`, smooth surfaces come behind all of them.
+    /// Id of the first facet or part: facets are the last triangles of `mesh`, smooth parts are numbered after all of them.
     pub fn first_id(&self, mesh: &Mesh) -> u32 {
         (mesh.triangles.len() - self.facets().map_or(0, |f| f.triangles.len())) as u32
     }
 
-    /// What a ray is split into wherever it is turned.
+    /// The branches that a ray splits into at every bounce.
     pub fn branches(&self) -> &'static [Branch] {
         if self.fresnel { &[Branch::Main, Branch::Reflected] } else { &[Branch::Main] }
     }
 
-    /// The tilts of the normals, one a ray: in the frame of the tangent plane, evenly over a disc (Vogel's spiral). The first
-    /// ray says what is seen.
+    /// The tilts of the normals, one per split ray: in the frame of the tangent plane, evenly over a disc (Vogel's spiral).
+    /// Ids and depths are those of the first ray.
     pub fn tilts(&self) -> Vec<DVec2> {
         let n = f64::from(self.rays);
-        let turn = PI * (3.0 - 5f64.sqrt());
+        let golden_angle = PI * (3.0 - 5f64.sqrt());
         let tilt = |k: u32| {
-            let (s, c) = (f64::from(k) * turn).sin_cos();
+            let (s, c) = (f64::from(k) * golden_angle).sin_cos();
             self.roughness * ((f64::from(k) + 0.5) / n).sqrt() * DVec2::new(c, s)
         };
         if self.roughness == 0.0 { vec![DVec2::ZERO] } else { (0..self.rays).map(tilt).collect() }
     }
 
-    /// Rays that were turned may meet the surface again.
+    /// Whether bounced rays may meet the surface again.
     pub fn sees_itself(&self) -> bool {
         self.depth > 1
     }

@@ -33,17 +33,17 @@ impl Quadric {
 
     /// A surface of revolution as lens makers give it: at a distance r from the axis, at most `rim`, it lies
     /// `curvature r^2 / (1 + sqrt(1 - (1 + conic) curvature^2 r^2))` along the unit `axis` from `vertex`. Its outside is
-    /// where the axis comes from, or with `turned` where it goes to. `None` where it does not reach the rim.
-    pub fn cap(vertex: DVec3, axis: DVec3, curvature: f64, conic: f64, rim: f64, turned: bool) -> Option<Quadric> {
+    /// where the axis comes from, or with `flipped` where it goes to. `None` where it does not reach the rim.
+    pub fn cap(vertex: DVec3, axis: DVec3, curvature: f64, conic: f64, rim: f64, flipped: bool) -> Option<Quadric> {
         let k = 1.0 + conic;
         let sag = sag(curvature, conic, rim)?;
-        let out = if turned { -1.0 } else { 1.0 };
+        let out = if flipped { -1.0 } else { 1.0 };
         let along = DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
         // c (r^2 + k z^2) = 2 z, with r^2 = |q|^2 - z^2
         let a = (DMat3::IDENTITY + along * (k - 1.0)) * (out * curvature);
         // of the two halves of an ellipsoid, or of a hyperboloid, the one at the vertex ends at z = 1 / (k c)
-        let room = CAP_ROOM * (sag.abs() + rim);
-        let heights = [sag.min(0.0) - room, sag.max(0.0) + room];
+        let rounding = CAP_ROUNDING * (sag.abs() + rim);
+        let heights = [sag.min(0.0) - rounding, sag.max(0.0) + rounding];
         Some(Quadric { centre: vertex, a, b: -out * axis, c: 0.0, axis, rim, heights })
     }
 
@@ -70,7 +70,7 @@ impl Quadric {
 
 /// How far beyond its rim's height a cap counts, relative to its size: rounding of the height. The other sheet of the
 /// surface, or its other half, lies farther but where the rim is that of the half itself.
-const CAP_ROOM: f64 = 1.0 / (1u64 << 40) as f64;
+const CAP_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// How far along its axis a cap lies at a distance `r` from it; `None` where it does not reach that far.
 pub fn sag(curvature: f64, conic: f64, r: f64) -> Option<f64> {
@@ -88,16 +88,16 @@ mod tests {
         let across = axis.any_orthonormal_vector();
         let vertex = DVec3::new(0.3, -1.0, 2.0);
         for (curvature, conic) in [(0.5, 0.0), (-0.5, 0.0), (0.8, -1.0), (0.7, -2.5), (0.3, 0.9), (0.0, 0.0)] {
-            for turned in [false, true] {
-                let cap = Quadric::cap(vertex, axis, curvature, conic, 1.2, turned).unwrap();
+            for flipped in [false, true] {
+                let cap = Quadric::cap(vertex, axis, curvature, conic, 1.2, flipped).unwrap();
                 for r in [0.0, 0.4, 1.2] {
                     let at = vertex + r * across + sag(curvature, conic, r).unwrap() * axis;
                     let q = at - vertex;
                     let value = q.dot(cap.a * q) + 2.0 * cap.b.dot(q) + cap.c;
                     assert!(value.abs() < 1e-15, "{curvature} {conic}: {value}");
                     assert!(r == 1.2 || cap.holds(at));
-                    let out = cap.normal(at).dot(axis) * if turned { 1.0 } else { -1.0 };
-                    assert!(out > 0.0, "{curvature} {conic} {turned}: {out}");
+                    let out = cap.normal(at).dot(axis) * if flipped { 1.0 } else { -1.0 };
+                    assert!(out > 0.0, "{curvature} {conic} {flipped}: {out}");
                 }
             }
         }

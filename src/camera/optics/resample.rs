@@ -1,4 +1,4 @@
-//! A mirror of a mesh with as many facets as asked for: simplified, or cut up.
+//! Resampling of a mesh mirror to a given number of facets, by simplification or subdivision.
 //!
 //! Hou, Wei, Shum and Guo 2006, section 2.3, simplify the mirror to the camera triangles that a frame can afford.
 
@@ -124,7 +124,7 @@ mod tests {
             for k in 0..n {
                 let f = fewer.facet(k);
                 let out = (f.corners[1] - f.corners[0]).cross(f.corners[2] - f.corners[0]);
-                assert!(out.dot(f.corners[0]) > 0.0, "facet {k} is turned");
+                assert!(out.dot(f.corners[0]) > 0.0, "facet {k} is flipped");
                 assert!(f.corners.iter().zip(f.normals).all(|(p, n)| (*p - n).length() < 1e-6));
             }
         }

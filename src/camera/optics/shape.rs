@@ -37,17 +37,17 @@ pub struct Cap {
     pub curvature: f64,
     pub conic: f64,
     pub rim: f64,
-    pub turned: bool,
+    pub flipped: bool,
 }
 
-/// Triangles of a shape that is cut into facets where none are asked for: of the largest mirror in Yu et al., figure 8.
+/// Default number of facets of a shape: that of the largest mirror in Yu et al., figure 8.
 const COUNT: u64 = 960;
-/// Facets of a shape at most: some 200 bytes each on the device.
+/// Most facets of a shape: about 200 bytes each on the device.
 pub const COUNT_MAX: u64 = 600_000;
 
 impl Cap {
     fn quadric(&self) -> Quadric {
-        Quadric::cap(self.vertex, self.axis, self.curvature, self.conic, self.rim, self.turned)
+        Quadric::cap(self.vertex, self.axis, self.curvature, self.conic, self.rim, self.flipped)
             .expect("a cap is read only where it reaches its rim")
     }
 
@@ -66,7 +66,7 @@ impl Cap {
 }
 
 impl Shape {
-    /// Reads a table with a `shape`; and how many facets are asked for.
+    /// Reads a table with a `shape`, and the number of facets if it is given.
     pub fn read(table: &Table, shape: &Field) -> Result<(Shape, usize)> {
         let name = shape.text()?;
         let own: &[&str] = match name {
@@ -97,7 +97,7 @@ impl Shape {
                 let curvature = table.need("curvature", "0.5")?.number()?;
                 let conic = table.or("conic", 0.0, Field::number)?;
                 let (vertex, axis, rim) = (center("vertex")?, axis()?, radius()?);
-                let cap = Cap { vertex, axis, curvature, conic, rim, turned: false };
+                let cap = Cap { vertex, axis, curvature, conic, rim, flipped: false };
                 Shape::Quadric { cap: cap.checked(&table.need("radius", "1")?)? }
             }
             "lens" => Shape::Lens { caps: read_lens(table, center("center")?, axis()?, radius()?)? },
@@ -115,7 +115,7 @@ impl Shape {
         Ok((shape, count))
     }
 
-    /// The shape itself.
+    /// The exact, smooth shape.
     pub fn smooth(&self) -> Smooth {
         match self {
             Shape::Sphere { center, radius } => Smooth::Quadrics(vec![Quadric::sphere(*center, *radius)]),
@@ -203,7 +203,7 @@ fn read_lens(table: &Table, center: DVec3, axis: DVec3, rim: f64) -> Result<[Cap
     let half = length(&thickness)? / 2.0;
     let cap = |k: usize| {
         let vertex = center + [-half, half][k] * axis;
-        Cap { vertex, axis, curvature: curvatures[k], conic: conics[k], rim, turned: k == 1 }.checked(&key)
+        Cap { vertex, axis, curvature: curvatures[k], conic: conics[k], rim, flipped: k == 1 }.checked(&key)
     };
     let caps = [cap(0)?, cap(1)?];
     let [from, to] = wall_ends(&caps);
@@ -334,13 +334,13 @@ mod tests {
     use super::*;
 
     fn shapes() -> Vec<Shape> {
-        let cap = |z: f64, curvature: f64, turned: bool| Cap {
+        let cap = |z: f64, curvature: f64, flipped: bool| Cap {
             vertex: DVec3::Z * z,
             axis: DVec3::Z,
             curvature,
             conic: 0.0,
             rim: 1.0,
-            turned,
+            flipped,
         };
         vec![
             Shape::Sphere { center: DVec3::ONE, radius: 2.0 },

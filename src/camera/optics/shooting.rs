@@ -1,8 +1,8 @@
-//! Normal shooting: a fine mirror that turns rays as a coarse one does.
+//! Normal shooting: a fine mirror that reflects rays as a coarse one does.
 //!
 //! Hou, Wei, Shum and Guo 2006, section 2.3: the mirror that is seen is matched with the coarse one whose facets are the cameras
-//! along its normals, as Sander et al. 2000 match a mesh with its simplified copy. There every ray starts on the coarse facet;
-//! here it starts where it was turned, on the fine one, which is nearer to the surface itself.
+//! along its normals, as Sander et al. 2000 match a mesh with its simplified copy. In the paper every ray starts on the coarse facet;
+//! here it starts at the bounce on the fine mirror, which is nearer to the smooth surface.
 
 use super::facets::{Cameras, Facet, Facets};
 use crate::camera::Bundle;
@@ -18,7 +18,7 @@ const ALIKE_LEAST: f64 = 0.5;
 /// as that, by 75 degrees to the fine normal, is no copy.
 const FARTHER_MOST: f64 = 4.0;
 
-/// The coarse mirror, made ready to be shot at.
+/// The coarse mirror, indexed for ray queries.
 struct Target<'a> {
     coarse: &'a Facets,
     caster: Caster<'a>,
@@ -132,19 +132,19 @@ mod tests {
     }
 
     fn lens() -> Shape {
-        let cap = |z: f64, curvature: f64, turned: bool| Cap {
+        let cap = |z: f64, curvature: f64, flipped: bool| Cap {
             vertex: DVec3::Z * z,
             axis: DVec3::Z,
             curvature,
             conic: 0.0,
             rim: 0.9,
-            turned,
+            flipped,
         };
         Shape::Lens { caps: [cap(-0.4, 0.5, false), cap(0.4, -0.6, true)] }
     }
 
     fn bowl() -> Shape {
-        let cap = Cap { vertex: DVec3::ZERO, axis: DVec3::Y, curvature: 0.9, conic: -1.0, rim: 2.0, turned: false };
+        let cap = Cap { vertex: DVec3::ZERO, axis: DVec3::Y, curvature: 0.9, conic: -1.0, rim: 2.0, flipped: false };
         Shape::Quadric { cap }
     }
 

@@ -1,4 +1,4 @@
-//! Surfaces that every ray meets where they are, not where facets are.
+//! Smooth surfaces, which rays intersect exactly, without facets.
 
 use super::{Quadric, Torus, Wave};
 use glam::DVec3;
@@ -11,7 +11,7 @@ pub enum Smooth {
 }
 
 impl Smooth {
-    /// Its parts, each with an id of its own.
+    /// Number of its parts; each has its own id.
     pub fn count(&self) -> usize {
         match self {
             Smooth::Quadrics(list) => list.len(),
@@ -19,7 +19,7 @@ impl Smooth {
         }
     }
 
-    /// At `place` on a part, of any length; points out.
+    /// Outward normal at `place` on a part, of any length.
     pub fn normal(&self, part: usize, place: DVec3) -> DVec3 {
         match self {
             Smooth::Quadrics(list) => list[part].normal(place),
@@ -28,7 +28,7 @@ impl Smooth {
         }
     }
 
-    /// In words, as notes give it.
+    /// Its name in notes.
     pub fn name(&self) -> String {
         match self {
             Smooth::Quadrics(list) if list.len() == 1 => "1 quadric".into(),

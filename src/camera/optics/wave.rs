@@ -1,4 +1,4 @@
-//! The wave: a square of water, waving both ways.
+//! The wave: a square of water with waves along both axes.
 
 use glam::DVec3;
 use std::f64::consts::TAU;

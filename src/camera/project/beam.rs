@@ -9,9 +9,9 @@ pub struct Beam {
     pub d: [DVec3; 2],
 }
 
-/// Room for rounding, relative to the coordinates. What counts as on a slit or an eye is within 2^-40 of some 15 terms
+/// Bound on rounding, relative to the coordinates. What counts as on a slit or an eye is within 2^-40 of some 15 terms
 /// (`RANK_ROUNDING` of three columns), a found place within a few hundred roundings of 2^-53.
-pub const ROOM: f64 = 1.0 / (1u64 << 34) as f64;
+pub const ROUNDING: f64 = 1.0 / (1u64 << 34) as f64;
 
 impl Beam {
     /// No ray: joined with another it is that other.
@@ -21,9 +21,9 @@ impl Beam {
     /// Any ray.
     pub const ALL: Beam = Beam { p: [DVec3::NEG_INFINITY, DVec3::INFINITY], d: [DVec3::NEG_INFINITY, DVec3::INFINITY] };
 
-    /// The rays up to `p_room` and `d_room` in each component from one.
-    pub fn about(p: DVec3, d: DVec3, p_room: f64, d_room: f64) -> Beam {
-        Beam { p: [p - p_room, p + p_room], d: [d - d_room, d + d_room] }
+    /// The rays up to `p_error` and `d_error` in each component from one.
+    pub fn about(p: DVec3, d: DVec3, p_error: f64, d_error: f64) -> Beam {
+        Beam { p: [p - p_error, p + p_error], d: [d - d_error, d + d_error] }
     }
 
     pub fn joined(self, other: &Beam) -> Beam {
@@ -31,17 +31,17 @@ impl Beam {
         Beam { p: join(self.p, other.p), d: join(self.d, other.d) }
     }
 
-    /// About `anchor`, with room for the rounding of world coordinates and of a t about 0.
+    /// About `anchor`, with a margin for the rounding of world coordinates and of a t about 0.
     pub fn rebased(self, anchor: DVec3) -> Beam {
         if self.p.iter().chain(&self.d).any(|v| !v.is_finite()) {
             return Beam::ALL;
         }
         let size = |b: &[DVec3; 2]| b[0].abs().max(b[1].abs()).max_element();
-        let p_room = ROOM * (size(&self.p) + anchor.abs().max_element() + size(&self.d));
-        let d_room = ROOM * size(&self.d);
+        let p_error = ROUNDING * (size(&self.p) + anchor.abs().max_element() + size(&self.d));
+        let d_error = ROUNDING * size(&self.d);
         Beam {
-            p: [self.p[0] - anchor - p_room, self.p[1] - anchor + p_room],
-            d: [self.d[0] - d_room, self.d[1] + d_room],
+            p: [self.p[0] - anchor - p_error, self.p[1] - anchor + p_error],
+            d: [self.d[0] - d_error, self.d[1] + d_error],
         }
     }
 
@@ -55,10 +55,10 @@ impl Beam {
 
     /// As [`Beam::may_meet`], for 0 <= lo <= hi and directions of its own.
     fn half_meets(&self, x: DVec3, d: [DVec3; 2], [mut lo, mut hi]: [f64; 2]) -> bool {
-        let room = ROOM * x.abs().max_element();
+        let error = ROUNDING * x.abs().max_element();
         for k in 0..3 {
             // P + t D = x with P >= p[0] and D >= d[0]: t d[0] <= x - p[0]; and with the other ends
-            for (a, b) in [(d[0][k], x[k] - self.p[0][k] + room), (-d[1][k], self.p[1][k] - x[k] + room)] {
+            for (a, b) in [(d[0][k], x[k] - self.p[0][k] + error), (-d[1][k], self.p[1][k] - x[k] + error)] {
                 if a > 0.0 {
                     hi = hi.min(b / a);
                 } else if a < 0.0 {
@@ -68,7 +68,7 @@ impl Beam {
                 }
             }
         }
-        lo * (1.0 - ROOM) <= hi * (1.0 + ROOM)
+        lo * (1.0 - ROUNDING) <= hi * (1.0 + ROUNDING)
     }
 }
 
@@ -91,10 +91,10 @@ mod tests {
         let mut others = 0;
         for _ in 0..20_000 {
             let (p, d) = (vector(&mut state), vector(&mut state));
-            let (p_room, d_room) = (0.1 * unit(&mut state), 0.1 * unit(&mut state));
-            let beam = Beam::about(p, d, p_room, d_room);
+            let (p_error, d_error) = (0.1 * unit(&mut state), 0.1 * unit(&mut state));
+            let beam = Beam::about(p, d, p_error, d_error);
             let t = 4.0 * unit(&mut state) - 2.0;
-            let x = p + p_room * vector(&mut state) + t * (d + d_room * vector(&mut state));
+            let x = p + p_error * vector(&mut state) + t * (d + d_error * vector(&mut state));
             let range = [t - unit(&mut state), t + unit(&mut state)];
             assert!(beam.may_meet(x, range) && beam.may_meet(x, [t, t]), "{beam:?} {x} {t}");
             assert!(beam.joined(&Beam::about(vector(&mut state), d, 0.1, 0.0)).may_meet(x, range));
@@ -102,7 +102,7 @@ mod tests {
             let y = 2.0 * vector(&mut state);
             let sure = (0..=4000).any(|s| {
                 let t = f64::from(s) / 1000.0 - 2.0;
-                ((y - p - t * d).abs() - (p_room + t.abs() * d_room)).max_element() <= 0.0
+                ((y - p - t * d).abs() - (p_error + t.abs() * d_error)).max_element() <= 0.0
             });
             assert!(!sure || beam.may_meet(y, [-2.0, 2.0]));
             others += usize::from(!sure && beam.may_meet(y, [-2.0, 2.0]));

@@ -32,7 +32,7 @@ const HALVINGS: u32 = 2;
 /// Times that t is: curves that are still longer than apart (2^-40 of their length) meet in the point.
 const T_HALVINGS: u32 = 40;
 
-/// Four curves between which all are bilinear within [`Net::room`], or one around which all of its neighbourhood are.
+/// Four curves between which all are bilinear within [`Net::error_bound`], or one around which all of its neighbourhood are.
 #[derive(Debug, Clone)]
 struct Net {
     curves: Vec<Curve>,
@@ -116,7 +116,7 @@ impl<'a> Search<'a> {
             let nets = nets(self.curves, cell.at, cell.side);
             if span == [0.0, 1.0] { nets } else { nets.iter().map(|n| n.over(span)).collect() }
         });
-        nets.retain(|n| holds(&n.around(), n.room(), point));
+        nets.retain(|n| holds(&n.around(), n.error_bound(), point));
         if nets.is_empty() {
             return;
         }
@@ -149,8 +149,8 @@ impl<'a> Search<'a> {
                 return;
             }
             let Some(root) = newton::solve(self.curves, point, from, 0.5 * (t0 + t1)) else { continue };
-            let slack = DVec2::splat(BORDER_PX);
-            if root.place.cmplt(-slack).any() || root.place.cmpgt(end + slack).any() {
+            let tolerance = DVec2::splat(BORDER_PX);
+            if root.place.cmplt(-tolerance).any() || root.place.cmpgt(end + tolerance).any() {
                 continue;
             }
             let place = root.place.clamp(DVec2::ZERO, end);
@@ -162,9 +162,9 @@ impl<'a> Search<'a> {
     }
 }
 
-fn holds([lo, hi]: &[DVec3; 2], room: f64, point: DVec3) -> bool {
-    let room = room + 64.0 * f64::EPSILON * (point.abs().max_element() + lo.abs().max(hi.abs()).max_element());
-    (*lo - room).cmple(point).all() && (*hi + room).cmpge(point).all()
+fn holds([lo, hi]: &[DVec3; 2], error: f64, point: DVec3) -> bool {
+    let error = error + 64.0 * f64::EPSILON * (point.abs().max_element() + lo.abs().max(hi.abs()).max_element());
+    (*lo - error).cmple(point).all() && (*hi + error).cmpge(point).all()
 }
 
 /// The curves of a square: one net where they are smooth; where they jump, fold or end, one for each sample.
@@ -204,7 +204,7 @@ impl Net {
     fn is_short(&self) -> bool {
         let length = |c: &Curve| c.points().windows(2).map(|p| (p[1] - p[0]).length()).sum::<f64>();
         let long = self.curves.iter().map(length).fold(0.0, f64::max);
-        long <= self.spread().max(self.room())
+        long <= self.spread().max(self.error_bound())
     }
 
     /// How far curves between the four may be from bilinear ones: twice as far as the one in the middle is.
@@ -227,7 +227,7 @@ impl Net {
         spans: &mut Vec<([f64; 2], u32)>,
         shown: &mut Shown,
     ) {
-        if !shown.may_spend(1) || !holds(&self.around(), self.room(), point) {
+        if !shown.may_spend(1) || !holds(&self.around(), self.error_bound(), point) {
             return;
         }
         if self.is_short() {
@@ -245,7 +245,7 @@ impl Net {
     /// The corners of the pixels whose curves may run through the point, in the square that the net is of: quarter by
     /// quarter, without a look at the curves themselves.
     fn pixels_near(self, point: DVec3, at: DVec2, side: f64, near: &mut Vec<DVec2>) {
-        if !holds(&self.around(), self.room(), point) {
+        if !holds(&self.around(), self.error_bound(), point) {
             return;
         }
         if side <= 1.0 {
@@ -258,7 +258,7 @@ impl Net {
         }
     }
 
-    /// Left and right above, left and right below; each with the room of the whole.
+    /// Left and right above, left and right below; each with the error bound of the whole.
     fn quarters(&self) -> [Net; 4] {
         let middle = |a: &Curve, b: &Curve| {
             let mut points = [DVec3::ZERO; 4];
@@ -268,7 +268,7 @@ impl Net {
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.curves[k]);
         let (ab, ac, bd, cd) = (middle(&a, &b), middle(&a, &c), middle(&b, &d), middle(&c, &d));
         let m = middle(&ab, &cd);
-        let reach = self.room();
+        let reach = self.error_bound();
         [[a, ab, ac, m], [ab, b, m, bd], [ac, m, c, cd], [m, bd, cd, d]].map(|curves| Net {
             curves: curves.to_vec(),
             middle: None,
@@ -294,7 +294,7 @@ impl Net {
             let part = c.span(span);
             let (p, m) = (part.points(), part.degree());
             let chord = p[m] - p[0];
-            let beam = Beam::about(p[0], chord, self.room(), 0.0);
+            let beam = Beam::about(p[0], chord, self.error_bound(), 0.0);
             let off = |k: usize| p[k] - p[0] - k as f64 / m as f64 * chord;
             let offs = (1..m).map(off).fold([DVec3::ZERO; 2], |[lo, hi], v| [lo.min(v), hi.max(v)]);
             Beam { p: [beam.p[0] + offs[0], beam.p[1] + offs[1]], ..beam }
@@ -303,7 +303,7 @@ impl Net {
     }
 
     /// How far curves may be outside of what the net's control points hold.
-    fn room(&self) -> f64 {
+    fn error_bound(&self) -> f64 {
         self.reach + MARGIN * self.spread() + self.middle.map_or(0.0, |m| self.off(&m))
     }
 }
@@ -347,7 +347,7 @@ fn bound(curves: &Curves, tile: u32) -> (Option<Net>, Vec<Leaf>) {
     (net, leaves)
 }
 
-/// The curves at a tile's corners, with as much room as those of its pixels are off what is bilinear between them;
+/// The curves at a tile's corners, with as much margin as those of its pixels are off what is bilinear between them;
 /// `None` where some are not smooth.
 fn tile_net(curves: &Curves, at: DVec2, pixels: &[DVec2], all: &[Vec<Net>]) -> Option<Net> {
     let side = f64::from(TILE);
@@ -364,7 +364,7 @@ fn tile_net(curves: &Curves, at: DVec2, pixels: &[DVec2], all: &[Vec<Net>]) -> O
                 let bilinear = whole.curves.iter().zip(shares).map(|(c, share)| share * c.points()[k]).sum::<DVec3>();
                 (*p - bilinear).length()
             };
-            reach = curve.points().iter().enumerate().map(off).fold(reach, |m, off| m.max(off + net.room()));
+            reach = curve.points().iter().enumerate().map(off).fold(reach, |m, off| m.max(off + net.error_bound()));
         }
     }
     Some(Net { reach, ..whole })

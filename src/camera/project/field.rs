@@ -20,7 +20,7 @@ pub struct Search<'a> {
     /// The image place of the first cell's corner, px, and the cells that follow it.
     start: DVec2,
     cells: [u32; 2],
-    /// Cells a side of a leaf.
+    /// Cells per side of a leaf.
     side: u32,
     pub tree: Tree,
 }
@@ -28,12 +28,12 @@ pub struct Search<'a> {
 /// Leaves at most, but for rounding at the image's borders: 100 bytes each. A leaf has one cell in images up to that.
 const LEAVES: u32 = 1 << 18;
 
-/// Four rays between which origins and directions are bilinear within the rooms, or one around which all of its
+/// Four rays between which origins and directions are bilinear within the error bounds, or one around which all of its
 /// neighbourhood are.
 struct Net {
     rays: [Ray; 4],
-    p_room: f64,
-    d_room: f64,
+    p_error: f64,
+    d_error: f64,
 }
 
 /// Times that a cell of a pixel is halved.
@@ -154,8 +154,8 @@ impl<'a> Search<'a> {
 
     /// The place (px) is in the image.
     fn holds(&self, place: DVec2) -> bool {
-        let slack = DVec2::splat(BORDER_PX);
-        place.cmpge(self.start - slack).all() && place.cmple(self.end() + slack).all()
+        let tolerance = DVec2::splat(BORDER_PX);
+        place.cmpge(self.start - tolerance).all() && place.cmple(self.end() + tolerance).all()
     }
 
     /// Adds a place that shows the point, if it is in the image.
@@ -176,7 +176,7 @@ fn nets(field: &Field, at: DVec2, side: f64) -> Vec<Net> {
     let places = samples(at, side);
     let found = places.map(|q| field.ray_at(q));
     if let [Some(a), Some(b), Some(c), Some(d), Some(m)] = found {
-        let room = |of: fn(&Ray) -> DVec3| {
+        let error = |of: fn(&Ray) -> DVec3| {
             let all = [a, b, c, d].map(|r| of(&r));
             let bulge = 2.0 * (of(&m) - all.iter().sum::<DVec3>() / 4.0).length();
             let spread = (0..4).flat_map(|k| (0..k).map(move |l| (k, l)));
@@ -184,36 +184,36 @@ fn nets(field: &Field, at: DVec2, side: f64) -> Vec<Net> {
             let rounding = NOTHING * of(&m).length();
             (bulge <= (SMOOTH * spread).max(rounding)).then_some(bulge + MARGIN * spread)
         };
-        if let (Some(p_room), Some(d_room)) = (room(|r| r.origin), room(|r| r.direction)) {
-            return vec![Net { rays: [a, b, c, d], p_room, d_room }];
+        if let (Some(p_error), Some(d_error)) = (error(|r| r.origin), error(|r| r.direction)) {
+            return vec![Net { rays: [a, b, c, d], p_error, d_error }];
         }
     }
     // as far as the steepest of the samples goes, with as much again for what bends
-    let room = |of: fn(&Ray) -> DVec3| {
+    let error = |of: fn(&Ray) -> DVec3| {
         let slope = |(q, r): (DVec2, &Option<Ray>)| {
             let here = of(r.as_ref()?);
             Some(least_slope(q, |q| field.ray_at(q).map(|near| (of(&near) - here).length())))
         };
         2.0 * side * places.into_iter().zip(&found).filter_map(slope).fold(0.0, f64::max)
     };
-    let (p_room, d_room) = (room(|r| r.origin), room(|r| r.direction));
-    found.into_iter().flatten().map(|r| Net { rays: [r; 4], p_room, d_room }).collect()
+    let (p_error, d_error) = (error(|r| r.origin), error(|r| r.direction));
+    found.into_iter().flatten().map(|r| Net { rays: [r; 4], p_error, d_error }).collect()
 }
 
 impl Net {
     fn beam(&self) -> Beam {
-        let about = |r: &Ray| Beam::about(r.origin, r.direction, self.p_room, self.d_room);
+        let about = |r: &Ray| Beam::about(r.origin, r.direction, self.p_error, self.d_error);
         self.rays.iter().map(about).fold(Beam::NONE, |a, b| a.joined(&b))
     }
 
     /// E may be 0 between the rays.
     fn may_meet(&self, x: DVec3) -> bool {
-        let Net { rays: r, p_room, d_room } = self;
+        let Net { rays: r, p_error, d_error } = self;
         let q = r.map(|r| x - r.origin);
         let d = r.map(|r| r.direction);
         let size = |v: &[DVec3; 4]| v.iter().fold(0.0_f64, |m, v| m.max(v.length()));
         let terms = x.length() + r.iter().fold(0.0_f64, |m, r| m.max(r.origin.length()));
-        let room = p_room * (size(&d) + d_room) + size(&q) * d_room + NOTHING * terms * size(&d);
+        let error = p_error * (size(&d) + d_error) + size(&q) * d_error + NOTHING * terms * size(&d);
         // Bernstein coefficients of a product of bilinear functions: of each pair of corners, divided by C(2,k) C(2,l)
         let mut e = [[DVec3::ZERO; 3]; 3];
         for (a, q) in q.iter().enumerate() {
@@ -226,7 +226,7 @@ impl Net {
         (0..3).all(|c| {
             let all = e.iter().flatten().map(|e| e[c]);
             let (lo, hi) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
-            lo <= room && hi >= -room
+            lo <= error && hi >= -error
         })
     }
 }

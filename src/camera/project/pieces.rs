@@ -3,11 +3,11 @@
 //! A tree over the pieces finds those whose rays may pass the point; in each the roots of a cubic ([`Columns`]) give t
 //! and the place, and Newton's method makes both exact.
 
-use super::beam::{Beam, ROOM};
+use super::beam::{Beam, ROUNDING};
 use super::columns::Columns;
 use super::newton::{self, Volume};
 use super::tree::{Leaf, Tree, place_key};
-use super::{BORDER_PX, Degenerate, Found, ONE_PLACE_PX, Shown, T_SLACK};
+use super::{BORDER_PX, Degenerate, Found, ONE_PLACE_PX, Shown, T_TOLERANCE};
 use crate::camera::Camera;
 use crate::camera::pieces::{Piece, Pieces};
 use glam::{DVec2, DVec3};
@@ -109,14 +109,14 @@ impl<'a> Search<'a> {
     }
 
     fn in_range(&self, t: f64) -> bool {
-        let slack = T_SLACK * t.abs().max(1.0);
-        self.t_range[0] - slack <= t && t <= self.t_range[1] + slack
+        let tolerance = T_TOLERANCE * t.abs().max(1.0);
+        self.t_range[0] - tolerance <= t && t <= self.t_range[1] + tolerance
     }
 
-    /// The place is in the image and in the piece, or within `slack` px of it.
-    fn reaches(&self, piece: &Piece, place: DVec2, slack: f64) -> bool {
-        let in_image = place.cmpge(DVec2::splat(-slack)).all() && place.cmple(self.size + slack).all();
-        in_image && piece.reaches(place, DVec2::splat(slack))
+    /// The place is in the image and in the piece, or within `tolerance` px of it.
+    fn reaches(&self, piece: &Piece, place: DVec2, tolerance: f64) -> bool {
+        let in_image = place.cmpge(DVec2::splat(-tolerance)).all() && place.cmple(self.size + tolerance).all();
+        in_image && piece.reaches(place, DVec2::splat(tolerance))
     }
 
     /// Piece `k` shows the place: it owns it, or is within rounding of doing so.
@@ -145,7 +145,7 @@ fn seen(piece: &Piece, size: DVec2) -> Vec<DVec2> {
     }
 }
 
-/// The ray of a corner, with room for what is up to [`BEYOND_PX`] beyond it and for rounding. Rays of places between
+/// The ray of a corner, with a margin for what is up to [`BEYOND_PX`] beyond it and for rounding. Rays of places between
 /// corners are between theirs: both P and D are p / h with h > 0.
 fn beam_at(piece: &Piece, corner: DVec2) -> Beam {
     let (b, q) = (&piece.bundle, corner - piece.centre_px);
@@ -154,12 +154,12 @@ fn beam_at(piece: &Piece, corner: DVec2) -> Beam {
     if h.is_nan() || h <= 0.0 {
         return Beam::ALL;
     }
-    let room = |v: &[DVec3; 3], at: DVec3| {
+    let error = |v: &[DVec3; 3], at: DVec3| {
         let slope = (v[1] - at * b.h[1]).length() + (v[2] - at * b.h[2]).length();
         let terms = v[0].length() + q.x.abs() * v[1].length() + q.y.abs() * v[2].length();
-        (BEYOND_PX * slope + ROOM * terms) / h
+        (BEYOND_PX * slope + ROUNDING * terms) / h
     };
-    Beam::about(ray.origin, ray.direction, room(&b.p, ray.origin), room(&b.d, ray.direction))
+    Beam::about(ray.origin, ray.direction, error(&b.p, ray.origin), error(&b.d, ray.direction))
 }
 
 /// Some ray of the piece may pass through `x`. With `m = x h - p` it does where the quadratic `m x d` is 0; it is not
@@ -187,12 +187,12 @@ fn may_see(piece: &Piece, x: DVec3) -> bool {
     let h = corners
         .iter()
         .fold(0.0_f64, |h, c| h.max((b.h[0] + (*c - piece.centre_px).dot(DVec2::new(b.h[1], b.h[2]))).abs()));
-    let room = 2.0 * (beyond + ROOM * (m + large(x) * h) * d);
+    let error = 2.0 * (beyond + ROUNDING * (m + large(x) * h) * d);
     [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, j)| {
         let normal = (corner[j] - corner[i]).cross(d0);
-        let room = room * normal.abs().element_sum();
+        let error = error * normal.abs().element_sum();
         let side = coefficients.map(|e| normal.dot(e));
-        side.iter().any(|s| *s <= room) && side.iter().any(|s| *s >= -room)
+        side.iter().any(|s| *s <= error) && side.iter().any(|s| *s >= -error)
     })
 }
 

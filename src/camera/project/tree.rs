@@ -3,7 +3,7 @@
 //! Nodes lie in preorder, each with the place of the next one beside or above it, so a walk is one loop without a stack:
 //! on to the next node, or past all that is below.
 
-use super::beam::{Beam, ROOM};
+use super::beam::{Beam, ROUNDING};
 use glam::{DVec2, DVec3};
 
 /// A part that is not divided.
@@ -35,7 +35,7 @@ pub struct Tree {
     pub nodes: Vec<Node>,
     /// In the midst of the rays' origins, world units.
     pub anchor: DVec3,
-    /// Of t, with room for rounding at the ends.
+    /// Of t, with a margin for rounding at the ends.
     pub t_range: [f64; 2],
 }
 
@@ -53,9 +53,9 @@ impl Tree {
             push(&mut nodes, &leaves, u64::BITS);
         }
         // about 0 the beams have it
-        let room = |t: f64| if t.is_finite() { ROOM * t.abs() } else { 0.0 };
+        let error = |t: f64| if t.is_finite() { ROUNDING * t.abs() } else { 0.0 };
         let [t0, t1] = t_range;
-        Tree { nodes, anchor, t_range: [t0 - room(t0), t1 + room(t1)] }
+        Tree { nodes, anchor, t_range: [t0 - error(t0), t1 + error(t1)] }
     }
 
     /// Calls `visit` with the number of each leaf at and below the nodes `from`, ascending, that may see the point.
@@ -98,7 +98,7 @@ fn push(nodes: &mut Vec<Node>, leaves: &[Leaf], bits: u32) -> Beam {
     let mut rest = leaves;
     while let Some(first) = rest.first() {
         let same = |l: &Leaf| bits > 0 && l.key >> (bits - 2) == first.key >> (bits - 2);
-        // leaves of one key are told apart no more
+        // leaves of one key are distinguished no more
         let (part, after) = rest.split_at(rest.partition_point(same).max(1));
         beam = beam.joined(&push(nodes, part, bits.saturating_sub(2)));
         rest = after;

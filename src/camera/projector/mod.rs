@@ -11,10 +11,10 @@ pub mod surface;
 
 use super::bundle::Ray;
 use super::curve::{Curve, CurveMap, Curves};
-use super::cut::{self, Cut};
 use super::field::RayMap;
 use super::pieces::Pieces;
 use super::recipe::{Built, Recipe, Setting};
+use super::tessellate::{self, Tessellation};
 use super::{Rays, glc, mesh};
 use crate::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use crate::input::reader::Table;
@@ -41,12 +41,12 @@ pub struct Volume {
 #[derive(Debug, PartialEq)]
 struct Projector {
     volume: Volume,
-    cut: Cut,
+    tessellation: Tessellation,
 }
 
-/// Reads `surfaces`, `reparam` and the keys of [`Cut`].
+/// Reads `surfaces`, `reparam` and the keys of [`Tessellation`].
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    let [pieces, error] = cut::KEYS;
+    let [pieces, error] = tessellate::KEYS;
     table.allow(&["kind", "surfaces", "reparam", pieces, error])?;
     let field = table.need("surfaces", "[{ kind = \"point\", at = [0, 0, 5] }, { kind = \"plane\", ... }]")?;
     let items = field.items("a list of 2 to 4 surfaces")?;
@@ -57,16 +57,16 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let surfaces = items.map(|item| Surface::read(&item)).collect::<Result<_>>()?;
     let reparam = table.or("reparam", Reparam::Affine(Affine::IDENTITY), Reparam::read)?;
     let volume = Volume::new(surfaces, reparam).map_err(|message| field.error(message))?;
-    let cut = Cut::read(table)?;
-    if cut != Cut::Exact && volume.degree() > 1 {
+    let tessellation = Tessellation::read(table)?;
+    if tessellation != Tessellation::Exact && volume.degree() > 1 {
         return Err(table.error("pieces: only straight projectors, of two surfaces, can be cut; leave it out"));
     }
-    Ok(Arc::new(Projector { volume, cut }))
+    Ok(Arc::new(Projector { volume, tessellation }))
 }
 
 impl Recipe for Projector {
     fn build(&self, setting: &Setting) -> Result<Built> {
-        self.volume.build(setting, self.cut)
+        self.volume.build(setting, self.tessellation)
     }
 }
 
@@ -104,13 +104,15 @@ impl Volume {
 
     /// Straight projectors become one piece between planes, a piece for each triangle between `pieces`, else a ray field;
     /// others stay curves. t is in [0, 1].
-    pub fn build(&self, setting: &Setting, cut: Cut) -> Result<Built> {
+    pub fn build(&self, setting: &Setting, tessellation: Tessellation) -> Result<Built> {
         let size = setting.size()?;
         let mut notes = Vec::new();
         let straight = if self.degree() == 1 { self.pieces(size, &mut notes)? } else { None };
         let built = match straight {
             Some(pieces) => Built { notes, ..Built::new(size, Rays::Pieces(pieces)) },
-            None if self.degree() == 1 && self.piece_count == 0 => cut.build(Arc::new(self.clone()), setting)?,
+            None if self.degree() == 1 && self.piece_count == 0 => {
+                tessellation.build(Arc::new(self.clone()), setting)?
+            }
             None => Built::new(size, Rays::Curves(self.curves(size)?)),
         };
         Ok(Built { unit_t: true, ..built })

@@ -30,7 +30,7 @@ const FARTHEST: f64 = (1u64 << 40) as f64;
 const T_MOST: f64 = ENDLESS * ENDLESS * 32.0;
 
 /// What a point's rounding to f32 takes, and that of its difference to an end (2^-24 each, four times), and what the tree in
-/// f64 has as room for the point ([`crate::camera::project::beam::ROOM`], 2^-34).
+/// f64 has as room for the point ([`crate::camera::project::beam::ROUNDING`], 2^-34).
 const POINT_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
 
 impl Beams {

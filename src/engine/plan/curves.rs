@@ -51,7 +51,7 @@ pub fn rays_aside(field: &Field, places: &[DVec2], anchor: DVec3, row: u32, rows
     let of_row = |j: u32| {
         let pixel = move |i: u32| {
             let (p, d) = field.ray(i, j).unwrap_or((anchor, DVec3::ZERO));
-            let aside = move |place: &DVec2| match field.ray_aside(i, j, *place) {
+            let aside = move |place: &DVec2| match field.ray_at_offset(i, j, *place) {
                 Some((q, e)) => [q - p, e - d],
                 None => [DVec3::ZERO; 2],
             };

@@ -217,7 +217,7 @@ impl Cutting<'_> {
         let one_each = |bit: u32| {
             let (x, y) = (bit % TILE, bit / TILE);
             let (i, j) = (at.x * TILE + x, at.y * TILE + y);
-            let aside = || self.places.iter().find_map(|place| field.ray_aside(i, j, *place));
+            let aside = || self.places.iter().find_map(|place| field.ray_at_offset(i, j, *place));
             let (p, d) = field.ray(i, j).or_else(aside)?;
             Some(Sample { place: place_in_tile(x, y), p: p - self.anchor, d })
         };
@@ -254,8 +254,8 @@ impl Cutting<'_> {
             }
             for (n, place) in self.places.iter().enumerate() {
                 let owner = match layer {
-                    Rays::Pieces(p) => p.owner_aside(i, j, *place),
-                    Rays::Field(f) => f.ray_aside(i, j, *place).map(|_| 0),
+                    Rays::Pieces(p) => p.owner_at_offset(i, j, *place),
+                    Rays::Field(f) => f.ray_at_offset(i, j, *place).map(|_| 0),
                     Rays::Curves(_) => None,
                 };
                 if let Some(piece) = owner {
@@ -279,7 +279,7 @@ impl Cutting<'_> {
             match &self.camera.layers[at.layer] {
                 Rays::Field(f) => list.extend(all.filter_map(|(x, y, aside)| {
                     let (i, j) = (at.x * TILE + x, at.y * TILE + y);
-                    let (p, d) = if aside == DVec2::ZERO { f.ray(i, j)? } else { f.ray_aside(i, j, aside)? };
+                    let (p, d) = if aside == DVec2::ZERO { f.ray(i, j)? } else { f.ray_at_offset(i, j, aside)? };
                     let place = place_in_tile(x, y) + aside / (TILE as f64 / 2.0);
                     Some(Sample { place, p: p - self.anchor, d })
                 })),

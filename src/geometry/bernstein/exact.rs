@@ -12,7 +12,7 @@ use arithmetic::{Dyadic, Powers, Rng, beyond, count, polynomial, product};
 /// What is wrong with the roots that were found, in a line.
 fn fault(c: &[f64], zero: f64, roots: &[Root]) -> Option<String> {
     let size = c.iter().fold(0.0f64, |m, c| m.max(c.abs()));
-    // what counts as 0, and the rounding of the value that is held against it
+    // what counts as 0, and the rounding of the value that is compared with it
     let hidden = zero + VALUE_ROUNDING * size;
     let step = |t: f64| 4.0 * f64::EPSILON * t + f64::MIN_POSITIVE;
     for root in roots {
@@ -91,9 +91,9 @@ fn the_check_can_fail() {
         let mut moved = right.clone();
         moved[k].t += 1e-13;
         assert!(fault(&c, zero, &moved).is_some_and(|f| f.contains("no root")));
-        let mut turned = right.clone();
-        turned[k].sign = -turned[k].sign;
-        assert!(fault(&c, zero, &turned).is_some_and(|f| f.contains("passed")));
+        let mut flipped = right.clone();
+        flipped[k].sign = -flipped[k].sign;
+        assert!(fault(&c, zero, &flipped).is_some_and(|f| f.contains("passed")));
     }
     let mut more = right.clone();
     more.insert(1, Root { t: 0.3, sign: 1 });

@@ -24,7 +24,7 @@ fn all_roots_of_a_cubic_and_how_it_passes_them() {
     for _ in 0..100_000 {
         let mut r = [0, 1, 2].map(|_| 1.6 * next() - 0.3);
         r.sort_unstable_by(f64::total_cmp);
-        // a root at 1e-6 from another or from an end may be told apart or not
+        // a root at 1e-6 from another or from an end may be distinguished or not
         let apart = r[1] - r[0] > 1e-6 && r[2] - r[1] > 1e-6;
         if !apart || r.iter().any(|r| r.abs() < 1e-6 || (1.0 - r).abs() < 1e-6) {
             continue;

@@ -364,9 +364,10 @@ fn base_colours_have_their_images_borders_and_places() {
         assert_eq!(mesh.materials[0].texture.as_ref().unwrap().cutoff, cutoff, "{mode}");
     }
     let moved = |json: &mut serde_json::Value| {
-        let turn = serde_json::json!({"offset": [0.5, 0.25], "scale": [2, 4], "rotation": std::f64::consts::FRAC_PI_2});
+        let transform =
+            serde_json::json!({"offset": [0.5, 0.25], "scale": [2, 4], "rotation": std::f64::consts::FRAC_PI_2});
         json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] =
-            serde_json::json!({"KHR_texture_transform": turn});
+            serde_json::json!({"KHR_texture_transform": transform});
     };
     let mesh = load_textured_quad(&Images::default(), moved).unwrap();
     // (1, 0) is scaled to (2, 0), turned to (0, -2) and moved

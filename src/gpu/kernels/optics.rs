@@ -14,7 +14,7 @@ pub enum OpticsKind {
     Wave,
 }
 
-const TURN: Parts = snippets!("optics/turn.wgsl");
+const REFRACT: Parts = snippets!("optics/refract.wgsl");
 
 impl OpticsKind {
     pub const ALL: [OpticsKind; 5] =
@@ -94,7 +94,7 @@ pub fn meet(variant: Variant) -> Kernel {
     let (surface, surface_snippets) = variant.surface();
     let mut bindings = vec![params(), step(), optic(), paths(), surface, write("visibility", visibility)];
     bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, variant.merge(), OPTICS_ROWS, TURN];
+    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, variant.merge(), OPTICS_ROWS, REFRACT];
     let own = [variant.camera(), snippets!("meet.wgsl")];
     let mut kernel = kernel("meet", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = variant.constants();
@@ -115,7 +115,7 @@ pub fn bounce(variant: Variant) -> Kernel {
         write("bounced_paths", "array<PathState>"),
     ];
     bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN];
+    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, REFRACT];
     let own = [variant.camera(), snippets!("bounce.wgsl")];
     let mut kernel = kernel("bounce", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = variant.constants();
@@ -135,7 +135,7 @@ pub fn paste(variant: Variant, planes: &[Channel]) -> Kernel {
         write("planes", "array<u32>"),
     ];
     bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, TURN, SHADING];
+    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, REFRACT, SHADING];
     let own = [variant.camera(), snippets!("paste.wgsl")];
     let mut kernel = kernel("paste", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
     kernel.constants = [variant.constants(), plane_constants(planes)].concat();

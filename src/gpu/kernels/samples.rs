@@ -102,7 +102,8 @@ pub fn sample_by_tile(variant: Variant) -> Kernel {
     };
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
     let own = [LANES, NODE_BY_LANES, COLUMN, CELL_SAMPLES];
-    let hold = [snippets!("shared/waiting.wgsl"), snippets!("shared/hold.wgsl"), snippets!("sample_by_tile.wgsl")];
+    let hold =
+        [snippets!("shared/waiting.wgsl"), snippets!("shared/pixel_test.wgsl"), snippets!("sample_by_tile.wgsl")];
     let mut kernel = kernel("sample", bindings, &[&snippets[..], &own, rays, &hold].concat());
     kernel.constants = variant.constants();
     kernel.constants.extend([("SAMPLES", f64::from(variant.samples)), ("STRIPS", variant.strips())]);

@@ -145,8 +145,8 @@ fn barycentric_and_color_errors_are_measured() {
 
 #[test]
 fn different_sizes_are_input_errors() {
-    let turned = Frame { width: HEIGHT, height: WIDTH, ..frame() };
-    let error = compare(&frame(), &turned, None, None).unwrap_err();
+    let rotated = Frame { width: HEIGHT, height: WIDTH, ..frame() };
+    let error = compare(&frame(), &rotated, None, None).unwrap_err();
     assert!(error.exit_code() == 2 && error.to_string().contains("20 x 10 against 10 x 20"), "{error}");
     assert!(compare(&frame(), &frame(), Some(&[true; 3]), None).is_err());
     assert!(compare(&frame(), &frame(), None, Some(&[1.0; 3])).is_err());

@@ -1,4 +1,4 @@
-//! EXR files of tiles, written strip by strip: of images that are too large to be held at once.
+//! Tiled EXR files, written strip by strip, for images too large for memory.
 
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -17,14 +17,14 @@ use crate::image::file::whole::write_whole;
 use crate::image::frame::{Channel, Frame, Plane};
 use crate::input::{Error, Result};
 
-/// Pixels of a tile each way; a strip is as many rows or a multiple of them, the last one aside.
+/// Tile size, pixels; the rows of every strip but the last are a multiple of it.
 pub const TILE: u32 = 64;
 
 /// Writes an image of `size` from its strips, top to bottom; each holds all `channels`, in the order of [`Channel`]. As
 /// [`super::write_exr`] otherwise: ZIP compression, the same bytes for the same input.
 ///
 /// # Errors
-/// Those of `next`; [`Error::Work`] where strips are not those of the image, or `path` cannot be written.
+/// Those of `next`; [`Error::Work`] if strips are not those of the image, or `path` cannot be written.
 pub fn write_exr_tiled(
     path: &Path,
     (width, height): (u32, u32),

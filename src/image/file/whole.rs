@@ -202,7 +202,7 @@ fn new_file_in(folder: &Path) -> io::Result<Unfinished> {
 /// Removes temporary files that nobody writes any more from a folder: those of programs that were killed.
 ///
 /// # Errors
-/// [`Error::Work`] where the folder cannot be read or changed.
+/// [`Error::Work`] if the folder cannot be read or changed.
 pub fn clear_up(folder: &Path) -> Result<()> {
     let failed = |e: io::Error| Error::work(format!("{}: cannot be cleared up: {e}", folder.display()));
     for entry in fs::read_dir(folder).map_err(failed)? {

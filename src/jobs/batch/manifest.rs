@@ -1,5 +1,5 @@
-//! The manifest: a line of JSON for each frame that is done, with what it was made from and what came of it. Lines are appended as frames
-//! are done, so a program that is killed leaves whole lines and at most a torn one, which nobody reads.
+//! The manifest: one line of JSON per finished frame, with its inputs and its results. Lines are appended as frames finish. A killed
+//! program leaves at most one incomplete line, which is ignored.
 
 use super::list::Task;
 use crate::engine::report::Judged;
@@ -17,11 +17,11 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// What is known of the frames of a list.
+/// The finished frames of a list.
 pub struct Manifest {
-    /// Appended to, and locked against others.
+    /// Opened for appending, and locked against other programs.
     own: Mutex<File>,
-    /// The files that lines are in, the own one last.
+    /// The files of all lines; this manifest's own is the last.
     files: Vec<(PathBuf, Mutex<File>)>,
     /// The last line of a frame, by its first output.
     lines: Mutex<HashMap<u64, Line>>,
@@ -36,86 +36,86 @@ struct Line {
     made_ms: u64,
 }
 
-/// Which of two lines of a frame counts.
+/// Which of two lines of one frame is valid.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Counts {
-    /// The one that was made last.
+    /// The one with the later time.
     Newest,
-    /// The one that was read first.
+    /// The one read first.
     First,
 }
 
-/// What frames took when they were last done.
+/// Device times of earlier renders.
 #[derive(Default)]
 pub struct Costs(HashMap<u64, Line>);
 
 impl Costs {
-    /// By a manifest, if there is one.
+    /// The manifest, if it exists.
     pub fn read(path: &Path) -> Result<Costs> {
         let mut lines = HashMap::new();
         check_file(path)?;
         if let Ok(file) = File::open(path) {
-            // what is gathered later must not change what shards there are
+            // merging results later must not change the shards
             read_lines(0, &file, &mut lines, Counts::First).map_err(|e| failure(path, &e))?;
         }
         Ok(Costs(lines))
     }
 
-    /// For how long a frame kept a device busy, ms.
+    /// Device time of a frame, ms.
     pub fn of(&self, task: &Task) -> Result<Option<f64>> {
         Ok(self.0.get(&key(task)?).map(|line| f64::from(line.ms)))
     }
 }
 
-/// A frame that is done.
+/// A finished frame.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Done {
     pub frame: String,
-    /// Of the program.
+    /// Version of the program.
     version: String,
-    /// The command line that makes it.
+    /// The command line that renders it.
     settings: Vec<String>,
-    /// The hash of each file that was looked for.
+    /// The hash of each input file, existing or not.
     inputs: BTreeMap<PathBuf, String>,
     outputs: BTreeMap<PathBuf, Output>,
-    /// When it was done, milliseconds after 1970.
+    /// Time of completion, milliseconds since 1970.
     made_ms: u64,
-    /// For how long it kept the device busy.
+    /// Device time, ms.
     pub ms: f64,
     pub adapter: String,
     pub triangles: usize,
     pub pieces: usize,
-    /// The median of the timed frames, and how many these are.
+    /// Median time of the timed frames, ms, and their number.
     pub frame_ms: f64,
     pub runs: usize,
-    /// Of each stage on the device, ms.
+    /// Device times of the stages, ms.
     pub stages: BTreeMap<String, f64>,
-    /// The error against the reference, where it was asked for.
+    /// The error against the reference, if requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<serde_json::Value>,
 }
 
-/// A file as it was written.
+/// A written file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Output {
     bytes: u64,
     hash: String,
 }
 
-/// How a frame of the list stands.
+/// The status of a frame in the list.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Standing {
+pub enum Status {
     New,
     Done,
-    /// It was done, and something is another than then.
+    /// Done, but an input or option has changed since.
     Changed(String),
 }
 
 impl Manifest {
-    /// Opens a manifest to be appended to, and reads it with `others` before it; without `keeps` it begins anew.
+    /// Opens a manifest for appending and reads `others`, then the manifest itself. Without `keeps` it starts empty.
     ///
     /// # Errors
-    /// [`Error::Work`] where it cannot be written, or another program is at it.
+    /// [`Error::Work`] if it cannot be written, or another program has it open.
     pub fn open(path: &Path, others: &[PathBuf], keeps: bool) -> Result<Manifest> {
         let failed = |e: io::Error| failure(path, &e);
         others.iter().map(PathBuf::as_path).chain([path]).try_for_each(check_file)?;
@@ -125,7 +125,7 @@ impl Manifest {
                 let advice = "wait for it, or give each a --shard I/N";
                 return Err(Error::work(format!("{}: another batch is at it; {advice}", path.display())));
             }
-            // a file system without locks
+            // the file system has no locks
             Err(TryLockError::Error(_)) | Ok(()) => {}
         }
         if keeps {
@@ -151,10 +151,10 @@ impl Manifest {
         Ok(Manifest { own: Mutex::new(own), files, lines, hashes })
     }
 
-    /// Whether a frame is done as the list and its files say now.
-    pub fn standing(&self, task: &Task) -> Result<Standing> {
-        let Some(done) = self.done(task)? else { return Ok(Standing::New) };
-        let changed = |what: String| Ok(Standing::Changed(what));
+    /// The status of a frame by the present list and input files.
+    pub fn status(&self, task: &Task) -> Result<Status> {
+        let Some(done) = self.done(task)? else { return Ok(Status::New) };
+        let changed = |what: String| Ok(Status::Changed(what));
         if done.version != env!("CARGO_PKG_VERSION") {
             return changed(format!("anamorph {} made it", done.version));
         }
@@ -171,15 +171,15 @@ impl Manifest {
             let whole = task.whole(path);
             match stamp(&whole) {
                 None => return changed(format!("{} is not there", path.display())),
-                // its time is not compared, as any program can set it
+                // the modification time is not compared: any program can set it
                 Some((_, bytes)) if bytes == written.bytes && self.hash(&whole).as_ref() == Some(&written.hash) => {}
                 Some(_) => return changed(format!("{} is not what was written", path.display())),
             }
         }
-        Ok(Standing::Done)
+        Ok(Status::Done)
     }
 
-    /// The last line of a frame.
+    /// The last entry of a frame.
     pub fn done(&self, task: &Task) -> Result<Option<Done>> {
         let Some(line) = self.line(task)? else { return Ok(None) };
         let (path, file) = &self.files[line.file];
@@ -190,14 +190,14 @@ impl Manifest {
         Ok(serde_json::from_str(&text).ok())
     }
 
-    /// Appends that a frame is done.
+    /// Appends the entry of a finished frame.
     ///
     /// # Errors
-    /// [`Error::Work`] or [`Error::Full`] where the line cannot be written; it then counts for nothing.
+    /// [`Error::Work`] or [`Error::Full`] if the line cannot be written; the entry is then ignored.
     pub fn add(&self, task: &Task, inputs: &Inputs, written: &Written, ms: f64) -> Result<Done> {
         let mut outputs = BTreeMap::new();
         for path in task.outputs()? {
-            // devices keep nothing
+            // devices such as /dev/null store nothing
             if let (Some((_, bytes)), Some(hash)) = (stamp(&path), self.hash(&path)) {
                 outputs.insert(task.short(&path), Output { bytes, hash });
             }
@@ -236,7 +236,7 @@ impl Manifest {
         let mut own = lock(&self.own);
         let start = own.seek(SeekFrom::End(0)).map_err(failed)?;
         if let Err(e) = own.write_all(text.as_bytes()) {
-            // no torn line before the next one
+            // remove an incomplete line before the next one
             let _ = own.set_len(start);
             return Err(failed(e));
         }
@@ -245,13 +245,13 @@ impl Manifest {
         Ok(())
     }
 
-    /// Knows nothing of a frame any more, until it is done again.
+    /// Forgets a frame until it is rendered again.
     pub fn forget(&self, task: &Task) -> Result<()> {
         lock(&self.lines).remove(&key(task)?);
         Ok(())
     }
 
-    /// Has the own manifest say what another one does of a frame.
+    /// Copies another manifest's entry of a frame into this one.
     pub fn adopt(&self, task: &Task) -> Result<()> {
         let is_own = self.line(task)?.is_some_and(|line| line.file + 1 == self.files.len());
         match self.done(task)? {
@@ -264,7 +264,7 @@ impl Manifest {
         Ok(lock(&self.lines).get(&key(task)?).copied())
     }
 
-    /// Of what a file held when it was looked for.
+    /// Hash of a file's content when it was read.
     fn hash_as_found(&self, path: &Path, found: &Stamp) -> String {
         let hash = self.hash(path).filter(|_| stamp(path) == *found);
         hash.unwrap_or_else(|| CHANGED.into())
@@ -294,13 +294,13 @@ impl Manifest {
     }
 }
 
-/// In place of the hash of a file that is not there.
+/// Stands in for the hash of a missing file.
 const ABSENT: &str = "absent";
 
-/// In place of the hash of a file that changed while it was read, or is not a regular file. No file has this hash.
+/// Stands in for the hash of a file that changed while it was read, or is not a regular file. No file has this hash.
 const CHANGED: &str = "changed";
 
-/// Hashes that are kept at most.
+/// Most hashes kept in memory.
 const HASHES_MAX: usize = 4096;
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -336,7 +336,7 @@ fn as_json(error: &Judged) -> Result<serde_json::Value> {
     serde_json::to_value(error).map_err(|e| Error::work(format!("an error as JSON: {e}")))
 }
 
-/// By what a frame is known: no other one writes its first file.
+/// Identifies a frame: its first output, which no other frame writes.
 fn key(task: &Task) -> Result<u64> {
     Ok(task.outputs()?.first().map_or(0, |path| key_of(&task.short(path))))
 }
@@ -359,9 +359,9 @@ fn whole_lines(file: &File) -> io::Result<u64> {
     Ok(whole)
 }
 
-/// Adds the lines of file number `k`; what is no line of a frame is none.
+/// Adds the lines of file number `k`; lines that describe no frame are ignored.
 fn read_lines(k: usize, file: &File, lines: &mut HashMap<u64, Line>, counts: Counts) -> io::Result<()> {
-    /// As much of a line as tells its frame.
+    /// The part of a line that identifies its frame.
     #[derive(Deserialize)]
     struct Head {
         outputs: BTreeMap<PathBuf, serde::de::IgnoredAny>,
@@ -389,12 +389,12 @@ fn read_lines(k: usize, file: &File, lines: &mut HashMap<u64, Line>, counts: Cou
     Ok(())
 }
 
-/// Nanoseconds after 1970.
+/// Nanoseconds since 1970.
 fn nanoseconds(time: SystemTime) -> u64 {
     time.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos() as u64)
 }
 
-/// The words of a command line that another one does not have, or has in other places.
+/// The words of a command line that are missing from another one, or in other positions there.
 fn told_apart(was: &[String], is: &[String]) -> String {
     let own: Vec<&str> = was.iter().filter(|word| !is.contains(word)).map(String::as_str).collect();
     let new: Vec<&str> = is.iter().filter(|word| !was.contains(word)).map(String::as_str).collect();

@@ -1,4 +1,4 @@
-//! Frames that are still to be taken up: each by one thread, and by another one where it is given back.
+//! The queue of frames to render. A thread takes a frame and may give it back for another thread.
 
 use super::list::Task;
 use super::lock;
@@ -12,7 +12,7 @@ pub struct Queue<'a> {
 struct State<'a> {
     tasks: Box<dyn Iterator<Item = Task<'a>> + Send + 'a>,
     given_back: Vec<Task<'a>>,
-    /// Frames that were taken up, and are neither done nor given back.
+    /// Frames taken, and neither done nor given back.
     under_way: usize,
     is_stopped: bool,
 }
@@ -23,7 +23,7 @@ impl<'a> Queue<'a> {
         Queue { state: Mutex::new(state), changed: Condvar::new() }
     }
 
-    /// The next frame; where there is none, but others may give one back, waits until they have not.
+    /// The next frame. If the queue is empty, waits while another thread may still give a frame back.
     pub fn next(&self) -> Option<Task<'a>> {
         let mut state = lock(&self.state);
         while !state.is_stopped {
@@ -39,13 +39,13 @@ impl<'a> Queue<'a> {
         None
     }
 
-    /// A frame that was taken up is done, or has failed.
+    /// Reports that a taken frame is done or has failed.
     pub fn finished(&self) {
         lock(&self.state).under_way -= 1;
         self.changed.notify_all();
     }
 
-    /// A frame that was taken up is for others.
+    /// Gives a taken frame back.
     pub fn give_back(&self, task: Task<'a>) {
         let mut state = lock(&self.state);
         state.under_way -= 1;
@@ -53,7 +53,7 @@ impl<'a> Queue<'a> {
         self.changed.notify_all();
     }
 
-    /// No frame is taken up any more.
+    /// Ends the queue: no more frames are handed out.
     pub fn stop(&self) {
         lock(&self.state).is_stopped = true;
         self.changed.notify_all();

@@ -1,7 +1,7 @@
-//! The threads of a batch, and what they share: for each device two that read and plan and one that renders, and some that write.
+//! The threads of a batch and their shared state: per device two that read and plan and one that renders, and several that write.
 
 use super::list::Task;
-use super::manifest::{Manifest, Standing};
+use super::manifest::{Manifest, Status};
 use super::queue::Queue;
 use super::slots::Slots;
 use super::worker::{Picture, Taken, Worker};
@@ -19,27 +19,27 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread::{Builder, Scope};
 
-/// Threads that read for a device: one plans while the other reads.
+/// Reading threads per device: one plans while the other reads.
 const READERS: usize = 2;
 
-/// What all threads of a batch share.
+/// State shared by all threads of a batch.
 pub struct Run<'a> {
     queue: Queue<'a>,
     manifest: &'a Manifest,
     library: &'a Library,
     watch: &'a Watch<'a>,
     counts: Mutex<Counts>,
-    /// Memory for frames that are read and not written yet.
+    /// Memory for frames between reading and writing.
     slots: Arc<Slots>,
     resumes: bool,
     fail_fast: bool,
-    /// Those that have a device.
+    /// Number of workers with a device.
     workers: AtomicUsize,
     stopped_by: Mutex<Option<Error>>,
     /// The first of them.
     failures: Mutex<Vec<(String, String)>>,
-    /// What is missing or left out and was already told.
-    told: Mutex<HashSet<String>>,
+    /// Notes on missing files and omissions already reported.
+    reported: Mutex<HashSet<String>>,
 }
 
 impl<'a> Run<'a> {
@@ -63,11 +63,11 @@ impl<'a> Run<'a> {
             workers: AtomicUsize::new(0),
             stopped_by: Mutex::default(),
             failures: Mutex::default(),
-            told: Mutex::default(),
+            reported: Mutex::default(),
         }
     }
 
-    /// Has all threads work until there is nothing left to do.
+    /// Runs all threads until every frame is done.
     pub fn work(&self, workers: &mut [Worker], writers: usize) -> Result<()> {
         self.workers.store(workers.len(), Ordering::SeqCst);
         std::thread::scope(|scope| {
@@ -91,7 +91,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Writes frames until none come any more.
+    /// Writes frames until the channel closes.
     fn write(&self, frames: &Mutex<Receiver<Taken<'a>>>) {
         loop {
             // the lock is free again before the frame is written
@@ -114,23 +114,23 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The next frame that is to be done.
+    /// The next frame to render.
     pub fn next(&self) -> Option<Task<'a>> {
         loop {
             let task = self.queue.next()?;
             if !self.resumes {
                 return Some(task);
             }
-            match self.manifest.standing(&task) {
-                Ok(Standing::New) => return Some(task),
-                Ok(Standing::Changed(why)) => {
+            match self.manifest.status(&task) {
+                Ok(Status::New) => return Some(task),
+                Ok(Status::Changed(why)) => {
                     self.tell(Event::Again(&task, &why));
                     match self.manifest.forget(&task) {
                         Ok(()) => return Some(task),
                         Err(e) => self.failed(&task, &e),
                     }
                 }
-                Ok(Standing::Done) => {
+                Ok(Status::Done) => {
                     self.tell(Event::Skipped(&task));
                     self.queue.finished();
                 }
@@ -156,7 +156,7 @@ impl<'a> Run<'a> {
         self.queue.finished();
     }
 
-    /// A frame has failed; so will others where the disk is full.
+    /// Records a failed frame; ends the batch if the disk is full.
     pub fn failed(&self, task: &Task, why: &Error) {
         self.tell(Event::Failed(task, why));
         let mut failures = lock(&self.failures);
@@ -172,7 +172,7 @@ impl<'a> Run<'a> {
         self.queue.finished();
     }
 
-    /// A worker has no device any more: others do what it has not, if there are any.
+    /// A worker lost its device for good: others render its frames, if any are left.
     pub fn lose_device(&self, why: Error) {
         if self.workers.fetch_sub(1, Ordering::SeqCst) > 1 {
             self.note(&format!("{why}; the others go on"));
@@ -181,7 +181,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Begins no frame any more.
+    /// Stops: no new frame begins.
     fn stop(&self, why: Error) {
         lock(&self.stopped_by).get_or_insert(why);
         self.queue.stop();
@@ -191,32 +191,32 @@ impl<'a> Run<'a> {
         self.tell(Event::Note(line));
     }
 
-    /// Tells what mesh files lack, once for all frames.
+    /// Reports what mesh files lack, once for all frames.
     pub fn tell_missing(&self, missing: &[Missing]) {
-        let mut told = lock(&self.told);
-        let new: Vec<Missing> = missing.iter().filter(|m| told.insert(m.what.clone())).cloned().collect();
-        drop(told);
+        let mut reported = lock(&self.reported);
+        let new: Vec<Missing> = missing.iter().filter(|m| reported.insert(m.what.clone())).cloned().collect();
+        drop(reported);
         if let Some(line) = Missing::line(&new) {
             self.note(&line);
         }
     }
 
-    /// Tells once that scenes ask for a style that the reference does not draw.
+    /// Reports once that scenes use a style that the reference does not draw.
     fn tell_left_out(&self, left_out: &[LeftOut]) {
         for line in left_out.iter().filter(|left| left.what == STYLE).map(LeftOut::line) {
-            if lock(&self.told).insert(line.clone()) {
+            if lock(&self.reported).insert(line.clone()) {
                 self.note(&line);
             }
         }
     }
 
-    /// How the frames stand, which failed and why, and what ended the batch early.
+    /// The counts, the failures, and the error that ended the batch early.
     pub fn end(self) -> (Counts, Vec<(String, String)>, Option<Error>) {
         (taken(self.counts), taken(self.failures), taken(self.stopped_by))
     }
 
     fn tell(&self, event: Event) {
-        // held while it is told, so that events come one at a time and counts only grow
+        // locked during the call, so that events come one at a time and counts only grow
         let mut counts = lock(&self.counts);
         match event {
             Event::Done(..) => counts.done += 1,
@@ -229,13 +229,13 @@ impl<'a> Run<'a> {
     }
 }
 
-/// A thread that debuggers and profilers know.
+/// A thread with a name, for debuggers and profilers.
 fn named<'s>(scope: &'s Scope<'s, '_>, name: &str, work: impl FnOnce() + Send + 's) -> Result<()> {
     let spawned = Builder::new().name(name.into()).spawn_scoped(scope, work);
     spawned.map(drop).map_err(|e| Error::work(format!("no thread to {name} with: {e}")))
 }
 
-/// Work that may panic, which is no reason for the rest to stop.
+/// Catches a panic as an error, so that the rest of the batch continues.
 pub fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     let failed = |_| Err(Error::work("a defect of this program; the line before says where"));
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(failed)

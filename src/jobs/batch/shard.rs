@@ -1,4 +1,4 @@
-//! Which frames of a list are a shard's: the same for everybody who asks, and of about equal cost.
+//! Divides a list into shards of about equal cost; every process computes the same division.
 
 use super::list::{Jobs, Task};
 use super::manifest::Costs;
@@ -9,20 +9,20 @@ use std::collections::BinaryHeap;
 /// A part of a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// From 0.
+    /// Index, from 0.
     pub index: u32,
-    /// How many parts there are.
+    /// Number of parts.
     pub count: u32,
 }
 
-/// Of each frame whether the shard has it. `costs` knows what frames took before; unless it knows all, every N-th is the shard's: what
-/// is gathered while other shards are still to come must not change theirs.
+/// For each frame whether it is in the shard. `costs` holds earlier times; unless it has all, every N-th frame is the shard's, so that
+/// results merged while other shards have yet to run do not change those.
 pub fn share(jobs: &Jobs, shard: Shard, costs: &Costs) -> Result<Vec<bool>> {
     let known: Vec<Option<f64>> = jobs.tasks().map(|task| costs.of(&task)).collect::<Result<_>>()?;
     Ok(shared(&known, shard))
 }
 
-/// The frames of a list that are to be done here.
+/// The frames of a list in this shard.
 pub fn tasks(jobs: &Jobs, own: Option<Vec<bool>>) -> Box<dyn Iterator<Item = Task<'_>> + Send + '_> {
     match own {
         Some(own) => Box::new(jobs.tasks().filter(move |task| own[task.index])),
@@ -34,7 +34,7 @@ fn shared(costs: &[Option<f64>], shard: Shard) -> Vec<bool> {
     let Some(known) = costs.iter().copied().collect::<Option<Vec<f64>>>() else {
         return (0..costs.len()).map(|k| k % shard.count as usize == shard.index as usize).collect();
     };
-    // the dearest first, each to whom has least; in whole microseconds, which have an order
+    // the most expensive first, each to the shard with the least cost; in integer microseconds, which are totally ordered
     let mut dearest: Vec<(u64, usize)> = known.iter().enumerate().map(|(k, cost)| ((cost * 1e3) as u64, k)).collect();
     dearest.sort_by_key(|&(cost, k)| (Reverse(cost), k));
     let mut loads: BinaryHeap<Reverse<(u64, u32)>> = (0..shard.count).map(|shard| Reverse((0, shard))).collect();
@@ -42,7 +42,7 @@ fn shared(costs: &[Option<f64>], shard: Shard) -> Vec<bool> {
     for (cost, k) in dearest {
         if let Some(Reverse((load, least))) = loads.pop() {
             own[k] = least == shard.index;
-            // nothing is for nothing
+            // every frame costs something
             loads.push(Reverse((load + cost.max(1), least)));
         }
     }
@@ -71,7 +71,7 @@ mod tests {
             let load = |own: &Vec<bool>| (0..costs.len()).filter(|k| own[*k]).map(cost).sum::<f64>();
             let loads: Vec<f64> = all.iter().map(load).collect();
             let dearest = (0..costs.len()).map(cost).fold(0.0, f64::max);
-            // whole microseconds lose one a frame
+            // whole microseconds lose one per frame
             let apart = loads.iter().copied().fold(0.0, f64::max) - loads.iter().copied().fold(f64::INFINITY, f64::min);
             prop_assert!(apart <= dearest + 0.001 * costs.len() as f64, "{:?}", loads);
         }

@@ -1,4 +1,4 @@
-//! Memory for frames that are on their way: one always has room, more as long as all fit.
+//! Memory budget for frames in flight: one is always admitted, more as long as all fit.
 
 use crate::input::limits::memory;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -9,17 +9,17 @@ pub struct Slots {
     freed: Condvar,
 }
 
-/// Bytes of a frame, until this is dropped.
+/// A frame's share of the budget, released on drop.
 pub struct Slot {
-    room: Arc<Slots>,
+    slots: Arc<Slots>,
     bytes: u64,
 }
 
-/// What there is where the system does not say.
+/// The budget if the system does not report its free memory.
 const UNKNOWN: u64 = 1 << 30;
 
 impl Slots {
-    /// Half of what is free.
+    /// Half of the free memory.
     pub fn of_this_machine() -> Arc<Slots> {
         Slots::new(memory::free().unwrap_or(UNKNOWN) / 2)
     }
@@ -28,20 +28,20 @@ impl Slots {
         Arc::new(Slots { most, used: Mutex::new(0), freed: Condvar::new() })
     }
 
-    /// Waits until there is room for so many bytes, or nothing else has any.
-    pub fn hold(self: &Arc<Slots>, bytes: u64) -> Slot {
+    /// Waits until so many bytes fit, or no other frame is in flight.
+    pub fn reserve(self: &Arc<Slots>, bytes: u64) -> Slot {
         let used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
         let is_taken = |used: &mut u64| *used > 0 && *used + bytes > self.most;
         let mut used = self.freed.wait_while(used, is_taken).unwrap_or_else(PoisonError::into_inner);
         *used += bytes;
-        Slot { room: self.clone(), bytes }
+        Slot { slots: self.clone(), bytes }
     }
 }
 
 impl Drop for Slot {
     fn drop(&mut self) {
-        *self.room.used.lock().unwrap_or_else(PoisonError::into_inner) -= self.bytes;
-        self.room.freed.notify_all();
+        *self.slots.used.lock().unwrap_or_else(PoisonError::into_inner) -= self.bytes;
+        self.slots.freed.notify_all();
     }
 }
 
@@ -53,19 +53,19 @@ mod tests {
 
     #[test]
     fn frames_wait_until_they_fit_and_one_always_does() {
-        let room = Slots::new(100);
+        let slots = Slots::new(100);
         let (now, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
         std::thread::scope(|scope| {
             for _ in 0..12 {
                 scope.spawn(|| {
-                    let _held = room.hold(40);
+                    let _slot = slots.reserve(40);
                     most.fetch_max(1 + now.fetch_add(1, Ordering::SeqCst), Ordering::SeqCst);
                     std::thread::sleep(Duration::from_millis(5));
                     now.fetch_sub(1, Ordering::SeqCst);
                 });
             }
         });
-        assert_eq!((most.into_inner(), *room.used.lock().unwrap()), (2, 0));
-        drop(room.hold(1000));
+        assert_eq!((most.into_inner(), *slots.used.lock().unwrap()), (2, 0));
+        drop(slots.reserve(1000));
     }
 }

@@ -1,4 +1,4 @@
-//! A device that is kept busy: while it renders one frame the next one is read, planned and sent, and the one before is written.
+//! A worker keeps one device busy: while it renders a frame, the next one is read, planned and uploaded, and the previous one written.
 
 use super::list::Task;
 use super::run::{Run, guarded};
@@ -18,23 +18,23 @@ use std::sync::mpsc::{Receiver, SyncSender, TryRecvError};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// A frame that is read.
+/// A frame after reading.
 pub struct Ready<'a> {
     pub task: Task<'a>,
     pub work: Work,
-    /// Of a frame that others may overlap.
+    /// The plan, if other frames may overlap with this one.
     pub planned: Option<Planned>,
     pub inputs: Inputs,
     pub started: Instant,
-    _held: Slot,
+    _slot: Slot,
 }
 
-/// A frame that the device is done with.
+/// A frame after rendering.
 pub struct Taken<'a> {
     pub ready: Ready<'a>,
     pub picture: Picture,
     pub device: Device,
-    /// For how long it kept the device busy, ms.
+    /// Device time, ms.
     pub ms: f64,
 }
 
@@ -43,47 +43,47 @@ pub enum Picture {
     Seen(Box<Seen>),
 }
 
-/// One device and what is on it.
+/// One device and its contents.
 pub struct Worker {
     options: GpuOptions,
     /// Its adapter.
     name: String,
-    /// None on a machine without any.
+    /// `None` on a machine without adapters.
     engine: Option<Engine>,
     frames: Option<Frames>,
-    /// What was last planned for it.
+    /// The last planned frame.
     last: Mutex<Option<Planned>>,
     planner: Option<Planner>,
-    /// Until when it was last busy, and for how long in all.
+    /// End of the last busy time, and total busy time.
     until: Instant,
     busy: Duration,
     reopened: u32,
-    /// It has no device any more.
+    /// The device is lost for good.
     is_gone: AtomicBool,
 }
 
-/// Frames may lose the device so often before they are given up.
+/// A frame fails after losing the device this often.
 const LOSSES_MAX: u32 = 2;
 
-/// How often, and after what pauses, a lost device is looked for.
+/// Attempts to reopen a lost device, and the pauses before them.
 const REOPEN: u32 = 5;
 const REOPEN_PAUSE: Duration = Duration::from_millis(500);
 
-/// What a device did in a batch.
+/// Statistics of a device in a batch.
 #[derive(Debug, Clone, Serialize)]
 pub struct Worked {
     /// The adapter's name, or cpu.
     pub adapter: String,
-    /// For how long frames were in flight, s.
+    /// Time with frames in flight, s.
     pub busy_s: f64,
-    /// That over the time of the batch.
+    /// The same relative to the batch's time.
     pub busy_share: f64,
-    /// How often it was lost and opened again.
+    /// Number of times it was lost and reopened.
     pub reopened: u32,
 }
 
 impl Worker {
-    /// One for each adapter that is named: by a part of its name, by its number from 0, or `all`.
+    /// One worker per named adapter: a part of its name, its index from 0, or `all`.
     pub fn open_all(adapters: Option<&[String]>) -> Result<Vec<Worker>> {
         let named = |name: &String| match name.parse() {
             Ok(passed_over) => GpuOptions { passed_over, ..GpuOptions::default() },
@@ -114,7 +114,7 @@ impl Worker {
         })
     }
 
-    /// The parts that threads share: one that reads for it, and the device itself.
+    /// Splits it into the half of the reading threads and that of the device's thread.
     pub fn parts(&mut self) -> (Reader<'_>, Driver<'_>) {
         let Worker { options, name: _, engine, frames, last, planner, until, busy, reopened, is_gone } = self;
         *until = Instant::now();
@@ -137,7 +137,7 @@ impl Worker {
         self.options.adapter = Some("none that is there".into());
     }
 
-    /// What it did in a time, s.
+    /// Its statistics over a time, s.
     pub fn worked(&self, wall_s: f64) -> Worked {
         let busy_s = self.busy.as_secs_f64();
         Worked { adapter: self.name.clone(), busy_s, busy_share: busy_s / wall_s, reopened: self.reopened }
@@ -153,7 +153,7 @@ pub struct Reader<'s> {
 }
 
 impl Reader<'_> {
-    /// Reads frames until there are none, or no device for them.
+    /// Reads frames until the queue ends or the device is lost for good.
     pub fn run<'a>(self, run: &Run<'a>, ready: &SyncSender<Ready<'a>>) {
         while !self.is_gone.load(Ordering::SeqCst)
             && let Some(task) = run.next()
@@ -175,7 +175,7 @@ impl Reader<'_> {
         let (work, inputs) = crate::input::files::noted(|| Work::read_of_many(job, run.library()));
         let work = work?;
         run.tell_missing(work.missing());
-        let held = run.slots().hold(work.bytes());
+        let slot = run.slots().reserve(work.bytes());
         work.check_memory()?;
         let planned = match self.planner {
             Some(planner) => {
@@ -188,7 +188,7 @@ impl Reader<'_> {
             }
             None => None,
         };
-        Ok(Ready { task, work, planned, inputs, started, _held: held })
+        Ok(Ready { task, work, planned, inputs, started, _slot: slot })
     }
 }
 
@@ -201,25 +201,25 @@ pub struct Driver<'s> {
     busy: &'s mut Duration,
     reopened: &'s mut u32,
     is_gone: &'s AtomicBool,
-    /// Something failed in the middle: what is on the device may be of two frames.
+    /// An error interrupted an update: the device may hold data of two frames.
     is_uncertain: bool,
 }
 
 impl Driver<'_> {
-    /// Renders what is ready until nothing comes any more.
+    /// Renders frames until the channel closes.
     pub fn run<'a>(&mut self, run: &Run<'a>, ready: &Receiver<Ready<'a>>, taken: &SyncSender<Taken<'a>>) {
-        let mut flying: Option<(Ready<'a>, InFlight)> = None;
+        let mut in_flight: Option<(Ready<'a>, InFlight)> = None;
         let mut again: VecDeque<Ready<'a>> = VecDeque::new();
         loop {
-            // what lost the device goes alone
+            // a frame that lost the device is rendered alone
             let next = match again.pop_front() {
                 Some(next) => Ok(next),
-                None if flying.is_some() => ready.try_recv(),
+                None if in_flight.is_some() => ready.try_recv(),
                 None => ready.recv().map_err(|_| TryRecvError::Disconnected),
             };
             let next = match next {
                 Ok(next) => Some(next),
-                Err(TryRecvError::Disconnected) if flying.is_none() => return,
+                Err(TryRecvError::Disconnected) if in_flight.is_none() => return,
                 Err(_) => None,
             };
             let is_alone = next.as_ref().is_none_or(|next| next.planned.is_none() || next.task.losses > 0);
@@ -227,29 +227,29 @@ impl Driver<'_> {
             let mut launched = None;
             if let Some(next) = next.filter(|_| !run.queue().is_stopped()) {
                 if is_alone {
-                    self.finish(run, flying.take(), taken, &mut lost);
+                    self.finish(run, in_flight.take(), taken, &mut lost);
                 }
                 if self.has_lost() {
-                    // no fault of this one
+                    // not the fault of this frame
                     lost.push(next);
                 } else {
-                    match guarded(|| self.launch(&next, &mut flying, run, taken, &mut lost)) {
-                        Ok(Launched::InFlight(flight)) => launched = Some((next, *flight)),
+                    match guarded(|| self.launch(&next, &mut in_flight, run, taken, &mut lost)) {
+                        Ok(Launched::InFlight(pending)) => launched = Some((next, *pending)),
                         Ok(Launched::Seen(seen, ms)) => self.hand_on(next, Picture::Seen(seen), ms, taken),
                         Ok(Launched::Not) => lost.push(next),
                         Err(e) => self.fault(run, next, e, &mut lost),
                     }
                 }
             }
-            let landing = flying.take();
-            self.finish(run, landing, taken, &mut lost);
-            flying = launched;
+            let finished = in_flight.take();
+            self.finish(run, finished, taken, &mut lost);
+            in_flight = launched;
             if self.is_uncertain && !self.has_lost() {
-                self.finish(run, flying.take(), taken, &mut lost);
+                self.finish(run, in_flight.take(), taken, &mut lost);
                 (*self.frames, self.is_uncertain) = (None, false);
             }
             if !lost.is_empty() || self.has_lost() {
-                lost.extend(flying.take().map(|(ready, _)| ready));
+                lost.extend(in_flight.take().map(|(ready, _)| ready));
                 again.extend(lost);
                 if let Err(e) = guarded(|| self.reopen(run)) {
                     self.is_gone.store(true, Ordering::SeqCst);
@@ -261,11 +261,11 @@ impl Driver<'_> {
         }
     }
 
-    /// Gives a frame to the device: so that others overlap it, or in all its parts.
+    /// Starts a frame on the device: overlapping with others, or whole.
     fn launch<'a>(
         &mut self,
         next: &Ready<'a>,
-        flying: &mut Option<(Ready<'a>, InFlight)>,
+        in_flight: &mut Option<(Ready<'a>, InFlight)>,
         run: &Run<'a>,
         taken: &SyncSender<Taken<'a>>,
         lost: &mut Vec<Ready<'a>>,
@@ -282,8 +282,8 @@ impl Driver<'_> {
             None => false,
         };
         if !is_shown {
-            // those that fly are of what was there
-            self.finish(run, flying.take(), taken, lost);
+            // frames in flight use the present contents
+            self.finish(run, in_flight.take(), taken, lost);
             if self.has_lost() {
                 return Ok(Launched::Not);
             }
@@ -297,41 +297,41 @@ impl Driver<'_> {
         }
     }
 
-    /// Waits for a frame and hands it on; again and alone where its lists were too small.
+    /// Waits for a frame and passes it on. If its lists were too small it is rendered again, alone.
     fn finish<'a>(
         &mut self,
         run: &Run<'a>,
-        flying: Option<(Ready<'a>, InFlight)>,
+        in_flight: Option<(Ready<'a>, InFlight)>,
         taken: &SyncSender<Taken<'a>>,
         lost: &mut Vec<Ready<'a>>,
     ) {
-        let Some((ready, flight)) = flying else { return };
-        let started = flight.started;
-        match guarded(|| self.land(&ready, flight)) {
-            Ok(landed) => {
+        let Some((ready, pending)) = in_flight else { return };
+        let started = pending.started;
+        match guarded(|| self.read_back(&ready, pending)) {
+            Ok(readback) => {
                 let ms = self.was_busy(started);
-                self.hand_on(ready, Picture::Readback(Box::new(landed)), ms, taken);
+                self.hand_on(ready, Picture::Readback(Box::new(readback)), ms, taken);
             }
             Err(e) => self.fault(run, ready, e, lost),
         }
     }
 
-    fn land(&mut self, ready: &Ready, flight: InFlight) -> Result<Readback> {
+    fn read_back(&mut self, ready: &Ready, pending: InFlight) -> Result<Readback> {
         let (Some(frames), Some(planned)) = (self.frames.as_mut(), &ready.planned) else {
             return Err(Error::work("no frames"));
         };
-        frames.recheck_samples(planned, flight)
+        frames.recheck_samples(planned, pending)
     }
 
     fn hand_on<'a>(&self, mut ready: Ready<'a>, picture: Picture, ms: f64, taken: &SyncSender<Taken<'a>>) {
         let device = Backend::device_of(self.engine.as_ref(), ready.work.job());
-        // what was sent is not needed any more
+        // the uploaded data is not needed any more
         ready.planned = None;
         // who writes is there as long as this is
         let _ = taken.send(Taken { ready, picture, device, ms });
     }
 
-    /// A frame has failed, unless it was the device that did.
+    /// Records a failed frame, unless the device was lost.
     fn fault<'a>(&mut self, run: &Run<'a>, mut ready: Ready<'a>, error: Error, lost: &mut Vec<Ready<'a>>) {
         ready.task.losses += 1;
         self.is_uncertain = true;
@@ -342,7 +342,7 @@ impl Driver<'_> {
         }
     }
 
-    /// The device has reported an error; it may answer no more.
+    /// The device has reported an error and may be unusable.
     fn has_lost(&self) -> bool {
         self.engine.as_ref().is_some_and(|engine| engine.gpu.failure().is_err())
     }
@@ -373,7 +373,7 @@ impl Driver<'_> {
         }
     }
 
-    /// Counts the time from a start, or the end of the last busy one, until now; ms.
+    /// Adds the time from a start, or from the end of the last busy time, until now; returns it, ms.
     fn was_busy(&mut self, started: Instant) -> f64 {
         let now = Instant::now();
         let own = now.duration_since(started.max(*self.until));
@@ -383,7 +383,7 @@ impl Driver<'_> {
     }
 }
 
-/// Those that are no software, unless all are.
+/// The hardware adapters; if there are none, the software ones.
 fn all_adapters() -> Vec<GpuOptions> {
     let all: Vec<_> = adapters().iter().map(wgpu::Adapter::get_info).collect();
     let is_hard = |info: &&wgpu::AdapterInfo| info.device_type != wgpu::DeviceType::Cpu;
@@ -396,6 +396,6 @@ fn all_adapters() -> Vec<GpuOptions> {
 enum Launched {
     InFlight(Box<InFlight>),
     Seen(Box<Seen>, f64),
-    /// The device was lost with the frame before.
+    /// The device was lost during the previous frame.
     Not,
 }

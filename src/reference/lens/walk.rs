@@ -36,9 +36,9 @@ impl At {
     }
 }
 
-/// Largest turn of the tangent in a step (its cosine), and largest factor by which the determinant may change from its start to its middle
+/// Largest rotation of the tangent in a step (its cosine), and largest factor by which the determinant may change from its start to its middle
 /// and to its end. Over a pair of close folds the determinant falls and rises like a parabola, which changes it by more than these factors.
-const TURN: f64 = 0.95;
+const ROTATION_COS: f64 = 0.95;
 const CHANGE: f64 = 2.0;
 
 /// The preimage ends at a fold where det J falls to this, as the camera's does.
@@ -86,7 +86,7 @@ fn step(k: &[f64; 14], line: DVec2, at: &At, length: f64) -> Option<At> {
     }
     let is_like = |next: &At| {
         let change = next.determinant() / at.determinant();
-        next.ahead().dot(at.ahead()) >= TURN && (CHANGE.recip()..CHANGE).contains(&change)
+        next.ahead().dot(at.ahead()) >= ROTATION_COS && (CHANGE.recip()..CHANGE).contains(&change)
     };
     let middle = At::new(k, line, at.p + 0.5 * length * at.ahead()).filter(is_like)?;
     let mut next = At::new(k, line, at.p + length * middle.ahead())?;

@@ -258,8 +258,8 @@ fn no_ray_and_no_triangle_give_no_hit() {
     bad[3].h = [0.0; 3];
     assert!(bad.iter().all(|b| reference.hit(b, ALL).is_none() && !reference.verdict(&[*b], ALL).safe));
     // The same rays with every homogeneous part negated.
-    let turned = Bundle { p: good.p.map(|v| -v), d: good.d.map(|v| -v), h: good.h.map(|v| -v) };
-    assert_eq!(reference.hit(&turned, ALL), reference.hit(&good, ALL));
+    let flipped = Bundle { p: good.p.map(|v| -v), d: good.d.map(|v| -v), h: good.h.map(|v| -v) };
+    assert_eq!(reference.hit(&flipped, ALL), reference.hit(&good, ALL));
     let empty = Mesh::default();
     assert!(Reference::build(&empty).hit(&good, ALL).is_none());
     let miss = Reference::build(&empty).verdict(&[good], ALL);

@@ -140,7 +140,7 @@ fn twins_count_once_and_backs_of_one_sided_ones_not_at_all() {
     assert_eq!(verdict(&twins, FORWARD), (true, vec![1], false));
     twins.material_of = vec![1, 1];
     assert_eq!(verdict(&twins, FORWARD), (true, vec![], true));
-    // Turned to show their fronts, the lower one hides the higher.
+    // Flipped to show their fronts, the lower one hides the higher.
     twins.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     assert_eq!(verdict(&twins, FORWARD), (true, vec![0], false));
     // Small enough that every edge passes within the box, a back is still no candidate.
@@ -163,7 +163,7 @@ fn triangles_that_join_leave_no_miss() {
     let whole = mesh(positions.clone(), fan.clone());
     let (safe, candidates, may_miss) = verdict(&whole, FORWARD);
     assert_eq!((safe, candidates, may_miss), (false, (0..6).collect(), false));
-    // The same with one triangle turned about is not proven, with one left out not true.
+    // The same with one triangle flipped about is not proven, with one left out not true.
     let (_, _, open) = verdict(&mesh(positions.clone(), fan[1..].to_vec()), FORWARD);
     assert!(open);
     // A range that ends within the fan.
@@ -171,8 +171,8 @@ fn triangles_that_join_leave_no_miss() {
     assert!(cut);
     // One-sided: seen from the front it covers, from the back it is not there.
     for (flip, seen) in [(true, true), (false, false)] {
-        let turned = fan.iter().map(|t| if flip { [t[0], t[2], t[1]] } else { *t }).collect();
-        let mut one_sided = mesh(positions.clone(), turned);
+        let flipped = fan.iter().map(|t| if flip { [t[0], t[2], t[1]] } else { *t }).collect();
+        let mut one_sided = mesh(positions.clone(), flipped);
         one_sided.materials[0].two_sided = false;
         let (_, candidates, may_miss) = verdict(&one_sided, FORWARD);
         assert_eq!((candidates.len(), may_miss), (if seen { 6 } else { 0 }, !seen));

@@ -1,4 +1,4 @@
-//! From photons to caustic triangles: the flux of the beams between them, and what of it lands where.
+//! From photons to caustic triangles: the flux of the beams between them, and where it falls on receivers.
 
 use super::landing::Landings;
 use super::{Budget, Caustics, Method, mean};
@@ -12,24 +12,24 @@ use rayon::prelude::*;
 pub const CHANNELS: [Channel; 6] =
     [Channel::R, Channel::G, Channel::TriangleId, Channel::BaryU, Channel::BaryV, Channel::MirrorId];
 
-/// What became of a ray of the light.
+/// The fate of a photon.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Photon {
     pub fate: Fate,
-    /// What the turns left of its light, linear RGB.
+    /// Share of the light left after the bounces, linear RGB.
     pub left: [f64; 3],
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fate {
-    /// Never turned.
+    /// Never bounced.
     Direct,
     /// Ended on the optics.
     Absorbed,
-    /// Turned, and then on no receiver's plane.
+    /// Bounced, and not on a receiver's plane.
     Missed,
-    /// Turned so often, and then on this receiver's plane, there at a place in texels.
-    Landed { receiver: u32, turns: u32, place: DVec2 },
+    /// Bounced so often, then on this receiver's plane at `place`, texels.
+    OnReceiver { receiver: u32, bounces: u32, place: DVec2 },
 }
 
 /// Light on a receiver, spread evenly over a triangle; a line or a point where corners coincide.
@@ -54,8 +54,8 @@ impl Caustics {
         let triangles = mesh.triangles.len() as u32;
         let photon = |k: usize| {
             // halving is exact
-            let turns = (g[k] / r[k]).log2().round();
-            let left = self.optics.tint.map(|tint| f64::from(tint).powi(turns as i32) * f64::from(g[k]));
+            let bounces = (g[k] / r[k]).log2().round();
+            let left = self.optics.tint.map(|tint| f64::from(tint).powi(bounces as i32) * f64::from(g[k]));
             let fate = match (mirrors[k], ids[k], landings.of(ids[k])) {
                 (NO_ID, ..) => return Photon { fate: Fate::Direct, left: [1.0; 3] },
                 (_, NO_ID, _) => Fate::Missed,
@@ -63,10 +63,10 @@ impl Caustics {
                 (_, _, None) => Fate::Missed,
                 (_, _, Some(landing)) => {
                     let place = landing.place([u[k], v[k]].map(f64::from));
-                    Fate::Landed { receiver: landing.receiver, turns: turns as u32, place }
+                    Fate::OnReceiver { receiver: landing.receiver, bounces: bounces as u32, place }
                 }
             };
-            // nothing is left of a light that was turned to nothing
+            // a path without light has no share
             let left = if left.iter().all(|l| l.is_finite()) { left } else { [0.0; 3] };
             Photon { fate, left }
         };
@@ -76,7 +76,7 @@ impl Caustics {
     /// The caustic triangles of all beams, and a budget without what the receivers' maps alone know: `deposited`, and the
     /// part of `missed` that lies beyond their borders.
     ///
-    /// Photons of a beam that fare alike, equally often turned and on one receiver, stay together: three are a triangle, two
+    /// Photons of a beam with the same number of bounces and the same receiver stay together: three are a triangle, two
     /// have two thirds of the flux, one a third, on triangles guessed from their neighbours.
     pub fn casts(&self, photons: &[Photon]) -> (Vec<Cast>, Budget) {
         let flux = self.beam_flux();
@@ -93,7 +93,7 @@ impl Caustics {
                     Fate::Direct => budget.direct += left,
                     Fate::Absorbed => budget.absorbed += left,
                     Fate::Missed => budget.missed += left,
-                    Fate::Landed { .. } => {}
+                    Fate::OnReceiver { .. } => {}
                 }
             }
             for cast in grid.casts(corners, flux) {
@@ -114,10 +114,10 @@ impl Caustics {
     }
 }
 
-/// The way of a photon that landed, and where.
-fn landed(photon: &Photon) -> Option<((u32, u32), DVec2)> {
+/// Receiver, number of bounces and texel place of a photon on a receiver.
+fn on_receiver(photon: &Photon) -> Option<((u32, u32), DVec2)> {
     match photon.fate {
-        Fate::Landed { receiver, turns, place } => Some(((receiver, turns), place)),
+        Fate::OnReceiver { receiver, bounces, place } => Some(((receiver, bounces), place)),
         _ => None,
     }
 }
@@ -131,29 +131,29 @@ struct Grid<'a> {
 impl Grid<'_> {
     /// The parts of a beam's light that stay together on a receiver.
     fn casts(&self, corners: [usize; 3], flux: f64) -> Vec<Cast> {
-        let ways = corners.map(|k| landed(&self.photons[k]));
+        let paths = corners.map(|k| on_receiver(&self.photons[k]));
         let mut casts = Vec::new();
-        for (k, found) in ways.iter().enumerate() {
-            let Some((way, _)) = found else { continue };
-            let is_of = |k: usize| ways[k].is_some_and(|w| w.0 == *way);
+        for (k, found) in paths.iter().enumerate() {
+            let Some((path, _)) = found else { continue };
+            let is_of = |k: usize| paths[k].is_some_and(|w| w.0 == *path);
             if (0..k).any(is_of) {
                 continue;
             }
             let part = |mine: bool| (0..3).filter(|k| is_of(*k) == mine).map(|k| corners[k]).collect::<Vec<_>>();
             let (own, others) = (part(true), part(false));
             let third = |c: usize| own.iter().map(|k| self.photons[*k].left[c] * flux / 3.0).sum();
-            let triangle = self.triangle(*way, &own, &others);
-            casts.extend(triangle.map(|t| Cast { receiver: way.0, corners: t, flux: [third(0), third(1), third(2)] }));
+            let triangle = self.triangle(*path, &own, &others);
+            casts.extend(triangle.map(|t| Cast { receiver: path.0, corners: t, flux: [third(0), third(1), third(2)] }));
         }
         casts
     }
 
-    /// Over what the light of a beam's photons `own` is spread. Where `others` fare otherwise their places are guessed from
-    /// the photons opposite, and the triangle is made smaller as its light is less.
-    fn triangle(&self, way: (u32, u32), own: &[usize], others: &[usize]) -> Option<[DVec2; 3]> {
-        let place = |k: usize| landed(&self.photons[k]).map(|l| l.1);
+    /// The triangle over which the light of a beam's photons `own` is spread. If `others` took another path, their places are
+    /// extrapolated, and the triangle is shrunk in proportion to its light.
+    fn triangle(&self, path: (u32, u32), own: &[usize], others: &[usize]) -> Option<[DVec2; 3]> {
+        let place = |k: usize| on_receiver(&self.photons[k]).map(|l| l.1);
         let first = place(*own.first()?)?;
-        let guess = |other: usize| own.iter().find_map(|k| self.opposite(way, *k, other));
+        let guess = |other: usize| own.iter().find_map(|k| self.opposite(path, *k, other));
         Some(match (own, others) {
             (&[_, b, c], _) => [first, place(b)?, place(c)?],
             (&[_, b], &[other]) => {
@@ -168,13 +168,13 @@ impl Grid<'_> {
         })
     }
 
-    /// Where photon `missing` would land if the map were linear from the photon on the other side of `k`.
-    fn opposite(&self, way: (u32, u32), k: usize, missing: usize) -> Option<DVec2> {
+    /// The place of photon `missing` if the map were linear from the photon on the other side of `k`.
+    fn opposite(&self, path: (u32, u32), k: usize, missing: usize) -> Option<DVec2> {
         let cell = |k: usize| ((k % self.columns) as i64, (k / self.columns) as i64);
         let ((x, y), (mx, my)) = (cell(k), cell(missing));
         let (x, y) = (usize::try_from(2 * x - mx).ok()?, usize::try_from(2 * y - my).ok()?);
         let beyond = self.photons.get(y * self.columns + x).filter(|_| x < self.columns)?;
-        let (_, from) = landed(beyond).filter(|l| l.0 == way)?;
-        Some(2.0 * landed(&self.photons[k])?.1 - from)
+        let (_, from) = on_receiver(beyond).filter(|l| l.0 == path)?;
+        Some(2.0 * on_receiver(&self.photons[k])?.1 - from)
     }
 }

@@ -1,12 +1,12 @@
-//! Caustics: light that a mirror or a lens turns onto receivers.
+//! Caustics: light that a mirror or a lens bounces onto receivers.
 //!
-//! A camera at the light, with the optics before it, sees where light goes: the photon-location map, a photon for every
-//! corner of a grid over the light's image. Three neighbouring photons span a beam of known flux, and on a receiver a
-//! caustic triangle, over which the flux is spread evenly. Maps of flux on the receivers are what comes of it; where a
-//! camera sees a receiver, the diffuse reflection of that light is added.
+//! A camera at the light, looking at the optics, renders the photon-location map: one photon for every corner of a grid over
+//! the light's image. Three neighbouring photons span a beam of known flux, and on a receiver a caustic triangle, over which
+//! the flux is spread evenly. The result is a map of flux on each receiver. Where a camera sees a receiver, the diffuse
+//! reflection of that flux is added.
 //!
-//! [`flux`] and [`beams`] make the triangles of the photons, the kernel `deposit` adds up their flux, the kernel `gather` lights pixels;
-//! [`crate::reference`] does all of it by itself.
+//! [`flux`] and [`beams`] make the triangles of the photons, the kernel `deposit` adds up their flux, the kernel `gather` adds it to pixels;
+//! [`crate::reference`] computes all of it independently.
 //!
 //! Hou, Wei, Shum and Guo 2006, section 3.3.
 
@@ -28,7 +28,7 @@ use glam::{DVec2, DVec3};
 use serde::Serialize;
 use std::sync::Arc;
 
-/// A light whose caustics are wanted, and where.
+/// A light and the receivers of its caustics.
 #[derive(Debug, Clone)]
 pub struct Caustics {
     /// The camera at the light: a pixel for each corner of the grid of `cells`, and its sample there.
@@ -36,18 +36,18 @@ pub struct Caustics {
     pub optics: Arc<Optics>,
     /// Columns and rows of the grid over the light's image.
     pub cells: [u32; 2],
-    /// Of all of the light's image.
+    /// Flux of the light's whole image, linear RGB.
     pub flux: f64,
     pub method: Method,
     pub receivers: Vec<Receiver>,
 }
 
-/// How much light a caustic triangle brings.
+/// How the flux of a caustic triangle is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// The flux of its beam, spread over its area.
     Flux,
-    /// What the light would send there without the optics, times the ratio of the solid angles of the beam and the
+    /// The flux of the light there without the optics, times the ratio of the solid angles of the beam and the
     /// triangle, both seen from the light (Hou et al., section 3.3).
     SolidAngle,
 }
@@ -69,7 +69,7 @@ pub struct Map {
     pub flux: Vec<[f64; 3]>,
 }
 
-/// All maps, and where the rest of the light went.
+/// The maps of all receivers, and the budget of the remaining flux.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Illumination {
     pub maps: Vec<Map>,
@@ -80,13 +80,13 @@ pub struct Illumination {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Budget {
     pub flux: f64,
-    /// On the receivers, by way of the optics.
+    /// On the receivers.
     pub deposited: f64,
-    /// Turned by the optics and gone elsewhere.
+    /// Bounced by the optics, and off the receivers.
     pub missed: f64,
-    /// Never turned: ordinary light, of which caustics know nothing.
+    /// Never bounced: direct light, which is not part of caustics.
     pub direct: f64,
-    /// Kept by the optics' colour, and of rays that end on them.
+    /// Absorbed by the optics.
     pub absorbed: f64,
     /// Caustic triangles on receivers, flat ones among them.
     pub triangles: u64,
@@ -94,7 +94,7 @@ pub struct Budget {
     pub degenerate: u64,
 }
 
-/// A budget, and what it took: wall time from the light's first ray until the maps are complete, ms.
+/// A budget, and the wall time from the light's first ray until the maps are complete, ms.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Account {
     #[serde(flatten)]
@@ -104,7 +104,7 @@ pub struct Account {
 
 impl Caustics {
     /// # Errors
-    /// [`Error::Input`] where the light or a receiver makes no sense, or no triangle of the scene is in a receiver's plane.
+    /// [`Error::Input`] if the light or a receiver makes no sense, or no triangle of the scene is in a receiver's plane.
     pub fn new(spec: &CausticsSpec, mesh: &Mesh) -> Result<Caustics> {
         let [columns, rows] = spec.map;
         let camera = Camera::in_scene(&spec.light, Some((columns, rows)), mesh).map_err(|e| e.at("caustics.light"))?;
@@ -126,8 +126,8 @@ impl Caustics {
         })
     }
 
-    /// The light's camera and a scene in which R and G say what became of a photon: every surface sends back all light, so
-    /// that G is the share that all turns but their colour left of it, and R that share once halved a turn.
+    /// The light's camera and a scene whose R and G encode the photons: surfaces are white, so G is a photon's remaining share of light
+    /// without tints, and R is the same halved at every bounce.
     pub fn counting(&self, scene: &Scene) -> (Scene, Camera) {
         let optics = Optics { tint: COUNTING_TINT, base: [1.0; 3], ..(*self.optics).clone() };
         let camera = Camera { optics: Some(Arc::new(optics)), ..self.light.clone() };
@@ -160,7 +160,7 @@ impl Caustics {
     }
 }
 
-/// R is halved at every turn.
+/// R is halved at every bounce.
 const COUNTING_TINT: [f32; 3] = [0.5, 1.0, 1.0];
 
 impl Receiver {
@@ -169,7 +169,7 @@ impl Receiver {
         self.u.cross(self.v).length()
     }
 
-    /// World area of one.
+    /// World area of a texel.
     pub fn texel_area(&self) -> f64 {
         self.area() / (self.texels[0] as f64 * self.texels[1] as f64)
     }
@@ -178,14 +178,14 @@ impl Receiver {
         DVec2::new(self.texels[0] as f64, self.texels[1] as f64)
     }
 
-    /// Where a point of its plane lies, texels along u and v from the origin.
+    /// Texel coordinates of a point of its plane, along u and v from the origin.
     pub fn texels_of(&self, p: DVec3) -> DVec2 {
         let n = self.u.cross(self.v);
         let q = p - self.origin;
         DVec2::new(q.cross(self.v).dot(n), self.u.cross(q).dot(n)) / n.length_squared() * self.size()
     }
 
-    /// The point of a place in texels.
+    /// World point of texel coordinates.
     pub fn point(&self, place: DVec2) -> DVec3 {
         let st = place / self.size();
         self.origin + st.x * self.u + st.y * self.v
@@ -193,7 +193,7 @@ impl Receiver {
 }
 
 impl Map {
-    /// Flux an area at a place in texels, linear RGB: between the middles of texels bilinear, beyond the outermost ones
+    /// Flux per area at texel coordinates, linear RGB: between the middles of texels bilinear, beyond the outermost ones
     /// constant; `None` outside.
     pub fn irradiance(&self, place: DVec2) -> Option<[f64; 3]> {
         let [columns, rows] = self.receiver.texels;

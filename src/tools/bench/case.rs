@@ -32,7 +32,7 @@ pub struct Case {
     pub moving: Moving,
     /// What this engine tests and keeps is counted too, in a frame of its own.
     pub counted: bool,
-    /// The truth are colours alone, the means of so many samples a pixel.
+    /// The truth are colours alone, the means of so many samples per pixel.
     pub filtered: Option<u32>,
     /// What makes the scene hard, where that is asked: what is proven is asked too.
     pub stiffness: Option<Stiffness>,
@@ -41,7 +41,7 @@ pub struct Case {
     pub paper: Option<Paper>,
 }
 
-/// One way to show a case's scene.
+/// One way to render a case's scene.
 #[derive(Debug, Clone)]
 pub struct Arm {
     /// A rival as `--engine` names it; `None`: this engine.
@@ -49,9 +49,9 @@ pub struct Arm {
     /// KEY=VALUE of its own.
     pub set: Vec<String>,
     /// What sets it apart from others of the same technique.
-    pub way: Option<&'static str>,
+    pub label: Option<&'static str>,
     /// The number that a sweep varies, where its choice has none, with its name.
-    pub knob: Option<(&'static str, f64)>,
+    pub parameter: Option<(&'static str, f64)>,
     /// As [`crate::engine::RunOptions::no_cull`].
     pub no_cull: bool,
     pub arithmetic: Arithmetic,
@@ -69,7 +69,7 @@ pub enum Samples {
     /// In one frame, of which what they see has shares by areas.
     Analytic(u32),
     /// A frame each.
-    Apart(u32),
+    Separate(u32),
 }
 
 impl Case {
@@ -150,8 +150,8 @@ impl Arm {
         Arm {
             by: None,
             set: Vec::new(),
-            way: None,
-            knob: None,
+            label: None,
+            parameter: None,
             no_cull: false,
             arithmetic: Arithmetic::default(),
             bare: false,
@@ -164,18 +164,18 @@ impl Arm {
         Arm { by: Some(name.to_owned()), ..Arm::ours() }
     }
 
-    /// With so many samples a pixel.
+    /// With so many samples per pixel.
     pub fn samples(self, samples: Samples) -> Arm {
-        let (way, n) = match samples {
-            Samples::AtOnce(n) => (self.way, n),
+        let (label, n) = match samples {
+            Samples::AtOnce(n) => (self.label, n),
             Samples::Analytic(n) => (Some("areas"), n),
-            Samples::Apart(n) => (Some("a frame a sample"), n),
+            Samples::Separate(n) => (Some("a frame a sample"), n),
         };
-        Arm { samples, way, knob: Some(("samples", f64::from(n))), ..self }
+        Arm { samples, label, parameter: Some(("samples", f64::from(n))), ..self }
     }
 
     /// # Errors
-    /// [`crate::input::Error::Input`] where there is no such rival.
+    /// [`crate::input::Error::Input`] if there is no such rival.
     pub fn choice(&self) -> Result<Option<Choice>> {
         self.by.as_deref().map(crate::rivals::parse).transpose().map_err(crate::input::Error::input)
     }
@@ -186,28 +186,28 @@ impl Arm {
     }
 
     /// What sets it apart from others of the same technique.
-    pub fn way(self, way: &'static str) -> Arm {
-        Arm { way: Some(way), ..self }
+    pub fn label(self, label: &'static str) -> Arm {
+        Arm { label: Some(label), ..self }
     }
 
     /// Nothing is left out early.
     pub fn no_cull(self) -> Arm {
-        Arm { no_cull: true, ..self.way("no culling") }
+        Arm { no_cull: true, ..self.label("no culling") }
     }
 
     /// Asked for what yardsticks find.
     pub fn bare(self) -> Arm {
-        Arm { bare: true, ..self.way("t and ids alone") }
+        Arm { bare: true, ..self.label("t and ids alone") }
     }
 
     /// All signs in this arithmetic.
-    pub fn arithmetic(self, arithmetic: Arithmetic, way: &'static str) -> Arm {
-        Arm { arithmetic, ..self.way(way) }
+    pub fn arithmetic(self, arithmetic: Arithmetic, label: &'static str) -> Arm {
+        Arm { arithmetic, ..self.label(label) }
     }
 
     /// The number that a sweep varies.
-    pub fn knob(self, name: &'static str, value: f64) -> Arm {
-        Arm { knob: Some((name, value)), ..self }
+    pub fn parameter(self, name: &'static str, value: f64) -> Arm {
+        Arm { parameter: Some((name, value)), ..self }
     }
 }
 

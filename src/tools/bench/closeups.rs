@@ -139,7 +139,7 @@ fn mean(engine: &mut Engine, scene: &Scene, camera: &Camera, count: u32) -> Resu
     Ok(sums)
 }
 
-/// With several samples a pixel, at once where that goes.
+/// With several samples per pixel, at once where that goes.
 fn several(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Result<Vec<[f32; 3]>> {
     match at_once(scene, camera, SAMPLES) {
         true => frame(engine, scene, camera, SAMPLES, 1),

@@ -48,7 +48,7 @@ pub struct Selection {
 /// Runs a suite, telling of each row as it is there; each case is written once it is run, to a folder of the run's own in `folder`.
 ///
 /// # Errors
-/// [`Error::Work`] where a file cannot be written, [`Error::Input`] where no case is selected; what a technique cannot show is a row
+/// [`Error::Work`] if a file cannot be written, [`Error::Input`] if no case is selected; what a technique cannot show is a row
 /// that says so.
 pub fn run(
     engines: &mut Engines,
@@ -133,7 +133,7 @@ pub const INDEX: &str = "index.html";
 /// Writes index.html over all runs in a folder; returns its path.
 ///
 /// # Errors
-/// [`Error::Input`] where a results.json there is none of this program.
+/// [`Error::Input`] if a results.json there is none of this program.
 pub fn write_index(folder: &Path) -> Result<PathBuf> {
     let failed = |e: std::io::Error| Error::work(format!("{}: {e}", folder.display()));
     let mut names: Vec<PathBuf> = Vec::new();

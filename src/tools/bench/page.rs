@@ -63,7 +63,7 @@ fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
     }
     for (stiffness, rows) in families(&run.rows) {
         text += &format!("<h3>{}</h3>\n", escaped(&stiffness.family));
-        text += &format!("<p class=\"note\">stiffness: {}</p>\n", escaped(&stiffness.knob));
+        text += &format!("<p class=\"note\">stiffness: {}</p>\n", escaped(&stiffness.parameter));
         let own = plots.iter().filter(|(_, title, _)| title.starts_with(&format!("{}: error", stiffness.family)));
         own.for_each(|(_, _, svg)| text += svg);
         text += &table(&STIFF_HEADS, rows.iter().filter_map(stiff));

@@ -54,12 +54,12 @@ pub fn plots(rows: &[Row], plot: Plot) -> Result<Vec<Drawn>> {
             .collect(),
         Plot::Scaling => knobs(rows)
             .into_iter()
-            .filter_map(|knob| {
-                let own: Vec<Row> = rows.iter().filter(|r| knob_of(r) == Some(&knob)).cloned().collect();
-                let series = by_technique(&own, |row| Some((row.knob.as_ref()?.1, row.times.as_ref()?.median)));
-                let title = format!("time by {knob}");
+            .filter_map(|parameter| {
+                let own: Vec<Row> = rows.iter().filter(|r| parameter_of(r) == Some(&parameter)).cloned().collect();
+                let series = by_technique(&own, |row| Some((row.parameter.as_ref()?.1, row.times.as_ref()?.median)));
+                let title = format!("time by {parameter}");
                 (!series.is_empty())
-                    .then(|| Ok((file_name(&title), title, chart(&series, [&knob, "ms a frame"], None)?)))
+                    .then(|| Ok((file_name(&title), title, chart(&series, [&parameter, "ms a frame"], None)?)))
             })
             .collect(),
         Plot::Stiffness => stiffness(rows),
@@ -82,7 +82,7 @@ fn stiffness(rows: &[Row]) -> Result<Vec<Drawn>> {
         let least = 0.1 * values().fold(f64::INFINITY, f64::min);
         let by_number = by_technique(rows, |row| Some((row.stiffness.as_ref()?.value.max(least), wrong_share(row)?)));
         let by_time = by_technique(rows, |row| Some((row.times.as_ref()?.median, wrong_share(row)?)));
-        let axes = [[stiffness.knob.as_str(), WRONG], ["ms a frame", WRONG]];
+        let axes = [[stiffness.parameter.as_str(), WRONG], ["ms a frame", WRONG]];
         for ((series, axes), against) in [by_number, by_time].iter().zip(axes).zip(["stiffness", "time"]) {
             if !series.is_empty() {
                 let title = format!("{}: error against {against}", stiffness.family);
@@ -105,31 +105,32 @@ fn wrong_share(row: &Row) -> Option<f64> {
 
 /// The numbers that are swept.
 fn knobs(rows: &[Row]) -> Vec<String> {
-    let mut names: Vec<String> = rows.iter().filter_map(knob_of).cloned().collect();
+    let mut names: Vec<String> = rows.iter().filter_map(parameter_of).cloned().collect();
     names.sort();
     names.dedup();
     names
 }
 
-fn knob_of(row: &Row) -> Option<&String> {
-    row.knob.as_ref().map(|k| &k.0)
+fn parameter_of(row: &Row) -> Option<&String> {
+    row.parameter.as_ref().map(|k| &k.0)
 }
 
 /// How the time grows with a number that is swept.
 pub struct Growth {
-    pub knob: String,
+    pub parameter: String,
     /// Exponents by technique: slopes of the time over the larger half of the numbers, both logarithmic.
     pub exponents: Vec<(String, f64)>,
 }
 
 pub fn growths(rows: &[Row]) -> Vec<Growth> {
-    let of = |knob: String| {
-        let own: Vec<Row> = rows.iter().filter(|r| knob_of(r) == Some(&knob)).cloned().collect();
-        let series = by_technique(&own, |row| Some((row.knob.as_ref()?.1, row.times.as_ref()?.median)));
+    let of = |parameter: String| {
+        let own: Vec<Row> = rows.iter().filter(|r| parameter_of(r) == Some(&parameter)).cloned().collect();
+        let series = by_technique(&own, |row| Some((row.parameter.as_ref()?.1, row.times.as_ref()?.median)));
         let fits = series.into_iter().filter_map(|s| slope(&s.points).map(|k| (s.name, k)));
-        Growth { knob, exponents: fits.collect() }
+        Growth { parameter, exponents: fits.collect() }
     };
-    let swept = |knob: &String| rows.iter().filter(|r| r.is_ours() && knob_of(r) == Some(knob)).count() > 2;
+    let swept =
+        |parameter: &String| rows.iter().filter(|r| r.is_ours() && parameter_of(r) == Some(parameter)).count() > 2;
     knobs(rows).into_iter().filter(swept).map(of).filter(|g| !g.exponents.is_empty()).collect()
 }
 
@@ -155,9 +156,9 @@ fn by_technique(rows: &[Row], point: impl Fn(&Row) -> Option<(f64, f64)>) -> Vec
     let mut all: Vec<Series> = Vec::new();
     for row in rows {
         let Some(point) = point(row).filter(|p| p.0 > 0.0 && p.1 > 0.0) else { continue };
-        let name = match knob_of(row) {
-            Some(knob) if rows.iter().any(|r| r.name() == row.name() && knob_of(r) != Some(knob)) => {
-                format!("{}: {knob}", row.name())
+        let name = match parameter_of(row) {
+            Some(parameter) if rows.iter().any(|r| r.name() == row.name() && parameter_of(r) != Some(parameter)) => {
+                format!("{}: {parameter}", row.name())
             }
             _ => row.name(),
         };
@@ -273,7 +274,8 @@ fn bars(rows: &[Row]) -> Result<String> {
             .map_err(failed)?;
         let row_name = |at: &SegmentValue<i32>| match at {
             SegmentValue::CenterOf(k) => {
-                let own = |r: &&Row| r.way.as_ref().map_or_else(|| r.case.clone(), |way| format!("{}, {way}", r.case));
+                let own =
+                    |r: &&Row| r.label.as_ref().map_or_else(|| r.case.clone(), |label| format!("{}, {label}", r.case));
                 rows.get((count - 1 - k) as usize).map_or(String::new(), own)
             }
             _ => String::new(),

@@ -1,5 +1,5 @@
 //! Running a case: all arms in turn, A B A B, the order turned round every other time, with an empty kernel as a control; each
-//! frame is held against one truth.
+//! frame is compared with one reference image.
 
 use super::case::{Arm, Case, Samples};
 use super::row::{Certified, Counted, Error, Moving, Row, Times};
@@ -29,7 +29,7 @@ pub struct Engines {
 
 impl Engines {
     /// # Errors
-    /// [`crate::input::Error::Work`] where there is no adapter.
+    /// [`crate::input::Error::Work`] if there is no adapter.
     pub fn open(options: &GpuOptions) -> Result<Engines> {
         let engine = || Ok(Engine::new(Gpu::open(options)?.ok_or_else(|| crate::input::Error::work(NO_ADAPTER))?));
         Ok(Engines { computing: engine()?, drawing: engine()? })
@@ -67,14 +67,14 @@ impl Rules {
     }
 }
 
-/// Frames of more pixels are not held against the reference: it takes minutes.
+/// Frames of more pixels are not compared with the reference: it takes minutes.
 const JUDGED_MAX: u64 = 1 << 20;
 
 /// What runs.
 enum Runner {
     Frames(Box<Frames>),
     /// Of a frame a sample, whose colours are averaged.
-    Apart(Vec<Frames>),
+    Separate(Vec<Frames>),
     Yardstick(Yardstick),
 }
 
@@ -213,7 +213,7 @@ impl<'a> Entry<'a> {
         if !moved.is_empty() {
             let each = |camera| options.clone().and_then(|options| engine.prepare(scene, camera, wanted, options));
             match moved.iter().map(each).collect() {
-                Ok(frames) => self.runner = Some(Runner::Apart(frames)),
+                Ok(frames) => self.runner = Some(Runner::Separate(frames)),
                 Err(e) => self.row.refused = Some(e.to_string()),
             }
             return;
@@ -266,12 +266,12 @@ struct Judge<'a> {
     scene: &'a Scene,
     camera: &'a Camera,
     judgement: Option<Judgement>,
-    /// Every frame is held against what may be seen near each pixel, and not the first alone.
+    /// Every frame is compared with the candidates near each pixel, not only the first frame.
     each: bool,
 }
 
 impl Judge<'_> {
-    /// `None` where the frame is too large to be held against the reference.
+    /// `None` where the frame is too large to be compared with the reference.
     fn error(&mut self, frame: &Frame) -> Result<Option<Error>> {
         if u64::from(self.camera.width) * u64::from(self.camera.height) > JUDGED_MAX {
             return Ok(None);
@@ -284,7 +284,7 @@ impl Judge<'_> {
         Ok(Some(Error { wrong_not_near: self.each.then_some(truth.not_near), ..error }))
     }
 
-    /// The reference's frame, once one was held against it.
+    /// The reference's frame, once a frame has been compared with it.
     fn truth(&self) -> Option<&Frame> {
         self.judgement.as_ref().map(|j| &j.truth)
     }
@@ -293,7 +293,7 @@ impl Judge<'_> {
 /// The cameras of an arm's samples, where each takes a frame.
 fn cameras_apart(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Vec<Camera> {
     match (arm.samples, scene) {
-        (Samples::Apart(n), Ok((_, camera))) => {
+        (Samples::Separate(n), Ok((_, camera))) => {
             places(n).into_iter().map(|place| camera.with_sample_offset(place.x, place.y)).collect()
         }
         _ => Vec::new(),
@@ -302,7 +302,7 @@ fn cameras_apart(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Vec<Camera> {
 
 pub(super) const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
 
-/// The colours of the reference, with so many samples a pixel.
+/// The colours of the reference, with so many samples per pixel.
 fn box_filtered(scene: &Scene, camera: &Camera, samples: u32) -> Frame {
     let frame = |place: DVec2| image(scene, &camera.with_sample_offset(place.x, place.y), &COLOURS);
     mean(places(samples).into_iter().map(frame))
@@ -332,7 +332,7 @@ fn wanted(case: &Case, arm: &Arm) -> Wanted {
     match (case.filtered, arm.samples) {
         (Some(_), Samples::AtOnce(samples)) => Wanted { samples, ..Wanted::of(COLOURS.to_vec()) },
         (Some(_), Samples::Analytic(samples)) => Wanted { samples, analytic: true, ..Wanted::of(COLOURS.to_vec()) },
-        (Some(_), Samples::Apart(frames)) => Wanted { frames, ..Wanted::of(COLOURS.to_vec()) },
+        (Some(_), Samples::Separate(frames)) => Wanted { frames, ..Wanted::of(COLOURS.to_vec()) },
         (None, _) => seen,
     }
 }
@@ -388,7 +388,7 @@ impl Runner {
     fn first_ms(&self) -> f64 {
         match self {
             Runner::Frames(frames) => frames.first_ms(),
-            Runner::Apart(frames) => frames.iter().map(Frames::first_ms).sum(),
+            Runner::Separate(frames) => frames.iter().map(Frames::first_ms).sum(),
             Runner::Yardstick(_) => 0.0,
         }
     }
@@ -404,7 +404,7 @@ impl Runner {
                 Ok(aimed_ms + frames.frame()?)
             }
             Runner::Frames(frames) => frames.frame(),
-            Runner::Apart(frames) => frames.iter_mut().map(Frames::frame).sum(),
+            Runner::Separate(frames) => frames.iter_mut().map(Frames::frame).sum(),
             Runner::Yardstick(yardstick) => yardstick.frame(),
         }
     }
@@ -420,7 +420,7 @@ impl Runner {
                 row.took(&rendered);
                 Ok(rendered.frame)
             }
-            Runner::Apart(frames) => {
+            Runner::Separate(frames) => {
                 let rendered: Vec<Rendered> = frames.into_iter().map(Frames::finish).collect::<Result<_>>()?;
                 row.passes = rendered.iter().map(|r| r.passes.total()).sum();
                 row.bytes = rendered.iter().map(|r| r.bytes).sum();

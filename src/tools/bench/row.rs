@@ -18,10 +18,12 @@ pub struct Row {
     pub case: String,
     /// `anamorph`, or a rival as `--engine` names it.
     pub technique: String,
-    /// What sets it apart from others of the same technique in the case.
-    pub way: Option<String>,
+    /// Distinguishes rows of the same technique in a case.
+    #[serde(rename = "way")]
+    pub label: Option<String>,
     /// What a sweep varies, and its value.
-    pub knob: Option<(String, f64)>,
+    #[serde(rename = "knob")]
+    pub parameter: Option<(String, f64)>,
     pub triangles: usize,
     pub pieces: usize,
     pub width: u32,
@@ -73,7 +75,8 @@ impl Moving {
 pub struct Stiffness {
     pub family: String,
     /// What the number is.
-    pub knob: String,
+    #[serde(rename = "knob")]
+    pub parameter: String,
     pub value: f64,
 }
 
@@ -161,10 +164,10 @@ const SPREAD_MAX: f64 = 0.2;
 
 impl Row {
     pub fn new(suite: &str, case: &Case, arm: &Arm) -> Row {
-        let own_knob = arm.knob.map(|(name, value)| (name.to_owned(), value));
+        let own_parameter = arm.parameter.map(|(name, value)| (name.to_owned(), value));
         // what is no rival is refused by name
         let choice = arm.choice().ok().flatten();
-        let rivals_knob =
+        let rivals_parameter =
             choice.and_then(|c| c.technique.knob.as_ref().map(|k| (k.name.to_owned(), f64::from(c.knob))));
         let asked = || arm.by.clone().unwrap_or_else(|| OURS.to_owned());
         Row {
@@ -172,8 +175,8 @@ impl Row {
             commit: None,
             case: case.name.clone(),
             technique: choice.map_or_else(asked, |c| c.technique.name.to_owned()),
-            way: arm.way.map(str::to_owned),
-            knob: own_knob.or(rivals_knob),
+            label: arm.label.map(str::to_owned),
+            parameter: own_parameter.or(rivals_parameter),
             triangles: 0,
             pieces: 0,
             width: 0,
@@ -202,8 +205,8 @@ impl Row {
     /// A row of the program that runs beside the arms.
     pub fn of_yardstick(suite: &str, case: &Case, program: &Path) -> Row {
         let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy().into_owned();
-        let knob = case.arms.first().and_then(|arm| arm.knob);
-        Row { technique: name, ..Row::new(suite, case, &Arm { knob, ..Arm::ours() }) }
+        let parameter = case.arms.first().and_then(|arm| arm.parameter);
+        Row { technique: name, ..Row::new(suite, case, &Arm { parameter, ..Arm::ours() }) }
     }
 
     pub fn is_ours(&self) -> bool {
@@ -230,14 +233,14 @@ impl Row {
         self.to_ours = self.times.as_ref().zip(ours).map(|(t, ours)| t.median / ours);
     }
 
-    /// The technique, with what sets it apart.
+    /// The technique and its label.
     pub fn name(&self) -> String {
-        self.way.as_ref().map_or_else(|| self.technique.clone(), |way| format!("{}, {way}", self.technique))
+        self.label.as_ref().map_or_else(|| self.technique.clone(), |label| format!("{}, {label}", self.technique))
     }
 
     /// The same with its number.
     pub fn label(&self) -> String {
-        match &self.knob {
+        match &self.parameter {
             Some((name, value)) => format!("{} ({value} {name})", self.name()),
             None => self.name(),
         }
@@ -279,7 +282,7 @@ impl Times {
 }
 
 impl Error {
-    /// Colours alone were held against the truth: of these no pixel is said to be wrong.
+    /// Colours alone were compared with the truth; wrong pixels are not counted.
     pub fn is_of_colours(&self) -> bool {
         self.t_median.is_none() && self.wrong_share == 0.0 && (self.psnr.is_some() || self.identical)
     }

@@ -76,7 +76,7 @@ fn record(row: &Row) -> [String; 52] {
     fn or_empty<T: ToString>(value: Option<T>) -> String {
         value.map_or(String::new(), |v| v.to_string())
     }
-    let (knob, times, counted) = (row.knob.as_ref(), row.times.as_ref(), row.counted.as_ref());
+    let (parameter, times, counted) = (row.parameter.as_ref(), row.times.as_ref(), row.counted.as_ref());
     let (error, paper, stiffness) = (row.error.as_ref(), row.paper.as_ref(), row.stiffness.as_ref());
     let z = error.and_then(|e| e.z);
     let stages: Vec<String> = row.stages.iter().map(|(name, ms)| format!("{name}={ms:.4}")).collect();
@@ -85,9 +85,9 @@ fn record(row: &Row) -> [String; 52] {
         or_empty(row.commit.as_ref()),
         row.case.clone(),
         row.technique.clone(),
-        or_empty(row.way.as_ref()),
-        or_empty(knob.map(|k| &k.0)),
-        or_empty(knob.map(|k| k.1)),
+        or_empty(row.label.as_ref()),
+        or_empty(parameter.map(|k| &k.0)),
+        or_empty(parameter.map(|k| k.1)),
         row.triangles.to_string(),
         row.pieces.to_string(),
         row.width.to_string(),
@@ -95,7 +95,7 @@ fn record(row: &Row) -> [String; 52] {
         row.moving.name().to_owned(),
         or_empty(stiffness.map(|s| &s.family)),
         or_empty(stiffness.map(|s| s.value)),
-        or_empty(stiffness.map(|s| &s.knob)),
+        or_empty(stiffness.map(|s| &s.parameter)),
         or_empty(times.map(|t| t.median)),
         or_empty(times.map(|t| t.quartiles[0])),
         or_empty(times.map(|t| t.quartiles[1])),
@@ -172,7 +172,7 @@ pub fn families(rows: &[Row]) -> impl Iterator<Item = (&Stiffness, &[Row])> {
 /// Up to which stiffness this engine sees a family rightly in every pixel and in every safe one, and proves 99 % of them; and up to which
 /// f32 alone and the best rival see every safe pixel rightly.
 pub fn reach(rows: &[Row]) -> Option<[String; 7]> {
-    let knob = rows.first()?.stiffness.as_ref()?;
+    let parameter = rows.first()?.stiffness.as_ref()?;
     let value = |row: &Row| row.stiffness.as_ref().map_or(f64::NAN, |s| s.value);
     let mut values: Vec<f64> = rows.iter().map(value).collect();
     values.dedup();
@@ -184,13 +184,13 @@ pub fn reach(rows: &[Row]) -> Option<[String; 7]> {
     let safe = |row: &Row| row.error.as_ref().is_some_and(|e| e.wrong_safe == 0);
     let proven = |row: &Row| row.certified.as_ref().is_some_and(|c| c.by_f32 + c.by_recheck >= 0.99);
     let to = |count: usize| count.checked_sub(1).map_or("-".to_owned(), |last| format!("{:e}", values[last]));
-    let ours = |row: &Row| row.is_ours() && row.way.is_none();
-    let by_f32 = |row: &Row| row.is_ours() && row.way.as_deref() == Some("f32 alone");
+    let ours = |row: &Row| row.is_ours() && row.label.is_none();
+    let by_f32 = |row: &Row| row.is_ours() && row.label.as_deref() == Some("f32 alone");
     let rivals = rows.iter().filter(|r| !r.is_ours()).map(|r| r.technique.as_str());
     let best = rivals.map(|name| count(&|row| row.technique == name, safe)).max();
     Some([
-        knob.family.clone(),
-        format!("{}: {:e} to {:e}", knob.knob, values.first()?, values.last()?),
+        parameter.family.clone(),
+        format!("{}: {:e} to {:e}", parameter.parameter, values.first()?, values.last()?),
         to(count(&ours, every)),
         to(count(&ours, safe)),
         to(count(&ours, proven)),
@@ -287,9 +287,9 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
         p.cores,
         p.fairness()
     );
-    for Growth { knob, exponents } in growths(&run.rows) {
+    for Growth { parameter, exponents } in growths(&run.rows) {
         let exponents: Vec<String> = exponents.iter().map(|(t, slope)| format!("{slope:.2} ({t})")).collect();
-        text += &format!("\nTime grows as {knob} to the power of {}.\n", exponents.join(", "));
+        text += &format!("\nTime grows as {parameter} to the power of {}.\n", exponents.join(", "));
     }
     let reached: Vec<[String; 7]> = families(&run.rows).filter_map(|(_, rows)| reach(rows)).collect();
     if !reached.is_empty() {
@@ -297,7 +297,7 @@ pub fn markdown(run: &Run, plots: &[Drawn]) -> String {
         reached.iter().for_each(|cells| text += &format!("| {} |\n", cells.join(" | ")));
     }
     for (stiffness, rows) in families(&run.rows) {
-        text += &format!("\n## {}\n\nStiffness: {}.\n", stiffness.family, stiffness.knob);
+        text += &format!("\n## {}\n\nStiffness: {}.\n", stiffness.family, stiffness.parameter);
         text += &format!("\n| {} |\n|{}\n", STIFF_HEADS.join(" | "), "---|".repeat(STIFF_HEADS.len()));
         rows.iter().filter_map(stiff).for_each(|cells| text += &format!("| {} |\n", cells.join(" | ")));
     }

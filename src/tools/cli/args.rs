@@ -103,7 +103,7 @@ pub struct RenderArgs {
     /// All asked-for channels, 32-bit
     #[arg(long, value_name = "OUT.exr")]
     pub exr: Option<PathBuf>,
-    /// Hit points in f64: a PLY with the hits and their triangles, or an N x 3 .npy, a row a pixel, NaN where nothing is hit
+    /// Hit points in f64: a PLY with the hits and their triangles, or an N x 3 .npy, a row per pixel, NaN where nothing is hit
     #[arg(long, value_name = "OUT.ply|OUT.npy")]
     pub points: Option<PathBuf>,
     #[command(flatten)]
@@ -111,7 +111,7 @@ pub struct RenderArgs {
     /// What renders: compute (GPU), reference (CPU, f64), or a rival to measure against, as in raytrace (GPU)
     #[arg(long, value_name = "NAME", value_parser = words::engine)]
     pub engine: Option<EngineName>,
-    /// Rays a pixel, averaged in colour and coverage; other channels stay those of the pixel's centre
+    /// Rays per pixel, averaged in colour and coverage; other channels stay those of the pixel's centre
     #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 1)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(SAMPLES_MAX)))]
     pub samples: u32,
@@ -173,7 +173,7 @@ impl From<&Change> for jobs::Change {
 }
 
 impl RenderArgs {
-    /// What the render is told.
+    /// The render job of these flags.
     pub fn job(&self) -> RenderJob {
         RenderJob {
             change: (&self.change).into(),
@@ -201,19 +201,19 @@ pub struct BatchArgs {
     /// List of jobs, .toml, .json or .jsonl
     #[arg(value_name = "JOBS", required_unless_present = "write_driver")]
     pub jobs: Option<PathBuf>,
-    /// Skip what is done, by the manifest beside the list, as long as nothing has changed that it was made from
+    /// Skip frames that the manifest beside the list records as done and whose inputs have not changed
     #[arg(long)]
     pub resume: bool,
-    /// Do the I-th of N parts of the list, of about equal cost, as 1/4
+    /// Render the I-th of N parts of the list, of about equal cost, as in 1/4
     #[arg(long, value_name = "I/N", value_parser = words::shard)]
     pub shard: Option<Shard>,
-    /// Render nothing: join the manifests of all shards to that of the list, and say what is not done
+    /// Render nothing: merge the manifests of all shards into that of the list, and list the frames that are not done
     #[arg(long, conflicts_with_all = ["shard", "resume", "jobs_at_once", "adapters", "fail_fast", "progress", "log"])]
     pub gather: bool,
     /// Write a program that renders lists on a Ray cluster, shard by shard
     #[arg(long, value_name = "FILE.py", exclusive = true)]
     pub write_driver: Option<PathBuf>,
-    /// Frames that are written at once [default: one a core]
+    /// Number of threads that write frames [default: one per core]
     #[arg(long = "jobs", value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs_at_once: Option<u16>,
     /// Adapters to use at once: parts of their names, their numbers in info from 0, or all (software only where there is nothing else)
@@ -222,23 +222,23 @@ pub struct BatchArgs {
     /// Stop at the first frame that fails
     #[arg(long)]
     pub fail_fast: bool,
-    /// What is told meanwhile: auto (a bar on a terminal), json (a line an event on stdout), none
+    /// Progress: auto (a bar on a terminal), json (a line per event on stdout), none
     #[arg(long, value_name = "HOW", default_value = "auto")]
     pub progress: ProgressName,
-    /// Append a line an event, with its time
+    /// Append a line per event, with its time
     #[arg(long, value_name = "FILE")]
     pub log: Option<PathBuf>,
-    /// What the batch took, and each frame, as JSON
+    /// Times and counts of the batch and of each frame, as JSON
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,
-    /// A row a frame: what its job sweeps, times, and errors of those with check
+    /// A row per frame: what its job sweeps, times, and errors of those with check
     #[arg(long, value_name = "T.csv")]
     pub csv: Option<PathBuf>,
     #[command(flatten)]
     pub caps: Caps,
 }
 
-/// How a batch tells of itself.
+/// How a batch reports progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ProgressName {
     Auto,
@@ -257,9 +257,9 @@ impl ProgressName {
 pub struct CompareArgs {
     /// The image to judge
     pub a: PathBuf,
-    /// The image that it is held against
+    /// The image to compare it with
     pub b: PathBuf,
-    /// Scene of both: tells which pixels are safe
+    /// Scene of both: finds which pixels are safe
     #[arg(long, value_name = "SCENE")]
     pub scene: Option<PathBuf>,
     /// Change a value of the scene, as when the images were rendered
@@ -305,7 +305,7 @@ pub struct CameraArgs {
 pub struct ProjectArgs {
     /// Scene file, .toml or .json
     pub scene: PathBuf,
-    /// Points: .npy of N x 3, or .csv, .txt, .xyz with three numbers a line
+    /// Points: .npy of N x 3, or .csv, .txt, .xyz with three numbers per line
     #[arg(long, value_name = "FILE")]
     pub points: PathBuf,
     /// Write the lines there instead of to the screen

@@ -1,6 +1,6 @@
-//! `anamorph batch`: a list of jobs, and what is told of it.
+//! `anamorph batch`: runs a list of jobs, with progress, log and reports.
 
-mod board;
+mod progress;
 mod results;
 
 use super::args::{BatchArgs, ProgressName};
@@ -10,11 +10,11 @@ use crate::input::files::Inputs;
 use crate::input::{Error, Result};
 use crate::jobs::batch::{Batch, BatchOptions, Counts, Outcome, RAY_DRIVER};
 use crate::jobs::outputs::{self, LOG, REPORT, TABLE};
-use board::Board;
+use progress::BatchProgress;
 use results::Summary;
 use std::path::Path;
 
-/// Frames that the last line names where more have failed.
+/// Most failed frames named in the last line.
 const NAMED: usize = 10;
 
 pub fn run(args: &BatchArgs) -> Result<()> {
@@ -36,9 +36,9 @@ pub fn run(args: &BatchArgs) -> Result<()> {
         adapters: args.adapters.clone(),
         fail_fast: args.fail_fast,
     })?;
-    let board = Board::new(args.progress, args.log.as_deref(), list, started.frames())?;
-    let outcome = started.run(&|event, counts| board.tell(event, counts))?;
-    board.end(&outcome.counts);
+    let progress = BatchProgress::new(args.progress, args.log.as_deref(), list, started.frames())?;
+    let outcome = started.run(&|event, counts| progress.report(event, counts))?;
+    progress.end(&outcome.counts);
     if let Some(path) = &args.csv {
         results::write_csv(path, || started.each())?;
     }
@@ -50,7 +50,7 @@ pub fn run(args: &BatchArgs) -> Result<()> {
     end(list, args.progress, &outcome)
 }
 
-/// Joins the manifests of all shards, and says what is not done.
+/// Merges the manifests of all shards, and lists the frames that are not done.
 fn gather(args: &BatchArgs, list: &Path, batch: &Batch) -> Result<()> {
     let gathered = batch.gather()?;
     let (all, missing) = (gathered.frames, &gathered.missing);
@@ -80,7 +80,7 @@ fn named<'a>(names: impl Iterator<Item = &'a str>, count: usize) -> String {
     first.join("; ") + &more
 }
 
-/// The last line, or what all that went wrong comes to.
+/// The last line, or an error that summarizes the failures.
 fn end(list: &Path, progress: ProgressName, outcome: &Outcome) -> Result<()> {
     let Outcome { counts: Counts { all, done, skipped, failed, .. }, failures, stopped_by, .. } = outcome;
     let before = if *skipped > 0 { format!(", {skipped} before") } else { String::new() };

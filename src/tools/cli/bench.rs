@@ -18,7 +18,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
         return Err(Error::input(format!("there is no suite of this name; use {}, or none for all", names.join(", "))));
     }
     if let Some(program) = &args.yardstick {
-        // what it says without arguments does not matter
+        // its output without arguments does not matter
         let started = std::process::Command::new(program).output();
         started.map_err(|e| Error::input(format!("--yardstick {}: cannot start it: {e}", program.display())))?;
     }

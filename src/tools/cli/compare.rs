@@ -32,7 +32,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     print(&format!("{}\n", if args.json { json } else { text }))
 }
 
-/// The error, and notes on what limits its meaning.
+/// The error, and notes that limit its meaning.
 #[derive(Serialize)]
 struct JudgedWithNotes {
     #[serde(flatten)]
@@ -40,7 +40,7 @@ struct JudgedWithNotes {
     notes: Vec<String>,
 }
 
-/// A against B, with the reference's word on which pixels are safe and on the ids of A.
+/// Compares A with B; the reference determines the safe pixels and judges the ids of A.
 fn with_scene(args: &CompareArgs, path: &Path, a: &Frame, b: &Frame) -> Result<(Judged, Vec<String>)> {
     if a.u32(Channel::TriangleId).is_none() {
         let a = args.a.display();

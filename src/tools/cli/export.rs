@@ -51,7 +51,7 @@ pub fn write_pieces(path: &FilePath, spec: &CameraSpec, camera: &Camera) -> Resu
         )));
     }
     let mut layers = match spec.kind.recipe::<MeshCameraSpec>() {
-        // as written, without the rounding of a way there and back
+        // exactly as written, without rounding by a conversion and its inverse
         Some(mesh) => vec![PiecesFile::of(&plain(mesh))],
         None => camera.layers.iter().map(|layer| layer_file(camera, layer)).collect::<Result<_>>()?,
     };
@@ -132,7 +132,7 @@ impl PiecesFile {
 }
 
 /// The shape of what [`write_rays`] writes for a pixel: 6 numbers P, D; for curves and projectors m + 1 control points of
-/// 3 numbers, m the highest degree; for chains one of these for each layer; with optics one for each turn and one more.
+/// 3 numbers, m the highest degree; for chains one of these per layer; with optics one per bounce and one more.
 pub fn pixel_shape(camera: &Camera) -> Vec<usize> {
     let degree = |layer: &Rays| match layer {
         Rays::Curves(curves) => Some(curves.map.degree()),
@@ -147,13 +147,13 @@ pub fn pixel_shape(camera: &Camera) -> Vec<usize> {
     shape
 }
 
-/// Layers of a chain; rays between turns.
+/// Layers of a chain; rays between bounces.
 fn segments(camera: &Camera) -> usize {
     camera.optics.as_ref().map_or(camera.layers.len(), |o| o.depth as usize + 1)
 }
 
-/// Writes every pixel's rays, H x W x [`pixel_shape`]; NaN where a pixel, or a layer of it, has none. Rays that a mirror or a
-/// lens turns go from turn to turn for t in [0, 1], the last as far as it likes, without anything else in the way.
+/// Writes every pixel's rays, H x W x [`pixel_shape`]; NaN where a pixel, or a layer of it, has none. With optics, rays run from
+/// bounce to bounce for t in [0, 1]; the last one is unbounded. Other triangles are ignored.
 pub fn write_rays(path: &FilePath, camera: &Camera) -> Result<()> {
     let shape = pixel_shape(camera);
     let (each, straight): (usize, bool) = (shape.iter().product(), shape.last() == Some(&6));
@@ -164,8 +164,8 @@ pub fn write_rays(path: &FilePath, camera: &Camera) -> Result<()> {
     numbers.par_chunks_mut(each * width).enumerate().for_each(|(j, row)| {
         for (i, pixel) in row.chunks_exact_mut(each).enumerate() {
             if let Some(optics) = &camera.optics {
-                let way = reference.outcome(optics, Path::of_pixel(camera, i as u32, j as u32)).path;
-                for (numbers, segment) in pixel.chunks_exact_mut(6).zip(&way.segments) {
+                let path = reference.outcome(optics, Path::of_pixel(camera, i as u32, j as u32)).path;
+                for (numbers, segment) in pixel.chunks_exact_mut(6).zip(&path.segments) {
                     if let Some((_, Segment::Straight(bundle))) = segment {
                         let ray = bundle.ray(0.0, 0.0);
                         numbers.copy_from_slice(&[ray.origin.to_array(), ray.direction.to_array()].concat());
@@ -182,7 +182,7 @@ pub fn write_rays(path: &FilePath, camera: &Camera) -> Result<()> {
     write_npy_f64(path, &[&image[..], &shape.iter().map(|n| *n as u64).collect::<Vec<_>>()].concat(), &numbers)
 }
 
-/// P and D of a straight ray, or the control points of a curve of the degree that there is room for.
+/// P and D of a straight ray, or the control points of a curve, raised to the degree of the array.
 fn put_ray(numbers: &mut [f64], straight: bool, camera: &Camera, (layer, i, j): (usize, u32, u32)) {
     let vectors = if straight {
         camera.pixel(layer, i, j).map(|(_, bundle)| bundle.ray(0.0, 0.0)).map(|ray| vec![ray.origin, ray.direction])

@@ -22,14 +22,14 @@ struct AdapterInfo {
     name: String,
     driver: String,
     kind: String,
-    /// `render` takes this one unless told otherwise.
+    /// Whether `render` uses this one by default.
     chosen: bool,
     abilities: Abilities,
     limits: Limits,
     paths: Paths,
 }
 
-/// Limits that decide how a frame is cut up.
+/// Limits that determine bands and chunks of a frame.
 #[derive(Serialize)]
 struct Limits {
     /// Bytes of one list or table, and of a band of the image.
@@ -40,7 +40,7 @@ struct Limits {
     max_compute_workgroup_storage_size: u32,
 }
 
-/// What each ability selects.
+/// The code path that each ability selects.
 #[derive(Serialize)]
 struct Paths {
     arithmetic: &'static str,

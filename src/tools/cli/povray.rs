@@ -3,7 +3,7 @@
 //!
 //! POV-Ray's `mesh_camera` takes any rays: that of pixel k starts in the centre of face k and goes along its normal. The
 //! corners and normals of its meshes are in single precision but their transforms are in double; so one face, with its
-//! centre at 0 and the normal +z to the last bit, is placed anew for each pixel, moved to P and turned to D. (Distribution 1
+//! centre at 0 and the normal +z to the last bit, is placed anew for each pixel, moved to P and rotated to D. (Distribution 1
 //! counts faces through all meshes.) P is then exact, and D as good as a unit vector in double. The scene's triangles are
 //! single objects, which are in double too, where a mesh's are not.
 //!
@@ -33,10 +33,10 @@ const REACH: f64 = (1 << 22) as f64;
 /// An id is three bytes of a colour; white is no id.
 const IDS_MAX: usize = (1 << 24) - 1;
 
-/// Writes the scene as its camera sees it, a ray a pixel, for POV-Ray 3.7 to render.
+/// Writes the scene as its camera sees it, a ray per pixel, for POV-Ray 3.7 to render.
 ///
 /// # Errors
-/// [`Error::Input`] for what POV-Ray has no word for: curves, several layers, rays that are turned, a `t_range` that starts at
+/// [`Error::Input`] for cameras that POV-Ray cannot express: curves, several layers, optics, a `t_range` that starts at
 /// -inf or ends some rays sooner than others, more triangles than a colour has values; [`Error::Work`] naming `path`.
 pub fn write(path: &Path, scene: &Scene, camera: &Camera) -> Result<()> {
     let refuse = |why: String| Error::input(format!("--export-povray: {why}"));

@@ -17,7 +17,7 @@ const LINES: Duration = Duration::from_secs(5);
 /// Every progress line starts with this.
 const START: &str = "progress: ";
 
-/// A line that says what is being done; gone when this is dropped.
+/// Shows the current step until it is dropped.
 pub struct Progress {
     shown: Option<(Sender<String>, JoinHandle<()>)>,
 }
@@ -31,7 +31,7 @@ impl Progress {
         Progress { shown: Some((sender, thread)) }
     }
 
-    /// Says what is done from now on.
+    /// Sets the current step.
     pub fn now(&self, doing: &str) {
         if let Some((sender, _)) = &self.shown {
             // the thread only ends after this sender

@@ -1,7 +1,7 @@
 //! `anamorph project`: every image of 3-D points, a JSON line a point.
 //!
-//! On the GPU or not, places and lines are worked out in f64 on the CPU and are the same; the GPU finds the parts of the
-//! image to look at, a chunk ahead.
+//! Places are always computed in f64 on the CPU, so the lines are the same with or without a GPU. The GPU finds the parts of
+//! the image to search, one chunk ahead.
 
 use super::args::ProjectArgs;
 use super::progress::Progress;
@@ -19,10 +19,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Points that are projected side by side before their lines are printed.
+/// Points per chunk: projected in parallel before their lines are printed.
 const CHUNK: usize = 1 << 14;
 
-/// From here on the GPU is used unasked, where it is no software.
+/// Least number of points for which a hardware GPU is used by default.
 const MANY: usize = 1 << 16;
 
 /// One line.

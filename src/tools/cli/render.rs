@@ -57,7 +57,7 @@ pub fn run(args: &RenderArgs, started: Instant) -> Result<()> {
     print(&format!("{}\n", work.summary(&written)))
 }
 
-/// Flags that make no sense together, beyond what the parser knows.
+/// Refuses contradicting flags that the parser accepts.
 fn check_combination(args: &RenderArgs) -> Result<()> {
     if !matches!(args.engine, Some(EngineName::Reference)) {
         return Ok(());

@@ -9,7 +9,7 @@ use std::io::{self, Write};
 /// The longest line on stderr, in characters: some 25 lines of a terminal. The middle of a longer one is left out.
 const LINE_MAX: usize = 2000;
 
-/// How many of these are kept from the end of the line, where the advice stands.
+/// Characters kept from the end of the line, which has the advice.
 const LINE_END: usize = 500;
 
 /// Prints an error to stderr, on one line.

@@ -29,7 +29,7 @@ fn pieces_are_linear_on_each_triangle_and_the_lowest_numbered_owns_a_border() {
             assert!(close(curve.points()[0], DVec3::new(a, b, height(a, b))), "{a},{b}: {}", curve.points()[0]);
         }
     }
-    // on the diagonal both hold the pixel: the order in the file decides (3 x 2^k pixels a side give exact places)
+    // on the diagonal both hold the pixel: the order in the file decides (3 x 2^k pixels per side give exact places)
     let swapped = load(&projector(&[&square([LOWER, UPPER], z), FAR, FAR], ""));
     assert!(pixels().all(|(i, j)| {
         let (a, b) = place(i, j);

@@ -28,13 +28,13 @@ impl Inverse {
         self.cells.len()
     }
 
-    /// Cells that are turned over somewhere: the area's stretch is affine over a cell, so its sign at the corners tells.
+    /// Cells that are flipped over somewhere: the area's stretch is affine over a cell, so its sign at the corners tells.
     pub fn folded(&self) -> usize {
-        let turned = |cell: &&Cell| {
+        let flipped = |cell: &&Cell| {
             let [a, b, c, d] = cell.to;
             [(a, b, c), (b, d, a), (c, a, d), (d, c, b)].iter().any(|&(at, x, y)| (x - at).perp_dot(y - at) <= 0.0)
         };
-        self.cells.iter().filter(turned).count()
+        self.cells.iter().filter(flipped).count()
     }
 
     /// The place in the undeformed view that is displaced to `q`, by the lowest-numbered cell.
@@ -54,7 +54,7 @@ impl RayMap for Inverse {
     }
 }
 
-/// (u, v) in [0, 1]^2 with `q = (1-u)(1-v) c0 + u(1-v) c1 + (1-u)v c2 + uv c3`; of two, the one where the cell is not turned
+/// (u, v) in [0, 1]^2 with `q = (1-u)(1-v) c0 + u(1-v) c1 + (1-u)v c2 + uv c3`; of two, the one where the cell is not flipped
 /// over.
 fn inverse(c: &[DVec2; 4], q: DVec2) -> Option<DVec2> {
     let (h, b, d, e) = (q - c[0], c[1] - c[0], c[2] - c[0], c[3] - c[1] - c[2] + c[0]);
@@ -87,8 +87,8 @@ fn quadratic_roots([c0, c1, c2]: [f64; 3]) -> [f64; 2] {
 fn bounds(cell: &Cell) -> (DVec2, DVec2) {
     let (lo, hi) = cell.to.iter().fold(EMPTY, |b, q| join(b, (*q, *q)));
     // u and v may be outside [0, 1] at both ends
-    let slack = (hi - lo) * (4.0 * BORDER_ROUNDING);
-    (lo - slack, hi + slack)
+    let tolerance = (hi - lo) * (4.0 * BORDER_ROUNDING);
+    (lo - tolerance, hi + tolerance)
 }
 
 #[cfg(test)]

@@ -73,11 +73,11 @@ impl Brown {
             let steep = inverse.x_axis.length().hypot(inverse.y_axis.length());
             let lengthwise = (inverse * p.normalize_or_zero()).length();
             share = f64::min(1.0, 4.0 * share);
-            // `|1 / dF d^2 F|` within `radius`; the direction from the middle turns there by an angle of sine radius / r at most
+            // `|1 / dF d^2 F|` within `radius`; the direction from the middle changes there by an angle of sine radius / r at most
             let bend = |radius: f64| {
                 let (all, along) = self.bend(p, radius);
-                let turn = f64::min(2.0, std::f64::consts::SQRT_2 * radius / p.length());
-                steep * all + (lengthwise + steep * turn) * along
+                let sine = f64::min(2.0, std::f64::consts::SQRT_2 * radius / p.length());
+                steep * all + (lengthwise + steep * sine) * along
             };
             // NaN proves nothing
             loop {

@@ -21,10 +21,10 @@ impl Tilt {
             return Ok(Tilt { maps: None });
         }
         // OpenCV's angles have the opposite sign of glam's
-        let turn = DMat3::from_rotation_y(-tau_y) * DMat3::from_rotation_x(-tau_x);
-        let [x, y, z] = turn.z_axis.to_array();
+        let rotation = DMat3::from_rotation_y(-tau_y) * DMat3::from_rotation_x(-tau_x);
+        let [x, y, z] = rotation.z_axis.to_array();
         let project = DMat3::from_cols(DVec3::new(z, 0.0, 0.0), DVec3::new(0.0, z, 0.0), DVec3::new(-x, -y, 1.0));
-        let onto = project * turn;
+        let onto = project * rotation;
         Ok(Tilt { maps: Some([onto, onto.inverse()]) })
     }
 
@@ -54,10 +54,10 @@ mod tests {
         let (tau_x, tau_y) = (0.3_f64, -0.2_f64);
         let ((sx, cx), (sy, cy)) = (tau_x.sin_cos(), tau_y.sin_cos());
         let rows = |m: [[f64; 3]; 3]| DMat3::from_cols_array_2d(&m).transpose();
-        let turn = rows([[cy, 0.0, -sy], [0.0, 1.0, 0.0], [sy, 0.0, cy]])
+        let rotation = rows([[cy, 0.0, -sy], [0.0, 1.0, 0.0], [sy, 0.0, cy]])
             * rows([[1.0, 0.0, 0.0], [0.0, cx, sx], [0.0, -sx, cx]]);
-        let [x, y, z] = turn.z_axis.to_array();
-        let all = rows([[z, 0.0, -x], [0.0, z, -y], [0.0, 0.0, 1.0]]) * turn;
+        let [x, y, z] = rotation.z_axis.to_array();
+        let all = rows([[z, 0.0, -x], [0.0, z, -y], [0.0, 0.0, 1.0]]) * rotation;
         let tilt = Tilt::new(tau_x, tau_y).unwrap();
         for p in [DVec2::ZERO, DVec2::new(0.3, -0.7), DVec2::new(-2.0, 0.1)] {
             let v = all * p.extend(1.0);

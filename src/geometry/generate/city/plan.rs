@@ -136,8 +136,10 @@ mod tests {
                 let block = (low / PITCH).floor();
                 let street = (PITCH - BLOCK) / 2.0;
                 // Half a street away from the pitch's lines, to a rounding of coordinates under 32.
-                let slack = 32.0 * f64::EPSILON;
-                assert!(low >= block * PITCH + street - slack && high <= (block + 1.0) * PITCH - street + slack);
+                let tolerance = 32.0 * f64::EPSILON;
+                assert!(
+                    low >= block * PITCH + street - tolerance && high <= (block + 1.0) * PITCH - street + tolerance
+                );
             }
         }
     }

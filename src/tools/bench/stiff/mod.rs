@@ -11,7 +11,7 @@ use glam::DVec3;
 pub struct Family {
     pub name: &'static str,
     /// What the number is.
-    pub knob: &'static str,
+    pub parameter: &'static str,
     /// From mild to absurd.
     pub values: &'static [f64],
     pub scene: fn(f64) -> Source,
@@ -21,9 +21,9 @@ pub struct Family {
 
 /// Of one GLC.
 const BY_PIECES: &[&str] = &["raytrace", "raster-warp:0", "raster-bound"];
-/// Of a ray a pixel.
+/// Of a ray per pixel.
 const BY_RAYS: &[&str] = &["raytrace"];
-/// Of a curve a pixel.
+/// Of a curve per pixel.
 const BY_CURVES: &[&str] = &["raymarch-segments:16"];
 
 /// All families.

@@ -7,14 +7,14 @@ pub fn families() -> Vec<Family> {
     vec![
         Family {
             name: "focus of a mirror",
-            knob: "size of what lies there",
+            parameter: "size of what lies there",
             values: &[3e-1, 3e-2, 1e-3, 1e-5, 1e-7],
             scene: focus,
             rivals: &[],
         },
         Family {
             name: "border of total reflection",
-            knob: "degrees of it in the image",
+            parameter: "degrees of it in the image",
             values: &[3e1, 3.0, 1e-1, 1e-3, 1e-5],
             scene: total_reflection,
             rivals: &[],

@@ -15,7 +15,7 @@ fn triangles(count: u32) -> Case {
     let no_cull = (count <= FEW).then(|| [Arm::ours(), Arm::rival("raster-bound")].map(Arm::no_cull));
     let all = arms(&["raytrace", "raytrace-refit", "raster-warp:0"]);
     let all = all.into_iter().chain(bound).chain(no_cull.into_iter().flatten());
-    let all = all.map(|arm| arm.knob("moving triangles", f64::from(count))).collect();
+    let all = all.map(|arm| arm.parameter("moving triangles", f64::from(count))).collect();
     Case::of(format!("{count:>7} moving triangles"), "city-cross-slit", all)
         .moving(Moving::Triangles)
         .set(&super::city_of(count))
@@ -25,7 +25,7 @@ fn triangles(count: u32) -> Case {
 /// So many triangles under one GLC that is new in each frame.
 fn under_a_camera(count: u32) -> Case {
     let all = arms(&["raytrace", "raster-warp:0"]);
-    let all = all.into_iter().map(|arm| arm.knob("triangles under a moving camera", f64::from(count))).collect();
+    let all = all.into_iter().map(|arm| arm.parameter("triangles under a moving camera", f64::from(count))).collect();
     let eye = "camera.eye=[{ frame = 0, value = [0, 26, 60] }, { frame = 100, value = [9, 30, 55] }]";
     Case::of(format!("{count:>7} triangles under a moving camera"), "city-cross-slit", all)
         .moving(Moving::Camera)
@@ -37,7 +37,8 @@ fn under_a_camera(count: u32) -> Case {
 /// A fisheye in so many pieces, all of them new in each frame.
 fn pieces(count: u32) -> Case {
     let rivals: &[&str] = if count <= FEW { &["raytrace", "raster-warp:0"] } else { &["raytrace"] };
-    let all = arms(rivals).into_iter().map(|arm| arm.knob("pieces of a moving camera", f64::from(count))).collect();
+    let all =
+        arms(rivals).into_iter().map(|arm| arm.parameter("pieces of a moving camera", f64::from(count))).collect();
     let eye = "camera.eye=[{ frame = 0, value = [34, 40, 62] }, { frame = 100, value = [40, 36, 58] }]";
     Case::new(format!("{count:>7} pieces of a moving camera"), super::scene!("fisheye"), all)
         .moving(Moving::Camera)

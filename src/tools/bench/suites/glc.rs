@@ -7,7 +7,7 @@ const SIZE: [&str; 2] = ["image.width=1024", "image.height=1024"];
 /// A fisheye cut into so many bilinear pieces. What draws every triangle in every piece is left out where
 /// these are too many, see [`crate::tools::bench::race::Rules`].
 fn pieces(count: u32) -> Case {
-    let cut = |arm: Arm| arm.set(&[&format!("camera.pieces={count}")]).knob("pieces", f64::from(count));
+    let cut = |arm: Arm| arm.set(&[&format!("camera.pieces={count}")]).parameter("pieces", f64::from(count));
     // one piece of 170 degrees: bounds are as large as the image
     let bound = (count > 1).then_some("raster-bound");
     let rivals = ["raytrace", "raster-warp:0", "raster-splat-passes:10", "raster-splat:10"].into_iter().chain(bound);
@@ -23,13 +23,14 @@ fn triangles(count: u32) -> Case {
     let rivals = ["raytrace", "raster-warp:0", "raster-splat:10"].into_iter();
     let some = [few("raster-bound", 1000), few("raytrace-brute", 1000)];
     let rivals = rivals.chain(some.into_iter().flatten()).map(Arm::rival);
-    let arms = [Arm::ours()].into_iter().chain(rivals).map(|arm| arm.knob("triangles", f64::from(count))).collect();
+    let arms =
+        [Arm::ours()].into_iter().chain(rivals).map(|arm| arm.parameter("triangles", f64::from(count))).collect();
     Case::of(format!("triangles {count:>7}"), "city-cross-slit", arms).set(&super::city_of(count)).set(&SIZE)
 }
 
-/// A city through one GLC, so many pixels a side.
+/// A city through one GLC, so many pixels per side.
 fn pixels(side: u32) -> Case {
-    let more = |arm: Arm| arm.knob("pixels a side", f64::from(side));
+    let more = |arm: Arm| arm.parameter("pixels a side", f64::from(side));
     let arms = ["raytrace", "raster-warp:0", "raster-splat:10"].map(Arm::rival);
     let arms = [Arm::ours()].into_iter().chain(arms).map(more).collect();
     let size = [format!("image.width={side}"), format!("image.height={side}")];

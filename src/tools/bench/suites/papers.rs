@@ -29,13 +29,13 @@ fn paper(paper: &str, figure: &str, fps: impl Into<Option<f64>>, hardware: &str,
 fn atlas_arms((key, count): (&str, u32), texels: u32, rivals: &[&str]) -> Vec<Arm> {
     let set = [format!("camera.{key}={count}"), format!("camera.atlas={texels}")];
     let exact = Arm::ours().set(&["camera.facets=\"exact\""]);
-    let direct = Arm::ours().set(&[&set[0]]).way("facets");
-    let painted = |arm: Arm| arm.set(&[&set[0], &set[1]]).knob("texels of an atlas", f64::from(texels));
+    let direct = Arm::ours().set(&[&set[0]]).label("facets");
+    let painted = |arm: Arm| arm.set(&[&set[0], &set[1]]).parameter("texels of an atlas", f64::from(texels));
     if count * texels * texels / 2 > TEXELS_MAX {
         return vec![exact, direct];
     }
     let rivals = rivals.iter().map(|name| painted(Arm::rival(name).set(&["camera.facets=\"flat\""])));
-    [exact, direct, painted(Arm::ours().way("facets"))].into_iter().chain(rivals).collect()
+    [exact, direct, painted(Arm::ours().label("facets"))].into_iter().chain(rivals).collect()
 }
 
 /// Yu, Yu and McMillan 2009.
@@ -47,7 +47,7 @@ fn yu() -> Vec<Case> {
         let set = format!("camera.pieces={n}");
         [Arm::ours()]
             .into_iter()
-            .chain(arms(names).into_iter().map(|a| a.set(&[&set]).knob("pieces", f64::from(n))))
+            .chain(arms(names).into_iter().map(|a| a.set(&[&set]).parameter("pieces", f64::from(n))))
             .collect()
     };
     let mut cases = vec![
@@ -150,7 +150,7 @@ fn hou() -> Vec<Case> {
         let mut arms = atlas_arms(("mirror.cameras", cameras), 64, &["raster-bound", "raster-bound-passes"]);
         // the teapot has no formula: as many cameras as the eye sees facets are as near as it gets
         let most = "camera.mirror.cameras=6320";
-        arms[0] = Arm::ours().set(&[most]).way("a camera a facet");
+        arms[0] = Arm::ours().set(&[most]).label("a camera a facet");
         let culling: Vec<Arm> = arms[2..4].to_vec();
         arms.extend(culling.into_iter().map(Arm::no_cull));
         let paper = of("7", Some(fps), "the built-in teapot as the mirror, butterflies and balls that move");
@@ -189,13 +189,13 @@ fn popescu() -> Vec<Case> {
 fn lorenz() -> Vec<Case> {
     let of =
         |figure: &str, fps: f64, stand_in: &str| paper("Lorenz and Doellner 2009", figure, fps, GTS_8800, stand_in);
-    let strips = |arm: Arm, n: u32| arm.set(&[&format!("camera.strips={n}")]).knob("strips", f64::from(n));
+    let strips = |arm: Arm, n: u32| arm.set(&[&format!("camera.strips={n}")]).parameter("strips", f64::from(n));
     let city = "a generated city of 35,000 triangles";
     let quality = "the same city under a pattern that is filtered, 16 samples a pixel; the rival's by a frame each";
     let size = ["image.width=1600", "image.height=1200"];
     let pattern = ["mesh.0.pattern.kind=\"checker\"", "mesh.0.pattern.size=0.7"];
     let fine = |arms: Vec<Arm>| -> Vec<Arm> {
-        let samples = |arm: &Arm| if arm.by.is_none() { Samples::AtOnce(16) } else { Samples::Apart(16) };
+        let samples = |arm: &Arm| if arm.by.is_none() { Samples::AtOnce(16) } else { Samples::Separate(16) };
         arms.into_iter()
             .map(|arm| {
                 let samples = samples(&arm);

@@ -22,7 +22,7 @@ fn one_glc(samples: &[u32], levels: &[u32]) -> Vec<Arm> {
 
 /// A cylinder all around, exact or in perspective strips.
 fn cylinder(strips: &[u32], sides: &[u32]) -> Case {
-    let cut = |arm: Arm, n: u32| arm.set(&[&format!("camera.strips={n}")]).knob("strips", f64::from(n));
+    let cut = |arm: Arm, n: u32| arm.set(&[&format!("camera.strips={n}")]).parameter("strips", f64::from(n));
     let ours = strips.iter().map(|n| cut(Arm::ours(), *n));
     let pieces = strips.iter().map(|n| cut(Arm::rival("raster-pieces"), *n));
     let cubes = sides.iter().map(|n| Arm::rival(&format!("raster-cubemap:{n}")));
@@ -38,12 +38,13 @@ fn mirror(counts: &[u32], texels: &[u32]) -> Case {
         Arm::ours().set(&[&set[0], &set[1]])
     };
     let exact = Arm::ours().set(&["camera.facets=\"exact\""]);
-    let environment = exact.clone().set(&["camera.environment=[0, 0, 0]"]).way("environment map");
-    let normals = counts.iter().map(|n| facets("normals", *n).way("facets with normals").knob("facets", f64::from(*n)));
-    let flat = counts.iter().map(|n| facets("flat", *n).way("flat facets").knob("facets", f64::from(*n)));
+    let environment = exact.clone().set(&["camera.environment=[0, 0, 0]"]).label("environment map");
+    let normals =
+        counts.iter().map(|n| facets("normals", *n).label("facets with normals").parameter("facets", f64::from(*n)));
+    let flat = counts.iter().map(|n| facets("flat", *n).label("flat facets").parameter("facets", f64::from(*n)));
     let atlas = |r: &u32| {
         let painted = facets("flat", 126).set(&[&format!("camera.atlas={r}")]);
-        painted.way("126 flat facets from an atlas").knob("texels", f64::from(*r))
+        painted.label("126 flat facets from an atlas").parameter("texels", f64::from(*r))
     };
     let splat = |r: &u32| Arm { by: Arm::rival("raster-splat:6").by, ..atlas(r) };
     let bound = |r: &u32| Arm { by: Arm::rival("raster-bound").by, ..atlas(r) };

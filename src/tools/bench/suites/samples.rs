@@ -1,4 +1,4 @@
-//! What less aliasing costs: samples a pixel, against a box filter.
+//! What less aliasing costs: samples per pixel, against a box filter.
 
 use crate::tools::bench::case::{Arm, Case, Samples, Source};
 
@@ -10,7 +10,7 @@ fn at_once(name: &str, source: Source, samples: &[u32], apart: &[u32]) -> Case {
     let ours = |samples: Samples| Arm::ours().samples(samples);
     let counted = samples.iter().map(|n| ours(Samples::AtOnce(*n)));
     let areas = samples.iter().filter(|n| **n > 1).map(|n| ours(Samples::Analytic(*n)));
-    let frames = apart.iter().map(|n| ours(Samples::Apart(*n)));
+    let frames = apart.iter().map(|n| ours(Samples::Separate(*n)));
     Case::new(name, source, counted.chain(areas).chain(frames).collect()).set(&SIZE).filtered(TRUTH)
 }
 

@@ -10,8 +10,8 @@ fn case(family: &Family, value: f64) -> Case {
     let double = Arm::ours().arithmetic(Arithmetic::Double, "f64 throughout");
     let rivals = family.rivals.iter().map(|name| Arm::rival(name));
     let arms = [Arm::ours(), single, double].into_iter().chain(rivals).collect();
-    let stiffness = Stiffness { family: family.name.into(), knob: family.knob.into(), value };
-    Case::new(format!("{}: {value:e} {}", family.name, family.knob), (family.scene)(value), arms)
+    let stiffness = Stiffness { family: family.name.into(), parameter: family.parameter.into(), value };
+    Case::new(format!("{}: {value:e} {}", family.name, family.parameter), (family.scene)(value), arms)
         .counted()
         .stiff(stiffness)
 }

@@ -1,5 +1,5 @@
-//! What came of a batch: a table with a row a frame, and a report. Both are made from the manifest, so that frames done earlier or
-//! elsewhere are in them too.
+//! Results of a batch: a table with a row per frame, and a report. Both are made from the manifest, so they include frames rendered
+//! earlier or elsewhere.
 
 use crate::image::write_lines;
 use crate::input::{Error, Result};
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
 
-/// All but the frames.
+/// The report without the frames.
 #[derive(Debug, Clone, Serialize)]
 pub struct Summary {
     pub version: &'static str,
@@ -20,7 +20,7 @@ pub struct Summary {
     pub failed: usize,
     pub wall_s: f64,
     pub devices: Vec<Worked>,
-    /// The first that failed, and why.
+    /// Names and errors of the first failed frames.
     pub failures: Vec<(String, String)>,
 }
 
@@ -31,10 +31,10 @@ impl Summary {
     }
 }
 
-/// Writes the report: the summary, and `each`, a line a frame.
+/// Writes the report: the summary, and `each`, a line per frame.
 ///
 /// # Errors
-/// [`Error::Work`] where it cannot be written.
+/// [`Error::Work`] if it cannot be written.
 pub fn write_report<'a>(
     path: &Path,
     summary: &Summary,
@@ -55,10 +55,10 @@ pub fn write_report<'a>(
     })
 }
 
-/// Writes the table: the frame and what its job sweeps; what it took; and its error, where that was asked for.
+/// Writes the table: each frame with its swept values, times, and its error if requested.
 ///
 /// # Errors
-/// [`Error::Work`] where it cannot be written.
+/// [`Error::Work`] if it cannot be written.
 pub fn write_csv<'a, T>(path: &Path, frames: impl Fn() -> T) -> Result<()>
 where
     T: Iterator<Item = Result<(Task<'a>, Option<Done>)>>,

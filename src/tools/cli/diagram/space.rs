@@ -91,7 +91,7 @@ fn draw_axes(svg: &mut Svg, frame: &Frame, view: &View) {
     const LENGTH_PX: f64 = 28.0;
     let at = DVec2::new(frame.lo.x + 30.0, frame.hi().y - 30.0);
     for (axis, name) in [(DVec3::X, "x"), (DVec3::Y, "y"), (DVec3::Z, "z")] {
-        let way = view.way(axis);
+        let way = view.on_sheet(axis);
         svg.polyline("axis", &[at, at + LENGTH_PX * way]);
         svg.words("number", at + (LENGTH_PX + 8.0) * way + DVec2::Y * 3.5, name);
     }

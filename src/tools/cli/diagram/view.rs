@@ -19,7 +19,7 @@ const AZIMUTHS_DEGREES: [f64; 3] = [62.0, 48.0, 76.0];
 const OFF_AXIS_SIN: f64 = 0.2;
 /// Rays whose unit directions have a shorter mean look everywhere.
 const LOOK_MIN: f64 = 0.1;
-/// How far above the horizon the viewer stands.
+/// Elevation of the viewer above the horizon.
 const ELEVATION_DEGREES: f64 = 24.0;
 
 impl View {
@@ -29,12 +29,12 @@ impl View {
         let level = DVec3::new(look.x, 0.0, look.z);
         let level = if level.length() > LOOK_MIN { level.normalize() } else { DVec3::NEG_Z };
         let side = level.cross(DVec3::Y);
-        let turned = AZIMUTHS_DEGREES.map(|azimuth| {
+        let rotated = AZIMUTHS_DEGREES.map(|azimuth| {
             let (sin, cos) = azimuth.to_radians().sin_cos();
             sin * side - cos * level
         });
         let off_axis = |from: &&DVec3| from.x.abs().min(from.z.abs()) > OFF_AXIS_SIN;
-        let from = *turned.iter().find(off_axis).unwrap_or(&turned[0]);
+        let from = *rotated.iter().find(off_axis).unwrap_or(&rotated[0]);
         let (rise, run) = ELEVATION_DEGREES.to_radians().sin_cos();
         let towards = run * from + rise * DVec3::Y;
         let right = DVec3::Y.cross(from);
@@ -59,8 +59,8 @@ impl View {
         DVec2::new(self.right.dot(p), -self.up.dot(p)) * self.scale + self.offset
     }
 
-    /// The sheet's way of a world direction, unit lengths on the sheet where it lies in it.
-    pub fn way(&self, d: DVec3) -> DVec2 {
+    /// Projects a world direction onto the sheet; its length is kept if it lies in the sheet.
+    pub fn on_sheet(&self, d: DVec3) -> DVec2 {
         DVec2::new(self.right.dot(d), -self.up.dot(d))
     }
 }
@@ -73,13 +73,13 @@ mod tests {
     fn cameras_look_to_the_right_and_up_is_up() {
         for look in [DVec3::NEG_Z, DVec3::X, DVec3::new(-0.7, -0.5, 0.3), DVec3::new(-0.4, -0.1, -0.7)] {
             let view = View::beside(look);
-            assert!(view.way(look).x > 0.5 * look.length(), "{look}");
-            let up = view.way(DVec3::Y);
+            assert!(view.on_sheet(look).x > 0.5 * look.length(), "{look}");
+            let up = view.on_sheet(DVec3::Y);
             assert!(up.x.abs() < 1e-15 && up.y < -0.5, "{up}");
         }
         // straight down and everywhere are as along -z
         for look in [DVec3::NEG_Y, DVec3::ZERO, DVec3::new(1e-17, 0.0, 1e-17)] {
-            assert!(View::beside(look).way(DVec3::NEG_Z).x > 0.5);
+            assert!(View::beside(look).on_sheet(DVec3::NEG_Z).x > 0.5);
         }
     }
 

@@ -62,7 +62,7 @@ pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> Result<Rays, Strin
     Ok(Rays { each, length: is_cut.then_some(lengths[1]), scale: scale.unwrap_or(1.0) })
 }
 
-/// The camera has straight rays, one a pixel.
+/// The camera has straight rays, one per pixel.
 fn straight(camera: &Camera) -> Result<(), String> {
     let (kind, layers) = (camera.kind, camera.layers.len());
     if camera.optics.is_some() {

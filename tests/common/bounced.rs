@@ -37,7 +37,7 @@ const FAR: &str = r#"{ kind = "pinhole", eye = [10000, 0.5, 4], target = [10000,
 
 const SPHERE: &str = r#"shape = "sphere", radius = 1.05, count = 300"#;
 const TORUS: &str = r#"shape = "torus", axis = [0.3, 1, 0.5], radius = 0.9, tube = 0.35, count = 400"#;
-/// Facets that turn rays as others would.
+/// Facets that reflect rays as those of a coarser copy.
 const SHOT: &str = r#"shape = "sphere", radius = 1.05, count = 300, cameras = 60"#;
 const BOWL: &str = r#"shape = "quadric", vertex = [0, -0.4, -0.5], axis = [0, 0.2, 1], curvature = 1.6, conic = -0.9, radius = 1.1, count = 300"#;
 const LENS: &str = r#"shape = "lens", center = [0, 0, 2.5], axis = [0, 0, -1], radius = 0.9, thickness = 0.6, curvatures = [0.5, -0.6], count = 300"#;
@@ -57,7 +57,7 @@ const WITHIN: &str = r#"{ kind = "fisheye", eye = [0.02, 0.1, 0.05], target = [0
 const LOW: &str = r#"{ kind = "pinhole", eye = [0.1, -0.5, 3.4], target = [0, -0.62, 0], vfov = 30 }"#;
 /// By the wire.
 const BY: &str = r#"{ kind = "pinhole", eye = [1.3, -0.2, 0.4], target = [1.054, -0.316, 0], vfov = 42 }"#;
-/// The same ring from where rays start so far away that f32 knows them to a thousandth of it.
+/// The same ring from so far away that f32 resolves a thousandth of it.
 const DISTANT: &str = r#"{ kind = "pinhole", eye = [3000, 5500, 7000], target = [0, 0, 0], vfov = 0.02 }"#;
 
 /// The scene and the camera of these keys.
@@ -85,10 +85,10 @@ pub fn cases() -> Vec<Case> {
         let name = format!("refraction, {facets}, {depth}, {shape}");
         case(&name, size, &format!("kind = \"refraction\"\neye = {eye}\n{keys}"))
     };
-    let mut cut = mirror(PINHOLE, SPHERE, "normals", 2);
-    cut.name = "bands and chunks".into();
+    let mut split = mirror(PINHOLE, SPHERE, "normals", 2);
+    split.name = "bands and chunks".into();
     // some 16 rows of eleven channels a band, some 100 triangles a chunk
-    (cut.band_limit, cut.chunk_limit) = (62 * 44 * 20, 36 * 100);
+    (split.band_limit, split.chunk_limit) = (62 * 44 * 20, 36 * 100);
     vec![
         mirror(PINHOLE, SPHERE, "normals", 2),
         mirror(PINHOLE, TORUS, "flat", 1),
@@ -112,19 +112,18 @@ pub fn cases() -> Vec<Case> {
         mirror(PINHOLE, WAVE, "exact", 2),
         mirror(LOW, CHOP, "exact", 3),
         lens(FISHEYE, WAVE, "exact", 1),
-        cut,
+        split,
     ]
 }
 
-/// Rays that f64 alone knows well enough: by thin things, things that touch themselves, and things far away from the scene
-/// or from where rays start.
+/// Cases that need f64: rays close to thin or self-touching surfaces, and optics far from the scene or from the rays' origins.
 pub fn delicate() -> Vec<Case> {
-    let turned = |eye: &str, what: &str| {
+    let optical = |eye: &str, what: &str| {
         case(&format!("{what}, from {eye}"), (61, 43), &format!("eye = {eye}\ndepth = 3\n{what}"))
     };
-    let mirror = |eye: &str, shape: &str| turned(eye, &format!("kind = \"reflection\"\nmirror = {{ {shape} }}"));
+    let mirror = |eye: &str, shape: &str| optical(eye, &format!("kind = \"reflection\"\nmirror = {{ {shape} }}"));
     let lens =
-        |eye: &str, shape: &str| turned(eye, &format!("kind = \"refraction\"\nior = 1.45\nlens = {{ {shape} }}"));
+        |eye: &str, shape: &str| optical(eye, &format!("kind = \"refraction\"\nior = 1.45\nlens = {{ {shape} }}"));
     vec![
         mirror(BY, WIRE),
         mirror(PINHOLE, HORN),
@@ -138,10 +137,10 @@ pub fn delicate() -> Vec<Case> {
 /// The kernels for the rays of an input.
 pub fn variant(case: &Case, input: &Input, real: Real, atomics64: bool) -> Variant {
     let first = case.variant(real, atomics64);
-    if turns(input) > 0 { first.after_bounce() } else { first }
+    if bounces(input) > 0 { first.after_bounce() } else { first }
 }
 
-/// How many turns lie behind the rays of an input.
-pub fn turns(input: &Input) -> u32 {
+/// The number of bounces before the rays of an input.
+pub fn bounces(input: &Input) -> u32 {
     input.optics.map_or(0, |o| o.optic.turns)
 }

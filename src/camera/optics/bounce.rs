@@ -1,19 +1,19 @@
-//! What surfaces make of rays: the definitions in f64.
+//! Reflection and refraction of a ray at a surface: the definitions, in f64.
 
-use super::{Branch, FLAT_LEAST, Facet, Law, Optics, Turn};
+use super::{Bounce, Branch, FLAT_LEAST, Facet, Law, Optics};
 use glam::{DVec2, DVec3};
 
-/// How a ray is turned: which part of its light, and the tilt of normals.
+/// Which branch of a split ray is followed, and the tilt of its normals.
 #[derive(Debug, Clone, Copy)]
-pub struct Spin {
+pub struct Split {
     pub branch: Branch,
     pub tilt: DVec2,
 }
 
-/// Where a ray is turned that meets a facet with these weights of the second and third corner; where to, and its share of the
-/// light.
+/// The bounce of a ray that meets a facet at barycentric weights `[u, v]` of its second and third corner: the point, then the new
+/// direction and its share of the light.
 pub fn at_facet(
-    by: (&Optics, Spin),
+    by: (&Optics, Split),
     law: Law,
     facet: &Facet,
     direction: DVec3,
@@ -23,7 +23,7 @@ pub fn at_facet(
     let mixed = |v: [DVec3; 3]| weights[0] * v[0] + weights[1] * v[1] + weights[2] * v[2];
     let [a, b, c] = facet.corners;
     let outside = (b - a).cross(c - a);
-    let turned = match law {
+    let bounced = match law {
         Law::Normals => after(by, direction, mixed(facet.normals), outside),
         Law::Flat { eye } => {
             let bent = [0, 1, 2].map(|k| bent(by, facet.corners[k] - eye, facet.normals[k], outside));
@@ -35,13 +35,13 @@ pub fn at_facet(
             (direction, weights[0] * bent[0].share + weights[1] * bent[1].share + weights[2] * bent[2].share)
         }
     };
-    (mixed(facet.corners), turned)
+    (mixed(facet.corners), bounced)
 }
 
-/// The unit direction after a surface with a shading `normal`, and its share of the light; zero where no light goes that way. `outside` is
-/// the surface's own normal, and says which side is met. An interpolated or tilted normal may send a direction to the wrong side of the
-/// surface; the surface's plane then reflects it.
-pub fn after(by: (&Optics, Spin), direction: DVec3, normal: DVec3, outside: DVec3) -> (DVec3, f64) {
+/// The unit direction after a surface with a shading `normal`, and its share of the light; both zero if no light goes there. `outside` is
+/// the geometric normal; its sign says which side is hit. An interpolated or tilted normal may send a direction to the wrong side of the
+/// surface; it is then reflected by the surface's plane.
+pub fn after(by: (&Optics, Split), direction: DVec3, normal: DVec3, outside: DVec3) -> (DVec3, f64) {
     let Bent { d, share, passes } = bent(by, direction, normal, outside);
     let up = outside.normalize();
     let height = d.dot(up);
@@ -53,29 +53,29 @@ pub fn after(by: (&Optics, Spin), direction: DVec3, normal: DVec3, outside: DVec
 struct Bent {
     d: DVec3,
     share: f64,
-    /// It was refracted to the other side of the surface.
+    /// Refracted to the other side of the surface.
     passes: bool,
 }
 
-fn bent((optics, spin): (&Optics, Spin), direction: DVec3, normal: DVec3, outside: DVec3) -> Bent {
+fn bent((optics, split): (&Optics, Split), direction: DVec3, normal: DVec3, outside: DVec3) -> Bent {
     let d = direction.normalize();
-    let n = tilted(normal.normalize(), spin.tilt);
+    let n = tilted(normal.normalize(), split.tilt);
     let reflected = |share: f64| Bent { d: d - 2.0 * d.dot(n) * n, share, passes: false };
-    let Turn::Refract { ior } = optics.turn else { return reflected(1.0) };
+    let Bounce::Refract { ior } = optics.bounce else { return reflected(1.0) };
     // indices on this side and on the other
     let (n1, n2) = if d.dot(outside) < 0.0 { (1.0, ior) } else { (ior, 1.0) };
     let (cosine, against) = if d.dot(n) < 0.0 { (-d.dot(n), n) } else { (d.dot(n), -n) };
     let square = 1.0 - (n1 / n2).powi(2) * (1.0 - cosine * cosine);
     if square < 0.0 {
         let nothing = Bent { d: DVec3::ZERO, share: 0.0, passes: false };
-        return if spin.branch == Branch::Main { reflected(1.0) } else { nothing };
+        return if split.branch == Branch::Main { reflected(1.0) } else { nothing };
     }
     let inner = square.sqrt();
     let refracted = n1 / n2 * d + (n1 / n2 * cosine - inner) * against;
     let s = (n1 * cosine - n2 * inner) / (n1 * cosine + n2 * inner);
     let p = (n2 * cosine - n1 * inner) / (n2 * cosine + n1 * inner);
     let back = if optics.fresnel { (s * s + p * p) / 2.0 } else { 0.0 };
-    match spin.branch {
+    match split.branch {
         Branch::Main => Bent { d: refracted, share: 1.0 - back, passes: true },
         Branch::Reflected => reflected(back),
     }
@@ -100,17 +100,17 @@ mod tests {
     use crate::camera::optics::{Facets, Surface};
     use crate::geometry::generate::icosphere;
 
-    fn optics(turn: Turn) -> Optics {
+    fn optics(bounce: Bounce) -> Optics {
         let facets = Facets::of_mesh(&icosphere(2)).unwrap();
-        Optics::new(turn, Surface::Facets { facets, law: Law::Normals }, 2)
+        Optics::new(bounce, Surface::Facets { facets, law: Law::Normals }, 2)
     }
 
     /// A ball of facets: interpolated normals lean away from the facets', so that some rays meet them from behind.
     #[test]
     fn no_ray_leaves_a_facet_on_the_wrong_side() {
-        let spin = Spin { branch: Branch::Main, tilt: DVec2::ZERO };
-        for (turn, passes) in [(Turn::Reflect, false), (Turn::Refract { ior: 1.5 }, true)] {
-            let optics = optics(turn);
+        let split = Split { branch: Branch::Main, tilt: DVec2::ZERO };
+        for (bounce, passes) in [(Bounce::Reflect, false), (Bounce::Refract { ior: 1.5 }, true)] {
+            let optics = optics(bounce);
             let facets = optics.facets().unwrap();
             let (mut seen, mut mended) = (0, 0);
             for k in 0..facets.triangles.len() {
@@ -123,10 +123,10 @@ mod tests {
                             continue;
                         }
                         let n = (1.0 - u - v) * facet.normals[0] + u * facet.normals[1] + v * facet.normals[2];
-                        let bent = bent((&optics, spin), d, n, up);
-                        let (_, (after, share)) = at_facet((&optics, spin), Law::Normals, &facet, d, [u, v]);
+                        let bent = bent((&optics, split), d, n, up);
+                        let (_, (after, share)) = at_facet((&optics, split), Law::Normals, &facet, d, [u, v]);
                         let is_right = |way: DVec3| (way.dot(up) < 0.0) == bent.passes;
-                        assert!(is_right(after), "{turn:?} at facet {k}: {after}");
+                        assert!(is_right(after), "{bounce:?} at facet {k}: {after}");
                         assert!((after.length() - 1.0).abs() < 1e-14 && share == 1.0);
                         // a right direction is not changed
                         assert!(!is_right(bent.d) || after == bent.d);
@@ -136,7 +136,7 @@ mod tests {
                     }
                 }
             }
-            println!("{turn:?}: {mended} of {seen} directions mended");
+            println!("{bounce:?}: {mended} of {seen} directions mended");
             assert!(mended > 0 || passes);
         }
     }

@@ -1,5 +1,5 @@
-// A triangle against four rays at once: which it covers, proven by f32, and how deep, in recheck arithmetic.
-// Provides: FARTHEST, INFINITE, farthest, given, hold, is_behind, lines_of, reach_of, settled, shared_of, size
+// Tests a triangle against four rays at once: coverage, proven by f32, and depth, in recheck arithmetic.
+// Provides: FARTHEST, INFINITE, farthest, given, is_behind, lines_of, reach_of, settled, shared_of, size, test_pixels
 // Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_LOST, REAL_UNIT, SLABBED, Strip, of_words, ordered_bits, real, real3, real4, size3,
 //   triangle_id, triangle_reversed, words_of
 // Binds: params
@@ -7,7 +7,7 @@
 // Rounding of one f32 operation, relative.
 const UNIT: f32 = 1.0 / 16777216.0;
 
-// What is lost of a stored position, relative: 8 units of 2^-48.
+// Relative error of a stored position: 8 units of 2^-48.
 const STORED_UNIT: f32 = 1.0 / 35184372088832.0;
 
 // Beyond all t.
@@ -67,7 +67,7 @@ fn along(edge: Edge, l: Lines) -> vec4<f32> {
     return (edge.c.x * l.dx + edge.c.y * l.dy + edge.c.z * l.dz) - (edge.e.x * l.qx + edge.e.y * l.qy + edge.e.z * l.qz);
 }
 
-// What the lanes share of a triangle.
+// A triangle's values that all lanes share.
 struct Shared {
     a: Edge,
     b: Edge,
@@ -75,17 +75,17 @@ struct Shared {
     normal: real3,
     height: real,       // N . v
     hidden: real,
-    room: real,         // of N . (v - p), beyond an end of a segment
+    margin: real,         // of N . (v - p), beyond an end of a segment
     id: u32,
 }
 
-// The number that one of the lanes has.
+// The value of one lane.
 fn lanes_real(value: real, lane: u32) -> real {
     let words = words_of(value);
     return of_words(vec2<u32>(subgroupShuffle(words.x, lane), subgroupShuffle(words.y, lane)));
 }
 
-// What lane k has of its own.
+// The values of lane k.
 fn given(own: Shared, k: u32) -> Shared {
     return Shared(
         Edge(subgroupShuffle(own.a.c, k), subgroupShuffle(own.a.e, k)),
@@ -94,7 +94,7 @@ fn given(own: Shared, k: u32) -> Shared {
         real3(lanes_real(own.normal.x, k), lanes_real(own.normal.y, k), lanes_real(own.normal.z, k)),
         lanes_real(own.height, k),
         lanes_real(own.hidden, k),
-        lanes_real(own.room, k),
+        lanes_real(own.margin, k),
         subgroupShuffle(own.id, k),
     );
 }
@@ -105,8 +105,8 @@ struct Found {
     met: vec4<bool>,
 }
 
-// Holds a triangle against four rays.
-fn hold(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u32>, before: real4) -> Found {
+// Tests a triangle against four rays.
+fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u32>, before: real4) -> Found {
     let a = along(f.a, l);
     let b = along(f.b, l);
     let c = along(f.c, l);
@@ -121,9 +121,9 @@ fn hold(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u32>, be
     var from_t = real4(t_min);
     var to_t = real4(t_max);
     if SLABBED {
-        let room = f.room / abs(across);
-        from_t -= room;
-        to_t += room;
+        let margin = f.margin / abs(across);
+        from_t -= margin;
+        to_t += margin;
     }
     // NaN of 0 / 0 fails these comparisons
     let met = inside & exists & (across * f.hidden <= real4(0.0)) & (t >= from_t) & (t <= to_t) & (starts != vec4<u32>(f.id));
@@ -134,7 +134,7 @@ fn hold(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u32>, be
     return Found(select(before, keys, met & (keys < before)), exists & !(inside | outside), met);
 }
 
-// Low bits of t that an id takes.
+// Low bits of t that the id replaces.
 fn key_mask() -> u64 {
     return (1lu << select(params.id_bits, params.id_bits + 2u, SLABBED)) - 1lu;
 }
@@ -150,11 +150,11 @@ fn depth_key(t: real, id: u32) -> real {
 fn farthest(nearest: real4, exists: vec4<bool>) -> f32 {
     let t = select(vec4<f32>(-INFINITE), vec4<f32>(min(nearest, real4(real(INFINITE)))), exists);
     let most = max(max(t.x, t.y), max(t.z, t.w));
-    return most + KEY_SLACK * abs(most);
+    return most + KEY_TOLERANCE * abs(most);
 }
 
 // 2^-24 of a key's t, and rounding it to f32 and once more.
-const KEY_SLACK: f32 = 1.0 / 4194304.0;
+const KEY_TOLERANCE: f32 = 1.0 / 4194304.0;
 const INFINITE: f32 = 3.0e38;
 
 // All that is seen of a triangle lies beyond t. Not said of segments, at whose ends several t are one.
@@ -173,16 +173,16 @@ fn settled(layer: u32, key: real) -> vec2<u32> {
     return select(vec2<u32>(0u), ~vec2<u32>((bits.x & ~((1u << params.id_bits) - 1u)) | id, bits.y), key < FARTHEST);
 }
 
-// What the lanes will share of a triangle of which no corner reaches farther than `reach` less the middle, from its corners to f64,
-// for lines of which reach_of is at most reach_q.
+// The shared values of a triangle from its corners in f64. No corner is farther than `reach` from the middle; reach_of the lines is at
+// most reach_q.
 fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, middle: real3, reach: f32, reach_q: f32, reach_d: f32) -> Shared {
     let m0 = vec3<f32>(v0 - middle);
     let m1 = vec3<f32>(v1 - middle);
     let normal = cross(v1 - v0, v2 - v0);
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
-    var room = real(0.0);
+    var margin = real(0.0);
     if SLABBED {
-        room = 16.0 * REAL_UNIT * size3(normal) * (real(reach) + real(reach_d));
+        margin = 16.0 * REAL_UNIT * size3(normal) * (real(reach) + real(reach_d));
     }
     return Shared(
         edge_from(m0, vec3<f32>(v1 - v0), reach_q, reach),
@@ -191,7 +191,7 @@ fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, middle: real3
         normal,
         dot(normal, v0 - middle),
         select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u),
-        room,
+        margin,
         triangle_id(triangle),
     );
 }

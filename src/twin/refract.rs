@@ -1,5 +1,4 @@
-//! What a surface makes of a ray, with bounds on what a kernel may make of it: facets here, smooth surfaces in
-//! [`super::smooth`].
+//! Reflection and refraction with bounds on the values that a kernel computes: facets here, smooth surfaces in [`super::smooth`].
 
 use super::bounded::{Bounded, Judged, Near3};
 use super::{Input, Real};
@@ -14,9 +13,9 @@ pub struct NearRay {
     pub d: Near3,
 }
 
-/// Where a ray is turned, where to, and with what share of its light.
+/// A reflected or refracted ray: origin, direction and its share of the light.
 #[derive(Debug, Clone, Copy)]
-pub struct Turned {
+pub struct BouncedRay {
     pub place: Near3,
     pub d: Near3,
     pub share: Bounded,
@@ -45,7 +44,7 @@ impl Input<'_> {
     }
 }
 
-/// A direction after a turn, and its share of the light.
+/// A direction after a bounce, and its share of the light.
 #[derive(Debug, Clone, Copy)]
 pub struct Bent {
     pub d: Near3,
@@ -127,8 +126,8 @@ pub fn bent_at(optic: &Optic, d: Near3, normal: Near3, outside: Near3, real: Rea
     Bent { d: if crosses.sure { bent } else { widened }, ..after }
 }
 
-/// The turn of a ray at the facet of these corners, which it meets.
-pub fn at_facet(optic: &Optic, corners: &[Corner], ray: &NearRay, real: Real) -> Turned {
+/// The ray that leaves the facet of these corners, which `ray` meets.
+pub fn at_facet(optic: &Optic, corners: &[Corner], ray: &NearRay, real: Real) -> BouncedRay {
     let v = [0, 1, 2].map(|k| Near3::pair(corners[k].p_hi, corners[k].p_lo, real));
     let n = [0, 1, 2].map(|k| Near3::pair(corners[k].n_hi, corners[k].n_lo, real));
     let outside = (v[1] - v[0]).cross(v[2] - v[0]);
@@ -140,10 +139,10 @@ pub fn at_facet(optic: &Optic, corners: &[Corner], ray: &NearRay, real: Real) ->
     let place = Near3::mixed(w, v);
     if optic.law == LAW_NORMALS {
         let Bent { d, share, .. } = bent_at(optic, ray.d.unit(), Near3::mixed(w, n), outside, real);
-        return Turned { place, d, share };
+        return BouncedRay { place, d, share };
     }
 
-    // flat: the corners' own turned rays, of one height over the facet, between them
+    // flat: interpolate the corners' own bounced rays, scaled to one height over the facet
     let eye = Near3::pair(optic.eye_hi, optic.eye_lo, real);
     let bent = [0, 1, 2].map(|k| bent(optic, (v[k] - eye).unit(), n[k], outside, real));
     let d = bent.map(|b| b.d);
@@ -155,5 +154,5 @@ pub fn at_facet(optic: &Optic, corners: &[Corner], ray: &NearRay, real: Real) ->
     let one = Bounded::exact(1.0, real);
     let scaled = if up.yes || down.yes { [0, 1, 2].map(|k| d[k] * (one / heights[k].abs())) } else { d };
     let mixed = Near3::mixed(w, scaled);
-    Turned { place, d: if up.sure && down.sure { mixed } else { mixed.lost() }, share }
+    BouncedRay { place, d: if up.sure && down.sure { mixed } else { mixed.lost() }, share }
 }

@@ -1,8 +1,8 @@
-//! How finely a ray field is cut into bilinear pieces: `pieces = "exact"`, a number, or `"auto"` with an error in pixels.
+//! Tessellation of a ray field into bilinear pieces: `pieces = "exact"`, a number, or `"auto"` with an error in pixels.
 //!
 //! A piece is an image triangle whose corners have the map's own rays; P and D are affine between them, so pieces that share an
-//! edge share its rays. What the notes call the bound is [`bound`]'s: the largest distance in the image, in pixels, between a
-//! place of the piece and where the exact camera sees a point of that place's ray, over the range of t that the scene takes.
+//! edge share its rays. The bound in the notes comes from [`bound`]: the largest image distance, in pixels, between a
+//! place of the piece and the position at which the exact camera sees a point of that place's ray, over the t range of the scene.
 
 pub mod bend;
 mod bound;
@@ -23,67 +23,67 @@ use grid::Cells;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// The keys that a kind whose rays may be cut allows besides its own.
+/// The keys that a kind with tessellation allows besides its own.
 pub const KEYS: [&str; 2] = ["pieces", "error"];
 
-/// The error of `"auto"` where none is given, px.
+/// Default error of `"auto"`, px.
 const ERROR_PX: f64 = 0.25;
 
-/// What to do with a ray field.
+/// How a ray field is tessellated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Cut {
+pub enum Tessellation {
     /// Every pixel has the formula's own ray.
     Exact,
-    /// This many strips, two image triangles each, where the rays bend along one axis of the image alone; else about this many
-    /// triangles in equal cells, as square as they come.
+    /// This many strips of two image triangles if the rays bend only along one axis of the image; else about this many
+    /// triangles in equal cells, as square as possible.
     Count(u32),
-    /// As many pieces as the error, in pixels, needs.
+    /// As many pieces as needed for this error, px.
     Auto { error_px: f64 },
 }
 
-impl Cut {
+impl Tessellation {
     /// Reads [`KEYS`]; exact where they are absent.
-    pub fn read(table: &Table) -> Result<Cut> {
+    pub fn read(table: &Table) -> Result<Tessellation> {
         let error_px = table.optional("error", |field| match field.number()? {
             error if error > 0.0 => Ok(error),
             error => Err(field.error(format_args!("{error} is no error in pixels; give one above 0, as 0.25"))),
         })?;
-        let cut = match table.get("pieces") {
-            None => Cut::Exact,
+        let tessellation = match table.get("pieces") {
+            None => Tessellation::Exact,
             Some(field) => match field.text() {
-                Ok("exact") => Cut::Exact,
-                Ok("auto") => Cut::Auto { error_px: error_px.unwrap_or(ERROR_PX) },
+                Ok("exact") => Tessellation::Exact,
+                Ok("auto") => Tessellation::Auto { error_px: error_px.unwrap_or(ERROR_PX) },
                 Ok(_) => return Err(field.error("is \"exact\", \"auto\" or a number of pieces")),
                 Err(_) => {
-                    // pieces, and twice as many triangles while they are cut, are numbered in 32 bits
+                    // pieces, and up to twice as many triangles during refinement, have 32-bit numbers
                     let pieces = field.integer(1, 1 << 30)?;
                     limits::PIECES.check(pieces).map_err(|e| field.error(e))?;
-                    Cut::Count(pieces as u32)
+                    Tessellation::Count(pieces as u32)
                 }
             },
         };
         match table.get("error") {
-            Some(field) if !matches!(cut, Cut::Auto { .. }) => {
+            Some(field) if !matches!(tessellation, Tessellation::Auto { .. }) => {
                 Err(field.error("goes with pieces = \"auto\"; leave it out"))
             }
-            _ => Ok(cut),
+            _ => Ok(tessellation),
         }
     }
 
-    /// The rays of a formula over the setting's image, cut as asked.
+    /// The camera of a formula's rays over the setting's image.
     ///
     /// # Errors
-    /// [`Error::Input`] where no pixel, or no corner of a piece, has a ray.
+    /// [`Error::Input`] if no pixel, or no corner of a piece, has a ray.
     pub fn build(self, map: Arc<dyn RayMap>, setting: &Setting) -> Result<Built> {
         let size = setting.size()?;
-        if self == Cut::Exact {
+        if self == Tessellation::Exact {
             return Ok(Built::new(size, Rays::Field(Field::of_map(size.0, size.1, map)?)));
         }
         let judge = Judge::new(map.as_ref(), setting, size);
         let cells = match self {
-            Cut::Auto { error_px } => refine::refine(&judge, error_px),
-            Cut::Count(n) => judged(&judge, grid::of_count(&judge, n)),
-            Cut::Exact => unreachable!("built above"),
+            Tessellation::Auto { error_px } => refine::refine(&judge, error_px),
+            Tessellation::Count(n) => judged(&judge, grid::of_count(&judge, n)),
+            Tessellation::Exact => unreachable!("built above"),
         };
         let pieces: Vec<_> = cells.with_rays().map(|(corners, rays, _)| triangle(corners, rays)).collect();
         if pieces.is_empty() {
@@ -96,7 +96,7 @@ impl Cut {
     }
 }
 
-/// Most cells that are judged one by one. More are judged in groups of neighbours.
+/// Most cells that are judged one by one; more are judged in groups of neighbours.
 const JUDGED_MAX: usize = 1 << 13;
 
 /// The cells with their verdicts. Of many cells, those of a group share the bound over the group, which holds for each.
@@ -122,10 +122,10 @@ fn judged(judge: &Judge, mut cells: Cells) -> Cells {
     cells
 }
 
-/// What a person should know of the pieces.
-fn notes(cells: &Cells, cut: Cut) -> Vec<String> {
-    let error_px = if let Cut::Auto { error_px } = cut { error_px } else { f64::INFINITY };
-    // pieces that were cut as far as it goes and are still wrong
+/// Notes for the user: piece count, error bound, and pieces without a bound.
+fn notes(cells: &Cells, tessellation: Tessellation) -> Vec<String> {
+    let error_px = if let Tessellation::Auto { error_px } = tessellation { error_px } else { f64::INFINITY };
+    // pieces of the smallest size that still exceed the error
     let is_jump = |corners: &[DVec2; 3], v: &Verdict| {
         let extent = corners[0].max(corners[1]).max(corners[2]) - corners[0].min(corners[1]).min(corners[2]);
         !v.rim && (v.error_px.is_infinite() || v.error_px > error_px && extent.min_element() <= refine::PIECE_MIN_PX)

@@ -1,4 +1,4 @@
-//! What a batch tells while it works: a bar on a terminal, lines of JSON for programs, lines of a log.
+//! Progress of a batch: a bar on a terminal, JSON lines for programs, and a log.
 
 use super::frames;
 use crate::image::open_to_append;
@@ -16,29 +16,29 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Instant, SystemTime};
 
-pub struct Board {
-    /// The list that is worked on.
+pub struct BatchProgress {
+    /// The list of jobs.
     list: PathBuf,
     is_json: bool,
     bar: Option<ProgressBar>,
     log: Option<Mutex<File>>,
     started: Instant,
     counts: Arc<Mutex<Counts>>,
-    /// Frames that are done again, by what has changed: the first [`REASONS`] of the reasons.
+    /// Number of frames rendered again by reason, for the first [`REASONS`] reasons.
     reasons: Mutex<BTreeMap<String, usize>>,
     _lines: Option<ProgressLines>,
 }
 
-/// Reasons that are counted, which bounds the memory for them. The log has all.
+/// Most reasons counted, to bound the memory. The log has all.
 const REASONS: usize = 1000;
 
-/// Reasons that are printed at the end.
+/// Most reasons printed at the end.
 const REASONS_PRINTED: usize = 3;
 
-impl Board {
+impl BatchProgress {
     /// # Errors
-    /// [`Error::Work`] where the log cannot be written.
-    pub fn new(progress: ProgressName, log: Option<&Path>, list: &Path, all: usize) -> Result<Board> {
+    /// [`Error::Work`] if the log cannot be written.
+    pub fn new(progress: ProgressName, log: Option<&Path>, list: &Path, all: usize) -> Result<BatchProgress> {
         let open = |path: &Path| {
             open_to_append(path).map_err(|e| Error::work(format!("{}: the log cannot be written: {e}", path.display())))
         };
@@ -48,7 +48,7 @@ impl Board {
         let (counts, started) = (Arc::new(Mutex::new(Counts { all, ..Counts::default() })), Instant::now());
         let counted = counts.clone();
         let line = move || line(&lock(&counted), started);
-        let board = Board {
+        let shown = BatchProgress {
             list: list.to_owned(),
             is_json: progress == ProgressName::Json,
             bar: has_bar.then(|| bar(all)),
@@ -58,12 +58,12 @@ impl Board {
             reasons: Mutex::default(),
             _lines: (is_auto && !has_bar).then(|| ProgressLines::start(line)),
         };
-        board.write(json!({ "event": "start", "frames": all }), &format!("start: {all} frames"));
-        Ok(board)
+        shown.write(json!({ "event": "start", "frames": all }), &format!("start: {all} frames"));
+        Ok(shown)
     }
 
-    /// Tells what happened, and how far the batch is.
-    pub fn tell(&self, event: Event, counts: &Counts) {
+    /// Shows an event and the counts after it.
+    pub fn report(&self, event: Event, counts: &Counts) {
         *lock(&self.counts) = *counts;
         if let Some(bar) = &self.bar {
             bar.set_position((counts.done + counts.skipped + counts.failed) as u64);
@@ -115,7 +115,7 @@ impl Board {
         self.write(json!({ "event": "note", "text": line }), line);
     }
 
-    /// All has been tried.
+    /// Ends the display: no frame is left.
     pub fn end(&self, counts: &Counts) {
         let Counts { all, done, skipped, failed, again } = *counts;
         let wall_s = self.started.elapsed().as_secs_f64();
@@ -132,7 +132,7 @@ impl Board {
         }
     }
 
-    /// On stderr, for a person; programs have it as JSON.
+    /// Prints a line on stderr unless JSON is written.
     fn say(&self, line: &str) {
         let write = || note(line);
         match &self.bar {
@@ -144,18 +144,18 @@ impl Board {
 
     fn write(&self, value: Value, line: &str) {
         if self.is_json {
-            // whoever went away hears no more
+            // the reader may have closed stdout
             let _ = print(&format!("{value}\n"));
         }
         if let Some(log) = &self.log {
             let now = humantime::format_rfc3339_millis(SystemTime::now());
-            // frames are worth more than a line about them
+            // a failed log line must not stop the batch
             let _ = lock(log).write_all(format!("{now} {}\n", line_of(line)).as_bytes());
         }
     }
 }
 
-/// How far the batch is, as text; `None` at its end.
+/// The progress as text; `None` at the end.
 fn line(counts: &Counts, started: Instant) -> Option<String> {
     let Counts { all, done, skipped, failed, .. } = *counts;
     let tried = done + skipped + failed;
@@ -171,7 +171,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// How many frames were done again and why, the most frequent reasons first.
+/// The number of frames rendered again, and the most frequent reasons.
 fn again_line(again: usize, reasons: &BTreeMap<String, usize>) -> String {
     if let (Some((why, _)), 1) = (reasons.first_key_value(), reasons.len()) {
         return format!("again: {}: {why}", frames(again));
@@ -195,7 +195,7 @@ fn bar(all: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("{wide_bar} {pos} of {len}, {rate}, {eta} left");
     let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
     bar.with_style(style.with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-        // a bar without its rate is one still
+        // a bar without its rate is still useful
         let _ = text.write_str(&rate(state.per_sec()));
     }))
 }

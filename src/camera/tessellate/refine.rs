@@ -1,8 +1,8 @@
-//! As many pieces as an error needs.
+//! Adaptive refinement until every piece meets the error.
 //!
 //! Where the rays bend along one axis alone, strips are halved. Otherwise right-angled image triangles are bisected through their
-//! newest corner (Mitchell 1989): a triangle is cut from its first corner to the middle of the opposite edge, and the triangle
-//! beyond that edge is cut with it, after itself being cut until it has that edge to cut. So every edge has the same end points
+//! newest corner (Mitchell 1989): a triangle is split from its first corner to the middle of the opposite edge, and the triangle
+//! beyond that edge is split with it, after itself being split until it has that edge to split. So every edge has the same end points
 //! from both sides: no corner lies on another triangle's edge, and the rays are continuous across every border.
 
 use super::bound::{Judge, Verdict};
@@ -11,10 +11,10 @@ use crate::input::limits;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Pieces this wide and high, px, are cut no further: what is still wrong there is a jump, or the rim of the rays.
+/// Pieces this wide and high, px, are split no further: a remaining error there is a jump, or the rim of the rays.
 pub const PIECE_MIN_PX: f64 = 0.25;
 
-/// The square root of the number of cells to begin with.
+/// The square root of the initial number of cells.
 const CELLS: f64 = 4.0;
 
 pub fn refine(judge: &Judge, error_px: f64) -> Cells {
@@ -24,7 +24,7 @@ pub fn refine(judge: &Judge, error_px: f64) -> Cells {
     }
 }
 
-/// A verdict that asks for smaller pieces.
+/// Whether a verdict requires smaller pieces.
 fn asks(verdict: &Verdict, error_px: f64) -> bool {
     verdict.rim || verdict.error_px > error_px
 }
@@ -36,8 +36,8 @@ fn refine_strips(judge: &Judge, error_px: f64, axis: Bends) -> Cells {
         let mut cells = strips(judge, axis, &borders);
         cells.verdicts = cells.triangles.par_iter().map(|t| cells.judge(judge, t)).collect();
         let wide = |k: usize| borders[k + 1] - borders[k] > PIECE_MIN_PX;
-        let cut = |k: usize| wide(k) && cells.verdicts[2 * k..2 * k + 2].iter().any(|v| asks(v, error_px));
-        let halved: Vec<usize> = (0..borders.len() - 1).filter(|&k| cut(k)).collect();
+        let split = |k: usize| wide(k) && cells.verdicts[2 * k..2 * k + 2].iter().any(|v| asks(v, error_px));
+        let halved: Vec<usize> = (0..borders.len() - 1).filter(|&k| split(k)).collect();
         if halved.is_empty() || cells.triangles.len() + 2 * halved.len() > limits::PIECES.most as usize {
             return cells;
         }
@@ -62,9 +62,9 @@ fn refine_triangles(judge: &Judge, error_px: f64) -> Cells {
             if mesh.cells.triangles.len() + 2 > limits::PIECES.most as usize {
                 break;
             }
-            // it may have been cut with a neighbour already
+            // it may have been split with a neighbour already
             if !mesh.is_new[t as usize] {
-                mesh.cut(judge, t);
+                mesh.split(judge, t);
             }
         }
         // numbers in order, each once
@@ -76,7 +76,7 @@ fn refine_triangles(judge: &Judge, error_px: f64) -> Cells {
     }
 }
 
-/// Triangles and who is beyond each edge.
+/// Triangles and their neighbours.
 struct Mesh {
     cells: Cells,
     /// The triangles at an edge, its places ascending.
@@ -138,20 +138,20 @@ impl Mesh {
         (a.max(b).max(c) - a.min(b).min(c)).max_element() > PIECE_MIN_PX
     }
 
-    /// The triangle beyond the edge that `t` is cut at.
+    /// The triangle beyond the edge at which `t` is split.
     fn partner(&self, t: u32) -> Option<u32> {
         let [_, b, c] = self.cells.triangles[t as usize];
         self.beyond.get(&edge(b, c))?.iter().flatten().copied().find(|&n| n != t)
     }
 
-    /// Cuts the triangle, and the one beyond the cut edge.
-    fn cut(&mut self, judge: &Judge, t: u32) {
+    /// Splits the triangle, and the one beyond the split edge.
+    fn split(&mut self, judge: &Judge, t: u32) {
         let [_, b, c] = self.cells.triangles[t as usize];
-        // a partner that is cut elsewhere is larger; one of its halves then has this edge to cut
+        // a partner that is split elsewhere is larger; one of its halves then has this edge to split
         if let Some(n) = self.partner(t) {
             let [_, nb, nc] = self.cells.triangles[n as usize];
             if edge(nb, nc) != edge(b, c) {
-                self.cut(judge, n);
+                self.split(judge, n);
             }
         }
         let partner = self.partner(t);

@@ -11,30 +11,30 @@ pub struct Cells {
     pub places: Vec<DVec2>,
     /// The exact ray of each place.
     pub rays: Vec<Option<Ray>>,
-    /// Three places each.
+    /// Three indices of places each.
     pub triangles: Vec<[u32; 3]>,
-    /// One a triangle, or none yet.
+    /// One per triangle; empty before they are judged.
     pub verdicts: Vec<Verdict>,
-    /// In how many parts, across and down, a triangle's box is looked at.
+    /// Number of parts, across and down, into which a triangle's box is divided for the bound.
     pub parts: (u32, u32),
     /// Columns and rows of cells before any refinement.
     pub size: (usize, usize),
 }
 
-/// How the rays bend over the whole image.
+/// The curvature of the rays over the whole image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bends {
-    /// Along a alone: P and D are affine in b, with one slope for all a.
+    /// Along a only: P and D are affine in b, with the same slope for all a.
     Across,
-    /// Along b alone.
+    /// Along b only.
     Down,
     Both,
 }
 
-/// Parts in which a strip is looked at along its length.
+/// Number of parts of a strip along its length, for the bound.
 const STRIP_PARTS: u32 = 16;
 
-/// Places a side of the lattice that tells how the image bends, and how large a second difference may be against the
+/// Places per side of the lattice that tells how the image bends, and how large a second difference may be against the
 /// rays' own differences to be rounding.
 const LATTICE: usize = 17;
 const STRAIGHT: f64 = 1e-9;

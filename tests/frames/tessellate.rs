@@ -1,7 +1,7 @@
-//! Ray maps cut into pieces: the bound that is told holds, is no more than ten times too large, and falls as it must.
+//! Tessellated ray maps: the reported bound holds, is at most ten times too large, and falls at the derived rate.
 
-use anamorph::internals::camera::cut::Cut;
 use anamorph::internals::camera::recipe::{Built, Setting};
+use anamorph::internals::camera::tessellate::Tessellation;
 use anamorph::internals::camera::{Pieces, Ray, RayMap, Rays};
 use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::scene::Scene;
@@ -11,8 +11,8 @@ use std::sync::Arc;
 
 const SIZE: (u32, u32) = (600, 400);
 const T_RANGE: [f64; 2] = [2.0, 10.0];
-/// How far the told bound may be above the true error.
-const SLACK: f64 = 10.0;
+/// Most by which the reported bound may exceed the true error, as a factor.
+const LOOSENESS_MAX: f64 = 10.0;
 
 /// Unit directions by longitude and latitude, 160 x 100 degrees.
 #[derive(Debug)]
@@ -53,10 +53,10 @@ impl RayMap for Swelling {
     }
 }
 
-fn cut(cut: Cut, map: Arc<dyn RayMap>) -> Built {
+fn tessellate(tessellation: Tessellation, map: Arc<dyn RayMap>) -> Built {
     // a ball around the two corners that holds all of T_RANGE
     let mesh = Mesh { positions: vec![DVec3::splat(-20.0), DVec3::splat(20.0)], ..Mesh::default() };
-    cut.build(map, &Setting::new(Some(SIZE), &mesh, T_RANGE)).unwrap()
+    tessellation.build(map, &Setting::new(Some(SIZE), &mesh, T_RANGE)).unwrap()
 }
 
 fn pieces(built: &Built) -> &Pieces {
@@ -65,7 +65,7 @@ fn pieces(built: &Built) -> &Pieces {
 }
 
 /// The bound of the first note.
-fn told(built: &Built) -> f64 {
+fn reported(built: &Built) -> f64 {
     let words: Vec<&str> = built.notes[0].split(' ').collect();
     words[words.len() - 2].parse().unwrap()
 }
@@ -118,9 +118,9 @@ fn series(map: Arc<dyn RayMap>) -> Vec<(f64, f64, f64)> {
     let counts = [64u32, 128, 256, 512, 1024, 2048, 4096];
     counts
         .map(|n| {
-            let built = cut(Cut::Count(n), map.clone());
+            let built = tessellate(Tessellation::Count(n), map.clone());
             let found = pieces(&built).pieces.len();
-            let row = (found as f64, told(&built), true_error(map.as_ref(), pieces(&built), 1 + found / 256));
+            let row = (found as f64, reported(&built), true_error(map.as_ref(), pieces(&built), 1 + found / 256));
             println!(
                 "{map:?}: {n} asked, {} pieces, bound {:.6}, error {:.6}, {:.2} times",
                 row.0,
@@ -144,7 +144,7 @@ fn the_error_falls_as_one_over_the_pieces_in_two_dimensions() {
     for (n, bound, error) in rows {
         assert!(bound >= error, "{n}: {bound} under {error}");
         // with fewer pieces a ray turns by 20 degrees in each, too much for a tight bound
-        assert!(n < 200.0 || bound < SLACK * error, "{n}: {bound}, but {error}");
+        assert!(n < 200.0 || bound < LOOSENESS_MAX * error, "{n}: {bound}, but {error}");
     }
 }
 
@@ -156,7 +156,7 @@ fn the_error_falls_as_one_over_their_square_in_strips() {
     assert!((slope(&errors) + 2.0).abs() < SLOPE_OFF, "{}", slope(&errors));
     for (n, bound, error) in rows {
         assert!(bound >= error, "{n}: {bound} under {error}");
-        assert!(bound < SLACK * error, "{n}: {bound}, but {error}");
+        assert!(bound < LOOSENESS_MAX * error, "{n}: {bound}, but {error}");
     }
 }
 
@@ -164,20 +164,20 @@ fn the_error_falls_as_one_over_their_square_in_strips() {
 fn auto_meets_the_error_asked_for_and_not_by_far_too_much() {
     for map in [Arc::new(Sphere) as Arc<dyn RayMap>, Arc::new(Cylinder), Arc::new(Swelling)] {
         for error_px in [1.0, 0.25, 0.05] {
-            let built = cut(Cut::Auto { error_px }, map.clone());
+            let built = tessellate(Tessellation::Auto { error_px }, map.clone());
             let count = pieces(&built).pieces.len();
             let error = true_error(map.as_ref(), pieces(&built), 1 + count / 400);
             println!("{map:?} {error_px}: {:?}, error {error:.4}", built.notes);
             assert_eq!(built.notes.len(), 1, "{:?}", built.notes);
-            assert!(told(&built) <= error_px && error <= told(&built), "{map:?}: {error} in {error_px}");
-            assert!(told(&built) < SLACK * error, "{map:?}: {} but {error}", told(&built));
+            assert!(reported(&built) <= error_px && error <= reported(&built), "{map:?}: {error} in {error_px}");
+            assert!(reported(&built) < LOOSENESS_MAX * error, "{map:?}: {} but {error}", reported(&built));
         }
     }
 }
 
 #[test]
 fn pieces_of_an_uneven_cut_share_whole_edges_and_their_rays() {
-    let built = cut(Cut::Auto { error_px: 0.25 }, Arc::new(Swelling));
+    let built = tessellate(Tessellation::Auto { error_px: 0.25 }, Arc::new(Swelling));
     let list = &pieces(&built).pieces;
     let areas = list.iter().map(|p| p.corners_px.unwrap()).map(|[a, b, c]| (b - a).perp_dot(c - a).abs() / 2.0);
     let (least, most, sum) = areas.fold((f64::INFINITY, 0f64, 0f64), |m, a| (m.0.min(a), m.1.max(a), m.2 + a));
@@ -229,13 +229,13 @@ impl RayMap for Odd {
 #[test]
 fn jumps_rims_and_folds_are_told_apart() {
     for (odd, says) in [(Odd::Jump, "the rays jump"), (Odd::Rim, "at the rim"), (Odd::Focus, "focus or fold")] {
-        let built = cut(Cut::Auto { error_px: 0.25 }, Arc::new(odd));
+        let built = tessellate(Tessellation::Auto { error_px: 0.25 }, Arc::new(odd));
         assert!(built.notes[1].contains(says), "{:?}", built.notes);
-        assert!(told(&built) <= 0.25 && pieces(&built).pieces.len() < 60_000, "{:?}", built.notes);
+        assert!(reported(&built) <= 0.25 && pieces(&built).pieces.len() < 60_000, "{:?}", built.notes);
     }
-    let left_out = cut(Cut::Count(200), Arc::new(Odd::Rim));
+    let left_out = tessellate(Tessellation::Count(200), Arc::new(Odd::Rim));
     assert!(left_out.notes.last().unwrap().contains("left out"), "{:?}", left_out.notes);
-    let few = Cut::Count(1).build(Arc::new(Odd::Rim), &Setting::new(Some(SIZE), &Mesh::default(), T_RANGE));
+    let few = Tessellation::Count(1).build(Arc::new(Odd::Rim), &Setting::new(Some(SIZE), &Mesh::default(), T_RANGE));
     assert!(few.unwrap_err().to_string().contains("camera.pieces"));
 }
 
@@ -244,9 +244,13 @@ fn without_a_scene_the_bound_is_that_of_the_whole_range() {
     for t_range in [[0.0, f64::INFINITY], [f64::NEG_INFINITY, f64::INFINITY], [1.0, 2.0]] {
         let mesh = Mesh::default();
         let setting = Setting::new(Some(SIZE), &mesh, t_range);
-        let built = Cut::Count(1024).build(Arc::new(Sphere), &setting).unwrap();
-        assert_eq!(told(&built), told(&cut(Cut::Count(1024), Arc::new(Sphere))), "rays from one point");
-        assert!(Cut::Auto { error_px: 0.5 }.build(Arc::new(Cylinder), &setting).is_ok());
+        let built = Tessellation::Count(1024).build(Arc::new(Sphere), &setting).unwrap();
+        assert_eq!(
+            reported(&built),
+            reported(&tessellate(Tessellation::Count(1024), Arc::new(Sphere))),
+            "rays from one point"
+        );
+        assert!(Tessellation::Auto { error_px: 0.5 }.build(Arc::new(Cylinder), &setting).is_ok());
     }
 }
 

@@ -19,7 +19,7 @@ use crate::camera::field::RayMap;
 use crate::camera::recipe::Setting;
 use glam::{DVec2, DVec3};
 
-/// Knows the exact camera and where the scene is.
+/// The exact camera, and a bounding ball of the scene.
 pub struct Judge<'a> {
     pub map: &'a dyn RayMap,
     /// Of the image, px.
@@ -29,31 +29,31 @@ pub struct Judge<'a> {
     scene: Option<(DVec3, f64)>,
 }
 
-/// What is known of a piece.
+/// The verdict on a piece.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verdict {
-    /// The bound, px; infinite where there is none.
+    /// The bound on the image error, px; infinite if there is none.
     pub error_px: f64,
     /// A focus or fold is in range: near it there is no bound.
     pub fold: bool,
-    /// Places of the piece's box have no ray, so nothing is known.
+    /// Some places of the piece's box have no ray, so there is no bound.
     pub rim: bool,
 }
 
 impl Verdict {
-    /// The piece's rays meet nothing of the scene.
+    /// A piece whose rays miss the scene.
     pub const NONE: Verdict = Verdict { error_px: 0.0, fold: false, rim: false };
-    /// A ray is missing.
+    /// A piece at the rim of the rays.
     pub const RIM: Verdict = Verdict { error_px: f64::INFINITY, fold: false, rim: true };
 }
 
 /// Intervals of t.
 const INTERVALS: usize = 16;
 
-/// A footprint under this share of the largest on its ray is near a focus or fold.
+/// A footprint smaller than this share of the largest on its ray is near a focus or fold.
 const FOLD_SHARE: f64 = 1.0 / 16.0;
 
-/// Errors under this, px, are none: the rounding of differences of numbers some 1e6 times a pixel's size is below it.
+/// Errors under this, px, count as 0: the rounding of differences of numbers some 1e6 times a pixel's size is below it.
 const NO_ERROR_PX: f64 = 1e-9;
 
 /// Intervals a side of the lattice on which slopes are taken.
@@ -66,7 +66,7 @@ struct Slope {
     d: [DVec2; 2],
 }
 
-/// What is known at a weight.
+/// Footprint and error at a weight.
 struct At {
     /// dX / d(px) across the ray, its larger and its smaller singular value, in each cell of the lattice.
     columns: [[DVec2; 2]; CELLS],
@@ -96,7 +96,7 @@ impl<'a> Judge<'a> {
         super::bend::usable(self.map.ray(q.x, q.y))
     }
 
-    /// The verdict on a piece, its box looked at in `parts` across and down.
+    /// The verdict on a piece, its box divided into `parts` across and down.
     pub fn judge(&self, corners: &[DVec2; 3], rays: &[Ray; 3], parts: (u32, u32)) -> Verdict {
         let Some(middle) = self.ray((corners[0] + corners[1] + corners[2]) / 3.0) else { return Verdict::RIM };
         let Some(weights) = self.weights(&[rays[0], rays[1], rays[2], middle]) else { return Verdict::NONE };

@@ -9,7 +9,7 @@ pub struct Bend {
     /// Unit direction of the ray in the rectangle's middle.
     pub forward: DVec3,
     /// At least the sine of the angle between `forward` and any ray of the rectangle.
-    pub turn: f64,
+    pub sine_max: f64,
     /// For each weight `(p, d)`: with F = p P + d D and a rectangle of w x h, at least `|F_aa| w^2`, `|F_ab| w h` and
     /// `|F_bb| h^2` anywhere in it, of the second derivatives only the part across any ray of the rectangle.
     pub across: Vec<[f64; 3]>,
@@ -27,7 +27,7 @@ type Lattice = [[Ray; STEPS + 1]; STEPS + 1];
 
 impl Bend {
     /// Bounds by second differences on a lattice of 5 x 5 places; `None` where one of them has no ray. Not proven: see [`SAFETY`],
-    /// and `turn` is the largest over the lattice.
+    /// and `sine_max` is the largest over the lattice.
     pub fn sampled(
         ray: impl Fn(f64, f64) -> Option<Ray>,
         lo: DVec2,
@@ -45,9 +45,9 @@ impl Bend {
         let unit = rays.iter().flatten().map(|r| r.direction.normalize());
         // beyond a right angle the sine falls again
         let sine = |d: DVec3| if d.dot(forward) > 0.0 { d.cross(forward).length() } else { 1.0 };
-        let turn = unit.fold(0f64, |m, d| m.max(sine(d)));
-        let across = weights.iter().map(|w| largest_differences(&rays, *w, forward, turn)).collect();
-        Some(Bend { forward, turn, across })
+        let sine_max = unit.fold(0f64, |m, d| m.max(sine(d)));
+        let across = weights.iter().map(|w| largest_differences(&rays, *w, forward, sine_max)).collect();
+        Some(Bend { forward, sine_max, across })
     }
 }
 
@@ -56,9 +56,9 @@ pub fn usable(ray: Option<Ray>) -> Option<Ray> {
     ray.filter(|r| r.origin.is_finite() && r.direction.is_finite() && r.direction != DVec3::ZERO)
 }
 
-fn largest_differences(rays: &Lattice, (p, d): (f64, f64), forward: DVec3, turn: f64) -> [f64; 3] {
+fn largest_differences(rays: &Lattice, (p, d): (f64, f64), forward: DVec3, sine_max: f64) -> [f64; 3] {
     let f = rays.each_ref().map(|row| row.each_ref().map(|r| p * r.origin + d * r.direction));
-    let mut most = [Largest { forward, turn, size: 0.0 }; 3];
+    let mut most = [Largest { forward, sine_max, size: 0.0 }; 3];
     for j in 0..=STEPS {
         for i in 0..=STEPS {
             if (1..STEPS).contains(&i) {
@@ -76,11 +76,11 @@ fn largest_differences(rays: &Lattice, (p, d): (f64, f64), forward: DVec3, turn:
     most.map(|m| SAFETY * (STEPS * STEPS) as f64 * m.size)
 }
 
-/// The largest size of vectors as seen along the rays of a rectangle: their part across `forward`, plus `turn` times their length.
+/// The largest size of vectors as seen along the rays of a rectangle: their component across `forward`, plus `sine_max` times their length.
 #[derive(Clone, Copy)]
 struct Largest {
     forward: DVec3,
-    turn: f64,
+    sine_max: f64,
     size: f64,
 }
 
@@ -92,9 +92,9 @@ impl Largest {
         let across = (v - v.dot(self.forward) * self.forward).length_squared();
         let whole = v.length_squared();
         // most vectors are smaller, which needs no roots to see
-        if SQUARE_OF_SUM * (across + self.turn * self.turn * whole) < self.size * self.size {
+        if SQUARE_OF_SUM * (across + self.sine_max * self.sine_max * whole) < self.size * self.size {
             return;
         }
-        self.size = self.size.max(across.sqrt() + self.turn * whole.sqrt());
+        self.size = self.size.max(across.sqrt() + self.sine_max * whole.sqrt());
     }
 }

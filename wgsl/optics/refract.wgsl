@@ -1,10 +1,10 @@
-// What a surface makes of a ray's direction.
-// Provides: Turned, bent, bent_at, norm
+// Reflection and refraction of a ray's direction.
+// Provides: BouncedRay, bent, bent_at, norm
 // Needs: real, real3
 // Binds: optic
 
-// Where a ray is turned, where to (0: nowhere), and with what share of its light.
-struct Turned {
+// A reflected or refracted ray: origin, direction (0: no ray) and its share of the light.
+struct BouncedRay {
     place: real3,
     d: real3,
     share: real,
@@ -37,8 +37,8 @@ fn tilted(n: real3) -> real3 {
     return v / norm(v);
 }
 
-// The unit direction d after a surface with this normal, of any length; `outside` says which side is met. Total
-// reflection where Snell's law has no answer.
+// The unit direction d after a surface with this normal, of any length; `outside` is the geometric normal. Total
+// reflection where Snell's law has no solution.
 fn bent(d: real3, normal: real3, outside: real3) -> Bent {
     let one = real(1.0);
     let n = tilted(normal / norm(normal));
@@ -73,8 +73,8 @@ fn bent(d: real3, normal: real3, outside: real3) -> Bent {
     return Bent(refracted, one - back, true);
 }
 
-// The same, but never to the wrong side of the surface. An interpolated or tilted normal may send a direction there; the surface's plane then
-// reflects it.
+// The same, but never to the wrong side of the surface: an interpolated or tilted normal may send a direction there, which is then reflected
+// by the surface's plane.
 fn bent_at(d: real3, normal: real3, outside: real3) -> Bent {
     var after = bent(d, normal, outside);
     let up = outside / norm(outside);
