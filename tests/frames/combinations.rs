@@ -1,7 +1,7 @@
 //! What goes together in a frame: every refused pair is tried and gives its own line, every other pair is planned, and the page says
 //! what the table says.
 
-mod common;
+use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::combinations::{Feature, REFUSALS, Refusal};
@@ -27,7 +27,7 @@ use half::f16;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-const PAGE: &str = include_str!("../docs/reference/combinations.md");
+const PAGE: &str = include_str!("../../docs/reference/combinations.md");
 
 const SIZE: (u32, u32) = (64, 64);
 

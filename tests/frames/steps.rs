@@ -1,7 +1,7 @@
 //! Frames as data: what the steps of a frame bind is in the table of buffers, is written before it is read, and is read and written as
 //! the kernels say.
 
-mod common;
+use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::RunOptions;
