@@ -18,6 +18,7 @@ pub mod readback;
 pub mod report;
 mod resident;
 pub mod rival;
+mod running;
 pub mod stage;
 pub mod steps;
 pub mod surface;

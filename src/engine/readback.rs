@@ -1,7 +1,7 @@
 //! Frames on their way from the device, and the pictures that come of what it sent.
 
 use super::Rendered;
-use super::frames::Running;
+use super::running::Running;
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
 use crate::engine::plan::{Plan, Wanted};
