@@ -188,7 +188,7 @@ impl Renderer {
             None => engine.place(planned.clone(), &run)?,
         };
         let pending = frames.start()?;
-        let read = frames.recheck_samples(&planned, pending)?;
+        let read = frames.wait_for(&planned, pending)?;
         self.shown = Some((frames, planned));
         Ok(Some(read.rendered()))
     }

@@ -1,4 +1,4 @@
-//! How every frame runs: it begins, is done, and what its lists lacked is known; those who wait for it and those who do not.
+//! The one way to run a frame: submit its steps, read its counters, and repeat it with larger lists if these were too small.
 
 use super::changes::Dirty;
 use super::frames::Frames;
@@ -11,7 +11,7 @@ use crate::gpu::recorder::Recorded;
 use crate::input::{Error, Result};
 use std::time::Instant;
 
-/// A frame that the device was given, and how large its lists were.
+/// A submitted frame, and the sizes of its lists.
 pub(super) struct Running {
     pub copies: Copies,
     pub recorded: Recorded,
@@ -21,7 +21,7 @@ pub(super) struct Running {
 }
 
 impl Frames {
-    /// Gives the device the steps of a frame that show what is dirty, by which every frame runs; with `reads` its picture can be read.
+    /// Submits the steps that draw what is dirty. With `reads`, they copy the picture to where the host can read it.
     pub(super) fn begin(&self, dirty: Dirty, reads: bool) -> Result<Running> {
         let steps = self.steps(reads, dirty);
         self.compile(&steps)?;
@@ -31,22 +31,22 @@ impl Frames {
         Ok(Running { copies, recorded, capacities, raster_rounds, started })
     }
 
-    /// Gives the device a frame of what is shown, by all stages, and does not wait for it.
+    /// Submits a whole frame of the current scene and camera, and returns without waiting for it.
     pub fn start(&self) -> Result<InFlight> {
         let running = self.begin(Dirty::All, true)?;
         let reads = PendingReads::start(&running);
         Ok(InFlight { started: running.started, running, reads, frame_layout: self.frame_layout() })
     }
 
-    /// Waits for a frame of `planned`, whatever is shown by now. Where the lists between the stages did not hold everything it is shown and
-    /// started again with larger ones.
-    pub fn recheck_samples(&mut self, planned: &Planned, flight: InFlight) -> Result<Readback> {
+    /// Waits for a frame of `planned`, even if another scene is current by now. If the lists between the stages were too small, the frame
+    /// runs again with larger ones.
+    pub fn wait_for(&mut self, planned: &Planned, flight: InFlight) -> Result<Readback> {
         let mut flight = flight;
         loop {
-            match self.land(flight)? {
-                Ok(landed) => return Ok(landed),
+            match self.read_back(flight)? {
+                Ok(readback) => return Ok(readback),
                 Err(short) => {
-                    // what there is to be room for is this frame's
+                    // the lists are to hold this frame
                     if !self.show(planned)? {
                         return Err(Error::work("a frame cannot be shown again"));
                     }
@@ -57,8 +57,8 @@ impl Frames {
         }
     }
 
-    /// Waits for a frame; or what its lists lacked.
-    fn land(&mut self, flight: InFlight) -> Result<std::result::Result<Readback, Shortage>> {
+    /// Waits for a frame: its data, or by how much its lists were too small.
+    fn read_back(&mut self, flight: InFlight) -> Result<std::result::Result<Readback, Shortage>> {
         let InFlight { running, reads, frame_layout, .. } = flight;
         wait_for(&self.gpu, &running.recorded.submission)?;
         let words = reads.words(&self.gpu, &running)?;
@@ -71,7 +71,7 @@ impl Frames {
         Ok(Ok(Readback { frame_layout, words, rest }))
     }
 
-    /// Makes room for what the counters of a frame that is done demanded; whether there was enough.
+    /// Enlarges the lists if they were too small for a finished frame. Returns whether they were large enough.
     pub(super) fn fits(&mut self, running: &Running) -> Result<bool> {
         let status = read_words(&self.gpu, &running.copies.status)?;
         match self.shortage(&status, running) {
@@ -80,7 +80,7 @@ impl Frames {
         }
     }
 
-    /// What the lists of a frame lacked, by its counters.
+    /// The list sizes that a frame needed, by its counters, if it did not have them.
     fn shortage(&self, status: &[u32], running: &Running) -> Option<Shortage> {
         let have = running.capacities;
         let most =
@@ -112,15 +112,15 @@ impl Frames {
 }
 
 impl Running {
-    /// Since it was given to the device.
+    /// Time since the submission, ms.
     pub(super) fn ms(&self) -> f64 {
         self.started.elapsed().as_secs_f64() * 1e3
     }
 }
 
-/// What the lists of a frame lacked.
+/// The list sizes that a frame needed.
 struct Shortage {
     need: Capacities,
-    /// How often raster is to go over the busy tiles, where it left some.
+    /// Rounds of raster over the busy tiles, if it left some.
     rounds: Option<u32>,
 }

@@ -100,7 +100,7 @@ impl Strips<'_> {
         let mut took: Option<Rendered> = None;
         let mut read_back = |frames: &mut Option<Frames>, in_flight: Option<(Planned, InFlight)>| -> Result<bool> {
             let (Some(frames), Some((planned, pending))) = (frames.as_mut(), in_flight) else { return Ok(true) };
-            let readback = frames.recheck_samples(&planned, pending)?;
+            let readback = frames.wait_for(&planned, pending)?;
             add(&mut took, readback.took());
             Ok(to_write.send(readback).is_ok())
         };

@@ -129,9 +129,9 @@ fn frames_on_their_way_at_once_are_those_of_fresh_engines() {
             assert!(frames.show(&planned).unwrap());
             let next = (planned, frames.start().unwrap());
             let (planned, pending) = std::mem::replace(&mut in_flight, next);
-            seen.push(frames.recheck_samples(&planned, pending).unwrap().rendered());
+            seen.push(frames.wait_for(&planned, pending).unwrap().rendered());
         }
-        seen.push(frames.recheck_samples(&in_flight.0, in_flight.1).unwrap().rendered());
+        seen.push(frames.wait_for(&in_flight.0, in_flight.1).unwrap().rendered());
         for (k, ((scene, camera), seen)) in shows.iter().zip(&seen).enumerate() {
             let expected = fresh.render(scene, camera.clone(), &wanted, &RunOptions::default()).unwrap();
             assert!(words(&seen.frame) == words(&expected.frame), "frame {k}");
@@ -153,7 +153,7 @@ fn what_is_of_another_kind_is_to_be_placed_anew() {
     assert!(!frames.show(&planned(&all[0].1, &Wanted::of(vec![Channel::T]))).unwrap());
     let own = planned(&all[0].1, &wanted);
     let pending = frames.start().unwrap();
-    let seen = frames.recheck_samples(&own, pending).unwrap().rendered();
+    let seen = frames.wait_for(&own, pending).unwrap().rendered();
     let expected = engine.render(&scene, &all[0].1, &wanted, &run).unwrap();
     assert!(words(&seen.frame) == words(&expected.frame));
 }

@@ -320,7 +320,7 @@ impl Driver<'_> {
         let (Some(frames), Some(planned)) = (self.frames.as_mut(), &ready.planned) else {
             return Err(Error::work("no frames"));
         };
-        frames.recheck_samples(planned, pending)
+        frames.wait_for(planned, pending)
     }
 
     fn hand_on<'a>(&self, mut ready: Ready<'a>, picture: Picture, ms: f64, taken: &SyncSender<Taken<'a>>) {

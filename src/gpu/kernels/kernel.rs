@@ -1,0 +1,136 @@
+//! A kernel: its bindings and the snippets that its source is joined from.
+
+use super::REAL_F64;
+use std::fmt::Write;
+
+/// How a kernel binds a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Access {
+    Uniform,
+    Read,
+    Write,
+    /// A texture, whose texels are read one by one.
+    Texels,
+    /// A texture, whose texels are written one by one.
+    WriteTexels,
+}
+
+/// One buffer of a kernel: its name is the buffer's name everywhere.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Binding {
+    pub name: &'static str,
+    pub access: Access,
+    pub wgsl_type: &'static str,
+}
+
+/// One compute kernel, ready to compile.
+#[derive(Debug, Clone)]
+pub struct Kernel {
+    /// The stage's name, the entry point's and the file's.
+    pub name: &'static str,
+    pub bindings: Vec<Binding>,
+    pub parts: Vec<&'static Snippet>,
+    /// A line before all others.
+    pub enables: &'static str,
+    pub constants: Vec<(&'static str, f64)>,
+    /// It uses f64, and is lowered to 32-bit words where an adapter has none.
+    pub f64: bool,
+}
+
+/// A part of kernels: a file under `wgsl/`.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Snippet {
+    /// The file's path under `wgsl/`.
+    pub name: &'static str,
+    pub text: &'static str,
+}
+
+/// Snippets in the order in which they are joined.
+pub type Parts = &'static [&'static Snippet];
+
+/// [`Parts`] by their names.
+macro_rules! snippets {
+    ($($name:literal),+) => {{
+        use $crate::gpu::kernels::{Parts, Snippet};
+        const PARTS: Parts = &[
+            $(&Snippet { name: $name, text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/wgsl/", $name)) }),+
+        ];
+        PARTS
+    }};
+}
+pub(crate) use snippets;
+
+pub(crate) fn uniform(name: &'static str, wgsl_type: &'static str) -> Binding {
+    Binding { name, access: Access::Uniform, wgsl_type }
+}
+
+pub(crate) fn read(name: &'static str, wgsl_type: &'static str) -> Binding {
+    Binding { name, access: Access::Read, wgsl_type }
+}
+
+pub(crate) fn write(name: &'static str, wgsl_type: &'static str) -> Binding {
+    Binding { name, access: Access::Write, wgsl_type }
+}
+
+/// Named and bound like buffers.
+pub(crate) fn texture(name: &'static str, wgsl_type: &'static str) -> Binding {
+    Binding { name, access: Access::Texels, wgsl_type }
+}
+
+pub(crate) fn write_texture(name: &'static str, wgsl_type: &'static str) -> Binding {
+    Binding { name, access: Access::WriteTexels, wgsl_type }
+}
+
+pub(crate) fn kernel(name: &'static str, bindings: Vec<Binding>, parts: &[Parts]) -> Kernel {
+    let parts = parts.concat();
+    let f64 = parts.iter().any(|p| p.name == REAL_F64[0].name);
+    Kernel { name, bindings, parts, enables: "", constants: Vec::new(), f64 }
+}
+
+impl Kernel {
+    /// What precedes the snippets.
+    fn head(&self) -> String {
+        let mut head = self.enables.to_string();
+        for (k, b) in self.bindings.iter().enumerate() {
+            let space = match b.access {
+                Access::Uniform => "<uniform>",
+                Access::Read => "<storage, read>",
+                Access::Write => "<storage, read_write>",
+                Access::Texels | Access::WriteTexels => "",
+            };
+            // writing to a String cannot fail
+            let _ = writeln!(head, "@group(0) @binding({k}) var{space} {}: {};", b.name, b.wgsl_type);
+        }
+        head
+    }
+
+    /// What is compiled: the bindings, then the snippets.
+    pub fn source(&self) -> String {
+        self.head() + &self.parts.iter().map(|p| p.text).collect::<String>()
+    }
+
+    /// The same, each snippet below a line that names it.
+    pub fn labelled_source(&self) -> String {
+        let part = |p: &&Snippet| format!("// {}:1\n{}", p.name, p.text);
+        self.head() + &self.parts.iter().map(part).collect::<String>()
+    }
+
+    /// The snippet that holds a line of [`Kernel::source`], and the line's number there, both from 1. The bindings come before all snippets.
+    pub fn place(&self, line: usize) -> (&'static str, usize) {
+        let mut before = self.head().lines().count();
+        if line <= before {
+            return (BINDINGS, line);
+        }
+        for part in &self.parts {
+            let lines = part.text.lines().count();
+            if line <= before + lines {
+                return (part.name, line - before);
+            }
+            before += lines;
+        }
+        (self.name, line)
+    }
+}
+
+/// Stands for a snippet's name in front of the first one.
+const BINDINGS: &str = "bindings";

@@ -1,0 +1,277 @@
+//! What kernels are compiled for: the set of kernels that a scene, a camera and an adapter need.
+
+use super::*;
+
+/// How the kernels hold a camera's rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RaysKind {
+    /// Affine pieces.
+    Pieces,
+    /// A ray a pixel.
+    Field,
+    /// A Bezier curve a pixel and layer, all of this degree.
+    Curves { degree: u32 },
+}
+
+/// What the kernels know of lights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LightsKind {
+    /// Ways that white light travels everywhere.
+    Plain,
+    /// Colours too, and places.
+    Placed,
+    /// And what is in the way of light.
+    Hidden,
+}
+
+/// Which variants of the kernels a scene and an adapter need.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Variant {
+    /// Rechecks, depths and shading in f64; else all in f32.
+    pub f64: bool,
+    /// One 64-bit atomic a fragment; without it two dispatches of 32-bit ones.
+    pub atomics64: bool,
+    /// `raster` goes tile by tile, not pair by pair.
+    pub by_tile: bool,
+    pub rays: RaysKind,
+    /// The rays are incoherent even after sorting: they are tested one by one against boxes.
+    pub scattered: bool,
+    /// The tiles of several layers, or of several spans of t, are stacked below each other.
+    pub slabbed: bool,
+    /// Count tested and kept fragments.
+    pub counting: bool,
+    /// `cull` leaves out what a node's rays do not meet.
+    pub culling: bool,
+    /// Bounds in f32 prove nothing: all is left to `recheck`.
+    pub all_uncertain: bool,
+    /// The scene has normals of its own.
+    pub normals: bool,
+    /// Images lie on triangles, or their texture coordinates are asked for.
+    pub textured: bool,
+    /// These images cut holes into triangles.
+    pub masked: bool,
+    /// Some material is not matte.
+    pub glossy: bool,
+    /// Light comes from all around by an image of it.
+    pub sky: bool,
+    pub lights: LightsKind,
+    /// Patterns, lines or strokes are drawn on surfaces.
+    pub styled: bool,
+    /// Lines are drawn between pixels.
+    pub outlined: bool,
+    /// A mirror or a lens turns rays.
+    pub optics: Option<OpticsKind>,
+    /// The rays are those that it turned, and start on it.
+    pub bounced: bool,
+    /// Samples of a pixel that holds an edge, 32 at most; 1: its centre alone, and no pixel is looked at for edges.
+    pub samples: u32,
+    /// Of such a pixel triangles have shares by their areas, not by their samples' number.
+    pub analytic: bool,
+}
+
+impl Variant {
+    /// A scene without normals, images, lines or samples, through pieces, on an adapter without f64 and 64-bit atomics.
+    pub const PLAIN: Variant = Variant {
+        f64: false,
+        atomics64: false,
+        by_tile: false,
+        rays: RaysKind::Pieces,
+        scattered: false,
+        slabbed: false,
+        counting: false,
+        culling: true,
+        all_uncertain: false,
+        normals: false,
+        textured: false,
+        masked: false,
+        glossy: false,
+        sky: false,
+        lights: LightsKind::Plain,
+        styled: false,
+        outlined: false,
+        optics: None,
+        bounced: false,
+        samples: 1,
+        analytic: false,
+    };
+
+    /// Every variant that some camera needs on an adapter with these abilities.
+    pub fn every(f64: bool, atomics64: bool) -> Vec<Variant> {
+        let mut list = Vec::new();
+        for more in [false, true] {
+            let [counting, normals, textured, glossy, sky] = [more; 5];
+            let [styled, outlined] = [more; 2];
+            let lights = if more { LightsKind::Hidden } else { LightsKind::Plain };
+            let of_camera = Variant {
+                f64,
+                atomics64,
+                counting,
+                normals,
+                textured,
+                glossy,
+                sky,
+                lights,
+                styled,
+                outlined,
+                ..Variant::PLAIN
+            };
+            let variant = |rays, slabbed, optics| {
+                let scattered = more && rays == RaysKind::Field;
+                Variant { rays, scattered, slabbed, optics, ..of_camera }
+            };
+            let curves = [1, 2, 3].map(|degree| RaysKind::Curves { degree });
+            for rays in [RaysKind::Pieces, RaysKind::Field].into_iter().chain(curves) {
+                list.extend([false, true].map(|slabbed| variant(rays, slabbed, None)));
+            }
+            for (rays, slabbed) in [(RaysKind::Pieces, false), (RaysKind::Pieces, true), (RaysKind::Field, false)] {
+                list.push(Variant { samples: 4, analytic: more, ..variant(rays, slabbed, None) });
+            }
+            if textured {
+                let kinds = [RaysKind::Pieces, RaysKind::Field, RaysKind::Curves { degree: 3 }];
+                list.extend(kinds.map(|rays| Variant { masked: true, ..variant(rays, false, None) }));
+                let slabbed = Variant { masked: true, ..variant(RaysKind::Pieces, true, None) };
+                let seen = Variant { masked: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
+                list.extend([slabbed, seen, seen.after_bounce()]);
+            }
+            list.push(Variant { lights: LightsKind::Placed, ..variant(RaysKind::Pieces, false, None) });
+            for optics in OpticsKind::ALL {
+                let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
+                list.extend(seen);
+                list.extend(seen[0].bounces_rays().then(|| seen[0].after_bounce()));
+            }
+        }
+        list
+    }
+
+    /// Bounds in f32 prove most of what straight rays meet; where a curve meets a triangle is found in recheck arithmetic.
+    pub fn rechecks(self) -> bool {
+        !matches!(self.rays, RaysKind::Curves { .. })
+    }
+
+    /// The same, with `raster` tile by tile where there is that.
+    pub fn with_tiles(self) -> Variant {
+        let by_tile = self.f64 && self.atomics64 && !self.all_uncertain && self.rechecks() && !self.masked;
+        Variant { by_tile, ..self }
+    }
+
+    pub(crate) fn real(self) -> Parts {
+        if self.f64 { REAL_F64 } else { REAL_F32 }
+    }
+
+    pub(super) fn merge(self) -> Parts {
+        if self.atomics64 { snippets!("shared/merge_u64.wgsl") } else { snippets!("shared/merge_u32.wgsl") }
+    }
+
+    /// The type of a buffer of visibility keys that are merged.
+    pub(super) fn keys(self) -> &'static str {
+        if self.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" }
+    }
+
+    pub(super) fn camera(self) -> Parts {
+        match self.rays {
+            RaysKind::Pieces => snippets!("camera/piece.wgsl", "camera/pieces.wgsl"),
+            RaysKind::Field => snippets!("camera/field_rays.wgsl", "camera/field.wgsl"),
+            RaysKind::Curves { .. } => snippets!("camera/curves.wgsl"),
+        }
+    }
+
+    /// The camera's rays pixel by pixel, after they were found by tiles and cells.
+    pub(super) fn pixel(self) -> &'static [Parts] {
+        match self.rays {
+            RaysKind::Pieces => &[CELLS, snippets!("camera/pieces_pixel.wgsl")],
+            RaysKind::Field => &[snippets!("camera/field_pixel.wgsl")],
+            RaysKind::Curves { .. } => &[CELLS, snippets!("camera/curves_pixel.wgsl")],
+        }
+    }
+
+    pub(super) fn coverage(self) -> &'static [Parts] {
+        match self.rays {
+            RaysKind::Pieces => &[MEETING_OF_RAYS, snippets!("camera/pieces_coverage.wgsl")],
+            RaysKind::Field => &[MEETING_OF_RAYS, snippets!("camera/field_coverage.wgsl")],
+            RaysKind::Curves { .. } => {
+                &[snippets!("camera/curves_coverage.wgsl"), snippets!("camera/curves_meeting.wgsl")]
+            }
+        }
+    }
+
+    pub(super) fn proof(self) -> &'static [Parts] {
+        const STRAIGHT: Parts = snippets!("shared/perturb.wgsl", "camera/straight_proof.wgsl");
+        match self.rays {
+            RaysKind::Pieces => &[STRAIGHT, snippets!("camera/pieces_proof.wgsl")],
+            RaysKind::Field => &[STRAIGHT, snippets!("camera/field_proof.wgsl")],
+            RaysKind::Curves { .. } => &[snippets!("camera/curves_proof.wgsl")],
+        }
+    }
+
+    /// The buffers with which rays are found pixel by pixel.
+    pub(crate) fn pixel_rays(self) -> Vec<Binding> {
+        let mut list = self.rays();
+        if self.rays != RaysKind::Field {
+            list.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
+        }
+        list
+    }
+
+    /// The snippets with which rays are found pixel by pixel.
+    pub(crate) fn pixel_snippets(self) -> Vec<Parts> {
+        [&[self.real(), BUNDLE, self.camera()][..], self.pixel()].concat()
+    }
+
+    /// Tests of a tile's rays against a box.
+    pub(super) fn tile_rays(self) -> Parts {
+        match self.scattered {
+            true => snippets!("camera/field_rays.wgsl", "shared/rays_scattered.wgsl"),
+            false => snippets!("shared/rays_coherent.wgsl"),
+        }
+    }
+
+    /// Tests of an item's rays against a box.
+    pub(super) fn item_rays(self) -> Parts {
+        match (self.scattered && self.culling, self.by_tile) {
+            (true, true) => snippets!(
+                "camera/field_rays.wgsl",
+                "shared/rays_scattered.wgsl",
+                "shared/lanes.wgsl",
+                "shared/items_scattered_by_lanes.wgsl"
+            ),
+            (true, false) => {
+                snippets!("camera/field_rays.wgsl", "shared/rays_scattered.wgsl", "shared/items_scattered.wgsl")
+            }
+            (false, _) => snippets!("shared/items_coherent.wgsl"),
+        }
+    }
+
+    /// The binding of those tests.
+    pub(super) fn scattered_rays(self, asks: bool) -> Option<Binding> {
+        (self.scattered && asks).then(|| read("rays_hi", "array<f32>"))
+    }
+
+    /// How a kernel sees a list of structs: as it is, or as rows that the lanes of a subgroup load together.
+    pub(super) fn rows(self, list: &'static str) -> &'static str {
+        if self.by_tile { "array<vec4<f32>>" } else { list }
+    }
+
+    /// How a kernel loads the node of its item.
+    pub(super) fn item_node(self) -> Parts {
+        if self.by_tile { NODE_BY_LANES } else { snippets!("shared/node_rows.wgsl") }
+    }
+
+    /// The buffers that hold the camera's rays.
+    pub(super) fn rays(self) -> Vec<Binding> {
+        match self.rays {
+            RaysKind::Pieces => vec![read("pieces", "array<Piece>")],
+            RaysKind::Field | RaysKind::Curves { .. } => {
+                vec![read("rays_hi", "array<f32>"), read("rays_lo", "array<f32>")]
+            }
+        }
+    }
+
+    /// The constants of kernels that follow the camera's rays.
+    pub(crate) fn constants(self) -> Vec<(&'static str, f64)> {
+        let mut constants = vec![("SLABBED", self.slabbed as u32 as f64)];
+        if let RaysKind::Curves { degree } = self.rays {
+            constants.push(("DEGREE", degree as f64));
+        }
+        constants
+    }
+}
