@@ -11,8 +11,8 @@ mod cli {
     pub mod headers;
     pub mod inputs;
     pub mod limits;
+    pub mod messages;
     pub mod models;
     pub mod outputs;
     pub mod program;
-    pub mod told;
 }

@@ -1,4 +1,4 @@
-// args: a single thread. Reads a stage's count in `counters` and the capacity of its list; writes the indirect arguments
+// args: one thread in all. Reads a stage's count in `counters` and the capacity of its list; writes the indirect arguments
 // of the next dispatch, in two dimensions, clamped to the list's end.
 // Needs: CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_PAIRS, COUNT_RECHECK_ITEMS,
 //   COUNT_RECHECK_SAMPLES, COUNT_TASKS, COUNT_WORK, GROUP, LANES, TRIANGLE_GROUP

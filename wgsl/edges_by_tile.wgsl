@@ -86,11 +86,11 @@ fn edges(
     // list the pixels that contain an edge, and their strips
     let edges_upper = edge_pixels(upper);
     let edges_lower = edge_pixels(lower);
-    let edges = vec2<u32>(
+    let edge_bits = vec2<u32>(
         lanes_any(rows_mask(1u << lane, edges_upper), lane),
         lanes_any(rows_mask(1u << lane, edges_lower), lane),
     );
-    let count = countOneBits(edges.x) + countOneBits(edges.y);
+    let count = countOneBits(edge_bits.x) + countOneBits(edge_bits.y);
     var first = 0u;
     if lane == 0u {
         first = atomicAdd(&counters[COUNT_EDGES], count);
@@ -103,8 +103,8 @@ fn edges(
     for (var y = 0u; y < TILE; y++) {
         let bit = y * TILE + lane;
         let own = bit_mask(bit);
-        if any((edges & own) != vec2<u32>(0u)) {
-            let below = vec2<u32>(select(edges.x, edges.x & (own.x - 1u), bit < 32u), select(edges.y & (own.y - 1u), 0u, bit < 32u));
+        if any((edge_bits & own) != vec2<u32>(0u)) {
+            let below = vec2<u32>(select(edge_bits.x, edge_bits.x & (own.x - 1u), bit < 32u), select(edge_bits.y & (own.y - 1u), 0u, bit < 32u));
             let row = first + countOneBits(below.x) + countOneBits(below.y);
             let pixel = (corner.y + y) * params.width + corner.x + lane;
             let won = visibility[pixel];

@@ -4,8 +4,8 @@
 // The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 // Needs: COUNT_BLOCKS, COUNT_RECHECK_SAMPLES, FARTHEST, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, given, group_index,
-//   in_line, item_node, lanes_any, lanes_max, lines_of, reach_of, real3, real4, row_bits, sample_strip, settled, shared_of, size, vertex,
-//   vertex_lo
+//   in_line, item_node, lanes_any, lanes_max, lines_of, reach_of, real3, real4, row_bits, sample_strip, settled, shared_of, size,
+//   test_pixels, vertex, vertex_lo
 // Binds: blocks, counters, params, recheck_items, samples, touches, triangles
 
 @compute @workgroup_size(64)

@@ -35,7 +35,7 @@ impl Arrangement {
         let ray = |k: u32| field.ray(k % field.width, k / field.width);
         let starts: Vec<DVec3> = (0..count).filter_map(|k| ray(k).map(|(p, _)| p)).collect();
         let far = (middle - starts.iter().sum::<DVec3>() / starts.len().max(1) as f64).length();
-        // where a ray starts, and its way from there as far as the scene's middle is: the bounds of a tile take these apart, so
+        // where a ray starts, and the vector from there to the distance of the scene's middle: a tile bounds these separately, so
         // that its rays must be near each other in both
         let parts = |k: u32| ray(k).map(|(p, d)| [p, far * d.normalize()]);
         let none = ([DVec3::INFINITY; 2], [DVec3::NEG_INFINITY; 2]);
@@ -105,18 +105,18 @@ fn strays(field: &Field) -> bool {
         let mean = list.iter().sum::<DVec3>() / list.len().max(1) as f64;
         list.iter().map(|d| (*d - mean).length()).sum::<f64>() / list.len().max(1) as f64
     };
-    let (mut all, mut within, mut looked) = (Vec::new(), 0.0, 0.0);
+    let (mut all, mut within, mut tested) = (Vec::new(), 0.0, 0.0);
     for tile in (0..tiles).step_by(step as usize) {
         let corner = (tile % tiles_x * TILE, tile / tiles_x * TILE);
         let pixels = (0..TILE * TILE).filter_map(|k| direction(corner.0 + k % TILE, corner.1 + k / TILE));
         let own: Vec<DVec3> = pixels.collect();
         if !own.is_empty() {
             within += spread(&own);
-            looked += 1.0;
+            tested += 1.0;
             all.extend(own);
         }
     }
-    looked > 0.0 && within / looked > SCATTERED * spread(&all)
+    tested > 0.0 && within / tested > SCATTERED * spread(&all)
 }
 
 /// Interleaves the bits of six coordinates, each in [0, 2^KEY_BITS).

@@ -215,8 +215,10 @@ mod tests {
                     let (found, expected) = (found.ray(i, j), expected.ray(i, j));
                     assert_eq!(found.is_some(), expected.is_some(), "{kind}");
                     if let (Some(found), Some(expected)) = (found, expected) {
-                        let apart = |a: DVec3, b: DVec3| (a - b).abs().max_element() / b.abs().max_element().max(1.0);
-                        let off = apart(found.origin, expected.origin).max(apart(found.direction, expected.direction));
+                        let difference =
+                            |a: DVec3, b: DVec3| (a - b).abs().max_element() / b.abs().max_element().max(1.0);
+                        let off = difference(found.origin, expected.origin)
+                            .max(difference(found.direction, expected.direction));
                         // some hundred roundings of numbers of the size of the scene
                         assert!(off < 1e-12, "{kind}, {pose}: {off:e}");
                     }

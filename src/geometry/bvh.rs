@@ -59,7 +59,7 @@ impl Bvh {
         Bvh { order: sorted.iter().map(|(_, k)| items[*k].0).collect(), levels }
     }
 
-    /// Visits items whose boxes are `near` enough, nearer ones first as a rule. `near` gives a lower bound of the distance to what is in
+    /// Visits items whose boxes are `near` enough, mostly near to far. `near` gives a lower bound of the distance to what is in
     /// a box, or `None` for boxes to leave out; `visit` returns the largest distance that still matters.
     pub fn walk(&self, near: impl Fn(&Aabb) -> Option<f64>, mut visit: impl FnMut(u32) -> f64) {
         let at = |level: usize, k: usize| Some((near(self.levels[level].get(k)?)?, level, k));

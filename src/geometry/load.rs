@@ -89,7 +89,7 @@ pub(crate) fn with_unique_names(objects: impl Iterator<Item = Object>) -> Vec<Ob
     let mut taken = HashSet::new();
     // the last number given to each name: smaller ones are taken
     let mut numbers: HashMap<String, usize> = HashMap::new();
-    let mut apart = |name: String| {
+    let mut unique = |name: String| {
         let mut own = name.clone();
         while !taken.insert(own.clone()) {
             let number = numbers.entry(name.clone()).or_insert(1);
@@ -98,5 +98,5 @@ pub(crate) fn with_unique_names(objects: impl Iterator<Item = Object>) -> Vec<Ob
         }
         own
     };
-    objects.map(|object| Object { name: apart(object.name), ..object }).collect()
+    objects.map(|object| Object { name: unique(object.name), ..object }).collect()
 }

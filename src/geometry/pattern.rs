@@ -1,4 +1,4 @@
-//! Patterns that are cut out of the world: what surfaces there are coloured by, wherever they run.
+//! Solid patterns: the colour of a surface is a function of its world position.
 
 use crate::input::Result;
 use crate::input::reader::Field;

@@ -1,4 +1,4 @@
-//! `[[mesh]]`: where triangles come from and how they are placed.
+//! `[[mesh]]`: the source of triangles, and their placement.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ use crate::input::tree::{Value, nearest, quote};
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshSpec {
     pub source: MeshSource,
-    /// What it is called; `None`: as its file or builtin.
+    /// Its name; `None`: that of its file or builtin.
     pub name: Option<String>,
     /// World units.
     pub translate: DVec3,
@@ -33,14 +33,14 @@ pub struct MeshSpec {
     /// Linear RGB in [0, 1] for the whole mesh, without the images of its file; `None` keeps the source's materials.
     pub color: Option<[f32; 3]>,
     pub texture: TextureSpec,
-    /// What its colour, white where none is given, is multiplied by too.
+    /// Pattern that multiplies its colour, by default white.
     pub pattern: Option<Pattern>,
     pub gloss: GlossSpec,
     /// A glTF file may name files outside of its folder.
     pub outside_files: bool,
 }
 
-/// How a mesh shines, where it says so: see [`crate::geometry::mesh::Material`].
+/// Overrides of the material's shininess: see [`crate::geometry::mesh::Material`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GlossSpec {
     pub specular: Option<[f32; 3]>,
@@ -72,7 +72,7 @@ pub enum TextureSpec {
     Image {
         /// A PNG, JPEG or Radiance picture, already relative to the working directory.
         file: PathBuf,
-        /// How often it lies where the texture coordinates run from 0 to 1.
+        /// Number of repetitions over texture coordinates from 0 to 1.
         repeat: DVec2,
         /// The least opacity at which there is a surface.
         cutoff: Option<f32>,

@@ -1,4 +1,4 @@
-//! The adapter: which one, what it can do, and what that selects.
+//! Adapter selection, its abilities, and the code paths that they select.
 
 use super::buffers::Pipelines;
 use super::compile::Dump;
@@ -9,22 +9,22 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
-/// What a person may ask of the adapter.
+/// The user's choice of adapter and abilities.
 #[derive(Debug, Clone, Default)]
 pub struct GpuOptions {
     /// Part of the wanted adapter's name, any case.
     pub adapter: Option<String>,
     /// How many of these to pass over: a machine may have several of one name.
     pub passed_over: usize,
-    /// Do without 64-bit atomics even where there are some.
+    /// Do not use 64-bit atomics even if available.
     pub no_int64: bool,
-    /// Do without f64 even where there is some: its work is done in 32-bit words.
+    /// Do not use the adapter's f64 even if available: emulate it in 32-bit words.
     pub no_f64: bool,
     /// A folder into which the source of every compiled kernel is written.
     pub dump_kernels: Option<PathBuf>,
 }
 
-/// An open device and what its adapter offers.
+/// An open device and the abilities of its adapter.
 pub struct Gpu {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
@@ -42,7 +42,7 @@ pub struct Gpu {
     failed: Arc<Mutex<Option<String>>>,
 }
 
-/// What an adapter offers of the things that choose a code path.
+/// Abilities of an adapter that select code paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Abilities {
     /// f64 and 64-bit integers: rechecks, depths and shading in the adapter's own f64; without them in 32-bit words.
@@ -103,11 +103,11 @@ pub fn adapters() -> Vec<wgpu::Adapter> {
     adapters
 }
 
-/// What to do about a machine without any adapter.
+/// Advice for a machine without adapters.
 pub const NO_ADAPTER: &str = "no Vulkan adapter found; install a driver (on Debian or Ubuntu the software one: apt-get install mesa-vulkan-drivers)";
 
 impl Gpu {
-    /// Opens the adapter asked for, or the first; `Ok(None)` where the machine has none at all.
+    /// Opens the chosen adapter, or the first; `Ok(None)` if the machine has none.
     pub fn open(options: &GpuOptions) -> Result<Option<Gpu>> {
         let adapters = adapters();
         let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
@@ -231,7 +231,7 @@ fn note(failed: &Mutex<Option<String>>, text: String) {
 /// Storage buffers of the kernels that bind most: `shade`, `resolve` and others.
 pub const STORAGE_BUFFERS: u32 = 14;
 
-/// What the device reported, and what to do if its memory is full.
+/// The device's error, with advice if its memory is full.
 fn described(e: &wgpu::Error) -> String {
     match e {
         wgpu::Error::OutOfMemory { .. } => {

@@ -1,4 +1,4 @@
-//! The frame beside the timed ones: for the report's counters, which slow a frame down, and for `--check`.
+//! The extra, untimed frame: for the report's counters, which slow a frame down, and for `--check`.
 
 use super::backend::Backend;
 use super::job::RenderJob;
@@ -13,7 +13,7 @@ use crate::reference::image;
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// One more frame where a report or a check needs it: counted, and with all channels for a check.
+/// Renders an extra frame if a report or a check needs it: with counters, and for a check with all channels.
 pub fn render(job: &RenderJob, backend: &mut Backend, scene: &Scene, camera: &Arc<Camera>) -> Result<Option<Rendered>> {
     let counting = job.report.is_some() && matches!(backend, Backend::Compute(..));
     if !counting && !job.check {
@@ -25,8 +25,8 @@ pub fn render(job: &RenderJob, backend: &mut Backend, scene: &Scene, camera: &Ar
     backend.render(scene, camera, &wanted, &run).map(Some)
 }
 
-/// The error against the reference. Each channel that was asked for is judged as it was rendered (averaged ones
-/// apart: the reference has one ray per pixel), the others as in `extra`.
+/// The error against the reference. Each requested channel is compared as rendered, except averaged ones, because
+/// the reference has one ray per pixel; the others as in `extra`.
 pub fn judge(scene: &Scene, camera: &Camera, asked: &Rendered, extra: &Rendered, samples: u32) -> Result<Judged> {
     let mut frame = extra.frame.clone();
     let averaged = |c: Channel| samples > 1 && matches!(c, Channel::R | Channel::G | Channel::B | Channel::A);

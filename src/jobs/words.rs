@@ -1,4 +1,4 @@
-//! The words that options are written in, on a command line and in a list of jobs.
+//! Parsing of option values, on the command line and in lists of jobs.
 
 use super::batch::Shard;
 use super::job::EngineName;
@@ -6,14 +6,14 @@ use crate::image::cryptomatte::MatteKind;
 use crate::image::frame::Channel;
 use crate::image::size::check_size;
 
-/// What a name of channels stands for.
+/// The channels that a name selects.
 #[derive(Debug, Clone)]
 pub enum Named {
     Channels(Vec<Channel>),
-    /// All of the scene and the camera.
+    /// All channels of the scene and the camera.
     All,
     Matte(MatteKind),
-    /// From this frame to the next.
+    /// Motion to the next frame.
     Motion,
 }
 
@@ -72,7 +72,7 @@ pub fn repeat(text: &str) -> Result<u32, String> {
     number_from_to(text, 1, REPEAT_MAX)
 }
 
-/// Rays per pixel at most, and timed frames.
+/// Most rays per pixel, and most timed frames.
 pub const SAMPLES_MAX: u32 = 64;
 pub const REPEAT_MAX: u32 = 1_000_000;
 

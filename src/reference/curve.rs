@@ -103,7 +103,7 @@ impl Plane {
     }
 }
 
-/// Parts that a curve is cut into to be looked for in boxes, by [`HALVINGS`].
+/// Number of parts of a curve in its tree of boxes, by [`HALVINGS`].
 const PARTS: usize = 1 << HALVINGS;
 const HALVINGS: usize = 6;
 
@@ -122,10 +122,10 @@ impl Sweep {
         }
         // at every t another curve is no farther from the first than its points are: Bernstein weights add up to 1
         let points = || curves.iter().flat_map(|c| c.points().iter().zip(curve.points()));
-        let apart = points().fold(DVec3::ZERO, |m, (p, of_first)| m.max((p - of_first).abs()));
-        // each halving has up to three halved sums (one rounding of the sum); and the points' own, and those of `apart`
+        let spread = points().fold(DVec3::ZERO, |m, (p, of_first)| m.max((p - of_first).abs()));
+        // each halving has up to three halved sums (one rounding of the sum); and the points' own, and those of `spread`
         let coordinate = points().fold(0.0_f64, |m, (p, _)| m.max(p.abs().max_element()));
-        let tolerance = apart + ((3.0 * HALVINGS as f64 + 2.0) * f64::EPSILON + POINT_ROUNDING) * coordinate;
+        let tolerance = spread + ((3.0 * HALVINGS as f64 + 2.0) * f64::EPSILON + POINT_ROUNDING) * coordinate;
         let mut boxes = [(DVec3::ZERO, DVec3::ZERO); 2 * PARTS];
         for k in (1..2 * PARTS).rev() {
             boxes[k] = if k < PARTS {

@@ -17,7 +17,7 @@ const NODES: [(f64, f64); 5] = [
 /// 2^10 times smaller than the difference; some 50 stretches add up to far less than 1e-9 of the length.
 const SHARE: f64 = 1e-12;
 
-/// Halvings at most: a stretch of 2^-40 beside a place where the curve nearly stands still has no length to speak of.
+/// Most halvings: an interval of 2^-40 next to a place where the derivative nearly vanishes has negligible length.
 const LEVELS: u32 = 40;
 
 /// The length of the curve from 0 to `t`, within 1e-9 of itself: adaptive Gauss-Legendre over the speed |X'|, between the

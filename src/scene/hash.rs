@@ -147,7 +147,7 @@ fn rays(h: &mut Fnv, camera: &Camera) {
                 }
             }
         }
-        // far too many to be looked at one by one
+        // far too many to list one by one
         Rays::Field(field) if field.is_computed() => {
             format!("{:?}", field.map()).bytes().for_each(|byte| h.word(u64::from(byte)));
         }

@@ -178,13 +178,13 @@ mod tests {
             };
             // the image has 20 x 10 cells; rows 0 and 9 are the caps; rays on both sides of a border between cells are the same
             let cell = glam::DVec2::new(f64::from(width) / 20.0, f64::from(height) / 10.0);
-            let apart = |a: glam::DVec2, b: glam::DVec2| (ray(a.x, a.y).origin - ray(b.x, b.y).origin).length();
+            let distance = |a: glam::DVec2, b: glam::DVec2| (ray(a.x, a.y).origin - ray(b.x, b.y).origin).length();
             for (column, row) in (1..20).flat_map(|c| (1..9).map(move |r| (f64::from(c), f64::from(r)))) {
                 let step = 1e-6;
                 let beside = cell * glam::DVec2::new(column, row - 0.4);
                 let below = cell * glam::DVec2::new(column - 0.4, row);
                 for (place, across) in [(beside, glam::DVec2::X), (below, glam::DVec2::Y)] {
-                    let gap = apart(place - step * across, place + step * across);
+                    let gap = distance(place - step * across, place + step * across);
                     // cells are about 0.3 wide, and a step crosses 2e-6 px
                     assert!(gap < 1e-6, "{width} x {height}: {gap} at {place}");
                 }

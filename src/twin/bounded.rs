@@ -225,10 +225,11 @@ impl Near3 {
             let c = of.map(|v| v.0[k]);
             let unit = w[0].unit;
             let v = w[0].v * c[0].v + w[1].v * c[1].v + w[2].v * c[2].v;
-            let apart = |j: usize| w[j].e * (c[j].v - c[0].v).abs() + (w[j].v.abs() + w[j].e) * c[j].e;
+            let spread_error = |j: usize| w[j].e * (c[j].v - c[0].v).abs() + (w[j].v.abs() + w[j].e) * c[j].e;
             // each weight's own quotient and their sum's; a product and two sums
             let sizes: f64 = (0..3).map(|j| w[j].v.abs() * c[j].v.abs()).sum();
-            let e = apart(0) + apart(1) + apart(2) + unit * (DIV_UNITS + 6.0) * (sizes + c[0].v.abs());
+            let e =
+                spread_error(0) + spread_error(1) + spread_error(2) + unit * (DIV_UNITS + 6.0) * (sizes + c[0].v.abs());
             Bounded { v, e: if e.is_nan() { f64::INFINITY } else { e + TINY }, unit }
         }))
     }

@@ -78,8 +78,8 @@ fn in_plane(rays: &PixelRays, v: DVec3, real: Real) -> (DVec2, f64) {
     let (b, axis) = (&rays.bundle, rays.bundle.d[0].abs().max_position());
     let rotated = |v: DVec3| DVec3::from_array([1, 2, 3].map(|k| v[(axis + k) % 3]));
     let (d, m) = (rotated(b.d[0]), rotated(v * b.h[0] - b.p[0]));
-    let aside = d.xy() / d.z;
-    let place = m.xy() - aside * m.z;
+    let slope = d.xy() / d.z;
+    let place = m.xy() - slope * m.z;
     let sizes = size(v) * rays.size_h + rays.size_p + size(m) * (rays.size_d / d.z.abs());
     (place, PLANE_UNITS * real.rounding() * sizes)
 }

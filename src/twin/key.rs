@@ -31,7 +31,7 @@ pub struct KeyForm {
     pub real: Real,
     /// Low bits that hold the triangle id.
     pub id_bits: u32,
-    /// The layer stands in the top 4 bits.
+    /// Whether the layer is in the top 4 bits.
     pub slabbed: bool,
 }
 
@@ -70,7 +70,7 @@ impl KeyForm {
         (key & self.id_mask()) as u32
     }
 
-    /// Relative distance of two neighbouring ts that keys tell apart.
+    /// Relative distance of neighbouring values of t that keys distinguish.
     pub fn step(self) -> f64 {
         match self.real {
             Real::F64 => f64::EPSILON * (1u64 << (self.id_bits + if self.slabbed { 2 } else { 0 })) as f64,

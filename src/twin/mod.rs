@@ -1,10 +1,10 @@
-//! The stages of a frame again, in f64 on the host: `cull -> bin -> raster -> shade -> write`, one file each; and where a
-//! mirror or lens is in view, `meet` beside raster, and after shade `bounce -> fit` and all of it again.
+//! Twins: the stages of a frame in f64 on the host, `cull -> bin -> raster -> shade -> write`, one file each. With a mirror
+//! or lens, `meet` runs beside raster, and after shade `bounce -> fit` and all stages again.
 //!
-//! A twin reads the very bytes that its kernel reads ([`Input`]) and makes the same lists and words, so that a frame can
-//! be followed stage by stage, and any stage be run from another's true output. It says what the stage should do, not
-//! how the kernel does it: bin tests every pixel, so split and sort have no twins; shade bounds what f32 may lose. Twins are as slow
-//! as they look.
+//! A twin reads the same bytes as its kernel ([`Input`]) and computes the same lists and words, so a frame can be followed
+//! stage by stage, and any stage can run on another's correct output. A twin defines the result of the stage, not the
+//! kernel's algorithm: bin tests every pixel, so split and sort have no twins; shade bounds the error of f32. Twins are
+//! simple and slow.
 
 pub mod along;
 pub mod bin;
@@ -84,7 +84,7 @@ impl Input<'_> {
         DVec3::new(number(at), number(at + 1), number(at + 2))
     }
 
-    /// What positions are relative to.
+    /// The anchor: positions are relative to it.
     fn anchor(&self) -> DVec3 {
         self.look.shading.anchor.map(f64::from).into()
     }
@@ -110,7 +110,7 @@ impl Input<'_> {
     }
 }
 
-/// What the host makes ready for a frame, as [`crate::engine::Engine`] does.
+/// The host's tables for a frame, as [`crate::engine::Engine`] prepares them.
 pub struct Tables {
     pub plan: Plan,
     pub clustered: Clustered,
@@ -118,7 +118,7 @@ pub struct Tables {
     pub optics: Option<Optics>,
 }
 
-/// Lists that never run over.
+/// Capacities that never overflow.
 pub const LARGE: Capacities = Capacities {
     queue: u32::MAX as u64,
     work: u32::MAX as u64,
@@ -195,7 +195,7 @@ impl Tables {
         }
     }
 
-    /// Follows the rays of a band from pass to pass; `see` gets each pass under all chunks, and what is visible in it.
+    /// Follows the rays of a band from pass to pass; `see` receives each pass with all chunks, and its visibility buffer.
     pub fn follow(&self, camera: &Camera, band: usize, real: Real, mut see: impl FnMut(&[Input], &Visibility)) {
         let chunks = || 0..self.clustered.chunks.len();
         let mut inputs: Vec<Input> = chunks().map(|c| self.input(camera, band, c, LARGE)).collect();
@@ -221,7 +221,7 @@ impl Tables {
     }
 }
 
-/// What the rays of a pass meet first, under all chunks.
+/// The first hits of the rays of a pass, over all chunks.
 pub fn visible(inputs: &[Input], real: Real) -> Visibility {
     let pixels = inputs.first().map_or(0, |i| i.params.width * i.params.height);
     let mut visibility = Visibility::new(pixels as usize);
@@ -236,7 +236,7 @@ pub fn visible(inputs: &[Input], real: Real) -> Visibility {
     visibility
 }
 
-/// A frame by the twins alone: the planned channels, and RGBA in 8-bit sRGB where that was asked for.
+/// A frame by the twins alone: the planned channels, and 8-bit sRGB RGBA if planned.
 pub fn render(scene: &Scene, camera: &Camera, wanted: &Wanted, binding_limit: u64) -> (Frame, Option<Vec<u32>>) {
     let has = Abilities { f64: true, atomics64: true, lanes: false, timestamps: false, clip_distances: false };
     let tables = Tables::new(scene, camera, wanted, has, binding_limit);

@@ -6,7 +6,7 @@ use super::{Input, Real, bin, curve};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A triangle as its row tells: corners in the order of their positions, relative to the anchor.
+/// A triangle as stored in its row: corners in the order of their positions, relative to the anchor.
 #[derive(Debug, Clone, Copy)]
 pub struct Corners {
     pub v: [DVec3; 3],
@@ -23,7 +23,7 @@ impl Corners {
     }
 }
 
-/// What a pixel's ray finds of one triangle.
+/// The hit of a pixel's ray on one triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tested {
     pub hit: Option<Fragment>,
@@ -55,12 +55,12 @@ fn ray_coverage(rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
     let flipped = |s: Side| Side { sign: -s.sign, ..s };
     let first = of(v0, v1);
     let second = of(v1, v2);
-    let apart = |a: Side, b: Side| a.sign != b.sign && !a.uncertain && !b.uncertain;
-    if apart(first, second) {
+    let differ = |a: Side, b: Side| a.sign != b.sign && !a.uncertain && !b.uncertain;
+    if differ(first, second) {
         return Coverage { inside: false, uncertain: false };
     }
     let third = flipped(of(v0, v2));
-    if apart(first, third) || apart(second, third) {
+    if differ(first, third) || differ(second, third) {
         return Coverage { inside: false, uncertain: false };
     }
     let inside = first.sign == second.sign && first.sign == third.sign;
@@ -142,7 +142,7 @@ fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested 
 /// Rounding of `N . (v h - p)` as stored, in units of what is summed up.
 const END_UNITS: f64 = 16.0;
 
-/// What a chain's segment allows at its ends, times `N . d`.
+/// Tolerance at the ends of a chain's segment, times `N . d`.
 fn end_margin(rays: &PixelRays, c: &Corners, real: Real) -> f64 {
     let [v0, v1, v2] = c.v;
     let size = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
@@ -155,7 +155,7 @@ fn end_margin(rays: &PixelRays, c: &Corners, real: Real) -> f64 {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Visibility {
     pub words: Vec<[u32; 2]>,
-    /// Pixels where another correct evaluation of some pair may decide otherwise.
+    /// Pixels where another correct evaluation of some pair may differ.
     pub uncertain: Vec<bool>,
     /// Owned pixels inside the pairs' boxes, and hits among them.
     pub tested: u64,

@@ -37,7 +37,7 @@ pub struct PixelCurve {
     pub size: f64,
 }
 
-/// What a cell has at a pixel.
+/// The rays of a cell at a pixel.
 #[derive(Debug, Clone, Copy)]
 pub enum Cast {
     Ray(PixelRays),
@@ -45,7 +45,7 @@ pub enum Cast {
 }
 
 impl Cast {
-    /// The ray; of a curve the tangent at t, and where it stands still the way to its end.
+    /// The ray; for a curve the tangent at t, or where the derivative is 0 the direction to its end.
     pub fn ray(&self, t: f64) -> PixelRays {
         match self {
             Cast::Ray(rays) => *rays,
@@ -78,7 +78,7 @@ impl Input<'_> {
         self.slab_of(tile) / self.params.spans
     }
 
-    /// What a cell has at its pixel `bit`.
+    /// The rays of a cell at its pixel `bit`.
     pub fn cell_cast(&self, cell: &Cell, bit: u32) -> Cast {
         let (x, y) = self.pixel_of(cell.tile, bit);
         match (self.kind, self.rays) {

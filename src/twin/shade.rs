@@ -1,4 +1,4 @@
-//! shade in f64: what each pixel's visible triangle looks like, and how far an f32 kernel may be from it.
+//! shade in f64: the shading of each pixel's visible triangle, with bounds on the error of an f32 kernel.
 
 use super::optics::Behind;
 use super::raster::Visibility;
@@ -171,7 +171,7 @@ fn end_on_smooth(input: &Input, behind: &Behind, (id, t): (u32, f64), (x, y): (u
 }
 
 impl Behind {
-    /// What is left of a colour, and of its error: one product more.
+    /// A colour times a share, with the error of one more product.
     fn left_of(&self, colour: [f64; 3], error: f64) -> ([f64; 3], f64) {
         let light = self.light.map(f64::from);
         let left = [0, 1, 2].map(|k| light[k] * colour[k]);

@@ -11,7 +11,7 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// What a kernel must keep: the tree in f64 has margin for 2^-34 of the point's coordinates.
+    /// What a kernel must keep: the tree in f64 has a margin of 2^-34 of the point's coordinates.
     pub const NEEDED: Bound = Bound { tolerance: 1.0 / (1u64 << 34) as f64, quotient: 0.0 };
     /// What it may keep: its tolerance is 2^-22 of both, and it rounds it four times by 2^-24; quotients have 1e-6 twice and
     /// their own rounding.

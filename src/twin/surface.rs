@@ -1,4 +1,4 @@
-//! What a triangle looks like at a pixel, and how far an f32 kernel may be from it.
+//! Surface attributes of a triangle at a pixel, with bounds on the error of an f32 kernel.
 
 use super::raster::Corners;
 use super::rays::PixelRays;
@@ -144,7 +144,7 @@ impl Surface<'_> {
         let sum: DVec3 = (0..3).map(|k| w[k] * normals[k]).sum();
         let smooth = sum.try_normalize()?;
         // weights add up to 1, so their errors change the sum only by the differences of the normals
-        let apart: f64 = normals.iter().map(|n| (*n - normals[0]).length()).sum();
-        Some((smooth, (error * apart + SUM_UNITS * UNIT) / sum.length() + NORMALIZE_UNITS * UNIT))
+        let spread: f64 = normals.iter().map(|n| (*n - normals[0]).length()).sum();
+        Some((smooth, (error * spread + SUM_UNITS * UNIT) / sum.length() + NORMALIZE_UNITS * UNIT))
     }
 }

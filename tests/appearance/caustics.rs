@@ -198,23 +198,26 @@ fn photons_of_the_engine_are_where_the_reference_has_them() {
             rows.map(|l| (l.corners[1] - l.corners[0]).length() + (l.corners[2] - l.corners[0]).length())
                 .fold(0.0, f64::max)
         };
-        let (mut landed, mut apart) = (0, 0);
+        let (mut on_receiver, mut different) = (0, 0);
         for (a, b) in found.iter().zip(&known) {
             match (a.fate, b.fate) {
                 (
                     Fate::OnReceiver { receiver, bounces, place },
                     Fate::OnReceiver { receiver: r, bounces: n, place: p },
                 ) => {
-                    landed += 1;
+                    on_receiver += 1;
                     let near = place.distance(p) <= size(r) / f64::from(1 << 24) + 1e-9 * p.length();
-                    apart += usize::from(!near || (receiver, bounces) != (r, n) || a.left != b.left);
+                    different += usize::from(!near || (receiver, bounces) != (r, n) || a.left != b.left);
                 }
-                (a, b) => apart += usize::from(a != b),
+                (a, b) => different += usize::from(a != b),
             }
         }
-        println!("{landed} of {} landed, {apart} apart", found.len());
+        println!("{on_receiver} of {} on a receiver, {different} different", found.len());
         // what is seen edge-on may fare otherwise; it is the share of pixels that are not safe
-        assert!(landed > found.len() / 20 && apart * 1000 <= found.len(), "{landed} landed, {apart} apart");
+        assert!(
+            on_receiver > found.len() / 20 && different * 1000 <= found.len(),
+            "{on_receiver} on a receiver, {different} different"
+        );
     }
 }
 

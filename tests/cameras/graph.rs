@@ -77,9 +77,9 @@ fn assert_curves_seamless(of: &Camera) {
             let jump = |by: f64| {
                 let [a, b] =
                     [-by, by].map(|s| (middle + s * across) / size).map(|q| curves.map.curve(q.x, q.y).unwrap().1);
-                let apart = a.points().iter().zip(b.points()).map(|(p, q)| (*p - *q).length()).fold(0.0, f64::max);
+                let distance = a.points().iter().zip(b.points()).map(|(p, q)| (*p - *q).length()).fold(0.0, f64::max);
                 let reach = a.points().iter().map(|p| p.length()).fold(1.0, f64::max);
-                (apart, POINT_ROUNDING * reach)
+                (distance, POINT_ROUNDING * reach)
             };
             let ((far, rounding), (near, _)) = (jump(2e-3), jump(1e-3));
             assert!((near - far / 2.0).abs() <= 2.0 * rounding, "layer {layer} at {middle}: {near} of {far}");

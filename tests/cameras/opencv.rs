@@ -45,9 +45,9 @@ fn has_opencv() -> bool {
 fn script(folder: &Path, args: &[&str]) -> String {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cameras/opencv/lenses.py");
     let output = Command::new("python3").arg(path).arg(args[0]).arg(folder).args(&args[1..]).output().unwrap();
-    let (told, wrong) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert!(output.status.success(), "lenses.py {args:?}: {told}{wrong}");
-    told.into_owned()
+    let (printed, wrong) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "lenses.py {args:?}: {printed}{wrong}");
+    printed.into_owned()
 }
 
 /// OpenCV counts pixels from the centre of the first, this program from its corner.

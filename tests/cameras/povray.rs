@@ -44,9 +44,10 @@ fn small(text: &str, size: (u32, u32)) -> (Scene, Camera) {
 
 /// POV-Ray 3.7 is there; says so where it is not.
 fn has_povray() -> bool {
-    let told = Command::new("povray").arg("--version").output();
-    let found =
-        told.is_ok_and(|told| String::from_utf8_lossy(&[told.stdout, told.stderr].concat()).contains("POV-Ray 3.7"));
+    let printed = Command::new("povray").arg("--version").output();
+    let found = printed.is_ok_and(|printed| {
+        String::from_utf8_lossy(&[printed.stdout, printed.stderr].concat()).contains("POV-Ray 3.7")
+    });
     if !found {
         common::needs::skip("no povray 3.7 on this machine");
     }

@@ -397,8 +397,8 @@ fn a_full_disk_stops_with_what_is_done() {
         let says = ["No space left", "stopped: there is no room to write to"];
         assert!(says.iter().all(|text| ran.err.contains(text)), "{key}: {}", ran.err);
         let done = std::fs::read_dir(&disk).unwrap().count();
-        let told = format!(": {done} of 80 frames done");
-        assert!((1..80).contains(&done) && ran.err.contains(&told), "{key}: {done}: {}", ran.err);
+        let printed = format!(": {done} of 80 frames done");
+        assert!((1..80).contains(&done) && ran.err.contains(&printed), "{key}: {done}: {}", ran.err);
         // only the frames in flight fail
         assert!(ran.err.matches("No space left").count() <= 20, "{key}: {}", ran.err);
         assert!(Mounted::mount(&disk, "remount,size=16m"));

@@ -291,8 +291,8 @@ fn an_exported_camera_has_the_same_rays() {
     for example in ["pinhole", "bilinear", "panorama"] {
         place.works(&["example", example]);
         let scene = format!("{example}.toml");
-        let told = place.works(&["camera", &scene, "--size", "32x24", "--export", "p.json", "--rays", "r.npy"]);
-        assert!(told.contains("pieces") && told.contains("class"), "{told}");
+        let printed = place.works(&["camera", &scene, "--size", "32x24", "--export", "p.json", "--rays", "r.npy"]);
+        assert!(printed.contains("pieces") && printed.contains("class"), "{printed}");
         let bytes = std::fs::read(place.path().join("r.npy")).unwrap().len();
         assert_eq!(bytes % 64, 0);
         assert!(bytes > 32 * 24 * 6 * 8 && bytes < 32 * 24 * 6 * 8 + 256);
@@ -350,8 +350,8 @@ fn classes_and_slits_are_named() {
         ("panorama", "96 of "),
     ] {
         place.works(&["example", example]);
-        let told = place.works(&["camera", &format!("{example}.toml")]);
-        assert!(told.contains(says), "{example}: {told}");
+        let printed = place.works(&["camera", &format!("{example}.toml")]);
+        assert!(printed.contains(says), "{example}: {printed}");
     }
 }
 
@@ -395,8 +395,8 @@ fn points_are_projected() {
         .map(|engine| place.works(&["project", "scene.toml", "--points", "p.csv", "--engine", engine]));
     assert!(by_cpu == by_gpu && lines(&by_cpu) == out, "{by_cpu}{by_gpu}");
     // another size, into a file
-    let told = place.works(&["project", "scene.toml", "--points", "p.csv", "--size", "128x96", "-o", "out.jsonl"]);
-    assert_eq!(told, "");
+    let printed = place.works(&["project", "scene.toml", "--points", "p.csv", "--size", "128x96", "-o", "out.jsonl"]);
+    assert_eq!(printed, "");
     let out = lines(&std::fs::read_to_string(place.path().join("out.jsonl")).unwrap());
     assert_eq!(out.len(), 3);
     assert!((out[0]["images"][0]["x"].as_f64().unwrap() - 64.0).abs() < 1e-9);
@@ -435,8 +435,8 @@ fn projectors_are_written_as_control_points() {
     for (m, shape) in [(1, "(2, 4, 2, 3"), (2, "(2, 4, 3, 3"), (3, "(2, 4, 4, 3")] {
         let surfaces: Vec<String> = (0..=m).map(|k| plane(-k * k)).collect();
         place.write("p.toml", format!("{scene}surfaces = [{}]\n", surfaces.join(", ")));
-        let told = place.works(&["camera", "p.toml", "--rays", "r.npy"]);
-        assert_eq!(told.contains(&format!("a curve of degree {m}")), m > 1, "{told}");
+        let printed = place.works(&["camera", "p.toml", "--rays", "r.npy"]);
+        assert_eq!(printed.contains(&format!("a curve of degree {m}")), m > 1, "{printed}");
         let bytes = std::fs::read(place.path().join("r.npy")).unwrap();
         assert!(String::from_utf8_lossy(&bytes[..128]).contains(shape));
         let numbers: Vec<f64> = bytes[bytes.len() - 2 * 4 * 3 * 8 * (m as usize + 1)..]

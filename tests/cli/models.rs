@@ -128,8 +128,8 @@ fn many_places_take_linear_time() {
         .unwrap();
     place.write("s.toml", format!("{HEAD}[[mesh]]\nbuiltin = \"box\"\nplaces = \"p.npy\"\n"));
     let started = std::time::Instant::now();
-    let told: Value = serde_json::from_str(&place.works(&["info", "s.toml", "--json"])).unwrap();
-    assert_eq!((&told["triangles"], &told["meshes"]), (&(12 * count).into(), &count.into()));
+    let printed: Value = serde_json::from_str(&place.works(&["info", "s.toml", "--json"])).unwrap();
+    assert_eq!((&printed["triangles"], &printed["meshes"]), (&(12 * count).into(), &count.into()));
     // measured: 0.01 s; in quadratic time it would be minutes
     assert!(started.elapsed().as_secs() < 20);
 }
@@ -188,8 +188,8 @@ fn heights_are_terrain() {
     // and colours are mixed within half a texel of it
     let image = image::RgbImage::from_fn(12, 12, |x, _| image::Rgb(if x < 6 { [255, 0, 0] } else { [0, 255, 0] }));
     image.save(place.path().join("t.png")).unwrap();
-    let told = seen(&place, "[[mesh]]\nfile = \"dem.asc\"\ntexture = \"t.png\"\n");
-    let [x, red] = [Channel::PositionX, Channel::AlbedoR].map(|c| told.f32(c).unwrap());
+    let printed = seen(&place, "[[mesh]]\nfile = \"dem.asc\"\ntexture = \"t.png\"\n");
+    let [x, red] = [Channel::PositionX, Channel::AlbedoR].map(|c| printed.f32(c).unwrap());
     let counts = [(-2.0, -0.25, 1.0), (0.25, 2.0, 0.0)].map(|(from, to, shade)| {
         let own: Vec<f32> = x.iter().zip(red).filter(|(x, _)| (from..to).contains(*x)).map(|p| *p.1).collect();
         assert!(own.iter().all(|r| *r == shade), "{shade}: {own:?}");
@@ -217,8 +217,8 @@ fn wrong_heights_are_refused() {
 }
 
 /// Renders a model through the camera that `info` prints.
-fn fitted(place: &Place, told: &str, mesh: &str) -> Frame {
-    let camera = &told[told.find("[camera]").unwrap()..];
+fn fitted(place: &Place, printed: &str, mesh: &str) -> Frame {
+    let camera = &printed[printed.find("[camera]").unwrap()..];
     place.write("fit.toml", format!("{camera}\n[[mesh]]\n{mesh}\n"));
     place.works(&["render", "fit.toml", "--exr", "fit.exr", "--engine", "reference", "--size", "64x64"]);
     read_exr(&place.path().join("fit.exr")).unwrap()
@@ -238,13 +238,16 @@ fn info_describes_models_and_fits_a_camera() {
     let place = Place::new();
     place.write("dem.asc", ASC);
     place.write("far.obj", "v 4000000 10 -2\nv 4000001 10 -2\nv 4000000 12 -2\nvn 0 0 1\nf 1//1 2//1 3//1\n");
-    let told = place.works(&["info", "dem.asc"]);
-    assert!(told.contains("triangles            6\n") && told.contains("easting 4000003.5, northing 3; "), "{told}");
-    assert!(told.contains("heights              3 x 3, 1 without data"), "{told}");
-    assert_fits(&fitted(&place, &told, "file = \"dem.asc\""));
-    let told = place.works(&["info", "far.obj"]);
-    assert!(told.contains("normals              yes\n  texture coordinates  no\n"), "{told}");
-    assert_fits(&fitted(&place, &told, "file = \"far.obj\""));
+    let printed = place.works(&["info", "dem.asc"]);
+    assert!(
+        printed.contains("triangles            6\n") && printed.contains("easting 4000003.5, northing 3; "),
+        "{printed}"
+    );
+    assert!(printed.contains("heights              3 x 3, 1 without data"), "{printed}");
+    assert_fits(&fitted(&place, &printed, "file = \"dem.asc\""));
+    let printed = place.works(&["info", "far.obj"]);
+    assert!(printed.contains("normals              yes\n  texture coordinates  no\n"), "{printed}");
+    assert_fits(&fitted(&place, &printed, "file = \"far.obj\""));
     let json: Value = serde_json::from_str(&place.works(&["info", "far.obj", "--json"])).unwrap();
     assert_eq!((&json["triangles"], &json["vertices"], &json["kind"]), (&1.into(), &3.into(), &"model".into()));
     assert_eq!(json["bounds"]["low"], serde_json::json!([4e6, 10.0, -2.0]));
@@ -268,15 +271,15 @@ fn elevations_of_real_places_are_read() {
         return println!("skipped: {} is not there", folder.display());
     }
     let place = Place::new();
-    let told = |name: &str| place.works(&["info", &path(name)]);
+    let printed = |name: &str| place.works(&["info", &path(name)]);
     // from the tags and headers of the files
-    let tiff = told("bigtujunga.tif");
+    let tiff = printed("bigtujunga.tif");
     assert!(tiff.contains("heights              1197 x 643, ") && tiff.contains("30 x 30 in the file"), "{tiff}");
     assert!(tiff.contains("easting 394268.6554542635, northing 3798272.8276283755"), "{tiff}");
     let png: Value = serde_json::from_str(&place.works(&["info", &path("bigtujunga_u16.png"), "--json"])).unwrap();
     let same: Value = serde_json::from_str(&place.works(&["info", &path("bigtujunga.tif"), "--json"])).unwrap();
     assert_eq!(png["bounds"]["high"][1], same["bounds"]["high"][1]);
-    let asc = told("srtmgl3_colorado.asc");
+    let asc = printed("srtmgl3_colorado.asc");
     assert!(asc.contains("heights              240 x 144, "), "{asc}");
     // 1/1200 of a degree is 92.662 m along the meridian, and cos(40.15 degrees) times that along the parallel
     assert!(asc.contains("if it is in degrees  use cell = [70.827, 92.662] for metres"), "{asc}");

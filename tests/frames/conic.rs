@@ -203,8 +203,8 @@ fn any_planes_by_the_cubic_equation_up_to_three_images() {
         let all = project_cubic(&near, &far, x);
         for (k, at) in all.iter().enumerate() {
             let centred = bundle.recentred((at.a - 0.5) * SIZE.0 as f64, (at.b - 0.5) * SIZE.1 as f64);
-            let apart = all.iter().enumerate().all(|(j, o)| j == k || (o.t - at.t).abs() > ILL * (1.0 + at.t.abs()));
-            if apart && is_well_seen(&near, &far, &centred, &v, *at) {
+            let isolated = all.iter().enumerate().all(|(j, o)| j == k || (o.t - at.t).abs() > ILL * (1.0 + at.t.abs()));
+            if isolated && is_well_seen(&near, &far, &centred, &v, *at) {
                 assert_covered(&format!("seed {seed}, image {k}"), &bundle, &v, weights, *at);
                 checked += 1;
             }

@@ -4,7 +4,7 @@ use super::{Bend, Graph, Leg, Net};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Places along a ray, and along a triangle's side, at which the crossing is looked for.
+/// Sample places along a ray, and along a triangle's side, in the search for crossings.
 const ALONG: usize = 16;
 const ACROSS: usize = 4;
 

@@ -1,12 +1,12 @@
-//! `track`: a pinhole view whose rays run around what hides the targets in the scene (Popescu et al., section 3.3,
+//! `track`: a pinhole view whose rays make detours around the occluders of targets in the scene (Popescu et al., section 3.3,
 //! Fig. 8): each target is seen where it would be without occluders.
 //!
 //! All legs of the rays lie between planes parallel to the image. About a hidden target's place, rays are shifted on
-//! the detour to what hides it, pass it, and are back on their plain lines at the target's front, so that target and all
-//! behind it are where the plain view has them. Around that the shift falls to nothing, over a band wide enough for
-//! rays not to cross. The paper renders a camera a target and blends, vertex by vertex, where they project to: that is
-//! no map from pixels to rays. Here the shifts are blended instead, at the vertices of one net over the image; within a
-//! target's own place its shift alone counts. Targets that nothing hides hold their places without a shift.
+//! the way to its occluder, pass it, and are back on their straight lines at the target's front, so the target and all
+//! behind it appear as in the plain view. Around it the shift falls to 0, over a band wide enough for rays not to cross.
+//! The paper renders one camera per target and blends the projections of vertices, which is not a map from pixels to
+//! rays. Here the shifts are blended instead, at the vertices of one net over the image; in a target's core only its own
+//! shift counts. Targets without occluders keep their cores free of shifts.
 
 use super::blend::{Seen, Target, graphs};
 use super::joints::Joints;

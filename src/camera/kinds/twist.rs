@@ -64,7 +64,7 @@ impl Recipe for Twist {
     }
 }
 
-/// The volume of a pinhole between near and far whose projectors, of degree 2, bow aside: lines along the view, which a
+/// The volume of a pinhole between near and far whose projectors, of degree 2, bow sideways: lines along the view, which a
 /// pinhole shows straight towards the middle, converge along curves.
 #[derive(Debug, PartialEq)]
 struct CurvedConvergence {

@@ -37,11 +37,11 @@ fn within(corners: &[Triangle], set: Vec<u32>) -> Option<(usize, usize)> {
 /// The same, pair by pair.
 fn first_pair(corners: &[Triangle], set: &[u32]) -> Option<(usize, usize)> {
     let boxes: Vec<(DVec2, DVec2)> = set.iter().map(|&k| bounds(&corners[k as usize])).collect();
-    let apart = |i: usize, j: usize| boxes[i].0.cmpge(boxes[j].1).any() || boxes[j].0.cmpge(boxes[i].1).any();
+    let disjoint = |i: usize, j: usize| boxes[i].0.cmpge(boxes[j].1).any() || boxes[j].0.cmpge(boxes[i].1).any();
     let of = |i: usize| set[i] as usize;
     let pairs = (0..set.len()).flat_map(|i| (i + 1..set.len()).map(move |j| (i, j)));
     pairs
-        .filter(|&(i, j)| !apart(i, j))
+        .filter(|&(i, j)| !disjoint(i, j))
         .find(|&(i, j)| overlap(&corners[of(i)], &corners[of(j)]))
         .map(|(i, j)| (of(i), of(j)))
 }

@@ -216,8 +216,8 @@ fn read_lens(table: &Table, center: DVec3, axis: DVec3, rim: f64) -> Result<[Cap
 
 /// Where the wall of a lens begins and ends along the axis, from the first vertex.
 fn wall_ends(caps: &[Cap; 2]) -> [f64; 2] {
-    let apart = (caps[1].vertex - caps[0].vertex).dot(caps[0].axis);
-    [caps[0].rim_height(), apart + caps[1].rim_height()]
+    let thickness = (caps[1].vertex - caps[0].vertex).dot(caps[0].axis);
+    [caps[0].rim_height(), thickness + caps[1].rim_height()]
 }
 
 /// Cells along both sides of a grid of about `count` triangles: `triangles` of them, and the first side about `ratio` times

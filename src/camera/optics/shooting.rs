@@ -153,7 +153,7 @@ mod tests {
     }
 
     /// The largest distance between the normals of two corners.
-    fn apart(a: &Facets, b: &Facets) -> f64 {
+    fn normal_distance(a: &Facets, b: &Facets) -> f64 {
         let each = (0..a.triangles.len()).flat_map(|k| {
             let (a, b) = (a.facet(k).normals, b.facet(k).normals);
             [0, 1, 2].map(|c| (a[c] - b[c]).length())
@@ -172,7 +172,7 @@ mod tests {
         ] {
             let shot = facets.shot_at(&facets);
             // a sum of three weighted normals and its length
-            assert!(apart(&shot, &facets) < 1e-14, "{name}: {}", apart(&shot, &facets));
+            assert!(normal_distance(&shot, &facets) < 1e-14, "{name}: {}", normal_distance(&shot, &facets));
             let own = (0..facets.triangles.len()).filter(|k| shot.camera_of(*k) == *k as u32).count();
             assert_eq!(own, facets.triangles.len(), "{name}");
             let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
@@ -189,7 +189,7 @@ mod tests {
     fn normals_come_nearer_to_the_surfaces_own_with_more_cameras() {
         for (name, shape) in [("bowl", bowl()), ("torus", torus())] {
             let fine = shape.facets(4000);
-            let off = [60, 240, 960].map(|n| apart(&fine.shot_at(&shape.facets(n)), &fine));
+            let off = [60, 240, 960].map(|n| normal_distance(&fine.shot_at(&shape.facets(n)), &fine));
             // interpolated normals are off by the square of a facet's size, and its sides are not all alike
             assert!(off[1] < off[0] / 2.0 && off[2] < off[1] / 2.0, "{name}: {off:?}");
         }
@@ -200,7 +200,7 @@ mod tests {
         // between corners whose normals are radii the sum of normals is the radius of the place
         let fine = ball().facets(4000);
         for n in [8, 60, 960] {
-            assert!(apart(&fine.shot_at(&ball().facets(n)), &fine) < 1e-14, "{n}");
+            assert!(normal_distance(&fine.shot_at(&ball().facets(n)), &fine) < 1e-14, "{n}");
         }
     }
 
@@ -232,6 +232,6 @@ mod tests {
         }
         // not the other side of the bowl: all are within a facet's turn
         let fine = bowl().facets(3000);
-        assert!(apart(&fine.shot_at(&bowl().facets(300)), &fine) < 0.35);
+        assert!(normal_distance(&fine.shot_at(&bowl().facets(300)), &fine) < 0.35);
     }
 }

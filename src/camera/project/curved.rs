@@ -26,10 +26,10 @@ pub struct Search<'a> {
 const SPANS: u32 = 1 << SPAN_HALVINGS;
 const SPAN_HALVINGS: u32 = 3;
 
-/// Times that a cell of a pixel is halved.
+/// Most halvings of a pixel's cell.
 const HALVINGS: u32 = 2;
 
-/// Times that t is: curves that are still longer than apart (2^-40 of their length) meet in the point.
+/// Most halvings of t: curves that are then still longer than their distance (2^-40 of their length) meet in the point.
 const T_HALVINGS: u32 = 40;
 
 /// Four curves between which all are bilinear within [`Net::error_bound`], or one around which all of its neighbourhood are.
@@ -179,7 +179,7 @@ fn nets(curves: &Curves, at: DVec2, side: f64) -> Vec<Net> {
     }
     let slope = |(q, c): (DVec2, &Option<Curve>)| {
         let c = c.as_ref()?;
-        Some(least_slope(q, |q| curves.at_place(q).map(|near| apart(&near.1, c))))
+        Some(least_slope(q, |q| curves.at_place(q).map(|near| distance(&near.1, c))))
     };
     let steepest = places.into_iter().zip(&found).filter_map(slope).fold(0.0, f64::max);
     // with as much again for what bends
@@ -196,7 +196,8 @@ impl Net {
 
     /// The largest distance between control points of one number.
     fn spread(&self) -> f64 {
-        let pairs = self.curves.iter().enumerate().flat_map(|(k, a)| self.curves[..k].iter().map(move |b| apart(a, b)));
+        let pairs =
+            self.curves.iter().enumerate().flat_map(|(k, a)| self.curves[..k].iter().map(move |b| distance(a, b)));
         pairs.fold(0.0, f64::max)
     }
 
@@ -309,7 +310,7 @@ impl Net {
 }
 
 /// The largest distance between two curves' control points.
-fn apart(a: &Curve, b: &Curve) -> f64 {
+fn distance(a: &Curve, b: &Curve) -> f64 {
     a.points().iter().zip(b.points()).fold(0.0, |m, (a, b)| m.max((*a - *b).length()))
 }
 

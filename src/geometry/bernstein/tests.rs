@@ -25,8 +25,8 @@ fn all_roots_of_a_cubic_and_how_it_passes_them() {
         let mut r = [0, 1, 2].map(|_| 1.6 * next() - 0.3);
         r.sort_unstable_by(f64::total_cmp);
         // a root at 1e-6 from another or from an end may be distinguished or not
-        let apart = r[1] - r[0] > 1e-6 && r[2] - r[1] > 1e-6;
-        if !apart || r.iter().any(|r| r.abs() < 1e-6 || (1.0 - r).abs() < 1e-6) {
+        let separate = r[1] - r[0] > 1e-6 && r[2] - r[1] > 1e-6;
+        if !separate || r.iter().any(|r| r.abs() < 1e-6 || (1.0 - r).abs() < 1e-6) {
             continue;
         }
         let expected: Vec<(f64, i8)> = r.into_iter().zip([1, -1, 1]).filter(|(r, _)| (0.0..=1.0).contains(r)).collect();
@@ -53,8 +53,8 @@ fn all_roots_of_a_quartic_from_its_powers() {
         let mut r = [0, 1, 2, 3].map(|_| 2.0 * next() - 1.0);
         r.sort_unstable_by(f64::total_cmp);
         let (from, to) = (-next(), next());
-        let apart = r.windows(2).all(|r| r[1] - r[0] > 1e-3);
-        if !apart || to - from < 0.1 || r.iter().any(|r| (r - from).abs() < 1e-3 || (r - to).abs() < 1e-3) {
+        let separate = r.windows(2).all(|r| r[1] - r[0] > 1e-3);
+        if !separate || to - from < 0.1 || r.iter().any(|r| (r - from).abs() < 1e-3 || (r - to).abs() < 1e-3) {
             continue;
         }
         let mut powers = vec![1.0];

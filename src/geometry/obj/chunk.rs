@@ -1,4 +1,4 @@
-//! One chunk of an OBJ text: what it holds, in numbers and parsed.
+//! One chunk of an OBJ text: its counts, and its parsed contents.
 
 use glam::{DVec2, DVec3, Vec3};
 

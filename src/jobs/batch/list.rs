@@ -20,7 +20,7 @@ pub struct Jobs {
 struct Job {
     /// Its number in the list.
     name: String,
-    /// Where it stands in the file.
+    /// Its position in the file.
     key: String,
     scene: String,
     /// Flags of `render`, and their values as they are written.
@@ -176,7 +176,7 @@ impl Job {
 }
 
 impl Task<'_> {
-    /// What the render is told.
+    /// The render job of this frame.
     ///
     /// # Errors
     /// [`Error::Input`] for a value that is none of its flag.
@@ -215,7 +215,7 @@ impl Task<'_> {
         self.dir.join(path)
     }
 
-    /// The files that it writes; at least one.
+    /// The files that it writes, at least one.
     pub fn outputs(&self) -> Result<Vec<PathBuf>> {
         let outputs = self.job.flags.iter().filter(|(flag, _)| is_output(flag));
         outputs.map(|(flag, file)| self.filled(flag, file.as_deref().unwrap_or_default()).map(PathBuf::from)).collect()
@@ -258,7 +258,7 @@ impl Task<'_> {
     }
 }
 
-/// Sets what a flag of `render` stands for.
+/// Sets the option of a flag of `render`.
 fn set(job: &mut RenderJob, flag: &str, value: String) -> std::result::Result<(), String> {
     match flag {
         "--output" => job.color = Some(value.into()),

@@ -72,8 +72,8 @@ mod tests {
             let loads: Vec<f64> = all.iter().map(load).collect();
             let dearest = (0..costs.len()).map(cost).fold(0.0, f64::max);
             // whole microseconds lose one per frame
-            let apart = loads.iter().copied().fold(0.0, f64::max) - loads.iter().copied().fold(f64::INFINITY, f64::min);
-            prop_assert!(apart <= dearest + 0.001 * costs.len() as f64, "{:?}", loads);
+            let spread = loads.iter().copied().fold(0.0, f64::max) - loads.iter().copied().fold(f64::INFINITY, f64::min);
+            prop_assert!(spread <= dearest + 0.001 * costs.len() as f64, "{:?}", loads);
         }
     }
 }

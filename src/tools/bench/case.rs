@@ -1,4 +1,4 @@
-//! A case: one scene, seen by several techniques, each as an arm.
+//! A case: one scene rendered by several techniques, each an arm.
 
 use super::row::{Moving, Paper, Stiffness};
 use crate::engine::Arithmetic;
@@ -8,10 +8,10 @@ use crate::input::Result;
 use crate::tools::example::EXAMPLES;
 use std::path::{Path, PathBuf};
 
-/// Where a case's scene comes from.
+/// The source of a case's scene.
 #[derive(Debug, Clone)]
 pub enum Source {
-    /// A ready scene.
+    /// An example by name.
     Example(&'static str),
     /// A scene file's text.
     Text(String),
@@ -19,25 +19,25 @@ pub enum Source {
     Files(Vec<(&'static str, String)>),
 }
 
-/// One scene and all that look at it.
+/// One scene and its arms.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// What it is about, unique in its suite.
+    /// Its title, unique in its suite.
     pub name: String,
     pub source: Source,
     /// KEY=VALUE of the scene for all arms.
     pub set: Vec<String>,
-    /// KEY=VALUE of the scene that is the truth, beside these.
+    /// Additional KEY=VALUE of the reference scene.
     pub truth: Vec<String>,
     pub moving: Moving,
-    /// What this engine tests and keeps is counted too, in a frame of its own.
+    /// Whether this engine's tests and hits are counted, in an extra frame.
     pub counted: bool,
-    /// The truth are colours alone, the means of so many samples per pixel.
+    /// If set, the reference has colours only, averaged over so many samples per pixel.
     pub filtered: Option<u32>,
-    /// What makes the scene hard, where that is asked: what is proven is asked too.
+    /// The stiffness of the scene, in stiff suites; proofs are counted then too.
     pub stiffness: Option<Stiffness>,
     pub arms: Vec<Arm>,
-    /// What a paper prints of it.
+    /// The paper's own figures.
     pub paper: Option<Paper>,
 }
 
@@ -46,29 +46,29 @@ pub struct Case {
 pub struct Arm {
     /// A rival as `--engine` names it; `None`: this engine.
     pub by: Option<String>,
-    /// KEY=VALUE of its own.
+    /// Its own KEY=VALUE.
     pub set: Vec<String>,
-    /// What sets it apart from others of the same technique.
+    /// Distinguishes it from other arms of the same technique.
     pub label: Option<&'static str>,
-    /// The number that a sweep varies, where its choice has none, with its name.
+    /// Name and value of the swept parameter, if the technique has none of its own.
     pub parameter: Option<(&'static str, f64)>,
     /// As [`crate::engine::RunOptions::no_cull`].
     pub no_cull: bool,
     pub arithmetic: Arithmetic,
-    /// Asked for t and ids alone, as yardsticks find them, and for no colour.
+    /// Render t and ids only, like yardsticks, without colour.
     pub bare: bool,
     /// Of a pixel.
     pub samples: Samples,
 }
 
-/// How many samples a pixel has.
+/// Samples per pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Samples {
     /// In one frame.
     AtOnce(u32),
-    /// In one frame, of which what they see has shares by areas.
+    /// In one frame, weighted by areas.
     Analytic(u32),
-    /// A frame each.
+    /// One frame per sample.
     Separate(u32),
 }
 
@@ -185,27 +185,27 @@ impl Arm {
         self
     }
 
-    /// What sets it apart from others of the same technique.
+    /// Distinguishes it from other arms of the same technique.
     pub fn label(self, label: &'static str) -> Arm {
         Arm { label: Some(label), ..self }
     }
 
-    /// Nothing is left out early.
+    /// Without culling.
     pub fn no_cull(self) -> Arm {
         Arm { no_cull: true, ..self.label("no culling") }
     }
 
-    /// Asked for what yardsticks find.
+    /// t and ids only, like yardsticks.
     pub fn bare(self) -> Arm {
         Arm { bare: true, ..self.label("t and ids alone") }
     }
 
-    /// All signs in this arithmetic.
+    /// All coverage tests in this arithmetic.
     pub fn arithmetic(self, arithmetic: Arithmetic, label: &'static str) -> Arm {
         Arm { arithmetic, ..self.label(label) }
     }
 
-    /// The number that a sweep varies.
+    /// Sets the swept parameter.
     pub fn parameter(self, name: &'static str, value: f64) -> Arm {
         Arm { parameter: Some((name, value)), ..self }
     }

@@ -1,6 +1,6 @@
-//! `anamorph bench`: error against run time for every technique, as files that a person looks at.
+//! `anamorph bench`: error against run time for every technique, as files for readers.
 //!
-//! A [`suites::Suite`] is a list of [`case::Case`]s, each one scene and the arms that show it; a [`race`] of one gives [`row::Row`]s. A
+//! A [`suites::Suite`] is a list of [`case::Case`]s, each one scene and its arms; a [`race`] of one gives [`row::Row`]s. A
 //! run is written as raw.csv, results.json, summary.md and plots; index.html beside all runs shows them together.
 
 pub mod case;
@@ -36,20 +36,20 @@ pub struct Run {
     pub closeups: Vec<closeups::Drawn>,
 }
 
-/// Which cases of a suite are run.
+/// Selects the cases of a suite.
 #[derive(Debug, Clone, Default)]
 pub struct Selection {
-    /// Small ones, for a look.
+    /// Small cases, for a quick run.
     pub quick: bool,
     /// Those alone whose name contains it; a run of the same day and suite keeps its other rows.
     pub only: Option<String>,
 }
 
-/// Runs a suite, telling of each row as it is there; each case is written once it is run, to a folder of the run's own in `folder`.
+/// Runs a suite and reports each row when it is complete; each case is written after it has run, to the run's own folder in `folder`.
 ///
 /// # Errors
-/// [`Error::Work`] if a file cannot be written, [`Error::Input`] if no case is selected; what a technique cannot show is a row
-/// that says so.
+/// [`Error::Work`] if a file cannot be written, [`Error::Input`] if no case is selected; a case that a technique cannot render
+/// becomes a row with the reason.
 pub fn run(
     engines: &mut Engines,
     suite: &Suite,
@@ -133,7 +133,7 @@ pub const INDEX: &str = "index.html";
 /// Writes index.html over all runs in a folder; returns its path.
 ///
 /// # Errors
-/// [`Error::Input`] if a results.json there is none of this program.
+/// [`Error::Input`] if a results.json in it is not by this program.
 pub fn write_index(folder: &Path) -> Result<PathBuf> {
     let failed = |e: std::io::Error| Error::work(format!("{}: {e}", folder.display()));
     let mut names: Vec<PathBuf> = Vec::new();

@@ -52,7 +52,7 @@ pub fn plots(rows: &[Row], plot: Plot) -> Result<Vec<Drawn>> {
                 })
             })
             .collect(),
-        Plot::Scaling => knobs(rows)
+        Plot::Scaling => parameters(rows)
             .into_iter()
             .filter_map(|parameter| {
                 let own: Vec<Row> = rows.iter().filter(|r| parameter_of(r) == Some(&parameter)).cloned().collect();
@@ -103,8 +103,8 @@ fn wrong_share(row: &Row) -> Option<f64> {
     Some(row.error.as_ref()?.wrong_share.max(none_wrong(row)))
 }
 
-/// The numbers that are swept.
-fn knobs(rows: &[Row]) -> Vec<String> {
+/// The names of swept parameters.
+fn parameters(rows: &[Row]) -> Vec<String> {
     let mut names: Vec<String> = rows.iter().filter_map(parameter_of).cloned().collect();
     names.sort();
     names.dedup();
@@ -115,7 +115,7 @@ fn parameter_of(row: &Row) -> Option<&String> {
     row.parameter.as_ref().map(|k| &k.0)
 }
 
-/// How the time grows with a number that is swept.
+/// Growth of the time with a swept parameter.
 pub struct Growth {
     pub parameter: String,
     /// Exponents by technique: slopes of the time over the larger half of the numbers, both logarithmic.
@@ -131,7 +131,7 @@ pub fn growths(rows: &[Row]) -> Vec<Growth> {
     };
     let swept =
         |parameter: &String| rows.iter().filter(|r| r.is_ours() && parameter_of(r) == Some(parameter)).count() > 2;
-    knobs(rows).into_iter().filter(swept).map(of).filter(|g| !g.exponents.is_empty()).collect()
+    parameters(rows).into_iter().filter(swept).map(of).filter(|g| !g.exponents.is_empty()).collect()
 }
 
 /// Least squares; of three points at least.
@@ -151,7 +151,7 @@ fn slope(points: &[(f64, f64)]) -> Option<f64> {
     (along > 0.0).then(|| across / along)
 }
 
-/// Techniques in order of their first row, this engine first; one with several knobs is as many.
+/// Techniques in order of their first row, this engine first; one with several parameters is several series.
 fn by_technique(rows: &[Row], point: impl Fn(&Row) -> Option<(f64, f64)>) -> Vec<Series> {
     let mut all: Vec<Series> = Vec::new();
     for row in rows {

@@ -1,22 +1,22 @@
-//! Where results come from.
+//! Provenance of results.
 
 use crate::engine::Engine;
 use serde::{Deserialize, Serialize};
 use std::process::Command;
 use std::time::SystemTime;
 
-/// What a row cannot be understood without.
+/// Context of a row: date, machine, adapter, commit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Year, month, day, UTC.
     pub date: String,
     pub adapter: String,
     pub driver: String,
-    /// The adapter is no hardware.
+    /// Whether the adapter is a software one.
     pub is_software: bool,
     pub cores: usize,
     pub version: String,
-    /// Of the source in the working folder, where it is some.
+    /// Commit of the source in the working folder, if it is a checkout.
     pub commit: Option<String>,
     pub command: String,
     pub quick: bool,
@@ -39,7 +39,7 @@ impl Provenance {
         }
     }
 
-    /// What must be said beside figures of such an adapter.
+    /// A caveat for figures of such an adapter.
     pub fn fairness(&self) -> &'static str {
         if self.is_software {
             "A software adapter: rasterization and compute kernels both run on the CPU's cores, on a machine that others may use. \

@@ -1,4 +1,4 @@
-//! Running a case: all arms in turn, A B A B, the order turned round every other time, with an empty kernel as a control; each
+//! Running a case: the arms alternate, A B A B, in reversed order every other round, with an empty kernel as a control; each
 //! frame is compared with one reference image.
 
 use super::case::{Arm, Case, Samples};
@@ -70,10 +70,10 @@ impl Rules {
 /// Frames of more pixels are not compared with the reference: it takes minutes.
 const JUDGED_MAX: u64 = 1 << 20;
 
-/// What runs.
+/// The running state of an arm.
 enum Runner {
     Frames(Box<Frames>),
-    /// Of a frame a sample, whose colours are averaged.
+    /// One frame per sample; their colours are averaged.
     Separate(Vec<Frames>),
     Yardstick(Yardstick),
 }
@@ -97,7 +97,7 @@ impl Scenes<'_> {
     }
 }
 
-/// Runs all arms of a case; what a technique cannot show is a row that says so.
+/// Runs all arms of a case; an arm that cannot render the case becomes a row with the reason.
 ///
 /// # Errors
 /// [`crate::input::Error`] where the case's scene or the device fails.
@@ -174,7 +174,7 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     Ok(rows)
 }
 
-/// Times all that run, in turn; the median time of an empty kernel between them, ms.
+/// Times all arms, alternating; returns the median time of an empty kernel between them, ms.
 fn time(engine: &Engine, scenes: &Scenes, entries: &mut [Entry], runs: u32) -> Result<f64> {
     let mut control = Vec::new();
     for k in 0..runs {
@@ -245,7 +245,7 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// What it sees by the camera of the first frame; what all took goes to the row.
+    /// The frame by the camera of the first frame; the times of all frames go to the row.
     fn finish(&mut self, first: Option<&Camera>) -> Option<Frame> {
         let runner = self.runner.take()?;
         if self.row.refused.is_none() {
@@ -261,7 +261,7 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// Holds frames against one truth, which is made for the first.
+/// Compares frames with one reference image, which is rendered for the first.
 struct Judge<'a> {
     scene: &'a Scene,
     camera: &'a Camera,
@@ -326,7 +326,7 @@ fn mean(frames: impl Iterator<Item = Frame>) -> Frame {
     Frame { width: size.0, height: size.1, planes }
 }
 
-/// What an arm is asked for.
+/// The options of an arm's render.
 fn wanted(case: &Case, arm: &Arm) -> Wanted {
     let seen = seen(case.stiffness.is_some(), arm.bare);
     match (case.filtered, arm.samples) {
@@ -351,7 +351,7 @@ fn options(case: &Case, arm: &Arm, rules: &Rules) -> Result<RunOptions> {
     Ok(RunOptions { by: arm.choice()?, moving, no_cull, arithmetic, draws_max, ..Default::default() })
 }
 
-/// What one frame tests and keeps.
+/// Counters of one frame.
 fn counted(
     engine: &mut Engine,
     scene: &Scene,
@@ -365,7 +365,7 @@ fn counted(
     Ok(Counted::of(counts, covered as u64))
 }
 
-/// What is proven of one frame.
+/// Proofs of one frame.
 fn certified(
     engine: &mut Engine,
     scene: &Scene,
@@ -384,7 +384,7 @@ fn certified(
 }
 
 impl Runner {
-    /// What the first frame took; 0 of a program that repeats its own.
+    /// Time of the first frame, ms; 0 for an external program.
     fn first_ms(&self) -> f64 {
         match self {
             Runner::Frames(frames) => frames.first_ms(),
@@ -409,7 +409,7 @@ impl Runner {
         }
     }
 
-    /// What it sees by the camera of the first frame; what all took goes to the row.
+    /// The frame by the camera of the first frame; the times of all frames go to the row.
     fn finish(self, first: Option<&Camera>, row: &mut Row) -> Result<Frame> {
         match self {
             Runner::Frames(mut frames) => {

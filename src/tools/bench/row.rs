@@ -1,4 +1,4 @@
-//! One measured row: what was shown, how, how long it took and how wrong it is.
+//! One measured row: case, technique, times and errors.
 
 use super::case::{Arm, Case};
 use crate::camera::Camera;
@@ -12,7 +12,7 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     pub suite: String,
-    /// Of the source that it was measured with, where it is known.
+    /// Commit of the measured source, if known.
     #[serde(default)]
     pub commit: Option<String>,
     pub case: String,
@@ -21,7 +21,7 @@ pub struct Row {
     /// Distinguishes rows of the same technique in a case.
     #[serde(rename = "way")]
     pub label: Option<String>,
-    /// What a sweep varies, and its value.
+    /// Name and value of the swept parameter.
     #[serde(rename = "knob")]
     pub parameter: Option<(String, f64)>,
     pub triangles: usize,
@@ -44,12 +44,12 @@ pub struct Row {
     pub error: Option<Error>,
     #[serde(default)]
     pub certified: Option<Certified>,
-    /// Why there is no time.
+    /// The reason if there is no time.
     pub refused: Option<String>,
     pub paper: Option<Paper>,
 }
 
-/// What is new in each frame.
+/// What changes in each frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Moving {
@@ -74,7 +74,7 @@ impl Moving {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stiffness {
     pub family: String,
-    /// What the number is.
+    /// Name of the parameter.
     #[serde(rename = "knob")]
     pub parameter: String,
     pub value: f64,
@@ -152,7 +152,7 @@ pub struct Paper {
     /// The same with its culling switched off.
     pub fps_no_cull: Option<f64>,
     pub hardware: String,
-    /// What stands in for what the paper shows.
+    /// The stand-in for the paper's scene.
     pub stand_in: String,
 }
 

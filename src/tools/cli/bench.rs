@@ -32,7 +32,7 @@ pub fn run(args: &BenchArgs) -> Result<()> {
     rules.runs = args.runs.unwrap_or(rules.runs);
     for suite in asked {
         print(&format!("{}: {}\n", suite.name, suite.asks))?;
-        let mut told = Ok(());
+        let mut printed = Ok(());
         let folder = bench::run(&mut engines, suite, &selection, &rules, &args.out, |row| {
             let time = row.times.as_ref().map(|t| format!("{:>9.2} ms", t.median));
             let wrong = row.error.as_ref().map(|e| match e.psnr.filter(|_| e.is_of_colours()) {
@@ -41,9 +41,9 @@ pub fn run(args: &BenchArgs) -> Result<()> {
             });
             let time = time.or_else(|| row.refused.clone()).unwrap_or_default();
             let line = format!("  {:<56} {:<40} {time}{}\n", row.case, row.label(), wrong.unwrap_or_default());
-            told = std::mem::replace(&mut told, Ok(())).and_then(|()| print(&line));
+            printed = std::mem::replace(&mut printed, Ok(())).and_then(|()| print(&line));
         })?;
-        told?;
+        printed?;
         print(&format!("  -> {}\n", folder.display()))?;
     }
     print(&format!("{}\n", write_index(&args.out)?.display()))

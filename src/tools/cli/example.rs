@@ -1,4 +1,4 @@
-//! `anamorph example`: ready scenes, written where a person can change them.
+//! `anamorph example`: writes example scenes for the user to edit.
 
 use super::args::ExampleArgs;
 use super::say::print;

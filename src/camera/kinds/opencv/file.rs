@@ -98,7 +98,7 @@ fn parse(text: &str) -> std::result::Result<Intrinsics, String> {
     })
 }
 
-/// The keys of a file in any of the three formats, which its first character tells apart.
+/// The keys of a file in any of the three formats, distinguished by its first character.
 fn keys(text: &str) -> std::result::Result<Keys, String> {
     let text = text.trim_start_matches('\u{feff}').trim_start();
     if text.starts_with('<') {

@@ -1,4 +1,4 @@
-//! What stands where: the boxes of a city before its windows.
+//! The plan of a city: its boxes, before windows are added.
 
 use glam::DVec3;
 

@@ -5,17 +5,17 @@ use crate::tools::bench::case::{Arm, Case, Samples, Source};
 /// Samples of a pixel of the truth.
 const TRUTH: u32 = 256;
 
-/// Pixels that hold an edge are looked at more closely, and what is seen there counted or measured, beside a frame for each sample.
-fn at_once(name: &str, source: Source, samples: &[u32], apart: &[u32]) -> Case {
+/// Multisampling of edge pixels in one frame, by counts or areas, beside one frame per sample.
+fn at_once(name: &str, source: Source, samples: &[u32], separate: &[u32]) -> Case {
     let ours = |samples: Samples| Arm::ours().samples(samples);
     let counted = samples.iter().map(|n| ours(Samples::AtOnce(*n)));
     let areas = samples.iter().filter(|n| **n > 1).map(|n| ours(Samples::Analytic(*n)));
-    let frames = apart.iter().map(|n| ours(Samples::Separate(*n)));
+    let frames = separate.iter().map(|n| ours(Samples::Separate(*n)));
     Case::new(name, source, counted.chain(areas).chain(frames).collect()).set(&SIZE).filtered(TRUTH)
 }
 
 /// A frame for each sample alone.
-fn apart(name: &str, source: Source, samples: &[u32]) -> Case {
+fn separate(name: &str, source: Source, samples: &[u32]) -> Case {
     at_once(name, source, &[1], samples)
 }
 
@@ -28,8 +28,8 @@ fn all(samples: &[u32], frames: &[u32]) -> Vec<Case> {
         at_once("a city through a lens of 450 pieces", Source::Example("mesh"), samples, frames),
         at_once("a city all around in 160 strips", Source::Example("city-cylinder"), samples, frames),
         at_once("a fisheye: a ball, a cylinder and a box", super::scene!("fisheye"), samples, frames),
-        apart("a colonnade along curved rays", Source::Example("twist-curved"), frames),
-        apart("a mirror ball", Source::Example("mirror-ball"), frames),
+        separate("a colonnade along curved rays", Source::Example("twist-curved"), frames),
+        separate("a mirror ball", Source::Example("mirror-ball"), frames),
     ]
 }
 

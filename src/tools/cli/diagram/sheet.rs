@@ -19,7 +19,7 @@ const LEFT_SHARE: f64 = 0.75;
 const FAR_REACH: f64 = 2.0;
 /// From 2 up to so many pieces of a layer, its near surface is drawn piece by piece, else by lines of pixels.
 const OUTLINED_MAX: usize = 1000;
-/// Neighbours on a line are no neighbours in space where they are so many times as far apart as most.
+/// Neighbours on a line are treated as disconnected if their distance exceeds the usual one by this factor.
 const JUMP: f64 = 10.0;
 
 /// The least and the greatest corner.
@@ -156,7 +156,7 @@ fn span(p: DVec3, d: DVec3, lo: DVec3, hi: DVec3) -> Option<[f64; 2]> {
     (from <= to).then_some([from, to])
 }
 
-/// The places at t of the pieces' corners, where there are more than one and few enough to tell apart.
+/// The places at t of the pieces' corners, if there are several, and few enough to distinguish.
 fn outlines(pieces: &Pieces, t: f64) -> Vec<[DVec3; 3]> {
     let cut = pieces.pieces.iter().filter_map(|piece| Some(piece.corners_px?.map(|q| piece_at(piece, q, t))));
     if (2..=OUTLINED_MAX).contains(&pieces.pieces.len()) { cut.collect() } else { Vec::new() }

@@ -59,8 +59,9 @@ fn long_work_prints_progress_lines_without_a_terminal() {
     let job = "[[job]]\nscene = \"scene.toml\"\ncolor = \"{frame}.png\"\nengine = \"reference\"\n";
     place.write("j.toml", format!("{job}frames = {{ last = 99999 }}\n"));
     let line = progress_of(&place, &["batch", "j.toml"]);
-    let is_told = line.starts_with("progress: ") && line.contains(" of 100000 frames, ") && line.ends_with(" s left");
-    assert!(is_told, "{line}");
+    let is_progress =
+        line.starts_with("progress: ") && line.contains(" of 100000 frames, ") && line.ends_with(" s left");
+    assert!(is_progress, "{line}");
 }
 
 #[test]
