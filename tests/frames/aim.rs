@@ -4,7 +4,7 @@ use crate::common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::{Arithmetic, Engine, RunOptions};
+use anamorph::internals::engine::{Arithmetic, Capacities, Engine, RunOptions};
 use anamorph::internals::geometry::generate::icosphere;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::image::frame::Channel;
@@ -18,7 +18,15 @@ const SIZE: (u32, u32) = (61, 45);
 /// Every arithmetic, with and without culling.
 fn runs() -> impl Iterator<Item = RunOptions> {
     let arithmetics = [Arithmetic::Rechecked, Arithmetic::Single, Arithmetic::Double];
-    let run = |arithmetic, no_cull| RunOptions { arithmetic, no_cull, ..Default::default() };
+    // lists that never grow: those that do are made anew for the camera that is there
+    let n = 1 << 16;
+    let capacities = Capacities { queue: n, work: n, tasks: n, pairs: n, recheck_items: n, edges: n };
+    let run = move |arithmetic, no_cull| RunOptions {
+        arithmetic,
+        no_cull,
+        capacities: Some(capacities),
+        ..Default::default()
+    };
     arithmetics.into_iter().flat_map(move |a| [false, true].map(|no_cull| run(a, no_cull)))
 }
 
