@@ -195,7 +195,7 @@ impl Engine {
         let mut painter = self.painter(&given, &camera, &wanted, run)?;
         let lit = if wanted.has_colour() { self.illuminated(&given)? } else { None };
         let stages = self.stages(plan.variant, &plan.planes)?;
-        let turned =
+        let after_bounce =
             plan.variant.bounces_rays().then(|| self.stages(plan.variant.after_bounce(), &plan.planes)).transpose()?;
         let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup(&camera, &plan))).transpose()?;
         let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, run.capacities)?;
@@ -213,7 +213,7 @@ impl Engine {
             run: run.clone(),
             pages: self.pages.clone(),
             stages,
-            turned,
+            after_bounce,
             scene,
             camera,
             plan,
@@ -247,5 +247,5 @@ impl Engine {
 /// What a rival needs to know of a plan.
 fn setup<'a>(camera: &'a Camera, plan: &Plan) -> Setup<'a> {
     let rows = plan.rows_max();
-    Setup { camera, variant: plan.variant, rows, middle: plan.middle, anchor: plan.anchor, knob: 0 }
+    Setup { camera, variant: plan.variant, rows, middle: plan.middle, anchor: plan.anchor, parameter: 0 }
 }

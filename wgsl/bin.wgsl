@@ -1,7 +1,7 @@
 // bin: one thread per triangle of a (triangle group, node) item of `tasks`.
 // Reads triangles, vertices and nodes; writes (slot, tile) pairs of the tiles under the node that the triangle may cover, by its extent
 // and its three edge conics there, or of the one tile of the cell that the item names. `pairs` may overflow: the counter keeps counting.
-// Needs: ASIDE, BOUND_TOLERANCE, CENTRES, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_TASKS, LEVEL_CELL, NODE_PX, TILE, TRIANGLE_GROUP,
+// Needs: BOUND_TOLERANCE, CENTRES, COUNT_PAIRS, COUNT_PAIRS_TESTED, COUNT_TASKS, LEVEL_CELL, NODE_PX, SAMPLE_REACH, TILE, TRIANGLE_GROUP,
 //   address_node, box_met, close_extent, conics, is_empty, item_index, item_node, item_pixels, item_rays, may_cover, node_cell, node_level,
 //   node_x, node_y, pair_pack, pixels_within, store, task_triangle_group, tile_pixels, vertex
 // Binds: cells, counters, params, tasks, triangles
@@ -67,7 +67,7 @@ fn bin(
     var tile = tile_lo;
     loop {
         let centre = (2.0 * vec2<f32>(tile - corner) + 1.0) * s - 1.0;
-        if may_cover(over_node, centre.x, centre.y, s * (CENTRES + ASIDE * NODE_PX)) {
+        if may_cover(over_node, centre.x, centre.y, s * (CENTRES + SAMPLE_REACH * NODE_PX)) {
             let from_px = (tile - corner) * TILE;
             let pixels = vec4<u32>(max(within.xy, from_px), min(within.zw, from_px + TILE)) - from_px.xyxy;
             let tile_index = tile.y * params.tiles_x + tile.x;

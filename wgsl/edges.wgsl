@@ -5,9 +5,9 @@
 // at any sample, if it covers all; the second tests every triangle that may cover a sample before that; the third writes the rows.
 // `edge_of` has a word per pixel: the depth before which another triangle would be seen instead, KEPT once an edge is found; in the end 1 more than its row, 0 of none. Rows may
 // overflow: the counter keeps counting.
-// Needs: ASIDE, COUNT_EDGES, COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SLABBED, TILE, bit_mask, box_mask, conic_sign, conics, depths,
-//   first_bit, item_index, key_id, key_layer, may_cover, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_cell, pixels_in_part,
-//   pixels_whole, plane, tile_corner, tile_layer, triangle_id, vertex, without_bit
+// Needs: COUNT_EDGES, COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SAMPLE_REACH, SLABBED, TILE, bit_mask, box_mask, conic_sign, conics,
+//   depths, first_bit, item_index, key_id, key_layer, may_cover, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_cell,
+//   pixels_in_part, pixels_whole, plane, tile_corner, tile_layer, triangle_id, vertex, without_bit
 // Binds: cells, counters, edge_of, nodes, pairs, params, samples, slot_of_id, step, tile_start, triangles, visibility
 
 const STEP_SEEN: u32 = 0u;
@@ -71,9 +71,9 @@ fn look(pixel: u32) {
         let v2 = vertex(triangle.z);
         let node = nodes[cells[cell].node];
         let place = place_of(bit);
-        let seen = depths(plane(node, v0, v1, v2), place.x, place.y, ASIDE * NODE_PX);
+        let seen = depths(plane(node, v0, v1, v2), place.x, place.y, SAMPLE_REACH * NODE_PX);
         let is_in_range = seen.near > params.t_min.x && seen.far < params.t_max.x;
-        if seen.facing != 0 && is_in_range && covers(conics(node, v0, v1, v2), place.x, place.y, ASIDE * NODE_PX) {
+        if seen.facing != 0 && is_in_range && covers(conics(node, v0, v1, v2), place.x, place.y, SAMPLE_REACH * NODE_PX) {
             reach = nearness(layer, seen.far) + 1u;
         }
     }
@@ -113,12 +113,12 @@ fn test_pair(pair: vec2<u32>) {
             }
             left = without_bit(left, bit);
             let place = place_of(bit);
-            if !may_cover(sides, place.x, place.y, ASIDE * NODE_PX) {
+            if !may_cover(sides, place.x, place.y, SAMPLE_REACH * NODE_PX) {
                 continue;
             }
             let pixel = (corner.y + bit / TILE) * params.width + corner.x + bit % TILE;
             let reach = atomicLoad(&edge_of[pixel]);
-            let met = depths(own, place.x, place.y, ASIDE * NODE_PX);
+            let met = depths(own, place.x, place.y, SAMPLE_REACH * NODE_PX);
             let near = clamp(met.near, params.t_min.x, params.t_max.x);
             let is_out_of_range = met.far < params.t_min.x || met.near > params.t_max.x;
             if reach == KEPT || (!SLABBED && is_out_of_range) || nearness(layer, near) - 1u > reach {

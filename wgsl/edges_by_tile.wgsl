@@ -4,9 +4,9 @@
 // all others may be that may cover any of its samples. Writes a row of `samples` for each such pixel, its number into `edge_of`, of
 // each pair the pixels that it may cover and its slot into `touches`, and `blocks` of LANES strips, four samples each, of the rows of one tile.
 // Rows and blocks may overflow: the counter of rows keeps counting, and blocks have space for all rows.
-// Needs: ASIDE, Bounds, CENTRES, COUNT_BLOCKS, COUNT_EDGES, GROUP, LANES, NODE_PX, NONE, SAMPLES, STRIPS, TILE, bit_mask, bound, conics,
-//   edge_pixels, extent, four, given_bounds, group_index, is_empty, item_node, key_id, lanes_any, may_cover, pair_slot, pixels_in_part,
-//   pixels_whole, pixels_within, plane, rows_mask, side, tile_corner, triangle_id, vertex
+// Needs: Bounds, CENTRES, COUNT_BLOCKS, COUNT_EDGES, GROUP, LANES, NODE_PX, NONE, SAMPLES, SAMPLE_REACH, STRIPS, TILE, bit_mask, bound,
+//   conics, edge_pixels, extent, four, given_bounds, group_index, is_empty, item_node, key_id, lanes_any, may_cover, pair_slot,
+//   pixels_in_part, pixels_whole, pixels_within, plane, rows_mask, side, tile_corner, triangle_id, vertex
 // Binds: blocks, counters, edge_of, ends, pairs, params, samples, starts, tile_start, touches, triangles, visibility
 
 @compute @workgroup_size(64)
@@ -47,9 +47,9 @@ fn edges(
         let sides = conics(node, v0, v1, v2);
         let seen = extent(node, v0, v1, v2);
         let may = at + lane < end && !is_empty(pixels_within(seen, TILE))
-            && may_cover(sides, 0.0, 0.0, CENTRES + ASIDE * NODE_PX);
+            && may_cover(sides, 0.0, 0.0, CENTRES + SAMPLE_REACH * NODE_PX);
         let flat = plane(node, v0, v1, v2);
-        let s = ASIDE * NODE_PX;
+        let s = SAMPLE_REACH * NODE_PX;
         let margin = s * vec2<f32>(abs(flat.along.y) + abs(flat.along.z), abs(flat.across.y) + abs(flat.across.z));
         let own = Bounds(
             side(sides.e01, 1.0), side(sides.e02, -1.0), side(sides.e12, 1.0),

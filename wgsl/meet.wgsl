@@ -17,7 +17,7 @@ fn meet(
     }
     let x = pixel % params.width;
     let y = pixel / params.width;
-    if !has_ray(0u, x, y) || (optic.turns > 0u && optic.sees_itself == 0u) {
+    if !has_ray(0u, x, y) || (optic.bounces > 0u && optic.sees_itself == 0u) {
         return;
     }
 

@@ -1,8 +1,8 @@
 // sample: one thread per (slot, tile) pair, once the pixels that contain an edge are listed.
 // Reads what recheck reads, the listed pixels and which cells samples lie in; finds in recheck arithmetic which samples of those
 // pixels the triangle covers, and merges their keys into the rows of `samples`: a pixel, and a visibility key per sample.
-// Needs: ASIDE, COUNT_PAIRS, NODE_PX, NONE, TILE, all_samples, box_mask, conics, first_bit, flat_of, item_index, may_cover, pair_from,
-//   pair_slot, pair_tile, pair_to, pixels_in_part, real3, recheck_hits, tile_corner, vertex, vertex_real, without_bit
+// Needs: COUNT_PAIRS, NODE_PX, NONE, SAMPLE_REACH, TILE, all_samples, box_mask, conics, first_bit, flat_of, item_index, may_cover,
+//   pair_from, pair_slot, pair_tile, pair_to, pixels_in_part, real3, recheck_hits, tile_corner, vertex, vertex_real, without_bit
 // Binds: cells, counters, edge_of, nodes, pairs, params, tile_start, triangles
 
 @compute @workgroup_size(64)
@@ -42,7 +42,7 @@ fn sample(
             let y = bit / TILE;
             let number = edge_of[(corner.y + y) * params.width + corner.x + x];
             let place = (vec2<f32>(f32(x), f32(y)) + 0.5) * NODE_PX - 1.0;
-            if number != 0u && may_cover(sides, place.x, place.y, ASIDE * NODE_PX) {
+            if number != 0u && may_cover(sides, place.x, place.y, SAMPLE_REACH * NODE_PX) {
                 recheck_hits(cell, k, vec2<u32>(x, y), 0u, all_samples(), number - 1u, triangle, flat, v);
             }
         }

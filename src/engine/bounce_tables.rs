@@ -1,4 +1,4 @@
-//! What lies on the device for rays that a mirror or a lens turns: the surface, and for every turn the rays behind it.
+//! What lies on the device for rays that a mirror or a lens bounces: the surface, and for every bounce the rays behind it.
 
 use super::bounces::Bounce;
 use super::surface::SurfaceRows;
@@ -14,12 +14,12 @@ use crate::input::Result;
 use crate::scene::Scene;
 use wgpu::BufferUsages;
 
-/// The optics' buffers. The rays after k turns lie in table k - 1; where no ray is split, after an odd number of turns in the
+/// The optics' buffers. The rays after k bounces lie in table k - 1; where no ray is split, after an odd number of bounces in the
 /// first of two, after an even one in the second.
 pub struct BounceTables {
     /// Of each pass the uniform `optic`.
     passes: Vec<Buffers>,
-    /// `paths` of rays that were not turned: nothing behind them. 32 bytes a pixel of the largest band, written by the host.
+    /// `paths` of rays before any bounce: nothing behind them. 32 bytes a pixel of the largest band, written by the host.
     untouched: Buffers,
     /// `rays_hi` and `rays_lo`, 24 bytes each a pixel of the largest band with a column and a row more, and `paths`; written
     /// by bounce, read by all others. Where rays are split, also `visibility`, 8 bytes a pixel, for the other branches.
@@ -42,7 +42,7 @@ impl BounceTables {
         passes: &[Bounce],
     ) -> Result<BounceTables> {
         let depth = passes.iter().map(|p| p.count).max().unwrap_or(0);
-        // of each number of turns there is one pass
+        // of each number of bounces there is one pass
         let is_split = passes.len() > depth as usize + 1;
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0) as usize;
         let pixels = rows * camera.width as usize;
@@ -74,8 +74,8 @@ impl BounceTables {
         let tables: Vec<Buffers> = (0..count).map(table).collect::<Result<_>>()?;
         let target = |table: &Buffers| {
             let mut target = Buffers::default();
-            target.share("turned_hi", table, "rays_hi");
-            target.share("turned_lo", table, "rays_lo");
+            target.share("bounced_hi", table, "rays_hi");
+            target.share("bounced_lo", table, "rays_lo");
             target.share("bounced_paths", table, "paths");
             target
         };
@@ -89,9 +89,9 @@ impl BounceTables {
         })
     }
 
-    /// Where kernels find what a band has of its own for rays after so many turns.
-    pub fn scopes(&self, turns: u32, band: usize) -> Vec<&Buffers> {
-        match turns {
+    /// Where kernels find what a band has of its own for rays after so many bounces.
+    pub fn scopes(&self, bounces: u32, band: usize) -> Vec<&Buffers> {
+        match bounces {
             0 => vec![&self.surface, &self.untouched],
             n => vec![&self.surface, &self.tables[self.table(n)], &self.bands[band]],
         }
@@ -102,13 +102,13 @@ impl BounceTables {
         &self.passes[number]
     }
 
-    /// Where bounce writes the rays after so many turns.
-    pub fn target(&self, turns: u32) -> &Buffers {
-        &self.targets[self.table(turns)]
+    /// Where bounce writes the rays after so many bounces.
+    pub fn target(&self, bounces: u32) -> &Buffers {
+        &self.targets[self.table(bounces)]
     }
 
-    fn table(&self, turns: u32) -> usize {
-        (turns as usize - 1) % self.tables.len()
+    fn table(&self, bounces: u32) -> usize {
+        (bounces as usize - 1) % self.tables.len()
     }
 
     pub fn bytes(&self) -> u64 {

@@ -91,7 +91,7 @@ pub fn table() -> Vec<Row> {
     use Lasts::{Band, Job, Upload};
     const SAMPLED: &[KernelId] = &[Edges, Sample, EdgesByTile, SampleByTile, RecheckSamples, Resolve];
     let uploaded = |name, row, read_by| Row { name, bytes: Bytes::Rows(row), written_by: &[], read_by, lasts: Upload };
-    let room = |name, lasts, bytes: fn(&Sizes) -> Option<u64>, written_by, read_by| Row {
+    let row = |name, lasts, bytes: fn(&Sizes) -> Option<u64>, written_by, read_by| Row {
         name,
         bytes: Bytes::Room(bytes),
         written_by,
@@ -209,13 +209,13 @@ pub fn table() -> Vec<Row> {
         uploaded("tori", size_of::<layout::Torus>(), &[Meet, Bounce]),
         uploaded("waves", size_of::<layout::Wave>(), &[Meet, Bounce]),
         uploaded("paths", size_of::<layout::PathState>(), &[Raster, Recheck, Meet, Shade, Gather, Bounce]),
-        each_pixel("turned_hi", 24, &[Bounce]),
-        each_pixel("turned_lo", 24, &[Bounce]),
+        each_pixel("bounced_hi", 24, &[Bounce]),
+        each_pixel("bounced_lo", 24, &[Bounce]),
         each_pixel("bounced_paths", size_of::<layout::PathState>(), &[Bounce]),
         uploaded("atlas_layout", size_of::<layout::AtlasLayout>(), &[Paste]),
         uploaded("atlas", 4, &[Paste]),
         // what stages count, and the size of the next dispatch
-        room(
+        row(
             "counters",
             Lasts::Bounce,
             |_| Some(4 * u64::from(COUNTERS)),
@@ -238,7 +238,7 @@ pub fn table() -> Vec<Row> {
                 Resolve,
             ],
         ),
-        room(
+        row(
             "indirect",
             Job,
             |_| Some(12),
@@ -246,23 +246,23 @@ pub fn table() -> Vec<Row> {
             &[Cull, Split, Bin, Sort, Raster, Recheck, Certify, Edges, Sample, SampleByTile, RecheckSamples, Resolve],
         ),
         // lists between the stages
-        room("queue_even", Job, |s| Some(ITEM * s.capacities.queue), &[Cull], &[Cull]),
-        room("queue_odd", Job, |s| Some(ITEM * s.capacities.queue), &[Cull], &[Cull]),
-        room("work", Job, |s| Some(ITEM * s.capacities.work), &[Cull], &[Split]),
-        room("tasks", Job, |s| Some(ITEM * s.capacities.tasks), &[Split], &[Bin]),
-        room("unsorted", Job, |s| s.by_tile(ITEM * s.capacities.pairs), &[Bin], &[Sort]),
-        room("ranks", Job, |s| s.by_tile(4 * s.capacities.pairs), &[Bin], &[Sort]),
-        room("starts", Job, |s| s.by_tile(4 * s.tiles()), &[Allot, Raster], &[Sort, Raster, EdgesByTile]),
-        room("ends", Job, |s| s.by_tile(4 * s.tiles()), &[Bin, Allot], &[Bin, Allot, Raster, EdgesByTile]),
-        room("busy", Job, |s| s.by_tile(4 * s.tiles() * u64::from(1 + s.raster_rounds)), &[Allot, Raster], &[Raster]),
-        room(
+        row("queue_even", Job, |s| Some(ITEM * s.capacities.queue), &[Cull], &[Cull]),
+        row("queue_odd", Job, |s| Some(ITEM * s.capacities.queue), &[Cull], &[Cull]),
+        row("work", Job, |s| Some(ITEM * s.capacities.work), &[Cull], &[Split]),
+        row("tasks", Job, |s| Some(ITEM * s.capacities.tasks), &[Split], &[Bin]),
+        row("unsorted", Job, |s| s.by_tile(ITEM * s.capacities.pairs), &[Bin], &[Sort]),
+        row("ranks", Job, |s| s.by_tile(4 * s.capacities.pairs), &[Bin], &[Sort]),
+        row("starts", Job, |s| s.by_tile(4 * s.tiles()), &[Allot, Raster], &[Sort, Raster, EdgesByTile]),
+        row("ends", Job, |s| s.by_tile(4 * s.tiles()), &[Bin, Allot], &[Bin, Allot, Raster, EdgesByTile]),
+        row("busy", Job, |s| s.by_tile(4 * s.tiles() * u64::from(1 + s.raster_rounds)), &[Allot, Raster], &[Raster]),
+        row(
             "pairs",
             Job,
             |s| Some(ITEM * s.capacities.pairs),
             &[Bin, Sort],
             &[Raster, Recheck, Certify, Edges, Sample, EdgesByTile, RecheckSamples],
         ),
-        room(
+        row(
             "recheck_items",
             Job,
             |s| Some(ITEM * s.capacities.recheck_items),
@@ -270,16 +270,16 @@ pub fn table() -> Vec<Row> {
             &[Recheck, RecheckSamples],
         ),
         // of each pixel with an edge its place, and a key a sample
-        room(
+        row(
             "samples",
             Lasts::Bounce,
             |s| s.of_samples(ITEM * u64::from(s.plan.variant.samples + 1) * s.capacities.edges),
             &[Edges, Sample, EdgesByTile, SampleByTile, RecheckSamples],
             &[Sample, SampleByTile, RecheckSamples, Resolve],
         ),
-        room("edge_of", Lasts::Bounce, |s| s.of_samples(4 * s.pixels()), &[Edges, EdgesByTile], &[Edges, Sample]),
-        room("blocks", Job, |s| s.samples_by_tile.then(|| FOUR * blocks(s)), &[EdgesByTile], &[SampleByTile]),
-        room(
+        row("edge_of", Lasts::Bounce, |s| s.of_samples(4 * s.pixels()), &[Edges, EdgesByTile], &[Edges, Sample]),
+        row("blocks", Job, |s| s.samples_by_tile.then(|| FOUR * blocks(s)), &[EdgesByTile], &[SampleByTile]),
+        row(
             "touches",
             Job,
             |s| s.samples_by_tile.then_some(FOUR * s.capacities.pairs),
@@ -287,27 +287,27 @@ pub fn table() -> Vec<Row> {
             &[SampleByTile],
         ),
         // the image
-        room(
+        row(
             "visibility",
             Lasts::Bounce,
             |s| Some(8 * s.pixels()),
             &[Raster, Recheck, Meet],
             &[Raster, Recheck, Meet, Certify, Edges, EdgesByTile, Shade, Gather, Bounce, Paste],
         ),
-        room(
+        row(
             "proofs",
             Lasts::Bounce,
             |s| s.plan.planes.contains(&Channel::Certified).then_some(8 * s.pixels()),
             &[Certify],
             &[Certify],
         ),
-        room(
+        row(
             "planes",
             Band,
             |s| Some(4 * s.plan.planes.len() as u64 * s.pixels()),
             &[Certify, Shade, Resolve, Gather, Paste, Outline],
             &[Shade, Resolve, Gather, Outline, Write],
         ),
-        room("srgb8", Band, |s| s.plan.srgb8.then_some(4 * s.pixels()), &[Write], &[]),
+        row("srgb8", Band, |s| s.plan.srgb8.then_some(4 * s.pixels()), &[Write], &[]),
     ]
 }

@@ -294,17 +294,17 @@ impl Bounds {
         let (lo, hi) = (self.lo - anchor, self.hi - anchor);
         let (centre, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
         // f32 rounding of the box and of what kernels compute from it: 2^-22 of the largest coordinate, 4 roundings
-        let slack = (centre.abs() + half).max_element() * CLUSTER_SLACK;
+        let tolerance = (centre.abs() + half).max_element() * CLUSTER_TOLERANCE;
         Cluster {
             centre: centre.as_vec3().to_array(),
             first: first as u32,
-            half: (half + slack).as_vec3().to_array(),
+            half: (half + tolerance).as_vec3().to_array(),
             count: count as u32,
         }
     }
 }
 
-const CLUSTER_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
+const CLUSTER_TOLERANCE: f64 = 1.0 / (1u64 << 22) as f64;
 
 #[cfg(test)]
 mod tests {
@@ -335,12 +335,12 @@ mod tests {
     #[test]
     fn triangles_that_moved_are_held_as_if_clustered_anew_in_boxes_that_hold_them() {
         let mesh = mesh();
-        let turned = moved(&mesh, |p| DMat3::from_rotation_z(0.4) * p + DVec3::new(0.5, -1.0, 0.0));
+        let rotated = moved(&mesh, |p| DMat3::from_rotation_z(0.4) * p + DVec3::new(0.5, -1.0, 0.0));
         for limit in LIMITS {
             let mut refitted = cluster(&mesh, DVec3::ZERO, false, limit);
             let slots: Vec<_> = refitted.chunks.iter().map(|c| c.slot_of_id.clone()).collect();
-            assert!(refitted.refit(&turned));
-            let anew = cluster(&turned, DVec3::ZERO, false, limit);
+            assert!(refitted.refit(&rotated));
+            let anew = cluster(&rotated, DVec3::ZERO, false, limit);
             assert_eq!(refitted.chunks.len(), anew.chunks.len());
             assert_eq!(anew.chunks.len() > 1, limit == LIMITS[1]);
             for ((a, b), slots) in refitted.chunks.iter().zip(&anew.chunks).zip(slots) {

@@ -94,8 +94,8 @@ impl Frames {
     fn scopes(&self, at: At) -> Vec<&Buffers> {
         let resident = &self.resident;
         let mut scopes = Vec::new();
-        if let (Some(bounce), Some(turns)) = (at.into, &resident.turns) {
-            scopes.extend([turns.pass(bounce), turns.target(resident.passes[bounce].count)]);
+        if let (Some(bounce), Some(tables)) = (at.into, &resident.bounce_tables) {
+            scopes.extend([tables.pass(bounce), tables.target(resident.passes[bounce].count)]);
         }
         match self.job(at) {
             Some(job) => scopes.extend(resident.scopes(&job, at.band, at.bounce)),
@@ -107,7 +107,7 @@ impl Frames {
 
     /// The kernels of a bounce.
     fn stages_of(&self, bounce: usize) -> &Stages {
-        self.turned.as_ref().filter(|_| self.resident.passes[bounce].count > 0).unwrap_or(&self.stages)
+        self.after_bounce.as_ref().filter(|_| self.resident.passes[bounce].count > 0).unwrap_or(&self.stages)
     }
 
     fn pixels(&self, band: usize) -> u32 {

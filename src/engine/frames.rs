@@ -36,8 +36,8 @@ pub struct Frames {
     /// Where the images on triangles come from.
     pub(super) pages: Arc<PageStore>,
     pub(super) stages: Arc<Stages>,
-    /// For rays that were turned.
-    pub(super) turned: Option<Arc<Stages>>,
+    /// For rays after a bounce.
+    pub(super) after_bounce: Option<Arc<Stages>>,
     pub(super) scene: Scene,
     pub(super) camera: Arc<Camera>,
     pub(super) plan: Arc<Plan>,

@@ -5,7 +5,7 @@ use super::bounce_tables::BounceTables;
 use super::bounces::{Bounce, bounces};
 use super::buffer_table::{Bytes, FOUR, ITEM, Row, Sizes, table};
 use super::pages::PageStore;
-use super::tables::{Hidden, Look, Span, looks, params, places, turned};
+use super::tables::{Hidden, Look, Span, after_bounce, looks, params, places};
 use crate::camera::Camera;
 use crate::engine::clusters::{Chunk, Clustered, mapped_rows};
 use crate::engine::plan::hierarchy::Hierarchy;
@@ -34,12 +34,12 @@ pub struct Resident {
     pairs_by_tile: u64,
     /// A row for every (band, chunk, batch), in the order of [`Resident::jobs`].
     params: Vec<Buffers>,
-    /// The same for rays that were turned.
-    turned_params: Vec<Buffers>,
+    /// The same for rays after a bounce.
+    bounced_params: Vec<Buffers>,
     /// All passes of a frame.
     pub passes: Vec<Bounce>,
-    /// What rays are turned by.
-    pub turns: Option<BounceTables>,
+    /// What rays bounce off.
+    pub bounce_tables: Option<BounceTables>,
     /// Triangles without area.
     pub without_area: usize,
     /// What may be in the way of light: all triangles but the camera's own, which are the last ones.
@@ -89,8 +89,8 @@ impl Resident {
             raster_rounds: 1,
             pairs_by_tile: gpu.binding_limit() / FOUR,
             params: Vec::new(),
-            turned_params: Vec::new(),
-            turns: camera
+            bounced_params: Vec::new(),
+            bounce_tables: camera
                 .optics
                 .as_ref()
                 .map(|o| BounceTables::new(gpu, scene, camera, o, plan, &passes))
@@ -218,7 +218,7 @@ impl Resident {
 
     pub fn write_params(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
         self.params.clear();
-        self.turned_params.clear();
+        self.bounced_params.clear();
         for band in &plan.bands {
             for chunk in &self.chunks {
                 for batch in 0..self.batches {
@@ -232,8 +232,8 @@ impl Resident {
                     };
                     let own = params(camera, plan, band, ids, clusters, self.capacities);
                     self.params.push(uniform(own)?);
-                    if self.turns.is_some() {
-                        self.turned_params.push(uniform(turned(own))?);
+                    if self.bounce_tables.is_some() {
+                        self.bounced_params.push(uniform(after_bounce(own))?);
                     }
                 }
             }
@@ -254,7 +254,7 @@ impl Resident {
 
     /// The k-th of them.
     pub fn job(&self, band: usize, bounce: usize, k: usize) -> Option<Job<'_>> {
-        let all = if self.passes[bounce].count == 0 { &self.params } else { &self.turned_params };
+        let all = if self.passes[bounce].count == 0 { &self.params } else { &self.bounced_params };
         let chunk = self.chunks.get(k / self.batches as usize)?;
         let index = band * self.chunks.len() * self.batches as usize + k;
         let clusters = self.batch(chunk, k as u32 % self.batches).1;
@@ -267,8 +267,10 @@ impl Resident {
 
     /// Where kernels find the buffers of a job over a band in a pass.
     pub fn scopes<'a>(&'a self, job: &Job<'a>, band: usize, pass: usize) -> Vec<&'a Buffers> {
-        let own =
-            self.turns.iter().flat_map(|t| [vec![t.pass(pass)], t.scopes(self.passes[pass].count, band)].concat());
+        let own = self
+            .bounce_tables
+            .iter()
+            .flat_map(|t| [vec![t.pass(pass)], t.scopes(self.passes[pass].count, band)].concat());
         [job.params].into_iter().chain(own).chain([&job.chunk.buffers, &self.bands[band], &self.shared]).collect()
     }
 
@@ -303,9 +305,9 @@ impl Resident {
 
     pub fn bytes(&self) -> u64 {
         let chunks: u64 = self.chunks.iter().map(|c| c.buffers.bytes()).sum();
-        let params = self.params.iter().chain(&self.turned_params);
+        let params = self.params.iter().chain(&self.bounced_params);
         let rest: u64 = self.bands.iter().chain(params).chain([&self.shared]).map(Buffers::bytes).sum();
-        chunks + rest + self.turns.as_ref().map_or(0, BounceTables::bytes)
+        chunks + rest + self.bounce_tables.as_ref().map_or(0, BounceTables::bytes)
     }
 }
 

@@ -65,7 +65,7 @@ pub struct Setup<'a> {
     /// What positions on the device are relative to.
     pub anchor: DVec3,
     /// The number that trades the rival's error for its time.
-    pub knob: u32,
+    pub parameter: u32,
 }
 
 impl Setup<'_> {
@@ -79,7 +79,7 @@ impl Setup<'_> {
 pub struct Technique {
     pub name: &'static str,
     /// What its number is; `None`: it has none.
-    pub knob: Option<Knob>,
+    pub parameter: Option<Parameter>,
     /// It leaves out what a piece does not see, and may be told not to.
     pub culls: bool,
     /// It draws through the raster pipeline.
@@ -88,7 +88,7 @@ pub struct Technique {
 }
 
 /// The number that trades a rival's error for its time.
-pub struct Knob {
+pub struct Parameter {
     pub name: &'static str,
     pub default: u32,
     pub least: u32,
@@ -105,14 +105,14 @@ impl std::fmt::Debug for Technique {
 #[derive(Debug, Clone, Copy)]
 pub struct Choice {
     pub technique: &'static Technique,
-    pub knob: u32,
+    pub parameter: u32,
 }
 
 impl Choice {
     /// `NAME` or `NAME:N`, as on the command line.
     pub fn label(&self) -> String {
-        match self.technique.knob {
-            Some(_) => format!("{}:{}", self.technique.name, self.knob),
+        match self.technique.parameter {
+            Some(_) => format!("{}:{}", self.technique.name, self.parameter),
             None => self.technique.name.to_owned(),
         }
     }
@@ -123,7 +123,8 @@ impl Choice {
     /// [`Error::Input`] where it cannot show them, with the reason.
     pub fn make(&self, gpu: &Gpu, scene: &Scene, setup: Setup) -> Result<Box<dyn Rival>> {
         let name = self.technique.name;
-        let mut rival = (self.technique.make)(gpu, &Setup { knob: self.knob, ..setup }).map_err(|e| e.at(name))?;
+        let mut rival =
+            (self.technique.make)(gpu, &Setup { parameter: self.parameter, ..setup }).map_err(|e| e.at(name))?;
         rival.upload(gpu, scene).map_err(|e| e.at(name))?;
         Ok(rival)
     }

@@ -64,7 +64,7 @@ impl Look {
                 hidden_scale: hidden.by.map_or(1.0, |by| by.scale),
                 sky: scene.sky.as_ref().map_or(layout::NONE, |_| mesh.materials.len() as u32),
                 sky_strength: scene.sky.as_ref().map_or(0.0, |s| s.strength),
-                sky_turn: scene.sky.as_ref().map_or(0.0, |s| s.rotation as f32),
+                sky_rotation: scene.sky.as_ref().map_or(0.0, |s| s.rotation as f32),
                 sky_is_seen: scene.sky.as_ref().map_or(0, |s| s.is_seen.into()),
                 occlusion_rays: scene.ambient_occlusion.map_or(0, |o| o.rays),
                 occlusion_reach: scene.ambient_occlusion.map_or(1.0, |o| o.reach as f32),
@@ -200,13 +200,13 @@ pub fn places(list: &[DVec2]) -> layout::Places {
 /// origin, of both signs of a step along the image, and of moving them to the anchor.
 const ORIGIN_UNITS: f64 = 8.0;
 
-/// t of rays that were turned.
-const TURNED_T_RANGE: [f64; 2] = [0.0, f64::INFINITY];
+/// t of rays after a bounce.
+const BOUNCED_T_RANGE: [f64; 2] = [0.0, f64::INFINITY];
 
 /// The parameters for rays after a bounce. These are not perturbed: a perturbed ray may have met another surface.
-pub fn turned(own: layout::Params) -> layout::Params {
-    let [t_min, t_max] = TURNED_T_RANGE.map(split3);
-    layout::Params { t_min, t_max, t_words: words(TURNED_T_RANGE), scene_size: 0.0, ..own }
+pub fn after_bounce(own: layout::Params) -> layout::Params {
+    let [t_min, t_max] = BOUNCED_T_RANGE.map(split3);
+    layout::Params { t_min, t_max, t_words: words(BOUNCED_T_RANGE), scene_size: 0.0, ..own }
 }
 
 /// The optics for a pass, in the scene with their facets.
@@ -228,7 +228,7 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
         eye_lo,
         count: optics.surface_count() as u32,
         tint: optics.tint,
-        turns: pass.count,
+        bounces: pass.count,
         base: optics.base,
         ends: (pass.count == optics.depth && optics.atlas.is_none()) as u32,
         middle: (plan.middle - plan.anchor).as_vec3().to_array(),

@@ -145,7 +145,7 @@ pub fn bin(variant: Variant) -> Kernel {
     let mut kernel = kernel("bin", bindings, &snippets);
     kernel.constants.push(("SLABBED", variant.slabbed as u32 as f64));
     kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
-    kernel.constants.push(("ASIDE", variant.aside()));
+    kernel.constants.push(("SAMPLE_REACH", variant.sample_reach()));
     kernel
 }
 

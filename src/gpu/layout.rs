@@ -238,7 +238,7 @@ pub struct Shading {
     pub hidden_scale: f32,
     pub sky: u32,
     pub sky_strength: f32,
-    pub sky_turn: f32,
+    pub sky_rotation: f32,
     pub sky_is_seen: u32,
     pub occlusion_rays: u32,
     pub occlusion_reach: f32,
@@ -317,7 +317,7 @@ pub struct LeafTriangle {
 pub const LAW_NORMALS: u32 = 0;
 pub const LAW_FLAT: u32 = 1;
 
-/// A camera's optics, and after how many turns the rays of a pass are, see the WGSL.
+/// A camera's optics, and after how many bounces the rays of a pass are, see the WGSL.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Optic {
@@ -326,7 +326,7 @@ pub struct Optic {
     pub eye_lo: [f32; 3],
     pub count: u32,
     pub tint: [f32; 3],
-    pub turns: u32,
+    pub bounces: u32,
     pub base: [f32; 3],
     pub ends: u32,
     pub middle: [f32; 3],

@@ -28,7 +28,7 @@ struct Times {
     /// Of the passes that are recorded.
     names: Vec<&'static str>,
     /// How many fit.
-    room: u32,
+    capacity: u32,
     resolved: wgpu::Buffer,
 }
 
@@ -78,7 +78,7 @@ impl Recorder {
                 count,
             }),
             names: Vec::new(),
-            room: passes_max,
+            capacity: passes_max,
             resolved: readback(gpu, 8 * u64::from(count)),
         });
         Recorder { encoder: gpu.device.create_command_encoder(&Default::default()), times, passes: Passes::default() }
@@ -119,7 +119,7 @@ impl Recorder {
     /// The first timestamp of the next pass.
     fn count(&mut self, name: &'static str) -> Option<u32> {
         self.passes.count(name);
-        let times = self.times.as_mut().filter(|t| t.names.len() < t.room as usize)?;
+        let times = self.times.as_mut().filter(|t| t.names.len() < t.capacity as usize)?;
         times.names.push(name);
         Some(first(times.names.len() - 1))
     }

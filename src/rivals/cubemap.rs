@@ -23,9 +23,9 @@ struct CubeMap {
 const COLUMNS: u32 = 3;
 const FACES: u32 = 6;
 
-/// The knob: texels a side of a face.
+/// The parameter: texels a side of a face.
 pub fn cubemap(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
-    let side = setup.knob;
+    let side = setup.parameter;
     let most = gpu.limits.max_texture_dimension_2d / COLUMNS;
     if side > most {
         return Err(Error::input(format!("a side of {side} texels is too large for this adapter; use {most} at most")));

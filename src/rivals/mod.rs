@@ -14,37 +14,43 @@ mod splat;
 mod through_pieces;
 mod trace;
 
-use crate::engine::rival::{Choice, Knob, Technique};
+use crate::engine::rival::{Choice, Parameter, Technique};
 use crate::engine::stage::Scopes;
 use crate::gpu::buffers::Buffers;
 
 /// All rivals.
 pub const TECHNIQUES: &[Technique] = &[
-    Technique { name: "raytrace", knob: None, culls: false, draws: false, make: trace::rebuilt },
-    Technique { name: "raytrace-refit", knob: None, culls: false, draws: false, make: trace::refitted },
-    Technique { name: "raytrace-brute", knob: None, culls: false, draws: false, make: trace::brute },
+    Technique { name: "raytrace", parameter: None, culls: false, draws: false, make: trace::rebuilt },
+    Technique { name: "raytrace-refit", parameter: None, culls: false, draws: false, make: trace::refitted },
+    Technique { name: "raytrace-brute", parameter: None, culls: false, draws: false, make: trace::brute },
     Technique {
         name: "raymarch-segments",
-        knob: Some(Knob { name: "segments", default: 8, least: 1, most: 256 }),
+        parameter: Some(Parameter { name: "segments", default: 8, least: 1, most: 256 }),
         culls: false,
         draws: false,
         make: trace::segments,
     },
     Technique {
         name: "raster-warp",
-        knob: Some(Knob { name: "levels of subdivision", default: 0, least: 0, most: 4 }),
+        parameter: Some(Parameter { name: "levels of subdivision", default: 0, least: 0, most: 4 }),
         culls: true,
         draws: true,
         make: through_pieces::warp,
     },
-    Technique { name: "raster-bound", knob: None, culls: true, draws: true, make: through_pieces::bound },
-    Technique { name: "raster-bound-passes", knob: None, culls: true, draws: true, make: through_pieces::bound_passes },
-    Technique { name: "raster-splat", knob: Some(SAMPLES), culls: true, draws: true, make: splat::batched },
-    Technique { name: "raster-splat-passes", knob: Some(SAMPLES), culls: true, draws: true, make: splat::each },
-    Technique { name: "raster-pieces", knob: None, culls: true, draws: true, make: replicated::replicated },
+    Technique { name: "raster-bound", parameter: None, culls: true, draws: true, make: through_pieces::bound },
+    Technique {
+        name: "raster-bound-passes",
+        parameter: None,
+        culls: true,
+        draws: true,
+        make: through_pieces::bound_passes,
+    },
+    Technique { name: "raster-splat", parameter: Some(SAMPLES), culls: true, draws: true, make: splat::batched },
+    Technique { name: "raster-splat-passes", parameter: Some(SAMPLES), culls: true, draws: true, make: splat::each },
+    Technique { name: "raster-pieces", parameter: None, culls: true, draws: true, make: replicated::replicated },
     Technique {
         name: "raster-cubemap",
-        knob: Some(Knob { name: "texels a side", default: 2048, least: 16, most: 8192 }),
+        parameter: Some(Parameter { name: "texels a side", default: 2048, least: 16, most: 8192 }),
         culls: false,
         draws: true,
         make: cubemap::cubemap,
@@ -52,7 +58,7 @@ pub const TECHNIQUES: &[Technique] = &[
 ];
 
 /// Texels that a triangle has a side.
-const SAMPLES: Knob = Knob { name: "texels a side", default: 10, least: 2, most: 256 };
+const SAMPLES: Parameter = Parameter { name: "texels a side", default: 10, least: 2, most: 256 };
 
 /// `NAME` or `NAME:N`.
 ///
@@ -64,19 +70,19 @@ pub fn parse(text: &str) -> std::result::Result<Choice, String> {
         let names: Vec<&str> = TECHNIQUES.iter().map(|t| t.name).collect();
         format!("no such engine; use compute, reference, {}", names.join(", "))
     })?;
-    let knob = match (&technique.knob, number) {
-        (Some(knob), Some(text)) => {
-            let Knob { name: what, least, most, .. } = knob;
+    let parameter = match (&technique.parameter, number) {
+        (Some(parameter), Some(text)) => {
+            let Parameter { name: what, least, most, .. } = parameter;
             text.parse()
                 .ok()
                 .filter(|n| (*least..=*most).contains(n))
                 .ok_or_else(|| format!("write {name}:N with {least} to {most} {what}"))?
         }
-        (Some(knob), None) => knob.default,
+        (Some(parameter), None) => parameter.default,
         (None, Some(_)) => return Err(format!("{name} takes no number; leave it out")),
         (None, None) => 0,
     };
-    Ok(Choice { technique, knob })
+    Ok(Choice { technique, parameter })
 }
 
 /// The buffers that a kernel of a rival binds: a chunk's, and its own.
@@ -93,7 +99,7 @@ mod tests {
         for text in ["raytrace", "raytrace-brute", "raymarch-segments:8"] {
             assert_eq!(parse(text).unwrap().label(), text);
         }
-        assert_eq!(parse("raymarch-segments").unwrap().knob, 8);
+        assert_eq!(parse("raymarch-segments").unwrap().parameter, 8);
         let refusal = |text: &str| parse(text).unwrap_err();
         assert!(refusal("raytrace:3").contains("takes no number"));
         assert!(refusal("raymarch-segments:0").contains("1 to 256 segments"));

@@ -31,7 +31,7 @@ const SIDE: u32 = 1024;
 const S: TextureFormat = TextureFormat::Rgba32Float;
 const S_BYTES: u64 = 16;
 
-/// The knob: texels a side of a triangle.
+/// The parameter: texels a side of a triangle.
 pub fn batched(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     splat(gpu, setup, false)
 }
@@ -42,7 +42,7 @@ pub fn each(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
 }
 
 fn splat(gpu: &Gpu, setup: &Setup, is_each: bool) -> Result<Box<dyn Rival>> {
-    let samples = setup.knob;
+    let samples = setup.parameter;
     let mut own = Buffers::default();
     let pieces = outline::upload(gpu, setup, &mut own)?;
     Ok(Box::new(ByTexture {

@@ -25,10 +25,10 @@ struct ThroughPieces {
     is_each: bool,
 }
 
-/// The knob: how often each triangle is cut in four.
+/// The parameter: how often each triangle is cut in four.
 pub fn warp(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
-    let draw = Draw::clipped(gpu, kernels::warp(setup.layers(), setup.variant.culling, setup.knob))?;
-    Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1 << (2 * setup.knob))?))
+    let draw = Draw::clipped(gpu, kernels::warp(setup.layers(), setup.variant.culling, setup.parameter))?;
+    Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1 << (2 * setup.parameter))?))
 }
 
 pub fn bound(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {

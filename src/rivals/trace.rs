@@ -48,7 +48,7 @@ pub fn segments(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     if !setup.camera.is_curved() {
         return Err(Error::input("the rays of this camera are straight; use raytrace"));
     }
-    trace(gpu, setup, Search::Rebuilt, setup.knob)
+    trace(gpu, setup, Search::Rebuilt, setup.parameter)
 }
 
 fn straight(gpu: &Gpu, setup: &Setup, search: Search) -> Result<Box<dyn Rival>> {

@@ -39,7 +39,7 @@ use crate::engine::plan::curves::RayTable;
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::variant::variant;
 use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
-use crate::engine::tables::{Hidden, Look, Span, params, turned};
+use crate::engine::tables::{Hidden, Look, Span, after_bounce, params};
 use crate::engine::{Capacities, RunOptions};
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::RaysKind;
@@ -181,7 +181,7 @@ impl Tables {
         bounced: &'a BouncedRays,
     ) -> Input<'a> {
         let mut input = self.input(camera, band, chunk, LARGE);
-        input.params = turned(input.params);
+        input.params = after_bounce(input.params);
         Input {
             nodes: &bounced.nodes,
             // where bounced rays are discontinuous is not known beforehand

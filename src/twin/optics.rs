@@ -45,11 +45,11 @@ impl OpticsInput<'_> {
 
     /// Rays of this pass may meet the surface.
     pub fn is_seen(&self) -> bool {
-        self.optic.turns == 0 || self.optic.sees_itself == 1
+        self.optic.bounces == 0 || self.optic.sees_itself == 1
     }
 
     fn is_bounced(&self) -> bool {
-        self.optic.turns > 0
+        self.optic.bounces > 0
     }
 }
 
@@ -147,7 +147,7 @@ impl BouncedRays {
         let tiles = input.params.tiles_x * input.params.tiles_y;
         let no_ray = PathState { first: NONE, last: NONE, ..bytemuck::Zeroable::zeroed() };
         BouncedRays {
-            bounces: input.optics.map_or(0, |o| o.optic.turns) + 1,
+            bounces: input.optics.map_or(0, |o| o.optic.bounces) + 1,
             rays: table(input, &bounced),
             paths: bounced.iter().map(|b| b.map_or(no_ray, |b| b.path)).collect(),
             nodes: Vec::new(),

@@ -142,5 +142,5 @@ pub fn variant(case: &Case, input: &Input, real: Real, atomics64: bool) -> Varia
 
 /// The number of bounces before the rays of an input.
 pub fn bounces(input: &Input) -> u32 {
-    input.optics.map_or(0, |o| o.optic.turns)
+    input.optics.map_or(0, |o| o.optic.bounces)
 }

@@ -62,7 +62,7 @@ struct Case {
 
 fn rival(culls: bool) -> Option<Choice> {
     let technique = TECHNIQUES.iter().find(|t| t.culls == culls).unwrap();
-    Some(Choice { technique, knob: technique.knob.as_ref().map_or(0, |knob| knob.default) })
+    Some(Choice { technique, parameter: technique.parameter.as_ref().map_or(0, |parameter| parameter.default) })
 }
 
 /// Images with a hole on all triangles.

@@ -198,7 +198,7 @@ impl Known {
 }
 
 /// Under which names the rays after a bounce are read that `bounce` has written.
-const BOUNCED: [(&str, &str); 3] = [("turned_hi", "rays_hi"), ("turned_lo", "rays_lo"), ("bounced_paths", "paths")];
+const BOUNCED: [(&str, &str); 3] = [("bounced_hi", "rays_hi"), ("bounced_lo", "rays_lo"), ("bounced_paths", "paths")];
 
 /// Buffers of which each bounce has its own.
 const OF_BOUNCES: [&str; 5] = ["rays_hi", "rays_lo", "paths", "nodes", "cells"];

@@ -46,8 +46,8 @@ fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &Input, visibil
     let mut buffers = upload(gpu, input);
     buffers.upload_uniform(gpu, "optic", &input.optics.unwrap().next.unwrap()).unwrap();
     buffers.upload(gpu, "visibility", &visibility.words).unwrap();
-    buffers.upload(gpu, "turned_hi", &vec![POISON; numbers + SPARE]).unwrap();
-    buffers.upload(gpu, "turned_lo", &vec![POISON; numbers + SPARE]).unwrap();
+    buffers.upload(gpu, "bounced_hi", &vec![POISON; numbers + SPARE]).unwrap();
+    buffers.upload(gpu, "bounced_lo", &vec![POISON; numbers + SPARE]).unwrap();
     buffers.upload(gpu, "bounced_paths", &vec![[POISON; 8]; w * h + SPARE]).unwrap();
     run(gpu, |pass| stages.encode(gpu, pass, &[&buffers], &[stage::bounce::bounce((w * h) as u32)]));
     let words = |name: &str, from: usize| {
@@ -57,7 +57,7 @@ fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &Input, visibil
     };
     let paths = words("bounced_paths", 8 * w * h);
     let path = |k: usize| [0, 1, 2, 3, 4, 5, 6, 7].map(|i| paths[8 * k + i]);
-    Left { hi: words("turned_hi", numbers), lo: words("turned_lo", numbers), paths: (0..w * h).map(path).collect() }
+    Left { hi: words("bounced_hi", numbers), lo: words("bounced_lo", numbers), paths: (0..w * h).map(path).collect() }
 }
 
 /// Bounced rays compared with the twin's.

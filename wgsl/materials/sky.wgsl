@@ -45,7 +45,7 @@ fn sky_mean(d: vec3<f32>, right: vec3<f32>, down: vec3<f32>) -> vec3<f32> {
     let latitude = vec3<f32>(0.0, -1.0, 0.0) / (sqrt(level) * 3.14159265);
     var f: Footprint;
     f.uv = vec2<f32>(
-        0.5 + atan2(d.x, -d.z) / 6.2831853 + shading.sky_turn,
+        0.5 + atan2(d.x, -d.z) / 6.2831853 + shading.sky_rotation,
         0.5 - asin(clamp(d.y, -1.0, 1.0)) / 3.14159265,
     );
     f.right = vec2<f32>(dot(right, longitude), dot(right, latitude));

@@ -11,7 +11,7 @@ struct Optic {
     eye_lo: vec3<f32>,
     count: u32,             // surfaces
     tint: vec3<f32>,        // factor of the light per bounce
-    turns: u32,             // bounces before the rays of the pass
+    bounces: u32,             // bounces before the rays of the pass
     base: vec3<f32>,        // colour of the surface where rays end on it
     ends: u32,              // 1: rays end on it, after the last bounce
     middle: vec3<f32>,      // of the scene: how wide bundles are is compared as far along their rays

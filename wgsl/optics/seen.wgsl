@@ -5,7 +5,7 @@
 // Binds: optic, params, paths, planes
 
 fn is_under_way(x: u32, y: u32) -> bool {
-    return optic.turns == 0u || paths[y * params.width + x].last != NONE;
+    return optic.bounces == 0u || paths[y * params.width + x].last != NONE;
 }
 
 fn goes_on(id: u32) -> bool {

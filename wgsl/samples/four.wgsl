@@ -1,6 +1,6 @@
 // Four pixels of a column of a tile against a triangle: whether it may cover any of their samples, and its depth.
 // Provides: Bounds, bound, edge_pixels, four, given_bounds, side
-// Needs: ASIDE, BOUND_TOLERANCE, Conic, ENDLESS, LEAST, MOST, NODE_PX, TILE, key_id, row_bits, tile_corner
+// Needs: BOUND_TOLERANCE, Conic, ENDLESS, LEAST, MOST, NODE_PX, SAMPLE_REACH, TILE, key_id, row_bits, tile_corner
 // Binds: params, visibility
 
 // No t at all, beyond that of bounds.
@@ -13,7 +13,7 @@ struct Side {
 }
 
 fn side(k: Conic, sign: f32) -> Side {
-    let s = ASIDE * NODE_PX;
+    let s = SAMPLE_REACH * NODE_PX;
     let slopes = abs(k.x) + abs(k.y) + 2.0 * (abs(k.xx) + abs(k.xy) + abs(k.yy));
     let share = sign / (s * (slopes + s * (abs(k.xx) + abs(k.xy) + abs(k.yy))) + k.tolerance);
     // of what may overflow nothing is proven

@@ -1,6 +1,7 @@
 // Raster by pair, in any order: bin culls by the tile's own bounds.
 // Provides: store, tile_pixels
-// Needs: ASIDE, CENTRES, NODE_PX, Node, RAYS_AFFINE, RAYS_NONE, SLABBED, TILE, box_met, conics, extent, is_empty, may_cover, pixels_within
+// Needs: CENTRES, NODE_PX, Node, RAYS_AFFINE, RAYS_NONE, SAMPLE_REACH, SLABBED, TILE, box_met, conics, extent, is_empty, may_cover,
+//   pixels_within
 // Binds: nodes, pairs
 
 // The pixels of a tile that the triangle may cover, of those that the bounds of a node above it leave.
@@ -12,7 +13,7 @@ fn tile_pixels(tile: u32, above: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f3
     let seen = extent(leaf, v0, v1, v2);
     let within = pixels_within(seen, TILE);
     let left = vec4<u32>(max(pixels.xy, within.xy), min(pixels.zw, within.zw));
-    if leaf.rays == RAYS_NONE || is_empty(left) || !may_cover(conics(leaf, v0, v1, v2), 0.0, 0.0, CENTRES + ASIDE * NODE_PX) {
+    if leaf.rays == RAYS_NONE || is_empty(left) || !may_cover(conics(leaf, v0, v1, v2), 0.0, 0.0, CENTRES + SAMPLE_REACH * NODE_PX) {
         return vec4<u32>(0u);
     }
     // in a slab t ends soon: the triangle may lie before its start or beyond its end

@@ -1,5 +1,5 @@
 // The three edges of a triangle over a node, with bounds: which places of the node it cannot cover.
-// Provides: ASIDE, BOUND_TOLERANCE, CENTRES, Conic, Conics, LEAST, MOST, NODE_PX, conic_sign, conics, may_cover
+// Provides: BOUND_TOLERANCE, CENTRES, Conic, Conics, LEAST, MOST, NODE_PX, SAMPLE_REACH, conic_sign, conics, may_cover
 // Needs: Node, TILE
 
 // Relative rounding allowed for a bound: some 12 operations of 2^-24 each.
@@ -66,7 +66,7 @@ fn conic_sign(q: Conic, x: f32, y: f32, s: f32) -> i32 {
 const CENTRES: f32 = 0.875;
 
 // How far aside from its centre a pixel's samples lie at most, px.
-override ASIDE: f32 = 0.0;
+override SAMPLE_REACH: f32 = 0.0;
 
 // A pixel in the units of a tile's node.
 const NODE_PX: f32 = 2.0 / f32(TILE);

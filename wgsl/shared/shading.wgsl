@@ -37,7 +37,7 @@ struct Shading {
     hidden_scale: f32,      // by which numbers of the hierarchy are multiplied that hides lights
     sky: u32,               // the row of the material whose image is the light from all around; NONE: there is none
     sky_strength: f32,
-    sky_turn: f32,
+    sky_rotation: f32,
     sky_is_seen: u32,
     occlusion_rays: u32,    // by which it is found how much is near a hit; 0: that does not count
     occlusion_reach: f32,

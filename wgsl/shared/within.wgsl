@@ -1,18 +1,18 @@
 // The pixels that a triangle may cover in a node's square.
 // Provides: is_empty, pixels_within
-// Needs: ASIDE, Extent
+// Needs: Extent, SAMPLE_REACH
 // Binds: params
 
 // Rounding of a place in node units on its way to pixels: 4 roundings of values up to 2.
 const CENTRE_TOLERANCE: f32 = 1.0 / 2097152.0;
 
 // The first columns and rows, and the ends, of the pixels in a square of `side` pixels that an extent holds: pixel k has
-// its centre at k + 1/2, and its samples up to ASIDE from there. None where it ends before the range of t or begins behind.
+// its centre at k + 1/2, and its samples up to SAMPLE_REACH from there. None where it ends before the range of t or begins behind.
 fn pixels_within(seen: Extent, side: u32) -> vec4<u32> {
     if seen.tight && (seen.t_hi < params.t_min.x || seen.t_lo > params.t_max.x) {
         return vec4<u32>(0u);
     }
-    let aside = ASIDE + CENTRE_TOLERANCE * f32(side);
+    let aside = SAMPLE_REACH + CENTRE_TOLERANCE * f32(side);
     let first = ceil((seen.lo + 1.0) * 0.5 * f32(side) - 0.5 - aside);
     let last = floor((seen.hi + 1.0) * 0.5 * f32(side) - 0.5 + aside);
     let most = vec4<f32>(f32(side));

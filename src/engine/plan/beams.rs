@@ -67,7 +67,7 @@ impl Beams {
         Beams { rows: kept.iter().map(row).collect(), t_range: [down(t0), up(t1)], anchor: tree.anchor, unit }
     }
 
-    /// A point in the rows' units, and its slack; a negative one where it is too far away.
+    /// A point in the rows' units, and its tolerance; a negative one where it is too far away.
     pub fn point(&self, point: DVec3) -> [f32; 4] {
         let x = (point - self.anchor) / self.unit;
         let size = x.abs().max_element();

@@ -21,7 +21,7 @@ pub struct Fit {
 const NODE_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
 /// Residuals below this share of the rays' size are rounding of the fit itself: 64 samples of some 2^-50 each.
 const FIT_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
-/// Rays stray that lie farther from their fit than this share of its slopes: twice that is a Newton step's slack in
+/// Rays stray that lie farther from their fit than this share of its slopes: twice that is a Newton step's tolerance in
 /// the node's units, and of half the node such a step says nothing any more.
 pub const STRAY: f64 = 0.25;
 /// And farther than this share of their own size: next to no slope at all a hair would count.

@@ -1,4 +1,4 @@
-//! fit: the tree of nodes over rays that were turned, a level a dispatch, tiles first.
+//! fit: the tree of nodes over rays after a bounce, a level a dispatch, tiles first.
 
 use super::{Dispatch, KernelId};
 use crate::engine::plan::nodes::Level;

@@ -110,8 +110,8 @@ pub fn bounce(variant: Variant) -> Kernel {
         read("visibility", "array<u32>"),
         paths(),
         surface,
-        write("turned_hi", "array<f32>"),
-        write("turned_lo", "array<f32>"),
+        write("bounced_hi", "array<f32>"),
+        write("bounced_lo", "array<f32>"),
         write("bounced_paths", "array<PathState>"),
     ];
     bindings.extend(variant.pixel_rays());
@@ -142,7 +142,7 @@ pub fn paste(variant: Variant, planes: &[Channel]) -> Kernel {
     kernel
 }
 
-/// Bounds on the rays that were turned, node by node.
+/// Bounds on the rays after a bounce, node by node.
 pub fn fit(variant: Variant) -> Kernel {
     let variant = variant.after_bounce();
     let mut bindings = vec![params(), step(), optic(), write("nodes", "array<Node>"), write("cells", "array<Cell>")];

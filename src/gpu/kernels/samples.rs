@@ -23,8 +23,8 @@ impl Variant {
         f64::from(self.samples.div_ceil(4))
     }
 
-    /// How far aside from a pixel's centre its samples lie at most, px: [`crate::engine::plan::samples::places`].
-    pub(super) fn aside(self) -> f64 {
+    /// How far a pixel's samples lie from its centre at most, px: [`crate::engine::plan::samples::places`].
+    pub(super) fn sample_reach(self) -> f64 {
         // rounded up
         f64::from(self.samples - 1) / f64::from(2 * self.samples) * (1.0 + f64::from(f32::EPSILON))
     }
@@ -236,6 +236,6 @@ pub fn resolve(variant: Variant, planes: &[Channel]) -> Kernel {
 
 /// The constants of kernels that hold triangles against samples.
 fn sample_constants(variant: Variant) -> Vec<(&'static str, f64)> {
-    let samples = [("SAMPLES", f64::from(variant.samples)), ("ASIDE", variant.aside())];
+    let samples = [("SAMPLES", f64::from(variant.samples)), ("SAMPLE_REACH", variant.sample_reach())];
     [variant.constants(), samples.to_vec()].concat()
 }

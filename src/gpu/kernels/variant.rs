@@ -16,7 +16,7 @@ pub enum RaysKind {
 /// What the kernels know of lights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LightsKind {
-    /// Ways that white light travels everywhere.
+    /// Directional white lights only.
     Plain,
     /// Colours too, and places.
     Placed,
