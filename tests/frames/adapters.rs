@@ -158,7 +158,7 @@ fn only_one_function_opens_adapters() {
 #[cfg(target_os = "linux")]
 #[test]
 fn without_an_adapter_tests_are_skipped_or_fail() {
-    let name = "a_lost_device_is_an_error_and_another_goes_on";
+    let name = "adapters::a_lost_device_is_an_error_and_another_goes_on";
     let run = |needed: Option<(&str, &str)>| {
         let mut command = Command::new(std::env::current_exe().unwrap());
         command.args(["--exact", name, "--test-threads", "2"]).env_remove("CI").env_remove("ANAMORPH_REQUIRE_ADAPTER");
