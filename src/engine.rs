@@ -48,7 +48,7 @@ use resident::Resident;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Items that the lists between the stages can hold.
+/// Capacities of the queues between stages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Capacities {
     /// (cluster, node) items of one cull step.
@@ -61,11 +61,11 @@ pub struct Capacities {
     pub pairs: u64,
     /// Half tiles of pixels of a pair that `recheck` takes; `recheck_samples` takes two for each.
     pub recheck_items: u64,
-    /// Pixels that hold an edge, of which `sample` takes a closer look.
+    /// Edge pixels, whose samples `sample` computes.
     pub edges: u64,
 }
 
-/// In what the signs are found that decide what a pixel sees.
+/// Arithmetic used for coverage tests.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Arithmetic {
     /// f32 where its bounds prove them, and recheck arithmetic elsewhere.

@@ -79,5 +79,5 @@ fn upload(gpu: &Gpu, landings: &Landings, buffers: &mut Buffers) -> Result<()> {
     buffers.upload(gpu, "landings", &landings.rows.iter().map(row).collect::<Vec<_>>())
 }
 
-/// RawFrame of the smallest buffer.
+/// Words of the smallest buffer.
 const LEAST: usize = 64;

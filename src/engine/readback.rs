@@ -1,4 +1,4 @@
-//! Frames on their way from the device, and the pictures that come of what it sent.
+//! In-flight frames, and assembling images from what was read back.
 
 use super::Rendered;
 use super::running::Running;
@@ -13,7 +13,7 @@ use crate::scene::labels::Labels;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What words become a picture by.
+/// Everything needed to turn read-back words into a `Frame`.
 #[derive(Clone)]
 pub(super) struct FrameLayout {
     pub camera: Arc<Camera>,

@@ -5,7 +5,7 @@ use super::Capacities;
 use super::bounces::Bounce;
 use crate::camera::Camera;
 use crate::camera::optics::{self, Branch, Law, Optics, Surface};
-use crate::engine::plan::hierarchy::RawFrame;
+use crate::engine::plan::hierarchy::HierarchyWords;
 use crate::engine::plan::nodes::Level;
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::{Band, Plan};
@@ -113,7 +113,7 @@ fn style_row(style: &Style) -> layout::Style {
 #[derive(Debug, Clone, Copy)]
 pub struct Hidden<'a> {
     pub kind: LightsKind,
-    pub by: Option<&'a RawFrame>,
+    pub by: Option<&'a HierarchyWords>,
 }
 
 impl Hidden<'_> {

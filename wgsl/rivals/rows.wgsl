@@ -1,4 +1,4 @@
-// Rows of the rivals; src/rivals/rows.rs holds the same structs, and a test holds the two equal.
+// Structs of the rivals. src/rivals/layout.rs has the same ones; tests/wgsl_layout.rs compares them.
 // Provides: Cone, Cube, Outline, Splat
 
 // Corners of a piece in pixels of the image. A piece of the whole image has a triangle that holds all of it.

@@ -1,4 +1,4 @@
-// Patterns that are cut out of the world: src/scene/pattern.rs has them at a point, here are their means over what a pixel covers.
+// Patterns that are cut out of the world: src/geometry/pattern.rs has them at a point, here are their means over what a pixel covers.
 // Provides: STYLED, pattern_at, tangents
 // Needs: Look, Spread, flat_normal, surface_row
 // Binds: materials, shading, triangles

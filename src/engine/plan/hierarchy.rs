@@ -60,11 +60,11 @@ impl Hierarchy {
     }
 
     /// Those of all triangles that light may meet, from both sides, nodes and triangles as rows of four words each.
-    pub fn words(&self, scene: &Scene) -> RawFrame {
+    pub fn words(&self, scene: &Scene) -> HierarchyWords {
         let (nodes, mut leaves) = self.scaled_rows(scene, self.scale);
         leaves.iter_mut().for_each(|leaf| leaf.one_sided = 0);
         let [nodes, leaves] = [bytemuck::cast_slice(&nodes).to_vec(), bytemuck::cast_slice(&leaves).to_vec()];
-        RawFrame { nodes, leaves, scale: self.scale }
+        HierarchyWords { nodes, leaves, scale: self.scale }
     }
 
     /// The rows of the nodes, the root first, and of the triangles in the order of the leaves; of none, one that nothing meets.
@@ -92,7 +92,7 @@ impl Hierarchy {
 
 /// A hierarchy as the kernels that light follow it in.
 #[derive(Debug, Clone)]
-pub struct RawFrame {
+pub struct HierarchyWords {
     pub nodes: Vec<[f32; 4]>,
     pub leaves: Vec<[f32; 4]>,
     pub scale: f32,

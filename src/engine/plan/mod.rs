@@ -255,7 +255,7 @@ impl Plan {
         planes.sort_unstable();
         planes.dedup();
         let table_bytes = match variant.rays {
-            // a row of `ways`
+            // a row of `paths`
             RaysKind::Pieces | RaysKind::Field if variant.optics.is_some() => 32,
             RaysKind::Pieces => 0,
             RaysKind::Field => 24,

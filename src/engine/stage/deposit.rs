@@ -28,7 +28,7 @@ pub struct Casts {
     pub unit: f64,
 }
 
-/// RawFrame of a texel's sums: low and high of R, G and B.
+/// Words of a texel's sums: low and high of R, G and B.
 pub const TEXEL_WORDS: u64 = 6;
 
 /// Units of the brightest triangle at most. 2^34 such triangles would not fill a sum, and rounding is far below f32's.
