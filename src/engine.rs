@@ -19,6 +19,7 @@ pub mod report;
 mod resident;
 pub mod rival;
 mod running;
+pub mod sequence;
 pub mod stage;
 pub mod steps;
 pub mod surface;
@@ -190,7 +191,7 @@ impl Engine {
     }
 
     /// Puts on the device what was planned. Its frames have no picture yet.
-    pub fn place(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
+    fn place(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
         let Planned { given, scene, camera, arrangement, plan, clustered, wanted, .. } = planned;
         let mut painter = self.painter(&given, &camera, &wanted, run)?;
         let lit = if wanted.has_colour() { self.illuminated(&given)? } else { None };

@@ -3,10 +3,10 @@
 use super::{Camera, Scene};
 use crate::camera::Camera as Rays;
 use crate::engine::plan::Wanted;
-use crate::engine::plan::samples::at_once;
 use crate::engine::planned::Planned;
 use crate::engine::report::{Device, Report};
-use crate::engine::{self, Engine, Frames, RunOptions};
+use crate::engine::sequence::Sequence;
+use crate::engine::{self, Engine, RunOptions};
 use crate::gpu::device::GpuOptions;
 use crate::image::compare::{Comparison, compare};
 use crate::image::frame::{Channel, Frame};
@@ -88,8 +88,9 @@ impl Rendered {
 pub struct Renderer {
     engine: Option<Engine>,
     is_reference: bool,
-    /// The contents of the device.
-    shown: Option<(Frames, Planned)>,
+    /// The contents of the device, and the plan of the last image.
+    sequence: Sequence,
+    last: Option<Planned>,
 }
 
 impl Renderer {
@@ -98,7 +99,7 @@ impl Renderer {
     /// # Errors
     /// [`Error::Work`] if the adapter cannot be used.
     pub fn new() -> Result<Renderer> {
-        Ok(Renderer { engine: Engine::open(&GpuOptions::default())?, is_reference: false, shown: None })
+        Ok(Renderer::with(Engine::open(&GpuOptions::default())?, false))
     }
 
     /// Opens an adapter by a part of its name, ignoring case.
@@ -107,12 +108,16 @@ impl Renderer {
     /// [`Error::Input`] without such an adapter, [`Error::Work`] if it cannot be used.
     pub fn on(adapter: impl Into<String>) -> Result<Renderer> {
         let options = GpuOptions { adapter: Some(adapter.into()), ..GpuOptions::default() };
-        Ok(Renderer { engine: Engine::open(&options)?, is_reference: false, shown: None })
+        Ok(Renderer::with(Engine::open(&options)?, false))
     }
 
     /// The reference: f64 on the CPU, slow.
     pub fn reference() -> Renderer {
-        Renderer { engine: None, is_reference: true, shown: None }
+        Renderer::with(None, true)
+    }
+
+    fn with(engine: Option<Engine>, is_reference: bool) -> Renderer {
+        Renderer { engine, is_reference, sequence: Sequence::default(), last: None }
     }
 
     /// The adapter's name; `None` for the reference.
@@ -137,7 +142,7 @@ impl Renderer {
         let (scene, camera) = (&scene.scene, &camera.camera);
         check_memory(camera.width, camera.height, channels.len() + 3, 0)?;
         let wanted = Wanted { srgb8: *color, analytic: *analytic, ..Wanted::of(channels) };
-        let rendered = match self.render_in_place(scene, camera, &wanted, *samples)? {
+        let rendered = match self.render_in_sequence(scene, camera, &wanted, *samples)? {
             Some(rendered) => rendered,
             None if *analytic => {
                 return Err(Error::input(
@@ -155,42 +160,21 @@ impl Renderer {
         Ok(Rendered { frame: rendered.frame, rgba: rendered.srgb8, report })
     }
 
-    /// Renders an image that takes one frame of the compute engine, with the contents of the device; `None` for all other images.
-    fn render_in_place(
+    /// Renders an image that may be one of a sequence of frames; `None` for all others.
+    fn render_in_sequence(
         &mut self,
         scene: &crate::scene::Scene,
         camera: &Arc<Rays>,
         wanted: &Wanted,
         samples: u32,
     ) -> Result<Option<engine::Rendered>> {
-        let is_one_frame = samples == 1 && !wanted.analytic || samples > 1 && at_once(scene, camera, samples);
-        let Some(engine) = self.engine.as_mut().filter(|_| is_one_frame) else { return Ok(None) };
-        if scene.caustics.is_some() || camera.optics.is_some() {
-            return Ok(None);
-        }
-        let (wanted, run) = (samples::in_one_frame(wanted, samples, false), RunOptions::default());
-        let planner = engine.planner();
+        let Some(engine) = &mut self.engine else { return Ok(None) };
+        let Some(wanted) = samples::in_sequence(scene, camera, wanted, samples, false) else { return Ok(None) };
+        let (planner, run) = (engine.planner(), RunOptions::default());
         planner.check_size(camera, &wanted)?;
-        // what fails in the middle is not there for the next image
-        let last = self.shown.take();
-        let planned = planner.plan(scene, camera.clone(), &wanted, &run, last.as_ref().map(|(_, planned)| planned))?;
-        let mut frames = last.map(|(frames, _)| frames);
-        let is_shown = match &mut frames {
-            Some(frames) => frames.show(&planned)?,
-            None => false,
-        };
-        if !is_shown {
-            // its memory is free before more is taken
-            drop(frames.take());
-        }
-        let mut frames = match frames {
-            Some(frames) => frames,
-            None => engine.place(planned.clone(), &run)?,
-        };
-        let pending = frames.start()?;
-        let read = frames.wait_for(&planned, pending)?;
-        self.shown = Some((frames, planned));
-        Ok(Some(read.rendered()))
+        let planned = planner.plan(scene, camera.clone(), &wanted, &run, self.last.as_ref())?;
+        self.last = Some(planned.clone());
+        Ok(Some(self.sequence.render(engine, planned, &run)?.rendered()))
     }
 
     pub(super) fn backend(&mut self, job: &RenderJob) -> Result<Backend<'_>> {

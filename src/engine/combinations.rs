@@ -25,6 +25,7 @@ pub enum Feature {
     Rival,
     RivalWithoutCulling,
     NoCull,
+    Moving,
     Caustics,
     Holes,
     Shadows,
@@ -37,6 +38,7 @@ pub enum Feature {
     Chunks,
     Aimed,
     Relit,
+    InSequence,
 }
 
 /// Features of which a frame cannot have all.
@@ -57,7 +59,8 @@ pub struct Asked<'a> {
     pub wanted: &'a Wanted,
     pub by: Option<Choice>,
     pub no_cull: bool,
-    /// [`Feature::Aimed`] or [`Feature::Relit`], where frames that are there are changed.
+    pub moving: bool,
+    /// [`Feature::Aimed`], [`Feature::Relit`] or [`Feature::InSequence`], where a frame follows another one.
     pub change: Option<Feature>,
     /// Once it is planned, with the number of its chunks of triangles.
     pub planned: Option<(&'a Plan, usize)>,
@@ -73,10 +76,15 @@ pub const REFUSALS: &[Refusal] = {
     const WITHOUT_LINES: &str = "leave them out";
     const ONE: &str = "take 1 a frame";
     const ANEW: &str = "prepare the frames anew";
+    const ALONE: &str = "render it by itself";
     &[
         row(&[Relit, Caustics], "caustics follow the light", ANEW),
         row(&[Certified, Rival], "{rival} proves nothing", CHANNEL_OF_COMPUTE),
-        row(&[Certified, Optics], "{camera} turns rays without bounds", "certified is a channel of other cameras"),
+        row(
+            &[Certified, Optics],
+            "{camera} reflects or refracts rays, without bounds on where they go",
+            "certified is a channel of other cameras",
+        ),
         row(&[Certified, Holes], "nothing is proven where images cut holes into triangles", "leave certified out"),
         row(&[NoSamples], "0 samples a pixel", "take at least 1"),
         row(&[Analytic, OneSample], "analytic coverage is of what several samples of a pixel see", "take at least 2"),
@@ -92,7 +100,11 @@ pub const REFUSALS: &[Refusal] = {
             "{samples} samples a pixel of {camera} take a frame each: its rays are curved or in layers",
             ONE,
         ),
-        row(&[Samples, Optics], "{samples} samples a pixel of {camera} take a frame each: it turns rays", ONE),
+        row(
+            &[Samples, Optics],
+            "{samples} samples a pixel of {camera} take a frame each: it reflects or refracts rays",
+            ONE,
+        ),
         row(
             &[Samples, Scattered],
             "{samples} samples a pixel of {camera} take a frame each: its pixels look all over the scene",
@@ -103,7 +115,7 @@ pub const REFUSALS: &[Refusal] = {
         row(&[Shadows, Holes], SHADOWS_AND_HOLES[0], SHADOWS_AND_HOLES[1]),
         row(
             &[Rival, Bounces],
-            "{rival} does not follow rays that are turned",
+            "{rival} does not follow rays that a mirror or lens reflects or refracts",
             "give the camera an atlas, or use --engine compute",
         ),
         row(&[RivalWithoutCulling, NoCull], "{rival} culls nothing", "leave out --no-cull"),
@@ -129,12 +141,19 @@ pub const REFUSALS: &[Refusal] = {
             "analytic coverage needs all triangles in one list, for which the adapter takes {chunks}",
             "count samples",
         ),
-        row(&[Aimed, Optics], "frames of {camera} are not aimed: it turns rays", ANEW),
+        row(&[Moving, Caustics], "caustics are computed once for all frames", "leave out --moving"),
+        row(&[Aimed, Optics], "frames of {camera} are not aimed: it reflects or refracts rays", ANEW),
+        row(&[InSequence, Caustics], "caustics are computed before a frame", ALONE),
+        row(
+            &[InSequence, Optics],
+            "{camera} reflects or refracts rays, for which a frame has buffers of its own",
+            ALONE,
+        ),
     ]
 };
 
 impl Feature {
-    pub const ALL: [Feature; 23] = {
+    pub const ALL: [Feature; 25] = {
         use Feature::*;
         [
             NoSamples,
@@ -148,6 +167,7 @@ impl Feature {
             Rival,
             RivalWithoutCulling,
             NoCull,
+            Moving,
             Caustics,
             Holes,
             Shadows,
@@ -160,6 +180,7 @@ impl Feature {
             Chunks,
             Aimed,
             Relit,
+            InSequence,
         ]
     };
 
@@ -177,6 +198,7 @@ impl Feature {
             Feature::Rival => "a rival",
             Feature::RivalWithoutCulling => "a rival that culls nothing",
             Feature::NoCull => "`--no-cull`",
+            Feature::Moving => "`--moving`",
             Feature::Caustics => "caustics",
             Feature::Holes => "textures that cut holes",
             Feature::Shadows => "shadows or ambient occlusion",
@@ -189,12 +211,13 @@ impl Feature {
             Feature::Chunks => "a scene larger than the adapter's bindings",
             Feature::Aimed => "`Frames::aim`",
             Feature::Relit => "`Frames::light`",
+            Feature::InSequence => "one of a sequence of frames",
         }
     }
 
     /// The frame has it.
     pub fn is_in(self, asked: &Asked) -> bool {
-        let Asked { scene, camera, wanted, by, no_cull, change, planned } = asked;
+        let Asked { scene, camera, wanted, by, no_cull, moving, change, planned } = asked;
         match self {
             Feature::NoSamples => wanted.samples == 0,
             Feature::OneSample => wanted.samples == 1,
@@ -207,6 +230,7 @@ impl Feature {
             Feature::Rival => by.is_some(),
             Feature::RivalWithoutCulling => by.is_some_and(|choice| !choice.technique.culls),
             Feature::NoCull => *no_cull,
+            Feature::Moving => *moving,
             Feature::Caustics => scene.caustics.is_some(),
             Feature::Holes => scene.mesh.has_holes(),
             Feature::Shadows => scene.has_shadows() && wanted.has_colour(),
@@ -217,7 +241,7 @@ impl Feature {
             Feature::Scattered => is_scattered(camera),
             Feature::Bands => planned.is_some_and(|(plan, _)| plan.bands.len() > 1),
             Feature::Chunks => planned.is_some_and(|(_, chunks)| chunks > 1),
-            Feature::Aimed | Feature::Relit => *change == Some(self),
+            Feature::Aimed | Feature::Relit | Feature::InSequence => *change == Some(self),
         }
     }
 }
@@ -239,7 +263,7 @@ impl Refusal {
 impl<'a> Asked<'a> {
     /// Before it is planned.
     pub fn new(scene: &'a Scene, camera: &'a Camera, wanted: &'a Wanted) -> Asked<'a> {
-        Asked { scene, camera, wanted, by: None, no_cull: false, change: None, planned: None }
+        Asked { scene, camera, wanted, by: None, no_cull: false, moving: false, change: None, planned: None }
     }
 
     /// The first row that refuses it.

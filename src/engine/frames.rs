@@ -139,7 +139,7 @@ impl Frames {
     /// alone. Positions stay relative to where the first camera had them.
     ///
     /// # Errors
-    /// [`Error::Input`] where the camera is not of the same kind and size as the one before, or turns rays.
+    /// [`Error::Input`] where the camera is not of the same kind and size as the one before, or reflects or refracts rays.
     pub fn aim(&mut self, camera: &Camera) -> Result<()> {
         let asked = self.changed(&self.scene, camera, Feature::Aimed);
         asked.check()?;
@@ -242,8 +242,8 @@ impl Frames {
 
     /// What these frames are asked for when something of them is changed.
     fn changed<'a>(&'a self, scene: &'a Scene, camera: &'a Camera, change: Feature) -> Asked<'a> {
-        let RunOptions { by, no_cull, .. } = self.run;
-        Asked { by, no_cull, change: Some(change), ..Asked::new(scene, camera, &self.wanted) }
+        let RunOptions { by, no_cull, moving, .. } = self.run;
+        Asked { by, no_cull, moving, change: Some(change), ..Asked::new(scene, camera, &self.wanted) }
     }
 
     /// The next of the moving scenes.
@@ -313,7 +313,7 @@ impl Frames {
 
     /// Shows another scene through another camera from the next frame on, and sends what differs from what is there. `false`: they are to
     /// be placed anew, and all is as it was.
-    pub fn show(&mut self, planned: &Planned) -> Result<bool> {
+    pub(super) fn show(&mut self, planned: &Planned) -> Result<bool> {
         let Planned { scene, camera, arrangement, plan, clustered, wanted, .. } = planned;
         let is_plain =
             self.painter.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();

@@ -114,7 +114,8 @@ impl Planner {
         last: Option<&Planned>,
     ) -> Result<Planned> {
         let given = scene.clone();
-        let asked_for = Asked { by: run.by, no_cull: run.no_cull, ..Asked::new(&given, &camera, wanted) };
+        let asked_for =
+            Asked { by: run.by, no_cull: run.no_cull, moving: run.moving, ..Asked::new(&given, &camera, wanted) };
         asked_for.check()?;
         let scene = scene.with_optics(&camera).into_owned();
         let around = Surroundings::of(&camera, scene.bounds());

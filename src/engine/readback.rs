@@ -1,6 +1,7 @@
 //! In-flight frames, and assembling images from what was read back.
 
 use super::Rendered;
+use super::planned::Planned;
 use super::running::Running;
 use crate::camera::Camera;
 use crate::camera::arranged::Arrangement;
@@ -27,6 +28,7 @@ pub(super) struct FrameLayout {
 
 /// A frame that was given to the device. Others may be given to it before this one is done.
 pub struct InFlight {
+    pub(super) planned: Planned,
     pub(super) running: Running,
     pub(super) reads: PendingReads,
     pub(super) frame_layout: FrameLayout,

@@ -31,44 +31,33 @@ impl Frames {
         Ok(Running { copies, recorded, capacities, raster_rounds, started })
     }
 
-    /// Submits a whole frame of the current scene and camera, and returns without waiting for it.
-    pub fn start(&self) -> Result<InFlight> {
+    /// Submits a whole frame of `planned`, which is shown, and returns without waiting for it.
+    pub(super) fn start(&self, planned: Planned) -> Result<InFlight> {
         let running = self.begin(Dirty::All, true)?;
         let reads = PendingReads::start(&running);
-        Ok(InFlight { started: running.started, running, reads, frame_layout: self.frame_layout() })
+        Ok(InFlight { started: running.started, planned, running, reads, frame_layout: self.frame_layout() })
     }
 
-    /// Waits for a frame of `planned`, even if another scene is current by now. If the lists between the stages were too small, the frame
+    /// Waits for a frame, even if another scene is shown by now. If the lists between the stages were too small, the frame
     /// runs again with larger ones.
-    pub fn wait_for(&mut self, planned: &Planned, flight: InFlight) -> Result<Readback> {
-        let mut flight = flight;
+    pub(super) fn wait_for(&mut self, mut flight: InFlight) -> Result<Readback> {
         loop {
-            match self.read_back(flight)? {
-                Ok(readback) => return Ok(readback),
-                Err(short) => {
-                    // the lists are to hold this frame
-                    if !self.show(planned)? {
-                        return Err(Error::work("a frame cannot be shown again"));
-                    }
-                    self.make_room(short)?;
-                    flight = self.start()?;
-                }
+            let InFlight { planned, running, reads, frame_layout, .. } = flight;
+            wait_for(&self.gpu, &running.recorded.submission)?;
+            let words = reads.words(&self.gpu, &running)?;
+            let Some(short) = self.shortage(&words.status, &running) else {
+                let (frame_ms, stages) = (vec![running.ms()], words.stages.clone());
+                let grown = self.timed.grown;
+                let rest = Rendered { frame_ms, stages, grown, ..self.took(&frame_layout.plan, &running, &words) };
+                return Ok(Readback { frame_layout, words, rest });
+            };
+            // the lists are to hold this frame
+            if !self.show(&planned)? {
+                return Err(Error::work("a frame cannot be shown again"));
             }
+            self.make_room(short)?;
+            flight = self.start(planned)?;
         }
-    }
-
-    /// Waits for a frame: its data, or by how much its lists were too small.
-    fn read_back(&mut self, flight: InFlight) -> Result<std::result::Result<Readback, Shortage>> {
-        let InFlight { running, reads, frame_layout, .. } = flight;
-        wait_for(&self.gpu, &running.recorded.submission)?;
-        let words = reads.words(&self.gpu, &running)?;
-        if let Some(short) = self.shortage(&words.status, &running) {
-            return Ok(Err(short));
-        }
-        let (frame_ms, stages) = (vec![running.ms()], words.stages.clone());
-        let grown = self.timed.grown;
-        let rest = Rendered { frame_ms, stages, grown, ..self.took(&frame_layout.plan, &running, &words) };
-        Ok(Ok(Readback { frame_layout, words, rest }))
     }
 
     /// Enlarges the lists if they were too small for a finished frame. Returns whether they were large enough.

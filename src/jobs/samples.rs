@@ -5,6 +5,7 @@ use super::backend::{Backend, picture};
 use crate::camera::Camera;
 use crate::engine::plan::Wanted;
 use crate::engine::plan::samples::{at_once, places};
+use crate::engine::sequence::Sequence;
 use crate::engine::{Rendered, RunOptions};
 use crate::image::cryptomatte::Matte;
 use crate::image::frame::{Channel, Frame, Plane};
@@ -59,6 +60,11 @@ pub fn render(
     let mut rendered = all.costs.ok_or_else(|| Error::work("no frame was asked for"))?;
     (rendered.frame, rendered.srgb8) = (frame, srgb8);
     Ok(rendered)
+}
+
+/// The options of a frame that may be one of a sequence and renders the whole image; `None`: it takes several frames, or one by itself.
+pub fn in_sequence(scene: &Scene, camera: &Camera, wanted: &Wanted, samples: u32, has_mattes: bool) -> Option<Wanted> {
+    Some(in_one_frame(wanted, samples, has_mattes)).filter(|wanted| Sequence::takes(scene, camera, wanted))
 }
 
 /// Whether one frame renders all samples.

@@ -7,7 +7,8 @@ use crate::camera::Camera;
 use crate::engine::plan::{Rows, Wanted};
 use crate::engine::planned::{Planned, Planner};
 use crate::engine::readback::{InFlight, Readback};
-use crate::engine::{Engine, Frames, Rendered, RunOptions};
+use crate::engine::sequence::Sequence;
+use crate::engine::{Engine, Rendered, RunOptions};
 use crate::image::frame::{Channel, Frame};
 use crate::image::{EXR_TILE, rgb8, write_exr_tiled, write_png_strips};
 use crate::input::{Error, Result};
@@ -95,36 +96,29 @@ impl Strips<'_> {
         planned: &Receiver<Result<Planned>>,
         to_write: &SyncSender<Readback>,
     ) -> Result<Option<Rendered>> {
-        let mut frames: Option<Frames> = None;
-        let mut in_flight: Option<(Planned, InFlight)> = None;
+        let mut sequence = Sequence::default();
+        let mut in_flight: Option<InFlight> = None;
         let mut took: Option<Rendered> = None;
-        let mut read_back = |frames: &mut Option<Frames>, in_flight: Option<(Planned, InFlight)>| -> Result<bool> {
-            let (Some(frames), Some((planned, pending))) = (frames.as_mut(), in_flight) else { return Ok(true) };
-            let readback = frames.wait_for(&planned, pending)?;
+        let mut read_back = |sequence: &mut Sequence, in_flight: Option<InFlight>| -> Result<bool> {
+            let Some(in_flight) = in_flight else { return Ok(true) };
+            let readback = sequence.wait_for(in_flight)?;
             add(&mut took, readback.took());
             Ok(to_write.send(readback).is_ok())
         };
         for planned in planned {
             let planned = planned?;
-            let is_shown = match &mut frames {
-                Some(frames) => frames.show(&planned)?,
-                None => false,
-            };
-            if !is_shown {
-                if !read_back(&mut frames, in_flight.take())? {
+            if !sequence.show(&planned)? {
+                if !read_back(&mut sequence, in_flight.take())? {
                     return Ok(None);
                 }
-                drop(frames.take());
-                frames = Some(engine.place(planned.clone(), &self.run)?);
+                sequence.place(engine, &planned, &self.run)?;
             }
-            let pending = frames.as_ref().map(Frames::start).transpose()?;
-            let before = in_flight.take();
-            in_flight = pending.map(|pending| (planned, pending));
-            if !read_back(&mut frames, before)? {
+            let before = in_flight.replace(sequence.start(planned)?);
+            if !read_back(&mut sequence, before)? {
                 return Ok(None);
             }
         }
-        read_back(&mut frames, in_flight)?;
+        read_back(&mut sequence, in_flight)?;
         Ok(took)
     }
 

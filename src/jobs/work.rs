@@ -6,10 +6,9 @@ use super::job::{Change, EngineName, RenderJob, load_from};
 use super::strips::{self, Strips};
 use super::words::Named;
 use super::{judged, memory, points, samples};
-use crate::camera::arranged::is_scattered;
 use crate::camera::{Camera, Rays};
 use crate::engine::plan::samples::at_once;
-use crate::engine::plan::{LeftOut, Wanted};
+use crate::engine::plan::{LeftOut, Rows, Wanted};
 use crate::engine::planned::{Planned, Planner};
 use crate::engine::report::{Device, FrameMs, Judged, Report};
 use crate::engine::{Rendered, RunOptions};
@@ -97,10 +96,6 @@ impl Work {
     }
 
     fn of(job: RenderJob, scene: Scene, camera: Arc<Camera>, inputs: &Inputs, library: &Library) -> Result<Work> {
-        if job.moving && scene.caustics.is_some() {
-            let what = "the scene has caustics, whose light is followed once for all frames";
-            return Err(Error::input(format!("--moving: {what}; use --repeat alone")));
-        }
         if job.strict {
             refuse_missing(&scene)?;
         }
@@ -137,10 +132,11 @@ impl Work {
         let mesh = &scene.mesh;
         let mut bytes = memory::need(size, channels, more);
         let is_plain = (files.exr.is_some() || files.color.is_some()) && files.points.is_none();
-        let is_of_one_frame = is_compute && !job.check && job.repeat.is_none() && samples == job.samples;
-        let is_alone = matte_kinds.is_empty() && next.is_none() && !scene.style.is_between_pixels();
-        let is_direct = camera.optics.is_none() && scene.caustics.is_none() && !is_scattered(&camera);
-        let is_in_strips = bytes > strips::WHOLE_MAX && is_plain && is_of_one_frame && is_alone && is_direct;
+        let is_alone = matte_kinds.is_empty() && next.is_none() && !job.check && job.repeat.is_none();
+        let of_rows = Wanted { rows: Some(Rows { first: 0, count: camera.height }), ..wanted.clone() };
+        let is_in_strips = bytes > strips::WHOLE_MAX
+            && (is_compute && is_plain && is_alone)
+            && samples::in_sequence(&scene, &camera, &of_rows, job.samples, false).is_some();
         if is_in_strips {
             bytes = strips::WHOLE_MAX;
         }
@@ -204,22 +200,18 @@ impl Work {
         Ok(Seen { rendered, extra, mattes, is_written: false })
     }
 
-    /// Plans its frame for a reused engine; `None` if it takes several frames or another engine.
+    /// Plans its frame as one of a sequence; `None` if it takes several frames, or one by itself.
     pub fn plan(&self, planner: &Planner, last: Option<&Planned>) -> Result<Option<Planned>> {
         let Work { job, scene, camera, wanted, .. } = self;
         let is_compute = matches!(job.engine, None | Some(EngineName::Compute));
         let is_timed = job.repeat.is_some() || job.report.is_some() || job.check;
-        let is_one = job.samples == 1 || at_once(scene, camera, job.samples);
-        if !is_compute
-            || is_timed
-            || self.strips.is_some()
-            || !is_one
-            || scene.caustics.is_some()
-            || camera.optics.is_some()
-        {
+        if !is_compute || is_timed || self.strips.is_some() {
             return Ok(None);
         }
-        let wanted = samples::in_one_frame(wanted, job.samples, !self.matte_kinds.is_empty());
+        let has_mattes = !self.matte_kinds.is_empty();
+        let Some(wanted) = samples::in_sequence(scene, camera, wanted, job.samples, has_mattes) else {
+            return Ok(None);
+        };
         planner.check_size(camera, &wanted)?;
         let run = RunOptions { no_cull: job.no_cull, ..Default::default() };
         planner.plan(scene, camera.clone(), &wanted, &run, last).map(Some)

@@ -88,7 +88,7 @@ fn cameras_that_povray_has_not() {
                      mirror = {{ shape = \"sphere\", radius = 0.5 }}",
                 at.replace('\n', ", ")
             ),
-            "reflection turns rays",
+            "reflection reflects or refracts rays",
         ),
         (format!("kind = \"pinhole\"\n{at}\nvfov = 40\nt_range = [-inf, inf]"), "t_range starts at -inf"),
         (

@@ -8,6 +8,7 @@ use anamorph::internals::engine::combinations::{Feature, REFUSALS, Refusal};
 use anamorph::internals::engine::plan::{Rows, Wanted};
 use anamorph::internals::engine::planned::Planner;
 use anamorph::internals::engine::rival::Choice;
+use anamorph::internals::engine::sequence::Sequence;
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::geometry::mesh::Material;
 use anamorph::internals::geometry::texture::{Texels, Texture};
@@ -149,6 +150,7 @@ impl Case {
                 self.has.insert(Feature::Rival);
             }
             Feature::NoCull => run.no_cull = true,
+            Feature::Moving => run.moving = true,
             // its scene is there from the start
             Feature::Caustics => {}
             Feature::Holes => cut(&mut self.scene),
@@ -168,7 +170,7 @@ impl Case {
                 self.limit = self.limit.min(1 << 15);
                 self.has.insert(Feature::Bands);
             }
-            Feature::Aimed | Feature::Relit => unreachable!("of frames that are there"),
+            Feature::Aimed | Feature::Relit | Feature::InSequence => unreachable!("of frames that follow others"),
         }
     }
 
@@ -201,7 +203,7 @@ fn assert_refused(what: &str, row: &Refusal, error: &Error) {
 
 /// Features that frames are planned with.
 fn planned() -> impl Iterator<Item = Feature> + Clone {
-    Feature::ALL.into_iter().filter(|f| !matches!(f, Feature::Aimed | Feature::Relit))
+    Feature::ALL.into_iter().filter(|f| !matches!(f, Feature::Aimed | Feature::Relit | Feature::InSequence))
 }
 
 #[test]
@@ -228,7 +230,7 @@ fn each_row_refuses_its_pair_and_no_other_pair_is_refused() {
 }
 
 #[test]
-fn frames_that_are_there_refuse_their_rows() {
+fn frames_that_follow_others_refuse_their_rows() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let row = |features: &[Feature]| REFUSALS.iter().find(|row| row.features == features).unwrap();
     let prepare = |engine: &mut Engine, case: &Case| {
@@ -240,8 +242,11 @@ fn frames_that_are_there_refuse_their_rows() {
     let mirror = Case::of(&[Feature::Optics]).unwrap();
     let error = prepare(&mut engine, &mirror).aim(&mirror.camera).unwrap_err();
     assert_refused("aim", row(&[Feature::Aimed, Feature::Optics]), &error);
+    for (case, is_taken) in [(&lit, false), (&mirror, false), (&Case::of(&[]).unwrap(), true)] {
+        assert_eq!(Sequence::takes(&case.scene, &case.camera, &case.wanted), is_taken, "{:?}", case.has);
+    }
     let of_changes = REFUSALS.iter().filter(|r| r.features.iter().any(|f| planned().all(|p| p != *f)));
-    assert_eq!(of_changes.count(), 2, "rows of frames that are there");
+    assert_eq!(of_changes.count(), 4, "rows of frames that follow others");
 }
 
 /// A row of the page's table.

@@ -7,6 +7,7 @@ use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::samples::at_once;
 use anamorph::internals::engine::plan::{Rows, Wanted};
 use anamorph::internals::engine::planned::Planned;
+use anamorph::internals::engine::sequence::Sequence;
 use anamorph::internals::engine::{Capacities, Engine, Rendered, RunOptions};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::image::{read_exr, rgb8};
@@ -121,17 +122,18 @@ fn frames_on_their_way_at_once_are_those_of_fresh_engines() {
         };
         let shows = shows();
         let first = plan(&engine, &shows[0]);
-        let mut frames = engine.place(first.clone(), &run).unwrap();
-        let mut in_flight = (first, frames.start().unwrap());
+        let mut sequence = Sequence::default();
+        sequence.place(&mut engine, &first, &run).unwrap();
+        let mut in_flight = sequence.start(first).unwrap();
         let mut seen = Vec::new();
         for show in &shows[1..] {
             let planned = plan(&engine, show);
-            assert!(frames.show(&planned).unwrap());
-            let next = (planned, frames.start().unwrap());
-            let (planned, pending) = std::mem::replace(&mut in_flight, next);
-            seen.push(frames.wait_for(&planned, pending).unwrap().rendered());
+            assert!(sequence.show(&planned).unwrap());
+            let next = sequence.start(planned).unwrap();
+            let before = std::mem::replace(&mut in_flight, next);
+            seen.push(sequence.wait_for(before).unwrap().rendered());
         }
-        seen.push(frames.wait_for(&in_flight.0, in_flight.1).unwrap().rendered());
+        seen.push(sequence.wait_for(in_flight).unwrap().rendered());
         for (k, ((scene, camera), seen)) in shows.iter().zip(&seen).enumerate() {
             let expected = fresh.render(scene, camera.clone(), &wanted, &RunOptions::default()).unwrap();
             assert!(words(&seen.frame) == words(&expected.frame), "frame {k}");
@@ -148,12 +150,12 @@ fn what_is_of_another_kind_is_to_be_placed_anew() {
     let (wanted, all) = (Wanted::of(vec![Channel::Z]), cameras());
     let planner = engine.planner();
     let planned = |camera: &Camera, wanted: &Wanted| planner.plan(&scene, camera, wanted, &run, None).unwrap();
-    let mut frames = engine.place(planned(&all[0].1, &wanted), &run).unwrap();
-    assert!(!frames.show(&planned(&all[2].1, &wanted)).unwrap());
-    assert!(!frames.show(&planned(&all[0].1, &Wanted::of(vec![Channel::T]))).unwrap());
-    let own = planned(&all[0].1, &wanted);
-    let pending = frames.start().unwrap();
-    let seen = frames.wait_for(&own, pending).unwrap().rendered();
+    let mut sequence = Sequence::default();
+    sequence.place(&mut engine, &planned(&all[0].1, &wanted), &run).unwrap();
+    assert!(!sequence.show(&planned(&all[2].1, &wanted)).unwrap());
+    assert!(!sequence.show(&planned(&all[0].1, &Wanted::of(vec![Channel::T]))).unwrap());
+    let in_flight = sequence.start(planned(&all[0].1, &wanted)).unwrap();
+    let seen = sequence.wait_for(in_flight).unwrap().rendered();
     let expected = engine.render(&scene, &all[0].1, &wanted, &run).unwrap();
     assert!(words(&seen.frame) == words(&expected.frame));
 }

@@ -414,7 +414,7 @@ fn left_out(
         say("cells apart in cull", "no rays are torn".into());
     }
     match camera.optics.as_ref().map(|o| o.smooth_count()) {
-        None => say("bounce, fit and meet", "no mirror or lens turns rays".into()),
+        None => say("bounce, fit and meet", "there is no mirror or lens".into()),
         Some(0) => say("meet", "the mirror or lens is made of triangles".into()),
         Some(_) => {}
     }

@@ -70,7 +70,7 @@ impl Variant {
         }
     }
 
-    /// The surface of the optics: its rows, and how rays meet it and are turned there.
+    /// The surface of the optics: its rows, and how rays meet it and go on from there.
     fn surface(self) -> (Binding, &'static [Parts]) {
         const SMOOTH: Parts = snippets!("optics/smooth.wgsl");
         const MARCH: Parts = snippets!("optics/march.wgsl");

@@ -59,7 +59,7 @@ pub struct Variant {
     pub styled: bool,
     /// Lines are drawn between pixels.
     pub outlined: bool,
-    /// A mirror or a lens turns rays.
+    /// A mirror reflects rays, or a lens refracts them.
     pub optics: Option<OpticsKind>,
     /// The rays are those that it turned, and start on it.
     pub bounced: bool,

@@ -6,7 +6,8 @@ use super::slots::Slot;
 use crate::engine::planned::{Planned, Planner};
 use crate::engine::readback::{InFlight, Readback};
 use crate::engine::report::Device;
-use crate::engine::{Engine, Frames, RunOptions};
+use crate::engine::sequence::Sequence;
+use crate::engine::{Engine, RunOptions};
 use crate::gpu::device::{GpuOptions, adapters};
 use crate::input::files::Inputs;
 use crate::input::{Error, Result};
@@ -50,7 +51,7 @@ pub struct Worker {
     name: String,
     /// `None` on a machine without adapters.
     engine: Option<Engine>,
-    frames: Option<Frames>,
+    sequence: Sequence,
     /// The last planned frame.
     last: Mutex<Option<Planned>>,
     planner: Option<Planner>,
@@ -104,7 +105,7 @@ impl Worker {
             options,
             name: engine.as_ref().map_or("cpu".into(), |engine| engine.gpu.info.name.clone()),
             engine,
-            frames: None,
+            sequence: Sequence::default(),
             last: Mutex::default(),
             planner,
             until: Instant::now(),
@@ -116,9 +117,9 @@ impl Worker {
 
     /// Splits it into the half of the reading threads and that of the device's thread.
     pub fn parts(&mut self) -> (Reader<'_>, Driver<'_>) {
-        let Worker { options, name: _, engine, frames, last, planner, until, busy, reopened, is_gone } = self;
+        let Worker { options, name: _, engine, sequence, last, planner, until, busy, reopened, is_gone } = self;
         *until = Instant::now();
-        let driver = Driver { options, engine, frames, until, busy, reopened, is_gone, is_uncertain: false };
+        let driver = Driver { options, engine, sequence, until, busy, reopened, is_gone, is_uncertain: false };
         (Reader { last, planner: planner.as_ref(), is_gone }, driver)
     }
 
@@ -196,7 +197,7 @@ impl Reader<'_> {
 pub struct Driver<'s> {
     options: &'s GpuOptions,
     engine: &'s mut Option<Engine>,
-    frames: &'s mut Option<Frames>,
+    sequence: &'s mut Sequence,
     until: &'s mut Instant,
     busy: &'s mut Duration,
     reopened: &'s mut u32,
@@ -246,7 +247,8 @@ impl Driver<'_> {
             in_flight = launched;
             if self.is_uncertain && !self.has_lost() {
                 self.finish(run, in_flight.take(), taken, &mut lost);
-                (*self.frames, self.is_uncertain) = (None, false);
+                self.sequence.clear();
+                self.is_uncertain = false;
             }
             if !lost.is_empty() || self.has_lost() {
                 lost.extend(in_flight.take().map(|(ready, _)| ready));
@@ -277,24 +279,16 @@ impl Driver<'_> {
             let ms = self.was_busy(started);
             return Ok(Launched::Seen(Box::new(seen), ms));
         };
-        let is_shown = match &mut self.frames {
-            Some(frames) => frames.show(planned)?,
-            None => false,
-        };
-        if !is_shown {
+        if !self.sequence.show(planned)? {
             // frames in flight use the present contents
             self.finish(run, in_flight.take(), taken, lost);
             if self.has_lost() {
                 return Ok(Launched::Not);
             }
-            *self.frames = None;
             let Some(engine) = self.engine.as_mut() else { return Err(Error::work("no adapter")) };
-            *self.frames = Some(engine.place(planned.clone(), &RunOptions::default())?);
+            self.sequence.place(engine, planned, &RunOptions::default())?;
         }
-        match self.frames.as_mut() {
-            Some(frames) => Ok(Launched::InFlight(Box::new(frames.start()?))),
-            None => Err(Error::work("no frames")),
-        }
+        Ok(Launched::InFlight(Box::new(self.sequence.start(planned.clone())?)))
     }
 
     /// Waits for a frame and passes it on. If its lists were too small it is rendered again, alone.
@@ -307,20 +301,13 @@ impl Driver<'_> {
     ) {
         let Some((ready, pending)) = in_flight else { return };
         let started = pending.started;
-        match guarded(|| self.read_back(&ready, pending)) {
+        match guarded(|| self.sequence.wait_for(pending)) {
             Ok(readback) => {
                 let ms = self.was_busy(started);
                 self.hand_on(ready, Picture::Readback(Box::new(readback)), ms, taken);
             }
             Err(e) => self.fault(run, ready, e, lost),
         }
-    }
-
-    fn read_back(&mut self, ready: &Ready, pending: InFlight) -> Result<Readback> {
-        let (Some(frames), Some(planned)) = (self.frames.as_mut(), &ready.planned) else {
-            return Err(Error::work("no frames"));
-        };
-        frames.wait_for(planned, pending)
     }
 
     fn hand_on<'a>(&self, mut ready: Ready<'a>, picture: Picture, ms: f64, taken: &SyncSender<Taken<'a>>) {
@@ -350,7 +337,8 @@ impl Driver<'_> {
     fn reopen(&mut self, run: &Run) -> Result<()> {
         let planner = self.engine.as_ref().map(Engine::planner);
         let why = self.engine.as_ref().and_then(|engine| engine.gpu.failure().err());
-        (*self.frames, *self.engine, self.is_uncertain) = (None, None, false);
+        self.sequence.clear();
+        (*self.engine, self.is_uncertain) = (None, false);
         *self.reopened += 1;
         run.note(&format!("the device is opened again: {}", why.map(|e| e.to_string()).unwrap_or_default()));
         let mut opened = Engine::open(self.options);

@@ -1,0 +1,86 @@
+//! Frames of different scenes, one after another on one engine: what the device already holds is not sent again, and the next frame
+//! may be started before the last one is done.
+
+use super::combinations::{Asked, Feature};
+use super::planned::Planned;
+use super::readback::{InFlight, Readback};
+use super::{Engine, Frames, RunOptions};
+use crate::camera::Camera;
+use crate::engine::plan::Wanted;
+use crate::input::{Error, Result};
+use crate::scene::Scene;
+
+/// What the device holds of the last frame of a sequence.
+#[derive(Default)]
+pub struct Sequence {
+    frames: Option<Frames>,
+}
+
+impl Sequence {
+    /// Whether a frame can be one of a sequence; all others are for [`Engine::render`].
+    pub fn takes(scene: &Scene, camera: &Camera, wanted: &Wanted) -> bool {
+        let change = Some(Feature::InSequence);
+        Asked { change, ..Asked::new(scene, camera, wanted) }.refusal().is_none()
+    }
+
+    /// Sends what `planned` needs and the device does not hold yet. `false`: it needs other buffers; wait for the frames in flight, then
+    /// [`Sequence::place`] it.
+    ///
+    /// # Errors
+    /// [`Error::Work`] if the device fails.
+    pub fn show(&mut self, planned: &Planned) -> Result<bool> {
+        self.frames.as_mut().map_or(Ok(false), |frames| frames.show(planned))
+    }
+
+    /// Puts `planned` on the device in place of what it holds.
+    ///
+    /// # Errors
+    /// Those of [`Engine::place`].
+    pub fn place(&mut self, engine: &mut Engine, planned: &Planned, run: &RunOptions) -> Result<()> {
+        // its memory is free before more is taken
+        self.clear();
+        self.frames = Some(engine.place(planned.clone(), run)?);
+        Ok(())
+    }
+
+    /// Frees what the device holds.
+    pub fn clear(&mut self) {
+        self.frames = None;
+    }
+
+    /// Submits a frame of `planned`, which is shown or placed, and returns without waiting for it.
+    ///
+    /// # Errors
+    /// [`Error::Work`] if the device fails.
+    pub fn start(&self, planned: Planned) -> Result<InFlight> {
+        self.frames.as_ref().ok_or_else(nothing)?.start(planned)
+    }
+
+    /// Waits for a frame, even if a later one is shown by now. If the lists between the stages were too small, it runs again with larger ones.
+    ///
+    /// # Errors
+    /// [`Error::Work`] if the device fails.
+    pub fn wait_for(&mut self, flight: InFlight) -> Result<Readback> {
+        self.frames.as_mut().ok_or_else(nothing)?.wait_for(flight)
+    }
+
+    /// A frame from beginning to end, with no other in flight.
+    ///
+    /// # Errors
+    /// Those of [`Engine::place`].
+    pub fn render(&mut self, engine: &mut Engine, planned: Planned, run: &RunOptions) -> Result<Readback> {
+        // what fails in the middle is not there for the next frame
+        let mut sequence = std::mem::take(self);
+        if !sequence.show(&planned)? {
+            sequence.place(engine, &planned, run)?;
+        }
+        let flight = sequence.start(planned)?;
+        let readback = sequence.wait_for(flight)?;
+        *self = sequence;
+        Ok(readback)
+    }
+}
+
+fn nothing() -> Error {
+    Error::work("no scene is on the device")
+}
