@@ -379,14 +379,15 @@ fn every_constant_has_the_same_value_on_both_sides() {
     assert_eq!(forgotten, [""; 0], "constants of rows.rs that params.wgsl does not have");
 }
 
-/// Override constants of `shading.wgsl`: name and default.
-fn overrides() -> Vec<(String, u32)> {
-    let module = parse(SHADING);
+/// The constants of a kernel that say where planes are: name and default.
+fn plane_overrides(kernel: &kernels::Kernel) -> Vec<(String, u32)> {
+    let module = parse(&kernel.source());
     let value = |e| match module.global_expressions[e] {
         Expression::Literal(Literal::U32(v)) => v,
         ref other => panic!("not a literal of u32: {other:?}"),
     };
-    module.overrides.iter().map(|(_, o)| (o.name.clone().unwrap(), value(o.init.unwrap()))).collect()
+    let named = module.overrides.iter().map(|(_, o)| (o.name.clone().unwrap(), o.init));
+    named.filter(|(name, _)| name.starts_with("PLANE_")).map(|(name, init)| (name, value(init.unwrap()))).collect()
 }
 
 fn plane_constants(kernel: &kernels::Kernel) -> Vec<(&'static str, f64)> {
@@ -395,18 +396,28 @@ fn plane_constants(kernel: &kernels::Kernel) -> Vec<(&'static str, f64)> {
 
 #[test]
 fn every_channel_has_an_override_that_defaults_to_no_plane() {
-    let shaded: Vec<Channel> = Channel::every().filter(|c| *c != Channel::Certified && !c.is_label()).collect();
-    for ((name, default), &channel) in overrides().into_iter().zip(&shaded) {
-        let word = channel.name().replace('.', "_").to_uppercase();
-        assert_eq!((name.as_str(), default), (format!("PLANE_{word}").as_str(), layout::NONE));
-        for kernel in [kernels::shade(Variant::PLAIN, &[channel]), kernels::write_srgb(&[channel])] {
-            assert_eq!(plane_constants(&kernel), [(name.as_str(), 0.0)]);
+    let all: Vec<Channel> = Channel::every().filter(|c| !c.is_label()).collect();
+    let name = |channel: &Channel| format!("PLANE_{}", channel.name().replace('.', "_").to_uppercase());
+    let expected: Vec<(String, u32)> = all.iter().map(|channel| (name(channel), layout::NONE)).collect();
+    let of = |planes: &[Channel]| {
+        [
+            kernels::shade(Variant::PLAIN, planes),
+            kernels::certify(Variant::PLAIN, planes),
+            kernels::gather(Variant::PLAIN, planes),
+            kernels::outline(planes),
+            kernels::write_srgb(planes),
+        ]
+    };
+    for kernel in of(&all) {
+        assert_eq!(plane_overrides(&kernel), expected, "{}", kernel.name);
+        let places: Vec<f64> = plane_constants(&kernel).iter().map(|c| c.1).collect();
+        assert_eq!(places, (0..all.len()).map(|k| k as f64).collect::<Vec<_>>(), "{}", kernel.name);
+    }
+    for channel in all {
+        for kernel in of(&[channel]) {
+            assert_eq!(plane_constants(&kernel), [(name(&channel).as_str(), 0.0)], "{}", kernel.name);
         }
     }
-    assert_eq!(overrides().len(), shaded.len());
-    let kernel = kernels::shade(Variant::PLAIN, &shaded);
-    let places: Vec<f64> = plane_constants(&kernel).iter().map(|c| c.1).collect();
-    assert_eq!(places, (0..shaded.len()).map(|k| k as f64).collect::<Vec<_>>());
 }
 
 #[test]

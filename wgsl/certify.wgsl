@@ -15,7 +15,6 @@ const PROOF_RECHECKED: u32 = 4u;   // f32 did not prove all
 const STEP_BOUND: u32 = 0u;
 const STEP_PIXELS: u32 = 2u;
 
-override PLANE_CERTIFIED: u32 = 0xffffffffu;
 
 @compute @workgroup_size(64)
 fn certify(

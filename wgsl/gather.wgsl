@@ -1,8 +1,7 @@
 // gather: one thread per pixel of the band.
 // Reads the visibility buffer, the place of the pixel's hit on a receiver, and the flux of the four texels around it; adds
 // its diffuse reflection to the colour planes.
-// Needs: Landing, NONE, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_BARY_U, PLANE_BARY_V, PLANE_G, PLANE_R, Receiver,
-//   ends_here, item_index, key_id, light_kept
+// Needs: Landing, NONE, Receiver, ends_here, item_index, key_id, light_kept
 // Binds: landing_of, landings, params, planes, receivers, sums, visibility
 
 fn received(receiver: Receiver, x: u32, y: u32) -> vec3<f32> {

@@ -1,8 +1,7 @@
 // outline: one thread per pixel of the band, after shade and resolve.
 // Reads the planes around each pixel; mixes line colours into the colour planes at silhouettes, at creases, and at borders of the
 // camera's pieces.
-// Needs: NONE, PLANE_B, PLANE_G, PLANE_MIRROR_ID, PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE_ID, PLANE_P_X, PLANE_P_Y, PLANE_P_Z,
-//   PLANE_R, PLANE_TRIANGLE_ID, PLANE_Z, covered, item_index, narrowed
+// Needs: NONE, covered, item_index, narrowed
 // Binds: params, planes, style
 
 fn word(plane: u32, pixel: u32) -> u32 {

@@ -1,9 +1,7 @@
 // paste: one thread per pixel of the band.
 // Reads the visibility buffer, the pixel's ray and the facet that it meets first; copies the nearest atlas
 // texel of the facet's camera to the planes.
-// Needs: NONE, PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_BARY_U, PLANE_BARY_V, PLANE_G, PLANE_MIRROR_ID,
-//   PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE_ID, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE_ID, PLANE_UV_U,
-//   PLANE_UV_V, PLANE_Z, camera_of, camera_place, facet_place, facet_weights, item_index, key_id, norm, ray_bundle, real3
+// Needs: NONE, camera_of, camera_place, facet_place, facet_weights, item_index, key_id, norm, ray_bundle, real3
 // Binds: atlas, atlas_layout, optic, params, planes, visibility
 
 fn copied(plane: u32, pixel: u32, texel: u32) {

@@ -3,9 +3,9 @@
 // means of its samples', each triangle's share of them by its samples' number or by areas; where these and the centre see one triangle they are what shade has written. Each triangle is shaded once, at the sample nearest to the middle of those that see it.
 // Triangles in another chunk of the scene are left to that chunk's dispatch, which adds its share.
 // Provides: key_of, middle_of, nearest_to, seen_alike
-// Needs: COUNT_EDGES, Lit, Look, NONE, PLANE_A, PLANE_B, PLANE_G, PLANE_R, SAMPLES, SLABBED, STYLED, Spread, TEXTURED, all_samples, beyond,
-//   drawn, item_index, key_id, key_layer, key_t, measure, pattern_at, point_at, reach_of, reached, sample_place, sample_ray, sample_spread,
-//   seen_next, segment_length, sent_back, share_of, surface_albedo, surface_normal, whole
+// Needs: COUNT_EDGES, Lit, Look, NONE, SAMPLES, SLABBED, STYLED, Spread, TEXTURED, all_samples, beyond, drawn, item_index, key_id,
+//   key_layer, key_t, measure, pattern_at, point_at, reach_of, reached, sample_place, sample_ray, sample_spread, seen_next, segment_length,
+//   sent_back, share_of, surface_albedo, surface_normal, whole
 // Binds: counters, params, planes, samples, shading, slot_of_id, triangles
 
 fn key_of(row: u32, sample: u32) -> vec2<u32> {

@@ -2,12 +2,10 @@
 // Reads the visibility buffer, the triangle that won and the pixel's ray; writes the planes that were asked for.
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 // Provides: Place
-// Needs: Bundle, Lit, Look, NONE, PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_BARY_U, PLANE_BARY_V, PLANE_G,
-//   PLANE_MIRROR_ID, PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE_ID, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE_ID,
-//   PLANE_UV_U, PLANE_UV_V, PLANE_Z, SLABBED, STYLED, Spread, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece,
-//   first_surface, goes_on, in_file_order, is_under_way, item_index, key_id, key_layer, key_t, light_before, light_left, path_length,
-//   pattern_at, piece_number, pixel_ray, point_at, ray_bundle, ray_spread, reach_of, reached, real3, says_what_is_seen, segment_length,
-//   sent_back, surface_albedo, surface_normal, surface_uv, vertex_real
+// Needs: Bundle, Lit, Look, NONE, SLABBED, STYLED, Spread, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece, first_surface,
+//   goes_on, in_file_order, is_under_way, item_index, key_id, key_layer, key_t, light_before, light_left, path_length, pattern_at,
+//   piece_number, pixel_ray, point_at, ray_bundle, ray_spread, reach_of, reached, real3, says_what_is_seen, segment_length, sent_back,
+//   surface_albedo, surface_normal, surface_uv, vertex_real
 // Binds: params, planes, shading, slot_of_id, triangles, visibility
 
 fn store(plane: u32, at: Place, word: u32) {

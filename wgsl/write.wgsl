@@ -1,6 +1,6 @@
 // write: one thread per pixel of the band. Reads the colour planes; writes 8-bit sRGB of their tones with alpha 255, four bytes a
 // word.
-// Needs: PLANE_B, PLANE_G, PLANE_R, item_index
+// Needs: item_index
 // Binds: params, planes, shading, srgb8
 
 const CURVE_REINHARD: u32 = 1u;

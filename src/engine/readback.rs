@@ -148,11 +148,7 @@ impl FrameLayout {
                 all.extend_from_slice(&data[k * pixels..(k + 1) * pixels]);
             }
             let all = self.restored(all);
-            let plane = match channel {
-                c if c.is_id() => Plane::U32(all),
-                _ => Plane::F32(all.into_iter().map(f32::from_bits).collect()),
-            };
-            planes.push((channel, plane));
+            planes.push((channel, Plane::of_words(channel, all)));
         }
         self.label(&mut planes);
         Frame { width: camera.width, height: plan.rows(), planes }

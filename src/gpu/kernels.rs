@@ -15,7 +15,6 @@ pub use kernel::{Access, Binding, Kernel, Parts, Snippet};
 pub(crate) use kernel::{kernel, read, snippets, texture, uniform, write, write_texture};
 pub use optics::{OpticsKind, bounce, fit, meet, paste};
 pub use samples::{edges, edges_by_tile, recheck_samples, resolve, sample, sample_by_tile};
-use surfaces::plane_constants;
 pub use surfaces::{mip, outline, shade, write_srgb};
 pub use variant::{LightsKind, RaysKind, Variant};
 
@@ -255,10 +254,8 @@ pub fn certify(variant: Variant, planes: &[Channel]) -> Kernel {
     let shared = [PAIR, BITS, MEETING, variant.camera(), snippets!("shared/proof.wgsl")];
     let own = [NEARNESS, SOLID, snippets!("certify.wgsl")];
     let all = [&snippets[..], &shared[..], variant.coverage(), variant.proof(), &own].concat();
-    let mut kernel = kernel("certify", bindings, &all);
-    kernel.constants = variant.constants();
-    let plane = planes.iter().position(|c| *c == Channel::Certified);
-    kernel.constants.extend(plane.map(|k| ("PLANE_CERTIFIED", k as f64)));
+    let mut kernel = kernel("certify", bindings, &all).with_planes(planes);
+    kernel.constants.extend(variant.constants());
     kernel
 }
 
@@ -334,8 +331,8 @@ pub fn gather(variant: Variant, planes: &[Channel]) -> Kernel {
     } else {
         &[snippets!("caustics/plain.wgsl")]
     };
-    let mut kernel = kernel("gather", bindings, &[&snippets[..], seen].concat());
-    kernel.constants = [vec![("SLABBED", variant.slabbed as u32 as f64)], plane_constants(planes)].concat();
+    let mut kernel = kernel("gather", bindings, &[&snippets[..], seen].concat()).with_planes(planes);
+    kernel.constants.push(("SLABBED", variant.slabbed as u32 as f64));
     kernel
 }
 

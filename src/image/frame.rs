@@ -1,20 +1,50 @@
 //! A rendered frame: one plane of values per channel, row 0 on top.
 
+use glam::DVec3;
+
 /// Id of a triangle, piece, object or material where nothing is hit.
 pub const NO_ID: u32 = u32::MAX;
 
-/// The type of a channel's values.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Values {
-    Number,
-    Id,
-    /// An id that follows from the triangle's: see [`crate::scene::labels`].
-    Label,
+/// What the channels of a pixel follow from.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PixelValues {
+    /// Linear.
+    pub colour: [f64; 3],
+    pub coverage: f64,
+    /// Distance along the ray, world units; +inf where nothing is hit.
+    pub z: f64,
+    /// Ray parameter of the hit; +inf where nothing is hit.
+    pub t: f64,
+    /// Weights of the triangle's second and third corner.
+    pub bary: [f64; 2],
+    pub triangle: u32,
+    pub piece: u32,
+    /// The first surface of the mirror or lens.
+    pub mirror: u32,
+    pub object: u32,
+    pub material: u32,
+    pub certified: u32,
+    /// World axes; 0 where nothing is hit, or a surface without triangles.
+    pub normal: DVec3,
+    /// World units; 0 where nothing is hit.
+    pub position: DVec3,
+    /// Linear; 0 where nothing is hit.
+    pub albedo: [f32; 3],
+    pub uv: [f64; 2],
 }
 
-/// Generates the enum of channels, its lists, names and value types from one table.
+/// A channel's value.
+#[derive(Clone, Copy)]
+enum Value {
+    Number(fn(&PixelValues) -> f64),
+    Id(fn(&PixelValues) -> u32),
+    /// An id that follows from the triangle's.
+    Label(fn(&PixelValues) -> u32),
+}
+
+/// Generates the enum of channels, its lists, names and values from one table.
 macro_rules! channels {
-    ($($(#[$about:meta])* $list:ident: { $($(#[$doc:meta])* $channel:ident, $name:literal, $values:ident;)* })*) => {
+    ($($(#[$about:meta])* $list:ident: { $($(#[$doc:meta])* $channel:ident, $name:literal, $kind:ident, $value:expr;)* })*) => {
         /// A channel of an image, one value per pixel: `docs/reference/definitions.md`, Channels.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Channel {
@@ -31,9 +61,9 @@ macro_rules! channels {
                 }
             }
 
-            fn values(self) -> Values {
+            fn value(self) -> Value {
                 match self {
-                    $($(Channel::$channel => Values::$values,)*)*
+                    $($(Channel::$channel => Value::$kind($value),)*)*
                 }
             }
         }
@@ -44,60 +74,60 @@ channels! {
     /// The default channels.
     ALL: {
         /// Red, linear.
-        R, "R", Number;
+        R, "R", Number, |p| p.colour[0];
         /// Green, linear.
-        G, "G", Number;
+        G, "G", Number, |p| p.colour[1];
         /// Blue, linear.
-        B, "B", Number;
+        B, "B", Number, |p| p.colour[2];
         /// Coverage: 1 where something is hit, 0 elsewhere; between with several samples.
-        A, "A", Number;
+        A, "A", Number, |p| p.coverage;
         /// Distance from the ray's origin P to the hit, world units; +inf where nothing is hit.
-        Z, "Z", Number;
+        Z, "Z", Number, |p| p.z;
         /// Ray parameter of the hit, X = P + t D; +inf where nothing is hit.
-        T, "t", Number;
+        T, "t", Number, |p| p.t;
         /// The triangle that is hit, numbered through all meshes; [`NO_ID`] where nothing is.
-        TriangleId, "triangle.id", Id;
+        TriangleId, "triangle.id", Id, |p| p.triangle;
         /// The camera's piece that owns the pixel; [`NO_ID`] where there is no ray.
-        PieceId, "piece.id", Id;
+        PieceId, "piece.id", Id, |p| p.piece;
         /// Weight of the triangle's second corner at the hit.
-        BaryU, "bary.u", Number;
+        BaryU, "bary.u", Number, |p| p.bary[0];
         /// Weight of its third corner.
-        BaryV, "bary.v", Number;
+        BaryV, "bary.v", Number, |p| p.bary[1];
         /// The first facet or smooth part of the mirror or lens on the pixel's path; [`NO_ID`] without one.
-        MirrorId, "mirror.id", Id;
+        MirrorId, "mirror.id", Id, |p| p.mirror;
     }
     /// The channels computed only on request by name.
     MORE: {
         /// 2 where bounds in f32 prove that the pixel's triangle, or its miss, is that of exact arithmetic; 1 where bounds on the
         /// recheck prove it; else 0.
-        Certified, "certified", Id;
+        Certified, "certified", Id, |p| p.certified;
         /// x of the unit normal of the surface as shaded, world axes, on the viewer's side; 0 where nothing is hit, or a surface
         /// without triangles.
-        NormalX, "N.X", Number;
+        NormalX, "N.X", Number, |p| p.normal.x;
         /// y of the normal.
-        NormalY, "N.Y", Number;
+        NormalY, "N.Y", Number, |p| p.normal.y;
         /// z of the normal.
-        NormalZ, "N.Z", Number;
+        NormalZ, "N.Z", Number, |p| p.normal.z;
         /// x of the hit, world units; 0 where nothing is hit.
-        PositionX, "P.X", Number;
+        PositionX, "P.X", Number, |p| p.position.x;
         /// y of the hit.
-        PositionY, "P.Y", Number;
+        PositionY, "P.Y", Number, |p| p.position.y;
         /// z of the hit.
-        PositionZ, "P.Z", Number;
+        PositionZ, "P.Z", Number, |p| p.position.z;
         /// Red of the material's diffuse colour, times its texture's, linear, before it is lit; 0 where nothing is hit.
-        AlbedoR, "albedo.R", Number;
+        AlbedoR, "albedo.R", Number, |p| p.albedo[0].into();
         /// Green of the diffuse colour.
-        AlbedoG, "albedo.G", Number;
+        AlbedoG, "albedo.G", Number, |p| p.albedo[1].into();
         /// Blue of the diffuse colour.
-        AlbedoB, "albedo.B", Number;
+        AlbedoB, "albedo.B", Number, |p| p.albedo[2].into();
         /// u of the texture coordinates of the hit; 0 where nothing is hit, or the hit has none.
-        TextureU, "uv.U", Number;
+        TextureU, "uv.U", Number, |p| p.uv[0];
         /// v of the texture coordinates.
-        TextureV, "uv.V", Number;
+        TextureV, "uv.V", Number, |p| p.uv[1];
         /// The number of the triangle's object.
-        ObjectId, "object.id", Label;
+        ObjectId, "object.id", Label, |p| p.object;
         /// The number of the triangle's material.
-        MaterialId, "material.id", Label;
+        MaterialId, "material.id", Label, |p| p.material;
     }
 }
 
@@ -109,12 +139,12 @@ impl Channel {
 
     /// Whether its values are ids (u32).
     pub fn is_id(self) -> bool {
-        self.values() != Values::Number
+        !matches!(self.value(), Value::Number(_))
     }
 
     /// Whether it is a function of the triangle id.
     pub fn is_label(self) -> bool {
-        self.values() == Values::Label
+        matches!(self.value(), Value::Label(_))
     }
 
     /// The channel of this name, or all those of a vector or colour: `N`, `P`, `albedo` and `uv`.
@@ -129,6 +159,43 @@ impl Channel {
     }
 }
 
+impl PixelValues {
+    /// Those of a ray that hits nothing, before nothing.
+    pub const MISS: PixelValues = PixelValues {
+        colour: [0.0; 3],
+        coverage: 0.0,
+        z: f64::INFINITY,
+        t: f64::INFINITY,
+        bary: [0.0; 2],
+        triangle: NO_ID,
+        piece: NO_ID,
+        mirror: NO_ID,
+        object: NO_ID,
+        material: NO_ID,
+        certified: 0,
+        normal: DVec3::ZERO,
+        position: DVec3::ZERO,
+        albedo: [0.0; 3],
+        uv: [0.0; 2],
+    };
+
+    /// A channel's word in its plane: the bits of an f32, or an id.
+    pub fn word(&self, channel: Channel) -> u32 {
+        match channel.value() {
+            Value::Number(of) => (of(self) as f32).to_bits(),
+            Value::Id(of) | Value::Label(of) => of(self),
+        }
+    }
+
+    /// The number in a channel that is not one of ids.
+    pub fn number(&self, channel: Channel) -> Option<f64> {
+        match channel.value() {
+            Value::Number(of) => Some(of(self)),
+            Value::Id(_) | Value::Label(_) => None,
+        }
+    }
+}
+
 /// One channel's values, `width * height`, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Plane {
@@ -136,6 +203,16 @@ pub enum Plane {
     F32(Vec<f32>),
     /// Ids.
     U32(Vec<u32>),
+}
+
+impl Plane {
+    /// A channel's plane of words: the bits of f32s, or ids.
+    pub(crate) fn of_words(channel: Channel, words: Vec<u32>) -> Plane {
+        if channel.is_id() {
+            return Plane::U32(words);
+        }
+        Plane::F32(words.into_iter().map(f32::from_bits).collect())
+    }
 }
 
 /// The channels of one image; each channel at most once, in the order of [`Channel::ALL`].

@@ -4,14 +4,15 @@ use super::caustics::{caustics, shown_by};
 pub use super::explain::explain;
 use super::lens::own;
 use super::light::{Obstacles, albedo, light, normal};
-use super::{Finding, Outcome, Path, Reference, Seen};
+use super::{Finding, Outcome, Path, Reference};
 use crate::camera::Camera;
-use crate::image::frame::{Channel, Frame, NO_ID, Plane};
+use crate::image::frame::{Channel, Frame, NO_ID, PixelValues, Plane};
 use crate::scene::Scene;
 use crate::scene::caustics::Illumination;
 use crate::scene::labels::Labels;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
+use std::borrow::Borrow;
 
 /// The comparison of a frame with the reference.
 #[derive(Debug, Clone)]
@@ -26,22 +27,6 @@ pub struct Judgement {
     pub not_near: u64,
 }
 
-/// One pixel's values.
-struct Pixel {
-    colour: [f32; 3],
-    seen: Option<Seen>,
-    /// Numbered through all layers.
-    piece: u32,
-    /// The first facet or smooth surface of the optics.
-    mirror: u32,
-    t: f32,
-    z: f32,
-    normal: DVec3,
-    position: DVec3,
-    albedo: [f32; 3],
-    uv: DVec2,
-}
-
 /// The asked-for channels of the reference's frame.
 pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
     let has_colour = channels.iter().any(|c| matches!(c, Channel::R | Channel::G | Channel::B));
@@ -53,12 +38,12 @@ pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
 pub fn image_lit(scene: &Scene, camera: &Camera, channels: &[Channel], lit: Option<&Illumination>) -> Frame {
     let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
-    let reference = Reference::build(&scene.mesh);
+    let (reference, labels) = (Reference::build(&scene.mesh), Labels::of(scene));
     let pixels = each_pixel(camera, |i, j| {
         let path = Path::of_pixel(camera, i, j);
-        pixel(scene, camera, &reference, &reference.shown(camera, path), (i, j), lit)
+        labels.labelled(pixel(scene, camera, &reference, &reference.shown(camera, path), (i, j), lit))
     });
-    frame(scene, camera, &pixels, channels)
+    frame(camera, &pixels, channels)
 }
 
 /// Compares `frame`'s triangle ids with the reference.
@@ -82,9 +67,9 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
         let speed = shown.path.speed(shown.seen.as_ref());
         (pixel(scene, camera, &reference, &shown, (i, j), lit.as_ref()), finding.safe, (extent / speed) as f32, near)
     });
-    let pixels: Vec<&Pixel> = judged.iter().map(|j| &j.0).collect();
+    let pixels: Vec<&PixelValues> = judged.iter().map(|j| &j.0).collect();
     Judgement {
-        truth: frame(scene, camera, &pixels, &Channel::ALL),
+        truth: frame(camera, &pixels, &Channel::ALL),
         safe: judged.iter().map(|j| j.1).collect(),
         scales: judged.iter().map(|j| j.2).collect(),
         not_near: judged.iter().filter(|j| !j.3).count() as u64,
@@ -109,7 +94,7 @@ fn pixel(
     shown: &Outcome,
     (i, j): (u32, u32),
     lit: Option<&Illumination>,
-) -> Pixel {
+) -> PixelValues {
     let behind = camera.first_piece(camera.layers.len());
     let mirror = shown.first.unwrap_or(NO_ID);
     let camera_of = |first: u32| camera.optics.as_ref().map_or(first, |o| o.camera_of(first));
@@ -126,30 +111,33 @@ fn pixel(
     let split = camera.optics.as_ref().filter(|_| shown.first.is_some()).map_or(1.0, |o| o.tilts().len() as f64);
     let kept = light_left(camera, shown).map(|k| k / split);
     let more = lit.filter(|_| shown.seen.is_some()).map_or([0.0; 3], |lit| shown_by(scene, camera, shown, lit));
-    let colour = [0, 1, 2].map(|k| (colour[k] + kept[k] * f64::from(more[k])) as f32);
+    let colour = [0, 1, 2].map(|k| colour[k] + kept[k] * f64::from(more[k]));
+    let has_bounced = shown.first.is_some();
+    let coverage = f64::from(u8::from(shown.seen.is_some() || has_bounced));
     let Some(seen) = shown.seen else {
-        let piece = if shown.first.is_some() { piece(NO_ID) } else { NO_ID };
-        let (t, z, position) = (f32::INFINITY, f32::INFINITY, DVec3::ZERO);
-        let (normal, albedo, uv) = (DVec3::ZERO, [0.0; 3], DVec2::ZERO);
-        return Pixel { colour, seen: None, piece, mirror, t, z, normal, position, albedo, uv };
+        let piece = if has_bounced { piece(NO_ID) } else { NO_ID };
+        return PixelValues { colour, coverage, piece, mirror, ..PixelValues::MISS };
     };
-    // t of a bounced path is that of its last ray
-    let t = if camera.optics.is_some() { seen.hit.t } else { seen.t() };
-    let z = shown.path.depth(&seen) as f32;
     let (segment, id) = (shown.path.of(&seen), seen.hit.triangle);
     let is_triangle = (id as usize) < scene.mesh.triangles.len();
     let ends_on = camera.optics.as_ref().filter(|o| id >= o.first_id(&scene.mesh));
-    Pixel {
+    let uv = ends_on.map_or_else(|| scene.mesh.uv_at(id, seen.hit.bary), |_| None).unwrap_or_default();
+    PixelValues {
         colour,
-        seen: Some(seen),
+        coverage,
+        z: shown.path.depth(&seen),
+        // t of a bounced path is that of its last ray
+        t: if camera.optics.is_some() { seen.hit.t } else { seen.t() },
+        bary: seen.hit.bary,
+        triangle: id,
         piece: piece(seen.piece),
         mirror,
-        t: t as f32,
-        z,
         normal: if is_triangle { normal(scene, &seen.hit, segment.view(seen.hit.t)) } else { DVec3::ZERO },
         position: segment.point(seen.hit.t),
         albedo: ends_on.map_or_else(|| albedo(scene, &seen.hit), |optics| optics.base),
-        uv: ends_on.map_or_else(|| scene.mesh.uv_at(id, seen.hit.bary), |_| None).unwrap_or_default(),
+        uv: uv.to_array(),
+        // labels follow from the triangle; the reference has margins instead of certified pixels
+        ..PixelValues::MISS
     }
 }
 
@@ -188,44 +176,8 @@ fn light_left(camera: &Camera, outcome: &Outcome) -> [f64; 3] {
     [0, 1, 2].map(|k| outcome.light * tint(k))
 }
 
-fn frame<P: std::borrow::Borrow<Pixel> + Sync>(
-    scene: &Scene,
-    camera: &Camera,
-    pixels: &[P],
-    channels: &[Channel],
-) -> Frame {
-    let labels = Labels::of(scene);
-    let ids = || pixels.iter().map(|p| p.borrow().seen.map_or(NO_ID, |s| s.hit.triangle));
-    let f32s = |f: fn(&Pixel) -> f32| Plane::F32(pixels.iter().map(|p| f(p.borrow())).collect());
-    let u32s = |f: fn(&Pixel) -> u32| Plane::U32(pixels.iter().map(|p| f(p.borrow())).collect());
-    let plane = |channel: Channel| match channel {
-        Channel::R => f32s(|p| p.colour[0]),
-        Channel::G => f32s(|p| p.colour[1]),
-        Channel::B => f32s(|p| p.colour[2]),
-        Channel::A => f32s(|p| (p.seen.is_some() || p.mirror != NO_ID) as u32 as f32),
-        Channel::Z => f32s(|p| p.z),
-        Channel::T => f32s(|p| p.t),
-        Channel::TriangleId => Plane::U32(ids().collect()),
-        Channel::PieceId => u32s(|p| p.piece),
-        Channel::MirrorId => u32s(|p| p.mirror),
-        // it has margins instead
-        Channel::Certified => u32s(|_| 0),
-        Channel::BaryU => f32s(|p| p.seen.map_or(0.0, |s| s.hit.bary[0] as f32)),
-        Channel::BaryV => f32s(|p| p.seen.map_or(0.0, |s| s.hit.bary[1] as f32)),
-        Channel::NormalX => f32s(|p| p.normal.x as f32),
-        Channel::NormalY => f32s(|p| p.normal.y as f32),
-        Channel::NormalZ => f32s(|p| p.normal.z as f32),
-        Channel::PositionX => f32s(|p| p.position.x as f32),
-        Channel::PositionY => f32s(|p| p.position.y as f32),
-        Channel::PositionZ => f32s(|p| p.position.z as f32),
-        Channel::AlbedoR => f32s(|p| p.albedo[0]),
-        Channel::AlbedoG => f32s(|p| p.albedo[1]),
-        Channel::AlbedoB => f32s(|p| p.albedo[2]),
-        Channel::TextureU => f32s(|p| p.uv.x as f32),
-        Channel::TextureV => f32s(|p| p.uv.y as f32),
-        Channel::ObjectId => Plane::U32(ids().map(|id| labels.object(id)).collect()),
-        Channel::MaterialId => Plane::U32(ids().map(|id| labels.material(id)).collect()),
-    };
+fn frame<P: Borrow<PixelValues>>(camera: &Camera, pixels: &[P], channels: &[Channel]) -> Frame {
+    let plane = |channel: Channel| Plane::of_words(channel, pixels.iter().map(|p| p.borrow().word(channel)).collect());
     let mut channels = channels.to_vec();
     channels.sort_unstable();
     channels.dedup();

@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::geometry::load::Object;
 use crate::geometry::mesh::Mesh;
 use crate::image::cryptomatte::{Matte, MatteKind};
-use crate::image::frame::{Channel, NO_ID};
+use crate::image::frame::{Channel, NO_ID, PixelValues};
 use std::sync::Arc;
 
 /// Objects and materials by triangle id.
@@ -45,6 +45,12 @@ impl Labels {
             NO_ID => NO_ID,
             id => self.mesh.material_of.get(id as usize).copied().unwrap_or(self.mesh.materials.len() as u32),
         }
+    }
+
+    /// A pixel with the labels of its triangle.
+    pub fn labelled(&self, pixel: PixelValues) -> PixelValues {
+        let (object, material) = (self.object(pixel.triangle), self.material(pixel.triangle));
+        PixelValues { object, material, ..pixel }
     }
 
     /// An empty Cryptomatte for images of the scene through a camera. The ids of the camera's optics follow those of all triangles.

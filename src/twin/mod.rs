@@ -246,7 +246,7 @@ pub fn render(scene: &Scene, camera: &Camera, wanted: &Wanted, binding_limit: u6
         let pixels = render_band(&tables, camera, band);
         for (plane, &channel) in planes.iter_mut().zip(channels) {
             // every pixel is a miss of the first chunk or a hit of one
-            plane.extend(pixels.iter().map(|p| shade::word(p, channel, scene.background).unwrap_or(0)));
+            plane.extend(pixels.iter().map(|p| p.word(channel).unwrap_or(0)));
         }
     }
     let plane = |channel: Channel| channels.iter().position(|c| *c == channel).map(|k| &planes[k]);
@@ -257,11 +257,7 @@ pub fn render(scene: &Scene, camera: &Camera, wanted: &Wanted, binding_limit: u6
         }
         _ => None,
     };
-    let values = |channel: Channel, words: Vec<u32>| match channel {
-        c if c.is_id() => Plane::U32(words),
-        _ => Plane::F32(words.into_iter().map(f32::from_bits).collect()),
-    };
-    let planes = channels.iter().zip(planes).map(|(&c, words)| (c, values(c, words))).collect();
+    let planes = channels.iter().zip(planes).map(|(&c, words)| (c, Plane::of_words(c, words))).collect();
     (Frame { width: camera.width, height: camera.height, planes }, srgb8)
 }
 

@@ -5,7 +5,7 @@ use super::raster::Visibility;
 use super::rays::{Cast, length};
 use super::surface::{NORMALIZE_UNITS, Surface};
 use super::{Input, Real};
-use crate::image::frame::{Channel, NO_ID};
+use crate::image::frame::{Channel, NO_ID, PixelValues};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -15,44 +15,17 @@ pub enum Pixel {
     /// What is visible lies in another chunk, or it is a miss and this is not the first chunk; or the pixel's ray ended in
     /// a pass before, or goes on in the next.
     Untouched,
-    Miss(Behind),
+    Miss(PixelValues),
     Hit(Shaded),
 }
 
-/// The channels of a hit.
+/// A hit.
 #[derive(Debug, Clone, Copy)]
 pub struct Shaded {
-    pub triangle: u32,
-    pub piece: u32,
-    /// The surface of the optics that was met first.
-    pub mirror: u32,
-    pub t: f64,
-    pub z: f64,
-    /// Weights of the file's corners, clamped to [0, 1].
-    pub weights: [f64; 3],
-    pub colour: [f64; 3],
-    /// World axes; 0 of a surface without triangles.
-    pub normal: DVec3,
-    /// World units.
-    pub position: DVec3,
-    pub albedo: [f32; 3],
-    /// Texture coordinates, 0 without any.
-    pub uv: [f64; 2],
-    pub error: Errors,
-}
-
-/// How far a kernel's numbers may be from these.
-#[derive(Debug, Clone, Copy)]
-pub struct Errors {
-    pub t: f64,
-    pub z: f64,
-    pub weight: f64,
-    /// Infinite if it is not certain which side faces the viewer.
-    pub colour: f64,
-    /// The same.
-    pub normal: f64,
-    pub position: f64,
-    pub uv: f64,
+    /// Without labels and what is proven, which other stages find.
+    pub values: PixelValues,
+    /// How far a kernel's numbers may be from these; of colour and normal infinite if it is not certain which side faces the viewer.
+    pub error: PixelValues,
 }
 
 /// Rounding of one f32 operation, relative.
@@ -83,7 +56,11 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
     let (x, y) = (pixel % p.width, pixel / p.width);
     let behind = input.behind(pixel);
     let Some(key) = key else {
-        return if p.id_first == 0 && input.is_under_way(x, y) { Pixel::Miss(behind) } else { Pixel::Untouched };
+        return if p.id_first == 0 && input.is_under_way(x, y) {
+            Pixel::Miss(miss(input, &behind))
+        } else {
+            Pixel::Untouched
+        };
     };
     let keys = input.keys(real);
     let (layer, t, id) = (keys.layer(key), keys.t(key), keys.id(key));
@@ -128,17 +105,29 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
     };
     let (mirror, piece) = behind.first.unwrap_or((NO_ID, own_piece));
     let (uv, uv_error) = hit.uv();
-    let error = Errors {
+    let error = PixelValues {
         t: T_UNITS * UNIT * t.abs(),
         z: z.abs() * (Z_UNITS * UNIT + direction_error) + UNIT * before,
-        weight: weight_error,
-        colour: colour_error,
-        normal: normal_error,
-        position: position_error(input, point, point_size),
-        uv: uv_error,
+        bary: [weight_error; 2],
+        colour: [colour_error; 3],
+        normal: DVec3::splat(normal_error),
+        position: DVec3::splat(position_error(input, point, point_size)),
+        uv: [uv_error; 2],
+        ..PixelValues::default()
     };
     let (position, albedo) = (point + input.anchor(), input.base(id).unwrap_or_else(|| hit.albedo()));
-    Pixel::Hit(Shaded { triangle: id, piece, mirror, t, z, weights, colour, normal, position, albedo, uv, error })
+    let (bary, triangle) = ([weights[1], weights[2]], id);
+    let seen =
+        PixelValues { triangle, piece, mirror, t, z, bary, colour, normal, position, albedo, uv, ..PixelValues::MISS };
+    Pixel::Hit(Shaded { values: PixelValues { coverage: 1.0, ..seen }, error })
+}
+
+/// A ray that hits nothing.
+fn miss(input: &Input, behind: &Behind) -> PixelValues {
+    let colour = [0, 1, 2].map(|k| f64::from(behind.light[k]) * f64::from(input.look.shading.background[k]));
+    let Some((mirror, piece)) = behind.first else { return PixelValues { colour, ..PixelValues::MISS } };
+    // what the optics show is no hole in the picture
+    PixelValues { colour, coverage: 1.0, mirror, piece, ..PixelValues::MISS }
 }
 
 /// How far a kernel's position may be from a point that is relative to the anchor, from numbers so large.
@@ -156,18 +145,16 @@ fn end_on_smooth(input: &Input, behind: &Behind, (id, t): (u32, f64), (x, y): (u
     let (colour, colour_error) = behind.left_of(albedo.map(f64::from), 0.0);
     let (p, d) = (ray.p.value(), ray.d.value());
     let point = p + t * d;
-    let error = Errors {
+    let error = PixelValues {
         t: T_UNITS * UNIT * t.abs(),
         z: z * (Z_UNITS + 2.0) * UNIT,
-        weight: 0.0,
-        colour: colour_error,
-        normal: 0.0,
-        position: position_error(input, point, p.length() + t.abs() * d.length()),
-        uv: 0.0,
+        colour: [colour_error; 3],
+        position: DVec3::splat(position_error(input, point, p.length() + t.abs() * d.length())),
+        ..PixelValues::default()
     };
-    let position = point + input.anchor();
-    let (weights, normal, uv) = ([0.0; 3], DVec3::ZERO, [0.0; 2]);
-    Pixel::Hit(Shaded { triangle: id, piece, mirror, t, z, weights, colour, normal, position, albedo, uv, error })
+    let (position, triangle) = (point + input.anchor(), id);
+    let seen = PixelValues { triangle, piece, mirror, t, z, colour, position, albedo, ..PixelValues::MISS };
+    Pixel::Hit(Shaded { values: PixelValues { coverage: 1.0, ..seen }, error })
 }
 
 impl Behind {
@@ -180,46 +167,12 @@ impl Behind {
     }
 }
 
-/// A pixel's word in a channel's plane; `None`: not written.
-pub fn word(pixel: &Pixel, channel: Channel, background: [f32; 3]) -> Option<u32> {
-    let infinity = f32::INFINITY.to_bits();
-    let bits = |v: f64| (v as f32).to_bits();
-    Some(match (pixel, channel) {
-        (Pixel::Untouched, _) => return None,
-        (Pixel::Miss(m), Channel::R) => (m.light[0] * background[0]).to_bits(),
-        (Pixel::Miss(m), Channel::G) => (m.light[1] * background[1]).to_bits(),
-        (Pixel::Miss(m), Channel::B) => (m.light[2] * background[2]).to_bits(),
-        // what the optics show is no hole in the picture
-        (Pixel::Miss(m), Channel::A) => bits(if m.first.is_some() { 1.0 } else { 0.0 }),
-        (Pixel::Miss(_), Channel::Z | Channel::T) => infinity,
-        (Pixel::Miss(m), Channel::PieceId) => m.first.map_or(NO_ID, |f| f.1),
-        (Pixel::Miss(m), Channel::MirrorId) => m.first.map_or(NO_ID, |f| f.0),
-        (Pixel::Miss(_), Channel::TriangleId) => NO_ID,
-        // `shade` does not write these
-        (_, Channel::Certified | Channel::ObjectId | Channel::MaterialId) => 0,
-        // weights, and what the surface is like
-        (Pixel::Miss(_), _) => 0,
-        (Pixel::Hit(s), Channel::R) => bits(s.colour[0]),
-        (Pixel::Hit(s), Channel::G) => bits(s.colour[1]),
-        (Pixel::Hit(s), Channel::B) => bits(s.colour[2]),
-        (Pixel::Hit(_), Channel::A) => bits(1.0),
-        (Pixel::Hit(s), Channel::Z) => bits(s.z),
-        (Pixel::Hit(s), Channel::T) => bits(s.t),
-        (Pixel::Hit(s), Channel::TriangleId) => s.triangle,
-        (Pixel::Hit(s), Channel::PieceId) => s.piece,
-        (Pixel::Hit(s), Channel::MirrorId) => s.mirror,
-        (Pixel::Hit(s), Channel::BaryU) => bits(s.weights[1]),
-        (Pixel::Hit(s), Channel::BaryV) => bits(s.weights[2]),
-        (Pixel::Hit(s), Channel::NormalX) => bits(s.normal.x),
-        (Pixel::Hit(s), Channel::NormalY) => bits(s.normal.y),
-        (Pixel::Hit(s), Channel::NormalZ) => bits(s.normal.z),
-        (Pixel::Hit(s), Channel::PositionX) => bits(s.position.x),
-        (Pixel::Hit(s), Channel::PositionY) => bits(s.position.y),
-        (Pixel::Hit(s), Channel::PositionZ) => bits(s.position.z),
-        (Pixel::Hit(s), Channel::AlbedoR) => s.albedo[0].to_bits(),
-        (Pixel::Hit(s), Channel::AlbedoG) => s.albedo[1].to_bits(),
-        (Pixel::Hit(s), Channel::AlbedoB) => s.albedo[2].to_bits(),
-        (Pixel::Hit(s), Channel::TextureU) => bits(s.uv[0]),
-        (Pixel::Hit(s), Channel::TextureV) => bits(s.uv[1]),
-    })
+impl Pixel {
+    /// Its word in a channel's plane; `None`: not written.
+    pub fn word(&self, channel: Channel) -> Option<u32> {
+        match self {
+            Pixel::Untouched => None,
+            Pixel::Miss(values) | Pixel::Hit(Shaded { values, .. }) => Some(values.word(channel)),
+        }
+    }
 }

@@ -10,7 +10,7 @@ use anamorph::internals::image::frame::Channel;
 use anamorph::internals::twin::bin::bin;
 use anamorph::internals::twin::cull::{Bound, cull};
 use anamorph::internals::twin::raster::{Visibility, raster};
-use anamorph::internals::twin::shade::{Pixel, shade, word};
+use anamorph::internals::twin::shade::{Pixel, shade};
 use anamorph::internals::twin::{Input, Real};
 use glam::Vec2;
 use std::collections::BTreeSet;
@@ -82,41 +82,28 @@ struct Compared {
     uvs: BTreeSet<u32>,
 }
 
-fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &Input, background: [f32; 3]) -> Compared {
+fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &Input) -> Compared {
     let mut seen = Compared::default();
     for (k, pixel) in pixels.iter().enumerate() {
         if let Pixel::Hit(s) = pixel {
             seen.hits += 1;
-            seen.edge_on += usize::from(s.error.colour.is_infinite());
+            seen.edge_on += usize::from(s.error.colour[0].is_infinite());
         }
         let mut ill = false;
         for (plane, &channel) in planes.iter().enumerate() {
             let got = words[plane * pixels.len() + k];
-            let want = word(pixel, channel, background).unwrap_or(before(channel, input));
+            let want = pixel.word(channel).unwrap_or(before(channel, input));
             let value = f64::from(f32::from_bits(got));
-            let (exact, most) = match (pixel, channel) {
-                (Pixel::Hit(s), Channel::T) => (s.t, s.error.t),
-                (Pixel::Hit(s), Channel::Z) => (s.z, s.error.z),
-                (Pixel::Hit(s), Channel::BaryU) => (s.weights[1], s.error.weight),
-                (Pixel::Hit(s), Channel::BaryV) => (s.weights[2], s.error.weight),
-                (Pixel::Hit(s), Channel::R) => (s.colour[0], s.error.colour),
-                (Pixel::Hit(s), Channel::G) => (s.colour[1], s.error.colour),
-                (Pixel::Hit(s), Channel::B) => (s.colour[2], s.error.colour),
-                (Pixel::Hit(s), Channel::NormalX) => (s.normal.x, s.error.normal),
-                (Pixel::Hit(s), Channel::NormalY) => (s.normal.y, s.error.normal),
-                (Pixel::Hit(s), Channel::NormalZ) => (s.normal.z, s.error.normal),
-                (Pixel::Hit(s), Channel::PositionX) => (s.position.x, s.error.position),
-                (Pixel::Hit(s), Channel::PositionY) => (s.position.y, s.error.position),
-                (Pixel::Hit(s), Channel::PositionZ) => (s.position.z, s.error.position),
-                (Pixel::Hit(s), Channel::TextureU) => (s.uv[0], s.error.uv),
-                (Pixel::Hit(s), Channel::TextureV) => (s.uv[1], s.error.uv),
-                // ids, coverage, background and pixels of other chunks: the very word
-                _ => {
-                    if got != want {
-                        seen.wrong.push(format!("pixel {k}, {channel:?}: {got:x} for {want:x}"));
-                    }
-                    continue;
+            let bounded = match pixel {
+                Pixel::Hit(s) => s.values.number(channel).zip(s.error.number(channel).filter(|most| *most > 0.0)),
+                _ => None,
+            };
+            // ids, numbers that are known exactly, misses and pixels of other chunks: the very word
+            let Some((exact, most)) = bounded else {
+                if got != want {
+                    seen.wrong.push(format!("pixel {k}, {channel:?}: {got:x} for {want:x}"));
                 }
+                continue;
             };
             let off = (value - exact).abs();
             // not a number is never right
@@ -138,9 +125,7 @@ fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &Input, b
                     6
                 }
             };
-            if most > 0.0 {
-                seen.shares[kind] = seen.shares[kind].max(off / most);
-            }
+            seen.shares[kind] = seen.shares[kind].max(off / most);
             match channel {
                 Channel::T => seen.t = seen.t.max(off / exact.abs()),
                 Channel::Z => seen.z_ulp = seen.z_ulp.max(off / exact.abs() / f64::from(f32::EPSILON)),
@@ -262,7 +247,7 @@ fn compared(bench: &mut Bench, case: &Case, input: &Input, visibility: &Visibili
     let name = format!("{}, row {}, ids from {}, {real:?}", case.name, input.params.band_row, input.params.id_first);
     let words = run_kernel(bench, case, real, input, visibility, &all());
     let pixels = shade(input, visibility, real);
-    let seen = compare(&words, &pixels, &all(), input, case.scene.background);
+    let seen = compare(&words, &pixels, &all(), input);
     println!(
         "{name}: {} hits, t {:.1e}, Z {:.1} ulp, weights {:.1e}, colour {:.1e}, edge-on {}, ill-conditioned {}, of bounds {:.2?}",
         seen.hits, seen.t, seen.z_ulp, seen.weight, seen.colour, seen.edge_on, seen.ill_conditioned, seen.shares
@@ -296,7 +281,7 @@ fn only_the_channels_asked_for_are_written() {
         vec![Channel::NormalY, Channel::PositionZ, Channel::AlbedoB],
     ] {
         let words = run_kernel(&mut bench, &case, real, &band[0], &visibility, &planes);
-        let seen = compare(&words, &pixels, &planes, &band[0], case.scene.background);
+        let seen = compare(&words, &pixels, &planes, &band[0]);
         assert!(seen.wrong.is_empty() && seen.hits > 0, "{planes:?}: {:?}", seen.wrong.first());
     }
 }
@@ -308,12 +293,11 @@ fn the_comparison_sees_planted_errors() {
     let band = case.bands(&tables).swap_remove(0);
     let visibility = visibility_of(&band, &[Real::F64]).swap_remove(0);
     let pixels = shade(&band[0], &visibility, Real::F64);
-    let background = case.scene.background;
     let planes = all();
     let right: Vec<u32> =
-        planes.iter().flat_map(|&c| pixels.iter().map(move |p| word(p, c, background).unwrap_or(POISON))).collect();
-    assert_eq!(compare(&right, &pixels, &planes, &band[0], background).wrong, Vec::<String>::new());
-    let sure = |p: &Pixel| matches!(p, Pixel::Hit(s) if s.error.colour < 1e-3);
+        planes.iter().flat_map(|&c| pixels.iter().map(move |p| p.word(c).unwrap_or(POISON))).collect();
+    assert_eq!(compare(&right, &pixels, &planes, &band[0]).wrong, Vec::<String>::new());
+    let sure = |p: &Pixel| matches!(p, Pixel::Hit(s) if s.error.colour[0] < 1e-3);
     let hit = pixels.iter().position(sure).unwrap();
     let miss = pixels.iter().position(|p| matches!(p, Pixel::Miss(_))).unwrap();
     for (plane, channel) in planes.iter().enumerate() {
@@ -330,7 +314,7 @@ fn the_comparison_sees_planted_errors() {
                 }
                 let mut words = right.clone();
                 words[at] = wrong;
-                let seen = compare(&words, &pixels, &planes, &band[0], background);
+                let seen = compare(&words, &pixels, &planes, &band[0]);
                 assert_eq!(seen.wrong.len(), 1, "{channel:?}, pixel {pixel} as {wrong:x}");
             }
         }

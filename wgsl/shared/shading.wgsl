@@ -1,30 +1,5 @@
-// Lighting parameters; and the plane of each channel, NONE if it is not rendered.
-// Provides: PLANE_A, PLANE_ALBEDO_B, PLANE_ALBEDO_G, PLANE_ALBEDO_R, PLANE_B, PLANE_BARY_U, PLANE_BARY_V, PLANE_G, PLANE_MIRROR_ID,
-//   PLANE_N_X, PLANE_N_Y, PLANE_N_Z, PLANE_PIECE_ID, PLANE_P_X, PLANE_P_Y, PLANE_P_Z, PLANE_R, PLANE_T, PLANE_TRIANGLE_ID, PLANE_UV_U,
-//   PLANE_UV_V, PLANE_Z, Shading
-
-override PLANE_R: u32 = 0xffffffffu;
-override PLANE_G: u32 = 0xffffffffu;
-override PLANE_B: u32 = 0xffffffffu;
-override PLANE_A: u32 = 0xffffffffu;
-override PLANE_Z: u32 = 0xffffffffu;
-override PLANE_T: u32 = 0xffffffffu;
-override PLANE_TRIANGLE_ID: u32 = 0xffffffffu;
-override PLANE_PIECE_ID: u32 = 0xffffffffu;
-override PLANE_BARY_U: u32 = 0xffffffffu;
-override PLANE_BARY_V: u32 = 0xffffffffu;
-override PLANE_MIRROR_ID: u32 = 0xffffffffu;
-override PLANE_N_X: u32 = 0xffffffffu;
-override PLANE_N_Y: u32 = 0xffffffffu;
-override PLANE_N_Z: u32 = 0xffffffffu;
-override PLANE_P_X: u32 = 0xffffffffu;
-override PLANE_P_Y: u32 = 0xffffffffu;
-override PLANE_P_Z: u32 = 0xffffffffu;
-override PLANE_ALBEDO_R: u32 = 0xffffffffu;
-override PLANE_ALBEDO_G: u32 = 0xffffffffu;
-override PLANE_ALBEDO_B: u32 = 0xffffffffu;
-override PLANE_UV_U: u32 = 0xffffffffu;
-override PLANE_UV_V: u32 = 0xffffffffu;
+// Lighting parameters.
+// Provides: Shading
 
 struct Shading {
     background: vec3<f32>,

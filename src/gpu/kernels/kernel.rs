@@ -1,7 +1,10 @@
 //! A kernel: its bindings and the snippets that its source is joined from.
 
 use super::REAL_F64;
+use crate::gpu::layout::NONE;
+use crate::image::frame::Channel;
 use std::fmt::Write;
+use std::sync::LazyLock;
 
 /// How a kernel binds a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -88,7 +91,7 @@ pub(crate) fn kernel(name: &'static str, bindings: Vec<Binding>, parts: &[Parts]
 }
 
 impl Kernel {
-    /// What precedes the snippets.
+    /// What precedes the snippets: the bindings, and of a kernel with `planes` the number of each channel's, [`NONE`] if it is not rendered.
     fn head(&self) -> String {
         let mut head = self.enables.to_string();
         for (k, b) in self.bindings.iter().enumerate() {
@@ -101,7 +104,20 @@ impl Kernel {
             // writing to a String cannot fail
             let _ = writeln!(head, "@group(0) @binding({k}) var{space} {}: {};", b.name, b.wgsl_type);
         }
+        if self.bindings.iter().any(|b| b.name == "planes") {
+            for (_, name) in PLANES.iter() {
+                let _ = writeln!(head, "override {name}: u32 = {NONE:#x}u;");
+            }
+        }
         head
+    }
+
+    /// Says which planes there are, in their order.
+    pub(super) fn with_planes(mut self, planes: &[Channel]) -> Kernel {
+        let name = |channel: &Channel| PLANES.iter().find(|(own, _)| own == channel).map(|(_, name)| name.as_str());
+        let constant = |(k, channel): (usize, &Channel)| name(channel).map(|name| (name, k as f64));
+        self.constants.extend(planes.iter().enumerate().filter_map(constant));
+        self
     }
 
     /// What is compiled: the bindings, then the snippets.
@@ -131,6 +147,12 @@ impl Kernel {
         (self.name, line)
     }
 }
+
+/// The constants with the number of a channel's plane: `PLANE_BARY_U` for `bary.u`. Labels have none: the host computes them.
+static PLANES: LazyLock<Vec<(Channel, String)>> = LazyLock::new(|| {
+    let name = |channel: Channel| format!("PLANE_{}", channel.name().to_uppercase().replace('.', "_"));
+    Channel::every().filter(|channel| !channel.is_label()).map(|channel| (channel, name(channel))).collect()
+});
 
 /// Stands for a snippet's name in front of the first one.
 const BINDINGS: &str = "bindings";

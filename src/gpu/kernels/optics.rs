@@ -137,8 +137,9 @@ pub fn paste(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend(variant.pixel_rays());
     let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, REFRACT, SHADING];
     let own = [variant.camera(), snippets!("paste.wgsl")];
-    let mut kernel = kernel("paste", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
-    kernel.constants = [variant.constants(), plane_constants(planes)].concat();
+    let mut kernel = kernel("paste", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat())
+        .with_planes(planes);
+    kernel.constants.extend(variant.constants());
     kernel
 }
 

@@ -227,8 +227,8 @@ pub fn resolve(variant: Variant, planes: &[Channel]) -> Kernel {
         own.extend(variant.sample_rays(&mut bindings));
     }
     own.push(snippets!("resolve.wgsl"));
-    let mut kernel = kernel("resolve", bindings, &[&snippets[..], &own].concat());
-    kernel.constants = [variant.constants(), plane_constants(planes)].concat();
+    let mut kernel = kernel("resolve", bindings, &[&snippets[..], &own].concat()).with_planes(planes);
+    kernel.constants.extend(variant.constants());
     kernel.constants.push(("SAMPLES", f64::from(variant.samples)));
     kernel.constants.push(("NORMALS", variant.normals as u32 as f64));
     kernel

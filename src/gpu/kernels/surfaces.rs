@@ -1,7 +1,6 @@
 //! The kernels that say what surfaces look like: their images and holes, the light that they send back, and what is drawn on them.
 
 use super::*;
-use std::sync::LazyLock;
 
 impl Variant {
     /// How weights of a triangle's corners change from pixel to pixel, where something follows from that.
@@ -97,8 +96,8 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     let own = [variant.camera(), SHADING, SURFACE, variant.images(), variant.style(), snippets!("shade.wgsl")];
     let mut all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();
     all.extend(variant.weights());
-    let mut kernel = kernel("shade", bindings, &all);
-    kernel.constants = [variant.constants(), plane_constants(planes)].concat();
+    let mut kernel = kernel("shade", bindings, &all).with_planes(planes);
+    kernel.constants.extend(variant.constants());
     kernel.constants.push(("NORMALS", variant.normals as u32 as f64));
     if let Some(optics) = variant.optics {
         kernel.constants.push(("SMOOTH", optics.is_smooth() as u32 as f64));
@@ -106,36 +105,17 @@ pub fn shade(variant: Variant, planes: &[Channel]) -> Kernel {
     kernel
 }
 
-/// The constant with the number of a channel's plane: `PLANE_BARY_U` for `bary.u`.
-static PLANE_NAMES: LazyLock<Vec<(Channel, String)>> = LazyLock::new(|| {
-    let name = |channel: Channel| format!("PLANE_{}", channel.name().to_uppercase().replace('.', "_"));
-    // the host computes labels from triangle ids, and `certify` writes a plane of its own
-    let written = Channel::every().filter(|channel| *channel != Channel::Certified && !channel.is_label());
-    written.map(|channel| (channel, name(channel))).collect()
-});
-
-/// Which plane each channel that was asked for is written to, by all but `certify`.
-pub(super) fn plane_constants(planes: &[Channel]) -> Vec<(&'static str, f64)> {
-    let constant =
-        |channel: &Channel| PLANE_NAMES.iter().find(|(own, _)| own == channel).map(|(_, name)| name.as_str());
-    planes.iter().enumerate().filter_map(|(k, c)| constant(c).map(|name| (name, k as f64))).collect()
-}
-
 /// Lines between pixels, into the colour planes.
 pub fn outline(planes: &[Channel]) -> Kernel {
     let bindings = vec![params(), uniform("style", "Style"), write("planes", "array<u32>")];
     let snippets = [PARAMS, ITEMS, SHADING, snippets!("styles/rows.wgsl"), snippets!("outline.wgsl")];
-    let mut kernel = kernel("outline", bindings, &snippets);
-    kernel.constants = plane_constants(planes);
-    kernel
+    kernel("outline", bindings, &snippets).with_planes(planes)
 }
 
 pub fn write_srgb(planes: &[Channel]) -> Kernel {
     let bindings =
         vec![params(), uniform("shading", "Shading"), read("planes", "array<u32>"), write("srgb8", "array<u32>")];
-    let mut kernel = kernel("write", bindings, &[PARAMS, ITEMS, SHADING, snippets!("write.wgsl")]);
-    kernel.constants = plane_constants(planes);
-    kernel
+    kernel("write", bindings, &[PARAMS, ITEMS, SHADING, snippets!("write.wgsl")]).with_planes(planes)
 }
 
 /// The levels of an image, each from the one before; no part of a frame.
