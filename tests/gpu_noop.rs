@@ -135,7 +135,7 @@ fn errors_of_kernels_name_the_snippet_its_line_and_that_line() {
 fn planted(features: Features, f64: bool, name: &'static str, from: &str, to: &str) -> String {
     let mut gpu = open(features, limits(), &GpuOptions::default()).unwrap();
     let variant = Variant::every(f64, false)[0];
-    let raster = anamorph::internals::gpu::kernels::raster(variant);
+    let raster = anamorph::internals::engine::stage::raster::kernel(variant);
     let there = raster.parts.iter().find(|p| p.name == name).expect("a snippet of raster");
     assert!(there.text.contains(from), "{name} has no {from:?}");
     gpu.replaced = vec![snippet(name, &there.text.replacen(from, to, 1))];
@@ -182,7 +182,7 @@ fn kernels_are_written_as_they_are_compiled() {
         Stages::new(&gpu, variant, &planes).unwrap();
     }
     let text = |name: &str| std::fs::read_to_string(into.join(name)).unwrap();
-    let [first, second] = [variants[0], variants[2]].map(anamorph::internals::gpu::kernels::raster);
+    let [first, second] = [variants[0], variants[2]].map(anamorph::internals::engine::stage::raster::kernel);
     assert!(first.source() != second.source() && text("raster.wgsl").contains("// override COUNTING = 0"));
     for (file, kernel) in [("raster.wgsl", first), ("raster-2.wgsl", second)] {
         assert_labelled(&text(file), &kernel);
@@ -208,7 +208,7 @@ fn the_limit_on_storage_buffers_is_what_the_largest_kernel_binds() {
         let storage = |k: &anamorph::internals::gpu::kernels::Kernel| {
             k.bindings.iter().filter(|b| matches!(b.access, Access::Read | Access::Write)).count()
         };
-        anamorph::internals::gpu::kernels::all(variant, &Channel::every().collect::<Vec<_>>())
+        anamorph::internals::engine::stage::all_kernels(variant, &Channel::every().collect::<Vec<_>>())
             .iter()
             .map(storage)
             .max()

@@ -2,7 +2,8 @@
 //! `shading.wgsl` and `beams.wgsl` against its twin in `src/gpu/layout.rs`, field by field, and every constant against its own.
 
 use anamorph::internals::engine::clusters::CORNER_ORDERS;
-use anamorph::internals::gpu::kernels::{self, Variant};
+use anamorph::internals::engine::stage;
+use anamorph::internals::gpu::kernels::{Kernel, Variant};
 use anamorph::internals::gpu::layout::{self, Counter};
 use anamorph::internals::image::frame::Channel;
 use naga::{Expression, Literal, Module, ScalarKind, Statement, SwitchValue, TypeInner};
@@ -380,7 +381,7 @@ fn every_constant_has_the_same_value_on_both_sides() {
 }
 
 /// The constants of a kernel that say where planes are: name and default.
-fn plane_overrides(kernel: &kernels::Kernel) -> Vec<(String, u32)> {
+fn plane_overrides(kernel: &Kernel) -> Vec<(String, u32)> {
     let module = parse(&kernel.source());
     let value = |e| match module.global_expressions[e] {
         Expression::Literal(Literal::U32(v)) => v,
@@ -390,7 +391,7 @@ fn plane_overrides(kernel: &kernels::Kernel) -> Vec<(String, u32)> {
     named.filter(|(name, _)| name.starts_with("PLANE_")).map(|(name, init)| (name, value(init.unwrap()))).collect()
 }
 
-fn plane_constants(kernel: &kernels::Kernel) -> Vec<(&'static str, f64)> {
+fn plane_constants(kernel: &Kernel) -> Vec<(&'static str, f64)> {
     kernel.constants.iter().copied().filter(|c| c.0.starts_with("PLANE_")).collect()
 }
 
@@ -401,11 +402,11 @@ fn every_channel_has_an_override_that_defaults_to_no_plane() {
     let expected: Vec<(String, u32)> = all.iter().map(|channel| (name(channel), layout::NONE)).collect();
     let of = |planes: &[Channel]| {
         [
-            kernels::shade(Variant::PLAIN, planes),
-            kernels::certify(Variant::PLAIN, planes),
-            kernels::gather(Variant::PLAIN, planes),
-            kernels::outline(planes),
-            kernels::write_srgb(planes),
+            stage::shade::kernel(Variant::PLAIN, planes),
+            stage::certify::kernel(Variant::PLAIN, planes),
+            stage::gather::kernel(Variant::PLAIN, planes),
+            stage::outline::kernel(planes),
+            stage::write::kernel(planes),
         ]
     };
     for kernel in of(&all) {
@@ -422,7 +423,7 @@ fn every_channel_has_an_override_that_defaults_to_no_plane() {
 
 #[test]
 fn the_last_word_of_a_triangle_row_is_cut_alike() {
-    let raster = kernels::raster(Variant::PLAIN).source();
+    let raster = stage::raster::kernel(Variant::PLAIN).source();
     let module = parse(&raster);
     let constant = |name: &str| {
         let (_, c) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
@@ -465,8 +466,8 @@ fn corner_orders(source: &str) -> Vec<[usize; 3]> {
 
 #[test]
 fn the_six_corner_orders_are_the_same_table() {
-    let source = kernels::raster(Variant::PLAIN).source();
-    let shade = kernels::shade(Variant::PLAIN, &Channel::ALL).source();
+    let source = stage::raster::kernel(Variant::PLAIN).source();
+    let shade = stage::shade::kernel(Variant::PLAIN, &Channel::ALL).source();
     assert_eq!((corner_orders(&source), corner_orders(&shade)), (CORNER_ORDERS.to_vec(), CORNER_ORDERS.to_vec()));
     let planted = source.replace("vec3<u32>(2u, 0u, 1u)", "vec3<u32>(0u, 2u, 1u)");
     assert_ne!(corner_orders(&planted), CORNER_ORDERS);

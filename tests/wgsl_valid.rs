@@ -1,7 +1,8 @@
 //! Every kernel of every variant is valid WGSL with the least capabilities that the variant may use, becomes SPIR-V,
 //! and keeps f64 to the operations that every driver translates right.
 
-use anamorph::internals::gpu::kernels::{self, Kernel, Variant};
+use anamorph::internals::engine::stage;
+use anamorph::internals::gpu::kernels::{Kernel, Variant};
 use anamorph::internals::gpu::layout::GROUP;
 use anamorph::internals::gpu::soft_f64::lowered;
 use anamorph::internals::image::frame::Channel;
@@ -64,14 +65,19 @@ fn validate(module: &Module, caps: Capabilities) -> Result<ModuleInfo, String> {
 
 fn each_kernel(mut check: impl FnMut(&Kernel, Variant)) {
     for variant in variants() {
-        kernels::all(variant, &Channel::every().collect::<Vec<_>>()).iter().for_each(|k| check(k, variant));
+        stage::all_kernels(variant, &Channel::every().collect::<Vec<_>>()).iter().for_each(|k| check(k, variant));
         let by_tile = variant.with_tiles();
         if by_tile.by_tile {
-            let kernels = [kernels::bin(by_tile), kernels::allot(), kernels::sort(), kernels::raster(by_tile)];
+            let kernels = [
+                stage::bin::kernel(by_tile),
+                stage::sort::allot_kernel(),
+                stage::sort::kernel(),
+                stage::raster::kernel(by_tile),
+            ];
             kernels.iter().for_each(|k| check(k, by_tile));
         }
         if by_tile.samples_by_tile() {
-            let kernels = [kernels::edges_by_tile, kernels::sample_by_tile, kernels::recheck_samples];
+            let kernels = [stage::edges::by_tile_kernel, stage::sample::by_tile_kernel, stage::sample::recheck_kernel];
             kernels.iter().for_each(|k| check(&k(by_tile), by_tile));
         }
         if variant.optics.is_none() {

@@ -1,12 +1,11 @@
 //! The images on a scene's triangles, put on the device with all their levels.
 
 use crate::engine::plan::pages::{PageLimits, Pages, Placed, level_place, level_size, levels};
-use crate::engine::stage::dispatch_items;
+use crate::engine::stage::{dispatch_items, mip};
 use crate::geometry::mesh::Material;
 use crate::geometry::texture::Texels;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
-use crate::gpu::kernels;
 use crate::input::Result;
 use half::f16;
 use rayon::prelude::*;
@@ -26,7 +25,7 @@ pub struct PageStore {
 
 #[derive(Default)]
 struct Held {
-    mip: Option<Pipeline>,
+    pipeline: Option<Pipeline>,
     last: Option<(Pages, wgpu::Texture)>,
 }
 
@@ -39,7 +38,7 @@ impl PageStore {
     pub fn place(&self, gpu: &Gpu, materials: &[Material], buffers: &mut Buffers) -> Result<Pages> {
         let pages = Pages::new(materials, PageLimits::of(&gpu.limits))?;
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let Held { mip, last } = &mut *held;
+        let Held { pipeline, last } = &mut *held;
         let known =
             last.as_ref().filter(|(known, _)| known.has_the_images_of(&pages)).map(|(_, texture)| texture.clone());
         let target = match known {
@@ -48,8 +47,8 @@ impl PageStore {
                 let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
                 let size = [pages.width.max(1), pages.height.max(1), pages.count.max(1)];
                 let target = texture(gpu, "pages", size, 1, usage);
-                let mip = mip.get_or_insert_with(|| Pipeline::new(gpu, kernels::mip()));
-                pages.images.iter().try_for_each(|image| put(gpu, mip, image, &target))?;
+                let pipeline = pipeline.get_or_insert_with(|| Pipeline::new(gpu, mip::kernel()));
+                pages.images.iter().try_for_each(|image| put(gpu, pipeline, image, &target))?;
                 *last = Some((pages.clone(), target.clone()));
                 target
             }

@@ -1,9 +1,7 @@
 //! The rivals' kernels and draws, in the manner of [`crate::gpu::kernels`].
 
-use crate::gpu::kernels::{
-    Binding, ITEMS, KEY, Kernel, PARAMS, Parts, RAY, RaysKind, SLABS, TRIANGLE_ROW, VERTEX, Variant, kernel, params,
-    read, snippets, texture, uniform, write,
-};
+use crate::gpu::kernels::parts::*;
+use crate::gpu::kernels::{RaysKind, Variant};
 use glam::DVec3;
 
 const SEGMENT: Parts = snippets!("shared/segment.wgsl");
@@ -14,14 +12,14 @@ const DRAWN: Parts = snippets!("rivals/drawn.wgsl");
 const OUTLINE: Parts = snippets!("rivals/outline.wgsl");
 const PROJECT: Parts = snippets!("rivals/project.wgsl");
 const FACE: Parts = snippets!("rivals/cube_face.wgsl");
-const CELLS: Parts = snippets!("rivals/splat_cells.wgsl");
+const SPLAT_CELLS: Parts = snippets!("rivals/splat_cells.wgsl");
 const PERSPECTIVE: Parts = snippets!("rivals/perspective_image.wgsl");
 
 /// A ray a pixel and segment, `brute` against every triangle.
 pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kernel {
-    let mut bindings = vec![params(), read("leaves", "array<LeafTriangle>")];
-    bindings.extend((!brute).then(|| read("bvh", "array<BvhNode>")));
-    bindings.push(write("visibility", "array<vec2<u32>>"));
+    let mut bindings = vec![params(), reads("leaves", "array<LeafTriangle>")];
+    bindings.extend((!brute).then(|| reads("bvh", "array<BvhNode>")));
+    bindings.push(writes("visibility", "array<vec2<u32>>"));
     bindings.extend(variant.pixel_rays());
     let way = match variant.rays {
         RaysKind::Curves { .. } => snippets!("rivals/curved_way.wgsl"),
@@ -31,7 +29,7 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
         if brute { snippets!("rivals/brute.wgsl") } else { snippets!("rivals/hierarchy.wgsl", "shared/bvh.wgsl") };
     let own = [SEGMENT, search, way, snippets!("rivals/trace.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SLABS, KEY][..], &variant.pixel_snippets(), &own].concat();
-    let mut kernel = kernel("trace", bindings, &snippets);
+    let mut kernel = Kernel::new("trace", bindings, &snippets);
     kernel.constants = variant.constants();
     kernel.constants.extend([("LAYERS", f64::from(layers)), ("SEGMENTS", f64::from(segments))]);
     kernel
@@ -39,24 +37,27 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
 
 /// A picture that the rasterizer made, into the visibility buffer.
 pub fn take(variant: Variant) -> Kernel {
-    let bindings = vec![params(), texture("picture", "texture_2d<u32>"), write("visibility", "array<vec2<u32>>")];
+    let bindings = vec![params(), texture("picture", "texture_2d<u32>"), writes("visibility", "array<vec2<u32>>")];
     let snippets = [PARAMS, ITEMS, SLABS, KEY, TRIANGLE_ROW, variant.real(), snippets!("rivals/take.wgsl")];
-    let mut kernel = kernel("take", bindings, &snippets);
+    let mut kernel = Kernel::new("take", bindings, &snippets);
     kernel.constants = vec![("SLABBED", f64::from(u8::from(variant.slabbed)))];
     kernel
 }
 
 /// The triangles of a chunk.
 fn triangles() -> [Binding; 2] {
-    [read("triangles", "array<vec4<u32>>"), read("vertices_hi", "array<f32>")]
+    [reads("triangles", "array<vec4<u32>>"), reads("vertices_hi", "array<f32>")]
 }
 
 /// A draw of triangles through pieces.
 fn pieces_draw(name: &'static str, layers: u32, more: &[Binding], own: &[Parts]) -> Kernel {
-    let rays = [read("pieces", "array<Piece>"), read("outlines", "array<Outline>")];
+    let rays = [reads("pieces", "array<Piece>"), reads("outlines", "array<Outline>")];
     let bindings = [&[params()][..], &triangles(), &rays, more].concat();
-    let mut kernel =
-        kernel(name, bindings, &[&[PARAMS, VERTEX, TRIANGLE_ROW, RAY, ROWS, RANGE, DRAWN, OUTLINE][..], own].concat());
+    let mut kernel = Kernel::new(
+        name,
+        bindings,
+        &[&[PARAMS, VERTEX, TRIANGLE_ROW, RAY, ROWS, RANGE, DRAWN, OUTLINE][..], own].concat(),
+    );
     kernel.constants = vec![("LAYERS", f64::from(layers))];
     kernel
 }
@@ -86,7 +87,7 @@ pub fn bound(layers: u32, culling: bool, middle: DVec3) -> Kernel {
 
 /// Perspective pieces.
 pub fn perspective(layers: u32, culling: bool) -> Kernel {
-    let replicas = [read("replicas", "array<vec2<u32>>")];
+    let replicas = [reads("replicas", "array<vec2<u32>>")];
     clipped_draw(
         "perspective",
         (layers, culling),
@@ -97,11 +98,11 @@ pub fn perspective(layers: u32, culling: bool) -> Kernel {
 
 /// What perspective pieces each triangle is drawn in.
 pub fn replicate(culling: bool) -> Kernel {
-    let rays = [read("cones", "array<Cone>"), read("pieces", "array<Piece>"), read("outlines", "array<Outline>")];
-    let own = [write("replicas", "array<vec2<u32>>"), write("draw_args", "array<atomic<u32>>")];
+    let rays = [reads("cones", "array<Cone>"), reads("pieces", "array<Piece>"), reads("outlines", "array<Outline>")];
+    let own = [writes("replicas", "array<vec2<u32>>"), writes("draw_args", "array<atomic<u32>>")];
     let bindings = [&[params()][..], &triangles(), &rays, &own].concat();
     let own = [OUTLINE, PERSPECTIVE, snippets!("rivals/replicate.wgsl")];
-    let mut kernel = kernel("replicate", bindings, &[&[PARAMS, ITEMS, VERTEX, RAY, ROWS][..], &own].concat());
+    let mut kernel = Kernel::new("replicate", bindings, &[&[PARAMS, ITEMS, VERTEX, RAY, ROWS][..], &own].concat());
     kernel.constants = vec![("CULLING", f64::from(u8::from(culling)))];
     kernel
 }
@@ -109,17 +110,17 @@ pub fn replicate(culling: bool) -> Kernel {
 /// Triangles onto a cube around the eye.
 pub fn cube() -> Kernel {
     let bindings = [&[params(), uniform("cube", "Cube")][..], &triangles()].concat();
-    kernel("cube", bindings, &[PARAMS, VERTEX, TRIANGLE_ROW, ROWS, DRAWN, FACE, snippets!("rivals/cube.wgsl")])
+    Kernel::new("cube", bindings, &[PARAMS, VERTEX, TRIANGLE_ROW, ROWS, DRAWN, FACE, snippets!("rivals/cube.wgsl")])
 }
 
 /// The cube map to the camera's picture.
 pub fn unfold(variant: Variant) -> Kernel {
     let mut bindings = vec![params(), uniform("cube", "Cube"), texture("picture", "texture_2d<u32>")];
-    bindings.push(write("visibility", "array<vec2<u32>>"));
+    bindings.push(writes("visibility", "array<vec2<u32>>"));
     bindings.extend(variant.pixel_rays());
     let own = [TRIANGLE_ROW, ROWS, RANGE, FACE, snippets!("rivals/unfold.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SLABS, KEY][..], &variant.pixel_snippets(), &own].concat();
-    let mut kernel = kernel("unfold", bindings, &snippets);
+    let mut kernel = Kernel::new("unfold", bindings, &snippets);
     kernel.constants = variant.constants();
     kernel
 }
@@ -127,7 +128,8 @@ pub fn unfold(variant: Variant) -> Kernel {
 /// Triangles into the texture S, `samples` texels a side each.
 pub fn splat_project(samples: u32) -> Kernel {
     let more = [uniform("splat", "Splat")];
-    let mut kernel = pieces_draw("splat_project", 1, &more, &[CELLS, PROJECT, snippets!("rivals/splat_project.wgsl")]);
+    let mut kernel =
+        pieces_draw("splat_project", 1, &more, &[SPLAT_CELLS, PROJECT, snippets!("rivals/splat_project.wgsl")]);
     kernel.constants.push(("SAMPLES", f64::from(samples)));
     kernel
 }
@@ -136,7 +138,7 @@ pub fn splat_project(samples: u32) -> Kernel {
 pub fn splat_move(layers: u32, culling: bool, samples: u32) -> Kernel {
     let more = [uniform("splat", "Splat"), texture("s", "texture_2d<f32>")];
     let mut kernel =
-        clipped_draw("splat_move", (layers, culling), &more, &[CELLS, snippets!("rivals/splat_move.wgsl")]);
+        clipped_draw("splat_move", (layers, culling), &more, &[SPLAT_CELLS, snippets!("rivals/splat_move.wgsl")]);
     kernel.constants.push(("SAMPLES", f64::from(samples)));
     kernel
 }

@@ -2,9 +2,9 @@
 
 use crate::common::needs::adapter;
 use crate::stages::{assert_poisoned, counters, read, run};
+use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::{Buffers, Pipeline};
-use anamorph::internals::gpu::kernels;
 use anamorph::internals::gpu::layout::*;
 use bytemuck::Zeroable;
 
@@ -71,7 +71,7 @@ fn suit(indirect: &[u32], items: u32, threads: u32) -> bool {
 #[test]
 fn dispatches_hold_all_items_of_a_list_and_end_with_it() {
     let Some(gpu) = adapter() else { return };
-    let pipeline = Pipeline::new(&gpu, kernels::args());
+    let pipeline = Pipeline::new(&gpu, stage::args::kernel());
     for (counter, capacity, threads) in lists() {
         let counts = [
             0,

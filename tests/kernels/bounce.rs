@@ -233,7 +233,7 @@ fn the_comparison_sees_planted_errors() {
 #[test]
 fn the_kernel_has_the_rule_s_constant() {
     let case = cases().into_iter().next().unwrap();
-    let source = anamorph::internals::gpu::kernels::bounce(case.variant(Real::F64, false)).source();
+    let source = anamorph::internals::engine::stage::bounce::kernel(case.variant(Real::F64, false)).source();
     assert!(
         source.contains(&format!("const FLAT_LEAST: real = {:?};", anamorph::internals::camera::optics::FLAT_LEAST))
     );

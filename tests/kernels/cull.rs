@@ -211,7 +211,7 @@ fn counters_keep_counting_past_the_end_of_full_lists() {
 /// Two rules are the same numbers on both sides; the other numbers of the kernel are its own.
 #[test]
 fn the_twin_s_constants_are_the_kernel_s() {
-    let source = anamorph::internals::gpu::kernels::cull(Variant::every(true, true)[0]).source();
+    let source = anamorph::internals::engine::stage::cull::kernel(Variant::every(true, true)[0]).source();
     for (name, value) in [("HAND_ON", HAND_ON as u32), ("HAND_ON_LEVEL", HAND_ON_LEVEL), ("REFINEMENTS", REFINEMENTS)] {
         assert!(source.contains(&format!("const {name}: u32 = {value}u;")), "{name} is not {value}");
     }

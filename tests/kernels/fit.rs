@@ -246,7 +246,7 @@ fn nodes_hold_nasty_rays() {
 
 #[test]
 fn the_kernel_has_the_host_s_constants() {
-    let source = anamorph::internals::gpu::kernels::fit(any_case().variant(Real::F32, false)).source();
+    let source = anamorph::internals::engine::stage::fit::kernel(any_case().variant(Real::F32, false)).source();
     for line in [
         format!("const STRAY: f32 = {STRAY:?};"),
         format!("const STRAY_SIZE: f32 = 1.0 / {:?};", 1.0 / STRAY_SIZE),

@@ -128,7 +128,7 @@ fn the_kernel_meets_what_its_twin_meets() {
 fn the_twin_s_rules_have_the_kernels_constants() {
     let of = |optics| {
         let plain = cases().remove(0).variant(Real::F64, false);
-        anamorph::internals::gpu::kernels::meet(Variant { optics: Some(optics), ..plain }).source()
+        anamorph::internals::engine::stage::meet::kernel(Variant { optics: Some(optics), ..plain }).source()
     };
     let holds = |optics, line: &str| assert!(of(optics).contains(line), "{line}");
     holds(OpticsKind::Quadrics, &format!("const HEIGHT_UNITS: real = {HEIGHT_UNITS:?};"));

@@ -1,6 +1,30 @@
 //! bounce: the ray of every pixel that meets the optics' surface, turned there.
 
 use super::{Dispatch, KernelId};
+use crate::gpu::kernels::Variant;
+use crate::gpu::kernels::parts::*;
+
+/// The rays that the optics' surface turns.
+pub fn kernel(variant: Variant) -> Kernel {
+    let (surface, surface_snippets) = variant.surface();
+    let mut bindings = vec![
+        params(),
+        optic(),
+        reads("visibility", "array<u32>"),
+        paths(),
+        surface,
+        writes("bounced_hi", "array<f32>"),
+        writes("bounced_lo", "array<f32>"),
+        writes("bounced_paths", "array<PathState>"),
+    ];
+    bindings.extend(variant.pixel_rays());
+    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, REFRACT];
+    let own = [variant.camera(), snippets!("bounce.wgsl")];
+    let mut kernel =
+        Kernel::new("bounce", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());
+    kernel.constants = variant.constants();
+    kernel
+}
 
 pub fn bounce(pixels: u32) -> Dispatch {
     Dispatch::over(KernelId::Bounce, pixels)

@@ -1,7 +1,35 @@
 //! certify: what is proven of what raster and recheck found, for the channel of that name.
 
 use super::{Dispatch, KernelId};
+use crate::gpu::kernels::Variant;
+use crate::gpu::kernels::parts::*;
 use crate::gpu::layout::Counter;
+use crate::image::frame::Channel;
+
+/// What is proven of what raster and recheck found.
+pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        step(),
+        reads("pairs", "array<vec2<u32>>"),
+        reads("triangles", "array<vec4<u32>>"),
+        reads("vertices_hi", "array<f32>"),
+        reads("vertices_lo", "array<f32>"),
+        reads("visibility", "array<u32>"),
+        writes("proofs", "array<atomic<u32>>"),
+        writes("planes", "array<u32>"),
+        counters(),
+    ];
+    bindings.extend(variant.rays());
+    bindings.extend([reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    let shared = [PAIR, BITS, MEETING, variant.camera(), snippets!("shared/proof.wgsl")];
+    let own = [NEARNESS, SOLID, snippets!("certify.wgsl")];
+    let all = [&snippets[..], &shared[..], variant.coverage(), variant.proof(), &own].concat();
+    let mut kernel = Kernel::new("certify", bindings, &all).with_planes(planes);
+    kernel.constants.extend(variant.constants());
+    kernel
+}
 
 /// How many times all pairs must pass `certify`, after all steps of raster.
 pub const CERTIFY_STEPS: u32 = 2;

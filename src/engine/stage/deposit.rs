@@ -3,13 +3,24 @@
 use super::dispatch_items;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
-use crate::gpu::kernels;
+use crate::gpu::kernels::parts::*;
 use crate::gpu::layout;
 use crate::input::{Error, Result};
 use crate::scene::caustics::beams::Cast;
 use crate::scene::caustics::{Caustics, Illumination, Map, mean};
 use rayon::prelude::*;
 use wgpu::BufferUsages;
+
+/// Caustic triangles onto the maps of receivers; no part of a frame.
+pub fn kernel() -> Kernel {
+    let bindings = vec![
+        uniform("casting", "Casting"),
+        reads("casts", "array<Cast>"),
+        reads("receivers", "array<Receiver>"),
+        writes("sums", "array<atomic<u32>>"),
+    ];
+    Kernel::new("deposit", bindings, &[PARAMS, ITEMS, CAUSTICS, snippets!("deposit.wgsl")])
+}
 
 /// The kernel, compiled.
 pub struct Deposit<'g> {
@@ -67,7 +78,7 @@ impl Casts {
 
 impl<'g> Deposit<'g> {
     pub fn new(gpu: &'g Gpu) -> Deposit<'g> {
-        Deposit { gpu, pipeline: Pipeline::new(gpu, kernels::deposit()) }
+        Deposit { gpu, pipeline: Pipeline::new(gpu, kernel()) }
     }
 
     /// Adds up the flux of all triangles in `sums`, which `buffers` gets together with `receivers`; returns the sums: 6

@@ -1,7 +1,64 @@
 //! edges: the pixels that hold an edge, whose samples do not all see one triangle; pair by pair, or tile by tile.
 
 use super::{Dispatch, KernelId};
-use crate::gpu::layout::{Counter, LANES};
+use crate::gpu::kernels::Variant;
+use crate::gpu::kernels::parts::*;
+use crate::gpu::layout::{self, Counter};
+
+/// The pixels that hold an edge, pair by pair.
+pub fn kernel(variant: Variant) -> Kernel {
+    let bindings = vec![
+        params(),
+        step(),
+        reads("pairs", "array<vec2<u32>>"),
+        reads("triangles", "array<vec4<u32>>"),
+        reads("vertices_hi", "array<f32>"),
+        reads("slot_of_id", "array<u32>"),
+        reads("visibility", "array<u32>"),
+        reads("nodes", "array<Node>"),
+        reads("tile_start", "array<u32>"),
+        reads("cells", "array<Cell>"),
+        reads("cell_samples", "array<vec2<u32>>"),
+        writes("edge_of", "array<atomic<u32>>"),
+        writes("samples", "array<u32>"),
+        counters(),
+    ];
+    // of keys the ids and layers alone are read
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, TRIANGLE_ROW, REAL_F32, KEY, PAIR, BITS, CELLS, WITHIN];
+    let own = [DEPTH_BOUNDS, NEARNESS, CELL_SAMPLES, snippets!("edges.wgsl")];
+    let mut kernel = Kernel::new("edges", bindings, &[&snippets[..], &own].concat());
+    kernel.constants = variant.sample_constants();
+    kernel
+}
+
+/// The pixels that hold an edge, tile by tile.
+pub fn by_tile_kernel(variant: Variant) -> Kernel {
+    let bindings = vec![
+        params(),
+        reads("pairs", "array<vec2<u32>>"),
+        reads("starts", "array<u32>"),
+        reads("ends", "array<u32>"),
+        reads("triangles", "array<vec4<u32>>"),
+        reads("vertices_hi", "array<f32>"),
+        reads("visibility", "array<vec2<u32>>"),
+        reads("nodes", "array<vec4<f32>>"),
+        reads("tile_start", "array<u32>"),
+        reads("cell_samples", "array<vec2<u32>>"),
+        writes("edge_of", "array<u32>"),
+        writes("samples", "array<vec2<u32>>"),
+        writes("touches", "array<vec4<u32>>"),
+        writes("blocks", "array<vec4<u32>>"),
+        counters(),
+    ];
+    // of keys the ids alone are read
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, TRIANGLE_ROW, REAL_F32, KEY, PAIR, BITS, WITHIN, COLUMN];
+    let four = snippets!("samples/four.wgsl");
+    let own = [DEPTH_BOUNDS, LANES, NODE_BY_LANES, CELL_SAMPLES, four, snippets!("edges_by_tile.wgsl")];
+    let mut kernel = Kernel::new("edges", bindings, &[&snippets[..], &own].concat());
+    kernel.constants = variant.sample_constants();
+    kernel.constants.push(("STRIPS", variant.strips()));
+    kernel
+}
 
 /// The steps of the kernel, pair by pair.
 const SEEN: u32 = 0;
@@ -25,5 +82,5 @@ pub fn list_edges(pixels: u32) -> Dispatch {
 
 /// Finds and lists them at once, of `tiles` tiles that have all pairs of the scene.
 pub fn edges_by_tile(tiles: u32) -> Dispatch {
-    Dispatch::over(KernelId::EdgesByTile, LANES * tiles)
+    Dispatch::over(KernelId::EdgesByTile, layout::LANES * tiles)
 }

@@ -5,6 +5,7 @@
 //! rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow recheck and [`resolve`] follows shade; [`outline`] draws lines over what they came to. Caustics are added up by [`deposit`] before the first frame and shown by [`gather`] after shade. Apart
 //! from these is [`sift`], which finds the parts of an image that may see a point.
 
+pub mod args;
 pub mod bin;
 pub mod bounce;
 pub mod certify;
@@ -14,6 +15,7 @@ pub mod edges;
 pub mod fit;
 pub mod gather;
 pub mod meet;
+pub mod mip;
 pub mod outline;
 pub mod paste;
 pub mod raster;
@@ -28,104 +30,74 @@ pub mod write;
 
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline};
-use crate::gpu::kernels::{self, Kernel, OpticsKind, Variant};
+use crate::gpu::kernels::{Kernel, OpticsKind, Variant};
 use crate::gpu::layout::{CULL_QUEUES, Counter, GROUP, Step};
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-/// The kernels of frames.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum KernelId {
+/// Generates the ids of kernels, their list, and how each is made, from one table.
+macro_rules! kernels {
+    ($($(#[$doc:meta])* $id:ident, $is_there:expr, $kernel:expr;)*) => {
+        /// The kernels of frames.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum KernelId {
+            $($(#[$doc])* $id,)*
+        }
+
+        impl KernelId {
+            pub const ALL: [KernelId; [$(stringify!($id)),*].len()] = [$(KernelId::$id),*];
+
+            /// The kernel of a variant whose frames have these planes; `None`: they do without.
+            pub fn kernel(self, variant: Variant, planes: &[Channel]) -> Option<Kernel> {
+                type Of<T> = fn(Variant, &[Channel]) -> T;
+                let (is_there, kernel): (Of<bool>, Of<Kernel>) = match self {
+                    $(KernelId::$id => ($is_there, $kernel),)*
+                };
+                is_there(variant, planes).then(|| kernel(variant, planes))
+            }
+        }
+    };
+}
+
+// the variants that have a kernel, and how it is made
+kernels! {
     /// Lays out the dispatches of the others that follow a counter.
-    Args,
-    Cull,
-    Split,
-    Bin,
-    Allot,
-    Sort,
-    Raster,
-    Recheck,
-    Meet,
-    Certify,
+    Args, |_, _| true, |_, _| args::kernel();
+    Cull, |_, _| true, |v, _| cull::kernel(v);
+    Split, |_, _| true, |v, _| split::kernel(v);
+    Bin, |_, _| true, |v, _| bin::kernel(v);
+    Allot, |v, _| v.by_tile, |_, _| sort::allot_kernel();
+    Sort, |v, _| v.by_tile, |_, _| sort::kernel();
+    Raster, |_, _| true, |v, _| raster::kernel(v);
+    Recheck, |v, _| v.rechecks(), |v, _| recheck::kernel(v);
+    Meet, |v, _| v.meets(), |v, _| meet::kernel(v);
+    Certify, |_, planes| planes.contains(&Channel::Certified), certify::kernel;
     /// Edges and samples, pair by pair.
-    Edges,
-    Sample,
+    Edges, |v, _| v.samples_edges(), |v, _| edges::kernel(v);
+    Sample, |v, _| v.samples_edges(), |v, _| sample::kernel(v);
     /// The same tile by tile.
-    EdgesByTile,
-    SampleByTile,
-    RecheckSamples,
-    Shade,
-    Resolve,
-    Gather,
-    Bounce,
-    Fit,
-    Paste,
-    Outline,
-    Write,
+    EdgesByTile, |v, _| v.samples_by_tile(), |v, _| edges::by_tile_kernel(v);
+    SampleByTile, |v, _| v.samples_by_tile(), |v, _| sample::by_tile_kernel(v);
+    RecheckSamples, |v, _| v.samples_by_tile(), |v, _| sample::recheck_kernel(v);
+    Shade, |_, _| true, shade::kernel;
+    Resolve, |v, _| v.samples_edges(), resolve::kernel;
+    Gather, |_, _| true, gather::kernel;
+    Bounce, |v, _| v.bounces_rays(), |v, _| bounce::kernel(v);
+    Fit, |v, _| v.bounces_rays(), |v, _| fit::kernel(v);
+    Paste, |v, _| v.optics == Some(OpticsKind::Atlas), paste::kernel;
+    Outline, |v, _| v.outlined, |_, planes| outline::kernel(planes);
+    Write, |_, _| true, |_, planes| write::kernel(planes);
+}
+
+/// The kernels of a variant whose frames have these planes, and those that are no part of a frame.
+pub fn all_kernels(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
+    let of_frames = KernelId::ALL.into_iter().filter_map(|id| id.kernel(variant, planes));
+    of_frames.chain([mip::kernel(), sift::kernel(), deposit::kernel()]).collect()
 }
 
 impl KernelId {
-    pub const ALL: [KernelId; 23] = {
-        use KernelId::*;
-        [
-            Args,
-            Cull,
-            Split,
-            Bin,
-            Allot,
-            Sort,
-            Raster,
-            Recheck,
-            Meet,
-            Certify,
-            Edges,
-            Sample,
-            EdgesByTile,
-            SampleByTile,
-            RecheckSamples,
-            Shade,
-            Resolve,
-            Gather,
-            Bounce,
-            Fit,
-            Paste,
-            Outline,
-            Write,
-        ]
-    };
-
-    /// The kernel of a variant whose frames have these planes; `None`: they do without.
-    pub fn kernel(self, variant: Variant, planes: &[Channel]) -> Option<Kernel> {
-        let (is_there, kernel): (bool, &dyn Fn() -> Kernel) = match self {
-            KernelId::Args => (true, &kernels::args),
-            KernelId::Cull => (true, &|| kernels::cull(variant)),
-            KernelId::Split => (true, &|| kernels::split(variant)),
-            KernelId::Bin => (true, &|| kernels::bin(variant)),
-            KernelId::Allot => (variant.by_tile, &kernels::allot),
-            KernelId::Sort => (variant.by_tile, &kernels::sort),
-            KernelId::Raster => (true, &|| kernels::raster(variant)),
-            KernelId::Recheck => (variant.rechecks(), &|| kernels::recheck(variant)),
-            KernelId::Meet => (variant.meets(), &|| kernels::meet(variant)),
-            KernelId::Certify => (planes.contains(&Channel::Certified), &|| kernels::certify(variant, planes)),
-            KernelId::Edges => (variant.samples_edges(), &|| kernels::edges(variant)),
-            KernelId::Sample => (variant.samples_edges(), &|| kernels::sample(variant)),
-            KernelId::EdgesByTile => (variant.samples_by_tile(), &|| kernels::edges_by_tile(variant)),
-            KernelId::SampleByTile => (variant.samples_by_tile(), &|| kernels::sample_by_tile(variant)),
-            KernelId::RecheckSamples => (variant.samples_by_tile(), &|| kernels::recheck_samples(variant)),
-            KernelId::Shade => (true, &|| kernels::shade(variant, planes)),
-            KernelId::Resolve => (variant.samples_edges(), &|| kernels::resolve(variant, planes)),
-            KernelId::Gather => (true, &|| kernels::gather(variant, planes)),
-            KernelId::Bounce => (variant.bounces_rays(), &|| kernels::bounce(variant)),
-            KernelId::Fit => (variant.bounces_rays(), &|| kernels::fit(variant)),
-            KernelId::Paste => (variant.optics == Some(OpticsKind::Atlas), &|| kernels::paste(variant, planes)),
-            KernelId::Outline => (variant.outlined, &|| kernels::outline(planes)),
-            KernelId::Write => (true, &|| kernels::write_srgb(planes)),
-        };
-        is_there.then(kernel)
-    }
-
     /// Compiled once a frame takes it, not beforehand: of these a frame takes some or none.
     fn waits(self) -> bool {
         use KernelId::*;

@@ -1,8 +1,97 @@
 //! raster: every (triangle, tile) pair, pixel by pixel, into the visibility buffer; pair by pair, or tile by tile.
 
 use super::{Dispatch, KernelId};
-use crate::gpu::kernels::Variant;
+use crate::gpu::kernels::parts::*;
+use crate::gpu::kernels::{RaysKind, Variant};
 use crate::gpu::layout::Counter;
+
+pub fn kernel(variant: Variant) -> Kernel {
+    if variant.by_tile {
+        return by_tile(variant);
+    }
+    let mut kernel = into_visibility("raster", variant, &[UNCERTAIN, snippets!("raster.wgsl")]);
+    kernel.constants.push(("ALL_UNCERTAIN", f64::from(u8::from(variant.all_uncertain && variant.rechecks()))));
+    kernel
+}
+
+fn by_tile(variant: Variant) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        reads("pairs", "array<vec2<u32>>"),
+        writes("starts", "array<u32>"),
+        reads("ends", "array<u32>"),
+        writes("busy", "array<u32>"),
+        writes("recheck_items", "array<vec2<u32>>"),
+        reads("triangles", "array<vec4<u32>>"),
+        reads("vertices_hi", "array<f32>"),
+        reads("vertices_lo", "array<f32>"),
+        reads("nodes", "array<vec4<f32>>"),
+        writes("visibility", "array<atomic<u64>>"),
+        counters(),
+    ];
+    let column = match variant.rays {
+        RaysKind::Field => {
+            bindings.extend([reads("rays_hi", "array<vec2<f32>>"), reads("rays_lo", "array<vec2<f32>>")]);
+            snippets!("camera/field_column.wgsl")
+        }
+        _ => {
+            let pieces = reads("pieces", "array<vec4<f32>>");
+            bindings.extend([pieces, reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
+            snippets!("camera/piece.wgsl", "camera/pieces_column.wgsl")
+        }
+    };
+    if variant.bounced {
+        bindings.extend([optic(), paths()]);
+    }
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
+    let own = [
+        WITHIN,
+        variant.merge(),
+        UNCERTAIN,
+        LANES,
+        NODE_BY_LANES,
+        COLUMN,
+        column,
+        snippets!("shared/waiting.wgsl"),
+        snippets!("shared/pixel_test.wgsl"),
+        snippets!("raster_by_tile.wgsl"),
+    ];
+    let mut kernel = Kernel::new("raster", bindings, &[&snippets[..], &own, variant.start()].concat());
+    kernel.constants = variant.constants();
+    kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
+    kernel
+}
+
+/// A kernel from pairs to the visibility buffer.
+pub(super) fn into_visibility(name: &'static str, variant: Variant, own: &[Parts]) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        step(),
+        reads("pairs", "array<vec2<u32>>"),
+        writes("recheck_items", "array<vec2<u32>>"),
+        reads("triangles", "array<vec4<u32>>"),
+        reads("vertices_hi", "array<f32>"),
+        reads("vertices_lo", "array<f32>"),
+        writes("visibility", variant.keys()),
+        counters(),
+    ];
+    bindings.extend(variant.rays());
+    bindings.extend([reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
+    if variant.bounced {
+        bindings.extend([optic(), paths()]);
+    }
+    if variant.masked {
+        bindings.extend([reads("surfaces", "array<vec4<u32>>"), reads("materials", "array<Material>")]);
+        bindings.extend(variant.pages());
+    }
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, variant.holes()];
+    let shared = [PAIR, BITS, variant.merge(), MEETING, snippets!("shared/hits.wgsl"), variant.camera()];
+    let all = [&snippets[..], &shared[..], own, variant.coverage(), variant.start()].concat();
+    let mut kernel = Kernel::new(name, bindings, &all);
+    kernel.constants = variant.constants();
+    kernel.constants.push(("COUNTING", variant.counting as u32 as f64));
+    kernel
+}
 
 /// How many times all pairs must pass `raster`: without 64-bit atomics the words of a key go one after the other.
 pub fn raster_steps(variant: Variant) -> u32 {

@@ -1,7 +1,14 @@
 //! recheck: what raster left uncertain, in recheck arithmetic.
 
 use super::{Dispatch, KernelId};
+use crate::gpu::kernels::Variant;
+use crate::gpu::kernels::parts::*;
 use crate::gpu::layout::Counter;
+
+/// What bounds in f32 may leave to be rechecked.
+pub fn kernel(variant: Variant) -> Kernel {
+    super::raster::into_visibility("recheck", variant, &[SIDES, snippets!("recheck.wgsl")])
+}
 
 /// After every step of raster, of variants with [`crate::gpu::kernels::Variant::rechecks`].
 pub fn recheck(step: u32) -> Dispatch {

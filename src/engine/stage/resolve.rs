@@ -1,7 +1,51 @@
 //! resolve: the colours of the pixels that hold an edge, from their samples.
 
 use super::{Dispatch, KernelId};
+use crate::gpu::kernels::parts::*;
+use crate::gpu::kernels::{RaysKind, Variant};
 use crate::gpu::layout::Counter;
+use crate::image::frame::Channel;
+
+/// The colours of those pixels.
+pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        uniform("shading", "Shading"),
+        uniform("places", "Places"),
+        reads("triangles", "array<vec4<u32>>"),
+        reads("vertices_hi", "array<f32>"),
+        reads("slot_of_id", "array<u32>"),
+        reads("surfaces", "array<vec4<u32>>"),
+        reads("normals", "array<f32>"),
+        reads("materials", "array<Material>"),
+        reads("lights", "array<vec4<f32>>"),
+        reads("samples", "array<u32>"),
+        writes("planes", "array<u32>"),
+        counters(),
+        reads("cell_samples", "array<vec2<u32>>"),
+    ];
+    bindings.extend(variant.pages());
+    bindings.extend(variant.style_row());
+    bindings.extend(variant.pixel_rays());
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE_ROW, BUNDLE, KEY, SHADING, SURFACE];
+    let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_PLACES];
+    own.push(variant.style());
+    own.extend(variant.weights());
+    own.push(if variant.analytic { snippets!("samples/areas.wgsl") } else { snippets!("samples/counted.wgsl") });
+    own.extend(variant.light());
+    own.extend(variant.pixel());
+    if variant.rays == RaysKind::Pieces {
+        own.push(snippets!("camera/pieces_sample_ray.wgsl"));
+    } else {
+        own.extend(variant.sample_rays(&mut bindings));
+    }
+    own.push(snippets!("resolve.wgsl"));
+    let mut kernel = Kernel::new("resolve", bindings, &[&snippets[..], &own].concat()).with_planes(planes);
+    kernel.constants.extend(variant.constants());
+    kernel.constants.push(("SAMPLES", f64::from(variant.samples)));
+    kernel.constants.push(("NORMALS", variant.normals as u32 as f64));
+    kernel
+}
 
 /// After `shade`, for every chunk of the scene from the first on.
 pub fn resolve() -> Dispatch {

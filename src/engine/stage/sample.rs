@@ -1,7 +1,107 @@
 //! sample: the samples of the pixels that hold an edge against every triangle; pair by pair, or tile by tile, and the recheck of what that leaves uncertain.
 
 use super::{Dispatch, KernelId};
+use crate::gpu::kernels::parts::*;
+use crate::gpu::kernels::{RaysKind, Variant};
 use crate::gpu::layout::Counter;
+
+/// What the samples of those pixels see, pair by pair.
+pub fn kernel(variant: Variant) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        step(),
+        reads("pairs", "array<vec2<u32>>"),
+        reads("triangles", "array<vec4<u32>>"),
+        reads("vertices_hi", "array<f32>"),
+        reads("vertices_lo", "array<f32>"),
+        writes("visibility", variant.keys()),
+        counters(),
+        reads("nodes", "array<Node>"),
+        reads("tile_start", "array<u32>"),
+        reads("cells", "array<Cell>"),
+        reads("cell_samples", "array<vec2<u32>>"),
+        reads("edge_of", "array<u32>"),
+    ];
+    bindings.extend(variant.rays());
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
+    let own = [WITHIN, variant.merge(), MEETING, MEETING_OF_RAYS, SIDES, variant.camera(), CELL_SAMPLES, SAMPLE_HITS];
+    let rays = variant.sample_rays(&mut bindings);
+    let all = [&snippets[..], &own, rays, &[snippets!("sample.wgsl")]].concat();
+    let mut kernel = Kernel::new("sample", bindings, &all);
+    kernel.constants = variant.sample_constants();
+    kernel
+}
+
+/// What the samples of those pixels see, tile by tile.
+pub fn by_tile_kernel(variant: Variant) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        reads("blocks", "array<vec4<u32>>"),
+        reads("touches", "array<vec4<u32>>"),
+        reads("triangles", "array<vec4<u32>>"),
+        reads("vertices_hi", "array<f32>"),
+        reads("vertices_lo", "array<f32>"),
+        reads("nodes", "array<vec4<f32>>"),
+        writes("samples", "array<vec2<u32>>"),
+        writes("recheck_items", "array<vec2<u32>>"),
+        counters(),
+        reads("tile_start", "array<u32>"),
+        reads("cell_samples", "array<vec2<u32>>"),
+    ];
+    let rays: &[Parts] = match variant.rays {
+        RaysKind::Field => {
+            bindings.extend([reads("rays_hi", "array<vec2<f32>>"), reads("rays_lo", "array<vec2<f32>>")]);
+            bindings.push(reads("rays_aside", "array<vec2<f32>>"));
+            &[snippets!("camera/field_column.wgsl"), snippets!("camera/field_strip.wgsl")]
+        }
+        _ => {
+            bindings.extend([
+                reads("pieces", "array<Piece>"),
+                reads("cells", "array<Cell>"),
+                uniform("places", "Places"),
+            ]);
+            &[snippets!("camera/piece.wgsl"), SAMPLE_PLACES, snippets!("camera/pieces_strip.wgsl")]
+        }
+    };
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
+    let own = [LANES, NODE_BY_LANES, COLUMN, CELL_SAMPLES];
+    let hold =
+        [snippets!("shared/waiting.wgsl"), snippets!("shared/pixel_test.wgsl"), snippets!("sample_by_tile.wgsl")];
+    let mut kernel = Kernel::new("sample", bindings, &[&snippets[..], &own, rays, &hold].concat());
+    kernel.constants = variant.constants();
+    kernel.constants.extend([("SAMPLES", f64::from(variant.samples)), ("STRIPS", variant.strips())]);
+    kernel
+}
+
+/// What that leaves uncertain.
+pub fn recheck_kernel(variant: Variant) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        step(),
+        reads("pairs", "array<vec2<u32>>"),
+        reads("recheck_items", "array<vec2<u32>>"),
+        reads("triangles", "array<vec4<u32>>"),
+        reads("vertices_hi", "array<f32>"),
+        reads("vertices_lo", "array<f32>"),
+        writes("visibility", variant.keys()),
+        counters(),
+        reads("tile_start", "array<u32>"),
+        reads("cells", "array<Cell>"),
+        reads("cell_samples", "array<vec2<u32>>"),
+    ];
+    bindings.extend(variant.rays());
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, PAIR, BITS];
+    let own = [variant.merge(), MEETING, MEETING_OF_RAYS, SIDES, variant.camera(), CELL_SAMPLES, SAMPLE_HITS];
+    let rays = variant.sample_rays(&mut bindings);
+    let mut kernel = Kernel::new(
+        "recheck_samples",
+        bindings,
+        &[&snippets[..], &own, rays, &[snippets!("recheck_samples.wgsl")]].concat(),
+    );
+    kernel.constants = variant.constants();
+    kernel.constants.extend([("SAMPLES", f64::from(variant.samples)), ("STRIPS", variant.strips())]);
+    kernel
+}
 
 /// Keys go into the rows of samples.
 const KEYS: (&str, &str) = ("visibility", "samples");

@@ -1,6 +1,43 @@
 //! shade: the channels asked for, once a pixel.
 
 use super::{Dispatch, KernelId};
+use crate::gpu::kernels::Variant;
+use crate::gpu::kernels::parts::*;
+use crate::image::frame::Channel;
+
+pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
+    let mut bindings = vec![
+        params(),
+        uniform("shading", "Shading"),
+        reads("triangles", "array<vec4<u32>>"),
+        reads("vertices_hi", "array<f32>"),
+        reads("vertices_lo", "array<f32>"),
+        reads("slot_of_id", "array<u32>"),
+        reads("surfaces", "array<vec4<u32>>"),
+        reads("normals", "array<f32>"),
+        reads("materials", "array<Material>"),
+        reads("lights", "array<vec4<f32>>"),
+        reads("visibility", "array<u32>"),
+        writes("planes", "array<u32>"),
+    ];
+    bindings.extend(variant.pages());
+    bindings.extend(variant.pixel_rays());
+    if variant.optics.is_some() {
+        bindings.extend([optic(), paths()]);
+    }
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
+    bindings.extend(variant.style_row());
+    let own = [variant.camera(), SHADING, SURFACE, variant.images(), variant.style(), snippets!("shade.wgsl")];
+    let mut all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();
+    all.extend(variant.weights());
+    let mut kernel = Kernel::new("shade", bindings, &all).with_planes(planes);
+    kernel.constants.extend(variant.constants());
+    kernel.constants.push(("NORMALS", variant.normals as u32 as f64));
+    if let Some(optics) = variant.optics {
+        kernel.constants.push(("SMOOTH", optics.is_smooth() as u32 as f64));
+    }
+    kernel
+}
 
 pub fn shade(pixels: u32) -> Dispatch {
     Dispatch::over(KernelId::Shade, pixels)

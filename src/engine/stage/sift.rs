@@ -9,12 +9,23 @@ use crate::camera::project::tree::WHOLE;
 use crate::engine::plan::beams::{BEAM_BYTES, Beams};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
-use crate::gpu::kernels;
+use crate::gpu::kernels::parts::*;
 use crate::gpu::layout::Chunk;
 use crate::input::Result;
 use glam::DVec3;
 use rayon::prelude::*;
 use wgpu::BufferUsages;
+
+/// Points against the beams of a camera; no part of a frame.
+pub fn kernel() -> Kernel {
+    let bindings = vec![
+        uniform("chunk", "Chunk"),
+        reads("beams", "array<Beam>"),
+        reads("points", "array<vec4<f32>>"),
+        writes("found", "array<u32>"),
+    ];
+    Kernel::new("sift", bindings, &[PARAMS, ITEMS, snippets!("shared/beams.wgsl"), snippets!("sift.wgsl")])
+}
 
 /// The kernel, compiled, and the beams of each layer on the device.
 pub struct Sift<'g> {
@@ -54,7 +65,7 @@ const OVER: usize = 16;
 impl<'g> Sift<'g> {
     /// For the points of one camera; the device holds 64 bytes a node of its trees.
     pub fn new(gpu: &'g Gpu, projector: &Projector) -> Result<Sift<'g>> {
-        let pipeline = Pipeline::new(gpu, kernels::sift());
+        let pipeline = Pipeline::new(gpu, kernel());
         let most = (gpu.binding_limit() / BEAM_BYTES) as usize;
         let layer = |tree| {
             let beams = Beams::new(tree, most);

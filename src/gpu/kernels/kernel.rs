@@ -1,6 +1,6 @@
 //! A kernel: its bindings and the snippets that its source is joined from.
 
-use super::REAL_F64;
+use super::parts::REAL_F64;
 use crate::gpu::layout::NONE;
 use crate::image::frame::Channel;
 use std::fmt::Write;
@@ -67,11 +67,11 @@ pub(crate) fn uniform(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::Uniform, wgsl_type }
 }
 
-pub(crate) fn read(name: &'static str, wgsl_type: &'static str) -> Binding {
+pub(crate) fn reads(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::Read, wgsl_type }
 }
 
-pub(crate) fn write(name: &'static str, wgsl_type: &'static str) -> Binding {
+pub(crate) fn writes(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::Write, wgsl_type }
 }
 
@@ -80,17 +80,18 @@ pub(crate) fn texture(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::Texels, wgsl_type }
 }
 
-pub(crate) fn write_texture(name: &'static str, wgsl_type: &'static str) -> Binding {
+pub(crate) fn writes_texture(name: &'static str, wgsl_type: &'static str) -> Binding {
     Binding { name, access: Access::WriteTexels, wgsl_type }
 }
 
-pub(crate) fn kernel(name: &'static str, bindings: Vec<Binding>, parts: &[Parts]) -> Kernel {
-    let parts = parts.concat();
-    let f64 = parts.iter().any(|p| p.name == REAL_F64[0].name);
-    Kernel { name, bindings, parts, enables: "", constants: Vec::new(), f64 }
-}
-
 impl Kernel {
+    /// Joined from `parts`, in their order.
+    pub(crate) fn new(name: &'static str, bindings: Vec<Binding>, parts: &[Parts]) -> Kernel {
+        let parts = parts.concat();
+        let f64 = parts.iter().any(|p| p.name == REAL_F64[0].name);
+        Kernel { name, bindings, parts, enables: "", constants: Vec::new(), f64 }
+    }
+
     /// What precedes the snippets: the bindings, and of a kernel with `planes` the number of each channel's, [`NONE`] if it is not rendered.
     fn head(&self) -> String {
         let mut head = self.enables.to_string();
@@ -113,7 +114,7 @@ impl Kernel {
     }
 
     /// Says which planes there are, in their order.
-    pub(super) fn with_planes(mut self, planes: &[Channel]) -> Kernel {
+    pub(crate) fn with_planes(mut self, planes: &[Channel]) -> Kernel {
         let name = |channel: &Channel| PLANES.iter().find(|(own, _)| own == channel).map(|(_, name)| name.as_str());
         let constant = |(k, channel): (usize, &Channel)| name(channel).map(|name| (name, k as f64));
         self.constants.extend(planes.iter().enumerate().filter_map(constant));

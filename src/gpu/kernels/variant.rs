@@ -1,6 +1,7 @@
 //! What kernels are compiled for: the set of kernels that a scene, a camera and an adapter need.
 
-use super::*;
+use super::optics::OpticsKind;
+use super::parts::*;
 
 /// How the kernels hold a camera's rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -158,16 +159,16 @@ impl Variant {
         if self.f64 { REAL_F64 } else { REAL_F32 }
     }
 
-    pub(super) fn merge(self) -> Parts {
+    pub(crate) fn merge(self) -> Parts {
         if self.atomics64 { snippets!("shared/merge_u64.wgsl") } else { snippets!("shared/merge_u32.wgsl") }
     }
 
     /// The type of a buffer of visibility keys that are merged.
-    pub(super) fn keys(self) -> &'static str {
+    pub(crate) fn keys(self) -> &'static str {
         if self.atomics64 { "array<atomic<u64>>" } else { "array<atomic<u32>>" }
     }
 
-    pub(super) fn camera(self) -> Parts {
+    pub(crate) fn camera(self) -> Parts {
         match self.rays {
             RaysKind::Pieces => snippets!("camera/piece.wgsl", "camera/pieces.wgsl"),
             RaysKind::Field => snippets!("camera/field_rays.wgsl", "camera/field.wgsl"),
@@ -176,7 +177,7 @@ impl Variant {
     }
 
     /// The camera's rays pixel by pixel, after they were found by tiles and cells.
-    pub(super) fn pixel(self) -> &'static [Parts] {
+    pub(crate) fn pixel(self) -> &'static [Parts] {
         match self.rays {
             RaysKind::Pieces => &[CELLS, snippets!("camera/pieces_pixel.wgsl")],
             RaysKind::Field => &[snippets!("camera/field_pixel.wgsl")],
@@ -184,7 +185,7 @@ impl Variant {
         }
     }
 
-    pub(super) fn coverage(self) -> &'static [Parts] {
+    pub(crate) fn coverage(self) -> &'static [Parts] {
         match self.rays {
             RaysKind::Pieces => &[MEETING_OF_RAYS, snippets!("camera/pieces_coverage.wgsl")],
             RaysKind::Field => &[MEETING_OF_RAYS, snippets!("camera/field_coverage.wgsl")],
@@ -194,7 +195,7 @@ impl Variant {
         }
     }
 
-    pub(super) fn proof(self) -> &'static [Parts] {
+    pub(crate) fn proof(self) -> &'static [Parts] {
         const STRAIGHT: Parts = snippets!("shared/perturb.wgsl", "camera/straight_proof.wgsl");
         match self.rays {
             RaysKind::Pieces => &[STRAIGHT, snippets!("camera/pieces_proof.wgsl")],
@@ -207,7 +208,7 @@ impl Variant {
     pub(crate) fn pixel_rays(self) -> Vec<Binding> {
         let mut list = self.rays();
         if self.rays != RaysKind::Field {
-            list.extend([read("tile_start", "array<u32>"), read("cells", "array<Cell>")]);
+            list.extend([reads("tile_start", "array<u32>"), reads("cells", "array<Cell>")]);
         }
         list
     }
@@ -218,7 +219,7 @@ impl Variant {
     }
 
     /// Tests of a tile's rays against a box.
-    pub(super) fn tile_rays(self) -> Parts {
+    pub(crate) fn tile_rays(self) -> Parts {
         match self.scattered {
             true => snippets!("camera/field_rays.wgsl", "shared/rays_scattered.wgsl"),
             false => snippets!("shared/rays_coherent.wgsl"),
@@ -226,7 +227,7 @@ impl Variant {
     }
 
     /// Tests of an item's rays against a box.
-    pub(super) fn item_rays(self) -> Parts {
+    pub(crate) fn item_rays(self) -> Parts {
         match (self.scattered && self.culling, self.by_tile) {
             (true, true) => snippets!(
                 "camera/field_rays.wgsl",
@@ -242,26 +243,26 @@ impl Variant {
     }
 
     /// The binding of those tests.
-    pub(super) fn scattered_rays(self, asks: bool) -> Option<Binding> {
-        (self.scattered && asks).then(|| read("rays_hi", "array<f32>"))
+    pub(crate) fn scattered_rays(self, asks: bool) -> Option<Binding> {
+        (self.scattered && asks).then(|| reads("rays_hi", "array<f32>"))
     }
 
     /// How a kernel sees a list of structs: as it is, or as rows that the lanes of a subgroup load together.
-    pub(super) fn rows(self, list: &'static str) -> &'static str {
+    pub(crate) fn rows(self, list: &'static str) -> &'static str {
         if self.by_tile { "array<vec4<f32>>" } else { list }
     }
 
     /// How a kernel loads the node of its item.
-    pub(super) fn item_node(self) -> Parts {
+    pub(crate) fn item_node(self) -> Parts {
         if self.by_tile { NODE_BY_LANES } else { snippets!("shared/node_rows.wgsl") }
     }
 
     /// The buffers that hold the camera's rays.
-    pub(super) fn rays(self) -> Vec<Binding> {
+    pub(crate) fn rays(self) -> Vec<Binding> {
         match self.rays {
-            RaysKind::Pieces => vec![read("pieces", "array<Piece>")],
+            RaysKind::Pieces => vec![reads("pieces", "array<Piece>")],
             RaysKind::Field | RaysKind::Curves { .. } => {
-                vec![read("rays_hi", "array<f32>"), read("rays_lo", "array<f32>")]
+                vec![reads("rays_hi", "array<f32>"), reads("rays_lo", "array<f32>")]
             }
         }
     }
