@@ -17,7 +17,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         writes("planes", "array<u32>"),
     ];
     // of keys the ids alone are read
-    let snippets = [PARAMS, ITEMS, SLABS, REAL_F32, KEY, SHADING, CAUSTICS, snippets!("gather.wgsl")];
+    let snippets = [PARAMS, ITEMS, SLABS, REAL_F32, KEY, CAUSTICS, snippets!("gather.wgsl")];
     let seen: &[Parts] = if variant.optics.is_some() {
         bindings.extend([optic(), paths()]);
         &[OPTICS_ROWS, snippets!("caustics/bounced.wgsl")]
