@@ -85,12 +85,11 @@ pub struct RunOptions {
     pub repeat: u32,
     /// Every vertex is new in each timed frame.
     pub moving: bool,
-    /// What finds what is seen instead of the stages from cull to recheck.
+    /// The rival that replaces the stages from cull to recheck, if any.
     pub by: Option<Choice>,
-    /// Clusters that a part of the image does not see are not left out early: `cull` hands on everything, and rivals do not clip at
-    /// the edges of pieces.
+    /// Disable culling: `cull` keeps every cluster, and rivals do not clip at the edges of pieces.
     pub no_cull: bool,
-    /// In what signs are found.
+    /// Arithmetic of the coverage tests.
     pub arithmetic: Arithmetic,
     /// Triangles that a rival may draw a frame.
     pub draws_max: Option<u64>,
@@ -165,8 +164,7 @@ impl Engine {
         Planner { name: self.gpu.info.name.clone(), has: self.gpu.has, limit: self.gpu.binding_limit() }
     }
 
-    /// Puts everything on the device that frames of `scene` through `camera` need, and runs a first one. Of `run` all counts but
-    /// how often it is repeated.
+    /// Uploads everything that frames of `scene` through `camera` need, and runs one frame. Uses all of `run` except `repeat`.
     pub fn prepare(
         &mut self,
         scene: &Scene,

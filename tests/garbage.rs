@@ -92,7 +92,7 @@ fn numbers_near_the_end_of_f32_are_right_and_beyond_an_error() {
             let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
             match engine.render(&scene, &camera, &wanted(), &RunOptions::default()) {
                 Ok(rendered) => drop(assert_right(&format!("{name}, {size:e}"), &scene, &camera, &rendered.frame)),
-                Err(e) => assert!(size > 1e30 && e.to_string().contains("the scene reaches"), "{name}, {size:e}: {e}"),
+                Err(e) => assert!(size > 1e30 && e.to_string().contains("the scene extends"), "{name}, {size:e}: {e}"),
             }
         }
     }

@@ -9,7 +9,7 @@ const CURVE_ACES: u32 = 2u;
 // Light beyond this is white under every curve, and its square is finite.
 const WHITE: f32 = 1.0e15;
 
-// What is shown of linear light: src/scene/tone.rs.
+// What is shown of linear light: src/image/tone.rs.
 fn shown(linear: f32) -> f32 {
     let x = clamp(linear * shading.gain, 0.0, WHITE);
     let reinhard = x / (1.0 + x);

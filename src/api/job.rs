@@ -94,7 +94,7 @@ impl Job {
         self
     }
 
-    /// Weights triangles by their exact area in the pixel, not by the number of samples that see them.
+    /// Weights triangles by their visible area in the pixel, not by the number of samples that see them.
     pub fn analytic(mut self) -> Job {
         self.job.analytic = true;
         self
@@ -106,7 +106,7 @@ impl Job {
         self
     }
 
-    /// The engine: `compute`, `reference`, or a baseline such as `raytrace`.
+    /// The engine: `compute`, `reference`, or a rival such as `raytrace`.
     ///
     /// # Errors
     /// [`Error::Input`] for an unknown name.

@@ -25,7 +25,7 @@ pub struct RenderOptions {
     pub color: bool,
     /// Rays per pixel, 1 to 64. Colour and coverage are averaged; other channels use the pixel centre.
     pub samples: u32,
-    /// Weight triangles by their exact area in the pixel, not by the number of samples that see them.
+    /// Weight triangles by their visible area in the pixel, not by the number of samples that see them.
     pub analytic: bool,
 }
 
@@ -145,9 +145,7 @@ impl Renderer {
         let rendered = match self.render_in_sequence(scene, camera, &wanted, *samples)? {
             Some(rendered) => rendered,
             None if *analytic => {
-                return Err(Error::input(
-                    "analytic is of what several samples of a pixel see in one frame; leave it out",
-                ));
+                return Err(Error::input("analytic needs several samples per pixel in one frame; leave it out"));
             }
             None => {
                 let mut backend = self.backend(&RenderJob::of(""))?;

@@ -14,8 +14,8 @@ use crate::input::Result;
 use crate::scene::Scene;
 use wgpu::BufferUsages;
 
-/// The optics' buffers. The rays after k bounces lie in table k - 1; where no ray is split, after an odd number of bounces in the
-/// first of two, after an even one in the second.
+/// The optics' buffers. If rays are split, the rays after k bounces are in table k - 1. Otherwise two tables alternate: the first holds
+/// the rays after an odd number of bounces, the second those after an even number.
 pub struct BounceTables {
     /// Of each pass the uniform `optic`.
     passes: Vec<Buffers>,

@@ -18,8 +18,8 @@ pub struct Bounce {
     pub is_main: bool,
 }
 
-/// All bounces, each after the one whose rays it bounces and before any other of the same count or a lower one: the rays of a count
-/// are needed until the next bounce of that count. The first is the eye's own rays.
+/// All bounces in depth-first order, starting with the eye's rays: each table of rays is read by all bounces that depend on it before the
+/// next bounce of the same depth overwrites it.
 pub fn bounces(optics: Option<&Optics>) -> Vec<Bounce> {
     let eye = Bounce { count: 0, branch: Branch::Main, tilt: DVec2::ZERO, scale: 1.0, is_main: true };
     let mut list = vec![eye];

@@ -175,8 +175,7 @@ impl Frames {
         });
     }
 
-    /// Shows the triangles that are there in the lights, the materials, the normals and before the background of `scene` from the
-    /// next frame on, and in the end.
+    /// From the next frame on, renders the current triangles with the lights, materials, normals and background of `scene`.
     ///
     /// # Errors
     /// [`Error::Input`] where `scene` has other numbers of triangles, vertices, normals or materials, other kinds of these (images, gloss, a
@@ -219,8 +218,8 @@ impl Frames {
         Ok(())
     }
 
-    /// Brings the picture up to date, by the stages alone that follow what changed since it was made: none, `shade` and `resolve` after
-    /// [`Frames::light`], all after [`Frames::aim`]. How many compute passes it took.
+    /// Runs only the stages that depend on what changed: none, `shade` and `resolve` after [`Frames::light`], all after [`Frames::aim`].
+    /// Returns the number of compute passes.
     pub fn refresh(&mut self) -> Result<u32> {
         if self.dirty == Dirty::All {
             // makes the atlas too
@@ -311,8 +310,8 @@ impl Frames {
         }
     }
 
-    /// Shows another scene through another camera from the next frame on, and sends what differs from what is there. `false`: they are to
-    /// be placed anew, and all is as it was.
+    /// From the next frame on, renders another planned frame; uploads only what differs. Returns false, with nothing changed, if a new
+    /// `Frames` is needed instead.
     pub(super) fn show(&mut self, planned: &Planned) -> Result<bool> {
         let Planned { scene, camera, arrangement, plan, clustered, wanted, .. } = planned;
         let is_plain =

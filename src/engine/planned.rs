@@ -208,7 +208,7 @@ pub(super) fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
     channels
 }
 
-/// How large a scene may be, world units: beyond, f32 and pairs of it lose all.
+/// Supported scene sizes, world units: outside them f32 and pairs of f32 overflow or underflow.
 const SIZES: [f64; 2] = [1e-12, 1e30];
 
 /// The engine's f32 can hold the scene.
@@ -218,7 +218,8 @@ fn check_size(scene: &Scene, around: Surroundings) -> Result<()> {
     let [least, most] = SIZES;
     if reach > 0.0 && !(least..=most).contains(&reach) {
         let advice = "scale the scene and its camera, or use --engine reference";
-        return Err(Error::input(format!("the scene reaches {reach:.1e} far, of {least:.0e} to {most:.0e}: {advice}")));
+        let range = format!("supported are {least:.0e} to {most:.0e}");
+        return Err(Error::input(format!("the scene extends {reach:.1e} from the camera; {range}: {advice}")));
     }
     Ok(())
 }

@@ -176,7 +176,7 @@ impl FrameLayout {
         self.restored(all).into_flattened()
     }
 
-    /// Of each sample the triangles that all pixels see there: those of the pixels that hold no edge are their centres'.
+    /// Triangle ids, one plane per sample. A pixel that is not an edge pixel has the id at its centre in every plane.
     fn sample_ids(&self, words: &RawFrame) -> Vec<Vec<u32>> {
         let FrameLayout { camera, plan, wanted, .. } = self;
         if !wanted.sample_ids {

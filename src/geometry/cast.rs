@@ -1,8 +1,8 @@
 //! Rays cast at a mesh, in f64: for cameras that look at the scene when they are built.
 //!
-//! Coverage is decided by the signs of exact arithmetic, so that no ray passes between two triangles that share an edge and none meets
-//! both; an exact 0 counts as positive for the edge from its smaller to its larger end. A ray that may meet a corner is to be covered by one beside
-//! it, as [`Aim`] has. Depths are within 1e-9 of themselves.
+//! Coverage is tested in exact arithmetic: a ray through the edge of two triangles hits exactly one. An exact 0 counts as positive
+//! for the edge from its smaller to its larger vertex. For a ray that may hit a vertex, coverage is tested with a ray beside it
+//! ([`Aim`]). The relative error of depths is at most 1e-9.
 
 use super::bvh::{Aabb, Bvh};
 use super::exact::{self, Exact};

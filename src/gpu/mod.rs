@@ -1,5 +1,5 @@
-//! Everything that touches a GPU and knows nothing of cameras: the adapter, the kernels' sources and bindings, the
-//! rows they read, and buffers.
+//! Everything that touches a GPU: the adapter, how kernels are joined from snippets, the structs that they read, and buffers. Of cameras
+//! only the layouts that kernels read.
 
 pub mod buffers;
 mod compile;

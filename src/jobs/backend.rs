@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub enum Backend<'e> {
-    /// A baseline, with its options.
+    /// With a rival, if one is selected.
     Compute(&'e mut Engine, Option<Choice>),
     Reference,
 }

@@ -27,7 +27,7 @@ pub struct Change {
 pub enum EngineName {
     Compute,
     Reference,
-    /// A baseline: the compute engine with another visibility algorithm.
+    /// A rival: the compute engine with another visibility algorithm.
     Rival(Choice),
 }
 
@@ -49,7 +49,7 @@ pub struct RenderJob {
     pub engine: Option<EngineName>,
     /// Rays per pixel; colour, coverage and mattes are averaged.
     pub samples: u32,
-    /// Weight triangles by their exact area in the pixel, not by the number of samples that see them.
+    /// Weight triangles by their visible area in the pixel, not by the number of samples that see them.
     pub analytic: bool,
     /// The channels of the EXR; `None`: those of the camera.
     pub channels: Option<Vec<Named>>,
@@ -102,7 +102,7 @@ impl RenderJob {
         flags.iter().find(|f| f.0).map_or(Ok(()), |(_, flag)| Err(of_compute_only(flag)))
     }
 
-    /// The baseline, if one is selected.
+    /// The rival, if one is selected.
     pub fn rival(&self) -> Option<Choice> {
         match self.engine {
             Some(EngineName::Rival(choice)) => Some(choice),

@@ -121,11 +121,8 @@ impl Work {
         let samples = if is_compute && at_once(&scene, &camera, job.samples) { job.samples } else { 1 };
         wanted.analytic = job.analytic;
         if job.analytic && samples == 1 {
-            let what =
-                if job.samples == 1 { "one sees one triangle; add --samples N" } else { "here each takes a frame" };
-            return Err(Error::input(format!(
-                "--analytic is of what several samples of a pixel see in a frame; {what}"
-            )));
+            let what = if job.samples == 1 { "add --samples N" } else { "in this scene each takes a frame of its own" };
+            return Err(Error::input(format!("--analytic needs several samples per pixel in one frame; {what}")));
         }
         let (size, channels) = ((camera.width, camera.height), wanted.channels.len() + 3);
         let more = sample_bytes(&camera, samples, !matte_kinds.is_empty());

@@ -56,8 +56,8 @@ fn largest(b: vec4<f32>) -> f32 {
     return max(max(b.x, b.y), max(b.z, b.w));
 }
 
-// The owned pixels, of which there is one, whose control net over the span no side of the triangle parts from it: two words; and two of none, as
-// whether a curve meets the triangle is found with where.
+// Pixels that may be covered, as two words, then two words of 0. There is one owned pixel; it is excluded if a side of the triangle
+// separates the triangle from the curve's control net over the span. The hit test decides coverage, so nothing is left to recheck.
 fn coverage(
     cell: Cell,
     owned: vec2<u32>,

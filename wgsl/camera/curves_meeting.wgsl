@@ -131,8 +131,8 @@ fn root_between(b: real4, from_t: real, to_t: real, rises: bool) -> real {
 // Second derivatives of a cubic are at most 6 times the second differences of its control points, 4 sizes each.
 const BEND: real = 24.0;
 
-// The curve's point at a root, inside the triangle within rounding: of two triangles at an edge the one or the other is met,
-// or both at one t, but never none. Sides are those of the tangent there: along it a root may be off at no cost.
+// The curve's point at a root, if it is inside the triangle within rounding. At a shared edge at least one triangle is hit, perhaps both
+// at one t. Sides are tested along the tangent there, so that an error of the root along the curve does not matter.
 fn meeting_at(q: CellDepth, c: Curve, t: real, sizes: real, bound: real) -> Meeting {
     let at = curve_point(c, t);
     let tangent = curve_tangent(c, t);

@@ -3,13 +3,13 @@
 // Provides: first_crossing
 // Needs: Along, Root, along, real
 
-// A step is that much of what is proved: the rest outweighs what rounding of slope and bend may add to it. Only where the
-// function is 0 within its own rounding may a step pass two roots.
+// Fraction of the proven root-free interval that is stepped over; the rest covers the rounding errors of slope and curvature. A step can
+// pass two roots only where the function is 0 within its own rounding error.
 const STEP: real = 0.99609375;
 
-// From `from`, where the function is not 0, to `to`. As long as its second derivative keeps within `bends`, a function that is
-// v and falls at the rate g is above 0 for v - g h - bend h^2 / 2 > 0. At a root these steps come nearer as Newton's do, and from
-// one side. After `most` of them, several times what any ray was seen to take, the rest is assumed to have none.
+// From `from`, where the function is not 0, to `to`. While its second derivative is within `bends`, a function of value v that
+// falls at the rate g is above 0 for v - g h - bend h^2 / 2 > 0. Near a root these steps converge as Newton's do, from one side.
+// After `most` steps, several times what any ray was measured to take, the rest is assumed to have no root.
 fn first_crossing(a: Along, from_s: real, to_s: real, bends: vec2<real>, most: u32) -> Root {
     let zero = real(0.0);
     var s = from_s;

@@ -1,7 +1,7 @@
-// What share of a pixel triangles have: the area of what is seen of each that some sample sees, whose edges are lines at a signed distance
-// E / |grad E| from the pixel's centre. Exact where edges are straight and two surfaces lie behind each other; of three, what two hide alike
-// is left out twice. Samples are counted where they contradict the lines: edges are bent, or something but an edge ends a triangle;
-// and where more triangles are seen than are kept.
+// Visible area, in the pixel, of each triangle that a sample sees. Edges are taken as lines at the signed distance E / |grad E| from the
+// centre: exact for straight edges and two surfaces, one behind the other. With three, the area that two of them hide is subtracted
+// twice. Where samples contradict the lines (a curved edge, an intersection), or more triangles are seen than are kept, samples are
+// counted instead.
 // Provides: measure, seen_next, share_of, whole
 // Needs: SAMPLES, all_samples, key_id, key_layer, key_of, key_t, middle_of, nearest_to, point_at, sample_place, sample_ray, sample_spread,
 //   seen_alike, weights_at
@@ -89,7 +89,7 @@ fn measure(pixel: u32, row: u32) {
         }
     }
 
-    // what is left is nothing, or else goes to those of which more samples see more than their areas are
+    // give the rest to the background, or else to the triangles whose share of the samples exceeds their area
     var sum = 0.0;
     for (var k = 0u; k < count; k++) {
         shares[k] = max(shares[k], 0.0);

@@ -17,20 +17,20 @@ pub struct Beams {
 /// Bytes of a row.
 pub const BEAM_BYTES: u64 = size_of::<layout::Beam>() as u64;
 
-/// Nothing but 0 is nearer to 0 in a row, so that no quotient overflows and nothing is flushed to 0.
+/// Smallest nonzero magnitude that is stored, so that no quotient overflows and no value is flushed to 0.
 const LEAST: f64 = 1.0 / (1u64 << 60) as f64;
 
-/// What stands for an end that is not finite.
+/// Stands for an infinite end of t_range.
 const ENDLESS: f64 = (1u64 << 60) as f64;
 
-/// Points farther away than this are not held against rows: they would meet almost all.
+/// Points farther away than this are not tested: almost all beams would contain them.
 const FARTHEST: f64 = (1u64 << 40) as f64;
 
 /// Of t: above every quotient of a point's distance from an end, 2^61, and a direction, 2^-60.
 const T_MOST: f64 = ENDLESS * ENDLESS * 32.0;
 
-/// What a point's rounding to f32 takes, and that of its difference to an end (2^-24 each, four times), and what the tree in
-/// f64 has as room for the point ([`crate::camera::project::beam::ROUNDING`], 2^-34).
+/// Relative error bound: a point and its distance to an end, rounded to f32 (four times 2^-24), plus the bound of the f64 tree
+/// ([`crate::camera::project::beam::ROUNDING`], 2^-34).
 const POINT_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
 
 impl Beams {

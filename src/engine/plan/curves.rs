@@ -44,9 +44,8 @@ impl RayTable {
     }
 }
 
-/// By what the rays of samples differ from their pixel's in the table, as f32: six numbers a sample, a pixel's together, row by row of the
-/// band. 0 where there is no ray. So a sample's ray is off by 2^-24 of its difference: next to nothing of a pixel, or of the whole ray where rays jump
-/// within the pixel or its centre has none.
+/// Sample rays minus their pixel's ray, as f32: six numbers per sample, all samples of a pixel together, row by row of the band; 0 where
+/// there is no ray. The error is 2^-24 of the difference, or of the whole ray where rays jump within the pixel or its centre has none.
 pub fn rays_aside(field: &Field, places: &[DVec2], anchor: DVec3, row: u32, rows: u32) -> Vec<f32> {
     let of_row = |j: u32| {
         let pixel = move |i: u32| {

@@ -99,14 +99,14 @@ pub struct Wanted {
     pub srgb8: bool,
     /// Count tested and kept fragments (slower).
     pub counting: bool,
-    /// Samples of a pixel: colour and coverage are their means, all else is that of its centre. Several are for cameras of which
-    /// [`samples::at_once`] says so.
+    /// Samples per pixel. Colour and coverage are averaged over them; all other channels use the centre. More than 1 only where
+    /// [`samples::at_once`] is true.
     pub samples: u32,
-    /// Triangles have shares of a pixel by the areas of what is seen of them, not by the number of samples that see them.
+    /// Weight triangles by their visible area in the pixel, not by the number of samples that see them.
     pub analytic: bool,
-    /// What triangles the samples see, by themselves.
+    /// Also read back the triangle id of every sample.
     pub sample_ids: bool,
-    /// A picture is the mean of so many frames of which this is one: images on triangles are filtered as much less.
+    /// Frames that are averaged into one image; textures are filtered that much less in each.
     pub frames: u32,
     /// Only these rows of the image, the first a multiple of [`crate::camera::TILE`].
     pub rows: Option<Rows>,
@@ -210,7 +210,7 @@ pub struct Plan {
 pub struct Surroundings {
     /// What all positions are relative to: near the camera's rays' start and the scene.
     pub anchor: DVec3,
-    /// Of the scene: how far bundles spread is compared as far along their rays.
+    /// Centre of the scene. The widths of ray bundles are compared at its distance.
     pub middle: DVec3,
     /// By which rays are perturbed: [`crate::camera::perturb`].
     pub scene_size: f64,
@@ -441,7 +441,7 @@ fn left_out(
         say("sky", "no image lights the scene from all around".into());
     }
     if !contents.has_shadows {
-        say("shadows", "no light is said to be hidden by what is in its way".into());
+        say("shadows", "no light casts shadows".into());
     }
     if !contents.has_style {
         say("styles", "no patterns, wires or strokes are drawn on surfaces".into());

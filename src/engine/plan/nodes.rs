@@ -29,7 +29,7 @@ pub struct Level {
 /// A node to be.
 struct Square {
     fit: Fit,
-    /// How wide the bundles are, on average, that cull hands on: its own, or those below it; see [`Depth::width`].
+    /// Mean width of the bundles that `cull` passes on here: the node's own, or its children's if they are bounded separately; see [`Depth::width`].
     width: f64,
 }
 

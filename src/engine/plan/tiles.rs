@@ -41,8 +41,8 @@ pub struct Sample {
 #[derive(Debug, Clone, Default)]
 pub struct Sampled {
     pub samples: Vec<Sample>,
-    /// How far the tile's rays may lie from what is affine between the samples: origins, and directions. A point of a
-    /// curve lies on a straight ray moved by at most its bend, which counts as the origins'.
+    /// How far the tile's rays deviate from the affine fit between the samples: origins (`r_p`) and directions (`r_d`). For a curve,
+    /// `r_p` includes its distance from the chord.
     pub r_p: f64,
     pub r_d: f64,
 }

@@ -19,7 +19,7 @@ impl Variant {
         f64::from(self.samples.div_ceil(4))
     }
 
-    /// How far a pixel's samples lie from its centre at most, px: [`crate::engine::plan::samples::places`].
+    /// Largest distance of a sample from its pixel's centre, px.
     pub(crate) fn sample_reach(self) -> f64 {
         // rounded up
         f64::from(self.samples - 1) / f64::from(2 * self.samples) * (1.0 + f64::from(f32::EPSILON))

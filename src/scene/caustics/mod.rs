@@ -5,8 +5,7 @@
 //! the flux is spread evenly. The result is a map of flux on each receiver. Where a camera sees a receiver, the diffuse
 //! reflection of that flux is added.
 //!
-//! [`flux`] and [`beams`] make the triangles of the photons, the kernel `deposit` adds up their flux, the kernel `gather` adds it to pixels;
-//! [`crate::reference`] computes all of it independently.
+//! [`flux`] and [`beams`] make the triangles of the photons.
 //!
 //! Hou, Wei, Shum and Guo 2006, section 3.3.
 

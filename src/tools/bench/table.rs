@@ -169,8 +169,8 @@ pub fn families(rows: &[Row]) -> impl Iterator<Item = (&Stiffness, &[Row])> {
     rows.chunk_by(move |a, b| family(a) == family(b)).filter_map(|rows| Some((rows[0].stiffness.as_ref()?, rows)))
 }
 
-/// Up to which stiffness this engine sees a family rightly in every pixel and in every safe one, and proves 99 % of them; and up to which
-/// f32 alone and the best rival see every safe pixel rightly.
+/// Largest stiffness of a family up to which this engine is right in every pixel, in every safe pixel, and certifies 99 %; and up to which
+/// f32 alone, and the best rival, are right in every safe pixel.
 pub fn reach(rows: &[Row]) -> Option<[String; 7]> {
     let parameter = rows.first()?.stiffness.as_ref()?;
     let value = |row: &Row| row.stiffness.as_ref().map_or(f64::NAN, |s| s.value);

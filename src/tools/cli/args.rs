@@ -115,7 +115,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 1)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(SAMPLES_MAX)))]
     pub samples: u32,
-    /// Triangles that some of --samples N see count in a pixel by their areas there, not by the number of these samples
+    /// With --samples N: weight each triangle by its visible area in the pixel, not by the number of samples that see it
     #[arg(long)]
     pub analytic: bool,
     /// Channels to compute and write, as in R,G,B,Z; all: every channel of the scene and its camera except certified, mattes and
@@ -141,7 +141,7 @@ pub struct RenderArgs {
     /// Every vertex is new in each timed frame
     #[arg(long, requires = "repeat")]
     pub moving: bool,
-    /// Try every triangle in every part of the image: leave out nothing early
+    /// Disable culling: test every triangle in every part of the image
     #[arg(long)]
     pub no_cull: bool,
     /// Adapter to use: a part of its name
@@ -313,7 +313,7 @@ pub struct ProjectArgs {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub change: Change,
-    /// What sifts the image for each point: compute (GPU) or reference (CPU); the lines are the same [default: the GPU
+    /// Where the parts of the image that may show a point are found: compute (GPU) or reference (CPU); same output [default: the GPU
     /// for many points, where there is a hardware one]
     #[arg(long, value_name = "NAME", value_parser = sifting_engine)]
     pub engine: Option<EngineName>,

@@ -1,4 +1,4 @@
-"""Lenses and their pictures by OpenCV, for tests/opencv.rs.
+"""Lenses and their pictures by OpenCV, for tests/cameras/opencv.rs.
 
     lenses.py make FOLDER COUNT CALIBRATED   writes cam-N.yml, .xml or .json, points.f64 and lenses.json
     lenses.py check FOLDER                   reads rays.f64, and compares each ray with OpenCV's forward models

@@ -107,7 +107,7 @@ impl Suite {
 /// The image of a quick case.
 const QUICK_SIZE: [&str; 2] = ["image.width=160", "image.height=120"];
 
-/// A scene of `src/bench/scenes`.
+/// A scene of `src/tools/bench/scenes`.
 macro_rules! scene {
     ($name:literal) => {
         $crate::tools::bench::case::Source::Text(include_str!(concat!("../scenes/", $name, ".toml")).into())
