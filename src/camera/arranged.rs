@@ -15,7 +15,7 @@ pub struct Arrangement {
 }
 
 /// Number of tiles sampled to decide whether rays are scattered.
-const LOOKS: u32 = 64;
+const TILES_SAMPLED: u32 = 64;
 
 /// Rays are scattered where those of a tile differ by this share of what those of the whole image do, on average. Of an image
 /// whose rays rotate steadily it is some 8 pixels over its width.
@@ -100,7 +100,7 @@ fn strays(field: &Field) -> bool {
     let is_inside = |i: u32, j: u32| i < field.width && j < field.height;
     let ray = |i: u32, j: u32| is_inside(i, j).then(|| field.ray(i, j)).flatten();
     let direction = |i: u32, j: u32| ray(i, j).map(|(_, d)| d.normalize());
-    let step = tiles.div_ceil(LOOKS);
+    let step = tiles.div_ceil(TILES_SAMPLED);
     let spread = |list: &[DVec3]| {
         let mean = list.iter().sum::<DVec3>() / list.len().max(1) as f64;
         list.iter().map(|d| (*d - mean).length()).sum::<f64>() / list.len().max(1) as f64

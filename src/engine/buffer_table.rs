@@ -31,7 +31,7 @@ pub enum Bytes {
 /// How long kernels find in a buffer what was written there in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lasts {
-    /// Until another scene, camera or look is uploaded.
+    /// Until another scene, camera or appearance is uploaded.
     Upload,
     /// As long as the same band is rendered.
     Band,

@@ -21,7 +21,7 @@ pub struct Changes {
     /// Holes in triangles.
     pub holes: bool,
     /// Lights, materials, lines or the background.
-    pub look: bool,
+    pub appearance: bool,
 }
 
 /// What changed since the picture was made, and so which stages are to run.
@@ -42,7 +42,7 @@ pub(super) struct Shown<'a> {
 
 impl Changes {
     /// Nothing is known of what was there.
-    pub const ALL: Changes = Changes { plan: true, triangles: true, places: true, holes: true, look: true };
+    pub const ALL: Changes = Changes { plan: true, triangles: true, places: true, holes: true, appearance: true };
 
     /// From what is shown to a frame that was planned.
     pub(super) fn between(shown: &Shown, next: &Planned) -> Changes {
@@ -53,19 +53,19 @@ impl Changes {
             places: !(same_mesh(scene, shown.scene) && plan.anchor == shown.plan.anchor),
             // part of the mesh
             holes: false,
-            look: !same_look(scene, shown.scene),
+            appearance: !same_appearance(scene, shown.scene),
         }
     }
 
     /// What the device has of lights and materials follows from something that changed.
-    pub fn needs_look(self) -> bool {
-        self.plan || self.places || self.look
+    pub fn needs_appearance(self) -> bool {
+        self.plan || self.places || self.appearance
     }
 
     /// Which stages are to run again.
     pub fn dirty(self) -> Dirty {
-        let Changes { plan, triangles, places, holes, look } = self;
-        match (plan || triangles || places || holes, look) {
+        let Changes { plan, triangles, places, holes, appearance } = self;
+        match (plan || triangles || places || holes, appearance) {
             (true, _) => Dirty::All,
             (false, true) => Dirty::Appearance,
             (false, false) => Dirty::Nothing,
@@ -107,15 +107,15 @@ fn same_mesh(a: &Scene, b: &Scene) -> bool {
     Arc::ptr_eq(&a.mesh, &b.mesh)
 }
 
-/// Both are lit and drawn alike, what their triangles are made of aside.
-fn same_look(a: &Scene, b: &Scene) -> bool {
+/// Both have the same lights, style and background; materials may differ.
+fn same_appearance(a: &Scene, b: &Scene) -> bool {
     let is_same_sky = match (&a.sky, &b.sky) {
         (Some(a), Some(b)) => Arc::ptr_eq(a, b),
         (None, None) => true,
         _ => false,
     };
-    let look = |s: &Scene| (s.style, s.ambient_occlusion, s.background, s.tone);
-    is_same_sky && a.lights == b.lights && look(a) == look(b)
+    let appearance = |s: &Scene| (s.style, s.ambient_occlusion, s.background, s.tone);
+    is_same_sky && a.lights == b.lights && appearance(a) == appearance(b)
 }
 
 #[cfg(test)]
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn light_alone_runs_what_follows_the_visibility_buffer() {
         assert_eq!(Changes::default().dirty(), Dirty::Nothing);
-        assert_eq!(Changes { look: true, ..Changes::default() }.dirty(), Dirty::Appearance);
+        assert_eq!(Changes { appearance: true, ..Changes::default() }.dirty(), Dirty::Appearance);
         let none = Changes::default();
         let whole = [
             Changes { plan: true, ..none },

@@ -211,11 +211,11 @@ impl Frames {
             Arc::make_mut(&mut lit.mesh).positions.clone_from(&self.scene.mesh.positions);
             self.scene = lit;
             let now = moved(&self.scene, self.fixed_vertices(), self.timed.moved);
-            self.resident.upload_look(&self.gpu, &self.pages, &now, &self.plan)?
+            self.resident.upload_appearance(&self.gpu, &self.pages, &now, &self.plan)?
         } else {
-            self.resident.upload_look(&self.gpu, &self.pages, &scene, &self.plan)?
+            self.resident.upload_appearance(&self.gpu, &self.pages, &scene, &self.plan)?
         };
-        self.note(Changes { look: true, holes: !keeps_holes, ..Changes::default() });
+        self.note(Changes { appearance: true, holes: !keeps_holes, ..Changes::default() });
         Ok(())
     }
 
@@ -275,7 +275,7 @@ impl Frames {
         let Some(clustered) = &mut self.moving else { return Ok(()) };
         if self.plan.variant.lights == LightsKind::Hidden {
             self.resident.refit_obstacles(moved);
-            self.resident.upload_look(&self.gpu, &self.pages, moved, &self.plan)?;
+            self.resident.upload_appearance(&self.gpu, &self.pages, moved, &self.plan)?;
         }
         if clustered.refit(&moved.mesh) {
             return self.resident.place_scene(&self.gpu, clustered);
@@ -340,8 +340,8 @@ impl Frames {
         if changes.places {
             self.resident.forget_obstacles();
         }
-        if changes.needs_look() {
-            self.resident.upload_look(&self.gpu, &self.pages, scene, plan)?;
+        if changes.needs_appearance() {
+            self.resident.upload_appearance(&self.gpu, &self.pages, scene, plan)?;
         }
         (self.scene, self.camera) = (scene.clone(), camera.clone());
         (self.plan, self.arrangement, self.wanted) = (plan.clone(), arrangement.clone(), wanted.clone());

@@ -5,7 +5,7 @@ use super::bounce_tables::BounceTables;
 use super::bounces::{Bounce, bounces};
 use super::buffer_table::{Bytes, FOUR, ITEM, Row, Sizes, table};
 use super::pages::PageStore;
-use super::tables::{Hidden, Look, Span, after_bounce, looks, params, places};
+use super::tables::{Appearance, Hidden, Span, after_bounce, materials, params, places};
 use crate::camera::Camera;
 use crate::engine::clusters::{Chunk, Clustered, mapped_rows};
 use crate::engine::plan::hierarchy::Hierarchy;
@@ -70,7 +70,7 @@ pub struct Job<'a> {
 }
 
 impl Resident {
-    /// All but how the scene looks, which [`Resident::upload_look`] puts there.
+    /// Everything but the appearance of the scene, which [`Resident::upload_appearance`] uploads.
     pub fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -127,7 +127,7 @@ impl Resident {
             .try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk))
     }
 
-    /// Finds what is in the way of light anew, the next time that the look is uploaded.
+    /// Finds what is in the way of light anew, the next time that the appearance is uploaded.
     pub fn forget_obstacles(&mut self) {
         self.obstacles = None;
     }
@@ -147,9 +147,9 @@ impl Resident {
     }
 
     /// Lights, materials with their images, and normals; whether holes are where they were before.
-    pub fn upload_look(&mut self, gpu: &Gpu, store: &PageStore, scene: &Scene, plan: &Plan) -> Result<bool> {
+    pub fn upload_appearance(&mut self, gpu: &Gpu, store: &PageStore, scene: &Scene, plan: &Plan) -> Result<bool> {
         let pages = match plan.variant.textured {
-            true => store.place(gpu, &looks(scene), &mut self.shared)?,
+            true => store.place(gpu, &materials(scene), &mut self.shared)?,
             false => Pages::default(),
         };
         if plan.variant.lights == LightsKind::Hidden && self.obstacles.is_none() {
@@ -158,7 +158,8 @@ impl Resident {
         }
         let by = self.obstacles.as_ref().map(|o| o.words(scene));
         let hidden = Hidden { kind: plan.variant.lights, by: by.as_ref() };
-        let Look { mut shading, lights, materials, normals, style } = Look::new(scene, plan.anchor, &pages, hidden);
+        let Appearance { mut shading, lights, materials, normals, style } =
+            Appearance::new(scene, plan.anchor, &pages, hidden);
         shading.spread = plan.spread;
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         if plan.variant.styled || plan.variant.outlined {

@@ -8,7 +8,7 @@ use super::stage::bin::bin;
 use super::stage::bounce::bounce;
 use super::stage::certify::{CERTIFY_STEPS, certify, write_certified};
 use super::stage::cull::cull;
-use super::stage::edges::{edges, edges_by_tile, list_edges, look_for_edges};
+use super::stage::edges::{edges, edges_by_tile, find_edges, list_edges};
 use super::stage::fit::fit;
 use super::stage::gather::gather;
 use super::stage::meet::meet;
@@ -261,7 +261,7 @@ impl List<'_> {
         }
         self.clear("samples", at, 0, None);
         for chunk in self.chunks(at) {
-            self.pass("edges", chunk, [look_for_edges(pixels)]);
+            self.pass("edges", chunk, [find_edges(pixels)]);
         }
         for job in self.jobs(at) {
             if !alone {

@@ -1,4 +1,4 @@
-//! Rows that follow from scene and plan alone, before any device is touched: the parameters of one job and the look
+//! Rows that follow from scene and plan alone, before any device is touched: the parameters of one job and the appearance
 //! of the scene.
 
 use super::Capacities;
@@ -28,7 +28,7 @@ pub struct Span {
 
 /// Lights, materials and normals as `shade` reads them.
 #[derive(Debug, Clone)]
-pub struct Look {
+pub struct Appearance {
     pub shading: layout::Shading,
     /// Of a plain light the way that it travels; else two rows each, see `lights/placed.wgsl`, and what hides them.
     pub lights: Vec<[f32; 4]>,
@@ -37,9 +37,9 @@ pub struct Look {
     pub style: layout::Style,
 }
 
-impl Look {
+impl Appearance {
     /// Positions are relative to `anchor` on the device, and images lie in `pages`.
-    pub fn new(scene: &Scene, anchor: DVec3, pages: &Pages, hidden: Hidden) -> Look {
+    pub fn new(scene: &Scene, anchor: DVec3, pages: &Pages, hidden: Hidden) -> Appearance {
         let mesh = &scene.mesh;
         let mut lights: Vec<[f32; 4]> = match hidden.kind {
             LightsKind::Plain => scene.lights.iter().map(|l| light_row(l, anchor)).collect(),
@@ -52,7 +52,7 @@ impl Look {
                 lights.extend(rows);
             }
         }
-        Look {
+        Appearance {
             shading: layout::Shading {
                 background: scene.background,
                 ambient: if scene.sky.is_some() { 0.0 } else { AMBIENT },
@@ -73,7 +73,7 @@ impl Look {
                 irradiance: scene.sky.as_ref().map_or([[0.0; 4]; 9], |s| s.irradiance.map(|[r, g, b]| [r, g, b, 0.0])),
             },
             lights,
-            materials: looks(scene).iter().enumerate().map(|(k, m)| pages.row(k, m)).collect(),
+            materials: materials(scene).iter().enumerate().map(|(k, m)| pages.row(k, m)).collect(),
             normals: mesh.normals.iter().map(|n| n.to_array()).collect(),
             style: style_row(&scene.style),
         }
@@ -133,7 +133,7 @@ fn colour_row(light: &Light) -> [f32; 4] {
 }
 
 /// All materials, the one whose image is the sky last.
-pub fn looks(scene: &Scene) -> Cow<'_, [Material]> {
+pub fn materials(scene: &Scene) -> Cow<'_, [Material]> {
     let Some(sky) = &scene.sky else { return Cow::Borrowed(&scene.mesh.materials) };
     let sky = Material { name: "environment".into(), texture: Some(sky.image.clone()), ..Material::default() };
     Cow::Owned([&scene.mesh.materials[..], &[sky]].concat())

@@ -39,7 +39,7 @@ use crate::engine::plan::curves::RayTable;
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::variant::variant;
 use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
-use crate::engine::tables::{Hidden, Look, Span, after_bounce, params};
+use crate::engine::tables::{Appearance, Hidden, Span, after_bounce, params};
 use crate::engine::{Capacities, RunOptions};
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::RaysKind;
@@ -72,7 +72,7 @@ pub struct Input<'a> {
     pub surfaces: &'a [[u32; 4]],
     /// Texture coordinates of each slot's corners, v downwards; empty if nothing needs them.
     pub uvs: &'a [[f32; 6]],
-    pub look: &'a Look,
+    pub appearance: &'a Appearance,
     pub optics: Option<OpticsInput<'a>>,
 }
 
@@ -86,7 +86,7 @@ impl Input<'_> {
 
     /// The anchor: positions are relative to it.
     fn anchor(&self) -> DVec3 {
-        self.look.shading.anchor.map(f64::from).into()
+        self.appearance.shading.anchor.map(f64::from).into()
     }
 
     pub fn corners(&self, slot: u32) -> Corners {
@@ -114,7 +114,7 @@ impl Input<'_> {
 pub struct Tables {
     pub plan: Plan,
     pub clustered: Clustered,
-    pub look: Look,
+    pub appearance: Appearance,
     pub optics: Option<Optics>,
 }
 
@@ -140,7 +140,7 @@ impl Tables {
             optics: Optics::new(scene, camera, &plan),
             clustered: cluster(&scene.mesh, around.anchor, plan.variant.textured, binding_limit),
             plan,
-            look: Look::new(scene, around.anchor, &Pages::default(), Hidden::NOT),
+            appearance: Appearance::new(scene, around.anchor, &Pages::default(), Hidden::NOT),
         }
     }
 
@@ -167,7 +167,7 @@ impl Tables {
             slot_of_id: &chunk.slot_of_id,
             surfaces: &chunk.surfaces,
             uvs: &chunk.uvs,
-            look: &self.look,
+            appearance: &self.appearance,
             optics: self.optics.as_ref().map(|o| o.input(None)),
         }
     }

@@ -124,7 +124,7 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
 
 /// A ray that hits nothing.
 fn miss(input: &Input, behind: &Behind) -> PixelValues {
-    let colour = [0, 1, 2].map(|k| f64::from(behind.light[k]) * f64::from(input.look.shading.background[k]));
+    let colour = [0, 1, 2].map(|k| f64::from(behind.light[k]) * f64::from(input.appearance.shading.background[k]));
     let Some((mirror, piece)) = behind.first else { return PixelValues { colour, ..PixelValues::MISS } };
     // what the optics show is no hole in the picture
     PixelValues { colour, coverage: 1.0, mirror, piece, ..PixelValues::MISS }

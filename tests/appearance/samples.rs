@@ -11,7 +11,7 @@ use anamorph::internals::engine::{Capacities, Engine, Rendered, RunOptions};
 use anamorph::internals::geometry::generate::icosphere;
 use anamorph::internals::image::frame::{Channel, NO_ID};
 use anamorph::internals::scene::Scene;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::gpu::{engine_on, ids};
 use common::layered::chain;
@@ -26,16 +26,16 @@ const SIZE: (u32, u32) = (61, 45);
 const FISHEYE: &str = "kind = \"fisheye\"\neye = [0.3, 0.2, 2.5]\ntarget = [0, 0, 0]\nfov = 100\nframe = \"full\"";
 
 fn cameras() -> Vec<(&'static str, Camera)> {
-    let look = MeshLook::default();
+    let shape = MeshShape::default();
     let meshes = [
-        ("mesh of 16 x 16", MeshLook { weights: true, ..look }, 16),
-        ("torn mesh", MeshLook { torn: true, ..look }, 8),
-        ("mesh of pieces as small as pixels", look, 50),
+        ("mesh of 16 x 16", MeshShape { weights: true, ..shape }, 16),
+        ("torn mesh", MeshShape { torn: true, ..shape }, 8),
+        ("mesh of pieces as small as pixels", shape, 50),
     ];
     let glc = glc_of_each_class().into_iter().map(|(name, kind)| (name, camera(kind, SIZE, FORWARD)));
-    let mesh = |(name, look, side)| (name, camera(mesh_camera(1, side, side, look), SIZE, FORWARD));
+    let mesh = |(name, shape, side)| (name, camera(mesh_camera(1, side, side, shape), SIZE, FORWARD));
     let more = [
-        ("chain", chain(3, 3, (4, 3), look, SIZE)),
+        ("chain", chain(3, 3, (4, 3), shape, SIZE)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
         ("fisheye", camera_of("", SIZE, FISHEYE).unwrap()),
     ];

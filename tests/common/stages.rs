@@ -3,7 +3,7 @@
 // every test binary uses a part of it
 #![allow(dead_code)]
 
-use super::common::cameras::{self, MeshLook};
+use super::common::cameras::{self, MeshShape};
 use super::common::rng::Rng;
 use super::common::{self, ALL_T, FORWARD};
 use super::common::{layered, needs};
@@ -176,17 +176,17 @@ pub fn cases() -> Vec<Case> {
             Case::new(name, part_one_sided(soup(k as u64, 150, 0.4)), camera)
         })
         .collect();
-    let looks = [
-        ("pieces", MeshLook::default()),
-        ("weighted pieces", MeshLook { weights: true, ..Default::default() }),
-        ("torn unit pieces", MeshLook { normalize: true, weights: true, torn: true }),
+    let shapes = [
+        ("pieces", MeshShape::default()),
+        ("weighted pieces", MeshShape { weights: true, ..Default::default() }),
+        ("torn unit pieces", MeshShape { normalize: true, weights: true, torn: true }),
     ];
-    for (name, look) in looks {
-        let camera = common::camera(cameras::mesh_camera(5, 4, 3, look), (100, 90), FORWARD);
+    for (name, shape) in shapes {
+        let camera = common::camera(cameras::mesh_camera(5, 4, 3, shape), (100, 90), FORWARD);
         list.push(Case::new(name, part_one_sided(icosphere(2)), camera));
     }
-    let plain = MeshLook::default();
-    let weighted = MeshLook { weights: true, ..plain };
+    let plain = MeshShape::default();
+    let weighted = MeshShape { weights: true, ..plain };
     let chain = layered::chain(3, 3, (4, 3), plain, (100, 90));
     list.push(Case::new("chain", part_one_sided(icosphere(2)), chain));
     let chain = layered::chain(4, 2, (2, 2), weighted, (61, 83));
@@ -249,8 +249,8 @@ pub fn random_case(seed: u64) -> Case {
     let offset = [0.0, 0.0, 30.0, 1e4][rng.below(4)] * rng.vector();
     let mut triple = |centre: DVec3| [0, 1, 2].map(|_| centre + 2.0 * rng.vector() + offset);
     let any_glc = CameraKind::from(Glc { near: triple(2.0 * DVec3::Z), far: triple(-2.0 * DVec3::Z) });
-    let look = MeshLook { normalize: rng.below(2) == 0, weights: rng.below(2) == 0, torn: rng.below(2) == 0 };
-    let mut pieces = cameras::mesh_spec(seed, 1 + rng.below(6) as u32, 1 + rng.below(6) as u32, look);
+    let shape = MeshShape { normalize: rng.below(2) == 0, weights: rng.below(2) == 0, torn: rng.below(2) == 0 };
+    let mut pieces = cameras::mesh_spec(seed, 1 + rng.below(6) as u32, 1 + rng.below(6) as u32, shape);
     pieces.vertices.iter_mut().for_each(|v| (v.near, v.far) = (v.near + offset, v.far + offset));
     let eye = offset + 2.0 * rng.vector();
     let camera = match rng.below(5) {
@@ -345,7 +345,7 @@ impl Bench {
 pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
     let mut b = Buffers::default();
     b.upload_uniform(gpu, "params", &input.params).unwrap();
-    b.upload_uniform(gpu, "shading", &input.look.shading).unwrap();
+    b.upload_uniform(gpu, "shading", &input.appearance.shading).unwrap();
     b.upload(gpu, "clusters", input.clusters).unwrap();
     b.upload(gpu, "triangle_groups", input.triangle_groups).unwrap();
     b.upload(gpu, "nodes", input.nodes).unwrap();
@@ -365,9 +365,9 @@ pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
     } else {
         b.upload(gpu, "surfaces", &mapped_rows(input.surfaces, input.uvs)).unwrap();
     }
-    b.upload(gpu, "normals", &input.look.normals).unwrap();
-    b.upload(gpu, "materials", &input.look.materials).unwrap();
-    b.upload(gpu, "lights", &input.look.lights).unwrap();
+    b.upload(gpu, "normals", &input.appearance.normals).unwrap();
+    b.upload(gpu, "materials", &input.appearance.materials).unwrap();
+    b.upload(gpu, "lights", &input.appearance.lights).unwrap();
     b.create(gpu, "indirect", 12, wgpu::BufferUsages::INDIRECT).unwrap();
     if let Some(optics) = &input.optics {
         b.upload_uniform(gpu, "optic", &optics.optic).unwrap();

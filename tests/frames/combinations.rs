@@ -105,8 +105,8 @@ impl Case {
         let many = features.iter().any(|f| matches!(f, Feature::Samples | Feature::ManySamples));
         let few = features.iter().any(|f| matches!(f, NoSamples | OneSample));
         let counts = [many, features.contains(&NoSamples), features.contains(&OneSample)];
-        let looks = [Feature::Curves, Feature::Scattered, Feature::Atlas];
-        let cameras = features.iter().filter(|f| looks.contains(f)).count()
+        let kinds = [Feature::Curves, Feature::Scattered, Feature::Atlas];
+        let cameras = features.iter().filter(|f| kinds.contains(f)).count()
             + usize::from(features.iter().any(|f| matches!(f, Feature::Optics | Feature::Bounces)));
         // what an image larger than the bindings needs of a scene is caustics' own affair
         let is_large = features.iter().any(|f| matches!(f, Feature::Bands | Feature::Chunks));

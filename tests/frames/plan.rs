@@ -13,7 +13,7 @@ use anamorph::internals::engine::plan::{Band, Contents, Plan, Surroundings, Want
 use anamorph::internals::gpu::device::Abilities;
 use anamorph::internals::gpu::layout::{self, BRANCH};
 use anamorph::internals::image::frame::Channel;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, mesh_spec, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, mesh_spec, raymap};
 use common::file::camera_of;
 use common::layered;
 use common::rng::Rng;
@@ -75,11 +75,11 @@ fn cameras() -> Vec<(String, Camera)> {
     list.extend((0..20).map(|k| (format!("glc {k}"), random_glc(&mut rng))));
     for (columns, rows) in [(1, 1), (3, 2), (16, 16), (40, 30)] {
         for bits in 0..8 {
-            let look = MeshLook { normalize: bits & 1 != 0, weights: bits & 2 != 0, torn: bits & 4 != 0 };
-            list.push((format!("{columns} x {rows} {look:?}"), mesh_camera(bits, columns, rows, look)));
+            let shape = MeshShape { normalize: bits & 1 != 0, weights: bits & 2 != 0, torn: bits & 4 != 0 };
+            list.push((format!("{columns} x {rows} {shape:?}"), mesh_camera(bits, columns, rows, shape)));
         }
     }
-    let mut holes = mesh_spec(9, 12, 9, MeshLook::default());
+    let mut holes = mesh_spec(9, 12, 9, MeshShape::default());
     holes.triangles.retain(|t| (t[0] + t[2]) % 5 != 0);
     list.push(("holes".into(), CameraKind::from(holes)));
     let mut list: Vec<(String, Camera)> =
@@ -257,10 +257,10 @@ fn slab_ray(camera: &Camera, slabs: Slabs, slab: u32, i: u32, j: u32) -> Option<
 
 /// Chains and curved cameras.
 fn layered_cameras() -> Vec<(String, Camera)> {
-    let chain = |layers, look| layered::chain(8, layers, (5, 4), look, SIZE);
+    let chain = |layers, shape| layered::chain(8, layers, (5, 4), shape, SIZE);
     vec![
-        ("chain".into(), chain(3, MeshLook::default())),
-        ("torn chain".into(), chain(2, MeshLook { torn: true, weights: true, ..MeshLook::default() })),
+        ("chain".into(), chain(3, MeshShape::default())),
+        ("torn chain".into(), chain(2, MeshShape { torn: true, weights: true, ..MeshShape::default() })),
         ("parabolas".into(), layered::wavy(2, 0.5, true, SIZE)),
         ("cubics".into(), layered::wavy(3, 1.5, false, SIZE)),
         ("straight, then curved".into(), layered::straight_then_curved(SIZE)),
@@ -399,11 +399,11 @@ fn what_is_left_out_is_said() {
     let field = whats(&raymap(SIZE.0, SIZE.1, FORWARD), true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert!(field.contains(&"edge conics".into()) && !field.contains(&"per-pixel ray table".into()));
     assert!(!field.contains(&"ray residuals".into()));
-    let torn = camera(mesh_camera(1, 16, 16, MeshLook { torn: true, ..MeshLook::default() }), SIZE, FORWARD);
+    let torn = camera(mesh_camera(1, 16, 16, MeshShape { torn: true, ..MeshShape::default() }), SIZE, FORWARD);
     assert!(!whats(&torn, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"cells apart in cull".into()));
-    let pieces = camera(mesh_camera(1, 4, 4, MeshLook::default()), SIZE, FORWARD);
+    let pieces = camera(mesh_camera(1, 4, 4, MeshShape::default()), SIZE, FORWARD);
     assert!(!whats(&pieces, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"ray residuals".into()));
-    let chain = whats(&layered::chain(1, 2, (2, 2), MeshLook::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
+    let chain = whats(&layered::chain(1, 2, (2, 2), MeshShape::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert!(!chain.contains(&"slabs".into()) && chain.contains(&"curves".into()));
     let curves = whats(&layered::wavy(2, 0.5, false, SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert!(!curves.contains(&"slabs".into()) && !curves.contains(&"curves".into()));

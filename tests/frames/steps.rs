@@ -15,7 +15,7 @@ use anamorph::internals::engine::steps::{At, Shape, Step, passes, steps};
 use anamorph::internals::gpu::device::Abilities;
 use anamorph::internals::gpu::kernels::{Access, Kernel, Variant};
 use anamorph::internals::image::frame::Channel;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::{FORWARD, camera, layered};
 use glam::DVec3;
@@ -56,12 +56,12 @@ struct Case {
 
 fn cases() -> Vec<Case> {
     let pinhole = camera(glc_of_each_class().swap_remove(3).1, SIZE, FORWARD);
-    let pieces = camera(mesh_camera(1, 4, 3, MeshLook::default()), SIZE, FORWARD);
+    let pieces = camera(mesh_camera(1, 4, 3, MeshShape::default()), SIZE, FORWARD);
     let optics = |keys: &str| camera_of("", SIZE, keys).unwrap();
     let cameras = [
         ("one piece", pinhole),
         ("pieces", pieces),
-        ("chain", layered::chain(3, 2, (4, 3), MeshLook::default(), SIZE)),
+        ("chain", layered::chain(3, 2, (4, 3), MeshShape::default(), SIZE)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
         ("curves", layered::wavy(2, 0.5, false, SIZE)),
         ("mirror", optics(MIRROR)),

@@ -13,7 +13,7 @@ use anamorph::internals::image::frame::Channel;
 use anamorph::internals::image::{read_exr, rgb8};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::gpu::{engine_on, wanted, words};
 use common::rng::Rng;
@@ -36,7 +36,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     let named = |keys: &str| camera_of("", SIZE, keys).unwrap();
     vec![
         (name, camera(kind, SIZE, FORWARD)),
-        ("mesh", camera(mesh_camera(1, 16, 16, MeshLook::default()), SIZE, FORWARD)),
+        ("mesh", camera(mesh_camera(1, 16, 16, MeshShape::default()), SIZE, FORWARD)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
         ("panorama", named(panorama)),
         ("twist", named(twist)),

@@ -1,7 +1,7 @@
 //! sift: the kernel against its twin from the same bytes, its lists against the tree in f64, and the tree against its own
 //! leaves, for cameras of every kind.
 
-use crate::common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
+use crate::common::cameras::{MeshShape, glc_of_each_class, mesh_camera, pinhole, raymap};
 use crate::common::projection::gpu;
 use crate::common::rng::Rng;
 use crate::common::{ALL_T, FORWARD, camera};
@@ -74,15 +74,15 @@ fn cameras() -> Vec<(String, Camera, DVec3, f64)> {
         all.push((name.into(), camera(kind, SIZE, ALL_T)));
     }
     for weights in [false, true] {
-        let look = MeshLook { weights, torn: weights, ..Default::default() };
-        all.push((format!("{look:?}"), camera(mesh_camera(3, 20, 15, look), SIZE, FORWARD)));
+        let shape = MeshShape { weights, torn: weights, ..Default::default() };
+        all.push((format!("{shape:?}"), camera(mesh_camera(3, 20, 15, shape), SIZE, FORWARD)));
     }
-    let mut chain = camera(mesh_camera(4, 9, 7, MeshLook::default()), SIZE, [0.0, 1.0]);
+    let mut chain = camera(mesh_camera(4, 9, 7, MeshShape::default()), SIZE, [0.0, 1.0]);
     chain.layers.extend(all[4].1.layers.clone());
     all.push(("chain".into(), chain));
     let mut placed: Vec<_> = all.into_iter().map(|(name, camera)| (name, camera, DVec3::ZERO, 0.5)).collect();
     for (by, scale) in [(DVec3::new(1e5, -2e5, 3e5), 1.0), (DVec3::ZERO, 1e-20), (DVec3::splat(3e24), 1e22)] {
-        let kind = far_off(mesh_camera(5, 20, 15, MeshLook::default()), by, scale);
+        let kind = far_off(mesh_camera(5, 20, 15, MeshShape::default()), by, scale);
         placed.push((format!("at {by}, {scale:e}"), camera(kind, SIZE, FORWARD), by, 0.5 * scale));
     }
     placed
@@ -183,7 +183,7 @@ fn lists_hold_all_leaves_of_the_tree_in_f64_and_few_more() {
 #[test]
 fn trees_that_do_not_fit_are_cut_and_lists_that_run_over_start_at_the_top() {
     let Some(gpu) = gpu() else { return };
-    let camera = camera(mesh_camera(3, 20, 15, MeshLook::default()), SIZE, FORWARD);
+    let camera = camera(mesh_camera(3, 20, 15, MeshShape::default()), SIZE, FORWARD);
     let projector = Projector::new(&camera);
     let tree = projector.trees().next().unwrap();
     for most in [1, 7, 100] {

@@ -1,26 +1,26 @@
 // Lines on surfaces, as wide in pixels as they shall be through any camera: distances in world or weights, over how these change from
 // pixel to pixel.
 // Provides: drawn
-// Needs: Look, Spread, covered, narrowed, tangents, weights_at
+// Needs: ShadedHit, Spread, covered, narrowed, tangents, weights_at
 // Binds: shading, style, triangles
 
-fn drawn(look: Look, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
+fn drawn(hit: ShadedHit, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
     var seen = colour;
     if style.hatch_spacing > 0.0 {
-        let on = tangents(look);
+        let on = tangents(hit);
         let tone = clamp(dot(colour, vec3<f32>(0.2126, 0.7152, 0.0722)), 0.0, 1.0);
-        seen = mix(style.paper, style.ink, hatched(look.p + shading.anchor, on, 1.0 - tone, look.share));
+        seen = mix(style.paper, style.ink, hatched(hit.p + shading.anchor, on, 1.0 - tone, hit.share));
     }
     if style.wire_width > 0.0 {
-        let width = narrowed(style.wire_width, style.wire_depth, look.z);
-        seen = mix(seen, style.wire, covered(edge_distance(look), width, look.share));
+        let width = narrowed(style.wire_width, style.wire_depth, hit.z);
+        seen = mix(seen, style.wire, covered(edge_distance(hit), width, hit.share));
     }
     return seen;
 }
 
 // How far the nearest edge of the triangle is, px.
-fn edge_distance(look: Look) -> f32 {
-    let w = weights_at(triangles[look.slot], look.p, look.d, look.spread);
+fn edge_distance(hit: ShadedHit) -> f32 {
+    let w = weights_at(triangles[hit.slot], hit.p, hit.d, hit.spread);
     let to = w.at / sqrt(w.right * w.right + w.down * w.down);
     return max(0.0, min(to.x, min(to.y, to.z)));
 }

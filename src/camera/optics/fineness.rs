@@ -9,8 +9,8 @@ use crate::geometry::cast::Caster;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Approximate number of sample pixels per row.
-const LOOKS: u32 = 64;
+/// Approximate number of pixels sampled per row.
+const SAMPLES_PER_SIDE: u32 = 64;
 
 /// Percentile of the error over the pixels that see both surfaces: at a silhouette no number of facets
 /// is enough.
@@ -25,7 +25,7 @@ pub fn error_px(eye: &Camera, truth: &Optics, facets: &Optics, middle: DVec3) ->
         caster: Caster::new(mesh),
         scene_size: scene_size(mesh.bounds()),
     });
-    let step = eye.width.div_ceil(LOOKS).max(1);
+    let step = eye.width.div_ceil(SAMPLES_PER_SIDE).max(1);
     let places: Vec<(u32, u32)> = (0..eye.height - 1)
         .step_by(step as usize)
         .flat_map(|j| (0..eye.width - 1).step_by(step as usize).map(move |i| (i, j)))

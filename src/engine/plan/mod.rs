@@ -140,7 +140,7 @@ impl Wanted {
     }
 
     /// Colours of surfaces are part of it.
-    fn needs_look(&self) -> bool {
+    fn needs_appearance(&self) -> bool {
         let albedo = [Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB];
         self.has_colour() || self.channels.iter().any(|c| albedo.contains(c))
     }
@@ -149,7 +149,7 @@ impl Wanted {
     fn is_textured(&self, of: Contents) -> bool {
         let any = |which: &[Channel]| self.channels.iter().any(|c| which.contains(c));
         of.has_holes
-            || of.has_images && self.needs_look()
+            || of.has_images && self.needs_appearance()
             || of.has_sky && self.has_colour()
             || of.has_uvs && any(&[Channel::TextureU, Channel::TextureV])
     }

@@ -32,7 +32,7 @@ pub fn variant(camera: &Camera, contents: Contents, wanted: &Wanted, has: Abilit
             (false, true) => LightsKind::Placed,
             (false, false) => LightsKind::Plain,
         },
-        styled: contents.has_style && wanted.needs_look(),
+        styled: contents.has_style && wanted.needs_appearance(),
         outlined: contents.has_outlines && has_colour,
         optics: camera.optics.as_deref().map(OpticsKind::of),
         bounced: false,

@@ -48,9 +48,14 @@ impl Variant {
     /// What is drawn on surfaces.
     pub(crate) fn style(self) -> Parts {
         if self.styled {
-            return snippets!("styles/rows.wgsl", "styles/look.wgsl", "styles/patterns.wgsl", "styles/lines.wgsl");
+            return snippets!(
+                "styles/rows.wgsl",
+                "styles/shaded_hit.wgsl",
+                "styles/patterns.wgsl",
+                "styles/lines.wgsl"
+            );
         }
-        snippets!("styles/look.wgsl", "styles/plain.wgsl")
+        snippets!("styles/shaded_hit.wgsl", "styles/plain.wgsl")
     }
 
     /// How that is drawn.

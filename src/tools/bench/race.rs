@@ -56,7 +56,7 @@ pub struct Rules {
 }
 
 impl Rules {
-    /// Of a full run, or of one for a look: `quick`. A software adapter draws some millions of triangles a second.
+    /// Of a full run, or of a `quick` one. A software adapter draws some millions of triangles a second.
     pub fn new(quick: bool, is_software: bool) -> Rules {
         Rules {
             runs: if quick { 3 } else { 9 },

@@ -1,8 +1,8 @@
-// A hit that is drawn.
-// Provides: Look
+// A hit to be shaded.
+// Provides: ShadedHit
 // Needs: Spread
 
-struct Look {
+struct ShadedHit {
     slot: u32,
     p: vec3<f32>,           // relative to the anchor
     z: f32,                 // along the whole path
