@@ -192,7 +192,7 @@ impl Engine {
 
     /// Puts on the device what was planned. Its frames have no picture yet.
     fn place(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
-        let Planned { given, scene, camera, arrangement, plan, clustered, wanted, .. } = planned;
+        let Planned { given, scene, camera, ray_order, plan, clustered, wanted, .. } = planned;
         let mut painter = self.painter(&given, &camera, &wanted, run)?;
         let lit = if wanted.has_colour() { self.illuminated(&given)? } else { None };
         let stages = self.stages(plan.variant, &plan.planes)?;
@@ -221,13 +221,13 @@ impl Engine {
             wanted,
             resident,
             caustics: lit,
-            arrangement,
+            ray_order,
             painter,
             rival,
             kept: None,
             shown: Arc::downgrade(&clustered),
             moving: run.moving.then(|| Arc::unwrap_or_clone(clustered)),
-            is_torn: false,
+            is_partly_uploaded: false,
             is_aimed: false,
             dirty: Dirty::All,
             timed: Timed::default(),

@@ -329,7 +329,7 @@ fn host_constants() -> Constants {
         RAYS_NONE,
         RAYS_LOOSE,
         RAYS_AFFINE,
-        RAYS_TORN,
+        RAYS_DISCONTINUOUS,
         LEVEL_CELL,
         LANES,
         COUNTERS,

@@ -9,7 +9,6 @@
 /// Pixels per side of a tile of the image.
 pub const TILE: u32 = 8;
 
-pub mod arranged;
 mod boxes;
 pub mod bundle;
 pub mod chain;
@@ -26,6 +25,7 @@ pub mod pieces;
 pub mod pose;
 pub mod project;
 pub mod projector;
+pub mod ray_order;
 pub mod recipe;
 pub mod spec;
 pub mod tessellate;

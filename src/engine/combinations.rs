@@ -1,7 +1,7 @@
 //! What does not go together in a frame: one table. Errors are made from it, and `docs/reference/combinations.md` shows it.
 
 use crate::camera::Camera;
-use crate::camera::arranged::is_scattered;
+use crate::camera::ray_order::is_incoherent;
 use crate::engine::plan::samples::AT_ONCE_MAX;
 use crate::engine::plan::slabs::kind;
 use crate::engine::plan::{Plan, Wanted};
@@ -33,7 +33,7 @@ pub enum Feature {
     Optics,
     Bounces,
     Atlas,
-    Scattered,
+    Incoherent,
     Bands,
     Chunks,
     Aimed,
@@ -106,7 +106,7 @@ pub const REFUSALS: &[Refusal] = {
             ONE,
         ),
         row(
-            &[Samples, Scattered],
+            &[Samples, Incoherent],
             "{samples} samples a pixel of {camera} take a frame each: its pixels look all over the scene",
             ONE,
         ),
@@ -121,13 +121,13 @@ pub const REFUSALS: &[Refusal] = {
         row(&[RivalWithoutCulling, NoCull], "{rival} culls nothing", "leave out --no-cull"),
         row(&[Outlines, Atlas], "outlines and borders are not drawn by way of an atlas", "leave atlas out"),
         row(
-            &[Outlines, Scattered],
+            &[Outlines, Incoherent],
             "outlines and borders are between pixels, of which this camera's look all over",
             WITHOUT_LINES,
         ),
         row(&[Rows, Outlines], "rows by themselves have no outlines and borders", WITHOUT_LINES),
         row(
-            &[Rows, Scattered],
+            &[Rows, Incoherent],
             "rows by themselves are of cameras whose pixels do not look all over the scene",
             "take all rows",
         ),
@@ -175,7 +175,7 @@ impl Feature {
             Optics,
             Bounces,
             Atlas,
-            Scattered,
+            Incoherent,
             Bands,
             Chunks,
             Aimed,
@@ -206,7 +206,7 @@ impl Feature {
             Feature::Optics => "a mirror or lens",
             Feature::Bounces => "a mirror or lens without an atlas",
             Feature::Atlas => "a mirror or lens with an atlas",
-            Feature::Scattered => "rays that look all over the scene",
+            Feature::Incoherent => "rays that look all over the scene",
             Feature::Bands => "an image larger than the adapter's bindings",
             Feature::Chunks => "a scene larger than the adapter's bindings",
             Feature::Aimed => "`Frames::aim`",
@@ -238,7 +238,7 @@ impl Feature {
             Feature::Optics => camera.optics.is_some(),
             Feature::Bounces => camera.optics.as_ref().is_some_and(|o| o.atlas.is_none()),
             Feature::Atlas => camera.optics.as_ref().is_some_and(|o| o.atlas.is_some()),
-            Feature::Scattered => is_scattered(camera),
+            Feature::Incoherent => is_incoherent(camera),
             Feature::Bands => planned.is_some_and(|(plan, _)| plan.bands.len() > 1),
             Feature::Chunks => planned.is_some_and(|(_, chunks)| chunks > 1),
             Feature::Aimed | Feature::Relit | Feature::InSequence => *change == Some(self),

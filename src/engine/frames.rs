@@ -11,7 +11,7 @@ use super::resident::Resident;
 use super::running::Running;
 use super::{Counts, Rendered, RunOptions, setup};
 use crate::camera::Camera;
-use crate::camera::arranged::Arrangement;
+use crate::camera::ray_order::RayOrder;
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
 use crate::engine::rival::Rival;
@@ -46,7 +46,7 @@ pub struct Frames {
     /// The scene's caustics, where the frame shows them.
     pub(super) caustics: Option<Arc<Illuminated>>,
     /// The order of the camera's pixels, where it is not their own.
-    pub(super) arrangement: Option<Arc<Arrangement>>,
+    pub(super) ray_order: Option<Arc<RayOrder>>,
     /// Makes the atlas before each frame.
     pub(super) painter: Option<Painter>,
     /// Finds what is seen instead of the stages from cull to recheck.
@@ -58,7 +58,7 @@ pub struct Frames {
     /// The same as they are now, where every vertex is new in each timed frame.
     pub(super) moving: Option<Clustered>,
     /// Something failed while another frame was shown, of which a part may be there.
-    pub(super) is_torn: bool,
+    pub(super) is_partly_uploaded: bool,
     /// The camera is not that of the first frame any more.
     pub(super) is_aimed: bool,
     /// What the picture does not show yet.
@@ -145,8 +145,8 @@ impl Frames {
         asked.check()?;
         let Plan { anchor, middle, scene_size, .. } = *self.plan;
         let around = Surroundings { anchor, middle, scene_size };
-        let arrangement = Arrangement::of(camera, around.middle).map(Arc::new);
-        let shown = Arc::new(arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
+        let ray_order = RayOrder::of(camera, around.middle).map(Arc::new);
+        let shown = Arc::new(ray_order.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
         let wanted = written(&self.scene, &shown, &self.wanted);
         let plan = self.planner.plan_by(&self.run, &shown, Contents::of(&self.scene), around, &wanted);
         Asked { planned: Some((&plan, self.resident.chunks.len())), ..asked }.check()?;
@@ -160,7 +160,7 @@ impl Frames {
         if let Some(rival) = &mut self.rival {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
-        (self.camera, self.plan, self.arrangement, self.is_aimed) = (camera, Arc::new(plan), arrangement, true);
+        (self.camera, self.plan, self.ray_order, self.is_aimed) = (camera, Arc::new(plan), ray_order, true);
         self.note(Changes { plan: true, ..Changes::default() });
         Ok(())
     }
@@ -314,7 +314,7 @@ impl Frames {
     /// Shows another scene through another camera from the next frame on, and sends what differs from what is there. `false`: they are to
     /// be placed anew, and all is as it was.
     pub(super) fn show(&mut self, planned: &Planned) -> Result<bool> {
-        let Planned { scene, camera, arrangement, plan, clustered, wanted, .. } = planned;
+        let Planned { scene, camera, ray_order, plan, clustered, wanted, .. } = planned;
         let is_plain =
             self.painter.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();
         let kind = |plan: &Plan, camera: &Camera| (plan.variant, plan.slabs.count(), camera.width, plan.rows_max());
@@ -326,8 +326,8 @@ impl Frames {
         }
         let shown = Shown { scene: &self.scene, plan: &self.plan, clustered: &self.shown };
         // until all is there nothing counts as the same
-        let is_torn = std::mem::replace(&mut self.is_torn, true);
-        let changes = if is_torn { Changes::ALL } else { Changes::between(&shown, planned) };
+        let is_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
+        let changes = if is_partly_uploaded { Changes::ALL } else { Changes::between(&shown, planned) };
         if changes.triangles {
             self.resident.upload_scene(&self.gpu, clustered)?;
             self.shown = Arc::downgrade(clustered);
@@ -344,8 +344,8 @@ impl Frames {
             self.resident.upload_appearance(&self.gpu, &self.pages, scene, plan)?;
         }
         (self.scene, self.camera) = (scene.clone(), camera.clone());
-        (self.plan, self.arrangement, self.wanted) = (plan.clone(), arrangement.clone(), wanted.clone());
-        self.is_torn = false;
+        (self.plan, self.ray_order, self.wanted) = (plan.clone(), ray_order.clone(), wanted.clone());
+        self.is_partly_uploaded = false;
         self.note(changes);
         Ok(true)
     }
@@ -354,7 +354,7 @@ impl Frames {
         FrameLayout {
             camera: self.camera.clone(),
             plan: self.plan.clone(),
-            arrangement: self.arrangement.clone(),
+            ray_order: self.ray_order.clone(),
             wanted: self.wanted.clone(),
             labels: self.wanted.has_labels().then(|| Labels::of(&self.scene)),
         }

@@ -3,7 +3,7 @@
 use super::RunOptions;
 use super::changes::{PlannedBy, same_clusters};
 use super::combinations::Asked;
-use crate::camera::arranged::Arrangement;
+use crate::camera::ray_order::RayOrder;
 use crate::camera::{Camera, Rays};
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::variant::variant;
@@ -36,7 +36,7 @@ pub struct Planned {
     pub(super) scene: Scene,
     /// With its pixels in another order, where there is one.
     pub(super) camera: Arc<Camera>,
-    pub(super) arrangement: Option<Arc<Arrangement>>,
+    pub(super) ray_order: Option<Arc<RayOrder>>,
     pub(super) plan: Arc<Plan>,
     pub(super) clustered: Arc<Clustered>,
     pub(super) wanted: Wanted,
@@ -93,15 +93,15 @@ impl Planner {
         let asked: Arc<Camera> = camera.into();
         let middle = Surroundings::of(&asked, scene.bounds()).middle;
         let known = last.filter(|l| Arc::ptr_eq(&l.asked, &asked) && l.plan.middle == middle);
-        let (camera, arrangement) = match known {
-            Some(last) => (last.camera.clone(), last.arrangement.clone()),
-            None => match Arrangement::of(&asked, middle).map(Arc::new) {
+        let (camera, ray_order) = match known {
+            Some(last) => (last.camera.clone(), last.ray_order.clone()),
+            None => match RayOrder::of(&asked, middle).map(Arc::new) {
                 Some(a) => (Arc::new(a.camera(&asked)), Some(a)),
                 None => (asked.clone(), None),
             },
         };
         let planned = self.plan_in_order(scene, camera, wanted, run, last)?;
-        Ok(Planned { asked, arrangement, ..planned })
+        Ok(Planned { asked, ray_order, ..planned })
     }
 
     /// The same with the camera's pixels in their own order.
@@ -127,8 +127,8 @@ impl Planner {
             None => Arc::new(cluster(&scene.mesh, plan.anchor, plan.variant.textured, self.limit)),
         };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
-        let (asked, arrangement, wanted) = (camera.clone(), None, wanted.clone());
-        Ok(Planned { given, asked, scene, camera, arrangement, plan, clustered, wanted })
+        let (asked, ray_order, wanted) = (camera.clone(), None, wanted.clone());
+        Ok(Planned { given, asked, scene, camera, ray_order, plan, clustered, wanted })
     }
 
     /// Refuses more normals than one binding holds, before any work on the triangles.

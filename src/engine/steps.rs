@@ -234,7 +234,7 @@ impl List<'_> {
         if variant.by_tile {
             self.clear("ends", at, 0, None);
         }
-        // where bounced rays are torn is not known beforehand
+        // where bounced rays are discontinuous is not known beforehand
         let nodes = &shape.plan.bands[at.band].nodes;
         let steps = if variant.bounced { nodes.levels.len() as u32 } else { nodes.cull_steps() };
         self.pass("cull", at, cull(shape.jobs[at.job], steps));

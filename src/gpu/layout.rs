@@ -22,7 +22,7 @@ pub const NONE: u32 = u32::MAX;
 pub const RAYS_NONE: u32 = 0;
 pub const RAYS_LOOSE: u32 = 1;
 pub const RAYS_AFFINE: u32 = 2;
-pub const RAYS_TORN: u32 = 3;
+pub const RAYS_DISCONTINUOUS: u32 = 3;
 
 /// The level of a cell in the address of a node.
 pub const LEVEL_CELL: u32 = 15;
@@ -179,7 +179,7 @@ pub struct Node {
     pub pad2: f32,
 }
 
-/// The pixels of one tile that one piece owns, or a part of a torn tile of a field; the piece's bundle at the tile's
+/// The pixels of one tile that one piece owns, or a part of a discontinuous tile of a field; the piece's bundle at the tile's
 /// middle, and the node that bounds its rays.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

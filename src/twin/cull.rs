@@ -1,7 +1,7 @@
 //! cull in f64: which clusters may be seen in which squares of the image.
 
 use super::Input;
-use crate::gpu::layout::{BRANCH, Cluster, LEVEL_CELL, Node, RAYS_AFFINE, RAYS_NONE, RAYS_TORN};
+use crate::gpu::layout::{BRANCH, Cluster, LEVEL_CELL, Node, RAYS_AFFINE, RAYS_DISCONTINUOUS, RAYS_NONE};
 use glam::DVec3;
 
 /// How a node's bundle is bounded: all boxes and radii grow by `tolerance` times the sizes of what they are made of, and
@@ -131,9 +131,9 @@ impl Input<'_> {
     }
 
     /// Whether cull goes on from a node that a cluster meets: from all above level 1, and there and below where rays are
-    /// torn.
+    /// discontinuous.
     pub fn is_descended(&self, at: Address) -> bool {
-        at.cell().is_none() && (at.level > 1 || self.node(at).rays == RAYS_TORN)
+        at.cell().is_none() && (at.level > 1 || self.node(at).rays == RAYS_DISCONTINUOUS)
     }
 
     /// The nodes one level down, row by row; of a tile its cells.

@@ -29,7 +29,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     let shape = MeshShape::default();
     let meshes = [
         ("mesh of 16 x 16", MeshShape { weights: true, ..shape }, 16),
-        ("torn mesh", MeshShape { torn: true, ..shape }, 8),
+        ("discontinuous mesh", MeshShape { discontinuous: true, ..shape }, 8),
         ("mesh of pieces as small as pixels", shape, 50),
     ];
     let glc = glc_of_each_class().into_iter().map(|(name, kind)| (name, camera(kind, SIZE, FORWARD)));
@@ -115,18 +115,18 @@ fn layers_of_rays_take_a_frame_a_sample() {
 fn rays_all_over_the_scene_take_a_frame_a_sample() {
     let plain = raymap(64, 64, FORWARD);
     let display = "kind = \"lightfield\"\ncenter = [0, 0, 2]\nnormal = [0, 0, 1]\nup = [0, 1, 0]\nwidth = 2\nheight = 2\nviews = [8, 8]\nfov = 40";
-    let scattered = camera_of("", (64, 64), display).unwrap();
+    let incoherent = camera_of("", (64, 64), display).unwrap();
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let scene = crowd();
-    assert!(!at_once(&scene, &scattered, 4));
+    assert!(!at_once(&scene, &incoherent, 4));
     let wanted = Wanted { samples: 4, ..Wanted::of(vec![Channel::A]) };
     let run = RunOptions::default();
-    assert!(engine.render(&scene, &scattered, &wanted, &run).is_err());
+    assert!(engine.render(&scene, &incoherent, &wanted, &run).is_err());
     let mut frames = engine.prepare(&scene, &plain, &wanted, &run).unwrap();
-    assert!(frames.aim(&scattered).is_err());
+    assert!(frames.aim(&incoherent).is_err());
     // those of centres come in the image's own order
     let wanted = Wanted { sample_ids: true, ..Wanted::of(vec![Channel::TriangleId]) };
-    let seen = engine.render(&scene, &scattered, &wanted, &run).unwrap();
+    let seen = engine.render(&scene, &incoherent, &wanted, &run).unwrap();
     assert!(seen.sample_ids[0] == ids(&seen.frame) && seen.sample_ids[0].iter().any(|id| *id != NO_ID));
 }
 

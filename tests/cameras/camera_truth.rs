@@ -147,7 +147,7 @@ fn pieces_interpolate_by_weights() {
         MeshShape::default(),
         MeshShape { normalize: true, ..Default::default() },
         MeshShape { weights: true, ..Default::default() },
-        MeshShape { normalize: true, weights: true, torn: true },
+        MeshShape { normalize: true, weights: true, discontinuous: true },
     ]
     .into_iter()
     .enumerate()

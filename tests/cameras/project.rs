@@ -51,7 +51,7 @@ fn meshes_of_pieces() {
         MeshShape::default(),
         MeshShape { normalize: true, ..Default::default() },
         MeshShape { weights: true, ..Default::default() },
-        MeshShape { normalize: true, weights: true, torn: true },
+        MeshShape { normalize: true, weights: true, discontinuous: true },
     ]
     .into_iter()
     .enumerate()

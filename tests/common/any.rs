@@ -32,7 +32,8 @@ pub fn any(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
 fn any_camera(rng: &mut Rng, size: (u32, u32), place: impl Fn(DVec3) -> DVec3) -> (Camera, bool) {
     let t_range = if rng.below(4) == 0 { ALL_T } else { FORWARD };
     let of = |kind: CameraKind| (camera(kind, size, t_range), true);
-    let shape = MeshShape { normalize: rng.below(3) == 0, weights: rng.below(3) == 0, torn: rng.below(4) == 0 };
+    let shape =
+        MeshShape { normalize: rng.below(3) == 0, weights: rng.below(3) == 0, discontinuous: rng.below(4) == 0 };
     let eye = 2.0 * rng.direction() + 0.3 * rng.vector();
     let target = 0.3 * rng.vector();
     let text = |text: String| (camera_of("", size, &text).unwrap(), false);
@@ -73,7 +74,13 @@ fn any_camera(rng: &mut Rng, size: (u32, u32), place: impl Fn(DVec3) -> DVec3) -
         10 => {
             let cells = (1 + rng.below(3) as u32, 1 + rng.below(3) as u32);
             (
-                chain(rng.word(), 1 + rng.below(4), cells, MeshShape { torn: false, normalize: false, ..shape }, size),
+                chain(
+                    rng.word(),
+                    1 + rng.below(4),
+                    cells,
+                    MeshShape { discontinuous: false, normalize: false, ..shape },
+                    size,
+                ),
                 false,
             )
         }

@@ -55,7 +55,7 @@ pub struct MeshShape {
     /// Weights from 1/2 to 2 instead of 1.
     pub weights: bool,
     /// Every cell has rays of its own: neighbours do not continue each other.
-    pub torn: bool,
+    pub discontinuous: bool,
 }
 
 /// Two pieces for each of `columns` x `rows` cells of the image, over rays that bend smoothly, each corner a little
@@ -67,7 +67,7 @@ pub fn mesh_spec(seed: u64, columns: u32, rows: u32, shape: MeshShape) -> MeshCa
         let q = DVec2::new(image.x - 0.5, 0.5 - image.y);
         let bend = 0.2 * DVec2::new((5.0 * q.y).sin(), (4.0 * q.x).cos());
         let off = |rng: &mut Rng| 0.02 * rng.vector();
-        let shift = if shape.torn { 0.3 * rng.vector() } else { DVec3::ZERO };
+        let shift = if shape.discontinuous { 0.3 * rng.vector() } else { DVec3::ZERO };
         CameraVertex {
             image: image.to_array(),
             near: (2.2 * q).extend(2.0) + off(&mut rng) + shift,
@@ -76,7 +76,7 @@ pub fn mesh_spec(seed: u64, columns: u32, rows: u32, shape: MeshShape) -> MeshCa
         }
     };
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-    if shape.torn {
+    if shape.discontinuous {
         for (i, j) in (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))) {
             let k = vertices.len() as u32;
             vertices.extend([vertex(i, j), vertex(i + 1, j), vertex(i, j + 1), vertex(i + 1, j + 1)]);

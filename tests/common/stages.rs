@@ -179,7 +179,7 @@ pub fn cases() -> Vec<Case> {
     let shapes = [
         ("pieces", MeshShape::default()),
         ("weighted pieces", MeshShape { weights: true, ..Default::default() }),
-        ("torn unit pieces", MeshShape { normalize: true, weights: true, torn: true }),
+        ("discontinuous unit pieces", MeshShape { normalize: true, weights: true, discontinuous: true }),
     ];
     for (name, shape) in shapes {
         let camera = common::camera(cameras::mesh_camera(5, 4, 3, shape), (100, 90), FORWARD);
@@ -249,7 +249,8 @@ pub fn random_case(seed: u64) -> Case {
     let offset = [0.0, 0.0, 30.0, 1e4][rng.below(4)] * rng.vector();
     let mut triple = |centre: DVec3| [0, 1, 2].map(|_| centre + 2.0 * rng.vector() + offset);
     let any_glc = CameraKind::from(Glc { near: triple(2.0 * DVec3::Z), far: triple(-2.0 * DVec3::Z) });
-    let shape = MeshShape { normalize: rng.below(2) == 0, weights: rng.below(2) == 0, torn: rng.below(2) == 0 };
+    let shape =
+        MeshShape { normalize: rng.below(2) == 0, weights: rng.below(2) == 0, discontinuous: rng.below(2) == 0 };
     let mut pieces = cameras::mesh_spec(seed, 1 + rng.below(6) as u32, 1 + rng.below(6) as u32, shape);
     pieces.vertices.iter_mut().for_each(|v| (v.near, v.far) = (v.near + offset, v.far + offset));
     let eye = offset + 2.0 * rng.vector();

@@ -105,7 +105,7 @@ impl Case {
         let many = features.iter().any(|f| matches!(f, Feature::Samples | Feature::ManySamples));
         let few = features.iter().any(|f| matches!(f, NoSamples | OneSample));
         let counts = [many, features.contains(&NoSamples), features.contains(&OneSample)];
-        let kinds = [Feature::Curves, Feature::Scattered, Feature::Atlas];
+        let kinds = [Feature::Curves, Feature::Incoherent, Feature::Atlas];
         let cameras = features.iter().filter(|f| kinds.contains(f)).count()
             + usize::from(features.iter().any(|f| matches!(f, Feature::Optics | Feature::Bounces)));
         // what an image larger than the bindings needs of a scene is caustics' own affair
@@ -164,7 +164,7 @@ impl Case {
                 self.camera = camera_of("", SIZE, &format!("{MIRROR}\nfacets = \"normals\"\natlas = 8")).unwrap();
                 self.has.insert(Feature::Optics);
             }
-            Feature::Scattered => self.camera = camera_of("", SIZE, DISPLAY).unwrap(),
+            Feature::Incoherent => self.camera = camera_of("", SIZE, DISPLAY).unwrap(),
             Feature::Bands => self.limit = self.limit.min(1 << 14),
             Feature::Chunks => {
                 self.limit = self.limit.min(1 << 15);

@@ -38,7 +38,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     let (name, kind) = glc_of_each_class().swap_remove(3);
     vec![
         (name, camera(kind, SIZE, ALL_T)),
-        ("mesh", camera(mesh_camera(1, 9, 7, MeshShape { torn: true, ..Default::default() }), SIZE, FORWARD)),
+        ("mesh", camera(mesh_camera(1, 9, 7, MeshShape { discontinuous: true, ..Default::default() }), SIZE, FORWARD)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
         ("mirror", camera_of("", SIZE, MIRROR).unwrap()),
         ("lens", camera_of("", SIZE, LENS).unwrap()),

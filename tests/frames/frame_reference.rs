@@ -98,8 +98,8 @@ fn pieces_with_weights_unit_directions_and_tears() {
     let shapes = [
         MeshShape { weights: true, ..Default::default() },
         MeshShape { normalize: true, ..Default::default() },
-        MeshShape { torn: true, ..Default::default() },
-        MeshShape { normalize: true, weights: true, torn: true },
+        MeshShape { discontinuous: true, ..Default::default() },
+        MeshShape { normalize: true, weights: true, discontinuous: true },
     ];
     for shape in shapes {
         let camera = camera(mesh_camera(6, 9, 7, shape), SIZE, FORWARD);

@@ -32,7 +32,7 @@ fn cameras() -> Vec<(String, Camera)> {
     let mut list = vec![
         ("chain".to_string(), chain(3, plain)),
         ("weighted chain".into(), chain(4, MeshShape { weights: true, ..plain })),
-        ("torn chain".into(), chain(2, MeshShape { torn: true, ..plain })),
+        ("discontinuous chain".into(), chain(2, MeshShape { discontinuous: true, ..plain })),
         ("chain of 16".into(), chain(16, plain)),
         ("straight, then curved".into(), layered::straight_then_curved(SIZE)),
     ];

@@ -75,7 +75,7 @@ fn cameras() -> Vec<(String, Camera)> {
     list.extend((0..20).map(|k| (format!("glc {k}"), random_glc(&mut rng))));
     for (columns, rows) in [(1, 1), (3, 2), (16, 16), (40, 30)] {
         for bits in 0..8 {
-            let shape = MeshShape { normalize: bits & 1 != 0, weights: bits & 2 != 0, torn: bits & 4 != 0 };
+            let shape = MeshShape { normalize: bits & 1 != 0, weights: bits & 2 != 0, discontinuous: bits & 4 != 0 };
             list.push((format!("{columns} x {rows} {shape:?}"), mesh_camera(bits, columns, rows, shape)));
         }
     }
@@ -260,7 +260,10 @@ fn layered_cameras() -> Vec<(String, Camera)> {
     let chain = |layers, shape| layered::chain(8, layers, (5, 4), shape, SIZE);
     vec![
         ("chain".into(), chain(3, MeshShape::default())),
-        ("torn chain".into(), chain(2, MeshShape { torn: true, weights: true, ..MeshShape::default() })),
+        (
+            "discontinuous chain".into(),
+            chain(2, MeshShape { discontinuous: true, weights: true, ..MeshShape::default() }),
+        ),
         ("parabolas".into(), layered::wavy(2, 0.5, true, SIZE)),
         ("cubics".into(), layered::wavy(3, 1.5, false, SIZE)),
         ("straight, then curved".into(), layered::straight_then_curved(SIZE)),
@@ -399,8 +402,9 @@ fn what_is_left_out_is_said() {
     let field = whats(&raymap(SIZE.0, SIZE.1, FORWARD), true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert!(field.contains(&"edge conics".into()) && !field.contains(&"per-pixel ray table".into()));
     assert!(!field.contains(&"ray residuals".into()));
-    let torn = camera(mesh_camera(1, 16, 16, MeshShape { torn: true, ..MeshShape::default() }), SIZE, FORWARD);
-    assert!(!whats(&torn, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"cells apart in cull".into()));
+    let discontinuous =
+        camera(mesh_camera(1, 16, 16, MeshShape { discontinuous: true, ..MeshShape::default() }), SIZE, FORWARD);
+    assert!(!whats(&discontinuous, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"cells apart in cull".into()));
     let pieces = camera(mesh_camera(1, 4, 4, MeshShape::default()), SIZE, FORWARD);
     assert!(!whats(&pieces, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"ray residuals".into()));
     let chain = whats(&layered::chain(1, 2, (2, 2), MeshShape::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);

@@ -63,10 +63,10 @@ fn every_class_of_glc() {
 
 #[test]
 fn meshes_of_pieces() {
-    for (normalize, weights, torn) in
+    for (normalize, weights, discontinuous) in
         [(false, false, false), (false, true, false), (true, true, false), (true, true, true)]
     {
-        let shape = MeshShape { normalize, weights, torn };
+        let shape = MeshShape { normalize, weights, discontinuous };
         let mut scene = scene(icosphere(2));
         scene.lights = vec![Light::distant(DVec3::new(-1.0, -2.0, -1.0))];
         check(&format!("{shape:?}"), &scene, &camera(cameras::mesh_camera(9, 5, 4, shape), (60, 52), FORWARD), WHOLE);

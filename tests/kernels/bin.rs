@@ -16,7 +16,7 @@ use anamorph::internals::twin::{Input, LARGE, Real};
 use std::collections::{HashMap, HashSet};
 
 /// Pairs that the kernel may list, where raster goes pair by pair, for each that truly covers a pixel. Measured over the cases below:
-/// 1.02 for large triangles over many tiles, 1.2 to 3.4 for small ones, whole, torn or under a ray field, 1.4 to 6.4 in chains and
+/// 1.02 for large triangles over many tiles, 1.2 to 3.4 for small ones, whole, discontinuous or under a ray field, 1.4 to 6.4 in chains and
 /// through curves, so that a loose bound must do.
 const EXCESS_MAX: f64 = 7.0;
 /// Where curves swing by more than the scene is wide. Measured: 22.6.
@@ -150,7 +150,7 @@ fn tiles_below(input: &Input, node: Address) -> HashSet<u32> {
 fn differences(input: &Input, work: &[[u32; 2]], kernel: &[[u32; 2]], required: &[Binned]) -> Vec<String> {
     let mut wrong = Vec::new();
     let mut boxes: HashMap<(u32, u32), u64> = HashMap::new();
-    // how many items a pair may come from: of a torn tile one per cell
+    // how many items a pair may come from: of a discontinuous tile one per cell
     let mut below: HashMap<(u32, u32), usize> = HashMap::new();
     for &[cluster, node] in work {
         let row = &input.clusters[cluster as usize];

@@ -309,7 +309,7 @@ fn check(case: &Case, jobs: &[Job], (real, atomics64, by_tile): Way, kernel: &Dr
         assert_eq!(u64::from(kernel.tested), twin.tested, "{name}: fragments tested");
     }
     if by_tile {
-        // what lies behind all that is there is left out, and of a torn tile's cells each may have listed a triangle
+        // what lies behind all that is there is left out, and of a discontinuous tile's cells each may have listed a triangle
         let is_once = |(_, pairs): &Job| {
             let places = pairs.iter().map(|p| Pair::unpack(*p)).map(|p| (p.slot, p.tile));
             places.collect::<std::collections::HashSet<_>>().len() == pairs.len()

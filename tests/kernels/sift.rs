@@ -74,7 +74,7 @@ fn cameras() -> Vec<(String, Camera, DVec3, f64)> {
         all.push((name.into(), camera(kind, SIZE, ALL_T)));
     }
     for weights in [false, true] {
-        let shape = MeshShape { weights, torn: weights, ..Default::default() };
+        let shape = MeshShape { weights, discontinuous: weights, ..Default::default() };
         all.push((format!("{shape:?}"), camera(mesh_camera(3, 20, 15, shape), SIZE, FORWARD)));
     }
     let mut chain = camera(mesh_camera(4, 9, 7, MeshShape::default()), SIZE, [0.0, 1.0]);
@@ -112,7 +112,7 @@ fn a_walk_from_the_top_finds_what_every_leaf_by_itself_does() {
                 assert!(found == walked(tree, point, &leaves), "{name}: {point}");
                 (met, all) = (met + found.len(), all + leaves.len());
             }
-            // the widest beams, those of the torn pieces, are 0.7 of 2.2 wide
+            // the widest beams, those of the discontinuous pieces, are 0.7 of 2.2 wide
             assert!(met > 100 && (leaves.len() == 1 || met < all / 10), "{name}: {met} of {all}");
         }
     }

@@ -27,7 +27,7 @@ struct BottomUp {
     foreground: bool,
     joints: Joints,
     /// The parts are not joined: a graph camera of 2009.
-    torn: bool,
+    discontinuous: bool,
 }
 
 const SHARED: [&str; 8] = ["kind", "views", "weights", "near", "far", "root", "morph", "cut"];
@@ -46,10 +46,10 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 }
 
 /// Reads the keys of help/graph_camera.txt.
-pub fn read_torn(table: &Table) -> Result<Arc<dyn Recipe>> {
+pub fn read_discontinuous(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&SHARED[..SHARED.len() - 1])?;
     let shared = read_shared(table, Joints::read(table)?)?;
-    Ok(Arc::new(BottomUp { torn: true, ..shared }))
+    Ok(Arc::new(BottomUp { discontinuous: true, ..shared }))
 }
 
 fn read_shared(table: &Table, joints: Joints) -> Result<BottomUp> {
@@ -69,7 +69,7 @@ fn read_shared(table: &Table, joints: Joints) -> Result<BottomUp> {
         cut: table.optional("cut", |f| least(f, 0.0))?.filter(|cut| *cut > 0.0),
         foreground: false,
         joints,
-        torn: false,
+        discontinuous: false,
     })
 }
 
@@ -108,16 +108,17 @@ impl Recipe for BottomUp {
         let size = setting.size()?;
         let layout = self.layout(setting, size)?;
         self.check_apart(setting, &layout, size)?;
-        let (net, leaf) = if self.torn { self.torn_leaves(&layout, size) } else { self.leaves(&layout, size) };
+        let (net, leaf) =
+            if self.discontinuous { self.discontinuous_leaves(&layout, size) } else { self.leaves(&layout, size) };
         let root = |_| layout.root;
         let depths = self.foreground.then(|| self.depths(&net, &layout, &leaf[0]));
         let plain = rails::plain(&net, root, layout.far, depths);
         let graph = rails::with_leaves(&plain, leaf, depths);
-        if !self.torn {
+        if !self.discontinuous {
             check_folds(setting, &graph)?;
         }
         let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;
-        if self.torn {
+        if self.discontinuous {
             built.notes.push("the views are not joined: the picture breaks where they meet what is between".into());
         }
         Ok(built)
@@ -203,7 +204,7 @@ impl BottomUp {
     }
 
     /// The parts on their own: the root's view in between.
-    fn torn_leaves(&self, layout: &Layout, size: (u32, u32)) -> (Net, [Vec<DVec3>; 2]) {
+    fn discontinuous_leaves(&self, layout: &Layout, size: (u32, u32)) -> (Net, [Vec<DVec3>; 2]) {
         let [x1, x2] = layout.between_px;
         let (w, h) = (size.0 as f64, size.1 as f64);
         let mut leaves = Leaves::new(self.near, layout.far);
@@ -227,7 +228,7 @@ impl BottomUp {
         let left = volume(0, 0.0, x1);
         let left = setting.bounds().map_or(left.clone(), |(lo, hi)| left.and(&Volume::of_box(lo, hi)));
         match left.meets(&volume(1, x2, w)) {
-            Some(at) if !self.torn => Err(Error::input(format!(
+            Some(at) if !self.discontinuous => Err(Error::input(format!(
                 "camera.views: the two views intersect, as at {}; turn or move them apart, or give a nearer far",
                 place(at)
             ))),

@@ -76,7 +76,11 @@ pub const KINDS: &[Kind] = &[
     Kind { name: "cylinder", help: include_str!("../help/cylinder.txt"), read: cylinder::read },
     Kind { name: "chain", help: include_str!("../help/chain.txt"), read: chain::read },
     Kind { name: "bottom_up", help: include_str!("../help/bottom_up.txt"), read: graph::bottom_up::read },
-    Kind { name: "graph_camera", help: include_str!("../help/graph_camera.txt"), read: graph::bottom_up::read_torn },
+    Kind {
+        name: "graph_camera",
+        help: include_str!("../help/graph_camera.txt"),
+        read: graph::bottom_up::read_discontinuous,
+    },
     Kind { name: "top_down", help: include_str!("../help/top_down.txt"), read: graph::top_down::read },
     Kind { name: "track", help: include_str!("../help/track.txt"), read: graph::track::read },
     Kind { name: "opencv", help: include_str!("../help/opencv.txt"), read: opencv::read },

@@ -2,7 +2,7 @@
 
 use super::fit::affine;
 use super::slabs::bend;
-use super::tiles::{Sample, Sampled, place_in_tile};
+use super::tiles::{TileRay, TileRays, place_in_tile};
 use crate::camera::TILE;
 use crate::camera::{Camera, Curve, Field};
 use crate::gpu::layout::split2;
@@ -136,7 +136,7 @@ impl Net {
     /// control points with Bernstein weights, so they lie as far from the affine ones' as these weights make it; and a
     /// bend, the distance between two such sums, at most two whole distances more than the largest at a corner, being
     /// convex over the tile.
-    pub fn over(&self, span: [f64; 2], anchor: DVec3) -> Sampled {
+    pub fn over(&self, span: [f64; 2], anchor: DVec3) -> TileRays {
         let weights = span.map(|t| bernstein(self.points.len() - 1, t));
         let off = |k: usize| self.points[k].1;
         let all = 0..self.points.len();
@@ -149,11 +149,11 @@ impl Net {
             let curve = Curve::new(&points).span(span);
             bent = bent.max(bend(&curve));
             let (start, end) = (curve.points()[0], curve.points()[curve.degree()]);
-            Sample { place, p: start - anchor, d: end - start }
+            TileRay { place, p: start - anchor, d: end - start }
         };
-        let samples = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from).map(corner).to_vec();
+        let rays = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from).map(corner).to_vec();
         let bent = if self.points.len() > 2 { bent + 2.0 * largest } else { 0.0 };
-        Sampled { samples, r_p: r_p + bent, r_d }
+        TileRays { rays, r_p: r_p + bent, r_d }
     }
 }
 

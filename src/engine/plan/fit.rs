@@ -1,6 +1,6 @@
 //! Rays of a part of the image as one affine bundle, and how far they may lie from it.
 
-use super::tiles::Sampled;
+use super::tiles::TileRays;
 use crate::camera::perturb::PERTURB;
 use crate::gpu::layout::{self, RAYS_AFFINE, RAYS_LOOSE};
 use glam::{DVec2, DVec3};
@@ -23,9 +23,9 @@ const NODE_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
 const FIT_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 /// Rays stray that lie farther from their fit than this share of its slopes: twice that is a Newton step's tolerance in
 /// the node's units, and of half the node such a step says nothing any more.
-pub const STRAY: f64 = 0.25;
+pub const LOOSE: f64 = 0.25;
 /// And farther than this share of their own size: next to no slope at all a hair would count.
-pub const STRAY_SIZE: f64 = 1.0 / (1u64 << 12) as f64;
+pub const LOOSE_SIZE: f64 = 1.0 / (1u64 << 12) as f64;
 
 /// The affine function nearest to values at places, by least squares: value in the middle and slopes; and the largest
 /// distance that remains. At least one place.
@@ -52,14 +52,14 @@ pub fn affine(pairs: impl Iterator<Item = (DVec2, DVec3)> + Clone) -> ([DVec3; 3
 }
 
 impl Fit {
-    /// The bundle nearest to the samples; its radii hold them and what lies that far from them.
-    pub fn of(sampled: &Sampled) -> Fit {
-        if sampled.samples.is_empty() {
+    /// The bundle nearest to the rays; its radii hold them and what lies that far from them.
+    pub fn of(tile: &TileRays) -> Fit {
+        if tile.rays.is_empty() {
             return Fit::default();
         }
-        let (p, off_p) = affine(sampled.samples.iter().map(|s| (s.place, s.p)));
-        let (d, off_d) = affine(sampled.samples.iter().map(|s| (s.place, s.d)));
-        let (r_p, r_d) = (off_p + sampled.r_p, off_d + sampled.r_d);
+        let (p, off_p) = affine(tile.rays.iter().map(|s| (s.place, s.p)));
+        let (d, off_d) = affine(tile.rays.iter().map(|s| (s.place, s.d)));
+        let (r_p, r_d) = (off_p + tile.r_p, off_d + tile.r_d);
         let mut fit = Fit { p, d, r_p, r_d, rays: RAYS_LOOSE };
         let (size_p, size_d) = fit.sizes();
         if r_p <= FIT_ROUNDING * size_p && r_d <= FIT_ROUNDING * size_d {
@@ -69,9 +69,9 @@ impl Fit {
     }
 
     /// Origins or directions lie so far from the fit that it says little.
-    pub fn strays(&self) -> bool {
+    pub fn is_loose(&self) -> bool {
         let far = |r: f64, fit: &[DVec3; 3], size: f64| {
-            r > STRAY * (fit[1].length() + fit[2].length()) && r > STRAY_SIZE * size
+            r > LOOSE * (fit[1].length() + fit[2].length()) && r > LOOSE_SIZE * size
         };
         let (size_p, size_d) = self.sizes();
         far(self.r_p, &self.p, size_p) || far(self.r_d, &self.d, size_d)

@@ -2,11 +2,12 @@
 //!
 //! The image is cut into bands of whole tile rows that fit the adapter's bindings. Every band has its tiles ([`tiles`]:
 //! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square, affine
-//! ones by [`fit`]). Where a field's rays jump inside a tile, it is cut up ([`tear`]). The tiles of a chain's layers, and of
+//! ones by [`fit`]). Where a field's rays jump inside a tile, it is cut up ([`cells`]). The tiles of a chain's layers, and of
 //! the spans of curved rays, lie stacked as [`slabs`]. Of rays that a mirror or a lens turns the tree is made on the GPU,
 //! by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]).
 
 pub mod beams;
+pub mod cells;
 pub mod curves;
 pub mod fit;
 pub mod hierarchy;
@@ -14,12 +15,11 @@ pub mod nodes;
 pub mod pages;
 pub mod samples;
 pub mod slabs;
-pub mod tear;
 pub mod tiles;
 pub mod variant;
 
-use crate::camera::arranged::is_sorted;
 use crate::camera::perturb::scene_size;
+use crate::camera::ray_order::is_reordered;
 use crate::camera::{Camera, Rays};
 use crate::geometry::mesh::Material;
 use crate::gpu::device::Abilities;
@@ -361,10 +361,10 @@ impl Band {
         let nodes = nodes::Nodes::new(
             &sampled,
             (tiles.tiles_x, tiles.tiles_y),
-            nodes::Depth {
+            nodes::WidthMeasure {
                 middle: around.middle - anchor,
                 t_range: camera.t_range,
-                scattered: is_sorted(camera),
+                incoherent: is_reordered(camera),
                 scene_size: around.scene_size,
             },
         );
@@ -410,8 +410,8 @@ fn left_out(
     if bands.iter().all(|b| b.nodes.exact) {
         say("ray residuals", "every node holds one affine piece".into());
     }
-    if !bands.iter().any(|b| b.nodes.torn) {
-        say("cells apart in cull", "no rays are torn".into());
+    if !bands.iter().any(|b| b.nodes.discontinuous) {
+        say("cells apart in cull", "no rays jump inside a tile".into());
     }
     match camera.optics.as_ref().map(|o| o.smooth_count()) {
         None => say("bounce, fit and meet", "there is no mirror or lens".into()),

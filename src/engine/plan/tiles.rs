@@ -1,10 +1,10 @@
 //! Tiles of 8 x 8 pixels, cut into cells: the pixels of one tile that one piece owns. Each slab has its own tiles.
 
+use super::cells::{Part, cells_of};
 use super::curves::{CurveTable, Net, nets};
 use super::fit::Fit;
 use super::nodes::above_cells;
 use super::slabs::Slabs;
-use super::tear::{Part, tear};
 use crate::camera::TILE;
 use crate::camera::{Bundle, Camera, Field, Pieces, Rays};
 use crate::gpu::layout::{self, split2};
@@ -31,7 +31,7 @@ pub struct Tiles {
 
 /// A ray of a tile: its place in [-1, 1]^2 over the tile, origin relative to the anchor and direction.
 #[derive(Debug, Clone, Copy)]
-pub struct Sample {
+pub struct TileRay {
     pub place: DVec2,
     pub p: DVec3,
     pub d: DVec3,
@@ -39,9 +39,9 @@ pub struct Sample {
 
 /// Rays by which a tile is bounded.
 #[derive(Debug, Clone, Default)]
-pub struct Sampled {
-    pub samples: Vec<Sample>,
-    /// How far the tile's rays may lie from what is affine between the samples: origins, and directions. A point of a
+pub struct TileRays {
+    pub rays: Vec<TileRay>,
+    /// How far the tile's rays may lie from what is affine between these rays: origins, and directions. A point of a
     /// curve lies on a straight ray moved by at most its bend, which counts as the origins'.
     pub r_p: f64,
     pub r_d: f64,
@@ -52,7 +52,7 @@ const TILE_REACH: f64 = (TILE as f64 - 1.0) / 2.0;
 
 /// A cell before its bundle is stored.
 #[derive(Debug, Clone, PartialEq, Eq)]
-struct Share {
+struct CellPixels {
     /// Of the layer.
     piece: u32,
     /// The pixels whose centres it owns.
@@ -61,11 +61,11 @@ struct Share {
     samples: Vec<u64>,
 }
 
-impl Share {
+impl CellPixels {
     /// The part of it in some pixels.
-    fn within(&self, mask: u64) -> Share {
+    fn within(&self, mask: u64) -> CellPixels {
         let samples = self.samples.iter().map(|s| s & mask).collect();
-        Share { piece: self.piece, mask: self.mask & mask, samples }
+        CellPixels { piece: self.piece, mask: self.mask & mask, samples }
     }
 
     /// The pixels of which it owns any place.
@@ -80,11 +80,11 @@ impl Share {
 }
 
 /// The cells of a tile.
-type Owned = Vec<Share>;
+type TileCells = Vec<CellPixels>;
 
 /// What bounds all rays of a tile, and, where straight ones are in several cells, each cell's.
 #[derive(Debug, Default)]
-pub struct Bounds {
+pub struct TileFits {
     pub whole: Fit,
     pub each: Vec<Fit>,
 }
@@ -114,7 +114,7 @@ struct Place {
 
 impl Cutting<'_> {
     /// The tiles; and the rays that bound each and its cells.
-    pub fn cut(&self) -> (Tiles, Vec<Bounds>) {
+    pub fn cut(&self) -> (Tiles, Vec<TileFits>) {
         let tiles_x = self.camera.width.div_ceil(TILE);
         let slab_rows = self.slabs.tile_rows(self.rows);
         let tiles_y = slab_rows * self.slabs.count();
@@ -132,9 +132,9 @@ impl Cutting<'_> {
             let tile = (place.layer as u32 * self.rows.div_ceil(TILE) + place.y - self.row / TILE) * tiles_x + place.x;
             let over = |net: &Net| net.over(place.span, self.anchor);
             let whole = nets[tile as usize].as_ref().map_or_else(Fit::default, |net| Fit::of(&over(net)));
-            (self.owned(*place), Bounds { whole, each: Vec::new() })
+            (self.owned(*place), TileFits { whole, each: Vec::new() })
         };
-        let (owned, bounds): (Vec<Owned>, Vec<Bounds>) = places.par_iter().map(cut).unzip();
+        let (owned, bounds): (Vec<TileCells>, Vec<TileFits>) = places.par_iter().map(cut).unzip();
         let mut tiles = Tiles { tiles_x, tiles_y, slab_rows, start: vec![0], ..Default::default() };
         let mut node_of_cell = above_cells(tiles_x, tiles_y);
         let mut local = std::collections::HashMap::new();
@@ -163,15 +163,15 @@ impl Cutting<'_> {
     }
 
     /// The cells of a tile of straight rays, and what bounds them.
-    fn straight(&self, at: Place) -> (Owned, Bounds) {
+    fn straight(&self, at: Place) -> (TileCells, TileFits) {
         if let (Rays::Field(field), true) = (&self.camera.layers[at.layer], self.places.is_empty()) {
             return self.of_field(at, field);
         }
         let owned = self.owned(at);
-        let fit = |owned: &[Share]| Fit::of(&Sampled { samples: self.samples(at, owned), ..Sampled::default() });
+        let fit = |owned: &[CellPixels]| Fit::of(&TileRays { rays: self.rays(at, owned), ..TileRays::default() });
         let whole = fit(&owned);
         let owned = match (&self.camera.layers[at.layer], owned.as_slice()) {
-            (Rays::Field(field), [share]) if !field.is_sorted => self.torn(at, share, field),
+            (Rays::Field(field), [share]) if !field.is_reordered => self.discontinuous(at, share, field),
             // of sorted rays no cut leaves any nearer to each other
             _ => owned,
         };
@@ -180,53 +180,53 @@ impl Cutting<'_> {
         } else {
             Vec::new()
         };
-        (owned, Bounds { whole, each })
+        (owned, TileFits { whole, each })
     }
 
     /// The same of a field's rays through pixel centres alone, each of which is asked for once.
-    fn of_field(&self, at: Place, field: &Field) -> (Owned, Bounds) {
+    fn of_field(&self, at: Place, field: &Field) -> (TileCells, TileFits) {
         let (left, top) = (at.x * TILE, at.y * TILE);
         let (columns, rows) = ((self.camera.width - left).min(TILE), (self.row + self.rows - top).min(TILE));
         let mut mask = 0;
-        let mut samples = Vec::with_capacity((TILE * TILE) as usize);
+        let mut rays = Vec::with_capacity((TILE * TILE) as usize);
         for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {
             if let Some((p, d)) = field.ray(left + x, top + y) {
                 mask |= 1u64 << (y * TILE + x);
-                samples.push(Sample { place: place_in_tile(x, y), p: p - self.anchor, d });
+                rays.push(TileRay { place: place_in_tile(x, y), p: p - self.anchor, d });
             }
         }
         if mask == 0 {
             return Default::default();
         }
-        let share = Share { piece: 0, mask, samples: Vec::new() };
-        let sampled = Sampled { samples, ..Sampled::default() };
-        let whole = Fit::of(&sampled);
+        let share = CellPixels { piece: 0, mask, samples: Vec::new() };
+        let tile = TileRays { rays, ..TileRays::default() };
+        let whole = Fit::of(&tile);
         // of sorted rays no cut leaves any nearer to each other
-        if field.is_sorted || !whole.strays() {
-            return (vec![share], Bounds { whole, each: Vec::new() });
+        if field.is_reordered || !whole.is_loose() {
+            return (vec![share], TileFits { whole, each: Vec::new() });
         }
-        let parts = tear(Part { mask, samples: sampled.samples });
+        let parts = cells_of(Part { mask, rays: tile.rays });
         let owned = parts.iter().map(|part| share.within(part.mask)).collect();
-        let fit = |part: Part| Fit::of(&Sampled { samples: part.samples, ..Sampled::default() });
+        let fit = |part: Part| Fit::of(&TileRays { rays: part.rays, ..TileRays::default() });
         let each = if parts.len() > 1 { parts.into_iter().map(fit).collect() } else { Vec::new() };
-        (owned, Bounds { whole, each })
+        (owned, TileFits { whole, each })
     }
 
     /// The pixels of a tile of a field in parts, each pixel where a ray of it belongs.
-    fn torn(&self, at: Place, share: &Share, field: &Field) -> Owned {
+    fn discontinuous(&self, at: Place, share: &CellPixels, field: &Field) -> TileCells {
         let one_each = |bit: u32| {
             let (x, y) = (bit % TILE, bit / TILE);
             let (i, j) = (at.x * TILE + x, at.y * TILE + y);
             let aside = || self.places.iter().find_map(|place| field.ray_at_offset(i, j, *place));
             let (p, d) = field.ray(i, j).or_else(aside)?;
-            Some(Sample { place: place_in_tile(x, y), p: p - self.anchor, d })
+            Some(TileRay { place: place_in_tile(x, y), p: p - self.anchor, d })
         };
-        let samples = bits(share.any()).filter_map(one_each).collect();
-        tear(Part { mask: share.any(), samples }).iter().map(|part| share.within(part.mask)).collect()
+        let rays = bits(share.any()).filter_map(one_each).collect();
+        cells_of(Part { mask: share.any(), rays }).iter().map(|part| share.within(part.mask)).collect()
     }
 
     /// Which pixels of a tile each piece owns, by ascending piece.
-    fn owned(&self, at: Place) -> Owned {
+    fn owned(&self, at: Place) -> TileCells {
         let (left, top) = (at.x * TILE, at.y * TILE);
         let (columns, rows) = ((self.camera.width - left).min(TILE), (self.row + self.rows - top).min(TILE));
         let pixels = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
@@ -237,10 +237,10 @@ impl Cutting<'_> {
         {
             // one piece over the whole image
             let mask = pixels.map(bit).fold(0, |m, b| m | b);
-            return vec![Share { piece: 0, mask, samples: vec![mask; self.places.len()] }];
+            return vec![CellPixels { piece: 0, mask, samples: vec![mask; self.places.len()] }];
         }
-        let mut cells: Owned = Vec::new();
-        let none = |piece: u32| Share { piece, mask: 0, samples: vec![0; self.places.len()] };
+        let mut cells: TileCells = Vec::new();
+        let none = |piece: u32| CellPixels { piece, mask: 0, samples: vec![0; self.places.len()] };
         for (x, y) in pixels {
             let (i, j) = (left + x, top + y);
             let owner = match (self.curves, layer) {
@@ -268,7 +268,7 @@ impl Cutting<'_> {
     }
 
     /// Rays that bound all straight rays of these cells: the corners of a lone affine one's tile, or every pixel's ray and its samples'.
-    fn samples(&self, at: Place, owned: &[Share]) -> Vec<Sample> {
+    fn rays(&self, at: Place, owned: &[CellPixels]) -> Vec<TileRay> {
         let mut list = Vec::new();
         for share in owned {
             let piece = share.piece;
@@ -281,14 +281,14 @@ impl Cutting<'_> {
                     let (i, j) = (at.x * TILE + x, at.y * TILE + y);
                     let (p, d) = if aside == DVec2::ZERO { f.ray(i, j)? } else { f.ray_at_offset(i, j, aside)? };
                     let place = place_in_tile(x, y) + aside / (TILE as f64 / 2.0);
-                    Some(Sample { place, p: p - self.anchor, d })
+                    Some(TileRay { place, p: p - self.anchor, d })
                 })),
                 Rays::Pieces(pieces) => {
                     let b = rebased(&pieces.bundle_at_place(piece, middle(pieces, at)), self.anchor);
                     let at = |x: f64, y: f64| {
                         let ray = b.ray(x, y);
                         let place = DVec2::new(x, y) / (TILE as f64 / 2.0);
-                        Sample { place, p: ray.origin, d: ray.direction }
+                        TileRay { place, p: ray.origin, d: ray.direction }
                     };
                     if owned.len() == 1 && b.h[1] == 0.0 && b.h[2] == 0.0 {
                         let r = TILE as f64 / 2.0;
@@ -305,7 +305,7 @@ impl Cutting<'_> {
     }
 
     /// A cell of a tile and a node yet to be named.
-    fn cell_row(&self, &Share { piece, mask, .. }: &Share, row_of: u32, at: Place) -> layout::Cell {
+    fn cell_row(&self, &CellPixels { piece, mask, .. }: &CellPixels, row_of: u32, at: Place) -> layout::Cell {
         let mut cell = layout::Cell {
             p: [0.0; 3],
             h: 1.0,
@@ -361,7 +361,7 @@ fn rebased(b: &Bundle, anchor: DVec3) -> Bundle {
 }
 
 /// The share of a piece, at first `none`.
-fn share_of(cells: &mut Owned, piece: u32, none: impl Fn(u32) -> Share) -> &mut Share {
+fn share_of(cells: &mut TileCells, piece: u32, none: impl Fn(u32) -> CellPixels) -> &mut CellPixels {
     let k = cells.iter().position(|c| c.piece == piece).unwrap_or(cells.len());
     if k == cells.len() {
         cells.push(none(piece));

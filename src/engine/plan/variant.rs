@@ -3,7 +3,7 @@
 use super::slabs::{self, Slabs};
 use super::{Contents, Wanted};
 use crate::camera::Camera;
-use crate::camera::arranged::is_sorted;
+use crate::camera::ray_order::is_reordered;
 use crate::engine::{Arithmetic, RunOptions};
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::{LightsKind, OpticsKind, Variant};
@@ -16,7 +16,7 @@ pub fn variant(camera: &Camera, contents: Contents, wanted: &Wanted, has: Abilit
         atomics64: has.atomics64,
         by_tile: false,
         rays: slabs::kind(camera),
-        scattered: is_sorted(camera),
+        incoherent: is_reordered(camera),
         slabbed: Slabs::of(camera).count() > 1,
         counting: wanted.counting,
         culling: !run.no_cull,

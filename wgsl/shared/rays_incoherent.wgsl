@@ -1,4 +1,4 @@
-// Scattered (incoherent) rays: each ray of a tile is tested by itself.
+// Incoherent rays: each ray of a tile is tested by itself.
 // Provides: RAY_TOLERANCE, ray_meets, tile_meets
 // Needs: Node, TILE, field_at, field_direction, field_origin
 // Binds: params
