@@ -86,7 +86,7 @@ pub struct RunOptions {
     /// Every vertex is new in each timed frame.
     pub moving: bool,
     /// What finds what is seen instead of the stages from cull to recheck.
-    pub by: Option<Choice>,
+    pub rival: Option<Choice>,
     /// Clusters that a part of the image does not see are not left out early: `cull` hands on everything, and rivals do not clip at
     /// the edges of pieces.
     pub no_cull: bool,
@@ -198,7 +198,7 @@ impl Engine {
         let stages = self.stages(plan.variant, &plan.planes)?;
         let after_bounce =
             plan.variant.bounces_rays().then(|| self.stages(plan.variant.after_bounce(), &plan.planes)).transpose()?;
-        let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup(&camera, &plan))).transpose()?;
+        let rival = run.rival.map(|choice| choice.make(&self.gpu, &scene, setup(&camera, &plan))).transpose()?;
         let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, run.capacities)?;
         resident.upload_appearance(&self.gpu, &self.pages, &scene, &plan)?;
         let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());

@@ -219,7 +219,7 @@ fn host() -> Layouts {
             gain,
             curve,
             spread,
-            hidden_scale,
+            shadow_bvh_scale,
             sky,
             sky_strength,
             sky_rotation,

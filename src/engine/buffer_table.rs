@@ -74,10 +74,10 @@ impl Sizes<'_> {
 }
 
 /// Bytes of an item of a list: two words.
-pub const ITEM: u64 = 8;
+pub const ITEM_BYTES: u64 = 8;
 
-/// Bytes of a row of four words.
-pub const FOUR: u64 = 16;
+/// Bytes of a vec4.
+pub const VEC4_BYTES: u64 = 16;
 
 /// Blocks of [`LANES`] strips of four samples: of each tile the last one may be partly empty.
 fn blocks(s: &Sizes) -> u64 {
@@ -246,11 +246,11 @@ pub fn table() -> Vec<Row> {
             &[Cull, Split, Bin, Sort, Raster, Recheck, Certify, Edges, Sample, SampleByTile, RecheckSamples, Resolve],
         ),
         // lists between the stages
-        row("queue_even", Job, |s| Some(ITEM * s.capacities.queue), &[Cull], &[Cull]),
-        row("queue_odd", Job, |s| Some(ITEM * s.capacities.queue), &[Cull], &[Cull]),
-        row("work", Job, |s| Some(ITEM * s.capacities.work), &[Cull], &[Split]),
-        row("tasks", Job, |s| Some(ITEM * s.capacities.tasks), &[Split], &[Bin]),
-        row("unsorted", Job, |s| s.by_tile(ITEM * s.capacities.pairs), &[Bin], &[Sort]),
+        row("queue_even", Job, |s| Some(ITEM_BYTES * s.capacities.queue), &[Cull], &[Cull]),
+        row("queue_odd", Job, |s| Some(ITEM_BYTES * s.capacities.queue), &[Cull], &[Cull]),
+        row("work", Job, |s| Some(ITEM_BYTES * s.capacities.work), &[Cull], &[Split]),
+        row("tasks", Job, |s| Some(ITEM_BYTES * s.capacities.tasks), &[Split], &[Bin]),
+        row("unsorted", Job, |s| s.by_tile(ITEM_BYTES * s.capacities.pairs), &[Bin], &[Sort]),
         row("ranks", Job, |s| s.by_tile(4 * s.capacities.pairs), &[Bin], &[Sort]),
         row("starts", Job, |s| s.by_tile(4 * s.tiles()), &[Allot, Raster], &[Sort, Raster, EdgesByTile]),
         row("ends", Job, |s| s.by_tile(4 * s.tiles()), &[Bin, Allot], &[Bin, Allot, Raster, EdgesByTile]),
@@ -258,14 +258,14 @@ pub fn table() -> Vec<Row> {
         row(
             "pairs",
             Job,
-            |s| Some(ITEM * s.capacities.pairs),
+            |s| Some(ITEM_BYTES * s.capacities.pairs),
             &[Bin, Sort],
             &[Raster, Recheck, Certify, Edges, Sample, EdgesByTile, RecheckSamples],
         ),
         row(
             "recheck_items",
             Job,
-            |s| Some(ITEM * s.capacities.recheck_items),
+            |s| Some(ITEM_BYTES * s.capacities.recheck_items),
             &[Raster, SampleByTile],
             &[Recheck, RecheckSamples],
         ),
@@ -273,16 +273,16 @@ pub fn table() -> Vec<Row> {
         row(
             "samples",
             Lasts::Bounce,
-            |s| s.of_samples(ITEM * u64::from(s.plan.variant.samples + 1) * s.capacities.edges),
+            |s| s.of_samples(ITEM_BYTES * u64::from(s.plan.variant.samples + 1) * s.capacities.edges),
             &[Edges, Sample, EdgesByTile, SampleByTile, RecheckSamples],
             &[Sample, SampleByTile, RecheckSamples, Resolve],
         ),
         row("edge_of", Lasts::Bounce, |s| s.of_samples(4 * s.pixels()), &[Edges, EdgesByTile], &[Edges, Sample]),
-        row("blocks", Job, |s| s.samples_by_tile.then(|| FOUR * blocks(s)), &[EdgesByTile], &[SampleByTile]),
+        row("blocks", Job, |s| s.samples_by_tile.then(|| VEC4_BYTES * blocks(s)), &[EdgesByTile], &[SampleByTile]),
         row(
             "touches",
             Job,
-            |s| s.samples_by_tile.then_some(FOUR * s.capacities.pairs),
+            |s| s.samples_by_tile.then_some(VEC4_BYTES * s.capacities.pairs),
             &[EdgesByTile],
             &[SampleByTile],
         ),

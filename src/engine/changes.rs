@@ -4,7 +4,7 @@
 use super::planned::Planned;
 use crate::camera::Camera;
 use crate::engine::clusters::Clustered;
-use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
+use crate::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
 use crate::gpu::kernels::Variant;
 use crate::scene::Scene;
 use std::sync::{Arc, Weak};
@@ -77,7 +77,7 @@ impl Changes {
 pub(super) struct PlannedBy<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Arc<Camera>,
-    pub around: Surroundings,
+    pub extent: SceneExtent,
     pub wanted: &'a Wanted,
     pub variant: Variant,
 }
@@ -85,11 +85,11 @@ pub(super) struct PlannedBy<'a> {
 impl PlannedBy<'_> {
     /// The plan of `last` is the plan for this.
     pub fn is_that_of(&self, last: &Planned) -> bool {
-        let PlannedBy { scene, camera, around, wanted, variant } = self;
+        let PlannedBy { scene, camera, extent, wanted, variant } = self;
         let Plan { anchor, middle, scene_size, .. } = *last.plan;
         Arc::ptr_eq(&last.camera, camera)
-            && Surroundings { anchor, middle, scene_size } == *around
-            && Contents::of(&last.scene) == Contents::of(scene)
+            && SceneExtent { anchor, middle, scene_size } == *extent
+            && SceneContents::of(&last.scene) == SceneContents::of(scene)
             && last.wanted == **wanted
             && (&last.scene.style, last.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
             && last.plan.variant == *variant

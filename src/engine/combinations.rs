@@ -57,7 +57,7 @@ pub struct Asked<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Camera,
     pub wanted: &'a Wanted,
-    pub by: Option<Choice>,
+    pub rival: Option<Choice>,
     pub no_cull: bool,
     pub moving: bool,
     /// [`Feature::Aimed`], [`Feature::Relit`] or [`Feature::InSequence`], where a frame follows another one.
@@ -217,7 +217,7 @@ impl Feature {
 
     /// The frame has it.
     pub fn is_in(self, asked: &Asked) -> bool {
-        let Asked { scene, camera, wanted, by, no_cull, moving, change, planned } = asked;
+        let Asked { scene, camera, wanted, rival, no_cull, moving, change, planned } = asked;
         match self {
             Feature::NoSamples => wanted.samples == 0,
             Feature::OneSample => wanted.samples == 1,
@@ -227,8 +227,8 @@ impl Feature {
             Feature::Certified => wanted.channels.contains(&Channel::Certified),
             Feature::Outlines => scene.style.is_between_pixels() && wanted.has_colour(),
             Feature::Rows => wanted.rows.is_some(),
-            Feature::Rival => by.is_some(),
-            Feature::RivalWithoutCulling => by.is_some_and(|choice| !choice.technique.culls),
+            Feature::Rival => rival.is_some(),
+            Feature::RivalWithoutCulling => rival.is_some_and(|choice| !choice.technique.culls),
             Feature::NoCull => *no_cull,
             Feature::Moving => *moving,
             Feature::Caustics => scene.caustics.is_some(),
@@ -249,7 +249,7 @@ impl Feature {
 impl Refusal {
     /// The error, in a line.
     pub fn text(&self, asked: &Asked) -> String {
-        let rival = asked.by.map_or("", |choice| choice.technique.name);
+        let rival = asked.rival.map_or("", |choice| choice.technique.name);
         let (rows, chunks) = asked.planned.map_or((0, 0), |(plan, chunks)| (plan.rows_max(), chunks));
         format!("{}; {}", self.reason, self.remedy)
             .replace("{rival}", rival)
@@ -263,7 +263,7 @@ impl Refusal {
 impl<'a> Asked<'a> {
     /// Before it is planned.
     pub fn new(scene: &'a Scene, camera: &'a Camera, wanted: &'a Wanted) -> Asked<'a> {
-        Asked { scene, camera, wanted, by: None, no_cull: false, moving: false, change: None, planned: None }
+        Asked { scene, camera, wanted, rival: None, no_cull: false, moving: false, change: None, planned: None }
     }
 
     /// The first row that refuses it.

@@ -13,7 +13,7 @@ use super::{Counts, Rendered, RunOptions, setup};
 use crate::camera::Camera;
 use crate::camera::ray_order::RayOrder;
 use crate::engine::clusters::{Clustered, cluster};
-use crate::engine::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
+use crate::engine::plan::{LeftOut, Plan, SceneContents, SceneExtent, Wanted};
 use crate::engine::rival::Rival;
 use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
@@ -144,11 +144,11 @@ impl Frames {
         let asked = self.changed(&self.scene, camera, Feature::Aimed);
         asked.check()?;
         let Plan { anchor, middle, scene_size, .. } = *self.plan;
-        let around = Surroundings { anchor, middle, scene_size };
-        let ray_order = RayOrder::of(camera, around.middle).map(Arc::new);
+        let extent = SceneExtent { anchor, middle, scene_size };
+        let ray_order = RayOrder::of(camera, extent.middle).map(Arc::new);
         let shown = Arc::new(ray_order.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
         let wanted = written(&self.scene, &shown, &self.wanted);
-        let plan = self.planner.plan_by(&self.run, &shown, Contents::of(&self.scene), around, &wanted);
+        let plan = self.planner.plan_by(&self.run, &shown, SceneContents::of(&self.scene), extent, &wanted);
         Asked { planned: Some((&plan, self.resident.chunks.len())), ..asked }.check()?;
         let camera = shown;
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
@@ -194,7 +194,7 @@ impl Frames {
         if sizes(&scene) != sizes(&self.scene) {
             return Err(Error::input("other triangles or materials than those that are lit; prepare the frames anew"));
         }
-        let (lit, contents) = (Contents::of(&self.scene), Contents::of(&scene));
+        let (lit, contents) = (SceneContents::of(&self.scene), SceneContents::of(&scene));
         let outlined = |s: &Scene| outlined_by(&s.style, &self.camera);
         if lit != contents || outlined(&self.scene) != outlined(&scene) {
             return Err(Error::input(
@@ -242,8 +242,8 @@ impl Frames {
 
     /// What these frames are asked for when something of them is changed.
     fn changed<'a>(&'a self, scene: &'a Scene, camera: &'a Camera, change: Feature) -> Asked<'a> {
-        let RunOptions { by, no_cull, moving, .. } = self.run;
-        Asked { by, no_cull, moving, change: Some(change), ..Asked::new(scene, camera, &self.wanted) }
+        let RunOptions { rival, no_cull, moving, .. } = self.run;
+        Asked { rival, no_cull, moving, change: Some(change), ..Asked::new(scene, camera, &self.wanted) }
     }
 
     /// The next of the moving scenes.
@@ -273,7 +273,7 @@ impl Frames {
     /// The triangles of a scene that has moved, in their clusters as long as these hold them well.
     fn put(&mut self, moved: &Scene) -> Result<()> {
         let Some(clustered) = &mut self.moving else { return Ok(()) };
-        if self.plan.variant.lights == LightsKind::Hidden {
+        if self.plan.variant.lights == LightsKind::Shadowed {
             self.resident.refit_obstacles(moved);
             self.resident.upload_appearance(&self.gpu, &self.pages, moved, &self.plan)?;
         }

@@ -7,7 +7,7 @@ use crate::camera::ray_order::RayOrder;
 use crate::camera::{Camera, Rays};
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::variant::variant;
-use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
+use crate::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
 use crate::gpu::device::Abilities;
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
@@ -91,7 +91,7 @@ impl Planner {
         last: Option<&Planned>,
     ) -> Result<Planned> {
         let asked: Arc<Camera> = camera.into();
-        let middle = Surroundings::of(&asked, scene.bounds()).middle;
+        let middle = SceneExtent::of(&asked, scene.bounds()).middle;
         let known = last.filter(|l| Arc::ptr_eq(&l.asked, &asked) && l.plan.middle == middle);
         let (camera, ray_order) = match known {
             Some(last) => (last.camera.clone(), last.ray_order.clone()),
@@ -115,13 +115,13 @@ impl Planner {
     ) -> Result<Planned> {
         let given = scene.clone();
         let asked_for =
-            Asked { by: run.by, no_cull: run.no_cull, moving: run.moving, ..Asked::new(&given, &camera, wanted) };
+            Asked { rival: run.rival, no_cull: run.no_cull, moving: run.moving, ..Asked::new(&given, &camera, wanted) };
         asked_for.check()?;
         let scene = scene.with_optics(&camera).into_owned();
-        let around = Surroundings::of(&camera, scene.bounds());
-        check_size(&scene, around)?;
+        let extent = SceneExtent::of(&camera, scene.bounds());
+        check_size(&scene, extent)?;
         self.check_normals(&scene)?;
-        let plan = self.plan_of(&scene, &camera, around, wanted, run, last);
+        let plan = self.plan_of(&scene, &camera, extent, wanted, run, last);
         let clustered = match last.filter(|l| same_clusters(l, &scene, &plan)) {
             Some(last) => last.clustered.clone(),
             None => Arc::new(cluster(&scene.mesh, plan.anchor, plan.variant.textured, self.limit)),
@@ -148,18 +148,18 @@ impl Planner {
         &self,
         scene: &Scene,
         camera: &Arc<Camera>,
-        around: Surroundings,
+        extent: SceneExtent,
         wanted: &Wanted,
         run: &RunOptions,
         last: Option<&Planned>,
     ) -> Arc<Plan> {
-        let contents = Contents::of(scene);
+        let contents = SceneContents::of(scene);
         let written = written(scene, camera, wanted);
         let variant = variant(camera, contents, &written, self.has, run);
-        let by = PlannedBy { scene, camera, around, wanted, variant };
+        let by = PlannedBy { scene, camera, extent, wanted, variant };
         match last.filter(|last| by.is_that_of(last)) {
             Some(last) => last.plan.clone(),
-            None => Arc::new(self.plan_by(run, camera, contents, around, &written)),
+            None => Arc::new(self.plan_by(run, camera, contents, extent, &written)),
         }
     }
 
@@ -168,12 +168,12 @@ impl Planner {
         &self,
         run: &RunOptions,
         camera: &Camera,
-        contents: Contents,
-        around: Surroundings,
+        contents: SceneContents,
+        extent: SceneExtent,
         wanted: &Wanted,
     ) -> Plan {
         let variant = variant(camera, contents, wanted, self.has, run);
-        Plan::new(variant, camera, contents, around, wanted, self.has, self.limit)
+        Plan::new(variant, camera, contents, extent, wanted, self.has, self.limit)
     }
 }
 
@@ -212,9 +212,9 @@ pub(super) fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
 const SIZES: [f64; 2] = [1e-12, 1e30];
 
 /// The engine's f32 can hold the scene.
-fn check_size(scene: &Scene, around: Surroundings) -> Result<()> {
+fn check_size(scene: &Scene, extent: SceneExtent) -> Result<()> {
     let Some((lo, hi)) = scene.bounds() else { return Ok(()) };
-    let reach = (hi - around.anchor).max(around.anchor - lo).max_element();
+    let reach = (hi - extent.anchor).max(extent.anchor - lo).max_element();
     let [least, most] = SIZES;
     if reach > 0.0 && !(least..=most).contains(&reach) {
         let advice = "scale the scene and its camera, or use --engine reference";

@@ -3,9 +3,9 @@
 use super::Capacities;
 use super::bounce_tables::BounceTables;
 use super::bounces::{Bounce, bounces};
-use super::buffer_table::{Bytes, FOUR, ITEM, Row, Sizes, table};
+use super::buffer_table::{Bytes, ITEM_BYTES, Row, Sizes, VEC4_BYTES, table};
 use super::pages::PageStore;
-use super::tables::{Appearance, Hidden, Span, after_bounce, materials, params, places};
+use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, places};
 use crate::camera::Camera;
 use crate::engine::clusters::{Chunk, Clustered, mapped_rows};
 use crate::engine::plan::hierarchy::Hierarchy;
@@ -87,7 +87,7 @@ impl Resident {
             capacities: Capacities { queue: 0, work: 0, tasks: 0, pairs: 0, recheck_items: 0, edges: 0 },
             batches: 1,
             raster_rounds: 1,
-            pairs_by_tile: gpu.binding_limit() / FOUR,
+            pairs_by_tile: gpu.binding_limit() / VEC4_BYTES,
             params: Vec::new(),
             bounced_params: Vec::new(),
             bounce_tables: camera
@@ -152,14 +152,14 @@ impl Resident {
             true => store.place(gpu, &materials(scene), &mut self.shared)?,
             false => Pages::default(),
         };
-        if plan.variant.lights == LightsKind::Hidden && self.obstacles.is_none() {
+        if plan.variant.lights == LightsKind::Shadowed && self.obstacles.is_none() {
             let facets = scene.mesh.triangles.len() - self.facets;
             self.obstacles = Some(Hierarchy::build(scene, plan.anchor, facets)?);
         }
-        let by = self.obstacles.as_ref().map(|o| o.words(scene));
-        let hidden = Hidden { kind: plan.variant.lights, by: by.as_ref() };
+        let bvh = self.obstacles.as_ref().map(|o| o.words(scene));
+        let shadows = Shadows { kind: plan.variant.lights, bvh: bvh.as_ref() };
         let Appearance { mut shading, lights, materials, normals, style } =
-            Appearance::new(scene, plan.anchor, &pages, hidden);
+            Appearance::new(scene, plan.anchor, &pages, shadows);
         shading.spread = plan.spread;
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         if plan.variant.styled || plan.variant.outlined {
@@ -192,7 +192,7 @@ impl Resident {
 
     /// The buffers that kernels write, at the present capacities, and the parameters that name these.
     fn make_room(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
-        let most = gpu.binding_limit() / ITEM;
+        let most = gpu.binding_limit() / ITEM_BYTES;
         let c = &mut self.capacities;
         [&mut c.queue, &mut c.work, &mut c.tasks, &mut c.pairs, &mut c.recheck_items]
             .into_iter()
@@ -277,7 +277,7 @@ impl Resident {
 
     /// Makes room for what the counters demanded: larger lists, or more batches where a list is as large as a binding.
     pub fn grow(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, need: Capacities) -> Result<()> {
-        let most = gpu.binding_limit() / ITEM;
+        let most = gpu.binding_limit() / ITEM_BYTES;
         if need.queue.max(need.work).max(need.tasks).max(need.pairs).max(need.recheck_items) > most {
             let largest = self.chunks.iter().map(|c| c.clusters).max().unwrap_or(0);
             if self.batches >= largest {

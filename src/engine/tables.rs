@@ -30,7 +30,7 @@ pub struct Span {
 #[derive(Debug, Clone)]
 pub struct Appearance {
     pub shading: layout::Shading,
-    /// Of a plain light the way that it travels; else two rows each, see `lights/placed.wgsl`, and what hides them.
+    /// Of a plain light the way that it travels; else two rows each, see `lights/positional.wgsl`, and what hides them.
     pub lights: Vec<[f32; 4]>,
     pub materials: Vec<layout::Material>,
     pub normals: Vec<[f32; 3]>,
@@ -39,15 +39,15 @@ pub struct Appearance {
 
 impl Appearance {
     /// Positions are relative to `anchor` on the device, and images lie in `pages`.
-    pub fn new(scene: &Scene, anchor: DVec3, pages: &Pages, hidden: Hidden) -> Appearance {
+    pub fn new(scene: &Scene, anchor: DVec3, pages: &Pages, shadows: Shadows) -> Appearance {
         let mesh = &scene.mesh;
-        let mut lights: Vec<[f32; 4]> = match hidden.kind {
+        let mut lights: Vec<[f32; 4]> = match shadows.kind {
             LightsKind::Plain => scene.lights.iter().map(|l| light_row(l, anchor)).collect(),
             _ => scene.lights.iter().flat_map(|l| [light_row(l, anchor), colour_row(l)]).collect(),
         };
         let mut firsts = [0; 2];
-        if let Some(by) = hidden.by {
-            for (first, rows) in firsts.iter_mut().zip([&by.nodes, &by.leaves]) {
+        if let Some(bvh) = shadows.bvh {
+            for (first, rows) in firsts.iter_mut().zip([&bvh.nodes, &bvh.leaves]) {
                 *first = lights.len() as u32;
                 lights.extend(rows);
             }
@@ -61,7 +61,7 @@ impl Appearance {
                 gain: scene.tone.gain(),
                 curve: scene.tone.curve.number(),
                 spread: 1.0,
-                hidden_scale: hidden.by.map_or(1.0, |by| by.scale),
+                shadow_bvh_scale: shadows.bvh.map_or(1.0, |bvh| bvh.scale),
                 sky: scene.sky.as_ref().map_or(layout::NONE, |_| mesh.materials.len() as u32),
                 sky_strength: scene.sky.as_ref().map_or(0.0, |s| s.strength),
                 sky_rotation: scene.sky.as_ref().map_or(0.0, |s| s.rotation as f32),
@@ -111,13 +111,13 @@ fn style_row(style: &Style) -> layout::Style {
 
 /// What kernels know of lights, and the hierarchy of what is in their way.
 #[derive(Debug, Clone, Copy)]
-pub struct Hidden<'a> {
+pub struct Shadows<'a> {
     pub kind: LightsKind,
-    pub by: Option<&'a HierarchyWords>,
+    pub bvh: Option<&'a HierarchyWords>,
 }
 
-impl Hidden<'_> {
-    pub const NOT: Hidden<'static> = Hidden { kind: LightsKind::Plain, by: None };
+impl Shadows<'_> {
+    pub const NONE: Shadows<'static> = Shadows { kind: LightsKind::Plain, bvh: None };
 }
 
 fn light_row(light: &Light, anchor: DVec3) -> [f32; 4] {

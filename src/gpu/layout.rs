@@ -235,7 +235,7 @@ pub struct Shading {
     pub gain: f32,
     pub curve: u32,
     pub spread: f32,
-    pub hidden_scale: f32,
+    pub shadow_bvh_scale: f32,
     pub sky: u32,
     pub sky_strength: f32,
     pub sky_rotation: f32,

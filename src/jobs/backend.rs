@@ -74,8 +74,8 @@ impl<'e> Backend<'e> {
         run: &RunOptions,
     ) -> Result<Rendered> {
         match self {
-            Backend::Compute(engine, by) => {
-                engine.render(scene, camera.clone(), wanted, &RunOptions { by: *by, ..run.clone() })
+            Backend::Compute(engine, rival) => {
+                engine.render(scene, camera.clone(), wanted, &RunOptions { rival: *rival, ..run.clone() })
             }
             Backend::Reference if wanted.channels.contains(&Channel::Certified) => Err(Error::input(
                 "certified is a channel of --engine compute; the reference has margins: see --check and --pixel",

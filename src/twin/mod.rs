@@ -38,8 +38,8 @@ use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::curves::RayTable;
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::variant::variant;
-use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
-use crate::engine::tables::{Appearance, Hidden, Span, after_bounce, params};
+use crate::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
+use crate::engine::tables::{Appearance, Shadows, Span, after_bounce, params};
 use crate::engine::{Capacities, RunOptions};
 use crate::gpu::device::Abilities;
 use crate::gpu::kernels::RaysKind;
@@ -132,15 +132,15 @@ impl Tables {
     /// Bands and chunks are cut so that no table exceeds `binding_limit` bytes.
     pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: Abilities, binding_limit: u64) -> Tables {
         let scene = &*scene.with_optics(camera);
-        let around = Surroundings::of(camera, scene.bounds());
-        let contents = Contents::of(scene);
+        let extent = SceneExtent::of(camera, scene.bounds());
+        let contents = SceneContents::of(scene);
         let variant = variant(camera, contents, wanted, has, &RunOptions::default());
-        let plan = Plan::new(variant, camera, contents, around, wanted, has, binding_limit);
+        let plan = Plan::new(variant, camera, contents, extent, wanted, has, binding_limit);
         Tables {
             optics: Optics::new(scene, camera, &plan),
-            clustered: cluster(&scene.mesh, around.anchor, plan.variant.textured, binding_limit),
+            clustered: cluster(&scene.mesh, extent.anchor, plan.variant.textured, binding_limit),
             plan,
-            appearance: Appearance::new(scene, around.anchor, &Pages::default(), Hidden::NOT),
+            appearance: Appearance::new(scene, extent.anchor, &Pages::default(), Shadows::NONE),
         }
     }
 

@@ -564,7 +564,7 @@ fn what_knows_no_holes_says_so() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let (scene, (_, camera)) = (cut_outs(), families(SIZE).swap_remove(0));
     assert!(!at_once(&scene, &camera, 4));
-    let rival = RunOptions { by: anamorph::internals::rivals::parse("raytrace").ok(), ..RunOptions::default() };
+    let rival = RunOptions { rival: anamorph::internals::rivals::parse("raytrace").ok(), ..RunOptions::default() };
     for (channels, run, expected) in [
         (vec![Channel::Certified], RunOptions::default(), "nothing is proven where images cut holes"),
         (vec![Channel::R], rival, "raytrace sees no holes"),

@@ -144,9 +144,9 @@ impl Case {
                 self.scene.style = Style { borders, ..Style::default() };
             }
             Feature::Rows => wanted.rows = Some(Rows { first: 8, count: 16 }),
-            Feature::Rival => run.by = run.by.or_else(|| rival(true)),
+            Feature::Rival => run.rival = run.rival.or_else(|| rival(true)),
             Feature::RivalWithoutCulling => {
-                run.by = rival(false);
+                run.rival = rival(false);
                 self.has.insert(Feature::Rival);
             }
             Feature::NoCull => run.no_cull = true,

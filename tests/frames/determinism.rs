@@ -6,7 +6,7 @@ use crate::common;
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::variant::variant;
-use anamorph::internals::engine::plan::{Contents, Plan, Surroundings, Wanted};
+use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
 use anamorph::internals::geometry::{generate, place};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
@@ -158,11 +158,11 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
         let Some(mut small) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = SMALL_BINDING) else {
             return;
         };
-        let around = Surroundings::of(&camera, scene.bounds());
-        let (contents, has) = (Contents::of(&scene), small.gpu.has);
+        let extent = SceneExtent::of(&camera, scene.bounds());
+        let (contents, has) = (SceneContents::of(&scene), small.gpu.has);
         let variant = variant(&camera, contents, &wanted(), has, &RunOptions::default());
-        let plan = Plan::new(variant, &camera, contents, around, &wanted(), has, SMALL_BINDING);
-        let chunks = anamorph::internals::engine::clusters::cluster(&scene.mesh, around.anchor, false, SMALL_BINDING)
+        let plan = Plan::new(variant, &camera, contents, extent, &wanted(), has, SMALL_BINDING);
+        let chunks = anamorph::internals::engine::clusters::cluster(&scene.mesh, extent.anchor, false, SMALL_BINDING)
             .chunks
             .len();
         assert!(plan.bands.len() > 5 && chunks > 1, "{name}");

@@ -9,7 +9,7 @@ use anamorph::internals::camera::{Camera, Field, Ray, Rays};
 use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::slabs::Slabs;
 use anamorph::internals::engine::plan::variant::variant;
-use anamorph::internals::engine::plan::{Band, Contents, Plan, Surroundings, Wanted};
+use anamorph::internals::engine::plan::{Band, Plan, SceneContents, SceneExtent, Wanted};
 use anamorph::internals::gpu::device::Abilities;
 use anamorph::internals::gpu::layout::{self, BRANCH};
 use anamorph::internals::image::frame::Channel;
@@ -31,25 +31,25 @@ fn wanted(channels: &[Channel]) -> Wanted {
     Wanted::of(channels.to_vec())
 }
 
-fn of(triangles: usize) -> Contents {
-    Contents { triangles, ..Contents::default() }
+fn of(triangles: usize) -> SceneContents {
+    SceneContents { triangles, ..SceneContents::default() }
 }
 
 /// The plan of frames without options.
 fn new_plan(
     camera: &Camera,
-    contents: Contents,
-    around: Surroundings,
+    contents: SceneContents,
+    extent: SceneExtent,
     wanted: &Wanted,
     has: Abilities,
     limit: u64,
 ) -> Plan {
     let variant = variant(camera, contents, wanted, has, &RunOptions::default());
-    Plan::new(variant, camera, contents, around, wanted, has, limit)
+    Plan::new(variant, camera, contents, extent, wanted, has, limit)
 }
 
 fn plan(camera: &Camera, binding_limit: u64) -> Plan {
-    new_plan(camera, of(1000), Surroundings::point(DVec3::ZERO), &wanted(&Channel::ALL), HAS_ALL, binding_limit)
+    new_plan(camera, of(1000), SceneExtent::point(DVec3::ZERO), &wanted(&Channel::ALL), HAS_ALL, binding_limit)
 }
 
 /// A GLC of random near and far points.
@@ -126,8 +126,8 @@ fn cells_cut_the_image_as_the_camera_does() {
 fn a_piece_row_gives_the_rays_of_its_pixels() {
     for (name, camera) in cameras() {
         let Rays::Pieces(_) = &camera.layers[0] else { continue };
-        let around = Surroundings::of(&camera, None);
-        let plan = new_plan(&camera, of(1), around, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
+        let extent = SceneExtent::of(&camera, None);
+        let plan = new_plan(&camera, of(1), extent, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
         for band in &plan.bands {
             for (i, j) in (0..band.rows).step_by(5).flat_map(|y| (0..SIZE.0).step_by(7).map(move |x| (x, band.row + y)))
             {
@@ -273,9 +273,9 @@ fn layered_cameras() -> Vec<(String, Camera)> {
 #[test]
 fn nodes_bound_every_ray_of_their_squares() {
     for (name, camera) in cameras().into_iter().chain(layered_cameras()) {
-        for around in [Surroundings::of(&camera, None), Surroundings::point(DVec3::new(3.0, -200.0, 0.1))] {
+        for extent in [SceneExtent::of(&camera, None), SceneExtent::point(DVec3::new(3.0, -200.0, 0.1))] {
             for limit in [LAVAPIPE_BINDING, 1 << 17] {
-                let plan = new_plan(&camera, of(1), around, &wanted(&Channel::ALL), HAS_ALL, limit);
+                let plan = new_plan(&camera, of(1), extent, &wanted(&Channel::ALL), HAS_ALL, limit);
                 plan.bands.iter().for_each(|b| assert_bounded(&name, &camera, plan.anchor, plan.slabs, b));
             }
         }
@@ -308,7 +308,7 @@ fn the_key_has_room_for_every_id() {
         let plan = new_plan(
             &camera,
             of(triangles),
-            Surroundings::point(DVec3::ZERO),
+            SceneExtent::point(DVec3::ZERO),
             &wanted(&Channel::ALL),
             HAS_ALL,
             LAVAPIPE_BINDING,
@@ -324,7 +324,7 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
     let camera = camera(kind, (16, 16), FORWARD);
     let planes = |channels: &[Channel], srgb8: bool| {
         let wanted = Wanted { srgb8, ..wanted(channels) };
-        new_plan(&camera, of(9), Surroundings::point(DVec3::ZERO), &wanted, HAS_ALL, LAVAPIPE_BINDING).planes
+        new_plan(&camera, of(9), SceneExtent::point(DVec3::ZERO), &wanted, HAS_ALL, LAVAPIPE_BINDING).planes
     };
     use Channel::{B, G, R, T, Z};
     assert_eq!(planes(&[T, Z, T], false), [Z, T]);
@@ -336,7 +336,7 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
 #[test]
 fn what_is_left_out_is_said() {
     let whats = |camera: &Camera, normals: bool, wanted: &Wanted, has: Abilities, limit: u64| {
-        let all = Contents {
+        let all = SceneContents {
             has_normals: true,
             has_uvs: true,
             has_images: true,
@@ -349,7 +349,7 @@ fn what_is_left_out_is_said() {
             ..of(9)
         };
         let contents = if normals { all } else { of(9) };
-        let plan = new_plan(camera, contents, Surroundings::point(DVec3::ZERO), wanted, has, limit);
+        let plan = new_plan(camera, contents, SceneExtent::point(DVec3::ZERO), wanted, has, limit);
         plan.left_out.into_iter().map(|l| l.what).collect::<Vec<_>>()
     };
     let (_, kind) = glc_of_each_class().swap_remove(3);
@@ -420,10 +420,10 @@ fn the_anchor_is_near_the_rays_and_in_the_scene() {
     for _ in 0..50 {
         let camera = camera(random_glc(&mut rng), SIZE, FORWARD);
         let start = camera.ray(SIZE.0 / 2, SIZE.1 / 2).unwrap().origin;
-        assert_eq!(Surroundings::of(&camera, None).anchor, start);
+        assert_eq!(SceneExtent::of(&camera, None).anchor, start);
         let (a, b) = (rng.vector(), rng.vector());
         let (lo, hi) = (a.min(b), a.max(b));
-        let anchor = Surroundings::of(&camera, Some((lo, hi))).anchor;
+        let anchor = SceneExtent::of(&camera, Some((lo, hi))).anchor;
         assert!(anchor.cmpge(lo).all() && anchor.cmple(hi).all());
         let clamp_moves = |k: usize| start[k] < lo[k] || start[k] > hi[k];
         assert!((0..3).all(|k| clamp_moves(k) || anchor[k] == start[k]));

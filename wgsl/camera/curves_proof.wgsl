@@ -7,7 +7,7 @@
 
 // A polynomial over the control net is off by what N and the net lost; so is its extreme where a critical point is off by the root
 // of a unit, at which it is off by BEND units of its sizes: in all under twice this bound.
-fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hidden: i32, is_inside: bool) -> Proof {
+fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, back_sign: i32, is_inside: bool) -> Proof {
     let corner = tile_corner(cell.tile);
     let c = curve_stored(curve_place(tile_layer(cell.tile), corner.x + x, corner.y + y));
     let normal = normal_of(v);
@@ -27,7 +27,7 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hi
             return Proof(true, false, from_t, to_t);
         }
         if from_side != to_side {
-            let root = root_proof(c, b, normal, v, hidden, sizes, lost, from_t, to_t, from_side);
+            let root = root_proof(c, b, normal, v, back_sign, sizes, lost, from_t, to_t, from_side);
             if root.may {
                 return root;
             }
@@ -39,7 +39,8 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hi
 
 // The one root between two ts at which the polynomial has proven and different signs.
 fn root_proof(
-    c: Curve, b: real4, normal: Normal, v: array<real3, 3>, hidden: i32, sizes: real, lost: real, from_t: real, to_t: real, from_side: i32,
+    c: Curve, b: real4, normal: Normal, v: array<real3, 3>, back_sign: i32, sizes: real, lost: real, from_t: real, to_t: real,
+    from_side: i32,
 ) -> Proof {
     let t = root_between(b, from_t, to_t, from_side < 0);
     let at = curve_point(c, t);
@@ -56,7 +57,7 @@ fn root_proof(
     if facing == 0 || !is_between {
         return Proof(true, false, from_t, to_t);
     }
-    if facing * hidden > 0 {
+    if facing * back_sign > 0 {
         return MISSED;
     }
     // along the tangent a root may be off at no cost

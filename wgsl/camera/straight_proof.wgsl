@@ -82,7 +82,7 @@ fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane 
     return OnPlane(t - off, t + off, facing, margin);
 }
 
-fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hidden: i32, is_inside: bool) -> Proof {
+fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, back_sign: i32, is_inside: bool) -> Proof {
     let q = weighed(cell, whole, x, y);
     let from_v = offset_of(q, v[0]);
     var inside = is_inside;
@@ -99,7 +99,7 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hi
     let met = on_plane(q, from_v, normal_of(v), reach3(v));
     let t_min = of_words(params.t_words.xy);
     let t_max = of_words(params.t_words.zw);
-    if met.facing * hidden > 0 || met.far < t_min - met.margin || met.near > t_max + met.margin {
+    if met.facing * back_sign > 0 || met.far < t_min - met.margin || met.near > t_max + met.margin {
         return MISSED;
     }
     let is_in_range = met.near >= t_min && met.far <= t_max;

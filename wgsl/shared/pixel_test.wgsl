@@ -74,7 +74,7 @@ struct Shared {
     c: Edge,
     normal: real3,
     height: real,       // N . v
-    hidden: real,
+    back_sign: real,
     margin: real,         // of N . (v - p), beyond an end of a segment
     id: u32,
 }
@@ -93,7 +93,7 @@ fn given(own: Shared, k: u32) -> Shared {
         Edge(subgroupShuffle(own.c.c, k), subgroupShuffle(own.c.e, k)),
         real3(lanes_real(own.normal.x, k), lanes_real(own.normal.y, k), lanes_real(own.normal.z, k)),
         lanes_real(own.height, k),
-        lanes_real(own.hidden, k),
+        lanes_real(own.back_sign, k),
         lanes_real(own.margin, k),
         subgroupShuffle(own.id, k),
     );
@@ -126,7 +126,7 @@ fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u
         to_t += margin;
     }
     // NaN of 0 / 0 fails these comparisons
-    let met = inside & exists & (across * f.hidden <= real4(0.0)) & (t >= from_t) & (t <= to_t) & (starts != vec4<u32>(f.id));
+    let met = inside & exists & (across * f.back_sign <= real4(0.0)) & (t >= from_t) & (t <= to_t) & (starts != vec4<u32>(f.id));
     if SLABBED {
         t = min(max(t, real4(t_min)), real4(t_max));
     }

@@ -49,7 +49,7 @@ impl LeftOut {
 
 /// What there is in a scene, with the camera's optics.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Contents {
+pub struct SceneContents {
     pub triangles: usize,
     pub has_normals: bool,
     pub has_uvs: bool,
@@ -62,7 +62,7 @@ pub struct Contents {
     /// Light comes from all around by an image of it.
     pub has_sky: bool,
     /// Some light has a colour or a place.
-    pub has_places: bool,
+    pub has_positional_lights: bool,
     /// Things are in the way of light.
     pub has_shadows: bool,
     /// Patterns, lines or strokes are drawn on surfaces.
@@ -71,12 +71,12 @@ pub struct Contents {
     pub has_outlines: bool,
 }
 
-impl Contents {
-    pub fn of(scene: &Scene) -> Contents {
+impl SceneContents {
+    pub fn of(scene: &Scene) -> SceneContents {
         let mesh = &scene.mesh;
-        Contents {
+        SceneContents {
             has_sky: scene.sky.is_some(),
-            has_places: !scene.lights.iter().all(Light::is_plain),
+            has_positional_lights: !scene.lights.iter().all(Light::is_plain),
             has_shadows: scene.has_shadows(),
             has_style: scene.style.is_on_surfaces() || mesh.has_patterns(),
             has_outlines: scene.style.is_between_pixels(),
@@ -146,7 +146,7 @@ impl Wanted {
     }
 
     /// Images on triangles, or where they lie, are part of it.
-    fn is_textured(&self, of: Contents) -> bool {
+    fn is_textured(&self, of: SceneContents) -> bool {
         let any = |which: &[Channel]| self.channels.iter().any(|c| which.contains(c));
         of.has_holes
             || of.has_images && self.needs_appearance()
@@ -197,7 +197,7 @@ pub struct Plan {
     /// Bits of a visibility key that hold the triangle id.
     pub id_bits: u32,
     pub anchor: DVec3,
-    /// Of the scene, see [`Surroundings`].
+    /// Of the scene, see [`SceneExtent`].
     pub middle: DVec3,
     pub scene_size: f64,
     /// How wide images on triangles are filtered, in pixels.
@@ -207,7 +207,7 @@ pub struct Plan {
 
 /// Where a camera meets a scene, world units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Surroundings {
+pub struct SceneExtent {
     /// What all positions are relative to: near the camera's rays' start and the scene.
     pub anchor: DVec3,
     /// Of the scene: how far bundles spread is compared as far along their rays.
@@ -216,22 +216,22 @@ pub struct Surroundings {
     pub scene_size: f64,
 }
 
-impl Surroundings {
+impl SceneExtent {
     /// The anchor is the middle ray's origin, clamped into the scene's box.
-    pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> Surroundings {
+    pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> SceneExtent {
         let middle = (camera.width / 2, camera.height / 2);
         let start = camera.ray(middle.0, middle.1).map_or(DVec3::ZERO, |r| r.origin);
         match bounds {
             Some((lo, hi)) => {
-                Surroundings { anchor: start.clamp(lo, hi), middle: (lo + hi) / 2.0, scene_size: scene_size(bounds) }
+                SceneExtent { anchor: start.clamp(lo, hi), middle: (lo + hi) / 2.0, scene_size: scene_size(bounds) }
             }
-            None => Surroundings::point(start),
+            None => SceneExtent::point(start),
         }
     }
 
     /// Of a scene that is one point.
-    pub fn point(at: DVec3) -> Surroundings {
-        Surroundings { anchor: at, middle: at, scene_size: 0.0 }
+    pub fn point(at: DVec3) -> SceneExtent {
+        SceneExtent { anchor: at, middle: at, scene_size: 0.0 }
     }
 }
 
@@ -240,8 +240,8 @@ impl Plan {
     pub fn new(
         variant: Variant,
         camera: &Camera,
-        contents: Contents,
-        around: Surroundings,
+        contents: SceneContents,
+        extent: SceneExtent,
         wanted: &Wanted,
         has: Abilities,
         binding_limit: u64,
@@ -268,7 +268,7 @@ impl Plan {
         };
         let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes);
         let places = if variant.samples_edges() { samples::places(variant.samples) } else { Vec::new() };
-        let view = View { camera, slabs, around, places: &places };
+        let view = View { camera, slabs, extent, places: &places };
         let rows = wanted.rows.unwrap_or(Rows { first: 0, count: camera.height });
         let bands = bands(view, rows, pixel_bytes, binding_limit);
         let smooth = camera.optics.as_ref().map_or(0, |o| o.smooth_count());
@@ -283,9 +283,9 @@ impl Plan {
             planes,
             srgb8: wanted.srgb8,
             id_bits: id_bits.max(1),
-            anchor: around.anchor,
-            middle: around.middle,
-            scene_size: around.scene_size,
+            anchor: extent.anchor,
+            middle: extent.middle,
+            scene_size: extent.scene_size,
             // so many boxes of this width tile the pixel
             spread: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
             left_out,
@@ -310,7 +310,7 @@ impl Plan {
 struct View<'a> {
     camera: &'a Camera,
     slabs: Slabs,
-    around: Surroundings,
+    extent: SceneExtent,
     places: &'a [DVec2],
 }
 
@@ -350,8 +350,8 @@ const TILE_ROWS_MAX: u32 = 1 << 14;
 const CELLS_MAX: usize = 1 << 24;
 
 impl Band {
-    fn new(View { camera, slabs, around, places }: View, row: u32, rows: u32) -> Band {
-        let anchor = around.anchor;
+    fn new(View { camera, slabs, extent, places }: View, row: u32, rows: u32) -> Band {
+        let anchor = extent.anchor;
         let curves = match slabs::kind(camera) {
             RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
             _ => None,
@@ -362,10 +362,10 @@ impl Band {
             &sampled,
             (tiles.tiles_x, tiles.tiles_y),
             nodes::WidthMeasure {
-                middle: around.middle - anchor,
+                middle: extent.middle - anchor,
                 t_range: camera.t_range,
                 incoherent: is_reordered(camera),
-                scene_size: around.scene_size,
+                scene_size: extent.scene_size,
             },
         );
         let rays = match (&curves, camera.layers.as_slice()) {
@@ -387,7 +387,7 @@ fn left_out(
     bands: &[Band],
     planes: &[Channel],
     wanted: &Wanted,
-    contents: Contents,
+    contents: SceneContents,
     has: Abilities,
 ) -> Vec<LeftOut> {
     let mut list = Vec::new();

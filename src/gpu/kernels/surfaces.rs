@@ -32,9 +32,9 @@ impl Variant {
     pub(crate) fn light(self) -> [Parts; 2] {
         let lights = match self.lights {
             LightsKind::Plain => snippets!("lights/plain.wgsl"),
-            LightsKind::Placed => snippets!("lights/placed.wgsl", "lights/unhidden.wgsl"),
-            LightsKind::Hidden => {
-                snippets!("lights/placed.wgsl", "lights/hidden.wgsl", "shared/segment.wgsl", "shared/bvh.wgsl")
+            LightsKind::Positional => snippets!("lights/positional.wgsl", "lights/unshadowed.wgsl"),
+            LightsKind::Shadowed => {
+                snippets!("lights/positional.wgsl", "lights/shadowed.wgsl", "shared/segment.wgsl", "shared/bvh.wgsl")
             }
         };
         let materials = match (self.glossy, self.sky) {

@@ -19,10 +19,10 @@ pub enum RaysKind {
 pub enum LightsKind {
     /// Directional white lights only.
     Plain,
-    /// Colours too, and places.
-    Placed,
-    /// And what is in the way of light.
-    Hidden,
+    /// Coloured and positional lights too.
+    Positional,
+    /// And shadows.
+    Shadowed,
 }
 
 /// Which variants of the kernels a scene and an adapter need.
@@ -102,7 +102,7 @@ impl Variant {
         for more in [false, true] {
             let [counting, normals, textured, glossy, sky] = [more; 5];
             let [styled, outlined] = [more; 2];
-            let lights = if more { LightsKind::Hidden } else { LightsKind::Plain };
+            let lights = if more { LightsKind::Shadowed } else { LightsKind::Plain };
             let of_camera = Variant {
                 f64,
                 atomics64,
@@ -134,7 +134,7 @@ impl Variant {
                 let seen = Variant { masked: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
                 list.extend([slabbed, seen, seen.after_bounce()]);
             }
-            list.push(Variant { lights: LightsKind::Placed, ..variant(RaysKind::Pieces, false, None) });
+            list.push(Variant { lights: LightsKind::Positional, ..variant(RaysKind::Pieces, false, None) });
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
                 list.extend(seen);

@@ -348,7 +348,7 @@ fn seen(depth: bool, bare: bool) -> Wanted {
 fn options(case: &Case, arm: &Arm, rules: &Rules) -> Result<RunOptions> {
     let (moving, draws_max) = (case.moving == Moving::Triangles, rules.draws_max);
     let (no_cull, arithmetic) = (arm.no_cull, arm.arithmetic);
-    Ok(RunOptions { by: arm.choice()?, moving, no_cull, arithmetic, draws_max, ..Default::default() })
+    Ok(RunOptions { rival: arm.choice()?, moving, no_cull, arithmetic, draws_max, ..Default::default() })
 }
 
 /// Counters of one frame.
