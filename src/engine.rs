@@ -248,5 +248,5 @@ impl Engine {
 /// What a rival needs to know of a plan.
 fn setup<'a>(camera: &'a Camera, plan: &Plan) -> Setup<'a> {
     let rows = plan.rows_max();
-    Setup { camera, variant: plan.variant, rows, middle: plan.middle, anchor: plan.anchor, parameter: 0 }
+    Setup { camera, variant: plan.variant, rows, centre: plan.centre, anchor: plan.anchor, parameter: 0 }
 }

@@ -152,7 +152,7 @@ fn host() -> Layouts {
             bounces,
             base,
             ends,
-            middle,
+            centre,
             law,
             ior_hi,
             ior_lo,

@@ -38,7 +38,7 @@ fn edges(
     }
 }
 
-// The middle of a pixel of a tile in the units of its node.
+// The centre of a pixel of a tile in the units of its node.
 fn place_of(bit: u32) -> vec2<f32> {
     return (vec2<f32>(f32(bit % TILE), f32(bit / TILE)) + 0.5) * NODE_PX - 1.0;
 }

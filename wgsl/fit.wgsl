@@ -62,9 +62,9 @@ fn tile_ray(level: u32, x: u32, y: u32, k: u32) -> TileRay {
     return s;
 }
 
-// Half-size of a bundle at the distance of the scene's middle.
+// Half-size of a bundle at the distance of the scene's centre.
 fn width_of(node: Node) -> f32 {
-    let t = min(length(optic.middle - node.p) / length(node.d), params.t_max.x);
+    let t = min(length(optic.centre - node.p) / length(node.d), params.t_max.x);
     return length(node.px) + length(node.py) + node.r_p + t * (length(node.dx) + length(node.dy) + node.r_d);
 }
 
@@ -89,7 +89,7 @@ fn fit(
     let x = index % width;
     let y = index / width;
 
-    // find the middle of its rays, and how far those below may lie from what was handed up
+    // find the centre of its rays, and how far those below may lie from what was handed up
     var count = 0.0;
     var place = vec2<f32>(0.0);
     var p = vec3<f32>(0.0);

@@ -2,7 +2,7 @@
 // Reads the visibility keys of a listed pixel's samples, the triangles and the samples' rays; writes the pixel's colour and coverage, the
 // means of its samples', each triangle's share of them by its samples' number or by areas; where these and the centre see one triangle they are what shade has written. Each triangle is shaded once, at the sample nearest to the middle of those that see it.
 // Triangles in another chunk of the scene are left to that chunk's dispatch, which adds its share.
-// Provides: key_of, middle_of, nearest_to, seen_alike
+// Provides: centre_of, key_of, nearest_to, seen_alike
 // Needs: COUNT_EDGES, Lit, NONE, SAMPLES, SLABBED, STYLED, ShadedHit, Spread, TEXTURED, all_samples, beyond, drawn, item_index, key_id,
 //   key_layer, key_t, measure, pattern_at, point_at, reach_of, reached, sample_place, sample_ray, sample_spread, seen_next, segment_length,
 //   sent_back, share_of, surface_albedo, surface_normal, whole
@@ -46,7 +46,7 @@ fn resolve(
         if is_hit {
             coverage += share;
             if key_id(~first) - params.id_first < params.id_count {
-                let n = nearest_to(middle_of(same), same);
+                let n = nearest_to(centre_of(same), same);
                 colour += share * seen_by(pixel, row, n, same);
             }
         } else if params.id_first == 0u {
@@ -80,7 +80,7 @@ fn seen_alike(row: u32, left: u32) -> u32 {
     return same;
 }
 
-fn middle_of(some: u32) -> vec2<f32> {
+fn centre_of(some: u32) -> vec2<f32> {
     var sum = vec2<f32>(0.0);
     for (var others = some; others != 0u; others &= others - 1u) {
         sum += sample_place(firstTrailingBit(others));

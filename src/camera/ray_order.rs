@@ -25,17 +25,17 @@ const INCOHERENT: f64 = 0.25;
 const KEY_BITS: u32 = 10;
 
 impl RayOrder {
-    /// Of a camera of one field of incoherent rays, which look at a scene about `middle`; `None` of any other.
-    pub fn of(camera: &Camera, middle: DVec3) -> Option<RayOrder> {
-        incoherent_field(camera).map(|field| RayOrder::new(field, middle))
+    /// Of a camera of one field of incoherent rays, which look at a scene about `centre`; `None` of any other.
+    pub fn of(camera: &Camera, centre: DVec3) -> Option<RayOrder> {
+        incoherent_field(camera).map(|field| RayOrder::new(field, centre))
     }
 
-    fn new(field: &Field, middle: DVec3) -> RayOrder {
+    fn new(field: &Field, centre: DVec3) -> RayOrder {
         let count = field.width * field.height;
         let ray = |k: u32| field.ray(k % field.width, k / field.width);
         let starts: Vec<DVec3> = (0..count).filter_map(|k| ray(k).map(|(p, _)| p)).collect();
-        let far = (middle - starts.iter().sum::<DVec3>() / starts.len().max(1) as f64).length();
-        // where a ray starts, and the vector from there to the distance of the scene's middle: a tile bounds these separately, so
+        let far = (centre - starts.iter().sum::<DVec3>() / starts.len().max(1) as f64).length();
+        // where a ray starts, and the vector from there to the distance of the scene's centre: a tile bounds these separately, so
         // that its rays must be near each other in both
         let parts = |k: u32| ray(k).map(|(p, d)| [p, far * d.normalize()]);
         let none = ([DVec3::INFINITY; 2], [DVec3::NEG_INFINITY; 2]);

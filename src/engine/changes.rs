@@ -86,9 +86,9 @@ impl PlannedBy<'_> {
     /// The plan of `last` is the plan for this.
     pub fn is_that_of(&self, last: &Planned) -> bool {
         let PlannedBy { scene, camera, extent, wanted, variant } = self;
-        let Plan { anchor, middle, scene_size, .. } = *last.plan;
+        let Plan { anchor, centre, scene_size, .. } = *last.plan;
         Arc::ptr_eq(&last.camera, camera)
-            && SceneExtent { anchor, middle, scene_size } == *extent
+            && SceneExtent { anchor, centre, scene_size } == *extent
             && SceneContents::of(&last.scene) == SceneContents::of(scene)
             && last.wanted == **wanted
             && (&last.scene.style, last.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())

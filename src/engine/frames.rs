@@ -143,9 +143,9 @@ impl Frames {
     pub fn aim(&mut self, camera: &Camera) -> Result<()> {
         let asked = self.changed(&self.scene, camera, Feature::Aimed);
         asked.check()?;
-        let Plan { anchor, middle, scene_size, .. } = *self.plan;
-        let extent = SceneExtent { anchor, middle, scene_size };
-        let ray_order = RayOrder::of(camera, extent.middle).map(Arc::new);
+        let Plan { anchor, centre, scene_size, .. } = *self.plan;
+        let extent = SceneExtent { anchor, centre, scene_size };
+        let ray_order = RayOrder::of(camera, extent.centre).map(Arc::new);
         let shown = Arc::new(ray_order.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
         let wanted = written(&self.scene, &shown, &self.wanted);
         let plan = self.planner.plan_by(&self.run, &shown, SceneContents::of(&self.scene), extent, &wanted);
@@ -396,15 +396,15 @@ fn medians(runs: Vec<Vec<(&'static str, f64)>>) -> Vec<(&'static str, f64)> {
     first.iter().map(|&(name, _)| (name, median(name))).collect()
 }
 
-/// The scene with every vertex but the last `fixed`, which are a mirror's, turned about its middle by a little more each
+/// The scene with every vertex but the last `fixed`, which are a mirror's, turned about its centre by a little more each
 /// frame.
 fn moved(scene: &Scene, fixed: usize, frame: u32) -> Scene {
     let mut scene = scene.clone();
     let (lo, hi) = scene.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));
-    let (middle, turn) = ((lo + hi) / 2.0, DMat3::from_rotation_y(frame as f64 * MOVING_STEP_RAD));
+    let (centre, turn) = ((lo + hi) / 2.0, DMat3::from_rotation_y(frame as f64 * MOVING_STEP_RAD));
     let moving = scene.mesh.positions.len() - fixed;
     let positions = &mut Arc::make_mut(&mut scene.mesh).positions;
-    positions[..moving].iter_mut().for_each(|p| *p = middle + turn * (*p - middle));
+    positions[..moving].iter_mut().for_each(|p| *p = centre + turn * (*p - centre));
     scene
 }
 

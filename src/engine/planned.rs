@@ -91,11 +91,11 @@ impl Planner {
         last: Option<&Planned>,
     ) -> Result<Planned> {
         let asked: Arc<Camera> = camera.into();
-        let middle = SceneExtent::of(&asked, scene.bounds()).middle;
-        let known = last.filter(|l| Arc::ptr_eq(&l.asked, &asked) && l.plan.middle == middle);
+        let centre = SceneExtent::of(&asked, scene.bounds()).centre;
+        let known = last.filter(|l| Arc::ptr_eq(&l.asked, &asked) && l.plan.centre == centre);
         let (camera, ray_order) = match known {
             Some(last) => (last.camera.clone(), last.ray_order.clone()),
-            None => match RayOrder::of(&asked, middle).map(Arc::new) {
+            None => match RayOrder::of(&asked, centre).map(Arc::new) {
                 Some(a) => (Arc::new(a.camera(&asked)), Some(a)),
                 None => (asked.clone(), None),
             },

@@ -61,7 +61,7 @@ pub struct Setup<'a> {
     /// Rows of pixels of the largest band.
     pub rows: u32,
     /// Of the scene's box.
-    pub middle: DVec3,
+    pub centre: DVec3,
     /// What positions on the device are relative to.
     pub anchor: DVec3,
     /// The number that trades the rival's error for its time.

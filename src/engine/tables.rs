@@ -231,7 +231,7 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
         bounces: pass.count,
         base: optics.base,
         ends: (pass.count == optics.depth && optics.atlas.is_none()) as u32,
-        middle: (plan.middle - plan.anchor).as_vec3().to_array(),
+        centre: (plan.centre - plan.anchor).as_vec3().to_array(),
         law,
         ior_hi,
         ior_lo,

@@ -180,7 +180,7 @@ pub struct Node {
 }
 
 /// The pixels of one tile that one piece owns, or a part of a discontinuous tile of a field; the piece's bundle at the tile's
-/// middle, and the node that bounds its rays.
+/// centre, and the node that bounds its rays.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Cell {
@@ -329,7 +329,7 @@ pub struct Optic {
     pub bounces: u32,
     pub base: [f32; 3],
     pub ends: u32,
-    pub middle: [f32; 3],
+    pub centre: [f32; 3],
     pub law: u32,
     pub ior_hi: f32,
     pub ior_lo: f32,

@@ -41,7 +41,7 @@ pub fn bound_passes(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
 }
 
 fn bound_draw(gpu: &Gpu, setup: &Setup) -> Result<Draw> {
-    Draw::clipped(gpu, kernels::bound(setup.layers(), setup.variant.culling, setup.middle - setup.anchor))
+    Draw::clipped(gpu, kernels::bound(setup.layers(), setup.variant.culling, setup.centre - setup.anchor))
 }
 
 impl ThroughPieces {

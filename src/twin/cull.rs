@@ -179,7 +179,7 @@ fn v(a: [f32; 3]) -> DVec3 {
     DVec3::from(a.map(f64::from))
 }
 
-/// The rays of a node relative to the middle of a box: `P = p + x px + y py`, `D = d + x dx + y dy` for x, y in
+/// The rays of a node relative to the centre of a box: `P = p + x px + y py`, `D = d + x dx + y dy` for x, y in
 /// [-1, 1], and half-sizes that all the rest adds up to.
 struct Beam {
     p: [DVec3; 3],

@@ -25,7 +25,7 @@ pub struct PixelRay {
 /// All levels over the rays of `input`. Besides these, only its parameters and optics are read.
 pub fn fit(input: &Input) -> Fitted {
     let p = &input.params;
-    let middle = input.optics.map_or(DVec3::ZERO, |o| DVec3::from(o.optic.middle.map(f64::from)));
+    let centre = input.optics.map_or(DVec3::ZERO, |o| DVec3::from(o.optic.centre.map(f64::from)));
     let tile = |tile: u32| {
         let at = Address { level: 0, x: tile % p.tiles_x, y: tile / p.tiles_x };
         let rays = rays_below(input, at);
@@ -46,7 +46,7 @@ pub fn fit(input: &Input) -> Fitted {
         nodes: Nodes::new(
             &bounds,
             (p.tiles_x, p.tiles_y),
-            WidthMeasure { middle, t_range: input.t_range(), incoherent: false, scene_size: 0.0 },
+            WidthMeasure { centre, t_range: input.t_range(), incoherent: false, scene_size: 0.0 },
         ),
         cells: (0..).zip(masks).map(cell).collect(),
     }

@@ -156,9 +156,9 @@ fn any_part(rng: &mut Rng) -> Vec<Triangle> {
         }
         // around one vertex
         4 => {
-            let (middle, n) = (rng.vector(), 3 + rng.below(8));
-            let rim: Vec<DVec3> = (0..n).map(|_| middle + rng.vector()).collect();
-            (0..n).map(|k| [middle, rim[k], rim[(k + 1) % n]]).collect()
+            let (centre, n) = (rng.vector(), 3 + rng.below(8));
+            let rim: Vec<DVec3> = (0..n).map(|_| centre + rng.vector()).collect();
+            (0..n).map(|k| [centre, rim[k], rim[(k + 1) % n]]).collect()
         }
         // in one plane, or nearly, one over the other, and some twice
         5 => {

@@ -104,8 +104,8 @@ impl Case {
 pub fn fitted(mut mesh: Mesh) -> Mesh {
     let (lo, hi) =
         mesh.positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |b, p| (b.0.min(*p), b.1.max(*p)));
-    let (middle, scale) = ((lo + hi) / 2.0, 2.0 / (hi - lo).length());
-    mesh.positions.iter_mut().for_each(|p| *p = scale * (*p - middle));
+    let (centre, scale) = ((lo + hi) / 2.0, 2.0 / (hi - lo).length());
+    mesh.positions.iter_mut().for_each(|p| *p = scale * (*p - centre));
     mesh
 }
 
@@ -260,9 +260,9 @@ pub fn random_case(seed: u64) -> Case {
         3 => common::camera(cameras::pinhole(eye, offset, 20.0 + 120.0 * rng.unit()), size, range),
         _ => cameras::raymap(size.0, size.1, range),
     };
-    let middle = if matches!(camera.layers[0], Rays::Field(_)) { DVec3::ZERO } else { offset };
+    let centre = if matches!(camera.layers[0], Rays::Field(_)) { DVec3::ZERO } else { offset };
     let (count, largest) = (1 + rng.below(300), (-6.0 * rng.unit()).exp2() * 4.0);
-    let mesh = common::moved(common::soup(&mut rng, count, largest), middle);
+    let mesh = common::moved(common::soup(&mut rng, count, largest), centre);
     Case::new(
         &format!("seed {seed}, {} of {}x{}, t {range:?}", camera.kind, size.0, size.1),
         part_one_sided(mesh),

@@ -164,14 +164,14 @@ fn outlined(engine: &mut Engine) -> Result<(), String> {
     let thing = |x: u32, y: u32| ids(&under)[(y * SIZE.0 + x) as usize].checked_div(2).filter(|t| *t < 2);
     let mut lines = 0;
     for (x, y) in (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
-        // the nearest of the sides between pixels that differ: how far it is from the pixel's middle
+        // the nearest of the sides between pixels that differ: how far it is from the pixel's centre
         let mut nearest = f64::INFINITY;
         for (i, j) in (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j))) {
             for (k, l) in [(i + 1, j), (i, j + 1)].into_iter().filter(|(k, l)| *k < SIZE.0 && *l < SIZE.1) {
                 if thing(i, j) != thing(k, l) {
-                    let middle = [f64::from(i + k) / 2.0 - f64::from(x), f64::from(j + l) / 2.0 - f64::from(y)];
+                    let centre = [f64::from(i + k) / 2.0 - f64::from(x), f64::from(j + l) / 2.0 - f64::from(y)];
                     let along = [f64::from(l - j) / 2.0, f64::from(k - i) / 2.0];
-                    let past = [0, 1].map(|c| (middle[c].abs() - along[c]).max(0.0));
+                    let past = [0, 1].map(|c| (centre[c].abs() - along[c]).max(0.0));
                     nearest = nearest.min(past[0].hypot(past[1]));
                 }
             }

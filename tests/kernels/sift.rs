@@ -55,7 +55,7 @@ fn far_off(kind: CameraKind, by: DVec3, scale: f64) -> CameraKind {
     CameraKind::from(mesh)
 }
 
-/// Cameras, and the cube that their points are in: its middle and half its side.
+/// Cameras, and the cube that their points are in: its centre and half its side.
 fn cameras() -> Vec<(String, Camera, DVec3, f64)> {
     let mut all: Vec<(String, Camera)> = vec![
         ("pinhole".into(), camera(pinhole(DVec3::new(0.3, 0.4, 4.0), DVec3::ZERO, 40.0), SIZE, FORWARD)),
@@ -88,10 +88,10 @@ fn cameras() -> Vec<(String, Camera, DVec3, f64)> {
     placed
 }
 
-fn points(middle: DVec3, half: f64, seed: u64, count: usize) -> Vec<DVec3> {
+fn points(centre: DVec3, half: f64, seed: u64, count: usize) -> Vec<DVec3> {
     let mut rng = Rng(seed);
     // one in eight is outside
-    (0..count).map(|k| middle + if k % 8 == 0 { 40.0 * half } else { half } * rng.vector()).collect()
+    (0..count).map(|k| centre + if k % 8 == 0 { 40.0 * half } else { half } * rng.vector()).collect()
 }
 
 fn walked(tree: &Tree, point: DVec3, from: &[u32]) -> Vec<u32> {
@@ -102,12 +102,12 @@ fn walked(tree: &Tree, point: DVec3, from: &[u32]) -> Vec<u32> {
 
 #[test]
 fn a_walk_from_the_top_finds_what_every_leaf_by_itself_does() {
-    for (name, camera, middle, half) in cameras() {
+    for (name, camera, centre, half) in cameras() {
         for tree in Projector::new(&camera).trees() {
             let leaves: Vec<u32> =
                 (0..tree.nodes.len() as u32).filter(|&k| tree.nodes[k as usize].leaf != INNER).collect();
             let (mut met, mut all) = (0, 0);
-            for point in points(middle, half, 1, 200) {
+            for point in points(centre, half, 1, 200) {
                 let found = walked(tree, point, WHOLE);
                 assert!(found == walked(tree, point, &leaves), "{name}: {point}");
                 (met, all) = (met + found.len(), all + leaves.len());
@@ -122,9 +122,9 @@ fn a_walk_from_the_top_finds_what_every_leaf_by_itself_does() {
 #[test]
 fn the_kernel_lists_what_its_twin_must_and_no_more_than_it_may() {
     let Some(gpu) = gpu() else { return };
-    for (name, camera, middle, half) in cameras() {
+    for (name, camera, centre, half) in cameras() {
         let projector = Projector::new(&camera);
-        let points = points(middle, half, 2, 2000);
+        let points = points(centre, half, 2, 2000);
         let mut kernel = Sift::new(gpu, &projector).unwrap();
         // the second chunk has as many slots as the first would have needed
         for _ in 0..2 {
@@ -158,9 +158,9 @@ fn the_kernel_lists_what_its_twin_must_and_no_more_than_it_may() {
 #[test]
 fn lists_hold_all_leaves_of_the_tree_in_f64_and_few_more() {
     let Some(gpu) = gpu() else { return };
-    for (name, camera, middle, half) in cameras() {
+    for (name, camera, centre, half) in cameras() {
         let projector = Projector::new(&camera);
-        let points = points(middle, half, 3, 2000);
+        let points = points(centre, half, 3, 2000);
         let mut kernel = Sift::new(gpu, &projector).unwrap();
         let started = kernel.start(&points).unwrap();
         let found = kernel.finish(started).unwrap();

@@ -136,7 +136,7 @@ fn coverage(
 
 // N . (v h - p) and N . d over a tile: their ratio is t.
 struct CellDepth {
-    along: real3,           // value at the tile's middle, slopes in x and y
+    along: real3,           // value at the tile's centre, slopes in x and y
     across: real3,
     rounding: real,         // of `along`
     back_sign: real,

@@ -22,7 +22,7 @@ fn cell_ray(cell: Cell, x: u32, y: u32) -> Ray {
     return cell_ray_at(cell, vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH);
 }
 
-// The ray of a place of a cell, px from its tile's middle.
+// The ray of a place of a cell, px from its tile's centre.
 fn cell_ray_at(cell: Cell, place: vec2<f32>) -> Ray {
     let fx = place.x;
     let fy = place.y;

@@ -77,7 +77,7 @@ fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane 
     let least = abs(across) - lost_across;
     let t = along / across;
     let off = (lost_along + abs(t) * lost_across) / least + 4.0 * REAL_ROUNDING * abs(t);
-    // that of the tile's middle, whose numbers are of the same size
+    // that of the tile's centre, whose numbers are of the same size
     let margin = select(0.0, 2.0 * end_rounding(q.b, normal.n, reach) / least, SLABBED);
     return OnPlane(t - off, t + off, facing, margin);
 }

@@ -14,7 +14,7 @@ struct Optic {
     bounces: u32,             // bounces before the rays of the pass
     base: vec3<f32>,        // colour of the surface where rays end on it
     ends: u32,              // 1: rays end on it, after the last bounce
-    middle: vec3<f32>,      // of the scene: how wide bundles are is compared as far along their rays
+    centre: vec3<f32>,      // of the scene: how wide bundles are is compared as far along their rays
     law: u32,               // one of the LAW constants
     ior_hi: f32,            // index of refraction inside; 0: rays are reflected
     ior_lo: f32,

@@ -18,7 +18,7 @@ struct Clipped {
     @location(1) @interpolate(flat, either) piece: u32,
 }
 
-// The camera plane in pixels from the piece's origin, X = p + x px + y py: where the rays are at the t of the scene's middle. The
+// The camera plane in pixels from the piece's origin, X = p + x px + y py: where the rays are at the t of the scene's centre. The
 // paper's is the mirror's facet; the nearer it is to the triangles, the tighter are their bounds.
 struct Plane {
     p: vec3<f32>,
@@ -27,13 +27,13 @@ struct Plane {
     normal: vec3<f32>,
 }
 
-override MIDDLE_X: f32 = 0.0;
-override MIDDLE_Y: f32 = 0.0;
-override MIDDLE_Z: f32 = 0.0;
+override CENTRE_X: f32 = 0.0;
+override CENTRE_Y: f32 = 0.0;
+override CENTRE_Z: f32 = 0.0;
 
 fn camera_plane(q: Piece) -> Plane {
     let ray = outline_ray(q, vec2<f32>(0.0));
-    let t = dot(vec3<f32>(MIDDLE_X, MIDDLE_Y, MIDDLE_Z) - ray.p, ray.d) / dot(ray.d, ray.d);
+    let t = dot(vec3<f32>(CENTRE_X, CENTRE_Y, CENTRE_Z) - ray.p, ray.d) / dot(ray.d, ray.d);
     let px = q.px_hi + t * q.dx_hi;
     let py = q.py_hi + t * q.dy_hi;
     return Plane(q.p_hi + t * q.d_hi, px, py, cross(px, py));

@@ -3,7 +3,7 @@
 // is left out twice. Samples are counted where they contradict the lines: edges are bent, or something but an edge ends a triangle;
 // and where more triangles are seen than are kept.
 // Provides: measure, seen_next, share_of, whole
-// Needs: SAMPLES, all_samples, key_id, key_layer, key_of, key_t, middle_of, nearest_to, point_at, sample_place, sample_ray, sample_spread,
+// Needs: SAMPLES, all_samples, centre_of, key_id, key_layer, key_of, key_t, nearest_to, point_at, sample_place, sample_ray, sample_spread,
 //   seen_alike, weights_at
 // Binds: params, slot_of_id, triangles
 
@@ -54,7 +54,7 @@ fn measure(pixel: u32, row: u32) {
     }
 
     for (var k = 0u; k < count; k++) {
-        let n = nearest_to(middle_of(groups[k]), groups[k]);
+        let n = nearest_to(centre_of(groups[k]), groups[k]);
         if all(key_of(row, n) == vec2<u32>(0u)) {
             nothing = k;
         } else if !find_lines(k, pixel, row, n) {

@@ -29,7 +29,7 @@ fn slab(q: vec3<f32>, d: vec3<f32>, r0: vec3<f32>, r1: vec3<f32>, range: vec2<f3
     return vec2<f32>(lo, hi);
 }
 
-// Half-size of the bundle about its middle ray at t, component by component; convex in t.
+// Half-size of the bundle about its central ray at t, component by component; convex in t.
 fn spread(node: Node, s: f32, t: f32) -> vec3<f32> {
     return abs(node.px + s * t * node.dx) + abs(node.py + s * t * node.dy) + vec3<f32>(node.r_p + t * node.r_d);
 }

@@ -112,7 +112,7 @@ struct Node {
     pad2: f32,
 }
 
-// The pixels of one tile that one piece owns, or a part of a discontinuous tile of a field; the piece's bundle at the tile's middle.
+// The pixels of one tile that one piece owns, or a part of a discontinuous tile of a field; the piece's bundle at the tile's centre.
 struct Cell {
     p: vec3<f32>,
     h: f32,

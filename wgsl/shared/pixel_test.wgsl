@@ -173,11 +173,11 @@ fn settled(layer: u32, key: real) -> vec2<u32> {
     return select(vec2<u32>(0u), ~vec2<u32>((bits.x & ~((1u << params.id_bits) - 1u)) | id, bits.y), key < FARTHEST);
 }
 
-// The shared values of a triangle from its corners in f64. No corner is farther than `reach` from the middle; reach_of the lines is at
+// The shared values of a triangle from its corners in f64. No corner is farther than `reach` from the centre; reach_of the lines is at
 // most reach_q.
-fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, middle: real3, reach: f32, reach_q: f32, reach_d: f32) -> Shared {
-    let m0 = vec3<f32>(v0 - middle);
-    let m1 = vec3<f32>(v1 - middle);
+fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, centre: real3, reach: f32, reach_q: f32, reach_d: f32) -> Shared {
+    let m0 = vec3<f32>(v0 - centre);
+    let m1 = vec3<f32>(v1 - centre);
     let normal = cross(v1 - v0, v2 - v0);
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
     var margin = real(0.0);
@@ -189,7 +189,7 @@ fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, middle: real3
         edge_from(m0, vec3<f32>(v0 - v2), reach_q, reach),
         edge_from(m1, vec3<f32>(v2 - v1), reach_q, reach),
         normal,
-        dot(normal, v0 - middle),
+        dot(normal, v0 - centre),
         select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u),
         margin,
         triangle_id(triangle),

@@ -142,7 +142,7 @@ impl BottomUp {
         };
         let views = [view(0)?, view(1)?];
         let pinhole = self.root.unwrap_or_else(|| self.default_root(&views, &centres));
-        let root = View::new(&pinhole, height, rails::middle((width, height)))?;
+        let root = View::new(&pinhole, height, rails::centre((width, height)))?;
         let eyes = [views[0].eye(), views[1].eye(), root.eye()];
         let reach = self.views.iter().map(|v| v.pose.distance()).fold(1000.0 * self.near, f64::max);
         let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &eyes, 1000.0 * reach).max(2.0 * self.near));

@@ -179,10 +179,10 @@ impl TopDown {
             let error = |message: String| Error::input(format!("camera.regions.{k}: {message}"));
             let inner: Outline = region.outline.iter().map(|q| *q * size).collect();
             let (lo, hi) = outline::bounds(&inner);
-            let middle = (lo + hi) / 2.0;
+            let region_centre = (lo + hi) / 2.0;
             let at = match self.layout {
                 Layout::Plain => Some(0),
-                _ => roots.iter().position(|r| outline::holds(&r.outline, middle)),
+                _ => roots.iter().position(|r| outline::holds(&r.outline, region_centre)),
             };
             let at = at.ok_or_else(|| error("its middle lies in no face of the cube; move it".into()))?;
             let root = &roots[at];
@@ -201,7 +201,7 @@ impl TopDown {
                 return Err(error("leaves its face of the cube, its band included; make it or band smaller".into()));
             }
             let seen = || {
-                let ray = root.view.ray(middle);
+                let ray = root.view.ray(region_centre);
                 let seen = occluders.as_ref().and_then(|o| o.first(ray.origin, ray.direction, f64::INFINITY));
                 ray.origin + seen.unwrap_or(root.pinhole.pose.distance()) * ray.direction
             };
@@ -212,8 +212,8 @@ impl TopDown {
                 }
             };
             let pinhole = Pinhole { pose, vfov: region.vfov.unwrap_or(root.pinhole.vfov) };
-            // a whole number of pixels from the plain view's middle, so that their grids are one
-            let centre = root.middle_px + (middle - root.middle_px).round();
+            // a whole number of pixels from the plain view's centre, so that their grids are one
+            let centre = root.centre_px + (region_centre - root.centre_px).round();
             let view = View::new(&pinhole, root.height, centre).map_err(|e| {
                 let message = e.to_string();
                 let rest = message.strip_prefix("camera").unwrap_or(&message);

@@ -71,7 +71,7 @@ const OUTLINE: usize = 8;
 impl Recipe for Track {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let size = setting.size()?;
-        let view = View::new(&self.pinhole, size.1, rails::middle(size))?;
+        let view = View::new(&self.pinhole, size.1, rails::centre(size))?;
         let occluders = Occluders::of(setting.mesh());
         let (mut notes, mut unfulfilled) = (Vec::new(), Vec::new());
         let mut seen = self.seen(&view, size, &mut notes, &mut unfulfilled);
@@ -252,7 +252,7 @@ fn no_path(index: usize, largest: f64) -> String {
     )
 }
 
-/// How far before its middle a target without a radius may be hit, as a part of its distance: its own surface.
+/// How far before its centre a target without a radius may be hit, as a part of its distance: its own surface.
 const OWN: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// Whether the line reaches the target's centre without a hit outside the target's ball.

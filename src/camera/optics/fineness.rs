@@ -16,9 +16,9 @@ const SAMPLES_PER_SIDE: u32 = 64;
 /// is enough.
 pub const SHARE: f64 = 0.95;
 
-/// Image error, px, of points seen after one bounce, at the distance of `middle` from the surface: the 95th percentile over a grid of
+/// Image error, px, of points seen after one bounce, at the distance of `centre` from the surface: the 95th percentile over a grid of
 /// pixels that see both surfaces. The unit is the true change from a pixel to its neighbours. `None` if no pixel sees both.
-pub fn error_px(eye: &Camera, truth: &Optics, facets: &Optics, middle: DVec3) -> Option<f64> {
+pub fn error_px(eye: &Camera, truth: &Optics, facets: &Optics, centre: DVec3) -> Option<f64> {
     let meshes = [truth, facets].map(|o| o.facets().map(|f| f.mesh(o.base)).unwrap_or_default());
     let [truth, facets] = [(truth, &meshes[0]), (facets, &meshes[1])].map(|(optics, mesh)| Alone {
         optics,
@@ -32,7 +32,7 @@ pub fn error_px(eye: &Camera, truth: &Optics, facets: &Optics, middle: DVec3) ->
         .collect();
     let off = |&(i, j): &(u32, u32)| {
         let known = truth.bounced(eye, i, j)?;
-        let far = (middle - known.origin).length();
+        let far = (centre - known.origin).length();
         let at = |ray: Ray| ray.origin + far * ray.direction.normalize();
         let here = at(known);
         let (right, below) = (at(truth.bounced(eye, i + 1, j)?) - here, at(truth.bounced(eye, i, j + 1)?) - here);

@@ -27,7 +27,7 @@ struct Target<'a> {
 
 impl Facets {
     /// The same facets with the normals of a coarse copy, met from each corner along its own normal, either way: `cameras` says
-    /// which of the coarse facets each belongs to, which is met from its middle. A corner whose line misses the copy, or meets
+    /// which of the coarse facets each belongs to, which is met from its centre. A corner whose line misses the copy, or meets
     /// another part of it, takes its nearest place.
     pub fn shot_at(&self, coarse: &Facets) -> Facets {
         let mesh = coarse.mesh([0.0; 3]);
@@ -212,10 +212,10 @@ mod tests {
         for k in 0..fine.triangles.len() {
             let camera = shot.camera_of(k) as usize;
             seen[camera] = true;
-            let middle = fine.facet(k).corners.iter().sum::<DVec3>() / 3.0 - DVec3::new(3.0, -2.0, 1.0);
-            // the radius through its middle passes the camera's three edges on one side
+            let centre = fine.facet(k).corners.iter().sum::<DVec3>() / 3.0 - DVec3::new(3.0, -2.0, 1.0);
+            // the radius through its centre passes the camera's three edges on one side
             let [a, b, c] = coarse.facet(camera).corners.map(|p| p - DVec3::new(3.0, -2.0, 1.0));
-            let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|n| n.dot(middle));
+            let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|n| n.dot(centre));
             assert!(sides.iter().all(|s| *s > -0.02), "{k}: {sides:?}");
         }
         assert!(seen.iter().all(|s| *s), "a camera without facets");

@@ -27,16 +27,16 @@ pub const LOOSE: f64 = 0.25;
 /// And farther than this share of their own size: next to no slope at all a hair would count.
 pub const LOOSE_SIZE: f64 = 1.0 / (1u64 << 12) as f64;
 
-/// The affine function nearest to values at places, by least squares: value in the middle and slopes; and the largest
+/// The affine function nearest to values at places, by least squares: value at the centre and slopes; and the largest
 /// distance that remains. At least one place.
 pub fn affine(pairs: impl Iterator<Item = (DVec2, DVec3)> + Clone) -> ([DVec3; 3], f64) {
     let n = pairs.clone().count() as f64;
-    let middle = pairs.clone().map(|(place, _)| place).sum::<DVec2>() / n;
+    let centre = pairs.clone().map(|(place, _)| place).sum::<DVec2>() / n;
     let mean = pairs.clone().map(|(_, value)| value).sum::<DVec3>() / n;
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
     let mut right = [DVec3::ZERO; 2];
     for (place, value) in pairs.clone() {
-        let q = place - middle;
+        let q = place - centre;
         (xx, xy, yy) = (xx + q.x * q.x, xy + q.x * q.y, yy + q.y * q.y);
         right[0] += q.x * (value - mean);
         right[1] += q.y * (value - mean);
@@ -46,7 +46,7 @@ pub fn affine(pairs: impl Iterator<Item = (DVec2, DVec3)> + Clone) -> ([DVec3; 3
     let inverse = if det > FIT_ROUNDING * (xx + yy).powi(2) { [yy / det, -xy / det, xx / det] } else { [0.0; 3] };
     let x = inverse[0] * right[0] + inverse[1] * right[1];
     let y = inverse[1] * right[0] + inverse[2] * right[1];
-    let fit = [mean - middle.x * x - middle.y * y, x, y];
+    let fit = [mean - centre.x * x - centre.y * y, x, y];
     let far = |(q, v): (DVec2, DVec3)| (fit[0] + q.x * fit[1] + q.y * fit[2] - v).length();
     (fit, pairs.map(far).fold(0.0, f64::max))
 }

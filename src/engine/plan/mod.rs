@@ -198,7 +198,7 @@ pub struct Plan {
     pub id_bits: u32,
     pub anchor: DVec3,
     /// Of the scene, see [`SceneExtent`].
-    pub middle: DVec3,
+    pub centre: DVec3,
     pub scene_size: f64,
     /// How wide images on triangles are filtered, in pixels.
     pub spread: f32,
@@ -211,19 +211,19 @@ pub struct SceneExtent {
     /// What all positions are relative to: near the camera's rays' start and the scene.
     pub anchor: DVec3,
     /// Of the scene: how far bundles spread is compared as far along their rays.
-    pub middle: DVec3,
+    pub centre: DVec3,
     /// By which rays are perturbed: [`crate::camera::perturb`].
     pub scene_size: f64,
 }
 
 impl SceneExtent {
-    /// The anchor is the middle ray's origin, clamped into the scene's box.
+    /// The anchor is the central ray's origin, clamped into the scene's box.
     pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> SceneExtent {
-        let middle = (camera.width / 2, camera.height / 2);
-        let start = camera.ray(middle.0, middle.1).map_or(DVec3::ZERO, |r| r.origin);
+        let centre = (camera.width / 2, camera.height / 2);
+        let start = camera.ray(centre.0, centre.1).map_or(DVec3::ZERO, |r| r.origin);
         match bounds {
             Some((lo, hi)) => {
-                SceneExtent { anchor: start.clamp(lo, hi), middle: (lo + hi) / 2.0, scene_size: scene_size(bounds) }
+                SceneExtent { anchor: start.clamp(lo, hi), centre: (lo + hi) / 2.0, scene_size: scene_size(bounds) }
             }
             None => SceneExtent::point(start),
         }
@@ -231,7 +231,7 @@ impl SceneExtent {
 
     /// Of a scene that is one point.
     pub fn point(at: DVec3) -> SceneExtent {
-        SceneExtent { anchor: at, middle: at, scene_size: 0.0 }
+        SceneExtent { anchor: at, centre: at, scene_size: 0.0 }
     }
 }
 
@@ -284,7 +284,7 @@ impl Plan {
             srgb8: wanted.srgb8,
             id_bits: id_bits.max(1),
             anchor: extent.anchor,
-            middle: extent.middle,
+            centre: extent.centre,
             scene_size: extent.scene_size,
             // so many boxes of this width tile the pixel
             spread: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
@@ -362,7 +362,7 @@ impl Band {
             &sampled,
             (tiles.tiles_x, tiles.tiles_y),
             nodes::WidthMeasure {
-                middle: extent.middle - anchor,
+                centre: extent.centre - anchor,
                 t_range: camera.t_range,
                 incoherent: is_reordered(camera),
                 scene_size: extent.scene_size,

@@ -37,7 +37,7 @@ struct NodeFit {
 #[derive(Debug, Clone, Copy)]
 pub struct WidthMeasure {
     /// Of the scene, relative to the anchor.
-    pub middle: DVec3,
+    pub centre: DVec3,
     pub t_range: [f64; 2],
     /// The rays are incoherent: cull descends to every tile.
     pub incoherent: bool,
@@ -46,10 +46,10 @@ pub struct WidthMeasure {
 }
 
 impl WidthMeasure {
-    /// Half-size of a bundle as far along its middle ray as the scene's middle is.
+    /// Half-size of a bundle as far along its central ray as the scene's centre is.
     fn width(&self, fit: &Fit) -> f64 {
         let [t0, t1] = self.t_range;
-        let t = (self.middle - fit.p[0]).length() / fit.d[0].length();
+        let t = (self.centre - fit.p[0]).length() / fit.d[0].length();
         let t = if t.is_finite() { t.min(t0.abs().max(t1.abs())) } else { 0.0 };
         let half = |c: &[DVec3; 3], r: f64| c[1].length() + c[2].length() + r;
         half(&fit.p, fit.r_p) + t * half(&fit.d, fit.r_d)
@@ -139,10 +139,10 @@ fn parent(children: &[NodeFit], (width, height): (u32, u32), x: u32, y: u32, mea
             widths.push(*width);
             (below.r_p, below.r_d) = (below.r_p.max(child.r_p), below.r_d.max(child.r_d));
             let half = 1.0 / BRANCH as f64;
-            let middle = (2.0 * DVec2::new(i as f64, j as f64) + 1.0) * half - 1.0;
+            let centre = (2.0 * DVec2::new(i as f64, j as f64) + 1.0) * half - 1.0;
             for corner in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from) {
                 let at = |c: &[DVec3; 3]| c[0] + corner.x * c[1] + corner.y * c[2];
-                below.rays.push(TileRay { place: middle + half * corner, p: at(&child.p), d: at(&child.d) });
+                below.rays.push(TileRay { place: centre + half * corner, p: at(&child.p), d: at(&child.d) });
             }
         }
     }

@@ -47,7 +47,7 @@ pub struct TileRays {
     pub r_d: f64,
 }
 
-/// Half of a tile from its middle to the outermost pixel centre, px.
+/// Half of a tile from its centre to the outermost pixel centre, px.
 const TILE_REACH: f64 = (TILE as f64 - 1.0) / 2.0;
 
 /// A cell before its bundle is stored.
@@ -284,7 +284,7 @@ impl Cutting<'_> {
                     Some(TileRay { place, p: p - self.anchor, d })
                 })),
                 Rays::Pieces(pieces) => {
-                    let b = rebased(&pieces.bundle_at_place(piece, middle(pieces, at)), self.anchor);
+                    let b = rebased(&pieces.bundle_at_place(piece, centre(pieces, at)), self.anchor);
                     let at = |x: f64, y: f64| {
                         let ray = b.ray(x, y);
                         let place = DVec2::new(x, y) / (TILE as f64 / 2.0);
@@ -317,7 +317,7 @@ impl Cutting<'_> {
             node: layout::NONE,
         };
         if let (Rays::Pieces(p), None) = (&self.camera.layers[at.layer], self.curves) {
-            let b = rebased(&p.bundle_at_place(piece, middle(p, at)), self.anchor);
+            let b = rebased(&p.bundle_at_place(piece, centre(p, at)), self.anchor);
             (cell.p, cell.h, cell.d) = (b.p[0].as_vec3().to_array(), b.h[0] as f32, b.d[0].as_vec3().to_array());
         }
         cell
@@ -350,8 +350,8 @@ pub fn row_of(bundle: &Bundle, anchor: DVec3, [origin_x, origin_y]: [f32; 2], nu
     row
 }
 
-/// The middle of a tile: the mean of its pixels' sample places, image px.
-fn middle(pieces: &Pieces, at: Place) -> DVec2 {
+/// The centre of a tile: the mean of its pixels' sample places, image px.
+fn centre(pieces: &Pieces, at: Place) -> DVec2 {
     pieces.place(at.x * TILE, at.y * TILE) + TILE_REACH
 }
 
