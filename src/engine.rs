@@ -175,7 +175,7 @@ impl Engine {
         run: &RunOptions,
     ) -> Result<Frames> {
         let planned = self.planner().plan(scene, camera, wanted, run, None)?;
-        let mut frames = self.place(planned, run)?;
+        let mut frames = self.upload(planned, run)?;
         frames.warm_up()?;
         Ok(frames)
     }
@@ -190,8 +190,8 @@ impl Engine {
         Ok(started.elapsed().as_secs_f64() * 1e3)
     }
 
-    /// Puts on the device what was planned. Its frames have no picture yet.
-    fn place(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
+    /// Uploads what was planned. No frame is rendered yet.
+    fn upload(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
         let Planned { given, scene, camera, ray_order, plan, clustered, wanted, .. } = planned;
         let mut painter = self.painter(&given, &camera, &wanted, run)?;
         let lit = if wanted.has_colour() { self.illuminated(&given)? } else { None };

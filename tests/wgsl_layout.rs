@@ -140,7 +140,7 @@ fn host() -> Layouts {
             dy_lo,
             pad3,
         }),
-        layout!(Places { at }),
+        layout!(SampleOffsets { at }),
         layout!(Chunk { points, beams, slots, most, t_min, t_max, pad0, pad1 }),
         layout!(Beam { p_lo, next, p_hi, node, d_lo, pad0, d_hi, pad1 }),
         layout!(Optic {

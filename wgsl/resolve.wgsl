@@ -4,8 +4,8 @@
 // Triangles in another chunk of the scene are left to that chunk's dispatch, which adds its share.
 // Provides: centre_of, key_of, nearest_to, seen_alike
 // Needs: COUNT_EDGES, Lit, NONE, SAMPLES, SLABBED, STYLED, ShadedHit, Spread, TEXTURED, all_samples, beyond, drawn, item_index, key_id,
-//   key_layer, key_t, measure, pattern_at, point_at, reach_of, reached, sample_place, sample_ray, sample_spread, seen_next, segment_length,
-//   sent_back, share_of, surface_albedo, surface_normal, whole
+//   key_layer, key_t, measure, pattern_at, point_at, reach_of, reached, sample_offset, sample_ray, sample_spread, seen_next,
+//   segment_length, sent_back, share_of, surface_albedo, surface_normal, whole
 // Binds: counters, params, planes, samples, shading, slot_of_id, triangles
 
 fn key_of(row: u32, sample: u32) -> vec2<u32> {
@@ -83,7 +83,7 @@ fn seen_alike(row: u32, left: u32) -> u32 {
 fn centre_of(some: u32) -> vec2<f32> {
     var sum = vec2<f32>(0.0);
     for (var others = some; others != 0u; others &= others - 1u) {
-        sum += sample_place(firstTrailingBit(others));
+        sum += sample_offset(firstTrailingBit(others));
     }
     return sum / f32(countOneBits(some));
 }
@@ -94,7 +94,7 @@ fn nearest_to(place: vec2<f32>, some: u32) -> u32 {
     var least = 4.0;
     for (var others = some; others != 0u; others &= others - 1u) {
         let n = firstTrailingBit(others);
-        let off = sample_place(n) - place;
+        let off = sample_offset(n) - place;
         let distance = dot(off, off);
         nearest = select(nearest, n, distance < least);
         least = min(least, distance);

@@ -3,7 +3,7 @@
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 // Provides: Place
 // Needs: Bundle, Lit, NONE, SLABBED, STYLED, ShadedHit, Spread, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece,
-//   first_surface, goes_on, in_file_order, is_under_way, item_index, key_id, key_layer, key_t, light_before, light_left, path_length,
+//   first_surface, goes_on, has_path, in_file_order, item_index, key_id, key_layer, key_t, light_before, light_left, path_length,
 //   pattern_at, piece_number, pixel_ray, point_at, ray_bundle, ray_spread, reach_of, reached, real3, says_what_is_seen, segment_length,
 //   sent_back, surface_albedo, surface_normal, surface_uv, vertex_real
 // Binds: params, planes, shading, slot_of_id, triangles, visibility
@@ -40,7 +40,7 @@ fn shade(
     }
     let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
     if all(won == vec2<u32>(0u)) {
-        if params.id_first == 0u && is_under_way(pixel % params.width, pixel / params.width) {
+        if params.id_first == 0u && has_path(pixel % params.width, pixel / params.width) {
             store_miss(at, beyond(pixel % params.width, pixel / params.width));
         }
         return;

@@ -42,7 +42,7 @@ impl Engine {
         let cameras = facets.copy();
         let camera = atlas_camera(optics, atlas, cameras, law)?;
         let planned = self.planner().plan_in_order(scene, Arc::new(camera), &wanted, run, None)?;
-        let frames = Box::new(self.place(planned, run)?);
+        let frames = Box::new(self.upload(planned, run)?);
         Ok(Some(Painter { frames, layout: Layout::new(cameras.triangles.len(), atlas.texels) }))
     }
 }

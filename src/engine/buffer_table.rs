@@ -135,7 +135,11 @@ pub fn table() -> Vec<Row> {
         uploaded("sums", 4, &[Gather]),
         // the camera
         uploaded("params", size_of::<layout::Params>(), &KernelId::ALL),
-        uploaded("places", size_of::<layout::Places>(), &[Sample, SampleByTile, RecheckSamples, Resolve]),
+        uploaded(
+            "sample_offsets",
+            size_of::<layout::SampleOffsets>(),
+            &[Sample, SampleByTile, RecheckSamples, Resolve],
+        ),
         uploaded(
             "tile_start",
             4,

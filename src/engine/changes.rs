@@ -17,7 +17,7 @@ pub struct Changes {
     /// Triangles in their clusters.
     pub triangles: bool,
     /// Where triangles lie about the anchor.
-    pub places: bool,
+    pub positions: bool,
     /// Holes in triangles.
     pub holes: bool,
     /// Lights, materials, lines or the background.
@@ -42,7 +42,7 @@ pub(super) struct Shown<'a> {
 
 impl Changes {
     /// Nothing is known of what was there.
-    pub const ALL: Changes = Changes { plan: true, triangles: true, places: true, holes: true, appearance: true };
+    pub const ALL: Changes = Changes { plan: true, triangles: true, positions: true, holes: true, appearance: true };
 
     /// From what is shown to a frame that was planned.
     pub(super) fn between(shown: &Shown, next: &Planned) -> Changes {
@@ -50,7 +50,7 @@ impl Changes {
         Changes {
             plan: !Arc::ptr_eq(plan, shown.plan),
             triangles: !shown.clustered.ptr_eq(&Arc::downgrade(clustered)),
-            places: !(same_mesh(scene, shown.scene) && plan.anchor == shown.plan.anchor),
+            positions: !(same_mesh(scene, shown.scene) && plan.anchor == shown.plan.anchor),
             // part of the mesh
             holes: false,
             appearance: !same_appearance(scene, shown.scene),
@@ -59,13 +59,13 @@ impl Changes {
 
     /// What the device has of lights and materials follows from something that changed.
     pub fn needs_appearance(self) -> bool {
-        self.plan || self.places || self.appearance
+        self.plan || self.positions || self.appearance
     }
 
     /// Which stages are to run again.
     pub fn dirty(self) -> Dirty {
-        let Changes { plan, triangles, places, holes, appearance } = self;
-        match (plan || triangles || places || holes, appearance) {
+        let Changes { plan, triangles, positions, holes, appearance } = self;
+        match (plan || triangles || positions || holes, appearance) {
             (true, _) => Dirty::All,
             (false, true) => Dirty::Appearance,
             (false, false) => Dirty::Nothing,
@@ -130,7 +130,7 @@ mod tests {
         let whole = [
             Changes { plan: true, ..none },
             Changes { triangles: true, ..none },
-            Changes { places: true, ..none },
+            Changes { positions: true, ..none },
             Changes { holes: true, ..none },
             Changes::ALL,
         ];

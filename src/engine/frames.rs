@@ -161,12 +161,12 @@ impl Frames {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
         (self.camera, self.plan, self.ray_order, self.is_aimed) = (camera, Arc::new(plan), ray_order, true);
-        self.note(Changes { plan: true, ..Changes::default() });
+        self.mark_dirty(Changes { plan: true, ..Changes::default() });
         Ok(())
     }
 
-    /// Notes what the picture does not show yet.
-    fn note(&mut self, changes: Changes) {
+    /// Notes what the frame does not show yet.
+    fn mark_dirty(&mut self, changes: Changes) {
         // of bands and bounces, and of moving triangles, only the last ones are still there
         let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
         self.dirty = self.dirty.max(match changes.dirty() {
@@ -215,7 +215,7 @@ impl Frames {
         } else {
             self.resident.upload_appearance(&self.gpu, &self.pages, &scene, &self.plan)?
         };
-        self.note(Changes { appearance: true, holes: !keeps_holes, ..Changes::default() });
+        self.mark_dirty(Changes { appearance: true, holes: !keeps_holes, ..Changes::default() });
         Ok(())
     }
 
@@ -262,7 +262,7 @@ impl Frames {
     /// Submits a frame of a scene that has moved, or of that which is there.
     fn draw(&mut self, moved: Option<Scene>) -> Result<Running> {
         if let Some(moved) = moved {
-            self.put(&moved)?;
+            self.upload_vertices(&moved)?;
             if let Some(rival) = &mut self.rival {
                 rival.upload(&self.gpu, &moved)?;
             }
@@ -270,11 +270,11 @@ impl Frames {
         self.begin(Dirty::All, false)
     }
 
-    /// The triangles of a scene that has moved, in their clusters as long as these hold them well.
-    fn put(&mut self, moved: &Scene) -> Result<()> {
+    /// Uploads the triangles of a scene that has moved, in the same clusters as long as these stay tight.
+    fn upload_vertices(&mut self, moved: &Scene) -> Result<()> {
         let Some(clustered) = &mut self.moving else { return Ok(()) };
         if self.plan.variant.lights == LightsKind::Shadowed {
-            self.resident.refit_obstacles(moved);
+            self.resident.refit_shadow_casters(moved);
             self.resident.upload_appearance(&self.gpu, &self.pages, moved, &self.plan)?;
         }
         if clustered.refit(&moved.mesh) {
@@ -302,8 +302,12 @@ impl Frames {
             rival.check(&self.gpu)?;
         }
         let frame_layout = self.frame_layout();
-        let rest =
-            Rendered { frame_ms, stages: medians(stages), grown, ..self.took(&frame_layout.plan, &first, &words) };
+        let rest = Rendered {
+            frame_ms,
+            stages: medians(stages),
+            grown,
+            ..self.statistics(&frame_layout.plan, &first, &words)
+        };
         let own = Readback { frame_layout, words, rest }.rendered();
         match painter {
             Some(painter) => painter.joined(own),
@@ -337,8 +341,8 @@ impl Frames {
         } else if changes.triangles {
             self.resident.write_params(&self.gpu, camera, plan)?;
         }
-        if changes.places {
-            self.resident.forget_obstacles();
+        if changes.positions {
+            self.resident.forget_shadow_casters();
         }
         if changes.needs_appearance() {
             self.resident.upload_appearance(&self.gpu, &self.pages, scene, plan)?;
@@ -346,7 +350,7 @@ impl Frames {
         (self.scene, self.camera) = (scene.clone(), camera.clone());
         (self.plan, self.ray_order, self.wanted) = (plan.clone(), ray_order.clone(), wanted.clone());
         self.is_partly_uploaded = false;
-        self.note(changes);
+        self.mark_dirty(changes);
         Ok(true)
     }
 
@@ -360,8 +364,8 @@ impl Frames {
         }
     }
 
-    /// What a frame of a plan counted and what is held now; no picture and no times.
-    pub(super) fn took(&self, plan: &Plan, running: &Running, words: &RawFrame) -> Rendered {
+    /// What a frame of a plan counted, and the memory in use; no picture and no times.
+    pub(super) fn statistics(&self, plan: &Plan, running: &Running, words: &RawFrame) -> Rendered {
         let mut left_out = plan.left_out.clone();
         if self.resident.without_area > 0 {
             let what = format!("{} triangles", self.resident.without_area);

@@ -39,7 +39,7 @@ pub struct InFlight {
 pub struct Readback {
     pub(super) frame_layout: FrameLayout,
     pub(super) words: RawFrame,
-    /// What it took; no picture.
+    /// Its statistics; no picture.
     pub(super) rest: Rendered,
 }
 
@@ -118,8 +118,8 @@ impl PendingReads {
 }
 
 impl Readback {
-    /// What it took; no picture.
-    pub fn took(&self) -> &Rendered {
+    /// Its statistics; no picture.
+    pub fn statistics(&self) -> &Rendered {
         &self.rest
     }
 

@@ -5,7 +5,7 @@ use super::bounce_tables::BounceTables;
 use super::bounces::{Bounce, bounces};
 use super::buffer_table::{Bytes, ITEM_BYTES, Row, Sizes, VEC4_BYTES, table};
 use super::pages::PageStore;
-use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, places};
+use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
 use crate::engine::clusters::{Chunk, Clustered, mapped_rows};
 use crate::engine::plan::hierarchy::Hierarchy;
@@ -42,8 +42,8 @@ pub struct Resident {
     pub bounce_tables: Option<BounceTables>,
     /// Triangles without area.
     pub without_area: usize,
-    /// What may be in the way of light: all triangles but the camera's own, which are the last ones.
-    obstacles: Option<Hierarchy>,
+    /// Shadow casters: all triangles but the camera's own, which are the last ones.
+    shadow_casters: Option<Hierarchy>,
     facets: usize,
     /// What cuts holes: the images, and of each material how.
     holes: (Pages, Vec<Option<Cut>>),
@@ -97,13 +97,13 @@ impl Resident {
                 .transpose()?,
             passes,
             without_area: 0,
-            obstacles: None,
+            shadow_casters: None,
             facets: camera.optics.as_ref().and_then(|o| o.facets()).map_or(0, |f| f.triangles.len()),
             holes: Default::default(),
         };
         resident.upload_scene(gpu, clustered)?;
         if plan.variant.samples_edges() {
-            resident.shared.upload_uniform(gpu, "places", &places(&plan.places))?;
+            resident.shared.upload_uniform(gpu, "sample_offsets", &sample_offsets(&plan.sample_offsets))?;
         }
         resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, camera, plan));
         resident.make_room(gpu, camera, plan)?;
@@ -127,15 +127,15 @@ impl Resident {
             .try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk))
     }
 
-    /// Finds what is in the way of light anew, the next time that the appearance is uploaded.
-    pub fn forget_obstacles(&mut self) {
-        self.obstacles = None;
+    /// Rebuilds the hierarchy of shadow casters when the appearance is next uploaded.
+    pub fn forget_shadow_casters(&mut self) {
+        self.shadow_casters = None;
     }
 
-    /// Lets what is in the way of light follow triangles that have moved.
-    pub fn refit_obstacles(&mut self, scene: &Scene) {
-        if let Some(obstacles) = &mut self.obstacles {
-            obstacles.refit(scene);
+    /// Refits the hierarchy of shadow casters to triangles that have moved.
+    pub fn refit_shadow_casters(&mut self, scene: &Scene) {
+        if let Some(shadow_casters) = &mut self.shadow_casters {
+            shadow_casters.refit(scene);
         }
     }
 
@@ -152,11 +152,11 @@ impl Resident {
             true => store.place(gpu, &materials(scene), &mut self.shared)?,
             false => Pages::default(),
         };
-        if plan.variant.lights == LightsKind::Shadowed && self.obstacles.is_none() {
+        if plan.variant.lights == LightsKind::Shadowed && self.shadow_casters.is_none() {
             let facets = scene.mesh.triangles.len() - self.facets;
-            self.obstacles = Some(Hierarchy::build(scene, plan.anchor, facets)?);
+            self.shadow_casters = Some(Hierarchy::build(scene, plan.anchor, facets)?);
         }
-        let bvh = self.obstacles.as_ref().map(|o| o.words(scene));
+        let bvh = self.shadow_casters.as_ref().map(|o| o.words(scene));
         let shadows = Shadows { kind: plan.variant.lights, bvh: bvh.as_ref() };
         let Appearance { mut shading, lights, materials, normals, style } =
             Appearance::new(scene, plan.anchor, &pages, shadows);

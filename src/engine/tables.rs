@@ -30,7 +30,7 @@ pub struct Span {
 #[derive(Debug, Clone)]
 pub struct Appearance {
     pub shading: layout::Shading,
-    /// Of a plain light the way that it travels; else two rows each, see `lights/positional.wgsl`, and what hides them.
+    /// Plain lights: the direction of travel; else two vectors each, see `lights/positional.wgsl`, and what hides them.
     pub lights: Vec<[f32; 4]>,
     pub materials: Vec<layout::Material>,
     pub normals: Vec<[f32; 3]>,
@@ -109,7 +109,7 @@ fn style_row(style: &Style) -> layout::Style {
     }
 }
 
-/// What kernels know of lights, and the hierarchy of what is in their way.
+/// What kernels know of lights, and the hierarchy of shadow casters.
 #[derive(Debug, Clone, Copy)]
 pub struct Shadows<'a> {
     pub kind: LightsKind,
@@ -187,13 +187,13 @@ pub fn params(
     }
 }
 
-/// Where samples lie, as kernels read it.
-pub fn places(list: &[DVec2]) -> layout::Places {
-    let mut places = layout::Places { at: [[0.0; 4]; 16] };
-    for (row, two) in places.at.iter_mut().zip(list.chunks(2)) {
+/// Sample offsets as kernels read them.
+pub fn sample_offsets(list: &[DVec2]) -> layout::SampleOffsets {
+    let mut sample_offsets = layout::SampleOffsets { at: [[0.0; 4]; 16] };
+    for (row, two) in sample_offsets.at.iter_mut().zip(list.chunks(2)) {
         row.iter_mut().zip(two.iter().flat_map(|p| p.as_vec2().to_array())).for_each(|(to, from)| *to = from);
     }
-    places
+    sample_offsets
 }
 
 /// A camera's rays are computed in f64 where the scene lies: their origins lose some roundings of its distance from the world's

@@ -137,10 +137,10 @@ pub struct Params {
     pub level_height: [u32; 8],
 }
 
-/// Where samples lie about their pixel's centre, px right and down: two a row.
+/// Offsets of samples from their pixel's centre, px right and down: two a row.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Places {
+pub struct SampleOffsets {
     pub at: [[f32; 4]; 16],
 }
 

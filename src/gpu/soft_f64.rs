@@ -282,7 +282,7 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// One function on its way.
+/// State of lowering one function.
 struct Body<'l, 'a> {
     lowering: &'l mut Lowering<'a>,
     old: &'l Function,

@@ -57,9 +57,9 @@ pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3,
     };
     let start = obstacles.above(scene, hit, p, view);
     let of_light = |light: &Light| {
-        let Arriving { way, far, strength } = light.arriving(p);
-        let is_dark = n.dot(way) <= 0.0 || light.casts_shadows && !start.sees(way, far);
-        if is_dark { DVec3::ZERO } else { strength * gloss.reflected(n, -view, way) }
+        let Arriving { to_light, far, strength } = light.arriving(p);
+        let is_dark = n.dot(to_light) <= 0.0 || light.casts_shadows && !start.sees(to_light, far);
+        if is_dark { DVec3::ZERO } else { strength * gloss.reflected(n, -view, to_light) }
     };
     let open = scene.ambient_occlusion.map_or(1.0, |occlusion| start.openness(n, occlusion));
     let direct = match scene.lights.is_empty() && scene.sky.is_none() {
@@ -102,12 +102,12 @@ impl Obstacles<'_> {
 
 impl Above<'_> {
     /// Distance to the first obstacle along a unit direction, up to `far`.
-    fn meets(&self, way: DVec3, far: f64) -> Option<f64> {
-        self.of.all.blocked(self.p, way, far, self.of.count)
+    fn meets(&self, direction: DVec3, far: f64) -> Option<f64> {
+        self.of.all.blocked(self.p, direction, far, self.of.count)
     }
 
-    fn sees(&self, way: DVec3, far: f64) -> bool {
-        self.flat.dot(way) > 0.0 && self.meets(way, far).is_none()
+    fn sees(&self, direction: DVec3, far: f64) -> bool {
+        self.flat.dot(direction) > 0.0 && self.meets(direction, far).is_none()
     }
 
     /// Ambient visibility: the cosine-weighted share of directions about the normal without an obstacle; far obstacles count less.

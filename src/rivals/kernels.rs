@@ -21,13 +21,13 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
     bindings.extend((!brute).then(|| reads("bvh", "array<BvhNode>")));
     bindings.push(writes("visibility", "array<vec2<u32>>"));
     bindings.extend(variant.pixel_rays());
-    let way = match variant.rays {
-        RaysKind::Curves { .. } => snippets!("rivals/curved_way.wgsl"),
-        _ => snippets!("rivals/straight_way.wgsl"),
+    let path = match variant.rays {
+        RaysKind::Curves { .. } => snippets!("rivals/curved_path.wgsl"),
+        _ => snippets!("rivals/straight_path.wgsl"),
     };
     let search =
         if brute { snippets!("rivals/brute.wgsl") } else { snippets!("rivals/hierarchy.wgsl", "shared/bvh.wgsl") };
-    let own = [SEGMENT, search, way, snippets!("rivals/trace.wgsl")];
+    let own = [SEGMENT, search, path, snippets!("rivals/trace.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SLABS, KEY][..], &variant.pixel_snippets(), &own].concat();
     let mut kernel = Kernel::new("trace", bindings, &snippets);
     kernel.constants = variant.constants();

@@ -65,7 +65,7 @@ impl Input<'_> {
     }
 
     /// The pixel is shown by this pass, or by one to come, where its ray meets nothing.
-    pub fn is_under_way(&self, x: u32, y: u32) -> bool {
+    pub fn has_path(&self, x: u32, y: u32) -> bool {
         let pixel = (y * self.params.width + x) as usize;
         self.optics.is_none_or(|o| !o.is_bounced() || o.paths[pixel].last != NONE)
     }

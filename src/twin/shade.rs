@@ -56,7 +56,7 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
     let (x, y) = (pixel % p.width, pixel / p.width);
     let behind = input.behind(pixel);
     let Some(key) = key else {
-        return if p.id_first == 0 && input.is_under_way(x, y) {
+        return if p.id_first == 0 && input.has_path(x, y) {
             Pixel::Miss(miss(input, &behind))
         } else {
             Pixel::Untouched

@@ -6,7 +6,7 @@ use crate::pictures;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::plan::samples::{at_once, places};
+use anamorph::internals::engine::plan::samples::{at_once, sample_offsets};
 use anamorph::internals::engine::{Capacities, Engine, Rendered, RunOptions};
 use anamorph::internals::geometry::generate::icosphere;
 use anamorph::internals::image::frame::{Channel, NO_ID};
@@ -71,7 +71,7 @@ fn one_by_one(engine: &mut Engine, scene: &Scene, camera: &Camera, samples: u32)
         let moved = camera.with_sample_offset(place.x, place.y);
         ids(&engine.render(scene, &moved, &wanted, &RunOptions::default()).unwrap().frame).to_vec()
     };
-    places(samples).into_iter().map(frame).collect()
+    sample_offsets(samples).into_iter().map(frame).collect()
 }
 
 #[test]
@@ -303,7 +303,7 @@ fn sixteen_frames_come_as_near_where_each_sample_takes_one() {
         println!("{error}");
         let wanted = Wanted { samples: 1, ..wanted };
         let mut sum = vec![[0.0; 3]; (SIZE.0 * SIZE.1) as usize];
-        for place in places(16) {
+        for place in sample_offsets(16) {
             let moved = camera.with_sample_offset(place.x, place.y);
             let frame = engine.render(&scene, &moved, &wanted, &RunOptions::default()).unwrap().frame;
             sum.iter_mut().zip(colours(&frame)).for_each(|(s, c)| (0..3).for_each(|k| s[k] += c[k] / 16.0));

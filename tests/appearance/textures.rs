@@ -6,7 +6,7 @@ use crate::pictures;
 
 use anamorph::internals::camera::{Camera, Rays};
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::plan::samples::{at_once, places};
+use anamorph::internals::engine::plan::samples::{at_once, sample_offsets};
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::geometry::mesh::{Material, NO_UV};
 use anamorph::internals::geometry::texture::{Texels, Texture, Wrap};
@@ -360,7 +360,7 @@ fn frames_that_make_a_picture_together_are_filtered_less() {
     let mean = |engine: &mut Engine, frames: u32| {
         let wanted = Wanted { frames, ..Wanted::of(COLOUR.to_vec()) };
         let mut sum = vec![[0.0; 3]; exact.len()];
-        for place in places(16) {
+        for place in sample_offsets(16) {
             let moved = camera.with_sample_offset(place.x, place.y);
             let frame = engine.render(&scene, &moved, &wanted, &RunOptions::default()).unwrap().frame;
             sum.iter_mut().zip(colours(&frame)).for_each(|(s, c)| (0..3).for_each(|k| s[k] += c[k] / 16.0));

@@ -106,7 +106,7 @@ fn shows() -> Vec<(Scene, Arc<Camera>)> {
 }
 
 #[test]
-fn frames_on_their_way_at_once_are_those_of_fresh_engines() {
+fn frames_in_flight_together_are_those_of_fresh_engines() {
     let Some(mut engine) = engine_on(|_| ()) else { return };
     let Some(mut fresh) = engine_on(|_| ()) else { return };
     let (wanted, run) = (wanted(), RunOptions::default());
@@ -123,7 +123,7 @@ fn frames_on_their_way_at_once_are_those_of_fresh_engines() {
         let shows = shows();
         let first = plan(&engine, &shows[0]);
         let mut sequence = Sequence::default();
-        sequence.place(&mut engine, &first, &run).unwrap();
+        sequence.upload(&mut engine, &first, &run).unwrap();
         let mut in_flight = sequence.start(first).unwrap();
         let mut seen = Vec::new();
         for show in &shows[1..] {
@@ -151,7 +151,7 @@ fn what_is_of_another_kind_is_to_be_placed_anew() {
     let planner = engine.planner();
     let planned = |camera: &Camera, wanted: &Wanted| planner.plan(&scene, camera, wanted, &run, None).unwrap();
     let mut sequence = Sequence::default();
-    sequence.place(&mut engine, &planned(&all[0].1, &wanted), &run).unwrap();
+    sequence.upload(&mut engine, &planned(&all[0].1, &wanted), &run).unwrap();
     assert!(!sequence.show(&planned(&all[2].1, &wanted)).unwrap());
     assert!(!sequence.show(&planned(&all[0].1, &Wanted::of(vec![Channel::T]))).unwrap());
     let in_flight = sequence.start(planned(&all[0].1, &wanted)).unwrap();

@@ -29,7 +29,7 @@ struct Case {
     receivers: Vec<Receiver>,
     sums: Vec<u32>,
     optic: Optic,
-    ways: Vec<PathState>,
+    path_states: Vec<PathState>,
 }
 
 fn variant(optics: bool) -> Variant {
@@ -65,7 +65,7 @@ fn case(rng: &mut Rng) -> Case {
         _ => [!((rng.word() as u32) << ID_BITS | rng.below(TRIANGLES + 10) as u32), rng.word() as u32],
     };
     let numbers = |rng: &mut Rng| (0..PIXELS).map(|_| (rng.unit() as f32).to_bits()).collect::<Vec<_>>();
-    let way = |rng: &mut Rng| PathState {
+    let path_state = |rng: &mut Rng| PathState {
         light: [rng.unit(), rng.unit(), rng.unit()].map(|l| l as f32),
         ..PathState::zeroed()
     };
@@ -77,7 +77,7 @@ fn case(rng: &mut Rng) -> Case {
         receivers,
         sums,
         optic: Optic { first_id: TRIANGLES as u32, ..Optic::zeroed() },
-        ways: (0..PIXELS).map(|_| way(rng)).collect(),
+        path_states: (0..PIXELS).map(|_| path_state(rng)).collect(),
     }
 }
 
@@ -86,7 +86,7 @@ fn run(gpu: &Gpu, case: &Case, optics: bool) -> Vec<u32> {
     let params = Params { width: WIDTH, height: HEIGHT, id_bits: ID_BITS, ..Params::zeroed() };
     b.upload_uniform(gpu, "params", &params).unwrap();
     b.upload_uniform(gpu, "optic", &case.optic).unwrap();
-    b.upload(gpu, "paths", &case.ways).unwrap();
+    b.upload(gpu, "paths", &case.path_states).unwrap();
     b.upload(gpu, "visibility", &case.visibility).unwrap();
     b.upload(gpu, "planes", &case.planes).unwrap();
     b.upload(gpu, "landing_of", &case.landing_of).unwrap();
@@ -134,7 +134,7 @@ fn compare(words: &[u32], case: &Case, optics: bool) -> (Vec<String>, usize) {
         }
         lit += usize::from(known[0] > 0.0);
         for k in 0..3 {
-            let left = if optics { f64::from(case.ways[pixel].light[k]) } else { 1.0 };
+            let left = if optics { f64::from(case.path_states[pixel].light[k]) } else { 1.0 };
             let sum = f64::from(before(k)) + left * known[k];
             let got = f64::from(f32::from_bits(words[k * PIXELS + pixel]));
             // some ten operations on f32

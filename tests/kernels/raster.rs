@@ -57,17 +57,17 @@ fn sorted(gpu: &Gpu, buffers: &mut Buffers, input: &Input, pairs: &[[u32; 2]]) -
 }
 
 /// Arithmetic, 64-bit atomics, and tile by tile.
-type Way = (Real, bool, bool);
+type Mode = (Real, bool, bool);
 
 /// All that the adapter can run.
-fn ways(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Way> {
+fn modes(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Mode> {
     let pairs = bench.variants().into_iter().map(|(real, atomics64)| (real, atomics64, false));
     let has_tiles = bench.gpu.has.lanes && variant(Real::F64, true).with_tiles().by_tile;
     pairs.chain(has_tiles.then_some((Real::F64, true, true))).collect()
 }
 
 /// Draws the jobs of one band into one buffer, as the engine does: every job in each step.
-fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, jobs: &[Job]) -> Drawn {
+fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Mode, jobs: &[Job]) -> Drawn {
     let by_pair = crate::bounced::variant(case, &jobs[0].0, real, atomics64);
     let (gpu, stages) = bench.stages(if by_tile { by_pair.with_tiles() } else { by_pair }, &[]);
     let owned = [
@@ -231,7 +231,7 @@ fn the_kernel_draws_what_its_twin_draws() {
     let Some(mut bench) = Bench::open() else { return };
     let mut rng = Rng(77);
     for case in cases().into_iter().chain(seeds().map(random_case)) {
-        let variants = ways(&bench, |real, atomics64| case.variant(real, atomics64));
+        let variants = modes(&bench, |real, atomics64| case.variant(real, atomics64));
         let tables = case.tables();
         for band in case.bands(&tables) {
             let jobs = jobs_of(band, &mut rng);
@@ -260,20 +260,20 @@ fn the_kernel_draws_what_turned_rays_meet() {
                 }
                 let jobs = jobs_of(inputs.to_vec(), &mut rng);
                 let variants =
-                    ways(&bench, |real, atomics64| crate::bounced::variant(&case, &jobs[0].0, real, atomics64));
-                for way in variants {
-                    let real = way.0;
+                    modes(&bench, |real, atomics64| crate::bounced::variant(&case, &jobs[0].0, real, atomics64));
+                for mode in variants {
+                    let real = mode.0;
                     let mut twin = Visibility::new((jobs[0].0.params.width * jobs[0].0.params.height) as usize);
                     jobs.iter().for_each(|(input, pairs)| raster(input, pairs, real, &mut twin));
-                    let drawn = run_kernel(&mut bench, &case, way, &jobs);
-                    check(&case, &jobs, way, &drawn, &twin);
+                    let drawn = run_kernel(&mut bench, &case, mode, &jobs);
+                    check(&case, &jobs, mode, &drawn, &twin);
                 }
             });
         }
     }
 }
 
-fn check(case: &Case, jobs: &[Job], (real, atomics64, by_tile): Way, kernel: &Drawn, twin: &Visibility) {
+fn check(case: &Case, jobs: &[Job], (real, atomics64, by_tile): Mode, kernel: &Drawn, twin: &Visibility) {
     let row = jobs[0].0.params.band_row;
     let name = format!(
         "{}, row {row}, {} chunks, {real:?}, 64-bit atomics {atomics64}, by tile {by_tile}",

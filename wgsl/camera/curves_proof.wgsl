@@ -47,8 +47,8 @@ fn root_proof(
     let tangent = curve_tangent(c, t);
     let across = dot(normal.n, tangent);
     let size_tangent = size3(tangent);
-    let lost_way = 2.0 * PRODUCT_UNITS * REAL_UNIT * sizes;
-    let facing = sign_beyond(across, size_tangent * (normal.lost + PRODUCT_UNITS * REAL_UNIT * normal.size) + normal.size * lost_way);
+    let tangent_error = 2.0 * PRODUCT_UNITS * REAL_UNIT * sizes;
+    let facing = sign_beyond(across, size_tangent * (normal.lost + PRODUCT_UNITS * REAL_UNIT * normal.size) + normal.size * tangent_error);
     let off = 2.0 * lost / max(abs(across), lost) + 4.0 * REAL_ROUNDING;
     let near = max(t - off, from_t);
     let far = min(t + off, to_t);
@@ -61,13 +61,13 @@ fn root_proof(
         return MISSED;
     }
     // along the tangent a root may be off at no cost
-    let way_off = BEND * off * off + 2.0 * PRODUCT_UNITS * REAL_UNIT;
+    let point_error = BEND * off * off + 2.0 * PRODUCT_UNITS * REAL_UNIT;
     var sure = true;
     for (var k = 0u; k < 3u; k++) {
         let e = v[(k + 1u) % 3u] - v[k];
         let to_v = v[k] - at;
         let lost_e = REAL_UNIT * (2.0 * reach3(v) + size3(e));
-        let bound = size_tangent * (size3(e) * (sizes * way_off + real(params.origin_lost)) + lost_e * size3(to_v));
+        let bound = size_tangent * (size3(e) * (sizes * point_error + real(params.origin_lost)) + lost_e * size3(to_v));
         let side = facing * sign_beyond(dot(e, cross(tangent, to_v)), bound);
         if side < 0 {
             return MISSED;

@@ -66,12 +66,12 @@ fn beyond(x: u32, y: u32) -> vec3<f32> {
     if shading.sky_is_seen == 0u || all(d == vec3<f32>(0.0)) {
         return shading.background;
     }
-    let right = both_sides(way_step(d, layer, x + 1u, y), -way_step(d, layer, x - 1u, y));
-    let down = both_sides(way_step(d, layer, x, y + 1u), -way_step(d, layer, x, y - 1u));
+    let right = both_sides(direction_step(d, layer, x + 1u, y), -direction_step(d, layer, x - 1u, y));
+    let down = both_sides(direction_step(d, layer, x, y + 1u), -direction_step(d, layer, x, y - 1u));
     return sky_mean(d, shading.spread * right, shading.spread * down);
 }
 
-fn way_step(own: vec3<f32>, layer: u32, x: u32, y: u32) -> vec3<f32> {
+fn direction_step(own: vec3<f32>, layer: u32, x: u32, y: u32) -> vec3<f32> {
     let d = end_direction(layer, x, y);
     return select(d - own, vec3<f32>(0.0), all(d == vec3<f32>(0.0)));
 }

@@ -3,7 +3,7 @@
 // is left out twice. Samples are counted where they contradict the lines: edges are bent, or something but an edge ends a triangle;
 // and where more triangles are seen than are kept.
 // Provides: measure, seen_next, share_of, whole
-// Needs: SAMPLES, all_samples, centre_of, key_id, key_layer, key_of, key_t, nearest_to, point_at, sample_place, sample_ray, sample_spread,
+// Needs: SAMPLES, all_samples, centre_of, key_id, key_layer, key_of, key_t, nearest_to, point_at, sample_offset, sample_ray, sample_spread,
 //   seen_alike, weights_at
 // Binds: params, slot_of_id, triangles
 
@@ -126,7 +126,7 @@ fn find_lines(k: u32, pixel: u32, row: u32, sample: u32) -> bool {
     let spread = sample_spread(key_layer(key), x, y, sample, key_t(key));
     let w = weights_at(triangles[slot_of_id[key_id(key) - params.id_first]], point_at(ray, key_t(key)), ray.d, spread);
     let steep = sqrt(w.right * w.right + w.down * w.down);
-    let own = sample_place(sample);
+    let own = sample_offset(sample);
     let centre = w.at - own.x * w.right - own.y * w.down;
     for (var e = 0u; e < 3u; e++) {
         edge_lines[3u * k + e] = vec3<f32>(w.right[e], w.down[e], centre[e]) / steep[e];
@@ -141,7 +141,7 @@ fn inside(k: u32) -> u32 {
     let third = edge_lines[3u * k + 2u];
     var found = 0u;
     for (var n = 0u; n < SAMPLES; n++) {
-        let place = vec3<f32>(sample_place(n), 1.0);
+        let place = vec3<f32>(sample_offset(n), 1.0);
         let least = min(dot(first, place), min(dot(second, place), dot(third, place)));
         found |= select(0u, 1u << n, least >= 0.0);
     }

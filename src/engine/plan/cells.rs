@@ -42,8 +42,8 @@ pub fn cells_of(whole: Part) -> Vec<Part> {
         return vec![whole];
     }
     let looseness = |part: &Part| part.rays.len() as f64 * part.fit().looseness();
-    let ways: [fn(u32) -> u32; 2] = [|bit| bit % TILE, |bit| bit / TILE];
-    let cuts = ways.into_iter().flat_map(|along| (1..TILE).map(move |at| (along, at)));
+    let axes: [fn(u32) -> u32; 2] = [|bit| bit % TILE, |bit| bit / TILE];
+    let cuts = axes.into_iter().flat_map(|along| (1..TILE).map(move |at| (along, at)));
     let cuts = cuts.map(|(along, at)| whole.cut(along, at)).filter(|parts| parts.iter().all(|p| p.mask != 0));
     let cost = |parts: &[Part; 2]| parts.iter().map(looseness).sum::<f64>();
     let best = cuts.map(|parts| (cost(&parts), parts)).min_by(|a, b| a.0.total_cmp(&b.0));

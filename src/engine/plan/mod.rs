@@ -61,9 +61,9 @@ pub struct SceneContents {
     pub has_gloss: bool,
     /// Light comes from all around by an image of it.
     pub has_sky: bool,
-    /// Some light has a colour or a place.
+    /// Some light has a colour or a position.
     pub has_positional_lights: bool,
-    /// Things are in the way of light.
+    /// Shadow rays are traced.
     pub has_shadows: bool,
     /// Patterns, lines or strokes are drawn on surfaces.
     pub has_style: bool,
@@ -189,7 +189,7 @@ pub struct Plan {
     pub slabs: Slabs,
     pub bands: Vec<Band>,
     /// Where samples lie about their pixel's centre, px; none where that is the only one.
-    pub places: Vec<DVec2>,
+    pub sample_offsets: Vec<DVec2>,
     /// The channels that `shade` writes: those wanted, and colour where sRGB is.
     pub planes: Vec<Channel>,
     /// 8-bit sRGB colour is written.
@@ -267,8 +267,9 @@ impl Plan {
             RaysKind::Field | RaysKind::Curves { .. } => 24 * u64::from(variant.samples),
         };
         let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes);
-        let places = if variant.samples_edges() { samples::places(variant.samples) } else { Vec::new() };
-        let view = View { camera, slabs, extent, places: &places };
+        let sample_offsets =
+            if variant.samples_edges() { samples::sample_offsets(variant.samples) } else { Vec::new() };
+        let view = View { camera, slabs, extent, sample_offsets: &sample_offsets };
         let rows = wanted.rows.unwrap_or(Rows { first: 0, count: camera.height });
         let bands = bands(view, rows, pixel_bytes, binding_limit);
         let smooth = camera.optics.as_ref().map_or(0, |o| o.smooth_count());
@@ -279,7 +280,7 @@ impl Plan {
             width: camera.width,
             slabs,
             bands,
-            places,
+            sample_offsets,
             planes,
             srgb8: wanted.srgb8,
             id_bits: id_bits.max(1),
@@ -311,7 +312,7 @@ struct View<'a> {
     camera: &'a Camera,
     slabs: Slabs,
     extent: SceneExtent,
-    places: &'a [DVec2],
+    sample_offsets: &'a [DVec2],
 }
 
 /// Cuts rows of the image into bands whose every buffer fits a binding.
@@ -350,13 +351,13 @@ const TILE_ROWS_MAX: u32 = 1 << 14;
 const CELLS_MAX: usize = 1 << 24;
 
 impl Band {
-    fn new(View { camera, slabs, extent, places }: View, row: u32, rows: u32) -> Band {
+    fn new(View { camera, slabs, extent, sample_offsets }: View, row: u32, rows: u32) -> Band {
         let anchor = extent.anchor;
         let curves = match slabs::kind(camera) {
             RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
             _ => None,
         };
-        let cutting = tiles::Cutting { camera, slabs, curves: curves.as_ref(), places, anchor, row, rows };
+        let cutting = tiles::Cutting { camera, slabs, curves: curves.as_ref(), sample_offsets, anchor, row, rows };
         let (tiles, sampled) = cutting.cut();
         let nodes = nodes::Nodes::new(
             &sampled,
@@ -374,7 +375,9 @@ impl Band {
             _ => None,
         };
         let rays_aside = match camera.layers.as_slice() {
-            [Rays::Field(field)] if !places.is_empty() => curves::rays_aside(field, places, anchor, row, rows),
+            [Rays::Field(field)] if !sample_offsets.is_empty() => {
+                curves::rays_aside(field, sample_offsets, anchor, row, rows)
+            }
             _ => Vec::new(),
         };
         Band { row, rows, tiles, nodes, rays, rays_aside }

@@ -96,7 +96,7 @@ pub struct Cutting<'a> {
     pub slabs: Slabs,
     pub curves: Option<&'a CurveTable>,
     /// Where samples lie about their pixel's centre, px.
-    pub places: &'a [DVec2],
+    pub sample_offsets: &'a [DVec2],
     pub anchor: DVec3,
     pub row: u32,
     pub rows: u32,
@@ -152,7 +152,7 @@ impl Cutting<'_> {
                 let node = if bounds.each.is_empty() { k } else { node_of_cell };
                 node_of_cell += u32::from(node != k);
                 tiles.cells.push(layout::Cell { tile: k, node, ..self.cell_row(share, row_of, *place) });
-                if !self.places.is_empty() {
+                if !self.sample_offsets.is_empty() {
                     let masks = [share.any(), share.all()].into_iter().chain(share.samples.iter().copied());
                     tiles.cell_samples.extend(masks.map(|m| [m as u32, (m >> 32) as u32]));
                 }
@@ -164,7 +164,7 @@ impl Cutting<'_> {
 
     /// The cells of a tile of straight rays, and what bounds them.
     fn straight(&self, at: Place) -> (TileCells, TileFits) {
-        if let (Rays::Field(field), true) = (&self.camera.layers[at.layer], self.places.is_empty()) {
+        if let (Rays::Field(field), true) = (&self.camera.layers[at.layer], self.sample_offsets.is_empty()) {
             return self.of_field(at, field);
         }
         let owned = self.owned(at);
@@ -217,7 +217,7 @@ impl Cutting<'_> {
         let one_each = |bit: u32| {
             let (x, y) = (bit % TILE, bit / TILE);
             let (i, j) = (at.x * TILE + x, at.y * TILE + y);
-            let aside = || self.places.iter().find_map(|place| field.ray_at_offset(i, j, *place));
+            let aside = || self.sample_offsets.iter().find_map(|place| field.ray_at_offset(i, j, *place));
             let (p, d) = field.ray(i, j).or_else(aside)?;
             Some(TileRay { place: place_in_tile(x, y), p: p - self.anchor, d })
         };
@@ -237,10 +237,10 @@ impl Cutting<'_> {
         {
             // one piece over the whole image
             let mask = pixels.map(bit).fold(0, |m, b| m | b);
-            return vec![CellPixels { piece: 0, mask, samples: vec![mask; self.places.len()] }];
+            return vec![CellPixels { piece: 0, mask, samples: vec![mask; self.sample_offsets.len()] }];
         }
         let mut cells: TileCells = Vec::new();
-        let none = |piece: u32| CellPixels { piece, mask: 0, samples: vec![0; self.places.len()] };
+        let none = |piece: u32| CellPixels { piece, mask: 0, samples: vec![0; self.sample_offsets.len()] };
         for (x, y) in pixels {
             let (i, j) = (left + x, top + y);
             let owner = match (self.curves, layer) {
@@ -252,7 +252,7 @@ impl Cutting<'_> {
             if let Some(piece) = owner {
                 share_of(&mut cells, piece, none).mask |= bit((x, y));
             }
-            for (n, place) in self.places.iter().enumerate() {
+            for (n, place) in self.sample_offsets.iter().enumerate() {
                 let owner = match layer {
                     Rays::Pieces(p) => p.owner_at_offset(i, j, *place),
                     Rays::Field(f) => f.ray_at_offset(i, j, *place).map(|_| 0),
@@ -273,7 +273,7 @@ impl Cutting<'_> {
         for share in owned {
             let piece = share.piece;
             let centres = bits(share.mask).map(|bit| (bit, DVec2::ZERO));
-            let sampled = share.samples.iter().zip(self.places);
+            let sampled = share.samples.iter().zip(self.sample_offsets);
             let asides = sampled.flat_map(|(mask, place)| bits(*mask).map(move |bit| (bit, *place)));
             let all = centres.chain(asides).map(|(bit, aside)| (bit % TILE, bit / TILE, aside));
             match &self.camera.layers[at.layer] {

@@ -58,9 +58,9 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
             bindings.extend([
                 reads("pieces", "array<Piece>"),
                 reads("cells", "array<Cell>"),
-                uniform("places", "Places"),
+                uniform("sample_offsets", "SampleOffsets"),
             ]);
-            &[snippets!("camera/piece.wgsl"), SAMPLE_PLACES, snippets!("camera/pieces_strip.wgsl")]
+            &[snippets!("camera/piece.wgsl"), SAMPLE_OFFSETS, snippets!("camera/pieces_strip.wgsl")]
         }
     };
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, WITHIN];

@@ -19,7 +19,7 @@ impl Variant {
         f64::from(self.samples.div_ceil(4))
     }
 
-    /// How far a pixel's samples lie from its centre at most, px: [`crate::engine::plan::samples::places`].
+    /// Largest distance of a sample from its pixel's centre, px.
     pub(crate) fn sample_reach(self) -> f64 {
         // rounded up
         f64::from(self.samples - 1) / f64::from(2 * self.samples) * (1.0 + f64::from(f32::EPSILON))
@@ -34,8 +34,8 @@ impl Variant {
     /// The rays of samples in recheck arithmetic, and what they bind beside the pixels' own.
     pub(crate) fn sample_rays(self, bindings: &mut Vec<Binding>) -> &'static [Parts] {
         if self.rays == RaysKind::Pieces {
-            bindings.push(uniform("places", "Places"));
-            return &[SAMPLE_PLACES, snippets!("camera/pieces_sample.wgsl")];
+            bindings.push(uniform("sample_offsets", "SampleOffsets"));
+            return &[SAMPLE_OFFSETS, snippets!("camera/pieces_sample.wgsl")];
         }
         bindings.push(reads("rays_aside", "array<f32>"));
         &[snippets!("camera/field_sample.wgsl")]

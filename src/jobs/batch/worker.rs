@@ -286,7 +286,7 @@ impl Driver<'_> {
                 return Ok(Launched::Not);
             }
             let Some(engine) = self.engine.as_mut() else { return Err(Error::work("no adapter")) };
-            self.sequence.place(engine, planned, &RunOptions::default())?;
+            self.sequence.upload(engine, planned, &RunOptions::default())?;
         }
         Ok(Launched::InFlight(Box::new(self.sequence.start(planned.clone())?)))
     }

@@ -41,7 +41,7 @@ pub struct Case {
     pub paper: Option<Paper>,
 }
 
-/// One way to render a case's scene.
+/// One technique that renders a case's scene.
 #[derive(Debug, Clone)]
 pub struct Arm {
     /// A rival as `--engine` names it; `None`: this engine.

@@ -6,7 +6,7 @@ use super::row::{Certified, Counted, Error, Moving, Row, Times};
 use super::yardstick::Yardstick;
 use crate::camera::Camera;
 use crate::engine::plan::Wanted;
-use crate::engine::plan::samples::places;
+use crate::engine::plan::samples::sample_offsets;
 use crate::engine::{Arithmetic, Engine, Frames, Rendered, RunOptions};
 use crate::gpu::Gpu;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER};
@@ -294,7 +294,7 @@ impl Judge<'_> {
 fn cameras_apart(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Vec<Camera> {
     match (arm.samples, scene) {
         (Samples::Separate(n), Ok((_, camera))) => {
-            places(n).into_iter().map(|place| camera.with_sample_offset(place.x, place.y)).collect()
+            sample_offsets(n).into_iter().map(|place| camera.with_sample_offset(place.x, place.y)).collect()
         }
         _ => Vec::new(),
     }
@@ -305,7 +305,7 @@ pub(super) const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
 /// The colours of the reference, with so many samples per pixel.
 fn box_filtered(scene: &Scene, camera: &Camera, samples: u32) -> Frame {
     let frame = |place: DVec2| image(scene, &camera.with_sample_offset(place.x, place.y), &COLOURS);
-    mean(places(samples).into_iter().map(frame))
+    mean(sample_offsets(samples).into_iter().map(frame))
 }
 
 /// The means of all frames' colours.
