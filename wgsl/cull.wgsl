@@ -86,7 +86,7 @@ fn cull(
         }
     }
 
-    // descend where there is more to tell apart
+    // descend where children have much tighter bounds
     let further = select(discontinuous, kept, level > 2u);
     let done = kept & ~further;
     var at = atomicAdd(&counters[COUNT_WORK], countOneBits(done));

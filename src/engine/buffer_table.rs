@@ -11,7 +11,7 @@ use crate::image::frame::Channel;
 pub struct Row {
     pub name: &'static str,
     pub bytes: Bytes,
-    /// The kernels that write it; apart from them the host does, where [`Row::is_uploaded`].
+    /// The kernels that write it; otherwise the host writes it, where [`Row::is_uploaded`].
     pub written_by: &'static [KernelId],
     pub read_by: &'static [KernelId],
     pub lasts: Lasts,
@@ -173,7 +173,7 @@ pub fn table() -> Vec<Row> {
         ),
         uploaded("rays_lo", 24, &[Raster, Recheck, Meet, Certify, Sample, SampleByTile, RecheckSamples, Shade, Bounce]),
         uploaded("cell_samples", 8, SAMPLED),
-        uploaded("rays_aside", 24, &[Sample, SampleByTile, RecheckSamples, Resolve]),
+        uploaded("sample_ray_deltas", 24, &[Sample, SampleByTile, RecheckSamples, Resolve]),
         Row {
             written_by: &[Fit],
             ..uploaded(

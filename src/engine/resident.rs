@@ -347,7 +347,7 @@ fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {
     }
     if !band.tiles.cell_samples.is_empty() {
         buffers.upload(gpu, "cell_samples", &band.tiles.cell_samples)?;
-        buffers.upload(gpu, "rays_aside", &band.rays_aside)?;
+        buffers.upload(gpu, "sample_ray_deltas", &band.sample_ray_deltas)?;
     }
     Ok(buffers)
 }

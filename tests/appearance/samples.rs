@@ -82,13 +82,13 @@ fn every_sample_sees_what_a_frame_of_its_own_sees() {
             let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
             for samples in if lanes { vec![4, 5, 16] } else { vec![4, 5] } {
                 let seen = sampled(&mut engine, &scene, &camera, samples, &RunOptions::default());
-                let apart = one_by_one(&mut engine, &scene, &camera, samples);
+                let separate = one_by_one(&mut engine, &scene, &camera, samples);
                 let pixels = (SIZE.0 * SIZE.1) as usize;
                 let edges = seen.counts.edges;
                 println!("{name}, {samples} samples: {edges} of {pixels} pixels hold an edge");
                 assert_eq!(seen.sample_ids.len(), samples as usize);
-                for (n, (own, apart)) in seen.sample_ids.iter().zip(&apart).enumerate() {
-                    let differ: Vec<usize> = (0..pixels).filter(|&k| own[k] != apart[k]).collect();
+                for (n, (own, separate)) in seen.sample_ids.iter().zip(&separate).enumerate() {
+                    let differ: Vec<usize> = (0..pixels).filter(|&k| own[k] != separate[k]).collect();
                     assert!(differ.is_empty(), "{name}: sample {n} of pixels {differ:?}");
                 }
                 let covered = |k: usize| seen.sample_ids.iter().filter(|ids| ids[k] != NO_ID).count();

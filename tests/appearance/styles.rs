@@ -133,8 +133,8 @@ fn grid(scene: &Scene, camera: &Camera) -> Grid {
     let mut channels = [&COLOUR[..], &position, &normal, &[Channel::TriangleId, Channel::PieceId]].concat();
     channels.extend(camera.optics.as_ref().map(|_| Channel::MirrorId));
     for (i, j) in (0..FINE * FINE).map(|k| (k % FINE, k / FINE)) {
-        let aside = |k: usize| (k as f64 + 0.5) / FINE as f64 - 0.5;
-        let frame = image(scene, &camera.with_sample_offset(aside(i), aside(j)), &channels);
+        let offset = |k: usize| (k as f64 + 0.5) / FINE as f64 - 0.5;
+        let frame = image(scene, &camera.with_sample_offset(offset(i), offset(j)), &channels);
         let vector = |of: [Channel; 3], k: usize| DVec3::from(of.map(|c| f64::from(frame.f32(c).unwrap()[k])));
         let seen = colours(&frame);
         for (k, colour) in seen.iter().enumerate() {
@@ -268,7 +268,7 @@ fn outlines_and_borders_lie_between_what_differs() {
             let inked = |picture: &Colours| picture.iter().map(|c| c[0] - c[1]).sum::<f64>();
             let ratio = inked(&seen) / inked(&exact).max(1e-9);
             println!("{name}, {what}: FLIP {error:.4}, {:.1} dB, {ratio:.3} of the ink", psnr(&exact, &seen));
-            // borders of pixels are where lines run, half a pixel aside at most
+            // borders of pixels are where lines run, at most half a pixel away
             assert!(error <= 2.0 * FLIP_MAX, "{name}, {what}: FLIP {error}");
             let lines = distances.iter().filter(|d| **d <= 1.0).count();
             assert!(lines > 0 || what == "borders", "{name}: nothing is outlined");
@@ -282,8 +282,8 @@ fn is_ink(s: f64, slope: f64, spacing: f64, ink: f64) -> bool {
     let level = (slope * spacing).log2();
     let (period, left) = ((level.floor() + 1.0).exp2(), 1.0 - level + level.floor());
     let width = ink * period / slope / (1.0 + left);
-    let apart = |s: f64| (s / period - (s / period).round()).abs() * period / slope;
-    apart(s) <= width / 2.0 || apart(s + period / 2.0) <= width * left / 2.0
+    let distance = |s: f64| (s / period - (s / period).round()).abs() * period / slope;
+    distance(s) <= width / 2.0 || distance(s + period / 2.0) <= width * left / 2.0
 }
 
 #[test]

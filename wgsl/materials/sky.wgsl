@@ -10,8 +10,8 @@ const SKY: bool = true;
 fn from_around(base: vec3<f32>, straight: vec3<f32>, alpha: f32, n: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     let nv = max(dot(n, v), 1e-4);
     let r = 2.0 * dot(n, v) * n - v;
-    let aside = select(vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), abs(r.x) > 0.7);
-    let across = normalize(cross(r, aside));
+    let helper_axis = select(vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), abs(r.x) > 0.7);
+    let across = normalize(cross(r, helper_axis));
     let width = lobe_width(alpha);
     let lobe = sky_mean(r, width * across, width * cross(r, across));
     let rough = sqrt(alpha) * vec4<f32>(-1.0, -0.0275, -0.572, 0.022) + vec4<f32>(1.0, 0.0425, 1.04, -0.04);

@@ -80,7 +80,7 @@ fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piec
         d[k] = outline_ray(q, corner[k]).d;
     }
 
-    // edges: at right angles to the rays; where these do not go apart, those of the camera triangle
+    // edges: at right angles to the rays; where these do not diverge, those of the camera triangle
     var n: array<vec2<f32>, 3>;
     for (var k = 0u; k < 3u; k++) {
         n[k] = edge_normal(plane, d[k]);
@@ -88,8 +88,8 @@ fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piec
     let a = winding(normalize(n[0]), normalize(n[1]));
     let b = winding(normalize(n[1]), normalize(n[2]));
     let c = winding(normalize(n[2]), normalize(n[0]));
-    let apart = (a > APART && b > APART && c > APART) || (a < -APART && b < -APART && c < -APART);
-    if !apart {
+    let diverge = (a > DIVERGENT && b > DIVERGENT && c > DIVERGENT) || (a < -DIVERGENT && b < -DIVERGENT && c < -DIVERGENT);
+    if !diverge {
         for (var k = 0u; k < 3u; k++) {
             let e = corner[(k + 2u) % 3u] - corner[(k + 1u) % 3u];
             let out = vec2<f32>(e.y, -e.x);
@@ -114,8 +114,8 @@ fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piec
     return Clipped(vec4<f32>(clip_place(at), 0.5, 1.0), distances, index / 3u, piece);
 }
 
-// Sine of the angle between two edges at which they are told apart.
-const APART: f32 = 1e-3;
+// Sine of the angle between two edges from which they count as diverging.
+const DIVERGENT: f32 = 1e-3;
 
 @fragment
 fn bound_pixel(corner: Corner) -> Drawn {

@@ -44,7 +44,7 @@ const REFINEMENTS: u32 = 2u;
 fn half_meets(node: Node, s: f32, range: vec2<f32>, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let q = node.p - centre;
     let d = s * node.d;
-    // origins and directions bounded apart
+    // origins and directions bounded separately
     let r0 = half + abs(node.px) + abs(node.py) + vec3<f32>(node.r_p);
     let r1 = abs(node.dx) + abs(node.dy) + vec3<f32>(node.r_d);
     let coarse = slab(q, d, r0, r1, range);

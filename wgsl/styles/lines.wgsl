@@ -45,9 +45,9 @@ fn strokes(p: vec3<f32>, axis: vec3<f32>, on: Spread, ink: f32, box: f32) -> f32
     let period = exp2(floor(level) + 1.0);
     let left = 1.0 - fract(level);
     let at = dot(p, axis) / period;
-    let apart = period / slope;
-    let width = ink * apart / (1.0 + left);
-    let whole = covered(abs(fract(at + 0.5) - 0.5) * apart, width, box);
-    let between = covered(abs(fract(at) - 0.5) * apart, width * left, box);
+    let spacing = period / slope;
+    let width = ink * spacing / (1.0 + left);
+    let whole = covered(abs(fract(at + 0.5) - 0.5) * spacing, width, box);
+    let between = covered(abs(fract(at) - 0.5) * spacing, width * left, box);
     return min(whole + between, 1.0);
 }

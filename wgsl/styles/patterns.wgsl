@@ -30,20 +30,20 @@ fn pattern_at(hit: ShadedHit) -> vec3<f32> {
     if material.pattern == PATTERN_CHECKER {
         // a box as wide along each axis as the parallelogram has deviation there
         let width = sqrt(right * right + down * down);
-        let q = p + CHECKER_ASIDE;
+        let q = p + CHECKER_OFFSET;
         share = 0.5 + 0.5 * squares(q.x, width.x) * squares(q.y, width.y) * squares(q.z, width.z);
     } else if material.pattern == PATTERN_STONE {
         share = stone_mean(p, right, down);
     } else {
-        let aside = rings(p + 0.5 * right) - rings(p - 0.5 * right);
-        let below = rings(p + 0.5 * down) - rings(p - 0.5 * down);
-        share = 0.5 + 0.5 * cos(6.2831853 * fract(rings(p))) * left_of_wave(aside) * left_of_wave(below);
+        let dx = rings(p + 0.5 * right) - rings(p - 0.5 * right);
+        let dy = rings(p + 0.5 * down) - rings(p - 0.5 * down);
+        share = 0.5 + 0.5 * cos(6.2831853 * fract(rings(p))) * left_of_wave(dx) * left_of_wave(dy);
     }
     return mix(material.pattern_dark, material.pattern_light, share);
 }
 
 // So that faces at round places are not between cells.
-const CHECKER_ASIDE: f32 = 0.3717;
+const CHECKER_OFFSET: f32 = 0.3717;
 
 const STONE_OCTAVES: u32 = 5u;
 

@@ -107,7 +107,7 @@ impl Recipe for BottomUp {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let size = setting.size()?;
         let layout = self.layout(setting, size)?;
-        self.check_apart(setting, &layout, size)?;
+        self.check_disjoint(setting, &layout, size)?;
         let (net, leaf) =
             if self.discontinuous { self.discontinuous_leaves(&layout, size) } else { self.leaves(&layout, size) };
         let root = |_| layout.root;
@@ -220,7 +220,7 @@ impl BottomUp {
     }
 
     /// Both views must not see one part of the scene.
-    fn check_apart(&self, setting: &Setting, layout: &Layout, size: (u32, u32)) -> Result<()> {
+    fn check_disjoint(&self, setting: &Setting, layout: &Layout, size: (u32, u32)) -> Result<()> {
         let ([x1, x2], (w, h)) = (layout.between_px, (size.0 as f64, size.1 as f64));
         let volume = |k: usize, from: f64, to: f64| {
             Volume::of_view(&layout.views[k], DVec2::new(from, 0.0), DVec2::new(to, h), [self.near, layout.far])

@@ -1,4 +1,4 @@
-//! Where the rays of a field jump inside of a tile, they are bounded apart: the tile is cut into cells.
+//! Splits a tile into cells where the rays of a field jump inside it, so that each cell has its own, tight bound.
 
 use super::fit::Fit;
 use super::tiles::{TileRay, TileRays};

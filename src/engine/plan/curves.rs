@@ -44,18 +44,18 @@ impl RayTable {
     }
 }
 
-/// By what the rays of samples differ from their pixel's in the table, as f32: six numbers a sample, a pixel's together, row by row of the
+/// Differences of samples' rays from their pixel's ray in the table, as f32: six numbers a sample, a pixel's together, row by row of the
 /// band. 0 where there is no ray. So a sample's ray is off by 2^-24 of its difference: next to nothing of a pixel, or of the whole ray where rays jump
 /// within the pixel or its centre has none.
-pub fn rays_aside(field: &Field, sample_offsets: &[DVec2], anchor: DVec3, row: u32, rows: u32) -> Vec<f32> {
+pub fn sample_ray_deltas(field: &Field, sample_offsets: &[DVec2], anchor: DVec3, row: u32, rows: u32) -> Vec<f32> {
     let of_row = |j: u32| {
         let pixel = move |i: u32| {
             let (p, d) = field.ray(i, j).unwrap_or((anchor, DVec3::ZERO));
-            let aside = move |place: &DVec2| match field.ray_at_offset(i, j, *place) {
+            let delta = move |place: &DVec2| match field.ray_at_offset(i, j, *place) {
                 Some((q, e)) => [q - p, e - d],
                 None => [DVec3::ZERO; 2],
             };
-            sample_offsets.iter().flat_map(aside)
+            sample_offsets.iter().flat_map(delta)
         };
         (0..field.width).flat_map(pixel).flat_map(|v| v.as_vec3().to_array())
     };

@@ -176,8 +176,8 @@ pub struct Band {
     pub nodes: nodes::Nodes,
     /// What every pixel's ray or curve is, where the camera has no affine pieces.
     pub rays: Option<RayTable>,
-    /// By what those of samples differ, where there are some: [`curves::rays_aside`].
-    pub rays_aside: Vec<f32>,
+    /// By what those of samples differ, where there are some: [`curves::sample_ray_deltas`].
+    pub sample_ray_deltas: Vec<f32>,
 }
 
 /// What one frame takes.
@@ -374,13 +374,13 @@ impl Band {
             (None, [Rays::Field(field)]) => Some(RayTable::of_field(field, anchor, row, rows)),
             _ => None,
         };
-        let rays_aside = match camera.layers.as_slice() {
+        let sample_ray_deltas = match camera.layers.as_slice() {
             [Rays::Field(field)] if !sample_offsets.is_empty() => {
-                curves::rays_aside(field, sample_offsets, anchor, row, rows)
+                curves::sample_ray_deltas(field, sample_offsets, anchor, row, rows)
             }
             _ => Vec::new(),
         };
-        Band { row, rows, tiles, nodes, rays, rays_aside }
+        Band { row, rows, tiles, nodes, rays, sample_ray_deltas }
     }
 }
 

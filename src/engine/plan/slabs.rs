@@ -75,9 +75,9 @@ fn spans(camera: &Camera) -> u32 {
                 else {
                     continue;
                 };
-                let apart = (c.at(0.5) - next.at(0.5)).length();
+                let distance = (c.at(0.5) - next.at(0.5)).length();
                 if bend(&c) > 0.0 {
-                    wanted.push((2.0 * bend(&c) / apart.max(f64::MIN_POSITIVE)).sqrt());
+                    wanted.push((2.0 * bend(&c) / distance.max(f64::MIN_POSITIVE)).sqrt());
                 }
             }
         }

@@ -217,8 +217,8 @@ impl Cutting<'_> {
         let one_each = |bit: u32| {
             let (x, y) = (bit % TILE, bit / TILE);
             let (i, j) = (at.x * TILE + x, at.y * TILE + y);
-            let aside = || self.sample_offsets.iter().find_map(|place| field.ray_at_offset(i, j, *place));
-            let (p, d) = field.ray(i, j).or_else(aside)?;
+            let offset = || self.sample_offsets.iter().find_map(|place| field.ray_at_offset(i, j, *place));
+            let (p, d) = field.ray(i, j).or_else(offset)?;
             Some(TileRay { place: place_in_tile(x, y), p: p - self.anchor, d })
         };
         let rays = bits(share.any()).filter_map(one_each).collect();
@@ -274,13 +274,13 @@ impl Cutting<'_> {
             let piece = share.piece;
             let centres = bits(share.mask).map(|bit| (bit, DVec2::ZERO));
             let sampled = share.samples.iter().zip(self.sample_offsets);
-            let asides = sampled.flat_map(|(mask, place)| bits(*mask).map(move |bit| (bit, *place)));
-            let all = centres.chain(asides).map(|(bit, aside)| (bit % TILE, bit / TILE, aside));
+            let offsets = sampled.flat_map(|(mask, place)| bits(*mask).map(move |bit| (bit, *place)));
+            let all = centres.chain(offsets).map(|(bit, offset)| (bit % TILE, bit / TILE, offset));
             match &self.camera.layers[at.layer] {
-                Rays::Field(f) => list.extend(all.filter_map(|(x, y, aside)| {
+                Rays::Field(f) => list.extend(all.filter_map(|(x, y, offset)| {
                     let (i, j) = (at.x * TILE + x, at.y * TILE + y);
-                    let (p, d) = if aside == DVec2::ZERO { f.ray(i, j)? } else { f.ray_at_offset(i, j, aside)? };
-                    let place = place_in_tile(x, y) + aside / (TILE as f64 / 2.0);
+                    let (p, d) = if offset == DVec2::ZERO { f.ray(i, j)? } else { f.ray_at_offset(i, j, offset)? };
+                    let place = place_in_tile(x, y) + offset / (TILE as f64 / 2.0);
                     Some(TileRay { place, p: p - self.anchor, d })
                 })),
                 Rays::Pieces(pieces) => {
@@ -294,8 +294,8 @@ impl Cutting<'_> {
                         let r = TILE as f64 / 2.0;
                         list.extend([(-r, -r), (r, -r), (-r, r), (r, r)].map(|(x, y)| at(x, y)));
                     } else {
-                        let place = |x: u32, aside: f64| f64::from(x) - TILE_REACH + aside;
-                        list.extend(all.map(|(x, y, aside)| at(place(x, aside.x), place(y, aside.y))));
+                        let place = |x: u32, offset: f64| f64::from(x) - TILE_REACH + offset;
+                        list.extend(all.map(|(x, y, offset)| at(place(x, offset.x), place(y, offset.y))));
                     }
                 }
                 Rays::Curves(_) => {}

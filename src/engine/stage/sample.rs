@@ -51,7 +51,7 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
     let rays: &[Parts] = match variant.rays {
         RaysKind::Field => {
             bindings.extend([reads("rays_hi", "array<vec2<f32>>"), reads("rays_lo", "array<vec2<f32>>")]);
-            bindings.push(reads("rays_aside", "array<vec2<f32>>"));
+            bindings.push(reads("sample_ray_deltas", "array<vec2<f32>>"));
             &[snippets!("camera/field_column.wgsl"), snippets!("camera/field_strip.wgsl")]
         }
         _ => {

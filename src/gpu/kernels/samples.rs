@@ -37,7 +37,7 @@ impl Variant {
             bindings.push(uniform("sample_offsets", "SampleOffsets"));
             return &[SAMPLE_OFFSETS, snippets!("camera/pieces_sample.wgsl")];
         }
-        bindings.push(reads("rays_aside", "array<f32>"));
+        bindings.push(reads("sample_ray_deltas", "array<f32>"));
         &[snippets!("camera/field_sample.wgsl")]
     }
 }

@@ -111,7 +111,7 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     let bare = yardstick.as_ref().and(case.arms.first()).map(|ours| ours.clone().bare());
     let arms: Vec<&Arm> = case.arms.iter().chain(&bare).collect();
     let scenes: Vec<Result<(Scene, Camera)>> = arms.iter().map(|arm| all.with_camera(&arm.set)).collect();
-    let moved: Vec<Vec<Camera>> = arms.iter().zip(&scenes).map(|(arm, scene)| cameras_apart(arm, scene)).collect();
+    let moved: Vec<Vec<Camera>> = arms.iter().zip(&scenes).map(|(arm, scene)| cameras_separately(arm, scene)).collect();
     let mut entries: Vec<Entry> = Vec::new();
     for ((&arm, scene), moved) in arms.iter().zip(&scenes).zip(&moved) {
         let mut entry = Entry { row: Row::new(suite, case, arm), arm: Some(arm), runner: None, times: Vec::new() };
@@ -291,7 +291,7 @@ impl Judge<'_> {
 }
 
 /// The cameras of an arm's samples, where each takes a frame.
-fn cameras_apart(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Vec<Camera> {
+fn cameras_separately(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Vec<Camera> {
     match (arm.samples, scene) {
         (Samples::Separate(n), Ok((_, camera))) => {
             sample_offsets(n).into_iter().map(|place| camera.with_sample_offset(place.x, place.y)).collect()
