@@ -193,7 +193,7 @@ impl Engine {
     /// Uploads what was planned. No frame is rendered yet.
     fn upload(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
         let Planned { given, scene, camera, ray_order, plan, clustered, wanted, .. } = planned;
-        let mut painter = self.painter(&given, &camera, &wanted, run)?;
+        let mut atlas = self.atlas_renderer(&given, &camera, &wanted, run)?;
         let lit = if wanted.has_colour() { self.illuminated(&given)? } else { None };
         let stages = self.stages(plan.variant, &plan.planes)?;
         let after_bounce =
@@ -205,8 +205,8 @@ impl Engine {
         if let Some(most) = run.draws_max.filter(|most| draws > *most) {
             return Err(Error::input(format!("{draws} triangles to draw a frame; {most} are the most here")));
         }
-        if let Some(painter) = &mut painter {
-            painter.paints_into(&self.gpu, &mut resident.shared)?;
+        if let Some(atlas) = &mut atlas {
+            atlas.render_into(&self.gpu, &mut resident.shared)?;
         }
         Ok(Frames {
             gpu: self.gpu.clone(),
@@ -222,9 +222,9 @@ impl Engine {
             resident,
             caustics: lit,
             ray_order,
-            painter,
+            atlas,
             rival,
-            kept: None,
+            planes_copy: None,
             shown: Arc::downgrade(&clustered),
             moving: run.moving.then(|| Arc::unwrap_or_clone(clustered)),
             is_partly_uploaded: false,

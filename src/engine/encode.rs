@@ -27,7 +27,7 @@ impl Frames {
             samples_by_tile: resident.samples_by_tile(&self.plan),
             by_rival: self.rival.is_some(),
             gathers: self.caustics.is_some(),
-            keeps: self.kept.is_some(),
+            keeps: self.planes_copy.is_some(),
             reads,
         };
         steps(&inputs, dirty)
@@ -156,7 +156,7 @@ impl Frames {
 
     /// Copies a band's planes to where they are kept.
     fn keep(&self, recorder: &mut Recorder, band: usize) {
-        let (Some(kept), Some(planes)) = (&self.kept, self.resident.shared.get("planes")) else { return };
+        let (Some(kept), Some(planes)) = (&self.planes_copy, self.resident.shared.get("planes")) else { return };
         let whole = 4 * u64::from(self.camera.width) * u64::from(self.camera.height);
         let own = 4 * u64::from(self.pixels(band));
         let row = 4 * u64::from(self.camera.width) * u64::from(self.plan.bands[band].row);

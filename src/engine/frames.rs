@@ -1,6 +1,6 @@
 //! Frames of one scene through one camera: the first, again until its lists hold everything; timed ones; and what they came to.
 
-use super::atlas::Painter;
+use super::atlas::AtlasRenderer;
 use super::changes::{Changes, Dirty, Shown};
 use super::combinations::{Asked, Feature};
 use super::illumination::Illuminated;
@@ -47,12 +47,12 @@ pub struct Frames {
     pub(super) caustics: Option<Arc<Illuminated>>,
     /// The order of the camera's pixels, where it is not their own.
     pub(super) ray_order: Option<Arc<RayOrder>>,
-    /// Makes the atlas before each frame.
-    pub(super) painter: Option<Painter>,
+    /// Renders the atlas before each frame.
+    pub(super) atlas: Option<AtlasRenderer>,
     /// Finds what is seen instead of the stages from cull to recheck.
     pub(super) rival: Option<Box<dyn Rival>>,
-    /// Where the planes go too, 4 bytes a channel and pixel, as one image.
-    pub(super) kept: Option<wgpu::Buffer>,
+    /// A copy of the planes as one image, 4 bytes a channel and pixel.
+    pub(super) planes_copy: Option<wgpu::Buffer>,
     /// The triangles that are on the device.
     pub(super) shown: Weak<Clustered>,
     /// The same as they are now, where every vertex is new in each timed frame.
@@ -82,14 +82,14 @@ pub struct Timed {
 impl Frames {
     /// The picture by all stages, again until its lists hold everything.
     pub(super) fn warm_up(&mut self) -> Result<()> {
-        if let Some(painter) = &mut self.painter {
-            painter.frames.warm_up()?;
+        if let Some(atlas) = &mut self.atlas {
+            atlas.frames.warm_up()?;
         }
         loop {
             let running = self.begin(Dirty::All, true)?;
             wait(&self.gpu)?;
-            let painted_ms = self.painter.as_ref().map_or(0.0, |p| p.frames.timed.first_ms);
-            self.timed.first_ms = painted_ms + running.ms();
+            let atlas_ms = self.atlas.as_ref().map_or(0.0, |p| p.frames.timed.first_ms);
+            self.timed.first_ms = atlas_ms + running.ms();
             let fits = self.fits(&running)?;
             self.timed.first = Some(running);
             if fits {
@@ -103,19 +103,19 @@ impl Frames {
     pub fn frame(&mut self) -> Result<f64> {
         loop {
             self.compile(&self.steps(false, Dirty::All))?;
-            let moved = [self.painter.as_mut().and_then(|p| p.frames.next_move()), self.next_move()];
+            let moved = [self.atlas.as_mut().and_then(|p| p.frames.next_move()), self.next_move()];
             let started = Instant::now();
-            let [painted, own] = moved;
-            let painted = self.painter.as_mut().map(|p| p.frames.draw(painted)).transpose()?;
+            let [atlas_frame, own] = moved;
+            let atlas_frame = self.atlas.as_mut().map(|p| p.frames.draw(atlas_frame)).transpose()?;
             let drawn = self.draw(own)?;
             wait(&self.gpu)?;
             let ms = started.elapsed().as_secs_f64() * 1e3;
             // only what moves may come to need more
             let mut fits = !(self.moving.is_some() || self.is_aimed) || self.fits(&drawn)?;
-            if let (Some(painter), Some(painted)) = (&mut self.painter, &painted) {
-                fits &= self.moving.is_none() || painter.frames.fits(painted)?;
-                let stages = painted.recorded.stage_ms(&self.gpu)?;
-                painter.frames.timed.stages.push(stages);
+            if let (Some(atlas), Some(atlas_frame)) = (&mut self.atlas, &atlas_frame) {
+                fits &= self.moving.is_none() || atlas.frames.fits(atlas_frame)?;
+                let stages = atlas_frame.recorded.stage_ms(&self.gpu)?;
+                atlas.frames.timed.stages.push(stages);
             }
             if fits {
                 self.timed.frame_ms.push(ms);
@@ -185,8 +185,8 @@ impl Frames {
         if self.caustics.is_some() {
             self.changed(&self.scene, &self.camera, Feature::Relit).check()?;
         }
-        if let Some(painter) = &mut self.painter {
-            painter.frames.light(scene)?;
+        if let Some(atlas) = &mut self.atlas {
+            atlas.frames.light(scene)?;
         }
         let scene = scene.with_optics(&self.camera);
         let sizes =
@@ -227,7 +227,7 @@ impl Frames {
             self.warm_up()?;
             return Ok(self.timed.first.as_ref().map_or(0, |first| first.recorded.passes.total()));
         }
-        let painted = self.painter.as_mut().map_or(Ok(0), |p| p.frames.refresh())?;
+        let atlas_frame = self.atlas.as_mut().map_or(Ok(0), |p| p.frames.refresh())?;
         if self.dirty == Dirty::Appearance {
             let drawn = self.begin(Dirty::Appearance, true)?;
             wait(&self.gpu)?;
@@ -235,9 +235,9 @@ impl Frames {
                 (first.copies.planes, first.copies.srgb8) = (drawn.copies.planes, drawn.copies.srgb8);
             }
             self.dirty = Dirty::Nothing;
-            return Ok(painted + drawn.recorded.passes.total());
+            return Ok(atlas_frame + drawn.recorded.passes.total());
         }
-        Ok(painted)
+        Ok(atlas_frame)
     }
 
     /// What these frames are asked for when something of them is changed.
@@ -288,7 +288,7 @@ impl Frames {
     /// The picture, and what all frames took.
     pub fn finish(mut self) -> Result<Rendered> {
         self.refresh()?;
-        let painter = self.painter.take();
+        let atlas = self.atlas.take();
         let Timed { first, first_ms, mut frame_ms, mut stages, grown, .. } = std::mem::take(&mut self.timed);
         let Some(first) = first else { return Err(Error::work("no frame was taken")) };
         let reads = PendingReads::start(&first);
@@ -309,8 +309,8 @@ impl Frames {
             ..self.statistics(&frame_layout.plan, &first, &words)
         };
         let own = Readback { frame_layout, words, rest }.rendered();
-        match painter {
-            Some(painter) => painter.joined(own),
+        match atlas {
+            Some(atlas) => atlas.merged_into(own),
             None => Ok(own),
         }
     }
@@ -319,8 +319,7 @@ impl Frames {
     /// be placed anew, and all is as it was.
     pub(super) fn show(&mut self, planned: &Planned) -> Result<bool> {
         let Planned { scene, camera, ray_order, plan, clustered, wanted, .. } = planned;
-        let is_plain =
-            self.painter.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();
+        let is_plain = self.atlas.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();
         let kind = |plan: &Plan, camera: &Camera| (plan.variant, plan.slabs.count(), camera.width, plan.rows_max());
         let is_as_large = kind(plan, camera) == kind(&self.plan, &self.camera) && plan.planes == self.plan.planes;
         let is_turned = camera.optics.is_some() || self.camera.optics.is_some();

@@ -8,7 +8,7 @@ use crate::camera::{Camera, Rays};
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::variant::variant;
 use crate::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
-use crate::gpu::device::Abilities;
+use crate::gpu::device::AdapterFeatures;
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub struct Planner {
     /// The adapter's name.
     pub name: String,
-    pub has: Abilities,
+    pub has: AdapterFeatures,
     /// Bytes that a kernel can see at once.
     pub limit: u64,
 }

@@ -1,6 +1,6 @@
 //! fit in f64: the tree of nodes over bounced rays, as the host builds it for a camera's own rays.
 
-use super::Input;
+use super::KernelInputs;
 use super::cull::Address;
 use crate::camera::TILE;
 use crate::engine::plan::fit::Fit;
@@ -23,7 +23,7 @@ pub struct PixelRay {
 }
 
 /// All levels over the rays of `input`. Besides these, only its parameters and optics are read.
-pub fn fit(input: &Input) -> Fitted {
+pub fn fit(input: &KernelInputs) -> Fitted {
     let p = &input.params;
     let centre = input.optics.map_or(DVec3::ZERO, |o| DVec3::from(o.optic.centre.map(f64::from)));
     let tile = |tile: u32| {
@@ -53,7 +53,7 @@ pub fn fit(input: &Input) -> Fitted {
 }
 
 /// The rays of the pixels below a node; those that are numbers.
-pub fn rays_below(input: &Input, at: Address) -> Vec<PixelRay> {
+pub fn rays_below(input: &KernelInputs, at: Address) -> Vec<PixelRay> {
     let (Some(table), side) = (input.rays, side_px(at)) else { return Vec::new() };
     let (width, height) = (input.params.width, input.params.height);
     let columns = at.x * side..((at.x + 1) * side).min(width);

@@ -2,7 +2,7 @@
 
 use super::bounce::{bounce, table};
 use super::raster::Visibility;
-use super::{Input, Real};
+use super::{KernelInputs, Real};
 use crate::camera::Camera;
 use crate::engine::bounces::bounces;
 use crate::engine::plan::Plan;
@@ -53,7 +53,7 @@ impl OpticsInput<'_> {
     }
 }
 
-impl Input<'_> {
+impl KernelInputs<'_> {
     /// No ray of this pass meets the triangle.
     pub fn is_excluded(&self, id: u32) -> bool {
         self.optics.is_some_and(|o| id >= o.optic.first_id && !o.is_seen())
@@ -142,7 +142,7 @@ impl Optics {
 
 impl BouncedRays {
     /// The rays that leave a pass of a band, without the tree of their bounds; `input` is any chunk of the pass.
-    pub fn new(input: &Input, visibility: &Visibility, real: Real) -> BouncedRays {
+    pub fn new(input: &KernelInputs, visibility: &Visibility, real: Real) -> BouncedRays {
         let bounced = bounce(input, visibility, real);
         let tiles = input.params.tiles_x * input.params.tiles_y;
         let no_ray = PathState { first: NONE, last: NONE, ..bytemuck::Zeroable::zeroed() };

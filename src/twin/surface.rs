@@ -3,7 +3,7 @@
 use super::raster::Corners;
 use super::rays::PixelRays;
 use super::shade::UNIT;
-use super::{Input, Real};
+use super::{KernelInputs, Real};
 use crate::engine::clusters::CORNER_ORDERS;
 use crate::gpu::layout::NONE;
 use glam::DVec3;
@@ -27,7 +27,7 @@ const SUM_UNITS: f64 = 5.0;
 
 /// A triangle at a pixel.
 pub struct Surface<'a> {
-    pub input: &'a Input<'a>,
+    pub input: &'a KernelInputs<'a>,
     pub rays: &'a PixelRays,
     pub corners: Corners,
     pub slot: u32,

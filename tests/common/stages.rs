@@ -20,13 +20,13 @@ use anamorph::internals::geometry::generate::{icosphere, plane, teapot};
 use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::{Buffers, read_words, readback, wait};
-use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
 use anamorph::internals::gpu::layout::COUNTERS;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
-use anamorph::internals::twin::{Input, LARGE, Real, Tables};
+use anamorph::internals::twin::{KernelInputs, LARGE, Real, Tables};
 use glam::{DMat2, DVec2, DVec3};
 
 /// What every word that a kernel does not own must still hold.
@@ -56,7 +56,8 @@ impl Case {
     /// For all channels, so that bands are cut alike in every test.
     pub fn tables(&self) -> Tables {
         let wanted = Wanted::of(Channel::ALL.to_vec());
-        let has = Abilities { f64: true, atomics64: true, lanes: false, timestamps: false, clip_distances: false };
+        let has =
+            AdapterFeatures { f64: true, atomics64: true, lanes: false, timestamps: false, clip_distances: false };
         let mut tables = Tables::new(&self.scene, &self.camera, &wanted, has, self.band_limit);
         let mesh = &self.scene.with_optics(&self.camera).mesh;
         tables.clustered = cluster(mesh, tables.plan.anchor, false, self.chunk_limit);
@@ -72,15 +73,15 @@ impl Case {
     }
 
     /// Every band under every chunk, its lists as large as `capacities`.
-    pub fn inputs<'a>(&self, tables: &'a Tables, capacities: Capacities) -> Vec<Input<'a>> {
+    pub fn inputs<'a>(&self, tables: &'a Tables, capacities: Capacities) -> Vec<KernelInputs<'a>> {
         let chunks = tables.clustered.chunks.len();
         let jobs = (0..tables.plan.bands.len()).flat_map(|b| (0..chunks).map(move |c| (b, c)));
         jobs.map(|(band, chunk)| tables.input(&self.camera, band, chunk, capacities)).collect()
     }
 
     /// The same, band by band.
-    pub fn bands<'a>(&self, tables: &'a Tables) -> Vec<Vec<Input<'a>>> {
-        self.inputs(tables, LARGE).chunks(tables.clustered.chunks.len()).map(<[Input]>::to_vec).collect()
+    pub fn bands<'a>(&self, tables: &'a Tables) -> Vec<Vec<KernelInputs<'a>>> {
+        self.inputs(tables, LARGE).chunks(tables.clustered.chunks.len()).map(<[KernelInputs]>::to_vec).collect()
     }
 
     pub fn variant(&self, real: Real, atomics64: bool) -> Variant {
@@ -343,7 +344,7 @@ impl Bench {
 }
 
 /// The input's rows in buffers of the kernels' names.
-pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
+pub fn upload(gpu: &Gpu, input: &KernelInputs) -> Buffers {
     let mut b = Buffers::default();
     b.upload_uniform(gpu, "params", &input.params).unwrap();
     b.upload_uniform(gpu, "shading", &input.appearance.shading).unwrap();

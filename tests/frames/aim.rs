@@ -64,7 +64,7 @@ fn check(engine: &mut Engine, what: &str) {
     }
 }
 
-/// Removes abilities of an adapter.
+/// Removes features of an adapter.
 type Less = fn(&mut Gpu);
 
 #[test]

@@ -12,7 +12,7 @@ use anamorph::internals::engine::sequence::Sequence;
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::geometry::mesh::Material;
 use anamorph::internals::geometry::texture::{Texels, Texture};
-use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::input::{Error, Result};
 use anamorph::internals::rivals::TECHNIQUES;
@@ -176,7 +176,7 @@ impl Case {
 
     /// What is planned of it, or why not. No device is touched.
     fn plan(&self) -> Result<()> {
-        let has = Abilities { f64: true, atomics64: true, lanes: true, timestamps: false, clip_distances: false };
+        let has = AdapterFeatures { f64: true, atomics64: true, lanes: true, timestamps: false, clip_distances: false };
         let planner = Planner { name: "test".into(), has, limit: self.limit };
         planner.plan(&self.scene, self.camera.clone(), &self.wanted, &self.run, None).map(|_| ())
     }

@@ -10,7 +10,7 @@ use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::slabs::Slabs;
 use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::plan::{Band, Plan, SceneContents, SceneExtent, Wanted};
-use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::gpu::layout::{self, BRANCH};
 use anamorph::internals::image::frame::Channel;
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, mesh_spec, raymap};
@@ -22,10 +22,10 @@ use glam::{DVec2, DVec3, Vec3};
 
 const SIZE: (u32, u32) = (101, 77);
 const LAVAPIPE_BINDING: u64 = 128 << 20;
-const HAS_ALL: Abilities =
-    Abilities { f64: true, atomics64: true, lanes: true, timestamps: true, clip_distances: true };
-const HAS_NONE: Abilities =
-    Abilities { f64: false, atomics64: false, lanes: false, timestamps: false, clip_distances: false };
+const HAS_ALL: AdapterFeatures =
+    AdapterFeatures { f64: true, atomics64: true, lanes: true, timestamps: true, clip_distances: true };
+const HAS_NONE: AdapterFeatures =
+    AdapterFeatures { f64: false, atomics64: false, lanes: false, timestamps: false, clip_distances: false };
 
 fn wanted(channels: &[Channel]) -> Wanted {
     Wanted::of(channels.to_vec())
@@ -41,7 +41,7 @@ fn new_plan(
     contents: SceneContents,
     extent: SceneExtent,
     wanted: &Wanted,
-    has: Abilities,
+    has: AdapterFeatures,
     limit: u64,
 ) -> Plan {
     let variant = variant(camera, contents, wanted, has, &RunOptions::default());
@@ -335,7 +335,7 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
 
 #[test]
 fn what_is_left_out_is_said() {
-    let whats = |camera: &Camera, normals: bool, wanted: &Wanted, has: Abilities, limit: u64| {
+    let whats = |camera: &Camera, normals: bool, wanted: &Wanted, has: AdapterFeatures, limit: u64| {
         let all = SceneContents {
             has_normals: true,
             has_uvs: true,

@@ -12,7 +12,7 @@ use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
 use anamorph::internals::engine::stage::{Dispatch, KernelId, Number, Threads};
 use anamorph::internals::engine::steps::{FrameInputs, Step, StepScope, passes, steps};
-use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::gpu::kernels::{Access, Kernel, Variant};
 use anamorph::internals::image::frame::Channel;
 use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
@@ -43,13 +43,14 @@ ior = 1.5
 fresnel = true
 depth = 2"#;
 
-const HAS: Abilities = Abilities { f64: true, atomics64: true, lanes: true, timestamps: true, clip_distances: true };
+const HAS: AdapterFeatures =
+    AdapterFeatures { f64: true, atomics64: true, lanes: true, timestamps: true, clip_distances: true };
 
 /// What frames are made of: a camera, an adapter, contents, and what is wanted of them.
 struct Case {
     name: String,
     camera: Camera,
-    has: Abilities,
+    has: AdapterFeatures,
     contents: SceneContents,
     wanted: Wanted,
 }
@@ -72,8 +73,8 @@ fn cases() -> Vec<Case> {
     ];
     let adapters = [
         ("all", HAS),
-        ("no lanes", Abilities { lanes: false, ..HAS }),
-        ("no 64 bits", Abilities { lanes: false, f64: false, atomics64: false, ..HAS }),
+        ("no lanes", AdapterFeatures { lanes: false, ..HAS }),
+        ("no 64 bits", AdapterFeatures { lanes: false, f64: false, atomics64: false, ..HAS }),
     ];
     let plain = SceneContents { triangles: 100, ..SceneContents::default() };
     let rich = SceneContents {

@@ -10,7 +10,7 @@ use anamorph::internals::engine::stage;
 use anamorph::internals::gpu::layout::{BRANCH, Cell, Node, RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE};
 use anamorph::internals::twin::cull::Address;
 use anamorph::internals::twin::fit::{fit, rays_below, reach};
-use anamorph::internals::twin::{Input, Real};
+use anamorph::internals::twin::{KernelInputs, Real};
 use glam::DVec3;
 
 /// What kernels that read a node may lose of it, relative to its sizes: four roundings of 2^-24, for which the host's
@@ -28,7 +28,7 @@ struct Left {
     masks: Vec<u64>,
 }
 
-fn run_kernel(bench: &mut Bench, case: &Case, input: &Input, levels: &[Level]) -> Left {
+fn run_kernel(bench: &mut Bench, case: &Case, input: &KernelInputs, levels: &[Level]) -> Left {
     let (gpu, stages) = bench.stages(case.variant(Real::F32, false).after_bounce(), &[]);
     let mut buffers = upload(gpu, input);
     let count = levels.iter().map(|l| l.width * l.height).sum::<u32>() as usize;
@@ -87,7 +87,7 @@ struct Compared {
     excess: f64,
 }
 
-fn compare(input: &Input, levels: &[Level], left: &Left) -> Compared {
+fn compare(input: &KernelInputs, levels: &[Level], left: &Left) -> Compared {
     let mut seen = Compared { margin: f64::INFINITY, ..Compared::default() };
     let host = fit(input);
     for (tile, (mask, cell)) in left.masks.iter().zip(&host.cells).enumerate() {
@@ -141,7 +141,7 @@ fn compare(input: &Input, levels: &[Level], left: &Left) -> Compared {
 
 /// Which nodes are discontinuous by the rule of plan/fit.rs and plan/nodes.rs, bottom up; nothing where a quantity is nearer to its
 /// limit than `margin` of it, or one below is.
-fn discontinuous(input: &Input, levels: &[Level], nodes: &[Node], margin: f64) -> Vec<Option<bool>> {
+fn discontinuous(input: &KernelInputs, levels: &[Level], nodes: &[Node], margin: f64) -> Vec<Option<bool>> {
     let centre = input.optics.map_or(DVec3::ZERO, |o| DVec3::from(o.optic.centre.map(f64::from)));
     let above = |a: f64, b: f64| if (a - b).abs() <= margin * a.abs().max(b.abs()) { None } else { Some(a > b) };
     let both = |a: Option<bool>, b: Option<bool>| match (a, b) {
@@ -193,7 +193,7 @@ fn discontinuous(input: &Input, levels: &[Level], nodes: &[Node], margin: f64) -
     flags
 }
 
-fn check(bench: &mut Bench, case: &Case, name: &str, input: &Input, levels: &[Level]) -> Compared {
+fn check(bench: &mut Bench, case: &Case, name: &str, input: &KernelInputs, levels: &[Level]) -> Compared {
     let seen = compare(input, levels, &run_kernel(bench, case, input, levels));
     println!(
         "{name}: {} nodes discontinuous, margin {:.1e}, excess {:.1e}",
@@ -227,8 +227,8 @@ fn any_case() -> Case {
 }
 
 /// What fit reads of a case, over these rays.
-fn over<'a>(input: &Input<'a>, rays: &'a RayTable) -> Input<'a> {
-    Input { rays: Some(rays), ..*input }
+fn over<'a>(input: &KernelInputs<'a>, rays: &'a RayTable) -> KernelInputs<'a> {
+    KernelInputs { rays: Some(rays), ..*input }
 }
 
 #[test]

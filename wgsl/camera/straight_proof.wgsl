@@ -4,8 +4,8 @@
 // components, so that a product is at most the product of the sizes. Every bound has the same form: the error of each factor
 // times the size of the other, plus PRODUCT_UNITS of both sizes.
 // Provides: Weighed, pixel_proof
-// Needs: Bundle, Cell, ENDLESS, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, SLABBED, end_rounding, normal_of, of_words,
-//   perturbed, reach3, real, real3, sign_beyond, size3, weighed
+// Needs: Bundle, Cell, ENDLESS, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, SLABBED, end_rounding, normal_of,
+//   perturbed, reach3, real, real3, real_from_bits, sign_beyond, size3, weighed
 // Binds: params
 
 // A ray, and error bounds of its parts.
@@ -97,8 +97,8 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, ba
         inside = centre > 0 && decided > 0;
     }
     let met = on_plane(q, from_v, normal_of(v), reach3(v));
-    let t_min = of_words(params.t_words.xy);
-    let t_max = of_words(params.t_words.zw);
+    let t_min = real_from_bits(params.t_words.xy);
+    let t_max = real_from_bits(params.t_words.zw);
     if met.facing * back_sign > 0 || met.far < t_min - met.margin || met.near > t_max + met.margin {
         return MISSED;
     }

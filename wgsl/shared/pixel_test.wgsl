@@ -1,7 +1,7 @@
 // Tests a triangle against four rays at once: coverage, proven by f32, and depth, in recheck arithmetic.
 // Provides: FARTHEST, INFINITE, farthest, given, is_behind, lines_of, reach_of, settled, shared_of, size, test_pixels
-// Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_LOST, REAL_UNIT, SLABBED, Strip, of_words, ordered_bits, real, real3, real4, size3,
-//   triangle_id, triangle_reversed, words_of
+// Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_LOST, REAL_UNIT, SLABBED, Strip, ordered_bits, real, real3, real4, real_from_bits,
+//   real_to_bits, size3, triangle_id, triangle_reversed
 // Binds: params
 
 // Rounding of one f32 operation, relative.
@@ -81,8 +81,8 @@ struct Shared {
 
 // The value of one lane.
 fn lanes_real(value: real, lane: u32) -> real {
-    let words = words_of(value);
-    return of_words(vec2<u32>(subgroupShuffle(words.x, lane), subgroupShuffle(words.y, lane)));
+    let words = real_to_bits(value);
+    return real_from_bits(vec2<u32>(subgroupShuffle(words.x, lane), subgroupShuffle(words.y, lane)));
 }
 
 // The values of lane k.
@@ -115,8 +115,8 @@ fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u
     let inside = (least > vec4<f32>(1.0)) | (most < vec4<f32>(-1.0));
     let outside = (least < vec4<f32>(-1.0)) & (most > vec4<f32>(1.0));
     let across = f.normal.x * s.dx + f.normal.y * s.dy + f.normal.z * s.dz;
-    let t_min = of_words(params.t_words.xy);
-    let t_max = of_words(params.t_words.zw);
+    let t_min = real_from_bits(params.t_words.xy);
+    let t_max = real_from_bits(params.t_words.zw);
     var t = (f.height - (f.normal.x * s.px + f.normal.y * s.py + f.normal.z * s.pz)) / across;
     var from_t = real4(t_min);
     var to_t = real4(t_max);

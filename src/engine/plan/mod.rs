@@ -22,7 +22,7 @@ use crate::camera::perturb::scene_size;
 use crate::camera::ray_order::is_reordered;
 use crate::camera::{Camera, Rays};
 use crate::geometry::mesh::Material;
-use crate::gpu::device::Abilities;
+use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::{RaysKind, Variant};
 use crate::gpu::layout::{self, BRANCH};
 use crate::image::frame::Channel;
@@ -243,7 +243,7 @@ impl Plan {
         contents: SceneContents,
         extent: SceneExtent,
         wanted: &Wanted,
-        has: Abilities,
+        has: AdapterFeatures,
         binding_limit: u64,
     ) -> Plan {
         let slabs = Slabs::of(camera);
@@ -391,7 +391,7 @@ fn left_out(
     planes: &[Channel],
     wanted: &Wanted,
     contents: SceneContents,
-    has: Abilities,
+    has: AdapterFeatures,
 ) -> Vec<LeftOut> {
     let mut list = Vec::new();
     let mut say = |what: &str, why: String| list.push(LeftOut { what: what.into(), why });

@@ -5,11 +5,17 @@ use super::{SceneContents, Wanted};
 use crate::camera::Camera;
 use crate::camera::ray_order::is_reordered;
 use crate::engine::{Arithmetic, RunOptions};
-use crate::gpu::device::Abilities;
+use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::{LightsKind, OpticsKind, Variant};
 
 /// The variant for a scene with these contents through `camera`, on an adapter with these abilities.
-pub fn variant(camera: &Camera, contents: SceneContents, wanted: &Wanted, has: Abilities, run: &RunOptions) -> Variant {
+pub fn variant(
+    camera: &Camera,
+    contents: SceneContents,
+    wanted: &Wanted,
+    has: AdapterFeatures,
+    run: &RunOptions,
+) -> Variant {
     let has_colour = wanted.has_colour();
     let variant = Variant {
         f64: run.arithmetic != Arithmetic::Single,
