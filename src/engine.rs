@@ -4,13 +4,13 @@ mod atlas;
 mod bounce_tables;
 pub mod bounces;
 pub mod buffer_table;
+mod caustics;
 pub mod changes;
 pub mod clusters;
 pub mod combinations;
 mod counts;
 mod encode;
 mod frames;
-mod illumination;
 pub mod pages;
 pub mod plan;
 pub mod planned;
@@ -37,12 +37,12 @@ use crate::gpu::recorder::{Passes, Recorder};
 use crate::image::frame::{Channel, Frame};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
-use crate::scene::caustics::Account;
+use crate::scene::caustics::CausticsReport;
+use caustics::DeviceCaustics;
 use changes::Dirty;
 pub use counts::Counts;
 pub use frames::Frames;
 use frames::Timed;
-use illumination::Illuminated;
 use pages::PageStore;
 use planned::{Planned, Planner};
 use resident::Resident;
@@ -120,7 +120,7 @@ pub struct Rendered {
     /// Passes of one frame.
     pub passes: Passes,
     /// Where the light of the scene's caustics went, where the frame shows them.
-    pub caustics: Option<Account>,
+    pub caustics: Option<CausticsReport>,
 }
 
 /// An open adapter with the kernels that were compiled for it.
@@ -128,13 +128,13 @@ pub struct Engine {
     pub gpu: Arc<Gpu>,
     stages: Vec<Arc<Stages>>,
     /// The caustics of the last scene that had some.
-    lit: Option<Arc<Illuminated>>,
+    caustics: Option<Arc<DeviceCaustics>>,
     pages: Arc<PageStore>,
 }
 
 impl Engine {
     pub fn new(gpu: Gpu) -> Engine {
-        Engine { gpu: Arc::new(gpu), stages: Vec::new(), lit: None, pages: Arc::default() }
+        Engine { gpu: Arc::new(gpu), stages: Vec::new(), caustics: None, pages: Arc::default() }
     }
 
     /// On the adapter asked for; `None` on a machine without any.
@@ -194,7 +194,7 @@ impl Engine {
     fn upload(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
         let Planned { given, scene, camera, ray_order, plan, clustered, wanted, .. } = planned;
         let mut atlas = self.atlas_renderer(&given, &camera, &wanted, run)?;
-        let lit = if wanted.has_colour() { self.illuminated(&given)? } else { None };
+        let caustics = if wanted.has_colour() { self.device_caustics(&given)? } else { None };
         let stages = self.stages(plan.variant, &plan.planes)?;
         let after_bounce =
             plan.variant.bounces_rays().then(|| self.stages(plan.variant.after_bounce(), &plan.planes)).transpose()?;
@@ -220,7 +220,7 @@ impl Engine {
             plan,
             wanted,
             resident,
-            caustics: lit,
+            caustics,
             ray_order,
             atlas,
             rival,

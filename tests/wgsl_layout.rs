@@ -207,10 +207,10 @@ fn host() -> Layouts {
             frequency_hi,
             frequency_lo,
         }),
-        layout!(Casting { count, texels, pad0, pad1 }),
-        layout!(Cast { a, b, c, receiver, pad0, flux, pad1 }),
+        layout!(DepositParams { count, texels, pad0, pad1 }),
+        layout!(CausticTriangle { a, b, c, receiver, pad0, flux, pad1 }),
         layout!(Receiver { columns, rows, first, scale }),
-        layout!(Landing { a, ab, ac, receiver, pad0, diffuse, pad1 }),
+        layout!(ReceiverTriangle { a, ab, ac, receiver, pad0, diffuse, pad1 }),
         layout!(Shading {
             background,
             ambient,

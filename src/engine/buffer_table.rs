@@ -129,8 +129,8 @@ pub fn table() -> Vec<Row> {
         uploaded("lights", 16, &[Shade, Resolve]),
         uploaded("shading", size_of::<layout::Shading>(), &[Shade, Resolve, Write]),
         uploaded("style", size_of::<layout::Style>(), &[Shade, Resolve, Outline]),
-        uploaded("landing_of", 4, &[Gather]),
-        uploaded("landings", size_of::<layout::Landing>(), &[Gather]),
+        uploaded("receiver_triangle_of", 4, &[Gather]),
+        uploaded("receiver_triangles", size_of::<layout::ReceiverTriangle>(), &[Gather]),
         uploaded("receivers", size_of::<layout::Receiver>(), &[Gather]),
         uploaded("sums", 4, &[Gather]),
         // the camera

@@ -101,7 +101,7 @@ impl Frames {
             Some(job) => scopes.extend(resident.scopes(&job, at.band, at.bounce)),
             None => scopes.push(&resident.shared),
         }
-        scopes.extend(self.caustics.as_ref().map(|lit| &lit.buffers));
+        scopes.extend(self.caustics.as_ref().map(|c| &c.buffers));
         scopes
     }
 

@@ -1,9 +1,9 @@
 //! Frames of one scene through one camera: the first, again until its lists hold everything; timed ones; and what they came to.
 
 use super::atlas::AtlasRenderer;
+use super::caustics::DeviceCaustics;
 use super::changes::{Changes, Dirty, Shown};
 use super::combinations::{Asked, Feature};
-use super::illumination::Illuminated;
 use super::pages::PageStore;
 use super::planned::{Planned, Planner, outlined_by, written};
 use super::readback::{FrameLayout, PendingReads, RawFrame, Readback};
@@ -44,7 +44,7 @@ pub struct Frames {
     pub(super) wanted: Wanted,
     pub(super) resident: Resident,
     /// The scene's caustics, where the frame shows them.
-    pub(super) caustics: Option<Arc<Illuminated>>,
+    pub(super) caustics: Option<Arc<DeviceCaustics>>,
     /// The order of the camera's pixels, where it is not their own.
     pub(super) ray_order: Option<Arc<RayOrder>>,
     /// Renders the atlas before each frame.
@@ -379,11 +379,11 @@ impl Frames {
             counts: Counts::of(&words.status),
             bytes: self.resident.bytes()
                 + self.rival.as_ref().map_or(0, |r| r.bytes())
-                + self.caustics.as_ref().map_or(0, |lit| lit.buffers.bytes()),
+                + self.caustics.as_ref().map_or(0, |c| c.buffers.bytes()),
             left_out,
             grown: 0,
             passes: running.recorded.passes.clone(),
-            caustics: self.caustics.as_ref().map(|lit| lit.account),
+            caustics: self.caustics.as_ref().map(|c| c.report),
         }
     }
 }

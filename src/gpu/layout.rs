@@ -470,7 +470,7 @@ pub struct Beam {
 /// A dispatch of deposit.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Casting {
+pub struct DepositParams {
     pub count: u32,
     pub texels: u32,
     pub pad0: u32,
@@ -480,7 +480,7 @@ pub struct Casting {
 /// A caustic triangle on a receiver, see the WGSL.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Cast {
+pub struct CausticTriangle {
     pub a: [f32; 2],
     pub b: [f32; 2],
     pub c: [f32; 2],
@@ -503,7 +503,7 @@ pub struct Receiver {
 /// A triangle of the scene in a receiver's plane, see the WGSL.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Landing {
+pub struct ReceiverTriangle {
     pub a: [f32; 2],
     pub ab: [f32; 2],
     pub ac: [f32; 2],
