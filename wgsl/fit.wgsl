@@ -21,7 +21,7 @@ const SAMPLES: u32 = 64u;
 // at a place 3; a kernel's own use of the row 4. Of the radius: a difference 1, its length 4, and a sum 1.
 const FIT_TOLERANCE: f32 = 1.0 / 1048576.0;
 
-// SampleOffsets are on a line where their spread's determinant is this share of its square.
+// Places are on a line where their spread's determinant is this share of its square.
 const LINE_SHARE: f32 = 1e-4;
 
 // Rays are loose if they lie farther from their fit than this share of its slopes, and of their own size; and it pays to go down

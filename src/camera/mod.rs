@@ -147,7 +147,7 @@ impl Camera {
 
     /// Number of pieces in all layers, plus those of its optics (facets or smooth parts); 0 for a ray field.
     pub fn piece_count(&self) -> usize {
-        self.first_piece(self.layers.len()) as usize + self.optics.as_ref().map_or(0, |o| o.camera_count())
+        self.first_piece(self.layers.len()) as usize + self.optics.as_ref().map_or(0, |o| o.piece_count())
     }
 
     /// Number of the first piece of a layer: those of the lower layers come before it.

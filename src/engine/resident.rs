@@ -160,7 +160,7 @@ impl Resident {
         let shadows = Shadows { kind: plan.variant.lights, bvh: bvh.as_ref() };
         let Appearance { mut shading, lights, materials, normals, style } =
             Appearance::new(scene, plan.anchor, &pages, shadows);
-        shading.spread = plan.spread;
+        shading.filter_width = plan.filter_width;
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         if plan.variant.styled || plan.variant.outlined {
             self.shared.upload_uniform(gpu, "style", &style)?;

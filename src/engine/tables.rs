@@ -60,7 +60,7 @@ impl Appearance {
                 light_count: scene.lights.len() as u32,
                 gain: scene.tone.gain(),
                 curve: scene.tone.curve.number(),
-                spread: 1.0,
+                filter_width: 1.0,
                 shadow_bvh_scale: shadows.bvh.map_or(1.0, |bvh| bvh.scale),
                 sky: scene.sky.as_ref().map_or(layout::NONE, |_| mesh.materials.len() as u32),
                 sky_strength: scene.sky.as_ref().map_or(0.0, |s| s.strength),

@@ -234,7 +234,7 @@ pub struct Shading {
     pub light_count: u32,
     pub gain: f32,
     pub curve: u32,
-    pub spread: f32,
+    pub filter_width: f32,
     pub shadow_bvh_scale: f32,
     pub sky: u32,
     pub sky_strength: f32,
@@ -367,7 +367,7 @@ pub struct PathState {
     pub length: f32,
     pub first: u32,
     pub last: u32,
-    pub camera: u32,
+    pub piece: u32,
     pub pad0: u32,
 }
 
@@ -376,11 +376,11 @@ pub struct PathState {
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Corner {
     pub p_hi: [f32; 3],
-    pub camera: u32,
+    pub piece: u32,
     pub p_lo: [f32; 3],
-    pub camera_u: f32,
+    pub piece_u: f32,
     pub n_hi: [f32; 3],
-    pub camera_v: f32,
+    pub piece_v: f32,
     pub n_lo: [f32; 3],
     pub pad0: f32,
 }

@@ -97,8 +97,8 @@ fn pixel(
 ) -> PixelValues {
     let behind = camera.first_piece(camera.layers.len());
     let mirror = shown.first.unwrap_or(NO_ID);
-    let camera_of = |first: u32| camera.optics.as_ref().map_or(first, |o| o.camera_of(first));
-    let piece = |of_ray: u32| shown.first.map_or(of_ray, |first| behind + camera_of(first));
+    let piece_of = |first: u32| camera.optics.as_ref().map_or(first, |o| o.piece_of(first));
+    let piece = |of_ray: u32| shown.first.map_or(of_ray, |first| behind + piece_of(first));
     let colour = match &camera.optics {
         Some(optics) if shown.first.is_some() && (optics.fresnel || optics.rays > 1) => {
             let path = Path::of_pixel(camera, i, j);

@@ -52,7 +52,7 @@ pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3,
     let metallic = f64::from(material.metallic);
     let gloss = Gloss {
         base: colour * (1.0 - metallic),
-        straight: rgb(material.specular).lerp(colour, metallic),
+        f0: rgb(material.specular).lerp(colour, metallic),
         alpha: material.alpha().into(),
     };
     let start = obstacles.above(scene, hit, p, view);
@@ -68,7 +68,7 @@ pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3,
     };
     let (around, rest) = match &scene.sky {
         Some(sky) => (gloss.reflected_sky(sky, n, -view), 1.0),
-        None => (AMBIENT * (gloss.base + gloss.straight), 1.0 - AMBIENT),
+        None => (AMBIENT * (gloss.base + gloss.f0), 1.0 - AMBIENT),
     };
     (rgb(material.emissive) + open * around + rest * direct).as_vec3().to_array()
 }
@@ -131,7 +131,7 @@ impl Above<'_> {
 struct Gloss {
     base: DVec3,
     /// Reflectance of the facets at normal incidence.
-    straight: DVec3,
+    f0: DVec3,
     alpha: f64,
 }
 
@@ -146,13 +146,13 @@ impl Gloss {
         let rough = self.alpha.sqrt() * DVec4::new(-1.0, -0.0275, -0.572, 0.022) + DVec4::new(1.0, 0.0425, 1.04, -0.04);
         let falloff = (rough.x * rough.x).min((-9.28 * cos_v).exp2()) * rough.x + rough.y;
         let [share, of_grazing] = [-1.04 * falloff + rough.z, 1.04 * falloff + rough.w];
-        let grazing = (50.0 * self.straight.max_element()).min(1.0);
-        self.base * sky.irradiance(n) + sky.lobe(mirrored, width) * (self.straight * share + grazing * of_grazing)
+        let grazing = (50.0 * self.f0.max_element()).min(1.0);
+        self.base * sky.irradiance(n) + sky.lobe(mirrored, width) * (self.f0 * share + grazing * of_grazing)
     }
 
     /// The light reflected towards `v` from a light of irradiance pi in direction `l`.
     fn reflected(&self, n: DVec3, v: DVec3, l: DVec3) -> DVec3 {
-        let Gloss { base, straight, alpha } = *self;
+        let Gloss { base, f0, alpha } = *self;
         let cos_l = n.dot(l);
         if cos_l <= 0.0 {
             return DVec3::ZERO;
@@ -164,8 +164,8 @@ impl Gloss {
         }
         let h = (l + v).normalize();
         // what reflects nothing straight on does not at grazing angles (Lagarde and de Rousiers 2014)
-        let grazing = (50.0 * straight.max_element()).min(1.0);
-        let fresnel = straight + (grazing - straight) * (1.0 - v.dot(h).clamp(0.0, 1.0)).powi(5);
+        let grazing = (50.0 * f0.max_element()).min(1.0);
+        let fresnel = f0 + (grazing - f0) * (1.0 - v.dot(h).clamp(0.0, 1.0)).powi(5);
         let a2 = alpha * alpha;
         let cos_h = n.dot(h).clamp(0.0, 1.0);
         let facets = a2 / (PI * (cos_h * cos_h * (a2 - 1.0) + 1.0).powi(2));

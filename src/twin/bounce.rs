@@ -55,7 +55,7 @@ fn bounce_pixel(input: &KernelInputs, key: u64, pixel: u32, real: Real) -> Optio
         length: length.v as f32,
         first: if path.first == NONE { surface } else { path.first },
         last: id,
-        camera: if path.first == NONE { optics.camera_of(surface) } else { path.camera },
+        piece: if path.first == NONE { optics.piece_of(surface) } else { path.piece },
         pad0: 0,
     };
     if optic.is_environment == 1 {

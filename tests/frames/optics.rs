@@ -512,10 +512,10 @@ fn a_fine_mirror_shows_what_a_coarse_one_reflects() {
             assert!(frame.u32(Channel::MirrorId).unwrap() == mirror, "{law}, {cameras}: another silhouette");
             // one piece of the eye, and then the cameras
             let facets = camera.optics.as_ref().unwrap().facets().unwrap().clone();
-            assert!(facets.camera_count().abs_diff(cameras) < 10, "{} cameras", facets.camera_count());
-            assert_eq!(camera.piece_count(), 1 + facets.camera_count());
+            assert!(facets.piece_count().abs_diff(cameras) < 10, "{} cameras", facets.piece_count());
+            assert_eq!(camera.piece_count(), 1 + facets.piece_count());
             let piece = frame.u32(Channel::PieceId).unwrap();
-            let is_own = |k: usize| piece[k] == 1 + facets.camera_of(mirror[k] as usize);
+            let is_own = |k: usize| piece[k] == 1 + facets.coarse_of(mirror[k] as usize);
             assert!((0..mirror.len()).filter(|k| mirror[*k] != NO_ID).all(is_own), "{law}, {cameras}");
             wrong(&frame, &truth)
         });

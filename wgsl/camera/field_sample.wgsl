@@ -1,6 +1,7 @@
 // Rays of the samples of a ray field: differences from the pixel's own ray, six numbers P and D, sample by sample.
-// Provides: sample_bundle, sample_ray, sample_spread
-// Needs: Bundle, Cell, Ray, SAMPLES, Spread, field_at, field_bundle, field_direction, field_origin, field_spread, real3, tile_corner
+// Provides: sample_bundle, sample_differential, sample_ray
+// Needs: Bundle, Cell, Ray, RayDifferential, SAMPLES, field_at, field_bundle, field_differential, field_direction, field_origin, real3,
+//   tile_corner
 // Binds: params, sample_ray_deltas
 
 fn field_sample(x: u32, y: u32, sample: u32) -> u32 {
@@ -30,6 +31,6 @@ fn sample_ray(layer: u32, x: u32, y: u32, sample: u32) -> Ray {
     return Ray(field_origin(own) + sample_delta_p(at), field_direction(own) + sample_delta_d(at));
 }
 
-fn sample_spread(layer: u32, x: u32, y: u32, sample: u32, t: f32) -> Spread {
-    return field_spread(x, y, t);
+fn sample_differential(layer: u32, x: u32, y: u32, sample: u32, t: f32) -> RayDifferential {
+    return field_differential(x, y, t);
 }

@@ -43,7 +43,7 @@ fn first_surface(pixel: u32) -> u32 {
 
 // The piece that the first surface belongs to.
 fn first_piece(pixel: u32) -> u32 {
-    return optic.piece_first + paths[pixel].camera;
+    return optic.piece_first + paths[pixel].piece;
 }
 
 override SMOOTH: bool = false;

@@ -1,6 +1,6 @@
 // Reflection and refraction at smooth surfaces, intersected exactly. A snippet per kind gives the intersection, `first_root`, and
 // the normal, `smooth_normal`.
-// Provides: Root, bounce_at, camera_of, meeting_with
+// Provides: Root, bounce_at, meeting_with, piece_of
 // Needs: BouncedRay, bent_at, first_root, norm, real, real3, real_from_bits, smooth_normal
 // Binds: optic, params
 
@@ -15,7 +15,7 @@ fn meeting_with(surface: u32, p: real3, d: real3, last: u32) -> Root {
 }
 
 // A smooth surface is its own piece.
-fn camera_of(surface: u32) -> u32 {
+fn piece_of(surface: u32) -> u32 {
     return surface;
 }
 

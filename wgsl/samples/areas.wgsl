@@ -3,8 +3,8 @@
 // is left out twice. Samples are counted where they contradict the lines: edges are bent, or something but an edge ends a triangle;
 // and where more triangles are seen than are kept.
 // Provides: measure, seen_next, share_of, whole
-// Needs: SAMPLES, all_samples, centre_of, key_id, key_layer, key_of, key_t, nearest_to, point_at, sample_offset, sample_ray, sample_spread,
-//   seen_alike, weights_at
+// Needs: SAMPLES, all_samples, centre_of, key_id, key_layer, key_of, key_t, nearest_to, point_at, sample_differential, sample_offset,
+//   sample_ray, seen_alike, weights_at
 // Binds: params, slot_of_id, triangles
 
 // Most triangles kept per pixel, the background among them.
@@ -123,8 +123,8 @@ fn find_lines(k: u32, pixel: u32, row: u32, sample: u32) -> bool {
     let x = pixel % params.width;
     let y = pixel / params.width;
     let ray = sample_ray(key_layer(key), x, y, sample);
-    let spread = sample_spread(key_layer(key), x, y, sample, key_t(key));
-    let w = weights_at(triangles[slot_of_id[key_id(key) - params.id_first]], point_at(ray, key_t(key)), ray.d, spread);
+    let differential = sample_differential(key_layer(key), x, y, sample, key_t(key));
+    let w = weights_at(triangles[slot_of_id[key_id(key) - params.id_first]], point_at(ray, key_t(key)), ray.d, differential);
     let steep = sqrt(w.right * w.right + w.down * w.down);
     let own = sample_offset(sample);
     let centre = w.at - own.x * w.right - own.y * w.down;

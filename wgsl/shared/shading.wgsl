@@ -8,7 +8,7 @@ struct Shading {
     light_count: u32,       // 0: one headlight along each pixel's ray
     gain: f32,              // of the 8-bit picture: by what light is multiplied, and one of the CURVE constants
     curve: u32,
-    spread: f32,            // of a pixel: how wide images are filtered
+    filter_width: f32,      // of images, in pixels
     shadow_bvh_scale: f32,  // factor of coordinates in the hierarchy that shadow rays are traced in
     sky: u32,               // the row of the material whose image is the light from all around; NONE: there is none
     sky_strength: f32,

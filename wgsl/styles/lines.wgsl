@@ -1,7 +1,7 @@
 // Lines on surfaces, as wide in pixels as they shall be through any camera: distances in world or weights, over how these change from
 // pixel to pixel.
 // Provides: drawn
-// Needs: ShadedHit, Spread, covered, narrowed, tangents, weights_at
+// Needs: RayDifferential, ShadedHit, covered, narrowed, tangents, weights_at
 // Binds: shading, style, triangles
 
 fn drawn(hit: ShadedHit, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
@@ -20,13 +20,13 @@ fn drawn(hit: ShadedHit, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
 
 // How far the nearest edge of the triangle is, px.
 fn edge_distance(hit: ShadedHit) -> f32 {
-    let w = weights_at(triangles[hit.slot], hit.p, hit.d, hit.spread);
+    let w = weights_at(triangles[hit.slot], hit.p, hit.d, hit.differential);
     let to = w.at / sqrt(w.right * w.right + w.down * w.down);
     return max(0.0, min(to.x, min(to.y, to.z)));
 }
 
 // The share of ink where a surface is so dark: strokes along one family of planes up to one half of it, and crossing ones beyond.
-fn hatched(p: vec3<f32>, on: Spread, dark: f32, box: f32) -> f32 {
+fn hatched(p: vec3<f32>, on: RayDifferential, dark: f32, box: f32) -> f32 {
     let first = min(dark, 0.5);
     let second = select(0.0, 1.0 - (1.0 - dark) / (1.0 - first), dark > 0.5);
     let a = strokes(p, vec3<f32>(0.5773503, 0.7113249, 0.4009186), on, first, box);
@@ -36,7 +36,7 @@ fn hatched(p: vec3<f32>, on: Spread, dark: f32, box: f32) -> f32 {
 
 // The share of ink of strokes where planes across an axis cut the surface. Their distance in the world is a power of two, so that it is
 // once to twice the spacing in pixels; between two powers every other stroke grows thinner.
-fn strokes(p: vec3<f32>, axis: vec3<f32>, on: Spread, ink: f32, box: f32) -> f32 {
+fn strokes(p: vec3<f32>, axis: vec3<f32>, on: RayDifferential, ink: f32, box: f32) -> f32 {
     let slope = length(vec2<f32>(dot(on.right, axis), dot(on.down, axis)));
     if ink <= 0.0 || !(slope > 1e-30 && slope < 1e30) {
         return ink;

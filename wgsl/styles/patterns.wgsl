@@ -1,6 +1,6 @@
 // Patterns that are cut out of the world: src/geometry/pattern.rs has them at a point, here are their means over what a pixel covers.
 // Provides: STYLED, pattern_at, tangents
-// Needs: ShadedHit, Spread, flat_normal, surface_row
+// Needs: RayDifferential, ShadedHit, flat_normal, surface_row
 // Binds: materials, shading, triangles
 
 const STYLED: bool = true;
@@ -10,10 +10,10 @@ const PATTERN_STONE: u32 = 2u;
 const PATTERN_WOOD: u32 = 3u;
 
 // How a hit moves on the plane of its triangle for one pixel to the right, and downwards.
-fn tangents(hit: ShadedHit) -> Spread {
+fn tangents(hit: ShadedHit) -> RayDifferential {
     let n = flat_normal(triangles[hit.slot], hit.d);
     let along = hit.d / dot(n, hit.d);
-    return Spread(hit.spread.right - along * dot(n, hit.spread.right), hit.spread.down - along * dot(n, hit.spread.down));
+    return RayDifferential(hit.differential.right - along * dot(n, hit.differential.right), hit.differential.down - along * dot(n, hit.differential.down));
 }
 
 // What the material's colour is multiplied by.

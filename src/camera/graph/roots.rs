@@ -1,7 +1,7 @@
 //! The root of a top-down camera: one pinhole view, or the six faces of a cube around its eye laid out in the image.
 
+use super::legs;
 use super::outline::{self, Outline};
-use super::rails;
 use super::view::{Pinhole, View};
 use crate::camera::pose::Pose;
 use crate::input::{Error, Result};
@@ -31,7 +31,7 @@ pub struct Root {
 /// The views of a root, in the order left, front, right, back, up, down where it is a cube. A plain root's outline is left
 /// empty.
 pub fn roots(pinhole: &Pinhole, layout: Layout, (width, height): (u32, u32)) -> Result<Vec<Root>> {
-    let centre = rails::centre((width, height));
+    let centre = legs::centre((width, height));
     if layout == Layout::Plain {
         let view = View::new(pinhole, height, centre)?;
         return Ok(vec![Root { view, pinhole: *pinhole, height, centre_px: centre, outline: Outline::new() }]);

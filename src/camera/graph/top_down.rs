@@ -3,10 +3,10 @@
 
 use super::Net;
 use super::bottom_up::{least, place};
-use super::joints::Joints;
+use super::connect::JoinOptions;
+use super::legs::{self, Depths};
 use super::outline::{self, Outline};
 use super::path::Occluders;
-use super::rails::{self, Depths};
 use super::roots::{self, Layout, Root};
 use super::view::{Pinhole, View, beyond};
 use crate::camera::kinds::values::length;
@@ -29,7 +29,7 @@ struct TopDown {
     far: Option<f64>,
     cut: Option<f64>,
     foreground: bool,
-    joints: Joints,
+    join: JoinOptions,
 }
 
 #[derive(Debug, PartialEq)]
@@ -54,7 +54,7 @@ enum Viewpoint {
 /// Reads the keys of help/top_down.txt.
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let own = ["kind", "vfov", "layout", "regions", "band", "near", "far", "foreground", "cut"];
-    table.allow(&[&own[..], &POSE, &Joints::KEYS].concat())?;
+    table.allow(&[&own[..], &POSE, &JoinOptions::KEYS].concat())?;
     let layout = table.or("layout", Layout::Plain, |field| match field.text()? {
         "plain" => Ok(Layout::Plain),
         "cross" => Ok(Layout::Cross),
@@ -84,7 +84,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         far: table.optional("far", |f| least(f, near))?,
         cut: table.optional("cut", length)?,
         foreground,
-        joints: Joints::read(table)?,
+        join: JoinOptions::read(table)?,
     }))
 }
 
@@ -144,7 +144,7 @@ impl Recipe for TopDown {
         let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &eyes, 1000.0 * reach).max(2.0 * self.near));
         let depths = self.foreground.then(|| self.depths(&mesh, &patches, &roots, far));
         let far = depths.map_or(far, |d| d[2]);
-        let plain = rails::plain(&mesh.net, root, far, depths);
+        let plain = legs::plain(&mesh.net, root, far, depths);
         let leaf_depth = depths.map_or(0.0, |d| d[1]);
         let leaf = |plain_depth: f64, own_depth: f64| {
             let point = |(k, q): (usize, &DVec2)| match mesh.patch_of[k] {
@@ -153,9 +153,9 @@ impl Recipe for TopDown {
             };
             mesh.net.places_px.iter().enumerate().map(point).collect::<Vec<_>>()
         };
-        let graph = rails::with_leaves(&plain, [leaf(leaf_depth, self.near), leaf(far, far)], depths);
+        let graph = legs::with_leaves(&plain, [leaf(leaf_depth, self.near), leaf(far, far)], depths);
         let folds = graph.folds(setting.bounds());
-        let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;
+        let mut built = graph.morphed(&plain, self.join.morph).build(self.join.bend, size)?;
         built.notes.extend(
             fold_note(folds).map(|note| note + "; make band wider, or move the regions' eyes nearer to the root's"),
         );

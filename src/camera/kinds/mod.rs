@@ -2,6 +2,7 @@
 //! how they are read, and its rays.
 
 pub mod camera_texture;
+mod central;
 pub mod cross_slit;
 pub mod cylinder;
 pub mod display;
@@ -22,17 +23,16 @@ pub mod panini;
 pub mod panorama;
 pub mod pencil;
 pub mod pinhole;
-mod pose;
 pub mod pushbroom;
 pub mod raymap;
 pub mod reflection;
 pub mod sphere;
-mod stand;
 pub mod street;
 mod strips;
 pub mod surround;
 pub mod twist;
 pub(crate) mod values;
+mod viewer;
 
 use super::recipe::Kind;
 use super::{chain, graph, projector};

@@ -201,7 +201,7 @@ pub struct Plan {
     pub centre: DVec3,
     pub scene_size: f64,
     /// How wide images on triangles are filtered, in pixels.
-    pub spread: f32,
+    pub filter_width: f32,
     pub left_out: Vec<LeftOut>,
 }
 
@@ -288,7 +288,7 @@ impl Plan {
             centre: extent.centre,
             scene_size: extent.scene_size,
             // so many boxes of this width tile the pixel
-            spread: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
+            filter_width: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
             left_out,
         }
     }

@@ -47,7 +47,7 @@ impl PageLimits {
 }
 
 impl Pages {
-    /// SampleOffsets the images of `materials`, each once; with an opacity that counts, and without, it is two.
+    /// Places the images of `materials`, each once; with an opacity that counts, and without, it is two.
     ///
     /// # Errors
     /// [`Error::Input`] naming a material whose image is larger than a page, or how many pages there would be.

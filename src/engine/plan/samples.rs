@@ -16,7 +16,7 @@ pub fn at_once(scene: &Scene, camera: &Camera, count: u32) -> bool {
     Asked::new(scene, camera, &wanted).refusal().is_none()
 }
 
-/// SampleOffsets of `count` samples about the pixel's centre, px, right and down, each in (-1/2, 1/2).
+/// Offsets of `count` samples from the pixel's centre, px, right and down, each in (-1/2, 1/2).
 ///
 /// A rank-1 lattice without its origin: the k-th of N samples lies in column k and row (k + 1) g mod (N + 1) - 1 of
 /// an N x N grid, in the middle of its cell, g being the number nearest to (N + 1) / golden ratio that is coprime to
