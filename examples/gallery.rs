@@ -10,7 +10,7 @@ mod dress;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::plan::samples::{at_once, places};
+use anamorph::internals::engine::plan::samples::{at_once, sample_offsets};
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::device::NO_ADAPTER;
@@ -65,7 +65,7 @@ fn render(engine: &mut Engine, example: &Example, folder: &Path) -> Result<RgbIm
     } else {
         let wanted = Wanted { frames: FRAMES, ..Wanted::of(COLOURS.to_vec()) };
         let mut sums = vec![0.0; COLOURS.len() * width as usize * height as usize];
-        for place in places(FRAMES) {
+        for place in sample_offsets(FRAMES) {
             let moved = camera.with_sample_offset(place.x, place.y);
             let frame = colours(engine, &scene, &moved, wanted.clone())?;
             sums.iter_mut().zip(frame).for_each(|(sum, c)| *sum += c / FRAMES as f32);

@@ -6,7 +6,7 @@ mod common;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::plan::samples::{at_once, places};
+use anamorph::internals::engine::plan::samples::{at_once, sample_offsets};
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::gpu::{Gpu, GpuOptions};
 use anamorph::internals::image::compare::compare;
@@ -115,7 +115,7 @@ fn wrong_samples(engine: &mut Engine, scene: &Scene, camera: &Camera) -> Option<
         let wanted = Wanted { samples: SAMPLES, sample_ids: true, ..Wanted::of(vec![Channel::TriangleId]) };
         let rendered = engine.render(scene, camera, &wanted, &RunOptions::default())?;
         let mut wrong = 0;
-        for (place, ids) in places(SAMPLES).into_iter().zip(rendered.sample_ids) {
+        for (place, ids) in sample_offsets(SAMPLES).into_iter().zip(rendered.sample_ids) {
             let planes = vec![(Channel::TriangleId, Plane::U32(ids))];
             let own = Frame { width: SIZE.0, height: SIZE.1, planes };
             let judged = judge(scene, &camera.with_sample_offset(place.x, place.y), &own);

@@ -4,13 +4,13 @@ mod atlas;
 mod bounce_tables;
 pub mod bounces;
 pub mod buffer_table;
+mod caustics;
 pub mod changes;
 pub mod clusters;
 pub mod combinations;
 mod counts;
 mod encode;
 mod frames;
-mod illumination;
 pub mod pages;
 pub mod plan;
 pub mod planned;
@@ -37,12 +37,12 @@ use crate::gpu::recorder::{Passes, Recorder};
 use crate::image::frame::{Channel, Frame};
 use crate::input::{Error, Result};
 use crate::scene::Scene;
-use crate::scene::caustics::Account;
+use crate::scene::caustics::CausticsReport;
+use caustics::DeviceCaustics;
 use changes::Dirty;
 pub use counts::Counts;
 pub use frames::Frames;
 use frames::Timed;
-use illumination::Illuminated;
 use pages::PageStore;
 use planned::{Planned, Planner};
 use resident::Resident;
@@ -86,7 +86,7 @@ pub struct RunOptions {
     /// Every vertex is new in each timed frame.
     pub moving: bool,
     /// The rival that replaces the stages from cull to recheck, if any.
-    pub by: Option<Choice>,
+    pub rival: Option<Choice>,
     /// Disable culling: `cull` keeps every cluster, and rivals do not clip at the edges of pieces.
     pub no_cull: bool,
     /// Arithmetic of the coverage tests.
@@ -119,7 +119,7 @@ pub struct Rendered {
     /// Passes of one frame.
     pub passes: Passes,
     /// Where the light of the scene's caustics went, where the frame shows them.
-    pub caustics: Option<Account>,
+    pub caustics: Option<CausticsReport>,
 }
 
 /// An open adapter with the kernels that were compiled for it.
@@ -127,13 +127,13 @@ pub struct Engine {
     pub gpu: Arc<Gpu>,
     stages: Vec<Arc<Stages>>,
     /// The caustics of the last scene that had some.
-    lit: Option<Arc<Illuminated>>,
+    caustics: Option<Arc<DeviceCaustics>>,
     pages: Arc<PageStore>,
 }
 
 impl Engine {
     pub fn new(gpu: Gpu) -> Engine {
-        Engine { gpu: Arc::new(gpu), stages: Vec::new(), lit: None, pages: Arc::default() }
+        Engine { gpu: Arc::new(gpu), stages: Vec::new(), caustics: None, pages: Arc::default() }
     }
 
     /// On the adapter asked for; `None` on a machine without any.
@@ -173,7 +173,7 @@ impl Engine {
         run: &RunOptions,
     ) -> Result<Frames> {
         let planned = self.planner().plan(scene, camera, wanted, run, None)?;
-        let mut frames = self.place(planned, run)?;
+        let mut frames = self.upload(planned, run)?;
         frames.warm_up()?;
         Ok(frames)
     }
@@ -188,23 +188,23 @@ impl Engine {
         Ok(started.elapsed().as_secs_f64() * 1e3)
     }
 
-    /// Puts on the device what was planned. Its frames have no picture yet.
-    fn place(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
-        let Planned { given, scene, camera, arrangement, plan, clustered, wanted, .. } = planned;
-        let mut painter = self.painter(&given, &camera, &wanted, run)?;
-        let lit = if wanted.has_colour() { self.illuminated(&given)? } else { None };
+    /// Uploads what was planned. No frame is rendered yet.
+    fn upload(&mut self, planned: Planned, run: &RunOptions) -> Result<Frames> {
+        let Planned { given, scene, camera, ray_order, plan, clustered, wanted, .. } = planned;
+        let mut atlas = self.atlas_renderer(&given, &camera, &wanted, run)?;
+        let caustics = if wanted.has_colour() { self.device_caustics(&given)? } else { None };
         let stages = self.stages(plan.variant, &plan.planes)?;
         let after_bounce =
             plan.variant.bounces_rays().then(|| self.stages(plan.variant.after_bounce(), &plan.planes)).transpose()?;
-        let rival = run.by.map(|choice| choice.make(&self.gpu, &scene, setup(&camera, &plan))).transpose()?;
+        let rival = run.rival.map(|choice| choice.make(&self.gpu, &scene, setup(&camera, &plan))).transpose()?;
         let mut resident = Resident::new(&self.gpu, &scene, &clustered, &camera, &plan, run.capacities)?;
-        resident.upload_look(&self.gpu, &self.pages, &scene, &plan)?;
+        resident.upload_appearance(&self.gpu, &self.pages, &scene, &plan)?;
         let draws = rival.as_ref().map_or(0, |r| resident.chunks.iter().map(|c| r.draws(c.slots)).sum::<u64>());
         if let Some(most) = run.draws_max.filter(|most| draws > *most) {
             return Err(Error::input(format!("{draws} triangles to draw a frame; {most} are the most here")));
         }
-        if let Some(painter) = &mut painter {
-            painter.paints_into(&self.gpu, &mut resident.shared)?;
+        if let Some(atlas) = &mut atlas {
+            atlas.render_into(&self.gpu, &mut resident.shared)?;
         }
         Ok(Frames {
             gpu: self.gpu.clone(),
@@ -218,14 +218,14 @@ impl Engine {
             plan,
             wanted,
             resident,
-            caustics: lit,
-            arrangement,
-            painter,
+            caustics,
+            ray_order,
+            atlas,
             rival,
-            kept: None,
+            planes_copy: None,
             shown: Arc::downgrade(&clustered),
             moving: run.moving.then(|| Arc::unwrap_or_clone(clustered)),
-            is_torn: false,
+            is_partly_uploaded: false,
             is_aimed: false,
             dirty: Dirty::All,
             timed: Timed::default(),
@@ -246,5 +246,5 @@ impl Engine {
 /// What a rival needs to know of a plan.
 fn setup<'a>(camera: &'a Camera, plan: &Plan) -> Setup<'a> {
     let rows = plan.rows_max();
-    Setup { camera, variant: plan.variant, rows, middle: plan.middle, anchor: plan.anchor, parameter: 0 }
+    Setup { camera, variant: plan.variant, rows, centre: plan.centre, anchor: plan.anchor, parameter: 0 }
 }

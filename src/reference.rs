@@ -94,9 +94,9 @@ impl<'a> Reference<'a> {
     }
 
     /// Distance from `p` along a unit direction to the nearest of the first `count` triangles, either face, up to `far`.
-    fn blocked(&self, p: glam::DVec3, way: glam::DVec3, far: f64, count: u32) -> Option<f64> {
+    fn blocked(&self, p: glam::DVec3, direction: glam::DVec3, far: f64, count: u32) -> Option<f64> {
         let zero = glam::DVec3::ZERO;
-        let bundle = Bundle { p: [p, zero, zero], d: [way, zero, zero], h: [1.0, 0.0, 0.0] };
+        let bundle = Bundle { p: [p, zero, zero], d: [direction, zero, zero], h: [1.0, 0.0, 0.0] };
         let beam = Beam::over(&bundle, 0.0)?;
         let mut nearest = far;
         let mut is_met = false;

@@ -10,7 +10,7 @@ use anamorph::internals::geometry::generate;
 use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::geometry::place::merge;
 use anamorph::internals::image::frame::{Channel, NO_ID};
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, pinhole, raymap};
 use common::gpu::{Without, assert_right, check, engine, hits, ids, render, wanted};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, mesh, scene, soup};
@@ -37,7 +37,7 @@ fn check_among(name: &str, garbage: impl Fn(&mut Rng) -> [DVec3; 3]) {
         let ball = ids(&frame).iter().filter(|id| (40..360).contains(*id)).count();
         println!("{name} by {kind_name}: {ball} pixels of the ball, {} hits", hits(&frame));
     }
-    check(&format!("{name} by pieces"), &scene, &camera(mesh_camera(1, 5, 4, MeshLook::default()), SIZE, FORWARD));
+    check(&format!("{name} by pieces"), &scene, &camera(mesh_camera(1, 5, 4, MeshShape::default()), SIZE, FORWARD));
     check(&format!("{name} by a ray map"), &scene, &raymap(SIZE.0, SIZE.1, FORWARD));
 }
 
@@ -116,7 +116,7 @@ fn every_kind_at_once() {
 fn a_scene_without_triangles_is_background() {
     for camera in [
         camera(pinhole(DVec3::Z, DVec3::ZERO, 40.0), SIZE, FORWARD),
-        camera(mesh_camera(1, 3, 3, MeshLook::default()), SIZE, FORWARD),
+        camera(mesh_camera(1, 3, 3, MeshShape::default()), SIZE, FORWARD),
         raymap(SIZE.0, SIZE.1, FORWARD),
     ] {
         let lone_points = mesh(vec![DVec3::ZERO, DVec3::X], vec![]);

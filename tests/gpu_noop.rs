@@ -3,7 +3,7 @@
 
 use anamorph::internals::engine::stage::Stages;
 use anamorph::internals::gpu::buffers::Pipeline;
-use anamorph::internals::gpu::device::{Abilities, STORAGE_BUFFERS};
+use anamorph::internals::gpu::device::{AdapterFeatures, STORAGE_BUFFERS};
 use anamorph::internals::gpu::kernels::{Access, Binding, Kernel, Snippet, Variant};
 use anamorph::internals::gpu::layout::LANES;
 use anamorph::internals::gpu::{Gpu, GpuOptions};
@@ -47,15 +47,15 @@ fn feature_sets() -> [(Features, bool, bool); 8] {
 }
 
 #[test]
-fn abilities_follow_from_features_and_ask_for_no_more() {
+fn adapter_features_follow_from_those_of_wgpu_and_ask_for_no_more() {
     for (features, f64, atomics64) in feature_sets() {
         let gpu = open(features, limits(), &GpuOptions::default()).unwrap();
-        let has = Abilities::of(features, &gpu.info);
+        let has = AdapterFeatures::of(features, &gpu.info);
         assert_eq!((has.f64, has.atomics64), (f64, atomics64), "{features:?}");
         assert!(features.contains(has.features()), "{features:?}: asks for {:?}", has.features());
         // subgroups help where they are as wide as a tile
         let info = |size| wgpu::AdapterInfo { subgroup_min_size: size, subgroup_max_size: size, ..gpu.info.clone() };
-        let lanes = |features, size| Abilities::of(features, &info(size)).lanes;
+        let lanes = |features, size| AdapterFeatures::of(features, &info(size)).lanes;
         let more = features.union(Features::SUBGROUP);
         assert!(lanes(more, LANES) && !lanes(features, LANES) && !lanes(more, 2 * LANES));
         assert_eq!(gpu.device.features(), has.features());

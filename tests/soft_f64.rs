@@ -31,8 +31,8 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let row = given[id.x];
-    let a = of_words(row.xy);
-    let b = of_words(row.zw);
+    let a = real_from_bits(row.xy);
+    let b = real_from_bits(row.zw);
     var pair = ZERO;
     pair.both = vec3<f64>(a, b, 1.0);
     pair.spare[id.x & 1u] = pair.both.zyx;
@@ -40,13 +40,13 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
     var turned = vec3<f64>(a, b, 2.0);
     turned -= cross(vec3<f64>(a, b, 0.5), vec3<f64>(b, a, 0.25));
     found[id.x] = array<vec2<u32>, 24>(
-        words_of(a + b), words_of(a - b), words_of(a * b), words_of(a / b),
-        words_of(sqrt(a)), words_of(-a), words_of(abs(a)), words_of(min(a, b)), words_of(max(a, b)),
+        real_to_bits(a + b), real_to_bits(a - b), real_to_bits(a * b), real_to_bits(a / b),
+        real_to_bits(sqrt(a)), real_to_bits(-a), real_to_bits(abs(a)), real_to_bits(min(a, b)), real_to_bits(max(a, b)),
         flag(a < b), flag(a <= b), flag(a == b), flag(a != b), flag(a > b), flag(a >= b),
-        words_of(f64(bitcast<f32>(row.x))), vec2<u32>(bitcast<u32>(f32(a)), 0u),
-        words_of(f64(row.x)), words_of(f64(i32(row.x))), vec2<u32>(u32(select(0.0lf, a, abs(a) < 4e9)), 0u),
-        words_of(dot(vec3<f64>(a, b, 1.5), vec3<f64>(b, a, 0.75))),
-        words_of(turned.z), words_of(picked.z), words_of(select(a, b, all(vec2<f64>(a, b) < vec2<f64>(b, a)))),
+        real_to_bits(f64(bitcast<f32>(row.x))), vec2<u32>(bitcast<u32>(f32(a)), 0u),
+        real_to_bits(f64(row.x)), real_to_bits(f64(i32(row.x))), vec2<u32>(u32(select(0.0lf, a, abs(a) < 4e9)), 0u),
+        real_to_bits(dot(vec3<f64>(a, b, 1.5), vec3<f64>(b, a, 0.75))),
+        real_to_bits(turned.z), real_to_bits(picked.z), real_to_bits(select(a, b, all(vec2<f64>(a, b) < vec2<f64>(b, a)))),
     );
 }
 ";
@@ -265,16 +265,16 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= arrayLength(&given) {
         return;
     }
-    let a = of_words(given[id.x].xy);
-    let b = of_words(given[id.x].zw);
+    let a = real_from_bits(given[id.x].xy);
+    let b = real_from_bits(given[id.x].zw);
     var q = Corners(array<vec3<f64>, 3>(vec3<f64>(a, b, 1.0), vec3<f64>(b, a, 2.0), vec3<f64>(1.0)), vec3<f64>(a));
     q.v[id.x % 3u] = q.v[0] + vec3<f64>(b);
     let w = bernstein(id.x % 4u, a);
     let ends = turns(a, b);
     found[id.x] = array<vec2<u32>, 5>(
-        words_of(around(q, q.n, vec3<f64>(b, 1.0, a))), words_of(w.x + b * w.y + w.z * a + w.w),
-        words_of(select(ends[min(id.x, 1u)], b, id.x % 2u == 0u)), words_of(root(abs(a))),
-        words_of(dot(bernstein(3u, b), vec4<f64>(a, b, 0.5, -1.0))),
+        real_to_bits(around(q, q.n, vec3<f64>(b, 1.0, a))), real_to_bits(w.x + b * w.y + w.z * a + w.w),
+        real_to_bits(select(ends[min(id.x, 1u)], b, id.x % 2u == 0u)), real_to_bits(root(abs(a))),
+        real_to_bits(dot(bernstein(3u, b), vec4<f64>(a, b, 0.5, -1.0))),
     );
 }
 ";

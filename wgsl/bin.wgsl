@@ -33,7 +33,7 @@ fn bin(
     let v1 = vertex(triangle.y);
     let v2 = vertex(triangle.z);
 
-    // of scattered rays, keep the pixels of the item's tile whose rays may meet the triangle's box
+    // of incoherent rays, keep the pixels of the item's tile whose rays may meet the triangle's box
     let lo = min(v0, min(v1, v2));
     let hi = max(v0, max(v1, v2));
     let half = 0.5 * (hi - lo) + BOUND_TOLERANCE * max(abs(lo), abs(hi));

@@ -1,7 +1,7 @@
 // bounce: one thread per pixel of the band.
 // Reads the visibility buffer, the pixel's ray, its path state and the first surface hit; writes the bounced ray and its path
 // state, or zeros where the ray misses the optics.
-// Needs: NONE, PathState, bounce_at, camera_of, head_of, item_index, key_id, norm, ray_bundle, real, real3
+// Needs: NONE, PathState, bounce_at, item_index, key_id, norm, piece_of, ray_bundle, real, real3, round_to_f32
 // Binds: bounced_hi, bounced_lo, bounced_paths, optic, params, paths, visibility
 
 // Maximum squared length of a direction: corners' rays are scaled to 64 times unit length at most.
@@ -9,7 +9,7 @@ const SIZE_MAX: f32 = 65536.0;
 
 fn store_number(at: u32, value: real) {
     // rounded by integer operations: a driver may optimize away a conversion to f32 and back
-    let head = head_of(value);
+    let head = round_to_f32(value);
     bounced_hi[at] = f32(head);
     bounced_lo[at] = f32(value - head);
 }
@@ -57,8 +57,8 @@ fn bounce(
     store_vector(at, select(next.place, real3(optic.from_hi) + real3(optic.from_lo), optic.is_environment == 1u));
     store_vector(at + 3u, next.d);
     let first = select(path.first, surface, path.first == NONE);
-    let camera = select(path.camera, camera_of(surface), path.first == NONE);
+    let piece = select(path.piece, piece_of(surface), path.first == NONE);
     let length = path.length + f32(norm(next.place - p));
     let light = path.light * optic.tint * optic.scale * f32(next.share);
-    bounced_paths[pixel] = PathState(light, length, first, id, camera, 0u);
+    bounced_paths[pixel] = PathState(light, length, first, id, piece, 0u);
 }

@@ -51,7 +51,7 @@ fn prove(cell: Cell, owned: vec2<u32>, pair: vec2<u32>, triangle: vec4<u32>, v: 
     let id = triangle_id(triangle);
     let whole = cell_bundle(cell);
     let facing = select(1, -1, triangle_reversed(triangle));
-    let hidden = select(0, facing, (triangle.w & ONE_SIDED) != 0u);
+    let back_sign = select(0, facing, (triangle.w & ONE_SIDED) != 0u);
     let corner = tile_corner(cell.tile);
     let layer = tile_layer(cell.tile);
     var left = found.xy | found.zw;
@@ -62,7 +62,7 @@ fn prove(cell: Cell, owned: vec2<u32>, pair: vec2<u32>, triangle: vec4<u32>, v: 
         }
         left = without_bit(left, bit);
         let is_inside = COVERAGE_PROVES && any((found.xy & bit_mask(bit)) != vec2<u32>(0u));
-        let proof = pixel_proof(cell, whole, bit % TILE, bit / TILE, v, hidden, is_inside);
+        let proof = pixel_proof(cell, whole, bit % TILE, bit / TILE, v, back_sign, is_inside);
         if !proof.may {
             continue;
         }

@@ -2,9 +2,9 @@
 // Reads clusters and nodes; writes the children that the cluster may meet to the next queue, or to `work`: at level 1,
 // or where all children are one affine bundle and continuing with single triangles is cheaper: the cluster meets many children, or an
 // extent bounds its position in the bundle.
-// Torn nodes of level 1 are queued once more: their tiles go to `work`, and of torn tiles the cells.
+// Discontinuous nodes of level 1 are queued once more: their tiles go to `work`, and of discontinuous tiles the cells.
 // `queue_out` and `work` may overflow: counters keep counting.
-// Needs: BRANCH, COUNT_WORK, Node, RAYS_AFFINE, RAYS_TORN, cell_pack, extent, item_index, level_height, level_width, node_index,
+// Needs: BRANCH, COUNT_WORK, Node, RAYS_AFFINE, RAYS_DISCONTINUOUS, cell_pack, extent, item_index, level_height, level_width, node_index,
 //   node_level, node_meets, node_pack, node_x, node_y, tile_meets
 // Binds: cells, clusters, counters, nodes, params, queue_in, queue_out, step, tile_start, work
 
@@ -53,14 +53,14 @@ fn cull(
     let columns = min(BRANCH, level_width(level - 1u) - x);
     let rows = min(BRANCH, level_height(level - 1u) - y);
     var kept = 0u;
-    var torn = 0u;
+    var discontinuous = 0u;
     var place = vec2<u32>(0u);
     loop {
         let child = node_index(level - 1u, x + place.x, y + place.y);
         if !CULLING || child_meets(level - 1u, x + place.x, y + place.y, nodes[child], centre, half) {
             let bit = 1u << (place.y * BRANCH + place.x);
             kept |= bit;
-            torn |= select(0u, bit, nodes[child].rays == RAYS_TORN);
+            discontinuous |= select(0u, bit, nodes[child].rays == RAYS_DISCONTINUOUS);
         }
         place.x++;
         if place.x == columns {
@@ -86,8 +86,8 @@ fn cull(
         }
     }
 
-    // descend where there is more to tell apart
-    let further = select(torn, kept, level > 2u);
+    // descend where children have much tighter bounds
+    let further = select(discontinuous, kept, level > 2u);
     let done = kept & ~further;
     var at = atomicAdd(&counters[COUNT_WORK], countOneBits(done));
     for (var left = done; left != 0u; left &= left - 1u) {
@@ -116,7 +116,7 @@ fn child_meets(level: u32, x: u32, y: u32, node: Node, centre: vec3<f32>, half: 
     return node_meets(node, centre, half) && (level > 0u || tile_meets(x, y, node, centre, half));
 }
 
-// The cells of a torn tile whose rays the cluster may meet.
+// The cells of a discontinuous tile whose rays the cluster may meet.
 fn descend_to_cells(tile: u32, cluster: u32) {
     let end = tile_start[tile + 1u];
     for (var cell = tile_start[tile]; cell < end; cell++) {

@@ -3,7 +3,7 @@
 // and the flux beyond the map's border to the missed flux. Sums are whole units in two words each, so no order of
 // threads changes them; the host's unit is so large that high words do not run over.
 // Needs: item_index
-// Binds: casting, casts, receivers, sums
+// Binds: caustic_triangles, deposit_params, receivers, sums
 
 // A triangle narrower than this is a line, texels; as caustics/shares.rs has it.
 const LINE_WIDTH: f32 = 1.0 / 256.0;
@@ -147,10 +147,10 @@ fn deposit(
 ) {
     // take a triangle
     let index = item_index(group, groups, lane);
-    if index >= casting.count {
+    if index >= deposit_params.count {
         return;
     }
-    let triangle = casts[index];
+    let triangle = caustic_triangles[index];
     let receiver = receivers[triangle.receiver];
     let size = vec2<f32>(f32(receiver.columns), f32(receiver.rows));
     let lo = min(min(triangle.a, triangle.b), triangle.c);
@@ -158,14 +158,14 @@ fn deposit(
     let base = floor(lo);
     let s = shape_of(triangle.a - base, triangle.b - base, triangle.c - base);
     if s.is_line {
-        atomicAdd(&sums[6u * (casting.texels + 1u)], 1u);
+        atomicAdd(&sums[6u * (deposit_params.texels + 1u)], 1u);
     }
 
     // give each texel its share
     let flux = vec3<f32>(triangle.flux);
     var left = triangle.flux;
     var most = 0.0;
-    var most_texel = casting.texels;
+    var most_texel = deposit_params.texels;
     let first = clamp(base, vec2<f32>(0.0), size);
     let end = clamp(floor(hi) + 1.0, vec2<f32>(0.0), size);
     for (var y = first.y; y < end.y; y += 1.0) {
@@ -188,5 +188,5 @@ fn deposit(
 
     // what is left is rounding, or beyond the border
     let inside = all(lo >= vec2<f32>(0.0)) && all(hi < size);
-    add(select(casting.texels, most_texel, inside), left);
+    add(select(deposit_params.texels, most_texel, inside), left);
 }

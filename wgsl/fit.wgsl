@@ -1,19 +1,19 @@
 // fit: one thread per node of the step's level.
 // Reads the rays of a tile's pixels, or the nodes of the level below; writes the node's affine fit and how far its rays
 // may lie from it, and of tiles which pixels have a ray. The host does the same for a camera's own rays.
-// Needs: BRANCH, Node, RAYS_LOOSE, RAYS_NONE, RAYS_TORN, TILE, field_at, field_direction, field_origin, item_index, level_height,
+// Needs: BRANCH, Node, RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE, TILE, field_at, field_direction, field_origin, item_index, level_height,
 //   level_width, node_index, with_bit
 // Binds: cells, nodes, optic, params, step
 
 // A ray, and its position in [-1, 1]^2 over the node.
-struct Sample {
+struct TileRay {
     place: vec2<f32>,
     p: vec3<f32>,
     d: vec3<f32>,
     exists: bool,
 }
 
-// Samples of a node: pixels of a tile; corners of the fits of its children.
+// Rays of a node: pixels of a tile; corners of the fits of its children.
 const SAMPLES: u32 = 64u;
 
 // Rounding of what is summed up here and by the kernels that read the node, relative to the sizes: 2^-20. In units of
@@ -24,19 +24,19 @@ const FIT_TOLERANCE: f32 = 1.0 / 1048576.0;
 // Places are on a line where their spread's determinant is this share of its square.
 const LINE_SHARE: f32 = 1e-4;
 
-// Rays stray that lie farther from their fit than this share of its slopes, and of their own size; and it pays to go down
+// Rays are loose if they lie farther from their fit than this share of its slopes, and of their own size; and it pays to go down
 // where what lies below is narrower than this share. As plan/fit.rs and plan/nodes.rs have it.
-const STRAY: f32 = 0.25;
-const STRAY_SIZE: f32 = 1.0 / 4096.0;
-const TORN_WIDTH: f32 = 0.5;
+const LOOSE: f32 = 0.25;
+const LOOSE_SIZE: f32 = 1.0 / 4096.0;
+const DISCONTINUOUS_WIDTH: f32 = 0.5;
 
 // Finite: a ray bounced by a surface without a normal hits nothing, and must not widen the bounds of its neighbours.
 fn is_finite(v: vec3<f32>) -> bool {
     return all((bitcast<vec3<u32>>(v) & vec3<u32>(0x7f800000u)) != vec3<u32>(0x7f800000u));
 }
 
-fn sample_of(level: u32, x: u32, y: u32, k: u32) -> Sample {
-    var s: Sample;
+fn tile_ray(level: u32, x: u32, y: u32, k: u32) -> TileRay {
+    var s: TileRay;
     if level == 0u {
         let in_tile = vec2<u32>(k % TILE, k / TILE);
         let px = TILE * vec2<u32>(x, y) + in_tile;
@@ -62,15 +62,15 @@ fn sample_of(level: u32, x: u32, y: u32, k: u32) -> Sample {
     return s;
 }
 
-// Half-size of a bundle at the distance of the scene's middle.
+// Half-size of a bundle at the distance of the scene's centre.
 fn width_of(node: Node) -> f32 {
-    let t = min(length(optic.middle - node.p) / length(node.d), params.t_max.x);
+    let t = min(length(optic.centre - node.p) / length(node.d), params.t_max.x);
     return length(node.px) + length(node.py) + node.r_p + t * (length(node.dx) + length(node.dy) + node.r_d);
 }
 
-fn strays(r: f32, a: vec3<f32>, x: vec3<f32>, y: vec3<f32>) -> bool {
+fn is_loose(r: f32, a: vec3<f32>, x: vec3<f32>, y: vec3<f32>) -> bool {
     let slopes = length(x) + length(y);
-    return r > STRAY * slopes && r > STRAY_SIZE * (length(a) + slopes);
+    return r > LOOSE * slopes && r > LOOSE_SIZE * (length(a) + slopes);
 }
 
 @compute @workgroup_size(64)
@@ -89,7 +89,7 @@ fn fit(
     let x = index % width;
     let y = index / width;
 
-    // find the middle of its rays, and how far those below may lie from what was handed up
+    // find the centre of its rays, and how far those below may lie from what was handed up
     var count = 0.0;
     var place = vec2<f32>(0.0);
     var p = vec3<f32>(0.0);
@@ -97,7 +97,7 @@ fn fit(
     var mask = vec2<u32>(0u);
     var below = vec3<f32>(0.0);
     for (var k = 0u; k < SAMPLES; k++) {
-        let s = sample_of(level, x, y, k);
+        let s = tile_ray(level, x, y, k);
         if s.exists {
             count += 1.0;
             place += s.place;
@@ -128,7 +128,7 @@ fn fit(
         var d_x = vec3<f32>(0.0);
         var d_y = vec3<f32>(0.0);
         for (var k = 0u; k < SAMPLES; k++) {
-            let s = sample_of(level, x, y, k);
+            let s = tile_ray(level, x, y, k);
             if s.exists {
                 let q = s.place - place;
                 spread += vec3<f32>(q.x * q.x, q.x * q.y, q.y * q.y);
@@ -152,7 +152,7 @@ fn fit(
 
         // measure how far the rays are from it
         for (var k = 0u; k < SAMPLES; k++) {
-            let s = sample_of(level, x, y, k);
+            let s = tile_ray(level, x, y, k);
             if s.exists {
                 node.r_p = max(node.r_p, length(node.p + s.place.x * node.px + s.place.y * node.py - s.p));
                 node.r_d = max(node.r_d, length(node.d + s.place.x * node.dx + s.place.y * node.dy - s.d));
@@ -164,12 +164,12 @@ fn fit(
         node.r_d += below.y + FIT_TOLERANCE * (size_d + node.r_d + below.y);
         node.rays = RAYS_LOOSE;
 
-        // torn where what lies below is bounded much better
+        // discontinuous where what lies below is bounded much better
         node.width = width_of(node);
-        let loose = strays(node.r_p, node.p, node.px, node.py) || strays(node.r_d, node.d, node.dx, node.dy);
+        let loose = is_loose(node.r_p, node.p, node.px, node.py) || is_loose(node.r_d, node.d, node.dx, node.dy);
         let width_below = 4.0 * below.z / count;
-        if level > 0u && loose && width_below < TORN_WIDTH * node.width {
-            node.rays = RAYS_TORN;
+        if level > 0u && loose && width_below < DISCONTINUOUS_WIDTH * node.width {
+            node.rays = RAYS_DISCONTINUOUS;
             node.width = width_below;
         }
     }

@@ -1,8 +1,8 @@
 // gather: one thread per pixel of the band.
 // Reads the visibility buffer, the place of the pixel's hit on a receiver, and the flux of the four texels around it; adds
 // its diffuse reflection to the colour planes.
-// Needs: Landing, NONE, Receiver, ends_here, item_index, key_id, light_kept
-// Binds: landing_of, landings, params, planes, receivers, sums, visibility
+// Needs: NONE, Receiver, ReceiverTriangle, ends_here, item_index, key_id, light_kept
+// Binds: params, planes, receiver_triangle_of, receiver_triangles, receivers, sums, visibility
 
 fn received(receiver: Receiver, x: u32, y: u32) -> vec3<f32> {
     let at = 6u * (receiver.first + y * receiver.columns + x);
@@ -23,9 +23,9 @@ fn value(plane: u32, at: u32) -> f32 {
 }
 
 // Diffuse colour of the triangle, from its texture if it has one.
-fn diffuse_of(landing: Landing, pixel: u32) -> vec3<f32> {
+fn diffuse_of(receiver_triangle: ReceiverTriangle, pixel: u32) -> vec3<f32> {
     if PLANE_ALBEDO_R == NONE || PLANE_ALBEDO_G == NONE || PLANE_ALBEDO_B == NONE {
-        return landing.diffuse;
+        return receiver_triangle.diffuse;
     }
     return vec3<f32>(value(PLANE_ALBEDO_R, pixel), value(PLANE_ALBEDO_G, pixel), value(PLANE_ALBEDO_B, pixel));
 }
@@ -43,15 +43,15 @@ fn gather(
     }
     let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
     let id = key_id(~won);
-    if all(won == vec2<u32>(0u)) || !ends_here(id) || id >= arrayLength(&landing_of) || landing_of[id] == NONE {
+    if all(won == vec2<u32>(0u)) || !ends_here(id) || id >= arrayLength(&receiver_triangle_of) || receiver_triangle_of[id] == NONE {
         return;
     }
 
     // find its place on the map
-    let landing = landings[landing_of[id]];
-    let receiver = receivers[landing.receiver];
+    let receiver_triangle = receiver_triangles[receiver_triangle_of[id]];
+    let receiver = receivers[receiver_triangle.receiver];
     let size = vec2<f32>(f32(receiver.columns), f32(receiver.rows));
-    let at = landing.a + value(PLANE_BARY_U, pixel) * landing.ab + value(PLANE_BARY_V, pixel) * landing.ac;
+    let at = receiver_triangle.a + value(PLANE_BARY_U, pixel) * receiver_triangle.ab + value(PLANE_BARY_V, pixel) * receiver_triangle.ac;
     if any(at < vec2<f32>(0.0)) || any(at > size) {
         return;
     }
@@ -65,7 +65,7 @@ fn gather(
     let s = fract(place);
     let above = mix(received(receiver, x, y), received(receiver, x1, y), s.x);
     let below = mix(received(receiver, x, y1), received(receiver, x1, y1), s.x);
-    let light = light_kept(pixel) * diffuse_of(landing, pixel) * mix(above, below, s.y);
+    let light = light_kept(pixel) * diffuse_of(receiver_triangle, pixel) * mix(above, below, s.y);
     add(PLANE_R, pixel, light.x);
     add(PLANE_G, pixel, light.y);
     add(PLANE_B, pixel, light.z);

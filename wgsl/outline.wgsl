@@ -74,9 +74,9 @@ fn outline(
                     continue;
                 }
                 let next = u32(nj) * params.width + u32(ni);
-                // from the pixel's middle to the border between the two
-                let middle = vec2<f32>(f32(i - x) + 0.5 * f32(1 - k), f32(j - y) + 0.5 * f32(k));
-                let past = max(abs(middle) - 0.5 * vec2<f32>(f32(k), f32(1 - k)), vec2<f32>(0.0));
+                // from the pixel's centre to the border between the two
+                let centre = vec2<f32>(f32(i - x) + 0.5 * f32(1 - k), f32(j - y) + 0.5 * f32(k));
+                let past = max(abs(centre) - 0.5 * vec2<f32>(f32(k), f32(1 - k)), vec2<f32>(0.0));
                 let distance = length(past);
                 if differ(own, next) {
                     line = max(line, covered(distance, width_at(own, next), 1.0));

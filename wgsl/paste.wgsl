@@ -1,7 +1,7 @@
 // paste: one thread per pixel of the band.
 // Reads the visibility buffer, the pixel's ray and the facet that it meets first; copies the nearest atlas
-// texel of the facet's camera to the planes.
-// Needs: NONE, camera_of, camera_place, facet_place, facet_weights, item_index, key_id, norm, ray_bundle, real3
+// texel of the facet's piece to the planes.
+// Needs: NONE, facet_place, facet_weights, item_index, key_id, norm, piece_of, piece_weights, ray_bundle, real3
 // Binds: atlas, atlas_layout, optic, params, planes, visibility
 
 fn copied(plane: u32, pixel: u32, texel: u32) {
@@ -43,9 +43,9 @@ fn paste(
     let facet = id - optic.first_id;
     let w = vec3<f32>(facet_weights(facet, b.p / b.h, b.d / b.h));
 
-    // find its texel on its camera: the second corner is below the first, the third beside it; in the lower half rotated by 180 degrees
-    let camera = camera_of(facet);
-    let on = camera_place(facet, w);
+    // find its texel on its piece: the second corner is below the first, the third beside it; in the lower half rotated by 180 degrees
+    let piece = piece_of(facet);
+    let on = piece_weights(facet, w);
     let side = f32(atlas_layout.side);
     let last = atlas_layout.side - 1u;
     let at = clamp(on.yx * side, vec2<f32>(0.0), vec2<f32>(side));
@@ -55,10 +55,10 @@ fn paste(
         let by_row = fract(at.x) < fract(at.y);
         texel = select(vec2<u32>(texel.x, last - texel.x), vec2<u32>(last - texel.y, texel.y), by_row);
     }
-    if camera % 2u == 1u {
+    if piece % 2u == 1u {
         texel = vec2<u32>(last) - texel;
     }
-    let cell = vec2<u32>(camera / 2u % atlas_layout.columns, camera / 2u / atlas_layout.columns);
+    let cell = vec2<u32>(piece / 2u % atlas_layout.columns, piece / 2u / atlas_layout.columns);
     let place = atlas_layout.side * cell + texel;
     let from_texel = place.y * atlas_layout.width + place.x;
 
@@ -82,7 +82,7 @@ fn paste(
     copied(PLANE_UV_U, pixel, from_texel);
     copied(PLANE_UV_V, pixel, from_texel);
     set_word(PLANE_A, pixel, bitcast<u32>(1.0));
-    set_word(PLANE_PIECE_ID, pixel, optic.piece_first + camera);
+    set_word(PLANE_PIECE_ID, pixel, optic.piece_first + piece);
     set_word(PLANE_MIRROR_ID, pixel, facet);
     if PLANE_Z != NONE {
         let path_length = f32(norm(facet_place(facet, real3(w)) - b.p / b.h));

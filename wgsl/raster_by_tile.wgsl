@@ -31,8 +31,8 @@ fn raster(
     }
     let tile = busy[item];
     let node = item_node(tile, lane);
-    let middle = real3(node.p);
-    let column = tile_column(tile, lane, middle);
+    let centre = real3(node.p);
+    let column = tile_column(tile, lane, centre);
     let upper = lines_of(column.upper, column.has_upper);
     let lower = lines_of(column.lower, column.has_lower);
     let reach_q = lanes_max(max(reach_of(upper), reach_of(lower)), lane);
@@ -100,7 +100,7 @@ fn raster(
 
         // what the lanes will share of it
         let reach = max(size(hi[0]), max(size(hi[1]), size(hi[2]))) + size(node.p);
-        let own = shared_of(triangle, v0, v1, v2, middle, reach, reach_q, size(node.d));
+        let own = shared_of(triangle, v0, v1, v2, centre, reach, reach_q, size(node.d));
 
         // test each against the pixels of either half
         var uncertain_upper = 0u;

@@ -2,10 +2,10 @@
 // Reads the visibility keys of a listed pixel's samples, the triangles and the samples' rays; writes the pixel's colour and coverage, the
 // means of its samples', each triangle's share of them by its samples' number or by areas; where these and the centre see one triangle they are what shade has written. Each triangle is shaded once, at the sample nearest to the middle of those that see it.
 // Triangles in another chunk of the scene are left to that chunk's dispatch, which adds its share.
-// Provides: key_of, middle_of, nearest_to, seen_alike
-// Needs: COUNT_EDGES, Lit, Look, NONE, SAMPLES, SLABBED, STYLED, Spread, TEXTURED, all_samples, beyond, drawn, item_index, key_id,
-//   key_layer, key_t, measure, pattern_at, point_at, reach_of, reached, sample_place, sample_ray, sample_spread, seen_next, segment_length,
-//   sent_back, share_of, surface_albedo, surface_normal, whole
+// Provides: centre_of, key_of, nearest_to, seen_alike
+// Needs: COUNT_EDGES, Lit, NONE, RayDifferential, SAMPLES, SLABBED, STYLED, ShadedHit, TEXTURED, all_samples, beyond, drawn, item_index,
+//   key_id, key_layer, key_t, measure, pattern_at, point_at, reach_of, reached, sample_differential, sample_offset, sample_ray, seen_next,
+//   segment_length, sent_back, share_of, surface_albedo, surface_normal, whole
 // Binds: counters, params, planes, samples, shading, slot_of_id, triangles
 
 fn key_of(row: u32, sample: u32) -> vec2<u32> {
@@ -46,7 +46,7 @@ fn resolve(
         if is_hit {
             coverage += share;
             if key_id(~first) - params.id_first < params.id_count {
-                let n = nearest_to(middle_of(same), same);
+                let n = nearest_to(centre_of(same), same);
                 colour += share * seen_by(pixel, row, n, same);
             }
         } else if params.id_first == 0u {
@@ -80,10 +80,10 @@ fn seen_alike(row: u32, left: u32) -> u32 {
     return same;
 }
 
-fn middle_of(some: u32) -> vec2<f32> {
+fn centre_of(some: u32) -> vec2<f32> {
     var sum = vec2<f32>(0.0);
     for (var others = some; others != 0u; others &= others - 1u) {
-        sum += sample_place(firstTrailingBit(others));
+        sum += sample_offset(firstTrailingBit(others));
     }
     return sum / f32(countOneBits(some));
 }
@@ -94,7 +94,7 @@ fn nearest_to(place: vec2<f32>, some: u32) -> u32 {
     var least = 4.0;
     for (var others = some; others != 0u; others &= others - 1u) {
         let n = firstTrailingBit(others);
-        let off = sample_place(n) - place;
+        let off = sample_offset(n) - place;
         let distance = dot(off, off);
         nearest = select(nearest, n, distance < least);
         least = min(least, distance);
@@ -110,14 +110,14 @@ fn seen_by(pixel: u32, row: u32, sample: u32, some: u32) -> vec3<f32> {
     let x = pixel % params.width;
     let y = pixel / params.width;
     let ray = sample_ray(key_layer(key), x, y, sample);
-    var spread: Spread;
+    var differential: RayDifferential;
     if TEXTURED || STYLED {
-        spread = sample_spread(key_layer(key), x, y, sample, key_t(key));
+        differential = sample_differential(key_layer(key), x, y, sample, key_t(key));
     }
     let share = f32(countOneBits(some)) / f32(SAMPLES);
     let n = surface_normal(slot, triangle, ray);
     let p = point_at(ray, key_t(key));
-    let albedo = surface_albedo(slot, triangle, ray, spread);
+    let albedo = surface_albedo(slot, triangle, ray, differential);
     if !STYLED {
         return sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d), share), albedo);
     }
@@ -125,15 +125,15 @@ fn seen_by(pixel: u32, row: u32, sample: u32, some: u32) -> vec3<f32> {
     for (var k = 0u; SLABBED && k < key_layer(key); k++) {
         z += segment_length(k, x, y);
     }
-    let whole = Look(slot, p, z, ray.d, spread, shading.spread);
+    let whole = ShadedHit(slot, p, z, ray.d, differential, shading.filter_width);
     let lit = sent_back(Lit(slot, p, reach_of(ray, key_t(key)), n, normalize(ray.d), share), albedo * pattern_at(whole));
     var sum = vec3<f32>(0.0);
     for (var others = some; others != 0u; others &= others - 1u) {
         let own = firstTrailingBit(others);
         let t = key_t(~key_of(row, own));
         let its = sample_ray(key_layer(key), x, y, own);
-        let look = Look(slot, point_at(its, t), z + reached(its, key_layer(key), x, y, t), its.d, spread, inverseSqrt(f32(SAMPLES)));
-        sum += drawn(look, n, lit);
+        let hit = ShadedHit(slot, point_at(its, t), z + reached(its, key_layer(key), x, y, t), its.d, differential, inverseSqrt(f32(SAMPLES)));
+        sum += drawn(hit, n, lit);
     }
     return sum / f32(countOneBits(some));
 }

@@ -33,8 +33,8 @@ fn sample(
     let bit = bit_mask((y % TILE) * TILE + x % TILE);
     let pixels = vec2<u32>(lanes_any(bit.x, lane), lanes_any(bit.y, lane));
     let node = item_node(tile, lane);
-    let middle = real3(node.p);
-    let rays = sample_strip(tile, x, y, first, middle);
+    let centre = real3(node.p);
+    let rays = sample_strip(tile, x, y, first, centre);
     let exists = rays.exists & vec4<bool>(is_one);
     let lines = lines_of(rays.strip, exists);
     let reach_q = lanes_max(reach_of(lines), lane);
@@ -69,7 +69,7 @@ fn sample(
         let v1 = real3(hi[1]) + real3(vertex_lo(triangle.y));
         let v2 = real3(hi[2]) + real3(vertex_lo(triangle.z));
         let reach = max(size(hi[0]), max(size(hi[1]), size(hi[2]))) + size(node.p);
-        let own = shared_of(triangle, v0, v1, v2, middle, reach, reach_q, size(node.d));
+        let own = shared_of(triangle, v0, v1, v2, centre, reach, reach_q, size(node.d));
 
         // test each against the strips
         var unproven = 0u;

@@ -2,10 +2,10 @@
 // Reads the visibility buffer, the triangle that won and the pixel's ray; writes the planes that were asked for.
 // A pixel whose triangle lies in another chunk of the scene is left to that chunk's dispatch.
 // Provides: Place
-// Needs: Bundle, Lit, Look, NONE, SLABBED, STYLED, Spread, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece, first_surface,
-//   goes_on, in_file_order, is_under_way, item_index, key_id, key_layer, key_t, light_before, light_left, path_length, pattern_at,
-//   piece_number, pixel_ray, point_at, ray_bundle, ray_spread, reach_of, reached, real3, says_what_is_seen, segment_length, sent_back,
-//   surface_albedo, surface_normal, surface_uv, vertex_real
+// Needs: Bundle, Lit, NONE, RayDifferential, SLABBED, STYLED, ShadedHit, TEXTURED, beyond, colour_of, drawn, ends_on_smooth, first_piece,
+//   first_surface, goes_on, has_path, in_file_order, item_index, key_id, key_layer, key_t, light_before, light_left, path_length,
+//   pattern_at, piece_number, pixel_ray, point_at, ray_bundle, ray_differential, reach_of, reached, real3, says_what_is_seen,
+//   segment_length, sent_back, surface_albedo, surface_normal, surface_uv, vertex_real
 // Binds: params, planes, shading, slot_of_id, triangles, visibility
 
 fn store(plane: u32, at: Place, word: u32) {
@@ -40,7 +40,7 @@ fn shade(
     }
     let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
     if all(won == vec2<u32>(0u)) {
-        if params.id_first == 0u && is_under_way(pixel % params.width, pixel / params.width) {
+        if params.id_first == 0u && has_path(pixel % params.width, pixel / params.width) {
             store_miss(at, beyond(pixel % params.width, pixel / params.width));
         }
         return;
@@ -94,12 +94,12 @@ fn shade(
         store(PLANE_BARY_U, at, bitcast<u32>(weights.y));
         store(PLANE_BARY_V, at, bitcast<u32>(weights.z));
     }
-    var spread: Spread;
+    var differential: RayDifferential;
     if TEXTURED || STYLED {
-        spread = ray_spread(layer, x, y, t);
+        differential = ray_differential(layer, x, y, t);
     }
-    let look = Look(slot, point_at(ray, t), z, ray.d, spread, shading.spread);
-    let diffuse = surface_albedo(slot, triangle, ray, spread) * pattern_at(look);
+    let hit = ShadedHit(slot, point_at(ray, t), z, ray.d, differential, shading.filter_width);
+    let diffuse = surface_albedo(slot, triangle, ray, differential) * pattern_at(hit);
     let n = surface_normal(slot, triangle, ray);
     store_surface(at, n, point_at(ray, t) + shading.anchor, colour_of(id, diffuse));
     if PLANE_UV_U != NONE || PLANE_UV_V != NONE {
@@ -107,7 +107,7 @@ fn shade(
     }
     if PLANE_R != NONE || PLANE_G != NONE || PLANE_B != NONE {
         let lit = sent_back(Lit(slot, point_at(ray, t), reach_of(ray, t), n, normalize(ray.d), 1.0), diffuse);
-        store_light(at, colour_of(id, drawn(look, n, lit)));
+        store_light(at, colour_of(id, drawn(hit, n, lit)));
     }
 }
 

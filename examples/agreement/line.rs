@@ -196,7 +196,7 @@ impl Figures {
         FrameMs::of(&self.frame_ms).median
     }
 
-    /// Which of the engine's ways the frame took.
+    /// Which kernels the frame took.
     pub fn passes_used(&self) -> String {
         let of = |n: u32, one: &str, more: &str| format!("{n} {}", if n == 1 { one } else { more });
         let slabs = match (self.layers, self.spans) {

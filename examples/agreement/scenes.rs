@@ -142,7 +142,7 @@ pub fn write_camera_files(folder: &Path) -> Result<()> {
     write_npy_f64(&folder.join("rosette.npy"), &[u64::from(w) * u64::from(h), 6], &shots)
 }
 
-/// Where the viewer of `raymap` and of the rosette stands, and the ways ahead, to the right and up.
+/// Where the viewer of `raymap` and of the rosette stands, and the directions ahead, to the right and up.
 fn pose() -> (DVec3, [DVec3; 3]) {
     let eye = DVec3::new(1.5, 2.0, 3.0);
     let forward = -eye.normalize();

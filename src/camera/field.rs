@@ -43,8 +43,8 @@ pub struct Field {
     rays: Vec<Option<(DVec3, DVec3)>>,
     /// The formula of the rays, if any.
     map: Option<Sampled>,
-    /// Whether the pixels are sorted by their rays ([`super::arranged`]).
-    pub is_sorted: bool,
+    /// Whether the pixels are sorted by their rays ([`super::ray_order`]).
+    pub is_reordered: bool,
 }
 
 /// A formula, and the sample position, px from the pixel's top left corner.
@@ -73,7 +73,7 @@ impl Field {
         if rays.iter().all(Option::is_none) {
             return Err(Error::input("camera: no pixel of the ray map holds a finite ray with a direction"));
         }
-        Ok(Field { width, height, rays, map: None, is_sorted: false })
+        Ok(Field { width, height, rays, map: None, is_reordered: false })
     }
 
     /// The rays of a formula at the centres of `width x height` pixels.
@@ -90,18 +90,18 @@ impl Field {
         let size = DVec2::new(width as f64, height as f64);
         let count = width as usize * height as usize;
         if count > STORED_MAX {
-            return Field { width, height, rays: Vec::new(), map: Some(map), is_sorted: false };
+            return Field { width, height, rays: Vec::new(), map: Some(map), is_reordered: false };
         }
         let pixels = (0..count).into_par_iter();
         let place = |k: usize| DVec2::new((k % width as usize) as f64, (k / width as usize) as f64);
         let rays = pixels.map(|k| map.ray(place(k) + map.sample, size)).collect();
-        Field { width, height, rays, map: Some(map), is_sorted: false }
+        Field { width, height, rays, map: Some(map), is_reordered: false }
     }
 
     /// A field whose pixel k has the ray of this one's pixel `source[k]`, numbered row by row.
-    pub(super) fn rearranged(&self, source: &[u32]) -> Field {
+    pub(super) fn reordered(&self, source: &[u32]) -> Field {
         let ray = |k: &u32| self.ray(k % self.width, k / self.width);
-        Field { rays: source.iter().map(ray).collect(), map: None, is_sorted: true, ..*self }
+        Field { rays: source.iter().map(ray).collect(), map: None, is_reordered: true, ..*self }
     }
 
     /// The formula of the rays, if any.
@@ -112,7 +112,7 @@ impl Field {
     /// A field of the same pixels and samples by another formula, evaluated for each ray when it is needed.
     pub fn by_map(&self, map: Arc<dyn RayMap>) -> Field {
         let sample = self.map.as_ref().map_or(DVec2::splat(0.5), |m| m.sample);
-        Field { rays: Vec::new(), map: Some(Sampled { map, sample }), is_sorted: false, ..*self }
+        Field { rays: Vec::new(), map: Some(Sampled { map, sample }), is_reordered: false, ..*self }
     }
 
     /// The same, its rays computed now and stored unless there are too many.
@@ -262,7 +262,7 @@ impl Field {
         }
         let at = |i: u32, j: u32| self.ray_at_offset(i, j, DVec2::new(dx, dy));
         let rays = (0..self.height).flat_map(|j| (0..self.width).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();
-        Field { width: self.width, height: self.height, rays, map: None, is_sorted: false }
+        Field { width: self.width, height: self.height, rays, map: None, is_reordered: false }
     }
 }
 

@@ -9,7 +9,6 @@
 /// Pixels per side of a tile of the image.
 pub const TILE: u32 = 8;
 
-pub mod arranged;
 mod boxes;
 pub mod bundle;
 pub mod chain;
@@ -26,6 +25,7 @@ pub mod pieces;
 pub mod pose;
 pub mod project;
 pub mod projector;
+pub mod ray_order;
 pub mod recipe;
 pub mod spec;
 pub mod tessellate;
@@ -147,7 +147,7 @@ impl Camera {
 
     /// Number of pieces in all layers, plus those of its optics (facets or smooth parts); 0 for a ray field.
     pub fn piece_count(&self) -> usize {
-        self.first_piece(self.layers.len()) as usize + self.optics.as_ref().map_or(0, |o| o.camera_count())
+        self.first_piece(self.layers.len()) as usize + self.optics.as_ref().map_or(0, |o| o.piece_count())
     }
 
     /// Number of the first piece of a layer: those of the lower layers come before it.

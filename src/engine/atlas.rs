@@ -14,22 +14,22 @@ use crate::scene::Scene;
 use std::sync::Arc;
 use wgpu::BufferUsages;
 
-/// Frames that are an atlas.
-pub struct Painter {
+/// Renders the atlas of a camera that has one.
+pub struct AtlasRenderer {
     pub frames: Box<Frames>,
     layout: Layout,
 }
 
 impl Engine {
-    /// What makes the atlas of a camera that has one. Its planes are those of the frame, less the facets' own number, which is
+    /// The renderer of the atlas of a camera that has one. Its planes are those of the frame, less the facets' own number, which is
     /// the last.
-    pub(super) fn painter(
+    pub(super) fn atlas_renderer(
         &mut self,
         scene: &Scene,
         camera: &Camera,
         wanted: &Wanted,
         run: &RunOptions,
-    ) -> Result<Option<Painter>> {
+    ) -> Result<Option<AtlasRenderer>> {
         let Some((optics, atlas, facets, law)) = camera.optics.as_deref().and_then(parts) else { return Ok(None) };
         let mut channels = wanted.channels.clone();
         if wanted.srgb8 {
@@ -42,8 +42,8 @@ impl Engine {
         let cameras = facets.copy();
         let camera = atlas_camera(optics, atlas, cameras, law)?;
         let planned = self.planner().plan_in_order(scene, Arc::new(camera), &wanted, run, None)?;
-        let frames = Box::new(self.place(planned, run)?);
-        Ok(Some(Painter { frames, layout: Layout::new(cameras.triangles.len(), atlas.texels) }))
+        let frames = Box::new(self.upload(planned, run)?);
+        Ok(Some(AtlasRenderer { frames, layout: Layout::new(cameras.triangles.len(), atlas.texels) }))
     }
 }
 
@@ -54,20 +54,20 @@ fn parts(optics: &Optics) -> Option<(&Optics, &Atlas, &Facets, Law)> {
     }
 }
 
-impl Painter {
-    /// Lets its frames go to `atlas`, 4 bytes a texel and channel, which paste reads.
-    pub fn paints_into(&mut self, gpu: &Gpu, buffers: &mut Buffers) -> Result<()> {
+impl AtlasRenderer {
+    /// Copies its planes to the buffer `atlas`, 4 bytes a texel and channel, which paste reads.
+    pub fn render_into(&mut self, gpu: &Gpu, buffers: &mut Buffers) -> Result<()> {
         let (width, height) = self.layout.size();
         let Layout { side, columns, .. } = self.layout;
         let texel_count = width * height;
         let bytes = 4 * u64::from(texel_count) * self.frames.plan.planes.len() as u64;
         buffers.create(gpu, "atlas", bytes, BufferUsages::empty())?;
-        self.frames.kept = buffers.get("atlas").cloned();
+        self.frames.planes_copy = buffers.get("atlas").cloned();
         buffers.upload_uniform(gpu, "atlas_layout", &AtlasLayout { side, columns, width, texel_count })
     }
 
-    /// The frame that shows the atlas, with what both took.
-    pub fn joined(self, frame: Rendered) -> Result<Rendered> {
+    /// The frame that shows the atlas, with the statistics of both.
+    pub fn merged_into(self, frame: Rendered) -> Result<Rendered> {
         let own = self.frames.finish()?;
         let mut stages = own.stages;
         for (name, ms) in frame.stages {

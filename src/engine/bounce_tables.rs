@@ -49,7 +49,7 @@ impl BounceTables {
         let mut surface = Buffers::default();
         SurfaceRows::new(&optics.surface, plan.anchor).upload(gpu, &mut surface)?;
         let mut untouched = Buffers::default();
-        let nothing = layout::PathState { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
+        let nothing = layout::PathState { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, piece: 0, pad0: 0 };
         untouched.upload(gpu, "paths", &vec![nothing; pixels])?;
         if is_split {
             untouched.create(gpu, "visibility", 8 * pixels as u64, BufferUsages::empty())?;

@@ -11,7 +11,7 @@ use crate::image::frame::Channel;
 pub struct Row {
     pub name: &'static str,
     pub bytes: Bytes,
-    /// The kernels that write it; apart from them the host does, where [`Row::is_uploaded`].
+    /// The kernels that write it; otherwise the host writes it, where [`Row::is_uploaded`].
     pub written_by: &'static [KernelId],
     pub read_by: &'static [KernelId],
     pub lasts: Lasts,
@@ -31,7 +31,7 @@ pub enum Bytes {
 /// How long kernels find in a buffer what was written there in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lasts {
-    /// Until another scene, camera or look is uploaded.
+    /// Until another scene, camera or appearance is uploaded.
     Upload,
     /// As long as the same band is rendered.
     Band,
@@ -74,10 +74,10 @@ impl Sizes<'_> {
 }
 
 /// Bytes of an item of a list: two words.
-pub const ITEM: u64 = 8;
+pub const ITEM_BYTES: u64 = 8;
 
-/// Bytes of a row of four words.
-pub const FOUR: u64 = 16;
+/// Bytes of a vec4.
+pub const VEC4_BYTES: u64 = 16;
 
 /// Blocks of [`LANES`] strips of four samples: of each tile the last one may be partly empty.
 fn blocks(s: &Sizes) -> u64 {
@@ -129,13 +129,17 @@ pub fn table() -> Vec<Row> {
         uploaded("lights", 16, &[Shade, Resolve]),
         uploaded("shading", size_of::<layout::Shading>(), &[Shade, Resolve, Write]),
         uploaded("style", size_of::<layout::Style>(), &[Shade, Resolve, Outline]),
-        uploaded("landing_of", 4, &[Gather]),
-        uploaded("landings", size_of::<layout::Landing>(), &[Gather]),
+        uploaded("receiver_triangle_of", 4, &[Gather]),
+        uploaded("receiver_triangles", size_of::<layout::ReceiverTriangle>(), &[Gather]),
         uploaded("receivers", size_of::<layout::Receiver>(), &[Gather]),
         uploaded("sums", 4, &[Gather]),
         // the camera
         uploaded("params", size_of::<layout::Params>(), &KernelId::ALL),
-        uploaded("places", size_of::<layout::Places>(), &[Sample, SampleByTile, RecheckSamples, Resolve]),
+        uploaded(
+            "sample_offsets",
+            size_of::<layout::SampleOffsets>(),
+            &[Sample, SampleByTile, RecheckSamples, Resolve],
+        ),
         uploaded(
             "tile_start",
             4,
@@ -169,7 +173,7 @@ pub fn table() -> Vec<Row> {
         ),
         uploaded("rays_lo", 24, &[Raster, Recheck, Meet, Certify, Sample, SampleByTile, RecheckSamples, Shade, Bounce]),
         uploaded("cell_samples", 8, SAMPLED),
-        uploaded("rays_aside", 24, &[Sample, SampleByTile, RecheckSamples, Resolve]),
+        uploaded("sample_ray_deltas", 24, &[Sample, SampleByTile, RecheckSamples, Resolve]),
         Row {
             written_by: &[Fit],
             ..uploaded(
@@ -246,11 +250,11 @@ pub fn table() -> Vec<Row> {
             &[Cull, Split, Bin, Sort, Raster, Recheck, Certify, Edges, Sample, SampleByTile, RecheckSamples, Resolve],
         ),
         // lists between the stages
-        row("queue_even", Job, |s| Some(ITEM * s.capacities.queue), &[Cull], &[Cull]),
-        row("queue_odd", Job, |s| Some(ITEM * s.capacities.queue), &[Cull], &[Cull]),
-        row("work", Job, |s| Some(ITEM * s.capacities.work), &[Cull], &[Split]),
-        row("tasks", Job, |s| Some(ITEM * s.capacities.tasks), &[Split], &[Bin]),
-        row("unsorted", Job, |s| s.by_tile(ITEM * s.capacities.pairs), &[Bin], &[Sort]),
+        row("queue_even", Job, |s| Some(ITEM_BYTES * s.capacities.queue), &[Cull], &[Cull]),
+        row("queue_odd", Job, |s| Some(ITEM_BYTES * s.capacities.queue), &[Cull], &[Cull]),
+        row("work", Job, |s| Some(ITEM_BYTES * s.capacities.work), &[Cull], &[Split]),
+        row("tasks", Job, |s| Some(ITEM_BYTES * s.capacities.tasks), &[Split], &[Bin]),
+        row("unsorted", Job, |s| s.by_tile(ITEM_BYTES * s.capacities.pairs), &[Bin], &[Sort]),
         row("ranks", Job, |s| s.by_tile(4 * s.capacities.pairs), &[Bin], &[Sort]),
         row("starts", Job, |s| s.by_tile(4 * s.tiles()), &[Allot, Raster], &[Sort, Raster, EdgesByTile]),
         row("ends", Job, |s| s.by_tile(4 * s.tiles()), &[Bin, Allot], &[Bin, Allot, Raster, EdgesByTile]),
@@ -258,14 +262,14 @@ pub fn table() -> Vec<Row> {
         row(
             "pairs",
             Job,
-            |s| Some(ITEM * s.capacities.pairs),
+            |s| Some(ITEM_BYTES * s.capacities.pairs),
             &[Bin, Sort],
             &[Raster, Recheck, Certify, Edges, Sample, EdgesByTile, RecheckSamples],
         ),
         row(
             "recheck_items",
             Job,
-            |s| Some(ITEM * s.capacities.recheck_items),
+            |s| Some(ITEM_BYTES * s.capacities.recheck_items),
             &[Raster, SampleByTile],
             &[Recheck, RecheckSamples],
         ),
@@ -273,16 +277,16 @@ pub fn table() -> Vec<Row> {
         row(
             "samples",
             Lasts::Bounce,
-            |s| s.of_samples(ITEM * u64::from(s.plan.variant.samples + 1) * s.capacities.edges),
+            |s| s.of_samples(ITEM_BYTES * u64::from(s.plan.variant.samples + 1) * s.capacities.edges),
             &[Edges, Sample, EdgesByTile, SampleByTile, RecheckSamples],
             &[Sample, SampleByTile, RecheckSamples, Resolve],
         ),
         row("edge_of", Lasts::Bounce, |s| s.of_samples(4 * s.pixels()), &[Edges, EdgesByTile], &[Edges, Sample]),
-        row("blocks", Job, |s| s.samples_by_tile.then(|| FOUR * blocks(s)), &[EdgesByTile], &[SampleByTile]),
+        row("blocks", Job, |s| s.samples_by_tile.then(|| VEC4_BYTES * blocks(s)), &[EdgesByTile], &[SampleByTile]),
         row(
             "touches",
             Job,
-            |s| s.samples_by_tile.then_some(FOUR * s.capacities.pairs),
+            |s| s.samples_by_tile.then_some(VEC4_BYTES * s.capacities.pairs),
             &[EdgesByTile],
             &[SampleByTile],
         ),

@@ -4,7 +4,7 @@
 use super::planned::Planned;
 use crate::camera::Camera;
 use crate::engine::clusters::Clustered;
-use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
+use crate::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
 use crate::gpu::kernels::Variant;
 use crate::scene::Scene;
 use std::sync::{Arc, Weak};
@@ -17,11 +17,11 @@ pub struct Changes {
     /// Triangles in their clusters.
     pub triangles: bool,
     /// Where triangles lie about the anchor.
-    pub places: bool,
+    pub positions: bool,
     /// Holes in triangles.
     pub holes: bool,
     /// Lights, materials, lines or the background.
-    pub look: bool,
+    pub appearance: bool,
 }
 
 /// What changed since the picture was made, and so which stages are to run.
@@ -42,7 +42,7 @@ pub(super) struct Shown<'a> {
 
 impl Changes {
     /// Nothing is known of what was there.
-    pub const ALL: Changes = Changes { plan: true, triangles: true, places: true, holes: true, look: true };
+    pub const ALL: Changes = Changes { plan: true, triangles: true, positions: true, holes: true, appearance: true };
 
     /// From what is shown to a frame that was planned.
     pub(super) fn between(shown: &Shown, next: &Planned) -> Changes {
@@ -50,22 +50,22 @@ impl Changes {
         Changes {
             plan: !Arc::ptr_eq(plan, shown.plan),
             triangles: !shown.clustered.ptr_eq(&Arc::downgrade(clustered)),
-            places: !(same_mesh(scene, shown.scene) && plan.anchor == shown.plan.anchor),
+            positions: !(same_mesh(scene, shown.scene) && plan.anchor == shown.plan.anchor),
             // part of the mesh
             holes: false,
-            look: !same_look(scene, shown.scene),
+            appearance: !same_appearance(scene, shown.scene),
         }
     }
 
     /// What the device has of lights and materials follows from something that changed.
-    pub fn needs_look(self) -> bool {
-        self.plan || self.places || self.look
+    pub fn needs_appearance(self) -> bool {
+        self.plan || self.positions || self.appearance
     }
 
     /// Which stages are to run again.
     pub fn dirty(self) -> Dirty {
-        let Changes { plan, triangles, places, holes, look } = self;
-        match (plan || triangles || places || holes, look) {
+        let Changes { plan, triangles, positions, holes, appearance } = self;
+        match (plan || triangles || positions || holes, appearance) {
             (true, _) => Dirty::All,
             (false, true) => Dirty::Appearance,
             (false, false) => Dirty::Nothing,
@@ -77,7 +77,7 @@ impl Changes {
 pub(super) struct PlannedBy<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Arc<Camera>,
-    pub around: Surroundings,
+    pub extent: SceneExtent,
     pub wanted: &'a Wanted,
     pub variant: Variant,
 }
@@ -85,11 +85,11 @@ pub(super) struct PlannedBy<'a> {
 impl PlannedBy<'_> {
     /// The plan of `last` is the plan for this.
     pub fn is_that_of(&self, last: &Planned) -> bool {
-        let PlannedBy { scene, camera, around, wanted, variant } = self;
-        let Plan { anchor, middle, scene_size, .. } = *last.plan;
+        let PlannedBy { scene, camera, extent, wanted, variant } = self;
+        let Plan { anchor, centre, scene_size, .. } = *last.plan;
         Arc::ptr_eq(&last.camera, camera)
-            && Surroundings { anchor, middle, scene_size } == *around
-            && Contents::of(&last.scene) == Contents::of(scene)
+            && SceneExtent { anchor, centre, scene_size } == *extent
+            && SceneContents::of(&last.scene) == SceneContents::of(scene)
             && last.wanted == **wanted
             && (&last.scene.style, last.scene.caustics.is_some()) == (&scene.style, scene.caustics.is_some())
             && last.plan.variant == *variant
@@ -107,15 +107,15 @@ fn same_mesh(a: &Scene, b: &Scene) -> bool {
     Arc::ptr_eq(&a.mesh, &b.mesh)
 }
 
-/// Both are lit and drawn alike, what their triangles are made of aside.
-fn same_look(a: &Scene, b: &Scene) -> bool {
+/// Both have the same lights, style and background; materials may differ.
+fn same_appearance(a: &Scene, b: &Scene) -> bool {
     let is_same_sky = match (&a.sky, &b.sky) {
         (Some(a), Some(b)) => Arc::ptr_eq(a, b),
         (None, None) => true,
         _ => false,
     };
-    let look = |s: &Scene| (s.style, s.ambient_occlusion, s.background, s.tone);
-    is_same_sky && a.lights == b.lights && look(a) == look(b)
+    let appearance = |s: &Scene| (s.style, s.ambient_occlusion, s.background, s.tone);
+    is_same_sky && a.lights == b.lights && appearance(a) == appearance(b)
 }
 
 #[cfg(test)]
@@ -125,12 +125,12 @@ mod tests {
     #[test]
     fn light_alone_runs_what_follows_the_visibility_buffer() {
         assert_eq!(Changes::default().dirty(), Dirty::Nothing);
-        assert_eq!(Changes { look: true, ..Changes::default() }.dirty(), Dirty::Appearance);
+        assert_eq!(Changes { appearance: true, ..Changes::default() }.dirty(), Dirty::Appearance);
         let none = Changes::default();
         let whole = [
             Changes { plan: true, ..none },
             Changes { triangles: true, ..none },
-            Changes { places: true, ..none },
+            Changes { positions: true, ..none },
             Changes { holes: true, ..none },
             Changes::ALL,
         ];

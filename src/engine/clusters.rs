@@ -187,7 +187,7 @@ fn morton_order(mesh: &Mesh, ids: std::ops::Range<u32>) -> Vec<u32> {
         .filter(|&id| has_area(&corners(id)))
         .map(|id| {
             let place = (corners(id).iter().sum::<DVec3>() - bounds.0) * scale;
-            (spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2, id)
+            (interleave(place.x) | interleave(place.y) << 1 | interleave(place.z) << 2, id)
         })
         .collect();
     keyed.par_sort_unstable();
@@ -195,7 +195,7 @@ fn morton_order(mesh: &Mesh, ids: std::ops::Range<u32>) -> Vec<u32> {
 }
 
 /// The low 21 bits of a number, two zero bits between each.
-fn spread(place: f64) -> u64 {
+fn interleave(place: f64) -> u64 {
     let mut x = place.max(0.0) as u64 & 0x1f_ffff;
     x = (x | x << 32) & 0x1f00000000ffff;
     x = (x | x << 16) & 0x1f0000ff0000ff;

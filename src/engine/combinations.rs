@@ -1,7 +1,7 @@
 //! What does not go together in a frame: one table. Errors are made from it, and `docs/reference/combinations.md` shows it.
 
 use crate::camera::Camera;
-use crate::camera::arranged::is_scattered;
+use crate::camera::ray_order::is_incoherent;
 use crate::engine::plan::samples::AT_ONCE_MAX;
 use crate::engine::plan::slabs::kind;
 use crate::engine::plan::{Plan, Wanted};
@@ -33,7 +33,7 @@ pub enum Feature {
     Optics,
     Bounces,
     Atlas,
-    Scattered,
+    Incoherent,
     Bands,
     Chunks,
     Aimed,
@@ -57,7 +57,7 @@ pub struct Asked<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Camera,
     pub wanted: &'a Wanted,
-    pub by: Option<Choice>,
+    pub rival: Option<Choice>,
     pub no_cull: bool,
     pub moving: bool,
     /// [`Feature::Aimed`], [`Feature::Relit`] or [`Feature::InSequence`], where a frame follows another one.
@@ -106,7 +106,7 @@ pub const REFUSALS: &[Refusal] = {
             ONE,
         ),
         row(
-            &[Samples, Scattered],
+            &[Samples, Incoherent],
             "{samples} samples a pixel of {camera} take a frame each: rays of neighbouring pixels are unrelated",
             ONE,
         ),
@@ -121,13 +121,13 @@ pub const REFUSALS: &[Refusal] = {
         row(&[RivalWithoutCulling, NoCull], "{rival} culls nothing", "leave out --no-cull"),
         row(&[Outlines, Atlas], "outlines and borders are not drawn with an atlas", "leave atlas out"),
         row(
-            &[Outlines, Scattered],
+            &[Outlines, Incoherent],
             "outlines and borders compare neighbouring pixels, whose rays are unrelated in this camera",
             WITHOUT_LINES,
         ),
         row(&[Rows, Outlines], "strips have no outlines and borders", WITHOUT_LINES),
         row(
-            &[Rows, Scattered],
+            &[Rows, Incoherent],
             "strips need neighbouring pixels with similar rays, which this camera does not have",
             "take all rows",
         ),
@@ -175,7 +175,7 @@ impl Feature {
             Optics,
             Bounces,
             Atlas,
-            Scattered,
+            Incoherent,
             Bands,
             Chunks,
             Aimed,
@@ -206,7 +206,7 @@ impl Feature {
             Feature::Optics => "a mirror or lens",
             Feature::Bounces => "a mirror or lens without an atlas",
             Feature::Atlas => "a mirror or lens with an atlas",
-            Feature::Scattered => "unrelated rays in neighbouring pixels",
+            Feature::Incoherent => "unrelated rays in neighbouring pixels",
             Feature::Bands => "an image larger than the adapter's bindings",
             Feature::Chunks => "a scene larger than the adapter's bindings",
             Feature::Aimed => "`Frames::aim`",
@@ -217,7 +217,7 @@ impl Feature {
 
     /// The frame has it.
     pub fn is_in(self, asked: &Asked) -> bool {
-        let Asked { scene, camera, wanted, by, no_cull, moving, change, planned } = asked;
+        let Asked { scene, camera, wanted, rival, no_cull, moving, change, planned } = asked;
         match self {
             Feature::NoSamples => wanted.samples == 0,
             Feature::OneSample => wanted.samples == 1,
@@ -227,8 +227,8 @@ impl Feature {
             Feature::Certified => wanted.channels.contains(&Channel::Certified),
             Feature::Outlines => scene.style.is_between_pixels() && wanted.has_colour(),
             Feature::Rows => wanted.rows.is_some(),
-            Feature::Rival => by.is_some(),
-            Feature::RivalWithoutCulling => by.is_some_and(|choice| !choice.technique.culls),
+            Feature::Rival => rival.is_some(),
+            Feature::RivalWithoutCulling => rival.is_some_and(|choice| !choice.technique.culls),
             Feature::NoCull => *no_cull,
             Feature::Moving => *moving,
             Feature::Caustics => scene.caustics.is_some(),
@@ -238,7 +238,7 @@ impl Feature {
             Feature::Optics => camera.optics.is_some(),
             Feature::Bounces => camera.optics.as_ref().is_some_and(|o| o.atlas.is_none()),
             Feature::Atlas => camera.optics.as_ref().is_some_and(|o| o.atlas.is_some()),
-            Feature::Scattered => is_scattered(camera),
+            Feature::Incoherent => is_incoherent(camera),
             Feature::Bands => planned.is_some_and(|(plan, _)| plan.bands.len() > 1),
             Feature::Chunks => planned.is_some_and(|(_, chunks)| chunks > 1),
             Feature::Aimed | Feature::Relit | Feature::InSequence => *change == Some(self),
@@ -249,7 +249,7 @@ impl Feature {
 impl Refusal {
     /// The error, in a line.
     pub fn text(&self, asked: &Asked) -> String {
-        let rival = asked.by.map_or("", |choice| choice.technique.name);
+        let rival = asked.rival.map_or("", |choice| choice.technique.name);
         let (rows, chunks) = asked.planned.map_or((0, 0), |(plan, chunks)| (plan.rows_max(), chunks));
         format!("{}; {}", self.reason, self.remedy)
             .replace("{rival}", rival)
@@ -263,7 +263,7 @@ impl Refusal {
 impl<'a> Asked<'a> {
     /// Before it is planned.
     pub fn new(scene: &'a Scene, camera: &'a Camera, wanted: &'a Wanted) -> Asked<'a> {
-        Asked { scene, camera, wanted, by: None, no_cull: false, moving: false, change: None, planned: None }
+        Asked { scene, camera, wanted, rival: None, no_cull: false, moving: false, change: None, planned: None }
     }
 
     /// The first row that refuses it.

@@ -4,7 +4,7 @@ use super::changes::Dirty;
 use super::frames::Frames;
 use super::readback::{Copies, is_read};
 use super::resident::Job;
-use super::steps::{At, Shape, Step, passes, steps};
+use super::steps::{FrameInputs, Step, StepScope, passes, steps};
 use crate::engine::rival::{ChunkScopes, Target};
 use crate::engine::stage::Stages;
 use crate::gpu::buffers::{Buffers, readback};
@@ -18,7 +18,7 @@ impl Frames {
     /// The steps of one frame that are to run again, with or without those that bring its image to the host.
     pub(super) fn steps(&self, reads: bool, dirty: Dirty) -> Vec<Step> {
         let resident = &self.resident;
-        let shape = Shape {
+        let inputs = FrameInputs {
             plan: &self.plan,
             bounces: &resident.passes,
             jobs: resident.jobs(0, 0).map(|job| job.clusters).collect(),
@@ -27,10 +27,10 @@ impl Frames {
             samples_by_tile: resident.samples_by_tile(&self.plan),
             by_rival: self.rival.is_some(),
             gathers: self.caustics.is_some(),
-            keeps: self.kept.is_some(),
+            keeps: self.planes_copy.is_some(),
             reads,
         };
-        steps(&shape, dirty)
+        steps(&inputs, dirty)
     }
 
     /// Compiles the kernels that steps take, before their time is taken.
@@ -86,12 +86,12 @@ impl Frames {
         Ok(())
     }
 
-    fn job(&self, at: At) -> Option<Job<'_>> {
+    fn job(&self, at: StepScope) -> Option<Job<'_>> {
         self.resident.job(at.band, at.bounce, at.job)
     }
 
     /// Where a step finds its buffers, the innermost scope first.
-    fn scopes(&self, at: At) -> Vec<&Buffers> {
+    fn scopes(&self, at: StepScope) -> Vec<&Buffers> {
         let resident = &self.resident;
         let mut scopes = Vec::new();
         if let (Some(bounce), Some(tables)) = (at.into, &resident.bounce_tables) {
@@ -101,7 +101,7 @@ impl Frames {
             Some(job) => scopes.extend(resident.scopes(&job, at.band, at.bounce)),
             None => scopes.push(&resident.shared),
         }
-        scopes.extend(self.caustics.as_ref().map(|lit| &lit.buffers));
+        scopes.extend(self.caustics.as_ref().map(|c| &c.buffers));
         scopes
     }
 
@@ -156,7 +156,7 @@ impl Frames {
 
     /// Copies a band's planes to where they are kept.
     fn keep(&self, recorder: &mut Recorder, band: usize) {
-        let (Some(kept), Some(planes)) = (&self.kept, self.resident.shared.get("planes")) else { return };
+        let (Some(kept), Some(planes)) = (&self.planes_copy, self.resident.shared.get("planes")) else { return };
         let whole = 4 * u64::from(self.camera.width) * u64::from(self.camera.height);
         let own = 4 * u64::from(self.pixels(band));
         let row = 4 * u64::from(self.camera.width) * u64::from(self.plan.bands[band].row);

@@ -1,9 +1,9 @@
 //! Frames of one scene through one camera: the first, again until its lists hold everything; timed ones; and what they came to.
 
-use super::atlas::Painter;
+use super::atlas::AtlasRenderer;
+use super::caustics::DeviceCaustics;
 use super::changes::{Changes, Dirty, Shown};
 use super::combinations::{Asked, Feature};
-use super::illumination::Illuminated;
 use super::pages::PageStore;
 use super::planned::{Planned, Planner, outlined_by, written};
 use super::readback::{FrameLayout, PendingReads, RawFrame, Readback};
@@ -11,9 +11,9 @@ use super::resident::Resident;
 use super::running::Running;
 use super::{Counts, Rendered, RunOptions, setup};
 use crate::camera::Camera;
-use crate::camera::arranged::Arrangement;
+use crate::camera::ray_order::RayOrder;
 use crate::engine::clusters::{Clustered, cluster};
-use crate::engine::plan::{Contents, LeftOut, Plan, Surroundings, Wanted};
+use crate::engine::plan::{LeftOut, Plan, SceneContents, SceneExtent, Wanted};
 use crate::engine::rival::Rival;
 use crate::engine::stage::Stages;
 use crate::gpu::Gpu;
@@ -44,21 +44,21 @@ pub struct Frames {
     pub(super) wanted: Wanted,
     pub(super) resident: Resident,
     /// The scene's caustics, where the frame shows them.
-    pub(super) caustics: Option<Arc<Illuminated>>,
+    pub(super) caustics: Option<Arc<DeviceCaustics>>,
     /// The order of the camera's pixels, where it is not their own.
-    pub(super) arrangement: Option<Arc<Arrangement>>,
-    /// Makes the atlas before each frame.
-    pub(super) painter: Option<Painter>,
+    pub(super) ray_order: Option<Arc<RayOrder>>,
+    /// Renders the atlas before each frame.
+    pub(super) atlas: Option<AtlasRenderer>,
     /// Finds what is seen instead of the stages from cull to recheck.
     pub(super) rival: Option<Box<dyn Rival>>,
-    /// Where the planes go too, 4 bytes a channel and pixel, as one image.
-    pub(super) kept: Option<wgpu::Buffer>,
+    /// A copy of the planes as one image, 4 bytes a channel and pixel.
+    pub(super) planes_copy: Option<wgpu::Buffer>,
     /// The triangles that are on the device.
     pub(super) shown: Weak<Clustered>,
     /// The same as they are now, where every vertex is new in each timed frame.
     pub(super) moving: Option<Clustered>,
     /// Something failed while another frame was shown, of which a part may be there.
-    pub(super) is_torn: bool,
+    pub(super) is_partly_uploaded: bool,
     /// The camera is not that of the first frame any more.
     pub(super) is_aimed: bool,
     /// What the picture does not show yet.
@@ -82,14 +82,14 @@ pub struct Timed {
 impl Frames {
     /// The picture by all stages, again until its lists hold everything.
     pub(super) fn warm_up(&mut self) -> Result<()> {
-        if let Some(painter) = &mut self.painter {
-            painter.frames.warm_up()?;
+        if let Some(atlas) = &mut self.atlas {
+            atlas.frames.warm_up()?;
         }
         loop {
             let running = self.begin(Dirty::All, true)?;
             wait(&self.gpu)?;
-            let painted_ms = self.painter.as_ref().map_or(0.0, |p| p.frames.timed.first_ms);
-            self.timed.first_ms = painted_ms + running.ms();
+            let atlas_ms = self.atlas.as_ref().map_or(0.0, |p| p.frames.timed.first_ms);
+            self.timed.first_ms = atlas_ms + running.ms();
             let fits = self.fits(&running)?;
             self.timed.first = Some(running);
             if fits {
@@ -103,19 +103,19 @@ impl Frames {
     pub fn frame(&mut self) -> Result<f64> {
         loop {
             self.compile(&self.steps(false, Dirty::All))?;
-            let moved = [self.painter.as_mut().and_then(|p| p.frames.next_move()), self.next_move()];
+            let moved = [self.atlas.as_mut().and_then(|p| p.frames.next_move()), self.next_move()];
             let started = Instant::now();
-            let [painted, own] = moved;
-            let painted = self.painter.as_mut().map(|p| p.frames.draw(painted)).transpose()?;
+            let [atlas_frame, own] = moved;
+            let atlas_frame = self.atlas.as_mut().map(|p| p.frames.draw(atlas_frame)).transpose()?;
             let drawn = self.draw(own)?;
             wait(&self.gpu)?;
             let ms = started.elapsed().as_secs_f64() * 1e3;
             // only what moves may come to need more
             let mut fits = !(self.moving.is_some() || self.is_aimed) || self.fits(&drawn)?;
-            if let (Some(painter), Some(painted)) = (&mut self.painter, &painted) {
-                fits &= self.moving.is_none() || painter.frames.fits(painted)?;
-                let stages = painted.recorded.stage_ms(&self.gpu)?;
-                painter.frames.timed.stages.push(stages);
+            if let (Some(atlas), Some(atlas_frame)) = (&mut self.atlas, &atlas_frame) {
+                fits &= self.moving.is_none() || atlas.frames.fits(atlas_frame)?;
+                let stages = atlas_frame.recorded.stage_ms(&self.gpu)?;
+                atlas.frames.timed.stages.push(stages);
             }
             if fits {
                 self.timed.frame_ms.push(ms);
@@ -143,12 +143,12 @@ impl Frames {
     pub fn aim(&mut self, camera: &Camera) -> Result<()> {
         let asked = self.changed(&self.scene, camera, Feature::Aimed);
         asked.check()?;
-        let Plan { anchor, middle, scene_size, .. } = *self.plan;
-        let around = Surroundings { anchor, middle, scene_size };
-        let arrangement = Arrangement::of(camera, around.middle).map(Arc::new);
-        let shown = Arc::new(arrangement.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
+        let Plan { anchor, centre, scene_size, .. } = *self.plan;
+        let extent = SceneExtent { anchor, centre, scene_size };
+        let ray_order = RayOrder::of(camera, extent.centre).map(Arc::new);
+        let shown = Arc::new(ray_order.as_ref().map_or_else(|| camera.clone(), |a| a.camera(camera)));
         let wanted = written(&self.scene, &shown, &self.wanted);
-        let plan = self.planner.plan_by(&self.run, &shown, Contents::of(&self.scene), around, &wanted);
+        let plan = self.planner.plan_by(&self.run, &shown, SceneContents::of(&self.scene), extent, &wanted);
         Asked { planned: Some((&plan, self.resident.chunks.len())), ..asked }.check()?;
         let camera = shown;
         let is_as_large = (camera.width, plan.rows_max()) == (self.camera.width, self.plan.rows_max());
@@ -160,13 +160,13 @@ impl Frames {
         if let Some(rival) = &mut self.rival {
             rival.aim(&self.gpu, &setup(&camera, &plan))?;
         }
-        (self.camera, self.plan, self.arrangement, self.is_aimed) = (camera, Arc::new(plan), arrangement, true);
-        self.note(Changes { plan: true, ..Changes::default() });
+        (self.camera, self.plan, self.ray_order, self.is_aimed) = (camera, Arc::new(plan), ray_order, true);
+        self.mark_dirty(Changes { plan: true, ..Changes::default() });
         Ok(())
     }
 
-    /// Notes what the picture does not show yet.
-    fn note(&mut self, changes: Changes) {
+    /// Notes what the frame does not show yet.
+    fn mark_dirty(&mut self, changes: Changes) {
         // of bands and bounces, and of moving triangles, only the last ones are still there
         let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
         self.dirty = self.dirty.max(match changes.dirty() {
@@ -184,8 +184,8 @@ impl Frames {
         if self.caustics.is_some() {
             self.changed(&self.scene, &self.camera, Feature::Relit).check()?;
         }
-        if let Some(painter) = &mut self.painter {
-            painter.frames.light(scene)?;
+        if let Some(atlas) = &mut self.atlas {
+            atlas.frames.light(scene)?;
         }
         let scene = scene.with_optics(&self.camera);
         let sizes =
@@ -193,7 +193,7 @@ impl Frames {
         if sizes(&scene) != sizes(&self.scene) {
             return Err(Error::input("other triangles or materials than those that are lit; prepare the frames anew"));
         }
-        let (lit, contents) = (Contents::of(&self.scene), Contents::of(&scene));
+        let (lit, contents) = (SceneContents::of(&self.scene), SceneContents::of(&scene));
         let outlined = |s: &Scene| outlined_by(&s.style, &self.camera);
         if lit != contents || outlined(&self.scene) != outlined(&scene) {
             return Err(Error::input(
@@ -210,11 +210,11 @@ impl Frames {
             Arc::make_mut(&mut lit.mesh).positions.clone_from(&self.scene.mesh.positions);
             self.scene = lit;
             let now = moved(&self.scene, self.fixed_vertices(), self.timed.moved);
-            self.resident.upload_look(&self.gpu, &self.pages, &now, &self.plan)?
+            self.resident.upload_appearance(&self.gpu, &self.pages, &now, &self.plan)?
         } else {
-            self.resident.upload_look(&self.gpu, &self.pages, &scene, &self.plan)?
+            self.resident.upload_appearance(&self.gpu, &self.pages, &scene, &self.plan)?
         };
-        self.note(Changes { look: true, holes: !keeps_holes, ..Changes::default() });
+        self.mark_dirty(Changes { appearance: true, holes: !keeps_holes, ..Changes::default() });
         Ok(())
     }
 
@@ -226,7 +226,7 @@ impl Frames {
             self.warm_up()?;
             return Ok(self.timed.first.as_ref().map_or(0, |first| first.recorded.passes.total()));
         }
-        let painted = self.painter.as_mut().map_or(Ok(0), |p| p.frames.refresh())?;
+        let atlas_frame = self.atlas.as_mut().map_or(Ok(0), |p| p.frames.refresh())?;
         if self.dirty == Dirty::Appearance {
             let drawn = self.begin(Dirty::Appearance, true)?;
             wait(&self.gpu)?;
@@ -234,15 +234,15 @@ impl Frames {
                 (first.copies.planes, first.copies.srgb8) = (drawn.copies.planes, drawn.copies.srgb8);
             }
             self.dirty = Dirty::Nothing;
-            return Ok(painted + drawn.recorded.passes.total());
+            return Ok(atlas_frame + drawn.recorded.passes.total());
         }
-        Ok(painted)
+        Ok(atlas_frame)
     }
 
     /// What these frames are asked for when something of them is changed.
     fn changed<'a>(&'a self, scene: &'a Scene, camera: &'a Camera, change: Feature) -> Asked<'a> {
-        let RunOptions { by, no_cull, moving, .. } = self.run;
-        Asked { by, no_cull, moving, change: Some(change), ..Asked::new(scene, camera, &self.wanted) }
+        let RunOptions { rival, no_cull, moving, .. } = self.run;
+        Asked { rival, no_cull, moving, change: Some(change), ..Asked::new(scene, camera, &self.wanted) }
     }
 
     /// The next of the moving scenes.
@@ -261,7 +261,7 @@ impl Frames {
     /// Submits a frame of a scene that has moved, or of that which is there.
     fn draw(&mut self, moved: Option<Scene>) -> Result<Running> {
         if let Some(moved) = moved {
-            self.put(&moved)?;
+            self.upload_vertices(&moved)?;
             if let Some(rival) = &mut self.rival {
                 rival.upload(&self.gpu, &moved)?;
             }
@@ -269,12 +269,12 @@ impl Frames {
         self.begin(Dirty::All, false)
     }
 
-    /// The triangles of a scene that has moved, in their clusters as long as these hold them well.
-    fn put(&mut self, moved: &Scene) -> Result<()> {
+    /// Uploads the triangles of a scene that has moved, in the same clusters as long as these stay tight.
+    fn upload_vertices(&mut self, moved: &Scene) -> Result<()> {
         let Some(clustered) = &mut self.moving else { return Ok(()) };
-        if self.plan.variant.lights == LightsKind::Hidden {
-            self.resident.refit_obstacles(moved);
-            self.resident.upload_look(&self.gpu, &self.pages, moved, &self.plan)?;
+        if self.plan.variant.lights == LightsKind::Shadowed {
+            self.resident.refit_shadow_casters(moved);
+            self.resident.upload_appearance(&self.gpu, &self.pages, moved, &self.plan)?;
         }
         if clustered.refit(&moved.mesh) {
             return self.resident.place_scene(&self.gpu, clustered);
@@ -287,7 +287,7 @@ impl Frames {
     /// The picture, and what all frames took.
     pub fn finish(mut self) -> Result<Rendered> {
         self.refresh()?;
-        let painter = self.painter.take();
+        let atlas = self.atlas.take();
         let Timed { first, first_ms, mut frame_ms, mut stages, grown, .. } = std::mem::take(&mut self.timed);
         let Some(first) = first else { return Err(Error::work("no frame was taken")) };
         let reads = PendingReads::start(&first);
@@ -301,11 +301,15 @@ impl Frames {
             rival.check(&self.gpu)?;
         }
         let frame_layout = self.frame_layout();
-        let rest =
-            Rendered { frame_ms, stages: medians(stages), grown, ..self.took(&frame_layout.plan, &first, &words) };
+        let rest = Rendered {
+            frame_ms,
+            stages: medians(stages),
+            grown,
+            ..self.statistics(&frame_layout.plan, &first, &words)
+        };
         let own = Readback { frame_layout, words, rest }.rendered();
-        match painter {
-            Some(painter) => painter.joined(own),
+        match atlas {
+            Some(atlas) => atlas.merged_into(own),
             None => Ok(own),
         }
     }
@@ -313,9 +317,8 @@ impl Frames {
     /// From the next frame on, renders another planned frame; uploads only what differs. Returns false, with nothing changed, if a new
     /// `Frames` is needed instead.
     pub(super) fn show(&mut self, planned: &Planned) -> Result<bool> {
-        let Planned { scene, camera, arrangement, plan, clustered, wanted, .. } = planned;
-        let is_plain =
-            self.painter.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();
+        let Planned { scene, camera, ray_order, plan, clustered, wanted, .. } = planned;
+        let is_plain = self.atlas.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();
         let kind = |plan: &Plan, camera: &Camera| (plan.variant, plan.slabs.count(), camera.width, plan.rows_max());
         let is_as_large = kind(plan, camera) == kind(&self.plan, &self.camera) && plan.planes == self.plan.planes;
         let is_turned = camera.optics.is_some() || self.camera.optics.is_some();
@@ -325,8 +328,8 @@ impl Frames {
         }
         let shown = Shown { scene: &self.scene, plan: &self.plan, clustered: &self.shown };
         // until all is there nothing counts as the same
-        let is_torn = std::mem::replace(&mut self.is_torn, true);
-        let changes = if is_torn { Changes::ALL } else { Changes::between(&shown, planned) };
+        let is_partly_uploaded = std::mem::replace(&mut self.is_partly_uploaded, true);
+        let changes = if is_partly_uploaded { Changes::ALL } else { Changes::between(&shown, planned) };
         if changes.triangles {
             self.resident.upload_scene(&self.gpu, clustered)?;
             self.shown = Arc::downgrade(clustered);
@@ -336,16 +339,16 @@ impl Frames {
         } else if changes.triangles {
             self.resident.write_params(&self.gpu, camera, plan)?;
         }
-        if changes.places {
-            self.resident.forget_obstacles();
+        if changes.positions {
+            self.resident.forget_shadow_casters();
         }
-        if changes.needs_look() {
-            self.resident.upload_look(&self.gpu, &self.pages, scene, plan)?;
+        if changes.needs_appearance() {
+            self.resident.upload_appearance(&self.gpu, &self.pages, scene, plan)?;
         }
         (self.scene, self.camera) = (scene.clone(), camera.clone());
-        (self.plan, self.arrangement, self.wanted) = (plan.clone(), arrangement.clone(), wanted.clone());
-        self.is_torn = false;
-        self.note(changes);
+        (self.plan, self.ray_order, self.wanted) = (plan.clone(), ray_order.clone(), wanted.clone());
+        self.is_partly_uploaded = false;
+        self.mark_dirty(changes);
         Ok(true)
     }
 
@@ -353,14 +356,14 @@ impl Frames {
         FrameLayout {
             camera: self.camera.clone(),
             plan: self.plan.clone(),
-            arrangement: self.arrangement.clone(),
+            ray_order: self.ray_order.clone(),
             wanted: self.wanted.clone(),
             labels: self.wanted.has_labels().then(|| Labels::of(&self.scene)),
         }
     }
 
-    /// What a frame of a plan counted and what is held now; no picture and no times.
-    pub(super) fn took(&self, plan: &Plan, running: &Running, words: &RawFrame) -> Rendered {
+    /// What a frame of a plan counted, and the memory in use; no picture and no times.
+    pub(super) fn statistics(&self, plan: &Plan, running: &Running, words: &RawFrame) -> Rendered {
         let mut left_out = plan.left_out.clone();
         if self.resident.without_area > 0 {
             let what = format!("{} triangles", self.resident.without_area);
@@ -375,11 +378,11 @@ impl Frames {
             counts: Counts::of(&words.status),
             bytes: self.resident.bytes()
                 + self.rival.as_ref().map_or(0, |r| r.bytes())
-                + self.caustics.as_ref().map_or(0, |lit| lit.buffers.bytes()),
+                + self.caustics.as_ref().map_or(0, |c| c.buffers.bytes()),
             left_out,
             grown: 0,
             passes: running.recorded.passes.clone(),
-            caustics: self.caustics.as_ref().map(|lit| lit.account),
+            caustics: self.caustics.as_ref().map(|c| c.report),
         }
     }
 }
@@ -395,15 +398,15 @@ fn medians(runs: Vec<Vec<(&'static str, f64)>>) -> Vec<(&'static str, f64)> {
     first.iter().map(|&(name, _)| (name, median(name))).collect()
 }
 
-/// The scene with every vertex but the last `fixed`, which are a mirror's, turned about its middle by a little more each
+/// The scene with every vertex but the last `fixed`, which are a mirror's, turned about its centre by a little more each
 /// frame.
 fn moved(scene: &Scene, fixed: usize, frame: u32) -> Scene {
     let mut scene = scene.clone();
     let (lo, hi) = scene.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));
-    let (middle, turn) = ((lo + hi) / 2.0, DMat3::from_rotation_y(frame as f64 * MOVING_STEP_RAD));
+    let (centre, turn) = ((lo + hi) / 2.0, DMat3::from_rotation_y(frame as f64 * MOVING_STEP_RAD));
     let moving = scene.mesh.positions.len() - fixed;
     let positions = &mut Arc::make_mut(&mut scene.mesh).positions;
-    positions[..moving].iter_mut().for_each(|p| *p = middle + turn * (*p - middle));
+    positions[..moving].iter_mut().for_each(|p| *p = centre + turn * (*p - centre));
     scene
 }
 

@@ -3,12 +3,12 @@
 use super::RunOptions;
 use super::changes::{PlannedBy, same_clusters};
 use super::combinations::Asked;
-use crate::camera::arranged::Arrangement;
+use crate::camera::ray_order::RayOrder;
 use crate::camera::{Camera, Rays};
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::variant::variant;
-use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
-use crate::gpu::device::Abilities;
+use crate::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
+use crate::gpu::device::AdapterFeatures;
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use crate::scene::Scene;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub struct Planner {
     /// The adapter's name.
     pub name: String,
-    pub has: Abilities,
+    pub has: AdapterFeatures,
     /// Bytes that a kernel can see at once.
     pub limit: u64,
 }
@@ -36,7 +36,7 @@ pub struct Planned {
     pub(super) scene: Scene,
     /// With its pixels in another order, where there is one.
     pub(super) camera: Arc<Camera>,
-    pub(super) arrangement: Option<Arc<Arrangement>>,
+    pub(super) ray_order: Option<Arc<RayOrder>>,
     pub(super) plan: Arc<Plan>,
     pub(super) clustered: Arc<Clustered>,
     pub(super) wanted: Wanted,
@@ -91,17 +91,17 @@ impl Planner {
         last: Option<&Planned>,
     ) -> Result<Planned> {
         let asked: Arc<Camera> = camera.into();
-        let middle = Surroundings::of(&asked, scene.bounds()).middle;
-        let known = last.filter(|l| Arc::ptr_eq(&l.asked, &asked) && l.plan.middle == middle);
-        let (camera, arrangement) = match known {
-            Some(last) => (last.camera.clone(), last.arrangement.clone()),
-            None => match Arrangement::of(&asked, middle).map(Arc::new) {
+        let centre = SceneExtent::of(&asked, scene.bounds()).centre;
+        let known = last.filter(|l| Arc::ptr_eq(&l.asked, &asked) && l.plan.centre == centre);
+        let (camera, ray_order) = match known {
+            Some(last) => (last.camera.clone(), last.ray_order.clone()),
+            None => match RayOrder::of(&asked, centre).map(Arc::new) {
                 Some(a) => (Arc::new(a.camera(&asked)), Some(a)),
                 None => (asked.clone(), None),
             },
         };
         let planned = self.plan_in_order(scene, camera, wanted, run, last)?;
-        Ok(Planned { asked, arrangement, ..planned })
+        Ok(Planned { asked, ray_order, ..planned })
     }
 
     /// The same with the camera's pixels in their own order.
@@ -115,20 +115,20 @@ impl Planner {
     ) -> Result<Planned> {
         let given = scene.clone();
         let asked_for =
-            Asked { by: run.by, no_cull: run.no_cull, moving: run.moving, ..Asked::new(&given, &camera, wanted) };
+            Asked { rival: run.rival, no_cull: run.no_cull, moving: run.moving, ..Asked::new(&given, &camera, wanted) };
         asked_for.check()?;
         let scene = scene.with_optics(&camera).into_owned();
-        let around = Surroundings::of(&camera, scene.bounds());
-        check_size(&scene, around)?;
+        let extent = SceneExtent::of(&camera, scene.bounds());
+        check_size(&scene, extent)?;
         self.check_normals(&scene)?;
-        let plan = self.plan_of(&scene, &camera, around, wanted, run, last);
+        let plan = self.plan_of(&scene, &camera, extent, wanted, run, last);
         let clustered = match last.filter(|l| same_clusters(l, &scene, &plan)) {
             Some(last) => last.clustered.clone(),
             None => Arc::new(cluster(&scene.mesh, plan.anchor, plan.variant.textured, self.limit)),
         };
         Asked { planned: Some((&plan, clustered.chunks.len())), ..asked_for }.check()?;
-        let (asked, arrangement, wanted) = (camera.clone(), None, wanted.clone());
-        Ok(Planned { given, asked, scene, camera, arrangement, plan, clustered, wanted })
+        let (asked, ray_order, wanted) = (camera.clone(), None, wanted.clone());
+        Ok(Planned { given, asked, scene, camera, ray_order, plan, clustered, wanted })
     }
 
     /// Refuses more normals than one binding holds, before any work on the triangles.
@@ -148,18 +148,18 @@ impl Planner {
         &self,
         scene: &Scene,
         camera: &Arc<Camera>,
-        around: Surroundings,
+        extent: SceneExtent,
         wanted: &Wanted,
         run: &RunOptions,
         last: Option<&Planned>,
     ) -> Arc<Plan> {
-        let contents = Contents::of(scene);
+        let contents = SceneContents::of(scene);
         let written = written(scene, camera, wanted);
         let variant = variant(camera, contents, &written, self.has, run);
-        let by = PlannedBy { scene, camera, around, wanted, variant };
+        let by = PlannedBy { scene, camera, extent, wanted, variant };
         match last.filter(|last| by.is_that_of(last)) {
             Some(last) => last.plan.clone(),
-            None => Arc::new(self.plan_by(run, camera, contents, around, &written)),
+            None => Arc::new(self.plan_by(run, camera, contents, extent, &written)),
         }
     }
 
@@ -168,12 +168,12 @@ impl Planner {
         &self,
         run: &RunOptions,
         camera: &Camera,
-        contents: Contents,
-        around: Surroundings,
+        contents: SceneContents,
+        extent: SceneExtent,
         wanted: &Wanted,
     ) -> Plan {
         let variant = variant(camera, contents, wanted, self.has, run);
-        Plan::new(variant, camera, contents, around, wanted, self.has, self.limit)
+        Plan::new(variant, camera, contents, extent, wanted, self.has, self.limit)
     }
 }
 
@@ -212,9 +212,9 @@ pub(super) fn outlined_by(style: &Style, camera: &Camera) -> Vec<Channel> {
 const SIZES: [f64; 2] = [1e-12, 1e30];
 
 /// The engine's f32 can hold the scene.
-fn check_size(scene: &Scene, around: Surroundings) -> Result<()> {
+fn check_size(scene: &Scene, extent: SceneExtent) -> Result<()> {
     let Some((lo, hi)) = scene.bounds() else { return Ok(()) };
-    let reach = (hi - around.anchor).max(around.anchor - lo).max_element();
+    let reach = (hi - extent.anchor).max(extent.anchor - lo).max_element();
     let [least, most] = SIZES;
     if reach > 0.0 && !(least..=most).contains(&reach) {
         let advice = "scale the scene and its camera, or use --engine reference";

@@ -4,7 +4,7 @@ use super::Rendered;
 use super::planned::Planned;
 use super::running::Running;
 use crate::camera::Camera;
-use crate::camera::arranged::Arrangement;
+use crate::camera::ray_order::RayOrder;
 use crate::engine::plan::{Plan, Wanted};
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Reading;
@@ -20,7 +20,7 @@ pub(super) struct FrameLayout {
     pub camera: Arc<Camera>,
     pub plan: Arc<Plan>,
     /// The order of the camera's pixels, where it is not their own.
-    pub arrangement: Option<Arc<Arrangement>>,
+    pub ray_order: Option<Arc<RayOrder>>,
     pub wanted: Wanted,
     /// The scene's labels, if they are wanted.
     pub labels: Option<Labels>,
@@ -39,7 +39,7 @@ pub struct InFlight {
 pub struct Readback {
     pub(super) frame_layout: FrameLayout,
     pub(super) words: RawFrame,
-    /// What it took; no picture.
+    /// Its statistics; no picture.
     pub(super) rest: Rendered,
 }
 
@@ -118,8 +118,8 @@ impl PendingReads {
 }
 
 impl Readback {
-    /// What it took; no picture.
-    pub fn took(&self) -> &Rendered {
+    /// Its statistics; no picture.
+    pub fn statistics(&self) -> &Rendered {
         &self.rest
     }
 
@@ -209,7 +209,7 @@ impl FrameLayout {
     }
 
     fn restored<T: Copy + Default>(&self, values: Vec<T>) -> Vec<T> {
-        match &self.arrangement {
+        match &self.ray_order {
             Some(a) => a.restored(&values),
             None => values,
         }

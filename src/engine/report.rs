@@ -5,7 +5,7 @@ use crate::engine::plan::LeftOut;
 use crate::engine::{Counts, Rendered};
 use crate::image::compare::Comparison;
 use crate::scene::Scene;
-use crate::scene::caustics::Account;
+use crate::scene::caustics::CausticsReport;
 use serde::Serialize;
 
 /// What rendered, and on what.
@@ -106,7 +106,7 @@ pub struct Report {
     pub grown: Option<u32>,
     /// Where the light of the scene's caustics went.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub caustics: Option<Account>,
+    pub caustics: Option<CausticsReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<Judged>,
 }

@@ -3,9 +3,9 @@
 use super::Capacities;
 use super::bounce_tables::BounceTables;
 use super::bounces::{Bounce, bounces};
-use super::buffer_table::{Bytes, FOUR, ITEM, Row, Sizes, table};
+use super::buffer_table::{Bytes, ITEM_BYTES, Row, Sizes, VEC4_BYTES, table};
 use super::pages::PageStore;
-use super::tables::{Hidden, Look, Span, after_bounce, looks, params, places};
+use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
 use crate::engine::clusters::{Chunk, Clustered, mapped_rows};
 use crate::engine::plan::hierarchy::Hierarchy;
@@ -42,8 +42,8 @@ pub struct Resident {
     pub bounce_tables: Option<BounceTables>,
     /// Triangles without area.
     pub without_area: usize,
-    /// What may be in the way of light: all triangles but the camera's own, which are the last ones.
-    obstacles: Option<Hierarchy>,
+    /// Shadow casters: all triangles but the camera's own, which are the last ones.
+    shadow_casters: Option<Hierarchy>,
     facets: usize,
     /// What cuts holes: the images, and of each material how.
     holes: (Pages, Vec<Option<Cut>>),
@@ -70,7 +70,7 @@ pub struct Job<'a> {
 }
 
 impl Resident {
-    /// All but how the scene looks, which [`Resident::upload_look`] puts there.
+    /// Everything but the appearance of the scene, which [`Resident::upload_appearance`] uploads.
     pub fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -87,7 +87,7 @@ impl Resident {
             capacities: Capacities { queue: 0, work: 0, tasks: 0, pairs: 0, recheck_items: 0, edges: 0 },
             batches: 1,
             raster_rounds: 1,
-            pairs_by_tile: gpu.binding_limit() / FOUR,
+            pairs_by_tile: gpu.binding_limit() / VEC4_BYTES,
             params: Vec::new(),
             bounced_params: Vec::new(),
             bounce_tables: camera
@@ -97,13 +97,13 @@ impl Resident {
                 .transpose()?,
             passes,
             without_area: 0,
-            obstacles: None,
+            shadow_casters: None,
             facets: camera.optics.as_ref().and_then(|o| o.facets()).map_or(0, |f| f.triangles.len()),
             holes: Default::default(),
         };
         resident.upload_scene(gpu, clustered)?;
         if plan.variant.samples_edges() {
-            resident.shared.upload_uniform(gpu, "places", &places(&plan.places))?;
+            resident.shared.upload_uniform(gpu, "sample_offsets", &sample_offsets(&plan.sample_offsets))?;
         }
         resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, camera, plan));
         resident.make_room(gpu, camera, plan)?;
@@ -127,15 +127,15 @@ impl Resident {
             .try_for_each(|(there, chunk)| place(gpu, &mut there.buffers, chunk))
     }
 
-    /// Finds what is in the way of light anew, the next time that the look is uploaded.
-    pub fn forget_obstacles(&mut self) {
-        self.obstacles = None;
+    /// Rebuilds the hierarchy of shadow casters when the appearance is next uploaded.
+    pub fn forget_shadow_casters(&mut self) {
+        self.shadow_casters = None;
     }
 
-    /// Lets what is in the way of light follow triangles that have moved.
-    pub fn refit_obstacles(&mut self, scene: &Scene) {
-        if let Some(obstacles) = &mut self.obstacles {
-            obstacles.refit(scene);
+    /// Refits the hierarchy of shadow casters to triangles that have moved.
+    pub fn refit_shadow_casters(&mut self, scene: &Scene) {
+        if let Some(shadow_casters) = &mut self.shadow_casters {
+            shadow_casters.refit(scene);
         }
     }
 
@@ -147,19 +147,20 @@ impl Resident {
     }
 
     /// Lights, materials with their images, and normals; whether holes are where they were before.
-    pub fn upload_look(&mut self, gpu: &Gpu, store: &PageStore, scene: &Scene, plan: &Plan) -> Result<bool> {
+    pub fn upload_appearance(&mut self, gpu: &Gpu, store: &PageStore, scene: &Scene, plan: &Plan) -> Result<bool> {
         let pages = match plan.variant.textured {
-            true => store.place(gpu, &looks(scene), &mut self.shared)?,
+            true => store.place(gpu, &materials(scene), &mut self.shared)?,
             false => Pages::default(),
         };
-        if plan.variant.lights == LightsKind::Hidden && self.obstacles.is_none() {
+        if plan.variant.lights == LightsKind::Shadowed && self.shadow_casters.is_none() {
             let facets = scene.mesh.triangles.len() - self.facets;
-            self.obstacles = Some(Hierarchy::build(scene, plan.anchor, facets)?);
+            self.shadow_casters = Some(Hierarchy::build(scene, plan.anchor, facets)?);
         }
-        let by = self.obstacles.as_ref().map(|o| o.words(scene));
-        let hidden = Hidden { kind: plan.variant.lights, by: by.as_ref() };
-        let Look { mut shading, lights, materials, normals, style } = Look::new(scene, plan.anchor, &pages, hidden);
-        shading.spread = plan.spread;
+        let bvh = self.shadow_casters.as_ref().map(|o| o.words(scene));
+        let shadows = Shadows { kind: plan.variant.lights, bvh: bvh.as_ref() };
+        let Appearance { mut shading, lights, materials, normals, style } =
+            Appearance::new(scene, plan.anchor, &pages, shadows);
+        shading.filter_width = plan.filter_width;
         self.shared.upload_uniform(gpu, "shading", &shading)?;
         if plan.variant.styled || plan.variant.outlined {
             self.shared.upload_uniform(gpu, "style", &style)?;
@@ -191,7 +192,7 @@ impl Resident {
 
     /// The buffers that kernels write, at the present capacities, and the parameters that name these.
     fn make_room(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
-        let most = gpu.binding_limit() / ITEM;
+        let most = gpu.binding_limit() / ITEM_BYTES;
         let c = &mut self.capacities;
         [&mut c.queue, &mut c.work, &mut c.tasks, &mut c.pairs, &mut c.recheck_items]
             .into_iter()
@@ -276,7 +277,7 @@ impl Resident {
 
     /// Makes room for what the counters demanded: larger lists, or more batches where a list is as large as a binding.
     pub fn grow(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, need: Capacities) -> Result<()> {
-        let most = gpu.binding_limit() / ITEM;
+        let most = gpu.binding_limit() / ITEM_BYTES;
         if need.queue.max(need.work).max(need.tasks).max(need.pairs).max(need.recheck_items) > most {
             let largest = self.chunks.iter().map(|c| c.clusters).max().unwrap_or(0);
             if self.batches >= largest {
@@ -346,7 +347,7 @@ fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {
     }
     if !band.tiles.cell_samples.is_empty() {
         buffers.upload(gpu, "cell_samples", &band.tiles.cell_samples)?;
-        buffers.upload(gpu, "rays_aside", &band.rays_aside)?;
+        buffers.upload(gpu, "sample_ray_deltas", &band.sample_ray_deltas)?;
     }
     Ok(buffers)
 }

@@ -1,4 +1,4 @@
-//! Other ways to find what each pixel sees, in place of the stages from cull to recheck.
+//! Other techniques to find what each pixel sees, in place of the stages from cull to recheck.
 
 use crate::camera::Camera;
 use crate::gpu::Gpu;
@@ -9,7 +9,7 @@ use crate::input::Result;
 use crate::scene::Scene;
 use glam::DVec3;
 
-/// A way to find what is seen, ready for one scene and camera.
+/// A technique ready for one scene and camera.
 pub trait Rival: Send {
     /// Builds what it needs over the triangles of the scene, anew where they moved, beside those that are on the device anyway.
     fn upload(&mut self, _gpu: &Gpu, _scene: &Scene) -> Result<()> {
@@ -61,7 +61,7 @@ pub struct Setup<'a> {
     /// Rows of pixels of the largest band.
     pub rows: u32,
     /// Of the scene's box.
-    pub middle: DVec3,
+    pub centre: DVec3,
     /// What positions on the device are relative to.
     pub anchor: DVec3,
     /// The number that trades the rival's error for its time.

@@ -48,7 +48,8 @@ impl Frames {
             let Some(short) = self.shortage(&words.status, &running) else {
                 let (frame_ms, stages) = (vec![running.ms()], words.stages.clone());
                 let grown = self.timed.grown;
-                let rest = Rendered { frame_ms, stages, grown, ..self.took(&frame_layout.plan, &running, &words) };
+                let rest =
+                    Rendered { frame_ms, stages, grown, ..self.statistics(&frame_layout.plan, &running, &words) };
                 return Ok(Readback { frame_layout, words, rest });
             };
             // the lists are to hold this frame

@@ -24,7 +24,7 @@ impl Sequence {
     }
 
     /// Sends what `planned` needs and the device does not hold yet. `false`: it needs other buffers; wait for the frames in flight, then
-    /// [`Sequence::place`] it.
+    /// [`Sequence::upload`] it.
     ///
     /// # Errors
     /// [`Error::Work`] if the device fails.
@@ -32,14 +32,14 @@ impl Sequence {
         self.frames.as_mut().map_or(Ok(false), |frames| frames.show(planned))
     }
 
-    /// Puts `planned` on the device in place of what it holds.
+    /// Uploads `planned` in place of what was uploaded before.
     ///
     /// # Errors
-    /// Those of [`Engine::place`].
-    pub fn place(&mut self, engine: &mut Engine, planned: &Planned, run: &RunOptions) -> Result<()> {
+    /// Those of [`Engine::upload`].
+    pub fn upload(&mut self, engine: &mut Engine, planned: &Planned, run: &RunOptions) -> Result<()> {
         // its memory is free before more is taken
         self.clear();
-        self.frames = Some(engine.place(planned.clone(), run)?);
+        self.frames = Some(engine.upload(planned.clone(), run)?);
         Ok(())
     }
 
@@ -67,12 +67,12 @@ impl Sequence {
     /// A frame from beginning to end, with no other in flight.
     ///
     /// # Errors
-    /// Those of [`Engine::place`].
+    /// Those of [`Engine::upload`].
     pub fn render(&mut self, engine: &mut Engine, planned: Planned, run: &RunOptions) -> Result<Readback> {
         // what fails in the middle is not there for the next frame
         let mut sequence = std::mem::take(self);
         if !sequence.show(&planned)? {
-            sequence.place(engine, &planned, run)?;
+            sequence.upload(engine, &planned, run)?;
         }
         let flight = sequence.start(planned)?;
         let readback = sequence.wait_for(flight)?;

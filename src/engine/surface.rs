@@ -48,14 +48,14 @@ impl SurfaceRows {
 
 /// Three corners a facet.
 fn corners(facets: &Facets, anchor: DVec3) -> Vec<layout::Corner> {
-    let corner = |camera: u32, [u, v]: [f64; 2], (p, n): (DVec3, DVec3)| {
+    let corner = |piece: u32, [u, v]: [f64; 2], (p, n): (DVec3, DVec3)| {
         let ([p_hi, p_lo], [n_hi, n_lo]) = (split_vector(p - anchor), split_vector(n));
-        layout::Corner { p_hi, camera, p_lo, camera_u: u as f32, n_hi, camera_v: v as f32, n_lo, pad0: 0.0 }
+        layout::Corner { p_hi, piece, p_lo, piece_u: u as f32, n_hi, piece_v: v as f32, n_lo, pad0: 0.0 }
     };
     let facet = |k: usize| {
         let facet = facets.facet(k);
-        let (camera, places) = (facets.camera_of(k), facets.camera_places(k));
-        [0, 1, 2].map(|c| corner(camera, places[c], (facet.corners[c], facet.normals[c])))
+        let (piece, weights) = (facets.coarse_of(k), facets.coarse_weights(k));
+        [0, 1, 2].map(|c| corner(piece, weights[c], (facet.corners[c], facet.normals[c])))
     };
     (0..facets.triangles.len()).flat_map(facet).collect()
 }

@@ -1,4 +1,4 @@
-//! Rows that follow from scene and plan alone, before any device is touched: the parameters of one job and the look
+//! Rows that follow from scene and plan alone, before any device is touched: the parameters of one job and the appearance
 //! of the scene.
 
 use super::Capacities;
@@ -28,31 +28,31 @@ pub struct Span {
 
 /// Lights, materials and normals as `shade` reads them.
 #[derive(Debug, Clone)]
-pub struct Look {
+pub struct Appearance {
     pub shading: layout::Shading,
-    /// Of a plain light the way that it travels; else two rows each, see `lights/placed.wgsl`, and what hides them.
+    /// Plain lights: the direction of travel; else two vectors each, see `lights/positional.wgsl`, and what hides them.
     pub lights: Vec<[f32; 4]>,
     pub materials: Vec<layout::Material>,
     pub normals: Vec<[f32; 3]>,
     pub style: layout::Style,
 }
 
-impl Look {
+impl Appearance {
     /// Positions are relative to `anchor` on the device, and images lie in `pages`.
-    pub fn new(scene: &Scene, anchor: DVec3, pages: &Pages, hidden: Hidden) -> Look {
+    pub fn new(scene: &Scene, anchor: DVec3, pages: &Pages, shadows: Shadows) -> Appearance {
         let mesh = &scene.mesh;
-        let mut lights: Vec<[f32; 4]> = match hidden.kind {
+        let mut lights: Vec<[f32; 4]> = match shadows.kind {
             LightsKind::Plain => scene.lights.iter().map(|l| light_row(l, anchor)).collect(),
             _ => scene.lights.iter().flat_map(|l| [light_row(l, anchor), colour_row(l)]).collect(),
         };
         let mut firsts = [0; 2];
-        if let Some(by) = hidden.by {
-            for (first, rows) in firsts.iter_mut().zip([&by.nodes, &by.leaves]) {
+        if let Some(bvh) = shadows.bvh {
+            for (first, rows) in firsts.iter_mut().zip([&bvh.nodes, &bvh.leaves]) {
                 *first = lights.len() as u32;
                 lights.extend(rows);
             }
         }
-        Look {
+        Appearance {
             shading: layout::Shading {
                 background: scene.background,
                 ambient: if scene.sky.is_some() { 0.0 } else { AMBIENT },
@@ -60,8 +60,8 @@ impl Look {
                 light_count: scene.lights.len() as u32,
                 gain: scene.tone.gain(),
                 curve: scene.tone.curve.number(),
-                spread: 1.0,
-                hidden_scale: hidden.by.map_or(1.0, |by| by.scale),
+                filter_width: 1.0,
+                shadow_bvh_scale: shadows.bvh.map_or(1.0, |bvh| bvh.scale),
                 sky: scene.sky.as_ref().map_or(layout::NONE, |_| mesh.materials.len() as u32),
                 sky_strength: scene.sky.as_ref().map_or(0.0, |s| s.strength),
                 sky_rotation: scene.sky.as_ref().map_or(0.0, |s| s.rotation as f32),
@@ -73,7 +73,7 @@ impl Look {
                 irradiance: scene.sky.as_ref().map_or([[0.0; 4]; 9], |s| s.irradiance.map(|[r, g, b]| [r, g, b, 0.0])),
             },
             lights,
-            materials: looks(scene).iter().enumerate().map(|(k, m)| pages.row(k, m)).collect(),
+            materials: materials(scene).iter().enumerate().map(|(k, m)| pages.row(k, m)).collect(),
             normals: mesh.normals.iter().map(|n| n.to_array()).collect(),
             style: style_row(&scene.style),
         }
@@ -109,15 +109,15 @@ fn style_row(style: &Style) -> layout::Style {
     }
 }
 
-/// What kernels know of lights, and the hierarchy of what is in their way.
+/// What kernels know of lights, and the hierarchy of shadow casters.
 #[derive(Debug, Clone, Copy)]
-pub struct Hidden<'a> {
+pub struct Shadows<'a> {
     pub kind: LightsKind,
-    pub by: Option<&'a HierarchyWords>,
+    pub bvh: Option<&'a HierarchyWords>,
 }
 
-impl Hidden<'_> {
-    pub const NOT: Hidden<'static> = Hidden { kind: LightsKind::Plain, by: None };
+impl Shadows<'_> {
+    pub const NONE: Shadows<'static> = Shadows { kind: LightsKind::Plain, bvh: None };
 }
 
 fn light_row(light: &Light, anchor: DVec3) -> [f32; 4] {
@@ -133,7 +133,7 @@ fn colour_row(light: &Light) -> [f32; 4] {
 }
 
 /// All materials, the one whose image is the sky last.
-pub fn looks(scene: &Scene) -> Cow<'_, [Material]> {
+pub fn materials(scene: &Scene) -> Cow<'_, [Material]> {
     let Some(sky) = &scene.sky else { return Cow::Borrowed(&scene.mesh.materials) };
     let sky = Material { name: "environment".into(), texture: Some(sky.image.clone()), ..Material::default() };
     Cow::Owned([&scene.mesh.materials[..], &[sky]].concat())
@@ -187,13 +187,13 @@ pub fn params(
     }
 }
 
-/// Where samples lie, as kernels read it.
-pub fn places(list: &[DVec2]) -> layout::Places {
-    let mut places = layout::Places { at: [[0.0; 4]; 16] };
-    for (row, two) in places.at.iter_mut().zip(list.chunks(2)) {
+/// Sample offsets as kernels read them.
+pub fn sample_offsets(list: &[DVec2]) -> layout::SampleOffsets {
+    let mut sample_offsets = layout::SampleOffsets { at: [[0.0; 4]; 16] };
+    for (row, two) in sample_offsets.at.iter_mut().zip(list.chunks(2)) {
         row.iter_mut().zip(two.iter().flat_map(|p| p.as_vec2().to_array())).for_each(|(to, from)| *to = from);
     }
-    places
+    sample_offsets
 }
 
 /// A camera's rays are computed in f64 where the scene lies: their origins lose some roundings of its distance from the world's
@@ -231,7 +231,7 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
         bounces: pass.count,
         base: optics.base,
         ends: (pass.count == optics.depth && optics.atlas.is_none()) as u32,
-        middle: (plan.middle - plan.anchor).as_vec3().to_array(),
+        centre: (plan.centre - plan.anchor).as_vec3().to_array(),
         law,
         ior_hi,
         ior_lo,

@@ -45,10 +45,10 @@ impl Aabb {
 impl Bvh {
     /// A hierarchy over items with these ids and boxes, which are finite.
     pub fn build(items: &[(u32, Aabb)]) -> Bvh {
-        let middle = |b: &Aabb| b.lo / 2.0 + b.hi / 2.0;
-        let all = items.iter().fold(Aabb::EMPTY, |all, (_, b)| all.joined(Aabb::around(&[middle(b)])));
+        let centre = |b: &Aabb| b.lo / 2.0 + b.hi / 2.0;
+        let all = items.iter().fold(Aabb::EMPTY, |all, (_, b)| all.joined(Aabb::around(&[centre(b)])));
         let mut sorted: Vec<(u64, usize)> =
-            items.par_iter().enumerate().map(|(k, (_, b))| (code(middle(b), &all), k)).collect();
+            items.par_iter().enumerate().map(|(k, (_, b))| (code(centre(b), &all), k)).collect();
         sorted.par_sort_unstable();
         let join = |boxes: &[Aabb]| boxes.iter().fold(Aabb::EMPTY, |a, b| a.joined(*b));
         let lowest = sorted.chunks(LEAF).map(|leaf| join(&leaf.iter().map(|(_, k)| items[*k].1).collect::<Vec<_>>()));

@@ -141,7 +141,7 @@ impl<'a> Builder<'a> {
         let materials = self.source.document.materials().zip(&mut self.mesh.materials).zip(is_used);
         for ((from, material), _) in materials.filter(|(_, is_used)| *is_used) {
             let Some(info) = from.pbr_metallic_roughness().base_color_texture() else { continue };
-            if let Some(wrong) = &self.source.wrong_look {
+            if let Some(wrong) = &self.source.material_error {
                 return Err(Error::input(format!("{wrong}; texture = false shows none")));
             }
             if !read.reads(from.alpha_mode() != AlphaMode::Opaque) {

@@ -40,7 +40,7 @@ impl PatternKind {
 }
 
 /// So that faces at round places are not between cells.
-const CHECKER_ASIDE: f64 = 0.3717;
+const CHECKER_OFFSET: f64 = 0.3717;
 
 const STONE_OCTAVES: u32 = 5;
 
@@ -63,7 +63,7 @@ impl Pattern {
         let p = p / self.size;
         let share = match self.kind {
             PatternKind::Checker => {
-                let cell = (p + CHECKER_ASIDE).floor();
+                let cell = (p + CHECKER_OFFSET).floor();
                 let is_odd = (cell.x + cell.y + cell.z).rem_euclid(2.0) >= 1.0;
                 if is_odd { 0.0 } else { 1.0 }
             }

@@ -9,13 +9,13 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
-/// The user's choice of adapter and abilities.
+/// The user's choice of adapter and features.
 #[derive(Debug, Clone, Default)]
 pub struct GpuOptions {
     /// Part of the wanted adapter's name, any case.
     pub adapter: Option<String>,
-    /// How many of these to pass over: a machine may have several of one name.
-    pub passed_over: usize,
+    /// How many of these to skip: a machine may have several of one name.
+    pub skipped: usize,
     /// Do not use 64-bit atomics even if available.
     pub no_int64: bool,
     /// Do not use the adapter's f64 even if available: emulate it in 32-bit words.
@@ -30,7 +30,7 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     pub info: wgpu::AdapterInfo,
     pub limits: wgpu::Limits,
-    pub has: Abilities,
+    pub has: AdapterFeatures,
     /// Snippets that kernels are compiled with instead of those of the same names: tests plant errors by them.
     pub replaced: Vec<&'static Snippet>,
     /// Kernels are compiled with wgpu's checks, see [`Gpu::without_checks`].
@@ -42,9 +42,9 @@ pub struct Gpu {
     failed: Arc<Mutex<Option<String>>>,
 }
 
-/// Abilities of an adapter that select code paths.
+/// AdapterFeatures of an adapter that select code paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Abilities {
+pub struct AdapterFeatures {
     /// f64 and 64-bit integers: rechecks, depths and shading in the adapter's own f64; without them in 32-bit words.
     pub f64: bool,
     /// 64-bit atomic minimum and maximum: one dispatch for the depth test instead of two.
@@ -58,11 +58,11 @@ pub struct Abilities {
     pub clip_distances: bool,
 }
 
-impl Abilities {
-    pub fn of(features: wgpu::Features, info: &wgpu::AdapterInfo) -> Abilities {
+impl AdapterFeatures {
+    pub fn of(features: wgpu::Features, info: &wgpu::AdapterInfo) -> AdapterFeatures {
         let int64 = features.contains(wgpu::Features::SHADER_INT64);
         let lanes = [info.subgroup_min_size, info.subgroup_max_size] == [LANES; 2];
-        Abilities {
+        AdapterFeatures {
             f64: int64 && features.contains(wgpu::Features::SHADER_F64),
             atomics64: int64 && features.contains(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX),
             lanes: lanes && features.contains(wgpu::Features::SUBGROUP),
@@ -113,17 +113,17 @@ impl Gpu {
         let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
         let wanted = options.adapter.as_deref().map(str::to_lowercase);
         let adapter = match &wanted {
-            None if options.passed_over >= adapters.len() && !adapters.is_empty() => {
-                let (number, count) = (options.passed_over, adapters.len());
+            None if options.skipped >= adapters.len() && !adapters.is_empty() => {
+                let (number, count) = (options.skipped, adapters.len());
                 return Err(Error::input(format!(
                     "no adapter number {number}: there are {count}, from 0: {}",
                     names.join(", ")
                 )));
             }
-            None => adapters.into_iter().nth(options.passed_over),
+            None => adapters.into_iter().nth(options.skipped),
             Some(w) => {
                 let named = |a: &wgpu::Adapter| a.get_info().name.to_lowercase().contains(w);
-                let found = adapters.into_iter().filter(named).nth(options.passed_over);
+                let found = adapters.into_iter().filter(named).nth(options.skipped);
                 if found.is_none() {
                     let names = if names.is_empty() { "none".into() } else { names.join(", ") };
                     return Err(Error::input(format!("--adapter {w}: no such adapter; there is: {names}")));
@@ -138,7 +138,7 @@ impl Gpu {
     pub fn from_adapter(adapter: &wgpu::Adapter, options: &GpuOptions) -> Result<Gpu> {
         let info = adapter.get_info();
         let limits = adapter.limits();
-        let mut has = Abilities::of(adapter.features(), &info);
+        let mut has = AdapterFeatures::of(adapter.features(), &info);
         has.atomics64 &= !options.no_int64;
         has.f64 &= !options.no_f64;
         if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {

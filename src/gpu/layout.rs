@@ -22,7 +22,7 @@ pub const NONE: u32 = u32::MAX;
 pub const RAYS_NONE: u32 = 0;
 pub const RAYS_LOOSE: u32 = 1;
 pub const RAYS_AFFINE: u32 = 2;
-pub const RAYS_TORN: u32 = 3;
+pub const RAYS_DISCONTINUOUS: u32 = 3;
 
 /// The level of a cell in the address of a node.
 pub const LEVEL_CELL: u32 = 15;
@@ -137,10 +137,10 @@ pub struct Params {
     pub level_height: [u32; 8],
 }
 
-/// Where samples lie about their pixel's centre, px right and down: two a row.
+/// Offsets of samples from their pixel's centre, px right and down: two a row.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Places {
+pub struct SampleOffsets {
     pub at: [[f32; 4]; 16],
 }
 
@@ -179,8 +179,8 @@ pub struct Node {
     pub pad2: f32,
 }
 
-/// The pixels of one tile that one piece owns, or a part of a torn tile of a field; the piece's bundle at the tile's
-/// middle, and the node that bounds its rays.
+/// The pixels of one tile that one piece owns, or a part of a discontinuous tile of a field; the piece's bundle at the tile's
+/// centre, and the node that bounds its rays.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Cell {
@@ -234,8 +234,8 @@ pub struct Shading {
     pub light_count: u32,
     pub gain: f32,
     pub curve: u32,
-    pub spread: f32,
-    pub hidden_scale: f32,
+    pub filter_width: f32,
+    pub shadow_bvh_scale: f32,
     pub sky: u32,
     pub sky_strength: f32,
     pub sky_rotation: f32,
@@ -329,7 +329,7 @@ pub struct Optic {
     pub bounces: u32,
     pub base: [f32; 3],
     pub ends: u32,
-    pub middle: [f32; 3],
+    pub centre: [f32; 3],
     pub law: u32,
     pub ior_hi: f32,
     pub ior_lo: f32,
@@ -367,7 +367,7 @@ pub struct PathState {
     pub length: f32,
     pub first: u32,
     pub last: u32,
-    pub camera: u32,
+    pub piece: u32,
     pub pad0: u32,
 }
 
@@ -376,11 +376,11 @@ pub struct PathState {
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Corner {
     pub p_hi: [f32; 3],
-    pub camera: u32,
+    pub piece: u32,
     pub p_lo: [f32; 3],
-    pub camera_u: f32,
+    pub piece_u: f32,
     pub n_hi: [f32; 3],
-    pub camera_v: f32,
+    pub piece_v: f32,
     pub n_lo: [f32; 3],
     pub pad0: f32,
 }
@@ -470,7 +470,7 @@ pub struct Beam {
 /// A dispatch of deposit.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Casting {
+pub struct DepositParams {
     pub count: u32,
     pub texels: u32,
     pub pad0: u32,
@@ -480,7 +480,7 @@ pub struct Casting {
 /// A caustic triangle on a receiver, see the WGSL.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Cast {
+pub struct CausticTriangle {
     pub a: [f32; 2],
     pub b: [f32; 2],
     pub c: [f32; 2],
@@ -503,7 +503,7 @@ pub struct Receiver {
 /// A triangle of the scene in a receiver's plane, see the WGSL.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Landing {
+pub struct ReceiverTriangle {
     pub a: [f32; 2],
     pub ab: [f32; 2],
     pub ac: [f32; 2],

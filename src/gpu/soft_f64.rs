@@ -16,7 +16,7 @@ use std::collections::HashMap;
 const SOFT_F64: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/wgsl/shared/soft_f64.wgsl"));
 
 /// Functions of kernels between an f64 and its two words, low first: here they are the same.
-const WORDS: [&str; 2] = ["words_of", "of_words"];
+const WORDS: [&str; 2] = ["real_to_bits", "real_from_bits"];
 
 type Result<T> = std::result::Result<T, String>;
 type Value = Handle<Expression>;
@@ -282,7 +282,7 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// One function on its way.
+/// State of lowering one function.
 struct Body<'l, 'a> {
     lowering: &'l mut Lowering<'a>,
     old: &'l Function,

@@ -13,7 +13,7 @@ use crate::image::toned8;
 use crate::input::{Error, Result};
 use crate::reference;
 use crate::scene::Scene;
-use crate::scene::caustics::Account;
+use crate::scene::caustics::CausticsReport;
 use crate::scene::style::Style;
 use std::sync::Arc;
 use std::time::Instant;
@@ -74,8 +74,8 @@ impl<'e> Backend<'e> {
         run: &RunOptions,
     ) -> Result<Rendered> {
         match self {
-            Backend::Compute(engine, by) => {
-                engine.render(scene, camera.clone(), wanted, &RunOptions { by: *by, ..run.clone() })
+            Backend::Compute(engine, rival) => {
+                engine.render(scene, camera.clone(), wanted, &RunOptions { rival: *rival, ..run.clone() })
             }
             Backend::Reference if wanted.channels.contains(&Channel::Certified) => Err(Error::input(
                 "certified is a channel of --engine compute; the reference has margins: see --check and --pixel",
@@ -99,11 +99,11 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
     channels.sort_unstable();
     channels.dedup();
     let started = Instant::now();
-    let lit = if wanted.has_colour() { reference::caustics::caustics(scene) } else { None };
+    let maps = if wanted.has_colour() { reference::caustics::caustics(scene) } else { None };
     let ms = started.elapsed().as_secs_f64() * 1e3;
     let timed = || {
         let started = Instant::now();
-        let frame = reference::image::image_lit(scene, camera, &channels, lit.as_ref());
+        let frame = reference::image::image_with_caustics(scene, camera, &channels, maps.as_ref());
         (frame, started.elapsed().as_secs_f64() * 1e3)
     };
     let (mut frame, first_ms) = timed();
@@ -124,7 +124,7 @@ fn by_reference(scene: &Scene, camera: &Camera, wanted: &Wanted, run: &RunOption
         left_out: without_style(scene, wanted).into_iter().collect(),
         grown: 0,
         passes: Default::default(),
-        caustics: lit.map(|lit| Account { budget: lit.budget, ms }),
+        caustics: maps.map(|maps| CausticsReport { budget: maps.budget, ms }),
     }
 }
 

@@ -4,7 +4,7 @@
 use super::backend::{Backend, picture};
 use crate::camera::Camera;
 use crate::engine::plan::Wanted;
-use crate::engine::plan::samples::{at_once, places};
+use crate::engine::plan::samples::{at_once, sample_offsets};
 use crate::engine::sequence::Sequence;
 use crate::engine::{Rendered, RunOptions};
 use crate::image::cryptomatte::Matte;
@@ -39,7 +39,7 @@ pub fn render(
     if !means.is_empty() || ids.is_some() {
         let channels = means.into_iter().chain(ids).collect();
         let each = Wanted { counting: wanted.counting, frames: samples, ..Wanted::of(channels) };
-        for place in places(samples) {
+        for place in sample_offsets(samples) {
             let moved = Arc::new(camera.with_sample_offset(place.x, place.y));
             let rendered = backend.render(scene, &moved, &each, run)?;
             count_centres(&rendered.frame, mattes);

@@ -102,7 +102,7 @@ impl Strips<'_> {
         let mut read_back = |sequence: &mut Sequence, in_flight: Option<InFlight>| -> Result<bool> {
             let Some(in_flight) = in_flight else { return Ok(true) };
             let readback = sequence.wait_for(in_flight)?;
-            add(&mut took, readback.took());
+            add(&mut took, readback.statistics());
             Ok(to_write.send(readback).is_ok())
         };
         for planned in planned {
@@ -111,7 +111,7 @@ impl Strips<'_> {
                 if !read_back(&mut sequence, in_flight.take())? {
                     return Ok(None);
                 }
-                sequence.place(engine, &planned, &self.run)?;
+                sequence.upload(engine, &planned, &self.run)?;
             }
             let before = in_flight.replace(sequence.start(planned)?);
             if !read_back(&mut sequence, before)? {

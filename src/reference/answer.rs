@@ -17,8 +17,8 @@ pub struct Answer {
     pub touches: bool,
 }
 
-/// A path's segment in one layer and its hits.
-struct Look<'a> {
+/// A path's segment in one layer and the hits that may be its answer.
+struct Candidates<'a> {
     path: &'a Path,
     layer: usize,
     piece: u32,
@@ -54,11 +54,11 @@ impl Reference<'_> {
         let mut answers = vec![Answer::default(); paths.len()];
         let layers = paths.iter().map(|p| p.segments.len()).max().unwrap_or(0);
         for layer in 0..layers {
-            let ways = paths.iter().zip(&mut answers);
-            let (mut looks, answers): (Vec<Look>, Vec<&mut Answer>) =
-                ways.filter_map(|(path, answer)| Some((Look::new(path, layer, answer)?, answer))).unzip();
-            self.look(&mut looks);
-            looks.iter().zip(answers).for_each(|(look, answer)| look.add_to(answer));
+            let pairs = paths.iter().zip(&mut answers);
+            let (mut candidates, answers): (Vec<Candidates>, Vec<&mut Answer>) =
+                pairs.filter_map(|(path, answer)| Some((Candidates::new(path, layer, answer)?, answer))).unzip();
+            self.gather(&mut candidates);
+            candidates.iter().zip(answers).for_each(|(list, answer)| list.add_to(answer));
         }
         for (path, answer) in paths.iter().zip(&mut answers) {
             let Some(seen) = answer.seen else { continue };
@@ -68,16 +68,16 @@ impl Reference<'_> {
         answers
     }
 
-    /// Intersects the segments.
-    fn look(&self, looks: &mut [Look]) {
+    /// Intersects the segments with the triangles.
+    fn gather(&self, candidates: &mut [Candidates]) {
         let (mut curves, mut ranges, mut curved) = (Vec::new(), Vec::new(), Vec::new());
-        for look in looks {
-            match look.segment {
-                Segment::Straight(bundle) => self.each_hit_of_ray(bundle, look.range, |hit| look.take(hit)),
+        for list in candidates {
+            match list.segment {
+                Segment::Straight(bundle) => self.each_hit_of_ray(bundle, list.range, |hit| list.take(hit)),
                 Segment::Curved(curve) => {
                     curves.push(*curve);
-                    ranges.push(look.range);
-                    curved.push(look);
+                    ranges.push(list.range);
+                    curved.push(list);
                 }
             }
         }
@@ -125,14 +125,14 @@ impl Reference<'_> {
     }
 }
 
-impl<'a> Look<'a> {
+impl<'a> Candidates<'a> {
     /// Along the path's segment in a layer, as far as it may change the answer of the layers before.
-    fn new(path: &'a Path, layer: usize, before: &Answer) -> Option<Look<'a>> {
+    fn new(path: &'a Path, layer: usize, before: &Answer) -> Option<Candidates<'a>> {
         let (piece, segment) = path.segments.get(layer)?.as_ref()?;
         let [t0, t1] = path.range(layer);
         let limit = before.seen.map_or(f64::INFINITY, |s| beyond(s.t())) - layer as f64;
         let range = [t0, t1.min(limit)];
-        (limit >= t0).then_some(Look { path, layer, piece: *piece, segment, range, limit, near: Vec::new() })
+        (limit >= t0).then_some(Candidates { path, layer, piece: *piece, segment, range, limit, near: Vec::new() })
     }
 
     /// The t of the whole path where that of the layer is 0.

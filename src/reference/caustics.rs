@@ -5,28 +5,28 @@ use super::path::{Path, Segment};
 use super::{Hit, Outcome, Reference};
 use crate::camera::Camera;
 use crate::scene::Scene;
-use crate::scene::caustics::beams::{Cast, Fate, Photon};
-use crate::scene::caustics::landing::is_in_plane;
+use crate::scene::caustics::beams::{CausticTriangle, Fate, Photon};
+use crate::scene::caustics::receiver_triangles::is_in_plane;
 use crate::scene::caustics::shares::shares;
-use crate::scene::caustics::{Budget, Caustics, Illumination, Map, mean};
+use crate::scene::caustics::{CausticMaps, Caustics, FluxBudget, Map, mean};
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// The maps of the scene's receivers; `None` without caustics.
-pub fn caustics(scene: &Scene) -> Option<Illumination> {
+pub fn caustics(scene: &Scene) -> Option<CausticMaps> {
     let caustics = scene.caustics.as_deref()?;
     let photons = photons(scene, caustics);
-    let (casts, mut budget) = caustics.casts(&photons);
+    let (caustic_triangles, mut budget) = caustics.caustic_triangles(&photons);
     let map = |r: &crate::scene::caustics::Receiver| Map {
         receiver: *r,
         flux: vec![[0.0; 3]; r.texels[0] as usize * r.texels[1] as usize],
     };
     let mut maps: Vec<Map> = caustics.receivers.iter().map(map).collect();
-    for cast in &casts {
-        add(&mut maps[cast.receiver as usize], cast, &mut budget);
+    for triangle in &caustic_triangles {
+        add(&mut maps[triangle.receiver as usize], triangle, &mut budget);
     }
     budget.deposited = maps.iter().map(|m| mean(m.total())).sum();
-    Some(Illumination { maps, budget })
+    Some(CausticMaps { maps, budget })
 }
 
 /// The photons of the light, row by row.
@@ -68,21 +68,21 @@ fn photon(caustics: &Caustics, first_id: u32, shown: &Outcome) -> Photon {
 }
 
 /// Spreads the flux of a triangle over a map; the part outside counts as missed.
-fn add(map: &mut Map, cast: &Cast, budget: &mut Budget) {
-    let shares = shares(&cast.corners, map.receiver.texels);
+fn add(map: &mut Map, triangle: &CausticTriangle, budget: &mut FluxBudget) {
+    let shares = shares(&triangle.corners, map.receiver.texels);
     let mut inside = 0.0;
     for (texel, share) in shares.list {
         inside += share;
-        map.flux[texel].iter_mut().zip(cast.flux).for_each(|(sum, flux)| *sum += share * flux);
+        map.flux[texel].iter_mut().zip(triangle.flux).for_each(|(sum, flux)| *sum += share * flux);
     }
-    budget.missed += mean(cast.flux) * (1.0 - inside);
+    budget.missed += mean(triangle.flux) * (1.0 - inside);
     budget.degenerate += u64::from(shares.flat);
 }
 
 /// The light that a receiver adds to the colour of a hit: diffuse reflection of the caustic.
-pub fn reflected(scene: &Scene, lit: &Illumination, triangle: u32, bary: [f64; 2]) -> [f32; 3] {
+pub fn reflected(scene: &Scene, caustics: &CausticMaps, triangle: u32, bary: [f64; 2]) -> [f32; 3] {
     let corners = scene.mesh.triangles[triangle as usize].map(|k| scene.mesh.positions[k as usize]);
-    let Some(map) = lit.maps.iter().find(|m| corners.iter().all(|p| is_in_plane(&m.receiver, *p))) else {
+    let Some(map) = caustics.maps.iter().find(|m| corners.iter().all(|p| is_in_plane(&m.receiver, *p))) else {
         return [0.0; 3];
     };
     let [a, b, c] = corners;
@@ -93,10 +93,10 @@ pub fn reflected(scene: &Scene, lit: &Illumination, triangle: u32, bary: [f64; 2
 }
 
 /// The camera of a scene with caustics shows them.
-pub fn shown_by(scene: &Scene, camera: &Camera, shown: &Outcome, lit: &Illumination) -> [f32; 3] {
+pub fn shown_by(scene: &Scene, camera: &Camera, shown: &Outcome, caustics: &CausticMaps) -> [f32; 3] {
     let first = camera.optics.as_ref().map_or(u32::MAX, |o| o.first_id(&scene.mesh));
     match shown.seen.filter(|s| s.hit.triangle < first) {
-        Some(seen) => reflected(scene, lit, seen.hit.triangle, seen.hit.bary),
+        Some(seen) => reflected(scene, caustics, seen.hit.triangle, seen.hit.bary),
         None => [0.0; 3],
     }
 }

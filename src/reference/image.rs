@@ -8,7 +8,7 @@ use super::{Finding, Outcome, Path, Reference};
 use crate::camera::Camera;
 use crate::image::frame::{Channel, Frame, NO_ID, PixelValues, Plane};
 use crate::scene::Scene;
-use crate::scene::caustics::Illumination;
+use crate::scene::caustics::CausticMaps;
 use crate::scene::labels::Labels;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -30,25 +30,25 @@ pub struct Judgement {
 /// The asked-for channels of the reference's frame.
 pub fn image(scene: &Scene, camera: &Camera, channels: &[Channel]) -> Frame {
     let has_colour = channels.iter().any(|c| matches!(c, Channel::R | Channel::G | Channel::B));
-    let lit = if has_colour { caustics(scene) } else { None };
-    image_lit(scene, camera, channels, lit.as_ref())
+    let maps = if has_colour { caustics(scene) } else { None };
+    image_with_caustics(scene, camera, channels, maps.as_ref())
 }
 
 /// The same with given caustics.
-pub fn image_lit(scene: &Scene, camera: &Camera, channels: &[Channel], lit: Option<&Illumination>) -> Frame {
+pub fn image_with_caustics(scene: &Scene, camera: &Camera, channels: &[Channel], maps: Option<&CausticMaps>) -> Frame {
     let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
     let (reference, labels) = (Reference::build(&scene.mesh), Labels::of(scene));
     let pixels = each_pixel(camera, |i, j| {
         let path = Path::of_pixel(camera, i, j);
-        labels.labelled(pixel(scene, camera, &reference, &reference.shown(camera, path), (i, j), lit))
+        labels.labelled(pixel(scene, camera, &reference, &reference.shown(camera, path), (i, j), maps))
     });
     frame(camera, &pixels, channels)
 }
 
 /// Compares `frame`'s triangle ids with the reference.
 pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
-    let lit = caustics(scene);
+    let maps = caustics(scene);
     let camera = &*own(camera);
     let scene = &*scene.with_optics(camera);
     let reference = Reference::build(&scene.mesh);
@@ -65,7 +65,7 @@ pub fn judge(scene: &Scene, camera: &Camera, frame_seen: &Frame) -> Judgement {
             None => Outcome { seen: finding.seen, path, first: None, light: 1.0 },
         };
         let speed = shown.path.speed(shown.seen.as_ref());
-        (pixel(scene, camera, &reference, &shown, (i, j), lit.as_ref()), finding.safe, (extent / speed) as f32, near)
+        (pixel(scene, camera, &reference, &shown, (i, j), maps.as_ref()), finding.safe, (extent / speed) as f32, near)
     });
     let pixels: Vec<&PixelValues> = judged.iter().map(|j| &j.0).collect();
     Judgement {
@@ -93,12 +93,12 @@ fn pixel(
     reference: &Reference,
     shown: &Outcome,
     (i, j): (u32, u32),
-    lit: Option<&Illumination>,
+    maps: Option<&CausticMaps>,
 ) -> PixelValues {
     let behind = camera.first_piece(camera.layers.len());
     let mirror = shown.first.unwrap_or(NO_ID);
-    let camera_of = |first: u32| camera.optics.as_ref().map_or(first, |o| o.camera_of(first));
-    let piece = |of_ray: u32| shown.first.map_or(of_ray, |first| behind + camera_of(first));
+    let piece_of = |first: u32| camera.optics.as_ref().map_or(first, |o| o.piece_of(first));
+    let piece = |of_ray: u32| shown.first.map_or(of_ray, |first| behind + piece_of(first));
     let colour = match &camera.optics {
         Some(optics) if shown.first.is_some() && (optics.fresnel || optics.rays > 1) => {
             let path = Path::of_pixel(camera, i, j);
@@ -110,7 +110,7 @@ fn pixel(
     // of split rays those that say what is seen show caustics
     let split = camera.optics.as_ref().filter(|_| shown.first.is_some()).map_or(1.0, |o| o.tilts().len() as f64);
     let kept = light_left(camera, shown).map(|k| k / split);
-    let more = lit.filter(|_| shown.seen.is_some()).map_or([0.0; 3], |lit| shown_by(scene, camera, shown, lit));
+    let more = maps.filter(|_| shown.seen.is_some()).map_or([0.0; 3], |maps| shown_by(scene, camera, shown, maps));
     let colour = [0, 1, 2].map(|k| colour[k] + kept[k] * f64::from(more[k]));
     let has_bounced = shown.first.is_some();
     let coverage = f64::from(u8::from(shown.seen.is_some() || has_bounced));

@@ -52,14 +52,14 @@ pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3,
     let metallic = f64::from(material.metallic);
     let gloss = Gloss {
         base: colour * (1.0 - metallic),
-        straight: rgb(material.specular).lerp(colour, metallic),
+        f0: rgb(material.specular).lerp(colour, metallic),
         alpha: material.alpha().into(),
     };
     let start = obstacles.above(scene, hit, p, view);
     let of_light = |light: &Light| {
-        let Arriving { way, far, strength } = light.arriving(p);
-        let is_dark = n.dot(way) <= 0.0 || light.casts_shadows && !start.sees(way, far);
-        if is_dark { DVec3::ZERO } else { strength * gloss.reflected(n, -view, way) }
+        let Arriving { to_light, far, strength } = light.arriving(p);
+        let is_dark = n.dot(to_light) <= 0.0 || light.casts_shadows && !start.sees(to_light, far);
+        if is_dark { DVec3::ZERO } else { strength * gloss.reflected(n, -view, to_light) }
     };
     let open = scene.ambient_occlusion.map_or(1.0, |occlusion| start.openness(n, occlusion));
     let direct = match scene.lights.is_empty() && scene.sky.is_none() {
@@ -68,7 +68,7 @@ pub fn light(scene: &Scene, obstacles: &Obstacles, hit: &Hit, (p, view): (DVec3,
     };
     let (around, rest) = match &scene.sky {
         Some(sky) => (gloss.reflected_sky(sky, n, -view), 1.0),
-        None => (AMBIENT * (gloss.base + gloss.straight), 1.0 - AMBIENT),
+        None => (AMBIENT * (gloss.base + gloss.f0), 1.0 - AMBIENT),
     };
     (rgb(material.emissive) + open * around + rest * direct).as_vec3().to_array()
 }
@@ -102,12 +102,12 @@ impl Obstacles<'_> {
 
 impl Above<'_> {
     /// Distance to the first obstacle along a unit direction, up to `far`.
-    fn meets(&self, way: DVec3, far: f64) -> Option<f64> {
-        self.of.all.blocked(self.p, way, far, self.of.count)
+    fn meets(&self, direction: DVec3, far: f64) -> Option<f64> {
+        self.of.all.blocked(self.p, direction, far, self.of.count)
     }
 
-    fn sees(&self, way: DVec3, far: f64) -> bool {
-        self.flat.dot(way) > 0.0 && self.meets(way, far).is_none()
+    fn sees(&self, direction: DVec3, far: f64) -> bool {
+        self.flat.dot(direction) > 0.0 && self.meets(direction, far).is_none()
     }
 
     /// Ambient visibility: the cosine-weighted share of directions about the normal without an obstacle; far obstacles count less.
@@ -131,7 +131,7 @@ impl Above<'_> {
 struct Gloss {
     base: DVec3,
     /// Reflectance of the facets at normal incidence.
-    straight: DVec3,
+    f0: DVec3,
     alpha: f64,
 }
 
@@ -146,13 +146,13 @@ impl Gloss {
         let rough = self.alpha.sqrt() * DVec4::new(-1.0, -0.0275, -0.572, 0.022) + DVec4::new(1.0, 0.0425, 1.04, -0.04);
         let falloff = (rough.x * rough.x).min((-9.28 * cos_v).exp2()) * rough.x + rough.y;
         let [share, of_grazing] = [-1.04 * falloff + rough.z, 1.04 * falloff + rough.w];
-        let grazing = (50.0 * self.straight.max_element()).min(1.0);
-        self.base * sky.irradiance(n) + sky.lobe(mirrored, width) * (self.straight * share + grazing * of_grazing)
+        let grazing = (50.0 * self.f0.max_element()).min(1.0);
+        self.base * sky.irradiance(n) + sky.lobe(mirrored, width) * (self.f0 * share + grazing * of_grazing)
     }
 
     /// The light reflected towards `v` from a light of irradiance pi in direction `l`.
     fn reflected(&self, n: DVec3, v: DVec3, l: DVec3) -> DVec3 {
-        let Gloss { base, straight, alpha } = *self;
+        let Gloss { base, f0, alpha } = *self;
         let cos_l = n.dot(l);
         if cos_l <= 0.0 {
             return DVec3::ZERO;
@@ -164,8 +164,8 @@ impl Gloss {
         }
         let h = (l + v).normalize();
         // what reflects nothing straight on does not at grazing angles (Lagarde and de Rousiers 2014)
-        let grazing = (50.0 * straight.max_element()).min(1.0);
-        let fresnel = straight + (grazing - straight) * (1.0 - v.dot(h).clamp(0.0, 1.0)).powi(5);
+        let grazing = (50.0 * f0.max_element()).min(1.0);
+        let fresnel = f0 + (grazing - f0) * (1.0 - v.dot(h).clamp(0.0, 1.0)).powi(5);
         let a2 = alpha * alpha;
         let cos_h = n.dot(h).clamp(0.0, 1.0);
         let facets = a2 / (PI * (cos_h * cos_h * (a2 - 1.0) + 1.0).powi(2));

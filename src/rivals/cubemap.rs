@@ -1,7 +1,7 @@
 //! `raster-cubemap`: what is usual instead of a camera that bends: an ordinary picture of all six sides, and every pixel looks up
 //! the nearest texel there (Lorenz and Doellner 2009, section 1.1: image-based). For cameras whose rays start in one point.
 
-use super::draw::{Canvas, Draw, run};
+use super::draw::{Draw, RasterTarget, run};
 use super::layout::Cube;
 use super::{kernels, with};
 use crate::engine::rival::{Rival, Setup, Target};
@@ -12,7 +12,7 @@ use crate::input::{Error, Result};
 
 struct CubeMap {
     draw: Draw,
-    canvas: Canvas,
+    raster_target: RasterTarget,
     unfold: Pipeline,
     own: Buffers,
     side: u32,
@@ -34,7 +34,7 @@ pub fn cubemap(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     own.upload_uniform(gpu, "cube", &cube(setup, side)?)?;
     Ok(Box::new(CubeMap {
         draw: Draw::new(gpu, kernels::cube()),
-        canvas: Canvas::new(gpu, (COLUMNS * side, FACES / COLUMNS * side)),
+        raster_target: RasterTarget::new(gpu, (COLUMNS * side, FACES / COLUMNS * side)),
         unfold: Pipeline::new(gpu, kernels::unfold(setup.variant)),
         own,
         side,
@@ -67,7 +67,7 @@ impl Rival for CubeMap {
         let Some(first) = band.chunks.first() else { return Ok(()) };
         let groups = band.chunks.iter().map(|c| self.draw.bind(gpu, &with(&c.scopes, &[&self.own])));
         let groups = groups.collect::<Result<Vec<_>>>()?;
-        let mut pass = self.canvas.pass(recorder, "draw", true);
+        let mut pass = self.raster_target.pass(recorder, "draw", true);
         pass.set_pipeline(&self.draw.pipeline);
         let side = self.side as f32;
         for (group, chunk) in groups.iter().zip(&band.chunks) {
@@ -81,10 +81,10 @@ impl Rival for CubeMap {
         }
         drop(pass);
         let scopes = with(&first.scopes, &[&self.own]);
-        run(gpu, recorder, "unfold", (&self.unfold, &scopes, self.canvas.seen()), self.width * band.rows)
+        run(gpu, recorder, "unfold", (&self.unfold, &scopes, self.raster_target.seen()), self.width * band.rows)
     }
 
     fn bytes(&self) -> u64 {
-        self.canvas.bytes() + self.own.bytes()
+        self.raster_target.bytes() + self.own.bytes()
     }
 }

@@ -23,7 +23,7 @@ pub struct Draw {
 }
 
 impl Draw {
-    /// Onto a canvas, the nearest last. The entry points are NAME_corner and NAME_pixel.
+    /// Onto a render target, the nearest last. The entry points are NAME_corner and NAME_pixel.
     pub fn new(gpu: &Gpu, kernel: Kernel) -> Draw {
         let nearest = wgpu::DepthStencilState {
             format: DEPTH,
@@ -103,8 +103,8 @@ impl Draw {
     }
 }
 
-/// What rivals draw on: a picture, and the depth of what is nearest.
-pub struct Canvas {
+/// The render target of rivals: an image, and the depth of the nearest fragment.
+pub struct RasterTarget {
     seen: wgpu::TextureView,
     depth: wgpu::TextureView,
     size: (u32, u32),
@@ -113,7 +113,7 @@ pub struct Canvas {
 /// A texture to draw on and to read.
 pub fn texture(gpu: &Gpu, (width, height): (u32, u32), format: TextureFormat) -> wgpu::TextureView {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("canvas"),
+        label: Some("raster_target"),
         size: Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
@@ -125,9 +125,9 @@ pub fn texture(gpu: &Gpu, (width, height): (u32, u32), format: TextureFormat) ->
     texture.create_view(&Default::default())
 }
 
-impl Canvas {
-    pub fn new(gpu: &Gpu, size: (u32, u32)) -> Canvas {
-        Canvas { seen: texture(gpu, size, SEEN), depth: texture(gpu, size, DEPTH), size }
+impl RasterTarget {
+    pub fn new(gpu: &Gpu, size: (u32, u32)) -> RasterTarget {
+        RasterTarget { seen: texture(gpu, size, SEEN), depth: texture(gpu, size, DEPTH), size }
     }
 
     /// A render pass over it; the first clears it.
@@ -158,24 +158,24 @@ impl Canvas {
     }
 }
 
-/// A canvas of the size of the largest band, whose picture becomes the band's visibility buffer.
-pub struct Easel {
-    pub canvas: Canvas,
+/// A render target of the size of the largest band, whose image becomes the band's visibility buffer.
+pub struct BandRaster {
+    pub raster_target: RasterTarget,
     take: Pipeline,
     width: u32,
 }
 
-impl Easel {
-    pub fn new(gpu: &Gpu, setup: &Setup) -> Easel {
+impl BandRaster {
+    pub fn new(gpu: &Gpu, setup: &Setup) -> BandRaster {
         let width = setup.camera.width;
         let take = Pipeline::new(gpu, kernels::take(setup.variant));
-        Easel { canvas: Canvas::new(gpu, (width, setup.rows)), take, width }
+        BandRaster { raster_target: RasterTarget::new(gpu, (width, setup.rows)), take, width }
     }
 
     /// Brings a band from the picture to the visibility buffer.
     pub fn take(&self, gpu: &Gpu, recorder: &mut Recorder, band: &Target) -> Result<()> {
         let Some(chunk) = band.chunks.first() else { return Ok(()) };
-        run(gpu, recorder, "take", (&self.take, &chunk.scopes, self.canvas.seen()), self.width * band.rows)
+        run(gpu, recorder, "take", (&self.take, &chunk.scopes, self.raster_target.seen()), self.width * band.rows)
     }
 }
 

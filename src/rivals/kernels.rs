@@ -21,13 +21,13 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
     bindings.extend((!brute).then(|| reads("bvh", "array<BvhNode>")));
     bindings.push(writes("visibility", "array<vec2<u32>>"));
     bindings.extend(variant.pixel_rays());
-    let way = match variant.rays {
-        RaysKind::Curves { .. } => snippets!("rivals/curved_way.wgsl"),
-        _ => snippets!("rivals/straight_way.wgsl"),
+    let path = match variant.rays {
+        RaysKind::Curves { .. } => snippets!("rivals/curved_path.wgsl"),
+        _ => snippets!("rivals/straight_path.wgsl"),
     };
     let search =
         if brute { snippets!("rivals/brute.wgsl") } else { snippets!("rivals/hierarchy.wgsl", "shared/bvh.wgsl") };
-    let own = [SEGMENT, search, way, snippets!("rivals/trace.wgsl")];
+    let own = [SEGMENT, search, path, snippets!("rivals/trace.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SLABS, KEY][..], &variant.pixel_snippets(), &own].concat();
     let mut kernel = Kernel::new("trace", bindings, &snippets);
     kernel.constants = variant.constants();
@@ -78,10 +78,10 @@ pub fn warp(layers: u32, culling: bool, levels: u32) -> Kernel {
     kernel
 }
 
-/// Triangles around images, in the planes through the scene's middle.
-pub fn bound(layers: u32, culling: bool, middle: DVec3) -> Kernel {
+/// Triangles around images, in the planes through the scene's centre.
+pub fn bound(layers: u32, culling: bool, centre: DVec3) -> Kernel {
     let mut kernel = clipped_draw("bound", (layers, culling), &[], &[snippets!("rivals/bound.wgsl")]);
-    kernel.constants.extend([("MIDDLE_X", middle.x), ("MIDDLE_Y", middle.y), ("MIDDLE_Z", middle.z)]);
+    kernel.constants.extend([("CENTRE_X", centre.x), ("CENTRE_Y", centre.y), ("CENTRE_Z", centre.z)]);
     kernel
 }
 
@@ -154,11 +154,11 @@ pub fn all(variant: Variant) -> Vec<Kernel> {
 
 /// The draws, onto `layers` layers.
 pub fn draws(layers: u32) -> Vec<Kernel> {
-    let middle = DVec3::ZERO;
+    let centre = DVec3::ZERO;
     let onto_s = splat_project(10);
     vec![
         warp(layers, true, 2),
-        bound(layers, true, middle),
+        bound(layers, true, centre),
         perspective(layers, true),
         cube(),
         onto_s,

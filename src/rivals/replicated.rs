@@ -3,7 +3,7 @@
 //! indirect draw takes them. Where they look up the cells of a camera texture that a triangle's bounds meet, it skips the pieces of a
 //! cone that the triangle is not in. The cameras of a graph camera (Popescu et al., section 2) are such pieces.
 
-use super::draw::{Draw, Easel};
+use super::draw::{BandRaster, Draw};
 use super::layout::Cone;
 use super::outline;
 use super::{kernels, with};
@@ -23,7 +23,7 @@ use wgpu::BufferUsages;
 struct Replicated {
     replicate: Pipeline,
     draw: Draw,
-    easel: Easel,
+    band_raster: BandRaster,
     pieces: u64,
     /// The pieces' rows, by where they lie in the image, and the cones of each [`TOGETHER`]; `replicas`, 8 bytes a triangle and piece that may see it, and `draw_args`, 16 bytes, both written by replicate
     /// and read by the draw; `no_draw`, the arguments before.
@@ -41,7 +41,7 @@ pub fn replicated(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     Ok(Box::new(Replicated {
         replicate: Pipeline::new(gpu, kernels::replicate(setup.variant.culling)),
         draw: Draw::clipped(gpu, kernels::perspective(setup.layers(), setup.variant.culling))?,
-        easel: Easel::new(gpu, setup),
+        band_raster: BandRaster::new(gpu, setup),
         pieces,
         own,
     }))
@@ -150,12 +150,12 @@ impl Rival for Replicated {
             dispatch_items(gpu, &mut pass, chunk.slots);
             drop(pass);
             let group = self.draw.bind(gpu, &scopes)?;
-            let mut pass = self.easel.canvas.pass(recorder, "draw", k == 0);
+            let mut pass = self.band_raster.raster_target.pass(recorder, "draw", k == 0);
             pass.set_pipeline(&self.draw.pipeline);
             pass.set_bind_group(0, &group, &[]);
             pass.draw_indirect(args, 0);
         }
-        self.easel.take(gpu, recorder, band)
+        self.band_raster.take(gpu, recorder, band)
     }
 
     /// Replicas that did not fit are missing in the picture.
@@ -173,6 +173,6 @@ impl Rival for Replicated {
     }
 
     fn bytes(&self) -> u64 {
-        self.easel.canvas.bytes() + self.own.bytes()
+        self.band_raster.raster_target.bytes() + self.own.bytes()
     }
 }

@@ -2,7 +2,7 @@
 //! texels, with where the camera shows them; the second renders every three neighbours there as a triangle. A pair of passes for
 //! each GLC as in the paper, or for as many as fit S.
 
-use super::draw::{Draw, Easel, texture};
+use super::draw::{BandRaster, Draw, texture};
 use super::layout::Splat;
 use super::outline;
 use super::{kernels, with};
@@ -16,7 +16,7 @@ use wgpu::TextureFormat;
 struct ByTexture {
     project: Draw,
     scatter: Draw,
-    easel: Easel,
+    band_raster: BandRaster,
     own: Buffers,
     s: wgpu::TextureView,
     samples: u32,
@@ -48,7 +48,7 @@ fn splat(gpu: &Gpu, setup: &Setup, is_each: bool) -> Result<Box<dyn Rival>> {
     Ok(Box::new(ByTexture {
         project: Draw::onto(gpu, kernels::splat_project(samples), S, None),
         scatter: Draw::clipped(gpu, kernels::splat_move(setup.layers(), setup.variant.culling, samples))?,
-        easel: Easel::new(gpu, setup),
+        band_raster: BandRaster::new(gpu, setup),
         own,
         pieces,
         s: texture(gpu, (SIDE, SIDE), S),
@@ -96,7 +96,7 @@ impl ByTexture {
         pass.draw(0..6 * count, 0..1);
         drop(pass);
         let group = self.scatter.bind_texture(gpu, &scopes, ("s", &self.s))?;
-        let mut pass = self.easel.canvas.pass(recorder, "draw", is_first);
+        let mut pass = self.band_raster.raster_target.pass(recorder, "draw", is_first);
         pass.set_pipeline(&self.scatter.pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3 * (self.samples - 1).pow(2) * count, 0..1);
@@ -126,10 +126,10 @@ impl Rival for ByTexture {
                 is_first = false;
             }
         }
-        self.easel.take(gpu, recorder, band)
+        self.band_raster.take(gpu, recorder, band)
     }
 
     fn bytes(&self) -> u64 {
-        self.easel.canvas.bytes() + self.own.bytes() + S_BYTES * u64::from(SIDE).pow(2)
+        self.band_raster.raster_target.bytes() + self.own.bytes() + S_BYTES * u64::from(SIDE).pow(2)
     }
 }

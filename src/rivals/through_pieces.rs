@@ -5,7 +5,7 @@
 //! * bound: a triangle around the image of each triangle, whose fragments intersect their own rays with its plane (Hou et al.
 //!   2006, section 2); all cameras in one instanced draw, or a pass for each as in the paper.
 
-use super::draw::{Draw, Easel};
+use super::draw::{BandRaster, Draw};
 use super::outline;
 use super::{kernels, with};
 use crate::engine::rival::{Rival, Setup, Target};
@@ -16,7 +16,7 @@ use crate::input::Result;
 
 struct ThroughPieces {
     draw: Draw,
-    easel: Easel,
+    band_raster: BandRaster,
     own: Buffers,
     /// Draws of a triangle.
     parts: u32,
@@ -41,15 +41,15 @@ pub fn bound_passes(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
 }
 
 fn bound_draw(gpu: &Gpu, setup: &Setup) -> Result<Draw> {
-    Draw::clipped(gpu, kernels::bound(setup.layers(), setup.variant.culling, setup.middle - setup.anchor))
+    Draw::clipped(gpu, kernels::bound(setup.layers(), setup.variant.culling, setup.centre - setup.anchor))
 }
 
 impl ThroughPieces {
     fn new(gpu: &Gpu, setup: &Setup, draw: Draw, parts: u32) -> Result<ThroughPieces> {
         let mut own = Buffers::default();
         let pieces = outline::upload(gpu, setup, &mut own)?;
-        let easel = Easel::new(gpu, setup);
-        Ok(ThroughPieces { draw, easel, own, parts, pieces, is_each: false })
+        let band_raster = BandRaster::new(gpu, setup);
+        Ok(ThroughPieces { draw, band_raster, own, parts, pieces, is_each: false })
     }
 }
 
@@ -72,17 +72,17 @@ impl Rival for ThroughPieces {
         let groups = groups.collect::<Result<Vec<_>>>()?;
         let each = if self.is_each { 1 } else { self.pieces };
         for first in (0..self.pieces).step_by(each.max(1) as usize) {
-            let mut pass = self.easel.canvas.pass(recorder, "draw", first == 0);
+            let mut pass = self.band_raster.raster_target.pass(recorder, "draw", first == 0);
             pass.set_pipeline(&self.draw.pipeline);
             for (group, chunk) in groups.iter().zip(&band.chunks) {
                 pass.set_bind_group(0, group, &[]);
                 pass.draw(0..3 * chunk.slots * self.parts, first..first + each);
             }
         }
-        self.easel.take(gpu, recorder, band)
+        self.band_raster.take(gpu, recorder, band)
     }
 
     fn bytes(&self) -> u64 {
-        self.easel.canvas.bytes() + self.own.bytes()
+        self.band_raster.raster_target.bytes() + self.own.bytes()
     }
 }

@@ -35,7 +35,7 @@ pub struct AmbientOcclusion {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arriving {
     /// Unit direction to the light.
-    pub way: DVec3,
+    pub to_light: DVec3,
     /// Distance to the light, world units.
     pub far: f64,
     /// Irradiance over pi at normal incidence.
@@ -56,12 +56,12 @@ impl Light {
     pub fn arriving(&self, p: DVec3) -> Arriving {
         let colour = DVec3::from(self.colour.map(f64::from));
         match self.source {
-            Source::Distant(travel) => Arriving { way: -travel, far: f64::MAX, strength: colour },
+            Source::Distant(travel) => Arriving { to_light: -travel, far: f64::MAX, strength: colour },
             Source::Point { position, distance } => {
-                let way = position - p;
-                let square = way.length_squared().max(1e-30);
+                let to_light = position - p;
+                let square = to_light.length_squared().max(1e-30);
                 Arriving {
-                    way: way / square.sqrt(),
+                    to_light: to_light / square.sqrt(),
                     far: square.sqrt(),
                     strength: distance * distance / square * colour,
                 }
@@ -92,7 +92,7 @@ mod tests {
         let source = Source::Point { position: DVec3::new(0.0, 3.0, 0.0), distance: 3.0 };
         let light = Light { source, colour: [1.0, 0.5, 0.0], casts_shadows: true };
         let near = light.arriving(DVec3::ZERO);
-        assert_eq!((near.way, near.far, near.strength), (DVec3::Y, 3.0, DVec3::new(1.0, 0.5, 0.0)));
+        assert_eq!((near.to_light, near.far, near.strength), (DVec3::Y, 3.0, DVec3::new(1.0, 0.5, 0.0)));
         assert_eq!(light.arriving(DVec3::new(0.0, -3.0, 0.0)).strength, DVec3::new(0.25, 0.125, 0.0));
         assert!(light.arriving(DVec3::new(0.0, 3.0, 0.0)).strength.is_finite());
     }

@@ -161,7 +161,7 @@ mod tests {
         for cameras in [100, 256, 512] {
             let keys = [format!("camera.mirror.cameras={cameras}")];
             let camera = Scene::load(&path, &keys, 0.0).unwrap().camera().unwrap();
-            assert_eq!(camera.optics.as_ref().unwrap().camera_count(), cameras);
+            assert_eq!(camera.optics.as_ref().unwrap().piece_count(), cameras);
         }
     }
 

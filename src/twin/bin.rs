@@ -4,7 +4,7 @@ use super::cull::Address;
 use super::edge::side_over;
 use super::raster::{Corners, test};
 use super::rays::{Cast, owned};
-use super::{Input, Real};
+use super::{KernelInputs, Real};
 use crate::camera::TILE;
 use crate::gpu::layout::Cell;
 use glam::DVec3;
@@ -72,7 +72,7 @@ impl Binned {
 }
 
 /// The cells below a node.
-pub fn cells_below(input: &Input, node: Address) -> Vec<u32> {
+pub fn cells_below(input: &KernelInputs, node: Address) -> Vec<u32> {
     match node.cell() {
         Some(cell) => vec![cell],
         None => input.children(node).into_iter().flat_map(|child| cells_below(input, child)).collect(),
@@ -80,11 +80,11 @@ pub fn cells_below(input: &Input, node: Address) -> Vec<u32> {
 }
 
 /// Every triangle of every item's cluster against every pixel below its node, but for tiles that lie beside it whole.
-pub fn bin(input: &Input, work: &[[u32; 2]], real: Real) -> Vec<Binned> {
+pub fn bin(input: &KernelInputs, work: &[[u32; 2]], real: Real) -> Vec<Binned> {
     work.par_iter().flat_map_iter(|&[cluster, node]| bin_item(input, cluster, Address::unpack(node), real)).collect()
 }
 
-fn bin_item(input: &Input, cluster: u32, node: Address, real: Real) -> Vec<Binned> {
+fn bin_item(input: &KernelInputs, cluster: u32, node: Address, real: Real) -> Vec<Binned> {
     let cluster = &input.clusters[cluster as usize];
     let slots = cluster.first..cluster.first + cluster.count;
     let corners: Vec<_> = slots.map(|slot| (slot, input.corners(slot))).collect();
@@ -115,7 +115,7 @@ fn bin_item(input: &Input, cluster: u32, node: Address, real: Real) -> Vec<Binne
 }
 
 /// The pixels, each with its rays, that a triangle covers for certain and that it may cover.
-pub fn covered(input: &Input, casts: &[(u32, Cast)], corners: &Corners, real: Real) -> (u64, u64) {
+pub fn covered(input: &KernelInputs, casts: &[(u32, Cast)], corners: &Corners, real: Real) -> (u64, u64) {
     let (mut certain, mut possible) = (0, 0);
     for (bit, cast) in casts {
         let tested = test(input, cast, corners, real);
@@ -130,7 +130,7 @@ const TILE_HALF: f64 = TILE as f64 / 2.0;
 
 /// Two edges have all of a cell's tile on different sides: no pixel of it need be tested. Never so in a ray field
 /// or among curves, which follow no rule.
-pub fn beside(input: &Input, cell: &Cell, corners: &Corners, real: Real) -> bool {
+pub fn beside(input: &KernelInputs, cell: &Cell, corners: &Corners, real: Real) -> bool {
     if input.rays.is_some() {
         return false;
     }

@@ -4,7 +4,7 @@ use super::bounded::{Bounded, Near3};
 use super::raster::Visibility;
 use super::refract::{BouncedRay, at_facet};
 use super::smooth::Part;
-use super::{Input, Real};
+use super::{KernelInputs, Real};
 use crate::engine::plan::curves::RayTable;
 use crate::engine::surface::SurfaceRows;
 use crate::gpu::layout::{NONE, PathState, split2};
@@ -26,13 +26,13 @@ const UNIT: f64 = f32::EPSILON as f64 / 2.0;
 const SIZE_MAX: f64 = 65536.0;
 
 /// One result per pixel of the band, row by row; `None` where the ray misses the optics.
-pub fn bounce(input: &Input, visibility: &Visibility, real: Real) -> Vec<Option<Bounced>> {
+pub fn bounce(input: &KernelInputs, visibility: &Visibility, real: Real) -> Vec<Option<Bounced>> {
     let pixels = input.params.width * input.params.height;
     let at = |pixel: u32| bounce_pixel(input, visibility.key(pixel as usize)?, pixel, real);
     (0..pixels).into_par_iter().map(at).collect()
 }
 
-fn bounce_pixel(input: &Input, key: u64, pixel: u32, real: Real) -> Option<Bounced> {
+fn bounce_pixel(input: &KernelInputs, key: u64, pixel: u32, real: Real) -> Option<Bounced> {
     let optics = input.optics.as_ref()?;
     // the next pass holds the law
     let optic = &optics.next?;
@@ -55,7 +55,7 @@ fn bounce_pixel(input: &Input, key: u64, pixel: u32, real: Real) -> Option<Bounc
         length: length.v as f32,
         first: if path.first == NONE { surface } else { path.first },
         last: id,
-        camera: if path.first == NONE { optics.camera_of(surface) } else { path.camera },
+        piece: if path.first == NONE { optics.piece_of(surface) } else { path.piece },
         pad0: 0,
     };
     if optic.is_environment == 1 {
@@ -66,7 +66,7 @@ fn bounce_pixel(input: &Input, key: u64, pixel: u32, real: Real) -> Option<Bounc
 }
 
 /// The rays as the next pass reads them: one column and row more than the band, without rays.
-pub fn table(input: &Input, bounced: &[Option<Bounced>]) -> RayTable {
+pub fn table(input: &KernelInputs, bounced: &[Option<Bounced>]) -> RayTable {
     let (width, height) = (input.params.width as usize, input.params.height as usize);
     let numbers = 6 * (width + 1) * (height + 1);
     let mut table = RayTable { hi: vec![0.0; numbers], lo: vec![0.0; numbers] };

@@ -1,7 +1,7 @@
 //! cull in f64: which clusters may be seen in which squares of the image.
 
-use super::Input;
-use crate::gpu::layout::{BRANCH, Cluster, LEVEL_CELL, Node, RAYS_AFFINE, RAYS_NONE, RAYS_TORN};
+use super::KernelInputs;
+use crate::gpu::layout::{BRANCH, Cluster, LEVEL_CELL, Node, RAYS_AFFINE, RAYS_DISCONTINUOUS, RAYS_NONE};
 use glam::DVec3;
 
 /// How a node's bundle is bounded: all boxes and radii grow by `tolerance` times the sizes of what they are made of, and
@@ -69,7 +69,7 @@ pub struct Culled {
 }
 
 /// Descends from the top of the tree with every cluster of the batch.
-pub fn cull(input: &Input, bound: Bound) -> Culled {
+pub fn cull(input: &KernelInputs, bound: Bound) -> Culled {
     let p = &input.params;
     let top = Address { level: p.levels, x: 0, y: 0 }.pack();
     let all = (p.cluster_first..p.cluster_first + p.cluster_count).map(|c| [c, top]).collect();
@@ -110,17 +110,17 @@ pub fn cull(input: &Input, bound: Bound) -> Culled {
 }
 
 /// A node that is left undivided when so many of its children are met.
-pub fn hands_on(input: &Input, node: Address, met: usize) -> bool {
+pub fn hands_on(input: &KernelInputs, node: Address, met: usize) -> bool {
     may_hand_on(input, node) && met > HAND_ON
 }
 
 /// A node that may be left undivided: one bundle over many tiles, and not over too many.
-pub fn may_hand_on(input: &Input, node: Address) -> bool {
+pub fn may_hand_on(input: &KernelInputs, node: Address) -> bool {
     let above_tiles = (2..input.params.levels).contains(&node.level) && node.level <= HAND_ON_LEVEL;
     above_tiles && input.node(node).rays == RAYS_AFFINE
 }
 
-impl Input<'_> {
+impl KernelInputs<'_> {
     pub fn node(&self, at: Address) -> &Node {
         let level = at.level as usize;
         let index = match at.cell() {
@@ -131,9 +131,9 @@ impl Input<'_> {
     }
 
     /// Whether cull goes on from a node that a cluster meets: from all above level 1, and there and below where rays are
-    /// torn.
+    /// discontinuous.
     pub fn is_descended(&self, at: Address) -> bool {
-        at.cell().is_none() && (at.level > 1 || self.node(at).rays == RAYS_TORN)
+        at.cell().is_none() && (at.level > 1 || self.node(at).rays == RAYS_DISCONTINUOUS)
     }
 
     /// The nodes one level down, row by row; of a tile its cells.
@@ -163,7 +163,7 @@ impl Input<'_> {
 }
 
 /// Whether any ray of the node may meet the box of a cluster, or of a triangle group, at a t in range?
-pub fn node_meets(input: &Input, at: Address, cluster: &Cluster, bound: Bound) -> bool {
+pub fn node_meets(input: &KernelInputs, at: Address, cluster: &Cluster, bound: Bound) -> bool {
     let node = input.node(at);
     if node.rays == RAYS_NONE {
         return false;
@@ -179,7 +179,7 @@ fn v(a: [f32; 3]) -> DVec3 {
     DVec3::from(a.map(f64::from))
 }
 
-/// The rays of a node relative to the middle of a box: `P = p + x px + y py`, `D = d + x dx + y dy` for x, y in
+/// The rays of a node relative to the centre of a box: `P = p + x px + y py`, `D = d + x dx + y dy` for x, y in
 /// [-1, 1], and half-sizes that all the rest adds up to.
 struct Beam {
     p: [DVec3; 3],

@@ -1,6 +1,6 @@
 //! deposit in f64: the flux of caustic triangles, as stored, by texel.
 
-use crate::gpu::layout::{Cast, Receiver};
+use crate::gpu::layout::{CausticTriangle, Receiver};
 use crate::scene::caustics::shares::shares;
 use glam::DVec2;
 
@@ -15,13 +15,13 @@ pub struct Brought {
 }
 
 /// Corners as stored, texels.
-pub fn corners(cast: &Cast) -> [DVec2; 3] {
-    [cast.a, cast.b, cast.c].map(|p| DVec2::new(f64::from(p[0]), f64::from(p[1])))
+pub fn corners(triangle: &CausticTriangle) -> [DVec2; 3] {
+    [triangle.a, triangle.b, triangle.c].map(|p| DVec2::new(f64::from(p[0]), f64::from(p[1])))
 }
 
-pub fn deposit(cast: &Cast, receivers: &[Receiver]) -> Brought {
-    let receiver = receivers[cast.receiver as usize];
-    let shares = shares(&corners(cast), [receiver.columns, receiver.rows]);
+pub fn deposit(triangle: &CausticTriangle, receivers: &[Receiver]) -> Brought {
+    let receiver = receivers[triangle.receiver as usize];
+    let shares = shares(&corners(triangle), [receiver.columns, receiver.rows]);
     let list: Vec<(usize, f64)> = shares.list.iter().map(|(k, s)| (receiver.first as usize + k, *s)).collect();
     let inside: f64 = list.iter().map(|l| l.1).sum();
     Brought { list, missed: 1.0 - inside, is_line: shares.flat }

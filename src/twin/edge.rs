@@ -84,7 +84,7 @@ fn in_plane(rays: &PixelRays, v: DVec3, real: Real) -> (DVec2, f64) {
     (place, PLANE_UNITS * real.rounding() * sizes)
 }
 
-/// The side of the bundle's middle ray with respect to the edge from `v` to `w`, in the plane. Places of another adapter may be
+/// The side of the bundle's central ray with respect to the edge from `v` to `w`, in the plane. Places of another adapter may be
 /// apart by their rounding.
 pub fn side(rays: &PixelRays, v: DVec3, w: DVec3, real: Real) -> Side {
     let ((u, off_u), (v, off_v)) = (in_plane(rays, v, real), in_plane(rays, w, real));
@@ -94,7 +94,7 @@ pub fn side(rays: &PixelRays, v: DVec3, w: DVec3, real: Real) -> Side {
     Side { sign: first.map_or(1, |s| s.signum() as i32), uncertain: value.abs() <= bound }
 }
 
-/// The side on which all rays within `r` px of the bundle's middle pass, perturbed or not, for certain of [`side`]; 0: not proven.
+/// The side on which all rays within `r` px of the bundle's centre pass, perturbed or not, for certain of [`side`]; 0: not proven.
 pub fn side_over(b: &Bundle, v: DVec3, w: DVec3, real: Real, r: f64) -> i32 {
     let r = r + 2.0 * PERTURB_PX;
     // bounds from either end

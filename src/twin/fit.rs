@@ -1,11 +1,11 @@
 //! fit in f64: the tree of nodes over bounced rays, as the host builds it for a camera's own rays.
 
-use super::Input;
+use super::KernelInputs;
 use super::cull::Address;
 use crate::camera::TILE;
 use crate::engine::plan::fit::Fit;
-use crate::engine::plan::nodes::{Depth, Nodes};
-use crate::engine::plan::tiles::{Bounds, Sample, Sampled};
+use crate::engine::plan::nodes::{Nodes, WidthMeasure};
+use crate::engine::plan::tiles::{TileFits, TileRay, TileRays};
 use crate::gpu::layout::{BRANCH, Cell, Node};
 use glam::{DVec2, DVec3};
 
@@ -23,18 +23,18 @@ pub struct PixelRay {
 }
 
 /// All levels over the rays of `input`. Besides these, only its parameters and optics are read.
-pub fn fit(input: &Input) -> Fitted {
+pub fn fit(input: &KernelInputs) -> Fitted {
     let p = &input.params;
-    let middle = input.optics.map_or(DVec3::ZERO, |o| DVec3::from(o.optic.middle.map(f64::from)));
+    let centre = input.optics.map_or(DVec3::ZERO, |o| DVec3::from(o.optic.centre.map(f64::from)));
     let tile = |tile: u32| {
         let at = Address { level: 0, x: tile % p.tiles_x, y: tile / p.tiles_x };
         let rays = rays_below(input, at);
         let mask = |r: &PixelRay| 1u64 << (r.pixel.1 % TILE * TILE + r.pixel.0 % TILE);
-        let samples = rays.iter().map(|r| Sample { place: place_in(at, r.pixel), p: r.p, d: r.d });
-        let whole = Fit::of(&Sampled { samples: samples.collect(), ..Sampled::default() });
-        (Bounds { whole, each: Vec::new() }, rays.iter().fold(0, |all, r| all | mask(r)))
+        let tile_rays = rays.iter().map(|r| TileRay { place: place_in(at, r.pixel), p: r.p, d: r.d });
+        let whole = Fit::of(&TileRays { rays: tile_rays.collect(), ..TileRays::default() });
+        (TileFits { whole, each: Vec::new() }, rays.iter().fold(0, |all, r| all | mask(r)))
     };
-    let (bounds, masks): (Vec<Bounds>, Vec<u64>) = (0..p.tiles_x * p.tiles_y).map(tile).unzip();
+    let (bounds, masks): (Vec<TileFits>, Vec<u64>) = (0..p.tiles_x * p.tiles_y).map(tile).unzip();
     let cell = |(tile, mask): (u32, u64)| Cell {
         tile,
         node: tile,
@@ -46,14 +46,14 @@ pub fn fit(input: &Input) -> Fitted {
         nodes: Nodes::new(
             &bounds,
             (p.tiles_x, p.tiles_y),
-            Depth { middle, t_range: input.t_range(), scattered: false, scene_size: 0.0 },
+            WidthMeasure { centre, t_range: input.t_range(), incoherent: false, scene_size: 0.0 },
         ),
         cells: (0..).zip(masks).map(cell).collect(),
     }
 }
 
 /// The rays of the pixels below a node; those that are numbers.
-pub fn rays_below(input: &Input, at: Address) -> Vec<PixelRay> {
+pub fn rays_below(input: &KernelInputs, at: Address) -> Vec<PixelRay> {
     let (Some(table), side) = (input.rays, side_px(at)) else { return Vec::new() };
     let (width, height) = (input.params.width, input.params.height);
     let columns = at.x * side..((at.x + 1) * side).min(width);

@@ -1,12 +1,14 @@
 //! gather in f64: the light that the receivers' maps, as stored, add to a pixel.
 
-use crate::gpu::layout::{Landing, Receiver};
+use crate::gpu::layout::{Receiver, ReceiverTriangle};
 use glam::DVec2;
 
 /// Where on its receiver's map a hit with these weights of its second and third corner lies, texels.
-pub fn place(landing: &Landing, weights: [f32; 2]) -> DVec2 {
+pub fn place(receiver_triangle: &ReceiverTriangle, weights: [f32; 2]) -> DVec2 {
     let v = |v: [f32; 2]| DVec2::new(f64::from(v[0]), f64::from(v[1]));
-    v(landing.a) + f64::from(weights[0]) * v(landing.ab) + f64::from(weights[1]) * v(landing.ac)
+    v(receiver_triangle.a)
+        + f64::from(weights[0]) * v(receiver_triangle.ab)
+        + f64::from(weights[1]) * v(receiver_triangle.ac)
 }
 
 /// Units in the sums of a texel among those of all receivers.
@@ -18,7 +20,7 @@ pub fn units(sums: &[u32], texel: usize) -> [f64; 3] {
 }
 
 /// The diffuse reflection of the flux at a place, linear RGB; 0 outside the map.
-pub fn gather(landing: &Landing, receiver: &Receiver, sums: &[u32], place: DVec2) -> [f64; 3] {
+pub fn gather(receiver_triangle: &ReceiverTriangle, receiver: &Receiver, sums: &[u32], place: DVec2) -> [f64; 3] {
     let size = DVec2::new(receiver.columns.into(), receiver.rows.into());
     if place.cmplt(DVec2::ZERO).any() || place.cmpgt(size).any() {
         return [0.0; 3];
@@ -31,7 +33,7 @@ pub fn gather(landing: &Landing, receiver: &Receiver, sums: &[u32], place: DVec2
             let texel = receiver.first as usize + y as usize * receiver.columns as usize + x as usize;
             let units = units(sums, texel);
             for k in 0..3 {
-                light[k] += s * t * units[k] * f64::from(receiver.scale) * f64::from(landing.diffuse[k]);
+                light[k] += s * t * units[k] * f64::from(receiver.scale) * f64::from(receiver_triangle.diffuse[k]);
             }
         }
     }

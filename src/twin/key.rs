@@ -27,7 +27,7 @@ impl Real {
 
 /// How a frame's keys are laid out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct KeyForm {
+pub struct KeyLayout {
     pub real: Real,
     /// Low bits that hold the triangle id.
     pub id_bits: u32,
@@ -35,7 +35,7 @@ pub struct KeyForm {
     pub slabbed: bool,
 }
 
-impl KeyForm {
+impl KeyLayout {
     /// Ordered bits of t above, id below. In f64 the id takes the place of t's lowest bits; an f32 has a word of its
     /// own. With slabs t is in [0, 1], whose ordered bits begin with 10: the layer takes the place of these.
     pub fn key(self, layer: u32, t: f64, id: u32) -> u64 {
@@ -98,35 +98,35 @@ fn unordered(bits: u64, sign: u32) -> u64 {
 mod tests {
     use super::*;
 
-    fn form(real: Real, id_bits: u32) -> KeyForm {
-        KeyForm { real, id_bits, slabbed: false }
+    fn layout(real: Real, id_bits: u32) -> KeyLayout {
+        KeyLayout { real, id_bits, slabbed: false }
     }
 
     #[test]
     fn keys_order_by_t_then_by_id() {
         let ts = [f64::NEG_INFINITY, -1e30, -2.0, -1.0, -1e-30, 0.0, 1e-30, 1.0, 2.0, f64::INFINITY];
         for real in [Real::F64, Real::F32] {
-            let form = form(real, 3);
+            let layout = layout(real, 3);
             for pair in ts.windows(2) {
-                assert!(form.key(0, pair[0], 7) < form.key(0, pair[1], 0), "{pair:?}");
+                assert!(layout.key(0, pair[0], 7) < layout.key(0, pair[1], 0), "{pair:?}");
             }
-            assert!(form.key(0, 1.0, 2) < form.key(0, 1.0, 3));
-            assert_eq!(form.key(0, -0.0, 2), form.key(0, 0.0, 2));
+            assert!(layout.key(0, 1.0, 2) < layout.key(0, 1.0, 3));
+            assert_eq!(layout.key(0, -0.0, 2), layout.key(0, 0.0, 2));
         }
     }
 
     #[test]
     fn keys_with_slabs_order_by_layer_first() {
         for real in [Real::F64, Real::F32] {
-            let form = KeyForm { slabbed: true, ..form(real, 3) };
+            let layout = KeyLayout { slabbed: true, ..layout(real, 3) };
             let hits = [(0, 0.0), (0, 1e-30), (0, 0.5), (0, 1.0), (1, 0.0), (1, 1.0), (15, 0.0), (15, 1.0)];
             for pair in hits.windows(2) {
-                assert!(form.key(pair[0].0, pair[0].1, 7) < form.key(pair[1].0, pair[1].1, 0), "{pair:?}");
+                assert!(layout.key(pair[0].0, pair[0].1, 7) < layout.key(pair[1].0, pair[1].1, 0), "{pair:?}");
             }
             for (layer, t) in hits {
-                let key = form.key(layer, t, 5);
-                assert_eq!((form.layer(key), form.id(key)), (layer, 5));
-                assert!((form.t(key) - t).abs() <= form.step() * t.max(1e-30), "{layer} {t}");
+                let key = layout.key(layer, t, 5);
+                assert_eq!((layout.layer(key), layout.id(key)), (layer, 5));
+                assert!((layout.t(key) - t).abs() <= layout.step() * t.max(1e-30), "{layer} {t}");
             }
         }
     }
@@ -136,10 +136,10 @@ mod tests {
         for real in [Real::F64, Real::F32] {
             for t in [-1234.567, -1.0, -0.3, 1e-20, 0.7, 1e9] {
                 for id_bits in [1, 10, 28] {
-                    let form = form(real, id_bits);
-                    let key = form.key(0, t, 1);
-                    assert_eq!((form.id(key), form.layer(key)), (1, 0));
-                    assert!((form.t(key) - t).abs() <= form.step() * t.abs());
+                    let layout = layout(real, id_bits);
+                    let key = layout.key(0, t, 1);
+                    assert_eq!((layout.id(key), layout.layer(key)), (1, 0));
+                    assert!((layout.t(key) - t).abs() <= layout.step() * t.abs());
                 }
             }
         }

@@ -2,11 +2,11 @@
 
 use super::raster::Visibility;
 use super::smooth::{Part, Root};
-use super::{Input, Real};
+use super::{KernelInputs, Real};
 use rayon::prelude::*;
 
 /// Merges what each pixel's ray meets; nothing but where the surface is smooth.
-pub fn meet(input: &Input, real: Real, visibility: &mut Visibility) {
+pub fn meet(input: &KernelInputs, real: Real, visibility: &mut Visibility) {
     let keys = input.keys(real);
     let pixels = input.params.width * input.params.height;
     let met: Vec<_> = (0..pixels).into_par_iter().map(|pixel| meetings(input, pixel, real)).collect();
@@ -21,7 +21,7 @@ pub fn meet(input: &Input, real: Real, visibility: &mut Visibility) {
 }
 
 /// Every part of the surface that the pixel's ray meets, or may meet, by its id.
-pub fn meetings(input: &Input, pixel: u32, real: Real) -> Vec<(u32, Root)> {
+pub fn meetings(input: &KernelInputs, pixel: u32, real: Real) -> Vec<(u32, Root)> {
     let Some(optics) = &input.optics else { return Vec::new() };
     if !optics.surface.is_smooth() {
         return Vec::new();

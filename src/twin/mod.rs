@@ -1,7 +1,7 @@
 //! Twins: the stages of a frame in f64 on the host, `cull -> bin -> raster -> shade -> write`, one file each. With a mirror
 //! or lens, `meet` runs beside raster, and after shade `bounce -> fit` and all stages again.
 //!
-//! A twin reads the same bytes as its kernel ([`Input`]) and computes the same lists and words, so a frame can be followed
+//! A twin reads the same bytes as its kernel ([`KernelInputs`]) and computes the same lists and words, so a frame can be followed
 //! stage by stage, and any stage can run on another's correct output. A twin defines the result of the stage, not the
 //! kernel's algorithm: bin tests every pixel, so split and sort have no twins; shade bounds the error of f32. Twins are
 //! simple and slow.
@@ -31,17 +31,17 @@ pub mod torus;
 pub mod wave;
 pub mod write;
 
-pub use key::{KeyForm, Real};
+pub use key::{KeyLayout, Real};
 
 use crate::camera::Camera;
 use crate::engine::clusters::{Clustered, cluster};
 use crate::engine::plan::curves::RayTable;
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::variant::variant;
-use crate::engine::plan::{Contents, Plan, Surroundings, Wanted};
-use crate::engine::tables::{Hidden, Look, Span, after_bounce, params};
+use crate::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
+use crate::engine::tables::{Appearance, Shadows, Span, after_bounce, params};
 use crate::engine::{Capacities, RunOptions};
-use crate::gpu::device::Abilities;
+use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::RaysKind;
 use crate::gpu::layout::{Cell, Cluster, Node, ONE_SIDED, Params, Piece};
 use crate::image::frame::{Channel, Frame, Plane};
@@ -52,7 +52,7 @@ use raster::{Corners, Visibility};
 
 /// Everything that the kernels of one job read.
 #[derive(Clone, Copy)]
-pub struct Input<'a> {
+pub struct KernelInputs<'a> {
     pub params: Params,
     pub clusters: &'a [Cluster],
     pub triangle_groups: &'a [Cluster],
@@ -72,11 +72,11 @@ pub struct Input<'a> {
     pub surfaces: &'a [[u32; 4]],
     /// Texture coordinates of each slot's corners, v downwards; empty if nothing needs them.
     pub uvs: &'a [[f32; 6]],
-    pub look: &'a Look,
+    pub appearance: &'a Appearance,
     pub optics: Option<OpticsInput<'a>>,
 }
 
-impl Input<'_> {
+impl KernelInputs<'_> {
     /// A vertex relative to the anchor, as stored.
     fn vertex(&self, index: u32) -> DVec3 {
         let number = |k: usize| f64::from(self.vertices_hi[k]) + f64::from(self.vertices_lo[k]);
@@ -86,7 +86,7 @@ impl Input<'_> {
 
     /// The anchor: positions are relative to it.
     fn anchor(&self) -> DVec3 {
-        self.look.shading.anchor.map(f64::from).into()
+        self.appearance.shading.anchor.map(f64::from).into()
     }
 
     pub fn corners(&self, slot: u32) -> Corners {
@@ -100,8 +100,8 @@ impl Input<'_> {
     }
 
     /// How the frame's keys are laid out.
-    pub fn keys(&self, real: Real) -> KeyForm {
-        KeyForm { real, id_bits: self.params.id_bits, slabbed: self.slabbed }
+    pub fn keys(&self, real: Real) -> KeyLayout {
+        KeyLayout { real, id_bits: self.params.id_bits, slabbed: self.slabbed }
     }
 
     /// The ends of t, inclusive.
@@ -114,7 +114,7 @@ impl Input<'_> {
 pub struct Tables {
     pub plan: Plan,
     pub clustered: Clustered,
-    pub look: Look,
+    pub appearance: Appearance,
     pub optics: Option<Optics>,
 }
 
@@ -130,26 +130,26 @@ pub const LARGE: Capacities = Capacities {
 
 impl Tables {
     /// Bands and chunks are cut so that no table exceeds `binding_limit` bytes.
-    pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: Abilities, binding_limit: u64) -> Tables {
+    pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: AdapterFeatures, binding_limit: u64) -> Tables {
         let scene = &*scene.with_optics(camera);
-        let around = Surroundings::of(camera, scene.bounds());
-        let contents = Contents::of(scene);
+        let extent = SceneExtent::of(camera, scene.bounds());
+        let contents = SceneContents::of(scene);
         let variant = variant(camera, contents, wanted, has, &RunOptions::default());
-        let plan = Plan::new(variant, camera, contents, around, wanted, has, binding_limit);
+        let plan = Plan::new(variant, camera, contents, extent, wanted, has, binding_limit);
         Tables {
             optics: Optics::new(scene, camera, &plan),
-            clustered: cluster(&scene.mesh, around.anchor, plan.variant.textured, binding_limit),
+            clustered: cluster(&scene.mesh, extent.anchor, plan.variant.textured, binding_limit),
             plan,
-            look: Look::new(scene, around.anchor, &Pages::default(), Hidden::NOT),
+            appearance: Appearance::new(scene, extent.anchor, &Pages::default(), Shadows::NONE),
         }
     }
 
     /// All clusters of a chunk over a band, for the camera's own rays.
-    pub fn input(&self, camera: &Camera, band: usize, chunk: usize, capacities: Capacities) -> Input<'_> {
+    pub fn input(&self, camera: &Camera, band: usize, chunk: usize, capacities: Capacities) -> KernelInputs<'_> {
         let (band, chunk) = (&self.plan.bands[band], &self.clustered.chunks[chunk]);
         let ids = Span { first: chunk.id_first, count: chunk.id_count };
         let clusters = Span { first: 0, count: chunk.clusters.len() as u32 };
-        Input {
+        KernelInputs {
             params: params(camera, &self.plan, band, ids, clusters, capacities),
             clusters: &chunk.clusters,
             triangle_groups: &chunk.triangle_groups,
@@ -167,7 +167,7 @@ impl Tables {
             slot_of_id: &chunk.slot_of_id,
             surfaces: &chunk.surfaces,
             uvs: &chunk.uvs,
-            look: &self.look,
+            appearance: &self.appearance,
             optics: self.optics.as_ref().map(|o| o.input(None)),
         }
     }
@@ -179,10 +179,10 @@ impl Tables {
         band: usize,
         chunk: usize,
         bounced: &'a BouncedRays,
-    ) -> Input<'a> {
+    ) -> KernelInputs<'a> {
         let mut input = self.input(camera, band, chunk, LARGE);
         input.params = after_bounce(input.params);
-        Input {
+        KernelInputs {
             nodes: &bounced.nodes,
             // where bounced rays are discontinuous is not known beforehand
             cull_steps: input.params.levels,
@@ -196,9 +196,9 @@ impl Tables {
     }
 
     /// Follows the rays of a band from pass to pass; `see` receives each pass with all chunks, and its visibility buffer.
-    pub fn follow(&self, camera: &Camera, band: usize, real: Real, mut see: impl FnMut(&[Input], &Visibility)) {
+    pub fn follow(&self, camera: &Camera, band: usize, real: Real, mut see: impl FnMut(&[KernelInputs], &Visibility)) {
         let chunks = || 0..self.clustered.chunks.len();
-        let mut inputs: Vec<Input> = chunks().map(|c| self.input(camera, band, c, LARGE)).collect();
+        let mut inputs: Vec<KernelInputs> = chunks().map(|c| self.input(camera, band, c, LARGE)).collect();
         let visibility = visible(&inputs, real);
         see(&inputs, &visibility);
         let depth = self.optics.as_ref().map_or(0, |o| o.depth);
@@ -213,7 +213,14 @@ impl Tables {
     }
 
     /// The rays of the next pass of a band, with the tree of their bounds.
-    fn bounced(&self, camera: &Camera, band: usize, input: &Input, visibility: &Visibility, real: Real) -> BouncedRays {
+    fn bounced(
+        &self,
+        camera: &Camera,
+        band: usize,
+        input: &KernelInputs,
+        visibility: &Visibility,
+        real: Real,
+    ) -> BouncedRays {
         let mut bounced = BouncedRays::new(input, visibility, real);
         let fitted = fit::fit(&self.bounced_input(camera, band, 0, &bounced));
         (bounced.nodes, bounced.cells) = (fitted.nodes.nodes, fitted.cells);
@@ -222,7 +229,7 @@ impl Tables {
 }
 
 /// The first hits of the rays of a pass, over all chunks.
-pub fn visible(inputs: &[Input], real: Real) -> Visibility {
+pub fn visible(inputs: &[KernelInputs], real: Real) -> Visibility {
     let pixels = inputs.first().map_or(0, |i| i.params.width * i.params.height);
     let mut visibility = Visibility::new(pixels as usize);
     for input in inputs {
@@ -238,7 +245,7 @@ pub fn visible(inputs: &[Input], real: Real) -> Visibility {
 
 /// A frame by the twins alone: the planned channels, and 8-bit sRGB RGBA if planned.
 pub fn render(scene: &Scene, camera: &Camera, wanted: &Wanted, binding_limit: u64) -> (Frame, Option<Vec<u32>>) {
-    let has = Abilities { f64: true, atomics64: true, lanes: false, timestamps: false, clip_distances: false };
+    let has = AdapterFeatures { f64: true, atomics64: true, lanes: false, timestamps: false, clip_distances: false };
     let tables = Tables::new(scene, camera, wanted, has, binding_limit);
     let channels = &tables.plan.planes;
     let mut planes: Vec<Vec<u32>> = vec![Vec::new(); channels.len()];

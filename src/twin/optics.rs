@@ -2,7 +2,7 @@
 
 use super::bounce::{bounce, table};
 use super::raster::Visibility;
-use super::{Input, Real};
+use super::{KernelInputs, Real};
 use crate::camera::Camera;
 use crate::engine::bounces::bounces;
 use crate::engine::plan::Plan;
@@ -30,15 +30,15 @@ pub struct Behind {
     pub light: [f32; 3],
     /// Summed over the earlier rays, world units.
     pub length: f32,
-    /// The surface of the optics that was met first, and the number of its camera among all pieces.
+    /// The surface of the optics that was met first, and the number of its piece among all pieces.
     pub first: Option<(u32, u32)>,
 }
 
 impl OpticsInput<'_> {
-    /// The number of a surface's camera among the optics' pieces.
-    pub fn camera_of(&self, surface: u32) -> u32 {
+    /// The index of a surface's piece among the optics' pieces.
+    pub fn piece_of(&self, surface: u32) -> u32 {
         match self.surface {
-            SurfaceRows::Corners(corners) => corners[3 * surface as usize].camera,
+            SurfaceRows::Corners(corners) => corners[3 * surface as usize].piece,
             SurfaceRows::Quadrics(_) | SurfaceRows::Torus(_) | SurfaceRows::Wave(_) => surface,
         }
     }
@@ -53,7 +53,7 @@ impl OpticsInput<'_> {
     }
 }
 
-impl Input<'_> {
+impl KernelInputs<'_> {
     /// No ray of this pass meets the triangle.
     pub fn is_excluded(&self, id: u32) -> bool {
         self.optics.is_some_and(|o| id >= o.optic.first_id && !o.is_seen())
@@ -65,7 +65,7 @@ impl Input<'_> {
     }
 
     /// The pixel is shown by this pass, or by one to come, where its ray meets nothing.
-    pub fn is_under_way(&self, x: u32, y: u32) -> bool {
+    pub fn has_path(&self, x: u32, y: u32) -> bool {
         let pixel = (y * self.params.width + x) as usize;
         self.optics.is_none_or(|o| !o.is_bounced() || o.paths[pixel].last != NONE)
     }
@@ -88,7 +88,7 @@ impl Input<'_> {
     pub fn behind(&self, pixel: u32) -> Behind {
         let Some(optics) = &self.optics else { return Behind { light: [1.0; 3], length: 0.0, first: None } };
         let path = &optics.paths[pixel as usize];
-        let first = (path.first != NONE).then(|| (path.first, optics.optic.piece_first + path.camera));
+        let first = (path.first != NONE).then(|| (path.first, optics.optic.piece_first + path.piece));
         Behind { light: path.light, length: path.length, first }
     }
 }
@@ -119,7 +119,7 @@ impl Optics {
     pub fn new(scene: &Scene, camera: &Camera, plan: &Plan) -> Option<Optics> {
         let optics = &crate::camera::optics::Optics { atlas: None, ..camera.optics.as_deref()?.clone() };
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0);
-        let nothing = PathState { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, camera: 0, pad0: 0 };
+        let nothing = PathState { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, piece: 0, pad0: 0 };
         Some(Optics {
             depth: optics.depth,
             passes: bounces(Some(optics))
@@ -142,7 +142,7 @@ impl Optics {
 
 impl BouncedRays {
     /// The rays that leave a pass of a band, without the tree of their bounds; `input` is any chunk of the pass.
-    pub fn new(input: &Input, visibility: &Visibility, real: Real) -> BouncedRays {
+    pub fn new(input: &KernelInputs, visibility: &Visibility, real: Real) -> BouncedRays {
         let bounced = bounce(input, visibility, real);
         let tiles = input.params.tiles_x * input.params.tiles_y;
         let no_ray = PathState { first: NONE, last: NONE, ..bytemuck::Zeroable::zeroed() };

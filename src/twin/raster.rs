@@ -2,7 +2,7 @@
 
 use super::edge::{Side, side};
 use super::rays::{Cast, PixelRays, owned};
-use super::{Input, Real, bin, curve};
+use super::{KernelInputs, Real, bin, curve};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -96,14 +96,14 @@ pub fn lost(rays: &PixelRays, c: &Corners, real: Real) -> Lost {
 }
 
 /// A ray or curve against a triangle: inside, seen from a visible face, t in range.
-pub fn test(input: &Input, cast: &Cast, c: &Corners, real: Real) -> Tested {
+pub fn test(input: &KernelInputs, cast: &Cast, c: &Corners, real: Real) -> Tested {
     match cast {
         Cast::Ray(rays) => test_ray(input, rays, c, real),
         Cast::Curve(of_pixel) => curve::test(of_pixel, c, real),
     }
 }
 
-fn test_ray(input: &Input, rays: &PixelRays, c: &Corners, real: Real) -> Tested {
+fn test_ray(input: &KernelInputs, rays: &PixelRays, c: &Corners, real: Real) -> Tested {
     // f32 rays are not perturbed
     let scene_size = if real == Real::F64 { f64::from(input.params.scene_size) } else { 0.0 };
     let covered = ray_coverage(&rays.perturbed(scene_size), c, real);
@@ -182,7 +182,7 @@ impl Visibility {
 }
 
 /// Merges the hits of all pairs.
-pub fn raster(input: &Input, pairs: &[[u32; 2]], real: Real, visibility: &mut Visibility) {
+pub fn raster(input: &KernelInputs, pairs: &[[u32; 2]], real: Real, visibility: &mut Visibility) {
     let keys = input.keys(real);
     let tested: Vec<(usize, u32, Tested)> =
         pairs.par_iter().flat_map_iter(|&pair| test_pair(input, pair, real)).collect();
@@ -197,7 +197,7 @@ pub fn raster(input: &Input, pairs: &[[u32; 2]], real: Real, visibility: &mut Vi
 }
 
 /// The owned pixels of a pair's box, by their place in the band, and their layer.
-fn test_pair(input: &Input, pair: [u32; 2], real: Real) -> Vec<(usize, u32, Tested)> {
+fn test_pair(input: &KernelInputs, pair: [u32; 2], real: Real) -> Vec<(usize, u32, Tested)> {
     let pair = bin::Pair::unpack(pair);
     let corners = input.corners(pair.slot);
     if input.is_excluded(corners.id) {

@@ -1,6 +1,6 @@
 //! The rays of a pixel in f64, from the rows that the kernels read: a piece's row, or the table of a ray field.
 
-use super::Input;
+use super::KernelInputs;
 use crate::camera::TILE;
 use crate::camera::{Bundle, Curve};
 use crate::engine::plan::curves::RayTable;
@@ -62,7 +62,7 @@ impl Cast {
     }
 }
 
-impl Input<'_> {
+impl KernelInputs<'_> {
     /// Column and row in the band of a pixel of a tile.
     pub fn pixel_of(&self, tile: u32, bit: u32) -> (u32, u32) {
         let (tx, ty) = (tile % self.params.tiles_x, tile / self.params.tiles_x % self.params.slab_rows);

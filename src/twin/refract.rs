@@ -1,7 +1,7 @@
 //! Reflection and refraction with bounds on the values that a kernel computes: facets here, smooth surfaces in [`super::smooth`].
 
 use super::bounded::{Bounded, Judged, Near3};
-use super::{Input, Real};
+use super::{KernelInputs, Real};
 use crate::camera::optics::FLAT_LEAST;
 use crate::gpu::kernels::RaysKind;
 use crate::gpu::layout::{Corner, LAW_NORMALS, Optic};
@@ -21,7 +21,7 @@ pub struct BouncedRay {
     pub share: Bounded,
 }
 
-impl Input<'_> {
+impl KernelInputs<'_> {
     /// The ray of a pixel of a band of one layer, where it has one.
     pub fn near_ray(&self, x: u32, y: u32, real: Real) -> Option<NearRay> {
         if let (RaysKind::Field, Some(table)) = (self.kind, self.rays) {

@@ -4,7 +4,7 @@ use super::optics::Behind;
 use super::raster::Visibility;
 use super::rays::{Cast, length};
 use super::surface::{NORMALIZE_UNITS, Surface};
-use super::{Input, Real};
+use super::{KernelInputs, Real};
 use crate::image::frame::{Channel, NO_ID, PixelValues};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -43,7 +43,7 @@ const POINT_UNITS: f64 = DIRECTION_UNITS + T_UNITS + 2.0;
 const ANCHOR_UNITS: f64 = 2.0;
 
 /// All pixels of the band as the chunk of `input` sees them.
-pub fn shade(input: &Input, visibility: &Visibility, real: Real) -> Vec<Pixel> {
+pub fn shade(input: &KernelInputs, visibility: &Visibility, real: Real) -> Vec<Pixel> {
     let p = &input.params;
     (0..p.width * p.height)
         .into_par_iter()
@@ -51,12 +51,12 @@ pub fn shade(input: &Input, visibility: &Visibility, real: Real) -> Vec<Pixel> {
         .collect()
 }
 
-fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel {
+fn shade_pixel(input: &KernelInputs, key: Option<u64>, pixel: u32, real: Real) -> Pixel {
     let p = &input.params;
     let (x, y) = (pixel % p.width, pixel / p.width);
     let behind = input.behind(pixel);
     let Some(key) = key else {
-        return if p.id_first == 0 && input.is_under_way(x, y) {
+        return if p.id_first == 0 && input.has_path(x, y) {
             Pixel::Miss(miss(input, &behind))
         } else {
             Pixel::Untouched
@@ -123,21 +123,21 @@ fn shade_pixel(input: &Input, key: Option<u64>, pixel: u32, real: Real) -> Pixel
 }
 
 /// A ray that hits nothing.
-fn miss(input: &Input, behind: &Behind) -> PixelValues {
-    let colour = [0, 1, 2].map(|k| f64::from(behind.light[k]) * f64::from(input.look.shading.background[k]));
+fn miss(input: &KernelInputs, behind: &Behind) -> PixelValues {
+    let colour = [0, 1, 2].map(|k| f64::from(behind.light[k]) * f64::from(input.appearance.shading.background[k]));
     let Some((mirror, piece)) = behind.first else { return PixelValues { colour, ..PixelValues::MISS } };
     // what the optics show is no hole in the picture
     PixelValues { colour, coverage: 1.0, mirror, piece, ..PixelValues::MISS }
 }
 
 /// How far a kernel's position may be from a point that is relative to the anchor, from numbers so large.
-fn position_error(input: &Input, point: DVec3, size: f64) -> f64 {
+fn position_error(input: &KernelInputs, point: DVec3, size: f64) -> f64 {
     let anchor = input.anchor();
     UNIT * (POINT_UNITS * size + ANCHOR_UNITS * (anchor.length() + (anchor + point).length()))
 }
 
 /// A ray that ends on a surface without triangles.
-fn end_on_smooth(input: &Input, behind: &Behind, (id, t): (u32, f64), (x, y): (u32, u32)) -> Pixel {
+fn end_on_smooth(input: &KernelInputs, behind: &Behind, (id, t): (u32, f64), (x, y): (u32, u32)) -> Pixel {
     let Some(ray) = input.near_ray(x, y, Real::F64) else { return Pixel::Untouched };
     let (mirror, piece) = behind.first.unwrap_or((NO_ID, 0));
     let z = f64::from(behind.length) + t * ray.d.value().length();

@@ -3,7 +3,7 @@
 use super::raster::Corners;
 use super::rays::PixelRays;
 use super::shade::UNIT;
-use super::{Input, Real};
+use super::{KernelInputs, Real};
 use crate::engine::clusters::CORNER_ORDERS;
 use crate::gpu::layout::NONE;
 use glam::DVec3;
@@ -27,7 +27,7 @@ const SUM_UNITS: f64 = 5.0;
 
 /// A triangle at a pixel.
 pub struct Surface<'a> {
-    pub input: &'a Input<'a>,
+    pub input: &'a KernelInputs<'a>,
     pub rays: &'a PixelRays,
     pub corners: Corners,
     pub slot: u32,
@@ -88,17 +88,17 @@ impl Surface<'_> {
 
     /// Lambert from every light, or one headlight along the ray, and a small ambient term.
     pub fn colour(&self, direction_error: f64) -> ([f64; 3], f64) {
-        let look = self.input.look;
+        let appearance = self.input.appearance;
         let view = self.rays.direction().normalize();
         let view_error = direction_error + UNIT * NORMALIZE_UNITS;
         let (n, n_error) = self.normal(view, view_error);
         let lambert = |travel: DVec3| (-n.dot(travel)).max(0.0);
-        let ambient = f64::from(look.shading.ambient);
-        let lights = look.lights.iter().map(|l| DVec3::new(l[0].into(), l[1].into(), l[2].into()));
-        let (direct, lights_error) = if look.lights.is_empty() {
+        let ambient = f64::from(appearance.shading.ambient);
+        let lights = appearance.lights.iter().map(|l| DVec3::new(l[0].into(), l[1].into(), l[2].into()));
+        let (direct, lights_error) = if appearance.lights.is_empty() {
             (lambert(view), n_error + view_error + LIGHT_UNITS * UNIT)
         } else {
-            (lights.map(lambert).sum::<f64>(), look.lights.len() as f64 * (n_error + LIGHT_UNITS * UNIT))
+            (lights.map(lambert).sum::<f64>(), appearance.lights.len() as f64 * (n_error + LIGHT_UNITS * UNIT))
         };
         let received = ambient + (1.0 - ambient) * direct;
         let colour = self.albedo().map(|c| f64::from(c) * received);
@@ -108,7 +108,7 @@ impl Surface<'_> {
     /// The diffuse colour.
     pub fn albedo(&self) -> [f32; 3] {
         let material = self.input.surfaces[self.slot as usize][3];
-        self.input.look.materials[material as usize].diffuse
+        self.input.appearance.materials[material as usize].diffuse
     }
 
     /// The normal on the viewer's side: from the file, or else the triangle's.
@@ -132,7 +132,7 @@ impl Surface<'_> {
 
     /// The file's normals by their weights, which f32 kernels take from f32 edges.
     fn smooth_normal(&self) -> Option<(DVec3, f64)> {
-        let look = self.input.look;
+        let appearance = self.input.appearance;
         let surface = self.input.surfaces[self.slot as usize];
         let corners = [surface[0], surface[1], surface[2]];
         if corners.contains(&NONE) {
@@ -140,7 +140,7 @@ impl Surface<'_> {
         }
         let (w, error) = self.row_weights(UNIT, STORED_UNITS);
         let w = self.in_file_order(w);
-        let normals = corners.map(|k| DVec3::from(look.normals[k as usize].map(f64::from)));
+        let normals = corners.map(|k| DVec3::from(appearance.normals[k as usize].map(f64::from)));
         let sum: DVec3 = (0..3).map(|k| w[k] * normals[k]).sum();
         let smooth = sum.try_normalize()?;
         // weights add up to 1, so their errors change the sum only by the differences of the normals

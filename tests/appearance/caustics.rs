@@ -10,9 +10,9 @@ use anamorph::internals::reference::caustics::{caustics, photons};
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::caustics::beams::{CHANNELS, Fate};
-use anamorph::internals::scene::caustics::landing::Landings;
+use anamorph::internals::scene::caustics::receiver_triangles::ReceiverTriangles;
 use anamorph::internals::scene::caustics::shares::{LINE_WIDTH, shares};
-use anamorph::internals::scene::caustics::{Illumination, Map};
+use anamorph::internals::scene::caustics::{CausticMaps, Map};
 use common::file::load;
 use common::gpu::{engine_on, words};
 use glam::DVec2;
@@ -47,9 +47,9 @@ fn engine() -> Option<Engine> {
 }
 
 /// The maps by the reference, and by the engine where there is one.
-fn lit(scene: &Scene) -> Vec<(&'static str, Illumination)> {
+fn lit(scene: &Scene) -> Vec<(&'static str, CausticMaps)> {
     let mut all = vec![("reference", caustics(scene).unwrap())];
-    all.extend(engine().map(|mut e| ("engine", e.illuminate(scene).unwrap().unwrap().clone())));
+    all.extend(engine().map(|mut e| ("engine", e.caustic_maps(scene).unwrap().unwrap().clone())));
     for (name, lit) in &all {
         println!("{name}: {:?}", lit.budget);
     }
@@ -57,7 +57,7 @@ fn lit(scene: &Scene) -> Vec<(&'static str, Illumination)> {
 }
 
 /// All light is somewhere: sums of whole units that are 2^-30 of a beam's flux, and f64's own rounding.
-fn assert_conserved(name: &str, lit: &Illumination) {
+fn assert_conserved(name: &str, lit: &CausticMaps) {
     let b = &lit.budget;
     let sum = b.deposited + b.missed + b.direct + b.absorbed;
     assert!((sum - b.flux).abs() <= 1e-8 * b.flux, "{name}: {sum} of {}", b.flux);
@@ -190,11 +190,11 @@ fn photons_of_the_engine_are_where_the_reference_has_them() {
         let (white, camera) = spec.counting(&scene);
         let wanted = Wanted::of(CHANNELS.to_vec());
         let frame = engine.render(&white, &camera, &wanted, &RunOptions::default()).unwrap().frame;
-        let landings = Landings::new(&spec.receivers, &scene.mesh);
-        let (found, known) = (spec.photons(&scene.mesh, &landings, &frame).unwrap(), photons(&scene, &spec));
+        let receiver_triangles = ReceiverTriangles::new(&spec.receivers, &scene.mesh);
+        let (found, known) = (spec.photons(&scene.mesh, &receiver_triangles, &frame).unwrap(), photons(&scene, &spec));
         // weights are f32: half a unit of 2^-24 each, of the sides of the floor's triangles
         let size = |r: u32| {
-            let rows = landings.rows.iter().filter(|l| l.receiver == r);
+            let rows = receiver_triangles.rows.iter().filter(|l| l.receiver == r);
             rows.map(|l| (l.corners[1] - l.corners[0]).length() + (l.corners[2] - l.corners[0]).length())
                 .fold(0.0, f64::max)
         };
@@ -230,15 +230,16 @@ fn maps_of_the_engine_are_sums_of_shares_texel_by_texel() {
         let (white, camera) = spec.counting(&scene);
         let wanted = Wanted::of(CHANNELS.to_vec());
         let frame = engine.render(&white, &camera, &wanted, &RunOptions::default()).unwrap().frame;
-        let landings = Landings::new(&spec.receivers, &scene.mesh);
-        let casts = spec.casts(&spec.photons(&scene.mesh, &landings, &frame).unwrap()).0;
-        let lit = engine.illuminate(&scene).unwrap().unwrap().clone();
+        let receiver_triangles = ReceiverTriangles::new(&spec.receivers, &scene.mesh);
+        let caustic_triangles =
+            spec.caustic_triangles(&spec.photons(&scene.mesh, &receiver_triangles, &frame).unwrap()).0;
+        let lit = engine.caustic_maps(&scene).unwrap().unwrap().clone();
         assert_conserved("engine", &lit);
         for (r, map) in lit.maps.iter().enumerate() {
             let (mut known, mut tolerance) = (vec![0.0; map.flux.len()], vec![0.0; map.flux.len()]);
-            for cast in casts.iter().filter(|c| c.receiver as usize == r) {
-                let list = shares(&cast.corners, map.receiver.texels).list;
-                let [a, b, c] = cast.corners;
+            for triangle in caustic_triangles.iter().filter(|c| c.receiver as usize == r) {
+                let list = shares(&triangle.corners, map.receiver.texels).list;
+                let [a, b, c] = triangle.corners;
                 let area = (b - a).perp_dot(c - a).abs() / 2.0;
                 let around = a.distance(b) + b.distance(c) + c.distance(a);
                 let reach = [a, b, c].iter().fold(1.0, |s: f64, p| s.max(p.abs().max_element()));
@@ -247,10 +248,10 @@ fn maps_of_the_engine_are_sums_of_shares_texel_by_texel() {
                 let off = (around * 8.0 * reach / f64::from(1 << 24) / area).min(1.0);
                 let error = if area <= around * LINE_WIDTH / 2.0 { 1.0 } else { off };
                 for (texel, share) in &list {
-                    known[*texel] += share * cast.flux[0];
+                    known[*texel] += share * triangle.flux[0];
                 }
                 for texel in beside(map, [a, b, c]) {
-                    tolerance[texel] += error * cast.flux[0];
+                    tolerance[texel] += error * triangle.flux[0];
                 }
             }
             let bright = known.iter().fold(0.0, |s: f64, k| s.max(*k));
@@ -290,7 +291,7 @@ fn pictures_show_what_falls_on_the_floor() {
     let mut render = |scene: &Scene| engine.render(scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
     let (with, without, truth) = (render(&lit), render(&dark), image(&lit, &camera, &channels));
     assert!(words(&with) == words(&render(&lit)), "two runs give the same bytes");
-    let maps = |e: &mut Engine| e.illuminate(&lit).unwrap().unwrap().clone();
+    let maps = |e: &mut Engine| e.caustic_maps(&lit).unwrap().unwrap().clone();
     let other = self::engine().map(|mut e| maps(&mut e)).unwrap();
     assert_eq!(with.planes.len(), channels.len(), "weights are not handed out where they are not asked for");
     assert!(maps(&mut engine) == other, "two engines give the same maps");
@@ -362,7 +363,7 @@ fn what_is_drawn_on_surfaces_is_in_the_way_of_no_photon() {
     let drawn = "[style]\nwireframe = 3\noutline = 2\nhatching = 6";
     let [plain, drawn] = ["", drawn].map(|style| {
         let scene = scene(&format!("{style}\n{FLOOR}"), LENS);
-        engine.illuminate(&scene).unwrap().unwrap().clone()
+        engine.caustic_maps(&scene).unwrap().unwrap().clone()
     });
     assert_eq!(plain.budget, drawn.budget);
     assert!(plain.maps == drawn.maps);

@@ -12,7 +12,7 @@ use anamorph::internals::image::frame::{Channel, Frame};
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera};
 use common::file::{camera_of, load, refusal};
 use common::gpu::engine_on;
 use common::rng::Rng;
@@ -30,7 +30,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     let kinds = glc_of_each_class();
     let mut list: Vec<_> = kinds.into_iter().take(4).map(|(name, kind)| (name, camera(kind, SIZE, FORWARD))).collect();
     list.extend([
-        ("mesh", camera(mesh_camera(1, 16, 16, MeshLook { weights: true, ..MeshLook::default() }), SIZE, FORWARD)),
+        ("mesh", camera(mesh_camera(1, 16, 16, MeshShape { weights: true, ..MeshShape::default() }), SIZE, FORWARD)),
         ("fisheye", of("kind = \"fisheye\"\neye = [0.3, 0.2, 2.5]\ntarget = [0, 0, 0]\nfov = 100\nframe = \"full\"")),
         ("twist", of(&format!("kind = \"twist\"\n{view}\ndegree = 3\nangle = 40"))),
         (

@@ -7,7 +7,7 @@ use anamorph::internals::image::frame::{Channel, NO_ID};
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::motion::{NEEDED, motion};
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera};
 use common::file::camera_of;
 use common::layered::chain;
 use common::rng::Rng;
@@ -29,13 +29,13 @@ fn cameras() -> Vec<(&'static str, [Camera; 2])> {
         ("cross-slit", still(&kinds[3].1)),
         ("bilinear", still(&kinds[6].1)),
         ("pinhole", both(&|x| of(&format!("kind = \"pinhole\"\n{}\nvfov = 40", view(x))))),
-        ("mesh of 16 x 16", still(&mesh_camera(1, 16, 16, MeshLook::default()))),
+        ("mesh of 16 x 16", still(&mesh_camera(1, 16, 16, MeshShape::default()))),
         ("fisheye", both(&|x| of(&format!("kind = \"fisheye\"\n{}\nfov = 120\nframe = \"full\"", view(x))))),
         (
             "curved projector",
             both(&|x| of(&format!("kind = \"twist\"\n{}\nvfov = 40\ndegree = 3\nangle = 30", view(x)))),
         ),
-        ("chain", [0, 1].map(|_| chain(3, 3, (4, 3), MeshLook::default(), SIZE))),
+        ("chain", [0, 1].map(|_| chain(3, 3, (4, 3), MeshShape::default(), SIZE))),
     ]
 }
 

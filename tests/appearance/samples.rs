@@ -6,12 +6,12 @@ use crate::pictures;
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::plan::samples::{at_once, places};
+use anamorph::internals::engine::plan::samples::{at_once, sample_offsets};
 use anamorph::internals::engine::{Capacities, Engine, Rendered, RunOptions};
 use anamorph::internals::geometry::generate::icosphere;
 use anamorph::internals::image::frame::{Channel, NO_ID};
 use anamorph::internals::scene::Scene;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::gpu::{engine_on, ids};
 use common::layered::chain;
@@ -26,16 +26,16 @@ const SIZE: (u32, u32) = (61, 45);
 const FISHEYE: &str = "kind = \"fisheye\"\neye = [0.3, 0.2, 2.5]\ntarget = [0, 0, 0]\nfov = 100\nframe = \"full\"";
 
 fn cameras() -> Vec<(&'static str, Camera)> {
-    let look = MeshLook::default();
+    let shape = MeshShape::default();
     let meshes = [
-        ("mesh of 16 x 16", MeshLook { weights: true, ..look }, 16),
-        ("torn mesh", MeshLook { torn: true, ..look }, 8),
-        ("mesh of pieces as small as pixels", look, 50),
+        ("mesh of 16 x 16", MeshShape { weights: true, ..shape }, 16),
+        ("discontinuous mesh", MeshShape { discontinuous: true, ..shape }, 8),
+        ("mesh of pieces as small as pixels", shape, 50),
     ];
     let glc = glc_of_each_class().into_iter().map(|(name, kind)| (name, camera(kind, SIZE, FORWARD)));
-    let mesh = |(name, look, side)| (name, camera(mesh_camera(1, side, side, look), SIZE, FORWARD));
+    let mesh = |(name, shape, side)| (name, camera(mesh_camera(1, side, side, shape), SIZE, FORWARD));
     let more = [
-        ("chain", chain(3, 3, (4, 3), look, SIZE)),
+        ("chain", chain(3, 3, (4, 3), shape, SIZE)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
         ("fisheye", camera_of("", SIZE, FISHEYE).unwrap()),
     ];
@@ -71,7 +71,7 @@ fn one_by_one(engine: &mut Engine, scene: &Scene, camera: &Camera, samples: u32)
         let moved = camera.with_sample_offset(place.x, place.y);
         ids(&engine.render(scene, &moved, &wanted, &RunOptions::default()).unwrap().frame).to_vec()
     };
-    places(samples).into_iter().map(frame).collect()
+    sample_offsets(samples).into_iter().map(frame).collect()
 }
 
 #[test]
@@ -82,13 +82,13 @@ fn every_sample_sees_what_a_frame_of_its_own_sees() {
             let Some(mut engine) = engine_on(|gpu| gpu.has.lanes &= lanes) else { return };
             for samples in if lanes { vec![4, 5, 16] } else { vec![4, 5] } {
                 let seen = sampled(&mut engine, &scene, &camera, samples, &RunOptions::default());
-                let apart = one_by_one(&mut engine, &scene, &camera, samples);
+                let separate = one_by_one(&mut engine, &scene, &camera, samples);
                 let pixels = (SIZE.0 * SIZE.1) as usize;
                 let edges = seen.counts.edges;
                 println!("{name}, {samples} samples: {edges} of {pixels} pixels hold an edge");
                 assert_eq!(seen.sample_ids.len(), samples as usize);
-                for (n, (own, apart)) in seen.sample_ids.iter().zip(&apart).enumerate() {
-                    let differ: Vec<usize> = (0..pixels).filter(|&k| own[k] != apart[k]).collect();
+                for (n, (own, separate)) in seen.sample_ids.iter().zip(&separate).enumerate() {
+                    let differ: Vec<usize> = (0..pixels).filter(|&k| own[k] != separate[k]).collect();
                     assert!(differ.is_empty(), "{name}: sample {n} of pixels {differ:?}");
                 }
                 let covered = |k: usize| seen.sample_ids.iter().filter(|ids| ids[k] != NO_ID).count();
@@ -115,18 +115,18 @@ fn layers_of_rays_take_a_frame_a_sample() {
 fn rays_all_over_the_scene_take_a_frame_a_sample() {
     let plain = raymap(64, 64, FORWARD);
     let display = "kind = \"lightfield\"\ncenter = [0, 0, 2]\nnormal = [0, 0, 1]\nup = [0, 1, 0]\nwidth = 2\nheight = 2\nviews = [8, 8]\nfov = 40";
-    let scattered = camera_of("", (64, 64), display).unwrap();
+    let incoherent = camera_of("", (64, 64), display).unwrap();
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let scene = crowd();
-    assert!(!at_once(&scene, &scattered, 4));
+    assert!(!at_once(&scene, &incoherent, 4));
     let wanted = Wanted { samples: 4, ..Wanted::of(vec![Channel::A]) };
     let run = RunOptions::default();
-    assert!(engine.render(&scene, &scattered, &wanted, &run).is_err());
+    assert!(engine.render(&scene, &incoherent, &wanted, &run).is_err());
     let mut frames = engine.prepare(&scene, &plain, &wanted, &run).unwrap();
-    assert!(frames.aim(&scattered).is_err());
+    assert!(frames.aim(&incoherent).is_err());
     // those of centres come in the image's own order
     let wanted = Wanted { sample_ids: true, ..Wanted::of(vec![Channel::TriangleId]) };
-    let seen = engine.render(&scene, &scattered, &wanted, &run).unwrap();
+    let seen = engine.render(&scene, &incoherent, &wanted, &run).unwrap();
     assert!(seen.sample_ids[0] == ids(&seen.frame) && seen.sample_ids[0].iter().any(|id| *id != NO_ID));
 }
 
@@ -303,7 +303,7 @@ fn sixteen_frames_come_as_near_where_each_sample_takes_one() {
         println!("{error}");
         let wanted = Wanted { samples: 1, ..wanted };
         let mut sum = vec![[0.0; 3]; (SIZE.0 * SIZE.1) as usize];
-        for place in places(16) {
+        for place in sample_offsets(16) {
             let moved = camera.with_sample_offset(place.x, place.y);
             let frame = engine.render(&scene, &moved, &wanted, &RunOptions::default()).unwrap().frame;
             sum.iter_mut().zip(colours(&frame)).for_each(|(s, c)| (0..3).for_each(|k| s[k] += c[k] / 16.0));

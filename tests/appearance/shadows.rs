@@ -12,7 +12,7 @@ use anamorph::internals::image::frame::Channel;
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::{AmbientOcclusion, Light, Source};
-use common::cameras::{MeshLook, mesh_camera};
+use common::cameras::{MeshShape, mesh_camera};
 use common::file::{camera_of, load};
 use common::gpu::engine_on;
 use common::layered::chain;
@@ -72,8 +72,8 @@ fn families() -> Vec<(&'static str, Camera)> {
                 "kind = \"cross_slit\"\n{look}\nheight = 3\nslits = [{{ distance = 3, angle = 0 }}, {{ distance = 4.5, angle = 90 }}]"
             )),
         ),
-        ("mesh of 16 x 16", camera(mesh_camera(1, 16, 16, MeshLook::default()), SIZE, FORWARD)),
-        ("chain", chain(3, 3, (4, 3), MeshLook::default(), SIZE)),
+        ("mesh of 16 x 16", camera(mesh_camera(1, 16, 16, MeshShape::default()), SIZE, FORWARD)),
+        ("chain", chain(3, 3, (4, 3), MeshShape::default(), SIZE)),
         ("fisheye", of(&format!("kind = \"fisheye\"\n{look}\nfov = 120\nframe = \"full\""))),
         ("curved projector", of(&format!("kind = \"twist\"\n{look}\nvfov = 40\ndegree = 3\nangle = 30"))),
         (

@@ -13,7 +13,7 @@ use anamorph::internals::geometry::texture::Texels;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
 use anamorph::internals::scene::sky::Sky;
-use common::cameras::{MeshLook, mesh_camera, raymap};
+use common::cameras::{MeshShape, mesh_camera, raymap};
 use common::file::{camera_of, load, refusal};
 use common::gpu::engine_on;
 use common::layered::chain;
@@ -56,8 +56,8 @@ fn cameras() -> Vec<(&'static str, Camera)> {
                 "kind = \"cross_slit\"\neye = [0.3, 0.9, 4]\ntarget = [0, 0, 0]\nheight = 4\nslits = [{ distance = 3, angle = 0 }, { distance = 4.5, angle = 90 }]",
             ),
         ),
-        ("mesh of 16 x 16", camera(mesh_camera(1, 16, 16, MeshLook::default()), SIZE, FORWARD)),
-        ("chain", chain(3, 3, (4, 3), MeshLook::default(), SIZE)),
+        ("mesh of 16 x 16", camera(mesh_camera(1, 16, 16, MeshShape::default()), SIZE, FORWARD)),
+        ("chain", chain(3, 3, (4, 3), MeshShape::default(), SIZE)),
         ("fisheye", of("kind = \"fisheye\"\neye = [0.3, 0.9, 4]\ntarget = [0, 0, 0]\nfov = 150\nframe = \"full\"")),
         ("sphere", of("kind = \"sphere\"\neye = [0.3, 0.2, 2.5]\ntarget = [0, 0, 0]")),
         ("curved projector", of(&format!("kind = \"twist\"\n{view}\ndegree = 3\nangle = 30"))),

@@ -15,7 +15,7 @@ use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
 use anamorph::internals::scene::style::{Hatching, Line, Outline, Style};
-use common::cameras::{MeshLook, mesh_camera};
+use common::cameras::{MeshShape, mesh_camera};
 use common::file::{camera_of, load};
 use common::gpu::engine_on;
 use common::layered::chain;
@@ -42,8 +42,8 @@ fn families() -> Vec<(&'static str, Camera)> {
                 "kind = \"cross_slit\"\n{look}\nheight = 2.2\nslits = [{{ distance = 3, angle = 0 }}, {{ distance = 4.5, angle = 90 }}]"
             )),
         ),
-        ("mesh of 16 x 16", camera(mesh_camera(1, 16, 16, MeshLook::default()), SIZE, FORWARD)),
-        ("chain", chain(3, 3, (4, 3), MeshLook::default(), SIZE)),
+        ("mesh of 16 x 16", camera(mesh_camera(1, 16, 16, MeshShape::default()), SIZE, FORWARD)),
+        ("chain", chain(3, 3, (4, 3), MeshShape::default(), SIZE)),
         ("fisheye", of("kind = \"fisheye\"\neye = [0.2, 0.5, 2]\ntarget = [0, 0, 0]\nfov = 110\nframe = \"full\"")),
         ("curved projector", of(&format!("kind = \"twist\"\n{look}\nvfov = 32\ndegree = 3\nangle = 40"))),
         (
@@ -133,8 +133,8 @@ fn grid(scene: &Scene, camera: &Camera) -> Grid {
     let mut channels = [&COLOUR[..], &position, &normal, &[Channel::TriangleId, Channel::PieceId]].concat();
     channels.extend(camera.optics.as_ref().map(|_| Channel::MirrorId));
     for (i, j) in (0..FINE * FINE).map(|k| (k % FINE, k / FINE)) {
-        let aside = |k: usize| (k as f64 + 0.5) / FINE as f64 - 0.5;
-        let frame = image(scene, &camera.with_sample_offset(aside(i), aside(j)), &channels);
+        let offset = |k: usize| (k as f64 + 0.5) / FINE as f64 - 0.5;
+        let frame = image(scene, &camera.with_sample_offset(offset(i), offset(j)), &channels);
         let vector = |of: [Channel; 3], k: usize| DVec3::from(of.map(|c| f64::from(frame.f32(c).unwrap()[k])));
         let seen = colours(&frame);
         for (k, colour) in seen.iter().enumerate() {
@@ -268,7 +268,7 @@ fn outlines_and_borders_lie_between_what_differs() {
             let inked = |picture: &Colours| picture.iter().map(|c| c[0] - c[1]).sum::<f64>();
             let ratio = inked(&seen) / inked(&exact).max(1e-9);
             println!("{name}, {what}: FLIP {error:.4}, {:.1} dB, {ratio:.3} of the ink", psnr(&exact, &seen));
-            // borders of pixels are where lines run, half a pixel aside at most
+            // borders of pixels are where lines run, at most half a pixel away
             assert!(error <= 2.0 * FLIP_MAX, "{name}, {what}: FLIP {error}");
             let lines = distances.iter().filter(|d| **d <= 1.0).count();
             assert!(lines > 0 || what == "borders", "{name}: nothing is outlined");
@@ -282,8 +282,8 @@ fn is_ink(s: f64, slope: f64, spacing: f64, ink: f64) -> bool {
     let level = (slope * spacing).log2();
     let (period, left) = ((level.floor() + 1.0).exp2(), 1.0 - level + level.floor());
     let width = ink * period / slope / (1.0 + left);
-    let apart = |s: f64| (s / period - (s / period).round()).abs() * period / slope;
-    apart(s) <= width / 2.0 || apart(s + period / 2.0) <= width * left / 2.0
+    let distance = |s: f64| (s / period - (s / period).round()).abs() * period / slope;
+    distance(s) <= width / 2.0 || distance(s + period / 2.0) <= width * left / 2.0
 }
 
 #[test]

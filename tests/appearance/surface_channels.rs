@@ -129,9 +129,9 @@ fn labels_are_those_of_the_triangles_in_every_engine() {
         let scene: Scene = load(&text).unwrap();
         let camera = scene.camera().unwrap();
         let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
-        let mut rendered = |wanted: &Wanted, by: Option<&str>| {
-            let by = by.map(|name| anamorph::internals::rivals::parse(name).unwrap());
-            engine.render(&scene, &camera, wanted, &RunOptions { by, ..RunOptions::default() })
+        let mut rendered = |wanted: &Wanted, rival: Option<&str>| {
+            let rival = rival.map(|name| anamorph::internals::rivals::parse(name).unwrap());
+            engine.render(&scene, &camera, wanted, &RunOptions { rival, ..RunOptions::default() })
         };
         let all = Wanted::of(vec![Channel::TriangleId, object, material]);
         for by in [None, Some("raytrace"), Some("raster-warp:1")] {

@@ -6,7 +6,7 @@ use crate::pictures;
 
 use anamorph::internals::camera::{Camera, Rays};
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::plan::samples::{at_once, places};
+use anamorph::internals::engine::plan::samples::{at_once, sample_offsets};
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::geometry::mesh::{Material, NO_UV};
 use anamorph::internals::geometry::texture::{Texels, Texture, Wrap};
@@ -14,7 +14,7 @@ use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
-use common::cameras::{MeshLook, mesh_camera};
+use common::cameras::{MeshShape, mesh_camera};
 use common::file::camera_of;
 use common::gpu::{Without, check, engine_on, hits, ids, render, render_with};
 use common::layered::chain;
@@ -78,10 +78,10 @@ fn families(size: (u32, u32)) -> Vec<(&'static str, Camera)> {
                 "kind = \"cross_slit\"\n{look}\nheight = 3\nslits = [{{ distance = 2.2, angle = 0 }}, {{ distance = 3.5, angle = 90 }}]"
             )),
         ),
-        ("mesh of 16 x 16", camera(mesh_camera(1, 16, 16, MeshLook::default()), size, FORWARD)),
+        ("mesh of 16 x 16", camera(mesh_camera(1, 16, 16, MeshShape::default()), size, FORWARD)),
         (
             "weighted mesh",
-            camera(mesh_camera(1, 6, 5, MeshLook { weights: true, ..MeshLook::default() }), size, FORWARD),
+            camera(mesh_camera(1, 6, 5, MeshShape { weights: true, ..MeshShape::default() }), size, FORWARD),
         ),
         ("fisheye", of(&format!("kind = \"fisheye\"\n{look}\nfov = 150\nframe = \"full\""))),
         ("curved projector", of(&format!("kind = \"twist\"\n{pinhole}\ndegree = 3\nangle = 30"))),
@@ -127,7 +127,7 @@ fn filtered_images_look_like_many_rays_a_pixel() {
 fn borders_of_pieces_do_not_show() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let scene = floor(4000.0, -1.0, 2000.0, checker());
-    let camera = camera(mesh_camera(1, 16, 16, MeshLook::default()), SIZE, FORWARD);
+    let camera = camera(mesh_camera(1, 16, 16, MeshShape::default()), SIZE, FORWARD);
     let exact = box_filtered(&scene, &camera, 256);
     let wanted = Wanted::of([&COLOUR[..], &[Channel::PieceId]].concat());
     let frame = engine.render(&scene, &camera, &wanted, &RunOptions::default()).unwrap().frame;
@@ -360,7 +360,7 @@ fn frames_that_make_a_picture_together_are_filtered_less() {
     let mean = |engine: &mut Engine, frames: u32| {
         let wanted = Wanted { frames, ..Wanted::of(COLOUR.to_vec()) };
         let mut sum = vec![[0.0; 3]; exact.len()];
-        for place in places(16) {
+        for place in sample_offsets(16) {
             let moved = camera.with_sample_offset(place.x, place.y);
             let frame = engine.render(&scene, &moved, &wanted, &RunOptions::default()).unwrap().frame;
             sum.iter_mut().zip(colours(&frame)).for_each(|(s, c)| (0..3).for_each(|k| s[k] += c[k] / 16.0));
@@ -458,7 +458,7 @@ fn holes_are_seen_through_by_every_kind_of_rays() {
     let mut solid = scene.clone();
     Arc::make_mut(&mut solid.mesh).materials[0].texture = None;
     const SMALL: (u32, u32) = (48, 36);
-    let kinds = families(SMALL).into_iter().chain([("chain", chain(3, 3, (4, 3), MeshLook::default(), SMALL))]);
+    let kinds = families(SMALL).into_iter().chain([("chain", chain(3, 3, (4, 3), MeshShape::default(), SMALL))]);
     for (name, camera) in kinds {
         let Some((frame, _, _)) = check(name, &scene, &camera) else { return };
         // a third of the hits are other ones at least
@@ -564,7 +564,7 @@ fn what_knows_no_holes_says_so() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let (scene, (_, camera)) = (cut_outs(), families(SIZE).swap_remove(0));
     assert!(!at_once(&scene, &camera, 4));
-    let rival = RunOptions { by: anamorph::internals::rivals::parse("raytrace").ok(), ..RunOptions::default() };
+    let rival = RunOptions { rival: anamorph::internals::rivals::parse("raytrace").ok(), ..RunOptions::default() };
     for (channels, run, expected) in [
         (vec![Channel::Certified], RunOptions::default(), "nothing is proven where images cut holes"),
         (vec![Channel::R], rival, "raytrace sees no holes"),

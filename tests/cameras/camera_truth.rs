@@ -8,7 +8,7 @@ use anamorph::internals::camera::kinds::pinhole::Pinhole;
 use anamorph::internals::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use anamorph::internals::camera::spec::{CameraKind, CameraSpec};
 use anamorph::internals::camera::{Camera, Field, Ray, glc};
-use common::cameras::{MeshLook, glc_of_each_class, mesh_spec, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_spec, raymap};
 use common::rng::Rng;
 use common::{FORWARD, camera};
 use glam::{DVec2, DVec3};
@@ -143,16 +143,16 @@ fn barycentric(q: DVec2, c: [DVec2; 3]) -> [f64; 3] {
 
 #[test]
 fn pieces_interpolate_by_weights() {
-    for (k, look) in [
-        MeshLook::default(),
-        MeshLook { normalize: true, ..Default::default() },
-        MeshLook { weights: true, ..Default::default() },
-        MeshLook { normalize: true, weights: true, torn: true },
+    for (k, shape) in [
+        MeshShape::default(),
+        MeshShape { normalize: true, ..Default::default() },
+        MeshShape { weights: true, ..Default::default() },
+        MeshShape { normalize: true, weights: true, discontinuous: true },
     ]
     .into_iter()
     .enumerate()
     {
-        let spec = mesh_spec(k as u64, 5, 4, look);
+        let spec = mesh_spec(k as u64, 5, 4, shape);
         let camera = camera(spec.clone(), SIZE, FORWARD);
         for (i, j) in pixels() {
             let (piece, bundle) = camera.pixel(0, i, j).unwrap();
@@ -164,9 +164,10 @@ fn pieces_interpolate_by_weights() {
             let weighted =
                 |f: &dyn Fn(&CameraVertex) -> DVec3| (0..3).map(|k| v[k].w * l[k] / sum * f(&v[k])).sum::<DVec3>();
             let p = weighted(&|v| v.near);
-            let d = if look.normalize { weighted(&|v| (v.far - v.near).normalize()) } else { weighted(&|v| v.far) - p };
+            let d =
+                if shape.normalize { weighted(&|v| (v.far - v.near).normalize()) } else { weighted(&|v| v.far) - p };
             let ray = bundle.ray(0.0, 0.0);
-            assert!(close(ray.origin, p) && close(ray.direction, d), "{look:?} at {i},{j}");
+            assert!(close(ray.origin, p) && close(ray.direction, d), "{shape:?} at {i},{j}");
         }
     }
 }
@@ -230,7 +231,7 @@ fn pieces_that_overlap_or_have_no_area_are_errors_that_name_the_triangles() {
     assert!(overlap.contains("0 and 1 overlap"), "{overlap}");
     let flat = error(halves([0, 1, 3], [2, 3, 2]));
     assert!(flat.contains("1 has no area"), "{flat}");
-    let mut spec = mesh_spec(1, 8, 8, MeshLook::default());
+    let mut spec = mesh_spec(1, 8, 8, MeshShape::default());
     // one vertex of the middle pulled over its neighbours
     spec.vertices[40].image = [0.9, 0.9];
     let far = error(CameraKind::from(spec.clone()));

@@ -96,7 +96,7 @@ fn assert_agrees(name: &str, text: &str, size: (u32, u32)) -> Frame {
     let (seen, not_near) = against(&scene, &camera, &frame);
     println!("{name}: {hits} hits; {seen}; {not_near} not near");
     assert_eq!((seen.wrong_safe, not_near), (Some(0), 0), "{name}: {seen}");
-    // half a pixel aside it is another camera
+    // shifted by half a pixel it is another camera
     let (seen, not_near) = against(&scene, &camera.with_sample_offset(0.5, 0.0), &frame);
     assert!(seen.wrong_safe > Some(0) && not_near > 0, "{name}: {seen}");
     frame

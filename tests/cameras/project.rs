@@ -9,7 +9,7 @@ use anamorph::internals::camera::kinds::pinhole::Pinhole;
 use anamorph::internals::camera::project::{Degenerate, Projector};
 use anamorph::internals::camera::spec::CameraKind;
 use anamorph::internals::camera::{Camera, Curve, CurveMap, Curves, Field, Ray, RayMap, Rays};
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap, two_plane};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, pinhole, raymap, two_plane};
 use common::projection::{Counts, PLACE_PX, check, images_see_their_points, pixels_are_images_of_what_they_see};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera};
@@ -47,22 +47,22 @@ fn a_point_has_three_images_in_a_continuous_camera() {
 
 #[test]
 fn meshes_of_pieces() {
-    for (k, look) in [
-        MeshLook::default(),
-        MeshLook { normalize: true, ..Default::default() },
-        MeshLook { weights: true, ..Default::default() },
-        MeshLook { normalize: true, weights: true, torn: true },
+    for (k, shape) in [
+        MeshShape::default(),
+        MeshShape { normalize: true, ..Default::default() },
+        MeshShape { weights: true, ..Default::default() },
+        MeshShape { normalize: true, weights: true, discontinuous: true },
     ]
     .into_iter()
     .enumerate()
     {
-        check(&format!("{look:?}"), &camera(mesh_camera(k as u64, 5, 4, look), SIZE, FORWARD), 30 + k as u64);
+        check(&format!("{shape:?}"), &camera(mesh_camera(k as u64, 5, 4, shape), SIZE, FORWARD), 30 + k as u64);
     }
 }
 
 #[test]
 fn a_point_on_a_border_has_one_image() {
-    let camera = camera(mesh_camera(3, 5, 4, MeshLook::default()), SIZE, FORWARD);
+    let camera = camera(mesh_camera(3, 5, 4, MeshShape::default()), SIZE, FORWARD);
     let Rays::Pieces(pieces) = &camera.layers[0] else { unreachable!() };
     let (projector, mut rng) = (Projector::new(&camera), Rng(5));
     for _ in 0..300 {

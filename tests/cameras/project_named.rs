@@ -156,10 +156,11 @@ fn the_ray_of_a_shot_is_seen_all_over_its_pixel() {
 #[test]
 fn no_kind_is_left_out() {
     // points are not sought behind mirrors and lenses: the command refuses these
-    let apart = ["lidar", "reflection", "refraction"];
+    let separate = ["lidar", "reflection", "refraction"];
     let elsewhere = ["pinhole", "orthographic", "glc", "mesh", "raymap"];
-    let asked =
-        |name: &str| apart.contains(&name) || elsewhere.contains(&name) || ASKED.iter().any(|(kind, _)| *kind == name);
+    let asked = |name: &str| {
+        separate.contains(&name) || elsewhere.contains(&name) || ASKED.iter().any(|(kind, _)| *kind == name)
+    };
     let missing: Vec<&str> = KINDS.iter().map(|k| k.name).filter(|n| !asked(n)).collect();
     assert!(missing.is_empty(), "{missing:?} have no case here");
 }

@@ -155,11 +155,11 @@ fn curved_convergence_bows_aside_and_comes_back() {
     for (i, j) in pixels() {
         let (q, curve) = (2.0 * tan20() * place(i, j), curve(&camera, i, j));
         assert_eq!(curve.degree(), 2);
-        // near 0.4, far 12, half-way 6.2: the pinhole's depths, moved aside by 2 t (1 - t) of the bend
+        // near 0.4, far 12, half-way 6.2: the pinhole's depths, moved sideways by 2 t (1 - t) of the bend
         for t in [0.0, 0.25, 0.5, 1.0] {
             let depth = 0.4 + t * 11.6;
-            let aside = 2.0 * t * (1.0 - t) * 2.0 * 6.2 * tan20() * DVec2::new(0.5, -0.25);
-            assert!(close(curve.at(t), (depth * q + aside).extend(4.0 - depth)));
+            let shift = 2.0 * t * (1.0 - t) * 2.0 * 6.2 * tan20() * DVec2::new(0.5, -0.25);
+            assert!(close(curve.at(t), (depth * q + shift).extend(4.0 - depth)));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Any small scene that a sequence of numbers says: ordinary things, and what is hard for numerics, through cameras of every kind.
 
-use super::cameras::{MeshLook, mesh_camera, raymap};
+use super::cameras::{MeshShape, mesh_camera, raymap};
 use super::file::camera_of;
 use super::layered::{chain, wavy};
 use super::rng::Rng;
@@ -32,7 +32,8 @@ pub fn any(rng: &mut Rng, size: (u32, u32)) -> (Scene, Camera) {
 fn any_camera(rng: &mut Rng, size: (u32, u32), place: impl Fn(DVec3) -> DVec3) -> (Camera, bool) {
     let t_range = if rng.below(4) == 0 { ALL_T } else { FORWARD };
     let of = |kind: CameraKind| (camera(kind, size, t_range), true);
-    let look = MeshLook { normalize: rng.below(3) == 0, weights: rng.below(3) == 0, torn: rng.below(4) == 0 };
+    let shape =
+        MeshShape { normalize: rng.below(3) == 0, weights: rng.below(3) == 0, discontinuous: rng.below(4) == 0 };
     let eye = 2.0 * rng.direction() + 0.3 * rng.vector();
     let target = 0.3 * rng.vector();
     let text = |text: String| (camera_of("", size, &text).unwrap(), false);
@@ -65,7 +66,7 @@ fn any_camera(rng: &mut Rng, size: (u32, u32), place: impl Fn(DVec3) -> DVec3) -
             of(CameraKind::from(Glc { near: near.map(&place), far: far.map(&place) }))
         }
         7 => (
-            camera(mesh_camera(rng.word(), 1 + rng.below(6) as u32, 1 + rng.below(6) as u32, look), size, t_range),
+            camera(mesh_camera(rng.word(), 1 + rng.below(6) as u32, 1 + rng.below(6) as u32, shape), size, t_range),
             false,
         ),
         8 => (raymap(size.0, size.1, t_range), false),
@@ -73,7 +74,13 @@ fn any_camera(rng: &mut Rng, size: (u32, u32), place: impl Fn(DVec3) -> DVec3) -
         10 => {
             let cells = (1 + rng.below(3) as u32, 1 + rng.below(3) as u32);
             (
-                chain(rng.word(), 1 + rng.below(4), cells, MeshLook { torn: false, normalize: false, ..look }, size),
+                chain(
+                    rng.word(),
+                    1 + rng.below(4),
+                    cells,
+                    MeshShape { discontinuous: false, normalize: false, ..shape },
+                    size,
+                ),
                 false,
             )
         }
@@ -149,9 +156,9 @@ fn any_part(rng: &mut Rng) -> Vec<Triangle> {
         }
         // around one vertex
         4 => {
-            let (middle, n) = (rng.vector(), 3 + rng.below(8));
-            let rim: Vec<DVec3> = (0..n).map(|_| middle + rng.vector()).collect();
-            (0..n).map(|k| [middle, rim[k], rim[(k + 1) % n]]).collect()
+            let (centre, n) = (rng.vector(), 3 + rng.below(8));
+            let rim: Vec<DVec3> = (0..n).map(|_| centre + rng.vector()).collect();
+            (0..n).map(|k| [centre, rim[k], rim[(k + 1) % n]]).collect()
         }
         // in one plane, or nearly, one over the other, and some twice
         5 => {

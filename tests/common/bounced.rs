@@ -6,7 +6,7 @@
 use super::common::file::load;
 use super::stages::Case;
 use anamorph::internals::gpu::kernels::Variant;
-use anamorph::internals::twin::{Input, Real};
+use anamorph::internals::twin::{KernelInputs, Real};
 
 /// A floor, a ball and a box around the origin; the optics go into the middle.
 const THINGS: &str = r#"
@@ -135,12 +135,12 @@ pub fn delicate() -> Vec<Case> {
 }
 
 /// The kernels for the rays of an input.
-pub fn variant(case: &Case, input: &Input, real: Real, atomics64: bool) -> Variant {
+pub fn variant(case: &Case, input: &KernelInputs, real: Real, atomics64: bool) -> Variant {
     let first = case.variant(real, atomics64);
     if bounces(input) > 0 { first.after_bounce() } else { first }
 }
 
 /// The number of bounces before the rays of an input.
-pub fn bounces(input: &Input) -> u32 {
+pub fn bounces(input: &KernelInputs) -> u32 {
     input.optics.map_or(0, |o| o.optic.bounces)
 }

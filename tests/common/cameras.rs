@@ -50,33 +50,33 @@ pub fn pinhole(eye: DVec3, target: DVec3, vfov: f64) -> CameraKind {
 
 /// How the pieces of [`mesh_camera`] differ from a plain, continuous one.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct MeshLook {
+pub struct MeshShape {
     pub normalize: bool,
     /// Weights from 1/2 to 2 instead of 1.
     pub weights: bool,
     /// Every cell has rays of its own: neighbours do not continue each other.
-    pub torn: bool,
+    pub discontinuous: bool,
 }
 
 /// Two pieces for each of `columns` x `rows` cells of the image, over rays that bend smoothly, each corner a little
 /// off by `seed`.
-pub fn mesh_spec(seed: u64, columns: u32, rows: u32, look: MeshLook) -> MeshCameraSpec {
+pub fn mesh_spec(seed: u64, columns: u32, rows: u32, shape: MeshShape) -> MeshCameraSpec {
     let mut rng = Rng(seed);
     let mut vertex = |i: u32, j: u32| {
         let image = DVec2::new(i as f64 / columns as f64, j as f64 / rows as f64);
         let q = DVec2::new(image.x - 0.5, 0.5 - image.y);
         let bend = 0.2 * DVec2::new((5.0 * q.y).sin(), (4.0 * q.x).cos());
         let off = |rng: &mut Rng| 0.02 * rng.vector();
-        let shift = if look.torn { 0.3 * rng.vector() } else { DVec3::ZERO };
+        let shift = if shape.discontinuous { 0.3 * rng.vector() } else { DVec3::ZERO };
         CameraVertex {
             image: image.to_array(),
             near: (2.2 * q).extend(2.0) + off(&mut rng) + shift,
             far: (3.2 * q + bend).extend(-2.0) + off(&mut rng) - shift,
-            w: if look.weights { (2.0 * rng.unit() - 1.0).exp2() } else { 1.0 },
+            w: if shape.weights { (2.0 * rng.unit() - 1.0).exp2() } else { 1.0 },
         }
     };
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-    if look.torn {
+    if shape.discontinuous {
         for (i, j) in (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))) {
             let k = vertices.len() as u32;
             vertices.extend([vertex(i, j), vertex(i + 1, j), vertex(i, j + 1), vertex(i + 1, j + 1)]);
@@ -90,12 +90,12 @@ pub fn mesh_spec(seed: u64, columns: u32, rows: u32, look: MeshLook) -> MeshCame
             triangles.extend([[k, k + 1, below], [below + 1, k + 1, below]]);
         }
     }
-    MeshCameraSpec { vertices, triangles, normalize: look.normalize }
+    MeshCameraSpec { vertices, triangles, normalize: shape.normalize }
 }
 
 /// The camera of [`mesh_spec`].
-pub fn mesh_camera(seed: u64, columns: u32, rows: u32, look: MeshLook) -> CameraKind {
-    mesh_spec(seed, columns, rows, look).into()
+pub fn mesh_camera(seed: u64, columns: u32, rows: u32, shape: MeshShape) -> CameraKind {
+    mesh_spec(seed, columns, rows, shape).into()
 }
 
 /// A ray map of `width` x `height` over a wavy lens; every 17th pixel has no ray.

@@ -1,6 +1,6 @@
 //! Chains and curved cameras that see the ball of radius 1 about the origin.
 
-use super::cameras::{MeshLook, mesh_spec};
+use super::cameras::{MeshShape, mesh_spec};
 use super::rng::Rng;
 use anamorph::internals::camera::mesh::spec::{CameraVertex, MeshCameraSpec};
 use anamorph::internals::camera::{Camera, Curve, CurveMap, Curves, Ray, Rays, mesh};
@@ -8,8 +8,8 @@ use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
 /// A chain of `layers` layers over `columns` x `rows` cells: its rays bend at every face, by `seed`, and go on there.
-pub fn chain(seed: u64, layers: usize, (columns, rows): (u32, u32), look: MeshLook, size: (u32, u32)) -> Camera {
-    let first = mesh_spec(seed, columns, rows, look);
+pub fn chain(seed: u64, layers: usize, (columns, rows): (u32, u32), shape: MeshShape, size: (u32, u32)) -> Camera {
+    let first = mesh_spec(seed, columns, rows, shape);
     let mut rng = Rng(seed + 77);
     // faces between the first vertex of each ray and its last, each moved about
     let faces: Vec<Vec<DVec3>> = (0..=layers)

@@ -3,7 +3,7 @@
 #![allow(dead_code)]
 
 use anamorph::internals::camera::Camera;
-use anamorph::internals::engine::plan::samples::places;
+use anamorph::internals::engine::plan::samples::sample_offsets;
 use anamorph::internals::image::frame::{Channel, Frame};
 use anamorph::internals::image::srgb8;
 use anamorph::internals::reference::image::image;
@@ -23,7 +23,7 @@ pub fn colours(frame: &Frame) -> Colours {
 /// The mean of the reference's frames at so many places of each pixel.
 pub fn box_filtered(scene: &Scene, camera: &Camera, samples: u32) -> Colours {
     let mut sum = vec![[0.0; 3]; (camera.width * camera.height) as usize];
-    for place in places(samples) {
+    for place in sample_offsets(samples) {
         let frame = colours(&image(scene, &camera.with_sample_offset(place.x, place.y), &COLOUR));
         sum.iter_mut().zip(frame).for_each(|(s, c)| (0..3).for_each(|k| s[k] += c[k] / f64::from(samples)));
     }

@@ -3,7 +3,7 @@
 // every test binary uses a part of it
 #![allow(dead_code)]
 
-use super::common::cameras::{self, MeshLook};
+use super::common::cameras::{self, MeshShape};
 use super::common::rng::Rng;
 use super::common::{self, ALL_T, FORWARD};
 use super::common::{layered, needs};
@@ -20,13 +20,13 @@ use anamorph::internals::geometry::generate::{icosphere, plane, teapot};
 use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::{Buffers, read_words, readback, wait};
-use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
 use anamorph::internals::gpu::layout::COUNTERS;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
-use anamorph::internals::twin::{Input, LARGE, Real, Tables};
+use anamorph::internals::twin::{KernelInputs, LARGE, Real, Tables};
 use glam::{DMat2, DVec2, DVec3};
 
 /// What every word that a kernel does not own must still hold.
@@ -56,7 +56,8 @@ impl Case {
     /// For all channels, so that bands are cut alike in every test.
     pub fn tables(&self) -> Tables {
         let wanted = Wanted::of(Channel::ALL.to_vec());
-        let has = Abilities { f64: true, atomics64: true, lanes: false, timestamps: false, clip_distances: false };
+        let has =
+            AdapterFeatures { f64: true, atomics64: true, lanes: false, timestamps: false, clip_distances: false };
         let mut tables = Tables::new(&self.scene, &self.camera, &wanted, has, self.band_limit);
         let mesh = &self.scene.with_optics(&self.camera).mesh;
         tables.clustered = cluster(mesh, tables.plan.anchor, false, self.chunk_limit);
@@ -72,15 +73,15 @@ impl Case {
     }
 
     /// Every band under every chunk, its lists as large as `capacities`.
-    pub fn inputs<'a>(&self, tables: &'a Tables, capacities: Capacities) -> Vec<Input<'a>> {
+    pub fn inputs<'a>(&self, tables: &'a Tables, capacities: Capacities) -> Vec<KernelInputs<'a>> {
         let chunks = tables.clustered.chunks.len();
         let jobs = (0..tables.plan.bands.len()).flat_map(|b| (0..chunks).map(move |c| (b, c)));
         jobs.map(|(band, chunk)| tables.input(&self.camera, band, chunk, capacities)).collect()
     }
 
     /// The same, band by band.
-    pub fn bands<'a>(&self, tables: &'a Tables) -> Vec<Vec<Input<'a>>> {
-        self.inputs(tables, LARGE).chunks(tables.clustered.chunks.len()).map(<[Input]>::to_vec).collect()
+    pub fn bands<'a>(&self, tables: &'a Tables) -> Vec<Vec<KernelInputs<'a>>> {
+        self.inputs(tables, LARGE).chunks(tables.clustered.chunks.len()).map(<[KernelInputs]>::to_vec).collect()
     }
 
     pub fn variant(&self, real: Real, atomics64: bool) -> Variant {
@@ -104,8 +105,8 @@ impl Case {
 pub fn fitted(mut mesh: Mesh) -> Mesh {
     let (lo, hi) =
         mesh.positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |b, p| (b.0.min(*p), b.1.max(*p)));
-    let (middle, scale) = ((lo + hi) / 2.0, 2.0 / (hi - lo).length());
-    mesh.positions.iter_mut().for_each(|p| *p = scale * (*p - middle));
+    let (centre, scale) = ((lo + hi) / 2.0, 2.0 / (hi - lo).length());
+    mesh.positions.iter_mut().for_each(|p| *p = scale * (*p - centre));
     mesh
 }
 
@@ -176,17 +177,17 @@ pub fn cases() -> Vec<Case> {
             Case::new(name, part_one_sided(soup(k as u64, 150, 0.4)), camera)
         })
         .collect();
-    let looks = [
-        ("pieces", MeshLook::default()),
-        ("weighted pieces", MeshLook { weights: true, ..Default::default() }),
-        ("torn unit pieces", MeshLook { normalize: true, weights: true, torn: true }),
+    let shapes = [
+        ("pieces", MeshShape::default()),
+        ("weighted pieces", MeshShape { weights: true, ..Default::default() }),
+        ("discontinuous unit pieces", MeshShape { normalize: true, weights: true, discontinuous: true }),
     ];
-    for (name, look) in looks {
-        let camera = common::camera(cameras::mesh_camera(5, 4, 3, look), (100, 90), FORWARD);
+    for (name, shape) in shapes {
+        let camera = common::camera(cameras::mesh_camera(5, 4, 3, shape), (100, 90), FORWARD);
         list.push(Case::new(name, part_one_sided(icosphere(2)), camera));
     }
-    let plain = MeshLook::default();
-    let weighted = MeshLook { weights: true, ..plain };
+    let plain = MeshShape::default();
+    let weighted = MeshShape { weights: true, ..plain };
     let chain = layered::chain(3, 3, (4, 3), plain, (100, 90));
     list.push(Case::new("chain", part_one_sided(icosphere(2)), chain));
     let chain = layered::chain(4, 2, (2, 2), weighted, (61, 83));
@@ -249,8 +250,9 @@ pub fn random_case(seed: u64) -> Case {
     let offset = [0.0, 0.0, 30.0, 1e4][rng.below(4)] * rng.vector();
     let mut triple = |centre: DVec3| [0, 1, 2].map(|_| centre + 2.0 * rng.vector() + offset);
     let any_glc = CameraKind::from(Glc { near: triple(2.0 * DVec3::Z), far: triple(-2.0 * DVec3::Z) });
-    let look = MeshLook { normalize: rng.below(2) == 0, weights: rng.below(2) == 0, torn: rng.below(2) == 0 };
-    let mut pieces = cameras::mesh_spec(seed, 1 + rng.below(6) as u32, 1 + rng.below(6) as u32, look);
+    let shape =
+        MeshShape { normalize: rng.below(2) == 0, weights: rng.below(2) == 0, discontinuous: rng.below(2) == 0 };
+    let mut pieces = cameras::mesh_spec(seed, 1 + rng.below(6) as u32, 1 + rng.below(6) as u32, shape);
     pieces.vertices.iter_mut().for_each(|v| (v.near, v.far) = (v.near + offset, v.far + offset));
     let eye = offset + 2.0 * rng.vector();
     let camera = match rng.below(5) {
@@ -259,9 +261,9 @@ pub fn random_case(seed: u64) -> Case {
         3 => common::camera(cameras::pinhole(eye, offset, 20.0 + 120.0 * rng.unit()), size, range),
         _ => cameras::raymap(size.0, size.1, range),
     };
-    let middle = if matches!(camera.layers[0], Rays::Field(_)) { DVec3::ZERO } else { offset };
+    let centre = if matches!(camera.layers[0], Rays::Field(_)) { DVec3::ZERO } else { offset };
     let (count, largest) = (1 + rng.below(300), (-6.0 * rng.unit()).exp2() * 4.0);
-    let mesh = common::moved(common::soup(&mut rng, count, largest), middle);
+    let mesh = common::moved(common::soup(&mut rng, count, largest), centre);
     Case::new(
         &format!("seed {seed}, {} of {}x{}, t {range:?}", camera.kind, size.0, size.1),
         part_one_sided(mesh),
@@ -342,10 +344,10 @@ impl Bench {
 }
 
 /// The input's rows in buffers of the kernels' names.
-pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
+pub fn upload(gpu: &Gpu, input: &KernelInputs) -> Buffers {
     let mut b = Buffers::default();
     b.upload_uniform(gpu, "params", &input.params).unwrap();
-    b.upload_uniform(gpu, "shading", &input.look.shading).unwrap();
+    b.upload_uniform(gpu, "shading", &input.appearance.shading).unwrap();
     b.upload(gpu, "clusters", input.clusters).unwrap();
     b.upload(gpu, "triangle_groups", input.triangle_groups).unwrap();
     b.upload(gpu, "nodes", input.nodes).unwrap();
@@ -365,9 +367,9 @@ pub fn upload(gpu: &Gpu, input: &Input) -> Buffers {
     } else {
         b.upload(gpu, "surfaces", &mapped_rows(input.surfaces, input.uvs)).unwrap();
     }
-    b.upload(gpu, "normals", &input.look.normals).unwrap();
-    b.upload(gpu, "materials", &input.look.materials).unwrap();
-    b.upload(gpu, "lights", &input.look.lights).unwrap();
+    b.upload(gpu, "normals", &input.appearance.normals).unwrap();
+    b.upload(gpu, "materials", &input.appearance.materials).unwrap();
+    b.upload(gpu, "lights", &input.appearance.lights).unwrap();
     b.create(gpu, "indirect", 12, wgpu::BufferUsages::INDIRECT).unwrap();
     if let Some(optics) = &input.optics {
         b.upload_uniform(gpu, "optic", &optics.optic).unwrap();

@@ -8,7 +8,7 @@ use anamorph::internals::engine::{Arithmetic, Capacities, Engine, RunOptions};
 use anamorph::internals::geometry::generate::icosphere;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::image::frame::Channel;
-use common::cameras::{MeshLook, mesh_spec, pinhole, raymap};
+use common::cameras::{MeshShape, mesh_spec, pinhole, raymap};
 use common::gpu::{engine_on, hits, wanted, words};
 use common::{FORWARD, camera, layered, scene};
 use glam::DVec3;
@@ -36,14 +36,14 @@ fn pairs() -> [(&'static str, [Camera; 2]); 4] {
     let targets = [DVec3::ZERO, DVec3::new(0.3, -0.2, 0.1)];
     let eyes = targets.map(|target| camera(pinhole(DVec3::new(2.0, 1.0, 2.5), target, 60.0), SIZE, FORWARD));
     let pieces = [0.0, 0.2].map(|by| {
-        let mut spec = mesh_spec(1, 3, 2, MeshLook::default());
+        let mut spec = mesh_spec(1, 3, 2, MeshShape::default());
         spec.vertices.iter_mut().for_each(|v| v.far.x += by);
         camera(spec, SIZE, FORWARD)
     });
     // in front of the ball, and within it
     let fields = [FORWARD, [0.45, f64::INFINITY]].map(|t_range| raymap(SIZE.0, SIZE.1, t_range));
     // the tiles of more layers need larger lists
-    let chains = [2, 9].map(|layers| layered::chain(3, layers, (4, 3), MeshLook::default(), SIZE));
+    let chains = [2, 9].map(|layers| layered::chain(3, layers, (4, 3), MeshShape::default(), SIZE));
     [("pinhole", eyes), ("pieces", pieces), ("chain", chains), ("ray map", fields)]
 }
 
@@ -64,7 +64,7 @@ fn check(engine: &mut Engine, what: &str) {
     }
 }
 
-/// Removes abilities of an adapter.
+/// Removes features of an adapter.
 type Less = fn(&mut Gpu);
 
 #[test]

@@ -78,7 +78,7 @@ fn wrong(camera: &str, by: &str) -> Option<(u64, u64, u64)> {
     let scene = scene(camera);
     let camera = scene.camera().unwrap();
     let mut engine = engine(&camera, Without::Nothing)?;
-    let run = RunOptions { by: Some(anamorph::internals::rivals::parse(by).unwrap()), ..Default::default() };
+    let run = RunOptions { rival: Some(anamorph::internals::rivals::parse(by).unwrap()), ..Default::default() };
     let frame = engine.render(&scene, &camera, &wanted(), &run).unwrap().frame;
     assert!(hits(&frame) > 1000, "{by}: {} hits", hits(&frame));
     let judged = judge(&scene, &camera, &frame);
@@ -129,7 +129,7 @@ fn leaving_nothing_out_early_changes_no_pixel() {
         let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
         let [with, without] = [false, true].map(|no_cull| {
             let run = RunOptions {
-                by: by.map(|by| anamorph::internals::rivals::parse(by).unwrap()),
+                rival: by.map(|by| anamorph::internals::rivals::parse(by).unwrap()),
                 no_cull,
                 ..Default::default()
             };
@@ -159,8 +159,10 @@ fn cameras_may_move_between_frames() {
         for by in [None].into_iter().chain(rivals.iter().copied().map(Some)) {
             let (scene, then) = (scene(&first), self::scene(&then).camera().unwrap());
             let camera = scene.camera().unwrap();
-            let run =
-                RunOptions { by: by.map(|by| anamorph::internals::rivals::parse(by).unwrap()), ..Default::default() };
+            let run = RunOptions {
+                rival: by.map(|by| anamorph::internals::rivals::parse(by).unwrap()),
+                ..Default::default()
+            };
             let Some(mut engine) = engine(&camera, Without::Nothing) else { return };
             let alone = engine.render(&scene, &then, &wanted(), &run).unwrap().frame;
             let mut frames = engine.prepare(&scene, &camera, &wanted(), &run).unwrap();
@@ -216,7 +218,7 @@ fn what_a_rival_cannot_show_it_refuses_in_a_line() {
     let refusal = |camera: &str, by: &str| {
         let scene = scene(camera);
         let camera = scene.camera().unwrap();
-        let run = RunOptions { by: Some(anamorph::internals::rivals::parse(by).unwrap()), ..Default::default() };
+        let run = RunOptions { rival: Some(anamorph::internals::rivals::parse(by).unwrap()), ..Default::default() };
         let error = engine(&camera, Without::Nothing)?.render(&scene, &camera, &wanted(), &run);
         let error = error.map(|_| ()).unwrap_err();
         assert_eq!(error.exit_code(), 2);
@@ -245,8 +247,8 @@ fn what_a_rival_cannot_show_it_refuses_in_a_line() {
 fn frames_of_moving_triangles_are_timed_with_what_is_built_over_them() {
     let scene = scene(SLITS);
     let camera = scene.camera().unwrap();
-    let frame = |by: Option<Choice>| {
-        let run = RunOptions { by, moving: true, repeat: 2, ..Default::default() };
+    let frame = |rival: Option<Choice>| {
+        let run = RunOptions { rival, moving: true, repeat: 2, ..Default::default() };
         Some(engine(&camera, Without::Nothing)?.render(&scene, &camera, &wanted(), &run).unwrap())
     };
     for by in ["raytrace", "raytrace-refit", "raster-warp"] {

@@ -9,7 +9,7 @@ use anamorph::internals::geometry::place;
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, pinhole, raymap};
 use common::file::camera_of;
 use common::gpu::{Without, engine, engine_on, ids, words};
 use common::rng::Rng;
@@ -45,10 +45,10 @@ fn wrong(scene: &Scene, camera: &Camera, frame: &Frame) -> Vec<usize> {
 
 fn cameras() -> Vec<(String, Camera)> {
     let glcs = glc_of_each_class().into_iter().map(|(name, kind)| (name.to_owned(), camera(kind, SIZE, FORWARD)));
-    let weighted = MeshLook { weights: true, ..MeshLook::default() };
+    let weighted = MeshShape { weights: true, ..MeshShape::default() };
     let more = [
         ("negative t", camera(pinhole(DVec3::new(0.0, 0.0, 0.1), DVec3::X, 60.0), SIZE, ALL_T)),
-        ("mesh", camera(mesh_camera(1, 16, 16, MeshLook::default()), SIZE, FORWARD)),
+        ("mesh", camera(mesh_camera(1, 16, 16, MeshShape::default()), SIZE, FORWARD)),
         ("weighted mesh", camera(mesh_camera(2, 5, 5, weighted), SIZE, FORWARD)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
         (
@@ -184,7 +184,7 @@ fn what_proves_nothing_says_so_in_a_line() {
     let scene = crowd();
     let eye = camera(pinhole(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, 40.0), SIZE, FORWARD);
     let Some(mut engine) = engine(&eye, Without::Nothing) else { return };
-    let by = RunOptions { by: Some(anamorph::internals::rivals::parse("raytrace").unwrap()), ..Default::default() };
+    let by = RunOptions { rival: Some(anamorph::internals::rivals::parse("raytrace").unwrap()), ..Default::default() };
     let error = engine.render(&scene, &eye, &wanted(), &by).unwrap_err().to_string();
     assert!(error.contains("raytrace proves nothing") && !error.contains('\n'), "{error}");
     let mirror = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }\n\

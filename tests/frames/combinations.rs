@@ -12,7 +12,7 @@ use anamorph::internals::engine::sequence::Sequence;
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::geometry::mesh::Material;
 use anamorph::internals::geometry::texture::{Texels, Texture};
-use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::input::{Error, Result};
 use anamorph::internals::rivals::TECHNIQUES;
@@ -105,8 +105,8 @@ impl Case {
         let many = features.iter().any(|f| matches!(f, Feature::Samples | Feature::ManySamples));
         let few = features.iter().any(|f| matches!(f, NoSamples | OneSample));
         let counts = [many, features.contains(&NoSamples), features.contains(&OneSample)];
-        let looks = [Feature::Curves, Feature::Scattered, Feature::Atlas];
-        let cameras = features.iter().filter(|f| looks.contains(f)).count()
+        let kinds = [Feature::Curves, Feature::Incoherent, Feature::Atlas];
+        let cameras = features.iter().filter(|f| kinds.contains(f)).count()
             + usize::from(features.iter().any(|f| matches!(f, Feature::Optics | Feature::Bounces)));
         // what an image larger than the bindings needs of a scene is caustics' own affair
         let is_large = features.iter().any(|f| matches!(f, Feature::Bands | Feature::Chunks));
@@ -144,9 +144,9 @@ impl Case {
                 self.scene.style = Style { borders, ..Style::default() };
             }
             Feature::Rows => wanted.rows = Some(Rows { first: 8, count: 16 }),
-            Feature::Rival => run.by = run.by.or_else(|| rival(true)),
+            Feature::Rival => run.rival = run.rival.or_else(|| rival(true)),
             Feature::RivalWithoutCulling => {
-                run.by = rival(false);
+                run.rival = rival(false);
                 self.has.insert(Feature::Rival);
             }
             Feature::NoCull => run.no_cull = true,
@@ -164,7 +164,7 @@ impl Case {
                 self.camera = camera_of("", SIZE, &format!("{MIRROR}\nfacets = \"normals\"\natlas = 8")).unwrap();
                 self.has.insert(Feature::Optics);
             }
-            Feature::Scattered => self.camera = camera_of("", SIZE, DISPLAY).unwrap(),
+            Feature::Incoherent => self.camera = camera_of("", SIZE, DISPLAY).unwrap(),
             Feature::Bands => self.limit = self.limit.min(1 << 14),
             Feature::Chunks => {
                 self.limit = self.limit.min(1 << 15);
@@ -176,7 +176,7 @@ impl Case {
 
     /// What is planned of it, or why not. No device is touched.
     fn plan(&self) -> Result<()> {
-        let has = Abilities { f64: true, atomics64: true, lanes: true, timestamps: false, clip_distances: false };
+        let has = AdapterFeatures { f64: true, atomics64: true, lanes: true, timestamps: false, clip_distances: false };
         let planner = Planner { name: "test".into(), has, limit: self.limit };
         planner.plan(&self.scene, self.camera.clone(), &self.wanted, &self.run, None).map(|_| ())
     }

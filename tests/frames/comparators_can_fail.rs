@@ -9,7 +9,7 @@ use anamorph::internals::image::compare::{Comparison, compare};
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::internals::reference::image::{image, judge};
 use anamorph::internals::scene::Scene;
-use common::cameras::{MeshLook, mesh_camera, pinhole};
+use common::cameras::{MeshShape, mesh_camera, pinhole};
 use common::rng::Rng;
 use common::{FORWARD, camera, scene};
 use glam::DVec3;
@@ -17,7 +17,7 @@ use glam::DVec3;
 const SIZE: (u32, u32) = (48, 40);
 
 fn scene_and_cameras() -> (Scene, [Camera; 2]) {
-    let kinds = [pinhole(DVec3::new(0.3, 0.4, 3.0), DVec3::ZERO, 50.0), mesh_camera(1, 4, 3, MeshLook::default())];
+    let kinds = [pinhole(DVec3::new(0.3, 0.4, 3.0), DVec3::ZERO, 50.0), mesh_camera(1, 4, 3, MeshShape::default())];
     (scene(generate::icosphere(2)), kinds.map(|k| camera(k, SIZE, FORWARD)))
 }
 

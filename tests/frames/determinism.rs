@@ -6,11 +6,11 @@ use crate::common;
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::variant::variant;
-use anamorph::internals::engine::plan::{Contents, Plan, Surroundings, Wanted};
+use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
 use anamorph::internals::geometry::{generate, place};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::scene::Scene;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::gpu::{Without, engine, engine_on, ids, render, render_with, wanted, words};
 use common::rng::Rng;
@@ -38,7 +38,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     let (name, kind) = glc_of_each_class().swap_remove(3);
     vec![
         (name, camera(kind, SIZE, ALL_T)),
-        ("mesh", camera(mesh_camera(1, 9, 7, MeshLook { torn: true, ..Default::default() }), SIZE, FORWARD)),
+        ("mesh", camera(mesh_camera(1, 9, 7, MeshShape { discontinuous: true, ..Default::default() }), SIZE, FORWARD)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
         ("mirror", camera_of("", SIZE, MIRROR).unwrap()),
         ("lens", camera_of("", SIZE, LENS).unwrap()),
@@ -152,17 +152,17 @@ fn bands_chunks_and_batches_give_the_bytes_of_one_piece() {
     // large triangles: some 50,000 pairs a band, of which a list holds 8,192
     let scene = scene(soup(&mut Rng(4), 4000, 2.0));
     let mut cameras = cameras();
-    cameras.push(("pieces", camera(mesh_camera(2, 5, 4, MeshLook::default()), SIZE, FORWARD)));
+    cameras.push(("pieces", camera(mesh_camera(2, 5, 4, MeshShape::default()), SIZE, FORWARD)));
     for (name, camera) in cameras {
         let Some(whole) = render_with(&scene, &camera, Without::Nothing, &RunOptions::default()) else { return };
         let Some(mut small) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = SMALL_BINDING) else {
             return;
         };
-        let around = Surroundings::of(&camera, scene.bounds());
-        let (contents, has) = (Contents::of(&scene), small.gpu.has);
+        let extent = SceneExtent::of(&camera, scene.bounds());
+        let (contents, has) = (SceneContents::of(&scene), small.gpu.has);
         let variant = variant(&camera, contents, &wanted(), has, &RunOptions::default());
-        let plan = Plan::new(variant, &camera, contents, around, &wanted(), has, SMALL_BINDING);
-        let chunks = anamorph::internals::engine::clusters::cluster(&scene.mesh, around.anchor, false, SMALL_BINDING)
+        let plan = Plan::new(variant, &camera, contents, extent, &wanted(), has, SMALL_BINDING);
+        let chunks = anamorph::internals::engine::clusters::cluster(&scene.mesh, extent.anchor, false, SMALL_BINDING)
             .chunks
             .len();
         assert!(plan.bands.len() > 5 && chunks > 1, "{name}");

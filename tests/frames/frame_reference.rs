@@ -14,7 +14,7 @@ use anamorph::internals::image::compare::compare;
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID, Plane};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, mesh_spec, pinhole, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, mesh_spec, pinhole, raymap};
 use common::gpu::{Without, assert_right, assert_same_without_f64, check, hits, ids, render, render_with};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, mesh, moved, scene};
@@ -84,7 +84,7 @@ fn an_ordinary_scene_has_few_unsafe_pixels() {
 fn mesh_cameras_of_512_and_1000_pieces() {
     let scene = ball_in_cloud();
     for (columns, rows) in [(1, 1), (16, 16), (25, 20)] {
-        let kind = mesh_camera(5, columns, rows, MeshLook::default());
+        let kind = mesh_camera(5, columns, rows, MeshShape::default());
         let camera = camera(kind, SIZE, FORWARD);
         assert_eq!(camera.piece_count() as u32, 2 * columns * rows);
         let Some((frame, ..)) = check(&format!("{columns} x {rows} cells"), &scene, &camera) else { return };
@@ -95,15 +95,15 @@ fn mesh_cameras_of_512_and_1000_pieces() {
 #[test]
 fn pieces_with_weights_unit_directions_and_tears() {
     let scene = ball_in_cloud();
-    let looks = [
-        MeshLook { weights: true, ..Default::default() },
-        MeshLook { normalize: true, ..Default::default() },
-        MeshLook { torn: true, ..Default::default() },
-        MeshLook { normalize: true, weights: true, torn: true },
+    let shapes = [
+        MeshShape { weights: true, ..Default::default() },
+        MeshShape { normalize: true, ..Default::default() },
+        MeshShape { discontinuous: true, ..Default::default() },
+        MeshShape { normalize: true, weights: true, discontinuous: true },
     ];
-    for look in looks {
-        let camera = camera(mesh_camera(6, 9, 7, look), SIZE, FORWARD);
-        if check(&format!("{look:?}"), &scene, &camera).is_none() {
+    for shape in shapes {
+        let camera = camera(mesh_camera(6, 9, 7, shape), SIZE, FORWARD);
+        if check(&format!("{shape:?}"), &scene, &camera).is_none() {
             return;
         }
     }
@@ -111,7 +111,7 @@ fn pieces_with_weights_unit_directions_and_tears() {
 
 #[test]
 fn pieces_that_leave_part_of_the_image_free() {
-    let mut spec = mesh_spec(7, 6, 5, MeshLook::default());
+    let mut spec = mesh_spec(7, 6, 5, MeshShape::default());
     spec.triangles.retain(|t| (t[0] + t[2]) % 3 != 0);
     // beyond the image on two sides, and turned the other way round
     spec.vertices.iter_mut().for_each(|v| v.image = [1.3 * v.image[0] - 0.4, 0.9 * v.image[1] + 0.2]);
@@ -236,7 +236,7 @@ fn without_f64_the_frame_is_the_same() {
     let scene = ball_in_cloud();
     let mut cameras: Vec<_> =
         glc_of_each_class().into_iter().map(|(name, kind)| (name, camera(kind, SIZE, FORWARD))).collect();
-    cameras.push(("mesh", camera(mesh_camera(1, 9, 7, MeshLook::default()), SIZE, FORWARD)));
+    cameras.push(("mesh", camera(mesh_camera(1, 9, 7, MeshShape::default()), SIZE, FORWARD)));
     cameras.push(("ray map", raymap(SIZE.0, SIZE.1, FORWARD)));
     for (name, camera) in cameras {
         let Some(frame) = render(&scene, &camera) else { return };

@@ -8,7 +8,7 @@ use anamorph::internals::engine::RunOptions;
 use anamorph::internals::geometry::{generate, place};
 use anamorph::internals::image::frame::{Channel, NO_ID};
 use anamorph::internals::scene::Scene;
-use common::cameras::{MeshLook, mesh_spec};
+use common::cameras::{MeshShape, mesh_spec};
 use common::gpu::{self, Without, check, hits, ids, render, words};
 use common::rng::Rng;
 use common::{layered, scene};
@@ -27,12 +27,12 @@ fn ball_in_cloud() -> Scene {
 }
 
 fn cameras() -> Vec<(String, Camera)> {
-    let plain = MeshLook::default();
-    let chain = |layers, look| layered::chain(8, layers, (5, 4), look, SIZE);
+    let plain = MeshShape::default();
+    let chain = |layers, shape| layered::chain(8, layers, (5, 4), shape, SIZE);
     let mut list = vec![
         ("chain".to_string(), chain(3, plain)),
-        ("weighted chain".into(), chain(4, MeshLook { weights: true, ..plain })),
-        ("torn chain".into(), chain(2, MeshLook { torn: true, ..plain })),
+        ("weighted chain".into(), chain(4, MeshShape { weights: true, ..plain })),
+        ("discontinuous chain".into(), chain(2, MeshShape { discontinuous: true, ..plain })),
         ("chain of 16".into(), chain(16, plain)),
         ("straight, then curved".into(), layered::straight_then_curved(SIZE)),
     ];
@@ -79,7 +79,7 @@ fn without_f64_chains_are_right_too() {
 /// Rays that go on straight through every face are those of one camera: the same triangles, the same lengths.
 #[test]
 fn a_chain_of_straight_rays_is_the_camera_without_faces() {
-    let whole = mesh_spec(6, 4, 3, MeshLook::default());
+    let whole = mesh_spec(6, 4, 3, MeshShape::default());
     let part = |from: f64, to: f64| {
         let mut spec = whole.clone();
         for v in &mut spec.vertices {
@@ -111,7 +111,7 @@ fn a_chain_of_straight_rays_is_the_camera_without_faces() {
 /// What lies exactly in a face between two segments is found once, by the lower layer.
 #[test]
 fn a_surface_in_a_shared_face_shows_no_crack() {
-    let whole = mesh_spec(6, 4, 3, MeshLook::default());
+    let whole = mesh_spec(6, 4, 3, MeshShape::default());
     // the faces of the cells bend: two triangles each, in space as in the image
     let middle = |v: &anamorph::internals::camera::mesh::spec::CameraVertex| {
         v.near.lerp(v.far, 0.4) + 0.1 * DVec3::new(v.near.y, v.near.z, v.near.x)
@@ -143,7 +143,7 @@ fn a_surface_in_a_shared_face_shows_no_crack() {
 /// Degree elevation changes no curve: straight rays as cubics are straight rays.
 #[test]
 fn straight_curves_are_rays() {
-    let spec = mesh_spec(6, 1, 1, MeshLook::default());
+    let spec = mesh_spec(6, 1, 1, MeshShape::default());
     let camera = layered::of_layers(vec![spec], SIZE);
     let mut curved = camera.clone();
     let map = std::sync::Arc::new(layered::Elevated { of: camera.clone(), degree: 3 });

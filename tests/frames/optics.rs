@@ -47,7 +47,7 @@ fn scene(size: (u32, u32), things: &str, camera: &str) -> (Scene, Camera) {
     (scene, camera)
 }
 
-/// The last ray of a pixel's way, and the length of the way before.
+/// The last ray of a pixel's path, and the length of the path before it.
 fn last_ray(scene: &Scene, camera: &Camera, i: u32, j: u32) -> (DVec3, DVec3, f64) {
     let scene = scene.with_optics(camera);
     let reference = Reference::build(&scene.mesh);
@@ -113,8 +113,8 @@ fn conics_gather_the_rays_of_one_focus_in_the_other() {
     for k in 0..13 * 9 {
         let (origin, direction, before) = last_ray(&s, &camera, k % 13, k / 13);
         let off = distance(-DVec3::Z, (origin, direction));
-        let way = before + (origin + DVec3::Z).length();
-        assert!(off < 1e-14 && (way - 4.0).abs() < 1e-14, "{off} {way}");
+        let length = before + (origin + DVec3::Z).length();
+        assert!(off < 1e-14 && (length - 4.0).abs() < 1e-14, "{off} {length}");
     }
 }
 
@@ -219,10 +219,10 @@ fn rays_meet_a_torus_where_its_circles_are() {
             "kind = \"reflection\"\nmirror = {{ shape = \"torus\", center = [1, 0, 0], axis = [0, 1, 0], radius = 2, tube = 0.5 }}\ndepth = {depth}"
         )
     };
-    let near = |seen: (DVec3, DVec3), place: [f64; 3], way: [f64; 3]| {
+    let near = |seen: (DVec3, DVec3), place: [f64; 3], direction: [f64; 3]| {
         // places of size 3 in f64, through a quartic of slope 0.3 and more
-        let (off, rotated) = ((seen.0 - DVec3::from(place)).length(), (seen.1 - DVec3::from(way)).length());
-        assert!(off < 1e-13 && rotated < 1e-12, "{seen:?} for {place:?} {way:?}");
+        let (off, rotated) = ((seen.0 - DVec3::from(place)).length(), (seen.1 - DVec3::from(direction)).length());
+        assert!(off < 1e-13 && rotated < 1e-12, "{seen:?} for {place:?} {direction:?}");
     };
     // down on its top, from the side on its outer equator, from within on its inner one
     near(first_bounce([3., 5., 0.], [3., 0., 0.], &ring(1)), [3., 0.5, 0.], [0., 1., 0.]);
@@ -252,9 +252,9 @@ fn rays_meet_a_wave_at_crests_and_between() {
             "kind = \"reflection\"\nmirror = {{ shape = \"wave\", center = [0, 1, 0], size = 8, amplitude = 0.25, wavelength = 2 }}\ndepth = {depth}"
         )
     };
-    let near = |seen: (DVec3, DVec3), place: [f64; 3], way: [f64; 3]| {
-        let (off, rotated) = ((seen.0 - DVec3::from(place)).length(), (seen.1 - DVec3::from(way)).length());
-        assert!(off < 1e-14 && rotated < 1e-14, "{seen:?} for {place:?} {way:?}");
+    let near = |seen: (DVec3, DVec3), place: [f64; 3], direction: [f64; 3]| {
+        let (off, rotated) = ((seen.0 - DVec3::from(place)).length(), (seen.1 - DVec3::from(direction)).length());
+        assert!(off < 1e-14 && rotated < 1e-14, "{seen:?} for {place:?} {direction:?}");
     };
     near(first_bounce([0.5, 5., 0.5], [0.5, 0., 0.5], &wave(1)), [0.5, 1.25, 0.5], [0., 1., 0.]);
     near(first_bounce([0.5, -5., -0.5], [0.5, 0., -0.5], &wave(1)), [0.5, 0.75, -0.5], [0., -1., 0.]);
@@ -512,10 +512,10 @@ fn a_fine_mirror_shows_what_a_coarse_one_reflects() {
             assert!(frame.u32(Channel::MirrorId).unwrap() == mirror, "{law}, {cameras}: another silhouette");
             // one piece of the eye, and then the cameras
             let facets = camera.optics.as_ref().unwrap().facets().unwrap().clone();
-            assert!(facets.camera_count().abs_diff(cameras) < 10, "{} cameras", facets.camera_count());
-            assert_eq!(camera.piece_count(), 1 + facets.camera_count());
+            assert!(facets.piece_count().abs_diff(cameras) < 10, "{} cameras", facets.piece_count());
+            assert_eq!(camera.piece_count(), 1 + facets.piece_count());
             let piece = frame.u32(Channel::PieceId).unwrap();
-            let is_own = |k: usize| piece[k] == 1 + facets.camera_of(mirror[k] as usize);
+            let is_own = |k: usize| piece[k] == 1 + facets.coarse_of(mirror[k] as usize);
             assert!((0..mirror.len()).filter(|k| mirror[*k] != NO_ID).all(is_own), "{law}, {cameras}");
             wrong(&frame, &truth)
         });

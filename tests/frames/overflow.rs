@@ -9,7 +9,7 @@ use anamorph::internals::engine::{Arithmetic, Capacities, Engine, RunOptions};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::input::Error;
 use anamorph::internals::scene::Scene;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::gpu::{Without, engine_on, render_with, wanted, words};
 use common::rng::Rng;
@@ -38,7 +38,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     let (name, kind) = glc_of_each_class().swap_remove(6);
     vec![
         (name, camera(kind, SIZE, FORWARD)),
-        ("mesh", camera(mesh_camera(1, 16, 16, MeshLook::default()), SIZE, FORWARD)),
+        ("mesh", camera(mesh_camera(1, 16, 16, MeshShape::default()), SIZE, FORWARD)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
         ("mirror", camera_of("", SIZE, MIRROR).unwrap()),
         ("lens", camera_of("", SIZE, LENS).unwrap()),

@@ -9,11 +9,11 @@ use anamorph::internals::camera::{Camera, Field, Ray, Rays};
 use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::plan::slabs::Slabs;
 use anamorph::internals::engine::plan::variant::variant;
-use anamorph::internals::engine::plan::{Band, Contents, Plan, Surroundings, Wanted};
-use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::engine::plan::{Band, Plan, SceneContents, SceneExtent, Wanted};
+use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::gpu::layout::{self, BRANCH};
 use anamorph::internals::image::frame::Channel;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, mesh_spec, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, mesh_spec, raymap};
 use common::file::camera_of;
 use common::layered;
 use common::rng::Rng;
@@ -22,34 +22,34 @@ use glam::{DVec2, DVec3, Vec3};
 
 const SIZE: (u32, u32) = (101, 77);
 const LAVAPIPE_BINDING: u64 = 128 << 20;
-const HAS_ALL: Abilities =
-    Abilities { f64: true, atomics64: true, lanes: true, timestamps: true, clip_distances: true };
-const HAS_NONE: Abilities =
-    Abilities { f64: false, atomics64: false, lanes: false, timestamps: false, clip_distances: false };
+const HAS_ALL: AdapterFeatures =
+    AdapterFeatures { f64: true, atomics64: true, lanes: true, timestamps: true, clip_distances: true };
+const HAS_NONE: AdapterFeatures =
+    AdapterFeatures { f64: false, atomics64: false, lanes: false, timestamps: false, clip_distances: false };
 
 fn wanted(channels: &[Channel]) -> Wanted {
     Wanted::of(channels.to_vec())
 }
 
-fn of(triangles: usize) -> Contents {
-    Contents { triangles, ..Contents::default() }
+fn of(triangles: usize) -> SceneContents {
+    SceneContents { triangles, ..SceneContents::default() }
 }
 
 /// The plan of frames without options.
 fn new_plan(
     camera: &Camera,
-    contents: Contents,
-    around: Surroundings,
+    contents: SceneContents,
+    extent: SceneExtent,
     wanted: &Wanted,
-    has: Abilities,
+    has: AdapterFeatures,
     limit: u64,
 ) -> Plan {
     let variant = variant(camera, contents, wanted, has, &RunOptions::default());
-    Plan::new(variant, camera, contents, around, wanted, has, limit)
+    Plan::new(variant, camera, contents, extent, wanted, has, limit)
 }
 
 fn plan(camera: &Camera, binding_limit: u64) -> Plan {
-    new_plan(camera, of(1000), Surroundings::point(DVec3::ZERO), &wanted(&Channel::ALL), HAS_ALL, binding_limit)
+    new_plan(camera, of(1000), SceneExtent::point(DVec3::ZERO), &wanted(&Channel::ALL), HAS_ALL, binding_limit)
 }
 
 /// A GLC of random near and far points.
@@ -75,11 +75,11 @@ fn cameras() -> Vec<(String, Camera)> {
     list.extend((0..20).map(|k| (format!("glc {k}"), random_glc(&mut rng))));
     for (columns, rows) in [(1, 1), (3, 2), (16, 16), (40, 30)] {
         for bits in 0..8 {
-            let look = MeshLook { normalize: bits & 1 != 0, weights: bits & 2 != 0, torn: bits & 4 != 0 };
-            list.push((format!("{columns} x {rows} {look:?}"), mesh_camera(bits, columns, rows, look)));
+            let shape = MeshShape { normalize: bits & 1 != 0, weights: bits & 2 != 0, discontinuous: bits & 4 != 0 };
+            list.push((format!("{columns} x {rows} {shape:?}"), mesh_camera(bits, columns, rows, shape)));
         }
     }
-    let mut holes = mesh_spec(9, 12, 9, MeshLook::default());
+    let mut holes = mesh_spec(9, 12, 9, MeshShape::default());
     holes.triangles.retain(|t| (t[0] + t[2]) % 5 != 0);
     list.push(("holes".into(), CameraKind::from(holes)));
     let mut list: Vec<(String, Camera)> =
@@ -126,8 +126,8 @@ fn cells_cut_the_image_as_the_camera_does() {
 fn a_piece_row_gives_the_rays_of_its_pixels() {
     for (name, camera) in cameras() {
         let Rays::Pieces(_) = &camera.layers[0] else { continue };
-        let around = Surroundings::of(&camera, None);
-        let plan = new_plan(&camera, of(1), around, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
+        let extent = SceneExtent::of(&camera, None);
+        let plan = new_plan(&camera, of(1), extent, &wanted(&Channel::ALL), HAS_ALL, 1 << 16);
         for band in &plan.bands {
             for (i, j) in (0..band.rows).step_by(5).flat_map(|y| (0..SIZE.0).step_by(7).map(move |x| (x, band.row + y)))
             {
@@ -257,10 +257,13 @@ fn slab_ray(camera: &Camera, slabs: Slabs, slab: u32, i: u32, j: u32) -> Option<
 
 /// Chains and curved cameras.
 fn layered_cameras() -> Vec<(String, Camera)> {
-    let chain = |layers, look| layered::chain(8, layers, (5, 4), look, SIZE);
+    let chain = |layers, shape| layered::chain(8, layers, (5, 4), shape, SIZE);
     vec![
-        ("chain".into(), chain(3, MeshLook::default())),
-        ("torn chain".into(), chain(2, MeshLook { torn: true, weights: true, ..MeshLook::default() })),
+        ("chain".into(), chain(3, MeshShape::default())),
+        (
+            "discontinuous chain".into(),
+            chain(2, MeshShape { discontinuous: true, weights: true, ..MeshShape::default() }),
+        ),
         ("parabolas".into(), layered::wavy(2, 0.5, true, SIZE)),
         ("cubics".into(), layered::wavy(3, 1.5, false, SIZE)),
         ("straight, then curved".into(), layered::straight_then_curved(SIZE)),
@@ -270,9 +273,9 @@ fn layered_cameras() -> Vec<(String, Camera)> {
 #[test]
 fn nodes_bound_every_ray_of_their_squares() {
     for (name, camera) in cameras().into_iter().chain(layered_cameras()) {
-        for around in [Surroundings::of(&camera, None), Surroundings::point(DVec3::new(3.0, -200.0, 0.1))] {
+        for extent in [SceneExtent::of(&camera, None), SceneExtent::point(DVec3::new(3.0, -200.0, 0.1))] {
             for limit in [LAVAPIPE_BINDING, 1 << 17] {
-                let plan = new_plan(&camera, of(1), around, &wanted(&Channel::ALL), HAS_ALL, limit);
+                let plan = new_plan(&camera, of(1), extent, &wanted(&Channel::ALL), HAS_ALL, limit);
                 plan.bands.iter().for_each(|b| assert_bounded(&name, &camera, plan.anchor, plan.slabs, b));
             }
         }
@@ -305,7 +308,7 @@ fn the_key_has_room_for_every_id() {
         let plan = new_plan(
             &camera,
             of(triangles),
-            Surroundings::point(DVec3::ZERO),
+            SceneExtent::point(DVec3::ZERO),
             &wanted(&Channel::ALL),
             HAS_ALL,
             LAVAPIPE_BINDING,
@@ -321,7 +324,7 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
     let camera = camera(kind, (16, 16), FORWARD);
     let planes = |channels: &[Channel], srgb8: bool| {
         let wanted = Wanted { srgb8, ..wanted(channels) };
-        new_plan(&camera, of(9), Surroundings::point(DVec3::ZERO), &wanted, HAS_ALL, LAVAPIPE_BINDING).planes
+        new_plan(&camera, of(9), SceneExtent::point(DVec3::ZERO), &wanted, HAS_ALL, LAVAPIPE_BINDING).planes
     };
     use Channel::{B, G, R, T, Z};
     assert_eq!(planes(&[T, Z, T], false), [Z, T]);
@@ -332,8 +335,8 @@ fn planes_are_what_is_wanted_and_colour_where_a_picture_is() {
 
 #[test]
 fn what_is_left_out_is_said() {
-    let whats = |camera: &Camera, normals: bool, wanted: &Wanted, has: Abilities, limit: u64| {
-        let all = Contents {
+    let whats = |camera: &Camera, normals: bool, wanted: &Wanted, has: AdapterFeatures, limit: u64| {
+        let all = SceneContents {
             has_normals: true,
             has_uvs: true,
             has_images: true,
@@ -346,7 +349,7 @@ fn what_is_left_out_is_said() {
             ..of(9)
         };
         let contents = if normals { all } else { of(9) };
-        let plan = new_plan(camera, contents, Surroundings::point(DVec3::ZERO), wanted, has, limit);
+        let plan = new_plan(camera, contents, SceneExtent::point(DVec3::ZERO), wanted, has, limit);
         plan.left_out.into_iter().map(|l| l.what).collect::<Vec<_>>()
     };
     let (_, kind) = glc_of_each_class().swap_remove(3);
@@ -399,11 +402,12 @@ fn what_is_left_out_is_said() {
     let field = whats(&raymap(SIZE.0, SIZE.1, FORWARD), true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert!(field.contains(&"edge conics".into()) && !field.contains(&"per-pixel ray table".into()));
     assert!(!field.contains(&"ray residuals".into()));
-    let torn = camera(mesh_camera(1, 16, 16, MeshLook { torn: true, ..MeshLook::default() }), SIZE, FORWARD);
-    assert!(!whats(&torn, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"cells apart in cull".into()));
-    let pieces = camera(mesh_camera(1, 4, 4, MeshLook::default()), SIZE, FORWARD);
+    let discontinuous =
+        camera(mesh_camera(1, 16, 16, MeshShape { discontinuous: true, ..MeshShape::default() }), SIZE, FORWARD);
+    assert!(!whats(&discontinuous, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"cells apart in cull".into()));
+    let pieces = camera(mesh_camera(1, 4, 4, MeshShape::default()), SIZE, FORWARD);
     assert!(!whats(&pieces, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"ray residuals".into()));
-    let chain = whats(&layered::chain(1, 2, (2, 2), MeshLook::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
+    let chain = whats(&layered::chain(1, 2, (2, 2), MeshShape::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert!(!chain.contains(&"slabs".into()) && chain.contains(&"curves".into()));
     let curves = whats(&layered::wavy(2, 0.5, false, SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);
     assert!(!curves.contains(&"slabs".into()) && !curves.contains(&"curves".into()));
@@ -416,10 +420,10 @@ fn the_anchor_is_near_the_rays_and_in_the_scene() {
     for _ in 0..50 {
         let camera = camera(random_glc(&mut rng), SIZE, FORWARD);
         let start = camera.ray(SIZE.0 / 2, SIZE.1 / 2).unwrap().origin;
-        assert_eq!(Surroundings::of(&camera, None).anchor, start);
+        assert_eq!(SceneExtent::of(&camera, None).anchor, start);
         let (a, b) = (rng.vector(), rng.vector());
         let (lo, hi) = (a.min(b), a.max(b));
-        let anchor = Surroundings::of(&camera, Some((lo, hi))).anchor;
+        let anchor = SceneExtent::of(&camera, Some((lo, hi))).anchor;
         assert!(anchor.cmpge(lo).all() && anchor.cmple(hi).all());
         let clamp_moves = |k: usize| start[k] < lo[k] || start[k] > hi[k];
         assert!((0..3).all(|k| clamp_moves(k) || anchor[k] == start[k]));

@@ -9,13 +9,13 @@ use anamorph::internals::engine::bounces::bounces;
 use anamorph::internals::engine::buffer_table::{Bytes, Lasts, Row, table};
 use anamorph::internals::engine::changes::Dirty;
 use anamorph::internals::engine::plan::variant::variant;
-use anamorph::internals::engine::plan::{Contents, Plan, Surroundings, Wanted};
-use anamorph::internals::engine::stage::{Dispatch, KernelId, Number, Over};
-use anamorph::internals::engine::steps::{At, Shape, Step, passes, steps};
-use anamorph::internals::gpu::device::Abilities;
+use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
+use anamorph::internals::engine::stage::{Dispatch, KernelId, Number, Threads};
+use anamorph::internals::engine::steps::{FrameInputs, Step, StepScope, passes, steps};
+use anamorph::internals::gpu::device::AdapterFeatures;
 use anamorph::internals::gpu::kernels::{Access, Kernel, Variant};
 use anamorph::internals::image::frame::Channel;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::{FORWARD, camera, layered};
 use glam::DVec3;
@@ -43,25 +43,26 @@ ior = 1.5
 fresnel = true
 depth = 2"#;
 
-const HAS: Abilities = Abilities { f64: true, atomics64: true, lanes: true, timestamps: true, clip_distances: true };
+const HAS: AdapterFeatures =
+    AdapterFeatures { f64: true, atomics64: true, lanes: true, timestamps: true, clip_distances: true };
 
 /// What frames are made of: a camera, an adapter, contents, and what is wanted of them.
 struct Case {
     name: String,
     camera: Camera,
-    has: Abilities,
-    contents: Contents,
+    has: AdapterFeatures,
+    contents: SceneContents,
     wanted: Wanted,
 }
 
 fn cases() -> Vec<Case> {
     let pinhole = camera(glc_of_each_class().swap_remove(3).1, SIZE, FORWARD);
-    let pieces = camera(mesh_camera(1, 4, 3, MeshLook::default()), SIZE, FORWARD);
+    let pieces = camera(mesh_camera(1, 4, 3, MeshShape::default()), SIZE, FORWARD);
     let optics = |keys: &str| camera_of("", SIZE, keys).unwrap();
     let cameras = [
         ("one piece", pinhole),
         ("pieces", pieces),
-        ("chain", layered::chain(3, 2, (4, 3), MeshLook::default(), SIZE)),
+        ("chain", layered::chain(3, 2, (4, 3), MeshShape::default(), SIZE)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
         ("curves", layered::wavy(2, 0.5, false, SIZE)),
         ("mirror", optics(MIRROR)),
@@ -72,17 +73,17 @@ fn cases() -> Vec<Case> {
     ];
     let adapters = [
         ("all", HAS),
-        ("no lanes", Abilities { lanes: false, ..HAS }),
-        ("no 64 bits", Abilities { lanes: false, f64: false, atomics64: false, ..HAS }),
+        ("no lanes", AdapterFeatures { lanes: false, ..HAS }),
+        ("no 64 bits", AdapterFeatures { lanes: false, f64: false, atomics64: false, ..HAS }),
     ];
-    let plain = Contents { triangles: 100, ..Contents::default() };
-    let rich = Contents {
+    let plain = SceneContents { triangles: 100, ..SceneContents::default() };
+    let rich = SceneContents {
         has_normals: true,
         has_uvs: true,
         has_images: true,
         has_gloss: true,
         has_sky: true,
-        has_places: true,
+        has_positional_lights: true,
         has_shadows: true,
         has_style: true,
         has_outlines: true,
@@ -98,7 +99,7 @@ fn cases() -> Vec<Case> {
         let shown: Vec<Channel> = Channel::every().filter(|c| *c != Channel::Certified).collect();
         add("plain", plain, Wanted::of(vec![Channel::TriangleId]));
         add("rich", rich, Wanted { channels: shown.clone(), ..all.clone() });
-        add("holes", Contents { has_holes: true, ..rich }, Wanted { channels: shown, ..all.clone() });
+        add("holes", SceneContents { has_holes: true, ..rich }, Wanted { channels: shown, ..all.clone() });
         if camera.optics.is_none() {
             add("certified", plain, all.clone());
         }
@@ -111,16 +112,16 @@ fn cases() -> Vec<Case> {
 }
 
 /// Runs a check on the frames of every case: lists cut in several ways, with and without caustics.
-fn each_shape(mut check: impl FnMut(&str, &Shape)) {
+fn each_input(mut check: impl FnMut(&str, &FrameInputs)) {
     for Case { name, camera, has, contents, wanted } in cases() {
         let variant = variant(&camera, contents, &wanted, has, &RunOptions::default());
-        let around = Surroundings::point(DVec3::ZERO);
-        let plan = Plan::new(variant, &camera, contents, around, &wanted, has, 1 << 16);
+        let extent = SceneExtent::point(DVec3::ZERO);
+        let plan = Plan::new(variant, &camera, contents, extent, &wanted, has, 1 << 16);
         let bounces = bounces(camera.optics.as_deref());
         // one list; batches of one chunk of triangles; chunks, of which one is empty
         for (jobs, batches) in [(vec![5], 1), (vec![5, 4], 2), (vec![5, 3, 0], 1)] {
             for samples_by_tile in [false, variant.samples_by_tile()] {
-                let shape = Shape {
+                let inputs = FrameInputs {
                     plan: &plan,
                     bounces: &bounces,
                     jobs: jobs.clone(),
@@ -132,7 +133,7 @@ fn each_shape(mut check: impl FnMut(&str, &Shape)) {
                     keeps: true,
                     reads: true,
                 };
-                check(&format!("{name}, jobs {jobs:?}"), &shape);
+                check(&format!("{name}, jobs {jobs:?}"), &inputs);
             }
         }
     }
@@ -182,7 +183,7 @@ impl Known {
     /// What a dispatch does to each buffer, with what lays it out before.
     fn of_dispatch(&mut self, d: &Dispatch, variant: Variant, planes: &[Channel]) -> Vec<(KernelId, String, Use)> {
         let mut all = Vec::new();
-        if matches!(d.over, Over::Counted(_)) {
+        if matches!(d.threads, Threads::Counted(_)) {
             let own = self.uses(KernelId::Args, variant, planes).clone();
             all.extend(own.into_iter().map(|(name, does)| (KernelId::Args, name, does)));
             all.push((d.kernel, "indirect".into(), Use { reads: true, writes: false }));
@@ -205,10 +206,10 @@ const OF_BOUNCES: [&str; 5] = ["rays_hi", "rays_lo", "paths", "nodes", "cells"];
 
 /// What a frame has written so far.
 struct Written<'a> {
-    shape: &'a Shape<'a>,
+    inputs: &'a FrameInputs<'a>,
     rows: &'a [Row],
     /// Where each buffer was written last.
-    at: HashMap<String, At>,
+    at: HashMap<String, StepScope>,
     /// Of each number of bounces what was written for its rays.
     bounced: BTreeSet<(u32, String)>,
 }
@@ -218,13 +219,13 @@ impl Written<'_> {
         self.rows.iter().find(|r| r.name == name).map(|r| r.lasts)
     }
 
-    fn holds(&self, name: &str, at: At) -> bool {
-        let count = self.shape.bounces[at.bounce].count;
+    fn holds(&self, name: &str, at: StepScope) -> bool {
+        let count = self.inputs.bounces[at.bounce].count;
         if count > 0 && OF_BOUNCES.contains(&name) {
             return self.bounced.contains(&(count, name.into()));
         }
         // where rays are split each count has its own
-        if self.shape.bounces.len() > 1 && name == "visibility" {
+        if self.inputs.bounces.len() > 1 && name == "visibility" {
             return self.bounced.contains(&(count, name.into()));
         }
         let Some(then) = self.at.get(name) else { return self.lasts(name) == Some(Lasts::Upload) };
@@ -237,10 +238,10 @@ impl Written<'_> {
         }
     }
 
-    fn write(&mut self, name: &str, at: At) {
+    fn write(&mut self, name: &str, at: StepScope) {
         let bounce = at.into.unwrap_or(at.bounce);
         let read_as = BOUNCED.iter().find(|b| b.0 == name).map_or(name, |b| b.1);
-        self.bounced.insert((self.shape.bounces[bounce].count, read_as.into()));
+        self.bounced.insert((self.inputs.bounces[bounce].count, read_as.into()));
         self.at.insert(name.into(), at);
     }
 }
@@ -258,22 +259,28 @@ const IDLE: [(KernelId, u32, &str); 6] = [
 
 /// What is wrong with the steps of a frame: buffers that are not in the table, or are read before anything is there. Adds what
 /// each kernel does.
-fn faults(shape: &Shape, steps: &[Step], rows: &[Row], known: &mut Known, done: &mut BTreeSet<Done>) -> Vec<String> {
-    let mut written = Written { shape, rows, at: HashMap::new(), bounced: BTreeSet::new() };
+fn faults(
+    inputs: &FrameInputs,
+    steps: &[Step],
+    rows: &[Row],
+    known: &mut Known,
+    done: &mut BTreeSet<Done>,
+) -> Vec<String> {
+    let mut written = Written { inputs, rows, at: HashMap::new(), bounced: BTreeSet::new() };
     let mut faults = Vec::new();
     for step in steps {
         match step {
             Step::Clear { buffer, at, .. } => written.write(buffer, *at),
             Step::Pass { at, dispatches, .. } => {
                 for dispatch in dispatches {
-                    let uses = known.of_dispatch(dispatch, shape.variant(at.bounce), &shape.plan.planes);
+                    let uses = known.of_dispatch(dispatch, inputs.variant(at.bounce), &inputs.plan.planes);
                     for (kernel, buffer, does) in &uses {
                         if written.lasts(buffer).is_none() {
                             faults.push(format!("{kernel:?} binds {buffer}, which is not in the table"));
                         }
                         let is_idle = IDLE
                             .iter()
-                            .any(|i| (i.0, Number::Nth(i.1), i.2) == (*kernel, dispatch.step, buffer.as_str()));
+                            .any(|i| (i.0, Number::Index(i.1), i.2) == (*kernel, dispatch.step, buffer.as_str()));
                         if does.reads && !is_idle && *buffer != "indirect" && !written.holds(buffer, *at) {
                             faults.push(format!("{kernel:?} reads {buffer} before it is written, {at:?}"));
                         }
@@ -286,8 +293,8 @@ fn faults(shape: &Shape, steps: &[Step], rows: &[Row], known: &mut Known, done: 
                 }
             }
             Step::Keep { band } | Step::Read { band } => {
-                let at = At { band: *band, bounce: 0, job: 0, into: None };
-                let srgb8 = shape.plan.srgb8.then_some("srgb8");
+                let at = StepScope { band: *band, bounce: 0, job: 0, into: None };
+                let srgb8 = inputs.plan.srgb8.then_some("srgb8");
                 for buffer in ["planes"].into_iter().chain(srgb8).filter(|b| !written.holds(b, at)) {
                     faults.push(format!("the host reads {buffer} before it is written, {at:?}"));
                 }
@@ -305,9 +312,9 @@ type Done = (String, KernelId, bool);
 fn every_buffer_is_in_the_table_and_written_before_it_is_read() {
     let (rows, mut known, mut done) = (table(), Known::default(), BTreeSet::new());
     let mut all = Vec::new();
-    each_shape(|name, shape| {
-        let steps = steps(shape, Dirty::All);
-        let found = faults(shape, &steps, &rows, &mut known, &mut done);
+    each_input(|name, inputs| {
+        let steps = steps(inputs, Dirty::All);
+        let found = faults(inputs, &steps, &rows, &mut known, &mut done);
         all.extend(found.into_iter().map(|fault| format!("{name}: {fault}")));
     });
     assert!(all.is_empty(), "{all:#?}");
@@ -360,12 +367,12 @@ fn a_step_that_is_missing_is_seen() {
     ];
     let (rows, mut known) = (table(), Known::default());
     let mut tried = [0; 13];
-    each_shape(|name, shape| {
-        let all = steps(shape, Dirty::All);
+    each_input(|name, inputs| {
+        let all = steps(inputs, Dirty::All);
         for ((what, is_removed), tried) in less.iter().zip(&mut tried) {
             let rest: Vec<Step> = all.iter().filter(|s| !is_removed(s)).cloned().collect();
             if rest.len() < all.len() {
-                let faults = faults(shape, &rest, &rows, &mut known, &mut BTreeSet::new());
+                let faults = faults(inputs, &rest, &rows, &mut known, &mut BTreeSet::new());
                 assert!(!faults.is_empty(), "{name}: nothing misses {what}");
                 *tried += 1;
             }
@@ -377,11 +384,11 @@ fn a_step_that_is_missing_is_seen() {
 #[test]
 fn rows_are_as_large_as_the_kernels_take_them() {
     let rows = table();
-    each_shape(|name, shape| {
-        for step in steps(shape, Dirty::All) {
+    each_input(|name, inputs| {
+        for step in steps(inputs, Dirty::All) {
             let Step::Pass { at, dispatches, .. } = step else { continue };
             for dispatch in dispatches {
-                let kernel = dispatch.kernel.kernel(shape.variant(at.bounce), &shape.plan.planes).unwrap();
+                let kernel = dispatch.kernel.kernel(inputs.variant(at.bounce), &inputs.plan.planes).unwrap();
                 for binding in &kernel.bindings {
                     let buffer = dispatch.renamed.iter().find(|r| r.0 == binding.name).map_or(binding.name, |r| r.1);
                     let Some(Row { bytes: Bytes::Rows(bytes), .. }) = rows.iter().find(|r| r.name == buffer) else {
@@ -404,8 +411,8 @@ fn rows_are_as_large_as_the_kernels_take_them() {
 
 #[test]
 fn what_follows_from_light_alone_leaves_out_what_finds_triangles() {
-    each_shape(|name, shape| {
-        let [all, lit] = [Dirty::All, Dirty::Appearance].map(|dirty| steps(shape, dirty));
+    each_input(|name, inputs| {
+        let [all, lit] = [Dirty::All, Dirty::Appearance].map(|dirty| steps(inputs, dirty));
         let names = |steps: &[Step]| -> BTreeSet<&str> {
             steps.iter().filter_map(|s| if let Step::Pass { name, .. } = s { Some(*name) } else { None }).collect()
         };
@@ -421,11 +428,11 @@ fn what_follows_from_light_alone_leaves_out_what_finds_triangles() {
 fn numbers_of_dispatches_have_a_buffer_each() {
     let names: BTreeSet<&str> = Number::every().map(Number::name).collect();
     assert_eq!(names.len(), Number::every().count());
-    each_shape(|name, shape| {
-        for step in steps(shape, Dirty::All) {
+    each_input(|name, inputs| {
+        for step in steps(inputs, Dirty::All) {
             let Step::Pass { dispatches, .. } = step else { continue };
             let numbers = dispatches.iter().flat_map(|d| {
-                let counted = if let Over::Counted(number) = d.over { Some(number) } else { None };
+                let counted = if let Threads::Counted(number) = d.threads { Some(number) } else { None };
                 [Some(d.step), counted].into_iter().flatten()
             });
             assert!(numbers.into_iter().all(|n| Number::every().any(|known| known == n)), "{name}");

@@ -13,7 +13,7 @@ use anamorph::internals::image::frame::Channel;
 use anamorph::internals::image::{read_exr, rgb8};
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::camera_of;
 use common::gpu::{engine_on, wanted, words};
 use common::rng::Rng;
@@ -36,7 +36,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     let named = |keys: &str| camera_of("", SIZE, keys).unwrap();
     vec![
         (name, camera(kind, SIZE, FORWARD)),
-        ("mesh", camera(mesh_camera(1, 16, 16, MeshLook::default()), SIZE, FORWARD)),
+        ("mesh", camera(mesh_camera(1, 16, 16, MeshShape::default()), SIZE, FORWARD)),
         ("ray map", raymap(SIZE.0, SIZE.1, FORWARD)),
         ("panorama", named(panorama)),
         ("twist", named(twist)),
@@ -106,7 +106,7 @@ fn shows() -> Vec<(Scene, Arc<Camera>)> {
 }
 
 #[test]
-fn frames_on_their_way_at_once_are_those_of_fresh_engines() {
+fn frames_in_flight_together_are_those_of_fresh_engines() {
     let Some(mut engine) = engine_on(|_| ()) else { return };
     let Some(mut fresh) = engine_on(|_| ()) else { return };
     let (wanted, run) = (wanted(), RunOptions::default());
@@ -123,7 +123,7 @@ fn frames_on_their_way_at_once_are_those_of_fresh_engines() {
         let shows = shows();
         let first = plan(&engine, &shows[0]);
         let mut sequence = Sequence::default();
-        sequence.place(&mut engine, &first, &run).unwrap();
+        sequence.upload(&mut engine, &first, &run).unwrap();
         let mut in_flight = sequence.start(first).unwrap();
         let mut seen = Vec::new();
         for show in &shows[1..] {
@@ -151,7 +151,7 @@ fn what_is_of_another_kind_is_to_be_placed_anew() {
     let planner = engine.planner();
     let planned = |camera: &Camera, wanted: &Wanted| planner.plan(&scene, camera, wanted, &run, None).unwrap();
     let mut sequence = Sequence::default();
-    sequence.place(&mut engine, &planned(&all[0].1, &wanted), &run).unwrap();
+    sequence.upload(&mut engine, &planned(&all[0].1, &wanted), &run).unwrap();
     assert!(!sequence.show(&planned(&all[2].1, &wanted)).unwrap());
     assert!(!sequence.show(&planned(&all[0].1, &Wanted::of(vec![Channel::T]))).unwrap());
     let in_flight = sequence.start(planned(&all[0].1, &wanted)).unwrap();

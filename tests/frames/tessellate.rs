@@ -34,9 +34,9 @@ impl RayMap for Cylinder {
     fn ray(&self, a: f64, b: f64) -> Option<Ray> {
         let (sin, cos) = (200.0 * (a - 0.5)).to_radians().sin_cos();
         let out = DVec3::new(sin, 0.0, cos);
-        // turned a little aside, so that the rays meet nowhere
-        let aside = DVec3::new(cos, 0.0, -sin);
-        Some(Ray { origin: 0.5 * out, direction: out + 0.3 * aside + 1.2 * (0.5 - b) * DVec3::Y })
+        // tilted a little, so that the rays meet nowhere
+        let sideways = DVec3::new(cos, 0.0, -sin);
+        Some(Ray { origin: 0.5 * out, direction: out + 0.3 * sideways + 1.2 * (0.5 - b) * DVec3::Y })
     }
 }
 

@@ -12,7 +12,7 @@ use anamorph::internals::geometry::mesh::Mesh;
 use anamorph::internals::image::frame::{Channel, Frame, NO_ID};
 use anamorph::internals::reference::image::image;
 use anamorph::internals::scene::Scene;
-use common::cameras::{MeshLook, glc_of_each_class, mesh_camera, raymap};
+use common::cameras::{MeshShape, glc_of_each_class, mesh_camera, raymap};
 use common::file::{camera_of, scene_of};
 use common::gpu::{Without, engine, ids};
 use common::rng::Rng;
@@ -106,8 +106,8 @@ fn cameras() -> Vec<(String, Camera, Depth)> {
     for (name, kind) in glc_of_each_class() {
         list.push((format!("{name} glc"), camera(kind, SIZE, FORWARD), Depth::Even));
     }
-    let weighted = MeshLook { weights: true, ..MeshLook::default() };
-    list.push(("mesh".into(), camera(mesh_camera(1, 3, 2, MeshLook::default()), SIZE, FORWARD), Depth::Even));
+    let weighted = MeshShape { weights: true, ..MeshShape::default() };
+    list.push(("mesh".into(), camera(mesh_camera(1, 3, 2, MeshShape::default()), SIZE, FORWARD), Depth::Even));
     list.push(("weighted mesh".into(), camera(mesh_camera(2, 3, 2, weighted), SIZE, FORWARD), Depth::Even));
     list.push(("ray map".into(), raymap(SIZE.0, SIZE.1, FORWARD), Depth::Even));
     list

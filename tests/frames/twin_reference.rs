@@ -13,7 +13,7 @@ use anamorph::internals::reference::image::judge;
 use anamorph::internals::scene::Scene;
 use anamorph::internals::scene::light::Light;
 use anamorph::internals::twin::render;
-use common::cameras::{self, MeshLook};
+use common::cameras::{self, MeshShape};
 use common::rng::Rng;
 use common::{ALL_T, FORWARD, camera, scene, soup};
 use glam::DVec3;
@@ -63,13 +63,13 @@ fn every_class_of_glc() {
 
 #[test]
 fn meshes_of_pieces() {
-    for (normalize, weights, torn) in
+    for (normalize, weights, discontinuous) in
         [(false, false, false), (false, true, false), (true, true, false), (true, true, true)]
     {
-        let look = MeshLook { normalize, weights, torn };
+        let shape = MeshShape { normalize, weights, discontinuous };
         let mut scene = scene(icosphere(2));
         scene.lights = vec![Light::distant(DVec3::new(-1.0, -2.0, -1.0))];
-        check(&format!("{look:?}"), &scene, &camera(cameras::mesh_camera(9, 5, 4, look), (60, 52), FORWARD), WHOLE);
+        check(&format!("{shape:?}"), &scene, &camera(cameras::mesh_camera(9, 5, 4, shape), (60, 52), FORWARD), WHOLE);
     }
 }
 

@@ -12,11 +12,11 @@ use anamorph::internals::gpu::layout::{COUNTERS, Counter};
 use anamorph::internals::twin::bin::{Binned, Pair, beside, bin, covered};
 use anamorph::internals::twin::cull::{Address, Bound, cull, node_meets};
 use anamorph::internals::twin::rays::owned;
-use anamorph::internals::twin::{Input, LARGE, Real};
+use anamorph::internals::twin::{KernelInputs, LARGE, Real};
 use std::collections::{HashMap, HashSet};
 
 /// Pairs that the kernel may list, where raster goes pair by pair, for each that truly covers a pixel. Measured over the cases below:
-/// 1.02 for large triangles over many tiles, 1.2 to 3.4 for small ones, whole, torn or under a ray field, 1.4 to 6.4 in chains and
+/// 1.02 for large triangles over many tiles, 1.2 to 3.4 for small ones, whole, discontinuous or under a ray field, 1.4 to 6.4 in chains and
 /// through curves, so that a loose bound must do.
 const EXCESS_MAX: f64 = 7.0;
 /// Where curves swing by more than the scene is wide. Measured: 22.6.
@@ -27,12 +27,12 @@ struct Listed {
     demand: u32,
 }
 
-fn run_kernel(bench: &mut Bench, case: &Case, input: &Input, work: &[[u32; 2]]) -> Listed {
+fn run_kernel(bench: &mut Bench, case: &Case, input: &KernelInputs, work: &[[u32; 2]]) -> Listed {
     let by_pair = case.variant(Real::F32, false);
     run_variant(bench, by_pair, case, input, work)
 }
 
-fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &Input, work: &[[u32; 2]]) -> Listed {
+fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &KernelInputs, work: &[[u32; 2]]) -> Listed {
     let (gpu, stages) = bench.stages(variant, &[]);
     // of each cluster its triangle groups
     let mut input = *input;
@@ -100,7 +100,7 @@ fn run_variant(bench: &mut Bench, variant: Variant, case: &Case, input: &Input, 
 }
 
 /// Split leaves no triangle group out that a ray of its item's node meets, and leaves no other in.
-fn assert_tasks(case: &Case, input: &Input, work: &[[u32; 2]], tasks: &[[u32; 2]]) {
+fn assert_tasks(case: &Case, input: &KernelInputs, work: &[[u32; 2]], tasks: &[[u32; 2]]) {
     let listed: HashSet<[u32; 2]> = tasks.iter().copied().collect();
     assert_eq!(listed.len(), tasks.len(), "{}: a task twice", case.name);
     let mut allowed = HashSet::new();
@@ -138,7 +138,7 @@ fn assert_sorted(name: &str, pairs: &[[u32; 2]], busy: &[u32], [starts, ends]: &
     assert!(found.iter().all(|f| *f), "{name}: a pair in no run");
 }
 
-fn tiles_below(input: &Input, node: Address) -> HashSet<u32> {
+fn tiles_below(input: &KernelInputs, node: Address) -> HashSet<u32> {
     match (node.cell(), node.level) {
         (Some(cell), _) => HashSet::from([input.cells[cell as usize].tile]),
         (None, 0) => HashSet::from([node.y * input.params.tiles_x + node.x]),
@@ -147,10 +147,10 @@ fn tiles_below(input: &Input, node: Address) -> HashSet<u32> {
 }
 
 /// What is wrong with a list of pairs: a covered pixel outside every box, a pair twice, or one that cannot be.
-fn differences(input: &Input, work: &[[u32; 2]], kernel: &[[u32; 2]], required: &[Binned]) -> Vec<String> {
+fn differences(input: &KernelInputs, work: &[[u32; 2]], kernel: &[[u32; 2]], required: &[Binned]) -> Vec<String> {
     let mut wrong = Vec::new();
     let mut boxes: HashMap<(u32, u32), u64> = HashMap::new();
-    // how many items a pair may come from: of a torn tile one per cell
+    // how many items a pair may come from: of a discontinuous tile one per cell
     let mut below: HashMap<(u32, u32), usize> = HashMap::new();
     for &[cluster, node] in work {
         let row = &input.clusters[cluster as usize];

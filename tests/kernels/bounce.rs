@@ -7,7 +7,7 @@ use anamorph::internals::gpu::kernels::OpticsKind;
 use anamorph::internals::gpu::layout::{NONE, split2};
 use anamorph::internals::twin::bounce::{Bounced, bounce};
 use anamorph::internals::twin::raster::Visibility;
-use anamorph::internals::twin::{Input, Real};
+use anamorph::internals::twin::{KernelInputs, Real};
 
 /// Share of bounced rays that may be lost because rounding decides between two directions: total reflection, the
 /// rim of a quadric, grazing facets. Measured: none, but in f32 of rays along a wave 0.0009.
@@ -39,7 +39,7 @@ struct Left {
     paths: Vec<[u32; 8]>,
 }
 
-fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &Input, visibility: &Visibility) -> Left {
+fn run_kernel(bench: &mut Bench, case: &Case, real: Real, input: &KernelInputs, visibility: &Visibility) -> Left {
     let (gpu, stages) = bench.stages(variant(case, input, real, false), &[]);
     let (w, h) = (input.params.width as usize, input.params.height as usize);
     let numbers = 6 * (w + 1) * (h + 1);
@@ -71,7 +71,7 @@ struct Compared {
     bound: f64,
 }
 
-fn compare(input: &Input, left: &Left, twin: &[Option<Bounced>]) -> Compared {
+fn compare(input: &KernelInputs, left: &Left, twin: &[Option<Bounced>]) -> Compared {
     let (w, h) = (input.params.width as usize, input.params.height as usize);
     let mut seen = Compared::default();
     let (mut bounds, mut size) = (Vec::new(), 1.0_f64);
@@ -166,7 +166,7 @@ fn the_kernel_bounces_rays_as_its_twin_does() {
 }
 
 /// What the kernel would leave if it were the twin.
-fn left_by_twin(input: &Input, twin: &[Option<Bounced>]) -> Left {
+fn left_by_twin(input: &KernelInputs, twin: &[Option<Bounced>]) -> Left {
     let (w, h) = (input.params.width as usize, input.params.height as usize);
     let numbers = 6 * (w + 1) * (h + 1);
     let mut left = Left { hi: vec![POISON; numbers], lo: vec![POISON; numbers], paths: vec![NO_PATH; w * h] };

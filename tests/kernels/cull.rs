@@ -12,7 +12,7 @@ use anamorph::internals::gpu::layout::{COUNTERS, Counter, RAYS_AFFINE};
 use anamorph::internals::twin::cull::{
     Address, Bound, Culled, HAND_ON, HAND_ON_LEVEL, REFINEMENTS, cull, hands_on, may_hand_on, node_meets,
 };
-use anamorph::internals::twin::{Input, LARGE, Real, bin};
+use anamorph::internals::twin::{KernelInputs, LARGE, Real, bin};
 use std::collections::HashMap;
 
 /// What the kernel left: its work items and its counters.
@@ -21,7 +21,7 @@ struct Kept {
     counters: Vec<u32>,
 }
 
-fn run_kernel(bench: &mut Bench, case: &Case, input: &Input) -> Kept {
+fn run_kernel(bench: &mut Bench, case: &Case, input: &KernelInputs) -> Kept {
     let (gpu, stages) = bench.stages(case.variant(Real::F32, false), &[]);
     let mut buffers = upload(gpu, input);
     let (queue, work) = (input.params.queue_capacity as usize, input.params.work_capacity as usize);
@@ -52,19 +52,19 @@ fn run_kernel(bench: &mut Bench, case: &Case, input: &Input) -> Kept {
 }
 
 /// A node and those above it, lowest first.
-fn upwards(input: &Input, at: Address) -> Vec<Address> {
+fn upwards(input: &KernelInputs, at: Address) -> Vec<Address> {
     let inside = |at: &Address| at.cell().is_some() || at.level < input.params.levels;
     std::iter::successors(Some(at), |at| Some(input.parent(*at))).take_while(inside).collect()
 }
 
 /// The item of `at` or of a node above it.
-fn item_above(input: &Input, items: &HashMap<[u32; 2], usize>, cluster: u32, at: Address) -> Option<Address> {
+fn item_above(input: &KernelInputs, items: &HashMap<[u32; 2], usize>, cluster: u32, at: Address) -> Option<Address> {
     upwards(input, at).into_iter().find(|at| items.contains_key(&[cluster, at.pack()]))
 }
 
 /// What is wrong with a list of work items: items that must be there and are not, items twice or below others, items
 /// that no bound allows, nodes handed on undivided, or not, against the rule.
-fn differences(input: &Input, kernel: &[[u32; 2]], needed: &Culled) -> Vec<String> {
+fn differences(input: &KernelInputs, kernel: &[[u32; 2]], needed: &Culled) -> Vec<String> {
     let mut wrong = Vec::new();
     let levels = input.params.levels;
     let mut items: HashMap<[u32; 2], usize> = HashMap::new();
@@ -121,13 +121,13 @@ fn differences(input: &Input, kernel: &[[u32; 2]], needed: &Culled) -> Vec<Strin
 }
 
 /// The nodes of level 1.
-fn first_nodes(input: &Input) -> Vec<Address> {
+fn first_nodes(input: &KernelInputs) -> Vec<Address> {
     let p = &input.params;
     (0..p.level_height[1]).flat_map(|y| (0..p.level_width[1]).map(move |x| Address { level: 1, x, y })).collect()
 }
 
 /// The nodes below one, or itself, from which cull goes on no further.
-fn lowest(input: &Input, at: Address) -> Vec<Address> {
+fn lowest(input: &KernelInputs, at: Address) -> Vec<Address> {
     if !input.is_descended(at) {
         return vec![at];
     }
@@ -136,7 +136,7 @@ fn lowest(input: &Input, at: Address) -> Vec<Address> {
 
 /// Lowest nodes in which a triangle of a cluster truly covers a pixel, whatever the bounds say; at any t, so only for
 /// cameras that look both ways.
-fn truly_met(input: &Input) -> Vec<[u32; 2]> {
+fn truly_met(input: &KernelInputs) -> Vec<[u32; 2]> {
     let nodes = first_nodes(input).into_iter().flat_map(|node| lowest(input, node));
     let all: Vec<[u32; 2]> = nodes.flat_map(|n| (0..input.clusters.len() as u32).map(move |c| [c, n.pack()])).collect();
     let covers = |item: &[u32; 2]| bin::bin(input, &[*item], Real::F64).iter().any(|b| b.certain != 0);

@@ -3,9 +3,9 @@
 use crate::common::needs::adapter;
 use crate::common::rng::Rng;
 use anamorph::internals::engine::stage;
-use anamorph::internals::engine::stage::deposit::{Casts, Deposit};
+use anamorph::internals::engine::stage::deposit::{CausticTriangles, Deposit};
 use anamorph::internals::gpu::buffers::Buffers;
-use anamorph::internals::gpu::layout::{Cast, Receiver};
+use anamorph::internals::gpu::layout::{CausticTriangle, Receiver};
 use anamorph::internals::scene::caustics::shares::LINE_WIDTH;
 use anamorph::internals::twin::deposit::{corners, deposit};
 use glam::DVec2;
@@ -23,19 +23,19 @@ fn receivers() -> Vec<Receiver> {
     SIZES.into_iter().map(row).collect()
 }
 
-fn casts(rows: Vec<Cast>) -> Casts {
+fn caustic_triangles(rows: Vec<CausticTriangle>) -> CausticTriangles {
     let receivers = receivers();
     let texels = receivers.iter().map(|r| r.columns * r.rows).sum();
-    Casts { rows, receivers, texels, unit: 1.0 }
+    CausticTriangles { rows, receivers, texels, unit: 1.0 }
 }
 
-fn cast(receiver: u32, corners: [DVec2; 3], flux: [u32; 3]) -> Cast {
+fn triangle(receiver: u32, corners: [DVec2; 3], flux: [u32; 3]) -> CausticTriangle {
     let [a, b, c] = corners.map(|p| p.as_vec2().to_array());
-    Cast { a, b, c, receiver, pad0: 0, flux, pad1: 0 }
+    CausticTriangle { a, b, c, receiver, pad0: 0, flux, pad1: 0 }
 }
 
 /// Triangles of all sizes, lines, points, on borders of texels, across and beyond those of the map.
-fn any(rng: &mut Rng, count: usize) -> Vec<Cast> {
+fn any(rng: &mut Rng, count: usize) -> Vec<CausticTriangle> {
     let mut rows = Vec::new();
     while rows.len() < count {
         let receiver = rng.below(3);
@@ -56,23 +56,23 @@ fn any(rng: &mut Rng, count: usize) -> Vec<Cast> {
             _ => [a, b, c],
         };
         let flux = [MOST, rng.below(MOST as usize) as u32, rng.below(3) as u32];
-        let cast = cast(receiver as u32, corners, flux);
-        if !nearly_a_line(&cast) {
-            rows.push(cast);
+        let triangle = triangle(receiver as u32, corners, flux);
+        if !nearly_a_line(&triangle) {
+            rows.push(triangle);
         }
     }
     rows
 }
 
 /// Within rounding of the width below which a triangle is a line.
-fn nearly_a_line(cast: &Cast) -> bool {
-    let (width, _, size) = measures(cast);
+fn nearly_a_line(triangle: &CausticTriangle) -> bool {
+    let (width, _, size) = measures(triangle);
     (width - LINE_WIDTH).abs() < 1e-2 * LINE_WIDTH + 1e-5 * size
 }
 
 /// Width across the longest side, area, and size of the box about all corners with the map's border cut off.
-fn measures(cast: &Cast) -> (f64, f64, f64) {
-    let [a, b, c] = corners(cast);
+fn measures(triangle: &CausticTriangle) -> (f64, f64, f64) {
+    let [a, b, c] = corners(triangle);
     let area = (b - a).perp_dot(c - a).abs() / 2.0;
     let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
     let size = (a.max(b).max(c) - a.min(b).min(c)).max_element() + 1.0;
@@ -81,13 +81,13 @@ fn measures(cast: &Cast) -> (f64, f64, f64) {
 
 /// What the kernel's share of a texel may be off. Its numbers are right to some 2^-22 of the triangle's size: an edge in
 /// that many texels' heights, of an area; the place where a line crosses a border, against its steepness.
-fn share_error(cast: &Cast) -> f64 {
-    let (width, area, size) = measures(cast);
+fn share_error(triangle: &CausticTriangle) -> f64 {
+    let (width, area, size) = measures(triangle);
     let rounding = size / f64::from(1 << 22);
     if width > LINE_WIDTH {
         return 16.0 * rounding / area;
     }
-    let [a, b, c] = corners(cast);
+    let [a, b, c] = corners(triangle);
     let step = [(a, b), (b, c), (c, a)].map(|(p, q)| q - p);
     let longest = step.into_iter().max_by(|p, q| p.length().total_cmp(&q.length())).unwrap();
     let crossing = |d: f64| if d.abs() < 1e-12 { 0.0 } else { 8.0 * rounding / d.abs() };
@@ -95,18 +95,18 @@ fn share_error(cast: &Cast) -> f64 {
 }
 
 /// Sums a texel and colour, and how far the kernel's may be off; what missed comes behind all texels.
-fn known(casts: &Casts) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, u32) {
-    let mut sums = vec![[0.0; 3]; casts.texels as usize + 1];
-    let mut tolerance = vec![[0.0; 3]; casts.texels as usize + 1];
+fn known(caustic_triangles: &CausticTriangles) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, u32) {
+    let mut sums = vec![[0.0; 3]; caustic_triangles.texels as usize + 1];
+    let mut tolerance = vec![[0.0; 3]; caustic_triangles.texels as usize + 1];
     let mut lines = 0;
-    for row in &casts.rows {
-        let brought = deposit(row, &casts.receivers);
+    for row in &caustic_triangles.rows {
+        let brought = deposit(row, &caustic_triangles.receivers);
         lines += u32::from(brought.is_line);
-        let missed = (casts.texels as usize, brought.missed);
+        let missed = (caustic_triangles.texels as usize, brought.missed);
         let error = share_error(row);
         // the last to be served gets the rounding of all others; a texel beside them may get a sliver
         let all = error * (brought.list.len() as f64 + 1.0);
-        let receiver = casts.receivers[row.receiver as usize];
+        let receiver = caustic_triangles.receivers[row.receiver as usize];
         let beside = around(row, &receiver);
         for k in 0..3 {
             let flux = f64::from(row.flux[k]);
@@ -123,8 +123,8 @@ fn known(casts: &Casts) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, u32) {
 }
 
 /// Texels in the box about a triangle.
-fn around(cast: &Cast, receiver: &Receiver) -> Vec<usize> {
-    let [a, b, c] = corners(cast);
+fn around(triangle: &CausticTriangle, receiver: &Receiver) -> Vec<usize> {
+    let [a, b, c] = corners(triangle);
     let size = DVec2::new(receiver.columns.into(), receiver.rows.into());
     let lo = a.min(b).min(c).floor().clamp(DVec2::ZERO, size);
     let hi = (a.max(b).max(c).floor() + 1.0).clamp(DVec2::ZERO, size);
@@ -136,8 +136,8 @@ fn around(cast: &Cast, receiver: &Receiver) -> Vec<usize> {
 }
 
 /// Words that are not what the twin has.
-fn compare(words: &[u32], casts: &Casts) -> Vec<String> {
-    let (sums, tolerance, lines) = known(casts);
+fn compare(words: &[u32], caustic_triangles: &CausticTriangles) -> Vec<String> {
+    let (sums, tolerance, lines) = known(caustic_triangles);
     let mut wrong = Vec::new();
     for (texel, (sum, tolerance)) in sums.iter().zip(&tolerance).enumerate() {
         for k in 0..3 {
@@ -165,12 +165,12 @@ fn the_kernel_deposits_what_its_twin_does_and_loses_nothing() {
     let kernel = Deposit::new(&gpu);
     let mut rng = Rng(11);
     for count in [1, 20, 300, 5000] {
-        let casts = casts(any(&mut rng, count));
-        let words = kernel.run(&casts, &mut Buffers::default()).unwrap();
-        let wrong = compare(&words, &casts);
+        let caustic_triangles = caustic_triangles(any(&mut rng, count));
+        let words = kernel.run(&caustic_triangles, &mut Buffers::default()).unwrap();
+        let wrong = compare(&words, &caustic_triangles);
         assert!(wrong.is_empty(), "{count}: {} are wrong, the first: {}", wrong.len(), wrong[0]);
         for k in 0..3 {
-            let flux: u64 = casts.rows.iter().map(|c| u64::from(c.flux[k])).sum();
+            let flux: u64 = caustic_triangles.rows.iter().map(|c| u64::from(c.flux[k])).sum();
             assert_eq!(total(&words, k), flux, "every unit is somewhere");
         }
     }
@@ -182,13 +182,13 @@ fn sums_carry_into_their_high_words_and_do_not_depend_on_the_order() {
     let kernel = Deposit::new(&gpu);
     let mut rng = Rng(12);
     let mut rows = any(&mut rng, 2000);
-    rows.extend((0..3000).map(|_| cast(0, [DVec2::new(3.5, 2.5); 3], [MOST, MOST - 1, 7])));
-    let words = kernel.run(&casts(rows.clone()), &mut Buffers::default()).unwrap();
+    rows.extend((0..3000).map(|_| triangle(0, [DVec2::new(3.5, 2.5); 3], [MOST, MOST - 1, 7])));
+    let words = kernel.run(&caustic_triangles(rows.clone()), &mut Buffers::default()).unwrap();
     let texel = 6 * (2 * SIZES[0][0] as usize + 3);
     assert!(words[texel + 1] >= ((3000 * u64::from(MOST)) >> 32) as u32, "the high word of red");
     for _ in 0..3 {
         let order = rng.shuffled(rows.len());
-        let shuffled = casts(order.iter().map(|k| rows[*k]).collect());
+        let shuffled = caustic_triangles(order.iter().map(|k| rows[*k]).collect());
         assert!(kernel.run(&shuffled, &mut Buffers::default()).unwrap() == words, "another order, other bytes");
     }
 }
@@ -201,28 +201,28 @@ fn the_kernel_calls_lines_what_its_twin_does() {
 
 #[test]
 fn the_comparison_sees_planted_errors() {
-    let casts = casts(vec![
-        cast(0, [DVec2::new(1.2, 1.3), DVec2::new(4.8, 2.1), DVec2::new(2.5, 5.9)], [MOST, 1000, 0]),
-        cast(2, [DVec2::new(60.0, 3.0), DVec2::new(70.0, 3.5), DVec2::new(61.0, 9.0)], [MOST, MOST, MOST]),
-        cast(1, [DVec2::new(0.5, 0.5); 3], [5, 6, 7]),
+    let caustic_triangles = caustic_triangles(vec![
+        triangle(0, [DVec2::new(1.2, 1.3), DVec2::new(4.8, 2.1), DVec2::new(2.5, 5.9)], [MOST, 1000, 0]),
+        triangle(2, [DVec2::new(60.0, 3.0), DVec2::new(70.0, 3.5), DVec2::new(61.0, 9.0)], [MOST, MOST, MOST]),
+        triangle(1, [DVec2::new(0.5, 0.5); 3], [5, 6, 7]),
     ]);
-    let (sums, _, lines) = known(&casts);
+    let (sums, _, lines) = known(&caustic_triangles);
     let mut right: Vec<u32> = Vec::new();
     for sum in &sums {
         right.extend(sum.iter().flat_map(|s| [s.round() as u64 as u32, (s.round() as u64 >> 32) as u32]));
     }
     right.push(lines);
-    assert_eq!(compare(&right, &casts), [""; 0]);
+    assert_eq!(compare(&right, &caustic_triangles), [""; 0]);
     let lit = sums.iter().position(|s| s[0] > 1e8).unwrap();
     let plants: [(usize, u32); 4] = [
         (6 * lit, right[6 * lit] / 1000 * 999),
         (6 * lit + 1, 1),
-        (6 * casts.texels as usize, 0),
+        (6 * caustic_triangles.texels as usize, 0),
         (right.len() - 1, lines + 1),
     ];
     for (at, word) in plants {
         let mut words = right.clone();
         words[at] = word;
-        assert_eq!(compare(&words, &casts).len(), 1, "word {at}");
+        assert_eq!(compare(&words, &caustic_triangles).len(), 1, "word {at}");
     }
 }

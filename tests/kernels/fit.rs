@@ -1,16 +1,16 @@
-//! fit: the kernel's nodes must hold the rays that it read, be little wider than the host's, and be torn by its rule.
+//! fit: the kernel's nodes must hold the rays that it read, be little wider than the host's, and be discontinuous by its rule.
 
 use crate::bounced::{bounces, case, cases};
 use crate::nasty::{SIZE, nasty};
 use crate::stages::{Bench, Case, POISON, SPARE, assert_poisoned, read, run, upload};
 use anamorph::internals::engine::plan::curves::RayTable;
-use anamorph::internals::engine::plan::fit::{STRAY, STRAY_SIZE};
-use anamorph::internals::engine::plan::nodes::{Level, TORN_WIDTH};
+use anamorph::internals::engine::plan::fit::{LOOSE, LOOSE_SIZE};
+use anamorph::internals::engine::plan::nodes::{DISCONTINUOUS_WIDTH, Level};
 use anamorph::internals::engine::stage;
-use anamorph::internals::gpu::layout::{BRANCH, Cell, Node, RAYS_LOOSE, RAYS_NONE, RAYS_TORN};
+use anamorph::internals::gpu::layout::{BRANCH, Cell, Node, RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE};
 use anamorph::internals::twin::cull::Address;
 use anamorph::internals::twin::fit::{fit, rays_below, reach};
-use anamorph::internals::twin::{Input, Real};
+use anamorph::internals::twin::{KernelInputs, Real};
 use glam::DVec3;
 
 /// What kernels that read a node may lose of it, relative to its sizes: four roundings of 2^-24, for which the host's
@@ -28,7 +28,7 @@ struct Left {
     masks: Vec<u64>,
 }
 
-fn run_kernel(bench: &mut Bench, case: &Case, input: &Input, levels: &[Level]) -> Left {
+fn run_kernel(bench: &mut Bench, case: &Case, input: &KernelInputs, levels: &[Level]) -> Left {
     let (gpu, stages) = bench.stages(case.variant(Real::F32, false).after_bounce(), &[]);
     let mut buffers = upload(gpu, input);
     let count = levels.iter().map(|l| l.width * l.height).sum::<u32>() as usize;
@@ -81,13 +81,13 @@ fn addresses(levels: &[Level]) -> impl Iterator<Item = (usize, Address)> + '_ {
 #[derive(Debug, Default)]
 struct Compared {
     wrong: Vec<String>,
-    torn: usize,
+    discontinuous: usize,
     /// Least margin that a radius has beyond what it must hold, and largest excess over the host's, relative to its sizes.
     margin: f64,
     excess: f64,
 }
 
-fn compare(input: &Input, levels: &[Level], left: &Left) -> Compared {
+fn compare(input: &KernelInputs, levels: &[Level], left: &Left) -> Compared {
     let mut seen = Compared { margin: f64::INFINITY, ..Compared::default() };
     let host = fit(input);
     for (tile, (mask, cell)) in left.masks.iter().zip(&host.cells).enumerate() {
@@ -99,14 +99,16 @@ fn compare(input: &Input, levels: &[Level], left: &Left) -> Compared {
     for (index, at) in addresses(levels) {
         let (node, host) = (&left.nodes[index], &host.nodes.nodes[index]);
         let rays = rays_below(input, at);
-        if rays.is_empty() != (node.rays == RAYS_NONE) || ![RAYS_NONE, RAYS_LOOSE, RAYS_TORN].contains(&node.rays) {
+        if rays.is_empty() != (node.rays == RAYS_NONE)
+            || ![RAYS_NONE, RAYS_LOOSE, RAYS_DISCONTINUOUS].contains(&node.rays)
+        {
             seen.wrong.push(format!("{at:?}: {} rays are called {}", rays.len(), node.rays));
             continue;
         }
         if rays.is_empty() {
             continue;
         }
-        seen.torn += usize::from(node.rays == RAYS_TORN);
+        seen.discontinuous += usize::from(node.rays == RAYS_DISCONTINUOUS);
         let needed = reach(node, at, &rays);
         let sizes = [size([node.p, node.px, node.py]), size([node.d, node.dx, node.dy])];
         let radii = [node.r_p, node.r_d].map(f64::from);
@@ -127,29 +129,29 @@ fn compare(input: &Input, levels: &[Level], left: &Left) -> Compared {
     }
     // by the kernel's own numbers but for their rounding, by the host's but for what radii may differ
     for (nodes, margin) in [(&left.nodes, 1e-4), (&host.nodes.nodes, 0.1)] {
-        for ((index, at), rule) in addresses(levels).zip(torn(input, levels, nodes, margin)) {
-            let is = left.nodes[index].rays == RAYS_TORN;
-            if rule.is_some_and(|torn| torn != is) {
-                seen.wrong.push(format!("{at:?}: torn {is} against the rule, but for {margin}"));
+        for ((index, at), rule) in addresses(levels).zip(discontinuous(input, levels, nodes, margin)) {
+            let is = left.nodes[index].rays == RAYS_DISCONTINUOUS;
+            if rule.is_some_and(|discontinuous| discontinuous != is) {
+                seen.wrong.push(format!("{at:?}: discontinuous {is} against the rule, but for {margin}"));
             }
         }
     }
     seen
 }
 
-/// Which nodes are torn by the rule of plan/fit.rs and plan/nodes.rs, bottom up; nothing where a quantity is nearer to its
+/// Which nodes are discontinuous by the rule of plan/fit.rs and plan/nodes.rs, bottom up; nothing where a quantity is nearer to its
 /// limit than `margin` of it, or one below is.
-fn torn(input: &Input, levels: &[Level], nodes: &[Node], margin: f64) -> Vec<Option<bool>> {
-    let middle = input.optics.map_or(DVec3::ZERO, |o| DVec3::from(o.optic.middle.map(f64::from)));
+fn discontinuous(input: &KernelInputs, levels: &[Level], nodes: &[Node], margin: f64) -> Vec<Option<bool>> {
+    let centre = input.optics.map_or(DVec3::ZERO, |o| DVec3::from(o.optic.centre.map(f64::from)));
     let above = |a: f64, b: f64| if (a - b).abs() <= margin * a.abs().max(b.abs()) { None } else { Some(a > b) };
     let both = |a: Option<bool>, b: Option<bool>| match (a, b) {
         (Some(false), _) | (_, Some(false)) => Some(false),
         (Some(true), Some(true)) => Some(true),
         _ => None,
     };
-    let strays = |r: f32, c: [[f32; 3]; 3]| {
+    let is_loose = |r: f32, c: [[f32; 3]; 3]| {
         let slopes = length(c[1]) + length(c[2]);
-        both(above(f64::from(r), STRAY * slopes), above(f64::from(r), STRAY_SIZE * size(c)))
+        both(above(f64::from(r), LOOSE * slopes), above(f64::from(r), LOOSE_SIZE * size(c)))
     };
     let mut widths: Vec<Option<f64>> = vec![None; nodes.len()];
     let mut flags = vec![Some(false); nodes.len()];
@@ -159,7 +161,7 @@ fn torn(input: &Input, levels: &[Level], nodes: &[Node], margin: f64) -> Vec<Opt
             continue;
         }
         let p = DVec3::from(node.p.map(f64::from));
-        let t = ((middle - p).length() / length(node.d)).min(f64::from(input.params.t_max[0]));
+        let t = ((centre - p).length() / length(node.d)).min(f64::from(input.params.t_max[0]));
         let half = |x: [f32; 3], y: [f32; 3], r: f32| length(x) + length(y) + f64::from(r);
         let width = half(node.px, node.py, node.r_p) + t * half(node.dx, node.dy, node.r_d);
         widths[index] = Some(width);
@@ -175,12 +177,13 @@ fn torn(input: &Input, levels: &[Level], nodes: &[Node], margin: f64) -> Vec<Opt
             .collect();
         let sum: Option<f64> = with_rays.iter().map(|&k| widths[k]).sum();
         let mean = sum.map(|s| s / with_rays.len() as f64);
-        let loose = match (strays(node.r_p, [node.p, node.px, node.py]), strays(node.r_d, [node.d, node.dx, node.dy])) {
-            (Some(true), _) | (_, Some(true)) => Some(true),
-            (Some(false), Some(false)) => Some(false),
-            _ => None,
-        };
-        flags[index] = both(loose, mean.and_then(|mean| above(TORN_WIDTH * width, mean)));
+        let loose =
+            match (is_loose(node.r_p, [node.p, node.px, node.py]), is_loose(node.r_d, [node.d, node.dx, node.dy])) {
+                (Some(true), _) | (_, Some(true)) => Some(true),
+                (Some(false), Some(false)) => Some(false),
+                _ => None,
+            };
+        flags[index] = both(loose, mean.and_then(|mean| above(DISCONTINUOUS_WIDTH * width, mean)));
         widths[index] = match flags[index] {
             Some(true) => mean,
             Some(false) => Some(width),
@@ -190,9 +193,12 @@ fn torn(input: &Input, levels: &[Level], nodes: &[Node], margin: f64) -> Vec<Opt
     flags
 }
 
-fn check(bench: &mut Bench, case: &Case, name: &str, input: &Input, levels: &[Level]) -> Compared {
+fn check(bench: &mut Bench, case: &Case, name: &str, input: &KernelInputs, levels: &[Level]) -> Compared {
     let seen = compare(input, levels, &run_kernel(bench, case, input, levels));
-    println!("{name}: {} nodes torn, margin {:.1e}, excess {:.1e}", seen.torn, seen.margin, seen.excess);
+    println!(
+        "{name}: {} nodes discontinuous, margin {:.1e}, excess {:.1e}",
+        seen.discontinuous, seen.margin, seen.excess
+    );
     assert!(seen.wrong.is_empty(), "{name}: {} differ, the first: {}", seen.wrong.len(), seen.wrong[0]);
     seen
 }
@@ -221,8 +227,8 @@ fn any_case() -> Case {
 }
 
 /// What fit reads of a case, over these rays.
-fn over<'a>(input: &Input<'a>, rays: &'a RayTable) -> Input<'a> {
-    Input { rays: Some(rays), ..*input }
+fn over<'a>(input: &KernelInputs<'a>, rays: &'a RayTable) -> KernelInputs<'a> {
+    KernelInputs { rays: Some(rays), ..*input }
 }
 
 #[test]
@@ -231,26 +237,26 @@ fn nodes_hold_nasty_rays() {
     let case = any_case();
     let tables = case.tables();
     let list = nasty();
-    let mut torn = 0;
+    let mut discontinuous = 0;
     tables.follow(&case.camera, 0, Real::F64, |inputs, _| {
         if bounces(&inputs[0]) == 0 {
             return;
         }
         for (name, rays) in &list {
             let input = over(&inputs[0], rays);
-            torn += check(&mut bench, &case, name, &input, &tables.plan.bands[0].nodes.levels).torn;
+            discontinuous += check(&mut bench, &case, name, &input, &tables.plan.bands[0].nodes.levels).discontinuous;
         }
     });
-    assert!(torn > 10, "{torn} nodes torn");
+    assert!(discontinuous > 10, "{discontinuous} nodes discontinuous");
 }
 
 #[test]
 fn the_kernel_has_the_host_s_constants() {
     let source = anamorph::internals::engine::stage::fit::kernel(any_case().variant(Real::F32, false)).source();
     for line in [
-        format!("const STRAY: f32 = {STRAY:?};"),
-        format!("const STRAY_SIZE: f32 = 1.0 / {:?};", 1.0 / STRAY_SIZE),
-        format!("const TORN_WIDTH: f32 = {TORN_WIDTH:?};"),
+        format!("const LOOSE: f32 = {LOOSE:?};"),
+        format!("const LOOSE_SIZE: f32 = 1.0 / {:?};", 1.0 / LOOSE_SIZE),
+        format!("const DISCONTINUOUS_WIDTH: f32 = {DISCONTINUOUS_WIDTH:?};"),
     ] {
         assert!(source.contains(&line), "no {line}");
     }
@@ -274,14 +280,15 @@ fn the_comparison_sees_planted_errors() {
         for node in &mut nodes {
             node.r_p += (size([node.p, node.px, node.py]) * READ_TOLERANCE) as f32;
             node.r_d += (size([node.d, node.dx, node.dy]) * READ_TOLERANCE) as f32;
-            node.rays = node.rays.min(RAYS_LOOSE).max(if node.rays == RAYS_TORN { RAYS_TORN } else { 0 });
+            node.rays =
+                node.rays.min(RAYS_LOOSE).max(if node.rays == RAYS_DISCONTINUOUS { RAYS_DISCONTINUOUS } else { 0 });
         }
         let masks = host.cells.iter().map(|c| u64::from(c.mask_lo) | u64::from(c.mask_hi) << 32).collect();
         let right = Left { nodes, masks };
         let seen = compare(&input, levels, &right);
         assert!(seen.wrong.is_empty(), "{:?}", seen.wrong.first());
         let top = right.nodes.len() - 1;
-        let torn = right.nodes.iter().position(|n| n.rays == RAYS_TORN).unwrap();
+        let discontinuous = right.nodes.iter().position(|n| n.rays == RAYS_DISCONTINUOUS).unwrap();
         let found = |what: &str, change: &dyn Fn(&mut Left)| {
             let mut left = right.clone();
             change(&mut left);
@@ -296,8 +303,8 @@ fn the_comparison_sees_planted_errors() {
             found("no rays", &|l| l.nodes[k].rays = RAYS_NONE);
         }
         found("no tolerance", &|l| (l.nodes[0].r_p, l.nodes[0].r_d) = (0.0, 0.0));
-        found("a node that is not torn", &|l| l.nodes[torn].rays = RAYS_LOOSE);
-        found("a torn tile", &|l| l.nodes[0].rays = RAYS_TORN);
+        found("a node that is not discontinuous", &|l| l.nodes[discontinuous].rays = RAYS_LOOSE);
+        found("a discontinuous tile", &|l| l.nodes[0].rays = RAYS_DISCONTINUOUS);
         found("a pixel too few", &|l| l.masks[3] ^= 1 << 17);
     });
 }

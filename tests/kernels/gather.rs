@@ -7,7 +7,7 @@ use anamorph::internals::engine::stage::Stages;
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::buffers::{Buffers, read_words, readback};
 use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
-use anamorph::internals::gpu::layout::{Landing, NONE, Optic, Params, PathState, Receiver};
+use anamorph::internals::gpu::layout::{NONE, Optic, Params, PathState, Receiver, ReceiverTriangle};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::twin::gather::{gather, place, units};
 use bytemuck::Zeroable;
@@ -24,12 +24,12 @@ const PLANES: [Channel; 5] = [Channel::R, Channel::G, Channel::B, Channel::BaryU
 struct Case {
     visibility: Vec<u32>,
     planes: Vec<u32>,
-    landing_of: Vec<u32>,
-    landings: Vec<Landing>,
+    receiver_triangle_of: Vec<u32>,
+    receiver_triangles: Vec<ReceiverTriangle>,
     receivers: Vec<Receiver>,
     sums: Vec<u32>,
     optic: Optic,
-    ways: Vec<PathState>,
+    path_states: Vec<PathState>,
 }
 
 fn variant(optics: bool) -> Variant {
@@ -48,16 +48,24 @@ fn case(rng: &mut Rng) -> Case {
     let texels = receivers.iter().map(|r| (r.columns * r.rows) as usize).sum::<usize>();
     let sums = (0..6 * texels).map(|k| if k % 2 == 0 { rng.word() as u32 } else { rng.below(3) as u32 }).collect();
     let vector = |rng: &mut Rng, size: f64| [size * rng.signed(), size * rng.signed()].map(|v| v as f32);
-    let mut landings = Vec::new();
-    let mut landing_of = vec![NONE; 64];
+    let mut receiver_triangles = Vec::new();
+    let mut receiver_triangle_of = vec![NONE; 64];
     for id in (0..TRIANGLES).filter(|id| id % 3 > 0) {
-        landing_of[id] = landings.len() as u32;
+        receiver_triangle_of[id] = receiver_triangles.len() as u32;
         let receiver = rng.below(3);
         let [columns, rows] = sizes[receiver].map(|n| n as f32);
         let middle = [columns * rng.unit() as f32, rows * rng.unit() as f32];
         let (ab, ac) = (vector(rng, f64::from(columns)), vector(rng, f64::from(rows)));
         let diffuse = [rng.unit(), rng.unit(), rng.unit()].map(|c| c as f32);
-        landings.push(Landing { a: middle, ab, ac, receiver: receiver as u32, pad0: 0, diffuse, pad1: 0 });
+        receiver_triangles.push(ReceiverTriangle {
+            a: middle,
+            ab,
+            ac,
+            receiver: receiver as u32,
+            pad0: 0,
+            diffuse,
+            pad1: 0,
+        });
     }
     // the last ids are those of optics
     let key = |rng: &mut Rng| match rng.below(10) {
@@ -65,19 +73,19 @@ fn case(rng: &mut Rng) -> Case {
         _ => [!((rng.word() as u32) << ID_BITS | rng.below(TRIANGLES + 10) as u32), rng.word() as u32],
     };
     let numbers = |rng: &mut Rng| (0..PIXELS).map(|_| (rng.unit() as f32).to_bits()).collect::<Vec<_>>();
-    let way = |rng: &mut Rng| PathState {
+    let path_state = |rng: &mut Rng| PathState {
         light: [rng.unit(), rng.unit(), rng.unit()].map(|l| l as f32),
         ..PathState::zeroed()
     };
     Case {
         visibility: (0..PIXELS).flat_map(|_| key(rng)).collect(),
         planes: (0..PLANES.len()).flat_map(|_| numbers(rng)).collect(),
-        landing_of,
-        landings,
+        receiver_triangle_of,
+        receiver_triangles,
         receivers,
         sums,
         optic: Optic { first_id: TRIANGLES as u32, ..Optic::zeroed() },
-        ways: (0..PIXELS).map(|_| way(rng)).collect(),
+        path_states: (0..PIXELS).map(|_| path_state(rng)).collect(),
     }
 }
 
@@ -86,11 +94,11 @@ fn run(gpu: &Gpu, case: &Case, optics: bool) -> Vec<u32> {
     let params = Params { width: WIDTH, height: HEIGHT, id_bits: ID_BITS, ..Params::zeroed() };
     b.upload_uniform(gpu, "params", &params).unwrap();
     b.upload_uniform(gpu, "optic", &case.optic).unwrap();
-    b.upload(gpu, "paths", &case.ways).unwrap();
+    b.upload(gpu, "paths", &case.path_states).unwrap();
     b.upload(gpu, "visibility", &case.visibility).unwrap();
     b.upload(gpu, "planes", &case.planes).unwrap();
-    b.upload(gpu, "landing_of", &case.landing_of).unwrap();
-    b.upload(gpu, "landings", &case.landings).unwrap();
+    b.upload(gpu, "receiver_triangle_of", &case.receiver_triangle_of).unwrap();
+    b.upload(gpu, "receiver_triangles", &case.receiver_triangles).unwrap();
     b.upload(gpu, "receivers", &case.receivers).unwrap();
     b.upload(gpu, "sums", &case.sums).unwrap();
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -118,15 +126,20 @@ fn compare(words: &[u32], case: &Case, optics: bool) -> (Vec<String>, usize) {
         let before = |plane: usize| f32::from_bits(case.planes[plane * PIXELS + pixel]);
         let [low, high] = [case.visibility[2 * pixel], case.visibility[2 * pixel + 1]];
         let id = !low & ((1 << ID_BITS) - 1);
-        let landing = case.landing_of.get(id as usize).filter(|k| **k != NONE && [low, high] != [0, 0]);
+        let receiver_triangle =
+            case.receiver_triangle_of.get(id as usize).filter(|k| **k != NONE && [low, high] != [0, 0]);
         let (mut known, mut tolerance, mut border) = ([0.0; 3], 0.0, false);
-        if let Some(landing) = landing.map(|k| &case.landings[*k as usize]) {
-            let receiver = &case.receivers[landing.receiver as usize];
-            let at = place(landing, [before(3), before(4)]);
-            known = gather(landing, receiver, &case.sums, at);
+        if let Some(receiver_triangle) = receiver_triangle.map(|k| &case.receiver_triangles[*k as usize]) {
+            let receiver = &case.receivers[receiver_triangle.receiver as usize];
+            let at = place(receiver_triangle, [before(3), before(4)]);
+            known = gather(receiver_triangle, receiver, &case.sums, at);
             // a place of three terms is right to 4 roundings of 2^-24 of their sizes, and light changes by the brightest
             // texel over one at most each way
-            let size = [landing.a, landing.ab, landing.ac].iter().flatten().map(|v| f64::from(v.abs())).sum::<f64>();
+            let size = [receiver_triangle.a, receiver_triangle.ab, receiver_triangle.ac]
+                .iter()
+                .flatten()
+                .map(|v| f64::from(v.abs()))
+                .sum::<f64>();
             let off = 4.0 * size / f64::from(1 << 24);
             tolerance = 2.0 * off * brightest * f64::from(receiver.scale);
             let end = DVec2::new(receiver.columns.into(), receiver.rows.into());
@@ -134,7 +147,7 @@ fn compare(words: &[u32], case: &Case, optics: bool) -> (Vec<String>, usize) {
         }
         lit += usize::from(known[0] > 0.0);
         for k in 0..3 {
-            let left = if optics { f64::from(case.ways[pixel].light[k]) } else { 1.0 };
+            let left = if optics { f64::from(case.path_states[pixel].light[k]) } else { 1.0 };
             let sum = f64::from(before(k)) + left * known[k];
             let got = f64::from(f32::from_bits(words[k * PIXELS + pixel]));
             // some ten operations on f32

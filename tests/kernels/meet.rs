@@ -8,7 +8,7 @@ use anamorph::internals::gpu::kernels::{OpticsKind, Variant};
 use anamorph::internals::twin::meet::{meet, meetings};
 use anamorph::internals::twin::quadric::HEIGHT_UNITS;
 use anamorph::internals::twin::raster::Visibility;
-use anamorph::internals::twin::{Input, Real, along, torus, wave};
+use anamorph::internals::twin::{KernelInputs, Real, along, torus, wave};
 
 /// Share of pixels that may be excused because the twin's own bound leaves them undecided: rays that pass a rim or touch
 /// a surface within rounding.
@@ -20,7 +20,7 @@ fn run_kernel(
     bench: &mut Bench,
     case: &Case,
     (real, atomics64): (Real, bool),
-    input: &Input,
+    input: &KernelInputs,
     before: &[[u32; 2]],
 ) -> Vec<[u32; 2]> {
     let (gpu, stages) = bench.stages(variant(case, input, real, atomics64), &[]);
@@ -46,7 +46,7 @@ struct Compared {
     share: f64,
 }
 
-fn compare(input: &Input, real: Real, kernel: &[[u32; 2]], twin: &Visibility) -> Compared {
+fn compare(input: &KernelInputs, real: Real, kernel: &[[u32; 2]], twin: &Visibility) -> Compared {
     let mut seen = Compared::default();
     let keys = input.keys(real);
     let kernel_keys = Visibility { words: kernel.to_vec(), ..twin.clone() };
@@ -76,7 +76,7 @@ fn compare(input: &Input, real: Real, kernel: &[[u32; 2]], twin: &Visibility) ->
 
 /// A buffer to merge into, in which every third pixel shows something nearer, and one farther; and what the twin makes of
 /// it. An empty one where words go one after the other: the first step of all that merge is before the second of any.
-fn buffers(input: &Input, real: Real, atomics64: bool) -> (Visibility, Visibility) {
+fn buffers(input: &KernelInputs, real: Real, atomics64: bool) -> (Visibility, Visibility) {
     let pixels = (input.params.width * input.params.height) as usize;
     let keys = input.keys(real);
     let mut met = Visibility::new(pixels);

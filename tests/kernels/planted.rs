@@ -9,7 +9,7 @@ use crate::common::{FORWARD, camera, mesh, scene, soup};
 use crate::stages::slab_on_rays;
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::plan::samples::places;
+use anamorph::internals::engine::plan::samples::sample_offsets;
 use anamorph::internals::engine::{Engine, Rendered, RunOptions};
 use anamorph::internals::geometry::mesh::{Material, Mesh};
 use anamorph::internals::geometry::place;
@@ -70,7 +70,7 @@ fn seen(engine: &mut Engine) -> Result<(), String> {
 fn no_holes(engine: &mut Engine, samples: u32) -> Result<(), String> {
     const STEP: u32 = 4;
     let camera = eye();
-    for place in places(samples) {
+    for place in sample_offsets(samples) {
         let scene = scene(slab_on_rays(&camera.with_sample_offset(place.x, place.y), STEP));
         let wanted = Wanted { samples, sample_ids: true, ..centres(&[Channel::TriangleId]) };
         let seen = frame(engine, &scene, &camera, &wanted);
@@ -107,7 +107,7 @@ fn sampled(engine: &mut Engine) -> Result<(), String> {
     let seen = frame(engine, &scene, &camera, &wanted);
     demand(seen.counts.edges > 100, "few pixels hold an edge")?;
     let wanted = centres(&[&COLOUR[..], &[Channel::TriangleId]].concat());
-    let own: Vec<Frame> = places(SAMPLES)
+    let own: Vec<Frame> = sample_offsets(SAMPLES)
         .into_iter()
         .map(|p| frame(engine, &scene, &camera.with_sample_offset(p.x, p.y), &wanted).frame)
         .collect();
@@ -164,14 +164,14 @@ fn outlined(engine: &mut Engine) -> Result<(), String> {
     let thing = |x: u32, y: u32| ids(&under)[(y * SIZE.0 + x) as usize].checked_div(2).filter(|t| *t < 2);
     let mut lines = 0;
     for (x, y) in (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
-        // the nearest of the sides between pixels that differ: how far it is from the pixel's middle
+        // the nearest of the sides between pixels that differ: how far it is from the pixel's centre
         let mut nearest = f64::INFINITY;
         for (i, j) in (0..SIZE.1).flat_map(|j| (0..SIZE.0).map(move |i| (i, j))) {
             for (k, l) in [(i + 1, j), (i, j + 1)].into_iter().filter(|(k, l)| *k < SIZE.0 && *l < SIZE.1) {
                 if thing(i, j) != thing(k, l) {
-                    let middle = [f64::from(i + k) / 2.0 - f64::from(x), f64::from(j + l) / 2.0 - f64::from(y)];
+                    let centre = [f64::from(i + k) / 2.0 - f64::from(x), f64::from(j + l) / 2.0 - f64::from(y)];
                     let along = [f64::from(l - j) / 2.0, f64::from(k - i) / 2.0];
-                    let past = [0, 1].map(|c| (middle[c].abs() - along[c]).max(0.0));
+                    let past = [0, 1].map(|c| (centre[c].abs() - along[c]).max(0.0));
                     nearest = nearest.min(past[0].hypot(past[1]));
                 }
             }
@@ -259,112 +259,124 @@ fn pasted(engine: &mut Engine) -> Result<(), String> {
     demand(colours && mirrored.iter().all(|&k| value(&atlas, Channel::A, k) == 1.0), "other colours or coverage")
 }
 
-/// What an adapter has for a check, where the kernels differ.
+/// Whether pairs are rasterised one by one or tile by tile.
 #[derive(Clone, Copy, PartialEq)]
-enum Way {
+enum Dispatching {
     ByPair,
     ByTile,
 }
 
 /// A snippet, its text, what is planted, and what notices it.
-type Planted = (&'static str, &'static str, &'static str, Way, Check);
+type Planted = (&'static str, &'static str, &'static str, Dispatching, Check);
 
 const PLANTED: [Planted; 29] = [
-    ("args.wgsl", "items = GROUP / TRIANGLE_GROUP;", "items = GROUP;", Way::ByPair, seen),
-    ("args.wgsl", "count = min(count, params.pair_capacity);", "count = count / 2u;", Way::ByPair, seen),
-    ("args.wgsl", "count -= first;", "count = first;", Way::ByTile, seen),
-    ("split.wgsl", "lane % TRIANGLE_GROUPS;", "(lane % TRIANGLE_GROUPS) / 2u;", Way::ByPair, seen),
-    ("split.wgsl", "vec2<u32>(index, address)", "vec2<u32>(index, work[0].y)", Way::ByPair, seen),
-    ("allot.wgsl", "ends[tile] = first + count;", "ends[tile] = first + count - 1u;", Way::ByTile, seen),
-    ("allot.wgsl", "starts[tile] = first;", "starts[tile] = 0u;", Way::ByTile, seen),
-    ("sort.wgsl", "+ ranks[index]]", "+ ranks[index] / 2u]", Way::ByTile, seen),
+    ("args.wgsl", "items = GROUP / TRIANGLE_GROUP;", "items = GROUP;", Dispatching::ByPair, seen),
+    ("args.wgsl", "count = min(count, params.pair_capacity);", "count = count / 2u;", Dispatching::ByPair, seen),
+    ("args.wgsl", "count -= first;", "count = first;", Dispatching::ByTile, seen),
+    ("split.wgsl", "lane % TRIANGLE_GROUPS;", "(lane % TRIANGLE_GROUPS) / 2u;", Dispatching::ByPair, seen),
+    ("split.wgsl", "vec2<u32>(index, address)", "vec2<u32>(index, work[0].y)", Dispatching::ByPair, seen),
+    ("allot.wgsl", "ends[tile] = first + count;", "ends[tile] = first + count - 1u;", Dispatching::ByTile, seen),
+    ("allot.wgsl", "starts[tile] = first;", "starts[tile] = 0u;", Dispatching::ByTile, seen),
+    ("sort.wgsl", "+ ranks[index]]", "+ ranks[index] / 2u]", Dispatching::ByTile, seen),
     (
         "recheck.wgsl",
         "covered = with_bit(covered, bit);",
         "covered = with_bit(covered, 0u);",
-        Way::ByPair,
+        Dispatching::ByPair,
         no_holes_at_centres,
     ),
-    ("recheck.wgsl", "vec2<u32>(0u, item.y), (item.x", "vec2<u32>(0u, 0u), (item.x", Way::ByPair, no_holes_at_centres),
+    (
+        "recheck.wgsl",
+        "vec2<u32>(0u, item.y), (item.x",
+        "vec2<u32>(0u, 0u), (item.x",
+        Dispatching::ByPair,
+        no_holes_at_centres,
+    ),
     (
         "certify.wgsl",
         "select(PROOF_CONTESTED, PROOF_SURE, is_found",
         "select(PROOF_SURE, PROOF_SURE, is_found",
-        Way::ByPair,
+        Dispatching::ByPair,
         proven,
     ),
-    ("certify.wgsl", "- 1u <= ~atomicLoad", "- 1u > ~atomicLoad", Way::ByPair, proven),
-    ("certify.wgsl", "select(0u, PROOF_SURE, is_hit)", "0u", Way::ByPair, proven),
-    ("edges.wgsl", "nearness(layer, near) - 1u > reach", "nearness(layer, near) - 1u < reach", Way::ByPair, sampled),
-    ("edges.wgsl", "s01 == s20 && s01 == s12", "s01 == s20", Way::ByPair, sampled),
-    ("sample.wgsl", "0u, all_samples(), number", "0u, 7u, number", Way::ByPair, sampled),
-    ("sample.wgsl", "let y = bit / TILE;", "let y = bit / TILE / 2u;", Way::ByPair, sampled),
+    ("certify.wgsl", "- 1u <= ~atomicLoad", "- 1u > ~atomicLoad", Dispatching::ByPair, proven),
+    ("certify.wgsl", "select(0u, PROOF_SURE, is_hit)", "0u", Dispatching::ByPair, proven),
+    (
+        "edges.wgsl",
+        "nearness(layer, near) - 1u > reach",
+        "nearness(layer, near) - 1u < reach",
+        Dispatching::ByPair,
+        sampled,
+    ),
+    ("edges.wgsl", "s01 == s20 && s01 == s12", "s01 == s20", Dispatching::ByPair, sampled),
+    ("sample.wgsl", "0u, all_samples(), number", "0u, 7u, number", Dispatching::ByPair, sampled),
+    ("sample.wgsl", "let y = bit / TILE;", "let y = bit / TILE / 2u;", Dispatching::ByPair, sampled),
     (
         "edges_by_tile.wgsl",
         "may_cover(sides, 0.0, 0.0, CENTRES",
         "may_cover(sides, 0.0, 0.0, 0.1 * CENTRES",
-        Way::ByTile,
+        Dispatching::ByTile,
         sampled,
     ),
-    ("edges_by_tile.wgsl", "edge_of[pixel] = row + 1u;", "edge_of[pixel] = row;", Way::ByTile, sampled),
-    ("sample_by_tile.wgsl", "touches[index].xy & pixels", "touches[index].yx & pixels", Way::ByTile, sampled),
-    ("sample_by_tile.wgsl", "settled(0u, nearest[k])", "settled(0u, nearest[0])", Way::ByTile, sampled),
-    ("recheck_samples.wgsl", "item.y & 15u, row", "item.y & 8u, row", Way::ByTile, no_holes_at_samples),
-    ("resolve.wgsl", "coverage += share;", "coverage += 0.5 * share;", Way::ByPair, sampled),
-    ("resolve.wgsl", "colour += share * beyond", "colour += 0.0 * share * beyond", Way::ByPair, sampled),
+    ("edges_by_tile.wgsl", "edge_of[pixel] = row + 1u;", "edge_of[pixel] = row;", Dispatching::ByTile, sampled),
+    ("sample_by_tile.wgsl", "touches[index].xy & pixels", "touches[index].yx & pixels", Dispatching::ByTile, sampled),
+    ("sample_by_tile.wgsl", "settled(0u, nearest[k])", "settled(0u, nearest[0])", Dispatching::ByTile, sampled),
+    ("recheck_samples.wgsl", "item.y & 15u, row", "item.y & 8u, row", Dispatching::ByTile, no_holes_at_samples),
+    ("resolve.wgsl", "coverage += share;", "coverage += 0.5 * share;", Dispatching::ByPair, sampled),
+    ("resolve.wgsl", "colour += share * beyond", "colour += 0.0 * share * beyond", Dispatching::ByPair, sampled),
     (
         "outline.wgsl",
         "if id_a == NONE || id_b == NONE {\n        return true;",
         "if id_a == NONE || id_b == NONE {\n        return false;",
-        Way::ByPair,
+        Dispatching::ByPair,
         outlined,
     ),
     (
         "outline.wgsl",
         "0.5 * vec2<f32>(f32(k), f32(1 - k))",
         "0.5 * vec2<f32>(f32(1 - k), f32(k))",
-        Way::ByPair,
+        Dispatching::ByPair,
         outlined,
     ),
-    ("mip.wgsl", "sum += covered.x * covered.y *", "sum += covered.x *", Way::ByPair, averaged),
-    ("paste.wgsl", "texel = vec2<u32>(last) - texel;", "texel = texel;", Way::ByPair, pasted),
+    ("mip.wgsl", "sum += covered.x * covered.y *", "sum += covered.x *", Dispatching::ByPair, averaged),
+    ("paste.wgsl", "texel = vec2<u32>(last) - texel;", "texel = texel;", Dispatching::ByPair, pasted),
     (
         "paste.wgsl",
         "tinted(PLANE_R, pixel, from_texel, optic.tint.x);",
         "tinted(PLANE_R, pixel, from_texel, 1.0);",
-        Way::ByPair,
+        Dispatching::ByPair,
         pasted,
     ),
 ];
 
 /// An engine whose kernels have this in place of a snippet; `None` where the adapter has not what it takes.
-fn engine(way: Way, replaced: Option<&'static Snippet>) -> Option<Engine> {
+fn engine(by: Dispatching, replaced: Option<&'static Snippet>) -> Option<Engine> {
     let engine = engine_on(|gpu| {
-        gpu.has.lanes &= way == Way::ByTile;
+        gpu.has.lanes &= by == Dispatching::ByTile;
         gpu.replaced.extend(replaced);
     })?;
-    if way == Way::ByTile && !engine.gpu.has.lanes {
+    if by == Dispatching::ByTile && !engine.gpu.has.lanes {
         skip("subgroups are not as wide as a tile");
         return None;
     }
     Some(engine)
 }
 
-/// Frames are right, and what is planted in the kernels of this way is noticed.
-fn check_planted(way: Way) {
+/// Frames are right, and what is planted in these kernels is noticed.
+fn check_planted(by: Dispatching) {
     let mut checked: Vec<Check> = Vec::new();
     let mut unnoticed = Vec::new();
-    for (name, from, to, _, check) in PLANTED.into_iter().filter(|p| p.3 == way) {
+    for (name, from, to, _, check) in PLANTED.into_iter().filter(|p| p.3 == by) {
         if !checked.iter().any(|c| std::ptr::fn_addr_eq(*c, check)) {
             checked.push(check);
-            let Some(mut whole) = engine(way, None) else { return };
+            let Some(mut whole) = engine(by, None) else { return };
             check(&mut whole).unwrap_or_else(|e| panic!("for {name}, with nothing planted: {e}"));
         }
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("wgsl");
         let text = std::fs::read_to_string(folder.join(name)).unwrap();
         assert_eq!(text.matches(from).count(), 1, "{name} has {from:?} once");
         let snippet = Box::leak(Box::new(Snippet { name, text: text.replacen(from, to, 1).leak() }));
-        let Some(mut planted) = engine(way, Some(snippet)) else { return };
+        let Some(mut planted) = engine(by, Some(snippet)) else { return };
         let noticed = check(&mut planted);
         // it compiles
         planted.gpu.failure().unwrap_or_else(|e| panic!("{name}, {to:?}: {e}"));
@@ -378,10 +390,10 @@ fn check_planted(way: Way) {
 
 #[test]
 fn frames_by_pair_are_right_and_planted_errors_are_noticed() {
-    check_planted(Way::ByPair);
+    check_planted(Dispatching::ByPair);
 }
 
 #[test]
 fn frames_by_tile_are_right_and_planted_errors_are_noticed() {
-    check_planted(Way::ByTile);
+    check_planted(Dispatching::ByTile);
 }

@@ -16,7 +16,7 @@ use anamorph::internals::twin::bin::{Pair, bin};
 use anamorph::internals::twin::cull::{Bound, cull};
 use anamorph::internals::twin::raster::{Tested, Visibility, raster, test};
 use anamorph::internals::twin::rays::Cast;
-use anamorph::internals::twin::{Input, Real};
+use anamorph::internals::twin::{KernelInputs, Real};
 
 /// Share of pixels that may be excused because the twin's own bound leaves them undecided.
 /// Measured: 0.0006 in f32, none in f64.
@@ -38,10 +38,10 @@ struct Drawn {
 }
 
 /// One input's pairs.
-type Job<'a> = (Input<'a>, Vec<[u32; 2]>);
+type Job<'a> = (KernelInputs<'a>, Vec<[u32; 2]>);
 
 /// Pairs by tile, as sort leaves them; how many tiles are busy.
-fn sorted(gpu: &Gpu, buffers: &mut Buffers, input: &Input, pairs: &[[u32; 2]]) -> u32 {
+fn sorted(gpu: &Gpu, buffers: &mut Buffers, input: &KernelInputs, pairs: &[[u32; 2]]) -> u32 {
     let mut sorted = pairs.to_vec();
     sorted.sort_by_key(|pair| Pair::unpack(*pair).tile);
     let tiles = 0..input.tile_start.len() as u32 - 1;
@@ -57,17 +57,17 @@ fn sorted(gpu: &Gpu, buffers: &mut Buffers, input: &Input, pairs: &[[u32; 2]]) -
 }
 
 /// Arithmetic, 64-bit atomics, and tile by tile.
-type Way = (Real, bool, bool);
+type Mode = (Real, bool, bool);
 
 /// All that the adapter can run.
-fn ways(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Way> {
+fn modes(bench: &Bench, variant: impl Fn(Real, bool) -> Variant) -> Vec<Mode> {
     let pairs = bench.variants().into_iter().map(|(real, atomics64)| (real, atomics64, false));
     let has_tiles = bench.gpu.has.lanes && variant(Real::F64, true).with_tiles().by_tile;
     pairs.chain(has_tiles.then_some((Real::F64, true, true))).collect()
 }
 
 /// Draws the jobs of one band into one buffer, as the engine does: every job in each step.
-fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Way, jobs: &[Job]) -> Drawn {
+fn run_kernel(bench: &mut Bench, case: &Case, (real, atomics64, by_tile): Mode, jobs: &[Job]) -> Drawn {
     let by_pair = crate::bounced::variant(case, &jobs[0].0, real, atomics64);
     let (gpu, stages) = bench.stages(if by_tile { by_pair.with_tiles() } else { by_pair }, &[]);
     let owned = [
@@ -199,7 +199,7 @@ fn hit(jobs: &[Job], pixel: usize, (layer, id): (u32, u32), real: Real) -> Teste
 }
 
 /// The twin's pairs, every second with the whole tile to look at; and as many again that mostly cover nothing. In any order.
-fn pairs_of(input: &Input, rng: &mut Rng) -> Vec<[u32; 2]> {
+fn pairs_of(input: &KernelInputs, rng: &mut Rng) -> Vec<[u32; 2]> {
     let work = cull(input, Bound::PLAIN).work;
     let mut pairs: Vec<Pair> = bin(input, &work, Real::F32).iter().map(|b| b.pair()).collect();
     pairs.iter_mut().step_by(2).for_each(|p| (p.from, p.to) = ([0, 0], [7, 7]));
@@ -214,8 +214,8 @@ fn pairs_of(input: &Input, rng: &mut Rng) -> Vec<[u32; 2]> {
 }
 
 /// The chunks of a band, each with pairs.
-fn jobs_of<'a>(band: Vec<Input<'a>>, rng: &mut Rng) -> Vec<Job<'a>> {
-    let job = |mut input: Input<'a>| {
+fn jobs_of<'a>(band: Vec<KernelInputs<'a>>, rng: &mut Rng) -> Vec<Job<'a>> {
+    let job = |mut input: KernelInputs<'a>| {
         let pairs = pairs_of(&input, rng);
         input.params.pair_capacity = pairs.len() as u32;
         // two halves of each cell of a tile
@@ -231,7 +231,7 @@ fn the_kernel_draws_what_its_twin_draws() {
     let Some(mut bench) = Bench::open() else { return };
     let mut rng = Rng(77);
     for case in cases().into_iter().chain(seeds().map(random_case)) {
-        let variants = ways(&bench, |real, atomics64| case.variant(real, atomics64));
+        let variants = modes(&bench, |real, atomics64| case.variant(real, atomics64));
         let tables = case.tables();
         for band in case.bands(&tables) {
             let jobs = jobs_of(band, &mut rng);
@@ -260,20 +260,20 @@ fn the_kernel_draws_what_turned_rays_meet() {
                 }
                 let jobs = jobs_of(inputs.to_vec(), &mut rng);
                 let variants =
-                    ways(&bench, |real, atomics64| crate::bounced::variant(&case, &jobs[0].0, real, atomics64));
-                for way in variants {
-                    let real = way.0;
+                    modes(&bench, |real, atomics64| crate::bounced::variant(&case, &jobs[0].0, real, atomics64));
+                for mode in variants {
+                    let real = mode.0;
                     let mut twin = Visibility::new((jobs[0].0.params.width * jobs[0].0.params.height) as usize);
                     jobs.iter().for_each(|(input, pairs)| raster(input, pairs, real, &mut twin));
-                    let drawn = run_kernel(&mut bench, &case, way, &jobs);
-                    check(&case, &jobs, way, &drawn, &twin);
+                    let drawn = run_kernel(&mut bench, &case, mode, &jobs);
+                    check(&case, &jobs, mode, &drawn, &twin);
                 }
             });
         }
     }
 }
 
-fn check(case: &Case, jobs: &[Job], (real, atomics64, by_tile): Way, kernel: &Drawn, twin: &Visibility) {
+fn check(case: &Case, jobs: &[Job], (real, atomics64, by_tile): Mode, kernel: &Drawn, twin: &Visibility) {
     let row = jobs[0].0.params.band_row;
     let name = format!(
         "{}, row {row}, {} chunks, {real:?}, 64-bit atomics {atomics64}, by tile {by_tile}",
@@ -309,7 +309,7 @@ fn check(case: &Case, jobs: &[Job], (real, atomics64, by_tile): Way, kernel: &Dr
         assert_eq!(u64::from(kernel.tested), twin.tested, "{name}: fragments tested");
     }
     if by_tile {
-        // what lies behind all that is there is left out, and of a torn tile's cells each may have listed a triangle
+        // what lies behind all that is there is left out, and of a discontinuous tile's cells each may have listed a triangle
         let is_once = |(_, pairs): &Job| {
             let places = pairs.iter().map(|p| Pair::unpack(*p)).map(|p| (p.slot, p.tile));
             places.collect::<std::collections::HashSet<_>>().len() == pairs.len()

@@ -11,7 +11,7 @@ use anamorph::internals::twin::bin::bin;
 use anamorph::internals::twin::cull::{Bound, cull};
 use anamorph::internals::twin::raster::{Visibility, raster};
 use anamorph::internals::twin::shade::{Pixel, shade};
-use anamorph::internals::twin::{Input, Real};
+use anamorph::internals::twin::{KernelInputs, Real};
 use glam::Vec2;
 use std::collections::BTreeSet;
 
@@ -36,7 +36,7 @@ fn run_kernel(
     bench: &mut Bench,
     case: &Case,
     real: Real,
-    input: &Input,
+    input: &KernelInputs,
     visibility: &Visibility,
     planes: &[Channel],
 ) -> Vec<u32> {
@@ -59,7 +59,7 @@ fn run_kernel(
 }
 
 /// What a plane holds before: with optics light is added to colours, which start at 0.
-fn before(channel: Channel, input: &Input) -> u32 {
+fn before(channel: Channel, input: &KernelInputs) -> u32 {
     let is_colour = matches!(channel, Channel::R | Channel::G | Channel::B);
     if is_colour && input.optics.is_some() { 0 } else { POISON }
 }
@@ -82,7 +82,7 @@ struct Compared {
     uvs: BTreeSet<u32>,
 }
 
-fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &Input) -> Compared {
+fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &KernelInputs) -> Compared {
     let mut seen = Compared::default();
     for (k, pixel) in pixels.iter().enumerate() {
         if let Pixel::Hit(s) = pixel {
@@ -143,8 +143,8 @@ fn compare(words: &[u32], pixels: &[Pixel], planes: &[Channel], input: &Input) -
 }
 
 /// The visibility buffer of a band, all chunks drawn, in each arithmetic.
-fn visibility_of(band: &[Input], reals: &[Real]) -> Vec<Visibility> {
-    let pairs_of = |chunk: &Input| -> Vec<[u32; 2]> {
+fn visibility_of(band: &[KernelInputs], reals: &[Real]) -> Vec<Visibility> {
+    let pairs_of = |chunk: &KernelInputs| -> Vec<[u32; 2]> {
         let work = cull(chunk, Bound::PLAIN).work;
         bin(chunk, &work, Real::F32).iter().map(|b| b.pair().pack()).collect()
     };
@@ -239,11 +239,11 @@ fn the_kernel_interpolates_texture_coordinates_as_its_twin_does() {
 }
 
 /// Holds the kernel's planes against the twin's; the number of pixels that are hits of the chunk.
-fn check(bench: &mut Bench, case: &Case, input: &Input, visibility: &Visibility, real: Real) -> usize {
+fn check(bench: &mut Bench, case: &Case, input: &KernelInputs, visibility: &Visibility, real: Real) -> usize {
     compared(bench, case, input, visibility, real).hits
 }
 
-fn compared(bench: &mut Bench, case: &Case, input: &Input, visibility: &Visibility, real: Real) -> Compared {
+fn compared(bench: &mut Bench, case: &Case, input: &KernelInputs, visibility: &Visibility, real: Real) -> Compared {
     let name = format!("{}, row {}, ids from {}, {real:?}", case.name, input.params.band_row, input.params.id_first);
     let words = run_kernel(bench, case, real, input, visibility, &all());
     let pixels = shade(input, visibility, real);

@@ -16,8 +16,8 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let e = edges[id.x];
-    let u = vec2<real>(of_words(e[0]), of_words(e[1]));
-    let v = vec2<real>(of_words(e[2]), of_words(e[3]));
+    let u = vec2<real>(real_from_bits(e[0]), real_from_bits(e[1]));
+    let v = vec2<real>(real_from_bits(e[2]), real_from_bits(e[3]));
     let zero = real3(0.0);
     let b = Bundle(zero, zero, zero, real3(0.0, 0.0, 1.0), zero, zero, real(1.0), real(0.0), real(0.0));
     let about = array<real3, 3>(real3(u, 1.0), real3(v, 2.0), real3(-u - v, 3.0));

@@ -1,7 +1,7 @@
 //! sift: the kernel against its twin from the same bytes, its lists against the tree in f64, and the tree against its own
 //! leaves, for cameras of every kind.
 
-use crate::common::cameras::{MeshLook, glc_of_each_class, mesh_camera, pinhole, raymap};
+use crate::common::cameras::{MeshShape, glc_of_each_class, mesh_camera, pinhole, raymap};
 use crate::common::projection::gpu;
 use crate::common::rng::Rng;
 use crate::common::{ALL_T, FORWARD, camera};
@@ -55,7 +55,7 @@ fn far_off(kind: CameraKind, by: DVec3, scale: f64) -> CameraKind {
     CameraKind::from(mesh)
 }
 
-/// Cameras, and the cube that their points are in: its middle and half its side.
+/// Cameras, and the cube that their points are in: its centre and half its side.
 fn cameras() -> Vec<(String, Camera, DVec3, f64)> {
     let mut all: Vec<(String, Camera)> = vec![
         ("pinhole".into(), camera(pinhole(DVec3::new(0.3, 0.4, 4.0), DVec3::ZERO, 40.0), SIZE, FORWARD)),
@@ -74,24 +74,24 @@ fn cameras() -> Vec<(String, Camera, DVec3, f64)> {
         all.push((name.into(), camera(kind, SIZE, ALL_T)));
     }
     for weights in [false, true] {
-        let look = MeshLook { weights, torn: weights, ..Default::default() };
-        all.push((format!("{look:?}"), camera(mesh_camera(3, 20, 15, look), SIZE, FORWARD)));
+        let shape = MeshShape { weights, discontinuous: weights, ..Default::default() };
+        all.push((format!("{shape:?}"), camera(mesh_camera(3, 20, 15, shape), SIZE, FORWARD)));
     }
-    let mut chain = camera(mesh_camera(4, 9, 7, MeshLook::default()), SIZE, [0.0, 1.0]);
+    let mut chain = camera(mesh_camera(4, 9, 7, MeshShape::default()), SIZE, [0.0, 1.0]);
     chain.layers.extend(all[4].1.layers.clone());
     all.push(("chain".into(), chain));
     let mut placed: Vec<_> = all.into_iter().map(|(name, camera)| (name, camera, DVec3::ZERO, 0.5)).collect();
     for (by, scale) in [(DVec3::new(1e5, -2e5, 3e5), 1.0), (DVec3::ZERO, 1e-20), (DVec3::splat(3e24), 1e22)] {
-        let kind = far_off(mesh_camera(5, 20, 15, MeshLook::default()), by, scale);
+        let kind = far_off(mesh_camera(5, 20, 15, MeshShape::default()), by, scale);
         placed.push((format!("at {by}, {scale:e}"), camera(kind, SIZE, FORWARD), by, 0.5 * scale));
     }
     placed
 }
 
-fn points(middle: DVec3, half: f64, seed: u64, count: usize) -> Vec<DVec3> {
+fn points(centre: DVec3, half: f64, seed: u64, count: usize) -> Vec<DVec3> {
     let mut rng = Rng(seed);
     // one in eight is outside
-    (0..count).map(|k| middle + if k % 8 == 0 { 40.0 * half } else { half } * rng.vector()).collect()
+    (0..count).map(|k| centre + if k % 8 == 0 { 40.0 * half } else { half } * rng.vector()).collect()
 }
 
 fn walked(tree: &Tree, point: DVec3, from: &[u32]) -> Vec<u32> {
@@ -102,17 +102,17 @@ fn walked(tree: &Tree, point: DVec3, from: &[u32]) -> Vec<u32> {
 
 #[test]
 fn a_walk_from_the_top_finds_what_every_leaf_by_itself_does() {
-    for (name, camera, middle, half) in cameras() {
+    for (name, camera, centre, half) in cameras() {
         for tree in Projector::new(&camera).trees() {
             let leaves: Vec<u32> =
                 (0..tree.nodes.len() as u32).filter(|&k| tree.nodes[k as usize].leaf != INNER).collect();
             let (mut met, mut all) = (0, 0);
-            for point in points(middle, half, 1, 200) {
+            for point in points(centre, half, 1, 200) {
                 let found = walked(tree, point, WHOLE);
                 assert!(found == walked(tree, point, &leaves), "{name}: {point}");
                 (met, all) = (met + found.len(), all + leaves.len());
             }
-            // the widest beams, those of the torn pieces, are 0.7 of 2.2 wide
+            // the widest beams, those of the discontinuous pieces, are 0.7 of 2.2 wide
             assert!(met > 100 && (leaves.len() == 1 || met < all / 10), "{name}: {met} of {all}");
         }
     }
@@ -122,9 +122,9 @@ fn a_walk_from_the_top_finds_what_every_leaf_by_itself_does() {
 #[test]
 fn the_kernel_lists_what_its_twin_must_and_no_more_than_it_may() {
     let Some(gpu) = gpu() else { return };
-    for (name, camera, middle, half) in cameras() {
+    for (name, camera, centre, half) in cameras() {
         let projector = Projector::new(&camera);
-        let points = points(middle, half, 2, 2000);
+        let points = points(centre, half, 2, 2000);
         let mut kernel = Sift::new(gpu, &projector).unwrap();
         // the second chunk has as many slots as the first would have needed
         for _ in 0..2 {
@@ -158,9 +158,9 @@ fn the_kernel_lists_what_its_twin_must_and_no_more_than_it_may() {
 #[test]
 fn lists_hold_all_leaves_of_the_tree_in_f64_and_few_more() {
     let Some(gpu) = gpu() else { return };
-    for (name, camera, middle, half) in cameras() {
+    for (name, camera, centre, half) in cameras() {
         let projector = Projector::new(&camera);
-        let points = points(middle, half, 3, 2000);
+        let points = points(centre, half, 3, 2000);
         let mut kernel = Sift::new(gpu, &projector).unwrap();
         let started = kernel.start(&points).unwrap();
         let found = kernel.finish(started).unwrap();
@@ -183,7 +183,7 @@ fn lists_hold_all_leaves_of_the_tree_in_f64_and_few_more() {
 #[test]
 fn trees_that_do_not_fit_are_cut_and_lists_that_run_over_start_at_the_top() {
     let Some(gpu) = gpu() else { return };
-    let camera = camera(mesh_camera(3, 20, 15, MeshLook::default()), SIZE, FORWARD);
+    let camera = camera(mesh_camera(3, 20, 15, MeshShape::default()), SIZE, FORWARD);
     let projector = Projector::new(&camera);
     let tree = projector.trees().next().unwrap();
     for most in [1, 7, 100] {

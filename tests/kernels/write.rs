@@ -6,7 +6,7 @@ use anamorph::internals::engine::stage;
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::image::tone::{Curve, Tone};
 use anamorph::internals::twin::write::{srgb, write};
-use anamorph::internals::twin::{Input, LARGE, Real};
+use anamorph::internals::twin::{KernelInputs, LARGE, Real};
 
 /// How near to a rounding border the exact value lies where the byte may be the next one, in steps of a byte. WGSL's
 /// pow is exp2(y log2 x): log2 is right to 2^-21 near 1 and to 3 ulp elsewhere, exp2 to 3 + 2 |x| ulp, in all some
@@ -91,7 +91,7 @@ fn the_kernel_writes_what_its_twin_writes() {
     }
 }
 
-fn check(bench: &mut Bench, rng: &mut Rng, case: &Case, input: &Input, planes: &[Channel]) {
+fn check(bench: &mut Bench, rng: &mut Rng, case: &Case, input: &KernelInputs, planes: &[Channel]) {
     let pixels = (input.params.width * input.params.height) as usize;
     let colours = colours(rng, pixels);
     let plane = |k: usize| &colours[k * pixels..(k + 1) * pixels];

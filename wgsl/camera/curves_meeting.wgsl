@@ -14,12 +14,12 @@ fn cell_bundle(cell: Cell) -> Bundle {
 struct CellDepth {
     normal: real3,
     v: array<real3, 3>,
-    hidden: real,
+    back_sign: real,
     slot: u32,
 }
 
-fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real, slot: u32) -> CellDepth {
-    return CellDepth(normal, v, hidden, slot);
+fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, back_sign: real, slot: u32) -> CellDepth {
+    return CellDepth(normal, v, back_sign, slot);
 }
 
 // The first visible hit over the span. Between its critical points the polynomial has one root or none.
@@ -137,7 +137,7 @@ fn meeting_at(q: CellDepth, c: Curve, t: real, sizes: real, bound: real) -> Meet
     let at = curve_point(c, t);
     let tangent = curve_tangent(c, t);
     let across = dot(q.normal, tangent);
-    if across * q.hidden > 0.0 {
+    if across * q.back_sign > 0.0 {
         return Meeting(t, false);
     }
     // a root is off by the polynomial's rounding over its slope; a double one by the square root of it

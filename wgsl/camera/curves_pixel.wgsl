@@ -1,7 +1,7 @@
 // Curved rays pixel by pixel: at a hit a curve is its tangent.
-// Provides: has_ray, piece_number, pixel_curve, pixel_ray, point_at, ray_bundle, ray_spread, reached, segment_length
-// Needs: Bundle, Curve, DEGREE, NONE, Ray, Spread, both_sides, curve_place, curve_point, curve_stored, curve_tangent, pixel_cell, real,
-//   real3, size3
+// Provides: has_ray, piece_number, pixel_curve, pixel_ray, point_at, ray_bundle, ray_differential, reached, segment_length
+// Needs: Bundle, Curve, DEGREE, NONE, Ray, RayDifferential, both_sides, curve_place, curve_point, curve_stored, curve_tangent, pixel_cell,
+//   real, real3, size3
 // Binds: cells, params
 
 fn pixel_curve(layer: u32, x: u32, y: u32) -> Curve {
@@ -28,13 +28,13 @@ fn pixel_ray(layer: u32, x: u32, y: u32, t: f32) -> Ray {
     return Ray(vec3<f32>(b.p), vec3<f32>(b.d));
 }
 
-fn ray_spread(layer: u32, x: u32, y: u32, t: f32) -> Spread {
+fn ray_differential(layer: u32, x: u32, y: u32, t: f32) -> RayDifferential {
     let own = vec3<f32>(curve_point(pixel_curve(layer, x, y), real(t)));
     let right = curve_step(own, layer, x + 1u, y, t);
     let left = -curve_step(own, layer, x - 1u, y, t);
     let below = curve_step(own, layer, x, y + 1u, t);
     let above = -curve_step(own, layer, x, y - 1u, t);
-    return Spread(both_sides(right, left), both_sides(below, above));
+    return RayDifferential(both_sides(right, left), both_sides(below, above));
 }
 
 // Vector from a point to that at t of another pixel's curve; 0 if the pixel has none.

@@ -7,7 +7,7 @@
 
 // A polynomial over the control net is off by what N and the net lost; so is its extreme where a critical point is off by the root
 // of a unit, at which it is off by BEND units of its sizes: in all under twice this bound.
-fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hidden: i32, is_inside: bool) -> Proof {
+fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, back_sign: i32, is_inside: bool) -> Proof {
     let corner = tile_corner(cell.tile);
     let c = curve_stored(curve_place(tile_layer(cell.tile), corner.x + x, corner.y + y));
     let normal = normal_of(v);
@@ -27,7 +27,7 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hi
             return Proof(true, false, from_t, to_t);
         }
         if from_side != to_side {
-            let root = root_proof(c, b, normal, v, hidden, sizes, lost, from_t, to_t, from_side);
+            let root = root_proof(c, b, normal, v, back_sign, sizes, lost, from_t, to_t, from_side);
             if root.may {
                 return root;
             }
@@ -39,15 +39,16 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hi
 
 // The one root between two ts at which the polynomial has proven and different signs.
 fn root_proof(
-    c: Curve, b: real4, normal: Normal, v: array<real3, 3>, hidden: i32, sizes: real, lost: real, from_t: real, to_t: real, from_side: i32,
+    c: Curve, b: real4, normal: Normal, v: array<real3, 3>, back_sign: i32, sizes: real, lost: real, from_t: real, to_t: real,
+    from_side: i32,
 ) -> Proof {
     let t = root_between(b, from_t, to_t, from_side < 0);
     let at = curve_point(c, t);
     let tangent = curve_tangent(c, t);
     let across = dot(normal.n, tangent);
     let size_tangent = size3(tangent);
-    let lost_way = 2.0 * PRODUCT_UNITS * REAL_UNIT * sizes;
-    let facing = sign_beyond(across, size_tangent * (normal.lost + PRODUCT_UNITS * REAL_UNIT * normal.size) + normal.size * lost_way);
+    let tangent_error = 2.0 * PRODUCT_UNITS * REAL_UNIT * sizes;
+    let facing = sign_beyond(across, size_tangent * (normal.lost + PRODUCT_UNITS * REAL_UNIT * normal.size) + normal.size * tangent_error);
     let off = 2.0 * lost / max(abs(across), lost) + 4.0 * REAL_ROUNDING;
     let near = max(t - off, from_t);
     let far = min(t + off, to_t);
@@ -56,17 +57,17 @@ fn root_proof(
     if facing == 0 || !is_between {
         return Proof(true, false, from_t, to_t);
     }
-    if facing * hidden > 0 {
+    if facing * back_sign > 0 {
         return MISSED;
     }
     // along the tangent a root may be off at no cost
-    let way_off = BEND * off * off + 2.0 * PRODUCT_UNITS * REAL_UNIT;
+    let point_error = BEND * off * off + 2.0 * PRODUCT_UNITS * REAL_UNIT;
     var sure = true;
     for (var k = 0u; k < 3u; k++) {
         let e = v[(k + 1u) % 3u] - v[k];
         let to_v = v[k] - at;
         let lost_e = REAL_UNIT * (2.0 * reach3(v) + size3(e));
-        let bound = size_tangent * (size3(e) * (sizes * way_off + real(params.origin_lost)) + lost_e * size3(to_v));
+        let bound = size_tangent * (size3(e) * (sizes * point_error + real(params.origin_lost)) + lost_e * size3(to_v));
         let side = facing * sign_beyond(dot(e, cross(tangent, to_v)), bound);
         if side < 0 {
             return MISSED;

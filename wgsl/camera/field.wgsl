@@ -1,6 +1,6 @@
 // The rays of a field in recheck arithmetic, and as bundles.
-// Provides: cell_bundle, cell_bundle_at, field_bundle, field_spread, pixel_bundle
-// Needs: Bundle, Cell, Spread, both_sides, field_at, field_direction, field_origin, real, real3, size3, tile_corner
+// Provides: cell_bundle, cell_bundle_at, field_bundle, field_differential, pixel_bundle
+// Needs: Bundle, Cell, RayDifferential, both_sides, field_at, field_direction, field_origin, real, real3, size3, tile_corner
 // Binds: params, rays_lo
 
 fn field_origin_real(at: u32) -> real3 {
@@ -38,14 +38,14 @@ fn field_bundle(x: u32, y: u32) -> Bundle {
     return b;
 }
 
-fn field_spread(x: u32, y: u32, t: f32) -> Spread {
+fn field_differential(x: u32, y: u32, t: f32) -> RayDifferential {
     let own = field_at(x, y);
     let row = 6u * (params.width + 1u);
     let right = field_step(own, own + 6u, t);
     let left = -field_step(own, select(own - 6u, own, x == 0u), t);
     let below = field_step(own, own + row, t);
     let above = -field_step(own, select(own - row, own, y == 0u), t);
-    return Spread(both_sides(right, left), both_sides(below, above));
+    return RayDifferential(both_sides(right, left), both_sides(below, above));
 }
 
 // Vector from a point of one ray to that of another at the same t; 0 if there is no other ray.

@@ -1,6 +1,6 @@
 // Rays of a ray field, pixel by pixel: it has one layer and one piece.
-// Provides: has_ray, piece_number, pixel_ray, point_at, ray_bundle, ray_spread, reached, segment_length
-// Needs: Bundle, Ray, Spread, field_at, field_bundle, field_direction, field_origin, field_spread
+// Provides: has_ray, piece_number, pixel_ray, point_at, ray_bundle, ray_differential, reached, segment_length
+// Needs: Bundle, Ray, RayDifferential, field_at, field_bundle, field_differential, field_direction, field_origin
 
 fn ray_bundle(layer: u32, x: u32, y: u32, t: f32) -> Bundle {
     return field_bundle(x, y);
@@ -15,8 +15,8 @@ fn pixel_ray(layer: u32, x: u32, y: u32, t: f32) -> Ray {
     return Ray(field_origin(at), field_direction(at));
 }
 
-fn ray_spread(layer: u32, x: u32, y: u32, t: f32) -> Spread {
-    return field_spread(x, y, t);
+fn ray_differential(layer: u32, x: u32, y: u32, t: f32) -> RayDifferential {
+    return field_differential(x, y, t);
 }
 
 // Point at t of a pixel's ray.

@@ -1,7 +1,7 @@
 // The rays of four samples of a pixel of a ray field, from its table and by what they differ.
 // Provides: sample_strip
 // Needs: FieldRay, SAMPLES, Strip, TILE, bit_mask, field_ray, field_strip, pixels_of_sample, real3
-// Binds: params, rays_aside, tile_start
+// Binds: params, sample_ray_deltas, tile_start
 
 struct SampleStrip {
     strip: Strip,
@@ -9,9 +9,9 @@ struct SampleStrip {
 }
 
 fn sample_field_ray(own: FieldRay, at: u32) -> FieldRay {
-    let a = rays_aside[at];
-    let b = rays_aside[at + 1u];
-    let c = rays_aside[at + 2u];
+    let a = sample_ray_deltas[at];
+    let b = sample_ray_deltas[at + 1u];
+    let c = sample_ray_deltas[at + 2u];
     return FieldRay(own.p + real3(vec3<f32>(a, b.x)), own.d + real3(vec3<f32>(b.y, c)), true);
 }
 

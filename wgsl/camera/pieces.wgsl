@@ -3,17 +3,17 @@
 // Needs: Bundle, Cell, bundle_at, piece_bundle, real, tile_corner
 // Binds: pieces
 
-// Half of a tile from its middle to the outermost pixel centre, px.
+// Half of a tile from its centre to the outermost pixel centre, px.
 const TILE_REACH: f32 = 3.5;
 
-// The bundle about the middle of the cell's tile.
+// The bundle about the centre of the cell's tile.
 fn cell_bundle(cell: Cell) -> Bundle {
     let q = pieces[cell.piece];
-    let middle = vec2<f32>(tile_corner(cell.tile)) + TILE_REACH - vec2<f32>(q.origin_x, q.origin_y);
-    return bundle_at(piece_bundle(q), real(middle.x), real(middle.y));
+    let centre = vec2<f32>(tile_corner(cell.tile)) + TILE_REACH - vec2<f32>(q.origin_x, q.origin_y);
+    return bundle_at(piece_bundle(q), real(centre.x), real(centre.y));
 }
 
-// The bundle of one pixel of a cell whose bundle is `whole`; (x, y) from the tile's middle.
+// The bundle of one pixel of a cell whose bundle is `whole`; (x, y) from the tile's centre.
 fn pixel_bundle(whole: Bundle, cell: Cell, x: u32, y: u32) -> Bundle {
     return bundle_at(whole, real(f32(x) - TILE_REACH), real(f32(y) - TILE_REACH));
 }

@@ -136,15 +136,15 @@ fn coverage(
 
 // N . (v h - p) and N . d over a tile: their ratio is t.
 struct CellDepth {
-    along: real3,           // value at the tile's middle, slopes in x and y
+    along: real3,           // value at the tile's centre, slopes in x and y
     across: real3,
     rounding: real,         // of `along`
-    hidden: real,
+    back_sign: real,
     slot: u32,
     whole: Bundle,
 }
 
-fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real, slot: u32) -> CellDepth {
+fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, back_sign: real, slot: u32) -> CellDepth {
     var q: CellDepth;
     q.along = real3(
         dot(normal, v[0] * whole.h - whole.p),
@@ -152,7 +152,7 @@ fn cell_depth(whole: Bundle, normal: real3, v: array<real3, 3>, hidden: real, sl
         dot(normal, v[0] * whole.hy - whole.py),
     );
     q.across = real3(dot(normal, whole.d), dot(normal, whole.dx), dot(normal, whole.dy));
-    q.hidden = hidden;
+    q.back_sign = back_sign;
     q.slot = slot;
     q.whole = whole;
     if SLABBED {
@@ -165,7 +165,7 @@ fn pixel_depth(q: CellDepth, cell: Cell, x: u32, y: u32) -> Meeting {
     let fx = real(f32(x) - TILE_REACH);
     let fy = real(f32(y) - TILE_REACH);
     let along = q.along.x + fx * q.along.y + fy * q.along.z;
-    var meeting = ray_meeting(along, q.across.x + fx * q.across.y + fy * q.across.z, q.rounding, q.hidden);
+    var meeting = ray_meeting(along, q.across.x + fx * q.across.y + fy * q.across.z, q.rounding, q.back_sign);
     meeting.visible = meeting.visible && is_there(q.slot, bundle_at(q.whole, fx, fy));
     return meeting;
 }

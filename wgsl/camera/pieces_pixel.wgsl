@@ -1,6 +1,7 @@
 // Rays of a camera made of pieces, pixel by pixel; the piece is looked up.
-// Provides: cell_ray_at, cell_spread, has_ray, piece_number, pixel_ray, point_at, ray_bundle, ray_spread, reached, segment_length
-// Needs: Bundle, Cell, NONE, Ray, Spread, TILE, TILE_REACH, bundle_at, piece_bundle, pixel_cell, real
+// Provides: cell_differential, cell_ray_at, has_ray, piece_number, pixel_ray, point_at, ray_bundle, ray_differential, reached,
+//   segment_length
+// Needs: Bundle, Cell, NONE, Ray, RayDifferential, TILE, TILE_REACH, bundle_at, piece_bundle, pixel_cell, real
 // Binds: cells, pieces
 
 // The bundle of a pixel of the band in a layer.
@@ -22,7 +23,7 @@ fn cell_ray(cell: Cell, x: u32, y: u32) -> Ray {
     return cell_ray_at(cell, vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH);
 }
 
-// The ray of a place of a cell, px from its tile's middle.
+// The ray of a place of a cell, px from its tile's centre.
 fn cell_ray_at(cell: Cell, place: vec2<f32>) -> Ray {
     let fx = place.x;
     let fy = place.y;
@@ -34,12 +35,12 @@ fn cell_ray_at(cell: Cell, place: vec2<f32>) -> Ray {
     return Ray((cell.p + fx * px + fy * py) / h, (cell.d + fx * dx + fy * dy) / h);
 }
 
-fn ray_spread(layer: u32, x: u32, y: u32, t: f32) -> Spread {
-    return cell_spread(cells[pixel_cell(layer, x, y)], vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH, t);
+fn ray_differential(layer: u32, x: u32, y: u32, t: f32) -> RayDifferential {
+    return cell_differential(cells[pixel_cell(layer, x, y)], vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH, t);
 }
 
 // P and D are ratios of affine functions, so their slopes follow from those of numerator and denominator.
-fn cell_spread(cell: Cell, place: vec2<f32>, t: f32) -> Spread {
+fn cell_differential(cell: Cell, place: vec2<f32>, t: f32) -> RayDifferential {
     let ray = cell_ray_at(cell, place);
     let hx = pieces[cell.piece].hx_hi;
     let hy = pieces[cell.piece].hy_hi;
@@ -47,7 +48,7 @@ fn cell_spread(cell: Cell, place: vec2<f32>, t: f32) -> Spread {
     let point = ray.p + t * ray.d;
     let right = pieces[cell.piece].px_hi + t * pieces[cell.piece].dx_hi - hx * point;
     let down = pieces[cell.piece].py_hi + t * pieces[cell.piece].dy_hi - hy * point;
-    return Spread(right / h, down / h);
+    return RayDifferential(right / h, down / h);
 }
 
 // Point at t of a pixel's ray.

@@ -1,18 +1,18 @@
 // The rays of samples of a camera made of pieces.
-// Provides: sample_ray, sample_spread
-// Needs: Ray, SLABBED, Spread, TILE, TILE_REACH, bit_mask, cell_ray_at, cell_spread, pixels_of_sample, sample_place
+// Provides: sample_differential, sample_ray
+// Needs: Ray, RayDifferential, SLABBED, TILE, TILE_REACH, bit_mask, cell_differential, cell_ray_at, pixels_of_sample, sample_offset
 // Binds: cells, params, tile_start
 
 fn sample_ray(layer: u32, x: u32, y: u32, sample: u32) -> Ray {
     return cell_ray_at(cells[sample_cell(layer, x, y, sample)], place_in_tile(x, y, sample));
 }
 
-fn sample_spread(layer: u32, x: u32, y: u32, sample: u32, t: f32) -> Spread {
-    return cell_spread(cells[sample_cell(layer, x, y, sample)], place_in_tile(x, y, sample), t);
+fn sample_differential(layer: u32, x: u32, y: u32, sample: u32, t: f32) -> RayDifferential {
+    return cell_differential(cells[sample_cell(layer, x, y, sample)], place_in_tile(x, y, sample), t);
 }
 
 fn place_in_tile(x: u32, y: u32, sample: u32) -> vec2<f32> {
-    return vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH + sample_place(sample);
+    return vec2<f32>(f32(x % TILE), f32(y % TILE)) - TILE_REACH + sample_offset(sample);
 }
 
 // The cell of a sample's piece.

@@ -1,6 +1,6 @@
 // The rays of four samples of a pixel of a camera made of pieces.
 // Provides: sample_strip
-// Needs: Bundle, NO_STRIP, SAMPLES, Strip, TILE, bit_mask, either, piece_bundle, pixels_of_sample, real, real3, real4, sample_place
+// Needs: Bundle, NO_STRIP, SAMPLES, Strip, TILE, bit_mask, either, piece_bundle, pixels_of_sample, real, real3, real4, sample_offset
 // Binds: cells, pieces, tile_start
 
 struct SampleStrip {
@@ -24,10 +24,10 @@ fn places_strip(b: Bundle, x: real4, y: real4, less: real3) -> Strip {
 fn sample_strip(tile: u32, x: u32, y: u32, first: u32, less: real3) -> SampleStrip {
     let lane = x % TILE;
     let bit = bit_mask((y % TILE) * TILE + x % TILE);
-    let a = sample_place(first);
-    let b = sample_place(min(first + 1u, SAMPLES - 1u));
-    let c = sample_place(min(first + 2u, SAMPLES - 1u));
-    let d = sample_place(min(first + 3u, SAMPLES - 1u));
+    let a = sample_offset(first);
+    let b = sample_offset(min(first + 1u, SAMPLES - 1u));
+    let c = sample_offset(min(first + 2u, SAMPLES - 1u));
+    let d = sample_offset(min(first + 3u, SAMPLES - 1u));
     var strip = NO_STRIP;
     var exists = vec4<bool>(false);
     for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {

@@ -4,8 +4,8 @@
 // components, so that a product is at most the product of the sizes. Every bound has the same form: the error of each factor
 // times the size of the other, plus PRODUCT_UNITS of both sizes.
 // Provides: Weighed, pixel_proof
-// Needs: Bundle, Cell, ENDLESS, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, SLABBED, end_rounding, normal_of, of_words,
-//   perturbed, reach3, real, real3, sign_beyond, size3, weighed
+// Needs: Bundle, Cell, ENDLESS, MISSED, Normal, PRODUCT_UNITS, Proof, REAL_ROUNDING, REAL_UNIT, SLABBED, end_rounding, normal_of,
+//   perturbed, reach3, real, real3, real_from_bits, sign_beyond, size3, weighed
 // Binds: params
 
 // A ray, and error bounds of its parts.
@@ -77,12 +77,12 @@ fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane 
     let least = abs(across) - lost_across;
     let t = along / across;
     let off = (lost_along + abs(t) * lost_across) / least + 4.0 * REAL_ROUNDING * abs(t);
-    // that of the tile's middle, whose numbers are of the same size
+    // that of the tile's centre, whose numbers are of the same size
     let margin = select(0.0, 2.0 * end_rounding(q.b, normal.n, reach) / least, SLABBED);
     return OnPlane(t - off, t + off, facing, margin);
 }
 
-fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hidden: i32, is_inside: bool) -> Proof {
+fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, back_sign: i32, is_inside: bool) -> Proof {
     let q = weighed(cell, whole, x, y);
     let from_v = offset_of(q, v[0]);
     var inside = is_inside;
@@ -97,9 +97,9 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, hi
         inside = centre > 0 && decided > 0;
     }
     let met = on_plane(q, from_v, normal_of(v), reach3(v));
-    let t_min = of_words(params.t_words.xy);
-    let t_max = of_words(params.t_words.zw);
-    if met.facing * hidden > 0 || met.far < t_min - met.margin || met.near > t_max + met.margin {
+    let t_min = real_from_bits(params.t_words.xy);
+    let t_max = real_from_bits(params.t_words.zw);
+    if met.facing * back_sign > 0 || met.far < t_min - met.margin || met.near > t_max + met.margin {
         return MISSED;
     }
     let is_in_range = met.near >= t_min && met.far <= t_max;

@@ -1,8 +1,8 @@
 // Rows of caustics; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
-// Provides: Cast, Casting, Landing, Receiver
+// Provides: CausticTriangle, DepositParams, Receiver, ReceiverTriangle
 
 // A dispatch of deposit.
-struct Casting {
+struct DepositParams {
     count: u32,             // caustic triangles
     texels: u32,            // of all receivers; behind their sums are those of what missed, and a count of lines
     pad0: u32,
@@ -10,7 +10,7 @@ struct Casting {
 }
 
 // A caustic triangle on a receiver.
-struct Cast {
+struct CausticTriangle {
     a: vec2<f32>,           // corners, texels
     b: vec2<f32>,
     c: vec2<f32>,
@@ -29,7 +29,7 @@ struct Receiver {
 }
 
 // A triangle of the scene in a receiver's plane.
-struct Landing {
+struct ReceiverTriangle {
     a: vec2<f32>,           // its first corner, texels
     ab: vec2<f32>,          // from there to the others
     ac: vec2<f32>,

@@ -11,21 +11,21 @@ fn sent_back(lit: Lit, albedo: vec3<f32>) -> vec3<f32> {
     let view = lit.view;
     let open = openness(lit);
     let base = albedo * (1.0 - material.metallic);
-    let straight = mix(material.specular, albedo, material.metallic);
-    var sum = material.emissive + open * from_around(base, straight, material.alpha, n, -view);
+    let f0 = mix(material.specular, albedo, material.metallic);
+    var sum = material.emissive + open * from_around(base, f0, material.alpha, n, -view);
     if shading.light_count == 0u && !SKY {
-        sum += (1.0 - shading.ambient) * open * glossy(base, straight, material.alpha, n, -view, -view);
+        sum += (1.0 - shading.ambient) * open * glossy(base, f0, material.alpha, n, -view, -view);
     }
     for (var k = 0u; k < shading.light_count; k++) {
         let light = arriving(k, lit);
-        sum += (1.0 - shading.ambient) * light.strength * glossy(base, straight, material.alpha, n, -view, light.l);
+        sum += (1.0 - shading.ambient) * light.strength * glossy(base, f0, material.alpha, n, -view, light.l);
     }
     return sum;
 }
 
 // The light reflected in direction v from a light of irradiance pi in direction l: a matte share, and a reflection with
-// reflectance `straight` at normal incidence.
-fn glossy(base: vec3<f32>, straight: vec3<f32>, alpha: f32, n: vec3<f32>, v: vec3<f32>, l: vec3<f32>) -> vec3<f32> {
+// reflectance `f0` at normal incidence.
+fn glossy(base: vec3<f32>, f0: vec3<f32>, alpha: f32, n: vec3<f32>, v: vec3<f32>, l: vec3<f32>) -> vec3<f32> {
     let nl = dot(n, l);
     if nl <= 0.0 {
         return vec3<f32>(0.0);
@@ -40,9 +40,9 @@ fn glossy(base: vec3<f32>, straight: vec3<f32>, alpha: f32, n: vec3<f32>, v: vec
     let nh = clamp(dot(n, h), 0.0, 1.0);
 
     // what reflects nothing straight on does not at grazing angles (Lagarde and de Rousiers 2014)
-    let grazing = min(50.0 * max(straight.x, max(straight.y, straight.z)), 1.0);
+    let grazing = min(50.0 * max(f0.x, max(f0.y, f0.z)), 1.0);
     let slant = 1.0 - clamp(dot(v, h), 0.0, 1.0);
-    let fresnel = straight + (grazing - straight) * (slant * slant * slant * slant * slant);
+    let fresnel = f0 + (grazing - f0) * (slant * slant * slant * slant * slant);
 
     // facets' share about h, and how much of them light and viewer both see (Heitz 2014)
     let a2 = alpha * alpha;

@@ -7,18 +7,18 @@ const SKY: bool = true;
 
 // The environment light reflected towards v: the matte share by the irradiance, the rest by the mean over a lobe about the
 // mirrored view, times the share of it that microfacets reflect (Karis 2014).
-fn from_around(base: vec3<f32>, straight: vec3<f32>, alpha: f32, n: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
+fn from_around(base: vec3<f32>, f0: vec3<f32>, alpha: f32, n: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     let nv = max(dot(n, v), 1e-4);
     let r = 2.0 * dot(n, v) * n - v;
-    let aside = select(vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), abs(r.x) > 0.7);
-    let across = normalize(cross(r, aside));
+    let helper_axis = select(vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), abs(r.x) > 0.7);
+    let across = normalize(cross(r, helper_axis));
     let width = lobe_width(alpha);
     let lobe = sky_mean(r, width * across, width * cross(r, across));
     let rough = sqrt(alpha) * vec4<f32>(-1.0, -0.0275, -0.572, 0.022) + vec4<f32>(1.0, 0.0425, 1.04, -0.04);
     let falloff = min(rough.x * rough.x, exp2(-9.28 * nv)) * rough.x + rough.y;
     let share = vec2<f32>(-1.04, 1.04) * falloff + rough.zw;
-    let grazing = min(50.0 * max(straight.x, max(straight.y, straight.z)), 1.0);
-    return base * irradiance(n) + lobe * (straight * share.x + grazing * share.y);
+    let grazing = min(50.0 * max(f0.x, max(f0.y, f0.z)), 1.0);
+    return base * irradiance(n) + lobe * (f0 * share.x + grazing * share.y);
 }
 
 // The box, radians a side, that is as wide as what facets of this alpha make of one direction: normals deviate by alpha / sqrt(2),
@@ -66,12 +66,12 @@ fn beyond(x: u32, y: u32) -> vec3<f32> {
     if shading.sky_is_seen == 0u || all(d == vec3<f32>(0.0)) {
         return shading.background;
     }
-    let right = both_sides(way_step(d, layer, x + 1u, y), -way_step(d, layer, x - 1u, y));
-    let down = both_sides(way_step(d, layer, x, y + 1u), -way_step(d, layer, x, y - 1u));
-    return sky_mean(d, shading.spread * right, shading.spread * down);
+    let right = both_sides(direction_step(d, layer, x + 1u, y), -direction_step(d, layer, x - 1u, y));
+    let down = both_sides(direction_step(d, layer, x, y + 1u), -direction_step(d, layer, x, y - 1u));
+    return sky_mean(d, shading.filter_width * right, shading.filter_width * down);
 }
 
-fn way_step(own: vec3<f32>, layer: u32, x: u32, y: u32) -> vec3<f32> {
+fn direction_step(own: vec3<f32>, layer: u32, x: u32, y: u32) -> vec3<f32> {
     let d = end_direction(layer, x, y);
     return select(d - own, vec3<f32>(0.0), all(d == vec3<f32>(0.0)));
 }

@@ -1,5 +1,5 @@
 // Reflection and refraction at flat facets.
-// Provides: bounce_at, camera_of, camera_place, facet_place, facet_weights
+// Provides: bounce_at, facet_place, facet_weights, piece_of, piece_weights
 // Needs: BouncedRay, LAW_NORMALS, bent, bent_at, norm, real, real3
 // Binds: corners, optic
 
@@ -15,16 +15,16 @@ fn corner_normal(k: u32) -> real3 {
 }
 
 // The index of the facet's piece among the optics' pieces.
-fn camera_of(surface: u32) -> u32 {
-    return corners[3u * surface].camera;
+fn piece_of(surface: u32) -> u32 {
+    return corners[3u * surface].piece;
 }
 
 // The position with weights w on that piece: weights of the piece's second and third corner.
-fn camera_place(surface: u32, w: vec3<f32>) -> vec2<f32> {
+fn piece_weights(surface: u32, w: vec3<f32>) -> vec2<f32> {
     let k = 3u * surface;
-    return w.x * vec2<f32>(corners[k].camera_u, corners[k].camera_v)
-        + w.y * vec2<f32>(corners[k + 1u].camera_u, corners[k + 1u].camera_v)
-        + w.z * vec2<f32>(corners[k + 2u].camera_u, corners[k + 2u].camera_v);
+    return w.x * vec2<f32>(corners[k].piece_u, corners[k].piece_v)
+        + w.y * vec2<f32>(corners[k + 1u].piece_u, corners[k + 1u].piece_v)
+        + w.z * vec2<f32>(corners[k + 2u].piece_u, corners[k + 2u].piece_v);
 }
 
 // The weights of the corners where the line p + t d meets the facet's plane.

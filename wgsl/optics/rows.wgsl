@@ -14,7 +14,7 @@ struct Optic {
     bounces: u32,             // bounces before the rays of the pass
     base: vec3<f32>,        // colour of the surface where rays end on it
     ends: u32,              // 1: rays end on it, after the last bounce
-    middle: vec3<f32>,      // of the scene: how wide bundles are is compared as far along their rays
+    centre: vec3<f32>,      // of the scene: how wide bundles are is compared as far along their rays
     law: u32,               // one of the LAW constants
     ior_hi: f32,            // index of refraction inside; 0: rays are reflected
     ior_lo: f32,
@@ -48,18 +48,18 @@ struct PathState {
     length: f32,            // summed over the earlier rays, world units
     first: u32,             // surface that was met first; NONE before any
     last: u32,              // id of the surface that the ray starts on; NONE: the eye, or no bounce
-    camera: u32,            // of the surface that was met first
+    piece: u32,             // of the surface that was met first
     pad0: u32,
 }
 
 // A facet's corner, relative to the anchor, and its unit normal, each value a sum hi + lo.
 struct Corner {
     p_hi: vec3<f32>,
-    camera: u32,            // of the facet: which of the optics' pieces it belongs to
+    piece: u32,             // of the facet: which of the optics' pieces it belongs to
     p_lo: vec3<f32>,
-    camera_u: f32,          // where on that facet the corner lies: weight of its second corner,
+    piece_u: f32,          // where on that facet the corner lies: weight of its second corner,
     n_hi: vec3<f32>,
-    camera_v: f32,          // and of its third
+    piece_v: f32,          // and of its third
     n_lo: vec3<f32>,
     pad0: f32,
 }

@@ -1,10 +1,10 @@
 // What a pixel of a camera with a mirror or lens shows: the hit of its last ray.
-// Provides: colour_of, ends_on_smooth, first_piece, first_surface, goes_on, is_under_way, light_before, light_left, path_length,
+// Provides: colour_of, ends_on_smooth, first_piece, first_surface, goes_on, has_path, light_before, light_left, path_length,
 //   says_what_is_seen
 // Needs: NONE, Place
 // Binds: optic, params, paths, planes
 
-fn is_under_way(x: u32, y: u32) -> bool {
+fn has_path(x: u32, y: u32) -> bool {
     return optic.bounces == 0u || paths[y * params.width + x].last != NONE;
 }
 
@@ -43,7 +43,7 @@ fn first_surface(pixel: u32) -> u32 {
 
 // The piece that the first surface belongs to.
 fn first_piece(pixel: u32) -> u32 {
-    return optic.piece_first + paths[pixel].camera;
+    return optic.piece_first + paths[pixel].piece;
 }
 
 override SMOOTH: bool = false;

@@ -1,7 +1,7 @@
 // Reflection and refraction at smooth surfaces, intersected exactly. A snippet per kind gives the intersection, `first_root`, and
 // the normal, `smooth_normal`.
-// Provides: Root, bounce_at, camera_of, meeting_with
-// Needs: BouncedRay, bent_at, first_root, norm, of_words, real, real3, smooth_normal
+// Provides: Root, bounce_at, meeting_with, piece_of
+// Needs: BouncedRay, bent_at, first_root, norm, real, real3, real_from_bits, smooth_normal
 // Binds: optic, params
 
 struct Root {
@@ -11,11 +11,11 @@ struct Root {
 
 // Where the pixel's ray p + t d meets the surface; `last` is the id of the one that it starts on.
 fn meeting_with(surface: u32, p: real3, d: real3, last: u32) -> Root {
-    return first_root(surface, p, d, last == optic.first_id + surface, of_words(params.t_words.xy), of_words(params.t_words.zw));
+    return first_root(surface, p, d, last == optic.first_id + surface, real_from_bits(params.t_words.xy), real_from_bits(params.t_words.zw));
 }
 
 // A smooth surface is its own piece.
-fn camera_of(surface: u32) -> u32 {
+fn piece_of(surface: u32) -> u32 {
     return surface;
 }
 

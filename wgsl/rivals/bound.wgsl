@@ -1,6 +1,6 @@
 // bound: a triangle around the image of each, and the ray of each pixel of it against the triangle's plane (Hou et al. 2006,
 // sections 2.1 and 2.2). An instance is a piece, the camera triangle.
-// Needs: Drawn, ID_MASK, Piece, clip_place, drawn, file_normal, in_range, is_hidden, outline_corners, outline_distances, outline_holds,
+// Needs: Drawn, ID_MASK, Piece, clip_place, drawn, file_normal, in_range, is_back_face, outline_corners, outline_distances, outline_holds,
 //   outline_ray, piece_origin, vertex, winding
 // Binds: outlines, pieces, triangles
 
@@ -18,7 +18,7 @@ struct Clipped {
     @location(1) @interpolate(flat, either) piece: u32,
 }
 
-// The camera plane in pixels from the piece's origin, X = p + x px + y py: where the rays are at the t of the scene's middle. The
+// The camera plane in pixels from the piece's origin, X = p + x px + y py: where the rays are at the t of the scene's centre. The
 // paper's is the mirror's facet; the nearer it is to the triangles, the tighter are their bounds.
 struct Plane {
     p: vec3<f32>,
@@ -27,13 +27,13 @@ struct Plane {
     normal: vec3<f32>,
 }
 
-override MIDDLE_X: f32 = 0.0;
-override MIDDLE_Y: f32 = 0.0;
-override MIDDLE_Z: f32 = 0.0;
+override CENTRE_X: f32 = 0.0;
+override CENTRE_Y: f32 = 0.0;
+override CENTRE_Z: f32 = 0.0;
 
 fn camera_plane(q: Piece) -> Plane {
     let ray = outline_ray(q, vec2<f32>(0.0));
-    let t = dot(vec3<f32>(MIDDLE_X, MIDDLE_Y, MIDDLE_Z) - ray.p, ray.d) / dot(ray.d, ray.d);
+    let t = dot(vec3<f32>(CENTRE_X, CENTRE_Y, CENTRE_Z) - ray.p, ray.d) / dot(ray.d, ray.d);
     let px = q.px_hi + t * q.dx_hi;
     let py = q.py_hi + t * q.dy_hi;
     return Plane(q.p_hi + t * q.d_hi, px, py, cross(px, py));
@@ -80,7 +80,7 @@ fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piec
         d[k] = outline_ray(q, corner[k]).d;
     }
 
-    // edges: at right angles to the rays; where these do not go apart, those of the camera triangle
+    // edges: at right angles to the rays; where these do not diverge, those of the camera triangle
     var n: array<vec2<f32>, 3>;
     for (var k = 0u; k < 3u; k++) {
         n[k] = edge_normal(plane, d[k]);
@@ -88,8 +88,8 @@ fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piec
     let a = winding(normalize(n[0]), normalize(n[1]));
     let b = winding(normalize(n[1]), normalize(n[2]));
     let c = winding(normalize(n[2]), normalize(n[0]));
-    let apart = (a > APART && b > APART && c > APART) || (a < -APART && b < -APART && c < -APART);
-    if !apart {
+    let diverge = (a > DIVERGENT && b > DIVERGENT && c > DIVERGENT) || (a < -DIVERGENT && b < -DIVERGENT && c < -DIVERGENT);
+    if !diverge {
         for (var k = 0u; k < 3u; k++) {
             let e = corner[(k + 2u) % 3u] - corner[(k + 1u) % 3u];
             let out = vec2<f32>(e.y, -e.x);
@@ -114,8 +114,8 @@ fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piec
     return Clipped(vec4<f32>(clip_place(at), 0.5, 1.0), distances, index / 3u, piece);
 }
 
-// Sine of the angle between two edges at which they are told apart.
-const APART: f32 = 1e-3;
+// Sine of the angle between two edges from which they count as diverging.
+const DIVERGENT: f32 = 1e-3;
 
 @fragment
 fn bound_pixel(corner: Corner) -> Drawn {
@@ -135,7 +135,7 @@ fn bound_pixel(corner: Corner) -> Drawn {
     let ca = dot(v0 - v2, g0);
     let bc = dot(v2 - v1, cross(ray.d, v1 - ray.p));
     let inside = (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
-    if !inside || !in_range(t) || !outline_holds(o, at) || is_hidden(row.w, normal, ray.d) {
+    if !inside || !in_range(t) || !outline_holds(o, at) || is_back_face(row.w, normal, ray.d) {
         discard;
     }
     return drawn(o.layer, row.w & ID_MASK, t);

@@ -1,5 +1,5 @@
 // cube: triangles onto the six faces of a cube around the eye, three beside each other in two rows.
-// Needs: Drawn, ID_MASK, drawn, file_normal, is_hidden, on_face, vertex
+// Needs: Drawn, ID_MASK, drawn, file_normal, is_back_face, on_face, vertex
 // Binds: cube, triangles
 
 struct Corner {
@@ -23,7 +23,7 @@ fn cube_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) face:
 
 @fragment
 fn cube_pixel(corner: Corner) -> Drawn {
-    if is_hidden(corner.row_word, corner.normal, corner.m) {
+    if is_back_face(corner.row_word, corner.normal, corner.m) {
         discard;
     }
     return drawn(0u, corner.row_word & ID_MASK, on_face(corner.face, corner.m).z);

@@ -1,5 +1,5 @@
 // What a fragment leaves in the picture that take reads.
-// Provides: Drawn, clip_place, drawn, file_normal, is_hidden
+// Provides: Drawn, clip_place, drawn, file_normal, is_back_face
 // Needs: ONE_SIDED, triangle_reversed
 // Binds: params
 
@@ -25,7 +25,7 @@ fn clip_place(q: vec2<f32>) -> vec2<f32> {
 }
 
 // A triangle that only one side of is visible shows the other to this ray.
-fn is_hidden(row_word: u32, normal: vec3<f32>, d: vec3<f32>) -> bool {
+fn is_back_face(row_word: u32, normal: vec3<f32>, d: vec3<f32>) -> bool {
     return (row_word & ONE_SIDED) != 0u && dot(normal, d) >= 0.0;
 }
 

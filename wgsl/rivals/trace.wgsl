@@ -2,7 +2,7 @@
 // Reads the pixel's rays, segment by segment, and triangles in a bounding volume hierarchy, or one after the other; writes the
 // visibility key of the nearest triangle of the first segment that meets one.
 // Provides: SEGMENTS
-// Needs: NONE, TILE, has_ray, item_index, real, traced, visibility_key, way_segment, way_t
+// Needs: NONE, TILE, has_ray, item_index, path_segment, path_t, real, traced, visibility_key
 // Binds: params, visibility
 
 override LAYERS: u32 = 1u;
@@ -23,13 +23,13 @@ fn trace(
         return;
     }
 
-    // follow its way to the first triangle
+    // follow its path to the first triangle
     for (var layer = 0u; layer < LAYERS; layer++) {
         if has_ray(layer, x, y) {
             for (var k = 0u; k < SEGMENTS; k++) {
-                let found = traced(way_segment(layer, x, y, k));
+                let found = traced(path_segment(layer, x, y, k));
                 if found.id != NONE {
-                    visibility[y * params.width + x] = ~visibility_key(layer, real(way_t(found.s, k)), found.id);
+                    visibility[y * params.width + x] = ~visibility_key(layer, real(path_t(found.s, k)), found.id);
                     return;
                 }
             }

@@ -3,8 +3,8 @@
 // twice. Where samples contradict the lines (a curved edge, an intersection), or more triangles are seen than are kept, samples are
 // counted instead.
 // Provides: measure, seen_next, share_of, whole
-// Needs: SAMPLES, all_samples, key_id, key_layer, key_of, key_t, middle_of, nearest_to, point_at, sample_place, sample_ray, sample_spread,
-//   seen_alike, weights_at
+// Needs: SAMPLES, all_samples, centre_of, key_id, key_layer, key_of, key_t, nearest_to, point_at, sample_differential, sample_offset,
+//   sample_ray, seen_alike, weights_at
 // Binds: params, slot_of_id, triangles
 
 // Most triangles kept per pixel, the background among them.
@@ -54,7 +54,7 @@ fn measure(pixel: u32, row: u32) {
     }
 
     for (var k = 0u; k < count; k++) {
-        let n = nearest_to(middle_of(groups[k]), groups[k]);
+        let n = nearest_to(centre_of(groups[k]), groups[k]);
         if all(key_of(row, n) == vec2<u32>(0u)) {
             nothing = k;
         } else if !find_lines(k, pixel, row, n) {
@@ -123,10 +123,10 @@ fn find_lines(k: u32, pixel: u32, row: u32, sample: u32) -> bool {
     let x = pixel % params.width;
     let y = pixel / params.width;
     let ray = sample_ray(key_layer(key), x, y, sample);
-    let spread = sample_spread(key_layer(key), x, y, sample, key_t(key));
-    let w = weights_at(triangles[slot_of_id[key_id(key) - params.id_first]], point_at(ray, key_t(key)), ray.d, spread);
+    let differential = sample_differential(key_layer(key), x, y, sample, key_t(key));
+    let w = weights_at(triangles[slot_of_id[key_id(key) - params.id_first]], point_at(ray, key_t(key)), ray.d, differential);
     let steep = sqrt(w.right * w.right + w.down * w.down);
-    let own = sample_place(sample);
+    let own = sample_offset(sample);
     let centre = w.at - own.x * w.right - own.y * w.down;
     for (var e = 0u; e < 3u; e++) {
         edge_lines[3u * k + e] = vec3<f32>(w.right[e], w.down[e], centre[e]) / steep[e];
@@ -141,7 +141,7 @@ fn inside(k: u32) -> u32 {
     let third = edge_lines[3u * k + 2u];
     var found = 0u;
     for (var n = 0u; n < SAMPLES; n++) {
-        let place = vec3<f32>(sample_place(n), 1.0);
+        let place = vec3<f32>(sample_offset(n), 1.0);
         let least = min(dot(first, place), min(dot(second, place), dot(third, place)));
         found |= select(0u, 1u << n, least >= 0.0);
     }

@@ -4,7 +4,7 @@
 
 // N . (v - P) and N . D as affine functions over a node, in node units, and their error bounds.
 struct Plane {
-    along: vec3<f32>,       // in the middle, and slopes
+    along: vec3<f32>,       // at the centre, and slopes
     lost_along: f32,
     across: vec3<f32>,
     lost_across: f32,

@@ -8,7 +8,7 @@ const NOWHERE: f32 = 3.3e38;
 
 // An edge over the tile, in units of its error bound or go over a pixel's samples, in node units.
 struct Side {
-    c: vec3<f32>,       // in the middle, and slopes
+    c: vec3<f32>,       // at the centre, and slopes
     q: vec3<f32>,       // x x, x y and y y
 }
 

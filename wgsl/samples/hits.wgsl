@@ -38,13 +38,13 @@ struct Flat {
     normal: real3,
     v: real3,
     reach: real,
-    hidden: real,
+    back_sign: real,
 }
 
 fn flat_of(triangle: vec4<u32>, v: array<real3, 3>) -> Flat {
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
-    let hidden = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
-    return Flat(cross(v[1] - v[0], v[2] - v[0]), v[0], reach3(v), hidden);
+    let back_sign = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
+    return Flat(cross(v[1] - v[0], v[2] - v[0]), v[0], reach3(v), back_sign);
 }
 
 fn flat_meeting(q: Flat, b: Bundle) -> Meeting {
@@ -52,5 +52,5 @@ fn flat_meeting(q: Flat, b: Bundle) -> Meeting {
     if SLABBED {
         rounding = end_rounding(b, q.normal, q.reach);
     }
-    return ray_meeting(dot(q.normal, q.v * b.h - b.p), dot(q.normal, b.d), rounding, q.hidden);
+    return ray_meeting(dot(q.normal, q.v * b.h - b.p), dot(q.normal, b.d), rounding, q.back_sign);
 }

@@ -11,7 +11,7 @@ struct Extent {
     tight: bool,
 }
 
-// Before the first step: all of the node, t guessed from the node's middle.
+// Before the first step: all of the node, t guessed from the node's centre.
 fn anywhere(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
     let t0 = dot(v0 + v1 + v2 - 3.0 * node.p, node.d) / (3.0 * dot(node.d, node.d));
     return Extent(vec2<f32>(-1.0), vec2<f32>(1.0), t0, t0, false);
@@ -22,13 +22,13 @@ fn extent(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
     return narrowed(node, anywhere(node, v0, v1, v2), v0, v1, v2);
 }
 
-// By three steps, each about the middle of the previous extent: for nodes of many tiles.
+// By three steps, each about the centre of the previous extent: for nodes of many tiles.
 fn close_extent(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Extent {
     let first = extent(node, v0, v1, v2);
     return narrowed(node, narrowed(node, first, v0, v1, v2), v0, v1, v2);
 }
 
-// One step: a point X is seen at c + (x, y) and t, c the middle of the extent so far, with
+// One step: a point X is seen at c + (x, y) and t, c the centre of the extent so far, with
 //   X - p - c_x px - c_y py = x A + y B + t D + (t - t0)(x dx + y dy) + r,
 //   A = px + t0 dx, B = py + t0 dy, D = d + c_x dx + c_y dy, |r| <= r_p + |t| r_d,
 // so the rows w of the inverse of [A B D] give x = w_x . (X - p - ...) up to |t - t0| (|x| |w_x . dx| + |y| |w_x . dy|) + |w_x| |r|,

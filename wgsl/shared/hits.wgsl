@@ -11,8 +11,8 @@ fn merge_hits(cell: Cell, slot: u32, triangle: vec4<u32>, whole: Bundle, v: arra
     let id = triangle_id(triangle);
     let normal = cross(v[1] - v[0], v[2] - v[0]);
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
-    let hidden = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
-    let depth = cell_depth(whole, normal, v, hidden, slot);
+    let back_sign = select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u);
+    let depth = cell_depth(whole, normal, v, back_sign, slot);
     let corner = tile_corner(cell.tile);
     let layer = tile_layer(cell.tile);
     var covered = pixels;

@@ -1,17 +1,17 @@
 // Straight rays against a triangle's plane.
 // Provides: end_rounding, ray_meeting
-// Needs: Bundle, Meeting, REAL_UNIT, SLABBED, of_words, real, real3, size3
+// Needs: Bundle, Meeting, REAL_UNIT, SLABBED, real, real3, real_from_bits, size3
 // Binds: params
 
-// t = along / across of a ray; `across` of the sign of `hidden` is a face that does not show. In a chain a hit within
+// t = along / across of a ray; `across` of the sign of `back_sign` is a back face, which is not visible. In a chain a hit within
 // `rounding` (of `along`) beyond an end of its segment counts as on that end: the next segment starts there, up to
 // rounding, and what lies in the face between them must not fall through.
-fn ray_meeting(along: real, across: real, rounding: real, hidden: real) -> Meeting {
-    if across == 0.0 || across * hidden > 0.0 {
+fn ray_meeting(along: real, across: real, rounding: real, back_sign: real) -> Meeting {
+    if across == 0.0 || across * back_sign > 0.0 {
         return Meeting(0.0, false);
     }
-    let t_min = of_words(params.t_words.xy);
-    let t_max = of_words(params.t_words.zw);
+    let t_min = real_from_bits(params.t_words.xy);
+    let t_max = real_from_bits(params.t_words.zw);
     let t = along / across;
     if SLABBED {
         let margin = rounding / abs(across);

@@ -29,8 +29,8 @@ fn slab(q: vec3<f32>, d: vec3<f32>, r0: vec3<f32>, r1: vec3<f32>, range: vec2<f3
     return vec2<f32>(lo, hi);
 }
 
-// Half-size of the bundle about its middle ray at t, component by component; convex in t.
-fn spread(node: Node, s: f32, t: f32) -> vec3<f32> {
+// Half-size of the bundle about its central ray at t, component by component; convex in t.
+fn bundle_half_size(node: Node, s: f32, t: f32) -> vec3<f32> {
     return abs(node.px + s * t * node.dx) + abs(node.py + s * t * node.dy) + vec3<f32>(node.r_p + t * node.r_d);
 }
 
@@ -44,7 +44,7 @@ const REFINEMENTS: u32 = 2u;
 fn half_meets(node: Node, s: f32, range: vec2<f32>, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let q = node.p - centre;
     let d = s * node.d;
-    // origins and directions bounded apart
+    // origins and directions bounded separately
     let r0 = half + abs(node.px) + abs(node.py) + vec3<f32>(node.r_p);
     let r1 = abs(node.dx) + abs(node.dy) + vec3<f32>(node.r_d);
     let coarse = slab(q, d, r0, r1, range);
@@ -57,7 +57,7 @@ fn half_meets(node: Node, s: f32, range: vec2<f32>, centre: vec3<f32>, half: vec
     // together: where the spread is largest in that range; once more in the range that this leaves
     var range_left = coarse;
     for (var k = 0u; k < REFINEMENTS && range_left.x <= range_left.y; k++) {
-        let r = half + max(spread(node, s, range_left.x), spread(node, s, range_left.y));
+        let r = half + max(bundle_half_size(node, s, range_left.x), bundle_half_size(node, s, range_left.y));
         range_left = slab(q, d, r, vec3<f32>(0.0), range_left);
     }
     return range_left.x <= range_left.y;

@@ -65,7 +65,7 @@ fn conic_sign(q: Conic, x: f32, y: f32, s: f32) -> i32 {
 // Pixel centres lie within 7/8 of a tile's half-size.
 const CENTRES: f32 = 0.875;
 
-// How far aside from its centre a pixel's samples lie at most, px.
+// Largest distance of a sample from its pixel's centre, px.
 override SAMPLE_REACH: f32 = 0.0;
 
 // A pixel in the units of a tile's node.

@@ -1,8 +1,8 @@
 // Rows that the host writes and kernels read; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
 // Provides: BRANCH, CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_FRAGMENTS_KEPT,
 //   COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_RECHECK_ITEMS, COUNT_RECHECK_SAMPLES,
-//   COUNT_SORTED, COUNT_TASKS, COUNT_WORK, Cell, Cluster, GROUP, LANES, LEVEL_CELL, NONE, Node, PERTURB_LOST, Params, Piece, Places,
-//   RAYS_AFFINE, RAYS_LOOSE, RAYS_NONE, RAYS_TORN, Step, TILE, TRIANGLE_GROUP
+//   COUNT_SORTED, COUNT_TASKS, COUNT_WORK, Cell, Cluster, GROUP, LANES, LEVEL_CELL, NONE, Node, PERTURB_LOST, Params, Piece, RAYS_AFFINE,
+//   RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE, SampleOffsets, Step, TILE, TRIANGLE_GROUP
 
 const GROUP: u32 = 64u;        // threads a workgroup, everywhere
 const TILE: u32 = 8u;          // px a side of a tile
@@ -70,8 +70,8 @@ struct Params {
 // for sums of components instead of lengths.
 const PERTURB_LOST: f32 = 1.0 / 2199023255552.0;
 
-// Where samples lie about their pixel's centre, px right and down: two a row.
-struct Places {
+// Offsets of samples from their pixel's centre, px right and down: two a row.
+struct SampleOffsets {
     at: array<vec4<f32>, 16>,
 }
 
@@ -91,7 +91,7 @@ struct Cluster {
 const RAYS_NONE: u32 = 0u;     // no ray in the square
 const RAYS_LOOSE: u32 = 1u;    // several pieces, or rays that are not affine
 const RAYS_AFFINE: u32 = 2u;   // one affine bundle
-const RAYS_TORN: u32 = 3u;     // so far from affine that what lies below bounds them much better
+const RAYS_DISCONTINUOUS: u32 = 3u;     // so far from affine that what lies below bounds them much better
 
 const LEVEL_CELL: u32 = 15u;   // of a cell in the address of a node
 
@@ -112,7 +112,7 @@ struct Node {
     pad2: f32,
 }
 
-// The pixels of one tile that one piece owns, or a part of a torn tile of a field; the piece's bundle at the tile's middle.
+// The pixels of one tile that one piece owns, or a part of a discontinuous tile of a field; the piece's bundle at the tile's centre.
 struct Cell {
     p: vec3<f32>,
     h: f32,

@@ -1,7 +1,7 @@
 // Tests a triangle against four rays at once: coverage, proven by f32, and depth, in recheck arithmetic.
 // Provides: FARTHEST, INFINITE, farthest, given, is_behind, lines_of, reach_of, settled, shared_of, size, test_pixels
-// Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_LOST, REAL_UNIT, SLABBED, Strip, of_words, ordered_bits, real, real3, real4, size3,
-//   triangle_id, triangle_reversed, words_of
+// Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_LOST, REAL_UNIT, SLABBED, Strip, ordered_bits, real, real3, real4, real_from_bits,
+//   real_to_bits, size3, triangle_id, triangle_reversed
 // Binds: params
 
 // Rounding of one f32 operation, relative.
@@ -74,15 +74,15 @@ struct Shared {
     c: Edge,
     normal: real3,
     height: real,       // N . v
-    hidden: real,
+    back_sign: real,
     margin: real,         // of N . (v - p), beyond an end of a segment
     id: u32,
 }
 
 // The value of one lane.
 fn lanes_real(value: real, lane: u32) -> real {
-    let words = words_of(value);
-    return of_words(vec2<u32>(subgroupShuffle(words.x, lane), subgroupShuffle(words.y, lane)));
+    let words = real_to_bits(value);
+    return real_from_bits(vec2<u32>(subgroupShuffle(words.x, lane), subgroupShuffle(words.y, lane)));
 }
 
 // The values of lane k.
@@ -93,7 +93,7 @@ fn given(own: Shared, k: u32) -> Shared {
         Edge(subgroupShuffle(own.c.c, k), subgroupShuffle(own.c.e, k)),
         real3(lanes_real(own.normal.x, k), lanes_real(own.normal.y, k), lanes_real(own.normal.z, k)),
         lanes_real(own.height, k),
-        lanes_real(own.hidden, k),
+        lanes_real(own.back_sign, k),
         lanes_real(own.margin, k),
         subgroupShuffle(own.id, k),
     );
@@ -115,8 +115,8 @@ fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u
     let inside = (least > vec4<f32>(1.0)) | (most < vec4<f32>(-1.0));
     let outside = (least < vec4<f32>(-1.0)) & (most > vec4<f32>(1.0));
     let across = f.normal.x * s.dx + f.normal.y * s.dy + f.normal.z * s.dz;
-    let t_min = of_words(params.t_words.xy);
-    let t_max = of_words(params.t_words.zw);
+    let t_min = real_from_bits(params.t_words.xy);
+    let t_max = real_from_bits(params.t_words.zw);
     var t = (f.height - (f.normal.x * s.px + f.normal.y * s.py + f.normal.z * s.pz)) / across;
     var from_t = real4(t_min);
     var to_t = real4(t_max);
@@ -126,7 +126,7 @@ fn test_pixels(f: Shared, l: Lines, s: Strip, exists: vec4<bool>, starts: vec4<u
         to_t += margin;
     }
     // NaN of 0 / 0 fails these comparisons
-    let met = inside & exists & (across * f.hidden <= real4(0.0)) & (t >= from_t) & (t <= to_t) & (starts != vec4<u32>(f.id));
+    let met = inside & exists & (across * f.back_sign <= real4(0.0)) & (t >= from_t) & (t <= to_t) & (starts != vec4<u32>(f.id));
     if SLABBED {
         t = min(max(t, real4(t_min)), real4(t_max));
     }
@@ -173,11 +173,11 @@ fn settled(layer: u32, key: real) -> vec2<u32> {
     return select(vec2<u32>(0u), ~vec2<u32>((bits.x & ~((1u << params.id_bits) - 1u)) | id, bits.y), key < FARTHEST);
 }
 
-// The shared values of a triangle from its corners in f64. No corner is farther than `reach` from the middle; reach_of the lines is at
+// The shared values of a triangle from its corners in f64. No corner is farther than `reach` from the centre; reach_of the lines is at
 // most reach_q.
-fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, middle: real3, reach: f32, reach_q: f32, reach_d: f32) -> Shared {
-    let m0 = vec3<f32>(v0 - middle);
-    let m1 = vec3<f32>(v1 - middle);
+fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, centre: real3, reach: f32, reach_q: f32, reach_d: f32) -> Shared {
+    let m0 = vec3<f32>(v0 - centre);
+    let m1 = vec3<f32>(v1 - centre);
     let normal = cross(v1 - v0, v2 - v0);
     let facing = select(real(1.0), real(-1.0), triangle_reversed(triangle));
     var margin = real(0.0);
@@ -189,7 +189,7 @@ fn shared_of(triangle: vec4<u32>, v0: real3, v1: real3, v2: real3, middle: real3
         edge_from(m0, vec3<f32>(v0 - v2), reach_q, reach),
         edge_from(m1, vec3<f32>(v2 - v1), reach_q, reach),
         normal,
-        dot(normal, v0 - middle),
+        dot(normal, v0 - centre),
         select(real(0.0), facing, (triangle.w & ONE_SIDED) != 0u),
         margin,
         triangle_id(triangle),

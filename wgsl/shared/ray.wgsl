@@ -1,5 +1,5 @@
 // Rays in f32, and how their points move from pixel to pixel.
-// Provides: Ray, Spread, both_sides
+// Provides: Ray, RayDifferential, both_sides
 
 // A ray in f32, relative to the anchor.
 struct Ray {
@@ -8,7 +8,7 @@ struct Ray {
 }
 
 // Derivatives of a point at constant t: per pixel to the right, and downwards.
-struct Spread {
+struct RayDifferential {
     right: vec3<f32>,
     down: vec3<f32>,
 }

@@ -1,6 +1,6 @@
 // The arithmetic of rechecks, depths and shading: f32, of frames in f32 alone.
-// Provides: PERTURB, REAL_ROUNDING, REAL_UNIT, REAL_UNIT_ROOT, from_ordered_bits, head_of, of_words, order_of_products, ordered_bits, real,
-//   real3, real4
+// Provides: PERTURB, REAL_ROUNDING, REAL_UNIT, REAL_UNIT_ROOT, from_ordered_bits, order_of_products, ordered_bits, real, real3, real4,
+//   real_from_bits, round_to_f32
 
 alias real = f32;
 alias real3 = vec3<f32>;
@@ -19,14 +19,14 @@ const PERTURB: real = 0.0;
 const REAL_ROUNDING: real = 5.9604645e-8;
 
 // The number nearest to an f64 within f32's range, by its bits, low word first.
-fn of_words(w: vec2<u32>) -> real {
+fn real_from_bits(w: vec2<u32>) -> real {
     let exponent = (w.y >> 20u) & 0x7ffu;
     let size = ((exponent - 896u) << 23u) + ((w.y & 0xfffffu) << 3u) + (w.x >> 29u) + ((w.x >> 28u) & 1u);
     return bitcast<f32>((w.y & 0x80000000u) | select(size, 0u, exponent <= 896u));
 }
 
-// f32 is its own head.
-fn head_of(t: real) -> real {
+// An f32 is its own rounding.
+fn round_to_f32(t: real) -> real {
     return t;
 }
 

@@ -1,6 +1,6 @@
 // The arithmetic of rechecks, depths and shading: f64.
-// Provides: PERTURB, REAL_ROUNDING, REAL_UNIT, REAL_UNIT_ROOT, from_ordered_bits, head_of, of_words, order_of_products, ordered_bits, real,
-//   real3, real4, words_of
+// Provides: PERTURB, REAL_ROUNDING, REAL_UNIT, REAL_UNIT_ROOT, from_ordered_bits, order_of_products, ordered_bits, real, real3, real4,
+//   real_from_bits, real_to_bits, round_to_f32
 
 alias real = f64;
 alias real3 = vec3<f64>;
@@ -19,25 +19,25 @@ const PERTURB: real = 2.2737367544323206e-13;
 const REAL_ROUNDING: real = 1.1102230246251565e-16;
 
 // The bits of a number, low word first.
-fn words_of(t: real) -> vec2<u32> {
+fn real_to_bits(t: real) -> vec2<u32> {
     let bits = bitcast<u64>(t);
     return vec2<u32>(u32(bits & 0xfffffffflu), u32(bits >> 32u));
 }
 
-fn of_words(w: vec2<u32>) -> real {
+fn real_from_bits(w: vec2<u32>) -> real {
     return bitcast<f64>((u64(w.y) << 32u) | u64(w.x));
 }
 
 // Rounded to the 24 bits of f32, ties away from 0.
-fn head_of(t: real) -> real {
-    let w = words_of(t);
+fn round_to_f32(t: real) -> real {
+    let w = real_to_bits(t);
     let low = w.x + 0x10000000u;
-    return of_words(vec2<u32>(low & 0xe0000000u, w.y + select(0u, 1u, low < w.x)));
+    return real_from_bits(vec2<u32>(low & 0xe0000000u, w.y + select(0u, 1u, low < w.x)));
 }
 
 // The bits of a number such that larger numbers have larger bits, high word second; +0 and -0 alike.
 fn ordered_bits(t: real) -> vec2<u32> {
-    var w = words_of(t);
+    var w = real_to_bits(t);
     if w.y == 0x80000000u && w.x == 0u {
         w.y = 0u;
     }
@@ -49,7 +49,7 @@ fn ordered_bits(t: real) -> vec2<u32> {
 
 // The number of which these are the ordered bits, as f32.
 fn from_ordered_bits(bits: vec2<u32>) -> f32 {
-    return f32(of_words(select(~bits, vec2<u32>(bits.x, bits.y & 0x7fffffffu), (bits.y & 0x80000000u) != 0u)));
+    return f32(real_from_bits(select(~bits, vec2<u32>(bits.x, bits.y & 0x7fffffffu), (bits.y & 0x80000000u) != 0u)));
 }
 
 // A product, exactly: its sign, 106 bits of which the first is 1 in four digits of 28, lowest first, and their exponent.
@@ -60,8 +60,8 @@ struct Product {
 }
 
 fn product_of(a: real, b: real) -> Product {
-    let x = words_of(a);
-    let y = words_of(b);
+    let x = real_to_bits(a);
+    let y = real_to_bits(b);
     let ex = (x.y >> 20u) & 0x7ffu;
     let ey = (y.y >> 20u) & 0x7ffu;
     if ex == 0u || ey == 0u {

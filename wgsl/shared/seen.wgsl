@@ -1,10 +1,10 @@
 // What a pixel of a camera without optics shows: the hit of its own ray.
-// Provides: colour_of, ends_on_smooth, first_piece, first_surface, goes_on, is_under_way, light_before, light_left, path_length,
+// Provides: colour_of, ends_on_smooth, first_piece, first_surface, goes_on, has_path, light_before, light_left, path_length,
 //   says_what_is_seen
 // Needs: NONE, Place
 
 // Whether the pixel has a ray in this pass.
-fn is_under_way(x: u32, y: u32) -> bool {
+fn has_path(x: u32, y: u32) -> bool {
     return true;
 }
 

@@ -8,8 +8,8 @@ struct Shading {
     light_count: u32,       // 0: one headlight along each pixel's ray
     gain: f32,              // of the 8-bit picture: by what light is multiplied, and one of the CURVE constants
     curve: u32,
-    spread: f32,            // of a pixel: how wide images are filtered
-    hidden_scale: f32,      // by which numbers of the hierarchy are multiplied that hides lights
+    filter_width: f32,      // of images, in pixels
+    shadow_bvh_scale: f32,  // factor of coordinates in the hierarchy that shadow rays are traced in
     sky: u32,               // the row of the material whose image is the light from all around; NONE: there is none
     sky_strength: f32,
     sky_rotation: f32,

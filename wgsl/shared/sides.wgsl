@@ -7,7 +7,7 @@
 // The axis along which a ray goes farthest, and how far it goes along the other two for each step along that.
 struct Shear {
     axis: u32,
-    aside: vec2<real>,
+    slope: vec2<real>,
 }
 
 // The components of a vector from the one after the axis on, so that the axis is last.
@@ -35,7 +35,7 @@ fn shear_of(b: Bundle) -> Shear {
 // Where a corner lies in the plane, the ray at (0, 0).
 fn in_plane(b: Bundle, s: Shear, v: real3) -> vec2<real> {
     let m = turned_to(s.axis, v * b.h - b.p);
-    return m.xy - s.aside * m.z;
+    return m.xy - s.slope * m.z;
 }
 
 // 1 where the ray has the edge from u to v on one hand, -1 on the other. Where it meets the edge still, as that of a ray an

@@ -1,6 +1,6 @@
 // Weights of a triangle's corners at a hit, and how they change from pixel to pixel.
 // Provides: weights_at
-// Needs: Spread, largest, vertex
+// Needs: RayDifferential, largest, vertex
 
 // Weights of a triangle's corners where its plane is met, and how they change for one pixel to the right, and downwards.
 struct Weights {
@@ -10,7 +10,7 @@ struct Weights {
 }
 
 // For a ray's direction d, whose point p moves with its pixel, and along it so that it stays in the plane.
-fn weights_at(triangle: vec4<u32>, p: vec3<f32>, d: vec3<f32>, spread: Spread) -> Weights {
+fn weights_at(triangle: vec4<u32>, p: vec3<f32>, d: vec3<f32>, differential: RayDifferential) -> Weights {
     let v0 = vertex(triangle.x);
     var e1 = vertex(triangle.y) - v0;
     var e2 = vertex(triangle.z) - v0;
@@ -22,8 +22,8 @@ fn weights_at(triangle: vec4<u32>, p: vec3<f32>, d: vec3<f32>, spread: Spread) -
     let g1 = cross(e2, n) / dot(n, n);
     let g2 = cross(n, e1) / dot(n, n);
     let at = (p - v0) / size;
-    let right = (spread.right - along * dot(n, spread.right)) / size;
-    let down = (spread.down - along * dot(n, spread.down)) / size;
+    let right = (differential.right - along * dot(n, differential.right)) / size;
+    let down = (differential.down - along * dot(n, differential.down)) / size;
     return Weights(
         with_first(vec2<f32>(dot(at, g1), dot(at, g2)), 1.0),
         with_first(vec2<f32>(dot(right, g1), dot(right, g2)), 0.0),

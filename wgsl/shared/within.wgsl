@@ -12,9 +12,9 @@ fn pixels_within(seen: Extent, side: u32) -> vec4<u32> {
     if seen.tight && (seen.t_hi < params.t_min.x || seen.t_lo > params.t_max.x) {
         return vec4<u32>(0u);
     }
-    let aside = SAMPLE_REACH + CENTRE_TOLERANCE * f32(side);
-    let first = ceil((seen.lo + 1.0) * 0.5 * f32(side) - 0.5 - aside);
-    let last = floor((seen.hi + 1.0) * 0.5 * f32(side) - 0.5 + aside);
+    let margin = SAMPLE_REACH + CENTRE_TOLERANCE * f32(side);
+    let first = ceil((seen.lo + 1.0) * 0.5 * f32(side) - 0.5 - margin);
+    let last = floor((seen.hi + 1.0) * 0.5 * f32(side) - 0.5 + margin);
     let most = vec4<f32>(f32(side));
     return vec4<u32>(clamp(vec4<f32>(first, last + 1.0), vec4<f32>(0.0), most));
 }

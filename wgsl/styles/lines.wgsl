@@ -1,32 +1,32 @@
 // Lines on surfaces, as wide in pixels as they shall be through any camera: distances in world or weights, over how these change from
 // pixel to pixel.
 // Provides: drawn
-// Needs: Look, Spread, covered, narrowed, tangents, weights_at
+// Needs: RayDifferential, ShadedHit, covered, narrowed, tangents, weights_at
 // Binds: shading, style, triangles
 
-fn drawn(look: Look, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
+fn drawn(hit: ShadedHit, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
     var seen = colour;
     if style.hatch_spacing > 0.0 {
-        let on = tangents(look);
+        let on = tangents(hit);
         let tone = clamp(dot(colour, vec3<f32>(0.2126, 0.7152, 0.0722)), 0.0, 1.0);
-        seen = mix(style.paper, style.ink, hatched(look.p + shading.anchor, on, 1.0 - tone, look.share));
+        seen = mix(style.paper, style.ink, hatched(hit.p + shading.anchor, on, 1.0 - tone, hit.share));
     }
     if style.wire_width > 0.0 {
-        let width = narrowed(style.wire_width, style.wire_depth, look.z);
-        seen = mix(seen, style.wire, covered(edge_distance(look), width, look.share));
+        let width = narrowed(style.wire_width, style.wire_depth, hit.z);
+        seen = mix(seen, style.wire, covered(edge_distance(hit), width, hit.share));
     }
     return seen;
 }
 
 // How far the nearest edge of the triangle is, px.
-fn edge_distance(look: Look) -> f32 {
-    let w = weights_at(triangles[look.slot], look.p, look.d, look.spread);
+fn edge_distance(hit: ShadedHit) -> f32 {
+    let w = weights_at(triangles[hit.slot], hit.p, hit.d, hit.differential);
     let to = w.at / sqrt(w.right * w.right + w.down * w.down);
     return max(0.0, min(to.x, min(to.y, to.z)));
 }
 
 // The share of ink where a surface is so dark: strokes along one family of planes up to one half of it, and crossing ones beyond.
-fn hatched(p: vec3<f32>, on: Spread, dark: f32, box: f32) -> f32 {
+fn hatched(p: vec3<f32>, on: RayDifferential, dark: f32, box: f32) -> f32 {
     let first = min(dark, 0.5);
     let second = select(0.0, 1.0 - (1.0 - dark) / (1.0 - first), dark > 0.5);
     let a = strokes(p, vec3<f32>(0.5773503, 0.7113249, 0.4009186), on, first, box);
@@ -36,7 +36,7 @@ fn hatched(p: vec3<f32>, on: Spread, dark: f32, box: f32) -> f32 {
 
 // The share of ink of strokes where planes across an axis cut the surface. Their distance in the world is a power of two, so that it is
 // once to twice the spacing in pixels; between two powers every other stroke grows thinner.
-fn strokes(p: vec3<f32>, axis: vec3<f32>, on: Spread, ink: f32, box: f32) -> f32 {
+fn strokes(p: vec3<f32>, axis: vec3<f32>, on: RayDifferential, ink: f32, box: f32) -> f32 {
     let slope = length(vec2<f32>(dot(on.right, axis), dot(on.down, axis)));
     if ink <= 0.0 || !(slope > 1e-30 && slope < 1e30) {
         return ink;
@@ -45,9 +45,9 @@ fn strokes(p: vec3<f32>, axis: vec3<f32>, on: Spread, ink: f32, box: f32) -> f32
     let period = exp2(floor(level) + 1.0);
     let left = 1.0 - fract(level);
     let at = dot(p, axis) / period;
-    let apart = period / slope;
-    let width = ink * apart / (1.0 + left);
-    let whole = covered(abs(fract(at + 0.5) - 0.5) * apart, width, box);
-    let between = covered(abs(fract(at) - 0.5) * apart, width * left, box);
+    let spacing = period / slope;
+    let width = ink * spacing / (1.0 + left);
+    let whole = covered(abs(fract(at + 0.5) - 0.5) * spacing, width, box);
+    let between = covered(abs(fract(at) - 0.5) * spacing, width * left, box);
     return min(whole + between, 1.0);
 }

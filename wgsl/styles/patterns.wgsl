@@ -1,6 +1,6 @@
 // Patterns that are cut out of the world: src/geometry/pattern.rs has them at a point, here are their means over what a pixel covers.
 // Provides: STYLED, pattern_at, tangents
-// Needs: Look, Spread, flat_normal, surface_row
+// Needs: RayDifferential, ShadedHit, flat_normal, surface_row
 // Binds: materials, shading, triangles
 
 const STYLED: bool = true;
@@ -10,40 +10,40 @@ const PATTERN_STONE: u32 = 2u;
 const PATTERN_WOOD: u32 = 3u;
 
 // How a hit moves on the plane of its triangle for one pixel to the right, and downwards.
-fn tangents(look: Look) -> Spread {
-    let n = flat_normal(triangles[look.slot], look.d);
-    let along = look.d / dot(n, look.d);
-    return Spread(look.spread.right - along * dot(n, look.spread.right), look.spread.down - along * dot(n, look.spread.down));
+fn tangents(hit: ShadedHit) -> RayDifferential {
+    let n = flat_normal(triangles[hit.slot], hit.d);
+    let along = hit.d / dot(n, hit.d);
+    return RayDifferential(hit.differential.right - along * dot(n, hit.differential.right), hit.differential.down - along * dot(n, hit.differential.down));
 }
 
 // What the material's colour is multiplied by.
-fn pattern_at(look: Look) -> vec3<f32> {
-    let material = materials[surface_row(look.slot).w];
+fn pattern_at(hit: ShadedHit) -> vec3<f32> {
+    let material = materials[surface_row(hit.slot).w];
     if material.pattern == 0u {
         return vec3<f32>(1.0);
     }
-    let on = tangents(look);
-    let p = (look.p + shading.anchor) / material.pattern_size;
-    let right = on.right * (look.share / material.pattern_size);
-    let down = on.down * (look.share / material.pattern_size);
+    let on = tangents(hit);
+    let p = (hit.p + shading.anchor) / material.pattern_size;
+    let right = on.right * (hit.share / material.pattern_size);
+    let down = on.down * (hit.share / material.pattern_size);
     var share = 0.0;
     if material.pattern == PATTERN_CHECKER {
         // a box as wide along each axis as the parallelogram has deviation there
         let width = sqrt(right * right + down * down);
-        let q = p + CHECKER_ASIDE;
+        let q = p + CHECKER_OFFSET;
         share = 0.5 + 0.5 * squares(q.x, width.x) * squares(q.y, width.y) * squares(q.z, width.z);
     } else if material.pattern == PATTERN_STONE {
         share = stone_mean(p, right, down);
     } else {
-        let aside = rings(p + 0.5 * right) - rings(p - 0.5 * right);
-        let below = rings(p + 0.5 * down) - rings(p - 0.5 * down);
-        share = 0.5 + 0.5 * cos(6.2831853 * fract(rings(p))) * left_of_wave(aside) * left_of_wave(below);
+        let dx = rings(p + 0.5 * right) - rings(p - 0.5 * right);
+        let dy = rings(p + 0.5 * down) - rings(p - 0.5 * down);
+        share = 0.5 + 0.5 * cos(6.2831853 * fract(rings(p))) * left_of_wave(dx) * left_of_wave(dy);
     }
     return mix(material.pattern_dark, material.pattern_light, share);
 }
 
 // So that faces at round places are not between cells.
-const CHECKER_ASIDE: f32 = 0.3717;
+const CHECKER_OFFSET: f32 = 0.3717;
 
 const STONE_OCTAVES: u32 = 5u;
 

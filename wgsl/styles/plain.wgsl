@@ -1,13 +1,13 @@
 // Surfaces as they are lit.
 // Provides: STYLED, drawn, pattern_at
-// Needs: Look
+// Needs: ShadedHit
 
 const STYLED: bool = false;
 
-fn pattern_at(look: Look) -> vec3<f32> {
+fn pattern_at(hit: ShadedHit) -> vec3<f32> {
     return vec3<f32>(1.0);
 }
 
-fn drawn(look: Look, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
+fn drawn(hit: ShadedHit, n: vec3<f32>, colour: vec3<f32>) -> vec3<f32> {
     return colour;
 }

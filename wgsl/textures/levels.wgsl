@@ -50,7 +50,7 @@ fn level_origin(m: Material, level: u32) -> vec2<u32> {
     if level == 0u {
         return m.origin;
     }
-    let aside = m.span - (m.span >> (level - 1u));
+    let offset = m.span - (m.span >> (level - 1u));
     let is_wide = m.size.x >= m.size.y;
-    return m.origin + select(vec2<u32>(m.size.x, aside), vec2<u32>(aside, m.size.y), is_wide);
+    return m.origin + select(vec2<u32>(m.size.x, offset), vec2<u32>(offset, m.size.y), is_wide);
 }

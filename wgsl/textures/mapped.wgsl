@@ -1,17 +1,17 @@
 // Colours of surfaces with images on them.
 // Provides: Footprint, TEXTURED, surface_albedo, surface_uv
-// Needs: NONE, NORMALS, Ray, Spread, corner_order, corner_uv, flat_normal, has_uv, image_mean, image_place, on_triangle, real, real3,
-//   stored_normal, surface_row, triangle_order, vertex, weights_at
+// Needs: NONE, NORMALS, Ray, RayDifferential, corner_order, corner_uv, flat_normal, has_uv, image_mean, image_place, on_triangle, real,
+//   real3, stored_normal, surface_row, triangle_order, vertex, weights_at
 // Binds: materials, shading
 
 const TEXTURED: bool = true;
 
-fn surface_albedo(slot: u32, triangle: vec4<u32>, ray: Ray, spread: Spread) -> vec3<f32> {
+fn surface_albedo(slot: u32, triangle: vec4<u32>, ray: Ray, differential: RayDifferential) -> vec3<f32> {
     let material = materials[surface_row(slot).w];
     if material.texture == NONE || !has_uv(slot) {
         return material.diffuse;
     }
-    return material.diffuse * image_mean(material, footprint(slot, triangle, ray, spread, material.texture));
+    return material.diffuse * image_mean(material, footprint(slot, triangle, ray, differential, material.texture));
 }
 
 // The texture coordinates of a hit, 0 without any.
@@ -45,19 +45,19 @@ struct Footprint {
     bend: vec2<f32>,    // change of the surface's cosine to the ray, relative to the triangle's own cosine: 0 on flat surfaces
 }
 
-fn footprint(slot: u32, triangle: vec4<u32>, ray: Ray, spread: Spread, wraps: u32) -> Footprint {
+fn footprint(slot: u32, triangle: vec4<u32>, ray: Ray, differential: RayDifferential, wraps: u32) -> Footprint {
     let uv = corner_uv(slot, triangle);
     var f: Footprint;
     f.uv = image_place(uv, hit_weights(triangle, ray), wraps);
 
-    let w = weights_at(triangle, ray.p, ray.d, spread);
+    let w = weights_at(triangle, ray.p, ray.d, differential);
     let t1 = uv[1] - uv[0];
     let t2 = uv[2] - uv[0];
-    f.right = shading.spread * (w.right.y * t1 + w.right.z * t2);
-    f.down = shading.spread * (w.down.y * t1 + w.down.z * t2);
+    f.right = shading.filter_width * (w.right.y * t1 + w.right.z * t2);
+    f.down = shading.filter_width * (w.down.y * t1 + w.down.z * t2);
 
     let change = cosine_change(slot, triangle, normalize(ray.d));
-    f.bend = shading.spread * vec2<f32>(dot(w.right.yz, change), dot(w.down.yz, change));
+    f.bend = shading.filter_width * vec2<f32>(dot(w.right.yz, change), dot(w.down.yz, change));
     return f;
 }
 

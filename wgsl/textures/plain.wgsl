@@ -1,11 +1,11 @@
 // Surfaces without images.
 // Provides: TEXTURED, surface_albedo, surface_row, surface_uv
-// Needs: Ray, Spread
+// Needs: Ray, RayDifferential
 // Binds: materials, surfaces
 
 const TEXTURED: bool = false;
 
-fn surface_albedo(slot: u32, triangle: vec4<u32>, ray: Ray, spread: Spread) -> vec3<f32> {
+fn surface_albedo(slot: u32, triangle: vec4<u32>, ray: Ray, differential: RayDifferential) -> vec3<f32> {
     return materials[surfaces[slot].w].diffuse;
 }
 

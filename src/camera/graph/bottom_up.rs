@@ -1,8 +1,8 @@
 //! `bottom_up`: two given pinhole views side by side, the scene between them bridged by a segment whose rays rotate from
 //! the one to the other (Popescu et al., section 3.3, Fig. 4 and 7); and `graph_camera`, the same without bridges.
 
-use super::joints::Joints;
-use super::rails::{self, Depths};
+use super::connect::JoinOptions;
+use super::legs::{self, Depths};
 use super::view::{Pinhole, View, beyond};
 use super::volume::Volume;
 use super::{Graph, Net};
@@ -25,16 +25,16 @@ struct BottomUp {
     root: Option<Pinhole>,
     cut: Option<f64>,
     foreground: bool,
-    joints: Joints,
+    join: JoinOptions,
     /// The parts are not joined: a graph camera of 2009.
-    torn: bool,
+    discontinuous: bool,
 }
 
 const SHARED: [&str; 8] = ["kind", "views", "weights", "near", "far", "root", "morph", "cut"];
 
 /// Reads the keys of help/bottom_up.txt.
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&[&SHARED[..], &Joints::KEYS, &["lateral", "foreground"]].concat())?;
+    table.allow(&[&SHARED[..], &JoinOptions::KEYS, &["lateral", "foreground"]].concat())?;
     let foreground = table.or("foreground", false, Field::boolean)?;
     for key in ["cut", "longitudinal", "join"] {
         if let (Some(field), false) = (table.get(key), foreground) {
@@ -42,17 +42,17 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         }
     }
     let lateral = table.optional("lateral", |f| f.integer(1, 1000))?;
-    Ok(Arc::new(BottomUp { lateral, foreground, ..read_shared(table, Joints::read(table)?)? }))
+    Ok(Arc::new(BottomUp { lateral, foreground, ..read_shared(table, JoinOptions::read(table)?)? }))
 }
 
 /// Reads the keys of help/graph_camera.txt.
-pub fn read_torn(table: &Table) -> Result<Arc<dyn Recipe>> {
+pub fn read_discontinuous(table: &Table) -> Result<Arc<dyn Recipe>> {
     table.allow(&SHARED[..SHARED.len() - 1])?;
-    let shared = read_shared(table, Joints::read(table)?)?;
-    Ok(Arc::new(BottomUp { torn: true, ..shared }))
+    let shared = read_shared(table, JoinOptions::read(table)?)?;
+    Ok(Arc::new(BottomUp { discontinuous: true, ..shared }))
 }
 
-fn read_shared(table: &Table, joints: Joints) -> Result<BottomUp> {
+fn read_shared(table: &Table, join: JoinOptions) -> Result<BottomUp> {
     let views = table.need("views", "[{ eye = [-5, 3, 9], target = [-5, 0, 0], vfov = 40 }, { ... }]")?;
     let [left, right] =
         views.array::<2>("two views, left and right, as [{ eye, target, vfov }, { eye, target, vfov }]")?;
@@ -68,8 +68,8 @@ fn read_shared(table: &Table, joints: Joints) -> Result<BottomUp> {
         root: table.optional("root", read_pinhole)?,
         cut: table.optional("cut", |f| least(f, 0.0))?.filter(|cut| *cut > 0.0),
         foreground: false,
-        joints,
-        torn: false,
+        join,
+        discontinuous: false,
     })
 }
 
@@ -107,17 +107,18 @@ impl Recipe for BottomUp {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let size = setting.size()?;
         let layout = self.layout(setting, size)?;
-        self.check_apart(setting, &layout, size)?;
-        let (net, leaf) = if self.torn { self.torn_leaves(&layout, size) } else { self.leaves(&layout, size) };
+        self.check_disjoint(setting, &layout, size)?;
+        let (net, leaf) =
+            if self.discontinuous { self.discontinuous_leaves(&layout, size) } else { self.leaves(&layout, size) };
         let root = |_| layout.root;
         let depths = self.foreground.then(|| self.depths(&net, &layout, &leaf[0]));
-        let plain = rails::plain(&net, root, layout.far, depths);
-        let graph = rails::with_leaves(&plain, leaf, depths);
-        if !self.torn {
+        let plain = legs::plain(&net, root, layout.far, depths);
+        let graph = legs::with_leaves(&plain, leaf, depths);
+        if !self.discontinuous {
             check_folds(setting, &graph)?;
         }
-        let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;
-        if self.torn {
+        let mut built = graph.morphed(&plain, self.join.morph).build(self.join.bend, size)?;
+        if self.discontinuous {
             built.notes.push("the views are not joined: the picture breaks where they meet what is between".into());
         }
         Ok(built)
@@ -141,7 +142,7 @@ impl BottomUp {
         };
         let views = [view(0)?, view(1)?];
         let pinhole = self.root.unwrap_or_else(|| self.default_root(&views, &centres));
-        let root = View::new(&pinhole, height, rails::middle((width, height)))?;
+        let root = View::new(&pinhole, height, legs::centre((width, height)))?;
         let eyes = [views[0].eye(), views[1].eye(), root.eye()];
         let reach = self.views.iter().map(|v| v.pose.distance()).fold(1000.0 * self.near, f64::max);
         let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &eyes, 1000.0 * reach).max(2.0 * self.near));
@@ -168,7 +169,7 @@ impl BottomUp {
     fn depths(&self, net: &Net, layout: &Layout, near: &[DVec3]) -> Depths {
         let nearest = near.iter().map(|n| layout.root.depth(*n).abs()).fold(f64::INFINITY, f64::min);
         let cut = self.cut.unwrap_or(if nearest > 0.0 { nearest / 2.0 } else { layout.far / 1000.0 });
-        let length = rails::mean_length(net, |_| layout.root, cut, near);
+        let length = legs::mean_length(net, |_| layout.root, cut, near);
         let near = cut + if length > 0.0 { length } else { cut };
         [cut, near, layout.far.max(2.0 * near)]
     }
@@ -203,7 +204,7 @@ impl BottomUp {
     }
 
     /// The parts on their own: the root's view in between.
-    fn torn_leaves(&self, layout: &Layout, size: (u32, u32)) -> (Net, [Vec<DVec3>; 2]) {
+    fn discontinuous_leaves(&self, layout: &Layout, size: (u32, u32)) -> (Net, [Vec<DVec3>; 2]) {
         let [x1, x2] = layout.between_px;
         let (w, h) = (size.0 as f64, size.1 as f64);
         let mut leaves = Leaves::new(self.near, layout.far);
@@ -219,7 +220,7 @@ impl BottomUp {
     }
 
     /// Both views must not see one part of the scene.
-    fn check_apart(&self, setting: &Setting, layout: &Layout, size: (u32, u32)) -> Result<()> {
+    fn check_disjoint(&self, setting: &Setting, layout: &Layout, size: (u32, u32)) -> Result<()> {
         let ([x1, x2], (w, h)) = (layout.between_px, (size.0 as f64, size.1 as f64));
         let volume = |k: usize, from: f64, to: f64| {
             Volume::of_view(&layout.views[k], DVec2::new(from, 0.0), DVec2::new(to, h), [self.near, layout.far])
@@ -227,7 +228,7 @@ impl BottomUp {
         let left = volume(0, 0.0, x1);
         let left = setting.bounds().map_or(left.clone(), |(lo, hi)| left.and(&Volume::of_box(lo, hi)));
         match left.meets(&volume(1, x2, w)) {
-            Some(at) if !self.torn => Err(Error::input(format!(
+            Some(at) if !self.discontinuous => Err(Error::input(format!(
                 "camera.views: the two views intersect, as at {}; turn or move them apart, or give a nearer far",
                 place(at)
             ))),

@@ -7,10 +7,10 @@
 //! connecting (CGLC) segments are pieces alike, with weights of 1, so there are no gaps.
 //!
 //! * `view`: a pinhole view, wherever in the image it lands.
-//! * `joints`: how a graph becomes layers: straight, cut lengthwise, curved; `morph`.
+//! * `connect`: how a graph becomes layers: straight, cut lengthwise, curved; `morph`.
 //! * `outline`: triangles for image regions of any shape.
 //! * `volume`, `fold`: segments that intersect, and rays that cross.
-//! * `rails`, `roots`: legs from a root view into others, and cubes of views.
+//! * `legs`, `roots`: legs from a root view into others, and cubes of views.
 //! * `path`, `blend`: detours around the occluders of a target, and several of them on one net.
 //! * [`bottom_up`], [`top_down`], [`track`]: the constructors.
 //!
@@ -18,18 +18,18 @@
 
 mod blend;
 pub mod bottom_up;
+mod connect;
 mod fold;
-mod joints;
+mod legs;
 mod outline;
 mod path;
-mod rails;
 mod roots;
 pub mod top_down;
 pub mod track;
 mod view;
 mod volume;
 
-use joints::Bend;
+use connect::Bend;
 
 use glam::{DVec2, DVec3};
 

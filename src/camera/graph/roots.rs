@@ -1,7 +1,7 @@
 //! The root of a top-down camera: one pinhole view, or the six faces of a cube around its eye laid out in the image.
 
+use super::legs;
 use super::outline::{self, Outline};
-use super::rails;
 use super::view::{Pinhole, View};
 use crate::camera::pose::Pose;
 use crate::input::{Error, Result};
@@ -23,7 +23,7 @@ pub struct Root {
     pub pinhole: Pinhole,
     /// Pixels that its vfov spans.
     pub height: u32,
-    pub middle_px: DVec2,
+    pub centre_px: DVec2,
     /// All of the picture, or a face of a cube; pixels.
     pub outline: Outline,
 }
@@ -31,10 +31,10 @@ pub struct Root {
 /// The views of a root, in the order left, front, right, back, up, down where it is a cube. A plain root's outline is left
 /// empty.
 pub fn roots(pinhole: &Pinhole, layout: Layout, (width, height): (u32, u32)) -> Result<Vec<Root>> {
-    let middle = rails::middle((width, height));
+    let centre = legs::centre((width, height));
     if layout == Layout::Plain {
-        let view = View::new(pinhole, height, middle)?;
-        return Ok(vec![Root { view, pinhole: *pinhole, height, middle_px: middle, outline: Outline::new() }]);
+        let view = View::new(pinhole, height, centre)?;
+        return Ok(vec![Root { view, pinhole: *pinhole, height, centre_px: centre, outline: Outline::new() }]);
     }
     let (columns, rows) = if layout == Layout::Cross { (4, 3) } else { (6, 1) };
     let side = (width / columns).min(height / rows);
@@ -44,7 +44,7 @@ pub fn roots(pinhole: &Pinhole, layout: Layout, (width, height): (u32, u32)) -> 
         )));
     }
     let start = DVec2::new(((width - columns * side) / 2) as f64, ((height - rows * side) / 2) as f64);
-    let front = View::new(pinhole, side, middle)?;
+    let front = View::new(pinhole, side, centre)?;
     let [right, down] = front.steps().map(DVec3::normalize);
     let (f, r, u) = (front.forward(), right, -down);
     let around = [(-r, u), (f, u), (r, u), (-f, u), (u, -f), (-u, f)];
@@ -60,9 +60,9 @@ pub fn roots(pinhole: &Pinhole, layout: Layout, (width, height): (u32, u32)) -> 
         let hi = lo + side as f64;
         let eye = pinhole.pose.eye;
         let of_face = Pinhole { pose: Pose::look_at(eye, eye + forward, up), ..*pinhole };
-        let middle_px = (lo + hi) / 2.0;
-        let view = View::new(&of_face, side, middle_px)?;
-        Ok(Root { view, pinhole: of_face, height: side, middle_px, outline: outline::rectangle(lo, hi) })
+        let centre_px = (lo + hi) / 2.0;
+        let view = View::new(&of_face, side, centre_px)?;
+        Ok(Root { view, pinhole: of_face, height: side, centre_px, outline: outline::rectangle(lo, hi) })
     };
     around.into_iter().enumerate().map(face).collect()
 }

@@ -3,10 +3,10 @@
 
 use super::Net;
 use super::bottom_up::{least, place};
-use super::joints::Joints;
+use super::connect::JoinOptions;
+use super::legs::{self, Depths};
 use super::outline::{self, Outline};
 use super::path::Occluders;
-use super::rails::{self, Depths};
 use super::roots::{self, Layout, Root};
 use super::view::{Pinhole, View, beyond};
 use crate::camera::kinds::values::length;
@@ -29,7 +29,7 @@ struct TopDown {
     far: Option<f64>,
     cut: Option<f64>,
     foreground: bool,
-    joints: Joints,
+    join: JoinOptions,
 }
 
 #[derive(Debug, PartialEq)]
@@ -54,7 +54,7 @@ enum Viewpoint {
 /// Reads the keys of help/top_down.txt.
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let own = ["kind", "vfov", "layout", "regions", "band", "near", "far", "foreground", "cut"];
-    table.allow(&[&own[..], &POSE, &Joints::KEYS].concat())?;
+    table.allow(&[&own[..], &POSE, &JoinOptions::KEYS].concat())?;
     let layout = table.or("layout", Layout::Plain, |field| match field.text()? {
         "plain" => Ok(Layout::Plain),
         "cross" => Ok(Layout::Cross),
@@ -84,7 +84,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         far: table.optional("far", |f| least(f, near))?,
         cut: table.optional("cut", length)?,
         foreground,
-        joints: Joints::read(table)?,
+        join: JoinOptions::read(table)?,
     }))
 }
 
@@ -144,7 +144,7 @@ impl Recipe for TopDown {
         let far = self.far.unwrap_or_else(|| beyond(setting.mesh(), &eyes, 1000.0 * reach).max(2.0 * self.near));
         let depths = self.foreground.then(|| self.depths(&mesh, &patches, &roots, far));
         let far = depths.map_or(far, |d| d[2]);
-        let plain = rails::plain(&mesh.net, root, far, depths);
+        let plain = legs::plain(&mesh.net, root, far, depths);
         let leaf_depth = depths.map_or(0.0, |d| d[1]);
         let leaf = |plain_depth: f64, own_depth: f64| {
             let point = |(k, q): (usize, &DVec2)| match mesh.patch_of[k] {
@@ -153,9 +153,9 @@ impl Recipe for TopDown {
             };
             mesh.net.places_px.iter().enumerate().map(point).collect::<Vec<_>>()
         };
-        let graph = rails::with_leaves(&plain, [leaf(leaf_depth, self.near), leaf(far, far)], depths);
+        let graph = legs::with_leaves(&plain, [leaf(leaf_depth, self.near), leaf(far, far)], depths);
         let folds = graph.folds(setting.bounds());
-        let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;
+        let mut built = graph.morphed(&plain, self.join.morph).build(self.join.bend, size)?;
         built.notes.extend(
             fold_note(folds).map(|note| note + "; make band wider, or move the regions' eyes nearer to the root's"),
         );
@@ -179,10 +179,10 @@ impl TopDown {
             let error = |message: String| Error::input(format!("camera.regions.{k}: {message}"));
             let inner: Outline = region.outline.iter().map(|q| *q * size).collect();
             let (lo, hi) = outline::bounds(&inner);
-            let middle = (lo + hi) / 2.0;
+            let region_centre = (lo + hi) / 2.0;
             let at = match self.layout {
                 Layout::Plain => Some(0),
-                _ => roots.iter().position(|r| outline::holds(&r.outline, middle)),
+                _ => roots.iter().position(|r| outline::holds(&r.outline, region_centre)),
             };
             let at = at.ok_or_else(|| error("its middle lies in no face of the cube; move it".into()))?;
             let root = &roots[at];
@@ -201,7 +201,7 @@ impl TopDown {
                 return Err(error("leaves its face of the cube, its band included; make it or band smaller".into()));
             }
             let seen = || {
-                let ray = root.view.ray(middle);
+                let ray = root.view.ray(region_centre);
                 let seen = occluders.as_ref().and_then(|o| o.first(ray.origin, ray.direction, f64::INFINITY));
                 ray.origin + seen.unwrap_or(root.pinhole.pose.distance()) * ray.direction
             };
@@ -212,8 +212,8 @@ impl TopDown {
                 }
             };
             let pinhole = Pinhole { pose, vfov: region.vfov.unwrap_or(root.pinhole.vfov) };
-            // a whole number of pixels from the plain view's middle, so that their grids are one
-            let centre = root.middle_px + (middle - root.middle_px).round();
+            // a whole number of pixels from the plain view's centre, so that their grids are one
+            let centre = root.centre_px + (region_centre - root.centre_px).round();
             let view = View::new(&pinhole, root.height, centre).map_err(|e| {
                 let message = e.to_string();
                 let rest = message.strip_prefix("camera").unwrap_or(&message);

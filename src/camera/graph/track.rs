@@ -9,11 +9,11 @@
 //! shift counts. Targets without occluders keep their cores free of shifts.
 
 use super::blend::{Seen, Target, graphs};
-use super::joints::Joints;
+use super::connect::JoinOptions;
 use super::path::{Detour, Occluders, SightLines};
 use super::top_down::fold_note;
 use super::view::{Pinhole, View, beyond};
-use super::{Graph, rails};
+use super::{Graph, legs};
 use crate::camera::Rays;
 use crate::camera::pose::KEYS as POSE;
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -29,12 +29,12 @@ struct Track {
     /// Directions (right, up) in which rays may be shifted; empty: any of eight.
     bend: Vec<(f64, f64)>,
     far: Option<f64>,
-    joints: Joints,
+    join: JoinOptions,
 }
 
 /// Reads the keys of help/track.txt.
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
-    table.allow(&[&["kind", "vfov", "targets", "bend", "far"], &POSE[..], &Joints::KEYS].concat())?;
+    table.allow(&[&["kind", "vfov", "targets", "bend", "far"], &POSE[..], &JoinOptions::KEYS].concat())?;
     let targets = table.need("targets", "[{ at = [0, 1, 0], radius = 1 }]")?;
     let bend = table.or("bend", Vec::new(), |field| match field.text()? {
         "auto" => Ok(Vec::new()),
@@ -49,7 +49,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         targets: targets.items("a list of targets")?.map(|t| read_target(&t)).collect::<Result<_>>()?,
         bend,
         far: table.optional("far", |f| super::bottom_up::least(f, 0.0))?,
-        joints: Joints::read(table)?,
+        join: JoinOptions::read(table)?,
     }))
 }
 
@@ -71,7 +71,7 @@ const OUTLINE: usize = 8;
 impl Recipe for Track {
     fn build(&self, setting: &Setting) -> Result<Built> {
         let size = setting.size()?;
-        let view = View::new(&self.pinhole, size.1, rails::middle(size))?;
+        let view = View::new(&self.pinhole, size.1, legs::centre(size))?;
         let occluders = Occluders::of(setting.mesh());
         let (mut notes, mut unfulfilled) = (Vec::new(), Vec::new());
         let mut seen = self.seen(&view, size, &mut notes, &mut unfulfilled);
@@ -85,7 +85,7 @@ impl Recipe for Track {
             return Ok(plain_view(&view, size, notes, unfulfilled));
         };
         let folds = graph.folds(setting.bounds());
-        let mut built = graph.morphed(&plain, self.joints.morph).build(self.joints.bend, size)?;
+        let mut built = graph.morphed(&plain, self.join.morph).build(self.join.bend, size)?;
         built.notes.extend(notes.into_iter().chain(fold_note(folds)));
         Ok(Built { unfulfilled, ..built })
     }
@@ -152,7 +152,7 @@ impl Track {
         let mut reached: Vec<Seen> = Vec::new();
         for s in seen.drain(..) {
             if self.is_hidden(view, occluders, &s) {
-                let detours = s.sight_lines.detours(view, occluders, &directions, (self.joints.bend, largest));
+                let detours = s.sight_lines.detours(view, occluders, &directions, (self.join.bend, largest));
                 if detours.iter().all(Option::is_none) {
                     unfulfilled.push(no_path(s.index, largest));
                     continue;
@@ -216,7 +216,7 @@ impl Track {
         for _ in 0..=WIDENINGS {
             let [graph, plain] = graphs(view, &seen, size, far);
             let free = |s: &Seen| {
-                let line = graph.line(s.place_px, self.joints.bend);
+                let line = graph.line(s.place_px, self.join.bend);
                 line.is_some_and(|line| reaches(view, occluders, &line, &s.target))
             };
             let before = |s: &Seen, o: &Seen| {
@@ -252,7 +252,7 @@ fn no_path(index: usize, largest: f64) -> String {
     )
 }
 
-/// How far before its middle a target without a radius may be hit, as a part of its distance: its own surface.
+/// How far before its centre a target without a radius may be hit, as a part of its distance: its own surface.
 const OWN: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// Whether the line reaches the target's centre without a hit outside the target's ball.

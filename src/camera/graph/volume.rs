@@ -13,11 +13,11 @@ impl Volume {
     pub fn of_view(view: &View, lo: DVec2, hi: DVec2, [near, far]: [f64; 2]) -> Volume {
         let corners = [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)].map(|q| view.ray(q).direction);
         let (eye, f) = (view.eye(), view.forward());
-        let middle = corners.iter().sum::<DVec3>();
+        let centre = corners.iter().sum::<DVec3>();
         let mut planes = vec![(f, f.dot(eye) + far), (-f, -f.dot(eye) - near)];
         for k in 0..4 {
             let n = corners[k].cross(corners[(k + 1) % 4]).normalize();
-            let outward = if n.dot(middle) > 0.0 { -n } else { n };
+            let outward = if n.dot(centre) > 0.0 { -n } else { n };
             planes.push((outward, outward.dot(eye)));
         }
         Volume(planes)

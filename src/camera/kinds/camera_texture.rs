@@ -2,8 +2,8 @@
 
 mod bilinear;
 
+use super::central::{POSE, Pose};
 use super::pinhole;
-use super::pose::{POSE, Pose};
 use super::strips::central;
 use crate::camera::Rays;
 use crate::camera::bundle::Bundle;

@@ -1,6 +1,6 @@
 //! `cylinder`: the horizontal angle and the tangent of elevation become image coordinates; exact, or in strips.
 
-use super::pose::{Central, Lens, POSE, Pose};
+use super::central::{Central, Lens, POSE, Pose};
 use super::strips::{self, Grid};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};

@@ -1,6 +1,6 @@
 //! `fisheye`: the angle from the view direction becomes a distance from the image's middle.
 
-use super::pose::{Central, Lens, POSE, Pose};
+use super::central::{Central, Lens, POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::input::Result;

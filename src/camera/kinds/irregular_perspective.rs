@@ -7,7 +7,7 @@
 //! pushbroom, ...) and from corner to corner (near and far are bilinear patches). The columns of Figure 5 keep their shape
 //! with less convergence across than up.
 
-use super::stand::{Stand, allow, aspect, upright};
+use super::viewer::{Viewer, allow, aspect, upright};
 use crate::camera::projector::Volume;
 use crate::camera::projector::surface::Surface;
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 #[derive(Debug, PartialEq)]
 struct Irregular {
-    stand: Stand,
+    viewer: Viewer,
     /// Of the plane at the target, world units.
     height: f64,
     convergence: Convergence,
@@ -37,18 +37,18 @@ enum Convergence {
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     let [pieces, error] = tessellate::KEYS;
     allow(table, &["convergence", pieces, error])?;
-    let stand = Stand::read(table, [0.1, 2.0])?;
+    let viewer = Viewer::read(table, [0.1, 2.0])?;
     let convergence = table.or("convergence", Convergence::Even(DVec2::new(0.4, 1.0)), read_convergence)?;
     let all = match &convergence {
         Convergence::Even(c) => std::slice::from_ref(c),
         Convergence::Corners(c) => &c[..],
     };
-    let size = |depth: f64, c: &DVec2| stand.scale(depth, *c).min_element();
-    if all.iter().any(|c| size(stand.near, c) < 0.0 || size(stand.far, c) < 0.0) {
+    let size = |depth: f64, c: &DVec2| viewer.scale(depth, *c).min_element();
+    if all.iter().any(|c| size(viewer.near, c) < 0.0 || size(viewer.far, c) < 0.0) {
         return Err(table.error("convergence: rays cross between near and far; make it smaller or bring them together"));
     }
-    let height = 2.0 * stand.distance * Stand::half_height(table)?;
-    Ok(Arc::new(Irregular { stand, height, convergence, tessellation: Tessellation::read(table)? }))
+    let height = 2.0 * viewer.distance * Viewer::half_height(table)?;
+    Ok(Arc::new(Irregular { viewer, height, convergence, tessellation: Tessellation::read(table)? }))
 }
 
 fn read_convergence(field: &Field) -> Result<Convergence> {
@@ -67,7 +67,7 @@ fn read_convergence(field: &Field) -> Result<Convergence> {
     Ok(Convergence::Corners(corners))
 }
 
-impl Stand {
+impl Viewer {
     /// How much larger than at the target the picture is at a depth.
     fn scale(&self, depth: f64, convergence: DVec2) -> DVec2 {
         DVec2::ONE + convergence * ((depth - self.distance) / self.distance)
@@ -79,16 +79,16 @@ impl Recipe for Irregular {
         let at_target = upright(self.height, aspect(setting.size()?));
         let surface = |depth: f64| match &self.convergence {
             Convergence::Even(c) => {
-                let m = DMat2::from_diagonal(self.stand.scale(depth, *c)) * at_target;
-                Surface::from(self.stand.plane(depth, m, DVec2::ZERO))
+                let m = DMat2::from_diagonal(self.viewer.scale(depth, *c)) * at_target;
+                Surface::from(self.viewer.plane(depth, m, DVec2::ZERO))
             }
             Convergence::Corners(c) => {
                 let corners = [(0, -0.5, 0.5), (1, 0.5, 0.5), (2, -0.5, -0.5), (3, 0.5, -0.5)];
                 Surface::Bilinear(corners.map(|(k, x, y)| {
-                    self.stand.point(self.stand.scale(depth, c[k]) * (at_target * DVec2::new(x, y)), depth)
+                    self.viewer.point(self.viewer.scale(depth, c[k]) * (at_target * DVec2::new(x, y)), depth)
                 }))
             }
         };
-        Volume::over(vec![surface(self.stand.near), surface(self.stand.far)])?.build(setting, self.tessellation)
+        Volume::over(vec![surface(self.viewer.near), surface(self.viewer.far)])?.build(setting, self.tessellation)
     }
 }

@@ -1,6 +1,6 @@
 //! `lidar`: rays that need not form a picture: a list of rays, or those of a spinning scanner.
 
-use super::pose::{POSE, Pose};
+use super::central::{POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::view::View;
 use crate::camera::{Ray, RayMap, Rays};

@@ -2,6 +2,7 @@
 //! how they are read, and its rays.
 
 pub mod camera_texture;
+mod central;
 pub mod cross_slit;
 pub mod cylinder;
 pub mod display;
@@ -22,17 +23,16 @@ pub mod panini;
 pub mod panorama;
 pub mod pencil;
 pub mod pinhole;
-mod pose;
 pub mod pushbroom;
 pub mod raymap;
 pub mod reflection;
 pub mod sphere;
-mod stand;
 pub mod street;
 mod strips;
 pub mod surround;
 pub mod twist;
 pub(crate) mod values;
+mod viewer;
 
 use super::recipe::Kind;
 use super::{chain, graph, projector};
@@ -76,7 +76,11 @@ pub const KINDS: &[Kind] = &[
     Kind { name: "cylinder", help: include_str!("../help/cylinder.txt"), read: cylinder::read },
     Kind { name: "chain", help: include_str!("../help/chain.txt"), read: chain::read },
     Kind { name: "bottom_up", help: include_str!("../help/bottom_up.txt"), read: graph::bottom_up::read },
-    Kind { name: "graph_camera", help: include_str!("../help/graph_camera.txt"), read: graph::bottom_up::read_torn },
+    Kind {
+        name: "graph_camera",
+        help: include_str!("../help/graph_camera.txt"),
+        read: graph::bottom_up::read_discontinuous,
+    },
     Kind { name: "top_down", help: include_str!("../help/top_down.txt"), read: graph::top_down::read },
     Kind { name: "track", help: include_str!("../help/track.txt"), read: graph::track::read },
     Kind { name: "opencv", help: include_str!("../help/opencv.txt"), read: opencv::read },

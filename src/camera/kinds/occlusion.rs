@@ -9,7 +9,7 @@
 //! degree 3 over these four points, which starts along the first and ends along the last segment. It bends from the
 //! eye on, so it sees less behind the silhouette for the same distortion. (The paper's volume ends at far.)
 
-use super::stand::{Stand, allow, aspect, upright};
+use super::viewer::{Viewer, allow, aspect, upright};
 use crate::camera::projector::Volume;
 use crate::camera::projector::surface::{Plane, Pulled, Surface};
 use crate::camera::recipe::{Built, Recipe, Setting};
@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 #[derive(Debug, PartialEq)]
 struct Occlusion {
-    stand: Stand,
+    viewer: Viewer,
     half_height: f64,
     /// Depth at which the rays end.
     end: f64,
@@ -34,8 +34,8 @@ struct Occlusion {
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     allow(table, &["end", "pole", "distortion", "join"])?;
-    let stand = Stand::read(table, [1.0, 1.5])?;
-    if stand.near == 0.0 {
+    let viewer = Viewer::read(table, [1.0, 1.5])?;
+    if viewer.near == 0.0 {
         return Err(table.error("near is 0; the rays must start to bend in front of the eye"));
     }
     let bezier = table.or("join", false, |field| match field.text()? {
@@ -43,9 +43,13 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         "bezier" => Ok(true),
         _ => Err(field.error("must be \"linear\" or \"bezier\"")),
     })?;
-    let end = table.or("end", 2.0 * stand.far, |field| {
+    let end = table.or("end", 2.0 * viewer.far, |field| {
         let end = field.number()?;
-        if end > stand.far { Ok(end) } else { Err(field.error(format_args!("{end} must be beyond far {}", stand.far))) }
+        if end > viewer.far {
+            Ok(end)
+        } else {
+            Err(field.error(format_args!("{end} must be beyond far {}", viewer.far)))
+        }
     })?;
     let pole: [f64; 2] = table.or("pole", [0.5, 0.5], |field| field.numbers("an image place, as [a, b]"))?;
     let distortion = table.or("distortion", [0.0, 0.15], |field| {
@@ -53,8 +57,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         let below = distortion.iter().any(|d| *d < 0.0);
         if below { Err(field.error("must not be below 0")) } else { Ok(distortion) }
     })?;
-    let half_height = Stand::half_height(table)?;
-    Ok(Arc::new(Occlusion { stand, half_height, end, pole: pole.into(), distortion, bezier }))
+    let half_height = Viewer::half_height(table)?;
+    Ok(Arc::new(Occlusion { viewer, half_height, end, pole: pole.into(), distortion, bezier }))
 }
 
 impl Recipe for Occlusion {
@@ -62,12 +66,12 @@ impl Recipe for Occlusion {
         let size = setting.size()?;
         let aspect = aspect(size);
         let at = |depth: f64, pull: f64| {
-            let plane = self.stand.plane(depth, upright(2.0 * depth * self.half_height, aspect), DVec2::ZERO);
+            let plane = self.viewer.plane(depth, upright(2.0 * depth * self.half_height, aspect), DVec2::ZERO);
             let pulled = Pulled { plane, pole: self.pole, pull, aspect };
             if pull == 0.0 { Surface::from(plane) } else { Surface::Pulled(pulled) }
         };
-        let ([d_near, d_far], Stand { near, far, .. }) = (self.distortion, self.stand);
-        let eye = Surface::from(Plane::point(self.stand.eye));
+        let ([d_near, d_far], Viewer { near, far, .. }) = (self.distortion, self.viewer);
+        let eye = Surface::from(Plane::point(self.viewer.eye));
         let stops = [eye, at(near, d_near), at(far, d_far), at(self.end, d_far)];
         if self.bezier {
             return Volume::over(stops.to_vec())?.build(setting, Tessellation::Exact);

@@ -1,6 +1,6 @@
 //! `ods`: an omni-directional stereo pair, the left eye's picture above the right eye's.
 
-use super::pose::{POSE, Pose};
+use super::central::{POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::camera::view::View;

@@ -8,7 +8,7 @@ pub(crate) mod lens;
 mod roots;
 mod tilt;
 
-use super::pose::{POSE, Pose};
+use super::central::{POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::camera::view::View;

@@ -4,7 +4,7 @@
 //! eye that has the same picture of the target's plane. Projectors start along the view, and end along the pinhole's rays.
 //! `blend` is the share of the pinhole in the far surface, in all of the image or at its corners.
 
-use super::stand::{Stand, allow, aspect, upright};
+use super::viewer::{Viewer, allow, aspect, upright};
 use crate::camera::projector::Volume;
 use crate::camera::projector::patch::Patch;
 use crate::camera::projector::surface::Surface;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 #[derive(Debug, PartialEq)]
 struct OrthoToPerspective {
-    stand: Stand,
+    viewer: Viewer,
     half_height: f64,
     /// In the image's corners: rows from the top, each from the left.
     blend: [[f64; 2]; 2],
@@ -25,9 +25,9 @@ struct OrthoToPerspective {
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     allow(table, &["blend"])?;
-    let stand = Stand::read(table, [0.0, 3.0])?;
-    if !(stand.near < stand.distance && stand.distance < stand.far) {
-        let (near, distance, far) = (stand.near, stand.distance, stand.far);
+    let viewer = Viewer::read(table, [0.0, 3.0])?;
+    if !(viewer.near < viewer.distance && viewer.distance < viewer.far) {
+        let (near, distance, far) = (viewer.near, viewer.distance, viewer.far);
         return Err(table
             .error(format_args!("the target, at the depth {distance}, must lie between near {near} and far {far}")));
     }
@@ -43,7 +43,7 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
         };
         Ok([row(above)?, row(below)?])
     })?;
-    Ok(Arc::new(OrthoToPerspective { stand, half_height: Stand::half_height(table)?, blend }))
+    Ok(Arc::new(OrthoToPerspective { viewer, half_height: Viewer::half_height(table)?, blend }))
 }
 
 fn read_share(field: &Field) -> Result<f64> {
@@ -53,9 +53,9 @@ fn read_share(field: &Field) -> Result<f64> {
 
 impl Recipe for OrthoToPerspective {
     fn build(&self, setting: &Setting) -> Result<Built> {
-        let Stand { near, far, distance, .. } = self.stand;
+        let Viewer { near, far, distance, .. } = self.viewer;
         let m = upright(2.0 * distance * self.half_height, aspect(setting.size()?));
-        let parallel = |depth: f64| Surface::from(self.stand.plane(depth, m, DVec2::ZERO));
+        let parallel = |depth: f64| Surface::from(self.viewer.plane(depth, m, DVec2::ZERO));
         Volume::over(vec![parallel(near), parallel(distance), self.far(m, far / distance)])?
             .build(setting, Tessellation::Exact)
     }
@@ -67,7 +67,7 @@ impl OrthoToPerspective {
         let scale = |j: usize, i: usize| 1.0 + self.blend[j][i] * (larger - 1.0);
         let [[s, other], below] = self.blend;
         if [other, below[0], below[1]] == [s; 3] {
-            return self.stand.plane(self.stand.far, m * scale(0, 0), DVec2::ZERO).into();
+            return self.viewer.plane(self.viewer.far, m * scale(0, 0), DVec2::ZERO).into();
         }
         // place times scale, each linear in u and in v: a patch of degree 2 both ways, whose control point (column, row) is the
         // mean over the ways to share the ends 0 0, 0 1 or 1 1 of each direction between the two factors (its polar form)
@@ -79,7 +79,7 @@ impl OrthoToPerspective {
                 + scale(y1, x0) * place(x1, y0)
                 + scale(y0, x1) * place(x0, y1)
                 + scale(y0, x0) * place(x1, y1);
-            self.stand.point(sum / 4.0, self.stand.far)
+            self.viewer.point(sum / 4.0, self.viewer.far)
         };
         let points: Vec<_> = [0, 1, 2].iter().flat_map(|&row| [0, 1, 2].map(|column| point(column, row))).collect();
         Surface::Patch(Patch::uniform([2, 2], 3, &points))

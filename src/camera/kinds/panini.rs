@@ -1,6 +1,6 @@
 //! `panini`: a cylinder seen from behind its axis, for wide pictures whose verticals stay straight.
 
-use super::pose::{Central, Lens, POSE, Pose};
+use super::central::{Central, Lens, POSE, Pose};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};
 use crate::input::Result;

@@ -3,7 +3,7 @@
 //! Hou, Wei, Shum and Guo 2006, sections 3.1 and 3.2; Yu, Yu and McMillan 2009, section 5.2.
 
 use super::values::length;
-use crate::camera::optics::fineness::error_px;
+use crate::camera::optics::facet_error::error_px;
 use crate::camera::optics::shape::{COUNT_MAX, Shape};
 use crate::camera::optics::{Atlas, Bounce, Facets, Law, Optics, Surface};
 use crate::camera::recipe::{Built, Recipe, Setting};

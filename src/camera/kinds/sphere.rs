@@ -1,6 +1,6 @@
 //! `sphere`: longitude and latitude become image coordinates (equirectangular); exact, or in perspective cells.
 
-use super::pose::{Central, Lens, POSE, Pose};
+use super::central::{Central, Lens, POSE, Pose};
 use super::strips::{self, Grid};
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::{KEYS, Tessellation};

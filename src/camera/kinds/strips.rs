@@ -1,6 +1,6 @@
 //! Central cameras in perspective pieces (Lorenz and Doellner 2009): a grid of cells over the image, each a perspective.
 
-use super::pose::{Central, Lens};
+use super::central::{Central, Lens};
 use crate::camera::bundle::Bundle;
 use crate::camera::mesh::interpolated;
 use crate::camera::pieces::{Piece, Pieces};

@@ -1,7 +1,7 @@
 //! `twist`: the far surface rotated against the near one (Brosz et al. 2007, Figure 7), and `curved_convergence`: the
 //! surface between them shifted sideways (Figure 9).
 
-use super::stand::{Stand, allow, aspect, upright};
+use super::viewer::{Viewer, allow, aspect, upright};
 use crate::camera::projector::Volume;
 use crate::camera::recipe::{Built, Recipe, Setting};
 use crate::camera::tessellate::Tessellation;
@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// `4/3 tan(angle / 4)` of the radius, each at its surface's own: half-way they are as far from the axis as untwisted ones.
 #[derive(Debug, PartialEq)]
 struct Twist {
-    stand: Stand,
+    viewer: Viewer,
     half_height: f64,
     /// Of the far surface against the near one, counter-clockwise as the viewer sees it, radians.
     angle: f64,
@@ -27,7 +27,7 @@ struct Twist {
 
 pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
     allow(table, &["angle", "degree"])?;
-    let stand = Stand::read(table, [0.5, 1.5])?;
+    let viewer = Viewer::read(table, [0.5, 1.5])?;
     let angle = table.or("angle", 60.0, Field::number)?;
     let degree = table.or("degree", 1, |field| field.integer(1, 3))?;
     let limit = [f64::INFINITY, 180.0, 360.0][degree as usize - 1];
@@ -36,8 +36,8 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
             table.error(format_args!("angle {angle}: must be below {limit} either way where degree = {degree}"))
         );
     }
-    let half_height = Stand::half_height(table)?;
-    Ok(Arc::new(Twist { stand, half_height, angle: angle.to_radians(), degree }))
+    let half_height = Viewer::half_height(table)?;
+    Ok(Arc::new(Twist { viewer, half_height, angle: angle.to_radians(), degree }))
 }
 
 impl Recipe for Twist {
@@ -45,10 +45,10 @@ impl Recipe for Twist {
         let aspect = aspect(setting.size()?);
         // at the share s of the way, rotated by an angle, sheared along the circle by `leg` of the radius, enlarged
         let surface = |s: f64, angle: f64, leg: f64, larger: f64| {
-            let depth = self.stand.near + s * (self.stand.far - self.stand.near);
+            let depth = self.viewer.near + s * (self.viewer.far - self.viewer.near);
             let along = DMat2::from_cols(DVec2::new(1.0, leg), DVec2::new(-leg, 1.0));
             let m = DMat2::from_angle(angle) * along * upright(2.0 * depth * self.half_height * larger, aspect);
-            self.stand.plane(depth, m, DVec2::ZERO).into()
+            self.viewer.plane(depth, m, DVec2::ZERO).into()
         };
         let angle = self.angle;
         let (near, far) = (surface(0.0, 0.0, 0.0, 1.0), surface(1.0, angle, 0.0, 1.0));
@@ -68,7 +68,7 @@ impl Recipe for Twist {
 /// pinhole shows straight towards the middle, converge along curves.
 #[derive(Debug, PartialEq)]
 struct CurvedConvergence {
-    stand: Stand,
+    viewer: Viewer,
     half_height: f64,
     /// How far the middle surface is moved to the right and up, in its own height.
     bend: DVec2,
@@ -76,10 +76,10 @@ struct CurvedConvergence {
 
 pub fn read_curved_convergence(table: &Table) -> Result<Arc<dyn Recipe>> {
     allow(table, &["bend"])?;
-    let stand = Stand::read(table, [0.1, 3.0])?;
+    let viewer = Viewer::read(table, [0.1, 3.0])?;
     let pair = |field: &Field| Ok(DVec2::from(field.numbers::<2>("two numbers: to the right and up")?));
     let bend = table.or("bend", DVec2::new(0.5, 0.0), pair)?;
-    Ok(Arc::new(CurvedConvergence { stand, half_height: Stand::half_height(table)?, bend }))
+    Ok(Arc::new(CurvedConvergence { viewer, half_height: Viewer::half_height(table)?, bend }))
 }
 
 impl Recipe for CurvedConvergence {
@@ -87,9 +87,9 @@ impl Recipe for CurvedConvergence {
         let aspect = aspect(setting.size()?);
         let plane = |depth: f64, bend: DVec2| {
             let height = 2.0 * depth * self.half_height;
-            self.stand.plane(depth, upright(height, aspect), height * bend).into()
+            self.viewer.plane(depth, upright(height, aspect), height * bend).into()
         };
-        let Stand { near, far, .. } = self.stand;
+        let Viewer { near, far, .. } = self.viewer;
         let middle = plane(0.5 * (near + far), self.bend);
         let surfaces = vec![plane(near, DVec2::ZERO), middle, plane(far, DVec2::ZERO)];
         Volume::over(surfaces)?.build(setting, Tessellation::Exact)

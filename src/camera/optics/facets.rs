@@ -14,17 +14,17 @@ pub struct Facets {
     /// Three indices into `normals`.
     pub corner_normals: Vec<[u32; 3]>,
     /// Set if the normals are those of a coarser copy ([`super::shooting`]).
-    pub cameras: Option<Cameras>,
+    pub coarse: Option<CoarseFacets>,
 }
 
 /// A coarser copy, whose facets are the optics' pieces.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Cameras {
+pub struct CoarseFacets {
     pub copy: Box<Facets>,
     /// For each fine facet, the index of its coarse one.
     pub of: Vec<u32>,
     /// Positions of the corners on that facet: weights of its second and third corner, outside it where they belong to its neighbours.
-    pub places: Vec<[[f64; 2]; 3]>,
+    pub weights: Vec<[[f64; 2]; 3]>,
 }
 
 /// One facet, in f64.
@@ -108,21 +108,21 @@ impl Facets {
     }
 
     /// The piece that defines the rays which leave a facet: a facet of a coarser copy, or the facet itself.
-    pub fn camera_of(&self, k: usize) -> u32 {
-        self.cameras.as_ref().map_or(k as u32, |c| c.of[k])
+    pub fn coarse_of(&self, k: usize) -> u32 {
+        self.coarse.as_ref().map_or(k as u32, |c| c.of[k])
     }
 
-    /// Positions of a facet's corners on its piece, as [`Cameras::places`].
-    pub fn camera_places(&self, k: usize) -> [[f64; 2]; 3] {
-        self.cameras.as_ref().map_or([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], |c| c.places[k])
+    /// Positions of a facet's corners on its piece, as [`CoarseFacets::weights`].
+    pub fn coarse_weights(&self, k: usize) -> [[f64; 2]; 3] {
+        self.coarse.as_ref().map_or([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], |c| c.weights[k])
     }
 
     /// The facets that are the optics' pieces: those of the copy, or these.
     pub fn copy(&self) -> &Facets {
-        self.cameras.as_ref().map_or(self, |c| &c.copy)
+        self.coarse.as_ref().map_or(self, |c| &c.copy)
     }
 
-    pub fn camera_count(&self) -> usize {
+    pub fn piece_count(&self) -> usize {
         self.copy().triangles.len()
     }
 

@@ -8,8 +8,8 @@
 
 pub mod atlas;
 pub mod bounce;
+pub mod facet_error;
 pub mod facets;
-pub mod fineness;
 pub mod meeting;
 pub mod quadric;
 pub mod resample;
@@ -20,7 +20,7 @@ pub mod torus;
 pub mod wave;
 
 use crate::geometry::mesh::Mesh;
-pub use facets::{Cameras, Facet, Facets};
+pub use facets::{CoarseFacets, Facet, Facets};
 use glam::{DVec2, DVec3};
 pub use quadric::Quadric;
 pub use smooth::Smooth;
@@ -140,13 +140,13 @@ impl Optics {
     }
 
     /// Number of the optics' pieces: facets of a coarser copy, or the facets or smooth parts themselves.
-    pub fn camera_count(&self) -> usize {
-        self.facets().map_or(self.surface_count(), Facets::camera_count)
+    pub fn piece_count(&self) -> usize {
+        self.facets().map_or(self.surface_count(), Facets::piece_count)
     }
 
     /// The piece that defines the rays which leave a facet or smooth part.
-    pub fn camera_of(&self, surface: u32) -> u32 {
-        self.facets().map_or(surface, |f| f.camera_of(surface as usize))
+    pub fn piece_of(&self, surface: u32) -> u32 {
+        self.facets().map_or(surface, |f| f.coarse_of(surface as usize))
     }
 
     pub fn smooth_count(&self) -> usize {

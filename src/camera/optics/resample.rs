@@ -52,8 +52,8 @@ impl Facets {
                 indices.push(number);
             }
         }
-        let middle = positions.iter().sum::<DVec3>() / positions.len() as f64;
-        let places: Vec<[f32; 3]> = positions.iter().map(|p| (*p - middle).as_vec3().to_array()).collect();
+        let centre = positions.iter().sum::<DVec3>() / positions.len() as f64;
+        let places: Vec<[f32; 3]> = positions.iter().map(|p| (*p - centre).as_vec3().to_array()).collect();
         let options = SimplifyOptions::None;
         let kept = simplify_decoder(&indices, &places, 3 * count, ANY_ERROR, options, None);
         let triangles: Vec<[u32; 3]> = kept.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
@@ -74,17 +74,17 @@ impl Facets {
             Facets { positions: self.positions.clone(), normals: self.normals.clone(), ..Facets::default() };
         let (mut places, mut directions) = (HashMap::new(), HashMap::new());
         for (t, n) in self.triangles.iter().zip(&self.corner_normals) {
-            let middle = |[a, b]: [usize; 2], of: &[u32; 3]| (of[a].min(of[b]), of[a].max(of[b]));
+            let edge = |[a, b]: [usize; 2], of: &[u32; 3]| (of[a].min(of[b]), of[a].max(of[b]));
             let edges = [[0, 1], [1, 2], [2, 0]];
             let p = edges.map(|e| {
-                let (a, b) = middle(e, t);
+                let (a, b) = edge(e, t);
                 *places.entry((a, b)).or_insert_with(|| {
                     facets.positions.push((self.positions[a as usize] + self.positions[b as usize]) / 2.0);
                     facets.positions.len() as u32 - 1
                 })
             });
             let q = edges.map(|e| {
-                let (a, b) = middle(e, n);
+                let (a, b) = edge(e, n);
                 *directions.entry((a, b)).or_insert_with(|| {
                     let sum = self.normals[a as usize] + self.normals[b as usize];
                     facets.normals.push(sum.try_normalize().unwrap_or(self.normals[a as usize]));

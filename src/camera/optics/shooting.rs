@@ -4,7 +4,7 @@
 //! along its normals, as Sander et al. 2000 match a mesh with its simplified copy. In the paper every ray starts on the coarse facet;
 //! here it starts at the bounce on the fine mirror, which is nearer to the smooth surface.
 
-use super::facets::{Cameras, Facet, Facets};
+use super::facets::{CoarseFacets, Facet, Facets};
 use crate::camera::Bundle;
 use crate::camera::perturb::scene_size;
 use crate::geometry::cast::{Caster, Hit, as_near};
@@ -27,7 +27,7 @@ struct Target<'a> {
 
 impl Facets {
     /// The same facets with normals of a coarse copy. Each vertex takes the normal where the line along its own normal, in either direction,
-    /// hits the copy; if that line misses, or hits another part of the copy, the normal at the nearest point. `cameras` of the result
+    /// hits the copy; if that line misses, or hits another part of the copy, the normal at the nearest point. `coarse` of the result
     /// holds the coarse facet of each facet, found in the same way from the facet's centre.
     pub fn shot_at(&self, coarse: &Facets) -> Facets {
         let mesh = coarse.mesh([0.0; 3]);
@@ -48,17 +48,17 @@ impl Facets {
             .map(|(t, n)| [0, 1, 2].map(|k| shots.partition_point(|s| *s < (t[k], n[k])) as u32))
             .collect();
         let of: Vec<u32> =
-            (0..self.triangles.len()).into_par_iter().map(|k| target.camera_of(&self.facet(k))).collect();
-        let place = |(camera, corners): (&u32, &[u32; 3])| {
-            corners.map(|k| hits[k as usize].map_or([0.0; 2], |hit| target.place_on(*camera, &hit)))
+            (0..self.triangles.len()).into_par_iter().map(|k| target.coarse_of(&self.facet(k))).collect();
+        let weights_on = |(facet, corners): (&u32, &[u32; 3])| {
+            corners.map(|k| hits[k as usize].map_or([0.0; 2], |hit| target.weights_on(*facet, &hit)))
         };
-        let places = of.iter().zip(&corner_normals).map(place).collect();
+        let weights = of.iter().zip(&corner_normals).map(weights_on).collect();
         Facets {
             positions: self.positions.clone(),
             normals: hits.iter().zip(&shots).map(normal).collect(),
             triangles: self.triangles.clone(),
             corner_normals,
-            cameras: Some(Cameras { copy: Box::new(coarse.clone()), of, places }),
+            coarse: Some(CoarseFacets { copy: Box::new(coarse.clone()), of, weights }),
         }
     }
 }
@@ -92,14 +92,14 @@ impl Target<'_> {
     }
 
     /// The coarse facet that a fine one belongs to.
-    fn camera_of(&self, facet: &Facet) -> u32 {
+    fn coarse_of(&self, facet: &Facet) -> u32 {
         let [a, b, c] = facet.corners;
         let normal = facet.normals.iter().sum::<DVec3>().normalize_or((b - a).cross(c - a).normalize_or(DVec3::Y));
         self.shot((a + b + c) / 3.0, normal).map_or(0, |hit| hit.triangle)
     }
 
     /// A place of the coarse mirror by the weights of a facet's second and third corner: of its foot on the facet's plane.
-    fn place_on(&self, facet: u32, hit: &Hit) -> [f64; 2] {
+    fn weights_on(&self, facet: u32, hit: &Hit) -> [f64; 2] {
         if hit.triangle == facet {
             return hit.bary;
         }
@@ -173,11 +173,11 @@ mod tests {
             let shot = facets.shot_at(&facets);
             // a sum of three weighted normals and its length
             assert!(normal_distance(&shot, &facets) < 1e-14, "{name}: {}", normal_distance(&shot, &facets));
-            let own = (0..facets.triangles.len()).filter(|k| shot.camera_of(*k) == *k as u32).count();
+            let own = (0..facets.triangles.len()).filter(|k| shot.coarse_of(*k) == *k as u32).count();
             assert_eq!(own, facets.triangles.len(), "{name}");
             let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
             for k in 0..own {
-                let off = |i: usize| (shot.camera_places(k)[i / 2][i % 2] - corners[i / 2][i % 2]).abs();
+                let off = |i: usize| (shot.coarse_weights(k)[i / 2][i % 2] - corners[i / 2][i % 2]).abs();
                 // of a vertex that other facets share: its foot on this one
                 assert!((0..6).all(|i| off(i) < 1e-9), "{name}: {k}");
             }
@@ -205,21 +205,21 @@ mod tests {
     }
 
     #[test]
-    fn every_facet_belongs_to_the_camera_over_it() {
+    fn every_facet_belongs_to_the_coarse_one_over_it() {
         let (fine, coarse) = (ball().facets(4000), ball().facets(100));
         let shot = fine.shot_at(&coarse);
         let mut seen = vec![false; coarse.triangles.len()];
         for k in 0..fine.triangles.len() {
-            let camera = shot.camera_of(k) as usize;
-            seen[camera] = true;
-            let middle = fine.facet(k).corners.iter().sum::<DVec3>() / 3.0 - DVec3::new(3.0, -2.0, 1.0);
-            // the radius through its middle passes the camera's three edges on one side
-            let [a, b, c] = coarse.facet(camera).corners.map(|p| p - DVec3::new(3.0, -2.0, 1.0));
-            let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|n| n.dot(middle));
+            let coarse_facet = shot.coarse_of(k) as usize;
+            seen[coarse_facet] = true;
+            let centre = fine.facet(k).corners.iter().sum::<DVec3>() / 3.0 - DVec3::new(3.0, -2.0, 1.0);
+            // the radius through its centre passes the three edges of the coarse facet on one side
+            let [a, b, c] = coarse.facet(coarse_facet).corners.map(|p| p - DVec3::new(3.0, -2.0, 1.0));
+            let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|n| n.dot(centre));
             assert!(sides.iter().all(|s| *s > -0.02), "{k}: {sides:?}");
         }
-        assert!(seen.iter().all(|s| *s), "a camera without facets");
-        assert_eq!(shot.camera_count(), coarse.triangles.len());
+        assert!(seen.iter().all(|s| *s), "a coarse facet without fine ones");
+        assert_eq!(shot.piece_count(), coarse.triangles.len());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::fit::affine;
 use super::slabs::bend;
-use super::tiles::{Sample, Sampled, place_in_tile};
+use super::tiles::{TileRay, TileRays, place_in_tile};
 use crate::camera::TILE;
 use crate::camera::{Camera, Curve, Field};
 use crate::gpu::layout::split2;
@@ -46,15 +46,15 @@ impl RayTable {
 
 /// Sample rays minus their pixel's ray, as f32: six numbers per sample, all samples of a pixel together, row by row of the band; 0 where
 /// there is no ray. The error is 2^-24 of the difference, or of the whole ray where rays jump within the pixel or its centre has none.
-pub fn rays_aside(field: &Field, places: &[DVec2], anchor: DVec3, row: u32, rows: u32) -> Vec<f32> {
+pub fn sample_ray_deltas(field: &Field, sample_offsets: &[DVec2], anchor: DVec3, row: u32, rows: u32) -> Vec<f32> {
     let of_row = |j: u32| {
         let pixel = move |i: u32| {
             let (p, d) = field.ray(i, j).unwrap_or((anchor, DVec3::ZERO));
-            let aside = move |place: &DVec2| match field.ray_at_offset(i, j, *place) {
+            let delta = move |place: &DVec2| match field.ray_at_offset(i, j, *place) {
                 Some((q, e)) => [q - p, e - d],
                 None => [DVec3::ZERO; 2],
             };
-            places.iter().flat_map(aside)
+            sample_offsets.iter().flat_map(delta)
         };
         (0..field.width).flat_map(pixel).flat_map(|v| v.as_vec3().to_array())
     };
@@ -135,7 +135,7 @@ impl Net {
     /// control points with Bernstein weights, so they lie as far from the affine ones' as these weights make it; and a
     /// bend, the distance between two such sums, at most two whole distances more than the largest at a corner, being
     /// convex over the tile.
-    pub fn over(&self, span: [f64; 2], anchor: DVec3) -> Sampled {
+    pub fn over(&self, span: [f64; 2], anchor: DVec3) -> TileRays {
         let weights = span.map(|t| bernstein(self.points.len() - 1, t));
         let off = |k: usize| self.points[k].1;
         let all = 0..self.points.len();
@@ -148,11 +148,11 @@ impl Net {
             let curve = Curve::new(&points).span(span);
             bent = bent.max(bend(&curve));
             let (start, end) = (curve.points()[0], curve.points()[curve.degree()]);
-            Sample { place, p: start - anchor, d: end - start }
+            TileRay { place, p: start - anchor, d: end - start }
         };
-        let samples = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from).map(corner).to_vec();
+        let rays = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(DVec2::from).map(corner).to_vec();
         let bent = if self.points.len() > 2 { bent + 2.0 * largest } else { 0.0 };
-        Sampled { samples, r_p: r_p + bent, r_d }
+        TileRays { rays, r_p: r_p + bent, r_d }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Rays of a part of the image as one affine bundle, and how far they may lie from it.
 
-use super::tiles::Sampled;
+use super::tiles::TileRays;
 use crate::camera::perturb::PERTURB;
 use crate::gpu::layout::{self, RAYS_AFFINE, RAYS_LOOSE};
 use glam::{DVec2, DVec3};
@@ -23,20 +23,20 @@ const NODE_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
 const FIT_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 /// Rays stray that lie farther from their fit than this share of its slopes: twice that is a Newton step's tolerance in
 /// the node's units, and of half the node such a step says nothing any more.
-pub const STRAY: f64 = 0.25;
+pub const LOOSE: f64 = 0.25;
 /// And farther than this share of their own size: next to no slope at all a hair would count.
-pub const STRAY_SIZE: f64 = 1.0 / (1u64 << 12) as f64;
+pub const LOOSE_SIZE: f64 = 1.0 / (1u64 << 12) as f64;
 
-/// The affine function nearest to values at places, by least squares: value in the middle and slopes; and the largest
+/// The affine function nearest to values at places, by least squares: value at the centre and slopes; and the largest
 /// distance that remains. At least one place.
 pub fn affine(pairs: impl Iterator<Item = (DVec2, DVec3)> + Clone) -> ([DVec3; 3], f64) {
     let n = pairs.clone().count() as f64;
-    let middle = pairs.clone().map(|(place, _)| place).sum::<DVec2>() / n;
+    let centre = pairs.clone().map(|(place, _)| place).sum::<DVec2>() / n;
     let mean = pairs.clone().map(|(_, value)| value).sum::<DVec3>() / n;
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
     let mut right = [DVec3::ZERO; 2];
     for (place, value) in pairs.clone() {
-        let q = place - middle;
+        let q = place - centre;
         (xx, xy, yy) = (xx + q.x * q.x, xy + q.x * q.y, yy + q.y * q.y);
         right[0] += q.x * (value - mean);
         right[1] += q.y * (value - mean);
@@ -46,20 +46,20 @@ pub fn affine(pairs: impl Iterator<Item = (DVec2, DVec3)> + Clone) -> ([DVec3; 3
     let inverse = if det > FIT_ROUNDING * (xx + yy).powi(2) { [yy / det, -xy / det, xx / det] } else { [0.0; 3] };
     let x = inverse[0] * right[0] + inverse[1] * right[1];
     let y = inverse[1] * right[0] + inverse[2] * right[1];
-    let fit = [mean - middle.x * x - middle.y * y, x, y];
+    let fit = [mean - centre.x * x - centre.y * y, x, y];
     let far = |(q, v): (DVec2, DVec3)| (fit[0] + q.x * fit[1] + q.y * fit[2] - v).length();
     (fit, pairs.map(far).fold(0.0, f64::max))
 }
 
 impl Fit {
-    /// The bundle nearest to the samples; its radii hold them and what lies that far from them.
-    pub fn of(sampled: &Sampled) -> Fit {
-        if sampled.samples.is_empty() {
+    /// The bundle nearest to the rays; its radii hold them and what lies that far from them.
+    pub fn of(tile: &TileRays) -> Fit {
+        if tile.rays.is_empty() {
             return Fit::default();
         }
-        let (p, off_p) = affine(sampled.samples.iter().map(|s| (s.place, s.p)));
-        let (d, off_d) = affine(sampled.samples.iter().map(|s| (s.place, s.d)));
-        let (r_p, r_d) = (off_p + sampled.r_p, off_d + sampled.r_d);
+        let (p, off_p) = affine(tile.rays.iter().map(|s| (s.place, s.p)));
+        let (d, off_d) = affine(tile.rays.iter().map(|s| (s.place, s.d)));
+        let (r_p, r_d) = (off_p + tile.r_p, off_d + tile.r_d);
         let mut fit = Fit { p, d, r_p, r_d, rays: RAYS_LOOSE };
         let (size_p, size_d) = fit.sizes();
         if r_p <= FIT_ROUNDING * size_p && r_d <= FIT_ROUNDING * size_d {
@@ -69,9 +69,9 @@ impl Fit {
     }
 
     /// Origins or directions lie so far from the fit that it says little.
-    pub fn strays(&self) -> bool {
+    pub fn is_loose(&self) -> bool {
         let far = |r: f64, fit: &[DVec3; 3], size: f64| {
-            r > STRAY * (fit[1].length() + fit[2].length()) && r > STRAY_SIZE * size
+            r > LOOSE * (fit[1].length() + fit[2].length()) && r > LOOSE_SIZE * size
         };
         let (size_p, size_d) = self.sizes();
         far(self.r_p, &self.p, size_p) || far(self.r_d, &self.d, size_d)

@@ -1,5 +1,5 @@
-//! A bounding volume hierarchy over triangles, for straight ways: the light's, and a rival's rays. Built by a library for it, or
-//! fitted anew.
+//! A bounding volume hierarchy over triangles, for rays: shadow rays, and those of a rival. Built by a library, or
+//! refitted.
 
 use crate::gpu::layout::{BvhNode, LeafTriangle};
 use crate::input::{Error, Result};

@@ -2,11 +2,12 @@
 //!
 //! The image is cut into bands of whole tile rows that fit the adapter's bindings. Every band has its tiles ([`tiles`]:
 //! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square, affine
-//! ones by [`fit`]). Where a field's rays jump inside a tile, it is cut up ([`tear`]). The tiles of a chain's layers, and of
+//! ones by [`fit`]). Where a field's rays jump inside a tile, it is cut up ([`cells`]). The tiles of a chain's layers, and of
 //! the spans of curved rays, lie stacked as [`slabs`]. Of rays that a mirror or a lens turns the tree is made on the GPU,
 //! by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]).
 
 pub mod beams;
+pub mod cells;
 pub mod curves;
 pub mod fit;
 pub mod hierarchy;
@@ -14,15 +15,14 @@ pub mod nodes;
 pub mod pages;
 pub mod samples;
 pub mod slabs;
-pub mod tear;
 pub mod tiles;
 pub mod variant;
 
-use crate::camera::arranged::is_sorted;
 use crate::camera::perturb::scene_size;
+use crate::camera::ray_order::is_reordered;
 use crate::camera::{Camera, Rays};
 use crate::geometry::mesh::Material;
-use crate::gpu::device::Abilities;
+use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::{RaysKind, Variant};
 use crate::gpu::layout::{self, BRANCH};
 use crate::image::frame::Channel;
@@ -49,7 +49,7 @@ impl LeftOut {
 
 /// What there is in a scene, with the camera's optics.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Contents {
+pub struct SceneContents {
     pub triangles: usize,
     pub has_normals: bool,
     pub has_uvs: bool,
@@ -61,9 +61,9 @@ pub struct Contents {
     pub has_gloss: bool,
     /// Light comes from all around by an image of it.
     pub has_sky: bool,
-    /// Some light has a colour or a place.
-    pub has_places: bool,
-    /// Things are in the way of light.
+    /// Some light has a colour or a position.
+    pub has_positional_lights: bool,
+    /// Shadow rays are traced.
     pub has_shadows: bool,
     /// Patterns, lines or strokes are drawn on surfaces.
     pub has_style: bool,
@@ -71,12 +71,12 @@ pub struct Contents {
     pub has_outlines: bool,
 }
 
-impl Contents {
-    pub fn of(scene: &Scene) -> Contents {
+impl SceneContents {
+    pub fn of(scene: &Scene) -> SceneContents {
         let mesh = &scene.mesh;
-        Contents {
+        SceneContents {
             has_sky: scene.sky.is_some(),
-            has_places: !scene.lights.iter().all(Light::is_plain),
+            has_positional_lights: !scene.lights.iter().all(Light::is_plain),
             has_shadows: scene.has_shadows(),
             has_style: scene.style.is_on_surfaces() || mesh.has_patterns(),
             has_outlines: scene.style.is_between_pixels(),
@@ -140,16 +140,16 @@ impl Wanted {
     }
 
     /// Colours of surfaces are part of it.
-    fn needs_look(&self) -> bool {
+    fn needs_appearance(&self) -> bool {
         let albedo = [Channel::AlbedoR, Channel::AlbedoG, Channel::AlbedoB];
         self.has_colour() || self.channels.iter().any(|c| albedo.contains(c))
     }
 
     /// Images on triangles, or where they lie, are part of it.
-    fn is_textured(&self, of: Contents) -> bool {
+    fn is_textured(&self, of: SceneContents) -> bool {
         let any = |which: &[Channel]| self.channels.iter().any(|c| which.contains(c));
         of.has_holes
-            || of.has_images && self.needs_look()
+            || of.has_images && self.needs_appearance()
             || of.has_sky && self.has_colour()
             || of.has_uvs && any(&[Channel::TextureU, Channel::TextureV])
     }
@@ -176,8 +176,8 @@ pub struct Band {
     pub nodes: nodes::Nodes,
     /// What every pixel's ray or curve is, where the camera has no affine pieces.
     pub rays: Option<RayTable>,
-    /// By what those of samples differ, where there are some: [`curves::rays_aside`].
-    pub rays_aside: Vec<f32>,
+    /// By what those of samples differ, where there are some: [`curves::sample_ray_deltas`].
+    pub sample_ray_deltas: Vec<f32>,
 }
 
 /// What one frame takes.
@@ -189,7 +189,7 @@ pub struct Plan {
     pub slabs: Slabs,
     pub bands: Vec<Band>,
     /// Where samples lie about their pixel's centre, px; none where that is the only one.
-    pub places: Vec<DVec2>,
+    pub sample_offsets: Vec<DVec2>,
     /// The channels that `shade` writes: those wanted, and colour where sRGB is.
     pub planes: Vec<Channel>,
     /// 8-bit sRGB colour is written.
@@ -197,41 +197,41 @@ pub struct Plan {
     /// Bits of a visibility key that hold the triangle id.
     pub id_bits: u32,
     pub anchor: DVec3,
-    /// Of the scene, see [`Surroundings`].
-    pub middle: DVec3,
+    /// Of the scene, see [`SceneExtent`].
+    pub centre: DVec3,
     pub scene_size: f64,
     /// How wide images on triangles are filtered, in pixels.
-    pub spread: f32,
+    pub filter_width: f32,
     pub left_out: Vec<LeftOut>,
 }
 
 /// Where a camera meets a scene, world units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Surroundings {
+pub struct SceneExtent {
     /// What all positions are relative to: near the camera's rays' start and the scene.
     pub anchor: DVec3,
     /// Centre of the scene. The widths of ray bundles are compared at its distance.
-    pub middle: DVec3,
+    pub centre: DVec3,
     /// By which rays are perturbed: [`crate::camera::perturb`].
     pub scene_size: f64,
 }
 
-impl Surroundings {
-    /// The anchor is the middle ray's origin, clamped into the scene's box.
-    pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> Surroundings {
-        let middle = (camera.width / 2, camera.height / 2);
-        let start = camera.ray(middle.0, middle.1).map_or(DVec3::ZERO, |r| r.origin);
+impl SceneExtent {
+    /// The anchor is the central ray's origin, clamped into the scene's box.
+    pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> SceneExtent {
+        let centre = (camera.width / 2, camera.height / 2);
+        let start = camera.ray(centre.0, centre.1).map_or(DVec3::ZERO, |r| r.origin);
         match bounds {
             Some((lo, hi)) => {
-                Surroundings { anchor: start.clamp(lo, hi), middle: (lo + hi) / 2.0, scene_size: scene_size(bounds) }
+                SceneExtent { anchor: start.clamp(lo, hi), centre: (lo + hi) / 2.0, scene_size: scene_size(bounds) }
             }
-            None => Surroundings::point(start),
+            None => SceneExtent::point(start),
         }
     }
 
     /// Of a scene that is one point.
-    pub fn point(at: DVec3) -> Surroundings {
-        Surroundings { anchor: at, middle: at, scene_size: 0.0 }
+    pub fn point(at: DVec3) -> SceneExtent {
+        SceneExtent { anchor: at, centre: at, scene_size: 0.0 }
     }
 }
 
@@ -240,10 +240,10 @@ impl Plan {
     pub fn new(
         variant: Variant,
         camera: &Camera,
-        contents: Contents,
-        around: Surroundings,
+        contents: SceneContents,
+        extent: SceneExtent,
         wanted: &Wanted,
-        has: Abilities,
+        has: AdapterFeatures,
         binding_limit: u64,
     ) -> Plan {
         let slabs = Slabs::of(camera);
@@ -267,8 +267,9 @@ impl Plan {
             RaysKind::Field | RaysKind::Curves { .. } => 24 * u64::from(variant.samples),
         };
         let pixel_bytes = (4 * planes.len() as u64).max(8).max(table_bytes).max(sample_bytes);
-        let places = if variant.samples_edges() { samples::places(variant.samples) } else { Vec::new() };
-        let view = View { camera, slabs, around, places: &places };
+        let sample_offsets =
+            if variant.samples_edges() { samples::sample_offsets(variant.samples) } else { Vec::new() };
+        let view = View { camera, slabs, extent, sample_offsets: &sample_offsets };
         let rows = wanted.rows.unwrap_or(Rows { first: 0, count: camera.height });
         let bands = bands(view, rows, pixel_bytes, binding_limit);
         let smooth = camera.optics.as_ref().map_or(0, |o| o.smooth_count());
@@ -279,15 +280,15 @@ impl Plan {
             width: camera.width,
             slabs,
             bands,
-            places,
+            sample_offsets,
             planes,
             srgb8: wanted.srgb8,
             id_bits: id_bits.max(1),
-            anchor: around.anchor,
-            middle: around.middle,
-            scene_size: around.scene_size,
+            anchor: extent.anchor,
+            centre: extent.centre,
+            scene_size: extent.scene_size,
             // so many boxes of this width tile the pixel
-            spread: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
+            filter_width: 1.0 / (wanted.frames.max(1) as f32).sqrt(),
             left_out,
         }
     }
@@ -310,8 +311,8 @@ impl Plan {
 struct View<'a> {
     camera: &'a Camera,
     slabs: Slabs,
-    around: Surroundings,
-    places: &'a [DVec2],
+    extent: SceneExtent,
+    sample_offsets: &'a [DVec2],
 }
 
 /// Cuts rows of the image into bands whose every buffer fits a binding.
@@ -350,22 +351,22 @@ const TILE_ROWS_MAX: u32 = 1 << 14;
 const CELLS_MAX: usize = 1 << 24;
 
 impl Band {
-    fn new(View { camera, slabs, around, places }: View, row: u32, rows: u32) -> Band {
-        let anchor = around.anchor;
+    fn new(View { camera, slabs, extent, sample_offsets }: View, row: u32, rows: u32) -> Band {
+        let anchor = extent.anchor;
         let curves = match slabs::kind(camera) {
             RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
             _ => None,
         };
-        let cutting = tiles::Cutting { camera, slabs, curves: curves.as_ref(), places, anchor, row, rows };
+        let cutting = tiles::Cutting { camera, slabs, curves: curves.as_ref(), sample_offsets, anchor, row, rows };
         let (tiles, sampled) = cutting.cut();
         let nodes = nodes::Nodes::new(
             &sampled,
             (tiles.tiles_x, tiles.tiles_y),
-            nodes::Depth {
-                middle: around.middle - anchor,
+            nodes::WidthMeasure {
+                centre: extent.centre - anchor,
                 t_range: camera.t_range,
-                scattered: is_sorted(camera),
-                scene_size: around.scene_size,
+                incoherent: is_reordered(camera),
+                scene_size: extent.scene_size,
             },
         );
         let rays = match (&curves, camera.layers.as_slice()) {
@@ -373,11 +374,13 @@ impl Band {
             (None, [Rays::Field(field)]) => Some(RayTable::of_field(field, anchor, row, rows)),
             _ => None,
         };
-        let rays_aside = match camera.layers.as_slice() {
-            [Rays::Field(field)] if !places.is_empty() => curves::rays_aside(field, places, anchor, row, rows),
+        let sample_ray_deltas = match camera.layers.as_slice() {
+            [Rays::Field(field)] if !sample_offsets.is_empty() => {
+                curves::sample_ray_deltas(field, sample_offsets, anchor, row, rows)
+            }
             _ => Vec::new(),
         };
-        Band { row, rows, tiles, nodes, rays, rays_aside }
+        Band { row, rows, tiles, nodes, rays, sample_ray_deltas }
     }
 }
 
@@ -387,8 +390,8 @@ fn left_out(
     bands: &[Band],
     planes: &[Channel],
     wanted: &Wanted,
-    contents: Contents,
-    has: Abilities,
+    contents: SceneContents,
+    has: AdapterFeatures,
 ) -> Vec<LeftOut> {
     let mut list = Vec::new();
     let mut say = |what: &str, why: String| list.push(LeftOut { what: what.into(), why });
@@ -410,8 +413,8 @@ fn left_out(
     if bands.iter().all(|b| b.nodes.exact) {
         say("ray residuals", "every node holds one affine piece".into());
     }
-    if !bands.iter().any(|b| b.nodes.torn) {
-        say("cells apart in cull", "no rays are torn".into());
+    if !bands.iter().any(|b| b.nodes.discontinuous) {
+        say("cells apart in cull", "no rays jump inside a tile".into());
     }
     match camera.optics.as_ref().map(|o| o.smooth_count()) {
         None => say("bounce, fit and meet", "there is no mirror or lens".into()),

@@ -169,8 +169,8 @@ pub fn level_place(texels: &Texels, level: u32) -> [u32; 2] {
         return [0; 2];
     }
     let span = width.max(height).next_power_of_two();
-    let aside = span - (span >> (level - 1));
-    if width >= height { [aside, height] } else { [width, aside] }
+    let offset = span - (span >> (level - 1));
+    if width >= height { [offset, height] } else { [width, offset] }
 }
 
 /// Texels that all levels of an image take together.
@@ -216,8 +216,8 @@ mod tests {
             for (k, (page, at, size)) in all.iter().enumerate() {
                 assert!(at[0] + size[0] <= pages.width && at[1] + size[1] <= pages.height && *page < pages.count);
                 for (other, b, s) in &all[..k] {
-                    let apart = (0..2).any(|n| at[n] + size[n] <= b[n] || b[n] + s[n] <= at[n]);
-                    assert!(page != other || apart, "{at:?} {size:?} and {b:?} {s:?}");
+                    let disjoint = (0..2).any(|n| at[n] + size[n] <= b[n] || b[n] + s[n] <= at[n]);
+                    assert!(page != other || disjoint, "{at:?} {size:?} and {b:?} {s:?}");
                 }
             }
         }

@@ -20,7 +20,7 @@ pub struct Slabs {
 const SPANS_MAX: u32 = 64;
 
 /// Every how many pixels a curve is looked at to choose the spans.
-const LOOK_PX: u32 = 16;
+const SAMPLE_STEP_PX: u32 = 16;
 
 impl Slabs {
     pub fn of(camera: &Camera) -> Slabs {
@@ -68,16 +68,16 @@ fn degree(rays: &Rays) -> u32 {
 fn spans(camera: &Camera) -> u32 {
     let mut wanted = Vec::new();
     for layer in 0..camera.layers.len() {
-        for j in (LOOK_PX / 2..camera.height).step_by(LOOK_PX as usize) {
-            for i in (LOOK_PX / 2..camera.width).step_by(LOOK_PX as usize) {
+        for j in (SAMPLE_STEP_PX / 2..camera.height).step_by(SAMPLE_STEP_PX as usize) {
+            for i in (SAMPLE_STEP_PX / 2..camera.width).step_by(SAMPLE_STEP_PX as usize) {
                 let near = (i.saturating_sub(TILE).max(i % TILE), j);
                 let (Some((_, c)), Some((_, next))) = (camera.curve(layer, i, j), camera.curve(layer, near.0, near.1))
                 else {
                     continue;
                 };
-                let apart = (c.at(0.5) - next.at(0.5)).length();
+                let distance = (c.at(0.5) - next.at(0.5)).length();
                 if bend(&c) > 0.0 {
-                    wanted.push((2.0 * bend(&c) / apart.max(f64::MIN_POSITIVE)).sqrt());
+                    wanted.push((2.0 * bend(&c) / distance.max(f64::MIN_POSITIVE)).sqrt());
                 }
             }
         }

@@ -1,10 +1,10 @@
 //! Tiles of 8 x 8 pixels, cut into cells: the pixels of one tile that one piece owns. Each slab has its own tiles.
 
+use super::cells::{Part, cells_of};
 use super::curves::{CurveTable, Net, nets};
 use super::fit::Fit;
 use super::nodes::above_cells;
 use super::slabs::Slabs;
-use super::tear::{Part, tear};
 use crate::camera::TILE;
 use crate::camera::{Bundle, Camera, Field, Pieces, Rays};
 use crate::gpu::layout::{self, split2};
@@ -31,7 +31,7 @@ pub struct Tiles {
 
 /// A ray of a tile: its place in [-1, 1]^2 over the tile, origin relative to the anchor and direction.
 #[derive(Debug, Clone, Copy)]
-pub struct Sample {
+pub struct TileRay {
     pub place: DVec2,
     pub p: DVec3,
     pub d: DVec3,
@@ -39,20 +39,20 @@ pub struct Sample {
 
 /// Rays by which a tile is bounded.
 #[derive(Debug, Clone, Default)]
-pub struct Sampled {
-    pub samples: Vec<Sample>,
-    /// How far the tile's rays deviate from the affine fit between the samples: origins (`r_p`) and directions (`r_d`). For a curve,
+pub struct TileRays {
+    pub rays: Vec<TileRay>,
+    /// How far the tile's rays deviate from the affine fit between these rays: origins (`r_p`) and directions (`r_d`). For a curve,
     /// `r_p` includes its distance from the chord.
     pub r_p: f64,
     pub r_d: f64,
 }
 
-/// Half of a tile from its middle to the outermost pixel centre, px.
+/// Half of a tile from its centre to the outermost pixel centre, px.
 const TILE_REACH: f64 = (TILE as f64 - 1.0) / 2.0;
 
 /// A cell before its bundle is stored.
 #[derive(Debug, Clone, PartialEq, Eq)]
-struct Share {
+struct CellPixels {
     /// Of the layer.
     piece: u32,
     /// The pixels whose centres it owns.
@@ -61,11 +61,11 @@ struct Share {
     samples: Vec<u64>,
 }
 
-impl Share {
+impl CellPixels {
     /// The part of it in some pixels.
-    fn within(&self, mask: u64) -> Share {
+    fn within(&self, mask: u64) -> CellPixels {
         let samples = self.samples.iter().map(|s| s & mask).collect();
-        Share { piece: self.piece, mask: self.mask & mask, samples }
+        CellPixels { piece: self.piece, mask: self.mask & mask, samples }
     }
 
     /// The pixels of which it owns any place.
@@ -80,11 +80,11 @@ impl Share {
 }
 
 /// The cells of a tile.
-type Owned = Vec<Share>;
+type TileCells = Vec<CellPixels>;
 
 /// What bounds all rays of a tile, and, where straight ones are in several cells, each cell's.
 #[derive(Debug, Default)]
-pub struct Bounds {
+pub struct TileFits {
     pub whole: Fit,
     pub each: Vec<Fit>,
 }
@@ -96,7 +96,7 @@ pub struct Cutting<'a> {
     pub slabs: Slabs,
     pub curves: Option<&'a CurveTable>,
     /// Where samples lie about their pixel's centre, px.
-    pub places: &'a [DVec2],
+    pub sample_offsets: &'a [DVec2],
     pub anchor: DVec3,
     pub row: u32,
     pub rows: u32,
@@ -114,7 +114,7 @@ struct Place {
 
 impl Cutting<'_> {
     /// The tiles; and the rays that bound each and its cells.
-    pub fn cut(&self) -> (Tiles, Vec<Bounds>) {
+    pub fn cut(&self) -> (Tiles, Vec<TileFits>) {
         let tiles_x = self.camera.width.div_ceil(TILE);
         let slab_rows = self.slabs.tile_rows(self.rows);
         let tiles_y = slab_rows * self.slabs.count();
@@ -132,9 +132,9 @@ impl Cutting<'_> {
             let tile = (place.layer as u32 * self.rows.div_ceil(TILE) + place.y - self.row / TILE) * tiles_x + place.x;
             let over = |net: &Net| net.over(place.span, self.anchor);
             let whole = nets[tile as usize].as_ref().map_or_else(Fit::default, |net| Fit::of(&over(net)));
-            (self.owned(*place), Bounds { whole, each: Vec::new() })
+            (self.owned(*place), TileFits { whole, each: Vec::new() })
         };
-        let (owned, bounds): (Vec<Owned>, Vec<Bounds>) = places.par_iter().map(cut).unzip();
+        let (owned, bounds): (Vec<TileCells>, Vec<TileFits>) = places.par_iter().map(cut).unzip();
         let mut tiles = Tiles { tiles_x, tiles_y, slab_rows, start: vec![0], ..Default::default() };
         let mut node_of_cell = above_cells(tiles_x, tiles_y);
         let mut local = std::collections::HashMap::new();
@@ -152,7 +152,7 @@ impl Cutting<'_> {
                 let node = if bounds.each.is_empty() { k } else { node_of_cell };
                 node_of_cell += u32::from(node != k);
                 tiles.cells.push(layout::Cell { tile: k, node, ..self.cell_row(share, row_of, *place) });
-                if !self.places.is_empty() {
+                if !self.sample_offsets.is_empty() {
                     let masks = [share.any(), share.all()].into_iter().chain(share.samples.iter().copied());
                     tiles.cell_samples.extend(masks.map(|m| [m as u32, (m >> 32) as u32]));
                 }
@@ -163,15 +163,15 @@ impl Cutting<'_> {
     }
 
     /// The cells of a tile of straight rays, and what bounds them.
-    fn straight(&self, at: Place) -> (Owned, Bounds) {
-        if let (Rays::Field(field), true) = (&self.camera.layers[at.layer], self.places.is_empty()) {
+    fn straight(&self, at: Place) -> (TileCells, TileFits) {
+        if let (Rays::Field(field), true) = (&self.camera.layers[at.layer], self.sample_offsets.is_empty()) {
             return self.of_field(at, field);
         }
         let owned = self.owned(at);
-        let fit = |owned: &[Share]| Fit::of(&Sampled { samples: self.samples(at, owned), ..Sampled::default() });
+        let fit = |owned: &[CellPixels]| Fit::of(&TileRays { rays: self.rays(at, owned), ..TileRays::default() });
         let whole = fit(&owned);
         let owned = match (&self.camera.layers[at.layer], owned.as_slice()) {
-            (Rays::Field(field), [share]) if !field.is_sorted => self.torn(at, share, field),
+            (Rays::Field(field), [share]) if !field.is_reordered => self.discontinuous(at, share, field),
             // of sorted rays no cut leaves any nearer to each other
             _ => owned,
         };
@@ -180,53 +180,53 @@ impl Cutting<'_> {
         } else {
             Vec::new()
         };
-        (owned, Bounds { whole, each })
+        (owned, TileFits { whole, each })
     }
 
     /// The same of a field's rays through pixel centres alone, each of which is asked for once.
-    fn of_field(&self, at: Place, field: &Field) -> (Owned, Bounds) {
+    fn of_field(&self, at: Place, field: &Field) -> (TileCells, TileFits) {
         let (left, top) = (at.x * TILE, at.y * TILE);
         let (columns, rows) = ((self.camera.width - left).min(TILE), (self.row + self.rows - top).min(TILE));
         let mut mask = 0;
-        let mut samples = Vec::with_capacity((TILE * TILE) as usize);
+        let mut rays = Vec::with_capacity((TILE * TILE) as usize);
         for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {
             if let Some((p, d)) = field.ray(left + x, top + y) {
                 mask |= 1u64 << (y * TILE + x);
-                samples.push(Sample { place: place_in_tile(x, y), p: p - self.anchor, d });
+                rays.push(TileRay { place: place_in_tile(x, y), p: p - self.anchor, d });
             }
         }
         if mask == 0 {
             return Default::default();
         }
-        let share = Share { piece: 0, mask, samples: Vec::new() };
-        let sampled = Sampled { samples, ..Sampled::default() };
-        let whole = Fit::of(&sampled);
+        let share = CellPixels { piece: 0, mask, samples: Vec::new() };
+        let tile = TileRays { rays, ..TileRays::default() };
+        let whole = Fit::of(&tile);
         // of sorted rays no cut leaves any nearer to each other
-        if field.is_sorted || !whole.strays() {
-            return (vec![share], Bounds { whole, each: Vec::new() });
+        if field.is_reordered || !whole.is_loose() {
+            return (vec![share], TileFits { whole, each: Vec::new() });
         }
-        let parts = tear(Part { mask, samples: sampled.samples });
+        let parts = cells_of(Part { mask, rays: tile.rays });
         let owned = parts.iter().map(|part| share.within(part.mask)).collect();
-        let fit = |part: Part| Fit::of(&Sampled { samples: part.samples, ..Sampled::default() });
+        let fit = |part: Part| Fit::of(&TileRays { rays: part.rays, ..TileRays::default() });
         let each = if parts.len() > 1 { parts.into_iter().map(fit).collect() } else { Vec::new() };
-        (owned, Bounds { whole, each })
+        (owned, TileFits { whole, each })
     }
 
     /// The pixels of a tile of a field in parts, each pixel where a ray of it belongs.
-    fn torn(&self, at: Place, share: &Share, field: &Field) -> Owned {
+    fn discontinuous(&self, at: Place, share: &CellPixels, field: &Field) -> TileCells {
         let one_each = |bit: u32| {
             let (x, y) = (bit % TILE, bit / TILE);
             let (i, j) = (at.x * TILE + x, at.y * TILE + y);
-            let aside = || self.places.iter().find_map(|place| field.ray_at_offset(i, j, *place));
-            let (p, d) = field.ray(i, j).or_else(aside)?;
-            Some(Sample { place: place_in_tile(x, y), p: p - self.anchor, d })
+            let offset = || self.sample_offsets.iter().find_map(|place| field.ray_at_offset(i, j, *place));
+            let (p, d) = field.ray(i, j).or_else(offset)?;
+            Some(TileRay { place: place_in_tile(x, y), p: p - self.anchor, d })
         };
-        let samples = bits(share.any()).filter_map(one_each).collect();
-        tear(Part { mask: share.any(), samples }).iter().map(|part| share.within(part.mask)).collect()
+        let rays = bits(share.any()).filter_map(one_each).collect();
+        cells_of(Part { mask: share.any(), rays }).iter().map(|part| share.within(part.mask)).collect()
     }
 
     /// Which pixels of a tile each piece owns, by ascending piece.
-    fn owned(&self, at: Place) -> Owned {
+    fn owned(&self, at: Place) -> TileCells {
         let (left, top) = (at.x * TILE, at.y * TILE);
         let (columns, rows) = ((self.camera.width - left).min(TILE), (self.row + self.rows - top).min(TILE));
         let pixels = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
@@ -237,10 +237,10 @@ impl Cutting<'_> {
         {
             // one piece over the whole image
             let mask = pixels.map(bit).fold(0, |m, b| m | b);
-            return vec![Share { piece: 0, mask, samples: vec![mask; self.places.len()] }];
+            return vec![CellPixels { piece: 0, mask, samples: vec![mask; self.sample_offsets.len()] }];
         }
-        let mut cells: Owned = Vec::new();
-        let none = |piece: u32| Share { piece, mask: 0, samples: vec![0; self.places.len()] };
+        let mut cells: TileCells = Vec::new();
+        let none = |piece: u32| CellPixels { piece, mask: 0, samples: vec![0; self.sample_offsets.len()] };
         for (x, y) in pixels {
             let (i, j) = (left + x, top + y);
             let owner = match (self.curves, layer) {
@@ -252,7 +252,7 @@ impl Cutting<'_> {
             if let Some(piece) = owner {
                 share_of(&mut cells, piece, none).mask |= bit((x, y));
             }
-            for (n, place) in self.places.iter().enumerate() {
+            for (n, place) in self.sample_offsets.iter().enumerate() {
                 let owner = match layer {
                     Rays::Pieces(p) => p.owner_at_offset(i, j, *place),
                     Rays::Field(f) => f.ray_at_offset(i, j, *place).map(|_| 0),
@@ -268,34 +268,34 @@ impl Cutting<'_> {
     }
 
     /// Rays that bound all straight rays of these cells: the corners of a lone affine one's tile, or every pixel's ray and its samples'.
-    fn samples(&self, at: Place, owned: &[Share]) -> Vec<Sample> {
+    fn rays(&self, at: Place, owned: &[CellPixels]) -> Vec<TileRay> {
         let mut list = Vec::new();
         for share in owned {
             let piece = share.piece;
             let centres = bits(share.mask).map(|bit| (bit, DVec2::ZERO));
-            let sampled = share.samples.iter().zip(self.places);
-            let asides = sampled.flat_map(|(mask, place)| bits(*mask).map(move |bit| (bit, *place)));
-            let all = centres.chain(asides).map(|(bit, aside)| (bit % TILE, bit / TILE, aside));
+            let sampled = share.samples.iter().zip(self.sample_offsets);
+            let offsets = sampled.flat_map(|(mask, place)| bits(*mask).map(move |bit| (bit, *place)));
+            let all = centres.chain(offsets).map(|(bit, offset)| (bit % TILE, bit / TILE, offset));
             match &self.camera.layers[at.layer] {
-                Rays::Field(f) => list.extend(all.filter_map(|(x, y, aside)| {
+                Rays::Field(f) => list.extend(all.filter_map(|(x, y, offset)| {
                     let (i, j) = (at.x * TILE + x, at.y * TILE + y);
-                    let (p, d) = if aside == DVec2::ZERO { f.ray(i, j)? } else { f.ray_at_offset(i, j, aside)? };
-                    let place = place_in_tile(x, y) + aside / (TILE as f64 / 2.0);
-                    Some(Sample { place, p: p - self.anchor, d })
+                    let (p, d) = if offset == DVec2::ZERO { f.ray(i, j)? } else { f.ray_at_offset(i, j, offset)? };
+                    let place = place_in_tile(x, y) + offset / (TILE as f64 / 2.0);
+                    Some(TileRay { place, p: p - self.anchor, d })
                 })),
                 Rays::Pieces(pieces) => {
-                    let b = rebased(&pieces.bundle_at_place(piece, middle(pieces, at)), self.anchor);
+                    let b = rebased(&pieces.bundle_at_place(piece, centre(pieces, at)), self.anchor);
                     let at = |x: f64, y: f64| {
                         let ray = b.ray(x, y);
                         let place = DVec2::new(x, y) / (TILE as f64 / 2.0);
-                        Sample { place, p: ray.origin, d: ray.direction }
+                        TileRay { place, p: ray.origin, d: ray.direction }
                     };
                     if owned.len() == 1 && b.h[1] == 0.0 && b.h[2] == 0.0 {
                         let r = TILE as f64 / 2.0;
                         list.extend([(-r, -r), (r, -r), (-r, r), (r, r)].map(|(x, y)| at(x, y)));
                     } else {
-                        let place = |x: u32, aside: f64| f64::from(x) - TILE_REACH + aside;
-                        list.extend(all.map(|(x, y, aside)| at(place(x, aside.x), place(y, aside.y))));
+                        let place = |x: u32, offset: f64| f64::from(x) - TILE_REACH + offset;
+                        list.extend(all.map(|(x, y, offset)| at(place(x, offset.x), place(y, offset.y))));
                     }
                 }
                 Rays::Curves(_) => {}
@@ -305,7 +305,7 @@ impl Cutting<'_> {
     }
 
     /// A cell of a tile and a node yet to be named.
-    fn cell_row(&self, &Share { piece, mask, .. }: &Share, row_of: u32, at: Place) -> layout::Cell {
+    fn cell_row(&self, &CellPixels { piece, mask, .. }: &CellPixels, row_of: u32, at: Place) -> layout::Cell {
         let mut cell = layout::Cell {
             p: [0.0; 3],
             h: 1.0,
@@ -317,7 +317,7 @@ impl Cutting<'_> {
             node: layout::NONE,
         };
         if let (Rays::Pieces(p), None) = (&self.camera.layers[at.layer], self.curves) {
-            let b = rebased(&p.bundle_at_place(piece, middle(p, at)), self.anchor);
+            let b = rebased(&p.bundle_at_place(piece, centre(p, at)), self.anchor);
             (cell.p, cell.h, cell.d) = (b.p[0].as_vec3().to_array(), b.h[0] as f32, b.d[0].as_vec3().to_array());
         }
         cell
@@ -350,8 +350,8 @@ pub fn row_of(bundle: &Bundle, anchor: DVec3, [origin_x, origin_y]: [f32; 2], nu
     row
 }
 
-/// The middle of a tile: the mean of its pixels' sample places, image px.
-fn middle(pieces: &Pieces, at: Place) -> DVec2 {
+/// The centre of a tile: the mean of its pixels' sample places, image px.
+fn centre(pieces: &Pieces, at: Place) -> DVec2 {
     pieces.place(at.x * TILE, at.y * TILE) + TILE_REACH
 }
 
@@ -361,7 +361,7 @@ fn rebased(b: &Bundle, anchor: DVec3) -> Bundle {
 }
 
 /// The share of a piece, at first `none`.
-fn share_of(cells: &mut Owned, piece: u32, none: impl Fn(u32) -> Share) -> &mut Share {
+fn share_of(cells: &mut TileCells, piece: u32, none: impl Fn(u32) -> CellPixels) -> &mut CellPixels {
     let k = cells.iter().position(|c| c.piece == piece).unwrap_or(cells.len());
     if k == cells.len() {
         cells.push(none(piece));

@@ -1,22 +1,28 @@
 //! Which variant of the kernels a frame takes: decided here alone, before anything is planned.
 
 use super::slabs::{self, Slabs};
-use super::{Contents, Wanted};
+use super::{SceneContents, Wanted};
 use crate::camera::Camera;
-use crate::camera::arranged::is_sorted;
+use crate::camera::ray_order::is_reordered;
 use crate::engine::{Arithmetic, RunOptions};
-use crate::gpu::device::Abilities;
+use crate::gpu::device::AdapterFeatures;
 use crate::gpu::kernels::{LightsKind, OpticsKind, Variant};
 
 /// The variant for a scene with these contents through `camera`, on an adapter with these abilities.
-pub fn variant(camera: &Camera, contents: Contents, wanted: &Wanted, has: Abilities, run: &RunOptions) -> Variant {
+pub fn variant(
+    camera: &Camera,
+    contents: SceneContents,
+    wanted: &Wanted,
+    has: AdapterFeatures,
+    run: &RunOptions,
+) -> Variant {
     let has_colour = wanted.has_colour();
     let variant = Variant {
         f64: run.arithmetic != Arithmetic::Single,
         atomics64: has.atomics64,
         by_tile: false,
         rays: slabs::kind(camera),
-        scattered: is_sorted(camera),
+        incoherent: is_reordered(camera),
         slabbed: Slabs::of(camera).count() > 1,
         counting: wanted.counting,
         culling: !run.no_cull,
@@ -26,13 +32,13 @@ pub fn variant(camera: &Camera, contents: Contents, wanted: &Wanted, has: Abilit
         masked: contents.has_holes,
         glossy: (contents.has_gloss || contents.has_sky) && has_colour,
         sky: contents.has_sky && has_colour,
-        lights: match (contents.has_shadows, contents.has_places) {
+        lights: match (contents.has_shadows, contents.has_positional_lights) {
             _ if !has_colour => LightsKind::Plain,
-            (true, _) => LightsKind::Hidden,
-            (false, true) => LightsKind::Placed,
+            (true, _) => LightsKind::Shadowed,
+            (false, true) => LightsKind::Positional,
             (false, false) => LightsKind::Plain,
         },
-        styled: contents.has_style && wanted.needs_look(),
+        styled: contents.has_style && wanted.needs_appearance(),
         outlined: contents.has_outlines && has_colour,
         optics: camera.optics.as_deref().map(OpticsKind::of),
         bounced: false,

@@ -1,6 +1,6 @@
 //! cull: clusters against the tree of nodes, one dispatch a step down.
 
-use super::{Dispatch, KernelId, Number, Over};
+use super::{Dispatch, KernelId, Number, Threads};
 use crate::gpu::kernels::Variant;
 use crate::gpu::kernels::parts::*;
 
@@ -31,8 +31,8 @@ const QUEUES: [&str; 2] = ["queue_even", "queue_odd"];
 pub fn cull(clusters: u32, steps: u32) -> Vec<Dispatch> {
     let step = |k: u32| {
         let [queue_in, queue_out] = [k, k + 1].map(|k| QUEUES[k as usize % 2]);
-        let over = if k == 0 { Over::Items(clusters) } else { Over::Counted(Number::Nth(k)) };
-        let dispatch = Dispatch { over, ..Dispatch::over(KernelId::Cull, clusters).nth(k) };
+        let threads = if k == 0 { Threads::Items(clusters) } else { Threads::Counted(Number::Index(k)) };
+        let dispatch = Dispatch { threads, ..Dispatch::over(KernelId::Cull, clusters).nth(k) };
         dispatch.with("queue_in", queue_in).with("queue_out", queue_out)
     };
     (0..steps).map(step).collect()

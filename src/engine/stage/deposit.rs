@@ -6,16 +6,16 @@ use crate::gpu::buffers::{Buffers, Pipeline, read_words, readback};
 use crate::gpu::kernels::parts::*;
 use crate::gpu::layout;
 use crate::input::{Error, Result};
-use crate::scene::caustics::beams::Cast;
-use crate::scene::caustics::{Caustics, Illumination, Map, mean};
+use crate::scene::caustics::beams::CausticTriangle;
+use crate::scene::caustics::{CausticMaps, Caustics, Map, mean};
 use rayon::prelude::*;
 use wgpu::BufferUsages;
 
 /// Caustic triangles onto the maps of receivers; no part of a frame.
 pub fn kernel() -> Kernel {
     let bindings = vec![
-        uniform("casting", "Casting"),
-        reads("casts", "array<Cast>"),
+        uniform("deposit_params", "DepositParams"),
+        reads("caustic_triangles", "array<CausticTriangle>"),
         reads("receivers", "array<Receiver>"),
         writes("sums", "array<atomic<u32>>"),
     ];
@@ -30,8 +30,8 @@ pub struct Deposit<'g> {
 
 /// What `deposit` reads, ready to upload.
 #[derive(Debug, Clone)]
-pub struct Casts {
-    pub rows: Vec<layout::Cast>,
+pub struct CausticTriangles {
+    pub rows: Vec<layout::CausticTriangle>,
     pub receivers: Vec<layout::Receiver>,
     /// Of all receivers.
     pub texels: u32,
@@ -45,11 +45,11 @@ pub const TEXEL_WORDS: u64 = 6;
 /// Units of the brightest triangle at most. 2^34 such triangles would not fill a sum, and rounding is far below f32's.
 const UNITS: f64 = (1u64 << 30) as f64;
 
-impl Casts {
+impl CausticTriangles {
     /// # Errors
     /// [`Error::Input`] for more texels than indices.
-    pub fn new(caustics: &Caustics, casts: &[Cast]) -> Result<Casts> {
-        let brightest = casts.iter().flat_map(|c| c.flux).fold(0.0, f64::max);
+    pub fn new(caustics: &Caustics, caustic_triangles: &[CausticTriangle]) -> Result<CausticTriangles> {
+        let brightest = caustic_triangles.iter().flat_map(|c| c.flux).fold(0.0, f64::max);
         let unit = if brightest > 0.0 { brightest / UNITS } else { 1.0 };
         let all: u64 = caustics.receivers.iter().map(|r| r.texels[0] as u64 * r.texels[1] as u64).sum();
         if TEXEL_WORDS * (all + 2) > u64::from(u32::MAX) {
@@ -62,13 +62,13 @@ impl Casts {
             first: *first,
             scale: (unit / r.texel_area() / std::f64::consts::PI) as f32,
         };
-        let row = |cast: &Cast| {
-            let [a, b, c] = cast.corners.map(|p| p.as_vec2().to_array());
-            let flux = cast.flux.map(|f| (f / unit).round() as u32);
-            layout::Cast { a, b, c, receiver: cast.receiver, pad0: 0, flux, pad1: 0 }
+        let row = |triangle: &CausticTriangle| {
+            let [a, b, c] = triangle.corners.map(|p| p.as_vec2().to_array());
+            let flux = triangle.flux.map(|f| (f / unit).round() as u32);
+            layout::CausticTriangle { a, b, c, receiver: triangle.receiver, pad0: 0, flux, pad1: 0 }
         };
-        Ok(Casts {
-            rows: casts.par_iter().map(row).collect(),
+        Ok(CausticTriangles {
+            rows: caustic_triangles.par_iter().map(row).collect(),
             receivers: caustics.receivers.iter().zip(&firsts).map(receiver).collect(),
             texels: all as u32,
             unit,
@@ -83,21 +83,22 @@ impl<'g> Deposit<'g> {
 
     /// Adds up the flux of all triangles in `sums`, which `buffers` gets together with `receivers`; returns the sums: 6
     /// words a texel, as many of what missed, and the number of lines and points.
-    pub fn run(&self, casts: &Casts, buffers: &mut Buffers) -> Result<Vec<u32>> {
+    pub fn run(&self, caustic_triangles: &CausticTriangles, buffers: &mut Buffers) -> Result<Vec<u32>> {
         let gpu = self.gpu;
-        let bytes = 4 * (TEXEL_WORDS * (u64::from(casts.texels) + 1) + 1);
+        let bytes = 4 * (TEXEL_WORDS * (u64::from(caustic_triangles.texels) + 1) + 1);
         buffers.create(gpu, "sums", bytes, BufferUsages::empty())?;
-        buffers.upload(gpu, "receivers", &casts.receivers)?;
+        buffers.upload(gpu, "receivers", &caustic_triangles.receivers)?;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         if let Some(sums) = buffers.get("sums") {
             encoder.clear_buffer(sums, 0, None);
         }
-        let most = (gpu.binding_limit() as usize / size_of::<layout::Cast>()).max(1);
-        for chunk in casts.rows.chunks(most) {
+        let most = (gpu.binding_limit() as usize / size_of::<layout::CausticTriangle>()).max(1);
+        for chunk in caustic_triangles.rows.chunks(most) {
             let mut own = Buffers::default();
-            own.upload(gpu, "casts", chunk)?;
-            let row = layout::Casting { count: chunk.len() as u32, texels: casts.texels, pad0: 0, pad1: 0 };
-            own.upload_uniform(gpu, "casting", &row)?;
+            own.upload(gpu, "caustic_triangles", chunk)?;
+            let row =
+                layout::DepositParams { count: chunk.len() as u32, texels: caustic_triangles.texels, pad0: 0, pad1: 0 };
+            own.upload_uniform(gpu, "deposit_params", &row)?;
             let group = self.pipeline.bind(gpu, &[&own, buffers])?;
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("deposit"), timestamp_writes: None });
@@ -116,14 +117,14 @@ impl<'g> Deposit<'g> {
     }
 }
 
-impl Casts {
+impl CausticTriangles {
     /// The maps of the sums, and the budget completed.
-    pub fn illumination(
+    pub fn maps(
         &self,
         caustics: &Caustics,
-        mut budget: crate::scene::caustics::Budget,
+        mut budget: crate::scene::caustics::FluxBudget,
         sums: &[u32],
-    ) -> Illumination {
+    ) -> CausticMaps {
         let texel = |words: &[u32]| {
             [0, 1, 2].map(|k| (u64::from(words[2 * k]) | u64::from(words[2 * k + 1]) << 32) as f64 * self.unit)
         };
@@ -138,6 +139,6 @@ impl Casts {
         budget.deposited = maps.iter().map(|m| mean(m.total())).sum();
         budget.missed += mean(texel(rest));
         budget.degenerate = rest.get(TEXEL_WORDS as usize).copied().unwrap_or(0).into();
-        Illumination { maps, budget }
+        CausticMaps { maps, budget }
     }
 }

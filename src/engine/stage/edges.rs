@@ -66,7 +66,7 @@ const PAIRS: u32 = 1;
 const LIST: u32 = 2;
 
 /// What is seen at the centres of `pixels` pixels; for every chunk of the scene.
-pub fn look_for_edges(pixels: u32) -> Dispatch {
+pub fn find_edges(pixels: u32) -> Dispatch {
     Dispatch::over(KernelId::Edges, pixels).nth(SEEN)
 }
 

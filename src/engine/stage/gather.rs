@@ -10,8 +10,8 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     let mut bindings = vec![
         params(),
         reads("visibility", "array<u32>"),
-        reads("landing_of", "array<u32>"),
-        reads("landings", "array<Landing>"),
+        reads("receiver_triangle_of", "array<u32>"),
+        reads("receiver_triangles", "array<ReceiverTriangle>"),
         reads("receivers", "array<Receiver>"),
         reads("sums", "array<u32>"),
         writes("planes", "array<u32>"),

@@ -51,8 +51,8 @@ macro_rules! kernels {
 
             /// The kernel of a variant whose frames have these planes; `None`: they do without.
             pub fn kernel(self, variant: Variant, planes: &[Channel]) -> Option<Kernel> {
-                type Of<T> = fn(Variant, &[Channel]) -> T;
-                let (is_there, kernel): (Of<bool>, Of<Kernel>) = match self {
+                type PerVariant<T> = fn(Variant, &[Channel]) -> T;
+                let (is_there, kernel): (PerVariant<bool>, PerVariant<Kernel>) = match self {
                     $(KernelId::$id => ($is_there, $kernel),)*
                 };
                 is_there(variant, planes).then(|| kernel(variant, planes))
@@ -98,8 +98,8 @@ pub fn all_kernels(variant: Variant, planes: &[Channel]) -> Vec<Kernel> {
 }
 
 impl KernelId {
-    /// Compiled once a frame takes it, not beforehand: of these a frame takes some or none.
-    fn waits(self) -> bool {
+    /// Compiled when a frame first needs it: most frames do not.
+    fn is_lazy(self) -> bool {
         use KernelId::*;
         matches!(self, Edges | Sample | EdgesByTile | SampleByTile | RecheckSamples | Gather)
     }
@@ -108,39 +108,40 @@ impl KernelId {
 /// What the uniform `step` tells a kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Number {
-    /// The n-th dispatch of the kernel; to `args`: the n-th queue of cull.
-    Nth(u32),
+    /// Index of the dispatch among those of its kernel; to `args`: of a queue of cull.
+    Index(u32),
     /// To `args`: a counter.
-    Of(Counter),
+    Counter(Counter),
 }
 
-/// Names of the buffers of [`Number::Nth`]: levels of the tree and rounds, by number.
-const NTH: [&str; CULL_QUEUES as usize] = ["nth_0", "nth_1", "nth_2", "nth_3", "nth_4", "nth_5", "nth_6", "nth_7"];
+/// Buffer names of [`Number::Index`]: levels of the tree, and rounds.
+const INDEX_NAMES: [&str; CULL_QUEUES as usize] =
+    ["index_0", "index_1", "index_2", "index_3", "index_4", "index_5", "index_6", "index_7"];
 
 impl Number {
     pub fn every() -> impl Iterator<Item = Number> {
-        (0..CULL_QUEUES).map(Number::Nth).chain(Counter::ALL.iter().copied().map(Number::Of))
+        (0..CULL_QUEUES).map(Number::Index).chain(Counter::ALL.iter().copied().map(Number::Counter))
     }
 
     /// The name of its buffer.
     pub fn name(self) -> &'static str {
         match self {
-            Number::Nth(n) => NTH[n as usize],
-            Number::Of(counter) => counter.name(),
+            Number::Index(n) => INDEX_NAMES[n as usize],
+            Number::Counter(counter) => counter.name(),
         }
     }
 
     fn value(self) -> u32 {
         match self {
-            Number::Nth(n) => n,
-            Number::Of(counter) => counter.index(),
+            Number::Index(n) => n,
+            Number::Counter(counter) => counter.index(),
         }
     }
 }
 
 /// How many threads a dispatch has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Over {
+pub enum Threads {
     /// One for each of so many items.
     Items(u32),
     /// As many as `args` finds in a counter.
@@ -153,7 +154,7 @@ pub struct Dispatch {
     pub kernel: KernelId,
     /// Its `step`, where it has one.
     pub step: Number,
-    pub over: Over,
+    pub threads: Threads,
     /// What the kernel calls a buffer, and the buffer's name.
     pub renamed: Vec<(&'static str, &'static str)>,
 }
@@ -161,17 +162,17 @@ pub struct Dispatch {
 impl Dispatch {
     /// Over so many items.
     pub fn over(kernel: KernelId, items: u32) -> Dispatch {
-        Dispatch { kernel, step: Number::Nth(0), over: Over::Items(items), renamed: Vec::new() }
+        Dispatch { kernel, step: Number::Index(0), threads: Threads::Items(items), renamed: Vec::new() }
     }
 
     /// Over as many items as were counted.
     pub fn counted(kernel: KernelId, counter: Counter) -> Dispatch {
-        Dispatch { over: Over::Counted(Number::Of(counter)), ..Dispatch::over(kernel, 0) }
+        Dispatch { threads: Threads::Counted(Number::Counter(counter)), ..Dispatch::over(kernel, 0) }
     }
 
-    /// The n-th of its kernel.
+    /// Its `step` is this number.
     pub fn nth(self, n: u32) -> Dispatch {
-        Dispatch { step: Number::Nth(n), ..self }
+        Dispatch { step: Number::Index(n), ..self }
     }
 
     /// With `buffer` where the kernel says `name`.
@@ -201,7 +202,7 @@ impl Stages {
         }
         let kernels = KernelId::ALL.into_iter().filter_map(|id| {
             let kernel = id.kernel(variant, planes)?;
-            let pipeline = if id.waits() { OnceLock::new() } else { Pipeline::new(gpu, kernel).into() };
+            let pipeline = if id.is_lazy() { OnceLock::new() } else { Pipeline::new(gpu, kernel).into() };
             Some((id, pipeline))
         });
         Ok(Stages { kernels: kernels.collect(), steps, variant, planes: planes.to_vec() })
@@ -221,8 +222,8 @@ impl Stages {
         dispatches: &[Dispatch],
     ) -> Result<()> {
         let scopes: Vec<&Buffers> = scopes.iter().copied().chain([&self.steps]).collect();
-        for Dispatch { kernel, step, over, renamed } in dispatches {
-            if let Over::Counted(number) = over {
+        for Dispatch { kernel, step, threads, renamed } in dispatches {
+            if let Threads::Counted(number) = threads {
                 let args = self.pipeline(gpu, KernelId::Args)?;
                 let group = args.bind_renamed(gpu, &scopes, &[("step", number.name())])?;
                 pass.set_pipeline(args.raw());
@@ -234,10 +235,10 @@ impl Stages {
             let group = kernel.bind_renamed(gpu, &scopes, &renamed)?;
             pass.set_pipeline(kernel.raw());
             pass.set_bind_group(0, &group, &[]);
-            match (over, scopes.iter().find_map(|s| s.get("indirect"))) {
-                (Over::Items(items), _) => dispatch_items(gpu, pass, *items),
-                (Over::Counted(_), Some(indirect)) => pass.dispatch_workgroups_indirect(indirect, 0),
-                (Over::Counted(_), None) => return Err(Error::work("no buffer indirect")),
+            match (threads, scopes.iter().find_map(|s| s.get("indirect"))) {
+                (Threads::Items(items), _) => dispatch_items(gpu, pass, *items),
+                (Threads::Counted(_), Some(indirect)) => pass.dispatch_workgroups_indirect(indirect, 0),
+                (Threads::Counted(_), None) => return Err(Error::work("no buffer indirect")),
             }
         }
         Ok(())

@@ -11,7 +11,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     let mut bindings = vec![
         params(),
         uniform("shading", "Shading"),
-        uniform("places", "Places"),
+        uniform("sample_offsets", "SampleOffsets"),
         reads("triangles", "array<vec4<u32>>"),
         reads("vertices_hi", "array<f32>"),
         reads("slot_of_id", "array<u32>"),
@@ -28,7 +28,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     bindings.extend(variant.style_row());
     bindings.extend(variant.pixel_rays());
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE_ROW, BUNDLE, KEY, SHADING, SURFACE];
-    let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_PLACES];
+    let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_OFFSETS];
     own.push(variant.style());
     own.extend(variant.weights());
     own.push(if variant.analytic { snippets!("samples/areas.wgsl") } else { snippets!("samples/counted.wgsl") });

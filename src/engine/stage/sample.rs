@@ -51,16 +51,16 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
     let rays: &[Parts] = match variant.rays {
         RaysKind::Field => {
             bindings.extend([reads("rays_hi", "array<vec2<f32>>"), reads("rays_lo", "array<vec2<f32>>")]);
-            bindings.push(reads("rays_aside", "array<vec2<f32>>"));
+            bindings.push(reads("sample_ray_deltas", "array<vec2<f32>>"));
             &[snippets!("camera/field_column.wgsl"), snippets!("camera/field_strip.wgsl")]
         }
         _ => {
             bindings.extend([
                 reads("pieces", "array<Piece>"),
                 reads("cells", "array<Cell>"),
-                uniform("places", "Places"),
+                uniform("sample_offsets", "SampleOffsets"),
             ]);
-            &[snippets!("camera/piece.wgsl"), SAMPLE_PLACES, snippets!("camera/pieces_strip.wgsl")]
+            &[snippets!("camera/piece.wgsl"), SAMPLE_OFFSETS, snippets!("camera/pieces_strip.wgsl")]
         }
     };
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, WITHIN];

@@ -117,10 +117,10 @@ fn figure(parts: &[Part], materials: &[(&str, [f32; 3])], level: u32) -> Mesh {
 /// Appends `ball` stretched along `ends` to their distance, and across to 2 `radius`.
 fn push_ellipsoid(mesh: &mut Mesh, ball: &Mesh, ends: [DVec3; 2], radius: f64, material: u32) {
     let base = mesh.positions.len() as u32;
-    let (middle, half) = ((ends[0] + ends[1]) / 2.0, (ends[1] - ends[0]) / 2.0);
+    let (centre, half) = ((ends[0] + ends[1]) / 2.0, (ends[1] - ends[0]) / 2.0);
     let (axis, length) = (half.normalize(), half.length());
     let stretched = |p: DVec3, along: f64, across: f64| across * p + (along - across) * p.dot(axis) * axis;
-    mesh.positions.extend(ball.positions.iter().map(|&p| middle + stretched(p, length, radius)));
+    mesh.positions.extend(ball.positions.iter().map(|&p| centre + stretched(p, length, radius)));
     // normals of a stretched surface shrink where it grows
     let normal = |&p: &DVec3| stretched(p, 1.0 / length, 1.0 / radius).normalize().as_vec3().normalize();
     mesh.normals.extend(ball.positions.iter().map(normal));

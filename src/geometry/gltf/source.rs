@@ -31,8 +31,8 @@ pub(super) enum Found<T> {
 pub(super) struct Source {
     pub document: Document,
     pub buffers: Vec<Arc<Vec<u8>>>,
-    /// What is wrong with its textures, which not every reader looks at.
-    pub wrong_look: Option<Error>,
+    /// What is wrong with its materials, which not every reader uses.
+    pub material_error: Option<Error>,
 }
 
 impl Source {
@@ -45,7 +45,7 @@ impl Source {
             return Err(Error::input("is empty; a glTF 2.0 file is needed"));
         }
         let root = Root::from_slice(json).map_err(|e| Error::input(format!("is not glTF 2.0: {e}")))?;
-        let wrong_look = check_root(&root)?;
+        let material_error = check_root(&root)?;
         let document = Document::from_json_without_validation(root);
         let (mut buffers, mut known) = (Vec::new(), HashMap::new());
         for buffer in document.buffers() {
@@ -54,7 +54,7 @@ impl Source {
             buffers.push(bytes);
         }
         drop(known);
-        Ok(Source { document, buffers, wrong_look })
+        Ok(Source { document, buffers, material_error })
     }
 
     /// The bytes of an image's file.
@@ -121,15 +121,15 @@ fn check_root(root: &Root) -> Result<Option<Error>> {
         return Err(Error::input(format!("requires {extension}, which is not supported; export it without")));
     }
     check_attributes(root)?;
-    let (mut first, mut look) = (None, None);
+    let (mut first, mut material) = (None, None);
     root.validate(root, JsonPath::new, &mut |path, wrong| {
         let path = path().0;
         let is_in = |parts: &[&str]| parts.iter().any(|part| path.starts_with(part));
         // the crate looks up a material's textures at once
         let is_read = is_in(&["scene", "nodes", "meshes", "accessors", "bufferViews", "buffers"])
             || (wrong == Wrong::IndexOutOfBounds && is_in(&["materials"]));
-        if !is_read && look.is_none() && is_in(&["materials", "textures", "images", "samplers"]) {
-            look = Some((path, wrong));
+        if !is_read && material.is_none() && is_in(&["materials", "textures", "images", "samplers"]) {
+            material = Some((path, wrong));
             return;
         }
         // The required minimum and maximum of positions are often left out, and are not needed.
@@ -141,7 +141,7 @@ fn check_root(root: &Root) -> Result<Option<Error>> {
     let error = |(path, wrong)| Error::input(format!("{path}: {}; export it again", reason(wrong)));
     match first {
         Some(first) => Err(error(first)),
-        None => Ok(look.map(error)),
+        None => Ok(material.map(error)),
     }
 }
 
@@ -170,7 +170,7 @@ fn reason(wrong: Wrong) -> &'static str {
     }
 }
 
-/// Whether a file that requires the extension can be read without it: it is about looks, or it is handled.
+/// Whether a file that requires the extension can be read without it: it is about materials, or it is handled.
 fn keeps_triangles(extension: &str) -> bool {
     const PREFIXES: [&str; 6] =
         ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp"];

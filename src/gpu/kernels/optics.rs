@@ -43,7 +43,7 @@ impl Variant {
 
     /// The rays of the pass after this one's.
     pub fn after_bounce(self) -> Variant {
-        Variant { rays: RaysKind::Field, scattered: false, slabbed: false, bounced: true, ..self }
+        Variant { rays: RaysKind::Field, incoherent: false, slabbed: false, bounced: true, ..self }
     }
 
     /// A smooth surface is to be met.

@@ -34,10 +34,10 @@ impl Variant {
     /// The rays of samples in recheck arithmetic, and what they bind beside the pixels' own.
     pub(crate) fn sample_rays(self, bindings: &mut Vec<Binding>) -> &'static [Parts] {
         if self.rays == RaysKind::Pieces {
-            bindings.push(uniform("places", "Places"));
-            return &[SAMPLE_PLACES, snippets!("camera/pieces_sample.wgsl")];
+            bindings.push(uniform("sample_offsets", "SampleOffsets"));
+            return &[SAMPLE_OFFSETS, snippets!("camera/pieces_sample.wgsl")];
         }
-        bindings.push(reads("rays_aside", "array<f32>"));
+        bindings.push(reads("sample_ray_deltas", "array<f32>"));
         &[snippets!("camera/field_sample.wgsl")]
     }
 }

@@ -32,9 +32,9 @@ impl Variant {
     pub(crate) fn light(self) -> [Parts; 2] {
         let lights = match self.lights {
             LightsKind::Plain => snippets!("lights/plain.wgsl"),
-            LightsKind::Placed => snippets!("lights/placed.wgsl", "lights/unhidden.wgsl"),
-            LightsKind::Hidden => {
-                snippets!("lights/placed.wgsl", "lights/hidden.wgsl", "shared/segment.wgsl", "shared/bvh.wgsl")
+            LightsKind::Positional => snippets!("lights/positional.wgsl", "lights/unshadowed.wgsl"),
+            LightsKind::Shadowed => {
+                snippets!("lights/positional.wgsl", "lights/shadowed.wgsl", "shared/segment.wgsl", "shared/bvh.wgsl")
             }
         };
         let materials = match (self.glossy, self.sky) {
@@ -48,9 +48,14 @@ impl Variant {
     /// What is drawn on surfaces.
     pub(crate) fn style(self) -> Parts {
         if self.styled {
-            return snippets!("styles/rows.wgsl", "styles/look.wgsl", "styles/patterns.wgsl", "styles/lines.wgsl");
+            return snippets!(
+                "styles/rows.wgsl",
+                "styles/shaded_hit.wgsl",
+                "styles/patterns.wgsl",
+                "styles/lines.wgsl"
+            );
         }
-        snippets!("styles/look.wgsl", "styles/plain.wgsl")
+        snippets!("styles/shaded_hit.wgsl", "styles/plain.wgsl")
     }
 
     /// How that is drawn.

@@ -19,10 +19,10 @@ pub enum RaysKind {
 pub enum LightsKind {
     /// Directional white lights only.
     Plain,
-    /// Colours too, and places.
-    Placed,
-    /// And what is in the way of light.
-    Hidden,
+    /// Coloured and positional lights too.
+    Positional,
+    /// And shadows.
+    Shadowed,
 }
 
 /// Which variants of the kernels a scene and an adapter need.
@@ -36,7 +36,7 @@ pub struct Variant {
     pub by_tile: bool,
     pub rays: RaysKind,
     /// The rays are incoherent even after sorting: they are tested one by one against boxes.
-    pub scattered: bool,
+    pub incoherent: bool,
     /// The tiles of several layers, or of several spans of t, are stacked below each other.
     pub slabbed: bool,
     /// Count tested and kept fragments.
@@ -77,7 +77,7 @@ impl Variant {
         atomics64: false,
         by_tile: false,
         rays: RaysKind::Pieces,
-        scattered: false,
+        incoherent: false,
         slabbed: false,
         counting: false,
         culling: true,
@@ -102,7 +102,7 @@ impl Variant {
         for more in [false, true] {
             let [counting, normals, textured, glossy, sky] = [more; 5];
             let [styled, outlined] = [more; 2];
-            let lights = if more { LightsKind::Hidden } else { LightsKind::Plain };
+            let lights = if more { LightsKind::Shadowed } else { LightsKind::Plain };
             let of_camera = Variant {
                 f64,
                 atomics64,
@@ -117,8 +117,8 @@ impl Variant {
                 ..Variant::PLAIN
             };
             let variant = |rays, slabbed, optics| {
-                let scattered = more && rays == RaysKind::Field;
-                Variant { rays, scattered, slabbed, optics, ..of_camera }
+                let incoherent = more && rays == RaysKind::Field;
+                Variant { rays, incoherent, slabbed, optics, ..of_camera }
             };
             let curves = [1, 2, 3].map(|degree| RaysKind::Curves { degree });
             for rays in [RaysKind::Pieces, RaysKind::Field].into_iter().chain(curves) {
@@ -134,7 +134,7 @@ impl Variant {
                 let seen = Variant { masked: true, ..variant(RaysKind::Pieces, false, Some(OpticsKind::Facets)) };
                 list.extend([slabbed, seen, seen.after_bounce()]);
             }
-            list.push(Variant { lights: LightsKind::Placed, ..variant(RaysKind::Pieces, false, None) });
+            list.push(Variant { lights: LightsKind::Positional, ..variant(RaysKind::Pieces, false, None) });
             for optics in OpticsKind::ALL {
                 let seen = [RaysKind::Pieces, RaysKind::Field].map(|rays| variant(rays, false, Some(optics)));
                 list.extend(seen);
@@ -220,23 +220,23 @@ impl Variant {
 
     /// Tests of a tile's rays against a box.
     pub(crate) fn tile_rays(self) -> Parts {
-        match self.scattered {
-            true => snippets!("camera/field_rays.wgsl", "shared/rays_scattered.wgsl"),
+        match self.incoherent {
+            true => snippets!("camera/field_rays.wgsl", "shared/rays_incoherent.wgsl"),
             false => snippets!("shared/rays_coherent.wgsl"),
         }
     }
 
     /// Tests of an item's rays against a box.
     pub(crate) fn item_rays(self) -> Parts {
-        match (self.scattered && self.culling, self.by_tile) {
+        match (self.incoherent && self.culling, self.by_tile) {
             (true, true) => snippets!(
                 "camera/field_rays.wgsl",
-                "shared/rays_scattered.wgsl",
+                "shared/rays_incoherent.wgsl",
                 "shared/lanes.wgsl",
-                "shared/items_scattered_by_lanes.wgsl"
+                "shared/items_incoherent_by_lanes.wgsl"
             ),
             (true, false) => {
-                snippets!("camera/field_rays.wgsl", "shared/rays_scattered.wgsl", "shared/items_scattered.wgsl")
+                snippets!("camera/field_rays.wgsl", "shared/rays_incoherent.wgsl", "shared/items_incoherent.wgsl")
             }
             (false, _) => snippets!("shared/items_coherent.wgsl"),
         }
@@ -244,7 +244,7 @@ impl Variant {
 
     /// The binding of those tests.
     pub(crate) fn scattered_rays(self, asks: bool) -> Option<Binding> {
-        (self.scattered && asks).then(|| reads("rays_hi", "array<f32>"))
+        (self.incoherent && asks).then(|| reads("rays_hi", "array<f32>"))
     }
 
     /// How a kernel sees a list of structs: as it is, or as rows that the lanes of a subgroup load together.

@@ -160,7 +160,7 @@ impl Manifest {
         }
         let settings = task.settings()?;
         if done.settings != settings {
-            return changed(format!("its settings were {}", told_apart(&done.settings, &settings)));
+            return changed(format!("its settings were {}", first_difference(&done.settings, &settings)));
         }
         for (path, hash) in &done.inputs {
             if self.hash(&task.whole(path)).as_ref() != Some(hash) {
@@ -395,7 +395,7 @@ fn nanoseconds(time: SystemTime) -> u64 {
 }
 
 /// The words of a command line that are missing from another one, or in other positions there.
-fn told_apart(was: &[String], is: &[String]) -> String {
+fn first_difference(was: &[String], is: &[String]) -> String {
     let own: Vec<&str> = was.iter().filter(|word| !is.contains(word)).map(String::as_str).collect();
     let new: Vec<&str> = is.iter().filter(|word| !was.contains(word)).map(String::as_str).collect();
     match (own.is_empty(), new.is_empty()) {

@@ -13,13 +13,13 @@ struct State<'a> {
     tasks: Box<dyn Iterator<Item = Task<'a>> + Send + 'a>,
     given_back: Vec<Task<'a>>,
     /// Frames taken, and neither done nor given back.
-    under_way: usize,
+    running: usize,
     is_stopped: bool,
 }
 
 impl<'a> Queue<'a> {
     pub fn new(tasks: Box<dyn Iterator<Item = Task<'a>> + Send + 'a>) -> Queue<'a> {
-        let state = State { tasks, given_back: Vec::new(), under_way: 0, is_stopped: false };
+        let state = State { tasks, given_back: Vec::new(), running: 0, is_stopped: false };
         Queue { state: Mutex::new(state), changed: Condvar::new() }
     }
 
@@ -28,10 +28,10 @@ impl<'a> Queue<'a> {
         let mut state = lock(&self.state);
         while !state.is_stopped {
             if let Some(task) = state.given_back.pop().or_else(|| state.tasks.next()) {
-                state.under_way += 1;
+                state.running += 1;
                 return Some(task);
             }
-            if state.under_way == 0 {
+            if state.running == 0 {
                 return None;
             }
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
@@ -41,14 +41,14 @@ impl<'a> Queue<'a> {
 
     /// Reports that a taken frame is done or has failed.
     pub fn finished(&self) {
-        lock(&self.state).under_way -= 1;
+        lock(&self.state).running -= 1;
         self.changed.notify_all();
     }
 
     /// Gives a taken frame back.
     pub fn give_back(&self, task: Task<'a>) {
         let mut state = lock(&self.state);
-        state.under_way -= 1;
+        state.running -= 1;
         state.given_back.push(task);
         self.changed.notify_all();
     }

@@ -87,7 +87,7 @@ impl Worker {
     /// One worker per named adapter: a part of its name, its index from 0, or `all`.
     pub fn open_all(adapters: Option<&[String]>) -> Result<Vec<Worker>> {
         let named = |name: &String| match name.parse() {
-            Ok(passed_over) => GpuOptions { passed_over, ..GpuOptions::default() },
+            Ok(skipped) => GpuOptions { skipped, ..GpuOptions::default() },
             Err(_) => GpuOptions { adapter: Some(name.clone()), ..GpuOptions::default() },
         };
         let options = match adapters {
@@ -286,7 +286,7 @@ impl Driver<'_> {
                 return Ok(Launched::Not);
             }
             let Some(engine) = self.engine.as_mut() else { return Err(Error::work("no adapter")) };
-            self.sequence.place(engine, planned, &RunOptions::default())?;
+            self.sequence.upload(engine, planned, &RunOptions::default())?;
         }
         Ok(Launched::InFlight(Box::new(self.sequence.start(planned.clone())?)))
     }
@@ -378,7 +378,7 @@ fn all_adapters() -> Vec<GpuOptions> {
     let count = all.iter().filter(is_hard).count();
     // the fastest kinds come first
     let own = 0..if count > 0 { count } else { all.len().max(1) };
-    own.map(|passed_over| GpuOptions { passed_over, ..GpuOptions::default() }).collect()
+    own.map(|skipped| GpuOptions { skipped, ..GpuOptions::default() }).collect()
 }
 
 enum Launched {

@@ -1,7 +1,7 @@
 //! From photons to caustic triangles: the flux of the beams between them, and where it falls on receivers.
 
-use super::landing::Landings;
-use super::{Budget, Caustics, Method, mean};
+use super::receiver_triangles::ReceiverTriangles;
+use super::{Caustics, FluxBudget, Method, mean};
 use crate::geometry::mesh::Mesh;
 use crate::image::frame::{Channel, Frame, NO_ID};
 use crate::input::{Error, Result};
@@ -34,7 +34,7 @@ pub enum Fate {
 
 /// Light on a receiver, spread evenly over a triangle; a line or a point where corners coincide.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cast {
+pub struct CausticTriangle {
     pub receiver: u32,
     /// Texels.
     pub corners: [DVec2; 3],
@@ -44,7 +44,7 @@ pub struct Cast {
 
 impl Caustics {
     /// The photons of an image of [`Caustics::counting`] with the channels [`CHANNELS`], row by row.
-    pub fn photons(&self, mesh: &Mesh, landings: &Landings, frame: &Frame) -> Result<Vec<Photon>> {
+    pub fn photons(&self, mesh: &Mesh, receiver_triangles: &ReceiverTriangles, frame: &Frame) -> Result<Vec<Photon>> {
         let absent = || Error::work("the photon-location map lacks a channel");
         let f32s = |channel| frame.f32(channel).ok_or_else(absent);
         let u32s = |channel| frame.u32(channel).ok_or_else(absent);
@@ -56,14 +56,14 @@ impl Caustics {
             // halving is exact
             let bounces = (g[k] / r[k]).log2().round();
             let left = self.optics.tint.map(|tint| f64::from(tint).powi(bounces as i32) * f64::from(g[k]));
-            let fate = match (mirrors[k], ids[k], landings.of(ids[k])) {
+            let fate = match (mirrors[k], ids[k], receiver_triangles.of(ids[k])) {
                 (NO_ID, ..) => return Photon { fate: Fate::Direct, left: [1.0; 3] },
                 (_, NO_ID, _) => Fate::Missed,
                 (_, id, _) if id >= triangles => Fate::Absorbed,
                 (_, _, None) => Fate::Missed,
-                (_, _, Some(landing)) => {
-                    let place = landing.place([u[k], v[k]].map(f64::from));
-                    Fate::OnReceiver { receiver: landing.receiver, bounces: bounces as u32, place }
+                (_, _, Some(receiver_triangle)) => {
+                    let place = receiver_triangle.place([u[k], v[k]].map(f64::from));
+                    Fate::OnReceiver { receiver: receiver_triangle.receiver, bounces: bounces as u32, place }
                 }
             };
             // a path without light has no share
@@ -78,10 +78,10 @@ impl Caustics {
     ///
     /// Photons of a beam with the same number of bounces and the same receiver stay together: three are a triangle, two
     /// have two thirds of the flux, one a third, on triangles guessed from their neighbours.
-    pub fn casts(&self, photons: &[Photon]) -> (Vec<Cast>, Budget) {
+    pub fn caustic_triangles(&self, photons: &[Photon]) -> (Vec<CausticTriangle>, FluxBudget) {
         let flux = self.beam_flux();
-        let mut budget = Budget { flux: self.flux, ..Budget::default() };
-        let mut casts = Vec::new();
+        let mut budget = FluxBudget { flux: self.flux, ..FluxBudget::default() };
+        let mut caustic_triangles = Vec::new();
         let grid = Grid { photons, columns: self.light.width as usize };
         for (corners, flux) in self.beams().zip(flux) {
             let three = corners.map(|k| photons[k]);
@@ -96,21 +96,22 @@ impl Caustics {
                     Fate::OnReceiver { .. } => {}
                 }
             }
-            for cast in grid.casts(corners, flux) {
+            for triangle in grid.caustic_triangles(corners, flux) {
                 match self.method {
-                    Method::Flux => casts.push(cast),
+                    Method::Flux => caustic_triangles.push(triangle),
                     Method::SolidAngle => {
-                        let ratio = self.solid_angle_ratio(&cast);
+                        let ratio = self.solid_angle_ratio(&triangle);
                         match ratio {
-                            Some(ratio) => casts.push(Cast { flux: cast.flux.map(|f| f * ratio), ..cast }),
-                            None => budget.missed += mean(cast.flux),
+                            Some(ratio) => caustic_triangles
+                                .push(CausticTriangle { flux: triangle.flux.map(|f| f * ratio), ..triangle }),
+                            None => budget.missed += mean(triangle.flux),
                         }
                     }
                 }
             }
         }
-        budget.triangles = casts.len() as u64;
-        (casts, budget)
+        budget.triangles = caustic_triangles.len() as u64;
+        (caustic_triangles, budget)
     }
 }
 
@@ -130,9 +131,9 @@ struct Grid<'a> {
 
 impl Grid<'_> {
     /// The parts of a beam's light that stay together on a receiver.
-    fn casts(&self, corners: [usize; 3], flux: f64) -> Vec<Cast> {
+    fn caustic_triangles(&self, corners: [usize; 3], flux: f64) -> Vec<CausticTriangle> {
         let paths = corners.map(|k| on_receiver(&self.photons[k]));
-        let mut casts = Vec::new();
+        let mut caustic_triangles = Vec::new();
         for (k, found) in paths.iter().enumerate() {
             let Some((path, _)) = found else { continue };
             let is_of = |k: usize| paths[k].is_some_and(|w| w.0 == *path);
@@ -143,9 +144,13 @@ impl Grid<'_> {
             let (own, others) = (part(true), part(false));
             let third = |c: usize| own.iter().map(|k| self.photons[*k].left[c] * flux / 3.0).sum();
             let triangle = self.triangle(*path, &own, &others);
-            casts.extend(triangle.map(|t| Cast { receiver: path.0, corners: t, flux: [third(0), third(1), third(2)] }));
+            caustic_triangles.extend(triangle.map(|t| CausticTriangle {
+                receiver: path.0,
+                corners: t,
+                flux: [third(0), third(1), third(2)],
+            }));
         }
-        casts
+        caustic_triangles
     }
 
     /// The triangle over which the light of a beam's photons `own` is spread. If `others` took another path, their places are

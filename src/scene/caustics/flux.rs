@@ -1,7 +1,7 @@
 //! How the flux of a light is shared out among its beams, and Hou's measure of what arrives.
 
 use super::Caustics;
-use super::beams::Cast;
+use super::beams::CausticTriangle;
 use crate::camera::Ray;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -48,9 +48,9 @@ impl Caustics {
     /// The light that Hou's ratio brings to a triangle, over the flux of its beam: what the light would send to its middle
     /// without the optics, times beam over triangle as seen from the light, times its area. The beam's own size cancels out.
     /// `None` where the triangle is not seen from the light.
-    pub(super) fn solid_angle_ratio(&self, cast: &Cast) -> Option<f64> {
-        let receiver = &self.receivers[cast.receiver as usize];
-        let points = cast.corners.map(|p| receiver.point(p));
+    pub(super) fn solid_angle_ratio(&self, triangle: &CausticTriangle) -> Option<f64> {
+        let receiver = &self.receivers[triangle.receiver as usize];
+        let points = triangle.corners.map(|p| receiver.point(p));
         let cross = (points[1] - points[0]).cross(points[2] - points[0]);
         let ray = self.ray(0);
         // flux an area there, of one an angle (or an area) of the light's image; and how large the triangle is seen

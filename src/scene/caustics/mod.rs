@@ -11,7 +11,7 @@
 
 pub mod beams;
 pub mod flux;
-pub mod landing;
+pub mod receiver_triangles;
 pub mod shares;
 pub mod spec;
 
@@ -70,14 +70,14 @@ pub struct Map {
 
 /// The maps of all receivers, and the budget of the remaining flux.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Illumination {
+pub struct CausticMaps {
     pub maps: Vec<Map>,
-    pub budget: Budget,
+    pub budget: FluxBudget,
 }
 
 /// Where a light's flux went; the mean of linear RGB.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct Budget {
+pub struct FluxBudget {
     pub flux: f64,
     /// On the receivers.
     pub deposited: f64,
@@ -95,9 +95,9 @@ pub struct Budget {
 
 /// A budget, and the wall time from the light's first ray until the maps are complete, ms.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct Account {
+pub struct CausticsReport {
     #[serde(flatten)]
-    pub budget: Budget,
+    pub budget: FluxBudget,
     pub ms: f64,
 }
 
@@ -114,7 +114,7 @@ impl Caustics {
         let corners = crate::camera::Pieces::new(pieces.pieces.clone(), columns + 1, rows + 1);
         let light = Camera { width: columns + 1, height: rows + 1, layers: vec![Rays::Pieces(corners)], ..camera };
         let receivers = spec.receivers.clone();
-        landing::check(&receivers, mesh)?;
+        receiver_triangles::check(&receivers, mesh)?;
         Ok(Caustics {
             light: light.with_sample_offset(-0.5, -0.5),
             optics,

@@ -41,11 +41,11 @@ pub struct Case {
     pub paper: Option<Paper>,
 }
 
-/// One way to render a case's scene.
+/// One technique that renders a case's scene.
 #[derive(Debug, Clone)]
 pub struct Arm {
     /// A rival as `--engine` names it; `None`: this engine.
-    pub by: Option<String>,
+    pub rival: Option<String>,
     /// Its own KEY=VALUE.
     pub set: Vec<String>,
     /// Distinguishes it from other arms of the same technique.
@@ -148,7 +148,7 @@ impl Case {
 impl Arm {
     pub fn ours() -> Arm {
         Arm {
-            by: None,
+            rival: None,
             set: Vec::new(),
             label: None,
             parameter: None,
@@ -161,7 +161,7 @@ impl Arm {
 
     /// A rival, as `--engine` names it.
     pub fn rival(name: &str) -> Arm {
-        Arm { by: Some(name.to_owned()), ..Arm::ours() }
+        Arm { rival: Some(name.to_owned()), ..Arm::ours() }
     }
 
     /// With so many samples per pixel.
@@ -177,7 +177,7 @@ impl Arm {
     /// # Errors
     /// [`crate::input::Error::Input`] if there is no such rival.
     pub fn choice(&self) -> Result<Option<Choice>> {
-        self.by.as_deref().map(crate::rivals::parse).transpose().map_err(crate::input::Error::input)
+        self.rival.as_deref().map(crate::rivals::parse).transpose().map_err(crate::input::Error::input)
     }
 
     pub fn set(mut self, set: &[&str]) -> Arm {

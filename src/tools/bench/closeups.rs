@@ -7,7 +7,7 @@ use crate::camera::Camera;
 use crate::camera::kinds::pinhole::Pinhole;
 use crate::camera::spec::{CameraKind, CameraSpec};
 use crate::engine::plan::Wanted;
-use crate::engine::plan::samples::{at_once, places};
+use crate::engine::plan::samples::{at_once, sample_offsets};
 use crate::engine::{Engine, RunOptions};
 use crate::image::{toned8, write_png};
 use crate::input::{Error, Result};
@@ -17,7 +17,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A part of a scene's picture, in styles, by both ways.
+/// A part of a scene's picture, in styles, by both techniques.
 pub struct Closeups {
     pub name: &'static str,
     example: &'static str,
@@ -58,7 +58,7 @@ pub const LORENZ: [Closeups; 2] = [
     },
 ];
 
-/// Samples of a pixel, by both ways.
+/// Samples per pixel, for both techniques.
 const SAMPLES: u32 = 16;
 
 /// Of a texel of the cube map: with more of them an adapter that binds 128 MiB holds no face whole, which outlines need.
@@ -103,11 +103,11 @@ impl Closeups {
             let ours = self.cut(&several(engine, &scene, &camera)?, camera.width);
             let map = Scene { style: of_map, ..plain.clone() };
             let theirs = self.cut(&image_based(engine, &map, &camera)?, camera.width);
-            for (way, short, seen) in [("this engine", "ours", ours), ("image-based", "ib", theirs)] {
+            for (technique, short, seen) in [("this engine", "ours", ours), ("image-based", "ib", theirs)] {
                 let file = format!("closeup-{}-{}-{short}.png", self.example, k + 1);
                 let rgb: Vec<u8> = seen.iter().flatten().map(|v| toned8(plain.tone, *v)).collect();
                 write_png(&folder.join(&file), self.part[2], self.part[3], &rgb)?;
-                pictures.push(Picture { label: format!("{style}, {way}"), file, psnr: psnr(&truth, &seen) });
+                pictures.push(Picture { label: format!("{style}, {technique}"), file, psnr: psnr(&truth, &seen) });
             }
         }
         Ok(Drawn { name: self.name.into(), pictures })
@@ -132,7 +132,7 @@ fn frame(engine: &mut Engine, scene: &Scene, camera: &Camera, samples: u32, fram
 /// The mean of frames at places of their own.
 fn mean(engine: &mut Engine, scene: &Scene, camera: &Camera, count: u32) -> Result<Vec<[f32; 3]>> {
     let mut sums = vec![[0.0; 3]; camera.width as usize * camera.height as usize];
-    for place in places(count) {
+    for place in sample_offsets(count) {
         let own = frame(engine, scene, &camera.with_sample_offset(place.x, place.y), 1, count)?;
         sums.iter_mut().zip(own).for_each(|(sum, c)| (0..3).for_each(|k| sum[k] += c[k] / count as f32));
     }
@@ -197,8 +197,8 @@ fn between(face: &[[f32; 3]], x: f64, y: f64) -> [f32; 3] {
 /// Texels of the cube map in a face's middle for a pixel's width in the middle of a part.
 fn texels_a_pixel(camera: &Camera, [left, top, width, height]: [u32; 4]) -> f64 {
     let (i, j) = (left + width / 2, top + height / 2);
-    let way = |i: u32| camera.ray(i, j).map(|ray| ray.direction.normalize());
-    let angle = way(i).zip(way(i + 1)).map_or(1e-3, |(a, b)| a.angle_between(b));
+    let direction = |i: u32| camera.ray(i, j).map(|ray| ray.direction.normalize());
+    let angle = direction(i).zip(direction(i + 1)).map_or(1e-3, |(a, b)| a.angle_between(b));
     0.5 * f64::from(SIDE) * angle
 }
 

@@ -89,7 +89,7 @@ fn section(k: usize, run: &Run, plots: &[Drawn]) -> String {
     text
 }
 
-/// Pictures of both ways beside each other.
+/// Pictures of both techniques side by side.
 fn closeups(folder: &str, run: &Run) -> String {
     let picture = |p: &super::closeups::Picture| {
         let (folder, file, label) = (escaped(folder), escaped(&p.file), escaped(&p.label));

@@ -6,7 +6,7 @@ use super::row::{Certified, Counted, Error, Moving, Row, Times};
 use super::yardstick::Yardstick;
 use crate::camera::Camera;
 use crate::engine::plan::Wanted;
-use crate::engine::plan::samples::places;
+use crate::engine::plan::samples::sample_offsets;
 use crate::engine::{Arithmetic, Engine, Frames, Rendered, RunOptions};
 use crate::gpu::Gpu;
 use crate::gpu::device::{GpuOptions, NO_ADAPTER};
@@ -56,7 +56,7 @@ pub struct Rules {
 }
 
 impl Rules {
-    /// Of a full run, or of one for a look: `quick`. A software adapter draws some millions of triangles a second.
+    /// Of a full run, or of a `quick` one. A software adapter draws some millions of triangles a second.
     pub fn new(quick: bool, is_software: bool) -> Rules {
         Rules {
             runs: if quick { 3 } else { 9 },
@@ -111,7 +111,7 @@ pub fn race(engines: &mut Engines, suite: &str, case: &Case, rules: &Rules) -> R
     let bare = yardstick.as_ref().and(case.arms.first()).map(|ours| ours.clone().bare());
     let arms: Vec<&Arm> = case.arms.iter().chain(&bare).collect();
     let scenes: Vec<Result<(Scene, Camera)>> = arms.iter().map(|arm| all.with_camera(&arm.set)).collect();
-    let moved: Vec<Vec<Camera>> = arms.iter().zip(&scenes).map(|(arm, scene)| cameras_apart(arm, scene)).collect();
+    let moved: Vec<Vec<Camera>> = arms.iter().zip(&scenes).map(|(arm, scene)| cameras_separately(arm, scene)).collect();
     let mut entries: Vec<Entry> = Vec::new();
     for ((&arm, scene), moved) in arms.iter().zip(&scenes).zip(&moved) {
         let mut entry = Entry { row: Row::new(suite, case, arm), arm: Some(arm), runner: None, times: Vec::new() };
@@ -291,10 +291,10 @@ impl Judge<'_> {
 }
 
 /// The cameras of an arm's samples, where each takes a frame.
-fn cameras_apart(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Vec<Camera> {
+fn cameras_separately(arm: &Arm, scene: &Result<(Scene, Camera)>) -> Vec<Camera> {
     match (arm.samples, scene) {
         (Samples::Separate(n), Ok((_, camera))) => {
-            places(n).into_iter().map(|place| camera.with_sample_offset(place.x, place.y)).collect()
+            sample_offsets(n).into_iter().map(|place| camera.with_sample_offset(place.x, place.y)).collect()
         }
         _ => Vec::new(),
     }
@@ -305,7 +305,7 @@ pub(super) const COLOURS: [Channel; 3] = [Channel::R, Channel::G, Channel::B];
 /// The colours of the reference, with so many samples per pixel.
 fn box_filtered(scene: &Scene, camera: &Camera, samples: u32) -> Frame {
     let frame = |place: DVec2| image(scene, &camera.with_sample_offset(place.x, place.y), &COLOURS);
-    mean(places(samples).into_iter().map(frame))
+    mean(sample_offsets(samples).into_iter().map(frame))
 }
 
 /// The means of all frames' colours.
@@ -348,7 +348,7 @@ fn seen(depth: bool, bare: bool) -> Wanted {
 fn options(case: &Case, arm: &Arm, rules: &Rules) -> Result<RunOptions> {
     let (moving, draws_max) = (case.moving == Moving::Triangles, rules.draws_max);
     let (no_cull, arithmetic) = (arm.no_cull, arm.arithmetic);
-    Ok(RunOptions { by: arm.choice()?, moving, no_cull, arithmetic, draws_max, ..Default::default() })
+    Ok(RunOptions { rival: arm.choice()?, moving, no_cull, arithmetic, draws_max, ..Default::default() })
 }
 
 /// Counters of one frame.

@@ -169,7 +169,7 @@ impl Row {
         let choice = arm.choice().ok().flatten();
         let rivals_parameter =
             choice.and_then(|c| c.technique.parameter.as_ref().map(|k| (k.name.to_owned(), f64::from(c.parameter))));
-        let asked = || arm.by.clone().unwrap_or_else(|| OURS.to_owned());
+        let asked = || arm.rival.clone().unwrap_or_else(|| OURS.to_owned());
         Row {
             suite: suite.to_owned(),
             commit: None,

@@ -4,7 +4,7 @@ mod contents;
 
 use super::args::InfoArgs;
 use super::say::print;
-use crate::gpu::device::{Abilities, NO_ADAPTER, STORAGE_BUFFERS, adapters};
+use crate::gpu::device::{AdapterFeatures, NO_ADAPTER, STORAGE_BUFFERS, adapters};
 use crate::input::{Error, Result};
 use serde::Serialize;
 use std::fmt;
@@ -24,7 +24,7 @@ struct AdapterInfo {
     kind: String,
     /// Whether `render` uses this one by default.
     chosen: bool,
-    abilities: Abilities,
+    abilities: AdapterFeatures,
     limits: Limits,
     paths: Paths,
 }
@@ -67,7 +67,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
 
 fn about(adapter: &wgpu::Adapter, chosen: bool) -> AdapterInfo {
     let (info, limits) = (adapter.get_info(), adapter.limits());
-    let has = Abilities::of(adapter.features(), &info);
+    let has = AdapterFeatures::of(adapter.features(), &info);
     let either = |ability: bool, yes: &'static str, no: &'static str| if ability { yes } else { no };
     let enough = limits.max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS;
     AdapterInfo {

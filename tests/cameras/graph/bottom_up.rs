@@ -123,16 +123,20 @@ fn opposite_views_are_joined_too() {
     let middle = camera.ray(40, 30).unwrap().direction.normalize();
     assert!(middle.z < -0.9, "between views to -x and +x, ahead is -z: {middle}");
     // the graph camera has the same views and breaks between
-    let torn = camera_of(BOXES, SIZE, &keys.replace("bottom_up", "graph_camera")).unwrap();
-    assert!(torn.notes.iter().any(|n| n.contains("breaks")));
+    let discontinuous = camera_of(BOXES, SIZE, &keys.replace("bottom_up", "graph_camera")).unwrap();
+    assert!(discontinuous.notes.iter().any(|n| n.contains("breaks")));
     for (i, j) in [(0, 0), (20, 30), (31, 59), (48, 0), (79, 59)] {
-        assert_same(&torn, 0, (i, j), &camera.ray(i, j).unwrap());
+        assert_same(&discontinuous, 0, (i, j), &camera.ray(i, j).unwrap());
     }
     let jump = |c: &Camera, i: u32| {
         (c.ray(i, 30).unwrap().direction.normalize() - c.ray(i + 1, 30).unwrap().direction.normalize()).length()
     };
     for border in [31, 47] {
-        assert!(jump(&torn, border) > 5.0 * jump(&camera, border), "{border}: {}", jump(&torn, border));
+        assert!(
+            jump(&discontinuous, border) > 5.0 * jump(&camera, border),
+            "{border}: {}",
+            jump(&discontinuous, border)
+        );
     }
 }
 

@@ -82,8 +82,8 @@ impl Plan {
     }
 
     fn add_block(&mut self, random: &mut Random, column: u32, row: u32) {
-        let middle = f64::from(self.blocks) / 2.0;
-        let place = |k: u32| PITCH * (f64::from(k) - middle) + (PITCH - BLOCK) / 2.0;
+        let centre = f64::from(self.blocks) / 2.0;
+        let place = |k: u32| PITCH * (f64::from(k) - centre) + (PITCH - BLOCK) / 2.0;
         let low = DVec3::new(place(column), 0.0, place(row));
         // The middle block has buildings, so that every city has walls for windows.
         let is_middle = column == self.blocks / 2 && row == self.blocks / 2;
@@ -94,7 +94,7 @@ impl Plan {
         if is_park {
             return;
         }
-        let offset = |k: u32| (f64::from(k) + 0.5 - middle) / middle;
+        let offset = |k: u32| (f64::from(k) + 0.5 - centre) / centre;
         let from_centre = (offset(column).powi(2) + offset(row).powi(2)).min(1.0);
         let highest = RISE + CENTRE_RISE * (1.0 - from_centre).powi(2);
         let lots = [1, 2, 2, 2, 3][random.below(5) as usize];

@@ -19,7 +19,7 @@ pub struct Suite {
     /// How a plot of each case has its axes.
     pub plot: Plot,
     cases: fn() -> Vec<Case>,
-    /// Small ones, for a look.
+    /// Small cases.
     quick: fn() -> Vec<Case>,
     pub closeups: &'static [Closeups],
 }

@@ -195,7 +195,7 @@ fn lorenz() -> Vec<Case> {
     let size = ["image.width=1600", "image.height=1200"];
     let pattern = ["mesh.0.pattern.kind=\"checker\"", "mesh.0.pattern.size=0.7"];
     let fine = |arms: Vec<Arm>| -> Vec<Arm> {
-        let samples = |arm: &Arm| if arm.by.is_none() { Samples::AtOnce(16) } else { Samples::Separate(16) };
+        let samples = |arm: &Arm| if arm.rival.is_none() { Samples::AtOnce(16) } else { Samples::Separate(16) };
         arms.into_iter()
             .map(|arm| {
                 let samples = samples(&arm);

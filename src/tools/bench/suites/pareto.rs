@@ -46,8 +46,8 @@ fn mirror(counts: &[u32], texels: &[u32]) -> Case {
         let painted = facets("flat", 126).set(&[&format!("camera.atlas={r}")]);
         painted.label("126 flat facets from an atlas").parameter("texels", f64::from(*r))
     };
-    let splat = |r: &u32| Arm { by: Arm::rival("raster-splat:6").by, ..atlas(r) };
-    let bound = |r: &u32| Arm { by: Arm::rival("raster-bound").by, ..atlas(r) };
+    let splat = |r: &u32| Arm { rival: Arm::rival("raster-splat:6").rival, ..atlas(r) };
+    let bound = |r: &u32| Arm { rival: Arm::rival("raster-bound").rival, ..atlas(r) };
     let atlases = texels.iter().flat_map(|r| [atlas(r), splat(r), bound(r)]);
     let arms = [exact, environment].into_iter().chain(normals).chain(flat).chain(atlases).collect();
     Case::of("a mirror ball in a scene of 1,100 triangles", "mirror-ball", arms).truth(&["camera.facets=\"exact\""])

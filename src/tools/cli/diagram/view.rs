@@ -18,7 +18,7 @@ const AZIMUTHS_DEGREES: [f64; 3] = [62.0, 48.0, 76.0];
 /// The viewer does not look along a world axis, where boxes would be seen edge on: the least sine.
 const OFF_AXIS_SIN: f64 = 0.2;
 /// Rays whose unit directions have a shorter mean look everywhere.
-const LOOK_MIN: f64 = 0.1;
+const COHERENT_MIN: f64 = 0.1;
 /// Elevation of the viewer above the horizon.
 const ELEVATION_DEGREES: f64 = 24.0;
 
@@ -27,7 +27,7 @@ impl View {
     /// a camera that looks straight up, down or everywhere as of one that looks along -z.
     pub fn beside(look: DVec3) -> View {
         let level = DVec3::new(look.x, 0.0, look.z);
-        let level = if level.length() > LOOK_MIN { level.normalize() } else { DVec3::NEG_Z };
+        let level = if level.length() > COHERENT_MIN { level.normalize() } else { DVec3::NEG_Z };
         let side = level.cross(DVec3::Y);
         let rotated = AZIMUTHS_DEGREES.map(|azimuth| {
             let (sin, cos) = azimuth.to_radians().sin_cos();

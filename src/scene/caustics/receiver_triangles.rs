@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// A triangle in the plane of a receiver; it need not be within its border.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Landing {
+pub struct ReceiverTriangle {
     pub receiver: u32,
     /// Its corners in file order, texels.
     pub corners: [DVec2; 3],
@@ -19,10 +19,10 @@ pub struct Landing {
 
 /// All triangles on receivers.
 #[derive(Debug, Clone, Default)]
-pub struct Landings {
+pub struct ReceiverTriangles {
     /// Of each triangle of the scene: index into `rows`, or [`NO_ID`].
     pub of_triangle: Vec<u32>,
-    pub rows: Vec<Landing>,
+    pub rows: Vec<ReceiverTriangle>,
 }
 
 /// How far from a plane a point may lie that is in it, against all lengths at hand: a transform and a plane's normal take
@@ -36,33 +36,34 @@ pub(crate) fn is_in_plane(receiver: &Receiver, p: DVec3) -> bool {
     (p - receiver.origin).dot(n).abs() <= PLANE_ROUNDING * size
 }
 
-impl Landings {
-    pub fn new(receivers: &[Receiver], mesh: &Mesh) -> Landings {
-        let landing = |(id, triangle): (usize, &[u32; 3])| {
+impl ReceiverTriangles {
+    pub fn new(receivers: &[Receiver], mesh: &Mesh) -> ReceiverTriangles {
+        let receiver_triangle = |(id, triangle): (usize, &[u32; 3])| {
             let corners = triangle.map(|k| mesh.positions[k as usize]);
             let receiver = receivers.iter().position(|r| corners.iter().all(|p| is_in_plane(r, *p)))?;
             let diffuse = mesh.materials[mesh.material_of[id] as usize].diffuse;
             let corners = corners.map(|p| receivers[receiver].texels_of(p));
-            Some(Landing { receiver: receiver as u32, corners, diffuse })
+            Some(ReceiverTriangle { receiver: receiver as u32, corners, diffuse })
         };
-        let each: Vec<Option<Landing>> = mesh.triangles.par_iter().enumerate().map(landing).collect();
-        let mut landings = Landings::default();
-        for landing in each {
-            let index = landing.map_or(NO_ID, |_| landings.rows.len() as u32);
-            landings.of_triangle.push(index);
-            landings.rows.extend(landing);
+        let each: Vec<Option<ReceiverTriangle>> =
+            mesh.triangles.par_iter().enumerate().map(receiver_triangle).collect();
+        let mut receiver_triangles = ReceiverTriangles::default();
+        for receiver_triangle in each {
+            let index = receiver_triangle.map_or(NO_ID, |_| receiver_triangles.rows.len() as u32);
+            receiver_triangles.of_triangle.push(index);
+            receiver_triangles.rows.extend(receiver_triangle);
         }
-        landings
+        receiver_triangles
     }
 
     /// What lies in a triangle.
-    pub fn of(&self, triangle: u32) -> Option<&Landing> {
+    pub fn of(&self, triangle: u32) -> Option<&ReceiverTriangle> {
         let index = *self.of_triangle.get(triangle as usize)?;
         self.rows.get(index as usize)
     }
 }
 
-impl Landing {
+impl ReceiverTriangle {
     /// The place of barycentric weights of the second and third corner.
     pub fn place(&self, [u, v]: [f64; 2]) -> DVec2 {
         let [a, b, c] = self.corners;
@@ -82,8 +83,8 @@ pub fn check(receivers: &[Receiver], mesh: &Mesh) -> Result<()> {
             return wrong(format!("lies in the plane of receiver {other}; make one receiver of both"));
         }
     }
-    let landings = Landings::new(receivers, mesh);
-    let bare = (0..receivers.len()).find(|k| landings.rows.iter().all(|l| l.receiver as usize != *k));
+    let receiver_triangles = ReceiverTriangles::new(receivers, mesh);
+    let bare = (0..receivers.len()).find(|k| receiver_triangles.rows.iter().all(|l| l.receiver as usize != *k));
     match bare {
         Some(k) => Err(Error::input(format!(
             "caustics.receivers.{k}: no triangle of the scene lies in its plane; move it onto a floor or a wall"

@@ -1,12 +1,12 @@
-// A hit that is drawn.
-// Provides: Look
-// Needs: Spread
+// A hit to be shaded.
+// Provides: ShadedHit
+// Needs: RayDifferential
 
-struct Look {
+struct ShadedHit {
     slot: u32,
     p: vec3<f32>,           // relative to the anchor
     z: f32,                 // along the whole path
     d: vec3<f32>,           // the ray's direction
-    spread: Spread,
+    differential: RayDifferential,
     share: f32,             // of the pixel's width, that it stands for
 }

@@ -1,4 +1,4 @@
-// Items of scattered rays, by single threads. An item of one tile is tested ray by ray.
+// Items of incoherent rays, by single threads. An item of one tile is tested ray by ray.
 // Provides: item_meets, item_pixels, item_rays
 // Needs: Node, TILE, node_level, node_x, node_y, tile_meets
 

@@ -1,9 +1,9 @@
-// The way of a pixel in a layer: its curve, cut into straight segments at equal steps of t (Brosz et al. 2007, section 4.3).
-// Provides: way_segment, way_t
+// The path of a pixel in a layer: its curve, cut into straight segments at equal steps of t (Brosz et al. 2007, section 4.3).
+// Provides: path_segment, path_t
 // Needs: SEGMENTS, Segment, curve_point, pixel_curve, real
 // Binds: params
 
-fn way_segment(layer: u32, x: u32, y: u32, k: u32) -> Segment {
+fn path_segment(layer: u32, x: u32, y: u32, k: u32) -> Segment {
     let c = pixel_curve(layer, x, y);
     let from_t = f32(k) / f32(SEGMENTS);
     let p = vec3<f32>(curve_point(c, real(from_t)));
@@ -13,6 +13,6 @@ fn way_segment(layer: u32, x: u32, y: u32, k: u32) -> Segment {
     return Segment(p, q - p, max(first, 0.0), min(last, 1.0));
 }
 
-fn way_t(s: f32, k: u32) -> f32 {
+fn path_t(s: f32, k: u32) -> f32 {
     return (f32(k) + s) / f32(SEGMENTS);
 }

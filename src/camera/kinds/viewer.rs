@@ -1,6 +1,6 @@
 //! A viewer, and planes across the view at given depths: the parts of the viewing volumes of Brosz et al.
 
-use super::pose::{POSE, Pose};
+use super::central::{POSE, Pose};
 use super::values::half_tangent;
 use crate::camera::projector::surface::Plane;
 use crate::camera::view::View;
@@ -10,7 +10,7 @@ use glam::{DMat2, DVec2, DVec3};
 
 /// A viewer, and the depths between which the volume lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stand {
+pub struct Viewer {
     pub eye: DVec3,
     pub view: View,
     /// Depth of the target: its distance from the eye.
@@ -20,12 +20,12 @@ pub struct Stand {
     pub far: f64,
 }
 
-/// The keys of [`Stand::read`] besides those of a pose.
+/// The keys of [`Viewer::read`] besides those of a pose.
 const KEYS: [&str; 4] = ["kind", "vfov", "near", "far"];
 
-impl Stand {
+impl Viewer {
     /// Reads the viewer; near and far are `depths` times the target's distance where they are not given.
-    pub fn read(table: &Table, depths: [f64; 2]) -> Result<Stand> {
+    pub fn read(table: &Table, depths: [f64; 2]) -> Result<Viewer> {
         let pose = match Pose::read_rotation(table)? {
             Some(pose) => pose,
             None => {
@@ -45,7 +45,7 @@ impl Stand {
                 .or(table.get("near"))
                 .map_or_else(|| table.error(message), |f| f.error(message)));
         }
-        Ok(Stand { eye, view, distance, near, far })
+        Ok(Viewer { eye, view, distance, near, far })
     }
 
     /// The tangent of half of the table's `vfov`, 40 degrees where it is not given.

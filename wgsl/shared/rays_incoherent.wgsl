@@ -1,4 +1,4 @@
-// Scattered (incoherent) rays: each ray of a tile is tested by itself.
+// Incoherent rays: each ray of a tile is tested by itself.
 // Provides: RAY_TOLERANCE, ray_meets, tile_meets
 // Needs: Node, TILE, field_at, field_direction, field_origin
 // Binds: params
@@ -20,11 +20,11 @@ fn ray_meets(at: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let d = field_direction(at);
     let size = abs(d);
     let q = centre - p;
-    let apart_p = vec3<f32>(node.r_p) + abs(node.px) + abs(node.py);
-    var r = half + vec3<f32>(params.origin_lost) + RAY_TOLERANCE * (abs(p) + abs(centre) + abs(q) + half + apart_p);
+    let extent_p = vec3<f32>(node.r_p) + abs(node.px) + abs(node.py);
+    var r = half + vec3<f32>(params.origin_lost) + RAY_TOLERANCE * (abs(p) + abs(centre) + abs(q) + half + extent_p);
     // where they meet, t times the largest component of the direction is at most the distance to the box's far side
-    let apart_d = vec3<f32>(node.r_d) + abs(node.dx) + abs(node.dy);
-    r += RAY_TOLERANCE * (largest_of(abs(q)) + largest_of(r)) / largest_of(size) * apart_d;
+    let extent_d = vec3<f32>(node.r_d) + abs(node.dx) + abs(node.dy);
+    r += RAY_TOLERANCE * (largest_of(abs(q)) + largest_of(r)) / largest_of(size) * extent_d;
     let is_flat = size == vec3<f32>(0.0);
     let inverse = 1.0 / select(d, vec3<f32>(1.0), is_flat);
     let middle = q * inverse;

@@ -9,33 +9,33 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// The camera's pixels in the order of their rays.
-pub struct Arrangement {
-    /// For each pixel of the arranged image, the index of the camera's pixel.
+pub struct RayOrder {
+    /// For each pixel of the reordered image, the index of the camera's pixel.
     source: Vec<u32>,
 }
 
-/// Number of tiles sampled to decide whether rays are scattered.
-const LOOKS: u32 = 64;
+/// Number of tiles sampled to decide whether rays are incoherent.
+const TILES_SAMPLED: u32 = 64;
 
-/// Rays are scattered where those of a tile differ by this share of what those of the whole image do, on average. Of an image
+/// Rays are incoherent where those of a tile differ by this share of what those of the whole image do, on average. Of an image
 /// whose rays rotate steadily it is some 8 pixels over its width.
-const SCATTERED: f64 = 0.25;
+const INCOHERENT: f64 = 0.25;
 
 /// Bits of a coordinate in the key that rays are sorted by: six fill a word.
 const KEY_BITS: u32 = 10;
 
-impl Arrangement {
-    /// Of a camera of one field of scattered rays, which look at a scene about `middle`; `None` of any other.
-    pub fn of(camera: &Camera, middle: DVec3) -> Option<Arrangement> {
-        scattered(camera).map(|field| Arrangement::new(field, middle))
+impl RayOrder {
+    /// Of a camera of one field of incoherent rays, which look at a scene about `centre`; `None` of any other.
+    pub fn of(camera: &Camera, centre: DVec3) -> Option<RayOrder> {
+        incoherent_field(camera).map(|field| RayOrder::new(field, centre))
     }
 
-    fn new(field: &Field, middle: DVec3) -> Arrangement {
+    fn new(field: &Field, centre: DVec3) -> RayOrder {
         let count = field.width * field.height;
         let ray = |k: u32| field.ray(k % field.width, k / field.width);
         let starts: Vec<DVec3> = (0..count).filter_map(|k| ray(k).map(|(p, _)| p)).collect();
-        let far = (middle - starts.iter().sum::<DVec3>() / starts.len().max(1) as f64).length();
-        // where a ray starts, and the vector from there to the distance of the scene's middle: a tile bounds these separately, so
+        let far = (centre - starts.iter().sum::<DVec3>() / starts.len().max(1) as f64).length();
+        // where a ray starts, and the vector from there to the distance of the scene's centre: a tile bounds these separately, so
         // that its rays must be near each other in both
         let parts = |k: u32| ray(k).map(|(p, d)| [p, far * d.normalize()]);
         let none = ([DVec3::INFINITY; 2], [DVec3::NEG_INFINITY; 2]);
@@ -53,19 +53,19 @@ impl Arrangement {
         for (place, (_, k)) in tile_by_tile(field.width, field.height).into_iter().zip(sorted) {
             source[place as usize] = k;
         }
-        Arrangement { source }
+        RayOrder { source }
     }
 
     /// The camera with its pixels in this order.
     pub fn camera(&self, camera: &Camera) -> Camera {
-        let arranged = |rays: &Rays| match rays {
-            Rays::Field(field) => Rays::Field(field.rearranged(&self.source)),
+        let reordered = |rays: &Rays| match rays {
+            Rays::Field(field) => Rays::Field(field.reordered(&self.source)),
             other => other.clone(),
         };
-        Camera { layers: camera.layers.iter().map(arranged).collect(), ..camera.clone() }
+        Camera { layers: camera.layers.iter().map(reordered).collect(), ..camera.clone() }
     }
 
-    /// Reorders values from the arranged image to the camera's order.
+    /// Reorders values from the reordered image to the camera's order.
     pub fn restored<T: Copy + Default>(&self, values: &[T]) -> Vec<T> {
         let mut own = vec![T::default(); values.len()];
         self.source.iter().zip(values).for_each(|(k, v)| own[*k as usize] = *v);
@@ -73,24 +73,24 @@ impl Arrangement {
     }
 }
 
-/// Whether the rays are scattered, or were before sorting.
-pub fn is_scattered(camera: &Camera) -> bool {
-    is_sorted(camera) || scattered(camera).is_some()
+/// Whether the rays are incoherent, or were before sorting.
+pub fn is_incoherent(camera: &Camera) -> bool {
+    is_reordered(camera) || incoherent_field(camera).is_some()
 }
 
 /// Whether the camera's pixels are sorted by their rays.
-pub fn is_sorted(camera: &Camera) -> bool {
-    matches!(camera.layers.as_slice(), [Rays::Field(field)] if field.is_sorted)
+pub fn is_reordered(camera: &Camera) -> bool {
+    matches!(camera.layers.as_slice(), [Rays::Field(field)] if field.is_reordered)
 }
 
-/// The camera's one field of scattered rays.
-fn scattered(camera: &Camera) -> Option<&Field> {
+/// The camera's one field of incoherent rays.
+fn incoherent_field(camera: &Camera) -> Option<&Field> {
     let [Rays::Field(field)] = camera.layers.as_slice() else { return None };
-    strays(field).then_some(field)
+    has_incoherent_rays(field).then_some(field)
 }
 
 /// Whether directions differ within tiles nearly as much as between them.
-fn strays(field: &Field) -> bool {
+fn has_incoherent_rays(field: &Field) -> bool {
     // whole tiles, or one part of a tile where the image is narrower
     let (tiles_x, tiles_y) = ((field.width / TILE).max(1), (field.height / TILE).max(1));
     let tiles = tiles_x * tiles_y;
@@ -100,7 +100,7 @@ fn strays(field: &Field) -> bool {
     let is_inside = |i: u32, j: u32| i < field.width && j < field.height;
     let ray = |i: u32, j: u32| is_inside(i, j).then(|| field.ray(i, j)).flatten();
     let direction = |i: u32, j: u32| ray(i, j).map(|(_, d)| d.normalize());
-    let step = tiles.div_ceil(LOOKS);
+    let step = tiles.div_ceil(TILES_SAMPLED);
     let spread = |list: &[DVec3]| {
         let mean = list.iter().sum::<DVec3>() / list.len().max(1) as f64;
         list.iter().map(|d| (*d - mean).length()).sum::<f64>() / list.len().max(1) as f64
@@ -116,7 +116,7 @@ fn strays(field: &Field) -> bool {
             all.extend(own);
         }
     }
-    tested > 0.0 && within / tested > SCATTERED * spread(&all)
+    tested > 0.0 && within / tested > INCOHERENT * spread(&all)
 }
 
 /// Interleaves the bits of six coordinates, each in [0, 2^KEY_BITS).
@@ -163,22 +163,22 @@ mod tests {
     #[test]
     fn every_pixel_is_somewhere_and_comes_back() {
         let field = lenslets(53, 37, 8);
-        let arrangement = Arrangement::new(&field, DVec3::new(3.0, 2.0, 9.0));
-        let mut seen = arrangement.source.clone();
+        let ray_order = RayOrder::new(&field, DVec3::new(3.0, 2.0, 9.0));
+        let mut seen = ray_order.source.clone();
         let there: Vec<u32> = seen.clone();
         seen.sort_unstable();
         assert!(seen.iter().copied().eq(0..53 * 37));
-        assert!(arrangement.restored(&there).into_iter().eq(0..53 * 37));
+        assert!(ray_order.restored(&there).into_iter().eq(0..53 * 37));
     }
 
     #[test]
-    fn lenslets_are_scattered_until_they_are_arranged() {
+    fn lenslets_are_incoherent_until_they_are_reordered() {
         let field = lenslets(128, 128, 8);
-        assert!(strays(&field));
-        let arrangement = Arrangement::new(&field, DVec3::new(8.0, 8.0, 20.0));
-        assert!(!strays(&field.rearranged(&arrangement.source)));
+        assert!(has_incoherent_rays(&field));
+        let ray_order = RayOrder::new(&field, DVec3::new(8.0, 8.0, 20.0));
+        assert!(!has_incoherent_rays(&field.reordered(&ray_order.source)));
         // one lens over all of the image: an ordinary camera
-        assert!(!strays(&lenslets(128, 128, 128)));
+        assert!(!has_incoherent_rays(&lenslets(128, 128, 128)));
     }
 
     #[test]
@@ -191,13 +191,16 @@ mod tests {
         for size in [(256, 1), (1, 256), (64, 4)] {
             let (p, d) = list((size.0 * size.1) as usize);
             let field = Field::new(size.0, size.1, &p, &d).unwrap();
-            assert!(strays(&field), "{size:?}");
-            let arrangement = Arrangement::new(&field, DVec3::new(0.0, 0.0, 9.0));
-            assert!(!strays(&field.rearranged(&arrangement.source)), "{size:?}");
+            assert!(has_incoherent_rays(&field), "{size:?}");
+            let ray_order = RayOrder::new(&field, DVec3::new(0.0, 0.0, 9.0));
+            assert!(!has_incoherent_rays(&field.reordered(&ray_order.source)), "{size:?}");
             let mut sorted = d.clone();
             sorted.sort_by(|a, b| a.x.total_cmp(&b.x));
             // sorted they are an ordinary camera; but each of the four rows of 64 spans a quarter of all directions
-            assert!(size == (64, 4) || !strays(&Field::new(size.0, size.1, &p, &sorted).unwrap()), "{size:?}");
+            assert!(
+                size == (64, 4) || !has_incoherent_rays(&Field::new(size.0, size.1, &p, &sorted).unwrap()),
+                "{size:?}"
+            );
         }
     }
 }

@@ -9,30 +9,30 @@ use crate::geometry::cast::Caster;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Approximate number of sample pixels per row.
-const LOOKS: u32 = 64;
+/// Approximate number of pixels sampled per row.
+const SAMPLES_PER_SIDE: u32 = 64;
 
 /// Percentile of the error over the pixels that see both surfaces: at a silhouette no number of facets
 /// is enough.
 pub const SHARE: f64 = 0.95;
 
-/// Image error, px, of points seen after one bounce, at the distance of `middle` from the surface: the 95th percentile over a grid of
+/// Image error, px, of points seen after one bounce, at the distance of `centre` from the surface: the 95th percentile over a grid of
 /// pixels that see both surfaces. The unit is the true change from a pixel to its neighbours. `None` if no pixel sees both.
-pub fn error_px(eye: &Camera, truth: &Optics, facets: &Optics, middle: DVec3) -> Option<f64> {
+pub fn error_px(eye: &Camera, truth: &Optics, facets: &Optics, centre: DVec3) -> Option<f64> {
     let meshes = [truth, facets].map(|o| o.facets().map(|f| f.mesh(o.base)).unwrap_or_default());
     let [truth, facets] = [(truth, &meshes[0]), (facets, &meshes[1])].map(|(optics, mesh)| Alone {
         optics,
         caster: Caster::new(mesh),
         scene_size: scene_size(mesh.bounds()),
     });
-    let step = eye.width.div_ceil(LOOKS).max(1);
+    let step = eye.width.div_ceil(SAMPLES_PER_SIDE).max(1);
     let places: Vec<(u32, u32)> = (0..eye.height - 1)
         .step_by(step as usize)
         .flat_map(|j| (0..eye.width - 1).step_by(step as usize).map(move |i| (i, j)))
         .collect();
     let off = |&(i, j): &(u32, u32)| {
         let known = truth.bounced(eye, i, j)?;
-        let far = (middle - known.origin).length();
+        let far = (centre - known.origin).length();
         let at = |ray: Ray| ray.origin + far * ray.direction.normalize();
         let here = at(known);
         let (right, below) = (at(truth.bounced(eye, i + 1, j)?) - here, at(truth.bounced(eye, i, j + 1)?) - here);

@@ -52,7 +52,7 @@ pub fn mean_length(net: &Net, root: impl Fn(usize) -> View, cut: f64, near: &[DV
     lengths.sum::<f64>() / near.len() as f64
 }
 
-/// The image's middle.
-pub fn middle((width, height): (u32, u32)) -> DVec2 {
+/// The image's centre.
+pub fn centre((width, height): (u32, u32)) -> DVec2 {
     DVec2::new(width as f64, height as f64) / 2.0
 }

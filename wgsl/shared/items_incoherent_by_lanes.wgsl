@@ -1,4 +1,4 @@
-// Items of scattered rays, by the lanes of a subgroup. An item of one tile is tested ray by ray: each lane tests a column of rays against
+// Items of incoherent rays, by the lanes of a subgroup. An item of one tile is tested ray by ray: each lane tests a column of rays against
 // one box around the boxes of all lanes, then each lane tests only the rays left against its own box.
 // Provides: item_pixels, item_rays
 // Needs: LANES, Node, RAY_TOLERANCE, TILE, field_at, lanes_any, lanes_max, node_level, node_x, node_y, ray_meets

@@ -1,4 +1,4 @@
-//! Scattered (incoherent) rays: culling changes no pixel.
+//! Incoherent (incoherent) rays: culling changes no pixel.
 
 use crate::common;
 
@@ -77,7 +77,7 @@ fn assert_culling_loses_nothing(lanes: bool) {
 fn scattered_rays_see_what_the_reference_does() {
     let mesh = things(3);
     let camera = camera(&rays(&mesh, 48 * 40, &mut Rng(9)), (48, 40), FORWARD);
-    let Some((_, _, seen)) = check("scattered rays", &scene(mesh), &camera) else { return };
+    let Some((_, _, seen)) = check("incoherent rays", &scene(mesh), &camera) else { return };
     assert!(seen.pixels == 48 * 40);
 }
 

@@ -26,8 +26,8 @@ fn start_above(lit: Lit, flat: vec3<f32>) -> vec3<f32> {
 
 // The first hit of a segment with a unit direction.
 fn met(start: vec3<f32>, direction: vec3<f32>, far: f32) -> Found {
-    let found = traced(Segment(start * shading.hidden_scale, direction, 0.0, min(far * shading.hidden_scale, 3e38)));
-    return Found(found.s / shading.hidden_scale, found.id);
+    let found = traced(Segment(start * shading.shadow_bvh_scale, direction, 0.0, min(far * shading.shadow_bvh_scale, 3e38)));
+    return Found(found.s / shading.shadow_bvh_scale, found.id);
 }
 
 // Whether no triangle lies between a hit and a light.

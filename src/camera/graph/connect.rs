@@ -21,16 +21,16 @@ pub enum Bend {
 
 /// The keys that all constructors share.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Joints {
+pub(super) struct JoinOptions {
     pub bend: Bend,
     /// 1: the camera as built; 0: the plain view.
     pub morph: f64,
 }
 
-impl Joints {
+impl JoinOptions {
     pub const KEYS: [&str; 3] = ["longitudinal", "join", "morph"];
 
-    pub fn read(table: &Table) -> Result<Joints> {
+    pub fn read(table: &Table) -> Result<JoinOptions> {
         let cuts = table.optional("longitudinal", |f| f.integer(1, LAYERS_MAX as u64))?;
         let curved = table.or("join", false, |field| match field.text()? {
             "straight" => Ok(false),
@@ -41,7 +41,7 @@ impl Joints {
             return Err(table.error("longitudinal cuts straight segments; leave it out with join = \"bezier\""));
         }
         let bend = if curved { Bend::Curved } else { Bend::Cuts(cuts.unwrap_or(1) as usize) };
-        Ok(Joints { bend, morph: table.or("morph", 1.0, unit_number)? })
+        Ok(JoinOptions { bend, morph: table.or("morph", 1.0, unit_number)? })
     }
 }
 

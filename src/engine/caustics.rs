@@ -1,0 +1,83 @@
+//! The caustics of a scene: photons by a frame of the light's camera, their triangles on the maps of the receivers.
+
+use super::{Engine, RunOptions};
+use crate::engine::plan::Wanted;
+use crate::engine::stage::deposit::{CausticTriangles, Deposit};
+use crate::geometry::mesh::Mesh;
+use crate::gpu::Gpu;
+use crate::gpu::buffers::Buffers;
+use crate::gpu::layout::{self, NONE};
+use crate::input::Result;
+use crate::scene::Scene;
+use crate::scene::caustics::receiver_triangles::{ReceiverTriangle, ReceiverTriangles};
+use crate::scene::caustics::{CausticMaps, Caustics, CausticsReport, beams};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// The maps of a scene's receivers, on the device and here.
+pub struct DeviceCaustics {
+    caustics: Arc<Caustics>,
+    mesh: Arc<Mesh>,
+    /// `sums` and `receivers` as deposit left them; `receiver_triangle_of`, 4 bytes a triangle, and `receiver_triangles`, 48 bytes for each on a
+    /// receiver. Read by gather.
+    pub buffers: Buffers,
+    pub maps: CausticMaps,
+    pub report: CausticsReport,
+}
+
+impl DeviceCaustics {
+    /// These are the maps of the scene.
+    fn is_of(&self, scene: &Scene) -> bool {
+        scene.caustics.as_ref().is_some_and(|c| Arc::ptr_eq(c, &self.caustics)) && scene.mesh == self.mesh
+    }
+}
+
+impl Engine {
+    /// The maps of the scene's receivers; `None` without caustics.
+    pub fn caustic_maps(&mut self, scene: &Scene) -> Result<Option<&CausticMaps>> {
+        let found = self.device_caustics(scene)?;
+        Ok(self.caustics.as_deref().filter(|_| found.is_some()).map(|c| &c.maps))
+    }
+
+    /// The same with their buffers, kept until another scene comes.
+    pub(super) fn device_caustics(&mut self, scene: &Scene) -> Result<Option<Arc<DeviceCaustics>>> {
+        let Some(caustics) = scene.caustics.clone() else { return Ok(None) };
+        if !self.caustics.as_ref().is_some_and(|known| known.is_of(scene)) {
+            self.caustics = Some(Arc::new(self.deposit_caustics(scene, caustics)?));
+        }
+        Ok(self.caustics.clone())
+    }
+
+    fn deposit_caustics(&mut self, scene: &Scene, caustics: Arc<Caustics>) -> Result<DeviceCaustics> {
+        let started = Instant::now();
+        let (white, camera) = caustics.counting(scene);
+        let wanted = Wanted::of(beams::CHANNELS.to_vec());
+        let map = self.render(&white, &camera, &wanted, &RunOptions::default())?;
+        let receiver_triangles = ReceiverTriangles::new(&caustics.receivers, &scene.mesh);
+        let photons = caustics.photons(&scene.mesh, &receiver_triangles, &map.frame)?;
+        let (list, budget) = caustics.caustic_triangles(&photons);
+        let caustic_triangles = CausticTriangles::new(&caustics, &list)?;
+        let mut buffers = Buffers::default();
+        let sums = Deposit::new(&self.gpu).run(&caustic_triangles, &mut buffers)?;
+        upload(&self.gpu, &receiver_triangles, &mut buffers)?;
+        let maps = caustic_triangles.maps(&caustics, budget, &sums);
+        let report = CausticsReport { budget: maps.budget, ms: started.elapsed().as_secs_f64() * 1e3 };
+        Ok(DeviceCaustics { caustics, mesh: scene.mesh.clone(), buffers, maps, report })
+    }
+}
+
+fn upload(gpu: &Gpu, receiver_triangles: &ReceiverTriangles, buffers: &mut Buffers) -> Result<()> {
+    let row = |l: &ReceiverTriangle| {
+        let [a, b, c] = l.corners;
+        let [a, ab, ac] = [a, b - a, c - a].map(|v| v.as_vec2().to_array());
+        layout::ReceiverTriangle { a, ab, ac, receiver: l.receiver, pad0: 0, diffuse: l.diffuse, pad1: 0 }
+    };
+    // the smallest buffer is larger than the list of a few triangles
+    let mut of_triangle = receiver_triangles.of_triangle.clone();
+    of_triangle.resize(of_triangle.len().max(LEAST), NONE);
+    buffers.upload(gpu, "receiver_triangle_of", &of_triangle)?;
+    buffers.upload(gpu, "receiver_triangles", &receiver_triangles.rows.iter().map(row).collect::<Vec<_>>())
+}
+
+/// Words of the smallest buffer.
+const LEAST: usize = 64;

@@ -1,0 +1,8 @@
+// Offsets of samples from their pixel's centre, px right and down.
+// Provides: sample_offset
+// Binds: sample_offsets
+
+fn sample_offset(sample: u32) -> vec2<f32> {
+    let two = sample_offsets.at[sample / 2u];
+    return select(two.xy, two.zw, (sample & 1u) == 1u);
+}
