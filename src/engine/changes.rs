@@ -18,8 +18,8 @@ pub struct Changes {
     pub triangles: bool,
     /// Where triangles lie about the anchor.
     pub places: bool,
-    /// Holes in triangles.
-    pub holes: bool,
+    /// Alpha masks of triangles.
+    pub alpha_masks: bool,
     /// Lights, materials, lines or the background.
     pub look: bool,
 }
@@ -42,7 +42,7 @@ pub(super) struct Shown<'a> {
 
 impl Changes {
     /// Nothing is known of what was there.
-    pub const ALL: Changes = Changes { plan: true, triangles: true, places: true, holes: true, look: true };
+    pub const ALL: Changes = Changes { plan: true, triangles: true, places: true, alpha_masks: true, look: true };
 
     /// From what is shown to a frame that was planned.
     pub(super) fn between(shown: &Shown, next: &Planned) -> Changes {
@@ -52,7 +52,7 @@ impl Changes {
             triangles: !shown.clustered.ptr_eq(&Arc::downgrade(clustered)),
             places: !(same_mesh(scene, shown.scene) && plan.anchor == shown.plan.anchor),
             // part of the mesh
-            holes: false,
+            alpha_masks: false,
             look: !same_look(scene, shown.scene),
         }
     }
@@ -64,8 +64,8 @@ impl Changes {
 
     /// Which stages are to run again.
     pub fn dirty(self) -> Dirty {
-        let Changes { plan, triangles, places, holes, look } = self;
-        match (plan || triangles || places || holes, look) {
+        let Changes { plan, triangles, places, alpha_masks, look } = self;
+        match (plan || triangles || places || alpha_masks, look) {
             (true, _) => Dirty::All,
             (false, true) => Dirty::Appearance,
             (false, false) => Dirty::Nothing,
@@ -131,7 +131,7 @@ mod tests {
             Changes { plan: true, ..none },
             Changes { triangles: true, ..none },
             Changes { places: true, ..none },
-            Changes { holes: true, ..none },
+            Changes { alpha_masks: true, ..none },
             Changes::ALL,
         ];
         assert!(whole.iter().all(|changes| changes.dirty() == Dirty::All));

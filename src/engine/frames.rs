@@ -205,7 +205,7 @@ impl Frames {
         if self.plan.variant.textured && (&lit.uvs, &lit.corner_uvs) != (&own.uvs, &own.corner_uvs) {
             return Err(Error::input("other texture coordinates than those that are lit; prepare the frames anew"));
         }
-        let keeps_holes = if self.moving.is_some() {
+        let keeps_masks = if self.moving.is_some() {
             // where things have moved to, and in this light from then on
             let mut lit = scene.into_owned();
             Arc::make_mut(&mut lit.mesh).positions.clone_from(&self.scene.mesh.positions);
@@ -215,7 +215,7 @@ impl Frames {
         } else {
             self.resident.upload_look(&self.gpu, &self.pages, &scene, &self.plan)?
         };
-        self.note(Changes { look: true, holes: !keeps_holes, ..Changes::default() });
+        self.note(Changes { look: true, alpha_masks: !keeps_masks, ..Changes::default() });
         Ok(())
     }
 

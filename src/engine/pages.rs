@@ -106,10 +106,10 @@ fn put(gpu: &Gpu, mip: &Pipeline, image: &Placed, target: &wgpu::Texture) -> Res
 fn shown(image: &Placed) -> Cow<'_, [[f16; 4]]> {
     let rgba = &image.texels.rgba;
     let opaque = |[r, g, b, _]: &[f16; 4]| [*r, *g, *b, f16::ONE];
-    let cut = |[r, g, b, a]: &[f16; 4]| [*r * *a, *g * *a, *b * *a, *a];
-    match (image.is_cut, rgba.par_iter().all(|t| t[3] == f16::ONE)) {
+    let premultiplied = |[r, g, b, a]: &[f16; 4]| [*r * *a, *g * *a, *b * *a, *a];
+    match (image.is_masked, rgba.par_iter().all(|t| t[3] == f16::ONE)) {
         (_, true) => Cow::Borrowed(rgba),
-        (true, false) => rgba.par_iter().map(cut).collect(),
+        (true, false) => rgba.par_iter().map(premultiplied).collect(),
         (false, false) => rgba.par_iter().map(opaque).collect(),
     }
 }

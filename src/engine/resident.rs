@@ -26,7 +26,7 @@ pub struct Resident {
     /// Lists, visibility and planes, shared by all bands.
     pub shared: Buffers,
     pub capacities: Capacities,
-    /// Into how many batches the clusters of each chunk are cut.
+    /// Into how many batches the clusters of each chunk are split.
     pub batches: u32,
     /// How often raster goes over the busy tiles: again for those that have more pairs than it takes at once.
     pub raster_rounds: u32,
@@ -45,12 +45,12 @@ pub struct Resident {
     /// What may be in the way of light: all triangles but the camera's own, which are the last ones.
     obstacles: Option<Hierarchy>,
     facets: usize,
-    /// What cuts holes: the images, and of each material how.
-    holes: (Pages, Vec<Option<Cut>>),
+    /// Alpha masks: the images, and how each material uses them.
+    alpha_masks: (Pages, Vec<Option<AlphaMask>>),
 }
 
-/// How an image goes on beyond its borders, the least opacity at which there is a surface, and where the image lies.
-type Cut = (u32, f32, u32, [u32; 2]);
+/// How an image is wrapped, its cutoff, its page, and its origin there.
+type AlphaMask = (u32, f32, u32, [u32; 2]);
 
 pub struct ChunkOnDevice {
     pub buffers: Buffers,
@@ -99,7 +99,7 @@ impl Resident {
             without_area: 0,
             obstacles: None,
             facets: camera.optics.as_ref().and_then(|o| o.facets()).map_or(0, |f| f.triangles.len()),
-            holes: Default::default(),
+            alpha_masks: Default::default(),
         };
         resident.upload_scene(gpu, clustered)?;
         if plan.variant.samples_edges() {
@@ -146,7 +146,7 @@ impl Resident {
         self.make_room(gpu, camera, plan)
     }
 
-    /// Lights, materials with their images, and normals; whether holes are where they were before.
+    /// Lights, materials with their images, and normals; whether alpha masks are as before.
     pub fn upload_look(&mut self, gpu: &Gpu, store: &PageStore, scene: &Scene, plan: &Plan) -> Result<bool> {
         let pages = match plan.variant.textured {
             true => store.place(gpu, &looks(scene), &mut self.shared)?,
@@ -167,11 +167,11 @@ impl Resident {
         self.shared.upload(gpu, "lights", &lights)?;
         self.shared.upload(gpu, "materials", &materials)?;
         self.shared.upload(gpu, "normals", &normals)?;
-        let holes = materials.iter().map(|m| (m.cutoff > 0.0).then_some((m.texture, m.cutoff, m.page, m.origin)));
-        let holes = (pages, holes.collect());
-        let keeps_holes = self.holes.0.has_the_images_of(&holes.0) && self.holes.1 == holes.1;
-        self.holes = holes;
-        Ok(keeps_holes)
+        let masks = materials.iter().map(|m| (m.cutoff > 0.0).then_some((m.texture, m.cutoff, m.page, m.origin)));
+        let masks = (pages, masks.collect());
+        let keeps_masks = self.alpha_masks.0.has_the_images_of(&masks.0) && self.alpha_masks.1 == masks.1;
+        self.alpha_masks = masks;
+        Ok(keeps_masks)
     }
 
     /// A start from the scene's size: most clusters meet a few nodes, most triangles a few tiles.

@@ -1,4 +1,4 @@
-//! A frame as data: the list of its steps, made by a pure function of the plan and of how its lists are cut. [`super::encode`]
+//! A frame as data: the list of its steps, made by a pure function of the plan and of how its lists are split. [`super::encode`]
 //! goes through it.
 
 use super::bounces::Bounce;

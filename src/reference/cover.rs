@@ -43,7 +43,7 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
     for (k, n) in near.iter().enumerate().filter(|(_, n)| n.may_hit) {
         let [t0, t1] = Depth::over_box(bundle, &beam, &n.corners).span;
         let set = sets.root(k);
-        open[set] |= t0 < t_range[0] || t1 > t_range[1] || reference.cut_by(n.id).is_some();
+        open[set] |= t0 < t_range[0] || t1 > t_range[1] || reference.mask_of(n.id).is_some();
     }
     let perturbed = bundle.perturbed(reference.scene_size).0;
     let mut count = vec![0_i32; near.len()];

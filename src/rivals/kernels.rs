@@ -70,7 +70,7 @@ fn clipped_draw(name: &'static str, (layers, culling): (u32, bool), more: &[Bind
     kernel
 }
 
-/// Vertices projected; each triangle cut in four so often.
+/// Vertices projected; each triangle split in four so often.
 pub fn warp(layers: u32, culling: bool, levels: u32) -> Kernel {
     let mut kernel =
         clipped_draw("warp", (layers, culling), &[], &[PROJECT, SEEN_THROUGH, snippets!("rivals/warp.wgsl")]);

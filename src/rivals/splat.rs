@@ -67,9 +67,9 @@ impl ByTexture {
     fn pairs(&self, slots: u32) -> Vec<(u32, u32)> {
         let all = slots.saturating_mul(self.pieces);
         let span = if self.is_each { slots } else { all };
-        let cut = |from: u32| (from..from + span).step_by(self.room() as usize).map(move |k| (k, from + span - k));
+        let parts = |from: u32| (from..from + span).step_by(self.room() as usize).map(move |k| (k, from + span - k));
         let starts = (0..all).step_by(span.max(1) as usize);
-        starts.flat_map(cut).map(|(first, left)| (first, left.min(self.room()))).collect()
+        starts.flat_map(parts).map(|(first, left)| (first, left.min(self.room()))).collect()
     }
 
     fn encode_pair(

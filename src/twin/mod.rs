@@ -129,7 +129,7 @@ pub const LARGE: Capacities = Capacities {
 };
 
 impl Tables {
-    /// Bands and chunks are cut so that no table exceeds `binding_limit` bytes.
+    /// Bands and chunks are split so that no table exceeds `binding_limit` bytes.
     pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: Abilities, binding_limit: u64) -> Tables {
         let scene = &*scene.with_optics(camera);
         let around = Surroundings::of(camera, scene.bounds());

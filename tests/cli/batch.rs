@@ -394,7 +394,7 @@ fn a_full_disk_stops_with_what_is_done() {
         place.write("jobs.toml", job + rest);
         let ran = place.run(&["batch", "jobs.toml"]);
         assert_eq!(ran.code, 1, "{}", ran.err);
-        let says = ["No space left", "stopped: there is no room to write to"];
+        let says = ["No space left", "stopped: the disk is full"];
         assert!(says.iter().all(|text| ran.err.contains(text)), "{key}: {}", ran.err);
         let done = std::fs::read_dir(&disk).unwrap().count();
         let printed = format!(": {done} of 80 frames done");

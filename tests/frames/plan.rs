@@ -337,7 +337,7 @@ fn what_is_left_out_is_said() {
             has_normals: true,
             has_uvs: true,
             has_images: true,
-            has_holes: true,
+            has_alpha_masks: true,
             has_gloss: true,
             has_sky: true,
             has_shadows: true,
@@ -363,7 +363,7 @@ fn what_is_left_out_is_said() {
             "curves",
             "slabs",
             "ray residuals",
-            "cells apart in cull",
+            "separate bounds per cell",
             "bounce, fit and meet",
             "bands",
             "second depth dispatch"
@@ -383,7 +383,7 @@ fn what_is_left_out_is_said() {
         "certify",
         "smooth normals",
         "textures",
-        "holes",
+        "alpha masks",
         "gloss",
         "sky",
         "shadows",
@@ -400,7 +400,7 @@ fn what_is_left_out_is_said() {
     assert!(field.contains(&"edge conics".into()) && !field.contains(&"per-pixel ray table".into()));
     assert!(!field.contains(&"ray residuals".into()));
     let torn = camera(mesh_camera(1, 16, 16, MeshLook { torn: true, ..MeshLook::default() }), SIZE, FORWARD);
-    assert!(!whats(&torn, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"cells apart in cull".into()));
+    assert!(!whats(&torn, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"separate bounds per cell".into()));
     let pieces = camera(mesh_camera(1, 4, 4, MeshLook::default()), SIZE, FORWARD);
     assert!(!whats(&pieces, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"ray residuals".into()));
     let chain = whats(&layered::chain(1, 2, (2, 2), MeshLook::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);

@@ -98,7 +98,7 @@ fn cases() -> Vec<Case> {
         let shown: Vec<Channel> = Channel::every().filter(|c| *c != Channel::Certified).collect();
         add("plain", plain, Wanted::of(vec![Channel::TriangleId]));
         add("rich", rich, Wanted { channels: shown.clone(), ..all.clone() });
-        add("holes", Contents { has_holes: true, ..rich }, Wanted { channels: shown, ..all.clone() });
+        add("alpha masks", Contents { has_alpha_masks: true, ..rich }, Wanted { channels: shown, ..all.clone() });
         if camera.optics.is_none() {
             add("certified", plain, all.clone());
         }

@@ -1,5 +1,5 @@
 // warp: vertices where the camera shows them, edges straight between them (Brosz et al. 2007; Popescu et al., section 4.2).
-// Every triangle is first cut into 4^LEVELS. An instance is a piece.
+// Every triangle is first split into 4^LEVELS. An instance is a piece.
 // Needs: Clipped, Corner, Drawn, clip_place, file_normal, image_of, outline_distances, piece_origin, seen_through, vertex
 // Binds: outlines, pieces, triangles
 

@@ -1,5 +1,5 @@
-// Triangles with holes where their images are not opaque. What a hole is follows from the first level alone, whatever the camera: holes
-// are part of the scene's shape.
+// Triangles with alpha masks. Whether a point is masked follows from the image's first level alone, whatever the camera: masks are part of
+// the scene's shape.
 // Provides: is_there
 // Needs: Bundle, NONE, bilinear, corner_uv, has_uv, image_place, into_image, on_triangle, real3, surface_row, vertex_real, wrap_u, wrap_v
 // Binds: materials, triangles

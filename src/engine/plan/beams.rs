@@ -37,10 +37,10 @@ impl Beams {
     /// At most `most` rows (one at least): what is below the last ones is left to the tree itself.
     pub fn new(tree: &Tree, most: usize) -> Beams {
         let mut below = 1;
-        let mut kept = cut(&tree.nodes, below);
+        let mut kept = subtrees(&tree.nodes, below);
         while kept.len() > most.max(1) {
             below *= 2;
-            kept = cut(&tree.nodes, below);
+            kept = subtrees(&tree.nodes, below);
         }
         let size = |ends: fn(&Node) -> [DVec3; 2]| {
             let all = kept.iter().flat_map(|&k| ends(&tree.nodes[k as usize])).filter(|v| v.is_finite());
@@ -80,7 +80,7 @@ impl Beams {
 }
 
 /// Nodes from the top down to those with at most `below` nodes, themselves included, in preorder.
-fn cut(nodes: &[Node], below: u32) -> Vec<u32> {
+fn subtrees(nodes: &[Node], below: u32) -> Vec<u32> {
     let mut kept = Vec::new();
     let mut k = 0;
     while let Some(node) = nodes.get(k as usize) {

@@ -12,7 +12,7 @@ use crate::gpu::layout::BRANCH;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Slabs {
     pub layers: u32,
-    /// Into how many equal spans of t each layer is cut.
+    /// Into how many equal spans of t each layer is split.
     pub spans: u32,
 }
 

@@ -1,4 +1,4 @@
-//! Tiles of 8 x 8 pixels, cut into cells: the pixels of one tile that one piece owns. Each slab has its own tiles.
+//! Tiles of 8 x 8 pixels, split into cells: the pixels of one tile that one piece owns. Each slab has its own tiles.
 
 use super::curves::{CurveTable, Net, nets};
 use super::fit::Fit;
@@ -89,9 +89,9 @@ pub struct Bounds {
     pub each: Vec<Fit>,
 }
 
-/// Rows `row .. row + rows` of an image to be cut.
+/// Splits rows `row .. row + rows` of an image into tiles.
 #[derive(Clone, Copy)]
-pub struct Cutting<'a> {
+pub struct Tiler<'a> {
     pub camera: &'a Camera,
     pub slabs: Slabs,
     pub curves: Option<&'a CurveTable>,
@@ -112,9 +112,9 @@ struct Place {
     y: u32,
 }
 
-impl Cutting<'_> {
+impl Tiler<'_> {
     /// The tiles; and the rays that bound each and its cells.
-    pub fn cut(&self) -> (Tiles, Vec<Bounds>) {
+    pub fn tiles(&self) -> (Tiles, Vec<Bounds>) {
         let tiles_x = self.camera.width.div_ceil(TILE);
         let slab_rows = self.slabs.tile_rows(self.rows);
         let tiles_y = slab_rows * self.slabs.count();
@@ -125,7 +125,7 @@ impl Cutting<'_> {
         };
         let places: Vec<Option<Place>> = (0..tiles_x * tiles_y).map(place).collect();
         let nets = self.curves.map(|table| nets(table, tiles_x));
-        let cut = |place: &Option<Place>| {
+        let bounded = |place: &Option<Place>| {
             let (Some(place), Some(nets)) = (place, &nets) else {
                 return place.map_or_else(Default::default, |p| self.straight(p));
             };
@@ -134,7 +134,7 @@ impl Cutting<'_> {
             let whole = nets[tile as usize].as_ref().map_or_else(Fit::default, |net| Fit::of(&over(net)));
             (self.owned(*place), Bounds { whole, each: Vec::new() })
         };
-        let (owned, bounds): (Vec<Owned>, Vec<Bounds>) = places.par_iter().map(cut).unzip();
+        let (owned, bounds): (Vec<Owned>, Vec<Bounds>) = places.par_iter().map(bounded).unzip();
         let mut tiles = Tiles { tiles_x, tiles_y, slab_rows, start: vec![0], ..Default::default() };
         let mut node_of_cell = above_cells(tiles_x, tiles_y);
         let mut local = std::collections::HashMap::new();
@@ -172,7 +172,7 @@ impl Cutting<'_> {
         let whole = fit(&owned);
         let owned = match (&self.camera.layers[at.layer], owned.as_slice()) {
             (Rays::Field(field), [share]) if !field.is_sorted => self.torn(at, share, field),
-            // of sorted rays no cut leaves any nearer to each other
+            // of sorted rays no split leaves any nearer to each other
             _ => owned,
         };
         let each = if owned.len() > 1 {
@@ -201,7 +201,7 @@ impl Cutting<'_> {
         let share = Share { piece: 0, mask, samples: Vec::new() };
         let sampled = Sampled { samples, ..Sampled::default() };
         let whole = Fit::of(&sampled);
-        // of sorted rays no cut leaves any nearer to each other
+        // of sorted rays no split leaves any nearer to each other
         if field.is_sorted || !whole.strays() {
             return (vec![share], Bounds { whole, each: Vec::new() });
         }

@@ -25,7 +25,7 @@ pub(crate) const CELLS: Parts = snippets!("shared/cells.wgsl");
 pub(crate) const LANES: Parts = snippets!("shared/lanes.wgsl");
 pub(crate) const NODE_BY_LANES: Parts = snippets!("shared/node_by_lanes.wgsl");
 pub(crate) const COLUMN: Parts = snippets!("shared/column.wgsl");
-/// No triangle has holes.
+/// No triangle has an alpha mask.
 pub(crate) const SOLID: Parts = snippets!("textures/solid.wgsl");
 pub(crate) const SURFACE: Parts = snippets!("shared/surface.wgsl");
 pub(crate) const UNCERTAIN: Parts = snippets!("shared/recheck_items.wgsl");

@@ -1,4 +1,4 @@
-//! What surfaces look like brings into kernels: images and holes, light, and what is drawn on them.
+//! What surfaces look like brings into kernels: images and alpha masks, light, and what is drawn on them.
 
 use super::parts::*;
 use super::variant::{LightsKind, Variant};
@@ -58,8 +58,8 @@ impl Variant {
         self.styled.then(|| uniform("style", "Style"))
     }
 
-    /// Where their holes are.
-    pub(crate) fn holes(self) -> Parts {
+    /// Their alpha masks.
+    pub(crate) fn alpha_masks(self) -> Parts {
         if self.masked {
             return snippets!(
                 "materials/material.wgsl",

@@ -49,7 +49,7 @@ pub struct Variant {
     pub normals: bool,
     /// Images lie on triangles, or their texture coordinates are asked for.
     pub textured: bool,
-    /// These images cut holes into triangles.
+    /// Some of these images are alpha masks.
     pub masked: bool,
     /// Some material is not matte.
     pub glossy: bool,
