@@ -20,11 +20,11 @@ const TEXEL_BYTES: u32 = 8;
 /// The images that were last put on the device, for all frames that show the same ones.
 #[derive(Default)]
 pub struct PageStore {
-    held: Mutex<Held>,
+    state: Mutex<PageStoreState>,
 }
 
 #[derive(Default)]
-struct Held {
+struct PageStoreState {
     pipeline: Option<Pipeline>,
     last: Option<(Pages, wgpu::Texture)>,
 }
@@ -37,8 +37,8 @@ impl PageStore {
     /// Those of [`Pages::new`].
     pub fn place(&self, gpu: &Gpu, materials: &[Material], buffers: &mut Buffers) -> Result<Pages> {
         let pages = Pages::new(materials, PageLimits::of(&gpu.limits))?;
-        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let Held { pipeline, last } = &mut *held;
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let PageStoreState { pipeline, last } = &mut *state;
         let known =
             last.as_ref().filter(|(known, _)| known.has_the_images_of(&pages)).map(|(_, texture)| texture.clone());
         let target = match known {

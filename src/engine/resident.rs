@@ -3,11 +3,11 @@
 use super::Capacities;
 use super::bounce_tables::BounceTables;
 use super::bounces::{Bounce, bounces};
-use super::buffer_table::{Bytes, FOUR, ITEM, Row, Sizes, table};
+use super::buffer_table::{BufferSpec, Bytes, ITEM_BYTES, Sizes, VEC4_BYTES, table};
 use super::pages::PageStore;
 use super::tables::{Hidden, Look, Span, after_bounce, looks, params, places};
 use crate::camera::Camera;
-use crate::engine::clusters::{Chunk, Clustered, mapped_rows};
+use crate::engine::clusters::{Chunk, Clustered, mapped_surfaces};
 use crate::engine::plan::hierarchy::Hierarchy;
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::{Band, Plan};
@@ -30,14 +30,14 @@ pub struct Resident {
     pub batches: u32,
     /// How often raster goes over the busy tiles: again for those that have more pairs than it takes at once.
     pub raster_rounds: u32,
-    /// As many pairs as a binding holds rows of four words for.
+    /// As many pairs as a binding holds vec4s.
     pairs_by_tile: u64,
-    /// A row for every (band, chunk, batch), in the order of [`Resident::jobs`].
+    /// One for every (band, chunk, batch), in the order of [`Resident::jobs`].
     params: Vec<Buffers>,
     /// The same for rays after a bounce.
     bounced_params: Vec<Buffers>,
-    /// All passes of a frame.
-    pub passes: Vec<Bounce>,
+    /// All bounces of a frame.
+    pub bounces: Vec<Bounce>,
     /// What rays bounce off.
     pub bounce_tables: Option<BounceTables>,
     /// Triangles without area.
@@ -57,11 +57,11 @@ pub struct ChunkOnDevice {
     pub id_first: u32,
     pub id_count: u32,
     pub clusters: u32,
-    /// Rows of `triangles`.
+    /// Length of `triangles`.
     pub slots: u32,
 }
 
-/// One pass of the clusters of a batch over a band.
+/// The clusters of one batch in one band, for one bounce.
 pub struct Job<'a> {
     pub index: usize,
     pub chunk: &'a ChunkOnDevice,
@@ -79,7 +79,7 @@ impl Resident {
         plan: &Plan,
         capacities: Option<Capacities>,
     ) -> Result<Resident> {
-        let passes = bounces(camera.optics.as_deref());
+        let bounces = bounces(camera.optics.as_deref());
         let mut resident = Resident {
             chunks: Vec::new(),
             bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
@@ -87,15 +87,15 @@ impl Resident {
             capacities: Capacities { queue: 0, work: 0, tasks: 0, pairs: 0, recheck_items: 0, edges: 0 },
             batches: 1,
             raster_rounds: 1,
-            pairs_by_tile: gpu.binding_limit() / FOUR,
+            pairs_by_tile: gpu.binding_limit() / VEC4_BYTES,
             params: Vec::new(),
             bounced_params: Vec::new(),
             bounce_tables: camera
                 .optics
                 .as_ref()
-                .map(|o| BounceTables::new(gpu, scene, camera, o, plan, &passes))
+                .map(|o| BounceTables::new(gpu, scene, camera, o, plan, &bounces))
                 .transpose()?,
-            passes,
+            bounces,
             without_area: 0,
             obstacles: None,
             facets: camera.optics.as_ref().and_then(|o| o.facets()).map_or(0, |f| f.triangles.len()),
@@ -106,7 +106,7 @@ impl Resident {
             resident.shared.upload_uniform(gpu, "places", &places(&plan.places))?;
         }
         resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, camera, plan));
-        resident.make_room(gpu, camera, plan)?;
+        resident.allocate_lists(gpu, camera, plan)?;
         Ok(resident)
     }
 
@@ -143,7 +143,7 @@ impl Resident {
     pub fn aim(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
         self.bands = plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?;
         // another camera may have more tiles
-        self.make_room(gpu, camera, plan)
+        self.allocate_lists(gpu, camera, plan)
     }
 
     /// Lights, materials with their images, and normals; whether alpha masks are as before.
@@ -156,7 +156,7 @@ impl Resident {
             let facets = scene.mesh.triangles.len() - self.facets;
             self.obstacles = Some(Hierarchy::build(scene, plan.anchor, facets)?);
         }
-        let by = self.obstacles.as_ref().map(|o| o.words(scene));
+        let by = self.obstacles.as_ref().map(|o| o.packed(scene));
         let hidden = Hidden { kind: plan.variant.lights, by: by.as_ref() };
         let Look { mut shading, lights, materials, normals, style } = Look::new(scene, plan.anchor, &pages, hidden);
         shading.spread = plan.spread;
@@ -190,8 +190,8 @@ impl Resident {
     }
 
     /// The buffers that kernels write, at the present capacities, and the parameters that name these.
-    fn make_room(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
-        let most = gpu.binding_limit() / ITEM;
+    fn allocate_lists(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
+        let most = gpu.binding_limit() / ITEM_BYTES;
         let c = &mut self.capacities;
         [&mut c.queue, &mut c.work, &mut c.tasks, &mut c.pairs, &mut c.recheck_items]
             .into_iter()
@@ -200,8 +200,8 @@ impl Resident {
         c.edges = c.edges.min(u64::from(plan.rows_max()) * u64::from(plan.width));
         let (capacities, raster_rounds) = (self.capacities, self.raster_rounds);
         let sizes = Sizes { plan, capacities, raster_rounds, samples_by_tile: self.samples_by_tile(plan) };
-        for Row { name, bytes, .. } in table() {
-            if let Bytes::Room(bytes) = bytes
+        for BufferSpec { name, bytes, .. } in table() {
+            if let Bytes::Capacity(bytes) = bytes
                 && let Some(bytes) = bytes(&sizes)
             {
                 let usage = if name == "indirect" { BufferUsages::INDIRECT } else { BufferUsages::empty() };
@@ -211,7 +211,7 @@ impl Resident {
         self.write_params(gpu, camera, plan)
     }
 
-    /// Edges are found tile by tile: raster takes all pairs of a tile at once, and there is room for what is found of them.
+    /// Edges are found tile by tile: raster takes all pairs of a tile at once, and the lists fit their bindings.
     pub fn samples_by_tile(&self, plan: &Plan) -> bool {
         self.raster_rounds == 1 && plan.variant.samples_by_tile() && self.capacities.pairs <= self.pairs_by_tile
     }
@@ -225,9 +225,9 @@ impl Resident {
                     let ids = Span { first: chunk.id_first, count: chunk.id_count };
                     let (first, count) = self.batch(chunk, batch);
                     let clusters = Span { first, count };
-                    let uniform = |row: Params| {
+                    let uniform = |params: Params| {
                         let mut buffers = Buffers::default();
-                        buffers.upload_uniform(gpu, "params", &row)?;
+                        buffers.upload_uniform(gpu, "params", &params)?;
                         Ok(buffers)
                     };
                     let own = params(camera, plan, band, ids, clusters, self.capacities);
@@ -254,7 +254,7 @@ impl Resident {
 
     /// The k-th of them.
     pub fn job(&self, band: usize, bounce: usize, k: usize) -> Option<Job<'_>> {
-        let all = if self.passes[bounce].count == 0 { &self.params } else { &self.bounced_params };
+        let all = if self.bounces[bounce].count == 0 { &self.params } else { &self.bounced_params };
         let chunk = self.chunks.get(k / self.batches as usize)?;
         let index = band * self.chunks.len() * self.batches as usize + k;
         let clusters = self.batch(chunk, k as u32 % self.batches).1;
@@ -262,21 +262,21 @@ impl Resident {
     }
 
     pub fn job_count(&self) -> usize {
-        self.params.len() * self.passes.len()
+        self.params.len() * self.bounces.len()
     }
 
-    /// Where kernels find the buffers of a job over a band in a pass.
-    pub fn scopes<'a>(&'a self, job: &Job<'a>, band: usize, pass: usize) -> Vec<&'a Buffers> {
+    /// Where kernels find the buffers of a job over a band, for a bounce by its number.
+    pub fn scopes<'a>(&'a self, job: &Job<'a>, band: usize, bounce: usize) -> Vec<&'a Buffers> {
         let own = self
             .bounce_tables
             .iter()
-            .flat_map(|t| [vec![t.pass(pass)], t.scopes(self.passes[pass].count, band)].concat());
+            .flat_map(|t| [vec![t.uniforms(bounce)], t.scopes(self.bounces[bounce].count, band)].concat());
         [job.params].into_iter().chain(own).chain([&job.chunk.buffers, &self.bands[band], &self.shared]).collect()
     }
 
-    /// Makes room for what the counters demanded: larger lists, or more batches where a list is as large as a binding.
+    /// Grows what overflowed, by the counters: larger lists, or more batches where a list is as large as a binding.
     pub fn grow(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, need: Capacities) -> Result<()> {
-        let most = gpu.binding_limit() / ITEM;
+        let most = gpu.binding_limit() / ITEM_BYTES;
         if need.queue.max(need.work).max(need.tasks).max(need.pairs).max(need.recheck_items) > most {
             let largest = self.chunks.iter().map(|c| c.clusters).max().unwrap_or(0);
             if self.batches >= largest {
@@ -300,7 +300,7 @@ impl Resident {
             recheck_items: grown(c.recheck_items, need.recheck_items),
             edges: grown(c.edges, need.edges),
         };
-        self.make_room(gpu, camera, plan)
+        self.allocate_lists(gpu, camera, plan)
     }
 
     pub fn bytes(&self) -> u64 {
@@ -317,7 +317,7 @@ fn chunk_on_device(gpu: &Gpu, chunk: &Chunk, mut buffers: Buffers) -> Result<Chu
     if chunk.uvs.is_empty() {
         buffers.upload(gpu, "surfaces", &chunk.surfaces)?;
     } else {
-        buffers.upload(gpu, "surfaces", &mapped_rows(&chunk.surfaces, &chunk.uvs))?;
+        buffers.upload(gpu, "surfaces", &mapped_surfaces(&chunk.surfaces, &chunk.uvs))?;
     }
     buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
     let clusters = chunk.clusters.len() as u32;

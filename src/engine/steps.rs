@@ -245,7 +245,7 @@ impl List<'_> {
         }
     }
 
-    /// Finds the pixels that hold an edge, of a visibility buffer that is complete, and what their samples see.
+    /// Finds the edge pixels of a visibility buffer that is complete, and what their samples see.
     fn add_samples(&mut self, at: At) {
         let shape = self.shape;
         let (pixels, alone) = (shape.pixels(at.band), shape.is_alone());

@@ -1,5 +1,5 @@
 //! Everything that touches a GPU and knows nothing of cameras: the adapter, the kernels' sources and bindings, the
-//! rows they read, and buffers.
+//! structs they read, and buffers.
 
 pub mod buffers;
 mod compile;

@@ -195,7 +195,7 @@ impl Tables {
         }
     }
 
-    /// Follows the rays of a band from pass to pass; `see` receives each pass with all chunks, and its visibility buffer.
+    /// Follows the rays of a band from bounce to bounce; `see` receives each with all chunks, and its visibility buffer.
     pub fn follow(&self, camera: &Camera, band: usize, real: Real, mut see: impl FnMut(&[Input], &Visibility)) {
         let chunks = || 0..self.clustered.chunks.len();
         let mut inputs: Vec<Input> = chunks().map(|c| self.input(camera, band, c, LARGE)).collect();
@@ -212,7 +212,7 @@ impl Tables {
         }
     }
 
-    /// The rays of the next pass of a band, with the tree of their bounds.
+    /// The rays of the next bounce of a band, with the tree of their bounds.
     fn bounced(&self, camera: &Camera, band: usize, input: &Input, visibility: &Visibility, real: Real) -> BouncedRays {
         let mut bounced = BouncedRays::new(input, visibility, real);
         let fitted = fit::fit(&self.bounced_input(camera, band, 0, &bounced));
@@ -221,7 +221,7 @@ impl Tables {
     }
 }
 
-/// The first hits of the rays of a pass, over all chunks.
+/// The first hits of the rays of a bounce, over all chunks.
 pub fn visible(inputs: &[Input], real: Real) -> Visibility {
     let pixels = inputs.first().map_or(0, |i| i.params.width * i.params.height);
     let mut visibility = Visibility::new(pixels as usize);

@@ -380,7 +380,7 @@ fn what_is_killed_goes_on_and_ends_with_the_same_files() {
     assert!(place.names().iter().all(|name| !name.ends_with(".tmp")), "{:?}", place.names());
 }
 
-/// A small disk is full before all is written; with more room the rest is done.
+/// A small disk is full before all is written; with more space the rest is done.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_stops_with_what_is_done() {

@@ -296,7 +296,7 @@ fn nodes_of_one_affine_bundle_bound_it_tightly() {
 }
 
 #[test]
-fn the_key_has_room_for_every_id() {
+fn the_key_has_bits_for_every_id() {
     let (_, kind) = glc_of_each_class().swap_remove(0);
     let camera = camera(kind, (16, 16), FORWARD);
     for (triangles, bits) in

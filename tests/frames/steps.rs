@@ -6,7 +6,7 @@ use crate::common;
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::bounces::bounces;
-use anamorph::internals::engine::buffer_table::{Bytes, Lasts, Row, table};
+use anamorph::internals::engine::buffer_table::{BufferSpec, Bytes, Lasts, table};
 use anamorph::internals::engine::changes::Dirty;
 use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::plan::{Contents, Plan, Surroundings, Wanted};
@@ -206,7 +206,7 @@ const OF_BOUNCES: [&str; 5] = ["rays_hi", "rays_lo", "paths", "nodes", "cells"];
 /// What a frame has written so far.
 struct Written<'a> {
     shape: &'a Shape<'a>,
-    rows: &'a [Row],
+    buffers: &'a [BufferSpec],
     /// Where each buffer was written last.
     at: HashMap<String, At>,
     /// Of each number of bounces what was written for its rays.
@@ -215,7 +215,7 @@ struct Written<'a> {
 
 impl Written<'_> {
     fn lasts(&self, name: &str) -> Option<Lasts> {
-        self.rows.iter().find(|r| r.name == name).map(|r| r.lasts)
+        self.buffers.iter().find(|r| r.name == name).map(|r| r.lasts)
     }
 
     fn holds(&self, name: &str, at: At) -> bool {
@@ -258,8 +258,14 @@ const IDLE: [(KernelId, u32, &str); 6] = [
 
 /// What is wrong with the steps of a frame: buffers that are not in the table, or are read before anything is there. Adds what
 /// each kernel does.
-fn faults(shape: &Shape, steps: &[Step], rows: &[Row], known: &mut Known, done: &mut BTreeSet<Done>) -> Vec<String> {
-    let mut written = Written { shape, rows, at: HashMap::new(), bounced: BTreeSet::new() };
+fn faults(
+    shape: &Shape,
+    steps: &[Step],
+    buffers: &[BufferSpec],
+    known: &mut Known,
+    done: &mut BTreeSet<Done>,
+) -> Vec<String> {
+    let mut written = Written { shape, buffers, at: HashMap::new(), bounced: BTreeSet::new() };
     let mut faults = Vec::new();
     for step in steps {
         match step {
@@ -303,24 +309,24 @@ type Done = (String, KernelId, bool);
 
 #[test]
 fn every_buffer_is_in_the_table_and_written_before_it_is_read() {
-    let (rows, mut known, mut done) = (table(), Known::default(), BTreeSet::new());
+    let (buffers, mut known, mut done) = (table(), Known::default(), BTreeSet::new());
     let mut all = Vec::new();
     each_shape(|name, shape| {
         let steps = steps(shape, Dirty::All);
-        let found = faults(shape, &steps, &rows, &mut known, &mut done);
+        let found = faults(shape, &steps, &buffers, &mut known, &mut done);
         all.extend(found.into_iter().map(|fault| format!("{name}: {fault}")));
     });
     assert!(all.is_empty(), "{all:#?}");
     let kernels: BTreeSet<KernelId> = done.iter().map(|d| d.1).collect();
     assert!(kernels == BTreeSet::from(KernelId::ALL), "of all kernels frames here take {kernels:?}");
     let mut differ = Vec::new();
-    for row in &rows {
-        for (list, writes) in [(row.written_by, true), (row.read_by, false)] {
+    for spec in &buffers {
+        for (list, writes) in [(spec.written_by, true), (spec.read_by, false)] {
             let found: BTreeSet<KernelId> =
-                done.iter().filter(|d| (d.0.as_str(), d.2) == (row.name, writes)).map(|d| d.1).collect();
+                done.iter().filter(|d| (d.0.as_str(), d.2) == (spec.name, writes)).map(|d| d.1).collect();
             if found != list.iter().copied().collect() || found.len() != list.len() {
                 let what = if writes { "written by" } else { "read by" };
-                differ.push(format!("{} is {what} {found:?}, the table says {list:?}", row.name));
+                differ.push(format!("{} is {what} {found:?}, the table says {list:?}", spec.name));
             }
         }
     }
@@ -358,14 +364,14 @@ fn a_step_that_is_missing_is_seen() {
         ("the clearing of the ends of tiles", |s| clears(s, "ends")),
         ("the clearing of proofs", |s| clears(s, "proofs")),
     ];
-    let (rows, mut known) = (table(), Known::default());
+    let (buffers, mut known) = (table(), Known::default());
     let mut tried = [0; 13];
     each_shape(|name, shape| {
         let all = steps(shape, Dirty::All);
         for ((what, is_removed), tried) in less.iter().zip(&mut tried) {
             let rest: Vec<Step> = all.iter().filter(|s| !is_removed(s)).cloned().collect();
             if rest.len() < all.len() {
-                let faults = faults(shape, &rest, &rows, &mut known, &mut BTreeSet::new());
+                let faults = faults(shape, &rest, &buffers, &mut known, &mut BTreeSet::new());
                 assert!(!faults.is_empty(), "{name}: nothing misses {what}");
                 *tried += 1;
             }
@@ -375,8 +381,8 @@ fn a_step_that_is_missing_is_seen() {
 }
 
 #[test]
-fn rows_are_as_large_as_the_kernels_take_them() {
-    let rows = table();
+fn structs_are_as_large_as_the_kernels_take_them() {
+    let buffers = table();
     each_shape(|name, shape| {
         for step in steps(shape, Dirty::All) {
             let Step::Pass { at, dispatches, .. } = step else { continue };
@@ -384,7 +390,8 @@ fn rows_are_as_large_as_the_kernels_take_them() {
                 let kernel = dispatch.kernel.kernel(shape.variant(at.bounce), &shape.plan.planes).unwrap();
                 for binding in &kernel.bindings {
                     let buffer = dispatch.renamed.iter().find(|r| r.0 == binding.name).map_or(binding.name, |r| r.1);
-                    let Some(Row { bytes: Bytes::Rows(bytes), .. }) = rows.iter().find(|r| r.name == buffer) else {
+                    let Some(BufferSpec { bytes: Bytes::Items(bytes), .. }) = buffers.iter().find(|r| r.name == buffer)
+                    else {
                         continue;
                     };
                     let item = binding.wgsl_type.strip_prefix("array<").and_then(|t| t.strip_suffix('>'));

@@ -105,7 +105,7 @@ fn sampled(engine: &mut Engine) -> Result<(), String> {
     let wanted =
         Wanted { samples: SAMPLES, sample_ids: true, ..centres(&[&COLOUR[..], &[Channel::TriangleId]].concat()) };
     let seen = frame(engine, &scene, &camera, &wanted);
-    demand(seen.counts.edges > 100, "few pixels hold an edge")?;
+    demand(seen.counts.edges > 100, "few edge pixels")?;
     let wanted = centres(&[&COLOUR[..], &[Channel::TriangleId]].concat());
     let own: Vec<Frame> = places(SAMPLES)
         .into_iter()
@@ -306,10 +306,16 @@ const PLANTED: [Planted; 29] = [
         Way::ByTile,
         sampled,
     ),
-    ("edges_by_tile.wgsl", "edge_of[pixel] = row + 1u;", "edge_of[pixel] = row;", Way::ByTile, sampled),
+    ("edges_by_tile.wgsl", "edge_of[pixel] = record + 1u;", "edge_of[pixel] = record;", Way::ByTile, sampled),
     ("sample_by_tile.wgsl", "touches[index].xy & pixels", "touches[index].yx & pixels", Way::ByTile, sampled),
-    ("sample_by_tile.wgsl", "settled(0u, nearest[k])", "settled(0u, nearest[0])", Way::ByTile, sampled),
-    ("recheck_samples.wgsl", "item.y & 15u, row", "item.y & 8u, row", Way::ByTile, no_holes_at_samples),
+    (
+        "sample_by_tile.wgsl",
+        "complemented_key(0u, nearest[k])",
+        "complemented_key(0u, nearest[0])",
+        Way::ByTile,
+        sampled,
+    ),
+    ("recheck_samples.wgsl", "item.y & 15u, record", "item.y & 8u, record", Way::ByTile, no_holes_at_samples),
     ("resolve.wgsl", "coverage += share;", "coverage += 0.5 * share;", Way::ByPair, sampled),
     ("resolve.wgsl", "colour += share * beyond", "colour += 0.0 * share * beyond", Way::ByPair, sampled),
     (

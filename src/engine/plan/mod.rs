@@ -3,8 +3,8 @@
 //! The image is split into bands of whole tile rows that fit the adapter's bindings. Every band has its tiles ([`tiles`]:
 //! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square, affine
 //! ones by [`fit`]). Where a field's rays jump inside a tile, it is split ([`tear`]). The tiles of a chain's layers, and of
-//! the spans of curved rays, lie stacked as [`slabs`]. Of rays that a mirror or a lens turns the tree is made on the GPU,
-//! by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]).
+//! the spans of curved rays, lie stacked as [`slabs`]. Of rays that a mirror or a lens reflects or refracts, the tree is made
+//! on the GPU by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]).
 
 pub mod beams;
 pub mod curves;
@@ -255,7 +255,7 @@ impl Plan {
         planes.sort_unstable();
         planes.dedup();
         let table_bytes = match variant.rays {
-            // a row of `paths`
+            // an item of `paths`
             RaysKind::Pieces | RaysKind::Field if variant.optics.is_some() => 32,
             RaysKind::Pieces => 0,
             RaysKind::Field => 24,
@@ -314,7 +314,7 @@ struct View<'a> {
     places: &'a [DVec2],
 }
 
-/// Cuts rows of the image into bands whose every buffer fits a binding.
+/// Splits rows of the image into bands whose every buffer fits a binding.
 fn bands(view: View, own: Rows, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
     let View { camera, slabs, .. } = view;
     let tile = crate::camera::TILE as u64;

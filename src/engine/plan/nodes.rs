@@ -86,9 +86,9 @@ impl Nodes {
             let all = || squares.iter().map(|s| s.fit);
             nodes.exact &= all().all(|f| f.rays == RAYS_AFFINE || f.rays == RAYS_NONE);
             nodes.torn |= k == 1 && all().any(|f| f.rays == RAYS_TORN);
-            nodes.nodes.extend(all().map(|f| f.row(depth.scene_size)));
+            nodes.nodes.extend(all().map(|f| f.packed(depth.scene_size)));
         }
-        nodes.nodes.extend(tiles.iter().flat_map(|tile| &tile.each).map(|f| f.row(depth.scene_size)));
+        nodes.nodes.extend(tiles.iter().flat_map(|tile| &tile.each).map(|f| f.packed(depth.scene_size)));
         nodes
     }
 

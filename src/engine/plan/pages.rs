@@ -121,7 +121,7 @@ impl Pages {
     }
 
     /// A material as kernels read it; `index` is its own.
-    pub fn row(&self, index: usize, material: &Material) -> layout::Material {
+    pub fn packed(&self, index: usize, material: &Material) -> layout::Material {
         let plain = layout::Material {
             diffuse: material.diffuse,
             texture: layout::NONE,

@@ -9,7 +9,7 @@ use glam::DVec2;
 /// As many samples a pixel has at most in one frame.
 pub const AT_ONCE_MAX: u32 = 32;
 
-/// The camera's rays between pixel centres are known to the kernels, so that they find the pixels that hold an edge and these alone
+/// The camera's rays between pixel centres are known to the kernels, so that they find the edge pixels and these alone
 /// are looked at more closely; of others each sample takes a frame of its own.
 pub fn at_once(scene: &Scene, camera: &Camera, count: u32) -> bool {
     let wanted = Wanted { samples: count.max(2), ..Wanted::of(Vec::new()) };

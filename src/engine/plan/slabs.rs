@@ -47,7 +47,7 @@ impl Slabs {
     }
 }
 
-/// How kernels hold a camera's rays.
+/// How kernels store a camera's rays.
 pub fn kind(camera: &Camera) -> RaysKind {
     match camera.layers.as_slice() {
         [Rays::Field(_)] => RaysKind::Field,

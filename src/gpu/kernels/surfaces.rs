@@ -19,7 +19,7 @@ impl Variant {
         if self.textured {
             return snippets!(
                 "materials/material.wgsl",
-                "textures/rows.wgsl",
+                "textures/layout.wgsl",
                 "textures/levels.wgsl",
                 "textures/mapped.wgsl",
                 "textures/filter.wgsl"
@@ -48,13 +48,13 @@ impl Variant {
     /// What is drawn on surfaces.
     pub(crate) fn style(self) -> Parts {
         if self.styled {
-            return snippets!("styles/rows.wgsl", "styles/look.wgsl", "styles/patterns.wgsl", "styles/lines.wgsl");
+            return snippets!("styles/layout.wgsl", "styles/look.wgsl", "styles/patterns.wgsl", "styles/lines.wgsl");
         }
         snippets!("styles/look.wgsl", "styles/plain.wgsl")
     }
 
     /// How that is drawn.
-    pub(crate) fn style_row(self) -> Option<Binding> {
+    pub(crate) fn style_binding(self) -> Option<Binding> {
         self.styled.then(|| uniform("style", "Style"))
     }
 
@@ -63,7 +63,7 @@ impl Variant {
         if self.masked {
             return snippets!(
                 "materials/material.wgsl",
-                "textures/rows.wgsl",
+                "textures/layout.wgsl",
                 "textures/levels.wgsl",
                 "textures/masked.wgsl"
             );

@@ -1,4 +1,4 @@
-// Rows of caustics; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
+// Structs of caustics, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
 // Provides: Cast, Casting, Landing, Receiver
 
 // A dispatch of deposit.
