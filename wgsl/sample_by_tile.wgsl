@@ -1,7 +1,7 @@
 // sample, tile by tile: one subgroup of LANES threads per block, one thread per strip of it: four samples of an edge pixel.
 // Reads triangles, vertices, nodes, the camera's rays, the blocks, the records of `samples` and what pixels pairs may cover; writes the
-// nearest key of each sample into its record, and leaves what f32 does not prove to recheck_samples, two words each: the pair, the strip and
-// its rays as bits; the pixel.
+// nearest key of each sample into its record, and leaves what f32 does not prove to recheck_samples, two words each: the pair, the strip
+// and its rays as bits; the pixel.
 // The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 // Needs: COUNT_BLOCKS, COUNT_RECHECK_SAMPLES, FARTHEST, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, complemented_key,

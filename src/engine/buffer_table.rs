@@ -37,7 +37,7 @@ pub enum Lasts {
     Band,
     /// As long as the rays of the same bounce are followed.
     Bounce,
-    /// As long as the same batch of triangles is.
+    /// As long as the same batch of triangles is rendered.
     Job,
 }
 
