@@ -23,7 +23,7 @@ gallery: rust driver
 	@cargo run --release --locked --quiet --features internals --example gallery out
 	@echo "the contact sheet is out/gallery.png, the pictures and their scenes are in out/gallery"
 
-# Hold every camera against the reference on a city of 35,000 triangles and on the models in the folder MODELS: hours on a CPU.
+# Compare every camera with the reference on a city of 35,000 triangles and on the models in the folder MODELS: hours on a CPU.
 agreement: rust driver
 	@cargo run --release --locked --quiet --features internals --example agreement -- out/agreement $(MODELS)
 

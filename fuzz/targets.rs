@@ -122,7 +122,7 @@ fn numbers(data: &[u8]) -> impl Iterator<Item = f64> + '_ {
     })
 }
 
-/// A small frame by the engine, held against the reference: a GLC of the first eighteen numbers, and a triangle of every nine more.
+/// A small frame by the engine, compared with the reference: a GLC of the first eighteen numbers, and a triangle of every nine more.
 pub fn frame(data: &[u8]) {
     let points: Vec<DVec3> =
         numbers(data).collect::<Vec<_>>().chunks_exact(3).map(|v| DVec3::new(v[0], v[1], v[2])).collect();

@@ -150,14 +150,14 @@ impl<'a> Reference<'a> {
     }
 
     /// The triangle's texture if it is an alpha mask.
-    fn cut_by(&self, id: u32) -> Option<&Texture> {
-        self.material(id)?.texture.as_ref().filter(|t| t.cuts() && self.mesh.uvs_of(id as usize).is_some())
+    fn mask_of(&self, id: u32) -> Option<&Texture> {
+        self.material(id)?.texture.as_ref().filter(|t| t.has_alpha_mask() && self.mesh.uvs_of(id as usize).is_some())
     }
 
     /// Whether the triangle has no hole at the hit.
     fn is_there(&self, hit: &Hit) -> bool {
         let uv = || self.mesh.uv_at(hit.triangle, hit.bary);
-        self.cut_by(hit.triangle).is_none_or(|texture| uv().is_none_or(|uv| texture.is_there(uv)))
+        self.mask_of(hit.triangle).is_none_or(|texture| uv().is_none_or(|uv| texture.is_there(uv)))
     }
 }
 

@@ -25,7 +25,7 @@ fn loose(corners: Vec<[DVec3; 3]>) -> Mesh {
     mesh(corners.into_iter().flatten().collect(), triangles)
 }
 
-/// Renders a good ball among `garbage`, before and after it in the file, and holds it against the reference.
+/// Renders a good ball among `garbage`, before and after it in the file, and compares it with the reference.
 fn check_among(name: &str, garbage: impl Fn(&mut Rng) -> [DVec3; 3]) {
     let mut rng = Rng(5);
     let mut lot = || loose((0..40).map(|_| garbage(&mut rng)).collect());

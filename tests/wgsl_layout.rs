@@ -1,4 +1,4 @@
-//! The rows that the host writes are the rows that the kernels read: every struct of `wgsl/shared/params.wgsl`,
+//! The structs that the host writes are the structs that the kernels read: every struct of `wgsl/shared/params.wgsl`,
 //! `shading.wgsl` and `beams.wgsl` against its twin in `src/gpu/layout.rs`, field by field, and every constant against its own.
 
 use anamorph::internals::engine::clusters::CORNER_ORDERS;
@@ -12,13 +12,13 @@ use std::collections::BTreeMap;
 const PARAMS: &str = include_str!("../wgsl/shared/params.wgsl");
 const SHADING: &str = include_str!("../wgsl/shared/shading.wgsl");
 const MATERIAL: &str = include_str!("../wgsl/materials/material.wgsl");
-const STYLE: &str = include_str!("../wgsl/styles/rows.wgsl");
+const STYLE: &str = include_str!("../wgsl/styles/layout.wgsl");
 const SEGMENT: &str = include_str!("../wgsl/shared/segment.wgsl");
 const BEAMS: &str = include_str!("../wgsl/shared/beams.wgsl");
-const OPTICS: &str = include_str!("../wgsl/optics/rows.wgsl");
-const CAUSTICS: &str = include_str!("../wgsl/caustics/rows.wgsl");
-const RIVALS: &str = include_str!("../wgsl/rivals/rows.wgsl");
-const ROWS: &str = include_str!("../src/gpu/layout.rs");
+const OPTICS: &str = include_str!("../wgsl/optics/layout.wgsl");
+const CAUSTICS: &str = include_str!("../wgsl/caustics/layout.wgsl");
+const RIVALS: &str = include_str!("../wgsl/rivals/layout.wgsl");
+const LAYOUT: &str = include_str!("../src/gpu/layout.rs");
 
 /// One field as bytes: name, offset, size, kind of its numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,16 +53,16 @@ fn field<S, T: Words>(name: &str, offset: usize, _: fn(&S) -> &T) -> Field {
     Field { name: name.into(), offset, size: size_of::<T>(), kind: T::KIND }
 }
 
-/// The layout of a row of `rows`; a field that is left out does not compile.
+/// The layout of a struct of `layout`; a field that is left out does not compile.
 macro_rules! layout {
     ($name:ident $body:tt) => { layout!(layout, $name $body) };
-    ($rows:ident, $name:ident { $($field:ident),* $(,)? }) => {{
-        let every_field = |row: $rows::$name| {
-            let $rows::$name { $($field: _),* } = row;
+    ($layout:ident, $name:ident { $($field:ident),* $(,)? }) => {{
+        let every_field = |row: $layout::$name| {
+            let $layout::$name { $($field: _),* } = row;
         };
         let _ = every_field;
-        let fields = vec![$(field(stringify!($field), std::mem::offset_of!($rows::$name, $field), |r: &$rows::$name| &r.$field)),*];
-        (stringify!($name).to_string(), (size_of::<$rows::$name>(), fields))
+        let fields = vec![$(field(stringify!($field), std::mem::offset_of!($layout::$name, $field), |r: &$layout::$name| &r.$field)),*];
+        (stringify!($name).to_string(), (size_of::<$layout::$name>(), fields))
     }};
 }
 
@@ -280,7 +280,7 @@ fn wgsl(source: &str) -> Layouts {
         while let TypeInner::Array { base, .. } = inner {
             inner = &module.types[*base].inner;
         }
-        inner.scalar_kind().expect("rows hold numbers only")
+        inner.scalar_kind().expect("structs hold numbers only")
     };
     let mut layouts = Layouts::new();
     for (_, ty) in module.types.iter() {
@@ -341,7 +341,7 @@ fn host_constants() -> Constants {
     constants
 }
 
-/// Constants of `rows` that the kernels hold in another file than `params.wgsl`, or in another form.
+/// Constants of `layout` that the kernels hold in another file than `params.wgsl`, or in another form.
 const HELD_ELSEWHERE: [&str; 5] = ["CULL_QUEUES", "ID_BITS_MAX", "ID_MASK", "ORDER_SHIFT", "ONE_SIDED"];
 
 /// What two maps do not agree on, one line each, missing keys on either side included.
@@ -373,11 +373,11 @@ fn every_constant_has_the_same_value_on_both_sides() {
     let kernels = [wgsl_constants(PARAMS), wgsl_constants(OPTICS)].into_iter().flatten().collect();
     assert_eq!(differences(&host_constants(), &kernels), [""; 0]);
     let known = host_constants();
-    let forgotten: Vec<&str> = rust_constants(ROWS)
+    let forgotten: Vec<&str> = rust_constants(LAYOUT)
         .into_iter()
         .filter(|name| !known.contains_key(*name) && !HELD_ELSEWHERE.contains(name))
         .collect();
-    assert_eq!(forgotten, [""; 0], "constants of rows.rs that params.wgsl does not have");
+    assert_eq!(forgotten, [""; 0], "constants of layout.rs that params.wgsl does not have");
 }
 
 /// The constants of a kernel that say where planes are: name and default.
@@ -422,7 +422,7 @@ fn every_channel_has_an_override_that_defaults_to_no_plane() {
 }
 
 #[test]
-fn the_last_word_of_a_triangle_row_is_cut_alike() {
+fn the_last_word_of_a_triangle_has_equal_fields() {
     let raster = stage::raster::kernel(Variant::PLAIN).source();
     let module = parse(&raster);
     let constant = |name: &str| {
@@ -433,7 +433,7 @@ fn the_last_word_of_a_triangle_row_is_cut_alike() {
     assert!(is("ID_MASK", layout::ID_MASK));
     assert!(is("ONE_SIDED", layout::ONE_SIDED));
     assert_eq!(layout::ORDER_SHIFT, layout::ID_BITS_MAX);
-    assert!(raster.contains(&format!("(row.w >> {}u) & 7u", layout::ORDER_SHIFT)));
+    assert!(raster.contains(&format!("(triangle.w >> {}u) & 7u", layout::ORDER_SHIFT)));
     const { assert!(layout::ONE_SIDED >> layout::ORDER_SHIFT > 7, "the order's three bits end below the side's") };
 }
 

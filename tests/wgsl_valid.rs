@@ -127,11 +127,11 @@ fn every_kernel_is_valid_and_portable() {
     let rivals = (10 + 1 + 3) * (2 + 1 + 1);
     let sample_and_resolve = 3 * 2;
     let by_pair = 4 * (raster_certify_and_shade + recheck + bounce + meet + paste + rivals + sample_and_resolve);
-    // and four cameras of triangles with holes, one of curves, and a mirror of facets with the rays that it turns
-    let cut = 2 * (4 * 3 + 3 + 4 * (2 + 1 + 1) + 2 * (3 + 1 + 1));
+    // and four cameras of triangles with alpha masks, one of curves, and a mirror of facets with the rays that it bounces
+    let masked = 2 * (4 * 3 + 3 + 4 * (2 + 1 + 1) + 2 * (3 + 1 + 1));
     // with 64-bit atomics too: raster of what is rechecked; sample and recheck_samples where the camera is no chain
     let by_tile = 2 * (all - 6 + 2 * 2);
-    assert_eq!(wide, by_pair + cut + by_tile);
+    assert_eq!(wide, by_pair + masked + by_tile);
 }
 
 /// It has the kernel's name and the common workgroup.

@@ -1,10 +1,10 @@
 // edges: one thread per pixel of the band, then one per (slot, tile) pair, then one per pixel again, once all is in the visibility buffer.
-// Reads what raster reads, the nodes, the visibility buffer and which cells samples lie in; writes a row of `samples` for each pixel that
-// contains an edge, with the hit at its centre, and the row's number into `edge_of`. A pixel contains an edge unless all its samples are proven to
+// Reads what raster reads, the nodes, the visibility buffer and which cells samples lie in; writes a record in `samples` for each edge
+// pixel, with the hit at its centre, and its number into `edge_of`. A pixel is an edge pixel unless all its samples are proven to
 // see one triangle first, or nothing. The first dispatch finds in each pixel how far from the eye the triangle seen at its centre may lie
-// at any sample, if it covers all; the second tests every triangle that may cover a sample before that; the third writes the rows.
-// `edge_of` has a word per pixel: the depth before which another triangle would be seen instead, KEPT once an edge is found; in the end 1 more than its row, 0 of none. Rows may
-// overflow: the counter keeps counting.
+// at any sample, if it covers all; the second tests every triangle that may cover a sample before that; the third writes the records.
+// `edge_of` has a word per pixel: the depth before which another triangle would be seen instead, KEPT once an edge is
+// found; in the end 1 more than the number of its record, 0 of none. The list may overflow: the counter keeps counting.
 // Needs: COUNT_EDGES, COUNT_PAIRS, Conics, NODE_PX, NONE, SAMPLES, SAMPLE_REACH, SLABBED, TILE, bit_mask, box_mask, conic_sign, conics,
 //   depths, first_bit, item_index, key_id, key_layer, may_cover, nearness, pair_from, pair_slot, pair_tile, pair_to, pixel_cell,
 //   pixels_in_part, pixels_whole, plane, tile_corner, tile_layer, triangle_id, vertex, without_bit
@@ -138,11 +138,11 @@ fn list(pixel: u32) {
         atomicStore(&edge_of[pixel], 0u);
         return;
     }
-    let row = atomicAdd(&counters[COUNT_EDGES], 1u);
-    if row < params.edge_capacity {
+    let record = atomicAdd(&counters[COUNT_EDGES], 1u);
+    if record < params.edge_capacity {
         let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
-        samples[row * 2u * (SAMPLES + 1u)] = pixel;
-        samples[row * 2u * (SAMPLES + 1u) + 1u] = select(key_id(~won), NONE, all(won == vec2<u32>(0u)));
-        atomicStore(&edge_of[pixel], row + 1u);
+        samples[record * 2u * (SAMPLES + 1u)] = pixel;
+        samples[record * 2u * (SAMPLES + 1u) + 1u] = select(key_id(~won), NONE, all(won == vec2<u32>(0u)));
+        atomicStore(&edge_of[pixel], record + 1u);
     }
 }

@@ -1,9 +1,10 @@
 // edges, tile by tile: one subgroup of LANES threads per tile, one thread per column of it, once all is in the visibility buffer.
-// Reads the runs of pairs of tiles, nodes, the visibility buffer and which cells samples lie in; finds the pixels that contain an edge,
+// Reads the runs of pairs of tiles, nodes, the visibility buffer and which cells samples lie in; finds the edge pixels,
 // as edges does pair by pair, in one pass over the pairs of a tile: what the triangle seen at a pixel's centre bounds, and how near
-// all others may be that may cover any of its samples. Writes a row of `samples` for each such pixel, its number into `edge_of`, of
-// each pair the pixels that it may cover and its slot into `touches`, and `blocks` of LANES strips, four samples each, of the rows of one tile.
-// Rows and blocks may overflow: the counter of rows keeps counting, and blocks have space for all rows.
+// all others may be that may cover any of its samples. Writes a record in `samples` for each such pixel, its number into `edge_of`, of
+// each pair the pixels that it may cover and its slot into `touches`, and `blocks` of LANES strips, four samples each, of the records of
+// one tile.
+// Records and blocks may overflow: the counter of records keeps counting, and blocks have space for all records.
 // Needs: Bounds, CENTRES, COUNT_BLOCKS, COUNT_EDGES, GROUP, LANES, NODE_PX, NONE, SAMPLES, SAMPLE_REACH, STRIPS, TILE, bit_mask, bound,
 //   conics, edge_pixels, extent, four, given_bounds, group_index, is_empty, item_node, key_id, lanes_any, may_cover, pair_slot,
 //   pixels_in_part, pixels_whole, pixels_within, plane, rows_mask, side, tile_corner, triangle_id, vertex
@@ -83,7 +84,7 @@ fn edges(
         }
     }
 
-    // list the pixels that contain an edge, and their strips
+    // list the edge pixels, and their strips
     let edges_upper = edge_pixels(upper);
     let edges_lower = edge_pixels(lower);
     let edge_bits = vec2<u32>(
@@ -105,11 +106,11 @@ fn edges(
         let own = bit_mask(bit);
         if any((edge_bits & own) != vec2<u32>(0u)) {
             let below = vec2<u32>(select(edge_bits.x, edge_bits.x & (own.x - 1u), bit < 32u), select(edge_bits.y & (own.y - 1u), 0u, bit < 32u));
-            let row = first + countOneBits(below.x) + countOneBits(below.y);
+            let record = first + countOneBits(below.x) + countOneBits(below.y);
             let pixel = (corner.y + y) * params.width + corner.x + lane;
             let won = visibility[pixel];
-            samples[row * (SAMPLES + 1u)] = vec2<u32>(pixel, select(key_id(~won), NONE, all(won == vec2<u32>(0u))));
-            edge_of[pixel] = row + 1u;
+            samples[record * (SAMPLES + 1u)] = vec2<u32>(pixel, select(key_id(~won), NONE, all(won == vec2<u32>(0u))));
+            edge_of[pixel] = record + 1u;
         }
     }
     let strips = count * STRIPS;

@@ -18,7 +18,7 @@ const SAMPLES: u32 = 64u;
 
 // Rounding of what is summed up here and by the kernels that read the node, relative to the sizes: 2^-20. In units of
 // 2^-24: a stored ray 1, or a child's fit at its corner 4, where it is up to twice as large as the node's; the node's fit
-// at a place 3; a kernel's own use of the row 4. Of the radius: a difference 1, its length 4, and a sum 1.
+// at a place 3; a kernel's own use of the node 4. Of the radius: a difference 1, its length 4, and a sum 1.
 const FIT_TOLERANCE: f32 = 1.0 / 1048576.0;
 
 // Places are on a line where their spread's determinant is this share of its square.

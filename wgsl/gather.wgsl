@@ -36,7 +36,7 @@ fn gather(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    // take a pixel that shows a receiver in this pass
+    // take a pixel that shows a receiver at this bounce
     let pixel = item_index(group, groups, lane);
     if pixel >= params.width * params.height {
         return;

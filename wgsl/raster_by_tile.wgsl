@@ -4,10 +4,10 @@
 // busy again, with what is left of its run. The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
 // Needs: CENTRES, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_FRAGMENTS_KEPT, COUNT_FRAGMENTS_TESTED, COUNT_PAIRS_KEPT, FARTHEST,
-//   GROUP, INFINITE, LANES, LOWER, TILE, UPPER, Waiting, conics, extent, farthest, given, group_index, in_line, is_behind, is_empty,
-//   is_excluded, item_node, lanes_any, lanes_max, leave_to_recheck, lines_of, may_cover, merge, pair_slot, pixels_within, reach_of, real3,
-//   real4, row_bits, rows_mask, settled, shared_of, size, start_of, test_pixels, tile_column, tile_corner, tile_layer, triangle_id, vertex,
-//   vertex_lo
+//   GROUP, INFINITE, LANES, LOWER, TILE, UPPER, Waiting, complemented_key, conics, extent, farthest, given, group_index, in_line,
+//   is_behind, is_empty, is_excluded, item_node, lanes_any, lanes_max, leave_to_recheck, lines_of, may_cover, merge, pair_slot,
+//   pixels_within, reach_of, real3, real4, row_bits, rows_mask, shared_of, size, start_of, test_pixels, tile_column, tile_corner,
+//   tile_layer, triangle_id, vertex, vertex_lo
 // Binds: busy, counters, ends, pairs, params, starts, triangles
 
 // Rounds of LANES pairs that a subgroup looks at, at most: software adapters end a thread's loops after 65535 rounds in all. Of what a
@@ -161,8 +161,8 @@ fn raster(
     // merge the nearest of each pixel
     let layer = tile_layer(tile);
     for (var k = 0u; k < 4u; k++) {
-        merge_some(rows[k], settled(layer, nearest_upper[k]));
-        merge_some(rows[k] + 4u * params.width, settled(layer, nearest_lower[k]));
+        merge_some(rows[k], complemented_key(layer, nearest_upper[k]));
+        merge_some(rows[k] + 4u * params.width, complemented_key(layer, nearest_lower[k]));
     }
     if COUNTING {
         atomicAdd(&counters[COUNT_FRAGMENTS_KEPT], kept);

@@ -1,6 +1,6 @@
 // recheck_samples: one thread per item that sample left, tile by tile.
 // Reads recheck_items, pairs, triangles, vertices, cells and the samples' rays; finds in recheck arithmetic which of an item's samples the
-// triangle covers, and merges their keys into the rows of `samples`.
+// triangle covers, and merges their keys into the records of `samples`.
 // Needs: COUNT_RECHECK_SAMPLES, STRIPS, TILE, flat_of, item_index, pair_slot, pair_tile, real3, recheck_hits, vertex_real
 // Binds: cells, counters, pairs, params, recheck_items, tile_start, triangles
 
@@ -20,7 +20,7 @@ fn recheck_samples(
     let tile = pair_tile(pair);
     let triangle = triangles[pair_slot(pair)];
     let strip = item.y >> 4u;
-    let row = strip / STRIPS;
+    let record = strip / STRIPS;
     let pixel = recheck_items[2u * index + 1u].x;
     let x = (pixel % params.width) % TILE;
     let y = (pixel / params.width) % TILE;
@@ -30,6 +30,6 @@ fn recheck_samples(
     // recheck it, piece by piece
     for (var k = tile_start[tile]; k < tile_start[tile + 1u]; k++) {
         let cell = cells[k];
-        recheck_hits(cell, k, vec2<u32>(x, y), 4u * (strip % STRIPS), item.y & 15u, row, triangle, flat, v);
+        recheck_hits(cell, k, vec2<u32>(x, y), 4u * (strip % STRIPS), item.y & 15u, record, triangle, flat, v);
     }
 }

@@ -1,4 +1,4 @@
-// resolve: one thread per row of `samples`, after shade.
+// resolve: one thread per record of `samples`, after shade.
 // Reads the visibility keys of a listed pixel's samples, the triangles and the samples' rays; writes the pixel's colour and coverage, the
 // means of its samples', each triangle's share of them by its samples' number or by areas; where these and the centre see one triangle they are what shade has written. Each triangle is shaded once, at the sample nearest to the middle of those that see it.
 // Triangles in another chunk of the scene are left to that chunk's dispatch, which adds its share.
@@ -8,8 +8,8 @@
 //   segment_length, sent_back, share_of, surface_albedo, surface_normal, whole
 // Binds: counters, params, planes, samples, shading, slot_of_id, triangles
 
-fn key_of(row: u32, sample: u32) -> vec2<u32> {
-    let at = 2u * (row * (SAMPLES + 1u) + 1u + sample);
+fn key_of(record: u32, sample: u32) -> vec2<u32> {
+    let at = 2u * (record * (SAMPLES + 1u) + 1u + sample);
     return vec2<u32>(samples[at], samples[at + 1u]);
 }
 
@@ -20,25 +20,25 @@ fn resolve(
     @builtin(local_invocation_index) lane: u32,
 ) {
     // take a listed pixel
-    let row = item_index(group, groups, lane);
-    // of rows that ran over not all are written
+    let record = item_index(group, groups, lane);
+    // of records that ran over not all are written
     let count = atomicLoad(&counters[COUNT_EDGES]);
-    if row >= count || count > params.edge_capacity {
+    if record >= count || count > params.edge_capacity {
         return;
     }
-    let pixel = samples[2u * row * (SAMPLES + 1u)];
-    let centre = samples[2u * row * (SAMPLES + 1u) + 1u];
+    let pixel = samples[2u * record * (SAMPLES + 1u)];
+    let centre = samples[2u * record * (SAMPLES + 1u) + 1u];
     var colour = vec3<f32>(0.0);
     var coverage = 0.0;
 
     // take each triangle with all samples that see it
-    measure(pixel, row);
+    measure(pixel, record);
     var left = all_samples();
     var k = 0u;
     loop {
-        let first = key_of(row, firstTrailingBit(left));
+        let first = key_of(record, firstTrailingBit(left));
         let is_hit = any(first != vec2<u32>(0u));
-        let same = seen_next(k, row, left);
+        let same = seen_next(k, record, left);
         if same == all_samples() && select(NONE, key_id(~first), is_hit) == centre {
             return;
         }
@@ -47,7 +47,7 @@ fn resolve(
             coverage += share;
             if key_id(~first) - params.id_first < params.id_count {
                 let n = nearest_to(centre_of(same), same);
-                colour += share * seen_by(pixel, row, n, same);
+                colour += share * seen_by(pixel, record, n, same);
             }
         } else if params.id_first == 0u {
             colour += share * beyond(pixel % params.width, pixel / params.width);
@@ -67,13 +67,13 @@ fn resolve(
 }
 
 // The remaining samples that see the same triangle as the first of them.
-fn seen_alike(row: u32, left: u32) -> u32 {
-    let first = key_of(row, firstTrailingBit(left));
+fn seen_alike(record: u32, left: u32) -> u32 {
+    let first = key_of(record, firstTrailingBit(left));
     let is_hit = any(first != vec2<u32>(0u));
     var same = 0u;
     for (var others = left; others != 0u; others &= others - 1u) {
         let n = firstTrailingBit(others);
-        let key = key_of(row, n);
+        let key = key_of(record, n);
         let is_same = any(key != vec2<u32>(0u)) == is_hit && key_id(~key) == key_id(~first);
         same |= select(0u, 1u << n, is_same);
     }
@@ -103,8 +103,8 @@ fn nearest_to(place: vec2<f32>, some: u32) -> u32 {
 }
 
 // The mean of some samples that see the triangle which one of them is lit at; lines and strokes on it are each sample's own.
-fn seen_by(pixel: u32, row: u32, sample: u32, some: u32) -> vec3<f32> {
-    let key = ~key_of(row, sample);
+fn seen_by(pixel: u32, record: u32, sample: u32, some: u32) -> vec3<f32> {
+    let key = ~key_of(record, sample);
     let slot = slot_of_id[key_id(key) - params.id_first];
     let triangle = triangles[slot];
     let x = pixel % params.width;
@@ -130,7 +130,7 @@ fn seen_by(pixel: u32, row: u32, sample: u32, some: u32) -> vec3<f32> {
     var sum = vec3<f32>(0.0);
     for (var others = some; others != 0u; others &= others - 1u) {
         let own = firstTrailingBit(others);
-        let t = key_t(~key_of(row, own));
+        let t = key_t(~key_of(record, own));
         let its = sample_ray(key_layer(key), x, y, own);
         let hit = ShadedHit(slot, point_at(its, t), z + reached(its, key_layer(key), x, y, t), its.d, differential, inverseSqrt(f32(SAMPLES)));
         sum += drawn(hit, n, lit);

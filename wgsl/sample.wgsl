@@ -1,6 +1,6 @@
-// sample: one thread per (slot, tile) pair, once the pixels that contain an edge are listed.
+// sample: one thread per (slot, tile) pair, once the edge pixels are listed.
 // Reads what recheck reads, the listed pixels and which cells samples lie in; finds in recheck arithmetic which samples of those
-// pixels the triangle covers, and merges their keys into the rows of `samples`: a pixel, and a visibility key per sample.
+// pixels the triangle covers, and merges their keys into the records of `samples`: a pixel, and a visibility key per sample.
 // Needs: COUNT_PAIRS, NODE_PX, NONE, SAMPLE_REACH, TILE, all_samples, box_mask, conics, first_bit, flat_of, item_index, may_cover,
 //   pair_from, pair_slot, pair_tile, pair_to, pixels_in_part, real3, recheck_hits, tile_corner, vertex, vertex_real, without_bit
 // Binds: cells, counters, edge_of, nodes, pairs, params, tile_start, triangles

@@ -1,11 +1,12 @@
-// sample, tile by tile: one subgroup of LANES threads per block, one thread per strip of it: four samples of a pixel that holds an edge.
-// Reads triangles, vertices, nodes, the camera's rays, the blocks, the rows of `samples` and what pixels pairs may cover; writes the nearest key of
-// each sample into its row, and leaves what f32 does not prove to recheck_samples, two words each: the pair, the strip and its rays as bits; the pixel.
+// sample, tile by tile: one subgroup of LANES threads per block, one thread per strip of it: four samples of an edge pixel.
+// Reads triangles, vertices, nodes, the camera's rays, the blocks, the records of `samples` and what pixels pairs may cover; writes the
+// nearest key of each sample into its record, and leaves what f32 does not prove to recheck_samples, two words each: the pair, the strip
+// and its rays as bits; the pixel.
 // The list recheck_items may overflow: the counter keeps counting.
 // Loops that run at least once end with their test: software adapters run what stands behind one at the start once more.
-// Needs: COUNT_BLOCKS, COUNT_RECHECK_SAMPLES, FARTHEST, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, given, group_index,
-//   in_line, item_node, lanes_any, lanes_max, lines_of, reach_of, real3, real4, row_bits, sample_strip, settled, shared_of, size,
-//   test_pixels, vertex, vertex_lo
+// Needs: COUNT_BLOCKS, COUNT_RECHECK_SAMPLES, FARTHEST, GROUP, LANES, NONE, SAMPLES, STRIPS, TILE, Waiting, bit_mask, complemented_key,
+//   given, group_index, in_line, item_node, lanes_any, lanes_max, lines_of, reach_of, real3, real4, row_bits, sample_strip, shared_of,
+//   size, test_pixels, vertex, vertex_lo
 // Binds: blocks, counters, params, recheck_items, samples, touches, triangles
 
 @compute @workgroup_size(64)
@@ -25,9 +26,9 @@ fn sample(
     let size_of_block = block.x >> 24u;
     let is_one = lane < size_of_block;
     let strip = block.y + min(lane, size_of_block - 1u);
-    let row = (strip / STRIPS) * (SAMPLES + 1u);
+    let record = (strip / STRIPS) * (SAMPLES + 1u);
     let first = 4u * (strip % STRIPS);
-    let pixel = samples[row].x;
+    let pixel = samples[record].x;
     let x = pixel % params.width;
     let y = pixel / params.width;
     let bit = bit_mask((y % TILE) * TILE + x % TILE);
@@ -104,7 +105,7 @@ fn sample(
     if is_one {
         for (var k = 0u; k < 4u; k++) {
             if first + k < SAMPLES {
-                samples[row + 1u + first + k] = settled(0u, nearest[k]);
+                samples[record + 1u + first + k] = complemented_key(0u, nearest[k]);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! One mesh through one camera: rendered, timed, and held against the reference.
+//! One mesh through one camera: rendered, timed, and compared with the reference.
 
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::plan::Wanted;
@@ -21,7 +21,7 @@ const LONG_MS: f64 = 5000.0;
 /// Of all pixels, those that must show the mesh: a picture of nothing proves nothing.
 const LEAST_COVERAGE: f64 = 0.02;
 /// Largest error of t relative to max(|t|, extent / |D|) of all but one pixel of a thousand: t is worked out in f64 from
-/// positions stored to 2^-48 and written as f32 (2^-24); the rest is room for surfaces seen edge-on, where t is
+/// positions stored to 2^-48 and written as f32 (2^-24); the rest is margin for surfaces seen edge-on, where t is
 /// ill-conditioned.
 const T_ERROR: f64 = 1e-5;
 

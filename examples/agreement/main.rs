@@ -1,4 +1,4 @@
-//! `make agreement MODELS=FOLDER`: holds every camera against the f64 reference, on a city of 35,000 triangles and on real
+//! `make agreement MODELS=FOLDER`: compares every camera with the f64 reference, on a city of 35,000 triangles and on real
 //! models, and writes what it finds to agreement.md and agreement.json, a line a frame. Fails where a line is wrong.
 
 mod line;
@@ -79,7 +79,7 @@ fn run(args: &Args) -> Result<bool> {
         let asked = views.iter().filter(is_asked).filter(|v| !args.without.contains(&v.name));
         let is_left = |v: &&View| !args.resume || !table.line(subject.name, &v.name).is_some_and(Line::is_right);
         let left: Vec<&View> = asked.filter(is_left).collect();
-        right &= bench.hold(subject, &left, &mut table, args.pictures)?;
+        right &= bench.compare(subject, &left, &mut table, args.pictures)?;
         if args.pictures {
             bench.write_sheet(subject, &views)?;
         }
@@ -103,7 +103,7 @@ struct Bench {
 
 impl Bench {
     /// Holds a mesh against the reference through some cameras; whether all of it is right.
-    fn hold(&mut self, subject: &Subject, views: &[&View], table: &mut Table, pictures: bool) -> Result<bool> {
+    fn compare(&mut self, subject: &Subject, views: &[&View], table: &mut Table, pictures: bool) -> Result<bool> {
         let mesh = subject.placed()?;
         let mut right = true;
         for view in views {

@@ -3,7 +3,7 @@
 use super::Renderer;
 use crate::input::{Error, Result};
 use crate::jobs::batch::Shard;
-use crate::jobs::{RenderJob, Work, words};
+use crate::jobs::{RenderJob, Work, options};
 use crate::scene::library::Library;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -83,7 +83,7 @@ impl Job {
     /// # Errors
     /// [`Error::Input`] for an unknown name.
     pub fn channels(mut self, names: &str) -> Result<Job> {
-        let names = names.split(',').map(words::channels).collect::<std::result::Result<_, _>>();
+        let names = names.split(',').map(options::channels).collect::<std::result::Result<_, _>>();
         self.job.channels = Some(names.map_err(Error::Input)?);
         Ok(self)
     }
@@ -111,7 +111,7 @@ impl Job {
     /// # Errors
     /// [`Error::Input`] for an unknown name.
     pub fn engine(mut self, name: &str) -> Result<Job> {
-        self.job.engine = Some(words::engine(name).map_err(Error::Input)?);
+        self.job.engine = Some(options::engine(name).map_err(Error::Input)?);
         Ok(self)
     }
 
@@ -122,7 +122,7 @@ impl Job {
     /// written.
     pub fn run(&self, renderer: &mut Renderer) -> Result<String> {
         let started = Instant::now();
-        words::samples(&self.job.samples.to_string()).map_err(Error::Input)?;
+        options::samples(&self.job.samples.to_string()).map_err(Error::Input)?;
         let work = Work::read(self.job.clone(), &Library::for_once())?;
         work.check_memory()?;
         let seen = work.render(&mut renderer.backend(work.job())?)?;
@@ -137,6 +137,6 @@ impl Shard {
     /// # Errors
     /// [`Error::Input`] if there is no such part.
     pub fn new(number: u32, count: u32) -> Result<Shard> {
-        words::shard(&format!("{number}/{count}")).map_err(Error::Input)
+        options::shard(&format!("{number}/{count}")).map_err(Error::Input)
     }
 }

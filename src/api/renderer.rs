@@ -12,7 +12,7 @@ use crate::image::compare::{Comparison, compare};
 use crate::image::frame::{Channel, Frame};
 use crate::image::{rgb8, write_exr, write_png};
 use crate::input::{Error, Result};
-use crate::jobs::{Backend, EngineName, RenderJob, check_memory, samples, words};
+use crate::jobs::{Backend, EngineName, RenderJob, check_memory, options, samples};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -132,7 +132,7 @@ impl Renderer {
     /// does not suffice or the device is lost.
     pub fn render(&mut self, scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result<Rendered> {
         let RenderOptions { channels, color, samples, analytic } = options;
-        words::samples(&samples.to_string()).map_err(Error::Input)?;
+        options::samples(&samples.to_string()).map_err(Error::Input)?;
         let mut channels = channels.clone();
         channels.sort_unstable();
         channels.dedup();

@@ -58,7 +58,7 @@ impl Recipe for Chain {
     }
 }
 
-/// Relative rounding of a ray's end: some ten products and sums of 2^-53 each, with room for corners far outside the
+/// Relative rounding of a ray's end: some ten products and sums of 2^-53 each, with a margin for corners far outside the
 /// image, whose weights are larger than 1.
 const END_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 

@@ -1,7 +1,7 @@
 //! What lies on the device for rays that a mirror or a lens bounces: the surface, and for every bounce the rays behind it.
 
 use super::bounces::Bounce;
-use super::surface::SurfaceRows;
+use super::surface::OpticsSurface;
 use super::tables;
 use crate::camera::Camera;
 use crate::camera::optics::Optics;
@@ -17,8 +17,8 @@ use wgpu::BufferUsages;
 /// The optics' buffers. If rays are split, the rays after k bounces are in table k - 1. Otherwise two tables alternate: the first holds
 /// the rays after an odd number of bounces, the second those after an even number.
 pub struct BounceTables {
-    /// Of each pass the uniform `optic`.
-    passes: Vec<Buffers>,
+    /// Of each bounce the uniform `optic`.
+    bounces: Vec<Buffers>,
     /// `paths` of rays before any bounce: nothing behind them. 32 bytes a pixel of the largest band, written by the host.
     untouched: Buffers,
     /// `rays_hi` and `rays_lo`, 24 bytes each a pixel of the largest band with a column and a row more, and `paths`; written
@@ -28,7 +28,7 @@ pub struct BounceTables {
     targets: Vec<Buffers>,
     /// Of each band: `nodes` and `cells`, one a tile, written by fit; `tile_start`, written by the host.
     bands: Vec<Buffers>,
-    /// As [`SurfaceRows::upload`] says; written by the host.
+    /// As [`OpticsSurface::upload`] says; written by the host.
     surface: Buffers,
 }
 
@@ -39,24 +39,24 @@ impl BounceTables {
         camera: &Camera,
         optics: &Optics,
         plan: &Plan,
-        passes: &[Bounce],
+        bounces: &[Bounce],
     ) -> Result<BounceTables> {
-        let depth = passes.iter().map(|p| p.count).max().unwrap_or(0);
-        // of each number of bounces there is one pass
-        let is_split = passes.len() > depth as usize + 1;
+        let depth = bounces.iter().map(|b| b.count).max().unwrap_or(0);
+        // unless rays are split, there is one entry for each number of bounces
+        let is_split = bounces.len() > depth as usize + 1;
         let rows = plan.bands.iter().map(|b| b.rows).max().unwrap_or(0) as usize;
         let pixels = rows * camera.width as usize;
         let mut surface = Buffers::default();
-        SurfaceRows::new(&optics.surface, plan.anchor).upload(gpu, &mut surface)?;
+        OpticsSurface::new(&optics.surface, plan.anchor).upload(gpu, &mut surface)?;
         let mut untouched = Buffers::default();
         let nothing = layout::PathState { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, piece: 0, pad0: 0 };
         untouched.upload(gpu, "paths", &vec![nothing; pixels])?;
         if is_split {
             untouched.create(gpu, "visibility", 8 * pixels as u64, BufferUsages::empty())?;
         }
-        let pass = |pass: &Bounce| {
+        let uniforms = |bounce: &Bounce| {
             let mut own = Buffers::default();
-            own.upload_uniform(gpu, "optic", &tables::optic(scene, camera, optics, plan, pass))?;
+            own.upload_uniform(gpu, "optic", &tables::optic(scene, camera, optics, plan, bounce))?;
             Ok(own)
         };
         let table = |_| {
@@ -80,7 +80,7 @@ impl BounceTables {
             target
         };
         Ok(BounceTables {
-            passes: passes.iter().map(pass).collect::<Result<_>>()?,
+            bounces: bounces.iter().map(uniforms).collect::<Result<_>>()?,
             untouched,
             targets: tables.iter().map(target).collect(),
             tables,
@@ -97,9 +97,9 @@ impl BounceTables {
         }
     }
 
-    /// The uniform of a pass, by its number.
-    pub fn pass(&self, number: usize) -> &Buffers {
-        &self.passes[number]
+    /// The uniform of a bounce, by its number.
+    pub fn uniforms(&self, bounce: usize) -> &Buffers {
+        &self.bounces[bounce]
     }
 
     /// Where bounce writes the rays after so many bounces.
@@ -113,11 +113,11 @@ impl BounceTables {
 
     pub fn bytes(&self) -> u64 {
         let own = [&self.untouched, &self.surface];
-        self.passes.iter().chain(&self.tables).chain(&self.bands).chain(own).map(Buffers::bytes).sum()
+        self.bounces.iter().chain(&self.tables).chain(&self.bands).chain(own).map(Buffers::bytes).sum()
     }
 }
 
-/// One cell a tile, whose pixels fit names, and room for the nodes.
+/// One cell a tile, whose pixels fit names, and space for the nodes.
 fn band_buffers(gpu: &Gpu, band: &Band) -> Result<Buffers> {
     let tiles = band.tiles.tiles_x * band.tiles.tiles_y;
     let cell = |tile: u32| layout::Cell { tile, node: tile, ..bytemuck::Zeroable::zeroed() };

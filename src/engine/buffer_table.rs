@@ -8,10 +8,10 @@ use crate::image::frame::Channel;
 
 /// A buffer.
 #[derive(Debug)]
-pub struct Row {
+pub struct BufferSpec {
     pub name: &'static str,
     pub bytes: Bytes,
-    /// The kernels that write it; otherwise the host writes it, where [`Row::is_uploaded`].
+    /// The kernels that write it; otherwise the host writes it, where [`BufferSpec::is_uploaded`].
     pub written_by: &'static [KernelId],
     pub read_by: &'static [KernelId],
     pub lasts: Lasts,
@@ -20,11 +20,11 @@ pub struct Row {
 /// How large a buffer is.
 #[derive(Debug, Clone, Copy)]
 pub enum Bytes {
-    /// The host uploads rows of so many bytes each.
-    Rows(usize),
-    /// The host makes room for what kernels write; `None`: these frames do without.
-    Room(fn(&Sizes) -> Option<u64>),
-    /// The host makes room for what kernels write, so many bytes for each pixel of the largest band: [`super::bounce_tables`].
+    /// The host uploads items of so many bytes each.
+    Items(usize),
+    /// The host allocates what kernels write; `None`: these frames do without.
+    Capacity(fn(&Sizes) -> Option<u64>),
+    /// The host allocates what kernels write, so many bytes for each pixel of the largest band: [`super::bounce_tables`].
     EachPixel(usize),
 }
 
@@ -37,7 +37,7 @@ pub enum Lasts {
     Band,
     /// As long as the rays of the same bounce are followed.
     Bounce,
-    /// As long as the same batch of triangles is.
+    /// As long as the same batch of triangles is rendered.
     Job,
 }
 
@@ -86,19 +86,20 @@ fn blocks(s: &Sizes) -> u64 {
 }
 
 /// Every buffer, in the order of first use.
-pub fn table() -> Vec<Row> {
+pub fn table() -> Vec<BufferSpec> {
     use KernelId::*;
     use Lasts::{Band, Job, Upload};
     const SAMPLED: &[KernelId] = &[Edges, Sample, EdgesByTile, SampleByTile, RecheckSamples, Resolve];
-    let uploaded = |name, row, read_by| Row { name, bytes: Bytes::Rows(row), written_by: &[], read_by, lasts: Upload };
-    let row = |name, lasts, bytes: fn(&Sizes) -> Option<u64>, written_by, read_by| Row {
+    let uploaded =
+        |name, item, read_by| BufferSpec { name, bytes: Bytes::Items(item), written_by: &[], read_by, lasts: Upload };
+    let list = |name, lasts, bytes: fn(&Sizes) -> Option<u64>, written_by, read_by| BufferSpec {
         name,
-        bytes: Bytes::Room(bytes),
+        bytes: Bytes::Capacity(bytes),
         written_by,
         read_by,
         lasts,
     };
-    let each_pixel = |name, bytes, written_by| Row {
+    let each_pixel = |name, bytes, written_by| BufferSpec {
         name,
         bytes: Bytes::EachPixel(bytes),
         written_by,
@@ -174,7 +175,7 @@ pub fn table() -> Vec<Row> {
         uploaded("rays_lo", 24, &[Raster, Recheck, Meet, Certify, Sample, SampleByTile, RecheckSamples, Shade, Bounce]),
         uploaded("cell_samples", 8, SAMPLED),
         uploaded("sample_ray_deltas", 24, &[Sample, SampleByTile, RecheckSamples, Resolve]),
-        Row {
+        BufferSpec {
             written_by: &[Fit],
             ..uploaded(
                 "nodes",
@@ -182,7 +183,7 @@ pub fn table() -> Vec<Row> {
                 &[Cull, Split, Bin, Raster, Edges, Sample, EdgesByTile, SampleByTile, Fit],
             )
         },
-        Row {
+        BufferSpec {
             written_by: &[Fit],
             ..uploaded(
                 "cells",
@@ -219,7 +220,7 @@ pub fn table() -> Vec<Row> {
         uploaded("atlas_layout", size_of::<layout::AtlasLayout>(), &[Paste]),
         uploaded("atlas", 4, &[Paste]),
         // what stages count, and the size of the next dispatch
-        row(
+        list(
             "counters",
             Lasts::Bounce,
             |_| Some(4 * u64::from(COUNTERS)),
@@ -242,7 +243,7 @@ pub fn table() -> Vec<Row> {
                 Resolve,
             ],
         ),
-        row(
+        list(
             "indirect",
             Job,
             |_| Some(12),
@@ -250,23 +251,23 @@ pub fn table() -> Vec<Row> {
             &[Cull, Split, Bin, Sort, Raster, Recheck, Certify, Edges, Sample, SampleByTile, RecheckSamples, Resolve],
         ),
         // lists between the stages
-        row("queue_even", Job, |s| Some(ITEM_BYTES * s.capacities.queue), &[Cull], &[Cull]),
-        row("queue_odd", Job, |s| Some(ITEM_BYTES * s.capacities.queue), &[Cull], &[Cull]),
-        row("work", Job, |s| Some(ITEM_BYTES * s.capacities.work), &[Cull], &[Split]),
-        row("tasks", Job, |s| Some(ITEM_BYTES * s.capacities.tasks), &[Split], &[Bin]),
-        row("unsorted", Job, |s| s.by_tile(ITEM_BYTES * s.capacities.pairs), &[Bin], &[Sort]),
-        row("ranks", Job, |s| s.by_tile(4 * s.capacities.pairs), &[Bin], &[Sort]),
-        row("starts", Job, |s| s.by_tile(4 * s.tiles()), &[Allot, Raster], &[Sort, Raster, EdgesByTile]),
-        row("ends", Job, |s| s.by_tile(4 * s.tiles()), &[Bin, Allot], &[Bin, Allot, Raster, EdgesByTile]),
-        row("busy", Job, |s| s.by_tile(4 * s.tiles() * u64::from(1 + s.raster_rounds)), &[Allot, Raster], &[Raster]),
-        row(
+        list("queue_even", Job, |s| Some(ITEM_BYTES * s.capacities.queue), &[Cull], &[Cull]),
+        list("queue_odd", Job, |s| Some(ITEM_BYTES * s.capacities.queue), &[Cull], &[Cull]),
+        list("work", Job, |s| Some(ITEM_BYTES * s.capacities.work), &[Cull], &[Split]),
+        list("tasks", Job, |s| Some(ITEM_BYTES * s.capacities.tasks), &[Split], &[Bin]),
+        list("unsorted", Job, |s| s.by_tile(ITEM_BYTES * s.capacities.pairs), &[Bin], &[Sort]),
+        list("ranks", Job, |s| s.by_tile(4 * s.capacities.pairs), &[Bin], &[Sort]),
+        list("starts", Job, |s| s.by_tile(4 * s.tiles()), &[Allot, Raster], &[Sort, Raster, EdgesByTile]),
+        list("ends", Job, |s| s.by_tile(4 * s.tiles()), &[Bin, Allot], &[Bin, Allot, Raster, EdgesByTile]),
+        list("busy", Job, |s| s.by_tile(4 * s.tiles() * u64::from(1 + s.raster_rounds)), &[Allot, Raster], &[Raster]),
+        list(
             "pairs",
             Job,
             |s| Some(ITEM_BYTES * s.capacities.pairs),
             &[Bin, Sort],
             &[Raster, Recheck, Certify, Edges, Sample, EdgesByTile, RecheckSamples],
         ),
-        row(
+        list(
             "recheck_items",
             Job,
             |s| Some(ITEM_BYTES * s.capacities.recheck_items),
@@ -274,16 +275,16 @@ pub fn table() -> Vec<Row> {
             &[Recheck, RecheckSamples],
         ),
         // of each pixel with an edge its place, and a key a sample
-        row(
+        list(
             "samples",
             Lasts::Bounce,
             |s| s.of_samples(ITEM_BYTES * u64::from(s.plan.variant.samples + 1) * s.capacities.edges),
             &[Edges, Sample, EdgesByTile, SampleByTile, RecheckSamples],
             &[Sample, SampleByTile, RecheckSamples, Resolve],
         ),
-        row("edge_of", Lasts::Bounce, |s| s.of_samples(4 * s.pixels()), &[Edges, EdgesByTile], &[Edges, Sample]),
-        row("blocks", Job, |s| s.samples_by_tile.then(|| VEC4_BYTES * blocks(s)), &[EdgesByTile], &[SampleByTile]),
-        row(
+        list("edge_of", Lasts::Bounce, |s| s.of_samples(4 * s.pixels()), &[Edges, EdgesByTile], &[Edges, Sample]),
+        list("blocks", Job, |s| s.samples_by_tile.then(|| VEC4_BYTES * blocks(s)), &[EdgesByTile], &[SampleByTile]),
+        list(
             "touches",
             Job,
             |s| s.samples_by_tile.then_some(VEC4_BYTES * s.capacities.pairs),
@@ -291,27 +292,27 @@ pub fn table() -> Vec<Row> {
             &[SampleByTile],
         ),
         // the image
-        row(
+        list(
             "visibility",
             Lasts::Bounce,
             |s| Some(8 * s.pixels()),
             &[Raster, Recheck, Meet],
             &[Raster, Recheck, Meet, Certify, Edges, EdgesByTile, Shade, Gather, Bounce, Paste],
         ),
-        row(
+        list(
             "proofs",
             Lasts::Bounce,
             |s| s.plan.planes.contains(&Channel::Certified).then_some(8 * s.pixels()),
             &[Certify],
             &[Certify],
         ),
-        row(
+        list(
             "planes",
             Band,
             |s| Some(4 * s.plan.planes.len() as u64 * s.pixels()),
             &[Certify, Shade, Resolve, Gather, Paste, Outline],
             &[Shade, Resolve, Gather, Outline, Write],
         ),
-        row("srgb8", Band, |s| s.plan.srgb8.then_some(4 * s.pixels()), &[Write], &[]),
+        list("srgb8", Band, |s| s.plan.srgb8.then_some(4 * s.pixels()), &[Write], &[]),
     ]
 }

@@ -18,8 +18,8 @@ pub struct Changes {
     pub triangles: bool,
     /// Where triangles lie about the anchor.
     pub positions: bool,
-    /// Holes in triangles.
-    pub holes: bool,
+    /// Alpha masks of triangles.
+    pub alpha_masks: bool,
     /// Lights, materials, lines or the background.
     pub appearance: bool,
 }
@@ -42,7 +42,8 @@ pub(super) struct Shown<'a> {
 
 impl Changes {
     /// Nothing is known of what was there.
-    pub const ALL: Changes = Changes { plan: true, triangles: true, positions: true, holes: true, appearance: true };
+    pub const ALL: Changes =
+        Changes { plan: true, triangles: true, positions: true, alpha_masks: true, appearance: true };
 
     /// From what is shown to a frame that was planned.
     pub(super) fn between(shown: &Shown, next: &Planned) -> Changes {
@@ -52,7 +53,7 @@ impl Changes {
             triangles: !shown.clustered.ptr_eq(&Arc::downgrade(clustered)),
             positions: !(same_mesh(scene, shown.scene) && plan.anchor == shown.plan.anchor),
             // part of the mesh
-            holes: false,
+            alpha_masks: false,
             appearance: !same_appearance(scene, shown.scene),
         }
     }
@@ -64,8 +65,8 @@ impl Changes {
 
     /// Which stages are to run again.
     pub fn dirty(self) -> Dirty {
-        let Changes { plan, triangles, positions, holes, appearance } = self;
-        match (plan || triangles || positions || holes, appearance) {
+        let Changes { plan, triangles, positions, alpha_masks, appearance } = self;
+        match (plan || triangles || positions || alpha_masks, appearance) {
             (true, _) => Dirty::All,
             (false, true) => Dirty::Appearance,
             (false, false) => Dirty::Nothing,
@@ -131,7 +132,7 @@ mod tests {
             Changes { plan: true, ..none },
             Changes { triangles: true, ..none },
             Changes { positions: true, ..none },
-            Changes { holes: true, ..none },
+            Changes { alpha_masks: true, ..none },
             Changes::ALL,
         ];
         assert!(whole.iter().all(|changes| changes.dirty() == Dirty::All));

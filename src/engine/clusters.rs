@@ -1,6 +1,6 @@
 //! Triangles made ready for the kernels: chunks that fit a binding, in an order that keeps neighbours together.
 //!
-//! Positions are rebased to an anchor in f64 and stored as f32 pairs. Every triangle row names its corners in the
+//! Positions are rebased to an anchor in f64 and stored as f32 pairs. Every triangle names its corners in the
 //! order of their positions, so an edge is the same number from both sides, seams with doubled vertices included.
 
 use crate::geometry::mesh::{Mesh, NO_NORMAL};
@@ -16,9 +16,9 @@ pub struct Chunk {
     /// Three numbers a vertex relative to the anchor: the f32 nearest, and what it leaves.
     pub vertices_hi: Vec<f32>,
     pub vertices_lo: Vec<f32>,
-    /// A row a slot: three vertices in the order of their positions; id, file order and sidedness.
+    /// Per slot: three vertices in the order of their positions; id, file order and sidedness.
     pub triangles: Vec<[u32; 4]>,
-    /// A row a slot: the normals of the corners in file order, and the material.
+    /// Per slot: the normals of the corners in file order, and the material.
     pub surfaces: Vec<[u32; 4]>,
     /// Where images lie on triangles, six numbers a slot: the texture coordinates of the corners in file order, v downwards; NaN
     /// of one that has none.
@@ -26,7 +26,7 @@ pub struct Chunk {
     /// Slot of triangle `id_first + k`; [`NONE`] for triangles without area, which are never hit.
     pub slot_of_id: Vec<u32>,
     pub clusters: Vec<Cluster>,
-    /// A row for each triangle group of each cluster; the last cluster's may be empty.
+    /// One for each triangle group of each cluster; the last cluster's may be empty.
     pub triangle_groups: Vec<Cluster>,
     /// The scene's vertices that it has, ascending; `None`: all.
     used: Option<Vec<u32>>,
@@ -43,7 +43,7 @@ pub struct Clustered {
     pub without_area: usize,
 }
 
-/// Bytes of a triangle's rows and of a vertex in the largest single buffer that holds them.
+/// Bytes of a triangle and of a vertex in the largest single buffer that holds them.
 const TRIANGLE_BYTES: u64 = 16;
 const TEXTURED_BYTES: u64 = 48;
 const VERTEX_BYTES: u64 = 12;
@@ -81,9 +81,9 @@ fn chunk(mesh: &Mesh, anchor: DVec3, ids: std::ops::Range<u32>, (whole, textured
         used.dedup();
         chunk.used = Some(used);
     }
-    chunk.surfaces = order.par_iter().map(|&id| surface_row(mesh, id)).collect();
+    chunk.surfaces = order.par_iter().map(|&id| triangle_surface(mesh, id)).collect();
     if textured {
-        chunk.uvs = order.par_iter().map(|&id| uv_row(mesh, id)).collect();
+        chunk.uvs = order.par_iter().map(|&id| triangle_uvs(mesh, id)).collect();
     }
     chunk.slot_of_id = vec![NONE; ids.len()];
     for (slot, &id) in order.iter().enumerate() {
@@ -126,8 +126,8 @@ impl Chunk {
         let count = used.map_or(mesh.positions.len(), <[u32]>::len);
         self.vertices_hi.resize(3 * count, 0.0);
         self.vertices_lo.resize(3 * count, 0.0);
-        let rows = self.vertices_hi.par_chunks_exact_mut(3).zip(self.vertices_lo.par_chunks_exact_mut(3));
-        rows.enumerate().for_each(|(k, (hi, lo))| {
+        let vertices = self.vertices_hi.par_chunks_exact_mut(3).zip(self.vertices_lo.par_chunks_exact_mut(3));
+        vertices.enumerate().for_each(|(k, (hi, lo))| {
             let position = mesh.positions[used.map_or(k, |used| used[k] as usize)] - anchor;
             for (axis, value) in position.to_array().into_iter().enumerate() {
                 [hi[axis], lo[axis]] = split2(value);
@@ -138,24 +138,24 @@ impl Chunk {
         self.triangle_groups.resize(self.triangles.len().div_ceil(CLUSTER as usize) * TRIANGLE_GROUPS, EMPTY);
         let groups =
             self.triangles.par_chunks_mut(CLUSTER as usize).zip(self.triangle_groups.par_chunks_mut(TRIANGLE_GROUPS));
-        let place = |(index, (rows, triangle_groups)): (usize, (&mut [[u32; 4]], &mut [Cluster]))| {
+        let place = |(index, (triangles, triangle_groups)): (usize, (&mut [[u32; 4]], &mut [Cluster]))| {
             let first = index * CLUSTER as usize;
-            let (count, mut whole, mut have_area) = (rows.len(), Bounds::NONE, true);
-            for (k, (triangle_group, rows)) in
-                triangle_groups.iter_mut().zip(rows.chunks_mut(TRIANGLE_GROUP as usize)).enumerate()
+            let (count, mut whole, mut have_area) = (triangles.len(), Bounds::NONE, true);
+            for (k, (triangle_group, triangles)) in
+                triangle_groups.iter_mut().zip(triangles.chunks_mut(TRIANGLE_GROUP as usize)).enumerate()
             {
                 let mut own = Bounds::NONE;
-                for row in rows.iter_mut() {
-                    let corners = corners(mesh, row[3] & ID_MASK);
+                for triangle in triangles.iter_mut() {
+                    let corners = corners(mesh, triangle[3] & ID_MASK);
                     let order = order_by_position(&corners);
                     have_area &= has_area(&corners);
                     own = own.with(&corners);
-                    *row = triangle_row(mesh, row[3], order, index_of);
+                    *triangle = packed_triangle(mesh, triangle[3], order, index_of);
                 }
-                *triangle_group = own.row(anchor, first + k * TRIANGLE_GROUP as usize, rows.len());
+                *triangle_group = own.packed(anchor, first + k * TRIANGLE_GROUP as usize, triangles.len());
                 whole = whole.joined(own);
             }
-            (whole.row(anchor, first, count), have_area)
+            (whole.packed(anchor, first, count), have_area)
         };
         let (clusters, have_area): (Vec<Cluster>, Vec<bool>) = groups.enumerate().map(place).unzip();
         self.clusters = clusters;
@@ -229,13 +229,13 @@ fn order_by_position(corners: &[DVec3; 3]) -> [usize; 3] {
     k
 }
 
-/// Where each file corner stands in a row, by order code: the table of `wgsl/shared/triangle.wgsl`.
+/// Where each file corner stands in a packed triangle, by order code: the table of `wgsl/shared/triangle.wgsl`.
 pub const CORNER_ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
 
 /// Of the triangle with the id and the sidedness in `last`, whose corners are in this order.
-fn triangle_row(mesh: &Mesh, last: u32, sorted: [usize; 3], index_of: impl Fn(u32) -> u32) -> [u32; 4] {
+fn packed_triangle(mesh: &Mesh, last: u32, sorted: [usize; 3], index_of: impl Fn(u32) -> u32) -> [u32; 4] {
     let corners = mesh.triangles[(last & ID_MASK) as usize];
-    // the place of file corner c in the row
+    // the place of file corner c in the packed triangle
     let place = [0, 1, 2].map(|c| sorted.iter().position(|&s| s == c).unwrap_or(0));
     let order = CORNER_ORDERS.iter().position(|o| *o == place).unwrap_or(0) as u32;
     let [a, b, c] = sorted.map(|s| index_of(corners[s]));
@@ -249,25 +249,25 @@ fn side(mesh: &Mesh, id: u32) -> u32 {
     if material.two_sided { 0 } else { ONE_SIDED }
 }
 
-fn surface_row(mesh: &Mesh, id: u32) -> [u32; 4] {
+fn triangle_surface(mesh: &Mesh, id: u32) -> [u32; 4] {
     let [a, b, c] = mesh.corner_normals.get(id as usize).copied().unwrap_or([NO_NORMAL; 3]);
     [a, b, c, mesh.material_of[id as usize]]
 }
 
-fn uv_row(mesh: &Mesh, id: u32) -> [f32; 6] {
+fn triangle_uvs(mesh: &Mesh, id: u32) -> [f32; 6] {
     let Some([a, b, c]) = mesh.uvs_of(id as usize) else { return [f32::NAN; 6] };
     [a.x, 1.0 - a.y, b.x, 1.0 - b.y, c.x, 1.0 - c.y]
 }
 
-/// The table that kernels read for surfaces with texture coordinates: per slot the row of `surfaces`, then two rows with the texture
+/// The table that kernels read for surfaces with texture coordinates: per slot that of `surfaces`, then two vec4s with the texture
 /// coordinates of the three corners and a flag, 1 if the triangle has any.
-pub fn mapped_rows(surfaces: &[[u32; 4]], uvs: &[[f32; 6]]) -> Vec<[[u32; 4]; 3]> {
-    let row = |(own, uv): (&[u32; 4], &[f32; 6])| {
+pub fn mapped_surfaces(surfaces: &[[u32; 4]], uvs: &[[f32; 6]]) -> Vec<[[u32; 4]; 3]> {
+    let mapped = |(own, uv): (&[u32; 4], &[f32; 6])| {
         let is_mapped = u32::from(uv.iter().all(|v| v.is_finite()));
         let [a, b, c, d, e, f] = uv.map(f32::to_bits);
         [*own, [a, b, c, d], [e, f, is_mapped, 0]]
     };
-    surfaces.iter().zip(uvs).map(row).collect()
+    surfaces.iter().zip(uvs).map(mapped).collect()
 }
 
 /// A box of positions.
@@ -290,7 +290,7 @@ impl Bounds {
     }
 
     /// Of the slots from `first` on.
-    fn row(self, anchor: DVec3, first: usize, count: usize) -> Cluster {
+    fn packed(self, anchor: DVec3, first: usize, count: usize) -> Cluster {
         let (lo, hi) = (self.lo - anchor, self.hi - anchor);
         let (centre, half) = ((lo + hi) / 2.0, (hi - lo) / 2.0);
         // f32 rounding of the box and of what kernels compute from it: 2^-22 of the largest coordinate, 4 roundings
@@ -322,14 +322,14 @@ mod tests {
         Mesh { positions: mesh.positions.iter().map(|p| to(*p)).collect(), ..mesh.clone() }
     }
 
-    /// What clusters hold of a triangle: its positions in the row's order, and the row's last word.
-    fn held(chunk: &Chunk, slot: u32) -> ([[f64; 3]; 3], u32) {
-        let row = chunk.triangles[slot as usize];
+    /// A triangle as clusters store it: its positions in stored order, and its last word.
+    fn stored(chunk: &Chunk, slot: u32) -> ([[f64; 3]; 3], u32) {
+        let triangle = chunk.triangles[slot as usize];
         let at = |v: u32, axis: u32| {
             let k = (3 * v + axis) as usize;
             f64::from(chunk.vertices_hi[k]) + f64::from(chunk.vertices_lo[k])
         };
-        ([0, 1, 2].map(|c| [0, 1, 2].map(|axis| at(row[c], axis))), row[3])
+        ([0, 1, 2].map(|c| [0, 1, 2].map(|axis| at(triangle[c], axis))), triangle[3])
     }
 
     #[test]
@@ -346,12 +346,12 @@ mod tests {
             for ((a, b), slots) in refitted.chunks.iter().zip(&anew.chunks).zip(slots) {
                 assert_eq!(a.slot_of_id, slots);
                 for (at, anew_at) in a.slot_of_id.iter().zip(&b.slot_of_id).filter(|s| *s.0 != NONE) {
-                    assert_eq!(held(a, *at), held(b, *anew_at));
+                    assert_eq!(stored(a, *at), stored(b, *anew_at));
                     let cluster = &a.clusters[(at / CLUSTER) as usize];
                     let within = |p: [f64; 3]| {
                         (0..3).all(|k| (p[k] - f64::from(cluster.centre[k])).abs() <= f64::from(cluster.half[k]))
                     };
-                    assert!(held(a, *at).0.into_iter().all(within));
+                    assert!(stored(a, *at).0.into_iter().all(within));
                 }
             }
         }

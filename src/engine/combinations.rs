@@ -9,7 +9,7 @@ use crate::engine::rival::Choice;
 use crate::gpu::kernels::RaysKind;
 use crate::image::frame::Channel;
 use crate::input::{Error, Result};
-use crate::scene::{SHADOWS_AND_HOLES, Scene};
+use crate::scene::{SHADOWS_AND_ALPHA_MASKS, Scene};
 
 /// What a frame has, or what is asked of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -27,7 +27,7 @@ pub enum Feature {
     NoCull,
     Moving,
     Caustics,
-    Holes,
+    AlphaMasks,
     Shadows,
     Curves,
     Optics,
@@ -85,16 +85,12 @@ pub const REFUSALS: &[Refusal] = {
             "{camera} reflects or refracts rays, without bounds on where they go",
             "certified is a channel of other cameras",
         ),
-        row(&[Certified, Holes], "nothing is proven where images cut holes into triangles", "leave certified out"),
+        row(&[Certified, AlphaMasks], "nothing is proven for triangles with alpha masks", "leave certified out"),
         row(&[NoSamples], "0 samples a pixel", "take at least 1"),
         row(&[Analytic, OneSample], "analytic coverage needs several samples per pixel", "take at least 2"),
         row(&[Samples, Rival], "{samples} samples a pixel of {camera} take a frame each with {rival}", ONE),
         row(&[Samples, Caustics], "{samples} samples a pixel of {camera} take a frame each with caustics", ONE),
-        row(
-            &[Samples, Holes],
-            "{samples} samples a pixel of {camera} take a frame each where images cut holes into triangles",
-            ONE,
-        ),
+        row(&[Samples, AlphaMasks], "{samples} samples a pixel of {camera} take a frame each with alpha masks", ONE),
         row(
             &[Samples, Curves],
             "{samples} samples a pixel of {camera} take a frame each: its rays are curved or in layers",
@@ -111,11 +107,11 @@ pub const REFUSALS: &[Refusal] = {
             ONE,
         ),
         row(&[ManySamples], "{samples} samples a pixel of {camera} take a frame each: 32 fit one frame", ONE),
-        row(&[Rival, Holes], "{rival} sees no holes that images cut into triangles", "use compute"),
-        row(&[Shadows, Holes], SHADOWS_AND_HOLES[0], SHADOWS_AND_HOLES[1]),
+        row(&[Rival, AlphaMasks], "{rival} ignores alpha masks", "use compute"),
+        row(&[Shadows, AlphaMasks], SHADOWS_AND_ALPHA_MASKS[0], SHADOWS_AND_ALPHA_MASKS[1]),
         row(
             &[Rival, Bounces],
-            "{rival} does not follow rays that a mirror or lens reflects or refracts",
+            "{rival} does not follow reflected or refracted rays",
             "give the camera an atlas, or use --engine compute",
         ),
         row(&[RivalWithoutCulling, NoCull], "{rival} culls nothing", "leave out --no-cull"),
@@ -169,7 +165,7 @@ impl Feature {
             NoCull,
             Moving,
             Caustics,
-            Holes,
+            AlphaMasks,
             Shadows,
             Curves,
             Optics,
@@ -200,7 +196,7 @@ impl Feature {
             Feature::NoCull => "`--no-cull`",
             Feature::Moving => "`--moving`",
             Feature::Caustics => "caustics",
-            Feature::Holes => "textures that cut holes",
+            Feature::AlphaMasks => "alpha masks",
             Feature::Shadows => "shadows or ambient occlusion",
             Feature::Curves => "curved rays, or layers of rays",
             Feature::Optics => "a mirror or lens",
@@ -232,7 +228,7 @@ impl Feature {
             Feature::NoCull => *no_cull,
             Feature::Moving => *moving,
             Feature::Caustics => scene.caustics.is_some(),
-            Feature::Holes => scene.mesh.has_holes(),
+            Feature::AlphaMasks => scene.mesh.has_alpha_masks(),
             Feature::Shadows => scene.has_shadows() && wanted.has_colour(),
             Feature::Curves => matches!(kind(camera), RaysKind::Curves { .. }),
             Feature::Optics => camera.optics.is_some(),

@@ -20,7 +20,7 @@ impl Frames {
         let resident = &self.resident;
         let inputs = FrameInputs {
             plan: &self.plan,
-            bounces: &resident.passes,
+            bounces: &resident.bounces,
             jobs: resident.jobs(0, 0).map(|job| job.clusters).collect(),
             batches: resident.batches as usize,
             raster_rounds: resident.raster_rounds,
@@ -95,7 +95,7 @@ impl Frames {
         let resident = &self.resident;
         let mut scopes = Vec::new();
         if let (Some(bounce), Some(tables)) = (at.into, &resident.bounce_tables) {
-            scopes.extend([tables.pass(bounce), tables.target(resident.passes[bounce].count)]);
+            scopes.extend([tables.uniforms(bounce), tables.target(resident.bounces[bounce].count)]);
         }
         match self.job(at) {
             Some(job) => scopes.extend(resident.scopes(&job, at.band, at.bounce)),
@@ -107,7 +107,7 @@ impl Frames {
 
     /// The kernels of a bounce.
     fn stages_of(&self, bounce: usize) -> &Stages {
-        self.after_bounce.as_ref().filter(|_| self.resident.passes[bounce].count > 0).unwrap_or(&self.stages)
+        self.after_bounce.as_ref().filter(|_| self.resident.bounces[bounce].count > 0).unwrap_or(&self.stages)
     }
 
     fn pixels(&self, band: usize) -> u32 {
@@ -148,9 +148,9 @@ impl Frames {
         if self.wanted.srgb8 {
             copies.srgb8.push(copy("srgb8", plane));
         }
-        if let (true, Some(rows)) = (self.wanted.sample_ids, shared.get("samples")) {
+        if let (true, Some(records)) = (self.wanted.sample_ids, shared.get("samples")) {
             copies.edge_of.push(copy("edge_of", plane));
-            copies.samples.push(copy("samples", rows.size()));
+            copies.samples.push(copy("samples", records.size()));
         }
     }
 

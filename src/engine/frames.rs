@@ -168,7 +168,7 @@ impl Frames {
     /// Notes what the frame does not show yet.
     fn mark_dirty(&mut self, changes: Changes) {
         // of bands and bounces, and of moving triangles, only the last ones are still there
-        let is_there = self.plan.bands.len() == 1 && self.resident.passes.len() == 1 && self.moving.is_none();
+        let is_there = self.plan.bands.len() == 1 && self.resident.bounces.len() == 1 && self.moving.is_none();
         self.dirty = self.dirty.max(match changes.dirty() {
             Dirty::Appearance if !is_there => Dirty::All,
             dirty => dirty,
@@ -204,7 +204,7 @@ impl Frames {
         if self.plan.variant.textured && (&lit.uvs, &lit.corner_uvs) != (&own.uvs, &own.corner_uvs) {
             return Err(Error::input("other texture coordinates than those that are lit; prepare the frames anew"));
         }
-        let keeps_holes = if self.moving.is_some() {
+        let keeps_masks = if self.moving.is_some() {
             // where things have moved to, and in this light from then on
             let mut lit = scene.into_owned();
             Arc::make_mut(&mut lit.mesh).positions.clone_from(&self.scene.mesh.positions);
@@ -214,7 +214,7 @@ impl Frames {
         } else {
             self.resident.upload_appearance(&self.gpu, &self.pages, &scene, &self.plan)?
         };
-        self.mark_dirty(Changes { appearance: true, holes: !keeps_holes, ..Changes::default() });
+        self.mark_dirty(Changes { appearance: true, alpha_masks: !keeps_masks, ..Changes::default() });
         Ok(())
     }
 
@@ -292,22 +292,18 @@ impl Frames {
         let Some(first) = first else { return Err(Error::work("no frame was taken")) };
         let reads = PendingReads::start(&first);
         wait(&self.gpu)?;
-        let mut words = reads.words(&self.gpu, &first)?;
+        let mut raw = reads.finish(&self.gpu, &first)?;
         if frame_ms.is_empty() {
             frame_ms.push(first_ms);
-            stages = vec![std::mem::take(&mut words.stages)];
+            stages = vec![std::mem::take(&mut raw.stages)];
         }
         if let Some(rival) = &self.rival {
             rival.check(&self.gpu)?;
         }
         let frame_layout = self.frame_layout();
-        let rest = Rendered {
-            frame_ms,
-            stages: medians(stages),
-            grown,
-            ..self.statistics(&frame_layout.plan, &first, &words)
-        };
-        let own = Readback { frame_layout, words, rest }.rendered();
+        let rest =
+            Rendered { frame_ms, stages: medians(stages), grown, ..self.statistics(&frame_layout.plan, &first, &raw) };
+        let own = Readback { frame_layout, raw, rest }.rendered();
         match atlas {
             Some(atlas) => atlas.merged_into(own),
             None => Ok(own),
@@ -321,9 +317,9 @@ impl Frames {
         let is_plain = self.atlas.is_none() && self.rival.is_none() && self.caustics.is_none() && self.moving.is_none();
         let kind = |plan: &Plan, camera: &Camera| (plan.variant, plan.slabs.count(), camera.width, plan.rows_max());
         let is_as_large = kind(plan, camera) == kind(&self.plan, &self.camera) && plan.planes == self.plan.planes;
-        let is_turned = camera.optics.is_some() || self.camera.optics.is_some();
+        let has_optics = camera.optics.is_some() || self.camera.optics.is_some();
         let is_wanted = Wanted { rows: self.wanted.rows, ..wanted.clone() } == self.wanted;
-        if !is_plain || is_turned || scene.caustics.is_some() || !is_as_large || !is_wanted {
+        if !is_plain || has_optics || scene.caustics.is_some() || !is_as_large || !is_wanted {
             return Ok(false);
         }
         let shown = Shown { scene: &self.scene, plan: &self.plan, clustered: &self.shown };
@@ -363,7 +359,7 @@ impl Frames {
     }
 
     /// What a frame of a plan counted, and the memory in use; no picture and no times.
-    pub(super) fn statistics(&self, plan: &Plan, running: &Running, words: &RawFrame) -> Rendered {
+    pub(super) fn statistics(&self, plan: &Plan, running: &Running, raw: &RawFrame) -> Rendered {
         let mut left_out = plan.left_out.clone();
         if self.resident.without_area > 0 {
             let what = format!("{} triangles", self.resident.without_area);
@@ -375,7 +371,7 @@ impl Frames {
             srgb8: None,
             frame_ms: Vec::new(),
             stages: Vec::new(),
-            counts: Counts::of(&words.status),
+            counts: Counts::of(&raw.status),
             bytes: self.resident.bytes()
                 + self.rival.as_ref().map_or(0, |r| r.bytes())
                 + self.caustics.as_ref().map_or(0, |c| c.buffers.bytes()),

@@ -20,11 +20,11 @@ const TEXEL_BYTES: u32 = 8;
 /// The images that were last put on the device, for all frames that show the same ones.
 #[derive(Default)]
 pub struct PageStore {
-    held: Mutex<Held>,
+    state: Mutex<PageStoreState>,
 }
 
 #[derive(Default)]
-struct Held {
+struct PageStoreState {
     pipeline: Option<Pipeline>,
     last: Option<(Pages, wgpu::Texture)>,
 }
@@ -37,8 +37,8 @@ impl PageStore {
     /// Those of [`Pages::new`].
     pub fn place(&self, gpu: &Gpu, materials: &[Material], buffers: &mut Buffers) -> Result<Pages> {
         let pages = Pages::new(materials, PageLimits::of(&gpu.limits))?;
-        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let Held { pipeline, last } = &mut *held;
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let PageStoreState { pipeline, last } = &mut *state;
         let known =
             last.as_ref().filter(|(known, _)| known.has_the_images_of(&pages)).map(|(_, texture)| texture.clone());
         let target = match known {
@@ -106,10 +106,10 @@ fn put(gpu: &Gpu, mip: &Pipeline, image: &Placed, target: &wgpu::Texture) -> Res
 fn shown(image: &Placed) -> Cow<'_, [[f16; 4]]> {
     let rgba = &image.texels.rgba;
     let opaque = |[r, g, b, _]: &[f16; 4]| [*r, *g, *b, f16::ONE];
-    let cut = |[r, g, b, a]: &[f16; 4]| [*r * *a, *g * *a, *b * *a, *a];
-    match (image.is_cut, rgba.par_iter().all(|t| t[3] == f16::ONE)) {
+    let premultiplied = |[r, g, b, a]: &[f16; 4]| [*r * *a, *g * *a, *b * *a, *a];
+    match (image.is_masked, rgba.par_iter().all(|t| t[3] == f16::ONE)) {
         (_, true) => Cow::Borrowed(rgba),
-        (true, false) => rgba.par_iter().map(cut).collect(),
+        (true, false) => rgba.par_iter().map(premultiplied).collect(),
         (false, false) => rgba.par_iter().map(opaque).collect(),
     }
 }

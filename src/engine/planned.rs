@@ -45,7 +45,7 @@ pub struct Planned {
 /// Bytes that the widest table of a band has a pixel and sample: a ray of a ray map, hi or lo, or by what it differs.
 const FIELD_BYTES: u64 = 24;
 
-/// And a row of samples for each of them, and one more.
+/// And a record of samples for each of them, and one more.
 const KEY_BYTES: u64 = 8;
 
 /// Bytes of a normal on the device.

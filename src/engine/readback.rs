@@ -7,7 +7,7 @@ use crate::camera::Camera;
 use crate::camera::ray_order::RayOrder;
 use crate::engine::plan::{Plan, Wanted};
 use crate::gpu::Gpu;
-use crate::gpu::buffers::Reading;
+use crate::gpu::buffers::PendingRead;
 use crate::image::frame::{Channel, Frame, NO_ID, Plane};
 use crate::input::Result;
 use crate::scene::labels::Labels;
@@ -35,10 +35,10 @@ pub struct InFlight {
     pub started: Instant,
 }
 
-/// The words of a frame, on the host.
+/// A frame as read back, before planes are unpacked.
 pub struct Readback {
     pub(super) frame_layout: FrameLayout,
-    pub(super) words: RawFrame,
+    pub(super) raw: RawFrame,
     /// Its statistics; no picture.
     pub(super) rest: Rendered,
 }
@@ -49,7 +49,7 @@ pub(super) struct Copies {
     /// Those of [`is_read`].
     pub planes: Vec<wgpu::Buffer>,
     pub srgb8: Vec<wgpu::Buffer>,
-    /// Rows of the pixels that hold an edge, and what their samples see: where that is asked for.
+    /// Records of the edge pixels, and what their samples see: where that is asked for.
     pub edge_of: Vec<wgpu::Buffer>,
     pub samples: Vec<wgpu::Buffer>,
 }
@@ -63,13 +63,13 @@ impl Copies {
 
 /// Everything of a frame that is being read.
 pub(super) struct PendingReads {
-    status: Reading,
+    status: PendingRead,
     /// Those of [`is_read`].
-    planes: Vec<Reading>,
-    srgb8: Vec<Reading>,
-    edge_of: Vec<Reading>,
-    samples: Vec<Reading>,
-    times: Option<Reading>,
+    planes: Vec<PendingRead>,
+    srgb8: Vec<PendingRead>,
+    edge_of: Vec<PendingRead>,
+    samples: Vec<PendingRead>,
+    times: Option<PendingRead>,
 }
 
 /// And what was read: counters by job, and words by band.
@@ -92,9 +92,9 @@ impl PendingReads {
     /// Of a frame that runs.
     pub fn start(frame: &Running) -> PendingReads {
         let copies = &frame.copies;
-        let all = |buffers: &[wgpu::Buffer]| buffers.iter().map(Reading::start).collect();
+        let all = |buffers: &[wgpu::Buffer]| buffers.iter().map(PendingRead::start).collect();
         PendingReads {
-            status: Reading::start(&copies.status),
+            status: PendingRead::start(&copies.status),
             planes: all(&copies.planes),
             srgb8: all(&copies.srgb8),
             edge_of: all(&copies.edge_of),
@@ -104,8 +104,8 @@ impl PendingReads {
     }
 
     /// Once it is done.
-    pub fn words(self, gpu: &Gpu, frame: &Running) -> Result<RawFrame> {
-        let all = |reads: Vec<Reading>| reads.into_iter().map(|r| r.words(gpu)).collect::<Result<Vec<_>>>();
+    pub fn finish(self, gpu: &Gpu, frame: &Running) -> Result<RawFrame> {
+        let all = |reads: Vec<PendingRead>| reads.into_iter().map(|r| r.words(gpu)).collect::<Result<Vec<_>>>();
         Ok(RawFrame {
             status: self.status.words(gpu)?,
             planes: all(self.planes)?,
@@ -125,15 +125,15 @@ impl Readback {
 
     /// The frame with its picture.
     pub fn rendered(self) -> Rendered {
-        let Readback { frame_layout, words, rest } = self;
-        let srgb8 = frame_layout.wanted.srgb8.then(|| frame_layout.srgb8(&words));
-        Rendered { frame: frame_layout.frame(&words), sample_ids: frame_layout.sample_ids(&words), srgb8, ..rest }
+        let Readback { frame_layout, raw, rest } = self;
+        let srgb8 = frame_layout.wanted.srgb8.then(|| frame_layout.srgb8(&raw));
+        Rendered { frame: frame_layout.frame(&raw), sample_ids: frame_layout.sample_ids(&raw), srgb8, ..rest }
     }
 }
 
 impl FrameLayout {
     /// Joins the planes of all bands to the wanted channels of one frame, their pixels in the camera's own order.
-    fn frame(&self, words: &RawFrame) -> Frame {
+    fn frame(&self, raw: &RawFrame) -> Frame {
         let FrameLayout { camera, plan, wanted, .. } = self;
         let mut planes = Vec::new();
         let read = plan.planes.iter().copied().filter(|channel| is_read(wanted, *channel));
@@ -143,7 +143,7 @@ impl FrameLayout {
                 continue;
             }
             let mut all: Vec<u32> = Vec::with_capacity(camera.width as usize * plan.rows() as usize);
-            for (band, data) in plan.bands.iter().zip(&words.planes) {
+            for (band, data) in plan.bands.iter().zip(&raw.planes) {
                 let pixels = band.rows as usize * camera.width as usize;
                 all.extend_from_slice(&data[k * pixels..(k + 1) * pixels]);
             }
@@ -167,9 +167,9 @@ impl FrameLayout {
     }
 
     /// Four bytes a pixel.
-    fn srgb8(&self, words: &RawFrame) -> Vec<u8> {
+    fn srgb8(&self, raw: &RawFrame) -> Vec<u8> {
         let mut all: Vec<[u8; 4]> = Vec::new();
-        for (words, band) in words.srgb8.iter().zip(&self.plan.bands) {
+        for (words, band) in raw.srgb8.iter().zip(&self.plan.bands) {
             let pixels = band.rows as usize * self.camera.width as usize;
             all.extend_from_slice(bytemuck::cast_slice(&words[..pixels]));
         }
@@ -177,7 +177,7 @@ impl FrameLayout {
     }
 
     /// Triangle ids, one plane per sample. A pixel that is not an edge pixel has the id at its centre in every plane.
-    fn sample_ids(&self, words: &RawFrame) -> Vec<Vec<u32>> {
+    fn sample_ids(&self, raw: &RawFrame) -> Vec<Vec<u32>> {
         let FrameLayout { camera, plan, wanted, .. } = self;
         if !wanted.sample_ids {
             return Vec::new();
@@ -187,20 +187,20 @@ impl FrameLayout {
         let mut read = plan.planes.iter().filter(|channel| is_read(wanted, **channel));
         let plane = read.position(|c| *c == Channel::TriangleId).unwrap_or_default();
         let id_mask = (1 << plan.id_bits) - 1;
-        for (k, (band, planes)) in plan.bands.iter().zip(&words.planes).enumerate() {
+        for (k, (band, planes)) in plan.bands.iter().zip(&raw.planes).enumerate() {
             let pixels = band.rows as usize * camera.width as usize;
             let centres = &planes[plane * pixels..(plane + 1) * pixels];
-            let (Some(edge_of), Some(rows)) = (words.edge_of.get(k), words.samples.get(k)) else {
+            let (Some(edge_of), Some(records)) = (raw.edge_of.get(k), raw.samples.get(k)) else {
                 all.iter_mut().for_each(|ids| ids.extend_from_slice(centres));
                 continue;
             };
             for (n, ids) in all.iter_mut().enumerate() {
-                let id = |(centre, row): (&u32, &u32)| {
-                    if *row == 0 {
+                let id = |(centre, record): (&u32, &u32)| {
+                    if *record == 0 {
                         return *centre;
                     }
-                    let at = 2 * ((*row as usize - 1) * (samples + 1) + 1 + n);
-                    if rows[at] == 0 && rows[at + 1] == 0 { NO_ID } else { !rows[at] & id_mask }
+                    let at = 2 * ((*record as usize - 1) * (samples + 1) + 1 + n);
+                    if records[at] == 0 && records[at + 1] == 0 { NO_ID } else { !records[at] & id_mask }
                 };
                 ids.extend(centres.iter().zip(edge_of).map(id));
             }

@@ -3,11 +3,11 @@
 use super::Capacities;
 use super::bounce_tables::BounceTables;
 use super::bounces::{Bounce, bounces};
-use super::buffer_table::{Bytes, ITEM_BYTES, Row, Sizes, VEC4_BYTES, table};
+use super::buffer_table::{BufferSpec, Bytes, ITEM_BYTES, Sizes, VEC4_BYTES, table};
 use super::pages::PageStore;
 use super::tables::{Appearance, Shadows, Span, after_bounce, materials, params, sample_offsets};
 use crate::camera::Camera;
-use crate::engine::clusters::{Chunk, Clustered, mapped_rows};
+use crate::engine::clusters::{Chunk, Clustered, mapped_surfaces};
 use crate::engine::plan::hierarchy::Hierarchy;
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::{Band, Plan};
@@ -26,18 +26,18 @@ pub struct Resident {
     /// Lists, visibility and planes, shared by all bands.
     pub shared: Buffers,
     pub capacities: Capacities,
-    /// Into how many batches the clusters of each chunk are cut.
+    /// Into how many batches the clusters of each chunk are split.
     pub batches: u32,
     /// How often raster goes over the busy tiles: again for those that have more pairs than it takes at once.
     pub raster_rounds: u32,
-    /// As many pairs as a binding holds rows of four words for.
+    /// As many pairs as a binding holds vec4s.
     pairs_by_tile: u64,
-    /// A row for every (band, chunk, batch), in the order of [`Resident::jobs`].
+    /// One for every (band, chunk, batch), in the order of [`Resident::jobs`].
     params: Vec<Buffers>,
     /// The same for rays after a bounce.
     bounced_params: Vec<Buffers>,
-    /// All passes of a frame.
-    pub passes: Vec<Bounce>,
+    /// All bounces of a frame.
+    pub bounces: Vec<Bounce>,
     /// What rays bounce off.
     pub bounce_tables: Option<BounceTables>,
     /// Triangles without area.
@@ -45,23 +45,23 @@ pub struct Resident {
     /// Shadow casters: all triangles but the camera's own, which are the last ones.
     shadow_casters: Option<Hierarchy>,
     facets: usize,
-    /// What cuts holes: the images, and of each material how.
-    holes: (Pages, Vec<Option<Cut>>),
+    /// Alpha masks: the images, and how each material uses them.
+    alpha_masks: (Pages, Vec<Option<AlphaMask>>),
 }
 
-/// How an image goes on beyond its borders, the least opacity at which there is a surface, and where the image lies.
-type Cut = (u32, f32, u32, [u32; 2]);
+/// How an image is wrapped, its cutoff, its page, and its origin there.
+type AlphaMask = (u32, f32, u32, [u32; 2]);
 
 pub struct ChunkOnDevice {
     pub buffers: Buffers,
     pub id_first: u32,
     pub id_count: u32,
     pub clusters: u32,
-    /// Rows of `triangles`.
+    /// Length of `triangles`.
     pub slots: u32,
 }
 
-/// One pass of the clusters of a batch over a band.
+/// The clusters of one batch in one band, for one bounce.
 pub struct Job<'a> {
     pub index: usize,
     pub chunk: &'a ChunkOnDevice,
@@ -79,7 +79,7 @@ impl Resident {
         plan: &Plan,
         capacities: Option<Capacities>,
     ) -> Result<Resident> {
-        let passes = bounces(camera.optics.as_deref());
+        let bounces = bounces(camera.optics.as_deref());
         let mut resident = Resident {
             chunks: Vec::new(),
             bands: plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?,
@@ -93,20 +93,20 @@ impl Resident {
             bounce_tables: camera
                 .optics
                 .as_ref()
-                .map(|o| BounceTables::new(gpu, scene, camera, o, plan, &passes))
+                .map(|o| BounceTables::new(gpu, scene, camera, o, plan, &bounces))
                 .transpose()?,
-            passes,
+            bounces,
             without_area: 0,
             shadow_casters: None,
             facets: camera.optics.as_ref().and_then(|o| o.facets()).map_or(0, |f| f.triangles.len()),
-            holes: Default::default(),
+            alpha_masks: Default::default(),
         };
         resident.upload_scene(gpu, clustered)?;
         if plan.variant.samples_edges() {
             resident.shared.upload_uniform(gpu, "sample_offsets", &sample_offsets(&plan.sample_offsets))?;
         }
         resident.capacities = capacities.unwrap_or_else(|| resident.first_guess(scene, camera, plan));
-        resident.make_room(gpu, camera, plan)?;
+        resident.allocate_lists(gpu, camera, plan)?;
         Ok(resident)
     }
 
@@ -143,10 +143,10 @@ impl Resident {
     pub fn aim(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
         self.bands = plan.bands.iter().map(|b| band_buffers(gpu, b)).collect::<Result<_>>()?;
         // another camera may have more tiles
-        self.make_room(gpu, camera, plan)
+        self.allocate_lists(gpu, camera, plan)
     }
 
-    /// Lights, materials with their images, and normals; whether holes are where they were before.
+    /// Lights, materials with their images, and normals; whether alpha masks are as before.
     pub fn upload_appearance(&mut self, gpu: &Gpu, store: &PageStore, scene: &Scene, plan: &Plan) -> Result<bool> {
         let pages = match plan.variant.textured {
             true => store.place(gpu, &materials(scene), &mut self.shared)?,
@@ -156,7 +156,7 @@ impl Resident {
             let facets = scene.mesh.triangles.len() - self.facets;
             self.shadow_casters = Some(Hierarchy::build(scene, plan.anchor, facets)?);
         }
-        let bvh = self.shadow_casters.as_ref().map(|o| o.words(scene));
+        let bvh = self.shadow_casters.as_ref().map(|o| o.packed(scene));
         let shadows = Shadows { kind: plan.variant.lights, bvh: bvh.as_ref() };
         let Appearance { mut shading, lights, materials, normals, style } =
             Appearance::new(scene, plan.anchor, &pages, shadows);
@@ -168,11 +168,11 @@ impl Resident {
         self.shared.upload(gpu, "lights", &lights)?;
         self.shared.upload(gpu, "materials", &materials)?;
         self.shared.upload(gpu, "normals", &normals)?;
-        let holes = materials.iter().map(|m| (m.cutoff > 0.0).then_some((m.texture, m.cutoff, m.page, m.origin)));
-        let holes = (pages, holes.collect());
-        let keeps_holes = self.holes.0.has_the_images_of(&holes.0) && self.holes.1 == holes.1;
-        self.holes = holes;
-        Ok(keeps_holes)
+        let masks = materials.iter().map(|m| (m.cutoff > 0.0).then_some((m.texture, m.cutoff, m.page, m.origin)));
+        let masks = (pages, masks.collect());
+        let keeps_masks = self.alpha_masks.0.has_the_images_of(&masks.0) && self.alpha_masks.1 == masks.1;
+        self.alpha_masks = masks;
+        Ok(keeps_masks)
     }
 
     /// A start from the scene's size: most clusters meet a few nodes, most triangles a few tiles.
@@ -191,7 +191,7 @@ impl Resident {
     }
 
     /// The buffers that kernels write, at the present capacities, and the parameters that name these.
-    fn make_room(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
+    fn allocate_lists(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan) -> Result<()> {
         let most = gpu.binding_limit() / ITEM_BYTES;
         let c = &mut self.capacities;
         [&mut c.queue, &mut c.work, &mut c.tasks, &mut c.pairs, &mut c.recheck_items]
@@ -201,8 +201,8 @@ impl Resident {
         c.edges = c.edges.min(u64::from(plan.rows_max()) * u64::from(plan.width));
         let (capacities, raster_rounds) = (self.capacities, self.raster_rounds);
         let sizes = Sizes { plan, capacities, raster_rounds, samples_by_tile: self.samples_by_tile(plan) };
-        for Row { name, bytes, .. } in table() {
-            if let Bytes::Room(bytes) = bytes
+        for BufferSpec { name, bytes, .. } in table() {
+            if let Bytes::Capacity(bytes) = bytes
                 && let Some(bytes) = bytes(&sizes)
             {
                 let usage = if name == "indirect" { BufferUsages::INDIRECT } else { BufferUsages::empty() };
@@ -212,7 +212,7 @@ impl Resident {
         self.write_params(gpu, camera, plan)
     }
 
-    /// Edges are found tile by tile: raster takes all pairs of a tile at once, and there is room for what is found of them.
+    /// Edges are found tile by tile: raster takes all pairs of a tile at once, and the lists fit their bindings.
     pub fn samples_by_tile(&self, plan: &Plan) -> bool {
         self.raster_rounds == 1 && plan.variant.samples_by_tile() && self.capacities.pairs <= self.pairs_by_tile
     }
@@ -226,9 +226,9 @@ impl Resident {
                     let ids = Span { first: chunk.id_first, count: chunk.id_count };
                     let (first, count) = self.batch(chunk, batch);
                     let clusters = Span { first, count };
-                    let uniform = |row: Params| {
+                    let uniform = |params: Params| {
                         let mut buffers = Buffers::default();
-                        buffers.upload_uniform(gpu, "params", &row)?;
+                        buffers.upload_uniform(gpu, "params", &params)?;
                         Ok(buffers)
                     };
                     let own = params(camera, plan, band, ids, clusters, self.capacities);
@@ -255,7 +255,7 @@ impl Resident {
 
     /// The k-th of them.
     pub fn job(&self, band: usize, bounce: usize, k: usize) -> Option<Job<'_>> {
-        let all = if self.passes[bounce].count == 0 { &self.params } else { &self.bounced_params };
+        let all = if self.bounces[bounce].count == 0 { &self.params } else { &self.bounced_params };
         let chunk = self.chunks.get(k / self.batches as usize)?;
         let index = band * self.chunks.len() * self.batches as usize + k;
         let clusters = self.batch(chunk, k as u32 % self.batches).1;
@@ -263,19 +263,19 @@ impl Resident {
     }
 
     pub fn job_count(&self) -> usize {
-        self.params.len() * self.passes.len()
+        self.params.len() * self.bounces.len()
     }
 
-    /// Where kernels find the buffers of a job over a band in a pass.
-    pub fn scopes<'a>(&'a self, job: &Job<'a>, band: usize, pass: usize) -> Vec<&'a Buffers> {
+    /// Where kernels find the buffers of a job over a band, for a bounce by its number.
+    pub fn scopes<'a>(&'a self, job: &Job<'a>, band: usize, bounce: usize) -> Vec<&'a Buffers> {
         let own = self
             .bounce_tables
             .iter()
-            .flat_map(|t| [vec![t.pass(pass)], t.scopes(self.passes[pass].count, band)].concat());
+            .flat_map(|t| [vec![t.uniforms(bounce)], t.scopes(self.bounces[bounce].count, band)].concat());
         [job.params].into_iter().chain(own).chain([&job.chunk.buffers, &self.bands[band], &self.shared]).collect()
     }
 
-    /// Makes room for what the counters demanded: larger lists, or more batches where a list is as large as a binding.
+    /// Grows what overflowed, by the counters: larger lists, or more batches where a list is as large as a binding.
     pub fn grow(&mut self, gpu: &Gpu, camera: &Camera, plan: &Plan, need: Capacities) -> Result<()> {
         let most = gpu.binding_limit() / ITEM_BYTES;
         if need.queue.max(need.work).max(need.tasks).max(need.pairs).max(need.recheck_items) > most {
@@ -301,7 +301,7 @@ impl Resident {
             recheck_items: grown(c.recheck_items, need.recheck_items),
             edges: grown(c.edges, need.edges),
         };
-        self.make_room(gpu, camera, plan)
+        self.allocate_lists(gpu, camera, plan)
     }
 
     pub fn bytes(&self) -> u64 {
@@ -318,7 +318,7 @@ fn chunk_on_device(gpu: &Gpu, chunk: &Chunk, mut buffers: Buffers) -> Result<Chu
     if chunk.uvs.is_empty() {
         buffers.upload(gpu, "surfaces", &chunk.surfaces)?;
     } else {
-        buffers.upload(gpu, "surfaces", &mapped_rows(&chunk.surfaces, &chunk.uvs))?;
+        buffers.upload(gpu, "surfaces", &mapped_surfaces(&chunk.surfaces, &chunk.uvs))?;
     }
     buffers.upload(gpu, "slot_of_id", &chunk.slot_of_id)?;
     let clusters = chunk.clusters.len() as u32;

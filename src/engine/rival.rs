@@ -19,7 +19,7 @@ pub trait Rival: Send {
     /// Brings what it needs of the camera to that of `setup`, which is of the same kind and size.
     fn aim(&mut self, gpu: &Gpu, setup: &Setup) -> Result<()>;
 
-    /// Triangles that it draws for a chunk of `slots` rows of triangles.
+    /// Triangles that it draws for a chunk of `slots` triangles.
     fn draws(&self, _slots: u32) -> u64 {
         0
     }

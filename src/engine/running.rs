@@ -44,19 +44,18 @@ impl Frames {
         loop {
             let InFlight { planned, running, reads, frame_layout, .. } = flight;
             wait_for(&self.gpu, &running.recorded.submission)?;
-            let words = reads.words(&self.gpu, &running)?;
-            let Some(short) = self.shortage(&words.status, &running) else {
-                let (frame_ms, stages) = (vec![running.ms()], words.stages.clone());
+            let raw = reads.finish(&self.gpu, &running)?;
+            let Some(short) = self.shortage(&raw.status, &running) else {
+                let (frame_ms, stages) = (vec![running.ms()], raw.stages.clone());
                 let grown = self.timed.grown;
-                let rest =
-                    Rendered { frame_ms, stages, grown, ..self.statistics(&frame_layout.plan, &running, &words) };
-                return Ok(Readback { frame_layout, words, rest });
+                let rest = Rendered { frame_ms, stages, grown, ..self.statistics(&frame_layout.plan, &running, &raw) };
+                return Ok(Readback { frame_layout, raw, rest });
             };
             // the lists are to hold this frame
             if !self.show(&planned)? {
                 return Err(Error::work("a frame cannot be shown again"));
             }
-            self.make_room(short)?;
+            self.grow_lists(short)?;
             flight = self.start(planned)?;
         }
     }
@@ -65,7 +64,7 @@ impl Frames {
     pub(super) fn fits(&mut self, running: &Running) -> Result<bool> {
         let status = read_words(&self.gpu, &running.copies.status)?;
         match self.shortage(&status, running) {
-            Some(short) => self.make_room(short).map(|()| false),
+            Some(short) => self.grow_lists(short).map(|()| false),
             None => Ok(true),
         }
     }
@@ -92,7 +91,7 @@ impl Frames {
         (!has_all).then_some(Shortage { need, rounds: (!is_done).then_some(2 * running.raster_rounds) })
     }
 
-    fn make_room(&mut self, short: Shortage) -> Result<()> {
+    fn grow_lists(&mut self, short: Shortage) -> Result<()> {
         self.timed.grown += 1;
         if let Some(rounds) = short.rounds {
             self.resident.raster_rounds = self.resident.raster_rounds.max(rounds);

@@ -1,4 +1,4 @@
-//! A frame as data: the list of its steps, made by a pure function of the plan and of how its lists are cut. [`super::encode`]
+//! A frame as data: the list of its steps, made by a pure function of the plan and of how its lists are split. [`super::encode`]
 //! goes through it.
 
 use super::bounces::Bounce;
@@ -245,7 +245,7 @@ impl StepList<'_> {
         }
     }
 
-    /// Finds the pixels that hold an edge, of a visibility buffer that is complete, and what their samples see.
+    /// Finds the edge pixels of a visibility buffer that is complete, and what their samples see.
     fn add_samples(&mut self, at: StepScope) {
         let inputs = self.inputs;
         let (pixels, alone) = (inputs.pixels(at.band), inputs.is_alone());

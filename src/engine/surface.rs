@@ -1,4 +1,4 @@
-//! Rows of the surfaces of mirrors and lenses, as `bounce` and `meet` read them.
+//! Structs of the surfaces of mirrors and lenses, as `bounce` and `meet` read them.
 
 use super::tables::split_vector;
 use crate::camera::optics::{Facets, Quadric, Smooth, Surface, Torus, Wave};
@@ -10,7 +10,7 @@ use glam::DVec3;
 
 /// A surface about the anchor, each number a pair.
 #[derive(Debug, Clone, PartialEq)]
-pub enum SurfaceRows {
+pub enum OpticsSurface {
     /// Three a facet.
     Corners(Vec<layout::Corner>),
     Quadrics(Vec<layout::Quadric>),
@@ -18,30 +18,30 @@ pub enum SurfaceRows {
     Wave(layout::Wave),
 }
 
-impl SurfaceRows {
-    pub fn new(surface: &Surface, anchor: DVec3) -> SurfaceRows {
+impl OpticsSurface {
+    pub fn new(surface: &Surface, anchor: DVec3) -> OpticsSurface {
         match surface {
-            Surface::Facets { facets, .. } => SurfaceRows::Corners(corners(facets, anchor)),
+            Surface::Facets { facets, .. } => OpticsSurface::Corners(corners(facets, anchor)),
             Surface::Smooth(Smooth::Quadrics(list)) => {
-                SurfaceRows::Quadrics(list.iter().map(|q| quadric(q, anchor)).collect())
+                OpticsSurface::Quadrics(list.iter().map(|q| quadric(q, anchor)).collect())
             }
-            Surface::Smooth(Smooth::Torus(t)) => SurfaceRows::Torus(torus(t, anchor)),
-            Surface::Smooth(Smooth::Wave(w)) => SurfaceRows::Wave(wave(w, anchor)),
+            Surface::Smooth(Smooth::Torus(t)) => OpticsSurface::Torus(torus(t, anchor)),
+            Surface::Smooth(Smooth::Wave(w)) => OpticsSurface::Wave(wave(w, anchor)),
         }
     }
 
     /// No triangles of the scene.
     pub fn is_smooth(&self) -> bool {
-        !matches!(self, SurfaceRows::Corners(_))
+        !matches!(self, OpticsSurface::Corners(_))
     }
 
     /// `corners`, 64 bytes each; `quadrics`, 160 bytes each; `tori`, 64 bytes; or `waves`, 48 bytes.
     pub fn upload(&self, gpu: &Gpu, buffers: &mut Buffers) -> Result<()> {
         match self {
-            SurfaceRows::Corners(list) => buffers.upload(gpu, "corners", list),
-            SurfaceRows::Quadrics(list) => buffers.upload(gpu, "quadrics", list),
-            SurfaceRows::Torus(row) => buffers.upload(gpu, "tori", &[*row]),
-            SurfaceRows::Wave(row) => buffers.upload(gpu, "waves", &[*row]),
+            OpticsSurface::Corners(list) => buffers.upload(gpu, "corners", list),
+            OpticsSurface::Quadrics(list) => buffers.upload(gpu, "quadrics", list),
+            OpticsSurface::Torus(torus) => buffers.upload(gpu, "tori", &[*torus]),
+            OpticsSurface::Wave(wave) => buffers.upload(gpu, "waves", &[*wave]),
         }
     }
 }

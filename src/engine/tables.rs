@@ -1,17 +1,17 @@
-//! Rows that follow from scene and plan alone, before any device is touched: the parameters of one job and the appearance
+//! Structs that follow from scene and plan alone, before any device is touched: the parameters of one job, and the appearance
 //! of the scene.
 
 use super::Capacities;
 use super::bounces::Bounce;
 use crate::camera::Camera;
 use crate::camera::optics::{self, Branch, Law, Optics, Surface};
-use crate::engine::plan::hierarchy::HierarchyWords;
+use crate::engine::plan::hierarchy::PackedBvh;
 use crate::engine::plan::nodes::Level;
 use crate::engine::plan::pages::Pages;
 use crate::engine::plan::{Band, Plan};
 use crate::geometry::mesh::Material;
 use crate::gpu::kernels::LightsKind;
-use crate::gpu::layout::{self, LAW_FLAT, LAW_NORMALS, split2, split3, words};
+use crate::gpu::layout::{self, LAW_FLAT, LAW_NORMALS, f64_pair_bits, split2, split3};
 use crate::scene::Scene;
 use crate::scene::light::AMBIENT;
 use crate::scene::light::{Light, Source};
@@ -30,7 +30,7 @@ pub struct Span {
 #[derive(Debug, Clone)]
 pub struct Appearance {
     pub shading: layout::Shading,
-    /// Plain lights: the direction of travel; else two vectors each, see `lights/positional.wgsl`, and what hides them.
+    /// Plain lights: the direction of travel; else two vec4s each, see `lights/positional.wgsl`, and what hides them.
     pub lights: Vec<[f32; 4]>,
     pub materials: Vec<layout::Material>,
     pub normals: Vec<[f32; 3]>,
@@ -42,14 +42,14 @@ impl Appearance {
     pub fn new(scene: &Scene, anchor: DVec3, pages: &Pages, shadows: Shadows) -> Appearance {
         let mesh = &scene.mesh;
         let mut lights: Vec<[f32; 4]> = match shadows.kind {
-            LightsKind::Plain => scene.lights.iter().map(|l| light_row(l, anchor)).collect(),
-            _ => scene.lights.iter().flat_map(|l| [light_row(l, anchor), colour_row(l)]).collect(),
+            LightsKind::Plain => scene.lights.iter().map(|l| light(l, anchor)).collect(),
+            _ => scene.lights.iter().flat_map(|l| [light(l, anchor), light_colour(l)]).collect(),
         };
         let mut firsts = [0; 2];
         if let Some(bvh) = shadows.bvh {
-            for (first, rows) in firsts.iter_mut().zip([&bvh.nodes, &bvh.leaves]) {
+            for (first, items) in firsts.iter_mut().zip([&bvh.nodes, &bvh.leaves]) {
                 *first = lights.len() as u32;
-                lights.extend(rows);
+                lights.extend(items);
             }
         }
         Appearance {
@@ -73,18 +73,18 @@ impl Appearance {
                 irradiance: scene.sky.as_ref().map_or([[0.0; 4]; 9], |s| s.irradiance.map(|[r, g, b]| [r, g, b, 0.0])),
             },
             lights,
-            materials: materials(scene).iter().enumerate().map(|(k, m)| pages.row(k, m)).collect(),
+            materials: materials(scene).iter().enumerate().map(|(k, m)| pages.packed(k, m)).collect(),
             normals: mesh.normals.iter().map(|n| n.to_array()).collect(),
-            style: style_row(&scene.style),
+            style: style(&scene.style),
         }
     }
 }
 
 /// Facets of a surface that is shaded as smooth turn from each other by no more than this, degrees, and from their shading
 /// normals by half of it.
-const FACET_TURN: f64 = 40.0;
+const FACET_ANGLE: f64 = 40.0;
 
-fn style_row(style: &Style) -> layout::Style {
+fn style(style: &Style) -> layout::Style {
     let none = Line { width: 0.0, colour: [0.0; 3], depth: f64::INFINITY };
     let (wire, border) = (style.wireframe.unwrap_or(none), style.borders.unwrap_or(none));
     let outline = style.outline.unwrap_or(Outline { line: none, crease: 180.0 });
@@ -104,7 +104,7 @@ fn style_row(style: &Style) -> layout::Style {
         border_width: border.width as f32,
         crease_cosine: outline.crease.to_radians().cos() as f32,
         outline_depth: held(outline.line.depth),
-        jump_sine: (outline.crease.min(FACET_TURN) / 2.0).to_radians().sin() as f32,
+        jump_sine: (outline.crease.min(FACET_ANGLE) / 2.0).to_radians().sin() as f32,
         pad0: 0,
     }
 }
@@ -113,21 +113,21 @@ fn style_row(style: &Style) -> layout::Style {
 #[derive(Debug, Clone, Copy)]
 pub struct Shadows<'a> {
     pub kind: LightsKind,
-    pub bvh: Option<&'a HierarchyWords>,
+    pub bvh: Option<&'a PackedBvh>,
 }
 
 impl Shadows<'_> {
     pub const NONE: Shadows<'static> = Shadows { kind: LightsKind::Plain, bvh: None };
 }
 
-fn light_row(light: &Light, anchor: DVec3) -> [f32; 4] {
+fn light(light: &Light, anchor: DVec3) -> [f32; 4] {
     match light.source {
         Source::Distant(travel) => travel.as_vec3().extend(0.0).to_array(),
         Source::Point { position, distance } => (position - anchor).as_vec3().extend(distance as f32).to_array(),
     }
 }
 
-fn colour_row(light: &Light) -> [f32; 4] {
+fn light_colour(light: &Light) -> [f32; 4] {
     let [r, g, b] = light.colour;
     [r, g, b, if light.casts_shadows { 1.0 } else { 0.0 }]
 }
@@ -180,7 +180,7 @@ pub fn params(
         pad2: 0,
         t_min: split3(camera.t_range[0]),
         t_max: split3(camera.t_range[1]),
-        t_words: words(camera.t_range),
+        t_words: f64_pair_bits(camera.t_range),
         level_start: level(|l| l.start),
         level_width: level(|l| l.width),
         level_height: level(|l| l.height),
@@ -206,11 +206,11 @@ const BOUNCED_T_RANGE: [f64; 2] = [0.0, f64::INFINITY];
 /// The parameters for rays after a bounce. These are not perturbed: a perturbed ray may have met another surface.
 pub fn after_bounce(own: layout::Params) -> layout::Params {
     let [t_min, t_max] = BOUNCED_T_RANGE.map(split3);
-    layout::Params { t_min, t_max, t_words: words(BOUNCED_T_RANGE), scene_size: 0.0, ..own }
+    layout::Params { t_min, t_max, t_words: f64_pair_bits(BOUNCED_T_RANGE), scene_size: 0.0, ..own }
 }
 
-/// The optics for a pass, in the scene with their facets.
-pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass: &Bounce) -> layout::Optic {
+/// The optics for a bounce, in the scene with their facets.
+pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, bounce: &Bounce) -> layout::Optic {
     let (law, eye) = match optics.surface {
         Surface::Facets { law: Law::Flat { eye }, .. } => (LAW_FLAT, eye - plan.anchor),
         _ => (LAW_NORMALS, DVec3::ZERO),
@@ -221,16 +221,16 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
         optics::Bounce::Refract { ior } => split2(ior),
     };
     let [from_hi, from_lo] = split_vector(optics.environment.map_or(DVec3::ZERO, |p| p - plan.anchor));
-    let [[tilt_x_hi, tilt_x_lo], [tilt_y_hi, tilt_y_lo]] = pass.tilt.to_array().map(split2);
+    let [[tilt_x_hi, tilt_x_lo], [tilt_y_hi, tilt_y_lo]] = bounce.tilt.to_array().map(split2);
     layout::Optic {
         eye_hi,
         first_id: optics.first_id(&scene.mesh),
         eye_lo,
         count: optics.surface_count() as u32,
         tint: optics.tint,
-        bounces: pass.count,
+        bounces: bounce.count,
         base: optics.base,
-        ends: (pass.count == optics.depth && optics.atlas.is_none()) as u32,
+        ends: (bounce.count == optics.depth && optics.atlas.is_none()) as u32,
         centre: (plan.centre - plan.anchor).as_vec3().to_array(),
         law,
         ior_hi,
@@ -242,9 +242,9 @@ pub fn optic(scene: &Scene, camera: &Camera, optics: &Optics, plan: &Plan, pass:
         tilt_y_hi,
         tilt_y_lo,
         fresnel: optics.fresnel as u32,
-        branch: (pass.branch == Branch::Reflected) as u32,
-        scale: pass.scale as f32,
-        colour_only: !pass.is_main as u32,
+        branch: (bounce.branch == Branch::Reflected) as u32,
+        scale: bounce.scale as f32,
+        colour_only: !bounce.is_main as u32,
         from_hi,
         is_environment: optics.environment.is_some() as u32,
         from_lo,

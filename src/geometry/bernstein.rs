@@ -95,25 +95,25 @@ impl Bernstein {
         if self.keeps_off(zero) || self.size() <= zero {
             return Vec::new();
         }
-        let cuts = self.cuts();
-        let value: Vec<f64> = cuts.iter().map(|&t| self.at(t)).collect();
+        let points = self.split_points();
+        let value: Vec<f64> = points.iter().map(|&t| self.at(t)).collect();
         let side: Vec<i8> = value.iter().map(|v| if v.abs() <= zero { 0 } else { v.signum() as i8 }).collect();
         let mut roots = Vec::new();
         let mut before = 0;
-        for k in 0..cuts.len() {
+        for k in 0..points.len() {
             if side[k] == 0 {
-                // of neighbouring cuts at 0 the first stands for all
+                // of neighbouring points at 0 the first stands for all
                 if k == 0 || side[k - 1] != 0 {
                     let after = side[k..].iter().copied().find(|s| *s != 0).unwrap_or(0);
                     // a side that is beyond the interval is taken for the other one
                     let (from, to) =
                         (if before == 0 { -after } else { before }, if after == 0 { -before } else { after });
-                    roots.push(Root { t: cuts[k], sign: if from == to { 0 } else { to } });
+                    roots.push(Root { t: points[k], sign: if from == to { 0 } else { to } });
                 }
                 continue;
             }
             if k > 0 && side[k - 1] == -side[k] {
-                roots.push(Root { t: self.root_between(cuts[k - 1], cuts[k], f64::from(side[k])), sign: side[k] });
+                roots.push(Root { t: self.root_between(points[k - 1], points[k], f64::from(side[k])), sign: side[k] });
             }
             before = side[k];
         }
@@ -121,18 +121,18 @@ impl Bernstein {
     }
 
     /// 0, 1 and between them the places where the slope is 0, ascending.
-    fn cuts(&self) -> Vec<f64> {
-        let mut cuts = vec![0.0];
+    fn split_points(&self) -> Vec<f64> {
+        let mut points = vec![0.0];
         let slope = self.derivative();
         let extrema = match slope.degree {
             3 => slope.roots(0.0).iter().map(|r| r.t).collect(),
             _ => slope.roots_to_degree_2().into_iter().flatten().collect::<Vec<_>>(),
         };
-        cuts.extend(extrema.into_iter().filter(|t| 0.0 < *t && *t < 1.0));
-        cuts.push(1.0);
-        cuts.sort_unstable_by(f64::total_cmp);
-        cuts.dedup();
-        cuts
+        points.extend(extrema.into_iter().filter(|t| 0.0 < *t && *t < 1.0));
+        points.push(1.0);
+        points.sort_unstable_by(f64::total_cmp);
+        points.dedup();
+        points
     }
 
     /// The real roots of a polynomial of degree 2 at most, anywhere; without the cancellation of the school formula.

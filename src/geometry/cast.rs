@@ -99,7 +99,7 @@ impl<'a> Caster<'a> {
         let hit = Hit { t, triangle: id, bary: corners.weights(&aim.ray, sign) };
         let material = self.mesh.material_of.get(id as usize).and_then(|m| self.mesh.materials.get(*m as usize));
         let shows = sign * corners.parity < 0.0 || material.is_none_or(|m| m.two_sided);
-        let mask = material.and_then(|m| m.texture.as_ref()).filter(|t| t.cuts());
+        let mask = material.and_then(|m| m.texture.as_ref()).filter(|t| t.has_alpha_mask());
         let is_there = |mask: &Texture| self.mesh.uv_at(id, hit.bary).is_none_or(|uv| mask.is_there(uv));
         (shows && mask.is_none_or(is_there)).then_some(hit)
     }

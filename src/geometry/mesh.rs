@@ -107,9 +107,9 @@ impl Mesh {
     }
 
     /// Whether some texture is an alpha mask.
-    pub fn has_holes(&self) -> bool {
-        let cuts = |m: &Material| m.texture.as_ref().is_some_and(Texture::cuts);
-        !self.corner_uvs.is_empty() && self.materials.iter().any(cuts)
+    pub fn has_alpha_masks(&self) -> bool {
+        let is_masked = |m: &Material| m.texture.as_ref().is_some_and(Texture::has_alpha_mask);
+        !self.corner_uvs.is_empty() && self.materials.iter().any(is_masked)
     }
 }
 

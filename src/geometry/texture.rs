@@ -68,15 +68,15 @@ impl Texture {
         if a > 0.0 { [r / a, g / a, b / a, a] } else { [0.0; 4] }
     }
 
-    /// The same holes in white.
+    /// The same alpha mask in white.
     pub fn white(&self) -> Texture {
         let Texels { width, height, rgba } = &*self.texels;
         let rgba = rgba.par_iter().map(|t| [f16::ONE, f16::ONE, f16::ONE, t[3]]).collect();
         Texture { texels: Arc::new(Texels { width: *width, height: *height, rgba }), ..self.clone() }
     }
 
-    /// Whether it may have holes.
-    pub fn cuts(&self) -> bool {
+    /// Whether it is an alpha mask: some cutoff is above 0.
+    pub fn has_alpha_mask(&self) -> bool {
         self.least().is_some_and(|least| least > f16::ZERO)
     }
 

@@ -23,18 +23,18 @@ struct Texture {
 const USAGE: wgpu::BufferUsages =
     wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_SRC).union(wgpu::BufferUsages::COPY_DST);
 
-/// The smallest buffer, so that empty lists bind too: one row of the largest struct.
+/// The smallest buffer, so that empty lists bind too: one of the largest struct.
 const SMALLEST: u64 = 256;
 
 /// How large a buffer of so many bytes is.
-fn held(bytes: u64) -> u64 {
+fn padded_size(bytes: u64) -> u64 {
     bytes.max(SMALLEST).next_multiple_of(4)
 }
 
 impl Buffers {
     /// A buffer of at least `bytes`, its contents undefined to the kernels.
     pub fn create(&mut self, gpu: &Gpu, name: &'static str, bytes: u64, more: wgpu::BufferUsages) -> Result<()> {
-        let size = held(bytes);
+        let size = padded_size(bytes);
         let limit =
             if more.contains(wgpu::BufferUsages::UNIFORM) { gpu.limits.max_buffer_size } else { gpu.binding_limit() };
         if size > limit {
@@ -48,23 +48,23 @@ impl Buffers {
 
     /// As [`Buffers::create`], unless the buffer that is there is as large.
     pub fn fit(&mut self, gpu: &Gpu, name: &'static str, bytes: u64, more: wgpu::BufferUsages) -> Result<()> {
-        if self.get(name).is_some_and(|there| there.size() == held(bytes)) {
+        if self.get(name).is_some_and(|there| there.size() == padded_size(bytes)) {
             return Ok(());
         }
         self.create(gpu, name, bytes, more)
     }
 
-    /// A storage buffer that holds `rows`: the one that is there, if it is as large.
-    pub fn upload<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, name: &'static str, rows: &[T]) -> Result<()> {
-        let bytes: &[u8] = bytemuck::cast_slice(rows);
+    /// A storage buffer that holds `items`: the one that is there, if it is as large.
+    pub fn upload<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, name: &'static str, items: &[T]) -> Result<()> {
+        let bytes: &[u8] = bytemuck::cast_slice(items);
         self.fit(gpu, name, bytes.len() as u64, wgpu::BufferUsages::empty())?;
         gpu.queue.write_buffer(&self.buffers[name], 0, bytes);
         Ok(())
     }
 
-    /// A uniform buffer that holds `row`.
-    pub fn upload_uniform<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, name: &'static str, row: &T) -> Result<()> {
-        let bytes = bytemuck::bytes_of(row);
+    /// A uniform buffer that holds `value`.
+    pub fn upload_uniform<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, name: &'static str, value: &T) -> Result<()> {
+        let bytes = bytemuck::bytes_of(value);
         self.create(gpu, name, bytes.len() as u64, wgpu::BufferUsages::UNIFORM)?;
         gpu.queue.write_buffer(&self.buffers[name], 0, bytes);
         Ok(())
@@ -275,7 +275,7 @@ pub fn wait(gpu: &Gpu) -> Result<()> {
     gpu.failure()
 }
 
-/// Waits until a submission is done, and with it the [`Reading`]s of what it wrote that were started before.
+/// Waits until a submission is done, and with it the [`PendingRead`]s of what it wrote that were started before.
 pub fn wait_for(gpu: &Gpu, submission: &wgpu::SubmissionIndex) -> Result<()> {
     let until = wgpu::PollType::Wait { submission_index: Some(submission.clone()), timeout: None };
     gpu.device.poll(until).map_err(|e| gpu.failed(one_line(e)))?;
@@ -284,25 +284,25 @@ pub fn wait_for(gpu: &Gpu, submission: &wgpu::SubmissionIndex) -> Result<()> {
 
 /// The words of a readback buffer, after waiting.
 pub fn read_words(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
-    let reading = Reading::start(buffer);
+    let pending = PendingRead::start(buffer);
     wait(gpu)?;
-    reading.words(gpu)
+    pending.words(gpu)
 }
 
 /// A readback buffer that is being read once what was submitted is done.
-pub struct Reading {
+pub struct PendingRead {
     buffer: wgpu::Buffer,
     done: Receiver<std::result::Result<(), wgpu::BufferAsyncError>>,
 }
 
-impl Reading {
-    pub fn start(buffer: &wgpu::Buffer) -> Reading {
+impl PendingRead {
+    pub fn start(buffer: &wgpu::Buffer) -> PendingRead {
         let (send, done) = channel();
         buffer.map_async(wgpu::MapMode::Read, .., move |r| {
             // nobody waits for what is not needed any more
             let _ = send.send(r);
         });
-        Reading { buffer: buffer.clone(), done }
+        PendingRead { buffer: buffer.clone(), done }
     }
 
     /// Its words, after waiting for the submission.

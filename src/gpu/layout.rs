@@ -1,5 +1,5 @@
-//! The rows that the host writes and the kernels read: `wgsl/shared/params.wgsl`, `shading.wgsl` and `beams.wgsl`
-//! and `wgsl/optics/rows.wgsl` and `wgsl/caustics/rows.wgsl` in Rust.
+//! The structs that the host writes and the kernels read: `wgsl/shared/params.wgsl`, `shading.wgsl` and `beams.wgsl`
+//! and `wgsl/optics/layout.wgsl` and `wgsl/caustics/layout.wgsl` in Rust.
 //!
 //! `tests/wgsl_layout.rs` holds names, offsets, sizes and constants of both sides equal.
 
@@ -95,7 +95,7 @@ counters! {
 /// Words of `counters`.
 pub const COUNTERS: u32 = CULL_QUEUES + Counter::ALL.len() as u32;
 
-/// Bits of a triangle row's last word: id below, file order above, one-sidedness on top.
+/// Bits of the last word of a triangle: id below, file order above, one-sidedness on top.
 pub const ID_BITS_MAX: u32 = 28;
 pub const ID_MASK: u32 = (1 << ID_BITS_MAX) - 1;
 pub const ORDER_SHIFT: u32 = 28;
@@ -313,11 +313,11 @@ pub struct LeafTriangle {
     pub pad0: u32,
 }
 
-/// How facets turn rays.
+/// How facets reflect or refract rays.
 pub const LAW_NORMALS: u32 = 0;
 pub const LAW_FLAT: u32 = 1;
 
-/// A camera's optics, and after how many bounces the rays of a pass are, see the WGSL.
+/// A camera's optics for one bounce, see the WGSL.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Optic {
@@ -439,7 +439,7 @@ pub struct Wave {
     pub frequency_lo: f32,
 }
 
-/// A chunk of points, and the tree of beams that they are held against.
+/// A chunk of points, and the tree of beams that they are tested against.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Chunk {
@@ -531,7 +531,7 @@ pub fn split3(value: f64) -> [f32; 4] {
 }
 
 /// Two numbers as f64, low words first, what lies beyond f32 cut off.
-pub fn words(pair: [f64; 2]) -> [u32; 4] {
+pub fn f64_pair_bits(pair: [f64; 2]) -> [u32; 4] {
     let most = f64::from(f32::MAX);
     let [a, b] = pair.map(|v| v.clamp(-most, most).to_bits());
     [a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32]

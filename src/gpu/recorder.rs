@@ -1,6 +1,6 @@
 //! The passes of one submission, each timed where the adapter can.
 
-use super::buffers::{Reading, readback, wait};
+use super::buffers::{PendingRead, readback, wait};
 use super::device::Gpu;
 use crate::input::Result;
 
@@ -143,12 +143,12 @@ impl Recorded {
     }
 
     /// Starts to read the times, for [`Recorded::stages_read`].
-    pub fn read(&self) -> Option<Reading> {
-        self.times.as_ref().map(|t| Reading::start(&t.resolved))
+    pub fn read(&self) -> Option<PendingRead> {
+        self.times.as_ref().map(|t| PendingRead::start(&t.resolved))
     }
 
     /// As [`Recorded::stage_ms`], once the submission is done.
-    pub fn stages_read(&self, gpu: &Gpu, reading: Option<Reading>) -> Result<Vec<(&'static str, f64)>> {
+    pub fn stages_read(&self, gpu: &Gpu, reading: Option<PendingRead>) -> Result<Vec<(&'static str, f64)>> {
         let (Some(times), Some(reading)) = (&self.times, reading) else { return Ok(Vec::new()) };
         let words = reading.words(gpu)?;
         let stamp = |k: u32| u64::from(words[2 * k as usize]) | u64::from(words[2 * k as usize + 1]) << 32;

@@ -533,7 +533,7 @@ impl Body<'_, '_> {
         let expression = &self.old.expressions[old];
         let new = match *expression {
             Expression::Binary { op, left, right } if self.doubles(left).is_some() => {
-                let (name, turned) = match op {
+                let (name, swapped) = match op {
                     BinaryOperator::Less => ("f64_lt", false),
                     BinaryOperator::LessEqual => ("f64_le", false),
                     BinaryOperator::Greater => ("f64_lt", true),
@@ -541,7 +541,7 @@ impl Body<'_, '_> {
                     BinaryOperator::Equal | BinaryOperator::NotEqual => ("f64_eq", false),
                     _ => return Err(format!("no way to lower {op:?} of f64")),
                 };
-                let (left, right) = if turned { (right, left) } else { (left, right) };
+                let (left, right) = if swapped { (right, left) } else { (left, right) };
                 let mut parts = Vec::new();
                 for k in 0..self.doubles(left).unwrap_or(1) {
                     let (a, b) = (self.component(block, left, k)?, self.component(block, right, k)?);

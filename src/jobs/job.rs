@@ -1,6 +1,6 @@
 //! The options of one render.
 
-use super::words::Named;
+use super::options::Named;
 use crate::camera::Camera;
 use crate::engine::rival::Choice;
 use crate::geometry::texture::ImagesRead;

@@ -7,11 +7,11 @@ mod files;
 pub mod job;
 mod judged;
 mod memory;
+pub mod options;
 pub mod outputs;
 mod points;
 pub mod samples;
 mod strips;
-pub mod words;
 mod work;
 
 pub use backend::Backend;

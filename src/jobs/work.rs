@@ -3,8 +3,8 @@
 use super::backend::Backend;
 use super::files::{self, Files};
 use super::job::{Change, EngineName, RenderJob, load_from};
+use super::options::Named;
 use super::strips::{self, Strips};
-use super::words::Named;
 use super::{judged, memory, points, samples};
 use crate::camera::{Camera, Rays};
 use crate::engine::plan::samples::at_once;
@@ -285,7 +285,7 @@ fn mesh_bytes(mesh: &Mesh) -> u64 {
 }
 
 /// Bytes per pixel that multisampling adds: offsets of rays, here and on the device, and the ids that mattes count, in
-/// a read-back row and on their own. The rows of pixels that contain an edge are few.
+/// a read-back row and on their own. The records of edge pixels are few.
 fn sample_bytes(camera: &Camera, samples: u32, has_mattes: bool) -> u64 {
     let is_field = camera.layers.iter().any(|l| matches!(l, Rays::Field(_)));
     let each = if is_field { 2 * 24 } else { 0 } + if has_mattes { 8 + 4 } else { 0 };

@@ -86,7 +86,7 @@ impl Reference<'_> {
 
     /// Both triangles have the same three corners: wherever one is hit, so is the other.
     fn hides_twin(&self, seen: u32, other: u32) -> bool {
-        self.cut_by(seen).is_none() && self.corners(seen).v == self.corners(other).v
+        self.mask_of(seen).is_none() && self.corners(seen).v == self.corners(other).v
     }
 
     /// The curve crosses the visible triangle's plane at so small an angle that t is uncertain by more than [`super::GAP`].

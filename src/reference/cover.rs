@@ -21,7 +21,7 @@ const WIDER: f64 = 2.0;
 type EdgeKey = [[u64; 3]; 2];
 
 /// A triangle near the box.
-struct Near {
+struct NearCandidate {
     id: u32,
     corners: Corners,
     sides: Sides,
@@ -36,14 +36,14 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
     reference.bvh.walk(&wide, widened(t_range), |id| {
         let corners = reference.corners(id);
         let sides = Sides::over_box(bundle, &corners);
-        near.push(Near { id, corners, sides, may_hit: sides.may_hit() });
+        near.push(NearCandidate { id, corners, sides, may_hit: sides.may_hit() });
         f64::INFINITY
     });
     let (mut sets, mut open) = join(&near);
     for (k, n) in near.iter().enumerate().filter(|(_, n)| n.may_hit) {
         let [t0, t1] = Depth::over_box(bundle, &beam, &n.corners).span;
         let set = sets.root(k);
-        open[set] |= t0 < t_range[0] || t1 > t_range[1] || reference.cut_by(n.id).is_some();
+        open[set] |= t0 < t_range[0] || t1 > t_range[1] || reference.mask_of(n.id).is_some();
     }
     let perturbed = bundle.perturbed(reference.scene_size).0;
     let mut count = vec![0_i32; near.len()];
@@ -60,7 +60,7 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
 }
 
 /// Joins triangles over edges that may pass within the box; marks the sets with an edge that stays open.
-fn join(near: &[Near]) -> (Sets, Vec<bool>) {
+fn join(near: &[NearCandidate]) -> (Sets, Vec<bool>) {
     let mut edges: Vec<(EdgeKey, usize, i32, bool)> = Vec::with_capacity(3 * near.len());
     for (k, n) in near.iter().enumerate() {
         let end = |c: usize| n.corners.v[c].to_array().map(|x| (x + 0.0).to_bits());

@@ -23,10 +23,10 @@ const LEVELS: u32 = 40;
 /// The length of the curve from 0 to `t`, within 1e-9 of itself: adaptive Gauss-Legendre over the speed |X'|, between the
 /// places where that is least or greatest. At a cusp, where the speed has a corner, one of them lies.
 pub fn arc_length(curve: &Curve, t: f64) -> f64 {
-    let mut cuts = vec![0.0];
-    cuts.extend(change_of_speed(curve).roots(0.0).iter().map(|r| r.t).filter(|r| 0.0 < *r && *r < t));
-    cuts.push(t);
-    let stretches: Vec<[f64; 3]> = cuts.windows(2).map(|c| [c[0], c[1], rule(curve, c[0], c[1])]).collect();
+    let mut splits = vec![0.0];
+    splits.extend(change_of_speed(curve).roots(0.0).iter().map(|r| r.t).filter(|r| 0.0 < *r && *r < t));
+    splits.push(t);
+    let stretches: Vec<[f64; 3]> = splits.windows(2).map(|c| [c[0], c[1], rule(curve, c[0], c[1])]).collect();
     let allowed = SHARE * stretches.iter().map(|s| s[2]).sum::<f64>();
     stretches.iter().map(|[a, b, whole]| refined(curve, [*a, *b], *whole, allowed, LEVELS)).sum()
 }

@@ -129,7 +129,7 @@ impl Reference<'_> {
 
     /// The opaque part of a triangle in the box. Holes are *sampled*, as curves are, see [`super::finding`].
     fn presence(&self, bundle: &Bundle, id: u32, corners: &Corners) -> Presence {
-        let Some(texture) = self.cut_by(id) else { return Presence::Everywhere };
+        let Some(texture) = self.mask_of(id) else { return Presence::Everywhere };
         let is_there = |(x, y): &&(f64, f64)| {
             let ray = bundle.ray(x * MARGIN_PX, y * MARGIN_PX);
             let bary = corners.weights_on_plane(ray.origin, ray.direction);

@@ -5,7 +5,7 @@ use crate::gpu::kernels::{RaysKind, Variant};
 use glam::DVec3;
 
 const SEGMENT: Parts = snippets!("shared/segment.wgsl");
-const ROWS: Parts = snippets!("rivals/rows.wgsl");
+const LAYOUT: Parts = snippets!("rivals/layout.wgsl");
 const SEEN_THROUGH: Parts = snippets!("rivals/seen_through.wgsl");
 const RANGE: Parts = snippets!("rivals/range.wgsl");
 const DRAWN: Parts = snippets!("rivals/drawn.wgsl");
@@ -38,7 +38,7 @@ pub fn trace(variant: Variant, layers: u32, segments: u32, brute: bool) -> Kerne
 /// A picture that the rasterizer made, into the visibility buffer.
 pub fn take(variant: Variant) -> Kernel {
     let bindings = vec![params(), texture("picture", "texture_2d<u32>"), writes("visibility", "array<vec2<u32>>")];
-    let snippets = [PARAMS, ITEMS, SLABS, KEY, TRIANGLE_ROW, variant.real(), snippets!("rivals/take.wgsl")];
+    let snippets = [PARAMS, ITEMS, SLABS, KEY, PACKED_TRIANGLE, variant.real(), snippets!("rivals/take.wgsl")];
     let mut kernel = Kernel::new("take", bindings, &snippets);
     kernel.constants = vec![("SLABBED", f64::from(u8::from(variant.slabbed)))];
     kernel
@@ -56,7 +56,7 @@ fn pieces_draw(name: &'static str, layers: u32, more: &[Binding], own: &[Parts])
     let mut kernel = Kernel::new(
         name,
         bindings,
-        &[&[PARAMS, VERTEX, TRIANGLE_ROW, RAY, ROWS, RANGE, DRAWN, OUTLINE][..], own].concat(),
+        &[&[PARAMS, VERTEX, PACKED_TRIANGLE, RAY, LAYOUT, RANGE, DRAWN, OUTLINE][..], own].concat(),
     );
     kernel.constants = vec![("LAYERS", f64::from(layers))];
     kernel
@@ -70,7 +70,7 @@ fn clipped_draw(name: &'static str, (layers, culling): (u32, bool), more: &[Bind
     kernel
 }
 
-/// Vertices projected; each triangle cut in four so often.
+/// Vertices projected; each triangle split in four so often.
 pub fn warp(layers: u32, culling: bool, levels: u32) -> Kernel {
     let mut kernel =
         clipped_draw("warp", (layers, culling), &[], &[PROJECT, SEEN_THROUGH, snippets!("rivals/warp.wgsl")]);
@@ -102,7 +102,7 @@ pub fn replicate(culling: bool) -> Kernel {
     let own = [writes("replicas", "array<vec2<u32>>"), writes("draw_args", "array<atomic<u32>>")];
     let bindings = [&[params()][..], &triangles(), &rays, &own].concat();
     let own = [OUTLINE, PERSPECTIVE, snippets!("rivals/replicate.wgsl")];
-    let mut kernel = Kernel::new("replicate", bindings, &[&[PARAMS, ITEMS, VERTEX, RAY, ROWS][..], &own].concat());
+    let mut kernel = Kernel::new("replicate", bindings, &[&[PARAMS, ITEMS, VERTEX, RAY, LAYOUT][..], &own].concat());
     kernel.constants = vec![("CULLING", f64::from(u8::from(culling)))];
     kernel
 }
@@ -110,7 +110,11 @@ pub fn replicate(culling: bool) -> Kernel {
 /// Triangles onto a cube around the eye.
 pub fn cube() -> Kernel {
     let bindings = [&[params(), uniform("cube", "Cube")][..], &triangles()].concat();
-    Kernel::new("cube", bindings, &[PARAMS, VERTEX, TRIANGLE_ROW, ROWS, DRAWN, FACE, snippets!("rivals/cube.wgsl")])
+    Kernel::new(
+        "cube",
+        bindings,
+        &[PARAMS, VERTEX, PACKED_TRIANGLE, LAYOUT, DRAWN, FACE, snippets!("rivals/cube.wgsl")],
+    )
 }
 
 /// The cube map to the camera's picture.
@@ -118,7 +122,7 @@ pub fn unfold(variant: Variant) -> Kernel {
     let mut bindings = vec![params(), uniform("cube", "Cube"), texture("picture", "texture_2d<u32>")];
     bindings.push(writes("visibility", "array<vec2<u32>>"));
     bindings.extend(variant.pixel_rays());
-    let own = [TRIANGLE_ROW, ROWS, RANGE, FACE, snippets!("rivals/unfold.wgsl")];
+    let own = [PACKED_TRIANGLE, LAYOUT, RANGE, FACE, snippets!("rivals/unfold.wgsl")];
     let snippets = [&[PARAMS, ITEMS, SLABS, KEY][..], &variant.pixel_snippets(), &own].concat();
     let mut kernel = Kernel::new("unfold", bindings, &snippets);
     kernel.constants = variant.constants();

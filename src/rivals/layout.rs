@@ -1,4 +1,4 @@
-//! Rows of the rivals' kernels; `wgsl/rivals/rows.wgsl` holds the same structs, and a test holds the two equal.
+//! Structs of the rivals' kernels, as in `wgsl/rivals/layout.wgsl`; `tests/wgsl_layout.rs` compares the two.
 
 use bytemuck::{Pod, Zeroable};
 

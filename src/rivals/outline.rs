@@ -3,7 +3,7 @@
 use super::layout::Outline;
 use crate::camera::Rays;
 use crate::camera::pieces::{Piece, Pieces};
-use crate::engine::plan::tiles::row_of;
+use crate::engine::plan::tiles::packed_piece;
 use crate::engine::rival::Setup;
 use crate::gpu::Gpu;
 use crate::gpu::buffers::Buffers;
@@ -26,8 +26,8 @@ pub fn pieces<'a>(setup: &Setup<'a>) -> Result<Vec<(u32, &'a Pieces, u32)>> {
     Ok(all)
 }
 
-/// Puts `pieces` and `outlines` in `buffers`: a row each for every piece, 192 and 32 bytes; returns how many. Origins of rows are
-/// pixels of the image.
+/// Puts `pieces` and `outlines` in `buffers`: one of each for every piece, 192 and 32 bytes; returns how many. Origins of pieces
+/// are pixels of the image.
 pub fn upload(gpu: &Gpu, setup: &Setup, buffers: &mut Buffers) -> Result<u32> {
     let all = pieces(setup)?;
     let order: Vec<u32> = (0..all.len() as u32).collect();
@@ -35,7 +35,7 @@ pub fn upload(gpu: &Gpu, setup: &Setup, buffers: &mut Buffers) -> Result<u32> {
     Ok(all.len() as u32)
 }
 
-/// The same, the rows of `pieces` in this order; `outlines` are by number.
+/// The same, `pieces` in this order; `outlines` are by number.
 pub fn upload_in_order(
     gpu: &Gpu,
     setup: &Setup,
@@ -48,13 +48,13 @@ pub fn upload_in_order(
         let [a, b, c] = corners.unwrap_or([[0.0, 0.0], [2.0 * w as f32, 0.0], [0.0, 2.0 * h as f32]]);
         Outline { a, b, c, is_whole: u32::from(corners.is_none()), layer: *layer }
     };
-    let row = |&number: &u32| -> layout::Piece {
+    let piece = |&number: &u32| -> layout::Piece {
         let (_, pieces, k) = all[number as usize];
         let Piece { centre_px, .. } = &pieces.pieces[k as usize];
-        // far from an eye or not, a row is about a pixel of its own
+        // far from an eye or not, a piece is about a pixel of its own
         let (i, j) = ((centre_px.x.max(0.0) as u32).min(w - 1), (centre_px.y.max(0.0) as u32).min(h - 1));
-        row_of(&pieces.bundle_at(k, i, j), setup.anchor, [i as f32, j as f32], number)
+        packed_piece(&pieces.bundle_at(k, i, j), setup.anchor, [i as f32, j as f32], number)
     };
     buffers.upload(gpu, "outlines", &all.iter().map(outline).collect::<Vec<_>>())?;
-    buffers.upload(gpu, "pieces", &order.iter().map(row).collect::<Vec<_>>())
+    buffers.upload(gpu, "pieces", &order.iter().map(piece).collect::<Vec<_>>())
 }

@@ -25,8 +25,8 @@ struct Replicated {
     draw: Draw,
     band_raster: BandRaster,
     pieces: u64,
-    /// The pieces' rows, by where they lie in the image, and the cones of each [`TOGETHER`]; `replicas`, 8 bytes a triangle and piece that may see it, and `draw_args`, 16 bytes, both written by replicate
-    /// and read by the draw; `no_draw`, the arguments before.
+    /// The pieces, by where they lie in the image, and the cones of each [`TOGETHER`]; `replicas`, 8 bytes a triangle
+    /// and piece that may see it, and `draw_args`, 16 bytes, both written by replicate and read by the draw; `no_draw`, the arguments before.
     own: Buffers,
 }
 
@@ -72,7 +72,7 @@ fn upload_pieces(gpu: &Gpu, setup: &Setup, own: &mut Buffers) -> Result<u64> {
     Ok(all.len() as u64)
 }
 
-/// Pieces of a cone: of 32,000 pieces a triangle is held against 500 cones and the pieces of some.
+/// Pieces of a cone: of 32,000 pieces a triangle is tested against 500 cones and the pieces of some.
 const TOGETHER: usize = 64;
 
 /// A piece and the directions of its corners' rays; of a piece of the whole image they are 0.
@@ -128,7 +128,7 @@ impl Rival for Replicated {
         self.own.create(gpu, "replicas", all.min(gpu.binding_limit()), BufferUsages::empty())
     }
 
-    /// As many pieces as there is room for in the list of replicas.
+    /// As many pieces as the list of replicas has space for.
     fn aim(&mut self, gpu: &Gpu, setup: &Setup) -> Result<()> {
         self.pieces = upload_pieces(gpu, setup, &mut self.own)?;
         Ok(())

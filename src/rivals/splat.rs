@@ -59,7 +59,7 @@ fn splat(gpu: &Gpu, setup: &Setup, is_each: bool) -> Result<Box<dyn Rival>> {
 
 impl ByTexture {
     /// Cells of S.
-    fn room(&self) -> u32 {
+    fn cells_per_texture(&self) -> u32 {
         (SIDE / self.samples).pow(2)
     }
 
@@ -67,9 +67,11 @@ impl ByTexture {
     fn pairs(&self, slots: u32) -> Vec<(u32, u32)> {
         let all = slots.saturating_mul(self.pieces);
         let span = if self.is_each { slots } else { all };
-        let cut = |from: u32| (from..from + span).step_by(self.room() as usize).map(move |k| (k, from + span - k));
+        let parts = |from: u32| {
+            (from..from + span).step_by(self.cells_per_texture() as usize).map(move |k| (k, from + span - k))
+        };
         let starts = (0..all).step_by(span.max(1) as usize);
-        starts.flat_map(cut).map(|(first, left)| (first, left.min(self.room()))).collect()
+        starts.flat_map(parts).map(|(first, left)| (first, left.min(self.cells_per_texture()))).collect()
     }
 
     fn encode_pair(

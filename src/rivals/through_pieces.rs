@@ -25,7 +25,7 @@ struct ThroughPieces {
     is_each: bool,
 }
 
-/// The parameter: how often each triangle is cut in four.
+/// The parameter: how often each triangle is split in four.
 pub fn warp(gpu: &Gpu, setup: &Setup) -> Result<Box<dyn Rival>> {
     let draw = Draw::clipped(gpu, kernels::warp(setup.layers(), setup.variant.culling, setup.parameter))?;
     Ok(Box::new(ThroughPieces::new(gpu, setup, draw, 1 << (2 * setup.parameter))?))

@@ -3,7 +3,7 @@
 
 use super::{kernels, with};
 use crate::camera::TILE;
-use crate::engine::plan::hierarchy::{Hierarchy, row};
+use crate::engine::plan::hierarchy::{Hierarchy, leaf_triangle};
 use crate::engine::rival::{Rival, Setup, Target};
 use crate::engine::stage::dispatch_items;
 use crate::gpu::Gpu;
@@ -75,15 +75,15 @@ impl Rival for Trace {
     fn upload(&mut self, gpu: &Gpu, scene: &Scene) -> Result<()> {
         if self.search == Search::Brute {
             let count = scene.mesh.triangles.len() as u32;
-            let rows: Vec<_> = (0..count).into_par_iter().map(|id| row(scene, self.anchor, id)).collect();
-            return self.own.upload(gpu, "leaves", &rows);
+            let leaves: Vec<_> = (0..count).into_par_iter().map(|id| leaf_triangle(scene, self.anchor, id)).collect();
+            return self.own.upload(gpu, "leaves", &leaves);
         }
         match &mut self.hierarchy {
             Some(tree) if self.search == Search::Refitted => tree.refit(scene),
             tree => *tree = Some(Hierarchy::build(scene, self.anchor, scene.mesh.triangles.len())?),
         }
         let Some(tree) = &self.hierarchy else { return Ok(()) };
-        let (nodes, leaves) = tree.rows(scene);
+        let (nodes, leaves) = tree.nodes_and_leaves(scene);
         self.own.upload(gpu, "bvh", &nodes)?;
         self.own.upload(gpu, "leaves", &leaves)
     }
@@ -98,7 +98,7 @@ impl Rival for Trace {
     }
 
     fn encode(&self, gpu: &Gpu, recorder: &mut Recorder, band: &Target) -> Result<()> {
-        // its own rows hold the triangles of all chunks
+        // its own leaves hold the triangles of all chunks
         let Some(chunk) = band.chunks.first() else { return Ok(()) };
         let group = self.pipeline.bind(gpu, &with(&chunk.scopes, &[&self.own]))?;
         let mut pass = recorder.compute("trace");

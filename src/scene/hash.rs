@@ -48,7 +48,7 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
                 material.specular.iter().chain(&material.emissive).chain([&material.roughness, &material.metallic]);
             numbers.for_each(|v| h.number(f64::from(*v)));
         }
-        if let Some(texture) = material.texture.as_ref().filter(|texture| texture.cuts()) {
+        if let Some(texture) = material.texture.as_ref().filter(|texture| texture.has_alpha_mask()) {
             image(&mut h, texture);
         }
         if let Some(pattern) = material.pattern {
@@ -57,7 +57,7 @@ pub fn scene_hash(scene: &Scene, camera: &Camera) -> u64 {
             pattern.light.iter().chain(&pattern.dark).for_each(|c| h.number(f64::from(*c)));
         }
     }
-    if mesh.has_holes() {
+    if mesh.has_alpha_masks() {
         mesh.uvs.iter().flat_map(|uv| uv.to_array()).for_each(|v| h.number(f64::from(v)));
         mesh.corner_uvs.iter().flatten().for_each(|k| h.word(u64::from(*k)));
     }

@@ -106,8 +106,8 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`] for shadows together with alpha masks.
     pub fn check_shadows(&self) -> Result<()> {
-        if self.has_shadows() && self.mesh.has_holes() {
-            return Err(Error::input(SHADOWS_AND_HOLES.join("; ")));
+        if self.has_shadows() && self.mesh.has_alpha_masks() {
+            return Err(Error::input(SHADOWS_AND_ALPHA_MASKS.join("; ")));
         }
         Ok(())
     }
@@ -118,5 +118,5 @@ impl Scene {
     }
 }
 
-/// Why there are no shadows where images cut holes, and what to do.
-pub const SHADOWS_AND_HOLES: [&str; 2] = ["shadows know no holes that images cut into triangles", "leave either out"];
+/// Why there are no shadows with alpha masks, and what to do instead.
+pub const SHADOWS_AND_ALPHA_MASKS: [&str; 2] = ["shadow rays do not support alpha masks", "leave either out"];

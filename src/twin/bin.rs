@@ -92,22 +92,22 @@ fn bin_item(input: &KernelInputs, cluster: u32, node: Address, real: Real) -> Ve
     // where each triangle and tile of it is
     let mut place = HashMap::new();
     for cell in cells_below(input, node) {
-        let row = &input.cells[cell as usize];
-        let pixels = owned(row);
+        let cell = &input.cells[cell as usize];
+        let pixels = owned(cell);
         let rays: Vec<_> =
-            (0..64).filter(|b| pixels >> b & 1 == 1).map(|bit| (bit, input.cell_cast(row, bit))).collect();
+            (0..64).filter(|b| pixels >> b & 1 == 1).map(|bit| (bit, input.cell_cast(cell, bit))).collect();
         for (slot, corners) in &corners {
-            if beside(input, row, corners, real) {
+            if beside(input, cell, corners, real) {
                 continue;
             }
             let (certain, possible) = covered(input, &rays, corners, real);
             if possible == 0 {
                 continue;
             }
-            let same = *place.entry((*slot, row.tile)).or_insert(found.len());
+            let same = *place.entry((*slot, cell.tile)).or_insert(found.len());
             match found.get_mut(same) {
                 Some(other) => (other.certain, other.possible) = (other.certain | certain, other.possible | possible),
-                None => found.push(Binned { slot: *slot, tile: row.tile, certain, possible }),
+                None => found.push(Binned { slot: *slot, tile: cell.tile, certain, possible }),
             }
         }
     }

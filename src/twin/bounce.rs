@@ -1,12 +1,12 @@
 //! bounce in f64: the ray that leaves the point where a pixel's ray meets the optics.
 
-use super::bounded::{Bounded, Near3};
+use super::bounded::{Bounded, Bounded3};
 use super::raster::Visibility;
 use super::refract::{BouncedRay, at_facet};
 use super::smooth::Part;
 use super::{KernelInputs, Real};
 use crate::engine::plan::curves::RayTable;
-use crate::engine::surface::SurfaceRows;
+use crate::engine::surface::OpticsSurface;
 use crate::gpu::layout::{NONE, PathState, split2};
 use rayon::prelude::*;
 
@@ -34,19 +34,19 @@ pub fn bounce(input: &KernelInputs, visibility: &Visibility, real: Real) -> Vec<
 
 fn bounce_pixel(input: &KernelInputs, key: u64, pixel: u32, real: Real) -> Option<Bounced> {
     let optics = input.optics.as_ref()?;
-    // the next pass holds the law
+    // the next bounce holds the law
     let optic = &optics.next?;
     let id = input.keys(real).id(key);
     let surface = id.checked_sub(optic.first_id)?;
-    let ray = input.near_ray(pixel % input.params.width, pixel / input.params.width, real)?;
+    let ray = input.bounded_ray(pixel % input.params.width, pixel / input.params.width, real)?;
     let path = &optics.paths[pixel as usize];
     let mut bounced = match optics.surface {
-        SurfaceRows::Corners(corners) => at_facet(optic, &corners[3 * surface as usize..][..3], &ray, real),
-        rows => Part { rows, number: surface }.bounce(optic, &ray, path.last == id, &input.params, real),
+        OpticsSurface::Corners(corners) => at_facet(optic, &corners[3 * surface as usize..][..3], &ray, real),
+        smooth => Part { surface: smooth, number: surface }.bounce(optic, &ray, path.last == id, &input.params, real),
     };
     let size = bounced.d.value().length_squared();
     if !(size > 0.0 && size < SIZE_MAX) {
-        bounced.d = Near3([Bounded::exact(0.0, real); 3]);
+        bounced.d = Bounded3([Bounded::exact(0.0, real); 3]);
     }
     let before = Bounded::exact(f64::from(path.length), real);
     let length = before + (bounced.place - ray.p).norm();
@@ -59,13 +59,13 @@ fn bounce_pixel(input: &KernelInputs, key: u64, pixel: u32, real: Real) -> Optio
         pad0: 0,
     };
     if optic.is_environment == 1 {
-        bounced.place = Near3::pair(optic.from_hi, optic.from_lo, real);
+        bounced.place = Bounded3::pair(optic.from_hi, optic.from_lo, real);
     }
     // roundings: of the new segment to f32, of the sum, and of this f64 value
     Some(Bounced { ray: bounced, path, length_error: length.e + 3.0 * UNIT * length.v })
 }
 
-/// The rays as the next pass reads them: one column and row more than the band, without rays.
+/// The rays as the next bounce reads them: one column and row more than the band, without rays.
 pub fn table(input: &KernelInputs, bounced: &[Option<Bounced>]) -> RayTable {
     let (width, height) = (input.params.width as usize, input.params.height as usize);
     let numbers = 6 * (width + 1) * (height + 1);
@@ -73,7 +73,7 @@ pub fn table(input: &KernelInputs, bounced: &[Option<Bounced>]) -> RayTable {
     for (pixel, bounced) in bounced.iter().enumerate() {
         let Some(Bounced { ray: BouncedRay { place, d, .. }, .. }) = bounced else { continue };
         let at = 6 * (pixel / width * (width + 1) + pixel % width);
-        for (k, [hi, lo]) in [place, d].iter().flat_map(|v: &&Near3| v.0).map(|n| split2(n.v)).enumerate() {
+        for (k, [hi, lo]) in [place, d].iter().flat_map(|v: &&Bounded3| v.0).map(|n| split2(n.v)).enumerate() {
             (table.hi[at + k], table.lo[at + k]) = (hi, lo);
         }
     }

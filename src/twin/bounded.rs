@@ -175,11 +175,11 @@ impl Div for Bounded {
 
 /// A vector of such numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Near3(pub [Bounded; 3]);
+pub struct Bounded3(pub [Bounded; 3]);
 
-impl Near3 {
-    pub fn pair(hi: [f32; 3], lo: [f32; 3], real: Real) -> Near3 {
-        Near3([0, 1, 2].map(|k| Bounded::pair(hi[k], lo[k], real)))
+impl Bounded3 {
+    pub fn pair(hi: [f32; 3], lo: [f32; 3], real: Real) -> Bounded3 {
+        Bounded3([0, 1, 2].map(|k| Bounded::pair(hi[k], lo[k], real)))
     }
 
     pub fn value(self) -> DVec3 {
@@ -196,32 +196,32 @@ impl Near3 {
         self.0.iter().fold(0.0, |most, c| most.max(c.e))
     }
 
-    pub fn lost(self) -> Near3 {
-        Near3(self.0.map(Bounded::lost))
+    pub fn lost(self) -> Bounded3 {
+        Bounded3(self.0.map(Bounded::lost))
     }
 
-    pub fn dot(self, o: Near3) -> Bounded {
+    pub fn dot(self, o: Bounded3) -> Bounded {
         let [x, y, z] = [0, 1, 2].map(|k| self.0[k] * o.0[k]);
         x + y + z
     }
 
-    pub fn cross(self, o: Near3) -> Near3 {
+    pub fn cross(self, o: Bounded3) -> Bounded3 {
         let part = |a: usize, b: usize| self.0[a] * o.0[b] - self.0[b] * o.0[a];
-        Near3([part(1, 2), part(2, 0), part(0, 1)])
+        Bounded3([part(1, 2), part(2, 0), part(0, 1)])
     }
 
     pub fn norm(self) -> Bounded {
         self.dot(self).sqrt()
     }
 
-    pub fn unit(self) -> Near3 {
+    pub fn unit(self) -> Bounded3 {
         self / self.norm()
     }
 
     /// The sum of three vectors by weights whose own sum is 1 but for their rounding: only as far as the vectors differ do
     /// the weights' errors count.
-    pub fn mixed(w: [Bounded; 3], of: [Near3; 3]) -> Near3 {
-        Near3([0, 1, 2].map(|k| {
+    pub fn mixed(w: [Bounded; 3], of: [Bounded3; 3]) -> Bounded3 {
+        Bounded3([0, 1, 2].map(|k| {
             let c = of.map(|v| v.0[k]);
             let unit = w[0].unit;
             let v = w[0].v * c[0].v + w[1].v * c[1].v + w[2].v * c[2].v;
@@ -235,38 +235,38 @@ impl Near3 {
     }
 }
 
-impl Add for Near3 {
-    type Output = Near3;
-    fn add(self, o: Near3) -> Near3 {
-        Near3([0, 1, 2].map(|k| self.0[k] + o.0[k]))
+impl Add for Bounded3 {
+    type Output = Bounded3;
+    fn add(self, o: Bounded3) -> Bounded3 {
+        Bounded3([0, 1, 2].map(|k| self.0[k] + o.0[k]))
     }
 }
 
-impl Neg for Near3 {
-    type Output = Near3;
-    fn neg(self) -> Near3 {
-        Near3(self.0.map(Bounded::neg))
+impl Neg for Bounded3 {
+    type Output = Bounded3;
+    fn neg(self) -> Bounded3 {
+        Bounded3(self.0.map(Bounded::neg))
     }
 }
 
-impl Sub for Near3 {
-    type Output = Near3;
-    fn sub(self, o: Near3) -> Near3 {
+impl Sub for Bounded3 {
+    type Output = Bounded3;
+    fn sub(self, o: Bounded3) -> Bounded3 {
         self + -o
     }
 }
 
-impl Mul<Bounded> for Near3 {
-    type Output = Near3;
-    fn mul(self, s: Bounded) -> Near3 {
-        Near3(self.0.map(|c| c * s))
+impl Mul<Bounded> for Bounded3 {
+    type Output = Bounded3;
+    fn mul(self, s: Bounded) -> Bounded3 {
+        Bounded3(self.0.map(|c| c * s))
     }
 }
 
-impl Div<Bounded> for Near3 {
-    type Output = Near3;
-    fn div(self, s: Bounded) -> Near3 {
-        Near3(self.0.map(|c| c / s))
+impl Div<Bounded> for Bounded3 {
+    type Output = Bounded3;
+    fn div(self, s: Bounded) -> Bounded3 {
+        Bounded3(self.0.map(|c| c / s))
     }
 }
 

@@ -13,9 +13,9 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// The rows' own bound.
+    /// The nodes' own bound.
     pub const PLAIN: Bound = Bound { tolerance: 0.0, refine_to: f64::INFINITY };
-    /// The pairs that a kernel must keep: all but those that its rounding may lose. The rows' radii hold 2^-22 of the same
+    /// The pairs that a kernel must keep: all but those that its rounding may lose. The nodes' radii hold 2^-22 of the same
     /// sizes for that (plan and clusters), and an f32 kernel sums at most four terms, 2^-24 each.
     pub const NEEDED: Bound = Bound { tolerance: -1.0 / (1u64 << 22) as f64, refine_to: f64::INFINITY };
     /// What a kernel may keep: 1e-6 of tolerance on t, taken three times, and its rounding; and no refinement beyond the t whose

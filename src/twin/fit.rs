@@ -69,7 +69,7 @@ pub fn rays_below(input: &KernelInputs, at: Address) -> Vec<PixelRay> {
     rows.flat_map(|j| columns.clone().map(move |i| (i, j))).filter_map(ray).collect()
 }
 
-/// How far origins and directions of rays of a node lie from its row's fit: what its radii must hold.
+/// How far origins and directions of rays of a node lie from its fit: what its radii must hold.
 pub fn reach(node: &Node, at: Address, rays: &[PixelRay]) -> [f64; 2] {
     let v = |a: [f32; 3]| DVec3::from(a.map(f64::from));
     let (p, d) = ([node.p, node.px, node.py].map(v), [node.d, node.dx, node.dy].map(v));

@@ -27,11 +27,11 @@ pub fn meetings(input: &KernelInputs, pixel: u32, real: Real) -> Vec<(u32, Root)
         return Vec::new();
     }
     let (x, y) = (pixel % input.params.width, pixel / input.params.width);
-    let (true, Some(ray)) = (optics.is_seen(), input.near_ray(x, y, real)) else { return Vec::new() };
+    let (true, Some(ray)) = (optics.is_seen(), input.bounded_ray(x, y, real)) else { return Vec::new() };
     let root = |number: u32| {
         let id = optics.optic.first_id + number;
         let starts = optics.paths[pixel as usize].last == id;
-        (id, Part { rows: optics.surface, number }.first_root(&ray, starts, &input.params, real))
+        (id, Part { surface: optics.surface, number }.first_root(&ray, starts, &input.params, real))
     };
     let roots = (0..optics.optic.count).map(root);
     roots.filter(|(_, root)| root.t.is_some() || root.uncertain).collect()

@@ -129,7 +129,7 @@ pub const LARGE: Capacities = Capacities {
 };
 
 impl Tables {
-    /// Bands and chunks are cut so that no table exceeds `binding_limit` bytes.
+    /// Bands and chunks are split so that no table exceeds `binding_limit` bytes.
     pub fn new(scene: &Scene, camera: &Camera, wanted: &Wanted, has: AdapterFeatures, binding_limit: u64) -> Tables {
         let scene = &*scene.with_optics(camera);
         let extent = SceneExtent::of(camera, scene.bounds());
@@ -195,7 +195,7 @@ impl Tables {
         }
     }
 
-    /// Follows the rays of a band from pass to pass; `see` receives each pass with all chunks, and its visibility buffer.
+    /// Follows the rays of a band from bounce to bounce; `see` receives each with all chunks, and its visibility buffer.
     pub fn follow(&self, camera: &Camera, band: usize, real: Real, mut see: impl FnMut(&[KernelInputs], &Visibility)) {
         let chunks = || 0..self.clustered.chunks.len();
         let mut inputs: Vec<KernelInputs> = chunks().map(|c| self.input(camera, band, c, LARGE)).collect();
@@ -212,7 +212,7 @@ impl Tables {
         }
     }
 
-    /// The rays of the next pass of a band, with the tree of their bounds.
+    /// The rays of the next bounce of a band, with the tree of their bounds.
     fn bounced(
         &self,
         camera: &Camera,
@@ -228,7 +228,7 @@ impl Tables {
     }
 }
 
-/// The first hits of the rays of a pass, over all chunks.
+/// The first hits of the rays of a bounce, over all chunks.
 pub fn visible(inputs: &[KernelInputs], real: Real) -> Visibility {
     let pixels = inputs.first().map_or(0, |i| i.params.width * i.params.height);
     let mut visibility = Visibility::new(pixels as usize);

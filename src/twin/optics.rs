@@ -1,4 +1,4 @@
-//! What the kernels read of a camera's optics in each pass, and what a pixel shows that sees a mirror or lens.
+//! What the kernels read of a camera's optics for each bounce, and what a pixel shows that sees a mirror or lens.
 
 use super::bounce::{bounce, table};
 use super::raster::Visibility;
@@ -7,23 +7,23 @@ use crate::camera::Camera;
 use crate::engine::bounces::bounces;
 use crate::engine::plan::Plan;
 use crate::engine::plan::curves::RayTable;
-use crate::engine::surface::SurfaceRows;
+use crate::engine::surface::OpticsSurface;
 use crate::engine::tables;
 use crate::gpu::layout::{Cell, NONE, Node, Optic, PathState};
 use crate::scene::Scene;
 
-/// What the kernels of one pass read of the optics.
+/// What the kernels read of the optics for one bounce.
 #[derive(Debug, Clone, Copy)]
 pub struct OpticsInput<'a> {
     pub optic: Optic,
-    /// That of the next pass.
+    /// That of the next bounce.
     pub next: Option<Optic>,
     /// One per pixel of the band.
     pub paths: &'a [PathState],
-    pub surface: &'a SurfaceRows,
+    pub surface: &'a OpticsSurface,
 }
 
-/// What happened to a pixel's ray in earlier passes.
+/// What happened to a pixel's ray at earlier bounces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Behind {
     /// Factor of the colour that the ray sees.
@@ -38,12 +38,12 @@ impl OpticsInput<'_> {
     /// The index of a surface's piece among the optics' pieces.
     pub fn piece_of(&self, surface: u32) -> u32 {
         match self.surface {
-            SurfaceRows::Corners(corners) => corners[3 * surface as usize].piece,
-            SurfaceRows::Quadrics(_) | SurfaceRows::Torus(_) | SurfaceRows::Wave(_) => surface,
+            OpticsSurface::Corners(corners) => corners[3 * surface as usize].piece,
+            OpticsSurface::Quadrics(_) | OpticsSurface::Torus(_) | OpticsSurface::Wave(_) => surface,
         }
     }
 
-    /// Rays of this pass may meet the surface.
+    /// Rays of this bounce may meet the surface.
     pub fn is_seen(&self) -> bool {
         self.optic.bounces == 0 || self.optic.sees_itself == 1
     }
@@ -54,7 +54,7 @@ impl OpticsInput<'_> {
 }
 
 impl KernelInputs<'_> {
-    /// No ray of this pass meets the triangle.
+    /// No ray of this bounce meets the triangle.
     pub fn is_excluded(&self, id: u32) -> bool {
         self.optics.is_some_and(|o| id >= o.optic.first_id && !o.is_seen())
     }
@@ -64,13 +64,13 @@ impl KernelInputs<'_> {
         self.optics.is_some_and(|o| o.is_bounced() && o.paths[pixel].last == id)
     }
 
-    /// The pixel is shown by this pass, or by one to come, where its ray meets nothing.
+    /// The pixel is shown by this bounce, or by one to come, where its ray meets nothing.
     pub fn has_path(&self, x: u32, y: u32) -> bool {
         let pixel = (y * self.params.width + x) as usize;
         self.optics.is_none_or(|o| !o.is_bounced() || o.paths[pixel].last != NONE)
     }
 
-    /// The ray goes on from this surface in the next pass.
+    /// The ray goes on from this surface at the next bounce.
     pub fn goes_on(&self, id: u32) -> bool {
         self.optics.is_some_and(|o| id >= o.optic.first_id && o.optic.ends == 0)
     }
@@ -98,8 +98,8 @@ impl KernelInputs<'_> {
 pub struct Optics {
     pub depth: u32,
     /// By the number of bounces.
-    passes: Vec<Optic>,
-    surface: SurfaceRows,
+    bounces: Vec<Optic>,
+    surface: OpticsSurface,
     /// Path states before the first bounce.
     unbounced: Vec<PathState>,
 }
@@ -122,26 +122,26 @@ impl Optics {
         let nothing = PathState { light: [1.0; 3], length: 0.0, first: NONE, last: NONE, piece: 0, pad0: 0 };
         Some(Optics {
             depth: optics.depth,
-            passes: bounces(Some(optics))
+            bounces: bounces(Some(optics))
                 .iter()
-                .filter(|p| p.is_main)
-                .map(|p| tables::optic(scene, camera, optics, plan, p))
+                .filter(|b| b.is_main)
+                .map(|b| tables::optic(scene, camera, optics, plan, b))
                 .collect(),
-            surface: SurfaceRows::new(&optics.surface, plan.anchor),
+            surface: OpticsSurface::new(&optics.surface, plan.anchor),
             unbounced: vec![nothing; (rows * camera.width) as usize],
         })
     }
 
-    /// The input of the first pass, or of the pass after `bounced`.
+    /// The input of the rays of the eye, or of those that are `bounced`.
     pub fn input<'a>(&'a self, bounced: Option<&'a BouncedRays>) -> OpticsInput<'a> {
-        let (bounces, paths) = bounced.map_or((0, &self.unbounced), |b| (b.bounces, &b.paths));
-        let next = self.passes.get(bounces as usize + 1).copied();
-        OpticsInput { optic: self.passes[bounces as usize], next, paths, surface: &self.surface }
+        let (count, paths) = bounced.map_or((0, &self.unbounced), |b| (b.bounces, &b.paths));
+        let next = self.bounces.get(count as usize + 1).copied();
+        OpticsInput { optic: self.bounces[count as usize], next, paths, surface: &self.surface }
     }
 }
 
 impl BouncedRays {
-    /// The rays that leave a pass of a band, without the tree of their bounds; `input` is any chunk of the pass.
+    /// The rays after a bounce of a band, without the tree of their bounds; `input` is any chunk of that band.
     pub fn new(input: &KernelInputs, visibility: &Visibility, real: Real) -> BouncedRays {
         let bounced = bounce(input, visibility, real);
         let tiles = input.params.tiles_x * input.params.tiles_y;

@@ -1,8 +1,8 @@
 //! Where rays meet quadrics, with bounds on what a kernel may find.
 
 use super::Real;
-use super::bounded::{Bounded, Judged, Near3};
-use super::refract::NearRay;
+use super::bounded::{Bounded, Bounded3, Judged};
+use super::refract::BoundedRay;
 use super::smooth::Root;
 use crate::gpu::layout::Quadric;
 
@@ -10,22 +10,22 @@ use crate::gpu::layout::Quadric;
 /// beyond its heights.
 pub const HEIGHT_UNITS: f64 = 128.0;
 
-/// A quadric's row, its pairs summed up.
+/// A quadric as kernels read it, its pairs summed.
 struct Terms {
-    centre: Near3,
-    diagonal: Near3,
+    centre: Bounded3,
+    diagonal: Bounded3,
     /// yz, xz, xy.
-    beside: Near3,
-    b: Near3,
+    beside: Bounded3,
+    b: Bounded3,
     c: Bounded,
-    axis: Near3,
+    axis: Bounded3,
     heights: [Bounded; 2],
     rim2: Bounded,
 }
 
 impl Terms {
     fn new(q: &Quadric, real: Real) -> Terms {
-        let (v, s) = (|hi, lo| Near3::pair(hi, lo, real), |hi, lo| Bounded::pair(hi, lo, real));
+        let (v, s) = (|hi, lo| Bounded3::pair(hi, lo, real), |hi, lo| Bounded::pair(hi, lo, real));
         Terms {
             centre: v(q.centre_hi, q.centre_lo),
             diagonal: v(q.diagonal_hi, q.diagonal_lo),
@@ -39,18 +39,18 @@ impl Terms {
     }
 
     /// A v.
-    fn times(&self, v: Near3) -> Near3 {
+    fn times(&self, v: Bounded3) -> Bounded3 {
         let ([xx, yy, zz], [yz, xz, xy]) = (self.diagonal.0, self.beside.0);
-        Near3([Near3([xx, xy, xz]), Near3([xy, yy, yz]), Near3([xz, yz, zz])].map(|row| row.dot(v)))
+        Bounded3([Bounded3([xx, xy, xz]), Bounded3([xy, yy, yz]), Bounded3([xz, yz, zz])].map(|row| row.dot(v)))
     }
 
     /// Half of the gradient, `v` from the centre.
-    fn normal(&self, v: Near3) -> Near3 {
+    fn normal(&self, v: Bounded3) -> Bounded3 {
         self.times(v) + self.b
     }
 
     /// The part of the surface at `v` from the centre is there, its height known up to `lost`.
-    fn holds(&self, v: Near3, lost: Bounded) -> Judged {
+    fn holds(&self, v: Bounded3, lost: Bounded) -> Judged {
         let z = v.dot(self.axis);
         let away = v - self.axis * z;
         let within = (self.heights[0] - lost).at_most(z).and(z.at_most(self.heights[1] + lost));
@@ -59,7 +59,7 @@ impl Terms {
 }
 
 /// Where the ray first meets the quadric at a t in range; of a ray that starts on it, the other place.
-pub fn first_root(q: &Quadric, ray: &NearRay, starts: bool, [t_min, t_max]: [Bounded; 2], real: Real) -> Root {
+pub fn first_root(q: &Quadric, ray: &BoundedRay, starts: bool, [t_min, t_max]: [Bounded; 2], real: Real) -> Root {
     let terms = Terms::new(q, real);
     let zero = Bounded::exact(0.0, real);
     let v = ray.p - terms.centre;
@@ -95,7 +95,7 @@ fn first(roots: Vec<(Bounded, Judged)>) -> Root {
 }
 
 /// At `place`, of any length; points out.
-pub fn normal(q: &Quadric, place: Near3, real: Real) -> Near3 {
+pub fn normal(q: &Quadric, place: Bounded3, real: Real) -> Bounded3 {
     let terms = Terms::new(q, real);
     terms.normal(place - terms.centre)
 }

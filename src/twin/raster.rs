@@ -6,7 +6,7 @@ use super::{KernelInputs, Real, bin, curve};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A triangle as stored in its row: corners in the order of their positions, relative to the anchor.
+/// A triangle as stored: corners in the order of their positions, relative to the anchor.
 #[derive(Debug, Clone, Copy)]
 pub struct Corners {
     pub v: [DVec3; 3],

@@ -1,4 +1,4 @@
-//! The rays of a pixel in f64, from the rows that the kernels read: a piece's row, or the table of a ray field.
+//! The rays of a pixel in f64, from what the kernels read: a piece, or the table of a ray field.
 
 use super::KernelInputs;
 use crate::camera::TILE;

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 #[derive(Debug, Clone, Copy)]
 pub enum Pixel {
     /// What is visible lies in another chunk, or it is a miss and this is not the first chunk; or the pixel's ray ended in
-    /// a pass before, or goes on in the next.
+    /// a bounce before, or goes on at the next.
     Untouched,
     Miss(PixelValues),
     Hit(Shaded),
@@ -138,7 +138,7 @@ fn position_error(input: &KernelInputs, point: DVec3, size: f64) -> f64 {
 
 /// A ray that ends on a surface without triangles.
 fn end_on_smooth(input: &KernelInputs, behind: &Behind, (id, t): (u32, f64), (x, y): (u32, u32)) -> Pixel {
-    let Some(ray) = input.near_ray(x, y, Real::F64) else { return Pixel::Untouched };
+    let Some(ray) = input.bounded_ray(x, y, Real::F64) else { return Pixel::Untouched };
     let (mirror, piece) = behind.first.unwrap_or((NO_ID, 0));
     let z = f64::from(behind.length) + t * ray.d.value().length();
     let albedo = input.base(id).unwrap_or_default();

@@ -18,7 +18,7 @@ impl Bound {
     pub const ALLOWED: Bound = Bound { tolerance: 1.0 / (1u64 << 20) as f64, quotient: 4e-6 };
 }
 
-/// The nodes listed for a point of the rows' units, ascending.
+/// The nodes listed for a point in the nodes' units, ascending.
 pub fn sift(beams: &[Beam], [t0, t1]: [f32; 2], point: [f64; 3], bound: Bound) -> Vec<u32> {
     let range = [f64::from(t0), f64::from(t1)];
     let mut found = Vec::new();

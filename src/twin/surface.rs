@@ -44,9 +44,9 @@ impl Surface<'_> {
         if self.input.rays.is_some() { b.d[0].length() } else { d / h * (size_h / h) }
     }
 
-    /// Weights of the row's corners: each opposite edge's value over their sum, which is `h N . d`; and the error of
+    /// Weights of the stored corners: each opposite edge's value over their sum, which is `h N . d`; and the error of
     /// arithmetic with `rounding`, `stored` units of reach lost in each vertex.
-    fn row_weights(&self, rounding: f64, stored: f64) -> ([f64; 3], f64) {
+    fn stored_weights(&self, rounding: f64, stored: f64) -> ([f64; 3], f64) {
         let [v0, v1, v2] = self.corners.v;
         let b = &self.rays.bundle;
         let d = b.d[0];
@@ -71,7 +71,7 @@ impl Surface<'_> {
     /// Weights of the file's corners, rounded to f32 at the end.
     pub fn weights(&self, real: Real) -> ([f64; 3], f64) {
         let stored = if real == Real::F32 { STORED_UNITS } else { 0.0 };
-        let (w, error) = self.row_weights(real.rounding(), stored);
+        let (w, error) = self.stored_weights(real.rounding(), stored);
         (self.in_file_order(w), error + UNIT)
     }
 
@@ -79,7 +79,7 @@ impl Surface<'_> {
     pub fn uv(&self) -> ([f64; 2], f64) {
         let own = self.input.uvs.get(self.slot as usize).filter(|uv| uv.iter().all(|v| v.is_finite()));
         let Some(uv) = own else { return ([0.0; 2], 0.0) };
-        let (w, error) = self.row_weights(UNIT, STORED_UNITS);
+        let (w, error) = self.stored_weights(UNIT, STORED_UNITS);
         let w = self.in_file_order(w);
         let [u, down] = [0, 1].map(|k| (0..3).map(|corner| w[corner] * f64::from(uv[2 * corner + k])).sum::<f64>());
         let size: f64 = uv.iter().map(|v| f64::from(v.abs())).sum();
@@ -138,7 +138,7 @@ impl Surface<'_> {
         if corners.contains(&NONE) {
             return None;
         }
-        let (w, error) = self.row_weights(UNIT, STORED_UNITS);
+        let (w, error) = self.stored_weights(UNIT, STORED_UNITS);
         let w = self.in_file_order(w);
         let normals = corners.map(|k| DVec3::from(appearance.normals[k as usize].map(f64::from)));
         let sum: DVec3 = (0..3).map(|k| w[k] * normals[k]).sum();

@@ -2,8 +2,8 @@
 
 use super::Real;
 use super::along::Along;
-use super::bounded::{Bounded, Near3};
-use super::refract::NearRay;
+use super::bounded::{Bounded, Bounded3};
+use super::refract::BoundedRay;
 use super::smooth::Root;
 use crate::gpu::layout::Torus;
 
@@ -16,17 +16,17 @@ pub const STEPS: u32 = 256;
 /// Units of rounding of a quartic's value, of its terms: four products and four sums.
 const HORNER_UNITS: f64 = 8.0;
 
-/// A torus's row, its pairs summed up.
+/// A torus as kernels read it, its pairs summed.
 struct Terms {
-    centre: Near3,
+    centre: Bounded3,
     size: Bounded,
-    axis: Near3,
+    axis: Bounded3,
     ring: Bounded,
 }
 
 impl Terms {
     fn new(g: &Torus, real: Real) -> Terms {
-        let (v, s) = (|hi, lo| Near3::pair(hi, lo, real), |hi, lo| Bounded::pair(hi, lo, real));
+        let (v, s) = (|hi, lo| Bounded3::pair(hi, lo, real), |hi, lo| Bounded::pair(hi, lo, real));
         Terms {
             centre: v(g.centre_hi, g.centre_lo),
             size: s(g.size_hi, g.size_lo),
@@ -37,9 +37,9 @@ impl Terms {
 }
 
 /// Where the ray first meets the torus at a t in range; of a ray that starts on it, the next place.
-pub fn first_root(row: &Torus, ray: &NearRay, starts: bool, [t_min, t_max]: [Bounded; 2], real: Real) -> Root {
+pub fn first_root(torus: &Torus, ray: &BoundedRay, starts: bool, [t_min, t_max]: [Bounded; 2], real: Real) -> Root {
     let number = |v: f64| Bounded::exact(v, real);
-    let g = Terms::new(row, real);
+    let g = Terms::new(torus, real);
     let o = ray.p - g.centre;
     // a place on the ray, and a scale; those of another kernel are others of the same ray
     let middle = number(if starts { 0.0 } else { -o.dot(ray.d).v / ray.d.dot(ray.d).v });
@@ -81,8 +81,8 @@ pub fn first_root(row: &Torus, ray: &NearRay, starts: bool, [t_min, t_max]: [Bou
 }
 
 /// A quarter of the gradient at `place`.
-pub fn normal(row: &Torus, place: Near3, real: Real) -> Near3 {
-    let g = Terms::new(row, real);
+pub fn normal(torus: &Torus, place: Bounded3, real: Real) -> Bounded3 {
+    let g = Terms::new(torus, real);
     let q = (place - g.centre) / g.size;
     let away = q - g.axis * q.dot(g.axis);
     q * (q.dot(q) + g.ring + g.ring - Bounded::exact(1.0, real)) - away * ((g.ring + g.ring) * g.ring)

@@ -2,8 +2,8 @@
 
 use super::Real;
 use super::along::Along;
-use super::bounded::{Bounded, CIRCLE_UNITS, Near3};
-use super::refract::NearRay;
+use super::bounded::{Bounded, Bounded3, CIRCLE_UNITS};
+use super::refract::BoundedRay;
 use super::smooth::Root;
 use crate::gpu::layout::Wave;
 use std::f64::consts::{PI, TAU};
@@ -15,9 +15,9 @@ pub const MARGIN: f64 = 1.0625;
 pub const STEPS: u32 = 256;
 pub const WAVE_STEPS: f64 = 64.0;
 
-/// A wave's row, its pairs summed up.
+/// A wave as kernels read it, its pairs summed.
 struct Terms {
-    centre: Near3,
+    centre: Bounded3,
     half: Bounded,
     amplitude: Bounded,
     frequency: Bounded,
@@ -27,7 +27,7 @@ impl Terms {
     fn new(w: &Wave, real: Real) -> Terms {
         let pair = |hi, lo| Bounded::pair(hi, lo, real);
         Terms {
-            centre: Near3::pair(w.centre_hi, w.centre_lo, real),
+            centre: Bounded3::pair(w.centre_hi, w.centre_lo, real),
             half: pair(w.half_hi, w.half_lo),
             amplitude: pair(w.amplitude_hi, w.amplitude_lo),
             frequency: pair(w.frequency_hi, w.frequency_lo),
@@ -48,9 +48,9 @@ fn clipped(part: [Bounded; 2], p: Bounded, d: Bounded, half: Bounded) -> [Bounde
 }
 
 /// Where the ray first meets the wave at a t in range; of a ray that starts on it, the next place.
-pub fn first_root(row: &Wave, ray: &NearRay, starts: bool, range: [Bounded; 2], real: Real) -> Root {
+pub fn first_root(wave: &Wave, ray: &BoundedRay, starts: bool, range: [Bounded; 2], real: Real) -> Root {
     let number = |v: f64| Bounded::exact(v, real);
-    let w = Terms::new(row, real);
+    let w = Terms::new(wave, real);
     let o = ray.p - w.centre;
     let ([ox, oy, oz], [dx, dy, dz]) = (o.0, ray.d.0);
     let over = clipped(range, oy, dy, number(MARGIN) * w.amplitude);
@@ -104,10 +104,10 @@ pub fn first_root(row: &Wave, ray: &NearRay, starts: bool, range: [Bounded; 2], 
 }
 
 /// At `place`; points up.
-pub fn normal(row: &Wave, place: Near3, real: Real) -> Near3 {
-    let w = Terms::new(row, real);
+pub fn normal(wave: &Wave, place: Bounded3, real: Real) -> Bounded3 {
+    let w = Terms::new(wave, real);
     let [x, _, z] = (place - w.centre).0;
     let ([cx, sx], [cz, sz]) = ((w.frequency * x).circle(), (w.frequency * z).circle());
     let steep = Bounded::exact(-TAU, real) * w.frequency * w.amplitude;
-    Near3([steep * cx * sz, Bounded::exact(1.0, real), steep * sx * cz])
+    Bounded3([steep * cx * sz, Bounded::exact(1.0, real), steep * sx * cz])
 }

@@ -77,7 +77,7 @@ fn what_shares_its_lists_is_done_again() {
         let [idle, passes, whole] = relit(&mut engine, camera);
         assert!(idle == 0 && passes > 0 && passes <= whole, "{camera}: {idle}, {passes} of {whole} passes");
     }
-    // room for the planes of some twenty rows
+    // space for the planes of some twenty rows
     let less = |gpu: &mut Gpu| gpu.limits.max_storage_buffer_binding_size = 4 * 72 * 12 * 20;
     let Some(mut engine) = engine_on(less) else { return };
     let [idle, passes, whole] = relit(&mut engine, SLITS);

@@ -85,7 +85,7 @@ fn every_sample_sees_what_a_frame_of_its_own_sees() {
                 let separate = one_by_one(&mut engine, &scene, &camera, samples);
                 let pixels = (SIZE.0 * SIZE.1) as usize;
                 let edges = seen.counts.edges;
-                println!("{name}, {samples} samples: {edges} of {pixels} pixels hold an edge");
+                println!("{name}, {samples} samples: {edges} of {pixels} pixels are edge pixels");
                 assert_eq!(seen.sample_ids.len(), samples as usize);
                 for (n, (own, separate)) in seen.sample_ids.iter().zip(&separate).enumerate() {
                     let differ: Vec<usize> = (0..pixels).filter(|&k| own[k] != separate[k]).collect();
@@ -147,7 +147,7 @@ fn samples_follow_the_camera() {
     }
 }
 
-/// A ball before walls of large triangles: about a tenth of all pixels contain an edge.
+/// A ball before walls of large triangles: about a tenth of all pixels are edge pixels.
 fn ball() -> Scene {
     let mut all = icosphere(3);
     let walls = soup(&mut Rng(11), 8, 1.5);

@@ -547,7 +547,7 @@ fn images_are_exchanged_where_light_is() {
         frames.light(scene).unwrap();
         passes.push(frames.refresh().unwrap());
     }
-    // light alone needs no new search, other holes do
+    // light alone needs no new search, other alpha masks do
     assert!(passes[0] < 3 && passes[1..].iter().all(|p| *p > 4), "{passes:?}");
     frames.light(&wider).unwrap();
     assert!(colours(&frames.finish().unwrap().frame) == picture(&wider));
@@ -560,14 +560,14 @@ fn images_are_exchanged_where_light_is() {
 }
 
 #[test]
-fn what_knows_no_holes_says_so() {
+fn what_ignores_alpha_masks_says_so() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let (scene, (_, camera)) = (cut_outs(), families(SIZE).swap_remove(0));
     assert!(!at_once(&scene, &camera, 4));
     let rival = RunOptions { rival: anamorph::internals::rivals::parse("raytrace").ok(), ..RunOptions::default() };
     for (channels, run, expected) in [
-        (vec![Channel::Certified], RunOptions::default(), "nothing is proven where images cut holes"),
-        (vec![Channel::R], rival, "raytrace sees no holes"),
+        (vec![Channel::Certified], RunOptions::default(), "nothing is proven for triangles with alpha masks"),
+        (vec![Channel::R], rival, "raytrace ignores alpha masks"),
     ] {
         let message = engine.render(&scene, &camera, &Wanted::of(channels), &run).unwrap_err().to_string();
         assert!(message.starts_with(expected), "{message}");

@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3};
 
 const SIZE: (u32, u32) = (53, 37);
 
-/// Rays are sums of some ten products of numbers up to 100: 2^-53 each, with room for the order of evaluation.
+/// Rays are sums of some ten products of numbers up to 100: 2^-53 each, with a margin for the order of evaluation.
 const RAY_ROUNDING: f64 = 1e-12;
 
 fn close(a: DVec3, b: DVec3) -> bool {

@@ -11,7 +11,7 @@ use std::process::Command;
 const SIZE: (u32, u32) = (48, 36);
 
 /// Roundings of a ray on its way: into the bundle (8), to the corners (6), into a bundle again (8) and to the pixel (6),
-/// with room for the sums of three corners; each of 2^-53 of the corners' largest numbers, times how slender the piece is.
+/// with a margin for the sums of three corners; each of 2^-53 of the corners' largest numbers, times how slender the piece is.
 const ROUNDING: f64 = 64.0 / (1u64 << 53) as f64;
 
 fn run(dir: &Path, args: &[&str]) -> (bool, String) {

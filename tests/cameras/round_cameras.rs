@@ -9,7 +9,7 @@ use glam::DVec3;
 /// An eye at the origin that looks along -z with y up: right, up, forward are x, y, -z.
 const POSE: &str = "eye = [0, 0, 0]\ntarget = [0, 0, -1]\n";
 
-/// Sines, cosines and three products of numbers up to 1, 2^-53 each, with room for the library's own functions.
+/// Sines, cosines and three products of numbers up to 1, 2^-53 each, with a margin for the library's own functions.
 const ROUNDING: f64 = 1e-14;
 
 fn direction(camera: &Camera, i: u32, j: u32) -> DVec3 {

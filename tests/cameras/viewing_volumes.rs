@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 const SIZE: (u32, u32) = (40, 30);
 const ASPECT: f64 = 4.0 / 3.0;
 
-/// Points are sums of some twenty products of numbers up to 10, and angles: 2^-53 each, with room for the order of evaluation.
+/// Points are sums of some twenty products of numbers up to 10, and angles: 2^-53 each, with a margin for the order of evaluation.
 const ROUNDING: f64 = 1e-13;
 
 /// The default viewer: eye (0, 0, 4) looking at the origin, vfov 40.

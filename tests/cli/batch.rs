@@ -380,7 +380,7 @@ fn what_is_killed_goes_on_and_ends_with_the_same_files() {
     assert!(place.names().iter().all(|name| !name.ends_with(".tmp")), "{:?}", place.names());
 }
 
-/// A small disk is full before all is written; with more room the rest is done.
+/// A small disk is full before all is written; with more space the rest is done.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_stops_with_what_is_done() {
@@ -394,7 +394,7 @@ fn a_full_disk_stops_with_what_is_done() {
         place.write("jobs.toml", job + rest);
         let ran = place.run(&["batch", "jobs.toml"]);
         assert_eq!(ran.code, 1, "{}", ran.err);
-        let says = ["No space left", "stopped: there is no room to write to"];
+        let says = ["No space left", "stopped: the disk is full"];
         assert!(says.iter().all(|text| ran.err.contains(text)), "{key}: {}", ran.err);
         let done = std::fs::read_dir(&disk).unwrap().count();
         let printed = format!(": {done} of 80 frames done");

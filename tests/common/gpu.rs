@@ -94,7 +94,7 @@ pub fn words(frame: &Frame) -> Vec<u32> {
 }
 
 /// Largest relative error of t at the 99.9th of a hundred pixels: t is worked out in f64 from positions stored to
-/// 2^-48 and written as f32 (2^-24); the rest is room for surfaces seen edge-on, where t is ill-conditioned.
+/// 2^-48 and written as f32 (2^-24); the rest is margin for surfaces seen edge-on, where t is ill-conditioned.
 const T_ERROR: f64 = 1e-5;
 
 /// Asserts that the frame is right by margin: every safe pixel has the reference's triangle, every other one a near

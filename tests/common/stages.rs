@@ -11,7 +11,7 @@ use anamorph::internals::camera::kinds::glc::Glc;
 use anamorph::internals::camera::spec::CameraKind;
 use anamorph::internals::camera::{Camera, Rays};
 use anamorph::internals::engine::Capacities;
-use anamorph::internals::engine::clusters::{cluster, mapped_rows};
+use anamorph::internals::engine::clusters::{cluster, mapped_surfaces};
 use anamorph::internals::engine::plan::Wanted;
 use anamorph::internals::engine::plan::slabs;
 use anamorph::internals::engine::plan::slabs::Slabs;
@@ -365,7 +365,7 @@ pub fn upload(gpu: &Gpu, input: &KernelInputs) -> Buffers {
     if input.uvs.is_empty() {
         b.upload(gpu, "surfaces", input.surfaces).unwrap();
     } else {
-        b.upload(gpu, "surfaces", &mapped_rows(input.surfaces, input.uvs)).unwrap();
+        b.upload(gpu, "surfaces", &mapped_surfaces(input.surfaces, input.uvs)).unwrap();
     }
     b.upload(gpu, "normals", &input.appearance.normals).unwrap();
     b.upload(gpu, "materials", &input.appearance.materials).unwrap();
@@ -379,7 +379,7 @@ pub fn upload(gpu: &Gpu, input: &KernelInputs) -> Buffers {
     b
 }
 
-/// A list of two-word items, room for `capacity` items in all and poison behind; the rest is poisoned too.
+/// A list of two-word items, capacity for `capacity` items in all and poison behind; the rest is poisoned too.
 pub fn list(gpu: &Gpu, buffers: &mut Buffers, name: &'static str, items: &[[u32; 2]], capacity: usize) {
     let mut words = items.to_vec();
     words.resize(capacity.max(items.len()) + SPARE, [POISON; 2]);

@@ -86,7 +86,7 @@ fn frames_are_the_same_whatever_the_adapter_has() {
     let less: [(&str, Less); 4] = [
         ("64-bit atomics", |gpu| (gpu.has.lanes, gpu.has.atomics64) = (false, false)),
         ("f64", |gpu| (gpu.has.lanes, gpu.has.f64) = (false, false)),
-        // SAFETY: what the kernels read and write is what this very test holds against checked ones
+        // SAFETY: what the kernels read and write is what this very test compares with checked ones
         ("checks by pair", |gpu| unsafe {
             gpu.has.lanes = false;
             gpu.without_checks();

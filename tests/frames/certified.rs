@@ -164,7 +164,7 @@ fn a_planted_error_is_wrong() {
 
 /// Lists that grow, small bindings that cut the image and the scene, and jobs one after the other: one map.
 #[test]
-fn the_map_is_the_same_however_the_frame_is_cut() {
+fn the_map_is_the_same_however_the_frame_is_split() {
     let scene = scene(soup(&mut Rng(9), 3000, 0.1));
     for (name, camera) in cameras() {
         let Some(whole) = certified(&scene, &camera, Without::Nothing) else { return };

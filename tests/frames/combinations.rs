@@ -66,8 +66,8 @@ fn rival(culls: bool) -> Option<Choice> {
     Some(Choice { technique, parameter: technique.parameter.as_ref().map_or(0, |parameter| parameter.default) })
 }
 
-/// Images with a hole on all triangles.
-fn cut(scene: &mut Scene) {
+/// Gives all triangles an alpha mask.
+fn mask(scene: &mut Scene) {
     let mesh = Arc::make_mut(&mut scene.mesh);
     let rgba = [1.0, 0.0].map(|opacity| [0.9, 0.6, 0.3, opacity].map(f16::from_f32)).to_vec();
     let texels = Arc::new(Texels { width: 2, height: 1, rgba });
@@ -153,7 +153,7 @@ impl Case {
             Feature::Moving => run.moving = true,
             // its scene is there from the start
             Feature::Caustics => {}
-            Feature::Holes => cut(&mut self.scene),
+            Feature::AlphaMasks => mask(&mut self.scene),
             Feature::Shadows => self.scene.ambient_occlusion = Some(AmbientOcclusion { rays: 4, reach: 1.0 }),
             Feature::Curves => self.camera = layered::wavy(2, 0.5, false, SIZE),
             Feature::Optics | Feature::Bounces => {

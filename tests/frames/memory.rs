@@ -31,7 +31,7 @@ fn triangle(lists: Lists) -> f64 {
 const VERTEX: f64 = 24.0;
 const NORMAL: f64 = 12.0;
 
-/// Visibility, and what tiles of 64 pixels have: a node and its share of those above, a cell, a first cell, and room for 4 pairs.
+/// Visibility, and what tiles of 64 pixels have: a node and its share of those above, a cell, a first cell, and capacity for 4 pairs.
 fn pixel(lists: Lists) -> f64 {
     8.0 + (96.0 * 16.0 / 15.0 + 48.0 + 4.0 + lists.tile + 4.0 * lists.pair) / 64.0
 }

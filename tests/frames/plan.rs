@@ -299,7 +299,7 @@ fn nodes_of_one_affine_bundle_bound_it_tightly() {
 }
 
 #[test]
-fn the_key_has_room_for_every_id() {
+fn the_key_has_bits_for_every_id() {
     let (_, kind) = glc_of_each_class().swap_remove(0);
     let camera = camera(kind, (16, 16), FORWARD);
     for (triangles, bits) in
@@ -340,7 +340,7 @@ fn what_is_left_out_is_said() {
             has_normals: true,
             has_uvs: true,
             has_images: true,
-            has_holes: true,
+            has_alpha_masks: true,
             has_gloss: true,
             has_sky: true,
             has_shadows: true,
@@ -366,7 +366,7 @@ fn what_is_left_out_is_said() {
             "curves",
             "slabs",
             "ray residuals",
-            "cells apart in cull",
+            "separate bounds per cell",
             "bounce, fit and meet",
             "bands",
             "second depth dispatch"
@@ -386,7 +386,7 @@ fn what_is_left_out_is_said() {
         "certify",
         "smooth normals",
         "textures",
-        "holes",
+        "alpha masks",
         "gloss",
         "sky",
         "shadows",
@@ -404,7 +404,7 @@ fn what_is_left_out_is_said() {
     assert!(!field.contains(&"ray residuals".into()));
     let discontinuous =
         camera(mesh_camera(1, 16, 16, MeshShape { discontinuous: true, ..MeshShape::default() }), SIZE, FORWARD);
-    assert!(!whats(&discontinuous, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"cells apart in cull".into()));
+    assert!(!whats(&discontinuous, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"separate bounds per cell".into()));
     let pieces = camera(mesh_camera(1, 4, 4, MeshShape::default()), SIZE, FORWARD);
     assert!(!whats(&pieces, true, &all, HAS_ALL, LAVAPIPE_BINDING).contains(&"ray residuals".into()));
     let chain = whats(&layered::chain(1, 2, (2, 2), MeshShape::default(), SIZE), true, &all, HAS_ALL, LAVAPIPE_BINDING);

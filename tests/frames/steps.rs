@@ -6,7 +6,7 @@ use crate::common;
 use anamorph::internals::camera::Camera;
 use anamorph::internals::engine::RunOptions;
 use anamorph::internals::engine::bounces::bounces;
-use anamorph::internals::engine::buffer_table::{Bytes, Lasts, Row, table};
+use anamorph::internals::engine::buffer_table::{BufferSpec, Bytes, Lasts, table};
 use anamorph::internals::engine::changes::Dirty;
 use anamorph::internals::engine::plan::variant::variant;
 use anamorph::internals::engine::plan::{Plan, SceneContents, SceneExtent, Wanted};
@@ -99,7 +99,7 @@ fn cases() -> Vec<Case> {
         let shown: Vec<Channel> = Channel::every().filter(|c| *c != Channel::Certified).collect();
         add("plain", plain, Wanted::of(vec![Channel::TriangleId]));
         add("rich", rich, Wanted { channels: shown.clone(), ..all.clone() });
-        add("holes", SceneContents { has_holes: true, ..rich }, Wanted { channels: shown, ..all.clone() });
+        add("alpha masks", SceneContents { has_alpha_masks: true, ..rich }, Wanted { channels: shown, ..all.clone() });
         if camera.optics.is_none() {
             add("certified", plain, all.clone());
         }
@@ -207,7 +207,7 @@ const OF_BOUNCES: [&str; 5] = ["rays_hi", "rays_lo", "paths", "nodes", "cells"];
 /// What a frame has written so far.
 struct Written<'a> {
     inputs: &'a FrameInputs<'a>,
-    rows: &'a [Row],
+    buffers: &'a [BufferSpec],
     /// Where each buffer was written last.
     at: HashMap<String, StepScope>,
     /// Of each number of bounces what was written for its rays.
@@ -216,7 +216,7 @@ struct Written<'a> {
 
 impl Written<'_> {
     fn lasts(&self, name: &str) -> Option<Lasts> {
-        self.rows.iter().find(|r| r.name == name).map(|r| r.lasts)
+        self.buffers.iter().find(|r| r.name == name).map(|r| r.lasts)
     }
 
     fn holds(&self, name: &str, at: StepScope) -> bool {
@@ -262,11 +262,11 @@ const IDLE: [(KernelId, u32, &str); 6] = [
 fn faults(
     inputs: &FrameInputs,
     steps: &[Step],
-    rows: &[Row],
+    buffers: &[BufferSpec],
     known: &mut Known,
     done: &mut BTreeSet<Done>,
 ) -> Vec<String> {
-    let mut written = Written { inputs, rows, at: HashMap::new(), bounced: BTreeSet::new() };
+    let mut written = Written { inputs, buffers, at: HashMap::new(), bounced: BTreeSet::new() };
     let mut faults = Vec::new();
     for step in steps {
         match step {
@@ -310,24 +310,24 @@ type Done = (String, KernelId, bool);
 
 #[test]
 fn every_buffer_is_in_the_table_and_written_before_it_is_read() {
-    let (rows, mut known, mut done) = (table(), Known::default(), BTreeSet::new());
+    let (buffers, mut known, mut done) = (table(), Known::default(), BTreeSet::new());
     let mut all = Vec::new();
     each_input(|name, inputs| {
         let steps = steps(inputs, Dirty::All);
-        let found = faults(inputs, &steps, &rows, &mut known, &mut done);
+        let found = faults(inputs, &steps, &buffers, &mut known, &mut done);
         all.extend(found.into_iter().map(|fault| format!("{name}: {fault}")));
     });
     assert!(all.is_empty(), "{all:#?}");
     let kernels: BTreeSet<KernelId> = done.iter().map(|d| d.1).collect();
     assert!(kernels == BTreeSet::from(KernelId::ALL), "of all kernels frames here take {kernels:?}");
     let mut differ = Vec::new();
-    for row in &rows {
-        for (list, writes) in [(row.written_by, true), (row.read_by, false)] {
+    for spec in &buffers {
+        for (list, writes) in [(spec.written_by, true), (spec.read_by, false)] {
             let found: BTreeSet<KernelId> =
-                done.iter().filter(|d| (d.0.as_str(), d.2) == (row.name, writes)).map(|d| d.1).collect();
+                done.iter().filter(|d| (d.0.as_str(), d.2) == (spec.name, writes)).map(|d| d.1).collect();
             if found != list.iter().copied().collect() || found.len() != list.len() {
                 let what = if writes { "written by" } else { "read by" };
-                differ.push(format!("{} is {what} {found:?}, the table says {list:?}", row.name));
+                differ.push(format!("{} is {what} {found:?}, the table says {list:?}", spec.name));
             }
         }
     }
@@ -365,14 +365,14 @@ fn a_step_that_is_missing_is_seen() {
         ("the clearing of the ends of tiles", |s| clears(s, "ends")),
         ("the clearing of proofs", |s| clears(s, "proofs")),
     ];
-    let (rows, mut known) = (table(), Known::default());
+    let (buffers, mut known) = (table(), Known::default());
     let mut tried = [0; 13];
     each_input(|name, inputs| {
         let all = steps(inputs, Dirty::All);
         for ((what, is_removed), tried) in less.iter().zip(&mut tried) {
             let rest: Vec<Step> = all.iter().filter(|s| !is_removed(s)).cloned().collect();
             if rest.len() < all.len() {
-                let faults = faults(inputs, &rest, &rows, &mut known, &mut BTreeSet::new());
+                let faults = faults(inputs, &rest, &buffers, &mut known, &mut BTreeSet::new());
                 assert!(!faults.is_empty(), "{name}: nothing misses {what}");
                 *tried += 1;
             }
@@ -382,8 +382,8 @@ fn a_step_that_is_missing_is_seen() {
 }
 
 #[test]
-fn rows_are_as_large_as_the_kernels_take_them() {
-    let rows = table();
+fn structs_are_as_large_as_the_kernels_take_them() {
+    let buffers = table();
     each_input(|name, inputs| {
         for step in steps(inputs, Dirty::All) {
             let Step::Pass { at, dispatches, .. } = step else { continue };
@@ -391,7 +391,8 @@ fn rows_are_as_large_as_the_kernels_take_them() {
                 let kernel = dispatch.kernel.kernel(inputs.variant(at.bounce), &inputs.plan.planes).unwrap();
                 for binding in &kernel.bindings {
                     let buffer = dispatch.renamed.iter().find(|r| r.0 == binding.name).map_or(binding.name, |r| r.1);
-                    let Some(Row { bytes: Bytes::Rows(bytes), .. }) = rows.iter().find(|r| r.name == buffer) else {
+                    let Some(BufferSpec { bytes: Bytes::Items(bytes), .. }) = buffers.iter().find(|r| r.name == buffer)
+                    else {
                         continue;
                     };
                     let item = binding.wgsl_type.strip_prefix("array<").and_then(|t| t.strip_suffix('>'));

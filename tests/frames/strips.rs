@@ -111,7 +111,7 @@ fn frames_in_flight_together_are_those_of_fresh_engines() {
     let Some(mut fresh) = engine_on(|_| ()) else { return };
     let (wanted, run) = (wanted(), RunOptions::default());
     let least = Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, recheck_items: 1, edges: 1 };
-    // lists that hold next to nothing, so that frames are found to lack room when the next is on its way
+    // lists that hold next to nothing, so that frames are found to lack capacity when the next is on its way
     for capacities in [None, Some(least)] {
         let run = RunOptions { capacities, ..run.clone() };
         let mut last: Option<Planned> = None;

@@ -42,7 +42,7 @@ fn check(name: &str, scene: &Scene, camera: &Camera, binding_limit: u64) {
     let hits = frame.u32(Channel::TriangleId).unwrap().iter().filter(|id| **id != NO_ID).count();
     assert!(hits * 10 > judged.safe.len(), "{name}: {hits} hits");
     assert_eq!((seen.wrong_safe, judged.not_near), (Some(0), 0), "{name}: {seen}");
-    // the twin decides as the reference does but for ties that rounding settles
+    // the twin decides as the reference does but for ties that rounding decides
     assert!(seen.wrong_triangle.unwrap() * 1000 <= judged.safe.len() as u64, "{name}: {seen}");
     assert!(seen.t_relative.unwrap().p99.0 <= T_ERROR && seen.z_relative.unwrap().p99.0 <= T_ERROR, "{name}: {seen}");
     assert!(seen.bary_max.unwrap().0 <= BARY_ERROR, "{name}: {seen}");

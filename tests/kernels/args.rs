@@ -36,7 +36,7 @@ fn lists() -> [List; 8] {
         (Counter::RecheckItems.index(), p.recheck_capacity, 1),
         (Counter::Edges.index(), p.edge_capacity, 1),
         (Counter::RecheckSamples.index(), p.recheck_capacity / 2, 1),
-        // blocks have room for all, which memory keeps far below this
+        // blocks have capacity for all, which memory keeps far below this
         (Counter::Blocks.index(), u32::MAX - GROUP, LANES),
     ]
 }

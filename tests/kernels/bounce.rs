@@ -243,22 +243,22 @@ fn the_kernel_has_the_rule_s_constant() {
 #[test]
 fn the_twin_bounces_rays_by_the_law() {
     use anamorph::internals::gpu::layout::{Corner, LAW_NORMALS, Optic};
-    use anamorph::internals::twin::bounded::Near3;
-    use anamorph::internals::twin::refract::{NearRay, at_facet};
+    use anamorph::internals::twin::bounded::Bounded3;
+    use anamorph::internals::twin::refract::{BoundedRay, at_facet};
     let real = Real::F64;
-    let v = |v: [f32; 3]| Near3::pair(v, [0.0; 3], real);
+    let v = |v: [f32; 3]| Bounded3::pair(v, [0.0; 3], real);
     let corner = |p_hi: [f32; 3]| Corner { p_hi, n_hi: [0.0, 1.0, 0.0], ..bytemuck::Zeroable::zeroed() };
     let corners = [corner([0.0; 3]), corner([0.0, 0.0, 4.0]), corner([4.0, 0.0, 0.0])];
     let mirror = Optic { law: LAW_NORMALS, ..bytemuck::Zeroable::zeroed() };
-    let down = at_facet(&mirror, &corners, &NearRay { p: v([1.0, 2.0, 1.5]), d: v([0.0, -3.0, 0.0]) }, real);
+    let down = at_facet(&mirror, &corners, &BoundedRay { p: v([1.0, 2.0, 1.5]), d: v([0.0, -3.0, 0.0]) }, real);
     assert!((down.place.value() - glam::DVec3::new(1.0, 0.0, 1.5)).length() < 1e-15);
     assert!((down.d.value() - glam::DVec3::Y).length() < 1e-15);
     let glass = Optic { ior_hi: 1.5, ..mirror };
-    let slanted = at_facet(&glass, &corners, &NearRay { p: v([0.0, 1.0, 1.0]), d: v([1.0, -1.0, 0.0]) }, real);
+    let slanted = at_facet(&glass, &corners, &BoundedRay { p: v([0.0, 1.0, 1.0]), d: v([1.0, -1.0, 0.0]) }, real);
     let sine = 0.5_f64.sqrt() / 1.5;
     assert!((slanted.d.value() - glam::DVec3::new(sine, -(1.0 - sine * sine).sqrt(), 0.0)).length() < 1e-15);
     // from inside it does not come out at 45 degrees
-    let back = at_facet(&glass, &corners, &NearRay { p: v([0.0, -1.0, 1.0]), d: v([1.0, 1.0, 0.0]) }, real);
+    let back = at_facet(&glass, &corners, &BoundedRay { p: v([0.0, -1.0, 1.0]), d: v([1.0, 1.0, 0.0]) }, real);
     let half = 0.5_f64.sqrt();
     assert!((back.d.value() - glam::DVec3::new(half, -half, 0.0)).length() < 1e-15);
 }

@@ -105,7 +105,7 @@ fn sampled(engine: &mut Engine) -> Result<(), String> {
     let wanted =
         Wanted { samples: SAMPLES, sample_ids: true, ..centres(&[&COLOUR[..], &[Channel::TriangleId]].concat()) };
     let seen = frame(engine, &scene, &camera, &wanted);
-    demand(seen.counts.edges > 100, "few pixels hold an edge")?;
+    demand(seen.counts.edges > 100, "few edge pixels")?;
     let wanted = centres(&[&COLOUR[..], &[Channel::TriangleId]].concat());
     let own: Vec<Frame> = sample_offsets(SAMPLES)
         .into_iter()
@@ -318,10 +318,16 @@ const PLANTED: [Planted; 29] = [
         Dispatching::ByTile,
         sampled,
     ),
-    ("edges_by_tile.wgsl", "edge_of[pixel] = row + 1u;", "edge_of[pixel] = row;", Dispatching::ByTile, sampled),
+    ("edges_by_tile.wgsl", "edge_of[pixel] = record + 1u;", "edge_of[pixel] = record;", Dispatching::ByTile, sampled),
     ("sample_by_tile.wgsl", "touches[index].xy & pixels", "touches[index].yx & pixels", Dispatching::ByTile, sampled),
-    ("sample_by_tile.wgsl", "settled(0u, nearest[k])", "settled(0u, nearest[0])", Dispatching::ByTile, sampled),
-    ("recheck_samples.wgsl", "item.y & 15u, row", "item.y & 8u, row", Dispatching::ByTile, no_holes_at_samples),
+    (
+        "sample_by_tile.wgsl",
+        "complemented_key(0u, nearest[k])",
+        "complemented_key(0u, nearest[0])",
+        Dispatching::ByTile,
+        sampled,
+    ),
+    ("recheck_samples.wgsl", "item.y & 15u, record", "item.y & 8u, record", Dispatching::ByTile, no_holes_at_samples),
     ("resolve.wgsl", "coverage += share;", "coverage += 0.5 * share;", Dispatching::ByPair, sampled),
     ("resolve.wgsl", "colour += share * beyond", "colour += 0.0 * share * beyond", Dispatching::ByPair, sampled),
     (

@@ -136,7 +136,7 @@ fn the_kernel_lists_what_its_twin_must_and_no_more_than_it_may() {
                 for (k, point) in points.iter().enumerate() {
                     let Some(count) = found.count(layer, k) else { panic!("{name}: {point} is in too many beams") };
                     let x = beams.point(*point).map(f64::from);
-                    let twin = |bound| sift(&beams.rows, beams.t_range, [x[0], x[1], x[2]], bound);
+                    let twin = |bound| sift(&beams.nodes, beams.t_range, [x[0], x[1], x[2]], bound);
                     let (must, may) = (twin(Bound::NEEDED), twin(Bound::ALLOWED));
                     let is_sane = must.len() as u32 <= count && count <= may.len() as u32;
                     assert!(is_sane, "{name}: {point}: {} <= {count} <= {}", must.len(), may.len());
@@ -188,10 +188,10 @@ fn trees_that_do_not_fit_are_cut_and_lists_that_run_over_start_at_the_top() {
     let tree = projector.trees().next().unwrap();
     for most in [1, 7, 100] {
         let beams = Beams::new(tree, most);
-        assert!(beams.rows.len() <= most && beams.rows.len() * 16 > most, "{most}: {}", beams.rows.len());
+        assert!(beams.nodes.len() <= most && beams.nodes.len() * 16 > most, "{most}: {}", beams.nodes.len());
         for point in points(DVec3::ZERO, 0.5, 4, 200) {
             let x = beams.point(point).map(f64::from);
-            let list = sift(&beams.rows, beams.t_range, [x[0], x[1], x[2]], Bound::NEEDED);
+            let list = sift(&beams.nodes, beams.t_range, [x[0], x[1], x[2]], Bound::NEEDED);
             assert!(walked(tree, point, &list) == walked(tree, point, WHOLE), "{most}: {point}");
         }
     }

@@ -99,13 +99,13 @@ fn coverage(
         let reach = reach_v + max(max(length(net[0]), length(net[1])), max(length(net[2]), length(net[3])));
         let size = reach * length(n);
         let beyond = select(MOST, 1.0, size < MOST && size * size_e < MOST);
-        let slack_n = beyond * (2.0 * reach * lost_n + 12.0 * UNIT * size + LEAST * (1.0 + reach));
-        let slack_m = beyond * (2.0 * reach * lost_m + 12.0 * UNIT * size * size_e + LEAST * (1.0 + reach) * (1.0 + size_e));
+        let error_n = beyond * (2.0 * reach * lost_n + 12.0 * UNIT * size + LEAST * (1.0 + reach));
+        let error_m = beyond * (2.0 * reach * lost_m + 12.0 * UNIT * size * size_e + LEAST * (1.0 + reach) * (1.0 + size_e));
         let plane = along(net, v0, n, span);
-        var apart = least(plane) > slack_n || largest(plane) < -slack_n;
-        apart = apart || largest(along(net, v0, cross(n, e0), span)) < -slack_m;
-        apart = apart || largest(along(net, v1, cross(n, e1), span)) < -slack_m;
-        apart = apart || largest(along(net, v2, cross(n, e2), span)) < -slack_m;
+        var apart = least(plane) > error_n || largest(plane) < -error_n;
+        apart = apart || largest(along(net, v0, cross(n, e0), span)) < -error_m;
+        apart = apart || largest(along(net, v1, cross(n, e1), span)) < -error_m;
+        apart = apart || largest(along(net, v2, cross(n, e2), span)) < -error_m;
         if !apart {
             may = with_bit(may, bit);
         }

@@ -3,18 +3,18 @@
 // Needs: Bundle, Column, NO_STRIP, Piece, Strip, TILE, either, piece_bundle, real, real3, real4, tile_corner
 // Binds: cells, pieces, tile_start
 
-// A piece, whose rows all lanes load together.
+// A piece, whose vec4s all lanes load together.
 fn lanes_piece(index: u32, lane: u32) -> Piece {
-    let row = pieces[12u * index + lane];
+    let own = pieces[12u * index + lane];
     let more = pieces[12u * index + min(8u + lane, 11u)];
-    let p = subgroupShuffle(row, 0u);
-    let px = subgroupShuffle(row, 1u);
-    let py = subgroupShuffle(row, 2u);
-    let d = subgroupShuffle(row, 3u);
-    let dx = subgroupShuffle(row, 4u);
-    let dy = subgroupShuffle(row, 5u);
-    let p_lo = subgroupShuffle(row, 6u);
-    let px_lo = subgroupShuffle(row, 7u);
+    let p = subgroupShuffle(own, 0u);
+    let px = subgroupShuffle(own, 1u);
+    let py = subgroupShuffle(own, 2u);
+    let d = subgroupShuffle(own, 3u);
+    let dx = subgroupShuffle(own, 4u);
+    let dy = subgroupShuffle(own, 5u);
+    let p_lo = subgroupShuffle(own, 6u);
+    let px_lo = subgroupShuffle(own, 7u);
     let py_lo = subgroupShuffle(more, 0u);
     let d_lo = subgroupShuffle(more, 1u);
     let dx_lo = subgroupShuffle(more, 2u);

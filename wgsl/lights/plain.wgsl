@@ -1,4 +1,4 @@
-// White distant lights without shadows: one row each, the direction of travel.
+// White distant lights without shadows: one vec4 each, the direction of travel.
 // Provides: arriving, openness
 // Needs: Arriving, Lit
 // Binds: lights

@@ -1,4 +1,4 @@
-// Distant and point lights of any colour: two rows each. The first is the direction of travel, or the position and the distance
+// Distant and point lights of any colour: two vec4s each. The first is the direction of travel, or the position and the distance
 // at which its colour applies; the second the colour, and 1 if triangles cast shadows.
 // Provides: arriving
 // Needs: Arriving, Lit, largest, reaches

@@ -1,4 +1,4 @@
-// Shadows and ambient occlusion: segments traced through the hierarchy of the scene's triangles, whose rows follow those of the lights.
+// Shadows and ambient occlusion: segments traced through the hierarchy of the scene's triangles, which follows the lights in `lights`.
 // Provides: leaf_at, node_at, openness, reaches
 // Needs: BvhNode, Found, LeafTriangle, Lit, NONE, Segment, flat_normal, largest, traced
 // Binds: lights, shading, triangles

@@ -1,12 +1,12 @@
 // Reflection by microfacets of Trowbridge and Reitz (GGX; Walter et al. 2007), and emission.
 // Provides: sent_back
-// Needs: Lit, SKY, arriving, from_around, openness, surface_row
+// Needs: Lit, SKY, arriving, from_around, openness, triangle_surface
 // Binds: materials, shading
 
 const PI: f32 = 3.14159265;
 
 fn sent_back(lit: Lit, albedo: vec3<f32>) -> vec3<f32> {
-    let material = materials[surface_row(lit.slot).w];
+    let material = materials[triangle_surface(lit.slot).w];
     let n = lit.n;
     let view = lit.view;
     let open = openness(lit);

@@ -24,7 +24,7 @@ fn light_left(pixel: u32) -> vec3<f32> {
     return paths[pixel].light;
 }
 
-// Passes that share a pixel's light add up; the planes start at 0.
+// Bounces that share a pixel's light add up; the planes start at 0.
 fn light_before(plane: u32, at: Place) -> f32 {
     return bitcast<f32>(planes[plane * at.count + at.pixel]);
 }

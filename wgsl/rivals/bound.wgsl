@@ -69,8 +69,8 @@ fn crossing(n: vec2<f32>, c: f32, m: vec2<f32>, e: f32) -> vec2<f32> {
 @vertex
 fn bound_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece: u32) -> Clipped {
     let q = pieces[piece];
-    let row = triangles[index / 3u];
-    let v = array<vec3<f32>, 3>(vertex(row.x), vertex(row.y), vertex(row.z));
+    let triangle = triangles[index / 3u];
+    let v = array<vec3<f32>, 3>(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
     let plane = camera_plane(q);
     let around = outline_corners(outlines[q.number]);
     var corner: array<vec2<f32>, 3>;
@@ -123,11 +123,11 @@ fn bound_pixel(corner: Corner) -> Drawn {
     let o = outlines[q.number];
     let at = floor(corner.position.xy);
     let ray = outline_ray(q, at - piece_origin(q));
-    let row = triangles[corner.slot];
-    let v0 = vertex(row.x);
-    let v1 = vertex(row.y);
-    let v2 = vertex(row.z);
-    let normal = file_normal(row, v0, v1, v2);
+    let triangle = triangles[corner.slot];
+    let v0 = vertex(triangle.x);
+    let v1 = vertex(triangle.y);
+    let v2 = vertex(triangle.z);
+    let normal = file_normal(triangle, v0, v1, v2);
     let m0 = v0 - ray.p;
     let t = dot(normal, m0) / dot(normal, ray.d);
     let g0 = cross(ray.d, m0);
@@ -135,8 +135,8 @@ fn bound_pixel(corner: Corner) -> Drawn {
     let ca = dot(v0 - v2, g0);
     let bc = dot(v2 - v1, cross(ray.d, v1 - ray.p));
     let inside = (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
-    if !inside || !in_range(t) || !outline_holds(o, at) || is_back_face(row.w, normal, ray.d) {
+    if !inside || !in_range(t) || !outline_holds(o, at) || is_back_face(triangle.w, normal, ray.d) {
         discard;
     }
-    return drawn(o.layer, row.w & ID_MASK, t);
+    return drawn(o.layer, triangle.w & ID_MASK, t);
 }

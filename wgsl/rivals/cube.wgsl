@@ -6,25 +6,25 @@ struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(perspective) m: vec3<f32>,
     @location(1) @interpolate(flat, either) normal: vec3<f32>,
-    @location(2) @interpolate(flat, either) row_word: u32,
+    @location(2) @interpolate(flat, either) packed_id: u32,
     @location(3) @interpolate(flat, either) face: u32,
 }
 
 @vertex
 fn cube_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) face: u32) -> Corner {
-    let row = triangles[index / 3u];
-    let v0 = vertex(row.x);
-    let v1 = vertex(row.y);
-    let v2 = vertex(row.z);
+    let triangle = triangles[index / 3u];
+    let v0 = vertex(triangle.x);
+    let v1 = vertex(triangle.y);
+    let v2 = vertex(triangle.z);
     let m = select(select(v2, v1, index % 3u == 1u), v0, index % 3u == 0u) - cube.eye;
     let on = on_face(face, m);
-    return Corner(vec4<f32>(on.x, -on.y, 0.5 * on.z, on.z), m, file_normal(row, v0, v1, v2), row.w, face);
+    return Corner(vec4<f32>(on.x, -on.y, 0.5 * on.z, on.z), m, file_normal(triangle, v0, v1, v2), triangle.w, face);
 }
 
 @fragment
 fn cube_pixel(corner: Corner) -> Drawn {
-    if is_back_face(corner.row_word, corner.normal, corner.m) {
+    if is_back_face(corner.packed_id, corner.normal, corner.m) {
         discard;
     }
-    return drawn(0u, corner.row_word & ID_MASK, on_face(corner.face, corner.m).z);
+    return drawn(0u, corner.packed_id & ID_MASK, on_face(corner.face, corner.m).z);
 }

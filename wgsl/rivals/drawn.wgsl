@@ -25,11 +25,11 @@ fn clip_place(q: vec2<f32>) -> vec2<f32> {
 }
 
 // A triangle that only one side of is visible shows the other to this ray.
-fn is_back_face(row_word: u32, normal: vec3<f32>, d: vec3<f32>) -> bool {
-    return (row_word & ONE_SIDED) != 0u && dot(normal, d) >= 0.0;
+fn is_back_face(packed_id: u32, normal: vec3<f32>, d: vec3<f32>) -> bool {
+    return (packed_id & ONE_SIDED) != 0u && dot(normal, d) >= 0.0;
 }
 
 // Counter-clockwise as the file has it.
-fn file_normal(row: vec4<u32>, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec3<f32> {
-    return cross(v1 - v0, v2 - v0) * select(1.0, -1.0, triangle_reversed(row));
+fn file_normal(triangle: vec4<u32>, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> vec3<f32> {
+    return cross(v1 - v0, v2 - v0) * select(1.0, -1.0, triangle_reversed(triangle));
 }

@@ -8,10 +8,10 @@
 fn perspective_corner(@builtin(vertex_index) index: u32) -> Clipped {
     let replica = replicas[index / 3u];
     let q = pieces[replica.y];
-    let row = triangles[replica.x];
-    let v0 = vertex(row.x);
-    let v1 = vertex(row.y);
-    let v2 = vertex(row.z);
+    let triangle = triangles[replica.x];
+    let v0 = vertex(triangle.x);
+    let v1 = vertex(triangle.y);
+    let v2 = vertex(triangle.z);
     let seen = perspective_image(q, select(select(v2, v1, index % 3u == 1u), v0, index % 3u == 0u));
     // places are pixels from the piece's origin, times s
     let size = vec2<f32>(f32(params.width), f32(params.height));
@@ -19,8 +19,8 @@ fn perspective_corner(@builtin(vertex_index) index: u32) -> Clipped {
     let place = (at + 0.5 * seen.z) / size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0) * seen.z;
     let distances = outline_distances(outlines[q.number], vec3<f32>(at, seen.z));
     let t = q.h_hi * seen.z + q.hx_hi * seen.x + q.hy_hi * seen.y;
-    let normal = file_normal(row, v0, v1, v2);
-    return Clipped(vec4<f32>(place, 0.5 * seen.z, seen.z), distances, t, normal, row.w, replica.y);
+    let normal = file_normal(triangle, v0, v1, v2);
+    return Clipped(vec4<f32>(place, 0.5 * seen.z, seen.z), distances, t, normal, triangle.w, replica.y);
 }
 
 @fragment

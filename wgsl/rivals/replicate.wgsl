@@ -4,7 +4,7 @@
 // Needs: CULLING, Cone, item_index, outline_corners, perspective_image, piece_origin, vertex, winding
 // Binds: cones, draw_args, outlines, pieces, replicas, triangles
 
-// Rows of the arguments of an indirect draw: vertices, instances, first vertex, first instance.
+// Arguments of an indirect draw: vertices, instances, first vertex, first instance.
 const VERTICES: u32 = 0u;
 
 // All three corners, as (s x, s y, s), lie outside the line from a to b, c being inside.
@@ -15,7 +15,7 @@ fn all_outside(a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, seen: array<vec3<f32>, 
 }
 
 // Roundings of an angle: of its cosine next to 1, whose arc is the root of twice that, and of the eye.
-const ANGLE_SLACK: f32 = 2e-3;
+const ANGLE_TOLERANCE: f32 = 2e-3;
 // A cap up to here holds the triangle of corners that it holds; radians.
 const WIDEST: f32 = 1.5;
 
@@ -27,7 +27,7 @@ fn may_see(some: Cone, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> bool {
     let axis = normalize(a + b + c);
     let angle = arc(min(dot(axis, a), min(dot(axis, b), dot(axis, c))));
     // what is not a number, of a corner in the eye, is seen
-    return !(angle < WIDEST && arc(dot(some.axis, axis)) > some.angle + angle + ANGLE_SLACK);
+    return !(angle < WIDEST && arc(dot(some.axis, axis)) > some.angle + angle + ANGLE_TOLERANCE);
 }
 
 fn arc(cosine: f32) -> f32 {
@@ -44,14 +44,14 @@ fn replicate(
     if slot >= arrayLength(&triangles) {
         return;
     }
-    let row = triangles[slot];
-    if all(row == vec4<u32>(0u)) {
-        // room behind the last row
+    let triangle = triangles[slot];
+    if all(triangle == vec4<u32>(0u)) {
+        // capacity behind the last triangle
         return;
     }
-    let v0 = vertex(row.x);
-    let v1 = vertex(row.y);
-    let v2 = vertex(row.z);
+    let v0 = vertex(triangle.x);
+    let v1 = vertex(triangle.y);
+    let v2 = vertex(triangle.z);
     for (var k = 0u; k < arrayLength(&cones); k++) {
         let some = cones[k];
         if CULLING && !may_see(some, v0, v1, v2) {

@@ -7,7 +7,7 @@ struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(perspective) t: f32,
     @location(1) @interpolate(flat, either) normal: vec3<f32>,
-    @location(2) @interpolate(flat, either) row_word: u32,
+    @location(2) @interpolate(flat, either) packed_id: u32,
     @location(3) @interpolate(flat, either) piece: u32,
 }
 
@@ -17,7 +17,7 @@ struct Clipped {
     @builtin(clip_distances) distances: array<f32, 3>,
     @location(0) @interpolate(perspective) t: f32,
     @location(1) @interpolate(flat, either) normal: vec3<f32>,
-    @location(2) @interpolate(flat, either) row_word: u32,
+    @location(2) @interpolate(flat, either) packed_id: u32,
     @location(3) @interpolate(flat, either) piece: u32,
 }
 
@@ -27,8 +27,8 @@ fn seen_through(corner: Corner) -> Drawn {
     let o = outlines[q.number];
     let at = floor(corner.position.xy);
     let ray = outline_ray(q, at - piece_origin(q));
-    if !in_range(corner.t) || !outline_holds(o, at) || is_back_face(corner.row_word, corner.normal, ray.d) {
+    if !in_range(corner.t) || !outline_holds(o, at) || is_back_face(corner.packed_id, corner.normal, ray.d) {
         discard;
     }
-    return drawn(o.layer, corner.row_word & ID_MASK, corner.t);
+    return drawn(o.layer, corner.packed_id & ID_MASK, corner.t);
 }

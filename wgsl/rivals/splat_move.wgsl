@@ -42,14 +42,14 @@ fn splat_move_corner(@builtin(vertex_index) index: u32) -> Clipped {
 
 @fragment
 fn splat_move_pixel(corner: Corner) -> Drawn {
-    let row = triangles[cell_slot(corner.cell)];
+    let triangle = triangles[cell_slot(corner.cell)];
     let q = pieces[cell_piece(corner.cell)];
     let o = outlines[q.number];
     let at = floor(corner.position.xy);
     let ray = outline_ray(q, at - piece_origin(q));
-    let normal = file_normal(row, vertex(row.x), vertex(row.y), vertex(row.z));
-    if !in_range(corner.t) || !outline_holds(o, at) || is_back_face(row.w, normal, ray.d) {
+    let normal = file_normal(triangle, vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
+    if !in_range(corner.t) || !outline_holds(o, at) || is_back_face(triangle.w, normal, ray.d) {
         discard;
     }
-    return drawn(o.layer, row.w & ID_MASK, corner.t);
+    return drawn(o.layer, triangle.w & ID_MASK, corner.t);
 }

@@ -1,5 +1,5 @@
 // warp: vertices where the camera shows them, edges straight between them (Brosz et al. 2007; Popescu et al., section 4.2).
-// Every triangle is first cut into 4^LEVELS. An instance is a piece.
+// Every triangle is first split into 4^LEVELS. An instance is a piece.
 // Needs: Clipped, Corner, Drawn, clip_place, file_normal, image_of, outline_distances, piece_origin, seen_through, vertex
 // Binds: outlines, pieces, triangles
 
@@ -27,10 +27,10 @@ fn part_weights(part: u32, corner: u32) -> vec3<f32> {
 @vertex
 fn warp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece: u32) -> Clipped {
     let parts = 1u << (2u * LEVELS);
-    let row = triangles[index / 3u / parts];
-    let v0 = vertex(row.x);
-    let v1 = vertex(row.y);
-    let v2 = vertex(row.z);
+    let triangle = triangles[index / 3u / parts];
+    let v0 = vertex(triangle.x);
+    let v1 = vertex(triangle.y);
+    let v2 = vertex(triangle.z);
     let w = part_weights(index / 3u % parts, index % 3u);
     let q = pieces[piece];
     let image = image_of(q, w.x * v0 + w.y * v1 + w.z * v2);
@@ -38,8 +38,8 @@ fn warp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) piece
     let width = select(image.width, -image.width, image.t < 0.0);
     let at = piece_origin(q) + image.place;
     let distances = outline_distances(outlines[q.number], vec3<f32>(at, 1.0) * width);
-    let normal = file_normal(row, v0, v1, v2);
-    return Clipped(vec4<f32>(clip_place(at), 0.5, 1.0) * width, distances, image.t, normal, row.w, piece);
+    let normal = file_normal(triangle, v0, v1, v2);
+    return Clipped(vec4<f32>(clip_place(at), 0.5, 1.0) * width, distances, image.t, normal, triangle.w, piece);
 }
 
 @fragment

@@ -26,11 +26,11 @@ fn share_of(k: u32, some: u32) -> f32 {
 }
 
 // The samples that see what the first of those left does, the k-th of all that is seen.
-fn seen_next(k: u32, row: u32, left: u32) -> u32 {
+fn seen_next(k: u32, record: u32, left: u32) -> u32 {
     if k < count {
         return groups[k];
     }
-    return seen_alike(row, left);
+    return seen_alike(record, left);
 }
 
 // The sum of all shares.
@@ -38,7 +38,7 @@ fn whole() -> f32 {
     return select(f32(SAMPLES), 1.0, measured);
 }
 
-fn measure(pixel: u32, row: u32) {
+fn measure(pixel: u32, record: u32) {
     measured = false;
     count = 0u;
     var nothing = KEPT_MAX;
@@ -47,7 +47,7 @@ fn measure(pixel: u32, row: u32) {
         if count == KEPT_MAX {
             return;
         }
-        let some = seen_alike(row, left);
+        let some = seen_alike(record, left);
         groups[count] = some;
         left &= ~some;
         count += 1u;
@@ -55,9 +55,9 @@ fn measure(pixel: u32, row: u32) {
 
     for (var k = 0u; k < count; k++) {
         let n = nearest_to(centre_of(groups[k]), groups[k]);
-        if all(key_of(row, n) == vec2<u32>(0u)) {
+        if all(key_of(record, n) == vec2<u32>(0u)) {
             nothing = k;
-        } else if !find_lines(k, pixel, row, n) {
+        } else if !find_lines(k, pixel, record, n) {
             return;
         }
     }
@@ -118,8 +118,8 @@ fn off_count(k: u32, some: u32) -> f32 {
 }
 
 // The edge lines of a triangle about the pixel's centre; false if it is seen edge-on.
-fn find_lines(k: u32, pixel: u32, row: u32, sample: u32) -> bool {
-    let key = ~key_of(row, sample);
+fn find_lines(k: u32, pixel: u32, record: u32, sample: u32) -> bool {
+    let key = ~key_of(record, sample);
     let x = pixel % params.width;
     let y = pixel / params.width;
     let ray = sample_ray(key_layer(key), x, y, sample);

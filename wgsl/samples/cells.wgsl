@@ -14,18 +14,18 @@ fn all_samples() -> u32 {
     return 0xffffffffu >> (32u - SAMPLES);
 }
 
-fn cell_row(cell: u32) -> u32 {
+fn cell_at(cell: u32) -> u32 {
     return cell * (SAMPLES + 2u);
 }
 
 fn pixels_in_part(cell: u32) -> vec2<u32> {
-    return cell_samples[cell_row(cell)];
+    return cell_samples[cell_at(cell)];
 }
 
 fn pixels_whole(cell: u32) -> vec2<u32> {
-    return cell_samples[cell_row(cell) + 1u];
+    return cell_samples[cell_at(cell) + 1u];
 }
 
 fn pixels_of_sample(cell: u32, sample: u32) -> vec2<u32> {
-    return cell_samples[cell_row(cell) + 2u + sample];
+    return cell_samples[cell_at(cell) + 2u + sample];
 }

@@ -123,7 +123,7 @@ fn four(tile: u32, lane: u32, first: u32, part: vec2<u32>, whole: vec2<u32>) -> 
     );
 }
 
-// The pixels that contain an edge: what else may be seen there may lie before what is seen, or this does not cover all.
+// The edge pixels: what else may be seen there may lie before what is seen, or this does not cover all.
 fn edge_pixels(f: Four) -> u32 {
     return row_bits(f.part & ((f.near <= f.far) | (f.far < vec4<f32>(-ENDLESS))));
 }

@@ -11,7 +11,7 @@ fn recheck_hits(
     at: vec2<u32>,
     first: u32,
     some: u32,
-    row: u32,
+    record: u32,
     triangle: vec4<u32>,
     flat: Flat,
     v: array<real3, 3>,
@@ -27,7 +27,7 @@ fn recheck_hits(
         if is_between(perturbed(b, real(params.scene_size)), v) {
             let met = flat_meeting(flat, b);
             if met.visible {
-                merge(row * (SAMPLES + 1u) + 1u + n, ~visibility_key(tile_layer(cell.tile), met.t, triangle_id(triangle)));
+                merge(record * (SAMPLES + 1u) + 1u + n, ~visibility_key(tile_layer(cell.tile), met.t, triangle_id(triangle)));
             }
         }
     }

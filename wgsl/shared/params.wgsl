@@ -1,4 +1,4 @@
-// Rows that the host writes and kernels read; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
+// Structs that the host writes and kernels read, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
 // Provides: BRANCH, CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_FRAGMENTS_KEPT,
 //   COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_RECHECK_ITEMS, COUNT_RECHECK_SAMPLES,
 //   COUNT_SORTED, COUNT_TASKS, COUNT_WORK, Cell, Cluster, GROUP, LANES, LEVEL_CELL, NONE, Node, PERTURB_LOST, Params, Piece, RAYS_AFFINE,
@@ -27,7 +27,7 @@ const COUNT_PAIRS_TESTED: u32 = 18u;
 const COUNT_TASKS: u32 = 19u;
 const COUNT_SORTED: u32 = 20u;         // pairs in runs of tiles
 // These stay while pairs are listed anew, and so are the last.
-const COUNT_EDGES: u32 = 21u;          // pixels that contain an edge
+const COUNT_EDGES: u32 = 21u;          // edge pixels
 const COUNT_BLOCKS: u32 = 22u;         // of strips of four of their samples
 const COUNT_RECHECK_SAMPLES: u32 = 23u;
 const COUNTERS: u32 = 24u;

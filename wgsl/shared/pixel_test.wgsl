@@ -1,5 +1,5 @@
 // Tests a triangle against four rays at once: coverage, proven by f32, and depth, in recheck arithmetic.
-// Provides: FARTHEST, INFINITE, farthest, given, is_behind, lines_of, reach_of, settled, shared_of, size, test_pixels
+// Provides: FARTHEST, INFINITE, complemented_key, farthest, given, is_behind, lines_of, reach_of, shared_of, size, test_pixels
 // Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_LOST, REAL_UNIT, SLABBED, Strip, ordered_bits, real, real3, real4, real_from_bits,
 //   real_to_bits, size3, triangle_id, triangle_reversed
 // Binds: params
@@ -163,7 +163,7 @@ fn is_behind(seen: Extent, t: f32) -> bool {
 }
 
 // The complemented visibility key of a depth key, 0 of none.
-fn settled(layer: u32, key: real) -> vec2<u32> {
+fn complemented_key(layer: u32, key: real) -> vec2<u32> {
     var bits = ordered_bits(key);
     let mask = vec2<u32>(u32(key_mask() & 0xfffffffflu), u32(key_mask() >> 32u));
     let id = bits.x & mask.x;

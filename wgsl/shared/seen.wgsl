@@ -3,12 +3,12 @@
 //   says_what_is_seen
 // Needs: NONE, Place
 
-// Whether the pixel has a ray in this pass.
+// Whether the pixel has a ray at this bounce.
 fn has_path(x: u32, y: u32) -> bool {
     return true;
 }
 
-// Whether the ray bounces on this surface and continues in the next pass.
+// Whether the ray bounces on this surface and continues at the next bounce.
 fn goes_on(id: u32) -> bool {
     return false;
 }
@@ -30,7 +30,7 @@ fn light_before(plane: u32, at: Place) -> f32 {
     return 0.0;
 }
 
-// Whether this pass writes the planes that are not colours.
+// Whether this bounce writes the planes that are not colours.
 fn says_what_is_seen() -> bool {
     return true;
 }

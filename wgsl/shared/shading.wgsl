@@ -10,13 +10,13 @@ struct Shading {
     curve: u32,
     filter_width: f32,      // of images, in pixels
     shadow_bvh_scale: f32,  // factor of coordinates in the hierarchy that shadow rays are traced in
-    sky: u32,               // the row of the material whose image is the light from all around; NONE: there is none
+    sky: u32,               // index of the material whose image is the light from all around; NONE: there is none
     sky_strength: f32,
     sky_rotation: f32,
     sky_is_seen: u32,
     occlusion_rays: u32,    // by which it is found how much is near a hit; 0: that does not count
     occlusion_reach: f32,
-    nodes_first: u32,       // rows of `lights` where the hierarchy begins that hides them, and where its triangles do
+    nodes_first: u32,       // indices in `lights` where the hierarchy begins that hides them, and where its triangles do
     leaves_first: u32,
     irradiance: array<vec4<f32>, 9>,
 }

@@ -1,12 +1,12 @@
 // Surface normals, and the light that arrives at a surface.
 // Provides: Arriving, Lit, NORMALS, flat_normal, in_file_order, largest, reach_of, received, stored_normal, surface_normal
-// Needs: NONE, Ray, arriving, corner_order, openness, surface_row, triangle_order, vertex
+// Needs: NONE, Ray, arriving, corner_order, openness, triangle_order, triangle_surface, vertex
 // Binds: normals, shading
 
 // Whether the scene has vertex normals.
 override NORMALS: bool = true;
 
-// A row's weights as the file orders its corners.
+// Weights of stored corners as the file orders them.
 fn in_file_order(w: vec3<f32>, triangle: vec4<u32>) -> vec3<f32> {
     let order = corner_order(triangle_order(triangle));
     return clamp(vec3<f32>(w[order.x], w[order.y], w[order.z]), vec3<f32>(0.0), vec3<f32>(1.0));
@@ -28,7 +28,7 @@ fn flat_normal(triangle: vec4<u32>, direction: vec3<f32>) -> vec3<f32> {
 
 // The unit normal on the viewer's side: from the file, or else the triangle's.
 fn surface_normal(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec3<f32> {
-    let surface = surface_row(slot);
+    let surface = triangle_surface(slot);
     let n = flat_normal(triangle, ray.d);
     if NORMALS && surface.x != NONE && surface.y != NONE && surface.z != NONE {
         let far = vertex(triangle.x) - ray.p;

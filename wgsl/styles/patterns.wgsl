@@ -1,6 +1,6 @@
 // Patterns that are cut out of the world: src/geometry/pattern.rs has them at a point, here are their means over what a pixel covers.
 // Provides: STYLED, pattern_at, tangents
-// Needs: RayDifferential, ShadedHit, flat_normal, surface_row
+// Needs: RayDifferential, ShadedHit, flat_normal, triangle_surface
 // Binds: materials, shading, triangles
 
 const STYLED: bool = true;
@@ -18,7 +18,7 @@ fn tangents(hit: ShadedHit) -> RayDifferential {
 
 // What the material's colour is multiplied by.
 fn pattern_at(hit: ShadedHit) -> vec3<f32> {
-    let material = materials[surface_row(hit.slot).w];
+    let material = materials[triangle_surface(hit.slot).w];
     if material.pattern == 0u {
         return vec3<f32>(1.0);
     }

@@ -1,13 +1,13 @@
 // Colours of surfaces with images on them.
 // Provides: Footprint, TEXTURED, surface_albedo, surface_uv
 // Needs: NONE, NORMALS, Ray, RayDifferential, corner_order, corner_uv, flat_normal, has_uv, image_mean, image_place, on_triangle, real,
-//   real3, stored_normal, surface_row, triangle_order, vertex, weights_at
+//   real3, stored_normal, triangle_order, triangle_surface, vertex, weights_at
 // Binds: materials, shading
 
 const TEXTURED: bool = true;
 
 fn surface_albedo(slot: u32, triangle: vec4<u32>, ray: Ray, differential: RayDifferential) -> vec3<f32> {
-    let material = materials[surface_row(slot).w];
+    let material = materials[triangle_surface(slot).w];
     if material.texture == NONE || !has_uv(slot) {
         return material.diffuse;
     }
@@ -26,7 +26,7 @@ fn surface_uv(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec2<f32> {
     return vec2<f32>(f32(u), f32(1.0 - v));
 }
 
-// Weights of a row's corners in recheck arithmetic: an image may lie on a triangle a thousand times.
+// Weights of stored corners in recheck arithmetic: an image may lie on a triangle a thousand times.
 fn hit_weights(triangle: vec4<u32>, ray: Ray) -> real3 {
     let p = real3(ray.p);
     let d = real3(ray.d);
@@ -61,10 +61,10 @@ fn footprint(slot: u32, triangle: vec4<u32>, ray: Ray, differential: RayDifferen
     return f;
 }
 
-// How the cosine between the corners' normals and a ray of unit direction changes from a row's first corner to its second and third,
+// How the cosine between the corners' normals and a ray of unit direction changes from the first stored corner to the second and third,
 // relative to the cosine of the triangle itself.
 fn cosine_change(slot: u32, triangle: vec4<u32>, d: vec3<f32>) -> vec2<f32> {
-    let surface = surface_row(slot);
+    let surface = triangle_surface(slot);
     if !NORMALS || surface.x == NONE || surface.y == NONE || surface.z == NONE {
         return vec2<f32>(0.0);
     }

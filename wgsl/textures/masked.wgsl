@@ -1,11 +1,12 @@
-// Triangles with holes where their images are not opaque. What a hole is follows from the first level alone, whatever the camera: holes
-// are part of the scene's shape.
+// Triangles with alpha masks. Whether a point is masked follows from the image's first level alone, whatever the camera: masks are part of
+// the scene's shape.
 // Provides: is_there
-// Needs: Bundle, NONE, bilinear, corner_uv, has_uv, image_place, into_image, on_triangle, real3, surface_row, vertex_real, wrap_u, wrap_v
+// Needs: Bundle, NONE, bilinear, corner_uv, has_uv, image_place, into_image, on_triangle, real3, triangle_surface, vertex_real, wrap_u,
+//   wrap_v
 // Binds: materials, triangles
 
 fn is_there(slot: u32, b: Bundle) -> bool {
-    let material = materials[surface_row(slot).w];
+    let material = materials[triangle_surface(slot).w];
     if material.texture == NONE || material.cutoff <= 0.0 || !has_uv(slot) {
         return true;
     }

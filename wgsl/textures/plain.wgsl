@@ -1,5 +1,5 @@
 // Surfaces without images.
-// Provides: TEXTURED, surface_albedo, surface_row, surface_uv
+// Provides: TEXTURED, surface_albedo, surface_uv, triangle_surface
 // Needs: Ray, RayDifferential
 // Binds: materials, surfaces
 
@@ -13,6 +13,6 @@ fn surface_uv(slot: u32, triangle: vec4<u32>, ray: Ray) -> vec2<f32> {
     return vec2<f32>(0.0);
 }
 
-fn surface_row(slot: u32) -> vec4<u32> {
+fn triangle_surface(slot: u32) -> vec4<u32> {
     return surfaces[slot];
 }

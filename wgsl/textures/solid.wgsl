@@ -1,4 +1,4 @@
-// Triangles without holes.
+// Triangles without alpha masks.
 // Provides: is_there
 // Needs: Bundle
 

@@ -40,7 +40,7 @@ pub fn roots(pinhole: &Pinhole, layout: Layout, (width, height): (u32, u32)) -> 
     let side = (width / columns).min(height / rows);
     if side == 0 {
         return Err(Error::input(format!(
-            "image: {width}x{height} has no room for {columns} by {rows} faces; make it larger"
+            "image: {width}x{height} is too small for {columns} by {rows} faces; make it larger"
         )));
     }
     let start = DVec2::new(((width - columns * side) / 2) as f64, ((height - rows * side) / 2) as f64);

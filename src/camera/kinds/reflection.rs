@@ -230,7 +230,7 @@ impl Recipe for Optical {
             }
             (mode, _) => {
                 let law = if mode == Mode::Flat { Law::Flat { eye: central()? } } else { Law::Normals };
-                let (facets, off) = self.cut(&eye, law, setting)?;
+                let (facets, off) = self.tessellate(&eye, law, setting)?;
                 let n = facets.triangles.len();
                 let off = off.map(|px| format!(", off by {px:.3} px (95th percentile)")).unwrap_or_default();
                 let (facets, as_of) = self.matched(facets)?;
@@ -253,11 +253,11 @@ impl Optical {
         let Some(count) = self.cameras else { return Ok((facets, String::new())) };
         let coarse = self.source.facets(Some(count)).map_err(|e| e.at("camera"))?;
         let n = coarse.triangles.len();
-        Ok((facets.shot_at(&coarse), format!(" that turn rays as {n} camera facet{} would", plural(n))))
+        Ok((facets.shot_at(&coarse), format!(" that reflect rays as {n} camera facet{} would", plural(n))))
     }
 
     /// The facets; and their error in pixels if their number follows from it.
-    fn cut(&self, eye: &Camera, law: Law, setting: &Setting) -> Result<(Facets, Option<f64>)> {
+    fn tessellate(&self, eye: &Camera, law: Law, setting: &Setting) -> Result<(Facets, Option<f64>)> {
         let at = |e: Error| e.at("camera");
         let Some(most) = self.facets_error else { return Ok((self.source.facets(None).map_err(at)?, None)) };
         let once = |surface| Optics { depth: 1, ..self.optics.with(surface, None) };

@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3};
 /// Most cells: pieces, two a cell, are numbered in 32 bits.
 const STRIPS_MAX: u64 = 1 << 30;
 
-/// The key `strips`, which leaves no room for `pieces`.
+/// The key `strips`, which excludes `pieces`.
 pub fn read(table: &Table) -> Result<Option<u32>> {
     let Some(field) = table.get("strips") else { return Ok(None) };
     if table.has("pieces") || table.has("error") {

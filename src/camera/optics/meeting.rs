@@ -238,7 +238,7 @@ mod tests {
                     }
                     let n = smooth.normal(0, place).normalize();
                     let d = ray.direction.normalize();
-                    // through it and back by turns
+                    // through it and back alternately
                     let direction = if hit == 0 { d - 2.0 * d.dot(n) * n } else { d + 0.3 * n };
                     (ray, starts) = (Ray { origin: place, direction }, true);
                 }

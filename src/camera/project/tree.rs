@@ -108,7 +108,7 @@ fn push(nodes: &mut Vec<Node>, leaves: &[Leaf], bits: u32) -> Beam {
     beam
 }
 
-/// The key of a place in an image of `size`, both in px: bits of its column and row by turns (Morton 1966).
+/// The key of a place in an image of `size`, both in px: bits of its column and row interleaved (Morton 1966).
 pub fn place_key(place: DVec2, size: DVec2) -> u64 {
     let steps = f64::from(1u32 << KEY_BITS);
     let along = |share: f64| (share * steps).clamp(0.0, steps - 1.0) as u64;

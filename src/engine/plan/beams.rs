@@ -1,4 +1,4 @@
-//! A tree of beams as rows in f32 that are never narrower than it, and points in the same units.
+//! A tree of beams in f32, rounded outwards, and points in the same units.
 
 use crate::camera::project::tree::{INNER, Node, Tree};
 use crate::gpu::layout::{self, NONE};
@@ -6,15 +6,15 @@ use glam::DVec3;
 
 /// What `sift` knows of a tree.
 pub struct Beams {
-    pub rows: Vec<layout::Beam>,
-    /// Ends of t_range in the rows' units.
+    pub nodes: Vec<layout::Beam>,
+    /// Ends of t_range in the nodes' units.
     pub t_range: [f32; 2],
     anchor: DVec3,
-    /// The length that is 1 in the rows: a power of 2.
+    /// The length that is 1 in the nodes: a power of 2.
     unit: f64,
 }
 
-/// Bytes of a row.
+/// Bytes of a node.
 pub const BEAM_BYTES: u64 = size_of::<layout::Beam>() as u64;
 
 /// Smallest nonzero magnitude that is stored, so that no quotient overflows and no value is flushed to 0.
@@ -31,16 +31,16 @@ const T_MOST: f64 = ENDLESS * ENDLESS * 32.0;
 
 /// Relative error bound: a point and its distance to an end, rounded to f32 (four times 2^-24), plus the bound of the f64 tree
 /// ([`crate::camera::project::beam::ROUNDING`], 2^-34).
-const POINT_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
+const POINT_ERROR: f64 = 1.0 / (1u64 << 22) as f64;
 
 impl Beams {
-    /// At most `most` rows (one at least): what is below the last ones is left to the tree itself.
+    /// At most `most` nodes (one at least): what is below the last ones is left to the tree itself.
     pub fn new(tree: &Tree, most: usize) -> Beams {
         let mut below = 1;
-        let mut kept = cut(&tree.nodes, below);
+        let mut kept = subtrees(&tree.nodes, below);
         while kept.len() > most.max(1) {
             below *= 2;
-            kept = cut(&tree.nodes, below);
+            kept = subtrees(&tree.nodes, below);
         }
         let size = |ends: fn(&Node) -> [DVec3; 2]| {
             let all = kept.iter().flat_map(|&k| ends(&tree.nodes[k as usize])).filter(|v| v.is_finite());
@@ -48,7 +48,7 @@ impl Beams {
         };
         let d_unit = power_above(size(|n| n.beam.d));
         let unit = power_above(size(|n| n.beam.p)).max(d_unit);
-        let row = |&k: &u32| {
+        let packed = |&k: &u32| {
             let node = &tree.nodes[k as usize];
             let ([p_lo, p_hi], [d_lo, d_hi]) = (node.beam.p, node.beam.d);
             let v = |v: DVec3, round: fn(f64) -> f32| v.to_array().map(|v| round(v.clamp(-ENDLESS, ENDLESS)));
@@ -64,10 +64,10 @@ impl Beams {
             }
         };
         let [t0, t1] = tree.t_range.map(|t| (t * (d_unit / unit)).clamp(-T_MOST, T_MOST));
-        Beams { rows: kept.iter().map(row).collect(), t_range: [down(t0), up(t1)], anchor: tree.anchor, unit }
+        Beams { nodes: kept.iter().map(packed).collect(), t_range: [down(t0), up(t1)], anchor: tree.anchor, unit }
     }
 
-    /// A point in the rows' units, and its tolerance; a negative one where it is too far away.
+    /// A point in the nodes' units, and its tolerance; a negative one where it is too far away.
     pub fn point(&self, point: DVec3) -> [f32; 4] {
         let x = (point - self.anchor) / self.unit;
         let size = x.abs().max_element();
@@ -75,12 +75,12 @@ impl Beams {
             return [0.0, 0.0, 0.0, -1.0];
         }
         let [x, y, z] = x.to_array().map(|v| v as f32);
-        [x, y, z, up(POINT_SLACK * size)]
+        [x, y, z, up(POINT_ERROR * size)]
     }
 }
 
 /// Nodes from the top down to those with at most `below` nodes, themselves included, in preorder.
-fn cut(nodes: &[Node], below: u32) -> Vec<u32> {
+fn subtrees(nodes: &[Node], below: u32) -> Vec<u32> {
     let mut kept = Vec::new();
     let mut k = 0;
     while let Some(node) = nodes.get(k as usize) {

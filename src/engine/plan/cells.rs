@@ -11,7 +11,7 @@ pub struct Part {
     pub rays: Vec<TileRay>,
 }
 
-/// A cell of this many pixels is cut no further: hardly a triangle fewer would be paired with it.
+/// A cell of this many pixels is split no further: hardly a triangle fewer would be paired with it.
 const PIXELS_MIN: usize = 4;
 
 impl Part {
@@ -21,7 +21,7 @@ impl Part {
     }
 
     /// Those before column or row `at`, and those from it on.
-    fn cut(&self, along: fn(u32) -> u32, at: u32) -> [Part; 2] {
+    fn split(&self, along: fn(u32) -> u32, at: u32) -> [Part; 2] {
         let mut parts = [0, 1].map(|_| Part { mask: 0, rays: Vec::new() });
         for (bit, ray) in self.pixels() {
             let part = &mut parts[usize::from(along(bit) >= at)];
@@ -36,17 +36,17 @@ impl Part {
     }
 }
 
-/// Cuts discontinuous rays along the columns or rows that leave them most nearly affine on both sides, until none are discontinuous.
+/// Splits discontinuous rays along the columns or rows that leave them most nearly affine on both sides, until none are discontinuous.
 pub fn cells_of(whole: Part) -> Vec<Part> {
     if whole.rays.len() <= PIXELS_MIN || !whole.fit().is_loose() {
         return vec![whole];
     }
     let looseness = |part: &Part| part.rays.len() as f64 * part.fit().looseness();
     let axes: [fn(u32) -> u32; 2] = [|bit| bit % TILE, |bit| bit / TILE];
-    let cuts = axes.into_iter().flat_map(|along| (1..TILE).map(move |at| (along, at)));
-    let cuts = cuts.map(|(along, at)| whole.cut(along, at)).filter(|parts| parts.iter().all(|p| p.mask != 0));
+    let splits = axes.into_iter().flat_map(|along| (1..TILE).map(move |at| (along, at)));
+    let splits = splits.map(|(along, at)| whole.split(along, at)).filter(|parts| parts.iter().all(|p| p.mask != 0));
     let cost = |parts: &[Part; 2]| parts.iter().map(looseness).sum::<f64>();
-    let best = cuts.map(|parts| (cost(&parts), parts)).min_by(|a, b| a.0.total_cmp(&b.0));
+    let best = splits.map(|parts| (cost(&parts), parts)).min_by(|a, b| a.0.total_cmp(&b.0));
     match best {
         Some((_, parts)) => parts.into_iter().flat_map(cells_of).collect(),
         None => vec![whole],
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_is_cut_where_it_is() {
+    fn a_jump_is_split_where_it_is() {
         let parts = cells_of(tile(|_, y| if y < 4 { 0.0 } else { 2.0 }));
         let masks: Vec<u64> = parts.iter().map(|p| p.mask).collect();
         assert_eq!(masks, [0x0000_0000_ffff_ffff, 0xffff_ffff_0000_0000]);
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_cut_into_small_cells_and_no_pixel_is_lost() {
+    fn noise_is_split_into_small_cells_and_no_pixel_is_lost() {
         let parts = cells_of(tile(|x, y| f64::from((x * 37 + y * 101) * (x + 3 * y) % 17)));
         assert_eq!(parts.iter().map(|p| p.mask).fold(0, |all, m| all ^ m), u64::MAX);
         assert_eq!(parts.iter().map(|p| p.mask.count_ones()).sum::<u32>(), 64);

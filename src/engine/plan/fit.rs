@@ -16,9 +16,9 @@ pub struct Fit {
     pub rays: u32,
 }
 
-/// What f32 rounding of a node's row and of what kernels compute from it may add to its radii, relative to the sizes
+/// What f32 rounding of a node and of what kernels compute from it may add to its radii, relative to the sizes
 /// summed and the radii themselves: four roundings of 2^-24.
-const NODE_SLACK: f64 = 1.0 / (1u64 << 22) as f64;
+const NODE_ERROR: f64 = 1.0 / (1u64 << 22) as f64;
 /// Residuals below this share of the rays' size are rounding of the fit itself: 64 samples of some 2^-50 each.
 const FIT_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 /// Rays stray that lie farther from their fit than this share of its slopes: twice that is a Newton step's tolerance in
@@ -90,15 +90,15 @@ impl Fit {
     }
 
     /// As kernels read it: a bound of the rays, perturbed or not, in a scene of this size.
-    pub fn row(&self, scene_size: f64) -> layout::Node {
+    pub fn packed(&self, scene_size: f64) -> layout::Node {
         let (size_p, size_d) = self.sizes();
         let (r_p, r_d) = (self.r_p + PERTURB * scene_size, self.r_d + PERTURB * size_d);
         let v = |v: DVec3| v.as_vec3().to_array();
         layout::Node {
             p: v(self.p[0]),
-            r_p: (r_p + NODE_SLACK * (size_p + r_p)) as f32,
+            r_p: (r_p + NODE_ERROR * (size_p + r_p)) as f32,
             px: v(self.p[1]),
-            r_d: (r_d + NODE_SLACK * (size_d + r_d)) as f32,
+            r_d: (r_d + NODE_ERROR * (size_d + r_d)) as f32,
             py: v(self.p[2]),
             rays: self.rays,
             d: v(self.d[0]),

@@ -59,20 +59,20 @@ impl Hierarchy {
         self.tree.refit_all();
     }
 
-    /// Those of all triangles that light may meet, from both sides, nodes and triangles as rows of four words each.
-    pub fn words(&self, scene: &Scene) -> HierarchyWords {
-        let (nodes, mut leaves) = self.scaled_rows(scene, self.scale);
+    /// Those of all triangles that light may meet, from both sides, nodes and triangles as vec4s.
+    pub fn packed(&self, scene: &Scene) -> PackedBvh {
+        let (nodes, mut leaves) = self.scaled_nodes_and_leaves(scene, self.scale);
         leaves.iter_mut().for_each(|leaf| leaf.one_sided = 0);
         let [nodes, leaves] = [bytemuck::cast_slice(&nodes).to_vec(), bytemuck::cast_slice(&leaves).to_vec()];
-        HierarchyWords { nodes, leaves, scale: self.scale }
+        PackedBvh { nodes, leaves, scale: self.scale }
     }
 
-    /// The rows of the nodes, the root first, and of the triangles in the order of the leaves; of none, one that nothing meets.
-    pub fn rows(&self, scene: &Scene) -> (Vec<BvhNode>, Vec<LeafTriangle>) {
-        self.scaled_rows(scene, 1.0)
+    /// The nodes, the root first, and the triangles in the order of the leaves; without triangles, one node that nothing meets.
+    pub fn nodes_and_leaves(&self, scene: &Scene) -> (Vec<BvhNode>, Vec<LeafTriangle>) {
+        self.scaled_nodes_and_leaves(scene, 1.0)
     }
 
-    fn scaled_rows(&self, scene: &Scene, scale: f32) -> (Vec<BvhNode>, Vec<LeafTriangle>) {
+    fn scaled_nodes_and_leaves(&self, scene: &Scene, scale: f32) -> (Vec<BvhNode>, Vec<LeafTriangle>) {
         if self.count == 0 {
             return (vec![BvhNode { lo: [0.0; 3], first: 0, hi: [0.0; 3], count: 1 }], vec![LeafTriangle::zeroed()]);
         }
@@ -82,9 +82,9 @@ impl Hierarchy {
             BvhNode { lo, first: n.first_index, hi, count: n.prim_count }
         };
         let leaf = |id: &u32| {
-            let row = row(scene, self.anchor, *id);
-            let [v0, v1, v2] = [row.v0, row.v1, row.v2].map(|corner| corner.map(|v| v * scale));
-            LeafTriangle { v0, v1, v2, ..row }
+            let leaf = leaf_triangle(scene, self.anchor, *id);
+            let [v0, v1, v2] = [leaf.v0, leaf.v1, leaf.v2].map(|corner| corner.map(|v| v * scale));
+            LeafTriangle { v0, v1, v2, ..leaf }
         };
         (self.tree.nodes.par_iter().map(node).collect(), self.tree.primitive_indices.par_iter().map(leaf).collect())
     }
@@ -92,14 +92,14 @@ impl Hierarchy {
 
 /// A hierarchy as the kernels that light follow it in.
 #[derive(Debug, Clone)]
-pub struct HierarchyWords {
+pub struct PackedBvh {
     pub nodes: Vec<[f32; 4]>,
     pub leaves: Vec<[f32; 4]>,
     pub scale: f32,
 }
 
-/// A triangle's row.
-pub fn row(scene: &Scene, anchor: DVec3, id: u32) -> LeafTriangle {
+/// A triangle as kernels read it.
+pub fn leaf_triangle(scene: &Scene, anchor: DVec3, id: u32) -> LeafTriangle {
     let mesh = &scene.mesh;
     let [v0, v1, v2] = mesh.triangles[id as usize].map(|v| (mesh.positions[v as usize] - anchor).as_vec3().to_array());
     let one_sided = u32::from(!mesh.materials[mesh.material_of[id as usize] as usize].two_sided);
@@ -132,8 +132,8 @@ mod tests {
         let scene = scene();
         let mut tree = Hierarchy::build(&scene, DVec3::ZERO, 0).unwrap();
         tree.refit(&scene);
-        let words = tree.words(&scene);
-        assert_eq!((words.nodes.len(), words.leaves.len()), (2, 3));
+        let packed = tree.packed(&scene);
+        assert_eq!((packed.nodes.len(), packed.leaves.len()), (2, 3));
     }
 
     #[test]
@@ -141,8 +141,8 @@ mod tests {
         for size in [1e-12, 1.0, 3.7, 1e30] {
             let mut scene = scene();
             Arc::make_mut(&mut scene.mesh).positions.iter_mut().for_each(|p| *p *= size);
-            let words = Hierarchy::build(&scene, DVec3::ZERO, 20).unwrap().words(&scene);
-            let largest = words.leaves.iter().flat_map(|r| &r[..3]).fold(0.0, |most: f32, v| most.max(v.abs()));
+            let packed = Hierarchy::build(&scene, DVec3::ZERO, 20).unwrap().packed(&scene);
+            let largest = packed.leaves.iter().flat_map(|r| &r[..3]).fold(0.0, |most: f32, v| most.max(v.abs()));
             assert!(largest > 0.25 && largest <= 1.0, "{size}: {largest}");
         }
     }
@@ -192,11 +192,11 @@ mod tests {
     fn boxes_hold_what_is_below_them_also_after_it_moved() {
         let mut scene = scene();
         let mut tree = Hierarchy::build(&scene, DVec3::splat(0.25), scene.mesh.triangles.len()).unwrap();
-        let (nodes, leaves) = tree.rows(&scene);
+        let (nodes, leaves) = tree.nodes_and_leaves(&scene);
         assert_whole(&nodes, &leaves);
         Arc::make_mut(&mut scene.mesh).positions.iter_mut().for_each(|p| *p = DVec3::new(p.y + 1.0, 2.0 * p.z, p.x));
         tree.refit(&scene);
-        let (nodes, leaves) = tree.rows(&scene);
+        let (nodes, leaves) = tree.nodes_and_leaves(&scene);
         assert_whole(&nodes, &leaves);
     }
 }

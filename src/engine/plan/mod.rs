@@ -1,10 +1,10 @@
 //! The plan: what a frame needs, worked out before the GPU is touched. Pure functions of camera, scene and limits.
 //!
-//! The image is cut into bands of whole tile rows that fit the adapter's bindings. Every band has its tiles ([`tiles`]:
+//! The image is split into bands of whole tile rows that fit the adapter's bindings. Every band has its tiles ([`tiles`]:
 //! which pixels belong to which piece) and a tree of nodes over them ([`nodes`]: bounds on the rays of each square, affine
-//! ones by [`fit`]). Where a field's rays jump inside a tile, it is cut up ([`cells`]). The tiles of a chain's layers, and of
-//! the spans of curved rays, lie stacked as [`slabs`]. Of rays that a mirror or a lens turns the tree is made on the GPU,
-//! by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]).
+//! ones by [`fit`]). Where a field's rays jump inside a tile, it is split ([`cells`]). The tiles of a chain's layers, and of
+//! the spans of curved rays, lie stacked as [`slabs`]. Of rays that a mirror or a lens reflects or refracts, the tree is made
+//! on the GPU by the kernel `fit`, and level by level as here. To project points the image has another tree ([`beams`]).
 
 pub mod beams;
 pub mod cells;
@@ -55,8 +55,8 @@ pub struct SceneContents {
     pub has_uvs: bool,
     /// Images lie on triangles.
     pub has_images: bool,
-    /// Some of them cut holes into these.
-    pub has_holes: bool,
+    /// Some of them are alpha masks.
+    pub has_alpha_masks: bool,
     /// Some material is not matte.
     pub has_gloss: bool,
     /// Light comes from all around by an image of it.
@@ -84,7 +84,7 @@ impl SceneContents {
             has_normals: !mesh.normals.is_empty(),
             has_uvs: !mesh.corner_uvs.is_empty(),
             has_images: mesh.is_textured(),
-            has_holes: mesh.has_holes(),
+            has_alpha_masks: mesh.has_alpha_masks(),
             has_gloss: mesh.materials.iter().any(Material::is_glossy),
         }
     }
@@ -148,7 +148,7 @@ impl Wanted {
     /// Images on triangles, or where they lie, are part of it.
     fn is_textured(&self, of: SceneContents) -> bool {
         let any = |which: &[Channel]| self.channels.iter().any(|c| which.contains(c));
-        of.has_holes
+        of.has_alpha_masks
             || of.has_images && self.needs_appearance()
             || of.has_sky && self.has_colour()
             || of.has_uvs && any(&[Channel::TextureU, Channel::TextureV])
@@ -255,7 +255,7 @@ impl Plan {
         planes.sort_unstable();
         planes.dedup();
         let table_bytes = match variant.rays {
-            // a row of `paths`
+            // an item of `paths`
             RaysKind::Pieces | RaysKind::Field if variant.optics.is_some() => 32,
             RaysKind::Pieces => 0,
             RaysKind::Field => 24,
@@ -306,7 +306,7 @@ impl Plan {
     }
 }
 
-/// What is to be cut into bands.
+/// The image, to be split into bands.
 #[derive(Clone, Copy)]
 struct View<'a> {
     camera: &'a Camera,
@@ -315,7 +315,7 @@ struct View<'a> {
     sample_offsets: &'a [DVec2],
 }
 
-/// Cuts rows of the image into bands whose every buffer fits a binding.
+/// Splits rows of the image into bands whose every buffer fits a binding.
 fn bands(view: View, own: Rows, pixel_bytes: u64, binding_limit: u64) -> Vec<Band> {
     let View { camera, slabs, .. } = view;
     let tile = crate::camera::TILE as u64;
@@ -357,8 +357,8 @@ impl Band {
             RaysKind::Curves { degree } => Some(CurveTable::new(camera, degree, row, rows)),
             _ => None,
         };
-        let cutting = tiles::Cutting { camera, slabs, curves: curves.as_ref(), sample_offsets, anchor, row, rows };
-        let (tiles, sampled) = cutting.cut();
+        let tiler = tiles::Tiler { camera, slabs, curves: curves.as_ref(), sample_offsets, anchor, row, rows };
+        let (tiles, sampled) = tiler.tiles();
         let nodes = nodes::Nodes::new(
             &sampled,
             (tiles.tiles_x, tiles.tiles_y),
@@ -414,10 +414,10 @@ fn left_out(
         say("ray residuals", "every node holds one affine piece".into());
     }
     if !bands.iter().any(|b| b.nodes.discontinuous) {
-        say("cells apart in cull", "no rays jump inside a tile".into());
+        say("separate bounds per cell", "no rays jump inside a tile".into());
     }
     match camera.optics.as_ref().map(|o| o.smooth_count()) {
-        None => say("bounce, fit and meet", "there is no mirror or lens".into()),
+        None => say("bounce, fit and meet", "the camera has no mirror or lens".into()),
         Some(0) => say("meet", "the mirror or lens is made of triangles".into()),
         Some(_) => {}
     }
@@ -437,8 +437,8 @@ fn left_out(
         (true, false) => say("textures", "no colour asked for".into()),
         _ => {}
     }
-    if !contents.has_holes {
-        say("holes", "no image cuts any into triangles".into());
+    if !contents.has_alpha_masks {
+        say("alpha masks", "no material has one".into());
     }
     if !contents.has_sky {
         say("sky", "no image lights the scene from all around".into());

@@ -92,9 +92,9 @@ impl Nodes {
             let all = || fits.iter().map(|s| s.fit);
             nodes.exact &= all().all(|f| f.rays == RAYS_AFFINE || f.rays == RAYS_NONE);
             nodes.discontinuous |= k == 1 && all().any(|f| f.rays == RAYS_DISCONTINUOUS);
-            nodes.nodes.extend(all().map(|f| f.row(measure.scene_size)));
+            nodes.nodes.extend(all().map(|f| f.packed(measure.scene_size)));
         }
-        nodes.nodes.extend(tiles.iter().flat_map(|tile| &tile.each).map(|f| f.row(measure.scene_size)));
+        nodes.nodes.extend(tiles.iter().flat_map(|tile| &tile.each).map(|f| f.packed(measure.scene_size)));
         nodes
     }
 

@@ -14,8 +14,8 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Placed {
     pub texels: Arc<Texels>,
-    /// Its opacity counts: colours are stored times it.
-    pub is_cut: bool,
+    /// It is an alpha mask: its opacity counts, and colours are stored times it.
+    pub is_masked: bool,
     pub page: u32,
     /// Of its first level, texels.
     pub origin: [u32; 2],
@@ -68,7 +68,12 @@ impl Pages {
                 )));
             }
             let index = *known.entry((Arc::as_ptr(texels), cutoff.is_some())).or_insert_with(|| {
-                pages.images.push(Placed { texels: texels.clone(), is_cut: cutoff.is_some(), page: 0, origin: [0; 2] });
+                pages.images.push(Placed {
+                    texels: texels.clone(),
+                    is_masked: cutoff.is_some(),
+                    page: 0,
+                    origin: [0; 2],
+                });
                 pages.images.len() - 1
             });
             pages.image_of.push(Some(index));
@@ -110,13 +115,13 @@ impl Pages {
 
     /// The same images in the same places, whatever materials show them.
     pub fn has_the_images_of(&self, other: &Pages) -> bool {
-        let place = |p: &Placed| (Arc::as_ptr(&p.texels), p.is_cut, p.page, p.origin);
+        let place = |p: &Placed| (Arc::as_ptr(&p.texels), p.is_masked, p.page, p.origin);
         let size = |p: &Pages| [p.width, p.height, p.count];
         size(self) == size(other) && self.images.iter().map(place).eq(other.images.iter().map(place))
     }
 
     /// A material as kernels read it; `index` is its own.
-    pub fn row(&self, index: usize, material: &Material) -> layout::Material {
+    pub fn packed(&self, index: usize, material: &Material) -> layout::Material {
         let plain = layout::Material {
             diffuse: material.diffuse,
             texture: layout::NONE,

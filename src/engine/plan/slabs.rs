@@ -12,7 +12,7 @@ use crate::gpu::layout::BRANCH;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Slabs {
     pub layers: u32,
-    /// Into how many equal spans of t each layer is cut.
+    /// Into how many equal spans of t each layer is split.
     pub spans: u32,
 }
 
@@ -47,7 +47,7 @@ impl Slabs {
     }
 }
 
-/// How kernels hold a camera's rays.
+/// How kernels store a camera's rays.
 pub fn kind(camera: &Camera) -> RaysKind {
     match camera.layers.as_slice() {
         [Rays::Field(_)] => RaysKind::Field,

@@ -1,4 +1,4 @@
-//! Tiles of 8 x 8 pixels, cut into cells: the pixels of one tile that one piece owns. Each slab has its own tiles.
+//! Tiles of 8 x 8 pixels, split into cells: the pixels of one tile that one piece owns. Each slab has its own tiles.
 
 use super::cells::{Part, cells_of};
 use super::curves::{CurveTable, Net, nets};
@@ -25,7 +25,7 @@ pub struct Tiles {
     /// Where pixels have samples: of each cell the pixels that have any sample there, those that have all, and those that have
     /// each; low word first.
     pub cell_samples: Vec<[u32; 2]>,
-    /// The pieces of the band, in order of first use; each row carries its number in the camera.
+    /// The pieces of the band, in order of first use; each carries its number in the camera.
     pub pieces: Vec<layout::Piece>,
 }
 
@@ -89,9 +89,9 @@ pub struct TileFits {
     pub each: Vec<Fit>,
 }
 
-/// Rows `row .. row + rows` of an image to be cut.
+/// Splits rows `row .. row + rows` of an image into tiles.
 #[derive(Clone, Copy)]
-pub struct Cutting<'a> {
+pub struct Tiler<'a> {
     pub camera: &'a Camera,
     pub slabs: Slabs,
     pub curves: Option<&'a CurveTable>,
@@ -112,9 +112,9 @@ struct Place {
     y: u32,
 }
 
-impl Cutting<'_> {
+impl Tiler<'_> {
     /// The tiles; and the rays that bound each and its cells.
-    pub fn cut(&self) -> (Tiles, Vec<TileFits>) {
+    pub fn tiles(&self) -> (Tiles, Vec<TileFits>) {
         let tiles_x = self.camera.width.div_ceil(TILE);
         let slab_rows = self.slabs.tile_rows(self.rows);
         let tiles_y = slab_rows * self.slabs.count();
@@ -125,7 +125,7 @@ impl Cutting<'_> {
         };
         let places: Vec<Option<Place>> = (0..tiles_x * tiles_y).map(place).collect();
         let nets = self.curves.map(|table| nets(table, tiles_x));
-        let cut = |place: &Option<Place>| {
+        let bounded = |place: &Option<Place>| {
             let (Some(place), Some(nets)) = (place, &nets) else {
                 return place.map_or_else(Default::default, |p| self.straight(p));
             };
@@ -134,7 +134,7 @@ impl Cutting<'_> {
             let whole = nets[tile as usize].as_ref().map_or_else(Fit::default, |net| Fit::of(&over(net)));
             (self.owned(*place), TileFits { whole, each: Vec::new() })
         };
-        let (owned, bounds): (Vec<TileCells>, Vec<TileFits>) = places.par_iter().map(cut).unzip();
+        let (owned, bounds): (Vec<TileCells>, Vec<TileFits>) = places.par_iter().map(bounded).unzip();
         let mut tiles = Tiles { tiles_x, tiles_y, slab_rows, start: vec![0], ..Default::default() };
         let mut node_of_cell = above_cells(tiles_x, tiles_y);
         let mut local = std::collections::HashMap::new();
@@ -142,16 +142,16 @@ impl Cutting<'_> {
             for (place, share) in place.iter().flat_map(|p| owned.iter().map(move |c| (p, c))) {
                 let piece = share.piece;
                 let number = self.camera.first_piece(place.layer) + piece;
-                let row_of = match &self.camera.layers[place.layer] {
+                let index = match &self.camera.layers[place.layer] {
                     Rays::Pieces(pieces) if self.curves.is_none() => *local.entry(number).or_insert_with(|| {
-                        tiles.pieces.push(self.piece_row(pieces, (piece, number), *place));
+                        tiles.pieces.push(self.piece_at(pieces, (piece, number), *place));
                         tiles.pieces.len() as u32 - 1
                     }),
                     _ => number,
                 };
                 let node = if bounds.each.is_empty() { k } else { node_of_cell };
                 node_of_cell += u32::from(node != k);
-                tiles.cells.push(layout::Cell { tile: k, node, ..self.cell_row(share, row_of, *place) });
+                tiles.cells.push(layout::Cell { tile: k, node, ..self.cell_at(share, index, *place) });
                 if !self.sample_offsets.is_empty() {
                     let masks = [share.any(), share.all()].into_iter().chain(share.samples.iter().copied());
                     tiles.cell_samples.extend(masks.map(|m| [m as u32, (m >> 32) as u32]));
@@ -172,7 +172,7 @@ impl Cutting<'_> {
         let whole = fit(&owned);
         let owned = match (&self.camera.layers[at.layer], owned.as_slice()) {
             (Rays::Field(field), [share]) if !field.is_reordered => self.discontinuous(at, share, field),
-            // of sorted rays no cut leaves any nearer to each other
+            // of sorted rays no split leaves any nearer to each other
             _ => owned,
         };
         let each = if owned.len() > 1 {
@@ -201,7 +201,7 @@ impl Cutting<'_> {
         let share = CellPixels { piece: 0, mask, samples: Vec::new() };
         let tile = TileRays { rays, ..TileRays::default() };
         let whole = Fit::of(&tile);
-        // of sorted rays no cut leaves any nearer to each other
+        // of sorted rays no split leaves any nearer to each other
         if field.is_reordered || !whole.is_loose() {
             return (vec![share], TileFits { whole, each: Vec::new() });
         }
@@ -305,12 +305,12 @@ impl Cutting<'_> {
     }
 
     /// A cell of a tile and a node yet to be named.
-    fn cell_row(&self, &CellPixels { piece, mask, .. }: &CellPixels, row_of: u32, at: Place) -> layout::Cell {
+    fn cell_at(&self, &CellPixels { piece, mask, .. }: &CellPixels, index: u32, at: Place) -> layout::Cell {
         let mut cell = layout::Cell {
             p: [0.0; 3],
             h: 1.0,
             d: [0.0; 3],
-            piece: row_of,
+            piece: index,
             tile: layout::NONE,
             mask_lo: mask as u32,
             mask_hi: (mask >> 32) as u32,
@@ -323,31 +323,31 @@ impl Cutting<'_> {
         cell
     }
 
-    /// A piece's row about the first pixel of a tile.
-    fn piece_row(&self, pieces: &Pieces, (piece, number): (u32, u32), at: Place) -> layout::Piece {
+    /// A piece about the first pixel of a tile.
+    fn piece_at(&self, pieces: &Pieces, (piece, number): (u32, u32), at: Place) -> layout::Piece {
         let (x, y) = (at.x * TILE, at.y * TILE);
-        row_of(&pieces.bundle_at(piece, x, y), self.anchor, [x as f32, (y - self.row) as f32], number)
+        packed_piece(&pieces.bundle_at(piece, x, y), self.anchor, [x as f32, (y - self.row) as f32], number)
     }
 }
 
-/// The row of a bundle that is centred on a pixel.
-pub fn row_of(bundle: &Bundle, anchor: DVec3, [origin_x, origin_y]: [f32; 2], number: u32) -> layout::Piece {
-    let mut row = layout::Piece { origin_x, origin_y, number, ..bytemuck::Zeroable::zeroed() };
+/// As kernels read it: a bundle that is centred on a pixel.
+pub fn packed_piece(bundle: &Bundle, anchor: DVec3, [origin_x, origin_y]: [f32; 2], number: u32) -> layout::Piece {
+    let mut packed = layout::Piece { origin_x, origin_y, number, ..bytemuck::Zeroable::zeroed() };
     let b = rebased(bundle, anchor);
     let v = |v: DVec3| {
         let s = v.to_array().map(split2);
         (s.map(|s| s[0]), s.map(|s| s[1]))
     };
-    (row.p_hi, row.p_lo) = v(b.p[0]);
-    (row.px_hi, row.px_lo) = v(b.p[1]);
-    (row.py_hi, row.py_lo) = v(b.p[2]);
-    (row.d_hi, row.d_lo) = v(b.d[0]);
-    (row.dx_hi, row.dx_lo) = v(b.d[1]);
-    (row.dy_hi, row.dy_lo) = v(b.d[2]);
-    [row.h_hi, row.h_lo] = split2(b.h[0]);
-    [row.hx_hi, row.hx_lo] = split2(b.h[1]);
-    [row.hy_hi, row.hy_lo] = split2(b.h[2]);
-    row
+    (packed.p_hi, packed.p_lo) = v(b.p[0]);
+    (packed.px_hi, packed.px_lo) = v(b.p[1]);
+    (packed.py_hi, packed.py_lo) = v(b.p[2]);
+    (packed.d_hi, packed.d_lo) = v(b.d[0]);
+    (packed.dx_hi, packed.dx_lo) = v(b.d[1]);
+    (packed.dy_hi, packed.dy_lo) = v(b.d[2]);
+    [packed.h_hi, packed.h_lo] = split2(b.h[0]);
+    [packed.hx_hi, packed.hx_lo] = split2(b.h[1]);
+    [packed.hy_hi, packed.hy_lo] = split2(b.h[2]);
+    packed
 }
 
 /// The centre of a tile: the mean of its pixels' sample places, image px.

@@ -29,7 +29,7 @@ pub fn variant(
         all_uncertain: run.arithmetic == Arithmetic::Double,
         normals: contents.has_normals,
         textured: wanted.is_textured(contents),
-        masked: contents.has_holes,
+        masked: contents.has_alpha_masks,
         glossy: (contents.has_gloss || contents.has_sky) && has_colour,
         sky: contents.has_sky && has_colour,
         lights: match (contents.has_shadows, contents.has_positional_lights) {

@@ -8,15 +8,15 @@ use crate::gpu::layout::Counter;
 pub fn kernel(variant: Variant) -> Kernel {
     let mut bindings = vec![
         params(),
-        reads("triangle_groups", variant.rows("array<Cluster>")),
-        reads("nodes", variant.rows("array<Node>")),
+        reads("triangle_groups", variant.list_type("array<Cluster>")),
+        reads("nodes", variant.list_type("array<Node>")),
         reads("tasks", "array<vec2<u32>>"),
         reads("triangles", "array<vec4<u32>>"),
         reads("vertices_hi", "array<f32>"),
         reads("cells", "array<Cell>"),
         counters(),
     ];
-    let mut own = snippets!("shared/triangle_group_rows.wgsl", "shared/by_pair.wgsl");
+    let mut own = snippets!("shared/triangle_group_load.wgsl", "shared/by_pair.wgsl");
     if variant.by_tile {
         let unsorted = writes("unsorted", "array<vec2<u32>>");
         bindings.extend([unsorted, writes("ranks", "array<u32>"), writes("ends", "array<atomic<u32>>")]);

@@ -1,10 +1,10 @@
-//! bounce: the ray of every pixel that meets the optics' surface, turned there.
+//! bounce: reflects or refracts the ray of every pixel that meets the optics' surface.
 
 use super::{Dispatch, KernelId};
 use crate::gpu::kernels::Variant;
 use crate::gpu::kernels::parts::*;
 
-/// The rays that the optics' surface turns.
+/// Bounces the rays that meet the optics' surface.
 pub fn kernel(variant: Variant) -> Kernel {
     let (surface, surface_snippets) = variant.surface();
     let mut bindings = vec![
@@ -18,7 +18,7 @@ pub fn kernel(variant: Variant) -> Kernel {
         writes("bounced_paths", "array<PathState>"),
     ];
     bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, REFRACT];
+    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_LAYOUT, REFRACT];
     let own = [variant.camera(), snippets!("bounce.wgsl")];
     let mut kernel =
         Kernel::new("bounce", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());

@@ -1,11 +1,11 @@
-//! edges: the pixels that hold an edge, whose samples do not all see one triangle; pair by pair, or tile by tile.
+//! edges: the edge pixels, whose samples do not all see one triangle; pair by pair, or tile by tile.
 
 use super::{Dispatch, KernelId};
 use crate::gpu::kernels::Variant;
 use crate::gpu::kernels::parts::*;
 use crate::gpu::layout::{self, Counter};
 
-/// The pixels that hold an edge, pair by pair.
+/// The edge pixels, pair by pair.
 pub fn kernel(variant: Variant) -> Kernel {
     let bindings = vec![
         params(),
@@ -24,14 +24,14 @@ pub fn kernel(variant: Variant) -> Kernel {
         counters(),
     ];
     // of keys the ids and layers alone are read
-    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, TRIANGLE_ROW, REAL_F32, KEY, PAIR, BITS, CELLS, WITHIN];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, PACKED_TRIANGLE, REAL_F32, KEY, PAIR, BITS, CELLS, WITHIN];
     let own = [DEPTH_BOUNDS, NEARNESS, CELL_SAMPLES, snippets!("edges.wgsl")];
     let mut kernel = Kernel::new("edges", bindings, &[&snippets[..], &own].concat());
     kernel.constants = variant.sample_constants();
     kernel
 }
 
-/// The pixels that hold an edge, tile by tile.
+/// The edge pixels, tile by tile.
 pub fn by_tile_kernel(variant: Variant) -> Kernel {
     let bindings = vec![
         params(),
@@ -51,7 +51,7 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
         counters(),
     ];
     // of keys the ids alone are read
-    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, TRIANGLE_ROW, REAL_F32, KEY, PAIR, BITS, WITHIN, COLUMN];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, PACKED_TRIANGLE, REAL_F32, KEY, PAIR, BITS, WITHIN, COLUMN];
     let four = snippets!("samples/four.wgsl");
     let own = [DEPTH_BOUNDS, LANES, NODE_BY_LANES, CELL_SAMPLES, four, snippets!("edges_by_tile.wgsl")];
     let mut kernel = Kernel::new("edges", bindings, &[&snippets[..], &own].concat());

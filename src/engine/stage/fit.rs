@@ -11,7 +11,7 @@ pub fn kernel(variant: Variant) -> Kernel {
     let mut bindings = vec![params(), step(), optic(), writes("nodes", "array<Node>"), writes("cells", "array<Cell>")];
     bindings.extend(variant.rays());
     // bounds are f32
-    let snippets = [PARAMS, ITEMS, INDEX, SLABS, BITS, REAL_F32, BUNDLE, OPTICS_ROWS];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, BITS, REAL_F32, BUNDLE, OPTICS_LAYOUT];
     let mut kernel =
         Kernel::new("fit", bindings, &[&snippets[..], &[variant.camera(), snippets!("fit.wgsl")]].concat());
     kernel.constants = variant.constants();

@@ -20,7 +20,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     let snippets = [PARAMS, ITEMS, SLABS, REAL_F32, KEY, CAUSTICS, snippets!("gather.wgsl")];
     let seen: &[Parts] = if variant.optics.is_some() {
         bindings.extend([optic(), paths()]);
-        &[OPTICS_ROWS, snippets!("caustics/bounced.wgsl")]
+        &[OPTICS_LAYOUT, snippets!("caustics/bounced.wgsl")]
     } else {
         &[snippets!("caustics/plain.wgsl")]
     };

@@ -10,7 +10,7 @@ pub fn kernel(variant: Variant) -> Kernel {
     let (surface, surface_snippets) = variant.surface();
     let mut bindings = vec![params(), step(), optic(), paths(), surface, writes("visibility", visibility)];
     bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, variant.merge(), OPTICS_ROWS, REFRACT];
+    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, variant.merge(), OPTICS_LAYOUT, REFRACT];
     let own = [variant.camera(), snippets!("meet.wgsl")];
     let mut kernel =
         Kernel::new("meet", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat());

@@ -7,7 +7,7 @@ use crate::image::frame::Channel;
 /// Lines between pixels, into the colour planes.
 pub fn kernel(planes: &[Channel]) -> Kernel {
     let bindings = vec![params(), uniform("style", "Style"), writes("planes", "array<u32>")];
-    let snippets = [PARAMS, ITEMS, snippets!("styles/rows.wgsl"), snippets!("outline.wgsl")];
+    let snippets = [PARAMS, ITEMS, snippets!("styles/layout.wgsl"), snippets!("outline.wgsl")];
     Kernel::new("outline", bindings, &snippets).with_planes(planes)
 }
 

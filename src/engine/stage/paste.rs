@@ -18,7 +18,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         writes("planes", "array<u32>"),
     ];
     bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_ROWS, REFRACT];
+    let snippets = [PARAMS, ITEMS, SLABS, variant.real(), BUNDLE, KEY, OPTICS_LAYOUT, REFRACT];
     let own = [variant.camera(), snippets!("paste.wgsl")];
     let mut kernel =
         Kernel::new("paste", bindings, &[&snippets[..], surface_snippets, &own[..], variant.pixel()].concat())

@@ -84,7 +84,7 @@ pub(super) fn into_visibility(name: &'static str, variant: Variant, own: &[Parts
         bindings.extend([reads("surfaces", "array<vec4<u32>>"), reads("materials", "array<Material>")]);
         bindings.extend(variant.pages());
     }
-    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, variant.holes()];
+    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, variant.alpha_masks()];
     let shared = [PAIR, BITS, variant.merge(), MEETING, snippets!("shared/hits.wgsl"), variant.camera()];
     let all = [&snippets[..], &shared[..], own, variant.coverage(), variant.start()].concat();
     let mut kernel = Kernel::new(name, bindings, &all);

@@ -1,4 +1,4 @@
-//! resolve: the colours of the pixels that hold an edge, from their samples.
+//! resolve: the colours of the edge pixels, from their samples.
 
 use super::{Dispatch, KernelId};
 use crate::gpu::kernels::parts::*;
@@ -25,9 +25,10 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         reads("cell_samples", "array<vec2<u32>>"),
     ];
     bindings.extend(variant.pages());
-    bindings.extend(variant.style_row());
+    bindings.extend(variant.style_binding());
     bindings.extend(variant.pixel_rays());
-    let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE_ROW, BUNDLE, KEY, SHADING, SURFACE];
+    let snippets =
+        [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), PACKED_TRIANGLE, BUNDLE, KEY, SHADING, SURFACE];
     let mut own = vec![variant.camera(), variant.images(), BITS, CELL_SAMPLES, SAMPLE_OFFSETS];
     own.push(variant.style());
     own.extend(variant.weights());

@@ -1,4 +1,5 @@
-//! sample: the samples of the pixels that hold an edge against every triangle; pair by pair, or tile by tile, and the recheck of what that leaves uncertain.
+//! sample: the samples of the edge pixels against every triangle; pair by pair, or tile by tile, and the recheck of what that leaves
+//! uncertain.
 
 use super::{Dispatch, KernelId};
 use crate::gpu::kernels::parts::*;
@@ -103,7 +104,7 @@ pub fn recheck_kernel(variant: Variant) -> Kernel {
     kernel
 }
 
-/// Keys go into the rows of samples.
+/// Keys go into the records of samples.
 const KEYS: (&str, &str) = ("visibility", "samples");
 
 /// The words of a key go in the steps of [`super::raster::raster_steps`].

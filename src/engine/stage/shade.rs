@@ -26,7 +26,7 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
         bindings.extend([optic(), paths()]);
     }
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY];
-    bindings.extend(variant.style_row());
+    bindings.extend(variant.style_binding());
     let own = [variant.camera(), SHADING, SURFACE, variant.images(), variant.style(), snippets!("shade.wgsl")];
     let mut all = [&snippets[..], &own[..], &variant.light(), variant.pixel(), variant.seen()].concat();
     all.extend(variant.weights());

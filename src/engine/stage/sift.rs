@@ -36,7 +36,7 @@ pub struct Sift<'g> {
 
 struct Layer {
     beams: Beams,
-    /// `beams`: a row each, written by the host, read by the kernel.
+    /// `beams`: the nodes of the tree, written by the host, read by the kernel.
     tables: Buffers,
     /// Of each point of the next chunk.
     slots: u32,
@@ -70,7 +70,7 @@ impl<'g> Sift<'g> {
         let layer = |tree| {
             let beams = Beams::new(tree, most);
             let mut tables = Buffers::default();
-            tables.upload(gpu, "beams", &beams.rows)?;
+            tables.upload(gpu, "beams", &beams.nodes)?;
             Ok(Layer { beams, tables, slots: SLOTS })
         };
         let layers = projector.trees().map(layer).collect::<Result<_>>()?;
@@ -89,13 +89,13 @@ impl<'g> Sift<'g> {
         let mut started = Started { points: points.len(), layers: Vec::new() };
         for Layer { beams, tables, slots } in &self.layers {
             let mut chunk = Buffers::default();
-            let rows: Vec<[f32; 4]> = points.par_iter().map(|p| beams.point(*p)).collect();
+            let packed: Vec<[f32; 4]> = points.par_iter().map(|p| beams.point(*p)).collect();
             let bytes = list_bytes(points.len(), *slots);
-            chunk.upload(gpu, "points", &rows)?;
+            chunk.upload(gpu, "points", &packed)?;
             chunk.create(gpu, "found", bytes, BufferUsages::empty())?;
-            let row = Chunk {
+            let uniform = Chunk {
                 points: points.len() as u32,
-                beams: beams.rows.len() as u32,
+                beams: beams.nodes.len() as u32,
                 slots: *slots,
                 most: SLOTS_MOST,
                 t_min: beams.t_range[0],
@@ -103,13 +103,13 @@ impl<'g> Sift<'g> {
                 pad0: 0,
                 pad1: 0,
             };
-            chunk.upload_uniform(gpu, "chunk", &row)?;
+            chunk.upload_uniform(gpu, "chunk", &uniform)?;
             let group = self.pipeline.bind(gpu, &[&chunk, tables])?;
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("sift"), timestamp_writes: None });
             pass.set_pipeline(self.pipeline.raw());
             pass.set_bind_group(0, &group, &[]);
-            dispatch_items(gpu, &mut pass, row.points);
+            dispatch_items(gpu, &mut pass, uniform.points);
             drop(pass);
             let list = readback(gpu, bytes);
             if let Some(found) = chunk.get("found") {

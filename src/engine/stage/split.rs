@@ -9,7 +9,7 @@ pub fn kernel(variant: Variant) -> Kernel {
     let mut bindings = vec![
         params(),
         reads("triangle_groups", "array<Cluster>"),
-        reads("nodes", variant.rows("array<Node>")),
+        reads("nodes", variant.list_type("array<Node>")),
         reads("cells", "array<Cell>"),
         reads("work", "array<vec2<u32>>"),
         writes("tasks", "array<vec2<u32>>"),

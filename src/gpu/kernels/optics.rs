@@ -36,12 +36,12 @@ impl OpticsKind {
 }
 
 impl Variant {
-    /// There are passes after the eye's.
+    /// Rays are bounced after this dispatch.
     pub fn bounces_rays(self) -> bool {
         self.optics.is_some_and(|o| o != OpticsKind::Atlas)
     }
 
-    /// The rays of the pass after this one's.
+    /// For the rays of the next bounce.
     pub fn after_bounce(self) -> Variant {
         Variant { rays: RaysKind::Field, incoherent: false, slabbed: false, bounced: true, ..self }
     }
@@ -54,7 +54,7 @@ impl Variant {
     /// Which triangles rays do not meet because they start there.
     pub(crate) fn start(self) -> &'static [Parts] {
         if self.bounced {
-            &[OPTICS_ROWS, snippets!("optics/start.wgsl")]
+            &[OPTICS_LAYOUT, snippets!("optics/start.wgsl")]
         } else {
             &[snippets!("shared/any_start.wgsl")]
         }
@@ -63,13 +63,13 @@ impl Variant {
     /// What a pixel shows, and what lies behind its ray.
     pub(crate) fn seen(self) -> &'static [Parts] {
         if self.optics.is_some() {
-            &[OPTICS_ROWS, snippets!("optics/seen.wgsl")]
+            &[OPTICS_LAYOUT, snippets!("optics/seen.wgsl")]
         } else {
             &[snippets!("shared/seen.wgsl")]
         }
     }
 
-    /// The surface of the optics: its rows, and how rays meet it and go on from there.
+    /// The surface of the optics: its structs, and how rays meet it and go on from there.
     pub(crate) fn surface(self) -> (Binding, &'static [Parts]) {
         const SMOOTH: Parts = snippets!("optics/smooth.wgsl");
         const MARCH: Parts = snippets!("optics/march.wgsl");

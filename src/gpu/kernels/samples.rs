@@ -4,7 +4,7 @@ use super::parts::*;
 use super::variant::{RaysKind, Variant};
 
 impl Variant {
-    /// Pixels that hold an edge have several samples.
+    /// Edge pixels have several samples.
     pub fn samples_edges(self) -> bool {
         self.samples > 1
     }
@@ -25,7 +25,7 @@ impl Variant {
         f64::from(self.samples - 1) / f64::from(2 * self.samples) * (1.0 + f64::from(f32::EPSILON))
     }
 
-    /// The constants of kernels that hold triangles against samples.
+    /// The constants of kernels that test triangles against samples.
     pub(crate) fn sample_constants(self) -> Vec<(&'static str, f64)> {
         let samples = [("SAMPLES", f64::from(self.samples)), ("SAMPLE_REACH", self.sample_reach())];
         [self.constants(), samples.to_vec()].concat()

@@ -1,4 +1,4 @@
-//! What surfaces look like brings into kernels: images and holes, light, and what is drawn on them.
+//! What surfaces look like brings into kernels: images and alpha masks, light, and what is drawn on them.
 
 use super::parts::*;
 use super::variant::{LightsKind, Variant};
@@ -19,7 +19,7 @@ impl Variant {
         if self.textured {
             return snippets!(
                 "materials/material.wgsl",
-                "textures/rows.wgsl",
+                "textures/layout.wgsl",
                 "textures/levels.wgsl",
                 "textures/mapped.wgsl",
                 "textures/filter.wgsl"
@@ -49,7 +49,7 @@ impl Variant {
     pub(crate) fn style(self) -> Parts {
         if self.styled {
             return snippets!(
-                "styles/rows.wgsl",
+                "styles/layout.wgsl",
                 "styles/shaded_hit.wgsl",
                 "styles/patterns.wgsl",
                 "styles/lines.wgsl"
@@ -59,16 +59,16 @@ impl Variant {
     }
 
     /// How that is drawn.
-    pub(crate) fn style_row(self) -> Option<Binding> {
+    pub(crate) fn style_binding(self) -> Option<Binding> {
         self.styled.then(|| uniform("style", "Style"))
     }
 
-    /// Where their holes are.
-    pub(crate) fn holes(self) -> Parts {
+    /// Their alpha masks.
+    pub(crate) fn alpha_masks(self) -> Parts {
         if self.masked {
             return snippets!(
                 "materials/material.wgsl",
-                "textures/rows.wgsl",
+                "textures/layout.wgsl",
                 "textures/levels.wgsl",
                 "textures/masked.wgsl"
             );

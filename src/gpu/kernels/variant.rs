@@ -49,7 +49,7 @@ pub struct Variant {
     pub normals: bool,
     /// Images lie on triangles, or their texture coordinates are asked for.
     pub textured: bool,
-    /// These images cut holes into triangles.
+    /// Some of these images are alpha masks.
     pub masked: bool,
     /// Some material is not matte.
     pub glossy: bool,
@@ -62,9 +62,9 @@ pub struct Variant {
     pub outlined: bool,
     /// A mirror reflects rays, or a lens refracts them.
     pub optics: Option<OpticsKind>,
-    /// The rays are those that it turned, and start on it.
+    /// The rays have bounced there, and start on it.
     pub bounced: bool,
-    /// Samples of a pixel that holds an edge, 32 at most; 1: its centre alone, and no pixel is looked at for edges.
+    /// Samples of an edge pixel, 32 at most; 1: its centre alone, and no pixel is looked at for edges.
     pub samples: u32,
     /// Of such a pixel triangles have shares by their areas, not by their samples' number.
     pub analytic: bool,
@@ -247,14 +247,14 @@ impl Variant {
         (self.incoherent && asks).then(|| reads("rays_hi", "array<f32>"))
     }
 
-    /// How a kernel sees a list of structs: as it is, or as rows that the lanes of a subgroup load together.
-    pub(crate) fn rows(self, list: &'static str) -> &'static str {
+    /// How a kernel sees a list of structs: as it is, or as vec4s that the lanes of a subgroup load together.
+    pub(crate) fn list_type(self, list: &'static str) -> &'static str {
         if self.by_tile { "array<vec4<f32>>" } else { list }
     }
 
     /// How a kernel loads the node of its item.
     pub(crate) fn item_node(self) -> Parts {
-        if self.by_tile { NODE_BY_LANES } else { snippets!("shared/node_rows.wgsl") }
+        if self.by_tile { NODE_BY_LANES } else { snippets!("shared/node_load.wgsl") }
     }
 
     /// The buffers that hold the camera's rays.

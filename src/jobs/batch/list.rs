@@ -7,7 +7,7 @@ use crate::input::load::with_tree;
 use crate::input::reader::{Field, Table};
 use crate::input::{Error, Result};
 use crate::jobs::outputs::{EXR, Kind, PICTURE, POINTS, REPORT};
-use crate::jobs::{Change, EngineName, RenderJob, words};
+use crate::jobs::{Change, EngineName, RenderJob, options};
 use std::path::{Path, PathBuf};
 
 pub struct Jobs {
@@ -201,7 +201,7 @@ impl Task<'_> {
 
     /// The command line that says all that the frame depends on but for what is in files, as if typed in the folder of the list.
     pub(crate) fn settings(&self) -> Result<Vec<String>> {
-        self.words(|path| self.short(path))
+        self.command_line(|path| self.short(path))
     }
 
     /// A path as from the folder of the list, where it is in there.
@@ -232,19 +232,19 @@ impl Task<'_> {
         key_of(&self.short(path))
     }
 
-    fn words(&self, path: impl Fn(&Path) -> PathBuf) -> Result<Vec<String>> {
+    fn command_line(&self, path: impl Fn(&Path) -> PathBuf) -> Result<Vec<String>> {
         let shown = |text: String| path(Path::new(&text)).display().to_string();
-        let mut words = vec!["render".to_owned(), shown(self.job.scene.clone())];
+        let mut line = vec!["render".to_owned(), shown(self.job.scene.clone())];
         for (flag, value) in &self.job.flags {
-            words.push((*flag).to_owned());
+            line.push((*flag).to_owned());
             if let Some(value) = value {
                 let filled = self.filled(flag, value)?;
-                words.push(if is_output(flag) { shown(filled) } else { filled });
+                line.push(if is_output(flag) { shown(filled) } else { filled });
             }
         }
-        words.extend(self.values.iter().flat_map(|(key, value)| ["--set".to_owned(), format!("{key}={value}")]));
-        words.extend(["--frame".to_owned(), self.frame.to_string()]);
-        Ok(words)
+        line.extend(self.values.iter().flat_map(|(key, value)| ["--set".to_owned(), format!("{key}={value}")]));
+        line.extend(["--frame".to_owned(), self.frame.to_string()]);
+        Ok(line)
     }
 
     /// The value of a flag: names of files have those of this task in them.
@@ -265,12 +265,12 @@ fn set(job: &mut RenderJob, flag: &str, value: String) -> std::result::Result<()
         "--exr" => job.exr = Some(value.into()),
         "--points" => job.points = Some(value.into()),
         "--report" => job.report = Some(value.into()),
-        "--size" => job.change.size = Some(words::size(&value)?),
-        "--engine" => job.engine = Some(words::engine(&value)?),
-        "--samples" => job.samples = words::samples(&value)?,
-        "--repeat" => job.repeat = Some(words::repeat(&value)?),
+        "--size" => job.change.size = Some(options::size(&value)?),
+        "--engine" => job.engine = Some(options::engine(&value)?),
+        "--samples" => job.samples = options::samples(&value)?,
+        "--repeat" => job.repeat = Some(options::repeat(&value)?),
         "--channels" => {
-            job.channels = Some(value.split(',').map(words::channels).collect::<std::result::Result<_, _>>()?)
+            job.channels = Some(value.split(',').map(options::channels).collect::<std::result::Result<_, _>>()?)
         }
         "--set" => job.change.set.push(value),
         "--analytic" => job.analytic = true,

@@ -165,7 +165,7 @@ impl<'a> Run<'a> {
         }
         drop(failures);
         if matches!(why, Error::Full(_)) {
-            self.stop(Error::Full("there is no room to write to".into()));
+            self.stop(Error::Full("the disk is full".into()));
         } else if self.fail_fast {
             self.queue.stop();
         }

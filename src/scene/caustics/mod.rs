@@ -139,8 +139,8 @@ impl Caustics {
             *material = Material {
                 diffuse: [1.0 / crate::scene::light::AMBIENT; 3],
                 two_sided: material.two_sided,
-                // light goes through its holes
-                texture: material.texture.as_ref().filter(|t| t.cuts()).map(Texture::white),
+                // light passes where it is masked
+                texture: material.texture.as_ref().filter(|t| t.has_alpha_mask()).map(Texture::white),
                 ..Material::default()
             };
         }

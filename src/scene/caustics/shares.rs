@@ -55,12 +55,12 @@ fn each_row(polygon: &[DVec2], [columns, rows]: [u32; 2], mut visit: impl FnMut(
 
 /// The part of a convex polygon with a coordinate in [at, at + 1].
 fn between(polygon: &[DVec2], axis: DVec2, at: f64) -> Vec<DVec2> {
-    let upper = cut(polygon, |p| p.dot(axis) - at);
-    cut(&upper, |p| at + 1.0 - p.dot(axis))
+    let upper = clip(polygon, |p| p.dot(axis) - at);
+    clip(&upper, |p| at + 1.0 - p.dot(axis))
 }
 
 /// The part of a convex polygon where a linear function is not below zero (Sutherland and Hodgman).
-fn cut(polygon: &[DVec2], height: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
+fn clip(polygon: &[DVec2], height: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (k, &p) in polygon.iter().enumerate() {
         let q = polygon[(k + 1) % polygon.len()];
@@ -81,7 +81,7 @@ fn area(polygon: &[DVec2]) -> f64 {
 }
 
 /// A flat triangle's shares: its density rises along the longest side to the third corner's foot and falls from there, as
-/// that of a triangle with an area; it is cut where the side crosses borders of texels.
+/// that of a triangle with an area; it is split where the side crosses borders of texels.
 fn along(from: DVec2, side: DVec2, third: DVec2, [columns, rows]: [u32; 2]) -> Vec<(usize, f64)> {
     let foot = ((third - from).dot(side) / side.length_squared()).clamp(0.0, 1.0);
     let up_to = |s: f64| {
@@ -93,16 +93,16 @@ fn along(from: DVec2, side: DVec2, third: DVec2, [columns, rows]: [u32; 2]) -> V
             1.0
         }
     };
-    let mut cuts = vec![0.0, 1.0];
+    let mut splits = vec![0.0, 1.0];
     for (axis, most) in [(0, columns), (1, rows)] {
         let (p, d) = (from[axis], side[axis]);
         let (lo, hi) = (p.min(p + d).max(-1.0), p.max(p + d).min(most as f64 + 1.0));
         if d != 0.0 {
             let crossed = (lo.ceil() as i64..=hi.floor() as i64).map(|border| (border as f64 - p) / d);
-            cuts.extend(crossed.filter(|s| *s > 0.0 && *s < 1.0));
+            splits.extend(crossed.filter(|s| *s > 0.0 && *s < 1.0));
         }
     }
-    cuts.sort_by(f64::total_cmp);
+    splits.sort_by(f64::total_cmp);
     let part = |ends: &[f64]| {
         let place = (from + (ends[0] + ends[1]) / 2.0 * side).floor();
         let inside = place.cmpge(DVec2::ZERO).all() && place.x < columns as f64 && place.y < rows as f64;
@@ -110,7 +110,7 @@ fn along(from: DVec2, side: DVec2, third: DVec2, [columns, rows]: [u32; 2]) -> V
         let share = if side == DVec2::ZERO { 1.0 } else { up_to(ends[1]) - up_to(ends[0]) };
         inside.then_some((place.y as usize * columns as usize + place.x as usize, share))
     };
-    cuts.windows(2).filter_map(part).collect()
+    splits.windows(2).filter_map(part).collect()
 }
 
 #[cfg(test)]

@@ -99,10 +99,10 @@ impl Closeups {
         let finer = texels_a_pixel(&camera, self.part);
         for (k, ((style, own), (_, of_map))) in styles(1.0).into_iter().zip(styles(finer)).enumerate() {
             let scene = Scene { style: own, ..plain.clone() };
-            let truth = self.cut(&mean(engine, &scene, &camera, TRUTH)?, camera.width);
-            let ours = self.cut(&several(engine, &scene, &camera)?, camera.width);
+            let truth = self.crop(&mean(engine, &scene, &camera, TRUTH)?, camera.width);
+            let ours = self.crop(&several(engine, &scene, &camera)?, camera.width);
             let map = Scene { style: of_map, ..plain.clone() };
-            let theirs = self.cut(&image_based(engine, &map, &camera)?, camera.width);
+            let theirs = self.crop(&image_based(engine, &map, &camera)?, camera.width);
             for (technique, short, seen) in [("this engine", "ours", ours), ("image-based", "ib", theirs)] {
                 let file = format!("closeup-{}-{}-{short}.png", self.example, k + 1);
                 let rgb: Vec<u8> = seen.iter().flatten().map(|v| toned8(plain.tone, *v)).collect();
@@ -114,7 +114,7 @@ impl Closeups {
     }
 
     /// The part of a picture.
-    fn cut(&self, picture: &[[f32; 3]], width: u32) -> Vec<[f32; 3]> {
+    fn crop(&self, picture: &[[f32; 3]], width: u32) -> Vec<[f32; 3]> {
         let [left, top, w, h] = self.part;
         let row = |y: u32| &picture[((top + y) * width + left) as usize..][..w as usize];
         (0..h).flat_map(row).copied().collect()

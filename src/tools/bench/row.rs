@@ -19,7 +19,7 @@ pub struct Row {
     /// `anamorph`, or a rival as `--engine` names it.
     pub technique: String,
     /// Distinguishes rows of the same technique in a case.
-    #[serde(rename = "way")]
+    #[serde(alias = "way")]
     pub label: Option<String>,
     /// Name and value of the swept parameter.
     #[serde(rename = "knob")]

@@ -10,7 +10,7 @@ const COLUMNS: [&str; 52] = [
     "commit",
     "case",
     "technique",
-    "way",
+    "label",
     "knob",
     "value",
     "triangles",
@@ -139,8 +139,8 @@ fn record(row: &Row) -> [String; 52] {
 /// The words of a row that people read.
 pub fn cells(row: &Row) -> [String; 7] {
     let time = row.times.as_ref().map(|t| {
-        let doubt = if t.is_trusted() { "" } else { " (?)" };
-        format!("{:.2} [{:.2}, {:.2}]{doubt}", t.median, t.quartiles[0], t.quartiles[1])
+        let untrusted = if t.is_trusted() { "" } else { " (?)" };
+        format!("{:.2} [{:.2}, {:.2}]{untrusted}", t.median, t.quartiles[0], t.quartiles[1])
     });
     let error = row.error.as_ref();
     let ids = error.filter(|e| !e.is_of_colours());

@@ -2,7 +2,7 @@
 
 use crate::input::limits;
 use crate::jobs::batch::Shard;
-use crate::jobs::words::{self, Named, REPEAT_MAX, SAMPLES_MAX};
+use crate::jobs::options::{self, Named, REPEAT_MAX, SAMPLES_MAX};
 use crate::jobs::{self, EngineName, RenderJob};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -83,7 +83,7 @@ impl Command {
 #[derive(Debug, Clone, Default, Args)]
 pub struct Change {
     /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = words::size)]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = options::size)]
     pub size: Option<(u32, u32)>,
     /// Change a value of the scene, as in camera.vfov=40; may be given more than once
     #[arg(long, value_name = "KEY=VALUE")]
@@ -109,7 +109,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub change: Change,
     /// What renders: compute (GPU), reference (CPU, f64), or a rival to measure against, as in raytrace (GPU)
-    #[arg(long, value_name = "NAME", value_parser = words::engine)]
+    #[arg(long, value_name = "NAME", value_parser = options::engine)]
     pub engine: Option<EngineName>,
     /// Rays per pixel, averaged in colour and coverage; other channels stay those of the pixel's centre
     #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 1)]
@@ -120,7 +120,7 @@ pub struct RenderArgs {
     pub analytic: bool,
     /// Channels to compute and write, as in R,G,B,Z; all: every channel of the scene and its camera except certified, mattes and
     /// motion, which can be added, as in all,motion [default with --exr: what a pixel sees]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = words::channels)]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = options::channels)]
     pub channels: Option<Vec<Named>>,
     /// Refuse a scene whose mesh files refer to images, normals or texture coordinates that do not exist
     #[arg(long)]
@@ -205,7 +205,7 @@ pub struct BatchArgs {
     #[arg(long)]
     pub resume: bool,
     /// Render the I-th of N parts of the list, of about equal cost, as in 1/4
-    #[arg(long, value_name = "I/N", value_parser = words::shard)]
+    #[arg(long, value_name = "I/N", value_parser = options::shard)]
     pub shard: Option<Shard>,
     /// Render nothing: merge the manifests of all shards into that of the list, and list the frames that are not done
     #[arg(long, conflicts_with_all = ["shard", "resume", "jobs_at_once", "adapters", "fail_fast", "progress", "log"])]
@@ -402,7 +402,7 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 }
 
 fn sifting_engine(name: &str) -> Result<EngineName, String> {
-    words::engine(name)
+    options::engine(name)
         .ok()
         .filter(|e| !matches!(e, EngineName::Rival(_)))
         .ok_or_else(|| "use compute or reference".into())

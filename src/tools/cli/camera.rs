@@ -55,7 +55,7 @@ pub fn run(args: &CameraArgs) -> Result<()> {
     if let (Some(file), Some(_)) = (&args.diagram, &camera.optics) {
         let (file, kind) = (file.display(), camera.kind);
         return Err(Error::input(format!(
-            "--diagram {file}: {kind} reflects or refracts rays, which is not drawn; use --rays RAYS.npy"
+            "--diagram {file}: {kind} reflects or refracts rays, which diagrams do not show; use --rays RAYS.npy"
         )));
     }
     if let Some(file) = &args.diagram {

@@ -2,7 +2,7 @@
 //! Yu and McMillan 2004, Brosz et al. 2007 and Popescu et al. draw theirs.
 
 mod image;
-mod sheet;
+mod layer;
 mod space;
 mod svg;
 mod view;
@@ -27,7 +27,7 @@ pub fn write(path: &Path, mesh: &Mesh, camera: &Camera) -> Result<()> {
 fn draw(mesh: &Mesh, camera: &Camera) -> String {
     let mut svg = Svg::new(DVec2::new(1240.0, 600.0));
     let title = format!("{}, {} x {} pixels", camera.kind, camera.width, camera.height);
-    svg.words("title", DVec2::new(24.0, 32.0), &title);
+    svg.text("title", DVec2::new(24.0, 32.0), &title);
     image::draw(&mut svg, Frame::new(24.0, 48.0, 460.0, 500.0), camera);
     space::draw(&mut svg, Frame::new(516.0, 48.0, 700.0, 490.0), mesh, camera);
     svg.finish()

@@ -47,7 +47,7 @@ pub fn write_pieces(path: &FilePath, spec: &CameraSpec, camera: &Camera) -> Resu
     if camera.optics.is_some() {
         let kind = camera.kind;
         return Err(Error::input(format!(
-            "--export: {kind} reflects or refracts rays, which no mesh camera does; use --rays RAYS.npy"
+            "--export: {kind} reflects or refracts rays, which mesh cameras cannot represent; use --rays RAYS.npy"
         )));
     }
     let mut layers = match spec.kind.recipe::<MeshCameraSpec>() {

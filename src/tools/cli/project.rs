@@ -45,7 +45,7 @@ pub fn run(args: &ProjectArgs) -> Result<()> {
     if camera.optics.is_some() {
         let kind = camera.kind;
         return Err(Error::input(format!(
-            "camera: {kind} reflects or refracts rays, and points are not looked for after that; use another kind"
+            "camera: {kind} reflects or refracts rays; points cannot be projected through it; use another kind"
         )));
     }
     outputs::check(&inputs, args.output.iter().map(|path| (path.as_path(), outputs::IMAGES)))?;

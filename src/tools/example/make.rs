@@ -135,7 +135,7 @@ fn deformation(columns: u64, rows: u64) -> Part {
 }
 
 /// `surround.obj`: 400 triangles around a walker: the sides of a rounded square box, two for each of 20 x 9 cells from
-/// the top left, then its lid and its base by turns. In an image of 20 x 10 cells the sides unfold in one piece.
+/// the top left, then its lid and its base alternately. In an image of 20 x 10 cells the sides unfold in one piece.
 pub fn barrel() -> Vec<(&'static str, Part)> {
     const AROUND: usize = 20;
     const UP: usize = 9;

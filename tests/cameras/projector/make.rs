@@ -8,7 +8,7 @@ use std::path::Path;
 
 pub const SIZE: (u32, u32) = (24, 18);
 
-/// Points are sums of some twenty products of numbers up to 10, and angles of some turns: 2^-53 each, with room for the
+/// Points are sums of some twenty products of numbers up to 10, and angles of some turns: 2^-53 each, with a margin for the
 /// order of evaluation.
 pub const ROUNDING: f64 = 1e-13;
 

@@ -42,7 +42,7 @@ pub enum Plot {
 pub const SUITES: [Suite; 7] = [
     Suite {
         name: "papers",
-        asks: "what each paper measured, by this engine and by the paper's own way, on stand-ins of the same counts",
+        asks: "what each paper measured, by this engine and by the paper's own technique, on stand-ins of the same counts",
         plot: Plot::Error,
         cases: papers::cases,
         quick: papers::quick,

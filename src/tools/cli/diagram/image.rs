@@ -10,7 +10,7 @@ const PIECES_MAX: usize = 5000;
 const NUMBERED_MAX: usize = 64;
 /// Cells of the grid that stands for a layer without pieces, across and down.
 const CELLS: (u32, u32) = (24, 18);
-/// Room for a picture's label above it, px.
+/// Space for a picture's label above it, px.
 const LABEL_PX: f64 = 20.0;
 
 pub fn draw(svg: &mut Svg, frame: Frame, camera: &Camera) {
@@ -19,35 +19,35 @@ pub fn draw(svg: &mut Svg, frame: Frame, camera: &Camera) {
     let cell = frame.size / DVec2::new(columns as f64, count.div_ceil(columns) as f64);
     for (k, layer) in camera.layers.iter().enumerate() {
         let lo = frame.lo + cell * DVec2::new((k % columns) as f64, (k / columns) as f64);
-        let room = Frame { lo: lo + DVec2::Y * LABEL_PX, size: cell - DVec2::new(12.0, LABEL_PX + 4.0) };
-        let picture = room.fitted(DVec2::new(camera.width.into(), camera.height.into()));
+        let area = Frame { lo: lo + DVec2::Y * LABEL_PX, size: cell - DVec2::new(12.0, LABEL_PX + 4.0) };
+        let picture = area.fitted(DVec2::new(camera.width.into(), camera.height.into()));
         let label = match layer {
             Rays::Pieces(pieces) => draw_pieces(svg, picture, camera, k, pieces),
             Rays::Field(_) | Rays::Curves(_) => draw_grid(svg, picture, camera, k),
         };
         svg.polygon("frame", &picture.corners());
         let name = if count == 1 { "image".into() } else { format!("layer {k}") };
-        svg.words("label", picture.lo - DVec2::Y * 6.0, &format!("{name}: {label}"));
+        svg.text("label", picture.lo - DVec2::Y * 6.0, &format!("{name}: {label}"));
     }
 }
 
 /// Draws the pieces of a layer, and says how many.
 fn draw_pieces(svg: &mut Svg, picture: Frame, camera: &Camera, layer: usize, pieces: &Pieces) -> String {
     let size = DVec2::new(camera.width.into(), camera.height.into());
-    let on_sheet = |q: DVec2| picture.lo + q / size * picture.size;
+    let on_page = |q: DVec2| picture.lo + q / size * picture.size;
     let count = pieces.pieces.len();
     let step = count.div_ceil(PIECES_MAX);
     svg.layer(layer, &picture, |svg| {
         for (k, piece) in pieces.pieces.iter().enumerate().step_by(step) {
             let corners = match &piece.corners_px {
-                Some(corners) => corners.map(on_sheet).to_vec(),
+                Some(corners) => corners.map(on_page).to_vec(),
                 None => picture.corners().to_vec(),
             };
             svg.polygon("piece", &corners);
             if count <= NUMBERED_MAX {
                 let middle = corners.iter().sum::<DVec2>() / corners.len() as f64;
                 let number = camera.first_piece(layer) as usize + k;
-                svg.words("number", middle + DVec2::Y * 3.5, &number.to_string());
+                svg.text("number", middle + DVec2::Y * 3.5, &number.to_string());
             }
         }
     });

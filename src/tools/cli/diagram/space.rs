@@ -1,6 +1,6 @@
 //! The scene with the camera's volume: near surface, far ends, sample rays or projectors, and slits.
 
-use super::sheet::{Box3, Sheet};
+use super::layer::{Box3, LayerDrawing};
 use super::svg::{Frame, Svg};
 use super::view::View;
 use super::wires::{self, Wires};
@@ -13,36 +13,37 @@ const SLIT_REACH: f64 = 1.5;
 
 pub fn draw(svg: &mut Svg, frame: Frame, mesh: &Mesh, camera: &Camera) {
     let bounds = mesh.bounds();
-    let mut sheets: Vec<Sheet> = (0..camera.layers.len()).map(|k| Sheet::of(camera, k, bounds)).collect();
+    let mut drawings: Vec<LayerDrawing> =
+        (0..camera.layers.len()).map(|k| LayerDrawing::of(camera, k, bounds)).collect();
     let mut points: Vec<DVec3> = bounds.map(|b| corners(b).to_vec()).unwrap_or_default();
-    let curves: Vec<Curve> = sheets.iter().flat_map(|s| s.curves.iter().flatten().copied()).collect();
+    let curves: Vec<Curve> = drawings.iter().flat_map(|s| s.curves.iter().flatten().copied()).collect();
     points.extend(curves.iter().flat_map(|c| [0.0, 0.25, 0.5, 0.75, 1.0].map(|t| c.at(t))));
-    let left_out = drop_far_slits(&mut sheets, &points);
-    points.extend(sheets.iter().flat_map(|s| s.slits.iter().flatten()));
+    let left_out = drop_far_slits(&mut drawings, &points);
+    points.extend(drawings.iter().flat_map(|s| s.slits.iter().flatten()));
     let look = curves.iter().map(chord).sum::<DVec3>() / curves.len().max(1) as f64;
     let view = View::beside(look).fitted(&points, &frame);
     let scene = draw_scene(svg, mesh, bounds, &view);
-    for (k, sheet) in sheets.iter().enumerate() {
-        svg.layer(k, &frame, |svg| sheet.draw(svg, &view));
+    for (k, drawing) in drawings.iter().enumerate() {
+        svg.layer(k, &frame, |svg| drawing.draw(svg, &view));
     }
     draw_axes(svg, &frame, &view);
     let foot = DVec2::new(frame.lo.x, frame.hi().y + 36.0);
-    svg.words("label", foot - DVec2::Y * 16.0, &scene);
-    svg.words("label", foot, &legend(camera, &sheets, left_out));
+    svg.text("label", foot - DVec2::Y * 16.0, &scene);
+    svg.text("label", foot, &legend(camera, &drawings, left_out));
 }
 
 /// What is drawn of the camera; `left_out` slits are not.
-fn legend(camera: &Camera, sheets: &[Sheet], left_out: usize) -> String {
-    let rays = sheets.iter().map(|s| s.rays().count()).sum::<usize>();
+fn legend(camera: &Camera, drawings: &[LayerDrawing], left_out: usize) -> String {
+    let rays = drawings.iter().map(|s| s.rays().count()).sum::<usize>();
     let what = if camera.is_curved() { "projectors" } else { "rays" };
-    let range = match sheets {
+    let range = match drawings {
         [one] => format!("t from {} to {}", rounded(one.ends[0]), rounded(one.ends[1])),
         [.., last] if last.ends[1] < 1.0 => {
-            format!("{} layers, t from 0 to 1, in the last to {}", sheets.len(), rounded(last.ends[1]))
+            format!("{} layers, t from 0 to 1, in the last to {}", drawings.len(), rounded(last.ends[1]))
         }
-        _ => format!("{} layers, t from 0 to 1", sheets.len()),
+        _ => format!("{} layers, t from 0 to 1", drawings.len()),
     };
-    let slits = match (sheets.iter().all(|s| s.slits.is_empty()), left_out) {
+    let slits = match (drawings.iter().all(|s| s.slits.is_empty()), left_out) {
         (true, 0) => "",
         (false, 0) => "; red: slits, eyes",
         (true, _) => "; slits far outside are left out",
@@ -91,21 +92,21 @@ fn draw_axes(svg: &mut Svg, frame: &Frame, view: &View) {
     const LENGTH_PX: f64 = 28.0;
     let at = DVec2::new(frame.lo.x + 30.0, frame.hi().y - 30.0);
     for (axis, name) in [(DVec3::X, "x"), (DVec3::Y, "y"), (DVec3::Z, "z")] {
-        let way = view.on_sheet(axis);
+        let way = view.on_page(axis);
         svg.polyline("axis", &[at, at + LENGTH_PX * way]);
-        svg.words("number", at + (LENGTH_PX + 8.0) * way + DVec2::Y * 3.5, name);
+        svg.text("number", at + (LENGTH_PX + 8.0) * way + DVec2::Y * 3.5, name);
     }
 }
 
 /// Takes out slits far from all `points`, and says how many.
-fn drop_far_slits(sheets: &mut [Sheet], points: &[DVec3]) -> usize {
+fn drop_far_slits(drawings: &mut [LayerDrawing], points: &[DVec3]) -> usize {
     let (lo, hi) = points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
     let (middle, reach) = ((lo + hi) / 2.0, SLIT_REACH * (hi - lo).length());
     let mut left_out = 0;
-    for sheet in sheets {
-        let before = sheet.slits.len();
-        sheet.slits.retain(|slit| slit.iter().all(|p| p.distance(middle) <= reach));
-        left_out += before - sheet.slits.len();
+    for drawing in drawings {
+        let before = drawing.slits.len();
+        drawing.slits.retain(|slit| slit.iter().all(|p| p.distance(middle) <= reach));
+        left_out += before - drawing.slits.len();
     }
     left_out
 }

@@ -24,7 +24,7 @@ text { font-family: sans-serif; font-size: 13px; fill: #333 }
 .eye { fill: #e03131; stroke: none }
 ";
 
-/// A rectangle of the sheet, px; y runs down.
+/// A rectangle of the page, px; y runs down.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame {
     pub lo: DVec2,
@@ -117,10 +117,10 @@ impl Svg {
         self.text += &format!("<circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"/>\n");
     }
 
-    /// `words` are the program's own: letters, digits and points, nothing that XML reads.
-    pub fn words(&mut self, class: &str, at: DVec2, words: &str) {
+    /// `text` is the program's own: letters, digits and points, nothing that XML reads.
+    pub fn text(&mut self, class: &str, at: DVec2, text: &str) {
         let [x, y] = at.to_array().map(short);
-        self.text += &format!("<text class=\"{class}\" x=\"{x}\" y=\"{y}\">{words}</text>\n");
+        self.text += &format!("<text class=\"{class}\" x=\"{x}\" y=\"{y}\">{text}</text>\n");
     }
 }
 

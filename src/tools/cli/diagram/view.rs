@@ -1,9 +1,9 @@
-//! A parallel projection of the world to the sheet: lines stay lines and Bezier curves keep their control points.
+//! A parallel projection of the world to the page: lines stay lines and Bezier curves keep their control points.
 
 use super::svg::Frame;
 use glam::{DVec2, DVec3};
 
-/// Sheet place `(x, y) = (right . p, -up . p) scale + offset`, px.
+/// Position on the page `(x, y) = (right . p, -up . p) scale + offset`, px.
 #[derive(Debug, Clone)]
 pub struct View {
     right: DVec3,
@@ -50,7 +50,7 @@ impl View {
         if !(size.is_finite() && size.max_element() > 0.0) {
             return View { offset: frame.lo + frame.size / 2.0, ..flat };
         }
-        // a side without extent takes no room
+        // a side without extent takes no space
         let scale = (frame.size / size).min_element();
         View { scale, offset: frame.lo + frame.size / 2.0 - scale * (lo + hi) / 2.0, ..flat }
     }
@@ -59,8 +59,8 @@ impl View {
         DVec2::new(self.right.dot(p), -self.up.dot(p)) * self.scale + self.offset
     }
 
-    /// Projects a world direction onto the sheet; its length is kept if it lies in the sheet.
-    pub fn on_sheet(&self, d: DVec3) -> DVec2 {
+    /// Projects a world direction onto the page; its length is kept if it is parallel to the page.
+    pub fn on_page(&self, d: DVec3) -> DVec2 {
         DVec2::new(self.right.dot(d), -self.up.dot(d))
     }
 }
@@ -73,13 +73,13 @@ mod tests {
     fn cameras_look_to_the_right_and_up_is_up() {
         for look in [DVec3::NEG_Z, DVec3::X, DVec3::new(-0.7, -0.5, 0.3), DVec3::new(-0.4, -0.1, -0.7)] {
             let view = View::beside(look);
-            assert!(view.on_sheet(look).x > 0.5 * look.length(), "{look}");
-            let up = view.on_sheet(DVec3::Y);
+            assert!(view.on_page(look).x > 0.5 * look.length(), "{look}");
+            let up = view.on_page(DVec3::Y);
             assert!(up.x.abs() < 1e-15 && up.y < -0.5, "{up}");
         }
         // straight down and everywhere are as along -z
         for look in [DVec3::NEG_Y, DVec3::ZERO, DVec3::new(1e-17, 0.0, 1e-17)] {
-            assert!(View::beside(look).on_sheet(DVec3::NEG_Z).x > 0.5);
+            assert!(View::beside(look).on_page(DVec3::NEG_Z).x > 0.5);
         }
     }
 

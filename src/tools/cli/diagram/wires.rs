@@ -32,7 +32,7 @@ pub fn of(mesh: &Mesh, view: &View) -> Wires {
         let step = mesh.positions.len().div_ceil(POINTS_MAX);
         return Wires::Points(mesh.positions.iter().step_by(step).copied().collect());
     }
-    let length = |edge: &Edge| view.on_sheet(edge.ends[1] - edge.ends[0]).length();
+    let length = |edge: &Edge| view.on_page(edge.ends[1] - edge.ends[0]).length();
     let shown = edges(mesh).into_iter().filter(|e| is_crease(e) || is_outline(e, view));
     let mut lines: Vec<(f64, [DVec3; 2])> = shown.map(|e| (length(&e), e.ends)).filter(|(l, _)| *l > 0.0).collect();
     let count = lines.len();
@@ -76,7 +76,7 @@ fn is_crease(edge: &Edge) -> bool {
 /// Both faces lie on one side of the edge as the viewer sees it.
 fn is_outline(edge: &Edge, view: &View) -> bool {
     let [a, b] = edge.ends;
-    let side = |p: &DVec3| view.on_sheet(b - a).perp_dot(view.on_sheet(*p - a));
+    let side = |p: &DVec3| view.on_page(b - a).perp_dot(view.on_page(*p - a));
     match edge.thirds.as_slice() {
         [c, d] => side(c) * side(d) > 0.0,
         _ => true,

@@ -66,7 +66,7 @@ pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> Result<Rays, Strin
 fn straight(camera: &Camera) -> Result<(), String> {
     let (kind, layers) = (camera.kind, camera.layers.len());
     if camera.optics.is_some() {
-        Err(format!("{kind} reflects or refracts rays, which no camera of POV-Ray does"))
+        Err(format!("{kind} reflects or refracts rays, which POV-Ray's cameras cannot represent"))
     } else if camera.layers.iter().any(|l| matches!(l, Layer::Curves(_))) {
         Err(format!("{kind} has a curve for each pixel, where POV-Ray has straight rays"))
     } else if layers != 1 {

@@ -1,23 +1,23 @@
-// Surfaces with images on them: each slot's row has two more rows with the texture coordinates of its corners in file order.
+// Surfaces with images on them: three vec4s a slot, the last two with the texture coordinates of its corners in file order.
 // An image hangs downwards from its first texel, so v runs downwards here.
-// Provides: WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, corner_uv, has_uv, image_place, on_triangle, surface_row, wrap_u, wrap_v
+// Provides: WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, corner_uv, has_uv, image_place, on_triangle, triangle_surface, wrap_u, wrap_v
 // Needs: corner_order, real, real3, triangle_order
 // Binds: surfaces
 
-const SURFACE_ROWS: u32 = 3u;
+const SURFACE_VEC4S: u32 = 3u;
 
-fn surface_row(slot: u32) -> vec4<u32> {
-    return surfaces[SURFACE_ROWS * slot];
+fn triangle_surface(slot: u32) -> vec4<u32> {
+    return surfaces[SURFACE_VEC4S * slot];
 }
 
 fn has_uv(slot: u32) -> bool {
-    return surfaces[SURFACE_ROWS * slot + 2u].z != 0u;
+    return surfaces[SURFACE_VEC4S * slot + 2u].z != 0u;
 }
 
-// Of a row's corners.
+// Of the stored corners.
 fn corner_uv(slot: u32, triangle: vec4<u32>) -> array<vec2<f32>, 3> {
-    let ab = bitcast<vec4<f32>>(surfaces[SURFACE_ROWS * slot + 1u]);
-    let c = bitcast<vec4<f32>>(surfaces[SURFACE_ROWS * slot + 2u]);
+    let ab = bitcast<vec4<f32>>(surfaces[SURFACE_VEC4S * slot + 1u]);
+    let c = bitcast<vec4<f32>>(surfaces[SURFACE_VEC4S * slot + 2u]);
     let order = corner_order(triangle_order(triangle));
     var uv: array<vec2<f32>, 3>;
     uv[order.x] = ab.xy;
@@ -31,7 +31,7 @@ fn on_triangle(e: real3) -> real3 {
     return min(max(e / (e.x + e.y + e.z), real3(0.0)), real3(1.0));
 }
 
-// Where weights of a row's corners lie, near the image.
+// Where weights of stored corners lie, near the image.
 fn image_place(uv: array<vec2<f32>, 3>, w: real3, wraps: u32) -> vec2<f32> {
     return vec2<f32>(
         near_zero(w.x * real(uv[0].x) + w.y * real(uv[1].x) + w.z * real(uv[2].x), wrap_u(wraps)),

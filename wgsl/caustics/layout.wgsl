@@ -1,4 +1,4 @@
-// Rows of caustics; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
+// Structs of caustics, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
 // Provides: CausticTriangle, DepositParams, Receiver, ReceiverTriangle
 
 // A dispatch of deposit.

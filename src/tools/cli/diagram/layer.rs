@@ -26,7 +26,7 @@ const JUMP: f64 = 10.0;
 pub type Box3 = (DVec3, DVec3);
 
 /// A layer's rays at a grid of pixels, cut to what is drawn, row by row.
-pub struct Sheet {
+pub struct LayerDrawing {
     columns: usize,
     pub curves: Vec<Option<Curve>>,
     /// Slits and points where rays meet, by their ends.
@@ -37,8 +37,8 @@ pub struct Sheet {
     pub ends: [f64; 2],
 }
 
-impl Sheet {
-    pub fn of(camera: &Camera, layer: usize, bounds: Option<Box3>) -> Sheet {
+impl LayerDrawing {
+    pub fn of(camera: &Camera, layer: usize, bounds: Option<Box3>) -> LayerDrawing {
         let (n, m) = (PIXELS.0.min(camera.width - 1), PIXELS.1.min(camera.height - 1));
         let pixel = |x: u32, y: u32| (spread(x, n, camera.width), spread(y, m, camera.height));
         let at = |(i, j): (u32, u32)| camera.curve(layer, i, j).map(|(_, curve)| curve);
@@ -55,7 +55,7 @@ impl Sheet {
             Rays::Pieces(pieces) => (slits(camera, pieces), outlines(pieces, ends[0])),
             _ => (Vec::new(), Vec::new()),
         };
-        Sheet { columns: n as usize + 1, curves, slits, outlines, ends }
+        LayerDrawing { columns: n as usize + 1, curves, slits, outlines, ends }
     }
 
     /// Places of a surface at t = 0 (near) or 1 (far), row by row or column by column.

@@ -1,17 +1,17 @@
-// Rows of cameras with a mirror or a lens; src/gpu/layout.rs holds the same structs, and a test holds the two equal.
+// Structs of cameras with a mirror or a lens, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
 // Provides: AtlasLayout, Corner, LAW_NORMALS, Optic, PathState, Quadric, Torus, Wave
 
 const LAW_NORMALS: u32 = 0u;   // rays bounce about the corners' normals, interpolated
 const LAW_FLAT: u32 = 1u;      // the corners' bounced rays are interpolated
 
-// The optics, as one pass sees them.
+// The optics for one bounce.
 struct Optic {
     eye_hi: vec3<f32>,      // what flat facets are seen from, relative to the anchor
     first_id: u32,          // of the surfaces: facets are triangles, smooth surfaces have ids behind all of these
     eye_lo: vec3<f32>,
     count: u32,             // surfaces
     tint: vec3<f32>,        // factor of the light per bounce
-    bounces: u32,             // bounces before the rays of the pass
+    bounces: u32,           // how often these rays have bounced
     base: vec3<f32>,        // colour of the surface where rays end on it
     ends: u32,              // 1: rays end on it, after the last bounce
     centre: vec3<f32>,      // of the scene: how wide bundles are is compared as far along their rays
@@ -20,14 +20,14 @@ struct Optic {
     ior_lo: f32,
     sees_itself: u32,       // 1: bounced rays may meet the surface again
     piece_first: u32,       // number of surface 0 among the camera's pieces
-    tilt_x_hi: f32,         // tilt of the normals at the bounce before the pass
+    tilt_x_hi: f32,         // tilt of the normals where these rays start
     tilt_x_lo: f32,
     tilt_y_hi: f32,
     tilt_y_lo: f32,
     fresnel: u32,           // 1: light is shared out between refraction and reflection
     branch: u32,            // 0: refracted, or totally reflected; 1: the other part of the light
-    scale: f32,             // of the light, at the bounce before the pass
-    colour_only: u32,       // 1: another pass says what is seen
+    scale: f32,             // of the light, where these rays start
+    colour_only: u32,       // 1: another bounce writes the ids and depth
     from_hi: vec3<f32>,     // origin of bounced rays, if is_environment
     is_environment: u32,    // 1: they start there, as in an environment map; 0: at the bounce
     from_lo: vec3<f32>,
@@ -42,7 +42,7 @@ struct AtlasLayout {
     texel_count: u32,
 }
 
-// What happened to a pixel's ray in earlier passes.
+// What happened to a pixel's ray at earlier bounces.
 struct PathState {
     light: vec3<f32>,       // factor of the colour that the ray sees
     length: f32,            // summed over the earlier rays, world units
