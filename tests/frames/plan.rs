@@ -102,7 +102,7 @@ fn claims(band: &Band, i: u32, j: u32) -> Vec<u32> {
 }
 
 #[test]
-fn cells_cut_the_image_as_the_camera_does() {
+fn cells_split_the_image_as_the_camera_does() {
     for (name, camera) in cameras() {
         for limit in [LAVAPIPE_BINDING, 1 << 16] {
             for band in &plan(&camera, limit).bands {
@@ -123,7 +123,7 @@ fn cells_cut_the_image_as_the_camera_does() {
 }
 
 #[test]
-fn a_piece_row_gives_the_rays_of_its_pixels() {
+fn a_packed_piece_gives_the_rays_of_its_pixels() {
     for (name, camera) in cameras() {
         let Rays::Pieces(_) = &camera.layers[0] else { continue };
         let extent = SceneExtent::of(&camera, None);
