@@ -54,7 +54,7 @@ fn edges(
         let margin = s * vec2<f32>(abs(flat.along.y) + abs(flat.along.z), abs(flat.across.y) + abs(flat.across.z));
         let own = Bounds(
             side(sides.e01, 1.0), side(sides.e02, -1.0), side(sides.e12, 1.0),
-            flat.along, flat.across, margin + vec2<f32>(flat.lost_along, flat.lost_across),
+            flat.along, flat.across, margin + vec2<f32>(flat.error_along, flat.error_across),
             triangle_id(triangle),
         );
         var left = lanes_any(select(0u, 1u << lane, may), lane);

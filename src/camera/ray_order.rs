@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn images_of_one_row_or_column_may_be_scattered_too() {
+    fn images_of_one_row_or_column_may_be_incoherent_too() {
         // directions out of order
         let list = |n: usize| {
             let directions: Vec<DVec3> = (0..n).map(|k| DVec3::new((k * 37 % n) as f64 / n as f64, 0.3, 1.0)).collect();

@@ -171,7 +171,7 @@ pub fn params(
         band_row: band.row,
         spans: plan.slabs.spans,
         recheck_capacity: capacities.recheck_items as u32,
-        origin_lost: (ORIGIN_UNITS * f64::EPSILON * plan.anchor.abs().element_sum()) as f32,
+        origin_error: (ORIGIN_UNITS * f64::EPSILON * plan.anchor.abs().element_sum()) as f32,
         task_capacity: capacities.tasks as u32,
         edge_capacity: capacities.edges as u32,
         scene_size: plan.scene_size as f32,

@@ -122,7 +122,7 @@ pub struct Params {
     pub band_row: u32,
     pub spans: u32,
     pub recheck_capacity: u32,
-    pub origin_lost: f32,
+    pub origin_error: f32,
     pub task_capacity: u32,
     pub edge_capacity: u32,
     pub scene_size: f32,

@@ -76,7 +76,7 @@ impl Poly {
 struct Met {
     inside: bool,
     uncertain: bool,
-    hidden: bool,
+    is_back_face: bool,
     fragment: Fragment,
 }
 
@@ -86,9 +86,9 @@ fn meetings(c: &PixelCurve, corners: &Corners, real: Real) -> Vec<Met> {
     let [v0, v1, v2] = corners.v;
     let n = (v1 - v0).cross(v2 - v0);
     // edges of vertices read as f32 change the normal itself
-    let lost = PLANE_UNITS * real.unit() * (corners.reach() + c.size);
+    let plane_error = PLANE_UNITS * real.unit() * (corners.reach() + c.size);
     let size_n = 3.0 * ((v1 - v0).length() * (v2 - v0).length()).max(n.length());
-    let bound = size_n * lost;
+    let bound = size_n * plane_error;
     let part = c.curve.span(c.span);
     let poly = Poly { b: part.points().iter().map(|p| n.dot(*p - v0)).collect(), span: c.span };
     let mut roots = Vec::new();
@@ -97,7 +97,7 @@ fn meetings(c: &PixelCurve, corners: &Corners, real: Real) -> Vec<Met> {
         let (at, tangent) = (c.curve.at(t), c.curve.tangent(t));
         let across = n.dot(tangent);
         let off = (bound / across.abs().max(bound)).min(real.unit().sqrt());
-        let error = 4.0 * size_n * (lost + off * tangent.length());
+        let error = 4.0 * size_n * (plane_error + off * tangent.length());
         let sides: Vec<(f64, f64)> = [(v0, v1), (v1, v2), (v2, v0)]
             .map(|(v, w): (DVec3, DVec3)| ((w - v).cross(at - v).dot(n), (w - v).length() * error))
             .to_vec();
@@ -105,10 +105,10 @@ fn meetings(c: &PixelCurve, corners: &Corners, real: Real) -> Vec<Met> {
         let uncertain = !certain || sides.iter().any(|s| s.0.abs() <= s.1);
         let outside = sides.iter().any(|s| s.0 < -s.1);
         let edge_on = across.abs() <= size_n * real.rounding() * PLANE_UNITS * tangent.length();
-        let hidden = corners.one_sided && (across > 0.0) != corners.reversed;
+        let is_back_face = corners.one_sided && (across > 0.0) != corners.reversed;
         let t_error = if across == 0.0 { f64::INFINITY } else { bound / across.abs() };
         let uncertain = (uncertain && !outside) || (inside && corners.one_sided && edge_on);
-        Met { inside, uncertain, hidden, fragment: Fragment { t, t_error, id: corners.id } }
+        Met { inside, uncertain, is_back_face, fragment: Fragment { t, t_error, id: corners.id } }
     };
     roots.into_iter().map(meet).collect()
 }
@@ -116,6 +116,6 @@ fn meetings(c: &PixelCurve, corners: &Corners, real: Real) -> Vec<Met> {
 /// The first visible meeting.
 pub fn test(c: &PixelCurve, corners: &Corners, real: Real) -> Tested {
     let met = meetings(c, corners, real);
-    let hit = met.iter().find(|m| m.inside && !m.hidden).map(|m| m.fragment);
+    let hit = met.iter().find(|m| m.inside && !m.is_back_face).map(|m| m.fragment);
     Tested { hit, uncertain: met.iter().any(|m| m.uncertain) }
 }

@@ -55,21 +55,21 @@ struct Edge<'a> {
     v: Seen,
     size_d: [f64; 3],
     size_e: f64,
-    lost_e: f64,
+    error_e: f64,
 }
 
 impl Edge<'_> {
     fn new(b: &Bundle, v: DVec3, w: DVec3, real: Real) -> Edge<'_> {
         let (e, unit, sizes) = (w - v, real.unit(), size(v) + size(w));
         let size_e = EDGE_UNITS * unit * (size(e) + sizes * unit);
-        Edge { b, e, v: Seen::new(b, v), size_d: b.d.map(size), size_e, lost_e: STORED_UNITS * unit * sizes }
+        Edge { b, e, v: Seen::new(b, v), size_d: b.d.map(size), size_e, error_e: STORED_UNITS * unit * sizes }
     }
 
     /// One coefficient of `E` and its error bound.
     fn step(&self, terms: &[(usize, usize)]) -> (f64, f64) {
         let g = terms.iter().map(|&(k, l)| self.b.d[k].cross(self.v.m[l])).sum::<DVec3>();
         let sizes = terms.iter().map(|&(k, l)| self.size_d[k] * self.v.size_m[l]).sum::<f64>();
-        (self.e.dot(g), self.size_e * sizes + self.lost_e * size(g))
+        (self.e.dot(g), self.size_e * sizes + self.error_e * size(g))
     }
 }
 

@@ -49,11 +49,11 @@ impl Terms {
         self.times(v) + self.b
     }
 
-    /// The part of the surface at `v` from the centre is there, its height known up to `lost`.
-    fn holds(&self, v: Bounded3, lost: Bounded) -> Judged {
+    /// The part of the surface at `v` from the centre is there, its height known up to `error`.
+    fn holds(&self, v: Bounded3, error: Bounded) -> Judged {
         let z = v.dot(self.axis);
         let away = v - self.axis * z;
-        let within = (self.heights[0] - lost).at_most(z).and(z.at_most(self.heights[1] + lost));
+        let within = (self.heights[0] - error).at_most(z).and(z.at_most(self.heights[1] + error));
         within.and(away.dot(away).at_most(self.rim2))
     }
 }
@@ -75,8 +75,8 @@ pub fn first_root(q: &Quadric, ray: &BoundedRay, starts: bool, [t_min, t_max]: [
     let real_roots = if starts { Judged { yes: true, sure: true } } else { zero.at_most(square) };
     let judge = |t: Bounded| {
         let in_range = t_min.at_most(t).and(t.at_most(t_max));
-        let lost = Bounded::exact(HEIGHT_UNITS * real.unit() * (v.size() + t.v.abs() * ray.d.size()), real);
-        (t, real_roots.and(in_range).and(terms.holds(v + ray.d * t, lost)))
+        let error = Bounded::exact(HEIGHT_UNITS * real.unit() * (v.size() + t.v.abs() * ray.d.size()), real);
+        (t, real_roots.and(in_range).and(terms.holds(v + ray.d * t, error)))
     };
     first(list.into_iter().map(judge).filter(|(_, there)| !there.surely_not()).collect())
 }

@@ -68,7 +68,7 @@ fn ray_coverage(rays: &PixelRays, c: &Corners, real: Real) -> Coverage {
 }
 
 /// How far `N . (v h - p)` and `N . d` of another correct evaluation may be off, in units of its arithmetic.
-pub struct Lost {
+pub struct QuotientError {
     pub above: f64,
     pub below: f64,
 }
@@ -81,16 +81,16 @@ const OFFSET_UNITS: f64 = 3.0;
 const STORED_UNITS: f64 = 2.0;
 
 /// The normal's size is that of its factors.
-pub fn lost(rays: &PixelRays, c: &Corners, real: Real) -> Lost {
+pub fn quotient_error(rays: &PixelRays, c: &Corners, real: Real) -> QuotientError {
     let [v0, v1, v2] = c.v;
     let (e1, e2) = ((v1 - v0).length(), (v2 - v0).length());
     let reach = c.reach();
     let stored = if real == Real::F32 { STORED_UNITS * reach * (e1 + e2) } else { 0.0 };
     let normal = PRODUCT_UNITS * e1 * e2 + stored;
     let offset = (v0 * rays.bundle.h[0] - rays.bundle.p[0]).length();
-    let lost_offset = OFFSET_UNITS * e1 * e2 * (reach * rays.size_h + rays.size_p);
-    Lost {
-        above: real.rounding() * (normal * offset + lost_offset),
+    let offset_error = OFFSET_UNITS * e1 * e2 * (reach * rays.size_h + rays.size_p);
+    QuotientError {
+        above: real.rounding() * (normal * offset + offset_error),
         below: real.rounding() * (normal * rays.bundle.d[0].length() + OFFSET_UNITS * e1 * e2 * rays.size_d),
     }
 }
@@ -115,14 +115,14 @@ fn test_ray(input: &KernelInputs, rays: &PixelRays, c: &Corners, real: Real) -> 
     let normal = (v1 - v0).cross(v2 - v0);
     let across = normal.dot(b.d[0]);
     let t = normal.dot(v0 * b.h[0] - b.p[0]) / across;
-    let lost = lost(rays, c, real);
-    let edge_on = across.abs() <= lost.below;
+    let error = quotient_error(rays, c, real);
+    let edge_on = across.abs() <= error.below;
     let t_error =
-        if edge_on { f64::INFINITY } else { (lost.above + t.abs() * lost.below) / (across.abs() - lost.below) };
+        if edge_on { f64::INFINITY } else { (error.above + t.abs() * error.below) / (across.abs() - error.below) };
 
     let facing_away = (across > 0.0) != c.reversed;
-    let hidden = c.one_sided && facing_away;
-    if across == 0.0 || (hidden && !edge_on) {
+    let is_back_face = c.one_sided && facing_away;
+    if across == 0.0 || (is_back_face && !edge_on) {
         return Tested { hit: None, uncertain: edge_on };
     }
     let [t_min, t_max] = input.t_range();
@@ -135,7 +135,7 @@ fn test_ray(input: &KernelInputs, rays: &PixelRays, c: &Corners, real: Real) -> 
         return NOTHING;
     }
     let uncertain = covered.uncertain || at_end || (c.one_sided && edge_on);
-    let hit = (covered.inside && in_range && !hidden).then_some(Fragment { t, t_error, id: c.id });
+    let hit = (covered.inside && in_range && !is_back_face).then_some(Fragment { t, t_error, id: c.id });
     Tested { hit, uncertain }
 }
 

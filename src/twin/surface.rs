@@ -56,10 +56,11 @@ impl Surface<'_> {
         let reach = self.corners.reach();
         let size_e = (v1 - v0).length().max((v2 - v1).length()).max((v2 - v0).length());
         let size_m = (v0 * b.h[0] - b.p[0]).length().max((v1 * b.h[0] - b.p[0]).length());
-        let lost_m = OFFSET_UNITS * (reach * self.rays.size_h + self.rays.size_p);
-        let lost = rounding * self.rays.size_d * (size_m * (EDGE_UNITS * size_e + stored * reach) + lost_m * size_e);
+        let error_m = OFFSET_UNITS * (reach * self.rays.size_h + self.rays.size_p);
+        let sum_error =
+            rounding * self.rays.size_d * (size_m * (EDGE_UNITS * size_e + stored * reach) + error_m * size_e);
         // a weight's own edge, and three in the sum
-        let error = 4.0 * lost / (sum.abs() - 3.0 * lost).max(0.0);
+        let error = 4.0 * sum_error / (sum.abs() - 3.0 * sum_error).max(0.0);
         (w.map(|w| w / sum), error)
     }
 

@@ -44,12 +44,12 @@ fn things(level: u32) -> Mesh {
 }
 
 #[test]
-fn scattered_rays_see_the_same_without_culling() {
+fn incoherent_rays_see_the_same_without_culling() {
     assert_culling_loses_nothing(true);
 }
 
 #[test]
-fn scattered_rays_see_the_same_without_culling_and_subgroups() {
+fn incoherent_rays_see_the_same_without_culling_and_subgroups() {
     assert_culling_loses_nothing(false);
 }
 
@@ -74,7 +74,7 @@ fn assert_culling_loses_nothing(lanes: bool) {
 }
 
 #[test]
-fn scattered_rays_see_what_the_reference_does() {
+fn incoherent_rays_see_what_the_reference_does() {
     let mesh = things(3);
     let camera = camera(&rays(&mesh, 48 * 40, &mut Rng(9)), (48, 40), FORWARD);
     let Some((_, _, seen)) = check("incoherent rays", &scene(mesh), &camera) else { return };
@@ -82,7 +82,7 @@ fn scattered_rays_see_what_the_reference_does() {
 }
 
 #[test]
-fn scattered_rays_see_the_same_in_images_of_every_shape() {
+fn incoherent_rays_see_the_same_in_images_of_every_shape() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let mesh = icosphere(3);
     let rays = rays(&mesh, 40 * 25, &mut Rng(10));

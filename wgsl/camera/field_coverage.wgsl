@@ -1,6 +1,6 @@
 // What a triangle covers of a cell, ray by ray, and how deep.
 // Provides: COVERAGE_PROVES, cell_depth, coverage, pixel_depth
-// Needs: Bundle, Cell, Meeting, NONE, PERTURB_LOST, TILE, cell_bundle_at, field_at, field_direction, field_origin, first_bit, is_there,
+// Needs: Bundle, Cell, Meeting, NONE, PERTURB_BOUND, TILE, cell_bundle_at, field_at, field_direction, field_origin, first_bit, is_there,
 //   ray_meeting, real, real3, tile_corner, with_bit, without_bit
 // Binds: params
 
@@ -48,8 +48,8 @@ fn coverage(
         let m1 = v1 - p;
         let g0 = cross(d, m0);
         let g1 = cross(d, m1);
-        let perturb0 = PERTURB_LOST * length(d) * (length(m0) + params.scene_size);
-        let perturb1 = PERTURB_LOST * length(d) * (length(m1) + params.scene_size);
+        let perturb0 = PERTURB_BOUND * length(d) * (length(m0) + params.scene_size);
+        let perturb1 = PERTURB_BOUND * length(d) * (length(m1) + params.scene_size);
         let round0 = UNIT * length(d) * (6.0 * length(m0) + 4.0 * (r0 + length(p))) + perturb0 + LEAST * (1.0 + length(d));
         let round1 = UNIT * length(d) * (6.0 * length(m1) + 4.0 * (r1 + length(p))) + perturb1 + LEAST * (1.0 + length(d));
         let b01 = field_bound(v1 - v0, r0 + r1, g0, round0);

@@ -6,5 +6,5 @@
 fn weighed(cell: Cell, whole: Bundle, x: u32, y: u32) -> Weighed {
     let corner = tile_corner(cell.tile);
     let b = field_bundle(corner.x + x, corner.y + y);
-    return Weighed(b, REAL_UNIT * size3(b.p) + real(params.origin_lost), REAL_UNIT * size3(b.d), 0.0);
+    return Weighed(b, REAL_UNIT * size3(b.p) + real(params.origin_error), REAL_UNIT * size3(b.d), 0.0);
 }

@@ -15,5 +15,5 @@ fn weighed(cell: Cell, whole: Bundle, x: u32, y: u32) -> Weighed {
     let d = size3(b.d) + far_x * size3(b.dx) + far_y * size3(b.dy);
     let h = abs(b.h) + far_x * abs(b.hx) + far_y * abs(b.hy);
     let units = 4.0 * REAL_UNIT;
-    return Weighed(b, units * p + h * real(params.origin_lost), units * d, units * h);
+    return Weighed(b, units * p + h * real(params.origin_error), units * d, units * h);
 }

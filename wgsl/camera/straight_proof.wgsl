@@ -11,35 +11,35 @@
 // A ray, and error bounds of its parts.
 struct Weighed {
     b: Bundle,
-    lost_p: real,
-    lost_d: real,
-    lost_h: real,
+    error_p: real,
+    error_d: real,
+    error_h: real,
 }
 
 // v h - p, and its error bound.
 struct Offset {
     m: real3,
     size: real,
-    lost: real,
+    error: real,
 }
 
 fn offset_of(q: Weighed, v: real3) -> Offset {
     let m = v * q.b.h - q.b.p;
     let reach = size3(v);
     // v as stored 1 unit, a product 1, a difference 1 of the result
-    let lost = q.lost_p + reach * q.lost_h + REAL_UNIT * (2.0 * reach * abs(q.b.h) + size3(m));
-    return Offset(m, size3(m) + lost, lost);
+    let error = q.error_p + reach * q.error_h + REAL_UNIT * (2.0 * reach * abs(q.b.h) + size3(m));
+    return Offset(m, size3(m) + error, error);
 }
 
 // The sign of E = (w - v) . (d x m) of the ray itself; 0: not proven.
 fn proven_side(q: Weighed, from_v: Offset, v: real3, w: real3) -> i32 {
     let e = w - v;
     let g = cross(q.b.d, from_v.m);
-    let size_d = size3(q.b.d) + q.lost_d;
-    let lost_e = REAL_UNIT * (size3(v) + size3(w) + size3(e));
+    let size_d = size3(q.b.d) + q.error_d;
+    let error_e = REAL_UNIT * (size3(v) + size3(w) + size3(e));
     let sizes = size_d * from_v.size;
-    let lost_g = size_d * from_v.lost + q.lost_d * from_v.size + PRODUCT_UNITS * REAL_UNIT * sizes;
-    let bound = lost_e * sizes + size3(e) * (lost_g + PRODUCT_UNITS * REAL_UNIT * sizes);
+    let error_g = size_d * from_v.error + q.error_d * from_v.size + PRODUCT_UNITS * REAL_UNIT * sizes;
+    let bound = error_e * sizes + size3(e) * (error_g + PRODUCT_UNITS * REAL_UNIT * sizes);
     return sign_beyond(dot(e, g), bound);
 }
 
@@ -64,19 +64,19 @@ struct OnPlane {
 }
 
 fn on_plane(q: Weighed, from_v: Offset, normal: Normal, reach: real) -> OnPlane {
-    let size_d = size3(q.b.d) + q.lost_d;
+    let size_d = size3(q.b.d) + q.error_d;
     let units = PRODUCT_UNITS * REAL_UNIT * normal.size;
-    let lost_along = normal.lost * from_v.size + normal.size * from_v.lost + units * from_v.size;
-    let lost_across = normal.lost * size_d + normal.size * q.lost_d + units * size_d;
+    let error_along = normal.error * from_v.size + normal.size * from_v.error + units * from_v.size;
+    let error_across = normal.error * size_d + normal.size * q.error_d + units * size_d;
     let along = dot(normal.n, from_v.m);
     let across = dot(normal.n, q.b.d);
-    let facing = sign_beyond(across, lost_across);
+    let facing = sign_beyond(across, error_across);
     if facing == 0 {
         return OnPlane(-ENDLESS, ENDLESS, 0, 0.0);
     }
-    let least = abs(across) - lost_across;
+    let least = abs(across) - error_across;
     let t = along / across;
-    let off = (lost_along + abs(t) * lost_across) / least + 4.0 * REAL_ROUNDING * abs(t);
+    let off = (error_along + abs(t) * error_across) / least + 4.0 * REAL_ROUNDING * abs(t);
     // that of the tile's centre, whose numbers are of the same size
     let margin = select(0.0, 2.0 * end_rounding(q.b, normal.n, reach) / least, SLABBED);
     return OnPlane(t - off, t + off, facing, margin);
@@ -88,7 +88,7 @@ fn pixel_proof(cell: Cell, whole: Bundle, x: u32, y: u32, v: array<real3, 3>, ba
     var inside = is_inside;
     if !is_inside {
         // the ray of the pixel's centre, and the perturbed one that decided coverage
-        let moved = Weighed(perturbed(q.b, real(params.scene_size)), q.lost_p, q.lost_d, q.lost_h);
+        let moved = Weighed(perturbed(q.b, real(params.scene_size)), q.error_p, q.error_d, q.error_h);
         let centre = proven_inside(q, from_v, v);
         let decided = proven_inside(moved, offset_of(moved, v[0]), v);
         if centre < 0 && decided < 0 {

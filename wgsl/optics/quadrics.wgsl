@@ -22,12 +22,12 @@ fn quadric_normal(q: Quadric, v: real3) -> real3 {
 // as many of the place and the height. A flat cap is all of one height and would have holes without.
 const HEIGHT_UNITS: real = 128.0;
 
-// The place, from the centre, is on the part of the surface that is there, its height known up to `lost`.
-fn quadric_holds(q: Quadric, v: real3, lost: real) -> bool {
+// The place, from the centre, is on the part of the surface that is there, its height known up to `error`.
+fn quadric_holds(q: Quadric, v: real3, error: real) -> bool {
     let axis = real3(q.axis_hi) + real3(q.axis_lo);
     let z = dot(v, axis);
     let away = v - z * axis;
-    return z >= real(q.low_hi) + real(q.low_lo) - lost && z <= real(q.high_hi) + real(q.high_lo) + lost
+    return z >= real(q.low_hi) + real(q.low_lo) - error && z <= real(q.high_hi) + real(q.high_lo) + error
         && dot(away, away) <= real(q.rim2_hi) + real(q.rim2_lo);
 }
 
@@ -52,8 +52,8 @@ fn first_root(surface: u32, p: real3, d: real3, starts: bool, t_min: real, t_max
     for (var k = 0u; k < 2u; k++) {
         let s = t[k];
         let better = !found.found || s < found.t;
-        let lost = HEIGHT_UNITS * REAL_UNIT * (size3(v) + abs(s) * size3(d));
-        if (starts || square >= real(0.0)) && s >= t_min && s <= t_max && better && quadric_holds(q, v + s * d, lost) {
+        let error = HEIGHT_UNITS * REAL_UNIT * (size3(v) + abs(s) * size3(d));
+        if (starts || square >= real(0.0)) && s >= t_min && s <= t_max && better && quadric_holds(q, v + s * d, error) {
             found = Root(s, true);
         }
     }

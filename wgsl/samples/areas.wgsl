@@ -66,8 +66,8 @@ fn measure(pixel: u32, record: u32) {
     var covered: array<u32, KEPT_MAX>;
     for (var k = 0u; k < count; k++) {
         covered[k] = select(inside(k), 0u, k == nothing);
-        let strays = select(groups[k] & ~covered[k], 0u, k == nothing);
-        if strays != 0u || (nothing != KEPT_MAX && (covered[k] & groups[nothing]) != 0u) {
+        let uncovered = select(groups[k] & ~covered[k], 0u, k == nothing);
+        if uncovered != 0u || (nothing != KEPT_MAX && (covered[k] & groups[nothing]) != 0u) {
             return;
         }
     }

@@ -5,9 +5,9 @@
 // N . (v - P) and N . D as affine functions over a node, in node units, and their error bounds.
 struct Plane {
     along: vec3<f32>,       // at the centre, and slopes
-    lost_along: f32,
+    error_along: f32,
     across: vec3<f32>,
-    lost_across: f32,
+    error_across: f32,
 }
 
 // t between two bounds; `facing` is the sign of N . D, 0 where it is not proven and t is unbounded.
@@ -28,16 +28,16 @@ fn plane(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Plane {
     let reach_d = size1(node.d) + size1(node.dx) + size1(node.dy);
     // e: differences of two rounded vertices; N: three operations a component
     let size_n = size1(e1) * size1(e2);
-    let lost_n = BOUND_TOLERANCE * (0.25 * reach * (size1(e1) + size1(e2)) + size_n) + LEAST * (1.0 + size_n);
-    let lost_m = node.r_p + BOUND_TOLERANCE * (reach_m + reach + size1(node.p)) + LEAST;
-    let lost_d = node.r_d + BOUND_TOLERANCE * reach_d + LEAST;
+    let error_n = BOUND_TOLERANCE * (0.25 * reach * (size1(e1) + size1(e2)) + size_n) + LEAST * (1.0 + size_n);
+    let error_m = node.r_p + BOUND_TOLERANCE * (reach_m + reach + size1(node.p)) + LEAST;
+    let error_d = node.r_d + BOUND_TOLERANCE * reach_d + LEAST;
     let fits = size_n * reach_m < MOST && size_n * reach_d < MOST;
     let most = select(MOST, 1.0, fits);
     return Plane(
         vec3<f32>(dot(n, m), -dot(n, node.px), -dot(n, node.py)),
-        most * (size_n * lost_m + lost_n * (reach_m + node.r_p)),
+        most * (size_n * error_m + error_n * (reach_m + node.r_p)),
         vec3<f32>(dot(n, node.d), dot(n, node.dx), dot(n, node.dy)),
-        most * (size_n * lost_d + lost_n * (reach_d + node.r_d)),
+        most * (size_n * error_d + error_n * (reach_d + node.r_d)),
     );
 }
 
@@ -45,8 +45,8 @@ fn plane(node: Node, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f32>) -> Plane {
 fn depths(q: Plane, x: f32, y: f32, s: f32) -> Depths {
     let along = q.along.x + x * q.along.y + y * q.along.z;
     let across = q.across.x + x * q.across.y + y * q.across.z;
-    let margin_along = s * (abs(q.along.y) + abs(q.along.z)) + q.lost_along;
-    let margin_across = s * (abs(q.across.y) + abs(q.across.z)) + q.lost_across;
+    let margin_along = s * (abs(q.along.y) + abs(q.along.z)) + q.error_along;
+    let margin_across = s * (abs(q.across.y) + abs(q.across.z)) + q.error_across;
     let least = abs(across) - margin_across;
     let facing = select(-1.0, 1.0, across > 0.0);
     let lo = facing * along - margin_along;

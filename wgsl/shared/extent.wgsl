@@ -60,19 +60,19 @@ fn narrowed(node: Node, before: Extent, v0: vec3<f32>, v1: vec3<f32>, v2: vec3<f
     let condition = size1(a) * size1(b) * size1(d) / abs(det);
     let size_p = size1(node.p) + size1(node.px) + size1(node.py);
     let size_d = abs(t0) * (size1(node.d) + size1(node.dx) + size1(node.dy));
-    let lost_m = node.r_p
+    let error_m = node.r_p
         + BOUND_TOLERANCE * (size_m * (1.0 + condition) + size_a + max(size1(v0), max(size1(v1), size1(v2))) + size_p + size_d);
-    let lost_t = size_wt * (lost_m + abs(t0) * node.r_d);
+    let error_wt = size_wt * (error_m + abs(t0) * node.r_d);
     let contraction = 1.0 - bend_t - size_wt * node.r_d;
-    let reach_t = (max(abs(t.x), max(abs(t.y), abs(t.z))) + lost_t) / contraction;
+    let reach_t = (max(abs(t.x), max(abs(t.y), abs(t.z))) + error_wt) / contraction;
 
     // how far x and y go from the vertices' own
     let bend = vec2<f32>(
         s.x * abs(dot(wx, node.dx)) + s.y * abs(dot(wx, node.dy)),
         s.x * abs(dot(wy, node.dx)) + s.y * abs(dot(wy, node.dy)),
     );
-    let lost = lost_m + (abs(t0) + reach_t) * node.r_d;
-    let tolerance = reach_t * bend + vec2<f32>(size1(wx), size1(wy)) * lost;
+    let error = error_m + (abs(t0) + reach_t) * node.r_d;
+    let tolerance = reach_t * bend + vec2<f32>(size1(wx), size1(wy)) * error;
     let x = vec3<f32>(dot(wx, m0), dot(wx, m1), dot(wx, m2));
     let y = vec3<f32>(dot(wy, m0), dot(wy, m1), dot(wy, m2));
     let lo = c + vec2<f32>(min(x.x, min(x.y, x.z)), min(y.x, min(y.y, y.z))) - tolerance;

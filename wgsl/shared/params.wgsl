@@ -1,7 +1,7 @@
 // Structs that the host writes and kernels read, as in src/gpu/layout.rs; tests/wgsl_layout.rs compares the two.
 // Provides: BRANCH, CLUSTER, COUNT_BLOCKS, COUNT_BUSY, COUNT_BUSY_END, COUNT_BUSY_FIRST, COUNT_EDGES, COUNT_FRAGMENTS_KEPT,
 //   COUNT_FRAGMENTS_TESTED, COUNT_PAIRS, COUNT_PAIRS_KEPT, COUNT_PAIRS_TESTED, COUNT_RECHECKED, COUNT_RECHECK_ITEMS, COUNT_RECHECK_SAMPLES,
-//   COUNT_SORTED, COUNT_TASKS, COUNT_WORK, Cell, Cluster, GROUP, LANES, LEVEL_CELL, NONE, Node, PERTURB_LOST, Params, Piece, RAYS_AFFINE,
+//   COUNT_SORTED, COUNT_TASKS, COUNT_WORK, Cell, Cluster, GROUP, LANES, LEVEL_CELL, NONE, Node, PERTURB_BOUND, Params, Piece, RAYS_AFFINE,
 //   RAYS_DISCONTINUOUS, RAYS_LOOSE, RAYS_NONE, SampleOffsets, Step, TILE, TRIANGLE_GROUP
 
 const GROUP: u32 = 64u;        // threads a workgroup, everywhere
@@ -51,7 +51,7 @@ struct Params {
     band_row: u32,          // image row of the band's first row
     spans: u32,             // slabs a layer
     recheck_capacity: u32,    // items
-    origin_lost: f32,       // what origins of rays may have lost before they were stored
+    origin_error: f32,      // error bound of rays' origins as stored
     task_capacity: u32,
     edge_capacity: u32,     // items
     scene_size: f32,        // by which rays are perturbed (perturb.wgsl); 0 for rays that are not
@@ -68,7 +68,7 @@ struct Params {
 
 // A perturbation (perturb.wgsl) moves origins by at most 2^-42 of the scene's size, and directions by 2^-42 of their own. This is twice that,
 // for sums of components instead of lengths.
-const PERTURB_LOST: f32 = 1.0 / 2199023255552.0;
+const PERTURB_BOUND: f32 = 1.0 / 2199023255552.0;
 
 // Offsets of samples from their pixel's centre, px right and down: two a row.
 struct SampleOffsets {

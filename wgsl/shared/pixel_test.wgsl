@@ -1,6 +1,6 @@
 // Tests a triangle against four rays at once: coverage, proven by f32, and depth, in recheck arithmetic.
 // Provides: FARTHEST, INFINITE, complemented_key, farthest, given, is_behind, lines_of, reach_of, shared_of, size, test_pixels
-// Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_LOST, REAL_UNIT, SLABBED, Strip, ordered_bits, real, real3, real4, real_from_bits,
+// Needs: Extent, LEAST, MOST, ONE_SIDED, PERTURB_BOUND, REAL_UNIT, SLABBED, Strip, ordered_bits, real, real3, real4, real_from_bits,
 //   real_to_bits, size3, triangle_id, triangle_reversed
 // Binds: params
 
@@ -56,8 +56,8 @@ struct Edge {
 fn edge_from(m: vec3<f32>, e: vec3<f32>, reach_q: f32, reach: f32) -> Edge {
     let size_m = size(m);
     let size_e = size(e);
-    let lost = STORED_UNIT * reach * (size_e + size_m + reach_q) + PERTURB_LOST * size_e * (size_m + params.scene_size);
-    let bound = UNIT * size_e * (16.0 * size_m + 12.0 * reach_q) + lost + LEAST * (2.0 + size_m + reach_q);
+    let error = STORED_UNIT * reach * (size_e + size_m + reach_q) + PERTURB_BOUND * size_e * (size_m + params.scene_size);
+    let bound = UNIT * size_e * (16.0 * size_m + 12.0 * reach_q) + error + LEAST * (2.0 + size_m + reach_q);
     let fits = size_e * (size_m + reach_q) < MOST;
     let share = select(0.0, 1.0 / bound, fits);
     return Edge(cross(m, e) * share, e * share);

@@ -15,21 +15,21 @@ const MISSED: Proof = Proof(false, false, 0.0, 0.0);
 // Unbounded t.
 const ENDLESS: real = 3.0e38;
 
-// The normal of a triangle, a bound on its size, and on what may be lost of it. A difference of two stored vertices loses 2 units
+// The normal of a triangle, a bound on its size, and its error bound. A difference of two stored vertices loses 2 units
 // of the larger's size and 1 of itself, a cross product of rounded factors 8 units of the product of their sizes.
 struct Normal {
     n: real3,
     size: real,
-    lost: real,
+    error: real,
 }
 
 fn normal_of(v: array<real3, 3>) -> Normal {
     let e1 = v[1] - v[0];
     let e2 = v[2] - v[0];
     let n = cross(e1, e2);
-    let lost_e = 2.0 * REAL_UNIT * reach3(v);
-    let lost = lost_e * (size3(e1) + size3(e2) + lost_e) + PRODUCT_UNITS * REAL_UNIT * size3(e1) * size3(e2);
-    return Normal(n, size3(n) + lost, lost);
+    let error_e = 2.0 * REAL_UNIT * reach3(v);
+    let error = error_e * (size3(e1) + size3(e2) + error_e) + PRODUCT_UNITS * REAL_UNIT * size3(e1) * size3(e2);
+    return Normal(n, size3(n) + error, error);
 }
 
 // Units of REAL_UNIT that a cross or dot product of rounded vectors loses, of the product of their sizes: a rounding of each

@@ -21,7 +21,7 @@ fn ray_meets(at: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let size = abs(d);
     let q = centre - p;
     let extent_p = vec3<f32>(node.r_p) + abs(node.px) + abs(node.py);
-    var r = half + vec3<f32>(params.origin_lost) + RAY_TOLERANCE * (abs(p) + abs(centre) + abs(q) + half + extent_p);
+    var r = half + vec3<f32>(params.origin_error) + RAY_TOLERANCE * (abs(p) + abs(centre) + abs(q) + half + extent_p);
     // where they meet, t times the largest component of the direction is at most the distance to the box's far side
     let extent_d = vec3<f32>(node.r_d) + abs(node.dx) + abs(node.dy);
     r += RAY_TOLERANCE * (largest_of(abs(q)) + largest_of(r)) / largest_of(size) * extent_d;

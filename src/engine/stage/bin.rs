@@ -25,7 +25,7 @@ pub fn kernel(variant: Variant) -> Kernel {
         bindings.push(writes("pairs", "array<vec2<u32>>"));
     }
     let snippets = [PARAMS, ITEMS, INDEX, ADDRESS, SLABS, VERTEX, PAIR, WITHIN, BOX_MET, variant.item_node()];
-    bindings.extend(variant.scattered_rays(variant.culling));
+    bindings.extend(variant.incoherent_rays(variant.culling));
     let snippets = [&snippets[..], &[variant.item_rays(), own, snippets!("bin.wgsl")]].concat();
     let mut kernel = Kernel::new("bin", bindings, &snippets);
     kernel.constants.push(("SLABBED", variant.slabbed as u32 as f64));

@@ -17,7 +17,7 @@ pub fn kernel(variant: Variant) -> Kernel {
         writes("work", "array<vec2<u32>>"),
         counters(),
     ];
-    bindings.extend(variant.scattered_rays(true));
+    bindings.extend(variant.incoherent_rays(true));
     let snippets = [PARAMS, ITEMS, INDEX, WITHIN, MEETS, variant.tile_rays(), snippets!("cull.wgsl")];
     let mut kernel = Kernel::new("cull", bindings, &snippets);
     kernel.constants.push(("CULLING", variant.culling as u32 as f64));

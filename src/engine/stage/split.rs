@@ -15,7 +15,7 @@ pub fn kernel(variant: Variant) -> Kernel {
         writes("tasks", "array<vec2<u32>>"),
         counters(),
     ];
-    bindings.extend(variant.scattered_rays(variant.culling));
+    bindings.extend(variant.incoherent_rays(variant.culling));
     let own = [variant.item_rays(), variant.item_node(), snippets!("split.wgsl")];
     let snippets = [&[PARAMS, ITEMS, INDEX, ADDRESS, MEETS][..], &own].concat();
     let mut kernel = Kernel::new("split", bindings, &snippets);

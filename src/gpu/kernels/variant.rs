@@ -243,7 +243,7 @@ impl Variant {
     }
 
     /// The binding of those tests.
-    pub(crate) fn scattered_rays(self, asks: bool) -> Option<Binding> {
+    pub(crate) fn incoherent_rays(self, asks: bool) -> Option<Binding> {
         (self.incoherent && asks).then(|| reads("rays_hi", "array<f32>"))
     }
 
