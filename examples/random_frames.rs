@@ -1,5 +1,5 @@
-//! Random small scenes against the reference: `cargo run --features internals --release --example random_frames -- COUNT [FIRST]`. Each is one of `any`'s scenes
-//! in 32 x 32 pixels, by its number; what is wrong is printed with it, and counted at the end.
+//! Random small scenes against the reference: `cargo run --features internals --release --example random_frames -- COUNT [FIRST]`. Each is
+//! one of `any`'s scenes in 32 x 32 pixels, by its number; what is wrong is printed with it, and counted at the end.
 
 #[path = "../tests/common/mod.rs"]
 mod common;

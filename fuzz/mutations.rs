@@ -63,8 +63,8 @@ const NUMBERS: [&[u8]; 18] = [
     b"1e15",
 ];
 
-/// Replacements of names: endless files, files that block, folders, files elsewhere, and names with control characters. `fifo` may be a pipe
-/// without a writer beside the file.
+/// Replacements of names: endless files, files that block, folders, files elsewhere, and names with control characters. `fifo` may be a
+/// pipe without a writer beside the file.
 pub const NAMES: [&[u8]; 12] = [
     b"/dev/zero",
     b"/dev/null",

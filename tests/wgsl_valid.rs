@@ -120,8 +120,9 @@ fn every_kernel_is_valid_and_portable() {
         // a driver need not round f64 to f32 and back
         assert_eq!(rounded_by_f32(&module, &info), 0, "{what}");
     });
-    // of each kind of adapter with f64, with and without counting: ten cameras, one with lights in places, three with samples, three of each kind of surface, three
-    // kinds of which are smooth, and two with an atlas; six cameras have curves, which are not rechecked; rivals trace in two ways
+    // of each kind of adapter with f64, with and without counting: ten cameras, one with lights in places, three with samples, three of
+    // each kind of surface, three kinds of which are smooth, and two with an atlas; six cameras have curves, which are not rechecked;
+    // rivals trace in two ways
     let all = 10 + 1 + 3 + 12 + 2;
     let (raster_certify_and_shade, recheck, bounce, meet, paste) = (3 * all, all - 6, 12, 9, 2);
     let rivals = (10 + 1 + 3) * (2 + 1 + 1);

@@ -43,7 +43,8 @@ fn place_of(bit: u32) -> vec2<f32> {
     return (vec2<f32>(f32(bit % TILE), f32(bit / TILE)) + 0.5) * NODE_PX - 1.0;
 }
 
-// The farthest depth at which the pixel's triangle may lie. The pixel's triangle may lie in another chunk of the scene, which then tests it itself.
+// The farthest depth at which the pixel's triangle may lie. The pixel's triangle may lie in another chunk of the scene, which then tests it
+// itself.
 fn test_pixel(pixel: u32) {
     let won = vec2<u32>(visibility[2u * pixel], visibility[2u * pixel + 1u]);
     if all(won == vec2<u32>(0u)) {

@@ -1,7 +1,8 @@
 // resolve: one thread per record of `samples`, after shade.
 // Reads the visibility keys of a listed pixel's samples, the triangles and the samples' rays; writes the pixel's colour and coverage, the
-// means of its samples', each triangle's share of them by its samples' number or by areas; where these and the centre see one triangle they are what shade has written. Each triangle is shaded once, at the sample nearest to the middle of those that see it.
-// Triangles in another chunk of the scene are left to that chunk's dispatch, which adds its share.
+// means of its samples', each triangle's share of them by its samples' number or by areas; where these and the centre see one triangle they
+// are what shade has written. Each triangle is shaded once, at the sample nearest to the middle of those that see it. Triangles in another
+// chunk of the scene are left to that chunk's dispatch, which adds its share.
 // Provides: centre_of, key_of, nearest_to, seen_alike
 // Needs: COUNT_EDGES, Lit, NONE, RayDifferential, SAMPLES, SLABBED, STYLED, ShadedHit, TEXTURED, all_samples, beyond, drawn, item_index,
 //   key_id, key_layer, key_t, measure, pattern_at, point_at, reach_of, reached, sample_differential, sample_offset, sample_ray, seen_next,

@@ -1,6 +1,6 @@
 // split: one thread per triangle group of the cluster of an item of `work`.
-// Reads triangle groups and nodes; writes (triangle group, node) items where a ray of the node may meet the triangle group's box. `tasks` may overflow: the
-// counter keeps counting.
+// Reads triangle groups and nodes; writes (triangle group, node) items where a ray of the node may meet the triangle group's box. `tasks`
+// may overflow: the counter keeps counting.
 // Needs: CLUSTER, COUNT_TASKS, COUNT_WORK, TRIANGLE_GROUP, address_node, item_index, item_meets, item_node, item_rays, node_meets
 // Binds: counters, params, tasks, triangle_groups, work
 

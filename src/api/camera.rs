@@ -38,8 +38,8 @@ impl Camera {
         self.camera.channels()
     }
 
-    /// Origin P and direction D of the ray `P + t D` through the centre of pixel (column, row), row 0 on top, in world axes and units; for a
-    /// curved ray its chord. `None` if the pixel has no ray or lies outside the image.
+    /// Origin P and direction D of the ray `P + t D` through the centre of pixel (column, row), row 0 on top, in world axes and units; for
+    /// a curved ray its chord. `None` if the pixel has no ray or lies outside the image.
     pub fn ray(&self, column: u32, row: u32) -> Option<[[f64; 3]; 2]> {
         if column >= self.camera.width || row >= self.camera.height {
             return None;

@@ -16,8 +16,8 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh from vertex positions, world units, and three vertex indices per triangle. Both faces are visible; the colour is a matte light
-    /// grey.
+    /// A mesh from vertex positions, world units, and three vertex indices per triangle. Both faces are visible; the colour is a matte
+    /// light grey.
     ///
     /// # Errors
     /// [`Error::Input`] for a position that is not finite, or an index without a vertex.

@@ -44,8 +44,9 @@ const SIDE_ROUNDING: f64 = 8.0 / (1u64 << 53) as f64;
 const MANY: usize = 256;
 const RUN: usize = 8;
 
-/// How far the box of a piece in the hierarchy extends beyond its corners, relative to their coordinates. [`side`] may be off by a distance of
-/// [`SIDE_ROUNDING`] times the square of the coordinates over the edge's length, so this covers edges over a millionth of the coordinates.
+/// How far the box of a piece in the hierarchy extends beyond its corners, relative to their coordinates. [`side`] may be off by a distance
+/// of [`SIDE_ROUNDING`] times the square of the coordinates over the edge's length, so this covers edges over a millionth of the
+/// coordinates.
 const BOX_TOLERANCE: f64 = 1e-9;
 
 /// How far beyond a tile a piece may lie and still be listed with it: the safe radius and a sample offset of half a pixel.

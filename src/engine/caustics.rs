@@ -18,8 +18,8 @@ use std::time::Instant;
 pub struct DeviceCaustics {
     caustics: Arc<Caustics>,
     mesh: Arc<Mesh>,
-    /// `sums` and `receivers` as deposit left them; `receiver_triangle_of`, 4 bytes a triangle, and `receiver_triangles`, 48 bytes for each on a
-    /// receiver. Read by gather.
+    /// `sums` and `receivers` as deposit left them; `receiver_triangle_of`, 4 bytes a triangle, and `receiver_triangles`, 48 bytes for each
+    /// on a receiver. Read by gather.
     pub buffers: Buffers,
     pub maps: CausticMaps,
     pub report: CausticsReport,

@@ -99,7 +99,8 @@ impl Frames {
         }
     }
 
-    /// One more frame by all stages, whatever changed; its wall time, from the first upload until its results are complete on the device, ms.
+    /// One more frame by all stages, whatever changed; its wall time, from the first upload until its results are complete on the device,
+    /// ms.
     pub fn frame(&mut self) -> Result<f64> {
         loop {
             self.compile(&self.steps(false, Dirty::All))?;
@@ -178,8 +179,8 @@ impl Frames {
     /// From the next frame on, renders the current triangles with the lights, materials, normals and background of `scene`.
     ///
     /// # Errors
-    /// [`Error::Input`] where `scene` has other numbers of triangles, vertices, normals or materials, other kinds of these (images, gloss, a
-    /// sky), or caustics are shown.
+    /// [`Error::Input`] where `scene` has other numbers of triangles, vertices, normals or materials, other kinds of these (images, gloss,
+    /// a sky), or caustics are shown.
     pub fn light(&mut self, scene: &Scene) -> Result<()> {
         if self.caustics.is_some() {
             self.changed(&self.scene, &self.camera, Feature::Relit).check()?;

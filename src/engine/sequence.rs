@@ -56,7 +56,8 @@ impl Sequence {
         self.frames.as_ref().ok_or_else(nothing)?.start(planned)
     }
 
-    /// Waits for a frame, even if a later one is shown by now. If the lists between the stages were too small, it runs again with larger ones.
+    /// Waits for a frame, even if a later one is shown by now. If the lists between the stages were too small, it runs again with larger
+    /// ones.
     ///
     /// # Errors
     /// [`Error::Work`] if the device fails.

@@ -39,16 +39,16 @@ pub enum Files {
 /// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each. Strips and
 /// fans become triangles as the glTF specification lists them; lines and points are skipped. The base colour
 /// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`; where a material
-/// is masked there is a surface from its cut-off on, and where it is blended from an opacity of one half on; without an image everywhere. It is as rough, metallic
-/// and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the inverse transpose. Vertices
-/// keep the file's order also where a node mirrors them. Skins, morph targets and animations are not
+/// is masked there is a surface from its cut-off on, and where it is blended from an opacity of one half on; without an image everywhere.
+/// It is as rough, metallic and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the
+/// inverse transpose. Vertices keep the file's order also where a node mirrors them. Skins, morph targets and animations are not
 /// applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that do not exist are left out, and listed in
 /// [`Mesh::missing`].
 ///
 /// # Errors
 /// [`Error::Input`] naming the file and the accessor, buffer, node or mesh: no glTF 2.0; a required extension
-/// that would change the triangles; a buffer that is missing, short, remote or where `files` does not allow it; an accessor or an index out of
-/// range; a node that is its own ancestor or has two parents; no triangles, or more than 2^28.
+/// that would change the triangles; a buffer that is missing, short, remote or where `files` does not allow it; an accessor or an index out
+/// of range; a node that is its own ancestor or has two parents; no triangles, or more than 2^28.
 pub fn load(path: &Path, files: Files, images: &Images) -> Result<Mesh> {
     let name = path.display().to_string();
     let bytes = crate::input::files::read(path).map_err(|e| Error::input(format!("{name}: cannot be read: {e}")))?;

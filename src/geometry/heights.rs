@@ -1,7 +1,7 @@
 //! Height images as terrain: ESRI ASCII grids, gray PNGs and GeoTIFFs.
 //!
-//! Each sample becomes a vertex, with +x to the east, +y up and +z to the south. The centre of the grid is at x = z = 0, because coordinates
-//! of some millions, as eastings and northings are, would lose digits.
+//! Each sample becomes a vertex, with +x to the east, +y up and +z to the south. The centre of the grid is at x = z = 0, because
+//! coordinates of some millions, as eastings and northings are, would lose digits.
 
 mod asc;
 mod geotiff;
@@ -98,11 +98,12 @@ pub fn load(spec: &HeightSpec) -> Result<Mesh> {
 }
 
 /// Two triangles for each cell between four samples, row by row from the north-west, facing up. Triangles with a corner without data are
-/// left out. Normals are central differences. Texture coordinates put the centre of a texel on each sample, for an image as large as the grid.
+/// left out. Normals are central differences. Texture coordinates put the centre of a texel on each sample, for an image as large as the
+/// grid.
 ///
 /// # Errors
-/// [`Error::Input`] if the cells are in degrees and `spec` has no `cell`, or no triangle is left; [`Error::Work`] if the mesh does not fit the
-/// free memory.
+/// [`Error::Input`] if the cells are in degrees and `spec` has no `cell`, or no triangle is left; [`Error::Work`] if the mesh does not fit
+/// the free memory.
 pub fn mesh(grid: &Grid, spec: &HeightSpec) -> Result<Mesh> {
     let wrong = |why: String| Error::input(format!("{}: {why}", spec.file.display()));
     let cell = match (spec.cell, grid.georeference) {

@@ -34,8 +34,8 @@ const CHUNK_BYTES: usize = 1 << 20;
 /// Faces are fan-triangulated from their first vertex; zero-area triangles stay, so that ids are file order.
 /// `Kd` is linear RGB. Faces whose material is unknown, or whose `.mtl` file is missing, get
 /// [`Material::default`]. Lines, points, curves, groups and smoothing are skipped. Images of the materials that faces have come from
-/// `images`, and texture coordinates lie as the MTL files' options place them. Images, normals and texture coordinates that do not exist are
-/// left out, and listed in [`Mesh::missing`].
+/// `images`, and texture coordinates lie as the MTL files' options place them. Images, normals and texture coordinates that do not exist
+/// are left out, and listed in [`Mesh::missing`].
 ///
 /// # Errors
 /// [`Error::Input`] naming file and line: see [`parse`]; the file cannot be read; an MTL file is malformed, or an image of a material
@@ -59,8 +59,8 @@ pub fn load(path: &Path, images: &mut Images) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// Parses OBJ text. `name` stands for the file in messages. `load_mtl` is called once, with the arguments of all `mtllib` lines in file order.
-/// The mesh has the materials that it returns, in order, without images.
+/// Parses OBJ text. `name` stands for the file in messages. `load_mtl` is called once, with the arguments of all `mtllib` lines in file
+/// order. The mesh has the materials that it returns, in order, without images.
 ///
 /// # Errors
 /// [`Error::Input`], always the one of the lowest line: an empty text, no OBJ statements, no faces; a coordinate

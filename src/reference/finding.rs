@@ -1,8 +1,8 @@
 //! The answer for a pixel over all layers of its camera, and whether it is safe.
 //!
 //! Straight layers: the verdict of each layer is proven for the whole box about the centre; a layer that may miss
-//! hands over to the next. With a curved layer, and behind mirrors and lenses, the box is *sampled*, not bounded: at its centre, its corners, the
-//! middles of its edges and a ring inside. A feature that slips between the samples (thinner than they are apart) is
+//! hands over to the next. With a curved layer, and behind mirrors and lenses, the box is *sampled*, not bounded: at its centre, its
+//! corners, the middles of its edges and a ring inside. A feature that slips between the samples (thinner than they are apart) is
 //! missed, so an unsafe pixel may be called safe, and a candidate may be left out. This can raise a false alarm about a
 //! correct frame; it never excuses a wrong pixel.
 

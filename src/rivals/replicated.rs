@@ -26,7 +26,8 @@ struct Replicated {
     band_raster: BandRaster,
     pieces: u64,
     /// The pieces, by where they lie in the image, and the cones of each [`TOGETHER`]; `replicas`, 8 bytes a triangle
-    /// and piece that may see it, and `draw_args`, 16 bytes, both written by replicate and read by the draw; `no_draw`, the arguments before.
+    /// and piece that may see it, and `draw_args`, 16 bytes, both written by replicate and read by the draw; `no_draw`, the arguments
+    /// before.
     own: Buffers,
 }
 

@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 /// Objects and materials by triangle id.
 ///
-/// The number of an object is its index in [`Scene::objects`], that of a material its index in [`Mesh::materials`]: both in the order of the
-/// meshes in the scene file. A mirror or lens of the camera has the number after the last object, and after the last material; the ids of its
-/// facets come after those of all triangles.
+/// The number of an object is its index in [`Scene::objects`], that of a material its index in [`Mesh::materials`]: both in the order of
+/// the meshes in the scene file. A mirror or lens of the camera has the number after the last object, and after the last material; the ids
+/// of its facets come after those of all triangles.
 #[derive(Debug, Clone)]
 pub struct Labels {
     mesh: Arc<Mesh>,

@@ -255,8 +255,9 @@ fn errors_near_and_far_from_the_horizon(engine: &mut Engine, ball: &Scene, keys:
 /// * the pixel's shape: a square whose sides are at 45 degrees to the horizon is as wide as a triangle and is taken for a box; 0.172 of one
 ///   lies outside the other, and 0.104 on average over all directions;
 /// * 16 taps: each blurs the footprint's end, where weights are twice the mean, by the deviation of a box of 1/16: 2 / 2 / 16 / sqrt(12);
-/// * triangles: their cosines are off by up to half of the angle between two, pi / COLUMNS, by half of that on average. The footprint's ends
-///   move by as much, on an arc of at least 1 / sqrt(R) with R px the ball's radius, 40 at most here. Again weights are twice the mean.
+/// * triangles: their cosines are off by up to half of the angle between two, pi / COLUMNS, by half of that on average. The footprint's
+///   ends move by as much, on an arc of at least 1 / sqrt(R) with R px the ball's radius, 40 at most here. Again weights are twice the
+///   mean.
 #[test]
 fn images_on_curved_surfaces_are_filtered_up_to_the_horizon() {
     const COLUMNS: u32 = 512;

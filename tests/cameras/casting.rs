@@ -1,5 +1,5 @@
-//! The two hierarchies over triangles, that of the reference and that of cameras, against all triangles one by one: on rays anywhere, through
-//! edges and through corners.
+//! The two hierarchies over triangles, that of the reference and that of cameras, against all triangles one by one: on rays anywhere,
+//! through edges and through corners.
 
 use crate::common;
 
@@ -44,8 +44,8 @@ fn ray(mesh: &Mesh, seed: u64) -> Bundle {
     Bundle { p: [from, DVec3::ZERO, DVec3::ZERO], d: [to - from, DVec3::ZERO, DVec3::ZERO], h: [1.0, 0.0, 0.0] }
 }
 
-/// What is wrong with an answer, by all triangles one by one: one that the ray meets for sure must not be missed, and one that it misses for
-/// sure must not be met.
+/// What is wrong with an answer, by all triangles one by one: one that the ray meets for sure must not be missed, and one that it misses
+/// for sure must not be met.
 fn fault(mesh: &Mesh, ray: &Bundle, first: First) -> Option<&'static str> {
     let (p, d) = (ray.p[0], ray.d[0]);
     let mut sure = f64::INFINITY;

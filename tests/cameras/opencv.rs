@@ -78,8 +78,8 @@ fn rays(camera: &Camera) -> Vec<f64> {
     pixels.flat_map(ray).collect()
 }
 
-/// Checks points of the branch both ways: the ray at the pixel that OpenCV gives passes through the point, and the point projects to that pixel.
-/// Returns how many lie in the picture.
+/// Checks points of the branch both ways: the ray at the pixel that OpenCV gives passes through the point, and the point projects to that
+/// pixel. Returns how many lie in the picture.
 fn check_points(lens: &Lens, camera: &Camera, points: &[f64]) -> usize {
     let Rays::Field(field) = &camera.layers[0] else { panic!("{}: no field", lens.file) };
     let projector = Projector::new(camera);

@@ -1,5 +1,5 @@
-//! The projector: each surface and each reparametrisation by the formulas of `docs/reference/definitions.md` written down a second time, what it
-//! compiles to, and curves through their control points.
+//! The projector: each surface and each reparametrisation by the formulas of `docs/reference/definitions.md` written down a second time,
+//! what it compiles to, and curves through their control points.
 
 pub mod bad;
 pub mod make;

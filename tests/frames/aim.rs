@@ -30,8 +30,8 @@ fn runs() -> impl Iterator<Item = RunOptions> {
     arithmetics.into_iter().flat_map(move |a| [false, true].map(|no_cull| run(a, no_cull)))
 }
 
-/// Pairs of cameras of pieces, of layers of them and of a field. The rays of a pair start at the same points, so that both have the same anchor and
-/// pictures are equal to the byte.
+/// Pairs of cameras of pieces, of layers of them and of a field. The rays of a pair start at the same points, so that both have the same
+/// anchor and pictures are equal to the byte.
 fn pairs() -> [(&'static str, [Camera; 2]); 4] {
     let targets = [DVec3::ZERO, DVec3::new(0.3, -0.2, 0.1)];
     let eyes = targets.map(|target| camera(pinhole(DVec3::new(2.0, 1.0, 2.5), target, 60.0), SIZE, FORWARD));

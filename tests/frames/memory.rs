@@ -1,5 +1,5 @@
-//! What a frame takes of the device's memory, for each triangle, vertex and pixel, as docs/reference/limits.md says. Nothing to do without an
-//! adapter.
+//! What a frame takes of the device's memory, for each triangle, vertex and pixel, as docs/reference/limits.md says. Nothing to do without
+//! an adapter.
 
 use crate::common;
 

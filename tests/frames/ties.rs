@@ -1,7 +1,7 @@
 //! Rays on edges and through vertices: the engine sees the reference's triangle there too. Skipped without an adapter.
 //!
-//! Meshes are built from a camera's own rays: corners lie on the rays of pixels, and edges meet those of the pixels between. Nothing is exact
-//! in f64, so most rays miss by a rounding the edge that they should meet.
+//! Meshes are built from a camera's own rays: corners lie on the rays of pixels, and edges meet those of the pixels between. Nothing is
+//! exact in f64, so most rays miss by a rounding the edge that they should meet.
 
 use crate::common;
 
@@ -113,8 +113,8 @@ fn cameras() -> Vec<(String, Camera, Depth)> {
     list
 }
 
-/// Pixels that may differ. Where neighbouring rays bend sharply, as at the rim of a fisheye and between weighted pieces, an edge may happen to
-/// run along the perturbation. No edge of the other cameras does.
+/// Pixels that may differ. Where neighbouring rays bend sharply, as at the rim of a fisheye and between weighted pieces, an edge may happen
+/// to run along the perturbation. No edge of the other cameras does.
 fn most_differing(name: &str) -> usize {
     usize::from(["fisheye", "weighted mesh"].contains(&name))
 }

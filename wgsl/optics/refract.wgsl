@@ -73,8 +73,8 @@ fn bent(d: real3, normal: real3, outside: real3) -> Bent {
     return Bent(refracted, one - back, true);
 }
 
-// The same, but never to the wrong side of the surface: an interpolated or tilted normal may send a direction there, which is then reflected
-// by the surface's plane.
+// The same, but never to the wrong side of the surface: an interpolated or tilted normal may send a direction there, which is then
+// reflected by the surface's plane.
 fn bent_at(d: real3, normal: real3, outside: real3) -> Bent {
     var after = bent(d, normal, outside);
     let up = outside / norm(outside);

@@ -66,8 +66,8 @@ struct Params {
     level_height: array<vec4<u32>, 2>,  // rows
 }
 
-// A perturbation (perturb.wgsl) moves origins by at most 2^-42 of the scene's size, and directions by 2^-42 of their own. This is twice that,
-// for sums of components instead of lengths.
+// A perturbation (perturb.wgsl) moves origins by at most 2^-42 of the scene's size, and directions by 2^-42 of their own. This is twice
+// that, for sums of components instead of lengths.
 const PERTURB_BOUND: f32 = 1.0 / 2199023255552.0;
 
 // Offsets of samples from their pixel's centre, px right and down: two a row.

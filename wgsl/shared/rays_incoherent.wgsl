@@ -13,8 +13,8 @@ fn largest_of(v: vec3<f32>) -> f32 {
     return max(v.x, max(v.y, v.z));
 }
 
-// A pixel's ray may meet a box. Never false for a ray that meets it, nor for one that differs from such a ray by RAY_TOLERANCE of the node's
-// spread.
+// A pixel's ray may meet a box. Never false for a ray that meets it, nor for one that differs from such a ray by RAY_TOLERANCE of the
+// node's spread.
 fn ray_meets(at: u32, node: Node, centre: vec3<f32>, half: vec3<f32>) -> bool {
     let p = field_origin(at);
     let d = field_direction(at);

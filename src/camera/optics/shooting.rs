@@ -26,9 +26,9 @@ struct Target<'a> {
 }
 
 impl Facets {
-    /// The same facets with normals of a coarse copy. Each vertex takes the normal where the line along its own normal, in either direction,
-    /// hits the copy; if that line misses, or hits another part of the copy, the normal at the nearest point. `coarse` of the result
-    /// holds the coarse facet of each facet, found in the same way from the facet's centre.
+    /// The same facets with normals of a coarse copy. Each vertex takes the normal where the line along its own normal, in either
+    /// direction, hits the copy; if that line misses, or hits another part of the copy, the normal at the nearest point. `coarse` of the
+    /// result holds the coarse facet of each facet, found in the same way from the facet's centre.
     pub fn shot_at(&self, coarse: &Facets) -> Facets {
         let mesh = coarse.mesh([0.0; 3]);
         let target = Target { coarse, caster: Caster::new(&mesh), scene_size: scene_size(mesh.bounds()) };

@@ -12,7 +12,8 @@
 //!
 //! Proven so far as [`Bend`](super::bend::Bend)'s bounds are, which are sampled by default. Besides, three things are assumed: that s is
 //! about the same where the shifted image lies, under a pixel away; that inside a cell of the lattice s is no further below
-//! the smallest than adjoining cells differ; and that the scene's ball bounds t on the piece as it does on the rays at its corners and middle.
+//! the smallest than adjoining cells differ; and that the scene's ball bounds t on the piece as it does on the rays at its corners and
+//! middle.
 
 use crate::camera::bundle::Ray;
 use crate::camera::field::RayMap;

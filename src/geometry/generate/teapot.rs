@@ -67,8 +67,8 @@ const HALVES: [[[[f64; 3]; 4]; 4]; 4] = [
 
 /// The Utah teapot: y up, standing on y = 0, spout along +x, bounds (-3, 0, -2) .. (3.434, 3.15, 2). 32 patches of
 /// `level` x `level` cells of two triangles: 64 level^2 triangles, facing outwards, with smooth normals from the
-/// patches' derivatives and their parameters as texture coordinates. Patches meet without gaps, at equal vertices of their own. At the tips of lid and bottom
-/// the cells are triangles: 8 level of the triangles have no area. `level` is 1 to 2048.
+/// patches' derivatives and their parameters as texture coordinates. Patches meet without gaps, at equal vertices of their own. At the tips
+/// of lid and bottom the cells are triangles: 8 level of the triangles have no area. `level` is 1 to 2048.
 pub fn teapot(level: u32) -> Mesh {
     let mut mesh = Mesh { materials: vec![Material::default()], ..Mesh::default() };
     for patch in patches() {

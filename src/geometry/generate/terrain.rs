@@ -24,8 +24,8 @@ const STEEPEST_GRASS: f64 = 0.8;
 const SNOW_LINE: f64 = 1.25 * RELIEF;
 
 /// A landscape over [-50, 50]^2 in x and z with heights in [0, 30]: `size` x `size` cells of two triangles, row by
-/// row along +z, 2 size^2 triangles in all, with smooth normals and texture coordinates from 0 to 1 along +x and -z; grass, rock and snow. `size` is 1 to 11585; the
-/// seed alone makes the shape, the size how finely it is sampled.
+/// row along +z, 2 size^2 triangles in all, with smooth normals and texture coordinates from 0 to 1 along +x and -z; grass, rock and snow.
+/// `size` is 1 to 11585; the seed alone makes the shape, the size how finely it is sampled.
 pub fn terrain(seed: u64, size: u32) -> Mesh {
     let side = size + 1;
     let noise = Noise { seed };

@@ -92,7 +92,8 @@ impl Kernel {
         Kernel { name, bindings, parts, enables: "", constants: Vec::new(), f64 }
     }
 
-    /// What precedes the snippets: the bindings, and of a kernel with `planes` the number of each channel's, [`NONE`] if it is not rendered.
+    /// What precedes the snippets: the bindings, and of a kernel with `planes` the number of each channel's, [`NONE`] if it is not
+    /// rendered.
     fn head(&self) -> String {
         let mut head = self.enables.to_string();
         for (k, b) in self.bindings.iter().enumerate() {
@@ -132,7 +133,8 @@ impl Kernel {
         self.head() + &self.parts.iter().map(part).collect::<String>()
     }
 
-    /// The snippet that holds a line of [`Kernel::source`], and the line's number there, both from 1. The bindings come before all snippets.
+    /// The snippet that holds a line of [`Kernel::source`], and the line's number there, both from 1. The bindings come before all
+    /// snippets.
     pub fn place(&self, line: usize) -> (&'static str, usize) {
         let mut before = self.head().lines().count();
         if line <= before {

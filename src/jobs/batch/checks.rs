@@ -27,8 +27,8 @@ pub struct Checks<'a> {
 }
 
 impl Checks<'_> {
-    /// Checks all files. Scenes are read, into `library`, only if an output exists that may not be of an earlier run: it may be one of their
-    /// inputs.
+    /// Checks all files. Scenes are read, into `library`, only if an output exists that may not be of an earlier run: it may be one of
+    /// their inputs.
     ///
     /// # Errors
     /// [`Error::Input`] for a file that must not be replaced, [`Error::Work`] for one that cannot be written.

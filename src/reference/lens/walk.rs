@@ -36,8 +36,9 @@ impl At {
     }
 }
 
-/// Largest rotation of the tangent in a step (its cosine), and largest factor by which the determinant may change from its start to its middle
-/// and to its end. Over a pair of close folds the determinant falls and rises like a parabola, which changes it by more than these factors.
+/// Largest rotation of the tangent in a step (its cosine), and largest factor by which the determinant may change from its start to its
+/// middle and to its end. Over a pair of close folds the determinant falls and rises like a parabola, which changes it by more than these
+/// factors.
 const ROTATION_COS: f64 = 0.95;
 const CHANGE: f64 = 2.0;
 

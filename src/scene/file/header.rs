@@ -10,7 +10,8 @@ use crate::input::{Error, Result};
 use serde_json::{Map, Value as Json};
 use std::path::{Path, PathBuf};
 
-/// The tables of the camera and the meshes in a scene file, with overrides and keyframes applied. The meshes are for cameras that look at them.
+/// The tables of the camera and the meshes in a scene file, with overrides and keyframes applied. The meshes are for cameras that look at
+/// them.
 #[derive(Debug, Clone, Default)]
 pub struct CameraKeys {
     camera: Option<Node>,
@@ -39,8 +40,8 @@ impl CameraKeys {
     }
 
     /// For the header of a picture in `folder`: `keys` is the camera; `mesh` the meshes, if `looks`, that is, the camera looks at them; and
-    /// `folder`, if these name files, the path from the picture's folder to the folder that relative paths start from. Empty if the camera is
-    /// not from a file.
+    /// `folder`, if these name files, the path from the picture's folder to the folder that relative paths start from. Empty if the camera
+    /// is not from a file.
     pub fn json(&self, looks: bool, folder: &Path) -> Map<String, Json> {
         let mut map = Map::new();
         let Some(camera) = &self.camera else { return map };

@@ -147,7 +147,8 @@ impl Brown {
                 roots::bounds(&[2.0 * c[2], 6.0 * c[3]], q),
             ]
         };
-        // A and B nearly cancel in calibrations, so bound n = g - 1 = (A - B) / B: n' = ((A - B)' - n B') / B, n'' = ((A - B)'' - 2 n' B' - n B'') / B
+        // A and B nearly cancel in calibrations, so bound n = g - 1 = (A - B) / B: n' = ((A - B)' - n B') / B, n'' = ((A - B)'' - 2 n' B' -
+        // n B'') / B
         let rest: [f64; 4] = std::array::from_fn(|k| self.above[k] - self.below[k]);
         let ([a, da, dda], [b, db, ddb]) = (derivatives(&rest), derivatives(&self.below));
         // NaN proves nothing

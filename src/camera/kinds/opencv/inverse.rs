@@ -54,8 +54,8 @@ impl Brown {
         is_near(p) || self.follow(p, DVec2::ZERO, is_near).is_some_and(is_near)
     }
 
-    /// Follows from `p` the preimage of the straight line from its distorted place to `end`, up to the end or until `is_enough`. `None` if it
-    /// meets a fold or a pole.
+    /// Follows from `p` the preimage of the straight line from its distorted place to `end`, up to the end or until `is_enough`. `None` if
+    /// it meets a fold or a pole.
     fn follow(&self, mut p: DVec2, end: DVec2, is_enough: impl Fn(DVec2) -> bool) -> Option<DVec2> {
         let mut share = 1.0;
         for _ in 0..LINE_STEPS {
