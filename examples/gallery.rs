@@ -9,8 +9,9 @@ mod sheet;
 mod dress;
 
 use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::combinations::at_once;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::plan::samples::{at_once, sample_offsets};
+use anamorph::internals::engine::plan::samples::sample_offsets;
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::gpu::Gpu;
 use anamorph::internals::gpu::device::NO_ADAPTER;

@@ -5,8 +5,9 @@
 mod common;
 
 use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::combinations::at_once;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::plan::samples::{at_once, sample_offsets};
+use anamorph::internals::engine::plan::samples::sample_offsets;
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::gpu::{Gpu, GpuOptions};
 use anamorph::internals::image::compare::compare;

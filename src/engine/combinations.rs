@@ -2,7 +2,6 @@
 
 use crate::camera::Camera;
 use crate::camera::ray_order::is_incoherent;
-use crate::engine::plan::samples::AT_ONCE_MAX;
 use crate::engine::plan::slabs::kind;
 use crate::engine::plan::{Plan, Wanted};
 use crate::engine::rival::Choice;
@@ -11,34 +10,54 @@ use crate::image::frame::Channel;
 use crate::input::{Error, Result};
 use crate::scene::{SHADOWS_AND_ALPHA_MASKS, Scene};
 
-/// What a frame has, or what is asked of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Feature {
-    NoSamples,
-    OneSample,
-    Samples,
-    ManySamples,
-    Analytic,
-    Certified,
-    Outlines,
-    Rows,
-    Rival,
-    RivalWithoutCulling,
-    NoCull,
-    Moving,
-    Caustics,
-    AlphaMasks,
-    Shadows,
-    Curves,
-    Optics,
-    Bounces,
-    Atlas,
-    Incoherent,
-    Bands,
-    Chunks,
-    Aimed,
-    Relit,
-    InSequence,
+/// Generates the features and their names from one table.
+macro_rules! features {
+    ($($feature:ident, $name:literal;)*) => {
+        /// What a frame has, or what is asked of it.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Feature {
+            $($feature,)*
+        }
+
+        impl Feature {
+            pub const ALL: [Feature; [$($name),*].len()] = [$(Feature::$feature),*];
+
+            /// As the page calls it.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Feature::$feature => $name,)*
+                }
+            }
+        }
+    };
+}
+
+features! {
+    NoSamples, "no samples";
+    OneSample, "one sample per pixel";
+    Samples, "several samples per pixel in one frame";
+    ManySamples, "more than 32 samples per pixel in one frame";
+    Analytic, "analytic coverage";
+    Certified, "the channel `certified`";
+    Outlines, "outlines or borders";
+    Rows, "some rows of the image (strips)";
+    Rival, "a rival";
+    RivalWithoutCulling, "a rival that culls nothing";
+    NoCull, "`--no-cull`";
+    Moving, "`--moving`";
+    Caustics, "caustics";
+    AlphaMasks, "alpha masks";
+    Shadows, "shadows or ambient occlusion";
+    Curves, "curved rays, or layers of rays";
+    Optics, "a mirror or lens";
+    Bounces, "a mirror or lens without an atlas";
+    Atlas, "a mirror or lens with an atlas";
+    Incoherent, "unrelated rays in neighbouring pixels";
+    Bands, "an image larger than the adapter's bindings";
+    Chunks, "a scene larger than the adapter's bindings";
+    Aimed, "`Frames::aim`";
+    Relit, "`Frames::light`";
+    InSequence, "one of a sequence of frames";
 }
 
 /// Features of which a frame cannot have all.
@@ -149,68 +168,6 @@ pub const REFUSALS: &[Refusal] = {
 };
 
 impl Feature {
-    pub const ALL: [Feature; 25] = {
-        use Feature::*;
-        [
-            NoSamples,
-            OneSample,
-            Samples,
-            ManySamples,
-            Analytic,
-            Certified,
-            Outlines,
-            Rows,
-            Rival,
-            RivalWithoutCulling,
-            NoCull,
-            Moving,
-            Caustics,
-            AlphaMasks,
-            Shadows,
-            Curves,
-            Optics,
-            Bounces,
-            Atlas,
-            Incoherent,
-            Bands,
-            Chunks,
-            Aimed,
-            Relit,
-            InSequence,
-        ]
-    };
-
-    /// As the page calls it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Feature::NoSamples => "no samples",
-            Feature::OneSample => "one sample per pixel",
-            Feature::Samples => "several samples per pixel in one frame",
-            Feature::ManySamples => "more than 32 samples per pixel in one frame",
-            Feature::Analytic => "analytic coverage",
-            Feature::Certified => "the channel `certified`",
-            Feature::Outlines => "outlines or borders",
-            Feature::Rows => "some rows of the image (strips)",
-            Feature::Rival => "a rival",
-            Feature::RivalWithoutCulling => "a rival that culls nothing",
-            Feature::NoCull => "`--no-cull`",
-            Feature::Moving => "`--moving`",
-            Feature::Caustics => "caustics",
-            Feature::AlphaMasks => "alpha masks",
-            Feature::Shadows => "shadows or ambient occlusion",
-            Feature::Curves => "curved rays, or layers of rays",
-            Feature::Optics => "a mirror or lens",
-            Feature::Bounces => "a mirror or lens without an atlas",
-            Feature::Atlas => "a mirror or lens with an atlas",
-            Feature::Incoherent => "unrelated rays in neighbouring pixels",
-            Feature::Bands => "an image larger than the adapter's bindings",
-            Feature::Chunks => "a scene larger than the adapter's bindings",
-            Feature::Aimed => "`Frames::aim`",
-            Feature::Relit => "`Frames::light`",
-            Feature::InSequence => "one of a sequence of frames",
-        }
-    }
-
     /// The frame has it.
     pub fn is_in(self, asked: &Asked) -> bool {
         let Asked { scene, camera, wanted, rival, no_cull, moving, change, planned } = asked;
@@ -272,4 +229,13 @@ impl<'a> Asked<'a> {
     pub fn check(&self) -> Result<()> {
         self.refusal().map_or(Ok(()), |row| Err(Error::input(row.text(self))))
     }
+}
+
+/// As many samples a pixel has at most in one frame.
+pub const AT_ONCE_MAX: u32 = 32;
+
+/// Whether one frame can take all samples: the kernels then sample edge pixels only. Otherwise each sample takes a frame.
+pub fn at_once(scene: &Scene, camera: &Camera, count: u32) -> bool {
+    let wanted = Wanted { samples: count.max(2), ..Wanted::of(Vec::new()) };
+    Asked::new(scene, camera, &wanted).refusal().is_none()
 }

@@ -3,8 +3,9 @@
 
 use super::backend::{Backend, picture};
 use crate::camera::Camera;
+use crate::engine::combinations::at_once;
 use crate::engine::plan::Wanted;
-use crate::engine::plan::samples::{at_once, sample_offsets};
+use crate::engine::plan::samples::sample_offsets;
 use crate::engine::sequence::Sequence;
 use crate::engine::{Rendered, RunOptions};
 use crate::image::cryptomatte::Matte;

@@ -7,7 +7,7 @@ use super::options::Named;
 use super::strips::{self, Strips};
 use super::{judged, memory, points, samples};
 use crate::camera::{Camera, Rays};
-use crate::engine::plan::samples::at_once;
+use crate::engine::combinations::at_once;
 use crate::engine::plan::{LeftOut, Rows, Wanted};
 use crate::engine::planned::{Planned, Planner};
 use crate::engine::report::{Device, FrameMs, Judged, Report};

@@ -5,8 +5,9 @@ use crate::common;
 use crate::pictures;
 
 use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::combinations::at_once;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::plan::samples::{at_once, sample_offsets};
+use anamorph::internals::engine::plan::samples::sample_offsets;
 use anamorph::internals::engine::{Capacities, Engine, Rendered, RunOptions};
 use anamorph::internals::geometry::generate::icosphere;
 use anamorph::internals::image::frame::{Channel, NO_ID};

@@ -5,8 +5,8 @@ use crate::common;
 use crate::pictures;
 
 use anamorph::internals::camera::Camera;
+use anamorph::internals::engine::combinations::at_once;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::plan::samples::at_once;
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::image::frame::Channel;
 use anamorph::internals::reference::image::image;

@@ -5,8 +5,9 @@ use crate::common;
 use crate::pictures;
 
 use anamorph::internals::camera::{Camera, Rays};
+use anamorph::internals::engine::combinations::at_once;
 use anamorph::internals::engine::plan::Wanted;
-use anamorph::internals::engine::plan::samples::{at_once, sample_offsets};
+use anamorph::internals::engine::plan::samples::sample_offsets;
 use anamorph::internals::engine::{Engine, RunOptions};
 use anamorph::internals::geometry::mesh::{Material, NO_UV};
 use anamorph::internals::geometry::texture::{Texels, Texture, Wrap};

@@ -4,7 +4,7 @@
 use crate::common;
 
 use anamorph::internals::camera::Camera;
-use anamorph::internals::engine::plan::samples::at_once;
+use anamorph::internals::engine::combinations::at_once;
 use anamorph::internals::engine::plan::{Rows, Wanted};
 use anamorph::internals::engine::planned::Planned;
 use anamorph::internals::engine::sequence::Sequence;

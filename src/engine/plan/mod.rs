@@ -100,7 +100,7 @@ pub struct Wanted {
     /// Count tested and kept fragments (slower).
     pub counting: bool,
     /// Samples per pixel. Colour and coverage are averaged over them; all other channels use the centre. More than 1 only where
-    /// [`samples::at_once`] is true.
+    /// [`super::combinations::at_once`] is true.
     pub samples: u32,
     /// Weight triangles by their visible area in the pixel, not by the number of samples that see them.
     pub analytic: bool,

@@ -1,19 +1,6 @@
-//! Samples of a pixel: where they lie, and which cameras find those of all pixels in one frame.
+//! Where the samples of a pixel lie.
 
-use super::Wanted;
-use crate::camera::Camera;
-use crate::engine::combinations::Asked;
-use crate::scene::Scene;
 use glam::DVec2;
-
-/// As many samples a pixel has at most in one frame.
-pub const AT_ONCE_MAX: u32 = 32;
-
-/// Whether one frame can take all samples: the kernels then sample edge pixels only. Otherwise each sample takes a frame.
-pub fn at_once(scene: &Scene, camera: &Camera, count: u32) -> bool {
-    let wanted = Wanted { samples: count.max(2), ..Wanted::of(Vec::new()) };
-    Asked::new(scene, camera, &wanted).refusal().is_none()
-}
 
 /// Offsets of `count` samples from the pixel's centre, px, right and down, each in (-1/2, 1/2).
 ///
