@@ -97,7 +97,7 @@ mod tests {
         assert!(include_str!("../../wgsl/shared/real_f64.wgsl").contains(share));
         assert_eq!(PERTURB, 2.2737367544323206e-13);
         assert!(
-            include_str!("../../wgsl/shared/params.wgsl").contains("const PERTURB_LOST: f32 = 1.0 / 2199023255552.0;")
+            include_str!("../../wgsl/shared/params.wgsl").contains("const PERTURB_BOUND: f32 = 1.0 / 2199023255552.0;")
         );
         assert_eq!(2.0 * PERTURB, 1.0 / 2_199_023_255_552.0);
     }

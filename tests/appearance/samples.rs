@@ -280,7 +280,7 @@ fn areas_are_of_several_samples_and_of_all_triangles_at_once() {
     let Some(mut small) = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 15) else { return };
     let many = scene(soup(&mut Rng(5), 3000, 0.2));
     let refused = small.render(&many, &camera, &areas(4), &RunOptions::default()).unwrap_err().to_string();
-    assert!(refused.contains("all triangles in one list"), "{refused}");
+    assert!(refused.contains("all triangles in one binding"), "{refused}");
 }
 
 /// Curves, and a mirror.
