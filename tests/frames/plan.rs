@@ -1,4 +1,4 @@
-//! The plan: tiles cut the image into cells as the camera says, bands fit the bindings, nodes bound every ray.
+//! The plan: tiles split the image into cells as the camera says, bands fit the bindings, nodes bound every ray.
 
 use crate::common;
 
@@ -206,8 +206,8 @@ fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, slabs: Slabs, band
             let k = y / side * level.width + i / side;
             seen[k as usize] = true;
             let node = &band.nodes.nodes[(level.start + k) as usize];
-            let held = holds(node, (i % side, y % side), side, (ray.origin - anchor, ray.direction), bend);
-            assert!(held, "{name}, level {depth}, slab {slab}, pixel {i},{row}: beyond {node:?}");
+            let is_inside = holds(node, (i % side, y % side), side, (ray.origin - anchor, ray.direction), bend);
+            assert!(is_inside, "{name}, level {depth}, slab {slab}, pixel {i},{row}: beyond {node:?}");
             if depth > 0 {
                 continue;
             }
@@ -217,8 +217,8 @@ fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, slabs: Slabs, band
             let owns = |c: &&layout::Cell| (u64::from(c.mask_hi) << 32 | u64::from(c.mask_lo)) >> bit & 1 == 1;
             let cell = cells.iter().find(owns).unwrap();
             let node = &band.nodes.nodes[cell.node as usize];
-            let held = holds(node, (i % TILE, y % TILE), TILE, (ray.origin - anchor, ray.direction), bend);
-            assert!(held, "{name}, slab {slab}, pixel {i},{row}: beyond its cell's {node:?}");
+            let is_inside = holds(node, (i % TILE, y % TILE), TILE, (ray.origin - anchor, ray.direction), bend);
+            assert!(is_inside, "{name}, slab {slab}, pixel {i},{row}: beyond its cell's {node:?}");
             assert!(cells.len() > 1 || cell.node == k, "{name}: a lone cell has its tile's node");
         }
         for (k, seen) in seen.iter().enumerate() {

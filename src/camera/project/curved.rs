@@ -201,7 +201,7 @@ impl Net {
         pairs.fold(0.0, f64::max)
     }
 
-    /// The ways along the control points are not longer than the net is wide.
+    /// The control polygons are not longer than the net is wide.
     fn is_short(&self) -> bool {
         let length = |c: &Curve| c.points().windows(2).map(|p| (p[1] - p[0]).length()).sum::<f64>();
         let long = self.curves.iter().map(length).fold(0.0, f64::max);
