@@ -87,7 +87,9 @@ fn convex_shells_from_inside_at_any_offset() {
     for offset in [0.0, 1e3, 1e6] {
         let at = offset * DVec3::new(1.0, -0.7, 0.3);
         let ball = generate::icosphere(3);
-        for (name, shell) in [("ball", ball.clone()), ("ball of doubled seams", unjoined(&ball)), ("box", divided_box())] {
+        for (name, shell) in
+            [("ball", ball.clone()), ("ball of doubled seams", unjoined(&ball)), ("box", divided_box())]
+        {
             for (view, camera) in cameras_inside(at) {
                 let name = format!("{name} at {offset} by {view}");
                 if !assert_hit_once(&name, &moved(shell.clone(), at), &camera, 1, |_, _| true) {

@@ -182,7 +182,7 @@ impl TopDown {
             let region_centre = (lo + hi) / 2.0;
             let at = match self.layout {
                 Layout::Plain => Some(0),
-                _ => roots.iter().position(|r| outline::holds(&r.outline, region_centre)),
+                _ => roots.iter().position(|r| outline::contains(&r.outline, region_centre)),
             };
             let at = at.ok_or_else(|| error("its middle lies in no face of the cube; move it".into()))?;
             let root = &roots[at];
