@@ -209,11 +209,11 @@ struct Corners {
     n: vec3<f64>,
 }
 
-fn around(q: Corners, at: vec3<f64>, way: vec3<f64>) -> f64 {
+fn around(q: Corners, at: vec3<f64>, direction: vec3<f64>) -> f64 {
     var total = f64(0.0);
     for (var k = 0u; k < 3u; k++) {
         let e = q.v[(k + 1u) % 3u] - q.v[k];
-        total += dot(e, cross(way, q.v[k] - at));
+        total += dot(e, cross(direction, q.v[k] - at));
     }
     return total;
 }

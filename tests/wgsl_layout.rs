@@ -33,23 +33,23 @@ struct Field {
 type Layouts = BTreeMap<String, (usize, Vec<Field>)>;
 
 /// The numbers of a field's type.
-trait Words {
+trait Scalar {
     const KIND: ScalarKind;
 }
 
-impl Words for u32 {
+impl Scalar for u32 {
     const KIND: ScalarKind = ScalarKind::Uint;
 }
 
-impl Words for f32 {
+impl Scalar for f32 {
     const KIND: ScalarKind = ScalarKind::Float;
 }
 
-impl<T: Words, const N: usize> Words for [T; N] {
+impl<T: Scalar, const N: usize> Scalar for [T; N] {
     const KIND: ScalarKind = T::KIND;
 }
 
-fn field<S, T: Words>(name: &str, offset: usize, _: fn(&S) -> &T) -> Field {
+fn field<S, T: Scalar>(name: &str, offset: usize, _: fn(&S) -> &T) -> Field {
     Field { name: name.into(), offset, size: size_of::<T>(), kind: T::KIND }
 }
 
@@ -57,8 +57,8 @@ fn field<S, T: Words>(name: &str, offset: usize, _: fn(&S) -> &T) -> Field {
 macro_rules! layout {
     ($name:ident $body:tt) => { layout!(layout, $name $body) };
     ($layout:ident, $name:ident { $($field:ident),* $(,)? }) => {{
-        let every_field = |row: $layout::$name| {
-            let $layout::$name { $($field: _),* } = row;
+        let every_field = |value: $layout::$name| {
+            let $layout::$name { $($field: _),* } = value;
         };
         let _ = every_field;
         let fields = vec![$(field(stringify!($field), std::mem::offset_of!($layout::$name, $field), |r: &$layout::$name| &r.$field)),*];
@@ -341,8 +341,8 @@ fn host_constants() -> Constants {
     constants
 }
 
-/// Constants of `layout` that the kernels hold in another file than `params.wgsl`, or in another form.
-const HELD_ELSEWHERE: [&str; 5] = ["CULL_QUEUES", "ID_BITS_MAX", "ID_MASK", "ORDER_SHIFT", "ONE_SIDED"];
+/// Constants of `layout` that the kernels declare in another file than `params.wgsl`, or in another form.
+const DECLARED_ELSEWHERE: [&str; 5] = ["CULL_QUEUES", "ID_BITS_MAX", "ID_MASK", "ORDER_SHIFT", "ONE_SIDED"];
 
 /// What two maps do not agree on, one line each, missing keys on either side included.
 fn differences<V: PartialEq + std::fmt::Debug>(a: &BTreeMap<String, V>, b: &BTreeMap<String, V>) -> Vec<String> {
@@ -357,7 +357,7 @@ fn every_struct_is_the_same_bytes_on_both_sides() {
     kernels.extend(wgsl(SHADING));
     kernels.extend(wgsl(MATERIAL));
     kernels.extend(wgsl(STYLE));
-    // what is found, and the way there, is the kernels' own
+    // results and traversal state belong to the kernels alone
     kernels.extend(
         wgsl(&format!("{PARAMS}{SEGMENT}")).into_iter().filter(|(name, _)| name == "BvhNode" || name == "LeafTriangle"),
     );
@@ -375,7 +375,7 @@ fn every_constant_has_the_same_value_on_both_sides() {
     let known = host_constants();
     let forgotten: Vec<&str> = rust_constants(LAYOUT)
         .into_iter()
-        .filter(|name| !known.contains_key(*name) && !HELD_ELSEWHERE.contains(name))
+        .filter(|name| !known.contains_key(*name) && !DECLARED_ELSEWHERE.contains(name))
         .collect();
     assert_eq!(forgotten, [""; 0], "constants of layout.rs that params.wgsl does not have");
 }

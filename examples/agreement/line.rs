@@ -51,7 +51,7 @@ pub struct Figures {
     /// How the kernels hold the rays: pieces, a field, or curves of a degree.
     pub rays: String,
     pub layers: u32,
-    /// Into how many spans of t each layer of curves is cut.
+    /// Into how many spans of t each layer of curves is split.
     pub spans: u32,
     /// Compute passes of a frame.
     pub passes: u32,

@@ -67,7 +67,7 @@ pub(super) fn side(a: DVec2, b: DVec2, q: DVec2) -> f64 {
 
 impl Piece {
     /// The piece holds the image place `q` (px), its border included.
-    pub(super) fn holds(&self, q: DVec2) -> bool {
+    pub(super) fn contains(&self, q: DVec2) -> bool {
         let Some([a, b, c]) = self.corners_px else { return true };
         let o = side(a, b, c);
         side(a, b, q) * o >= 0.0 && side(b, c, q) * o >= 0.0 && side(c, a, q) * o >= 0.0
@@ -148,10 +148,10 @@ impl Pieces {
     pub fn owner_of_place(&self, i: u32, j: u32, place_px: DVec2) -> Option<u32> {
         let tile = (j / TILE * self.tiles_x + i / TILE) as usize;
         let near = self.near_tile(tile);
-        let holds = |k: &u32| self.pieces[*k as usize].holds(place_px);
+        let contains = |k: &u32| self.pieces[*k as usize].contains(place_px);
         match self.crowded.get(&tile) {
-            Some(boxes) => boxes.first(place_px, &|n| Some(near[n]).filter(holds)),
-            _ => near.iter().copied().find(holds),
+            Some(boxes) => boxes.first(place_px, &|n| Some(near[n]).filter(contains)),
+            _ => near.iter().copied().find(contains),
         }
     }
 

@@ -67,7 +67,7 @@ impl Engine {
 }
 
 fn upload(gpu: &Gpu, receiver_triangles: &ReceiverTriangles, buffers: &mut Buffers) -> Result<()> {
-    let row = |l: &ReceiverTriangle| {
+    let packed = |l: &ReceiverTriangle| {
         let [a, b, c] = l.corners;
         let [a, ab, ac] = [a, b - a, c - a].map(|v| v.as_vec2().to_array());
         layout::ReceiverTriangle { a, ab, ac, receiver: l.receiver, pad0: 0, diffuse: l.diffuse, pad1: 0 }
@@ -76,7 +76,7 @@ fn upload(gpu: &Gpu, receiver_triangles: &ReceiverTriangles, buffers: &mut Buffe
     let mut of_triangle = receiver_triangles.of_triangle.clone();
     of_triangle.resize(of_triangle.len().max(LEAST), NONE);
     buffers.upload(gpu, "receiver_triangle_of", &of_triangle)?;
-    buffers.upload(gpu, "receiver_triangles", &receiver_triangles.rows.iter().map(row).collect::<Vec<_>>())
+    buffers.upload(gpu, "receiver_triangles", &receiver_triangles.triangles.iter().map(packed).collect::<Vec<_>>())
 }
 
 /// Words of the smallest buffer.

@@ -48,7 +48,7 @@ const TRIANGLE_BYTES: u64 = 16;
 const TEXTURED_BYTES: u64 = 48;
 const VERTEX_BYTES: u64 = 12;
 
-/// Cuts a mesh into chunks none of whose buffers exceeds `binding_limit` bytes; with texture coordinates where they are to be
+/// Splits a mesh into chunks none of whose buffers exceeds `binding_limit` bytes; with texture coordinates where they are to be
 /// `textured`.
 pub fn cluster(mesh: &Mesh, anchor: DVec3, textured: bool, binding_limit: u64) -> Clustered {
     let triangle_bytes = if textured { TEXTURED_BYTES } else { TRIANGLE_BYTES };
@@ -358,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_that_lost_their_area_or_went_apart_are_clustered_anew() {
+    fn triangles_that_lost_their_area_or_moved_away_are_clustered_anew() {
         let mesh = mesh();
         let flat = moved(&mesh, |p| DVec3::new(p.x, 0.0, 0.0));
         let scattered = moved(&mesh, |p| DVec3::new((40.0 * p.x).sin(), (40.0 * p.y).cos(), (40.0 * p.z).sin()) * 9.0);

@@ -49,7 +49,7 @@ pub struct Target<'a> {
 /// The triangles of a chunk.
 pub struct ChunkScopes<'a> {
     pub scopes: Vec<&'a Buffers>,
-    /// Rows of `triangles`.
+    /// Length of `triangles`.
     pub slots: u32,
 }
 

@@ -40,9 +40,9 @@ impl Frames {
 
     /// Waits for a frame, even if another scene is shown by now. If the lists between the stages were too small, the frame
     /// runs again with larger ones.
-    pub(super) fn wait_for(&mut self, mut flight: InFlight) -> Result<Readback> {
+    pub(super) fn wait_for(&mut self, mut in_flight: InFlight) -> Result<Readback> {
         loop {
-            let InFlight { planned, running, reads, frame_layout, .. } = flight;
+            let InFlight { planned, running, reads, frame_layout, .. } = in_flight;
             wait_for(&self.gpu, &running.recorded.submission)?;
             let raw = reads.finish(&self.gpu, &running)?;
             let Some(short) = self.shortage(&raw.status, &running) else {
@@ -56,7 +56,7 @@ impl Frames {
                 return Err(Error::work("a frame cannot be shown again"));
             }
             self.grow_lists(short)?;
-            flight = self.start(planned)?;
+            in_flight = self.start(planned)?;
         }
     }
 

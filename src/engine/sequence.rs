@@ -61,8 +61,8 @@ impl Sequence {
     ///
     /// # Errors
     /// [`Error::Work`] if the device fails.
-    pub fn wait_for(&mut self, flight: InFlight) -> Result<Readback> {
-        self.frames.as_mut().ok_or_else(nothing)?.wait_for(flight)
+    pub fn wait_for(&mut self, in_flight: InFlight) -> Result<Readback> {
+        self.frames.as_mut().ok_or_else(nothing)?.wait_for(in_flight)
     }
 
     /// A frame from beginning to end, with no other in flight.
@@ -75,8 +75,8 @@ impl Sequence {
         if !sequence.show(&planned)? {
             sequence.upload(engine, &planned, run)?;
         }
-        let flight = sequence.start(planned)?;
-        let readback = sequence.wait_for(flight)?;
+        let in_flight = sequence.start(planned)?;
+        let readback = sequence.wait_for(in_flight)?;
         *self = sequence;
         Ok(readback)
     }

@@ -90,20 +90,20 @@ fn style(style: &Style) -> layout::Style {
     let outline = style.outline.unwrap_or(Outline { line: none, crease: 180.0 });
     let hatching = style.hatching.unwrap_or(Hatching { spacing: 0.0, ink: [0.0; 3], paper: [0.0; 3] });
     // infinity is not to be had in every kernel
-    let held = |depth: f64| depth.min(f64::from(f32::MAX)) as f32;
+    let clamped = |depth: f64| depth.min(f64::from(f32::MAX)) as f32;
     layout::Style {
         wire: wire.colour,
         wire_width: wire.width as f32,
         ink: hatching.ink,
         hatch_spacing: hatching.spacing as f32,
         paper: hatching.paper,
-        wire_depth: held(wire.depth),
+        wire_depth: clamped(wire.depth),
         outline: outline.line.colour,
         outline_width: outline.line.width as f32,
         border: border.colour,
         border_width: border.width as f32,
         crease_cosine: outline.crease.to_radians().cos() as f32,
-        outline_depth: held(outline.line.depth),
+        outline_depth: clamped(outline.line.depth),
         jump_sine: (outline.crease.min(FACET_ANGLE) / 2.0).to_radians().sin() as f32,
         pad0: 0,
     }
@@ -190,8 +190,8 @@ pub fn params(
 /// Sample offsets as kernels read them.
 pub fn sample_offsets(list: &[DVec2]) -> layout::SampleOffsets {
     let mut sample_offsets = layout::SampleOffsets { at: [[0.0; 4]; 16] };
-    for (row, two) in sample_offsets.at.iter_mut().zip(list.chunks(2)) {
-        row.iter_mut().zip(two.iter().flat_map(|p| p.as_vec2().to_array())).for_each(|(to, from)| *to = from);
+    for (packed, two) in sample_offsets.at.iter_mut().zip(list.chunks(2)) {
+        packed.iter_mut().zip(two.iter().flat_map(|p| p.as_vec2().to_array())).for_each(|(to, from)| *to = from);
     }
     sample_offsets
 }

@@ -1,6 +1,6 @@
 //! Polynomials of degree up to 4 over [0, 1] in Bernstein form, and all their roots there.
 //!
-//! The interval is cut where the slope is 0; between the cuts the polynomial is monotone, so it has a root exactly where
+//! The interval is split where the slope is 0; between the splits the polynomial is monotone, so it has a root exactly where
 //! its ends differ in sign. Nothing is sampled and nothing can be stepped over: a root is lost, or two taken for one,
 //! only where the polynomial is 0 within the bound of its own rounding.
 

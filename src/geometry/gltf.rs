@@ -39,7 +39,7 @@ pub enum Files {
 /// the file's order; that is the order of triangle ids. A mesh under several nodes is placed at each. Strips and
 /// fans become triangles as the glTF specification lists them; lines and points are skipped. The base colour
 /// factor is the diffuse colour, its image the texture, with the first sampler's borders and `KHR_texture_transform`; where a material
-/// is masked there is a surface from its cut-off on, and where it is blended from an opacity of one half on; without an image everywhere.
+/// is masked there is a surface from its cutoff on, and where it is blended from an opacity of one half on; without an image everywhere.
 /// It is as rough, metallic and emissive as its factors say where no image says more. Transforms are multiplied in f64; normals go by the
 /// inverse transpose. Vertices keep the file's order also where a node mirrors them. Skins, morph targets and animations are not
 /// applied. Normalised and quantised integers (`KHR_mesh_quantization`) are read. Images that do not exist are left out, and listed in

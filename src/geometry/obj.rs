@@ -1,8 +1,8 @@
 //! Wavefront OBJ: exact f64 positions, triangle ids in file order, parsed in parallel.
 //!
-//! The text is cut at line ends into chunks. A first pass counts each chunk's lines, positions, texture
+//! The text is split at line ends into chunks. A first pass counts each chunk's lines, positions, texture
 //! coordinates and normals; with their running sums a second pass knows every line's number and every
-//! relative index's base, so the result does not depend on where the cuts lie.
+//! relative index's base, so the result does not depend on where it is split.
 
 mod chunk;
 mod lex;

@@ -34,7 +34,7 @@ pub struct Texture {
     pub texels: Arc<Texels>,
     /// To the right and upwards.
     pub wrap: [Wrap; 2],
-    /// Alpha cut-off: the least opacity of the surface; `None`: opaque everywhere.
+    /// Alpha cutoff: the least opacity of the surface; `None`: opaque everywhere.
     pub cutoff: Option<f32>,
 }
 
@@ -80,12 +80,12 @@ impl Texture {
         self.least().is_some_and(|least| least > f16::ZERO)
     }
 
-    /// Whether the surface exists at `uv`: its opacity reaches the cut-off.
+    /// Whether the surface exists at `uv`: its opacity reaches the cutoff.
     pub fn is_there(&self, uv: DVec2) -> bool {
         self.least().is_none_or(|least| self.at(uv)[3] >= f64::from(least))
     }
 
-    /// The cut-off, rounded as opacities are: one that is meant to reach it does.
+    /// The cutoff, rounded as opacities are: one that is meant to reach it does.
     pub fn least(&self) -> Option<f16> {
         self.cutoff.map(f16::from_f32)
     }
@@ -226,8 +226,8 @@ pub fn decode(bytes: &[u8]) -> Result<Texels> {
         }
         // light as it is
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
-            let held = |v: f32| f16::from_f32(v.clamp(0.0, f16::MAX.to_f32()));
-            image.into_rgba32f().par_chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]].map(held)).collect()
+            let clamped = |v: f32| f16::from_f32(v.clamp(0.0, f16::MAX.to_f32()));
+            image.into_rgba32f().par_chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]].map(clamped)).collect()
         }
         _ => {
             let [linear, plain] = tables();
@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_out_keeps_the_colour_of_what_is_there() {
+    fn an_alpha_mask_keeps_the_colour_of_what_is_there() {
         let opaque = [1.0, 0.5, 0.25, 1.0].map(f16::from_f32);
         let nothing = [0.0; 4].map(f16::from_f32);
         let texels = Arc::new(Texels { width: 2, height: 1, rgba: vec![opaque, nothing] });
@@ -340,9 +340,9 @@ mod tests {
         assert!(t.is_there(DVec2::new(0.4, 0.5)) && !t.is_there(DVec2::new(0.6, 0.5)));
     }
 
-    /// An opacity of a byte reaches the cut-off of that byte, and opaque is as opaque between texels as in their middles.
+    /// An opacity of a byte reaches the cutoff of that byte, and opaque is as opaque between texels as in their middles.
     #[test]
-    fn opacities_that_are_the_cut_off_reach_it() {
+    fn opacities_equal_to_the_cutoff_reach_it() {
         for byte in 1..=255u8 {
             let opacity = f32::from(byte) / 255.0;
             let texels =

@@ -131,8 +131,8 @@ impl Binder {
         for (k, b) in self.kernel.bindings.iter().enumerate() {
             let name = renamed.iter().find(|r| r.0 == b.name).map_or(b.name, |r| r.1);
             let own = || textures.iter().find(|t| t.0 == name).map(|t| t.1);
-            let held = || scopes.iter().find_map(|s| s.textures.get(name)).map(|t| &t.view);
-            let texture = || own().or_else(held).map(wgpu::BindingResource::TextureView);
+            let shared = || scopes.iter().find_map(|s| s.textures.get(name)).map(|t| &t.view);
+            let texture = || own().or_else(shared).map(wgpu::BindingResource::TextureView);
             let buffer = scopes.iter().find_map(|s| s.get(name)).map(wgpu::Buffer::as_entire_binding);
             let resource = buffer
                 .or_else(texture)

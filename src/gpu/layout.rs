@@ -1,7 +1,7 @@
 //! The structs that the host writes and the kernels read: `wgsl/shared/params.wgsl`, `shading.wgsl` and `beams.wgsl`
 //! and `wgsl/optics/layout.wgsl` and `wgsl/caustics/layout.wgsl` in Rust.
 //!
-//! `tests/wgsl_layout.rs` holds names, offsets, sizes and constants of both sides equal.
+//! `tests/wgsl_layout.rs` compares names, offsets, sizes and constants of both sides.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -137,7 +137,7 @@ pub struct Params {
     pub level_height: [u32; 8],
 }
 
-/// Offsets of samples from their pixel's centre, px right and down: two a row.
+/// Offsets of samples from their pixel's centre, px right and down: two per vec4.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct SampleOffsets {
@@ -247,7 +247,7 @@ pub struct Shading {
     pub irradiance: [[f32; 4]; 9],
 }
 
-/// What a triangle looks like, see the WGSL.
+/// Appearance of a triangle; see the WGSL.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Material {

@@ -183,8 +183,8 @@ impl Reference<'_> {
     /// Judges a pixel behind optics by samples of the box, as [`Reference::finding`] does curves: all must have
     /// the same number of bounces and the same end, without ties.
     pub(super) fn finding_of_bounces(&self, camera: &Camera, optics: &Optics, (i, j): (u32, u32)) -> Finding {
-        let near = |(x, y): &(f64, f64)| Path::near(camera, i, j, (x * MARGIN_PX, y * MARGIN_PX));
-        let mut all = PLACES.iter().map(near).map(|path| self.outcomes(optics, path));
+        let at_offset = |(x, y): &(f64, f64)| Path::at_offset(camera, i, j, (x * MARGIN_PX, y * MARGIN_PX));
+        let mut all = PLACES.iter().map(at_offset).map(|path| self.outcomes(optics, path));
         let Some((centre, ties)) = all.next() else {
             return Finding { seen: None, safe: true, candidates: Vec::new(), may_miss: true };
         };

@@ -198,15 +198,15 @@ fn best_plane(items: &[Item], binning: &Binning) -> Option<(usize, usize)> {
     }
     let mut best = None;
     let mut best_cost = f64::INFINITY;
-    for (axis, row) in bins.iter().enumerate() {
+    for (axis, axis_bins) in bins.iter().enumerate() {
         let mut after = [Bin::EMPTY; BINS];
         for b in (0..BINS - 1).rev() {
             after[b] = after[b + 1];
-            after[b].join(&row[b + 1]);
+            after[b].join(&axis_bins[b + 1]);
         }
         let mut before = Bin::EMPTY;
         for b in 0..BINS - 1 {
-            before.join(&row[b]);
+            before.join(&axis_bins[b]);
             let cost = before.cost() + after[b].cost();
             if before.count > 0 && after[b].count > 0 && cost < best_cost {
                 (best, best_cost) = (Some((axis, b)), cost);

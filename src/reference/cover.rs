@@ -21,7 +21,7 @@ const WIDER: f64 = 2.0;
 type EdgeKey = [[u64; 3]; 2];
 
 /// A triangle near the box.
-struct NearCandidate {
+struct BoxTriangle {
     id: u32,
     corners: Corners,
     sides: Sides,
@@ -32,23 +32,23 @@ struct NearCandidate {
 pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> bool {
     let beams = Beam::over(bundle, MARGIN_PX).zip(Beam::over(bundle, MARGIN_PX * WIDER));
     let Some((beam, wide)) = beams else { return false };
-    let mut near = Vec::new();
+    let mut nearby = Vec::new();
     reference.bvh.walk(&wide, widened(t_range), |id| {
         let corners = reference.corners(id);
         let sides = Sides::over_box(bundle, &corners);
-        near.push(NearCandidate { id, corners, sides, may_hit: sides.may_hit() });
+        nearby.push(BoxTriangle { id, corners, sides, may_hit: sides.may_hit() });
         f64::INFINITY
     });
-    let (mut sets, mut open) = join(&near);
-    for (k, n) in near.iter().enumerate().filter(|(_, n)| n.may_hit) {
+    let (mut sets, mut open) = join(&nearby);
+    for (k, n) in nearby.iter().enumerate().filter(|(_, n)| n.may_hit) {
         let [t0, t1] = Depth::over_box(bundle, &beam, &n.corners).span;
         let set = sets.root(k);
         open[set] |= t0 < t_range[0] || t1 > t_range[1] || reference.mask_of(n.id).is_some();
     }
     let perturbed = bundle.perturbed(reference.scene_size).0;
-    let mut count = vec![0_i32; near.len()];
-    let mut all_two_sided = vec![true; near.len()];
-    for (k, n) in near.iter().enumerate().filter(|(_, n)| n.may_hit) {
+    let mut count = vec![0_i32; nearby.len()];
+    let mut all_two_sided = vec![true; nearby.len()];
+    for (k, n) in nearby.iter().enumerate().filter(|(_, n)| n.may_hit) {
         let set = sets.root(k);
         if !open[set] {
             count[set] += i32::from(sign_of(&perturbed, &n.corners));
@@ -56,13 +56,13 @@ pub fn is_proven(reference: &Reference, bundle: &Bundle, t_range: [f64; 2]) -> b
         }
     }
     // A count under 0 has a front among its hits; one over 0 may be of backs alone.
-    (0..near.len()).any(|s| !open[s] && (count[s] < 0 || (count[s] > 0 && all_two_sided[s])))
+    (0..nearby.len()).any(|s| !open[s] && (count[s] < 0 || (count[s] > 0 && all_two_sided[s])))
 }
 
 /// Joins triangles over edges that may pass within the box; marks the sets with an edge that stays open.
-fn join(near: &[NearCandidate]) -> (Sets, Vec<bool>) {
-    let mut edges: Vec<(EdgeKey, usize, i32, bool)> = Vec::with_capacity(3 * near.len());
-    for (k, n) in near.iter().enumerate() {
+fn join(nearby: &[BoxTriangle]) -> (Sets, Vec<bool>) {
+    let mut edges: Vec<(EdgeKey, usize, i32, bool)> = Vec::with_capacity(3 * nearby.len());
+    for (k, n) in nearby.iter().enumerate() {
         let end = |c: usize| n.corners.v[c].to_array().map(|x| (x + 0.0).to_bits());
         for (opposite, (i, j, sense)) in OPPOSITE.into_iter().enumerate() {
             // A triangle that is nowhere hit in the box proves that the edge does not pass there: beside
@@ -73,7 +73,7 @@ fn join(near: &[NearCandidate]) -> (Sets, Vec<bool>) {
         }
     }
     edges.sort_unstable();
-    let mut sets = Sets::new(near.len());
+    let mut sets = Sets::new(nearby.len());
     let mut open_at = Vec::new();
     for shared in edges.chunk_by(|a, b| a.0 == b.0) {
         let mut hit = shared.iter().filter(|e| e.3);
@@ -84,7 +84,7 @@ fn join(near: &[NearCandidate]) -> (Sets, Vec<bool>) {
             open_at.push(first.1);
         }
     }
-    let mut open = vec![false; near.len()];
+    let mut open = vec![false; nearby.len()];
     open_at.into_iter().for_each(|k| open[sets.root(k)] = true);
     (sets, open)
 }

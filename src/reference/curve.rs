@@ -73,9 +73,9 @@ impl Plane {
         // the curve's places are as exact as its points, evaluated with three levels of rounding
         let coordinate = curve.points().iter().fold(0.0_f64, |m, p| m.max(p.abs().max_element()));
         let blur = self.blur(root.t);
-        let way =
+        let drift =
             (curve.at((root.t + blur).min(1.0)) - at).length().max((curve.at((root.t - blur).max(0.0)) - at).length());
-        let reach = 2.0 * way + 3.0 * (self.place_error + VALUE_ROUNDING * coordinate);
+        let reach = 2.0 * drift + 3.0 * (self.place_error + VALUE_ROUNDING * coordinate);
         let mut weight = [0.0; 3];
         for (k, (i, j, sense)) in OPPOSITE.into_iter().enumerate() {
             let (from, edge) = (c.v[i] - at, c.v[j] - c.v[i]);

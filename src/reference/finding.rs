@@ -102,19 +102,19 @@ impl Reference<'_> {
             return Vec::new();
         }
         // t is that of the whole path: both hits are within a tie of the face, at layer + 1
-        let near = GAP * (layer + 2) as f64;
+        let gap_t = GAP * (layer + 2) as f64;
         let [t0, _] = path.range(layer);
-        let clear = self.layer_verdict(camera, layer, [t0, 1.0 - near], pixel);
+        let clear = self.layer_verdict(camera, layer, [t0, 1.0 - gap_t], pixel);
         if clear.safe && clear.hit.is_some() {
             return Vec::new();
         }
         let [start, _] = path.range(layer + 1);
-        self.layer_verdict(camera, layer + 1, [start, near], pixel).candidates
+        self.layer_verdict(camera, layer + 1, [start, gap_t], pixel).candidates
     }
 
     fn sampled(&self, camera: &Camera, path: &Path, (i, j): (u32, u32)) -> Finding {
-        let near = |(x, y): &(f64, f64)| Path::near(camera, i, j, (x * MARGIN_PX, y * MARGIN_PX));
-        let paths: Vec<Path> = [path.clone()].into_iter().chain(PLACES[1..].iter().map(near)).collect();
+        let at_offset = |(x, y): &(f64, f64)| Path::at_offset(camera, i, j, (x * MARGIN_PX, y * MARGIN_PX));
+        let paths: Vec<Path> = [path.clone()].into_iter().chain(PLACES[1..].iter().map(at_offset)).collect();
         let mut answers = self.answers(&paths).into_iter();
         let centre = answers.next().unwrap_or_default();
         let mut finding = Finding {

@@ -99,11 +99,11 @@ impl Path {
 
     /// The path of the pixel's own sample.
     pub fn of_pixel(camera: &Camera, i: u32, j: u32) -> Path {
-        Path::near(camera, i, j, (0.0, 0.0))
+        Path::at_offset(camera, i, j, (0.0, 0.0))
     }
 
     /// The path `(x, y)` pixels right of and below the pixel's sample, less than half a pixel away.
-    pub fn near(camera: &Camera, i: u32, j: u32, (x, y): (f64, f64)) -> Path {
+    pub fn at_offset(camera: &Camera, i: u32, j: u32, (x, y): (f64, f64)) -> Path {
         let segment = |layer: usize| {
             let (piece, segment) = match &camera.layers[layer] {
                 Rays::Pieces(p) => {

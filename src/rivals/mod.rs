@@ -1,4 +1,4 @@
-//! The rivals: other ways to find what each pixel sees, each faithful to its paper, to be measured against.
+//! The rivals: other visibility algorithms, each faithful to its paper, to be measured against.
 //!
 //! A rival takes the place of the stages from cull to recheck. It reads the same triangles, the same rays and the same parameters on
 //! the device as these do and fills the same visibility buffer, so that scene, camera, pixels and channels are the same in, and

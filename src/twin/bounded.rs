@@ -287,16 +287,16 @@ mod tests {
         for k in 1..2000u32 {
             let number = |m: u32| (k.wrapping_mul(m) >> 8) as f32 / 16_777_216.0 + 1e-3;
             let (a, b) = (number(0x9e37_79b1), number(0x85eb_ca77));
-            let (single, near) = both(a, b, a * b * (1.0 - 1e-4 * number(0xc2b2_ae3d)));
-            let off = (single - near.v).abs();
-            assert!(off <= near.e, "{k}: {single} for {near:?}");
-            most = most.max(off / near.e);
+            let (single, bounded) = both(a, b, a * b * (1.0 - 1e-4 * number(0xc2b2_ae3d)));
+            let off = (single - bounded.v).abs();
+            assert!(off <= bounded.e, "{k}: {single} for {bounded:?}");
+            most = most.max(off / bounded.e);
         }
-        assert!(most > 0.02, "a bound that nothing comes near: {most}");
+        assert!(most > 0.02, "a bound that nothing comes bounded: {most}");
     }
 
     #[test]
-    fn what_rounding_may_turn_is_not_sure() {
+    fn a_sign_within_rounding_is_not_sure() {
         let n = |v: f64| Bounded::exact(v, Real::F32);
         assert!(n(1.0).at_most(n(1.0)) == Judged { yes: true, sure: true });
         let third = n(1.0) / n(3.0);

@@ -20,12 +20,12 @@ struct Poly {
 impl Poly {
     fn halves(&self) -> [Poly; 2] {
         let (n, middle) = (self.b.len(), 0.5 * (self.span[0] + self.span[1]));
-        let (mut row, mut low, mut high) = (self.b.clone(), Vec::new(), vec![0.0; n]);
+        let (mut level, mut low, mut high) = (self.b.clone(), Vec::new(), vec![0.0; n]);
         for k in 0..n {
-            low.push(row[0]);
-            high[n - 1 - k] = row[n - 1 - k];
+            low.push(level[0]);
+            high[n - 1 - k] = level[n - 1 - k];
             for j in 0..n - 1 - k {
-                row[j] = 0.5 * (row[j] + row[j + 1]);
+                level[j] = 0.5 * (level[j] + level[j + 1]);
             }
         }
         [Poly { b: low, span: [self.span[0], middle] }, Poly { b: high, span: [middle, self.span[1]] }]
@@ -56,11 +56,11 @@ impl Poly {
     /// The root of a monotone polynomial with different signs at its ends.
     fn bisected(&self) -> f64 {
         let at = |t: f64| {
-            let mut row = self.b.clone();
-            for n in (1..row.len()).rev() {
-                (0..n).for_each(|j| row[j] += t * (row[j + 1] - row[j]));
+            let mut level = self.b.clone();
+            for n in (1..level.len()).rev() {
+                (0..n).for_each(|j| level[j] += t * (level[j + 1] - level[j]));
             }
-            row[0]
+            level[0]
         };
         let (mut lo, mut hi) = (0.0, 1.0);
         for _ in 0..64 {

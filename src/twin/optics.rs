@@ -75,7 +75,7 @@ impl KernelInputs<'_> {
         self.optics.is_some_and(|o| id >= o.optic.first_id && o.optic.ends == 0)
     }
 
-    /// What the surface looks like where rays end on it.
+    /// The surface's appearance where rays end on it.
     pub fn base(&self, id: u32) -> Option<[f32; 3]> {
         self.optics.filter(|o| id >= o.optic.first_id).map(|o| o.optic.base)
     }

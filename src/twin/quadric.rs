@@ -50,7 +50,7 @@ impl Terms {
     }
 
     /// The part of the surface at `v` from the centre is there, its height known up to `error`.
-    fn holds(&self, v: Bounded3, error: Bounded) -> Judged {
+    fn contains(&self, v: Bounded3, error: Bounded) -> Judged {
         let z = v.dot(self.axis);
         let away = v - self.axis * z;
         let within = (self.heights[0] - error).at_most(z).and(z.at_most(self.heights[1] + error));
@@ -76,7 +76,7 @@ pub fn first_root(q: &Quadric, ray: &BoundedRay, starts: bool, [t_min, t_max]: [
     let judge = |t: Bounded| {
         let in_range = t_min.at_most(t).and(t.at_most(t_max));
         let error = Bounded::exact(HEIGHT_UNITS * real.unit() * (v.size() + t.v.abs() * ray.d.size()), real);
-        (t, real_roots.and(in_range).and(terms.holds(v + ray.d * t, error)))
+        (t, real_roots.and(in_range).and(terms.contains(v + ray.d * t, error)))
     };
     first(list.into_iter().map(judge).filter(|(_, there)| !there.surely_not()).collect())
 }

@@ -50,7 +50,7 @@ pub struct Bent {
     pub d: Bounded3,
     pub share: Bounded,
     /// It was refracted to the other side of the surface.
-    passes: bool,
+    transmitted: bool,
 }
 
 /// A unit normal tilted in its tangent plane, in the frame of Duff et al. 2017.
@@ -80,7 +80,7 @@ pub fn bent(optic: &Optic, d: Bounded3, normal: Bounded3, outside: Bounded3, rea
     let along = d.dot(n);
     let reflected = d - n * (along + along);
     if optic.ior_hi == 0.0 {
-        return Bent { d: reflected, share: one, passes: false };
+        return Bent { d: reflected, share: one, transmitted: false };
     }
     let ior = Bounded::pair(optic.ior_hi, optic.ior_lo, real);
     let enters = d.dot(outside).is_negative();
@@ -94,7 +94,7 @@ pub fn bent(optic: &Optic, d: Bounded3, normal: Bounded3, outside: Bounded3, rea
     let nothing = Bounded::exact(0.0, real);
     let bent = if total.yes {
         let (d, share) = if is_main { (reflected, one) } else { (Bounded3([nothing; 3]), nothing) };
-        Bent { d, share, passes: false }
+        Bent { d, share, transmitted: false }
     } else {
         let inner = square.sqrt();
         let refracted = d * eta + against * (eta * cosine - inner);
@@ -102,9 +102,9 @@ pub fn bent(optic: &Optic, d: Bounded3, normal: Bounded3, outside: Bounded3, rea
         let within = (cosine - eta * inner) / (cosine + eta * inner);
         let back = (across * across + within * within) / (one + one);
         match (optic.fresnel == 1, is_main) {
-            (false, _) => Bent { d: refracted, share: one, passes: true },
-            (true, true) => Bent { d: refracted, share: one - back, passes: true },
-            (true, false) => Bent { d: reflected, share: back, passes: false },
+            (false, _) => Bent { d: refracted, share: one, transmitted: true },
+            (true, true) => Bent { d: refracted, share: one - back, transmitted: true },
+            (true, false) => Bent { d: reflected, share: back, transmitted: false },
         }
     };
     let sure = enters.sure && total.sure && (total.yes || faces.sure);
@@ -117,7 +117,7 @@ pub fn bent_at(optic: &Optic, d: Bounded3, normal: Bounded3, outside: Bounded3, 
     let up = outside.unit();
     let height = after.d.dot(up);
     let crosses = (height * d.dot(up)).is_negative();
-    let is_wrong = height.v != 0.0 && crosses.yes == after.passes;
+    let is_wrong = height.v != 0.0 && crosses.yes == after.transmitted;
     let back = after.d - up * (height + height);
     let bent = if is_wrong { back } else { after.d };
     // where the side is uncertain, the direction is off by at most twice its height over the plane

@@ -194,8 +194,9 @@ fn photons_of_the_engine_are_where_the_reference_has_them() {
         let (found, known) = (spec.photons(&scene.mesh, &receiver_triangles, &frame).unwrap(), photons(&scene, &spec));
         // weights are f32: half a unit of 2^-24 each, of the sides of the floor's triangles
         let size = |r: u32| {
-            let rows = receiver_triangles.rows.iter().filter(|l| l.receiver == r);
-            rows.map(|l| (l.corners[1] - l.corners[0]).length() + (l.corners[2] - l.corners[0]).length())
+            let on_receiver = receiver_triangles.triangles.iter().filter(|l| l.receiver == r);
+            on_receiver
+                .map(|l| (l.corners[1] - l.corners[0]).length() + (l.corners[2] - l.corners[0]).length())
                 .fold(0.0, f64::max)
         };
         let (mut on_receiver, mut different) = (0, 0);

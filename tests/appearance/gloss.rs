@@ -136,7 +136,7 @@ fn samples_shine_as_the_reference_s_do() {
     assert!(kinds >= 5, "{kinds} kinds");
 }
 
-/// Light that goes straight on along the view: no facet turns it, whatever the normals that the file gives say.
+/// Light that goes straight on along the view: no facet refracts it, whatever the normals that the file gives say.
 #[test]
 fn light_straight_through_makes_no_nan() {
     let Some(mut engine) = engine_on(|_| {}) else { return };

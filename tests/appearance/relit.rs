@@ -28,8 +28,8 @@ const CURVED: &str = "kind = \"twist\"\neye = [0, 1, 4]\ntarget = [0, 0, 0]\nvfo
 const BALL: &str = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [0, 1, 5], target = [0, 0, 0], vfov = 40 }\nmirror = { shape = \"sphere\", radius = 0.6 }";
 const FACETS: &str = "kind = \"reflection\"\neye = { kind = \"pinhole\", eye = [0, 1, 5], target = [0, 0, 0], vfov = 40 }\nmirror = { builtin = \"icosphere\", level = 1, scale = 0.6 }\nfacets = \"flat\"\natlas = 32";
 
-fn scene(look: &str, camera: &str) -> (Scene, Camera) {
-    let scene = load(&format!("image = {{ width = 72, height = 64{look}\n{THINGS}\n[camera]\n{camera}")).unwrap();
+fn scene(appearance: &str, camera: &str) -> (Scene, Camera) {
+    let scene = load(&format!("image = {{ width = 72, height = 64{appearance}\n{THINGS}\n[camera]\n{camera}")).unwrap();
     let camera = scene.camera().unwrap();
     (scene, camera)
 }

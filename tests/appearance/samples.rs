@@ -179,8 +179,8 @@ fn sixteen_samples_come_near_the_box_filter() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     for (name, camera) in cameras() {
         let truth = box_filtered(&scene, &camera, 256);
-        let ways = [(1, false), (4, false), (16, false), (16, true)];
-        let errors = ways.map(|way| decibels(&mut engine, &scene, &camera, &truth, way));
+        let settings = [(1, false), (4, false), (16, false), (16, true)];
+        let errors = settings.map(|setting| decibels(&mut engine, &scene, &camera, &truth, setting));
         println!("{name}: {errors:.1?} dB at 1, 4 and 16 samples, and 16 by areas");
         assert!(errors[2] >= 35.0 && errors[1] > errors[0] && errors[2] > errors[0], "{name}: {errors:?}");
         assert!(errors[3] >= 35.0, "{name}: {errors:?}");
@@ -195,8 +195,8 @@ fn areas_of_large_triangles_come_nearer_than_as_many_samples_counted() {
     for (name, camera) in cameras() {
         let truth = box_filtered(&scene, &camera, 256);
         for samples in [4, 8, 16] {
-            let ways = [(samples, false), (samples, true)];
-            let [counted, areas] = ways.map(|way| decibels(&mut engine, &scene, &camera, &truth, way));
+            let settings = [(samples, false), (samples, true)];
+            let [counted, areas] = settings.map(|setting| decibels(&mut engine, &scene, &camera, &truth, setting));
             println!("{name}, {samples} samples: {counted:.1} dB counted, {areas:.1} dB by areas");
             assert!(areas > counted, "{name}: {counted} dB counted, {areas} dB by areas");
         }
@@ -348,7 +348,7 @@ fn lists_grow_and_bands_and_chunks_join_to_the_same_samples() {
     // a row of tiles of a ray map takes 24 bytes per sample
     for (camera, limit) in [(camera(kind, SIZE, FORWARD), 1 << 15), (raymap(SIZE.0, SIZE.1, FORWARD), 1 << 16)] {
         let Some(mut whole) = engine_on(|_| {}) else { return };
-        let roomy = sampled(&mut whole, &scene, &camera, 4, &RunOptions::default());
+        let ample = sampled(&mut whole, &scene, &camera, 4, &RunOptions::default());
         let few = Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, recheck_items: 1, edges: 1 };
         let run = RunOptions { capacities: Some(few), ..Default::default() };
         let small = |limit: u64| engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = limit);
@@ -360,14 +360,14 @@ fn lists_grow_and_bands_and_chunks_join_to_the_same_samples() {
         ] {
             let Some(mut engine) = engine else { return };
             let other = sampled(&mut engine, &scene, &camera, 4, &run);
-            assert!(other.sample_ids == roomy.sample_ids, "{name}");
+            assert!(other.sample_ids == ample.sample_ids, "{name}");
             let off = colours(&other.frame)
                 .into_iter()
-                .zip(colours(&roomy.frame))
+                .zip(colours(&ample.frame))
                 .flat_map(|(a, b)| (0..3).map(move |k| (a[k] - b[k]).abs()));
             let largest = off.fold(0.0, f64::max);
             assert!(largest <= SUM_ERROR, "{name}: {largest:e}");
-            assert_eq!(other.frame.f32(Channel::A), roomy.frame.f32(Channel::A), "{name}");
+            assert_eq!(other.frame.f32(Channel::A), ample.frame.f32(Channel::A), "{name}");
         }
     }
 }

@@ -433,7 +433,7 @@ fn texture_coordinates_are_a_channel() {
 }
 
 /// Large squares and small triangles at all angles, with rings cut out of them.
-fn cut_outs() -> Scene {
+fn masked_shapes() -> Scene {
     let ring = |x: u32, y: u32| {
         let [x, y] = [x, y].map(|k| (f64::from(k) + 0.5) / 32.0 - 0.5);
         let off = (x * x + y * y).sqrt();
@@ -456,7 +456,7 @@ fn cut_outs() -> Scene {
 
 #[test]
 fn holes_are_seen_through_by_every_kind_of_rays() {
-    let scene = cut_outs();
+    let scene = masked_shapes();
     let mut solid = scene.clone();
     Arc::make_mut(&mut solid.mesh).materials[0].texture = None;
     const SMALL: (u32, u32) = (48, 36);
@@ -519,18 +519,18 @@ fn images_are_the_same_in_chunks_and_bands() {
 fn images_are_exchanged_where_light_is() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
     let (_, camera) = families(SIZE).swap_remove(1);
-    let one = cut_outs();
+    let one = masked_shapes();
     let picture = |scene: &Scene| {
         let mut engine = engine_on(|_| {}).unwrap();
         rendered(&mut engine, scene, &camera)
     };
     let darker = |scene: &Scene, value: f32, hole: f32| {
-        let Texture { texels: held, .. } = scene.mesh.materials[0].texture.clone().unwrap();
-        let rgba = held
+        let Texture { texels, .. } = scene.mesh.materials[0].texture.clone().unwrap();
+        let rgba = texels
             .rgba
             .iter()
             .map(|t| [t[0], f16::from_f32(value), t[2], if t[3] < f16::ONE { f16::from_f32(hole) } else { t[3] }]);
-        let texels = Arc::new(Texels { width: held.width, height: held.height, rgba: rgba.collect() });
+        let texels = Arc::new(Texels { width: texels.width, height: texels.height, rgba: rgba.collect() });
         let mut other = scene.clone();
         Arc::make_mut(&mut other.mesh).materials[0].texture =
             Some(Texture { cutoff: Some(0.5), ..Texture::new(texels) });
@@ -564,7 +564,7 @@ fn images_are_exchanged_where_light_is() {
 #[test]
 fn what_ignores_alpha_masks_says_so() {
     let Some(mut engine) = engine_on(|_| {}) else { return };
-    let (scene, (_, camera)) = (cut_outs(), families(SIZE).swap_remove(0));
+    let (scene, (_, camera)) = (masked_shapes(), families(SIZE).swap_remove(0));
     assert!(!at_once(&scene, &camera, 4));
     let rival = RunOptions { rival: anamorph::internals::rivals::parse("raytrace").ok(), ..RunOptions::default() };
     for (channels, run, expected) in [

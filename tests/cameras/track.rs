@@ -68,7 +68,7 @@ fn first_hit(mesh: &Mesh, from: DVec3, to: DVec3) -> Option<f64> {
     mesh.triangles.iter().filter_map(hit).reduce(f64::min)
 }
 
-/// Straight parts that a curve is taken for here; the camera tries its ways with fewer.
+/// Straight parts that a curve is taken for here; the camera tries its detours with fewer.
 const PARTS: usize = 64;
 
 /// Asserts that the rays at the target's plain place run to it, and meet nothing on the way but what is within `radius`.
@@ -76,11 +76,11 @@ fn assert_seen(scene: &Scene, camera: &Camera, at: DVec3, radius: f64) {
     let chain = chain_at(camera, place(at));
     let line: Vec<DVec3> = chain.iter().flat_map(|c| (0..=PARTS).map(|k| c.at(k as f64 / PARTS as f64))).collect();
     for pair in line.windows(2) {
-        let way = pair[1] - pair[0];
-        let length2 = way.length_squared();
-        let t = if length2 > 0.0 { ((at - pair[0]).dot(way) / length2).clamp(0.0, 1.0) } else { 0.0 };
+        let segment = pair[1] - pair[0];
+        let length2 = segment.length_squared();
+        let t = if length2 > 0.0 { ((at - pair[0]).dot(segment) / length2).clamp(0.0, 1.0) } else { 0.0 };
         // the target's middle is on the line, at its own place: 0 px off
-        let arrived = (pair[0] + t * way - at).length() <= POINT_ROUNDING * 100.0;
+        let arrived = (pair[0] + t * segment - at).length() <= POINT_ROUNDING * 100.0;
         let end = if arrived { at } else { pair[1] };
         if let Some(t) = first_hit(&scene.mesh, pair[0], end) {
             let hit = pair[0].lerp(end, t);

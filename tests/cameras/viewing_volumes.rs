@@ -150,7 +150,7 @@ fn a_twist_turns_the_far_surface() {
 }
 
 #[test]
-fn curved_convergence_bows_aside_and_comes_back() {
+fn curved_convergence_bows_sideways_and_returns() {
     let camera = load("kind = 'curved_convergence'\nbend = [0.5, -0.25]");
     for (i, j) in pixels() {
         let (q, curve) = (2.0 * tan20() * place(i, j), curve(&camera, i, j));

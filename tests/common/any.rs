@@ -135,8 +135,8 @@ fn any_part(rng: &mut Rng) -> Vec<Triangle> {
         // needles
         2 => (0..count)
             .map(|_| {
-                let (at, way) = (rng.vector(), rng.vector());
-                [at - way, at + way, at + size * rng.vector()]
+                let (at, half_axis) = (rng.vector(), rng.vector());
+                [at - half_axis, at + half_axis, at + size * rng.vector()]
             })
             .collect(),
         // a height field, each edge shared

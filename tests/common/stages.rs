@@ -34,7 +34,7 @@ pub const POISON: u32 = 0xdead_beef;
 /// Poisoned items behind the end of every list.
 pub const SPARE: usize = 64;
 
-/// A scene, a camera, and the sizes by which its tables are cut.
+/// A scene, a camera, and the sizes by which its tables are split.
 pub struct Case {
     pub name: String,
     pub scene: Scene,
@@ -53,7 +53,7 @@ impl Case {
         Case { name: name.into(), scene, camera, band_limit: WHOLE, chunk_limit: WHOLE }
     }
 
-    /// For all channels, so that bands are cut alike in every test.
+    /// For all channels, so that bands are split alike in every test.
     pub fn tables(&self) -> Tables {
         let wanted = Wanted::of(Channel::ALL.to_vec());
         let has =
@@ -219,15 +219,15 @@ pub fn cases() -> Vec<Case> {
         list.push(Case::new(&format!("vertices on rays, {class}"), slab_on_rays(&camera, 3), camera));
     }
     list.push(Case::new("a slice", part_one_sided(icosphere(2)), inside([-0.3, 0.45])));
-    let mut cut = Case::new(
+    let mut case = Case::new(
         "bands and chunks",
         part_one_sided(scaled(fitted(teapot(3)), 2.6)),
         common::camera(glc("cross-slit"), (160, 120), FORWARD),
     );
     // some 40 rows of ten channels a band, some 250 triangles a chunk
-    (cut.band_limit, cut.chunk_limit) = (161 * 40 * 50, 36 * 250);
-    cut.scene.lights = [DVec3::new(-1.0, -2.0, -1.0), DVec3::new(1.0, 0.0, -1.0)].map(Light::distant).to_vec();
-    list.push(cut);
+    (case.band_limit, case.chunk_limit) = (161 * 40 * 50, 36 * 250);
+    case.scene.lights = [DVec3::new(-1.0, -2.0, -1.0), DVec3::new(1.0, 0.0, -1.0)].map(Light::distant).to_vec();
+    list.push(case);
     let size = (600, 450);
     list.push(Case::new("large", ball_on_floor(), common::camera(glc("cross-slit"), size, FORWARD)));
     let from = DVec3::new(2.0, 1.0, 2.5);
@@ -343,7 +343,7 @@ impl Bench {
     }
 }
 
-/// The input's rows in buffers of the kernels' names.
+/// Uploads the input's structs to buffers with the kernels' names.
 pub fn upload(gpu: &Gpu, input: &KernelInputs) -> Buffers {
     let mut b = Buffers::default();
     b.upload_uniform(gpu, "params", &input.params).unwrap();

@@ -103,7 +103,7 @@ fn assert_most_is_proven_and_right(name: &str, camera: &Camera, without: Without
 
 /// Two walls whose order f64 cannot tell from their stored corners, and far enough apart that it can.
 #[test]
-fn an_order_that_rounding_may_turn_is_not_proven() {
+fn an_order_within_rounding_is_not_proven() {
     let wall = |z: f64| [DVec3::new(-3.0, -3.1, z), DVec3::new(3.3, -3.0, z), DVec3::new(0.1, 4.0, z)];
     let eye = camera(pinhole(DVec3::new(0.1, 0.2, 4.0), DVec3::new(0.1, 0.2, 0.0), 20.0), SIZE, FORWARD);
     for (gap, share_least, share_most) in [(1e-16, 0.0, 0.0), (1e-5, 1.0, 1.0)] {
@@ -162,18 +162,18 @@ fn a_planted_error_is_wrong() {
     assert_eq!(wrong(&scene, &eye, &frame), [at]);
 }
 
-/// Lists that grow, small bindings that cut the image and the scene, and jobs one after the other: one map.
+/// Lists that grow, small bindings that split the image and the scene, and jobs one after the other: one map.
 #[test]
 fn the_map_is_the_same_however_the_frame_is_split() {
     let scene = scene(soup(&mut Rng(9), 3000, 0.1));
     for (name, camera) in cameras() {
         let Some(whole) = certified(&scene, &camera, Without::Nothing) else { return };
-        let cut = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 16);
+        let in_bands = engine_on(|gpu| gpu.limits.max_storage_buffer_binding_size = 1 << 16);
         let small = RunOptions {
             capacities: Some(Capacities { queue: 1, work: 1, tasks: 1, pairs: 1, recheck_items: 1, edges: 1 }),
             ..Default::default()
         };
-        let frame = cut.unwrap().render(&scene, &camera, &wanted(), &small).unwrap().frame;
+        let frame = in_bands.unwrap().render(&scene, &camera, &wanted(), &small).unwrap().frame;
         let differ = words(&frame).iter().zip(words(&whole)).filter(|(a, b)| **a != *b).count();
         assert_eq!(differ, 0, "{name}: {differ} words differ");
     }

@@ -144,7 +144,7 @@ fn counting_and_fewer_channels_change_no_value() {
     }
 }
 
-/// Bytes of a binding that cut this file's pictures into bands and their meshes into chunks and batches.
+/// Bytes of a binding that split this file's pictures into bands and their meshes into chunks and batches.
 const SMALL_BINDING: u64 = 1 << 16;
 
 #[test]

@@ -89,20 +89,20 @@ fn a_chain_of_straight_rays_is_the_camera_without_faces() {
     };
     let scene = ball_in_cloud();
     let one = layered::of_layers(vec![part(0.0, 1.0)], SIZE);
-    let cut = layered::of_layers(vec![part(0.0, 0.25), part(0.25, 0.5), part(0.5, 1.0)], SIZE);
-    let (Some(one), Some(cut)) = (render(&scene, &one), render(&scene, &cut)) else { return };
-    let differ = (0..ids(&one).len()).filter(|&k| ids(&one)[k] != ids(&cut)[k]).count();
+    let in_layers = layered::of_layers(vec![part(0.0, 0.25), part(0.25, 0.5), part(0.5, 1.0)], SIZE);
+    let (Some(one), Some(in_layers)) = (render(&scene, &one), render(&scene, &in_layers)) else { return };
+    let differ = (0..ids(&one).len()).filter(|&k| ids(&one)[k] != ids(&in_layers)[k]).count();
     // rays that pass an edge within rounding may fall to either side
     assert!(differ <= 2, "{differ} pixels differ");
-    let (z, z_cut) = (one.f32(Channel::Z).unwrap(), cut.f32(Channel::Z).unwrap());
-    let (t, t_cut) = (one.f32(Channel::T).unwrap(), cut.f32(Channel::T).unwrap());
+    let (z, z_in_layers) = (one.f32(Channel::Z).unwrap(), in_layers.f32(Channel::Z).unwrap());
+    let (t, t_in_layers) = (one.f32(Channel::T).unwrap(), in_layers.f32(Channel::T).unwrap());
     let mut layers = [0; 3];
-    for k in (0..z.len()).filter(|&k| ids(&one)[k] != NO_ID && ids(&one)[k] == ids(&cut)[k]) {
+    for k in (0..z.len()).filter(|&k| ids(&one)[k] != NO_ID && ids(&one)[k] == ids(&in_layers)[k]) {
         // lengths of up to three segments, each and their sum rounded to f32
-        assert!((z[k] - z_cut[k]).abs() <= 8.0 * f32::EPSILON * z[k], "Z {} and {}", z[k], z_cut[k]);
-        let (layer, local) = (t_cut[k].floor().min(2.0), t_cut[k]);
+        assert!((z[k] - z_in_layers[k]).abs() <= 8.0 * f32::EPSILON * z[k], "Z {} and {}", z[k], z_in_layers[k]);
+        let (layer, local) = (t_in_layers[k].floor().min(2.0), t_in_layers[k]);
         let joined = [0.25 * local, 0.25 + 0.25 * (local - 1.0), 0.5 + 0.5 * (local - 2.0)][layer as usize];
-        assert!((joined - t[k]).abs() <= 1e-6, "t {} of layer {layer} for {}", t_cut[k], t[k]);
+        assert!((joined - t[k]).abs() <= 1e-6, "t {} of layer {layer} for {}", t_in_layers[k], t[k]);
         layers[layer as usize] += 1;
     }
     assert!(layers.iter().all(|n| *n > 50), "every layer is seen: {layers:?}");

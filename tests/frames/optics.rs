@@ -76,7 +76,7 @@ fn hit(frame: &Frame, k: usize) -> bool {
 }
 
 #[test]
-fn a_ball_shows_what_is_behind_the_eye_at_the_length_of_the_way() {
+fn a_ball_shows_what_is_behind_the_eye_at_its_path_length() {
     // a wall at z = 7 behind an eye at z = 5; the middle pixel looks along the axis
     let wall = "[[mesh]]\nbuiltin = \"plane\"\nsize = 40\nrotate = [90, 0, 0]\ntranslate = [0, 0, 7]";
     let eye = r#"eye = { kind = "pinhole", eye = [0, 0, 5], target = [0, 0, 0], vfov = 40 }"#;
@@ -131,7 +131,7 @@ fn rays_refract_by_snells_law_and_leave_a_slab_as_they_came() {
         assert!((sine(before) - 1.5 * sine(after)).abs() < 1e-15);
         assert!(before.cross(after).z.abs() < 1e-15 && after.z < 0.0);
     }
-    // a plane-parallel lens shifts rays and does not turn them
+    // a plane-parallel lens shifts rays and keeps their directions
     let slab = "lens = { shape = \"lens\", axis = [0, 0, -1], radius = 9, thickness = 0.5, curvatures = [0, 0] }\nior = 1.5\ndepth = 2";
     let (s, camera) = scene((15, 11), "", &format!("kind = \"refraction\"\n{eye}\n{slab}"));
     for k in 0..15 * 11 {
@@ -269,8 +269,8 @@ fn rays_meet_a_wave_at_crests_and_between() {
     // sin(pi x) = 1 / 2 first behind the border at -4: at -4 + 1 / 6
     assert!((along.0 - DVec3::new(-4. + 1. / 6., 1.125, 0.5)).length() < 1e-14, "{along:?}");
     // a ray on the line that the surface holds at z = 0 meets it at once where it is over the square
-    let held = first_bounce([-9., 1., 0.], [9., 1., 0.], &wave(1));
-    assert!((held.0.x + 4.).abs() < 1e-9, "{held:?}");
+    let first = first_bounce([-9., 1., 0.], [9., 1., 0.], &wave(1));
+    assert!((first.0.x + 4.).abs() < 1e-9, "{first:?}");
     // nothing beside the square
     let (s, camera) = scene(
         (1, 1),
@@ -347,7 +347,7 @@ fn frames_agree_with_the_reference() {
     }
 }
 
-/// The optics are seen where the reference sees them, and the way is as long. A pixel that is not safe may see another.
+/// The optics are seen where the reference sees them, and the path lengths agree. A pixel that is not safe may see another.
 fn assert_numbers(name: &str, scene: &Scene, camera: &Camera, frame: &Frame) {
     let truth = image(scene, camera, &Channel::ALL);
     let of = |f: &Frame| f.u32(Channel::MirrorId).unwrap().to_vec();
@@ -508,7 +508,7 @@ fn a_fine_mirror_shows_what_a_coarse_one_reflects() {
         let mirror = plain.u32(Channel::MirrorId).unwrap();
         let off = [40, 160, 640].map(|cameras| {
             let (camera, frame) = ring(law, &format!("count = 5000, cameras = {cameras}")).unwrap();
-            // the eye sees the fine mirror, whatever turns the rays
+            // the eye sees the fine mirror, whatever reflects the rays
             assert!(frame.u32(Channel::MirrorId).unwrap() == mirror, "{law}, {cameras}: another silhouette");
             // one piece of the eye, and then the cameras
             let facets = camera.optics.as_ref().unwrap().facets().unwrap().clone();

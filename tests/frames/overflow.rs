@@ -50,7 +50,7 @@ fn lists_of_one_item_grow_to_the_identical_image() {
     let scene = crowd();
     for (name, camera) in cameras() {
         for without in [Without::Nothing, Without::Int64Atomics] {
-            let Some(roomy) = render_with(&scene, &camera, without, &RunOptions::default()) else { return };
+            let Some(ample) = render_with(&scene, &camera, without, &RunOptions::default()) else { return };
             let large = Capacities {
                 queue: 1 << 20,
                 work: 1 << 20,
@@ -77,9 +77,9 @@ fn lists_of_one_item_grow_to_the_identical_image() {
                     "{name} {start:?}: {}",
                     grown.grown
                 );
-                assert!(words(&grown.frame) == words(&roomy.frame) && grown.srgb8 == roomy.srgb8, "{name} {start:?}");
+                assert!(words(&grown.frame) == words(&ample.frame) && grown.srgb8 == ample.srgb8, "{name} {start:?}");
                 // tile by tile, what is left out behind the rest depends on the order of pairs
-                assert!(without == Without::Nothing || grown.counts == roomy.counts, "{name} {start:?}");
+                assert!(without == Without::Nothing || grown.counts == ample.counts, "{name} {start:?}");
             }
             assert_eq!(
                 render_with(&scene, &camera, without, &RunOptions { capacities: Some(large), ..Default::default() })

@@ -1,4 +1,4 @@
-//! The plan: tiles cut the image into cells as the camera says, bands fit the bindings, nodes bound every ray.
+//! The plan: tiles split the image into cells as the camera says, bands fit the bindings, nodes bound every ray.
 
 use crate::common;
 
@@ -206,8 +206,8 @@ fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, slabs: Slabs, band
             let k = y / side * level.width + i / side;
             seen[k as usize] = true;
             let node = &band.nodes.nodes[(level.start + k) as usize];
-            let held = holds(node, (i % side, y % side), side, (ray.origin - anchor, ray.direction), bend);
-            assert!(held, "{name}, level {depth}, slab {slab}, pixel {i},{row}: beyond {node:?}");
+            let is_inside = contains(node, (i % side, y % side), side, (ray.origin - anchor, ray.direction), bend);
+            assert!(is_inside, "{name}, level {depth}, slab {slab}, pixel {i},{row}: beyond {node:?}");
             if depth > 0 {
                 continue;
             }
@@ -217,8 +217,8 @@ fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, slabs: Slabs, band
             let owns = |c: &&layout::Cell| (u64::from(c.mask_hi) << 32 | u64::from(c.mask_lo)) >> bit & 1 == 1;
             let cell = cells.iter().find(owns).unwrap();
             let node = &band.nodes.nodes[cell.node as usize];
-            let held = holds(node, (i % TILE, y % TILE), TILE, (ray.origin - anchor, ray.direction), bend);
-            assert!(held, "{name}, slab {slab}, pixel {i},{row}: beyond its cell's {node:?}");
+            let is_inside = contains(node, (i % TILE, y % TILE), TILE, (ray.origin - anchor, ray.direction), bend);
+            assert!(is_inside, "{name}, slab {slab}, pixel {i},{row}: beyond its cell's {node:?}");
             assert!(cells.len() > 1 || cell.node == k, "{name}: a lone cell has its tile's node");
         }
         for (k, seen) in seen.iter().enumerate() {
@@ -229,7 +229,7 @@ fn assert_bounded(name: &str, camera: &Camera, anchor: DVec3, slabs: Slabs, band
 }
 
 /// A node over `side` pixels per side bounds a ray (origin, direction) that bends so far, of its pixel (x, y).
-fn holds(node: &layout::Node, (x, y): (u32, u32), side: u32, ray: (DVec3, DVec3), bend: f64) -> bool {
+fn contains(node: &layout::Node, (x, y): (u32, u32), side: u32, ray: (DVec3, DVec3), bend: f64) -> bool {
     let q = (DVec2::new(x as f64, y as f64) + 0.5) / (side as f64 / 2.0) - 1.0;
     let at = |c: [[f32; 3]; 3]| {
         let c = c.map(|v| Vec3::from(v).as_dvec3());

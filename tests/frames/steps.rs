@@ -111,7 +111,7 @@ fn cases() -> Vec<Case> {
     list
 }
 
-/// Runs a check on the frames of every case: lists cut in several ways, with and without caustics.
+/// Runs a check on the frames of every case: lists split into several bands and chunks, with and without caustics.
 fn each_input(mut check: impl FnMut(&str, &FrameInputs)) {
     for Case { name, camera, has, contents, wanted } in cases() {
         let variant = variant(&camera, contents, &wanted, has, &RunOptions::default());

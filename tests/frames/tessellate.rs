@@ -176,7 +176,7 @@ fn auto_meets_the_error_asked_for_and_not_by_far_too_much() {
 }
 
 #[test]
-fn pieces_of_an_uneven_cut_share_whole_edges_and_their_rays() {
+fn pieces_of_an_uneven_tessellation_share_whole_edges_and_their_rays() {
     let built = tessellate(Tessellation::Auto { error_px: 0.25 }, Arc::new(Swelling));
     let list = &pieces(&built).pieces;
     let areas = list.iter().map(|p| p.corners_px.unwrap()).map(|[a, b, c]| (b - a).perp_dot(c - a).abs() / 2.0);
@@ -227,7 +227,7 @@ impl RayMap for Odd {
 }
 
 #[test]
-fn jumps_rims_and_folds_are_told_apart() {
+fn jumps_rims_and_folds_are_distinguished() {
     for (odd, says) in [(Odd::Jump, "the rays jump"), (Odd::Rim, "at the rim"), (Odd::Focus, "focus or fold")] {
         let built = tessellate(Tessellation::Auto { error_px: 0.25 }, Arc::new(odd));
         assert!(built.notes[1].contains(says), "{:?}", built.notes);

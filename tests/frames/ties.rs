@@ -61,8 +61,8 @@ fn grid(camera: &Camera, step: u32, t: f64, depth: Depth, rng: &mut Rng) -> Mesh
     for (i, j) in (0..rows - 1).flat_map(|j| (0..columns - 1).map(move |i| (i, j))) {
         let k = j * columns + i;
         let below = k + columns;
-        let cut = [[[k, k + 1, below], [below + 1, k + 1, below]], [[k, k + 1, below + 1], [k, below + 1, below]]];
-        for [a, b, c] in cut[rng.below(2)] {
+        let halves = [[[k, k + 1, below], [below + 1, k + 1, below]], [[k, k + 1, below + 1], [k, below + 1, below]]];
+        for [a, b, c] in halves[rng.below(2)] {
             if [a, b, c].iter().all(|&v| has_ray[v as usize]) {
                 triangles.push([[a, b, c], [b, c, a], [c, b, a]][rng.below(3)]);
             }

@@ -62,8 +62,8 @@ fn cameras_inside(at: DVec3) -> Vec<(String, Camera)> {
     list.into_iter().map(|(name, kind)| (name, camera(kind, SIZE, FORWARD))).collect()
 }
 
-/// A box of side 2 about the origin, each face cut into unequal cells.
-fn cut_box() -> Mesh {
+/// A box of side 2 about the origin, each face divided into unequal cells.
+fn divided_box() -> Mesh {
     let mut cube = generate::cube();
     cube.positions.iter_mut().for_each(|p| *p *= 2.0);
     cube.normals.clear();
@@ -87,7 +87,9 @@ fn convex_shells_from_inside_at_any_offset() {
     for offset in [0.0, 1e3, 1e6] {
         let at = offset * DVec3::new(1.0, -0.7, 0.3);
         let ball = generate::icosphere(3);
-        for (name, shell) in [("ball", ball.clone()), ("ball of doubled seams", unjoined(&ball)), ("box", cut_box())] {
+        for (name, shell) in
+            [("ball", ball.clone()), ("ball of doubled seams", unjoined(&ball)), ("box", divided_box())]
+        {
             for (view, camera) in cameras_inside(at) {
                 let name = format!("{name} at {offset} by {view}");
                 if !assert_hit_once(&name, &moved(shell.clone(), at), &camera, 1, |_, _| true) {
@@ -158,12 +160,12 @@ fn pixel_grid(camera: &Camera, rng: &mut Rng, step: i32, depth: f64) -> Mesh {
     for (i, j) in (0..n - 1).flat_map(|j| (0..n - 1).map(move |i| (i as u32, j as u32))) {
         let k = j * n as u32 + i;
         let below = k + n as u32;
-        let cut = if rng.below(2) == 0 {
+        let halves = if rng.below(2) == 0 {
             [[k, k + 1, below], [below + 1, k + 1, below]]
         } else {
             [[k, k + 1, below + 1], [k, below + 1, below]]
         };
-        triangles.extend(cut.map(|[a, b, c]| [[a, b, c], [b, c, a], [c, b, a]][rng.below(3)]));
+        triangles.extend(halves.map(|[a, b, c]| [[a, b, c], [b, c, a], [c, b, a]][rng.below(3)]));
     }
     mesh(positions, triangles)
 }

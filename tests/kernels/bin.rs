@@ -152,10 +152,11 @@ fn differences(input: &KernelInputs, work: &[[u32; 2]], kernel: &[[u32; 2]], req
     let mut boxes: HashMap<(u32, u32), u64> = HashMap::new();
     // how many items a pair may come from: of a discontinuous tile one per cell
     let mut below: HashMap<(u32, u32), usize> = HashMap::new();
-    for &[cluster, node] in work {
-        let row = &input.clusters[cluster as usize];
+    for &[cluster_index, node] in work {
+        let cluster = &input.clusters[cluster_index as usize];
         for tile in tiles_below(input, Address::unpack(node)) {
-            (row.first..row.first + row.count).for_each(|slot| *below.entry((slot, tile)).or_default() += 1);
+            (cluster.first..cluster.first + cluster.count)
+                .for_each(|slot| *below.entry((slot, tile)).or_default() += 1);
         }
     }
     for &words in kernel {
@@ -182,7 +183,7 @@ fn differences(input: &KernelInputs, work: &[[u32; 2]], kernel: &[[u32; 2]], req
     wrong
 }
 
-fn roomy() -> Capacities {
+fn ample() -> Capacities {
     Capacities { pairs: 1 << 18, ..LARGE }
 }
 
@@ -192,7 +193,7 @@ fn the_kernel_lists_every_pair_that_covers_a_pixel() {
     for case in cases().into_iter().chain(seeds().map(random_case)) {
         let tables = case.tables();
         let (mut listed, mut needed, mut boxes, mut pixels) = (0, 0, 0, 0);
-        for input in case.inputs(&tables, roomy()) {
+        for input in case.inputs(&tables, ample()) {
             let work = cull(&input, Bound::PLAIN).work;
             let kernel = run_kernel(&mut bench, &case, &input, &work);
             assert_eq!(kernel.demand as usize, kernel.pairs.len(), "{}: the list was too short", case.name);
@@ -229,13 +230,13 @@ fn the_counter_keeps_counting_past_the_end_of_a_full_list() {
     let Some(mut bench) = Bench::open() else { return };
     let case = cases().into_iter().find(|c| c.name == "weighted pieces").expect("a case of that name");
     let tables = case.tables();
-    let input = case.inputs(&tables, roomy())[0];
+    let input = case.inputs(&tables, ample())[0];
     let work = cull(&input, Bound::PLAIN).work;
     let whole = run_kernel(&mut bench, &case, &input, &work);
     let input = case.inputs(&tables, Capacities { pairs: 100, ..LARGE })[0];
-    let cut = run_kernel(&mut bench, &case, &input, &work);
-    assert!(whole.demand > 100 && cut.demand == whole.demand && cut.pairs.len() == 100);
-    assert!(cut.pairs.iter().all(|p| whole.pairs.contains(p)));
+    let overflowed = run_kernel(&mut bench, &case, &input, &work);
+    assert!(whole.demand > 100 && overflowed.demand == whole.demand && overflowed.pairs.len() == 100);
+    assert!(overflowed.pairs.iter().all(|p| whole.pairs.contains(p)));
     let none = run_kernel(&mut bench, &case, &input, &[]);
     assert_eq!((none.demand, none.pairs.len()), (0, 0));
 }

@@ -198,10 +198,10 @@ fn counters_keep_counting_past_the_end_of_full_lists() {
     let input = case.inputs(&tables, Capacities { queue: 4096, work: 16384, ..LARGE })[0];
     let whole = run_kernel(&mut bench, &case, &input);
     let input = case.inputs(&tables, Capacities { queue: 4096, work: 10, ..LARGE })[0];
-    let cut = run_kernel(&mut bench, &case, &input);
-    assert!(whole.work.len() > 10 && cut.work.len() == 10);
-    assert_eq!(cut.counters, whole.counters);
-    assert!(cut.work.iter().all(|item| whole.work.contains(item)));
+    let overflowed = run_kernel(&mut bench, &case, &input);
+    assert!(whole.work.len() > 10 && overflowed.work.len() == 10);
+    assert_eq!(overflowed.counters, whole.counters);
+    assert!(overflowed.work.iter().all(|item| whole.work.contains(item)));
     // a queue that runs over loses items, but never writes behind its end (run_kernel asserts that)
     let input = case.inputs(&tables, Capacities { queue: 3, work: 16384, ..LARGE })[0];
     let short = run_kernel(&mut bench, &case, &input);

@@ -15,18 +15,18 @@ const MOST: u32 = 1 << 30;
 
 fn receivers() -> Vec<Receiver> {
     let mut first = 0;
-    let row = |[columns, rows]: [u32; 2]| {
-        let row = Receiver { columns, rows, first, scale: 1.0 };
+    let receiver = |[columns, rows]: [u32; 2]| {
+        let receiver = Receiver { columns, rows, first, scale: 1.0 };
         first += columns * rows;
-        row
+        receiver
     };
-    SIZES.into_iter().map(row).collect()
+    SIZES.into_iter().map(receiver).collect()
 }
 
-fn caustic_triangles(rows: Vec<CausticTriangle>) -> CausticTriangles {
+fn caustic_triangles(triangles: Vec<CausticTriangle>) -> CausticTriangles {
     let receivers = receivers();
     let texels = receivers.iter().map(|r| r.columns * r.rows).sum();
-    CausticTriangles { rows, receivers, texels, unit: 1.0 }
+    CausticTriangles { triangles, receivers, texels, unit: 1.0 }
 }
 
 fn triangle(receiver: u32, corners: [DVec2; 3], flux: [u32; 3]) -> CausticTriangle {
@@ -36,8 +36,8 @@ fn triangle(receiver: u32, corners: [DVec2; 3], flux: [u32; 3]) -> CausticTriang
 
 /// Triangles of all sizes, lines, points, on borders of texels, across and beyond those of the map.
 fn any(rng: &mut Rng, count: usize) -> Vec<CausticTriangle> {
-    let mut rows = Vec::new();
-    while rows.len() < count {
+    let mut triangles = Vec::new();
+    while triangles.len() < count {
         let receiver = rng.below(3);
         let size = DVec2::from(SIZES[receiver].map(f64::from));
         let far = if rng.below(8) == 0 { 3.0 } else { 1.0 };
@@ -58,10 +58,10 @@ fn any(rng: &mut Rng, count: usize) -> Vec<CausticTriangle> {
         let flux = [MOST, rng.below(MOST as usize) as u32, rng.below(3) as u32];
         let triangle = triangle(receiver as u32, corners, flux);
         if !nearly_a_line(&triangle) {
-            rows.push(triangle);
+            triangles.push(triangle);
         }
     }
-    rows
+    triangles
 }
 
 /// Within rounding of the width below which a triangle is a line.
@@ -99,17 +99,17 @@ fn known(caustic_triangles: &CausticTriangles) -> (Vec<[f64; 3]>, Vec<[f64; 3]>,
     let mut sums = vec![[0.0; 3]; caustic_triangles.texels as usize + 1];
     let mut tolerance = vec![[0.0; 3]; caustic_triangles.texels as usize + 1];
     let mut lines = 0;
-    for row in &caustic_triangles.rows {
-        let brought = deposit(row, &caustic_triangles.receivers);
+    for triangle in &caustic_triangles.triangles {
+        let brought = deposit(triangle, &caustic_triangles.receivers);
         lines += u32::from(brought.is_line);
         let missed = (caustic_triangles.texels as usize, brought.missed);
-        let error = share_error(row);
+        let error = share_error(triangle);
         // the last to be served gets the rounding of all others; a texel beside them may get a sliver
         let all = error * (brought.list.len() as f64 + 1.0);
-        let receiver = caustic_triangles.receivers[row.receiver as usize];
-        let beside = around(row, &receiver);
+        let receiver = caustic_triangles.receivers[triangle.receiver as usize];
+        let beside = around(triangle, &receiver);
         for k in 0..3 {
-            let flux = f64::from(row.flux[k]);
+            let flux = f64::from(triangle.flux[k]);
             let wide = flux * all.min(1.0) + 0.5 * (brought.list.len() as f64 + 1.0) + flux / f64::from(1 << 23);
             for (texel, share) in brought.list.iter().chain([&missed]) {
                 sums[*texel][k] += share * flux;
@@ -170,7 +170,7 @@ fn the_kernel_deposits_what_its_twin_does_and_loses_nothing() {
         let wrong = compare(&words, &caustic_triangles);
         assert!(wrong.is_empty(), "{count}: {} are wrong, the first: {}", wrong.len(), wrong[0]);
         for k in 0..3 {
-            let flux: u64 = caustic_triangles.rows.iter().map(|c| u64::from(c.flux[k])).sum();
+            let flux: u64 = caustic_triangles.triangles.iter().map(|c| u64::from(c.flux[k])).sum();
             assert_eq!(total(&words, k), flux, "every unit is somewhere");
         }
     }
@@ -181,14 +181,14 @@ fn sums_carry_into_their_high_words_and_do_not_depend_on_the_order() {
     let Some(gpu) = adapter() else { return };
     let kernel = Deposit::new(&gpu);
     let mut rng = Rng(12);
-    let mut rows = any(&mut rng, 2000);
-    rows.extend((0..3000).map(|_| triangle(0, [DVec2::new(3.5, 2.5); 3], [MOST, MOST - 1, 7])));
-    let words = kernel.run(&caustic_triangles(rows.clone()), &mut Buffers::default()).unwrap();
+    let mut triangles = any(&mut rng, 2000);
+    triangles.extend((0..3000).map(|_| triangle(0, [DVec2::new(3.5, 2.5); 3], [MOST, MOST - 1, 7])));
+    let words = kernel.run(&caustic_triangles(triangles.clone()), &mut Buffers::default()).unwrap();
     let texel = 6 * (2 * SIZES[0][0] as usize + 3);
     assert!(words[texel + 1] >= ((3000 * u64::from(MOST)) >> 32) as u32, "the high word of red");
     for _ in 0..3 {
-        let order = rng.shuffled(rows.len());
-        let shuffled = caustic_triangles(order.iter().map(|k| rows[*k]).collect());
+        let order = rng.shuffled(triangles.len());
+        let shuffled = caustic_triangles(order.iter().map(|k| triangles[*k]).collect());
         assert!(kernel.run(&shuffled, &mut Buffers::default()).unwrap() == words, "another order, other bytes");
     }
 }

@@ -40,9 +40,9 @@ fn case(rng: &mut Rng) -> Case {
     let sizes = [[17, 9], [1, 1], [40, 60]];
     let mut first = 0;
     let receiver = |[columns, rows]: [u32; 2]| {
-        let row = Receiver { columns, rows, first, scale: 1e-9 };
+        let receiver = Receiver { columns, rows, first, scale: 1e-9 };
         first += columns * rows;
-        row
+        receiver
     };
     let receivers: Vec<Receiver> = sizes.into_iter().map(receiver).collect();
     let texels = receivers.iter().map(|r| (r.columns * r.rows) as usize).sum::<usize>();

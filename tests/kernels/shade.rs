@@ -238,7 +238,7 @@ fn the_kernel_interpolates_texture_coordinates_as_its_twin_does() {
     }
 }
 
-/// Holds the kernel's planes against the twin's; the number of pixels that are hits of the chunk.
+/// Compares the kernel's planes with the twin's; returns the number of pixels that are hits of the chunk.
 fn check(bench: &mut Bench, case: &Case, input: &KernelInputs, visibility: &Visibility, real: Real) -> usize {
     compared(bench, case, input, visibility, real).hits
 }

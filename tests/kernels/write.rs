@@ -48,7 +48,7 @@ struct Compared {
     excused: usize,
 }
 
-/// Holds every pixel's word against the colours of its planes, red first.
+/// Compares every pixel's word with the colours of its planes, red first.
 fn compare(words: &[u32], planes: [&[f32]; 3], tone: Tone) -> Compared {
     let border = if tone == Tone::default() { BORDER } else { TONED_BORDER };
     let mut seen = Compared::default();

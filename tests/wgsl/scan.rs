@@ -212,18 +212,18 @@ impl<'a> Scan<'a> {
 #[test]
 fn names_are_told_from_members_and_locals() {
     let text = "
-        struct Row { size: vec2<f32>, @size(PAD) mark: array<u32, COUNT>, } // struct Not {}
+        struct Item { size: vec2<f32>, @size(PAD) mark: array<u32, COUNT>, } // struct Not {}
         const SMALL: f32 = 1.5e-3 * UNIT;
-        var<private> held: array<f32, SMALL_COUNT>;
+        var<private> stored: array<f32, SMALL_COUNT>;
         @compute @workgroup_size(GROUP) fn main(@builtin(workgroup_id) group: vec3<u32>) -> Answer {
             let first = first(group.mark, nodes[group.x].far);
             if first > 0x1Eu { let inner = 1.0lf; var<function> near = inner; }
             for (var k = limit; k < near; k++) { let last = k; step(last); }
-            return Answer(k, last, held[first], size);
+            return Answer(k, last, stored[first], size);
         }";
     let Names { defined, used, is_entry } = names(text);
     assert!(is_entry && !names("fn main() {}").is_entry);
-    assert_eq!(defined, ["Row", "SMALL", "held", "main"]);
+    assert_eq!(defined, ["Item", "SMALL", "stored", "main"]);
     let used: Vec<&str> = used.iter().map(String::as_str).filter(|n| !["array", "vec2", "vec3"].contains(n)).collect();
     let expected = [
         "f32",

@@ -102,11 +102,11 @@ fn coverage(
         let error_n = beyond * (2.0 * reach * lost_n + 12.0 * UNIT * size + LEAST * (1.0 + reach));
         let error_m = beyond * (2.0 * reach * lost_m + 12.0 * UNIT * size * size_e + LEAST * (1.0 + reach) * (1.0 + size_e));
         let plane = along(net, v0, n, span);
-        var apart = least(plane) > error_n || largest(plane) < -error_n;
-        apart = apart || largest(along(net, v0, cross(n, e0), span)) < -error_m;
-        apart = apart || largest(along(net, v1, cross(n, e1), span)) < -error_m;
-        apart = apart || largest(along(net, v2, cross(n, e2), span)) < -error_m;
-        if !apart {
+        var separated = least(plane) > error_n || largest(plane) < -error_n;
+        separated = separated || largest(along(net, v0, cross(n, e0), span)) < -error_m;
+        separated = separated || largest(along(net, v1, cross(n, e1), span)) < -error_m;
+        separated = separated || largest(along(net, v2, cross(n, e2), span)) < -error_m;
+        if !separated {
             may = with_bit(may, bit);
         }
         if all(left == vec2<u32>(0u)) {

@@ -23,7 +23,7 @@ fn quadric_normal(q: Quadric, v: real3) -> real3 {
 const HEIGHT_UNITS: real = 128.0;
 
 // The place, from the centre, is on the part of the surface that is there, its height known up to `error`.
-fn quadric_holds(q: Quadric, v: real3, error: real) -> bool {
+fn quadric_contains(q: Quadric, v: real3, error: real) -> bool {
     let axis = real3(q.axis_hi) + real3(q.axis_lo);
     let z = dot(v, axis);
     let away = v - z * axis;
@@ -53,7 +53,7 @@ fn first_root(surface: u32, p: real3, d: real3, starts: bool, t_min: real, t_max
         let s = t[k];
         let better = !found.found || s < found.t;
         let error = HEIGHT_UNITS * REAL_UNIT * (size3(v) + abs(s) * size3(d));
-        if (starts || square >= real(0.0)) && s >= t_min && s <= t_max && better && quadric_holds(q, v + s * d, error) {
+        if (starts || square >= real(0.0)) && s >= t_min && s <= t_max && better && quadric_contains(q, v + s * d, error) {
             found = Root(s, true);
         }
     }

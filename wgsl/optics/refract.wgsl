@@ -13,7 +13,7 @@ struct BouncedRay {
 struct Bent {
     d: real3,
     share: real,
-    passes: bool,   // refracted to the other side of the surface
+    transmitted: bool, // refracted to the other side of the surface
 }
 
 fn norm(v: real3) -> real {
@@ -79,7 +79,7 @@ fn bent_at(d: real3, normal: real3, outside: real3) -> Bent {
     var after = bent(d, normal, outside);
     let up = outside / norm(outside);
     let height = dot(after.d, up);
-    if height != real(0.0) && (height * dot(d, up) < real(0.0)) == after.passes {
+    if height != real(0.0) && (height * dot(d, up) < real(0.0)) == after.transmitted {
         after.d -= (height + height) * up;
     }
     return after;

@@ -1,7 +1,7 @@
 // bound: a triangle around the image of each, and the ray of each pixel of it against the triangle's plane (Hou et al. 2006,
 // sections 2.1 and 2.2). An instance is a piece, the camera triangle.
-// Needs: Drawn, ID_MASK, Piece, clip_place, drawn, file_normal, in_range, is_back_face, outline_corners, outline_distances, outline_holds,
-//   outline_ray, piece_origin, vertex, winding
+// Needs: Drawn, ID_MASK, Piece, clip_place, drawn, file_normal, in_range, is_back_face, outline_contains, outline_corners,
+//   outline_distances, outline_ray, piece_origin, vertex, winding
 // Binds: outlines, pieces, triangles
 
 struct Corner {
@@ -135,7 +135,7 @@ fn bound_pixel(corner: Corner) -> Drawn {
     let ca = dot(v0 - v2, g0);
     let bc = dot(v2 - v1, cross(ray.d, v1 - ray.p));
     let inside = (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
-    if !inside || !in_range(t) || !outline_holds(o, at) || is_back_face(triangle.w, normal, ray.d) {
+    if !inside || !in_range(t) || !outline_contains(o, at) || is_back_face(triangle.w, normal, ray.d) {
         discard;
     }
     return drawn(o.layer, triangle.w & ID_MASK, t);

@@ -1,5 +1,5 @@
 // Pieces, and their outlines in the image.
-// Provides: CULLING, outline_corners, outline_distances, outline_holds, outline_ray, piece_origin, winding
+// Provides: CULLING, outline_contains, outline_corners, outline_distances, outline_ray, piece_origin, winding
 // Needs: Outline, Piece, Ray
 // Binds: params
 
@@ -10,7 +10,7 @@ fn outline_corners(o: Outline) -> array<vec2<f32>, 3> {
 }
 
 // The piece holds the place, in band pixels, centres at whole numbers.
-fn outline_holds(o: Outline, q: vec2<f32>) -> bool {
+fn outline_contains(o: Outline, q: vec2<f32>) -> bool {
     let corners = outline_corners(o);
     let ab = winding(corners[1] - corners[0], q - corners[0]);
     let bc = winding(corners[2] - corners[1], q - corners[1]);

@@ -1,6 +1,6 @@
 // A triangle that was projected by its corners, seen through a piece.
 // Provides: Clipped, Corner, seen_through
-// Needs: Drawn, ID_MASK, drawn, in_range, is_back_face, outline_holds, outline_ray, piece_origin
+// Needs: Drawn, ID_MASK, drawn, in_range, is_back_face, outline_contains, outline_ray, piece_origin
 // Binds: outlines, pieces
 
 struct Corner {
@@ -27,7 +27,7 @@ fn seen_through(corner: Corner) -> Drawn {
     let o = outlines[q.number];
     let at = floor(corner.position.xy);
     let ray = outline_ray(q, at - piece_origin(q));
-    if !in_range(corner.t) || !outline_holds(o, at) || is_back_face(corner.packed_id, corner.normal, ray.d) {
+    if !in_range(corner.t) || !outline_contains(o, at) || is_back_face(corner.packed_id, corner.normal, ray.d) {
         discard;
     }
     return drawn(o.layer, corner.packed_id & ID_MASK, corner.t);

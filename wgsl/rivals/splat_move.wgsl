@@ -1,7 +1,7 @@
 // splat_move: the second pass of Yu et al. 2009, section 3.3: every three neighbours of S are rendered as a triangle where the
 // camera shows them, so that no holes are left.
 // Needs: Drawn, ID_MASK, SAMPLES, cell_piece, cell_slot, cell_texel, clip_place, drawn, file_normal, in_range, is_back_face,
-//   outline_distances, outline_holds, outline_ray, piece_origin, vertex
+//   outline_contains, outline_distances, outline_ray, piece_origin, vertex
 // Binds: outlines, pieces, s, triangles
 
 struct Corner {
@@ -48,7 +48,7 @@ fn splat_move_pixel(corner: Corner) -> Drawn {
     let at = floor(corner.position.xy);
     let ray = outline_ray(q, at - piece_origin(q));
     let normal = file_normal(triangle, vertex(triangle.x), vertex(triangle.y), vertex(triangle.z));
-    if !in_range(corner.t) || !outline_holds(o, at) || is_back_face(triangle.w, normal, ray.d) {
+    if !in_range(corner.t) || !outline_contains(o, at) || is_back_face(triangle.w, normal, ray.d) {
         discard;
     }
     return drawn(o.layer, triangle.w & ID_MASK, corner.t);

@@ -70,7 +70,7 @@ struct Params {
 // that, for sums of components instead of lengths.
 const PERTURB_BOUND: f32 = 1.0 / 2199023255552.0;
 
-// Offsets of samples from their pixel's centre, px right and down: two a row.
+// Offsets of samples from their pixel's centre, px right and down: two per vec4.
 struct SampleOffsets {
     at: array<vec4<f32>, 16>,
 }

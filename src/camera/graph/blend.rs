@@ -147,7 +147,7 @@ impl Graph {
         let triangle = self.net.triangles.iter().max_by(|a, b| least(a).total_cmp(&least(b)))?;
         let w = weights(triangle);
         let at = |points: &[DVec3]| (0..3).map(|k| w[k] * points[triangle[k] as usize]).sum::<DVec3>();
-        let parts = if bend == Bend::Curved { Bend::Cuts(CURVE_PARTS) } else { bend };
+        let parts = if bend == Bend::Curved { Bend::Straight(CURVE_PARTS) } else { bend };
         let legs: Vec<Leg> = self.legs.iter().flat_map(|leg| leg.bent(parts)).collect();
         let starts = legs.iter().map(|leg| at(&leg.points()[0]));
         let end = legs.last().and_then(|leg| leg.points().last()).map(|points| at(points));

@@ -1,4 +1,4 @@
-//! From a graph to layers: connecting legs straight, cut lengthwise, or curved.
+//! From a graph to layers: connecting legs straight, in straight parts, or curved.
 
 use super::super::curve::{Curve, CurveMap, Curves};
 use super::super::recipe::Built;
@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// How rays pass from one view to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bend {
-    /// So many straight parts of the curve below: 1 is the paper's connecting segment.
-    Cuts(usize),
+    /// This many straight parts along the curve below; 1 is the paper's connecting segment.
+    Straight(usize),
     /// A cubic Bezier curve that leaves and enters along the views' own rays (section 4.3, after Cui et al. 2010).
     Curved,
 }
@@ -31,16 +31,16 @@ impl JoinOptions {
     pub const KEYS: [&str; 3] = ["longitudinal", "join", "morph"];
 
     pub fn read(table: &Table) -> Result<JoinOptions> {
-        let cuts = table.optional("longitudinal", |f| f.integer(1, LAYERS_MAX as u64))?;
+        let parts = table.optional("longitudinal", |f| f.integer(1, LAYERS_MAX as u64))?;
         let curved = table.or("join", false, |field| match field.text()? {
             "straight" => Ok(false),
             "bezier" => Ok(true),
             _ => Err(field.error("use join = \"straight\" or \"bezier\"")),
         })?;
-        if curved && cuts.is_some_and(|n| n > 1) {
+        if curved && parts.is_some_and(|n| n > 1) {
             return Err(table.error("longitudinal cuts straight segments; leave it out with join = \"bezier\""));
         }
-        let bend = if curved { Bend::Curved } else { Bend::Cuts(cuts.unwrap_or(1) as usize) };
+        let bend = if curved { Bend::Curved } else { Bend::Straight(parts.unwrap_or(1) as usize) };
         Ok(JoinOptions { bend, morph: table.or("morph", 1.0, unit_number)? })
     }
 }
@@ -73,14 +73,14 @@ impl Leg {
     /// The leg as it is rendered: connecting ones by `bend`.
     pub fn bent(&self, bend: Bend) -> Vec<Leg> {
         match (self, bend) {
-            (Leg::Connecting(points), Bend::Cuts(n)) => {
-                let cut = |k: usize| match k {
+            (Leg::Connecting(points), Bend::Straight(n)) => {
+                let end = |k: usize| match k {
                     0 => points[0].clone(),
                     k if k == n => points[3].clone(),
                     k => (0..points[0].len()).map(|v| curve(points, v).at(k as f64 / n as f64)).collect(),
                 };
-                let cuts: Vec<Vec<DVec3>> = (0..=n).map(cut).collect();
-                cuts.windows(2).map(|pair| Leg::Straight([pair[0].clone(), pair[1].clone()])).collect()
+                let ends: Vec<Vec<DVec3>> = (0..=n).map(end).collect();
+                ends.windows(2).map(|pair| Leg::Straight([pair[0].clone(), pair[1].clone()])).collect()
             }
             _ => vec![self.clone()],
         }

@@ -16,7 +16,7 @@ impl Graph {
     /// legs are treated as straight.
     pub fn folds(&self, within: Option<(DVec3, DVec3)>) -> (usize, usize) {
         let counts = |x: DVec3| within.is_none_or(|(lo, hi)| x.cmpge(lo).all() && x.cmple(hi).all());
-        let legs: Vec<Leg> = self.legs.iter().flat_map(|leg| leg.bent(Bend::Cuts(1))).collect();
+        let legs: Vec<Leg> = self.legs.iter().flat_map(|leg| leg.bent(Bend::Straight(1))).collect();
         let crossed = |leg: &Leg| {
             let points = leg.points();
             let ends = [&points[0][..], &points[points.len() - 1][..]];

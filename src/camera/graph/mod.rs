@@ -7,7 +7,7 @@
 //! connecting (CGLC) segments are pieces alike, with weights of 1, so there are no gaps.
 //!
 //! * `view`: a pinhole view, wherever in the image it lands.
-//! * `connect`: how a graph becomes layers: straight, cut lengthwise, curved; `morph`.
+//! * `connect`: how a graph becomes layers: straight, in straight parts, curved; `morph`.
 //! * `outline`: triangles for image regions of any shape.
 //! * `volume`, `fold`: segments that intersect, and rays that cross.
 //! * `legs`, `roots`: legs from a root view into others, and cubes of views.

@@ -54,11 +54,11 @@ pub fn is_tangled(outline: &[DVec2]) -> bool {
 pub fn overlap(a: &[DVec2], b: &[DVec2]) -> bool {
     let sides = |o: &[DVec2]| (0..o.len()).map(|k| (o[k], o[(k + 1) % o.len()])).collect::<Vec<_>>();
     let crossing = sides(a).iter().any(|s| sides(b).iter().any(|t| touch(*s, *t)));
-    crossing || holds(a, b[0]) || holds(b, a[0])
+    crossing || contains(a, b[0]) || contains(b, a[0])
 }
 
 /// The place is inside the outline: a ray from it to the right leaves it an odd number of times.
-pub fn holds(outline: &[DVec2], q: DVec2) -> bool {
+pub fn contains(outline: &[DVec2], q: DVec2) -> bool {
     let n = outline.len();
     let crosses = |k: &usize| {
         let (a, b) = (outline[*k], outline[(k + 1) % n]);
@@ -205,8 +205,8 @@ mod tests {
             for hole in holes {
                 let (lo, hi) = bounds(hole);
                 let middle = (lo + hi) / 2.0;
-                let within = |t: &[u32; 3]| super::holds(&t.map(|k| places[k as usize]), middle);
-                assert!(!holds(hole, middle) || !triangles.iter().any(within));
+                let within = |t: &[u32; 3]| super::contains(&t.map(|k| places[k as usize]), middle);
+                assert!(!contains(hole, middle) || !triangles.iter().any(within));
             }
         }
     }

@@ -106,7 +106,7 @@ impl Detour {
 
     /// The ray at an image place from the eye to `end`.
     fn line(&self, view: &View, place_px: DVec2, bend: Bend) -> Vec<DVec3> {
-        let parts = if let Bend::Cuts(n) = bend { n } else { CURVE_PARTS };
+        let parts = if let Bend::Straight(n) = bend { n } else { CURVE_PARTS };
         self.depths(parts).into_iter().map(|z| view.point(place_px, z) + self.share(z) * self.shift).collect()
     }
 

@@ -182,7 +182,7 @@ impl TopDown {
             let region_centre = (lo + hi) / 2.0;
             let at = match self.layout {
                 Layout::Plain => Some(0),
-                _ => roots.iter().position(|r| outline::holds(&r.outline, region_centre)),
+                _ => roots.iter().position(|r| outline::contains(&r.outline, region_centre)),
             };
             let at = at.ok_or_else(|| error("its middle lies in no face of the cube; move it".into()))?;
             let root = &roots[at];
@@ -236,10 +236,10 @@ impl TopDown {
         let depth = |(k, p): (usize, usize)| roots[mesh.root_of[k]].view.depth(near((k, p)));
         let nearest = corners().map(depth).filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
         let cut = self.cut.unwrap_or(if nearest.is_finite() { nearest / 2.0 } else { far / 1000.0 });
-        let way = |(k, p): (usize, usize)| {
+        let leg_length = |(k, p): (usize, usize)| {
             (near((k, p)) - roots[mesh.root_of[k]].view.point(mesh.net.places_px[k], cut)).length()
         };
-        let (sum, count) = corners().map(way).fold((0.0, 0), |(s, n), w| (s + w, n + 1));
+        let (sum, count) = corners().map(leg_length).fold((0.0, 0), |(s, n), w| (s + w, n + 1));
         let near = cut + if sum > 0.0 { sum / count as f64 } else { cut };
         [cut, near, far.max(2.0 * near)]
     }

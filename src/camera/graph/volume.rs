@@ -47,7 +47,7 @@ impl Volume {
         for (i, a) in planes.iter().enumerate() {
             for (j, b) in planes.iter().enumerate().skip(i + 1) {
                 for c in &planes[j + 1..] {
-                    corners.extend(meeting(a, b, c).filter(|x| self.holds(*x, ROUNDING)));
+                    corners.extend(meeting(a, b, c).filter(|x| self.contains(*x, ROUNDING)));
                 }
             }
         }
@@ -55,11 +55,11 @@ impl Volume {
             return None;
         }
         let mean = corners.iter().sum::<DVec3>() / corners.len() as f64;
-        self.holds(mean, -2.0 * ROUNDING).then_some(mean)
+        self.contains(mean, -2.0 * ROUNDING).then_some(mean)
     }
 
     /// The point is inside all planes, `tolerance` times its coordinates and the limits beyond them.
-    fn holds(&self, x: DVec3, tolerance: f64) -> bool {
+    fn contains(&self, x: DVec3, tolerance: f64) -> bool {
         self.0.iter().all(|(n, limit)| n.dot(x) - limit <= tolerance * (x.length() + limit.abs()))
     }
 }

@@ -23,7 +23,7 @@ struct CrossSlit {
 /// Where the image lies in the world.
 #[derive(Debug, PartialEq)]
 enum Window {
-    /// Its middle, and the way from there to the middles of its right and upper borders.
+    /// Its middle, and the vectors from there to the middles of its right and upper borders.
     Plane(Plane),
     /// Through the target, across the view; `height` in world units.
     View { pose: Pose, height: f64 },

@@ -52,20 +52,22 @@ pub fn read(table: &Table) -> Result<Arc<dyn Recipe>> {
 /// One of the three ways to say how far the camera goes.
 fn read_path(table: &Table, start: DVec3) -> Result<DVec3> {
     let given: Vec<&str> = ["end", "velocity", "direction"].into_iter().filter(|key| table.has(key)).collect();
-    let [way] = given[..] else {
+    let [given_key] = given[..] else {
         return Err(table.error("a path is end = [x, y, z], or velocity and time, or direction and extent; give one"));
     };
     let partners = [("time", "velocity"), ("extent", "direction")];
-    if let Some((key, with)) = partners.into_iter().find(|(key, with)| table.has(key) && *with != way) {
-        return Err(table.error(format_args!("{key} goes with {with}, not with {way}; leave one out")));
+    if let Some((key, with)) = partners.into_iter().find(|(key, with)| table.has(key) && *with != given_key) {
+        return Err(table.error(format_args!("{key} goes with {with}, not with {given_key}; leave one out")));
     }
-    let path = match way {
+    let path = match given_key {
         "end" => table.need("end", "[10, 8, 5]")?.vec3()? - start,
         "velocity" => length(&table.need("time", "10")?)? * table.need("velocity", "[2, 0, 0]")?.vec3()?,
         _ => length(&table.need("extent", "20")?)? * direction(&table.need("direction", "[1, 0, 0]")?)?,
     };
     if path == DVec3::ZERO || !path.is_finite() {
-        return Err(table.error(format_args!("{way}: the path has no length that can be used; let the camera move")));
+        return Err(
+            table.error(format_args!("{given_key}: the path has no length that can be used; let the camera move"))
+        );
     }
     Ok(path)
 }
@@ -77,8 +79,9 @@ impl Recipe for Pushbroom {
         let across = if matches!(self.line, Line::Column(_)) { view.right } else { view.up };
         let sideways = self.path.normalize().dot(across);
         if sideways.abs() < PATH_SINE_MIN {
-            let way = if matches!(self.line, Line::Column(_)) { "to a side" } else { "up or down in the picture" };
-            return Err(Error::input(format!("camera: the path must go {way}; change it, look or up")));
+            let direction =
+                if matches!(self.line, Line::Column(_)) { "to a side" } else { "up or down in the picture" };
+            return Err(Error::input(format!("camera: the path must go {direction}; change it, look or up")));
         }
         // a picture is never mirrored: a camera that goes left fills it from the right
         let half = 0.5 * sideways.signum() * self.path;

@@ -119,12 +119,14 @@ impl Surround {
     /// The triangle's corners, in an order that keeps its sense: the first is the image triangle's right angle, and of the
     /// three rotations the one whose upright side points up most.
     fn rotated(&self, t: &[u32; 3], upper: bool) -> [u32; 3] {
-        let ways = [*t, [t[1], t[2], t[0]], [t[2], t[0], t[1]]];
+        let rotations = [*t, [t[1], t[2], t[0]], [t[2], t[0], t[1]]];
         let rise = |w: &[u32; 3]| {
             let along = self.vertices[w[0] as usize] - self.vertices[w[1] as usize];
             (if upper { along } else { -along }).normalize_or_zero().dot(self.up)
         };
-        ways.into_iter().fold(ways[0], |best, way| if rise(&way) > rise(&best) { way } else { best })
+        rotations
+            .into_iter()
+            .fold(rotations[0], |best, rotation| if rise(&rotation) > rise(&best) { rotation } else { best })
     }
 }
 

@@ -42,10 +42,10 @@ pub fn at_facet(
 /// the geometric normal; its sign says which side is hit. An interpolated or tilted normal may send a direction to the wrong side of the
 /// surface; it is then reflected by the surface's plane.
 pub fn after(by: (&Optics, Split), direction: DVec3, normal: DVec3, outside: DVec3) -> (DVec3, f64) {
-    let Bent { d, share, passes } = bent(by, direction, normal, outside);
+    let Bent { d, share, transmitted } = bent(by, direction, normal, outside);
     let up = outside.normalize();
     let height = d.dot(up);
-    let is_wrong = height != 0.0 && (height * direction.dot(up) < 0.0) == passes;
+    let is_wrong = height != 0.0 && (height * direction.dot(up) < 0.0) == transmitted;
     (if is_wrong { d - 2.0 * height * up } else { d }, share)
 }
 
@@ -54,20 +54,20 @@ struct Bent {
     d: DVec3,
     share: f64,
     /// Refracted to the other side of the surface.
-    passes: bool,
+    transmitted: bool,
 }
 
 fn bent((optics, split): (&Optics, Split), direction: DVec3, normal: DVec3, outside: DVec3) -> Bent {
     let d = direction.normalize();
     let n = tilted(normal.normalize(), split.tilt);
-    let reflected = |share: f64| Bent { d: d - 2.0 * d.dot(n) * n, share, passes: false };
+    let reflected = |share: f64| Bent { d: d - 2.0 * d.dot(n) * n, share, transmitted: false };
     let Bounce::Refract { ior } = optics.bounce else { return reflected(1.0) };
     // indices on this side and on the other
     let (n1, n2) = if d.dot(outside) < 0.0 { (1.0, ior) } else { (ior, 1.0) };
     let (cosine, against) = if d.dot(n) < 0.0 { (-d.dot(n), n) } else { (d.dot(n), -n) };
     let square = 1.0 - (n1 / n2).powi(2) * (1.0 - cosine * cosine);
     if square < 0.0 {
-        let nothing = Bent { d: DVec3::ZERO, share: 0.0, passes: false };
+        let nothing = Bent { d: DVec3::ZERO, share: 0.0, transmitted: false };
         return if split.branch == Branch::Main { reflected(1.0) } else { nothing };
     }
     let inner = square.sqrt();
@@ -76,7 +76,7 @@ fn bent((optics, split): (&Optics, Split), direction: DVec3, normal: DVec3, outs
     let p = (n2 * cosine - n1 * inner) / (n2 * cosine + n1 * inner);
     let back = if optics.fresnel { (s * s + p * p) / 2.0 } else { 0.0 };
     match split.branch {
-        Branch::Main => Bent { d: refracted, share: 1.0 - back, passes: true },
+        Branch::Main => Bent { d: refracted, share: 1.0 - back, transmitted: true },
         Branch::Reflected => reflected(back),
     }
 }
@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn no_ray_leaves_a_facet_on_the_wrong_side() {
         let split = Split { branch: Branch::Main, tilt: DVec2::ZERO };
-        for (bounce, passes) in [(Bounce::Reflect, false), (Bounce::Refract { ior: 1.5 }, true)] {
+        for (bounce, transmitted) in [(Bounce::Reflect, false), (Bounce::Refract { ior: 1.5 }, true)] {
             let optics = optics(bounce);
             let facets = optics.facets().unwrap();
             let (mut seen, mut mended) = (0, 0);
@@ -125,19 +125,19 @@ mod tests {
                         let n = (1.0 - u - v) * facet.normals[0] + u * facet.normals[1] + v * facet.normals[2];
                         let bent = bent((&optics, split), d, n, up);
                         let (_, (after, share)) = at_facet((&optics, split), Law::Normals, &facet, d, [u, v]);
-                        let is_right = |way: DVec3| (way.dot(up) < 0.0) == bent.passes;
+                        let is_right = |d: DVec3| (d.dot(up) < 0.0) == bent.transmitted;
                         assert!(is_right(after), "{bounce:?} at facet {k}: {after}");
                         assert!((after.length() - 1.0).abs() < 1e-14 && share == 1.0);
                         // a right direction is not changed
                         assert!(!is_right(bent.d) || after == bent.d);
-                        assert_eq!(bent.passes, passes);
+                        assert_eq!(bent.transmitted, transmitted);
                         seen += 1;
                         mended += usize::from(!is_right(bent.d));
                     }
                 }
             }
             println!("{bounce:?}: {mended} of {seen} directions mended");
-            assert!(mended > 0 || passes);
+            assert!(mended > 0 || transmitted);
         }
     }
 }

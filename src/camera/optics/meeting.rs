@@ -27,7 +27,7 @@ fn on_quadric(quadric: &Quadric, ray: &Ray, starts: bool, range: [f64; 2]) -> Op
         let far = if b < 0.0 { root - b } else { -root - b };
         [far / a, c / far]
     };
-    let there = |t: &f64| t.is_finite() && quadric.holds(ray.origin + *t * d) && range[0] <= *t && *t <= range[1];
+    let there = |t: &f64| t.is_finite() && quadric.contains(ray.origin + *t * d) && range[0] <= *t && *t <= range[1];
     roots.into_iter().filter(there).reduce(f64::min)
 }
 

@@ -60,7 +60,7 @@ impl Quadric {
     }
 
     /// A point of the surface's plane or space counts: within the rim and the heights.
-    pub fn holds(&self, place: DVec3) -> bool {
+    pub fn contains(&self, place: DVec3) -> bool {
         let q = place - self.centre;
         let z = q.dot(self.axis);
         let r2 = (q - z * self.axis).length_squared();
@@ -95,7 +95,7 @@ mod tests {
                     let q = at - vertex;
                     let value = q.dot(cap.a * q) + 2.0 * cap.b.dot(q) + cap.c;
                     assert!(value.abs() < 1e-15, "{curvature} {conic}: {value}");
-                    assert!(r == 1.2 || cap.holds(at));
+                    assert!(r == 1.2 || cap.contains(at));
                     let out = cap.normal(at).dot(axis) * if flipped { 1.0 } else { -1.0 };
                     assert!(out > 0.0, "{curvature} {conic} {flipped}: {out}");
                 }
@@ -110,6 +110,6 @@ mod tests {
         let ball = Quadric::sphere(DVec3::ONE, 2.0);
         assert!((ball.normal(DVec3::new(3.0, 1.0, 1.0)) - DVec3::X).length() < 1e-15);
         let wall = Quadric::wall(DVec3::ZERO, DVec3::Y, 0.5, [0.0, 3.0]);
-        assert!(wall.holds(DVec3::new(0.5, 2.0, 0.0)) && !wall.holds(DVec3::new(0.5, 3.5, 0.0)));
+        assert!(wall.contains(DVec3::new(0.5, 2.0, 0.0)) && !wall.contains(DVec3::new(0.5, 3.5, 0.0)));
     }
 }

@@ -230,7 +230,7 @@ mod tests {
         for k in 0..200 {
             assert!(shot.facet(k).normals.iter().all(|n| (*n - DVec3::Y).length() < 1e-15));
         }
-        // not the other side of the bowl: all are within a facet's turn
+        // not the other side of the bowl: all are within the angle of a facet
         let fine = bowl().facets(3000);
         assert!(normal_distance(&fine.shot_at(&bowl().facets(300)), &fine) < 0.35);
     }

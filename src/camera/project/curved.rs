@@ -116,7 +116,7 @@ impl<'a> Search<'a> {
             let nets = nets(self.curves, cell.at, cell.side);
             if span == [0.0, 1.0] { nets } else { nets.iter().map(|n| n.over(span)).collect() }
         });
-        nets.retain(|n| holds(&n.around(), n.error_bound(), point));
+        nets.retain(|n| contains(&n.around(), n.error_bound(), point));
         if nets.is_empty() {
             return;
         }
@@ -162,7 +162,7 @@ impl<'a> Search<'a> {
     }
 }
 
-fn holds([lo, hi]: &[DVec3; 2], error: f64, point: DVec3) -> bool {
+fn contains([lo, hi]: &[DVec3; 2], error: f64, point: DVec3) -> bool {
     let error = error + 64.0 * f64::EPSILON * (point.abs().max_element() + lo.abs().max(hi.abs()).max_element());
     (*lo - error).cmple(point).all() && (*hi + error).cmpge(point).all()
 }
@@ -201,7 +201,7 @@ impl Net {
         pairs.fold(0.0, f64::max)
     }
 
-    /// The ways along the control points are not longer than the net is wide.
+    /// The control polygons are not longer than the net is wide.
     fn is_short(&self) -> bool {
         let length = |c: &Curve| c.points().windows(2).map(|p| (p[1] - p[0]).length()).sum::<f64>();
         let long = self.curves.iter().map(length).fold(0.0, f64::max);
@@ -228,7 +228,7 @@ impl Net {
         spans: &mut Vec<([f64; 2], u32)>,
         shown: &mut Shown,
     ) {
-        if !shown.may_spend(1) || !holds(&self.around(), self.error_bound(), point) {
+        if !shown.may_spend(1) || !contains(&self.around(), self.error_bound(), point) {
             return;
         }
         if self.is_short() {
@@ -246,7 +246,7 @@ impl Net {
     /// The corners of the pixels whose curves may run through the point, in the square that the net is of: quarter by
     /// quarter, without a look at the curves themselves.
     fn pixels_near(self, point: DVec3, at: DVec2, side: f64, near: &mut Vec<DVec2>) {
-        if !holds(&self.around(), self.error_bound(), point) {
+        if !contains(&self.around(), self.error_bound(), point) {
             return;
         }
         if side <= 1.0 {

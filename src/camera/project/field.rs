@@ -142,7 +142,7 @@ impl<'a> Search<'a> {
             let Some(root) = newton::solve(self.field, point, from, t) else { continue };
             match root.degenerate {
                 None => self.add(root.place, root.t, shown),
-                degenerate if self.holds(root.place) => shown.degenerate = shown.degenerate.max(degenerate),
+                degenerate if self.contains(root.place) => shown.degenerate = shown.degenerate.max(degenerate),
                 _ => {}
             }
         }
@@ -153,14 +153,14 @@ impl<'a> Search<'a> {
     }
 
     /// The place (px) is in the image.
-    fn holds(&self, place: DVec2) -> bool {
+    fn contains(&self, place: DVec2) -> bool {
         let tolerance = DVec2::splat(BORDER_PX);
         place.cmpge(self.start - tolerance).all() && place.cmple(self.end() + tolerance).all()
     }
 
     /// Adds a place that shows the point, if it is in the image.
     fn add(&self, place: DVec2, t: f64, shown: &mut Shown) {
-        if self.holds(place) {
+        if self.contains(place) {
             shown.found.push(Found { place: place.clamp(self.start, self.end()), t, piece: 0 });
         }
     }

@@ -126,7 +126,7 @@ impl<'a> Search<'a> {
             return false;
         }
         let pixel = place.clamp(DVec2::ZERO, self.size - 1.0).as_uvec2();
-        !piece.holds(place) || self.pieces.owner_of_place(pixel.x, pixel.y, place) == Some(k)
+        !piece.contains(place) || self.pieces.owner_of_place(pixel.x, pixel.y, place) == Some(k)
     }
 
     /// The line `a x + b y + c = 0` about the piece's centre passes through the piece within the image.

@@ -54,12 +54,12 @@ impl Facets {
 
     /// The lowest-numbered triangle that holds (u, v), its border included, and the point there.
     pub fn at(&self, uv: DVec2) -> Option<(u32, DVec3)> {
-        let holds = |&&k: &&u32| {
+        let contains = |&&k: &&u32| {
             let [a, b, c] = self.corners(k);
             let o = side(a, b, c);
             side(a, b, uv) * o >= 0.0 && side(b, c, uv) * o >= 0.0 && side(c, a, uv) * o >= 0.0
         };
-        let k = *self.grid.near(uv).iter().find(holds)?;
+        let k = *self.grid.near(uv).iter().find(contains)?;
         let [a, b, c] = self.corners(k);
         let [p, q, r] = self.triangles[k as usize].map(|i| self.points[i as usize]);
         let area = (b - a).perp_dot(c - a);

@@ -74,7 +74,7 @@ impl Volume {
     /// A volume over 2 to 4 surfaces.
     ///
     /// # Errors
-    /// A message where the `pieces` surfaces, each cut in its own way, make more pieces than can be numbered.
+    /// A message where the `pieces` surfaces, each tessellated in its own way, make more pieces than can be numbered.
     pub fn new(surfaces: Vec<Surface>, reparam: Reparam) -> std::result::Result<Volume, String> {
         let facets: Vec<Option<&Facets>> = surfaces.iter().map(as_facets).collect();
         let (mut strides, mut count) = (Vec::new(), 0u32);
@@ -93,7 +93,7 @@ impl Volume {
         Ok(Volume { surfaces, reparam, strides, piece_count: count })
     }
 
-    /// A volume over the image itself, of surfaces that are not cut.
+    /// A volume over the image itself, of surfaces that are not tessellated.
     pub(super) fn over(surfaces: Vec<Surface>) -> Result<Volume> {
         Volume::new(surfaces, Reparam::Affine(Affine::IDENTITY)).map_err(Error::input)
     }
@@ -143,15 +143,16 @@ impl Volume {
         mesh::compile(&spec, w, h, notes).map(Some)
     }
 
-    /// The `mesh` camera with the same rays, where the surfaces are planes or cut all alike without overlaps.
+    /// The `mesh` camera with the same rays, where the surfaces are planes or all tessellated alike without overlaps.
     fn mesh(&self, reparam: &Affine, planes: &[Option<Plane>]) -> Option<MeshCameraSpec> {
-        let cut = self.surfaces.iter().find_map(as_facets)?;
-        let alike = |k: usize| planes[k].is_some() || as_facets(&self.surfaces[k]).is_some_and(|f| f.same_pieces(cut));
+        let facets = self.surfaces.iter().find_map(as_facets)?;
+        let alike =
+            |k: usize| planes[k].is_some() || as_facets(&self.surfaces[k]).is_some_and(|f| f.same_pieces(facets));
         if reparam.linear.determinant() == 0.0 || !alike(0) || !alike(1) {
             return None;
         }
-        let count = cut.triangles.len() as u32;
-        let corners: Vec<[DVec2; 3]> = (0..count).map(|k| cut.corners(k)).collect();
+        let count = facets.triangles.len() as u32;
+        let corners: Vec<[DVec2; 3]> = (0..count).map(|k| facets.corners(k)).collect();
         if mesh::first_overlap(&corners).is_some() {
             return None;
         }

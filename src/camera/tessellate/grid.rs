@@ -84,7 +84,7 @@ impl Cells {
         self.places.len() as u32 - 1
     }
 
-    /// Columns and rows between the given image places, each cell cut along its diagonal from bottom left to top right; the
+    /// Columns and rows between the given image places, each cell split along its diagonal from bottom left to top right; the
     /// corner off the diagonal comes first.
     pub fn between(judge: &Judge, xs: &[f64], ys: &[f64], parts: (u32, u32)) -> Cells {
         let mut cells = Cells::new(parts);

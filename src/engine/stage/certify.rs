@@ -31,14 +31,14 @@ pub fn kernel(variant: Variant, planes: &[Channel]) -> Kernel {
     kernel
 }
 
-/// How many times all pairs must pass `certify`, after all steps of raster.
+/// Number of dispatches of `certify` over all pairs, after all steps of raster.
 pub const CERTIFY_STEPS: u32 = 2;
 
 pub fn certify(step: u32) -> Dispatch {
     Dispatch::counted(KernelId::Certify, Counter::Pairs).nth(step)
 }
 
-/// Writes the plane, once all pairs have passed.
+/// Writes the plane, once all pairs are processed.
 pub fn write_certified(pixels: u32) -> Dispatch {
     Dispatch::over(KernelId::Certify, pixels).nth(CERTIFY_STEPS)
 }

@@ -31,7 +31,7 @@ pub struct Deposit<'g> {
 /// What `deposit` reads, ready to upload.
 #[derive(Debug, Clone)]
 pub struct CausticTriangles {
-    pub rows: Vec<layout::CausticTriangle>,
+    pub triangles: Vec<layout::CausticTriangle>,
     pub receivers: Vec<layout::Receiver>,
     /// Of all receivers.
     pub texels: u32,
@@ -62,13 +62,13 @@ impl CausticTriangles {
             first: *first,
             scale: (unit / r.texel_area() / std::f64::consts::PI) as f32,
         };
-        let row = |triangle: &CausticTriangle| {
+        let packed = |triangle: &CausticTriangle| {
             let [a, b, c] = triangle.corners.map(|p| p.as_vec2().to_array());
             let flux = triangle.flux.map(|f| (f / unit).round() as u32);
             layout::CausticTriangle { a, b, c, receiver: triangle.receiver, pad0: 0, flux, pad1: 0 }
         };
         Ok(CausticTriangles {
-            rows: caustic_triangles.par_iter().map(row).collect(),
+            triangles: caustic_triangles.par_iter().map(packed).collect(),
             receivers: caustics.receivers.iter().zip(&firsts).map(receiver).collect(),
             texels: all as u32,
             unit,
@@ -93,18 +93,18 @@ impl<'g> Deposit<'g> {
             encoder.clear_buffer(sums, 0, None);
         }
         let most = (gpu.binding_limit() as usize / size_of::<layout::CausticTriangle>()).max(1);
-        for chunk in caustic_triangles.rows.chunks(most) {
+        for chunk in caustic_triangles.triangles.chunks(most) {
             let mut own = Buffers::default();
             own.upload(gpu, "caustic_triangles", chunk)?;
-            let row =
+            let deposit_params =
                 layout::DepositParams { count: chunk.len() as u32, texels: caustic_triangles.texels, pad0: 0, pad1: 0 };
-            own.upload_uniform(gpu, "deposit_params", &row)?;
+            own.upload_uniform(gpu, "deposit_params", &deposit_params)?;
             let group = self.pipeline.bind(gpu, &[&own, buffers])?;
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("deposit"), timestamp_writes: None });
             pass.set_pipeline(self.pipeline.raw());
             pass.set_bind_group(0, &group, &[]);
-            dispatch_items(gpu, &mut pass, row.count);
+            dispatch_items(gpu, &mut pass, deposit_params.count);
         }
         let list = readback(gpu, bytes);
         if let Some(sums) = buffers.get("sums") {

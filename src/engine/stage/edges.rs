@@ -75,7 +75,7 @@ pub fn edges() -> Dispatch {
     Dispatch::counted(KernelId::Edges, Counter::Pairs).nth(PAIRS)
 }
 
-/// Lists the pixels that were found, once all pairs have passed.
+/// Lists the pixels that were found, once all pairs are processed.
 pub fn list_edges(pixels: u32) -> Dispatch {
     Dispatch::over(KernelId::Edges, pixels).nth(LIST)
 }

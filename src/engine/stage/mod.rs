@@ -4,7 +4,7 @@
 //! Where the camera has a mirror or a lens, [`meet`] comes beside raster, and after shade `bounce -> fit` and all of it again, or
 //! [`paste`] from an atlas that was rendered before. Where pixels have several samples, [`edges`] and [`sample`] follow recheck and
 //! [`resolve`] follows shade; [`outline`] draws lines over what they came to. Caustics are added up by [`deposit`] before the first
-//! frame and shown by [`gather`] after shade. Apart from these is [`sift`], which finds the parts of an image that may see a point.
+//! frame and shown by [`gather`] after shade. [`sift`] is not part of a frame: it finds the parts of an image that may see a point.
 
 pub mod args;
 pub mod bin;

@@ -93,7 +93,7 @@ pub(super) fn into_visibility(name: &'static str, variant: Variant, own: &[Parts
     kernel
 }
 
-/// How many times all pairs must pass `raster`: without 64-bit atomics the words of a key go one after the other.
+/// Number of dispatches of `raster` over all pairs: without 64-bit atomics the words of a key go one after the other.
 pub fn raster_steps(variant: Variant) -> u32 {
     if variant.atomics64 { 1 } else { 2 }
 }

@@ -66,9 +66,9 @@ pub fn by_tile_kernel(variant: Variant) -> Kernel {
     };
     let snippets = [PARAMS, ITEMS, INDEX, SLABS, VERTEX, variant.real(), TRIANGLE, BUNDLE, KEY, BITS, WITHIN];
     let own = [LANES, NODE_BY_LANES, COLUMN, CELL_SAMPLES];
-    let hold =
+    let stage =
         [snippets!("shared/waiting.wgsl"), snippets!("shared/pixel_test.wgsl"), snippets!("sample_by_tile.wgsl")];
-    let mut kernel = Kernel::new("sample", bindings, &[&snippets[..], &own, rays, &hold].concat());
+    let mut kernel = Kernel::new("sample", bindings, &[&snippets[..], &own, rays, &stage].concat());
     kernel.constants = variant.constants();
     kernel.constants.extend([("SAMPLES", f64::from(variant.samples)), ("STRIPS", variant.strips())]);
     kernel

@@ -11,7 +11,7 @@ use crate::input::{Error, Result};
 use plan::{GLASS, MATERIALS, PITCH, Plan, STREET, Tier};
 
 /// Triangles a block has on average before windows: ground 2, slab 10, and about four buildings of one to three
-/// tiers; and as much again for windows. Only the look depends on it.
+/// tiers; and as much again for windows. It affects only the appearance.
 const TRIANGLES_PER_BLOCK: f64 = 160.0;
 
 /// Windows fill this much of their share of a wall, in width and in height.
@@ -124,9 +124,9 @@ impl Windows {
             let width = right.length();
             self.walls_so_far += width * size.y;
             let share = (self.walls_so_far / self.all_walls * self.total as f64) as u64;
-            let due = if is_last && k + 1 == walls.len() { self.total } else { share.min(self.total) };
-            push_windows(mesh, corner, right / width, width, size.y, due - self.made);
-            self.made = due;
+            let target_count = if is_last && k + 1 == walls.len() { self.total } else { share.min(self.total) };
+            push_windows(mesh, corner, right / width, width, size.y, target_count - self.made);
+            self.made = target_count;
         }
     }
 }

@@ -282,11 +282,11 @@ fn a_missing_image_is_listed_and_left_out() {
     assert_eq!((mesh.materials[0].diffuse, &mesh.materials[0].texture), ([1.0; 3], &None));
     let why = "image 0: the file does not exist; the material's own colour is used".into();
     assert_eq!(mesh.missing, [Missing { what: "no/gone .png".into(), why }]);
-    let cutting = load_textured_quad(&Images::of(ImagesRead::Masks), gone).unwrap();
-    assert!(cutting.missing.is_empty());
-    let cut = |json: &mut serde_json::Value| json["materials"][0]["alphaMode"] = "MASK".into();
-    let cutting = |edit: fn(&mut serde_json::Value)| load_textured_quad(&Images::of(ImagesRead::Masks), edit).unwrap();
-    assert!(cutting(cut).materials[0].texture.is_some() && cutting(|_| {}).materials[0].texture.is_none());
+    let masked = load_textured_quad(&Images::of(ImagesRead::Masks), gone).unwrap();
+    assert!(masked.missing.is_empty());
+    let set_mask = |json: &mut serde_json::Value| json["materials"][0]["alphaMode"] = "MASK".into();
+    let masked = |edit: fn(&mut serde_json::Value)| load_textured_quad(&Images::of(ImagesRead::Masks), edit).unwrap();
+    assert!(masked(set_mask).materials[0].texture.is_some() && masked(|_| {}).materials[0].texture.is_none());
 }
 
 #[test]
@@ -354,13 +354,13 @@ fn base_colours_have_their_images_borders_and_places() {
     assert_eq!(mesh.materials[0].diffuse, [1.0; 3]);
 
     for (mode, cutoff) in [("OPAQUE", None), ("MASK", Some(0.25)), ("BLEND", Some(0.5))] {
-        let cut = |json: &mut serde_json::Value| {
+        let set_mode = |json: &mut serde_json::Value| {
             json["materials"][0]["alphaMode"] = mode.into();
             if mode == "MASK" {
                 json["materials"][0]["alphaCutoff"] = 0.25.into();
             }
         };
-        let mesh = load_textured_quad(&Images::default(), cut).unwrap();
+        let mesh = load_textured_quad(&Images::default(), set_mode).unwrap();
         assert_eq!(mesh.materials[0].texture.as_ref().unwrap().cutoff, cutoff, "{mode}");
     }
     let moved = |json: &mut serde_json::Value| {

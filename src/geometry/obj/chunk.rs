@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::lex::{Lines, Words, parse_f64, parse_i64, quoted};
+use super::lex::{Lines, Tokens, parse_f64, parse_i64, quoted};
 use crate::geometry::mesh::{NO_NORMAL, NO_UV};
 use crate::input::{Error, Result};
 
@@ -42,7 +42,7 @@ impl Counts {
 }
 
 fn keyword(line: &[u8]) -> &[u8] {
-    Words::new(line).next().unwrap_or_default()
+    Tokens::new(line).next().unwrap_or_default()
 }
 
 /// A parsed chunk: its vertices, and its triangles with indices into the whole file's vertices.
@@ -124,36 +124,36 @@ impl<'a> Reader<'a> {
     }
 
     fn read_line(&mut self, line: &[u8]) -> std::result::Result<(), String> {
-        let mut words = Words::new(line);
-        match words.next().unwrap_or_default() {
+        let mut tokens = Tokens::new(line);
+        match tokens.next().unwrap_or_default() {
             b"v" => {
-                let position = read_vector(words)?;
+                let position = read_vector(tokens)?;
                 if !position.is_finite() {
                     return Err("vertex coordinate is not finite; use finite numbers".into());
                 }
                 self.chunk.positions.push(position);
             }
-            b"vn" => self.chunk.normals.push(unit(read_vector(words)?)),
+            b"vn" => self.chunk.normals.push(unit(read_vector(tokens)?)),
             b"vt" => {
-                let uv = read_texcoord(words, self.texcoords)?;
+                let uv = read_texcoord(tokens, self.texcoords)?;
                 if !uv.is_finite() && self.texcoords == Texcoords::Needed {
                     return Err("texture coordinate is not finite; use finite numbers".into());
                 }
                 self.chunk.texcoords.push(uv);
             }
-            b"f" | b"fo" => self.read_face(words)?,
-            b"usemtl" => self.chunk.uses.push((self.chunk.triangles.len(), words.name())),
-            b"mtllib" => self.chunk.libraries.push(words.name()),
+            b"f" | b"fo" => self.read_face(tokens)?,
+            b"usemtl" => self.chunk.uses.push((self.chunk.triangles.len(), tokens.name())),
+            b"mtllib" => self.chunk.libraries.push(tokens.name()),
             _ => {}
         }
         Ok(())
     }
 
-    fn read_face(&mut self, words: Words) -> std::result::Result<(), String> {
+    fn read_face(&mut self, tokens: Tokens) -> std::result::Result<(), String> {
         let mut corners = std::mem::take(&mut self.corners);
         corners.clear();
-        for word in words {
-            corners.push(self.read_corner(word)?);
+        for token in tokens {
+            corners.push(self.read_corner(token)?);
         }
         if corners.len() < 3 {
             let count = corners.len();
@@ -179,8 +179,8 @@ impl<'a> Reader<'a> {
     }
 
     /// `v`, `v/vt`, `v//vn` or `v/vt/vn`. Normals may be missing, and texture coordinates unless the caller needs them.
-    fn read_corner(&mut self, word: &[u8]) -> std::result::Result<Corner, String> {
-        let mut parts = word.splitn(3, |&b| b == b'/');
+    fn read_corner(&mut self, token: &[u8]) -> std::result::Result<Corner, String> {
+        let mut parts = token.splitn(3, |&b| b == b'/');
         let seen = self.before.positions + self.chunk.positions.len();
         let position = resolve(parts.next().unwrap_or_default(), "vertex", seen, self.total.positions)??;
         let seen = self.before.texcoords + self.chunk.texcoords.len();
@@ -216,15 +216,15 @@ impl DanglingIndices {
 /// The index from 0 of an OBJ index: positive ones count from 1, negative ones back from the `seen` vertices so far.
 ///
 /// # Errors
-/// The outer error: the word is not an index. The inner error: the index is out of range.
+/// The outer error: the token is not an index. The inner error: the index is out of range.
 fn resolve(
-    word: &[u8],
+    token: &[u8],
     what: &str,
     seen: usize,
     total: usize,
 ) -> std::result::Result<std::result::Result<u32, String>, String> {
-    let Some(index) = parse_i64(word) else {
-        return Err(format!("face's {what} index {} is not an integer", quoted(word)));
+    let Some(index) = parse_i64(token) else {
+        return Err(format!("face's {what} index {} is not an integer", quoted(token)));
     };
     if index == 0 {
         return Err(format!("face's {what} index is 0; indices start at 1"));
@@ -241,24 +241,24 @@ fn resolve(
     Ok(u32::try_from(from_zero).map_err(|_| format!("face's {what} index {index} is too large")))
 }
 
-/// The first three words as numbers; more of them (a weight, a colour) are skipped.
-fn read_vector(words: Words) -> std::result::Result<DVec3, String> {
-    Ok(DVec3::from(read_numbers::<3>(words, "x y z")?))
+/// The first three tokens as numbers; more of them (a weight, a colour) are skipped.
+fn read_vector(tokens: Tokens) -> std::result::Result<DVec3, String> {
+    Ok(DVec3::from(read_numbers::<3>(tokens, "x y z")?))
 }
 
-/// The first two words; or the first and 0, where that will do.
-fn read_texcoord(words: Words, texcoords: Texcoords) -> std::result::Result<DVec2, String> {
-    match words.clone().count() {
-        1 if texcoords == Texcoords::Kept => Ok(DVec2::new(read_numbers::<1>(words, "u")?[0], 0.0)),
-        _ => Ok(DVec2::from(read_numbers::<2>(words, "u v")?)),
+/// The first two tokens; or the first and 0, where that will do.
+fn read_texcoord(tokens: Tokens, texcoords: Texcoords) -> std::result::Result<DVec2, String> {
+    match tokens.clone().count() {
+        1 if texcoords == Texcoords::Kept => Ok(DVec2::new(read_numbers::<1>(tokens, "u")?[0], 0.0)),
+        _ => Ok(DVec2::from(read_numbers::<2>(tokens, "u v")?)),
     }
 }
 
-fn read_numbers<const N: usize>(mut words: Words, names: &str) -> std::result::Result<[f64; N], String> {
+fn read_numbers<const N: usize>(mut tokens: Tokens, names: &str) -> std::result::Result<[f64; N], String> {
     let mut numbers = [0.0; N];
     for (at, value) in numbers.iter_mut().enumerate() {
-        let word = words.next().ok_or_else(|| format!("has {at} of {N} coordinates; give {names}"))?;
-        *value = parse_f64(word).ok_or_else(|| format!("coordinate {} is not a number", quoted(word)))?;
+        let token = tokens.next().ok_or_else(|| format!("has {at} of {N} coordinates; give {names}"))?;
+        *value = parse_f64(token).ok_or_else(|| format!("coordinate {} is not a number", quoted(token)))?;
     }
     Ok(numbers)
 }

@@ -1,8 +1,8 @@
-//! Lines, words and numbers of OBJ and MTL text.
+//! Lines, tokens and numbers of OBJ and MTL text.
 
 use std::borrow::Cow;
 
-/// Cuts `text` into pieces of at least `bytes` bytes (the last one may be shorter), each ending at a line end
+/// Splits `text` into pieces of at least `bytes` bytes (the last one may be shorter), each ending at a line end
 /// that no backslash continues.
 pub(super) fn split_at_line_ends(text: &[u8], bytes: usize) -> Vec<&[u8]> {
     let mut pieces = Vec::new();
@@ -78,31 +78,31 @@ impl<'a> Iterator for Lines<'a> {
     fn next(&mut self) -> Option<Self::Item> {
         let number = self.number;
         let line = self.next_physical()?;
-        if is_continued(line) && Words::new(line).next().is_some() {
+        if is_continued(line) && Tokens::new(line).next().is_some() {
             return Some((number, Cow::Owned(self.join(line))));
         }
         Some((number, Cow::Borrowed(line)))
     }
 }
 
-/// The blank-separated words of a line, up to a comment.
+/// The blank-separated tokens of a line, up to a comment.
 #[derive(Clone)]
-pub(super) struct Words<'a> {
+pub(super) struct Tokens<'a> {
     rest: &'a [u8],
 }
 
-impl<'a> Words<'a> {
+impl<'a> Tokens<'a> {
     pub(super) fn new(line: &'a [u8]) -> Self {
-        Words { rest: line }
+        Tokens { rest: line }
     }
 
-    /// Everything after the words read so far, without blanks around it: a name with blanks in it.
+    /// Everything after the tokens read so far, without blanks around it: a name with blanks in it.
     pub(super) fn name(&self) -> String {
         String::from_utf8_lossy(self.rest.trim_ascii()).into_owned()
     }
 }
 
-impl<'a> Iterator for Words<'a> {
+impl<'a> Iterator for Tokens<'a> {
     type Item = &'a [u8];
 
     fn next(&mut self) -> Option<&'a [u8]> {
@@ -113,16 +113,16 @@ impl<'a> Iterator for Words<'a> {
             return None;
         }
         let end = rest.iter().position(|b| b.is_ascii_whitespace()).unwrap_or(rest.len());
-        let (word, rest) = rest.split_at(end);
+        let (token, rest) = rest.split_at(end);
         self.rest = rest;
-        Some(word)
+        Some(token)
     }
 }
 
-/// A word as it may stand in a message: printable, short, in quotes.
-pub(super) fn quoted(word: &[u8]) -> String {
+/// A token as it may stand in a message: printable, short, in quotes.
+pub(super) fn quoted(token: &[u8]) -> String {
     const LONGEST: usize = 24;
-    let text = String::from_utf8_lossy(word);
+    let text = String::from_utf8_lossy(token);
     let mut short: String = text.chars().take(LONGEST).map(|c| if c.is_control() { '?' } else { c }).collect();
     if text.chars().count() > LONGEST {
         short.push_str("...");
@@ -130,9 +130,9 @@ pub(super) fn quoted(word: &[u8]) -> String {
     format!("\"{short}\"")
 }
 
-/// The f64 nearest to the decimal number, ties to even; `None` if the word is no number. May be infinite or NaN.
-pub(super) fn parse_f64(word: &[u8]) -> Option<f64> {
-    parse_short_decimal(word).or_else(|| std::str::from_utf8(word).ok()?.parse().ok())
+/// The f64 nearest to the decimal number, ties to even; `None` if the token is no number. May be infinite or NaN.
+pub(super) fn parse_f64(token: &[u8]) -> Option<f64> {
+    parse_short_decimal(token).or_else(|| std::str::from_utf8(token).ok()?.parse().ok())
 }
 
 /// 10^k, k = 0..=22: all of them exact in f64, since 5^22 < 2^53.
@@ -143,12 +143,12 @@ const EXACT_POWERS_OF_TEN: [f64; 23] = [
 
 /// `-ddd.ddd` without an exponent, where at most 2^53 stands over at most 10^22: then both are exact and the one
 /// division rounds correctly. `None` is left to the general parser.
-fn parse_short_decimal(word: &[u8]) -> Option<f64> {
+fn parse_short_decimal(token: &[u8]) -> Option<f64> {
     /// 19 digits cannot overflow a u64.
     const MOST_DIGITS: usize = 19;
-    let (negative, digits) = match word {
+    let (negative, digits) = match token {
         [b'-', rest @ ..] => (true, rest),
-        _ => (false, word),
+        _ => (false, token),
     };
     let mut mantissa = 0u64;
     let mut point = None;
@@ -168,12 +168,12 @@ fn parse_short_decimal(word: &[u8]) -> Option<f64> {
     Some(if negative { -value } else { value })
 }
 
-/// A decimal integer with an optional sign; `None` if the word is something else or does not fit.
-pub(super) fn parse_i64(word: &[u8]) -> Option<i64> {
-    let (negative, digits) = match word {
+/// A decimal integer with an optional sign; `None` if the token is something else or does not fit.
+pub(super) fn parse_i64(token: &[u8]) -> Option<i64> {
+    let (negative, digits) = match token {
         [b'-', rest @ ..] => (true, rest),
         [b'+', rest @ ..] => (false, rest),
-        _ => (false, word),
+        _ => (false, token),
     };
     // 18 digits cannot overflow.
     if digits.is_empty() || digits.len() > 18 {
@@ -215,17 +215,17 @@ mod tests {
 
     #[test]
     fn words_stop_at_comments() {
-        let words: Vec<&[u8]> = Words::new(b" f\t1#2  #3 4\r").collect();
-        assert_eq!(words, [&b"f"[..], b"1#2"]);
+        let tokens: Vec<&[u8]> = Tokens::new(b" f\t1#2  #3 4\r").collect();
+        assert_eq!(tokens, [&b"f"[..], b"1#2"]);
     }
 
     #[test]
     fn numbers_that_are_none() {
-        for word in ["", "-", ".", "+", "1,0", "0x10", "1.2.3", "--1", "e5", "1e", "1_0"] {
-            assert_eq!(parse_f64(word.as_bytes()), None, "{word}");
+        for token in ["", "-", ".", "+", "1,0", "0x10", "1.2.3", "--1", "e5", "1e", "1_0"] {
+            assert_eq!(parse_f64(token.as_bytes()), None, "{token}");
         }
-        for word in ["", "-", "1.0", "1/2", "99999999999999999999"] {
-            assert_eq!(parse_i64(word.as_bytes()), None, "{word}");
+        for token in ["", "-", "1.0", "1/2", "99999999999999999999"] {
+            assert_eq!(parse_i64(token.as_bytes()), None, "{token}");
         }
         assert_eq!(parse_i64(b"-12"), Some(-12));
         assert_eq!(parse_f64(b"-0").map(f64::to_bits), Some((-0.0f64).to_bits()));
@@ -233,9 +233,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn numbers_round_as_std_does(word in "[-+]?[0-9]{0,21}(\\.[0-9]{0,24})?([eE][-+]?[0-9]{1,3})?") {
-            let expected = word.parse::<f64>().ok().map(f64::to_bits);
-            prop_assert_eq!(parse_f64(word.as_bytes()).map(f64::to_bits), expected);
+        fn numbers_round_as_std_does(token in "[-+]?[0-9]{0,21}(\\.[0-9]{0,24})?([eE][-+]?[0-9]{1,3})?") {
+            let expected = token.parse::<f64>().ok().map(f64::to_bits);
+            prop_assert_eq!(parse_f64(token.as_bytes()).map(f64::to_bits), expected);
         }
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::Vec2;
 
-use super::lex::{Lines, Words, parse_f64, quoted};
+use super::lex::{Lines, Tokens, parse_f64, quoted};
 use crate::geometry::mesh::{Material, Missing};
 use crate::geometry::texture::{Texels, Texture, Wrap, with_opacity};
 use crate::input::{Error, Result};
@@ -36,18 +36,18 @@ struct Map {
 const CUTOFF: f32 = 0.5;
 
 impl Mapped {
-    fn new(reading: Reading) -> Mapped {
+    fn new(parsed: ParsedMaterial) -> Mapped {
         let material = Material {
-            name: reading.name,
-            diffuse: reading.diffuse.unwrap_or(Material::default().diffuse),
-            specular: if reading.is_matte { [0.0; 3] } else { reading.specular },
+            name: parsed.name,
+            diffuse: parsed.diffuse.unwrap_or(Material::default().diffuse),
+            specular: if parsed.is_matte { [0.0; 3] } else { parsed.specular },
             // microfacets of alpha^2 = 2 / (Ns + 2) are about as wide as Phong's highlight (Walter et al. 2007)
-            roughness: (2.0 / (reading.exponent.max(0.0) + 2.0)).powf(0.25) as f32,
-            emissive: reading.emissive,
+            roughness: (2.0 / (parsed.exponent.max(0.0) + 2.0)).powf(0.25) as f32,
+            emissive: parsed.emissive,
             ..Material::default()
         };
-        let is_white = reading.diffuse.is_none() && reading.map.is_some();
-        Mapped { material, is_white, map: reading.map, mask: reading.mask }
+        let is_white = parsed.diffuse.is_none() && parsed.map.is_some();
+        Mapped { material, is_white, map: parsed.map, mask: parsed.mask }
     }
 
     /// How texture coordinates lie in the image: times the scale, and moved.
@@ -169,28 +169,28 @@ pub(super) fn load(folder: &Path, libraries: &[&str]) -> Result<Vec<Mapped>> {
 /// [`Error::Input`] naming `file` and the line.
 pub(super) fn parse(text: &[u8], file: &Path) -> Result<Vec<Mapped>> {
     let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
-    let mut materials: Vec<Reading> = Vec::new();
+    let mut materials: Vec<ParsedMaterial> = Vec::new();
     for (number, line) in Lines::new(text) {
         let at = format!("{}:{}", file.display(), number + 1);
         let wrong = |message: String| Error::input(format!("{at}: {message}"));
-        let mut words = Words::new(&line);
-        match words.next().unwrap_or_default() {
+        let mut tokens = Tokens::new(&line);
+        match tokens.next().unwrap_or_default() {
             b"newmtl" => {
-                let name = words.name();
+                let name = tokens.name();
                 if name.is_empty() {
                     return Err(wrong("newmtl without a name; give one".into()));
                 }
-                materials.push(Reading { name, ..Reading::default() });
+                materials.push(ParsedMaterial { name, ..ParsedMaterial::default() });
             }
             key @ (b"Kd" | b"Ks" | b"Ke" | b"Ns" | b"illum" | b"map_Kd" | b"map_d") => {
                 let key = String::from_utf8_lossy(key);
                 let Some(material) = materials.last_mut() else {
                     return Err(wrong(format!("{key} before the first newmtl; name the material first")));
                 };
-                let colour = |most| parse_colour(words.clone(), &key, most).map_err(wrong);
-                let number = || parse_number(words.clone(), &key).map_err(wrong);
+                let colour = |most| parse_colour(tokens.clone(), &key, most).map_err(wrong);
+                let number = || parse_number(tokens.clone(), &key).map_err(wrong);
                 let map = || {
-                    let map = parse_map(words.clone(), &key).map_err(wrong)?;
+                    let map = parse_map(tokens.clone(), &key).map_err(wrong)?;
                     let image = file.parent().unwrap_or(Path::new("")).join(map.image);
                     Ok(Some(Map { line: format!("{at}: {key}"), image, ..map }))
                 };
@@ -212,7 +212,7 @@ pub(super) fn parse(text: &[u8], file: &Path) -> Result<Vec<Mapped>> {
 
 /// A material as far as it has been read.
 #[derive(Default)]
-struct Reading {
+struct ParsedMaterial {
     name: String,
     diffuse: Option<[f32; 3]>,
     specular: [f32; 3],
@@ -226,17 +226,17 @@ struct Reading {
 }
 
 /// Options, and the rest of the line as the image's name.
-fn parse_map(mut words: Words, key: &str) -> std::result::Result<Map, String> {
+fn parse_map(mut tokens: Tokens, key: &str) -> std::result::Result<Map, String> {
     let (line, image) = (String::new(), PathBuf::new());
     let mut map = Map { line, image, clamp: false, scale: Vec2::ONE, offset: Vec2::ZERO };
     loop {
-        let mut ahead = words.clone();
+        let mut ahead = tokens.clone();
         match ahead.next() {
             Some(option) if option.len() > 1 && option[0] == b'-' => {
-                words = ahead;
+                tokens = ahead;
                 let count = match option {
                     b"-o" | b"-s" | b"-t" => {
-                        let values = take_numbers(&mut words);
+                        let values = take_numbers(&mut tokens);
                         let both =
                             |plain: f32| Vec2::new(*values.first().unwrap_or(&plain), *values.get(1).unwrap_or(&plain));
                         match option {
@@ -247,52 +247,52 @@ fn parse_map(mut words: Words, key: &str) -> std::result::Result<Map, String> {
                         0
                     }
                     b"-clamp" => {
-                        map.clamp = words.next() == Some(b"on");
+                        map.clamp = tokens.next() == Some(b"on");
                         0
                     }
                     b"-mm" => 2,
                     _ => 1,
                 };
-                words.by_ref().take(count).for_each(drop);
+                tokens.by_ref().take(count).for_each(drop);
             }
             Some(_) => break,
             None => return Err(format!("{key} without an image; name one")),
         }
     }
-    map.image = words.name().replace('\\', "/").into();
+    map.image = tokens.name().replace('\\', "/").into();
     Ok(map)
 }
 
 /// Up to three numbers, as many as there are.
-fn take_numbers(words: &mut Words) -> Vec<f32> {
+fn take_numbers(tokens: &mut Tokens) -> Vec<f32> {
     let mut values = Vec::new();
     while values.len() < 3 {
-        let mut ahead = words.clone();
+        let mut ahead = tokens.clone();
         match ahead.next().and_then(parse_f64).filter(|v| v.is_finite()) {
             Some(value) => values.push(value as f32),
             None => break,
         }
-        *words = ahead;
+        *tokens = ahead;
     }
     values
 }
 
-fn parse_number(mut words: Words, key: &str) -> std::result::Result<f64, String> {
-    let word = words.next().unwrap_or_default();
-    let value = parse_f64(word).filter(|v| v.is_finite());
-    value.ok_or_else(|| format!("{key} value {} is not a finite number", quoted(word)))
+fn parse_number(mut tokens: Tokens, key: &str) -> std::result::Result<f64, String> {
+    let token = tokens.next().unwrap_or_default();
+    let value = parse_f64(token).filter(|v| v.is_finite());
+    value.ok_or_else(|| format!("{key} value {} is not a finite number", quoted(token)))
 }
 
 /// `r g b`, or `r` alone for a grey, from 0 to `most`.
-fn parse_colour(words: Words, key: &str, most: f64) -> std::result::Result<Option<[f32; 3]>, String> {
+fn parse_colour(tokens: Tokens, key: &str, most: f64) -> std::result::Result<Option<[f32; 3]>, String> {
     let mut values = Vec::new();
-    for word in words.take(3) {
-        if matches!(word, b"spectral" | b"xyz") {
+    for token in tokens.take(3) {
+        if matches!(token, b"spectral" | b"xyz") {
             return Ok(None);
         }
-        match parse_f64(word) {
+        match parse_f64(token) {
             Some(value) if value.is_finite() => values.push(value.clamp(0.0, most) as f32),
-            _ => return Err(format!("{key} value {} is not a finite number", quoted(word))),
+            _ => return Err(format!("{key} value {} is not a finite number", quoted(token))),
         }
     }
     match values[..] {
@@ -332,10 +332,10 @@ mod tests {
         assert_eq!(read[0].placement(), (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.0)));
         assert_eq!(a.diffuse, [1.0; 3]);
         assert_eq!(a.texture, Some(Texture { wrap: [Wrap::Clamp; 2], ..Texture::new(grey(0.25)) }));
-        let cut = b.texture.clone().unwrap();
-        assert_eq!((cut.cutoff, cut.texels.rgba[0][0]), (Some(0.5), half::f16::ONE));
+        let masked = b.texture.clone().unwrap();
+        assert_eq!((masked.cutoff, masked.texels.rgba[0][0]), (Some(0.5), half::f16::ONE));
         // 0.25 of linear light is 0.537 in sRGB
-        assert!((cut.texels.rgba[0][3].to_f64() - 0.537).abs() < 1e-3);
+        assert!((masked.texels.rgba[0][3].to_f64() - 0.537).abs() < 1e-3);
         assert_eq!(c.texture, None);
     }
 

@@ -212,7 +212,7 @@ fn material_files_lie_beside_the_obj() {
 fn images_that_are_not_needed_are_not_read() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bad.png"), "no image").unwrap();
-    let text = "newmtl bad\nmap_Kd bad.png\nnewmtl plain\nKd 1 0 0\nnewmtl cut\nKd 1 0 0\nmap_d bad.png";
+    let text = "newmtl bad\nmap_Kd bad.png\nnewmtl plain\nKd 1 0 0\nnewmtl masked\nKd 1 0 0\nmap_d bad.png";
     std::fs::write(folder.path().join("a.mtl"), text).unwrap();
     let load = |used: &str, read: ImagesRead| {
         let path = folder.path().join("a.obj");
@@ -224,8 +224,8 @@ fn images_that_are_not_needed_are_not_read() {
     }
     assert_eq!(load("bad", ImagesRead::Masks), Ok([1.0; 3]));
     assert_eq!(load("bad", ImagesRead::None), Ok([0.8; 3]));
-    load("cut", ImagesRead::None).unwrap();
-    for (used, read) in [("bad", ImagesRead::All), ("cut", ImagesRead::All), ("cut", ImagesRead::Masks)] {
+    load("masked", ImagesRead::None).unwrap();
+    for (used, read) in [("bad", ImagesRead::All), ("masked", ImagesRead::All), ("masked", ImagesRead::Masks)] {
         let message = load(used, read).unwrap_err().to_string();
         let line = if used == "bad" { "a.mtl:2: map_Kd: " } else { "a.mtl:7: map_d: " };
         assert!(message.contains(line) && message.ends_with("; texture = false shows none"), "{message}");
@@ -243,8 +243,8 @@ fn missing_images_are_listed_and_left_out() {
     let [missing] = &mesh.missing[..] else { panic!("{:?}", mesh.missing) };
     assert!(missing.what.ends_with("no.png"), "{missing:?}");
     assert!(missing.why.contains("a.mtl:3: map_Kd: the file does not exist; the material's own colour"), "{missing:?}");
-    let cutting = load(&path, &mut Images::of(ImagesRead::Masks)).unwrap();
-    assert_eq!((cutting.missing, cutting.materials), (vec![], mesh.materials));
+    let masked = load(&path, &mut Images::of(ImagesRead::Masks)).unwrap();
+    assert_eq!((masked.missing, masked.materials), (vec![], mesh.materials));
 }
 
 /// Also if it is named by different paths. Its place among the libraries is that of the last time.

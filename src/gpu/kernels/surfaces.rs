@@ -1,4 +1,4 @@
-//! What surfaces look like brings into kernels: images and alpha masks, light, and what is drawn on them.
+//! Snippets for the appearance of surfaces: images and alpha masks, light, and what is drawn on them.
 
 use super::parts::*;
 use super::variant::{LightsKind, Variant};

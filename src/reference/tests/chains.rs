@@ -28,8 +28,8 @@ fn chain(layers: Vec<Rays>) -> Camera {
     Camera { layers, ..Camera::of("chain", (SIZE, SIZE), UNIT, layer(part(0.0, 1.0))) }
 }
 
-/// The whole ray from t = 1 to t = 5, cut at 2, 3 and 4.
-fn cut() -> Camera {
+/// The whole ray from t = 1 to t = 5, split at 2, 3 and 4.
+fn in_layers() -> Camera {
     chain((1..5).map(|k| layer(part(f64::from(k), f64::from(k + 1)))).collect())
 }
 
@@ -46,16 +46,16 @@ fn pixels() -> impl Iterator<Item = (u32, u32)> {
 const T_ERROR: f64 = 1e-9;
 
 #[test]
-fn a_ray_cut_into_layers_sees_what_it_sees_whole() {
+fn a_ray_split_into_layers_sees_what_it_sees_whole() {
     let whole = chain(vec![layer(part(1.0, 5.0))]);
-    let cut = cut();
+    let in_layers = in_layers();
     let (mut hits, mut unsafe_px) = (0, 0);
     for seed in 0..12 {
         let mut rng = Rng(seed);
         let mesh = if seed == 0 { icosphere(3, DVec3::ZERO) } else { soup(&mut rng, 80, 0.7, DVec3::ZERO) };
         let reference = Reference::build(&mesh);
         for (i, j) in pixels() {
-            let ((a, path_a), (b, path_b)) = (find(&reference, &whole, i, j), find(&reference, &cut, i, j));
+            let ((a, path_a), (b, path_b)) = (find(&reference, &whole, i, j), find(&reference, &in_layers, i, j));
             assert_eq!(a.seen.is_some(), b.seen.is_some(), "seed {seed} at {i},{j}");
             assert_eq!(b.seen, reference.first(&path_b));
             if let (Some(s), Some(c)) = (a.seen, b.seen) {
@@ -65,7 +65,7 @@ fn a_ray_cut_into_layers_sees_what_it_sees_whole() {
                 assert!(UNIT[0] <= c.hit.t && c.hit.t <= UNIT[1]);
                 hits += 1;
             }
-            // A surface that passes from one layer to the next makes the cut one less sure, never surer.
+            // A surface that passes from one layer to the next makes the split one less sure, never surer.
             assert!(a.safe || !b.safe, "seed {seed} at {i},{j}: {a:?} {b:?}");
             assert!(b.seen.is_none_or(|s| b.candidates.contains(&s.hit.triangle)));
             unsafe_px += usize::from(a.safe && !b.safe);
@@ -98,7 +98,7 @@ fn a_surface_exactly_in_a_shared_face_is_found_in_the_lower_layer() {
         let wall = wall(z, 0.0);
         let reference = Reference::build(&wall);
         for (i, j) in pixels() {
-            let (finding, _) = find(&reference, &cut(), i, j);
+            let (finding, _) = find(&reference, &in_layers(), i, j);
             let seen = finding.seen.unwrap();
             assert_eq!((seen.layer, seen.t()), (face, face as f64 + 1.0), "{i},{j}");
             assert!(finding.safe && !finding.may_miss && finding.candidates == [0], "{finding:?}");
@@ -143,7 +143,7 @@ fn a_surface_that_passes_through_a_face_is_unsafe_there_alone() {
     let steep = wall(0.0, 0.25);
     let reference = Reference::build(&steep);
     for (i, j) in pixels() {
-        let (finding, path) = find(&reference, &cut(), i, j);
+        let (finding, path) = find(&reference, &in_layers(), i, j);
         let seen = finding.seen.unwrap();
         // a pixel is 3 / 40 wide at z = 0; the eye is 0.01 to the right
         let x = 0.01 + (f64::from(i) + 0.5 - 16.0) * 3.0 / 40.0;
@@ -159,10 +159,10 @@ fn a_surface_that_passes_through_a_face_is_unsafe_there_alone() {
 
 #[test]
 fn what_ties_across_a_face_is_unsafe() {
-    // At t = 2 of the cut ray, so a gap of 2 `gap` in t over the face; both within 3e-6 of it counts as a tie.
+    // At t = 2 of the split ray, so a gap of 2 `gap` in t over the face; both within 3e-6 of it counts as a tie.
     for (gap, is_safe) in [(0.9e-6, false), (2.1e-6, true), (1e-3, true)] {
         let two = both(wall(0.5 * gap, 0.0), &wall(-1.5 * gap, 0.0));
-        let (finding, _) = find(&Reference::build(&two), &cut(), 3, 4);
+        let (finding, _) = find(&Reference::build(&two), &in_layers(), 3, 4);
         assert_eq!(finding.seen.map(|s| (s.layer, s.hit.triangle)), Some((1, 0)));
         assert_eq!((finding.safe, finding.candidates), (is_safe, if is_safe { vec![0] } else { vec![0, 1] }));
     }
@@ -222,7 +222,7 @@ fn layers_of_curves_and_of_rays_hand_over_to_each_other() {
         Rays::Curves(Curves::new(SIZE, SIZE, Arc::new(map)))
     };
     let mixed = chain(vec![layer(part(1.0, 2.0)), curved(2), layer(part(3.0, 4.0)), curved(4)]);
-    let straight = cut();
+    let straight = in_layers();
     let (mut hits, mut differ) = (0, 0);
     for seed in 0..4 {
         let mesh = soup(&mut Rng(seed), 60, 0.8, DVec3::ZERO);

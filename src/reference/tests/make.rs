@@ -109,7 +109,7 @@ pub fn bundle(rng: &mut Rng, centre: DVec3) -> Bundle {
     flat.recentred(x, y)
 }
 
-/// A unit icosahedron, each face cut in four `level` times, corners on the unit sphere about `centre`.
+/// A unit icosahedron, each face divided in four `level` times, corners on the unit sphere about `centre`.
 pub fn icosphere(level: u32, centre: DVec3) -> Mesh {
     let g = 0.5 * (1.0 + 5.0_f64.sqrt());
     let corner = |k: usize| {

@@ -20,9 +20,9 @@ pub struct ReceiverTriangle {
 /// All triangles on receivers.
 #[derive(Debug, Clone, Default)]
 pub struct ReceiverTriangles {
-    /// Of each triangle of the scene: index into `rows`, or [`NO_ID`].
+    /// Of each triangle of the scene: index into `triangles`, or [`NO_ID`].
     pub of_triangle: Vec<u32>,
-    pub rows: Vec<ReceiverTriangle>,
+    pub triangles: Vec<ReceiverTriangle>,
 }
 
 /// How far from a plane a point may lie that is in it, against all lengths at hand: a transform and a plane's normal take
@@ -49,9 +49,9 @@ impl ReceiverTriangles {
             mesh.triangles.par_iter().enumerate().map(receiver_triangle).collect();
         let mut receiver_triangles = ReceiverTriangles::default();
         for receiver_triangle in each {
-            let index = receiver_triangle.map_or(NO_ID, |_| receiver_triangles.rows.len() as u32);
+            let index = receiver_triangle.map_or(NO_ID, |_| receiver_triangles.triangles.len() as u32);
             receiver_triangles.of_triangle.push(index);
-            receiver_triangles.rows.extend(receiver_triangle);
+            receiver_triangles.triangles.extend(receiver_triangle);
         }
         receiver_triangles
     }
@@ -59,7 +59,7 @@ impl ReceiverTriangles {
     /// What lies in a triangle.
     pub fn of(&self, triangle: u32) -> Option<&ReceiverTriangle> {
         let index = *self.of_triangle.get(triangle as usize)?;
-        self.rows.get(index as usize)
+        self.triangles.get(index as usize)
     }
 }
 
@@ -84,7 +84,7 @@ pub fn check(receivers: &[Receiver], mesh: &Mesh) -> Result<()> {
         }
     }
     let receiver_triangles = ReceiverTriangles::new(receivers, mesh);
-    let bare = (0..receivers.len()).find(|k| receiver_triangles.rows.iter().all(|l| l.receiver as usize != *k));
+    let bare = (0..receivers.len()).find(|k| receiver_triangles.triangles.iter().all(|l| l.receiver as usize != *k));
     match bare {
         Some(k) => Err(Error::input(format!(
             "caustics.receivers.{k}: no triangle of the scene lies in its plane; move it onto a floor or a wall"

@@ -22,7 +22,7 @@ pub struct Row {
     #[serde(alias = "way")]
     pub label: Option<String>,
     /// Name and value of the swept parameter.
-    #[serde(rename = "knob")]
+    #[serde(alias = "knob")]
     pub parameter: Option<(String, f64)>,
     pub triangles: usize,
     pub pieces: usize,
@@ -75,7 +75,7 @@ impl Moving {
 pub struct Stiffness {
     pub family: String,
     /// Name of the parameter.
-    #[serde(rename = "knob")]
+    #[serde(alias = "knob")]
     pub parameter: String,
     pub value: f64,
 }

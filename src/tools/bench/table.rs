@@ -11,7 +11,7 @@ const COLUMNS: [&str; 52] = [
     "case",
     "technique",
     "label",
-    "knob",
+    "parameter",
     "value",
     "triangles",
     "pieces",

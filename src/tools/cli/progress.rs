@@ -77,13 +77,13 @@ fn print_lines(mut doing: String, messages: &Receiver<String>) {
 /// Calls `handle` with each message, and with `None` each time that a line is due, until the sender is dropped.
 fn receive_and_tick<T>(messages: &Receiver<T>, mut handle: impl FnMut(Option<T>)) {
     let started = Instant::now();
-    let mut due = LINES;
+    let mut next_line = LINES;
     loop {
-        match messages.recv_timeout(due.saturating_sub(started.elapsed())) {
+        match messages.recv_timeout(next_line.saturating_sub(started.elapsed())) {
             Ok(message) => handle(Some(message)),
             Err(RecvTimeoutError::Timeout) => {
                 handle(None);
-                due = started.elapsed() + LINES;
+                next_line = started.elapsed() + LINES;
             }
             Err(RecvTimeoutError::Disconnected) => return,
         }

@@ -50,7 +50,7 @@ fn nothing_is_outside_the_pieces() {
 }
 
 #[test]
-fn surfaces_cut_in_different_ways_count_each_pair() {
+fn surfaces_tessellated_differently_count_each_pair() {
     let other = "{ kind = 'pieces', vertices = [{ image = [0, 0], at = [5, 5, 5] }, { image = [0.5, 0], at = [5, 6, 5] }, \
                  { image = [1, 0], at = [5, 5, 7] }, { image = [0, 1], at = [8, 5, 5] }, { image = [0.5, 1], at = [5, 9, 5] }, \
                  { image = [1, 1], at = [5, 5, 9] }], triangles = [[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]] }";

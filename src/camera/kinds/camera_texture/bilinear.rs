@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_sheets_the_unfolded_one_is_seen() {
+    fn of_two_folded_branches_the_unfolded_one_is_seen() {
         // the lower right corner pulled over the upper left one: the cell folds along a parabola
         let c = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::splat(-0.5)];
         let found = inverse(&c, DVec2::splat(0.05)).unwrap();

@@ -88,8 +88,8 @@ fn needles(k: f64) -> Source {
     let mut rng = Rng(12);
     let mut needles = Vec::new();
     for _ in 0..300 {
-        let (at, way, side) = (rng.vector(), rng.vector(), rng.vector());
-        needles.push([at - way, at + way, at + k * side]);
+        let (at, half_axis, side) = (rng.vector(), rng.vector(), rng.vector());
+        needles.push([at - half_axis, at + half_axis, at + k * side]);
     }
     scene(&glc(|x, y| [1.4 * x, 0.8 * y]), &needles)
 }

@@ -4,14 +4,14 @@ use crate::tools::bench::case::{Arm, Case};
 
 const SIZE: [&str; 2] = ["image.width=1024", "image.height=1024"];
 
-/// A fisheye cut into so many bilinear pieces. What draws every triangle in every piece is left out where
+/// A fisheye split into so many bilinear pieces. What draws every triangle in every piece is left out where
 /// these are too many, see [`crate::tools::bench::race::Rules`].
 fn pieces(count: u32) -> Case {
-    let cut = |arm: Arm| arm.set(&[&format!("camera.pieces={count}")]).parameter("pieces", f64::from(count));
+    let with_pieces = |arm: Arm| arm.set(&[&format!("camera.pieces={count}")]).parameter("pieces", f64::from(count));
     // one piece of 170 degrees: bounds are as large as the image
     let bound = (count > 1).then_some("raster-bound");
     let rivals = ["raytrace", "raster-warp:0", "raster-splat-passes:10", "raster-splat:10"].into_iter().chain(bound);
-    let arms = [Arm::ours()].into_iter().chain(rivals.map(Arm::rival)).map(cut).collect();
+    let arms = [Arm::ours()].into_iter().chain(rivals.map(Arm::rival)).map(with_pieces).collect();
     Case::new(format!("pieces {count:>7}"), super::scene!("fisheye"), arms)
         .truth(&[&format!("camera.pieces={count}")])
         .set(&SIZE)

@@ -22,9 +22,9 @@ fn one_glc(samples: &[u32], levels: &[u32]) -> Vec<Arm> {
 
 /// A cylinder all around, exact or in perspective strips.
 fn cylinder(strips: &[u32], sides: &[u32]) -> Case {
-    let cut = |arm: Arm, n: u32| arm.set(&[&format!("camera.strips={n}")]).parameter("strips", f64::from(n));
-    let ours = strips.iter().map(|n| cut(Arm::ours(), *n));
-    let pieces = strips.iter().map(|n| cut(Arm::rival("raster-pieces"), *n));
+    let with_strips = |arm: Arm, n: u32| arm.set(&[&format!("camera.strips={n}")]).parameter("strips", f64::from(n));
+    let ours = strips.iter().map(|n| with_strips(Arm::ours(), *n));
+    let pieces = strips.iter().map(|n| with_strips(Arm::rival("raster-pieces"), *n));
     let cubes = sides.iter().map(|n| Arm::rival(&format!("raster-cubemap:{n}")));
     let exact = [Arm::ours(), Arm::rival("raytrace")];
     let arms = exact.into_iter().chain(ours).chain(pieces).chain(cubes).collect();
@@ -55,8 +55,8 @@ fn mirror(counts: &[u32], texels: &[u32]) -> Case {
 
 /// Cubic projectors.
 fn curves(segments: &[u32]) -> Case {
-    let cut = segments.iter().map(|n| Arm::rival(&format!("raymarch-segments:{n}")));
-    Case::of("curved projectors", "twist-curved", [Arm::ours()].into_iter().chain(cut).collect())
+    let segmented = segments.iter().map(|n| Arm::rival(&format!("raymarch-segments:{n}")));
+    Case::of("curved projectors", "twist-curved", [Arm::ours()].into_iter().chain(segmented).collect())
 }
 
 pub fn cases() -> Vec<Case> {

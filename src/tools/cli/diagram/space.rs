@@ -52,7 +52,7 @@ fn legend(camera: &Camera, drawings: &[LayerDrawing], left_out: usize) -> String
     format!("camera: {rays} {what}, {range}; dashed: their far ends{slits}")
 }
 
-/// Unit way from a curve's first to its last point.
+/// Unit direction from a curve's first to its last point.
 fn chord(curve: &Curve) -> DVec3 {
     (curve.at(1.0) - curve.at(0.0)).normalize_or_zero()
 }
@@ -92,9 +92,9 @@ fn draw_axes(svg: &mut Svg, frame: &Frame, view: &View) {
     const LENGTH_PX: f64 = 28.0;
     let at = DVec2::new(frame.lo.x + 30.0, frame.hi().y - 30.0);
     for (axis, name) in [(DVec3::X, "x"), (DVec3::Y, "y"), (DVec3::Z, "z")] {
-        let way = view.on_page(axis);
-        svg.polyline("axis", &[at, at + LENGTH_PX * way]);
-        svg.text("number", at + (LENGTH_PX + 8.0) * way + DVec2::Y * 3.5, name);
+        let direction = view.on_page(axis);
+        svg.polyline("axis", &[at, at + LENGTH_PX * direction]);
+        svg.text("number", at + (LENGTH_PX + 8.0) * direction + DVec2::Y * 3.5, name);
     }
 }
 
